@@ -1,0 +1,147 @@
+// This file is part of the aqorb project.
+// It is subject to the license terms in the LICENSE file found in the top-level directory
+// of this distribution.
+
+#include "precomp.hpp"
+
+#include "orb_pattern.hpp"
+
+namespace cv
+{
+namespace aqorb
+{
+namespace stages
+{
+
+std::vector<Point> descriptorPattern(int patchSize, int WTA_K)
+{
+    const int POINTS = 512, TUPLES = 128;
+    std::vector<Point> points(POINTS);
+    if (patchSize == 31)
+    {
+        for (int i = 0; i < POINTS; i++)
+            points[i] = Point(LEARNED_POINTS[i][0], LEARNED_POINTS[i][1]);
+    }
+    else
+    {
+        RNG rng(0x34985739);  // cv::ORB's seed
+        for (int i = 0; i < POINTS; i++)
+        {
+            points[i].x = rng.uniform(-patchSize / 2, patchSize / 2 + 1);
+            points[i].y = rng.uniform(-patchSize / 2, patchSize / 2 + 1);
+        }
+    }
+    if (WTA_K == 2)
+        return points;
+
+    // tuples of distinct points, drawn from the 512
+    RNG rng(0x12345678);  // cv::ORB's seed
+    std::vector<Point> tuples;
+    tuples.reserve(TUPLES * WTA_K);
+    for (int i = 0; i < TUPLES; i++)
+    {
+        const size_t first = tuples.size();
+        while (tuples.size() < first + WTA_K)
+        {
+            const Point point = points[rng.uniform(0, POINTS)];
+            if (std::find(tuples.begin() + first, tuples.end(), point) == tuples.end())
+                tuples.push_back(point);
+        }
+    }
+    return tuples;
+}
+
+namespace
+{
+
+// What the blurred level looks like to the descriptor of one keypoint.
+class BlurredPatch
+{
+public:
+    BlurredPatch(const Mat& image_, const Mat& blurred_, int x_, int y_) : image(image_), blurred(blurred_), x(x_), y(y_)
+    {
+    }
+    bool less(Point a, Point b) const
+    {
+        const Point pa(x + a.x, y + a.y), pb(x + b.x, y + b.y);
+        if (!inside(pa) || !inside(pb))
+            return value(pa) < value(pb);
+        const int va = blurred.at<ushort>(pa), vb = blurred.at<ushort>(pb);
+        if (roundUp(va) < roundDown(vb))
+            return true;
+        if (roundDown(va) >= roundUp(vb))
+            return false;
+        return value(pa) < value(pb);
+    }
+    int value(Point offset, bool) const { return value(Point(x + offset.x, y + offset.y)); }
+
+private:
+    bool inside(Point p) const
+    {
+        return p.x >= 0 && p.y >= 0 && p.x < image.cols && p.y < image.rows;
+    }
+    // The highest and the lowest value that the exact blur can have.
+    static int roundUp(int approximate) { return (approximate + BLUR_BOUND + 128) >> 8; }
+    static int roundDown(int approximate) { return (approximate - BLUR_BOUND + 127) >> 8; }
+
+    int value(Point p) const
+    {
+        if (inside(p))
+        {
+            const int approximate = blurred.at<ushort>(p);
+            const int highest = roundUp(approximate);
+            return highest == roundDown(approximate) ? highest : exactBlur(image, p.x, p.y);
+        }
+        // cv::ORB blurs the level, but not the reflected pixels around it
+        return image.at<uchar>(borderInterpolate(p.y, image.rows, BORDER_REFLECT_101),
+                               borderInterpolate(p.x, image.cols, BORDER_REFLECT_101));
+    }
+
+    const Mat &image, &blurred;
+    int x, y;
+};
+
+}  // namespace
+
+// The index of the brightest point; ties go as in cv::ORB.
+static int brightest(const int* v, int WTA_K)
+{
+    if (WTA_K == 3)
+        return v[2] > v[1] ? (v[2] > v[0] ? 2 : 0) : (v[1] > v[0] ? 1 : 0);
+    const int u = v[1] > v[0] ? 1 : 0, w = v[3] > v[2] ? 3 : 2;
+    return v[u] > v[w] ? u : w;
+}
+
+void computeDescriptor(const Mat& image, const Mat& blurred, int x, int y, float angle,
+                       const std::vector<Point>& pattern, int WTA_K, uchar* descriptor)
+{
+    const int BYTES = 32, BITS = WTA_K == 2 ? 1 : 2;  // bits of a test
+    const BlurredPatch patch(image, blurred, x, y);
+    angle *= float(CV_PI / 180.f);
+    const float a = float(std::cos(double(angle))), b = float(std::sin(double(angle)));
+    const Point* p = &pattern[0];
+    for (int i = 0; i < BYTES; i++)
+    {
+        int byte = 0;
+        for (int bit = 0; bit < 8; bit += BITS, p += WTA_K)
+        {
+            Point rotated[4];
+            for (int k = 0; k < WTA_K; k++)
+                rotated[k] = Point(cvRound(p[k].x * a - p[k].y * b), cvRound(p[k].x * b + p[k].y * a));
+            if (WTA_K == 2)
+            {
+                byte |= int(patch.less(rotated[0], rotated[1])) << bit;
+                continue;
+            }
+            int values[4];
+            for (int k = 0; k < WTA_K; k++)
+                values[k] = patch.value(rotated[k], true);
+            byte |= brightest(values, WTA_K) << bit;
+        }
+        descriptor[i] = uchar(byte);
+    }
+}
+
+}  // namespace stages
+}  // namespace aqorb
+}  // namespace cv

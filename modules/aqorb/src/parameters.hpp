@@ -1,0 +1,45 @@
+// This file is part of the aqorb project.
+// It is subject to the license terms in the LICENSE file found in the top-level directory
+// of this distribution.
+
+#ifndef OPENCV_AQORB_PARAMETERS_HPP
+#define OPENCV_AQORB_PARAMETERS_HPP
+
+#include <opencv2/features2d.hpp>
+
+namespace cv
+{
+namespace aqorb
+{
+
+//! The parameters of AdaptiveQuadtreeORB, as documented there.
+struct Parameters
+{
+    Parameters();
+
+    int nfeatures;
+    double scaleFactor;
+    int nlevels, edgeThreshold, firstLevel, WTA_K;
+    ORB::ScoreType scoreType;
+    int patchSize, fastThreshold;
+
+    bool adaptiveThreshold;
+    double minThresholdRatio;
+    int cellSize, maxDepth;
+    double octaveSuppression;
+    bool subPixel;
+
+    //! Throws if a value is bad by itself.
+    void check() const;
+    //! Throws if values do not go together, for so many levels.
+    void checkTogether(int levelsInUse) const;
+
+    void write(FileStorage& fs) const;
+    //! A missing key keeps its value. Throws for bad values, with *this unchanged.
+    void read(const FileNode& node);
+};
+
+}  // namespace aqorb
+}  // namespace cv
+
+#endif

@@ -1,0 +1,20 @@
+// This file is part of the aqorb project.
+// It is subject to the license terms in the LICENSE file found in the top-level directory
+// of this distribution.
+
+#ifndef OPENCV_AQORB_PRECOMP_HPP
+#define OPENCV_AQORB_PRECOMP_HPP
+
+#include "stages.hpp"
+
+#include <opencv2/aqorb.hpp>
+#include <opencv2/core/utility.hpp>
+#include <opencv2/core/utils/trace.hpp>
+#include <opencv2/imgproc.hpp>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <vector>
+
+#endif

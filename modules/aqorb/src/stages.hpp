@@ -1,0 +1,265 @@
+// This file is part of the aqorb project.
+// It is subject to the license terms in the LICENSE file found in the top-level directory
+// of this distribution.
+
+#ifndef OPENCV_AQORB_STAGES_HPP
+#define OPENCV_AQORB_STAGES_HPP
+
+#include <opencv2/core.hpp>
+
+#include <vector>
+
+// The stages of the algorithm in the order in which data passes through them, one stage a source
+// file:
+//
+//   input -> thresholds -> pyramid -> FAST -> corners -> Harris -> quadtree -> selection
+//         -> position -> orientation -> blur -> descriptor
+//
+// A stage takes plain input, returns plain output and keeps no state. They are exported for the
+// accuracy tests only; this header is not installed and no part of the interface.
+
+namespace cv
+{
+namespace aqorb
+{
+namespace stages
+{
+
+//! One level of the pyramid. Pixels outside of `image` are its reflection (BORDER_REFLECT_101).
+struct Level
+{
+    Mat image;    //!< CV_8UC1
+    Mat mask;     //!< CV_8UC1 of the same size, not 0 where a corner may lie; empty: everywhere
+    float scale;  //!< size of a pixel of this level in pixels of the input image
+};
+
+//! A FAST corner: a pixel of a level and its FAST score (the highest threshold at which it is one).
+struct Corner
+{
+    int x, y;
+    int score;
+};
+
+//! A corner with the score that ranks it.
+struct RankedCorner
+{
+    int x, y;
+    float response;
+};
+
+// ---- input.cpp -------------------------------------------------------------------------------
+
+//! The grey image: the input itself, or its conversion as cv::ORB does it. Throws for anything else.
+CV_EXPORTS Mat grayImage(InputArray image);
+
+//! Throws unless both sides are > 0.
+CV_EXPORTS void checkImageSize(Size imageSize);
+
+//! The mask, or an empty Mat; throws for another size or type.
+CV_EXPORTS Mat checkedMask(InputArray mask, Size imageSize);
+
+// ---- patch.cpp -------------------------------------------------------------------------------
+
+//! Pixels around a pixel of a level, readable within a radius.
+struct Patch
+{
+    const uchar* center;
+    ptrdiff_t step;
+};
+
+typedef AutoBuffer<uchar, 2048> PatchBuffer;
+
+/** The square patch of the given radius around (x, y): in place where it lies inside the image, else
+ a copy in the buffer, filled up by reflection. */
+CV_EXPORTS Patch patchAround(const Mat& image, int x, int y, int radius, PatchBuffer& buffer);
+
+// ---- threshold.cpp ---------------------------------------------------------------------------
+
+//! FAST thresholds of an image: `ini` everywhere, `min` in cells that have no corner at `ini`.
+struct Thresholds
+{
+    int ini, min;
+};
+
+//! Equation (7) for a CV_8UC1 image: variance over mean of the unmasked pixels; 0 where the mean is 0.
+CV_EXPORTS double varianceOverMean(const Mat& image, const Mat& mask);
+
+//! iniT and minT from equation (7)'s value; `fastThreshold` 20 stands for the equation as it is.
+CV_EXPORTS Thresholds adaptiveThresholds(double varianceOverMean, int fastThreshold, double minRatio);
+
+//! iniT and minT without equation (7): iniT is fastThreshold itself.
+CV_EXPORTS Thresholds fixedThresholds(int fastThreshold, double minRatio);
+
+// ---- pyramid.cpp -----------------------------------------------------------------------------
+
+//! The size of a pixel of a level in pixels of the input image, as cv::ORB computes it.
+CV_EXPORTS float levelScale(int level, int firstLevel, double scaleFactor);
+
+//! The size of a level, as cv::ORB computes it; a side may be 0. Throws where it exceeds 2^20 - 1.
+CV_EXPORTS Size levelSize(Size imageSize, float scale);
+
+//! Number of features of each level, equation (8), rounded as by cv::ORB but at most nfeatures in all.
+CV_EXPORTS std::vector<int> levelQuotas(int nfeatures, double scaleFactor, int nlevels);
+
+/** The levels of cv::ORB's pyramid, level firstLevel being the image itself (not copied). With a
+ mask, each level's mask holds the pixels that are made of usable pixels only. Stops before the first
+ level with a side below minSide. */
+CV_EXPORTS void buildPyramid(const Mat& image, const Mat& mask, int nlevels, int firstLevel,
+                             double scaleFactor, int minSide, std::vector<Level>& levels);
+
+// ---- fast.cpp --------------------------------------------------------------------------------
+
+/** FAST-9/16 corners of score >= threshold with 3x3 non-maximum suppression whose centres lie in the
+ region, in raster order, appended. The same as cv::FAST on the whole image, cut to the region. */
+CV_EXPORTS void detectCorners(const Mat& image, const Rect& region, int threshold,
+                              std::vector<Corner>& corners);
+
+/** The unthresholded FAST score at p, -255 to 255: the largest over the 16 arcs of 9 circle pixels
+ of their least difference to the centre, brighter or darker. One more than cv::FAST's response. */
+CV_EXPORTS int cornerScore(const uchar* p, size_t step);
+
+// ---- corners.cpp -----------------------------------------------------------------------------
+
+//! What corner detection on a level gives: the corners to choose from, and those the rules pass over.
+struct LevelCorners
+{
+    std::vector<Corner> kept;
+    std::vector<Corner> suppressed;  //!< fell to a better corner within radius 3
+};
+
+/** Corners of a level inside `region`: score >= thresholds.ini; in cells of side cellSize (the first
+ begins at the region's corner) that have none, score >= thresholds.min. Corners off the mask do not
+ count. With suppressRadius > 0 a corner falls to any other one with |dx|, |dy| <= suppressRadius and
+ a higher score (equal: lower y, then lower x). */
+CV_EXPORTS void findCorners(const Level& level, const Rect& region, Thresholds thresholds, int cellSize,
+                            int suppressRadius, LevelCorners& corners);
+
+//! The corners of score >= thresholds.min that the cell rule of findCorners passes over.
+CV_EXPORTS void findCellRejects(const Level& level, const Rect& region, Thresholds thresholds,
+                                int cellSize, std::vector<Corner>& corners);
+
+// ---- harris.cpp ------------------------------------------------------------------------------
+
+//! cv::ORB's Harris response, over a 5x5 instead of a 7x7 block.
+CV_EXPORTS float harrisResponse(const Mat& image, int x, int y);
+
+// ---- quadtree.cpp ----------------------------------------------------------------------------
+
+//! Deepest quadtree: 2^15 leaves along a side.
+const int MAX_QUADTREE_DEPTH = 15;
+
+//! Equation (9): the smallest depth D with 4^D >= quota, at most MAX_QUADTREE_DEPTH.
+CV_EXPORTS int quadtreeDepth(int quota);
+
+//! Morton code of the leaf of a quadtree of the given depth at (column, row).
+CV_EXPORTS unsigned leafCode(unsigned column, unsigned row);
+
+//! A point in a leaf of the quadtree.
+struct LeafPoint
+{
+    unsigned leaf;   //!< Morton code
+    float response;  //!< NaN ranks last
+    float x, y;      //!< break ties: lower y first, then lower x, then lower index
+    int index;       //!< the caller's
+};
+
+/** Sorts points so that each prefix is the best selection of that many: balanced over the tree first,
+ then by response. Leaves are grouped by their ancestor two levels up; a group offers the best of each
+ of its leaves, then the second best of each, ..., each round by response; the sequence takes the
+ first of every group by response, then the second of every group, ... */
+CV_EXPORTS void balancedSequence(std::vector<LeafPoint>& points, int depth);
+
+// ---- selection.cpp ---------------------------------------------------------------------------
+
+//! The corners of a level that selection may ask for.
+enum CornerSet
+{
+    KEPT_CORNERS,        //!< findCorners: kept
+    SUPPRESSED_CORNERS,  //!< findCorners: suppressed
+    CELL_REJECTS         //!< findCellRejects
+};
+
+//! Gives selection the corners of a level; asked only for what is needed.
+class CornerSource
+{
+public:
+    virtual ~CornerSource() {}
+    virtual void corners(int level, CornerSet set, std::vector<RankedCorner>& corners) = 0;
+};
+
+//! What selection must know of a level.
+struct SelectionLevel
+{
+    Size size;    //!< of the level
+    float scale;  //!< of the level
+    Rect root;    //!< of the quadtree: the region between the borders
+    int depth;    //!< of the quadtree
+    int quota;    //!< number of features the level is to have
+};
+
+/** Chooses the features of all levels, from coarse to fine: of each level's balanced sequence as many
+ as its quota and what coarser levels left over, passing over corners nearer than octaveSuppression
+ pixels of their level to a keypoint of a coarser one. What remains is offered to the levels from fine
+ to coarse, then filled from the corners that the rules passed over. */
+CV_EXPORTS void selectFeatures(const std::vector<SelectionLevel>& levels, Size imageSize,
+                               double octaveSuppression, CornerSource& source,
+                               std::vector<std::vector<RankedCorner> >& chosen);
+
+// ---- position.cpp ----------------------------------------------------------------------------
+
+//! Maps pixels of a level to positions in the input image.
+struct PositionMap
+{
+    Size imageSize, levelSize;
+    float scale;
+    int border;     //!< positions stay this far inside the image where the pixel allows it
+    bool subPixel;  //!< false: pixel times scale, as cv::ORB
+
+    //! The position of the point (dx, dy), each within +-0.5, off the centre of pixel (x, y).
+    CV_EXPORTS Point2f operator()(int x, int y, double dx = 0, double dy = 0) const;
+};
+
+//! Clears the pixels of a level's mask whose position rounds to a masked pixel of the input image.
+CV_EXPORTS void maskPositions(const Mat& imageMask, const PositionMap& position, Mat& levelMask);
+
+//! Where the quadratic through the 3x3 FAST scores around (x, y) peaks, relative to it, within +-0.5.
+CV_EXPORTS Point2d subPixelOffset(const Mat& image, int x, int y);
+
+// ---- orientation.cpp -------------------------------------------------------------------------
+
+//! Half widths of the rows 0 .. patchSize/2 of the circular patch, as cv::ORB's.
+CV_EXPORTS std::vector<int> circularPatch(int patchSize);
+
+//! Direction of the intensity centroid of the patch around (x, y), degrees, as cv::ORB's.
+CV_EXPORTS float orientation(const Mat& image, int x, int y, const std::vector<int>& halfWidths);
+
+// ---- blur.cpp --------------------------------------------------------------------------------
+
+/** The value of cv::ORB's Gaussian blur (7x7, sigma 2) at a pixel of a level, rounded as with fused
+ multiply-add. */
+CV_EXPORTS uchar exactBlur(const Mat& image, int x, int y);
+
+//! Bound on the distance of approximateBlur from the exact one before rounding, in units of 1/256.
+const int BLUR_BOUND = 6;
+
+/** The same blur in fixed point: CV_16UC1 of the image's size, in units of 1/256, off by at most
+ BLUR_BOUND. */
+CV_EXPORTS void approximateBlur(const Mat& image, Mat& blurred);
+
+// ---- descriptor.cpp --------------------------------------------------------------------------
+
+//! The points that rBRIEF compares, WTA_K to a test, in the order of the tests; as cv::ORB draws them.
+CV_EXPORTS std::vector<Point> descriptorPattern(int patchSize, int WTA_K);
+
+/** The 32-byte descriptor at pixel (x, y) of a level, equal to cv::ORB's.
+ @param image the level
+ @param blurred approximateBlur of it
+ @param angle degrees */
+CV_EXPORTS void computeDescriptor(const Mat& image, const Mat& blurred, int x, int y, float angle,
+                                  const std::vector<Point>& pattern, int WTA_K, uchar* descriptor);
+
+}  // namespace stages
+}  // namespace aqorb
+}  // namespace cv
+
+#endif
