@@ -51,12 +51,8 @@ void maskPositions(const Mat& imageMask, const PositionMap& position, Mat& level
 
 Point2d subPixelOffset(const Mat& image, int x, int y)
 {
-    PatchBuffer buffer;
-    const Patch patch = patchAround(image, x, y, 4, buffer);  // the FAST circle of the neighbours
     int s[3][3];
-    for (int dy = -1; dy <= 1; dy++)
-        for (int dx = -1; dx <= 1; dx++)
-            s[dy + 1][dx + 1] = cornerScore(patch.center + dy * patch.step + dx, patch.step);
+    cornerScores3x3(image, x, y, s);
 
     // Derivatives by central differences, in whole numbers: twice the gradient, four times dxy.
     const int gx2 = s[1][2] - s[1][0], gy2 = s[2][1] - s[0][1];

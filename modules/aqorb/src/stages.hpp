@@ -107,7 +107,7 @@ CV_EXPORTS std::vector<int> levelQuotas(int nfeatures, double scaleFactor, int n
 CV_EXPORTS void buildPyramid(const Mat& image, const Mat& mask, int nlevels, int firstLevel,
                              double scaleFactor, int minSide, std::vector<Level>& levels);
 
-// ---- fast.cpp --------------------------------------------------------------------------------
+// ---- fast.dispatch.cpp -----------------------------------------------------------------------
 
 /** FAST-9/16 corners of score >= threshold with 3x3 non-maximum suppression whose centres lie in the
  region, in raster order, appended. The same as cv::FAST on the whole image, cut to the region. */
@@ -117,6 +117,9 @@ CV_EXPORTS void detectCorners(const Mat& image, const Rect& region, int threshol
 /** The unthresholded FAST score at p, -255 to 255: the largest over the 16 arcs of 9 circle pixels
  of their least difference to the centre, brighter or darker. One more than cv::FAST's response. */
 CV_EXPORTS int cornerScore(const uchar* p, size_t step);
+
+//! cornerScore at (x, y) and its neighbours, scores[1 + dy][1 + dx].
+CV_EXPORTS void cornerScores3x3(const Mat& image, int x, int y, int scores[3][3]);
 
 // ---- corners.cpp -----------------------------------------------------------------------------
 

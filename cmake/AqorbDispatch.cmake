@@ -1,0 +1,59 @@
+# Run-time CPU dispatch of src/<name>.simd.hpp as OpenCV's own build has it (ocv_add_dispatched_file in
+# cmake/OpenCVCompilerOptimizations.cmake), for a build against an installed OpenCV, which ships the
+# macros but neither their configuration nor the CMake part. The same sources serve both builds:
+#
+#   <name>.simd.hpp         the kernels, between CV_CPU_OPTIMIZATION_NAMESPACE_BEGIN and _END, declared
+#                           above #ifndef CV_CPU_OPTIMIZATION_DECLARATIONS_ONLY and defined below
+#   <name>.dispatch.cpp     includes <name>.simd.hpp and <name>.simd_declarations.hpp and calls
+#                           CV_CPU_DISPATCH(kernel, (arguments), CV_CPU_DISPATCH_MODES_ALL)
+#
+# Only these files see __OPENCV_BUILD, which turns the dispatch macros on.
+
+set(AQORB_DISPATCH_DIR "${CMAKE_CURRENT_LIST_DIR}/dispatch")
+
+# Compiler flags of a CPU feature, and the features that it includes, as OpenCV has them.
+set(AQORB_SSE4_1_FLAGS -mssse3 -msse4.1)
+set(AQORB_SSE4_1_FEATURES SSE3 SSSE3 SSE4_1)
+set(AQORB_AVX2_FLAGS ${AQORB_SSE4_1_FLAGS} -mpopcnt -msse4.2 -mf16c -mfma -mavx -mavx2)
+set(AQORB_AVX2_FEATURES ${AQORB_SSE4_1_FEATURES} POPCNT SSE4_2 FP16 FMA3 AVX AVX2)
+
+# aqorb_add_dispatched_file(<target> <name> [<CPU feature>...])
+function(aqorb_add_dispatched_file target name)
+  set(features "")
+  if(CMAKE_SYSTEM_PROCESSOR MATCHES "x86_64|AMD64|i.86" AND CMAKE_CXX_COMPILER_ID MATCHES "GNU|Clang")
+    set(features ${ARGN})
+  endif()
+
+  set(src "${CMAKE_CURRENT_SOURCE_DIR}/src")
+  set(generated "${CMAKE_CURRENT_BINARY_DIR}/dispatch")
+  set(modes BASELINE)
+  set(declarations "#define CV_CPU_SIMD_FILENAME \"${src}/${name}.simd.hpp\"\n")
+  set(dispatched "")
+
+  foreach(feature IN LISTS features)
+    string(TOLOWER "${feature}" suffix)
+    set(file "${generated}/${name}.${suffix}.cpp")
+    file(CONFIGURE OUTPUT "${file}" CONTENT
+      "#include \"${src}/precomp.hpp\"\n#include \"${src}/${name}.simd.hpp\"\n")
+    target_sources(${target} PRIVATE "${file}")
+
+    list(TRANSFORM AQORB_${feature}_FEATURES REPLACE "(.+)" "CV_CPU_COMPILE_\\1=1" OUTPUT_VARIABLE defines)
+    set_source_files_properties("${file}" PROPERTIES
+      COMPILE_OPTIONS "${AQORB_${feature}_FLAGS}"
+      COMPILE_DEFINITIONS "__OPENCV_BUILD=1;CV_CPU_DISPATCH_MODE=${feature};${defines}"
+      INCLUDE_DIRECTORIES "${AQORB_DISPATCH_DIR};${src}")
+
+    string(APPEND declarations
+      "#define CV_CPU_DISPATCH_MODE ${feature}\n#include \"cv_cpu_include_simd_declarations.hpp\"\n")
+    list(PREPEND modes ${feature})
+    list(APPEND dispatched "CV_CPU_DISPATCH_COMPILE_${feature}=1")
+  endforeach()
+
+  list(JOIN modes ", " modes)
+  string(APPEND declarations "#define CV_CPU_DISPATCH_MODES_ALL ${modes}\n#undef CV_CPU_SIMD_FILENAME\n")
+  file(CONFIGURE OUTPUT "${generated}/${name}.simd_declarations.hpp" CONTENT "${declarations}" @ONLY)
+
+  set_source_files_properties("${src}/${name}.dispatch.cpp" PROPERTIES
+    COMPILE_DEFINITIONS "__OPENCV_BUILD=1;${dispatched}"
+    INCLUDE_DIRECTORIES "${AQORB_DISPATCH_DIR};${generated}")
+endfunction()

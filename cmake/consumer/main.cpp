@@ -1,0 +1,22 @@
+// This file is part of the aqorb project.
+// It is subject to the license terms in the LICENSE file found in the top-level directory
+// of this distribution.
+
+#include <opencv2/aqorb.hpp>
+
+#include <cstdio>
+
+int main()
+{
+    cv::Mat image(480, 640, CV_8UC1);
+    cv::randu(image, 0, 256);
+
+    cv::Ptr<cv::ORB> orb = cv::aqorb::AdaptiveQuadtreeORB::create(300);
+    std::vector<cv::KeyPoint> keypoints;
+    cv::Mat descriptors;
+    orb->detectAndCompute(image, cv::noArray(), keypoints, descriptors);
+
+    std::printf("%d keypoints, occupancy %.2f\n", int(keypoints.size()),
+                cv::aqorb::distributionOccupancy(keypoints, image.size()));
+    return keypoints.size() == 300 && descriptors.rows == 300 ? 0 : 1;
+}

@@ -1,0 +1,13 @@
+// This file is part of the aqorb project.
+// It is subject to the license terms in the LICENSE file found in the top-level directory
+// of this distribution.
+
+// In place of the file of this name in OpenCV's build tree, which opencv2/core/cvdef.h includes under
+// __OPENCV_BUILD. See cmake/AqorbDispatch.cmake.
+
+#ifndef OPENCV_AQORB_CVCONFIG_H
+#define OPENCV_AQORB_CVCONFIG_H
+
+#define CV_ENABLE_INTRINSICS
+
+#endif

@@ -1,0 +1,21 @@
+// This file is part of the aqorb project.
+// It is subject to the license terms in the LICENSE file found in the top-level directory
+// of this distribution.
+
+// Stands in for OpenCV's private header of this name: the functions of it that opencv_ts calls, which
+// libopencv_core exports.
+
+#ifndef OPENCV_CORE_PRIVATE_HPP
+#define OPENCV_CORE_PRIVATE_HPP
+
+#include <opencv2/core.hpp>
+
+namespace cv
+{
+
+CV_EXPORTS const char* currentParallelFramework();
+CV_EXPORTS void scalarToRawData(const Scalar& s, void* buf, int type, int unroll_to = 0);
+
+}  // namespace cv
+
+#endif

@@ -1,0 +1,26 @@
+// This file is part of the aqorb project.
+// It is subject to the license terms in the LICENSE file found in the top-level directory
+// of this distribution.
+
+// Stands in for OpenCV's private header of this name: the functions of it that opencv_ts calls, which
+// libopencv_core exports.
+
+#ifndef OPENCV_CONFIGURATION_PRIVATE_HPP
+#define OPENCV_CONFIGURATION_PRIVATE_HPP
+
+#include <opencv2/core/cvdef.h>
+
+#include <cstddef>
+
+namespace cv
+{
+namespace utils
+{
+
+CV_EXPORTS bool getConfigurationParameterBool(const char* name, bool defaultValue);
+CV_EXPORTS size_t getConfigurationParameterSizeT(const char* name, size_t defaultValue);
+
+}  // namespace utils
+}  // namespace cv
+
+#endif

@@ -1,0 +1,295 @@
+// This file is part of the aqorb project.
+// It is subject to the license terms in the LICENSE file found in the top-level directory
+// of this distribution.
+
+#include "kernels.hpp"
+#include "simd_compat.hpp"
+
+// Raw pointers and plain structs only: a file compiled for an ISA must not emit functions that others
+// may link to.
+
+namespace cv
+{
+namespace aqorb
+{
+namespace stages
+{
+
+CV_CPU_OPTIMIZATION_NAMESPACE_BEGIN
+
+/** Continues a scan until it is finished or there is no room for the corners of another row.
+ @param capacity at least width / 2 + 1
+ @return number of corners written, in raster order */
+int continueScan(FastScan& scan, Corner* corners, int capacity);
+
+//! cornerScore of the pixels (-1 .. 1, -1 .. 1) around p. Readable must be 4 around and 20 to the right.
+void neighborScores(const uchar* p, ptrdiff_t step, int scores[3][3]);
+
+#ifndef CV_CPU_OPTIMIZATION_DECLARATIONS_ONLY
+
+namespace
+{
+
+#if CV_SIMD
+
+// min for the bright side, max for the dark one
+struct Least
+{
+    template <typename V> static CV_ALWAYS_INLINE V of(const V& a, const V& b) { return v_min(a, b); }
+};
+struct Greatest
+{
+    template <typename V> static CV_ALWAYS_INLINE V of(const V& a, const V& b) { return v_max(a, b); }
+};
+
+// The circle's pixels of all lanes, clockwise or not does not matter.
+template <typename V> struct Circle
+{
+    V at[16];
+};
+
+// The `Outer` over the 16 arcs of the `Inner` over their 9 pixels. With odd j, b[j] is over pixels j and
+// j + 1 and c[j] over j to j + 3; the arc that begins at k has pixels k + 1 to k + 8 in common with that
+// from k + 1, and the two arcs' other pixels are k and k + 9. Arcs from k and k + 4 have c[k + 5] in
+// common, too.
+template <typename Inner, typename Outer, typename V> CV_ALWAYS_INLINE V bestArc(const Circle<V>& circle)
+{
+    const V* x = circle.at;
+    V b[8], c[8], ends[8];  // of index j = 2 i + 1; ends of k = 2 i
+    for (int i = 0; i < 8; i++)
+        b[i] = Inner::of(x[2 * i + 1], x[(2 * i + 2) & 15]);
+    for (int i = 0; i < 8; i++)
+        c[i] = Inner::of(b[i], b[(i + 1) & 7]);
+    for (int i = 0; i < 8; i++)
+        ends[i] = Outer::of(x[2 * i], x[(2 * i + 9) & 15]);
+    V best[4];
+    for (int i = 0; i < 4; i++)
+    {
+        const int k = (i & 1) + (i >> 1) * 4;  // 0, 1, 4, 5: with k + 2 all eight
+        best[i] = Inner::of(c[(k + 2) & 7], Outer::of(Inner::of(c[k], ends[k]),
+                                                      Inner::of(c[(k + 4) & 7], ends[(k + 2) & 7])));
+    }
+    return Outer::of(Outer::of(best[0], best[1]), Outer::of(best[2], best[3]));
+}
+
+template <typename V, V (*load)(const uchar*)> CV_ALWAYS_INLINE void loadCircle(const uchar* p, ptrdiff_t step, Circle<V>& circle)
+{
+    const uchar *d1 = p + step, *d2 = d1 + step, *d3 = d2 + step, *u1 = p - step, *u2 = u1 - step, *u3 = u2 - step;
+    V* x = circle.at;
+    x[0] = load(d3);
+    x[1] = load(d3 + 1);
+    x[2] = load(d2 + 2);
+    x[3] = load(d1 + 3);
+    x[4] = load(p + 3);
+    x[5] = load(u1 + 3);
+    x[6] = load(u2 + 2);
+    x[7] = load(u3 + 1);
+    x[8] = load(u3);
+    x[9] = load(u3 - 1);
+    x[10] = load(u2 - 2);
+    x[11] = load(u1 - 3);
+    x[12] = load(p - 3);
+    x[13] = load(d1 - 3);
+    x[14] = load(d2 - 2);
+    x[15] = load(d3 - 1);
+}
+
+CV_ALWAYS_INLINE v_uint8 loadVector(const uchar* p)
+{
+    return vx_load(p);
+}
+
+CV_ALWAYS_INLINE v_uint8x16 loadVector16(const uchar* p)
+{
+    return v_load(p);
+}
+
+#endif
+
+// The score of one pixel, for what is too narrow for vectors.
+int scoreOfPixel(const uchar* p, ptrdiff_t step)
+{
+    const ptrdiff_t offsets[16] = {3 * step,  3 * step + 1,  2 * step + 2,  step + 3,  3,  -step + 3, -2 * step + 2, -3 * step + 1,
+                                   -3 * step, -3 * step - 1, -2 * step - 2, -step - 3, -3, step - 3,  2 * step - 2,  3 * step - 1};
+    int score = -255;
+    for (int first = 0; first < 16; first++)
+    {
+        int least = 255, greatest = 0;
+        for (int i = first; i < first + 9; i++)
+        {
+            const int v = p[offsets[i & 15]];
+            least = v < least ? v : least;
+            greatest = v > greatest ? v : greatest;
+        }
+        score = least - p[0] > score ? least - p[0] : score;
+        score = p[0] - greatest > score ? p[0] - greatest : score;
+    }
+    return score;
+}
+
+// Scores pixels of a row: the FAST score where it exceeds the threshold, 1 to 255, else 0. Lists the
+// starts of the blocks that hold a corner and returns their number.
+int scoreRow(const uchar* row, ptrdiff_t step, int width, int threshold, uchar* scores, int* blocks)
+{
+    int count = 0;
+#if CV_SIMD
+    const int LANES = AQORB_LANES(v_uint8);
+    if (width >= LANES)
+    {
+        const v_uint8 zero = vx_setzero_u8(), limit = vx_setall_u8(uchar(threshold));
+        int listed = 0;
+        // Every arc holds one end of each axis. Most blocks have no pixel where these allow a corner.
+        for (int start = 0; start < width; start += LANES)
+        {
+            const int x = start + LANES <= width ? start : width - LANES;  // the last one overlaps
+            const uchar* p = row + x;
+            const v_uint8 v = vx_load(p), up = vx_load(p - 3 * step), down = vx_load(p + 3 * step),
+                          left = vx_load(p - 3), right = vx_load(p + 3);
+            const v_uint8 bright = v_min(v_max(up, down), v_max(left, right));
+            const v_uint8 dark = v_max(v_min(up, down), v_min(left, right));
+            const v_uint8 bound = v_max(v_sub(bright, v), v_sub(v, dark));
+            v_store(scores + x, zero);
+            blocks[listed] = x;
+            listed += v_check_any(v_gt(bound, limit));
+        }
+        for (int i = 0; i < listed; i++)
+        {
+            const int x = blocks[i];
+            const uchar* p = row + x;
+            Circle<v_uint8> circle;
+            loadCircle<v_uint8, loadVector>(p, step, circle);
+            const v_uint8 v = vx_load(p);
+            const v_uint8 bright = v_sub(bestArc<Least, Greatest>(circle), v);
+            const v_uint8 dark = v_sub(v, bestArc<Greatest, Least>(circle));
+            const v_uint8 score = v_max(bright, dark);
+            const v_uint8 corners = v_gt(score, limit);
+            v_store(scores + x, v_and(score, corners));
+            blocks[count] = x;
+            count += v_check_any(corners);
+        }
+        return count;
+    }
+#endif
+    for (int x = 0; x < width; x++)
+    {
+        const int score = scoreOfPixel(row + x, step);
+        scores[x] = uchar(score > threshold ? score : 0);
+        if (scores[x] && (count == 0 || x - blocks[count - 1] >= 16))
+            blocks[count++] = x;
+    }
+    return count;
+}
+
+// Of the lowest bit set.
+CV_ALWAYS_INLINE int trailingZeros(uint64 v)
+{
+    const unsigned low = unsigned(v);
+    return int(low ? trailingZeros32(low) : 32 + trailingZeros32(unsigned(v >> 32)));
+}
+
+#if CV_SIMD
+const uint64 LANE_MASK = ~uint64(0) >> (64 - CV_SIMD_WIDTH);
+#endif
+
+// The corners of a row of scores that are higher than their eight neighbours, from left to right.
+int suppressRow(const FastScan& scan, int y, Corner* corners)
+{
+    const uchar* scores = scan.scores[y % 3] + SCAN_MARGIN;
+    const uchar* above = scan.scores[(y + 2) % 3] + SCAN_MARGIN;
+    const uchar* below = scan.scores[(y + 1) % 3] + SCAN_MARGIN;
+    const int* blocks = scan.blocks[y % 3];
+    const int end = scan.regionRight - scan.left;
+    Corner* out = corners;
+    int done = scan.regionLeft - scan.left;  // blocks may overlap
+    for (int i = 0; i < scan.count[y % 3]; i++)
+    {
+        const int x = blocks[i];
+        const uchar *s = scores + x, *u = above + x, *d = below + x;
+#if CV_SIMD
+        const int LANES = AQORB_LANES(v_uint8);
+        const v_uint8 score = vx_load(s);
+        const v_uint8 beside = v_max(vx_load(s - 1), vx_load(s + 1));
+        const v_uint8 over = v_max(v_max(vx_load(u - 1), vx_load(u)), vx_load(u + 1));
+        const v_uint8 under = v_max(v_max(vx_load(d - 1), vx_load(d)), vx_load(d + 1));
+        uint64 highest = uint64(v_signmask(v_gt(score, v_max(beside, v_max(over, under))))) & LANE_MASK;
+#else
+        const int LANES = 16;
+        uint64 highest = 0;
+        for (int j = 0; j < LANES; j++)
+        {
+            const bool is = s[j] > s[j - 1] && s[j] > s[j + 1] && s[j] > u[j - 1] && s[j] > u[j] && s[j] > u[j + 1] &&
+                            s[j] > d[j - 1] && s[j] > d[j] && s[j] > d[j + 1];
+            highest |= uint64(is) << j;
+        }
+#endif
+        for (; highest; highest &= highest - 1)
+        {
+            const int column = x + trailingZeros(highest);
+            if (column < done || column >= end)
+                continue;
+            out->x = scan.left + column;
+            out->y = y;
+            out->score = scores[column] - 1;
+            out++;
+        }
+        done = x + LANES > done ? x + LANES : done;
+    }
+    return int(out - corners);
+}
+
+}  // namespace
+
+int continueScan(FastScan& scan, Corner* corners, int capacity)
+{
+    const int perRow = scan.width / 2 + 1;
+    int found = 0;
+    for (; scan.y <= scan.bottom && found + perRow <= capacity; scan.y++)
+    {
+        const int y = scan.y;
+        scan.count[y % 3] = 0;
+        if (y < scan.bottom)
+        {
+            scan.count[y % 3] = scoreRow(scan.image + y * scan.step + scan.left, scan.step, scan.width, scan.threshold,
+                                         scan.scores[y % 3] + SCAN_MARGIN, scan.blocks[y % 3]);
+        }
+        else
+        {
+            for (int x = 0; x < scan.width; x++)
+                scan.scores[y % 3][SCAN_MARGIN + x] = 0;
+        }
+        if (y - 1 >= scan.regionTop && y - 1 < scan.regionBottom)
+            found += suppressRow(scan, y - 1, corners + found);
+    }
+    return found;
+}
+
+void neighborScores(const uchar* p, ptrdiff_t step, int scores[3][3])
+{
+    for (int row = 0; row < 3; row++)
+    {
+        const uchar* q = p + (row - 1) * step - 1;
+#if CV_SIMD
+        Circle<v_uint8x16> circle;
+        loadCircle<v_uint8x16, loadVector16>(q, step, circle);
+        uchar bright[16], dark[16];
+        v_store(bright, bestArc<Least, Greatest>(circle));
+        v_store(dark, bestArc<Greatest, Least>(circle));
+        for (int i = 0; i < 3; i++)
+        {
+            const int b = bright[i] - q[i], d = q[i] - dark[i];
+            scores[row][i] = b > d ? b : d;
+        }
+#else
+        for (int i = 0; i < 3; i++)
+            scores[row][i] = scoreOfPixel(q + i, step);
+#endif
+    }
+}
+
+#endif  // CV_CPU_OPTIMIZATION_DECLARATIONS_ONLY
+
+CV_CPU_OPTIMIZATION_NAMESPACE_END
+
+}  // namespace stages
+}  // namespace aqorb
+}  // namespace cv

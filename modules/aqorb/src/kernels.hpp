@@ -1,0 +1,40 @@
+// This file is part of the aqorb project.
+// It is subject to the license terms in the LICENSE file found in the top-level directory
+// of this distribution.
+
+#ifndef OPENCV_AQORB_KERNELS_HPP
+#define OPENCV_AQORB_KERNELS_HPP
+
+#include "stages.hpp"
+
+// What passes between a stage and its kernels (*.simd.hpp): raw pointers and plain structs only, as a file
+// compiled for one CPU must not emit functions that the linker may choose for all.
+
+namespace cv
+{
+namespace aqorb
+{
+namespace stages
+{
+
+//! A scan of a region for FAST corners, row by row; a row is suppressed once the one below it has scores.
+struct FastScan
+{
+    const uchar* image;
+    ptrdiff_t step;
+    int threshold;
+    int left, top, width, bottom;  //!< what gets scores: the region and one pixel around it
+    int regionLeft, regionRight, regionTop, regionBottom;  //!< where corners are wanted
+    int y;                         //!< the next row to get scores; finished when beyond bottom
+    uchar* scores[3];  //!< by row modulo 3; width + 2 * SCAN_MARGIN bytes, 0 at the start
+    int* blocks[3];    //!< by row modulo 3: where there are scores; width / 8 + 2 entries
+    int count[3];      //!< number of blocks
+};
+
+const int SCAN_MARGIN = 32;  // around the scores of a row, for the vectors
+
+}  // namespace stages
+}  // namespace aqorb
+}  // namespace cv
+
+#endif

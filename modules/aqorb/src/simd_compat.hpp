@@ -1,0 +1,46 @@
+// This file is part of the aqorb project.
+// It is subject to the license terms in the LICENSE file found in the top-level directory
+// of this distribution.
+
+#ifndef OPENCV_AQORB_SIMD_COMPAT_HPP
+#define OPENCV_AQORB_SIMD_COMPAT_HPP
+
+#include <opencv2/core/hal/intrin.hpp>
+#include <opencv2/core/version.hpp>
+
+// Kernels are written with the function names of OpenCV's newer universal intrinsics; where only the
+// operators exist (up to 4.8), the functions used here are added.
+
+#define AQORB_VERSION_CODE (CV_VERSION_MAJOR * 100 + CV_VERSION_MINOR)
+
+namespace cv
+{
+namespace aqorb
+{
+namespace stages
+{
+
+#if AQORB_VERSION_CODE < 409
+#define AQORB_LANES(V) int(V::nlanes)
+#define AQORB_BINARY(name, op)                                                \
+    template <typename V> CV_ALWAYS_INLINE static V name(const V& a, const V& b) \
+    {                                                                         \
+        return a op b;                                                        \
+    }
+AQORB_BINARY(v_add, +)
+AQORB_BINARY(v_sub, -)
+AQORB_BINARY(v_mul, *)
+AQORB_BINARY(v_and, &)
+AQORB_BINARY(v_or, |)
+AQORB_BINARY(v_gt, >)
+AQORB_BINARY(v_eq, ==)
+#undef AQORB_BINARY
+#else
+#define AQORB_LANES(V) VTraits<V>::vlanes()
+#endif
+
+}  // namespace stages
+}  // namespace aqorb
+}  // namespace cv
+
+#endif

@@ -1,0 +1,30 @@
+# The part of OpenCV's own build that must be included from this folder: OpenCV looks for test/ and
+# perf/ beside the file that calls its functions.
+
+# Modules that some of the tests use, and leave out where OpenCV is built without them.
+set(test_modules "")
+foreach(module opencv_calib3d opencv_flann opencv_stitching)
+  if(module IN_LIST OPENCV_MODULES_BUILD)
+    list(APPEND test_modules ${module})
+  endif()
+endforeach()
+
+ocv_add_accuracy_tests(DEPENDS_ON ${test_modules})
+ocv_add_perf_tests(DEPENDS_ON opencv_imgcodecs)
+
+if(TARGET opencv_test_aqorb)
+  ocv_target_include_modules(opencv_test_aqorb ${test_modules})
+  ocv_target_link_libraries(opencv_test_aqorb PRIVATE ${test_modules})
+  if(CV_GCC OR CV_CLANG)
+    # Plain references in the tests round as the module does.
+    target_compile_options(opencv_test_aqorb PRIVATE -ffp-contract=off)
+  endif()
+endif()
+
+# ocv_add_samples looks in the module's folder only.
+if(BUILD_EXAMPLES)
+  ocv_add_executable(example_aqorb_demo "${CMAKE_CURRENT_LIST_DIR}/samples/aqorb_demo.cpp")
+  set(sample_modules opencv_aqorb opencv_calib3d opencv_imgcodecs)
+  ocv_target_include_modules(example_aqorb_demo ${sample_modules})
+  ocv_target_link_libraries(example_aqorb_demo PRIVATE ${sample_modules})
+endif()
