@@ -339,13 +339,19 @@ void AdaptiveQuadtreeORBImpl::describe(const std::vector<Level>& pyramid, const 
     const std::vector<Point> pattern = descriptorPattern(p.patchSize, p.WTA_K);
     descriptors.create(int(keypoints.size()), kBytes, CV_8UC1);
     Mat blurred;
-    for (size_t i = 0; i < keypoints.size(); i++)
+    std::vector<DescriptorPoint> points;
+    for (size_t first = 0, end; first < keypoints.size(); first = end)
     {
-        const Mat& image = pyramid[pixels[i].level].image;
-        if (i == 0 || pixels[i].level != pixels[i - 1].level)
-            approximateBlur(image, blurred);
-        computeDescriptor(image, blurred, pixels[i].x, pixels[i].y, keypoints[i].angle, pattern, p.WTA_K,
-                          descriptors.ptr(int(i)));
+        const int level = pixels[first].level;
+        points.clear();
+        for (end = first; end < keypoints.size() && pixels[end].level == level; end++)
+        {
+            const DescriptorPoint point = {pixels[end].x, pixels[end].y, keypoints[end].angle};
+            points.push_back(point);
+        }
+        approximateBlur(pyramid[level].image, blurred);
+        computeDescriptors(pyramid[level].image, blurred, &points[0], points.size(), pattern, p.WTA_K,
+                           descriptors.ptr(int(first)), descriptors.step);
     }
 }
 

@@ -33,6 +33,16 @@ struct FastScan
 
 const int SCAN_MARGIN = 32;  // around the scores of a row, for the vectors
 
+//! The 256 tests of a descriptor with WTA_K 2: the bit is 1 where point 0 is darker than point 1.
+struct PairTests
+{
+    enum
+    {
+        COUNT = 256
+    };
+    float x[2][COUNT], y[2][COUNT];  //!< [point of the pair][test]
+};
+
 }  // namespace stages
 }  // namespace aqorb
 }  // namespace cv

@@ -32,6 +32,7 @@ AQORB_BINARY(v_sub, -)
 AQORB_BINARY(v_mul, *)
 AQORB_BINARY(v_and, &)
 AQORB_BINARY(v_or, |)
+AQORB_BINARY(v_xor, ^)
 AQORB_BINARY(v_gt, >)
 AQORB_BINARY(v_eq, ==)
 #undef AQORB_BINARY

@@ -141,7 +141,7 @@ CV_EXPORTS void findCorners(const Level& level, const Rect& region, Thresholds t
 CV_EXPORTS void findCellRejects(const Level& level, const Rect& region, Thresholds thresholds,
                                 int cellSize, std::vector<Corner>& corners);
 
-// ---- harris.cpp ------------------------------------------------------------------------------
+// ---- harris.dispatch.cpp ---------------------------------------------------------------------
 
 //! cv::ORB's Harris response, over a 5x5 instead of a 7x7 block.
 CV_EXPORTS float harrisResponse(const Mat& image, int x, int y);
@@ -228,7 +228,7 @@ CV_EXPORTS void maskPositions(const Mat& imageMask, const PositionMap& position,
 //! Where the quadratic through the 3x3 FAST scores around (x, y) peaks, relative to it, within +-0.5.
 CV_EXPORTS Point2d subPixelOffset(const Mat& image, int x, int y);
 
-// ---- orientation.cpp -------------------------------------------------------------------------
+// ---- orientation.dispatch.cpp ----------------------------------------------------------------
 
 //! Half widths of the rows 0 .. patchSize/2 of the circular patch, as cv::ORB's.
 CV_EXPORTS std::vector<int> circularPatch(int patchSize);
@@ -236,7 +236,7 @@ CV_EXPORTS std::vector<int> circularPatch(int patchSize);
 //! Direction of the intensity centroid of the patch around (x, y), degrees, as cv::ORB's.
 CV_EXPORTS float orientation(const Mat& image, int x, int y, const std::vector<int>& halfWidths);
 
-// ---- blur.cpp --------------------------------------------------------------------------------
+// ---- blur.dispatch.cpp -----------------------------------------------------------------------
 
 /** The value of cv::ORB's Gaussian blur (7x7, sigma 2) at a pixel of a level, rounded as with fused
  multiply-add. */
@@ -249,17 +249,25 @@ const int BLUR_BOUND = 6;
  BLUR_BOUND. */
 CV_EXPORTS void approximateBlur(const Mat& image, Mat& blurred);
 
-// ---- descriptor.cpp --------------------------------------------------------------------------
+// ---- descriptor.dispatch.cpp -----------------------------------------------------------------
 
 //! The points that rBRIEF compares, WTA_K to a test, in the order of the tests; as cv::ORB draws them.
 CV_EXPORTS std::vector<Point> descriptorPattern(int patchSize, int WTA_K);
 
-/** The 32-byte descriptor at pixel (x, y) of a level, equal to cv::ORB's.
+//! Where and in which direction a descriptor is to be taken.
+struct DescriptorPoint
+{
+    int x, y;
+    float angle;  //!< degrees
+};
+
+/** The 32-byte descriptors at pixels of a level, equal to cv::ORB's.
  @param image the level
  @param blurred approximateBlur of it
- @param angle degrees */
-CV_EXPORTS void computeDescriptor(const Mat& image, const Mat& blurred, int x, int y, float angle,
-                                  const std::vector<Point>& pattern, int WTA_K, uchar* descriptor);
+ @param points, count where
+ @param descriptors one a row of `step` bytes */
+CV_EXPORTS void computeDescriptors(const Mat& image, const Mat& blurred, const DescriptorPoint* points, size_t count,
+                                   const std::vector<Point>& pattern, int WTA_K, uchar* descriptors, size_t step);
 
 }  // namespace stages
 }  // namespace aqorb

@@ -4,6 +4,9 @@
 
 #include "precomp.hpp"
 
+#include "blur.simd.hpp"
+#include "blur.simd_declarations.hpp"
+
 namespace cv
 {
 namespace aqorb
@@ -37,24 +40,17 @@ static const GaussianTaps& gaussianTaps()
     return taps;
 }
 
+static uchar exactBlurOf(const uchar* p, ptrdiff_t step, const float* taps)
+{
+    CV_CPU_DISPATCH(exactBlurAt, (p, step, taps), CV_CPU_DISPATCH_MODES_ALL);
+}
+
 uchar exactBlur(const Mat& image, int x, int y)
 {
     const float* tap = gaussianTaps().tap;
     PatchBuffer buffer;
     const Patch patch = patchAround(image, x, y, RADIUS, buffer);
-    float rows[2 * RADIUS + 1];
-    for (int i = -RADIUS; i <= RADIUS; i++)
-    {
-        const uchar* p = patch.center + i * patch.step;
-        float sum = tap[RADIUS] * p[-RADIUS];
-        for (int j = -RADIUS + 1; j <= RADIUS; j++)
-            sum = std::fma(tap[std::abs(j)], float(p[j]), sum);
-        rows[RADIUS + i] = sum;
-    }
-    float sum = tap[0] * rows[RADIUS];
-    for (int i = 1; i <= RADIUS; i++)
-        sum = std::fma(rows[RADIUS + i] + rows[RADIUS - i], tap[i], sum);
-    return saturate_cast<uchar>(sum);
+    return exactBlurOf(patch.center, patch.step, tap);
 }
 
 // All products are the upper 16 bits of 16-bit factors. The values are scaled up as far as 16 bits
@@ -82,35 +78,14 @@ struct FixedTaps
 };
 }  // namespace
 
-static inline ushort upperHalf(unsigned a, unsigned b)
+static void rowPass(const uchar* row, int width, const ushort* taps, ushort* out)
 {
-    return ushort((a * b) >> 16);
+    CV_CPU_DISPATCH(blurRow, (row, width, taps, out), CV_CPU_DISPATCH_MODES_ALL);
 }
 
-// p is readable from -RADIUS to width + RADIUS
-static void blurRow(const uchar* p, int width, const ushort* tap, ushort* out)
+static void columnPass(const ushort* const* rows, int width, const ushort* taps, ushort* out)
 {
-    for (int x = 0; x < width; x++, p++)
-    {
-        out[x] = ushort(upperHalf(p[0] << 8, tap[0]) + upperHalf((p[1] + p[-1]) << 6, tap[1]) +
-                        upperHalf((p[2] + p[-2]) << 6, tap[2]) + upperHalf((p[3] + p[-3]) << 6, tap[3]) + 2);
-    }
-}
-
-static inline unsigned average(unsigned a, unsigned b)
-{
-    return (a + b + 1) >> 1;
-}
-
-// rows[0 .. 2 RADIUS]: the blurred rows around the output's
-static void blurColumn(const ushort* const* rows, int width, const ushort* tap, ushort* out)
-{
-    for (int x = 0; x < width; x++)
-    {
-        out[x] = ushort(upperHalf(rows[3][x], tap[0]) + upperHalf(average(rows[4][x], rows[2][x]), tap[1]) +
-                        upperHalf(average(rows[5][x], rows[1][x]), tap[2]) +
-                        upperHalf(average(rows[6][x], rows[0][x]), tap[3]) + 2);
-    }
+    CV_CPU_DISPATCH(blurColumn, (rows, width, taps, out), CV_CPU_DISPATCH_MODES_ALL);
 }
 
 void approximateBlur(const Mat& image, Mat& blurred)
@@ -133,7 +108,7 @@ void approximateBlur(const Mat& image, Mat& blurred)
                 padded[RADIUS - i] = source[borderInterpolate(-i, width, BORDER_REFLECT_101)];
                 padded[RADIUS + width - 1 + i] = source[borderInterpolate(width - 1 + i, width, BORDER_REFLECT_101)];
             }
-            blurRow(padded.data() + RADIUS, width, taps.row, ring.data() + size_t(done % RING) * width);
+            rowPass(padded.data() + RADIUS, width, taps.row, ring.data() + size_t(done % RING) * width);
         }
         const ushort* rows[2 * RADIUS + 1];
         for (int i = -RADIUS; i <= RADIUS; i++)
@@ -141,7 +116,7 @@ void approximateBlur(const Mat& image, Mat& blurred)
             const int row = borderInterpolate(y + i, height, BORDER_REFLECT_101);
             rows[RADIUS + i] = ring.data() + size_t(row % RING) * width;
         }
-        blurColumn(rows, width, taps.column, blurred.ptr<ushort>(y));
+        columnPass(rows, width, taps.column, blurred.ptr<ushort>(y));
     }
 }
 

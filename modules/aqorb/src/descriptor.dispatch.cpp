@@ -6,6 +6,9 @@
 
 #include "orb_pattern.hpp"
 
+#include "descriptor.simd.hpp"
+#include "descriptor.simd_declarations.hpp"
+
 namespace cv
 {
 namespace aqorb
@@ -65,15 +68,15 @@ public:
     {
         const Point pa(x + a.x, y + a.y), pb(x + b.x, y + b.y);
         if (!inside(pa) || !inside(pb))
-            return value(pa) < value(pb);
+            return valueAt(pa) < valueAt(pb);
         const int va = blurred.at<ushort>(pa), vb = blurred.at<ushort>(pb);
         if (roundUp(va) < roundDown(vb))
             return true;
         if (roundDown(va) >= roundUp(vb))
             return false;
-        return value(pa) < value(pb);
+        return valueAt(pa) < valueAt(pb);
     }
-    int value(Point offset, bool) const { return value(Point(x + offset.x, y + offset.y)); }
+    int value(Point offset) const { return valueAt(Point(x + offset.x, y + offset.y)); }
 
 private:
     bool inside(Point p) const
@@ -84,7 +87,7 @@ private:
     static int roundUp(int approximate) { return (approximate + BLUR_BOUND + 128) >> 8; }
     static int roundDown(int approximate) { return (approximate - BLUR_BOUND + 127) >> 8; }
 
-    int value(Point p) const
+    int valueAt(Point p) const
     {
         if (inside(p))
         {
@@ -103,6 +106,8 @@ private:
 
 }  // namespace
 
+const int BYTES = 32;
+
 // The index of the brightest point; ties go as in cv::ORB.
 static int brightest(const int* v, int WTA_K)
 {
@@ -112,33 +117,82 @@ static int brightest(const int* v, int WTA_K)
     return v[u] > v[w] ? u : w;
 }
 
-void computeDescriptor(const Mat& image, const Mat& blurred, int x, int y, float angle,
-                       const std::vector<Point>& pattern, int WTA_K, uchar* descriptor)
+static Point rotate(Point p, float a, float b)
 {
-    const int BYTES = 32, BITS = WTA_K == 2 ? 1 : 2;  // bits of a test
-    const BlurredPatch patch(image, blurred, x, y);
-    angle *= float(CV_PI / 180.f);
-    const float a = float(std::cos(double(angle))), b = float(std::sin(double(angle)));
+    return Point(cvRound(p.x * a - p.y * b), cvRound(p.x * b + p.y * a));
+}
+
+// Any WTA_K, any place.
+static void computePlainly(const BlurredPatch& patch, float a, float b, const std::vector<Point>& pattern, int WTA_K,
+                           uchar* descriptor)
+{
+    const int bitsOfTest = WTA_K == 2 ? 1 : 2;
     const Point* p = &pattern[0];
     for (int i = 0; i < BYTES; i++)
     {
         int byte = 0;
-        for (int bit = 0; bit < 8; bit += BITS, p += WTA_K)
+        for (int bit = 0; bit < 8; bit += bitsOfTest, p += WTA_K)
         {
-            Point rotated[4];
-            for (int k = 0; k < WTA_K; k++)
-                rotated[k] = Point(cvRound(p[k].x * a - p[k].y * b), cvRound(p[k].x * b + p[k].y * a));
             if (WTA_K == 2)
             {
-                byte |= int(patch.less(rotated[0], rotated[1])) << bit;
+                byte |= int(patch.less(rotate(p[0], a, b), rotate(p[1], a, b))) << bit;
                 continue;
             }
             int values[4];
             for (int k = 0; k < WTA_K; k++)
-                values[k] = patch.value(rotated[k], true);
+                values[k] = patch.value(rotate(p[k], a, b));
             byte |= brightest(values, WTA_K) << bit;
         }
         descriptor[i] = uchar(byte);
+    }
+}
+
+static int compareSurely(const ushort* center, ptrdiff_t step, float a, float b, const PairTests& tests, uchar* descriptor,
+                         uchar* unsure)
+{
+    CV_CPU_DISPATCH(comparePairs, (center, step, a, b, tests, descriptor, unsure), CV_CPU_DISPATCH_MODES_ALL);
+}
+
+void computeDescriptors(const Mat& image, const Mat& blurred, const DescriptorPoint* points, size_t count,
+                        const std::vector<Point>& pattern, int WTA_K, uchar* descriptors, size_t step)
+{
+    CV_TRACE_FUNCTION();
+    PairTests tests;
+    int reach = 0;  // of the rotated points
+    if (WTA_K == 2)
+    {
+        for (int i = 0; i < PairTests::COUNT; i++)
+        {
+            for (int k = 0; k < 2; k++)
+            {
+                const Point p = pattern[2 * i + k];
+                tests.x[k][i] = float(p.x);
+                tests.y[k][i] = float(p.y);
+                reach = std::max(reach, cvCeil(std::sqrt(double(p.x) * p.x + double(p.y) * p.y)) + 1);
+            }
+        }
+    }
+    for (size_t i = 0; i < count; i++)
+    {
+        const int x = points[i].x, y = points[i].y;
+        uchar* descriptor = descriptors + i * step;
+        const float angle = points[i].angle * float(CV_PI / 180.f);
+        const float a = float(std::cos(double(angle))), b = float(std::sin(double(angle)));
+        const BlurredPatch patch(image, blurred, x, y);
+        if (WTA_K != 2 || x < reach || y < reach || x >= image.cols - reach || y >= image.rows - reach)
+        {
+            computePlainly(patch, a, b, pattern, WTA_K, descriptor);
+            continue;
+        }
+        uchar unsure[PairTests::COUNT];
+        const int left = compareSurely(blurred.ptr<ushort>(y) + x, ptrdiff_t(blurred.step1()), a, b, tests, descriptor, unsure);
+        for (int j = 0; j < left; j++)
+        {
+            const int test = unsure[j];
+            const Point* p = &pattern[2 * test];
+            if (patch.value(rotate(p[0], a, b)) < patch.value(rotate(p[1], a, b)))
+                descriptor[test / 8] |= uchar(1 << (test % 8));
+        }
     }
 }
 

@@ -1,0 +1,115 @@
+// This file is part of the aqorb project.
+// It is subject to the license terms in the LICENSE file found in the top-level directory
+// of this distribution.
+
+#include "kernels.hpp"
+#include "simd_compat.hpp"
+
+namespace cv
+{
+namespace aqorb
+{
+namespace stages
+{
+CV_CPU_OPTIMIZATION_NAMESPACE_BEGIN
+
+/** The tests of a descriptor that approximateBlur decides.
+ @param center the keypoint's pixel in it, with all rotated points around readable; step in elements
+ @param a, b cosine and sine of the direction
+ @param descriptor 32 bytes; the bits of the other tests are 0
+ @param unsure gets the indices of the other tests
+ @return their number */
+int comparePairs(const ushort* center, ptrdiff_t step, float a, float b, const PairTests& tests, uchar* descriptor,
+                 uchar* unsure);
+
+#ifndef CV_CPU_OPTIMIZATION_DECLARATIONS_ONLY
+
+namespace
+{
+
+// The value at each test's rotated point. cv::ORB's arithmetic: no fused multiply-add, ties to even.
+void fetch(const ushort* center, ptrdiff_t step, float a, float b, const float* x, const float* y, ushort* values)
+{
+    const int COUNT = PairTests::COUNT;
+    int offsets[COUNT];
+    int i = 0;
+#if CV_SIMD
+    const v_float32 va = vx_setall_f32(a), vb = vx_setall_f32(b);
+    const v_int32 vstep = vx_setall_s32(int(step));
+    for (; i < COUNT; i += AQORB_LANES(v_float32))
+    {
+        const v_float32 px = vx_load(x + i), py = vx_load(y + i);
+        const v_int32 column = v_round(v_sub(v_mul(px, va), v_mul(py, vb)));
+        const v_int32 row = v_round(v_add(v_mul(px, vb), v_mul(py, va)));
+        v_store(offsets + i, v_add(v_mul(row, vstep), column));
+    }
+#endif
+    for (; i < COUNT; i++)
+        offsets[i] = cvRound(x[i] * b + y[i] * a) * int(step) + cvRound(x[i] * a - y[i] * b);
+    for (i = 0; i < COUNT; i += 4)
+    {
+        const ushort v0 = center[offsets[i]], v1 = center[offsets[i + 1]], v2 = center[offsets[i + 2]],
+                     v3 = center[offsets[i + 3]];
+        values[i] = v0;
+        values[i + 1] = v1;
+        values[i + 2] = v2;
+        values[i + 3] = v3;
+    }
+}
+
+}  // namespace
+
+int comparePairs(const ushort* center, ptrdiff_t step, float a, float b, const PairTests& tests, uchar* descriptor,
+                 uchar* unsure)
+{
+    const int COUNT = PairTests::COUNT;
+    // The exact value lies between roundings of the approximate one less and plus its bound.
+    const int DOWN = 127 - BLUR_BOUND, UP = 128 + BLUR_BOUND;
+    ushort first[COUNT], second[COUNT];
+    fetch(center, step, a, b, tests.x[0], tests.y[0], first);
+    fetch(center, step, a, b, tests.x[1], tests.y[1], second);
+    int left = 0;
+    for (int i = 0; i < COUNT; i += 32)
+    {
+        unsigned less = 0, maybe = 0;
+#if CV_SIMD
+        const v_uint16 down = vx_setall_u16(DOWN), up = vx_setall_u16(UP);
+        const int LANES = AQORB_LANES(v_uint16);
+        for (int j = 0; j < 32; j += 2 * LANES)
+        {
+            v_uint16 sure[2], possible[2];
+            for (int k = 0; k < 2; k++)
+            {
+                const v_uint16 p = vx_load(first + i + j + k * LANES), q = vx_load(second + i + j + k * LANES);
+                sure[k] = v_gt(v_shr<8>(v_add(q, down)), v_shr<8>(v_add(p, up)));
+                possible[k] = v_gt(v_shr<8>(v_add(q, up)), v_shr<8>(v_add(p, down)));
+            }
+            const v_int8 isSure = v_pack(v_reinterpret_as_s16(sure[0]), v_reinterpret_as_s16(sure[1]));
+            const v_int8 isPossible = v_pack(v_reinterpret_as_s16(possible[0]), v_reinterpret_as_s16(possible[1]));
+            less |= unsigned(v_signmask(isSure)) << j;
+            maybe |= unsigned(v_signmask(isPossible)) << j;
+        }
+        maybe &= ~less;
+#else
+        for (int j = 0; j < 32; j++)
+        {
+            const int p = first[i + j], q = second[i + j];
+            const bool sure = (q + DOWN) >> 8 > (p + UP) >> 8, possible = (q + UP) >> 8 > (p + DOWN) >> 8;
+            less |= unsigned(sure) << j;
+            maybe |= unsigned(possible && !sure) << j;
+        }
+#endif
+        for (int j = 0; j < 4; j++)
+            descriptor[i / 8 + j] = uchar(less >> (8 * j));
+        for (; maybe; maybe &= maybe - 1)
+            unsure[left++] = uchar(i + int(trailingZeros32(maybe)));
+    }
+    return left;
+}
+
+#endif  // CV_CPU_OPTIMIZATION_DECLARATIONS_ONLY
+
+CV_CPU_OPTIMIZATION_NAMESPACE_END
+}  // namespace stages
+}  // namespace aqorb
+}  // namespace cv
