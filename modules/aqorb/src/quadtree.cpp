@@ -32,63 +32,130 @@ unsigned leafCode(unsigned column, unsigned row)
     return spreadBits(column) | (spreadBits(row) << 1);
 }
 
-// Total order by response, so that the result does not depend on the order of the points.
-static bool better(const LeafPoint& a, const LeafPoint& b)
+namespace
 {
-    const bool aIsNaN = a.response != a.response, bIsNaN = b.response != b.response;
-    if (aIsNaN != bIsNaN)
-        return bIsNaN;
-    if (!aIsNaN && a.response != b.response)
-        return a.response > b.response;
+
+// Orders responses as whole numbers do; NaN comes before all.
+unsigned orderedResponse(float response)
+{
+    if (cvIsNaN(response))
+        return 0;
+    Cv32suf bits;
+    bits.f = response + 0.f;  // -0 is 0
+    return bits.u & 0x80000000u ? ~bits.u : bits.u | 0x80000000u;
+}
+
+// Total order by response, so that the result does not depend on the order of the points.
+bool better(const LeafPoint& a, const LeafPoint& b)
+{
+    const unsigned ra = orderedResponse(a.response), rb = orderedResponse(b.response);
+    if (ra != rb)
+        return ra > rb;
     if (a.y != b.y)
         return a.y < b.y;
     return a.x != b.x ? a.x < b.x : a.index < b.index;
 }
 
-// A point with what sorts it before `better` does.
-struct SequencePoint
+// Stable, by 8 bits at a time.
+void sortByLeaf(std::vector<LeafPoint>& points, int depth)
 {
-    unsigned group, rank;
-    LeafPoint point;
-    bool operator<(const SequencePoint& other) const
+    const int DIGIT = 8, VALUES = 1 << DIGIT;
+    std::vector<LeafPoint> sorted(points.size());
+    for (int shift = 0; shift < 2 * depth; shift += DIGIT)
     {
-        if (group != other.group)
-            return group < other.group;
-        return rank != other.rank ? rank < other.rank : better(point, other.point);
-    }
-};
-
-// Sorts, then replaces each point's rank by its place among those of its group.
-static void rankInGroups(std::vector<SequencePoint>& points)
-{
-    std::sort(points.begin(), points.end());
-    for (size_t i = 0, first = 0; i < points.size(); i++)
-    {
-        if (points[i].group != points[first].group)
-            first = i;
-        points[i].rank = unsigned(i - first);
+        size_t starts[VALUES + 1] = {0};
+        for (size_t i = 0; i < points.size(); i++)
+            starts[((points[i].leaf >> shift) & (VALUES - 1)) + 1]++;
+        for (int i = 0; i < VALUES; i++)
+            starts[i + 1] += starts[i];
+        for (size_t i = 0; i < points.size(); i++)
+            sorted[starts[(points[i].leaf >> shift) & (VALUES - 1)]++] = points[i];
+        points.swap(sorted);
     }
 }
 
-void balancedSequence(std::vector<LeafPoint>& points, int depth)
+}  // namespace
+
+// Work is done as the sequence is asked for: as a rule a level needs little more than the best of each
+// leaf, while it has many times as many corners.
+
+BalancedSequence::BalancedSequence(std::vector<LeafPoint>& points_, int depth) : round(0), given(0)
 {
-    const int levelsUp = std::min(depth, 2);
-    std::vector<SequencePoint> sequence(points.size());
+    points.swap(points_);
+    sortByLeaf(points, depth);
+    const int groupShift = 2 * std::min(depth, 2);
     for (size_t i = 0; i < points.size(); i++)
     {
-        sequence[i].group = points[i].leaf;
-        sequence[i].rank = 0;
-        sequence[i].point = points[i];
+        const unsigned leaf = points[i].leaf;
+        if (i == 0 || leaf != points[i - 1].leaf)
+        {
+            if (i == 0 || leaf >> groupShift != points[i - 1].leaf >> groupShift)
+            {
+                const Group group = {leaves.size(), leaves.size(), 0, 0, 0};
+                groups.push_back(group);
+            }
+            const Leaf newLeaf = {i, i};
+            leaves.push_back(newLeaf);
+            groups.back().endLeaf++;
+        }
+        leaves.back().end++;
     }
-    rankInGroups(sequence);  // in its leaf
-    for (size_t i = 0; i < sequence.size(); i++)
-        sequence[i].group = sequence[i].point.leaf >> (2 * levelsUp);
-    rankInGroups(sequence);  // in the group of leaves
-    for (size_t i = 0; i < sequence.size(); i++)
-        sequence[i].group = 0;
-    rankInGroups(sequence);  // in the whole tree
-    for (size_t i = 0; i < points.size(); i++)
-        points[i] = sequence[i].point;
+    for (size_t i = 0; i < groups.size(); i++)
+        groups[i].list = leaves[groups[i].firstLeaf].begin;
+    lists.resize(points.size());
+}
+
+// Puts the best of what remains of a leaf first, where its last was taken before.
+void BalancedSequence::bringUpNext(Leaf& leaf, size_t taken)
+{
+    // Selection pays for the first few; who asks for more gets the rest sorted.
+    const size_t SELECTED = 4;
+    if (taken < SELECTED)
+        std::iter_swap(points.begin() + leaf.begin + taken,
+                       std::min_element(points.begin() + leaf.begin + taken, points.begin() + leaf.end, better));
+    else if (taken == SELECTED)
+        std::sort(points.begin() + leaf.begin + taken, points.begin() + leaf.end, better);
+}
+
+// Appends the next best of each of the group's leaves to its list. False: there are none.
+bool BalancedSequence::extend(Group& group)
+{
+    const size_t before = group.listed;
+    for (size_t i = group.firstLeaf; i < group.endLeaf; i++)
+    {
+        Leaf& leaf = leaves[i];
+        if (leaf.end - leaf.begin <= group.rounds)
+            continue;
+        bringUpNext(leaf, group.rounds);
+        lists[group.list + group.listed++] = points[leaf.begin + group.rounds];
+    }
+    std::sort(lists.begin() + group.list + before, lists.begin() + group.list + group.listed, better);
+    group.rounds++;
+    return group.listed > before;
+}
+
+bool BalancedSequence::next(LeafPoint& point)
+{
+    if (given == offers.size())
+    {
+        offers.clear();
+        given = 0;
+        size_t left = 0;  // groups that are not exhausted
+        for (size_t i = 0; i < groups.size(); i++)
+        {
+            if (round == groups[i].listed && !extend(groups[i]))
+                continue;
+            offers.push_back(lists[groups[i].list + round]);
+            groups[left++] = groups[i];
+        }
+        groups.resize(left);
+        if (offers.empty())
+            return false;
+        std::sort(offers.begin(), offers.end(), better);
+        round++;
+    }
+    point = offers[given++];
+    return true;
 }
 
 }  // namespace stages
@@ -117,8 +184,10 @@ void retainUniform(std::vector<KeyPoint>& keypoints, Size imageSize, int npoints
     }
     if (points.size() > size_t(npoints))
     {
-        balancedSequence(points, depth);
+        BalancedSequence sequence(points, depth);
         points.resize(npoints);
+        for (int i = 0; i < npoints; i++)
+            sequence.next(points[i]);
     }
     std::vector<uchar> keep(keypoints.size(), uchar(0));
     for (size_t i = 0; i < points.size(); i++)

@@ -126,11 +126,12 @@ public:
 private:
     struct LevelState
     {
-        LevelState() : begun(false), next(0), radius(0) {}
+        LevelState() : begun(false), radius(0) {}
         bool begun;
-        size_t next;    // in the sequence
         double radius;  // of octave suppression, in pixels of the input image
-        std::vector<RankedCorner> sequence, passedOver;
+        std::vector<RankedCorner> corners;  // those that the sequence gives the indices of
+        BalancedSequence sequence;
+        std::vector<RankedCorner> passedOver;
     };
 
     static double largestRadius(const std::vector<SelectionLevel>& levels, double octaveSuppression)
@@ -155,7 +156,7 @@ private:
         return radius > 0 && grid.isNear(position(level, corner), radius, level);
     }
 
-    void sortIntoSequence(int level, std::vector<RankedCorner>& corners) const
+    BalancedSequence sequenceOf(int level, const std::vector<RankedCorner>& corners) const
     {
         const SelectionLevel& l = levels[level];
         const int64 leaves = int64(1) << l.depth;
@@ -168,11 +169,7 @@ private:
                                      c.response, float(c.x), float(c.y), int(i)};
             points[i] = point;
         }
-        balancedSequence(points, l.depth);
-        std::vector<RankedCorner> sequence(corners.size());
-        for (size_t i = 0; i < corners.size(); i++)
-            sequence[i] = corners[points[i].index];
-        corners.swap(sequence);
+        return BalancedSequence(points, l.depth);
     }
 
     void begin(int level)
@@ -181,8 +178,8 @@ private:
         std::vector<RankedCorner> corners;
         source.corners(level, KEPT_CORNERS, corners);
         for (size_t i = 0; i < corners.size(); i++)
-            (isSuppressed(level, corners[i]) ? state.passedOver : state.sequence).push_back(corners[i]);
-        sortIntoSequence(level, state.sequence);
+            (isSuppressed(level, corners[i]) ? state.passedOver : state.corners).push_back(corners[i]);
+        state.sequence = sequenceOf(level, state.corners);
         state.begun = true;
     }
 
@@ -193,9 +190,10 @@ private:
         if (first)
             begin(level);
         const size_t before = chosen[level].size();
-        for (; state.next < state.sequence.size() && chosen[level].size() < before + wanted; state.next++)
+        LeafPoint point;
+        while (chosen[level].size() < before + wanted && state.sequence.next(point))
         {
-            const RankedCorner& corner = state.sequence[state.next];
+            const RankedCorner& corner = state.corners[point.index];
             // finer levels may have chosen keypoints since the sequence was begun
             if (!first && isSuppressed(level, corner))
                 state.passedOver.push_back(corner);
@@ -207,12 +205,14 @@ private:
         return int(chosen[level].size() - before);
     }
 
-    int fill(int level, std::vector<RankedCorner>& corners, int wanted)
+    int fill(int level, const std::vector<RankedCorner>& corners, int wanted)
     {
-        sortIntoSequence(level, corners);
-        const size_t count = std::min(corners.size(), size_t(wanted));
-        chosen[level].insert(chosen[level].end(), corners.begin(), corners.begin() + count);
-        return int(count);
+        BalancedSequence sequence = sequenceOf(level, corners);
+        LeafPoint point;
+        int filled = 0;
+        for (; filled < wanted && sequence.next(point); filled++)
+            chosen[level].push_back(corners[point.index]);
+        return filled;
     }
 
     const std::vector<SelectionLevel>& levels;

@@ -166,11 +166,40 @@ struct LeafPoint
     int index;       //!< the caller's
 };
 
-/** Sorts points so that each prefix is the best selection of that many: balanced over the tree first,
- then by response. Leaves are grouped by their ancestor two levels up; a group offers the best of each
- of its leaves, then the second best of each, ..., each round by response; the sequence takes the
- first of every group by response, then the second of every group, ... */
-CV_EXPORTS void balancedSequence(std::vector<LeafPoint>& points, int depth);
+/** Gives points in an order of which each prefix is the best selection of that many: balanced over the
+ tree first, then by response. Leaves are grouped by their ancestor two levels up; a group offers the
+ best of each of its leaves, then the second best of each, ..., each round by response; the sequence
+ takes the first of every group by response, then the second of every group, ... */
+class CV_EXPORTS BalancedSequence
+{
+public:
+    BalancedSequence() : round(0), given(0) {}
+    //! Takes the points; leaves an empty vector.
+    BalancedSequence(std::vector<LeafPoint>& points, int depth);
+    //! The next point; false if there is none.
+    bool next(LeafPoint& point);
+
+private:
+    struct Leaf
+    {
+        size_t begin, end;  // in points, the best first as far as they were asked for
+    };
+    struct Group
+    {
+        size_t firstLeaf, endLeaf;
+        size_t list, listed;  // begin of its list in lists, and length so far
+        size_t rounds;        // how often each leaf was asked
+    };
+    bool extend(Group& group);
+    void bringUpNext(Leaf& leaf, size_t taken);
+
+    std::vector<LeafPoint> points, lists;
+    std::vector<Leaf> leaves;
+    std::vector<Group> groups;      // those that have more to offer
+    size_t round;                   // offers taken from each group
+    std::vector<LeafPoint> offers;  // of this round, the best first
+    size_t given;                   // of the offers
+};
 
 // ---- selection.cpp ---------------------------------------------------------------------------
 
