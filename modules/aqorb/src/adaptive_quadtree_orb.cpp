@@ -24,7 +24,8 @@ namespace
 // A pixel of a level at which a keypoint lies.
 struct LevelPixel
 {
-    int level, x, y;
+    int level;
+    DescriptorPoint point;
 };
 
 // Detects and ranks the corners of the pyramid's levels for selection.
@@ -47,8 +48,9 @@ public:
         switch (set)
         {
         case KEPT_CORNERS:
+            // Harris responses of neighbours hardly differ: unsuppressed, a strong corner is taken thrice.
             findCorners(pyramid[level], region(level), thresholds, parameters.cellSize,
-                        isHarris() ? SUPPRESS_RADIUS : 0, level_corners);
+                        isHarris(), level_corners);
             rank(level, level_corners.kept, ranked);
             break;
         case SUPPRESSED_CORNERS: rank(level, level_corners.suppressed, ranked); break;
@@ -63,19 +65,19 @@ public:
     }
 
 private:
-    // Harris responses of neighbours hardly differ, so that without it a strong corner is taken thrice.
-    static const int SUPPRESS_RADIUS = 3;
-
     bool isHarris() const { return parameters.scoreType == ORB::HARRIS_SCORE; }
 
     void rank(int level, const std::vector<Corner>& unranked, std::vector<RankedCorner>& ranked) const
     {
+        if (isHarris())
+        {
+            harrisResponses(pyramid[level].image, unranked, ranked);
+            return;
+        }
         ranked.resize(unranked.size());
         for (size_t i = 0; i < unranked.size(); i++)
         {
-            const Corner& c = unranked[i];
-            const float response = isHarris() ? harrisResponse(pyramid[level].image, c.x, c.y) : float(c.score);
-            const RankedCorner corner = {c.x, c.y, response};
+            const RankedCorner corner = {unranked[i].x, unranked[i].y, float(unranked[i].score)};
             ranked[i] = corner;
         }
     }
@@ -161,8 +163,7 @@ private:
                 std::vector<LevelPixel>& pixels) const;
     void locate(const Mat& image, const std::vector<KeyPoint>& provided, std::vector<Level>& pyramid,
                 std::vector<KeyPoint>& keypoints, std::vector<LevelPixel>& pixels) const;
-    void describe(const std::vector<Level>& pyramid, const std::vector<KeyPoint>& keypoints,
-                  const std::vector<LevelPixel>& pixels, Mat& descriptors) const;
+    void describe(const std::vector<Level>& pyramid, const std::vector<LevelPixel>& pixels, Mat& descriptors) const;
 
     Parameters p;
 };
@@ -204,7 +205,7 @@ void AdaptiveQuadtreeORBImpl::detectAndCompute(InputArray image_, InputArray mas
         else
             detect(image, checkedMask(mask_, image.size()), pyramid, found, pixels);
         if (withDescriptors)
-            describe(pyramid, found, pixels, descriptors);
+            describe(pyramid, pixels, descriptors);
     }
     keypoints.swap(found);
     if (withDescriptors)
@@ -258,20 +259,26 @@ void AdaptiveQuadtreeORBImpl::detect(const Mat& image, const Mat& mask, std::vec
     {
         const Level& level = pyramid[i];
         std::sort(chosen[i].begin(), chosen[i].end(), inRasterOrder);
-        for (size_t j = 0; j < chosen[i].size(); j++)
+        std::vector<DescriptorPoint> points(chosen[i].size());
+        for (size_t j = 0; j < points.size(); j++)
         {
-            const RankedCorner& c = chosen[i][j];
-            Point2f pt = positions[i](c.x, c.y);
+            points[j].x = chosen[i][j].x;
+            points[j].y = chosen[i][j].y;
+        }
+        orientations(level.image, patch, points.data(), points.size());
+        for (size_t j = 0; j < points.size(); j++)
+        {
+            const DescriptorPoint& point = points[j];
+            Point2f pt = positions[i](point.x, point.y);
             if (p.subPixel)
             {
-                const Point2d offset = subPixelOffset(level.image, c.x, c.y);
-                const Point2f refined = positions[i](c.x, c.y, offset.x, offset.y);
+                const Point2d offset = subPixelOffset(level.image, point.x, point.y);
+                const Point2f refined = positions[i](point.x, point.y, offset.x, offset.y);
                 if (mask.empty() || mask.at<uchar>(cvRound(refined.y), cvRound(refined.x)))
                     pt = refined;
             }
-            keypoints.push_back(KeyPoint(pt, p.patchSize * level.scale, orientation(level.image, c.x, c.y, patch),
-                                         c.response, i));
-            const LevelPixel pixel = {i, c.x, c.y};
+            keypoints.push_back(KeyPoint(pt, p.patchSize * level.scale, point.angle, chosen[i][j].response, i));
+            const LevelPixel pixel = {i, point};
             pixels.push_back(pixel);
         }
     }
@@ -324,31 +331,29 @@ void AdaptiveQuadtreeORBImpl::locate(const Mat& image, const std::vector<KeyPoin
     {
         const KeyPoint& keypoint = keypoints[i];
         const float inverseScale = 1.f / pyramid[keypoint.octave].scale;
-        const LevelPixel pixel = {keypoint.octave, cvRound(keypoint.pt.x * inverseScale),
-                                  cvRound(keypoint.pt.y * inverseScale)};
+        const DescriptorPoint point = {cvRound(keypoint.pt.x * inverseScale), cvRound(keypoint.pt.y * inverseScale),
+                                       keypoint.angle};
+        const LevelPixel pixel = {keypoint.octave, point};
         pixels.push_back(pixel);
     }
 }
 
-// Keypoints and pixels are ordered by level.
-void AdaptiveQuadtreeORBImpl::describe(const std::vector<Level>& pyramid, const std::vector<KeyPoint>& keypoints,
-                                       const std::vector<LevelPixel>& pixels, Mat& descriptors) const
+// The pixels are ordered by level.
+void AdaptiveQuadtreeORBImpl::describe(const std::vector<Level>& pyramid, const std::vector<LevelPixel>& pixels,
+                                       Mat& descriptors) const
 {
-    if (keypoints.empty())
+    if (pixels.empty())
         return;
     const std::vector<Point> pattern = descriptorPattern(p.patchSize, p.WTA_K);
-    descriptors.create(int(keypoints.size()), kBytes, CV_8UC1);
+    descriptors.create(int(pixels.size()), kBytes, CV_8UC1);
     Mat blurred;
     std::vector<DescriptorPoint> points;
-    for (size_t first = 0, end; first < keypoints.size(); first = end)
+    for (size_t first = 0, end; first < pixels.size(); first = end)
     {
         const int level = pixels[first].level;
         points.clear();
-        for (end = first; end < keypoints.size() && pixels[end].level == level; end++)
-        {
-            const DescriptorPoint point = {pixels[end].x, pixels[end].y, keypoints[end].angle};
-            points.push_back(point);
-        }
+        for (end = first; end < pixels.size() && pixels[end].level == level; end++)
+            points.push_back(pixels[end].point);
         approximateBlur(pyramid[level].image, blurred);
         computeDescriptors(pyramid[level].image, blurred, &points[0], points.size(), pattern, p.WTA_K,
                            descriptors.ptr(int(first)), descriptors.step);

@@ -43,6 +43,22 @@ struct PairTests
     float x[2][COUNT], y[2][COUNT];  //!< [point of the pair][test]
 };
 
+//! Radius of the suppression of corners, for which its kernel is written.
+const int SUPPRESS_RADIUS = 3;
+
+//! What the pixels of a circular patch count for its moments: u and v inside, 0 outside.
+struct PatchWeights
+{
+    enum
+    {
+        MAX_RADIUS = 31,
+        MAX_WIDTH = 64
+    };
+    int radius;
+    int width;  //!< of the patch, filled up with zeros for whole vectors
+    short u[MAX_RADIUS + 1][MAX_WIDTH], v[MAX_RADIUS + 1][MAX_WIDTH];  //!< [|v|][u + radius]
+};
+
 }  // namespace stages
 }  // namespace aqorb
 }  // namespace cv

@@ -121,7 +121,7 @@ CV_EXPORTS int cornerScore(const uchar* p, size_t step);
 //! cornerScore at (x, y) and its neighbours, scores[1 + dy][1 + dx].
 CV_EXPORTS void cornerScores3x3(const Mat& image, int x, int y, int scores[3][3]);
 
-// ---- corners.cpp -----------------------------------------------------------------------------
+// ---- corners.dispatch.cpp --------------------------------------------------------------------
 
 //! What corner detection on a level gives: the corners to choose from, and those the rules pass over.
 struct LevelCorners
@@ -132,10 +132,10 @@ struct LevelCorners
 
 /** Corners of a level inside `region`: score >= thresholds.ini; in cells of side cellSize (the first
  begins at the region's corner) that have none, score >= thresholds.min. Corners off the mask do not
- count. With suppressRadius > 0 a corner falls to any other one with |dx|, |dy| <= suppressRadius and
- a higher score (equal: lower y, then lower x). */
+ count. With suppressNear a corner falls to any other one with |dx|, |dy| <= 3 and a higher score (equal:
+ lower y, then lower x), even to one that falls itself. */
 CV_EXPORTS void findCorners(const Level& level, const Rect& region, Thresholds thresholds, int cellSize,
-                            int suppressRadius, LevelCorners& corners);
+                            bool suppressNear, LevelCorners& corners);
 
 //! The corners of score >= thresholds.min that the cell rule of findCorners passes over.
 CV_EXPORTS void findCellRejects(const Level& level, const Rect& region, Thresholds thresholds,
@@ -145,6 +145,10 @@ CV_EXPORTS void findCellRejects(const Level& level, const Rect& region, Threshol
 
 //! cv::ORB's Harris response, over a 5x5 instead of a 7x7 block.
 CV_EXPORTS float harrisResponse(const Mat& image, int x, int y);
+
+//! The corners with their harrisResponse.
+CV_EXPORTS void harrisResponses(const Mat& image, const std::vector<Corner>& corners,
+                                std::vector<RankedCorner>& ranked);
 
 // ---- quadtree.cpp ----------------------------------------------------------------------------
 
@@ -259,11 +263,22 @@ CV_EXPORTS Point2d subPixelOffset(const Mat& image, int x, int y);
 
 // ---- orientation.dispatch.cpp ----------------------------------------------------------------
 
+//! Where and in which direction a descriptor is to be taken.
+struct DescriptorPoint
+{
+    int x, y;
+    float angle;  //!< degrees
+};
+
 //! Half widths of the rows 0 .. patchSize/2 of the circular patch, as cv::ORB's.
 CV_EXPORTS std::vector<int> circularPatch(int patchSize);
 
 //! Direction of the intensity centroid of the patch around (x, y), degrees, as cv::ORB's.
 CV_EXPORTS float orientation(const Mat& image, int x, int y, const std::vector<int>& halfWidths);
+
+//! Sets the angles of points to their orientation.
+CV_EXPORTS void orientations(const Mat& image, const std::vector<int>& halfWidths, DescriptorPoint* points,
+                             size_t count);
 
 // ---- blur.dispatch.cpp -----------------------------------------------------------------------
 
@@ -282,13 +297,6 @@ CV_EXPORTS void approximateBlur(const Mat& image, Mat& blurred);
 
 //! The points that rBRIEF compares, WTA_K to a test, in the order of the tests; as cv::ORB draws them.
 CV_EXPORTS std::vector<Point> descriptorPattern(int patchSize, int WTA_K);
-
-//! Where and in which direction a descriptor is to be taken.
-struct DescriptorPoint
-{
-    int x, y;
-    float angle;  //!< degrees
-};
 
 /** The 32-byte descriptors at pixels of a level, equal to cv::ORB's.
  @param image the level

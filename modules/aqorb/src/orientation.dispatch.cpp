@@ -4,6 +4,9 @@
 
 #include "precomp.hpp"
 
+#include "orientation.simd.hpp"
+#include "orientation.simd_declarations.hpp"
+
 namespace cv
 {
 namespace aqorb
@@ -32,6 +35,11 @@ std::vector<int> circularPatch(int patchSize)
     return halfWidths;
 }
 
+static float directionOf(int m10, int m01)
+{
+    return fastAtan2(float(m01), float(m10));
+}
+
 float orientation(const Mat& image, int x, int y, const std::vector<int>& halfWidths)
 {
     const int radius = int(halfWidths.size()) - 1;
@@ -52,7 +60,46 @@ float orientation(const Mat& image, int x, int y, const std::vector<int>& halfWi
         }
         m01 += unsigned(v) * sum;
     }
-    return fastAtan2(float(int(m01)), float(int(m10)));
+    return directionOf(int(m10), int(m01));
+}
+
+static void momentsOf(const uchar* center, ptrdiff_t step, const PatchWeights& weights, int& m10, int& m01)
+{
+    CV_CPU_DISPATCH(patchMoments, (center, step, weights, m10, m01), CV_CPU_DISPATCH_MODES_ALL);
+}
+
+void orientations(const Mat& image, const std::vector<int>& halfWidths, DescriptorPoint* points, size_t count)
+{
+    const int radius = int(halfWidths.size()) - 1, LANES = 16;
+    PatchWeights weights;
+    Rect inside;  // where the kernel may read
+    if (radius <= PatchWeights::MAX_RADIUS)
+    {
+        weights.radius = radius;
+        weights.width = int(alignSize(size_t(2 * radius + 1), LANES));
+        for (int v = 0; v <= radius; v++)
+        {
+            for (int x = 0; x < weights.width; x++)
+            {
+                const bool inPatch = std::abs(x - radius) <= halfWidths[v];
+                weights.u[v][x] = short(inPatch ? x - radius : 0);
+                weights.v[v][x] = short(inPatch ? v : 0);
+            }
+        }
+        inside = Rect(radius, radius, image.cols - weights.width, image.rows - 2 * radius);
+    }
+    for (size_t i = 0; i < count; i++)
+    {
+        DescriptorPoint& point = points[i];
+        if (!inside.contains(Point(point.x, point.y)))
+        {
+            point.angle = orientation(image, point.x, point.y, halfWidths);
+            continue;
+        }
+        int m10, m01;
+        momentsOf(image.ptr(point.y) + point.x, ptrdiff_t(image.step), weights, m10, m01);
+        point.angle = directionOf(m10, m01);
+    }
 }
 
 }  // namespace stages

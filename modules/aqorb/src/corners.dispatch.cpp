@@ -4,6 +4,9 @@
 
 #include "precomp.hpp"
 
+#include "corners.simd.hpp"
+#include "corners.simd_declarations.hpp"
+
 namespace cv
 {
 namespace aqorb
@@ -68,46 +71,38 @@ static void dropMasked(const Mat& mask, size_t first, std::vector<Corner>& corne
     corners.resize(kept);
 }
 
-static bool beats(const Corner& a, const Corner& b)
+static void suppressedOf(const Mat& scores, const std::vector<Corner>& corners, uchar* falls)
 {
-    if (a.score != b.score)
-        return a.score > b.score;
-    return a.y != b.y ? a.y < b.y : a.x < b.x;
+    CV_CPU_DISPATCH(findSuppressed, (scores.ptr(), ptrdiff_t(scores.step), corners.data(), int(corners.size()), falls),
+                    CV_CPU_DISPATCH_MODES_ALL);
 }
 
 // Moves the corners that fall to a better one nearby, even if that falls itself, to `suppressed`.
-static void suppress(Size size, int radius, LevelCorners& corners)
+static void suppress(Size size, LevelCorners& corners)
 {
-    // Scores are 1 to 254, so 0 means no corner.
-    Mat scores = Mat::zeros(size.height + 2 * radius, size.width + 2 * radius, CV_8UC1);
+    const int MARGIN = 16;  // the kernel reads vectors
+    Mat plane = Mat::zeros(size.height + 2 * MARGIN, size.width + 2 * MARGIN, CV_8UC1);
+    const Mat scores = plane(Rect(Point(MARGIN, MARGIN), size));
     for (size_t i = 0; i < corners.kept.size(); i++)
     {
-        const Corner& corner = corners.kept[i];
-        scores.at<uchar>(corner.y + radius, corner.x + radius) = uchar(corner.score);
+        const Corner& corner = corners.kept[i];  // scores are 1 to 254, so 0 means no corner
+        plane.at<uchar>(corner.y + MARGIN, corner.x + MARGIN) = uchar(corner.score);
     }
+    std::vector<uchar> falls(corners.kept.size());
+    suppressedOf(scores, corners.kept, falls.data());
     size_t kept = 0;
-    for (size_t i = 0; i < corners.kept.size(); i++)
+    for (size_t i = 0; i < falls.size(); i++)
     {
-        const Corner corner = corners.kept[i];
-        bool falls = false;
-        for (int y = corner.y - radius; y <= corner.y + radius && !falls; y++)
-        {
-            for (int x = corner.x - radius; x <= corner.x + radius && !falls; x++)
-            {
-                const Corner other = {x, y, scores.at<uchar>(y + radius, x + radius)};
-                falls = beats(other, corner);
-            }
-        }
-        if (falls)
-            corners.suppressed.push_back(corner);
+        if (falls[i])
+            corners.suppressed.push_back(corners.kept[i]);
         else
-            corners.kept[kept++] = corner;
+            corners.kept[kept++] = corners.kept[i];
     }
     corners.kept.resize(kept);
 }
 
 void findCorners(const Level& level, const Rect& region, Thresholds thresholds, int cellSize,
-                 int suppressRadius, LevelCorners& corners)
+                 bool suppressNear, LevelCorners& corners)
 {
     CV_TRACE_FUNCTION();
     corners.kept.clear();
@@ -127,8 +122,8 @@ void findCorners(const Level& level, const Rect& region, Thresholds thresholds, 
             detectCorners(level.image, runs[i], thresholds.min, corners.kept);
         dropMasked(level.mask, first, corners.kept);
     }
-    if (suppressRadius > 0)
-        suppress(level.image.size(), suppressRadius, corners);
+    if (suppressNear)
+        suppress(level.image.size(), corners);
 }
 
 void findCellRejects(const Level& level, const Rect& region, Thresholds thresholds, int cellSize,

@@ -1,0 +1,55 @@
+// This file is part of the aqorb project.
+// It is subject to the license terms in the LICENSE file found in the top-level directory
+// of this distribution.
+
+#include "precomp.hpp"
+
+#include "harris.simd.hpp"
+#include "harris.simd_declarations.hpp"
+
+namespace cv
+{
+namespace aqorb
+{
+namespace stages
+{
+
+static const int RADIUS = 3;  // of the 5x5 block and the Sobel operators
+static const int REACH = 6;   // to the right: vectors read on
+
+float harrisResponse(const Mat& image, int x, int y)
+{
+    PatchBuffer buffer;
+    const Patch patch = patchAround(image, x, y, REACH, buffer);
+    CV_CPU_DISPATCH(harrisAt, (patch.center, patch.step), CV_CPU_DISPATCH_MODES_ALL);
+}
+
+static void rankInside(const Mat& image, const Corner* corners, int count, RankedCorner* ranked)
+{
+    CV_CPU_DISPATCH(harrisOfCorners, (image.ptr(), ptrdiff_t(image.step), corners, count, ranked),
+                    CV_CPU_DISPATCH_MODES_ALL);
+}
+
+void harrisResponses(const Mat& image, const std::vector<Corner>& corners, std::vector<RankedCorner>& ranked)
+{
+    ranked.resize(corners.size());
+    const Rect inside(RADIUS, RADIUS, image.cols - RADIUS - REACH, image.rows - 2 * RADIUS);
+    size_t end;
+    for (size_t i = 0; i < corners.size(); i = end)
+    {
+        end = i;
+        while (end < corners.size() && inside.contains(Point(corners[end].x, corners[end].y)))
+            end++;
+        rankInside(image, corners.data() + i, int(end - i), ranked.data() + i);
+        if (end < corners.size())
+        {
+            const Corner& c = corners[end];
+            const RankedCorner corner = {c.x, c.y, harrisResponse(image, c.x, c.y)};
+            ranked[end++] = corner;
+        }
+    }
+}
+
+}  // namespace stages
+}  // namespace aqorb
+}  // namespace cv

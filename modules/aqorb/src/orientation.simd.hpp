@@ -1,0 +1,62 @@
+// This file is part of the aqorb project.
+// It is subject to the license terms in the LICENSE file found in the top-level directory
+// of this distribution.
+
+#include "kernels.hpp"
+#include "simd_compat.hpp"
+
+namespace cv
+{
+namespace aqorb
+{
+namespace stages
+{
+CV_CPU_OPTIMIZATION_NAMESPACE_BEGIN
+
+/** The moments of the circular patch around a pixel.
+ @param center with `radius` pixels around and weights.width - radius to the right readable */
+void patchMoments(const uchar* center, ptrdiff_t step, const PatchWeights& weights, int& m10, int& m01);
+
+#ifndef CV_CPU_OPTIMIZATION_DECLARATIONS_ONLY
+
+void patchMoments(const uchar* center, ptrdiff_t step, const PatchWeights& weights, int& m10, int& m01)
+{
+    m10 = m01 = 0;
+    const int radius = weights.radius;
+#if CV_SIMD
+    v_int32 sum10 = vx_setzero_s32(), sum01 = vx_setzero_s32();
+#endif
+    for (int v = 0; v <= radius; v++)
+    {
+        const uchar *above = center - v * step - radius, *below = center + v * step - radius;
+        const short *wu = weights.u[v], *wv = weights.v[v];
+        int x = 0;
+#if CV_SIMD
+        for (; x < weights.width; x += AQORB_LANES(v_int16))
+        {
+            const v_int16 a = v_reinterpret_as_s16(vx_load_expand(above + x)), b = v_reinterpret_as_s16(vx_load_expand(below + x));
+            sum10 = v_add(sum10, v_dotprod(v_add(a, b), vx_load(wu + x)));
+            sum01 = v_add(sum01, v_dotprod(v_sub(b, a), vx_load(wv + x)));
+        }
+#endif
+        for (; x < weights.width; x++)
+        {
+            m10 += (above[x] + below[x]) * wu[x];
+            m01 += (below[x] - above[x]) * wv[x];
+        }
+    }
+#if CV_SIMD
+    m10 = v_reduce_sum(sum10);
+    m01 = v_reduce_sum(sum01);
+#endif
+    // Row 0 was its own mirror image: counted twice.
+    for (int u = -radius; u <= radius; u++)
+        m10 -= u * center[u];
+}
+
+#endif  // CV_CPU_OPTIMIZATION_DECLARATIONS_ONLY
+
+CV_CPU_OPTIMIZATION_NAMESPACE_END
+}  // namespace stages
+}  // namespace aqorb
+}  // namespace cv
