@@ -17,6 +17,28 @@ namespace aqorb
 namespace stages
 {
 
+//! Where 16 neighbouring pixels of a resized row come from: pixel i is a + (b - a) * weight / 256.
+struct ResizeBlock
+{
+    int base[2];              //!< of the 16 source bytes that the pixels 0 to 7, 8 to 15 come from
+    signed char a[2][16], b[2][16];  //!< byte shuffles: for each of 8 pixels its source byte, then -128 (a zero)
+    short weight[16];
+};
+
+//! Resizes rows by INTER_LINEAR_EXACT.
+struct Resize
+{
+    const uchar* source;
+    ptrdiff_t sourceStep;
+    uchar* destination;
+    ptrdiff_t destinationStep;
+    int width;                  //!< of the destination
+    const ResizeBlock* blocks;  //!< ceil(width / 16)
+    const int *upper, *lower;   //!< by destination row: the two source rows
+    const short* lowerWeight;   //!< by destination row, in 1/256
+    short* rows[2];             //!< scratch, 16 ceil(width / 16) elements each
+};
+
 //! A scan of a region for FAST corners, row by row; a row is suppressed once the one below it has scores.
 struct FastScan
 {

@@ -73,7 +73,7 @@ typedef AutoBuffer<uchar, 2048> PatchBuffer;
  a copy in the buffer, filled up by reflection. */
 CV_EXPORTS Patch patchAround(const Mat& image, int x, int y, int radius, PatchBuffer& buffer);
 
-// ---- threshold.cpp ---------------------------------------------------------------------------
+// ---- threshold.dispatch.cpp ------------------------------------------------------------------
 
 //! FAST thresholds of an image: `ini` everywhere, `min` in cells that have no corner at `ini`.
 struct Thresholds
@@ -90,7 +90,7 @@ CV_EXPORTS Thresholds adaptiveThresholds(double varianceOverMean, int fastThresh
 //! iniT and minT without equation (7): iniT is fastThreshold itself.
 CV_EXPORTS Thresholds fixedThresholds(int fastThreshold, double minRatio);
 
-// ---- pyramid.cpp -----------------------------------------------------------------------------
+// ---- pyramid.dispatch.cpp --------------------------------------------------------------------
 
 //! The size of a pixel of a level in pixels of the input image, as cv::ORB computes it.
 CV_EXPORTS float levelScale(int level, int firstLevel, double scaleFactor);
@@ -100,6 +100,9 @@ CV_EXPORTS Size levelSize(Size imageSize, float scale);
 
 //! Number of features of each level, equation (8), rounded as by cv::ORB but at most nfeatures in all.
 CV_EXPORTS std::vector<int> levelQuotas(int nfeatures, double scaleFactor, int nlevels);
+
+//! cv::resize with INTER_LINEAR_EXACT for CV_8UC1, without its overhead for one channel.
+CV_EXPORTS void resizeExact(const Mat& source, Mat& destination, Size size);
 
 /** The levels of cv::ORB's pyramid, level firstLevel being the image itself (not copied). With a
  mask, each level's mask holds the pixels that are made of usable pixels only. Stops before the first

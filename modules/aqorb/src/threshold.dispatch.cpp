@@ -4,6 +4,9 @@
 
 #include "precomp.hpp"
 
+#include "threshold.simd.hpp"
+#include "threshold.simd_declarations.hpp"
+
 namespace cv
 {
 namespace aqorb
@@ -11,25 +14,35 @@ namespace aqorb
 namespace stages
 {
 
+static void addRow(const uchar* row, int width, uint64& sum, uint64& squares)
+{
+    CV_CPU_DISPATCH(sumRow, (row, width, sum, squares), CV_CPU_DISPATCH_MODES_ALL);
+}
+
 double varianceOverMean(const Mat& image, const Mat& mask)
 {
     CV_TRACE_FUNCTION();
-    // Whole sums: the same for any order of summation, so for any number of threads.
+    // Whole sums: the same for any order of summation.
     uint64 sum = 0, squares = 0, count = 0;
     for (int y = 0; y < image.rows; y++)
     {
         const uchar* row = image.ptr(y);
-        const uchar* use = mask.empty() ? NULL : mask.ptr(y);
-        unsigned rowSum = 0;
+        if (mask.empty())
+        {
+            addRow(row, image.cols, sum, squares);
+            count += image.cols;
+            continue;
+        }
+        const uchar* use = mask.ptr(y);
         for (int x = 0; x < image.cols; x++)
         {
-            if (use && !use[x])
-                continue;
-            rowSum += row[x];
-            squares += unsigned(row[x]) * row[x];
-            count++;
+            if (use[x])
+            {
+                sum += row[x];
+                squares += unsigned(row[x]) * row[x];
+                count++;
+            }
         }
-        sum += rowSum;
     }
     if (sum == 0)
         return 0;

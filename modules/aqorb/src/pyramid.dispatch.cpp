@@ -1,0 +1,210 @@
+// This file is part of the aqorb project.
+// It is subject to the license terms in the LICENSE file found in the top-level directory
+// of this distribution.
+
+#include "precomp.hpp"
+
+#include "pyramid.simd.hpp"
+#include "pyramid.simd_declarations.hpp"
+
+namespace cv
+{
+namespace aqorb
+{
+namespace stages
+{
+
+float levelScale(int level, int firstLevel, double scaleFactor)
+{
+    return float(std::pow(scaleFactor, double(level - firstLevel)));
+}
+
+Size levelSize(Size imageSize, float scale)
+{
+    const float inverse = 1.f / scale;
+    const float width = imageSize.width * inverse, height = imageSize.height * inverse;
+    const float limit = float((1 << 20) - 1);
+    if (!(width <= limit && height <= limit))
+        CV_Error_(Error::StsOutOfRange,
+                  ("scaleFactor, firstLevel: a level of the pyramid would be %g x %g pixels; at most "
+                   "%g a side is accepted",
+                   width, height, limit));
+    return Size(cvRound(width), cvRound(height));
+}
+
+std::vector<int> levelQuotas(int nfeatures, double scaleFactor, int nlevels)
+{
+    const float factor = float(1.0 / scaleFactor);
+    float desired = nfeatures * (1 - factor) / (1 - float(std::pow(double(factor), double(nlevels))));
+    std::vector<int> quotas(nlevels);
+    int64 sum = 0;
+    for (int level = 0; level < nlevels - 1; level++)
+    {
+        quotas[level] = cvRound(desired);
+        sum += quotas[level];
+        desired *= factor;
+    }
+    quotas[nlevels - 1] = int(std::max<int64>(nfeatures - sum, 0));
+    // cv::ORB's rounding can ask for more than nfeatures; the finest levels have the most to give.
+    int64 excess = sum + quotas[nlevels - 1] - nfeatures;
+    for (int level = 0; excess > 0; level++)
+    {
+        const int taken = int(std::min<int64>(excess, quotas[level]));
+        quotas[level] -= taken;
+        excess -= taken;
+    }
+    return quotas;
+}
+
+namespace
+{
+// The two source pixels that INTER_LINEAR_EXACT makes a pixel of.
+struct Taps
+{
+    int first, second;
+    int secondWeight;  // in 1/256
+};
+}  // namespace
+
+// By destination pixel along one axis; OpenCV's arithmetic, as every rounding counts.
+static void linearTaps(int sourceLength, int length, Taps* taps)
+{
+    const double scale = 1.0 / (double(length) / sourceLength);
+    for (int i = 0; i < length; i++)
+    {
+        const double center = scale * (i + 0.5) - 0.5;
+        const int first = cvFloor(center);
+        const bool between = first >= 0 && first < sourceLength - 1;
+        taps[i].first = std::min(std::max(first, 0), sourceLength - 1);
+        taps[i].second = between ? first + 1 : taps[i].first;
+        taps[i].secondWeight = between ? cvRound((center - first) * 256) : 0;
+    }
+}
+
+// A pixel is usable if all the pixels it is made of are.
+static Mat resizeMask(const Mat& mask, Size size)
+{
+    AutoBuffer<Taps> columns(size.width), rows(size.height);
+    linearTaps(mask.cols, size.width, columns.data());
+    linearTaps(mask.rows, size.height, rows.data());
+    Mat resized(size, CV_8UC1);
+    for (int y = 0; y < size.height; y++)
+    {
+        const bool useUpper = rows[y].secondWeight < 256, useLower = rows[y].secondWeight > 0;
+        const uchar* upper = mask.ptr(useUpper ? rows[y].first : rows[y].second);
+        const uchar* lower = mask.ptr(useLower ? rows[y].second : rows[y].first);
+        uchar* out = resized.ptr(y);
+        for (int x = 0; x < size.width; x++)
+        {
+            const Taps& taps = columns[x];
+            const int left = taps.secondWeight < 256 ? taps.first : taps.second;
+            const int right = taps.secondWeight > 0 ? taps.second : taps.first;
+            out[x] = upper[left] && upper[right] && lower[left] && lower[right] ? 255 : 0;
+        }
+    }
+    return resized;
+}
+
+// The tables of the horizontal pass; false where 8 neighbours come from more than 16 source pixels.
+static bool resizeBlocks(int sourceWidth, const Taps* taps, int width, std::vector<ResizeBlock>& blocks)
+{
+    const int BYTES = 16, GROUP = 8;
+    const signed char ZERO = -128;
+    if (sourceWidth < BYTES)
+        return false;
+    blocks.resize((width + BYTES - 1) / BYTES);
+    for (int i = 0; i < int(blocks.size()) * 2; i++)
+    {
+        ResizeBlock& block = blocks[i / 2];
+        const int half = i & 1;
+        const int base = std::min(taps[std::min(i * GROUP, width - 1)].first, sourceWidth - BYTES);
+        block.base[half] = base;
+        for (int j = 0; j < GROUP; j++)
+        {
+            const Taps& tap = taps[std::min(i * GROUP + j, width - 1)];
+            if (tap.second - base >= BYTES)
+                return false;
+            block.a[half][2 * j] = schar(tap.first - base);
+            block.b[half][2 * j] = schar(tap.second - base);
+            block.a[half][2 * j + 1] = block.b[half][2 * j + 1] = ZERO;
+            block.weight[half * GROUP + j] = short(tap.secondWeight);
+        }
+    }
+    return true;
+}
+
+static bool resizeByKernel(const Resize& resize, int begin, int end)
+{
+    CV_CPU_DISPATCH(resizeRows, (resize, begin, end), CV_CPU_DISPATCH_MODES_ALL);
+}
+
+void resizeExact(const Mat& source, Mat& destination, Size size)
+{
+    CV_TRACE_FUNCTION();
+    destination.create(size, CV_8UC1);
+    AutoBuffer<Taps> columns(size.width), rows(size.height);
+    linearTaps(source.cols, size.width, columns.data());
+    linearTaps(source.rows, size.height, rows.data());
+    std::vector<ResizeBlock> blocks;
+    if (resizeBlocks(source.cols, columns.data(), size.width, blocks))
+    {
+        AutoBuffer<int> upper(size.height), lower(size.height);
+        AutoBuffer<short> lowerWeight(size.height), scratch(2 * 16 * blocks.size());
+        for (int y = 0; y < size.height; y++)
+        {
+            upper[y] = rows[y].first;
+            lower[y] = rows[y].second;
+            lowerWeight[y] = short(rows[y].secondWeight);
+        }
+        Resize resize;
+        resize.source = source.ptr();
+        resize.sourceStep = ptrdiff_t(source.step);
+        resize.destination = destination.ptr();
+        resize.destinationStep = ptrdiff_t(destination.step);
+        resize.width = size.width;
+        resize.blocks = blocks.data();
+        resize.upper = upper.data();
+        resize.lower = lower.data();
+        resize.lowerWeight = lowerWeight.data();
+        resize.rows[0] = scratch.data();
+        resize.rows[1] = scratch.data() + 16 * blocks.size();
+        if (resizeByKernel(resize, 0, size.height))
+            return;
+    }
+    cv::resize(source, destination, size, 0, 0, INTER_LINEAR_EXACT);
+}
+
+void buildPyramid(const Mat& image, const Mat& mask, int nlevels, int firstLevel, double scaleFactor,
+                  int minSide, std::vector<Level>& levels)
+{
+    CV_TRACE_FUNCTION();
+    levels.clear();
+    for (int i = 0; i < nlevels; i++)
+    {
+        Level level;
+        level.scale = levelScale(i, firstLevel, scaleFactor);
+        const Size size = levelSize(image.size(), level.scale);
+        if (std::min(size.width, size.height) < minSide)
+            break;
+        if (i == firstLevel)
+        {
+            level.image = image;
+            level.mask = mask;
+        }
+        else
+        {
+            // cv::ORB makes the level after the image's, too, from the image
+            const bool fromImage = i <= firstLevel + 1;
+            const Mat& source = fromImage ? image : levels.back().image;
+            const Mat& sourceMask = fromImage ? mask : levels.back().mask;
+            resizeExact(source, level.image, size);
+            if (!mask.empty())
+                level.mask = resizeMask(sourceMask, size);
+        }
+        levels.push_back(level);
+    }
+}
+
+}  // namespace stages
+}  // namespace aqorb
+}  // namespace cv
