@@ -21,46 +21,121 @@ String AdaptiveQuadtreeORB::getDefaultName() const
 namespace
 {
 
-// A pixel of a level at which a keypoint lies.
-struct LevelPixel
+// The features of a level.
+struct LevelFeatures
 {
-    int level;
-    DescriptorPoint point;
+    std::vector<KeyPoint> keypoints;
+    std::vector<DescriptorPoint> points;  // where they were found
+};
+
+// What a call needs beside its outputs; kept for the next call.
+struct Workspace
+{
+    std::vector<Level> pyramid;
+    std::vector<LevelCorners> corners;
+    std::vector<std::vector<RankedCorner> > ranked, chosen;
+    std::vector<Mat> blurred;
+    std::vector<LevelFeatures> features;
+
+    void resize(size_t levels)
+    {
+        corners.resize(std::max(levels, corners.size()));
+        ranked.resize(std::max(levels, ranked.size()));
+        blurred.resize(std::max(levels, blurred.size()));
+        features.resize(std::max(levels, features.size()));
+    }
+};
+
+// Lends work spaces, one to each call that is under way.
+class WorkspacePool
+{
+public:
+    class Lease
+    {
+    public:
+        explicit Lease(WorkspacePool& pool_) : pool(pool_), workspace(pool.take()) {}
+        ~Lease()
+        {
+            // The input image is the caller's.
+            for (size_t i = 0; i < workspace->pyramid.size(); i++)
+            {
+                Level& level = workspace->pyramid[i];
+                level.mask.release();
+                if (level.isInput)
+                    level.image.release();
+            }
+            pool.give(workspace);
+        }
+        Workspace& operator*() const { return *workspace; }
+
+    private:
+        Lease(const Lease&);
+        Lease& operator=(const Lease&);
+
+        WorkspacePool& pool;
+        Ptr<Workspace> workspace;
+    };
+
+private:
+    Ptr<Workspace> take()
+    {
+        AutoLock lock(mutex);
+        if (idle.empty())
+            return makePtr<Workspace>();
+        const Ptr<Workspace> workspace = idle.back();
+        idle.pop_back();
+        return workspace;
+    }
+    void give(const Ptr<Workspace>& workspace)
+    {
+        AutoLock lock(mutex);
+        idle.push_back(workspace);
+    }
+
+    Mutex mutex;
+    std::vector<Ptr<Workspace> > idle;
 };
 
 // Detects and ranks the corners of the pyramid's levels for selection.
 class PyramidCorners : public CornerSource
 {
 public:
-    PyramidCorners(const Parameters& parameters_, const std::vector<Level>& pyramid_, Thresholds thresholds_)
-        : parameters(parameters_), pyramid(pyramid_), thresholds(thresholds_), found(pyramid_.size())
+    PyramidCorners(const Parameters& parameters_, Thresholds thresholds_, Workspace& workspace_)
+        : parameters(parameters_), thresholds(thresholds_), workspace(workspace_), ready(workspace.pyramid.size(), 0)
     {
     }
     Rect region(int level) const
     {
         const int border = parameters.edgeThreshold;
-        const Size size = pyramid[level].image.size();
+        const Size size = workspace.pyramid[level].image.size();
         return Rect(border, border, size.width - 2 * border, size.height - 2 * border);
+    }
+    // Finds the corners of a level that will be asked for; several levels may be prepared at once.
+    void prepare(int level)
+    {
+        LevelCorners& corners_ = workspace.corners[level];
+        // Harris responses of neighbours hardly differ: unsuppressed, a strong corner is taken thrice.
+        findCorners(workspace.pyramid[level], region(level), thresholds, parameters.cellSize, isHarris(), corners_);
+        rank(level, corners_.kept, workspace.ranked[level]);
+        ready[level] = 1;
     }
     void corners(int level, CornerSet set, std::vector<RankedCorner>& ranked) CV_OVERRIDE
     {
-        LevelCorners& level_corners = found[level];
-        switch (set)
+        if (set == KEPT_CORNERS)
         {
-        case KEPT_CORNERS:
-            // Harris responses of neighbours hardly differ: unsuppressed, a strong corner is taken thrice.
-            findCorners(pyramid[level], region(level), thresholds, parameters.cellSize,
-                        isHarris(), level_corners);
-            rank(level, level_corners.kept, ranked);
-            break;
-        case SUPPRESSED_CORNERS: rank(level, level_corners.suppressed, ranked); break;
-        case CELL_REJECTS:
+            if (!ready[level])
+                prepare(level);
+            ranked.swap(workspace.ranked[level]);
+        }
+        else if (set == SUPPRESSED_CORNERS)
+        {
+            rank(level, workspace.corners[level].suppressed, ranked);
+        }
+        else
         {
             std::vector<Corner> rejects;
-            findCellRejects(pyramid[level], region(level), thresholds, parameters.cellSize, rejects);
+            findCellRejects(workspace.pyramid[level], region(level), thresholds, parameters.cellSize, rejects);
             rank(level, rejects, ranked);
-            break;
-        }
         }
     }
 
@@ -71,7 +146,7 @@ private:
     {
         if (isHarris())
         {
-            harrisResponses(pyramid[level].image, unranked, ranked);
+            harrisResponses(workspace.pyramid[level].image, unranked, ranked);
             return;
         }
         ranked.resize(unranked.size());
@@ -83,14 +158,19 @@ private:
     }
 
     const Parameters& parameters;
-    const std::vector<Level>& pyramid;
     const Thresholds thresholds;
-    std::vector<LevelCorners> found;
+    Workspace& workspace;
+    std::vector<uchar> ready;
 };
 
 bool inRasterOrder(const RankedCorner& a, const RankedCorner& b)
 {
     return a.y != b.y ? a.y < b.y : a.x < b.x;
+}
+
+bool hasLowerOctave(const KeyPoint& a, const KeyPoint& b)
+{
+    return a.octave < b.octave;
 }
 
 }  // namespace
@@ -159,13 +239,13 @@ private:
         p = changed;
     }
 
-    void detect(const Mat& image, const Mat& mask, std::vector<Level>& pyramid, std::vector<KeyPoint>& keypoints,
-                std::vector<LevelPixel>& pixels) const;
-    void locate(const Mat& image, const std::vector<KeyPoint>& provided, std::vector<Level>& pyramid,
-                std::vector<KeyPoint>& keypoints, std::vector<LevelPixel>& pixels) const;
-    void describe(const std::vector<Level>& pyramid, const std::vector<LevelPixel>& pixels, Mat& descriptors) const;
+    void detect(const Mat& image, const Mat& mask, Workspace& workspace) const;
+    void locate(const Mat& image, const std::vector<KeyPoint>& provided, Workspace& workspace) const;
+    void refine(const std::vector<RankedCorner>& corners, const Level& level, int octave, const PositionMap& position,
+                const Mat& mask, LevelFeatures& features) const;
 
     Parameters p;
+    WorkspacePool workspaces;
 };
 
 Ptr<AdaptiveQuadtreeORB> AdaptiveQuadtreeORB::create(int nfeatures, float scaleFactor, int nlevels, int edgeThreshold,
@@ -192,34 +272,63 @@ void AdaptiveQuadtreeORBImpl::detectAndCompute(InputArray image_, InputArray mas
     const bool withDescriptors = descriptors_.needed();
     if (useProvidedKeypoints && !withDescriptors)
         return;  // as cv::ORB
-
-    std::vector<KeyPoint> found;
-    std::vector<LevelPixel> pixels;
-    Mat descriptors;
-    if (!image_.empty())
+    if (image_.empty())
     {
-        const Mat image = grayImage(image_);
-        std::vector<Level> pyramid;
-        if (useProvidedKeypoints)
-            locate(image, keypoints, pyramid, found, pixels);
-        else
-            detect(image, checkedMask(mask_, image.size()), pyramid, found, pixels);
+        keypoints.clear();
         if (withDescriptors)
-            describe(pyramid, pixels, descriptors);
-    }
-    keypoints.swap(found);
-    if (withDescriptors)
-    {
-        if (descriptors.empty())
             descriptors_.release();
-        else
-            descriptors.copyTo(descriptors_);
+        return;
+    }
+
+    const Mat image = grayImage(image_);
+    const WorkspacePool::Lease lease(workspaces);
+    Workspace& workspace = *lease;
+    if (useProvidedKeypoints)
+        locate(image, keypoints, workspace);
+    else
+        detect(image, checkedMask(mask_, image.size()), workspace);
+
+    const int levels = int(workspace.pyramid.size());
+    std::vector<size_t> firsts(levels + 1, 0);  // of each level's features among all
+    for (int i = 0; i < levels; i++)
+        firsts[i + 1] = firsts[i] + workspace.features[i].points.size();
+    Mat descriptors;
+    if (withDescriptors && firsts[levels] > 0)
+    {
+        descriptors_.create(int(firsts[levels]), kBytes, CV_8UC1);
+        descriptors = descriptors_.getMat();
+        const std::vector<Point> pattern = descriptorPattern(p.patchSize, p.WTA_K);
+        parallel_for_(
+            Range(0, levels),
+            [&](const Range& range)
+            {
+                for (int i = range.start; i < range.end; i++)
+                {
+                    const Mat& level = workspace.pyramid[i].image;
+                    const std::vector<DescriptorPoint>& points = workspace.features[i].points;
+                    if (points.empty())
+                        continue;
+                    approximateBlur(level, workspace.blurred[i]);
+                    computeDescriptors(level, workspace.blurred[i], points.data(), points.size(), pattern, p.WTA_K,
+                                       descriptors.ptr(int(firsts[i])), descriptors.step);
+                }
+            },
+            levels);
+    }
+    else if (withDescriptors)
+    {
+        descriptors_.release();
+    }
+    keypoints.resize(firsts[levels]);
+    for (int i = 0; i < levels; i++)
+    {
+        const std::vector<KeyPoint>& found = workspace.features[i].keypoints;
+        std::copy(found.begin(), found.end(), keypoints.begin() + firsts[i]);
     }
 }
 
-// The keypoints of an image, and the pixels they were found at.
-void AdaptiveQuadtreeORBImpl::detect(const Mat& image, const Mat& mask, std::vector<Level>& pyramid,
-                                     std::vector<KeyPoint>& keypoints, std::vector<LevelPixel>& pixels) const
+// Finds the features of an image.
+void AdaptiveQuadtreeORBImpl::detect(const Mat& image, const Mat& mask, Workspace& workspace) const
 {
     p.checkTogether(p.nlevels);
     const Thresholds thresholds =
@@ -228,70 +337,87 @@ void AdaptiveQuadtreeORBImpl::detect(const Mat& image, const Mat& mask, std::vec
             : fixedThresholds(p.fastThreshold, p.minThresholdRatio);
 
     const int FAST_RADIUS = 3;
-    const int minSide = 2 * std::max(p.edgeThreshold, FAST_RADIUS) + 1;
+    const int minSide = int(std::min(2 * std::max<int64>(p.edgeThreshold, FAST_RADIUS) + 1, int64(INT_MAX)));
+    std::vector<Level>& pyramid = workspace.pyramid;
     buildPyramid(image, mask, p.nlevels, p.firstLevel, p.scaleFactor, minSide, pyramid);
     const int levels = int(pyramid.size());
+    workspace.resize(levels);
 
-    std::vector<PositionMap> positions(levels);
-    for (int i = 0; i < levels; i++)
-    {
-        const PositionMap position = {image.size(), pyramid[i].image.size(), pyramid[i].scale, p.edgeThreshold,
-                                      p.subPixel};
-        positions[i] = position;
-        if (!mask.empty() && i != p.firstLevel)
-            maskPositions(mask, position, pyramid[i].mask);
-    }
-
-    PyramidCorners source(p, pyramid, thresholds);
+    PyramidCorners source(p, thresholds, workspace);
     const std::vector<int> quotas = levelQuotas(p.nfeatures, p.scaleFactor, p.nlevels);
+    std::vector<PositionMap> positions(levels);
     std::vector<SelectionLevel> selectionLevels(levels);
     for (int i = 0; i < levels; i++)
     {
+        const PositionMap position = {image.size(), pyramid[i].image.size(), pyramid[i].scale, p.edgeThreshold, p.subPixel};
+        positions[i] = position;
+        if (!mask.empty() && !pyramid[i].isInput)
+            maskPositions(mask, position, pyramid[i].mask);
         const SelectionLevel level = {pyramid[i].image.size(), pyramid[i].scale, source.region(i),
                                       p.maxDepth >= 0 ? p.maxDepth : quadtreeDepth(quotas[i]), quotas[i]};
         selectionLevels[i] = level;
     }
-    std::vector<std::vector<RankedCorner> > chosen;
-    selectFeatures(selectionLevels, image.size(), p.octaveSuppression, source, chosen);
-
-    const std::vector<int> patch = circularPatch(p.patchSize);
-    for (int i = 0; i < levels; i++)
-    {
-        const Level& level = pyramid[i];
-        std::sort(chosen[i].begin(), chosen[i].end(), inRasterOrder);
-        std::vector<DescriptorPoint> points(chosen[i].size());
-        for (size_t j = 0; j < points.size(); j++)
+    parallel_for_(
+        Range(0, levels),
+        [&](const Range& range)
         {
-            points[j].x = chosen[i][j].x;
-            points[j].y = chosen[i][j].y;
-        }
-        orientations(level.image, patch, points.data(), points.size());
-        for (size_t j = 0; j < points.size(); j++)
-        {
-            const DescriptorPoint& point = points[j];
-            Point2f pt = positions[i](point.x, point.y);
-            if (p.subPixel)
+            for (int i = range.start; i < range.end; i++)
             {
-                const Point2d offset = subPixelOffset(level.image, point.x, point.y);
-                const Point2f refined = positions[i](point.x, point.y, offset.x, offset.y);
-                if (mask.empty() || mask.at<uchar>(cvRound(refined.y), cvRound(refined.x)))
-                    pt = refined;
+                if (quotas[i] > 0)
+                    source.prepare(i);
             }
-            keypoints.push_back(KeyPoint(pt, p.patchSize * level.scale, point.angle, chosen[i][j].response, i));
-            const LevelPixel pixel = {i, point};
-            pixels.push_back(pixel);
+        },
+        levels);
+
+    selectFeatures(selectionLevels, image.size(), p.octaveSuppression, source, workspace.chosen);
+
+    parallel_for_(
+        Range(0, levels),
+        [&](const Range& range)
+        {
+            for (int i = range.start; i < range.end; i++)
+            {
+                std::sort(workspace.chosen[i].begin(), workspace.chosen[i].end(), inRasterOrder);
+                refine(workspace.chosen[i], pyramid[i], i, positions[i], mask, workspace.features[i]);
+            }
+        },
+        levels);
+}
+
+// The features at the corners of a level: their direction and their position in the image.
+void AdaptiveQuadtreeORBImpl::refine(const std::vector<RankedCorner>& corners, const Level& level, int octave,
+                                     const PositionMap& position, const Mat& mask, LevelFeatures& features) const
+{
+    features.keypoints.resize(corners.size());
+    features.points.resize(corners.size());
+    if (corners.empty())
+        return;
+    for (size_t i = 0; i < corners.size(); i++)
+    {
+        features.points[i].x = corners[i].x;
+        features.points[i].y = corners[i].y;
+    }
+    orientations(level.image, circularPatch(p.patchSize), features.points.data(), features.points.size());
+    for (size_t i = 0; i < corners.size(); i++)
+    {
+        const DescriptorPoint& point = features.points[i];
+        Point2f pt = position(point.x, point.y);
+        if (p.subPixel)
+        {
+            const Point2d offset = subPixelOffset(level.image, point.x, point.y);
+            const Point2f refined = position(point.x, point.y, offset.x, offset.y);
+            if (mask.empty() || mask.at<uchar>(cvRound(refined.y), cvRound(refined.x)))
+                pt = refined;
         }
+        features.keypoints[i] = KeyPoint(pt, p.patchSize * level.scale, point.angle, corners[i].response, octave);
     }
 }
 
 // What compute does with given keypoints, as cv::ORB: drops those near the border, orders the others
 // by level and finds their pixels.
-void AdaptiveQuadtreeORBImpl::locate(const Mat& image, const std::vector<KeyPoint>& provided,
-                                     std::vector<Level>& pyramid, std::vector<KeyPoint>& keypoints,
-                                     std::vector<LevelPixel>& pixels) const
+void AdaptiveQuadtreeORBImpl::locate(const Mat& image, const std::vector<KeyPoint>& provided, Workspace& workspace) const
 {
     int maxOctave = 0;
-    bool sorted = true;
     for (size_t i = 0; i < provided.size(); i++)
     {
         const int octave = provided[i].octave;
@@ -299,64 +425,39 @@ void AdaptiveQuadtreeORBImpl::locate(const Mat& image, const std::vector<KeyPoin
             CV_Error_(Error::StsOutOfRange, ("keypoints: got octave %d; >= 0 is accepted (SIFT packs more than the "
                                              "octave into the field: unpack it first)", octave));
         maxOctave = std::max(maxOctave, octave);
-        sorted = sorted && (i == 0 || octave >= provided[i - 1].octave);
     }
-    p.checkTogether(std::max(p.nlevels, maxOctave == 0 ? 1 : maxOctave));
+    p.checkTogether(std::max(p.nlevels, maxOctave > 0 ? 2 : 1));
     const Size smallest = levelSize(image.size(), levelScale(maxOctave, p.firstLevel, p.scaleFactor));
-    if (maxOctave > 0 && (smallest.width < 1 || smallest.height < 1))
+    if (smallest.width < 1 || smallest.height < 1)
         CV_Error_(Error::StsOutOfRange, ("keypoints: got octave %d, whose level would have no pixels; an octave of a "
                                          "level of at least 1 x 1 pixels is accepted (SIFT packs more than the octave "
                                          "into the field: unpack it first)", maxOctave));
 
-    const Rect inside(p.edgeThreshold, p.edgeThreshold, image.cols - 2 * p.edgeThreshold,
-                      image.rows - 2 * p.edgeThreshold);
+    const double border = p.edgeThreshold;
+    std::vector<KeyPoint> inside;
     for (size_t i = 0; i < provided.size(); i++)
     {
         const Point2f pt = provided[i].pt;
-        if (pt.x >= inside.x && pt.y >= inside.y && pt.x < inside.x + inside.width && pt.y < inside.y + inside.height)
-            keypoints.push_back(provided[i]);
+        if (pt.x >= border && pt.y >= border && pt.x < image.cols - border && pt.y < image.rows - border)
+            inside.push_back(provided[i]);
     }
-    if (keypoints.empty())
-        return;
-    if (!sorted)
+    std::stable_sort(inside.begin(), inside.end(), hasLowerOctave);
+    const int levels = inside.empty() ? 0 : inside.back().octave + 1;
+    buildPyramid(image, Mat(), levels, p.firstLevel, p.scaleFactor, 1, workspace.pyramid);
+    workspace.resize(levels);
+    for (int i = 0; i < levels; i++)
     {
-        struct ByOctave
-        {
-            static bool less(const KeyPoint& a, const KeyPoint& b) { return a.octave < b.octave; }
-        };
-        std::stable_sort(keypoints.begin(), keypoints.end(), ByOctave::less);
+        workspace.features[i].keypoints.clear();
+        workspace.features[i].points.clear();
     }
-    buildPyramid(image, Mat(), keypoints.back().octave + 1, p.firstLevel, p.scaleFactor, 1, pyramid);
-    for (size_t i = 0; i < keypoints.size(); i++)
+    for (size_t i = 0; i < inside.size(); i++)
     {
-        const KeyPoint& keypoint = keypoints[i];
-        const float inverseScale = 1.f / pyramid[keypoint.octave].scale;
+        const KeyPoint& keypoint = inside[i];
+        const float inverseScale = 1.f / workspace.pyramid[keypoint.octave].scale;
         const DescriptorPoint point = {cvRound(keypoint.pt.x * inverseScale), cvRound(keypoint.pt.y * inverseScale),
                                        keypoint.angle};
-        const LevelPixel pixel = {keypoint.octave, point};
-        pixels.push_back(pixel);
-    }
-}
-
-// The pixels are ordered by level.
-void AdaptiveQuadtreeORBImpl::describe(const std::vector<Level>& pyramid, const std::vector<LevelPixel>& pixels,
-                                       Mat& descriptors) const
-{
-    if (pixels.empty())
-        return;
-    const std::vector<Point> pattern = descriptorPattern(p.patchSize, p.WTA_K);
-    descriptors.create(int(pixels.size()), kBytes, CV_8UC1);
-    Mat blurred;
-    std::vector<DescriptorPoint> points;
-    for (size_t first = 0, end; first < pixels.size(); first = end)
-    {
-        const int level = pixels[first].level;
-        points.clear();
-        for (end = first; end < pixels.size() && pixels[end].level == level; end++)
-            points.push_back(pixels[end].point);
-        approximateBlur(pyramid[level].image, blurred);
-        computeDescriptors(pyramid[level].image, blurred, &points[0], points.size(), pattern, p.WTA_K,
-                           descriptors.ptr(int(first)), descriptors.step);
+        workspace.features[keypoint.octave].keypoints.push_back(keypoint);
+        workspace.features[keypoint.octave].points.push_back(point);
     }
 }
 

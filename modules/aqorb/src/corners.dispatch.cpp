@@ -81,22 +81,27 @@ static void suppressedOf(const Mat& scores, const std::vector<Corner>& corners, 
 static void suppress(Size size, LevelCorners& corners)
 {
     const int MARGIN = 16;  // the kernel reads vectors
-    Mat plane = Mat::zeros(size.height + 2 * MARGIN, size.width + 2 * MARGIN, CV_8UC1);
+    const Size planeSize(size.width + 2 * MARGIN, size.height + 2 * MARGIN);
+    Mat& plane = corners.scorePlane;  // all 0 between calls
+    if (plane.size() != planeSize)
+        plane = Mat::zeros(planeSize, CV_8UC1);
     const Mat scores = plane(Rect(Point(MARGIN, MARGIN), size));
     for (size_t i = 0; i < corners.kept.size(); i++)
     {
         const Corner& corner = corners.kept[i];  // scores are 1 to 254, so 0 means no corner
         plane.at<uchar>(corner.y + MARGIN, corner.x + MARGIN) = uchar(corner.score);
     }
-    std::vector<uchar> falls(corners.kept.size());
-    suppressedOf(scores, corners.kept, falls.data());
+    corners.falls.resize(corners.kept.size());
+    suppressedOf(scores, corners.kept, corners.falls.data());
     size_t kept = 0;
-    for (size_t i = 0; i < falls.size(); i++)
+    for (size_t i = 0; i < corners.falls.size(); i++)
     {
-        if (falls[i])
-            corners.suppressed.push_back(corners.kept[i]);
+        const Corner corner = corners.kept[i];
+        plane.at<uchar>(corner.y + MARGIN, corner.x + MARGIN) = 0;
+        if (corners.falls[i])
+            corners.suppressed.push_back(corner);
         else
-            corners.kept[kept++] = corners.kept[i];
+            corners.kept[kept++] = corner;
     }
     corners.kept.resize(kept);
 }

@@ -178,31 +178,32 @@ void buildPyramid(const Mat& image, const Mat& mask, int nlevels, int firstLevel
                   int minSide, std::vector<Level>& levels)
 {
     CV_TRACE_FUNCTION();
-    levels.clear();
-    for (int i = 0; i < nlevels; i++)
+    int count = 0;
+    for (; count < nlevels; count++)
     {
-        Level level;
-        level.scale = levelScale(i, firstLevel, scaleFactor);
-        const Size size = levelSize(image.size(), level.scale);
+        const float scale = levelScale(count, firstLevel, scaleFactor);
+        const Size size = levelSize(image.size(), scale);
         if (std::min(size.width, size.height) < minSide)
             break;
-        if (i == firstLevel)
+        if (size_t(count) == levels.size())
+            levels.push_back(Level());
+        Level& level = levels[count];
+        level.scale = scale;
+        level.isInput = count == firstLevel;
+        level.mask.release();
+        if (level.isInput)
         {
             level.image = image;
             level.mask = mask;
+            continue;
         }
-        else
-        {
-            // cv::ORB makes the level after the image's, too, from the image
-            const bool fromImage = i <= firstLevel + 1;
-            const Mat& source = fromImage ? image : levels.back().image;
-            const Mat& sourceMask = fromImage ? mask : levels.back().mask;
-            resizeExact(source, level.image, size);
-            if (!mask.empty())
-                level.mask = resizeMask(sourceMask, size);
-        }
-        levels.push_back(level);
+        // cv::ORB makes the level after the image's, too, from the image
+        const bool fromImage = count <= firstLevel + 1;
+        resizeExact(fromImage ? image : levels[count - 1].image, level.image, size);
+        if (!mask.empty())
+            level.mask = resizeMask(fromImage ? mask : levels[count - 1].mask, size);
     }
+    levels.resize(count);
 }
 
 }  // namespace stages

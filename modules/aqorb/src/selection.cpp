@@ -18,13 +18,10 @@ namespace
 class KeypointGrid
 {
 public:
-    KeypointGrid(Size imageSize, double largestRadius)
+    explicit KeypointGrid(Size imageSize)
     {
-        const double MIN_SIDE = 8;  // smaller buckets cost more to clear than they save
-        const double longest = std::max(imageSize.width, imageSize.height) + 1.;
-        side = std::min(std::max(largestRadius, MIN_SIDE), std::max(longest, MIN_SIDE));
-        columns = int(imageSize.width / side) + 1;
-        rows = int(imageSize.height / side) + 1;
+        columns = imageSize.width / SIDE + 1;
+        rows = imageSize.height / SIDE + 1;
         heads.assign(size_t(columns) * rows, -1);
     }
     void insert(Point2d p, int level)
@@ -34,13 +31,15 @@ public:
         head = int(entries.size());
         entries.push_back(entry);
     }
-    // Whether a keypoint of another level is strictly nearer than radius (at most largestRadius).
+    // Whether a keypoint of another level is strictly nearer than radius.
     bool isNear(Point2d p, double radius, int exceptLevel) const
     {
         const double squaredRadius = radius * radius;
-        for (int r = row(p.y - side); r <= row(p.y + side); r++)
+        const int top = row(p.y - radius), bottom = row(p.y + radius);
+        const int left = column(p.x - radius), right = column(p.x + radius);
+        for (int r = top; r <= bottom; r++)
         {
-            for (int c = column(p.x - side); c <= column(p.x + side); c++)
+            for (int c = left; c <= right; c++)
             {
                 for (int i = heads[size_t(r) * columns + c]; i >= 0; i = entries[i].next)
                 {
@@ -59,10 +58,14 @@ private:
         Point2d position;
         int level, next;
     };
-    int column(double x) const { return std::min(std::max(int(x / side), 0), columns - 1); }
-    int row(double y) const { return std::min(std::max(int(y / side), 0), rows - 1); }
+    static int bucket(double coordinate, int count)
+    {
+        return int(std::min(std::max(coordinate, 0.) * (1. / SIDE), count - 1.));
+    }
+    int column(double x) const { return bucket(x, columns); }
+    int row(double y) const { return bucket(y, rows); }
 
-    double side;
+    static const int SIDE = 8;  // of a bucket; smaller ones cost more to clear than they save
     int columns, rows;
     std::vector<int> heads;
     std::vector<Entry> entries;
@@ -78,7 +81,7 @@ public:
           source(source_),
           chosen(chosen_),
           states(levels.size()),
-          grid(imageSize, largestRadius(levels_, octaveSuppression))
+          grid(imageSize_)
     {
         chosen.assign(levels.size(), std::vector<RankedCorner>());
         for (size_t i = 0; i < levels.size(); i++)
@@ -124,30 +127,26 @@ public:
     }
 
 private:
+    struct Line  // a column or row of a level
+    {
+        double position;  // in the input image
+        unsigned leaf;    // its part of the code of the quadtree's leaves
+    };
+
     struct LevelState
     {
         LevelState() : begun(false), radius(0) {}
         bool begun;
         double radius;  // of octave suppression, in pixels of the input image
+        std::vector<Line> columns, rows;
         std::vector<RankedCorner> corners;  // those that the sequence gives the indices of
         BalancedSequence sequence;
         std::vector<RankedCorner> passedOver;
     };
 
-    static double largestRadius(const std::vector<SelectionLevel>& levels, double octaveSuppression)
-    {
-        double largest = 0;
-        for (size_t i = 0; i < levels.size(); i++)
-            largest = std::max(largest, octaveSuppression * levels[i].scale);
-        return largest;
-    }
-
-    // By pixel centres, exactly; coarse positions must not be shifted against fine ones.
     Point2d position(int level, const RankedCorner& corner) const
     {
-        const Size size = levels[level].size;
-        return Point2d((corner.x + 0.5) * imageSize.width / size.width - 0.5,
-                       (corner.y + 0.5) * imageSize.height / size.height - 0.5);
+        return Point2d(states[level].columns[corner.x].position, states[level].rows[corner.y].position);
     }
 
     bool isSuppressed(int level, const RankedCorner& corner) const
@@ -158,23 +157,38 @@ private:
 
     BalancedSequence sequenceOf(int level, const std::vector<RankedCorner>& corners) const
     {
-        const SelectionLevel& l = levels[level];
-        const int64 leaves = int64(1) << l.depth;
+        const LevelState& state = states[level];
         std::vector<LeafPoint> points(corners.size());
         for (size_t i = 0; i < corners.size(); i++)
         {
             const RankedCorner& c = corners[i];
-            const LeafPoint point = {leafCode(unsigned((c.x - l.root.x) * leaves / l.root.width),
-                                              unsigned((c.y - l.root.y) * leaves / l.root.height)),
-                                     c.response, float(c.x), float(c.y), int(i)};
+            const LeafPoint point = {state.columns[c.x].leaf | state.rows[c.y].leaf << 1, c.response, float(c.x), float(c.y),
+                                     int(i)};
             points[i] = point;
         }
-        return BalancedSequence(points, l.depth);
+        return BalancedSequence(points, levels[level].depth);
+    }
+
+    // Tables of a level's columns or rows. Positions are by pixel centres, exactly: those of coarse
+    // levels must not be shifted against those of fine ones.
+    static std::vector<Line> linesOf(int levelLength, int imageLength, int rootBegin, int rootLength, int depth)
+    {
+        std::vector<Line> lines(levelLength);
+        for (int i = 0; i < levelLength; i++)
+        {
+            lines[i].position = (i + 0.5) * imageLength / levelLength - 0.5;
+            const int64 leaf = (int64(i - rootBegin) << depth) / rootLength;
+            lines[i].leaf = i < rootBegin || i >= rootBegin + rootLength ? 0 : leafCode(unsigned(leaf), 0);
+        }
+        return lines;
     }
 
     void begin(int level)
     {
+        const SelectionLevel& l = levels[level];
         LevelState& state = states[level];
+        state.columns = linesOf(l.size.width, imageSize.width, l.root.x, l.root.width, l.depth);
+        state.rows = linesOf(l.size.height, imageSize.height, l.root.y, l.root.height, l.depth);
         std::vector<RankedCorner> corners;
         source.corners(level, KEPT_CORNERS, corners);
         for (size_t i = 0; i < corners.size(); i++)

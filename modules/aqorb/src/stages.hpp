@@ -31,6 +31,7 @@ struct Level
     Mat image;    //!< CV_8UC1
     Mat mask;     //!< CV_8UC1 of the same size, not 0 where a corner may lie; empty: everywhere
     float scale;  //!< size of a pixel of this level in pixels of the input image
+    bool isInput;  //!< whether it is the input image itself
 };
 
 //! A FAST corner: a pixel of a level and its FAST score (the highest threshold at which it is one).
@@ -106,7 +107,7 @@ CV_EXPORTS void resizeExact(const Mat& source, Mat& destination, Size size);
 
 /** The levels of cv::ORB's pyramid, level firstLevel being the image itself (not copied). With a
  mask, each level's mask holds the pixels that are made of usable pixels only. Stops before the first
- level with a side below minSide. */
+ level with a side below minSide. The memory of levels of the same size is used again. */
 CV_EXPORTS void buildPyramid(const Mat& image, const Mat& mask, int nlevels, int firstLevel,
                              double scaleFactor, int minSide, std::vector<Level>& levels);
 
@@ -131,6 +132,9 @@ struct LevelCorners
 {
     std::vector<Corner> kept;
     std::vector<Corner> suppressed;  //!< fell to a better corner within radius 3
+
+    Mat scorePlane;            //!< work space of findCorners, of use to the next call for the same size
+    std::vector<uchar> falls;  //!< likewise
 };
 
 /** Corners of a level inside `region`: score >= thresholds.ini; in cells of side cellSize (the first
