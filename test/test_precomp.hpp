@@ -1,0 +1,91 @@
+// This file is part of the aqorb project.
+// It is subject to the license terms in the LICENSE file found in the top-level directory
+// of this distribution.
+
+#ifndef OPENCV_AQORB_TEST_PRECOMP_HPP
+#define OPENCV_AQORB_TEST_PRECOMP_HPP
+
+// One set of sources for two test runners: OpenCV's ts inside OpenCV's build, GoogleTest elsewhere. The
+// tests keep to the macros that both have, and to C++11.
+
+#ifdef __OPENCV_TESTS
+
+#include "opencv2/ts.hpp"
+// Leaves a test that cannot run here; it counts as skipped.
+#define AQORB_SKIP(reason) throw cvtest::SkipTestException(reason)
+
+#else
+
+#include <gtest/gtest.h>
+#include <opencv2/core.hpp>
+namespace opencv_test
+{
+using namespace cv;
+}
+#define AQORB_SKIP(reason) GTEST_SKIP() << (reason)
+
+#endif
+
+#include "opencv2/aqorb.hpp"
+#include "opencv2/features2d.hpp"
+#include "opencv2/imgcodecs.hpp"
+#include "opencv2/imgproc.hpp"
+
+#include "../modules/aqorb/src/stages.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <cstdlib>
+#include <string>
+#include <vector>
+
+namespace opencv_test
+{
+
+using aqorb::AdaptiveQuadtreeORB;
+
+typedef std::vector<KeyPoint> KeyPoints;
+
+//! What detectAndCompute gives.
+struct Features
+{
+    KeyPoints keypoints;
+    Mat descriptors;
+};
+
+Features detectAndCompute(Feature2D& detector, InputArray image, InputArray mask = noArray());
+
+//! Whether all fields of all keypoints have the same bytes.
+::testing::AssertionResult sameKeypoints(const KeyPoints& a, const KeyPoints& b);
+//! Whether two matrices have the same size, type and bytes; both may be empty.
+::testing::AssertionResult sameMat(const Mat& a, const Mat& b);
+::testing::AssertionResult sameFeatures(const Features& a, const Features& b);
+
+/** A grey scene with a few hundred corners of all strengths and sizes, the same for the same seed:
+ filled polygons, discs, lines, texture, a smooth area and noise. */
+Mat makeScene(Size size, int seed = 1);
+//! White noise over all grey levels.
+Mat makeNoise(Size size, int seed = 1);
+
+//! Path of a file of opencv_extra's testdata; empty where OPENCV_TEST_DATA_PATH is not set.
+std::string dataFile(const std::string& name);
+//! Path of image `index` (1 to 6) of an Oxford set: bikes, leuven, bark, trees, ubc or graf.
+std::string oxfordImage(const std::string& set, int index);
+//! Homography of an Oxford set from image 1 to image `index` (2 to 6).
+Mat oxfordHomography(const std::string& set, int index);
+
+/** Whether the blur of the installed cv::ORB is rounded as with fused multiply-add on this CPU; only then
+ its descriptors can equal ours in every bit. */
+bool orbBlursWithFMA();
+
+}  // namespace opencv_test
+
+// Begins a test that needs opencv_extra's images.
+#define AQORB_NEEDS_DATA() \
+    do \
+    { \
+        if (::opencv_test::dataFile("").empty()) \
+            AQORB_SKIP("OPENCV_TEST_DATA_PATH is not set"); \
+    } while (false)
+
+#endif
