@@ -34,6 +34,7 @@ struct Workspace
     std::vector<Level> pyramid;
     std::vector<LevelCorners> corners;
     std::vector<std::vector<RankedCorner> > ranked, chosen;
+    FeatureSelector selector;
     std::vector<Mat> blurred;
     std::vector<LevelFeatures> features;
 
@@ -369,7 +370,7 @@ void AdaptiveQuadtreeORBImpl::detect(const Mat& image, const Mat& mask, Workspac
         },
         levels);
 
-    selectFeatures(selectionLevels, image.size(), p.octaveSuppression, source, workspace.chosen);
+    workspace.selector.select(selectionLevels, image.size(), p.octaveSuppression, source, workspace.chosen);
 
     parallel_for_(
         Range(0, levels),

@@ -23,12 +23,12 @@ void findSuppressed(const uchar* scores, ptrdiff_t step, const Corner* corners, 
 
 void findSuppressed(const uchar* scores, ptrdiff_t step, const Corner* corners, int count, uchar* falls)
 {
-    const int RADIUS = SUPPRESS_RADIUS, SIDE = 2 * RADIUS + 1;
+    const int RADIUS = SUPPRESS_RADIUS;
     for (int i = 0; i < count; i++)
     {
         const uchar* p = scores + corners[i].y * step + corners[i].x;
         const uchar* q = p - RADIUS;
-        int before = 0, after = 0;  // the highest score of the pixels that come before in raster order, and after
+        // The highest scores of the pixels that come before it in raster order, and after.
 #if CV_SIMD128
         const v_uint8x16 above = v_max(v_max(v_load(q - 3 * step), v_load(q - 2 * step)), v_load(q - step));
         const v_uint8x16 below = v_max(v_max(v_load(q + 3 * step), v_load(q + 2 * step)), v_load(q + step));
@@ -36,13 +36,15 @@ void findSuppressed(const uchar* scores, ptrdiff_t step, const Corner* corners, 
         const v_uint8x16 window(255, 255, 255, 255, 255, 255, 255, 0, 0, 0, 0, 0, 0, 0, 0, 0);
         const v_uint8x16 left(255, 255, 255, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0);
         const v_uint8x16 right(0, 0, 0, 0, 255, 255, 255, 0, 0, 0, 0, 0, 0, 0, 0, 0);
-        before = v_reduce_max(v_max(v_and(above, window), v_and(row, left)));
-        after = v_reduce_max(v_max(v_and(below, window), v_and(row, right)));
-        CV_UNUSED(SIDE);
+        const v_uint8x16 before = v_max(v_and(above, window), v_and(row, left));
+        const v_uint8x16 after = v_max(v_and(below, window), v_and(row, right));
+        const v_uint8x16 score = v_setall_u8(*p);
+        falls[i] = v_check_any(v_or(v_ge(before, score), v_gt(after, score)));
 #else
-        for (int y = 0; y < SIDE; y++)
+        int before = 0, after = 0;
+        for (int y = 0; y <= 2 * RADIUS; y++)
         {
-            for (int x = 0; x < SIDE; x++)
+            for (int x = 0; x <= 2 * RADIUS; x++)
             {
                 const int score = q[(y - RADIUS) * step + x];
                 if (y < RADIUS || (y == RADIUS && x < RADIUS))
@@ -51,8 +53,8 @@ void findSuppressed(const uchar* scores, ptrdiff_t step, const Corner* corners, 
                     after = score > after ? score : after;
             }
         }
-#endif
         falls[i] = before >= *p || after > *p;
+#endif
     }
 }
 

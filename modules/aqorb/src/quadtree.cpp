@@ -57,10 +57,10 @@ bool better(const LeafPoint& a, const LeafPoint& b)
 }
 
 // Stable, by 8 bits at a time.
-void sortByLeaf(std::vector<LeafPoint>& points, int depth)
+void sortByLeaf(std::vector<LeafPoint>& points, int depth, std::vector<LeafPoint>& sorted)
 {
     const int DIGIT = 8, VALUES = 1 << DIGIT;
-    std::vector<LeafPoint> sorted(points.size());
+    sorted.resize(points.size());
     for (int shift = 0; shift < 2 * depth; shift += DIGIT)
     {
         size_t starts[VALUES + 1] = {0};
@@ -79,10 +79,15 @@ void sortByLeaf(std::vector<LeafPoint>& points, int depth)
 // Work is done as the sequence is asked for: as a rule a level needs little more than the best of each
 // leaf, while it has many times as many corners.
 
-BalancedSequence::BalancedSequence(std::vector<LeafPoint>& points_, int depth) : round(0), given(0)
+void BalancedSequence::begin(std::vector<LeafPoint>& points_, int depth)
 {
     points.swap(points_);
-    sortByLeaf(points, depth);
+    leaves.clear();
+    groups.clear();
+    round = 0;
+    offers.clear();
+    given = 0;
+    sortByLeaf(points, depth, lists);
     const int groupShift = 2 * std::min(depth, 2);
     for (size_t i = 0; i < points.size(); i++)
     {
@@ -184,7 +189,8 @@ void retainUniform(std::vector<KeyPoint>& keypoints, Size imageSize, int npoints
     }
     if (points.size() > size_t(npoints))
     {
-        BalancedSequence sequence(points, depth);
+        BalancedSequence sequence;
+        sequence.begin(points, depth);
         points.resize(npoints);
         for (int i = 0; i < npoints; i++)
             sequence.next(points[i]);

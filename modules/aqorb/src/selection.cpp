@@ -18,8 +18,9 @@ namespace
 class KeypointGrid
 {
 public:
-    explicit KeypointGrid(Size imageSize)
+    void clear(Size imageSize)
     {
+        entries.clear();
         columns = imageSize.width / SIDE + 1;
         rows = imageSize.height / SIDE + 1;
         heads.assign(size_t(columns) * rows, -1);
@@ -71,21 +72,27 @@ private:
     std::vector<Entry> entries;
 };
 
-class Selector
+}  // namespace
+
+class FeatureSelector::Impl
 {
 public:
-    Selector(const std::vector<SelectionLevel>& levels_, Size imageSize_, double octaveSuppression,
-             CornerSource& source_, std::vector<std::vector<RankedCorner> >& chosen_)
-        : levels(levels_),
-          imageSize(imageSize_),
-          source(source_),
-          chosen(chosen_),
-          states(levels.size()),
-          grid(imageSize_)
+    void begin(const std::vector<SelectionLevel>& levels_, Size imageSize_, double octaveSuppression,
+               CornerSource& source_, std::vector<std::vector<RankedCorner> >& chosen_)
     {
-        chosen.assign(levels.size(), std::vector<RankedCorner>());
+        levels = levels_;
+        imageSize = imageSize_;
+        source = &source_;
+        chosen = &chosen_;
+        chosen->resize(levels.size());
+        states.resize(std::max(states.size(), levels.size()));
         for (size_t i = 0; i < levels.size(); i++)
+        {
+            (*chosen)[i].clear();
+            states[i].begun = false;
             states[i].radius = octaveSuppression * levels[i].scale;
+        }
+        grid.clear(imageSize);
     }
 
     // Coarse to fine: unmet quota goes to the next finer level. Returns what remains after the finest.
@@ -117,10 +124,9 @@ public:
     // Fine to coarse, from corners that other rules passed over.
     int fillFrom(CornerSet set, int wanted)
     {
-        std::vector<RankedCorner> corners;
         for (int level = 0; level < int(levels.size()) && wanted > 0; level++)
         {
-            source.corners(level, set, corners);
+            source->corners(level, set, corners);
             wanted -= fill(level, corners, wanted);
         }
         return wanted;
@@ -139,7 +145,7 @@ private:
         bool begun;
         double radius;  // of octave suppression, in pixels of the input image
         std::vector<Line> columns, rows;
-        std::vector<RankedCorner> corners;  // those that the sequence gives the indices of
+        std::vector<RankedCorner> candidates;  // those that the sequence gives the indices of
         BalancedSequence sequence;
         std::vector<RankedCorner> passedOver;
     };
@@ -155,45 +161,46 @@ private:
         return radius > 0 && grid.isNear(position(level, corner), radius, level);
     }
 
-    BalancedSequence sequenceOf(int level, const std::vector<RankedCorner>& corners) const
+    void beginSequence(BalancedSequence& sequence, int level, const std::vector<RankedCorner>& of)
     {
         const LevelState& state = states[level];
-        std::vector<LeafPoint> points(corners.size());
-        for (size_t i = 0; i < corners.size(); i++)
+        points.resize(of.size());
+        for (size_t i = 0; i < of.size(); i++)
         {
-            const RankedCorner& c = corners[i];
+            const RankedCorner& c = of[i];
             const LeafPoint point = {state.columns[c.x].leaf | state.rows[c.y].leaf << 1, c.response, float(c.x), float(c.y),
                                      int(i)};
             points[i] = point;
         }
-        return BalancedSequence(points, levels[level].depth);
+        sequence.begin(points, levels[level].depth);
     }
 
     // Tables of a level's columns or rows. Positions are by pixel centres, exactly: those of coarse
     // levels must not be shifted against those of fine ones.
-    static std::vector<Line> linesOf(int levelLength, int imageLength, int rootBegin, int rootLength, int depth)
+    static void tabulate(int levelLength, int imageLength, int rootBegin, int rootLength, int depth,
+                         std::vector<Line>& lines)
     {
-        std::vector<Line> lines(levelLength);
+        lines.resize(levelLength);
         for (int i = 0; i < levelLength; i++)
         {
             lines[i].position = (i + 0.5) * imageLength / levelLength - 0.5;
             const int64 leaf = (int64(i - rootBegin) << depth) / rootLength;
             lines[i].leaf = i < rootBegin || i >= rootBegin + rootLength ? 0 : leafCode(unsigned(leaf), 0);
         }
-        return lines;
     }
 
-    void begin(int level)
+    void beginLevel(int level)
     {
         const SelectionLevel& l = levels[level];
         LevelState& state = states[level];
-        state.columns = linesOf(l.size.width, imageSize.width, l.root.x, l.root.width, l.depth);
-        state.rows = linesOf(l.size.height, imageSize.height, l.root.y, l.root.height, l.depth);
-        std::vector<RankedCorner> corners;
-        source.corners(level, KEPT_CORNERS, corners);
+        tabulate(l.size.width, imageSize.width, l.root.x, l.root.width, l.depth, state.columns);
+        tabulate(l.size.height, imageSize.height, l.root.y, l.root.height, l.depth, state.rows);
+        state.candidates.clear();
+        state.passedOver.clear();
+        source->corners(level, KEPT_CORNERS, corners);
         for (size_t i = 0; i < corners.size(); i++)
-            (isSuppressed(level, corners[i]) ? state.passedOver : state.corners).push_back(corners[i]);
-        state.sequence = sequenceOf(level, state.corners);
+            (isSuppressed(level, corners[i]) ? state.passedOver : state.candidates).push_back(corners[i]);
+        beginSequence(state.sequence, level, state.candidates);
         state.begun = true;
     }
 
@@ -202,53 +209,59 @@ private:
         LevelState& state = states[level];
         const bool first = !state.begun;
         if (first)
-            begin(level);
-        const size_t before = chosen[level].size();
+            beginLevel(level);
+        std::vector<RankedCorner>& ofLevel = (*chosen)[level];
+        const size_t before = ofLevel.size();
         LeafPoint point;
-        while (chosen[level].size() < before + wanted && state.sequence.next(point))
+        while (ofLevel.size() < before + wanted && state.sequence.next(point))
         {
-            const RankedCorner& corner = state.corners[point.index];
+            const RankedCorner& corner = state.candidates[point.index];
             // finer levels may have chosen keypoints since the sequence was begun
             if (!first && isSuppressed(level, corner))
                 state.passedOver.push_back(corner);
             else
-                chosen[level].push_back(corner);
+                ofLevel.push_back(corner);
         }
-        for (size_t i = before; i < chosen[level].size(); i++)
-            grid.insert(position(level, chosen[level][i]), level);
-        return int(chosen[level].size() - before);
+        for (size_t i = before; i < ofLevel.size(); i++)
+            grid.insert(position(level, ofLevel[i]), level);
+        return int(ofLevel.size() - before);
     }
 
-    int fill(int level, const std::vector<RankedCorner>& corners, int wanted)
+    int fill(int level, const std::vector<RankedCorner>& from, int wanted)
     {
-        BalancedSequence sequence = sequenceOf(level, corners);
+        beginSequence(filling, level, from);
         LeafPoint point;
         int filled = 0;
-        for (; filled < wanted && sequence.next(point); filled++)
-            chosen[level].push_back(corners[point.index]);
+        for (; filled < wanted && filling.next(point); filled++)
+            (*chosen)[level].push_back(from[point.index]);
         return filled;
     }
 
-    const std::vector<SelectionLevel>& levels;
-    const Size imageSize;
-    CornerSource& source;
-    std::vector<std::vector<RankedCorner> >& chosen;
+    std::vector<SelectionLevel> levels;
+    Size imageSize;
+    CornerSource* source;
+    std::vector<std::vector<RankedCorner> >* chosen;
     std::vector<LevelState> states;
     KeypointGrid grid;
+    BalancedSequence filling;
+    std::vector<RankedCorner> corners;  // of a level, as they come from the source
+    std::vector<LeafPoint> points;
 };
 
-}  // namespace
+FeatureSelector::FeatureSelector() : impl(makePtr<Impl>())
+{
+}
 
-void selectFeatures(const std::vector<SelectionLevel>& levels, Size imageSize, double octaveSuppression,
-                    CornerSource& source, std::vector<std::vector<RankedCorner> >& chosen)
+void FeatureSelector::select(const std::vector<SelectionLevel>& levels, Size imageSize, double octaveSuppression,
+                             CornerSource& source, std::vector<std::vector<RankedCorner> >& chosen)
 {
     CV_TRACE_FUNCTION();
-    Selector selector(levels, imageSize, octaveSuppression, source, chosen);
-    int wanted = selector.chooseQuotas();
-    wanted = selector.chooseMore(wanted);
-    wanted = selector.fillFromPassedOver(wanted);
-    wanted = selector.fillFrom(SUPPRESSED_CORNERS, wanted);
-    selector.fillFrom(CELL_REJECTS, wanted);
+    impl->begin(levels, imageSize, octaveSuppression, source, chosen);
+    int wanted = impl->chooseQuotas();
+    wanted = impl->chooseMore(wanted);
+    wanted = impl->fillFromPassedOver(wanted);
+    wanted = impl->fillFrom(SUPPRESSED_CORNERS, wanted);
+    impl->fillFrom(CELL_REJECTS, wanted);
 }
 
 }  // namespace stages

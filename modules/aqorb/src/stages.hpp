@@ -185,8 +185,8 @@ class CV_EXPORTS BalancedSequence
 {
 public:
     BalancedSequence() : round(0), given(0) {}
-    //! Takes the points; leaves an empty vector.
-    BalancedSequence(std::vector<LeafPoint>& points, int depth);
+    //! Begins anew. Takes the points and leaves other memory in exchange.
+    void begin(std::vector<LeafPoint>& points, int depth);
     //! The next point; false if there is none.
     bool next(LeafPoint& point);
 
@@ -243,10 +243,19 @@ struct SelectionLevel
 /** Chooses the features of all levels, from coarse to fine: of each level's balanced sequence as many
  as its quota and what coarser levels left over, passing over corners nearer than octaveSuppression
  pixels of their level to a keypoint of a coarser one. What remains is offered to the levels from fine
- to coarse, then filled from the corners that the rules passed over. */
-CV_EXPORTS void selectFeatures(const std::vector<SelectionLevel>& levels, Size imageSize,
-                               double octaveSuppression, CornerSource& source,
-                               std::vector<std::vector<RankedCorner> >& chosen);
+ to coarse, then filled from the corners that the rules passed over.
+ An object can be used again, and then needs no new memory. */
+class CV_EXPORTS FeatureSelector
+{
+public:
+    FeatureSelector();
+    void select(const std::vector<SelectionLevel>& levels, Size imageSize, double octaveSuppression,
+                CornerSource& source, std::vector<std::vector<RankedCorner> >& chosen);
+
+private:
+    class Impl;
+    Ptr<Impl> impl;
+};
 
 // ---- position.cpp ----------------------------------------------------------------------------
 
