@@ -37,7 +37,7 @@ need() {
 
     say "Installing ${missing[*]}"
     local install=(env DEBIAN_FRONTEND=noninteractive
-        apt-get install -y -qq --no-install-recommends "${missing[@]}")
+        apt-get -o DPkg::Lock::Timeout=120 install -y -qq --no-install-recommends "${missing[@]}")
     # The package lists may be absent or older than the mirror.
     as_root "${install[@]}" >/dev/null 2>&1 ||
         { as_root apt-get update -qq && as_root "${install[@]}" >/dev/null; } ||

@@ -81,10 +81,10 @@ bool orbBlursWithFMA();
 }  // namespace opencv_test
 
 // Begins a test that needs opencv_extra's images.
-#define AQORB_NEEDS_DATA() \
-    do \
-    { \
-        if (::opencv_test::dataFile("").empty()) \
+#define AQORB_NEEDS_DATA()                                  \
+    do                                                      \
+    {                                                       \
+        if (::opencv_test::dataFile("").empty())            \
             AQORB_SKIP("OPENCV_TEST_DATA_PATH is not set"); \
     } while (false)
 

@@ -25,10 +25,11 @@ Features detectAndCompute(Feature2D& detector, InputArray image, InputArray mask
         if (std::memcmp(&a[i], &b[i], sizeof(KeyPoint)) != 0)
         {
             return ::testing::AssertionFailure()
-                   << "keypoint " << i << ": (" << a[i].pt.x << ", " << a[i].pt.y << ") octave " << a[i].octave << " angle "
-                   << a[i].angle << " response " << a[i].response << " size " << a[i].size << " against (" << b[i].pt.x << ", "
-                   << b[i].pt.y << ") octave " << b[i].octave << " angle " << b[i].angle << " response " << b[i].response
-                   << " size " << b[i].size;
+                   << "keypoint " << i << ": (" << a[i].pt.x << ", " << a[i].pt.y << ") octave "
+                   << a[i].octave << " angle " << a[i].angle << " response " << a[i].response << " size "
+                   << a[i].size << " against (" << b[i].pt.x << ", " << b[i].pt.y << ") octave "
+                   << b[i].octave << " angle " << b[i].angle << " response " << b[i].response << " size "
+                   << b[i].size;
         }
     }
     return ::testing::AssertionSuccess();
@@ -39,7 +40,8 @@ Features detectAndCompute(Feature2D& detector, InputArray image, InputArray mask
     if (a.empty() && b.empty())
         return ::testing::AssertionSuccess();
     if (a.size() != b.size() || a.type() != b.type())
-        return ::testing::AssertionFailure() << a.rows << " x " << a.cols << " against " << b.rows << " x " << b.cols;
+        return ::testing::AssertionFailure()
+               << a.rows << " x " << a.cols << " against " << b.rows << " x " << b.cols;
     for (int y = 0; y < a.rows; y++)
     {
         if (std::memcmp(a.ptr(y), b.ptr(y), a.cols * a.elemSize()) != 0)
@@ -76,16 +78,18 @@ Mat makeScene(Size size, int seed)
         }
         else if (shape == 1)
         {
-            const Point2f corner = RotatedRect(center, Size2f(float(radius), float(radius * 2)), float(rng.uniform(0, 180)))
-                                       .boundingRect2f()
-                                       .tl();
+            const Point2f corner =
+                RotatedRect(center, Size2f(float(radius), float(radius * 2)), float(rng.uniform(0, 180)))
+                    .boundingRect2f()
+                    .tl();
             line(scene, corner, center, grey, rng.uniform(1, 4));
         }
         else
         {
             Point points[4];
             for (int j = 0; j < 4; j++)
-                points[j] = center + Point(rng.uniform(-radius, radius + 1), rng.uniform(-radius, radius + 1));
+                points[j] =
+                    center + Point(rng.uniform(-radius, radius + 1), rng.uniform(-radius, radius + 1));
             fillConvexPoly(scene, points, 4, grey);
         }
     }

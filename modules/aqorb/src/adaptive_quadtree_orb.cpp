@@ -33,7 +33,7 @@ struct Workspace
 {
     std::vector<Level> pyramid;
     std::vector<LevelCorners> corners;
-    std::vector<std::vector<RankedCorner> > ranked, chosen;
+    std::vector<std::vector<RankedCorner>> ranked, chosen;
     FeatureSelector selector;
     std::vector<Mat> blurred;
     std::vector<LevelFeatures> features;
@@ -94,7 +94,7 @@ private:
     }
 
     Mutex mutex;
-    std::vector<Ptr<Workspace> > idle;
+    std::vector<Ptr<Workspace>> idle;
 };
 
 // Detects and ranks the corners of the pyramid's levels for selection.
@@ -102,7 +102,10 @@ class PyramidCorners : public CornerSource
 {
 public:
     PyramidCorners(const Parameters& parameters_, Thresholds thresholds_, Workspace& workspace_)
-        : parameters(parameters_), thresholds(thresholds_), workspace(workspace_), ready(workspace.pyramid.size(), 0)
+        : parameters(parameters_),
+          thresholds(thresholds_),
+          workspace(workspace_),
+          ready(workspace.pyramid.size(), 0)
     {
     }
     Rect region(int level) const
@@ -116,7 +119,8 @@ public:
     {
         LevelCorners& corners_ = workspace.corners[level];
         // Harris responses of neighbours hardly differ: unsuppressed, a strong corner is taken thrice.
-        findCorners(workspace.pyramid[level], region(level), thresholds, parameters.cellSize, isHarris(), corners_);
+        findCorners(workspace.pyramid[level], region(level), thresholds, parameters.cellSize, isHarris(),
+                    corners_);
         rank(level, corners_.kept, workspace.ranked[level]);
         ready[level] = 1;
     }
@@ -135,7 +139,8 @@ public:
         else
         {
             std::vector<Corner> rejects;
-            findCellRejects(workspace.pyramid[level], region(level), thresholds, parameters.cellSize, rejects);
+            findCellRejects(workspace.pyramid[level], region(level), thresholds, parameters.cellSize,
+                            rejects);
             rank(level, rejects, ranked);
         }
     }
@@ -242,15 +247,16 @@ private:
 
     void detect(const Mat& image, const Mat& mask, Workspace& workspace) const;
     void locate(const Mat& image, const std::vector<KeyPoint>& provided, Workspace& workspace) const;
-    void refine(const std::vector<RankedCorner>& corners, const Level& level, int octave, const PositionMap& position,
-                const Mat& mask, LevelFeatures& features) const;
+    void refine(const std::vector<RankedCorner>& corners, const Level& level, int octave,
+                const PositionMap& position, const Mat& mask, LevelFeatures& features) const;
 
     Parameters p;
     WorkspacePool workspaces;
 };
 
-Ptr<AdaptiveQuadtreeORB> AdaptiveQuadtreeORB::create(int nfeatures, float scaleFactor, int nlevels, int edgeThreshold,
-                                                     int firstLevel, int WTA_K, ORB::ScoreType scoreType, int patchSize,
+Ptr<AdaptiveQuadtreeORB> AdaptiveQuadtreeORB::create(int nfeatures, float scaleFactor, int nlevels,
+                                                     int edgeThreshold, int firstLevel, int WTA_K,
+                                                     ORB::ScoreType scoreType, int patchSize,
                                                      int fastThreshold)
 {
     Parameters parameters;
@@ -266,8 +272,9 @@ Ptr<AdaptiveQuadtreeORB> AdaptiveQuadtreeORB::create(int nfeatures, float scaleF
     return makePtr<AdaptiveQuadtreeORBImpl>(parameters);
 }
 
-void AdaptiveQuadtreeORBImpl::detectAndCompute(InputArray image_, InputArray mask_, std::vector<KeyPoint>& keypoints,
-                                               OutputArray descriptors_, bool useProvidedKeypoints)
+void AdaptiveQuadtreeORBImpl::detectAndCompute(InputArray image_, InputArray mask_,
+                                               std::vector<KeyPoint>& keypoints, OutputArray descriptors_,
+                                               bool useProvidedKeypoints)
 {
     CV_TRACE_FUNCTION();
     const bool withDescriptors = descriptors_.needed();
@@ -310,8 +317,8 @@ void AdaptiveQuadtreeORBImpl::detectAndCompute(InputArray image_, InputArray mas
                     if (points.empty())
                         continue;
                     approximateBlur(level, workspace.blurred[i]);
-                    computeDescriptors(level, workspace.blurred[i], points.data(), points.size(), pattern, p.WTA_K,
-                                       descriptors.ptr(int(firsts[i])), descriptors.step);
+                    computeDescriptors(level, workspace.blurred[i], points.data(), points.size(), pattern,
+                                       p.WTA_K, descriptors.ptr(int(firsts[i])), descriptors.step);
                 }
             },
             levels);
@@ -350,7 +357,8 @@ void AdaptiveQuadtreeORBImpl::detect(const Mat& image, const Mat& mask, Workspac
     std::vector<SelectionLevel> selectionLevels(levels);
     for (int i = 0; i < levels; i++)
     {
-        const PositionMap position = {image.size(), pyramid[i].image.size(), pyramid[i].scale, p.edgeThreshold, p.subPixel};
+        const PositionMap position = {image.size(), pyramid[i].image.size(), pyramid[i].scale,
+                                      p.edgeThreshold, p.subPixel};
         positions[i] = position;
         if (!mask.empty() && !pyramid[i].isInput)
             maskPositions(mask, position, pyramid[i].mask);
@@ -387,7 +395,8 @@ void AdaptiveQuadtreeORBImpl::detect(const Mat& image, const Mat& mask, Workspac
 
 // The features at the corners of a level: their direction and their position in the image.
 void AdaptiveQuadtreeORBImpl::refine(const std::vector<RankedCorner>& corners, const Level& level, int octave,
-                                     const PositionMap& position, const Mat& mask, LevelFeatures& features) const
+                                     const PositionMap& position, const Mat& mask,
+                                     LevelFeatures& features) const
 {
     features.keypoints.resize(corners.size());
     features.points.resize(corners.size());
@@ -410,29 +419,35 @@ void AdaptiveQuadtreeORBImpl::refine(const std::vector<RankedCorner>& corners, c
             if (mask.empty() || mask.at<uchar>(cvRound(refined.y), cvRound(refined.x)))
                 pt = refined;
         }
-        features.keypoints[i] = KeyPoint(pt, p.patchSize * level.scale, point.angle, corners[i].response, octave);
+        features.keypoints[i] =
+            KeyPoint(pt, p.patchSize * level.scale, point.angle, corners[i].response, octave);
     }
 }
 
 // What compute does with given keypoints, as cv::ORB: drops those near the border, orders the others
 // by level and finds their pixels.
-void AdaptiveQuadtreeORBImpl::locate(const Mat& image, const std::vector<KeyPoint>& provided, Workspace& workspace) const
+void AdaptiveQuadtreeORBImpl::locate(const Mat& image, const std::vector<KeyPoint>& provided,
+                                     Workspace& workspace) const
 {
     int maxOctave = 0;
     for (size_t i = 0; i < provided.size(); i++)
     {
         const int octave = provided[i].octave;
         if (octave < 0)
-            CV_Error_(Error::StsOutOfRange, ("keypoints: got octave %d; >= 0 is accepted (SIFT packs more than the "
-                                             "octave into the field: unpack it first)", octave));
+            CV_Error_(Error::StsOutOfRange,
+                      ("keypoints: got octave %d; >= 0 is accepted (SIFT packs more than the "
+                       "octave into the field: unpack it first)",
+                       octave));
         maxOctave = std::max(maxOctave, octave);
     }
     p.checkTogether(std::max(p.nlevels, maxOctave > 0 ? 2 : 1));
     const Size smallest = levelSize(image.size(), levelScale(maxOctave, p.firstLevel, p.scaleFactor));
     if (smallest.width < 1 || smallest.height < 1)
-        CV_Error_(Error::StsOutOfRange, ("keypoints: got octave %d, whose level would have no pixels; an octave of a "
-                                         "level of at least 1 x 1 pixels is accepted (SIFT packs more than the octave "
-                                         "into the field: unpack it first)", maxOctave));
+        CV_Error_(Error::StsOutOfRange,
+                  ("keypoints: got octave %d, whose level would have no pixels; an octave of a "
+                   "level of at least 1 x 1 pixels is accepted (SIFT packs more than the octave "
+                   "into the field: unpack it first)",
+                   maxOctave));
 
     const double border = p.edgeThreshold;
     std::vector<KeyPoint> inside;
@@ -455,8 +470,8 @@ void AdaptiveQuadtreeORBImpl::locate(const Mat& image, const std::vector<KeyPoin
     {
         const KeyPoint& keypoint = inside[i];
         const float inverseScale = 1.f / workspace.pyramid[keypoint.octave].scale;
-        const DescriptorPoint point = {cvRound(keypoint.pt.x * inverseScale), cvRound(keypoint.pt.y * inverseScale),
-                                       keypoint.angle};
+        const DescriptorPoint point = {cvRound(keypoint.pt.x * inverseScale),
+                                       cvRound(keypoint.pt.y * inverseScale), keypoint.angle};
         workspace.features[keypoint.octave].keypoints.push_back(keypoint);
         workspace.features[keypoint.octave].points.push_back(point);
     }

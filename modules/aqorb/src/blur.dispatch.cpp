@@ -106,7 +106,8 @@ void approximateBlur(const Mat& image, Mat& blurred)
             for (int i = 1; i <= RADIUS; i++)
             {
                 padded[RADIUS - i] = source[borderInterpolate(-i, width, BORDER_REFLECT_101)];
-                padded[RADIUS + width - 1 + i] = source[borderInterpolate(width - 1 + i, width, BORDER_REFLECT_101)];
+                padded[RADIUS + width - 1 + i] =
+                    source[borderInterpolate(width - 1 + i, width, BORDER_REFLECT_101)];
             }
             rowPass(padded.data() + RADIUS, width, taps.row, ring.data() + size_t(done % RING) * width);
         }

@@ -89,14 +89,17 @@ void blurRow(const uchar* row, int width, const ushort* taps, ushort* out)
         const v_uint16 inner = v_add(v_mul_hi(c, t0), v_mul_hi(s1, t1));
         const v_uint16 outer = v_add(v_mul_hi(s2, t2), v_mul_hi(s3, t3));
         v_store(out + x, v_add(v_add(inner, outer), center));
-        x = x + LANES == width ? width : x + 2 * LANES <= width ? x + LANES : width - LANES;  // the last one overlaps
+        x = x + LANES == width       ? width
+            : x + 2 * LANES <= width ? x + LANES
+                                     : width - LANES;  // the last one overlaps
     }
 #endif
     for (; x < width; x++)
     {
         const uchar* p = row + x;
-        out[x] = ushort(upperHalf(p[0] << 8, taps[0]) + upperHalf((p[1] + p[-1]) << 6, taps[1]) +
-                        upperHalf((p[2] + p[-2]) << 6, taps[2]) + upperHalf((p[3] + p[-3]) << 6, taps[3]) + 2);
+        out[x] =
+            ushort(upperHalf(p[0] << 8, taps[0]) + upperHalf((p[1] + p[-1]) << 6, taps[1]) +
+                   upperHalf((p[2] + p[-2]) << 6, taps[2]) + upperHalf((p[3] + p[-3]) << 6, taps[3]) + 2);
     }
 }
 
@@ -107,7 +110,8 @@ void blurColumn(const ushort* const* rows, int width, const ushort* taps, ushort
     const int LANES = AQORB_LANES(v_uint16);
     const v_uint16 t0 = vx_setall_u16(taps[0]), t1 = vx_setall_u16(taps[1]), t2 = vx_setall_u16(taps[2]),
                    t3 = vx_setall_u16(taps[3]), center = vx_setall_u16(2);
-    const ushort *r0 = rows[0], *r1 = rows[1], *r2 = rows[2], *r3 = rows[3], *r4 = rows[4], *r5 = rows[5], *r6 = rows[6];
+    const ushort *r0 = rows[0], *r1 = rows[1], *r2 = rows[2], *r3 = rows[3], *r4 = rows[4], *r5 = rows[5],
+                 *r6 = rows[6];
     while (width >= LANES && x < width)
     {
         const v_uint16 a1 = average(vx_load(r4 + x), vx_load(r2 + x));

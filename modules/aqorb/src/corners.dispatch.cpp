@@ -73,7 +73,8 @@ static void dropMasked(const Mat& mask, size_t first, std::vector<Corner>& corne
 
 static void suppressedOf(const Mat& scores, const std::vector<Corner>& corners, uchar* falls)
 {
-    CV_CPU_DISPATCH(findSuppressed, (scores.ptr(), ptrdiff_t(scores.step), corners.data(), int(corners.size()), falls),
+    CV_CPU_DISPATCH(findSuppressed,
+                    (scores.ptr(), ptrdiff_t(scores.step), corners.data(), int(corners.size()), falls),
                     CV_CPU_DISPATCH_MODES_ALL);
 }
 

@@ -61,7 +61,8 @@ namespace
 class BlurredPatch
 {
 public:
-    BlurredPatch(const Mat& image_, const Mat& blurred_, int x_, int y_) : image(image_), blurred(blurred_), x(x_), y(y_)
+    BlurredPatch(const Mat& image_, const Mat& blurred_, int x_, int y_)
+        : image(image_), blurred(blurred_), x(x_), y(y_)
     {
     }
     bool less(Point a, Point b) const
@@ -79,10 +80,7 @@ public:
     int value(Point offset) const { return valueAt(Point(x + offset.x, y + offset.y)); }
 
 private:
-    bool inside(Point p) const
-    {
-        return p.x >= 0 && p.y >= 0 && p.x < image.cols && p.y < image.rows;
-    }
+    bool inside(Point p) const { return p.x >= 0 && p.y >= 0 && p.x < image.cols && p.y < image.rows; }
     // The highest and the lowest value that the exact blur can have.
     static int roundUp(int approximate) { return (approximate + BLUR_BOUND + 128) >> 8; }
     static int roundDown(int approximate) { return (approximate - BLUR_BOUND + 127) >> 8; }
@@ -123,8 +121,8 @@ static Point rotate(Point p, float a, float b)
 }
 
 // Any WTA_K, any place.
-static void computePlainly(const BlurredPatch& patch, float a, float b, const std::vector<Point>& pattern, int WTA_K,
-                           uchar* descriptor)
+static void computePlainly(const BlurredPatch& patch, float a, float b, const std::vector<Point>& pattern,
+                           int WTA_K, uchar* descriptor)
 {
     const int bitsOfTest = WTA_K == 2 ? 1 : 2;
     const Point* p = &pattern[0];
@@ -147,8 +145,8 @@ static void computePlainly(const BlurredPatch& patch, float a, float b, const st
     }
 }
 
-static int compareSurely(const ushort* center, ptrdiff_t step, float a, float b, const PairTests& tests, uchar* descriptor,
-                         uchar* unsure)
+static int compareSurely(const ushort* center, ptrdiff_t step, float a, float b, const PairTests& tests,
+                         uchar* descriptor, uchar* unsure)
 {
     CV_CPU_DISPATCH(comparePairs, (center, step, a, b, tests, descriptor, unsure), CV_CPU_DISPATCH_MODES_ALL);
 }
@@ -185,7 +183,8 @@ void computeDescriptors(const Mat& image, const Mat& blurred, const DescriptorPo
             continue;
         }
         uchar unsure[PairTests::COUNT];
-        const int left = compareSurely(blurred.ptr<ushort>(y) + x, ptrdiff_t(blurred.step1()), a, b, tests, descriptor, unsure);
+        const int left = compareSurely(blurred.ptr<ushort>(y) + x, ptrdiff_t(blurred.step1()), a, b, tests,
+                                       descriptor, unsure);
         for (int j = 0; j < left; j++)
         {
             const int test = unsure[j];

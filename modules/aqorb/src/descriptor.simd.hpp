@@ -19,8 +19,8 @@ CV_CPU_OPTIMIZATION_NAMESPACE_BEGIN
  @param descriptor 32 bytes; the bits of the other tests are 0
  @param unsure gets the indices of the other tests
  @return their number */
-int comparePairs(const ushort* center, ptrdiff_t step, float a, float b, const PairTests& tests, uchar* descriptor,
-                 uchar* unsure);
+int comparePairs(const ushort* center, ptrdiff_t step, float a, float b, const PairTests& tests,
+                 uchar* descriptor, uchar* unsure);
 
 #ifndef CV_CPU_OPTIMIZATION_DECLARATIONS_ONLY
 
@@ -28,7 +28,8 @@ namespace
 {
 
 // The value at each test's rotated point. cv::ORB's arithmetic: no fused multiply-add, ties to even.
-void fetch(const ushort* center, ptrdiff_t step, float a, float b, const float* x, const float* y, ushort* values)
+void fetch(const ushort* center, ptrdiff_t step, float a, float b, const float* x, const float* y,
+           ushort* values)
 {
     const int COUNT = PairTests::COUNT;
     int offsets[COUNT];
@@ -59,8 +60,8 @@ void fetch(const ushort* center, ptrdiff_t step, float a, float b, const float* 
 
 }  // namespace
 
-int comparePairs(const ushort* center, ptrdiff_t step, float a, float b, const PairTests& tests, uchar* descriptor,
-                 uchar* unsure)
+int comparePairs(const ushort* center, ptrdiff_t step, float a, float b, const PairTests& tests,
+                 uchar* descriptor, uchar* unsure)
 {
     const int COUNT = PairTests::COUNT;
     // The exact value lies between roundings of the approximate one less and plus its bound.
@@ -80,12 +81,14 @@ int comparePairs(const ushort* center, ptrdiff_t step, float a, float b, const P
             v_uint16 sure[2], possible[2];
             for (int k = 0; k < 2; k++)
             {
-                const v_uint16 p = vx_load(first + i + j + k * LANES), q = vx_load(second + i + j + k * LANES);
+                const v_uint16 p = vx_load(first + i + j + k * LANES),
+                               q = vx_load(second + i + j + k * LANES);
                 sure[k] = v_gt(v_shr<8>(v_add(q, down)), v_shr<8>(v_add(p, up)));
                 possible[k] = v_gt(v_shr<8>(v_add(q, up)), v_shr<8>(v_add(p, down)));
             }
             const v_int8 isSure = v_pack(v_reinterpret_as_s16(sure[0]), v_reinterpret_as_s16(sure[1]));
-            const v_int8 isPossible = v_pack(v_reinterpret_as_s16(possible[0]), v_reinterpret_as_s16(possible[1]));
+            const v_int8 isPossible =
+                v_pack(v_reinterpret_as_s16(possible[0]), v_reinterpret_as_s16(possible[1]));
             less |= unsigned(v_signmask(isSure)) << j;
             maybe |= unsigned(v_signmask(isPossible)) << j;
         }

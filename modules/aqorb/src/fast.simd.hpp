@@ -72,9 +72,11 @@ template <typename Inner, typename Outer, typename V> CV_ALWAYS_INLINE V bestArc
     return Outer::of(Outer::of(best[0], best[1]), Outer::of(best[2], best[3]));
 }
 
-template <typename V, V (*load)(const uchar*)> CV_ALWAYS_INLINE void loadCircle(const uchar* p, ptrdiff_t step, Circle<V>& circle)
+template <typename V, V (*load)(const uchar*)>
+CV_ALWAYS_INLINE void loadCircle(const uchar* p, ptrdiff_t step, Circle<V>& circle)
 {
-    const uchar *d1 = p + step, *d2 = d1 + step, *d3 = d2 + step, *u1 = p - step, *u2 = u1 - step, *u3 = u2 - step;
+    const uchar *d1 = p + step, *d2 = d1 + step, *d3 = d2 + step, *u1 = p - step, *u2 = u1 - step,
+                *u3 = u2 - step;
     V* x = circle.at;
     x[0] = load(d3);
     x[1] = load(d3 + 1);
@@ -109,8 +111,9 @@ CV_ALWAYS_INLINE v_uint8x16 loadVector16(const uchar* p)
 // The score of one pixel, for what is too narrow for vectors.
 int scoreOfPixel(const uchar* p, ptrdiff_t step)
 {
-    const ptrdiff_t offsets[16] = {3 * step,  3 * step + 1,  2 * step + 2,  step + 3,  3,  -step + 3, -2 * step + 2, -3 * step + 1,
-                                   -3 * step, -3 * step - 1, -2 * step - 2, -step - 3, -3, step - 3,  2 * step - 2,  3 * step - 1};
+    const ptrdiff_t offsets[16] = {
+        3 * step,  3 * step + 1,  2 * step + 2,  step + 3,  3,  -step + 3, -2 * step + 2, -3 * step + 1,
+        -3 * step, -3 * step - 1, -2 * step - 2, -step - 3, -3, step - 3,  2 * step - 2,  3 * step - 1};
     int score = -255;
     for (int first = 0; first < 16; first++)
     {
@@ -217,8 +220,8 @@ int suppressRow(const FastScan& scan, int y, Corner* corners)
         uint64 highest = 0;
         for (int j = 0; j < LANES; j++)
         {
-            const bool is = s[j] > s[j - 1] && s[j] > s[j + 1] && s[j] > u[j - 1] && s[j] > u[j] && s[j] > u[j + 1] &&
-                            s[j] > d[j - 1] && s[j] > d[j] && s[j] > d[j + 1];
+            const bool is = s[j] > s[j - 1] && s[j] > s[j + 1] && s[j] > u[j - 1] && s[j] > u[j] &&
+                            s[j] > u[j + 1] && s[j] > d[j - 1] && s[j] > d[j] && s[j] > d[j + 1];
             highest |= uint64(is) << j;
         }
 #endif
@@ -249,8 +252,9 @@ int continueScan(FastScan& scan, Corner* corners, int capacity)
         scan.count[y % 3] = 0;
         if (y < scan.bottom)
         {
-            scan.count[y % 3] = scoreRow(scan.image + y * scan.step + scan.left, scan.step, scan.width, scan.threshold,
-                                         scan.scores[y % 3] + SCAN_MARGIN, scan.blocks[y % 3]);
+            scan.count[y % 3] =
+                scoreRow(scan.image + y * scan.step + scan.left, scan.step, scan.width, scan.threshold,
+                         scan.scores[y % 3] + SCAN_MARGIN, scan.blocks[y % 3]);
         }
         else
         {

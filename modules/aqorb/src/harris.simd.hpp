@@ -17,7 +17,8 @@ CV_CPU_OPTIMIZATION_NAMESPACE_BEGIN
 float harrisAt(const uchar* p, ptrdiff_t step);
 
 //! harrisResponse of corners; readable as for harrisAt.
-void harrisOfCorners(const uchar* image, ptrdiff_t step, const Corner* corners, int count, RankedCorner* ranked);
+void harrisOfCorners(const uchar* image, ptrdiff_t step, const Corner* corners, int count,
+                     RankedCorner* ranked);
 
 #ifndef CV_CPU_OPTIMIZATION_DECLARATIONS_ONLY
 
@@ -46,7 +47,8 @@ static CV_ALWAYS_INLINE void sumDerivatives(const uchar* p, ptrdiff_t step, int&
     for (int i = 2; i < 7; i++)
     {
         const Row below(q + i * step);
-        const v_int16x8 Ix = v_and(v_add(v_add(above.difference, below.difference), v_add(row.difference, row.difference)), inBlock);
+        const v_int16x8 Ix = v_and(
+            v_add(v_add(above.difference, below.difference), v_add(row.difference, row.difference)), inBlock);
         const v_int16x8 Iy = v_and(v_sub(below.smooth, above.smooth), inBlock);
         sumXX = v_add(sumXX, v_dotprod(Ix, Ix));
         sumYY = v_add(sumYY, v_dotprod(Iy, Iy));
@@ -65,7 +67,8 @@ static CV_ALWAYS_INLINE void sumDerivatives(const uchar* p, ptrdiff_t step, int&
         {
             const uchar* q = p + dy * step + dx;
             const int Ix = (q[1] - q[-1]) * 2 + (q[-step + 1] - q[-step - 1]) + (q[step + 1] - q[step - 1]);
-            const int Iy = (q[step] - q[-step]) * 2 + (q[step - 1] - q[-step - 1]) + (q[step + 1] - q[-step + 1]);
+            const int Iy =
+                (q[step] - q[-step]) * 2 + (q[step - 1] - q[-step - 1]) + (q[step + 1] - q[-step + 1]);
             xx += Ix * Ix;
             yy += Iy * Iy;
             xy += Ix * Iy;
@@ -80,10 +83,12 @@ float harrisAt(const uchar* p, ptrdiff_t step)
     int a, b, c;
     sumDerivatives(p, step, a, b, c);
     // operation by operation as in cv::ORB
-    return (float(a) * b - float(c) * c - K * (float(a) + b) * (float(a) + b)) * (SCALE * SCALE * SCALE * SCALE);
+    return (float(a) * b - float(c) * c - K * (float(a) + b) * (float(a) + b)) *
+           (SCALE * SCALE * SCALE * SCALE);
 }
 
-void harrisOfCorners(const uchar* image, ptrdiff_t step, const Corner* corners, int count, RankedCorner* ranked)
+void harrisOfCorners(const uchar* image, ptrdiff_t step, const Corner* corners, int count,
+                     RankedCorner* ranked)
 {
     for (int i = 0; i < count; i++)
     {

@@ -30,8 +30,8 @@ Mat grayImage(InputArray input)
 void checkImageSize(Size imageSize)
 {
     if (imageSize.width <= 0 || imageSize.height <= 0)
-        CV_Error_(Error::StsOutOfRange, ("imageSize: got %d x %d; both sides > 0 are accepted",
-                                         imageSize.width, imageSize.height));
+        CV_Error_(Error::StsOutOfRange,
+                  ("imageSize: got %d x %d; both sides > 0 are accepted", imageSize.width, imageSize.height));
 }
 
 Mat checkedMask(InputArray input, Size imageSize)

@@ -20,8 +20,9 @@ namespace stages
 //! Where 16 neighbouring pixels of a resized row come from: pixel i is a + (b - a) * weight / 256.
 struct ResizeBlock
 {
-    int base[2];              //!< of the 16 source bytes that the pixels 0 to 7, 8 to 15 come from
-    signed char a[2][16], b[2][16];  //!< byte shuffles: for each of 8 pixels its source byte, then -128 (a zero)
+    int base[2];  //!< of the 16 source bytes that the pixels 0 to 7, 8 to 15 come from
+    signed char a[2][16],
+        b[2][16];  //!< byte shuffles: for each of 8 pixels its source byte, then -128 (a zero)
     short weight[16];
 };
 
@@ -47,7 +48,7 @@ struct FastScan
     int threshold;
     int left, top, width, bottom;  //!< what gets scores: the region and one pixel around it
     int regionLeft, regionRight, regionTop, regionBottom;  //!< where corners are wanted
-    int y;                         //!< the next row to get scores; finished when beyond bottom
+    int y;             //!< the next row to get scores; finished when beyond bottom
     uchar* scores[3];  //!< by row modulo 3; width + 2 * SCAN_MARGIN bytes, 0 at the start
     int* blocks[3];    //!< by row modulo 3: where there are scores; width / 8 + 2 entries
     int count[3];      //!< number of blocks

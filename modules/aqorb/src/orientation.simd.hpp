@@ -34,7 +34,8 @@ void patchMoments(const uchar* center, ptrdiff_t step, const PatchWeights& weigh
 #if CV_SIMD
         for (; x < weights.width; x += AQORB_LANES(v_int16))
         {
-            const v_int16 a = v_reinterpret_as_s16(vx_load_expand(above + x)), b = v_reinterpret_as_s16(vx_load_expand(below + x));
+            const v_int16 a = v_reinterpret_as_s16(vx_load_expand(above + x)),
+                          b = v_reinterpret_as_s16(vx_load_expand(below + x));
             sum10 = v_add(sum10, v_dotprod(v_add(a, b), vx_load(wu + x)));
             sum01 = v_add(sum01, v_dotprod(v_sub(b, a), vx_load(wv + x)));
         }

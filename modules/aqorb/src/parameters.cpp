@@ -73,8 +73,9 @@ void Parameters::checkTogether(int levelsInUse) const
     if (levelsInUse > 1 && scaleFactor <= 1)
         reject("scaleFactor", scaleFactor, "> 1 with more than one level");
     if (firstLevel >= nlevels)
-        CV_Error_(Error::StsOutOfRange, ("firstLevel: got %d with nlevels %d; 0 <= firstLevel < nlevels is accepted",
-                                         firstLevel, nlevels));
+        CV_Error_(Error::StsOutOfRange,
+                  ("firstLevel: got %d with nlevels %d; 0 <= firstLevel < nlevels is accepted", firstLevel,
+                   nlevels));
 }
 
 // The first nine keys are those that cv::ORB writes in OpenCV 4.7 and later.

@@ -39,7 +39,8 @@ void maskPositions(const Mat& imageMask, const PositionMap& position, Mat& level
         columns[x] = std::min(std::max(cvRound(position(x, 0).x), 0), imageMask.cols - 1);
     for (int y = 0; y < levelMask.rows; y++)
     {
-        const uchar* use = imageMask.ptr(std::min(std::max(cvRound(position(0, y).y), 0), imageMask.rows - 1));
+        const uchar* use =
+            imageMask.ptr(std::min(std::max(cvRound(position(0, y).y), 0), imageMask.rows - 1));
         uchar* out = levelMask.ptr(y);
         for (int x = 0; x < levelMask.cols; x++)
         {

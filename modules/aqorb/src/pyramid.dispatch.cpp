@@ -90,7 +90,7 @@ static Mat resizeMask(const Mat& mask, Size size)
     Mat resized(size, CV_8UC1);
     for (int y = 0; y < size.height; y++)
     {
-        const bool useUpper = rows[y].secondWeight < 256, useLower = rows[y].secondWeight > 0;
+        const bool useUpper = rows[y].secondWeight<256, useLower = rows[y].secondWeight> 0;
         const uchar* upper = mask.ptr(useUpper ? rows[y].first : rows[y].second);
         const uchar* lower = mask.ptr(useLower ? rows[y].second : rows[y].first);
         uchar* out = resized.ptr(y);

@@ -33,10 +33,13 @@ void resizeRow(const uchar* source, const ResizeBlock* blocks, int count, short*
         const __m128i low = _mm_loadu_si128(reinterpret_cast<const __m128i*>(source + block.base[0]));
         const __m128i high = _mm_loadu_si128(reinterpret_cast<const __m128i*>(source + block.base[1]));
         const __m256i pixels = _mm256_inserti128_si256(_mm256_castsi128_si256(low), high, 1);
-        const __m256i a = _mm256_shuffle_epi8(pixels, _mm256_loadu_si256(reinterpret_cast<const __m256i*>(block.a)));
-        const __m256i b = _mm256_shuffle_epi8(pixels, _mm256_loadu_si256(reinterpret_cast<const __m256i*>(block.b)));
+        const __m256i a =
+            _mm256_shuffle_epi8(pixels, _mm256_loadu_si256(reinterpret_cast<const __m256i*>(block.a)));
+        const __m256i b =
+            _mm256_shuffle_epi8(pixels, _mm256_loadu_si256(reinterpret_cast<const __m256i*>(block.b)));
         const __m256i weight = _mm256_loadu_si256(reinterpret_cast<const __m256i*>(block.weight));
-        const __m256i sum = _mm256_add_epi16(_mm256_slli_epi16(a, 8), _mm256_mullo_epi16(_mm256_sub_epi16(b, a), weight));
+        const __m256i sum =
+            _mm256_add_epi16(_mm256_slli_epi16(a, 8), _mm256_mullo_epi16(_mm256_sub_epi16(b, a), weight));
         _mm256_storeu_si256(reinterpret_cast<__m256i*>(out + 16 * i), _mm256_add_epi16(sum, bias));
     }
 }
@@ -53,7 +56,8 @@ CV_ALWAYS_INLINE __m256i between(const short* upper, const short* lower, __m256i
 
 void blendRows(const short* upper, const short* lower, int lowerWeight, int width, uchar* out)
 {
-    const __m256i weights = _mm256_set1_epi32((lowerWeight << 16) | (256 - lowerWeight)), sign = _mm256_set1_epi8(-128);
+    const __m256i weights = _mm256_set1_epi32((lowerWeight << 16) | (256 - lowerWeight)),
+                  sign = _mm256_set1_epi8(-128);
     for (int x = 0; x < width; x += 16)
     {
         const __m256i v = between(upper + x, lower + x, weights);
@@ -84,7 +88,8 @@ bool resizeRows(const Resize& resize, int begin, int end)
         {
             const int slot = rows[i] & 1;
             if (held[slot] != rows[i])
-                resizeRow(resize.source + rows[i] * resize.sourceStep, resize.blocks, blocks, resize.rows[slot]);
+                resizeRow(resize.source + rows[i] * resize.sourceStep, resize.blocks, blocks,
+                          resize.rows[slot]);
             held[slot] = rows[i];
         }
         blendRows(resize.rows[rows[0] & 1], resize.rows[rows[1] & 1], resize.lowerWeight[y], resize.width,

@@ -116,8 +116,9 @@ void BalancedSequence::bringUpNext(Leaf& leaf, size_t taken)
     // Selection pays for the first few; who asks for more gets the rest sorted.
     const size_t SELECTED = 4;
     if (taken < SELECTED)
-        std::iter_swap(points.begin() + leaf.begin + taken,
-                       std::min_element(points.begin() + leaf.begin + taken, points.begin() + leaf.end, better));
+        std::iter_swap(
+            points.begin() + leaf.begin + taken,
+            std::min_element(points.begin() + leaf.begin + taken, points.begin() + leaf.end, better));
     else if (taken == SELECTED)
         std::sort(points.begin() + leaf.begin + taken, points.begin() + leaf.end, better);
 }
@@ -182,9 +183,9 @@ void retainUniform(std::vector<KeyPoint>& keypoints, Size imageSize, int npoints
         const Point2f p = keypoints[i].pt;
         if (!(p.x >= 0 && p.y >= 0 && p.x < imageSize.width && p.y < imageSize.height))
             continue;
-        const LeafPoint point = {leafCode(unsigned(p.x * leaves / imageSize.width),
-                                          unsigned(p.y * leaves / imageSize.height)),
-                                 keypoints[i].response, p.x, p.y, int(i)};
+        const LeafPoint point = {
+            leafCode(unsigned(p.x * leaves / imageSize.width), unsigned(p.y * leaves / imageSize.height)),
+            keypoints[i].response, p.x, p.y, int(i)};
         points.push_back(point);
     }
     if (points.size() > size_t(npoints))

@@ -78,7 +78,7 @@ class FeatureSelector::Impl
 {
 public:
     void begin(const std::vector<SelectionLevel>& levels_, Size imageSize_, double octaveSuppression,
-               CornerSource& source_, std::vector<std::vector<RankedCorner> >& chosen_)
+               CornerSource& source_, std::vector<std::vector<RankedCorner>>& chosen_)
     {
         levels = levels_;
         imageSize = imageSize_;
@@ -168,8 +168,8 @@ private:
         for (size_t i = 0; i < of.size(); i++)
         {
             const RankedCorner& c = of[i];
-            const LeafPoint point = {state.columns[c.x].leaf | state.rows[c.y].leaf << 1, c.response, float(c.x), float(c.y),
-                                     int(i)};
+            const LeafPoint point = {state.columns[c.x].leaf | state.rows[c.y].leaf << 1, c.response,
+                                     float(c.x), float(c.y), int(i)};
             points[i] = point;
         }
         sequence.begin(points, levels[level].depth);
@@ -240,7 +240,7 @@ private:
     std::vector<SelectionLevel> levels;
     Size imageSize;
     CornerSource* source;
-    std::vector<std::vector<RankedCorner> >* chosen;
+    std::vector<std::vector<RankedCorner>>* chosen;
     std::vector<LevelState> states;
     KeypointGrid grid;
     BalancedSequence filling;
@@ -252,8 +252,9 @@ FeatureSelector::FeatureSelector() : impl(makePtr<Impl>())
 {
 }
 
-void FeatureSelector::select(const std::vector<SelectionLevel>& levels, Size imageSize, double octaveSuppression,
-                             CornerSource& source, std::vector<std::vector<RankedCorner> >& chosen)
+void FeatureSelector::select(const std::vector<SelectionLevel>& levels, Size imageSize,
+                             double octaveSuppression, CornerSource& source,
+                             std::vector<std::vector<RankedCorner>>& chosen)
 {
     CV_TRACE_FUNCTION();
     impl->begin(levels, imageSize, octaveSuppression, source, chosen);

@@ -22,10 +22,10 @@ namespace stages
 
 #if AQORB_VERSION_CODE < 409
 #define AQORB_LANES(V) int(V::nlanes)
-#define AQORB_BINARY(name, op)                                                \
+#define AQORB_BINARY(name, op)                                                   \
     template <typename V> CV_ALWAYS_INLINE static V name(const V& a, const V& b) \
-    {                                                                         \
-        return a op b;                                                        \
+    {                                                                            \
+        return a op b;                                                           \
     }
 AQORB_BINARY(v_add, +)
 AQORB_BINARY(v_sub, -)

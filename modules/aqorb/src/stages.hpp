@@ -28,9 +28,9 @@ namespace stages
 //! One level of the pyramid. Pixels outside of `image` are its reflection (BORDER_REFLECT_101).
 struct Level
 {
-    Mat image;    //!< CV_8UC1
-    Mat mask;     //!< CV_8UC1 of the same size, not 0 where a corner may lie; empty: everywhere
-    float scale;  //!< size of a pixel of this level in pixels of the input image
+    Mat image;     //!< CV_8UC1
+    Mat mask;      //!< CV_8UC1 of the same size, not 0 where a corner may lie; empty: everywhere
+    float scale;   //!< size of a pixel of this level in pixels of the input image
     bool isInput;  //!< whether it is the input image itself
 };
 
@@ -145,8 +145,8 @@ CV_EXPORTS void findCorners(const Level& level, const Rect& region, Thresholds t
                             bool suppressNear, LevelCorners& corners);
 
 //! The corners of score >= thresholds.min that the cell rule of findCorners passes over.
-CV_EXPORTS void findCellRejects(const Level& level, const Rect& region, Thresholds thresholds,
-                                int cellSize, std::vector<Corner>& corners);
+CV_EXPORTS void findCellRejects(const Level& level, const Rect& region, Thresholds thresholds, int cellSize,
+                                std::vector<Corner>& corners);
 
 // ---- harris.dispatch.cpp ---------------------------------------------------------------------
 
@@ -250,7 +250,7 @@ class CV_EXPORTS FeatureSelector
 public:
     FeatureSelector();
     void select(const std::vector<SelectionLevel>& levels, Size imageSize, double octaveSuppression,
-                CornerSource& source, std::vector<std::vector<RankedCorner> >& chosen);
+                CornerSource& source, std::vector<std::vector<RankedCorner>>& chosen);
 
 private:
     class Impl;
@@ -319,8 +319,9 @@ CV_EXPORTS std::vector<Point> descriptorPattern(int patchSize, int WTA_K);
  @param blurred approximateBlur of it
  @param points, count where
  @param descriptors one a row of `step` bytes */
-CV_EXPORTS void computeDescriptors(const Mat& image, const Mat& blurred, const DescriptorPoint* points, size_t count,
-                                   const std::vector<Point>& pattern, int WTA_K, uchar* descriptors, size_t step);
+CV_EXPORTS void computeDescriptors(const Mat& image, const Mat& blurred, const DescriptorPoint* points,
+                                   size_t count, const std::vector<Point>& pattern, int WTA_K,
+                                   uchar* descriptors, size_t step);
 
 }  // namespace stages
 }  // namespace aqorb

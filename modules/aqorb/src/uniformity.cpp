@@ -26,7 +26,8 @@ double distributionUniformity(const std::vector<KeyPoint>& keypoints, Size image
         first[2] += y * W - x * H < 0;          // the main diagonal
         first[3] += y * W + x * H - W * H < 0;  // the other one
         // the centred rectangle of half the area
-        first[4] += std::abs(x - W / 2) <= W / (2 * std::sqrt(2.)) && std::abs(y - H / 2) <= H / (2 * std::sqrt(2.));
+        first[4] +=
+            std::abs(x - W / 2) <= W / (2 * std::sqrt(2.)) && std::abs(y - H / 2) <= H / (2 * std::sqrt(2.));
     }
     // The two regions of a halving are equally far from their mean, count / 2.
     double squares = 0;

@@ -82,10 +82,11 @@ public:
     paper as it is, 10 for half of it, so a lower value means more corners, as in cv::ORB. With
     setAdaptiveThreshold(false) it is the FAST threshold itself. Limited to [0, 255] as by cv::FAST.
      */
-    CV_WRAP static Ptr<AdaptiveQuadtreeORB> create(
-        int nfeatures = 500, float scaleFactor = 1.2f, int nlevels = 8, int edgeThreshold = 16,
-        int firstLevel = 0, int WTA_K = 2, ORB::ScoreType scoreType = ORB::HARRIS_SCORE,
-        int patchSize = 31, int fastThreshold = 20);
+    CV_WRAP static Ptr<AdaptiveQuadtreeORB> create(int nfeatures = 500, float scaleFactor = 1.2f,
+                                                   int nlevels = 8, int edgeThreshold = 16,
+                                                   int firstLevel = 0, int WTA_K = 2,
+                                                   ORB::ScoreType scoreType = ORB::HARRIS_SCORE,
+                                                   int patchSize = 31, int fastThreshold = 20);
 
     /** @brief Whether the FAST threshold is taken from the image, equation (7); default true, as in
     the paper. With false it is fastThreshold for every image. */
@@ -174,8 +175,7 @@ all fields untouched. Those outside the image are dropped, also where there are 
 @param imageSize Size of the image; both sides > 0.
 @param npoints Number of keypoints to keep, >= 0.
  */
-CV_EXPORTS_W void retainUniform(CV_IN_OUT std::vector<KeyPoint>& keypoints, Size imageSize,
-                                int npoints);
+CV_EXPORTS_W void retainUniform(CV_IN_OUT std::vector<KeyPoint>& keypoints, Size imageSize, int npoints);
 
 //! @}
 
