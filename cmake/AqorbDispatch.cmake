@@ -16,6 +16,12 @@ set(AQORB_SSE4_1_FLAGS -mssse3 -msse4.1)
 set(AQORB_SSE4_1_FEATURES SSE3 SSSE3 SSE4_1)
 set(AQORB_AVX2_FLAGS ${AQORB_SSE4_1_FLAGS} -mpopcnt -msse4.2 -mf16c -mfma -mavx -mavx2)
 set(AQORB_AVX2_FEATURES ${AQORB_SSE4_1_FEATURES} POPCNT SSE4_2 FP16 FMA3 AVX AVX2)
+set(AQORB_AVX512_SKX_FLAGS ${AQORB_AVX2_FLAGS} -mavx512f -mavx512cd -mavx512vl -mavx512bw -mavx512dq)
+if(CMAKE_CXX_COMPILER_ID STREQUAL "GNU")
+  # GCC 12 warns of its own avx512fintrin.h.
+  list(APPEND AQORB_AVX512_SKX_FLAGS -Wno-uninitialized -Wno-maybe-uninitialized)
+endif()
+set(AQORB_AVX512_SKX_FEATURES ${AQORB_AVX2_FEATURES} AVX_512F AVX512_COMMON AVX512_SKX)
 
 # aqorb_add_dispatched_file(<target> <name> [<CPU feature>...])
 function(aqorb_add_dispatched_file target name)

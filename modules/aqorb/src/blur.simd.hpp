@@ -58,7 +58,9 @@ CV_ALWAYS_INLINE unsigned upperHalf(unsigned a, unsigned b)
 #if CV_SIMD
 CV_ALWAYS_INLINE v_uint16 average(const v_uint16& a, const v_uint16& b)  // rounds up
 {
-#if CV_AVX2 && CV_SIMD_WIDTH == 32
+#if CV_AVX512_SKX && CV_SIMD_WIDTH == 64
+    return v_uint16(_mm512_avg_epu16(a.val, b.val));
+#elif CV_AVX2 && CV_SIMD_WIDTH == 32
     return v_uint16(_mm256_avg_epu16(a.val, b.val));
 #elif CV_SSE2 && CV_SIMD_WIDTH == 16
     return v_uint16(_mm_avg_epu16(a.val, b.val));

@@ -69,43 +69,39 @@ int comparePairs(const ushort* center, ptrdiff_t step, float a, float b, const P
     ushort first[COUNT], second[COUNT];
     fetch(center, step, a, b, tests.x[0], tests.y[0], first);
     fetch(center, step, a, b, tests.x[1], tests.y[1], second);
-    int left = 0;
-    for (int i = 0; i < COUNT; i += 32)
-    {
-        unsigned less = 0, maybe = 0;
+    int left = 0, i = 0;
 #if CV_SIMD
-        const v_uint16 down = vx_setall_u16(DOWN), up = vx_setall_u16(UP);
-        const int LANES = AQORB_LANES(v_uint16);
-        for (int j = 0; j < 32; j += 2 * LANES)
+    const v_uint16 down = vx_setall_u16(DOWN), up = vx_setall_u16(UP);
+    const int LANES = AQORB_LANES(v_uint16);
+    for (; i < COUNT; i += 2 * LANES)
+    {
+        v_uint16 sure[2], possible[2];
+        for (int k = 0; k < 2; k++)
         {
-            v_uint16 sure[2], possible[2];
-            for (int k = 0; k < 2; k++)
-            {
-                const v_uint16 p = vx_load(first + i + j + k * LANES),
-                               q = vx_load(second + i + j + k * LANES);
-                sure[k] = v_gt(v_shr<8>(v_add(q, down)), v_shr<8>(v_add(p, up)));
-                possible[k] = v_gt(v_shr<8>(v_add(q, up)), v_shr<8>(v_add(p, down)));
-            }
-            const v_int8 isSure = v_pack(v_reinterpret_as_s16(sure[0]), v_reinterpret_as_s16(sure[1]));
-            const v_int8 isPossible =
-                v_pack(v_reinterpret_as_s16(possible[0]), v_reinterpret_as_s16(possible[1]));
-            less |= unsigned(v_signmask(isSure)) << j;
-            maybe |= unsigned(v_signmask(isPossible)) << j;
+            const v_uint16 p = vx_load(first + i + k * LANES), q = vx_load(second + i + k * LANES);
+            sure[k] = v_gt(v_shr<8>(v_add(q, down)), v_shr<8>(v_add(p, up)));
+            possible[k] = v_gt(v_shr<8>(v_add(q, up)), v_shr<8>(v_add(p, down)));
         }
-        maybe &= ~less;
-#else
-        for (int j = 0; j < 32; j++)
-        {
-            const int p = first[i + j], q = second[i + j];
-            const bool sure = (q + DOWN) >> 8 > (p + UP) >> 8, possible = (q + UP) >> 8 > (p + DOWN) >> 8;
-            less |= unsigned(sure) << j;
-            maybe |= unsigned(possible && !sure) << j;
-        }
-#endif
-        for (int j = 0; j < 4; j++)
+        const v_int8 isSure = v_pack(v_reinterpret_as_s16(sure[0]), v_reinterpret_as_s16(sure[1]));
+        const v_int8 isPossible =
+            v_pack(v_reinterpret_as_s16(possible[0]), v_reinterpret_as_s16(possible[1]));
+        const uint64 less = uint64(v_signmask(isSure)) & LANE_MASK;
+        for (int j = 0; j < 2 * LANES / 8; j++)
             descriptor[i / 8 + j] = uchar(less >> (8 * j));
-        for (; maybe; maybe &= maybe - 1)
-            unsure[left++] = uchar(i + int(trailingZeros32(maybe)));
+        for (uint64 maybe = uint64(v_signmask(isPossible)) & LANE_MASK & ~less; maybe; maybe &= maybe - 1)
+            unsure[left++] = uchar(i + trailingZeros(maybe));
+    }
+#endif
+    for (; i < COUNT; i++)
+    {
+        const int p = first[i], q = second[i];
+        const bool sure = (q + DOWN) >> 8 > (p + UP) >> 8, possible = (q + UP) >> 8 > (p + DOWN) >> 8;
+        if (i % 8 == 0)
+            descriptor[i / 8] = 0;
+        if (sure)
+            descriptor[i / 8] |= uchar(1 << (i % 8));
+        else if (possible)
+            unsure[left++] = uchar(i);
     }
     return left;
 }

@@ -72,38 +72,42 @@ template <typename Inner, typename Outer, typename V> CV_ALWAYS_INLINE V bestArc
     return Outer::of(Outer::of(best[0], best[1]), Outer::of(best[2], best[3]));
 }
 
-template <typename V, V (*load)(const uchar*)>
-CV_ALWAYS_INLINE void loadCircle(const uchar* p, ptrdiff_t step, Circle<V>& circle)
+// The widest vectors, and narrow ones for what these do not fit into.
+struct Wide
+{
+    typedef v_uint8 V;
+    static CV_ALWAYS_INLINE V load(const uchar* p) { return vx_load(p); }
+    static CV_ALWAYS_INLINE V all(int value) { return vx_setall_u8(uchar(value)); }
+};
+struct Narrow
+{
+    typedef v_uint8x16 V;
+    static CV_ALWAYS_INLINE V load(const uchar* p) { return v_load(p); }
+    static CV_ALWAYS_INLINE V all(int value) { return v_setall_u8(uchar(value)); }
+};
+
+template <typename Vectors>
+CV_ALWAYS_INLINE void loadCircle(const uchar* p, ptrdiff_t step, Circle<typename Vectors::V>& circle)
 {
     const uchar *d1 = p + step, *d2 = d1 + step, *d3 = d2 + step, *u1 = p - step, *u2 = u1 - step,
                 *u3 = u2 - step;
-    V* x = circle.at;
-    x[0] = load(d3);
-    x[1] = load(d3 + 1);
-    x[2] = load(d2 + 2);
-    x[3] = load(d1 + 3);
-    x[4] = load(p + 3);
-    x[5] = load(u1 + 3);
-    x[6] = load(u2 + 2);
-    x[7] = load(u3 + 1);
-    x[8] = load(u3);
-    x[9] = load(u3 - 1);
-    x[10] = load(u2 - 2);
-    x[11] = load(u1 - 3);
-    x[12] = load(p - 3);
-    x[13] = load(d1 - 3);
-    x[14] = load(d2 - 2);
-    x[15] = load(d3 - 1);
-}
-
-CV_ALWAYS_INLINE v_uint8 loadVector(const uchar* p)
-{
-    return vx_load(p);
-}
-
-CV_ALWAYS_INLINE v_uint8x16 loadVector16(const uchar* p)
-{
-    return v_load(p);
+    typename Vectors::V* x = circle.at;
+    x[0] = Vectors::load(d3);
+    x[1] = Vectors::load(d3 + 1);
+    x[2] = Vectors::load(d2 + 2);
+    x[3] = Vectors::load(d1 + 3);
+    x[4] = Vectors::load(p + 3);
+    x[5] = Vectors::load(u1 + 3);
+    x[6] = Vectors::load(u2 + 2);
+    x[7] = Vectors::load(u3 + 1);
+    x[8] = Vectors::load(u3);
+    x[9] = Vectors::load(u3 - 1);
+    x[10] = Vectors::load(u2 - 2);
+    x[11] = Vectors::load(u1 - 3);
+    x[12] = Vectors::load(p - 3);
+    x[13] = Vectors::load(d1 - 3);
+    x[14] = Vectors::load(d2 - 2);
+    x[15] = Vectors::load(d3 - 1);
 }
 
 #endif
@@ -130,49 +134,60 @@ int scoreOfPixel(const uchar* p, ptrdiff_t step)
     return score;
 }
 
+#if CV_SIMD
+// scoreRow for at least as many pixels as a vector has.
+template <typename Vectors>
+CV_ALWAYS_INLINE int scoreInVectors(const uchar* row, ptrdiff_t step, int width, int threshold, uchar* scores,
+                                    int* blocks)
+{
+    typedef typename Vectors::V V;
+    const int LANES = AQORB_LANES(V);
+    const V zero = Vectors::all(0), limit = Vectors::all(threshold);
+    int listed = 0, count = 0;
+    // Every arc holds one end of each axis. Most blocks have no pixel where these allow a corner.
+    for (int start = 0; start < width; start += LANES)
+    {
+        const int x = start + LANES <= width ? start : width - LANES;  // the last one overlaps
+        const uchar* p = row + x;
+        const V v = Vectors::load(p), up = Vectors::load(p - 3 * step), down = Vectors::load(p + 3 * step),
+                left = Vectors::load(p - 3), right = Vectors::load(p + 3);
+        const V bright = v_min(v_max(up, down), v_max(left, right));
+        const V dark = v_max(v_min(up, down), v_min(left, right));
+        const V bound = v_max(v_sub(bright, v), v_sub(v, dark));
+        v_store(scores + x, zero);
+        blocks[listed] = x;
+        listed += v_check_any(v_gt(bound, limit));
+    }
+    for (int i = 0; i < listed; i++)
+    {
+        const int x = blocks[i];
+        const uchar* p = row + x;
+        Circle<V> circle;
+        loadCircle<Vectors>(p, step, circle);
+        const V v = Vectors::load(p);
+        const V bright = v_sub(bestArc<Least, Greatest>(circle), v);
+        const V dark = v_sub(v, bestArc<Greatest, Least>(circle));
+        const V score = v_max(bright, dark);
+        const V corners = v_gt(score, limit);
+        v_store(scores + x, v_and(score, corners));
+        blocks[count] = x;
+        count += v_check_any(corners);
+    }
+    return count;
+}
+#endif
+
 // Scores pixels of a row: the FAST score where it exceeds the threshold, 1 to 255, else 0. Lists the
 // starts of the blocks that hold a corner and returns their number.
 int scoreRow(const uchar* row, ptrdiff_t step, int width, int threshold, uchar* scores, int* blocks)
 {
-    int count = 0;
 #if CV_SIMD
-    const int LANES = AQORB_LANES(v_uint8);
-    if (width >= LANES)
-    {
-        const v_uint8 zero = vx_setzero_u8(), limit = vx_setall_u8(uchar(threshold));
-        int listed = 0;
-        // Every arc holds one end of each axis. Most blocks have no pixel where these allow a corner.
-        for (int start = 0; start < width; start += LANES)
-        {
-            const int x = start + LANES <= width ? start : width - LANES;  // the last one overlaps
-            const uchar* p = row + x;
-            const v_uint8 v = vx_load(p), up = vx_load(p - 3 * step), down = vx_load(p + 3 * step),
-                          left = vx_load(p - 3), right = vx_load(p + 3);
-            const v_uint8 bright = v_min(v_max(up, down), v_max(left, right));
-            const v_uint8 dark = v_max(v_min(up, down), v_min(left, right));
-            const v_uint8 bound = v_max(v_sub(bright, v), v_sub(v, dark));
-            v_store(scores + x, zero);
-            blocks[listed] = x;
-            listed += v_check_any(v_gt(bound, limit));
-        }
-        for (int i = 0; i < listed; i++)
-        {
-            const int x = blocks[i];
-            const uchar* p = row + x;
-            Circle<v_uint8> circle;
-            loadCircle<v_uint8, loadVector>(p, step, circle);
-            const v_uint8 v = vx_load(p);
-            const v_uint8 bright = v_sub(bestArc<Least, Greatest>(circle), v);
-            const v_uint8 dark = v_sub(v, bestArc<Greatest, Least>(circle));
-            const v_uint8 score = v_max(bright, dark);
-            const v_uint8 corners = v_gt(score, limit);
-            v_store(scores + x, v_and(score, corners));
-            blocks[count] = x;
-            count += v_check_any(corners);
-        }
-        return count;
-    }
+    if (width >= AQORB_LANES(Wide::V))
+        return scoreInVectors<Wide>(row, step, width, threshold, scores, blocks);
+    if (width >= AQORB_LANES(Narrow::V))
+        return scoreInVectors<Narrow>(row, step, width, threshold, scores, blocks);
 #endif
+    int count = 0;
     for (int x = 0; x < width; x++)
     {
         const int score = scoreOfPixel(row + x, step);
@@ -182,17 +197,6 @@ int scoreRow(const uchar* row, ptrdiff_t step, int width, int threshold, uchar* 
     }
     return count;
 }
-
-// Of the lowest bit set.
-CV_ALWAYS_INLINE int trailingZeros(uint64 v)
-{
-    const unsigned low = unsigned(v);
-    return int(low ? trailingZeros32(low) : 32 + trailingZeros32(unsigned(v >> 32)));
-}
-
-#if CV_SIMD
-const uint64 LANE_MASK = ~uint64(0) >> (64 - CV_SIMD_WIDTH);
-#endif
 
 // The corners of a row of scores that are higher than their eight neighbours, from left to right.
 int suppressRow(const FastScan& scan, int y, Corner* corners)
@@ -274,7 +278,7 @@ void neighborScores(const uchar* p, ptrdiff_t step, int scores[3][3])
         const uchar* q = p + (row - 1) * step - 1;
 #if CV_SIMD
         Circle<v_uint8x16> circle;
-        loadCircle<v_uint8x16, loadVector16>(q, step, circle);
+        loadCircle<Narrow>(q, step, circle);
         uchar bright[16], dark[16];
         v_store(bright, bestArc<Least, Greatest>(circle));
         v_store(dark, bestArc<Greatest, Least>(circle));

@@ -54,7 +54,7 @@ struct FastScan
     int count[3];      //!< number of blocks
 };
 
-const int SCAN_MARGIN = 32;  // around the scores of a row, for the vectors
+const int SCAN_MARGIN = 64;  // around the scores of a row, for the vectors
 
 //! The 256 tests of a descriptor with WTA_K 2: the bit is 1 where point 0 is darker than point 1.
 struct PairTests

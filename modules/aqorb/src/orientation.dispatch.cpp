@@ -70,7 +70,7 @@ static void momentsOf(const uchar* center, ptrdiff_t step, const PatchWeights& w
 
 void orientations(const Mat& image, const std::vector<int>& halfWidths, DescriptorPoint* points, size_t count)
 {
-    const int radius = int(halfWidths.size()) - 1, LANES = 16;
+    const int radius = int(halfWidths.size()) - 1, LANES = 32;
     PatchWeights weights;
     Rect inside;  // where the kernel may read
     if (radius <= PatchWeights::MAX_RADIUS)

@@ -40,6 +40,18 @@ AQORB_BINARY(v_ge, >=)
 #define AQORB_LANES(V) VTraits<V>::vlanes()
 #endif
 
+#if CV_SIMD
+//! The bits of v_signmask that stand for lanes of bytes.
+static const uint64 LANE_MASK = ~uint64(0) >> (64 - CV_SIMD_WIDTH);
+#endif
+
+//! Index of the lowest bit set.
+static CV_ALWAYS_INLINE int trailingZeros(uint64 bits)
+{
+    const unsigned low = unsigned(bits);
+    return int(low ? trailingZeros32(low) : 32 + trailingZeros32(unsigned(bits >> 32)));
+}
+
 }  // namespace stages
 }  // namespace aqorb
 }  // namespace cv
