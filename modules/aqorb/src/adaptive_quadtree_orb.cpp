@@ -5,6 +5,7 @@
 #include "precomp.hpp"
 
 #include "parameters.hpp"
+#include "workspace.hpp"
 
 namespace cv
 {
@@ -20,82 +21,6 @@ String AdaptiveQuadtreeORB::getDefaultName() const
 
 namespace
 {
-
-// The features of a level.
-struct LevelFeatures
-{
-    std::vector<KeyPoint> keypoints;
-    std::vector<DescriptorPoint> points;  // where they were found
-};
-
-// What a call needs beside its outputs; kept for the next call.
-struct Workspace
-{
-    std::vector<Level> pyramid;
-    std::vector<LevelCorners> corners;
-    std::vector<std::vector<RankedCorner>> ranked, chosen;
-    FeatureSelector selector;
-    std::vector<Mat> blurred;
-    std::vector<LevelFeatures> features;
-
-    void resize(size_t levels)
-    {
-        corners.resize(std::max(levels, corners.size()));
-        ranked.resize(std::max(levels, ranked.size()));
-        blurred.resize(std::max(levels, blurred.size()));
-        features.resize(std::max(levels, features.size()));
-    }
-};
-
-// Lends work spaces, one to each call that is under way.
-class WorkspacePool
-{
-public:
-    class Lease
-    {
-    public:
-        explicit Lease(WorkspacePool& pool_) : pool(pool_), workspace(pool.take()) {}
-        ~Lease()
-        {
-            // The input image is the caller's.
-            for (size_t i = 0; i < workspace->pyramid.size(); i++)
-            {
-                Level& level = workspace->pyramid[i];
-                level.mask.release();
-                if (level.isInput)
-                    level.image.release();
-            }
-            pool.give(workspace);
-        }
-        Workspace& operator*() const { return *workspace; }
-
-    private:
-        Lease(const Lease&);
-        Lease& operator=(const Lease&);
-
-        WorkspacePool& pool;
-        Ptr<Workspace> workspace;
-    };
-
-private:
-    Ptr<Workspace> take()
-    {
-        AutoLock lock(mutex);
-        if (idle.empty())
-            return makePtr<Workspace>();
-        const Ptr<Workspace> workspace = idle.back();
-        idle.pop_back();
-        return workspace;
-    }
-    void give(const Ptr<Workspace>& workspace)
-    {
-        AutoLock lock(mutex);
-        idle.push_back(workspace);
-    }
-
-    Mutex mutex;
-    std::vector<Ptr<Workspace>> idle;
-};
 
 // Detects and ranks the corners of the pyramid's levels for selection.
 class PyramidCorners : public CornerSource
@@ -366,13 +291,16 @@ void AdaptiveQuadtreeORBImpl::detect(const Mat& image, const Mat& mask, Workspac
                                       p.maxDepth >= 0 ? p.maxDepth : quadtreeDepth(quotas[i]), quotas[i]};
         selectionLevels[i] = level;
     }
+    // Levels too small for a keypoint leave their quota to the next finer one.
+    if (levels > 0)
+        selectionLevels.back().quota = std::accumulate(quotas.begin() + levels - 1, quotas.end(), 0);
     parallel_for_(
         Range(0, levels),
         [&](const Range& range)
         {
             for (int i = range.start; i < range.end; i++)
             {
-                if (quotas[i] > 0)
+                if (selectionLevels[i].quota > 0)
                     source.prepare(i);
             }
         },

@@ -32,7 +32,7 @@ void detectCorners(const Mat& image, const Rect& region, int threshold, std::vec
     FastScan scan;
     scan.image = image.ptr();
     scan.step = ptrdiff_t(image.step);
-    scan.threshold = std::min(std::max(threshold, 0), 255);
+    scan.threshold = std::min(std::max(threshold, 1), 255);  // as suppression needs scores > 0
     scan.left = scored.x;
     scan.top = scored.y;
     scan.width = scored.width;

@@ -46,8 +46,8 @@ void Parameters::check() const
         reject("nfeatures", nfeatures, ">= 0");
     if (!isFinite(scaleFactor) || scaleFactor <= 0)
         reject("scaleFactor", scaleFactor, "a finite value > 0 (> 1 with more than one level)");
-    if (nlevels < 1)
-        reject("nlevels", nlevels, ">= 1");
+    if (nlevels < 1 || nlevels > 65536)
+        reject("nlevels", nlevels, "1 to 65536");
     if (edgeThreshold < 0)
         reject("edgeThreshold", edgeThreshold, ">= 0");
     if (firstLevel < 0)

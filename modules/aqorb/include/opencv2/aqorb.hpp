@@ -66,7 +66,7 @@ public:
     @param nfeatures The most keypoints to return, >= 0. With 0 the outputs are empty.
     @param scaleFactor Ratio between the sizes of neighbouring pyramid levels, finite and > 0; > 1
     where there is more than one level.
-    @param nlevels Number of pyramid levels, >= 1. Levels too small to hold a keypoint are skipped.
+    @param nlevels Number of pyramid levels, 1 to 65536. Levels too small to hold a keypoint are skipped.
     @param edgeThreshold Width in pixels, on each level, of the border without keypoints, >= 0. The
     default 16 is the least that keeps the orientation patch of the default patchSize inside the
     image; cv::ORB's 31 costs uniformity, as it is most of the image on small levels.
