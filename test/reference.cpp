@@ -4,602 +4,433 @@
 
 #include "reference.hpp"
 
-#include <map>
-#include <tuple>
+#include "../modules/aqorb/src/orb_pattern.hpp"
 
 namespace opencv_test
 {
-
-using aqorb::stages::LeafPoint;
-
-ReferenceParameters::ReferenceParameters(const AdaptiveQuadtreeORB& detector)
-    : nfeatures(detector.getMaxFeatures()),
-      scaleFactor(detector.getScaleFactor()),
-      nlevels(detector.getNLevels()),
-      edgeThreshold(detector.getEdgeThreshold()),
-      firstLevel(detector.getFirstLevel()),
-      WTA_K(detector.getWTA_K()),
-      isHarris(detector.getScoreType() == ORB::HARRIS_SCORE),
-      patchSize(detector.getPatchSize()),
-      fastThreshold(detector.getFastThreshold()),
-      adaptiveThreshold(detector.getAdaptiveThreshold()),
-      minThresholdRatio(detector.getMinThresholdRatio()),
-      cellSize(detector.getCellSize()),
-      maxDepth(detector.getMaxDepth()),
-      octaveSuppression(detector.getOctaveSuppression()),
-      subPixel(detector.getSubPixel())
+namespace reference
 {
-}
 
-int reflectedPixel(const Mat& image, int x, int y)
+int pixel(const Mat& image, int x, int y)
 {
     return image.at<uchar>(borderInterpolate(y, image.rows, BORDER_REFLECT_101),
                            borderInterpolate(x, image.cols, BORDER_REFLECT_101));
 }
 
-int referenceScore(const Mat& image, Point p)
+double varianceOverMean(const Mat& gray, const Mat& mask)
 {
-    const int circle[16][2] = {{0, 3},  {1, 3},   {2, 2},   {3, 1},   {3, 0},  {3, -1}, {2, -2}, {1, -3},
-                               {0, -3}, {-1, -3}, {-2, -2}, {-3, -1}, {-3, 0}, {-3, 1}, {-2, 2}, {-1, 3}};
-    const int center = reflectedPixel(image, p.x, p.y);
-    int best = -255;
+    int64 n = 0, sum = 0, squares = 0;
+    for (int y = 0; y < gray.rows; y++)
+    {
+        for (int x = 0; x < gray.cols; x++)
+        {
+            if (!mask.empty() && mask.at<uchar>(y, x) == 0)
+                continue;
+            const int64 value = gray.at<uchar>(y, x);
+            n++;
+            sum += value;
+            squares += value * value;
+        }
+    }
+    return sum == 0 ? 0. : (double)squares / (double)sum - (double)sum / (double)n;
+}
+
+static double clamp(double value, double low, double high)
+{
+    return value < low ? low : value > high ? high : value;
+}
+
+Thresholds thresholds(double v, bool adaptive, int fastThreshold, double minRatio)
+{
+    const int fast = int(clamp(fastThreshold, 0, 255));
+    v = adaptive ? v * fast / 20 : fast;
+    Thresholds result;
+    result.ini = cvRound(clamp(v, 1, 254));
+    result.min = cvRound(clamp(v / minRatio, 1, std::min(std::max(fast, 1), result.ini)));
+    return result;
+}
+
+float levelScale(int level, int firstLevel, double scaleFactor)
+{
+    return (float)std::pow(scaleFactor, (double)(level - firstLevel));
+}
+
+Size levelSize(Size imageSize, float scale)
+{
+    const float inverse = 1.f / scale;
+    return Size(cvRound(imageSize.width * inverse), cvRound(imageSize.height * inverse));
+}
+
+std::vector<int> quotas(int nfeatures, double scaleFactor, int nlevels)
+{
+    std::vector<int> result(nlevels);
+    const float factor = (float)(1.0 / scaleFactor);
+    float wanted = nfeatures * (1 - factor) / (1 - (float)std::pow((double)factor, (double)nlevels));
+    int sum = 0;
+    for (int level = 0; level < nlevels - 1; level++)
+    {
+        result[level] = cvRound(wanted);
+        sum += result[level];
+        wanted *= factor;
+    }
+    result[nlevels - 1] = std::max(nfeatures - sum, 0);
+    sum += result[nlevels - 1];
+    for (int level = 0; sum > nfeatures; sum--)
+    {
+        while (result[level] == 0)
+            level++;
+        result[level]--;
+    }
+    return result;
+}
+
+// influences[i][j]: whether pixel j along an axis counts in pixel i of the resized one. Asked of
+// cv::resize: of a diagonal image, only one pixel at a time is not 0.
+static std::vector<std::vector<int>> influences(int from, int to)
+{
+    Mat resized;
+    resize(Mat::eye(from, from, CV_8UC1) * 255, resized, Size(to, from), 0, 0, INTER_LINEAR_EXACT);
+    std::vector<std::vector<int>> result(to);
+    for (int i = 0; i < to; i++)
+    {
+        for (int j = 0; j < from; j++)
+        {
+            if (resized.at<uchar>(j, i) != 0)
+                result[i].push_back(j);
+        }
+    }
+    return result;
+}
+
+Mat resizeMask(const Mat& mask, Size size)
+{
+    const std::vector<std::vector<int>> columns = influences(mask.cols, size.width);
+    const std::vector<std::vector<int>> rows = influences(mask.rows, size.height);
+    Mat result(size, CV_8UC1, Scalar(255));
+    for (int y = 0; y < size.height; y++)
+    {
+        for (int x = 0; x < size.width; x++)
+        {
+            for (size_t i = 0; i < rows[y].size(); i++)
+            {
+                for (size_t j = 0; j < columns[x].size(); j++)
+                {
+                    if (mask.at<uchar>(rows[y][i], columns[x][j]) == 0)
+                        result.at<uchar>(y, x) = 0;
+                }
+            }
+        }
+    }
+    return result;
+}
+
+int cornerScore(const Mat& image, int x, int y)
+{
+    static const int CIRCLE[16][2] = {{0, 3},  {1, 3},  {2, 2},  {3, 1},   {3, 0},   {3, -1},
+                                      {2, -2}, {1, -3}, {0, -3}, {-1, -3}, {-2, -2}, {-3, -1},
+                                      {-3, 0}, {-3, 1}, {-2, 2}, {-1, 3}};
+    const int v = pixel(image, x, y);
+    int differences[16], best = -255;
+    for (int i = 0; i < 16; i++)
+        differences[i] = pixel(image, x + CIRCLE[i][0], y + CIRCLE[i][1]) - v;
     for (int first = 0; first < 16; first++)
     {
         int brighter = 255, darker = 255;
-        for (int i = 0; i < 9; i++)
+        for (int i = first; i < first + 9; i++)
         {
-            const int* offset = circle[(first + i) % 16];
-            const int difference = reflectedPixel(image, p.x + offset[0], p.y + offset[1]) - center;
-            brighter = std::min(brighter, difference);
-            darker = std::min(darker, -difference);
+            brighter = std::min(brighter, differences[i % 16]);
+            darker = std::min(darker, -differences[i % 16]);
         }
         best = std::max(best, std::max(brighter, darker));
     }
     return best;
 }
 
-float referenceBlur(const Mat& image, Point p)
+std::vector<Corner> fastCorners(const Mat& image, const Rect& region, int threshold)
 {
-    const Mat kernel = getGaussianKernel(7, 2, CV_32F);
-    float rows[7];
-    for (int i = 0; i < 7; i++)
+    const int RADIUS = 3;
+    threshold = std::max(threshold, 1);
+    // The score of every pixel that is a corner at the threshold; 0 elsewhere, and around the image.
+    Mat scores = Mat::zeros(image.size(), CV_32SC1);
+    for (int y = RADIUS; y < image.rows - RADIUS; y++)
     {
-        rows[i] = kernel.at<float>(0) * float(reflectedPixel(image, p.x - 3, p.y + i - 3));
-        for (int j = 1; j < 7; j++)
+        for (int x = RADIUS; x < image.cols - RADIUS; x++)
         {
-            const float pixel = float(reflectedPixel(image, p.x + j - 3, p.y + i - 3));
-            rows[i] = std::fma(kernel.at<float>(j), pixel, rows[i]);
+            const int score = cornerScore(image, x, y);
+            if (score > threshold)
+                scores.at<int>(y, x) = score - 1;
         }
     }
-    float sum = kernel.at<float>(3) * rows[3];
-    for (int i = 1; i <= 3; i++)
-        sum = std::fma(rows[3 + i] + rows[3 - i], kernel.at<float>(3 + i), sum);
-    return sum;
-}
-
-std::vector<int> referenceSequence(const std::vector<LeafPoint>& points, int depth)
-{
-    typedef std::tuple<bool, float, float, float, int> Rank;  // lower is better
-    struct Local
+    std::vector<Corner> corners;
+    for (int y = RADIUS; y < image.rows - RADIUS; y++)
     {
-        static Rank rank(const LeafPoint& p)
+        for (int x = RADIUS; x < image.cols - RADIUS; x++)
         {
-            const bool isNaN = cvIsNaN(p.response) != 0;
-            return Rank(isNaN, isNaN ? 0 : -p.response, p.y, p.x, p.index);
-        }
-        // The place of each point among those of the same group, by (key, rank).
-        static std::vector<int> places(const std::vector<LeafPoint>& all, const std::vector<unsigned>& groups,
-                                       const std::vector<int>& keys)
-        {
-            std::vector<int> result(all.size(), 0);
-            for (size_t i = 0; i < all.size(); i++)
+            const Corner corner = {x, y, scores.at<int>(y, x)};
+            bool isMaximum = corner.score > 0;
+            for (int dy = -1; dy <= 1; dy++)
             {
-                for (size_t j = 0; j < all.size(); j++)
+                for (int dx = -1; dx <= 1; dx++)
                 {
-                    if (groups[i] == groups[j] &&
-                        std::make_pair(keys[j], rank(all[j])) < std::make_pair(keys[i], rank(all[i])))
-                        result[i]++;
+                    if ((dx != 0 || dy != 0) && scores.at<int>(y + dy, x + dx) >= corner.score)
+                        isMaximum = false;
                 }
             }
-            return result;
+            if (isMaximum && region.contains(Point(x, y)))
+                corners.push_back(corner);
         }
-    };
-    std::vector<unsigned> leaves, ancestors, whole(points.size(), 0);
-    for (size_t i = 0; i < points.size(); i++)
-    {
-        leaves.push_back(points[i].leaf);
-        ancestors.push_back(depth >= 2 ? points[i].leaf / 16 : 0);
     }
-    const std::vector<int> inLeaf = Local::places(points, leaves, std::vector<int>(points.size(), 0));
-    const std::vector<int> inGroup = Local::places(points, ancestors, inLeaf);
-    const std::vector<int> inTree = Local::places(points, whole, inGroup);
-    std::vector<int> sequence(points.size());
-    for (size_t i = 0; i < points.size(); i++)
-        sequence[inTree[i]] = points[i].index;
-    return sequence;
+    return corners;
 }
 
-namespace
+Corners findCorners(const Mat& image, const Mat& mask, const Rect& region, Thresholds t, int cellSize,
+                    bool suppressNear)
 {
+    std::vector<Corner> all, usable;
+    all = fastCorners(image, region, t.min);
+    for (size_t i = 0; i < all.size(); i++)
+    {
+        if (mask.empty() || mask.at<uchar>(all[i].y, all[i].x) != 0)
+            usable.push_back(all[i]);
+    }
 
-struct RefCorner
-{
-    int x, y, score;
-    float response;
-};
-typedef std::vector<RefCorner> RefCorners;
+    Corners result;
+    std::vector<Corner> candidates;
+    for (size_t i = 0; i < usable.size(); i++)
+    {
+        const Corner& a = usable[i];
+        bool cellIsFull = false;
+        for (size_t j = 0; j < usable.size(); j++)
+        {
+            const Corner& b = usable[j];
+            cellIsFull |= b.score >= t.ini && (a.x - region.x) / cellSize == (b.x - region.x) / cellSize &&
+                          (a.y - region.y) / cellSize == (b.y - region.y) / cellSize;
+        }
+        (a.score >= t.ini || !cellIsFull ? candidates : result.cellRejects).push_back(a);
+    }
+    for (size_t i = 0; i < candidates.size(); i++)
+    {
+        const Corner& a = candidates[i];
+        bool falls = false;
+        for (size_t j = 0; suppressNear && j < candidates.size(); j++)
+        {
+            const Corner& b = candidates[j];
+            const bool isBefore = b.y != a.y ? b.y < a.y : b.x < a.x;
+            falls |= std::abs(a.x - b.x) <= 3 && std::abs(a.y - b.y) <= 3 &&
+                     (b.score > a.score || (b.score == a.score && isBefore));
+        }
+        (falls ? result.suppressed : result.kept).push_back(a);
+    }
+    return result;
+}
 
-struct RefLevel
-{
-    Mat image;
-    float scale;
-    int quota, depth;
-    RefCorners kept, fallen, rejects;
-    std::vector<int> chosen;                // of all, in the order of choice
-    RefCorners all;                         // kept, then fallen, then rejects
-    std::vector<int> sequence, passedOver;  // of kept
-    size_t next;
-    bool begun;
-};
-
-float referenceHarris(const Mat& image, int x, int y)
+float harrisResponse(const Mat& image, int x0, int y0)
 {
     int a = 0, b = 0, c = 0;
-    for (int dy = -2; dy <= 2; dy++)
+    for (int y = y0 - 2; y <= y0 + 2; y++)
     {
-        for (int dx = -2; dx <= 2; dx++)
+        for (int x = x0 - 2; x <= x0 + 2; x++)
         {
             int Ix = 0, Iy = 0;
             for (int i = -1; i <= 1; i++)
             {
                 const int weight = i == 0 ? 2 : 1;
-                Ix += weight * (reflectedPixel(image, x + dx + 1, y + dy + i) -
-                                reflectedPixel(image, x + dx - 1, y + dy + i));
-                Iy += weight * (reflectedPixel(image, x + dx + i, y + dy + 1) -
-                                reflectedPixel(image, x + dx + i, y + dy - 1));
+                Ix += weight * (pixel(image, x + 1, y + i) - pixel(image, x - 1, y + i));
+                Iy += weight * (pixel(image, x + i, y + 1) - pixel(image, x + i, y - 1));
             }
             a += Ix * Ix;
             b += Iy * Iy;
             c += Ix * Iy;
         }
     }
-    const float scale = 1.f / ((1 << 2) * 5 * 255.f);
-    const float scale4 = scale * scale * scale * scale;
-    return ((float)a * b - (float)c * c - 0.04f * ((float)a + b) * ((float)a + b)) * scale4;
+    const float k = 0.04f, scale = 1.f / ((1 << 2) * 5 * 255.f);
+    return ((float)a * b - (float)c * c - k * ((float)a + b) * ((float)a + b)) *
+           (scale * scale * scale * scale);
 }
 
-// The source pixels with a weight, by INTER_LINEAR_EXACT.
-std::vector<int> taps(int i, int length, int sourceLength)
+Point2d subPixelOffset(const Mat& image, int x, int y)
 {
-    const double inverse = (double)length / sourceLength;
-    const double center = (1.0 / inverse) * (i + 0.5) - 0.5;
-    const int first = cvFloor(center);
-    std::vector<int> result;
-    if (first < 0 || sourceLength == 1)
-        result.push_back(0);
-    else if (first >= sourceLength - 1)
-        result.push_back(sourceLength - 1);
-    else
+    struct Score
     {
-        const int weight = cvRound((center - first) * 256);
-        if (weight < 256)
-            result.push_back(first);
-        if (weight > 0)
-            result.push_back(first + 1);
-    }
-    return result;
+        const Mat& image;
+        int x, y;
+        int operator()(int dx, int dy) const { return cornerScore(image, x + dx, y + dy); }
+    } S = {image, x, y};
+
+    const int gx2 = S(1, 0) - S(-1, 0), gy2 = S(0, 1) - S(0, -1);
+    const int dxx = S(1, 0) - 2 * S(0, 0) + S(-1, 0), dyy = S(0, 1) - 2 * S(0, 0) + S(0, -1);
+    const int dxy4 = S(1, 1) - S(-1, 1) - S(1, -1) + S(-1, -1);
+    const int det16 = 16 * dxx * dyy - dxy4 * dxy4;
+    if (!(dxx < 0 && det16 > 0))
+        return Point2d(0, 0);
+    const double px = 2. * (dxy4 * gy2 - 4 * dyy * gx2) / det16;
+    const double py = 2. * (dxy4 * gx2 - 4 * dxx * gy2) / det16;
+    return Point2d(clamp(px, -0.5, 0.5), clamp(py, -0.5, 0.5));
 }
 
-Mat reducedMask(const Mat& mask, Size size)
+static float coordinate(int x, double d, int imageLength, int levelLength, float scale, int border)
 {
-    Mat reduced(size, CV_8UC1);
-    for (int y = 0; y < size.height; y++)
-    {
-        for (int x = 0; x < size.width; x++)
-        {
-            uchar usable = 255;
-            for (int sy : taps(y, size.height, mask.rows))
-            {
-                for (int sx : taps(x, size.width, mask.cols))
-                    usable = mask.at<uchar>(sy, sx) ? usable : 0;
-            }
-            reduced.at<uchar>(y, x) = usable;
-        }
-    }
-    return reduced;
+    double p = (x + d + 0.5) * imageLength / levelLength - 0.5;
+    p = std::min(p, (double)std::nextafter((float)(imageLength - border), 0.f));
+    p = std::max(p, (double)border);
+    p = std::min(p, (x + 0.49) * scale);
+    p = std::max(p, (x - 0.49) * scale);
+    return (float)p;
 }
 
-Point2f positionOf(Size image, const RefLevel& level, int border, bool subPixel, int x, int y, double dx,
-                   double dy)
+Point2f position(int x, int y, Point2d d, Size imageSize, Size levelSize, float scale, int border,
+                 bool subPixel)
 {
     if (!subPixel)
-        return Point2f((float)x * level.scale, (float)y * level.scale);
-    const int pixel[2] = {x, y}, lengths[2] = {image.width, image.height},
-              levelLengths[2] = {level.image.cols, level.image.rows};
-    const double offset[2] = {dx, dy};
-    float result[2];
-    for (int i = 0; i < 2; i++)
-    {
-        double p = (pixel[i] + offset[i] + 0.5) * lengths[i] / levelLengths[i] - 0.5;
-        p = std::min(p, (double)std::nextafter((float)(lengths[i] - border), 0.f));
-        p = std::max(p, (double)border);
-        p = std::min(p, (pixel[i] + 0.49) * level.scale);
-        p = std::max(p, (pixel[i] - 0.49) * level.scale);
-        result[i] = (float)p;
-    }
-    return Point2f(result[0], result[1]);
+        return Point2f((float)x * scale, (float)y * scale);
+    return Point2f(coordinate(x, d.x, imageSize.width, levelSize.width, scale, border),
+                   coordinate(y, d.y, imageSize.height, levelSize.height, scale, border));
 }
 
-Point2d peakOf(const Mat& image, int x, int y)
+float orientation(const Mat& image, int x, int y, int patchSize)
 {
-    int s[3][3];
-    for (int dy = 0; dy < 3; dy++)
-        for (int dx = 0; dx < 3; dx++)
-            s[dy][dx] = referenceScore(image, Point(x + dx - 1, y + dy - 1));
-    const int dxx = s[1][2] - 2 * s[1][1] + s[1][0], dyy = s[2][1] - 2 * s[1][1] + s[0][1];
-    const int dxy4 = s[2][2] - s[2][0] - s[0][2] + s[0][0];
-    const int gx2 = s[1][2] - s[1][0], gy2 = s[2][1] - s[0][1];
-    const int determinant16 = 16 * dxx * dyy - dxy4 * dxy4;
-    if (dxx >= 0 || determinant16 <= 0)
-        return Point2d(0, 0);
-    const double px = 2. * (dxy4 * gy2 - 4 * dyy * gx2) / determinant16;
-    const double py = 2. * (dxy4 * gx2 - 4 * dxx * gy2) / determinant16;
-    return Point2d(std::max(-0.5, std::min(0.5, px)), std::max(-0.5, std::min(0.5, py)));
-}
-
-void findCorners(const Mat& image, const Mat& mask, int iniT, int minT, const ReferenceParameters& p,
-                 RefLevel& level)
-{
-    Mat scores(image.size(), CV_32SC1, Scalar(-1));  // cv::FAST's response
-    for (int y = 3; y < image.rows - 3; y++)
-        for (int x = 3; x < image.cols - 3; x++)
-            scores.at<int>(y, x) = referenceScore(image, Point(x, y)) - 1;
-    const int edge = p.edgeThreshold;
-    RefCorners corners;
-    for (int y = std::max(3, edge); y < image.rows - std::max(3, edge); y++)
-    {
-        for (int x = std::max(3, edge); x < image.cols - std::max(3, edge); x++)
-        {
-            const int score = scores.at<int>(y, x);
-            bool highest = score >= minT;
-            for (int dy = -1; dy <= 1; dy++)
-                for (int dx = -1; dx <= 1; dx++)
-                    highest = highest && (score > scores.at<int>(y + dy, x + dx) || (dx == 0 && dy == 0));
-            if (highest && (mask.empty() || mask.at<uchar>(y, x)))
-            {
-                const RefCorner corner = {x, y, score,
-                                          p.isHarris ? referenceHarris(image, x, y) : (float)score};
-                corners.push_back(corner);
-            }
-        }
-    }
-    std::map<std::pair<int, int>, bool> full;
-    for (const RefCorner& c : corners)
-        full[std::make_pair((c.y - edge) / p.cellSize, (c.x - edge) / p.cellSize)] |= c.score >= iniT;
-    RefCorners passed;
-    for (const RefCorner& c : corners)
-    {
-        const bool inFull = full[std::make_pair((c.y - edge) / p.cellSize, (c.x - edge) / p.cellSize)];
-        (c.score >= iniT || !inFull ? passed : level.rejects).push_back(c);
-    }
-    for (const RefCorner& c : passed)
-    {
-        bool falls = false;
-        for (const RefCorner& o : passed)
-        {
-            falls = falls || (p.isHarris && std::abs(o.x - c.x) <= 3 && std::abs(o.y - c.y) <= 3 &&
-                              std::make_tuple(-o.score, o.y, o.x) < std::make_tuple(-c.score, c.y, c.x));
-        }
-        (falls ? level.fallen : level.kept).push_back(c);
-    }
-    level.all = level.kept;
-    level.all.insert(level.all.end(), level.fallen.begin(), level.fallen.end());
-    level.all.insert(level.all.end(), level.rejects.begin(), level.rejects.end());
-}
-
-class RefSelection
-{
-public:
-    RefSelection(std::vector<RefLevel>& levels_, Size imageSize_, const ReferenceParameters& p_)
-        : levels(levels_), imageSize(imageSize_), p(p_)
-    {
-    }
-    void select(int skippedQuota)
-    {
-        int wanted = skippedQuota;
-        const int count = (int)levels.size();
-        for (int l = count - 1; l >= 0; l--)
-        {
-            wanted += levels[l].quota;
-            if (wanted > 0)
-                wanted -= choose(l, wanted);
-        }
-        for (int l = 0; l < count && wanted > 0; l++)
-            wanted -= choose(l, wanted);
-        for (int l = 0; l < count && wanted > 0; l++)
-            wanted -= fill(l, levels[l].passedOver, wanted);
-        for (int l = 0; l < count && wanted > 0; l++)
-            wanted -= fill(l, range(levels[l].kept.size(), levels[l].fallen.size()), wanted);
-        for (int l = 0; l < count && wanted > 0; l++)
-            wanted -= fill(
-                l, range(levels[l].kept.size() + levels[l].fallen.size(), levels[l].rejects.size()), wanted);
-    }
-
-private:
-    static std::vector<int> range(size_t first, size_t count)
-    {
-        std::vector<int> indices;
-        for (size_t i = 0; i < count; i++)
-            indices.push_back(int(first + i));
-        return indices;
-    }
-    Point2d place(int l, int index) const
-    {
-        const RefCorner& c = levels[l].all[index];
-        return Point2d((c.x + 0.5) * imageSize.width / levels[l].image.cols - 0.5,
-                       (c.y + 0.5) * imageSize.height / levels[l].image.rows - 0.5);
-    }
-    bool isSuppressed(int l, int index) const
-    {
-        const double radius = p.octaveSuppression * levels[l].scale;
-        for (size_t other = 0; other < levels.size(); other++)
-        {
-            for (size_t i = 0; i < levels[other].chosen.size(); i++)
-            {
-                const Point2d d = place((int)other, levels[other].chosen[i]) - place(l, index);
-                if ((int)other != l && d.x * d.x + d.y * d.y < radius * radius)
-                    return true;
-            }
-        }
-        return false;
-    }
-    std::vector<int> sequenceOf(int l, const std::vector<int>& indices) const
-    {
-        const Size size = levels[l].image.size();
-        const int64 edge = p.edgeThreshold, leaves = int64(1) << levels[l].depth;
-        std::vector<LeafPoint> points;
-        for (int index : indices)
-        {
-            const RefCorner& c = levels[l].all[index];
-            const int64 column = std::min((c.x - edge) * leaves / (size.width - 2 * edge), leaves - 1);
-            const int64 row = std::min((c.y - edge) * leaves / (size.height - 2 * edge), leaves - 1);
-            unsigned code = 0;
-            for (int bit = 0; bit < 15; bit++)
-                code |= unsigned((column >> bit) & 1) << (2 * bit) | unsigned((row >> bit) & 1)
-                                                                         << (2 * bit + 1);
-            const LeafPoint point = {code, c.response, (float)c.x, (float)c.y, index};
-            points.push_back(point);
-        }
-        return referenceSequence(points, levels[l].depth);
-    }
-    int choose(int l, int wanted)
-    {
-        RefLevel& level = levels[l];
-        const bool first = !level.begun;
-        if (first)
-        {
-            std::vector<int> candidates;
-            for (int i : range(0, level.kept.size()))
-                (isSuppressed(l, i) ? level.passedOver : candidates).push_back(i);
-            level.sequence = sequenceOf(l, candidates);
-            level.begun = true;
-        }
-        int taken = 0;
-        for (; level.next < level.sequence.size() && taken < wanted; level.next++)
-        {
-            const int index = level.sequence[level.next];
-            if (!first && isSuppressed(l, index))
-            {
-                level.passedOver.push_back(index);
-                continue;
-            }
-            level.chosen.push_back(index);
-            taken++;
-        }
-        return taken;
-    }
-    int fill(int l, const std::vector<int>& indices, int wanted)
-    {
-        const std::vector<int> sequence = sequenceOf(l, indices);
-        const int count = std::min(wanted, (int)sequence.size());
-        levels[l].chosen.insert(levels[l].chosen.end(), sequence.begin(), sequence.begin() + count);
-        return count;
-    }
-
-    std::vector<RefLevel>& levels;
-    Size imageSize;
-    const ReferenceParameters& p;
-};
-
-float referenceAngle(const Mat& image, int x, int y, int patchSize)
-{
-    // cv::ORB's circle, made symmetric as there
+    // As in orb.cpp.
     const int half = patchSize / 2;
-    std::vector<int> umax(half + 2);
     const int vmax = cvFloor(half * std::sqrt(2.f) / 2 + 1), vmin = cvCeil(half * std::sqrt(2.f) / 2);
+    std::vector<int> umax(half + 2);
     for (int v = 0; v <= vmax; v++)
         umax[v] = cvRound(std::sqrt((double)half * half - v * v));
-    for (int v = half, v0 = 0; v >= vmin; v--)
+    for (int v = half, v0 = 0; v >= vmin; v--, v0++)
     {
         while (umax[v0] == umax[v0 + 1])
             v0++;
-        umax[v] = v0++;
+        umax[v] = v0;
     }
     umax[0] = half;
+
     int m01 = 0, m10 = 0;
     for (int v = -half; v <= half; v++)
     {
         for (int u = -umax[std::abs(v)]; u <= umax[std::abs(v)]; u++)
         {
-            m10 += u * reflectedPixel(image, x + u, y + v);
-            m01 += v * reflectedPixel(image, x + u, y + v);
+            m10 += u * pixel(image, x + u, y + v);
+            m01 += v * pixel(image, x + u, y + v);
         }
     }
     return fastAtan2((float)m01, (float)m10);
 }
 
-void describe(const Mat& image, int x, int y, float angle, const ReferenceParameters& p, uchar* descriptor)
+Mat blur(const Mat& image)
 {
-    const std::vector<Point> pattern = aqorb::stages::descriptorPattern(p.patchSize, p.WTA_K);
-    angle *= (float)(CV_PI / 180.f);
-    const float a = (float)cos(angle), b = (float)sin(angle);
-    std::vector<int> values;
-    for (const Point& point : pattern)
-    {
-        const Point q(x + cvRound(point.x * a - point.y * b), y + cvRound(point.x * b + point.y * a));
-        const bool inside = Rect(Point(), image.size()).contains(q);
-        values.push_back(inside ? saturate_cast<uchar>(referenceBlur(image, q))
-                                : reflectedPixel(image, q.x, q.y));
-    }
-    const int bits = p.WTA_K == 2 ? 1 : 2;
-    std::fill(descriptor, descriptor + 32, uchar(0));
-    for (int test = 0; test < 256 / bits; test++)
-    {
-        const int* v = &values[test * p.WTA_K];
-        int result;
-        if (p.WTA_K == 2)
-            result = v[0] < v[1];
-        else if (p.WTA_K == 3)
-            result = v[2] > v[1] ? (v[2] > v[0] ? 2 : 0) : v[1] > v[0];
-        else
-        {
-            const int u = v[1] > v[0] ? 1 : 0, w = v[3] > v[2] ? 3 : 2;
-            result = v[u] > v[w] ? u : w;
-        }
-        descriptor[test * bits / 8] |= uchar(result << (test * bits % 8));
-    }
-}
-
-}  // namespace
-
-Features referenceFeatures(const Mat& image, const Mat& mask, const ReferenceParameters& p)
-{
-    // equation (7)
-    double sum = 0, squares = 0, count = 0;
+    const Mat kernel = getGaussianKernel(7, 2, CV_32F);
+    const float* k = kernel.ptr<float>() + 3;
+    Mat rows(image.size(), CV_32FC1), result(image.size(), CV_32FC1);
     for (int y = 0; y < image.rows; y++)
     {
         for (int x = 0; x < image.cols; x++)
         {
-            if (mask.empty() || mask.at<uchar>(y, x))
+            float sum = k[-3] * pixel(image, x - 3, y);
+            for (int i = -2; i <= 3; i++)
+                sum = std::fma(k[i], (float)pixel(image, x + i, y), sum);
+            rows.at<float>(y, x) = sum;
+        }
+    }
+    for (int y = 0; y < image.rows; y++)
+    {
+        for (int x = 0; x < image.cols; x++)
+        {
+            float sum = k[0] * rows.at<float>(y, x);
+            for (int i = 1; i <= 3; i++)
             {
-                const double v = image.at<uchar>(y, x);
-                sum += v;
-                squares += v * v;
-                count++;
+                const float above =
+                    rows.at<float>(borderInterpolate(y - i, image.rows, BORDER_REFLECT_101), x);
+                const float below =
+                    rows.at<float>(borderInterpolate(y + i, image.rows, BORDER_REFLECT_101), x);
+                sum = std::fma(k[i], below + above, sum);
+            }
+            result.at<float>(y, x) = sum;
+        }
+    }
+    return result;
+}
+
+Mat roundedBlur(const Mat& image)
+{
+    const Mat exact = blur(image);
+    Mat result(image.size(), CV_8UC1);
+    for (int y = 0; y < image.rows; y++)
+    {
+        for (int x = 0; x < image.cols; x++)
+            result.at<uchar>(y, x) = saturate_cast<uchar>(cvRound(exact.at<float>(y, x)));
+    }
+    return result;
+}
+
+std::vector<Point> descriptorPattern(int patchSize, int WTA_K)
+{
+    std::vector<Point> pool;
+    RNG poolRng(0x34985739);
+    for (int i = 0; i < 512; i++)
+    {
+        // x is drawn before y
+        const int x = poolRng.uniform(-patchSize / 2, patchSize / 2 + 1);
+        const int y = poolRng.uniform(-patchSize / 2, patchSize / 2 + 1);
+        const signed char* learned = aqorb::stages::LEARNED_POINTS[i];
+        pool.push_back(patchSize == 31 ? Point(learned[0], learned[1]) : Point(x, y));
+    }
+    if (WTA_K == 2)
+        return pool;
+
+    std::vector<Point> pattern;
+    RNG rng(0x12345678);
+    for (int i = 0; i < 128; i++)
+    {
+        for (int k = 0; k < WTA_K;)
+        {
+            const Point point = pool[rng.uniform(0, 512)];
+            bool isNew = true;
+            for (int j = 0; j < k; j++)
+                isNew &= pattern[WTA_K * i + j] != point;
+            if (isNew)
+            {
+                pattern.push_back(point);
+                k++;
             }
         }
     }
-    const int fast = std::min(std::max(p.fastThreshold, 0), 255);
-    double v = sum == 0 ? 0 : squares / sum - sum / count;
-    v = p.adaptiveThreshold ? v * fast / 20 : fast;
-    const int iniT = cvRound(std::min(std::max(v, 1.), 254.));
-    const int loosest = std::min(std::max(fast, 1), iniT);
-    const int minT = cvRound(std::min(std::max(v / p.minThresholdRatio, 1.), (double)loosest));
+    return pattern;
+}
 
-    // equation (8)
-    std::vector<int> quotas(p.nlevels);
-    const float factor = (float)(1.0 / p.scaleFactor);
-    float desired = p.nfeatures * (1 - factor) / (1 - (float)std::pow((double)factor, (double)p.nlevels));
-    int total = 0;
-    for (int l = 0; l < p.nlevels - 1; l++)
+void descriptor(const Mat& image, const Mat& blurred, Point center, float angle,
+                const std::vector<Point>& pattern, int WTA_K, uchar* bytes)
+{
+    angle *= (float)(CV_PI / 180.f);
+    const float a = (float)std::cos((double)angle), b = (float)std::sin((double)angle);
+    std::vector<int> values;
+    for (size_t i = 0; i < pattern.size(); i++)
     {
-        quotas[l] = cvRound(desired);
-        total += quotas[l];
-        desired *= factor;
+        const Point p = center + Point(cvRound(pattern[i].x * a - pattern[i].y * b),
+                                       cvRound(pattern[i].x * b + pattern[i].y * a));
+        const bool inside = Rect(Point(), image.size()).contains(p);
+        values.push_back(inside ? blurred.at<uchar>(p) : pixel(image, p.x, p.y));
     }
-    quotas[p.nlevels - 1] = std::max(p.nfeatures - total, 0);
-    total += quotas[p.nlevels - 1];
-    for (int l = 0; total > p.nfeatures; quotas[l] > 0 ? (quotas[l]--, total--) : l++)
+    const int bits = WTA_K == 2 ? 1 : 2;
+    std::fill(bytes, bytes + 32, uchar(0));
+    for (int test = 0; test < 256 / bits; test++)
     {
-    }
-
-    std::vector<RefLevel> levels;
-    std::vector<Mat> masks;
-    int skipped = 0;
-    for (int l = 0; l < p.nlevels; l++)
-    {
-        RefLevel level = RefLevel();
-        level.scale = (float)std::pow(p.scaleFactor, (double)(l - p.firstLevel));
-        level.quota = quotas[l];
-        const Size size(cvRound(image.cols * (1.f / level.scale)), cvRound(image.rows * (1.f / level.scale)));
-        if (std::min(size.width, size.height) <= 2 * std::max(p.edgeThreshold, 3))
+        const int* v = &values[test * WTA_K];
+        int result;
+        if (WTA_K == 2)
         {
-            for (int rest = l; rest < p.nlevels; rest++)
-                skipped += quotas[rest];
-            break;
+            result = v[0] < v[1];
         }
-        Mat levelMask = mask;
-        if (l == p.firstLevel)
+        else if (WTA_K == 3)
         {
-            level.image = image;
+            result = v[2] > v[1] ? (v[2] > v[0] ? 2 : 0) : (v[1] > v[0]);
         }
         else
         {
-            const bool fromImage = l <= p.firstLevel + 1;
-            resize(fromImage ? image : levels[l - 1].image, level.image, size, 0, 0, INTER_LINEAR_EXACT);
-            if (!mask.empty())
-                levelMask = reducedMask(fromImage ? mask : masks[l - 1], size);
+            const int first = v[1] > v[0] ? 1 : 0, second = v[3] > v[2] ? 3 : 2;
+            result = v[first] > v[second] ? first : second;
         }
-        masks.push_back(levelMask.clone());
-        level.depth = p.maxDepth;
-        if (p.maxDepth < 0)
-        {
-            for (level.depth = 0; level.depth < 15 && std::pow(4., level.depth) < level.quota;)
-                level.depth++;
-        }
-        levels.push_back(level);
+        bytes[test * bits / 8] |= uchar(result << (test * bits % 8));
     }
-    for (size_t l = 0; l < levels.size(); l++)
-    {
-        if (!mask.empty() && (int)l != p.firstLevel)
-        {
-            for (int y = 0; y < masks[l].rows; y++)
-            {
-                for (int x = 0; x < masks[l].cols; x++)
-                {
-                    const Point2f pt =
-                        positionOf(image.size(), levels[l], p.edgeThreshold, p.subPixel, x, y, 0, 0);
-                    const Point at(std::min(std::max(cvRound(pt.x), 0), image.cols - 1),
-                                   std::min(std::max(cvRound(pt.y), 0), image.rows - 1));
-                    if (!mask.at<uchar>(at))
-                        masks[l].at<uchar>(y, x) = 0;
-                }
-            }
-        }
-        findCorners(levels[l].image, masks[l], iniT, minT, p, levels[l]);
-    }
-    RefSelection(levels, image.size(), p).select(skipped);
-
-    Features features;
-    for (size_t l = 0; l < levels.size(); l++)
-    {
-        const RefLevel& level = levels[l];
-        RefCorners chosen;
-        for (int index : level.chosen)
-            chosen.push_back(level.all[index]);
-        std::sort(chosen.begin(), chosen.end(),
-                  [](const RefCorner& a, const RefCorner& b)
-                  { return std::make_pair(a.y, a.x) < std::make_pair(b.y, b.x); });
-        for (const RefCorner& c : chosen)
-        {
-            Point2f pt = positionOf(image.size(), level, p.edgeThreshold, p.subPixel, c.x, c.y, 0, 0);
-            if (p.subPixel)
-            {
-                const Point2d d = peakOf(level.image, c.x, c.y);
-                const Point2f refined =
-                    positionOf(image.size(), level, p.edgeThreshold, true, c.x, c.y, d.x, d.y);
-                if (mask.empty() || mask.at<uchar>(cvRound(refined.y), cvRound(refined.x)))
-                    pt = refined;
-            }
-            const float angle = referenceAngle(level.image, c.x, c.y, p.patchSize);
-            features.keypoints.push_back(
-                KeyPoint(pt, p.patchSize * level.scale, angle, c.response, (int)l, -1));
-            Mat descriptor(1, 32, CV_8UC1);
-            describe(level.image, c.x, c.y, angle, p, descriptor.ptr());
-            features.descriptors.push_back(descriptor);
-        }
-    }
-    return features;
 }
 
+}  // namespace reference
 }  // namespace opencv_test

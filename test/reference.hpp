@@ -7,38 +7,109 @@
 
 #include "test_precomp.hpp"
 
+// The algorithm once more, as plainly as it can be written: no vectors, no tables, no clever order.
+// What is slow here is so on purpose; only the results are of interest.
+
 namespace opencv_test
 {
-
-//! The parameters of AdaptiveQuadtreeORB, for the reference.
-struct ReferenceParameters
+namespace reference
 {
-    explicit ReferenceParameters(const AdaptiveQuadtreeORB& detector);
 
-    int nfeatures;
-    double scaleFactor;
-    int nlevels, edgeThreshold, firstLevel, WTA_K;
-    bool isHarris;
-    int patchSize, fastThreshold;
-    bool adaptiveThreshold;
-    double minThresholdRatio;
-    int cellSize, maxDepth;
-    double octaveSuppression;
-    bool subPixel;
+using aqorb::stages::Corner;
+using aqorb::stages::LeafPoint;
+using aqorb::stages::RankedCorner;
+using aqorb::stages::Thresholds;
+
+//! All parameters of AdaptiveQuadtreeORB with its defaults.
+struct Settings
+{
+    int nfeatures = 500;
+    float scaleFactor = 1.2f;
+    int nlevels = 8;
+    int edgeThreshold = 16;
+    int firstLevel = 0;
+    int WTA_K = 2;
+    ORB::ScoreType scoreType = ORB::HARRIS_SCORE;
+    int patchSize = 31;
+    int fastThreshold = 20;
+    bool adaptiveThreshold = true;
+    double minThresholdRatio = 4;
+    int cellSize = 35;
+    int maxDepth = -1;
+    double octaveSuppression = 0.5;
+    bool subPixel = true;
+
+    Ptr<AdaptiveQuadtreeORB> create() const;
 };
 
-/** The whole algorithm in the plainest terms: the judge of every fast path. Written from the definition,
- without the module's stages. */
-Features referenceFeatures(const Mat& image, const Mat& mask, const ReferenceParameters& parameters);
+//! What detectAndCompute must give.
+Features detectAndCompute(const Mat& image, const Mat& mask, const Settings& settings);
 
-//! The FAST score by its definition; one less than it is cv::FAST's response.
-int referenceScore(const Mat& image, Point p);
-//! cv::ORB's blur by its definition, before it is rounded to 8 bits; std::fma throughout.
-float referenceBlur(const Mat& image, Point p);
-//! The pixel, reflected into the image.
-int reflectedPixel(const Mat& image, int x, int y);
-//! The balanced sequence by its definition: indices of the points, best first.
-std::vector<int> referenceSequence(const std::vector<aqorb::stages::LeafPoint>& points, int depth);
+//! A pixel by value; those outside are reflected.
+int pixel(const Mat& image, int x, int y);
+
+//! Equation (7), unrounded.
+double varianceOverMean(const Mat& gray, const Mat& mask);
+Thresholds thresholds(double v, bool adaptive, int fastThreshold, double minRatio);
+
+float levelScale(int level, int firstLevel, double scaleFactor);
+Size levelSize(Size imageSize, float scale);
+std::vector<int> quotas(int nfeatures, double scaleFactor, int nlevels);
+//! A level's mask from the one it is made from.
+Mat resizeMask(const Mat& mask, Size size);
+
+int cornerScore(const Mat& image, int x, int y);
+std::vector<Corner> fastCorners(const Mat& image, const Rect& region, int threshold);
+
+//! Corners of a level by what the rules make of them.
+struct Corners
+{
+    std::vector<Corner> kept, suppressed, cellRejects;
+};
+Corners findCorners(const Mat& image, const Mat& mask, const Rect& region, Thresholds thresholds,
+                    int cellSize, bool suppressNear);
+
+float harrisResponse(const Mat& image, int x, int y);
+
+int quadtreeDepth(int quota);
+//! Morton code by single bits.
+unsigned leafCode(unsigned column, unsigned row);
+//! The whole balanced sequence, from its definition.
+std::vector<LeafPoint> balancedSequence(const std::vector<LeafPoint>& points, int depth);
+
+Point2f position(int x, int y, Point2d d, Size imageSize, Size levelSize, float scale, int border,
+                 bool subPixel);
+Point2d subPixelOffset(const Mat& image, int x, int y);
+
+float orientation(const Mat& image, int x, int y, int patchSize);
+
+//! cv::ORB's blur with fused multiply-add before it is rounded, CV_32FC1.
+Mat blur(const Mat& image);
+//! The same rounded, CV_8UC1.
+Mat roundedBlur(const Mat& image);
+
+std::vector<Point> descriptorPattern(int patchSize, int WTA_K);
+void descriptor(const Mat& image, const Mat& blurred, Point center, float angle,
+                const std::vector<Point>& pattern, int WTA_K, uchar* bytes);
+
+}  // namespace reference
+
+//! Whether two lists hold the same corners in the same order.
+::testing::AssertionResult sameCorners(const std::vector<aqorb::stages::Corner>& a,
+                                       const std::vector<aqorb::stages::Corner>& b);
+
+//! Runs the code on the baseline kernels until it goes out of scope.
+class WithoutOptimization
+{
+public:
+    WithoutOptimization() : before(useOptimized()) { setUseOptimized(false); }
+    ~WithoutOptimization() { setUseOptimized(before); }
+
+private:
+    WithoutOptimization(const WithoutOptimization&);
+    WithoutOptimization& operator=(const WithoutOptimization&);
+    const bool before;
+};
 
 }  // namespace opencv_test
 

@@ -2,153 +2,248 @@
 // It is subject to the license terms in the LICENSE file found in the top-level directory
 // of this distribution.
 
-#include "reference.hpp"
+#include "plain_reference.hpp"
 
 namespace opencv_test
 {
 namespace
 {
 
-// The detector against the plain reference, byte for byte.
-void expectReference(AdaptiveQuadtreeORB& detector, const Mat& image, const Mat& mask = Mat())
+using reference::Settings;
+
+const Size SMALL_IMAGE(161, 123);
+
+void expectAsReference(const Settings& settings, const Mat& image, const Mat& mask = Mat())
 {
-    const Features expected = referenceFeatures(image, mask, ReferenceParameters(detector));
-    EXPECT_TRUE(sameFeatures(detectAndCompute(detector, image, mask), expected));
-    setUseOptimized(false);
-    EXPECT_TRUE(sameFeatures(detectAndCompute(detector, image, mask), expected)) << "baseline kernels";
-    setUseOptimized(true);
+    const Features expected = reference::detectAndCompute(image, mask, settings);
+    const Ptr<AdaptiveQuadtreeORB> detector = settings.create();
+    EXPECT_TRUE(sameFeatures(detectAndCompute(*detector, image, mask), expected));
+    // Again, with what the first run has left in the work space, and on the baseline kernels.
+    WithoutOptimization baseline;
+    EXPECT_TRUE(sameFeatures(detectAndCompute(*detector, image, mask), expected));
 }
 
-Mat holedMask(Size size)
+// One scene full of corners of all kinds, one of noise.
+void expectAsReferenceOnScenes(const Settings& settings)
 {
-    Mat mask(size, CV_8UC1, Scalar(1));
-    RNG rng(5);
-    for (int i = 0; i < 6; i++)
-        circle(mask, Point(rng.uniform(0, size.width), rng.uniform(0, size.height)), rng.uniform(2, 14),
-               Scalar(0), -1);
-    mask.row(size.height / 2).setTo(0);
-    return mask;
+    {
+        SCOPED_TRACE("scene");
+        expectAsReference(settings, makeScene(SMALL_IMAGE, 3));
+    }
+    SCOPED_TRACE("noise");
+    expectAsReference(settings, makeNoise(Size(118, 97), 5));
 }
 
-TEST(AQORB_Pipeline, defaults)
+TEST(AqorbPipeline, equalsReferenceByDefault)
 {
-    for (int seed = 1; seed <= 3; seed++)
+    for (int seed = 1; seed <= 5; seed++)
     {
         SCOPED_TRACE(seed);
-        const Ptr<AdaptiveQuadtreeORB> detector = AdaptiveQuadtreeORB::create(200);
-        expectReference(*detector, makeScene(Size(150 + 7 * seed, 120 + seed), seed));
+        expectAsReference(Settings(), makeScene(Size(320, 240), seed));
+    }
+    expectAsReferenceOnScenes(Settings());
+}
+
+TEST(AqorbPipeline, equalsReferenceForEveryNumberOfFeatures)
+{
+    const int numbers[] = {0, 1, 2, 7, 50, 500, 10000};
+    for (int n : numbers)
+    {
+        SCOPED_TRACE(n);
+        Settings settings;
+        settings.nfeatures = n;
+        expectAsReferenceOnScenes(settings);
+        settings.scoreType = ORB::FAST_SCORE;
+        expectAsReferenceOnScenes(settings);
     }
 }
 
-TEST(AQORB_Pipeline, numbers_of_features)
+TEST(AqorbPipeline, equalsReferenceForEveryPyramid)
 {
-    const Mat image = makeScene(Size(130, 110));
-    const int counts[] = {0, 1, 7, 31, 100, 10000};
-    for (int count : counts)
+    const float factors[] = {1.1f, 1.2f, 1.8f, 2.5f};
+    for (float factor : factors)
     {
-        SCOPED_TRACE(count);
-        const Ptr<AdaptiveQuadtreeORB> detector = AdaptiveQuadtreeORB::create(count);
-        expectReference(*detector, image);
-        detector->setScoreType(ORB::FAST_SCORE);
-        expectReference(*detector, image);
+        for (int nlevels = 1; nlevels <= 8; nlevels += factor < 1.5f ? 3 : 1)
+        {
+            for (int firstLevel = 0; firstLevel < std::min(nlevels, factor < 1.5f ? 3 : 2); firstLevel++)
+            {
+                SCOPED_TRACE(format("factor %g, levels %d, first %d", factor, nlevels, firstLevel));
+                Settings settings;
+                settings.nfeatures = 150;
+                settings.scaleFactor = factor;
+                settings.nlevels = nlevels;
+                settings.firstLevel = firstLevel;
+                settings.edgeThreshold = 8;
+                expectAsReference(settings, makeScene(Size(107, 90), nlevels));
+            }
+        }
+    }
+    Settings settings;
+    settings.scaleFactor = 1.f;
+    settings.nlevels = 1;
+    expectAsReferenceOnScenes(settings);
+}
+
+TEST(AqorbPipeline, equalsReferenceForEveryBorderAndPatch)
+{
+    const int edges[] = {0, 3, 4, 16, 31}, patches[] = {2, 8, 31, 47};
+    for (int edge : edges)
+    {
+        for (int patch : patches)
+        {
+            SCOPED_TRACE(format("edge %d, patch %d", edge, patch));
+            Settings settings;
+            settings.nfeatures = 300;
+            settings.edgeThreshold = edge;
+            settings.patchSize = patch;
+            settings.WTA_K = 2 + (edge + patch) % 3;
+            expectAsReference(settings, makeScene(SMALL_IMAGE, edge + patch));
+        }
     }
 }
 
-TEST(AQORB_Pipeline, own_properties)
+TEST(AqorbPipeline, equalsReferenceForEveryWTA_K)
 {
-    const Mat image = makeScene(Size(140, 130), 4);
-    Ptr<AdaptiveQuadtreeORB> detector;
-#define AQORB_TRY(setting)                       \
-    detector = AdaptiveQuadtreeORB::create(120); \
-    detector->setting;                           \
-    {                                            \
-        SCOPED_TRACE(#setting);                  \
-        expectReference(*detector, image);       \
-    }
-    AQORB_TRY(setAdaptiveThreshold(false));
-    AQORB_TRY(setMinThresholdRatio(1));
-    AQORB_TRY(setMinThresholdRatio(10));
-    AQORB_TRY(setCellSize(8));
-    AQORB_TRY(setCellSize(1000000));
-    AQORB_TRY(setMaxDepth(0));
-    AQORB_TRY(setMaxDepth(1));
-    AQORB_TRY(setMaxDepth(3));
-    AQORB_TRY(setMaxDepth(15));
-    AQORB_TRY(setOctaveSuppression(0));
-    AQORB_TRY(setOctaveSuppression(3));
-    AQORB_TRY(setOctaveSuppression(1e6));
-    AQORB_TRY(setSubPixel(false));
-    AQORB_TRY(setFastThreshold(0));
-    AQORB_TRY(setFastThreshold(5));
-    AQORB_TRY(setFastThreshold(300));
-#undef AQORB_TRY
-}
-
-TEST(AQORB_Pipeline, parameters_of_ORB)
-{
-    struct Case
+    for (int WTA_K = 2; WTA_K <= 4; WTA_K++)
     {
-        int nfeatures;
-        float scaleFactor;
-        int nlevels, edgeThreshold, firstLevel, WTA_K;
-        ORB::ScoreType scoreType;
-        int patchSize, fastThreshold;
-    };
-    const Case cases[] = {
-        {100, 1.2f, 8, 31, 0, 2, ORB::HARRIS_SCORE, 31, 20},
-        {100, 1.1f, 4, 0, 0, 2, ORB::FAST_SCORE, 31, 20},
-        {100, 1.5f, 3, 3, 1, 3, ORB::HARRIS_SCORE, 31, 10},
-        {100, 1.8f, 5, 8, 3, 2, ORB::HARRIS_SCORE, 8, 20},
-        {100, 2.5f, 3, 4, 0, 4, ORB::HARRIS_SCORE, 47, 20},
-        {100, 1.f, 1, 16, 0, 2, ORB::FAST_SCORE, 2, 40},
-        {60, 1.2f, 8, 2, 2, 4, ORB::FAST_SCORE, 61, 15},
-        {60, 1.3f, 20, 1, 0, 3, ORB::HARRIS_SCORE, 5, 20},
-    };
-    for (const Case& c : cases)
-    {
-        SCOPED_TRACE(format("%g %d %d %d %d %d", c.scaleFactor, c.nlevels, c.edgeThreshold, c.firstLevel,
-                            c.WTA_K, c.patchSize));
-        const Ptr<AdaptiveQuadtreeORB> detector =
-            AdaptiveQuadtreeORB::create(c.nfeatures, c.scaleFactor, c.nlevels, c.edgeThreshold, c.firstLevel,
-                                        c.WTA_K, c.scoreType, c.patchSize, c.fastThreshold);
-        expectReference(*detector, makeScene(Size(101, 77), 6));
+        SCOPED_TRACE(WTA_K);
+        Settings settings;
+        settings.WTA_K = WTA_K;
+        expectAsReferenceOnScenes(settings);
+        settings.edgeThreshold = 3;
+        settings.patchSize = 24;
+        expectAsReferenceOnScenes(settings);
     }
 }
 
-TEST(AQORB_Pipeline, masks)
+TEST(AqorbPipeline, equalsReferenceForEveryThreshold)
 {
-    const Mat image = makeScene(Size(150, 120), 3);
-    const Mat mask = holedMask(image.size());
-    const Ptr<AdaptiveQuadtreeORB> detector = AdaptiveQuadtreeORB::create(150);
-    expectReference(*detector, image, mask);
-    detector->setSubPixel(false);
-    expectReference(*detector, image, mask);
-    detector->setFirstLevel(2);
-    expectReference(*detector, image, mask);
-    detector->setSubPixel(true);
-    detector->setScaleFactor(2.2);
-    expectReference(*detector, image, mask);
+    const int fastThresholds[] = {0, 1, 7, 20, 60, 255};
+    const double ratios[] = {1, 1.5, 4, 10};
+    for (int fast : fastThresholds)
+    {
+        for (double ratio : ratios)
+        {
+            SCOPED_TRACE(format("threshold %d, ratio %g", fast, ratio));
+            Settings settings;
+            settings.fastThreshold = fast;
+            settings.minThresholdRatio = ratio;
+            expectAsReference(settings, makeScene(SMALL_IMAGE, fast));
+            settings.adaptiveThreshold = false;
+            expectAsReference(settings, makeScene(SMALL_IMAGE, fast));
+        }
+    }
 }
 
-TEST(AQORB_Pipeline, odd_images)
+TEST(AqorbPipeline, equalsReferenceForEveryOwnParameter)
 {
-    const Ptr<AdaptiveQuadtreeORB> detector = AdaptiveQuadtreeORB::create(80, 1.2f, 8, 3);
-    const Size sizes[] = {Size(7, 7), Size(8, 40), Size(40, 9), Size(33, 33), Size(300, 14), Size(17, 200)};
-    for (const Size& size : sizes)
+    const ORB::ScoreType scores[] = {ORB::HARRIS_SCORE, ORB::FAST_SCORE};
+    const int cells[] = {8, 35, 1000}, depths[] = {0, 1, 3, 15};
+    const double radii[] = {0, 3, 40};
+    for (ORB::ScoreType score : scores)
     {
+        Settings settings;
+        settings.scoreType = score;
+        settings.nfeatures = 200;
+        for (int cell : cells)
+        {
+            SCOPED_TRACE(format("cell %d, score %d", cell, int(score)));
+            Settings changed = settings;
+            changed.cellSize = cell;
+            expectAsReferenceOnScenes(changed);
+        }
+        for (int depth : depths)
+        {
+            SCOPED_TRACE(format("depth %d, score %d", depth, int(score)));
+            Settings changed = settings;
+            changed.maxDepth = depth;
+            expectAsReferenceOnScenes(changed);
+        }
+        for (double radius : radii)
+        {
+            SCOPED_TRACE(format("suppression %g, score %d", radius, int(score)));
+            Settings changed = settings;
+            changed.octaveSuppression = radius;
+            expectAsReferenceOnScenes(changed);
+        }
+        Settings changed = settings;
+        changed.subPixel = false;
+        expectAsReferenceOnScenes(changed);
+    }
+}
+
+TEST(AqorbPipeline, equalsReferenceWithMasks)
+{
+    const Mat scene = makeScene(SMALL_IMAGE, 7);
+    Mat ones(scene.size(), CV_8UC1, Scalar(1)), half(scene.size(), CV_8UC1, Scalar(0));
+    Mat holes(scene.size(), CV_8UC1, Scalar(255)), zero(scene.size(), CV_8UC1, Scalar(0));
+    half.colRange(50, half.cols).setTo(2);
+    RNG rng(11);
+    for (int i = 0; i < 60; i++)
+        holes.at<uchar>(rng.uniform(0, holes.rows), rng.uniform(0, holes.cols)) = 0;
+    circle(holes, Point(80, 60), 20, Scalar(0), -1);
+    const Mat masks[] = {ones, half, holes, zero};
+    for (int i = 0; i < 4; i++)
+    {
+        for (int firstLevel = 0; firstLevel <= 2; firstLevel++)
+        {
+            SCOPED_TRACE(format("mask %d, first level %d", i, firstLevel));
+            Settings settings;
+            settings.edgeThreshold = 5;
+            settings.firstLevel = firstLevel;
+            settings.scaleFactor = firstLevel == 1 ? 1.5f : 1.2f;
+            expectAsReference(settings, scene, masks[i]);
+            settings.subPixel = false;
+            settings.scoreType = ORB::FAST_SCORE;
+            settings.octaveSuppression = 3;
+            expectAsReference(settings, scene, masks[i]);
+        }
+    }
+}
+
+TEST(AqorbPipeline, equalsReferenceForEveryImageSize)
+{
+    for (int i = 0; i < 40; i++)
+    {
+        RNG rng(100 + i);
+        const Size size(rng.uniform(1, 100), rng.uniform(1, 90));
         SCOPED_TRACE(format("%d x %d", size.width, size.height));
-        expectReference(*detector, makeNoise(size));
-        expectReference(*detector, makeScene(size, 2));
+        Settings settings;
+        settings.edgeThreshold = i % 20;
+        settings.nfeatures = 20 + 10 * i;
+        settings.scaleFactor = 1.3f;
+        expectAsReference(settings, makeNoise(size, i));
+        if (std::min(size.width, size.height) > 10)
+            expectAsReference(settings, makeScene(size, i));
     }
-    Mat dark;
-    makeScene(Size(140, 120)).convertTo(dark, -1, 0.12);
-    expectReference(*detector, dark);
-    // every score many times over: only the order of pixels decides
-    Mat dots = Mat::zeros(90, 90, CV_8UC1);
-    for (int y = 5; y < 90; y += 9)
-        for (int x = 5; x < 90; x += 8)
-            dots.at<uchar>(y, x) = 200;
-    expectReference(*detector, dots);
+}
+
+TEST(AqorbPipeline, equalsReferenceInColour)
+{
+    Mat planes[] = {makeScene(SMALL_IMAGE, 1), makeScene(SMALL_IMAGE, 2), makeScene(SMALL_IMAGE, 3),
+                    makeNoise(SMALL_IMAGE)};
+    Mat bgr, bgra;
+    merge(planes, 3, bgr);
+    merge(planes, 4, bgra);
+    expectAsReference(Settings(), bgr);
+    expectAsReference(Settings(), bgra);
+}
+
+TEST(AqorbPipeline, equalsReferenceOnImagesWithoutCorners)
+{
+    expectAsReference(Settings(), Mat(SMALL_IMAGE, CV_8UC1, Scalar(0)));
+    expectAsReference(Settings(), Mat(SMALL_IMAGE, CV_8UC1, Scalar(77)));
+}
+
+TEST(AqorbPipeline, equalsReferenceInTheDark)
+{
+    const Mat scene = makeScene(SMALL_IMAGE, 9) * 0.08;
+    expectAsReference(Settings(), scene);
+    // a few lamps: equation (7) is far beyond 254
+    Mat lamps = Mat::zeros(SMALL_IMAGE, CV_8UC1);
+    for (int i = 0; i < 12; i++)
+        circle(lamps, Point(20 + 11 * i, 30 + 37 * i % 70), 2, Scalar(255), -1);
+    expectAsReference(Settings(), lamps);
 }
 
 }  // namespace
