@@ -27,4 +27,7 @@ if(BUILD_EXAMPLES)
   set(sample_modules opencv_aqorb opencv_calib3d opencv_imgcodecs)
   ocv_target_include_modules(example_aqorb_demo ${sample_modules})
   ocv_target_link_libraries(example_aqorb_demo PRIVATE ${sample_modules})
+  if(CV_GCC OR CV_CLANG)
+    target_compile_options(example_aqorb_demo PRIVATE -Wno-missing-declarations)  # a program of one file
+  endif()
 endif()
