@@ -248,7 +248,7 @@ Point2f positionOf(Size image, const RefLevel& level, int border, bool subPixel,
     for (int i = 0; i < 2; i++)
     {
         double p = (pixel[i] + offset[i] + 0.5) * lengths[i] / levelLengths[i] - 0.5;
-        p = std::min(p, (double)std::nextafter((float)(lengths[i] - border), 0.f));
+        p = std::min(p, lengths[i] - border - 0.51);
         p = std::max(p, (double)border);
         p = std::min(p, (pixel[i] + 0.49) * level.scale);
         p = std::max(p, (pixel[i] - 0.49) * level.scale);

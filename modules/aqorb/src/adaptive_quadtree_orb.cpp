@@ -377,14 +377,16 @@ void AdaptiveQuadtreeORBImpl::locate(const Mat& image, const std::vector<KeyPoin
                    "into the field: unpack it first)",
                    maxOctave));
 
-    const double border = p.edgeThreshold;
+    const Rect pixels(Point(), image.size());
     std::vector<KeyPoint> inside;
     for (size_t i = 0; i < provided.size(); i++)
     {
         const Point2f pt = provided[i].pt;
-        if (pt.x >= border && pt.y >= border && pt.x < image.cols - border && pt.y < image.rows - border)
+        if (std::isfinite(pt.x) && std::isfinite(pt.y) && pixels.contains(Point(pt)))
             inside.push_back(provided[i]);
     }
+    const int border = std::min(p.edgeThreshold, std::max(image.cols, image.rows));
+    KeyPointsFilter::runByImageBorder(inside, image.size(), border);
     std::stable_sort(inside.begin(), inside.end(), hasLowerOctave);
     const int levels = inside.empty() ? 0 : inside.back().octave + 1;
     buildPyramid(image, Mat(), levels, p.firstLevel, p.scaleFactor, 1, workspace.pyramid);

@@ -21,8 +21,9 @@ Point2f PositionMap::operator()(int x, int y, double dx, double dy) const
         static float map(int pixel, double offset, int imageLength, int levelLength, double scale, int border)
         {
             double p = (pixel + offset + 0.5) * imageLength / levelLength - 0.5;
-            // inside the border of the image, or compute would drop the keypoint
-            const double last = std::nextafter(float(imageLength - border), 0.f);
+            // Off the border of the image, or compute would drop the keypoint: cv::ORB rounds first,
+            // or does not, from one version of OpenCV to the other.
+            const double last = imageLength - border - 0.51;
             p = std::max(std::min(p, last), double(border));
             // p / scale must still round to the pixel: it is where the descriptor is taken
             return float(std::max(std::min(p, (pixel + 0.49) * scale), (pixel - 0.49) * scale));
