@@ -1,0 +1,245 @@
+// This file is part of the aqorb project.
+// It is subject to the license terms in the LICENSE file found in the top-level directory
+// of this distribution.
+
+#include "test_precomp.hpp"
+
+#include <opencv2/opencv_modules.hpp>
+
+#ifdef HAVE_OPENCV_CALIB3D
+#include <opencv2/calib3d.hpp>
+#endif
+
+#include <iostream>
+
+// What the detector is for, measured on real images beside cv::ORB: keypoints spread uniformly, more of the
+// scene matched, better homographies, dark images. The figures are printed.
+
+namespace opencv_test
+{
+namespace
+{
+
+const char* const SETS[] = {"bikes", "leuven", "bark", "trees", "ubc", "graf"};
+const int SETS_OF_UNIFORMITY = 5;  // all but graf
+const int IMAGES = 6;
+
+Mat readColour(const std::string& set, int index)
+{
+    const Mat image = imread(oxfordImage(set, index), IMREAD_COLOR);
+    EXPECT_FALSE(image.empty()) << oxfordImage(set, index);
+    return image;
+}
+
+KeyPoints detect(Feature2D& detector, const Mat& image)
+{
+    KeyPoints keypoints;
+    detector.detect(image, keypoints);
+    return keypoints;
+}
+
+//! Prints one figure of both detectors.
+void report(const std::string& figure, double ours, double orb)
+{
+    std::cout << format("[ FIGURE   ] %-52s %8.3f  cv::ORB %8.3f", figure.c_str(), ours, orb) << std::endl;
+}
+
+TEST(AQORB_Quality, uniform_on_photographs)
+{
+    AQORB_NEEDS_DATA();
+    const Ptr<ORB> ours = AdaptiveQuadtreeORB::create(500), orb = ORB::create(500);
+    double oursSum = 0, orbSum = 0, oursOccupancy = 0, orbOccupancy = 0;
+    for (int s = 0; s < SETS_OF_UNIFORMITY; s++)
+    {
+        double oursSet = 0, orbSet = 0;
+        for (int i = 1; i <= IMAGES; i++)
+        {
+            const Mat image = readColour(SETS[s], i);
+            ASSERT_FALSE(image.empty());
+            const KeyPoints a = detect(*ours, image), b = detect(*orb, image);
+            oursSet += aqorb::distributionUniformity(a, image.size()) / IMAGES;
+            orbSet += aqorb::distributionUniformity(b, image.size()) / IMAGES;
+            oursOccupancy += aqorb::distributionOccupancy(a, image.size()) / IMAGES / SETS_OF_UNIFORMITY;
+            orbOccupancy += aqorb::distributionOccupancy(b, image.size()) / IMAGES / SETS_OF_UNIFORMITY;
+        }
+        report(std::string("uniformity, n = 500, ") + SETS[s], oursSet, orbSet);
+        EXPECT_LT(oursSet, orbSet) << SETS[s];
+        oursSum += oursSet;
+        orbSum += orbSet;
+    }
+    const double oursMean = oursSum / SETS_OF_UNIFORMITY, orbMean = orbSum / SETS_OF_UNIFORMITY;
+    report("uniformity, n = 500, mean of five sets", oursMean, orbMean);
+    report("occupancy, n = 500, mean of five sets", oursOccupancy, orbOccupancy);
+    EXPECT_LE(oursMean, 155);
+    EXPECT_LT(oursMean, orbMean);
+    EXPECT_GT(oursOccupancy, orbOccupancy);
+}
+
+TEST(AQORB_Quality, gives_all_features_asked_for)
+{
+    AQORB_NEEDS_DATA();
+    for (const char* set : {"bark", "trees", "ubc"})
+    {
+        for (int i = 1; i <= IMAGES; i++)
+        {
+            SCOPED_TRACE(format("%s %d", set, i));
+            const Mat image = readColour(set, i);
+            ASSERT_FALSE(image.empty());
+            EXPECT_EQ(size_t(500), detect(*AdaptiveQuadtreeORB::create(500), image).size());
+        }
+    }
+}
+
+TEST(AQORB_Quality, finds_features_in_dark_images)
+{
+    AQORB_NEEDS_DATA();
+    const int nfeatures = 500;
+    const Ptr<ORB> ours = AdaptiveQuadtreeORB::create(nfeatures), orb = ORB::create(nfeatures);
+    double oursSum = 0, orbSum = 0;
+    size_t oursLeast = nfeatures;
+    int images = 0;
+    for (const char* set : SETS)
+    {
+        for (int i = 1; i <= IMAGES; i++)
+        {
+            SCOPED_TRACE(format("%s %d", set, i));
+            Mat dark;
+            readColour(set, i).convertTo(dark, CV_8U, 0.12);
+            ASSERT_FALSE(dark.empty());
+            const KeyPoints a = detect(*ours, dark), b = detect(*orb, dark);
+            oursSum += double(a.size());
+            orbSum += double(b.size());
+            oursLeast = std::min(oursLeast, a.size());
+            images++;
+            // Where cv::ORB finds next to nothing there still is enough to see.
+            EXPECT_GE(a.size(), size_t(nfeatures / 2)) << "cv::ORB: " << b.size();
+        }
+    }
+    report("keypoints of 500 in dark images (x 0.12), mean", oursSum / images, orbSum / images);
+    std::cout << "[ FIGURE   ] least: " << oursLeast << std::endl;
+}
+
+#ifdef HAVE_OPENCV_CALIB3D
+
+//! Positions of cross-checked matches in both images, best first.
+struct Matches
+{
+    std::vector<Point2f> from, to;
+};
+
+Matches match(const Features& a, const Features& b)
+{
+    std::vector<DMatch> matches;
+    if (!a.descriptors.empty() && !b.descriptors.empty())
+        BFMatcher(NORM_HAMMING, true).match(a.descriptors, b.descriptors, matches);
+    std::stable_sort(matches.begin(), matches.end());
+    Matches result;
+    for (const DMatch& m : matches)
+    {
+        result.from.push_back(a.keypoints[m.queryIdx].pt);
+        result.to.push_back(b.keypoints[m.trainIdx].pt);
+    }
+    return result;
+}
+
+/** Matches within 3 pixels of the homography, each at least 4 pixels away from every better one in both
+ images: two keypoints on one corner of the scene say no more about it than one. */
+int distinctCorrect(const Matches& matches, const Mat& homography)
+{
+    if (matches.from.empty())
+        return 0;
+    std::vector<Point2f> mapped;
+    perspectiveTransform(matches.from, mapped, homography);
+    std::vector<size_t> kept;
+    for (size_t i = 0; i < mapped.size(); i++)
+    {
+        bool counts = norm(mapped[i] - matches.to[i]) <= 3;
+        for (size_t j = 0; counts && j < kept.size(); j++)
+            counts = norm(matches.from[i] - matches.from[kept[j]]) >= 4 &&
+                     norm(matches.to[i] - matches.to[kept[j]]) >= 4;
+        if (counts)
+            kept.push_back(i);
+    }
+    return int(kept.size());
+}
+
+//! Mean distance of the image's corners mapped by the homography estimated from the matches.
+double cornerError(const Matches& matches, const Mat& homography, Size size, int seed)
+{
+    const double FAILED = 1e6;
+    if (matches.from.size() < 4)
+        return FAILED;
+    UsacParams params;
+    params.score = SCORE_METHOD_MAGSAC;
+    params.sampler = SAMPLING_UNIFORM;
+    params.loMethod = LOCAL_OPTIM_SIGMA;
+    params.loIterations = 10;
+    params.maxIterations = 5000;
+    params.confidence = 0.9999;
+    params.threshold = 3;
+    params.randomGeneratorState = seed;
+    const Mat estimate = findHomography(matches.from, matches.to, noArray(), params);
+    if (estimate.empty())
+        return FAILED;
+    const float right = float(size.width - 1), bottom = float(size.height - 1);
+    const std::vector<Point2f> corners = {{0, 0}, {right, 0}, {right, bottom}, {0, bottom}};
+    std::vector<Point2f> estimated, known;
+    perspectiveTransform(corners, estimated, estimate);
+    perspectiveTransform(corners, known, homography);
+    double sum = 0;
+    for (size_t i = 0; i < corners.size(); i++)
+        sum += norm(estimated[i] - known[i]);
+    return cvIsNaN(sum) ? FAILED : sum / double(corners.size());
+}
+
+//! Area under the curve of the share of errors below a limit, for limits from 0 to `limit`; 1 is perfect.
+double areaUnderCurve(const std::vector<double>& errors, double limit)
+{
+    double sum = 0;
+    for (double error : errors)
+        sum += std::max(0., 1 - error / limit);
+    return sum / double(errors.size());
+}
+
+TEST(AQORB_Quality, matches_more_of_the_scene)
+{
+    AQORB_NEEDS_DATA();
+    const int seeds = 7;
+    const Ptr<ORB> detectors[] = {AdaptiveQuadtreeORB::create(1000), ORB::create(1000)};
+    int distinct[2] = {0, 0}, pairs = 0;
+    std::vector<double> errors[2];
+    for (const char* set : SETS)
+    {
+        int distinctOfSet[2] = {0, 0};
+        for (int d = 0; d < 2; d++)
+        {
+            const Mat first = readColour(set, 1);
+            ASSERT_FALSE(first.empty());
+            const Features features = detectAndCompute(*detectors[d], first);
+            for (int i = 2; i <= IMAGES; i++)
+            {
+                const Mat homography = oxfordHomography(set, i), image = readColour(set, i);
+                ASSERT_FALSE(homography.empty() || image.empty());
+                const Matches matches = match(features, detectAndCompute(*detectors[d], image));
+                distinctOfSet[d] += distinctCorrect(matches, homography);
+                for (int seed = 1; seed <= seeds; seed++)
+                    errors[d].push_back(cornerError(matches, homography, first.size(), seed * 7919));
+                pairs += d;
+            }
+            distinct[d] += distinctOfSet[d];
+        }
+        report(std::string("distinct correct matches, n = 1000, ") + set, distinctOfSet[0] / 5.,
+               distinctOfSet[1] / 5.);
+    }
+    report("distinct correct matches, n = 1000, mean of pairs", double(distinct[0]) / pairs,
+           double(distinct[1]) / pairs);
+    const double ours = areaUnderCurve(errors[0], 5), orb = areaUnderCurve(errors[1], 5);
+    report("homography AUC@5 px, n = 1000, mean of pairs", ours, orb);
+    EXPECT_GT(distinct[0], distinct[1]);
+    EXPECT_GT(ours, orb);
+}
+
+#endif  // HAVE_OPENCV_CALIB3D
+
+}  // namespace
+}  // namespace opencv_test
