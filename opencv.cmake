@@ -19,13 +19,21 @@ if(TARGET opencv_test_aqorb)
     # Plain references in the tests round as the module does.
     target_compile_options(opencv_test_aqorb PRIVATE -ffp-contract=off)
   endif()
+
+  # OpenCV's own invariance tests, where features2d has them in the form that takes any detector.
+  set(features2d "${OPENCV_MODULE_opencv_features2d_LOCATION}")
+  if(EXISTS "${features2d}/test/test_detectors_invariance.impl.hpp")
+    target_include_directories(opencv_test_aqorb PRIVATE "${features2d}/..")
+    target_compile_definitions(opencv_test_aqorb PRIVATE AQORB_FEATURES2D_TESTS)
+  endif()
 endif()
 
 # ocv_add_samples looks in the module's folder only.
-if(BUILD_EXAMPLES)
+if(BUILD_EXAMPLES AND opencv_calib3d IN_LIST OPENCV_MODULES_BUILD
+    AND opencv_imgcodecs IN_LIST OPENCV_MODULES_BUILD)
+  set(sample_modules ${the_module} ${OPENCV_MODULE_${the_module}_DEPS} opencv_calib3d opencv_imgcodecs)
   ocv_add_executable(example_aqorb_demo "${CMAKE_CURRENT_LIST_DIR}/samples/aqorb_demo.cpp")
-  set(sample_modules opencv_aqorb opencv_calib3d opencv_imgcodecs)
-  ocv_target_include_modules(example_aqorb_demo ${sample_modules})
+  ocv_target_include_modules_recurse(example_aqorb_demo ${sample_modules})
   ocv_target_link_libraries(example_aqorb_demo PRIVATE ${sample_modules})
   if(CV_GCC OR CV_CLANG)
     target_compile_options(example_aqorb_demo PRIVATE -Wno-missing-declarations)  # a program of one file

@@ -18,9 +18,11 @@ using namespace cv;
 namespace
 {
 
-const char* const ABOUT = "Compares cv::aqorb::AdaptiveQuadtreeORB with cv::ORB on one or two images: prints "
-                          "a table and writes the\n"
-                          "pictures aqorb_keypoints.jpg and, for two images, aqorb_matches.jpg.\n"
+const char* const ABOUT = "Compares cv::aqorb::AdaptiveQuadtreeORB with cv::ORB on images: prints a table "
+                          "and writes the pictures\n"
+                          "aqorb_keypoints.jpg and, for two images, aqorb_matches.jpg. More than two images "
+                          "are taken one by one\n"
+                          "(aqorb_keypoints1.jpg, ...).\n"
                           "Exit codes: 0 done, 1 bad arguments, 2 an input cannot be read, 3 a picture "
                           "cannot be written, 4 other.\n";
 
@@ -44,7 +46,7 @@ struct Input
 {
     std::vector<Mat> images;  // one or two, grey
     Mat homography;           // empty where it is not known
-    String folder;
+    String folder, suffix;    // of the pictures, and of their names
     int nfeatures;
 };
 
@@ -57,20 +59,19 @@ struct Result
     double homographyError;          // in pixels; negative: there is none
 };
 
-// CommandLineParser passes over what it does not know.
-void checkArguments(int argc, char** argv)
+// The names of the images. CommandLineParser passes over options that it does not know and further images.
+std::vector<String> checkArguments(int argc, char** argv)
 {
-    int images = 0;
+    std::vector<String> images;
     for (int i = 1; i < argc; i++)
     {
         const String argument = argv[i], name = argument.substr(0, argument.find('='));
         if (argument[0] != '-')
-            images++;
+            images.push_back(argument);
         else if (name != "--homography" && name != "--out" && name != "--nfeatures")
             throw Failure{1, argument + ": unknown option; see --help"};
     }
-    if (images > 2)
-        throw Failure{1, "more than two images; see --help"};
+    return images;
 }
 
 // The path of a file or of one of OpenCV's samples.
@@ -108,30 +109,22 @@ Mat readHomography(const String& name)
     return homography;
 }
 
-Input readInput(const CommandLineParser& parser)
+Input readInput(const CommandLineParser& parser, const std::vector<String>& names, const String& suffix)
 {
-    String image1 = parser.get<String>("@image1"), image2 = parser.get<String>("@image2");
-    String homography = parser.get<String>("homography");
-    if (!homography.empty() && image2.empty())
-        throw Failure{1, "--homography needs two images"};
-    if (image1.empty())
-    {
-        image1 = "graf1.png";
-        image2 = "graf3.png";
-        homography = "H1to3p.xml";
-    }
-
     Input input;
-    input.nfeatures = parser.get<int>("nfeatures");
-    if (!parser.check() || input.nfeatures < 1)
-        throw Failure{1,
-                      "--nfeatures=" + parser.get<String>("nfeatures") + ": a whole number >= 1 is accepted"};
+    input.suffix = suffix;
+    const String count = parser.get<String>("nfeatures");
+    input.nfeatures = parser.get<int>("nfeatures");  // would read 12abc as 12
+    if (!parser.check() || input.nfeatures < 1 || count.find_first_not_of("0123456789") != String::npos)
+        throw Failure{1, "--nfeatures=" + count + ": a whole number >= 1 is accepted"};
     input.folder = parser.get<String>("out");
     if (!utils::fs::isDirectory(input.folder))
         throw Failure{3, input.folder + ": no such folder"};
-    input.images.push_back(readImage(image1));
-    if (!image2.empty())
-        input.images.push_back(readImage(image2));
+    const String homography = names.empty() ? "H1to3p.xml" : parser.get<String>("homography");
+    if (!homography.empty() && names.size() != 2 && !names.empty())
+        throw Failure{1, "--homography needs two images"};
+    for (const String& name : names.empty() ? std::vector<String>{"graf1.png", "graf3.png"} : names)
+        input.images.push_back(readImage(name));
     if (!homography.empty())
         input.homography = readHomography(homography);
     return input;
@@ -197,9 +190,9 @@ std::vector<std::pair<String, String>> column(const Input& input, const Result& 
         rows.push_back({"distinct " + reference(input) + " matches", format("%d", int(matched.size()))});
         rows.push_back({"  cells of image 1 that hold one", occupied(matched, input.images[0].size())});
     }
-    const double error = result.homographyError;
     if (!input.homography.empty())
-        rows.push_back({"error of the estimated homography", error < 0 ? "none" : format("%.2f px", error)});
+        rows.push_back({"error of the estimated homography",
+                        result.homographyError < 0 ? "none" : format("%.2f px", result.homographyError)});
     rows.push_back({"time for image 1", format("%.2f ms", milliseconds)});
     rows.push_back({"  as a share of cv::ORB's", format("%.2f", milliseconds / orbMilliseconds)});
     return rows;
@@ -253,11 +246,22 @@ void savePictures(const Input& input, const std::vector<Result>& results)
 {
     Mat picture;
     hconcat(keypointPicture(input, results[0]), keypointPicture(input, results[1]), picture);
-    save(input.folder, "aqorb_keypoints.jpg", picture);
+    save(input.folder, "aqorb_keypoints" + input.suffix + ".jpg", picture);
     if (input.images.size() < 2)
         return;
     vconcat(matchPicture(input, results[0]), matchPicture(input, results[1]), picture);
     save(input.folder, "aqorb_matches.jpg", picture);
+}
+
+void compare(const Input& input)
+{
+    std::vector<Result> results = {
+        {"cv::ORB", ORB::create(input.nfeatures), {}, {}, -1},
+        {"AdaptiveQuadtreeORB", aqorb::AdaptiveQuadtreeORB::create(input.nfeatures), {}, {}, -1}};
+    for (Result& result : results)
+        detectAndMatch(input, result);
+    printTable(input, results, medianTimes({results[0].detector, results[1].detector}, input.images[0]));
+    savePictures(input, results);
 }
 
 void run(int argc, char** argv)
@@ -266,15 +270,14 @@ void run(int argc, char** argv)
     parser.about(ABOUT);
     if (parser.has("help"))
         return parser.printMessage();
-    checkArguments(argc, argv);
-    const Input input = readInput(parser);
-    std::vector<Result> results = {
-        {"cv::ORB", ORB::create(input.nfeatures), {}, {}, -1},
-        {"AdaptiveQuadtreeORB", aqorb::AdaptiveQuadtreeORB::create(input.nfeatures), {}, {}, -1}};
-    for (Result& result : results)
-        detectAndMatch(input, result);
-    printTable(input, results, medianTimes({results[0].detector, results[1].detector}, input.images[0]));
-    savePictures(input, results);
+    const std::vector<String> names = checkArguments(argc, argv);
+    if (names.size() <= 2)
+        return compare(readInput(parser, names, ""));
+    for (size_t i = 0; i < names.size(); i++)
+    {
+        std::printf("%s%s\n", i ? "\n" : "", names[i].c_str());
+        compare(readInput(parser, {names[i]}, format("%d", int(i + 1))));
+    }
 }
 
 }  // namespace

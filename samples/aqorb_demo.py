@@ -14,8 +14,12 @@ import statistics
 import sys
 from collections import namedtuple
 
-import cv2 as cv
-import numpy as np
+try:
+    import cv2 as cv
+    import numpy as np
+except ImportError as error:
+    print('aqorb_demo.py:', error, file=sys.stderr)
+    sys.exit(4)
 
 EPILOG = ('Exit codes: 0 done, 1 bad arguments, 2 an input cannot be read, 3 a picture cannot be written, '
           '4 other.')
@@ -187,9 +191,7 @@ def print_table(images, known, results):
     columns = [column(images, known, r, t, times[0]) for r, t in zip(results, times)]
     for (label, orb), (_, ours) in zip(*columns):
         print('{:36} {:>10} {:>20}'.format(label, orb, ours))
-    threads = cv.getNumThreads()
-    print('Time: detectAndCompute, median of calls that take turns, {} thread{}.'.format(
-        threads, '' if threads == 1 else 's'))
+    print('Time: detectAndCompute, median of calls that take turns, {} thread(s).'.format(cv.getNumThreads()))
 
 
 def labelled(picture, text):
