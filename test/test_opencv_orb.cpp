@@ -156,13 +156,13 @@ std::vector<Mat> photographs()
     return images;
 }
 
-TEST(AQORB_OpenCVORB, descriptors_equal_for_default_parameters)
+TEST(AqorbOpenCVORB, descriptors_equal_for_default_parameters)
 {
     AQORB_NEEDS_FMA_BLUR();
     expectDescriptorsOfOrb(Parameters(), makeScene(Size(640, 480)));
 }
 
-TEST(AQORB_OpenCVORB, descriptors_equal_for_each_parameter)
+TEST(AqorbOpenCVORB, descriptors_equal_for_each_parameter)
 {
     AQORB_NEEDS_FMA_BLUR();
     const Mat scene = makeScene(Size(320, 240), 2);
@@ -193,7 +193,7 @@ TEST(AQORB_OpenCVORB, descriptors_equal_for_each_parameter)
     expectDescriptorsOfOrb(p, scene);
 }
 
-TEST(AQORB_OpenCVORB, descriptors_equal_for_random_parameters)
+TEST(AqorbOpenCVORB, descriptors_equal_for_random_parameters)
 {
     AQORB_NEEDS_FMA_BLUR();
     RNG rng(3);
@@ -206,7 +206,7 @@ TEST(AQORB_OpenCVORB, descriptors_equal_for_random_parameters)
     }
 }
 
-TEST(AQORB_OpenCVORB, descriptors_equal_in_colour)
+TEST(AqorbOpenCVORB, descriptors_equal_in_colour)
 {
     AQORB_NEEDS_FMA_BLUR();
     Mat colour, colourAlpha;
@@ -218,7 +218,7 @@ TEST(AQORB_OpenCVORB, descriptors_equal_in_colour)
     expectDescriptorsOfOrb(Parameters(), colourAlpha);
 }
 
-TEST(AQORB_OpenCVORB, descriptors_equal_on_photographs)
+TEST(AqorbOpenCVORB, descriptors_equal_on_photographs)
 {
     AQORB_NEEDS_DATA();
     AQORB_NEEDS_FMA_BLUR();
@@ -233,7 +233,7 @@ TEST(AQORB_OpenCVORB, descriptors_equal_on_photographs)
     }
 }
 
-TEST(AQORB_OpenCVORB, compute_equal_on_its_keypoints)
+TEST(AqorbOpenCVORB, compute_equal_on_its_keypoints)
 {
     AQORB_NEEDS_FMA_BLUR();
     RNG rng(5);
@@ -247,7 +247,7 @@ TEST(AQORB_OpenCVORB, compute_equal_on_its_keypoints)
     }
 }
 
-TEST(AQORB_OpenCVORB, compute_equal_on_its_keypoints_of_photographs)
+TEST(AqorbOpenCVORB, compute_equal_on_its_keypoints_of_photographs)
 {
     AQORB_NEEDS_DATA();
     AQORB_NEEDS_FMA_BLUR();
@@ -265,7 +265,7 @@ TEST(AQORB_OpenCVORB, compute_equal_on_its_keypoints_of_photographs)
     }
 }
 
-TEST(AQORB_OpenCVORB, compute_drops_at_border_and_sorts_as_orb)
+TEST(AqorbOpenCVORB, compute_drops_at_border_and_sorts_as_orb)
 {
     AQORB_NEEDS_FMA_BLUR();
     RNG rng(7);
@@ -278,7 +278,7 @@ TEST(AQORB_OpenCVORB, compute_drops_at_border_and_sorts_as_orb)
     }
 }
 
-TEST(AQORB_OpenCVORB, compute_drops_points_outside_as_orb)
+TEST(AqorbOpenCVORB, compute_drops_points_outside_as_orb)
 {
     // With edgeThreshold 0 cv::ORB::compute keeps points outside and reads beyond its memory for them.
     AQORB_NEEDS_FMA_BLUR();
@@ -297,7 +297,7 @@ TEST(AQORB_OpenCVORB, compute_drops_points_outside_as_orb)
     }
 }
 
-TEST(AQORB_OpenCVORB, compute_builds_the_levels_of_the_keypoints)
+TEST(AqorbOpenCVORB, compute_builds_the_levels_of_the_keypoints)
 {
     // Whatever nlevels says: levels beyond it are built, too.
     AQORB_NEEDS_FMA_BLUR();
@@ -316,7 +316,7 @@ TEST(AQORB_OpenCVORB, compute_builds_the_levels_of_the_keypoints)
         ASSERT_LE(kept[i - 1].octave, kept[i].octave);
 }
 
-TEST(AQORB_OpenCVORB, compute_keeps_order_within_sorted_octaves_and_all_fields)
+TEST(AqorbOpenCVORB, compute_keeps_order_within_sorted_octaves_and_all_fields)
 {
     const Mat scene = makeScene(Size(200, 200));
     KeyPoints keypoints;
@@ -342,7 +342,7 @@ void expectNoFewerThanOrb(const Parameters& p, const Mat& image)
     EXPECT_LE(ours.size(), size_t(p.nfeatures));
 }
 
-TEST(AQORB_OpenCVORB, never_fewer_keypoints)
+TEST(AqorbOpenCVORB, never_fewer_keypoints)
 {
     RNG rng(9);
     for (int i = 0; i < 60; i++)
@@ -361,7 +361,7 @@ TEST(AQORB_OpenCVORB, never_fewer_keypoints)
     expectNoFewerThanOrb(p, makeNoise(Size(640, 480)));
 }
 
-TEST(AQORB_OpenCVORB, never_fewer_keypoints_on_photographs)
+TEST(AqorbOpenCVORB, never_fewer_keypoints_on_photographs)
 {
     AQORB_NEEDS_DATA();
     const std::vector<Mat> images = photographs();

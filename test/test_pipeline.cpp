@@ -2,7 +2,7 @@
 // It is subject to the license terms in the LICENSE file found in the top-level directory
 // of this distribution.
 
-#include "plain_reference.hpp"
+#include "reference.hpp"
 
 namespace opencv_test
 {
@@ -169,6 +169,26 @@ TEST(AqorbPipeline, equalsReferenceForEveryOwnParameter)
         Settings changed = settings;
         changed.subPixel = false;
         expectAsReferenceOnScenes(changed);
+    }
+}
+
+TEST(AqorbPipeline, equalsReferenceWhereFineLevelsLackCorners)
+{
+    // What fine levels leave over is offered to coarse ones, against the keypoints of finer ones.
+    Mat smooth;
+    GaussianBlur(makeScene(SMALL_IMAGE, 3), smooth, Size(), 1.5);
+    const double radii[] = {0.5, 2, 6};
+    for (double radius : radii)
+    {
+        for (int n = 10; n <= 310; n += 20)
+        {
+            SCOPED_TRACE(format("suppression %g, features %d", radius, n));
+            Settings settings;
+            settings.nfeatures = n;
+            settings.octaveSuppression = radius;
+            settings.edgeThreshold = 5;
+            expectAsReference(settings, smooth);
+        }
     }
 }
 

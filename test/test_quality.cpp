@@ -44,7 +44,7 @@ void report(const std::string& figure, double ours, double orb)
     std::cout << format("[ FIGURE   ] %-52s %8.3f  cv::ORB %8.3f", figure.c_str(), ours, orb) << std::endl;
 }
 
-TEST(AQORB_Quality, uniform_on_photographs)
+TEST(AqorbQuality, uniform_on_photographs)
 {
     AQORB_NEEDS_DATA();
     const Ptr<ORB> ours = AdaptiveQuadtreeORB::create(500), orb = ORB::create(500);
@@ -75,7 +75,7 @@ TEST(AQORB_Quality, uniform_on_photographs)
     EXPECT_GT(oursOccupancy, orbOccupancy);
 }
 
-TEST(AQORB_Quality, gives_all_features_asked_for)
+TEST(AqorbQuality, gives_all_features_asked_for)
 {
     AQORB_NEEDS_DATA();
     for (const char* set : {"bark", "trees", "ubc"})
@@ -90,7 +90,7 @@ TEST(AQORB_Quality, gives_all_features_asked_for)
     }
 }
 
-TEST(AQORB_Quality, finds_features_in_dark_images)
+TEST(AqorbQuality, finds_features_in_dark_images)
 {
     AQORB_NEEDS_DATA();
     const int nfeatures = 500;
@@ -153,10 +153,10 @@ int distinctCorrect(const Matches& matches, const Mat& homography)
     std::vector<size_t> kept;
     for (size_t i = 0; i < mapped.size(); i++)
     {
-        bool counts = norm(mapped[i] - matches.to[i]) <= 3;
+        bool counts = cv::norm(mapped[i] - matches.to[i]) <= 3;
         for (size_t j = 0; counts && j < kept.size(); j++)
-            counts = norm(matches.from[i] - matches.from[kept[j]]) >= 4 &&
-                     norm(matches.to[i] - matches.to[kept[j]]) >= 4;
+            counts = cv::norm(matches.from[i] - matches.from[kept[j]]) >= 4 &&
+                     cv::norm(matches.to[i] - matches.to[kept[j]]) >= 4;
         if (counts)
             kept.push_back(i);
     }
@@ -188,7 +188,7 @@ double cornerError(const Matches& matches, const Mat& homography, Size size, int
     perspectiveTransform(corners, known, homography);
     double sum = 0;
     for (size_t i = 0; i < corners.size(); i++)
-        sum += norm(estimated[i] - known[i]);
+        sum += cv::norm(estimated[i] - known[i]);
     return cvIsNaN(sum) ? FAILED : sum / double(corners.size());
 }
 
@@ -201,7 +201,7 @@ double areaUnderCurve(const std::vector<double>& errors, double limit)
     return sum / double(errors.size());
 }
 
-TEST(AQORB_Quality, matches_more_of_the_scene)
+TEST(AqorbQuality, matches_more_of_the_scene)
 {
     AQORB_NEEDS_DATA();
     const int seeds = 7;

@@ -148,7 +148,7 @@ bool orbBlursWithFMA()
     const int BORDER = 8;
     const Mat image = makeNoise(Size(200, 200));
     Mat padded;
-    copyMakeBorder(image, padded, BORDER, BORDER, BORDER, BORDER, BORDER_REFLECT_101);
+    cv::copyMakeBorder(image, padded, BORDER, BORDER, BORDER, BORDER, BORDER_REFLECT_101);
     Mat blurred = padded(Rect(Point(BORDER, BORDER), image.size()));
     GaussianBlur(blurred, blurred, Size(7, 7), 2, 2, BORDER_REFLECT_101);
     for (int y = 0; y < image.rows; y++)

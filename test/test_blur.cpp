@@ -1,0 +1,131 @@
+// This file is part of the aqorb project.
+// It is subject to the license terms in the LICENSE file found in the top-level directory
+// of this distribution.
+
+#include "reference.hpp"
+
+namespace opencv_test
+{
+namespace
+{
+
+using namespace aqorb::stages;
+
+// Images that push the roundings to their limits.
+std::vector<Mat> hardImages(Size size, int seed)
+{
+    const Mat noise = makeNoise(size, seed);
+    std::vector<Mat> images;
+    images.push_back(noise);
+    images.push_back(noise > 127);
+    images.push_back(noise > 230);
+    images.push_back((noise & 1) + 254);
+    images.push_back(noise & 1);
+    return images;
+}
+
+void expectWithinBound(const Mat& image, const Mat& blurred, const Mat& exact)
+{
+    ASSERT_EQ(blurred.type(), CV_16UC1);
+    ASSERT_EQ(blurred.size(), image.size());
+    for (int y = 0; y < image.rows; y++)
+    {
+        for (int x = 0; x < image.cols; x++)
+        {
+            const double error = blurred.at<ushort>(y, x) - 256. * exact.at<float>(y, x);
+            ASSERT_LE(std::abs(error), BLUR_BOUND) << x << " " << y;
+        }
+    }
+}
+
+TEST(AqorbBlur, approximationStaysWithinItsBoundForEveryWidth)
+{
+    for (int width = 1; width <= 130; width++)
+    {
+        const std::vector<Mat> images = hardImages(Size(width, 1 + width * 7 % 23), width);
+        for (size_t i = 0; i < images.size(); i++)
+        {
+            SCOPED_TRACE(format("width %d, image %d", width, int(i)));
+            Mat blurred, baselineBlurred;
+            approximateBlur(images[i], blurred);
+            expectWithinBound(images[i], blurred, reference::blur(images[i]));
+            WithoutOptimization baseline;
+            approximateBlur(images[i], baselineBlurred);
+            EXPECT_TRUE(sameMat(blurred, baselineBlurred));
+        }
+    }
+}
+
+TEST(AqorbBlur, approximationStaysWithinItsBoundOnFlatImages)
+{
+    for (int grey = 0; grey <= 255; grey++)
+    {
+        const Mat flat(9, 40, CV_8UC1, Scalar(grey));
+        Mat blurred;
+        approximateBlur(flat, blurred);
+        expectWithinBound(flat, blurred, reference::blur(flat));
+    }
+}
+
+TEST(AqorbBlur, approximationStaysWithinItsBoundOnTheWorstPatches)
+{
+    // Single bright pixels and rows of them: the products of one tap round alone.
+    for (int i = 0; i < 49; i++)
+    {
+        for (int grey = 1; grey <= 255; grey += 2)
+        {
+            Mat image = Mat::zeros(13, 40, CV_8UC1);
+            image.at<uchar>(3 + i / 7, 17 + i % 7) = uchar(grey);
+            Mat blurred;
+            approximateBlur(image, blurred);
+            expectWithinBound(image, blurred, reference::blur(image));
+        }
+    }
+}
+
+TEST(AqorbBlur, exactBlurEqualsFusedMultiplyAdd)
+{
+    const Size sizes[] = {Size(131, 60), Size(30, 17), Size(7, 7), Size(5, 3), Size(2, 1), Size(1, 1)};
+    for (const Size& size : sizes)
+    {
+        const std::vector<Mat> images = hardImages(size, 3);
+        for (size_t i = 0; i < images.size(); i++)
+        {
+            SCOPED_TRACE(format("%d x %d, image %d", size.width, size.height, int(i)));
+            const Mat expected = reference::roundedBlur(images[i]);
+            for (int y = 0; y < size.height; y++)
+            {
+                for (int x = 0; x < size.width; x++)
+                {
+                    ASSERT_EQ(exactBlur(images[i], x, y), expected.at<uchar>(y, x)) << x << " " << y;
+                    WithoutOptimization baseline;
+                    ASSERT_EQ(exactBlur(images[i], x, y), expected.at<uchar>(y, x)) << x << " " << y;
+                }
+            }
+        }
+    }
+}
+
+TEST(AqorbBlur, takesPartsOfLargerImages)
+{
+    const Mat part = makeNoise(Size(90, 70))(Rect(11, 5, 51, 40));
+    Mat blurred, ofClone, reused(51, 40, CV_8UC3);
+    approximateBlur(part, blurred);
+    approximateBlur(part.clone(), ofClone);
+    approximateBlur(part, reused);
+    EXPECT_TRUE(sameMat(blurred, ofClone));
+    EXPECT_TRUE(sameMat(reused, ofClone));
+    EXPECT_EQ(exactBlur(part, 0, 0), exactBlur(part.clone(), 0, 0));
+    EXPECT_EQ(exactBlur(part, 50, 39), exactBlur(part.clone(), 50, 39));
+}
+
+TEST(AqorbBlur, isOpenCVsGaussianWithinARounding)
+{
+    const Mat scene = makeScene(Size(150, 110));
+    Mat expected;
+    GaussianBlur(scene, expected, Size(7, 7), 2, 2, BORDER_REFLECT_101);
+    EXPECT_LE(cv::norm(reference::roundedBlur(scene), expected, NORM_INF), 1);
+}
+
+}  // namespace
+}  // namespace opencv_test

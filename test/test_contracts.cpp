@@ -1,0 +1,208 @@
+// This file is part of the aqorb project.
+// It is subject to the license terms in the LICENSE file found in the top-level directory
+// of this distribution.
+
+#include "test_precomp.hpp"
+
+namespace opencv_test
+{
+namespace
+{
+
+TEST(AQORB_Contracts, defaults)
+{
+    const Ptr<AdaptiveQuadtreeORB> detector = AdaptiveQuadtreeORB::create();
+    EXPECT_EQ(500, detector->getMaxFeatures());
+    EXPECT_EQ((double)1.2f, detector->getScaleFactor());
+    EXPECT_EQ(8, detector->getNLevels());
+    EXPECT_EQ(16, detector->getEdgeThreshold());
+    EXPECT_EQ(0, detector->getFirstLevel());
+    EXPECT_EQ(2, detector->getWTA_K());
+    EXPECT_EQ(ORB::HARRIS_SCORE, detector->getScoreType());
+    EXPECT_EQ(31, detector->getPatchSize());
+    EXPECT_EQ(20, detector->getFastThreshold());
+    EXPECT_TRUE(detector->getAdaptiveThreshold());
+    EXPECT_EQ(4, detector->getMinThresholdRatio());
+    EXPECT_EQ(35, detector->getCellSize());
+    EXPECT_EQ(-1, detector->getMaxDepth());
+    EXPECT_EQ(0.5, detector->getOctaveSuppression());
+    EXPECT_TRUE(detector->getSubPixel());
+}
+
+TEST(AQORB_Contracts, is_an_ORB)
+{
+    const Ptr<ORB> orb = AdaptiveQuadtreeORB::create(1000);
+    orb->setMaxFeatures(77);
+    orb->setScaleFactor(1.5);
+    orb->setNLevels(3);
+    orb->setEdgeThreshold(20);
+    orb->setFirstLevel(1);
+    orb->setWTA_K(4);
+    orb->setScoreType(ORB::FAST_SCORE);
+    orb->setPatchSize(25);
+    orb->setFastThreshold(9);
+    EXPECT_EQ(77, orb->getMaxFeatures());
+    EXPECT_EQ(1.5, orb->getScaleFactor());
+    EXPECT_EQ(3, orb->getNLevels());
+    EXPECT_EQ(20, orb->getEdgeThreshold());
+    EXPECT_EQ(1, orb->getFirstLevel());
+    EXPECT_EQ(4, orb->getWTA_K());
+    EXPECT_EQ(ORB::FAST_SCORE, orb->getScoreType());
+    EXPECT_EQ(25, orb->getPatchSize());
+    EXPECT_EQ(9, orb->getFastThreshold());
+
+    EXPECT_EQ(32, orb->descriptorSize());
+    EXPECT_EQ(CV_8U, orb->descriptorType());
+    EXPECT_EQ((int)NORM_HAMMING2, orb->defaultNorm());
+    orb->setWTA_K(3);
+    EXPECT_EQ((int)NORM_HAMMING2, orb->defaultNorm());
+    orb->setWTA_K(2);
+    EXPECT_EQ((int)NORM_HAMMING, orb->defaultNorm());
+    EXPECT_FALSE(orb->empty());
+    EXPECT_EQ("Feature2D.AdaptiveQuadtreeORB", orb->getDefaultName());
+}
+
+TEST(AQORB_Contracts, the_cap_is_reached_and_never_exceeded)
+{
+    const Mat image = makeScene(Size(640, 480));
+    const int counts[] = {0, 1, 2, 7, 30, 100, 499, 500, 1000, 1500};
+    const int edges[] = {0, 16, 31};
+    for (int count : counts)
+    {
+        for (int edge : edges)
+        {
+            const Ptr<AdaptiveQuadtreeORB> detector = AdaptiveQuadtreeORB::create(count, 1.2f, 8, edge);
+            KeyPoints keypoints;
+            detector->detect(image, keypoints);
+            EXPECT_EQ((size_t)count, keypoints.size()) << "edgeThreshold " << edge;
+            detector->setScoreType(ORB::FAST_SCORE);
+            detector->detect(image, keypoints);
+            EXPECT_EQ((size_t)count, keypoints.size()) << "edgeThreshold " << edge;
+        }
+    }
+}
+
+TEST(AQORB_Contracts, fields_and_order_of_keypoints)
+{
+    const Mat image = makeScene(Size(400, 300));
+    const Ptr<AdaptiveQuadtreeORB> detector =
+        AdaptiveQuadtreeORB::create(400, 1.3f, 5, 12, 0, 2, ORB::HARRIS_SCORE, 27);
+    KeyPoints keypoints;
+    detector->detect(image, keypoints);
+    ASSERT_EQ(400u, keypoints.size());
+    Point last(-1, -1);
+    int octave = 0;
+    for (const KeyPoint& keypoint : keypoints)
+    {
+        const float scale = (float)std::pow((double)1.3f, keypoint.octave);
+        EXPECT_EQ(27 * scale, keypoint.size);
+        EXPECT_EQ(-1, keypoint.class_id);
+        EXPECT_TRUE(keypoint.angle >= 0 && keypoint.angle < 360);
+        EXPECT_TRUE(keypoint.pt.x >= 12 && keypoint.pt.x < 388 && keypoint.pt.y >= 12 && keypoint.pt.y < 288);
+        ASSERT_TRUE(keypoint.octave >= octave && keypoint.octave < 5);
+        const Point pixel(cvRound(keypoint.pt.x * (1.f / scale)), cvRound(keypoint.pt.y * (1.f / scale)));
+        EXPECT_TRUE(keypoint.octave > octave || pixel.y > last.y || (pixel.y == last.y && pixel.x > last.x));
+        last = pixel;
+        octave = keypoint.octave;
+    }
+    EXPECT_EQ(4, octave);
+}
+
+TEST(AQORB_Contracts, detect_and_compute_apart_give_the_same)
+{
+    const Mat image = makeScene(Size(400, 300), 2);
+    const Ptr<AdaptiveQuadtreeORB> detector = AdaptiveQuadtreeORB::create(300);
+    const Features both = detectAndCompute(*detector, image);
+    Features apart;
+    detector->detect(image, apart.keypoints);
+    EXPECT_TRUE(sameKeypoints(both.keypoints, apart.keypoints));
+    detector->compute(image, apart.keypoints, apart.descriptors);
+    EXPECT_TRUE(sameFeatures(both, apart));
+}
+
+TEST(AQORB_Contracts, nothing_found_clears_both_outputs)
+{
+    const Ptr<AdaptiveQuadtreeORB> detector = AdaptiveQuadtreeORB::create();
+    const Mat images[] = {Mat(), Mat::zeros(1, 1, CV_8UC1), Mat::zeros(300, 300, CV_8UC1),
+                          Mat(300, 300, CV_8UC1, Scalar(255)), makeNoise(Size(32, 32))};
+    for (const Mat& image : images)
+    {
+        Features stale = {KeyPoints(9), Mat::ones(9, 32, CV_8UC1)};
+        detector->detectAndCompute(image, noArray(), stale.keypoints, stale.descriptors);
+        EXPECT_TRUE(stale.keypoints.empty());
+        EXPECT_TRUE(stale.descriptors.empty());
+    }
+    Features stale = {KeyPoints(9), Mat::ones(9, 32, CV_8UC1)};
+    detector->detectAndCompute(Mat(), noArray(), stale.keypoints, stale.descriptors, true);
+    EXPECT_TRUE(stale.keypoints.empty());
+    EXPECT_TRUE(stale.descriptors.empty());
+}
+
+TEST(AQORB_Contracts, tiny_and_strange_sizes)
+{
+    const Size sizes[] = {Size(1, 1),     Size(64, 1),    Size(1, 64),   Size(2, 2),
+                          Size(7, 7),     Size(20, 20),   Size(33, 33),  Size(34, 500),
+                          Size(300, 800), Size(4000, 40), Size(40, 4000)};
+    for (const Size& size : sizes)
+    {
+        for (int edge = 0; edge <= 31; edge += 4)
+        {
+            SCOPED_TRACE(format("%d x %d, edgeThreshold %d", size.width, size.height, edge));
+            const Ptr<AdaptiveQuadtreeORB> detector = AdaptiveQuadtreeORB::create(300, 1.2f, 8, edge);
+            Features features;
+            ASSERT_NO_THROW(features = detectAndCompute(*detector, makeNoise(size)));
+            EXPECT_LE(features.keypoints.size(), 300u);
+            EXPECT_EQ((int)features.keypoints.size(), features.descriptors.rows);
+            // the pixels within the border and the circle of FAST, at level 0 alone
+            const int inset = std::max(edge, 3);
+            const int enough = 300 * 60;
+            const bool isLarge = std::min(size.width, size.height) > 2 * inset + 2 &&
+                                 (size.width - 2 * inset - 2) * (size.height - 2 * inset - 2) > enough;
+            EXPECT_TRUE(!isLarge || features.keypoints.size() == 300u) << features.keypoints.size();
+        }
+    }
+}
+
+TEST(AQORB_Contracts, dark_night_and_half_black_images)
+{
+    const Ptr<AdaptiveQuadtreeORB> detector = AdaptiveQuadtreeORB::create(500);
+    const Mat scene = makeScene(Size(640, 480), 3);
+    Mat dark;
+    scene.convertTo(dark, -1, 0.12);
+    KeyPoints keypoints;
+    detector->detect(dark, keypoints);
+    EXPECT_GE(keypoints.size(), 250u);
+
+    // a few lamps: equation (7) is in the hundreds, and still not stricter than cv::ORB
+    Mat night = makeNoise(scene.size()) / 80;
+    for (int i = 0; i < 5; i++)
+        rectangle(night, Rect(60 + 110 * i, 90 + 60 * i, 18, 14), Scalar(255), -1);
+    EXPECT_GT(aqorb::adaptiveFastThreshold(night), 60);
+    KeyPoints ofORB;
+    ORB::create(500, 1.2f, 8, 16)->detect(night, ofORB);
+    detector->detect(night, keypoints);
+    ASSERT_GT(ofORB.size(), 10u);
+    EXPECT_GE(keypoints.size(), ofORB.size());
+
+    Mat half = scene.clone();
+    half.colRange(0, 320).setTo(0);
+    detector->detect(half, keypoints);
+    EXPECT_EQ(500u, keypoints.size());
+    for (const KeyPoint& keypoint : keypoints)
+        EXPECT_GT(keypoint.pt.x, 310);
+}
+
+TEST(AQORB_Contracts, keypoints_cover_the_image)
+{
+    const Mat image = makeScene(Size(640, 480), 7);
+    KeyPoints ours, ofORB;
+    AdaptiveQuadtreeORB::create(500)->detect(image, ours);
+    ORB::create(500)->detect(image, ofORB);
+    EXPECT_LT(aqorb::distributionUniformity(ours, image.size()),
+              aqorb::distributionUniformity(ofORB, image.size()));
+    EXPECT_GT(aqorb::distributionOccupancy(ours, image.size()),
+              aqorb::distributionOccupancy(ofORB, image.size()));
+}
+
+}  // namespace
+}  // namespace opencv_test

@@ -1,0 +1,189 @@
+// This file is part of the aqorb project.
+// It is subject to the license terms in the LICENSE file found in the top-level directory
+// of this distribution.
+
+#include "reference.hpp"
+
+namespace opencv_test
+{
+namespace
+{
+
+using namespace aqorb::stages;
+
+void expectAsReference(const Mat& image, const std::vector<DescriptorPoint>& points, int patchSize, int WTA_K)
+{
+    const std::vector<Point> pattern = descriptorPattern(patchSize, WTA_K);
+    const Mat exactlyBlurred = reference::roundedBlur(image);
+    const int count = int(points.size());
+    Mat expected(count, 32, CV_8UC1), blurred;
+    for (int i = 0; i < count; i++)
+        reference::descriptor(image, exactlyBlurred, Point(points[i].x, points[i].y), points[i].angle,
+                              pattern, WTA_K, expected.ptr(i));
+    approximateBlur(image, blurred);
+    for (int optimized = 1; optimized >= 0; optimized--)
+    {
+        SCOPED_TRACE(optimized);
+        const bool before = useOptimized();
+        setUseOptimized(optimized && before);
+        // rows of a wider matrix: what is beside them must stay
+        Mat wide(count, 48, CV_8UC1, Scalar(0xa5));
+        Mat descriptors = wide.colRange(8, 40);
+        computeDescriptors(image, blurred, points.data(), points.size(), pattern, WTA_K, descriptors.ptr(),
+                           wide.step);
+        setUseOptimized(before);
+        EXPECT_TRUE(sameMat(descriptors, expected));
+        EXPECT_EQ(countNonZero(wide.colRange(0, 8) != 0xa5), 0);
+        EXPECT_EQ(countNonZero(wide.colRange(40, 48) != 0xa5), 0);
+    }
+}
+
+std::vector<DescriptorPoint> randomPoints(Size size, int count, int seed)
+{
+    RNG rng(seed);
+    std::vector<DescriptorPoint> points;
+    for (int i = 0; i < count; i++)
+    {
+        // many of the angles are round, and with them the ties of cvRound
+        const float angle = i % 3 == 0 ? float(rng.uniform(0, 25) * 15) : rng.uniform(-1.f, 720.f);
+        const DescriptorPoint point = {rng.uniform(0, size.width), rng.uniform(0, size.height), angle};
+        points.push_back(point);
+    }
+    return points;
+}
+
+TEST(AqorbDescriptor, equalsReference)
+{
+    const int patches[] = {2, 3, 8, 30, 31, 32, 47, 80};
+    const Size size(130, 95);
+    Mat smooth;
+    blur(makeNoise(size), smooth, Size(9, 9));
+    const Mat images[] = {makeScene(size), makeNoise(size), makeNoise(size) > 128, smooth};
+    for (int WTA_K = 2; WTA_K <= 4; WTA_K++)
+    {
+        for (int patchSize : patches)
+        {
+            for (int i = 0; i < 4; i++)
+            {
+                SCOPED_TRACE(format("WTA_K %d, patch %d, image %d", WTA_K, patchSize, i));
+                expectAsReference(images[i], randomPoints(size, WTA_K == 2 ? 150 : 40, i), patchSize, WTA_K);
+            }
+        }
+    }
+}
+
+TEST(AqorbDescriptor, equalsReferenceAtBorders)
+{
+    const Size sizes[] = {Size(70, 64), Size(33, 20), Size(9, 40), Size(3, 3), Size(1, 1)};
+    for (const Size& size : sizes)
+    {
+        const Mat noise = makeNoise(size, 2);
+        std::vector<DescriptorPoint> points;
+        for (int x = 0; x < size.width; x++)
+        {
+            const int rows[] = {0, size.height / 2, size.height - 1};
+            for (int row : rows)
+            {
+                const DescriptorPoint point = {x, row, float(x * 37 % 360)};
+                points.push_back(point);
+            }
+        }
+        for (int y = 0; y < size.height; y++)
+        {
+            const DescriptorPoint left = {0, y, float(y * 53 % 360)};
+            const DescriptorPoint right = {size.width - 1, y, float(y * 91 % 360)};
+            points.push_back(left);
+            points.push_back(right);
+        }
+        for (int WTA_K = 2; WTA_K <= 4; WTA_K++)
+        {
+            SCOPED_TRACE(format("%d x %d, WTA_K %d", size.width, size.height, WTA_K));
+            expectAsReference(noise, points, 31, WTA_K);
+            expectAsReference(noise, points, 47, WTA_K);
+        }
+    }
+}
+
+TEST(AqorbDescriptor, equalsReferenceWhereTheApproximationCannotTell)
+{
+    // Slopes so flat that neighbours differ by less than the bound of the approximate blur.
+    Mat slope(100, 160, CV_8UC1);
+    for (int y = 0; y < slope.rows; y++)
+    {
+        for (int x = 0; x < slope.cols; x++)
+            slope.at<uchar>(y, x) = uchar(100 + (x + y) / 16 + (x * 7 + y * 3) % 2);
+    }
+    Mat checkers(100, 160, CV_8UC1);
+    for (int y = 0; y < slope.rows; y++)
+    {
+        for (int x = 0; x < slope.cols; x++)
+            checkers.at<uchar>(y, x) = uchar((x + y) % 2 ? 101 : 100);
+    }
+    for (int WTA_K = 2; WTA_K <= 4; WTA_K++)
+    {
+        expectAsReference(slope, randomPoints(slope.size(), 200, 5), 31, WTA_K);
+        expectAsReference(checkers, randomPoints(slope.size(), 200, 6), 31, WTA_K);
+        expectAsReference(Mat(slope.size(), CV_8UC1, Scalar(77)), randomPoints(slope.size(), 10, 7), 31,
+                          WTA_K);
+    }
+}
+
+TEST(AqorbDescriptor, equalsReferenceForEveryAngle)
+{
+    const Mat scene = makeScene(Size(90, 90), 3);
+    std::vector<DescriptorPoint> points;
+    for (int i = 0; i <= 720; i++)
+    {
+        const DescriptorPoint point = {45, 45, i * 0.5f};
+        points.push_back(point);
+    }
+    expectAsReference(scene, points, 31, 2);
+}
+
+TEST(AqorbDescriptor, takesPartsOfLargerImages)
+{
+    const Mat part = makeNoise(Size(140, 110))(Rect(17, 9, 90, 70));
+    expectAsReference(part, randomPoints(part.size(), 100, 8), 31, 2);
+}
+
+TEST(AqorbDescriptor, patternEqualsReference)
+{
+    for (int WTA_K = 2; WTA_K <= 4; WTA_K++)
+    {
+        for (int patchSize = 2; patchSize <= 100; patchSize++)
+        {
+            SCOPED_TRACE(format("WTA_K %d, patch %d", WTA_K, patchSize));
+            const std::vector<Point> pattern = descriptorPattern(patchSize, WTA_K);
+            EXPECT_EQ(pattern, reference::descriptorPattern(patchSize, WTA_K));
+            EXPECT_EQ(int(pattern.size()), WTA_K == 2 ? 512 : 128 * WTA_K);
+            for (const Point& p : pattern)
+                ASSERT_LE(std::max(std::abs(p.x), std::abs(p.y)), (patchSize + 1) / 2);
+        }
+    }
+}
+
+TEST(AqorbDescriptor, ofThePatternsFirstTests)
+{
+    // A bright left half: test 1 of the learned pattern compares (8, -3) with (9, 5), test 2 (4, 2) with
+    // (7, -12), test 3 (-11, 9) with (-8, 2), ...; only tests whose points lie on both sides can tell.
+    Mat image(80, 80, CV_8UC1, Scalar(20));
+    image.colRange(0, 40).setTo(220);
+    Mat blurred;
+    approximateBlur(image, blurred);
+    const std::vector<Point> pattern = descriptorPattern(31, 2);
+    const DescriptorPoint upright = {40, 40, 0}, upsideDown = {40, 40, 180};
+    uchar bits[32], turnedBits[32];
+    computeDescriptors(image, blurred, &upright, 1, pattern, 2, bits, 32);
+    computeDescriptors(image, blurred, &upsideDown, 1, pattern, 2, turnedBits, 32);
+    for (int i = 0; i < 256; i++)
+    {
+        const int first = pattern[2 * i].x, second = pattern[2 * i + 1].x;
+        if (std::abs(first) < 5 || std::abs(second) < 5)
+            continue;  // in the blurred edge
+        EXPECT_EQ(bits[i / 8] >> (i % 8) & 1, first > 0 && second < 0) << i;
+        EXPECT_EQ(turnedBits[i / 8] >> (i % 8) & 1, first < 0 && second > 0) << i;
+    }
+}
+
+}  // namespace
+}  // namespace opencv_test

@@ -1,0 +1,208 @@
+// This file is part of the aqorb project.
+// It is subject to the license terms in the LICENSE file found in the top-level directory
+// of this distribution.
+
+#include "test_precomp.hpp"
+
+#include <limits>
+
+namespace opencv_test
+{
+namespace
+{
+
+// The message of the exception that a call raises; empty if it raises none.
+template <typename Call> std::string messageOf(Call call)
+{
+    try
+    {
+        call();
+    }
+    catch (const cv::Exception& e)
+    {
+        return e.err;
+    }
+    return std::string();
+}
+
+::testing::AssertionResult names(const std::string& message, const std::string& name,
+                                 const std::string& value)
+{
+    if (message.find(name) != std::string::npos && message.find(value) != std::string::npos &&
+        message.find("accepted") != std::string::npos)
+        return ::testing::AssertionSuccess();
+    return ::testing::AssertionFailure()
+           << "'" << message << "' does not name " << name << ", " << value << " and what is accepted";
+}
+
+const float NOT_A_NUMBER = std::numeric_limits<float>::quiet_NaN();
+const float ENDLESS = std::numeric_limits<float>::infinity();
+
+TEST(AQORB_Errors, bad_parameters_of_create)
+{
+#define AQORB_BAD(name, value, call) \
+    EXPECT_TRUE(names(messageOf([] { AdaptiveQuadtreeORB::call; }), name, value))
+    AQORB_BAD("nfeatures", "-1", create(-1));
+    AQORB_BAD("scaleFactor", "0", create(500, 0.f));
+    AQORB_BAD("scaleFactor", "-2", create(500, -2.f));
+    AQORB_BAD("scaleFactor", "nan", create(500, NOT_A_NUMBER));
+    AQORB_BAD("scaleFactor", "inf", create(500, ENDLESS));
+    AQORB_BAD("nlevels", "0", create(500, 1.2f, 0));
+    AQORB_BAD("nlevels", "2147483647", create(500, 1.2f, INT_MAX));
+    AQORB_BAD("edgeThreshold", "-3", create(500, 1.2f, 8, -3));
+    AQORB_BAD("firstLevel", "-1", create(500, 1.2f, 8, 16, -1));
+    AQORB_BAD("WTA_K", "1", create(500, 1.2f, 8, 16, 0, 1));
+    AQORB_BAD("WTA_K", "5", create(500, 1.2f, 8, 16, 0, 5));
+    AQORB_BAD("scoreType", "7", create(500, 1.2f, 8, 16, 0, 2, static_cast<ORB::ScoreType>(7)));
+    AQORB_BAD("patchSize", "1", create(500, 1.2f, 8, 16, 0, 2, ORB::HARRIS_SCORE, 1));
+    AQORB_BAD("patchSize", "2147483647", create(500, 1.2f, 8, 16, 0, 2, ORB::HARRIS_SCORE, INT_MAX));
+#undef AQORB_BAD
+}
+
+TEST(AQORB_Errors, bad_values_of_setters_leave_the_object_unchanged)
+{
+    const Ptr<AdaptiveQuadtreeORB> detector = AdaptiveQuadtreeORB::create();
+    const Mat image = makeScene(Size(200, 150));
+    const Features before = detectAndCompute(*detector, image);
+#define AQORB_BAD(name, value, call) EXPECT_TRUE(names(messageOf([&] { detector->call; }), name, value))
+    AQORB_BAD("nfeatures", "-1", setMaxFeatures(-1));
+    AQORB_BAD("scaleFactor", "-1.5", setScaleFactor(-1.5));
+    AQORB_BAD("nlevels", "-8", setNLevels(-8));
+    AQORB_BAD("edgeThreshold", "-1", setEdgeThreshold(-1));
+    AQORB_BAD("firstLevel", "-1", setFirstLevel(-1));
+    AQORB_BAD("WTA_K", "0", setWTA_K(0));
+    AQORB_BAD("scoreType", "2", setScoreType(static_cast<ORB::ScoreType>(2)));
+    AQORB_BAD("patchSize", "0", setPatchSize(0));
+    AQORB_BAD("minThresholdRatio", "0.5", setMinThresholdRatio(0.5));
+    AQORB_BAD("minThresholdRatio", "nan", setMinThresholdRatio(NOT_A_NUMBER));
+    AQORB_BAD("cellSize", "7", setCellSize(7));
+    AQORB_BAD("maxDepth", "-2", setMaxDepth(-2));
+    AQORB_BAD("maxDepth", "16", setMaxDepth(16));
+    AQORB_BAD("octaveSuppression", "-0.5", setOctaveSuppression(-0.5));
+    AQORB_BAD("octaveSuppression", "inf", setOctaveSuppression(ENDLESS));
+#undef AQORB_BAD
+    EXPECT_TRUE(sameFeatures(before, detectAndCompute(*detector, image)));
+}
+
+TEST(AQORB_Errors, parameters_that_do_not_go_together)
+{
+    const Mat image = makeScene(Size(200, 150));
+    KeyPoints keypoints;
+    Ptr<AdaptiveQuadtreeORB> detector = AdaptiveQuadtreeORB::create(500, 1.f, 2);
+    EXPECT_TRUE(names(messageOf([&] { detector->detect(image, keypoints); }), "scaleFactor", "1"));
+    detector = AdaptiveQuadtreeORB::create(500, 1.2f, 4, 16, 4);
+    EXPECT_TRUE(names(messageOf([&] { detector->detect(image, keypoints); }), "firstLevel", "4"));
+    detector->setNLevels(5);  // the order of setters does not matter
+    EXPECT_NO_THROW(detector->detect(image, keypoints));
+    detector = AdaptiveQuadtreeORB::create(500, 3.f, 60, 16, 50);
+    EXPECT_TRUE(names(messageOf([&] { detector->detect(image, keypoints); }), "firstLevel", "pixels"));
+}
+
+TEST(AQORB_Errors, bad_images_and_masks)
+{
+    const Ptr<AdaptiveQuadtreeORB> detector = AdaptiveQuadtreeORB::create();
+    const int types[] = {CV_16UC1, CV_32FC1, CV_8SC1, CV_8UC2, CV_8UC(5), CV_64FC3};
+    KeyPoints keypoints(3);
+    for (int type : types)
+    {
+        const Mat image(100, 100, type);
+        EXPECT_TRUE(
+            names(messageOf([&] { detector->detect(image, keypoints); }), "image", typeToString(type)));
+        EXPECT_TRUE(
+            names(messageOf([&] { aqorb::adaptiveFastThreshold(image); }), "image", typeToString(type)));
+    }
+    const Mat image = makeScene(Size(100, 80));
+    const Mat masks[] = {Mat(80, 99, CV_8UC1, Scalar(1)), Mat(100, 80, CV_8UC1, Scalar(1)),
+                         Mat(80, 100, CV_8UC3, Scalar::all(1)), Mat(80, 100, CV_32FC1, Scalar(1))};
+    for (const Mat& mask : masks)
+    {
+        const std::string size = format("%d x %d", mask.cols, mask.rows);
+        EXPECT_TRUE(names(messageOf([&] { detector->detect(image, keypoints, mask); }), "mask", size));
+        EXPECT_TRUE(names(messageOf([&] { aqorb::adaptiveFastThreshold(image, mask); }), "mask", size));
+    }
+    EXPECT_EQ(3u, keypoints.size());  // a call that fails leaves its outputs
+}
+
+TEST(AQORB_Errors, bad_octaves_of_provided_keypoints)
+{
+    const Ptr<AdaptiveQuadtreeORB> detector = AdaptiveQuadtreeORB::create();
+    const Mat image = makeScene(Size(200, 150));
+    Mat descriptors;
+    KeyPoints keypoints(1, KeyPoint(Point2f(100, 70), 31, 0, 1, -1));
+    EXPECT_TRUE(names(messageOf([&] { detector->compute(image, keypoints, descriptors); }), "octave", "-1"));
+    // SIFT packs layer and scale into the octave: levels of no pixels
+    keypoints[0].octave = 0x01000200 + 255;
+    EXPECT_TRUE(
+        names(messageOf([&] { detector->compute(image, keypoints, descriptors); }), "octave", "16777983"));
+    KeyPoints sift;
+    SIFT::create(50)->detect(image, sift);
+    ASSERT_FALSE(sift.empty());
+    EXPECT_THROW(detector->compute(image, sift, descriptors), cv::Exception);
+    keypoints[0].octave = 1;
+    detector->setScaleFactor(1);
+    detector->setNLevels(1);
+    EXPECT_TRUE(
+        names(messageOf([&] { detector->compute(image, keypoints, descriptors); }), "scaleFactor", "1"));
+}
+
+TEST(AQORB_Errors, bad_arguments_of_the_functions)
+{
+    KeyPoints keypoints(5, KeyPoint(Point2f(1, 1), 1));
+    EXPECT_TRUE(names(messageOf([&] { aqorb::distributionUniformity(keypoints, Size(0, 5)); }), "imageSize",
+                      "0 x 5"));
+    EXPECT_TRUE(names(messageOf([&] { aqorb::distributionOccupancy(keypoints, Size(5, -1)); }), "imageSize",
+                      "5 x -1"));
+    EXPECT_TRUE(names(messageOf([&] { aqorb::distributionOccupancy(keypoints, Size(5, 5), Size(0, 1)); }),
+                      "grid", "0 x 1"));
+    EXPECT_TRUE(
+        names(messageOf([&] { aqorb::distributionOccupancy(keypoints, Size(5, 5), Size(1 << 20, 1 << 20)); }),
+              "grid", "1048576"));
+    EXPECT_TRUE(names(messageOf([&] { aqorb::retainUniform(keypoints, Size(), 5); }), "imageSize", "0 x 0"));
+    EXPECT_TRUE(names(messageOf([&] { aqorb::retainUniform(keypoints, Size(5, 5), -5); }), "npoints", "-5"));
+    EXPECT_EQ(5u, keypoints.size());
+}
+
+TEST(AQORB_Errors, points_that_are_nowhere_are_dropped)
+{
+    const Mat image = makeScene(Size(200, 150));
+    for (int border = 0; border <= 16; border += 16)
+    {
+        KeyPoints keypoints;
+        const float far[] = {NOT_A_NUMBER, ENDLESS, -ENDLESS, 1e30f, -1e30f, 200.6f, -0.6f};
+        for (float x : far)
+        {
+            keypoints.push_back(KeyPoint(Point2f(x, 70), 31, 0));
+            keypoints.push_back(KeyPoint(Point2f(70, x), 31, 0, 0, 3));
+        }
+        keypoints.push_back(KeyPoint(Point2f(70, 70), 31, 0));
+        Mat descriptors;
+        AdaptiveQuadtreeORB::create(500, 1.2f, 8, border)->compute(image, keypoints, descriptors);
+        EXPECT_EQ(1u, keypoints.size());
+        EXPECT_EQ(1, descriptors.rows);
+    }
+}
+
+TEST(AQORB_Errors, extreme_parameters_work)
+{
+    const Mat image = makeScene(Size(120, 90));
+    KeyPoints keypoints(7);
+    Mat descriptors(3, 3, CV_8U);
+    AdaptiveQuadtreeORB::create(500, 1.2f, 8, INT_MAX)
+        ->detectAndCompute(image, noArray(), keypoints, descriptors);
+    EXPECT_TRUE(keypoints.empty());
+    EXPECT_TRUE(descriptors.empty());
+    AdaptiveQuadtreeORB::create(INT_MAX, 1.2f, 60000)
+        ->detectAndCompute(image, noArray(), keypoints, descriptors);
+    EXPECT_FALSE(keypoints.empty());
+    AdaptiveQuadtreeORB::create(20, 1e30f, 8)->detectAndCompute(image, noArray(), keypoints, descriptors);
+    EXPECT_EQ(20u, keypoints.size());
+    AdaptiveQuadtreeORB::create(2, 1.2f, 8, 16, 0, 4, ORB::HARRIS_SCORE, 3001)
+        ->detectAndCompute(image, noArray(), keypoints, descriptors);
+    EXPECT_EQ(2u, keypoints.size());
+    KeyPoints given(1, KeyPoint(Point2f(50, 50), 31, 12));
+    AdaptiveQuadtreeORB::create(2, 1.2f, 8, INT_MAX)->compute(image, given, descriptors);
+    EXPECT_TRUE(given.empty());
+}
+
+}  // namespace
+}  // namespace opencv_test

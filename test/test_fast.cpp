@@ -1,0 +1,194 @@
+// This file is part of the aqorb project.
+// It is subject to the license terms in the LICENSE file found in the top-level directory
+// of this distribution.
+
+#include "reference.hpp"
+
+namespace opencv_test
+{
+namespace
+{
+
+using namespace aqorb::stages;
+
+std::vector<Corner> cornersOfOpenCV(const Mat& image, const Rect& region, int threshold)
+{
+    KeyPoints keypoints;
+    FAST(image, keypoints, threshold, true);
+    std::vector<Corner> corners;
+    for (const KeyPoint& keypoint : keypoints)
+    {
+        const Corner corner = {int(keypoint.pt.x), int(keypoint.pt.y), int(keypoint.response)};
+        if (region.contains(Point(corner.x, corner.y)))
+            corners.push_back(corner);
+    }
+    return corners;
+}
+
+std::vector<Corner> corners(const Mat& image, const Rect& region, int threshold)
+{
+    std::vector<Corner> found;
+    detectCorners(image, region, threshold, found);
+    return found;
+}
+
+// The one answer that all four must give.
+void expectSameEverywhere(const Mat& image, const Rect& region, int threshold)
+{
+    const std::vector<Corner> expected = reference::fastCorners(image, region, threshold);
+    EXPECT_TRUE(sameCorners(corners(image, region, threshold), expected));
+    // cv::FAST reads beyond images without a circle
+    if (image.cols >= 7 && image.rows >= 7)
+    {
+        EXPECT_TRUE(sameCorners(cornersOfOpenCV(image, region, threshold), expected));
+    }
+    WithoutOptimization baseline;
+    EXPECT_TRUE(sameCorners(corners(image, region, threshold), expected));
+}
+
+TEST(AqorbFast, equalsBruteForceForEveryWidth)
+{
+    const int thresholds[] = {1, 2, 20, 90, 200, 254};
+    for (int width = 1; width <= 130; width++)
+    {
+        const Size size(width, 9 + width % 9);
+        const Mat noise = makeNoise(size, width);
+        Mat smooth;
+        blur(noise, smooth, Size(3, 3));
+        const Mat images[] = {noise, noise > 128, noise > 230, noise < 230, smooth};
+        for (int i = 0; i < 5; i++)
+        {
+            const int threshold = thresholds[(width + i) % 6];
+            SCOPED_TRACE(format("width %d, image %d, threshold %d", width, i, threshold));
+            expectSameEverywhere(images[i], Rect(Point(), size), threshold);
+        }
+    }
+}
+
+TEST(AqorbFast, equalsBruteForceForEveryThreshold)
+{
+    const Mat scene = makeScene(Size(83, 61)), noise = makeNoise(Size(70, 40));
+    for (int threshold = 1; threshold <= 255; threshold += threshold < 30 || threshold > 250 ? 1 : 11)
+    {
+        SCOPED_TRACE(threshold);
+        expectSameEverywhere(scene, Rect(Point(), scene.size()), threshold);
+        expectSameEverywhere(noise, Rect(Point(), noise.size()), threshold);
+    }
+}
+
+TEST(AqorbFast, equalsBruteForceInEveryRegion)
+{
+    const Mat noise = makeNoise(Size(100, 60)), extremes = makeNoise(Size(100, 60), 2) > 200;
+    RNG rng(4);
+    for (int i = 0; i < 80; i++)
+    {
+        const Rect region(rng.uniform(0, 80), rng.uniform(0, 50), rng.uniform(1, 100), rng.uniform(1, 60));
+        SCOPED_TRACE(format("%d, %d, %d x %d", region.x, region.y, region.width, region.height));
+        expectSameEverywhere(noise, region, 1 + i);
+        expectSameEverywhere(extremes, region, 250);
+    }
+    EXPECT_TRUE(corners(noise, Rect(), 1).empty());
+    EXPECT_TRUE(corners(noise, Rect(-9, -9, 3, 3), 1).empty());
+    EXPECT_TRUE(corners(noise, Rect(0, 0, 3, 60), 1).empty());
+}
+
+TEST(AqorbFast, takesPartsOfLargerImages)
+{
+    const Mat whole = makeNoise(Size(150, 90));
+    const Mat part = whole(Rect(31, 11, 77, 44));
+    EXPECT_TRUE(sameCorners(corners(part, Rect(Point(), part.size()), 30),
+                            corners(part.clone(), Rect(Point(), part.size()), 30)));
+}
+
+TEST(AqorbFast, flatImagesHaveNoCorners)
+{
+    for (int grey = 0; grey <= 255; grey += 51)
+    {
+        const Mat flat(40, 40, CV_8UC1, Scalar(grey));
+        EXPECT_TRUE(corners(flat, Rect(0, 0, 40, 40), 1).empty());
+    }
+}
+
+TEST(AqorbFast, knowsASingleDot)
+{
+    Mat image(15, 21, CV_8UC1, Scalar(100));
+    image.at<uchar>(6, 9) = 150;
+    std::vector<Corner> found = corners(image, Rect(0, 0, 21, 15), 20);
+    ASSERT_EQ(found.size(), 1u);
+    EXPECT_EQ(found[0].x, 9);
+    EXPECT_EQ(found[0].y, 6);
+    EXPECT_EQ(found[0].score, 49);  // a corner at 49, none at 50
+    EXPECT_EQ(corners(image, Rect(0, 0, 21, 15), 49).size(), 1u);
+    EXPECT_TRUE(corners(image, Rect(0, 0, 21, 15), 50).empty());
+    // appended to what is there
+    detectCorners(image, Rect(0, 0, 21, 15), 20, found);
+    EXPECT_EQ(found.size(), 2u);
+}
+
+TEST(AqorbFast, nineOfTheCircleAreNeeded)
+{
+    static const int CIRCLE[16][2] = {{0, 3},  {1, 3},  {2, 2},  {3, 1},   {3, 0},   {3, -1},
+                                      {2, -2}, {1, -3}, {0, -3}, {-1, -3}, {-2, -2}, {-3, -1},
+                                      {-3, 0}, {-3, 1}, {-2, 2}, {-1, 3}};
+    for (int first = 0; first < 16; first++)
+    {
+        for (int length = 1; length <= 16; length++)
+        {
+            for (int sign = -1; sign <= 1; sign += 2)
+            {
+                Mat image(9, 30, CV_8UC1, Scalar(100));
+                for (int i = first; i < first + length; i++)
+                    image.at<uchar>(4 + CIRCLE[i % 16][1], 12 + CIRCLE[i % 16][0]) = uchar(100 + sign * 60);
+                const int score = cornerScore(image.ptr(4) + 12, image.step);
+                EXPECT_EQ(score, length >= 9 ? 60 : 0) << first << " " << length << " " << sign;
+                EXPECT_EQ(score, reference::cornerScore(image, 12, 4));
+                expectSameEverywhere(image, Rect(12, 4, 1, 1), 30);
+            }
+        }
+    }
+}
+
+TEST(AqorbFast, equalScoresSuppressEachOther)
+{
+    Mat image(20, 40, CV_8UC1, Scalar(50));
+    image(Rect(10, 8, 2, 1)).setTo(200);  // two pixels of the same score: cv::FAST keeps neither
+    expectSameEverywhere(image, Rect(0, 0, 40, 20), 20);
+    EXPECT_TRUE(corners(image, Rect(0, 0, 40, 20), 20).empty());
+    // one just outside the region counts, too
+    EXPECT_TRUE(corners(image, Rect(10, 8, 1, 1), 20).empty());
+}
+
+TEST(AqorbFast, scoresOfNeighboursEqualBruteForceEverywhere)
+{
+    const Size sizes[] = {Size(60, 20), Size(25, 13), Size(9, 9), Size(3, 5), Size(1, 1)};
+    for (const Size& size : sizes)
+    {
+        const Mat noise = makeNoise(size, 6);
+        const Mat images[] = {noise, noise > 128, noise > 230, Mat(size, CV_8UC1, Scalar(255))};
+        for (const Mat& image : images)
+        {
+            for (int y = 0; y < size.height; y++)
+            {
+                for (int x = 0; x < size.width; x++)
+                {
+                    int scores[3][3], baselineScores[3][3];
+                    cornerScores3x3(image, x, y, scores);
+                    {
+                        WithoutOptimization baseline;
+                        cornerScores3x3(image, x, y, baselineScores);
+                    }
+                    for (int i = 0; i < 9; i++)
+                    {
+                        const int dx = i % 3 - 1, dy = i / 3 - 1;
+                        ASSERT_EQ(scores[dy + 1][dx + 1], reference::cornerScore(image, x + dx, y + dy))
+                            << x << " " << y << " " << i;
+                        ASSERT_EQ(scores[dy + 1][dx + 1], baselineScores[dy + 1][dx + 1]);
+                    }
+                }
+            }
+        }
+    }
+}
+
+}  // namespace
+}  // namespace opencv_test

@@ -1,0 +1,112 @@
+// This file is part of the aqorb project.
+// It is subject to the license terms in the LICENSE file found in the top-level directory
+// of this distribution.
+
+#include "reference.hpp"
+
+namespace opencv_test
+{
+namespace
+{
+
+using namespace aqorb::stages;
+
+void expectAsReference(const Mat& image, const std::vector<Corner>& corners)
+{
+    std::vector<RankedCorner> ranked;
+    harrisResponses(image, corners, ranked);
+    ASSERT_EQ(ranked.size(), corners.size());
+    for (size_t i = 0; i < corners.size(); i++)
+    {
+        const Corner& c = corners[i];
+        ASSERT_EQ(ranked[i].x, c.x);
+        ASSERT_EQ(ranked[i].y, c.y);
+        // the same float, not one nearby
+        ASSERT_EQ(ranked[i].response, reference::harrisResponse(image, c.x, c.y)) << c.x << " " << c.y;
+        ASSERT_EQ(harrisResponse(image, c.x, c.y), ranked[i].response) << c.x << " " << c.y;
+    }
+}
+
+std::vector<Corner> allPixels(Size size)
+{
+    std::vector<Corner> corners;
+    for (int y = 0; y < size.height; y++)
+    {
+        for (int x = 0; x < size.width; x++)
+        {
+            const Corner corner = {x, y, 1};
+            corners.push_back(corner);
+        }
+    }
+    return corners;
+}
+
+TEST(AqorbHarris, equalsReferenceAtEveryPixel)
+{
+    const Size sizes[] = {Size(70, 40), Size(31, 9), Size(16, 7), Size(7, 7), Size(3, 2), Size(1, 1)};
+    for (const Size& size : sizes)
+    {
+        SCOPED_TRACE(format("%d x %d", size.width, size.height));
+        const Mat noise = makeNoise(size);
+        const Mat images[] = {noise, noise > 128, makeScene(size), Mat(size, CV_8UC1, Scalar(255))};
+        for (const Mat& image : images)
+        {
+            expectAsReference(image, allPixels(size));
+            WithoutOptimization baseline;
+            expectAsReference(image, allPixels(size));
+        }
+    }
+}
+
+TEST(AqorbHarris, equalsReferenceInAnyOrder)
+{
+    // Corners that the kernel must not read around come between others.
+    const Mat noise = makeNoise(Size(64, 48));
+    std::vector<Corner> corners;
+    RNG rng(8);
+    for (int i = 0; i < 400; i++)
+    {
+        const Corner corner = {rng.uniform(0, noise.cols), rng.uniform(0, noise.rows), 7};
+        corners.push_back(corner);
+    }
+    expectAsReference(noise, corners);
+    expectAsReference(noise, std::vector<Corner>());
+}
+
+TEST(AqorbHarris, takesPartsOfLargerImages)
+{
+    const Mat part = makeNoise(Size(90, 60))(Rect(20, 10, 37, 23));
+    expectAsReference(part, allPixels(part.size()));
+    // a pixel of the larger image counts for nothing
+    EXPECT_EQ(harrisResponse(part, 0, 0), harrisResponse(part.clone(), 0, 0));
+    EXPECT_EQ(harrisResponse(part, 36, 22), harrisResponse(part.clone(), 36, 22));
+}
+
+TEST(AqorbHarris, holdsTheLargestDerivatives)
+{
+    // Stripes and steps from 0 to 255 give the largest sums.
+    Mat columns(40, 40, CV_8UC1, Scalar(0)), step(40, 40, CV_8UC1, Scalar(0)), quarter;
+    for (int x = 0; x < 40; x += 4)
+        columns.colRange(x, x + 2).setTo(255);
+    step.colRange(20, 40).setTo(255);
+    quarter = step.clone();
+    quarter.rowRange(0, 20).setTo(0);
+    const Mat images[] = {columns, columns.t(), step, step.t(), quarter};
+    for (const Mat& image : images)
+        expectAsReference(image, allPixels(image.size()));
+}
+
+TEST(AqorbHarris, ranksCornersAboveEdgesAndFlatPlaces)
+{
+    Mat image(60, 60, CV_8UC1, Scalar(40));
+    image(Rect(30, 30, 30, 30)).setTo(180);
+    EXPECT_GT(harrisResponse(image, 30, 30), 0);
+    EXPECT_LT(harrisResponse(image, 30, 45), 0);
+    EXPECT_EQ(harrisResponse(image, 10, 10), 0);
+    // the block is 5 x 5 and the operator 3 x 3: 3 pixels off it sees the corner, 4 off no more
+    EXPECT_NE(harrisResponse(image, 27, 27), 0);
+    EXPECT_EQ(harrisResponse(image, 26, 26), 0);
+}
+
+}  // namespace
+}  // namespace opencv_test

@@ -1,0 +1,139 @@
+// This file is part of the aqorb project.
+// It is subject to the license terms in the LICENSE file found in the top-level directory
+// of this distribution.
+
+#include "test_precomp.hpp"
+
+namespace opencv_test
+{
+namespace
+{
+
+std::string written(const Algorithm& algorithm)
+{
+    FileStorage fs("memory.yml", FileStorage::WRITE | FileStorage::MEMORY);
+    fs << "detector"
+       << "{";
+    algorithm.write(fs);
+    fs << "}";
+    return fs.releaseAndGetString();
+}
+
+void readFrom(Algorithm& algorithm, const std::string& text)
+{
+    FileStorage fs(text, FileStorage::READ | FileStorage::MEMORY);
+    algorithm.read(fs["detector"]);
+}
+
+std::string withValue(const std::string& key, const std::string& value)
+{
+    return "%YAML:1.0\n---\ndetector:\n   " + key + ": " + value + "\n";
+}
+
+Ptr<AdaptiveQuadtreeORB> unusual()
+{
+    const Ptr<AdaptiveQuadtreeORB> detector =
+        AdaptiveQuadtreeORB::create(321, 1.37f, 5, 7, 2, 3, ORB::FAST_SCORE, 25, 11);
+    detector->setAdaptiveThreshold(false);
+    detector->setMinThresholdRatio(2.75);
+    detector->setCellSize(51);
+    detector->setMaxDepth(6);
+    detector->setOctaveSuppression(1.0 / 3);
+    detector->setSubPixel(false);
+    return detector;
+}
+
+TEST(AQORB_IO, every_parameter_makes_the_round_trip)
+{
+    const Ptr<AdaptiveQuadtreeORB> source = unusual(), target = AdaptiveQuadtreeORB::create();
+    readFrom(*target, written(*source));
+    EXPECT_EQ(321, target->getMaxFeatures());
+    EXPECT_EQ((double)1.37f, target->getScaleFactor());
+    EXPECT_EQ(5, target->getNLevels());
+    EXPECT_EQ(7, target->getEdgeThreshold());
+    EXPECT_EQ(2, target->getFirstLevel());
+    EXPECT_EQ(3, target->getWTA_K());
+    EXPECT_EQ(ORB::FAST_SCORE, target->getScoreType());
+    EXPECT_EQ(25, target->getPatchSize());
+    EXPECT_EQ(11, target->getFastThreshold());
+    EXPECT_FALSE(target->getAdaptiveThreshold());
+    EXPECT_EQ(2.75, target->getMinThresholdRatio());
+    EXPECT_EQ(51, target->getCellSize());
+    EXPECT_EQ(6, target->getMaxDepth());
+    EXPECT_EQ(1.0 / 3, target->getOctaveSuppression());
+    EXPECT_FALSE(target->getSubPixel());
+}
+
+TEST(AQORB_IO, keys_are_those_of_ORB_in_newer_OpenCV)
+{
+    FileStorage fs(written(*unusual()), FileStorage::READ | FileStorage::MEMORY);
+    const FileNode node = fs["detector"];
+    EXPECT_EQ("Feature2D.AdaptiveQuadtreeORB", (std::string)node["name"]);
+    const char* keys[] = {"nfeatures", "scaleFactor", "nlevels",   "edgeThreshold", "firstLevel",
+                          "wta_k",     "scoreType",   "patchSize", "fastThreshold"};
+    for (const char* key : keys)
+        EXPECT_FALSE(node[key].empty()) << key;
+}
+
+TEST(AQORB_IO, a_missing_key_keeps_its_value)
+{
+    const Ptr<AdaptiveQuadtreeORB> detector = unusual();
+    readFrom(*detector, withValue("cellSize", "77"));
+    EXPECT_EQ(77, detector->getCellSize());
+    EXPECT_EQ(321, detector->getMaxFeatures());
+    EXPECT_FALSE(detector->getSubPixel());
+    readFrom(*detector, "%YAML:1.0\n---\nother: 1\n");
+    EXPECT_EQ(77, detector->getCellSize());
+}
+
+TEST(AQORB_IO, a_bad_value_throws_and_changes_nothing)
+{
+    const char* bad[][2] = {{"nfeatures", "-1"},
+                            {"nfeatures", "many"},
+                            {"nfeatures", "1.5"},
+                            {"nfeatures", "1e12"},
+                            {"scaleFactor", "0."},
+                            {"scaleFactor", ".nan"},
+                            {"nlevels", "0"},
+                            {"edgeThreshold", "-2"},
+                            {"firstLevel", "-1"},
+                            {"wta_k", "5"},
+                            {"scoreType", "2"},
+                            {"patchSize", "1"},
+                            {"minThresholdRatio", "0.9"},
+                            {"cellSize", "3"},
+                            {"maxDepth", "16"},
+                            {"octaveSuppression", ".inf"},
+                            {"subPixel", "2"},
+                            {"adaptiveThreshold", "yes"}};
+    const Ptr<AdaptiveQuadtreeORB> detector = unusual();
+    const std::string before = written(*detector);
+    for (const char** entry : bad)
+    {
+        // a good value before the bad one must not stay, either
+        const std::string text = withValue("fastThreshold", "99") + "   " + entry[0] + ": " + entry[1] + "\n";
+        EXPECT_THROW(readFrom(*detector, text), cv::Exception) << entry[0] << ": " << entry[1];
+        EXPECT_EQ(before, written(*detector)) << entry[0];
+    }
+}
+
+TEST(AQORB_IO, works_with_Algorithm_load)
+{
+    const std::string text = written(*unusual());
+    const Ptr<AdaptiveQuadtreeORB> detector = Algorithm::loadFromString<AdaptiveQuadtreeORB>(text);
+    ASSERT_TRUE(detector);
+    EXPECT_EQ(text, written(*detector));
+}
+
+TEST(AQORB_IO, overloads_of_Feature2D_stay_visible)
+{
+    const std::string file = tempfile(".yml");
+    const Ptr<AdaptiveQuadtreeORB> detector = unusual(), target = AdaptiveQuadtreeORB::create();
+    detector->write(file);
+    target->read(file);
+    std::remove(file.c_str());
+    EXPECT_EQ(written(*detector), written(*target));
+}
+
+}  // namespace
+}  // namespace opencv_test

@@ -1,0 +1,96 @@
+// This file is part of the aqorb project.
+// It is subject to the license terms in the LICENSE file found in the top-level directory
+// of this distribution.
+
+#include "test_precomp.hpp"
+
+namespace opencv_test
+{
+namespace
+{
+
+Mat circleMask(Size size, uchar value)
+{
+    Mat mask = Mat::zeros(size, CV_8UC1);
+    circle(mask, Point(size.width / 2, size.height / 2), std::min(size.width, size.height) * 2 / 5,
+           Scalar(value), -1);
+    return mask;
+}
+
+TEST(AQORB_Masks, any_value_but_0_means_use)
+{
+    const Mat image = makeScene(Size(320, 240));
+    const Ptr<AdaptiveQuadtreeORB> detector = AdaptiveQuadtreeORB::create(300);
+    const Features expected = detectAndCompute(*detector, image, circleMask(image.size(), 255));
+    EXPECT_EQ(300u, expected.keypoints.size());
+    EXPECT_TRUE(sameFeatures(expected, detectAndCompute(*detector, image, circleMask(image.size(), 1))));
+    EXPECT_TRUE(sameFeatures(expected, detectAndCompute(*detector, image, circleMask(image.size(), 128))));
+}
+
+TEST(AQORB_Masks, a_full_mask_is_none)
+{
+    const Mat image = makeScene(Size(320, 240));
+    const Ptr<AdaptiveQuadtreeORB> detector = AdaptiveQuadtreeORB::create(300);
+    EXPECT_TRUE(sameFeatures(detectAndCompute(*detector, image),
+                             detectAndCompute(*detector, image, Mat(image.size(), CV_8UC1, Scalar(9)))));
+}
+
+TEST(AQORB_Masks, an_empty_mask_gives_nothing)
+{
+    const Mat image = makeScene(Size(320, 240));
+    Features stale = {KeyPoints(4), Mat::ones(4, 32, CV_8UC1)};
+    AdaptiveQuadtreeORB::create()->detectAndCompute(image, Mat::zeros(image.size(), CV_8UC1), stale.keypoints,
+                                                    stale.descriptors);
+    EXPECT_TRUE(stale.keypoints.empty());
+    EXPECT_TRUE(stale.descriptors.empty());
+}
+
+TEST(AQORB_Masks, no_keypoint_lies_on_a_masked_pixel)
+{
+    const Mat image = makeScene(Size(320, 240), 2);
+    RNG rng(8);
+    for (int round = 0; round < 12; round++)
+    {
+        // holes of all sizes down to a pixel, which coarse levels must not lose
+        Mat mask(image.size(), CV_8UC1, Scalar(1));
+        for (int i = 0; i < 200; i++)
+        {
+            const Point hole(rng.uniform(0, mask.cols), rng.uniform(0, mask.rows));
+            circle(mask, hole, i < 150 ? 0 : rng.uniform(1, 20), Scalar(0), -1);
+        }
+        const Ptr<AdaptiveQuadtreeORB> detector =
+            AdaptiveQuadtreeORB::create(400, round % 2 ? 1.2f : 1.7f, 6, 5, round % 3);
+        detector->setSubPixel(round < 8);
+        KeyPoints keypoints;
+        detector->detect(image, keypoints, mask);
+        EXPECT_GT(keypoints.size(), 50u);
+        for (const KeyPoint& keypoint : keypoints)
+            EXPECT_NE(0, mask.at<uchar>(cvRound(keypoint.pt.y), cvRound(keypoint.pt.x)));
+    }
+}
+
+TEST(AQORB_Masks, masked_corners_do_not_fill_a_cell)
+{
+    // A strong corner and a weak one in one cell: the weak one shows once the strong one is masked.
+    Mat image(120, 120, CV_8UC1, Scalar(100));
+    image(Rect(30, 30, 4, 4)).setTo(255);
+    image(Rect(40, 40, 4, 4)).setTo(112);
+    const Ptr<AdaptiveQuadtreeORB> detector = AdaptiveQuadtreeORB::create(2, 1.2f, 1);
+    Mat mask(image.size(), CV_8UC1, Scalar(1));
+    mask(Rect(26, 26, 12, 12)).setTo(0);
+    detector->setAdaptiveThreshold(false);  // not the mask's effect on equation (7)
+    detector->setFastThreshold(30);
+    KeyPoints keypoints;
+    detector->setMaxFeatures(1);
+    detector->detect(image, keypoints);
+    ASSERT_EQ(1u, keypoints.size());
+    EXPECT_LT(cv::norm(keypoints[0].pt - Point2f(31.5f, 31.5f)), 4);
+    detector->setMaxFeatures(500);
+    detector->detect(image, keypoints, mask);
+    ASSERT_FALSE(keypoints.empty());
+    for (const KeyPoint& keypoint : keypoints)
+        EXPECT_LT(cv::norm(keypoint.pt - Point2f(41.5f, 41.5f)), 4);
+}
+
+}  // namespace
+}  // namespace opencv_test

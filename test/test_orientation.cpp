@@ -1,0 +1,124 @@
+// This file is part of the aqorb project.
+// It is subject to the license terms in the LICENSE file found in the top-level directory
+// of this distribution.
+
+#include "reference.hpp"
+
+namespace opencv_test
+{
+namespace
+{
+
+using namespace aqorb::stages;
+
+TEST(AqorbOrientation, equalsReferenceAtEveryPixel)
+{
+    const int patches[] = {2, 3, 8, 21, 31, 32, 47, 63, 64, 90};
+    const Size sizes[] = {Size(96, 71), Size(40, 33), Size(12, 9), Size(1, 4)};
+    for (int patchSize : patches)
+    {
+        const std::vector<int> halfWidths = circularPatch(patchSize);
+        for (const Size& size : sizes)
+        {
+            SCOPED_TRACE(format("patch %d, %d x %d", patchSize, size.width, size.height));
+            const Mat noise = makeNoise(size);
+            const Mat images[] = {noise, noise > 128};
+            for (const Mat& image : images)
+            {
+                std::vector<DescriptorPoint> points, baselinePoints;
+                for (int y = 0; y < size.height; y++)
+                {
+                    // all columns near the sides, some of those between
+                    for (int x = 0; x < size.width; x += patchSize < 32 || x % 50 > 40 ? 3 : 7)
+                    {
+                        const DescriptorPoint point = {x, y, -1};
+                        points.push_back(point);
+                    }
+                }
+                baselinePoints = points;
+                orientations(image, halfWidths, points.data(), points.size());
+                {
+                    WithoutOptimization baseline;
+                    orientations(image, halfWidths, baselinePoints.data(), points.size());
+                }
+                for (size_t i = 0; i < points.size(); i++)
+                {
+                    const DescriptorPoint& p = points[i];
+                    ASSERT_EQ(p.angle, orientation(image, p.x, p.y, halfWidths)) << p.x << " " << p.y;
+                    ASSERT_EQ(p.angle, baselinePoints[i].angle) << p.x << " " << p.y;
+                    if (i % 4 == 0)
+                    {
+                        ASSERT_EQ(p.angle, reference::orientation(image, p.x, p.y, patchSize))
+                            << p.x << " " << p.y;
+                    }
+                }
+            }
+        }
+    }
+}
+
+TEST(AqorbOrientation, patchIsSymmetric)
+{
+    for (int patchSize = 2; patchSize <= 200; patchSize++)
+    {
+        SCOPED_TRACE(patchSize);
+        const std::vector<int> halfWidths = circularPatch(patchSize);
+        const int radius = patchSize / 2;
+        ASSERT_EQ(int(halfWidths.size()), radius + 1);
+        EXPECT_EQ(halfWidths[0], radius);
+        // A pixel (u, v) is in the patch if (v, u) is; cv::ORB's centre row is the one exception.
+        for (int v = 1; v <= radius; v++)
+        {
+            for (int u = 1; u <= radius; u++)
+                ASSERT_EQ(u <= halfWidths[v], v <= halfWidths[u]) << u << " " << v;
+        }
+    }
+}
+
+TEST(AqorbOrientation, patchOf31PixelsIsThatOfORB)
+{
+    const int expected[] = {15, 15, 15, 15, 14, 14, 14, 13, 13, 12, 11, 10, 9, 8, 6, 3};
+    EXPECT_EQ(circularPatch(31), std::vector<int>(expected, expected + 16));
+}
+
+TEST(AqorbOrientation, pointsToTheBrightSide)
+{
+    const std::vector<int> halfWidths = circularPatch(31);
+    Mat image(61, 61, CV_8UC1);
+    for (int degrees = 0; degrees < 360; degrees += 15)
+    {
+        const double c = std::cos(degrees * CV_PI / 180), s = std::sin(degrees * CV_PI / 180);
+        for (int y = 0; y < 61; y++)
+        {
+            for (int x = 0; x < 61; x++)
+                image.at<uchar>(y, x) = uchar(cvRound(128 + 2 * ((x - 30) * c + (y - 30) * s)));
+        }
+        const double difference = orientation(image, 30, 30, halfWidths) - degrees;
+        EXPECT_LT(std::abs(difference - 360 * cvRound(difference / 360)), 1) << degrees;
+    }
+}
+
+TEST(AqorbOrientation, ofAFlatPatchIsZero)
+{
+    const Mat flat(40, 70, CV_8UC1, Scalar(255));
+    DescriptorPoint point = {20, 20, 33};
+    orientations(flat, circularPatch(31), &point, 1);
+    EXPECT_EQ(point.angle, 0);
+    orientations(flat, circularPatch(31), &point, 0);  // nothing to do
+}
+
+TEST(AqorbOrientation, takesPartsOfLargerImages)
+{
+    const Mat part = makeNoise(Size(120, 90))(Rect(20, 20, 70, 50));
+    const std::vector<int> halfWidths = circularPatch(31);
+    for (int x = 0; x < 70; x++)
+    {
+        DescriptorPoint a = {x, x * 49 / 69, 0}, b = a;
+        orientations(part, halfWidths, &a, 1);
+        orientations(part.clone(), halfWidths, &b, 1);
+        ASSERT_EQ(a.angle, b.angle) << x;
+    }
+}
+
+}  // namespace
+}  // namespace opencv_test

@@ -1,0 +1,171 @@
+// This file is part of the aqorb project.
+// It is subject to the license terms in the LICENSE file found in the top-level directory
+// of this distribution.
+
+#include "reference.hpp"
+
+namespace opencv_test
+{
+namespace
+{
+
+using namespace aqorb::stages;
+
+TEST(AqorbPosition, offsetEqualsReferenceAtEveryPixel)
+{
+    const Size sizes[] = {Size(67, 45), Size(30, 9), Size(8, 8), Size(2, 3)};
+    for (const Size& size : sizes)
+    {
+        const Mat noise = makeNoise(size);
+        const Mat images[] = {noise, noise > 200, makeScene(size)};
+        for (const Mat& image : images)
+        {
+            for (int y = 0; y < size.height; y++)
+            {
+                for (int x = 0; x < size.width; x++)
+                {
+                    const Point2d offset = subPixelOffset(image, x, y);
+                    ASSERT_EQ(offset, reference::subPixelOffset(image, x, y)) << x << " " << y;
+                    ASSERT_LE(std::abs(offset.x), 0.5);
+                    ASSERT_LE(std::abs(offset.y), 0.5);
+                    WithoutOptimization baseline;
+                    ASSERT_EQ(subPixelOffset(image, x, y), offset) << x << " " << y;
+                }
+            }
+        }
+    }
+}
+
+TEST(AqorbPosition, offsetOfSymmetricAndFlatPlacesIsZero)
+{
+    Mat image(30, 40, CV_8UC1, Scalar(60));
+    EXPECT_EQ(subPixelOffset(image, 20, 15), Point2d(0, 0));
+    image.at<uchar>(15, 20) = 200;
+    EXPECT_EQ(subPixelOffset(image, 20, 15), Point2d(0, 0));
+}
+
+TEST(AqorbPosition, offsetTurnsWithTheImage)
+{
+    const Mat scene = makeScene(Size(61, 61), 4);
+    Mat mirrored, transposed = scene.t();
+    flip(scene, mirrored, 1);
+    int moved = 0;
+    for (int y = 5; y < 56; y += 2)
+    {
+        for (int x = 5; x < 56; x += 2)
+        {
+            const Point2d offset = subPixelOffset(scene, x, y);
+            EXPECT_EQ(subPixelOffset(mirrored, 60 - x, y), Point2d(-offset.x, offset.y));
+            EXPECT_EQ(subPixelOffset(transposed, y, x), Point2d(offset.y, offset.x));
+            moved += offset != Point2d(0, 0);
+        }
+    }
+    EXPECT_GT(moved, 50);
+}
+
+TEST(AqorbPosition, withoutSubPixelIsThatOfORB)
+{
+    const PositionMap map = {Size(640, 480), Size(444, 333), 1.44f, 16, false};
+    EXPECT_EQ(map(100, 200, 0.3, -0.3), Point2f(100 * 1.44f, 200 * 1.44f));
+    EXPECT_EQ(map(0, 1), Point2f(0, 1.44f));
+}
+
+TEST(AqorbPosition, isByPixelCentres)
+{
+    // Half the size: pixel (20, 30) covers the pixels (40..41, 60..61).
+    const PositionMap half = {Size(200, 160), Size(100, 80), 2.f, 3, true};
+    EXPECT_EQ(half(20, 30), Point2f(40.5f, 60.5f));
+    EXPECT_EQ(half(20, 30, 0.2, -0.2), Point2f(40.9f, 60.1f));
+    // never so far that scaling back would round to another pixel
+    EXPECT_EQ(half(20, 30, 0.5, -0.5), Point2f(40.98f, 59.5f));
+    EXPECT_EQ(half(20, 30, -0.5, 0.5), Point2f(39.5f, 60.98f));
+    const PositionMap same = {Size(200, 160), Size(200, 160), 1.f, 3, true};
+    EXPECT_EQ(same(20, 30), Point2f(20, 30));
+    EXPECT_EQ(same(20, 30, 0.5, -0.5), Point2f(20.49f, 29.51f));
+}
+
+TEST(AqorbPosition, equalsReferenceAndFindsBackToItsPixel)
+{
+    const float factors[] = {1.1f, 1.2f, 1.5f, 2.f, 2.7f};
+    const double offsets[] = {-0.5, -0.13, 0, 0.4, 0.5};
+    for (float factor : factors)
+    {
+        for (int level = -2; level <= 5; level++)
+        {
+            const Size image(197, 153);
+            const float scale = levelScale(level, 0, factor);
+            const Size size = levelSize(image, scale);
+            const int border = 5 + level;
+            const PositionMap map = {image, size, scale, border, true};
+            for (int x = border; x < size.width - border; x++)
+            {
+                const int y = std::min(x, size.height - 1);
+                for (double d : offsets)
+                {
+                    const Point2f p = map(x, y, d, -d);
+                    ASSERT_EQ(p, reference::position(x, y, Point2d(d, -d), image, size, scale, border, true));
+                    // as compute and cv::ORB see it
+                    ASSERT_EQ(cvRound(p.x * (1.f / scale)), x) << factor << " " << level << " " << d;
+                    ASSERT_EQ(cvRound(p.y * (1.f / scale)), y) << factor << " " << level << " " << d;
+                }
+            }
+        }
+    }
+}
+
+TEST(AqorbPosition, staysInsideTheBorder)
+{
+    // Or else compute, which drops keypoints within edgeThreshold of the image's sides, would drop it.
+    const int border = 16;
+    for (int width = 40; width < 120; width++)
+    {
+        for (int level = 0; level < 6; level++)
+        {
+            const Size image(width, 100);
+            const float scale = levelScale(level, 0, 1.2f);
+            const Size size = levelSize(image, scale);
+            const PositionMap map = {image, size, scale, border, true};
+            for (int x = border; x < size.width - border; x++)
+            {
+                for (int d = -1; d <= 1; d++)
+                {
+                    const float position = map(x, 50, d * 0.5, 0).x;
+                    ASSERT_GE(position, float(border)) << width << " " << level << " " << x;
+                    ASSERT_LT(cvRound(position), width - border) << width << " " << level << " " << x;
+                }
+            }
+        }
+    }
+}
+
+TEST(AqorbPosition, maskIsThatOfTheImageAtThePosition)
+{
+    const Size image(90, 70);
+    const Mat mask = makeNoise(image) > 60;
+    for (int level = -1; level <= 3; level++)
+    {
+        for (int subPixel = 0; subPixel <= 1; subPixel++)
+        {
+            SCOPED_TRACE(format("level %d, sub-pixel %d", level, subPixel));
+            const float scale = levelScale(level, 0, 1.3f);
+            const Size size = levelSize(image, scale);
+            const PositionMap map = {image, size, scale, 3, subPixel != 0};
+            Mat levelMask = makeNoise(size, level + 2) > 60;
+            const Mat before = levelMask.clone();
+            maskPositions(mask, map, levelMask);
+            for (int y = 3; y < size.height - 3; y++)
+            {
+                for (int x = 3; x < size.width - 3; x++)
+                {
+                    const Point2f p =
+                        reference::position(x, y, Point2d(), image, size, scale, 3, subPixel != 0);
+                    const bool use = before.at<uchar>(y, x) && mask.at<uchar>(cvRound(p.y), cvRound(p.x));
+                    ASSERT_EQ(levelMask.at<uchar>(y, x) != 0, use) << x << " " << y;
+                }
+            }
+        }
+    }
+}
+
+}  // namespace
+}  // namespace opencv_test

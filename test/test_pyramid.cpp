@@ -1,0 +1,174 @@
+// This file is part of the aqorb project.
+// It is subject to the license terms in the LICENSE file found in the top-level directory
+// of this distribution.
+
+#include "reference.hpp"
+
+namespace opencv_test
+{
+namespace
+{
+
+using namespace aqorb::stages;
+
+TEST(AqorbPyramid, quotasOfThePaper)
+{
+    // 500 features on 8 levels: equation (8) gives 108.6 for the first and 30.3 for the last.
+    const std::vector<int> quotas = levelQuotas(500, 1.2f, 8);
+    // cv::ORB's last level takes what rounding leaves, here 31.
+    const int expected[] = {109, 90, 75, 63, 52, 44, 36, 31};
+    EXPECT_EQ(quotas, std::vector<int>(expected, expected + 8));
+    EXPECT_EQ(levelQuotas(500, 1.f, 1), std::vector<int>(1, 500));
+}
+
+TEST(AqorbPyramid, quotasAddUpAndEqualReference)
+{
+    const float factors[] = {1.01f, 1.1f, 1.2f, 1.5f, 2.f, 3.7f};
+    for (float factor : factors)
+    {
+        for (int nlevels = 1; nlevels <= 12; nlevels++)
+        {
+            for (int n = 0; n <= 5000; n += n < 60 ? 1 : 617)
+            {
+                SCOPED_TRACE(format("factor %g, levels %d, features %d", factor, nlevels, n));
+                const std::vector<int> quotas = levelQuotas(n, factor, nlevels);
+                ASSERT_EQ(quotas, reference::quotas(n, factor, nlevels));
+                int sum = 0;
+                for (int quota : quotas)
+                {
+                    ASSERT_GE(quota, 0);
+                    sum += quota;
+                }
+                ASSERT_EQ(sum, n);
+            }
+        }
+    }
+}
+
+TEST(AqorbPyramid, quotasTakeRoundingFromTheFinestLevel)
+{
+    // cv::ORB's rounding asks for 8 features where 7 are wanted.
+    const std::vector<int> quotas = levelQuotas(7, 1.2f, 8);
+    const int expected[] = {1, 1, 1, 1, 1, 1, 1, 0};
+    EXPECT_EQ(quotas, std::vector<int>(expected, expected + 8));
+}
+
+TEST(AqorbPyramid, scalesAndSizesAreThoseOfORB)
+{
+    EXPECT_EQ(levelScale(0, 0, 1.2f), 1.f);
+    EXPECT_EQ(levelScale(1, 0, 1.2f), 1.2f);
+    EXPECT_EQ(levelScale(3, 1, 2.f), 4.f);
+    EXPECT_EQ(levelScale(0, 2, 2.f), 0.25f);
+    EXPECT_EQ(levelScale(7, 0, 1.2f), (float)std::pow((double)1.2f, 7.));
+    EXPECT_EQ(levelSize(Size(640, 480), 1.2f), Size(533, 400));
+    EXPECT_EQ(levelSize(Size(640, 480), 0.5f), Size(1280, 960));
+    EXPECT_EQ(levelSize(Size(5, 1), 2.5f), Size(2, 0));
+    EXPECT_THROW(levelSize(Size(640, 480), 1e-5f), cv::Exception);
+}
+
+static void expectResizedAsOpenCV(const Mat& source, Size size)
+{
+    Mat expected, resized;
+    cv::resize(source, expected, size, 0, 0, INTER_LINEAR_EXACT);
+    resizeExact(source, resized, size);
+    EXPECT_TRUE(sameMat(resized, expected));
+}
+
+TEST(AqorbPyramid, resizeEqualsOpenCVForEveryWidth)
+{
+    const double factors[] = {0.5, 0.9, 1.1, 1.2, 1.5, 2, 2.7, 5, 17};
+    for (int width = 1; width <= 130; width++)
+    {
+        const Mat noise = makeNoise(Size(width, 20 + width % 7), width);
+        const Mat extremes = noise > 127;
+        for (double factor : factors)
+        {
+            const Size size(cvRound(noise.cols / factor), cvRound(noise.rows / factor));
+            if (size.width < 1 || size.height < 1)
+                continue;
+            SCOPED_TRACE(format("width %d, factor %g", width, factor));
+            expectResizedAsOpenCV(noise, size);
+            expectResizedAsOpenCV(extremes, size);
+            WithoutOptimization baseline;
+            expectResizedAsOpenCV(noise, size);
+        }
+    }
+}
+
+TEST(AqorbPyramid, resizeTakesRegions)
+{
+    const Mat noise = makeNoise(Size(200, 150));
+    expectResizedAsOpenCV(noise(Rect(13, 7, 151, 101)), Size(126, 84));
+    // into memory that was something else before
+    Mat expected, resized(30, 30, CV_32FC3, Scalar::all(1));
+    cv::resize(noise, expected, Size(167, 125), 0, 0, INTER_LINEAR_EXACT);
+    resizeExact(noise, resized, Size(167, 125));
+    EXPECT_TRUE(sameMat(resized, expected));
+}
+
+TEST(AqorbPyramid, levelsAreMadeFromWhatORBMakesThemFrom)
+{
+    const Mat image = makeScene(Size(200, 160));
+    for (int firstLevel = 0; firstLevel <= 3; firstLevel++)
+    {
+        std::vector<Level> levels;
+        buildPyramid(image, Mat(), 6, firstLevel, 1.3f, 10, levels);
+        ASSERT_EQ(levels.size(), 6u);
+        for (int i = 0; i < 6; i++)
+        {
+            SCOPED_TRACE(format("first level %d, level %d", firstLevel, i));
+            EXPECT_EQ(levels[i].scale, levelScale(i, firstLevel, 1.3f));
+            EXPECT_EQ(levels[i].isInput, i == firstLevel);
+            EXPECT_TRUE(levels[i].mask.empty());
+            Mat expected = image;
+            if (i != firstLevel)
+                cv::resize(i <= firstLevel + 1 ? image : levels[i - 1].image, expected,
+                           levelSize(image.size(), levels[i].scale), 0, 0, INTER_LINEAR_EXACT);
+            EXPECT_TRUE(sameMat(levels[i].image, expected));
+        }
+        EXPECT_EQ(levels[firstLevel].image.data, image.data);  // not copied
+    }
+}
+
+TEST(AqorbPyramid, stopsBeforeTheFirstLevelThatIsTooSmall)
+{
+    std::vector<Level> levels;
+    buildPyramid(makeNoise(Size(100, 64)), Mat(), 8, 0, 2, 16, levels);
+    ASSERT_EQ(levels.size(), 3u);  // 64, 32, 16
+    EXPECT_EQ(levels[2].image.size(), Size(25, 16));
+    // the same vector again, for another image
+    buildPyramid(makeNoise(Size(15, 64)), Mat(), 8, 0, 2, 16, levels);
+    EXPECT_TRUE(levels.empty());
+}
+
+TEST(AqorbPyramid, aMaskedPixelMasksAllThatAreMadeOfIt)
+{
+    const Mat image = makeScene(Size(97, 75));
+    Mat mask(image.size(), CV_8UC1, Scalar(1));
+    RNG rng(1);
+    for (int i = 0; i < 40; i++)
+        mask.at<uchar>(rng.uniform(0, mask.rows), rng.uniform(0, mask.cols)) = 0;
+    mask(Rect(20, 20, 15, 5)).setTo(0);
+    const float factors[] = {1.1f, 1.2f, 1.5f, 2.f, 2.9f};
+    for (float factor : factors)
+    {
+        for (int firstLevel = 0; firstLevel <= 2; firstLevel++)
+        {
+            std::vector<Level> levels;
+            buildPyramid(image, mask, 5, firstLevel, factor, 5, levels);
+            for (int i = 0; i < int(levels.size()); i++)
+            {
+                SCOPED_TRACE(format("factor %g, first level %d, level %d", factor, firstLevel, i));
+                ASSERT_EQ(levels[i].mask.size(), levels[i].image.size());
+                Mat expected = mask;
+                if (i != firstLevel)
+                    expected = reference::resizeMask(i <= firstLevel + 1 ? mask : levels[i - 1].mask,
+                                                     levels[i].image.size());
+                EXPECT_TRUE(sameMat(levels[i].mask != 0, expected != 0));
+            }
+        }
+    }
+}
+
+}  // namespace
+}  // namespace opencv_test

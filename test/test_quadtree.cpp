@@ -1,0 +1,253 @@
+// This file is part of the aqorb project.
+// It is subject to the license terms in the LICENSE file found in the top-level directory
+// of this distribution.
+
+#include "reference.hpp"
+
+#include <climits>
+#include <limits>
+
+namespace opencv_test
+{
+namespace
+{
+
+using namespace aqorb::stages;
+
+TEST(AqorbQuadtree, depthOfThePapersExample)
+{
+    // 500 features on 8 levels: 109 on the first, 30 on the last. The paper's text says 5 for the first,
+    // which its equation (9) does not give.
+    EXPECT_EQ(quadtreeDepth(109), 4);
+    EXPECT_EQ(quadtreeDepth(30), 3);
+}
+
+TEST(AqorbQuadtree, depthIsTheSmallestWithEnoughLeaves)
+{
+    EXPECT_EQ(quadtreeDepth(0), 0);
+    EXPECT_EQ(quadtreeDepth(1), 0);
+    EXPECT_EQ(quadtreeDepth(INT_MAX), 15);
+    for (int depth = 0; depth < 15; depth++)
+    {
+        EXPECT_EQ(quadtreeDepth(1 << (2 * depth)), depth);
+        EXPECT_EQ(quadtreeDepth((1 << (2 * depth)) + 1), depth + 1);
+    }
+}
+
+TEST(AqorbQuadtree, leafCodeInterleavesBits)
+{
+    EXPECT_EQ(leafCode(0, 0), 0u);
+    EXPECT_EQ(leafCode(1, 0), 1u);
+    EXPECT_EQ(leafCode(0, 1), 2u);
+    EXPECT_EQ(leafCode(2, 3), 14u);
+    EXPECT_EQ(leafCode(32767, 32767), (1u << 30) - 1);
+    for (unsigned i = 0; i < 2000; i++)
+        ASSERT_EQ(leafCode(i * 7919 % 32768, i * 104729 % 32768),
+                  reference::leafCode(i * 7919 % 32768, i * 104729 % 32768));
+}
+
+std::vector<LeafPoint> randomPoints(int count, int depth, int responses, int seed)
+{
+    RNG rng(seed);
+    std::vector<LeafPoint> points;
+    for (int i = 0; i < count; i++)
+    {
+        const int x = rng.uniform(0, 300), y = rng.uniform(0, 200);
+        const LeafPoint point = {leafCode((unsigned(x) << depth) / 300, (unsigned(y) << depth) / 200),
+                                 float(rng.uniform(-responses, responses)), float(x), float(y), i};
+        points.push_back(point);
+    }
+    return points;
+}
+
+void expectSequence(std::vector<LeafPoint> points, int depth, BalancedSequence& sequence)
+{
+    const std::vector<LeafPoint> expected = reference::balancedSequence(points, depth);
+    sequence.begin(points, depth);
+    LeafPoint point;
+    for (size_t i = 0; i < expected.size(); i++)
+    {
+        ASSERT_TRUE(sequence.next(point)) << i;
+        ASSERT_EQ(point.index, expected[i].index) << i;
+        ASSERT_EQ(point.leaf, expected[i].leaf);
+        ASSERT_EQ(point.x, expected[i].x);
+        ASSERT_EQ(point.y, expected[i].y);
+    }
+    EXPECT_FALSE(sequence.next(point));
+    EXPECT_FALSE(sequence.next(point));
+}
+
+TEST(AqorbQuadtree, sequenceEqualsItsDefinition)
+{
+    const int counts[] = {0, 1, 2, 7, 60, 500, 3000};
+    BalancedSequence sequence;  // one for all: it must begin anew
+    for (int count : counts)
+    {
+        for (int depth = 0; depth <= 15; depth++)
+        {
+            SCOPED_TRACE(format("%d points, depth %d", count, depth));
+            expectSequence(randomPoints(count, depth, 1000000, depth), depth, sequence);
+            expectSequence(randomPoints(count, depth, 3, depth), depth, sequence);  // many ties
+        }
+    }
+}
+
+TEST(AqorbQuadtree, sequenceRanksAllFloats)
+{
+    const float inf = std::numeric_limits<float>::infinity();
+    const float nan = std::numeric_limits<float>::quiet_NaN();
+    const float responses[] = {nan, -inf, -1.f, -1e-42f, -0.f, 0.f, 1e-42f, 2.f, inf, -nan};
+    BalancedSequence sequence;
+    for (int depth = 0; depth <= 3; depth++)
+    {
+        SCOPED_TRACE(depth);
+        std::vector<LeafPoint> points;
+        for (int i = 0; i < 300; i++)
+        {
+            const LeafPoint point = {unsigned(i / 10 % (1 << (2 * depth))), responses[i % 10], float(i / 50),
+                                     float(i % 3), i};
+            points.push_back(point);
+        }
+        expectSequence(points, depth, sequence);
+    }
+}
+
+TEST(AqorbQuadtree, sequenceByHand)
+{
+    // Depth 3: leaves 0 and 1 are in the first group of 16 leaves, 16 in the second.
+    const LeafPoint given[] = {{0, 9, 0, 0, 0},  {0, 8, 0, 0, 1},  {1, 5, 0, 0, 2},
+                               {16, 7, 0, 0, 3}, {16, 1, 0, 0, 4}, {0, 7.5f, 0, 0, 5}};
+    // The groups' lists are 0 2 1 5 and 3 4; taken in turn by response: 0 3, 2 4, 1, 5.
+    const int expected[] = {0, 3, 2, 4, 1, 5};
+    std::vector<LeafPoint> points(given, given + 6);
+    BalancedSequence sequence;
+    sequence.begin(points, 3);
+    for (int index : expected)
+    {
+        LeafPoint point;
+        ASSERT_TRUE(sequence.next(point));
+        EXPECT_EQ(point.index, index);
+    }
+}
+
+KeyPoints randomKeypoints(int count, Size size, int seed)
+{
+    RNG rng(seed);
+    KeyPoints keypoints;
+    for (int i = 0; i < count; i++)
+    {
+        // a third of them in one corner
+        const float part = i % 3 ? 1.f : 0.2f;
+        keypoints.push_back(KeyPoint(rng.uniform(0.f, part * size.width),
+                                     rng.uniform(0.f, part * size.height), rng.uniform(1.f, 99.f),
+                                     rng.uniform(-1.f, 360.f), rng.uniform(-5.f, 5.f), rng.uniform(-3, 99),
+                                     i));  // class_id tells which it was
+    }
+    return keypoints;
+}
+
+TEST(AqorbRetainUniform, equalsReferenceAndTouchesNoField)
+{
+    const Size size(640, 481);
+    const KeyPoints all = randomKeypoints(1000, size, 1);
+    const int numbers[] = {0, 1, 2, 5, 16, 17, 100, 500, 999, 1000, 5000};
+    for (int n : numbers)
+    {
+        SCOPED_TRACE(n);
+        const int depth = reference::quadtreeDepth(n);
+        std::vector<LeafPoint> points;
+        for (size_t i = 0; i < all.size(); i++)
+        {
+            const double leaves = 1 << depth;
+            const LeafPoint point = {reference::leafCode(unsigned(all[i].pt.x * leaves / size.width),
+                                                         unsigned(all[i].pt.y * leaves / size.height)),
+                                     all[i].response, all[i].pt.x, all[i].pt.y, int(i)};
+            points.push_back(point);
+        }
+        points = reference::balancedSequence(points, depth);
+        points.resize(std::min(points.size(), size_t(n)));
+        std::vector<int> indices;
+        for (const LeafPoint& point : points)
+            indices.push_back(point.index);
+        std::sort(indices.begin(), indices.end());
+        KeyPoints expected, kept = all;
+        for (int index : indices)
+            expected.push_back(all[index]);  // in input order
+        aqorb::retainUniform(kept, size, n);
+        EXPECT_TRUE(sameKeypoints(kept, expected));
+        aqorb::retainUniform(kept, size, n);  // once more changes nothing
+        EXPECT_TRUE(sameKeypoints(kept, expected));
+    }
+}
+
+TEST(AqorbRetainUniform, isMoreUniformThanTheBest)
+{
+    const Size size(640, 480);
+    KeyPoints uniform = randomKeypoints(3000, size, 2), best = uniform;
+    for (KeyPoint& keypoint : uniform)
+        keypoint.response += 10 * (keypoint.pt.x < 100);
+    best = uniform;
+    aqorb::retainUniform(uniform, size, 300);
+    KeyPointsFilter::retainBest(best, 300);
+    EXPECT_EQ(uniform.size(), 300u);
+    EXPECT_LT(aqorb::distributionUniformity(uniform, size), aqorb::distributionUniformity(best, size) - 50);
+    EXPECT_GT(aqorb::distributionOccupancy(uniform, size), 0.7);
+}
+
+TEST(AqorbRetainUniform, dropsWhatLiesOutside)
+{
+    const float nan = std::numeric_limits<float>::quiet_NaN();
+    const float inf = std::numeric_limits<float>::infinity();
+    const Point2f outside[] = {Point2f(-0.5f, 5), Point2f(5, -1e-6f), Point2f(10, 5),  Point2f(5, 20),
+                               Point2f(nan, 5),   Point2f(5, nan),    Point2f(inf, 5), Point2f(5, -inf)};
+    KeyPoints keypoints;
+    for (const Point2f& p : outside)
+        keypoints.push_back(KeyPoint(p, 1));
+    keypoints.push_back(KeyPoint(0, 0, 1));
+    keypoints.push_back(KeyPoint(9.999f, 19.999f, 1));
+    const KeyPoints inside(keypoints.end() - 2, keypoints.end());
+    aqorb::retainUniform(keypoints, Size(10, 20), 1000);  // also where fewer than npoints are there
+    EXPECT_TRUE(sameKeypoints(keypoints, inside));
+}
+
+TEST(AqorbRetainUniform, takesNaNLastAndAtMostOneOfALeafFirst)
+{
+    const float nan = std::numeric_limits<float>::quiet_NaN();
+    KeyPoints keypoints;
+    keypoints.push_back(KeyPoint(10, 10, 1, -1, nan));
+    keypoints.push_back(KeyPoint(11, 10, 1, -1, -1e30f));
+    keypoints.push_back(KeyPoint(12, 10, 1, -1, nan));
+    KeyPoints kept = keypoints;
+    aqorb::retainUniform(kept, Size(100, 100), 1);
+    EXPECT_TRUE(sameKeypoints(kept, KeyPoints(1, keypoints[1])));
+    kept = keypoints;
+    aqorb::retainUniform(kept, Size(100, 100), 3);
+    EXPECT_EQ(kept.size(), 3u);
+
+    // Two in one quarter; the weak one in another quarter goes before the second of them.
+    keypoints.clear();
+    keypoints.push_back(KeyPoint(10, 10, 1, -1, 9));
+    keypoints.push_back(KeyPoint(20, 10, 1, -1, 8));
+    keypoints.push_back(KeyPoint(90, 90, 1, -1, 1));
+    kept = keypoints;
+    aqorb::retainUniform(kept, Size(100, 100), 2);
+    ASSERT_EQ(kept.size(), 2u);
+    EXPECT_EQ(kept[0].response, 9);
+    EXPECT_EQ(kept[1].response, 1);
+}
+
+TEST(AqorbRetainUniform, rejectsBadArguments)
+{
+    KeyPoints keypoints = randomKeypoints(5, Size(10, 10), 1);
+    const KeyPoints before = keypoints;
+    EXPECT_THROW(aqorb::retainUniform(keypoints, Size(0, 10), 3), cv::Exception);
+    EXPECT_THROW(aqorb::retainUniform(keypoints, Size(10, -1), 3), cv::Exception);
+    EXPECT_THROW(aqorb::retainUniform(keypoints, Size(10, 10), -1), cv::Exception);
+    EXPECT_TRUE(sameKeypoints(keypoints, before));
+    keypoints.clear();
+    aqorb::retainUniform(keypoints, Size(10, 10), 3);
+    EXPECT_TRUE(keypoints.empty());
+}
+
+}  // namespace
+}  // namespace opencv_test

@@ -1,0 +1,130 @@
+// This file is part of the aqorb project.
+// It is subject to the license terms in the LICENSE file found in the top-level directory
+// of this distribution.
+
+#include "reference.hpp"
+
+namespace opencv_test
+{
+namespace
+{
+
+using namespace aqorb::stages;
+
+TEST(AqorbThreshold, equation7OfKnownImages)
+{
+    // Half 0, half 200: mean 100, variance 100^2.
+    Mat image(10, 10, CV_8UC1, Scalar(0));
+    image.colRange(0, 5).setTo(200);
+    EXPECT_DOUBLE_EQ(varianceOverMean(image, Mat()), 100.);
+    EXPECT_DOUBLE_EQ(aqorb::adaptiveFastThreshold(image), 100.);
+    // 10, 20, 30: mean 20, variance 200/3.
+    const Mat three = (Mat_<uchar>(1, 3) << 10, 20, 30);
+    EXPECT_NEAR(varianceOverMean(three, Mat()), 10. / 3, 1e-12);
+    // the mask leaves 10 and 30: mean 20, variance 100
+    EXPECT_DOUBLE_EQ(varianceOverMean(three, (Mat_<uchar>(1, 3) << 1, 0, 255)), 5.);
+}
+
+TEST(AqorbThreshold, equation7IsZeroWithoutContrast)
+{
+    EXPECT_EQ(varianceOverMean(Mat(7, 9, CV_8UC1, Scalar(0)), Mat()), 0);
+    EXPECT_NEAR(varianceOverMean(Mat(7, 9, CV_8UC1, Scalar(255)), Mat()), 0, 1e-12);
+    const Mat noise = makeNoise(Size(9, 7));
+    EXPECT_EQ(varianceOverMean(noise, Mat(noise.size(), CV_8UC1, Scalar(0))), 0);
+    EXPECT_EQ(aqorb::adaptiveFastThreshold(Mat()), 0);
+}
+
+TEST(AqorbThreshold, equation7EqualsReferenceForEveryWidth)
+{
+    for (int width = 1; width <= 130; width++)
+    {
+        SCOPED_TRACE(width);
+        const Mat noise = makeNoise(Size(width, 11), width);
+        const Mat mask = makeNoise(noise.size(), width + 1) > 128;
+        EXPECT_EQ(varianceOverMean(noise, Mat()), reference::varianceOverMean(noise, Mat()));
+        EXPECT_EQ(varianceOverMean(noise, mask), reference::varianceOverMean(noise, mask));
+        const Mat part = noise.colRange(width / 3, width);  // its rows are not contiguous
+        EXPECT_EQ(varianceOverMean(part, Mat()), reference::varianceOverMean(part, Mat()));
+        WithoutOptimization baseline;
+        EXPECT_EQ(varianceOverMean(noise, Mat()), reference::varianceOverMean(noise, Mat()));
+    }
+}
+
+TEST(AqorbThreshold, equation7DoesNotOverflow)
+{
+    // More than 2^32 in the sum of squares, and rows longer than any block of the kernel.
+    const Mat wide(2, 1 << 19, CV_8UC1, Scalar(255)), tall(1 << 12, 100, CV_8UC1, Scalar(255));
+    EXPECT_EQ(varianceOverMean(wide, Mat()), reference::varianceOverMean(wide, Mat()));
+    EXPECT_EQ(varianceOverMean(tall, Mat()), reference::varianceOverMean(tall, Mat()));
+    Mat noise = makeNoise(Size(70001, 3));
+    noise.row(1).setTo(255);
+    EXPECT_EQ(varianceOverMean(noise, Mat()), reference::varianceOverMean(noise, Mat()));
+    WithoutOptimization baseline;
+    EXPECT_EQ(varianceOverMean(wide, Mat()), reference::varianceOverMean(wide, Mat()));
+}
+
+TEST(AqorbThreshold, scalesWithLight)
+{
+    const Mat scene = makeScene(Size(320, 240));
+    const double bright = varianceOverMean(scene, Mat());
+    EXPECT_GT(bright, 5);
+    EXPECT_NEAR(varianceOverMean(scene * 0.5, Mat()), bright / 2, bright / 50);
+}
+
+static void expectThresholds(const Thresholds& thresholds, int ini, int min)
+{
+    EXPECT_EQ(thresholds.ini, ini);
+    EXPECT_EQ(thresholds.min, min);
+}
+
+TEST(AqorbThreshold, thresholdsOfKnownValues)
+{
+    // as in the paper: iniT from equation (7), minT a quarter of it
+    expectThresholds(adaptiveThresholds(40, 20, 4), 40, 10);
+    // fastThreshold scales both
+    expectThresholds(adaptiveThresholds(40, 10, 4), 20, 5);
+    // never 0
+    expectThresholds(adaptiveThresholds(0, 20, 4), 1, 1);
+    expectThresholds(adaptiveThresholds(40, 0, 4), 1, 1);
+    expectThresholds(adaptiveThresholds(40, -5, 4), 1, 1);
+    // never stricter than cv::ORB, never beyond what a corner can score
+    expectThresholds(adaptiveThresholds(800, 20, 4), 254, 20);
+    expectThresholds(adaptiveThresholds(800, 255, 1), 254, 254);
+    expectThresholds(adaptiveThresholds(1e9, 7, 1), 254, 7);
+    // minT <= iniT
+    expectThresholds(adaptiveThresholds(5, 20, 1), 5, 5);
+    // halves are rounded to even
+    expectThresholds(adaptiveThresholds(10, 20, 4), 10, 2);
+    expectThresholds(adaptiveThresholds(14, 20, 4), 14, 4);
+
+    expectThresholds(fixedThresholds(20, 4), 20, 5);
+    expectThresholds(fixedThresholds(20, 1), 20, 20);
+    expectThresholds(fixedThresholds(0, 4), 1, 1);
+    expectThresholds(fixedThresholds(-1, 4), 1, 1);
+    expectThresholds(fixedThresholds(255, 1), 254, 254);
+    expectThresholds(fixedThresholds(1000, 10), 254, 26);
+}
+
+TEST(AqorbThreshold, thresholdsEqualReference)
+{
+    const int fasts[] = {-3, 0, 1, 2, 7, 20, 100, 254, 255, 300};
+    const double values[] = {0, 0.3, 1, 1.5, 2.5, 7, 14.4, 29.9, 48, 100, 253.5, 254.5, 400, 1e6};
+    const double ratios[] = {1, 1.01, 2, 4, 10, 1e9};
+    for (int fast : fasts)
+    {
+        for (double ratio : ratios)
+        {
+            for (double value : values)
+            {
+                SCOPED_TRACE(format("fast %d ratio %g value %g", fast, ratio, value));
+                const Thresholds expected = reference::thresholds(value, true, fast, ratio);
+                expectThresholds(adaptiveThresholds(value, fast, ratio), expected.ini, expected.min);
+            }
+            const Thresholds expected = reference::thresholds(0, false, fast, ratio);
+            expectThresholds(fixedThresholds(fast, ratio), expected.ini, expected.min);
+        }
+    }
+}
+
+}  // namespace
+}  // namespace opencv_test
