@@ -18,23 +18,20 @@ using namespace cv;
 namespace
 {
 
-const char* const ABOUT = "Compares cv::aqorb::AdaptiveQuadtreeORB with cv::ORB on images: prints a table "
-                          "and writes the pictures\n"
-                          "aqorb_keypoints.jpg and, for two images, aqorb_matches.jpg. More than two images "
-                          "are taken one by one\n"
-                          "(aqorb_keypoints1.jpg, ...).\n"
-                          "Exit codes: 0 done, 1 bad arguments, 2 an input cannot be read, 3 a picture "
+const char* const ABOUT = "Compares cv::aqorb::AdaptiveQuadtreeORB with cv::ORB: prints a table and writes\n"
+                          "the pictures aqorb_keypoints.jpg and, for two images, aqorb_matches.jpg.\n"
+                          "More than two images are taken one by one (aqorb_keypoints1.jpg, ...).\n"
+                          "Exit codes: 0 done, 1 bad arguments, 2 an input cannot be read, 3 a picture\n"
                           "cannot be written, 4 other.\n";
 
-const char* const KEYS = "{help h usage ? |      | print this text }"
-                         "{homography     |      | XML, YAML or JSON file with the 3x3 homography from "
-                         "image1 to image2; without it"
-                         " the matches are counted that agree with the homography estimated from them }"
-                         "{out            | .    | existing folder for the pictures }"
-                         "{nfeatures      | 1000 | number of keypoints to ask for, at least 1 }"
-                         "{@image1        |      | without images, OpenCV's samples graf1.png, graf3.png and "
-                         "H1to3p.xml are taken }"
-                         "{@image2        |      | image to match with the first }";
+const char* const KEYS =
+    "{help h usage ? |      | print this text }"
+    "{homography     |      | XML, YAML or JSON file with the 3x3 homography from image1 "
+    "to image2; without it the matches are counted that agree with an estimated one }"
+    "{out            | .    | existing folder for the pictures }"
+    "{nfeatures      | 1000 | number of keypoints to ask for, at least 1 }"
+    "{@image1        |      | without images, OpenCV's samples graf1.png and graf3.png }"
+    "{@image2        |      | image to match with the first }";
 
 struct Failure
 {

@@ -3,8 +3,9 @@
 # This file is part of the aqorb project.
 # It is subject to the license terms in the LICENSE file found in the top-level directory
 # of this distribution.
-"""Compares cv.aqorb.AdaptiveQuadtreeORB with cv.ORB on one or two images: prints a table and writes the
-pictures aqorb_keypoints.jpg and, for two images, aqorb_matches.jpg.
+"""Compares cv.aqorb.AdaptiveQuadtreeORB with cv.ORB on images: prints a table and writes the pictures
+aqorb_keypoints.jpg and, for two images, aqorb_matches.jpg. More than two images are taken one by one
+(aqorb_keypoints1.jpg, ...).
 
 Needs a cv2 that was built with the module aqorb (scripts/opencv.sh builds one)."""
 
@@ -55,16 +56,15 @@ def parse_arguments():
     parser.add_argument('--out', metavar='DIR', default='.', help='existing folder for the pictures (.)')
     parser.add_argument('--nfeatures', metavar='N', type=count, default=1000,
                         help='number of keypoints to ask for, at least 1 (1000)')
-    parser.add_argument('image1', nargs='?', help="without images, OpenCV's samples graf1.png, graf3.png and "
-                                                  'H1to3p.xml are taken')
-    parser.add_argument('image2', nargs='?', help='image to match with the first')
+    parser.add_argument('images', nargs='*', metavar='image',
+                        help="without images, OpenCV's samples graf1.png, graf3.png and H1to3p.xml are taken")
     arguments = parser.parse_args()
-    if arguments.homography and not arguments.image2:
+    if arguments.homography and len(arguments.images) not in (0, 2):
         raise Failure(1, '--homography needs two images')
     if not os.path.isdir(arguments.out):
         raise Failure(3, arguments.out + ': no such folder')
-    if not arguments.image1:
-        arguments.image1, arguments.image2, arguments.homography = 'graf1.png', 'graf3.png', 'H1to3p.xml'
+    if not arguments.images:
+        arguments.images, arguments.homography = ['graf1.png', 'graf3.png'], 'H1to3p.xml'
     return arguments
 
 
@@ -221,22 +221,31 @@ def save(folder, name, picture):
     print('Picture:', os.path.realpath(path))
 
 
-def run():
-    arguments = parse_arguments()
-    if not hasattr(cv, 'aqorb'):
-        raise Failure(4, '{} was built without the module aqorb; see README.md, "Inside OpenCV"'.format(
-            getattr(cv, '__file__', 'cv2')))
-    names = [name for name in (arguments.image1, arguments.image2) if name]
+def compare(arguments, names, suffix=''):
     images = [read_image(name) for name in names]
     known = read_homography(arguments.homography) if arguments.homography else None
     detectors = [('cv.ORB', cv.ORB_create(arguments.nfeatures)),
                  ('AdaptiveQuadtreeORB', cv.aqorb.AdaptiveQuadtreeORB_create(arguments.nfeatures))]
     results = [detect_and_match(name, detector, images, known) for name, detector in detectors]
     print_table(images, known, results)
-    save(arguments.out, 'aqorb_keypoints.jpg', cv.hconcat([keypoint_picture(images, r) for r in results]))
+    save(arguments.out, 'aqorb_keypoints' + suffix + '.jpg',
+         cv.hconcat([keypoint_picture(images, r) for r in results]))
     if len(images) == 2:
         save(arguments.out, 'aqorb_matches.jpg',
              cv.vconcat([match_picture(images, known, r) for r in results]))
+
+
+def run():
+    arguments = parse_arguments()
+    if not hasattr(cv, 'aqorb'):
+        raise Failure(4, '{} was built without the module aqorb; see README.md, "Inside OpenCV"'.format(
+            getattr(cv, '__file__', 'cv2')))
+    if len(arguments.images) <= 2:
+        compare(arguments, arguments.images)
+        return
+    for i, name in enumerate(arguments.images):
+        print('\n' * (i > 0) + name)
+        compare(arguments, [name], str(i + 1))
 
 
 def main():
