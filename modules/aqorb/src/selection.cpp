@@ -184,8 +184,8 @@ private:
         for (int i = 0; i < levelLength; i++)
         {
             lines[i].position = (i + 0.5) * imageLength / levelLength - 0.5;
-            const int64 leaf = (int64(i - rootBegin) << depth) / rootLength;
-            lines[i].leaf = i < rootBegin || i >= rootBegin + rootLength ? 0 : leafCode(unsigned(leaf), 0);
+            const bool inRoot = i >= rootBegin && i < rootBegin + rootLength;
+            lines[i].leaf = inRoot ? leafCode(unsigned((int64(i - rootBegin) << depth) / rootLength), 0) : 0;
         }
     }
 
