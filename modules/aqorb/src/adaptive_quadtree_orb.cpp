@@ -123,8 +123,8 @@ public:
     int getFirstLevel() const CV_OVERRIDE { return p.firstLevel; }
     void setWTA_K(int value) CV_OVERRIDE { set(&Parameters::WTA_K, value); }
     int getWTA_K() const CV_OVERRIDE { return p.WTA_K; }
-    void setScoreType(ORB::ScoreType value) CV_OVERRIDE { set(&Parameters::scoreType, value); }
-    ORB::ScoreType getScoreType() const CV_OVERRIDE { return p.scoreType; }
+    void setScoreType(ORB::ScoreType value) CV_OVERRIDE { set(&Parameters::scoreType, numberOf(value)); }
+    ORB::ScoreType getScoreType() const CV_OVERRIDE { return ORB::ScoreType(p.scoreType); }
     void setPatchSize(int value) CV_OVERRIDE { set(&Parameters::patchSize, value); }
     int getPatchSize() const CV_OVERRIDE { return p.patchSize; }
     void setFastThreshold(int value) CV_OVERRIDE { set(&Parameters::fastThreshold, value); }
@@ -191,7 +191,7 @@ Ptr<AdaptiveQuadtreeORB> AdaptiveQuadtreeORB::create(int nfeatures, float scaleF
     parameters.edgeThreshold = edgeThreshold;
     parameters.firstLevel = firstLevel;
     parameters.WTA_K = WTA_K;
-    parameters.scoreType = scoreType;
+    parameters.scoreType = numberOf(scoreType);
     parameters.patchSize = patchSize;
     parameters.fastThreshold = fastThreshold;
     return makePtr<AdaptiveQuadtreeORBImpl>(parameters);

@@ -30,6 +30,16 @@ Parameters::Parameters()
 {
 }
 
+int numberOf(const ORB::ScoreType& scoreType)
+{
+    // Reading it as what it is not would be undefined.
+    int number = 0;
+    static_assert(sizeof(scoreType) == sizeof(number),
+                  "an enumeration without a given type is an int's size");
+    std::memcpy(&number, &scoreType, sizeof(number));
+    return number;
+}
+
 static void reject(const char* name, double value, const char* accepted)
 {
     CV_Error_(Error::StsOutOfRange, ("%s: got %.17g; %s is accepted", name, value, accepted));
@@ -87,7 +97,7 @@ void Parameters::write(FileStorage& fs) const
     fs << "edgeThreshold" << edgeThreshold;
     fs << "firstLevel" << firstLevel;
     fs << "wta_k" << WTA_K;
-    fs << "scoreType" << int(scoreType);
+    fs << "scoreType" << scoreType;
     fs << "patchSize" << patchSize;
     fs << "fastThreshold" << fastThreshold;
     fs << "adaptiveThreshold" << int(adaptiveThreshold);
@@ -130,14 +140,13 @@ static void readValue(const FileNode& node, const char* key, bool& value)
 void Parameters::read(const FileNode& node)
 {
     Parameters changed = *this;
-    int score = changed.scoreType;
     readValue(node, "nfeatures", changed.nfeatures);
     readValue(node, "scaleFactor", changed.scaleFactor);
     readValue(node, "nlevels", changed.nlevels);
     readValue(node, "edgeThreshold", changed.edgeThreshold);
     readValue(node, "firstLevel", changed.firstLevel);
     readValue(node, "wta_k", changed.WTA_K);
-    readValue(node, "scoreType", score);
+    readValue(node, "scoreType", changed.scoreType);
     readValue(node, "patchSize", changed.patchSize);
     readValue(node, "fastThreshold", changed.fastThreshold);
     readValue(node, "adaptiveThreshold", changed.adaptiveThreshold);
@@ -146,9 +155,6 @@ void Parameters::read(const FileNode& node)
     readValue(node, "maxDepth", changed.maxDepth);
     readValue(node, "octaveSuppression", changed.octaveSuppression);
     readValue(node, "subPixel", changed.subPixel);
-    if (score != ORB::HARRIS_SCORE && score != ORB::FAST_SCORE)
-        reject("scoreType", score, "ORB::HARRIS_SCORE (0) or ORB::FAST_SCORE (1)");
-    changed.scoreType = ORB::ScoreType(score);
     changed.check();
     *this = changed;
 }

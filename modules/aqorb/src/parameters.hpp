@@ -12,6 +12,9 @@ namespace cv
 namespace aqorb
 {
 
+//! The number behind a score type, which need not be one: a caller in Python gives any number.
+int numberOf(const ORB::ScoreType& scoreType);
+
 //! The parameters of AdaptiveQuadtreeORB, as documented there.
 struct Parameters
 {
@@ -20,7 +23,7 @@ struct Parameters
     int nfeatures;
     double scaleFactor;
     int nlevels, edgeThreshold, firstLevel, WTA_K;
-    ORB::ScoreType scoreType;
+    int scoreType;  //!< of ORB::ScoreType
     int patchSize, fastThreshold;
 
     bool adaptiveThreshold;
