@@ -174,16 +174,13 @@ private:
                 cv::resize(from, resized, size, 0, 0, INTER_LINEAR_EXACT);
                 level.image = resized;
                 if (!mask.empty())
-                {
                     level.mask = resizeMask(i <= s.firstLevel + 1 ? mask : levels[i - 1].mask, size);
-                    dropMaskedPositions(level);
-                }
             }
             level.quota = quotaOfLevel[i];
             level.depth = s.maxDepth >= 0 ? s.maxDepth : quadtreeDepth(level.quota);
             level.root = Rect(s.edgeThreshold, s.edgeThreshold, size.width - 2 * s.edgeThreshold,
                               size.height - 2 * s.edgeThreshold);
-            level.corners = findCorners(level.image, level.mask, level.root, t, s.cellSize, isHarris);
+            level.corners = findCorners(level.image, usableMask(level), level.root, t, s.cellSize, isHarris);
             level.begun = false;
             level.next = 0;
             levels.push_back(level);
@@ -197,17 +194,21 @@ private:
         return position(x, y, d, gray.size(), level.image.size(), level.scale, s.edgeThreshold, s.subPixel);
     }
 
-    void dropMaskedPositions(PyramidLevel& level) const
+    // The level's mask without the pixels whose position in the image is masked. (Levels made from this
+    // one have positions of their own.)
+    Mat usableMask(const PyramidLevel& level) const
     {
+        Mat usable = level.mask.clone();
         for (int y = 3; y < level.mask.rows - 3; y++)
         {
             for (int x = 3; x < level.mask.cols - 3; x++)
             {
                 const Point2f p = positionOf(level, x, y, Point2d());
                 if (!mask.at<uchar>(cvRound(p.y), cvRound(p.x)))
-                    level.mask.at<uchar>(y, x) = 0;
+                    usable.at<uchar>(y, x) = 0;
             }
         }
+        return usable;
     }
 
     std::vector<RankedCorner> rank(const PyramidLevel& level, const std::vector<Corner>& corners) const

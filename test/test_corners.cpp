@@ -37,6 +37,7 @@ void expectAsReference(const Level& level, const Rect& region, int ini, int min,
                        bool suppressNear, LevelCorners& workspace)
 {
     const Thresholds thresholds = {ini, min};
+    static CornerScratch scratch;  // shared by images of all sizes
     const reference::Corners expected =
         reference::findCorners(level.image, level.mask, region, thresholds, cellSize, suppressNear);
     for (int optimized = 1; optimized >= 0; optimized--)
@@ -45,7 +46,7 @@ void expectAsReference(const Level& level, const Rect& region, int ini, int min,
         const bool before = useOptimized();
         setUseOptimized(optimized && before);
         std::vector<Corner> rejects;
-        findCorners(level, region, thresholds, cellSize, suppressNear, workspace);
+        findCorners(level, region, thresholds, cellSize, suppressNear, workspace, scratch);
         findCellRejects(level, region, thresholds, cellSize, rejects);
         setUseOptimized(before);
         EXPECT_TRUE(sameCorners(sorted(workspace.kept), expected.kept));
@@ -125,7 +126,8 @@ TEST(AqorbCorners, aWeakCornerCountsOnlyInACellWithoutStrongOnes)
     const Thresholds thresholds = {100, 10};
     const Rect region(10, 10, 60, 60);
     LevelCorners corners;
-    findCorners(levelOf(image), region, thresholds, 30, false, corners);
+    CornerScratch scratch;
+    findCorners(levelOf(image), region, thresholds, 30, false, corners, scratch);
     corners.kept = sorted(corners.kept);
     ASSERT_EQ(corners.kept.size(), 2u);  // cells begin at the region's corner: (25, 25) is in the first
     EXPECT_EQ(corners.kept[0].score, 100);
@@ -139,7 +141,7 @@ TEST(AqorbCorners, aWeakCornerCountsOnlyInACellWithoutStrongOnes)
     // A corner that the mask takes away does not make its cell full.
     Mat mask(image.size(), CV_8UC1, Scalar(255));
     mask.at<uchar>(15, 15) = 0;
-    findCorners(levelOf(image, mask), region, thresholds, 30, false, corners);
+    findCorners(levelOf(image, mask), region, thresholds, 30, false, corners, scratch);
     EXPECT_EQ(corners.kept.size(), 2u);
     findCellRejects(levelOf(image, mask), region, thresholds, 30, rejects);
     EXPECT_TRUE(rejects.empty());
@@ -154,7 +156,8 @@ TEST(AqorbCorners, aCornerFallsEvenToOneThatFalls)
         dots(std::vector<Point>(places, places + 5), std::vector<int>(contrasts, contrasts + 5));
     const Thresholds thresholds = {10, 10};
     LevelCorners corners;
-    findCorners(levelOf(image), Rect(5, 5, 70, 70), thresholds, 35, true, corners);
+    CornerScratch scratch;
+    findCorners(levelOf(image), Rect(5, 5, 70, 70), thresholds, 35, true, corners, scratch);
     corners.kept = sorted(corners.kept);
     ASSERT_EQ(corners.kept.size(), 3u);
     EXPECT_EQ(corners.kept[0].x, 46);
@@ -171,7 +174,8 @@ TEST(AqorbCorners, ofEqualOnesTheFirstInRasterOrderStays)
         dots(std::vector<Point>(places, places + 4), std::vector<int>(contrasts, contrasts + 4));
     const Thresholds thresholds = {10, 10};
     LevelCorners corners;
-    findCorners(levelOf(image), Rect(5, 5, 70, 70), thresholds, 35, true, corners);
+    CornerScratch scratch;
+    findCorners(levelOf(image), Rect(5, 5, 70, 70), thresholds, 35, true, corners, scratch);
     corners.kept = sorted(corners.kept);
     ASSERT_EQ(corners.kept.size(), 2u);
     EXPECT_EQ(corners.kept[0].x, 20);

@@ -2,7 +2,7 @@
 // It is subject to the license terms in the LICENSE file found in the top-level directory
 // of this distribution.
 
-#include "test_precomp.hpp"
+#include "reference.hpp"
 
 namespace opencv_test
 {
@@ -66,6 +66,37 @@ TEST(AQORB_Masks, no_keypoint_lies_on_a_masked_pixel)
         EXPECT_GT(keypoints.size(), 50u);
         for (const KeyPoint& keypoint : keypoints)
             EXPECT_NE(0, mask.at<uchar>(cvRound(keypoint.pt.y), cvRound(keypoint.pt.x)));
+    }
+}
+
+TEST(AQORB_Masks, positions_off_the_pixels_a_level_is_made_of)
+{
+    // Without SubPixel, and with large steps of the pyramid, a position may round to a pixel that is not
+    // one of those that the level's pixel was made of: the mask must be looked up there, too.
+    const Mat image = makeNoise(Size(200, 160), 4);
+    Mat mask(image.size(), CV_8UC1, Scalar(1));
+    RNG rng(9);
+    for (int i = 0; i < 1500; i++)
+        mask.at<uchar>(rng.uniform(0, mask.rows), rng.uniform(0, mask.cols)) = 0;
+    const float factors[] = {1.2f, 1.5f, 2.f, 2.7f, 4.f};
+    for (float factor : factors)
+    {
+        for (int subPixel = 0; subPixel <= 1; subPixel++)
+        {
+            reference::Settings settings;
+            settings.nfeatures = 4000;
+            settings.scaleFactor = factor;
+            settings.nlevels = 4;
+            settings.edgeThreshold = 3;
+            settings.subPixel = subPixel != 0;
+            SCOPED_TRACE(format("scaleFactor %g, sub-pixel %d", factor, subPixel));
+            const Features features = detectAndCompute(*settings.create(), image, mask);
+            EXPECT_GT(features.keypoints.size(), 300u);
+            for (const KeyPoint& keypoint : features.keypoints)
+                ASSERT_NE(0, mask.at<uchar>(cvRound(keypoint.pt.y), cvRound(keypoint.pt.x)))
+                    << "octave " << keypoint.octave;
+            EXPECT_TRUE(sameFeatures(features, reference::detectAndCompute(image, mask, settings)));
+        }
     }
 }
 

@@ -191,6 +191,11 @@ TEST(AqorbOpenCVORB, descriptors_equal_for_each_parameter)
     p = Parameters();
     p.scoreType = ORB::FAST_SCORE;
     expectDescriptorsOfOrb(p, scene);
+    p = Parameters();
+    p.scaleFactor = 1;  // legal with one level
+    p.nlevels = 1;
+    expectDescriptorsOfOrb(p, scene);
+    expectSameCompute(p, scene, orbKeypoints(p, scene));
 }
 
 TEST(AqorbOpenCVORB, descriptors_equal_for_random_parameters)

@@ -192,6 +192,29 @@ TEST(AqorbPipeline, equalsReferenceWhereFineLevelsLackCorners)
     }
 }
 
+TEST(AqorbPipeline, equalsReferenceWhereCoarseLevelsGoOn)
+{
+    // Noise enlarged eight times has the most corners on level 3: what level 0 leaves over is taken from
+    // the rest of the coarse levels' sequences, against the keypoints of finer ones.
+    Mat smooth;
+    cv::resize(makeNoise(Size(20, 16), 2), smooth, SMALL_IMAGE, 0, 0, INTER_CUBIC);
+    const double radii[] = {0, 0.5, 2.5, 6};
+    for (double radius : radii)
+    {
+        for (int n = 150; n <= 650; n += 50)
+        {
+            SCOPED_TRACE(format("suppression %g, features %d", radius, n));
+            Settings settings;
+            settings.nfeatures = n;
+            settings.octaveSuppression = radius;
+            settings.edgeThreshold = 5;
+            expectAsReference(settings, smooth);
+            settings.scoreType = ORB::FAST_SCORE;  // corners of one level may be near each other
+            expectAsReference(settings, smooth);
+        }
+    }
+}
+
 TEST(AqorbPipeline, equalsReferenceWithMasks)
 {
     const Mat scene = makeScene(SMALL_IMAGE, 7);

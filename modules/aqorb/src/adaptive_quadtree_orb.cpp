@@ -26,10 +26,12 @@ namespace
 class PyramidCorners : public CornerSource
 {
 public:
-    PyramidCorners(const Parameters& parameters_, Thresholds thresholds_, Workspace& workspace_)
+    PyramidCorners(const Parameters& parameters_, Thresholds thresholds_, Workspace& workspace_,
+                   Pool<LevelScratch>& scratches_)
         : parameters(parameters_),
           thresholds(thresholds_),
           workspace(workspace_),
+          scratches(scratches_),
           ready(workspace.pyramid.size(), 0)
     {
     }
@@ -44,8 +46,9 @@ public:
     {
         LevelCorners& corners_ = workspace.corners[level];
         // Harris responses of neighbours hardly differ: unsuppressed, a strong corner is taken thrice.
+        const Pool<LevelScratch>::Lease scratch(scratches);
         findCorners(workspace.pyramid[level], region(level), thresholds, parameters.cellSize, isHarris(),
-                    corners_);
+                    corners_, (*scratch).corners);
         rank(level, corners_.kept, workspace.ranked[level]);
         ready[level] = 1;
     }
@@ -91,6 +94,7 @@ private:
     const Parameters& parameters;
     const Thresholds thresholds;
     Workspace& workspace;
+    Pool<LevelScratch>& scratches;
     std::vector<uchar> ready;
 };
 
@@ -176,7 +180,8 @@ private:
                 const PositionMap& position, const Mat& mask, LevelFeatures& features) const;
 
     Parameters p;
-    WorkspacePool workspaces;
+    Pool<Workspace> workspaces;
+    mutable Pool<LevelScratch> scratches;
 };
 
 Ptr<AdaptiveQuadtreeORB> AdaptiveQuadtreeORB::create(int nfeatures, float scaleFactor, int nlevels,
@@ -214,7 +219,7 @@ void AdaptiveQuadtreeORBImpl::detectAndCompute(InputArray image_, InputArray mas
     }
 
     const Mat image = grayImage(image_);
-    const WorkspacePool::Lease lease(workspaces);
+    const Pool<Workspace>::Lease lease(workspaces);
     Workspace& workspace = *lease;
     if (useProvidedKeypoints)
         locate(image, keypoints, workspace);
@@ -241,9 +246,14 @@ void AdaptiveQuadtreeORBImpl::detectAndCompute(InputArray image_, InputArray mas
                     const std::vector<DescriptorPoint>& points = workspace.features[i].points;
                     if (points.empty())
                         continue;
-                    approximateBlur(level, workspace.blurred[i]);
-                    computeDescriptors(level, workspace.blurred[i], points.data(), points.size(), pattern,
-                                       p.WTA_K, descriptors.ptr(int(firsts[i])), descriptors.step);
+                    const Pool<LevelScratch>::Lease scratch(scratches);
+                    std::vector<ushort>& buffer = (*scratch).blurred;
+                    if (buffer.size() < level.total())
+                        buffer.resize(level.total());
+                    Mat blurred(level.size(), CV_16UC1, buffer.data());
+                    approximateBlur(level, blurred);
+                    computeDescriptors(level, blurred, points.data(), points.size(), pattern, p.WTA_K,
+                                       descriptors.ptr(int(firsts[i])), descriptors.step);
                 }
             },
             levels);
@@ -276,7 +286,7 @@ void AdaptiveQuadtreeORBImpl::detect(const Mat& image, const Mat& mask, Workspac
     const int levels = int(pyramid.size());
     workspace.resize(levels);
 
-    PyramidCorners source(p, thresholds, workspace);
+    PyramidCorners source(p, thresholds, workspace, scratches);
     const std::vector<int> quotas = levelQuotas(p.nfeatures, p.scaleFactor, p.nlevels);
     std::vector<PositionMap> positions(levels);
     std::vector<SelectionLevel> selectionLevels(levels);

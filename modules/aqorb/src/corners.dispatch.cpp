@@ -71,35 +71,36 @@ static void dropMasked(const Mat& mask, size_t first, std::vector<Corner>& corne
     corners.resize(kept);
 }
 
-static void suppressedOf(const Mat& scores, const std::vector<Corner>& corners, uchar* falls)
+static void suppressedOf(const uchar* scores, ptrdiff_t step, const std::vector<Corner>& corners,
+                         uchar* falls)
 {
-    CV_CPU_DISPATCH(findSuppressed,
-                    (scores.ptr(), ptrdiff_t(scores.step), corners.data(), int(corners.size()), falls),
+    CV_CPU_DISPATCH(findSuppressed, (scores, step, corners.data(), int(corners.size()), falls),
                     CV_CPU_DISPATCH_MODES_ALL);
 }
 
 // Moves the corners that fall to a better one nearby, even if that falls itself, to `suppressed`.
-static void suppress(Size size, LevelCorners& corners)
+static void suppress(Size size, LevelCorners& corners, CornerScratch& scratch)
 {
     const int MARGIN = 16;  // the kernel reads vectors
-    const Size planeSize(size.width + 2 * MARGIN, size.height + 2 * MARGIN);
-    Mat& plane = corners.scorePlane;  // all 0 between calls
-    if (plane.size() != planeSize)
-        plane = Mat::zeros(planeSize, CV_8UC1);
-    const Mat scores = plane(Rect(Point(MARGIN, MARGIN), size));
+    const size_t step = size_t(size.width) + 2 * MARGIN, count = step * (size.height + 2 * MARGIN);
+    if (scratch.scores.size() < count)
+        scratch.scores.resize(count, uchar(0));
+    // Nothing may throw while scores are set.
+    scratch.falls.resize(corners.kept.size());
+    corners.suppressed.reserve(corners.kept.size());
+    uchar* scores = scratch.scores.data() + MARGIN * step + MARGIN;
     for (size_t i = 0; i < corners.kept.size(); i++)
     {
         const Corner& corner = corners.kept[i];  // scores are 1 to 254, so 0 means no corner
-        plane.at<uchar>(corner.y + MARGIN, corner.x + MARGIN) = uchar(corner.score);
+        scores[corner.y * step + corner.x] = uchar(corner.score);
     }
-    corners.falls.resize(corners.kept.size());
-    suppressedOf(scores, corners.kept, corners.falls.data());
+    suppressedOf(scores, ptrdiff_t(step), corners.kept, scratch.falls.data());
     size_t kept = 0;
-    for (size_t i = 0; i < corners.falls.size(); i++)
+    for (size_t i = 0; i < scratch.falls.size(); i++)
     {
         const Corner corner = corners.kept[i];
-        plane.at<uchar>(corner.y + MARGIN, corner.x + MARGIN) = 0;
-        if (corners.falls[i])
+        scores[corner.y * step + corner.x] = 0;
+        if (scratch.falls[i])
             corners.suppressed.push_back(corner);
         else
             corners.kept[kept++] = corner;
@@ -108,7 +109,7 @@ static void suppress(Size size, LevelCorners& corners)
 }
 
 void findCorners(const Level& level, const Rect& region, Thresholds thresholds, int cellSize,
-                 bool suppressNear, LevelCorners& corners)
+                 bool suppressNear, LevelCorners& corners, CornerScratch& scratch)
 {
     CV_TRACE_FUNCTION();
     corners.kept.clear();
@@ -129,7 +130,7 @@ void findCorners(const Level& level, const Rect& region, Thresholds thresholds, 
         dropMasked(level.mask, first, corners.kept);
     }
     if (suppressNear)
-        suppress(level.image.size(), corners);
+        suppress(level.image.size(), corners, scratch);
 }
 
 void findCellRejects(const Level& level, const Rect& region, Thresholds thresholds, int cellSize,

@@ -132,9 +132,13 @@ struct LevelCorners
 {
     std::vector<Corner> kept;
     std::vector<Corner> suppressed;  //!< fell to a better corner within radius 3
+};
 
-    Mat scorePlane;            //!< work space of findCorners, of use to the next call for the same size
-    std::vector<uchar> falls;  //!< likewise
+//! Work space of findCorners, for one call after the other.
+struct CornerScratch
+{
+    std::vector<uchar> scores;  //!< by pixel; all 0 between calls
+    std::vector<uchar> falls;   //!< by corner
 };
 
 /** Corners of a level inside `region`: score >= thresholds.ini; in cells of side cellSize (the first
@@ -142,7 +146,7 @@ struct LevelCorners
  count. With suppressNear a corner falls to any other one with |dx|, |dy| <= 3 and a higher score (equal:
  lower y, then lower x), even to one that falls itself. */
 CV_EXPORTS void findCorners(const Level& level, const Rect& region, Thresholds thresholds, int cellSize,
-                            bool suppressNear, LevelCorners& corners);
+                            bool suppressNear, LevelCorners& corners, CornerScratch& scratch);
 
 //! The corners of score >= thresholds.min that the cell rule of findCorners passes over.
 CV_EXPORTS void findCellRejects(const Level& level, const Rect& region, Thresholds thresholds, int cellSize,

@@ -21,73 +21,83 @@ struct LevelFeatures
     std::vector<stages::DescriptorPoint> points;  // where they were found
 };
 
-// What a call needs beside its outputs; kept for the next call.
+// What a call needs beside its outputs.
 struct Workspace
 {
     std::vector<stages::Level> pyramid;
     std::vector<stages::LevelCorners> corners;
     std::vector<std::vector<stages::RankedCorner>> ranked, chosen;
     stages::FeatureSelector selector;
-    std::vector<Mat> blurred;
     std::vector<LevelFeatures> features;
 
     void resize(size_t levels)
     {
         corners.resize(std::max(levels, corners.size()));
         ranked.resize(std::max(levels, ranked.size()));
-        blurred.resize(std::max(levels, blurred.size()));
         features.resize(std::max(levels, features.size()));
+    }
+    // Before it is put away: the input image is the caller's.
+    void rest()
+    {
+        for (size_t i = 0; i < pyramid.size(); i++)
+        {
+            pyramid[i].mask.release();
+            if (pyramid[i].isInput)
+                pyramid[i].image.release();
+        }
     }
 };
 
-// Lends work spaces, one to each call that is under way.
-class WorkspacePool
+// What work on one level needs only as long as it lasts, so that levels one after the other share it.
+struct LevelScratch
+{
+    stages::CornerScratch corners;
+    std::vector<ushort> blurred;
+
+    void rest() {}
+};
+
+// Lends objects, each to one user at a time, and keeps them with their memory.
+template <typename T> class Pool
 {
 public:
     class Lease
     {
     public:
-        explicit Lease(WorkspacePool& pool_) : pool(pool_), workspace(pool.take()) {}
+        explicit Lease(Pool& pool_) : pool(pool_), lent(pool.take()) {}
         ~Lease()
         {
-            // The input image is the caller's.
-            for (size_t i = 0; i < workspace->pyramid.size(); i++)
-            {
-                stages::Level& level = workspace->pyramid[i];
-                level.mask.release();
-                if (level.isInput)
-                    level.image.release();
-            }
-            pool.give(workspace);
+            lent->rest();
+            pool.give(lent);
         }
-        Workspace& operator*() const { return *workspace; }
+        T& operator*() const { return *lent; }
 
     private:
         Lease(const Lease&);
         Lease& operator=(const Lease&);
 
-        WorkspacePool& pool;
-        Ptr<Workspace> workspace;
+        Pool& pool;
+        Ptr<T> lent;
     };
 
 private:
-    Ptr<Workspace> take()
+    Ptr<T> take()
     {
         AutoLock lock(mutex);
         if (idle.empty())
-            return makePtr<Workspace>();
-        const Ptr<Workspace> workspace = idle.back();
+            return makePtr<T>();
+        const Ptr<T> lent = idle.back();
         idle.pop_back();
-        return workspace;
+        return lent;
     }
-    void give(const Ptr<Workspace>& workspace)
+    void give(const Ptr<T>& lent)
     {
         AutoLock lock(mutex);
-        idle.push_back(workspace);
+        idle.push_back(lent);
     }
 
     Mutex mutex;
-    std::vector<Ptr<Workspace>> idle;
+    std::vector<Ptr<T>> idle;
 };
 
 }  // namespace aqorb
