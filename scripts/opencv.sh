@@ -71,8 +71,8 @@ say "Java wrapper"
 grep -r 'class AdaptiveQuadtreeORB extends ORB' "$opencv"/modules/java_bindings_generator/gen/java
 
 # The other ways to name the module: the repository itself, and a list with opencv_contrib's modules. In
-# folders of their own, so that nothing built above passes for theirs; the same configuration, so that
-# ccache has the objects.
+# folders of their own, so that nothing built above passes for theirs; in the same configuration, so that
+# ccache has most of the objects.
 configure_opencv "$BUILD/opencv-root" "$ROOT"
 build "$BUILD/opencv-root" --target opencv_aqorb
 configure_opencv "$BUILD/opencv-contrib" "$ROOT/modules;$OPENCV_SOURCE/contrib/modules"

@@ -67,6 +67,9 @@ TEST(AQORB_Contracts, the_cap_is_reached_and_never_exceeded)
     const Mat image = makeScene(Size(640, 480));
     const int counts[] = {0, 1, 2, 7, 30, 100, 499, 500, 1000, 1500};
     const int edges[] = {0, 16, 31};
+    KeyPoints many;
+    AdaptiveQuadtreeORB::create(10000)->detect(makeNoise(image.size()), many);
+    EXPECT_EQ(10000u, many.size());
     for (int count : counts)
     {
         for (int edge : edges)
@@ -106,6 +109,48 @@ TEST(AQORB_Contracts, fields_and_order_of_keypoints)
         octave = keypoint.octave;
     }
     EXPECT_EQ(4, octave);
+}
+
+TEST(AQORB_Contracts, levels_before_the_first_are_finer)
+{
+    // The scale of a level, and with it the size of its keypoints, counts from firstLevel.
+    const Mat image = makeScene(Size(240, 180));
+    const ORB::ScoreType scores[] = {ORB::HARRIS_SCORE, ORB::FAST_SCORE};
+    for (ORB::ScoreType score : scores)
+    {
+        for (int firstLevel = 0; firstLevel < 4; firstLevel++)
+        {
+            SCOPED_TRACE(format("firstLevel %d, scoreType %d", firstLevel, int(score)));
+            const Ptr<AdaptiveQuadtreeORB> detector =
+                AdaptiveQuadtreeORB::create(400, 1.25f, 4, 10, firstLevel, 2, score, 21);
+            const Features features = detectAndCompute(*detector, image);
+            ASSERT_EQ(400u, features.keypoints.size());
+            EXPECT_EQ(400, features.descriptors.rows);
+            EXPECT_EQ(0, features.keypoints.front().octave);
+            EXPECT_EQ(3, features.keypoints.back().octave);
+            for (const KeyPoint& keypoint : features.keypoints)
+            {
+                EXPECT_EQ(21 * (float)std::pow(1.25, keypoint.octave - firstLevel), keypoint.size);
+                EXPECT_TRUE(keypoint.angle >= 0 && keypoint.angle < 360);
+                EXPECT_EQ(-1, keypoint.class_id);
+                EXPECT_TRUE(keypoint.pt.x >= 0 && keypoint.pt.x < 240 && keypoint.pt.y >= 0 &&
+                            keypoint.pt.y < 180);
+            }
+        }
+    }
+}
+
+TEST(AQORB_Contracts, one_level_needs_no_scale_factor)
+{
+    const Mat image = makeScene(Size(320, 240), 6);
+    const Features expected = detectAndCompute(*AdaptiveQuadtreeORB::create(300, 2.f, 1), image);
+    EXPECT_EQ(300u, expected.keypoints.size());
+    const float factors[] = {1.f, 0.5f, 1e-30f, 1e30f};
+    for (float factor : factors)
+    {
+        const Ptr<AdaptiveQuadtreeORB> detector = AdaptiveQuadtreeORB::create(300, factor, 1);
+        EXPECT_TRUE(sameFeatures(expected, detectAndCompute(*detector, image))) << factor;
+    }
 }
 
 TEST(AQORB_Contracts, detect_and_compute_apart_give_the_same)

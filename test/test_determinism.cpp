@@ -104,9 +104,10 @@ TEST(AQORB_Determinism, every_CPU_path_gives_the_same_bytes)
         const Mat image = makeScene(Size(321, 243), seed);
         const Ptr<AdaptiveQuadtreeORB> detector = AdaptiveQuadtreeORB::create(400);
         const Features expected = detectAndCompute(*detector, image);
+        const bool before = useOptimized();
         setUseOptimized(false);
         EXPECT_TRUE(sameFeatures(expected, detectAndCompute(*detector, image)));
-        setUseOptimized(true);
+        setUseOptimized(before);
     }
 }
 
@@ -125,6 +126,31 @@ TEST(AQORB_Determinism, a_region_equals_its_clone)
     }
 }
 
+TEST(AQORB_Determinism, what_lies_around_a_region_does_not_matter)
+{
+    // Image, mask and output are parts of larger matrices; what is around them changes, they do not.
+    const Size size(200, 150);
+    const Rect region(Point(29, 23), size);
+    const Ptr<AdaptiveQuadtreeORB> detector = AdaptiveQuadtreeORB::create(200, 1.2f, 8, 3, 1);
+    Mat image, mask = makeScene(size, 8) > 40;
+    cvtColor(makeScene(size, 7), image, COLOR_GRAY2BGR);
+    const Features expected = detectAndCompute(*detector, image, mask);
+    ASSERT_EQ(200u, expected.keypoints.size());
+    for (int around = 0; around <= 255; around += 51)
+    {
+        SCOPED_TRACE(around);
+        Mat wholeImage(260, 310, CV_8UC3, Scalar::all(around)), wholeMask(260, 310, CV_8UC1, Scalar(around));
+        image.copyTo(wholeImage(region));
+        mask.copyTo(wholeMask(region));
+        EXPECT_FALSE(wholeImage(region).isContinuous());
+        EXPECT_TRUE(
+            sameFeatures(expected, detectAndCompute(*detector, wholeImage(region), wholeMask(region))));
+        Features computed = {expected.keypoints, Mat()};
+        detector->compute(wholeImage(region), computed.keypoints, computed.descriptors);
+        EXPECT_TRUE(sameFeatures(expected, computed));
+    }
+}
+
 TEST(AQORB_Determinism, UMat_equals_Mat)
 {
     const Mat image = makeScene(Size(300, 200));
@@ -136,6 +162,23 @@ TEST(AQORB_Determinism, UMat_equals_Mat)
     detector->detectAndCompute(image.getUMat(ACCESS_READ), mask.getUMat(ACCESS_READ), keypoints, descriptors);
     const Features found = {keypoints, descriptors.getMat(ACCESS_READ).clone()};
     EXPECT_TRUE(sameFeatures(expected, found));
+
+    // UMat's own memory, colour, a region; into compute, too
+    UMat whole;
+    Mat color;
+    cv::copyMakeBorder(image, color, 5, 6, 7, 8, BORDER_REFLECT);
+    cvtColor(color, color, COLOR_GRAY2BGR);
+    color.copyTo(whole);
+    const UMat part = whole(Rect(Point(7, 5), image.size()));
+    detector->detectAndCompute(part, mask, keypoints, descriptors);
+    const Features ofPart = {keypoints, descriptors.getMat(ACCESS_READ).clone()};
+    EXPECT_TRUE(sameFeatures(expected, ofPart));
+    detector->compute(part, keypoints, descriptors);
+    const Features computed = {keypoints, descriptors.getMat(ACCESS_READ).clone()};
+    EXPECT_TRUE(sameFeatures(expected, computed));
+    detector->detectAndCompute(UMat(), noArray(), keypoints, descriptors);
+    EXPECT_TRUE(keypoints.empty());
+    EXPECT_TRUE(descriptors.empty());
 }
 
 TEST(AQORB_Determinism, colour_equals_its_grey_image)

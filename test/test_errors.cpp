@@ -28,8 +28,10 @@ template <typename Call> std::string messageOf(Call call)
 ::testing::AssertionResult names(const std::string& message, const std::string& name,
                                  const std::string& value)
 {
-    if (message.find(name) != std::string::npos && message.find(value) != std::string::npos &&
-        message.find("accepted") != std::string::npos)
+    // The value must be in the part that says what was given, not in what is accepted.
+    const std::string given = message.substr(0, message.find(';'));
+    if (given.find(name) != std::string::npos && given.find(value) != std::string::npos &&
+        message.find("accepted", given.size()) != std::string::npos)
         return ::testing::AssertionSuccess();
     return ::testing::AssertionFailure()
            << "'" << message << "' does not name " << name << ", " << value << " and what is accepted";
@@ -55,6 +57,7 @@ TEST(AQORB_Errors, bad_parameters_of_create)
     AQORB_BAD("WTA_K", "5", create(500, 1.2f, 8, 16, 0, 5));
     AQORB_BAD("scoreType", "7", create(500, 1.2f, 8, 16, 0, 2, static_cast<ORB::ScoreType>(7)));
     AQORB_BAD("patchSize", "1", create(500, 1.2f, 8, 16, 0, 2, ORB::HARRIS_SCORE, 1));
+    AQORB_BAD("patchSize", "16385", create(500, 1.2f, 8, 16, 0, 2, ORB::HARRIS_SCORE, 16385));
     AQORB_BAD("patchSize", "2147483647", create(500, 1.2f, 8, 16, 0, 2, ORB::HARRIS_SCORE, INT_MAX));
 #undef AQORB_BAD
 }
@@ -67,12 +70,19 @@ TEST(AQORB_Errors, bad_values_of_setters_leave_the_object_unchanged)
 #define AQORB_BAD(name, value, call) EXPECT_TRUE(names(messageOf([&] { detector->call; }), name, value))
     AQORB_BAD("nfeatures", "-1", setMaxFeatures(-1));
     AQORB_BAD("scaleFactor", "-1.5", setScaleFactor(-1.5));
+    AQORB_BAD("scaleFactor", "0", setScaleFactor(0));
+    AQORB_BAD("scaleFactor", "nan", setScaleFactor(NOT_A_NUMBER));
+    AQORB_BAD("scaleFactor", "inf", setScaleFactor(ENDLESS));
     AQORB_BAD("nlevels", "-8", setNLevels(-8));
+    AQORB_BAD("nlevels", "65537", setNLevels(65537));
     AQORB_BAD("edgeThreshold", "-1", setEdgeThreshold(-1));
     AQORB_BAD("firstLevel", "-1", setFirstLevel(-1));
     AQORB_BAD("WTA_K", "0", setWTA_K(0));
+    AQORB_BAD("WTA_K", "5", setWTA_K(5));
     AQORB_BAD("scoreType", "2", setScoreType(static_cast<ORB::ScoreType>(2)));
+    AQORB_BAD("scoreType", "-1", setScoreType(static_cast<ORB::ScoreType>(-1)));
     AQORB_BAD("patchSize", "0", setPatchSize(0));
+    AQORB_BAD("patchSize", "16385", setPatchSize(16385));
     AQORB_BAD("minThresholdRatio", "0.5", setMinThresholdRatio(0.5));
     AQORB_BAD("minThresholdRatio", "nan", setMinThresholdRatio(NOT_A_NUMBER));
     AQORB_BAD("cellSize", "7", setCellSize(7));
@@ -80,8 +90,31 @@ TEST(AQORB_Errors, bad_values_of_setters_leave_the_object_unchanged)
     AQORB_BAD("maxDepth", "16", setMaxDepth(16));
     AQORB_BAD("octaveSuppression", "-0.5", setOctaveSuppression(-0.5));
     AQORB_BAD("octaveSuppression", "inf", setOctaveSuppression(ENDLESS));
+    AQORB_BAD("octaveSuppression", "nan", setOctaveSuppression(NOT_A_NUMBER));
 #undef AQORB_BAD
     EXPECT_TRUE(sameFeatures(before, detectAndCompute(*detector, image)));
+}
+
+TEST(AQORB_Errors, the_ends_of_what_is_accepted_are_accepted)
+{
+    const Ptr<AdaptiveQuadtreeORB> detector = AdaptiveQuadtreeORB::create();
+    EXPECT_NO_THROW(detector->setMaxFeatures(0));
+    EXPECT_NO_THROW(detector->setMaxFeatures(INT_MAX));
+    EXPECT_NO_THROW(detector->setNLevels(1));
+    EXPECT_NO_THROW(detector->setNLevels(65536));
+    EXPECT_NO_THROW(detector->setEdgeThreshold(0));
+    EXPECT_NO_THROW(detector->setEdgeThreshold(INT_MAX));
+    EXPECT_NO_THROW(detector->setPatchSize(2));
+    EXPECT_NO_THROW(detector->setPatchSize(16384));
+    EXPECT_NO_THROW(detector->setFastThreshold(INT_MIN));
+    EXPECT_NO_THROW(detector->setFastThreshold(INT_MAX));
+    EXPECT_NO_THROW(detector->setMinThresholdRatio(1));
+    EXPECT_NO_THROW(detector->setCellSize(8));
+    EXPECT_NO_THROW(detector->setCellSize(INT_MAX));
+    EXPECT_NO_THROW(detector->setMaxDepth(-1));
+    EXPECT_NO_THROW(detector->setMaxDepth(0));
+    EXPECT_NO_THROW(detector->setMaxDepth(15));
+    EXPECT_NO_THROW(detector->setOctaveSuppression(0));
 }
 
 TEST(AQORB_Errors, parameters_that_do_not_go_together)
@@ -202,6 +235,43 @@ TEST(AQORB_Errors, extreme_parameters_work)
     KeyPoints given(1, KeyPoint(Point2f(50, 50), 31, 12));
     AdaptiveQuadtreeORB::create(2, 1.2f, 8, INT_MAX)->compute(image, given, descriptors);
     EXPECT_TRUE(given.empty());
+}
+
+TEST(AQORB_Errors, a_cell_larger_than_the_image_is_one_cell)
+{
+    // However large it is: its far side must not be computed beyond what an int holds.
+    const Mat image = makeScene(Size(120, 90));
+    const Ptr<AdaptiveQuadtreeORB> detector = AdaptiveQuadtreeORB::create(50);
+    detector->setCellSize(120);
+    const Features expected = detectAndCompute(*detector, image);
+    EXPECT_EQ(50u, expected.keypoints.size());
+    const int sizes[] = {121, 1 << 20, INT_MAX - 100, INT_MAX};
+    for (int size : sizes)
+    {
+        detector->setCellSize(size);
+        Features found;
+        EXPECT_NO_THROW(found = detectAndCompute(*detector, image)) << size;
+        EXPECT_TRUE(sameFeatures(expected, found)) << size;
+    }
+}
+
+TEST(AQORB_Errors, fastThreshold_is_limited_as_by_FAST)
+{
+    const Mat image = makeScene(Size(120, 90));
+    const int outside[][2] = {{-1, 0}, {INT_MIN, 0}, {256, 255}, {INT_MAX, 255}};
+    for (int adaptive = 0; adaptive <= 1; adaptive++)
+    {
+        const Ptr<AdaptiveQuadtreeORB> detector = AdaptiveQuadtreeORB::create(5000);
+        detector->setAdaptiveThreshold(adaptive != 0);
+        for (const int* pair : outside)
+        {
+            detector->setFastThreshold(pair[1]);
+            const Features expected = detectAndCompute(*detector, image);
+            detector->setFastThreshold(pair[0]);
+            EXPECT_EQ(pair[0], detector->getFastThreshold());
+            EXPECT_TRUE(sameFeatures(expected, detectAndCompute(*detector, image))) << pair[0];
+        }
+    }
 }
 
 }  // namespace

@@ -34,6 +34,7 @@ Ptr<AdaptiveQuadtreeORB> unusual()
 {
     const Ptr<AdaptiveQuadtreeORB> detector =
         AdaptiveQuadtreeORB::create(321, 1.37f, 5, 7, 2, 3, ORB::FAST_SCORE, 25, 11);
+    detector->setScaleFactor(1.37);  // more digits than a float has
     detector->setAdaptiveThreshold(false);
     detector->setMinThresholdRatio(2.75);
     detector->setCellSize(51);
@@ -48,7 +49,7 @@ TEST(AQORB_IO, every_parameter_makes_the_round_trip)
     const Ptr<AdaptiveQuadtreeORB> source = unusual(), target = AdaptiveQuadtreeORB::create();
     readFrom(*target, written(*source));
     EXPECT_EQ(321, target->getMaxFeatures());
-    EXPECT_EQ((double)1.37f, target->getScaleFactor());
+    EXPECT_EQ(1.37, target->getScaleFactor());
     EXPECT_EQ(5, target->getNLevels());
     EXPECT_EQ(7, target->getEdgeThreshold());
     EXPECT_EQ(2, target->getFirstLevel());
@@ -64,15 +65,43 @@ TEST(AQORB_IO, every_parameter_makes_the_round_trip)
     EXPECT_FALSE(target->getSubPixel());
 }
 
-TEST(AQORB_IO, keys_are_those_of_ORB_in_newer_OpenCV)
+TEST(AQORB_IO, keys_are_those_of_ORB_in_newer_OpenCV_then_ours)
 {
     FileStorage fs(written(*unusual()), FileStorage::READ | FileStorage::MEMORY);
     const FileNode node = fs["detector"];
     EXPECT_EQ("Feature2D.AdaptiveQuadtreeORB", (std::string)node["name"]);
-    const char* keys[] = {"nfeatures", "scaleFactor", "nlevels",   "edgeThreshold", "firstLevel",
-                          "wta_k",     "scoreType",   "patchSize", "fastThreshold"};
+    const char* keys[] = {"nfeatures",         "scaleFactor",       "nlevels",
+                          "edgeThreshold",     "firstLevel",        "wta_k",
+                          "scoreType",         "patchSize",         "fastThreshold",
+                          "adaptiveThreshold", "minThresholdRatio", "cellSize",
+                          "maxDepth",          "octaveSuppression", "subPixel"};
     for (const char* key : keys)
         EXPECT_FALSE(node[key].empty()) << key;
+    EXPECT_EQ(321, (int)node["nfeatures"]);
+    EXPECT_EQ(3, (int)node["wta_k"]);
+    EXPECT_EQ(51, (int)node["cellSize"]);
+    const std::string text = written(*unusual());
+    size_t position = 0;
+    for (const char* key : keys)
+    {
+        const size_t next = text.find(std::string(" ") + key + ":", position);
+        ASSERT_NE(std::string::npos, next) << key << " is missing or not in its place";
+        position = next;
+    }
+}
+
+TEST(AQORB_IO, every_format_of_FileStorage_serves)
+{
+    const char* names[] = {"memory.yml", "memory.xml", "memory.json"};
+    for (const char* name : names)
+    {
+        FileStorage out(name, FileStorage::WRITE | FileStorage::MEMORY);
+        unusual()->write(out);
+        const Ptr<AdaptiveQuadtreeORB> target = AdaptiveQuadtreeORB::create();
+        FileStorage in(out.releaseAndGetString(), FileStorage::READ | FileStorage::MEMORY);
+        target->read(in.root());
+        EXPECT_EQ(written(*unusual()), written(*target)) << name;
+    }
 }
 
 TEST(AQORB_IO, a_missing_key_keeps_its_value)
@@ -123,6 +152,38 @@ TEST(AQORB_IO, works_with_Algorithm_load)
     const Ptr<AdaptiveQuadtreeORB> detector = Algorithm::loadFromString<AdaptiveQuadtreeORB>(text);
     ASSERT_TRUE(detector);
     EXPECT_EQ(text, written(*detector));
+
+    // from a file that holds several, by name
+    const std::string file = tempfile(".yml");
+    {
+        FileStorage fs(file, FileStorage::WRITE);
+        fs << "first"
+           << "{";
+        AdaptiveQuadtreeORB::create(44)->write(fs);
+        fs << "}"
+           << "second"
+           << "{";
+        unusual()->write(fs);
+        fs << "}";
+    }
+    const Ptr<AdaptiveQuadtreeORB> first = Algorithm::load<AdaptiveQuadtreeORB>(file, "first");
+    const Ptr<AdaptiveQuadtreeORB> second = Algorithm::load<AdaptiveQuadtreeORB>(file, "second");
+    std::remove(file.c_str());
+    ASSERT_TRUE(first);
+    ASSERT_TRUE(second);
+    EXPECT_EQ(44, first->getMaxFeatures());
+    EXPECT_EQ(text, written(*second));
+}
+
+TEST(AQORB_IO, what_was_read_is_what_is_used)
+{
+    const Mat image = makeScene(Size(200, 150));
+    const Ptr<AdaptiveQuadtreeORB> target = AdaptiveQuadtreeORB::create();
+    detectAndCompute(*target, image);
+    readFrom(*target, written(*unusual()));
+    const Features expected = detectAndCompute(*unusual(), image);
+    EXPECT_FALSE(expected.keypoints.empty());
+    EXPECT_TRUE(sameFeatures(expected, detectAndCompute(*target, image)));
 }
 
 TEST(AQORB_IO, overloads_of_Feature2D_stay_visible)

@@ -201,7 +201,7 @@ TEST(AqorbPipeline, equalsReferenceWhereCoarseLevelsGoOn)
     const double radii[] = {0, 0.5, 2.5, 6};
     for (double radius : radii)
     {
-        for (int n = 150; n <= 650; n += 50)
+        for (int n = 150; n <= 550; n += 100)
         {
             SCOPED_TRACE(format("suppression %g, features %d", radius, n));
             Settings settings;

@@ -1,0 +1,136 @@
+// This file is part of the aqorb project.
+// It is subject to the license terms in the LICENSE file found in the top-level directory
+// of this distribution.
+
+#include "test_precomp.hpp"
+
+// Drawn images of which the answer is known.
+
+namespace opencv_test
+{
+namespace
+{
+
+void drawBlob(Mat& image, Point2d center, double sigma, double height)
+{
+    for (int y = 0; y < image.rows; y++)
+    {
+        for (int x = 0; x < image.cols; x++)
+        {
+            const double dx = x - center.x, dy = y - center.y;
+            const double value = height * std::exp(-(dx * dx + dy * dy) / (2 * sigma * sigma));
+            image.at<uchar>(y, x) = saturate_cast<uchar>(image.at<uchar>(y, x) + value);
+        }
+    }
+}
+
+// How far the only keypoint of a small round blob is off its centre, at worst.
+double worstError(bool subPixel)
+{
+    double worst = 0;
+    for (int i = 0; i < 36; i++)
+    {
+        const Point2d center(60 + (i % 6 - 2.5) / 6., 52 + (i / 6 - 2.5) / 6.);
+        Mat image(110, 120, CV_8UC1, Scalar(20));
+        drawBlob(image, center, 1, 200);  // the circle of FAST lies outside
+        const Ptr<AdaptiveQuadtreeORB> detector = AdaptiveQuadtreeORB::create(1, 1.2f, 1);
+        detector->setSubPixel(subPixel);
+        KeyPoints keypoints;
+        detector->detect(image, keypoints);
+        EXPECT_EQ(1u, keypoints.size());
+        if (!keypoints.empty())
+            worst = std::max(worst, cv::norm(Point2d(keypoints[0].pt) - center));
+    }
+    return worst;
+}
+
+TEST(AqorbAnalytic, positionOfABlobIsASmallFractionOfAPixelOff)
+{
+    EXPECT_LT(worstError(true), 0.15);
+    EXPECT_GT(worstError(false), 0.5);  // whole pixels are half a diagonal off
+}
+
+TEST(AqorbAnalytic, aBlobIsAtTheSamePlaceOnEveryLevel)
+{
+    for (int octave = 0; octave < 8; octave++)
+    {
+        // a blob of the level's size; a map without pixel centres would be off by half a pixel of the level
+        const double scale = std::pow(1.2, octave);
+        const Point2d center(150.3, 140.8);
+        Mat image(290, 300, CV_8UC1, Scalar(20));
+        drawBlob(image, center, 1.2 * scale, 200);
+        const Ptr<AdaptiveQuadtreeORB> detector = AdaptiveQuadtreeORB::create(200);
+        detector->setOctaveSuppression(0);  // the same blob on several levels
+        KeyPoints keypoints;
+        detector->detect(image, keypoints);
+        double least = 1e9;
+        for (const KeyPoint& keypoint : keypoints)
+        {
+            if (keypoint.octave == octave)
+                least = std::min(least, cv::norm(Point2d(keypoint.pt) - center));
+        }
+        EXPECT_LT(least, 0.3 * scale) << "octave " << octave;
+    }
+}
+
+TEST(AqorbAnalytic, theBestOfEachLeafIsChosen)
+{
+    // A level with 16 features has 4 x 4 leaves. Each holds dots of three brightnesses in random places;
+    // neither the other dots nor the leaves with the brightest ones may crowd the others out.
+    const int edge = 16, leaf = 30, side = 4 * leaf;
+    RNG rng(12);
+    for (int round = 0; round < 10; round++)
+    {
+        SCOPED_TRACE(round);
+        Mat image(side + 2 * edge, side + 2 * edge, CV_8UC1, Scalar(0));
+        std::vector<Point> best;
+        for (int i = 0; i < 16; i++)
+        {
+            const Rect cell(edge + leaf * (i % 4), edge + leaf * (i / 4), leaf, leaf);
+            const int strength = rng.uniform(60, 230), strongest = rng.uniform(0, 3);
+            for (int j = 0; j < 3; j++)
+            {
+                // apart by 8 pixels or more, so that no dot lies on the circle of another
+                const Point dot(cell.x + 4 + rng.uniform(0, 22), cell.y + 2 + 10 * j + rng.uniform(0, 3));
+                image.at<uchar>(dot) = uchar(j == strongest ? strength : strength - 10 - j);
+                if (j == strongest)
+                    best.push_back(dot);
+            }
+        }
+        const Ptr<AdaptiveQuadtreeORB> detector = AdaptiveQuadtreeORB::create(
+            16, 1.2f, 1, edge, 0, 2, round % 2 ? ORB::FAST_SCORE : ORB::HARRIS_SCORE);
+        detector->setAdaptiveThreshold(false);
+        KeyPoints keypoints;
+        detector->detect(image, keypoints);
+        ASSERT_EQ(16u, keypoints.size());
+        std::vector<Point> found;
+        for (const KeyPoint& keypoint : keypoints)
+            found.push_back(Point(cvRound(keypoint.pt.x), cvRound(keypoint.pt.y)));
+        for (const Point& dot : best)
+            EXPECT_EQ(1, std::count(found.begin(), found.end(), dot)) << dot;
+    }
+}
+
+TEST(AqorbAnalytic, aCornerIsKeptOnceInsteadOfOnEveryLevel)
+{
+    Mat image(300, 300, CV_8UC1, Scalar(20));
+    drawBlob(image, Point2d(150, 150), 4, 200);
+    const Ptr<AdaptiveQuadtreeORB> detector = AdaptiveQuadtreeORB::create(8);
+    KeyPoints once, often;
+    detector->setOctaveSuppression(0);
+    detector->detect(image, often);
+    ASSERT_GT(often.size(), 2u);
+    // Other corners exist beside it: then these, not the same one again, make up the number.
+    for (int i = 0; i < 8; i++)
+        image.at<uchar>(60 + 25 * i, 60 + (i % 3) * 9) = 250;
+    detector->setOctaveSuppression(1.5);
+    detector->detect(image, once);
+    ASSERT_EQ(8u, once.size());
+    int atBlob = 0;
+    for (const KeyPoint& keypoint : once)
+        atBlob += cv::norm(keypoint.pt - Point2f(150, 150)) < 4;
+    EXPECT_EQ(1, atBlob);
+}
+
+}  // namespace
+}  // namespace opencv_test

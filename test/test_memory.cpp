@@ -1,0 +1,107 @@
+// This file is part of the aqorb project.
+// It is subject to the license terms in the LICENSE file found in the top-level directory
+// of this distribution.
+
+#include "test_precomp.hpp"
+
+#include <atomic>
+
+namespace opencv_test
+{
+namespace
+{
+
+//! Counts the matrices that are allocated while it lives.
+class CountingAllocator : public MatAllocator
+{
+public:
+    CountingAllocator() : count(0), before(Mat::getDefaultAllocator()) { Mat::setDefaultAllocator(this); }
+    ~CountingAllocator() { Mat::setDefaultAllocator(before); }
+    int allocations() const { return count; }
+
+    UMatData* allocate(int dims, const int* sizes, int type, void* data, size_t* step, AccessFlag flags,
+                       UMatUsageFlags usage) const CV_OVERRIDE
+    {
+        count++;
+        return standard()->allocate(dims, sizes, type, data, step, flags, usage);
+    }
+    bool allocate(UMatData* data, AccessFlag flags, UMatUsageFlags usage) const CV_OVERRIDE
+    {
+        return standard()->allocate(data, flags, usage);
+    }
+    void deallocate(UMatData* data) const CV_OVERRIDE { standard()->deallocate(data); }
+
+private:
+    static MatAllocator* standard() { return Mat::getStdAllocator(); }
+
+    mutable std::atomic<int> count;
+    MatAllocator* const before;
+};
+
+//! Which levels are worked on at once, each with memory of its own, is the threads' affair.
+class OneThread
+{
+public:
+    OneThread() : before(getNumThreads()) { setNumThreads(1); }
+    ~OneThread() { setNumThreads(before); }
+
+private:
+    const int before;
+};
+
+TEST(AqorbMemory, aStreamOfFramesNeedsNoNewMatrices)
+{
+    const OneThread oneThread;
+    const Ptr<AdaptiveQuadtreeORB> detector = AdaptiveQuadtreeORB::create(300);
+    std::vector<Mat> frames;
+    for (int seed = 1; seed <= 4; seed++)
+        frames.push_back(makeScene(Size(320, 240), seed));
+    Features features = detectAndCompute(*detector, frames[0]);
+    ASSERT_EQ(300, features.descriptors.rows);
+
+    const CountingAllocator allocator;
+    for (int round = 0; round < 3; round++)
+    {
+        for (const Mat& frame : frames)
+        {
+            detector->detectAndCompute(frame, noArray(), features.keypoints, features.descriptors);
+            ASSERT_EQ(300, features.descriptors.rows);  // or the output would be allocated anew
+        }
+    }
+    EXPECT_EQ(0, allocator.allocations());
+}
+
+TEST(AqorbMemory, packedOctavesFailBeforeAnyLevelIsAllocated)
+{
+    const Mat image = makeScene(Size(200, 150));
+    const Ptr<AdaptiveQuadtreeORB> detector = AdaptiveQuadtreeORB::create();
+    const int octaves[] = {-1, 255, 1 << 8 | 1, 0x01000200 + 255, INT_MAX, INT_MIN};
+    for (int octave : octaves)
+    {
+        KeyPoints keypoints(3, KeyPoint(Point2f(100, 70), 31.f));
+        keypoints[1].octave = octave;
+        Mat descriptors;
+        const CountingAllocator allocator;
+        EXPECT_THROW(detector->compute(image, keypoints, descriptors), cv::Exception) << octave;
+        EXPECT_EQ(0, allocator.allocations()) << octave;
+    }
+}
+
+TEST(AqorbMemory, theImageAndTheMaskAreNotKept)
+{
+    const Ptr<AdaptiveQuadtreeORB> detector = AdaptiveQuadtreeORB::create(100, 1.2f, 4, 8, 1);
+    const Mat image = makeScene(Size(160, 120)), mask(image.size(), CV_8UC1, Scalar(1));
+    Features features = detectAndCompute(*detector, image, mask);
+    EXPECT_EQ(1, image.u->refcount);
+    EXPECT_EQ(1, mask.u->refcount);
+    detector->compute(image, features.keypoints, features.descriptors);
+    EXPECT_EQ(1, image.u->refcount);
+    const Mat noPixel(image.size(), CV_16UC1, Scalar(0));
+    EXPECT_THROW(detector->detect(noPixel, features.keypoints), cv::Exception);
+    EXPECT_THROW(detector->detect(image, features.keypoints, noPixel), cv::Exception);
+    EXPECT_EQ(1, image.u->refcount);
+    EXPECT_EQ(1, noPixel.u->refcount);
+}
+
+}  // namespace
+}  // namespace opencv_test

@@ -1,0 +1,175 @@
+// This file is part of the aqorb project.
+// It is subject to the license terms in the LICENSE file found in the top-level directory
+// of this distribution.
+
+#include "test_precomp.hpp"
+
+// An object keeps its work space from call to call. Nothing of an earlier call may show in a later one.
+
+namespace opencv_test
+{
+namespace
+{
+
+//! Gives all parameters random values that go together.
+void setRandomly(AdaptiveQuadtreeORB& detector, RNG& rng)
+{
+    detector.setMaxFeatures(rng.uniform(0, 4) ? rng.uniform(1, 300) : 5000);
+    detector.setScaleFactor(rng.uniform(1.1, 2.2));
+    detector.setNLevels(rng.uniform(1, 9));
+    detector.setFirstLevel(rng.uniform(0, std::min(detector.getNLevels(), 2)));
+    detector.setEdgeThreshold(rng.uniform(0, 32));
+    detector.setWTA_K(rng.uniform(2, 5));
+    detector.setScoreType(rng.uniform(0, 2) ? ORB::HARRIS_SCORE : ORB::FAST_SCORE);
+    detector.setPatchSize(rng.uniform(2, 50));
+    detector.setFastThreshold(rng.uniform(1, 60));
+    detector.setAdaptiveThreshold(rng.uniform(0, 2) != 0);
+    detector.setMinThresholdRatio(rng.uniform(1., 8.));
+    detector.setCellSize(rng.uniform(8, 80));
+    detector.setMaxDepth(rng.uniform(-1, 6));
+    detector.setOctaveSuppression(rng.uniform(0, 3) ? rng.uniform(0., 4.) : 0.);
+    detector.setSubPixel(rng.uniform(0, 2) != 0);
+}
+
+//! A new object with the same parameters.
+Ptr<AdaptiveQuadtreeORB> twin(const AdaptiveQuadtreeORB& detector)
+{
+    const Ptr<AdaptiveQuadtreeORB> fresh = AdaptiveQuadtreeORB::create();
+    FileStorage out("memory.yml", FileStorage::WRITE | FileStorage::MEMORY);
+    detector.write(out);
+    FileStorage in(out.releaseAndGetString(), FileStorage::READ | FileStorage::MEMORY);
+    fresh->read(in.root());
+    return fresh;
+}
+
+//! A call that fails after the work space is in use.
+void fail(AdaptiveQuadtreeORB& detector, const Mat& image, int kind)
+{
+    Features features;
+    if (kind == 0)
+    {
+        KeyPoints keypoints(1, KeyPoint(Point2f(20, 20), 31.f, 0.f, 0.f, 1 << 16));
+        EXPECT_THROW(detector.compute(image, keypoints, features.descriptors), cv::Exception);
+    }
+    else if (kind == 1)
+    {
+        const Mat mask(image.rows, image.cols + 1, CV_8UC1, Scalar(1));
+        EXPECT_THROW(detector.detect(image, features.keypoints, mask), cv::Exception);
+    }
+    else
+    {
+        const int levels = detector.getNLevels(), first = detector.getFirstLevel();
+        const double factor = detector.getScaleFactor();
+        detector.setNLevels(60);
+        detector.setFirstLevel(59);
+        detector.setScaleFactor(1e6);  // a level of more pixels than can be
+        EXPECT_THROW(detector.detect(image, features.keypoints), cv::Exception);
+        detector.setNLevels(levels);
+        detector.setFirstLevel(first);
+        detector.setScaleFactor(factor);
+    }
+}
+
+TEST(AqorbReuse, anObjectGivesWhatANewOneGives)
+{
+    RNG rng(20);
+    const Ptr<AdaptiveQuadtreeORB> used = AdaptiveQuadtreeORB::create();
+    for (int round = 0; round < 80; round++)
+    {
+        SCOPED_TRACE(round);
+        if (round % 3 != 1)  // every third time only the image is another one
+            setRandomly(*used, rng);
+        const Size size(rng.uniform(30, 200), rng.uniform(30, 200));
+        const Mat image = round % 5 ? makeScene(size, round + 1) : makeNoise(size, round + 1);
+        Mat mask;
+        if (round % 4 == 0)
+            mask = makeNoise(Size(size.width / 8 + 1, size.height / 8 + 1), round + 9) > 60;
+        if (!mask.empty())
+            cv::resize(mask, mask, size, 0, 0, INTER_NEAREST);
+        fail(*used, image, round % 3);
+        const Features expected = detectAndCompute(*twin(*used), image, mask);
+        EXPECT_TRUE(sameFeatures(expected, detectAndCompute(*used, image, mask)));
+        // compute keeps its levels in the same place
+        Features computed = {expected.keypoints, Mat()}, computedAnew = computed;
+        used->compute(image, computed.keypoints, computed.descriptors);
+        twin(*used)->compute(image, computedAnew.keypoints, computedAnew.descriptors);
+        EXPECT_TRUE(sameFeatures(computedAnew, computed));
+    }
+}
+
+TEST(AqorbReuse, inputsAreNotWrittenTo)
+{
+    const Mat image = makeScene(Size(180, 140)), mask = makeNoise(image.size()) > 10;
+    const Mat imageBefore = image.clone(), maskBefore = mask.clone();
+    for (int firstLevel = 0; firstLevel < 3; firstLevel++)
+    {
+        const Ptr<AdaptiveQuadtreeORB> detector = AdaptiveQuadtreeORB::create(200, 1.2f, 5, 8, firstLevel);
+        for (int round = 0; round < 2; round++)
+        {
+            Features features = detectAndCompute(*detector, image, mask);
+            // another image of the same size in between, whose levels go where those of this one went
+            detectAndCompute(*detector, makeNoise(image.size(), 3));
+            detector->compute(image, features.keypoints, features.descriptors);
+            EXPECT_TRUE(sameMat(imageBefore, image));
+            EXPECT_TRUE(sameMat(maskBefore, mask));
+        }
+    }
+}
+
+TEST(AqorbReuse, earlierOutputsStayAsTheyAre)
+{
+    const Ptr<AdaptiveQuadtreeORB> detector = AdaptiveQuadtreeORB::create(150);
+    const Mat first = makeScene(Size(200, 150), 1), second = makeScene(Size(200, 150), 2);
+    const Features kept = detectAndCompute(*detector, first);
+    const Features copy = {kept.keypoints, kept.descriptors.clone()};
+    detectAndCompute(*detector, second);
+    EXPECT_TRUE(sameFeatures(copy, kept));
+}
+
+TEST(AqorbReuse, outputsMayHoldAnything)
+{
+    const Ptr<AdaptiveQuadtreeORB> detector = AdaptiveQuadtreeORB::create(100);
+    const Mat image = makeScene(Size(200, 150));
+    const Features expected = detectAndCompute(*detector, image);
+    ASSERT_EQ(100, expected.descriptors.rows);
+    const Mat outputs[] = {Mat(), Mat(100, 32, CV_32FC1, Scalar(3)), Mat(7, 9, CV_8UC3, Scalar::all(3)),
+                           Mat(100, 32, CV_8UC1, Scalar(3))};
+    for (const Mat& output : outputs)
+    {
+        Features features = {KeyPoints(333), output.clone()};
+        detector->detectAndCompute(image, noArray(), features.keypoints, features.descriptors);
+        EXPECT_TRUE(sameFeatures(expected, features));
+    }
+    // part of a larger matrix, row by row
+    Mat large(104, 40, CV_8UC1, Scalar(77));
+    const Rect part(5, 2, 32, 100);
+    Features features = {KeyPoints(), large(part)};
+    detector->detectAndCompute(image, noArray(), features.keypoints, features.descriptors);
+    EXPECT_TRUE(sameMat(expected.descriptors, large(part)));
+    large(part).setTo(77);
+    EXPECT_EQ(0, countNonZero(large != 77));
+}
+
+TEST(AqorbReuse, outputsMayBeLeftOut)
+{
+    const Ptr<AdaptiveQuadtreeORB> detector = AdaptiveQuadtreeORB::create(100);
+    const Mat image = makeScene(Size(200, 150));
+    const Features expected = detectAndCompute(*detector, image);
+    KeyPoints keypoints;
+    detector->detectAndCompute(image, noArray(), keypoints, noArray());
+    EXPECT_TRUE(sameKeypoints(expected.keypoints, keypoints));
+    // nothing to do, as for cv::ORB: the keypoints are not even looked at
+    keypoints.assign(3, KeyPoint(Point2f(-5, 1e9f), 31.f, 0.f, 0.f, -4));
+    const KeyPoints given = keypoints;
+    detector->detectAndCompute(image, noArray(), keypoints, noArray(), true);
+    EXPECT_TRUE(sameKeypoints(given, keypoints));
+    // no keypoints, no descriptors
+    keypoints.clear();
+    Mat descriptors(3, 32, CV_8UC1);
+    detector->compute(image, keypoints, descriptors);
+    EXPECT_TRUE(keypoints.empty());
+    EXPECT_TRUE(descriptors.empty());
+}
+
+}  // namespace
+}  // namespace opencv_test
