@@ -20,7 +20,7 @@ class Mesh
 public:
     Mesh(const Rect& region_, int cellSize)
         : region(region_),
-          side(std::min(cellSize, std::max(region.width, region.height))),
+          side(std::min(cellSize, std::max(std::max(region.width, region.height), 1))),
           columns((region.width + side - 1) / side),
           rows((region.height + side - 1) / side),
           full(size_t(columns) * rows, uchar(0))
