@@ -77,6 +77,7 @@ TEST(AQORB_IO, keys_are_those_of_ORB_in_newer_OpenCV_then_ours)
                           "maxDepth",          "octaveSuppression", "subPixel"};
     for (const char* key : keys)
         EXPECT_FALSE(node[key].empty()) << key;
+    EXPECT_EQ(3, (int)node["format"]);  // as every Algorithm of OpenCV 4
     EXPECT_EQ(321, (int)node["nfeatures"]);
     EXPECT_EQ(3, (int)node["wta_k"]);
     EXPECT_EQ(51, (int)node["cellSize"]);
