@@ -133,7 +133,6 @@ TEST(AQORB_Determinism, what_lies_around_a_region_does_not_matter)
     const Rect region(Point(29, 23), size);
     const Ptr<AdaptiveQuadtreeORB> detector = AdaptiveQuadtreeORB::create(200, 1.2f, 8, 3, 1);
     Mat image, mask = makeScene(size, 8) > 120;  // holes with many edges
-
     cvtColor(makeScene(size, 7), image, COLOR_GRAY2BGR);
     const Features expected = detectAndCompute(*detector, image, mask);
     ASSERT_EQ(200u, expected.keypoints.size());
