@@ -25,10 +25,8 @@ function(aqorb_target target)
   endif()
 
   if(AQORB_SANITIZE)
-    # A ScoreType that is none is what the library checks for, and the tests pass.
     target_compile_options(${target} PRIVATE
-      -fsanitize=${AQORB_SANITIZE} -fno-sanitize=enum -fno-sanitize-recover=all
-      -fno-omit-frame-pointer -g)
+      -fsanitize=${AQORB_SANITIZE} -fno-sanitize-recover=all -fno-omit-frame-pointer -g)
     target_link_options(${target} PRIVATE -fsanitize=${AQORB_SANITIZE})
   endif()
 endfunction()
