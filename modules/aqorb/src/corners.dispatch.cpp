@@ -18,44 +18,54 @@ namespace stages
 class Mesh
 {
 public:
-    Mesh(const Rect& region_, int cellSize)
+    Mesh(const Rect& region_, int cellSize, std::vector<uchar>& full_)
         : region(region_),
           side(std::min(cellSize, std::max(std::max(region.width, region.height), 1))),
+          inverseSide(1.f / side),
           columns((region.width + side - 1) / side),
           rows((region.height + side - 1) / side),
-          full(size_t(columns) * rows, uchar(0))
+          full(full_)
     {
+        full.assign(size_t(columns) * rows, uchar(0));
     }
+    int rowCount() const { return rows; }
     void fill(const Corner& corner) { full[index(corner)] = 1; }
     bool isFull(const Corner& corner) const { return full[index(corner)] != 0; }
-    // The runs of empty cells side by side, as rectangles of the level.
-    void emptyRuns(std::vector<Rect>& runs) const
+    Range rowsOf(int row) const
     {
-        for (int row = 0; row < rows; row++)
+        const int first = region.y + row * side;
+        return Range(first, first + std::min(side, region.y + region.height - first));
+    }
+    // The runs of empty cells side by side, as columns of the level.
+    void emptyRuns(int row, std::vector<Range>& runs) const
+    {
+        runs.clear();
+        const uchar* cells = full.data() + size_t(row) * columns;
+        for (int column = 0; column < columns; column++)
         {
-            const uchar* cells = &full[size_t(row) * columns];
-            for (int column = 0; column < columns; column++)
-            {
-                if (cells[column])
-                    continue;
-                const int first = column;
-                while (column < columns && !cells[column])
-                    column++;
-                runs.push_back(region & Rect(region.x + first * side, region.y + row * side,
-                                             (column - first) * side, side));
-            }
+            if (cells[column])
+                continue;
+            const int first = column;
+            while (column < columns && !cells[column])
+                column++;
+            const int end = column < columns ? column * side : region.width;
+            runs.push_back(Range(region.x + first * side, region.x + end));
         }
     }
 
 private:
+    // Exact, as level sides are below 2^20: a half is further from the next cell than roundings reach.
+    int cell(int offset) const { return int((offset + 0.5f) * inverseSide); }
     size_t index(const Corner& corner) const
     {
-        return size_t((corner.y - region.y) / side) * columns + (corner.x - region.x) / side;
+        return size_t(cell(corner.y - region.y)) * columns + cell(corner.x - region.x);
     }
 
     Rect region;
-    int side, columns, rows;
-    std::vector<uchar> full;
+    int side;
+    float inverseSide;
+    int columns, rows;
+    std::vector<uchar>& full;
 };
 
 static void dropMasked(const Mat& mask, size_t first, std::vector<Corner>& corners)
@@ -87,7 +97,7 @@ static void suppress(Size size, LevelCorners& corners, CornerScratch& scratch)
         scratch.scores.resize(count, uchar(0));
     // Nothing may throw while scores are set.
     scratch.falls.resize(corners.kept.size());
-    corners.suppressed.reserve(corners.kept.size());
+    corners.suppressed.resize(corners.kept.size());
     uchar* scores = scratch.scores.data() + MARGIN * step + MARGIN;
     for (size_t i = 0; i < corners.kept.size(); i++)
     {
@@ -95,17 +105,19 @@ static void suppress(Size size, LevelCorners& corners, CornerScratch& scratch)
         scores[corner.y * step + corner.x] = uchar(corner.score);
     }
     suppressedOf(scores, ptrdiff_t(step), corners.kept, scratch.falls.data());
-    size_t kept = 0;
+    // Each corner is written to both, as which of them keeps it is hard to predict.
+    size_t kept = 0, suppressed = 0;
     for (size_t i = 0; i < scratch.falls.size(); i++)
     {
         const Corner corner = corners.kept[i];
         scores[corner.y * step + corner.x] = 0;
-        if (scratch.falls[i])
-            corners.suppressed.push_back(corner);
-        else
-            corners.kept[kept++] = corner;
+        const int falls = scratch.falls[i];
+        corners.suppressed[suppressed] = corners.kept[kept] = corner;
+        suppressed += falls;
+        kept += 1 - falls;
     }
     corners.kept.resize(kept);
+    corners.suppressed.resize(suppressed);
 }
 
 void findCorners(const Level& level, const Rect& region, Thresholds thresholds, int cellSize,
@@ -115,18 +127,22 @@ void findCorners(const Level& level, const Rect& region, Thresholds thresholds, 
     corners.kept.clear();
     corners.suppressed.clear();
 
-    detectCorners(level.image, region, thresholds.ini, corners.kept);
+    const Range rows(region.y, region.y + region.height);
+    std::vector<Range>& columns = scratch.columns;
+    columns.assign(1, Range(region.x, region.x + region.width));
+    detectCorners(level.image, rows, columns, thresholds.ini, corners.kept, scratch.fast);
     dropMasked(level.mask, 0, corners.kept);
     if (thresholds.min < thresholds.ini)
     {
-        Mesh mesh(region, cellSize);
-        for (size_t i = 0; i < corners.kept.size(); i++)
-            mesh.fill(corners.kept[i]);
-        std::vector<Rect> runs;
-        mesh.emptyRuns(runs);
+        Mesh mesh(region, cellSize, scratch.fullCells);
         const size_t first = corners.kept.size();
-        for (size_t i = 0; i < runs.size(); i++)
-            detectCorners(level.image, runs[i], thresholds.min, corners.kept);
+        for (size_t i = 0; i < first; i++)
+            mesh.fill(corners.kept[i]);
+        for (int row = 0; row < mesh.rowCount(); row++)
+        {
+            mesh.emptyRuns(row, columns);
+            detectCorners(level.image, mesh.rowsOf(row), columns, thresholds.min, corners.kept, scratch.fast);
+        }
         dropMasked(level.mask, first, corners.kept);
     }
     if (suppressNear)
@@ -142,7 +158,8 @@ void findCellRejects(const Level& level, const Rect& region, Thresholds threshol
         return;
     detectCorners(level.image, region, thresholds.min, corners);
     dropMasked(level.mask, 0, corners);
-    Mesh mesh(region, cellSize);
+    std::vector<uchar> fullCells;
+    Mesh mesh(region, cellSize, fullCells);
     for (size_t i = 0; i < corners.size(); i++)
     {
         if (corners[i].score >= thresholds.ini)

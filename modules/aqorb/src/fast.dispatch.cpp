@@ -19,48 +19,110 @@ static int continueFastScan(FastScan& scan, Corner* corners, int capacity)
     CV_CPU_DISPATCH(continueScan, (scan, corners, capacity), CV_CPU_DISPATCH_MODES_ALL);
 }
 
-void detectCorners(const Mat& image, const Rect& region, int threshold, std::vector<Corner>& corners)
+static void widthsOfScan(int widths[2])
+{
+    CV_CPU_DISPATCH(scanWidths, (widths), CV_CPU_DISPATCH_MODES_ALL);
+}
+
+// Covers runs of columns, and one column around each, with blocks inside `pixels`.
+static void coverWithBlocks(const std::vector<Range>& columns, const Range& pixels, int width,
+                            std::vector<ScanBlock>& blocks)
+{
+    blocks.clear();
+    int covered = pixels.start;
+    for (size_t i = 0; i < columns.size(); i++)
+    {
+        const Range& run = columns[i];
+        const int end = std::min(run.end + 1, pixels.end);
+        covered = std::max(covered, run.start - 1);
+        while (covered < end)
+        {
+            // The last one may overlap.
+            const ScanBlock block = {std::min(covered, pixels.end - width), 0};
+            blocks.push_back(block);
+            covered = block.x + width;
+        }
+    }
+    size_t run = 0;
+    covered = pixels.start;
+    for (size_t i = 0; i < blocks.size(); i++)
+    {
+        ScanBlock& block = blocks[i];
+        while (run < columns.size() && columns[run].end <= block.x)
+            run++;
+        for (size_t j = run; j < columns.size() && columns[j].start < block.x + width; j++)
+        {
+            const int first = std::max(std::max(columns[j].start, covered), block.x);
+            const int last = std::min(columns[j].end, block.x + width) - 1;
+            if (first <= last)
+                block.wanted |= (~uint64(0) >> (63 - (last - first))) << (first - block.x);
+        }
+        covered = block.x + width;
+    }
+}
+
+void detectCorners(const Mat& image, const Range& rows, const std::vector<Range>& columns, int threshold,
+                   std::vector<Corner>& corners, FastScratch& scratch)
 {
     const int RADIUS = 3;  // of the circle
-    const Rect hasCircle(RADIUS, RADIUS, image.cols - 2 * RADIUS, image.rows - 2 * RADIUS);
-    const Rect wanted = region & hasCircle;
-    if (wanted.empty())
+    const Range hasCircleX(RADIUS, image.cols - RADIUS), hasCircleY(RADIUS, image.rows - RADIUS);
+    const Range wanted(std::max(rows.start, hasCircleY.start), std::min(rows.end, hasCircleY.end));
+    if (wanted.start >= wanted.end || hasCircleX.start >= hasCircleX.end)
         return;
-    // Corners are suppressed by those just outside the region, too.
-    const Rect scored = Rect(wanted.x - 1, wanted.y - 1, wanted.width + 2, wanted.height + 2) & hasCircle;
 
+    int widths[2];
+    widthsOfScan(widths);
     FastScan scan;
+    scan.blockWidth = hasCircleX.size() >= widths[0]   ? widths[0]
+                      : hasCircleX.size() >= widths[1] ? widths[1]
+                                                       : hasCircleX.size();
+    coverWithBlocks(columns, hasCircleX, scan.blockWidth, scratch.blocks);
+    const int blockCount = int(scratch.blocks.size());
+    if (blockCount == 0)
+        return;
+    const size_t rowBytes = size_t(image.cols) + 2 * SCAN_MARGIN;
+    if (scratch.scores.size() < 3 * rowBytes)
+        scratch.scores.resize(3 * rowBytes);
+    if (scratch.listed.size() < 3 * size_t(blockCount))
+        scratch.listed.resize(3 * size_t(blockCount));
+
     scan.image = image.ptr();
     scan.step = ptrdiff_t(image.step);
     scan.threshold = std::min(std::max(threshold, 1), 255);  // as suppression needs scores > 0
-    scan.left = scored.x;
-    scan.top = scored.y;
-    scan.width = scored.width;
-    scan.bottom = scored.y + scored.height;
-    scan.regionLeft = wanted.x;
-    scan.regionRight = wanted.x + wanted.width;
-    scan.regionTop = wanted.y;
-    scan.regionBottom = wanted.y + wanted.height;
-    scan.y = scored.y;
-    const size_t rowBytes = size_t(scan.width) + 2 * SCAN_MARGIN, rowBlocks = size_t(scan.width) / 8 + 2;
-    AutoBuffer<uchar> scores(3 * rowBytes);
-    AutoBuffer<int> blocks(3 * rowBlocks);
-    std::fill(scores.data(), scores.data() + 3 * rowBytes, uchar(0));
+    scan.top = wanted.start;
+    scan.bottom = wanted.end;
+    scan.scoredTop = std::max(wanted.start - 1, hasCircleY.start);
+    scan.scoredBottom = std::min(wanted.end + 1, hasCircleY.end);
+    scan.y = wanted.start - 1;
+    scan.blocks = scratch.blocks.data();
+    scan.blockCount = blockCount;
     for (int i = 0; i < 3; i++)
     {
-        scan.scores[i] = scores.data() + i * rowBytes;
-        scan.blocks[i] = blocks.data() + i * rowBlocks;
-        scan.count[i] = 0;
+        scan.scores[i] = scratch.scores.data() + i * rowBytes + SCAN_MARGIN;
+        scan.listed[i] = scratch.listed.data() + i * size_t(blockCount);
+        scan.listedCount[i] = 0;
+        scan.scores[i][hasCircleX.start - 1] = scan.scores[i][hasCircleX.end] = 0;
     }
 
     while (scan.y <= scan.bottom)
     {
         const size_t before = corners.size();
-        const int capacity = 4 * (scan.width / 2 + 1);
+        const int capacity = 4 * (blockCount * ((scan.blockWidth + 1) / 2) + SCAN_OVERSHOOT);
         corners.resize(before + capacity);
         const int found = continueFastScan(scan, &corners[before], capacity);
         corners.resize(before + found);
     }
+}
+
+void detectCorners(const Mat& image, const Rect& region, int threshold, std::vector<Corner>& corners)
+{
+    FastScratch scratch;
+    const int RADIUS = 3;
+    const Rect wanted = region & Rect(RADIUS, RADIUS, image.cols - 2 * RADIUS, image.rows - 2 * RADIUS);
+    if (wanted.empty())
+        return;
+    const std::vector<Range> columns(1, Range(wanted.x, wanted.x + wanted.width));
+    detectCorners(image, Range(wanted.y, wanted.y + wanted.height), columns, threshold, corners, scratch);
 }
 
 int cornerScore(const uchar* p, size_t pixelStep)

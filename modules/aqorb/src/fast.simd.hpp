@@ -17,8 +17,11 @@ namespace stages
 
 CV_CPU_OPTIMIZATION_NAMESPACE_BEGIN
 
+//! How many pixels a block may have: the widest, and what serves where these do not fit.
+void scanWidths(int widths[2]);
+
 /** Continues a scan until it is finished or there is no room for the corners of another row.
- @param capacity at least width / 2 + 1
+ @param capacity at least the number of blocks times half their width, and SCAN_OVERSHOOT
  @return number of corners written, in raster order */
 int continueScan(FastScan& scan, Corner* corners, int capacity);
 
@@ -135,19 +138,19 @@ int scoreOfPixel(const uchar* p, ptrdiff_t step)
 }
 
 #if CV_SIMD
-// scoreRow for at least as many pixels as a vector has.
-template <typename Vectors>
-CV_ALWAYS_INLINE int scoreInVectors(const uchar* row, ptrdiff_t step, int width, int threshold, uchar* scores,
-                                    int* blocks)
+template <typename Vectors> CV_ALWAYS_INLINE int scoreBlocks(const FastScan& scan, int y)
 {
     typedef typename Vectors::V V;
-    const int LANES = AQORB_LANES(V);
-    const V zero = Vectors::all(0), limit = Vectors::all(threshold);
-    int listed = 0, count = 0;
+    const uchar* row = scan.image + y * scan.step;
+    const ptrdiff_t step = scan.step;
+    uchar* scores = scan.scores[y % 3];
+    int* list = scan.listed[y % 3];
+    const V zero = Vectors::all(0), limit = Vectors::all(scan.threshold);
+    int possible = 0, count = 0;
     // Every arc holds one end of each axis. Most blocks have no pixel where these allow a corner.
-    for (int start = 0; start < width; start += LANES)
+    for (int i = 0; i < scan.blockCount; i++)
     {
-        const int x = start + LANES <= width ? start : width - LANES;  // the last one overlaps
+        const int x = scan.blocks[i].x;
         const uchar* p = row + x;
         const V v = Vectors::load(p), up = Vectors::load(p - 3 * step), down = Vectors::load(p + 3 * step),
                 left = Vectors::load(p - 3), right = Vectors::load(p + 3);
@@ -155,12 +158,12 @@ CV_ALWAYS_INLINE int scoreInVectors(const uchar* row, ptrdiff_t step, int width,
         const V dark = v_max(v_min(up, down), v_min(left, right));
         const V bound = v_max(v_sub(bright, v), v_sub(v, dark));
         v_store(scores + x, zero);
-        blocks[listed] = x;
-        listed += v_check_any(v_gt(bound, limit));
+        list[possible] = i;
+        possible += v_check_any(v_gt(bound, limit));
     }
-    for (int i = 0; i < listed; i++)
+    for (int i = 0; i < possible; i++)
     {
-        const int x = blocks[i];
+        const int x = scan.blocks[list[i]].x;
         const uchar* p = row + x;
         Circle<V> circle;
         loadCircle<Vectors>(p, step, circle);
@@ -170,102 +173,122 @@ CV_ALWAYS_INLINE int scoreInVectors(const uchar* row, ptrdiff_t step, int width,
         const V score = v_max(bright, dark);
         const V corners = v_gt(score, limit);
         v_store(scores + x, v_and(score, corners));
-        blocks[count] = x;
+        list[count] = list[i];
         count += v_check_any(corners);
     }
     return count;
 }
 #endif
 
-// Scores pixels of a row: the FAST score where it exceeds the threshold, 1 to 255, else 0. Lists the
-// starts of the blocks that hold a corner and returns their number.
-int scoreRow(const uchar* row, ptrdiff_t step, int width, int threshold, uchar* scores, int* blocks)
+// Scores the blocks of a row: the FAST score where it exceeds the threshold, 1 to 255, else 0. Lists the
+// blocks that hold a corner and returns their number.
+int scoreRow(const FastScan& scan, int y)
 {
 #if CV_SIMD
-    if (width >= AQORB_LANES(Wide::V))
-        return scoreInVectors<Wide>(row, step, width, threshold, scores, blocks);
-    if (width >= AQORB_LANES(Narrow::V))
-        return scoreInVectors<Narrow>(row, step, width, threshold, scores, blocks);
+    if (scan.blockWidth == AQORB_LANES(Wide::V))
+        return scoreBlocks<Wide>(scan, y);
+    if (scan.blockWidth == AQORB_LANES(Narrow::V))
+        return scoreBlocks<Narrow>(scan, y);
 #endif
     int count = 0;
-    for (int x = 0; x < width; x++)
+    for (int i = 0; i < scan.blockCount; i++)
     {
-        const int score = scoreOfPixel(row + x, step);
-        scores[x] = uchar(score > threshold ? score : 0);
-        if (scores[x] && (count == 0 || x - blocks[count - 1] >= 16))
-            blocks[count++] = x;
+        const int x = scan.blocks[i].x;
+        bool any = false;
+        for (int j = 0; j < scan.blockWidth; j++)
+        {
+            const int score = scoreOfPixel(scan.image + y * scan.step + x + j, scan.step);
+            scan.scores[y % 3][x + j] = uchar(score > scan.threshold ? score : 0);
+            any |= score > scan.threshold;
+        }
+        scan.listed[y % 3][count] = i;
+        count += any;
     }
     return count;
 }
 
-// The corners of a row of scores that are higher than their eight neighbours, from left to right.
+void clearRow(const FastScan& scan, int y)
+{
+    for (int i = 0; i < scan.blockCount; i++)
+    {
+        for (int j = 0; j < scan.blockWidth; j++)
+            scan.scores[y % 3][scan.blocks[i].x + j] = 0;
+    }
+}
+
+// The wanted corners of a row of scores that are higher than their eight neighbours, from left to right.
 int suppressRow(const FastScan& scan, int y, Corner* corners)
 {
-    const uchar* scores = scan.scores[y % 3] + SCAN_MARGIN;
-    const uchar* above = scan.scores[(y + 2) % 3] + SCAN_MARGIN;
-    const uchar* below = scan.scores[(y + 1) % 3] + SCAN_MARGIN;
-    const int* blocks = scan.blocks[y % 3];
-    const int end = scan.regionRight - scan.left;
+    const uchar *scores = scan.scores[y % 3], *above = scan.scores[(y + 2) % 3],
+                *below = scan.scores[(y + 1) % 3];
+    const int* listed = scan.listed[y % 3];
     Corner* out = corners;
-    int done = scan.regionLeft - scan.left;  // blocks may overlap
-    for (int i = 0; i < scan.count[y % 3]; i++)
+    for (int i = 0; i < scan.listedCount[y % 3]; i++)
     {
-        const int x = blocks[i];
+        const int x = scan.blocks[listed[i]].x;
         const uchar *s = scores + x, *u = above + x, *d = below + x;
 #if CV_SIMD
-        const int LANES = AQORB_LANES(v_uint8);
         const v_uint8 score = vx_load(s);
         const v_uint8 beside = v_max(vx_load(s - 1), vx_load(s + 1));
         const v_uint8 over = v_max(v_max(vx_load(u - 1), vx_load(u)), vx_load(u + 1));
         const v_uint8 under = v_max(v_max(vx_load(d - 1), vx_load(d)), vx_load(d + 1));
-        uint64 highest = uint64(v_signmask(v_gt(score, v_max(beside, v_max(over, under))))) & LANE_MASK;
+        uint64 highest = uint64(v_signmask(v_gt(score, v_max(beside, v_max(over, under)))));
 #else
-        const int LANES = 16;
         uint64 highest = 0;
-        for (int j = 0; j < LANES; j++)
+        for (int j = 0; j < scan.blockWidth; j++)
         {
             const bool is = s[j] > s[j - 1] && s[j] > s[j + 1] && s[j] > u[j - 1] && s[j] > u[j] &&
                             s[j] > u[j + 1] && s[j] > d[j - 1] && s[j] > d[j] && s[j] > d[j + 1];
             highest |= uint64(is) << j;
         }
 #endif
-        for (; highest; highest &= highest - 1)
+        highest &= scan.blocks[listed[i]].wanted;
+        while (highest)
         {
-            const int column = x + trailingZeros(highest);
-            if (column < done || column >= end)
-                continue;
-            out->x = scan.left + column;
-            out->y = y;
-            out->score = scores[column] - 1;
-            out++;
+            // Several at once, found or not: how many there are is hard to predict.
+            for (int j = 0; j < SCAN_OVERSHOOT; j++)
+            {
+                const int column = x + trailingZeros(highest | uint64(1) << 63);
+                out->x = column;
+                out->y = y;
+                out->score = scores[column] - 1;
+                out += highest != 0;
+                highest &= highest - 1;
+            }
         }
-        done = x + LANES > done ? x + LANES : done;
     }
     return int(out - corners);
 }
 
 }  // namespace
 
+void scanWidths(int widths[2])
+{
+#if CV_SIMD
+    widths[0] = AQORB_LANES(Wide::V);
+    widths[1] = AQORB_LANES(Narrow::V);
+#else
+    widths[0] = widths[1] = 16;
+#endif
+}
+
 int continueScan(FastScan& scan, Corner* corners, int capacity)
 {
-    const int perRow = scan.width / 2 + 1;
+    const int perRow = scan.blockCount * ((scan.blockWidth + 1) / 2) + SCAN_OVERSHOOT;
     int found = 0;
     for (; scan.y <= scan.bottom && found + perRow <= capacity; scan.y++)
     {
         const int y = scan.y;
-        scan.count[y % 3] = 0;
-        if (y < scan.bottom)
+        if (y >= scan.scoredTop && y < scan.scoredBottom)
         {
-            scan.count[y % 3] =
-                scoreRow(scan.image + y * scan.step + scan.left, scan.step, scan.width, scan.threshold,
-                         scan.scores[y % 3] + SCAN_MARGIN, scan.blocks[y % 3]);
+            scan.listedCount[y % 3] = scoreRow(scan, y);
         }
         else
         {
-            for (int x = 0; x < scan.width; x++)
-                scan.scores[y % 3][SCAN_MARGIN + x] = 0;
+            clearRow(scan, y);
+            scan.listedCount[y % 3] = 0;
         }
-        if (y - 1 >= scan.regionTop && y - 1 < scan.regionBottom)
+        if (y > scan.top)
             found += suppressRow(scan, y - 1, corners + found);
     }
     return found;

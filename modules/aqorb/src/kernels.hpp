@@ -40,21 +40,25 @@ struct Resize
     short* rows[2];             //!< scratch, 16 ceil(width / 16) elements each
 };
 
-//! A scan of a region for FAST corners, row by row; a row is suppressed once the one below it has scores.
+//! A scan of rows for FAST corners; a row is suppressed once the one below it has scores.
 struct FastScan
 {
     const uchar* image;
     ptrdiff_t step;
     int threshold;
-    int left, top, width, bottom;  //!< what gets scores: the region and one pixel around it
-    int regionLeft, regionRight, regionTop, regionBottom;  //!< where corners are wanted
-    int y;             //!< the next row to get scores; finished when beyond bottom
-    uchar* scores[3];  //!< by row modulo 3; width + 2 * SCAN_MARGIN bytes, 0 at the start
-    int* blocks[3];    //!< by row modulo 3: where there are scores; width / 8 + 2 entries
-    int count[3];      //!< number of blocks
+    int top, bottom;              //!< rows in which corners are wanted
+    int scoredTop, scoredBottom;  //!< rows that get scores: also the ones around, where they have a circle
+    int y;                        //!< the next row to get scores; finished when beyond bottom
+    const ScanBlock* blocks;      //!< from left to right
+    int blockCount;
+    int blockWidth;     //!< one of scanWidths, or any number below its last
+    uchar* scores[3];   //!< by row modulo 3, by column; SCAN_MARGIN bytes more on both sides
+    int* listed[3];     //!< by row modulo 3: the blocks in which there are scores
+    int listedCount[3];
 };
 
-const int SCAN_MARGIN = 64;  // around the scores of a row, for the vectors
+const int SCAN_MARGIN = 64;    // around the scores of a row, for the vectors
+const int SCAN_OVERSHOOT = 4;  // corners a scan may write beyond those it found
 
 //! The 256 tests of a descriptor with WTA_K 2: the bit is 1 where point 0 is darker than point 1.
 struct PairTests

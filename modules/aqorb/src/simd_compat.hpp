@@ -45,11 +45,15 @@ AQORB_BINARY(v_ge, >=)
 static const uint64 LANE_MASK = ~uint64(0) >> (64 - CV_SIMD_WIDTH);
 #endif
 
-//! Index of the lowest bit set.
+//! Index of the lowest bit set, of which there must be one.
 static CV_ALWAYS_INLINE int trailingZeros(uint64 bits)
 {
+#if defined(__GNUC__)
+    return __builtin_ctzll(bits);
+#else
     const unsigned low = unsigned(bits);
     return int(low ? trailingZeros32(low) : 32 + trailingZeros32(unsigned(bits >> 32)));
+#endif
 }
 
 }  // namespace stages

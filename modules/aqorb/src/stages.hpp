@@ -118,6 +118,25 @@ CV_EXPORTS void buildPyramid(const Mat& image, const Mat& mask, int nlevels, int
 CV_EXPORTS void detectCorners(const Mat& image, const Rect& region, int threshold,
                               std::vector<Corner>& corners);
 
+//! Neighbouring pixels of a row that are scored together.
+struct ScanBlock
+{
+    int x;          //!< the first
+    uint64 wanted;  //!< bit i: whether a corner at x + i is wanted
+};
+
+//! Work space of detectCorners, for one call after the other.
+struct FastScratch
+{
+    std::vector<ScanBlock> blocks;
+    std::vector<uchar> scores;
+    std::vector<int> listed;
+};
+
+//! The same, with a region of several runs of columns, from left to right and apart, in the same rows.
+CV_EXPORTS void detectCorners(const Mat& image, const Range& rows, const std::vector<Range>& columns,
+                              int threshold, std::vector<Corner>& corners, FastScratch& scratch);
+
 /** The unthresholded FAST score at p, -255 to 255: the largest over the 16 arcs of 9 circle pixels
  of their least difference to the centre, brighter or darker. One more than cv::FAST's response. */
 CV_EXPORTS int cornerScore(const uchar* p, size_t step);
@@ -139,6 +158,9 @@ struct CornerScratch
 {
     std::vector<uchar> scores;  //!< by pixel; all 0 between calls
     std::vector<uchar> falls;   //!< by corner
+    FastScratch fast;
+    std::vector<uchar> fullCells;
+    std::vector<Range> columns;  //!< to search
 };
 
 /** Corners of a level inside `region`: score >= thresholds.ini; in cells of side cellSize (the first
