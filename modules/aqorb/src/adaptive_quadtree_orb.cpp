@@ -236,6 +236,7 @@ void AdaptiveQuadtreeORBImpl::detectAndCompute(InputArray image_, InputArray mas
         descriptors_.create(int(firsts[levels]), kBytes, CV_8UC1);
         descriptors = descriptors_.getMat();
         const std::vector<Point> pattern = descriptorPattern(p.patchSize, p.WTA_K);
+        const int reach = descriptorReach(pattern);
         parallel_for_(
             Range(0, levels),
             [&](const Range& range)
@@ -246,12 +247,16 @@ void AdaptiveQuadtreeORBImpl::detectAndCompute(InputArray image_, InputArray mas
                     const std::vector<DescriptorPoint>& points = workspace.features[i].points;
                     if (points.empty())
                         continue;
-                    const Pool<LevelScratch>::Lease scratch(scratches);
-                    std::vector<ushort>& buffer = (*scratch).blurred;
-                    if (buffer.size() < level.total())
-                        buffer.resize(level.total());
-                    Mat blurred(level.size(), CV_16UC1, buffer.data());
-                    approximateBlur(level, blurred);
+                    const Pool<LevelScratch>::Lease lent(scratches);
+                    LevelScratch& scratch = *lent;
+                    scratch.blurRegion.begin(level.size());
+                    for (size_t j = 0; j < points.size(); j++)
+                        scratch.blurRegion.add(
+                            Rect(points[j].x - reach, points[j].y - reach, 2 * reach + 1, 2 * reach + 1));
+                    if (scratch.blurred.size() < level.total())
+                        scratch.blurred.resize(level.total());
+                    Mat blurred(level.size(), CV_16UC1, scratch.blurred.data());
+                    approximateBlur(level, scratch.blurRegion, blurred, scratch.blur);
                     computeDescriptors(level, blurred, points.data(), points.size(), pattern, p.WTA_K,
                                        descriptors.ptr(int(firsts[i])), descriptors.step);
                 }

@@ -4,6 +4,8 @@
 
 #include "precomp.hpp"
 
+#include "simd_compat.hpp"
+
 #include "blur.simd.hpp"
 #include "blur.simd_declarations.hpp"
 
@@ -83,42 +85,112 @@ static void rowPass(const uchar* row, int width, const ushort* taps, ushort* out
     CV_CPU_DISPATCH(blurRow, (row, width, taps, out), CV_CPU_DISPATCH_MODES_ALL);
 }
 
-static void columnPass(const ushort* const* rows, int width, const ushort* taps, ushort* out)
+static void columnPass(const ushort* const* rows, int first, int width, const ushort* taps, ushort* out)
 {
-    CV_CPU_DISPATCH(blurColumn, (rows, width, taps, out), CV_CPU_DISPATCH_MODES_ALL);
+    const ushort* at[2 * RADIUS + 1];
+    for (int i = 0; i <= 2 * RADIUS; i++)
+        at[i] = rows[i] + first;
+    CV_CPU_DISPATCH(blurColumn, (at, width, taps, out + first), CV_CPU_DISPATCH_MODES_ALL);
 }
 
-void approximateBlur(const Mat& image, Mat& blurred)
+void BlurRegion::begin(Size size_)
+{
+    const int BLOCKS = 64, ALIGN = 32;  // bits of a row; whole vectors
+    size = size_;
+    blockWidth = int(alignSize(size_t((size.width + BLOCKS - 1) / BLOCKS), ALIGN));
+    rows.assign(size.height, 0);
+}
+
+void BlurRegion::add(const Rect& rect)
+{
+    const Rect part = rect & Rect(Point(), size);
+    if (part.empty())
+        return;
+    const int first = part.x / blockWidth, last = (part.x + part.width - 1) / blockWidth;
+    const uint64 blocks = (~uint64(0) >> (63 - (last - first))) << first;
+    for (int y = part.y; y < part.y + part.height; y++)
+        rows[y] |= blocks;
+}
+
+uint64 BlurRegion::blocksNear(int y, int radius) const
+{
+    uint64 blocks = 0;
+    for (int i = std::max(y - radius, 0); i <= std::min(y + radius, size.height - 1); i++)
+        blocks |= rows[i];
+    return blocks;
+}
+
+bool BlurRegion::takeRun(uint64& blocks, Range& columns) const
+{
+    if (blocks == 0)
+        return false;
+    const int BITS = 64;
+    const int first = trailingZeros(blocks);
+    const uint64 behind = ~(blocks >> first);
+    const int end = behind ? first + trailingZeros(behind) : BITS;
+    columns.start = first * blockWidth;
+    columns.end = std::min(end * blockWidth, size.width);
+    blocks = end < BITS ? blocks >> end << end : 0;
+    return true;
+}
+
+// The row pass of columns within RADIUS of the border, by way of a copy filled up by reflection.
+static void rowPassAtBorder(const uchar* source, int width, const Range& columns, const ushort* taps,
+                            ushort* out)
+{
+    uchar padded[3 * RADIUS];
+    for (int i = 0; i < columns.size() + 2 * RADIUS; i++)
+        padded[i] = source[borderInterpolate(columns.start - RADIUS + i, width, BORDER_REFLECT_101)];
+    rowPass(padded + RADIUS, columns.size(), taps, out + columns.start);
+}
+
+void approximateBlur(const Mat& image, const BlurRegion& region, Mat& blurred, BlurScratch& scratch)
 {
     CV_TRACE_FUNCTION();
     static const FixedTaps taps;
     const int width = image.cols, height = image.rows, RING = 8;
-    blurred.create(image.size(), CV_16UC1);
-    AutoBuffer<uchar> padded(width + 2 * RADIUS);
-    AutoBuffer<ushort> ring(size_t(width) * RING);
+    const Range inner(std::min(RADIUS, width), std::max(width - RADIUS, std::min(RADIUS, width)));
+    if (scratch.size() < size_t(width) * RING)
+        scratch.resize(size_t(width) * RING);
     int done = 0;  // rows that went through the row pass
     for (int y = 0; y < height; y++)
     {
         for (; done < std::min(y + RADIUS + 1, height); done++)
         {
             const uchar* source = image.ptr(done);
-            std::copy(source, source + width, padded.data() + RADIUS);
-            for (int i = 1; i <= RADIUS; i++)
+            ushort* out = scratch.data() + size_t(done % RING) * width;
+            Range run;
+            for (uint64 blocks = region.blocksNear(done, RADIUS); region.takeRun(blocks, run);)
             {
-                padded[RADIUS - i] = source[borderInterpolate(-i, width, BORDER_REFLECT_101)];
-                padded[RADIUS + width - 1 + i] =
-                    source[borderInterpolate(width - 1 + i, width, BORDER_REFLECT_101)];
+                const Range middle = run & inner;
+                if (run.start < inner.start)
+                    rowPassAtBorder(source, width, Range(0, inner.start), taps.row, out);
+                if (middle.start < middle.end)
+                    rowPass(source + middle.start, middle.size(), taps.row, out + middle.start);
+                if (run.end > inner.end)
+                    rowPassAtBorder(source, width, Range(inner.end, width), taps.row, out);
             }
-            rowPass(padded.data() + RADIUS, width, taps.row, ring.data() + size_t(done % RING) * width);
         }
         const ushort* rows[2 * RADIUS + 1];
         for (int i = -RADIUS; i <= RADIUS; i++)
         {
             const int row = borderInterpolate(y + i, height, BORDER_REFLECT_101);
-            rows[RADIUS + i] = ring.data() + size_t(row % RING) * width;
+            rows[RADIUS + i] = scratch.data() + size_t(row % RING) * width;
         }
-        columnPass(rows, width, taps.column, blurred.ptr<ushort>(y));
+        Range run;
+        for (uint64 blocks = region.blocksNear(y, 0); region.takeRun(blocks, run);)
+            columnPass(rows, run.start, run.size(), taps.column, blurred.ptr<ushort>(y));
     }
+}
+
+void approximateBlur(const Mat& image, Mat& blurred)
+{
+    BlurRegion everywhere;
+    everywhere.begin(image.size());
+    everywhere.add(Rect(Point(), image.size()));
+    blurred.create(image.size(), CV_16UC1);
+    BlurScratch scratch;
+    approximateBlur(image, everywhere, blurred, scratch);
 }
 
 }  // namespace stages

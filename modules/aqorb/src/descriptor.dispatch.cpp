@@ -151,25 +151,55 @@ static int compareSurely(const ushort* center, ptrdiff_t step, float a, float b,
     CV_CPU_DISPATCH(comparePairs, (center, step, a, b, tests, descriptor, unsure), CV_CPU_DISPATCH_MODES_ALL);
 }
 
+int descriptorReach(const std::vector<Point>& pattern)
+{
+    int64 squared = 0;
+    for (size_t i = 0; i < pattern.size(); i++)
+        squared = std::max(squared, int64(pattern[i].x) * pattern[i].x + int64(pattern[i].y) * pattern[i].y);
+    return cvCeil(std::sqrt(double(squared))) + 1;
+}
+
+// The blurred patch of the given radius around a pixel near the border, filled up with the reflected
+// pixels, as cv::ORB does not blur those.
+static void copyBlurredPatch(const Mat& image, const Mat& blurred, int x, int y, int radius, ushort* patch)
+{
+    const Range inside(std::max(x - radius, 0), std::min(x + radius + 1, image.cols));
+    for (int row = y - radius; row <= y + radius; row++, patch += 2 * radius + 1)
+    {
+        const bool isInside = row >= 0 && row < image.rows;
+        const uchar* reflected = image.ptr(borderInterpolate(row, image.rows, BORDER_REFLECT_101));
+        for (int column = x - radius; column <= x + radius; column++)
+        {
+            if (isInside && column == inside.start)
+            {
+                const ushort* source = blurred.ptr<ushort>(row);
+                std::copy(source + inside.start, source + inside.end, patch + (column - x + radius));
+                column = inside.end - 1;
+                continue;
+            }
+            const int reflectedColumn = borderInterpolate(column, image.cols, BORDER_REFLECT_101);
+            patch[column - x + radius] = ushort(reflected[reflectedColumn] << 8);
+        }
+    }
+}
+
 void computeDescriptors(const Mat& image, const Mat& blurred, const DescriptorPoint* points, size_t count,
                         const std::vector<Point>& pattern, int WTA_K, uchar* descriptors, size_t step)
 {
     CV_TRACE_FUNCTION();
+    const int reach = descriptorReach(pattern), MAX_REACH = 64;  // where a patch is still cheaply copied
+    const Rect inside(reach, reach, image.cols - 2 * reach, image.rows - 2 * reach);
+    const bool byKernel = WTA_K == 2 && reach <= MAX_REACH;
     PairTests tests;
-    int reach = 0;  // of the rotated points
-    if (WTA_K == 2)
+    for (int i = 0; byKernel && i < PairTests::COUNT; i++)
     {
-        for (int i = 0; i < PairTests::COUNT; i++)
+        for (int k = 0; k < 2; k++)
         {
-            for (int k = 0; k < 2; k++)
-            {
-                const Point p = pattern[2 * i + k];
-                tests.x[k][i] = float(p.x);
-                tests.y[k][i] = float(p.y);
-                reach = std::max(reach, cvCeil(std::sqrt(double(p.x) * p.x + double(p.y) * p.y)) + 1);
-            }
+            tests.x[k][i] = float(pattern[2 * i + k].x);
+            tests.y[k][i] = float(pattern[2 * i + k].y);
         }
     }
+    AutoBuffer<ushort, 2048> copy;
     for (size_t i = 0; i < count; i++)
     {
         const int x = points[i].x, y = points[i].y;
@@ -177,14 +207,27 @@ void computeDescriptors(const Mat& image, const Mat& blurred, const DescriptorPo
         const float angle = points[i].angle * float(CV_PI / 180.f);
         const float a = float(std::cos(double(angle))), b = float(std::sin(double(angle)));
         const BlurredPatch patch(image, blurred, x, y);
-        if (WTA_K != 2 || x < reach || y < reach || x >= image.cols - reach || y >= image.rows - reach)
+        if (!byKernel)
         {
             computePlainly(patch, a, b, pattern, WTA_K, descriptor);
             continue;
         }
+        const ushort* center;
+        ptrdiff_t centerStep;
+        if (inside.contains(Point(x, y)))
+        {
+            center = blurred.ptr<ushort>(y) + x;
+            centerStep = ptrdiff_t(blurred.step1());
+        }
+        else
+        {
+            centerStep = 2 * reach + 1;
+            copy.allocate(size_t(centerStep) * centerStep);
+            copyBlurredPatch(image, blurred, x, y, reach, copy.data());
+            center = copy.data() + reach * centerStep + reach;
+        }
         uchar unsure[PairTests::COUNT];
-        const int left = compareSurely(blurred.ptr<ushort>(y) + x, ptrdiff_t(blurred.step1()), a, b, tests,
-                                       descriptor, unsure);
+        const int left = compareSurely(center, centerStep, a, b, tests, descriptor, unsure);
         for (int j = 0; j < left; j++)
         {
             const int test = unsure[j];

@@ -81,12 +81,49 @@ struct Wide
     typedef v_uint8 V;
     static CV_ALWAYS_INLINE V load(const uchar* p) { return vx_load(p); }
     static CV_ALWAYS_INLINE V all(int value) { return vx_setall_u8(uchar(value)); }
+#if CV_AVX512_SKX && CV_SIMD_WIDTH == 64
+    // Comparisons give masks; vectors made of these would have to be made masks again.
+    static CV_ALWAYS_INLINE bool anyGreater(const V& a, const V& b)
+    {
+        return _mm512_cmpgt_epu8_mask(a.val, b.val) != 0;
+    }
+    static CV_ALWAYS_INLINE bool storeGreater(uchar* p, const V& a, const V& b)
+    {
+        const __mmask64 greater = _mm512_cmpgt_epu8_mask(a.val, b.val);
+        _mm512_storeu_si512(p, _mm512_maskz_mov_epi8(greater, a.val));
+        return greater != 0;
+    }
+    static CV_ALWAYS_INLINE uint64 maskGreater(const V& a, const V& b)
+    {
+        return _mm512_cmpgt_epu8_mask(a.val, b.val);
+    }
+#else
+    static CV_ALWAYS_INLINE bool anyGreater(const V& a, const V& b) { return v_check_any(v_gt(a, b)); }
+    // Stores a where it is greater than b, else 0; whether it is anywhere.
+    static CV_ALWAYS_INLINE bool storeGreater(uchar* p, const V& a, const V& b)
+    {
+        const V greater = v_gt(a, b);
+        v_store(p, v_and(a, greater));
+        return v_check_any(greater);
+    }
+    static CV_ALWAYS_INLINE uint64 maskGreater(const V& a, const V& b)
+    {
+        return uint64(v_signmask(v_gt(a, b)));  // the caller drops the bits above the lanes
+    }
+#endif
 };
 struct Narrow
 {
     typedef v_uint8x16 V;
     static CV_ALWAYS_INLINE V load(const uchar* p) { return v_load(p); }
     static CV_ALWAYS_INLINE V all(int value) { return v_setall_u8(uchar(value)); }
+    static CV_ALWAYS_INLINE bool anyGreater(const V& a, const V& b) { return v_check_any(v_gt(a, b)); }
+    static CV_ALWAYS_INLINE bool storeGreater(uchar* p, const V& a, const V& b)
+    {
+        const V greater = v_gt(a, b);
+        v_store(p, v_and(a, greater));
+        return v_check_any(greater);
+    }
 };
 
 template <typename Vectors>
@@ -159,7 +196,7 @@ template <typename Vectors> CV_ALWAYS_INLINE int scoreBlocks(const FastScan& sca
         const V bound = v_max(v_sub(bright, v), v_sub(v, dark));
         v_store(scores + x, zero);
         list[possible] = i;
-        possible += v_check_any(v_gt(bound, limit));
+        possible += Vectors::anyGreater(bound, limit);
     }
     for (int i = 0; i < possible; i++)
     {
@@ -170,11 +207,8 @@ template <typename Vectors> CV_ALWAYS_INLINE int scoreBlocks(const FastScan& sca
         const V v = Vectors::load(p);
         const V bright = v_sub(bestArc<Least, Greatest>(circle), v);
         const V dark = v_sub(v, bestArc<Greatest, Least>(circle));
-        const V score = v_max(bright, dark);
-        const V corners = v_gt(score, limit);
-        v_store(scores + x, v_and(score, corners));
         list[count] = list[i];
-        count += v_check_any(corners);
+        count += Vectors::storeGreater(scores + x, v_max(bright, dark), limit);
     }
     return count;
 }
@@ -232,7 +266,7 @@ int suppressRow(const FastScan& scan, int y, Corner* corners)
         const v_uint8 beside = v_max(vx_load(s - 1), vx_load(s + 1));
         const v_uint8 over = v_max(v_max(vx_load(u - 1), vx_load(u)), vx_load(u + 1));
         const v_uint8 under = v_max(v_max(vx_load(d - 1), vx_load(d)), vx_load(d + 1));
-        uint64 highest = uint64(v_signmask(v_gt(score, v_max(beside, v_max(over, under)))));
+        uint64 highest = Wide::maskGreater(score, v_max(beside, v_max(over, under)));
 #else
         uint64 highest = 0;
         for (int j = 0; j < scan.blockWidth; j++)

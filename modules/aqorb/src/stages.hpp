@@ -331,8 +331,34 @@ CV_EXPORTS uchar exactBlur(const Mat& image, int x, int y);
 //! Bound on the distance of approximateBlur from the exact one before rounding, in units of 1/256.
 const int BLUR_BOUND = 6;
 
-/** The same blur in fixed point: CV_16UC1 of the image's size, in units of 1/256, off by at most
- BLUR_BOUND. */
+//! The pixels of a level that are to be blurred: by row, a bit for each of at most 64 blocks of columns.
+class CV_EXPORTS BlurRegion
+{
+public:
+    //! Begins anew, without any pixels.
+    void begin(Size size);
+    //! Adds at least the pixels of a rectangle inside the level.
+    void add(const Rect& rect);
+    //! The blocks of a row and of those within a radius of it, a bit for each.
+    uint64 blocksNear(int y, int radius) const;
+    //! Takes the first run of blocks off, and gives its columns; false if there is none.
+    bool takeRun(uint64& blocks, Range& columns) const;
+
+private:
+    Size size;
+    int blockWidth;
+    std::vector<uint64> rows;
+};
+
+//! Work space of approximateBlur.
+typedef std::vector<ushort> BlurScratch;
+
+/** The same blur in fixed point, in units of 1/256, off by at most BLUR_BOUND.
+ @param blurred CV_16UC1 of the image's size; pixels outside of the region get any value */
+CV_EXPORTS void approximateBlur(const Mat& image, const BlurRegion& region, Mat& blurred,
+                                BlurScratch& scratch);
+
+//! The same of the whole image.
 CV_EXPORTS void approximateBlur(const Mat& image, Mat& blurred);
 
 // ---- descriptor.dispatch.cpp -----------------------------------------------------------------
@@ -340,9 +366,12 @@ CV_EXPORTS void approximateBlur(const Mat& image, Mat& blurred);
 //! The points that rBRIEF compares, WTA_K to a test, in the order of the tests; as cv::ORB draws them.
 CV_EXPORTS std::vector<Point> descriptorPattern(int patchSize, int WTA_K);
 
+//! How far from the keypoint the descriptor may read.
+CV_EXPORTS int descriptorReach(const std::vector<Point>& pattern);
+
 /** The 32-byte descriptors at pixels of a level, equal to cv::ORB's.
  @param image the level
- @param blurred approximateBlur of it
+ @param blurred approximateBlur of it, wherever it lies within descriptorReach of a point
  @param points, count where
  @param descriptors one a row of `step` bytes */
 CV_EXPORTS void computeDescriptors(const Mat& image, const Mat& blurred, const DescriptorPoint* points,

@@ -52,6 +52,8 @@ struct Workspace
 struct LevelScratch
 {
     stages::CornerScratch corners;
+    stages::BlurRegion blurRegion;
+    stages::BlurScratch blur;
     std::vector<ushort> blurred;
 
     void rest() {}
