@@ -28,49 +28,43 @@ class PyramidCorners : public CornerSource
 public:
     PyramidCorners(const Parameters& parameters_, Thresholds thresholds_, Workspace& workspace_,
                    Pool<LevelScratch>& scratches_)
-        : parameters(parameters_),
-          thresholds(thresholds_),
-          workspace(workspace_),
-          scratches(scratches_),
-          ready(workspace.pyramid.size(), 0)
+        : parameters(parameters_), thresholds(thresholds_), workspace(workspace_), scratches(scratches_)
     {
-    }
-    Rect region(int level) const
-    {
-        const int border = parameters.edgeThreshold;
-        const Size size = workspace.pyramid[level].image.size();
-        return Rect(border, border, size.width - 2 * border, size.height - 2 * border);
+        workspace.ready.assign(workspace.pyramid.size(), uchar(0));
     }
     // Finds the corners of a level that will be asked for; several levels may be prepared at once.
     void prepare(int level)
     {
-        LevelCorners& corners_ = workspace.corners[level];
+        LevelCorners& found = workspace.corners[level];
+        const SelectionLevel& root = workspace.selectionLevels[level];
+        const Pool<LevelScratch>::Lease lent(scratches);
+        LevelScratch& scratch = *lent;
         // Harris responses of neighbours hardly differ: unsuppressed, a strong corner is taken thrice.
-        const Pool<LevelScratch>::Lease scratch(scratches);
-        findCorners(workspace.pyramid[level], region(level), thresholds, parameters.cellSize, isHarris(),
-                    corners_, (*scratch).corners);
-        rank(level, corners_.kept, workspace.ranked[level]);
-        ready[level] = 1;
+        findCorners(workspace.pyramid[level], root.root, thresholds, parameters.cellSize, isHarris(), found,
+                    scratch.corners);
+        rank(level, found.kept, scratch.ranked);
+        leafPoints(scratch.ranked, root.root, root.depth, scratch.leaves, scratch.points);
+        workspace.sequences[level].begin(scratch.points, root.depth);
+        workspace.ready[level] = 1;
+    }
+    BalancedSequence& sequence(int level) CV_OVERRIDE
+    {
+        if (!workspace.ready[level])
+            prepare(level);
+        return workspace.sequences[level];
     }
     void corners(int level, CornerSet set, std::vector<RankedCorner>& ranked) CV_OVERRIDE
     {
-        if (set == KEPT_CORNERS)
-        {
-            if (!ready[level])
-                prepare(level);
-            ranked.swap(workspace.ranked[level]);
-        }
-        else if (set == SUPPRESSED_CORNERS)
-        {
-            rank(level, workspace.corners[level].suppressed, ranked);
-        }
-        else
+        if (set == CELL_REJECTS)
         {
             std::vector<Corner> rejects;
-            findCellRejects(workspace.pyramid[level], region(level), thresholds, parameters.cellSize,
-                            rejects);
+            findCellRejects(workspace.pyramid[level], workspace.selectionLevels[level].root, thresholds,
+                            parameters.cellSize, rejects);
             rank(level, rejects, ranked);
+            return;
         }
+        const LevelCorners& found = workspace.corners[level];
+        rank(level, set == KEPT_CORNERS ? found.kept : found.suppressed, ranked);
     }
 
 private:
@@ -95,7 +89,6 @@ private:
     const Thresholds thresholds;
     Workspace& workspace;
     Pool<LevelScratch>& scratches;
-    std::vector<uchar> ready;
 };
 
 bool inRasterOrder(const RankedCorner& a, const RankedCorner& b)
@@ -176,6 +169,11 @@ private:
 
     void detect(const Mat& image, const Mat& mask, Workspace& workspace) const;
     void locate(const Mat& image, const std::vector<KeyPoint>& provided, Workspace& workspace) const;
+    Rect regionOf(Size level) const
+    {
+        const int border = p.edgeThreshold;
+        return Rect(border, border, level.width - 2 * border, level.height - 2 * border);
+    }
     void refine(const std::vector<RankedCorner>& corners, const Level& level, int octave,
                 const PositionMap& position, const Mat& mask, LevelFeatures& features) const;
 
@@ -294,7 +292,8 @@ void AdaptiveQuadtreeORBImpl::detect(const Mat& image, const Mat& mask, Workspac
     PyramidCorners source(p, thresholds, workspace, scratches);
     const std::vector<int> quotas = levelQuotas(p.nfeatures, p.scaleFactor, p.nlevels);
     std::vector<PositionMap> positions(levels);
-    std::vector<SelectionLevel> selectionLevels(levels);
+    std::vector<SelectionLevel>& selectionLevels = workspace.selectionLevels;
+    selectionLevels.resize(levels);
     for (int i = 0; i < levels; i++)
     {
         const PositionMap position = {image.size(), pyramid[i].image.size(), pyramid[i].scale,
@@ -302,7 +301,7 @@ void AdaptiveQuadtreeORBImpl::detect(const Mat& image, const Mat& mask, Workspac
         positions[i] = position;
         if (!mask.empty() && !pyramid[i].isInput)
             maskPositions(mask, position, pyramid[i].mask);
-        const SelectionLevel level = {pyramid[i].image.size(), pyramid[i].scale, source.region(i),
+        const SelectionLevel level = {pyramid[i].image.size(), pyramid[i].scale, regionOf(pyramid[i].image.size()),
                                       p.maxDepth >= 0 ? p.maxDepth : quadtreeDepth(quotas[i]), quotas[i]};
         selectionLevels[i] = level;
     }

@@ -32,6 +32,41 @@ unsigned leafCode(unsigned column, unsigned row)
     return spreadBits(column) | (spreadBits(row) << 1);
 }
 
+// The leaves' part of the code along one axis: of a root of the given length, by pixel.
+static void leafCodes(int length, int depth, std::vector<unsigned>& codes)
+{
+    codes.resize(length);
+    const int64 leaves = int64(1) << depth;
+    int64 leaf = 0, rest = 0;  // pixel * leaves = leaf * length + rest
+    unsigned code = leafCode(0, 0);
+    for (int i = 0; i < length; i++)
+    {
+        codes[i] = code;
+        rest += leaves;
+        if (rest >= length)
+        {
+            leaf += rest / length;
+            rest %= length;
+            code = leafCode(unsigned(leaf), 0);
+        }
+    }
+}
+
+void leafPoints(const std::vector<RankedCorner>& corners, const Rect& root, int depth, LeafScratch& scratch,
+                std::vector<LeafPoint>& points)
+{
+    leafCodes(root.width, depth, scratch.columns);
+    leafCodes(root.height, depth, scratch.rows);
+    points.resize(corners.size());
+    for (size_t i = 0; i < corners.size(); i++)
+    {
+        const RankedCorner& c = corners[i];
+        const LeafPoint point = {scratch.columns[c.x - root.x] | scratch.rows[c.y - root.y] << 1, c.response,
+                                 float(c.x), float(c.y), int(i)};
+        points[i] = point;
+    }
+}
+
 namespace
 {
 
@@ -48,6 +83,10 @@ unsigned orderedResponse(float response)
 // Total order by response, so that the result does not depend on the order of the points.
 bool better(const LeafPoint& a, const LeafPoint& b)
 {
+    if (a.response > b.response)
+        return true;
+    if (a.response < b.response)
+        return false;
     const unsigned ra = orderedResponse(a.response), rb = orderedResponse(b.response);
     if (ra != rb)
         return ra > rb;
@@ -56,14 +95,14 @@ bool better(const LeafPoint& a, const LeafPoint& b)
     return a.x != b.x ? a.x < b.x : a.index < b.index;
 }
 
-// Stable, by 8 bits at a time.
+// Stable, by several bits at a time.
 void sortByLeaf(std::vector<LeafPoint>& points, int depth, std::vector<LeafPoint>& sorted)
 {
-    const int DIGIT = 8, VALUES = 1 << DIGIT;
+    const int DIGIT = 11, VALUES = 1 << DIGIT;
     sorted.resize(points.size());
     for (int shift = 0; shift < 2 * depth; shift += DIGIT)
     {
-        size_t starts[VALUES + 1] = {0};
+        unsigned starts[VALUES + 1] = {0};
         for (size_t i = 0; i < points.size(); i++)
             starts[((points[i].leaf >> shift) & (VALUES - 1)) + 1]++;
         for (int i = 0; i < VALUES; i++)
@@ -96,51 +135,56 @@ void BalancedSequence::begin(std::vector<LeafPoint>& points_, int depth)
         {
             if (i == 0 || leaf >> groupShift != points[i - 1].leaf >> groupShift)
             {
-                const Group group = {leaves.size(), leaves.size(), 0, 0, 0};
+                const Group group = {leaves.size(), leaves.size(), i, 0};
                 groups.push_back(group);
             }
-            const Leaf newLeaf = {i, i};
+            const Leaf newLeaf = {i, i, 0};
             leaves.push_back(newLeaf);
             groups.back().endLeaf++;
         }
         leaves.back().end++;
     }
-    for (size_t i = 0; i < groups.size(); i++)
-        groups[i].list = leaves[groups[i].firstLeaf].begin;
     lists.resize(points.size());
 }
 
-// Puts the best of what remains of a leaf first, where its last was taken before.
-void BalancedSequence::bringUpNext(Leaf& leaf, size_t taken)
+// Takes the best point off a leaf that the filter lets pass. False: there is none.
+bool BalancedSequence::takeBest(Leaf& leaf, const PointFilter* filter, LeafPoint& best)
 {
     // Selection pays for the first few; who asks for more gets the rest sorted.
-    const size_t SELECTED = 4;
-    if (taken < SELECTED)
-        std::iter_swap(
-            points.begin() + leaf.begin + taken,
-            std::min_element(points.begin() + leaf.begin + taken, points.begin() + leaf.end, better));
-    else if (taken == SELECTED)
-        std::sort(points.begin() + leaf.begin + taken, points.begin() + leaf.end, better);
+    const int SELECTED = 4;
+    while (leaf.begin < leaf.end)
+    {
+        const std::vector<LeafPoint>::iterator begin = points.begin() + leaf.begin,
+                                               end = points.begin() + leaf.end;
+        if (leaf.taken < SELECTED)
+            std::iter_swap(begin, std::min_element(begin, end, better));
+        else if (leaf.taken == SELECTED)
+            std::sort(begin, end, better);
+        leaf.taken++;
+        best = points[leaf.begin++];
+        if (!filter || filter->accepts(best))
+            return true;
+    }
+    return false;
 }
 
 // Appends the next best of each of the group's leaves to its list. False: there are none.
-bool BalancedSequence::extend(Group& group)
+bool BalancedSequence::extend(Group& group, const PointFilter* filter)
 {
-    const size_t before = group.listed;
+    const std::vector<LeafPoint>::iterator begin = lists.begin() + group.list + group.listed;
+    std::vector<LeafPoint>::iterator end = begin;
+    LeafPoint best;
     for (size_t i = group.firstLeaf; i < group.endLeaf; i++)
     {
-        Leaf& leaf = leaves[i];
-        if (leaf.end - leaf.begin <= group.rounds)
-            continue;
-        bringUpNext(leaf, group.rounds);
-        lists[group.list + group.listed++] = points[leaf.begin + group.rounds];
+        if (takeBest(leaves[i], filter, best))
+            *end++ = best;
     }
-    std::sort(lists.begin() + group.list + before, lists.begin() + group.list + group.listed, better);
-    group.rounds++;
-    return group.listed > before;
+    std::sort(begin, end, better);
+    group.listed += end - begin;
+    return begin != end;
 }
 
-bool BalancedSequence::next(LeafPoint& point)
+bool BalancedSequence::next(LeafPoint& point, const PointFilter* filter)
 {
     if (given == offers.size())
     {
@@ -149,7 +193,7 @@ bool BalancedSequence::next(LeafPoint& point)
         size_t left = 0;  // groups that are not exhausted
         for (size_t i = 0; i < groups.size(); i++)
         {
-            if (round == groups[i].listed && !extend(groups[i]))
+            if (round == groups[i].listed && !extend(groups[i], filter))
                 continue;
             offers.push_back(lists[groups[i].list + round]);
             groups[left++] = groups[i];

@@ -32,8 +32,8 @@ public:
         head = int(entries.size());
         entries.push_back(entry);
     }
-    // Whether a keypoint of another level is strictly nearer than radius.
-    bool isNear(Point2d p, double radius, int exceptLevel) const
+    // Whether a keypoint of another level, or of a coarser one, is strictly nearer than radius.
+    bool isNear(Point2d p, double radius, int level, bool onlyCoarser) const
     {
         const double squaredRadius = radius * radius;
         const int top = row(p.y - radius), bottom = row(p.y + radius);
@@ -45,7 +45,8 @@ public:
                 for (int i = heads[size_t(r) * columns + c]; i >= 0; i = entries[i].next)
                 {
                     const Point2d d = entries[i].position - p;
-                    if (entries[i].level != exceptLevel && d.x * d.x + d.y * d.y < squaredRadius)
+                    const bool counts = onlyCoarser ? entries[i].level > level : entries[i].level != level;
+                    if (counts && d.x * d.x + d.y * d.y < squaredRadius)
                         return true;
                 }
             }
@@ -77,21 +78,19 @@ private:
 class FeatureSelector::Impl
 {
 public:
-    void begin(const std::vector<SelectionLevel>& levels_, Size imageSize_, double octaveSuppression,
+    void begin(const std::vector<SelectionLevel>& levels_, Size imageSize_, double octaveSuppression_,
                CornerSource& source_, std::vector<std::vector<RankedCorner>>& chosen_)
     {
-        levels = levels_;
+        levels = &levels_;
         imageSize = imageSize_;
+        octaveSuppression = octaveSuppression_;
         source = &source_;
         chosen = &chosen_;
-        chosen->resize(levels.size());
-        states.resize(std::max(states.size(), levels.size()));
-        for (size_t i = 0; i < levels.size(); i++)
-        {
+        // Never fewer, to keep their memory.
+        chosen->resize(std::max(chosen->size(), levels->size()));
+        for (size_t i = 0; i < chosen->size(); i++)
             (*chosen)[i].clear();
-            states[i].begun = false;
-            states[i].radius = octaveSuppression * levels[i].scale;
-        }
+        begun.assign(levels->size(), uchar(0));
         grid.clear(imageSize);
     }
 
@@ -99,9 +98,9 @@ public:
     int chooseQuotas()
     {
         int wanted = 0;
-        for (int level = int(levels.size()) - 1; level >= 0; level--)
+        for (int level = int(levels->size()) - 1; level >= 0; level--)
         {
-            wanted += levels[level].quota;
+            wanted += (*levels)[level].quota;
             if (wanted > 0)
                 wanted -= choose(level, wanted);
         }
@@ -110,141 +109,126 @@ public:
     // Fine to coarse: each level goes on in its sequence.
     int chooseMore(int wanted)
     {
-        for (int level = 0; level < int(levels.size()) && wanted > 0; level++)
+        for (int level = 0; level < int(levels->size()) && wanted > 0; level++)
             wanted -= choose(level, wanted);
         return wanted;
     }
-    // Fine to coarse, from the corners that octave suppression passed over.
+    // Fine to coarse, from the corners that octave suppression passed over: as nothing else is left of the
+    // sequences, all that are not chosen.
     int fillFromPassedOver(int wanted)
     {
-        for (int level = 0; level < int(levels.size()) && wanted > 0; level++)
-            wanted -= fill(level, states[level].passedOver, wanted);
+        for (int level = 0; level < int(levels->size()) && wanted > 0; level++)
+        {
+            std::vector<RankedCorner> taken = (*chosen)[level];
+            std::sort(taken.begin(), taken.end(), inRasterOrder);
+            source->corners(level, KEPT_CORNERS, corners);
+            corners.erase(std::remove_if(corners.begin(), corners.end(),
+                                         [&](const RankedCorner& c)
+                                         {
+                                             return std::binary_search(taken.begin(), taken.end(), c,
+                                                                       inRasterOrder);
+                                         }),
+                          corners.end());
+            wanted -= fill(level, wanted);
+        }
         return wanted;
     }
     // Fine to coarse, from corners that other rules passed over.
     int fillFrom(CornerSet set, int wanted)
     {
-        for (int level = 0; level < int(levels.size()) && wanted > 0; level++)
+        for (int level = 0; level < int(levels->size()) && wanted > 0; level++)
         {
             source->corners(level, set, corners);
-            wanted -= fill(level, corners, wanted);
+            wanted -= fill(level, wanted);
         }
         return wanted;
     }
 
 private:
-    struct Line  // a column or row of a level
+    // Octave suppression.
+    class NotSuppressed : public PointFilter
     {
-        double position;  // in the input image
-        unsigned leaf;    // its part of the code of the quadtree's leaves
+    public:
+        NotSuppressed(const Impl& impl_, int level_, bool byCoarser_)
+            : impl(impl_), level(level_), byCoarser(byCoarser_)
+        {
+        }
+        bool accepts(const LeafPoint& point) const CV_OVERRIDE
+        {
+            const double radius = impl.octaveSuppression * (*impl.levels)[level].scale;
+            return !(radius > 0 &&
+                     impl.grid.isNear(impl.position(level, point.x, point.y), radius, level, byCoarser));
+        }
+
+    private:
+        const Impl& impl;
+        int level;
+        bool byCoarser;  // only, as keypoints of finer levels came later
     };
 
-    struct LevelState
+    // By pixel centres, exactly: positions of coarse levels must not be shifted against those of fine ones.
+    static double position(int pixel, int levelLength, int imageLength)
     {
-        LevelState() : begun(false), radius(0) {}
-        bool begun;
-        double radius;  // of octave suppression, in pixels of the input image
-        std::vector<Line> columns, rows;
-        std::vector<RankedCorner> candidates;  // those that the sequence gives the indices of
-        BalancedSequence sequence;
-        std::vector<RankedCorner> passedOver;
-    };
-
-    Point2d position(int level, const RankedCorner& corner) const
-    {
-        return Point2d(states[level].columns[corner.x].position, states[level].rows[corner.y].position);
+        return (pixel + 0.5) * imageLength / levelLength - 0.5;
     }
-
-    bool isSuppressed(int level, const RankedCorner& corner) const
+    Point2d position(int level, float x, float y) const
     {
-        const double radius = states[level].radius;
-        return radius > 0 && grid.isNear(position(level, corner), radius, level);
-    }
-
-    void beginSequence(BalancedSequence& sequence, int level, const std::vector<RankedCorner>& of)
-    {
-        const LevelState& state = states[level];
-        points.resize(of.size());
-        for (size_t i = 0; i < of.size(); i++)
-        {
-            const RankedCorner& c = of[i];
-            const LeafPoint point = {state.columns[c.x].leaf | state.rows[c.y].leaf << 1, c.response,
-                                     float(c.x), float(c.y), int(i)};
-            points[i] = point;
-        }
-        sequence.begin(points, levels[level].depth);
-    }
-
-    // Tables of a level's columns or rows. Positions are by pixel centres, exactly: those of coarse
-    // levels must not be shifted against those of fine ones.
-    static void tabulate(int levelLength, int imageLength, int rootBegin, int rootLength, int depth,
-                         std::vector<Line>& lines)
-    {
-        lines.resize(levelLength);
-        for (int i = 0; i < levelLength; i++)
-        {
-            lines[i].position = (i + 0.5) * imageLength / levelLength - 0.5;
-            const bool inRoot = i >= rootBegin && i < rootBegin + rootLength;
-            lines[i].leaf = inRoot ? leafCode(unsigned((int64(i - rootBegin) << depth) / rootLength), 0) : 0;
-        }
-    }
-
-    void beginLevel(int level)
-    {
-        const SelectionLevel& l = levels[level];
-        LevelState& state = states[level];
-        tabulate(l.size.width, imageSize.width, l.root.x, l.root.width, l.depth, state.columns);
-        tabulate(l.size.height, imageSize.height, l.root.y, l.root.height, l.depth, state.rows);
-        state.candidates.clear();
-        state.passedOver.clear();
-        source->corners(level, KEPT_CORNERS, corners);
-        for (size_t i = 0; i < corners.size(); i++)
-            (isSuppressed(level, corners[i]) ? state.passedOver : state.candidates).push_back(corners[i]);
-        beginSequence(state.sequence, level, state.candidates);
-        state.begun = true;
+        const Size size = (*levels)[level].size;
+        return Point2d(position(int(x), size.width, imageSize.width),
+                       position(int(y), size.height, imageSize.height));
     }
 
     int choose(int level, int wanted)
     {
-        LevelState& state = states[level];
-        const bool first = !state.begun;
-        if (first)
-            beginLevel(level);
+        const bool again = begun[level] != 0;
+        const NotSuppressed filter(*this, level, again), now(*this, level, false);
+        begun[level] = 1;
+        BalancedSequence& sequence = source->sequence(level);
         std::vector<RankedCorner>& ofLevel = (*chosen)[level];
         const size_t before = ofLevel.size();
         LeafPoint point;
-        while (ofLevel.size() < before + wanted && state.sequence.next(point))
+        while (ofLevel.size() < before + wanted && sequence.next(point, &filter))
         {
-            const RankedCorner& corner = state.candidates[point.index];
-            // finer levels may have chosen keypoints since the sequence was begun
-            if (!first && isSuppressed(level, corner))
-                state.passedOver.push_back(corner);
-            else
-                ofLevel.push_back(corner);
+            // Finer levels may have chosen keypoints since the sequence was begun.
+            if (!again || now.accepts(point))
+                ofLevel.push_back(cornerAt(point));
         }
         for (size_t i = before; i < ofLevel.size(); i++)
-            grid.insert(position(level, ofLevel[i]), level);
+            grid.insert(position(level, float(ofLevel[i].x), float(ofLevel[i].y)), level);
         return int(ofLevel.size() - before);
     }
 
-    int fill(int level, const std::vector<RankedCorner>& from, int wanted)
+    int fill(int level, int wanted)
     {
-        beginSequence(filling, level, from);
+        leafPoints(corners, (*levels)[level].root, (*levels)[level].depth, scratch, points);
+        filling.begin(points, (*levels)[level].depth);
         LeafPoint point;
         int filled = 0;
         for (; filled < wanted && filling.next(point); filled++)
-            (*chosen)[level].push_back(from[point.index]);
+            (*chosen)[level].push_back(cornerAt(point));
         return filled;
     }
 
-    std::vector<SelectionLevel> levels;
+    static RankedCorner cornerAt(const LeafPoint& point)
+    {
+        const RankedCorner corner = {int(point.x), int(point.y), point.response};
+        return corner;
+    }
+    static bool inRasterOrder(const RankedCorner& a, const RankedCorner& b)
+    {
+        return a.y != b.y ? a.y < b.y : a.x < b.x;
+    }
+
+    const std::vector<SelectionLevel>* levels;
     Size imageSize;
+    double octaveSuppression;
     CornerSource* source;
     std::vector<std::vector<RankedCorner>>* chosen;
-    std::vector<LevelState> states;
+    std::vector<uchar> begun;  // by level
     KeypointGrid grid;
     BalancedSequence filling;
-    std::vector<RankedCorner> corners;  // of a level, as they come from the source
+    std::vector<RankedCorner> corners;  // to fill from
+    LeafScratch scratch;
     std::vector<LeafPoint> points;
 };
 

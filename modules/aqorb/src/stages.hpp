@@ -203,6 +203,24 @@ struct LeafPoint
     int index;       //!< the caller's
 };
 
+//! Work space of leafPoints.
+struct LeafScratch
+{
+    std::vector<unsigned> columns, rows;
+};
+
+//! Assigns corners, all inside the root, to the leaves of a quadtree. Sides of a level are exact in float.
+CV_EXPORTS void leafPoints(const std::vector<RankedCorner>& corners, const Rect& root, int depth,
+                           LeafScratch& scratch, std::vector<LeafPoint>& points);
+
+//! Tells which points are to be left out.
+class PointFilter
+{
+public:
+    virtual ~PointFilter() {}
+    virtual bool accepts(const LeafPoint& point) const = 0;
+};
+
 /** Gives points in an order of which each prefix is the best selection of that many: balanced over the
  tree first, then by response. Leaves are grouped by their ancestor two levels up; a group offers the
  best of each of its leaves, then the second best of each, ..., each round by response; the sequence
@@ -213,22 +231,23 @@ public:
     BalancedSequence() : round(0), given(0) {}
     //! Begins anew. Takes the points and leaves other memory in exchange.
     void begin(std::vector<LeafPoint>& points, int depth);
-    //! The next point; false if there is none.
-    bool next(LeafPoint& point);
+    //! The next point; false if there is none. As if those that the filter rejects had never been there;
+    //! it is asked for few points but those given, and must not change its mind.
+    bool next(LeafPoint& point, const PointFilter* filter = 0);
 
 private:
     struct Leaf
     {
-        size_t begin, end;  // in points, the best first as far as they were asked for
+        size_t begin, end;  // in points: what is left
+        int taken;
     };
     struct Group
     {
         size_t firstLeaf, endLeaf;
         size_t list, listed;  // begin of its list in lists, and length so far
-        size_t rounds;        // how often each leaf was asked
     };
-    bool extend(Group& group);
-    void bringUpNext(Leaf& leaf, size_t taken);
+    bool takeBest(Leaf& leaf, const PointFilter* filter, LeafPoint& best);
+    bool extend(Group& group, const PointFilter* filter);
 
     std::vector<LeafPoint> points, lists;
     std::vector<Leaf> leaves;
@@ -253,6 +272,8 @@ class CornerSource
 {
 public:
     virtual ~CornerSource() {}
+    //! The sequence of the kept corners, as it was left the last time.
+    virtual BalancedSequence& sequence(int level) = 0;
     virtual void corners(int level, CornerSet set, std::vector<RankedCorner>& corners) = 0;
 };
 

@@ -26,14 +26,17 @@ struct Workspace
 {
     std::vector<stages::Level> pyramid;
     std::vector<stages::LevelCorners> corners;
-    std::vector<std::vector<stages::RankedCorner>> ranked, chosen;
+    std::vector<stages::BalancedSequence> sequences;
+    std::vector<uchar> ready;  // whether the level's corners and sequence are
+    std::vector<stages::SelectionLevel> selectionLevels;
+    std::vector<std::vector<stages::RankedCorner>> chosen;
     stages::FeatureSelector selector;
     std::vector<LevelFeatures> features;
 
     void resize(size_t levels)
     {
         corners.resize(std::max(levels, corners.size()));
-        ranked.resize(std::max(levels, ranked.size()));
+        sequences.resize(std::max(levels, sequences.size()));
         features.resize(std::max(levels, features.size()));
     }
     // Before it is put away: the input image is the caller's.
@@ -52,6 +55,9 @@ struct Workspace
 struct LevelScratch
 {
     stages::CornerScratch corners;
+    std::vector<stages::RankedCorner> ranked;
+    stages::LeafScratch leaves;
+    std::vector<stages::LeafPoint> points;
     stages::BlurRegion blurRegion;
     stages::BlurScratch blur;
     std::vector<ushort> blurred;
