@@ -121,6 +121,18 @@ public:
     CV_WRAP virtual void setSubPixel(bool subPixel) = 0;
     CV_WRAP virtual bool getSubPixel() const = 0;
 
+    /** @brief The image pyramid that keypoints are detected and described on, for work that needs the
+    pixels around them, such as stereo matching: keypoint k lies on levels[k.octave].
+
+    Level i has the size of the image over scaleFactor^(i - firstLevel), rounded, and is equal to
+    cv::ORB's. The pyramid is computed anew: detection keeps none.
+
+    @param image 8-bit image with 1, 3 (BGR) or 4 (BGRA) channels.
+    @param levels One CV_8UC1 image a level, sharing no memory with the input: nlevels of them, or as
+    many as have a pixel. Empty for an empty image.
+     */
+    CV_WRAP virtual void buildPyramid(InputArray image, OutputArrayOfArrays levels) const = 0;
+
     CV_WRAP virtual String getDefaultName() const CV_OVERRIDE;
 };
 
