@@ -2,7 +2,7 @@
 // It is subject to the license terms in the LICENSE file found in the top-level directory
 // of this distribution.
 
-// Draws what each parameter of AdaptiveQuadtreeORB does: the pictures of the tutorial on the parameters.
+// Draws how AdaptiveQuadtreeORB chooses and what each of its parameters does: the pictures of the tutorials.
 
 #include <opencv2/aqorb.hpp>
 #include <opencv2/core/utils/filesystem.hpp>
@@ -11,6 +11,7 @@
 
 #include <cstdio>
 #include <functional>
+#include <set>
 
 using namespace cv;
 
@@ -154,12 +155,66 @@ void drawParameters(const Mat& image, const String& folder)
          closeUp(partAroundBest(image, Size(33, 22)), 12));
 }
 
+// An image and the lines that divide its inside, all but a border, into cells of the given size.
+Mat divided(const Mat& image, double border, Size2d cell)
+{
+    Mat picture;
+    cvtColor(image, picture, COLOR_GRAY2BGR);
+    const Point2d low(border, border), high(image.cols - border, image.rows - border);
+    const Scalar colour(200, 160, 60);
+    for (double x = low.x; x < high.x + 0.5; x += cell.width)
+        line(picture, Point2d(x, low.y), Point2d(x, high.y), colour);
+    for (double y = low.y; y < high.y + 0.5; y += cell.height)
+        line(picture, Point2d(low.x, y), Point2d(high.x, y), colour);
+    return picture;
+}
+
+// The mesh and the quadtree of one level: with as many features as the first of 8 levels gets of 500.
+void drawStages(const Mat& image, const String& folder)
+{
+    const Detector detector = aqorb::AdaptiveQuadtreeORB::create(100000, 1.2f, 1);
+    const int border = detector->getEdgeThreshold(), cell = detector->getCellSize();
+    detector->setSubPixel(false);
+    Mat mesh = divided(image, border, Size2d(cell, cell));
+    std::set<std::pair<int, int>> full;  // cells with a corner at iniT
+    std::vector<KeyPoint> keypoints;
+    for (double ratio : {1., 4.})
+    {
+        detector->setMinThresholdRatio(ratio);
+        detector->detect(image, keypoints);
+        for (const KeyPoint& keypoint : keypoints)
+        {
+            const std::pair<int, int> in(int(keypoint.pt.x - border) / cell,
+                                         int(keypoint.pt.y - border) / cell);
+            if (ratio == 1)
+                full.insert(in);
+            if (ratio == 1 || !full.count(in))
+                circle(mesh, keypoint.pt, 2, ratio == 1 ? YELLOW : Scalar(60, 60, 255), FILLED);
+        }
+    }
+
+    const int quota = 109, leaves = 16;  // leaves a side: 4^4 >= 109
+    detector->setMaxFeatures(quota);
+    detector->detect(image, keypoints);
+    Mat tree = divided(image, border,
+                       Size2d((image.cols - 2. * border) / leaves, (image.rows - 2. * border) / leaves));
+    for (const KeyPoint& keypoint : keypoints)
+        circle(tree, keypoint.pt, 4, YELLOW, FILLED);
+
+    Mat picture;
+    hconcat(labelled(mesh, "Corners at iniT (yellow) and, in cells without these, at minT (red)", ""),
+            labelled(tree, "The 109 chosen of them; 4^4 leaves of the quadtree", ""), picture);
+    resize(picture, picture, Size(), 0.7, 0.7, INTER_AREA);
+    if (!imwrite(utils::fs::join(folder, "aqorb_stages.jpg"), picture, {IMWRITE_JPEG_QUALITY, 80}))
+        CV_Error(Error::StsError, folder + ": the pictures cannot be written");
+}
+
 }  // namespace
 
 int main(int argc, char** argv)
 {
     CommandLineParser parser(argc, argv, KEYS);
-    parser.about("Draws what each parameter of cv::aqorb::AdaptiveQuadtreeORB does.");
+    parser.about("Draws how cv::aqorb::AdaptiveQuadtreeORB chooses and what each of its parameters does.");
     if (parser.has("help"))
     {
         parser.printMessage();
@@ -171,6 +226,7 @@ int main(int argc, char** argv)
         const Mat image = imread(samples::findFile(name), IMREAD_GRAYSCALE);
         if (std::min(image.rows, image.cols) < 100)
             CV_Error(Error::StsBadArg, name + ": an image of at least 100x100 pixels is accepted");
+        drawStages(image, parser.get<String>("out"));
         drawParameters(image, parser.get<String>("out"));
         return 0;
     }
