@@ -24,6 +24,10 @@ or a cv::Feature2D is asked for.
 The free functions work with the keypoints of any detector: they measure how uniformly the keypoints
 lie (distributionUniformity, distributionOccupancy), thin them out uniformly (retainUniform) and give
 the contrast-adaptive FAST threshold of an image (adaptiveFastThreshold).
+
+The class aqorb::SlamExtractor, in a header of its own, stands in for ORB-SLAM's extractor.
+
+@ref tutorial_table_of_content_aqorb show how to use it and how it works.
 */
 
 namespace cv
@@ -136,8 +140,8 @@ public:
     CV_WRAP virtual String getDefaultName() const CV_OVERRIDE;
 };
 
-/** @brief The adaptive FAST threshold of an image, equation (7) of @cite Yao2019AQORB: variance over
-mean of the grey values.
+/** @brief The adaptive FAST threshold of an image, variance over mean of the grey values: equation (7) of
+@cite Yao2019AQORB.
 
 Scales with the contrast: some 14 to 48 for photographs, a tenth of it for the same scene at a tenth
 of the light.
