@@ -2,19 +2,38 @@
 # Builds the documentation as a web site, build/doc/html/index.html, in the look of OpenCV's. Any warning of
 # doxygen, and any link that leads nowhere, is an error.
 #
-#   scripts/doc.sh
+#   scripts/doc.sh [--opencv]
+#
+# With --opencv it is OpenCV's own documentation that is built, with the module and those it depends on:
+# build/opencv-doc/doc/doxygen/html/index.html.
 #
 # Installs the Debian packages it needs and fetches OpenCV's source, for its stylesheet and bibliography.
 source "$(dirname "$0")/common.sh"
 
 need doxygen graphviz texlive-binaries
 opencv_source
+# BibTeX finds its files here without TeX's configuration, which is a large package.
+export BIBINPUTS=. BSTINPUTS=.
+
+if [[ ${1:-} == --opencv ]]; then
+    need build-essential cmake
+    folder=$BUILD/opencv-doc
+    rm -rf "$folder"
+    mkdir -p "$folder"
+    cmake -S "$OPENCV_SOURCE" -B "$folder" -DOPENCV_EXTRA_MODULES_PATH="$ROOT/modules" -DBUILD_LIST=aqorb \
+        -DBUILD_DOCS=ON -DOPENCV_DOWNLOAD_TRIES_LIST= -DWITH_ADE=OFF -DWITH_IPP=OFF -DWITH_ITT=OFF \
+        >"$folder/configure.log" 2>&1 || die "OpenCV's configuration failed; see $folder/configure.log"
+    cmake --build "$folder" --target doxygen_cpp >"$folder/doc.log" 2>&1 || die "see $folder/doc.log"
+    if grep 'aqorb.*warning:' "$folder/doc.log"; then die "warnings"; fi
+    html=$folder/doc/doxygen/html
+    [[ -n $(find "$html" -name tutorial_aqorb_slam.html) ]] || die "OpenCV's documentation lacks the tutorials"
+    say "$html/index.html"
+    exit
+fi
 
 export ROOT OUT=$BUILD/doc OPENCV_DOC=$OPENCV_SOURCE/doc OPENCV_VERSION VERSION
 OPENCV_VERSION=$(basename "$OPENCV_SOURCE" | sed 's/^opencv-\([0-9.]*\).*/\1/')
 VERSION=$(sed -n 's/^project(aqorb VERSION \([0-9.]*\).*/\1/p' "$ROOT/CMakeLists.txt")
-# BibTeX finds its files here without TeX's configuration, which is a large package.
-export BIBINPUTS=. BSTINPUTS=.
 rm -rf "$OUT"
 mkdir -p "$OUT"
 

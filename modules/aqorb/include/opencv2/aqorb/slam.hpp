@@ -41,12 +41,6 @@ camera.
 class SlamExtractor
 {
 public:
-    enum
-    {
-        HARRIS_SCORE = 0,
-        FAST_SCORE = 1
-    };
-
     /** @brief Creates the extractor. Bad values raise a cv::Exception.
 
     @param nfeatures The most keypoints to return, >= 0.
