@@ -16,12 +16,15 @@ opencv_source
 export BIBINPUTS=. BSTINPUTS=.
 
 if [[ ${1:-} == --opencv ]]; then
-    need build-essential cmake
+    need build-essential cmake zlib1g-dev
     folder=$BUILD/opencv-doc
+    options=(-DBUILD_LIST=aqorb -DBUILD_DOCS=ON -DOPENCV_DOWNLOAD_TRIES_LIST=)
+    for feature in ADE IPP ITT JASPER JPEG OPENCL OPENEXR OPENJPEG PNG PROTOBUF QUIRC TIFF WEBP; do
+        options+=("-DWITH_$feature=OFF")  # none of which Debian's source package holds
+    done
     rm -rf "$folder"
     mkdir -p "$folder"
-    cmake -S "$OPENCV_SOURCE" -B "$folder" -DOPENCV_EXTRA_MODULES_PATH="$ROOT/modules" -DBUILD_LIST=aqorb \
-        -DBUILD_DOCS=ON -DOPENCV_DOWNLOAD_TRIES_LIST= -DWITH_ADE=OFF -DWITH_IPP=OFF -DWITH_ITT=OFF \
+    cmake -S "$OPENCV_SOURCE" -B "$folder" "${options[@]}" -DOPENCV_EXTRA_MODULES_PATH="$ROOT/modules" \
         >"$folder/configure.log" 2>&1 || die "OpenCV's configuration failed; see $folder/configure.log"
     cmake --build "$folder" --target doxygen_cpp >"$folder/doc.log" 2>&1 || die "see $folder/doc.log"
     if grep 'aqorb.*warning:' "$folder/doc.log"; then die "warnings"; fi
