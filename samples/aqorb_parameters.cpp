@@ -162,10 +162,12 @@ Mat divided(const Mat& image, double border, Size2d cell)
     cvtColor(image, picture, COLOR_GRAY2BGR);
     const Point2d low(border, border), high(image.cols - border, image.rows - border);
     const Scalar colour(200, 160, 60);
-    for (double x = low.x; x < high.x + 0.5; x += cell.width)
-        line(picture, Point2d(x, low.y), Point2d(x, high.y), colour);
-    for (double y = low.y; y < high.y + 0.5; y += cell.height)
-        line(picture, Point2d(low.x, y), Point2d(high.x, y), colour);
+    for (int i = 0; low.x + i * cell.width < high.x + 0.5; i++)
+        line(picture, Point2d(low.x + i * cell.width, low.y), Point2d(low.x + i * cell.width, high.y),
+             colour);
+    for (int i = 0; low.y + i * cell.height < high.y + 0.5; i++)
+        line(picture, Point2d(low.x, low.y + i * cell.height), Point2d(high.x, low.y + i * cell.height),
+             colour);
     return picture;
 }
 

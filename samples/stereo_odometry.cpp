@@ -53,7 +53,7 @@ struct Odometry
 
 Mat readImage(const String& path)
 {
-    const Mat image = imread(path, IMREAD_GRAYSCALE);
+    Mat image = imread(path, IMREAD_GRAYSCALE);
     if (image.empty())
         throw Failure{2, path + ": not an image that OpenCV can read"};
     return image;
@@ -191,8 +191,8 @@ Mat pathPicture(const std::vector<std::vector<Matx44d>>& paths, const std::vecto
     {
         std::vector<Point> pixels;
         for (const Point2d& p : lines[i])
-            pixels.push_back(Point(cvRound(size.width / 2 + (p.x - centre.x) * scale),
-                                   cvRound(size.height / 2 - (p.y - centre.y) * scale)));
+            pixels.push_back(Point(cvRound(size.width * 0.5 + (p.x - centre.x) * scale),
+                                   cvRound(size.height * 0.5 - (p.y - centre.y) * scale)));
         polylines(picture, pixels, false, colours[i], 2, LINE_AA);
     }
     const int metres = 10, length = cvRound(metres * scale);
