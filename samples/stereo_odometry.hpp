@@ -96,12 +96,13 @@ inline StereoSequence readStereoSequence(const std::string& folder)
 }
 
 /** The features of the left image that match one of the right image best, and the other way round, among those
- within two pixels of its row (of its level) and at most maxDisparity further left. */
+ within two pixels of its row (more for large features, as they are located less exactly) and at most
+ maxDisparity further left. */
 inline StereoFrame stereoFrame(const std::vector<cv::KeyPoint>& left, const cv::Mat& leftDescriptors,
                                const std::vector<cv::KeyPoint>& right, const cv::Mat& rightDescriptors,
                                int norm, const StereoSequence& sequence, float maxDisparity = 200)
 {
-    const float ROWS = 2, MIN_DISPARITY = 0.5f;
+    const float ROWS = 2, ORB_SIZE = 31, MIN_DISPARITY = 0.5f;
     std::vector<int> byRow(right.size());
     for (size_t i = 0; i < right.size(); i++)
         byRow[i] = int(i);
@@ -111,7 +112,7 @@ inline StereoFrame stereoFrame(const std::vector<cv::KeyPoint>& left, const cv::
     for (size_t i = 0; i < left.size(); i++)
     {
         const cv::Point2f p = left[i].pt;
-        const float rows = ROWS * std::pow(1.2f, float(std::max(left[i].octave & 255, 0) % 8));
+        const float rows = ROWS * std::max(1.f, left[i].size / ORB_SIZE);
         auto candidate = std::lower_bound(byRow.begin(), byRow.end(), p.y - rows,
                                           [&](int index, float y) { return right[index].pt.y < y; });
         for (; candidate != byRow.end() && right[*candidate].pt.y <= p.y + rows; ++candidate)

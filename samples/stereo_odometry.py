@@ -84,14 +84,14 @@ class Odometry:
 
     def stereo_frame(self, left, right, sequence):
         """Pixels, descriptors and points in space of the features that match one of the right image best, and
-        the other way round, among those within two pixels of its row (of its level) further left."""
+        the other way round, among those within two pixels of its row (more for large features) further left."""
         (keypoints, a), (others, b) = [self.detector.detectAndCompute(image, None) for image in (left, right)]
         self.keypoints.append(len(keypoints))
         if not keypoints or not others:
             self.depths.append(0)
             return np.empty((0, 2)), None, np.empty((0, 3))
         p, q = cv.KeyPoint_convert(keypoints), cv.KeyPoint_convert(others)
-        rows = 2 * 1.2 ** np.array([k.octave for k in keypoints])
+        rows = 2 * np.array([k.size for k in keypoints]) / 31  # more for large features
         disparity = p[:, None, 0] - q[None, :, 0]
         bits, other_bits = [np.unpackbits(d, axis=1).astype(np.float32) for d in (a, b)]
         distance = bits.sum(1)[:, None] + other_bits.sum(1) - 2 * bits @ other_bits.T  # Hamming
