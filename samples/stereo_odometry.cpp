@@ -41,14 +41,19 @@ struct Failure
 
 struct Odometry
 {
+    Odometry(const char* name_, const Ptr<ORB>& detector_, const Scalar& colour_)
+        : name(name_), detector(detector_), colour(colour_)
+    {
+    }
+
     const char* name;
     Ptr<ORB> detector;
     Scalar colour;
     StereoFrame frame;
-    StereoMotion motion;                // to the last frame
-    std::vector<Matx44d> poses;         // of the left camera, from the first frame's on
-    int lost;                           // frames whose motion was not found: the last one's is taken again
-    double keypoints, depths, inliers;  // sums over the frames
+    StereoMotion motion;         // to the last frame
+    std::vector<Matx44d> poses;  // of the left camera, from the first frame's on
+    int lost = 0;                // frames whose motion was not found: the last one is taken again
+    double keypoints = 0, depths = 0, inliers = 0;  // sums over the frames
 };
 
 Mat readImage(const String& path)
@@ -252,17 +257,8 @@ void run(int argc, char** argv)
         throw Failure{2, exception.err};
     }
     std::vector<Odometry> odometries = {
-        {"cv::ORB", ORB::create(nfeatures), Scalar(60, 60, 230), {}, {}, {}, 0, 0, 0, 0},
-        {"AdaptiveQuadtreeORB",
-         aqorb::AdaptiveQuadtreeORB::create(nfeatures),
-         Scalar(40, 200, 40),
-         {},
-         {},
-         {},
-         0,
-         0,
-         0,
-         0}};
+        Odometry("cv::ORB", ORB::create(nfeatures), Scalar(60, 60, 230)),
+        Odometry("AdaptiveQuadtreeORB", aqorb::AdaptiveQuadtreeORB::create(nfeatures), Scalar(40, 200, 40))};
     Mat left;
     for (size_t i = 0; i < sequence.left.size(); i++)
     {
