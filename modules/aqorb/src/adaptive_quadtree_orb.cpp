@@ -155,6 +155,8 @@ public:
     }
     void read(const FileNode& node) CV_OVERRIDE { p.read(node); }
 
+    void buildPyramid(InputArray image, OutputArrayOfArrays levels) const CV_OVERRIDE;
+
     void detectAndCompute(InputArray image, InputArray mask, std::vector<KeyPoint>& keypoints,
                           OutputArray descriptors, bool useProvidedKeypoints) CV_OVERRIDE;
 
@@ -198,6 +200,20 @@ Ptr<AdaptiveQuadtreeORB> AdaptiveQuadtreeORB::create(int nfeatures, float scaleF
     parameters.patchSize = patchSize;
     parameters.fastThreshold = fastThreshold;
     return makePtr<AdaptiveQuadtreeORBImpl>(parameters);
+}
+
+void AdaptiveQuadtreeORBImpl::buildPyramid(InputArray image_, OutputArrayOfArrays levels) const
+{
+    CV_TRACE_FUNCTION();
+    std::vector<Level> pyramid;
+    if (!image_.empty())
+    {
+        p.checkTogether(p.nlevels);
+        stages::buildPyramid(grayImage(image_), Mat(), p.nlevels, p.firstLevel, p.scaleFactor, 1, pyramid);
+    }
+    levels.create(int(pyramid.size()), 1, CV_8UC1);
+    for (int i = 0; i < int(pyramid.size()); i++)
+        levels.getMatRef(i) = pyramid[i].isInput ? pyramid[i].image.clone() : pyramid[i].image;
 }
 
 void AdaptiveQuadtreeORBImpl::detectAndCompute(InputArray image_, InputArray mask_,
@@ -285,7 +301,7 @@ void AdaptiveQuadtreeORBImpl::detect(const Mat& image, const Mat& mask, Workspac
     const int FAST_RADIUS = 3;
     const int minSide = int(std::min(2 * std::max<int64>(p.edgeThreshold, FAST_RADIUS) + 1, int64(INT_MAX)));
     std::vector<Level>& pyramid = workspace.pyramid;
-    buildPyramid(image, mask, p.nlevels, p.firstLevel, p.scaleFactor, minSide, pyramid);
+    stages::buildPyramid(image, mask, p.nlevels, p.firstLevel, p.scaleFactor, minSide, pyramid);
     const int levels = int(pyramid.size());
     workspace.resize(levels);
 
@@ -403,7 +419,7 @@ void AdaptiveQuadtreeORBImpl::locate(const Mat& image, const std::vector<KeyPoin
     KeyPointsFilter::runByImageBorder(inside, image.size(), border);
     std::stable_sort(inside.begin(), inside.end(), hasLowerOctave);
     const int levels = inside.empty() ? 0 : inside.back().octave + 1;
-    buildPyramid(image, Mat(), levels, p.firstLevel, p.scaleFactor, 1, workspace.pyramid);
+    stages::buildPyramid(image, Mat(), levels, p.firstLevel, p.scaleFactor, 1, workspace.pyramid);
     workspace.resize(levels);
     for (int i = 0; i < levels; i++)
     {

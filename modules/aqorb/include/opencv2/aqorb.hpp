@@ -24,6 +24,10 @@ or a cv::Feature2D is asked for.
 The free functions work with the keypoints of any detector: they measure how uniformly the keypoints
 lie (distributionUniformity, distributionOccupancy), thin them out uniformly (retainUniform) and give
 the contrast-adaptive FAST threshold of an image (adaptiveFastThreshold).
+
+The class aqorb::SlamExtractor, in a header of its own, stands in for ORB-SLAM's extractor.
+
+@ref tutorial_table_of_content_aqorb show how to use it and how it works.
 */
 
 namespace cv
@@ -121,11 +125,23 @@ public:
     CV_WRAP virtual void setSubPixel(bool subPixel) = 0;
     CV_WRAP virtual bool getSubPixel() const = 0;
 
+    /** @brief The image pyramid that keypoints are detected and described on, for work that needs the
+    pixels around them, such as stereo matching: keypoint k lies on levels[k.octave].
+
+    Level i has the size of the image over scaleFactor^(i - firstLevel), rounded, and is equal to
+    cv::ORB's. The pyramid is computed anew: detection keeps none.
+
+    @param image 8-bit image with 1, 3 (BGR) or 4 (BGRA) channels.
+    @param levels One CV_8UC1 image a level, sharing no memory with the input: nlevels of them, or as
+    many as have a pixel. Empty for an empty image.
+     */
+    CV_WRAP virtual void buildPyramid(InputArray image, OutputArrayOfArrays levels) const = 0;
+
     CV_WRAP virtual String getDefaultName() const CV_OVERRIDE;
 };
 
-/** @brief The adaptive FAST threshold of an image, equation (7) of @cite Yao2019AQORB: variance over
-mean of the grey values.
+/** @brief The adaptive FAST threshold of an image, variance over mean of the grey values: equation (7) of
+@cite Yao2019AQORB.
 
 Scales with the contrast: some 14 to 48 for photographs, a tenth of it for the same scene at a tenth
 of the light.

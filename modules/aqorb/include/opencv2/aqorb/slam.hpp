@@ -1,0 +1,151 @@
+// This file is part of the aqorb project.
+// It is subject to the license terms in the LICENSE file found in the top-level directory
+// of this distribution.
+
+#ifndef OPENCV_AQORB_SLAM_HPP
+#define OPENCV_AQORB_SLAM_HPP
+
+#include <opencv2/aqorb.hpp>
+
+#include <algorithm>
+#include <cmath>
+#include <vector>
+
+namespace cv
+{
+namespace aqorb
+{
+
+//! @addtogroup aqorb
+//! @{
+
+/** @brief AdaptiveQuadtreeORB behind the interface that ORB-SLAM2 and ORB-SLAM3 call their feature
+extractor by; see @ref tutorial_aqorb_slam.
+
+In place of the header that declares `ORBextractor`, a SLAM system includes this one and says
+@code{.cpp}
+    #include <opencv2/aqorb/slam.hpp>
+    namespace ORB_SLAM3
+    {
+    using ORBextractor = cv::aqorb::SlamExtractor;
+    }
+@endcode
+
+Two properties of the detector are set as such systems expect: SubPixel is false, because their stereo
+matching takes a position for a whole pixel of its level times the level's scale, and AdaptiveThreshold
+is false, so that the FAST thresholds are those given. detector() gives access to them.
+
+An object keeps the pyramid of its last image, so it serves one thread at a time; have one for each
+camera.
+ */
+class SlamExtractor
+{
+public:
+    /** @brief Creates the extractor. Bad values raise a cv::Exception.
+
+    @param nfeatures The most keypoints to return, >= 0.
+    @param scaleFactor Ratio between the sizes of neighbouring levels, finite and > 1 where there are
+    several.
+    @param nlevels Number of pyramid levels, 1 to 65536.
+    @param iniThFAST FAST threshold, 1 to 254.
+    @param minThFAST FAST threshold in cells that would stay empty, 1 to iniThFAST.
+     */
+    SlamExtractor(int nfeatures, float scaleFactor, int nlevels, int iniThFAST, int minThFAST)
+    {
+        if (iniThFAST < 1 || iniThFAST > 254)
+            CV_Error_(Error::StsOutOfRange, ("iniThFAST: got %d; 1 to 254 is accepted", iniThFAST));
+        if (minThFAST < 1 || minThFAST > iniThFAST)
+            CV_Error_(Error::StsOutOfRange, ("minThFAST: got %d; 1 to iniThFAST is accepted", minThFAST));
+        orb = AdaptiveQuadtreeORB::create(nfeatures, scaleFactor, nlevels);
+        orb->setFastThreshold(iniThFAST);
+        orb->setMinThresholdRatio(double(iniThFAST) / minThFAST);
+        orb->setAdaptiveThreshold(false);
+        orb->setSubPixel(false);
+        for (int level = 0; level < nlevels; level++)
+        {
+            const float scale = float(std::pow(double(scaleFactor), level));
+            scales.push_back(scale);
+            inverseScales.push_back(1.f / scale);
+            sigmaSquares.push_back(scale * scale);
+            inverseSigmaSquares.push_back(1.f / (scale * scale));
+        }
+    }
+
+    /** @brief Finds keypoints and descriptors and keeps the pyramid; what ORB-SLAM2 calls.
+
+    @param image 8-bit image with 1, 3 (BGR) or 4 (BGRA) channels. An empty one gives no keypoints.
+    @param mask Optional CV_8UC1 mask of the image's size: keypoints only where it is not zero.
+    @param keypoints By level, coordinates in pixels of the image.
+    @param descriptors CV_8UC1, 32 bytes a row, the row of a keypoint.
+     */
+    void operator()(InputArray image, InputArray mask, std::vector<KeyPoint>& keypoints,
+                    OutputArray descriptors)
+    {
+        orb->detectAndCompute(image, mask, keypoints, descriptors);
+        orb->buildPyramid(image, mvImagePyramid);
+        mvImagePyramid.resize(scales.size());
+    }
+
+    /** @brief The same with the keypoints parted for two cameras whose images overlap; what ORB-SLAM3
+    calls.
+
+    @param image, mask, keypoints, descriptors As above, but keypoints outside of the overlap come
+    first, those in it after them; each part by level.
+    @param vLappingArea First and last column of the overlap, in pixels of the image.
+    @return Number of keypoints outside of the overlap.
+     */
+    int operator()(InputArray image, InputArray mask, std::vector<KeyPoint>& keypoints,
+                   OutputArray descriptors, const std::vector<int>& vLappingArea)
+    {
+        if (vLappingArea.size() != 2)
+            CV_Error_(Error::StsBadSize, ("vLappingArea: got %d numbers; first and last column are accepted",
+                                          int(vLappingArea.size())));
+        const float first = float(vLappingArea[0]), last = float(vLappingArea[1]);
+        std::vector<KeyPoint> found;
+        Mat rows;
+        (*this)(image, mask, found, rows);
+
+        const auto isOutside = [=](const KeyPoint& k) { return k.pt.x < first || k.pt.x > last; };
+        const int outside = int(std::count_if(found.begin(), found.end(), isOutside));
+        Mat parted(rows.size(), rows.type());
+        keypoints.resize(found.size());
+        int next[] = {outside, 0};  // where the next keypoint in the overlap goes, and the next outside of it
+        for (int i = 0; i < int(found.size()); i++)
+        {
+            const int to = next[isOutside(found[i])]++;
+            keypoints[to] = found[i];
+            rows.row(i).copyTo(parted.row(to));
+        }
+        if (descriptors.needed())
+            parted.copyTo(descriptors);
+        return outside;
+    }
+
+    int GetLevels() const { return int(scales.size()); }
+    float GetScaleFactor() const { return float(orb->getScaleFactor()); }
+    //! Size of a pixel of each level in pixels of the image: scaleFactor^level.
+    std::vector<float> GetScaleFactors() const { return scales; }
+    std::vector<float> GetInverseScaleFactors() const { return inverseScales; }
+    //! Squares of the scale factors: variance of a position on each level where that of level 0 is 1.
+    std::vector<float> GetScaleSigmaSquares() const { return sigmaSquares; }
+    std::vector<float> GetInverseScaleSigmaSquares() const { return inverseSigmaSquares; }
+
+    /** @brief The detector, to set its other properties. Its number of levels and its scale factor must
+    stay, and its firstLevel 0. */
+    const Ptr<AdaptiveQuadtreeORB>& detector() const { return orb; }
+
+    /** @brief The levels of the last image: GetLevels() images of round(size / scale), without a border.
+    Levels that would have no pixel are empty. */
+    std::vector<Mat> mvImagePyramid;
+
+private:
+    Ptr<AdaptiveQuadtreeORB> orb;
+    std::vector<float> scales, inverseScales, sigmaSquares, inverseSigmaSquares;
+};
+
+//! @}
+
+}  // namespace aqorb
+}  // namespace cv
+
+#endif

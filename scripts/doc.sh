@@ -1,0 +1,74 @@
+#!/usr/bin/env bash
+# Builds the documentation as a web site, build/doc/html/index.html, in the look of OpenCV's. Any warning of
+# doxygen, and any link that leads nowhere, is an error.
+#
+#   scripts/doc.sh [--opencv]
+#
+# With --opencv it is OpenCV's own documentation that is built, with the module and those it depends on:
+# build/opencv-doc/doc/doxygen/html/index.html.
+#
+# Installs the Debian packages it needs and fetches OpenCV's source, for its stylesheet and bibliography.
+source "$(dirname "$0")/common.sh"
+
+need doxygen graphviz texlive-binaries
+opencv_source
+# BibTeX finds its files here without TeX's configuration, which is a large package.
+export BIBINPUTS=. BSTINPUTS=.
+
+if [[ ${1:-} == --opencv ]]; then
+    need build-essential cmake zlib1g-dev
+    folder=$BUILD/opencv-doc
+    options=(-DBUILD_LIST=aqorb -DBUILD_DOCS=ON -DOPENCV_DOWNLOAD_TRIES_LIST=)
+    for feature in ADE IPP ITT JASPER JPEG OPENCL OPENEXR OPENJPEG PNG PROTOBUF QUIRC TIFF WEBP; do
+        options+=("-DWITH_$feature=OFF")  # none of which Debian's source package holds
+    done
+    rm -rf "$folder"
+    mkdir -p "$folder"
+    cmake -S "$OPENCV_SOURCE" -B "$folder" "${options[@]}" -DOPENCV_EXTRA_MODULES_PATH="$ROOT/modules" \
+        >"$folder/configure.log" 2>&1 || die "OpenCV's configuration failed; see $folder/configure.log"
+    cmake --build "$folder" --target doxygen_cpp >"$folder/doc.log" 2>&1 || die "see $folder/doc.log"
+    if grep 'aqorb.*warning:' "$folder/doc.log"; then die "warnings"; fi
+    html=$folder/doc/doxygen/html
+    [[ -n $(find "$html" -name tutorial_aqorb_slam.html) ]] || die "OpenCV's documentation lacks the tutorials"
+    say "$html/index.html"
+    exit
+fi
+
+export ROOT OUT=$BUILD/doc OPENCV_DOC=$OPENCV_SOURCE/doc OPENCV_VERSION VERSION
+OPENCV_VERSION=$(basename "$OPENCV_SOURCE" | sed 's/^opencv-\([0-9.]*\).*/\1/')
+VERSION=$(sed -n 's/^project(aqorb VERSION \([0-9.]*\).*/\1/p' "$ROOT/CMakeLists.txt")
+rm -rf "$OUT"
+mkdir -p "$OUT"
+
+# Where OpenCV's own site documents the classes that ours mentions.
+doxygen - >"$OUT/opencv.log" 2>&1 <<END
+INPUT            = "$OPENCV_SOURCE/modules/core/include" "$OPENCV_SOURCE/modules/features2d/include"
+RECURSIVE        = YES
+EXCLUDE_PATTERNS = */cuda/* */hal/* */opencl/* *.inl.hpp
+CREATE_SUBDIRS   = YES
+CASE_SENSE_NAMES = YES
+EXTRACT_ALL      = YES
+MACRO_EXPANSION  = YES
+PREDEFINED       = __cplusplus=1 CV_EXPORTS= CV_EXPORTS_W= CV_EXPORTS_W_SIMPLE= CV_EXPORTS_W_MAP= CV_WRAP= \
+                   CV_OUT= CV_IN_OUT= CV_PROP= CV_PROP_RW= CV_OVERRIDE= CV_DOXYGEN= "CV_EXPORTS_AS(x)=" "CV_WRAP_AS(x)="
+GENERATE_HTML    = NO
+GENERATE_LATEX   = NO
+GENERATE_TAGFILE = "$OUT/opencv.tag"
+OUTPUT_DIRECTORY = "$OUT"
+END
+
+# doxygen writes members there that it cannot read.
+sed -i '/<member /{:a;/<\/member>/!{N;ba};/<name>operator std::/d}' "$OUT/opencv.tag"
+
+sed '/@CMAKE_DOXYGEN_JAVADOC_NODE@/d' "$OPENCV_DOC/DoxygenLayout.xml" >"$OUT/DoxygenLayout.xml"
+# shellcheck disable=SC2016 # doxygen's variable
+sed 's#/usr/share/javascript/jquery/#$relpath^#' "$OPENCV_DOC/header.html" >"$OUT/header.html"
+sed 's/doxygen\.png/doxygen.svg/' "$OPENCV_DOC/footer.html" >"$OUT/footer.html"
+doxygen "$ROOT/doc/Doxyfile"
+
+# doxygen does not miss pictures.
+cd "$OUT/html"
+missing=$(grep -ohE '(src|href)="[^":#?]+["#?]' -- *.html | sed 's/.*="//; s/.$//' | sort -u |
+    while read -r file; do [[ -e $file ]] || echo "$file"; done)
+[[ -z $missing ]] || die "links lead nowhere: $missing"
+say "$OUT/html/index.html"

@@ -1,0 +1,343 @@
+// This file is part of the aqorb project.
+// It is subject to the license terms in the LICENSE file found in the top-level directory
+// of this distribution.
+
+#include "test_precomp.hpp"
+
+#include "opencv2/aqorb/slam.hpp"
+
+#include <thread>
+
+// A SLAM system's own code, in so far as it touches the extractor.
+namespace slam_system
+{
+
+using ORBextractor = cv::aqorb::SlamExtractor;
+
+struct Settings
+{
+    int nFeatures = 600, nLevels = 8, fIniThFAST = 20, fMinThFAST = 7;
+    float fScaleFactor = 1.2f;
+};
+
+class Frame
+{
+public:
+    Frame(const cv::Mat& left, const cv::Mat& right, ORBextractor* extractorLeft,
+          ORBextractor* extractorRight)
+        : mpORBextractorLeft(extractorLeft), mpORBextractorRight(extractorRight)
+    {
+        mnScaleLevels = mpORBextractorLeft->GetLevels();
+        mfScaleFactor = mpORBextractorLeft->GetScaleFactor();
+        mvScaleFactors = mpORBextractorLeft->GetScaleFactors();
+        mvInvScaleFactors = mpORBextractorLeft->GetInverseScaleFactors();
+        mvLevelSigma2 = mpORBextractorLeft->GetScaleSigmaSquares();
+        mvInvLevelSigma2 = mpORBextractorLeft->GetInverseScaleSigmaSquares();
+        std::thread threadLeft(&Frame::ExtractORB, this, 0, left, 0, 0);
+        std::thread threadRight(&Frame::ExtractORB, this, 1, right, 0, 0);
+        threadLeft.join();
+        threadRight.join();
+    }
+
+    void ExtractORB(int flag, const cv::Mat& image, const int x0, const int x1)
+    {
+        std::vector<int> vLapping = {x0, x1};
+        if (flag == 0)
+            monoLeft = (*mpORBextractorLeft)(image, cv::Mat(), mvKeys, mDescriptors, vLapping);
+        else
+            monoRight = (*mpORBextractorRight)(image, cv::Mat(), mvKeysRight, mDescriptorsRight, vLapping);
+    }
+
+    ORBextractor *mpORBextractorLeft, *mpORBextractorRight;
+    int monoLeft, monoRight;
+    std::vector<cv::KeyPoint> mvKeys, mvKeysRight;
+    cv::Mat mDescriptors, mDescriptorsRight;
+    int mnScaleLevels;
+    float mfScaleFactor;
+    std::vector<float> mvScaleFactors, mvInvScaleFactors, mvLevelSigma2, mvInvLevelSigma2;
+};
+
+}  // namespace slam_system
+
+namespace opencv_test
+{
+namespace
+{
+
+using aqorb::SlamExtractor;
+
+Features extract(SlamExtractor& extractor, const Mat& image, const Mat& mask = Mat())
+{
+    Features features;
+    extractor(image, mask, features.keypoints, features.descriptors);
+    return features;
+}
+
+TEST(AQORB_Slam, a_system_holds_it_as_its_ORBextractor)
+{
+    const slam_system::Settings settings;
+    slam_system::ORBextractor left(settings.nFeatures, settings.fScaleFactor, settings.nLevels,
+                                   settings.fIniThFAST, settings.fMinThFAST);
+    slam_system::ORBextractor right(settings.nFeatures, settings.fScaleFactor, settings.nLevels,
+                                    settings.fIniThFAST, settings.fMinThFAST);
+    const Mat image = makeScene(Size(400, 300));
+    const slam_system::Frame frame(image, makeScene(Size(400, 300), 2), &left, &right);
+    EXPECT_EQ(600u, frame.mvKeys.size());
+    EXPECT_EQ(600, frame.mDescriptors.rows);
+    EXPECT_EQ(600u, frame.mvKeysRight.size());
+    EXPECT_EQ(600, frame.monoLeft);  // no keypoint lies in column 0
+    EXPECT_EQ(8, frame.mnScaleLevels);
+    EXPECT_EQ(1.2f, frame.mfScaleFactor);
+    ASSERT_EQ(8u, frame.mvScaleFactors.size());
+    for (int i = 0; i < 8; i++)
+    {
+        const float scale = aqorb::stages::levelScale(i, 0, 1.2f);
+        EXPECT_EQ(scale, frame.mvScaleFactors[i]);
+        EXPECT_FLOAT_EQ(1 / scale, frame.mvInvScaleFactors[i]);
+        EXPECT_FLOAT_EQ(scale * scale, frame.mvLevelSigma2[i]);
+        EXPECT_FLOAT_EQ(1 / (scale * scale), frame.mvInvLevelSigma2[i]);
+    }
+}
+
+TEST(AQORB_Slam, keypoints_are_the_detectors_at_the_given_thresholds)
+{
+    const Mat image = makeScene(Size(320, 240)) * 0.5;
+    const int thresholds[][2] = {{20, 7}, {20, 20}, {40, 9}, {254, 1}, {1, 1}, {13, 11}};
+    for (const int* pair : thresholds)
+    {
+        SCOPED_TRACE(format("%d, %d", pair[0], pair[1]));
+        SlamExtractor extractor(5000, 1.2f, 4, pair[0], pair[1]);
+        const Features found = extract(extractor, image);
+        const aqorb::stages::Thresholds expected = aqorb::stages::fixedThresholds(
+            extractor.detector()->getFastThreshold(), extractor.detector()->getMinThresholdRatio());
+        EXPECT_EQ(pair[0], expected.ini);
+        EXPECT_EQ(pair[1], expected.min);
+
+        const Ptr<AdaptiveQuadtreeORB> detector = AdaptiveQuadtreeORB::create(5000, 1.2f, 4);
+        detector->setAdaptiveThreshold(false);
+        detector->setFastThreshold(pair[0]);
+        detector->setMinThresholdRatio(pair[0] / double(pair[1]));
+        detector->setSubPixel(false);
+        EXPECT_TRUE(sameFeatures(detectAndCompute(*detector, image), found));
+    }
+}
+
+TEST(AQORB_Slam, positions_are_pixels_of_the_level_times_its_scale)
+{
+    SlamExtractor extractor(1000, 1.2f, 8, 20, 7);
+    const Features found = extract(extractor, makeScene(Size(500, 350)));
+    ASSERT_EQ(1000u, found.keypoints.size());
+    const std::vector<float> scales = extractor.GetScaleFactors();
+    for (const KeyPoint& keypoint : found.keypoints)
+    {
+        const float scale = scales[keypoint.octave];
+        const Point pixel(cvRound(keypoint.pt.x / scale), cvRound(keypoint.pt.y / scale));
+        ASSERT_EQ(Point2f(pixel.x * scale, pixel.y * scale), keypoint.pt);
+        // the 11x11 patch and the range of 5 pixels to either side that ORB-SLAM's stereo matching reads
+        const Rect read(pixel.x - 10, pixel.y - 5, 21, 11);
+        ASSERT_EQ(read, read & Rect(Point(), extractor.mvImagePyramid[keypoint.octave].size()));
+    }
+}
+
+TEST(AQORB_Slam, keypoints_are_parted_by_the_overlap)
+{
+    const Mat image = makeScene(Size(400, 300));
+    SlamExtractor extractor(800, 1.2f, 8, 20, 7);
+    const Features all = extract(extractor, image);
+    const int areas[][2] = {{0, 0}, {0, 400}, {100, 250}, {250, 399}, {-50, 30}, {250, 100}};
+    for (const int* area : areas)
+    {
+        SCOPED_TRACE(format("%d to %d", area[0], area[1]));
+        Features expected;
+        std::vector<int> order;
+        for (int inside = 0; inside <= 1; inside++)
+        {
+            for (int i = 0; i < int(all.keypoints.size()); i++)
+            {
+                const float x = all.keypoints[i].pt.x;
+                if ((x >= area[0] && x <= area[1]) == (inside == 1))
+                {
+                    expected.keypoints.push_back(all.keypoints[i]);
+                    expected.descriptors.push_back(all.descriptors.row(i));
+                }
+            }
+            order.push_back(int(expected.keypoints.size()));
+        }
+        Features found;
+        const int outside =
+            extractor(image, noArray(), found.keypoints, found.descriptors, std::vector<int>(area, area + 2));
+        EXPECT_EQ(order[0], outside);
+        EXPECT_TRUE(sameFeatures(expected, found));
+    }
+}
+
+TEST(AQORB_Slam, both_ends_of_the_overlap_belong_to_it)
+{
+    SlamExtractor extractor(100, 1.2f, 1, 20, 7);
+    const Mat image = makeScene(Size(300, 200));
+    const int column = int(extract(extractor, image).keypoints[0].pt.x);
+    Features found;
+    const int outside =
+        extractor(image, noArray(), found.keypoints, found.descriptors, std::vector<int>(2, column));
+    EXPECT_LT(outside, 100);
+    for (int i = 0; i < 100; i++)
+        EXPECT_EQ(i >= outside, found.keypoints[i].pt.x == column);
+}
+
+TEST(AQORB_Slam, the_pyramid_is_the_detectors)
+{
+    SlamExtractor extractor(500, 1.2f, 8, 20, 7);
+    const Mat images[] = {makeScene(Size(301, 247)), makeScene(Size(123, 456), 2)};
+    for (const Mat& image : images)
+    {
+        extract(extractor, image);
+        std::vector<aqorb::stages::Level> expected;
+        aqorb::stages::buildPyramid(image, Mat(), 8, 0, 1.2f, 1, expected);
+        ASSERT_EQ(8u, extractor.mvImagePyramid.size());
+        for (int i = 0; i < 8; i++)
+        {
+            const Mat& level = extractor.mvImagePyramid[i];
+            EXPECT_TRUE(sameMat(expected[i].image, level)) << "level " << i;
+            const float scale = extractor.GetScaleFactors()[i];
+            EXPECT_EQ(Size(cvRound(image.cols / scale), cvRound(image.rows / scale)), level.size());
+        }
+        EXPECT_NE(image.data, extractor.mvImagePyramid[0].data);
+    }
+}
+
+TEST(AQORB_Slam, a_level_without_pixels_is_empty)
+{
+    SlamExtractor extractor(500, 2, 8, 20, 7);
+    extract(extractor, makeScene(Size(100, 60)));
+    ASSERT_EQ(8u, extractor.mvImagePyramid.size());
+    EXPECT_EQ(Size(3, 2), extractor.mvImagePyramid[5].size());
+    EXPECT_EQ(Size(2, 1), extractor.mvImagePyramid[6].size());
+    EXPECT_TRUE(extractor.mvImagePyramid[7].empty());
+}
+
+TEST(AQORB_Slam, an_empty_image_clears_all)
+{
+    SlamExtractor extractor(500, 1.2f, 8, 20, 7);
+    Features features = extract(extractor, makeScene(Size(200, 150)));
+    EXPECT_FALSE(features.keypoints.empty());
+    const int outside =
+        extractor(Mat(), noArray(), features.keypoints, features.descriptors, std::vector<int>(2));
+    EXPECT_EQ(0, outside);
+    EXPECT_TRUE(features.keypoints.empty());
+    EXPECT_TRUE(features.descriptors.empty());
+    EXPECT_TRUE(extractor.mvImagePyramid[0].empty());
+}
+
+TEST(AQORB_Slam, a_mask_is_heeded)
+{
+    SlamExtractor extractor(500, 1.2f, 8, 20, 7);
+    Mat mask = Mat::zeros(240, 320, CV_8UC1);
+    mask.colRange(0, 160).setTo(1);
+    const Features features = extract(extractor, makeScene(Size(320, 240)), mask);
+    EXPECT_FALSE(features.keypoints.empty());
+    for (const KeyPoint& keypoint : features.keypoints)
+        EXPECT_LT(cvRound(keypoint.pt.x), 160);
+}
+
+TEST(AQORB_Slam, descriptors_need_not_be_asked_for)
+{
+    SlamExtractor extractor(500, 1.2f, 8, 20, 7);
+    KeyPoints keypoints;
+    const int outside =
+        extractor(makeScene(Size(320, 240)), noArray(), keypoints, noArray(), std::vector<int>(2, 0));
+    EXPECT_EQ(500, outside);
+    EXPECT_EQ(500u, keypoints.size());
+}
+
+TEST(AQORB_Slam, bad_arguments)
+{
+    EXPECT_THROW(SlamExtractor(-1, 1.2f, 8, 20, 7), cv::Exception);
+    EXPECT_THROW(SlamExtractor(500, 0, 8, 20, 7), cv::Exception);
+    EXPECT_THROW(SlamExtractor(500, 1.2f, 0, 20, 7), cv::Exception);
+    const int bad[][2] = {{0, 0}, {-20, 7}, {255, 7}, {20, 0}, {20, -7}, {7, 20}};
+    for (const int* pair : bad)
+        EXPECT_THROW(SlamExtractor(500, 1.2f, 8, pair[0], pair[1]), cv::Exception) << pair[0];
+
+    SlamExtractor extractor(500, 1.2f, 8, 20, 7);
+    const Mat image = makeScene(Size(200, 150));
+    Features features;
+    EXPECT_THROW(extractor(image, noArray(), features.keypoints, features.descriptors, std::vector<int>(1)),
+                 cv::Exception);
+    EXPECT_THROW(extract(extractor, Mat(150, 200, CV_16UC1, Scalar(0))), cv::Exception);
+    EXPECT_THROW(extract(extractor, image, Mat(150, 199, CV_8UC1, Scalar(1))), cv::Exception);
+}
+
+// ---- AdaptiveQuadtreeORB::buildPyramid ---------------------------------------------------------
+
+TEST(AQORB_Pyramid, is_what_detection_uses)
+{
+    const Mat image = makeScene(Size(211, 157));
+    const float factors[] = {1.1f, 1.2f, 2.f};
+    for (float factor : factors)
+    {
+        for (int firstLevel = 0; firstLevel <= 2; firstLevel++)
+        {
+            const Ptr<AdaptiveQuadtreeORB> detector =
+                AdaptiveQuadtreeORB::create(500, factor, 4, 16, firstLevel);
+            std::vector<Mat> levels;
+            detector->buildPyramid(image, levels);
+            std::vector<aqorb::stages::Level> expected;
+            aqorb::stages::buildPyramid(image, Mat(), 4, firstLevel, factor, 1, expected);
+            ASSERT_EQ(4u, levels.size());
+            for (int i = 0; i < 4; i++)
+                EXPECT_TRUE(sameMat(expected[i].image, levels[i])) << factor << " " << firstLevel << " " << i;
+        }
+    }
+}
+
+// A level given as an image has the features that it has as a level.
+TEST(AQORB_Pyramid, holds_the_levels_of_ORB)
+{
+    const Mat image = makeScene(Size(400, 300));
+    std::vector<Mat> levels;
+    AdaptiveQuadtreeORB::create()->buildPyramid(image, levels);
+    for (int octave = 0; octave < 4; octave++)
+    {
+        const float scale = aqorb::stages::levelScale(octave, 0, 1.2f);
+        Mat onLevel, onImage;
+        KeyPoints keypoints(1, KeyPoint(80.f, 70.f, 31, 30, 1, 0));
+        ORB::create()->compute(levels[octave], keypoints, onLevel);
+        keypoints[0].pt *= scale;
+        keypoints[0].octave = octave;
+        ORB::create()->compute(image, keypoints, onImage);
+        EXPECT_TRUE(sameMat(onImage, onLevel)) << "octave " << octave;
+    }
+}
+
+TEST(AQORB_Pyramid, takes_what_detection_takes)
+{
+    const Ptr<AdaptiveQuadtreeORB> detector = AdaptiveQuadtreeORB::create();
+    const Mat image = makeScene(Size(200, 150));
+    std::vector<Mat> expected, levels;
+    detector->buildPyramid(image, expected);
+    ASSERT_EQ(8u, expected.size());
+
+    Mat colour;
+    cvtColor(image, colour, COLOR_GRAY2BGR);
+    detector->buildPyramid(colour.getUMat(ACCESS_READ), levels);
+    ASSERT_EQ(expected.size(), levels.size());
+    for (size_t i = 0; i < levels.size(); i++)
+        EXPECT_TRUE(sameMat(expected[i], levels[i]));
+
+    const Mat before = levels[0];
+    levels[0].setTo(0);
+    detector->buildPyramid(image, levels);
+    EXPECT_TRUE(sameMat(expected[0], levels[0]));
+    EXPECT_TRUE(sameMat(image, expected[0]));  // its own memory
+    EXPECT_NE(before.data, levels[0].data);
+
+    EXPECT_THROW(detector->buildPyramid(Mat(9, 9, CV_32FC1, Scalar(0)), levels), cv::Exception);
+    EXPECT_EQ(8u, levels.size());
+    detector->buildPyramid(Mat(), levels);
+    EXPECT_TRUE(levels.empty());
+    detector->setFirstLevel(8);
+    EXPECT_THROW(detector->buildPyramid(image, levels), cv::Exception);
+}
+
+}  // namespace
+}  // namespace opencv_test
