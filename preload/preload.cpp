@@ -3,7 +3,7 @@
 // of this distribution.
 
 // cv::ORB::create for programs that are not to be changed: preloaded, this definition comes before OpenCV's.
-// Properties that a caller of cv::ORB cannot set come from environment variables (README.md).
+// Environment variables set what callers of cv::ORB cannot: see README.md in this folder.
 
 #include <opencv2/aqorb.hpp>
 
