@@ -1,0 +1,29 @@
+// This file is part of the aqorb project.
+// It is subject to the license terms in the LICENSE file found in the top-level directory
+// of this distribution.
+
+// Stands in for OpenCV's windows where there is no display: nothing is shown, no key is awaited.
+
+#include <opencv2/highgui.hpp>
+
+namespace cv
+{
+
+void namedWindow(const String&, int)
+{
+}
+void imshow(const String&, InputArray)
+{
+}
+void setMouseCallback(const String&, MouseCallback, void*)
+{
+}
+void destroyAllWindows()
+{
+}
+int waitKey(int)
+{
+    return -1;
+}
+
+}  // namespace cv

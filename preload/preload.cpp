@@ -1,0 +1,132 @@
+// This file is part of the aqorb project.
+// It is subject to the license terms in the LICENSE file found in the top-level directory
+// of this distribution.
+
+// cv::ORB::create for programs that are not to be changed: preloaded, this definition comes before OpenCV's.
+// Environment variables set what callers of cv::ORB cannot: see README.md in this folder.
+
+#include <opencv2/aqorb.hpp>
+
+#include <dlfcn.h>
+
+#include <cstdio>
+#include <cstdlib>
+#include <locale>
+#include <mutex>
+#include <sstream>
+
+namespace
+{
+
+using cv::aqorb::AdaptiveQuadtreeORB;
+
+typedef cv::Ptr<cv::ORB> (*Create)(int, float, int, int, int, int, cv::ORB::ScoreType, int, int);
+
+const char* accepted(int)
+{
+    return "a whole number";
+}
+const char* accepted(double)
+{
+    return "a number";
+}
+const char* accepted(bool)
+{
+    return "0 or 1";
+}
+
+// Reads an environment variable. False: it is not set, or empty.
+template <typename T> bool readVariable(const char* name, T& value)
+{
+    const char* text = std::getenv(name);
+    if (!text || !*text)
+        return false;
+    std::istringstream stream(text);
+    stream.imbue(std::locale::classic());  // the program's may have a decimal comma
+    if (!(stream >> value) || !(stream >> std::ws).eof())
+        CV_Error_(cv::Error::StsBadArg, ("%s: got \"%s\"; %s is accepted", name, text, accepted(value)));
+    return true;
+}
+
+bool isOn(const char* name)
+{
+    bool on = false;
+    return readVariable(name, on) && on;
+}
+
+template <typename Class, typename T>
+void setFromVariable(AdaptiveQuadtreeORB& orb, const char* name, void (Class::*setter)(T))
+{
+    T value = T();
+    if (!readVariable(name, value))
+        return;
+    try
+    {
+        (orb.*setter)(value);
+    }
+    catch (const cv::Exception& e)
+    {
+        CV_Error_(e.code, ("%s: %s", name, e.err.c_str()));
+    }
+}
+
+void setFromEnvironment(AdaptiveQuadtreeORB& orb)
+{
+    typedef AdaptiveQuadtreeORB Orb;
+    setFromVariable(orb, "AQORB_EDGE_THRESHOLD", &Orb::setEdgeThreshold);
+    setFromVariable(orb, "AQORB_ADAPTIVE_THRESHOLD", &Orb::setAdaptiveThreshold);
+    setFromVariable(orb, "AQORB_MIN_THRESHOLD_RATIO", &Orb::setMinThresholdRatio);
+    setFromVariable(orb, "AQORB_CELL_SIZE", &Orb::setCellSize);
+    setFromVariable(orb, "AQORB_MAX_DEPTH", &Orb::setMaxDepth);
+    setFromVariable(orb, "AQORB_OCTAVE_SUPPRESSION", &Orb::setOctaveSuppression);
+    setFromVariable(orb, "AQORB_SUB_PIXEL", &Orb::setSubPixel);
+}
+
+// Once a process, and only where it took place: LD_PRELOAD reaches every program that a shell starts.
+void noticeInterposition(const AdaptiveQuadtreeORB& orb)
+{
+    static std::once_flag once;
+    std::call_once(once,
+                   [&orb]
+                   {
+                       std::fprintf(stderr,
+                                    "aqorb: cv::ORB::create gives AdaptiveQuadtreeORB (edgeThreshold %d)\n",
+                                    orb.getEdgeThreshold());
+                   });
+}
+
+// OpenCV's definition, by the name that both have.
+Create originalCreate()
+{
+    Create create = &cv::ORB::create;
+    Dl_info here;
+    void* symbol = nullptr;
+    if (dladdr(reinterpret_cast<void*>(create), &here) && here.dli_sname)
+        symbol = dlsym(RTLD_NEXT, here.dli_sname);
+    if (!symbol)
+        CV_Error(cv::Error::StsNotImplemented, "AQORB_DISABLE: OpenCV's cv::ORB::create was not found");
+    return reinterpret_cast<Create>(symbol);
+}
+
+}  // namespace
+
+namespace cv
+{
+
+Ptr<ORB> ORB::create(int nfeatures, float scaleFactor, int nlevels, int edgeThreshold, int firstLevel,
+                     int WTA_K, ORB::ScoreType scoreType, int patchSize, int fastThreshold)
+{
+    if (isOn("AQORB_DISABLE"))
+        return originalCreate()(nfeatures, scaleFactor, nlevels, edgeThreshold, firstLevel, WTA_K, scoreType,
+                                patchSize, fastThreshold);
+
+    const Ptr<AdaptiveQuadtreeORB> orb =
+        AdaptiveQuadtreeORB::create(nfeatures, scaleFactor, nlevels, edgeThreshold, firstLevel, WTA_K,
+                                    scoreType, patchSize, fastThreshold);
+    setFromEnvironment(*orb);
+    if (isOn("AQORB_VERBOSE"))
+        noticeInterposition(*orb);
+    return orb;
+}
+
+}  // namespace cv

@@ -1,0 +1,211 @@
+// This file is part of the aqorb project.
+// It is subject to the license terms in the LICENSE file found in the top-level directory
+// of this distribution.
+
+// To be run with libaqorb_preload.so preloaded.
+
+#include <gtest/gtest.h>
+
+#include <opencv2/aqorb.hpp>
+#include <opencv2/imgproc.hpp>
+
+#include <cstdlib>
+#include <locale>
+#include <string>
+#include <vector>
+
+namespace
+{
+
+using namespace cv;
+using aqorb::AdaptiveQuadtreeORB;
+
+//! Sets an environment variable as long as it lives.
+class Variable
+{
+public:
+    Variable(const char* name_, const char* value) : name(name_) { setenv(name, value, 1); }
+    ~Variable() { unsetenv(name); }
+
+private:
+    const char* name;
+};
+
+//! OpenCV's own, preloaded library or not.
+Ptr<ORB> opencvORB(int nfeatures, int WTA_K = 2, int patchSize = 31)
+{
+    const Variable disable("AQORB_DISABLE", "1");
+    return ORB::create(nfeatures, 1.2f, 8, 31, 0, WTA_K, ORB::HARRIS_SCORE, patchSize);
+}
+
+Ptr<AdaptiveQuadtreeORB> ours(const Ptr<ORB>& orb)
+{
+    const Ptr<AdaptiveQuadtreeORB> result = orb.dynamicCast<AdaptiveQuadtreeORB>();
+    if (!result)
+        CV_Error(Error::StsError, "cv::ORB::create gave " + orb->getDefaultName());
+    return result;
+}
+
+Mat makeImage()
+{
+    RNG rng(1);
+    Mat image(480, 640, CV_8UC1, Scalar(90));
+    for (int i = 0; i < 400; i++)
+    {
+        const Rect box(rng.uniform(0, 620), rng.uniform(0, 460), rng.uniform(4, 40), rng.uniform(4, 40));
+        rectangle(image, box, Scalar(rng.uniform(0, 256)), FILLED);
+    }
+    return image;
+}
+
+std::string messageOf(const char* variable, const char* value)
+{
+    const Variable set(variable, value);
+    try
+    {
+        ORB::create();
+    }
+    catch (const Exception& e)
+    {
+        return e.err;
+    }
+    return "no exception";
+}
+
+TEST(Preload, gives_our_detector_with_the_callers_parameters)
+{
+    const Ptr<ORB> orb = ORB::create(321, 1.3f, 5, 24, 1, 3, ORB::FAST_SCORE, 25, 11);
+    EXPECT_EQ("Feature2D.AdaptiveQuadtreeORB", orb->getDefaultName());
+    EXPECT_NO_THROW(ours(orb));
+    EXPECT_EQ(321, orb->getMaxFeatures());
+    EXPECT_FLOAT_EQ(1.3f, float(orb->getScaleFactor()));
+    EXPECT_EQ(5, orb->getNLevels());
+    EXPECT_EQ(24, orb->getEdgeThreshold());
+    EXPECT_EQ(1, orb->getFirstLevel());
+    EXPECT_EQ(3, orb->getWTA_K());
+    EXPECT_EQ(ORB::FAST_SCORE, orb->getScoreType());
+    EXPECT_EQ(25, orb->getPatchSize());
+    EXPECT_EQ(11, orb->getFastThreshold());
+}
+
+TEST(Preload, keeps_the_callers_default_border)
+{
+    EXPECT_EQ(31, ORB::create()->getEdgeThreshold());
+}
+
+TEST(Preload, leaves_our_own_defaults)
+{
+    const Ptr<AdaptiveQuadtreeORB> orb = ours(ORB::create()), expected = AdaptiveQuadtreeORB::create();
+    EXPECT_EQ(expected->getAdaptiveThreshold(), orb->getAdaptiveThreshold());
+    EXPECT_EQ(expected->getMinThresholdRatio(), orb->getMinThresholdRatio());
+    EXPECT_EQ(expected->getCellSize(), orb->getCellSize());
+    EXPECT_EQ(expected->getMaxDepth(), orb->getMaxDepth());
+    EXPECT_EQ(expected->getOctaveSuppression(), orb->getOctaveSuppression());
+    EXPECT_EQ(expected->getSubPixel(), orb->getSubPixel());
+}
+
+TEST(Preload, sets_properties_from_the_environment)
+{
+    const Variable edge("AQORB_EDGE_THRESHOLD", "16"), adaptive("AQORB_ADAPTIVE_THRESHOLD", "0"),
+        ratio("AQORB_MIN_THRESHOLD_RATIO", "2.5"), cell("AQORB_CELL_SIZE", "50"),
+        depth("AQORB_MAX_DEPTH", "-1"), octave("AQORB_OCTAVE_SUPPRESSION", " 0.25 "),
+        subPixel("AQORB_SUB_PIXEL", "0");
+    const Ptr<AdaptiveQuadtreeORB> orb = ours(ORB::create(100, 1.2f, 8, 40));
+    EXPECT_EQ(16, orb->getEdgeThreshold());
+    EXPECT_FALSE(orb->getAdaptiveThreshold());
+    EXPECT_EQ(2.5, orb->getMinThresholdRatio());
+    EXPECT_EQ(50, orb->getCellSize());
+    EXPECT_EQ(-1, orb->getMaxDepth());
+    EXPECT_EQ(0.25, orb->getOctaveSuppression());
+    EXPECT_FALSE(orb->getSubPixel());
+
+    const Variable otherDepth("AQORB_MAX_DEPTH", "3");
+    EXPECT_EQ(3, ours(ORB::create())->getMaxDepth());
+}
+
+struct DecimalComma : std::numpunct<char>
+{
+    char do_decimal_point() const override { return ','; }
+};
+
+TEST(Preload, reads_numbers_in_any_locale)
+{
+    const std::locale before = std::locale::global(std::locale(std::locale::classic(), new DecimalComma));
+    const Variable octave("AQORB_OCTAVE_SUPPRESSION", "0.25");
+    EXPECT_EQ(0.25, ours(ORB::create())->getOctaveSuppression());
+    std::locale::global(before);
+}
+
+TEST(Preload, takes_an_empty_variable_for_none)
+{
+    const Variable edge("AQORB_EDGE_THRESHOLD", ""), disable("AQORB_DISABLE", "");
+    EXPECT_EQ(31, ours(ORB::create())->getEdgeThreshold());
+}
+
+TEST(Preload, names_the_variable_of_a_bad_value)
+{
+    EXPECT_EQ("AQORB_EDGE_THRESHOLD: got \"sixteen\"; a whole number is accepted",
+              messageOf("AQORB_EDGE_THRESHOLD", "sixteen"));
+    EXPECT_EQ("AQORB_EDGE_THRESHOLD: got \"16.5\"; a whole number is accepted",
+              messageOf("AQORB_EDGE_THRESHOLD", "16.5"));
+    EXPECT_EQ("AQORB_EDGE_THRESHOLD: got \"99999999999\"; a whole number is accepted",
+              messageOf("AQORB_EDGE_THRESHOLD", "99999999999"));
+    EXPECT_EQ("AQORB_MIN_THRESHOLD_RATIO: got \"nan\"; a number is accepted",
+              messageOf("AQORB_MIN_THRESHOLD_RATIO", "nan"));
+    EXPECT_EQ("AQORB_SUB_PIXEL: got \"yes\"; 0 or 1 is accepted", messageOf("AQORB_SUB_PIXEL", "yes"));
+    EXPECT_EQ("AQORB_DISABLE: got \"2\"; 0 or 1 is accepted", messageOf("AQORB_DISABLE", "2"));
+    EXPECT_EQ("AQORB_CELL_SIZE: cellSize: got 4; >= 8 is accepted", messageOf("AQORB_CELL_SIZE", "4"));
+}
+
+TEST(Preload, gives_opencvs_detector_where_disabled)
+{
+    const Ptr<ORB> orb = opencvORB(123);
+    EXPECT_EQ("Feature2D.ORB", orb->getDefaultName());
+    EXPECT_EQ(123, orb->getMaxFeatures());
+
+    const Variable disable("AQORB_DISABLE", "0");
+    EXPECT_NO_THROW(ours(ORB::create()));
+}
+
+TEST(Preload, notices_once_and_on_request_only)
+{
+    const auto output = []
+    {
+        testing::internal::CaptureStderr();
+        ORB::create();
+        return testing::internal::GetCapturedStderr();
+    };
+    EXPECT_EQ("", output());
+    const Variable verbose("AQORB_VERBOSE", "1");
+    {
+        const Variable disable("AQORB_DISABLE", "1");
+        EXPECT_EQ("", output());
+    }
+    EXPECT_EQ("aqorb: cv::ORB::create gives AdaptiveQuadtreeORB (edgeThreshold 31)\n", output());
+    EXPECT_EQ("", output());
+}
+
+// A library that called cv::ORB for these would call itself for ever.
+TEST(Preload, computes_descriptors_of_every_kind_itself)
+{
+    const Mat image = makeImage();
+    for (int WTA_K : {2, 3, 4})
+    {
+        for (int patchSize : {31, 41})
+        {
+            SCOPED_TRACE(testing::Message() << "WTA_K " << WTA_K << ", patchSize " << patchSize);
+            const Ptr<ORB> orb = ORB::create(300, 1.2f, 8, 31, 0, WTA_K, ORB::HARRIS_SCORE, patchSize);
+            ASSERT_NO_THROW(ours(orb));
+            std::vector<KeyPoint> keypoints;
+            Mat descriptors, expected;
+            orb->detectAndCompute(image, noArray(), keypoints, descriptors);
+            EXPECT_EQ(300u, keypoints.size());
+            opencvORB(300, WTA_K, patchSize)->compute(image, keypoints, expected);
+            ASSERT_EQ(expected.size(), descriptors.size());
+            // Without fused multiply-add cv::ORB's blur differs in a pixel here and there.
+            EXPECT_LE(norm(expected, descriptors, NORM_HAMMING), checkHardwareSupport(CV_CPU_FMA3) ? 0 : 30);
+        }
+    }
+}
+
+}  // namespace

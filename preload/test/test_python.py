@@ -1,0 +1,113 @@
+# This file is part of the aqorb project.
+# It is subject to the license terms in the LICENSE file found in the top-level directory
+# of this distribution.
+
+'''
+A cv2 that is linked to OpenCV dynamically, as Debian's, with libaqorb_preload.so preloaded.
+
+scripts/dropin.sh runs it; OPENCV_SAMPLES names OpenCV's folder samples/python, OPENCV_SAMPLES_DATA_PATH
+its folder samples/data.
+'''
+
+import os
+import subprocess
+import sys
+import tempfile
+import unittest
+
+import cv2 as cv
+import numpy as np
+
+sys.path.insert(0, os.environ['OPENCV_SAMPLES'])
+import plane_tracker  # noqa: E402  OpenCV's own, unchanged
+
+NOTICE = 'aqorb: cv::ORB::create gives AdaptiveQuadtreeORB (edgeThreshold %d)\n'
+
+
+def read(name):
+    return cv.imread(cv.samples.findFile(name), cv.IMREAD_GRAYSCALE)
+
+
+def run(program, **variables):
+    '''Output and errors of a Python program of its own process.'''
+    return subprocess.run([sys.executable, '-c', program], env={**os.environ, **variables},
+                          capture_output=True, text=True)
+
+
+class Preload(unittest.TestCase):
+
+    def test_gives_our_detector_with_the_callers_parameters(self):
+        orb = cv.ORB_create(nfeatures=321, scaleFactor=1.5, nlevels=5, edgeThreshold=24, firstLevel=1, WTA_K=3,
+                            scoreType=cv.ORB_FAST_SCORE, patchSize=25, fastThreshold=11)
+        self.assertEqual('Feature2D.AdaptiveQuadtreeORB', orb.getDefaultName())
+        self.assertEqual((321, 1.5, 5, 24, 1, 3, cv.ORB_FAST_SCORE, 25, 11),
+                         (orb.getMaxFeatures(), orb.getScaleFactor(), orb.getNLevels(), orb.getEdgeThreshold(),
+                          orb.getFirstLevel(), orb.getWTA_K(), orb.getScoreType(), orb.getPatchSize(),
+                          orb.getFastThreshold()))
+
+    def test_every_way_to_create_is_reached(self):
+        for create in cv.ORB_create, cv.ORB.create:
+            self.assertEqual('Feature2D.AdaptiveQuadtreeORB', create().getDefaultName())
+        self.assertEqual('Feature2D.AKAZE', cv.AKAZE_create().getDefaultName())
+
+    def test_parameters_survive_write_and_read(self):
+        with tempfile.TemporaryDirectory() as folder:
+            path = os.path.join(folder, 'orb.yml')
+            cv.ORB_create(321, 1.5, 5, 24, 1, 3, cv.ORB_FAST_SCORE, 25, 11).write(path)
+            with open(path) as file:
+                self.assertIn('Feature2D.AdaptiveQuadtreeORB', file.read())
+            orb = cv.ORB_create()
+            orb.read(path)
+        self.assertEqual((321, 1.5, 5, 24, 1, 3, cv.ORB_FAST_SCORE, 25, 11),
+                         (orb.getMaxFeatures(), orb.getScaleFactor(), orb.getNLevels(), orb.getEdgeThreshold(),
+                          orb.getFirstLevel(), orb.getWTA_K(), orb.getScoreType(), orb.getPatchSize(),
+                          orb.getFastThreshold()))
+
+    def test_matches_a_known_motion(self):
+        image = read('home.jpg')
+        shift = 9
+        orb = cv.ORB_create(500)
+        keypoints, descriptors = orb.detectAndCompute(image, None)
+        moved, others = orb.detectAndCompute(np.ascontiguousarray(image[:, shift:]), None)
+        self.assertEqual((500, 32), descriptors.shape)
+        matches = cv.BFMatcher(orb.defaultNorm(), crossCheck=True).match(descriptors, others)
+        correct = sum(np.hypot(keypoints[m.queryIdx].pt[0] - moved[m.trainIdx].pt[0] - shift,
+                               keypoints[m.queryIdx].pt[1] - moved[m.trainIdx].pt[1]) < 3 for m in matches)
+        self.assertGreater(correct, 0.7 * len(matches))
+        self.assertGreater(correct, 200)
+
+    def test_descriptors_of_every_kind(self):
+        image = read('home.jpg')
+        for points in 2, 3, 4:
+            for size in 31, 41:
+                keypoints, descriptors = cv.ORB_create(300, WTA_K=points, patchSize=size).detectAndCompute(image, None)
+                self.assertEqual((300, 32), descriptors.shape)
+
+    def test_planes_are_tracked(self):
+        image = read('box.png')
+        height, width = image.shape
+        tracker = plane_tracker.PlaneTracker()
+        tracker.add_target(image, (0, 0, width, height))
+        angle = np.float32([[0.9, -0.3, 90], [0.3, 0.9, 20], [0, 0, 1]])
+        tracked = tracker.track(cv.warpPerspective(image, angle, (width + 100, height + 100)))
+        self.assertEqual(1, len(tracked))
+        corners = np.float32([[[0, 0], [width, 0], [width, height], [0, height]]])
+        expected = cv.perspectiveTransform(corners, angle)[0]
+        self.assertLess(np.abs(tracked[0].quad - expected).max(), 5)
+
+    def test_environment(self):
+        program = 'import cv2; o = cv2.ORB_create(); print(o.getDefaultName(), o.getEdgeThreshold())'
+        ours = run(program, AQORB_VERBOSE='1', AQORB_EDGE_THRESHOLD='16')
+        self.assertEqual(('Feature2D.AdaptiveQuadtreeORB 16\n', NOTICE % 16), (ours.stdout, ours.stderr))
+        off = run(program, AQORB_VERBOSE='1', AQORB_DISABLE='1')
+        self.assertEqual(('Feature2D.ORB 31\n', ''), (off.stdout, off.stderr))
+        bad = run(program, AQORB_CELL_SIZE='4')
+        self.assertIn('AQORB_CELL_SIZE: cellSize: got 4; >= 8 is accepted', bad.stderr)
+        self.assertNotEqual(0, bad.returncode)
+
+    def test_no_notice_where_nothing_was_interposed(self):
+        self.assertEqual('', run('import cv2; cv2.AKAZE_create()', AQORB_VERBOSE='1').stderr)
+
+
+if __name__ == '__main__':
+    unittest.main()

@@ -1,0 +1,137 @@
+#!/usr/bin/env bash
+# Shows that libaqorb_preload.so replaces cv::ORB in programs that know nothing of it: runs Debian's Python
+# binding, OpenCV's samples and OpenCV's own tests of features2d, built from Debian's source package without
+# a change, each with and without the library preloaded.
+#
+#   scripts/dropin.sh
+#
+# Installs the Debian packages it needs. OpenCV's tests need OPENCV_TEST_DATA_PATH, the folder testdata of
+# opencv_extra, and are left out without it. Ends with status 0 if everything is as it should be.
+source "$(dirname "$0")/common.sh"
+
+need build-essential cmake ccache libopencv-dev libgtest-dev python3-opencv
+opencv_source
+export OPENCV_SAMPLES=$OPENCV_SOURCE/samples/python OPENCV_SAMPLES_DATA_PATH=$OPENCV_SOURCE/samples/data
+
+folder=$BUILD/dropin
+preload=$BUILD/release/preload/libaqorb_preload.so
+headless=$folder/libheadless.so
+notice='aqorb: cv::ORB::create gives AdaptiveQuadtreeORB'
+
+say "Building"
+configure "$BUILD/release" -DAQORB_BUILD_TESTS=ON -DAQORB_BUILD_PRELOAD=ON
+build "$BUILD/release" --target aqorb_preload aqorb_preload_test
+cmake -S "$ROOT/preload/opencv" -B "$folder" -DCMAKE_BUILD_TYPE=Release \
+    -DCMAKE_CXX_COMPILER_LAUNCHER=ccache -DOPENCV_SOURCE_DIR="$OPENCV_SOURCE"
+build "$folder"
+mkdir -p "$folder/out"
+
+say "A program of the installed OpenCV's cv::ORB"
+ctest --test-dir "$BUILD/release" --tests-regex '^Preload' --output-on-failure --no-tests=error
+
+say "Debian's python3-opencv"
+LD_PRELOAD=$preload "$PYTHON" "$ROOT/preload/test/test_python.py"
+
+# run LOG LIBRARIES COMMAND...: a program with libraries preloaded, in a folder where it may leave files;
+# prints the log if it fails.
+run() {
+    local log=$1 libraries=$2 status=0
+    shift 2
+    (cd "$folder/out" && AQORB_VERBOSE=1 LD_PRELOAD=$libraries exec "$@") >"$log" 2>&1 || status=$?
+    ((status == 0)) || { tail -n 40 "$log" && die "$(basename "$1") failed with status $status"; }
+}
+
+# compare NAME PATTERN COMMAND...: both runs must succeed, the second one with our detector; shows the lines
+# that say what came out.
+compare() {
+    local name=$1 pattern=$2 log=$folder/out/$1
+    shift 2
+    run "$log.cv" "$headless" "$@"
+    run "$log.aqorb" "$headless:$preload" "$@"
+    if grep -q "$notice" "$log.cv"; then die "$name: interposed without the library"; fi
+    grep -q "$notice" "$log.aqorb" || die "$name: not interposed"
+    say "$name"
+    grep -oE "$pattern" "$log.cv" | sed 's/^/cv::ORB              /'
+    grep -oE "$pattern" "$log.aqorb" | sed 's/^/AdaptiveQuadtreeORB  /'
+}
+
+data=$OPENCV_SAMPLES_DATA_PATH
+compare matchmethod_orb_akaze_brisk '^ORB.*' "$folder/matchmethod_orb_akaze_brisk"
+compare asift '[0-9]+ / [0-9]+ +inliers.matched' "$folder/asift" --feature=orb
+compare stitching_detailed 'Features in image.*' "$folder/stitching_detailed" \
+    "$data/aloeL.jpg" "$data/aloeR.jpg" --features orb --output "$folder/out/stitching_detailed.jpg"
+compare stitching '[a-z_]+\.jpg saved' "$folder/stitching" \
+    "$data/aloeL.jpg" "$data/aloeR.jpg" --output "$folder/out/stitching.jpg"
+compare find_obj.py '[0-9]+ / [0-9]+ +inliers.matched' "$PYTHON" "$OPENCV_SAMPLES/find_obj.py" --feature=orb
+
+say "A sample that uses another detector"
+run "$folder/out/akaze" "$headless:$preload" "$PYTHON" "$OPENCV_SAMPLES/find_obj.py" --feature=akaze
+if grep "$notice" "$folder/out/akaze"; then die "a notice without cv::ORB"; fi
+echo "no notice"
+
+if [[ -z ${OPENCV_TEST_DATA_PATH:-} ]]; then
+    say "OpenCV's own tests are left out: OPENCV_TEST_DATA_PATH is not set"
+    exit
+fi
+
+# fresh_data: points OPENCV_TEST_DATA_PATH to a copy, as OpenCV's tests write the records that they miss. A
+# picture that some test only needs to be there may be another one.
+original_data=$(cd "$OPENCV_TEST_DATA_PATH" && pwd)
+fresh_data() {
+    export OPENCV_TEST_DATA_PATH=$folder/testdata
+    rm -rf "$OPENCV_TEST_DATA_PATH"
+    cp -rs "$original_data" "$OPENCV_TEST_DATA_PATH"
+    [[ -e $original_data/cv/shared/lena.png ]] ||
+        ln -s "$data/home.jpg" "$OPENCV_TEST_DATA_PATH/cv/shared/lena.png"
+    mkdir -p "$OPENCV_TEST_DATA_PATH/stitching"
+    [[ -e $original_data/stitching/s2.jpg ]] ||
+        ln -s "$data/aloeL.jpg" "$OPENCV_TEST_DATA_PATH/stitching/s2.jpg"
+}
+
+# verdicts LIBRARIES [OPTION...]: what each test of OpenCV's features2d comes to.
+verdicts() {
+    local libraries=$1
+    shift
+    fresh_data
+    AQORB_VERBOSE=1 LD_PRELOAD=$libraries "$folder/opencv_test_features2d" "$@" >"$folder/out/tests" 2>&1 || true
+    sed -nE 's/^\[ +(OK|FAILED) +\] ([^ ,]+).* \([0-9]+ ms\)$/\1 \2/p' "$folder/out/tests" | sort
+}
+
+# must_pass TEST... on standard input.
+must_pass() {
+    local found test
+    found=$(cat)
+    for test; do
+        grep -x "OK $test" <<<"$found" || die "did not pass: $test"
+    done
+}
+
+say "OpenCV's accuracy tests of features2d: those of cv::ORB that must pass"
+verdicts '' >"$folder/out/verdicts.cv"
+verdicts "$preload" >"$folder/out/verdicts.aqorb"
+grep -q "$notice" "$folder/out/tests" || die "not interposed"
+rotation=$(sed -n '/RUN .*ORB.DetectorRotation/,/FAILED .*ORB/s/^angle.*keyPointMatchesRatio = //p' \
+    "$folder/out/tests" | sort -g | head -n 1)
+must_pass Features2D_ORB._1996 Features2D_ORB.crash_5031 Features2D_ORB.regression_16197 \
+    Features2d_DescriptorExtractor_ORB.regression Features2d_DescriptorExtractor.batch_ORB \
+    Features2d_Detector_Keypoints_ORB.validation ORB/DescriptorRotationInvariance.rotation/0 \
+    ORB/DetectorScaleInvariance.scale/0 <"$folder/out/verdicts.aqorb"
+
+say "The same with the choice left to the response, as cv::ORB does"
+AQORB_MAX_DEPTH=0 AQORB_OCTAVE_SUPPRESSION=0 verdicts "$preload" --gtest_filter='ORB/Detector*' |
+    must_pass ORB/DetectorRotationInvariance.rotation/0 ORB/DetectorScaleInvariance.scale/0
+
+say "All tests whose verdict differs from that with cv::ORB"
+# One compares stored keypoints of cv::ORB. The other asks for what only a choice by response gives.
+comm -13 "$folder/out/verdicts.cv" "$folder/out/verdicts.aqorb" | tee "$folder/out/differ"
+printf 'FAILED %s\n' Features2d_Detector_ORB.regression ORB/DetectorRotationInvariance.rotation/0 |
+    diff - "$folder/out/differ" || die "other tests than these two differ"
+
+echo "smallest keyPointMatchesRatio and its angleInliersRatio there (asked for: 0.5, 0.76): ${rotation/,*=/,}"
+
+say "OpenCV's performance tests of cv::ORB, one sample each"
+fresh_data
+run "$folder/out/perf" "$preload" "$folder/opencv_perf_features2d" --gtest_filter='feature2d*' \
+    --gtest_param_filter='*ORB*' --perf_min_samples=1 --perf_force_samples=1 --perf_verify_sanity=0
+grep -q "$notice" "$folder/out/perf" || die "not interposed"
+grep PASSED "$folder/out/perf"
