@@ -1,0 +1,206 @@
+// This file is part of the aqorb project.
+// It is subject to the license terms in the LICENSE file found in the top-level directory
+// of this distribution.
+
+// Stereo visual odometry from frame to frame, on sequences laid out as KITTI's: what a detector's features are
+// worth to it. Points of a rectified pair are matched along the rows, then to the frame before; the motion is
+// that under which the points of one frame project onto their matches in the next (PnP).
+
+#ifndef AQORB_EVALUATE_STEREO_ODOMETRY_HPP
+#define AQORB_EVALUATE_STEREO_ODOMETRY_HPP
+
+#include <opencv2/calib3d.hpp>
+#include <opencv2/core/utils/filesystem.hpp>
+#include <opencv2/features2d.hpp>
+
+#include <algorithm>
+#include <fstream>
+#include <sstream>
+#include <string>
+#include <vector>
+
+//! A sequence of rectified image pairs whose poses are known.
+struct StereoSequence
+{
+    std::vector<cv::String> left, right;  // files
+    std::vector<cv::Matx44d> poses;       // from the coordinates of the left camera to those of the world
+    cv::Matx33d camera;
+    double baseline;  // in metres
+};
+
+//! Features of the left image for which the right one gives a depth.
+struct StereoFrame
+{
+    std::vector<cv::KeyPoint> keypoints;
+    cv::Mat descriptors;
+    std::vector<cv::Point3d> points;  // in coordinates of the left camera, metres
+};
+
+struct StereoMotion
+{
+    cv::Matx44d motion =
+        cv::Matx44d::eye();  // from the coordinates of the later frame to those of the earlier
+    int matches = 0, inliers = 0;
+    bool found = false;
+};
+
+/** Reads poses.txt, calib.txt (P0 and P1, with or without these labels) and the folders of images
+ (image_l and image_r, or KITTI's image_0 and image_1). */
+inline StereoSequence readStereoSequence(const std::string& folder)
+{
+    const auto readMatrices = [&](const std::string& name)
+    {
+        std::vector<cv::Matx34d> matrices;
+        std::ifstream file(folder + "/" + name);
+        for (std::string line; std::getline(file, line);)
+        {
+            const size_t label = line.find(':');
+            std::istringstream numbers(label == std::string::npos ? line : line.substr(label + 1));
+            cv::Matx34d matrix;
+            int count = 0;
+            while (count < 12 && numbers >> matrix.val[count])
+                count++;
+            if (count == 12)
+                matrices.push_back(matrix);
+        }
+        return matrices;
+    };
+    const auto images = [&](const std::string& a, const std::string& b)
+    {
+        std::vector<cv::String> files;
+        cv::glob(folder + "/" + (cv::utils::fs::exists(folder + "/" + a) ? a : b) + "/*.png", files);
+        return files;
+    };
+
+    StereoSequence sequence;
+    const std::vector<cv::Matx34d> projections = readMatrices("calib.txt");
+    for (const cv::Matx34d& pose : readMatrices("poses.txt"))
+    {
+        cv::Matx44d rigid = cv::Matx44d::eye();
+        std::copy(pose.val, pose.val + 12, rigid.val);
+        sequence.poses.push_back(rigid);
+    }
+    sequence.left = images("image_l", "image_0");
+    sequence.right = images("image_r", "image_1");
+    if (projections.size() < 2 || sequence.left.empty() || sequence.right.size() != sequence.left.size() ||
+        sequence.poses.size() < sequence.left.size())
+        CV_Error(cv::Error::StsObjectNotFound,
+                 folder + ": needs calib.txt, poses.txt and as many images of both cameras");
+    sequence.camera = projections[0].get_minor<3, 3>(0, 0);
+    sequence.baseline = (projections[0](0, 3) - projections[1](0, 3)) / projections[0](0, 0);
+    return sequence;
+}
+
+/** The features of the left image that match one of the right image best, and the other way round, among those
+ within two pixels of its row (more for large features, as they are located less exactly) and at most
+ maxDisparity further left. */
+inline StereoFrame stereoFrame(const std::vector<cv::KeyPoint>& left, const cv::Mat& leftDescriptors,
+                               const std::vector<cv::KeyPoint>& right, const cv::Mat& rightDescriptors,
+                               int norm, const StereoSequence& sequence, float maxDisparity = 200)
+{
+    const float ROWS = 2, ORB_SIZE = 31, MIN_DISPARITY = 0.5f;
+    std::vector<int> byRow(right.size());
+    for (size_t i = 0; i < right.size(); i++)
+        byRow[i] = int(i);
+    std::sort(byRow.begin(), byRow.end(), [&](int a, int b) { return right[a].pt.y < right[b].pt.y; });
+
+    std::vector<cv::DMatch> bestOfLeft(left.size()), bestOfRight(right.size());
+    for (size_t i = 0; i < left.size(); i++)
+    {
+        const cv::Point2f p = left[i].pt;
+        const float rows = ROWS * std::max(1.f, left[i].size / ORB_SIZE);
+        auto candidate = std::lower_bound(byRow.begin(), byRow.end(), p.y - rows,
+                                          [&](int index, float y) { return right[index].pt.y < y; });
+        for (; candidate != byRow.end() && right[*candidate].pt.y <= p.y + rows; ++candidate)
+        {
+            const float disparity = p.x - right[*candidate].pt.x;
+            if (disparity < MIN_DISPARITY || disparity > maxDisparity)
+                continue;
+            const double distance =
+                cv::norm(leftDescriptors.row(int(i)), rightDescriptors.row(*candidate), norm);
+            const cv::DMatch match(int(i), *candidate, float(distance));
+            if (match < bestOfLeft[i])
+                bestOfLeft[i] = match;
+            if (match < bestOfRight[*candidate])
+                bestOfRight[*candidate] = match;
+        }
+    }
+
+    StereoFrame frame;
+    const cv::Matx33d& k = sequence.camera;
+    for (size_t i = 0; i < left.size(); i++)
+    {
+        const int match = bestOfLeft[i].trainIdx;
+        if (match < 0 || bestOfRight[match].queryIdx != int(i))
+            continue;
+        const cv::Point2f p = left[i].pt;
+        const double depth = k(0, 0) * sequence.baseline / (p.x - right[match].pt.x);
+        frame.keypoints.push_back(left[i]);
+        frame.descriptors.push_back(leftDescriptors.row(int(i)));
+        frame.points.emplace_back((p.x - k(0, 2)) * depth / k(0, 0), (p.y - k(1, 2)) * depth / k(1, 1),
+                                  depth);
+    }
+    return frame;
+}
+
+//! The motion between two frames: PnP with RANSAC, refined on the inliers.
+inline StereoMotion estimateMotion(const StereoFrame& earlier, const StereoFrame& later, int norm,
+                                   const StereoSequence& sequence)
+{
+    const float THRESHOLD = 2;  // pixels
+    StereoMotion result;
+    std::vector<cv::DMatch> matches;
+    if (!earlier.descriptors.empty() && !later.descriptors.empty())
+        cv::BFMatcher(norm, true).match(earlier.descriptors, later.descriptors, matches);
+    std::vector<cv::Point3d> points;
+    std::vector<cv::Point2d> pixels;
+    for (const cv::DMatch& match : matches)
+    {
+        points.push_back(earlier.points[match.queryIdx]);
+        pixels.push_back(later.keypoints[match.trainIdx].pt);
+    }
+    result.matches = int(matches.size());
+    if (matches.size() < 6)
+        return result;
+
+    cv::Vec3d rotation, translation;
+    std::vector<int> inliers;
+    if (!cv::solvePnPRansac(points, pixels, sequence.camera, cv::noArray(), rotation, translation, false,
+                            1000, THRESHOLD, 0.9999, inliers, cv::SOLVEPNP_P3P) ||
+        inliers.size() < 6)
+        return result;
+    std::vector<cv::Point3d> inlierPoints;
+    std::vector<cv::Point2d> inlierPixels;
+    for (int i : inliers)
+    {
+        inlierPoints.push_back(points[i]);
+        inlierPixels.push_back(pixels[i]);
+    }
+    cv::solvePnPRefineLM(inlierPoints, inlierPixels, sequence.camera, cv::noArray(), rotation, translation);
+
+    cv::Matx33d r;
+    cv::Rodrigues(rotation, r);
+    const cv::Vec3d t = -(r.t() * translation);
+    for (int row = 0; row < 3; row++)
+    {
+        for (int column = 0; column < 3; column++)
+            result.motion(row, column) = r(column, row);
+        result.motion(row, 3) = t[row];
+    }
+    result.inliers = int(inliers.size());
+    result.found = true;
+    return result;
+}
+
+//! The distance between two rigid motions: of what is left of one after the other is undone.
+inline void motionError(const cv::Matx44d& estimate, const cv::Matx44d& truth, double& metres,
+                        double& degrees)
+{
+    const cv::Matx44d rest = truth.inv() * estimate;
+    metres = cv::norm(cv::Vec3d(rest(0, 3), rest(1, 3), rest(2, 3)));
+    cv::Vec3d rotation;
+    cv::Rodrigues(rest.get_minor<3, 3>(0, 0), rotation);
+    degrees = cv::norm(rotation) * 180 / CV_PI;
+}
+
+#endif
