@@ -135,7 +135,9 @@ Options readOptions(const CommandLineParser& parser)
 
 typedef std::vector<Ptr<Method>> Methods;
 
-Methods makeMethods(const std::vector<std::string>& names, const std::string& superPoint, Results& results)
+//! The methods of these names; of those that can be had the names go to `made`.
+Methods makeMethods(const std::vector<std::string>& names, const std::string& superPoint, Results& results,
+                    std::vector<std::string>& made)
 {
     Methods methods;
     for (const std::string& name : names)
@@ -143,7 +145,7 @@ Methods makeMethods(const std::vector<std::string>& names, const std::string& su
         try
         {
             methods.push_back(makeMethod(name, superPoint));
-            results.methods.push_back(name);
+            made.push_back(name);
             results.titles[name] = methods.back()->title;
         }
         catch (const Absent& absent)
@@ -274,11 +276,10 @@ void run(const Options& options)
 {
     Results results;
     results.numbers = options.numbers;
-    Methods methods = makeMethods(options.methods, options.superPoint, results);
-    Results ablationNames;  // its rows go with the others; its methods have a table of their own
+    Methods methods = makeMethods(options.methods, options.superPoint, results, results.methods);
     Methods ablations;
     if (options.ablation)
-        ablations = makeMethods(ablationMethods(), options.superPoint, ablationNames);
+        ablations = makeMethods(ablationMethods(), options.superPoint, results, results.ablations);
     utils::fs::createDirectories(options.out);
 
     const Progress progress;
@@ -302,7 +303,6 @@ void run(const Options& options)
             }
         }
     }
-    results.titles.insert(ablationNames.titles.begin(), ablationNames.titles.end());
     writeCsv(results, options.out);
     writeTables(results, options.out + "/tables.md");
 }
