@@ -39,7 +39,7 @@ const char* const KEYS =
     "and aqorb:key=value:... }"
     "{n              | 500  | numbers of features; tables 1 to 3 are of the first }"
     "{runs           | 30   | repeats of a time measurement, fewer for methods that take long }"
-    "{seeds          | 5    | random seeds of a homography's estimation }"
+    "{seeds          | 15   | random seeds of a homography's estimation }"
     "{degrade        |      | dark,gamma,noise: also measure on images made worse so }"
     "{ablation       |      | also measure aqorb with one ingredient changed }"
     "{odometry       |      | stereo sequence laid out as KITTI's: also measure visual odometry }"
@@ -136,9 +136,7 @@ Options readOptions(const CommandLineParser& parser)
 
 typedef std::vector<Ptr<Method>> Methods;
 
-//! The methods of these names; of those that can be had the names go to `made`.
-Methods makeMethods(const std::vector<std::string>& names, const std::string& superPoint, Results& results,
-                    std::vector<std::string>& made)
+Methods makeMethods(const std::vector<std::string>& names, const std::string& superPoint, Results& results)
 {
     Methods methods;
     for (const std::string& name : names)
@@ -146,7 +144,7 @@ Methods makeMethods(const std::vector<std::string>& names, const std::string& su
         try
         {
             methods.push_back(makeMethod(name, superPoint));
-            made.push_back(name);
+            results.methods.push_back(name);
             results.titles[name] = methods.back()->title;
         }
         catch (const Absent& absent)
@@ -277,10 +275,13 @@ void run(const Options& options)
 {
     Results results;
     results.numbers = options.numbers;
-    Methods methods = makeMethods(options.methods, options.superPoint, results, results.methods);
-    Methods ablations;
+    Methods methods = makeMethods(options.methods, options.superPoint, results);
+    Methods ablations;  // those of them that are not measured anyway
     if (options.ablation)
-        ablations = makeMethods(ablationMethods(), options.superPoint, results, results.ablations);
+        results.ablations = ablationMethods();
+    for (const Ablation& ablation : results.ablations)
+        if (!results.titles.count(ablation.name))
+            ablations.push_back(makeMethod(ablation.name, ""));
     utils::fs::createDirectories(options.out);
 
     const Progress progress;

@@ -48,26 +48,6 @@ const std::vector<NamedMethod>& namedMethods()
     return methods;
 }
 
-struct Ablation
-{
-    const char* name;
-    const char* title;
-};
-
-const Ablation ABLATIONS[] = {
-    {"aqorb:threshold=0", "fixed FAST threshold 20"},
-    {"aqorb:ratio=1", "no lower threshold in empty cells"},
-    {"aqorb:depth=0", "no quadtree: score alone"},
-    {"aqorb:depth=6", "depth 6 on all levels, not equation (9)"},
-    {"aqorb:depth=15", "no depth limit: each corner a leaf of its own"},
-    {"aqorb:octave=0", "no octave suppression"},
-    {"aqorb:subpixel=0", "whole pixels"},
-    {"paper", "both: the paper's settings"},
-    {"figure2", "both, and Figure 2 to the letter: no balanced selection"},
-    {"aqorb:edge=31", "border 31"},
-    {"aqorb:score=fast", "FAST score instead of Harris"},
-};
-
 }  // namespace
 
 std::vector<std::string> allMethods()
@@ -79,12 +59,22 @@ std::vector<std::string> allMethods()
     return names;
 }
 
-std::vector<std::string> ablationMethods()
+std::vector<Ablation> ablationMethods()
 {
-    std::vector<std::string> names;
-    for (const Ablation& ablation : ABLATIONS)
-        names.push_back(ablation.name);
-    return names;
+    return {
+        {"aqorb", "nothing"},
+        {"aqorb:threshold=0", "fixed FAST threshold 20"},
+        {"aqorb:ratio=1", "no lower threshold in empty cells"},
+        {"aqorb:depth=0", "no quadtree: score alone"},
+        {"aqorb:depth=6", "depth 6 on all levels, not equation (9)"},
+        {"aqorb:depth=15", "no depth limit: each corner a leaf of its own"},
+        {"aqorb:octave=0", "no octave suppression"},
+        {"aqorb:subpixel=0", "whole pixels"},
+        {"paper", "both: the paper's settings"},
+        {"figure2", "both, and Figure 2 to the letter: no balanced selection"},
+        {"aqorb:edge=31", "border 31"},
+        {"aqorb:score=fast", "FAST score instead of Harris"},
+    };
 }
 
 cv::Ptr<Method> makeMethod(const std::string& name, const std::string& superPoint)
@@ -106,9 +96,6 @@ cv::Ptr<Method> makeMethod(const std::string& name, const std::string& superPoin
     }
     if (!method)
         CV_Error(cv::Error::StsBadArg, name + ": unknown method");
-    for (const Ablation& ablation : ABLATIONS)
-        if (name == ablation.name)
-            method->title = ablation.title;
     method->name = name;
     return method;
 }

@@ -58,9 +58,18 @@ cv::Ptr<Method> makeSsc();
 cv::Ptr<Method> makeSurf();
 cv::Ptr<Method> makeSuperPoint(const std::string& model);
 
-//! The names of all methods, and of those that differ from aqorb in one ingredient.
+//! The names of all methods.
 std::vector<std::string> allMethods();
-std::vector<std::string> ablationMethods();
+
+//! A method that is aqorb but for one ingredient.
+struct Ablation
+{
+    std::string name;
+    std::string but;  //!< for what
+};
+
+//! aqorb itself and what remains of it without each of its ingredients.
+std::vector<Ablation> ablationMethods();
 
 /** The method of a name: one of allMethods, or aqorb:key=value:... with the keys in methods/aqorb.cpp.
  Throws Absent, or cv::Exception for a name that is none.

@@ -6,6 +6,7 @@
 #define AQORB_EVALUATE_RESULTS_HPP
 
 #include "measures.hpp"
+#include "method.hpp"
 
 #include <map>
 #include <string>
@@ -47,8 +48,8 @@ const double NO_MOTION = 1e6;
 struct Results
 {
     std::vector<std::string> methods;           // those measured, in order
-    std::vector<std::string> ablations;         // methods that are aqorb but for one ingredient
-    std::map<std::string, std::string> titles;  // of both
+    std::map<std::string, std::string> titles;  // of the methods
+    std::vector<Ablation> ablations;            // measured, too
     std::map<std::string, std::string> absent;  // methods that could not be had, and why
     std::vector<int> numbers;                   // of features; the first is the paper's
     std::vector<FeatureRow> features;

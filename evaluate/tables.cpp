@@ -379,11 +379,8 @@ private:
             return;
         head("Ablation: as shipped but for", QUALITY);
         for (const int n : results.numbers)
-        {
-            qualityRow("", "aqorb", "nothing", n);
-            for (const std::string& method : results.ablations)
-                qualityRow("", method, results.titles.at(method), n);
-        }
+            for (const Ablation& ablation : results.ablations)
+                qualityRow("", ablation.name, ablation.but, n);
     }
 
     void odometry()

@@ -22,8 +22,11 @@ public:
         cv::Mat gray = image;
         if (image.channels() > 1)
             cv::cvtColor(image, gray, cv::COLOR_BGR2GRAY);
+        // The strongest come first. Half as many more than asked for make up for those dropped at the border.
+        std::vector<dlib::surf_point> points = dlib::get_surf_points(dlib::cv_image<uchar>(gray), n + n / 2);
+        points.resize(std::min(points.size(), size_t(n)));
         Features features;
-        for (const dlib::surf_point& point : dlib::get_surf_points(dlib::cv_image<uchar>(gray), n))
+        for (const dlib::surf_point& point : points)
         {
             const double degrees = point.angle * 180 / CV_PI;
             features.keypoints.emplace_back(
