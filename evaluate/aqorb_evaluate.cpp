@@ -13,7 +13,7 @@
 #include <opencv2/core/utils/filesystem.hpp>
 #include <opencv2/imgcodecs.hpp>
 
-#include <cstdio>
+#include <ctime>
 #include <iostream>
 #include <set>
 #include <sstream>
@@ -156,8 +156,8 @@ Methods makeMethods(const std::vector<std::string>& names, const std::string& su
     return methods;
 }
 
-/** Median times in ms on one thread. The methods take turns, so that other load slows all of them; those that
- have taken that long drop out. */
+/** Median CPU times in ms on one thread. The methods take turns, so that other load slows all of them; those
+ that have taken long enough drop out. */
 std::vector<double> medianTimes(const Methods& methods, const Mat& image, int n, int runs)
 {
     const double ENOUGH = 300;  // ms
@@ -171,9 +171,9 @@ std::vector<double> medianTimes(const Methods& methods, const Mat& image, int n,
         {
             if (total[i] >= ENOUGH)
                 continue;
-            const int64 start = getTickCount();
+            const std::clock_t start = std::clock();
             methods[i]->compute(image, n);
-            times[i].push_back(1e3 * double(getTickCount() - start) / getTickFrequency());
+            times[i].push_back(1e3 * double(std::clock() - start) / CLOCKS_PER_SEC);
             total[i] += times[i].back();
         }
     }

@@ -114,7 +114,7 @@ def main():
     panels(measured(rows, 'uniformity'), printed(paper, 'uniformity'), three,
            'Figure 6: uniformity u by image, less is more uniform', 'u', os.path.join(folder, 'figure6.png'))
     panels(measured(rows, 'time_ms'), printed(paper, 'time_ms'), three,
-           "Figure 7: time by image; the paper's are of an i5-4258U", 'ms', os.path.join(folder, 'figure7.png'),
+           "Figure 7: CPU time by image; the paper's are of an i5-4258U", 'ms', os.path.join(folder, 'figure7.png'),
            log=True)
     panels(measured(rows, 'uniformity'), printed(paper, 'uniformity'),
            [method for method in present if method not in ('orb', 'orb_slam')],

@@ -20,7 +20,7 @@ struct FeatureRow
     std::string method;
     int n, keypoints;
     double uniformity, occupancy;
-    double milliseconds;  // negative: not measured
+    double milliseconds;  // CPU time; negative: not measured
 };
 
 //! How one method matched the first image of a set with another.

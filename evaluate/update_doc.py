@@ -43,7 +43,7 @@ def main():
     tables = read_tables(os.path.join(arguments.folder, 'tables.md'))
     with open(arguments.document) as file:
         text = file.read()
-    text = re.sub(r'(<!-- table: (.*?) -->\n)(?:.*?\n)?(<!-- end -->)',
+    text = re.sub(r'(<!-- table: (.*?) -->\n).*?(<!-- end -->)',
                   lambda match: match[1] + '\n' + table(tables, match[2]) + '\n' + match[3], text, flags=re.S)
     with open(arguments.document, 'w') as file:
         file.write(text)
