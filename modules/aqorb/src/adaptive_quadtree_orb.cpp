@@ -317,7 +317,8 @@ void AdaptiveQuadtreeORBImpl::detect(const Mat& image, const Mat& mask, Workspac
         positions[i] = position;
         if (!mask.empty() && !pyramid[i].isInput)
             maskPositions(mask, position, pyramid[i].mask);
-        const SelectionLevel level = {pyramid[i].image.size(), pyramid[i].scale, regionOf(pyramid[i].image.size()),
+        const SelectionLevel level = {pyramid[i].image.size(), pyramid[i].scale,
+                                      regionOf(pyramid[i].image.size()),
                                       p.maxDepth >= 0 ? p.maxDepth : quadtreeDepth(quotas[i]), quotas[i]};
         selectionLevels[i] = level;
     }

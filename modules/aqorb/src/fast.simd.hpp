@@ -98,7 +98,10 @@ struct Wide
         return _mm512_cmpgt_epu8_mask(a.val, b.val);
     }
 #else
-    static CV_ALWAYS_INLINE bool anyGreater(const V& a, const V& b) { return v_check_any(v_gt(a, b)); }
+    static CV_ALWAYS_INLINE bool anyGreater(const V& a, const V& b)
+    {
+        return v_check_any(v_gt(a, b));
+    }
     // Stores a where it is greater than b, else 0; whether it is anywhere.
     static CV_ALWAYS_INLINE bool storeGreater(uchar* p, const V& a, const V& b)
     {

@@ -51,9 +51,9 @@ struct FastScan
     int y;                        //!< the next row to get scores; finished when beyond bottom
     const ScanBlock* blocks;      //!< from left to right
     int blockCount;
-    int blockWidth;     //!< one of scanWidths, or any number below its last
-    uchar* scores[3];   //!< by row modulo 3, by column; SCAN_MARGIN bytes more on both sides
-    int* listed[3];     //!< by row modulo 3: the blocks in which there are scores
+    int blockWidth;    //!< one of scanWidths, or any number below its last
+    uchar* scores[3];  //!< by row modulo 3, by column; SCAN_MARGIN bytes more on both sides
+    int* listed[3];    //!< by row modulo 3: the blocks in which there are scores
     int listedCount[3];
 };
 

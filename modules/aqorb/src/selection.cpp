@@ -122,13 +122,11 @@ public:
             std::vector<RankedCorner> taken = (*chosen)[level];
             std::sort(taken.begin(), taken.end(), inRasterOrder);
             source->corners(level, KEPT_CORNERS, corners);
-            corners.erase(std::remove_if(corners.begin(), corners.end(),
-                                         [&](const RankedCorner& c)
-                                         {
-                                             return std::binary_search(taken.begin(), taken.end(), c,
-                                                                       inRasterOrder);
-                                         }),
-                          corners.end());
+            corners.erase(
+                std::remove_if(corners.begin(), corners.end(),
+                               [&](const RankedCorner& c)
+                               { return std::binary_search(taken.begin(), taken.end(), c, inRasterOrder); }),
+                corners.end());
             wanted -= fill(level, wanted);
         }
         return wanted;

@@ -1,0 +1,346 @@
+// This file is part of the aqorb project.
+// It is subject to the license terms in the LICENSE file found in the top-level directory
+// of this distribution.
+
+// Measures detectors on the images of the paper: its tables and figures, and more. See doc/reproduction.md.
+
+#include "../samples/stereo_odometry.hpp"
+#include "dataset.hpp"
+#include "method.hpp"
+#include "results.hpp"
+
+#include <opencv2/aqorb.hpp>
+#include <opencv2/core/utils/filesystem.hpp>
+#include <opencv2/imgcodecs.hpp>
+
+#include <ctime>
+#include <iostream>
+#include <set>
+#include <sstream>
+
+#include <unistd.h>
+
+using namespace cv;
+
+namespace
+{
+
+const char* const ABOUT =
+    "Measures AdaptiveQuadtreeORB and other detectors on sets of the Oxford data (bikes, leuven, ...):\n"
+    "uniformity, time, matches. Writes CSV files, Markdown tables and pictures of keypoints.\n"
+    "Exit codes: 0 done, 1 bad arguments, 2 other.\n";
+
+const char* const KEYS =
+    "{help h usage ? |      | print this text }"
+    "{out            | .    | folder to write to }"
+    "{sets           | bikes,leuven,bark,trees,ubc | folders in DATASETS: img1..6, H1to2p..6p }"
+    "{methods        | all  | all: orb,orb_slam,paper,aqorb,sift,surf,brisk,akaze,ssc,superpoint; also "
+    "figure2 "
+    "and aqorb:key=value:... }"
+    "{n              | 500  | numbers of features; tables 1 to 3 are of the first }"
+    "{runs           | 30   | repeats of a time measurement, fewer for methods that take long }"
+    "{seeds          | 15   | random seeds of a homography's estimation }"
+    "{degrade        |      | dark,gamma,noise: also measure on images made worse so }"
+    "{ablation       |      | also measure aqorb with one ingredient changed }"
+    "{odometry       |      | stereo sequence laid out as KITTI's: also measure visual odometry }"
+    "{superpoint     |      | ONNX file of SuperPoint's two heads }"
+    "{@datasets      |      | folder of the sets }";
+
+struct Options
+{
+    std::string datasets, out, odometry, superPoint;
+    std::vector<std::string> sets, methods, degradations;
+    std::vector<int> numbers;
+    int runs, seeds;
+    bool ablation;
+};
+
+struct BadArguments
+{
+    std::string message;
+};
+
+std::vector<std::string> splitList(const std::string& list)
+{
+    std::vector<std::string> parts;
+    std::istringstream stream(list);
+    for (std::string part; std::getline(stream, part, ',');)
+        parts.push_back(part);
+    return parts;
+}
+
+//! One line that says what goes on, on a terminal.
+class Progress
+{
+public:
+    ~Progress() { show(""); }
+    void show(const std::string& what) const
+    {
+        if (isTerminal)
+            std::cerr << "\r\033[K" << what << std::flush;
+    }
+
+private:
+    const bool isTerminal = isatty(STDERR_FILENO) != 0;
+};
+
+// CommandLineParser passes over options that it does not know.
+void checkArguments(int argc, char** argv)
+{
+    const std::set<std::string> known = {"out",   "sets",    "methods",  "n",        "runs",
+                                         "seeds", "degrade", "ablation", "odometry", "superpoint"};
+    for (int i = 1; i < argc; i++)
+    {
+        const std::string argument = argv[i];
+        const size_t name = std::min(argument.find_first_not_of('-'), argument.size());
+        if (name > 0 && !known.count(argument.substr(name, argument.find('=') - name)))
+            throw BadArguments{argument + ": unknown option; see --help"};
+    }
+}
+
+Options readOptions(const CommandLineParser& parser)
+{
+    Options options;
+    options.datasets = parser.get<String>("@datasets");
+    options.out = parser.get<String>("out");
+    options.odometry = parser.get<String>("odometry");
+    options.superPoint = parser.get<String>("superpoint");
+    options.sets = splitList(parser.get<String>("sets"));
+    for (const std::string& name : splitList(parser.get<String>("methods")))
+    {
+        if (name == "all")
+            for (const std::string& each : allMethods())
+                options.methods.push_back(each);
+        else
+            options.methods.push_back(name);
+    }
+    options.degradations = splitList(parser.get<String>("degrade"));
+    for (const std::string& n : splitList(parser.get<String>("n")))
+        options.numbers.push_back(std::atoi(n.c_str()));
+    options.runs = parser.get<int>("runs");
+    options.seeds = parser.get<int>("seeds");
+    options.ablation = parser.has("ablation");
+    if (!parser.check())
+    {
+        parser.printErrors();
+        throw BadArguments{"see --help"};
+    }
+    if (options.datasets.empty())
+        throw BadArguments{"which DATASETS? see --help"};
+    if (options.numbers.empty() || *std::min_element(options.numbers.begin(), options.numbers.end()) < 1)
+        throw BadArguments{"--n: numbers above 0, separated by commas"};
+    if (options.runs < 0 || options.seeds < 1)
+        throw BadArguments{"--runs: at least 0; --seeds: at least 1"};
+    return options;
+}
+
+typedef std::vector<Ptr<Method>> Methods;
+
+Methods makeMethods(const std::vector<std::string>& names, const std::string& superPoint, Results& results)
+{
+    Methods methods;
+    for (const std::string& name : names)
+    {
+        try
+        {
+            methods.push_back(makeMethod(name, superPoint));
+            results.methods.push_back(name);
+            results.titles[name] = methods.back()->title;
+        }
+        catch (const Absent& absent)
+        {
+            std::cerr << name << " is absent: " << absent.reason << std::endl;
+            results.absent[name] = absent.reason;
+        }
+    }
+    return methods;
+}
+
+/** Median CPU times in ms on one thread. The methods take turns, so that other load slows all of them; those
+ that have taken long enough drop out. */
+std::vector<double> medianTimes(const Methods& methods, const Mat& image, int n, int runs)
+{
+    const double ENOUGH = 300;  // ms
+    const int threads = getNumThreads();
+    setNumThreads(1);
+    std::vector<std::vector<double>> times(methods.size());
+    std::vector<double> total(methods.size(), 0);
+    for (int run = 0; run < runs; run++)
+    {
+        for (size_t i = 0; i < methods.size(); i++)
+        {
+            if (total[i] >= ENOUGH)
+                continue;
+            const std::clock_t start = std::clock();
+            methods[i]->compute(image, n);
+            times[i].push_back(1e3 * double(std::clock() - start) / CLOCKS_PER_SEC);
+            total[i] += times[i].back();
+        }
+    }
+    setNumThreads(threads);
+    std::vector<double> medians;
+    for (const std::vector<double>& all : times)
+        medians.push_back(all.empty() ? -1 : median(all));
+    return medians;
+}
+
+void drawKeypoints(const Mat& image, const Features& features, const std::string& file)
+{
+    Mat picture;
+    cv::drawKeypoints(image, features.keypoints, picture, Scalar(0, 255, 0));
+    if (!imwrite(file, picture, {IMWRITE_JPEG_QUALITY, 85}))
+        CV_Error(Error::StsError, file + ": cannot be written");
+}
+
+//! The pictures of figures 3 to 5: bikes img1 by the paper's three methods, leuven by two of them.
+void drawFigures(const ImageSet& set, size_t image, const Method& method, const Features& features,
+                 const std::string& folder)
+{
+    static const std::map<std::string, char> letters = {{"orb", 'a'}, {"orb_slam", 'b'}, {"paper", 'c'}};
+    if (set.name == "bikes" && image == 0 && letters.count(method.name))
+        drawKeypoints(set.images[image], features,
+                      folder + format("/figure3%c_%s.jpg", letters.at(method.name), method.name.c_str()));
+    if (set.name == "leuven" && (method.name == "orb" || method.name == "paper"))
+        drawKeypoints(set.images[image], features,
+                      folder + format("/figure%d%c_%s.jpg", method.name == "orb" ? 4 : 5, char('a' + image),
+                                      method.name.c_str()));
+}
+
+void measureSet(const ImageSet& set, Methods& methods, const Options& options, bool isPlain, Results& results,
+                const Progress& progress)
+{
+    for (const int n : options.numbers)
+    {
+        const bool isPaper = isPlain && n == options.numbers[0];
+        std::vector<std::vector<double>> times(set.images.size(), std::vector<double>(methods.size(), -1));
+        for (size_t i = 0; isPaper && i < set.images.size(); i++)
+        {
+            progress.show(format("%s: times, image %d", set.name.c_str(), int(i + 1)));
+            times[i] = medianTimes(methods, set.images[i], n, options.runs);
+        }
+        for (size_t m = 0; m < methods.size(); m++)
+        {
+            progress.show(format("%s: n = %d, %s", set.name.c_str(), n, methods[m]->name.c_str()));
+            std::vector<Features> features;
+            for (size_t i = 0; i < set.images.size(); i++)
+            {
+                const Size size = set.images[i].size();
+                features.push_back(methods[m]->compute(set.images[i], n));
+                const std::vector<KeyPoint>& keypoints = features.back().keypoints;
+                results.features.push_back({set.name, int(i + 1), methods[m]->name, n, int(keypoints.size()),
+                                            aqorb::distributionUniformity(keypoints, size),
+                                            aqorb::distributionOccupancy(keypoints, size), times[i][m]});
+                if (isPaper)
+                    drawFigures(set, i, *methods[m], features.back(), options.out);
+            }
+            std::vector<MatchingRow> rows(set.images.size());
+            parallel_for_(Range(1, int(set.images.size())),
+                          [&](const Range& range)
+                          {
+                              for (int i = range.start; i < range.end; i++)
+                                  rows[i] = {set.name, i + 1, methods[m]->name, n,
+                                             measureMatching(features[0], features[i], methods[m]->norm(),
+                                                             set.homographies[i], set.images[0].size(),
+                                                             set.images[i].size(), options.seeds)};
+                          });
+            results.matching.insert(results.matching.end(), rows.begin() + 1, rows.end());
+        }
+    }
+}
+
+void measureOdometry(const StereoSequence& sequence, Method& method, int n, Results& results)
+{
+    StereoFrame earlier;
+    for (size_t i = 0; i < sequence.left.size(); i++)
+    {
+        const Features left = method.compute(imread(sequence.left[i]), n);
+        const Features right = method.compute(imread(sequence.right[i]), n);
+        const StereoFrame frame = stereoFrame(left.keypoints, left.descriptors, right.keypoints,
+                                              right.descriptors, method.norm(), sequence);
+        if (i > 0)
+        {
+            const StereoMotion motion = estimateMotion(earlier, frame, method.norm(), sequence);
+            OdometryRow row = {method.name,    n,         int(i),   int(frame.points.size()), motion.matches,
+                               motion.inliers, NO_MOTION, NO_MOTION};
+            if (motion.found)
+                motionError(motion.motion, sequence.poses[i - 1].inv() * sequence.poses[i], row.metres,
+                            row.degrees);
+            results.odometry.push_back(row);
+        }
+        earlier = frame;
+    }
+}
+
+void run(const Options& options)
+{
+    Results results;
+    results.numbers = options.numbers;
+    Methods methods = makeMethods(options.methods, options.superPoint, results);
+    Methods ablations;  // those of them that are not measured anyway
+    if (options.ablation)
+        results.ablations = ablationMethods();
+    for (const Ablation& ablation : results.ablations)
+        if (!results.titles.count(ablation.name))
+            ablations.push_back(makeMethod(ablation.name, ""));
+    utils::fs::createDirectories(options.out);
+
+    const Progress progress;
+    for (const std::string& name : options.sets)
+    {
+        const ImageSet set = readSet(options.datasets, name);
+        measureSet(set, methods, options, true, results, progress);
+        measureSet(set, ablations, options, false, results, progress);
+        for (const std::string& degradation : options.degradations)
+            measureSet(degrade(set, degradation), methods, options, false, results, progress);
+    }
+    if (!options.odometry.empty())
+    {
+        const StereoSequence sequence = readStereoSequence(options.odometry);
+        if (sequence.poses.empty())
+            CV_Error(Error::StsObjectNotFound, options.odometry + ": needs poses.txt");
+        for (const int n : options.numbers)
+        {
+            for (const Ptr<Method>& method : methods)
+            {
+                progress.show(format("odometry: n = %d, %s", n, method->name.c_str()));
+                measureOdometry(sequence, *method, n, results);
+            }
+        }
+    }
+    writeCsv(results, options.out);
+    writeTables(results, options.out + "/tables.md");
+}
+
+}  // namespace
+
+int main(int argc, char** argv)
+{
+    try
+    {
+        CommandLineParser parser(argc, argv, KEYS);
+        parser.about(ABOUT);
+        if (parser.has("help"))
+        {
+            parser.printMessage();
+            return 0;
+        }
+        checkArguments(argc, argv);
+        run(readOptions(parser));
+        return 0;
+    }
+    catch (const BadArguments& bad)
+    {
+        std::cerr << "aqorb_evaluate: " << bad.message << std::endl;
+        return 1;
+    }
+    catch (const cv::Exception& error)
+    {
+        std::cerr << "aqorb_evaluate: " << error.err << std::endl;
+        return 2;
+    }
+    catch (const std::exception& error)
+    {
+        std::cerr << "aqorb_evaluate: " << error.what() << std::endl;
+        return 2;
+    }
+}

@@ -1,0 +1,79 @@
+// This file is part of the aqorb project.
+// It is subject to the license terms in the LICENSE file found in the top-level directory
+// of this distribution.
+
+#ifndef AQORB_EVALUATE_METHOD_HPP
+#define AQORB_EVALUATE_METHOD_HPP
+
+#include "../samples/evaluation.hpp"
+
+#include <functional>
+#include <string>
+
+//! A detector with its descriptor, as one row of the tables.
+class Method
+{
+public:
+    virtual ~Method() = default;
+    //! The features of a colour image; n of them are asked for.
+    virtual Features compute(const cv::Mat& image, int n) = 0;
+    //! The norm that compares its descriptors.
+    virtual int norm() const { return cv::NORM_HAMMING; }
+
+    std::string name;   //!< in CSV files and on the command line
+    std::string title;  //!< in tables
+};
+
+//! A method that is a cv::Feature2D which keeps to a number of features.
+class Feature2DMethod : public Method
+{
+public:
+    typedef std::function<cv::Ptr<cv::Feature2D>(int n)> Create;
+    explicit Feature2DMethod(const Create& create_) : create(create_) {}
+    Features compute(const cv::Mat& image, int n) override;
+    int norm() const override { return create(1)->defaultNorm(); }
+
+private:
+    Create create;
+    cv::Ptr<cv::Feature2D> detector;  // for detectorN features
+    int detectorN = -1;
+};
+
+//! Why a method cannot be had: its library or its model is absent.
+struct Absent
+{
+    std::string reason;
+};
+
+// One file each in methods/. They throw Absent.
+cv::Ptr<Method> makeOrb();
+cv::Ptr<Method> makeOrbSlam();
+//! Settings as key=value, separated by ':'; what is not named is as shipped.
+cv::Ptr<Method> makeAqorb(const std::string& settings);
+cv::Ptr<Method> makeFigure2();
+cv::Ptr<Method> makeSift();
+cv::Ptr<Method> makeBrisk();
+cv::Ptr<Method> makeAkaze();
+cv::Ptr<Method> makeSsc();
+cv::Ptr<Method> makeSurf();
+cv::Ptr<Method> makeSuperPoint(const std::string& model);
+
+//! The names of all methods.
+std::vector<std::string> allMethods();
+
+//! A method that is aqorb but for one ingredient.
+struct Ablation
+{
+    std::string name;
+    std::string but;  //!< for what
+};
+
+//! aqorb itself and what remains of it without each of its ingredients.
+std::vector<Ablation> ablationMethods();
+
+/** The method of a name: one of allMethods, or aqorb:key=value:... with the keys in methods/aqorb.cpp.
+ Throws Absent, or cv::Exception for a name that is none.
+ @param superPoint ONNX file; empty: SuperPoint is absent */
+cv::Ptr<Method> makeMethod(const std::string& name, const std::string& superPoint);
+
+#endif

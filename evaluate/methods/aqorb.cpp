@@ -1,0 +1,46 @@
+// This file is part of the aqorb project.
+// It is subject to the license terms in the LICENSE file found in the top-level directory
+// of this distribution.
+
+#include "../method.hpp"
+
+#include <opencv2/aqorb.hpp>
+
+#include <map>
+#include <sstream>
+
+// The detector of this module, as shipped or with some of its settings changed.
+cv::Ptr<Method> makeAqorb(const std::string& settings)
+{
+    using cv::aqorb::AdaptiveQuadtreeORB;
+    static const std::map<std::string, void (*)(AdaptiveQuadtreeORB&, double)> setters = {
+        {"cell", [](AdaptiveQuadtreeORB& d, double v) { d.setCellSize(int(v)); }},
+        {"depth", [](AdaptiveQuadtreeORB& d, double v) { d.setMaxDepth(int(v)); }},
+        {"edge", [](AdaptiveQuadtreeORB& d, double v) { d.setEdgeThreshold(int(v)); }},
+        {"fast", [](AdaptiveQuadtreeORB& d, double v) { d.setFastThreshold(int(v)); }},
+        {"octave", [](AdaptiveQuadtreeORB& d, double v) { d.setOctaveSuppression(v); }},
+        {"ratio", [](AdaptiveQuadtreeORB& d, double v) { d.setMinThresholdRatio(v); }},
+        {"subpixel", [](AdaptiveQuadtreeORB& d, double v) { d.setSubPixel(v != 0); }},
+        {"threshold", [](AdaptiveQuadtreeORB& d, double v) { d.setAdaptiveThreshold(v != 0); }},
+    };
+    const auto create = [settings](int n)
+    {
+        const cv::Ptr<AdaptiveQuadtreeORB> detector = AdaptiveQuadtreeORB::create(n);
+        std::istringstream list(settings);
+        for (std::string setting; std::getline(list, setting, ':');)
+        {
+            const size_t equals = std::min(setting.find('='), setting.size());
+            const std::string key = setting.substr(0, equals), value = setting.substr(equals);
+            const auto setter = setters.find(key);
+            if (setting == "score=fast")
+                detector->setScoreType(cv::ORB::FAST_SCORE);
+            else if (setter == setters.end() || value.size() < 2)
+                CV_Error(cv::Error::StsBadArg, setting + ": no setting of aqorb");
+            else
+                setter->second(*detector, std::stod(value.substr(1)));
+        }
+        return detector;
+    };
+    create(1);  // speaks up about a bad setting
+    return cv::makePtr<Feature2DMethod>(create);
+}

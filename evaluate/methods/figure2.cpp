@@ -1,0 +1,90 @@
+// This file is part of the aqorb project.
+// It is subject to the license terms in the LICENSE file found in the top-level directory
+// of this distribution.
+
+#include "../method.hpp"
+
+#include "../../modules/aqorb/src/stages.hpp"
+
+#include <opencv2/aqorb.hpp>
+#include <opencv2/imgproc.hpp>
+
+// The paper's Figure 2 read to the letter, from the stages of this module: each leaf of the quadtree keeps its
+// best corner by Harris response, and where there are more leaves than features the Harris response alone
+// decides. A leaf gives no second corner.
+
+namespace
+{
+
+using namespace cv::aqorb::stages;
+
+const int LEVELS = 8, EDGE = 16, CELL = 35, PATCH_SIZE = 31, FAST_THRESHOLD = 20;
+const double SCALE_FACTOR = 1.2f, MIN_RATIO = 4;
+
+class Figure2 : public Method
+{
+public:
+    Features compute(const cv::Mat& image, int n) override
+    {
+        cv::Mat gray = image;
+        if (image.channels() > 1)
+            cv::cvtColor(image, gray, cv::COLOR_BGR2GRAY);
+        const Thresholds thresholds =
+            adaptiveThresholds(varianceOverMean(gray, cv::Mat()), FAST_THRESHOLD, MIN_RATIO);
+        const std::vector<int> quotas = levelQuotas(n, SCALE_FACTOR, LEVELS);
+        std::vector<Level> pyramid;
+        buildPyramid(gray, cv::Mat(), LEVELS, 0, SCALE_FACTOR, 2 * EDGE + 1, pyramid);
+        Features features;
+        for (size_t i = 0; i < pyramid.size(); i++)
+        {
+            for (const RankedCorner& corner : choose(pyramid[i], thresholds, quotas[i]))
+            {
+                DescriptorPoint point = {corner.x, corner.y, 0};
+                orientations(pyramid[i].image, circle, &point, 1);
+                const float scale = pyramid[i].scale;
+                features.keypoints.emplace_back(corner.x * scale, corner.y * scale, PATCH_SIZE * scale,
+                                                point.angle, corner.response, int(i));
+            }
+        }
+        describe->compute(gray, features.keypoints, features.descriptors);
+        return features;
+    }
+
+private:
+    static std::vector<RankedCorner> choose(const Level& level, Thresholds thresholds, int quota)
+    {
+        const cv::Rect region(EDGE, EDGE, level.image.cols - 2 * EDGE, level.image.rows - 2 * EDGE);
+        LevelCorners corners;
+        CornerScratch scratch;
+        findCorners(level, region, thresholds, CELL, true, corners, scratch);
+        std::vector<RankedCorner> ranked;
+        harrisResponses(level.image, corners.kept, ranked);
+        std::stable_sort(ranked.begin(), ranked.end(),
+                         [](const RankedCorner& a, const RankedCorner& b)
+                         { return a.response > b.response; });
+
+        const int side = 1 << quadtreeDepth(quota);
+        cv::Mat1b taken(side, side, uchar(0));
+        std::vector<RankedCorner> chosen;
+        for (const RankedCorner& corner : ranked)
+        {
+            uchar& leaf = taken((corner.y - region.y) * side / region.height,
+                                (corner.x - region.x) * side / region.width);
+            if (leaf || int(chosen.size()) >= quota)
+                continue;
+            leaf = 1;
+            chosen.push_back(corner);
+        }
+        return chosen;
+    }
+
+    const std::vector<int> circle = circularPatch(PATCH_SIZE);
+    cv::Ptr<cv::ORB> describe = cv::aqorb::AdaptiveQuadtreeORB::create();
+};
+
+}  // namespace
+
+cv::Ptr<Method> makeFigure2()
+{
+    return cv::makePtr<Figure2>();
+}

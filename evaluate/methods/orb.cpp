@@ -1,0 +1,11 @@
+// This file is part of the aqorb project.
+// It is subject to the license terms in the LICENSE file found in the top-level directory
+// of this distribution.
+
+#include "../method.hpp"
+
+// Traditional ORB, the paper's column A.
+cv::Ptr<Method> makeOrb()
+{
+    return cv::makePtr<Feature2DMethod>([](int n) { return cv::ORB::create(n); });
+}

@@ -1,0 +1,59 @@
+// This file is part of the aqorb project.
+// It is subject to the license terms in the LICENSE file found in the top-level directory
+// of this distribution.
+
+#include "../method.hpp"
+
+#ifdef AQORB_HAVE_DLIB
+
+#include <opencv2/imgproc.hpp>
+
+#include <dlib/image_keypoint.h>
+#include <dlib/opencv/cv_image.h>
+
+namespace
+{
+
+class Surf : public Method
+{
+public:
+    Features compute(const cv::Mat& image, int n) override
+    {
+        cv::Mat gray = image;
+        if (image.channels() > 1)
+            cv::cvtColor(image, gray, cv::COLOR_BGR2GRAY);
+        // The strongest come first. Half as many more than asked for make up for those dropped at the border.
+        std::vector<dlib::surf_point> points = dlib::get_surf_points(dlib::cv_image<uchar>(gray), n + n / 2);
+        points.resize(std::min(points.size(), size_t(n)));
+        Features features;
+        for (const dlib::surf_point& point : points)
+        {
+            const double degrees = point.angle * 180 / CV_PI;
+            features.keypoints.emplace_back(
+                float(point.p.center.x()), float(point.p.center.y()), float(20 * point.p.scale),
+                float(degrees < 0 ? degrees + 360 : degrees), float(point.p.score));
+            cv::Mat1f descriptor(1, 64);
+            std::copy(point.des.begin(), point.des.end(), descriptor.begin());
+            features.descriptors.push_back(descriptor);
+        }
+        return features;
+    }
+
+    int norm() const override { return cv::NORM_L2; }
+};
+
+}  // namespace
+
+cv::Ptr<Method> makeSurf()
+{
+    return cv::makePtr<Surf>();
+}
+
+#else
+
+cv::Ptr<Method> makeSurf()
+{
+    throw Absent{"built without dlib"};
+}
+
+#endif

@@ -1,0 +1,41 @@
+#!/usr/bin/env bash
+# Measures the paper's tables and figures, and more, anew: see doc/reproduction.md.
+#
+#   scripts/reproduce.sh [--doc] DATASETS [OPTION ...]
+#
+# DATASETS holds the folders bikes, leuven, bark, trees, ubc and graf of the Oxford data (img1..6 and
+# homographies), for example opencv_extra's testdata/cv/detectors_descriptors_evaluation/images_datasets.
+# Options go to aqorb_evaluate: --odometry=SEQUENCE (KITTI's layout), --superpoint=MODEL.onnx, others by --help;
+# they take precedence over those below. Installs the Debian packages it needs. Writes to build/reproduction, with
+# --doc the tables and some of the figures to doc/, too.
+source "$(dirname "$0")/common.sh"
+
+doc=
+if [[ ${1:-} == --doc ]]; then doc=yes && shift; fi
+(($# > 0)) || die "which DATASETS? See the head of this script."
+need build-essential cmake libopencv-dev libdlib-dev python3-matplotlib
+
+folder=$BUILD/reproduction
+configure "$BUILD/release" -DAQORB_BUILD_EVALUATION=ON
+build "$BUILD/release" --target aqorb_evaluate
+rm -rf "$folder"
+mkdir -p "$folder"
+
+say "Measuring"
+"$BUILD/release/evaluate/aqorb_evaluate" "$1" --out="$folder" --sets=bikes,leuven,bark,trees,ubc,graf \
+    --n=500,1000,2000 --degrade=dark,gamma,noise --ablation "${@:2}"
+
+say "Drawing"
+"$PYTHON" "$ROOT/evaluate/plots.py" "$folder"
+
+if [[ $doc ]]; then
+    "$PYTHON" "$ROOT/evaluate/update_doc.py" "$folder" "$ROOT/doc/reproduction.md"
+    for figure in figure3.jpg figure6.png figure8.png; do
+        cp "$folder/$figure" "$ROOT/doc/images/reproduction-$figure"
+    done
+fi
+
+say "Results"
+cat "$folder/tables.md"
+echo
+echo "In $folder: tables.md, the figures, and what they were made of."
