@@ -104,13 +104,14 @@ void detectCorners(const Mat& image, const Range& rows, const std::vector<Range>
         scan.scores[i][hasCircleX.start - 1] = scan.scores[i][hasCircleX.end] = 0;
     }
 
+    const int ROWS = 4;  // that there is room for, whatever they hold
+    const int capacity = ROWS * (blockCount * ((scan.blockWidth + 1) / 2) + SCAN_OVERSHOOT);
+    if (scratch.found.size() < size_t(capacity))
+        scratch.found.resize(capacity);
     while (scan.y <= scan.bottom)
     {
-        const size_t before = corners.size();
-        const int capacity = 4 * (blockCount * ((scan.blockWidth + 1) / 2) + SCAN_OVERSHOOT);
-        corners.resize(before + capacity);
-        const int found = continueFastScan(scan, &corners[before], capacity);
-        corners.resize(before + found);
+        const int found = continueFastScan(scan, scratch.found.data(), capacity);
+        corners.insert(corners.end(), scratch.found.begin(), scratch.found.begin() + found);
     }
 }
 

@@ -77,20 +77,90 @@ static CV_ALWAYS_INLINE void sumDerivatives(const uchar* p, ptrdiff_t step, int&
 #endif
 }
 
-float harrisAt(const uchar* p, ptrdiff_t step)
+static CV_ALWAYS_INLINE float responseOf(int a, int b, int c)
 {
     const float K = 0.04f, SCALE = 1.f / ((1 << 2) * 5 * 255.f);
-    int a, b, c;
-    sumDerivatives(p, step, a, b, c);
     // operation by operation as in cv::ORB
     return (float(a) * b - float(c) * c - K * (float(a) + b) * (float(a) + b)) *
            (SCALE * SCALE * SCALE * SCALE);
 }
 
+float harrisAt(const uchar* p, ptrdiff_t step)
+{
+    int a, b, c;
+    sumDerivatives(p, step, a, b, c);
+    return responseOf(a, b, c);
+}
+
+#if CV_AVX2
+// sumDerivatives of two corners, one in each half of the vectors.
+static CV_ALWAYS_INLINE void sumDerivativesOfTwo(const uchar* p0, const uchar* p1, ptrdiff_t step,
+                                                 int sums[6])
+{
+    struct Row
+    {
+        __m256i difference, smooth;
+        static CV_ALWAYS_INLINE __m256i load(const uchar* a, const uchar* b)
+        {
+            const __m128i first = _mm_loadl_epi64(reinterpret_cast<const __m128i*>(a));
+            const __m128i second = _mm_loadl_epi64(reinterpret_cast<const __m128i*>(b));
+            return _mm256_cvtepu8_epi16(_mm_unpacklo_epi64(first, second));
+        }
+        CV_ALWAYS_INLINE Row(const uchar* a, const uchar* b)
+        {
+            const __m256i left = load(a, b), middle = load(a + 1, b + 1), right = load(a + 2, b + 2);
+            difference = _mm256_sub_epi16(right, left);
+            smooth = _mm256_add_epi16(_mm256_add_epi16(left, right), _mm256_add_epi16(middle, middle));
+        }
+    };
+    const uchar *a = p0 - 3 * step - 3, *b = p1 - 3 * step - 3;
+    const __m256i inBlock = _mm256_setr_epi16(-1, -1, -1, -1, -1, 0, 0, 0, -1, -1, -1, -1, -1, 0, 0, 0);
+    __m256i xx = _mm256_setzero_si256(), yy = xx, xy = xx;
+    Row above(a, b), row(a + step, b + step);
+    for (int i = 2; i < 7; i++)
+    {
+        const Row below(a + i * step, b + i * step);
+        const __m256i twice = _mm256_add_epi16(row.difference, row.difference);
+        const __m256i Ix = _mm256_and_si256(
+            _mm256_add_epi16(_mm256_add_epi16(above.difference, below.difference), twice), inBlock);
+        const __m256i Iy = _mm256_and_si256(_mm256_sub_epi16(below.smooth, above.smooth), inBlock);
+        xx = _mm256_add_epi32(xx, _mm256_madd_epi16(Ix, Ix));
+        yy = _mm256_add_epi32(yy, _mm256_madd_epi16(Iy, Iy));
+        xy = _mm256_add_epi32(xy, _mm256_madd_epi16(Ix, Iy));
+        above = row;
+        row = below;
+    }
+    // xx, yy, xy, xy of both corners
+    const __m256i total = _mm256_hadd_epi32(_mm256_hadd_epi32(xx, yy), _mm256_hadd_epi32(xy, xy));
+    int all[8];
+    _mm256_storeu_si256(reinterpret_cast<__m256i*>(all), total);
+    for (int i = 0; i < 3; i++)
+    {
+        sums[i] = all[i];
+        sums[3 + i] = all[4 + i];
+    }
+}
+#endif
+
 void harrisOfCorners(const uchar* image, ptrdiff_t step, const Corner* corners, int count,
                      RankedCorner* ranked)
 {
-    for (int i = 0; i < count; i++)
+    int i = 0;
+#if CV_AVX2
+    for (; i + 2 <= count; i += 2)
+    {
+        int sums[6];
+        sumDerivativesOfTwo(image + corners[i].y * step + corners[i].x,
+                            image + corners[i + 1].y * step + corners[i + 1].x, step, sums);
+        for (int j = 0; j < 2; j++)
+        {
+            ranked[i + j].x = corners[i + j].x;
+            ranked[i + j].y = corners[i + j].y;
+            ranked[i + j].response = responseOf(sums[3 * j], sums[3 * j + 1], sums[3 * j + 2]);
+        }
+    }
+#endif
+    for (; i < count; i++)
     {
         ranked[i].x = corners[i].x;
         ranked[i].y = corners[i].y;

@@ -131,6 +131,7 @@ struct FastScratch
     std::vector<ScanBlock> blocks;
     std::vector<uchar> scores;
     std::vector<int> listed;
+    std::vector<Corner> found;
 };
 
 //! The same, with a region of several runs of columns, from left to right and apart, in the same rows.
