@@ -56,6 +56,41 @@ TEST(AqorbBlur, approximationStaysWithinItsBoundForEveryWidth)
     }
 }
 
+TEST(AqorbBlur, ofARegionEqualsThatOfTheImage)
+{
+    RNG rng(3);
+    const int widths[] = {1, 2, 5, 6, 7, 31, 32, 33, 64, 100, 700, 2047, 2048, 2049, 2500};
+    BlurRegion region;  // one for all: they must begin anew
+    BlurScratch scratch;
+    for (int width : widths)
+    {
+        const Mat image = makeNoise(Size(width, 41), width);
+        Mat whole;
+        approximateBlur(image, whole);
+        for (int count = 0; count < 5; count++)
+        {
+            std::vector<Rect> rects;
+            region.begin(image.size());
+            for (int i = 0; i < count; i++)
+            {
+                rects.push_back(Rect(rng.uniform(-20, width), rng.uniform(-20, 41), 39, 39));
+                region.add(rects.back());
+            }
+            Mat blurred(image.size(), CV_16UC1, Scalar(65535));
+            approximateBlur(image, region, blurred, scratch);
+            for (const Rect& rect : rects)
+            {
+                const Rect inside = rect & Rect(Point(), image.size());
+                EXPECT_TRUE(inside.empty() || sameMat(blurred(inside), whole(inside))) << width;
+            }
+            if (count == 0)
+            {
+                EXPECT_EQ(0, countNonZero(blurred != 65535)) << "nothing was asked for";
+            }
+        }
+    }
+}
+
 TEST(AqorbBlur, approximationStaysWithinItsBoundOnFlatImages)
 {
     for (int grey = 0; grey <= 255; grey++)

@@ -46,6 +46,42 @@ void expectSameEverywhere(const Mat& image, const Rect& region, int threshold)
     EXPECT_TRUE(sameCorners(corners(image, region, threshold), expected));
 }
 
+// The corners in runs of columns are those of the whole rows that lie in them.
+TEST(AqorbFast, findsWhatLiesInRunsOfColumns)
+{
+    RNG rng(7);
+    FastScratch scratch;  // one for all sizes
+    for (int round = 0; round < 300; round++)
+    {
+        const Size size(rng.uniform(1, 300), rng.uniform(1, 30));
+        Mat image;
+        blur(makeNoise(size, round), image, Size(3, 3));
+        const Range rows(rng.uniform(0, size.height), size.height - rng.uniform(0, 5));
+        std::vector<Range> columns;
+        for (int x = rng.uniform(0, 60); x < size.width; x += rng.uniform(1, 60))
+        {
+            const int end = std::min(x + rng.uniform(1, 90), size.width);
+            columns.push_back(Range(x, end));
+            x = end + 1;
+        }
+        for (int path = 0; path < 2; path++)
+        {
+            std::unique_ptr<WithoutOptimization> baseline(path ? new WithoutOptimization : 0);
+            std::vector<Corner> expected, found;
+            for (const Corner& corner : reference::fastCorners(image, Rect(Point(), size), 9))
+            {
+                bool wanted = false;
+                for (const Range& run : columns)
+                    wanted |= corner.x >= run.start && corner.x < run.end;
+                if (wanted && corner.y >= rows.start && corner.y < rows.end)
+                    expected.push_back(corner);
+            }
+            detectCorners(image, rows, columns, 9, found, scratch);
+            ASSERT_TRUE(sameCorners(found, expected)) << round;
+        }
+    }
+}
+
 TEST(AqorbFast, equalsBruteForceForEveryWidth)
 {
     const int thresholds[] = {1, 2, 20, 90, 200, 254};

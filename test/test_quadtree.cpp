@@ -92,6 +92,35 @@ TEST(AqorbQuadtree, sequenceEqualsItsDefinition)
     }
 }
 
+// What the filter rejects might as well not be there.
+TEST(AqorbQuadtree, filterLeavesPointsOut)
+{
+    struct NotThird : PointFilter
+    {
+        bool accepts(const LeafPoint& point) const CV_OVERRIDE { return point.index % 3 != 0; }
+    };
+    BalancedSequence sequence;
+    for (int depth = 0; depth <= 6; depth++)
+    {
+        std::vector<LeafPoint> points = randomPoints(700, depth, 1000, depth), accepted;
+        for (const LeafPoint& point : points)
+        {
+            if (NotThird().accepts(point))
+                accepted.push_back(point);
+        }
+        const std::vector<LeafPoint> expected = reference::balancedSequence(accepted, depth);
+        sequence.begin(points, depth);
+        const NotThird filter;
+        LeafPoint point;
+        for (size_t i = 0; i < expected.size(); i++)
+        {
+            ASSERT_TRUE(sequence.next(point, &filter));
+            ASSERT_EQ(point.index, expected[i].index) << i;
+        }
+        EXPECT_FALSE(sequence.next(point, &filter));
+    }
+}
+
 TEST(AqorbQuadtree, sequenceRanksAllFloats)
 {
     const float inf = std::numeric_limits<float>::infinity();

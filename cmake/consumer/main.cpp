@@ -3,6 +3,7 @@
 // of this distribution.
 
 #include <opencv2/aqorb.hpp>
+#include <opencv2/aqorb/slam.hpp>
 
 #include <cstdio>
 
