@@ -18,6 +18,12 @@ say "Tests"
 AQORB_BINDING=aqorb "$PYTHON" -m pytest -q -p no:cacheprovider "$@" \
     "$ROOT/modules/aqorb/misc/python/test" "$ROOT/python/test"
 
+say "The installed package"
+prefix=$BUILD/prefix-python
+rm -rf "$prefix"
+cmake --install "$BUILD/release" --prefix "$prefix" >/dev/null
+(cd "$prefix" && PYTHONPATH=$(echo "$prefix"/lib/python3*/*-packages) "$PYTHON" -c 'import aqorb; print(aqorb.__file__)')
+
 say "Sample"
 opencv_samples
 mkdir -p "$BUILD/demo-python"
