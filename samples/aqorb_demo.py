@@ -3,11 +3,12 @@
 # This file is part of the aqorb project.
 # It is subject to the license terms in the LICENSE file found in the top-level directory
 # of this distribution.
-"""Compares cv.aqorb.AdaptiveQuadtreeORB with cv.ORB on images: prints a table and writes the pictures
+"""Compares AdaptiveQuadtreeORB with cv.ORB on images: prints a table and writes the pictures
 aqorb_keypoints.jpg and, for two images, aqorb_matches.jpg. More than two images are taken one by one
 (aqorb_keypoints1.jpg, ...).
 
-Needs a cv2 that was built with the module aqorb (scripts/opencv.sh builds one)."""
+Needs the package aqorb (scripts/python.sh builds it) or a cv2 that was built with the module (scripts/opencv.sh
+builds one)."""
 
 import argparse
 import os
@@ -18,6 +19,10 @@ from collections import namedtuple
 try:
     import cv2 as cv
     import numpy as np
+    try:
+        import aqorb
+    except ImportError:
+        from cv2 import aqorb
 except ImportError as error:
     print('aqorb_demo.py:', error, file=sys.stderr)
     sys.exit(4)
@@ -153,13 +158,13 @@ def median_times(detectors, image, repeats=31):
 
 def fast_threshold(detector, image):
     """The FAST threshold that a detector takes for an image: AdaptiveQuadtreeORB's is equation (7), limited."""
-    if not isinstance(detector, cv.aqorb.AdaptiveQuadtreeORB):
+    if not isinstance(detector, aqorb.AdaptiveQuadtreeORB):
         return detector.getFastThreshold()
-    return min(max(round(cv.aqorb.adaptiveFastThreshold(image)), 1), 254)
+    return min(max(round(aqorb.adaptiveFastThreshold(image)), 1), 254)
 
 
 def occupied(keypoints, image):
-    return '{:.0f} %'.format(100 * cv.aqorb.distributionOccupancy(keypoints, image.shape[::-1], (16, 12)))
+    return '{:.0f} %'.format(100 * aqorb.distributionOccupancy(keypoints, image.shape[::-1], (16, 12)))
 
 
 def column(images, known, result, time, orb_time):
@@ -168,7 +173,7 @@ def column(images, known, result, time, orb_time):
     for i, (image, (keypoints, _)) in enumerate(zip(images, result.features)):
         yield 'image {}: keypoints'.format(i + 1), len(keypoints)
         yield '  FAST threshold (iniT)', fast_threshold(result.detector, image)
-        u = cv.aqorb.distributionUniformity(keypoints, image.shape[::-1])
+        u = aqorb.distributionUniformity(keypoints, image.shape[::-1])
         yield '  uniformity (less is more uniform)', '{:.1f}'.format(u)
         yield '  occupied cells of a 16x12 grid', occupied(keypoints, image)
     if len(images) == 2:
@@ -225,7 +230,7 @@ def compare(arguments, names, suffix=''):
     images = [read_image(name) for name in names]
     known = read_homography(arguments.homography) if arguments.homography else None
     detectors = [('cv.ORB', cv.ORB_create(arguments.nfeatures)),
-                 ('AdaptiveQuadtreeORB', cv.aqorb.AdaptiveQuadtreeORB_create(arguments.nfeatures))]
+                 ('AdaptiveQuadtreeORB', aqorb.AdaptiveQuadtreeORB_create(arguments.nfeatures))]
     results = [detect_and_match(name, detector, images, known) for name, detector in detectors]
     print_table(images, known, results)
     save(arguments.out, 'aqorb_keypoints' + suffix + '.jpg',
@@ -237,9 +242,6 @@ def compare(arguments, names, suffix=''):
 
 def run():
     arguments = parse_arguments()
-    if not hasattr(cv, 'aqorb'):
-        raise Failure(4, '{} was built without the module aqorb; see README.md, "Inside OpenCV"'.format(
-            getattr(cv, '__file__', 'cv2')))
     if len(arguments.images) <= 2:
         compare(arguments, arguments.images)
         return

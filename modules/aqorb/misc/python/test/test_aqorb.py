@@ -3,6 +3,8 @@
 # This file is part of the aqorb project.
 # It is subject to the license terms in the LICENSE file found in the top-level directory
 # of this distribution.
+"""Tests of both Python bindings: cv2.aqorb, which a cv2 has that was built with the module, and the package aqorb.
+AQORB_BINDING names the one to test, cv2 or aqorb; by default it is cv2.aqorb where there is one."""
 
 import os
 import tempfile
@@ -17,6 +19,11 @@ except ImportError:  # outside of OpenCV's source tree
 
     class NewOpenCVTests(unittest.TestCase):
         bootstrap = staticmethod(unittest.main)
+
+if os.environ.get('AQORB_BINDING', 'cv2' if hasattr(cv, 'aqorb') else 'aqorb') == 'cv2':
+    aqorb = cv.aqorb
+else:
+    import aqorb
 
 
 def squares(rows=480, cols=640):
@@ -33,10 +40,11 @@ def squares(rows=480, cols=640):
 class aqorb_test(NewOpenCVTests):
 
     def test_is_an_orb(self):
-        orb = cv.aqorb.AdaptiveQuadtreeORB_create(700)
-        self.assertIsInstance(orb, cv.aqorb.AdaptiveQuadtreeORB)
-        self.assertIsInstance(orb, cv.ORB)
-        self.assertIsInstance(orb, cv.Feature2D)
+        orb = aqorb.AdaptiveQuadtreeORB_create(700)
+        self.assertIsInstance(orb, aqorb.AdaptiveQuadtreeORB)
+        if aqorb is getattr(cv, 'aqorb', None):
+            self.assertIsInstance(orb, cv.ORB)
+            self.assertIsInstance(orb, cv.Feature2D)
         self.assertEqual(orb.getDefaultName(), 'Feature2D.AdaptiveQuadtreeORB')
         self.assertEqual(orb.getMaxFeatures(), 700)
         self.assertEqual(orb.descriptorSize(), 32)
@@ -45,7 +53,7 @@ class aqorb_test(NewOpenCVTests):
 
     def test_detect_and_compute(self):
         image = squares()
-        orb = cv.aqorb.AdaptiveQuadtreeORB_create(nfeatures=400)
+        orb = aqorb.AdaptiveQuadtreeORB_create(nfeatures=400)
         keypoints, descriptors = orb.detectAndCompute(image, None)
         self.assertEqual(len(keypoints), 400)
         self.assertEqual(descriptors.shape, (400, 32))
@@ -57,16 +65,108 @@ class aqorb_test(NewOpenCVTests):
         self.assertEqual(len(computed), 400)
         np.testing.assert_array_equal(again, descriptors)
 
+    def test_keypoints_keep_their_fields(self):
+        image = squares()
+        orb = aqorb.AdaptiveQuadtreeORB_create(50)
+        for keypoint in orb.detect(image):
+            self.assertIs(type(keypoint), cv.KeyPoint)
+            self.assertTrue(0 <= keypoint.angle < 360)
+            self.assertGreater(keypoint.response, 0)
+            self.assertEqual(keypoint.class_id, -1)
+            self.assertAlmostEqual(keypoint.size, 31 * 1.2 ** keypoint.octave, 2)
+        given = cv.KeyPoint(100.25, 90.5, 7., 12., 0.125, 1, 5)
+        kept, = aqorb.retainUniform([given], (640, 480), 1)
+        for name in ('pt', 'size', 'angle', 'response', 'octave', 'class_id'):
+            self.assertEqual(getattr(kept, name), getattr(given, name), name)
+
+    def test_has_the_methods_of_orb(self):
+        names = {name for name in dir(cv.ORB) if not name.startswith('_')}
+        self.assertEqual(names - set(dir(aqorb.AdaptiveQuadtreeORB)), set())
+
+    def test_arrays_of_any_strides(self):
+        image = squares(200, 300)
+        wide = np.zeros((200, 310), np.uint8)
+        wide[:, 5:305] = image
+        bgr = np.zeros((200, 300, 4), np.uint8)
+        bgr[..., 1] = image
+        orb = aqorb.AdaptiveQuadtreeORB_create(200)
+        expected = orb.detectAndCompute(image, None)[1]
+        self.assertEqual(len(expected), 200)
+        for name, array in (('region', wide[:, 5:305]), ('Fortran', np.asfortranarray(image)),
+                            ('flipped twice', image[::-1, ::-1].copy()[::-1, ::-1]),
+                            ('transposed', image.T.copy().T), ('every second', image.repeat(2, 1)[:, ::2]),
+                            ('one channel', image[..., np.newaxis]), ('a channel', bgr[..., 1])):
+            found = orb.detectAndCompute(array, None)[1]
+            np.testing.assert_array_equal(found, expected, name)
+            mask = np.full(array.shape[:2], 255, np.uint8, 'F')
+            np.testing.assert_array_equal(orb.detectAndCompute(image, mask)[1], expected)
+
+    def test_colour(self):
+        bgr = np.dstack([squares(200, 300), squares(200, 300)[::-1], squares(200, 300)[:, ::-1]])
+        orb = aqorb.AdaptiveQuadtreeORB_create(200)
+        expected = orb.detectAndCompute(cv.cvtColor(bgr, cv.COLOR_BGR2GRAY), None)[1]
+        for array in (bgr, np.asfortranarray(bgr), bgr[..., ::-1].copy()[..., ::-1],
+                      cv.cvtColor(bgr, cv.COLOR_BGR2BGRA)):
+            np.testing.assert_array_equal(orb.detectAndCompute(array, None)[1], expected)
+
+    def test_pyramid(self):
+        image = squares()
+        levels = aqorb.AdaptiveQuadtreeORB_create(nlevels=4).buildPyramid(image)
+        self.assertEqual(len(levels), 4)
+        self.assertTrue(np.array_equal(levels[0], image))
+        self.assertEqual(levels[3].shape, (round(480 / 1.2 ** 3), round(640 / 1.2 ** 3)))
+
+    def test_nothing_to_find(self):
+        orb = aqorb.AdaptiveQuadtreeORB_create()
+        for image in (None, np.zeros((0, 0), np.uint8), np.zeros((100, 100), np.uint8)):
+            self.assertEqual(len(orb.detect(image)), 0)
+            keypoints, descriptors = orb.detectAndCompute(image, None)
+            self.assertEqual(len(keypoints), 0)
+            self.assertIsNone(descriptors)
+
+    def test_several_images(self):
+        images = [squares(), squares(200, 300)]
+        orb = aqorb.AdaptiveQuadtreeORB_create(100)
+        keypoints = orb.detect(images)
+        computed, descriptors = orb.compute(images, keypoints)
+        for i, image in enumerate(images):
+            expected = orb.detectAndCompute(image, None)
+            for found in keypoints[i], computed[i]:
+                self.assertEqual([k.pt for k in found], [k.pt for k in expected[0]])
+            np.testing.assert_array_equal(descriptors[i], expected[1])
+        masks = [np.zeros(image.shape, np.uint8) for image in images]
+        self.assertEqual([len(k) for k in orb.detect(images, masks)], [0, 0])
+
+    def test_bad_arguments(self):
+        orb = aqorb.AdaptiveQuadtreeORB_create()
+        image = squares(100, 100)
+        for bad in (image.astype(np.float32), image.astype(np.uint16), image.view(np.int8),
+                    np.zeros((100, 100, 2), np.uint8), np.zeros((100, 100, 5), np.uint8)):
+            with self.assertRaisesRegex(cv.error, 'image'):
+                orb.detect(bad)
+        for bad in (np.ones((99, 100), np.uint8), np.ones((100, 100, 3), np.uint8), image.astype(np.float32)):
+            with self.assertRaisesRegex(cv.error, 'mask'):
+                orb.detectAndCompute(image, bad)
+        for call in (lambda: orb.detect('image'), lambda: orb.detect(5), lambda: orb.compute(image, [5]),
+                     lambda: orb.setCellSize('35'), lambda: orb.setCellSize(35.5),
+                     lambda: aqorb.AdaptiveQuadtreeORB_create(features=5),
+                     lambda: aqorb.retainUniform([1], (10, 10), 1)):
+            self.assertRaises((cv.error, TypeError), call)
+        with self.assertRaisesRegex(cv.error, 'WTA_K'):
+            aqorb.AdaptiveQuadtreeORB_create(WTA_K=5)
+        with self.assertRaisesRegex(cv.error, 'imageSize'):
+            aqorb.distributionUniformity([], (0, 10))
+
     def test_mask(self):
         image = squares()
         mask = np.zeros_like(image)
         mask[:, :320] = 1
-        keypoints = cv.aqorb.AdaptiveQuadtreeORB_create().detect(image, mask)
+        keypoints = aqorb.AdaptiveQuadtreeORB_create().detect(image, mask)
         self.assertGreater(len(keypoints), 0)
         self.assertTrue(all(k.pt[0] < 320 for k in keypoints))
 
     def test_properties(self):
-        orb = cv.aqorb.AdaptiveQuadtreeORB_create()
+        orb = aqorb.AdaptiveQuadtreeORB_create()
         for name, default, other in (('AdaptiveThreshold', True, False), ('MinThresholdRatio', 4, 2.5),
                                      ('CellSize', 35, 50), ('MaxDepth', -1, 3),
                                      ('OctaveSuppression', 0.5, 0), ('SubPixel', True, False),
@@ -80,13 +180,13 @@ class aqorb_test(NewOpenCVTests):
         self.assertEqual(orb.getCellSize(), 50)
 
     def test_write_and_read(self):
-        orb = cv.aqorb.AdaptiveQuadtreeORB_create(123, 1.5, 4)
+        orb = aqorb.AdaptiveQuadtreeORB_create(123, 1.5, 4)
         orb.setMaxDepth(2)
         handle, path = tempfile.mkstemp(suffix='.yml')
         os.close(handle)
         try:
             orb.write(path)
-            other = cv.aqorb.AdaptiveQuadtreeORB_create()
+            other = aqorb.AdaptiveQuadtreeORB_create()
             storage = cv.FileStorage(path, cv.FILE_STORAGE_READ)
             other.read(storage.getFirstTopLevelNode() if storage.getNode('nfeatures').empty()
                        else storage.root())
@@ -98,29 +198,50 @@ class aqorb_test(NewOpenCVTests):
         self.assertEqual(other.getNLevels(), 4)
         self.assertEqual(other.getMaxDepth(), 2)
 
+    def test_write_into_a_storage(self):
+        orb = aqorb.AdaptiveQuadtreeORB_create(123, 1.5)
+        orb.setOctaveSuppression(0.1)
+        storage = cv.FileStorage('.yml', cv.FILE_STORAGE_WRITE | cv.FILE_STORAGE_MEMORY)
+        orb.write(storage, 'detector')
+        text = storage.releaseAndGetString()
+        storage = cv.FileStorage(text, cv.FILE_STORAGE_READ | cv.FILE_STORAGE_MEMORY)
+        other = aqorb.AdaptiveQuadtreeORB_create()
+        other.read(storage.getNode('detector'))
+        self.assertEqual(other.getMaxFeatures(), 123)
+        self.assertEqual(other.getScaleFactor(), 1.5)
+        self.assertEqual(other.getOctaveSuppression(), 0.1)
+
+    def test_read_checks(self):
+        orb = aqorb.AdaptiveQuadtreeORB_create()
+        for text in '{"cellSize": 3}', '{"cellSize": "large"}', '{"cellSize": 35.5}', '{"cellSize": [35]}':
+            storage = cv.FileStorage(text, cv.FILE_STORAGE_READ | cv.FILE_STORAGE_MEMORY)
+            with self.assertRaisesRegex(cv.error, 'cellSize'):
+                orb.read(storage.root())
+        self.assertEqual(orb.getCellSize(), 35)
+
     def test_adaptive_fast_threshold(self):
         image = np.full((10, 10), 90, np.uint8)
         image[:, 5:] = 110
-        self.assertAlmostEqual(cv.aqorb.adaptiveFastThreshold(image), 100 / 100)  # variance over mean
+        self.assertAlmostEqual(aqorb.adaptiveFastThreshold(image), 100 / 100)  # variance over mean
         mask = np.zeros_like(image)
         mask[:, :5] = 255
-        self.assertEqual(cv.aqorb.adaptiveFastThreshold(image, mask), 0)
+        self.assertEqual(aqorb.adaptiveFastThreshold(image, mask), 0)
 
     def test_distribution(self):
         size = (160, 120)
         even = [cv.KeyPoint(x + 5., y + 5., 1.) for y in range(0, 120, 10) for x in range(0, 160, 10)]
         left = [k for k in even if k.pt[0] < 80]
-        self.assertLess(cv.aqorb.distributionUniformity(even, size),
-                        cv.aqorb.distributionUniformity(left, size))
-        self.assertEqual(cv.aqorb.distributionOccupancy(even, size), 1)
-        self.assertEqual(cv.aqorb.distributionOccupancy(left, size), 0.5)
-        self.assertEqual(cv.aqorb.distributionOccupancy(left, size, (1, 1)), 1)
+        self.assertLess(aqorb.distributionUniformity(even, size),
+                        aqorb.distributionUniformity(left, size))
+        self.assertEqual(aqorb.distributionOccupancy(even, size), 1)
+        self.assertEqual(aqorb.distributionOccupancy(left, size), 0.5)
+        self.assertEqual(aqorb.distributionOccupancy(left, size, (1, 1)), 1)
 
     def test_retain_uniform(self):
         # A strong cluster and three weak points elsewhere: every corner of the image is kept.
         cluster = [cv.KeyPoint(10. + i, 10., 1., -1, 100.) for i in range(20)]
         far = [cv.KeyPoint(x, y, 1., -1, 1.) for x, y in ((90., 10.), (10., 90.), (90., 90.))]
-        kept = cv.aqorb.retainUniform(cluster + far, (100, 100), 4)
+        kept = aqorb.retainUniform(cluster + far, (100, 100), 4)
         self.assertEqual(len(kept), 4)
         self.assertEqual({(k.pt[0] > 50, k.pt[1] > 50) for k in kept},
                          {(False, False), (True, False), (False, True), (True, True)})

@@ -1,0 +1,227 @@
+# This file is part of the aqorb project.
+# It is subject to the license terms in the LICENSE file found in the top-level directory
+# of this distribution.
+"""Tests of what the package aqorb has beyond cv2.aqorb; modules/aqorb/misc/python/test has those of both."""
+
+import ast
+import inspect
+import os
+import pathlib
+import re
+import subprocess
+import sys
+import threading
+
+import cv2 as cv
+import numpy as np
+import pytest
+
+import aqorb
+
+FIELDS = ('pt', 'size', 'angle', 'response', 'octave', 'class_id')
+
+
+@pytest.fixture(scope='module')
+def image():
+    noise = np.random.RandomState(3).randint(0, 256, (60, 80), np.uint8)
+    return cv.resize(noise, (640, 480), interpolation=cv.INTER_NEAREST)
+
+
+@pytest.fixture
+def orb():
+    return aqorb.AdaptiveQuadtreeORB_create(300)
+
+
+def same(keypoints, array):
+    return (len(keypoints) == len(array) and
+            all(tuple(getattr(k, 'pt')) == tuple(row['pt']) and
+                all(getattr(k, name) == row[name] for name in FIELDS[1:]) for k, row in zip(keypoints, array)))
+
+
+def test_arrays_equal_objects(orb, image):
+    keypoints, descriptors = orb.detectAndCompute(image, None)
+    array, rows = orb.detectAndComputeArrays(image)
+    assert array.dtype == aqorb.keypoint_dtype
+    assert array.dtype.names == FIELDS
+    assert array['pt'].shape == (300, 2) and array['pt'].dtype == np.float32
+    assert same(keypoints, array)
+    assert rows.shape == (300, 32) and np.array_equal(rows, descriptors)
+    assert array.flags.writeable and rows.flags.writeable
+
+
+def test_arrays_outlive_the_detector(image):
+    array, rows = aqorb.AdaptiveQuadtreeORB_create(300).detectAndComputeArrays(image)
+    copies = array.copy(), rows.copy()
+    for _ in range(5):
+        aqorb.AdaptiveQuadtreeORB_create(300).detectAndComputeArrays(255 - image)
+    assert np.array_equal(array, copies[0]) and np.array_equal(rows, copies[1])
+
+
+def test_arrays_of_nothing(orb):
+    for nothing in None, np.zeros((50, 50), np.uint8):
+        array, rows = orb.detectAndComputeArrays(nothing)
+        assert array.shape == (0,) and array.dtype == aqorb.keypoint_dtype
+        assert rows.shape == (0, 32) and rows.dtype == np.uint8
+
+
+def test_conversion_of_keypoints():
+    keypoints = [cv.KeyPoint(1.5, 2.25, 3, 4, 5, 6, 7), cv.KeyPoint(-1, 1e6, 0)]
+    array = aqorb.keypointsToArray(keypoints)
+    assert same(keypoints, array)
+    assert same(aqorb.keypointsFromArray(array), array)
+    assert same(aqorb.keypointsFromArray(array[::-1]), array[::-1])
+    assert aqorb.keypointsFromArray(array[:0]) == ()
+    assert aqorb.keypointsToArray(()).shape == (0,)
+
+
+def test_functions_take_arrays(orb, image):
+    keypoints = orb.detect(image)
+    array = aqorb.keypointsToArray(keypoints)
+    size = (640, 480)
+    assert aqorb.distributionUniformity(array, size) == aqorb.distributionUniformity(keypoints, size)
+    assert aqorb.distributionOccupancy(array, size) == aqorb.distributionOccupancy(keypoints, size)
+    kept = aqorb.retainUniform(array, size, 50)
+    assert kept.dtype == aqorb.keypoint_dtype and same(aqorb.retainUniform(keypoints, size, 50), kept)
+    computed, rows = orb.compute(image, array)
+    assert np.array_equal(computed, array) and np.array_equal(rows, orb.compute(image, keypoints)[1])
+    with pytest.raises(aqorb.error, match='keypoints'):
+        aqorb.distributionUniformity(np.zeros((5, 7), np.float32), size)
+
+
+def test_error_is_what_users_catch(orb):
+    assert issubclass(aqorb.error, cv.error) and issubclass(aqorb.error, ValueError)
+    with pytest.raises(aqorb.error, match=r'cellSize: got 1; >= 8 is accepted') as raised:
+        orb.setCellSize(1)
+    assert raised.value.code == cv.Error.StsOutOfRange
+    assert raised.value.err == 'cellSize: got 1; >= 8 is accepted'
+    with pytest.raises(ValueError, match=r'image: got an array of dtype float64 and shape \(4, 5\)'):
+        orb.detect(np.zeros((4, 5)))
+    with pytest.raises(TypeError):
+        orb.detect('image.png')
+    with pytest.raises(TypeError):
+        aqorb.AdaptiveQuadtreeORB()
+
+
+def test_mask_of_bool(orb, image):
+    mask = np.zeros(image.shape, bool)
+    mask[:, 320:] = True
+    expected = orb.detectAndCompute(image, mask.astype(np.uint8))[1]
+    assert np.array_equal(orb.detectAndCompute(image, mask)[1], expected)
+
+
+@pytest.mark.parametrize('shape, strides', [((480, 640), (0, 1)), ((480, 640), (640, 0)), ((480, 640), (-640, 1))])
+def test_strides_that_no_mat_has(orb, image, shape, strides):
+    start = image[::-1] if strides[0] < 0 else image
+    view = np.lib.stride_tricks.as_strided(start, shape, strides, writeable=False)
+    assert np.array_equal(orb.detectAndComputeArrays(view)[1], orb.detectAndComputeArrays(view.copy())[1])
+
+
+def test_files(tmp_path, orb):
+    orb.setMaxDepth(3)
+    for suffix in 'yml', 'xml', 'json':
+        for write in orb.write, orb.save:
+            path = str(tmp_path / ('orb.' + suffix))
+            write(path)
+            other = aqorb.AdaptiveQuadtreeORB_create()
+            other.read(path)
+            assert (other.getMaxFeatures(), other.getMaxDepth()) == (300, 3)
+            os.remove(path)
+    for call in orb.write, orb.read:
+        with pytest.raises(aqorb.error, match='no/such/folder'):
+            call('no/such/folder/orb.yml')
+
+
+POINTS = aqorb.keypointsToArray([cv.KeyPoint(999, 999, 31)] * 1000)
+
+
+@pytest.mark.parametrize('call', [
+    lambda orb, image: orb.detect(image),
+    lambda orb, image: orb.detect([image]),
+    lambda orb, image: orb.compute(image, POINTS),
+    lambda orb, image: orb.compute([image], [POINTS]),
+    lambda orb, image: orb.detectAndCompute(image, None),
+    lambda orb, image: orb.detectAndComputeArrays(image),
+    lambda orb, image: aqorb.adaptiveFastThreshold(image)])
+def test_the_gil_is_released(orb, call):
+    # Within the switch interval another thread runs only if this one lets it. The image is blank, as making a
+    # cv2.KeyPoint releases the GIL, too.
+    image = np.zeros((2000, 2000), np.uint8)
+    gate, ran = threading.Semaphore(0), []
+    thread = threading.Thread(target=lambda: gate.acquire() and ran.append(True))
+    thread.start()
+    interval = sys.getswitchinterval()
+    sys.setswitchinterval(600)
+    try:
+        gate.release()
+        for _ in range(1000):
+            if ran:
+                break
+            call(orb, image)
+        released = bool(ran)
+    finally:
+        sys.setswitchinterval(interval)
+        thread.join()
+    assert released
+
+
+def test_threads_share_a_detector(orb, image):
+    expected = orb.detectAndComputeArrays(image)[1]
+    results = []
+    threads = [threading.Thread(target=lambda: results.append(orb.detectAndComputeArrays(image)[1]))
+               for _ in range(4)]
+    for thread in threads:
+        thread.start()
+    for thread in threads:
+        thread.join()
+    assert len(results) == 4 and all(np.array_equal(result, expected) for result in results)
+
+
+def functions(scope):
+    """The public functions of a stub's module or class: name -> the signatures of its overloads."""
+    found = {}
+    for node in scope.body:
+        if isinstance(node, ast.FunctionDef):
+            found.setdefault(node.name, set()).add(signature(node))
+    return found
+
+
+def signature(function):
+    """Names of the parameters, and how many of them have a default."""
+    return tuple(argument.arg for argument in function.args.args), len(function.args.defaults)
+
+
+def documented(function):
+    """The signatures that pybind11 writes into the docstring."""
+    lines = re.findall(r'^(?:\d+\. )?(\w+\(.*\) -> .*)$', function.__doc__, re.MULTILINE)
+    return {signature(ast.parse('def {}: ...'.format(line)).body[0]) for line in lines if '*args' not in line}
+
+
+def test_stub_has_the_signatures():
+    stub = ast.parse((pathlib.Path(aqorb.__file__).parent / '__init__.pyi').read_text())
+    classes = {node.name: functions(node) for node in stub.body if isinstance(node, ast.ClassDef)}
+    scopes = [(aqorb, functions(stub)), (aqorb.AdaptiveQuadtreeORB, classes['AdaptiveQuadtreeORB'])]
+    for scope, stubbed in scopes:
+        compiled = {name for name, member in inspect.getmembers(scope, inspect.isroutine) if name[0] != '_'}
+        assert set(stubbed) == compiled
+        for name, signatures in stubbed.items():
+            assert signatures == documented(getattr(scope, name)), name
+
+
+def test_stub_is_a_stub_of_the_package(tmp_path):
+    pytest.importorskip('mypy')
+    config = tmp_path / 'mypy.ini'  # cv2 4.6 has no stubs
+    config.write_text('[mypy]\n[mypy-cv2.*]\nignore_missing_imports = True\n')
+    allowlist = tmp_path / 'allowlist'  # pybind11's metaclass, and its __init__ that raises
+    allowlist.write_text('aqorb.AdaptiveQuadtreeORB\naqorb.AdaptiveQuadtreeORB.__init__\n')
+    folder = str(pathlib.Path(aqorb.__file__).resolve().parent.parent)
+    environment = dict(os.environ, MYPYPATH=folder, PYTHONPATH=folder)
+    run = subprocess.run([sys.executable, '-m', 'mypy.stubtest', 'aqorb', '--mypy-config-file', str(config),
+                          '--allowlist', str(allowlist)], cwd=str(tmp_path), env=environment,
+                         stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True)
+    assert run.returncode == 0, run.stdout
+
+
+def test_everything_is_documented():
+    assert set(aqorb.__all__) == {name for name in dir(aqorb) if name[0] != '_'}
+    for name in aqorb.__all__:
+        assert getattr(aqorb, name).__doc__ or name == 'keypoint_dtype', name

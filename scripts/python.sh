@@ -1,0 +1,31 @@
+#!/usr/bin/env bash
+# Builds the Python package, runs its tests and the Python sample.
+#
+#   scripts/python.sh [pytest option ...]
+#
+# Installs the Debian packages it needs. The package lies in build/release/python then; programs find it there with
+# PYTHONPATH. Tests that need images of opencv_extra are skipped unless OPENCV_TEST_DATA_PATH names its testdata
+# folder.
+source "$(dirname "$0")/common.sh"
+
+need build-essential cmake libopencv-dev python3-dev pybind11-dev python3-numpy python3-opencv python3-pytest mypy
+
+configure "$BUILD/release" -DAQORB_BUILD_PYTHON=ON -DPython_EXECUTABLE="$PYTHON" -DAQORB_BUILD_TESTS=OFF
+build "$BUILD/release"
+export PYTHONPATH=$BUILD/release/python PYTHONDONTWRITEBYTECODE=1
+
+say "Tests"
+AQORB_BINDING=aqorb "$PYTHON" -m pytest -q -p no:cacheprovider "$@" \
+    "$ROOT/modules/aqorb/misc/python/test" "$ROOT/python/test"
+
+say "The installed package"
+prefix=$BUILD/prefix-python
+rm -rf "$prefix"
+cmake --install "$BUILD/release" --prefix "$prefix" >/dev/null
+(cd "$prefix" && PYTHONPATH=$(echo "$prefix"/lib/python3*/*-packages) "$PYTHON" -c 'import aqorb; print(aqorb.__file__)')
+
+say "Sample"
+opencv_samples
+mkdir -p "$BUILD/demo-python"
+"$PYTHON" "$ROOT/samples/aqorb_demo.py" --out="$BUILD/demo-python" --homography="$OPENCV_SAMPLES/H1to3p.xml" \
+    "$OPENCV_SAMPLES/graf1.png" "$OPENCV_SAMPLES/graf3.png"
