@@ -31,7 +31,7 @@ int main(int argc, char** argv)
         parser.printMessage();
         return 0;
     }
-    const Mat image = imread(samples::findFile(parser.get<String>("@image")), IMREAD_GRAYSCALE);
+    const Mat image = imread(samples::findFile(parser.get<String>("@image"), false), IMREAD_GRAYSCALE);
     Point centre(parser.get<int>("x"), parser.get<int>("y"));
     int radius = parser.get<int>("radius");
     const int margin = parser.get<int>("margin"), nfeatures = parser.get<int>("nfeatures");

@@ -9,6 +9,7 @@
 #include <opencv2/imgcodecs.hpp>
 #include <opencv2/imgproc.hpp>
 
+#include <algorithm>
 #include <iostream>
 
 using namespace cv;
@@ -28,8 +29,8 @@ int main(int argc, char** argv)
         parser.printMessage();
         return 0;
     }
-    const Mat image1 = imread(samples::findFile(parser.get<String>("@image1")), IMREAD_GRAYSCALE);
-    const Mat image2 = imread(samples::findFile(parser.get<String>("@image2")), IMREAD_GRAYSCALE);
+    const Mat image1 = imread(samples::findFile(parser.get<String>("@image1"), false), IMREAD_GRAYSCALE);
+    const Mat image2 = imread(samples::findFile(parser.get<String>("@image2"), false), IMREAD_GRAYSCALE);
     const int nfeatures = parser.get<int>("nfeatures");
     const String out = parser.get<String>("out");
     if (!parser.check())

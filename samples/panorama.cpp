@@ -26,7 +26,7 @@ int main(int argc, char** argv)
     {
         if (argv[i][0] == '-')
             continue;
-        images.push_back(imread(samples::findFile(argv[i])));
+        images.push_back(imread(samples::findFile(argv[i], false)));
         if (images.back().empty())
         {
             std::cerr << argv[i] << ": not an image that OpenCV can read" << std::endl;

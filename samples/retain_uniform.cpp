@@ -39,7 +39,7 @@ int main(int argc, char** argv)
         parser.printMessage();
         return 0;
     }
-    const Mat image = imread(samples::findFile(parser.get<String>("@image")), IMREAD_GRAYSCALE);
+    const Mat image = imread(samples::findFile(parser.get<String>("@image"), false), IMREAD_GRAYSCALE);
     const int npoints = parser.get<int>("npoints");
     const String out = parser.get<String>("out");
     if (!parser.check() || image.empty())
