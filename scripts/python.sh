@@ -22,7 +22,7 @@ say "The installed package"
 prefix=$BUILD/prefix-python
 rm -rf "$prefix"
 cmake --install "$BUILD/release" --prefix "$prefix" >/dev/null
-(cd "$prefix" && PYTHONPATH=$(echo "$prefix"/lib/python3*/*-packages) "$PYTHON" -c 'import aqorb; print(aqorb.__file__)')
+PYTHONPATH=$(echo "$prefix"/lib/python3*/*-packages) "$PYTHON" -c 'import aqorb; print(aqorb.__file__)'
 
 say "Demo"
 opencv_samples
