@@ -1,5 +1,5 @@
 #!/usr/bin/env bash
-# Builds the Python package, runs its tests and the Python sample.
+# Builds the Python package, runs its tests, those of the Python samples, and the demo.
 #
 #   scripts/python.sh [pytest option ...]
 #
@@ -16,15 +16,15 @@ export PYTHONPATH=$BUILD/release/python PYTHONDONTWRITEBYTECODE=1
 
 say "Tests"
 AQORB_BINDING=aqorb "$PYTHON" -m pytest -q -p no:cacheprovider "$@" \
-    "$ROOT/modules/aqorb/misc/python/test" "$ROOT/python/test"
+    "$ROOT/modules/aqorb/misc/python/test" "$ROOT/python/test" "$ROOT/samples/test"
 
 say "The installed package"
 prefix=$BUILD/prefix-python
 rm -rf "$prefix"
 cmake --install "$BUILD/release" --prefix "$prefix" >/dev/null
-(cd "$prefix" && PYTHONPATH=$(echo "$prefix"/lib/python3*/*-packages) "$PYTHON" -c 'import aqorb; print(aqorb.__file__)')
+PYTHONPATH=$(echo "$prefix"/lib/python3*/*-packages) "$PYTHON" -c 'import aqorb; print(aqorb.__file__)'
 
-say "Sample"
+say "Demo"
 opencv_samples
 mkdir -p "$BUILD/demo-python"
 "$PYTHON" "$ROOT/samples/aqorb_demo.py" --out="$BUILD/demo-python" --homography="$OPENCV_SAMPLES/H1to3p.xml" \

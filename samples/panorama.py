@@ -1,0 +1,104 @@
+#!/usr/bin/env python3
+
+# This file is part of the aqorb project.
+# It is subject to the license terms in the LICENSE file found in the top-level directory
+# of this distribution.
+"""Stitches overlapping photographs of a turning camera to a panorama.
+
+In Python cv.Stitcher does not take a detector, so its steps are done here one by one."""
+
+import argparse
+import sys
+
+import cv2 as cv
+import numpy as np
+
+try:
+    import aqorb
+except ImportError:
+    from cv2 import aqorb
+
+
+def read(name, megapixels=1):
+    image = cv.imread(cv.samples.findFile(name, False))
+    if image is None:
+        sys.exit(name + ': not an image that OpenCV can read')
+    scale = min(1, (megapixels * 1e6 / image[..., 0].size) ** 0.5)
+    return cv.resize(image, None, fx=scale, fy=scale, interpolation=cv.INTER_AREA)
+
+
+def image_features(detector, image):
+    """What cv.detail.computeImageFeatures2 gives for a cv.Feature2D."""
+    keypoints, descriptors = detector.detectAndCompute(image, None)
+    if descriptors is None:
+        sys.exit('No features found')
+    features = cv.detail.computeImageFeatures2(cv.ORB_create(1), image)  # the class's constructor is of no use
+    features.keypoints, features.descriptors = keypoints, cv.UMat(descriptors)
+    return features
+
+
+def estimate_cameras(features):
+    matcher = cv.detail_BestOf2NearestMatcher(False, 0.3)
+    matches = matcher.apply2(features)
+    if len(cv.detail.leaveBiggestComponent(features, matches, 1)) < len(features):
+        sys.exit('The images do not overlap enough')
+    found, cameras = cv.detail_HomographyBasedEstimator().apply(features, matches, None)
+    if found:
+        for camera in cameras:
+            camera.R = camera.R.astype(np.float32)
+        adjuster = cv.detail_BundleAdjusterRay()
+        adjuster.setConfThresh(1)
+        found, cameras = adjuster.apply(features, matches, cameras)
+    if not found:
+        sys.exit('The cameras could not be estimated')
+    rotations = cv.detail.waveCorrect([camera.R for camera in cameras], cv.detail.WAVE_CORRECT_HORIZ)
+    for camera, rotation in zip(cameras, rotations):
+        camera.R = rotation
+    return cameras
+
+
+def compose(images, cameras):
+    warper = cv.PyRotationWarper('spherical', float(np.median([camera.focal for camera in cameras])))
+    corners, warped, masks = [], [], []
+    for image, camera in zip(images, cameras):
+        K = camera.K().astype(np.float32)
+        corner, picture = warper.warp(image, K, camera.R, cv.INTER_LINEAR, cv.BORDER_REFLECT)
+        everywhere = np.full(image.shape[:2], 255, np.uint8)
+        corners.append(corner)
+        warped.append(picture)
+        masks.append(warper.warp(everywhere, K, camera.R, cv.INTER_NEAREST, cv.BORDER_CONSTANT)[1])
+
+    gains = cv.detail.ExposureCompensator_createDefault(cv.detail.ExposureCompensator_GAIN_BLOCKS)
+    gains.feed(corners, warped, masks)
+    seams = cv.detail.SeamFinder_createDefault(cv.detail.SeamFinder_VORONOI_SEAM)
+    seam_masks = seams.find([picture.astype(np.float32) for picture in warped], corners, masks)
+
+    blender = cv.detail_MultiBandBlender()
+    blender.prepare(cv.detail.resultRoi(corners=corners, sizes=[picture.shape[1::-1] for picture in warped]))
+    for i, picture in enumerate(warped):
+        picture = gains.apply(i, corners[i], picture, masks[i])
+        blender.feed(picture.astype(np.int16), seam_masks[i], corners[i])
+    panorama, _ = blender.blend(None, None)
+    return cv.convertScaleAbs(np.maximum(panorama, 0))
+
+
+def main():
+    parser = argparse.ArgumentParser(description=__doc__)
+    parser.add_argument('images', nargs='+', metavar='image', help='two or more')
+    parser.add_argument('--nfeatures', type=int, default=1500, help='number of keypoints to ask for (1500)')
+    parser.add_argument('--out', default='panorama.jpg', help='picture to write (panorama.jpg)')
+    arguments = parser.parse_args()
+    if len(arguments.images) < 2:
+        parser.error('two or more images are accepted')
+    images = [read(name) for name in arguments.images]
+    detector = aqorb.AdaptiveQuadtreeORB_create(arguments.nfeatures)
+    cameras = estimate_cameras([image_features(detector, image) for image in images])
+    panorama = compose(images, cameras)
+    if not cv.imwrite(arguments.out, panorama):
+        sys.exit(arguments.out + ': cannot be written')
+    print('{} images stitched, {}x{}'.format(len(images), *panorama.shape[1::-1]))
+    print('Picture:', arguments.out)
+
+
+if __name__ == '__main__':
+    main()
