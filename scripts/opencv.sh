@@ -64,7 +64,7 @@ say "Performance tests, one sample each"
 (cd "$opencv" && bin/opencv_perf_aqorb --perf_min_samples=1 --perf_force_samples=1)
 
 say "Python test"
-PYTHONPATH=$opencv/lib/python3:$OPENCV_SOURCE/modules/python/test \
+AQORB_BINDING=cv2 PYTHONPATH=$opencv/lib/python3:$OPENCV_SOURCE/modules/python/test \
     "$PYTHON" "$ROOT/modules/aqorb/misc/python/test/test_aqorb.py" -v
 
 say "Java wrapper"
