@@ -91,11 +91,6 @@ private:
     Pool<LevelScratch>& scratches;
 };
 
-bool inRasterOrder(const RankedCorner& a, const RankedCorner& b)
-{
-    return a.y != b.y ? a.y < b.y : a.x < b.x;
-}
-
 bool hasLowerOctave(const KeyPoint& a, const KeyPoint& b)
 {
     return a.octave < b.octave;

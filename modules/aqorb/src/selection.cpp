@@ -212,10 +212,6 @@ private:
         const RankedCorner corner = {int(point.x), int(point.y), point.response};
         return corner;
     }
-    static bool inRasterOrder(const RankedCorner& a, const RankedCorner& b)
-    {
-        return a.y != b.y ? a.y < b.y : a.x < b.x;
-    }
 
     const std::vector<SelectionLevel>* levels;
     Size imageSize;

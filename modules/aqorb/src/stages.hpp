@@ -48,6 +48,12 @@ struct RankedCorner
     float response;
 };
 
+//! Order by rows, and by columns within a row.
+inline bool inRasterOrder(const RankedCorner& a, const RankedCorner& b)
+{
+    return a.y != b.y ? a.y < b.y : a.x < b.x;
+}
+
 // ---- input.cpp -------------------------------------------------------------------------------
 
 //! The grey image: the input itself, or its conversion as cv::ORB does it. Throws for anything else.
