@@ -4,8 +4,6 @@
 
 #include "precomp.hpp"
 
-#include "simd_compat.hpp"
-
 #include "blur.simd.hpp"
 #include "blur.simd_declarations.hpp"
 
@@ -72,33 +70,26 @@ struct FixedTaps
         const float* tap = gaussianTaps().tap;
         for (int i = 0; i <= RADIUS; i++)
         {
-            row[i] = ushort(cvRound(tap[i] * (i == 0 ? 65536. : 4 * 65536.)));
-            column[i] = ushort(cvRound(tap[i] * (i == 0 ? 65536. : 2 * 65536.)));
+            taps[0][i] = ushort(cvRound(tap[i] * (i == 0 ? 65536. : 4 * 65536.)));
+            taps[1][i] = ushort(cvRound(tap[i] * (i == 0 ? 65536. : 2 * 65536.)));
         }
     }
-    ushort row[RADIUS + 1], column[RADIUS + 1];
+    ushort taps[2][RADIUS + 1];  // of the rows' pass, of the columns'
 };
 }  // namespace
 
-static void rowPass(const uchar* row, int width, const ushort* taps, ushort* out)
+static void blurTileOf(const uchar* source, ptrdiff_t step, Size size, ushort* blurred, ptrdiff_t blurredStep)
 {
-    CV_CPU_DISPATCH(blurRow, (row, width, taps, out), CV_CPU_DISPATCH_MODES_ALL);
-}
-
-static void columnPass(const ushort* const* rows, int first, int width, const ushort* taps, ushort* out)
-{
-    const ushort* at[2 * RADIUS + 1];
-    for (int i = 0; i <= 2 * RADIUS; i++)
-        at[i] = rows[i] + first;
-    CV_CPU_DISPATCH(blurColumn, (at, width, taps, out + first), CV_CPU_DISPATCH_MODES_ALL);
+    static const FixedTaps fixed;
+    CV_CPU_DISPATCH(blurTile, (source, step, size.width, size.height, fixed.taps, blurred, blurredStep),
+                    CV_CPU_DISPATCH_MODES_ALL);
 }
 
 void BlurRegion::begin(Size size_)
 {
-    const int BLOCKS = 64, ALIGN = 32;  // bits of a row; whole vectors
     size = size_;
-    blockWidth = int(alignSize(size_t((size.width + BLOCKS - 1) / BLOCKS), ALIGN));
-    rows.assign(size.height, 0);
+    columns = (size.width + TILE_WIDTH - 1) / TILE_WIDTH;
+    needed.assign(size_t(columns) * (size.height + 1), uchar(0));
 }
 
 void BlurRegion::add(const Rect& rect)
@@ -106,80 +97,57 @@ void BlurRegion::add(const Rect& rect)
     const Rect part = rect & Rect(Point(), size);
     if (part.empty())
         return;
-    const int first = part.x / blockWidth, last = (part.x + part.width - 1) / blockWidth;
-    const uint64 blocks = (~uint64(0) >> (63 - (last - first))) << first;
-    for (int y = part.y; y < part.y + part.height; y++)
-        rows[y] |= blocks;
+    for (int column = part.x / TILE_WIDTH; column <= (part.x + part.width - 1) / TILE_WIDTH; column++)
+    {
+        uchar* rows = needed.data() + size_t(column) * (size.height + 1) + part.y;
+        std::fill(rows, rows + part.height, uchar(1));
+    }
 }
 
-uint64 BlurRegion::blocksNear(int y, int radius) const
+bool BlurRegion::nextTile(Rect& tile) const
 {
-    uint64 blocks = 0;
-    for (int i = std::max(y - radius, 0); i <= std::min(y + radius, size.height - 1); i++)
-        blocks |= rows[i];
-    return blocks;
-}
-
-bool BlurRegion::takeRun(uint64& blocks, Range& columns) const
-{
-    if (blocks == 0)
+    // A row more, never needed, ends each column.
+    const uchar *begin = needed.data(), *end = begin + needed.size();
+    const size_t rows = size_t(size.height) + 1;
+    const int columnBefore = (tile.x + TILE_WIDTH - 1) / TILE_WIDTH;
+    const size_t after = tile.empty() ? 0 : columnBefore * rows + tile.y + tile.height;
+    const uchar* first = std::find(begin + after, end, uchar(1));
+    if (first == end)
         return false;
-    const int BITS = 64;
-    const int first = trailingZeros(blocks);
-    const uint64 behind = ~(blocks >> first);
-    const int end = behind ? first + trailingZeros(behind) : BITS;
-    columns.start = first * blockWidth;
-    columns.end = std::min(end * blockWidth, size.width);
-    blocks = end < BITS ? blocks >> end << end : 0;
+    const uchar* last = std::find(first, end, uchar(0));
+    const int column = int((first - begin) / rows);
+    tile.width = std::min(TILE_WIDTH, size.width);
+    tile.x = std::min(column * TILE_WIDTH, size.width - tile.width);  // the last one overlaps
+    tile.y = int((first - begin) % rows);
+    tile.height = int(last - first);
     return true;
-}
-
-// The row pass of columns within RADIUS of the border, by way of a copy filled up by reflection.
-static void rowPassAtBorder(const uchar* source, int width, const Range& columns, const ushort* taps,
-                            ushort* out)
-{
-    uchar padded[3 * RADIUS];
-    for (int i = 0; i < columns.size() + 2 * RADIUS; i++)
-        padded[i] = source[borderInterpolate(columns.start - RADIUS + i, width, BORDER_REFLECT_101)];
-    rowPass(padded + RADIUS, columns.size(), taps, out + columns.start);
 }
 
 void approximateBlur(const Mat& image, const BlurRegion& region, Mat& blurred, BlurScratch& scratch)
 {
     CV_TRACE_FUNCTION();
-    static const FixedTaps taps;
-    const int width = image.cols, height = image.rows, RING = 8;
-    const Range inner(std::min(RADIUS, width), std::max(width - RADIUS, std::min(RADIUS, width)));
-    if (scratch.size() < size_t(width) * RING)
-        scratch.resize(size_t(width) * RING);
-    int done = 0;  // rows that went through the row pass
-    for (int y = 0; y < height; y++)
+    const Rect inner(RADIUS, RADIUS, image.cols - 2 * RADIUS, image.rows - 2 * RADIUS);
+    for (Rect tile; region.nextTile(tile);)
     {
-        for (; done < std::min(y + RADIUS + 1, height); done++)
+        const uchar* source = image.ptr(tile.y) + tile.x;
+        ptrdiff_t step = ptrdiff_t(image.step);
+        if ((tile & inner) != tile)
         {
-            const uchar* source = image.ptr(done);
-            ushort* out = scratch.data() + size_t(done % RING) * width;
-            Range run;
-            for (uint64 blocks = region.blocksNear(done, RADIUS); region.takeRun(blocks, run);)
-            {
-                const Range middle = run & inner;
-                if (run.start < inner.start)
-                    rowPassAtBorder(source, width, Range(0, inner.start), taps.row, out);
-                if (middle.start < middle.end)
-                    rowPass(source + middle.start, middle.size(), taps.row, out + middle.start);
-                if (run.end > inner.end)
-                    rowPassAtBorder(source, width, Range(inner.end, width), taps.row, out);
-            }
+            // A copy filled up by reflection.
+            const Rect read(tile.x - RADIUS, tile.y - RADIUS, tile.width + 2 * RADIUS,
+                            tile.height + 2 * RADIUS);
+            step = read.width;
+            if (scratch.size() < size_t(read.area()))
+                scratch.resize(read.area());
+            Mat copy(read.size(), CV_8UC1, scratch.data());
+            const Rect inside = read & Rect(Point(), image.size());
+            copyMakeBorder(image(inside), copy, inside.y - read.y, read.br().y - inside.br().y,
+                           inside.x - read.x, read.br().x - inside.br().x,
+                           BORDER_REFLECT_101 | BORDER_ISOLATED);
+            source = copy.ptr(RADIUS) + RADIUS;
         }
-        const ushort* rows[2 * RADIUS + 1];
-        for (int i = -RADIUS; i <= RADIUS; i++)
-        {
-            const int row = borderInterpolate(y + i, height, BORDER_REFLECT_101);
-            rows[RADIUS + i] = scratch.data() + size_t(row % RING) * width;
-        }
-        Range run;
-        for (uint64 blocks = region.blocksNear(y, 0); region.takeRun(blocks, run);)
-            columnPass(rows, run.start, run.size(), taps.column, blurred.ptr<ushort>(y));
+        blurTileOf(source, step, tile.size(), blurred.ptr<ushort>(tile.y) + tile.x,
+                   ptrdiff_t(blurred.step1()));
     }
 }
 

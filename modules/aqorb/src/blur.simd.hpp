@@ -18,11 +18,11 @@ CV_CPU_OPTIMIZATION_NAMESPACE_BEGIN
 //! exactBlur at p, whose pixels 3 around must be readable; taps of the centre and 1, 2, 3 off it.
 uchar exactBlurAt(const uchar* p, ptrdiff_t step, const float* taps);
 
-//! Row pass of approximateBlur; row[-3 .. width + 3) must be readable.
-void blurRow(const uchar* row, int width, const ushort* taps, ushort* out);
-
-//! Column pass of approximateBlur of the seven rows around the output's.
-void blurColumn(const ushort* const* rows, int width, const ushort* taps, ushort* out);
+/** approximateBlur of a tile.
+ @param source its first pixel; 3 around the tile must be readable
+ @param taps of the rows' pass, then of the columns'; of the centre and 1, 2, 3 off it */
+void blurTile(const uchar* source, ptrdiff_t step, int width, int height, const ushort taps[2][4],
+              ushort* blurred, ptrdiff_t blurredStep);
 
 #ifndef CV_CPU_OPTIMIZATION_DECLARATIONS_ONLY
 
@@ -50,88 +50,109 @@ uchar exactBlurAt(const uchar* p, ptrdiff_t step, const float* taps)
 namespace
 {
 
-CV_ALWAYS_INLINE unsigned upperHalf(unsigned a, unsigned b)
-{
-    return (a * b) >> 16;
-}
-
+// The 16-bit arithmetic of approximateBlur on neighbouring pixels, and on one, for narrow images.
 #if CV_SIMD
-CV_ALWAYS_INLINE v_uint16 average(const v_uint16& a, const v_uint16& b)  // rounds up
+struct ManyPixels
 {
+    typedef v_uint16 V;
+    static CV_ALWAYS_INLINE V all(ushort value) { return vx_setall_u16(value); }
+    static CV_ALWAYS_INLINE V load(const uchar* p) { return vx_load_expand(p); }
+    static CV_ALWAYS_INLINE void store(ushort* p, const V& a) { v_store(p, a); }
+    static CV_ALWAYS_INLINE V add(const V& a, const V& b) { return v_add(a, b); }
+    static CV_ALWAYS_INLINE V upperHalf(const V& a, const V& b) { return v_mul_hi(a, b); }
+    template <int BITS> static CV_ALWAYS_INLINE V shifted(const V& a) { return v_shl<BITS>(a); }
+    static CV_ALWAYS_INLINE V average(const V& a, const V& b)  // rounds up
+    {
 #if CV_AVX512_SKX && CV_SIMD_WIDTH == 64
-    return v_uint16(_mm512_avg_epu16(a.val, b.val));
+        return v_uint16(_mm512_avg_epu16(a.val, b.val));
 #elif CV_AVX2 && CV_SIMD_WIDTH == 32
-    return v_uint16(_mm256_avg_epu16(a.val, b.val));
+        return v_uint16(_mm256_avg_epu16(a.val, b.val));
 #elif CV_SSE2 && CV_SIMD_WIDTH == 16
-    return v_uint16(_mm_avg_epu16(a.val, b.val));
+        return v_uint16(_mm_avg_epu16(a.val, b.val));
 #elif CV_NEON && CV_SIMD_WIDTH == 16
-    return v_uint16(vrhaddq_u16(a.val, b.val));
+        return v_uint16(vrhaddq_u16(a.val, b.val));
 #else
-    return v_sub(v_or(a, b), v_shr<1>(v_xor(a, b)));
+        return v_sub(v_or(a, b), v_shr<1>(v_xor(a, b)));
 #endif
+    }
+};
+#endif
+struct OnePixel
+{
+    typedef unsigned V;
+    static CV_ALWAYS_INLINE V all(ushort value) { return value; }
+    static CV_ALWAYS_INLINE V load(const uchar* p) { return *p; }
+    static CV_ALWAYS_INLINE void store(ushort* p, V a) { *p = ushort(a); }
+    static CV_ALWAYS_INLINE V add(V a, V b) { return a + b; }
+    static CV_ALWAYS_INLINE V upperHalf(V a, V b) { return (a * b) >> 16; }
+    template <int BITS> static CV_ALWAYS_INLINE V shifted(V a) { return a << BITS; }
+    static CV_ALWAYS_INLINE V average(V a, V b) { return (a + b + 1) >> 1; }
+};
+
+template <typename T> struct Taps
+{
+    explicit CV_ALWAYS_INLINE Taps(const ushort* taps)
+        : t0(T::all(taps[0])),
+          t1(T::all(taps[1])),
+          t2(T::all(taps[2])),
+          t3(T::all(taps[3])),
+          center(T::all(2))
+    {
+    }
+    typedef typename T::V V;
+    CV_ALWAYS_INLINE V sum(const V& a0, const V& a1, const V& a2, const V& a3) const
+    {
+        return T::add(T::add(T::add(T::upperHalf(a0, t0), T::upperHalf(a1, t1)),
+                             T::add(T::upperHalf(a2, t2), T::upperHalf(a3, t3))),
+                      center);
+    }
+    CV_ALWAYS_INLINE V ofRow(const uchar* p) const
+    {
+        return sum(T::template shifted<8>(T::load(p)),
+                   T::template shifted<6>(T::add(T::load(p - 1), T::load(p + 1))),
+                   T::template shifted<6>(T::add(T::load(p - 2), T::load(p + 2))),
+                   T::template shifted<6>(T::add(T::load(p - 3), T::load(p + 3))));
+    }
+    V t0, t1, t2, t3, center;
+};
+
+// Blurs a column of lanes from top to bottom: the seven rows it needs stay in registers.
+template <typename T>
+CV_ALWAYS_INLINE void blurColumn(const uchar* p, ptrdiff_t step, int height, const Taps<T>& row,
+                                 const Taps<T>& column, ushort* out, ptrdiff_t outStep)
+{
+    typedef typename T::V V;
+    V r0 = row.ofRow(p - 3 * step), r1 = row.ofRow(p - 2 * step), r2 = row.ofRow(p - step), r3 = row.ofRow(p),
+      r4 = row.ofRow(p + step), r5 = row.ofRow(p + 2 * step);
+    p += 3 * step;
+    for (int y = 0; y < height; y++, p += step, out += outStep)
+    {
+        const V r6 = row.ofRow(p);
+        T::store(out, column.sum(r3, T::average(r4, r2), T::average(r5, r1), T::average(r6, r0)));
+        r0 = r1, r1 = r2, r2 = r3, r3 = r4, r4 = r5, r5 = r6;
+    }
 }
-#endif
 
 }  // namespace
 
-void blurRow(const uchar* row, int width, const ushort* taps, ushort* out)
+void blurTile(const uchar* source, ptrdiff_t step, int width, int height, const ushort taps[2][4],
+              ushort* blurred, ptrdiff_t blurredStep)
 {
     int x = 0;
 #if CV_SIMD
     const int LANES = AQORB_LANES(v_uint16);
-    const v_uint16 t0 = vx_setall_u16(taps[0]), t1 = vx_setall_u16(taps[1]), t2 = vx_setall_u16(taps[2]),
-                   t3 = vx_setall_u16(taps[3]), center = vx_setall_u16(2);
+    const Taps<ManyPixels> row(taps[0]), column(taps[1]);
     while (width >= LANES && x < width)
     {
-        const uchar* p = row + x;
-        const v_uint16 c = v_shl<8>(vx_load_expand(p));
-        const v_uint16 s1 = v_shl<6>(v_add(vx_load_expand(p - 1), vx_load_expand(p + 1)));
-        const v_uint16 s2 = v_shl<6>(v_add(vx_load_expand(p - 2), vx_load_expand(p + 2)));
-        const v_uint16 s3 = v_shl<6>(v_add(vx_load_expand(p - 3), vx_load_expand(p + 3)));
-        const v_uint16 inner = v_add(v_mul_hi(c, t0), v_mul_hi(s1, t1));
-        const v_uint16 outer = v_add(v_mul_hi(s2, t2), v_mul_hi(s3, t3));
-        v_store(out + x, v_add(v_add(inner, outer), center));
+        blurColumn(source + x, step, height, row, column, blurred + x, blurredStep);
         x = x + LANES == width       ? width
             : x + 2 * LANES <= width ? x + LANES
                                      : width - LANES;  // the last one overlaps
     }
 #endif
+    const Taps<OnePixel> rowOfOne(taps[0]), columnOfOne(taps[1]);
     for (; x < width; x++)
-    {
-        const uchar* p = row + x;
-        out[x] =
-            ushort(upperHalf(p[0] << 8, taps[0]) + upperHalf((p[1] + p[-1]) << 6, taps[1]) +
-                   upperHalf((p[2] + p[-2]) << 6, taps[2]) + upperHalf((p[3] + p[-3]) << 6, taps[3]) + 2);
-    }
-}
-
-void blurColumn(const ushort* const* rows, int width, const ushort* taps, ushort* out)
-{
-    int x = 0;
-#if CV_SIMD
-    const int LANES = AQORB_LANES(v_uint16);
-    const v_uint16 t0 = vx_setall_u16(taps[0]), t1 = vx_setall_u16(taps[1]), t2 = vx_setall_u16(taps[2]),
-                   t3 = vx_setall_u16(taps[3]), center = vx_setall_u16(2);
-    const ushort *r0 = rows[0], *r1 = rows[1], *r2 = rows[2], *r3 = rows[3], *r4 = rows[4], *r5 = rows[5],
-                 *r6 = rows[6];
-    while (width >= LANES && x < width)
-    {
-        const v_uint16 a1 = average(vx_load(r4 + x), vx_load(r2 + x));
-        const v_uint16 a2 = average(vx_load(r5 + x), vx_load(r1 + x));
-        const v_uint16 a3 = average(vx_load(r6 + x), vx_load(r0 + x));
-        const v_uint16 inner = v_add(v_mul_hi(vx_load(r3 + x), t0), v_mul_hi(a1, t1));
-        const v_uint16 outer = v_add(v_mul_hi(a2, t2), v_mul_hi(a3, t3));
-        v_store(out + x, v_add(v_add(inner, outer), center));
-        x = x + LANES == width ? width : x + 2 * LANES <= width ? x + LANES : width - LANES;
-    }
-#endif
-    for (; x < width; x++)
-    {
-        const unsigned a1 = (rows[4][x] + rows[2][x] + 1u) >> 1, a2 = (rows[5][x] + rows[1][x] + 1u) >> 1,
-                       a3 = (rows[6][x] + rows[0][x] + 1u) >> 1;
-        out[x] = ushort(upperHalf(rows[3][x], taps[0]) + upperHalf(a1, taps[1]) + upperHalf(a2, taps[2]) +
-                        upperHalf(a3, taps[3]) + 2);
-    }
+        blurColumn(source + x, step, height, rowOfOne, columnOfOne, blurred + x, blurredStep);
 }
 
 #endif  // CV_CPU_OPTIMIZATION_DECLARATIONS_ONLY

@@ -359,27 +359,27 @@ CV_EXPORTS uchar exactBlur(const Mat& image, int x, int y);
 //! Bound on the distance of approximateBlur from the exact one before rounding, in units of 1/256.
 const int BLUR_BOUND = 6;
 
-//! The pixels of a level that are to be blurred: by row, a bit for each of at most 64 blocks of columns.
+//! The pixels of a level that are to be blurred: by columns of tiles, the rows.
 class CV_EXPORTS BlurRegion
 {
 public:
     //! Begins anew, without any pixels.
     void begin(Size size);
-    //! Adds at least the pixels of a rectangle inside the level.
+    //! Adds at least the pixels of a rectangle, as far as they are inside the level.
     void add(const Rect& rect);
-    //! The blocks of a row and of those within a radius of it, a bit for each.
-    uint64 blocksNear(int y, int radius) const;
-    //! Takes the first run of blocks off, and gives its columns; false if there is none.
-    bool takeRun(uint64& blocks, Range& columns) const;
+    //! The tile after the given one, or the first one after an empty one; false if there is none.
+    bool nextTile(Rect& tile) const;
 
 private:
+    static const int TILE_WIDTH = 32;  // whole vectors
+
     Size size;
-    int blockWidth;
-    std::vector<uint64> rows;
+    int columns;                // of tiles
+    std::vector<uchar> needed;  // by column, by row
 };
 
 //! Work space of approximateBlur.
-typedef std::vector<ushort> BlurScratch;
+typedef std::vector<uchar> BlurScratch;
 
 /** The same blur in fixed point, in units of 1/256, off by at most BLUR_BOUND.
  @param blurred CV_16UC1 of the image's size; pixels outside of the region get any value */
