@@ -35,6 +35,7 @@ public:
     // Finds the corners of a level that will be asked for; several levels may be prepared at once.
     void prepare(int level)
     {
+        CV_TRACE_FUNCTION();
         LevelCorners& found = workspace.corners[level];
         const SelectionLevel& root = workspace.selectionLevels[level];
         const Pool<LevelScratch>::Lease lent(scratches);
@@ -252,6 +253,7 @@ void AdaptiveQuadtreeORBImpl::detectAndCompute(InputArray image_, InputArray mas
             {
                 for (int i = range.start; i < range.end; i++)
                 {
+                    CV_TRACE_REGION("level");
                     const Mat& level = workspace.pyramid[i].image;
                     const std::vector<DescriptorPoint>& points = workspace.features[i].points;
                     if (points.empty())
@@ -326,6 +328,7 @@ void AdaptiveQuadtreeORBImpl::detect(const Mat& image, const Mat& mask, Workspac
         {
             for (int i = range.start; i < range.end; i++)
             {
+                CV_TRACE_REGION("level");
                 if (selectionLevels[i].quota > 0)
                     source.prepare(i);
             }
@@ -340,6 +343,7 @@ void AdaptiveQuadtreeORBImpl::detect(const Mat& image, const Mat& mask, Workspac
         {
             for (int i = range.start; i < range.end; i++)
             {
+                CV_TRACE_REGION("level");
                 std::sort(workspace.chosen[i].begin(), workspace.chosen[i].end(), inRasterOrder);
                 refine(workspace.chosen[i], pyramid[i], i, positions[i], mask, workspace.features[i]);
             }
@@ -352,6 +356,7 @@ void AdaptiveQuadtreeORBImpl::refine(const std::vector<RankedCorner>& corners, c
                                      const PositionMap& position, const Mat& mask,
                                      LevelFeatures& features) const
 {
+    CV_TRACE_FUNCTION();
     features.keypoints.resize(corners.size());
     features.points.resize(corners.size());
     if (corners.empty())

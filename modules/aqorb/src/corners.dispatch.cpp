@@ -91,6 +91,7 @@ static void suppressedOf(const uchar* scores, ptrdiff_t step, const std::vector<
 // Moves the corners that fall to a better one nearby, even if that falls itself, to `suppressed`.
 static void suppress(Size size, LevelCorners& corners, CornerScratch& scratch)
 {
+    CV_TRACE_FUNCTION();
     const int MARGIN = 16;  // the kernel reads vectors
     const size_t step = size_t(size.width) + 2 * MARGIN, count = step * (size.height + 2 * MARGIN);
     if (scratch.scores.size() < count)
@@ -134,6 +135,7 @@ void findCorners(const Level& level, const Rect& region, Thresholds thresholds, 
     dropMasked(level.mask, 0, corners.kept);
     if (thresholds.min < thresholds.ini)
     {
+        CV_TRACE_REGION("empty cells");
         Mesh mesh(region, cellSize, scratch.fullCells);
         const size_t first = corners.kept.size();
         for (size_t i = 0; i < first; i++)

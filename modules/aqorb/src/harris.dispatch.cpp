@@ -32,6 +32,7 @@ static void rankInside(const Mat& image, const Corner* corners, int count, Ranke
 
 void harrisResponses(const Mat& image, const std::vector<Corner>& corners, std::vector<RankedCorner>& ranked)
 {
+    CV_TRACE_FUNCTION();
     ranked.resize(corners.size());
     const Rect inside(RADIUS, RADIUS, image.cols - RADIUS - REACH, image.rows - 2 * RADIUS);
     size_t end;

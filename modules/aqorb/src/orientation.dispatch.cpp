@@ -70,6 +70,7 @@ static void momentsOf(const uchar* center, ptrdiff_t step, const PatchWeights& w
 
 void orientations(const Mat& image, const std::vector<int>& halfWidths, DescriptorPoint* points, size_t count)
 {
+    CV_TRACE_FUNCTION();
     const int radius = int(halfWidths.size()) - 1, LANES = 32;
     PatchWeights weights;
     Rect inside;  // where the kernel may read

@@ -55,6 +55,7 @@ static void leafCodes(int length, int depth, std::vector<unsigned>& codes)
 void leafPoints(const std::vector<RankedCorner>& corners, const Rect& root, int depth, LeafScratch& scratch,
                 std::vector<LeafPoint>& points)
 {
+    CV_TRACE_FUNCTION();
     leafCodes(root.width, depth, scratch.columns);
     leafCodes(root.height, depth, scratch.rows);
     points.resize(corners.size());
@@ -120,6 +121,7 @@ void sortByLeaf(std::vector<LeafPoint>& points, int depth, std::vector<LeafPoint
 
 void BalancedSequence::begin(std::vector<LeafPoint>& points_, int depth)
 {
+    CV_TRACE_FUNCTION();
     points.swap(points_);
     leaves.clear();
     groups.clear();
