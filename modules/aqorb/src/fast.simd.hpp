@@ -194,10 +194,10 @@ template <typename Vectors> CV_ALWAYS_INLINE int scoreBlocks(const FastScan& sca
         const uchar* p = row + x;
         const V v = Vectors::load(p), up = Vectors::load(p - 3 * step), down = Vectors::load(p + 3 * step),
                 left = Vectors::load(p - 3), right = Vectors::load(p + 3);
+        v_store(scores + x, zero);  // here, so that compilers do not load the pixels once more
         const V bright = v_min(v_max(up, down), v_max(left, right));
         const V dark = v_max(v_min(up, down), v_min(left, right));
         const V bound = v_max(v_sub(bright, v), v_sub(v, dark));
-        v_store(scores + x, zero);
         list[possible] = i;
         possible += Vectors::anyGreater(bound, limit);
     }
