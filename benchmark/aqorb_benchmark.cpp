@@ -49,7 +49,7 @@ std::vector<std::string> defaultImages()
     std::vector<std::string> images = split("640x480,1920x1080");
     if (std::getenv("OPENCV_TEST_DATA_PATH"))
     {
-        const std::vector<std::string> photographs = split("leuven,bark,trees,640x512.png");
+        const std::vector<std::string> photographs = split("leuven,bark,trees,640x512.png,1920x1080.png");
         images.insert(images.end(), photographs.begin(), photographs.end());
     }
     return images;
