@@ -38,13 +38,19 @@ def main():
     parser = argparse.ArgumentParser(description=__doc__.split('\n')[0])
     parser.add_argument('folder', help='where aqorb_evaluate wrote')
     parser.add_argument('document')
+    parser.add_argument('--keep', action='store_true', help='leave tables as they are that were not written')
     arguments = parser.parse_args()
 
     tables = read_tables(os.path.join(arguments.folder, 'tables.md'))
     with open(arguments.document) as file:
         text = file.read()
-    text = re.sub(r'(<!-- table: (.*?) -->\n).*?(<!-- end -->)',
-                  lambda match: match[1] + '\n' + table(tables, match[2]) + '\n' + match[3], text, flags=re.S)
+
+    def replacement(match):
+        if arguments.keep and match[2] not in tables:
+            return match[0]
+        return match[1] + '\n' + table(tables, match[2]) + '\n' + match[3]
+
+    text = re.sub(r'(<!-- table: (.*?) -->\n).*?(<!-- end -->)', replacement, text, flags=re.S)
     with open(arguments.document, 'w') as file:
         file.write(text)
 

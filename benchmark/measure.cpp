@@ -1,0 +1,109 @@
+// This file is part of the aqorb project.
+// It is subject to the license terms in the LICENSE file found in the top-level directory
+// of this distribution.
+
+#include "benchmark.hpp"
+
+#include "../perf/perf_scene.hpp"
+
+#include <opencv2/core/utility.hpp>
+#include <opencv2/imgcodecs.hpp>
+
+#include <algorithm>
+#include <iostream>
+
+using namespace cv;
+
+static std::string pathOf(const std::string& photograph)
+{
+    const char* const data = std::getenv("OPENCV_TEST_DATA_PATH");
+    const std::string names[] = {"bikes", "leuven", "bark", "trees", "ubc"};
+    if (data && std::count(std::begin(names), std::end(names), photograph))
+        return std::string(data) + "/cv/detectors_descriptors_evaluation/images_datasets/" + photograph +
+               "/img1.png";
+    if (data && (photograph == "640x512.png" || photograph == "1920x1080.png"))
+        return std::string(data) + "/perf/" + photograph;
+    return photograph;
+}
+
+Image::Image(const std::string& spec_) : spec(spec_)
+{
+    Size size;
+    char more;
+    if (std::sscanf(spec.c_str(), "%dx%d%c", &size.width, &size.height, &more) == 2)
+    {
+        name = "scene";
+        pixels = opencv_test::makeScene(size);
+    }
+    else
+    {
+        name = spec.substr(spec.rfind('/') + 1);
+        pixels = imread(pathOf(spec), IMREAD_GRAYSCALE);
+        if (pixels.empty())
+            CV_Error(Error::StsObjectNotFound, spec + ": no such image");
+    }
+    const std::string sizeText = format("%dx%d", pixels.cols, pixels.rows);
+    if (name.compare(0, sizeText.size(), sizeText) == 0)
+        name = "photograph";
+    name += " " + sizeText;
+}
+
+Ptr<Feature2D> createDetector(Detector detector, int nfeatures)
+{
+    if (detector == AQORB)
+        return aqorb::AdaptiveQuadtreeORB::create(nfeatures);
+    return ORB::create(nfeatures);
+}
+
+double timeFrame(Feature2D& detector, const Mat& image, Features& features)
+{
+    const int64 start = getTickCount();
+    detector.detectAndCompute(image, noArray(), features.keypoints, features.descriptors);
+    return double(getTickCount() - start) / getTickFrequency();
+}
+
+double median(std::vector<double> values)
+{
+    const auto middle = values.begin() + values.size() / 2;
+    std::nth_element(values.begin(), middle, values.end());
+    return *middle;
+}
+
+Table::Table(const std::string& title_, const std::vector<std::string>& head) : title(title_), rows(1, head)
+{
+}
+
+void Table::add(const std::vector<std::string>& row)
+{
+    CV_Assert(row.size() == rows[0].size());
+    rows.push_back(row);
+}
+
+void Table::print() const
+{
+    std::cout << "## " << title << "\n\n";
+    for (size_t i = 0; i < rows.size(); i++)
+    {
+        std::cout << '|';
+        for (const std::string& cell : rows[i])
+            std::cout << ' ' << cell << " |";
+        std::cout << '\n';
+        if (i > 0)
+            continue;
+        std::cout << "|---|";
+        for (size_t j = 1; j < rows[0].size(); j++)
+            std::cout << "---:|";
+        std::cout << '\n';
+    }
+    std::cout << std::endl;
+}
+
+void printSetting(const Settings& settings)
+{
+    Table table("Setting", {"", ""});
+    table.add({"OpenCV", getVersionString()});
+    table.add({"CPU features in use", getCPUFeaturesLine()});
+    table.add({"compiler of aqorb", AQORB_COMPILER});
+    table.add({"medians over", format("%d frames", settings.repeats)});
+    table.print();
+}

@@ -1,0 +1,183 @@
+// This file is part of the aqorb project.
+// It is subject to the license terms in the LICENSE file found in the top-level directory
+// of this distribution.
+
+#include "profile.hpp"
+
+#include <opencv2/core.hpp>
+
+#include <algorithm>
+#include <numeric>
+
+namespace
+{
+
+const struct
+{
+    const char* region;
+    Stage stage;
+} MARKS[] = {{"varianceOverMean", THRESHOLD},
+             {"buildPyramid", PYRAMID},
+             {"findCorners", FAST},
+             {"empty cells", EMPTY_CELLS},
+             {"suppress", SUPPRESSION},
+             {"harrisResponses", HARRIS},
+             {"leafPoints", QUADTREE},
+             {"BalancedSequence::begin", QUADTREE},
+             {"FeatureSelector::select", SELECTION},
+             {"orientations", ORIENTATION},
+             {"refine", POSITION},
+             {"approximateBlur", BLUR},
+             {"computeDescriptors", DESCRIPTOR}};
+
+//! The stage of a region inside one of another stage. Whatever selection calls is selection.
+Stage stageOf(const TraceRegion& region, Stage outer)
+{
+    for (const auto& mark : MARKS)
+    {
+        if (outer != SELECTION && region.is(mark.region))
+            return mark.stage;
+    }
+    return outer;
+}
+
+class Profiler
+{
+public:
+    Profiler() : profile() {}
+
+    void add(const TraceRegion& region, Stage outer, int level)
+    {
+        const Stage stage = stageOf(region, outer);
+        const double self = region.selfDuration();
+        profile.stages[stage] += self;
+        if (level >= 0)
+        {
+            if (size_t(level) >= profile.levels.size())
+                profile.levels.resize(level + 1, std::vector<double>(STAGE_COUNT));
+            profile.levels[level][stage] += self;
+        }
+
+        // The levels come in order: one task each, and resized one from the other.
+        const bool isParallel = region.is("parallel_for");
+        int next = stage == PYRAMID ? 1 : 0;
+        std::vector<double> tasks;
+        for (const TraceRegion& child : region.children)
+        {
+            const bool isLevel = isParallel || child.is("resizeExact");
+            add(child, stage, isLevel ? next++ : level);
+            tasks.push_back(child.duration);
+        }
+        if (isParallel && !tasks.empty())
+            profile.parallel.push_back(tasks);
+    }
+
+    Profile profile;
+};
+
+double sum(const std::vector<double>& values)
+{
+    return std::accumulate(values.begin(), values.end(), 0.);
+}
+
+template <typename Value> double medianBy(const std::vector<Profile>& profiles, Value value)
+{
+    std::vector<double> values;
+    for (const Profile& profile : profiles)
+        values.push_back(value(profile));
+    std::nth_element(values.begin(), values.begin() + values.size() / 2, values.end());
+    return values[values.size() / 2];
+}
+
+void enter(const std::vector<TraceRegion>& regions, std::vector<std::string>& absent)
+{
+    for (const TraceRegion& region : regions)
+    {
+        absent.erase(std::remove_if(absent.begin(), absent.end(),
+                                    [&](const std::string& name) { return region.is(name); }),
+                     absent.end());
+        enter(region.children, absent);
+    }
+}
+
+}  // namespace
+
+const char* nameOf(Stage stage)
+{
+    static const char* const NAMES[] = {"threshold",
+                                        "pyramid",
+                                        "FAST at iniT",
+                                        "FAST at minT in empty cells",
+                                        "suppression between neighbours",
+                                        "Harris",
+                                        "quadtree",
+                                        "selection",
+                                        "orientation",
+                                        "position",
+                                        "blur",
+                                        "descriptor",
+                                        "rest"};
+    return NAMES[stage];
+}
+
+Profile profileOf(const TraceRegion& frame)
+{
+    Profiler profiler;
+    profiler.add(frame, REST, -1);
+    Profile& profile = profiler.profile;
+    profile.total = frame.duration;
+    profile.serial = profile.total;
+    for (const std::vector<double>& tasks : profile.parallel)
+        profile.serial -= sum(tasks);
+    return profile;
+}
+
+Profile medianOf(const std::vector<Profile>& profiles)
+{
+    Profile median = profiles.at(0);
+    for (const Profile& profile : profiles)
+    {
+        bool same = profile.levels.size() == median.levels.size() &&
+                    profile.parallel.size() == median.parallel.size();
+        for (size_t i = 0; same && i < median.parallel.size(); i++)
+            same = profile.parallel[i].size() == median.parallel[i].size();
+        if (!same)
+            CV_Error(cv::Error::StsError, "The profiles are not of the same image");
+    }
+    median.serial = medianBy(profiles, [](const Profile& p) { return p.serial; });
+    for (int stage = 0; stage < STAGE_COUNT; stage++)
+    {
+        median.stages[stage] = medianBy(profiles, [&](const Profile& p) { return p.stages[stage]; });
+        for (size_t i = 0; i < median.levels.size(); i++)
+            median.levels[i][stage] =
+                medianBy(profiles, [&](const Profile& p) { return p.levels[i][stage]; });
+    }
+    median.total = std::accumulate(median.stages, median.stages + STAGE_COUNT, 0.);
+    for (size_t i = 0; i < median.parallel.size(); i++)
+    {
+        for (size_t j = 0; j < median.parallel[i].size(); j++)
+            median.parallel[i][j] = medianBy(profiles, [&](const Profile& p) { return p.parallel[i][j]; });
+    }
+    return median;
+}
+
+double boundOnSpeedup(const Profile& profile, int threads)
+{
+    double one = profile.serial, many = profile.serial;
+    for (const std::vector<double>& tasks : profile.parallel)
+    {
+        const double all = sum(tasks), longest = *std::max_element(tasks.begin(), tasks.end());
+        one += all;
+        many += threads > 0 ? std::max(longest, all / threads) : longest;
+    }
+    return one / many;
+}
+
+std::vector<std::string> absentStages(const std::vector<TraceRegion>& regions)
+{
+    std::vector<std::string> absent;
+    for (const auto& mark : MARKS)
+        absent.push_back(mark.region);
+    enter(regions, absent);
+    return absent;
+}

@@ -1,0 +1,129 @@
+// This file is part of the aqorb project.
+// It is subject to the license terms in the LICENSE file found in the top-level directory
+// of this distribution.
+
+// The profile of a trace that was made up, so that every number is known.
+
+#include "../profile.hpp"
+
+#include <opencv2/core/utility.hpp>
+
+#include <gtest/gtest.h>
+
+#include <cstdio>
+#include <fstream>
+
+namespace
+{
+
+//! A trace's files while it lives.
+class TraceFiles
+{
+public:
+    TraceFiles(const std::string& locations, const std::string& events) : location(cv::tempfile())
+    {
+        std::ofstream(location + ".txt") << locations;
+        std::ofstream(location + "-000.txt") << events;
+    }
+    ~TraceFiles()
+    {
+        std::remove((location + ".txt").c_str());
+        std::remove((location + "-000.txt").c_str());
+    }
+    const std::string location;
+};
+
+const char* const LOCATIONS =
+    "#thread file: x-000.txt\n"
+    "l,1,\"a.cpp\",1,\"virtual void cv::aqorb::AdaptiveQuadtreeORBImpl::detectAndCompute(InputArray, "
+    "int)\",0x3\n"
+    "l,2,\"a.cpp\",2,\"double cv::aqorb::stages::varianceOverMean(const cv::Mat&, const cv::Mat&)\",0x3\n"
+    "l,3,\"a.cpp\",3,\"parallel_for\",0x1\n"
+    "l,4,\"a.cpp\",4,\"level\",0x0\n"
+    "l,5,\"a.cpp\",5,\"void cv::aqorb::stages::findCorners(const Level&, const cv::Rect&)\",0x3\n"
+    "l,6,\"a.cpp\",6,\"empty cells\",0x0\n"
+    "l,7,\"a.cpp\",7,\"void cv::aqorb::stages::FeatureSelector::select(int)\",0x3\n"
+    "l,8,\"a.cpp\",8,\"void cv::aqorb::(anonymous namespace)::leafPoints(const std::vector<int>&, int "
+    "(*)(int))\",0x3\n"
+    "l,9,\"a.cpp\",9,\"void cv::aqorb::stages::buildPyramid(int)\",0x3\n"
+    "l,10,\"a.cpp\",10,\"void cv::aqorb::stages::resizeExact(int)\",0x3\n";
+
+// 1000 ns: 50 threshold, 100 pyramid (80 of them level 1), 2 levels of 400 and 200, 200 selection, 50 rest.
+const char* const EVENTS =
+    "b,0,0,1,1\n"
+    "b,0,0,2,2\ne,0,50,2,2,50\n"
+    "b,0,50,9,3\nb,0,60,10,4\ne,0,140,10,4,80\ne,0,150,9,3,100\n"
+    "b,0,150,3,5\n"
+    "b,0,150,4,6\nb,0,150,5,7\nb,0,250,6,8\ne,0,300,6,8,50\ne,0,550,5,7,400\ne,0,550,4,6,400\n"
+    "b,0,550,4,9\nb,0,570,5,10\ne,0,750,5,10,180\ne,0,750,4,9,200\n"
+    "e,0,760,3,5,610\n"
+    "b,0,760,7,11\nb,0,800,8,12\ne,0,830,8,12,30\ne,0,960,7,11,200\n"
+    "e,0,1000,1,1,1000\n";
+
+TEST(Profile, sharesTheTimeOfAFrameAmongStagesAndLevels)
+{
+    const TraceFiles files(LOCATIONS, EVENTS);
+    const std::vector<TraceRegion> frames = readTrace(files.location);
+    ASSERT_EQ(1u, frames.size());
+    EXPECT_EQ("cv::aqorb::AdaptiveQuadtreeORBImpl::detectAndCompute", frames[0].name);
+    const Profile profile = profileOf(frames[0]);
+    EXPECT_EQ(1000, profile.total);
+    EXPECT_EQ(50, profile.stages[THRESHOLD]);
+    EXPECT_EQ(100, profile.stages[PYRAMID]);
+    EXPECT_EQ(350 + 180, profile.stages[FAST]);
+    EXPECT_EQ(50, profile.stages[EMPTY_CELLS]);
+    EXPECT_EQ(0, profile.stages[QUADTREE]);  // what selection calls is its own
+    EXPECT_EQ(200, profile.stages[SELECTION]);
+    EXPECT_EQ(20 + 10 + 40, profile.stages[REST]);
+    ASSERT_EQ(2u, profile.levels.size());
+    EXPECT_EQ(0, profile.levels[0][PYRAMID]);
+    EXPECT_EQ(80, profile.levels[1][PYRAMID]);
+    EXPECT_EQ(350, profile.levels[0][FAST]);
+    EXPECT_EQ(20, profile.levels[1][REST]);
+}
+
+TEST(Profile, boundsTheSpeedupByTheLongestTask)
+{
+    const TraceFiles files(LOCATIONS, EVENTS);
+    const Profile profile = profileOf(readTrace(files.location)[0]);
+    ASSERT_EQ(1u, profile.parallel.size());
+    EXPECT_EQ((std::vector<double>{400, 200}), profile.parallel[0]);
+    EXPECT_EQ(400, profile.serial);
+    EXPECT_DOUBLE_EQ(1, boundOnSpeedup(profile, 1));
+    EXPECT_DOUBLE_EQ(1000. / 800, boundOnSpeedup(profile, 2));
+    EXPECT_DOUBLE_EQ(1000. / 800, boundOnSpeedup(profile, 0));
+}
+
+TEST(Profile, namesTheStagesThatATraceLacks)
+{
+    const TraceFiles files(LOCATIONS, EVENTS);
+    const std::vector<std::string> absent = absentStages(readTrace(files.location));
+    EXPECT_EQ(0, std::count(absent.begin(), absent.end(), "leafPoints"));
+    EXPECT_EQ(1, std::count(absent.begin(), absent.end(), "computeDescriptors"));
+}
+
+TEST(Profile, refusesATraceThatIsNotWhole)
+{
+    const TraceFiles skipping(LOCATIONS, "b,0,0,1,1\ne,0,9,1,1,9,skip=1\n");
+    EXPECT_THROW(readTrace(skipping.location), cv::Exception);
+    const TraceFiles open(LOCATIONS, "b,0,0,1,1\nb,0,0,2,2\ne,0,50,2,2,50\n");
+    EXPECT_THROW(readTrace(open.location), cv::Exception);
+    const TraceFiles twoThreads(std::string(LOCATIONS) + "#thread file: x-001.txt\n", EVENTS);
+    EXPECT_THROW(readTrace(twoThreads.location), cv::Exception);
+    EXPECT_THROW(readTrace("/absent"), cv::Exception);
+}
+
+TEST(Profile, takesMediansOfFramesOfOneImage)
+{
+    const TraceFiles files(LOCATIONS, EVENTS);
+    const Profile profile = profileOf(readTrace(files.location)[0]);
+    Profile slow = profile, slowest = profile;
+    slow.stages[SELECTION] += 10;
+    slowest.stages[SELECTION] += 1000;
+    EXPECT_EQ(210, medianOf({profile, slowest, slow}).stages[SELECTION]);
+    EXPECT_EQ(1010, medianOf({profile, slowest, slow}).total);
+    slow.levels.pop_back();
+    EXPECT_THROW(medianOf({profile, slow}), cv::Exception);
+}
+
+}  // namespace
