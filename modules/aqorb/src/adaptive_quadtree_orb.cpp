@@ -397,6 +397,10 @@ void AdaptiveQuadtreeORBImpl::locate(const Mat& image, const std::vector<KeyPoin
                       ("keypoints: got octave %d; >= 0 is accepted (SIFT packs more than the "
                        "octave into the field: unpack it first)",
                        octave));
+        // Where to sample would be anywhere.
+        if (!std::isfinite(provided[i].angle))
+            CV_Error_(Error::StsOutOfRange,
+                      ("keypoints: got angle %g; a finite angle is accepted", provided[i].angle));
         maxOctave = std::max(maxOctave, octave);
     }
     p.checkTogether(std::max(p.nlevels, maxOctave > 0 ? 2 : 1));

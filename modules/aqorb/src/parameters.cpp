@@ -139,6 +139,10 @@ static void readValue(const FileNode& node, const char* key, bool& value)
 
 void Parameters::read(const FileNode& node)
 {
+    if (node.isNone())
+        return;
+    if (!node.isMap())
+        CV_Error_(Error::StsParseError, ("node: got no map; a map of the parameters is accepted"));
     Parameters changed = *this;
     readValue(node, "nfeatures", changed.nfeatures);
     readValue(node, "scaleFactor", changed.scaleFactor);

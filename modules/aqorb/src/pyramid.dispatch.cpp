@@ -36,11 +36,12 @@ std::vector<int> levelQuotas(int nfeatures, double scaleFactor, int nlevels)
 {
     const float factor = float(1.0 / scaleFactor);
     float desired = nfeatures * (1 - factor) / (1 - float(std::pow(double(factor), double(nlevels))));
+    const float LARGEST_INT = 2147483520.f;  // that a float can hold
     std::vector<int> quotas(nlevels);
     int64 sum = 0;
     for (int level = 0; level < nlevels - 1; level++)
     {
-        quotas[level] = cvRound(desired);
+        quotas[level] = cvRound(std::min(desired, LARGEST_INT));
         sum += quotas[level];
         desired *= factor;
     }

@@ -1,0 +1,91 @@
+// This file is part of the aqorb project.
+// It is subject to the license terms in the LICENSE file found in the top-level directory
+// of this distribution.
+
+#include "test_precomp.hpp"
+
+#include <limits>
+#include <numeric>
+
+// What fuzzing has found, one test a find; see doc/reliability.md.
+
+namespace opencv_test
+{
+namespace
+{
+
+TEST(AqorbFuzzFinds, aStorageNodeThatIsNoMap)
+{
+    // XML reads an empty map as nothing at all: all keys are missing, which is no error.
+    const char* good[] = {
+        "<?xml version=\"1.0\"?>\n<opencv_storage>\n<detector>\n</detector>\n</opencv_storage>\n",
+        "%YAML:1.0\n---\ndetector:\n   {}\n"};
+    for (const char* text : good)
+    {
+        const Ptr<AdaptiveQuadtreeORB> detector = AdaptiveQuadtreeORB::create(77);
+        FileStorage fs(text, FileStorage::READ | FileStorage::MEMORY);
+        EXPECT_NO_THROW(detector->read(fs["detector"])) << text;
+        EXPECT_EQ(77, detector->getMaxFeatures());
+    }
+    const char* bad[] = {"%YAML:1.0\n---\ndetector: 5\n", "%YAML:1.0\n---\ndetector: text\n",
+                         "%YAML:1.0\n---\ndetector: [ 1, 2 ]\n"};
+    for (const char* text : bad)
+    {
+        const Ptr<AdaptiveQuadtreeORB> detector = AdaptiveQuadtreeORB::create(77);
+        FileStorage fs(text, FileStorage::READ | FileStorage::MEMORY);
+        try
+        {
+            detector->read(fs["detector"]);
+            ADD_FAILURE() << "accepted: " << text;
+        }
+        catch (const cv::Exception& e)
+        {
+            EXPECT_EQ((int)Error::StsParseError, e.code) << text;
+            EXPECT_NE(std::string::npos, e.err.find("a map of the parameters is accepted")) << e.err;
+        }
+        EXPECT_EQ(77, detector->getMaxFeatures());
+    }
+}
+
+TEST(AqorbFuzzFinds, anglesThatAreNotFinite)
+{
+    // They made the descriptor read anywhere, as they make cv::ORB's.
+    const Mat image = makeScene(Size(120, 90));
+    const float endless = std::numeric_limits<float>::infinity();
+    const float angles[] = {endless, -endless, std::numeric_limits<float>::quiet_NaN()};
+    for (int WTA_K = 2; WTA_K <= 4; WTA_K++)
+    {
+        const Ptr<AdaptiveQuadtreeORB> detector = AdaptiveQuadtreeORB::create(500, 1.2f, 8, 16, 0, WTA_K);
+        for (float angle : angles)
+        {
+            KeyPoints keypoints(2, KeyPoint(Point2f(60, 45), 31.f, 10.f));
+            keypoints[1].angle = angle;
+            Mat descriptors;
+            EXPECT_THROW(detector->compute(image, keypoints, descriptors), cv::Exception) << angle;
+            EXPECT_EQ(2u, keypoints.size());
+        }
+        // any number will do
+        KeyPoints keypoints(1, KeyPoint(Point2f(60, 45), 31.f, -1e30f));
+        Mat descriptors;
+        EXPECT_NO_THROW(detector->compute(image, keypoints, descriptors));
+        EXPECT_EQ(1, descriptors.rows);
+    }
+}
+
+TEST(AqorbFuzzFinds, quotasOfMoreFeaturesThanAFloatCounts)
+{
+    // 2^31 - 1 is 2^31 as a float, which no int holds.
+    const double factors[] = {1.001, 1.2, 2, 1e30};
+    for (double factor : factors)
+    {
+        for (int nlevels = 1; nlevels <= 8; nlevels++)
+        {
+            const std::vector<int> quotas = aqorb::stages::levelQuotas(INT_MAX, factor, nlevels);
+            EXPECT_EQ(INT_MAX, std::accumulate(quotas.begin(), quotas.end(), int64(0)));
+            EXPECT_GE(*std::min_element(quotas.begin(), quotas.end()), 0);
+        }
+    }
+}
+
+}  // namespace
+}  // namespace opencv_test
