@@ -32,17 +32,56 @@ public:
     {
         workspace.ready.assign(workspace.pyramid.size(), uchar(0));
     }
-    // Finds the corners of a level that will be asked for; several levels may be prepared at once.
-    void prepare(int level)
+    // Lays out the bands of the input image, or those of the other levels, from the given index on; returns
+    // the index after the last.
+    size_t layOutBands(bool ofInput, size_t index)
+    {
+        for (int level = 0; level < int(workspace.pyramid.size()); level++)
+        {
+            const SelectionLevel& wanted = workspace.selectionLevels[level];
+            if (workspace.pyramid[level].isInput != ofInput || wanted.quota == 0)
+                continue;
+            for (int i = 0;; i++, index++)
+            {
+                const Range rows = cornerBand(wanted.root, parameters.cellSize, i);
+                if (rows.start >= rows.end)
+                    break;
+                if (index == workspace.bands.size())
+                    workspace.bands.push_back(CornerBand());
+                workspace.bands[index].level = level;
+                workspace.bands[index].rect =
+                    Rect(wanted.root.x, rows.start, wanted.root.width, rows.end - rows.start);
+            }
+        }
+        return index;
+    }
+    // Finds the corners of a band, before any is suppressed; several may be searched at once.
+    void search(CornerBand& band) const
+    {
+        CV_TRACE_FUNCTION();
+        const Pool<LevelScratch>::Lease lent(scratches);
+        findBandCorners(workspace.pyramid[band.level], band.rect, thresholds, parameters.cellSize,
+                        band.corners, (*lent).corners);
+    }
+    // Makes the corners of a level, those of its bands, ready to be asked for; several levels may be prepared at once.
+    void prepare(int level, const CornerBand* bands, size_t bandCount)
     {
         CV_TRACE_FUNCTION();
         LevelCorners& found = workspace.corners[level];
+        found.kept.clear();
+        found.suppressed.clear();
+        for (size_t i = 0; i < bandCount; i++)
+        {
+            if (bands[i].level == level)
+                found.kept.insert(found.kept.end(), bands[i].corners.begin(), bands[i].corners.end());
+        }
+
         const SelectionLevel& root = workspace.selectionLevels[level];
         const Pool<LevelScratch>::Lease lent(scratches);
         LevelScratch& scratch = *lent;
         // Harris responses of neighbours hardly differ: unsuppressed, a strong corner is taken thrice.
-        findCorners(workspace.pyramid[level], root.root, thresholds, parameters.cellSize, isHarris(), found,
-                    scratch.corners);
+        if (isHarris())
+            suppressCorners(workspace.pyramid[level].image.size(), found, scratch.corners);
         rank(level, found.kept, scratch.ranked);
         leafPoints(scratch.ranked, root.root, root.depth, scratch.leaves, scratch.points);
         workspace.sequences[level].begin(scratch.points, root.depth);
@@ -50,8 +89,14 @@ public:
     }
     BalancedSequence& sequence(int level) CV_OVERRIDE
     {
-        if (!workspace.ready[level])
-            prepare(level);
+        if (!workspace.ready[level])  // as its quota is 0
+        {
+            CornerBand whole;
+            whole.level = level;
+            whole.rect = workspace.selectionLevels[level].root;
+            search(whole);
+            prepare(level, &whole, 1);
+        }
         return workspace.sequences[level];
     }
     void corners(int level, CornerSet set, std::vector<RankedCorner>& ranked) CV_OVERRIDE
@@ -92,6 +137,33 @@ private:
     Pool<LevelScratch>& scratches;
 };
 
+// What follows from the parameters alone.
+struct Tables
+{
+    explicit Tables(const Parameters& p)
+        : patch(circularPatch(p.patchSize)), tests(descriptorPattern(p.patchSize, p.WTA_K), p.WTA_K)
+    {
+        if (p.nlevels == 1 || p.scaleFactor > 1)  // else detection is refused
+            quotas = levelQuotas(p.nfeatures, p.scaleFactor, p.nlevels);
+    }
+    OrientationPatch patch;
+    DescriptorTests tests;
+    std::vector<int> quotas;  // by level
+};
+
+// Calls body(0) .. body(count - 1), several at once.
+template <typename Body> void inParallel(size_t count, const Body& body)
+{
+    parallel_for_(
+        Range(0, int(count)),
+        [&body](const Range& range)  // no more than a pointer, or a copy would be allocated
+        {
+            for (int i = range.start; i < range.end; i++)
+                body(size_t(i));
+        },
+        double(count));
+}
+
 bool hasLowerOctave(const KeyPoint& a, const KeyPoint& b)
 {
     return a.octave < b.octave;
@@ -102,7 +174,7 @@ bool hasLowerOctave(const KeyPoint& a, const KeyPoint& b)
 class AdaptiveQuadtreeORBImpl CV_FINAL : public AdaptiveQuadtreeORB
 {
 public:
-    explicit AdaptiveQuadtreeORBImpl(const Parameters& parameters) : p(parameters) { p.check(); }
+    explicit AdaptiveQuadtreeORBImpl(const Parameters& parameters) : p(checked(parameters)), tables(p) {}
 
     void setMaxFeatures(int value) CV_OVERRIDE { set(&Parameters::nfeatures, value); }
     int getMaxFeatures() const CV_OVERRIDE { return p.nfeatures; }
@@ -149,7 +221,12 @@ public:
         fs << "name" << getDefaultName();
         p.write(fs);
     }
-    void read(const FileNode& node) CV_OVERRIDE { p.read(node); }
+    void read(const FileNode& node) CV_OVERRIDE
+    {
+        Parameters changed = p;
+        changed.read(node);
+        use(changed);
+    }
 
     void buildPyramid(InputArray image, OutputArrayOfArrays levels) const CV_OVERRIDE;
 
@@ -157,12 +234,22 @@ public:
                           OutputArray descriptors, bool useProvidedKeypoints) CV_OVERRIDE;
 
 private:
+    static const Parameters& checked(const Parameters& parameters)
+    {
+        parameters.check();
+        return parameters;
+    }
     template <typename T> void set(T Parameters::*field, T value)
     {
         Parameters changed = p;
         changed.*field = value;
-        changed.check();
+        use(checked(changed));
+    }
+    void use(const Parameters& changed)
+    {
+        Tables ofChanged(changed);
         p = changed;
+        std::swap(tables, ofChanged);
     }
 
     void detect(const Mat& image, const Mat& mask, Workspace& workspace) const;
@@ -172,10 +259,16 @@ private:
         const int border = p.edgeThreshold;
         return Rect(border, border, level.width - 2 * border, level.height - 2 * border);
     }
-    void refine(const std::vector<RankedCorner>& corners, const Level& level, int octave,
-                const PositionMap& position, const Mat& mask, LevelFeatures& features) const;
+    PositionMap positionsOf(const Level& level, Size imageSize) const
+    {
+        const PositionMap map = {imageSize, level.image.size(), level.scale, p.edgeThreshold, p.subPixel};
+        return map;
+    }
+    void refine(Workspace& workspace, int octave, Size imageSize, const Mat& mask) const;
+    void describe(Workspace& workspace, int octave, Mat& descriptors) const;
 
     Parameters p;
+    Tables tables;
     Pool<Workspace> workspaces;
     mutable Pool<LevelScratch> scratches;
 };
@@ -228,65 +321,39 @@ void AdaptiveQuadtreeORBImpl::detectAndCompute(InputArray image_, InputArray mas
         return;
     }
 
-    const Mat image = grayImage(image_);
+    const Mat image = grayImage(image_),
+              mask = useProvidedKeypoints ? Mat() : checkedMask(mask_, image.size());
     const Pool<Workspace>::Lease lease(workspaces);
     Workspace& workspace = *lease;
     if (useProvidedKeypoints)
         locate(image, keypoints, workspace);
     else
-        detect(image, checkedMask(mask_, image.size()), workspace);
+        detect(image, mask, workspace);
 
-    const int levels = int(workspace.pyramid.size());
-    std::vector<size_t> firsts(levels + 1, 0);  // of each level's features among all
-    for (int i = 0; i < levels; i++)
-        firsts[i + 1] = firsts[i] + workspace.features[i].points.size();
+    const size_t count = workspace.keypoints.size();
     Mat descriptors;
-    if (withDescriptors && firsts[levels] > 0)
+    if (withDescriptors && count > 0)
     {
-        descriptors_.create(int(firsts[levels]), kBytes, CV_8UC1);
+        descriptors_.create(int(count), kBytes, CV_8UC1);
         descriptors = descriptors_.getMat();
-        const std::vector<Point> pattern = descriptorPattern(p.patchSize, p.WTA_K);
-        const int reach = descriptorReach(pattern);
-        parallel_for_(
-            Range(0, levels),
-            [&](const Range& range)
-            {
-                for (int i = range.start; i < range.end; i++)
-                {
-                    CV_TRACE_REGION("level");
-                    const Mat& level = workspace.pyramid[i].image;
-                    const std::vector<DescriptorPoint>& points = workspace.features[i].points;
-                    if (points.empty())
-                        continue;
-                    const Pool<LevelScratch>::Lease lent(scratches);
-                    LevelScratch& scratch = *lent;
-                    scratch.blurRegion.begin(level.size());
-                    for (size_t j = 0; j < points.size(); j++)
-                        scratch.blurRegion.add(
-                            Rect(points[j].x - reach, points[j].y - reach, 2 * reach + 1, 2 * reach + 1));
-                    if (scratch.blurred.size() < level.total())
-                        scratch.blurred.resize(level.total());
-                    Mat blurred(level.size(), CV_16UC1, scratch.blurred.data());
-                    approximateBlur(level, scratch.blurRegion, blurred, scratch.blur);
-                    computeDescriptors(level, blurred, points.data(), points.size(), pattern, p.WTA_K,
-                                       descriptors.ptr(int(firsts[i])), descriptors.step);
-                }
-            },
-            levels);
     }
     else if (withDescriptors)
     {
         descriptors_.release();
     }
-    keypoints.resize(firsts[levels]);
-    for (int i = 0; i < levels; i++)
-    {
-        const std::vector<KeyPoint>& found = workspace.features[i].keypoints;
-        std::copy(found.begin(), found.end(), keypoints.begin() + firsts[i]);
-    }
+    inParallel(workspace.pyramid.size(),
+               [&](size_t i)
+               {
+                   CV_TRACE_REGION("level");
+                   if (!useProvidedKeypoints)
+                       refine(workspace, int(i), image.size(), mask);
+                   if (!descriptors.empty())
+                       describe(workspace, int(i), descriptors);
+               });
+    keypoints = workspace.keypoints;
 }
 
-// Finds the features of an image.
+// Finds the corners that become features.
 void AdaptiveQuadtreeORBImpl::detect(const Mat& image, const Mat& mask, Workspace& workspace) const
 {
     p.checkTogether(p.nlevels);
@@ -298,78 +365,72 @@ void AdaptiveQuadtreeORBImpl::detect(const Mat& image, const Mat& mask, Workspac
     const int FAST_RADIUS = 3;
     const int minSide = int(std::min(2 * std::max<int64>(p.edgeThreshold, FAST_RADIUS) + 1, int64(INT_MAX)));
     std::vector<Level>& pyramid = workspace.pyramid;
-    stages::buildPyramid(image, mask, p.nlevels, p.firstLevel, p.scaleFactor, minSide, pyramid);
-    const int levels = int(pyramid.size());
+    layOutPyramid(image, mask, p.nlevels, p.firstLevel, p.scaleFactor, minSide, pyramid);
+    const size_t levels = pyramid.size();
     workspace.resize(levels);
 
-    PyramidCorners source(p, thresholds, workspace, scratches);
-    const std::vector<int> quotas = levelQuotas(p.nfeatures, p.scaleFactor, p.nlevels);
-    std::vector<PositionMap> positions(levels);
     std::vector<SelectionLevel>& selectionLevels = workspace.selectionLevels;
     selectionLevels.resize(levels);
-    for (int i = 0; i < levels; i++)
+    for (size_t i = 0; i < levels; i++)
     {
-        const PositionMap position = {image.size(), pyramid[i].image.size(), pyramid[i].scale,
-                                      p.edgeThreshold, p.subPixel};
-        positions[i] = position;
-        if (!mask.empty() && !pyramid[i].isInput)
-            maskPositions(mask, position, pyramid[i].mask);
-        const SelectionLevel level = {pyramid[i].image.size(), pyramid[i].scale,
-                                      regionOf(pyramid[i].image.size()),
-                                      p.maxDepth >= 0 ? p.maxDepth : quadtreeDepth(quotas[i]), quotas[i]};
+        const Size size = pyramid[i].image.size();
+        const int quota = tables.quotas[i], depth = p.maxDepth >= 0 ? p.maxDepth : quadtreeDepth(quota);
+        const SelectionLevel level = {size, pyramid[i].scale, regionOf(size), depth, quota};
         selectionLevels[i] = level;
     }
     // Levels too small for a keypoint leave their quota to the next finer one.
     if (levels > 0)
-        selectionLevels.back().quota = std::accumulate(quotas.begin() + levels - 1, quotas.end(), 0);
-    parallel_for_(
-        Range(0, levels),
-        [&](const Range& range)
-        {
-            for (int i = range.start; i < range.end; i++)
-            {
-                CV_TRACE_REGION("level");
-                if (selectionLevels[i].quota > 0)
-                    source.prepare(i);
-            }
-        },
-        levels);
+        selectionLevels.back().quota =
+            std::accumulate(tables.quotas.begin() + (levels - 1), tables.quotas.end(), 0);
+
+    PyramidCorners source(p, thresholds, workspace, scratches);
+    // The image itself is searched while the other levels are made of it.
+    const size_t ofImage = source.layOutBands(true, 0), bands = source.layOutBands(false, ofImage);
+    inParallel(1 + ofImage,
+               [&](size_t i)
+               {
+                   if (i > 0)
+                       return source.search(workspace.bands[i - 1]);
+                   fillPyramid(image, mask, p.firstLevel, pyramid, workspace.resizing);
+                   for (size_t j = 0; j < levels && !mask.empty(); j++)
+                   {
+                       if (!pyramid[j].isInput)
+                           maskPositions(mask, positionsOf(pyramid[j], image.size()), pyramid[j].mask);
+                   }
+               });
+    inParallel(bands - ofImage, [&](size_t i) { source.search(workspace.bands[ofImage + i]); });
+    inParallel(levels,
+               [&](size_t i)
+               {
+                   if (selectionLevels[i].quota > 0)
+                       source.prepare(int(i), workspace.bands.data(), bands);
+               });
 
     workspace.selector.select(selectionLevels, image.size(), p.octaveSuppression, source, workspace.chosen);
-
-    parallel_for_(
-        Range(0, levels),
-        [&](const Range& range)
-        {
-            for (int i = range.start; i < range.end; i++)
-            {
-                CV_TRACE_REGION("level");
-                std::sort(workspace.chosen[i].begin(), workspace.chosen[i].end(), inRasterOrder);
-                refine(workspace.chosen[i], pyramid[i], i, positions[i], mask, workspace.features[i]);
-            }
-        },
-        levels);
+    workspace.firsts.assign(1, 0);
+    for (size_t i = 0; i < levels; i++)
+        workspace.firsts.push_back(workspace.firsts[i] + workspace.chosen[i].size());
+    workspace.keypoints.resize(workspace.firsts[levels]);
 }
 
-// The features at the corners of a level: their direction and their position in the image.
-void AdaptiveQuadtreeORBImpl::refine(const std::vector<RankedCorner>& corners, const Level& level, int octave,
-                                     const PositionMap& position, const Mat& mask,
-                                     LevelFeatures& features) const
+// The features at the chosen corners of a level: their direction and their position in the image.
+void AdaptiveQuadtreeORBImpl::refine(Workspace& workspace, int octave, Size imageSize, const Mat& mask) const
 {
-    CV_TRACE_FUNCTION();
-    features.keypoints.resize(corners.size());
-    features.points.resize(corners.size());
-    if (corners.empty())
-        return;
+    std::vector<RankedCorner>& corners = workspace.chosen[octave];
+    std::vector<DescriptorPoint>& points = workspace.points[octave];
+    const Level& level = workspace.pyramid[octave];
+    std::sort(corners.begin(), corners.end(), inRasterOrder);
+    points.resize(corners.size());
     for (size_t i = 0; i < corners.size(); i++)
     {
-        features.points[i].x = corners[i].x;
-        features.points[i].y = corners[i].y;
+        points[i].x = corners[i].x;
+        points[i].y = corners[i].y;
     }
-    orientations(level.image, circularPatch(p.patchSize), features.points.data(), features.points.size());
+    orientations(level.image, tables.patch, points.data(), points.size());
+    const PositionMap position = positionsOf(level, imageSize);
     for (size_t i = 0; i < corners.size(); i++)
     {
-        const DescriptorPoint& point = features.points[i];
+        const DescriptorPoint& point = points[i];
         Point2f pt = position(point.x, point.y);
         if (p.subPixel)
         {
@@ -378,9 +439,30 @@ void AdaptiveQuadtreeORBImpl::refine(const std::vector<RankedCorner>& corners, c
             if (mask.empty() || mask.at<uchar>(cvRound(refined.y), cvRound(refined.x)))
                 pt = refined;
         }
-        features.keypoints[i] =
+        workspace.keypoints[workspace.firsts[octave] + i] =
             KeyPoint(pt, p.patchSize * level.scale, point.angle, corners[i].response, octave);
     }
+}
+
+// The descriptors of the features of a level.
+void AdaptiveQuadtreeORBImpl::describe(Workspace& workspace, int octave, Mat& descriptors) const
+{
+    const Mat& level = workspace.pyramid[octave].image;
+    const std::vector<DescriptorPoint>& points = workspace.points[octave];
+    if (points.empty())
+        return;
+    const Pool<LevelScratch>::Lease lent(scratches);
+    LevelScratch& scratch = *lent;
+    const int reach = tables.tests.reach;
+    scratch.blurRegion.begin(level.size());
+    for (size_t i = 0; i < points.size(); i++)
+        scratch.blurRegion.add(Rect(points[i].x - reach, points[i].y - reach, 2 * reach + 1, 2 * reach + 1));
+    if (scratch.blurred.size() < level.total())
+        scratch.blurred.resize(level.total());
+    Mat blurred(level.size(), CV_16UC1, scratch.blurred.data());
+    approximateBlur(level, scratch.blurRegion, blurred, scratch.blur);
+    computeDescriptors(level, blurred, points.data(), points.size(), tables.tests,
+                       descriptors.ptr(int(workspace.firsts[octave])), descriptors.step);
 }
 
 // What compute does with given keypoints, as cv::ORB: drops those near the border, orders the others
@@ -424,22 +506,23 @@ void AdaptiveQuadtreeORBImpl::locate(const Mat& image, const std::vector<KeyPoin
     KeyPointsFilter::runByImageBorder(inside, image.size(), border);
     std::stable_sort(inside.begin(), inside.end(), hasLowerOctave);
     const int levels = inside.empty() ? 0 : inside.back().octave + 1;
-    stages::buildPyramid(image, Mat(), levels, p.firstLevel, p.scaleFactor, 1, workspace.pyramid);
+    layOutPyramid(image, Mat(), levels, p.firstLevel, p.scaleFactor, 1, workspace.pyramid);
+    fillPyramid(image, Mat(), p.firstLevel, workspace.pyramid, workspace.resizing);
     workspace.resize(levels);
     for (int i = 0; i < levels; i++)
-    {
-        workspace.features[i].keypoints.clear();
-        workspace.features[i].points.clear();
-    }
+        workspace.points[i].clear();
     for (size_t i = 0; i < inside.size(); i++)
     {
         const KeyPoint& keypoint = inside[i];
         const float inverseScale = 1.f / workspace.pyramid[keypoint.octave].scale;
         const DescriptorPoint point = {cvRound(keypoint.pt.x * inverseScale),
                                        cvRound(keypoint.pt.y * inverseScale), keypoint.angle};
-        workspace.features[keypoint.octave].keypoints.push_back(keypoint);
-        workspace.features[keypoint.octave].points.push_back(point);
+        workspace.points[keypoint.octave].push_back(point);
     }
+    workspace.firsts.assign(1, 0);
+    for (int i = 0; i < levels; i++)
+        workspace.firsts.push_back(workspace.firsts[i] + workspace.points[i].size());
+    workspace.keypoints.swap(inside);
 }
 
 }  // namespace aqorb

@@ -88,8 +88,7 @@ static void suppressedOf(const uchar* scores, ptrdiff_t step, const std::vector<
                     CV_CPU_DISPATCH_MODES_ALL);
 }
 
-// Moves the corners that fall to a better one nearby, even if that falls itself, to `suppressed`.
-static void suppress(Size size, LevelCorners& corners, CornerScratch& scratch)
+void suppressCorners(Size size, LevelCorners& corners, CornerScratch& scratch)
 {
     CV_TRACE_FUNCTION();
     const int MARGIN = 16;  // the kernel reads vectors
@@ -121,34 +120,57 @@ static void suppress(Size size, LevelCorners& corners, CornerScratch& scratch)
     corners.suppressed.resize(suppressed);
 }
 
+Range cornerBand(const Rect& region, int cellSize, int index)
+{
+    const int ROWS = 64;  // enough for a thread to be worth its while
+    const int64 rows = (ROWS + int64(cellSize) - 1) / cellSize * cellSize,
+                end = region.y + int64(region.height);
+    return Range(int(std::min(region.y + index * rows, end)),
+                 int(std::min(region.y + (index + 1) * rows, end)));
+}
+
+void findBandCorners(const Level& level, const Rect& band, Thresholds thresholds, int cellSize,
+                     std::vector<Corner>& corners, CornerScratch& scratch)
+{
+    CV_TRACE_FUNCTION();
+    corners.clear();
+    std::vector<Range>& columns = scratch.columns;
+    columns.assign(1, Range(band.x, band.x + band.width));
+    detectCorners(level.image, Range(band.y, band.y + band.height), columns, thresholds.ini, corners,
+                  scratch.fast);
+    dropMasked(level.mask, 0, corners);
+    if (thresholds.min >= thresholds.ini)
+        return;
+    CV_TRACE_REGION("empty cells");
+    Mesh mesh(band, cellSize, scratch.fullCells);
+    const size_t first = corners.size();
+    for (size_t i = 0; i < first; i++)
+        mesh.fill(corners[i]);
+    for (int row = 0; row < mesh.rowCount(); row++)
+    {
+        mesh.emptyRuns(row, columns);
+        detectCorners(level.image, mesh.rowsOf(row), columns, thresholds.min, corners, scratch.fast);
+    }
+    dropMasked(level.mask, first, corners);
+}
+
 void findCorners(const Level& level, const Rect& region, Thresholds thresholds, int cellSize,
                  bool suppressNear, LevelCorners& corners, CornerScratch& scratch)
 {
-    CV_TRACE_FUNCTION();
     corners.kept.clear();
     corners.suppressed.clear();
-
-    const Range rows(region.y, region.y + region.height);
-    std::vector<Range>& columns = scratch.columns;
-    columns.assign(1, Range(region.x, region.x + region.width));
-    detectCorners(level.image, rows, columns, thresholds.ini, corners.kept, scratch.fast);
-    dropMasked(level.mask, 0, corners.kept);
-    if (thresholds.min < thresholds.ini)
+    std::vector<Corner> found;
+    for (int i = 0;; i++)
     {
-        CV_TRACE_REGION("empty cells");
-        Mesh mesh(region, cellSize, scratch.fullCells);
-        const size_t first = corners.kept.size();
-        for (size_t i = 0; i < first; i++)
-            mesh.fill(corners.kept[i]);
-        for (int row = 0; row < mesh.rowCount(); row++)
-        {
-            mesh.emptyRuns(row, columns);
-            detectCorners(level.image, mesh.rowsOf(row), columns, thresholds.min, corners.kept, scratch.fast);
-        }
-        dropMasked(level.mask, first, corners.kept);
+        const Range rows = cornerBand(region, cellSize, i);
+        if (rows.start >= rows.end)
+            break;
+        findBandCorners(level, Rect(region.x, rows.start, region.width, rows.size()), thresholds, cellSize,
+                        found, scratch);
+        corners.kept.insert(corners.kept.end(), found.begin(), found.end());
     }
     if (suppressNear)
-        suppress(level.image.size(), corners, scratch);
+        suppressCorners(level.image.size(), corners, scratch);
 }
 
 void findCellRejects(const Level& level, const Rect& region, Thresholds thresholds, int cellSize,

@@ -183,22 +183,29 @@ static void copyBlurredPatch(const Mat& image, const Mat& blurred, int x, int y,
     }
 }
 
-void computeDescriptors(const Mat& image, const Mat& blurred, const DescriptorPoint* points, size_t count,
-                        const std::vector<Point>& pattern, int WTA_K, uchar* descriptors, size_t step)
+DescriptorTests::DescriptorTests(const std::vector<Point>& pattern_, int WTA_K_)
+    : pattern(pattern_), WTA_K(WTA_K_), reach(descriptorReach(pattern_))
 {
-    CV_TRACE_FUNCTION();
-    const int reach = descriptorReach(pattern), MAX_REACH = 64;  // where a patch is still cheaply copied
-    const Rect inside(reach, reach, image.cols - 2 * reach, image.rows - 2 * reach);
-    const bool byKernel = WTA_K == 2 && reach <= MAX_REACH;
-    PairTests tests;
-    for (int i = 0; byKernel && i < PairTests::COUNT; i++)
+    const int MAX_REACH = 64;  // where a patch at the border is still cheaply copied
+    if (WTA_K != 2 || reach > MAX_REACH)
+        return;
+    pairs = makePtr<PairTests>();
+    for (int i = 0; i < PairTests::COUNT; i++)
     {
         for (int k = 0; k < 2; k++)
         {
-            tests.x[k][i] = float(pattern[2 * i + k].x);
-            tests.y[k][i] = float(pattern[2 * i + k].y);
+            pairs->x[k][i] = float(pattern[2 * i + k].x);
+            pairs->y[k][i] = float(pattern[2 * i + k].y);
         }
     }
+}
+
+void computeDescriptors(const Mat& image, const Mat& blurred, const DescriptorPoint* points, size_t count,
+                        const DescriptorTests& tests, uchar* descriptors, size_t step)
+{
+    CV_TRACE_FUNCTION();
+    const int reach = tests.reach;
+    const Rect inside(reach, reach, image.cols - 2 * reach, image.rows - 2 * reach);
     AutoBuffer<ushort, 2048> copy;
     for (size_t i = 0; i < count; i++)
     {
@@ -207,9 +214,9 @@ void computeDescriptors(const Mat& image, const Mat& blurred, const DescriptorPo
         const float angle = points[i].angle * float(CV_PI / 180.f);
         const float a = float(std::cos(double(angle))), b = float(std::sin(double(angle)));
         const BlurredPatch patch(image, blurred, x, y);
-        if (!byKernel)
+        if (!tests.pairs)
         {
-            computePlainly(patch, a, b, pattern, WTA_K, descriptor);
+            computePlainly(patch, a, b, tests.pattern, tests.WTA_K, descriptor);
             continue;
         }
         const ushort* center;
@@ -227,11 +234,11 @@ void computeDescriptors(const Mat& image, const Mat& blurred, const DescriptorPo
             center = copy.data() + reach * centerStep + reach;
         }
         uchar unsure[PairTests::COUNT];
-        const int left = compareSurely(center, centerStep, a, b, tests, descriptor, unsure);
+        const int left = compareSurely(center, centerStep, a, b, *tests.pairs, descriptor, unsure);
         for (int j = 0; j < left; j++)
         {
             const int test = unsure[j];
-            const Point* p = &pattern[2 * test];
+            const Point* p = &tests.pattern[2 * test];
             if (patch.value(rotate(p[0], a, b)) < patch.value(rotate(p[1], a, b)))
                 descriptor[test / 8] |= uchar(1 << (test % 8));
         }

@@ -68,37 +68,44 @@ static void momentsOf(const uchar* center, ptrdiff_t step, const PatchWeights& w
     CV_CPU_DISPATCH(patchMoments, (center, step, weights, m10, m01), CV_CPU_DISPATCH_MODES_ALL);
 }
 
-void orientations(const Mat& image, const std::vector<int>& halfWidths, DescriptorPoint* points, size_t count)
+OrientationPatch::OrientationPatch(const std::vector<int>& halfWidths_) : halfWidths(halfWidths_)
+{
+    const int radius = int(halfWidths.size()) - 1, LANES = 32;
+    if (radius > PatchWeights::MAX_RADIUS)
+        return;
+    weights = makePtr<PatchWeights>();
+    weights->radius = radius;
+    weights->width = int(alignSize(size_t(2 * radius + 1), LANES));
+    for (int v = 0; v <= radius; v++)
+    {
+        for (int x = 0; x < weights->width; x++)
+        {
+            const bool inPatch = std::abs(x - radius) <= halfWidths[v];
+            weights->u[v][x] = short(inPatch ? x - radius : 0);
+            weights->v[v][x] = short(inPatch ? v : 0);
+        }
+    }
+}
+
+void orientations(const Mat& image, const OrientationPatch& patch, DescriptorPoint* points, size_t count)
 {
     CV_TRACE_FUNCTION();
-    const int radius = int(halfWidths.size()) - 1, LANES = 32;
-    PatchWeights weights;
     Rect inside;  // where the kernel may read
-    if (radius <= PatchWeights::MAX_RADIUS)
+    if (patch.weights)
     {
-        weights.radius = radius;
-        weights.width = int(alignSize(size_t(2 * radius + 1), LANES));
-        for (int v = 0; v <= radius; v++)
-        {
-            for (int x = 0; x < weights.width; x++)
-            {
-                const bool inPatch = std::abs(x - radius) <= halfWidths[v];
-                weights.u[v][x] = short(inPatch ? x - radius : 0);
-                weights.v[v][x] = short(inPatch ? v : 0);
-            }
-        }
-        inside = Rect(radius, radius, image.cols - weights.width, image.rows - 2 * radius);
+        const int radius = patch.weights->radius;
+        inside = Rect(radius, radius, image.cols - patch.weights->width, image.rows - 2 * radius);
     }
     for (size_t i = 0; i < count; i++)
     {
         DescriptorPoint& point = points[i];
         if (!inside.contains(Point(point.x, point.y)))
         {
-            point.angle = orientation(image, point.x, point.y, halfWidths);
+            point.angle = orientation(image, point.x, point.y, patch.halfWidths);
             continue;
         }
         int m10, m01;
-        momentsOf(image.ptr(point.y) + point.x, ptrdiff_t(image.step), weights, m10, m01);
+        momentsOf(image.ptr(point.y) + point.x, ptrdiff_t(image.step), *patch.weights, m10, m01);
         point.angle = directionOf(m10, m01);
     }
 }

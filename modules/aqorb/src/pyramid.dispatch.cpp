@@ -67,6 +67,17 @@ struct Taps
 };
 }  // namespace
 
+struct ResizeTables
+{
+    ResizeTables() : byKernel(false) {}
+
+    Size source, destination;
+    bool byKernel;  // whether there are tables
+    std::vector<ResizeBlock> blocks;
+    std::vector<int> upper, lower;
+    std::vector<short> lowerWeight, rows;
+};
+
 // By destination pixel along one axis; OpenCV's arithmetic, as every rounding counts.
 static void linearTaps(int sourceLength, int length, Taps* taps)
 {
@@ -139,46 +150,63 @@ static bool resizeByKernel(const Resize& resize, int begin, int end)
     CV_CPU_DISPATCH(resizeRows, (resize, begin, end), CV_CPU_DISPATCH_MODES_ALL);
 }
 
-void resizeExact(const Mat& source, Mat& destination, Size size)
+static void fit(ResizeTables& tables, Size source, Size destination)
+{
+    if (tables.source == source && tables.destination == destination)
+        return;
+    tables.source = tables.destination = Size();  // in case of an exception
+    std::vector<Taps> columns(destination.width), rows(destination.height);
+    linearTaps(source.width, destination.width, columns.data());
+    linearTaps(source.height, destination.height, rows.data());
+    tables.byKernel = resizeBlocks(source.width, columns.data(), destination.width, tables.blocks);
+    tables.rows.resize(2 * 16 * tables.blocks.size());
+    tables.upper.resize(rows.size());
+    tables.lower.resize(rows.size());
+    tables.lowerWeight.resize(rows.size());
+    for (size_t y = 0; y < rows.size(); y++)
+    {
+        tables.upper[y] = rows[y].first;
+        tables.lower[y] = rows[y].second;
+        tables.lowerWeight[y] = short(rows[y].secondWeight);
+    }
+    tables.source = source;
+    tables.destination = destination;
+}
+
+static void resizeExact(const Mat& source, Mat& destination, ResizeTables& tables)
 {
     CV_TRACE_FUNCTION();
-    destination.create(size, CV_8UC1);
-    AutoBuffer<Taps> columns(size.width), rows(size.height);
-    linearTaps(source.cols, size.width, columns.data());
-    linearTaps(source.rows, size.height, rows.data());
-    std::vector<ResizeBlock> blocks;
-    if (resizeBlocks(source.cols, columns.data(), size.width, blocks))
+    fit(tables, source.size(), destination.size());
+    if (tables.byKernel)
     {
-        AutoBuffer<int> upper(size.height), lower(size.height);
-        AutoBuffer<short> lowerWeight(size.height), scratch(2 * 16 * blocks.size());
-        for (int y = 0; y < size.height; y++)
-        {
-            upper[y] = rows[y].first;
-            lower[y] = rows[y].second;
-            lowerWeight[y] = short(rows[y].secondWeight);
-        }
         Resize resize;
         resize.source = source.ptr();
         resize.sourceStep = ptrdiff_t(source.step);
         resize.destination = destination.ptr();
         resize.destinationStep = ptrdiff_t(destination.step);
-        resize.width = size.width;
-        resize.blocks = blocks.data();
-        resize.upper = upper.data();
-        resize.lower = lower.data();
-        resize.lowerWeight = lowerWeight.data();
-        resize.rows[0] = scratch.data();
-        resize.rows[1] = scratch.data() + 16 * blocks.size();
-        if (resizeByKernel(resize, 0, size.height))
+        resize.width = destination.cols;
+        resize.blocks = tables.blocks.data();
+        resize.upper = tables.upper.data();
+        resize.lower = tables.lower.data();
+        resize.lowerWeight = tables.lowerWeight.data();
+        resize.rows[0] = tables.rows.data();
+        resize.rows[1] = tables.rows.data() + 16 * tables.blocks.size();
+        if (resizeByKernel(resize, 0, destination.rows))
             return;
     }
-    cv::resize(source, destination, size, 0, 0, INTER_LINEAR_EXACT);
+    cv::resize(source, destination, destination.size(), 0, 0, INTER_LINEAR_EXACT);
 }
 
-void buildPyramid(const Mat& image, const Mat& mask, int nlevels, int firstLevel, double scaleFactor,
-                  int minSide, std::vector<Level>& levels)
+void resizeExact(const Mat& source, Mat& destination, Size size)
 {
-    CV_TRACE_FUNCTION();
+    destination.create(size, CV_8UC1);
+    ResizeTables tables;
+    resizeExact(source, destination, tables);
+}
+
+void layOutPyramid(const Mat& image, const Mat& mask, int nlevels, int firstLevel, double scaleFactor,
+                   int minSide, std::vector<Level>& levels)
+{
     int count = 0;
     for (; count < nlevels; count++)
     {
@@ -196,15 +224,39 @@ void buildPyramid(const Mat& image, const Mat& mask, int nlevels, int firstLevel
         {
             level.image = image;
             level.mask = mask;
-            continue;
         }
-        // cv::ORB makes the level after the image's, too, from the image
-        const bool fromImage = count <= firstLevel + 1;
-        resizeExact(fromImage ? image : levels[count - 1].image, level.image, size);
-        if (!mask.empty())
-            level.mask = resizeMask(fromImage ? mask : levels[count - 1].mask, size);
+        else
+        {
+            level.image.create(size, CV_8UC1);
+        }
     }
     levels.resize(count);
+}
+
+void fillPyramid(const Mat& image, const Mat& mask, int firstLevel, std::vector<Level>& levels,
+                 PyramidScratch& scratch)
+{
+    CV_TRACE_FUNCTION();
+    while (scratch.size() < levels.size())
+        scratch.push_back(makePtr<ResizeTables>());
+    for (int i = 0; i < int(levels.size()); i++)
+    {
+        if (levels[i].isInput)
+            continue;
+        // cv::ORB makes the level after the image's, too, from the image
+        const bool fromImage = i <= firstLevel + 1;
+        resizeExact(fromImage ? image : levels[i - 1].image, levels[i].image, *scratch[i]);
+        if (!mask.empty())
+            levels[i].mask = resizeMask(fromImage ? mask : levels[i - 1].mask, levels[i].image.size());
+    }
+}
+
+void buildPyramid(const Mat& image, const Mat& mask, int nlevels, int firstLevel, double scaleFactor,
+                  int minSide, std::vector<Level>& levels)
+{
+    PyramidScratch scratch;
+    layOutPyramid(image, mask, nlevels, firstLevel, scaleFactor, minSide, levels);
+    fillPyramid(image, mask, firstLevel, levels, scratch);
 }
 
 }  // namespace stages

@@ -111,9 +111,21 @@ CV_EXPORTS std::vector<int> levelQuotas(int nfeatures, double scaleFactor, int n
 //! cv::resize with INTER_LINEAR_EXACT for CV_8UC1, without its overhead for one channel.
 CV_EXPORTS void resizeExact(const Mat& source, Mat& destination, Size size);
 
-/** The levels of cv::ORB's pyramid, level firstLevel being the image itself (not copied). With a
- mask, each level's mask holds the pixels that are made of usable pixels only. Stops before the first
- level with a side below minSide. The memory of levels of the same size is used again. */
+struct ResizeTables;
+//! Work space of fillPyramid, for one call after the other: what depends on sizes only, by level.
+typedef std::vector<Ptr<ResizeTables>> PyramidScratch;
+
+/** The levels of cv::ORB's pyramid, level firstLevel being the image itself (not copied), the others
+ without values as yet. Stops before the first level with a side below minSide. The memory of levels of
+ the same size is used again. */
+CV_EXPORTS void layOutPyramid(const Mat& image, const Mat& mask, int nlevels, int firstLevel,
+                              double scaleFactor, int minSide, std::vector<Level>& levels);
+
+//! The other levels. With a mask, each level's mask holds the pixels that are made of usable pixels only.
+CV_EXPORTS void fillPyramid(const Mat& image, const Mat& mask, int firstLevel, std::vector<Level>& levels,
+                            PyramidScratch& scratch);
+
+//! Both.
 CV_EXPORTS void buildPyramid(const Mat& image, const Mat& mask, int nlevels, int firstLevel,
                              double scaleFactor, int minSide, std::vector<Level>& levels);
 
@@ -169,6 +181,16 @@ struct CornerScratch
     std::vector<uchar> fullCells;
     std::vector<Range> columns;  //!< to search
 };
+
+//! Rows of a region whose corners are found by themselves, whole rows of cells; empty for an index too high.
+CV_EXPORTS Range cornerBand(const Rect& region, int cellSize, int index);
+
+//! The corners of a band that findCorners finds, before any is suppressed.
+CV_EXPORTS void findBandCorners(const Level& level, const Rect& band, Thresholds thresholds, int cellSize,
+                                std::vector<Corner>& corners, CornerScratch& scratch);
+
+//! Moves the kept corners that fall to a better one nearby, even if that falls itself, to `suppressed`.
+CV_EXPORTS void suppressCorners(Size size, LevelCorners& corners, CornerScratch& scratch);
 
 /** Corners of a level inside `region`: score >= thresholds.ini; in cells of side cellSize (the first
  begins at the region's corner) that have none, score >= thresholds.min. Corners off the mask do not
@@ -346,9 +368,25 @@ CV_EXPORTS std::vector<int> circularPatch(int patchSize);
 //! Direction of the intensity centroid of the patch around (x, y), degrees, as cv::ORB's.
 CV_EXPORTS float orientation(const Mat& image, int x, int y, const std::vector<int>& halfWidths);
 
+struct PatchWeights;
+//! A circular patch, prepared for any number of points.
+struct CV_EXPORTS OrientationPatch
+{
+    OrientationPatch() {}
+    explicit OrientationPatch(const std::vector<int>& halfWidths);
+
+    std::vector<int> halfWidths;
+    Ptr<PatchWeights> weights;  //!< empty where the patch is too large for the kernel
+};
+
 //! Sets the angles of points to their orientation.
-CV_EXPORTS void orientations(const Mat& image, const std::vector<int>& halfWidths, DescriptorPoint* points,
+CV_EXPORTS void orientations(const Mat& image, const OrientationPatch& patch, DescriptorPoint* points,
                              size_t count);
+inline void orientations(const Mat& image, const std::vector<int>& halfWidths, DescriptorPoint* points,
+                         size_t count)
+{
+    orientations(image, OrientationPatch(halfWidths), points, count);
+}
 
 // ---- blur.dispatch.cpp -----------------------------------------------------------------------
 
@@ -397,14 +435,34 @@ CV_EXPORTS std::vector<Point> descriptorPattern(int patchSize, int WTA_K);
 //! How far from the keypoint the descriptor may read.
 CV_EXPORTS int descriptorReach(const std::vector<Point>& pattern);
 
+struct PairTests;
+//! A pattern, prepared for any number of descriptors.
+struct CV_EXPORTS DescriptorTests
+{
+    DescriptorTests() : WTA_K(0), reach(0) {}
+    DescriptorTests(const std::vector<Point>& pattern, int WTA_K);
+
+    std::vector<Point> pattern;
+    int WTA_K;
+    int reach;             //!< descriptorReach
+    Ptr<PairTests> pairs;  //!< empty where there is no kernel for the pattern
+};
+
 /** The 32-byte descriptors at pixels of a level, equal to cv::ORB's.
  @param image the level
- @param blurred approximateBlur of it, wherever it lies within descriptorReach of a point
+ @param blurred approximateBlur of it, wherever it lies within tests.reach of a point
  @param points, count where
+ @param tests how
  @param descriptors one a row of `step` bytes */
 CV_EXPORTS void computeDescriptors(const Mat& image, const Mat& blurred, const DescriptorPoint* points,
-                                   size_t count, const std::vector<Point>& pattern, int WTA_K,
-                                   uchar* descriptors, size_t step);
+                                   size_t count, const DescriptorTests& tests, uchar* descriptors,
+                                   size_t step);
+inline void computeDescriptors(const Mat& image, const Mat& blurred, const DescriptorPoint* points,
+                               size_t count, const std::vector<Point>& pattern, int WTA_K, uchar* descriptors,
+                               size_t step)
+{
+    computeDescriptors(image, blurred, points, count, DescriptorTests(pattern, WTA_K), descriptors, step);
+}
 
 }  // namespace stages
 }  // namespace aqorb

@@ -14,30 +14,35 @@ namespace cv
 namespace aqorb
 {
 
-// The features of a level.
-struct LevelFeatures
+// A band of a level whose corners are found by themselves.
+struct CornerBand
 {
-    std::vector<KeyPoint> keypoints;
-    std::vector<stages::DescriptorPoint> points;  // where they were found
+    int level;
+    Rect rect;
+    std::vector<stages::Corner> corners;
 };
 
 // What a call needs beside its outputs.
 struct Workspace
 {
     std::vector<stages::Level> pyramid;
+    stages::PyramidScratch resizing;
+    std::vector<stages::SelectionLevel> selectionLevels;
+    std::vector<CornerBand> bands;  // never fewer, to keep their memory
     std::vector<stages::LevelCorners> corners;
     std::vector<stages::BalancedSequence> sequences;
     std::vector<uchar> ready;  // whether the level's corners and sequence are
-    std::vector<stages::SelectionLevel> selectionLevels;
-    std::vector<std::vector<stages::RankedCorner>> chosen;
     stages::FeatureSelector selector;
-    std::vector<LevelFeatures> features;
+    std::vector<std::vector<stages::RankedCorner>> chosen;
+    std::vector<std::vector<stages::DescriptorPoint>> points;  // by level: where the features were found
+    std::vector<size_t> firsts;                                // of each level's features among all
+    std::vector<KeyPoint> keypoints;
 
     void resize(size_t levels)
     {
         corners.resize(std::max(levels, corners.size()));
         sequences.resize(std::max(levels, sequences.size()));
-        features.resize(std::max(levels, features.size()));
+        points.resize(std::max(levels, points.size()));
     }
     // Before it is put away: the input image is the caller's.
     void rest()
