@@ -4,15 +4,9 @@
 # of this distribution.
 """Prints which aims the table of scripts/perf.sh reaches, a file of whose output is the argument."""
 
-import math
 import sys
 
-REFERENCE_SET = ['bikes', 'leuven', 'bark', 'trees', 'ubc', '640x512', '1920x1080']
-
-
-def geometric_mean(values):
-    return math.exp(sum(map(math.log, values)) / len(values))
-
+from perf_table import REFERENCE_SET, geometric_mean
 
 # Words, column of the table, numbers of features, what is taken of the ratios, at least
 AIMS = [
