@@ -119,10 +119,10 @@ int main(int argc, char** argv)
 {
     CommandLineParser parser(argc, argv, KEYS);
     parser.about(ABOUT);
-    if (parser.has("help"))
+    if (parser.has("help") || argc == 1)
     {
         parser.printMessage();
-        return 0;
+        return parser.has("help") ? 0 : 1;
     }
     try
     {

@@ -45,6 +45,10 @@ def count(program, out, image, detector, n, frames):
     return profile
 
 
+def name_of(image):
+    return 'scene ' + image if re.fullmatch(r'\d+x\d+', image) else image
+
+
 def millions(value):
     return '{:.2f}'.format(value * 1e-6)
 
@@ -66,6 +70,7 @@ def main():
     parser.add_argument('--frames', type=int, default=3, help='to count, after those that warm up')
     arguments = parser.parse_args()
     images = arguments.images.split(',')
+    names = [name_of(image) for image in images]
 
     totals = {}
     stages = {}  # image -> instructions by stage
@@ -86,22 +91,22 @@ def main():
             kernels[image] = annotate(profile, 'no')[0]
 
     print_table('Instructions', ['image'] + ['{}, millions'.format(d) for d in DETECTORS.values()] + ['ratio'],
-                [[image] + [millions(totals[image, d]) for d in DETECTORS] +
+                [[name_of(image)] + [millions(totals[image, d]) for d in DETECTORS] +
                  ['{:.2f}'.format(totals[image, 'orb'] / totals[image, 'aqorb'])] for image in images])
 
     rows = [[stage] + ['{:.1f}'.format(100 * stages[image][i] / totals[image, 'aqorb']) for image in images]
             for i, (stage, _) in enumerate(STAGES)]
     rows.append(['rest'] + ['{:.1f}'.format(100 - 100 * sum(stages[image]) / totals[image, 'aqorb'])
                             for image in images])
-    print_table('Instructions by stage', ['% of a frame'] + images, rows)
+    print_table('Instructions by stage', ['% of a frame'] + names, rows)
 
     first = kernels[images[0]]
-    names = sorted(first, key=first.get, reverse=True)[:15]
+    functions = sorted(first, key=first.get, reverse=True)[:15]
     share = 100 / arguments.frames
-    print_table('Instructions by function', ['% of a frame, in the function itself'] + images,
+    print_table('Instructions by function', ['% of a frame, in the function itself'] + names,
                 [[re.sub('^cv::aqorb::(stages::)?', '', name)] +
                  ['{:.1f}'.format(share * kernels[image].get(name, 0) / totals[image, 'aqorb'])
-                  for image in images] for name in names])
+                  for image in images] for name in functions])
     print('One thread, n = {}; valgrind has no AVX-512, so both run their AVX2 code.'.format(arguments.n))
 
 

@@ -41,6 +41,11 @@ Stage stageOf(const TraceRegion& region, Stage outer)
     return outer;
 }
 
+bool isParallel(const TraceRegion& region)
+{
+    return region.is("parallel_for");
+}
+
 class Profiler
 {
 public:
@@ -59,26 +64,16 @@ public:
         }
 
         // The levels come in order: one task each, and resized one from the other.
-        const bool isParallel = region.is("parallel_for");
         int next = stage == PYRAMID ? 1 : 0;
-        std::vector<double> tasks;
         for (const TraceRegion& child : region.children)
         {
-            const bool isLevel = isParallel || child.is("resizeExact");
+            const bool isLevel = level < 0 && (isParallel(region) || child.is("resizeExact"));
             add(child, stage, isLevel ? next++ : level);
-            tasks.push_back(child.duration);
         }
-        if (isParallel && !tasks.empty())
-            profile.parallel.push_back(tasks);
     }
 
     Profile profile;
 };
-
-double sum(const std::vector<double>& values)
-{
-    return std::accumulate(values.begin(), values.end(), 0.);
-}
 
 template <typename Value> double medianBy(const std::vector<Profile>& profiles, Value value)
 {
@@ -124,12 +119,8 @@ Profile profileOf(const TraceRegion& frame)
 {
     Profiler profiler;
     profiler.add(frame, REST, -1);
-    Profile& profile = profiler.profile;
-    profile.total = frame.duration;
-    profile.serial = profile.total;
-    for (const std::vector<double>& tasks : profile.parallel)
-        profile.serial -= sum(tasks);
-    return profile;
+    profiler.profile.total = frame.duration;
+    return profiler.profile;
 }
 
 Profile medianOf(const std::vector<Profile>& profiles)
@@ -137,14 +128,9 @@ Profile medianOf(const std::vector<Profile>& profiles)
     Profile median = profiles.at(0);
     for (const Profile& profile : profiles)
     {
-        bool same = profile.levels.size() == median.levels.size() &&
-                    profile.parallel.size() == median.parallel.size();
-        for (size_t i = 0; same && i < median.parallel.size(); i++)
-            same = profile.parallel[i].size() == median.parallel[i].size();
-        if (!same)
+        if (profile.levels.size() != median.levels.size())
             CV_Error(cv::Error::StsError, "The profiles are not of the same image");
     }
-    median.serial = medianBy(profiles, [](const Profile& p) { return p.serial; });
     for (int stage = 0; stage < STAGE_COUNT; stage++)
     {
         median.stages[stage] = medianBy(profiles, [&](const Profile& p) { return p.stages[stage]; });
@@ -153,24 +139,30 @@ Profile medianOf(const std::vector<Profile>& profiles)
                 medianBy(profiles, [&](const Profile& p) { return p.levels[i][stage]; });
     }
     median.total = std::accumulate(median.stages, median.stages + STAGE_COUNT, 0.);
-    for (size_t i = 0; i < median.parallel.size(); i++)
-    {
-        for (size_t j = 0; j < median.parallel[i].size(); j++)
-            median.parallel[i][j] = medianBy(profiles, [&](const Profile& p) { return p.parallel[i][j]; });
-    }
     return median;
 }
 
-double boundOnSpeedup(const Profile& profile, int threads)
+double leastTime(const TraceRegion& region, int threads)
 {
-    double one = profile.serial, many = profile.serial;
-    for (const std::vector<double>& tasks : profile.parallel)
+    double work = 0, longest = 0, sum = 0;  // of the children
+    for (const TraceRegion& child : region.children)
     {
-        const double all = sum(tasks), longest = *std::max_element(tasks.begin(), tasks.end());
-        one += all;
-        many += threads > 0 ? std::max(longest, all / threads) : longest;
+        const double least = leastTime(child, threads);
+        work += child.duration;
+        longest = std::max(longest, least);
+        sum += least;
     }
-    return one / many;
+    if (isParallel(region))
+        sum = threads > 0 ? std::max(longest, work / threads) : longest;
+    return region.selfDuration() + sum;
+}
+
+double serialTime(const TraceRegion& region)
+{
+    double serial = region.selfDuration();
+    for (const TraceRegion& child : region.children)
+        serial += isParallel(region) ? 0 : serialTime(child);
+    return serial;
 }
 
 std::vector<std::string> absentStages(const std::vector<TraceRegion>& regions)

@@ -33,9 +33,7 @@ struct Profile
 {
     double total;
     double stages[STAGE_COUNT];
-    std::vector<std::vector<double>> levels;    //!< time by stage of each level that has work of its own
-    double serial;                              //!< outside of parallel_for_
-    std::vector<std::vector<double>> parallel;  //!< time by task of each parallel_for_
+    std::vector<std::vector<double>> levels;  //!< time by stage of each level that has work of its own
 };
 
 //! The profile of a call of detectAndCompute.
@@ -44,9 +42,12 @@ Profile profileOf(const TraceRegion& frame);
 //! Number by number the median of profiles of the same image; the total is the sum of the stages.
 Profile medianOf(const std::vector<Profile>& profiles);
 
-/** What threads may at most gain: total over the time that remains if each parallel_for_ took no longer than
- its longest task and its share of all tasks demand. 0 threads: as many as there are tasks. */
-double boundOnSpeedup(const Profile& profile, int threads);
+/** The least time that threads can take for a region: each parallel_for_ its longest task or its share of all
+ tasks, whichever is longer. 0 threads: as many as there are tasks. */
+double leastTime(const TraceRegion& region, int threads);
+
+//! The part of a region's time that is outside of parallel_for_.
+double serialTime(const TraceRegion& region);
 
 //! Names of functions and blocks that mark stages but are nowhere among these regions.
 std::vector<std::string> absentStages(const std::vector<TraceRegion>& regions);

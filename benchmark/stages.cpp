@@ -121,6 +121,24 @@ void printLevels(const Image& image, const Profile& profile)
     std::cout << "In % of a frame of " << image.name << ".\n\n";
 }
 
+//! Of frames, times as % of the total and bounds on the speedup, as medians.
+std::vector<std::string> criticalPath(const std::vector<TraceRegion>& frames)
+{
+    const int threads[] = {2, 4, 8, 0};
+    std::vector<double> serial, longest, bounds[4];
+    for (const TraceRegion& frame : frames)
+    {
+        serial.push_back(serialTime(frame) / frame.duration);
+        longest.push_back(leastTime(frame, 0) / frame.duration - serial.back());
+        for (int i = 0; i < 4; i++)
+            bounds[i].push_back(frame.duration / leastTime(frame, threads[i]));
+    }
+    std::vector<std::string> cells = {percent(median(serial), 1), percent(median(longest), 1)};
+    for (const std::vector<double>& bound : bounds)
+        cells.push_back(format("%.2f", median(bound)));
+    return cells;
+}
+
 }  // namespace
 
 void printStages(const Settings& settings)
@@ -128,6 +146,7 @@ void printStages(const Settings& settings)
     std::vector<Image> images;
     std::vector<Profile> profiles;
     std::vector<std::vector<double>> times;
+    std::vector<std::vector<std::string>> paths;
     const std::vector<int> threads = getNumberOfCPUs() > 1 ? std::vector<int>{1, 2} : std::vector<int>{1};
     std::vector<std::string> absent;
     for (const std::string& spec : settings.images)
@@ -140,6 +159,7 @@ void printStages(const Settings& settings)
         std::vector<Profile> ofFrames;
         std::transform(frames.begin(), frames.end(), std::back_inserter(ofFrames), profileOf);
         profiles.push_back(medianOf(ofFrames));
+        paths.push_back(criticalPath(frames));
         times.push_back(timeByThreads(images.back(), settings, threads));
     }
 
@@ -163,19 +183,15 @@ void printStages(const Settings& settings)
 
     printLevels(images[0], profiles[0]);
 
-    Table path("Critical path", {"image", "serial %", "selection %", "longest tasks %", "bound, 2 threads",
+    Table path("Critical path", {"image", "selection %", "serial %", "longest tasks %", "bound, 2 threads",
                                  "4", "8", "enough threads", "measured, 2 threads"});
     for (size_t i = 0; i < images.size(); i++)
     {
-        const Profile& profile = profiles[i];
-        double longest = 0;
-        for (const std::vector<double>& tasks : profile.parallel)
-            longest += *std::max_element(tasks.begin(), tasks.end());
-        path.add({images[i].name, percent(profile.serial, profile.total),
-                  percent(profile.stages[SELECTION], profile.total), percent(longest, profile.total),
-                  format("%.2f", boundOnSpeedup(profile, 2)), format("%.2f", boundOnSpeedup(profile, 4)),
-                  format("%.2f", boundOnSpeedup(profile, 8)), format("%.2f", boundOnSpeedup(profile, 0)),
-                  times[i].size() > 1 ? format("%.2f", times[i][0] / times[i][1]) : ""});
+        std::vector<std::string> row = {images[i].name,
+                                        percent(profiles[i].stages[SELECTION], profiles[i].total)};
+        row.insert(row.end(), paths[i].begin(), paths[i].end());
+        row.push_back(times[i].size() > 1 ? format("%.2f", times[i][0] / times[i][1]) : "");
+        path.add(row);
     }
     path.print();
 }

@@ -38,7 +38,7 @@ build "$BUILD/release" --target aqorb_benchmark
 # perf_tables: what scripts/perf.sh prints, as tables under titles.
 perf_tables() {
     "$ROOT/scripts/perf.sh" | tee /dev/stderr | sed -n '/^=== Results/,$p' >"$folder/perf.txt"
-    "$PYTHON" "$ROOT/benchmark/aims.py" "$folder/perf.txt"
+    "$PYTHON" "$ROOT/scripts/perf_aims.py" "$folder/perf.txt"
     printf '## Against cv::ORB\n\n'
     grep '^|' "$folder/perf.txt"
     printf '\n## Against cv::ORB: notes\n\n|  |\n|---|\n'

@@ -82,16 +82,30 @@ TEST(Profile, sharesTheTimeOfAFrameAmongStagesAndLevels)
     EXPECT_EQ(20, profile.levels[1][REST]);
 }
 
-TEST(Profile, boundsTheSpeedupByTheLongestTask)
+TEST(Profile, knowsTheLeastTimeOfThreads)
 {
     const TraceFiles files(LOCATIONS, EVENTS);
-    const Profile profile = profileOf(readTrace(files.location)[0]);
-    ASSERT_EQ(1u, profile.parallel.size());
-    EXPECT_EQ((std::vector<double>{400, 200}), profile.parallel[0]);
-    EXPECT_EQ(400, profile.serial);
-    EXPECT_DOUBLE_EQ(1, boundOnSpeedup(profile, 1));
-    EXPECT_DOUBLE_EQ(1000. / 800, boundOnSpeedup(profile, 2));
-    EXPECT_DOUBLE_EQ(1000. / 800, boundOnSpeedup(profile, 0));
+    const TraceRegion frame = readTrace(files.location)[0];
+    EXPECT_EQ(400, serialTime(frame));
+    EXPECT_EQ(1000, leastTime(frame, 1));
+    EXPECT_EQ(800, leastTime(frame, 2));  // the longest task
+    EXPECT_EQ(800, leastTime(frame, 0));
+}
+
+TEST(Profile, knowsTheLeastTimeOfTasksThatAreSplitAgain)
+{
+    // A task of 10, and one of 90 with 60 in two halves.
+    const TraceFiles files(LOCATIONS, "b,0,0,3,1\n"
+                                      "b,0,0,4,2\ne,0,10,4,2,10\n"
+                                      "b,0,10,4,3\nb,0,40,3,4\n"
+                                      "b,0,40,5,5\ne,0,70,5,5,30\nb,0,70,5,6\ne,0,100,5,6,30\n"
+                                      "e,0,100,3,4,60\ne,0,100,4,3,90\ne,0,100,3,1,100\n");
+    const TraceRegion region = readTrace(files.location)[0];
+    EXPECT_EQ(0, serialTime(region));
+    EXPECT_EQ(100, leastTime(region, 1));
+    EXPECT_EQ(60, leastTime(region, 2));
+    EXPECT_EQ(60, leastTime(region, 0));
+    EXPECT_EQ(90, profileOf(region).levels[1][FAST] + profileOf(region).levels[1][REST]);
 }
 
 TEST(Profile, namesTheStagesThatATraceLacks)
