@@ -46,38 +46,50 @@ void expectSameEverywhere(const Mat& image, const Rect& region, int threshold)
     EXPECT_TRUE(sameCorners(corners(image, region, threshold), expected));
 }
 
-// The corners in runs of columns are those of the whole rows that lie in them.
-TEST(AqorbFast, findsWhatLiesInRunsOfColumns)
+// The corners at the low threshold: those at the high one at once, of the others those asked for.
+TEST(AqorbFast, findsStrongCornersAndWeakOnesWhereWanted)
 {
     RNG rng(7);
     FastScratch scratch;  // one for all sizes
     for (int round = 0; round < 300; round++)
     {
-        const Size size(rng.uniform(1, 300), rng.uniform(1, 30));
+        const Size size(rng.uniform(1, 300), rng.uniform(1, 60));
         Mat image;
         blur(makeNoise(size, round), image, Size(3, 3));
-        const Range rows(rng.uniform(0, size.height), size.height - rng.uniform(0, 5));
+        const Rect region =
+            Rect(rng.uniform(-2, 60), rng.uniform(-2, 10), size.width, size.height) & Rect(Point(), size);
         std::vector<Range> columns;
-        for (int x = rng.uniform(0, 60); x < size.width; x += rng.uniform(1, 60))
+        for (int x = region.x + rng.uniform(0, 60); x < region.br().x; x += rng.uniform(1, 60))
         {
-            const int end = std::min(x + rng.uniform(1, 90), size.width);
+            const int end = std::min(x + rng.uniform(1, 90), region.br().x);
             columns.push_back(Range(x, end));
             x = end + 1;
         }
+        const Range rows(region.y + rng.uniform(0, 20), region.br().y - rng.uniform(0, 5));
+        Thresholds thresholds;
+        thresholds.min = 9;
+        thresholds.ini = thresholds.min + rng.uniform(0, 20);
         for (int path = 0; path < 2; path++)
         {
             std::unique_ptr<WithoutOptimization> baseline(path ? new WithoutOptimization : 0);
-            std::vector<Corner> expected, found;
-            for (const Corner& corner : reference::fastCorners(image, Rect(Point(), size), 9))
+            std::vector<Corner> strong, weak, found;
+            for (const Corner& corner : reference::fastCorners(image, region, thresholds.min))
             {
                 bool wanted = false;
                 for (const Range& run : columns)
                     wanted |= corner.x >= run.start && corner.x < run.end;
-                if (wanted && corner.y >= rows.start && corner.y < rows.end)
-                    expected.push_back(corner);
+                if (corner.score >= thresholds.ini)
+                    strong.push_back(corner);
+                else if (wanted && corner.y >= rows.start && corner.y < rows.end)
+                    weak.push_back(corner);
             }
-            detectCorners(image, rows, columns, 9, found, scratch);
-            ASSERT_TRUE(sameCorners(found, expected)) << round;
+            detectCorners(image, region, thresholds, found, scratch);
+            ASSERT_TRUE(sameCorners(found, strong)) << round;
+            found.clear();
+            takeWeakCorners(rows, columns, found, scratch);
+            ASSERT_TRUE(sameCorners(found, weak)) << round;
+            takeWeakCorners(rows, columns, found, scratch);
+            ASSERT_EQ(found.size(), weak.size()) << "taken twice";
         }
     }
 }

@@ -134,10 +134,7 @@ void findBandCorners(const Level& level, const Rect& band, Thresholds thresholds
 {
     CV_TRACE_FUNCTION();
     corners.clear();
-    std::vector<Range>& columns = scratch.columns;
-    columns.assign(1, Range(band.x, band.x + band.width));
-    detectCorners(level.image, Range(band.y, band.y + band.height), columns, thresholds.ini, corners,
-                  scratch.fast);
+    detectCorners(level.image, band, thresholds, corners, scratch.fast);
     dropMasked(level.mask, 0, corners);
     if (thresholds.min >= thresholds.ini)
         return;
@@ -148,8 +145,8 @@ void findBandCorners(const Level& level, const Rect& band, Thresholds thresholds
         mesh.fill(corners[i]);
     for (int row = 0; row < mesh.rowCount(); row++)
     {
-        mesh.emptyRuns(row, columns);
-        detectCorners(level.image, mesh.rowsOf(row), columns, thresholds.min, corners, scratch.fast);
+        mesh.emptyRuns(row, scratch.columns);
+        takeWeakCorners(mesh.rowsOf(row), scratch.columns, corners, scratch.fast);
     }
     dropMasked(level.mask, first, corners);
 }

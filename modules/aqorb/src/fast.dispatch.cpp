@@ -24,106 +24,145 @@ static void widthsOfScan(int widths[2])
     CV_CPU_DISPATCH(scanWidths, (widths), CV_CPU_DISPATCH_MODES_ALL);
 }
 
-// Covers runs of columns, and one column around each, with blocks inside `pixels`.
-static void coverWithBlocks(const std::vector<Range>& columns, const Range& pixels, int width,
+static int writeWantedCorners(const WeakCorners* weak, int count, const FastScratch& scratch, Corner* corners)
+{
+    const ScanBlock* blocks = scratch.blocks.data();
+    const uint64* wanted = scratch.wanted.data();
+    const uchar* scores = scratch.scores.data() + SCAN_MARGIN - scratch.firstRow * scratch.scoreStep;
+    CV_CPU_DISPATCH(writeWanted, (weak, count, blocks, wanted, scores, scratch.scoreStep, corners),
+                    CV_CPU_DISPATCH_MODES_ALL);
+}
+
+// The pixels of a block in a range of columns, a bit for each; none of them stands for a pixel before `first`.
+static uint64 columnsOf(int x, int width, const Range& columns, int first)
+{
+    const int begin = std::max(std::max(columns.start, x), first), end = std::min(columns.end, x + width);
+    return begin < end ? (~uint64(0) >> (64 - (end - begin))) << (begin - x) : 0;
+}
+
+// Covers columns, and one around, with blocks inside `pixels`.
+static void coverWithBlocks(const Range& columns, const Range& pixels, int width,
                             std::vector<ScanBlock>& blocks)
 {
     blocks.clear();
-    int covered = pixels.start;
-    for (size_t i = 0; i < columns.size(); i++)
+    const int end = std::min(columns.end + 1, pixels.end);
+    for (int x = std::max(columns.start - 1, pixels.start), next; x < end; x = next)
     {
-        const Range& run = columns[i];
-        const int end = std::min(run.end + 1, pixels.end);
-        covered = std::max(covered, run.start - 1);
-        while (covered < end)
-        {
-            // The last one may overlap.
-            const ScanBlock block = {std::min(covered, pixels.end - width), 0};
-            blocks.push_back(block);
-            covered = block.x + width;
-        }
-    }
-    size_t run = 0;
-    covered = pixels.start;
-    for (size_t i = 0; i < blocks.size(); i++)
-    {
-        ScanBlock& block = blocks[i];
-        while (run < columns.size() && columns[run].end <= block.x)
-            run++;
-        for (size_t j = run; j < columns.size() && columns[j].start < block.x + width; j++)
-        {
-            const int first = std::max(std::max(columns[j].start, covered), block.x);
-            const int last = std::min(columns[j].end, block.x + width) - 1;
-            if (first <= last)
-                block.wanted |= (~uint64(0) >> (63 - (last - first))) << (first - block.x);
-        }
-        covered = block.x + width;
+        // The last one may overlap.
+        const int first = std::min(x, pixels.end - width);
+        const ScanBlock block = {first, columnsOf(first, width, columns, x)};
+        blocks.push_back(block);
+        next = first + width;
     }
 }
 
-void detectCorners(const Mat& image, const Range& rows, const std::vector<Range>& columns, int threshold,
-                   std::vector<Corner>& corners, FastScratch& scratch)
+template <typename T> static void makeRoom(std::vector<T>& elements, size_t count)
 {
+    if (elements.size() < count)
+        elements.resize(count);
+}
+
+// How many corners a number of blocks may have.
+static size_t mostCorners(size_t blocks, int width)
+{
+    return blocks * ((width + 1) / 2) + SCAN_OVERSHOOT;
+}
+
+void detectCorners(const Mat& image, const Rect& region, Thresholds thresholds, std::vector<Corner>& corners,
+                   FastScratch& scratch)
+{
+    scratch.weakCount = scratch.weakTaken = 0;
     const int RADIUS = 3;  // of the circle
-    const Range hasCircleX(RADIUS, image.cols - RADIUS), hasCircleY(RADIUS, image.rows - RADIUS);
-    const Range wanted(std::max(rows.start, hasCircleY.start), std::min(rows.end, hasCircleY.end));
-    if (wanted.start >= wanted.end || hasCircleX.start >= hasCircleX.end)
+    const Rect pixels(RADIUS, RADIUS, image.cols - 2 * RADIUS, image.rows - 2 * RADIUS);
+    const Rect wanted = region & pixels;
+    if (pixels.width <= 0 || wanted.empty())
         return;
 
     int widths[2];
     widthsOfScan(widths);
-    FastScan scan;
-    scan.blockWidth = hasCircleX.size() >= widths[0]   ? widths[0]
-                      : hasCircleX.size() >= widths[1] ? widths[1]
-                                                       : hasCircleX.size();
-    coverWithBlocks(columns, hasCircleX, scan.blockWidth, scratch.blocks);
-    const int blockCount = int(scratch.blocks.size());
-    if (blockCount == 0)
-        return;
+    const int width = std::min(pixels.width, pixels.width >= widths[0] ? widths[0] : widths[1]);
+    scratch.blockWidth = width;
+    coverWithBlocks(Range(wanted.x, wanted.x + wanted.width), Range(pixels.x, pixels.x + pixels.width), width,
+                    scratch.blocks);
+    const size_t blockCount = scratch.blocks.size();
     const size_t rowBytes = size_t(image.cols) + 2 * SCAN_MARGIN;
-    if (scratch.scores.size() < 3 * rowBytes)
-        scratch.scores.resize(3 * rowBytes);
-    if (scratch.listed.size() < 3 * size_t(blockCount))
-        scratch.listed.resize(3 * size_t(blockCount));
+    scratch.firstRow = wanted.y - 1;
+    scratch.scoreStep = ptrdiff_t(rowBytes);
+    makeRoom(scratch.scores, (size_t(wanted.height) + 2) * rowBytes);
+    makeRoom(scratch.listed, 2 * blockCount);
+    makeRoom(scratch.weak, size_t(wanted.height) * blockCount + 1);
+    const size_t ROWS = 4;  // that there is room for, whatever they hold
+    makeRoom(scratch.found, ROWS * mostCorners(blockCount, width));
 
+    FastScan scan;
     scan.image = image.ptr();
     scan.step = ptrdiff_t(image.step);
-    scan.threshold = std::min(std::max(threshold, 1), 255);  // as suppression needs scores > 0
-    scan.top = wanted.start;
-    scan.bottom = wanted.end;
-    scan.scoredTop = std::max(wanted.start - 1, hasCircleY.start);
-    scan.scoredBottom = std::min(wanted.end + 1, hasCircleY.end);
-    scan.y = wanted.start - 1;
+    scan.strongThreshold = std::min(std::max(thresholds.ini, 1), 255);  // as suppression needs scores > 0
+    scan.threshold = std::min(std::max(thresholds.min, 1), scan.strongThreshold);
+    scan.top = wanted.y;
+    scan.bottom = wanted.y + wanted.height;
+    scan.scoredTop = std::max(scan.top - 1, pixels.y);
+    scan.scoredBottom = std::min(scan.bottom + 1, pixels.y + pixels.height);
+    scan.left = pixels.x;
+    scan.right = pixels.x + pixels.width;
+    scan.y = scan.top - 1;
     scan.blocks = scratch.blocks.data();
-    scan.blockCount = blockCount;
-    for (int i = 0; i < 3; i++)
+    scan.blockCount = int(blockCount);
+    scan.blockWidth = width;
+    scan.scores = scratch.scores.data() + SCAN_MARGIN;
+    scan.scoreStep = scratch.scoreStep;
+    for (int i = 0; i < 2; i++)
     {
-        scan.scores[i] = scratch.scores.data() + i * rowBytes + SCAN_MARGIN;
-        scan.listed[i] = scratch.listed.data() + i * size_t(blockCount);
+        scan.listed[i] = scratch.listed.data() + i * blockCount;
         scan.listedCount[i] = 0;
-        scan.scores[i][hasCircleX.start - 1] = scan.scores[i][hasCircleX.end] = 0;
     }
-
-    const int ROWS = 4;  // that there is room for, whatever they hold
-    const int capacity = ROWS * (blockCount * ((scan.blockWidth + 1) / 2) + SCAN_OVERSHOOT);
-    if (scratch.found.size() < size_t(capacity))
-        scratch.found.resize(capacity);
+    scan.weak = scratch.weak.data();
+    scan.weakCount = 0;
     while (scan.y <= scan.bottom)
     {
-        const int found = continueFastScan(scan, scratch.found.data(), capacity);
+        const int found = continueFastScan(scan, scratch.found.data(), int(scratch.found.size()));
         corners.insert(corners.end(), scratch.found.begin(), scratch.found.begin() + found);
     }
+    scratch.weakCount = scan.weakCount;
 }
 
 void detectCorners(const Mat& image, const Rect& region, int threshold, std::vector<Corner>& corners)
 {
     FastScratch scratch;
-    const int RADIUS = 3;
-    const Rect wanted = region & Rect(RADIUS, RADIUS, image.cols - 2 * RADIUS, image.rows - 2 * RADIUS);
-    if (wanted.empty())
+    const Thresholds thresholds = {threshold, threshold};
+    detectCorners(image, region, thresholds, corners, scratch);
+}
+
+void takeWeakCorners(const Range& rows, const std::vector<Range>& columns, std::vector<Corner>& corners,
+                     FastScratch& scratch)
+{
+    const int width = scratch.blockWidth;
+    while (scratch.weakTaken < scratch.weakCount && scratch.weak[scratch.weakTaken].y < rows.start)
+        scratch.weakTaken++;
+    int end = scratch.weakTaken;
+    while (end < scratch.weakCount && scratch.weak[end].y < rows.end)
+        end++;
+    if (end == scratch.weakTaken || columns.empty())
         return;
-    const std::vector<Range> columns(1, Range(wanted.x, wanted.x + wanted.width));
-    detectCorners(image, Range(wanted.y, wanted.y + wanted.height), columns, threshold, corners, scratch);
+
+    scratch.wanted.assign(scratch.blocks.size(), 0);
+    size_t run = 0;
+    for (size_t i = 0; i < scratch.blocks.size(); i++)
+    {
+        const int x = scratch.blocks[i].x;
+        while (run < columns.size() && columns[run].end <= x)
+            run++;
+        for (size_t j = run; j < columns.size() && columns[j].start < x + width; j++)
+            scratch.wanted[i] |= columnsOf(x, width, columns[j], x);
+    }
+    const int atOnce = int(scratch.blocks.size());
+    for (int next; scratch.weakTaken < end; scratch.weakTaken = next)
+    {
+        next = std::min(scratch.weakTaken + atOnce, end);
+        const int found = writeWantedCorners(&scratch.weak[scratch.weakTaken], next - scratch.weakTaken,
+                                             scratch, scratch.found.data());
+        corners.insert(corners.end(), scratch.found.begin(), scratch.found.begin() + found);
+    }
 }
 
 int cornerScore(const uchar* p, size_t pixelStep)

@@ -22,8 +22,16 @@ void scanWidths(int widths[2]);
 
 /** Continues a scan until it is finished or there is no room for the corners of another row.
  @param capacity at least the number of blocks times half their width, and SCAN_OVERSHOOT
- @return number of corners written, in raster order */
+ @return number of strong corners written, in raster order */
 int continueScan(FastScan& scan, Corner* corners, int capacity);
+
+/** Writes those of weak corners that are wanted.
+ @param wanted by block, as ScanBlock's
+ @param scores as FastScan's, but from row 0 on
+ @param corners room for half the blocks' width each, and SCAN_OVERSHOOT
+ @return number of corners written, in the order given */
+int writeWanted(const WeakCorners* weak, int count, const ScanBlock* blocks, const uint64* wanted,
+                const uchar* scores, ptrdiff_t scoreStep, Corner* corners);
 
 //! cornerScore of the pixels (-1 .. 1, -1 .. 1) around p. Readable must be 4 around and 20 to the right.
 void neighborScores(const uchar* p, ptrdiff_t step, int scores[3][3]);
@@ -177,14 +185,19 @@ int scoreOfPixel(const uchar* p, ptrdiff_t step)
     return score;
 }
 
+CV_ALWAYS_INLINE uchar* scoresOf(const FastScan& scan, int y)
+{
+    return scan.scores + (y - scan.top + 1) * scan.scoreStep;
+}
+
 #if CV_SIMD
 template <typename Vectors> CV_ALWAYS_INLINE int scoreBlocks(const FastScan& scan, int y)
 {
     typedef typename Vectors::V V;
     const uchar* row = scan.image + y * scan.step;
     const ptrdiff_t step = scan.step;
-    uchar* scores = scan.scores[y % 3];
-    int* list = scan.listed[y % 3];
+    uchar* scores = scoresOf(scan, y);
+    int* list = scan.listed[y & 1];
     const V zero = Vectors::all(0), limit = Vectors::all(scan.threshold);
     int possible = 0, count = 0;
     // Every arc holds one end of each axis. Most blocks have no pixel where these allow a corner.
@@ -227,6 +240,7 @@ int scoreRow(const FastScan& scan, int y)
     if (scan.blockWidth == AQORB_LANES(Narrow::V))
         return scoreBlocks<Narrow>(scan, y);
 #endif
+    uchar* scores = scoresOf(scan, y);
     int count = 0;
     for (int i = 0; i < scan.blockCount; i++)
     {
@@ -235,10 +249,10 @@ int scoreRow(const FastScan& scan, int y)
         for (int j = 0; j < scan.blockWidth; j++)
         {
             const int score = scoreOfPixel(scan.image + y * scan.step + x + j, scan.step);
-            scan.scores[y % 3][x + j] = uchar(score > scan.threshold ? score : 0);
+            scores[x + j] = uchar(score > scan.threshold ? score : 0);
             any |= score > scan.threshold;
         }
-        scan.listed[y % 3][count] = i;
+        scan.listed[y & 1][count] = i;
         count += any;
     }
     return count;
@@ -246,23 +260,50 @@ int scoreRow(const FastScan& scan, int y)
 
 void clearRow(const FastScan& scan, int y)
 {
+    uchar* scores = scoresOf(scan, y);
     for (int i = 0; i < scan.blockCount; i++)
     {
         for (int j = 0; j < scan.blockWidth; j++)
-            scan.scores[y % 3][scan.blocks[i].x + j] = 0;
+            scores[scan.blocks[i].x + j] = 0;
     }
 }
 
-// The wanted corners of a row of scores that are higher than their eight neighbours, from left to right.
-int suppressRow(const FastScan& scan, int y, Corner* corners)
+// Writes the corners of a block from left to right, and returns the place after them.
+CV_ALWAYS_INLINE Corner* writeCorners(uint64 columns, int x, int y, const uchar* scores, Corner* out)
 {
-    const uchar *scores = scan.scores[y % 3], *above = scan.scores[(y + 2) % 3],
-                *below = scan.scores[(y + 1) % 3];
-    const int* listed = scan.listed[y % 3];
-    Corner* out = corners;
-    for (int i = 0; i < scan.listedCount[y % 3]; i++)
+    while (columns)
     {
-        const int x = scan.blocks[listed[i]].x;
+        // Several at once, found or not: how many there are is hard to predict.
+        for (int j = 0; j < SCAN_OVERSHOOT; j++)
+        {
+            const int column = x + trailingZeros(columns | uint64(1) << 63);
+            out->x = column;
+            out->y = y;
+            out->score = scores[column] - 1;
+            out += columns != 0;
+            columns &= columns - 1;
+        }
+    }
+    return out;
+}
+
+// The wanted corners of a row of scores are those that are higher than their eight neighbours. Writes the
+// strong ones, from left to right, and notes the others.
+int suppressRow(FastScan& scan, int y, Corner* corners)
+{
+    const uchar *scores = scoresOf(scan, y), *above = scores - scan.scoreStep,
+                *below = scores + scan.scoreStep;
+    const int* listed = scan.listed[y & 1];
+    Corner* out = corners;
+    WeakCorners* weak = scan.weak + scan.weakCount;
+#if CV_SIMD
+    const v_uint8 strongest = vx_setall_u8(uchar(scan.strongThreshold));
+#endif
+    const ScanBlock* blocks = scan.blocks;
+    const int count = scan.listedCount[y & 1];
+    for (int i = 0; i < count; i++)
+    {
+        const int x = blocks[listed[i]].x;
         const uchar *s = scores + x, *u = above + x, *d = below + x;
 #if CV_SIMD
         const v_uint8 score = vx_load(s);
@@ -270,30 +311,25 @@ int suppressRow(const FastScan& scan, int y, Corner* corners)
         const v_uint8 over = v_max(v_max(vx_load(u - 1), vx_load(u)), vx_load(u + 1));
         const v_uint8 under = v_max(v_max(vx_load(d - 1), vx_load(d)), vx_load(d + 1));
         uint64 highest = Wide::maskGreater(score, v_max(beside, v_max(over, under)));
+        const uint64 strong = Wide::maskGreater(score, strongest);
 #else
-        uint64 highest = 0;
+        uint64 highest = 0, strong = 0;
         for (int j = 0; j < scan.blockWidth; j++)
         {
             const bool is = s[j] > s[j - 1] && s[j] > s[j + 1] && s[j] > u[j - 1] && s[j] > u[j] &&
                             s[j] > u[j + 1] && s[j] > d[j - 1] && s[j] > d[j] && s[j] > d[j + 1];
             highest |= uint64(is) << j;
+            strong |= uint64(s[j] > scan.strongThreshold) << j;
         }
 #endif
-        highest &= scan.blocks[listed[i]].wanted;
-        while (highest)
-        {
-            // Several at once, found or not: how many there are is hard to predict.
-            for (int j = 0; j < SCAN_OVERSHOOT; j++)
-            {
-                const int column = x + trailingZeros(highest | uint64(1) << 63);
-                out->x = column;
-                out->y = y;
-                out->score = scores[column] - 1;
-                out += highest != 0;
-                highest &= highest - 1;
-            }
-        }
+        highest &= blocks[listed[i]].wanted;
+        const uint64 others = highest & ~strong;
+        const WeakCorners found = {listed[i], y, others};
+        *weak = found;
+        weak += others != 0;
+        out = writeCorners(highest & strong, x, y, scores, out);
     }
+    scan.weakCount = int(weak - scan.weak);
     return int(out - corners);
 }
 
@@ -316,19 +352,32 @@ int continueScan(FastScan& scan, Corner* corners, int capacity)
     for (; scan.y <= scan.bottom && found + perRow <= capacity; scan.y++)
     {
         const int y = scan.y;
+        scoresOf(scan, y)[scan.left - 1] = scoresOf(scan, y)[scan.right] = 0;
         if (y >= scan.scoredTop && y < scan.scoredBottom)
         {
-            scan.listedCount[y % 3] = scoreRow(scan, y);
+            scan.listedCount[y & 1] = scoreRow(scan, y);
         }
         else
         {
             clearRow(scan, y);
-            scan.listedCount[y % 3] = 0;
+            scan.listedCount[y & 1] = 0;
         }
         if (y > scan.top)
             found += suppressRow(scan, y - 1, corners + found);
     }
     return found;
+}
+
+int writeWanted(const WeakCorners* weak, int count, const ScanBlock* blocks, const uint64* wanted,
+                const uchar* scores, ptrdiff_t scoreStep, Corner* corners)
+{
+    Corner* out = corners;
+    for (int i = 0; i < count; i++)
+    {
+        const int block = weak[i].block, y = weak[i].y;
+        out = writeCorners(weak[i].columns & wanted[block], blocks[block].x, y, scores + y * scoreStep, out);
+    }
+    return int(out - corners);
 }
 
 void neighborScores(const uchar* p, ptrdiff_t step, int scores[3][3])

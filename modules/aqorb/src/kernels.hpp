@@ -45,16 +45,21 @@ struct FastScan
 {
     const uchar* image;
     ptrdiff_t step;
-    int threshold;
+    int threshold;                //!< of all corners
+    int strongThreshold;          //!< of those that are written at once, >= threshold
     int top, bottom;              //!< rows in which corners are wanted
     int scoredTop, scoredBottom;  //!< rows that get scores: also the ones around, where they have a circle
+    int left, right;              //!< columns that have a circle
     int y;                        //!< the next row to get scores; finished when beyond bottom
     const ScanBlock* blocks;      //!< from left to right
     int blockCount;
-    int blockWidth;    //!< one of scanWidths, or any number below its last
-    uchar* scores[3];  //!< by row modulo 3, by column; SCAN_MARGIN bytes more on both sides
-    int* listed[3];    //!< by row modulo 3: the blocks in which there are scores
-    int listedCount[3];
+    int blockWidth;       //!< one of scanWidths, or any number below its last
+    uchar* scores;        //!< from row top - 1 on, by column; SCAN_MARGIN bytes more on both sides
+    ptrdiff_t scoreStep;  //!< of the scores' rows
+    int* listed[2];       //!< by row modulo 2: the blocks in which there are scores
+    int listedCount[2];
+    WeakCorners* weak;  //!< room for all blocks of all rows, and one
+    int weakCount;
 };
 
 const int SCAN_MARGIN = 64;    // around the scores of a row, for the vectors

@@ -143,18 +143,39 @@ struct ScanBlock
     uint64 wanted;  //!< bit i: whether a corner at x + i is wanted
 };
 
-//! Work space of detectCorners, for one call after the other.
-struct FastScratch
+//! Corners among the pixels of a block, in a row.
+struct WeakCorners
 {
-    std::vector<ScanBlock> blocks;
-    std::vector<uchar> scores;
-    std::vector<int> listed;
-    std::vector<Corner> found;
+    int block, y;
+    uint64 columns;  //!< bit i: whether the block's pixel i is one
 };
 
-//! The same, with a region of several runs of columns, from left to right and apart, in the same rows.
-CV_EXPORTS void detectCorners(const Mat& image, const Range& rows, const std::vector<Range>& columns,
-                              int threshold, std::vector<Corner>& corners, FastScratch& scratch);
+//! Work space of detectCorners, for one call after the other, and what takeWeakCorners takes.
+struct FastScratch
+{
+    FastScratch() : blockWidth(0), firstRow(0), scoreStep(0), weakCount(0), weakTaken(0) {}
+
+    std::vector<ScanBlock> blocks;
+    int blockWidth;
+    std::vector<uchar> scores;
+    int firstRow;  //!< of the scores
+    ptrdiff_t scoreStep;
+    std::vector<int> listed;
+    std::vector<Corner> found;
+    std::vector<WeakCorners> weak;  //!< from top to bottom
+    int weakCount, weakTaken;
+    std::vector<uint64> wanted;  //!< by block
+};
+
+/** The same at thresholds.ini. Those at thresholds.min that are none at thresholds.ini stay in the
+ scratch. */
+CV_EXPORTS void detectCorners(const Mat& image, const Rect& region, Thresholds thresholds,
+                              std::vector<Corner>& corners, FastScratch& scratch);
+
+/** Appends the corners that the last detectCorners left in the scratch, of the given rows, and of runs of
+ columns, which lie apart, from left to right. Rows must be asked for from top to bottom. */
+CV_EXPORTS void takeWeakCorners(const Range& rows, const std::vector<Range>& columns,
+                                std::vector<Corner>& corners, FastScratch& scratch);
 
 /** The unthresholded FAST score at p, -255 to 255: the largest over the 16 arcs of 9 circle pixels
  of their least difference to the centre, brighter or darker. One more than cv::FAST's response. */
@@ -179,7 +200,7 @@ struct CornerScratch
     std::vector<uchar> falls;   //!< by corner
     FastScratch fast;
     std::vector<uchar> fullCells;
-    std::vector<Range> columns;  //!< to search
+    std::vector<Range> columns;  //!< of empty cells
 };
 
 //! Rows of a region whose corners are found by themselves, whole rows of cells; empty for an index too high.
