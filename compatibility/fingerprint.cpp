@@ -78,9 +78,11 @@ Mat makeScene(Size size, int channels, uint64 seed)
     }
     for (int i = 0; i < size.area() / 900; i++)
     {
-        const Rect rect(rng.uniform(0, size.width), rng.uniform(0, size.height), rng.uniform(3, 30),
-                        rng.uniform(3, 30));
-        const Scalar colour(rng.uniform(0, 256), rng.uniform(0, 256), rng.uniform(0, 256), 255);
+        // Braces: they have an order of evaluation.
+        const Rect rect{rng.uniform(0, size.width), rng.uniform(0, size.height), rng.uniform(3, 30),
+                        rng.uniform(3, 30)};
+        const Scalar colour{double(rng.uniform(0, 256)), double(rng.uniform(0, 256)),
+                            double(rng.uniform(0, 256)), 255};
         scene(rect & Rect(Point(), size)).setTo(colour);
     }
     for (int y = 0; y < size.height; y++)
@@ -100,12 +102,15 @@ Ptr<AdaptiveQuadtreeORB> makeDetector(RNG& rng)
 {
     const float scaleFactors[] = {1.1f, 1.2f, 1.33f, 1.5f, 2.f};
     const int patchSizes[] = {31, 31, 31, 24, 15};
+    const int nfeatures = rng.uniform(50, 2500), nlevels = rng.uniform(1, 9),
+              edgeThreshold = rng.uniform(0, 32);
+    const float scaleFactor = scaleFactors[rng.uniform(0, 5)];
+    const int firstLevel = rng.uniform(0, std::min(nlevels, 3)), tupleSize = rng.uniform(2, 5);
     const ORB::ScoreType score = rng.uniform(0, 3) == 0 ? ORB::FAST_SCORE : ORB::HARRIS_SCORE;
-    const int nlevels = rng.uniform(1, 9);
-    const Ptr<AdaptiveQuadtreeORB> detector = AdaptiveQuadtreeORB::create(
-        rng.uniform(50, 2500), scaleFactors[rng.uniform(0, 5)], nlevels, rng.uniform(0, 32),
-        rng.uniform(0, std::min(nlevels, 3)), rng.uniform(2, 5), score, patchSizes[rng.uniform(0, 5)],
-        rng.uniform(3, 41));
+    const int patchSize = patchSizes[rng.uniform(0, 5)], fastThreshold = rng.uniform(3, 41);
+    const Ptr<AdaptiveQuadtreeORB> detector =
+        AdaptiveQuadtreeORB::create(nfeatures, scaleFactor, nlevels, edgeThreshold, firstLevel, tupleSize,
+                                    score, patchSize, fastThreshold);
     detector->setAdaptiveThreshold(rng.uniform(0, 3) != 0);
     detector->setMinThresholdRatio(rng.uniform(1., 6.));
     detector->setCellSize(rng.uniform(8, 80));
@@ -156,7 +161,7 @@ int main(int argc, char** argv)
     for (int i = 0; i < 60; i++)
     {
         const int channels[] = {1, 3, 4};
-        const Size size(rng.uniform(40, 500), rng.uniform(40, 400));
+        const Size size{rng.uniform(40, 500), rng.uniform(40, 400)};
         const Mat scene = makeScene(size, channels[i % 3], rng.next());
         Mat mask;
         if (i % 4 == 3)
