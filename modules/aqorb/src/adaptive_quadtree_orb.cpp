@@ -91,6 +91,13 @@ private:
     Pool<LevelScratch>& scratches;
 };
 
+//! Whether a point, rounded, is a pixel. Points far away are not rounded: what comes of that depends on the CPU.
+bool isOnPixel(const Point2f& pt, const Size& size)
+{
+    const float width = float(size.width), height = float(size.height);
+    return pt.x > -1 && pt.y > -1 && pt.x < width && pt.y < height && Rect(Point(), size).contains(Point(pt));
+}
+
 bool hasLowerOctave(const KeyPoint& a, const KeyPoint& b)
 {
     return a.octave < b.octave;
@@ -403,12 +410,10 @@ void AdaptiveQuadtreeORBImpl::locate(const Mat& image, const std::vector<KeyPoin
                    "into the field: unpack it first)",
                    maxOctave));
 
-    const Rect pixels(Point(), image.size());
     std::vector<KeyPoint> inside;
     for (size_t i = 0; i < provided.size(); i++)
     {
-        const Point2f pt = provided[i].pt;
-        if (std::isfinite(pt.x) && std::isfinite(pt.y) && pixels.contains(Point(pt)))
+        if (isOnPixel(provided[i].pt, image.size()))
             inside.push_back(provided[i]);
     }
     const int border = std::min(p.edgeThreshold, std::max(image.cols, image.rows));
