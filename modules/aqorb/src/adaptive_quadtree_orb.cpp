@@ -171,7 +171,7 @@ private:
         p = changed;
     }
 
-    void detect(const Mat& image, const Mat& mask, Workspace& workspace) const;
+    void find(const Mat& image, const Mat& mask, Workspace& workspace) const;
     void locate(const Mat& image, const std::vector<KeyPoint>& provided, Workspace& workspace) const;
     Rect regionOf(Size level) const
     {
@@ -240,7 +240,7 @@ void AdaptiveQuadtreeORBImpl::detectAndCompute(InputArray image_, InputArray mas
     if (useProvidedKeypoints)
         locate(image, keypoints, workspace);
     else
-        detect(image, checkedMask(mask_, image.size()), workspace);
+        find(image, checkedMask(mask_, image.size()), workspace);
 
     const int levels = int(workspace.pyramid.size());
     std::vector<size_t> firsts(levels + 1, 0);  // of each level's features among all
@@ -292,7 +292,7 @@ void AdaptiveQuadtreeORBImpl::detectAndCompute(InputArray image_, InputArray mas
 }
 
 // Finds the features of an image.
-void AdaptiveQuadtreeORBImpl::detect(const Mat& image, const Mat& mask, Workspace& workspace) const
+void AdaptiveQuadtreeORBImpl::find(const Mat& image, const Mat& mask, Workspace& workspace) const
 {
     p.checkTogether(p.nlevels);
     const Thresholds thresholds =
