@@ -20,10 +20,10 @@ if(TARGET opencv_test_aqorb)
     target_compile_options(opencv_test_aqorb PRIVATE -ffp-contract=off)
   endif()
 
-  # OpenCV's own invariance tests, where features2d has them in the form that takes any detector.
-  set(features2d "${OPENCV_MODULE_opencv_features2d_LOCATION}")
-  if(EXISTS "${features2d}/test/test_detectors_invariance.impl.hpp")
-    target_include_directories(opencv_test_aqorb PRIVATE "${features2d}/..")
+  # OpenCV's own invariance tests, where its module has them in the form that takes any detector.
+  set(features "${OPENCV_MODULE_opencv_${aqorb_features}_LOCATION}")
+  if(EXISTS "${features}/test/test_detectors_invariance.impl.hpp")
+    target_include_directories(opencv_test_aqorb PRIVATE "${features}/..")
     target_compile_definitions(opencv_test_aqorb PRIVATE AQORB_FEATURES2D_TESTS)
   endif()
 endif()

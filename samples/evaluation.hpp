@@ -8,7 +8,7 @@
 #define AQORB_SAMPLES_EVALUATION_HPP
 
 #include <opencv2/calib3d.hpp>
-#include <opencv2/features2d.hpp>
+#include <opencv2/aqorb/features.hpp>
 
 #include <algorithm>
 #include <vector>

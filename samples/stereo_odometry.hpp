@@ -11,7 +11,7 @@
 
 #include <opencv2/calib3d.hpp>
 #include <opencv2/core/utils/filesystem.hpp>
-#include <opencv2/features2d.hpp>
+#include <opencv2/aqorb/features.hpp>
 
 #include <algorithm>
 #include <fstream>

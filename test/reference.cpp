@@ -285,6 +285,32 @@ Point2f position(int x, int y, Point2d d, Size imageSize, Size levelSize, float 
                    coordinate(y, d.y, imageSize.height, levelSize.height, scale, border));
 }
 
+float arctangent(float y, float x, bool fused)
+{
+    // As in mathfuncs_core.simd.hpp.
+    const auto multiplyAdd = [fused](float a, float b, float c)
+    { return fused ? std::fma(a, b, c) : a * b + c; };
+    const float degrees = (float)(180 / CV_PI);
+    const float p[] = {-0.04432655554792128f * degrees, 0.1555786518463281f * degrees,
+                       -0.3258083974640975f * degrees, 0.9997878412794807f * degrees};
+    const float ax = std::abs(x), ay = std::abs(y);
+    const float c = std::min(ax, ay) / (std::max(ax, ay) + (float)DBL_EPSILON), c2 = c * c;
+    float sum = p[0];
+    for (int i = 1; i < 4; i++)
+        sum = multiplyAdd(sum, c2, p[i]);
+    const float a = ax >= ay ? sum * c : multiplyAdd(-sum, c, 90.f);
+    const float half = x < 0 ? 180.f - a : a;
+    return y < 0 ? 360.f - half : half;
+}
+
+bool opencvFusesMultiplyAdd()
+{
+    int x = 1;
+    while (arctangent(100, float(x), true) == arctangent(100, float(x), false))
+        x++;
+    return fastAtan2(100, float(x)) == arctangent(100, float(x), true);
+}
+
 float orientation(const Mat& image, int x, int y, int patchSize)
 {
     // As in orb.cpp.
@@ -310,7 +336,7 @@ float orientation(const Mat& image, int x, int y, int patchSize)
             m01 += v * pixel(image, x + u, y + v);
         }
     }
-    return fastAtan2((float)m01, (float)m10);
+    return arctangent((float)m01, (float)m10);
 }
 
 }  // namespace reference

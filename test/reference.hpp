@@ -81,6 +81,11 @@ Point2f position(int x, int y, Point2d d, Size imageSize, Size levelSize, float 
                  bool subPixel);
 Point2d subPixelOffset(const Mat& image, int x, int y);
 
+//! cv::fastAtan2 with or without fused multiply-add.
+float arctangent(float y, float x, bool fused = false);
+/** Whether OpenCV was compiled with fused multiply-add, as for AArch64. Its angles then differ from ours in the last
+ bit, and cv::ORB may round a turned test point to another pixel. */
+bool opencvFusesMultiplyAdd();
 float orientation(const Mat& image, int x, int y, int patchSize);
 
 //! cv::ORB's blur with fused multiply-add before it is rounded, CV_32FC1.

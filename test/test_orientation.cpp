@@ -57,6 +57,21 @@ TEST(AqorbOrientation, equalsReferenceAtEveryPixel)
     }
 }
 
+TEST(AqorbOrientation, referenceIsFastAtan2)
+{
+    const bool fused = reference::opencvFusesMultiplyAdd();
+    for (int y = -300; y <= 300; y += 3)
+    {
+        for (int x = -300; x <= 300; x++)
+        {
+            const float plain = reference::arctangent(float(y), float(x));
+            ASSERT_EQ(fastAtan2(float(y), float(x)), reference::arctangent(float(y), float(x), fused))
+                << x << " " << y;
+            ASSERT_NEAR(plain, fastAtan2(float(y), float(x)), 1e-4) << x << " " << y;
+        }
+    }
+}
+
 TEST(AqorbOrientation, patchIsSymmetric)
 {
     for (int patchSize = 2; patchSize <= 200; patchSize++)

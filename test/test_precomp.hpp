@@ -27,7 +27,6 @@ using namespace cv;
 #endif
 
 #include "opencv2/aqorb.hpp"
-#include "opencv2/features2d.hpp"
 #include "opencv2/imgcodecs.hpp"
 #include "opencv2/imgproc.hpp"
 

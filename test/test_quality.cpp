@@ -82,7 +82,7 @@ TEST(AqorbQuality, gives_all_features_asked_for)
     {
         for (int i = 1; i <= IMAGES; i++)
         {
-            SCOPED_TRACE(format("%s %d", set, i));
+            SCOPED_TRACE(std::string(set) + " " + std::to_string(i));
             const Mat image = readColour(set, i);
             ASSERT_FALSE(image.empty());
             EXPECT_EQ(size_t(500), detect(*AdaptiveQuadtreeORB::create(500), image).size());
@@ -102,7 +102,7 @@ TEST(AqorbQuality, finds_features_in_dark_images)
     {
         for (int i = 1; i <= IMAGES; i++)
         {
-            SCOPED_TRACE(format("%s %d", set, i));
+            SCOPED_TRACE(std::string(set) + " " + std::to_string(i));
             Mat dark;
             readColour(set, i).convertTo(dark, CV_8U, 0.12);
             ASSERT_FALSE(dark.empty());

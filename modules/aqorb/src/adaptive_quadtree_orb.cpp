@@ -164,6 +164,13 @@ template <typename Body> void inParallel(size_t count, const Body& body)
         double(count));
 }
 
+//! Whether a point, rounded, is a pixel. Points far away are not rounded: what comes of that depends on the CPU.
+bool isOnPixel(const Point2f& pt, const Size& size)
+{
+    const float width = float(size.width), height = float(size.height);
+    return pt.x > -1 && pt.y > -1 && pt.x < width && pt.y < height && Rect(Point(), size).contains(Point(pt));
+}
+
 bool hasLowerOctave(const KeyPoint& a, const KeyPoint& b)
 {
     return a.octave < b.octave;
@@ -252,7 +259,7 @@ private:
         std::swap(tables, ofChanged);
     }
 
-    void detect(const Mat& image, const Mat& mask, Workspace& workspace) const;
+    void chooseCorners(const Mat& image, const Mat& mask, Workspace& workspace) const;
     void locate(const Mat& image, const std::vector<KeyPoint>& provided, Workspace& workspace) const;
     Rect regionOf(Size level) const
     {
@@ -328,7 +335,7 @@ void AdaptiveQuadtreeORBImpl::detectAndCompute(InputArray image_, InputArray mas
     if (useProvidedKeypoints)
         locate(image, keypoints, workspace);
     else
-        detect(image, mask, workspace);
+        chooseCorners(image, mask, workspace);
 
     const size_t count = workspace.keypoints.size();
     Mat descriptors;
@@ -354,7 +361,7 @@ void AdaptiveQuadtreeORBImpl::detectAndCompute(InputArray image_, InputArray mas
 }
 
 // Finds the corners that become features.
-void AdaptiveQuadtreeORBImpl::detect(const Mat& image, const Mat& mask, Workspace& workspace) const
+void AdaptiveQuadtreeORBImpl::chooseCorners(const Mat& image, const Mat& mask, Workspace& workspace) const
 {
     p.checkTogether(p.nlevels);
     const Thresholds thresholds =
@@ -494,12 +501,10 @@ void AdaptiveQuadtreeORBImpl::locate(const Mat& image, const std::vector<KeyPoin
                    "into the field: unpack it first)",
                    maxOctave));
 
-    const Rect pixels(Point(), image.size());
     std::vector<KeyPoint> inside;
     for (size_t i = 0; i < provided.size(); i++)
     {
-        const Point2f pt = provided[i].pt;
-        if (std::isfinite(pt.x) && std::isfinite(pt.y) && pixels.contains(Point(pt)))
+        if (isOnPixel(provided[i].pt, image.size()))
             inside.push_back(provided[i]);
     }
     const int border = std::min(p.edgeThreshold, std::max(image.cols, image.rows));

@@ -35,9 +35,23 @@ std::vector<int> circularPatch(int patchSize)
     return halfWidths;
 }
 
+//! cv::fastAtan2 as it is written. As it is compiled its last bit depends on the CPU: compilers fuse its multiplications
+//! and additions, for example on AArch64.
 static float directionOf(int m10, int m01)
 {
-    return fastAtan2(float(m01), float(m10));
+    const float DEGREES = float(180 / CV_PI);
+    const float P1 = 0.9997878412794807f * DEGREES, P3 = -0.3258083974640975f * DEGREES;
+    const float P5 = 0.1555786518463281f * DEGREES, P7 = -0.04432655554792128f * DEGREES;
+    const float x = std::abs(float(m10)), y = std::abs(float(m01));
+    const float t = std::min(x, y) / (std::max(x, y) + float(DBL_EPSILON)), t2 = t * t;
+    float angle = (((P7 * t2 + P5) * t2 + P3) * t2 + P1) * t;
+    if (x < y)
+        angle = 90.f - angle;
+    if (m10 < 0)
+        angle = 180.f - angle;
+    if (m01 < 0)
+        angle = 360.f - angle;
+    return angle;
 }
 
 float orientation(const Mat& image, int x, int y, const std::vector<int>& halfWidths)

@@ -5,7 +5,7 @@
 #ifndef OPENCV_AQORB_PARAMETERS_HPP
 #define OPENCV_AQORB_PARAMETERS_HPP
 
-#include <opencv2/features2d.hpp>
+#include <opencv2/aqorb/features.hpp>
 
 namespace cv
 {

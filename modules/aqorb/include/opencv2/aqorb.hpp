@@ -5,8 +5,8 @@
 #ifndef OPENCV_AQORB_HPP
 #define OPENCV_AQORB_HPP
 
+#include <opencv2/aqorb/features.hpp>
 #include <opencv2/core.hpp>
-#include <opencv2/features2d.hpp>
 
 /**
 @defgroup aqorb Uniformly distributed ORB features

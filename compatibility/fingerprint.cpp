@@ -1,0 +1,188 @@
+// This file is part of the aqorb project.
+// It is subject to the license terms in the LICENSE file found in the top-level directory
+// of this distribution.
+
+// Prints hashes of what the module computes, to be compared between CPUs, compilers and versions of OpenCV:
+//
+//   aqorb_fingerprint [--plain] [IMAGE ...]
+//
+// One line for each scene or image and each set of parameters. The hashes of the image and of the pyramid tell
+// a difference that came in with the input from one of the detector. --plain: cv::setUseOptimized(false). The
+// features of the CPU that OpenCV uses go to standard error.
+
+#include <opencv2/aqorb.hpp>
+#include <opencv2/core/utility.hpp>
+#include <opencv2/imgcodecs.hpp>
+#include <opencv2/imgproc.hpp>
+
+#include <algorithm>
+#include <cinttypes>
+#include <cstdio>
+#include <string>
+#include <vector>
+
+using namespace cv;
+using aqorb::AdaptiveQuadtreeORB;
+
+namespace
+{
+
+//! FNV-1a of 64 bits.
+class Hash
+{
+public:
+    void add(const void* data, size_t size)
+    {
+        const uchar* bytes = static_cast<const uchar*>(data);
+        for (size_t i = 0; i < size; i++)
+            state = (state ^ bytes[i]) * 0x100000001b3u;
+    }
+
+    void add(const Mat& mat)
+    {
+        add(&mat.rows, sizeof(mat.rows));
+        add(&mat.cols, sizeof(mat.cols));
+        for (int y = 0; y < mat.rows; y++)
+            add(mat.ptr(y), mat.cols * mat.elemSize());
+    }
+
+    void add(const std::vector<KeyPoint>& keypoints)
+    {
+        static_assert(sizeof(KeyPoint) == 5 * sizeof(float) + 2 * sizeof(int), "a KeyPoint has no padding");
+        add(keypoints.data(), keypoints.size() * sizeof(KeyPoint));
+    }
+
+    uint64_t value() const { return state; }
+
+private:
+    uint64_t state = 0xcbf29ce484222325u;
+};
+
+template <typename T> uint64_t hashOf(const T& what)
+{
+    Hash hash;
+    hash.add(what);
+    return hash.value();
+}
+
+/** Rectangles, texture on the left and noise, in integer arithmetic only: drawing and filtering by OpenCV might
+ themselves depend on the CPU. */
+Mat makeScene(Size size, int channels, uint64 seed)
+{
+    RNG rng(seed);
+    Mat scene(size, CV_8UC(channels));
+    for (int y = 0; y < size.height; y++)
+    {
+        for (int x = 0; x < size.width * channels; x++)
+            scene.ptr(y)[x] = uchar(60 + 80 * x / (size.width * channels) + 40 * y / size.height);
+    }
+    for (int i = 0; i < size.area() / 900; i++)
+    {
+        // Braces: they have an order of evaluation.
+        const Rect rect{rng.uniform(0, size.width), rng.uniform(0, size.height), rng.uniform(3, 30),
+                        rng.uniform(3, 30)};
+        const Scalar colour{double(rng.uniform(0, 256)), double(rng.uniform(0, 256)),
+                            double(rng.uniform(0, 256)), 255};
+        scene(rect & Rect(Point(), size)).setTo(colour);
+    }
+    for (int y = 0; y < size.height; y++)
+    {
+        for (int x = 0; x < size.width * channels; x++)
+        {
+            const int noise = x < size.width * channels / 3 ? 30 : 3;
+            uchar& value = scene.ptr(y)[x];
+            value = saturate_cast<uchar>(value + rng.uniform(-noise, noise + 1));
+        }
+    }
+    return scene;
+}
+
+//! A detector with parameters drawn at random over all that have an effect.
+Ptr<AdaptiveQuadtreeORB> makeDetector(RNG& rng)
+{
+    const float scaleFactors[] = {1.1f, 1.2f, 1.33f, 1.5f, 2.f};
+    const int patchSizes[] = {31, 31, 31, 24, 15};
+    const int nfeatures = rng.uniform(50, 2500), nlevels = rng.uniform(1, 9),
+              edgeThreshold = rng.uniform(0, 32);
+    const float scaleFactor = scaleFactors[rng.uniform(0, 5)];
+    const int firstLevel = rng.uniform(0, std::min(nlevels, 3)), tupleSize = rng.uniform(2, 5);
+    const ORB::ScoreType score = rng.uniform(0, 3) == 0 ? ORB::FAST_SCORE : ORB::HARRIS_SCORE;
+    const int patchSize = patchSizes[rng.uniform(0, 5)], fastThreshold = rng.uniform(3, 41);
+    const Ptr<AdaptiveQuadtreeORB> detector =
+        AdaptiveQuadtreeORB::create(nfeatures, scaleFactor, nlevels, edgeThreshold, firstLevel, tupleSize,
+                                    score, patchSize, fastThreshold);
+    detector->setAdaptiveThreshold(rng.uniform(0, 3) != 0);
+    detector->setMinThresholdRatio(rng.uniform(1., 6.));
+    detector->setCellSize(rng.uniform(8, 80));
+    detector->setMaxDepth(rng.uniform(-1, 7));
+    detector->setOctaveSuppression(rng.uniform(0., 3.));
+    detector->setSubPixel(rng.uniform(0, 4) != 0);
+    return detector;
+}
+
+void print(const std::string& name, const Mat& image, const Mat& mask, AdaptiveQuadtreeORB& detector)
+{
+    std::vector<Mat> levels;
+    detector.buildPyramid(image, levels);
+    Hash pyramid;
+    for (const Mat& level : levels)
+        pyramid.add(level);
+
+    std::vector<KeyPoint> keypoints;
+    Mat descriptors;
+    detector.detectAndCompute(image, mask, keypoints, descriptors);
+
+    const double measures[] = {aqorb::adaptiveFastThreshold(image, mask),
+                               aqorb::distributionUniformity(keypoints, image.size()),
+                               aqorb::distributionOccupancy(keypoints, image.size())};
+    Hash hashOfMeasures;
+    hashOfMeasures.add(measures, sizeof(measures));
+
+    std::printf("%s image %016" PRIx64 " pyramid %016" PRIx64 " measures %016" PRIx64
+                " keypoints %zu %016" PRIx64 " descriptors %016" PRIx64 "\n",
+                name.c_str(), hashOf(image), pyramid.value(), hashOfMeasures.value(), keypoints.size(),
+                hashOf(keypoints), hashOf(descriptors));
+}
+
+}  // namespace
+
+int main(int argc, char** argv)
+{
+    std::vector<std::string> arguments(argv + 1, argv + argc);
+    if (!arguments.empty() && arguments[0] == "--plain")
+    {
+        setUseOptimized(false);
+        arguments.erase(arguments.begin());
+    }
+    std::fprintf(stderr, "%s, %s%s\n", CV_VERSION, getCPUFeaturesLine().c_str(),
+                 useOptimized() ? "" : ", setUseOptimized(false)");
+
+    RNG rng(20191);
+    for (int i = 0; i < 60; i++)
+    {
+        const int channels[] = {1, 3, 4};
+        const Size size{rng.uniform(40, 500), rng.uniform(40, 400)};
+        const Mat scene = makeScene(size, channels[i % 3], rng.next());
+        Mat mask;
+        if (i % 4 == 3)
+        {
+            mask = Mat::zeros(size, CV_8UC1);
+            mask(Rect(size.width / 5, size.height / 5, size.width / 2, size.height / 2))
+                .setTo(rng.uniform(1, 256));
+        }
+        print("scene " + std::to_string(i), scene, mask,
+              *(i == 0 ? AdaptiveQuadtreeORB::create() : makeDetector(rng)));
+    }
+    for (const std::string& file : arguments)
+    {
+        const Mat image = imread(file, IMREAD_COLOR);
+        if (image.empty())
+        {
+            std::fprintf(stderr, "cannot read %s\n", file.c_str());
+            return 1;
+        }
+        print(file + " by default", image, Mat(), *AdaptiveQuadtreeORB::create(1000));
+        print(file + " with drawn parameters", image, Mat(), *makeDetector(rng));
+    }
+    return 0;
+}

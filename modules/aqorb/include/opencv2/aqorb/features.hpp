@@ -1,0 +1,17 @@
+// This file is part of the aqorb project.
+// It is subject to the license terms in the LICENSE file found in the top-level directory
+// of this distribution.
+
+#ifndef OPENCV_AQORB_FEATURES_HPP
+#define OPENCV_AQORB_FEATURES_HPP
+
+#include <opencv2/core/version.hpp>
+
+// OpenCV 5 has renamed the module features2d. Its header of the old name is not for use inside OpenCV's build.
+#if CV_VERSION_MAJOR >= 5
+#include <opencv2/features.hpp>
+#else
+#include <opencv2/features2d.hpp>
+#endif
+
+#endif

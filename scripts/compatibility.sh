@@ -1,0 +1,273 @@
+#!/usr/bin/env bash
+# Builds and runs all tests on other CPUs, with other versions of OpenCV and with other compilers, and compares the
+# bytes of keypoints and descriptors with those of the ordinary build.
+#
+#   scripts/compatibility.sh [--bytes] [ROW ...]
+#
+# Ends with one line for each row of the table in doc/compatibility.md; all rows by default. With --bytes the tests
+# are left out. Logs and builds are in build/compatibility.
+#
+#   debian12    scripts/test.sh
+#   debian13    scripts/test.sh on a Debian 13 in a folder of its own; needs root
+#   avx2, sse2  the same build with the features of newer x86-64 CPUs disabled
+#   plain       the same build with cv::setUseOptimized(false); bytes only
+#   qemu64      the same build on an x86-64 CPU without SSSE3, emulated
+#   aarch64     cross-built, on an emulated CPU
+#   clang       clang++
+#   debug       g++ -O0 with the assertions of the standard library
+#   native      g++ -O3 -march=native
+#   hardening   all of Debian's hardening flags
+#
+# Installs the Debian packages it needs. Tests that need images of opencv_extra are skipped unless
+# OPENCV_TEST_DATA_PATH names its testdata folder.
+source "$(dirname "$0")/common.sh"
+
+FOLDER=$BUILD/compatibility
+options=(-DAQORB_BUILD_TESTS=ON -DAQORB_BUILD_COMPATIBILITY=ON -DAQORB_WERROR=ON)
+images=()
+if [[ -n ${OPENCV_TEST_DATA_PATH:-} ]]; then
+    OPENCV_TEST_DATA_PATH=$(cd "$OPENCV_TEST_DATA_PATH" && pwd)
+    images=({bark,bikes,graf,leuven,trees,ubc}/img1.png)
+fi
+photographs=cv/detectors_descriptors_evaluation/images_datasets
+
+# The mirror that this system has its packages from.
+mirror() {
+    local release
+    # shellcheck disable=SC1091
+    release=$(. /etc/os-release && echo "$VERSION_CODENAME")
+    apt-get indextargets --format '$(REPO_URI)' 'Identifier: Packages' 'Origin: Debian' "Codename: $release" |
+        head -n 1
+}
+
+# debian13_system: sets SYSTEM to the folder of a Debian 13 with what the tests need; made once.
+debian13_system() {
+    SYSTEM=$CACHE/debian13
+    [[ ! -e $SYSTEM.complete ]] || return 0
+    need debootstrap
+    as_root rm -rf "$SYSTEM"
+    mkdir -p "$CACHE"
+    as_root debootstrap --variant=minbase --include=build-essential,ccache,cmake,libgtest-dev,libopencv-dev \
+        trixie "$SYSTEM" "$(mirror)"
+    as_root rm -rf "$SYSTEM"/var/cache/apt/archives/*.deb
+    touch "$SYSTEM.complete"
+}
+
+# inside_debian13 COMMAND...: runs a shell command there, in a mount namespace that ends with it: the repository is
+# /aqorb, with a build folder of its own, the test data is /data.
+inside_debian13() {
+    mkdir -p "$FOLDER/debian13"
+    as_root mkdir -p "$SYSTEM/aqorb" "$SYSTEM/data"
+    # shellcheck disable=SC2016
+    as_root unshare --mount sh -ec '
+        system=$1 root=$2 build=$3 data=$4
+        shift 4
+        mount -t proc proc "$system/proc"
+        mount --bind "$root" "$system/aqorb"
+        mount --bind "$build" "$system/aqorb/build"
+        if [ -n "$data" ]; then
+            mount --bind "$data" "$system/data"
+            export OPENCV_TEST_DATA_PATH=/data
+        fi
+        export CCACHE_DIR=/aqorb/build/ccache
+        exec chroot "$system" "$@"' sh "$SYSTEM" "$ROOT" "$FOLDER/debian13" "${OPENCV_TEST_DATA_PATH:-}" "$@"
+}
+
+# arm64_sysroot: sets SYSROOT to a folder with Debian's arm64 packages of OpenCV and GoogleTest, unpacked; fetched
+# once. The system's architectures stay as they are: apt gets folders and a source list of our own.
+arm64_sysroot() {
+    local folder=$CACHE/arm64
+    SYSROOT=$folder/root
+    [[ ! -e $folder/complete ]] || return 0
+    rm -rf "$folder"
+    mkdir -p "$folder"/{parts,lists/partial,apt/archives/partial,root/usr/{bin,lib,sbin}}
+    apt-get indextargets --format 'deb [arch=arm64] $(REPO_URI) $(RELEASE) $(COMPONENT)' \
+        'Identifier: Packages' 'Origin: Debian' | sort -u >"$folder/parts/arm64.list"
+    touch "$folder/status"
+    local apt=(apt-get -qq
+        -o APT::Architecture=arm64 -o APT::Architectures=arm64 -o APT::Sandbox::User="$(id -un)"
+        -o Dir::Etc::SourceList=/dev/null -o Dir::Etc::SourceParts="$folder/parts"
+        -o Dir::State::Status="$folder/status" -o Dir::State::Lists="$folder/lists" -o Dir::Cache="$folder/apt")
+    "${apt[@]}" update
+    "${apt[@]}" install -y --no-install-recommends --download-only libgtest-dev libopencv-dev libstdc++-12-dev
+
+    local directory package
+    for directory in bin lib sbin; do ln -s "usr/$directory" "$SYSROOT/$directory"; done
+    for package in "$folder"/apt/archives/*.deb; do
+        dpkg-deb --fsys-tarfile "$package" | tar -x -C "$SYSROOT" --keep-directory-symlink --no-same-owner
+    done
+    # What update-alternatives would choose.
+    ln -s blas/libblas.so.3 lapack/liblapack.so.3 "$SYSROOT/usr/lib/aarch64-linux-gnu/"
+    rm -r "$folder"/{apt,lists,parts,status}
+    touch "$folder/complete"
+}
+
+# tests FOLDER [CMake option...]: builds, and runs the tests unless they are left out.
+tests() {
+    local folder=$1
+    configure "$@" "${options[@]}"
+    if [[ $bytes_only ]]; then
+        build "$folder" --target aqorb_fingerprint
+    else
+        build "$folder"
+        run_tests "$folder"
+    fi
+}
+
+# fingerprint ROW COMMAND...: the hashes of what the program COMMAND computes.
+fingerprint() {
+    local row=$1
+    shift
+    mkdir -p "$FOLDER/bytes"
+    (
+        if ((${#images[@]})); then cd "$OPENCV_TEST_DATA_PATH/$photographs"; fi
+        "$@" "${images[@]}" >"$FOLDER/bytes/$row.new"
+    ) 2> >(tee "$FOLDER/bytes/$row.features" >&2)
+    if grep 'unknown CPU feature' "$FOLDER/bytes/$row.features"; then return 1; fi
+    mv "$FOLDER/bytes/$row.new" "$FOLDER/bytes/$row"
+}
+
+# compiled ROW [CMake option...]: a build of its own of the native system.
+compiled() {
+    local row=$1
+    shift
+    tests "$FOLDER/$row" "$@"
+    fingerprint "$row" "$FOLDER/$row/compatibility/aqorb_fingerprint"
+}
+
+# disabled ROW FEATURES: the ordinary build without some features of the CPU.
+disabled() {
+    export OPENCV_CPU_DISABLE=$2
+    tests "$BUILD/release"
+    fingerprint "$1" "$BUILD/release/compatibility/aqorb_fingerprint"
+}
+
+row_debian12() {
+    if [[ $bytes_only ]]; then
+        tests "$BUILD/release"
+    else
+        "$ROOT/scripts/test.sh" "${options[@]}"
+    fi
+    fingerprint debian12 "$BUILD/release/compatibility/aqorb_fingerprint"
+}
+
+row_debian13() {
+    need util-linux
+    debian13_system
+    if [[ $bytes_only ]]; then
+        inside_debian13 bash -ec 'source /aqorb/scripts/common.sh
+            configure /aqorb/build/release "$@"
+            build /aqorb/build/release --target aqorb_fingerprint' bash "${options[@]}"
+    else
+        inside_debian13 /aqorb/scripts/test.sh "${options[@]}"
+    fi
+    # shellcheck disable=SC2016
+    fingerprint debian13 inside_debian13 sh -ec \
+        'if [ "$OPENCV_TEST_DATA_PATH" ]; then cd "/data/$0"; fi
+        exec /aqorb/build/release/compatibility/aqorb_fingerprint "$@"' "$photographs"
+}
+
+row_avx2() { disabled avx2 AVX512-SKX; }
+
+row_sse2() { disabled sse2 SSE3,SSSE3,SSE4.1,SSE4.2,POPCNT,FP16,FMA3,AVX,AVX2,AVX512-SKX; }
+
+row_plain() {
+    bytes_only=1 tests "$BUILD/release"
+    fingerprint plain "$BUILD/release/compatibility/aqorb_fingerprint" --plain
+}
+
+row_qemu64() {
+    need qemu-user-static
+    local emulator=(qemu-x86_64-static -cpu qemu64)
+    tests "$FOLDER/qemu64" -DCMAKE_CROSSCOMPILING_EMULATOR="$(join "${emulator[@]}")"
+    fingerprint qemu64 "${emulator[@]}" "$FOLDER/qemu64/compatibility/aqorb_fingerprint"
+}
+
+row_aarch64() {
+    need g++-aarch64-linux-gnu qemu-user-static
+    arm64_sysroot
+    tests "$FOLDER/aarch64" -DCMAKE_TOOLCHAIN_FILE="$ROOT/cmake/toolchains/aarch64-linux-gnu.cmake" \
+        -DAQORB_SYSROOT="$SYSROOT"
+    fingerprint aarch64 qemu-aarch64-static -L "$SYSROOT" "$FOLDER/aarch64/compatibility/aqorb_fingerprint"
+}
+
+row_clang() {
+    need clang
+    compiled clang -DCMAKE_CXX_COMPILER=clang++
+}
+
+# _GLIBCXX_DEBUG has another layout of std::vector than the installed OpenCV.
+row_debug() { compiled debug -DCMAKE_BUILD_TYPE=Debug -DCMAKE_CXX_FLAGS='-O0 -D_GLIBCXX_ASSERTIONS'; }
+
+row_native() { compiled native -DCMAKE_CXX_FLAGS='-O3 -march=native'; }
+
+row_hardening() {
+    need dpkg-dev
+    export DEB_BUILD_MAINT_OPTIONS=hardening=+all
+    compiled hardening -DCMAKE_BUILD_TYPE=None \
+        -DCMAKE_CXX_FLAGS="$(dpkg-buildflags --get CXXFLAGS) $(dpkg-buildflags --get CPPFLAGS)" \
+        -DCMAKE_EXE_LINKER_FLAGS="$(dpkg-buildflags --get LDFLAGS)" \
+        -DCMAKE_SHARED_LINKER_FLAGS="$(dpkg-buildflags --get LDFLAGS)"
+}
+
+join() { local IFS=';' && echo "$*"; }
+
+bytes_only=
+if [[ ${1:-} == --bytes ]]; then
+    bytes_only=1
+    shift
+fi
+rows=("$@")
+((${#rows[@]})) || rows=(debian12 debian13 avx2 sse2 plain qemu64 aarch64 clang debug native hardening)
+for row in "${rows[@]}"; do
+    declare -F "row_$row" >/dev/null || die "no such row: $row"
+done
+
+need build-essential cmake ccache libopencv-dev libgtest-dev
+rm -rf "$FOLDER/bytes"
+mkdir -p "$FOLDER/bytes"
+
+# start ROW: in a process of its own, as what a row exports ends with it. Not within a condition, where bash would
+# ignore errors.
+start() {
+    say "$1"
+    SECONDS=0
+    "row_$1" >"$FOLDER/$1.log" 2>&1 &
+}
+
+# verdict ROW: the counts of its tests, and how many of its lines of hashes are those of the ordinary build.
+verdict() {
+    local counts total equal
+    counts=$(grep '^[0-9]* passed, ' "$FOLDER/$1.log" | tail -n 1)
+    total=$(wc -l <"$FOLDER/bytes/debian12")
+    equal=$(comm -12 <(sort "$FOLDER/bytes/debian12") <(sort "$FOLDER/bytes/$1") | wc -l)
+    echo "${counts:-no tests}; bytes: $equal of $total equal; $SECONDS s"
+    ((equal == total && total > 0))
+}
+
+# The bytes to compare with come first.
+if [[ ${rows[0]} != debian12 ]]; then
+    wanted=$bytes_only bytes_only=1
+    start debian12
+    wait $! || die "see $FOLDER/debian12.log"
+    bytes_only=$wanted
+fi
+
+status=0
+summary=()
+for row in "${rows[@]}"; do
+    start "$row"
+    result=
+    if wait $! && result=$(verdict "$row"); then
+        echo "$result"
+    else
+        status=1
+        tail -n 40 "$FOLDER/$row.log"
+        result="FAILED: ${result:-see $FOLDER/$row.log}"
+    fi
+    summary+=("$(printf '%-10s %s' "$row" "$result")")
+done
+
+say "Summary"
+printf '%s\n' "${summary[@]}"
+exit $status
