@@ -169,14 +169,30 @@ TEST(AqorbProperties, asManyFeaturesAsThereAreCorners)
     {
         RNG rng(seed);
         Settings s = randomSettings(rng);
+        const bool isPlain = seed % 2 == 0;  // one level, one known threshold, no mask
+        if (isPlain)
+        {
+            s.nlevels = 1;
+            s.firstLevel = 0;
+            s.adaptiveThreshold = false;
+        }
         SCOPED_TRACE(text(seed, s));
         const Mat image = randomImage(rng, randomSize(rng));
-        const Mat mask = seed % 3 ? Mat() : randomMask(rng, image.size());
+        const Mat mask = isPlain || seed % 3 ? Mat() : randomMask(rng, image.size());
         const Ptr<AdaptiveQuadtreeORB> detector = s.create();
         KeyPoints keypoints;
         detector->setMaxFeatures(1 << 20);
         detector->detect(image, keypoints, mask);
         const int all = int(keypoints.size());
+        if (isPlain)
+        {
+            const int e = s.edgeThreshold;
+            const Rect region(e, e, image.cols - 2 * e, image.rows - 2 * e);
+            cv::FAST(image, keypoints,
+                     reference::thresholds(0, false, s.fastThreshold, s.minThresholdRatio).min);
+            ASSERT_EQ(all, std::count_if(keypoints.begin(), keypoints.end(),
+                                         [&](const KeyPoint& k) { return region.contains(k.pt); }));
+        }
         for (int i = 0; i < 4; i++)
         {
             const int n = rng.uniform(0, all + 10);
