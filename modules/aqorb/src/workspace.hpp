@@ -69,6 +69,8 @@ struct LevelScratch
 template <typename T> class Pool
 {
 public:
+    Pool() : made(0) {}
+
     class Lease
     {
     public:
@@ -93,7 +95,10 @@ private:
     {
         AutoLock lock(mutex);
         if (idle.empty())
+        {
+            idle.reserve(++made);  // a destructor gives it back: there must be room
             return makePtr<T>();
+        }
         const Ptr<T> lent = idle.back();
         idle.pop_back();
         return lent;
@@ -105,6 +110,7 @@ private:
     }
 
     Mutex mutex;
+    size_t made;
     std::vector<Ptr<T>> idle;
 };
 
