@@ -17,7 +17,7 @@ Finds, logs and new inputs are kept in build/fuzz-run; the next run goes on from
 END
 }
 
-seconds=60 coverage= targets=()
+seconds=60 coverage=0 targets=()
 while (($#)); do
     case $1 in
         --smoke) seconds=25 ;;
@@ -94,7 +94,7 @@ for target in "${targets[@]}"; do
     echo "$target: no find without AVX-512"
 done
 
-if [[ -n $coverage ]]; then
+if ((coverage)); then
     say "Source coverage by the corpus"
     folder=$BUILD/fuzz-coverage
     configure_fuzzers "$folder" -DAQORB_FUZZ_COVERAGE=ON
@@ -106,7 +106,7 @@ if [[ -n $coverage ]]; then
         profiles+=("$run/$target/profile")
     done
     llvm-profdata merge "${profiles[@]}" -o "$run/profile"
-    llvm-cov report -instr-profile="$run/profile" "$(echo "$folder"/modules/aqorb/libaqorb.so)" \
+    llvm-cov report -instr-profile="$run/profile" "$folder/modules/aqorb/libaqorb.so" \
         --ignore-filename-regex='/usr/' --show-region-summary=false | tee "$run/coverage" |
         grep -E '^Filename|^TOTAL'
 
