@@ -9,18 +9,21 @@ usage: scripts/fuzz.sh [--smoke | --seconds N] [--coverage] [fuzz_api | fuzz_ref
 
   TARGET       both, side by side, unless named
   --seconds N  how long (60)
-  --smoke      25 seconds for both: shows that they run, and that known inputs do no harm
+  --smoke      25 seconds, from the repository's corpus alone: shows that the targets run, and that known
+               inputs do no harm
   --coverage   also prints how much of the library's source the corpus covers, and what becomes of the
                inputs of fuzz_api when cv::ORB gets them
 
-Finds, logs and new inputs are kept in build/fuzz-run; the next run goes on from there.
+Finds, logs and new inputs are kept in build/fuzz-run; the next run goes on from there. build/fuzz-smoke has
+those of --smoke.
 END
 }
 
+run=$BUILD/fuzz-run
 seconds=60 coverage=0 targets=()
 while (($#)); do
     case $1 in
-        --smoke) seconds=25 ;;
+        --smoke) seconds=25 run=$BUILD/fuzz-smoke ;;
         --seconds) seconds=${2:?} && shift ;;
         --coverage) coverage=1 ;;
         fuzz_api | fuzz_reference) targets+=("$1") ;;
@@ -33,7 +36,6 @@ done
 
 need clang libclang-rt-14-dev llvm cmake make ccache libopencv-dev libgtest-dev
 
-run=$BUILD/fuzz-run
 max_length=4096
 export ASAN_OPTIONS=detect_stack_use_after_return=1 UBSAN_OPTIONS=print_stacktrace=1
 
@@ -42,6 +44,8 @@ configure_fuzzers() {
     configure "$1" -DCMAKE_CXX_COMPILER=clang++ -DAQORB_BUILD_FUZZERS=ON -DAQORB_BUILD_TESTS=OFF \
         -DAQORB_BUILD_SAMPLES=OFF -DAQORB_BUILD_PRELOAD=OFF -DAQORB_INSTALL=OFF "${@:2}" >/dev/null
 }
+
+[[ $run != *smoke ]] || rm -rf "$run"
 
 say "Building"
 configure_fuzzers "$BUILD/fuzz"

@@ -15,9 +15,12 @@ namespace
 
 std::atomic<long> allocations(0), failing(0);
 
+// While OpenCV allocates a matrix, which takes two allocations: it loses the first if the second one fails.
+thread_local bool isSpared = false;
+
 bool isToFail()
 {
-    return ++allocations == failing;
+    return !isSpared && ++allocations == failing;
 }
 
 class FailingMatAllocator : public cv::MatAllocator
@@ -28,7 +31,11 @@ public:
     {
         if (!data && isToFail())
             CV_Error(cv::Error::StsNoMem, "no memory, on purpose");
-        return cv::Mat::getStdAllocator()->allocate(dims, sizes, type, data, step, flags, usage);
+        isSpared = true;
+        cv::UMatData* const allocated =
+            cv::Mat::getStdAllocator()->allocate(dims, sizes, type, data, step, flags, usage);
+        isSpared = false;
+        return allocated;
     }
     bool allocate(cv::UMatData* data, cv::AccessFlag flags, cv::UMatUsageFlags usage) const CV_OVERRIDE
     {
@@ -58,9 +65,21 @@ long allocationsSince()
 
 }  // namespace soak
 
+// All forms, or a sanitizer would see memory go back to where it does not come from.
+
+void* operator new(std::size_t size, const std::nothrow_t&) noexcept
+{
+    return isToFail() ? 0 : std::malloc(size ? size : 1);
+}
+
+void* operator new[](std::size_t size, const std::nothrow_t& nothrow) noexcept
+{
+    return operator new(size, nothrow);
+}
+
 void* operator new(std::size_t size)
 {
-    void* const memory = isToFail() ? 0 : std::malloc(size ? size : 1);
+    void* const memory = operator new(size, std::nothrow);
     if (!memory)
         throw std::bad_alloc();
     return memory;
@@ -81,12 +100,22 @@ void operator delete(void* memory, std::size_t) noexcept
     std::free(memory);
 }
 
+void operator delete(void* memory, const std::nothrow_t&) noexcept
+{
+    std::free(memory);
+}
+
 void operator delete[](void* memory) noexcept
 {
     std::free(memory);
 }
 
 void operator delete[](void* memory, std::size_t) noexcept
+{
+    std::free(memory);
+}
+
+void operator delete[](void* memory, const std::nothrow_t&) noexcept
 {
     std::free(memory);
 }
