@@ -26,11 +26,11 @@ struct Report
 {
     Outcome outcome = FINE;
     std::string problem;  //!< in words, of the last three outcomes
-    bool operator==(const Report& other) const { return outcome == other.outcome; }
 };
 
 /** Makes a detector and calls it in the ways that the bytes say: creates it, sets parameters, reads a
- storage, detects, computes. It stops at the first problem.
+ storage, detects, computes. The report is of the worst that happens; after the first problem of
+ AdaptiveQuadtreeORB there are no more calls.
  @param ofOrb calls cv::ORB, and leaves out what only AdaptiveQuadtreeORB has; both get the same
  arguments from the same bytes */
 Report callDetector(const uint8_t* bytes, size_t size, bool ofOrb);
