@@ -87,5 +87,22 @@ TEST(AqorbFuzzFinds, quotasOfMoreFeaturesThanAFloatCounts)
     }
 }
 
+TEST(AqorbFuzzFinds, aScaleFactorThatIsOneAsAFloat)
+{
+    // Equation (8) is 0 / 0 there.
+    for (double factor : {1 + 1e-15, 1 + 1e-8, 1 + 6e-8, 1 + 1e-7, 1 + 1e-6})
+    {
+        SCOPED_TRACE(factor);
+        const std::vector<int> quotas = aqorb::stages::levelQuotas(500, factor, 4);
+        EXPECT_EQ(500, std::accumulate(quotas.begin(), quotas.end(), int64(0)));
+        EXPECT_GT(*std::min_element(quotas.begin(), quotas.end()), 100);
+        const Ptr<AdaptiveQuadtreeORB> detector = AdaptiveQuadtreeORB::create(60, 1.2f, 3);
+        detector->setScaleFactor(factor);
+        KeyPoints keypoints;
+        detector->detect(makeScene(Size(120, 90)), keypoints);
+        EXPECT_EQ(60u, keypoints.size());
+    }
+}
+
 }  // namespace
 }  // namespace opencv_test

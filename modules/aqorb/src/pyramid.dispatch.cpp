@@ -35,7 +35,9 @@ Size levelSize(Size imageSize, float scale)
 std::vector<int> levelQuotas(int nfeatures, double scaleFactor, int nlevels)
 {
     const float factor = float(1.0 / scaleFactor);
-    float desired = nfeatures * (1 - factor) / (1 - float(std::pow(double(factor), double(nlevels))));
+    float desired = factor == 1  // as a float can be, where scaleFactor is a little more
+                        ? float(nfeatures) / nlevels
+                        : nfeatures * (1 - factor) / (1 - float(std::pow(double(factor), double(nlevels))));
     const float LARGEST_INT = 2147483520.f;  // that a float can hold
     std::vector<int> quotas(nlevels);
     int64 sum = 0;

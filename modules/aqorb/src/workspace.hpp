@@ -74,6 +74,8 @@ struct LevelScratch
 template <typename T> class Pool
 {
 public:
+    Pool() : made(0) {}
+
     class Lease
     {
     public:
@@ -98,7 +100,10 @@ private:
     {
         AutoLock lock(mutex);
         if (idle.empty())
+        {
+            idle.reserve(++made);  // a destructor gives it back: there must be room
             return makePtr<T>();
+        }
         const Ptr<T> lent = idle.back();
         idle.pop_back();
         return lent;
@@ -110,6 +115,7 @@ private:
     }
 
     Mutex mutex;
+    size_t made;
     std::vector<Ptr<T>> idle;
 };
 

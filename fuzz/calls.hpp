@@ -1,0 +1,40 @@
+// This file is part of the aqorb project.
+// It is subject to the license terms in the LICENSE file found in the top-level directory
+// of this distribution.
+
+#ifndef OPENCV_AQORB_FUZZ_CALLS_HPP
+#define OPENCV_AQORB_FUZZ_CALLS_HPP
+
+#include <cstddef>
+#include <cstdint>
+#include <string>
+
+namespace fuzz
+{
+
+//! What became of the calls, from good to bad.
+enum Outcome
+{
+    FINE,             //!< every call did what it should
+    NAMED_EXCEPTION,  //!< of them, at least one rejected a bad argument by an exception that names it
+    ACCEPTED,         //!< a bad argument was taken without a word
+    BAD_EXCEPTION,    //!< an exception for good arguments, of another kind, or that names no argument
+    BAD_OUTPUT        //!< too many keypoints, off the image or the mask, not finite, without descriptor, ...
+};
+
+struct Report
+{
+    Outcome outcome = FINE;
+    std::string problem;  //!< in words, of the last three outcomes
+};
+
+/** Makes a detector and calls it in the ways that the bytes say: creates it, sets parameters, reads a
+ storage, detects, computes. The report is of the worst that happens; after the first problem of
+ AdaptiveQuadtreeORB there are no more calls.
+ @param ofOrb calls cv::ORB, and leaves out what only AdaptiveQuadtreeORB has; both get the same
+ arguments from the same bytes */
+Report callDetector(const uint8_t* bytes, size_t size, bool ofOrb);
+
+}  // namespace fuzz
+
+#endif

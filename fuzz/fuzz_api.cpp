@@ -1,0 +1,34 @@
+// This file is part of the aqorb project.
+// It is subject to the license terms in the LICENSE file found in the top-level directory
+// of this distribution.
+
+#include "calls.hpp"
+
+#include <opencv2/core/ocl.hpp>
+#include <opencv2/core/utility.hpp>
+
+#include <cstdio>
+#include <cstdlib>
+
+// Any call with any arguments: whatever is not documented to happen is a find.
+
+extern "C" int LLVMFuzzerInitialize(int*, char***);
+extern "C" int LLVMFuzzerTestOneInput(const uint8_t* bytes, size_t size);
+
+extern "C" int LLVMFuzzerInitialize(int*, char***)
+{
+    cv::setNumThreads(1);
+    cv::ocl::setUseOpenCL(false);
+    return 0;
+}
+
+extern "C" int LLVMFuzzerTestOneInput(const uint8_t* bytes, size_t size)
+{
+    const fuzz::Report report = fuzz::callDetector(bytes, size, false);
+    if (report.outcome > fuzz::NAMED_EXCEPTION)
+    {
+        std::fprintf(stderr, "find: %s\n", report.problem.c_str());
+        std::abort();
+    }
+    return 0;
+}

@@ -1,0 +1,96 @@
+// This file is part of the aqorb project.
+// It is subject to the license terms in the LICENSE file found in the top-level directory
+// of this distribution.
+
+#include "generate.hpp"
+
+#include "../test/reference.hpp"
+
+#include <opencv2/core/ocl.hpp>
+#include <opencv2/core/utility.hpp>
+
+#include <cstdio>
+#include <cstdlib>
+
+// The detector against the plain reference of the tests, byte for byte: on the best kernels of the CPU, on
+// the baseline ones, with one thread and with two; and its descriptors against those of cv::ORB.
+
+using namespace opencv_test;
+
+extern "C" int LLVMFuzzerInitialize(int*, char***);
+extern "C" int LLVMFuzzerTestOneInput(const uint8_t* bytes, size_t size);
+
+static void requireSame(const char* what, const ::testing::AssertionResult& result)
+{
+    if (!result)
+    {
+        std::fprintf(stderr, "find: %s: %s\n", what, result.message());
+        std::abort();
+    }
+}
+
+// Good parameters only: fuzz_api has the others.
+static reference::Settings settingsFrom(FuzzedDataProvider& data)
+{
+    reference::Settings s;
+    s.nfeatures = data.ConsumeIntegralInRange(0, data.ConsumeBool() ? 30 : 3000);
+    s.scaleFactor = data.ConsumeFloatingPointInRange(1.02f, 2.5f);
+    s.firstLevel = data.ConsumeIntegralInRange(0, s.scaleFactor < 1.3f ? 2 : s.scaleFactor < 2 ? 1 : 0);
+    s.nlevels = s.firstLevel + data.ConsumeIntegralInRange(1, 8);
+    s.edgeThreshold = data.ConsumeIntegralInRange(0, 20);
+    s.WTA_K = data.ConsumeIntegralInRange(2, 4);
+    s.scoreType = data.ConsumeBool() ? ORB::HARRIS_SCORE : ORB::FAST_SCORE;
+    s.patchSize = data.ConsumeIntegralInRange(2, 64);
+    s.fastThreshold = data.ConsumeIntegralInRange(0, 80);
+    s.adaptiveThreshold = data.ConsumeBool();
+    s.minThresholdRatio = data.ConsumeFloatingPointInRange(1., 8.);
+    s.cellSize = data.ConsumeIntegralInRange(8, 80);
+    s.maxDepth = data.ConsumeIntegralInRange(-1, 15);
+    s.octaveSuppression = data.ConsumeBool() ? data.ConsumeFloatingPointInRange(0., 8.) : 0.5;
+    s.subPixel = data.ConsumeBool();
+    return s;
+}
+
+extern "C" int LLVMFuzzerInitialize(int*, char***)
+{
+    cv::ocl::setUseOpenCL(false);
+    return 0;
+}
+
+extern "C" int LLVMFuzzerTestOneInput(const uint8_t* bytes, size_t size)
+{
+    FuzzedDataProvider data(bytes, size);
+    const reference::Settings settings = settingsFrom(data);
+    const Mat image = fuzz::image(data, 100, false);
+    if (image.empty())
+        return 0;
+    const Mat mask = fuzz::mask(data, image.size(), false);
+
+    const Features expected = reference::detectAndCompute(image, mask, settings);
+    const Ptr<AdaptiveQuadtreeORB> detector = settings.create();
+    setNumThreads(1);
+    requireSame("one thread", sameFeatures(detectAndCompute(*detector, image, mask), expected));
+    setNumThreads(2);
+    requireSame("two threads", sameFeatures(detectAndCompute(*detector, image, mask), expected));
+    {
+        const WithoutOptimization baseline;
+        requireSame("baseline kernels", sameFeatures(detectAndCompute(*detector, image, mask), expected));
+    }
+
+    Features computed = {expected.keypoints, Mat()};
+    detector->compute(image, computed.keypoints, computed.descriptors);
+    static const bool comparable = orbBlursWithFMA();
+    if (comparable && !expected.keypoints.empty())
+    {
+        const Ptr<ORB> orb =
+            ORB::create(settings.nfeatures, settings.scaleFactor, settings.nlevels, settings.edgeThreshold,
+                        settings.firstLevel, settings.WTA_K, settings.scoreType, settings.patchSize);
+        Features ofOrb = {expected.keypoints, Mat()};
+        orb->compute(image, ofOrb.keypoints, ofOrb.descriptors);
+        requireSame("compute of cv::ORB", sameFeatures(computed, ofOrb));
+    }
+    // With levels before the first one, compute takes the border for that of the image.
+    if (settings.firstLevel == 0)
+        requireSame("compute of what was detected", sameFeatures(computed, expected));
+    return 0;
+}

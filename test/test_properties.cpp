@@ -1,0 +1,367 @@
+// This file is part of the aqorb project.
+// It is subject to the license terms in the LICENSE file found in the top-level directory
+// of this distribution.
+
+#include "reference.hpp"
+
+#include <numeric>
+
+// What must hold for any image and any parameters, on thousands of small random cases. A failure prints the
+// seed and the parameters of its case.
+
+namespace opencv_test
+{
+namespace
+{
+
+using reference::Settings;
+
+Mat randomImage(RNG& rng, Size size)
+{
+    const int seed = rng.uniform(1, 1 << 20);
+    Mat image;
+    switch (rng.uniform(0, 5))
+    {
+    case 0:
+        return makeNoise(size, seed);
+    case 1:
+        cv::GaussianBlur(makeNoise(size, seed), image, Size(), 1 + seed % 3);
+        return image;
+    case 2:
+        return makeScene(size, seed) * 0.1;
+    case 3:
+        // corners on coarse levels
+        cv::resize(makeNoise(Size(12 + seed % 20, 12), seed), image, size, 0, 0, INTER_CUBIC);
+        return image;
+    default:
+        return makeScene(size, seed);
+    }
+}
+
+Mat randomMask(RNG& rng, Size size)
+{
+    Mat mask(size, CV_8UC1, Scalar(rng.uniform(1, 256)));
+    for (int i = rng.uniform(1, 30); i > 0; i--)
+        rectangle(mask, Rect(rng.uniform(0, size.width), rng.uniform(0, size.height), 1 + i / 3, 1 + i),
+                  Scalar(0), -1);
+    return mask;
+}
+
+Settings randomSettings(RNG& rng)
+{
+    Settings s;
+    s.nfeatures = rng.uniform(0, 3) ? rng.uniform(0, 120) : rng.uniform(0, 3000);
+    s.scaleFactor = rng.uniform(1.05f, 2.f);
+    s.nlevels = rng.uniform(1, 7);
+    s.firstLevel = rng.uniform(0, 4) ? 0 : rng.uniform(0, std::min(s.nlevels, 2));
+    s.edgeThreshold = rng.uniform(0, 25);
+    s.WTA_K = rng.uniform(2, 5);
+    s.scoreType = rng.uniform(0, 2) ? ORB::HARRIS_SCORE : ORB::FAST_SCORE;
+    s.patchSize = rng.uniform(2, 45);
+    s.fastThreshold = rng.uniform(0, 40);
+    s.adaptiveThreshold = rng.uniform(0, 2) != 0;
+    s.minThresholdRatio = rng.uniform(0, 3) ? rng.uniform(1., 8.) : 1;
+    s.cellSize = rng.uniform(8, 60);
+    s.maxDepth = rng.uniform(-1, 7);
+    s.octaveSuppression = rng.uniform(0, 3) ? rng.uniform(0., 4.) : 0.;
+    s.subPixel = rng.uniform(0, 2) != 0;
+    return s;
+}
+
+std::string text(int seed, const Settings& s)
+{
+    return format("seed %d: nfeatures %d scaleFactor %.9g nlevels %d edgeThreshold %d firstLevel %d WTA_K %d "
+                  "scoreType %d patchSize %d fastThreshold %d adaptiveThreshold %d minThresholdRatio %.17g "
+                  "cellSize %d maxDepth %d octaveSuppression %.17g subPixel %d",
+                  seed, s.nfeatures, s.scaleFactor, s.nlevels, s.edgeThreshold, s.firstLevel, s.WTA_K,
+                  int(s.scoreType), s.patchSize, s.fastThreshold, int(s.adaptiveThreshold),
+                  s.minThresholdRatio, s.cellSize, s.maxDepth, s.octaveSuppression, int(s.subPixel));
+}
+
+Size randomSize(RNG& rng)
+{
+    return Size(rng.uniform(10, 130), rng.uniform(10, 110));
+}
+
+bool isBefore(const KeyPoint& a, const KeyPoint& b)
+{
+    if (a.octave != b.octave)
+        return a.octave < b.octave;
+    return a.pt.y != b.pt.y ? a.pt.y < b.pt.y : a.pt.x < b.pt.x;
+}
+
+TEST(AqorbProperties, capMaskFieldsAndDeterminism)
+{
+    Ptr<AdaptiveQuadtreeORB> used;
+    for (int seed = 1; seed <= 3000; seed++)
+    {
+        RNG rng(seed);
+        const Settings s = randomSettings(rng);
+        SCOPED_TRACE(text(seed, s));
+        const Mat image = randomImage(rng, randomSize(rng));
+        const Mat mask = seed % 2 ? randomMask(rng, image.size()) : Mat();
+        // Of ten cases nine use one object, with one set of parameters.
+        if (seed % 10 == 1)
+            used = s.create();
+        const int nfeatures = used->getMaxFeatures(), nlevels = used->getNLevels();
+        const Features features = detectAndCompute(*used, image, mask);
+
+        ASSERT_LE(features.keypoints.size(), size_t(nfeatures));
+        ASSERT_EQ(int(features.keypoints.size()), features.descriptors.rows);
+        for (const KeyPoint& k : features.keypoints)
+        {
+            ASSERT_TRUE(k.pt.x >= 0 && k.pt.y >= 0 && k.pt.x <= float(image.cols - 1) &&
+                        k.pt.y <= float(image.rows - 1));
+            ASSERT_TRUE(k.octave >= 0 && k.octave < nlevels);
+            ASSERT_TRUE(k.angle >= 0 && k.angle < 360 && std::isfinite(k.response));
+            ASSERT_TRUE(mask.empty() || mask.at<uchar>(cvRound(k.pt.y), cvRound(k.pt.x)) != 0);
+        }
+        ASSERT_TRUE(sameFeatures(features, detectAndCompute(*used, image.clone(), mask)));
+    }
+}
+
+TEST(AqorbProperties, descriptorsAreThoseOfOrb)
+{
+    if (!orbBlursWithFMA())
+        AQORB_SKIP("cv::ORB of this OpenCV and CPU blurs without multiply-add");
+    size_t compared = 0;
+    for (int seed = 1; seed <= 1000; seed++)
+    {
+        RNG rng(seed);
+        Settings s = randomSettings(rng);
+        s.firstLevel = 0;  // else cv::ORB::compute may drop keypoints near the border
+        s.nfeatures = std::min(s.nfeatures, 100);
+        SCOPED_TRACE(text(seed, s));
+        const Mat image = randomImage(rng, randomSize(rng));
+        const Features ours = detectAndCompute(*s.create(), image);
+        if (ours.keypoints.empty())
+            continue;
+        Features theirs = {ours.keypoints, Mat()};
+        ORB::create(s.nfeatures, s.scaleFactor, s.nlevels, s.edgeThreshold, 0, s.WTA_K, s.scoreType,
+                    s.patchSize)
+            ->compute(image, theirs.keypoints, theirs.descriptors);
+        ASSERT_TRUE(sameFeatures(theirs, ours));
+        compared += ours.keypoints.size();
+    }
+    EXPECT_GT(compared, 10000u);
+}
+
+TEST(AqorbProperties, quotasAddUpToTheNumberOfFeatures)
+{
+    RNG rng(1);
+    for (int i = 0; i < 20000; i++)
+    {
+        const int n = rng.uniform(0, 3) ? rng.uniform(0, 3000) : int(rng.next() >> 1);
+        const double factor = rng.uniform(1.001, 4.);
+        const int nlevels = rng.uniform(1, 40);
+        const std::vector<int> quotas = aqorb::stages::levelQuotas(n, factor, nlevels);
+        ASSERT_EQ(size_t(nlevels), quotas.size());
+        ASSERT_GE(*std::min_element(quotas.begin(), quotas.end()), 0) << n << " " << factor << " " << nlevels;
+        ASSERT_EQ(n, std::accumulate(quotas.begin(), quotas.end(), int64(0)))
+            << n << " " << factor << " " << nlevels;
+    }
+}
+
+TEST(AqorbProperties, asManyFeaturesAsThereAreCorners)
+{
+    // All corners there are come with nfeatures large enough; with fewer, exactly so many.
+    for (int seed = 1; seed <= 400; seed++)
+    {
+        RNG rng(seed);
+        Settings s = randomSettings(rng);
+        const bool isPlain = seed % 2 == 0;  // one level, one known threshold, no mask
+        if (isPlain)
+        {
+            s.nlevels = 1;
+            s.firstLevel = 0;
+            s.adaptiveThreshold = false;
+        }
+        SCOPED_TRACE(text(seed, s));
+        const Mat image = randomImage(rng, randomSize(rng));
+        const Mat mask = isPlain || seed % 3 ? Mat() : randomMask(rng, image.size());
+        const Ptr<AdaptiveQuadtreeORB> detector = s.create();
+        KeyPoints keypoints;
+        detector->setMaxFeatures(1 << 20);
+        detector->detect(image, keypoints, mask);
+        const int all = int(keypoints.size());
+        if (isPlain)
+        {
+            const int e = s.edgeThreshold;
+            const Rect region(e, e, image.cols - 2 * e, image.rows - 2 * e);
+            cv::FAST(image, keypoints,
+                     reference::thresholds(0, false, s.fastThreshold, s.minThresholdRatio).min);
+            ASSERT_EQ(all, std::count_if(keypoints.begin(), keypoints.end(),
+                                         [&](const KeyPoint& k) { return region.contains(k.pt); }));
+        }
+        for (int i = 0; i < 4; i++)
+        {
+            const int n = rng.uniform(0, all + 10);
+            detector->setMaxFeatures(n);
+            detector->detect(image, keypoints, mask);
+            ASSERT_EQ(std::min(n, all), int(keypoints.size())) << "nfeatures " << n;
+        }
+    }
+}
+
+TEST(AqorbProperties, moreFeaturesKeepTheOthers)
+{
+    // On one level with a quadtree of given depth the choice is a prefix of a sequence that does not depend
+    // on nfeatures. (With several levels a quota may shrink as nfeatures grows, by what coarser levels
+    // leave over; with equation (9) the depth grows.)
+    for (int seed = 1; seed <= 400; seed++)
+    {
+        RNG rng(seed);
+        Settings s = randomSettings(rng);
+        s.nlevels = 1;
+        s.firstLevel = 0;
+        s.maxDepth = rng.uniform(0, 7);
+        SCOPED_TRACE(text(seed, s));
+        const Mat image = randomImage(rng, randomSize(rng));
+        const Ptr<AdaptiveQuadtreeORB> detector = s.create();
+        KeyPoints fewer, more;
+        for (int n = 0; n <= 300; n += rng.uniform(1, 90))
+        {
+            detector->setMaxFeatures(n);
+            detector->detect(image, more);
+            std::sort(more.begin(), more.end(), isBefore);  // it is the pixels that are in order
+            ASSERT_TRUE(std::includes(more.begin(), more.end(), fewer.begin(), fewer.end(), isBefore))
+                << "nfeatures " << n;
+            fewer = more;
+        }
+    }
+}
+
+TEST(AqorbProperties, theSceneMovedByWholeCellsGivesTheSameMoved)
+{
+    // On one level with a fixed threshold: a move by whole cells of the mesh and whole groups of the
+    // quadtree's leaves, of a scene on flat ground that the frame does not cut.
+    const int EDGE = 16, ROOT = 256, GROUP = 64;
+    size_t compared = 0;
+    for (int seed = 1; seed <= 300; seed++)
+    {
+        RNG rng(seed);
+        Settings s = randomSettings(rng);
+        s.nfeatures = rng.uniform(1, 150);
+        s.nlevels = 1;
+        s.firstLevel = 0;
+        s.edgeThreshold = EDGE;
+        s.patchSize = 31;
+        s.adaptiveThreshold = false;
+        s.cellSize = 8 << rng.uniform(0, 4);  // 8 to 64
+        s.maxDepth = rng.uniform(0, 4);       // 2^depth leaves over ROOT, 4 to a group
+        if (s.maxDepth > 0)
+            s.maxDepth += 2;  // 8 to 32 leaves, groups of 128 to 32 pixels
+        const int step = s.maxDepth == 3 ? 2 * GROUP : GROUP;
+        SCOPED_TRACE(text(seed, s));
+
+        const Mat scene = randomImage(rng, Size(50, 45));
+        const Point place(EDGE + 26 + rng.uniform(0, 20), EDGE + 26 + rng.uniform(0, 20));
+        const int columns = (ROOT - 72 - place.x + EDGE - 26) / step,
+                  rows = (ROOT - 67 - place.y + EDGE - 26) / step;
+        const Point shift(step * rng.uniform(0, columns + 1), step * rng.uniform(0, rows + 1));
+        Mat images[2];
+        for (int i = 0; i < 2; i++)
+        {
+            images[i].create(ROOT + 2 * EDGE, ROOT + 2 * EDGE, CV_8UC1);
+            images[i].setTo(90);
+            scene.copyTo(images[i](Rect(place + (i ? shift : Point()), scene.size())));
+        }
+        const Ptr<AdaptiveQuadtreeORB> detector = s.create();
+        Features first = detectAndCompute(*detector, images[0]);
+        const Features second = detectAndCompute(*detector, images[1]);
+        ASSERT_EQ(first.keypoints.size(), second.keypoints.size());
+        for (size_t i = 0; i < first.keypoints.size(); i++)
+        {
+            KeyPoint& moved = first.keypoints[i];
+            moved.pt += Point2f(shift);
+            // A fraction of a pixel is rounded to another float further right and down.
+            const Point2f d = moved.pt - second.keypoints[i].pt;
+            ASSERT_LE(std::max(std::abs(d.x), std::abs(d.y)), s.subPixel ? 1e-4f : 0.f);
+            moved.pt = second.keypoints[i].pt;
+        }
+        ASSERT_TRUE(sameFeatures(first, second));
+        compared += shift != Point() ? first.keypoints.size() : 0;
+    }
+    EXPECT_GT(compared, 3000u);
+}
+
+TEST(AqorbProperties, aMaskTakesCornersAwayAndNothingElse)
+{
+    // On one level, where corners do not compete: one threshold, fixed, no suppression, room for all.
+    for (int seed = 1; seed <= 500; seed++)
+    {
+        RNG rng(seed);
+        Settings s = randomSettings(rng);
+        s.nfeatures = 1 << 20;
+        s.nlevels = 1;
+        s.firstLevel = 0;
+        s.scoreType = ORB::FAST_SCORE;
+        s.adaptiveThreshold = false;
+        s.minThresholdRatio = 1;
+        s.subPixel = false;
+        SCOPED_TRACE(text(seed, s));
+        const Mat image = randomImage(rng, randomSize(rng)), mask = randomMask(rng, image.size());
+        const Ptr<AdaptiveQuadtreeORB> detector = s.create();
+        KeyPoints all, masked;
+        detector->detect(image, all);
+        detector->detect(image, masked, mask);
+        all.erase(std::remove_if(all.begin(), all.end(),
+                                 [&](const KeyPoint& k)
+                                 { return mask.at<uchar>(int(k.pt.y), int(k.pt.x)) == 0; }),
+                  all.end());
+        ASSERT_TRUE(sameKeypoints(all, masked));
+    }
+}
+
+TEST(AqorbProperties, neverFewerThanOrb)
+{
+    for (int seed = 1; seed <= 500; seed++)
+    {
+        RNG rng(seed);
+        Settings s = randomSettings(rng);
+        s.firstLevel = 0;
+        s.fastThreshold = std::max(s.fastThreshold, 1);
+        SCOPED_TRACE(text(seed, s));
+        const Mat image = randomImage(rng, Size(rng.uniform(70, 150), rng.uniform(70, 130)));
+        KeyPoints ours, theirs;
+        s.create()->detect(image, ours);
+        ORB::create(s.nfeatures, s.scaleFactor, s.nlevels, s.edgeThreshold, 0, s.WTA_K, s.scoreType,
+                    s.patchSize, s.fastThreshold)
+            ->detect(image, theirs);
+        // cv::ORB keeps all that tie for the last place.
+        ASSERT_GE(ours.size(), std::min(theirs.size(), size_t(s.nfeatures)));
+    }
+}
+
+TEST(AqorbProperties, retainUniformKeepsAsManyAsThereAreInside)
+{
+    for (int seed = 1; seed <= 2000; seed++)
+    {
+        RNG rng(seed);
+        SCOPED_TRACE(seed);
+        const Size size(rng.uniform(1, 300), rng.uniform(1, 300));
+        KeyPoints given(rng.uniform(0, 200));
+        int inside = 0;
+        for (size_t i = 0; i < given.size(); i++)
+        {
+            given[i] = KeyPoint(Point2f(rng.uniform(-20.f, 320.f), rng.uniform(-20.f, 320.f)), 7.f, 0.f,
+                                rng.uniform(0.f, 1.f), 0, int(i));
+            const Point2f p = given[i].pt;
+            inside += p.x >= 0 && p.y >= 0 && p.x < float(size.width) && p.y < float(size.height);
+        }
+        const int n = rng.uniform(0, 220);
+        KeyPoints kept = given;
+        aqorb::retainUniform(kept, size, n);
+        ASSERT_EQ(std::min(n, inside), int(kept.size()));
+        int last = -1;
+        for (const KeyPoint& k : kept)
+        {
+            ASSERT_GT(k.class_id, last);  // in their order
+            ASSERT_TRUE(sameKeypoints(KeyPoints(1, k), KeyPoints(1, given[k.class_id])));
+            last = k.class_id;
+        }
+    }
+}
+
+}  // namespace
+}  // namespace opencv_test
