@@ -17,13 +17,20 @@ namespace aqorb
 namespace stages
 {
 
-//! Where 16 neighbouring pixels of a resized row come from: pixel i is a + (b - a) * weight / 256.
+//! Where neighbouring pixels of a resized row come from: pixel i is a + (b - a) * weight / 256.
 struct ResizeBlock
 {
-    int base[2];  //!< of the 16 source bytes that the pixels 0 to 7, 8 to 15 come from
-    signed char a[2][16],
-        b[2][16];  //!< byte shuffles: for each of 8 pixels its source byte, then -128 (a zero)
-    short weight[16];
+    enum
+    {
+        GROUP = 8,  //!< pixels that come from the same source bytes
+        GROUPS = 4,
+        PIXELS = 32,
+        BYTES = 16  //!< source bytes of a group
+    };
+    int base[GROUPS];  //!< of the groups' source bytes
+    signed char a[GROUPS][2 * GROUP],
+        b[GROUPS][2 * GROUP];  //!< for each pixel its source byte, then -128 (a zero)
+    short weight[PIXELS];
 };
 
 //! Resizes rows by INTER_LINEAR_EXACT.
@@ -34,10 +41,10 @@ struct Resize
     uchar* destination;
     ptrdiff_t destinationStep;
     int width;                  //!< of the destination
-    const ResizeBlock* blocks;  //!< ceil(width / 16)
+    const ResizeBlock* blocks;  //!< enough for the width
     const int *upper, *lower;   //!< by destination row: the two source rows
     const short* lowerWeight;   //!< by destination row, in 1/256
-    short* rows[2];             //!< scratch, 16 ceil(width / 16) elements each
+    short* rows[2];             //!< scratch, as many elements as the blocks have pixels
 };
 
 //! A scan of rows for FAST corners; a row is suppressed once the one below it has scores.

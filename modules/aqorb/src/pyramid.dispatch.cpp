@@ -119,29 +119,29 @@ static Mat resizeMask(const Mat& mask, Size size)
     return resized;
 }
 
-// The tables of the horizontal pass; false where 8 neighbours come from more than 16 source pixels.
+// The tables of the horizontal pass; false where neighbours in a group come from too many source pixels.
 static bool resizeBlocks(int sourceWidth, const Taps* taps, int width, std::vector<ResizeBlock>& blocks)
 {
-    const int BYTES = 16, GROUP = 8;
+    const int GROUP = ResizeBlock::GROUP, GROUPS = ResizeBlock::GROUPS, BYTES = ResizeBlock::BYTES;
     const signed char ZERO = -128;
     if (sourceWidth < BYTES)
         return false;
-    blocks.resize((width + BYTES - 1) / BYTES);
-    for (int i = 0; i < int(blocks.size()) * 2; i++)
+    blocks.resize((width + ResizeBlock::PIXELS - 1) / ResizeBlock::PIXELS);
+    for (int i = 0; i < int(blocks.size()) * GROUPS; i++)
     {
-        ResizeBlock& block = blocks[i / 2];
-        const int half = i & 1;
+        ResizeBlock& block = blocks[i / GROUPS];
+        const int group = i % GROUPS;
         const int base = std::min(taps[std::min(i * GROUP, width - 1)].first, sourceWidth - BYTES);
-        block.base[half] = base;
+        block.base[group] = base;
         for (int j = 0; j < GROUP; j++)
         {
             const Taps& tap = taps[std::min(i * GROUP + j, width - 1)];
             if (tap.second - base >= BYTES)
                 return false;
-            block.a[half][2 * j] = schar(tap.first - base);
-            block.b[half][2 * j] = schar(tap.second - base);
-            block.a[half][2 * j + 1] = block.b[half][2 * j + 1] = ZERO;
-            block.weight[half * GROUP + j] = short(tap.secondWeight);
+            block.a[group][2 * j] = schar(tap.first - base);
+            block.b[group][2 * j] = schar(tap.second - base);
+            block.a[group][2 * j + 1] = block.b[group][2 * j + 1] = ZERO;
+            block.weight[group * GROUP + j] = short(tap.secondWeight);
         }
     }
     return true;
@@ -161,7 +161,7 @@ static void fit(ResizeTables& tables, Size source, Size destination)
     linearTaps(source.width, destination.width, columns.data());
     linearTaps(source.height, destination.height, rows.data());
     tables.byKernel = resizeBlocks(source.width, columns.data(), destination.width, tables.blocks);
-    tables.rows.resize(2 * 16 * tables.blocks.size());
+    tables.rows.resize(2 * ResizeBlock::PIXELS * tables.blocks.size());
     tables.upper.resize(rows.size());
     tables.lower.resize(rows.size());
     tables.lowerWeight.resize(rows.size());
@@ -192,7 +192,7 @@ static void resizeExact(const Mat& source, Mat& destination, ResizeTables& table
         resize.lower = tables.lower.data();
         resize.lowerWeight = tables.lowerWeight.data();
         resize.rows[0] = tables.rows.data();
-        resize.rows[1] = tables.rows.data() + 16 * tables.blocks.size();
+        resize.rows[1] = tables.rows.data() + tables.rows.size() / 2;
         if (resizeByKernel(resize, 0, destination.rows))
             return;
     }

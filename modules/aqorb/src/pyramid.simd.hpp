@@ -23,63 +23,110 @@ bool resizeRows(const Resize& resize, int begin, int end);
 namespace
 {
 
+#if CV_AVX512_SKX
+#define AQORB_WIDE(name) _mm512_##name
+typedef __m512i Wide;
+CV_ALWAYS_INLINE Wide load(const void* p)
+{
+    return _mm512_loadu_si512(p);
+}
+CV_ALWAYS_INLINE void store(void* p, Wide a)
+{
+    _mm512_storeu_si512(p, a);
+}
+#else
+#define AQORB_WIDE(name) _mm256_##name
+typedef __m256i Wide;
+CV_ALWAYS_INLINE Wide load(const void* p)
+{
+    return _mm256_loadu_si256(static_cast<const __m256i*>(p));
+}
+CV_ALWAYS_INLINE void store(void* p, Wide a)
+{
+    _mm256_storeu_si256(static_cast<__m256i*>(p), a);
+}
+#endif
+const int LANES = int(sizeof(Wide) / sizeof(short));
+
+// The source bytes of as many groups as there are, one in each 128 bits.
+CV_ALWAYS_INLINE Wide loadGroups(const uchar* source, const int* base)
+{
+    __m128i groups[sizeof(Wide) / sizeof(__m128i)];
+    for (size_t i = 0; i < sizeof(Wide) / sizeof(__m128i); i++)
+        groups[i] = _mm_loadu_si128(reinterpret_cast<const __m128i*>(source + base[i]));
+    const __m256i low = _mm256_inserti128_si256(_mm256_castsi128_si256(groups[0]), groups[1], 1);
+#if CV_AVX512_SKX
+    const __m256i high = _mm256_inserti128_si256(_mm256_castsi128_si256(groups[2]), groups[3], 1);
+    return _mm512_inserti64x4(_mm512_castsi256_si512(low), high, 1);
+#else
+    return low;
+#endif
+}
+
+// Signed numbers in 16 bits, saturated to 8 and offset to unsigned ones.
+CV_ALWAYS_INLINE void storeBytes(uchar* p, Wide a)
+{
+    const Wide bytes = AQORB_WIDE(add_epi8)(AQORB_WIDE(packs_epi16)(a, a), AQORB_WIDE(set1_epi8)(-128));
+#if CV_AVX512_SKX
+    const __m512i inOrder = _mm512_permutexvar_epi64(_mm512_setr_epi64(0, 2, 4, 6, 0, 2, 4, 6), bytes);
+    _mm256_storeu_si256(reinterpret_cast<__m256i*>(p), _mm512_castsi512_si256(inOrder));
+#else
+    const __m256i inOrder = _mm256_permute4x64_epi64(bytes, 0x08);
+    _mm_storeu_si128(reinterpret_cast<__m128i*>(p), _mm256_castsi256_si128(inOrder));
+#endif
+}
+
 // 8-bit pixels in 1/256, less 2^15, plus the 2^7 that rounds the second pass: a signed 16-bit number.
 void resizeRow(const uchar* source, const ResizeBlock* blocks, int count, short* out)
 {
-    const __m256i bias = _mm256_set1_epi16(short(128 - 32768));
+    const Wide bias = AQORB_WIDE(set1_epi16)(short(128 - 32768));
+    const int GROUPS = LANES / ResizeBlock::GROUP;
     for (int i = 0; i < count; i++)
     {
         const ResizeBlock& block = blocks[i];
-        const __m128i low = _mm_loadu_si128(reinterpret_cast<const __m128i*>(source + block.base[0]));
-        const __m128i high = _mm_loadu_si128(reinterpret_cast<const __m128i*>(source + block.base[1]));
-        const __m256i pixels = _mm256_inserti128_si256(_mm256_castsi128_si256(low), high, 1);
-        const __m256i a =
-            _mm256_shuffle_epi8(pixels, _mm256_loadu_si256(reinterpret_cast<const __m256i*>(block.a)));
-        const __m256i b =
-            _mm256_shuffle_epi8(pixels, _mm256_loadu_si256(reinterpret_cast<const __m256i*>(block.b)));
-        const __m256i weight = _mm256_loadu_si256(reinterpret_cast<const __m256i*>(block.weight));
-        const __m256i sum =
-            _mm256_add_epi16(_mm256_slli_epi16(a, 8), _mm256_mullo_epi16(_mm256_sub_epi16(b, a), weight));
-        _mm256_storeu_si256(reinterpret_cast<__m256i*>(out + 16 * i), _mm256_add_epi16(sum, bias));
+        for (int group = 0; group < ResizeBlock::GROUPS; group += GROUPS, out += LANES)
+        {
+            const Wide pixels = loadGroups(source, block.base + group);
+            const Wide a = AQORB_WIDE(shuffle_epi8)(pixels, load(block.a[group]));
+            const Wide b = AQORB_WIDE(shuffle_epi8)(pixels, load(block.b[group]));
+            const Wide weight = load(block.weight + group * ResizeBlock::GROUP);
+            const Wide part = AQORB_WIDE(mullo_epi16)(AQORB_WIDE(sub_epi16)(b, a), weight);
+            const Wide whole = AQORB_WIDE(add_epi16)(AQORB_WIDE(slli_epi16)(a, 8), bias);
+            store(out, AQORB_WIDE(add_epi16)(whole, part));
+        }
     }
 }
 
-// 16 pixels between two rows, as signed 16-bit numbers less 128
-CV_ALWAYS_INLINE __m256i between(const short* upper, const short* lower, __m256i weights)
+// Pixels between two rows, as signed 16-bit numbers less 128
+CV_ALWAYS_INLINE Wide between(const short* upper, const short* lower, Wide weights)
 {
-    const __m256i u = _mm256_loadu_si256(reinterpret_cast<const __m256i*>(upper));
-    const __m256i l = _mm256_loadu_si256(reinterpret_cast<const __m256i*>(lower));
-    const __m256i first = _mm256_srai_epi32(_mm256_madd_epi16(_mm256_unpacklo_epi16(u, l), weights), 16);
-    const __m256i second = _mm256_srai_epi32(_mm256_madd_epi16(_mm256_unpackhi_epi16(u, l), weights), 16);
-    return _mm256_packs_epi32(first, second);
+    const Wide u = load(upper), l = load(lower);
+    const Wide first = AQORB_WIDE(madd_epi16)(AQORB_WIDE(unpacklo_epi16)(u, l), weights);
+    const Wide second = AQORB_WIDE(madd_epi16)(AQORB_WIDE(unpackhi_epi16)(u, l), weights);
+    return AQORB_WIDE(packs_epi32)(AQORB_WIDE(srai_epi32)(first, 16), AQORB_WIDE(srai_epi32)(second, 16));
 }
 
 void blendRows(const short* upper, const short* lower, int lowerWeight, int width, uchar* out)
 {
-    const __m256i weights = _mm256_set1_epi32((lowerWeight << 16) | (256 - lowerWeight)),
-                  sign = _mm256_set1_epi8(-128);
-    for (int x = 0; x < width; x += 16)
+    const Wide weights = AQORB_WIDE(set1_epi32)((lowerWeight << 16) | (256 - lowerWeight));
+    int x = 0;
+    for (; x + LANES <= width; x += LANES)
+        storeBytes(out + x, between(upper + x, lower + x, weights));
+    if (x < width)
     {
-        const __m256i v = between(upper + x, lower + x, weights);
-        const __m256i bytes = _mm256_xor_si256(_mm256_packs_epi16(v, v), sign);
-        const __m128i pixels = _mm256_castsi256_si128(_mm256_permute4x64_epi64(bytes, 0x08));
-        if (x + 16 <= width)
-        {
-            _mm_storeu_si128(reinterpret_cast<__m128i*>(out + x), pixels);
-            continue;
-        }
-        uchar last[16];
-        _mm_storeu_si128(reinterpret_cast<__m128i*>(last), pixels);
+        uchar last[LANES];
+        storeBytes(last, between(upper + x, lower + x, weights));
         for (int i = x; i < width; i++)
             out[i] = last[i - x];
     }
 }
+#undef AQORB_WIDE
 
 }  // namespace
 
 bool resizeRows(const Resize& resize, int begin, int end)
 {
-    const int blocks = (resize.width + 15) / 16;
+    const int blocks = (resize.width + ResizeBlock::PIXELS - 1) / ResizeBlock::PIXELS;
     int held[2] = {-1, -1};  // the source rows in resize.rows
     for (int y = begin; y < end; y++)
     {
