@@ -146,7 +146,17 @@ void BalancedSequence::begin(std::vector<LeafPoint>& points_, int depth)
         }
         leaves.back().end++;
     }
+    // Here rather than as it is asked for: sequences are begun side by side, but taken from one by one.
+    for (size_t i = 0; i < leaves.size(); i++)
+        bringBestToFront(leaves[i]);
     lists.resize(points.size());
+}
+
+void BalancedSequence::bringBestToFront(const Leaf& leaf)
+{
+    const std::vector<LeafPoint>::iterator begin = points.begin() + leaf.begin,
+                                           end = points.begin() + leaf.end;
+    std::iter_swap(begin, std::min_element(begin, end, better));
 }
 
 // Takes the best point off a leaf that the filter lets pass. False: there is none.
@@ -156,12 +166,10 @@ bool BalancedSequence::takeBest(Leaf& leaf, const PointFilter* filter, LeafPoint
     const int SELECTED = 4;
     while (leaf.begin < leaf.end)
     {
-        const std::vector<LeafPoint>::iterator begin = points.begin() + leaf.begin,
-                                               end = points.begin() + leaf.end;
-        if (leaf.taken < SELECTED)
-            std::iter_swap(begin, std::min_element(begin, end, better));
+        if (leaf.taken > 0 && leaf.taken < SELECTED)
+            bringBestToFront(leaf);
         else if (leaf.taken == SELECTED)
-            std::sort(begin, end, better);
+            std::sort(points.begin() + leaf.begin, points.begin() + leaf.end, better);
         leaf.taken++;
         best = points[leaf.begin++];
         if (!filter || filter->accepts(best))

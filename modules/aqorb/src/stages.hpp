@@ -296,6 +296,7 @@ private:
         size_t firstLeaf, endLeaf;
         size_t list, listed;  // begin of its list in lists, and length so far
     };
+    void bringBestToFront(const Leaf& leaf);
     bool takeBest(Leaf& leaf, const PointFilter* filter, LeafPoint& best);
     bool extend(Group& group, const PointFilter* filter);
 
