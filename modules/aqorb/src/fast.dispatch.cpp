@@ -24,11 +24,11 @@ static void widthsOfScan(int widths[2])
     CV_CPU_DISPATCH(scanWidths, (widths), CV_CPU_DISPATCH_MODES_ALL);
 }
 
-static int writeWantedCorners(const WeakCorners* weak, int count, const FastScratch& scratch, Corner* corners)
+static int writeWantedCorners(const WeakCorners* weak, int count, FastScratch& scratch, Corner* corners)
 {
     const ScanBlock* blocks = scratch.blocks.data();
     const uint64* wanted = scratch.wanted.data();
-    const uchar* scores = scratch.scores.data() + SCAN_MARGIN - scratch.firstRow * scratch.scoreStep;
+    const uchar* scores = scratch.rowOfScores(0);
     CV_CPU_DISPATCH(writeWanted, (weak, count, blocks, wanted, scores, scratch.scoreStep, corners),
                     CV_CPU_DISPATCH_MODES_ALL);
 }
@@ -62,6 +62,18 @@ template <typename T> static void makeRoom(std::vector<T>& elements, size_t coun
         elements.resize(count);
 }
 
+// Room for the scores of rows of the image, each with a margin. The blocks' scores are aligned, but the last's.
+static void layOutScores(int imageWidth, const Range& rows, FastScratch& scratch)
+{
+    const size_t rowBytes = alignSize(size_t(imageWidth) + 2 * SCAN_MARGIN, SCAN_ALIGNMENT);
+    makeRoom(scratch.scores, (size_t(rows.size()) + 1) * rowBytes + 2 * SCAN_ALIGNMENT);
+    const int first = scratch.blocks[0].x;
+    uchar* aligned = alignPtr(scratch.scores.data() + SCAN_MARGIN + first, SCAN_ALIGNMENT);
+    scratch.firstScore = aligned - first - scratch.scores.data();
+    scratch.firstRow = rows.start;
+    scratch.scoreStep = ptrdiff_t(rowBytes);
+}
+
 // How many corners a number of blocks may have.
 static size_t mostCorners(size_t blocks, int width)
 {
@@ -85,10 +97,7 @@ void detectCorners(const Mat& image, const Rect& region, Thresholds thresholds, 
     coverWithBlocks(Range(wanted.x, wanted.x + wanted.width), Range(pixels.x, pixels.x + pixels.width), width,
                     scratch.blocks);
     const size_t blockCount = scratch.blocks.size();
-    const size_t rowBytes = size_t(image.cols) + 2 * SCAN_MARGIN;
-    scratch.firstRow = wanted.y - 1;
-    scratch.scoreStep = ptrdiff_t(rowBytes);
-    makeRoom(scratch.scores, (size_t(wanted.height) + 2) * rowBytes);
+    layOutScores(image.cols, Range(wanted.y - 1, wanted.y + wanted.height + 1), scratch);
     makeRoom(scratch.listed, 2 * blockCount);
     makeRoom(scratch.weak, size_t(wanted.height) * blockCount + 1);
     const size_t ROWS = 4;  // that there is room for, whatever they hold
@@ -109,7 +118,7 @@ void detectCorners(const Mat& image, const Rect& region, Thresholds thresholds, 
     scan.blocks = scratch.blocks.data();
     scan.blockCount = int(blockCount);
     scan.blockWidth = width;
-    scan.scores = scratch.scores.data() + SCAN_MARGIN;
+    scan.scores = scratch.rowOfScores(scan.top - 1);
     scan.scoreStep = scratch.scoreStep;
     for (int i = 0; i < 2; i++)
     {

@@ -69,8 +69,9 @@ struct FastScan
     int weakCount;
 };
 
-const int SCAN_MARGIN = 64;    // around the scores of a row, for the vectors
-const int SCAN_OVERSHOOT = 4;  // corners a scan may write beyond those it found
+const int SCAN_ALIGNMENT = 64;  // of scores, so that as few vectors as may be lie across cache lines
+const int SCAN_MARGIN = 64;     // around the scores of a row, for the vectors
+const int SCAN_OVERSHOOT = 4;   // corners a scan may write beyond those it found
 
 //! The 256 tests of a descriptor with WTA_K 2: the bit is 1 where point 0 is darker than point 1.
 struct PairTests

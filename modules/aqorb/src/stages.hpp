@@ -153,12 +153,14 @@ struct WeakCorners
 //! Work space of detectCorners, for one call after the other, and what takeWeakCorners takes.
 struct FastScratch
 {
-    FastScratch() : blockWidth(0), firstRow(0), scoreStep(0), weakCount(0), weakTaken(0) {}
+    FastScratch() : blockWidth(0), firstScore(0), firstRow(0), scoreStep(0), weakCount(0), weakTaken(0) {}
+    uchar* rowOfScores(int y) { return scores.data() + firstScore + (y - firstRow) * scoreStep; }
 
     std::vector<ScanBlock> blocks;
     int blockWidth;
     std::vector<uchar> scores;
-    int firstRow;  //!< of the scores
+    ptrdiff_t firstScore;  //!< where that of column 0 in firstRow would be
+    int firstRow;
     ptrdiff_t scoreStep;
     std::vector<int> listed;
     std::vector<Corner> found;
