@@ -23,16 +23,25 @@ void patchMoments(const uchar* center, ptrdiff_t step, const PatchWeights& weigh
 {
     m10 = m01 = 0;
     const int radius = weights.radius;
+    // Row 0 is its own mirror image.
+    const uchar* middle = center - radius;
+    int x = 0;
 #if CV_SIMD
+    const int LANES = AQORB_LANES(v_int16);
     v_int32 sum10 = vx_setzero_s32(), sum01 = vx_setzero_s32();
+    for (; x < weights.width; x += LANES)
+        sum10 = v_add(sum10,
+                      v_dotprod(v_reinterpret_as_s16(vx_load_expand(middle + x)), vx_load(weights.u[0] + x)));
 #endif
-    for (int v = 0; v <= radius; v++)
+    for (; x < weights.width; x++)
+        m10 += middle[x] * weights.u[0][x];
+    for (int v = 1; v <= radius; v++)
     {
-        const uchar *above = center - v * step - radius, *below = center + v * step - radius;
+        const uchar *above = middle - v * step, *below = middle + v * step;
         const short *wu = weights.u[v], *wv = weights.v[v];
-        int x = 0;
+        x = 0;
 #if CV_SIMD
-        for (; x < weights.width; x += AQORB_LANES(v_int16))
+        for (; x < weights.width; x += LANES)
         {
             const v_int16 a = v_reinterpret_as_s16(vx_load_expand(above + x)),
                           b = v_reinterpret_as_s16(vx_load_expand(below + x));
@@ -50,9 +59,6 @@ void patchMoments(const uchar* center, ptrdiff_t step, const PatchWeights& weigh
     m10 = v_reduce_sum(sum10);
     m01 = v_reduce_sum(sum01);
 #endif
-    // Row 0 was its own mirror image: counted twice.
-    for (int u = -radius; u <= radius; u++)
-        m10 -= u * center[u];
 }
 
 #endif  // CV_CPU_OPTIMIZATION_DECLARATIONS_ONLY
