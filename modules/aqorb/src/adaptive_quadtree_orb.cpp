@@ -426,7 +426,7 @@ void AdaptiveQuadtreeORBImpl::refine(Workspace& workspace, int octave, Size imag
     std::vector<RankedCorner>& corners = workspace.chosen[octave];
     std::vector<DescriptorPoint>& points = workspace.points[octave];
     const Level& level = workspace.pyramid[octave];
-    std::sort(corners.begin(), corners.end(), inRasterOrder);
+    std::sort(corners.begin(), corners.end(), InRasterOrder());
     points.resize(corners.size());
     for (size_t i = 0; i < corners.size(); i++)
     {

@@ -82,19 +82,22 @@ unsigned orderedResponse(float response)
 }
 
 // Total order by response, so that the result does not depend on the order of the points.
-bool better(const LeafPoint& a, const LeafPoint& b)
+struct Better
 {
-    if (a.response > b.response)
-        return true;
-    if (a.response < b.response)
-        return false;
-    const unsigned ra = orderedResponse(a.response), rb = orderedResponse(b.response);
-    if (ra != rb)
-        return ra > rb;
-    if (a.y != b.y)
-        return a.y < b.y;
-    return a.x != b.x ? a.x < b.x : a.index < b.index;
-}
+    bool operator()(const LeafPoint& a, const LeafPoint& b) const
+    {
+        if (a.response > b.response)
+            return true;
+        if (a.response < b.response)
+            return false;
+        const unsigned ra = orderedResponse(a.response), rb = orderedResponse(b.response);
+        if (ra != rb)
+            return ra > rb;
+        if (a.y != b.y)
+            return a.y < b.y;
+        return a.x != b.x ? a.x < b.x : a.index < b.index;
+    }
+};
 
 // Stable, by several bits at a time.
 void sortByLeaf(std::vector<LeafPoint>& points, int depth, std::vector<LeafPoint>& sorted)
@@ -156,7 +159,7 @@ void BalancedSequence::bringBestToFront(const Leaf& leaf)
 {
     const std::vector<LeafPoint>::iterator begin = points.begin() + leaf.begin,
                                            end = points.begin() + leaf.end;
-    std::iter_swap(begin, std::min_element(begin, end, better));
+    std::iter_swap(begin, std::min_element(begin, end, Better()));
 }
 
 // Takes the best point off a leaf that the filter lets pass. False: there is none.
@@ -169,7 +172,7 @@ bool BalancedSequence::takeBest(Leaf& leaf, const PointFilter* filter, LeafPoint
         if (leaf.taken > 0 && leaf.taken < SELECTED)
             bringBestToFront(leaf);
         else if (leaf.taken == SELECTED)
-            std::sort(points.begin() + leaf.begin, points.begin() + leaf.end, better);
+            std::sort(points.begin() + leaf.begin, points.begin() + leaf.end, Better());
         leaf.taken++;
         best = points[leaf.begin++];
         if (!filter || filter->accepts(best))
@@ -189,7 +192,7 @@ bool BalancedSequence::extend(Group& group, const PointFilter* filter)
         if (takeBest(leaves[i], filter, best))
             *end++ = best;
     }
-    std::sort(begin, end, better);
+    std::sort(begin, end, Better());
     group.listed += end - begin;
     return begin != end;
 }
@@ -211,7 +214,7 @@ bool BalancedSequence::next(LeafPoint& point, const PointFilter* filter)
         groups.resize(left);
         if (offers.empty())
             return false;
-        std::sort(offers.begin(), offers.end(), better);
+        std::sort(offers.begin(), offers.end(), Better());
         round++;
     }
     point = offers[given++];

@@ -120,13 +120,14 @@ public:
         for (int level = 0; level < int(levels->size()) && wanted > 0; level++)
         {
             std::vector<RankedCorner> taken = (*chosen)[level];
-            std::sort(taken.begin(), taken.end(), inRasterOrder);
+            std::sort(taken.begin(), taken.end(), InRasterOrder());
             source->corners(level, KEPT_CORNERS, corners);
-            corners.erase(
-                std::remove_if(corners.begin(), corners.end(),
-                               [&](const RankedCorner& c)
-                               { return std::binary_search(taken.begin(), taken.end(), c, inRasterOrder); }),
-                corners.end());
+            corners.erase(std::remove_if(corners.begin(), corners.end(),
+                                         [&](const RankedCorner& c) {
+                                             return std::binary_search(taken.begin(), taken.end(), c,
+                                                                       InRasterOrder());
+                                         }),
+                          corners.end());
             wanted -= fill(level, wanted);
         }
         return wanted;

@@ -48,11 +48,14 @@ struct RankedCorner
     float response;
 };
 
-//! Order by rows, and by columns within a row.
-inline bool inRasterOrder(const RankedCorner& a, const RankedCorner& b)
+//! Order by rows, and by columns within a row. A type, as sorting does not inline calls of a function.
+struct InRasterOrder
 {
-    return a.y != b.y ? a.y < b.y : a.x < b.x;
-}
+    bool operator()(const RankedCorner& a, const RankedCorner& b) const
+    {
+        return a.y != b.y ? a.y < b.y : a.x < b.x;
+    }
+};
 
 // ---- input.cpp -------------------------------------------------------------------------------
 
