@@ -47,9 +47,10 @@ static uchar exactBlurOf(const uchar* p, ptrdiff_t step, const float* taps)
 
 uchar exactBlur(const Mat& image, int x, int y)
 {
+    const int READ = RADIUS + 1;  // vectors read on to the right
     const float* tap = gaussianTaps().tap;
     PatchBuffer buffer;
-    const Patch patch = patchAround(image, x, y, RADIUS, buffer);
+    const Patch patch = patchAround(image, x, y, READ, buffer);
     return exactBlurOf(patch.center, patch.step, tap);
 }
 

@@ -15,7 +15,7 @@ namespace stages
 {
 CV_CPU_OPTIMIZATION_NAMESPACE_BEGIN
 
-//! exactBlur at p, whose pixels 3 around must be readable; taps of the centre and 1, 2, 3 off it.
+//! exactBlur at p, whose pixels 4 around must be readable; taps of the centre and 1, 2, 3 off it.
 uchar exactBlurAt(const uchar* p, ptrdiff_t step, const float* taps);
 
 /** approximateBlur of a tile.
@@ -28,7 +28,30 @@ void blurTile(const uchar* source, ptrdiff_t step, int width, int height, const 
 
 uchar exactBlurAt(const uchar* p, ptrdiff_t step, const float* taps)
 {
-    float rows[7];
+    float rows[8];
+#if CV_AVX2
+    // All rows at once, column by column.
+    const uchar* q = p - 3 * step - 3;
+    __m128i row[7];
+    for (int i = 0; i < 7; i++)
+        row[i] = _mm_loadl_epi64(reinterpret_cast<const __m128i*>(q + i * step));
+    const __m128i rows01 = _mm_unpacklo_epi8(row[0], row[1]), rows23 = _mm_unpacklo_epi8(row[2], row[3]),
+                  rows45 = _mm_unpacklo_epi8(row[4], row[5]),
+                  row6 = _mm_unpacklo_epi8(row[6], _mm_setzero_si128());
+    const __m128i upper03 = _mm_unpacklo_epi16(rows01, rows23), upper47 = _mm_unpackhi_epi16(rows01, rows23),
+                  lower03 = _mm_unpacklo_epi16(rows45, row6), lower47 = _mm_unpackhi_epi16(rows45, row6);
+    const __m128i columns[4] = {_mm_unpacklo_epi32(upper03, lower03), _mm_unpackhi_epi32(upper03, lower03),
+                                _mm_unpacklo_epi32(upper47, lower47), _mm_unpackhi_epi32(upper47, lower47)};
+    __m256 sums = _mm256_setzero_ps();
+    for (int i = 0; i < 7; i++)
+    {
+        const __m128i column = i & 1 ? _mm_srli_si128(columns[i / 2], 8) : columns[i / 2];
+        const __m256 pixels = _mm256_cvtepi32_ps(_mm256_cvtepu8_epi32(column));
+        const __m256 tap = _mm256_set1_ps(taps[i < 3 ? 3 - i : i - 3]);
+        sums = i == 0 ? _mm256_mul_ps(tap, pixels) : _mm256_fmadd_ps(tap, pixels, sums);
+    }
+    _mm256_storeu_ps(rows, sums);
+#else
     for (int i = 0; i < 7; i++)
     {
         const uchar* q = p + (i - 3) * step;
@@ -40,6 +63,7 @@ uchar exactBlurAt(const uchar* p, ptrdiff_t step, const float* taps)
         sum = std::fma(taps[2], float(q[2]), sum);
         rows[i] = std::fma(taps[3], float(q[3]), sum);
     }
+#endif
     float sum = taps[0] * rows[3];
     sum = std::fma(rows[4] + rows[2], taps[1], sum);
     sum = std::fma(rows[5] + rows[1], taps[2], sum);
