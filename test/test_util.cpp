@@ -144,9 +144,10 @@ Mat oxfordHomography(const std::string& set, int index)
 
 bool orbBlursWithFMA()
 {
-    // As cv::ORB blurs: a part of a larger matrix.
+    // As cv::ORB blurs: a part of a larger matrix. With or without, most images of this size come out the same; with
+    // this seed not.
     const int BORDER = 8;
-    const Mat image = makeNoise(Size(200, 200));
+    const Mat image = makeNoise(Size(200, 200), 18);
     Mat padded;
     cv::copyMakeBorder(image, padded, BORDER, BORDER, BORDER, BORDER, BORDER_REFLECT_101);
     Mat blurred = padded(Rect(Point(BORDER, BORDER), image.size()));
