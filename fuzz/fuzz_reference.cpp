@@ -62,7 +62,7 @@ extern "C" int LLVMFuzzerTestOneInput(const uint8_t* bytes, size_t size)
 {
     FuzzedDataProvider data(bytes, size);
     const reference::Settings settings = settingsFrom(data);
-    const Mat image = fuzz::image(data, 100, false);
+    const Mat image = fuzz::image(data, 72, false);
     if (image.empty())
         return 0;
     const Mat mask = fuzz::mask(data, image.size(), false);
@@ -87,7 +87,8 @@ extern "C" int LLVMFuzzerTestOneInput(const uint8_t* bytes, size_t size)
             ORB::create(settings.nfeatures, settings.scaleFactor, settings.nlevels, settings.edgeThreshold,
                         settings.firstLevel, settings.WTA_K, settings.scoreType, settings.patchSize);
         Features ofOrb = {expected.keypoints, Mat()};
-        orb->compute(image, ofOrb.keypoints, ofOrb.descriptors);
+        // It takes what lies around a part of a larger image for its border; we do not.
+        orb->compute(image.clone(), ofOrb.keypoints, ofOrb.descriptors);
         requireSame("compute of cv::ORB", sameFeatures(computed, ofOrb));
     }
     // With levels before the first one, compute takes the border for that of the image.
