@@ -120,6 +120,7 @@ public:
             }
         };
         runChecked([&] { create(); });
+        picture = image(data, 64, true);
         // What cv::ORB comes to should not hide what it comes to later.
         for (int calls = 0; calls < 20 && data.remaining_bytes() > 0 && orb; calls++)
         {

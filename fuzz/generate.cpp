@@ -63,13 +63,16 @@ static void fill(FuzzedDataProvider& data, Mat& m)
     switch (data.ConsumeIntegralInRange(0, 6))
     {
     case 0:
-        fillWithInput(data, m);
+    {
+        RNG rng(data.ConsumeIntegral<uchar>());
+        rng.fill(m, RNG::UNIFORM, 0, 256 - data.ConsumeIntegral<uchar>());
         return;
+    }
     case 1:
         m.setTo(Scalar::all(data.ConsumeIntegral<uchar>()));
         return;
     case 2:
-        RNG(data.ConsumeIntegral<uchar>()).fill(m, RNG::UNIFORM, 0, data.ConsumeIntegral<uchar>());
+        fillWithInput(data, m);
         return;
     case 3:  // a checkerboard
     {
@@ -119,19 +122,21 @@ Mat matrix(FuzzedDataProvider& data, Size size, int type)
 
 Mat image(FuzzedDataProvider& data, int maxSide, bool anyType)
 {
-    const Size size(data.ConsumeIntegralInRange(0, maxSide), data.ConsumeIntegralInRange(0, maxSide));
+    // Where the input ends, numbers are the lowest in their range: that is to be a picture with corners.
+    const Size size(maxSide - data.ConsumeIntegralInRange(0, maxSide),
+                    maxSide - data.ConsumeIntegralInRange(0, maxSide));
     switch (data.ConsumeIntegralInRange(0, 15))
     {
-    case 0:
-        return matrix(data, size, CV_8UC3);
     case 1:
-        return matrix(data, size, CV_8UC4);
+        return matrix(data, size, CV_8UC3);
     case 2:
+        return matrix(data, size, CV_8UC4);
+    case 3:
         if (anyType)
             return matrix(data, size,
                           CV_MAKETYPE(data.ConsumeIntegralInRange(0, 6), data.ConsumeIntegralInRange(1, 5)));
         break;
-    case 3:
+    case 4:
         if (anyType)
         {
             const int sizes[] = {4, size.height, size.width};

@@ -96,7 +96,7 @@ void descriptor(const Mat& image, const Mat& blurred, Point center, float angle,
                 const std::vector<Point>& pattern, int WTA_K, uchar* bytes)
 {
     angle *= (float)(CV_PI / 180.f);
-    const float a = (float)std::cos((double)angle), b = (float)std::sin((double)angle);
+    const float a = std::cos(angle), b = std::sin(angle);
     std::vector<int> values;
     for (size_t i = 0; i < pattern.size(); i++)
     {

@@ -104,5 +104,28 @@ TEST(AqorbFuzzFinds, aScaleFactorThatIsOneAsAFloat)
     }
 }
 
+TEST(AqorbFuzzFinds, aDirectionThatPutsAPointBetweenTwoPixels)
+{
+    // cv::ORB takes sine and cosine of a float, which are not always the floats nearest to the exact values;
+    // at this angle the point (14, -23) of the pattern comes to lie on -22.5 or just beyond.
+    if (!orbBlursWithFMA())
+        AQORB_SKIP("cv::ORB of this OpenCV and CPU blurs without multiply-add");
+    const Mat image = makeNoise(Size(200, 160));
+    KeyPoints keypoints;
+    for (int i = 0; i < 200; i++)
+        keypoints.push_back(KeyPoint(Point2f(40.f + i % 20 * 6, 40.f + i / 20 * 8), 47.f, 295.352722f));
+    for (int WTA_K = 2; WTA_K <= 4; WTA_K++)
+    {
+        SCOPED_TRACE(WTA_K);
+        Features ours = {keypoints, Mat()}, theirs = ours;
+        AdaptiveQuadtreeORB::create(500, 1.2f, 8, 16, 0, WTA_K, ORB::HARRIS_SCORE, 47)
+            ->compute(image, ours.keypoints, ours.descriptors);
+        ORB::create(500, 1.2f, 8, 16, 0, WTA_K, ORB::HARRIS_SCORE, 47)
+            ->compute(image, theirs.keypoints, theirs.descriptors);
+        EXPECT_EQ(200u, ours.keypoints.size());
+        EXPECT_TRUE(sameFeatures(theirs, ours));
+    }
+}
+
 }  // namespace
 }  // namespace opencv_test

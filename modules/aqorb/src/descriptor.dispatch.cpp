@@ -212,7 +212,8 @@ void computeDescriptors(const Mat& image, const Mat& blurred, const DescriptorPo
         const int x = points[i].x, y = points[i].y;
         uchar* descriptor = descriptors + i * step;
         const float angle = points[i].angle * float(CV_PI / 180.f);
-        const float a = float(std::cos(double(angle))), b = float(std::sin(double(angle)));
+        // Of a float, as cv::ORB: this is not always the float nearest to the exact value.
+        const float a = std::cos(angle), b = std::sin(angle);
         const BlurredPatch patch(image, blurred, x, y);
         if (!tests.pairs)
         {
