@@ -55,9 +55,10 @@ std::vector<std::string> defaultImages()
     return images;
 }
 
-void runFrames(const Image& image, Detector id, int nfeatures, int frames)
+void runFrames(const std::string& spec, Detector id, int nfeatures, int frames)
 {
     setNumThreads(1);
+    const Image image(spec);
     const Ptr<Feature2D> detector = createDetector(id, nfeatures);
     Features features;
     for (int i = 0; i < WARM_UP; i++)  // a profiler tells these by the function
@@ -90,7 +91,7 @@ int run(const CommandLineParser& parser)
 
     if (frames > 0)
     {
-        runFrames(Image(settings.images[0]), detector == "orb" ? CV_ORB : AQORB, settings.nfeatures, frames);
+        runFrames(settings.images[0], detector == "orb" ? CV_ORB : AQORB, settings.nfeatures, frames);
         return 0;
     }
     if (smoke)

@@ -17,10 +17,10 @@ const struct
     const char* region;
     Stage stage;
 } MARKS[] = {{"varianceOverMean", THRESHOLD},
-             {"buildPyramid", PYRAMID},
-             {"findCorners", FAST},
+             {"fillPyramid", PYRAMID},
+             {"findBandCorners", FAST},
              {"empty cells", EMPTY_CELLS},
-             {"suppress", SUPPRESSION},
+             {"suppressCorners", SUPPRESSION},
              {"harrisResponses", HARRIS},
              {"leafPoints", QUADTREE},
              {"BalancedSequence::begin", QUADTREE},
@@ -51,25 +51,12 @@ class Profiler
 public:
     Profiler() : profile() {}
 
-    void add(const TraceRegion& region, Stage outer, int level)
+    void add(const TraceRegion& region, Stage outer)
     {
         const Stage stage = stageOf(region, outer);
-        const double self = region.selfDuration();
-        profile.stages[stage] += self;
-        if (level >= 0)
-        {
-            if (size_t(level) >= profile.levels.size())
-                profile.levels.resize(level + 1, std::vector<double>(STAGE_COUNT));
-            profile.levels[level][stage] += self;
-        }
-
-        // The levels come in order: one task each, and resized one from the other.
-        int next = stage == PYRAMID ? 1 : 0;
+        profile.stages[stage] += region.selfDuration();
         for (const TraceRegion& child : region.children)
-        {
-            const bool isLevel = level < 0 && (isParallel(region) || child.is("resizeExact"));
-            add(child, stage, isLevel ? next++ : level);
-        }
+            add(child, stage);
     }
 
     Profile profile;
@@ -101,8 +88,8 @@ const char* nameOf(Stage stage)
 {
     static const char* const NAMES[] = {"threshold",
                                         "pyramid",
-                                        "FAST at iniT",
-                                        "FAST at minT in empty cells",
+                                        "FAST",
+                                        "weak corners in empty cells",
                                         "suppression between neighbours",
                                         "Harris",
                                         "quadtree",
@@ -118,7 +105,7 @@ const char* nameOf(Stage stage)
 Profile profileOf(const TraceRegion& frame)
 {
     Profiler profiler;
-    profiler.add(frame, REST, -1);
+    profiler.add(frame, REST);
     profiler.profile.total = frame.duration;
     return profiler.profile;
 }
@@ -126,17 +113,9 @@ Profile profileOf(const TraceRegion& frame)
 Profile medianOf(const std::vector<Profile>& profiles)
 {
     Profile median = profiles.at(0);
-    for (const Profile& profile : profiles)
-    {
-        if (profile.levels.size() != median.levels.size())
-            CV_Error(cv::Error::StsError, "The profiles are not of the same image");
-    }
     for (int stage = 0; stage < STAGE_COUNT; stage++)
     {
         median.stages[stage] = medianBy(profiles, [&](const Profile& p) { return p.stages[stage]; });
-        for (size_t i = 0; i < median.levels.size(); i++)
-            median.levels[i][stage] =
-                medianBy(profiles, [&](const Profile& p) { return p.levels[i][stage]; });
     }
     median.total = std::accumulate(median.stages, median.stages + STAGE_COUNT, 0.);
     return median;

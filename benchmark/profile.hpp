@@ -33,13 +33,12 @@ struct Profile
 {
     double total;
     double stages[STAGE_COUNT];
-    std::vector<std::vector<double>> levels;  //!< time by stage of each level that has work of its own
 };
 
 //! The profile of a call of detectAndCompute.
 Profile profileOf(const TraceRegion& frame);
 
-//! Number by number the median of profiles of the same image; the total is the sum of the stages.
+//! Number by number the median of profiles; the total is the sum of the stages.
 Profile medianOf(const std::vector<Profile>& profiles);
 
 /** The least time that threads can take for a region: each parallel_for_ its longest task or its share of all

@@ -85,42 +85,6 @@ std::string percent(double part, double whole)
     return format("%.1f", 100 * part / whole);
 }
 
-double sumOf(const std::vector<double>& values)
-{
-    double sum = 0;
-    for (double value : values)
-        sum += value;
-    return sum;
-}
-
-void printLevels(const Image& image, const Profile& profile)
-{
-    std::vector<Stage> stages;  // that have a level
-    for (int stage = 0; stage < STAGE_COUNT; stage++)
-    {
-        for (const std::vector<double>& level : profile.levels)
-        {
-            if (level[stage] > 0 && (stages.empty() || stages.back() != stage))
-                stages.push_back(Stage(stage));
-        }
-    }
-    std::vector<std::string> head(1, "level");
-    for (Stage stage : stages)
-        head.push_back(nameOf(stage));
-    head.push_back("sum");
-    Table table("Stages by level", head);
-    for (size_t level = 0; level < profile.levels.size(); level++)
-    {
-        std::vector<std::string> row(1, format("%d", int(level)));
-        for (Stage stage : stages)
-            row.push_back(percent(profile.levels[level][stage], profile.total));
-        row.push_back(percent(sumOf(profile.levels[level]), profile.total));
-        table.add(row);
-    }
-    table.print();
-    std::cout << "In % of a frame of " << image.name << ".\n\n";
-}
-
 //! Of frames, times as % of the total and bounds on the speedup, as medians.
 std::vector<std::string> criticalPath(const std::vector<TraceRegion>& frames)
 {
@@ -180,8 +144,6 @@ void printStages(const Settings& settings)
     stages.add(cost);
     stages.print();
     std::cout << "One thread, n = " << settings.nfeatures << ".\n\n";
-
-    printLevels(images[0], profiles[0]);
 
     Table path("Critical path", {"image", "selection %", "serial %", "longest tasks %", "bound, 2 threads",
                                  "4", "8", "enough threads", "measured, 2 threads"});

@@ -40,15 +40,15 @@ const char* const LOCATIONS =
     "l,2,\"a.cpp\",2,\"double cv::aqorb::stages::varianceOverMean(const cv::Mat&, const cv::Mat&)\",0x3\n"
     "l,3,\"a.cpp\",3,\"parallel_for\",0x1\n"
     "l,4,\"a.cpp\",4,\"level\",0x0\n"
-    "l,5,\"a.cpp\",5,\"void cv::aqorb::stages::findCorners(const Level&, const cv::Rect&)\",0x3\n"
+    "l,5,\"a.cpp\",5,\"void cv::aqorb::stages::findBandCorners(const Level&, const cv::Rect&)\",0x3\n"
     "l,6,\"a.cpp\",6,\"empty cells\",0x0\n"
     "l,7,\"a.cpp\",7,\"void cv::aqorb::stages::FeatureSelector::select(int)\",0x3\n"
     "l,8,\"a.cpp\",8,\"void cv::aqorb::(anonymous namespace)::leafPoints(const std::vector<int>&, int "
     "(*)(int))\",0x3\n"
-    "l,9,\"a.cpp\",9,\"void cv::aqorb::stages::buildPyramid(int)\",0x3\n"
+    "l,9,\"a.cpp\",9,\"void cv::aqorb::stages::fillPyramid(int)\",0x3\n"
     "l,10,\"a.cpp\",10,\"void cv::aqorb::stages::resizeExact(int)\",0x3\n";
 
-// 1000 ns: 50 threshold, 100 pyramid (80 of them level 1), 2 levels of 400 and 200, 200 selection, 50 rest.
+// 1000 ns: 50 threshold, 100 pyramid, 2 tasks of 400 and 200, 200 selection, 50 rest.
 const char* const EVENTS =
     "b,0,0,1,1\n"
     "b,0,0,2,2\ne,0,50,2,2,50\n"
@@ -60,7 +60,7 @@ const char* const EVENTS =
     "b,0,760,7,11\nb,0,800,8,12\ne,0,830,8,12,30\ne,0,960,7,11,200\n"
     "e,0,1000,1,1,1000\n";
 
-TEST(Profile, sharesTheTimeOfAFrameAmongStagesAndLevels)
+TEST(Profile, sharesTheTimeOfAFrameAmongStages)
 {
     const TraceFiles files(LOCATIONS, EVENTS);
     const std::vector<TraceRegion> frames = readTrace(files.location);
@@ -75,11 +75,6 @@ TEST(Profile, sharesTheTimeOfAFrameAmongStagesAndLevels)
     EXPECT_EQ(0, profile.stages[QUADTREE]);  // what selection calls is its own
     EXPECT_EQ(200, profile.stages[SELECTION]);
     EXPECT_EQ(20 + 10 + 40, profile.stages[REST]);
-    ASSERT_EQ(2u, profile.levels.size());
-    EXPECT_EQ(0, profile.levels[0][PYRAMID]);
-    EXPECT_EQ(80, profile.levels[1][PYRAMID]);
-    EXPECT_EQ(350, profile.levels[0][FAST]);
-    EXPECT_EQ(20, profile.levels[1][REST]);
 }
 
 TEST(Profile, knowsTheLeastTimeOfThreads)
@@ -105,7 +100,6 @@ TEST(Profile, knowsTheLeastTimeOfTasksThatAreSplitAgain)
     EXPECT_EQ(100, leastTime(region, 1));
     EXPECT_EQ(60, leastTime(region, 2));
     EXPECT_EQ(60, leastTime(region, 0));
-    EXPECT_EQ(90, profileOf(region).levels[1][FAST] + profileOf(region).levels[1][REST]);
 }
 
 TEST(Profile, namesTheStagesThatATraceLacks)
@@ -127,7 +121,7 @@ TEST(Profile, refusesATraceThatIsNotWhole)
     EXPECT_THROW(readTrace("/absent"), cv::Exception);
 }
 
-TEST(Profile, takesMediansOfFramesOfOneImage)
+TEST(Profile, takesMediansOfFrames)
 {
     const TraceFiles files(LOCATIONS, EVENTS);
     const Profile profile = profileOf(readTrace(files.location)[0]);
@@ -136,8 +130,6 @@ TEST(Profile, takesMediansOfFramesOfOneImage)
     slowest.stages[SELECTION] += 1000;
     EXPECT_EQ(210, medianOf({profile, slowest, slow}).stages[SELECTION]);
     EXPECT_EQ(1010, medianOf({profile, slowest, slow}).total);
-    slow.levels.pop_back();
-    EXPECT_THROW(medianOf({profile, slow}), cv::Exception);
 }
 
 }  // namespace

@@ -423,6 +423,7 @@ void AdaptiveQuadtreeORBImpl::chooseCorners(const Mat& image, const Mat& mask, W
 // The features at the chosen corners of a level: their direction and their position in the image.
 void AdaptiveQuadtreeORBImpl::refine(Workspace& workspace, int octave, Size imageSize, const Mat& mask) const
 {
+    CV_TRACE_FUNCTION();
     std::vector<RankedCorner>& corners = workspace.chosen[octave];
     std::vector<DescriptorPoint>& points = workspace.points[octave];
     const Level& level = workspace.pyramid[octave];
