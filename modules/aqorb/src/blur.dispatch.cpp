@@ -117,7 +117,7 @@ bool BlurRegion::nextTile(Rect& tile) const
         return false;
     const uchar* last = std::find(first, end, uchar(0));
     const int column = int((first - begin) / rows);
-    tile.width = std::min(TILE_WIDTH, size.width);
+    tile.width = std::min<int>(TILE_WIDTH, size.width);
     tile.x = std::min(column * TILE_WIDTH, size.width - tile.width);  // the last one overlaps
     tile.y = int((first - begin) % rows);
     tile.height = int(last - first);

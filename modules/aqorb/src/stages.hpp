@@ -436,7 +436,10 @@ public:
     bool nextTile(Rect& tile) const;
 
 private:
-    static const int TILE_WIDTH = 32;  // whole vectors
+    enum
+    {
+        TILE_WIDTH = 32  // whole vectors
+    };
 
     Size size;
     int columns;                // of tiles
