@@ -14,8 +14,8 @@ DETECTORS = {'orb': 'cv::ORB', 'aqorb': 'AdaptiveQuadtreeORB'}
 # Functions that, with all they call, make up a stage.
 STAGES = [
     ('threshold', ['varianceOverMean']),
-    ('pyramid', ['buildPyramid']),
-    ('FAST, suppression', ['findCorners']),
+    ('pyramid', ['fillPyramid']),
+    ('FAST, suppression', ['findBandCorners', 'suppressCorners']),
     ('Harris', ['harrisResponses']),
     ('quadtree', ['leafPoints', 'BalancedSequence::begin']),
     ('selection', ['FeatureSelector::select']),
