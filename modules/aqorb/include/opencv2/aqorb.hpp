@@ -54,7 +54,8 @@ What holds for every image and every parameter:
 - for equal edgeThreshold and fastThreshold never fewer than cv::ORB, up to nfeatures;
 - the same keypoints and descriptors for any number of threads, on any CPU, at every repeat, for a
   Mat, a UMat, a region of a larger image or its clone;
-- the descriptors are those that cv::ORB::compute with the same parameters gives for the keypoints;
+- the descriptors are those that cv::ORB::compute with the same parameters gives for the keypoints
+  on an x86-64 CPU with FMA; on others cv::ORB's own roundings differ, those here do not;
 - any non-zero value of a mask means "use this pixel", on every level;
 - one object may serve several threads at once, as long as none of them calls a setter.
 
