@@ -61,7 +61,8 @@ What holds for every image and every parameter:
 
 Two parameters of create differ from cv::ORB's: edgeThreshold is 16 by default, and fastThreshold
 scales the adaptive threshold. A bad parameter raises a cv::Exception that names it, and leaves the
-object unchanged; what depends on two parameters is checked when an image is processed.
+object unchanged; what depends on two parameters is checked when an image is processed. So does a
+keypoint given to compute whose octave is no level or whose angle is not finite.
  */
 class CV_EXPORTS_W AdaptiveQuadtreeORB : public cv::ORB
 {
