@@ -111,7 +111,7 @@ void expectDescriptorsOfOrb(const Parameters& p, const Mat& image)
     const int tolerance = toleratedBits();
     for (size_t i = 0; i < tagged.size(); i++)
     {
-        ASSERT_LE(norm(ours.descriptors.row(tagged[i].class_id), descriptors.row(int(i)), NORM_HAMMING),
+        ASSERT_LE(cv::norm(ours.descriptors.row(tagged[i].class_id), descriptors.row(int(i)), NORM_HAMMING),
                   tolerance)
             << "at (" << tagged[i].pt.x << ", " << tagged[i].pt.y << ") octave " << tagged[i].octave;
     }
@@ -128,7 +128,7 @@ void expectSameCompute(const Parameters& p, const Mat& image, const KeyPoints& k
     EXPECT_TRUE(sameKeypoints(ours.keypoints, theirs.keypoints));
     ASSERT_EQ(theirs.descriptors.size(), ours.descriptors.size());
     for (int i = 0; i < ours.descriptors.rows; i++)
-        ASSERT_LE(norm(ours.descriptors.row(i), theirs.descriptors.row(i), NORM_HAMMING), toleratedBits())
+        ASSERT_LE(cv::norm(ours.descriptors.row(i), theirs.descriptors.row(i), NORM_HAMMING), toleratedBits())
             << i;
 }
 
