@@ -73,8 +73,9 @@ std::string oxfordImage(const std::string& set, int index);
 //! Homography of an Oxford set from image 1 to image `index` (2 to 6).
 Mat oxfordHomography(const std::string& set, int index);
 
-/** Whether the blur of the installed cv::ORB is rounded as with fused multiply-add on this CPU; only then
- its descriptors can equal ours in every bit. */
+//! Whether the installed cv::ORB's blur of a level is exactBlur in every pixel; else descriptors may differ.
+bool orbBlursExactly(const Mat& level);
+//! Whether it is rounded as with fused multiply-add on this CPU, so that as a rule it is.
 bool orbBlursWithFMA();
 
 }  // namespace opencv_test

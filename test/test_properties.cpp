@@ -125,6 +125,7 @@ TEST(AqorbProperties, descriptorsAreThoseOfOrb)
     if (!orbBlursWithFMA())
         AQORB_SKIP("cv::ORB of this OpenCV and CPU blurs without multiply-add");
     size_t compared = 0;
+    int blurredOtherwise = 0;
     for (int seed = 1; seed <= 1000; seed++)
     {
         RNG rng(seed);
@@ -140,10 +141,17 @@ TEST(AqorbProperties, descriptorsAreThoseOfOrb)
         ORB::create(s.nfeatures, s.scaleFactor, s.nlevels, s.edgeThreshold, 0, s.WTA_K, s.scoreType,
                     s.patchSize)
             ->compute(image, theirs.keypoints, theirs.descriptors);
-        ASSERT_TRUE(sameFeatures(theirs, ours));
         compared += ours.keypoints.size();
+        if (sameFeatures(theirs, ours))
+            continue;
+        // OpenCV 4.10, as Debian compiles it, rounds some two of a million blurred pixels otherwise.
+        std::vector<Mat> levels;
+        s.create()->buildPyramid(image, levels);
+        ASSERT_FALSE(std::all_of(levels.begin(), levels.end(), orbBlursExactly));
+        blurredOtherwise++;
     }
     EXPECT_GT(compared, 10000u);
+    EXPECT_LE(blurredOtherwise, 5);
 }
 
 TEST(AqorbProperties, quotasAddUpToTheNumberOfFeatures)
