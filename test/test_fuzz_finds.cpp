@@ -110,6 +110,11 @@ TEST(AqorbFuzzFinds, aDirectionThatPutsAPointBetweenTwoPixels)
     // at this angle the point (14, -23) of the pattern comes to lie on -22.5 or just beyond.
     if (!orbBlursWithFMA())
         AQORB_SKIP("cv::ORB of this OpenCV and CPU blurs without multiply-add");
+#ifdef __OPENCV_BUILD
+    const int toleratedBits = 2;  // with the headers of OpenCV's own build cv::ORB takes those of a double
+#else
+    const int toleratedBits = 0;
+#endif
     const Mat image = makeNoise(Size(200, 160));
     KeyPoints keypoints;
     for (int i = 0; i < 200; i++)
@@ -122,8 +127,13 @@ TEST(AqorbFuzzFinds, aDirectionThatPutsAPointBetweenTwoPixels)
             ->compute(image, ours.keypoints, ours.descriptors);
         ORB::create(500, 1.2f, 8, 16, 0, WTA_K, ORB::HARRIS_SCORE, 47)
             ->compute(image, theirs.keypoints, theirs.descriptors);
-        EXPECT_EQ(200u, ours.keypoints.size());
-        EXPECT_TRUE(sameFeatures(theirs, ours));
+        ASSERT_EQ(200, ours.descriptors.rows);
+        ASSERT_EQ(200, theirs.descriptors.rows);
+        for (int i = 0; i < 200; i++)
+        {
+            EXPECT_LE(cv::norm(theirs.descriptors.row(i), ours.descriptors.row(i), NORM_HAMMING),
+                      toleratedBits);
+        }
     }
 }
 
