@@ -111,8 +111,8 @@ TEST(AqorbFuzzFinds, aDirectionThatPutsAPointBetweenTwoPixels)
     if (!orbBlursWithFMA())
         AQORB_SKIP("cv::ORB of this OpenCV and CPU blurs without multiply-add");
 #ifdef __OPENCV_BUILD
-    const int toleratedBits =
-        8;  // with the headers of OpenCV's own build cv::ORB takes those of a double, and the point is part of several tests
+    // With the headers of OpenCV's own build cv::ORB takes those of a double; the point is part of several tests.
+    const int toleratedBits = 8;
 #else
     const int toleratedBits = 0;
 #endif
