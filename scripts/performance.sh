@@ -27,7 +27,7 @@ if ((! ${#parts[@]})); then
     [[ ${smoke[*]} ]] || parts+=(perf)
 fi
 
-need build-essential cmake libopencv-dev valgrind
+need build-essential cmake libopencv-dev python3 valgrind
 
 folder=$BUILD/performance
 benchmark=$BUILD/release/benchmark/aqorb_benchmark
