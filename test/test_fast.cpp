@@ -46,51 +46,57 @@ void expectSameEverywhere(const Mat& image, const Rect& region, int threshold)
     EXPECT_TRUE(sameCorners(corners(image, region, threshold), expected));
 }
 
-// The corners at the low threshold: those at the high one at once, of the others those asked for.
-TEST(AqorbFast, findsStrongCornersAndWeakOnesWhereWanted)
+// The corners at the low threshold, some rows at a time, of which weak ones are dropped where not wanted.
+TEST(AqorbFast, scanTellsStrongCornersFromWeakOnes)
 {
     RNG rng(7);
-    FastScratch scratch;  // one for all sizes
+    FastScanner scanner;  // one for all sizes
+    ScorePlane plane;
+    CornerBlocks blocks;
     for (int round = 0; round < 300; round++)
     {
-        const Size size(rng.uniform(1, 300), rng.uniform(1, 60));
-        Mat image;
-        blur(makeNoise(size, round), image, Size(3, 3));
+        const Size size(rng.uniform(7, 300), rng.uniform(7, 60));
+        Level level;
+        blur(makeNoise(size, round), level.image, Size(3, 3));
+        if (round % 3 == 0)
+            level.mask = makeNoise(size, -round) > 60;
         const Rect region =
-            Rect(rng.uniform(-2, 60), rng.uniform(-2, 10), size.width, size.height) & Rect(Point(), size);
-        std::vector<Range> columns;
-        for (int x = region.x + rng.uniform(0, 60); x < region.br().x; x += rng.uniform(1, 60))
-        {
-            const int end = std::min(x + rng.uniform(1, 90), region.br().x);
-            columns.push_back(Range(x, end));
-            x = end + 1;
-        }
-        const Range rows(region.y + rng.uniform(0, 20), region.br().y - rng.uniform(0, 5));
+            fastRegion(size, Rect(rng.uniform(0, 60), rng.uniform(0, 10), size.width, size.height) &
+                                 Rect(Point(), size));
+        if (region.empty())
+            continue;
         Thresholds thresholds;
         thresholds.min = 9;
         thresholds.ini = thresholds.min + rng.uniform(0, 20);
-        for (int path = 0; path < 2; path++)
+        std::vector<Corner> expected, found;
+        const std::vector<Corner> all = reference::fastCorners(level.image, region, thresholds.min);
+        std::unique_ptr<WithoutOptimization> baseline(round % 2 ? new WithoutOptimization : 0);
+        plane.begin(size.width, region);
+        scanner.begin(level, region, thresholds, plane, blocks);
+        for (int top = region.y, end; top < region.br().y; top = end)
         {
-            std::unique_ptr<WithoutOptimization> baseline(path ? new WithoutOptimization : 0);
-            std::vector<Corner> strong, weak, found;
-            for (const Corner& corner : reference::fastCorners(image, region, thresholds.min))
+            end = std::min(top + rng.uniform(1, 40), region.br().y);
+            const Range columns(region.x + rng.uniform(0, region.width), region.br().x - rng.uniform(0, 9));
+            scanner.scan(end);
+            bool strong = false;
+            for (const Corner& corner : all)
             {
-                bool wanted = false;
-                for (const Range& run : columns)
-                    wanted |= corner.x >= run.start && corner.x < run.end;
-                if (corner.score >= thresholds.ini)
-                    strong.push_back(corner);
-                else if (wanted && corner.y >= rows.start && corner.y < rows.end)
-                    weak.push_back(corner);
+                if (corner.y < top || corner.y >= end ||
+                    (!level.mask.empty() && !level.mask.at<uchar>(corner.y, corner.x)))
+                    continue;
+                const bool isStrong = corner.score >= thresholds.ini;
+                const bool inColumns = corner.x >= columns.start && corner.x < columns.end;
+                strong |= isStrong && inColumns;
+                if (isStrong || !inColumns)
+                    expected.push_back(corner);
             }
-            detectCorners(image, region, thresholds, found, scratch);
-            ASSERT_TRUE(sameCorners(found, strong)) << round;
-            found.clear();
-            takeWeakCorners(rows, columns, found, scratch);
-            ASSERT_TRUE(sameCorners(found, weak)) << round;
-            takeWeakCorners(rows, columns, found, scratch);
-            ASSERT_EQ(found.size(), weak.size()) << "taken twice";
+            ASSERT_EQ(scanner.hasStrong(columns), strong) << round;
+            scanner.dropWeak(columns);
+            scanner.settle();
         }
+        listCorners(blocks, plane, found);
+        ASSERT_TRUE(sameCorners(found, expected)) << round;
+        ASSERT_EQ(size_t(blocks.cornerCount), found.size()) << round;
     }
 }
 

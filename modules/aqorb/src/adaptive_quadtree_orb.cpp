@@ -41,6 +41,7 @@ public:
             const SelectionLevel& wanted = workspace.selectionLevels[level];
             if (workspace.pyramid[level].isInput != ofInput || wanted.quota == 0)
                 continue;
+            beginPlane(level);
             for (int i = 0;; i++, index++)
             {
                 const Range rows = cornerBand(wanted.root, parameters.cellSize, i);
@@ -61,7 +62,7 @@ public:
         CV_TRACE_FUNCTION();
         const Pool<LevelScratch>::Lease lent(scratches);
         findBandCorners(workspace.pyramid[band.level], band.rect, thresholds, parameters.cellSize,
-                        band.corners, (*lent).corners);
+                        workspace.planes[band.level], band.corners, (*lent).scanner);
     }
     // Makes the corners of a level, those of its bands, ready to be asked for; several levels may be prepared at once.
     void prepare(int level, const CornerBand* bands, size_t bandCount)
@@ -72,16 +73,18 @@ public:
         found.suppressed.clear();
         for (size_t i = 0; i < bandCount; i++)
         {
-            if (bands[i].level == level)
-                found.kept.insert(found.kept.end(), bands[i].corners.begin(), bands[i].corners.end());
+            if (bands[i].level != level)
+                continue;
+            // Harris responses of neighbours hardly differ: unsuppressed, a strong corner is taken thrice.
+            if (isHarris())
+                suppressCorners(bands[i].corners, workspace.planes[level], found);
+            else
+                listCorners(bands[i].corners, workspace.planes[level], found.kept);
         }
 
         const SelectionLevel& root = workspace.selectionLevels[level];
         const Pool<LevelScratch>::Lease lent(scratches);
         LevelScratch& scratch = *lent;
-        // Harris responses of neighbours hardly differ: unsuppressed, a strong corner is taken thrice.
-        if (isHarris())
-            suppressCorners(workspace.pyramid[level].image.size(), found, scratch.corners);
         rank(level, found.kept, scratch.ranked);
         leafPoints(scratch.ranked, root.root, root.depth, scratch.leaves, scratch.points);
         workspace.sequences[level].begin(scratch.points, root.depth);
@@ -94,6 +97,7 @@ public:
             CornerBand whole;
             whole.level = level;
             whole.rect = workspace.selectionLevels[level].root;
+            beginPlane(level);
             search(whole);
             prepare(level, &whole, 1);
         }
@@ -114,6 +118,13 @@ public:
     }
 
 private:
+    void beginPlane(int level)
+    {
+        const Size size = workspace.pyramid[level].image.size();
+        const Rect scanned = fastRegion(size, workspace.selectionLevels[level].root);
+        if (!scanned.empty())
+            workspace.planes[level].begin(size.width, scanned);
+    }
     bool isHarris() const { return parameters.scoreType == ORB::HARRIS_SCORE; }
 
     void rank(int level, const std::vector<Corner>& unranked, std::vector<RankedCorner>& ranked) const

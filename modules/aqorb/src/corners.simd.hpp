@@ -13,49 +13,74 @@ namespace stages
 {
 CV_CPU_OPTIMIZATION_NAMESPACE_BEGIN
 
-/** Which corners fall to a better one within SUPPRESS_RADIUS: of a higher score, or as high and before
- it in raster order.
- @param scores the plane of the corners' scores, 0 elsewhere; 16 pixels around each must be readable
- @param falls 1 or 0 for each corner */
-void findSuppressed(const uchar* scores, ptrdiff_t step, const Corner* corners, int count, uchar* falls);
+/** Splits corners into those that are kept and those that fall to a better one within SUPPRESS_RADIUS: of a
+ higher score, or as high and before it in raster order.
+ @param blocks of the corners, and one more
+ @param scores of the row of the first block, by column, as ScorePlane's
+ @param kept, suppressed room for all corners each
+ @return number of corners kept */
+int splitCorners(const CornerBlock* blocks, int cornerCount, const uchar* scores, ptrdiff_t step,
+                 Corner* kept, Corner* suppressed);
 
 #ifndef CV_CPU_OPTIMIZATION_DECLARATIONS_ONLY
 
-void findSuppressed(const uchar* scores, ptrdiff_t step, const Corner* corners, int count, uchar* falls)
+namespace
+{
+
+CV_ALWAYS_INLINE bool falls(const uchar* p, ptrdiff_t step)
 {
     const int RADIUS = SUPPRESS_RADIUS;
-    for (int i = 0; i < count; i++)
-    {
-        const uchar* p = scores + corners[i].y * step + corners[i].x;
-        const uchar* q = p - RADIUS;
-        // The highest scores of the pixels that come before it in raster order, and after.
+    const uchar* q = p - RADIUS;
+    // The highest scores of the pixels that come before it in raster order, and after.
 #if CV_SIMD128
-        const v_uint8x16 above = v_max(v_max(v_load(q - 3 * step), v_load(q - 2 * step)), v_load(q - step));
-        const v_uint8x16 below = v_max(v_max(v_load(q + 3 * step), v_load(q + 2 * step)), v_load(q + step));
-        const v_uint8x16 row = v_load(q);
-        const v_uint8x16 window(255, 255, 255, 255, 255, 255, 255, 0, 0, 0, 0, 0, 0, 0, 0, 0);
-        const v_uint8x16 left(255, 255, 255, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0);
-        const v_uint8x16 right(0, 0, 0, 0, 255, 255, 255, 0, 0, 0, 0, 0, 0, 0, 0, 0);
-        const v_uint8x16 before = v_max(v_and(above, window), v_and(row, left));
-        const v_uint8x16 after = v_max(v_and(below, window), v_and(row, right));
-        const v_uint8x16 score = v_setall_u8(*p);
-        falls[i] = v_check_any(v_or(v_ge(before, score), v_gt(after, score)));
+    const v_uint8x16 above = v_max(v_max(v_load(q - 3 * step), v_load(q - 2 * step)), v_load(q - step));
+    const v_uint8x16 below = v_max(v_max(v_load(q + 3 * step), v_load(q + 2 * step)), v_load(q + step));
+    const v_uint8x16 row = v_load(q);
+    const v_uint8x16 window(255, 255, 255, 255, 255, 255, 255, 0, 0, 0, 0, 0, 0, 0, 0, 0);
+    const v_uint8x16 left(255, 255, 255, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0);
+    const v_uint8x16 right(0, 0, 0, 0, 255, 255, 255, 0, 0, 0, 0, 0, 0, 0, 0, 0);
+    const v_uint8x16 before = v_max(v_and(above, window), v_and(row, left));
+    const v_uint8x16 after = v_max(v_and(below, window), v_and(row, right));
+    const v_uint8x16 score = v_setall_u8(*p);
+    return v_check_any(v_or(v_ge(before, score), v_gt(after, score)));
 #else
-        int before = 0, after = 0;
-        for (int y = 0; y <= 2 * RADIUS; y++)
+    int before = 0, after = 0;
+    for (int y = 0; y <= 2 * RADIUS; y++)
+    {
+        for (int x = 0; x <= 2 * RADIUS; x++)
         {
-            for (int x = 0; x <= 2 * RADIUS; x++)
-            {
-                const int score = q[(y - RADIUS) * step + x];
-                if (y < RADIUS || (y == RADIUS && x < RADIUS))
-                    before = score > before ? score : before;
-                else if (y > RADIUS || x > RADIUS)
-                    after = score > after ? score : after;
-            }
+            const int score = q[(y - RADIUS) * step + x];
+            if (y < RADIUS || (y == RADIUS && x < RADIUS))
+                before = score > before ? score : before;
+            else if (y > RADIUS || x > RADIUS)
+                after = score > after ? score : after;
         }
-        falls[i] = before >= *p || after > *p;
-#endif
     }
+    return before >= *p || after > *p;
+#endif
+}
+
+}  // namespace
+
+int splitCorners(const CornerBlock* blocks, int cornerCount, const uchar* scores, ptrdiff_t step,
+                 Corner* kept, Corner* suppressed)
+{
+    const int top = blocks[0].y;
+    uint64 columns = blocks[0].columns;
+    int keptCount = 0;
+    // Without branches: how many corners a block has and which are kept is hard to predict.
+    for (int i = 0; i < cornerCount; i++)
+    {
+        const int x = blocks->x + trailingZeros(columns), y = blocks->y;
+        const uchar* p = scores + (y - top) * step + x;
+        const Corner corner = {x, y, *p - 1};
+        kept[keptCount] = suppressed[i - keptCount] = corner;
+        keptCount += !falls(p, step);
+        columns &= columns - 1;
+        blocks += columns == 0;
+        columns = columns ? columns : blocks->columns;
+    }
+    return keptCount;
 }
 
 #endif  // CV_CPU_OPTIMIZATION_DECLARATIONS_ONLY

@@ -14,164 +14,247 @@ namespace aqorb
 namespace stages
 {
 
-static int continueFastScan(FastScan& scan, Corner* corners, int capacity)
+namespace
 {
-    CV_CPU_DISPATCH(continueScan, (scan, corners, capacity), CV_CPU_DISPATCH_MODES_ALL);
-}
 
-static void widthsOfScan(int widths[2])
-{
-    CV_CPU_DISPATCH(scanWidths, (widths), CV_CPU_DISPATCH_MODES_ALL);
-}
+const int RADIUS = 3;  // of the circle
 
-static int writeWantedCorners(const WeakCorners* weak, int count, FastScratch& scratch, Corner* corners)
-{
-    const ScanBlock* blocks = scratch.blocks.data();
-    const uint64* wanted = scratch.wanted.data();
-    const uchar* scores = scratch.rowOfScores(0);
-    CV_CPU_DISPATCH(writeWanted, (weak, count, blocks, wanted, scores, scratch.scoreStep, corners),
-                    CV_CPU_DISPATCH_MODES_ALL);
-}
-
-// The pixels of a block in a range of columns, a bit for each; none of them stands for a pixel before `first`.
-static uint64 columnsOf(int x, int width, const Range& columns, int first)
-{
-    const int begin = std::max(std::max(columns.start, x), first), end = std::min(columns.end, x + width);
-    return begin < end ? (~uint64(0) >> (64 - (end - begin))) << (begin - x) : 0;
-}
-
-// Covers columns, and one around, with blocks inside `pixels`.
-static void coverWithBlocks(const Range& columns, const Range& pixels, int width,
-                            std::vector<ScanBlock>& blocks)
-{
-    blocks.clear();
-    const int end = std::min(columns.end + 1, pixels.end);
-    for (int x = std::max(columns.start - 1, pixels.start), next; x < end; x = next)
-    {
-        // The last one may overlap.
-        const int first = std::min(x, pixels.end - width);
-        const ScanBlock block = {first, columnsOf(first, width, columns, x)};
-        blocks.push_back(block);
-        next = first + width;
-    }
-}
-
-template <typename T> static void makeRoom(std::vector<T>& elements, size_t count)
+template <typename T> void makeRoom(std::vector<T>& elements, size_t count)
 {
     if (elements.size() < count)
         elements.resize(count);
 }
 
-// Room for the scores of rows of the image, each with a margin. The blocks' scores are aligned, but the last's.
-static void layOutScores(int imageWidth, const Range& rows, FastScratch& scratch)
+// The pixels of a block in a range of columns, a bit for each.
+uint64 columnsOf(int x, int width, const Range& columns)
 {
-    const size_t rowBytes = alignSize(size_t(imageWidth) + 2 * SCAN_MARGIN, SCAN_ALIGNMENT);
-    makeRoom(scratch.scores, (size_t(rows.size()) + 1) * rowBytes + 2 * SCAN_ALIGNMENT);
-    const int first = scratch.blocks[0].x;
-    uchar* aligned = alignPtr(scratch.scores.data() + SCAN_MARGIN + first, SCAN_ALIGNMENT);
-    scratch.firstScore = aligned - first - scratch.scores.data();
-    scratch.firstRow = rows.start;
-    scratch.scoreStep = ptrdiff_t(rowBytes);
+    const int begin = std::max(columns.start, x), end = std::min(columns.end, x + width);
+    return begin < end ? (~uint64(0) >> (64 - (end - begin))) << (begin - x) : 0;
 }
 
-// How many corners a number of blocks may have.
-static size_t mostCorners(size_t blocks, int width)
+// Covers columns, and one around, with blocks inside `pixels`.
+void coverWithBlocks(const Range& columns, const Range& pixels, int width, std::vector<ScanBlock>& blocks)
 {
-    return blocks * ((width + 1) / 2) + SCAN_OVERSHOOT;
+    blocks.clear();
+    const int end = std::min(columns.end + 1, pixels.end);
+    for (int x = std::max(columns.start - 1, pixels.start), next; x < end; x = next)
+    {
+        // The last one may overlap: what the one before has is not wanted twice.
+        const int first = std::min(x, pixels.end - width);
+        next = first + width;
+        const ScanBlock block = {first,
+                                 columnsOf(first, width, Range(std::max(columns.start, x), columns.end))};
+        blocks.push_back(block);
+    }
 }
 
-void detectCorners(const Mat& image, const Rect& region, Thresholds thresholds, std::vector<Corner>& corners,
-                   FastScratch& scratch)
+void continueFastScan(FastScan& scan, int end)
 {
-    scratch.weakCount = scratch.weakTaken = 0;
-    const int RADIUS = 3;  // of the circle
-    const Rect pixels(RADIUS, RADIUS, image.cols - 2 * RADIUS, image.rows - 2 * RADIUS);
-    const Rect wanted = region & pixels;
-    if (pixels.width <= 0 || wanted.empty())
-        return;
+    CV_CPU_DISPATCH(continueScan, (scan, end), CV_CPU_DISPATCH_MODES_ALL);
+}
 
-    int widths[2];
-    widthsOfScan(widths);
-    const int width = std::min(pixels.width, pixels.width >= widths[0] ? widths[0] : widths[1]);
-    scratch.blockWidth = width;
-    coverWithBlocks(Range(wanted.x, wanted.x + wanted.width), Range(pixels.x, pixels.x + pixels.width), width,
-                    scratch.blocks);
-    const size_t blockCount = scratch.blocks.size();
-    layOutScores(image.cols, Range(wanted.y - 1, wanted.y + wanted.height + 1), scratch);
-    makeRoom(scratch.listed, 2 * blockCount);
-    makeRoom(scratch.weak, size_t(wanted.height) * blockCount + 1);
-    const size_t ROWS = 4;  // that there is room for, whatever they hold
-    makeRoom(scratch.found, ROWS * mostCorners(blockCount, width));
+void widthsOfScan(int widths[SCAN_WIDTHS])
+{
+    CV_CPU_DISPATCH(scanWidths, (widths), CV_CPU_DISPATCH_MODES_ALL);
+}
 
-    FastScan scan;
-    scan.image = image.ptr();
-    scan.step = ptrdiff_t(image.step);
-    scan.strongThreshold = std::min(std::max(thresholds.ini, 1), 255);  // as suppression needs scores > 0
-    scan.threshold = std::min(std::max(thresholds.min, 1), scan.strongThreshold);
-    scan.top = wanted.y;
-    scan.bottom = wanted.y + wanted.height;
-    scan.scoredTop = std::max(scan.top - 1, pixels.y);
-    scan.scoredBottom = std::min(scan.bottom + 1, pixels.y + pixels.height);
-    scan.left = pixels.x;
-    scan.right = pixels.x + pixels.width;
-    scan.y = scan.top - 1;
-    scan.blocks = scratch.blocks.data();
-    scan.blockCount = int(blockCount);
-    scan.blockWidth = width;
-    scan.scores = scratch.rowOfScores(scan.top - 1);
-    scan.scoreStep = scratch.scoreStep;
-    for (int i = 0; i < 2; i++)
+int dropCornersOfScan(FastScan& scan, int first, const uchar* floors)
+{
+    CV_CPU_DISPATCH(dropCorners, (scan, first, floors), CV_CPU_DISPATCH_MODES_ALL);
+}
+
+}  // namespace
+
+Rect fastRegion(Size imageSize, const Rect& region)
+{
+    return region & Rect(RADIUS, RADIUS, imageSize.width - 2 * RADIUS, imageSize.height - 2 * RADIUS);
+}
+
+// Room for rows of bytes by column of an image: column 0 of the first row, where the given column is aligned.
+static uchar* alignedRow(uchar* room, int column)
+{
+    return alignPtr(room + SCAN_MARGIN + column, SCAN_ALIGNMENT) - column;
+}
+
+static size_t rowBytesOf(int imageWidth)
+{
+    return alignSize(size_t(imageWidth) + 2 * SCAN_MARGIN, SCAN_ALIGNMENT);
+}
+
+void ScorePlane::begin(int imageWidth, const Rect& region)
+{
+    const size_t ROWS = SUPPRESS_RADIUS;  // around
+    const size_t bytesOfRow = rowBytesOf(imageWidth);
+    makeRoom(bytes, (region.height + 2 * ROWS) * bytesOfRow + SCAN_ALIGNMENT);
+    top = region.y;
+    rowBytes = ptrdiff_t(bytesOfRow);
+    // A scan's first block begins a column before the region.
+    first = alignedRow(bytes.data() + ROWS * bytesOfRow, region.x - 1) - bytes.data();
+    std::fill_n(row(top) - SCAN_MARGIN - ROWS * rowBytes, ROWS * bytesOfRow, uchar(0));
+    std::fill_n(row(top + region.height) - SCAN_MARGIN, ROWS * bytesOfRow, uchar(0));
+}
+
+class FastScanner::Impl
+{
+public:
+    void begin(const Level& level, const Rect& region, Thresholds thresholds, ScorePlane& plane,
+               CornerBlocks& corners_)
     {
-        scan.listed[i] = scratch.listed.data() + i * blockCount;
-        scan.listedCount[i] = 0;
+        const Mat& image = level.image;
+        const Rect pixels = fastRegion(image.size(), Rect(Point(), image.size()));
+        int widths[SCAN_WIDTHS];
+        widthsOfScan(widths);
+        int width = 0;
+        while (pixels.width < widths[width])
+            width++;
+        width = widths[width];
+        coverWithBlocks(Range(region.x, region.x + region.width), Range(pixels.x, pixels.x + pixels.width),
+                        width, blocks);
+        const size_t blockCount = blocks.size();
+        makeRoom(listed, 2 * blockCount);
+        makeRoom(floors, size_t(image.cols));
+        const size_t rowBytes = rowBytesOf(image.cols);
+        makeRoom(scores, SCAN_ROWS * rowBytes + SCAN_ALIGNMENT);
+        corners = &corners_;
+        corners->count = corners->cornerCount = 0;
+        makeRoom(corners->room, region.height * blockCount + 1);
+
+        state.image = image.ptr();
+        state.step = ptrdiff_t(image.step);
+        state.mask = level.mask.empty() ? 0 : level.mask.ptr();
+        state.maskStep = ptrdiff_t(level.mask.step);
+        state.strongThreshold =
+            std::min(std::max(thresholds.ini, 1), 255);  // as suppression needs scores > 0
+        state.threshold = std::min(std::max(thresholds.min, 1), state.strongThreshold);
+        state.top = region.y;
+        state.bottom = region.y + region.height;
+        state.scoredTop = std::max(state.top - 1, pixels.y);
+        state.scoredBottom = std::min(state.bottom + 1, pixels.y + pixels.height);
+        state.left = pixels.x;
+        state.right = pixels.x + pixels.width;
+        state.y = state.top - 1;
+        state.blocks = blocks.data();
+        state.blockCount = int(blockCount);
+        state.blockWidth = width;
+        state.scores = alignedRow(scores.data(), blocks[0].x);
+        state.scoreStep = ptrdiff_t(rowBytes);
+        for (int i = 0; i < 2; i++)
+        {
+            state.listed[i] = listed.data() + i * blockCount;
+            state.listedCount[i] = 0;
+        }
+        state.plane = plane.row(region.y);
+        state.planeStep = plane.step();
+        state.found = corners->room.data();
+        state.foundCount = 0;
+        columns = Range(region.x, region.x + region.width);
     }
-    scan.weak = scratch.weak.data();
-    scan.weakCount = 0;
-    while (scan.y <= scan.bottom)
+
+    void scan(int end)
     {
-        const int found = continueFastScan(scan, scratch.found.data(), int(scratch.found.size()));
-        corners.insert(corners.end(), scratch.found.begin(), scratch.found.begin() + found);
+        strong.assign(blocks.size(), 0);
+        state.strong = strong.data();
+        std::fill_n(floors.begin() + blocks[0].x, blocks.back().x + state.blockWidth - blocks[0].x,
+                    uchar(255));
+        std::fill_n(floors.begin() + columns.start, columns.size(), uchar(0));
+        continueFastScan(state, std::min(end, state.bottom));
     }
-    scratch.weakCount = scan.weakCount;
+
+    bool hasStrong(const Range& range) const
+    {
+        const int width = state.blockWidth;
+        const int before = (range.start - blocks[0].x) / width;
+        for (size_t i = size_t(std::max(before, 0)); i < blocks.size() && blocks[i].x < range.end; i++)
+        {
+            if (strong[i] & columnsOf(blocks[i].x, width, range))
+                return true;
+        }
+        return false;
+    }
+
+    void dropWeak(const Range& range)
+    {
+        const Range inside = range & columns;
+        std::fill(floors.begin() + inside.start, floors.begin() + inside.end, uchar(state.strongThreshold));
+    }
+
+    void settle()
+    {
+        corners->cornerCount += dropCornersOfScan(state, corners->count, floors.data());
+        corners->count = state.foundCount;
+    }
+
+private:
+    FastScan state;
+    std::vector<ScanBlock> blocks;
+    std::vector<uchar> scores, floors;
+    std::vector<int> listed;
+    std::vector<uint64> strong;
+    CornerBlocks* corners;
+    Range columns;
+};
+
+FastScanner::FastScanner() : impl(makePtr<Impl>())
+{
+}
+
+void FastScanner::begin(const Level& level, const Rect& region, Thresholds thresholds, ScorePlane& plane,
+                        CornerBlocks& found)
+{
+    impl->begin(level, region, thresholds, plane, found);
+}
+
+void FastScanner::scan(int end)
+{
+    impl->scan(end);
+}
+
+bool FastScanner::hasStrong(const Range& columns) const
+{
+    return impl->hasStrong(columns);
+}
+
+void FastScanner::dropWeak(const Range& columns)
+{
+    impl->dropWeak(columns);
+}
+
+void FastScanner::settle()
+{
+    impl->settle();
+}
+
+void listCorners(const CornerBlocks& blocks, ScorePlane& plane, std::vector<Corner>& corners)
+{
+    for (int i = 0; i < blocks.count; i++)
+    {
+        const CornerBlock& block = blocks.room[i];
+        const uchar* scores = plane.row(block.y);
+        for (uint64 columns = block.columns; columns; columns &= columns - 1)
+        {
+            const int x = block.x + trailingZeros(columns);
+            const Corner corner = {x, block.y, scores[x] - 1};
+            corners.push_back(corner);
+        }
+    }
 }
 
 void detectCorners(const Mat& image, const Rect& region, int threshold, std::vector<Corner>& corners)
 {
-    FastScratch scratch;
-    const Thresholds thresholds = {threshold, threshold};
-    detectCorners(image, region, thresholds, corners, scratch);
-}
-
-void takeWeakCorners(const Range& rows, const std::vector<Range>& columns, std::vector<Corner>& corners,
-                     FastScratch& scratch)
-{
-    const int width = scratch.blockWidth;
-    while (scratch.weakTaken < scratch.weakCount && scratch.weak[scratch.weakTaken].y < rows.start)
-        scratch.weakTaken++;
-    int end = scratch.weakTaken;
-    while (end < scratch.weakCount && scratch.weak[end].y < rows.end)
-        end++;
-    if (end == scratch.weakTaken || columns.empty())
+    const Rect scanned = fastRegion(image.size(), region);
+    if (scanned.empty())
         return;
-
-    scratch.wanted.assign(scratch.blocks.size(), 0);
-    size_t run = 0;
-    for (size_t i = 0; i < scratch.blocks.size(); i++)
-    {
-        const int x = scratch.blocks[i].x;
-        while (run < columns.size() && columns[run].end <= x)
-            run++;
-        for (size_t j = run; j < columns.size() && columns[j].start < x + width; j++)
-            scratch.wanted[i] |= columnsOf(x, width, columns[j], x);
-    }
-    const int atOnce = int(scratch.blocks.size());
-    for (int next; scratch.weakTaken < end; scratch.weakTaken = next)
-    {
-        next = std::min(scratch.weakTaken + atOnce, end);
-        const int found = writeWantedCorners(&scratch.weak[scratch.weakTaken], next - scratch.weakTaken,
-                                             scratch, scratch.found.data());
-        corners.insert(corners.end(), scratch.found.begin(), scratch.found.begin() + found);
-    }
+    Level level;
+    level.image = image;
+    const Thresholds thresholds = {threshold, threshold};
+    ScorePlane plane;
+    plane.begin(image.cols, scanned);
+    CornerBlocks blocks;
+    FastScanner scanner;
+    scanner.begin(level, scanned, thresholds, plane, blocks);
+    scanner.scan(scanned.y + scanned.height);
+    scanner.settle();
+    listCorners(blocks, plane, corners);
 }
 
 int cornerScore(const uchar* p, size_t pixelStep)
@@ -179,21 +262,23 @@ int cornerScore(const uchar* p, size_t pixelStep)
     return cpu_baseline::scoreOfPixel(p, ptrdiff_t(pixelStep));
 }
 
-static void neighborCornerScores(const uchar* p, ptrdiff_t step, int scores[3][3])
+static void neighborCornerScores(const uchar* p, ptrdiff_t step, int lane, int scores[3][3])
 {
-    CV_CPU_DISPATCH(neighborScores, (p, step, scores), CV_CPU_DISPATCH_MODES_ALL);
+    CV_CPU_DISPATCH(neighborScores, (p, step, lane, scores), CV_CPU_DISPATCH_MODES_ALL);
 }
 
 void cornerScores3x3(const Mat& image, int x, int y, int scores[3][3])
 {
-    const int RADIUS = 4, LANES = 16;  // vectors read on to the right
-    if (x >= RADIUS && y >= RADIUS && x + LANES + RADIUS < image.cols && y + RADIUS < image.rows)
+    const int READ = 4, LANES = 16;
+    // At the right border vectors begin further to the left.
+    const int lane = std::max(x - 1 + LANES + RADIUS - image.cols, 0);
+    if (x - lane >= READ && y >= READ && x + READ < image.cols && y + READ < image.rows)
     {
-        neighborCornerScores(image.ptr(y) + x, ptrdiff_t(image.step), scores);
+        neighborCornerScores(image.ptr(y) + x, ptrdiff_t(image.step), lane, scores);
         return;
     }
     PatchBuffer buffer;
-    const Patch patch = patchAround(image, x, y, RADIUS, buffer);
+    const Patch patch = patchAround(image, x, y, READ, buffer);
     for (int dy = -1; dy <= 1; dy++)
     {
         for (int dx = -1; dx <= 1; dx++)

@@ -5,6 +5,8 @@
 #include "kernels.hpp"
 #include "simd_compat.hpp"
 
+#include <cstring>
+
 // Raw pointers and plain structs only: a file compiled for an ISA must not emit functions that others
 // may link to.
 
@@ -17,40 +19,37 @@ namespace stages
 
 CV_CPU_OPTIMIZATION_NAMESPACE_BEGIN
 
-//! How many pixels a block may have: the widest, and what serves where these do not fit.
-void scanWidths(int widths[2]);
+//! How many pixels a block may have, the widest first; the last is 1, which serves where the others do not fit.
+void scanWidths(int widths[SCAN_WIDTHS]);
 
-/** Continues a scan until it is finished or there is no room for the corners of another row.
- @param capacity at least the number of blocks times half their width, and SCAN_OVERSHOOT
- @return number of strong corners written, in raster order */
-int continueScan(FastScan& scan, Corner* corners, int capacity);
+//! Continues a scan until the rows before `end`, at most scan.bottom, are done.
+void continueScan(FastScan& scan, int end);
 
-/** Writes those of weak corners that are wanted.
- @param wanted by block, as ScanBlock's
- @param scores as FastScan's, but from row 0 on
- @param corners room for half the blocks' width each, and SCAN_OVERSHOOT
- @return number of corners written, in the order given */
-int writeWanted(const WeakCorners* weak, int count, const ScanBlock* blocks, const uint64* wanted,
-                const uchar* scores, ptrdiff_t scoreStep, Corner* corners);
+/** Drops corners, from the blocks found last and from the plane.
+ @param first of the found blocks
+ @param floors by column: the scores that are too low
+ @return number of corners left; scan.foundCount is that of the blocks that have any */
+int dropCorners(FastScan& scan, int first, const uchar* floors);
 
-//! cornerScore of the pixels (-1 .. 1, -1 .. 1) around p. Readable must be 4 around and 20 to the right.
-void neighborScores(const uchar* p, ptrdiff_t step, int scores[3][3]);
+/** cornerScore of the pixels (-1 .. 1, -1 .. 1) around p.
+ @param lane 0 to 13, the place of column -1 in vectors of 16; 3 pixels around these must be readable */
+void neighborScores(const uchar* p, ptrdiff_t step, int lane, int scores[3][3]);
 
 #ifndef CV_CPU_OPTIMIZATION_DECLARATIONS_ONLY
 
 namespace
 {
 
-#if CV_SIMD
-
 // min for the bright side, max for the dark one
 struct Least
 {
     template <typename V> static CV_ALWAYS_INLINE V of(const V& a, const V& b) { return v_min(a, b); }
+    static CV_ALWAYS_INLINE int of(int a, int b) { return a < b ? a : b; }
 };
 struct Greatest
 {
     template <typename V> static CV_ALWAYS_INLINE V of(const V& a, const V& b) { return v_max(a, b); }
+    static CV_ALWAYS_INLINE int of(int a, int b) { return a > b ? a : b; }
 };
 
 // The circle's pixels of all lanes, clockwise or not does not matter.
@@ -83,59 +82,67 @@ template <typename Inner, typename Outer, typename V> CV_ALWAYS_INLINE V bestArc
     return Outer::of(Outer::of(best[0], best[1]), Outer::of(best[2], best[3]));
 }
 
-// The widest vectors, and narrow ones for what these do not fit into.
-struct Wide
+// One pixel, where vectors do not fit or there are none.
+struct Single
 {
-    typedef v_uint8 V;
+    typedef int V;
+    static CV_ALWAYS_INLINE V load(const uchar* p) { return *p; }
+    static CV_ALWAYS_INLINE void store(uchar* p, V a) { *p = uchar(a); }
+    static CV_ALWAYS_INLINE V all(int value) { return value; }
+    static CV_ALWAYS_INLINE V above(V a, V b) { return a > b ? a - b : 0; }
+    static CV_ALWAYS_INLINE uint64 maskGreater(V a, V b) { return a > b; }
+    static CV_ALWAYS_INLINE uint64 storeGreater(uchar* p, V a, V b)
+    {
+        *p = uchar(a > b ? a : 0);
+        return a > b;
+    }
+    static CV_ALWAYS_INLINE V whereZero(V a) { return a == 0 ? 255 : 0; }
+};
+#if CV_SIMD
+template <typename Vector> struct Lanes
+{
+    typedef Vector V;
+    static CV_ALWAYS_INLINE void store(uchar* p, const V& a) { v_store(p, a); }
+    // The difference where it is positive, else 0.
+    static CV_ALWAYS_INLINE V above(const V& a, const V& b) { return v_sub(a, b); }
+    static CV_ALWAYS_INLINE uint64 maskGreater(const V& a, const V& b)
+    {
+        return uint64(v_signmask(v_gt(a, b))) & (~uint64(0) >> (64 - AQORB_LANES(V)));
+    }
+    // Stores a where it is greater than b, else 0, and returns where it is.
+    static CV_ALWAYS_INLINE uint64 storeGreater(uchar* p, const V& a, const V& b)
+    {
+        v_store(p, v_and(a, v_gt(a, b)));
+        return maskGreater(a, b);
+    }
+};
+// The widest vectors, and narrow ones for what these do not fit into.
+struct Wide : Lanes<v_uint8>
+{
     static CV_ALWAYS_INLINE V load(const uchar* p) { return vx_load(p); }
     static CV_ALWAYS_INLINE V all(int value) { return vx_setall_u8(uchar(value)); }
+    static CV_ALWAYS_INLINE V whereZero(const V& a) { return v_eq(a, all(0)); }
 #if CV_AVX512_SKX && CV_SIMD_WIDTH == 64
     // Comparisons give masks; vectors made of these would have to be made masks again.
-    static CV_ALWAYS_INLINE bool anyGreater(const V& a, const V& b)
-    {
-        return _mm512_cmpgt_epu8_mask(a.val, b.val) != 0;
-    }
-    static CV_ALWAYS_INLINE bool storeGreater(uchar* p, const V& a, const V& b)
-    {
-        const __mmask64 greater = _mm512_cmpgt_epu8_mask(a.val, b.val);
-        _mm512_storeu_si512(p, _mm512_maskz_mov_epi8(greater, a.val));
-        return greater != 0;
-    }
     static CV_ALWAYS_INLINE uint64 maskGreater(const V& a, const V& b)
     {
         return _mm512_cmpgt_epu8_mask(a.val, b.val);
     }
-#else
-    static CV_ALWAYS_INLINE bool anyGreater(const V& a, const V& b)
+    static CV_ALWAYS_INLINE uint64 storeGreater(uchar* p, const V& a, const V& b)
     {
-        return v_check_any(v_gt(a, b));
-    }
-    // Stores a where it is greater than b, else 0; whether it is anywhere.
-    static CV_ALWAYS_INLINE bool storeGreater(uchar* p, const V& a, const V& b)
-    {
-        const V greater = v_gt(a, b);
-        v_store(p, v_and(a, greater));
-        return v_check_any(greater);
-    }
-    static CV_ALWAYS_INLINE uint64 maskGreater(const V& a, const V& b)
-    {
-        return uint64(v_signmask(v_gt(a, b)));  // the caller drops the bits above the lanes
+        const __mmask64 greater = _mm512_cmpgt_epu8_mask(a.val, b.val);
+        _mm512_storeu_si512(p, _mm512_maskz_mov_epi8(greater, a.val));
+        return greater;
     }
 #endif
 };
-struct Narrow
+struct Narrow : Lanes<v_uint8x16>
 {
-    typedef v_uint8x16 V;
     static CV_ALWAYS_INLINE V load(const uchar* p) { return v_load(p); }
     static CV_ALWAYS_INLINE V all(int value) { return v_setall_u8(uchar(value)); }
-    static CV_ALWAYS_INLINE bool anyGreater(const V& a, const V& b) { return v_check_any(v_gt(a, b)); }
-    static CV_ALWAYS_INLINE bool storeGreater(uchar* p, const V& a, const V& b)
-    {
-        const V greater = v_gt(a, b);
-        v_store(p, v_and(a, greater));
-        return v_check_any(greater);
-    }
+    static CV_ALWAYS_INLINE V whereZero(const V& a) { return v_eq(a, all(0)); }
 };
+#endif
 
 template <typename Vectors>
 CV_ALWAYS_INLINE void loadCircle(const uchar* p, ptrdiff_t step, Circle<typename Vectors::V>& circle)
@@ -161,37 +168,21 @@ CV_ALWAYS_INLINE void loadCircle(const uchar* p, ptrdiff_t step, Circle<typename
     x[15] = Vectors::load(d3 - 1);
 }
 
-#endif
-
-// The score of one pixel, for what is too narrow for vectors.
-int scoreOfPixel(const uchar* p, ptrdiff_t step)
+CV_ALWAYS_INLINE int scoreOfPixel(const uchar* p, ptrdiff_t step)
 {
-    const ptrdiff_t offsets[16] = {
-        3 * step,  3 * step + 1,  2 * step + 2,  step + 3,  3,  -step + 3, -2 * step + 2, -3 * step + 1,
-        -3 * step, -3 * step - 1, -2 * step - 2, -step - 3, -3, step - 3,  2 * step - 2,  3 * step - 1};
-    int score = -255;
-    for (int first = 0; first < 16; first++)
-    {
-        int least = 255, greatest = 0;
-        for (int i = first; i < first + 9; i++)
-        {
-            const int v = p[offsets[i & 15]];
-            least = v < least ? v : least;
-            greatest = v > greatest ? v : greatest;
-        }
-        score = least - p[0] > score ? least - p[0] : score;
-        score = p[0] - greatest > score ? p[0] - greatest : score;
-    }
-    return score;
+    Circle<int> circle;
+    loadCircle<Single>(p, step, circle);
+    return Greatest::of(bestArc<Least, Greatest>(circle) - *p, *p - bestArc<Greatest, Least>(circle));
 }
 
 CV_ALWAYS_INLINE uchar* scoresOf(const FastScan& scan, int y)
 {
-    return scan.scores + (y - scan.top + 1) * scan.scoreStep;
+    return scan.scores + (y & (SCAN_ROWS - 1)) * scan.scoreStep;
 }
 
-#if CV_SIMD
-template <typename Vectors> CV_ALWAYS_INLINE int scoreBlocks(const FastScan& scan, int y)
+// Scores the blocks of a row: the FAST score where it exceeds the threshold, 1 to 255, else 0. Lists the
+// blocks that hold a corner and returns their number.
+template <typename Vectors> int scoreRow(const FastScan& scan, int y)
 {
     typedef typename Vectors::V V;
     const uchar* row = scan.image + y * scan.step;
@@ -207,12 +198,12 @@ template <typename Vectors> CV_ALWAYS_INLINE int scoreBlocks(const FastScan& sca
         const uchar* p = row + x;
         const V v = Vectors::load(p), up = Vectors::load(p - 3 * step), down = Vectors::load(p + 3 * step),
                 left = Vectors::load(p - 3), right = Vectors::load(p + 3);
-        v_store(scores + x, zero);  // here, so that compilers do not load the pixels once more
-        const V bright = v_min(v_max(up, down), v_max(left, right));
-        const V dark = v_max(v_min(up, down), v_min(left, right));
-        const V bound = v_max(v_sub(bright, v), v_sub(v, dark));
+        Vectors::store(scores + x, zero);  // here, so that compilers do not load the pixels once more
+        const V bright = Least::of(Greatest::of(up, down), Greatest::of(left, right));
+        const V dark = Greatest::of(Least::of(up, down), Least::of(left, right));
+        const V bound = Greatest::of(Vectors::above(bright, v), Vectors::above(v, dark));
         list[possible] = i;
-        possible += Vectors::anyGreater(bound, limit);
+        possible += Vectors::maskGreater(bound, limit) != 0;
     }
     for (int i = 0; i < possible; i++)
     {
@@ -221,182 +212,145 @@ template <typename Vectors> CV_ALWAYS_INLINE int scoreBlocks(const FastScan& sca
         Circle<V> circle;
         loadCircle<Vectors>(p, step, circle);
         const V v = Vectors::load(p);
-        const V bright = v_sub(bestArc<Least, Greatest>(circle), v);
-        const V dark = v_sub(v, bestArc<Greatest, Least>(circle));
+        const V bright = Vectors::above(bestArc<Least, Greatest>(circle), v);
+        const V dark = Vectors::above(v, bestArc<Greatest, Least>(circle));
         list[count] = list[i];
-        count += Vectors::storeGreater(scores + x, v_max(bright, dark), limit);
-    }
-    return count;
-}
-#endif
-
-// Scores the blocks of a row: the FAST score where it exceeds the threshold, 1 to 255, else 0. Lists the
-// blocks that hold a corner and returns their number.
-int scoreRow(const FastScan& scan, int y)
-{
-#if CV_SIMD
-    if (scan.blockWidth == AQORB_LANES(Wide::V))
-        return scoreBlocks<Wide>(scan, y);
-    if (scan.blockWidth == AQORB_LANES(Narrow::V))
-        return scoreBlocks<Narrow>(scan, y);
-#endif
-    uchar* scores = scoresOf(scan, y);
-    int count = 0;
-    for (int i = 0; i < scan.blockCount; i++)
-    {
-        const int x = scan.blocks[i].x;
-        bool any = false;
-        for (int j = 0; j < scan.blockWidth; j++)
-        {
-            const int score = scoreOfPixel(scan.image + y * scan.step + x + j, scan.step);
-            scores[x + j] = uchar(score > scan.threshold ? score : 0);
-            any |= score > scan.threshold;
-        }
-        scan.listed[y & 1][count] = i;
-        count += any;
+        count += Vectors::storeGreater(scores + x, Greatest::of(bright, dark), limit) != 0;
     }
     return count;
 }
 
-void clearRow(const FastScan& scan, int y)
+template <typename Vectors> void clearRow(const FastScan& scan, int y)
 {
-    uchar* scores = scoresOf(scan, y);
     for (int i = 0; i < scan.blockCount; i++)
-    {
-        for (int j = 0; j < scan.blockWidth; j++)
-            scores[scan.blocks[i].x + j] = 0;
-    }
+        Vectors::store(scoresOf(scan, y) + scan.blocks[i].x, Vectors::all(0));
 }
 
-// Writes the corners of a block from left to right, and returns the place after them.
-CV_ALWAYS_INLINE Corner* writeCorners(uint64 columns, int x, int y, const uchar* scores, Corner* out)
+// The corners of a row of scores are those that are higher than their eight neighbours: their scores go to
+// the plane, their blocks to those found.
+template <typename Vectors> void suppressRow(FastScan& scan, int y)
 {
-    while (columns)
-    {
-        // Several at once, found or not: how many there are is hard to predict.
-        for (int j = 0; j < SCAN_OVERSHOOT; j++)
-        {
-            const int column = x + trailingZeros(columns | uint64(1) << 63);
-            out->x = column;
-            out->y = y;
-            out->score = scores[column] - 1;
-            out += columns != 0;
-            columns &= columns - 1;
-        }
-    }
-    return out;
-}
-
-// The wanted corners of a row of scores are those that are higher than their eight neighbours. Writes the
-// strong ones, from left to right, and notes the others.
-int suppressRow(FastScan& scan, int y, Corner* corners)
-{
-    const uchar *scores = scoresOf(scan, y), *above = scores - scan.scoreStep,
-                *below = scores + scan.scoreStep;
+    typedef typename Vectors::V V;
+    const uchar *scores = scoresOf(scan, y), *above = scoresOf(scan, y - 1), *below = scoresOf(scan, y + 1);
+    uchar* corners = scan.plane + (y - scan.top) * scan.planeStep;
+    const int end = scan.blocks[scan.blockCount - 1].x + scan.blockWidth;
+    std::memset(corners + scan.blocks[0].x - SUPPRESS_MARGIN, 0,
+                end - scan.blocks[0].x + 2 * SUPPRESS_MARGIN);
     const int* listed = scan.listed[y & 1];
-    Corner* out = corners;
-    WeakCorners* weak = scan.weak + scan.weakCount;
-#if CV_SIMD
-    const v_uint8 strongest = vx_setall_u8(uchar(scan.strongThreshold));
-#endif
-    const ScanBlock* blocks = scan.blocks;
-    const int count = scan.listedCount[y & 1];
-    for (int i = 0; i < count; i++)
+    const V strongest = Vectors::all(scan.strongThreshold);
+    CornerBlock* found = scan.found + scan.foundCount;
+    for (int i = 0; i < scan.listedCount[y & 1]; i++)
     {
-        const int x = blocks[listed[i]].x;
+        const ScanBlock& block = scan.blocks[listed[i]];
+        const int x = block.x;
         const uchar *s = scores + x, *u = above + x, *d = below + x;
-#if CV_SIMD
-        const v_uint8 score = vx_load(s);
-        const v_uint8 beside = v_max(vx_load(s - 1), vx_load(s + 1));
-        const v_uint8 over = v_max(v_max(vx_load(u - 1), vx_load(u)), vx_load(u + 1));
-        const v_uint8 under = v_max(v_max(vx_load(d - 1), vx_load(d)), vx_load(d + 1));
-        uint64 highest = Wide::maskGreater(score, v_max(beside, v_max(over, under)));
-        const uint64 strong = Wide::maskGreater(score, strongest);
-#else
-        uint64 highest = 0, strong = 0;
-        for (int j = 0; j < scan.blockWidth; j++)
-        {
-            const bool is = s[j] > s[j - 1] && s[j] > s[j + 1] && s[j] > u[j - 1] && s[j] > u[j] &&
-                            s[j] > u[j + 1] && s[j] > d[j - 1] && s[j] > d[j] && s[j] > d[j + 1];
-            highest |= uint64(is) << j;
-            strong |= uint64(s[j] > scan.strongThreshold) << j;
-        }
-#endif
-        highest &= blocks[listed[i]].wanted;
-        const uint64 others = highest & ~strong;
-        const WeakCorners found = {listed[i], y, others};
-        *weak = found;
-        weak += others != 0;
-        out = writeCorners(highest & strong, x, y, scores, out);
+        const V score = Vectors::load(s);
+        const V beside = Greatest::of(Vectors::load(s - 1), Vectors::load(s + 1));
+        const V over =
+            Greatest::of(Greatest::of(Vectors::load(u - 1), Vectors::load(u)), Vectors::load(u + 1));
+        const V under =
+            Greatest::of(Greatest::of(Vectors::load(d - 1), Vectors::load(d)), Vectors::load(d + 1));
+        V around = Greatest::of(beside, Greatest::of(over, under));
+        if (scan.mask)
+            around =
+                Greatest::of(around, Vectors::whereZero(Vectors::load(scan.mask + y * scan.maskStep + x)));
+        const uint64 columns = Vectors::storeGreater(corners + x, score, around);
+        scan.strong[listed[i]] |= columns & Vectors::maskGreater(score, strongest);
+        // Also of columns that are not wanted: dropCorners clears these.
+        found->x = x;
+        found->y = y;
+        found->columns = columns & block.wanted;
+        found += columns != 0;
     }
-    scan.weakCount = int(weak - scan.weak);
-    return int(out - corners);
+    scan.foundCount = int(found - scan.found);
 }
 
-}  // namespace
-
-void scanWidths(int widths[2])
+template <typename Vectors> void scanRows(FastScan& scan, int end)
 {
-#if CV_SIMD
-    widths[0] = AQORB_LANES(Wide::V);
-    widths[1] = AQORB_LANES(Narrow::V);
-#else
-    widths[0] = widths[1] = 16;
-#endif
-}
-
-int continueScan(FastScan& scan, Corner* corners, int capacity)
-{
-    const int perRow = scan.blockCount * ((scan.blockWidth + 1) / 2) + SCAN_OVERSHOOT;
-    int found = 0;
-    for (; scan.y <= scan.bottom && found + perRow <= capacity; scan.y++)
+    for (; scan.y <= end; scan.y++)
     {
         const int y = scan.y;
         scoresOf(scan, y)[scan.left - 1] = scoresOf(scan, y)[scan.right] = 0;
         if (y >= scan.scoredTop && y < scan.scoredBottom)
         {
-            scan.listedCount[y & 1] = scoreRow(scan, y);
+            scan.listedCount[y & 1] = scoreRow<Vectors>(scan, y);
         }
         else
         {
-            clearRow(scan, y);
+            clearRow<Vectors>(scan, y);
             scan.listedCount[y & 1] = 0;
         }
         if (y > scan.top)
-            found += suppressRow(scan, y - 1, corners + found);
+            suppressRow<Vectors>(scan, y - 1);
     }
-    return found;
 }
 
-int writeWanted(const WeakCorners* weak, int count, const ScanBlock* blocks, const uint64* wanted,
-                const uchar* scores, ptrdiff_t scoreStep, Corner* corners)
+template <typename Vectors> int dropFromBlocks(FastScan& scan, int first, const uchar* floors)
 {
-    Corner* out = corners;
-    for (int i = 0; i < count; i++)
+    CornerBlock* left = scan.found + first;
+    int corners = 0;
+    for (int i = first; i < scan.foundCount; i++)
     {
-        const int block = weak[i].block, y = weak[i].y;
-        out = writeCorners(weak[i].columns & wanted[block], blocks[block].x, y, scores + y * scoreStep, out);
+        CornerBlock block = scan.found[i];
+        uchar* scores = scan.plane + (block.y - scan.top) * scan.planeStep + block.x;
+        block.columns &=
+            Vectors::storeGreater(scores, Vectors::load(scores), Vectors::load(floors + block.x));
+        corners += countBits(block.columns);
+        *left = block;
+        left += block.columns != 0;
     }
-    return int(out - corners);
+    scan.foundCount = int(left - scan.found);
+    return corners;
 }
 
-void neighborScores(const uchar* p, ptrdiff_t step, int scores[3][3])
+}  // namespace
+
+void scanWidths(int widths[SCAN_WIDTHS])
+{
+    widths[0] = widths[1] = widths[2] = 1;
+#if CV_SIMD
+    widths[0] = AQORB_LANES(Wide::V);
+    widths[1] = AQORB_LANES(Narrow::V);
+#endif
+}
+
+void continueScan(FastScan& scan, int end)
+{
+#if CV_SIMD
+    if (scan.blockWidth == AQORB_LANES(Wide::V))
+        return scanRows<Wide>(scan, end);
+    if (scan.blockWidth == AQORB_LANES(Narrow::V))
+        return scanRows<Narrow>(scan, end);
+#endif
+    scanRows<Single>(scan, end);
+}
+
+int dropCorners(FastScan& scan, int first, const uchar* floors)
+{
+#if CV_SIMD
+    if (scan.blockWidth == AQORB_LANES(Wide::V))
+        return dropFromBlocks<Wide>(scan, first, floors);
+    if (scan.blockWidth == AQORB_LANES(Narrow::V))
+        return dropFromBlocks<Narrow>(scan, first, floors);
+#endif
+    return dropFromBlocks<Single>(scan, first, floors);
+}
+
+void neighborScores(const uchar* p, ptrdiff_t step, int lane, int scores[3][3])
 {
     for (int row = 0; row < 3; row++)
     {
         const uchar* q = p + (row - 1) * step - 1;
 #if CV_SIMD
         Circle<v_uint8x16> circle;
-        loadCircle<Narrow>(q, step, circle);
+        loadCircle<Narrow>(q - lane, step, circle);
         uchar bright[16], dark[16];
         v_store(bright, bestArc<Least, Greatest>(circle));
         v_store(dark, bestArc<Greatest, Least>(circle));
         for (int i = 0; i < 3; i++)
-        {
-            const int b = bright[i] - q[i], d = q[i] - dark[i];
-            scores[row][i] = b > d ? b : d;
-        }
+            scores[row][i] = Greatest::of(bright[lane + i] - q[i], q[i] - dark[lane + i]);
 #else
+        (void)lane;
         for (int i = 0; i < 3; i++)
             scores[row][i] = scoreOfPixel(q + i, step);
 #endif

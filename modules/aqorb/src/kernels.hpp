@@ -47,31 +47,45 @@ struct Resize
     short* rows[2];             //!< scratch, as many elements as the blocks have pixels
 };
 
+//! Neighbouring pixels of a row that are scored together.
+struct ScanBlock
+{
+    int x;          //!< the first
+    uint64 wanted;  //!< bit i: whether a corner at x + i is wanted
+};
+
 //! A scan of rows for FAST corners; a row is suppressed once the one below it has scores.
 struct FastScan
 {
     const uchar* image;
     ptrdiff_t step;
+    const uchar* mask;  //!< of usable pixels; 0: all are
+    ptrdiff_t maskStep;
     int threshold;                //!< of all corners
-    int strongThreshold;          //!< of those that are written at once, >= threshold
+    int strongThreshold;          //!< >= threshold
     int top, bottom;              //!< rows in which corners are wanted
     int scoredTop, scoredBottom;  //!< rows that get scores: also the ones around, where they have a circle
     int left, right;              //!< columns that have a circle
     int y;                        //!< the next row to get scores; finished when beyond bottom
     const ScanBlock* blocks;      //!< from left to right
     int blockCount;
-    int blockWidth;       //!< one of scanWidths, or any number below its last
-    uchar* scores;        //!< from row top - 1 on, by column; SCAN_MARGIN bytes more on both sides
-    ptrdiff_t scoreStep;  //!< of the scores' rows
-    int* listed[2];       //!< by row modulo 2: the blocks in which there are scores
+    int blockWidth;  //!< one of scanWidths
+    uchar*
+        scores;  //!< of SCAN_ROWS rows, by row modulo their number, by column; SCAN_MARGIN readable on both sides
+    ptrdiff_t scoreStep;
+    int* listed[2];  //!< by row modulo 2: the blocks in which there are scores
     int listedCount[2];
-    WeakCorners* weak;  //!< room for all blocks of all rows, and one
-    int weakCount;
+    uchar* plane;  //!< the scores of corners, from row top on, by column, with SCAN_MARGIN
+    ptrdiff_t planeStep;
+    uint64* strong;      //!< by block: the columns in which a strong corner was found
+    CornerBlock* found;  //!< room for all blocks of all rows, and one
+    int foundCount;
 };
 
+const int SCAN_ROWS = 4;  // a power of two that holds three
+const int SCAN_WIDTHS = 3;
 const int SCAN_ALIGNMENT = 64;  // of scores, so that as few vectors as may be lie across cache lines
 const int SCAN_MARGIN = 64;     // around the scores of a row, for the vectors
-const int SCAN_OVERSHOOT = 4;   // corners a scan may write beyond those it found
 
 //! The 256 tests of a descriptor with WTA_K 2: the bit is 1 where point 0 is darker than point 1.
 struct PairTests
@@ -83,8 +97,8 @@ struct PairTests
     float x[2][COUNT], y[2][COUNT];  //!< [point of the pair][test]
 };
 
-//! Radius of the suppression of corners, for which its kernel is written.
-const int SUPPRESS_RADIUS = 3;
+const int SUPPRESS_RADIUS = 3;   // of the suppression of corners, for which its kernel is written
+const int SUPPRESS_MARGIN = 16;  // columns around a region that are readable in its plane of scores
 
 //! What the pixels of a circular patch count for its moments: u and v inside, 0 outside.
 struct PatchWeights

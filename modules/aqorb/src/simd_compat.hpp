@@ -33,6 +33,7 @@ AQORB_BINARY(v_mul, *)
 AQORB_BINARY(v_and, &)
 AQORB_BINARY(v_or, |)
 AQORB_BINARY(v_xor, ^)
+AQORB_BINARY(v_eq, ==)
 AQORB_BINARY(v_gt, >)
 AQORB_BINARY(v_ge, >=)
 #undef AQORB_BINARY
@@ -53,6 +54,18 @@ static CV_ALWAYS_INLINE int trailingZeros(uint64 bits)
 #else
     const unsigned low = unsigned(bits);
     return int(low ? trailingZeros32(low) : 32 + trailingZeros32(unsigned(bits >> 32)));
+#endif
+}
+
+static CV_ALWAYS_INLINE int countBits(uint64 bits)
+{
+#if defined(__GNUC__)
+    return __builtin_popcountll(bits);
+#else
+    int count = 0;
+    for (; bits; bits &= bits - 1)
+        count++;
+    return count;
 #endif
 }
 

@@ -51,7 +51,7 @@ struct RankedCorner
 //! Order by rows, and by columns within a row. A type, as sorting does not inline calls of a function.
 struct InRasterOrder
 {
-    bool operator()(const RankedCorner& a, const RankedCorner& b) const
+    template <typename C> bool operator()(const C& a, const C& b) const
     {
         return a.y != b.y ? a.y < b.y : a.x < b.x;
     }
@@ -139,48 +139,69 @@ CV_EXPORTS void buildPyramid(const Mat& image, const Mat& mask, int nlevels, int
 CV_EXPORTS void detectCorners(const Mat& image, const Rect& region, int threshold,
                               std::vector<Corner>& corners);
 
-//! Neighbouring pixels of a row that are scored together.
-struct ScanBlock
+//! Corners among neighbouring pixels of a row.
+struct CornerBlock
 {
-    int x;          //!< the first
-    uint64 wanted;  //!< bit i: whether a corner at x + i is wanted
+    int x, y;        //!< the first pixel
+    uint64 columns;  //!< bit i: whether there is one at x + i
 };
 
-//! Corners among the pixels of a block, in a row.
-struct WeakCorners
+//! Blocks in raster order, at the beginning of room for more.
+struct CornerBlocks
 {
-    int block, y;
-    uint64 columns;  //!< bit i: whether the block's pixel i is one
+    CornerBlocks() : count(0), cornerCount(0) {}
+
+    std::vector<CornerBlock> room;
+    int count, cornerCount;
 };
 
-//! Work space of detectCorners, for one call after the other, and what takeWeakCorners takes.
-struct FastScratch
+//! The scores of corners by pixel, 0 where there is none.
+class CV_EXPORTS ScorePlane
 {
-    FastScratch() : blockWidth(0), firstScore(0), firstRow(0), scoreStep(0), weakCount(0), weakTaken(0) {}
-    uchar* rowOfScores(int y) { return scores.data() + firstScore + (y - firstRow) * scoreStep; }
+public:
+    //! Begins anew, for corners in a region of an image of the given width. What is below and above is 0 for ever.
+    void begin(int imageWidth, const Rect& region);
+    //! By column of the image. Of columns and rows outside of the region some are readable: see kernels.hpp.
+    uchar* row(int y) { return bytes.data() + first + (y - top) * step(); }
+    ptrdiff_t step() const { return rowBytes; }
 
-    std::vector<ScanBlock> blocks;
-    int blockWidth;
-    std::vector<uchar> scores;
-    ptrdiff_t firstScore;  //!< where that of column 0 in firstRow would be
-    int firstRow;
-    ptrdiff_t scoreStep;
-    std::vector<int> listed;
-    std::vector<Corner> found;
-    std::vector<WeakCorners> weak;  //!< from top to bottom
-    int weakCount, weakTaken;
-    std::vector<uint64> wanted;  //!< by block
+private:
+    std::vector<uchar> bytes;
+    ptrdiff_t first, rowBytes;
+    int top;
 };
 
-/** The same at thresholds.ini. Those at thresholds.min that are none at thresholds.ini stay in the
- scratch. */
-CV_EXPORTS void detectCorners(const Mat& image, const Rect& region, Thresholds thresholds,
-                              std::vector<Corner>& corners, FastScratch& scratch);
+//! The part of a region in which there may be FAST corners: pixels that have a whole circle.
+CV_EXPORTS Rect fastRegion(Size imageSize, const Rect& region);
 
-/** Appends the corners that the last detectCorners left in the scratch, of the given rows, and of runs of
- columns, which lie apart, from left to right. Rows must be asked for from top to bottom. */
-CV_EXPORTS void takeWeakCorners(const Range& rows, const std::vector<Range>& columns,
-                                std::vector<Corner>& corners, FastScratch& scratch);
+/** Finds the FAST corners of a region of a level from top to bottom, some rows at a time: those of score >=
+ thresholds.min, of which those of score >= thresholds.ini are called strong and the others weak. */
+class CV_EXPORTS FastScanner
+{
+public:
+    FastScanner();
+    /** Begins anew.
+     @param region inside fastRegion, not empty
+     @param plane gets the scores of the corners of all rows of the region, one more than Corner's
+     @param found gets the corners */
+    void begin(const Level& level, const Rect& region, Thresholds thresholds, ScorePlane& plane,
+               CornerBlocks& found);
+    //! Scans on, up to the row before `end`.
+    void scan(int end);
+    //! Whether the rows of the last scan have a strong corner in some columns.
+    bool hasStrong(const Range& columns) const;
+    //! Leaves the weak corners of the last scan out in some columns.
+    void dropWeak(const Range& columns);
+    //! Adds what is left of the last scan to the corners found.
+    void settle();
+
+private:
+    class Impl;
+    Ptr<Impl> impl;
+};
+
+//! The corners of blocks, in raster order, appended.
+CV_EXPORTS void listCorners(const CornerBlocks& blocks, ScorePlane& plane, std::vector<Corner>& corners);
 
 /** The unthresholded FAST score at p, -255 to 255: the largest over the 16 arcs of 9 circle pixels
  of their least difference to the centre, brighter or darker. One more than cv::FAST's response. */
@@ -201,22 +222,22 @@ struct LevelCorners
 //! Work space of findCorners, for one call after the other.
 struct CornerScratch
 {
-    std::vector<uchar> scores;  //!< by pixel; all 0 between calls
-    std::vector<uchar> falls;   //!< by corner
-    FastScratch fast;
-    std::vector<uchar> fullCells;
-    std::vector<Range> columns;  //!< of empty cells
+    FastScanner scanner;
+    ScorePlane plane;
+    CornerBlocks blocks;
 };
 
 //! Rows of a region whose corners are found by themselves, whole rows of cells; empty for an index too high.
 CV_EXPORTS Range cornerBand(const Rect& region, int cellSize, int index);
 
-//! The corners of a band that findCorners finds, before any is suppressed.
+/** The corners of a band that findCorners finds, before any is suppressed.
+ @param plane begun for fastRegion of the whole region; other bands may be searched at once
+ @param found only those of this band */
 CV_EXPORTS void findBandCorners(const Level& level, const Rect& band, Thresholds thresholds, int cellSize,
-                                std::vector<Corner>& corners, CornerScratch& scratch);
+                                ScorePlane& plane, CornerBlocks& found, FastScanner& scanner);
 
-//! Moves the kept corners that fall to a better one nearby, even if that falls itself, to `suppressed`.
-CV_EXPORTS void suppressCorners(Size size, LevelCorners& corners, CornerScratch& scratch);
+//! Appends the corners of a band: those that fall to a better one nearby, even if that falls itself, are `suppressed`.
+CV_EXPORTS void suppressCorners(const CornerBlocks& blocks, ScorePlane& plane, LevelCorners& corners);
 
 /** Corners of a level inside `region`: score >= thresholds.ini; in cells of side cellSize (the first
  begins at the region's corner) that have none, score >= thresholds.min. Corners off the mask do not

@@ -19,7 +19,7 @@ struct CornerBand
 {
     int level;
     Rect rect;
-    std::vector<stages::Corner> corners;
+    stages::CornerBlocks corners;
 };
 
 // What a call needs beside its outputs.
@@ -28,7 +28,8 @@ struct Workspace
     std::vector<stages::Level> pyramid;
     stages::PyramidScratch resizing;
     std::vector<stages::SelectionLevel> selectionLevels;
-    std::vector<CornerBand> bands;  // never fewer, to keep their memory
+    std::vector<CornerBand> bands;           // never fewer, to keep their memory
+    std::vector<stages::ScorePlane> planes;  // by level, for its bands
     std::vector<stages::LevelCorners> corners;
     std::vector<stages::BalancedSequence> sequences;
     std::vector<uchar> ready;  // whether the level's corners and sequence are
@@ -40,6 +41,7 @@ struct Workspace
 
     void resize(size_t levels)
     {
+        planes.resize(std::max(levels, planes.size()));
         corners.resize(std::max(levels, corners.size()));
         sequences.resize(std::max(levels, sequences.size()));
         points.resize(std::max(levels, points.size()));
@@ -59,7 +61,7 @@ struct Workspace
 // What work on one level needs only as long as it lasts, so that levels one after the other share it.
 struct LevelScratch
 {
-    stages::CornerScratch corners;
+    stages::FastScanner scanner;
     std::vector<stages::RankedCorner> ranked;
     stages::LeafScratch leaves;
     std::vector<stages::LeafPoint> points;
