@@ -5,6 +5,7 @@
 #include "precomp.hpp"
 
 #include "parameters.hpp"
+#include "pyramid_corners.hpp"
 #include "workspace.hpp"
 
 namespace cv
@@ -21,132 +22,6 @@ String AdaptiveQuadtreeORB::getDefaultName() const
 
 namespace
 {
-
-// Detects and ranks the corners of the pyramid's levels for selection.
-class PyramidCorners : public CornerSource
-{
-public:
-    PyramidCorners(const Parameters& parameters_, Thresholds thresholds_, Workspace& workspace_,
-                   Pool<LevelScratch>& scratches_)
-        : parameters(parameters_), thresholds(thresholds_), workspace(workspace_), scratches(scratches_)
-    {
-        workspace.ready.assign(workspace.pyramid.size(), uchar(0));
-    }
-    // Lays out the bands of the input image, or those of the other levels, from the given index on; returns
-    // the index after the last.
-    size_t layOutBands(bool ofInput, size_t index)
-    {
-        for (int level = 0; level < int(workspace.pyramid.size()); level++)
-        {
-            const SelectionLevel& wanted = workspace.selectionLevels[level];
-            if (workspace.pyramid[level].isInput != ofInput || wanted.quota == 0)
-                continue;
-            beginPlane(level);
-            for (int i = 0;; i++, index++)
-            {
-                const Range rows = cornerBand(wanted.root, parameters.cellSize, i);
-                if (rows.start >= rows.end)
-                    break;
-                if (index == workspace.bands.size())
-                    workspace.bands.push_back(CornerBand());
-                workspace.bands[index].level = level;
-                workspace.bands[index].rect =
-                    Rect(wanted.root.x, rows.start, wanted.root.width, rows.end - rows.start);
-            }
-        }
-        return index;
-    }
-    // Finds the corners of a band, before any is suppressed; several may be searched at once.
-    void search(CornerBand& band) const
-    {
-        CV_TRACE_FUNCTION();
-        const Pool<LevelScratch>::Lease lent(scratches);
-        findBandCorners(workspace.pyramid[band.level], band.rect, thresholds, parameters.cellSize,
-                        workspace.planes[band.level], band.corners, (*lent).scanner);
-    }
-    // Makes the corners of a level, those of its bands, ready to be asked for; several levels may be prepared at once.
-    void prepare(int level, const CornerBand* bands, size_t bandCount)
-    {
-        CV_TRACE_FUNCTION();
-        LevelCorners& found = workspace.corners[level];
-        found.kept.clear();
-        found.suppressed.clear();
-        for (size_t i = 0; i < bandCount; i++)
-        {
-            if (bands[i].level != level)
-                continue;
-            // Harris responses of neighbours hardly differ: unsuppressed, a strong corner is taken thrice.
-            if (isHarris())
-                suppressCorners(bands[i].corners, workspace.planes[level], found);
-            else
-                listCorners(bands[i].corners, workspace.planes[level], found.kept);
-        }
-
-        const SelectionLevel& root = workspace.selectionLevels[level];
-        const Pool<LevelScratch>::Lease lent(scratches);
-        LevelScratch& scratch = *lent;
-        rank(level, found.kept, scratch.ranked);
-        leafPoints(scratch.ranked, root.root, root.depth, scratch.leaves, scratch.points);
-        workspace.sequences[level].begin(scratch.points, root.depth);
-        workspace.ready[level] = 1;
-    }
-    BalancedSequence& sequence(int level) CV_OVERRIDE
-    {
-        if (!workspace.ready[level])  // as its quota is 0
-        {
-            CornerBand whole;
-            whole.level = level;
-            whole.rect = workspace.selectionLevels[level].root;
-            beginPlane(level);
-            search(whole);
-            prepare(level, &whole, 1);
-        }
-        return workspace.sequences[level];
-    }
-    void corners(int level, CornerSet set, std::vector<RankedCorner>& ranked) CV_OVERRIDE
-    {
-        if (set == CELL_REJECTS)
-        {
-            std::vector<Corner> rejects;
-            findCellRejects(workspace.pyramid[level], workspace.selectionLevels[level].root, thresholds,
-                            parameters.cellSize, rejects);
-            rank(level, rejects, ranked);
-            return;
-        }
-        const LevelCorners& found = workspace.corners[level];
-        rank(level, set == KEPT_CORNERS ? found.kept : found.suppressed, ranked);
-    }
-
-private:
-    void beginPlane(int level)
-    {
-        const Size size = workspace.pyramid[level].image.size();
-        const Rect scanned = fastRegion(size, workspace.selectionLevels[level].root);
-        if (!scanned.empty())
-            workspace.planes[level].begin(size.width, scanned);
-    }
-    bool isHarris() const { return parameters.scoreType == ORB::HARRIS_SCORE; }
-
-    void rank(int level, const std::vector<Corner>& unranked, std::vector<RankedCorner>& ranked) const
-    {
-        if (isHarris())
-        {
-            harrisResponses(workspace.pyramid[level].image, unranked, ranked);
-            return;
-        }
-        ranked.resize(unranked.size());
-        for (size_t i = 0; i < unranked.size(); i++)
-        {
-            const RankedCorner corner = {unranked[i].x, unranked[i].y, float(unranked[i].score)};
-            ranked[i] = corner;
-        }
-    }
-
-    const Parameters& parameters;
-    const Thresholds thresholds;
-    Workspace& workspace;
-    Pool<LevelScratch>& scratches;
-};
 
 // What follows from the parameters alone.
 struct Tables
@@ -403,12 +278,12 @@ void AdaptiveQuadtreeORBImpl::chooseCorners(const Mat& image, const Mat& mask, W
 
     PyramidCorners source(p, thresholds, workspace, scratches);
     // The image itself is searched while the other levels are made of it.
-    const size_t ofImage = source.layOutBands(true, 0), bands = source.layOutBands(false, ofImage);
+    const size_t ofImage = source.layOutBands(true), bands = source.layOutBands(false);
     inParallel(1 + ofImage,
                [&](size_t i)
                {
                    if (i > 0)
-                       return source.search(workspace.bands[i - 1]);
+                       return source.search(i - 1);
                    fillPyramid(image, mask, p.firstLevel, pyramid, workspace.resizing);
                    for (size_t j = 0; j < levels && !mask.empty(); j++)
                    {
@@ -416,12 +291,12 @@ void AdaptiveQuadtreeORBImpl::chooseCorners(const Mat& image, const Mat& mask, W
                            maskPositions(mask, positionsOf(pyramid[j], image.size()), pyramid[j].mask);
                    }
                });
-    inParallel(bands - ofImage, [&](size_t i) { source.search(workspace.bands[ofImage + i]); });
+    inParallel(bands - ofImage, [&](size_t i) { source.search(ofImage + i); });
     inParallel(levels,
                [&](size_t i)
                {
                    if (selectionLevels[i].quota > 0)
-                       source.prepare(int(i), workspace.bands.data(), bands);
+                       source.prepare(int(i));
                });
 
     workspace.selector.select(selectionLevels, image.size(), p.octaveSuppression, source, workspace.chosen);

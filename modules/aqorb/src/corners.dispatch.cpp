@@ -14,25 +14,32 @@ namespace aqorb
 namespace stages
 {
 
-static int splitCornersOf(const CornerBlocks& blocks, const uchar* scores, ptrdiff_t step, Corner* kept,
-                          Corner* suppressed)
+static int writeKeptCorners(const CornerBlocks& blocks, ScorePlane& plane, Corner* kept)
 {
-    CV_CPU_DISPATCH(splitCorners, (blocks.room.data(), blocks.cornerCount, scores, step, kept, suppressed),
+    const CornerBlock* first = blocks.room.data();
+    const uchar* scores = plane.row(first->y);
+    CV_CPU_DISPATCH(writeKept, (first, blocks.cornerCount, scores, plane.step(), kept),
                     CV_CPU_DISPATCH_MODES_ALL);
 }
 
-void suppressCorners(const CornerBlocks& blocks, ScorePlane& plane, LevelCorners& corners)
+void suppressCorners(const CornerBlocks& blocks, ScorePlane& plane, std::vector<Corner>& room,
+                     std::vector<Corner>& kept)
 {
     CV_TRACE_FUNCTION();
     if (blocks.count == 0)
         return;
-    const size_t kept = corners.kept.size(), suppressed = corners.suppressed.size();
-    corners.kept.resize(kept + blocks.cornerCount);
-    corners.suppressed.resize(suppressed + blocks.cornerCount);
-    const int more = splitCornersOf(blocks, plane.row(blocks.room[0].y), plane.step(), &corners.kept[kept],
-                                    &corners.suppressed[suppressed]);
-    corners.kept.resize(kept + more);
-    corners.suppressed.resize(suppressed + blocks.cornerCount - more);
+    if (room.size() < size_t(blocks.cornerCount))
+        room.resize(blocks.cornerCount);
+    const int count = writeKeptCorners(blocks, plane, room.data());
+    kept.insert(kept.end(), room.begin(), room.begin() + count);
+}
+
+void cornersWithout(const std::vector<Corner>& corners, const std::vector<Corner>& without,
+                    std::vector<Corner>& rest)
+{
+    rest.clear();
+    std::set_difference(corners.begin(), corners.end(), without.begin(), without.end(),
+                        std::back_inserter(rest), InRasterOrder());
 }
 
 Range cornerBand(const Rect& region, int cellSize, int index)
@@ -73,15 +80,18 @@ void findCorners(const Level& level, const Rect& region, Thresholds thresholds, 
 {
     corners.kept.clear();
     corners.suppressed.clear();
+    scratch.all.clear();
     const Rect scanned = fastRegion(level.image.size(), region);
     if (scanned.empty())
         return;
     scratch.plane.begin(level.image.cols, scanned);
     findBandCorners(level, region, thresholds, cellSize, scratch.plane, scratch.blocks, scratch.scanner);
+    listCorners(scratch.blocks, scratch.plane, scratch.all);
     if (suppressNear)
-        suppressCorners(scratch.blocks, scratch.plane, corners);
+        suppressCorners(scratch.blocks, scratch.plane, scratch.room, corners.kept);
     else
-        listCorners(scratch.blocks, scratch.plane, corners.kept);
+        corners.kept = scratch.all;
+    cornersWithout(scratch.all, corners.kept, corners.suppressed);
 }
 
 void findCellRejects(const Level& level, const Rect& region, Thresholds thresholds, int cellSize,
@@ -93,9 +103,7 @@ void findCellRejects(const Level& level, const Rect& region, Thresholds threshol
     CornerScratch scratch;
     findCorners(level, region, all, cellSize, false, found, scratch);
     findCorners(level, region, thresholds, cellSize, false, taken, scratch);
-    corners.clear();
-    std::set_difference(found.kept.begin(), found.kept.end(), taken.kept.begin(), taken.kept.end(),
-                        std::back_inserter(corners), InRasterOrder());
+    cornersWithout(found.kept, taken.kept, corners);
 }
 
 }  // namespace stages

@@ -13,14 +13,13 @@ namespace stages
 {
 CV_CPU_OPTIMIZATION_NAMESPACE_BEGIN
 
-/** Splits corners into those that are kept and those that fall to a better one within SUPPRESS_RADIUS: of a
- higher score, or as high and before it in raster order.
+/** Writes the corners but those that fall to a better one within SUPPRESS_RADIUS: of a higher score, or as
+ high and before it in raster order.
  @param blocks of the corners, and one more
  @param scores of the row of the first block, by column, as ScorePlane's
- @param kept, suppressed room for all corners each
- @return number of corners kept */
-int splitCorners(const CornerBlock* blocks, int cornerCount, const uchar* scores, ptrdiff_t step,
-                 Corner* kept, Corner* suppressed);
+ @param kept room for all corners
+ @return number of corners written */
+int writeKept(const CornerBlock* blocks, int cornerCount, const uchar* scores, ptrdiff_t step, Corner* kept);
 
 #ifndef CV_CPU_OPTIMIZATION_DECLARATIONS_ONLY
 
@@ -62,25 +61,25 @@ CV_ALWAYS_INLINE bool falls(const uchar* p, ptrdiff_t step)
 
 }  // namespace
 
-int splitCorners(const CornerBlock* blocks, int cornerCount, const uchar* scores, ptrdiff_t step,
-                 Corner* kept, Corner* suppressed)
+int writeKept(const CornerBlock* blocks, int cornerCount, const uchar* scores, ptrdiff_t step, Corner* kept)
 {
-    const int top = blocks[0].y;
-    uint64 columns = blocks[0].columns;
-    int keptCount = 0;
+    const int top = blocks->y;
+    uint64 columns = blocks->columns;
+    Corner* out = kept;
     // Without branches: how many corners a block has and which are kept is hard to predict.
     for (int i = 0; i < cornerCount; i++)
     {
         const int x = blocks->x + trailingZeros(columns), y = blocks->y;
         const uchar* p = scores + (y - top) * step + x;
         const Corner corner = {x, y, *p - 1};
-        kept[keptCount] = suppressed[i - keptCount] = corner;
-        keptCount += !falls(p, step);
+        *out = corner;
+        out += !falls(p, step);
         columns &= columns - 1;
-        blocks += columns == 0;
-        columns = columns ? columns : blocks->columns;
+        const bool wasLast = columns == 0;
+        blocks += wasLast;
+        columns |= blocks->columns & (uint64(0) - wasLast);
     }
-    return keptCount;
+    return int(out - kept);
 }
 
 #endif  // CV_CPU_OPTIMIZATION_DECLARATIONS_ONLY

@@ -225,6 +225,7 @@ struct CornerScratch
     FastScanner scanner;
     ScorePlane plane;
     CornerBlocks blocks;
+    std::vector<Corner> all, room;
 };
 
 //! Rows of a region whose corners are found by themselves, whole rows of cells; empty for an index too high.
@@ -236,8 +237,15 @@ CV_EXPORTS Range cornerBand(const Rect& region, int cellSize, int index);
 CV_EXPORTS void findBandCorners(const Level& level, const Rect& band, Thresholds thresholds, int cellSize,
                                 ScorePlane& plane, CornerBlocks& found, FastScanner& scanner);
 
-//! Appends the corners of a band: those that fall to a better one nearby, even if that falls itself, are `suppressed`.
-CV_EXPORTS void suppressCorners(const CornerBlocks& blocks, ScorePlane& plane, LevelCorners& corners);
+/** Appends the corners of a band but those that fall to a better one nearby, even if that falls itself.
+ @param plane of the whole region
+ @param room work space */
+CV_EXPORTS void suppressCorners(const CornerBlocks& blocks, ScorePlane& plane, std::vector<Corner>& room,
+                                std::vector<Corner>& kept);
+
+//! Corners that are not among others; all in raster order.
+CV_EXPORTS void cornersWithout(const std::vector<Corner>& corners, const std::vector<Corner>& without,
+                               std::vector<Corner>& rest);
 
 /** Corners of a level inside `region`: score >= thresholds.ini; in cells of side cellSize (the first
  begins at the region's corner) that have none, score >= thresholds.min. Corners off the mask do not

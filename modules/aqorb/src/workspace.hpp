@@ -28,9 +28,9 @@ struct Workspace
     std::vector<stages::Level> pyramid;
     stages::PyramidScratch resizing;
     std::vector<stages::SelectionLevel> selectionLevels;
-    std::vector<CornerBand> bands;           // never fewer, to keep their memory
-    std::vector<stages::ScorePlane> planes;  // by level, for its bands
-    std::vector<stages::LevelCorners> corners;
+    std::vector<CornerBand> bands;                     // never fewer, to keep their memory
+    std::vector<stages::ScorePlane> planes;            // by level, for its bands
+    std::vector<std::vector<stages::Corner>> corners;  // by level: kept
     std::vector<stages::BalancedSequence> sequences;
     std::vector<uchar> ready;  // whether the level's corners and sequence are
     stages::FeatureSelector selector;
@@ -62,6 +62,7 @@ struct Workspace
 struct LevelScratch
 {
     stages::FastScanner scanner;
+    std::vector<stages::Corner> room;  // for those of a band
     std::vector<stages::RankedCorner> ranked;
     stages::LeafScratch leaves;
     std::vector<stages::LeafPoint> points;
