@@ -19,7 +19,6 @@ const struct
 } MARKS[] = {{"varianceOverMean", THRESHOLD},
              {"fillPyramid", PYRAMID},
              {"findBandCorners", FAST},
-             {"empty cells", EMPTY_CELLS},
              {"suppressCorners", SUPPRESSION},
              {"harrisResponses", HARRIS},
              {"leafPoints", QUADTREE},
@@ -88,8 +87,7 @@ const char* nameOf(Stage stage)
 {
     static const char* const NAMES[] = {"threshold",
                                         "pyramid",
-                                        "FAST",
-                                        "weak corners in empty cells",
+                                        "FAST, cells",
                                         "suppression between neighbours",
                                         "Harris",
                                         "quadtree",

@@ -13,7 +13,6 @@ enum Stage
     THRESHOLD,
     PYRAMID,
     FAST,
-    EMPTY_CELLS,
     SUPPRESSION,
     HARRIS,
     QUADTREE,

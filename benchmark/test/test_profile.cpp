@@ -41,7 +41,7 @@ const char* const LOCATIONS =
     "l,3,\"a.cpp\",3,\"parallel_for\",0x1\n"
     "l,4,\"a.cpp\",4,\"level\",0x0\n"
     "l,5,\"a.cpp\",5,\"void cv::aqorb::stages::findBandCorners(const Level&, const cv::Rect&)\",0x3\n"
-    "l,6,\"a.cpp\",6,\"empty cells\",0x0\n"
+    "l,6,\"a.cpp\",6,\"void cv::aqorb::stages::suppressCorners(int)\",0x3\n"
     "l,7,\"a.cpp\",7,\"void cv::aqorb::stages::FeatureSelector::select(int)\",0x3\n"
     "l,8,\"a.cpp\",8,\"void cv::aqorb::(anonymous namespace)::leafPoints(const std::vector<int>&, int "
     "(*)(int))\",0x3\n"
@@ -71,7 +71,7 @@ TEST(Profile, sharesTheTimeOfAFrameAmongStages)
     EXPECT_EQ(50, profile.stages[THRESHOLD]);
     EXPECT_EQ(100, profile.stages[PYRAMID]);
     EXPECT_EQ(350 + 180, profile.stages[FAST]);
-    EXPECT_EQ(50, profile.stages[EMPTY_CELLS]);
+    EXPECT_EQ(50, profile.stages[SUPPRESSION]);
     EXPECT_EQ(0, profile.stages[QUADTREE]);  // what selection calls is its own
     EXPECT_EQ(200, profile.stages[SELECTION]);
     EXPECT_EQ(20 + 10 + 40, profile.stages[REST]);
