@@ -50,6 +50,25 @@ template <typename Body> void inParallel(size_t count, const Body& body)
         double(count));
 }
 
+// By counting: the rows are many, and have few corners each.
+void sortInRasterOrder(std::vector<RankedCorner>& corners, int rows, std::vector<size_t>& starts,
+                       std::vector<RankedCorner>& sorted)
+{
+    starts.assign(size_t(rows) + 1, 0);
+    for (size_t i = 0; i < corners.size(); i++)
+        starts[corners[i].y + 1]++;
+    std::partial_sum(starts.begin(), starts.end(), starts.begin());
+    sorted.resize(corners.size());
+    for (size_t i = 0; i < corners.size(); i++)
+        sorted[starts[corners[i].y]++] = corners[i];
+    for (size_t i = 1; i < sorted.size(); i++)  // within the rows
+    {
+        for (size_t j = i; j > 0 && InRasterOrder()(sorted[j], sorted[j - 1]); j--)
+            std::swap(sorted[j], sorted[j - 1]);
+    }
+    corners.swap(sorted);
+}
+
 //! Whether a point, rounded, is a pixel. Points far away are not rounded: what comes of that depends on the CPU.
 bool isOnPixel(const Point2f& pt, const Size& size)
 {
@@ -313,7 +332,10 @@ void AdaptiveQuadtreeORBImpl::refine(Workspace& workspace, int octave, Size imag
     std::vector<RankedCorner>& corners = workspace.chosen[octave];
     std::vector<DescriptorPoint>& points = workspace.points[octave];
     const Level& level = workspace.pyramid[octave];
-    std::sort(corners.begin(), corners.end(), InRasterOrder());
+    {
+        const Pool<LevelScratch>::Lease lent(scratches);
+        sortInRasterOrder(corners, level.image.rows, (*lent).rowStarts, (*lent).ranked);
+    }
     points.resize(corners.size());
     for (size_t i = 0; i < corners.size(); i++)
     {
@@ -325,14 +347,10 @@ void AdaptiveQuadtreeORBImpl::refine(Workspace& workspace, int octave, Size imag
     for (size_t i = 0; i < corners.size(); i++)
     {
         const DescriptorPoint& point = points[i];
-        Point2f pt = position(point.x, point.y);
-        if (p.subPixel)
-        {
-            const Point2d offset = subPixelOffset(level.image, point.x, point.y);
-            const Point2f refined = position(point.x, point.y, offset.x, offset.y);
-            if (mask.empty() || mask.at<uchar>(cvRound(refined.y), cvRound(refined.x)))
-                pt = refined;
-        }
+        const Point2d offset = p.subPixel ? subPixelOffset(level.image, point.x, point.y) : Point2d();
+        Point2f pt = position(point.x, point.y, offset.x, offset.y);
+        if (p.subPixel && !mask.empty() && !mask.at<uchar>(cvRound(pt.y), cvRound(pt.x)))
+            pt = position(point.x, point.y);
         workspace.keypoints[workspace.firsts[octave] + i] =
             KeyPoint(pt, p.patchSize * level.scale, point.angle, corners[i].response, octave);
     }

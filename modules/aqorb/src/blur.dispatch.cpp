@@ -86,11 +86,18 @@ static void blurTileOf(const uchar* source, ptrdiff_t step, Size size, ushort* b
                     CV_CPU_DISPATCH_MODES_ALL);
 }
 
+// Columns are those of the left border, of what is inside, of the right border. A row more, never needed, ends each.
+
 void BlurRegion::begin(Size size_)
 {
     size = size_;
-    columns = (size.width + TILE_WIDTH - 1) / TILE_WIDTH;
+    columns = 2 + std::max(size.width - 2 * RADIUS + TILE_WIDTH - 1, 0) / TILE_WIDTH;
     needed.assign(size_t(columns) * (size.height + 1), uchar(0));
+}
+
+int BlurRegion::columnOf(int x) const
+{
+    return x < RADIUS ? 0 : x >= size.width - RADIUS ? columns - 1 : 1 + (x - RADIUS) / TILE_WIDTH;
 }
 
 void BlurRegion::add(const Rect& rect)
@@ -98,29 +105,34 @@ void BlurRegion::add(const Rect& rect)
     const Rect part = rect & Rect(Point(), size);
     if (part.empty())
         return;
-    for (int column = part.x / TILE_WIDTH; column <= (part.x + part.width - 1) / TILE_WIDTH; column++)
+    for (int column = columnOf(part.x); column <= columnOf(part.x + part.width - 1); column++)
     {
         uchar* rows = needed.data() + size_t(column) * (size.height + 1) + part.y;
         std::fill(rows, rows + part.height, uchar(1));
     }
 }
 
-bool BlurRegion::nextTile(Rect& tile) const
+bool BlurRegion::nextTile(size_t& position, Rect& tile) const
 {
-    // A row more, never needed, ends each column.
     const uchar *begin = needed.data(), *end = begin + needed.size();
-    const size_t rows = size_t(size.height) + 1;
-    const int columnBefore = (tile.x + TILE_WIDTH - 1) / TILE_WIDTH;
-    const size_t after = tile.empty() ? 0 : columnBefore * rows + tile.y + tile.height;
-    const uchar* first = std::find(begin + after, end, uchar(1));
+    const uchar* first = std::find(begin + position, end, uchar(1));
     if (first == end)
         return false;
     const uchar* last = std::find(first, end, uchar(0));
+    const size_t rows = size_t(size.height) + 1;
     const int column = int((first - begin) / rows);
-    tile.width = std::min<int>(TILE_WIDTH, size.width);
-    tile.x = std::min(column * TILE_WIDTH, size.width - tile.width);  // the last one overlaps
+    const bool inside = column > 0 && column < columns - 1;
+    const int left = inside ? RADIUS : 0, right = size.width - left;
+    tile.width = std::min<int>(TILE_WIDTH, right - left);
+    // The last one overlaps.
+    tile.x = std::min(column == columns - 1 ? right : left + std::max(column - 1, 0) * TILE_WIDTH,
+                      right - tile.width);
     tile.y = int((first - begin) % rows);
-    tile.height = int(last - first);
+    const int bottom = tile.y < RADIUS                 ? RADIUS
+                       : tile.y < size.height - RADIUS ? size.height - RADIUS
+                                                       : size.height;
+    tile.height = std::min(int(last - first), bottom - tile.y);
+    position = size_t(first - begin) + tile.height;
     return true;
 }
 
@@ -128,24 +140,20 @@ void approximateBlur(const Mat& image, const BlurRegion& region, Mat& blurred, B
 {
     CV_TRACE_FUNCTION();
     const Rect inner(RADIUS, RADIUS, image.cols - 2 * RADIUS, image.rows - 2 * RADIUS);
-    for (Rect tile; region.nextTile(tile);)
+    Rect tile;
+    for (size_t position = 0; region.nextTile(position, tile);)
     {
         const uchar* source = image.ptr(tile.y) + tile.x;
         ptrdiff_t step = ptrdiff_t(image.step);
         if ((tile & inner) != tile)
         {
-            // A copy filled up by reflection.
             const Rect read(tile.x - RADIUS, tile.y - RADIUS, tile.width + 2 * RADIUS,
                             tile.height + 2 * RADIUS);
             step = read.width;
             if (scratch.size() < size_t(read.area()))
                 scratch.resize(read.area());
-            Mat copy(read.size(), CV_8UC1, scratch.data());
-            const Rect inside = read & Rect(Point(), image.size());
-            copyMakeBorder(image(inside), copy, inside.y - read.y, read.br().y - inside.br().y,
-                           inside.x - read.x, read.br().x - inside.br().x,
-                           BORDER_REFLECT_101 | BORDER_ISOLATED);
-            source = copy.ptr(RADIUS) + RADIUS;
+            copyReflected(image, read, scratch.data());
+            source = scratch.data() + RADIUS * step + RADIUS;
         }
         blurTileOf(source, step, tile.size(), blurred.ptr<ushort>(tile.y) + tile.x,
                    ptrdiff_t(blurred.step1()));

@@ -163,23 +163,16 @@ int descriptorReach(const std::vector<Point>& pattern)
 // pixels, as cv::ORB does not blur those.
 static void copyBlurredPatch(const Mat& image, const Mat& blurred, int x, int y, int radius, ushort* patch)
 {
-    const Range inside(std::max(x - radius, 0), std::min(x + radius + 1, image.cols));
-    for (int row = y - radius; row <= y + radius; row++, patch += 2 * radius + 1)
+    const int side = 2 * radius + 1;
+    const Rect rect(x - radius, y - radius, side, side), inside = rect & Rect(Point(), image.size());
+    PatchBuffer reflected(size_t(side) * side);
+    copyReflected(image, rect, reflected.data());
+    for (size_t i = 0; i < reflected.size(); i++)
+        patch[i] = ushort(reflected[i] << 8);
+    for (int row = inside.y; row < inside.y + inside.height; row++)
     {
-        const bool isInside = row >= 0 && row < image.rows;
-        const uchar* reflected = image.ptr(borderInterpolate(row, image.rows, BORDER_REFLECT_101));
-        for (int column = x - radius; column <= x + radius; column++)
-        {
-            if (isInside && column == inside.start)
-            {
-                const ushort* source = blurred.ptr<ushort>(row);
-                std::copy(source + inside.start, source + inside.end, patch + (column - x + radius));
-                column = inside.end - 1;
-                continue;
-            }
-            const int reflectedColumn = borderInterpolate(column, image.cols, BORDER_REFLECT_101);
-            patch[column - x + radius] = ushort(reflected[reflectedColumn] << 8);
-        }
+        const ushort* source = blurred.ptr<ushort>(row) + inside.x;
+        std::copy(source, source + inside.width, patch + (row - rect.y) * side + (inside.x - rect.x));
     }
 }
 

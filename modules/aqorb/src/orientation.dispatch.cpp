@@ -37,7 +37,7 @@ std::vector<int> circularPatch(int patchSize)
 
 //! cv::fastAtan2 as it is written. As it is compiled its last bit depends on the CPU: compilers fuse its multiplications
 //! and additions, for example on AArch64.
-static float directionOf(int m10, int m01)
+static CV_ALWAYS_INLINE float directionOf(int m10, int m01)
 {
     const float DEGREES = float(180 / CV_PI);
     const float P1 = 0.9997878412794807f * DEGREES, P3 = -0.3258083974640975f * DEGREES;
@@ -54,14 +54,15 @@ static float directionOf(int m10, int m01)
     return angle;
 }
 
-float orientation(const Mat& image, int x, int y, const std::vector<int>& halfWidths)
+static void plainMoments(const Mat& image, int x, int y, const std::vector<int>& halfWidths, int& m10,
+                         int& m01)
 {
     const int radius = int(halfWidths.size()) - 1;
     PatchBuffer buffer;
     const Patch patch = patchAround(image, x, y, radius, buffer);
 
     // unsigned: the moments of very large patches wrap around, as cv::ORB's do
-    unsigned m01 = 0, m10 = 0;
+    unsigned sum01 = 0, sum10 = 0;
     for (int v = -radius; v <= radius; v++)
     {
         const uchar* row = patch.center + v * patch.step;
@@ -70,11 +71,19 @@ float orientation(const Mat& image, int x, int y, const std::vector<int>& halfWi
         for (int u = -halfWidth; u <= halfWidth; u++)
         {
             sum += row[u];
-            m10 += unsigned(u) * row[u];
+            sum10 += unsigned(u) * row[u];
         }
-        m01 += unsigned(v) * sum;
+        sum01 += unsigned(v) * sum;
     }
-    return directionOf(int(m10), int(m01));
+    m10 = int(sum10);
+    m01 = int(sum01);
+}
+
+float orientation(const Mat& image, int x, int y, const std::vector<int>& halfWidths)
+{
+    int m10, m01;
+    plainMoments(image, x, y, halfWidths, m10, m01);
+    return directionOf(m10, m01);
 }
 
 static void momentsOf(const uchar* center, ptrdiff_t step, const PatchWeights& weights, int& m10, int& m01)
@@ -110,17 +119,25 @@ void orientations(const Mat& image, const OrientationPatch& patch, DescriptorPoi
         const int radius = patch.weights->radius;
         inside = Rect(radius, radius, image.cols - patch.weights->width, image.rows - 2 * radius);
     }
-    for (size_t i = 0; i < count; i++)
+    const size_t AT_ONCE = 64;  // moments, then directions, which do not depend on each other
+    for (size_t first = 0; first < count; first += AT_ONCE)
     {
-        DescriptorPoint& point = points[i];
-        if (!inside.contains(Point(point.x, point.y)))
+        const size_t some = std::min(count - first, AT_ONCE);
+        int m10[AT_ONCE], m01[AT_ONCE];
+        float angles[AT_ONCE];
+        for (size_t i = 0; i < some; i++)
         {
-            point.angle = orientation(image, point.x, point.y, patch.halfWidths);
-            continue;
+            const DescriptorPoint& point = points[first + i];
+            if (inside.contains(Point(point.x, point.y)))
+                momentsOf(image.ptr(point.y) + point.x, ptrdiff_t(image.step), *patch.weights, m10[i],
+                          m01[i]);
+            else
+                plainMoments(image, point.x, point.y, patch.halfWidths, m10[i], m01[i]);
         }
-        int m10, m01;
-        momentsOf(image.ptr(point.y) + point.x, ptrdiff_t(image.step), *patch.weights, m10, m01);
-        point.angle = directionOf(m10, m01);
+        for (size_t i = 0; i < some; i++)
+            angles[i] = directionOf(m10[i], m01[i]);
+        for (size_t i = 0; i < some; i++)
+            points[first + i].angle = angles[i];
     }
 }
 

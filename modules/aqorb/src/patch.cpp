@@ -11,6 +11,30 @@ namespace aqorb
 namespace stages
 {
 
+void copyReflected(const Mat& image, const Rect& rect, uchar* out)
+{
+    const Range inside(std::max(rect.x, 0), std::min(rect.x + rect.width, image.cols));
+    const int left = std::min(std::max(inside.start - rect.x, 0), rect.width),
+              right = std::max(inside.end - rect.x, left);
+    AutoBuffer<int, 256> columns(rect.width);
+    for (int x = 0; x < rect.width; x++)
+    {
+        if (x < left || x >= right)
+            columns[x] = borderInterpolate(rect.x + x, image.cols, BORDER_REFLECT_101);
+    }
+    for (int y = 0; y < rect.height; y++, out += rect.width)
+    {
+        const bool isInside = rect.y + y >= 0 && rect.y + y < image.rows;
+        const uchar* row =
+            image.ptr(isInside ? rect.y + y : borderInterpolate(rect.y + y, image.rows, BORDER_REFLECT_101));
+        for (int x = 0; x < left; x++)
+            out[x] = row[columns[x]];
+        std::copy(row + rect.x + left, row + rect.x + right, out + left);
+        for (int x = right; x < rect.width; x++)
+            out[x] = row[columns[x]];
+    }
+}
+
 Patch patchAround(const Mat& image, int x, int y, int radius, PatchBuffer& buffer)
 {
     if (x >= radius && y >= radius && x < image.cols - radius && y < image.rows - radius)
@@ -20,13 +44,7 @@ Patch patchAround(const Mat& image, int x, int y, int radius, PatchBuffer& buffe
     }
     const int side = 2 * radius + 1;
     buffer.allocate(size_t(side) * side);
-    for (int row = 0; row < side; row++)
-    {
-        const uchar* source = image.ptr(borderInterpolate(y - radius + row, image.rows, BORDER_REFLECT_101));
-        uchar* out = buffer.data() + size_t(row) * side;
-        for (int column = 0; column < side; column++)
-            out[column] = source[borderInterpolate(x - radius + column, image.cols, BORDER_REFLECT_101)];
-    }
+    copyReflected(image, Rect(x - radius, y - radius, side, side), buffer.data());
     const Patch patch = {buffer.data() + size_t(radius) * side + radius, side};
     return patch;
 }

@@ -70,6 +70,9 @@ CV_EXPORTS Mat checkedMask(InputArray mask, Size imageSize);
 
 // ---- patch.cpp -------------------------------------------------------------------------------
 
+//! Copies a rectangle, row by row without gaps; pixels outside of the image are reflected.
+CV_EXPORTS void copyReflected(const Mat& image, const Rect& rect, uchar* out);
+
 //! Pixels around a pixel of a level, readable within a radius.
 struct Patch
 {
@@ -453,7 +456,8 @@ CV_EXPORTS uchar exactBlur(const Mat& image, int x, int y);
 //! Bound on the distance of approximateBlur from the exact one before rounding, in units of 1/256.
 const int BLUR_BOUND = 6;
 
-//! The pixels of a level that are to be blurred: by columns of tiles, the rows.
+/** The pixels of a level that are to be blurred: by columns of tiles, the rows. The pixels at the border, whose
+ blur needs reflected ones, have tiles of their own. */
 class CV_EXPORTS BlurRegion
 {
 public:
@@ -461,14 +465,15 @@ public:
     void begin(Size size);
     //! Adds at least the pixels of a rectangle, as far as they are inside the level.
     void add(const Rect& rect);
-    //! The tile after the given one, or the first one after an empty one; false if there is none.
-    bool nextTile(Rect& tile) const;
+    //! The next tile, after a position that begins with 0; false if there is none.
+    bool nextTile(size_t& position, Rect& tile) const;
 
 private:
     enum
     {
         TILE_WIDTH = 32  // whole vectors
     };
+    int columnOf(int x) const;
 
     Size size;
     int columns;                // of tiles

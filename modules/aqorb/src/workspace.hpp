@@ -64,6 +64,7 @@ struct LevelScratch
     stages::FastScanner scanner;
     std::vector<stages::Corner> room;  // for those of a band
     std::vector<stages::RankedCorner> ranked;
+    std::vector<size_t> rowStarts;
     stages::LeafScratch leaves;
     std::vector<stages::LeafPoint> points;
     stages::BlurRegion blurRegion;
