@@ -40,7 +40,7 @@ void expectWithinBound(const Mat& image, const Mat& blurred, const Mat& exact)
 
 TEST(AqorbBlur, approximationStaysWithinItsBoundForEveryWidth)
 {
-    for (int width = 1; width <= 130; width++)
+    for (int width = 1; width <= MAX_WIDTH; width++)
     {
         const std::vector<Mat> images = hardImages(Size(width, 1 + width * 7 % 23), width);
         for (size_t i = 0; i < images.size(); i++)
@@ -53,6 +53,32 @@ TEST(AqorbBlur, approximationStaysWithinItsBoundForEveryWidth)
             approximateBlur(images[i], baselineBlurred);
             EXPECT_TRUE(sameMat(blurred, baselineBlurred));
         }
+    }
+}
+
+TEST(AqorbBlur, isTheSameForEveryAlignment)
+{
+    for (int width = 1; width <= MAX_WIDTH; width++)
+    {
+        SCOPED_TRACE(format("width %d", width));
+        const Size size(width, 9);
+        const Mat noise = width % 2 ? makeNoise(size, width) : makeNoise(size, width) > 127;
+        const Mat exact = reference::roundedBlur(noise);
+        Mat expected;
+        approximateBlur(noise, expected);
+        expectWithinBound(noise, expected, reference::blur(noise));
+        atEveryOffset(noise,
+                      [&](const Mat& image, int offset)
+                      {
+                          Mat blurred = atOffset(Mat::zeros(size, CV_16UC1), (6 * offset + 2 * width) % 64);
+                          const uchar* before = blurred.data;
+                          approximateBlur(image, blurred);
+                          EXPECT_TRUE(sameMat(blurred, expected));
+                          EXPECT_EQ(blurred.data, before);
+                          EXPECT_TRUE(isAround(blurred, 65535));
+                          for (int x = offset % 8; x < width; x += 8)
+                              EXPECT_EQ(exactBlur(image, x, 4), exact.at<uchar>(4, x)) << x;
+                      });
     }
 }
 
