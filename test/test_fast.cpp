@@ -4,6 +4,8 @@
 
 #include "reference.hpp"
 
+#include <iterator>
+
 namespace opencv_test
 {
 namespace
