@@ -5,10 +5,10 @@
 // Shows AdaptiveQuadtreeORB beside cv::ORB: where their keypoints lie and how well these match.
 
 #include "evaluation.hpp"
+#include "program.hpp"
 
 #include <opencv2/aqorb.hpp>
 #include <opencv2/core/utils/filesystem.hpp>
-#include <opencv2/imgcodecs.hpp>
 #include <opencv2/imgproc.hpp>
 
 #include <cstdio>
@@ -32,12 +32,6 @@ const char* const KEYS =
     "{nfeatures      | 1000 | number of keypoints to ask for, at least 1 }"
     "{@image1        |      | without images, OpenCV's samples graf1.png and graf3.png }"
     "{@image2        |      | image to match with the first }";
-
-struct Failure
-{
-    int exitCode;
-    String message;
-};
 
 struct Input
 {
@@ -80,14 +74,6 @@ String find(const String& name)
     return path;
 }
 
-Mat readImage(const String& name)
-{
-    const Mat image = imread(find(name), IMREAD_GRAYSCALE);
-    if (image.empty())
-        throw Failure{2, name + ": not an image that OpenCV can read"};
-    return image;
-}
-
 // The first matrix in the file, whatever its name.
 Mat readHomography(const String& name)
 {
@@ -110,10 +96,7 @@ Input readInput(const CommandLineParser& parser, const std::vector<String>& name
 {
     Input input;
     input.suffix = suffix;
-    const String count = parser.get<String>("nfeatures");
-    input.nfeatures = parser.get<int>("nfeatures");  // would read 12abc as 12
-    if (!parser.check() || input.nfeatures < 1 || count.find_first_not_of("0123456789") != String::npos)
-        throw Failure{1, "--nfeatures=" + count + ": a whole number >= 1 is accepted"};
+    input.nfeatures = featureCount(parser);
     input.folder = parser.get<String>("out");
     if (!utils::fs::isDirectory(input.folder))
         throw Failure{3, input.folder + ": no such folder"};
@@ -121,7 +104,7 @@ Input readInput(const CommandLineParser& parser, const std::vector<String>& name
     if (!homography.empty() && names.size() != 2 && !names.empty())
         throw Failure{1, "--homography needs two images"};
     for (const String& name : names.empty() ? std::vector<String>{"graf1.png", "graf3.png"} : names)
-        input.images.push_back(readImage(name));
+        input.images.push_back(readGrayImage(find(name)));
     if (!homography.empty())
         input.homography = readHomography(homography);
     return input;
@@ -281,19 +264,5 @@ void run(int argc, char** argv)
 
 int main(int argc, char** argv)
 {
-    try
-    {
-        run(argc, argv);
-        return 0;
-    }
-    catch (const Failure& failure)
-    {
-        std::fprintf(stderr, "aqorb_demo: %s\n", failure.message.c_str());
-        return failure.exitCode;
-    }
-    catch (const std::exception& exception)
-    {
-        std::fprintf(stderr, "aqorb_demo: %s\n", exception.what());
-        return 4;
-    }
+    return runProgram("aqorb_demo", run, argc, argv);
 }

@@ -4,11 +4,11 @@
 
 // The path of a stereo camera from the features of AdaptiveQuadtreeORB, and from those of cv::ORB.
 
+#include "program.hpp"
 #include "stereo_odometry.hpp"
 
 #include <opencv2/aqorb.hpp>
 #include <opencv2/highgui.hpp>
-#include <opencv2/imgcodecs.hpp>
 #include <opencv2/imgproc.hpp>
 
 #include <cstdio>
@@ -33,12 +33,6 @@ const char* const KEYS =
     "{show           |                     | show the picture in a window, too, frame by frame }"
     "{@folder        |                     | the sequence }";
 
-struct Failure
-{
-    int exitCode;
-    String message;
-};
-
 struct Odometry
 {
     Odometry(const char* name_, const Ptr<ORB>& detector_, const Scalar& colour_)
@@ -55,14 +49,6 @@ struct Odometry
     int lost = 0;                // frames whose motion was not found: the last one is taken again
     double keypoints = 0, depths = 0, inliers = 0;  // sums over the frames
 };
-
-Mat readImage(const String& path)
-{
-    Mat image = imread(path, IMREAD_GRAYSCALE);
-    if (image.empty())
-        throw Failure{2, path + ": not an image that OpenCV can read"};
-    return image;
-}
 
 void track(Odometry& odometry, const Mat& left, const Mat& right, const StereoSequence& sequence)
 {
@@ -239,11 +225,9 @@ void run(int argc, char** argv)
     parser.about(ABOUT);
     if (parser.has("help"))
         return parser.printMessage();
-    const int nfeatures = parser.get<int>("nfeatures");
+    const int nfeatures = featureCount(parser);
     const String folder = parser.get<String>("@folder"), out = parser.get<String>("out");
     const bool show = parser.has("show");
-    if (!parser.check() || nfeatures < 1)
-        throw Failure{1, "--nfeatures: a whole number >= 1 is accepted"};
     if (folder.empty())
         throw Failure{1, "needs a folder; see --help"};
 
@@ -262,8 +246,8 @@ void run(int argc, char** argv)
     Mat left;
     for (size_t i = 0; i < sequence.left.size(); i++)
     {
-        left = readImage(sequence.left[i]);
-        const Mat right = readImage(sequence.right[i]);
+        left = readGrayImage(sequence.left[i]);
+        const Mat right = readGrayImage(sequence.right[i]);
         for (Odometry& odometry : odometries)
             track(odometry, left, right, sequence);
         if (show)
@@ -291,19 +275,5 @@ void run(int argc, char** argv)
 
 int main(int argc, char** argv)
 {
-    try
-    {
-        run(argc, argv);
-        return 0;
-    }
-    catch (const Failure& failure)
-    {
-        std::fprintf(stderr, "stereo_odometry: %s\n", failure.message.c_str());
-        return failure.exitCode;
-    }
-    catch (const std::exception& exception)
-    {
-        std::fprintf(stderr, "stereo_odometry: %s\n", exception.what());
-        return 4;
-    }
+    return runProgram("stereo_odometry", run, argc, argv);
 }

@@ -116,6 +116,22 @@ private:
     const bool before;
 };
 
+/** Calls check(copy, offset) with the image atOffset 0 to 63, on the kernels for this CPU and on the baseline's.
+ The first failure ends it. */
+template <typename Check> void atEveryOffset(const Mat& image, const Check& check)
+{
+    for (int offset = 0; offset < 64 && !::testing::Test::HasFailure(); offset++)
+    {
+        SCOPED_TRACE(format("offset %d", offset));
+        const Mat copy = atOffset(image, offset);
+        check(copy, offset);
+        WithoutOptimization baseline;
+        check(copy, offset);
+    }
+}
+
+const int MAX_WIDTH = 130;  // of images that go through all widths: several vectors and a rest
+
 }  // namespace opencv_test
 
 #endif

@@ -40,7 +40,7 @@ void expectWithinBound(const Mat& image, const Mat& blurred, const Mat& exact)
 
 TEST(AqorbBlur, approximationStaysWithinItsBoundForEveryWidth)
 {
-    for (int width = 1; width <= 130; width++)
+    for (int width = 1; width <= MAX_WIDTH; width++)
     {
         const std::vector<Mat> images = hardImages(Size(width, 1 + width * 7 % 23), width);
         for (size_t i = 0; i < images.size(); i++)
@@ -53,6 +53,36 @@ TEST(AqorbBlur, approximationStaysWithinItsBoundForEveryWidth)
             approximateBlur(images[i], baselineBlurred);
             EXPECT_TRUE(sameMat(blurred, baselineBlurred));
         }
+    }
+}
+
+TEST(AqorbBlur, isTheSameForEveryWidthAndAlignment)
+{
+    BlurScratch scratch;
+    for (int width = 1; width <= MAX_WIDTH; width++)
+    {
+        SCOPED_TRACE(format("width %d", width));
+        const Size size(width, 9);
+        const Mat noise = width % 2 ? makeNoise(size, width) : makeNoise(size, width) > 127;
+        const Mat exact = reference::roundedBlur(noise);
+        Mat expected;
+        approximateBlur(noise, expected);
+        expectWithinBound(noise, expected, reference::blur(noise));
+        // Rows that can be read in place, where columns can.
+        const Range rows(3, 6);
+        BlurRegion region;
+        region.begin(size);
+        region.add(Rect(0, rows.start, width, rows.size()));
+        atEveryOffset(noise,
+                      [&](const Mat& image, int offset)
+                      {
+                          Mat blurred = atOffset(Mat::zeros(size, CV_16UC1), (6 * offset + 2 * width) % 64);
+                          approximateBlur(image, region, blurred, scratch);
+                          EXPECT_TRUE(sameMat(blurred.rowRange(rows), expected.rowRange(rows)));
+                          EXPECT_TRUE(isAround(blurred, 65535));
+                          for (int x = offset % 8; x < width; x += 8)
+                              EXPECT_EQ(exactBlur(image, x, 4), exact.at<uchar>(4, x)) << x;
+                      });
     }
 }
 

@@ -100,7 +100,7 @@ TEST(AqorbCorners, equalReferenceWithMasks)
 TEST(AqorbCorners, equalReferenceForEveryWidthAndAnyWorkspace)
 {
     LevelCorners workspace;  // of one call is of use to the next, whatever its size
-    for (int width = 130; width >= 1; width -= 3)
+    for (int width = MAX_WIDTH; width >= 1; width--)
     {
         SCOPED_TRACE(width);
         const Mat noise = makeNoise(Size(width, 31), width);

@@ -4,6 +4,8 @@
 
 #include "reference.hpp"
 
+#include <iterator>
+
 namespace opencv_test
 {
 namespace
@@ -103,7 +105,7 @@ TEST(AqorbFast, scanTellsStrongCornersFromWeakOnes)
 TEST(AqorbFast, equalsBruteForceForEveryWidth)
 {
     const int thresholds[] = {1, 2, 20, 90, 200, 254};
-    for (int width = 1; width <= 130; width++)
+    for (int width = 1; width <= MAX_WIDTH; width++)
     {
         const Size size(width, 9 + width % 9);
         const Mat noise = makeNoise(size, width);
@@ -127,6 +129,46 @@ TEST(AqorbFast, equalsBruteForceForEveryThreshold)
         SCOPED_TRACE(threshold);
         expectSameEverywhere(scene, Rect(Point(), scene.size()), threshold);
         expectSameEverywhere(noise, Rect(Point(), noise.size()), threshold);
+    }
+}
+
+TEST(AqorbFast, equalsBruteForceForEveryWidthAlignmentAndThreshold)
+{
+    for (int width = 1; width <= MAX_WIDTH; width++)
+    {
+        SCOPED_TRACE(format("width %d", width));
+        const Mat dots = makeDots(Size(width, 9), width);
+        const Rect region(Point(), dots.size());
+        const std::vector<Corner> all = reference::fastCorners(dots, region, 1);
+        atEveryOffset(dots,
+                      [&](const Mat& image, int offset)
+                      {
+                          for (int threshold = offset + 1; threshold <= 255; threshold += 64)
+                          {
+                              std::vector<Corner> expected;
+                              std::copy_if(all.begin(), all.end(), std::back_inserter(expected),
+                                           [=](const Corner& corner) { return corner.score >= threshold; });
+                              EXPECT_TRUE(sameCorners(corners(image, region, threshold), expected))
+                                  << threshold;
+                          }
+                      });
+    }
+}
+
+TEST(AqorbFast, equalsOpenCVOnPhotographs)
+{
+    AQORB_NEEDS_DATA();
+    for (const Mat& photograph : photographs())
+    {
+        const Rect everywhere(Point(), photograph.size());
+        for (int threshold = 2; threshold <= 128; threshold *= 4)
+        {
+            SCOPED_TRACE(threshold);
+            const std::vector<Corner> expected = cornersOfOpenCV(photograph, everywhere, threshold);
+            EXPECT_TRUE(sameCorners(corners(photograph, everywhere, threshold), expected));
+            WithoutOptimization baseline;
+            EXPECT_TRUE(sameCorners(corners(photograph, everywhere, threshold), expected));
+        }
     }
 }
 
@@ -241,6 +283,33 @@ TEST(AqorbFast, scoresOfNeighboursEqualBruteForceEverywhere)
                 }
             }
         }
+    }
+}
+
+TEST(AqorbFast, scoresOfNeighboursEqualBruteForceForEveryWidthAndAlignment)
+{
+    const int y = 5;
+    for (int width = 1; width <= MAX_WIDTH; width++)
+    {
+        SCOPED_TRACE(format("width %d", width));
+        const Mat dots = makeDots(Size(width, 11), width);
+        Mat_<int> expected(3, width + 2);
+        for (int x = -1; x <= width; x++)
+        {
+            for (int dy = -1; dy <= 1; dy++)
+                expected(1 + dy, 1 + x) = reference::cornerScore(dots, x, y + dy);
+        }
+        atEveryOffset(dots,
+                      [&](const Mat& image, int offset)
+                      {
+                          for (int x = offset % 8; x < width; x += 8)
+                          {
+                              int scores[3][3];
+                              cornerScores3x3(image, x, y, scores);
+                              EXPECT_TRUE(sameMat(Mat(3, 3, CV_32SC1, scores), expected.colRange(x, x + 3)))
+                                  << x;
+                          }
+                      });
     }
 }
 

@@ -58,6 +58,34 @@ TEST(AqorbHarris, equalsReferenceAtEveryPixel)
     }
 }
 
+TEST(AqorbHarris, equalsReferenceForEveryWidthAndAlignment)
+{
+    const int y = 4;
+    for (int width = 1; width <= MAX_WIDTH; width++)
+    {
+        SCOPED_TRACE(format("width %d", width));
+        const Size size(width, 9);
+        const Mat noise = width % 2 ? makeNoise(size, width) : makeNoise(size, width) > 128;
+        std::vector<float> expected;
+        for (int x = 0; x < width; x++)
+            expected.push_back(reference::harrisResponse(noise, x, y));
+        atEveryOffset(noise,
+                      [&](const Mat& image, int offset)
+                      {
+                          std::vector<Corner> corners;
+                          for (int x = offset % 5; x < width; x += 5)
+                          {
+                              const Corner corner = {x, y, 1};
+                              corners.push_back(corner);
+                          }
+                          std::vector<RankedCorner> ranked;
+                          harrisResponses(image, corners, ranked);
+                          for (const RankedCorner& corner : ranked)
+                              EXPECT_EQ(corner.response, expected[corner.x]) << corner.x;
+                      });
+    }
+}
+
 TEST(AqorbHarris, equalsReferenceInAnyOrder)
 {
     // Corners that the kernel must not read around come between others.

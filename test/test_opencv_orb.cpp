@@ -153,23 +153,6 @@ KeyPoints arbitraryKeypoints(RNG& rng, Size imageSize, int octaves, int count)
     return keypoints;
 }
 
-std::vector<Mat> photographs()
-{
-    const std::string names[] = {oxfordImage("bikes", 1),      oxfordImage("leuven", 4),
-                                 oxfordImage("bark", 1),       oxfordImage("trees", 2),
-                                 oxfordImage("ubc", 6),        oxfordImage("graf", 3),
-                                 dataFile("cv/shared/box.png")};
-    std::vector<Mat> images;
-    for (const std::string& name : names)
-    {
-        const Mat image = imread(name, IMREAD_GRAYSCALE);
-        EXPECT_FALSE(image.empty()) << name;
-        if (!image.empty())
-            images.push_back(image);
-    }
-    return images;
-}
-
 TEST(AqorbOpenCVORB, descriptors_equal_for_default_parameters)
 {
     AQORB_NEEDS_FMA_BLUR();

@@ -57,6 +57,32 @@ TEST(AqorbOrientation, equalsReferenceAtEveryPixel)
     }
 }
 
+TEST(AqorbOrientation, equalsReferenceForEveryWidthAndAlignment)
+{
+    const int patches[] = {8, 31, 63}, y = 32;
+    for (int width = 1; width <= MAX_WIDTH; width++)
+    {
+        SCOPED_TRACE(format("width %d", width));
+        const Size size(width, 65);
+        const Mat noise = width % 2 ? makeNoise(size, width) : makeNoise(size, width) > 128;
+        const int patchSize = patches[width % 3];
+        const OrientationPatch patch(circularPatch(patchSize));
+        std::vector<float> expected;
+        for (int x = 0; x < width; x++)
+            expected.push_back(reference::orientation(noise, x, y, patchSize));
+        atEveryOffset(noise,
+                      [&](const Mat& image, int offset)
+                      {
+                          for (int x = offset % 16; x < width; x += 16)
+                          {
+                              DescriptorPoint point = {x, y, -1};
+                              orientations(image, patch, &point, 1);
+                              EXPECT_EQ(point.angle, expected[x]) << x;
+                          }
+                      });
+    }
+}
+
 TEST(AqorbOrientation, referenceIsFastAtan2)
 {
     const bool fused = reference::opencvFusesMultiplyAdd();
@@ -110,6 +136,28 @@ TEST(AqorbOrientation, pointsToTheBrightSide)
         }
         const double difference = orientation(image, 30, 30, halfWidths) - degrees;
         EXPECT_LT(std::abs(difference - 360 * cvRound(difference / 360)), 1) << degrees;
+    }
+}
+
+TEST(AqorbOrientation, holdsTheLargestMoments)
+{
+    const int patches[] = {31, 63}, center = 40;
+    Mat step(81, 81, CV_8UC1, Scalar(0)), quarter;
+    step.colRange(center, 81).setTo(255);
+    quarter = step.clone();
+    quarter.rowRange(0, center).setTo(0);
+    const Mat images[] = {step, ~step, step.t(), ~step.t(), quarter, ~quarter};
+    for (int patchSize : patches)
+    {
+        for (const Mat& image : images)
+        {
+            DescriptorPoint point = {center, center, -1}, baselinePoint = point;
+            orientations(image, circularPatch(patchSize), &point, 1);
+            EXPECT_EQ(point.angle, reference::orientation(image, center, center, patchSize));
+            WithoutOptimization baseline;
+            orientations(image, circularPatch(patchSize), &baselinePoint, 1);
+            EXPECT_EQ(point.angle, baselinePoint.angle);
+        }
     }
 }
 

@@ -44,6 +44,16 @@ TEST(AqorbPipeline, equalsReferenceByDefault)
     expectAsReferenceOnScenes(Settings());
 }
 
+TEST(AqorbPipeline, equalsReferenceOnPhotographs)
+{
+    AQORB_NEEDS_DATA();
+    for (const Mat& photograph : photographs())
+    {
+        const Size size(240, 180);
+        expectAsReference(Settings(), photograph(Rect(Point(photograph.size() - size) / 2, size)));
+    }
+}
+
 TEST(AqorbPipeline, equalsReferenceForEveryNumberOfFeatures)
 {
     const int numbers[] = {0, 1, 2, 7, 50, 500, 10000};

@@ -65,6 +65,14 @@ Features detectAndCompute(Feature2D& detector, InputArray image, InputArray mask
 Mat makeScene(Size size, int seed = 1);
 //! White noise over all grey levels.
 Mat makeNoise(Size size, int seed = 1);
+//! Dots of all greys on black: there are corners of all scores.
+Mat makeDots(Size size, int seed = 1);
+
+/** A copy of which each row begins so many bytes behind a multiple of 64. It is a part of a larger matrix that
+ goes on around it with the inverse of what borders are to be taken for, BORDER_REFLECT_101. */
+Mat atOffset(const Mat& image, int offset);
+//! Whether the elements around a part of a larger matrix all have the value.
+bool isAround(const Mat& part, int value);
 
 //! Path of a file of opencv_extra's testdata; empty where OPENCV_TEST_DATA_PATH is not set.
 std::string dataFile(const std::string& name);
@@ -72,6 +80,8 @@ std::string dataFile(const std::string& name);
 std::string oxfordImage(const std::string& set, int index);
 //! Homography of an Oxford set from image 1 to image `index` (2 to 6).
 Mat oxfordHomography(const std::string& set, int index);
+//! Grey photographs of all kinds; needs opencv_extra's images.
+std::vector<Mat> photographs();
 
 //! Whether the installed cv::ORB's blur of a level is exactBlur in every pixel; else descriptors may differ.
 bool orbBlursExactly(const Mat& level);

@@ -77,7 +77,7 @@ static void expectResizedAsOpenCV(const Mat& source, Size size)
 TEST(AqorbPyramid, resizeEqualsOpenCVForEveryWidth)
 {
     const double factors[] = {0.5, 0.9, 1.1, 1.2, 1.5, 2, 2.7, 5, 17};
-    for (int width = 1; width <= 130; width++)
+    for (int width = 1; width <= MAX_WIDTH; width++)
     {
         const Mat noise = makeNoise(Size(width, 20 + width % 7), width);
         const Mat extremes = noise > 127;
@@ -92,6 +92,42 @@ TEST(AqorbPyramid, resizeEqualsOpenCVForEveryWidth)
             WithoutOptimization baseline;
             expectResizedAsOpenCV(noise, size);
         }
+    }
+}
+
+TEST(AqorbPyramid, resizeEqualsOpenCVForEveryWidthAndAlignment)
+{
+    const double factors[] = {0.5, 1.1, 1.2, 1.5, 2.7};
+    for (int width = 1; width <= MAX_WIDTH; width++)
+    {
+        SCOPED_TRACE(format("width %d", width));
+        const Mat noise = makeNoise(Size(width, 9), width);
+        Mat expected[5];
+        for (int i = 0; i < 5; i++)
+            cv::resize(noise, expected[i], Size(cvCeil(width / factors[i]), cvRound(9 / factors[i])), 0, 0,
+                       INTER_LINEAR_EXACT);
+        atEveryOffset(noise,
+                      [&](const Mat& image, int offset)
+                      {
+                          const Mat& level = expected[(width + offset) % 5];
+                          Mat resized =
+                              atOffset(Mat::zeros(level.size(), CV_8UC1), (7 * offset + width) % 64);
+                          const uchar* before = resized.data;
+                          resizeExact(image, resized, level.size());
+                          EXPECT_TRUE(sameMat(resized, level));
+                          EXPECT_EQ(resized.data, before);
+                          EXPECT_TRUE(isAround(resized, 255));
+                      });
+    }
+}
+
+TEST(AqorbPyramid, resizeEqualsOpenCVOnPhotographs)
+{
+    AQORB_NEEDS_DATA();
+    for (const Mat& photograph : photographs())
+    {
+        for (int level = 1; level < 8; level++)
+            expectResizedAsOpenCV(photograph, levelSize(photograph.size(), levelScale(level, 0, 1.2f)));
     }
 }
 

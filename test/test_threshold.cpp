@@ -36,7 +36,7 @@ TEST(AqorbThreshold, equation7IsZeroWithoutContrast)
 
 TEST(AqorbThreshold, equation7EqualsReferenceForEveryWidth)
 {
-    for (int width = 1; width <= 130; width++)
+    for (int width = 1; width <= MAX_WIDTH; width++)
     {
         SCOPED_TRACE(width);
         const Mat noise = makeNoise(Size(width, 11), width);
@@ -47,6 +47,19 @@ TEST(AqorbThreshold, equation7EqualsReferenceForEveryWidth)
         EXPECT_EQ(varianceOverMean(part, Mat()), reference::varianceOverMean(part, Mat()));
         WithoutOptimization baseline;
         EXPECT_EQ(varianceOverMean(noise, Mat()), reference::varianceOverMean(noise, Mat()));
+    }
+}
+
+TEST(AqorbThreshold, equation7EqualsReferenceForEveryWidthAndAlignment)
+{
+    for (int width = 1; width <= MAX_WIDTH; width++)
+    {
+        SCOPED_TRACE(format("width %d", width));
+        const Size size(width, 3);
+        const Mat noise = width % 2 ? makeNoise(size, width) : makeNoise(size, width) > 128;
+        const double expected = reference::varianceOverMean(noise, Mat());
+        atEveryOffset(noise,
+                      [&](const Mat& image, int) { EXPECT_EQ(varianceOverMean(image, Mat()), expected); });
     }
 }
 

@@ -117,6 +117,37 @@ Mat makeNoise(Size size, int seed)
     return noise;
 }
 
+Mat makeDots(Size size, int seed)
+{
+    Mat dots = makeNoise(size, seed);
+    dots.setTo(0, makeNoise(size, seed + 1) < 224);
+    return dots;
+}
+
+Mat atOffset(const Mat& image, int offset)
+{
+    const int ALIGNMENT = 64, ROWS = 8, element = int(image.elemSize());
+    const size_t rowBytes = alignSize(size_t(image.cols) * element + 3 * ALIGNMENT, ALIGNMENT);
+    Mat whole(image.rows + 2 * ROWS, int(rowBytes / element), image.type());
+    const int before = int(size_t(whole.data) % ALIGNMENT);
+    const int left = (ALIGNMENT + (offset - before + ALIGNMENT) % ALIGNMENT) / element;
+    copyMakeBorder(~image, whole, ROWS, ROWS, left, whole.cols - left - image.cols, BORDER_REFLECT_101);
+    Mat part = whole(Rect(left, ROWS, image.cols, image.rows));
+    image.copyTo(part);
+    CV_Assert(size_t(part.ptr(part.rows - 1)) % ALIGNMENT == size_t(offset));
+    return part;
+}
+
+bool isAround(const Mat& part, int value)
+{
+    Size size;
+    Point origin;
+    part.locateROI(size, origin);
+    Mat whole = part;
+    whole.adjustROI(size.height, size.height, size.width, size.width);
+    return countNonZero(whole != value) == countNonZero(part != value);
+}
+
 std::string dataFile(const std::string& name)
 {
     const char* folder = std::getenv("OPENCV_TEST_DATA_PATH");
@@ -140,6 +171,23 @@ Mat oxfordHomography(const std::string& set, int index)
     if (file.isOpened())
         file.getFirstTopLevelNode() >> homography;
     return homography;
+}
+
+std::vector<Mat> photographs()
+{
+    const std::string names[] = {oxfordImage("bikes", 1),      oxfordImage("leuven", 4),
+                                 oxfordImage("bark", 1),       oxfordImage("trees", 2),
+                                 oxfordImage("ubc", 6),        oxfordImage("graf", 3),
+                                 dataFile("cv/shared/box.png")};
+    std::vector<Mat> images;
+    for (const std::string& name : names)
+    {
+        const Mat image = imread(name, IMREAD_GRAYSCALE);
+        EXPECT_FALSE(image.empty()) << name;
+        if (!image.empty())
+            images.push_back(image);
+    }
+    return images;
 }
 
 bool orbBlursExactly(const Mat& image)
