@@ -4,6 +4,8 @@
 
 #include "precomp.hpp"
 
+#include <cstring>
+
 #include "blur.simd.hpp"
 #include "blur.simd_declarations.hpp"
 
@@ -115,10 +117,11 @@ void BlurRegion::add(const Rect& rect)
 bool BlurRegion::nextTile(size_t& position, Rect& tile) const
 {
     const uchar *begin = needed.data(), *end = begin + needed.size();
-    const uchar* first = std::find(begin + position, end, uchar(1));
-    if (first == end)
+    const void* found = std::memchr(begin + position, 1, needed.size() - position);
+    if (!found)
         return false;
-    const uchar* last = std::find(first, end, uchar(0));
+    const uchar* first = static_cast<const uchar*>(found);
+    const uchar* last = static_cast<const uchar*>(std::memchr(first, 0, end - first));
     const size_t rows = size_t(size.height) + 1;
     const int column = int((first - begin) / rows);
     const bool inside = column > 0 && column < columns - 1;

@@ -191,9 +191,17 @@ template <typename Vectors> int scoreRow(const FastScan& scan, int y)
     int* list = scan.listed[y & 1];
     const V zero = Vectors::all(0), limit = Vectors::all(scan.threshold);
     int possible = 0, count = 0;
-    // Every arc holds one end of each axis. Most blocks have no pixel where these allow a corner.
+    // Every arc holds one end of each axis. Mostly few blocks have a pixel where these allow a corner; where most
+    // blocks of the row above have one, it is not worth a look.
+    const bool mayBeMost = 4 * scan.listedCount[(y - 1) & 1] > 3 * scan.blockCount;
     for (int i = 0; i < scan.blockCount; i++)
     {
+        list[possible] = i;
+        if (mayBeMost)
+        {
+            possible++;
+            continue;
+        }
         const int x = scan.blocks[i].x;
         const uchar* p = row + x;
         const V v = Vectors::load(p), up = Vectors::load(p - 3 * step), down = Vectors::load(p + 3 * step),
@@ -202,7 +210,6 @@ template <typename Vectors> int scoreRow(const FastScan& scan, int y)
         const V bright = Least::of(Greatest::of(up, down), Greatest::of(left, right));
         const V dark = Greatest::of(Least::of(up, down), Least::of(left, right));
         const V bound = Greatest::of(Vectors::above(bright, v), Vectors::above(v, dark));
-        list[possible] = i;
         possible += Vectors::maskGreater(bound, limit) != 0;
     }
     for (int i = 0; i < possible; i++)
