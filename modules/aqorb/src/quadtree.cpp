@@ -81,43 +81,70 @@ unsigned orderedResponse(float response)
     return bits.u & 0x80000000u ? ~bits.u : bits.u | 0x80000000u;
 }
 
-// Total order by response, so that the result does not depend on the order of the points.
-struct Better
+// Breaks ties of responses.
+struct TieBefore
 {
     bool operator()(const LeafPoint& a, const LeafPoint& b) const
     {
-        if (a.response > b.response)
-            return true;
-        if (a.response < b.response)
-            return false;
-        const unsigned ra = orderedResponse(a.response), rb = orderedResponse(b.response);
-        if (ra != rb)
-            return ra > rb;
         if (a.y != b.y)
             return a.y < b.y;
         return a.x != b.x ? a.x < b.x : a.index < b.index;
     }
 };
 
-// Stable, by several bits at a time.
-void sortByLeaf(std::vector<LeafPoint>& points, int depth, std::vector<LeafPoint>& sorted)
+void sortByTies(std::vector<LeafPoint>& points)
 {
-    const int DIGIT = 11, VALUES = 1 << DIGIT;
-    sorted.resize(points.size());
-    for (int shift = 0; shift < 2 * depth; shift += DIGIT)
+    // As a rule they are sorted, and without branches that is seen faster: bits of floats that are not
+    // negative rank as the floats do.
+    const uint64 SIGNS = uint64(0x80000000u) << 32 | 0x80000000u;
+    bool sorted = true;
+    uint64 before = 0;
+    for (size_t i = 0; i < points.size(); i++)
     {
-        unsigned starts[VALUES + 1] = {0};
-        for (size_t i = 0; i < points.size(); i++)
-            starts[((points[i].leaf >> shift) & (VALUES - 1)) + 1]++;
-        for (int i = 0; i < VALUES; i++)
-            starts[i + 1] += starts[i];
-        for (size_t i = 0; i < points.size(); i++)
-            sorted[starts[(points[i].leaf >> shift) & (VALUES - 1)]++] = points[i];
-        points.swap(sorted);
+        Cv32suf x, y;
+        x.f = points[i].x;
+        y.f = points[i].y;
+        const uint64 bits = uint64(y.u) << 32 | x.u;
+        sorted &= (i == 0) | (before < bits);
+        sorted &= (bits & SIGNS) == 0;
+        before = bits;
     }
+    if (!sorted)
+        std::sort(points.begin(), points.end(), TieBefore());
 }
 
+// A total order, so that the result does not depend on the order of the points: the better one of points
+// sorted by ties has the lower key.
+uint64 keyOf(float response, size_t position)
+{
+    return uint64(~orderedResponse(response)) << 32 | position;
+}
+size_t positionOf(uint64 key)
+{
+    return size_t(key & 0xffffffffu);
+}
+const uint64 NO_KEY = ~uint64(0);
+
 }  // namespace
+
+// Stable, by several bits at a time.
+void BalancedSequence::sortByLeaf(int depth)
+{
+    const int DIGIT = 11, VALUES = 1 << DIGIT;
+    unsigned starts[VALUES + 1];
+    sorted.resize(entries.size());
+    for (int shift = 0; shift < 2 * depth; shift += DIGIT)
+    {
+        std::fill(starts, starts + VALUES + 1, 0u);
+        for (size_t i = 0; i < entries.size(); i++)
+            starts[((entries[i].leaf >> shift) & (VALUES - 1)) + 1]++;
+        for (int i = 0; i < VALUES; i++)
+            starts[i + 1] += starts[i];
+        for (size_t i = 0; i < entries.size(); i++)
+            sorted[starts[(entries[i].leaf >> shift) & (VALUES - 1)]++] = entries[i];
+        entries.swap(sorted);
+    }
+}
 
 // Work is done as the sequence is asked for: as a rule a level needs little more than the best of each
 // leaf, while it has many times as many corners.
@@ -126,75 +153,105 @@ void BalancedSequence::begin(std::vector<LeafPoint>& points_, int depth)
 {
     CV_TRACE_FUNCTION();
     points.swap(points_);
-    leaves.clear();
-    groups.clear();
-    round = 0;
-    offers.clear();
-    given = 0;
-    sortByLeaf(points, depth, lists);
-    const int groupShift = 2 * std::min(depth, 2);
+    sortByTies(points);
+    entries.resize(points.size());
     for (size_t i = 0; i < points.size(); i++)
     {
-        const unsigned leaf = points[i].leaf;
-        if (i == 0 || leaf != points[i - 1].leaf)
+        const Entry entry = {keyOf(points[i].response, i), points[i].leaf};
+        entries[i] = entry;
+    }
+    sortByLeaf(depth);
+
+    keys.resize(entries.size());
+    ends.resize(entries.size());
+    size_t leafCount = 0;
+    for (size_t i = 0; i < entries.size(); i++)
+    {
+        keys[i] = entries[i].key;
+        ends[leafCount] = unsigned(i + 1);
+        leafCount += i + 1 == entries.size() || entries[i].leaf != entries[i + 1].leaf;
+    }
+
+    groups.clear();
+    offers.clear();
+    given = 0;
+    unsigned first = 0, group = 0;
+    for (size_t i = 0; i < leafCount; i++)
+    {
+        const unsigned code = entries[first].leaf;
+        if (i == 0 || code / GROUP != group)
         {
-            if (i == 0 || leaf >> groupShift != points[i - 1].leaf >> groupShift)
-            {
-                const Group group = {leaves.size(), leaves.size(), i, 0};
-                groups.push_back(group);
-            }
-            const Leaf newLeaf = {i, i, 0};
-            leaves.push_back(newLeaf);
-            groups.back().endLeaf++;
+            group = code / GROUP;
+            groups.push_back(Group());
         }
-        leaves.back().end++;
+        Leaf& leaf = groups.back().leaves[code % GROUP];
+        leaf.begin = first;
+        leaf.end = first = ends[i];
+        // Here rather than as it is asked for: sequences are begun side by side, but taken from one by one.
+        groups.back().candidates[code % GROUP] = takeBest(leaf);
     }
-    // Here rather than as it is asked for: sequences are begun side by side, but taken from one by one.
-    for (size_t i = 0; i < leaves.size(); i++)
-        bringBestToFront(leaves[i]);
-    lists.resize(points.size());
 }
 
-void BalancedSequence::bringBestToFront(const Leaf& leaf)
+BalancedSequence::Group::Group()
 {
-    const std::vector<LeafPoint>::iterator begin = points.begin() + leaf.begin,
-                                           end = points.begin() + leaf.end;
-    std::iter_swap(begin, std::min_element(begin, end, Better()));
+    std::fill(candidates, candidates + GROUP, NO_KEY);
+    const Leaf empty = {0, 0, 0, 0};
+    std::fill(leaves, leaves + GROUP, empty);
 }
 
-// Takes the best point off a leaf that the filter lets pass. False: there is none.
-bool BalancedSequence::takeBest(Leaf& leaf, const PointFilter* filter, LeafPoint& best)
+// Takes the best point off a leaf. NO_KEY: there is none.
+uint64 BalancedSequence::takeBest(Leaf& leaf)
 {
-    // Selection pays for the first few; who asks for more gets the rest sorted.
-    const int SELECTED = 4;
-    while (leaf.begin < leaf.end)
+    const unsigned size = leaf.end - leaf.begin;
+    if (leaf.taken == size)
+        return NO_KEY;
+    // Selection pays for the first few; who asks for more gets all sorted.
+    const unsigned SELECTED = 4;
+    uint64* const ofLeaf = keys.data() + leaf.begin;
+    if (leaf.taken < SELECTED)
     {
-        if (leaf.taken > 0 && leaf.taken < SELECTED)
-            bringBestToFront(leaf);
-        else if (leaf.taken == SELECTED)
-            std::sort(points.begin() + leaf.begin, points.begin() + leaf.end, Better());
+        uint64 ahead = NO_KEY;  // keys below leaf.next come last by overflow
+        for (unsigned i = 0; i < size; i++)
+            ahead = std::min(ahead, ofLeaf[i] - leaf.next);
+        const uint64 key = leaf.next + ahead;
         leaf.taken++;
-        best = points[leaf.begin++];
-        if (!filter || filter->accepts(best))
-            return true;
+        leaf.next = key + 1;
+        return key;
     }
-    return false;
+    if (leaf.taken == SELECTED)
+        std::sort(ofLeaf, ofLeaf + size);
+    return ofLeaf[leaf.taken++];
 }
 
-// Appends the next best of each of the group's leaves to its list. False: there are none.
-bool BalancedSequence::extend(Group& group, const PointFilter* filter)
+// Takes the next point off a group that the filter lets pass. NO_KEY: there is none.
+uint64 BalancedSequence::takeNext(Group& group, const PointFilter* filter)
 {
-    const std::vector<LeafPoint>::iterator begin = lists.begin() + group.list + group.listed;
-    std::vector<LeafPoint>::iterator end = begin;
-    LeafPoint best;
-    for (size_t i = group.firstLeaf; i < group.endLeaf; i++)
+    for (;;)
     {
-        if (takeBest(leaves[i], filter, best))
-            *end++ = best;
+        uint64 key = NO_KEY;
+        for (unsigned i = 0; i < GROUP; i++)
+            key = std::min(key, group.candidates[i]);
+        if (key == NO_KEY)  // every leaf has had its turn
+        {
+            uint64 any = NO_KEY;
+            for (unsigned i = 0; i < GROUP; i++)
+            {
+                group.candidates[i] = takeBest(group.leaves[i]);
+                any &= group.candidates[i];
+            }
+            if (any == NO_KEY)
+                return NO_KEY;
+            continue;
+        }
+        const LeafPoint& point = points[positionOf(key)];
+        uint64& candidate = group.candidates[point.leaf % GROUP];
+        if (!filter || filter->accepts(point))
+        {
+            candidate = NO_KEY;
+            return key;
+        }
+        candidate = takeBest(group.leaves[point.leaf % GROUP]);
     }
-    std::sort(begin, end, Better());
-    group.listed += end - begin;
-    return begin != end;
 }
 
 bool BalancedSequence::next(LeafPoint& point, const PointFilter* filter)
@@ -203,21 +260,23 @@ bool BalancedSequence::next(LeafPoint& point, const PointFilter* filter)
     {
         offers.clear();
         given = 0;
-        size_t left = 0;  // groups that are not exhausted
-        for (size_t i = 0; i < groups.size(); i++)
+        for (size_t i = 0; i < groups.size();)
         {
-            if (round == groups[i].listed && !extend(groups[i], filter))
+            const uint64 key = takeNext(groups[i], filter);
+            if (key == NO_KEY)
+            {
+                groups[i] = groups.back();
+                groups.pop_back();
                 continue;
-            offers.push_back(lists[groups[i].list + round]);
-            groups[left++] = groups[i];
+            }
+            offers.push_back(key);
+            i++;
         }
-        groups.resize(left);
         if (offers.empty())
             return false;
-        std::sort(offers.begin(), offers.end(), Better());
-        round++;
+        std::sort(offers.begin(), offers.end());
     }
-    point = offers[given++];
+    point = points[positionOf(offers[given++])];
     return true;
 }
 

@@ -283,7 +283,7 @@ public:
 class CV_EXPORTS BalancedSequence
 {
 public:
-    BalancedSequence() : round(0), given(0) {}
+    BalancedSequence() : given(0) {}
     //! Begins anew. Takes the points and leaves other memory in exchange.
     void begin(std::vector<LeafPoint>& points, int depth);
     //! The next point; false if there is none. As if those that the filter rejects had never been there;
@@ -291,26 +291,35 @@ public:
     bool next(LeafPoint& point, const PointFilter* filter = 0);
 
 private:
+    static const unsigned GROUP = 16;  // leaves
+
+    struct Entry
+    {
+        uint64 key;
+        unsigned leaf;
+    };
     struct Leaf
     {
-        size_t begin, end;  // in points: what is left
-        int taken;
+        uint64 next;                 // keys below are taken
+        unsigned begin, end, taken;  // in keys
     };
     struct Group
     {
-        size_t firstLeaf, endLeaf;
-        size_t list, listed;  // begin of its list in lists, and length so far
+        Group();
+        uint64 candidates[GROUP];  // by leaf, what may be taken next
+        Leaf leaves[GROUP];
     };
-    void bringBestToFront(const Leaf& leaf);
-    bool takeBest(Leaf& leaf, const PointFilter* filter, LeafPoint& best);
-    bool extend(Group& group, const PointFilter* filter);
+    void sortByLeaf(int depth);
+    uint64 takeBest(Leaf& leaf);
+    uint64 takeNext(Group& group, const PointFilter* filter);
 
-    std::vector<LeafPoint> points, lists;
-    std::vector<Leaf> leaves;
-    std::vector<Group> groups;      // those that have more to offer
-    size_t round;                   // offers taken from each group
-    std::vector<LeafPoint> offers;  // of this round, the best first
-    size_t given;                   // of the offers
+    std::vector<LeafPoint> points;
+    std::vector<Entry> entries, sorted;
+    std::vector<uint64> keys;
+    std::vector<unsigned> ends;
+    std::vector<Group> groups;
+    std::vector<uint64> offers;  // of this round, the best first
+    size_t given;                // of the offers
 };
 
 // ---- selection.cpp ---------------------------------------------------------------------------
