@@ -92,13 +92,13 @@ struct TieBefore
     }
 };
 
-void sortByTies(std::vector<LeafPoint>& points)
+// Whether points are sorted by TieBefore; false also where that takes long to tell. As a rule they are, and
+// without branches that is seen faster: floats that are not negative rank as their bits do.
+bool areSortedByTies(const std::vector<LeafPoint>& points)
 {
-    // As a rule they are sorted, and without branches that is seen faster: bits of floats that are not
-    // negative rank as the floats do.
     const uint64 SIGNS = uint64(0x80000000u) << 32 | 0x80000000u;
+    uint64 before = 0, all = 0;
     bool sorted = true;
-    uint64 before = 0;
     for (size_t i = 0; i < points.size(); i++)
     {
         Cv32suf x, y;
@@ -106,11 +106,10 @@ void sortByTies(std::vector<LeafPoint>& points)
         y.f = points[i].y;
         const uint64 bits = uint64(y.u) << 32 | x.u;
         sorted &= (i == 0) | (before < bits);
-        sorted &= (bits & SIGNS) == 0;
+        all |= bits;
         before = bits;
     }
-    if (!sorted)
-        std::sort(points.begin(), points.end(), TieBefore());
+    return sorted && (all & SIGNS) == 0;
 }
 
 // A total order, so that the result does not depend on the order of the points: the better one of points
@@ -125,26 +124,17 @@ size_t positionOf(uint64 key)
 }
 const uint64 NO_KEY = ~uint64(0);
 
-}  // namespace
-
-// Stable, by several bits at a time.
-void BalancedSequence::sortByLeaf(int depth)
+// Orders keys by the leaf of their points.
+struct ByLeaf
 {
-    const int DIGIT = 11, VALUES = 1 << DIGIT;
-    unsigned starts[VALUES + 1];
-    sorted.resize(entries.size());
-    for (int shift = 0; shift < 2 * depth; shift += DIGIT)
+    bool operator()(uint64 a, uint64 b) const
     {
-        std::fill(starts, starts + VALUES + 1, 0u);
-        for (size_t i = 0; i < entries.size(); i++)
-            starts[((entries[i].leaf >> shift) & (VALUES - 1)) + 1]++;
-        for (int i = 0; i < VALUES; i++)
-            starts[i + 1] += starts[i];
-        for (size_t i = 0; i < entries.size(); i++)
-            sorted[starts[(entries[i].leaf >> shift) & (VALUES - 1)]++] = entries[i];
-        entries.swap(sorted);
+        return points[positionOf(a)].leaf < points[positionOf(b)].leaf;
     }
-}
+    const LeafPoint* points;
+};
+
+}  // namespace
 
 // Work is done as the sequence is asked for: as a rule a level needs little more than the best of each
 // leaf, while it has many times as many corners.
@@ -153,46 +143,57 @@ void BalancedSequence::begin(std::vector<LeafPoint>& points_, int depth)
 {
     CV_TRACE_FUNCTION();
     points.swap(points_);
-    sortByTies(points);
-    entries.resize(points.size());
-    for (size_t i = 0; i < points.size(); i++)
-    {
-        const Entry entry = {keyOf(points[i].response, i), points[i].leaf};
-        entries[i] = entry;
-    }
-    sortByLeaf(depth);
-
-    keys.resize(entries.size());
-    ends.resize(entries.size());
-    size_t leafCount = 0;
-    for (size_t i = 0; i < entries.size(); i++)
-    {
-        keys[i] = entries[i].key;
-        ends[leafCount] = unsigned(i + 1);
-        leafCount += i + 1 == entries.size() || entries[i].leaf != entries[i + 1].leaf;
-    }
-
     groups.clear();
     offers.clear();
     given = 0;
-    unsigned first = 0, group = 0;
-    for (size_t i = 0; i < leafCount; i++)
+    if (!areSortedByTies(points))
+        std::sort(points.begin(), points.end(), TieBefore());
+
+    // Into buckets: the leaves, or their ancestors in a tree that is too deep for an array of leaves.
+    const int BUCKET_DEPTH = 6, shift = 2 * std::max(depth - BUCKET_DEPTH, 0);
+    const size_t buckets = size_t(1) << (2 * depth - shift);
+    unsigned ends[(1 << (2 * BUCKET_DEPTH)) + 1];
+    std::fill(ends, ends + buckets + 1, 0u);
+    for (size_t i = 0; i < points.size(); i++)
+        ends[(points[i].leaf >> shift) + 1]++;
+    for (size_t i = 0; i < buckets; i++)
+        ends[i + 1] += ends[i];
+    keys.resize(points.size());
+    for (size_t i = 0; i < points.size(); i++)
+        keys[ends[points[i].leaf >> shift]++] = keyOf(points[i].response, i);
+
+    unsigned begin = 0;
+    for (size_t i = 0; i < buckets; i++)
     {
-        const unsigned code = entries[first].leaf;
-        if (i == 0 || code / GROUP != group)
+        const unsigned end = ends[i];
+        const ByLeaf byLeaf = {points.data()};
+        if (shift > 0)
+            std::sort(keys.begin() + begin, keys.begin() + end, byLeaf);
+        while (begin < end)
         {
-            group = code / GROUP;
-            groups.push_back(Group());
+            const unsigned leafEnd = shift == 0
+                                         ? end
+                                         : unsigned(std::upper_bound(keys.begin() + begin, keys.begin() + end,
+                                                                     keys[begin], byLeaf) -
+                                                    keys.begin());
+            addLeaf(points[positionOf(keys[begin])].leaf, begin, leafEnd);
+            begin = leafEnd;
         }
-        Leaf& leaf = groups.back().leaves[code % GROUP];
-        leaf.begin = first;
-        leaf.end = first = ends[i];
-        // Here rather than as it is asked for: sequences are begun side by side, but taken from one by one.
-        groups.back().candidates[code % GROUP] = takeBest(leaf);
     }
 }
 
-BalancedSequence::Group::Group()
+void BalancedSequence::addLeaf(unsigned code, unsigned begin, unsigned end)
+{
+    if (groups.empty() || groups.back().code != code / GROUP)
+        groups.emplace_back(code / GROUP);
+    Leaf& leaf = groups.back().leaves[code % GROUP];
+    leaf.begin = begin;
+    leaf.end = end;
+    // Here rather than as it is asked for: sequences are begun side by side, but taken from one by one.
+    groups.back().candidates[code % GROUP] = takeBest(leaf);
+}
+
+BalancedSequence::Group::Group(unsigned code_) : code(code_)
 {
     std::fill(candidates, candidates + GROUP, NO_KEY);
     const Leaf empty = {0, 0, 0, 0};

@@ -293,11 +293,6 @@ public:
 private:
     static const unsigned GROUP = 16;  // leaves
 
-    struct Entry
-    {
-        uint64 key;
-        unsigned leaf;
-    };
     struct Leaf
     {
         uint64 next;                 // keys below are taken
@@ -305,18 +300,17 @@ private:
     };
     struct Group
     {
-        Group();
+        explicit Group(unsigned code);
+        unsigned code;             // of the leaves' ancestor
         uint64 candidates[GROUP];  // by leaf, what may be taken next
         Leaf leaves[GROUP];
     };
-    void sortByLeaf(int depth);
+    void addLeaf(unsigned code, unsigned begin, unsigned end);
     uint64 takeBest(Leaf& leaf);
     uint64 takeNext(Group& group, const PointFilter* filter);
 
     std::vector<LeafPoint> points;
-    std::vector<Entry> entries, sorted;
-    std::vector<uint64> keys;
-    std::vector<unsigned> ends;
+    std::vector<uint64> keys;  // by leaf
     std::vector<Group> groups;
     std::vector<uint64> offers;  // of this round, the best first
     size_t given;                // of the offers
