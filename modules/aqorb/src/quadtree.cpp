@@ -92,8 +92,8 @@ struct TieBefore
     }
 };
 
-// Whether points are sorted by TieBefore; false also where that takes long to tell. As a rule they are, and
-// without branches that is seen faster: floats that are not negative rank as their bits do.
+// Whether points are sorted by TieBefore, as corners are; not told of negative coordinates. Others rank as
+// their bits do, which takes no branches.
 bool areSortedByTies(const std::vector<LeafPoint>& points)
 {
     const uint64 SIGNS = uint64(0x80000000u) << 32 | 0x80000000u;
@@ -112,8 +112,8 @@ bool areSortedByTies(const std::vector<LeafPoint>& points)
     return sorted && (all & SIGNS) == 0;
 }
 
-// A total order, so that the result does not depend on the order of the points: the better one of points
-// sorted by ties has the lower key.
+// Of points sorted by TieBefore, the better one has the lower key. The order is total, so that the result does
+// not depend on that of the caller's points.
 uint64 keyOf(float response, size_t position)
 {
     return uint64(~orderedResponse(response)) << 32 | position;
@@ -144,6 +144,7 @@ void BalancedSequence::begin(std::vector<LeafPoint>& points_, int depth)
     CV_TRACE_FUNCTION();
     points.swap(points_);
     groups.clear();
+    leaves.clear();
     offers.clear();
     given = 0;
     if (!areSortedByTies(points))
@@ -171,33 +172,31 @@ void BalancedSequence::begin(std::vector<LeafPoint>& points_, int depth)
             std::sort(keys.begin() + begin, keys.begin() + end, byLeaf);
         while (begin < end)
         {
-            const unsigned leafEnd = shift == 0
-                                         ? end
-                                         : unsigned(std::upper_bound(keys.begin() + begin, keys.begin() + end,
-                                                                     keys[begin], byLeaf) -
-                                                    keys.begin());
-            addLeaf(points[positionOf(keys[begin])].leaf, begin, leafEnd);
-            begin = leafEnd;
+            unsigned next = end;
+            if (shift > 0)
+                next =
+                    unsigned(std::upper_bound(keys.begin() + begin, keys.begin() + end, keys[begin], byLeaf) -
+                             keys.begin());
+            addLeaf(points[positionOf(keys[begin])].leaf, begin, next);
+            begin = next;
         }
     }
+    // Here rather than as it is asked for: sequences are begun side by side, but taken from one by one.
+    candidates.resize(leaves.size());
+    for (size_t i = 0; i < leaves.size(); i++)
+        candidates[i] = takeBest(leaves[i]);
 }
 
 void BalancedSequence::addLeaf(unsigned code, unsigned begin, unsigned end)
 {
-    if (groups.empty() || groups.back().code != code / GROUP)
-        groups.emplace_back(code / GROUP);
-    Leaf& leaf = groups.back().leaves[code % GROUP];
-    leaf.begin = begin;
-    leaf.end = end;
-    // Here rather than as it is asked for: sequences are begun side by side, but taken from one by one.
-    groups.back().candidates[code % GROUP] = takeBest(leaf);
-}
-
-BalancedSequence::Group::Group(unsigned code_) : code(code_)
-{
-    std::fill(candidates, candidates + GROUP, NO_KEY);
-    const Leaf empty = {0, 0, 0, 0};
-    std::fill(leaves, leaves + GROUP, empty);
+    const unsigned LEAVES = 16, slot = unsigned(leaves.size());
+    if (groups.empty() || groups.back().code != code / LEAVES)
+    {
+        const Group group = {code / LEAVES, slot, slot};
+        groups.push_back(group);
+    }
+    groups.back().end++;
+    leaves.emplace_back(begin, end);
 }
 
 // Takes the best point off a leaf. NO_KEY: there is none.
@@ -230,28 +229,37 @@ uint64 BalancedSequence::takeNext(Group& group, const PointFilter* filter)
     for (;;)
     {
         uint64 key = NO_KEY;
-        for (unsigned i = 0; i < GROUP; i++)
-            key = std::min(key, group.candidates[i]);
-        if (key == NO_KEY)  // every leaf has had its turn
+        unsigned best = group.begin;
+        for (unsigned i = group.begin; i < group.end; i++)
         {
-            uint64 any = NO_KEY;
-            for (unsigned i = 0; i < GROUP; i++)
-            {
-                group.candidates[i] = takeBest(group.leaves[i]);
-                any &= group.candidates[i];
-            }
-            if (any == NO_KEY)
-                return NO_KEY;
-            continue;
+            best += (i - best) & (0u - unsigned(candidates[i] < key));  // a branch would be hard to predict
+            key = std::min(key, candidates[i]);
         }
-        const LeafPoint& point = points[positionOf(key)];
-        uint64& candidate = group.candidates[point.leaf % GROUP];
-        if (!filter || filter->accepts(point))
+        if (key == NO_KEY)
         {
-            candidate = NO_KEY;
+            // Every leaf has had its turn; those that are not exhausted get another.
+            const unsigned end = group.end;
+            group.end = group.begin;
+            for (unsigned i = group.begin; i < end; i++)
+            {
+                const uint64 candidate = takeBest(leaves[i]);
+                if (candidate == NO_KEY)
+                    continue;
+                candidates[group.end] = candidate;
+                leaves[group.end++] = leaves[i];
+            }
+            if (group.begin == group.end)
+                return NO_KEY;
+        }
+        else if (!filter || filter->accepts(points[positionOf(key)]))
+        {
+            candidates[best] = NO_KEY;
             return key;
         }
-        candidate = takeBest(group.leaves[point.leaf % GROUP]);
+        else
+        {
+            candidates[best] = takeBest(leaves[best]);
+        }
     }
 }
 
@@ -261,18 +269,16 @@ bool BalancedSequence::next(LeafPoint& point, const PointFilter* filter)
     {
         offers.clear();
         given = 0;
-        for (size_t i = 0; i < groups.size();)
+        size_t left = 0;  // groups that are not exhausted
+        for (size_t i = 0; i < groups.size(); i++)
         {
             const uint64 key = takeNext(groups[i], filter);
             if (key == NO_KEY)
-            {
-                groups[i] = groups.back();
-                groups.pop_back();
                 continue;
-            }
             offers.push_back(key);
-            i++;
+            groups[left++] = groups[i];
         }
+        groups.resize(left);
         if (offers.empty())
             return false;
         std::sort(offers.begin(), offers.end());

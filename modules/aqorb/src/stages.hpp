@@ -284,36 +284,35 @@ class CV_EXPORTS BalancedSequence
 {
 public:
     BalancedSequence() : given(0) {}
-    //! Begins anew. Takes the points and leaves other memory in exchange.
+    //! Begins anew. Takes the points and leaves other memory in exchange. Fastest for points in raster order.
     void begin(std::vector<LeafPoint>& points, int depth);
     //! The next point; false if there is none. As if those that the filter rejects had never been there;
     //! it is asked for few points but those given, and must not change its mind.
     bool next(LeafPoint& point, const PointFilter* filter = 0);
 
 private:
-    static const unsigned GROUP = 16;  // leaves
-
     struct Leaf
     {
-        uint64 next;                 // keys below are taken
+        Leaf(unsigned begin_, unsigned end_) : next(0), begin(begin_), end(end_), taken(0) {}
+        uint64 next;                 // keys below it are taken
         unsigned begin, end, taken;  // in keys
     };
     struct Group
     {
-        explicit Group(unsigned code);
-        unsigned code;             // of the leaves' ancestor
-        uint64 candidates[GROUP];  // by leaf, what may be taken next
-        Leaf leaves[GROUP];
+        unsigned code;        // of the leaves' ancestor
+        unsigned begin, end;  // in leaves: those that are not exhausted
     };
     void addLeaf(unsigned code, unsigned begin, unsigned end);
     uint64 takeBest(Leaf& leaf);
     uint64 takeNext(Group& group, const PointFilter* filter);
 
-    std::vector<LeafPoint> points;
-    std::vector<uint64> keys;  // by leaf
-    std::vector<Group> groups;
-    std::vector<uint64> offers;  // of this round, the best first
-    size_t given;                // of the offers
+    std::vector<LeafPoint> points;  // in raster order
+    std::vector<uint64> keys;       // of the points: the better one has the lower; by leaf
+    std::vector<Leaf> leaves;
+    std::vector<uint64> candidates;  // by leaf: what its group may take next
+    std::vector<Group> groups;       // those that have more to offer
+    std::vector<uint64> offers;      // of this round, the best first
+    size_t given;                    // of the offers
 };
 
 // ---- selection.cpp ---------------------------------------------------------------------------
