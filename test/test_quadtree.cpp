@@ -92,6 +92,30 @@ TEST(AqorbQuadtree, sequenceEqualsItsDefinition)
     }
 }
 
+// Corners come by rows; the signs of zeros must not hide that others do not.
+TEST(AqorbQuadtree, sequenceOfPointsInRasterOrder)
+{
+    BalancedSequence sequence;
+    for (int depth = 0; depth <= 8; depth++)
+    {
+        SCOPED_TRACE(depth);
+        std::vector<LeafPoint> points = randomPoints(3000, depth, 3, depth);
+        std::sort(points.begin(), points.end(),
+                  [](const LeafPoint& a, const LeafPoint& b) { return a.y != b.y ? a.y < b.y : a.x < b.x; });
+        for (size_t i = 0; i < points.size(); i++)
+            points[i].index = int(i);
+        expectSequence(points, depth, sequence);
+    }
+    std::vector<LeafPoint> points;
+    const float xs[] = {0.f, 3.f, -0.f, -2.f};
+    for (int i = 0; i < 4; i++)
+    {
+        const LeafPoint point = {0, 1.f, xs[i], 5.f, i};
+        points.push_back(point);
+    }
+    expectSequence(points, 0, sequence);
+}
+
 // What the filter rejects might as well not be there.
 TEST(AqorbQuadtree, filterLeavesPointsOut)
 {

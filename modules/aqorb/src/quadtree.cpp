@@ -81,41 +81,58 @@ unsigned orderedResponse(float response)
     return bits.u & 0x80000000u ? ~bits.u : bits.u | 0x80000000u;
 }
 
-// Total order by response, so that the result does not depend on the order of the points.
-struct Better
+// Breaks ties of responses.
+struct TieBefore
 {
     bool operator()(const LeafPoint& a, const LeafPoint& b) const
     {
-        if (a.response > b.response)
-            return true;
-        if (a.response < b.response)
-            return false;
-        const unsigned ra = orderedResponse(a.response), rb = orderedResponse(b.response);
-        if (ra != rb)
-            return ra > rb;
         if (a.y != b.y)
             return a.y < b.y;
         return a.x != b.x ? a.x < b.x : a.index < b.index;
     }
 };
 
-// Stable, by several bits at a time.
-void sortByLeaf(std::vector<LeafPoint>& points, int depth, std::vector<LeafPoint>& sorted)
+// Whether points are sorted by TieBefore, as corners are; not told of negative coordinates. Others rank as
+// their bits do, which takes no branches.
+bool areSortedByTies(const std::vector<LeafPoint>& points)
 {
-    const int DIGIT = 11, VALUES = 1 << DIGIT;
-    sorted.resize(points.size());
-    for (int shift = 0; shift < 2 * depth; shift += DIGIT)
+    const uint64 SIGNS = uint64(0x80000000u) << 32 | 0x80000000u;
+    uint64 before = 0, all = 0;
+    bool sorted = true;
+    for (size_t i = 0; i < points.size(); i++)
     {
-        unsigned starts[VALUES + 1] = {0};
-        for (size_t i = 0; i < points.size(); i++)
-            starts[((points[i].leaf >> shift) & (VALUES - 1)) + 1]++;
-        for (int i = 0; i < VALUES; i++)
-            starts[i + 1] += starts[i];
-        for (size_t i = 0; i < points.size(); i++)
-            sorted[starts[(points[i].leaf >> shift) & (VALUES - 1)]++] = points[i];
-        points.swap(sorted);
+        Cv32suf x, y;
+        x.f = points[i].x;
+        y.f = points[i].y;
+        const uint64 bits = uint64(y.u) << 32 | x.u;
+        sorted &= (i == 0) | (before < bits);
+        all |= bits;
+        before = bits;
     }
+    return sorted && (all & SIGNS) == 0;
 }
+
+// Of points sorted by TieBefore, the better one has the lower key. The order is total, so that the result does
+// not depend on that of the caller's points.
+uint64 keyOf(float response, size_t position)
+{
+    return uint64(~orderedResponse(response)) << 32 | position;
+}
+size_t positionOf(uint64 key)
+{
+    return size_t(key & 0xffffffffu);
+}
+const uint64 NO_KEY = ~uint64(0);
+
+// Orders keys by the leaf of their points.
+struct ByLeaf
+{
+    bool operator()(uint64 a, uint64 b) const
+    {
+        return points[positionOf(a)].leaf < points[positionOf(b)].leaf;
+    }
+    const LeafPoint* points;
+};
 
 }  // namespace
 
@@ -126,75 +143,124 @@ void BalancedSequence::begin(std::vector<LeafPoint>& points_, int depth)
 {
     CV_TRACE_FUNCTION();
     points.swap(points_);
-    leaves.clear();
     groups.clear();
-    round = 0;
+    leaves.clear();
     offers.clear();
     given = 0;
-    sortByLeaf(points, depth, lists);
-    const int groupShift = 2 * std::min(depth, 2);
+    if (!areSortedByTies(points))
+        std::sort(points.begin(), points.end(), TieBefore());
+
+    // Into buckets: the leaves, or their ancestors in a tree that is too deep for an array of leaves.
+    const int BUCKET_DEPTH = 6, shift = 2 * std::max(depth - BUCKET_DEPTH, 0);
+    const size_t buckets = size_t(1) << (2 * depth - shift);
+    unsigned ends[(1 << (2 * BUCKET_DEPTH)) + 1];
+    std::fill(ends, ends + buckets + 1, 0u);
     for (size_t i = 0; i < points.size(); i++)
+        ends[(points[i].leaf >> shift) + 1]++;
+    for (size_t i = 0; i < buckets; i++)
+        ends[i + 1] += ends[i];
+    keys.resize(points.size());
+    for (size_t i = 0; i < points.size(); i++)
+        keys[ends[points[i].leaf >> shift]++] = keyOf(points[i].response, i);
+
+    unsigned begin = 0;
+    for (size_t i = 0; i < buckets; i++)
     {
-        const unsigned leaf = points[i].leaf;
-        if (i == 0 || leaf != points[i - 1].leaf)
+        const unsigned end = ends[i];
+        const ByLeaf byLeaf = {points.data()};
+        if (shift > 0)
+            std::sort(keys.begin() + begin, keys.begin() + end, byLeaf);
+        while (begin < end)
         {
-            if (i == 0 || leaf >> groupShift != points[i - 1].leaf >> groupShift)
-            {
-                const Group group = {leaves.size(), leaves.size(), i, 0};
-                groups.push_back(group);
-            }
-            const Leaf newLeaf = {i, i, 0};
-            leaves.push_back(newLeaf);
-            groups.back().endLeaf++;
+            unsigned next = end;
+            if (shift > 0)
+                next =
+                    unsigned(std::upper_bound(keys.begin() + begin, keys.begin() + end, keys[begin], byLeaf) -
+                             keys.begin());
+            addLeaf(points[positionOf(keys[begin])].leaf, begin, next);
+            begin = next;
         }
-        leaves.back().end++;
     }
     // Here rather than as it is asked for: sequences are begun side by side, but taken from one by one.
+    candidates.resize(leaves.size());
     for (size_t i = 0; i < leaves.size(); i++)
-        bringBestToFront(leaves[i]);
-    lists.resize(points.size());
+        candidates[i] = takeBest(leaves[i]);
 }
 
-void BalancedSequence::bringBestToFront(const Leaf& leaf)
+void BalancedSequence::addLeaf(unsigned code, unsigned begin, unsigned end)
 {
-    const std::vector<LeafPoint>::iterator begin = points.begin() + leaf.begin,
-                                           end = points.begin() + leaf.end;
-    std::iter_swap(begin, std::min_element(begin, end, Better()));
-}
-
-// Takes the best point off a leaf that the filter lets pass. False: there is none.
-bool BalancedSequence::takeBest(Leaf& leaf, const PointFilter* filter, LeafPoint& best)
-{
-    // Selection pays for the first few; who asks for more gets the rest sorted.
-    const int SELECTED = 4;
-    while (leaf.begin < leaf.end)
+    const unsigned LEAVES = 16, slot = unsigned(leaves.size());
+    if (groups.empty() || groups.back().code != code / LEAVES)
     {
-        if (leaf.taken > 0 && leaf.taken < SELECTED)
-            bringBestToFront(leaf);
-        else if (leaf.taken == SELECTED)
-            std::sort(points.begin() + leaf.begin, points.begin() + leaf.end, Better());
+        const Group group = {code / LEAVES, slot, slot};
+        groups.push_back(group);
+    }
+    groups.back().end++;
+    leaves.emplace_back(begin, end);
+}
+
+// Takes the best point off a leaf. NO_KEY: there is none.
+uint64 BalancedSequence::takeBest(Leaf& leaf)
+{
+    const unsigned size = leaf.end - leaf.begin;
+    if (leaf.taken == size)
+        return NO_KEY;
+    // Selection pays for the first few; who asks for more gets all sorted.
+    const unsigned SELECTED = 4;
+    uint64* const ofLeaf = keys.data() + leaf.begin;
+    if (leaf.taken < SELECTED)
+    {
+        uint64 ahead = NO_KEY;  // keys below leaf.next come last by overflow
+        for (unsigned i = 0; i < size; i++)
+            ahead = std::min(ahead, ofLeaf[i] - leaf.next);
+        const uint64 key = leaf.next + ahead;
         leaf.taken++;
-        best = points[leaf.begin++];
-        if (!filter || filter->accepts(best))
-            return true;
+        leaf.next = key + 1;
+        return key;
     }
-    return false;
+    if (leaf.taken == SELECTED)
+        std::sort(ofLeaf, ofLeaf + size);
+    return ofLeaf[leaf.taken++];
 }
 
-// Appends the next best of each of the group's leaves to its list. False: there are none.
-bool BalancedSequence::extend(Group& group, const PointFilter* filter)
+// Takes the next point off a group that the filter lets pass. NO_KEY: there is none.
+uint64 BalancedSequence::takeNext(Group& group, const PointFilter* filter)
 {
-    const std::vector<LeafPoint>::iterator begin = lists.begin() + group.list + group.listed;
-    std::vector<LeafPoint>::iterator end = begin;
-    LeafPoint best;
-    for (size_t i = group.firstLeaf; i < group.endLeaf; i++)
+    for (;;)
     {
-        if (takeBest(leaves[i], filter, best))
-            *end++ = best;
+        uint64 key = NO_KEY;
+        unsigned best = group.begin;
+        for (unsigned i = group.begin; i < group.end; i++)
+        {
+            best += (i - best) & (0u - unsigned(candidates[i] < key));  // a branch would be hard to predict
+            key = std::min(key, candidates[i]);
+        }
+        if (key == NO_KEY)
+        {
+            // Every leaf has had its turn; those that are not exhausted get another.
+            const unsigned end = group.end;
+            group.end = group.begin;
+            for (unsigned i = group.begin; i < end; i++)
+            {
+                const uint64 candidate = takeBest(leaves[i]);
+                if (candidate == NO_KEY)
+                    continue;
+                candidates[group.end] = candidate;
+                leaves[group.end++] = leaves[i];
+            }
+            if (group.begin == group.end)
+                return NO_KEY;
+        }
+        else if (!filter || filter->accepts(points[positionOf(key)]))
+        {
+            candidates[best] = NO_KEY;
+            return key;
+        }
+        else
+        {
+            candidates[best] = takeBest(leaves[best]);
+        }
     }
-    std::sort(begin, end, Better());
-    group.listed += end - begin;
-    return begin != end;
 }
 
 bool BalancedSequence::next(LeafPoint& point, const PointFilter* filter)
@@ -206,18 +272,18 @@ bool BalancedSequence::next(LeafPoint& point, const PointFilter* filter)
         size_t left = 0;  // groups that are not exhausted
         for (size_t i = 0; i < groups.size(); i++)
         {
-            if (round == groups[i].listed && !extend(groups[i], filter))
+            const uint64 key = takeNext(groups[i], filter);
+            if (key == NO_KEY)
                 continue;
-            offers.push_back(lists[groups[i].list + round]);
+            offers.push_back(key);
             groups[left++] = groups[i];
         }
         groups.resize(left);
         if (offers.empty())
             return false;
-        std::sort(offers.begin(), offers.end(), Better());
-        round++;
+        std::sort(offers.begin(), offers.end());
     }
-    point = offers[given++];
+    point = points[positionOf(offers[given++])];
     return true;
 }
 

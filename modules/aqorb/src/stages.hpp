@@ -315,8 +315,8 @@ public:
 class CV_EXPORTS BalancedSequence
 {
 public:
-    BalancedSequence() : round(0), given(0) {}
-    //! Begins anew. Takes the points and leaves other memory in exchange.
+    BalancedSequence() : given(0) {}
+    //! Begins anew. Takes the points and leaves other memory in exchange. Fastest for points in raster order.
     void begin(std::vector<LeafPoint>& points, int depth);
     //! The next point; false if there is none. As if those that the filter rejects had never been there;
     //! it is asked for few points but those given, and must not change its mind.
@@ -325,24 +325,26 @@ public:
 private:
     struct Leaf
     {
-        size_t begin, end;  // in points: what is left
-        int taken;
+        Leaf(unsigned begin_, unsigned end_) : next(0), begin(begin_), end(end_), taken(0) {}
+        uint64 next;                 // keys below it are taken
+        unsigned begin, end, taken;  // in keys
     };
     struct Group
     {
-        size_t firstLeaf, endLeaf;
-        size_t list, listed;  // begin of its list in lists, and length so far
+        unsigned code;        // of the leaves' ancestor
+        unsigned begin, end;  // in leaves: those that are not exhausted
     };
-    void bringBestToFront(const Leaf& leaf);
-    bool takeBest(Leaf& leaf, const PointFilter* filter, LeafPoint& best);
-    bool extend(Group& group, const PointFilter* filter);
+    void addLeaf(unsigned code, unsigned begin, unsigned end);
+    uint64 takeBest(Leaf& leaf);
+    uint64 takeNext(Group& group, const PointFilter* filter);
 
-    std::vector<LeafPoint> points, lists;
+    std::vector<LeafPoint> points;  // in raster order
+    std::vector<uint64> keys;       // of the points: the better one has the lower; by leaf
     std::vector<Leaf> leaves;
-    std::vector<Group> groups;      // those that have more to offer
-    size_t round;                   // offers taken from each group
-    std::vector<LeafPoint> offers;  // of this round, the best first
-    size_t given;                   // of the offers
+    std::vector<uint64> candidates;  // by leaf: what its group may take next
+    std::vector<Group> groups;       // those that have more to offer
+    std::vector<uint64> offers;      // of this round, the best first
+    size_t given;                    // of the offers
 };
 
 // ---- selection.cpp ---------------------------------------------------------------------------
