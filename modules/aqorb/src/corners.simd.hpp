@@ -15,7 +15,7 @@ CV_CPU_OPTIMIZATION_NAMESPACE_BEGIN
 
 /** Writes the corners but those that fall to a better one within SUPPRESS_RADIUS: of a higher score, or as
  high and before it in raster order.
- @param blocks of the corners, and one more
+ @param blocks of the corners, and two more
  @param scores of the row of the first block, by column, as ScorePlane's
  @param kept room for all corners
  @return number of corners written */
@@ -64,7 +64,7 @@ CV_ALWAYS_INLINE bool falls(const uchar* p, ptrdiff_t step)
 int writeKept(const CornerBlock* blocks, int cornerCount, const uchar* scores, ptrdiff_t step, Corner* kept)
 {
     const int top = blocks->y;
-    uint64 columns = blocks->columns;
+    uint64 columns = blocks[0].columns, next = blocks[1].columns;
     Corner* out = kept;
     // Without branches: how many corners a block has and which are kept is hard to predict.
     for (int i = 0; i < cornerCount; i++)
@@ -76,8 +76,9 @@ int writeKept(const CornerBlock* blocks, int cornerCount, const uchar* scores, p
         out += !falls(p, step);
         columns &= columns - 1;
         const bool wasLast = columns == 0;
+        columns |= next & (uint64(0) - wasLast);
         blocks += wasLast;
-        columns |= blocks->columns & (uint64(0) - wasLast);
+        next = blocks[1].columns;  // ahead of its use
     }
     return int(out - kept);
 }

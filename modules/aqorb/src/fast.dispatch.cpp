@@ -117,7 +117,7 @@ public:
         makeRoom(scores, SCAN_ROWS * rowBytes + SCAN_ALIGNMENT);
         corners = &corners_;
         corners->count = corners->cornerCount = 0;
-        makeRoom(corners->room, region.height * blockCount + 1);
+        makeRoom(corners->room, region.height * blockCount + 2);
 
         state.image = image.ptr();
         state.step = ptrdiff_t(image.step);

@@ -78,7 +78,7 @@ struct FastScan
     uchar* plane;  //!< the scores of corners, from row top on, by column, with SCAN_MARGIN
     ptrdiff_t planeStep;
     uint64* strong;      //!< by block: the columns in which a strong corner was found
-    CornerBlock* found;  //!< room for all blocks of all rows, and one
+    CornerBlock* found;  //!< room for all blocks of all rows, and two
     int foundCount;
 };
 
