@@ -176,8 +176,9 @@ private:
         const PositionMap map = {imageSize, level.image.size(), level.scale, p.edgeThreshold, p.subPixel};
         return map;
     }
-    void refine(Workspace& workspace, int octave, Size imageSize, const Mat& mask) const;
-    void describe(Workspace& workspace, int octave, Mat& descriptors) const;
+    static void layOutStripes(Workspace& workspace);
+    void refine(Workspace& workspace, const Stripe& stripe, Size imageSize, const Mat& mask) const;
+    void describe(Workspace& workspace, const Stripe& stripe, Mat& descriptors) const;
 
     Parameters p;
     Tables tables;
@@ -253,14 +254,15 @@ void AdaptiveQuadtreeORBImpl::detectAndCompute(InputArray image_, InputArray mas
     {
         descriptors_.release();
     }
-    inParallel(workspace.pyramid.size(),
+    layOutStripes(workspace);
+    inParallel(workspace.stripes.size(),
                [&](size_t i)
                {
-                   CV_TRACE_REGION("level");
+                   CV_TRACE_REGION("stripe");
                    if (!useProvidedKeypoints)
-                       refine(workspace, int(i), image.size(), mask);
+                       refine(workspace, workspace.stripes[i], image.size(), mask);
                    if (!descriptors.empty())
-                       describe(workspace, int(i), descriptors);
+                       describe(workspace, workspace.stripes[i], descriptors);
                });
     keypoints = workspace.keypoints;
 }
@@ -310,7 +312,15 @@ void AdaptiveQuadtreeORBImpl::chooseCorners(const Mat& image, const Mat& mask, W
                            maskPositions(mask, positionsOf(pyramid[j], image.size()), pyramid[j].mask);
                    }
                });
-    inParallel(bands - ofImage, [&](size_t i) { source.search(ofImage + i); });
+    // The corners of the image, of which there are most, are ranked while those of other levels are searched for.
+    inParallel(bands,
+               [&](size_t i)
+               {
+                   if (i < ofImage)
+                       source.rank(i);
+                   else
+                       source.search(i);
+               });
     inParallel(levels,
                [&](size_t i)
                {
@@ -321,60 +331,78 @@ void AdaptiveQuadtreeORBImpl::chooseCorners(const Mat& image, const Mat& mask, W
     workspace.selector.select(selectionLevels, image.size(), p.octaveSuppression, source, workspace.chosen);
     workspace.firsts.assign(1, 0);
     for (size_t i = 0; i < levels; i++)
-        workspace.firsts.push_back(workspace.firsts[i] + workspace.chosen[i].size());
+    {
+        std::vector<RankedCorner>& corners = workspace.chosen[i];
+        std::vector<DescriptorPoint>& points = workspace.points[i];
+        sortInRasterOrder(corners, pyramid[i].image.rows, workspace.rowStarts, workspace.sorted);
+        points.resize(corners.size());
+        for (size_t j = 0; j < corners.size(); j++)
+        {
+            points[j].x = corners[j].x;
+            points[j].y = corners[j].y;
+        }
+        workspace.firsts.push_back(workspace.firsts[i] + corners.size());
+    }
     workspace.keypoints.resize(workspace.firsts[levels]);
 }
 
-// The features at the chosen corners of a level: their direction and their position in the image.
-void AdaptiveQuadtreeORBImpl::refine(Workspace& workspace, int octave, Size imageSize, const Mat& mask) const
+// Stripes of about as many features, so that no thread waits for one level's.
+void AdaptiveQuadtreeORBImpl::layOutStripes(Workspace& workspace)
+{
+    // No more and no smaller: neighbouring stripes both blur the rows between them.
+    const size_t STRIPES = 8, MIN_FEATURES = 64;
+    const size_t most = std::max(workspace.keypoints.size() / STRIPES, MIN_FEATURES);
+    workspace.stripes.clear();
+    for (int level = 0; level < int(workspace.pyramid.size()); level++)
+    {
+        const size_t count = workspace.points[level].size(), stripes = (count + most - 1) / most;
+        for (size_t i = 0; i < stripes; i++)
+        {
+            const Stripe stripe = {level, count * i / stripes, count * (i + 1) / stripes};
+            workspace.stripes.push_back(stripe);
+        }
+    }
+}
+
+// The features at the chosen corners of a stripe: their direction and their position in the image.
+void AdaptiveQuadtreeORBImpl::refine(Workspace& workspace, const Stripe& stripe, Size imageSize,
+                                     const Mat& mask) const
 {
     CV_TRACE_FUNCTION();
-    std::vector<RankedCorner>& corners = workspace.chosen[octave];
-    std::vector<DescriptorPoint>& points = workspace.points[octave];
-    const Level& level = workspace.pyramid[octave];
-    {
-        const Pool<LevelScratch>::Lease lent(scratches);
-        sortInRasterOrder(corners, level.image.rows, (*lent).rowStarts, (*lent).ranked);
-    }
-    points.resize(corners.size());
-    for (size_t i = 0; i < corners.size(); i++)
-    {
-        points[i].x = corners[i].x;
-        points[i].y = corners[i].y;
-    }
-    orientations(level.image, tables.patch, points.data(), points.size());
+    const Level& level = workspace.pyramid[stripe.level];
+    DescriptorPoint* points = workspace.points[stripe.level].data();
+    orientations(level.image, tables.patch, points + stripe.begin, stripe.end - stripe.begin);
     const PositionMap position = positionsOf(level, imageSize);
-    for (size_t i = 0; i < corners.size(); i++)
+    for (size_t i = stripe.begin; i < stripe.end; i++)
     {
         const DescriptorPoint& point = points[i];
         const Point2d offset = p.subPixel ? subPixelOffset(level.image, point.x, point.y) : Point2d();
         Point2f pt = position(point.x, point.y, offset.x, offset.y);
         if (p.subPixel && !mask.empty() && !mask.at<uchar>(cvRound(pt.y), cvRound(pt.x)))
             pt = position(point.x, point.y);
-        workspace.keypoints[workspace.firsts[octave] + i] =
-            KeyPoint(pt, p.patchSize * level.scale, point.angle, corners[i].response, octave);
+        workspace.keypoints[workspace.firsts[stripe.level] + i] =
+            KeyPoint(pt, p.patchSize * level.scale, point.angle, workspace.chosen[stripe.level][i].response,
+                     stripe.level);
     }
 }
 
-// The descriptors of the features of a level.
-void AdaptiveQuadtreeORBImpl::describe(Workspace& workspace, int octave, Mat& descriptors) const
+// The descriptors of the features of a stripe.
+void AdaptiveQuadtreeORBImpl::describe(Workspace& workspace, const Stripe& stripe, Mat& descriptors) const
 {
-    const Mat& level = workspace.pyramid[octave].image;
-    const std::vector<DescriptorPoint>& points = workspace.points[octave];
-    if (points.empty())
-        return;
+    const Mat& level = workspace.pyramid[stripe.level].image;
+    const DescriptorPoint* points = workspace.points[stripe.level].data();
     const Pool<LevelScratch>::Lease lent(scratches);
     LevelScratch& scratch = *lent;
-    const int reach = tables.tests.reach;
+    const int reach = tables.tests.reach, side = 2 * reach + 1;
     scratch.blurRegion.begin(level.size());
-    for (size_t i = 0; i < points.size(); i++)
-        scratch.blurRegion.add(Rect(points[i].x - reach, points[i].y - reach, 2 * reach + 1, 2 * reach + 1));
+    for (size_t i = stripe.begin; i < stripe.end; i++)
+        scratch.blurRegion.add(Rect(points[i].x - reach, points[i].y - reach, side, side));
     if (scratch.blurred.size() < level.total())
         scratch.blurred.resize(level.total());
     Mat blurred(level.size(), CV_16UC1, scratch.blurred.data());
     approximateBlur(level, scratch.blurRegion, blurred, scratch.blur);
-    computeDescriptors(level, blurred, points.data(), points.size(), tables.tests,
-                       descriptors.ptr(int(workspace.firsts[octave])), descriptors.step);
+    computeDescriptors(level, blurred, points + stripe.begin, stripe.end - stripe.begin, tables.tests,
+                       descriptors.ptr(int(workspace.firsts[stripe.level] + stripe.begin)), descriptors.step);
 }
 
 // What compute does with given keypoints, as cv::ORB: drops those near the border, orders the others

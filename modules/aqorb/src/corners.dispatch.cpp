@@ -94,16 +94,27 @@ void findCorners(const Level& level, const Rect& region, Thresholds thresholds, 
     cornersWithout(scratch.all, corners.kept, corners.suppressed);
 }
 
+void findCellRejects(const Level& level, const Rect& region, Thresholds thresholds,
+                     const std::vector<Corner>& found, std::vector<Corner>& corners)
+{
+    CV_TRACE_FUNCTION();
+    corners.clear();
+    if (thresholds.min >= thresholds.ini)
+        return;
+    const Thresholds all = {thresholds.min, thresholds.min};
+    LevelCorners atMinimum;
+    CornerScratch scratch;
+    findCorners(level, region, all, INT_MAX, false, atMinimum, scratch);
+    cornersWithout(atMinimum.kept, found, corners);
+}
+
 void findCellRejects(const Level& level, const Rect& region, Thresholds thresholds, int cellSize,
                      std::vector<Corner>& corners)
 {
-    CV_TRACE_FUNCTION();
-    const Thresholds all = {thresholds.min, thresholds.min};
-    LevelCorners found, taken;
+    LevelCorners found;
     CornerScratch scratch;
-    findCorners(level, region, all, cellSize, false, found, scratch);
-    findCorners(level, region, thresholds, cellSize, false, taken, scratch);
-    cornersWithout(found.kept, taken.kept, corners);
+    findCorners(level, region, thresholds, cellSize, false, found, scratch);
+    findCellRejects(level, region, thresholds, found.kept, corners);
 }
 
 }  // namespace stages

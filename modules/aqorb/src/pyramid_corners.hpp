@@ -38,14 +38,35 @@ public:
         }
         return bands;
     }
-    // Finds the corners of a band, before any is suppressed; several may be searched at once.
+    // Finds the corners of a band; several bands may be searched at once.
     void search(size_t index)
     {
         CV_TRACE_FUNCTION();
         CornerBand& band = workspace.bands[index];
         const Pool<LevelScratch>::Lease lent(scratches);
         stages::findBandCorners(workspace.pyramid[band.level], band.rect, thresholds, parameters.cellSize,
-                                workspace.planes[band.level], band.corners, (*lent).scanner);
+                                workspace.planes[band.level], band.blocks, (*lent).scanner);
+    }
+    // Suppresses and ranks the corners of a band, with all bands of its level searched; several bands may be ranked
+    // at once.
+    void rank(size_t index)
+    {
+        CV_TRACE_FUNCTION();
+        CornerBand& band = workspace.bands[index];
+        stages::ScorePlane& plane = workspace.planes[band.level];
+        band.corners.clear();
+        // Harris responses of neighbours hardly differ: unsuppressed, a strong corner is taken thrice.
+        if (isHarris())
+        {
+            const Pool<LevelScratch>::Lease lent(scratches);
+            stages::suppressCorners(band.blocks, plane, (*lent).room, band.corners);
+        }
+        else
+        {
+            stages::listCorners(band.blocks, plane, band.corners);
+        }
+        rank(band.level, band.corners, band.ranked);
+        band.isRanked = true;
     }
     // Makes the corners of a level, whose bands are searched, ready to be asked for; several levels may be prepared at
     // once.
@@ -54,18 +75,16 @@ public:
         CV_TRACE_FUNCTION();
         const Pool<LevelScratch>::Lease lent(scratches);
         LevelScratch& scratch = *lent;
-        std::vector<stages::Corner>& kept = workspace.corners[level];
-        kept.clear();
-        // Harris responses of neighbours hardly differ: unsuppressed, a strong corner is taken thrice.
-        if (!isHarris())
-            listAll(level, kept);
-        for (size_t i = 0; i < bands && isHarris(); i++)
+        scratch.ranked.clear();
+        for (size_t i = 0; i < bands; i++)
         {
-            if (workspace.bands[i].level == level)
-                stages::suppressCorners(workspace.bands[i].corners, workspace.planes[level], scratch.room,
-                                        kept);
+            CornerBand& band = workspace.bands[i];
+            if (band.level != level)
+                continue;
+            if (!band.isRanked)
+                rank(i);
+            scratch.ranked.insert(scratch.ranked.end(), band.ranked.begin(), band.ranked.end());
         }
-        rank(level, kept, scratch.ranked);
         const stages::SelectionLevel& root = workspace.selectionLevels[level];
         stages::leafPoints(scratch.ranked, root.root, root.depth, scratch.leaves, scratch.points);
         workspace.sequences[level].begin(scratch.points, root.depth);
@@ -85,20 +104,22 @@ public:
     }
     void corners(int level, stages::CornerSet set, std::vector<stages::RankedCorner>& ranked) CV_OVERRIDE
     {
-        const std::vector<stages::Corner>& kept = workspace.corners[level];
+        std::vector<stages::Corner> found, kept, passedOver;
+        for (size_t i = 0; i < bands; i++)
+        {
+            const CornerBand& band = workspace.bands[i];
+            if (band.level != level)
+                continue;
+            stages::listCorners(band.blocks, workspace.planes[level], found);
+            kept.insert(kept.end(), band.corners.begin(), band.corners.end());
+        }
         if (set == stages::KEPT_CORNERS)
             return rank(level, kept, ranked);
-        std::vector<stages::Corner> all, passedOver;
         if (set == stages::SUPPRESSED_CORNERS)
-        {
-            listAll(level, all);
-            stages::cornersWithout(all, kept, passedOver);
-        }
+            stages::cornersWithout(found, kept, passedOver);
         else
-        {
             stages::findCellRejects(workspace.pyramid[level], workspace.selectionLevels[level].root,
-                                    thresholds, parameters.cellSize, passedOver);
-        }
+                                    thresholds, found, passedOver);
         rank(level, passedOver, ranked);
     }
 
@@ -118,20 +139,14 @@ private:
                 break;
             if (bands == workspace.bands.size())
                 workspace.bands.push_back(CornerBand());
-            workspace.bands[bands].level = level;
-            workspace.bands[bands].rect = Rect(root.x, rows.start, root.width, rows.end - rows.start);
+            CornerBand& band = workspace.bands[bands];
+            band.level = level;
+            band.rect = Rect(root.x, rows.start, root.width, rows.end - rows.start);
+            band.isRanked = false;
         }
     }
     bool isHarris() const { return parameters.scoreType == ORB::HARRIS_SCORE; }
 
-    void listAll(int level, std::vector<stages::Corner>& all)
-    {
-        for (size_t i = 0; i < bands; i++)
-        {
-            if (workspace.bands[i].level == level)
-                stages::listCorners(workspace.bands[i].corners, workspace.planes[level], all);
-        }
-    }
     void rank(int level, const std::vector<stages::Corner>& unranked,
               std::vector<stages::RankedCorner>& ranked) const
     {

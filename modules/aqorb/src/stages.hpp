@@ -257,7 +257,10 @@ CV_EXPORTS void cornersWithout(const std::vector<Corner>& corners, const std::ve
 CV_EXPORTS void findCorners(const Level& level, const Rect& region, Thresholds thresholds, int cellSize,
                             bool suppressNear, LevelCorners& corners, CornerScratch& scratch);
 
-//! The corners of score >= thresholds.min that the cell rule of findCorners passes over.
+/** The corners of score >= thresholds.min that the cell rule of findCorners passes over.
+ @param found those that it does not, before any is suppressed */
+CV_EXPORTS void findCellRejects(const Level& level, const Rect& region, Thresholds thresholds,
+                                const std::vector<Corner>& found, std::vector<Corner>& corners);
 CV_EXPORTS void findCellRejects(const Level& level, const Rect& region, Thresholds thresholds, int cellSize,
                                 std::vector<Corner>& corners);
 

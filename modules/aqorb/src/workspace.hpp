@@ -19,7 +19,17 @@ struct CornerBand
 {
     int level;
     Rect rect;
-    stages::CornerBlocks corners;
+    stages::CornerBlocks blocks;
+    bool isRanked;
+    std::vector<stages::Corner> corners;       // kept
+    std::vector<stages::RankedCorner> ranked;  // the same
+};
+
+// Features of a level that are described by themselves.
+struct Stripe
+{
+    int level;
+    size_t begin, end;  // among the level's
 };
 
 // What a call needs beside its outputs.
@@ -28,21 +38,22 @@ struct Workspace
     std::vector<stages::Level> pyramid;
     stages::PyramidScratch resizing;
     std::vector<stages::SelectionLevel> selectionLevels;
-    std::vector<CornerBand> bands;                     // never fewer, to keep their memory
-    std::vector<stages::ScorePlane> planes;            // by level, for its bands
-    std::vector<std::vector<stages::Corner>> corners;  // by level: kept
+    std::vector<CornerBand> bands;           // never fewer, to keep their memory
+    std::vector<stages::ScorePlane> planes;  // by level, for its bands
     std::vector<stages::BalancedSequence> sequences;
     std::vector<uchar> ready;  // whether the level's corners and sequence are
     stages::FeatureSelector selector;
     std::vector<std::vector<stages::RankedCorner>> chosen;
+    std::vector<size_t> rowStarts;                             // to sort them
+    std::vector<stages::RankedCorner> sorted;                  // likewise
     std::vector<std::vector<stages::DescriptorPoint>> points;  // by level: where the features were found
-    std::vector<size_t> firsts;                                // of each level's features among all
+    std::vector<Stripe> stripes;
+    std::vector<size_t> firsts;  // of each level's features among all
     std::vector<KeyPoint> keypoints;
 
     void resize(size_t levels)
     {
         planes.resize(std::max(levels, planes.size()));
-        corners.resize(std::max(levels, corners.size()));
         sequences.resize(std::max(levels, sequences.size()));
         points.resize(std::max(levels, points.size()));
     }
@@ -64,7 +75,6 @@ struct LevelScratch
     stages::FastScanner scanner;
     std::vector<stages::Corner> room;  // for those of a band
     std::vector<stages::RankedCorner> ranked;
-    std::vector<size_t> rowStarts;
     stages::LeafScratch leaves;
     std::vector<stages::LeafPoint> points;
     stages::BlurRegion blurRegion;
