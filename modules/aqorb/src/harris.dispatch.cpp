@@ -17,17 +17,20 @@ namespace stages
 static const int RADIUS = 3;  // of the 5x5 block and the Sobel operators
 static const int REACH = 6;   // to the right: vectors read on
 
+static void rankInside(const uchar* image, ptrdiff_t step, const Corner* corners, int count,
+                       RankedCorner* ranked)
+{
+    CV_CPU_DISPATCH(harrisOfCorners, (image, step, corners, count, ranked), CV_CPU_DISPATCH_MODES_ALL);
+}
+
 float harrisResponse(const Mat& image, int x, int y)
 {
     PatchBuffer buffer;
     const Patch patch = patchAround(image, x, y, REACH, buffer);
-    CV_CPU_DISPATCH(harrisAt, (patch.center, patch.step), CV_CPU_DISPATCH_MODES_ALL);
-}
-
-static void rankInside(const Mat& image, const Corner* corners, int count, RankedCorner* ranked)
-{
-    CV_CPU_DISPATCH(harrisOfCorners, (image.ptr(), ptrdiff_t(image.step), corners, count, ranked),
-                    CV_CPU_DISPATCH_MODES_ALL);
+    const Corner center = {0, 0, 0};
+    RankedCorner ranked;
+    rankInside(patch.center, patch.step, &center, 1, &ranked);
+    return ranked.response;
 }
 
 void harrisResponses(const Mat& image, const std::vector<Corner>& corners, std::vector<RankedCorner>& ranked)
@@ -41,7 +44,7 @@ void harrisResponses(const Mat& image, const std::vector<Corner>& corners, std::
         end = i;
         while (end < corners.size() && inside.contains(Point(corners[end].x, corners[end].y)))
             end++;
-        rankInside(image, corners.data() + i, int(end - i), ranked.data() + i);
+        rankInside(image.ptr(), ptrdiff_t(image.step), corners.data() + i, int(end - i), ranked.data() + i);
         if (end < corners.size())
         {
             const Corner& c = corners[end];

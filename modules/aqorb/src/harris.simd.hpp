@@ -13,71 +13,168 @@ namespace stages
 {
 CV_CPU_OPTIMIZATION_NAMESPACE_BEGIN
 
-//! harrisResponse at p. Readable must be 3 pixels around and 6 to the right.
-float harrisAt(const uchar* p, ptrdiff_t step);
-
-//! harrisResponse of corners; readable as for harrisAt.
+//! harrisResponse of corners, around which 3 pixels, and 6 to the right, must be readable.
 void harrisOfCorners(const uchar* image, ptrdiff_t step, const Corner* corners, int count,
                      RankedCorner* ranked);
 
 #ifndef CV_CPU_OPTIMIZATION_DECLARATIONS_ONLY
 
-// The sums over the 5x5 block of the products of the Sobel derivatives, as whole numbers.
-static CV_ALWAYS_INLINE void sumDerivatives(const uchar* p, ptrdiff_t step, int& xx, int& yy, int& xy)
+namespace
 {
-#if CV_SIMD128
-    // A row of the window of 7 x 7 pixels that the block is made of, in lanes 0 to 4: the horizontal
-    // difference and the horizontal smoothing.
-    struct Row
-    {
-        v_int16x8 difference, smooth;
-        CV_ALWAYS_INLINE explicit Row(const uchar* q)
-        {
-            const v_int16x8 left = v_reinterpret_as_s16(v_load_expand(q));
-            const v_int16x8 middle = v_reinterpret_as_s16(v_load_expand(q + 1));
-            const v_int16x8 right = v_reinterpret_as_s16(v_load_expand(q + 2));
-            difference = v_sub(right, left);
-            smooth = v_add(v_add(left, right), v_add(middle, middle));
-        }
-    };
-    const uchar* q = p - 3 * step - 3;
-    const v_int16x8 inBlock(-1, -1, -1, -1, -1, 0, 0, 0);
-    v_int32x4 sumXX = v_setzero_s32(), sumYY = v_setzero_s32(), sumXY = v_setzero_s32();
-    Row above(q), row(q + step);
+
+// The sums over the 5x5 block of the products of the Sobel derivatives, as whole numbers.
+struct BlockSums
+{
+    int xx, yy, xy, unused;
+};
+
+#if CV_AVX512_SKX && CV_SIMD_WIDTH == 64
+#define AQORB_WIDE(name) _mm512_##name
+const int AT_ONCE = 4;
+typedef __m512i WideVector;
+CV_ALWAYS_INLINE WideVector eachBytes(const uchar* const* p, ptrdiff_t offset)
+{
+    __m512i bytes = _mm512_broadcastq_epi64(_mm_loadl_epi64(reinterpret_cast<const __m128i*>(p[0] + offset)));
+    for (int i = 1; i < AT_ONCE; i++)
+        bytes = _mm512_mask_broadcastq_epi64(
+            bytes, __mmask8(3 << (2 * i)), _mm_loadl_epi64(reinterpret_cast<const __m128i*>(p[i] + offset)));
+    return bytes;
+}
+CV_ALWAYS_INLINE WideVector inEach(const __m128i& v)
+{
+    return _mm512_broadcast_i32x4(v);
+}
+CV_ALWAYS_INLINE WideVector both(const WideVector& a, const WideVector& b)
+{
+    return _mm512_and_si512(a, b);
+}
+#elif CV_AVX2 && CV_SIMD_WIDTH == 32
+#define AQORB_WIDE(name) _mm256_##name
+const int AT_ONCE = 2;
+typedef __m256i WideVector;
+CV_ALWAYS_INLINE WideVector eachBytes(const uchar* const* p, ptrdiff_t offset)
+{
+    return _mm256_inserti128_si256(
+        _mm256_castsi128_si256(_mm_loadl_epi64(reinterpret_cast<const __m128i*>(p[0] + offset))),
+        _mm_loadl_epi64(reinterpret_cast<const __m128i*>(p[1] + offset)), 1);
+}
+CV_ALWAYS_INLINE WideVector inEach(const __m128i& v)
+{
+    return _mm256_broadcastsi128_si256(v);
+}
+CV_ALWAYS_INLINE WideVector both(const WideVector& a, const WideVector& b)
+{
+    return _mm256_and_si256(a, b);
+}
+#endif
+
+#if defined(AQORB_WIDE) || (CV_SIMD && CV_SIMD_WIDTH == 16)
+
+// A row of the windows of 7 x 7 pixels that the blocks are made of, eight lanes for each corner: the horizontal
+// difference and the horizontal smoothing in the first five, 0 in the others.
+struct WindowRows
+{
+    v_int16 difference, smooth;
+};
+
+#ifdef AQORB_WIDE
+// p: the first of the eight pixels of each corner's row.
+CV_ALWAYS_INLINE WindowRows loadRows(const uchar* const* p, ptrdiff_t offset)
+{
+    const WideVector bytes = eachBytes(p, offset);
+    // Pairs of bytes, each pair made a lane: left and middle, right and left.
+    const WideVector leftMiddle = AQORB_WIDE(shuffle_epi8)(
+        bytes, inEach(_mm_setr_epi8(0, 1, 1, 2, 2, 3, 3, 4, 4, 5, -1, -1, -1, -1, -1, -1)));
+    const WideVector rightLeft = AQORB_WIDE(shuffle_epi8)(
+        bytes, inEach(_mm_setr_epi8(2, 0, 3, 1, 4, 2, 5, 3, 6, 4, -1, -1, -1, -1, -1, -1)));
+    WindowRows rows;
+    rows.difference = v_int16(AQORB_WIDE(maddubs_epi16)(rightLeft, AQORB_WIDE(set1_epi16)(short(0xff01))));
+    rows.smooth =
+        v_int16(AQORB_WIDE(add_epi16)(AQORB_WIDE(maddubs_epi16)(leftMiddle, AQORB_WIDE(set1_epi16)(0x0201)),
+                                      both(rightLeft, AQORB_WIDE(set1_epi16)(0x00ff))));
+    return rows;
+}
+
+// Adds up the four lanes of each corner.
+CV_ALWAYS_INLINE void addLanes(const v_int32& xx, const v_int32& yy, const v_int32& xy, BlockSums* sums)
+{
+    const WideVector x = AQORB_WIDE(add_epi32)(AQORB_WIDE(unpacklo_epi32)(xx.val, yy.val),
+                                               AQORB_WIDE(unpackhi_epi32)(xx.val, yy.val));
+    const WideVector y = AQORB_WIDE(add_epi32)(AQORB_WIDE(unpacklo_epi32)(xy.val, xy.val),
+                                               AQORB_WIDE(unpackhi_epi32)(xy.val, xy.val));
+    const WideVector all =
+        AQORB_WIDE(add_epi32)(AQORB_WIDE(unpacklo_epi64)(x, y), AQORB_WIDE(unpackhi_epi64)(x, y));
+    v_store(reinterpret_cast<int*>(sums), v_int32(all));
+}
+#undef AQORB_WIDE
+#else
+const int AT_ONCE = 1;
+CV_ALWAYS_INLINE WindowRows loadRows(const uchar* const* p, ptrdiff_t offset)
+{
+    const uchar* q = p[0] + offset;
+    const v_int16 left = v_reinterpret_as_s16(vx_load_expand(q));
+    const v_int16 middle = v_reinterpret_as_s16(vx_load_expand(q + 1));
+    const v_int16 right = v_reinterpret_as_s16(vx_load_expand(q + 2));
+    const v_int16 inBlock(-1, -1, -1, -1, -1, 0, 0, 0);
+    WindowRows rows;
+    rows.difference = v_and(v_sub(right, left), inBlock);
+    rows.smooth = v_and(v_add(v_add(left, right), v_add(middle, middle)), inBlock);
+    return rows;
+}
+CV_ALWAYS_INLINE void addLanes(const v_int32& xx, const v_int32& yy, const v_int32& xy, BlockSums* sums)
+{
+    sums->xx = v_reduce_sum(xx);
+    sums->yy = v_reduce_sum(yy);
+    sums->xy = v_reduce_sum(xy);
+}
+#endif
+
+void sumBlocks(const uchar* const* centers, ptrdiff_t step, BlockSums* sums)
+{
+    v_int32 xx = vx_setzero_s32(), yy = vx_setzero_s32(), xy = vx_setzero_s32();
+    const ptrdiff_t first = -3 * step - 3;
+    WindowRows above = loadRows(centers, first), rows = loadRows(centers, first + step);
     for (int i = 2; i < 7; i++)
     {
-        const Row below(q + i * step);
-        const v_int16x8 Ix = v_and(
-            v_add(v_add(above.difference, below.difference), v_add(row.difference, row.difference)), inBlock);
-        const v_int16x8 Iy = v_and(v_sub(below.smooth, above.smooth), inBlock);
-        sumXX = v_add(sumXX, v_dotprod(Ix, Ix));
-        sumYY = v_add(sumYY, v_dotprod(Iy, Iy));
-        sumXY = v_add(sumXY, v_dotprod(Ix, Iy));
-        above = row;
-        row = below;
+        const WindowRows below = loadRows(centers, first + i * step);
+        const v_int16 Ix =
+            v_add(v_add(above.difference, below.difference), v_add(rows.difference, rows.difference));
+        const v_int16 Iy = v_sub(below.smooth, above.smooth);
+        xx = v_add(xx, v_dotprod(Ix, Ix));
+        yy = v_add(yy, v_dotprod(Iy, Iy));
+        xy = v_add(xy, v_dotprod(Ix, Iy));
+        above = rows;
+        rows = below;
     }
-    xx = v_reduce_sum(sumXX);
-    yy = v_reduce_sum(sumYY);
-    xy = v_reduce_sum(sumXY);
+    addLanes(xx, yy, xy, sums);
+}
+
 #else
-    xx = yy = xy = 0;
+
+const int AT_ONCE = 1;
+
+void sumBlocks(const uchar* const* centers, ptrdiff_t step, BlockSums* sums)
+{
+    BlockSums s = {0, 0, 0, 0};
     for (int dy = -2; dy <= 2; dy++)
     {
         for (int dx = -2; dx <= 2; dx++)
         {
-            const uchar* q = p + dy * step + dx;
+            const uchar* q = centers[0] + dy * step + dx;
             const int Ix = (q[1] - q[-1]) * 2 + (q[-step + 1] - q[-step - 1]) + (q[step + 1] - q[step - 1]);
             const int Iy =
                 (q[step] - q[-step]) * 2 + (q[step - 1] - q[-step - 1]) + (q[step + 1] - q[-step + 1]);
-            xx += Ix * Ix;
-            yy += Iy * Iy;
-            xy += Ix * Iy;
+            s.xx += Ix * Ix;
+            s.yy += Iy * Iy;
+            s.xy += Ix * Iy;
         }
     }
-#endif
+    *sums = s;
 }
 
-static CV_ALWAYS_INLINE float responseOf(int a, int b, int c)
+#endif
+
+CV_ALWAYS_INLINE float responseOf(int a, int b, int c)
 {
     const float K = 0.04f, SCALE = 1.f / ((1 << 2) * 5 * 255.f);
     // operation by operation as in cv::ORB
@@ -85,85 +182,28 @@ static CV_ALWAYS_INLINE float responseOf(int a, int b, int c)
            (SCALE * SCALE * SCALE * SCALE);
 }
 
-float harrisAt(const uchar* p, ptrdiff_t step)
-{
-    int a, b, c;
-    sumDerivatives(p, step, a, b, c);
-    return responseOf(a, b, c);
-}
-
-#if CV_AVX2
-// sumDerivatives of two corners, one in each half of the vectors.
-static CV_ALWAYS_INLINE void sumDerivativesOfTwo(const uchar* p0, const uchar* p1, ptrdiff_t step,
-                                                 int sums[6])
-{
-    struct Row
-    {
-        __m256i difference, smooth;
-        CV_ALWAYS_INLINE Row(const uchar* a, const uchar* b)
-        {
-            // Eight bytes of each: shifted by two, the seven that the window has are still there.
-            const __m128i both = _mm_unpacklo_epi64(_mm_loadl_epi64(reinterpret_cast<const __m128i*>(a)),
-                                                    _mm_loadl_epi64(reinterpret_cast<const __m128i*>(b)));
-            const __m256i left = _mm256_cvtepu8_epi16(both);
-            const __m256i middle = _mm256_cvtepu8_epi16(_mm_srli_epi64(both, 8));
-            const __m256i right = _mm256_cvtepu8_epi16(_mm_srli_epi64(both, 16));
-            difference = _mm256_sub_epi16(right, left);
-            smooth = _mm256_add_epi16(_mm256_add_epi16(left, right), _mm256_add_epi16(middle, middle));
-        }
-    };
-    const uchar *a = p0 - 3 * step - 3, *b = p1 - 3 * step - 3;
-    const __m256i inBlock = _mm256_setr_epi16(-1, -1, -1, -1, -1, 0, 0, 0, -1, -1, -1, -1, -1, 0, 0, 0);
-    __m256i xx = _mm256_setzero_si256(), yy = xx, xy = xx;
-    Row above(a, b), row(a + step, b + step);
-    for (int i = 2; i < 7; i++)
-    {
-        const Row below(a + i * step, b + i * step);
-        const __m256i twice = _mm256_add_epi16(row.difference, row.difference);
-        const __m256i Ix = _mm256_and_si256(
-            _mm256_add_epi16(_mm256_add_epi16(above.difference, below.difference), twice), inBlock);
-        const __m256i Iy = _mm256_and_si256(_mm256_sub_epi16(below.smooth, above.smooth), inBlock);
-        xx = _mm256_add_epi32(xx, _mm256_madd_epi16(Ix, Ix));
-        yy = _mm256_add_epi32(yy, _mm256_madd_epi16(Iy, Iy));
-        xy = _mm256_add_epi32(xy, _mm256_madd_epi16(Ix, Iy));
-        above = row;
-        row = below;
-    }
-    // xx, yy, xy, xy of both corners
-    const __m256i total = _mm256_hadd_epi32(_mm256_hadd_epi32(xx, yy), _mm256_hadd_epi32(xy, xy));
-    int all[8];
-    _mm256_storeu_si256(reinterpret_cast<__m256i*>(all), total);
-    for (int i = 0; i < 3; i++)
-    {
-        sums[i] = all[i];
-        sums[3 + i] = all[4 + i];
-    }
-}
-#endif
+}  // namespace
 
 void harrisOfCorners(const uchar* image, ptrdiff_t step, const Corner* corners, int count,
                      RankedCorner* ranked)
 {
-    int i = 0;
-#if CV_AVX2
-    for (; i + 2 <= count; i += 2)
+    for (int i = 0; i < count; i += AT_ONCE)
     {
-        int sums[6];
-        sumDerivativesOfTwo(image + corners[i].y * step + corners[i].x,
-                            image + corners[i + 1].y * step + corners[i + 1].x, step, sums);
-        for (int j = 0; j < 2; j++)
+        const uchar* centers[AT_ONCE];
+        BlockSums sums[AT_ONCE];
+        const int last = count - 1 - i;  // it fills the lanes that are left
+        for (int j = 0; j < AT_ONCE; j++)
         {
-            ranked[i + j].x = corners[i + j].x;
-            ranked[i + j].y = corners[i + j].y;
-            ranked[i + j].response = responseOf(sums[3 * j], sums[3 * j + 1], sums[3 * j + 2]);
+            const Corner& corner = corners[i + (j < last ? j : last)];
+            centers[j] = image + corner.y * step + corner.x;
         }
-    }
-#endif
-    for (; i < count; i++)
-    {
-        ranked[i].x = corners[i].x;
-        ranked[i].y = corners[i].y;
-        ranked[i].response = harrisAt(image + corners[i].y * step + corners[i].x, step);
+        sumBlocks(centers, step, sums);
+        for (int j = 0; j < AT_ONCE && j <= last; j++)
+        {
+            const RankedCorner corner = {corners[i + j].x, corners[i + j].y,
+                                         responseOf(sums[j].xx, sums[j].yy, sums[j].xy)};
+            ranked[i + j] = corner;
+        }
     }
 }
 
