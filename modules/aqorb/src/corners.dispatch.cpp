@@ -14,7 +14,7 @@ namespace aqorb
 namespace stages
 {
 
-static int writeKeptCorners(const CornerBlocks& blocks, ScorePlane& plane, Corner* kept)
+static int writeKeptCorners(const CornerBlocks& blocks, const ScorePlane& plane, Corner* kept)
 {
     const CornerBlock* first = blocks.room.data();
     const uchar* scores = plane.row(first->y);
@@ -22,7 +22,7 @@ static int writeKeptCorners(const CornerBlocks& blocks, ScorePlane& plane, Corne
                     CV_CPU_DISPATCH_MODES_ALL);
 }
 
-void suppressCorners(const CornerBlocks& blocks, ScorePlane& plane, std::vector<Corner>& room,
+void suppressCorners(const CornerBlocks& blocks, const ScorePlane& plane, std::vector<Corner>& room,
                      std::vector<Corner>& kept)
 {
     CV_TRACE_FUNCTION();

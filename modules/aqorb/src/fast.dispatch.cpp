@@ -224,7 +224,7 @@ void FastScanner::settle()
     impl->settle();
 }
 
-void listCorners(const CornerBlocks& blocks, ScorePlane& plane, std::vector<Corner>& corners)
+void listCorners(const CornerBlocks& blocks, const ScorePlane& plane, std::vector<Corner>& corners)
 {
     for (int i = 0; i < blocks.count; i++)
     {

@@ -53,7 +53,7 @@ public:
     {
         CV_TRACE_FUNCTION();
         CornerBand& band = workspace.bands[index];
-        stages::ScorePlane& plane = workspace.planes[band.level];
+        const stages::ScorePlane& plane = workspace.planes[band.level];
         band.corners.clear();
         // Harris responses of neighbours hardly differ: unsuppressed, a strong corner is taken thrice.
         if (isHarris())

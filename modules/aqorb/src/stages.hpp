@@ -162,10 +162,11 @@ struct CornerBlocks
 class CV_EXPORTS ScorePlane
 {
 public:
-    //! Begins anew, for corners in a region of an image of the given width. What is below and above is 0 for ever.
+    //! Begins anew, for corners in a region of an image of the given width.
     void begin(int imageWidth, const Rect& region);
-    //! By column of the image. Of columns and rows outside of the region some are readable: see kernels.hpp.
+    //! By column of the image. SUPPRESS_RADIUS rows and SUPPRESS_MARGIN columns around the region are readable.
     uchar* row(int y) { return bytes.data() + first + (y - top) * step(); }
+    const uchar* row(int y) const { return bytes.data() + first + (y - top) * step(); }
     ptrdiff_t step() const { return rowBytes; }
 
 private:
@@ -204,7 +205,8 @@ private:
 };
 
 //! The corners of blocks, in raster order, appended.
-CV_EXPORTS void listCorners(const CornerBlocks& blocks, ScorePlane& plane, std::vector<Corner>& corners);
+CV_EXPORTS void listCorners(const CornerBlocks& blocks, const ScorePlane& plane,
+                            std::vector<Corner>& corners);
 
 /** The unthresholded FAST score at p, -255 to 255: the largest over the 16 arcs of 9 circle pixels
  of their least difference to the centre, brighter or darker. One more than cv::FAST's response. */
@@ -243,8 +245,8 @@ CV_EXPORTS void findBandCorners(const Level& level, const Rect& band, Thresholds
 /** Appends the corners of a band but those that fall to a better one nearby, even if that falls itself.
  @param plane of the whole region
  @param room work space */
-CV_EXPORTS void suppressCorners(const CornerBlocks& blocks, ScorePlane& plane, std::vector<Corner>& room,
-                                std::vector<Corner>& kept);
+CV_EXPORTS void suppressCorners(const CornerBlocks& blocks, const ScorePlane& plane,
+                                std::vector<Corner>& room, std::vector<Corner>& kept);
 
 //! Corners that are not among others; all in raster order.
 CV_EXPORTS void cornersWithout(const std::vector<Corner>& corners, const std::vector<Corner>& without,
