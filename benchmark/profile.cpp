@@ -85,18 +85,10 @@ void enter(const std::vector<TraceRegion>& regions, std::vector<std::string>& ab
 
 const char* nameOf(Stage stage)
 {
-    static const char* const NAMES[] = {"threshold",
-                                        "pyramid",
-                                        "FAST, cells",
-                                        "suppression between neighbours",
-                                        "Harris",
-                                        "quadtree",
-                                        "selection",
-                                        "orientation",
-                                        "position",
-                                        "blur",
-                                        "descriptor",
-                                        "rest"};
+    static const char* const NAMES[] = {
+        "threshold", "pyramid",  "FAST, cells", "suppression between neighbours",
+        "Harris",    "quadtree", "selection",   "orientation",
+        "position",  "blur",     "descriptor",  "rest"};
     return NAMES[stage];
 }
 
