@@ -20,7 +20,7 @@ struct Failure
     cv::String message;
 };
 
-//! Runs a program; gives its exit code. Prints what it fails by.
+//! Runs a program; gives its exit code, 4 for any other exception. Prints what it fails by.
 inline int runProgram(const char* name, void (*run)(int, char**), int argc, char** argv)
 {
     try

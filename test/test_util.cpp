@@ -131,7 +131,7 @@ Mat atOffset(const Mat& image, int offset)
     Mat whole(image.rows + 2 * ROWS, int(rowBytes / element), image.type());
     const int before = int(size_t(whole.data) % ALIGNMENT);
     const int left = (ALIGNMENT + (offset - before + ALIGNMENT) % ALIGNMENT) / element;
-    copyMakeBorder(~image, whole, ROWS, ROWS, left, whole.cols - left - image.cols, BORDER_REFLECT_101);
+    cv::copyMakeBorder(~image, whole, ROWS, ROWS, left, whole.cols - left - image.cols, BORDER_REFLECT_101);
     Mat part = whole(Rect(left, ROWS, image.cols, image.rows));
     image.copyTo(part);
     CV_Assert(size_t(part.ptr(part.rows - 1)) % ALIGNMENT == size_t(offset));

@@ -61,10 +61,11 @@ void sortInRasterOrder(std::vector<RankedCorner>& corners, int rows, std::vector
     sorted.resize(corners.size());
     for (size_t i = 0; i < corners.size(); i++)
         sorted[starts[corners[i].y]++] = corners[i];
-    for (size_t i = 1; i < sorted.size(); i++)  // within the rows
+    size_t begin = 0;
+    for (int y = 0; y < rows; begin = starts[y++])  // now the end of row y
     {
-        for (size_t j = i; j > 0 && InRasterOrder()(sorted[j], sorted[j - 1]); j--)
-            std::swap(sorted[j], sorted[j - 1]);
+        if (starts[y] - begin > 1)
+            std::sort(sorted.begin() + begin, sorted.begin() + starts[y], InRasterOrder());
     }
     corners.swap(sorted);
 }
@@ -183,7 +184,7 @@ private:
     Parameters p;
     Tables tables;
     Pool<Workspace> workspaces;
-    mutable Pool<LevelScratch> scratches;
+    mutable Pool<TaskScratch> scratches;
 };
 
 Ptr<AdaptiveQuadtreeORB> AdaptiveQuadtreeORB::create(int nfeatures, float scaleFactor, int nlevels,
@@ -391,8 +392,8 @@ void AdaptiveQuadtreeORBImpl::describe(Workspace& workspace, const Stripe& strip
 {
     const Mat& level = workspace.pyramid[stripe.level].image;
     const DescriptorPoint* points = workspace.points[stripe.level].data();
-    const Pool<LevelScratch>::Lease lent(scratches);
-    LevelScratch& scratch = *lent;
+    const Pool<TaskScratch>::Lease lent(scratches);
+    TaskScratch& scratch = *lent;
     const int reach = tables.tests.reach, side = 2 * reach + 1;
     scratch.blurRegion.begin(level.size());
     for (size_t i = stripe.begin; i < stripe.end; i++)

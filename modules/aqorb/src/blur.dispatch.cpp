@@ -4,8 +4,6 @@
 
 #include "precomp.hpp"
 
-#include <cstring>
-
 #include "blur.simd.hpp"
 #include "blur.simd_declarations.hpp"
 

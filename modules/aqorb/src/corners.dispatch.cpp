@@ -22,16 +22,12 @@ static int writeKeptCorners(const CornerBlocks& blocks, const ScorePlane& plane,
                     CV_CPU_DISPATCH_MODES_ALL);
 }
 
-void suppressCorners(const CornerBlocks& blocks, const ScorePlane& plane, std::vector<Corner>& room,
-                     std::vector<Corner>& kept)
+void suppressCorners(const CornerBlocks& blocks, const ScorePlane& plane, std::vector<Corner>& kept)
 {
     CV_TRACE_FUNCTION();
-    if (blocks.count == 0)
-        return;
-    if (room.size() < size_t(blocks.cornerCount))
-        room.resize(blocks.cornerCount);
-    const int count = writeKeptCorners(blocks, plane, room.data());
-    kept.insert(kept.end(), room.begin(), room.begin() + count);
+    kept.resize(blocks.cornerCount);
+    if (blocks.count > 0)
+        kept.resize(writeKeptCorners(blocks, plane, kept.data()));
 }
 
 void cornersWithout(const std::vector<Corner>& corners, const std::vector<Corner>& without,
@@ -88,7 +84,7 @@ void findCorners(const Level& level, const Rect& region, Thresholds thresholds, 
     findBandCorners(level, region, thresholds, cellSize, scratch.plane, scratch.blocks, scratch.scanner);
     listCorners(scratch.blocks, scratch.plane, scratch.all);
     if (suppressNear)
-        suppressCorners(scratch.blocks, scratch.plane, scratch.room, corners.kept);
+        suppressCorners(scratch.blocks, scratch.plane, corners.kept);
     else
         corners.kept = scratch.all;
     cornersWithout(scratch.all, corners.kept, corners.suppressed);

@@ -95,10 +95,10 @@ int comparePairs(const ushort* center, ptrdiff_t step, float a, float b, const P
         const v_int8 isSure = v_pack(v_reinterpret_as_s16(sure[0]), v_reinterpret_as_s16(sure[1]));
         const v_int8 isPossible =
             v_pack(v_reinterpret_as_s16(possible[0]), v_reinterpret_as_s16(possible[1]));
-        const uint64 less = uint64(v_signmask(isSure)) & LANE_MASK;
+        const uint64 less = signBits(isSure);
         for (int j = 0; j < 2 * LANES / 8; j++)
             descriptor[i / 8 + j] = uchar(less >> (8 * j));
-        for (uint64 maybe = uint64(v_signmask(isPossible)) & LANE_MASK & ~less; maybe; maybe &= maybe - 1)
+        for (uint64 maybe = signBits(isPossible) & ~less; maybe; maybe &= maybe - 1)
             unsure[left++] = uchar(i + trailingZeros(maybe));
     }
 #endif

@@ -88,8 +88,8 @@ void ScorePlane::begin(int imageWidth, const Rect& region)
     makeRoom(bytes, (region.height + 2 * ROWS) * bytesOfRow + SCAN_ALIGNMENT);
     top = region.y;
     rowBytes = ptrdiff_t(bytesOfRow);
-    // A scan's first block begins a column before the region.
-    first = alignedRow(bytes.data() + ROWS * bytesOfRow, region.x - 1) - bytes.data();
+    // As a rule a scan's first block begins a column before the region.
+    first = alignedRow(bytes.data() + ROWS * bytesOfRow, std::max(region.x - 1, RADIUS)) - bytes.data();
     std::fill_n(row(top) - SCAN_MARGIN - ROWS * rowBytes, ROWS * bytesOfRow, uchar(0));
     std::fill_n(row(top + region.height) - SCAN_MARGIN, ROWS * bytesOfRow, uchar(0));
 }
@@ -117,7 +117,6 @@ public:
         makeRoom(scores, SCAN_ROWS * rowBytes + SCAN_ALIGNMENT);
         corners = &corners_;
         corners->count = corners->cornerCount = 0;
-        makeRoom(corners->room, region.height * blockCount + 2);
 
         state.image = image.ptr();
         state.step = ptrdiff_t(image.step);
@@ -145,19 +144,22 @@ public:
         }
         state.plane = plane.row(region.y);
         state.planeStep = plane.step();
-        state.found = corners->room.data();
         state.foundCount = 0;
         columns = Range(region.x, region.x + region.width);
     }
 
     void scan(int end)
     {
+        end = std::min(end, state.bottom);
+        const size_t rows = size_t(std::max(end - state.y + 1, 0));  // one more than are suppressed
+        makeRoom(corners->room, state.foundCount + rows * blocks.size() + 2);
+        state.found = corners->room.data();
         strong.assign(blocks.size(), 0);
         state.strong = strong.data();
         std::fill_n(floors.begin() + blocks[0].x, blocks.back().x + state.blockWidth - blocks[0].x,
                     uchar(255));
         std::fill_n(floors.begin() + columns.start, columns.size(), uchar(0));
-        continueFastScan(state, std::min(end, state.bottom));
+        continueFastScan(state, end);
     }
 
     bool hasStrong(const Range& range) const

@@ -105,10 +105,7 @@ template <typename Vector> struct Lanes
     static CV_ALWAYS_INLINE void store(uchar* p, const V& a) { v_store(p, a); }
     // The difference where it is positive, else 0.
     static CV_ALWAYS_INLINE V above(const V& a, const V& b) { return v_sub(a, b); }
-    static CV_ALWAYS_INLINE uint64 maskGreater(const V& a, const V& b)
-    {
-        return uint64(v_signmask(v_gt(a, b))) & (~uint64(0) >> (64 - AQORB_LANES(V)));
-    }
+    static CV_ALWAYS_INLINE uint64 maskGreater(const V& a, const V& b) { return signBits(v_gt(a, b)); }
     // Stores a where it is greater than b, else 0, and returns where it is.
     static CV_ALWAYS_INLINE uint64 storeGreater(uchar* p, const V& a, const V& b)
     {

@@ -75,10 +75,12 @@ struct FastScan
     ptrdiff_t scoreStep;
     int* listed[2];  //!< by row modulo 2: the blocks in which there are scores
     int listedCount[2];
-    uchar* plane;  //!< the scores of corners, from row top on, by column, with SCAN_MARGIN
+    uchar*
+        plane;  //!< the scores of corners, from row top on, by column; off the wanted ones unknown until dropped
     ptrdiff_t planeStep;
-    uint64* strong;      //!< by block: the columns in which a strong corner was found
-    CornerBlock* found;  //!< room for all blocks of all rows, and two
+    uint64*
+        strong;  //!< by block: the columns in which a strong corner was found; unknown off the wanted ones
+    CornerBlock* found;  //!< room for all blocks of the rows to scan, and two
     int foundCount;
 };
 

@@ -29,7 +29,8 @@ void copyReflected(const Mat& image, const Rect& rect, uchar* out)
             image.ptr(isInside ? rect.y + y : borderInterpolate(rect.y + y, image.rows, BORDER_REFLECT_101));
         for (int x = 0; x < left; x++)
             out[x] = row[columns[x]];
-        std::copy(row + rect.x + left, row + rect.x + right, out + left);
+        if (left < right)
+            std::copy(row + rect.x + left, row + rect.x + right, out + left);
         for (int x = right; x < rect.width; x++)
             out[x] = row[columns[x]];
     }

@@ -19,7 +19,7 @@ class PyramidCorners : public stages::CornerSource
 {
 public:
     PyramidCorners(const Parameters& parameters_, stages::Thresholds thresholds_, Workspace& workspace_,
-                   Pool<LevelScratch>& scratches_)
+                   Pool<TaskScratch>& scratches_)
         : parameters(parameters_),
           thresholds(thresholds_),
           workspace(workspace_),
@@ -43,7 +43,7 @@ public:
     {
         CV_TRACE_FUNCTION();
         CornerBand& band = workspace.bands[index];
-        const Pool<LevelScratch>::Lease lent(scratches);
+        const Pool<TaskScratch>::Lease lent(scratches);
         stages::findBandCorners(workspace.pyramid[band.level], band.rect, thresholds, parameters.cellSize,
                                 workspace.planes[band.level], band.blocks, (*lent).scanner);
     }
@@ -54,18 +54,17 @@ public:
         CV_TRACE_FUNCTION();
         CornerBand& band = workspace.bands[index];
         const stages::ScorePlane& plane = workspace.planes[band.level];
-        band.corners.clear();
         // Harris responses of neighbours hardly differ: unsuppressed, a strong corner is taken thrice.
         if (isHarris())
         {
-            const Pool<LevelScratch>::Lease lent(scratches);
-            stages::suppressCorners(band.blocks, plane, (*lent).room, band.corners);
+            stages::suppressCorners(band.blocks, plane, band.corners);
         }
         else
         {
+            band.corners.clear();
             stages::listCorners(band.blocks, plane, band.corners);
         }
-        rank(band.level, band.corners, band.ranked);
+        score(band.level, band.corners, band.ranked);
         band.isRanked = true;
     }
     // Makes the corners of a level, whose bands are searched, ready to be asked for; several levels may be prepared at
@@ -73,8 +72,8 @@ public:
     void prepare(int level)
     {
         CV_TRACE_FUNCTION();
-        const Pool<LevelScratch>::Lease lent(scratches);
-        LevelScratch& scratch = *lent;
+        const Pool<TaskScratch>::Lease lent(scratches);
+        TaskScratch& scratch = *lent;
         scratch.ranked.clear();
         for (size_t i = 0; i < bands; i++)
         {
@@ -104,23 +103,25 @@ public:
     }
     void corners(int level, stages::CornerSet set, std::vector<stages::RankedCorner>& ranked) CV_OVERRIDE
     {
+        ranked.clear();
         std::vector<stages::Corner> found, kept, passedOver;
         for (size_t i = 0; i < bands; i++)
         {
             const CornerBand& band = workspace.bands[i];
             if (band.level != level)
                 continue;
-            stages::listCorners(band.blocks, workspace.planes[level], found);
+            ranked.insert(ranked.end(), band.ranked.begin(), band.ranked.end());
             kept.insert(kept.end(), band.corners.begin(), band.corners.end());
+            stages::listCorners(band.blocks, workspace.planes[level], found);
         }
         if (set == stages::KEPT_CORNERS)
-            return rank(level, kept, ranked);
+            return;
         if (set == stages::SUPPRESSED_CORNERS)
             stages::cornersWithout(found, kept, passedOver);
         else
             stages::findCellRejects(workspace.pyramid[level], workspace.selectionLevels[level].root,
                                     thresholds, found, passedOver);
-        rank(level, passedOver, ranked);
+        score(level, passedOver, ranked);
     }
 
 private:
@@ -147,8 +148,8 @@ private:
     }
     bool isHarris() const { return parameters.scoreType == ORB::HARRIS_SCORE; }
 
-    void rank(int level, const std::vector<stages::Corner>& unranked,
-              std::vector<stages::RankedCorner>& ranked) const
+    void score(int level, const std::vector<stages::Corner>& unranked,
+               std::vector<stages::RankedCorner>& ranked) const
     {
         if (isHarris())
         {
@@ -166,7 +167,7 @@ private:
     const Parameters& parameters;
     const stages::Thresholds thresholds;
     Workspace& workspace;
-    Pool<LevelScratch>& scratches;
+    Pool<TaskScratch>& scratches;
     size_t bands;  // of the workspace's
 };
 

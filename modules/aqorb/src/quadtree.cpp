@@ -136,8 +136,9 @@ struct ByLeaf
 
 }  // namespace
 
-// Work is done as the sequence is asked for: as a rule a level needs little more than the best of each
-// leaf, while it has many times as many corners.
+// The best of each leaf is found at the beginning, as sequences are begun side by side, but taken from one by one. The
+// rest is done as the sequence is asked for: as a rule a level needs little more, while it has many times as many
+// corners.
 
 void BalancedSequence::begin(std::vector<LeafPoint>& points_, int depth)
 {
@@ -181,7 +182,6 @@ void BalancedSequence::begin(std::vector<LeafPoint>& points_, int depth)
             begin = next;
         }
     }
-    // Here rather than as it is asked for: sequences are begun side by side, but taken from one by one.
     candidates.resize(leaves.size());
     for (size_t i = 0; i < leaves.size(); i++)
         candidates[i] = takeBest(leaves[i]);

@@ -42,8 +42,11 @@ AQORB_BINARY(v_ge, >=)
 #endif
 
 #if CV_SIMD
-//! The bits of v_signmask that stand for lanes of bytes.
-static const uint64 LANE_MASK = ~uint64(0) >> (64 - CV_SIMD_WIDTH);
+//! A bit for each lane of bytes: whether its sign is set.
+template <typename V> static CV_ALWAYS_INLINE uint64 signBits(const V& a)
+{
+    return uint64(v_signmask(a)) & (~uint64(0) >> (64 - AQORB_LANES(V)));
+}
 #endif
 
 //! Index of the lowest bit set, of which there must be one.

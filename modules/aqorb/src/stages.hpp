@@ -15,8 +15,8 @@
 //   input -> thresholds -> pyramid -> FAST -> corners -> Harris -> quadtree -> selection
 //         -> position -> orientation -> blur -> descriptor
 //
-// A stage takes plain input, returns plain output and keeps no state. They are exported for the
-// accuracy tests only; this header is not installed and no part of the interface.
+// A stage takes plain input, returns plain output and keeps no state but in the objects it is given. They are
+// exported for the accuracy tests only; this header is not installed and no part of the interface.
 
 namespace cv
 {
@@ -217,7 +217,7 @@ CV_EXPORTS void cornerScores3x3(const Mat& image, int x, int y, int scores[3][3]
 
 // ---- corners.dispatch.cpp --------------------------------------------------------------------
 
-//! What corner detection on a level gives: the corners to choose from, and those the rules pass over.
+//! What corner detection on a level gives: the corners to choose from, and those that suppression passes over.
 struct LevelCorners
 {
     std::vector<Corner> kept;
@@ -230,7 +230,7 @@ struct CornerScratch
     FastScanner scanner;
     ScorePlane plane;
     CornerBlocks blocks;
-    std::vector<Corner> all, room;
+    std::vector<Corner> all;
 };
 
 //! Rows of a region whose corners are found by themselves, whole rows of cells; empty for an index too high.
@@ -242,11 +242,10 @@ CV_EXPORTS Range cornerBand(const Rect& region, int cellSize, int index);
 CV_EXPORTS void findBandCorners(const Level& level, const Rect& band, Thresholds thresholds, int cellSize,
                                 ScorePlane& plane, CornerBlocks& found, FastScanner& scanner);
 
-/** Appends the corners of a band but those that fall to a better one nearby, even if that falls itself.
- @param plane of the whole region
- @param room work space */
+/** The corners of a band but those that fall to a better one nearby, even if that falls itself.
+ @param plane of the whole region */
 CV_EXPORTS void suppressCorners(const CornerBlocks& blocks, const ScorePlane& plane,
-                                std::vector<Corner>& room, std::vector<Corner>& kept);
+                                std::vector<Corner>& kept);
 
 //! Corners that are not among others; all in raster order.
 CV_EXPORTS void cornersWithout(const std::vector<Corner>& corners, const std::vector<Corner>& without,

@@ -69,11 +69,10 @@ struct Workspace
     }
 };
 
-// What work on one level needs only as long as it lasts, so that levels one after the other share it.
-struct LevelScratch
+// What a task needs only as long as it lasts, so that tasks one after the other share it.
+struct TaskScratch
 {
     stages::FastScanner scanner;
-    std::vector<stages::Corner> room;  // for those of a band
     std::vector<stages::RankedCorner> ranked;
     stages::LeafScratch leaves;
     std::vector<stages::LeafPoint> points;
