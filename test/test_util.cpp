@@ -173,23 +173,6 @@ Mat oxfordHomography(const std::string& set, int index)
     return homography;
 }
 
-std::vector<Mat> photographs()
-{
-    const std::string names[] = {oxfordImage("bikes", 1),      oxfordImage("leuven", 4),
-                                 oxfordImage("bark", 1),       oxfordImage("trees", 2),
-                                 oxfordImage("ubc", 6),        oxfordImage("graf", 3),
-                                 dataFile("cv/shared/box.png")};
-    std::vector<Mat> images;
-    for (const std::string& name : names)
-    {
-        const Mat image = imread(name, IMREAD_GRAYSCALE);
-        EXPECT_FALSE(image.empty()) << name;
-        if (!image.empty())
-            images.push_back(image);
-    }
-    return images;
-}
-
 bool orbBlursExactly(const Mat& image)
 {
     const int BORDER = 8;  // cv::ORB blurs a part of a larger matrix
