@@ -23,7 +23,7 @@
 source "$(dirname "$0")/common.sh"
 
 FOLDER=$BUILD/compatibility
-options=(-DAQORB_BUILD_TESTS=ON -DAQORB_BUILD_COMPATIBILITY=ON -DAQORB_WERROR=ON)
+options=(-DAQORB_BUILD_TESTS=ON -DAQORB_BUILD_FINGERPRINT=ON -DAQORB_WERROR=ON)
 images=()
 if [[ -n ${OPENCV_TEST_DATA_PATH:-} ]]; then
     OPENCV_TEST_DATA_PATH=$(cd "$OPENCV_TEST_DATA_PATH" && pwd)
@@ -132,14 +132,14 @@ compiled() {
     local row=$1
     shift
     tests "$FOLDER/$row" "$@"
-    fingerprint "$row" "$FOLDER/$row/compatibility/aqorb_fingerprint"
+    fingerprint "$row" "$FOLDER/$row/tools/fingerprint/aqorb_fingerprint"
 }
 
 # disabled ROW FEATURES: the ordinary build without some features of the CPU.
 disabled() {
     export OPENCV_CPU_DISABLE=$2
     tests "$BUILD/release"
-    fingerprint "$1" "$BUILD/release/compatibility/aqorb_fingerprint"
+    fingerprint "$1" "$BUILD/release/tools/fingerprint/aqorb_fingerprint"
 }
 
 row_debian12() {
@@ -148,7 +148,7 @@ row_debian12() {
     else
         "$ROOT/scripts/test.sh" "${options[@]}"
     fi
-    fingerprint debian12 "$BUILD/release/compatibility/aqorb_fingerprint"
+    fingerprint debian12 "$BUILD/release/tools/fingerprint/aqorb_fingerprint"
 }
 
 row_debian13() {
@@ -164,7 +164,7 @@ row_debian13() {
     # shellcheck disable=SC2016
     fingerprint debian13 inside_debian13 sh -ec \
         'if [ "$OPENCV_TEST_DATA_PATH" ]; then cd "/data/$0"; fi
-        exec /aqorb/build/release/compatibility/aqorb_fingerprint "$@"' "$photographs"
+        exec /aqorb/build/release/tools/fingerprint/aqorb_fingerprint "$@"' "$photographs"
 }
 
 row_avx2() { disabled avx2 AVX512-SKX; }
@@ -173,22 +173,22 @@ row_sse2() { disabled sse2 SSE3,SSSE3,SSE4.1,SSE4.2,POPCNT,FP16,FMA3,AVX,AVX2,AV
 
 row_plain() {
     bytes_only=1 tests "$BUILD/release"
-    fingerprint plain "$BUILD/release/compatibility/aqorb_fingerprint" --plain
+    fingerprint plain "$BUILD/release/tools/fingerprint/aqorb_fingerprint" --plain
 }
 
 row_qemu64() {
     need qemu-user-static
     local emulator=(qemu-x86_64-static -cpu qemu64)
     tests "$FOLDER/qemu64" -DCMAKE_CROSSCOMPILING_EMULATOR="$(join "${emulator[@]}")"
-    fingerprint qemu64 "${emulator[@]}" "$FOLDER/qemu64/compatibility/aqorb_fingerprint"
+    fingerprint qemu64 "${emulator[@]}" "$FOLDER/qemu64/tools/fingerprint/aqorb_fingerprint"
 }
 
 row_aarch64() {
     need g++-aarch64-linux-gnu qemu-user-static
     arm64_sysroot
-    tests "$FOLDER/aarch64" -DCMAKE_TOOLCHAIN_FILE="$ROOT/cmake/toolchains/aarch64-linux-gnu.cmake" \
+    tests "$FOLDER/aarch64" -DCMAKE_TOOLCHAIN_FILE="$ROOT/cmake/aarch64-linux-gnu.cmake" \
         -DAQORB_SYSROOT="$SYSROOT"
-    fingerprint aarch64 qemu-aarch64-static -L "$SYSROOT" "$FOLDER/aarch64/compatibility/aqorb_fingerprint"
+    fingerprint aarch64 qemu-aarch64-static -L "$SYSROOT" "$FOLDER/aarch64/tools/fingerprint/aqorb_fingerprint"
 }
 
 row_clang() {

@@ -55,7 +55,7 @@ build "$BUILD/fuzz" --target "${targets[@]}"
 fuzz() {
     local target=$1 corpus=$run/$1/corpus
     mkdir -p "$corpus" "$run/$target/finds"
-    "$BUILD/fuzz/fuzz/$target" "$corpus" "$ROOT/fuzz/corpus/$target" \
+    "$BUILD/fuzz/tools/fuzz/$target" "$corpus" "$ROOT/tools/fuzz/corpus/$target" \
         -artifact_prefix="$run/$target/finds/" -max_total_time="$seconds" -max_len=$max_length -timeout=60 \
         -rss_limit_mb=3072 -malloc_limit_mb=1024 -print_final_stats=1 >"$run/$target/log" 2>&1
 }
@@ -92,8 +92,8 @@ done
 say "The corpus on the other kernels"
 # The best kernels but one; the baseline is what fuzz_reference compares with.
 for target in "${targets[@]}"; do
-    OPENCV_CPU_DISABLE=AVX512-SKX "$BUILD/fuzz/fuzz/$target" -runs=0 -max_len=$max_length \
-        "$run/$target/corpus" "$ROOT/fuzz/corpus/$target" >"$run/$target/kernels.log" 2>&1 ||
+    OPENCV_CPU_DISABLE=AVX512-SKX "$BUILD/fuzz/tools/fuzz/$target" -runs=0 -max_len=$max_length \
+        "$run/$target/corpus" "$ROOT/tools/fuzz/corpus/$target" >"$run/$target/kernels.log" 2>&1 ||
         { tail -n 40 "$run/$target/kernels.log" && die "$target: a find without AVX-512"; }
     echo "$target: no find without AVX-512"
 done
@@ -105,8 +105,8 @@ if ((coverage)); then
     build "$folder" --target "${targets[@]}" fuzz_orb
     profiles=()
     for target in "${targets[@]}"; do
-        LLVM_PROFILE_FILE=$run/$target/profile "$folder/fuzz/$target" -runs=0 -max_len=$max_length \
-            "$run/$target/corpus" "$ROOT/fuzz/corpus/$target" >"$run/$target/coverage.log" 2>&1
+        LLVM_PROFILE_FILE=$run/$target/profile "$folder/tools/fuzz/$target" -runs=0 -max_len=$max_length \
+            "$run/$target/corpus" "$ROOT/tools/fuzz/corpus/$target" >"$run/$target/coverage.log" 2>&1
         profiles+=("$run/$target/profile")
     done
     llvm-profdata merge "${profiles[@]}" -o "$run/profile"
@@ -115,5 +115,5 @@ if ((coverage)); then
         grep -E '^Filename|^TOTAL'
 
     say "The inputs of fuzz_api, given to cv::ORB"
-    "$folder/fuzz/fuzz_orb" "$ROOT/fuzz/corpus/fuzz_api" "$run/fuzz_api/corpus"
+    "$folder/tools/fuzz/fuzz_orb" "$ROOT/tools/fuzz/corpus/fuzz_api" "$run/fuzz_api/corpus"
 fi

@@ -37,7 +37,7 @@ as_root rm -rf "$system"
 release=$(. /etc/os-release && echo "$VERSION_CODENAME")
 as_root debootstrap --variant=minbase "$release" "$system" >"$BUILD/system.log" || die "see $BUILD/system.log"
 as_root mkdir "$system/work"
-as_root cp "$packages"/*.deb "$ROOT"/cmake/consumer/* "$ROOT/python/test/test_installed.py" "$system/work"
+as_root cp "$packages"/*.deb "$ROOT"/tools/consumer/* "$ROOT/bindings/python/test/test_installed.py" "$system/work"
 
 say "Installing"
 quietly=(env DEBIAN_FRONTEND=noninteractive apt-get install -y -qq --no-install-recommends)

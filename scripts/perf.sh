@@ -42,7 +42,7 @@ results=$folder/results
 say 'Building'
 mkdir -p "$folder"
 {
-    cmake -S "$ROOT/cmake/opencv_ts" -B "$folder" -DCMAKE_BUILD_TYPE=Release \
+    cmake -S "$ROOT/tools/opencv_ts" -B "$folder" -DCMAKE_BUILD_TYPE=Release \
         -DCMAKE_CXX_COMPILER_LAUNCHER=ccache -DOPENCV_SOURCE_DIR="$OPENCV_SOURCE" &&
         build "$folder" --target opencv_perf_aqorb
 } >"$folder/build.log" 2>&1 || { tail -n 40 "$folder/build.log" && die 'the build failed'; }
@@ -62,4 +62,4 @@ for ((pass = 1; pass <= passes; pass++)); do
 done
 
 say 'Results'
-"$PYTHON" "$ROOT/scripts/perf_table.py" "${smoke[@]}" "$results"/*.xml
+"$PYTHON" "$ROOT/tools/report/perf_table.py" "${smoke[@]}" "$results"/*.xml

@@ -30,15 +30,15 @@ fi
 need build-essential cmake libopencv-dev python3 valgrind
 
 folder=$BUILD/performance
-benchmark=$BUILD/release/benchmark/aqorb_benchmark
+benchmark=$BUILD/release/tools/profile/aqorb_profile
 mkdir -p "$folder"
-configure "$BUILD/release" -DAQORB_BUILD_BENCHMARK=ON
-build "$BUILD/release" --target aqorb_benchmark
+configure "$BUILD/release" -DAQORB_BUILD_PROFILE=ON
+build "$BUILD/release" --target aqorb_profile
 
 # perf_tables: what scripts/perf.sh prints, as tables under titles.
 perf_tables() {
     "$ROOT/scripts/perf.sh" | tee /dev/stderr | sed -n '/^=== Results/,$p' >"$folder/perf.txt"
-    "$PYTHON" "$ROOT/scripts/perf_aims.py" "$folder/perf.txt"
+    "$PYTHON" "$ROOT/tools/report/perf_aims.py" "$folder/perf.txt"
     printf '## Against cv::ORB\n\n'
     grep '^|' "$folder/perf.txt"
     printf '\n## Against cv::ORB: notes\n\n|  |\n|---|\n'
@@ -58,7 +58,7 @@ for part in "${parts[@]}"; do
     say "Measuring: $part"
     case $part in
         perf) perf_tables ;;
-        instructions) "$PYTHON" "$ROOT/benchmark/instructions.py" "$benchmark" "$folder" --images="$images" \
+        instructions) "$PYTHON" "$ROOT/tools/profile/instructions.py" "$benchmark" "$folder" --images="$images" \
             --frames="$frames" ;;
         *) "$benchmark" "--$part" "${smoke[@]}" ;;
     esac >"$folder/$part.md"
@@ -67,5 +67,5 @@ done
 
 if [[ $doc ]]; then
     for part in "${parts[@]}"; do cat "$folder/$part.md"; done >"$folder/tables.md"
-    "$PYTHON" "$ROOT/evaluate/update_doc.py" --keep "$folder" "$ROOT/doc/performance.md"
+    "$PYTHON" "$ROOT/tools/report/update_doc.py" --keep "$folder" "$ROOT/doc/performance.md"
 fi

@@ -12,11 +12,11 @@ need build-essential cmake libopencv-dev python3-dev pybind11-dev python3-numpy 
 
 configure "$BUILD/release" -DAQORB_BUILD_PYTHON=ON -DPython_EXECUTABLE="$PYTHON" -DAQORB_BUILD_TESTS=OFF
 build "$BUILD/release"
-export PYTHONPATH=$BUILD/release/python PYTHONDONTWRITEBYTECODE=1
+export PYTHONPATH=$BUILD/release/bindings/python PYTHONDONTWRITEBYTECODE=1
 
 say "Tests"
 AQORB_BINDING=aqorb "$PYTHON" -m pytest -q -p no:cacheprovider "$@" \
-    "$ROOT/modules/aqorb/misc/python/test" "$ROOT/python/test" "$ROOT/samples/test"
+    "$ROOT/modules/aqorb/misc/python/test" "$ROOT/bindings/python/test" "$ROOT/samples/test"
 
 say "The installed package"
 prefix=$BUILD/prefix-python

@@ -22,14 +22,14 @@ rm -rf "$folder"
 mkdir -p "$folder"
 
 say "Measuring"
-"$BUILD/release/evaluate/aqorb_evaluate" "$1" --out="$folder" --sets=bikes,leuven,bark,trees,ubc,graf \
+"$BUILD/release/tools/evaluate/aqorb_evaluate" "$1" --out="$folder" --sets=bikes,leuven,bark,trees,ubc,graf \
     --n=500,1000,2000 --degrade=dark,gamma,noise --ablation "${@:2}"
 
 say "Drawing"
-"$PYTHON" "$ROOT/evaluate/plots.py" "$folder"
+"$PYTHON" "$ROOT/tools/report/plots.py" "$folder"
 
 if [[ $doc ]]; then
-    "$PYTHON" "$ROOT/evaluate/update_doc.py" "$folder" "$ROOT/doc/reproduction.md"
+    "$PYTHON" "$ROOT/tools/report/update_doc.py" "$folder" "$ROOT/doc/reproduction.md"
     for figure in figure3.jpg figure6.png figure8.png; do
         cp "$folder/$figure" "$ROOT/doc/images/reproduction-$figure"
     done

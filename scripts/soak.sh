@@ -14,13 +14,13 @@ configure "$BUILD/release" -DAQORB_BUILD_TESTS=ON >/dev/null
 build "$BUILD/release" --target aqorb_soak
 
 say "The long run"
-"$BUILD/release/soak/aqorb_soak" "$@"
+"$BUILD/release/tools/soak/aqorb_soak" "$@"
 
 # memcheck NAME=VALUE...: a small run in an environment. The operator new is that of the program.
 memcheck() {
     env "$@" valgrind --quiet --error-exitcode=1 --leak-check=full --errors-for-leak-kinds=definite \
         --show-leak-kinds=definite --soname-synonyms=somalloc=nouserintercepts \
-        "$BUILD/release/soak/aqorb_soak" --frames=200 --threads=2 --failures=60 --any-memory
+        "$BUILD/release/tools/soak/aqorb_soak" --frames=200 --threads=2 --failures=60 --any-memory
 }
 
 # Valgrind does not know AVX-512, so the kernels are those for AVX2; then the baseline's.

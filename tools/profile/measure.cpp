@@ -4,7 +4,7 @@
 
 #include "benchmark.hpp"
 
-#include "../perf/perf_scene.hpp"
+#include "../../perf/perf_scene.hpp"
 
 #include <opencv2/core/utility.hpp>
 #include <opencv2/imgcodecs.hpp>

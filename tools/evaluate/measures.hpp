@@ -5,7 +5,7 @@
 #ifndef AQORB_EVALUATE_MEASURES_HPP
 #define AQORB_EVALUATE_MEASURES_HPP
 
-#include "../samples/evaluation.hpp"
+#include "../../samples/evaluation.hpp"
 
 //! How the features of two images of a plane match. Distances are in pixels of the second image.
 struct Matching

@@ -4,7 +4,7 @@
 
 #include "generate.hpp"
 
-#include "../test/reference.hpp"
+#include "../../test/reference.hpp"
 
 #include <opencv2/core/ocl.hpp>
 #include <opencv2/core/utility.hpp>

@@ -5,7 +5,7 @@
 #ifndef AQORB_EVALUATE_METHOD_HPP
 #define AQORB_EVALUATE_METHOD_HPP
 
-#include "../samples/evaluation.hpp"
+#include "../../samples/evaluation.hpp"
 
 #include <functional>
 #include <string>

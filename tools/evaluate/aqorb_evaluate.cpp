@@ -4,7 +4,7 @@
 
 // Measures detectors on the images of the paper: its tables and figures, and more. See doc/reproduction.md.
 
-#include "../samples/stereo_odometry.hpp"
+#include "../../samples/stereo_odometry.hpp"
 #include "dataset.hpp"
 #include "method.hpp"
 #include "results.hpp"

@@ -63,9 +63,9 @@ def print_table(title, head, rows):
 
 def main():
     parser = argparse.ArgumentParser(description=__doc__)
-    parser.add_argument('program', help='aqorb_benchmark')
+    parser.add_argument('program', help='aqorb_profile')
     parser.add_argument('out', help='folder for what callgrind writes')
-    parser.add_argument('--images', default='640x480', help='as of aqorb_benchmark')
+    parser.add_argument('--images', default='640x480', help='as of aqorb_profile')
     parser.add_argument('--n', type=int, default=1000)
     parser.add_argument('--frames', type=int, default=3, help='to count, after those that warm up')
     arguments = parser.parse_args()

@@ -104,7 +104,7 @@ def main():
     parser.add_argument('folder', help='where aqorb_evaluate wrote, and the figures go')
     folder = parser.parse_args().folder
     rows = read(os.path.join(folder, 'uniformity.csv'))
-    paper = read(os.path.join(os.path.dirname(os.path.abspath(__file__)), 'paper_tables.csv'))
+    paper = read(os.path.join(os.path.dirname(os.path.abspath(__file__)), '..', 'evaluate', 'paper_tables.csv'))
     present = [method for method in LABELS if any(row['method'] == method for row in rows)]
     three = [method for method in ('orb', 'orb_slam', 'paper', 'aqorb') if method in present]
 

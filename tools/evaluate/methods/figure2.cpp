@@ -4,7 +4,7 @@
 
 #include "../method.hpp"
 
-#include "../../modules/aqorb/src/stages.hpp"
+#include "../../../modules/aqorb/src/stages.hpp"
 
 #include <opencv2/aqorb.hpp>
 #include <opencv2/imgproc.hpp>

@@ -36,7 +36,7 @@ std::vector<TraceRegion> trace(const Image& image, const Settings& settings)
             setenv(limit, "0", 1);  // none
         const std::string images = "--images=" + image.spec, n = format("--n=%d", settings.nfeatures),
                           frames = format("--frames=%d", settings.repeats);
-        execl("/proc/self/exe", "aqorb_benchmark", images.c_str(), n.c_str(), frames.c_str(), (char*)NULL);
+        execl("/proc/self/exe", "aqorb_profile", images.c_str(), n.c_str(), frames.c_str(), (char*)NULL);
         _exit(127);
     }
     int status = 0;

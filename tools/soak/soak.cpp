@@ -4,7 +4,7 @@
 
 #include "failing_memory.hpp"
 
-#include "../test/test_precomp.hpp"
+#include "../../test/test_precomp.hpp"
 
 #include <opencv2/core/utility.hpp>
 #include <opencv2/core/utils/logger.hpp>
