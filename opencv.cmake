@@ -13,6 +13,7 @@ ocv_add_accuracy_tests(DEPENDS_ON ${test_modules})
 ocv_add_perf_tests(DEPENDS_ON opencv_imgcodecs)
 
 if(TARGET opencv_test_aqorb)
+  target_include_directories(opencv_test_aqorb PRIVATE "${OPENCV_MODULE_${the_module}_LOCATION}/src")
   ocv_target_include_modules(opencv_test_aqorb ${test_modules})
   ocv_target_link_libraries(opencv_test_aqorb PRIVATE ${test_modules})
   if(CV_GCC OR CV_CLANG)
