@@ -2,7 +2,7 @@
 // It is subject to the license terms in the LICENSE file found in the top-level directory
 // of this distribution.
 
-#include "benchmark.hpp"
+#include "measure.hpp"
 
 #include "../../perf/perf_scene.hpp"
 
@@ -48,6 +48,11 @@ Image::Image(const std::string& spec_) : spec(spec_)
     name += " " + sizeText;
 }
 
+const char* nameOf(Detector detector)
+{
+    return detector == AQORB ? "AQORB" : "CV_ORB";
+}
+
 Ptr<Feature2D> createDetector(Detector detector, int nfeatures)
 {
     if (detector == AQORB)
@@ -62,48 +67,19 @@ double timeFrame(Feature2D& detector, const Mat& image, Features& features)
     return double(getTickCount() - start) / getTickFrequency();
 }
 
-double median(std::vector<double> values)
+std::string quoted(const std::string& text)
 {
-    const auto middle = values.begin() + values.size() / 2;
-    std::nth_element(values.begin(), middle, values.end());
-    return *middle;
-}
-
-Table::Table(const std::string& title_, const std::vector<std::string>& head) : title(title_), rows(1, head)
-{
-}
-
-void Table::add(const std::vector<std::string>& row)
-{
-    CV_Assert(row.size() == rows[0].size());
-    rows.push_back(row);
-}
-
-void Table::print() const
-{
-    std::cout << "## " << title << "\n\n";
-    for (size_t i = 0; i < rows.size(); i++)
-    {
-        std::cout << '|';
-        for (const std::string& cell : rows[i])
-            std::cout << ' ' << cell << " |";
-        std::cout << '\n';
-        if (i > 0)
-            continue;
-        std::cout << "|---|";
-        for (size_t j = 1; j < rows[0].size(); j++)
-            std::cout << "---:|";
-        std::cout << '\n';
-    }
-    std::cout << std::endl;
+    std::string field = "\"";
+    for (char c : text)
+        field += c == '"' ? std::string("\"\"") : std::string(1, c);
+    return field + '"';
 }
 
 void printSetting(const Settings& settings)
 {
-    Table table("Setting", {"", ""});
-    table.add({"OpenCV", getVersionString()});
-    table.add({"CPU features in use", getCPUFeaturesLine()});
-    table.add({"compiler of aqorb", AQORB_COMPILER});
-    table.add({"medians over", format("%d frames", settings.repeats)});
-    table.print();
+    std::cout << "name,value\n"
+              << "OpenCV," << quoted(getVersionString()) << '\n'
+              << "CPU features in use," << quoted(getCPUFeaturesLine()) << '\n'
+              << "compiler of aqorb," << quoted(AQORB_COMPILER) << '\n'
+              << "frames of the stages' medians," << settings.repeats << '\n';
 }

@@ -4,7 +4,7 @@
 
 // The heap in use is counted by standing in for malloc and its kin, which glibc provides for.
 
-#include "benchmark.hpp"
+#include "measure.hpp"
 
 #include <opencv2/core/utility.hpp>
 
@@ -112,25 +112,22 @@ Memory measure(Detector id, const Image& image, int nfeatures)
 
 void printMemory(const Settings& settings)
 {
-    Table table("Memory", {"image", "threads", "first frame", "later frames", "kept between frames",
-                           "cv::ORB, first frame", "cv::ORB, later frames", "cv::ORB, kept"});
+    std::cout << "image,pixels,threads,detector,first,later,kept\n";
     for (const std::string& spec : settings.images)
     {
         const Image image(spec);
         for (int threads = 1; threads <= std::min(getNumberOfCPUs(), 2); threads++)
         {
             setNumThreads(threads);
-            measure(AQORB, image, settings.nfeatures);  // for what OpenCV allocates once, such as threads
-            measure(CV_ORB, image, settings.nfeatures);
-            const Memory ours = measure(AQORB, image, settings.nfeatures),
-                         orbs = measure(CV_ORB, image, settings.nfeatures);
-            std::vector<std::string> row = {image.name, format("%d", threads)};
-            for (size_t bytes : {ours.first, ours.later, ours.kept, orbs.first, orbs.later, orbs.kept})
-                row.push_back(format("%.2f", double(bytes) / double(image.pixels.total())));
-            table.add(row);
+            for (Detector id : {AQORB, CV_ORB})  // for what OpenCV allocates once, such as threads
+                measure(id, image, settings.nfeatures);
+            for (Detector id : {AQORB, CV_ORB})
+            {
+                const Memory memory = measure(id, image, settings.nfeatures);
+                std::cout << quoted(image.name) << ',' << image.pixels.total() << ',' << threads << ','
+                          << nameOf(id) << ',' << memory.first << ',' << memory.later << ',' << memory.kept
+                          << '\n';
+            }
         }
     }
-    table.print();
-    std::cout << "Heap in multiples of the image's bytes, with the outputs, without the image; n = "
-              << settings.nfeatures << ".\n\n";
 }
