@@ -19,7 +19,10 @@ def number(value, digits=2, unit=''):
     """The text of a number with so many decimals; empty where there is no number."""
     if value is None or math.isnan(value):
         return ''
-    return '{:.{}f}{}'.format(value, digits, unit)
+    text = '{:.{}f}'.format(value, digits)
+    if float(text) == 0:
+        text = text.lstrip('-')
+    return text + unit
 
 
 def markdown(table):
@@ -35,7 +38,12 @@ def terminal(tables):
     """The tables for reading in a terminal, each below its title."""
     blocks = []
     for title, table in tables.items():
-        text = table if isinstance(table, str) else table.to_string(index=False)
+        text = table
+        if not isinstance(table, str):
+            rows = [list(table.columns)] + table.values.tolist()
+            widths = [max(map(len, column)) for column in zip(*rows)]
+            text = '\n'.join('  '.join([row[0].ljust(widths[0])] + list(map(str.rjust, row[1:], widths[1:]))).rstrip()
+                             for row in rows)
         blocks.append('{}\n{}\n{}\n'.format(title, '-' * len(title), text.strip('\n')))
     return '\n'.join(blocks)
 

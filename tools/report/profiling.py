@@ -1,7 +1,7 @@
 # This file is part of the aqorb project.
 # It is subject to the license terms in the LICENSE file found in the top-level directory
 # of this distribution.
-"""The tables of what aqorb_profile and tools/profile/instructions.py printed: where time, memory and instructions go."""
+"""The tables of what tools/profile measured: where time, memory and instructions go."""
 
 import os
 import re

@@ -23,6 +23,8 @@ CASE = ['operation', 'image', 'size', 'n', 'threads']  # what tells cases apart
 # The photographs that the aims of doc/performance.md are set for.
 REFERENCE_SET = ['bikes', 'leuven', 'bark', 'trees', 'ubc', '640x512', '1920x1080']
 
+GROWTH_REFERENCE = ('640x480', 1000)  # the case that the times of others are relative to
+
 
 def geometric_mean(ratios):
     """The only mean of ratios that the documents show."""
@@ -55,9 +57,9 @@ def name_and_size(image, size):
 
 
 class Results:
-    """What the files of a folder hold, with the columns CASE, pass, detector, ms, keypoints and samples."""
+    """What the files of a folder hold of a fixture, with the columns CASE, pass, detector, ms, keypoints, samples."""
 
-    def __init__(self, folder):
+    def __init__(self, folder, fixture):
         rows, failed, skipped = [], set(), set()
         files = sorted(glob.glob(os.path.join(folder, '*.xml')))
         for number_of_pass, path in enumerate(files):
@@ -66,6 +68,8 @@ class Results:
                 root.get('cv_version'), root.get('cv_parallel_framework', 'no parallel framework'),
                 root.get('cv_cpu_features'))
             for case in root.iter('testcase'):
+                if not case.get('classname').startswith(fixture + '_'):
+                    continue
                 if case.find('failure') is not None:
                     failed.add('{} {}'.format(case.get('name'), case.get('value_param')))
                     continue
@@ -88,8 +92,8 @@ class Results:
         both = cases.groupby(CASE + ['pass'])['detector'].transform('nunique') == len(DETECTORS)
         self.cases = cases[both]
         if self.cases.empty:
-            raise ValueError('no case in {} was measured with both detectors. {}'.format(
-                folder, self.not_measured() or '').strip())
+            raise ValueError('no case of {} in {} was measured with both detectors. {}'.format(
+                fixture, folder, self.not_measured() or '').strip())
 
     def not_measured(self):
         """A sentence about the images that were not there, or nothing."""
@@ -123,8 +127,8 @@ class Results:
 
 
 def speed_tables(folder):
-    """Of the cases Features_*."""
-    results = Results(folder)
+    """Of the cases Features_*: photographs and scenes, with one thread and more."""
+    results = Results(folder, 'Features')
     ratios = results.ratios()
     tables = {}
     if set(REFERENCE_SET) <= set(ratios.index.get_level_values('image')):
@@ -207,15 +211,16 @@ def notes(results):
     lines = [
         'Time of `cv::ORB` / time of `AdaptiveQuadtreeORB`, both with default parameters; above 1',
         '`AdaptiveQuadtreeORB` is faster. 1T and 2T: one thread and two. ms: the median times of detectAndCompute,',
-        '`cv::ORB` / `AdaptiveQuadtreeORB`. keypoints: how many it found, likewise. compute is given the keypoints that',
-        '`cv::ORB` finds. Reference set: {}.'.format(', '.join(REFERENCE_SET)),
+        '`cv::ORB` / `AdaptiveQuadtreeORB`. keypoints: how many each of them found. compute is given the keypoints',
+        'that `cv::ORB` finds. Reference set: {}.'.format(', '.join(REFERENCE_SET)),
         'A ratio is the median over {} pass{} of the ratio of the medians of {} sample{}.'.format(
             passes, '' if passes == 1 else 'es',
             samples[0] if len(samples) == 1 else '{} to {}'.format(samples[0], samples[-1]),
             '' if samples[-1] == 1 else 's')]
     spread = results.spread()
     if spread is not None:
-        lines.append('Between the passes it varied by {} (median over the cases).'.format(number(100 * spread, 0, ' %')))
+        lines.append('Between the passes it varied by {} (median over the cases).'.format(
+            number(100 * spread, 0, ' %')))
     lines.append(results.setting + '.')
     if results.skipped:
         lines.append(results.not_measured())
@@ -266,16 +271,20 @@ def two_threads_table(results):
 
 def scaling_tables(folder):
     """Of the cases Scaling_*: scenes of all sizes, each with all numbers of features, one thread."""
-    results = Results(folder)
-    ratios = results.ratios().droplevel(['operation', 'image', 'threads'])
-    keypoints = results.by_case('keypoints').droplevel(['operation', 'image', 'threads'])
-    times = results.by_case('ms').droplevel(['operation', 'image', 'threads'])
-    by_pass = results.by_pass('ms').droplevel(['operation', 'image', 'threads'])
-    reference = by_pass.xs(('640x480', 1000)) if ('640x480', 1000) in times.index else None
+    results = Results(folder, 'Scaling')
+    if set(results.cases['threads']) != {1}:
+        raise ValueError('{}: scaling is measured with one thread'.format(folder))
+    dropped = ['operation', 'image', 'threads']
+    ratios = results.ratios().droplevel(dropped)
+    keypoints = results.by_case('keypoints').droplevel(dropped)
+    times = results.by_case('ms').droplevel(dropped)
 
-    def growth(case, detector):
-        # Both of one pass, so that a change of the machine's speed from pass to pass does not enter.
-        value = (by_pass.xs(case)[detector] / reference[detector]).median()
+    def growth(detector):
+        # Both times are of one pass, so that a change of the machine's speed between passes does not matter.
+        by_pass = results.by_pass('ms').droplevel(dropped)[detector].unstack('pass')
+        return by_pass.div(by_pass.loc[GROWTH_REFERENCE], axis=1).median(axis=1)
+
+    def relative(value):
         return number(value, 2 if value < 9.95 else 1)
 
     def table(cell):
@@ -292,8 +301,9 @@ def scaling_tables(folder):
         return pandas.DataFrame(rows, columns=['size'] + ['n = {}'.format(n) for n in ratios.index.unique('n')])
 
     tables = {'Speed by size and n': table(lambda case: number(ratios.loc[case]))}
-    if reference is not None:
-        tables['Growth'] = table(lambda case: '{} ({})'.format(growth(case, 'AQORB'), growth(case, 'CV_ORB')))
+    if GROWTH_REFERENCE in times.index:
+        ours, orbs = growth('AQORB'), growth('CV_ORB')
+        tables['Growth'] = table(lambda case: '{} ({})'.format(relative(ours.loc[case]), relative(orbs.loc[case])))
     if len(times) > 2:
         tables['Cost of a pixel and of a keypoint'] = cost_table(times, keypoints)
     return tables
