@@ -40,7 +40,7 @@ const std::string IMAGES[] = {
     // its other planar scenes, and photographs of other sizes
     EVALUATION_IMAGE("bikes"), EVALUATION_IMAGE("bark"), EVALUATION_IMAGE("trees"), EVALUATION_IMAGE("ubc"),
     "perf/640x512.png", "perf/1920x1080.png",
-    // makeScene, which needs no data
+    // makeStreetScene, which needs no data
     "scene_640x480", "scene_1280x720", "scene_1920x1080"};
 
 #define FEATURES_PARAMS \
@@ -67,7 +67,7 @@ Mat loadImage(const std::string& name)
     {
         Size size;
         if (sscanf(name.c_str(), "scene_%dx%d", &size.width, &size.height) == 2)
-            last = makeScene(size);
+            last = makeStreetScene(size);
         else
             last = imread(cvtest::findDataFile(name, false), IMREAD_GRAYSCALE);
         lastName = name;

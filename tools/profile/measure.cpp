@@ -33,7 +33,7 @@ Image::Image(const std::string& spec_) : spec(spec_)
     if (std::sscanf(spec.c_str(), "%dx%d%c", &size.width, &size.height, &more) == 2)
     {
         name = "scene";
-        pixels = opencv_test::makeScene(size);
+        pixels = opencv_test::makeStreetScene(size);
     }
     else
     {
