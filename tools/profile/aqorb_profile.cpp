@@ -8,10 +8,12 @@
 
 #include "measure.hpp"
 
+#include "../common/options.hpp"
+
 #include <iostream>
-#include <sstream>
 
 using namespace cv;
+using tools::splitList;
 
 namespace
 {
@@ -36,21 +38,12 @@ const char* const KEYS =
     "{repeats        | 31   | number of frames of --stages }"
     "{smoke          |      | one small image and three frames, to show that it runs }";
 
-std::vector<std::string> split(const std::string& list)
-{
-    std::vector<std::string> parts;
-    std::stringstream stream(list);
-    for (std::string part; std::getline(stream, part, ',');)
-        parts.push_back(part);
-    return parts;
-}
-
 std::vector<std::string> defaultImages()
 {
-    std::vector<std::string> images = split("640x480,1920x1080");
+    std::vector<std::string> images = splitList("640x480,1920x1080");
     if (std::getenv("OPENCV_TEST_DATA_PATH"))
     {
-        const std::vector<std::string> photographs = split("leuven,bark,trees,640x512.png,1920x1080.png");
+        const std::vector<std::string> photographs = splitList("leuven,bark,trees,640x512.png,1920x1080.png");
         images.insert(images.end(), photographs.begin(), photographs.end());
     }
     return images;
@@ -72,7 +65,7 @@ int run(const CommandLineParser& parser)
 {
     const bool smoke = parser.has("smoke");
     Settings settings;
-    settings.images = split(parser.get<String>("images"));
+    settings.images = splitList(parser.get<String>("images"));
     settings.nfeatures = parser.get<int>("n");
     settings.repeats = smoke ? 3 : parser.get<int>("repeats");
     const int frames = parser.get<int>("frames");
@@ -94,19 +87,17 @@ int run(const CommandLineParser& parser)
         return 1;
     }
     if (settings.images.empty())
-        settings.images = smoke ? split("320x240") : defaultImages();
+        settings.images = smoke ? splitList("320x240") : defaultImages();
 
     if (frames > 0)
     {
         runFrames(settings.images[0], detector == "orb" ? CV_ORB : AQORB, settings.nfeatures, frames);
         return 0;
     }
-    if (parser.has("setting"))
-        printSetting(settings);
-    if (parser.has("stages"))
-        printStages(settings);
-    if (parser.has("memory"))
-        printMemory(settings);
+    const tools::CsvTable table = parser.has("setting")  ? measureSetting(settings)
+                                  : parser.has("stages") ? measureStages(settings)
+                                                         : measureMemory(settings);
+    std::cout << table.text();
     return 0;
 }
 
@@ -114,6 +105,12 @@ int run(const CommandLineParser& parser)
 
 int main(int argc, char** argv)
 {
+    const std::string unknown = tools::unknownOption(argc, argv, KEYS);
+    if (!unknown.empty())
+    {
+        std::cerr << "There is no option " << unknown << "; --help lists them\n";
+        return 1;
+    }
     CommandLineParser parser(argc, argv, KEYS);
     parser.about(ABOUT);
     if (parser.has("help") || argc == 1)

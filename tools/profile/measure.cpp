@@ -5,25 +5,26 @@
 #include "measure.hpp"
 
 #include "../../perf/perf_scene.hpp"
+#include "../../test/data_files.hpp"
 
 #include <opencv2/core/utility.hpp>
 #include <opencv2/imgcodecs.hpp>
 
 #include <algorithm>
-#include <iostream>
+#include <iterator>
 
 using namespace cv;
 
+//! The path of a photograph of opencv_extra; of others, the name itself.
 static std::string pathOf(const std::string& photograph)
 {
-    const char* const data = std::getenv("OPENCV_TEST_DATA_PATH");
-    const std::string names[] = {"bikes", "leuven", "bark", "trees", "ubc"};
-    if (data && std::count(std::begin(names), std::end(names), photograph))
-        return std::string(data) + "/cv/detectors_descriptors_evaluation/images_datasets/" + photograph +
-               "/img1.png";
-    if (data && (photograph == "640x512.png" || photograph == "1920x1080.png"))
-        return std::string(data) + "/perf/" + photograph;
-    return photograph;
+    const std::string sets[] = {"bikes", "leuven", "bark", "trees", "ubc"};
+    std::string path;
+    if (std::count(std::begin(sets), std::end(sets), photograph))
+        path = opencv_test::oxfordImage(photograph, 1);
+    else if (photograph == "640x512.png" || photograph == "1920x1080.png")
+        path = opencv_test::dataFile("perf/" + photograph);
+    return path.empty() ? photograph : path;
 }
 
 Image::Image(const std::string& spec_) : spec(spec_)
@@ -67,19 +68,12 @@ double timeFrame(Feature2D& detector, const Mat& image, Features& features)
     return double(getTickCount() - start) / getTickFrequency();
 }
 
-std::string quoted(const std::string& text)
+tools::CsvTable measureSetting(const Settings& settings)
 {
-    std::string field = "\"";
-    for (char c : text)
-        field += c == '"' ? std::string("\"\"") : std::string(1, c);
-    return field + '"';
-}
-
-void printSetting(const Settings& settings)
-{
-    std::cout << "name,value\n"
-              << "OpenCV," << quoted(getVersionString()) << '\n'
-              << "CPU features in use," << quoted(getCPUFeaturesLine()) << '\n'
-              << "compiler of aqorb," << quoted(AQORB_COMPILER) << '\n'
-              << "frames of the stages' medians," << settings.repeats << '\n';
+    tools::CsvTable table({"name", "value"});
+    table.add({"OpenCV", getVersionString()});
+    table.add({"CPU features in use", getCPUFeaturesLine()});
+    table.add({"compiler of aqorb", AQORB_COMPILER});
+    table.add({"frames of the stages' medians", std::to_string(settings.repeats)});
+    return table;
 }

@@ -5,6 +5,8 @@
 #ifndef AQORB_PROFILE_MEASURE_HPP
 #define AQORB_PROFILE_MEASURE_HPP
 
+#include "../common/csv.hpp"
+
 #include <opencv2/aqorb.hpp>
 
 #include <string>
@@ -50,12 +52,8 @@ const int WARM_UP = 3;  //!< frames that --frames runs before those that count
 //! Seconds that detectAndCompute takes.
 double timeFrame(cv::Feature2D& detector, const cv::Mat& image, Features& features);
 
-//! A text as a field of CSV: in quotation marks, as names hold commas.
-std::string quoted(const std::string& text);
-
-// Each prints CSV to the standard output, the names of the columns first.
-void printSetting(const Settings& settings);
-void printStages(const Settings& settings);
-void printMemory(const Settings& settings);
+tools::CsvTable measureSetting(const Settings& settings);
+tools::CsvTable measureStages(const Settings& settings);
+tools::CsvTable measureMemory(const Settings& settings);
 
 #endif

@@ -10,7 +10,6 @@
 
 #include <atomic>
 #include <cerrno>
-#include <iostream>
 
 #include <malloc.h>
 
@@ -110,9 +109,9 @@ Memory measure(Detector id, const Image& image, int nfeatures)
 
 }  // namespace
 
-void printMemory(const Settings& settings)
+tools::CsvTable measureMemory(const Settings& settings)
 {
-    std::cout << "image,pixels,threads,detector,first,later,kept\n";
+    tools::CsvTable table({"image", "pixels", "threads", "detector", "first", "later", "kept"});
     for (const std::string& spec : settings.images)
     {
         const Image image(spec);
@@ -124,10 +123,11 @@ void printMemory(const Settings& settings)
             for (Detector id : {AQORB, CV_ORB})
             {
                 const Memory memory = measure(id, image, settings.nfeatures);
-                std::cout << quoted(image.name) << ',' << image.pixels.total() << ',' << threads << ','
-                          << nameOf(id) << ',' << memory.first << ',' << memory.later << ',' << memory.kept
-                          << '\n';
+                table.add({image.name, std::to_string(image.pixels.total()), std::to_string(threads),
+                           nameOf(id), std::to_string(memory.first), std::to_string(memory.later),
+                           std::to_string(memory.kept)});
             }
         }
     }
+    return table;
 }

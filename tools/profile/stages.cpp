@@ -8,7 +8,6 @@
 #include <opencv2/core/utility.hpp>
 
 #include <cstdio>
-#include <iostream>
 
 #include <sys/wait.h>
 #include <unistd.h>
@@ -55,15 +54,24 @@ std::vector<TraceRegion> trace(const Image& image, const Settings& settings)
     return calls;
 }
 
-//! Prints a line of a frame.
-void print(const Image& image, size_t frame, const char* kind, const std::string& name, double nanoseconds)
+//! Times of the frames of an image.
+class FrameTimes
 {
-    std::cout << quoted(image.name) << ',' << frame << ',' << kind << ',' << quoted(name) << ','
-              << format("%.0f", nanoseconds) << '\n';
-}
+public:
+    FrameTimes(tools::CsvTable& table_, const Image& image_) : table(table_), image(image_) {}
+
+    void add(size_t frame, const char* kind, const std::string& name, double nanoseconds)
+    {
+        table.add({image.name, std::to_string(frame), kind, name, format("%.0f", nanoseconds)});
+    }
+
+private:
+    tools::CsvTable& table;
+    const Image& image;
+};
 
 //! The time of frames without a trace, by which it is known what the trace costs.
-void printUntraced(const Image& image, const Settings& settings)
+void timeUntraced(const Image& image, const Settings& settings, FrameTimes& times)
 {
     setNumThreads(1);
     const Ptr<Feature2D> detector = createDetector(AQORB, settings.nfeatures);
@@ -71,17 +79,18 @@ void printUntraced(const Image& image, const Settings& settings)
     for (int i = 0; i < WARM_UP; i++)
         timeFrame(*detector, image.pixels, features);
     for (int i = 0; i < settings.repeats; i++)
-        print(image, i, "untraced", "frame", timeFrame(*detector, image.pixels, features) * 1e9);
+        times.add(i, "untraced", "frame", timeFrame(*detector, image.pixels, features) * 1e9);
 }
 
 }  // namespace
 
-void printStages(const Settings& settings)
+tools::CsvTable measureStages(const Settings& settings)
 {
-    std::cout << "image,frame,kind,name,ns\n";
+    tools::CsvTable table({"image", "frame", "kind", "name", "ns"});
     for (const std::string& spec : settings.images)
     {
         const Image image(spec);
+        FrameTimes times(table, image);
         const std::vector<TraceRegion> frames = trace(image, settings);
         const std::vector<std::string> absent = absentStages(frames);
         if (!absent.empty())
@@ -90,13 +99,14 @@ void printStages(const Settings& settings)
         {
             const Profile profile = profileOf(frames[i]);
             for (int stage = 0; stage < STAGE_COUNT; stage++)
-                print(image, i, "stage", nameOf(Stage(stage)), profile.stages[stage]);
-            // The critical path: the least time by numbers of threads, and its serial part.
-            print(image, i, "path", "serial", serialTime(frames[i]));
+                times.add(i, "stage", nameOf(Stage(stage)), profile.stages[stage]);
+            // The critical path: the serial part, and the least time by numbers of threads.
+            times.add(i, "path", "serial", serialTime(frames[i]));
             for (int threads : {1, 2, 4, 8})
-                print(image, i, "path", format("%d", threads), leastTime(frames[i], threads));
-            print(image, i, "path", "enough", leastTime(frames[i], 0));
+                times.add(i, "path", std::to_string(threads), leastTime(frames[i], threads));
+            times.add(i, "path", "enough", leastTime(frames[i], 0));
         }
-        printUntraced(image, settings);
+        timeUntraced(image, settings, times);
     }
+    return table;
 }
