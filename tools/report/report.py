@@ -11,7 +11,8 @@ PART says what FOLDER holds:
   stages        what aqorb_profile --stages printed, as stages.csv
   memory        what aqorb_profile --memory printed, as memory.csv
   instructions  what tools/profile/instructions.py printed, as instructions.csv
-  evaluation    what aqorb_evaluate wrote; the figures are written to FOLDER, too
+  evaluation    what aqorb_evaluate wrote
+  figures       the same, to draw the figures in FOLDER
 
 scripts/performance.sh and scripts/reproduce.sh measure and call this program.
 """
@@ -23,7 +24,7 @@ import sys
 import document
 
 # The module and its function that make the tables of a part. A module is loaded only when it is needed, as
-# only the evaluation needs matplotlib.
+# only the figures need matplotlib.
 PARTS = {
     'speed': ('speed', 'speed_tables'),
     'scaling': ('speed', 'scaling_tables'),
@@ -32,6 +33,7 @@ PARTS = {
     'memory': ('profiling', 'memory_tables'),
     'instructions': ('profiling', 'instruction_tables'),
     'evaluation': ('evaluation', 'evaluation_tables'),
+    'figures': ('evaluation_figures', 'draw_figures'),
 }
 
 
@@ -47,7 +49,7 @@ def main():
     try:
         tables = getattr(importlib.import_module(module), function)(arguments.folder)
         for path in arguments.doc:
-            print('{}: {}'.format(path, ', '.join(document.update(path, tables)) or 'shows none of these tables'))
+            print('{}: {}'.format(path, '; '.join(document.update(path, tables)) or 'shows none of these tables'))
     except (OSError, ValueError) as error:
         sys.exit('report.py: {}'.format(error))
     if not arguments.doc:
