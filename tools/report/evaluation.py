@@ -240,8 +240,8 @@ def odometry_tables(data):
 def evaluation_tables(folder):
     """All tables of a run by title."""
     data, paper = Evaluation(folder), read_paper()
-    lines = ['Measured by aqorb_evaluate with OpenCV {}, {}.'.format(data.setting['OpenCV'],
-                                                                    data.setting['CPU features'])]
+    lines = ['Measured by aqorb_evaluate with OpenCV {}, {}.'.format(
+        data.setting['OpenCV'], data.setting['CPU features'])]
     lines += ['Absent: {} ({}).'.format(method, reason) for method, reason in data.absent.items()]
     tables = {'Setting': '\n'.join(lines)}
     tables.update(three_methods_tables(data, paper, '1', 'bikes'))

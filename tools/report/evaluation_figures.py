@@ -8,9 +8,9 @@ import os
 
 import matplotlib
 matplotlib.use('Agg')
-import matplotlib.pyplot as plt
+import matplotlib.pyplot as plt  # noqa: E402 (after the choice of the backend)
 
-from evaluation import Evaluation, PAPER_SETS, read_paper
+from evaluation import Evaluation, PAPER_SETS, read_paper  # noqa: E402
 
 COLOURS = {'orb': 'tab:gray', 'orb_slam': 'tab:orange', 'paper': 'tab:blue', 'aqorb': 'black',
            'sift': 'tab:green', 'surf': 'tab:olive', 'brisk': 'tab:purple', 'akaze': 'tab:brown',
