@@ -30,8 +30,6 @@ using namespace cv;
 #include "opencv2/imgcodecs.hpp"
 #include "opencv2/imgproc.hpp"
 
-#include "../modules/aqorb/src/stages.hpp"
-
 #include <algorithm>
 #include <cmath>
 #include <cstdlib>
@@ -83,7 +81,7 @@ Mat oxfordHomography(const std::string& set, int index);
 //! Grey photographs of all kinds; needs opencv_extra's images.
 std::vector<Mat> photographs();
 
-//! Whether the installed cv::ORB's blur of a level is exactBlur in every pixel; else descriptors may differ.
+//! Whether the installed cv::ORB blurs a level as this module does, in every pixel. Else descriptors may differ.
 bool orbBlursExactly(const Mat& level);
 //! Whether it is rounded as with fused multiply-add on this CPU, so that as a rule it is.
 bool orbBlursWithFMA();

@@ -4,6 +4,8 @@
 
 #include "reference.hpp"
 
+#include "../src/threshold.hpp"
+
 namespace opencv_test
 {
 namespace

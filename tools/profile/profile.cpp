@@ -17,15 +17,15 @@ const struct
     const char* region;
     Stage stage;
 } MARKS[] = {{"varianceOverMean", THRESHOLD},
-             {"fillPyramid", PYRAMID},
+             {"fillLevels", PYRAMID},
              {"findBandCorners", FAST},
              {"suppressCorners", SUPPRESSION},
              {"harrisResponses", HARRIS},
              {"leafPoints", QUADTREE},
              {"BalancedSequence::begin", QUADTREE},
-             {"FeatureSelector::select", SELECTION},
+             {"selectFeatures", SELECTION},
              {"orientations", ORIENTATION},
-             {"refine", POSITION},
+             {"computeKeypoints", POSITION},
              {"approximateBlur", BLUR},
              {"computeDescriptors", DESCRIPTOR}};
 
