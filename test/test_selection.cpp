@@ -4,8 +4,8 @@
 
 #include "reference.hpp"
 
-#include "../src/quadtree.hpp"
-#include "../src/selection.hpp"
+#include "quadtree.hpp"
+#include "selection.hpp"
 
 namespace opencv_test
 {
