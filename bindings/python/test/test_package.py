@@ -10,7 +10,6 @@ import pathlib
 import re
 import subprocess
 import sys
-import threading
 
 import cv2 as cv
 import numpy as np
@@ -19,17 +18,6 @@ import pytest
 import aqorb
 
 FIELDS = ('pt', 'size', 'angle', 'response', 'octave', 'class_id')
-
-
-@pytest.fixture(scope='module')
-def image():
-    noise = np.random.RandomState(3).randint(0, 256, (60, 80), np.uint8)
-    return cv.resize(noise, (640, 480), interpolation=cv.INTER_NEAREST)
-
-
-@pytest.fixture
-def orb():
-    return aqorb.AdaptiveQuadtreeORB_create(300)
 
 
 def same(keypoints, array):
@@ -114,66 +102,6 @@ def test_strides_that_no_mat_has(orb, image, shape, strides):
     start = image[::-1] if strides[0] < 0 else image
     view = np.lib.stride_tricks.as_strided(start, shape, strides, writeable=False)
     assert np.array_equal(orb.detectAndComputeArrays(view)[1], orb.detectAndComputeArrays(view.copy())[1])
-
-
-def test_files(tmp_path, orb):
-    orb.setMaxDepth(3)
-    for suffix in 'yml', 'xml', 'json':
-        for write in orb.write, orb.save:
-            path = str(tmp_path / ('orb.' + suffix))
-            write(path)
-            other = aqorb.AdaptiveQuadtreeORB_create()
-            other.read(path)
-            assert (other.getMaxFeatures(), other.getMaxDepth()) == (300, 3)
-            os.remove(path)
-    for call in orb.write, orb.read:
-        with pytest.raises(aqorb.error, match='no/such/folder'):
-            call('no/such/folder/orb.yml')
-
-
-POINTS = aqorb.keypointsToArray([cv.KeyPoint(999, 999, 31)] * 1000)
-
-
-@pytest.mark.parametrize('call', [
-    lambda orb, image: orb.detect(image),
-    lambda orb, image: orb.detect([image]),
-    lambda orb, image: orb.compute(image, POINTS),
-    lambda orb, image: orb.compute([image], [POINTS]),
-    lambda orb, image: orb.detectAndCompute(image, None),
-    lambda orb, image: orb.detectAndComputeArrays(image),
-    lambda orb, image: aqorb.adaptiveFastThreshold(image)])
-def test_the_gil_is_released(orb, call):
-    # Within the switch interval another thread runs only if this one lets it. The image is blank, as making a
-    # cv2.KeyPoint releases the GIL, too.
-    image = np.zeros((2000, 2000), np.uint8)
-    gate, ran = threading.Semaphore(0), []
-    thread = threading.Thread(target=lambda: gate.acquire() and ran.append(True))
-    thread.start()
-    interval = sys.getswitchinterval()
-    sys.setswitchinterval(600)
-    try:
-        gate.release()
-        for _ in range(1000):
-            if ran:
-                break
-            call(orb, image)
-        released = bool(ran)
-    finally:
-        sys.setswitchinterval(interval)
-        thread.join()
-    assert released
-
-
-def test_threads_share_a_detector(orb, image):
-    expected = orb.detectAndComputeArrays(image)[1]
-    results = []
-    threads = [threading.Thread(target=lambda: results.append(orb.detectAndComputeArrays(image)[1]))
-               for _ in range(4)]
-    for thread in threads:
-        thread.start()
-    for thread in threads:
-        thread.join()
-    assert len(results) == 4 and all(np.array_equal(result, expected) for result in results)
 
 
 def functions(scope):
