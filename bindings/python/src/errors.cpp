@@ -63,13 +63,16 @@ void throwTypeError(const std::string& name, const std::string& given, const std
 
 std::string brief(py::handle object)
 {
-    const size_t MAX_LENGTH = 60;
+    const py::ssize_t MAX_LENGTH = 60;
     PyObject* const ptr = object.ptr();
-    const bool isShort = object.is_none() || PyLong_Check(ptr) || PyFloat_Check(ptr) ||
-                         PyUnicode_Check(ptr) || PyBytes_Check(ptr) || PyTuple_Check(ptr);
-    const std::string text = isShort ? py::repr(object).cast<std::string>() : std::string();
-    if (!text.empty() && text.size() <= MAX_LENGTH)
-        return text;
+    if (object.is_none() || PyLong_Check(ptr) || PyFloat_Check(ptr) || PyUnicode_Check(ptr) ||
+        PyBytes_Check(ptr) || PyTuple_Check(ptr))
+    {
+        const py::object text = py::reinterpret_steal<py::object>(PyObject_Repr(ptr));
+        if (text && PyUnicode_GetLength(text.ptr()) <= MAX_LENGTH)
+            return text.cast<std::string>();
+        PyErr_Clear();  // the repr of an int of thousands of digits
+    }
     return "an object of type " + std::string(Py_TYPE(ptr)->tp_name);
 }
 

@@ -29,6 +29,7 @@ def message_of(error, call):
     (5, 'keypoints: got 5; ' + SEQUENCE),
     ('xy', "keypoints: got 'xy'; " + SEQUENCE),
     ('x' * 99, 'keypoints: got an object of type str; ' + SEQUENCE),
+    ('\udcff', r"keypoints: got '\udcff'; " + SEQUENCE),
     ({}, 'keypoints: got an object of type dict; ' + SEQUENCE),
     (iter([KEYPOINT]), 'keypoints: got an object of type list_iterator; ' + SEQUENCE),
     (KEYPOINT, 'keypoints: got an object of type cv2.KeyPoint; ' + SEQUENCE),
@@ -45,6 +46,12 @@ def test_things_that_are_no_keypoints(orb, image, wrong, message):
         assert message_of(TypeError, call) == message
     of_list = message.replace('keypoints', 'keypoints[0]', 1)
     assert message_of(TypeError, lambda: orb.compute([image], [wrong])) == of_list
+
+
+def test_a_number_that_python_does_not_write():
+    # Python refuses to convert so many digits.
+    message = message_of(TypeError, lambda: aqorb.keypointsToArray(10 ** 5000))
+    assert message == 'keypoints: got an object of type int; ' + SEQUENCE
 
 
 @pytest.mark.parametrize('wrong', [
