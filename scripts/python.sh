@@ -35,6 +35,7 @@ if [[ $asan ]]; then
     libraries=$(c++ -print-file-name=libasan.so):$(c++ -print-file-name=libstdc++.so.6)
     LD_PRELOAD=$libraries ASAN_OPTIONS=detect_leaks=0 PYTHONMALLOC=malloc PYTHONPATH=$folder/bindings/python \
         PYTHONDONTWRITEBYTECODE=1 AQORB_BINDING=aqorb "$PYTHON" -X faulthandler -m pytest -q -p no:cacheprovider \
+        --capture=sys `# else the report of the sanitizer is lost` \
         --deselect "$ROOT/bindings/python/test/test_package.py::test_stub_is_a_stub_of_the_package" \
         --deselect "$ROOT/bindings/python/test/test_package.py::test_programs_are_typed" "$@" \
         "$ROOT/modules/aqorb/misc/python/test" "$ROOT/bindings/python/test"
