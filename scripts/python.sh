@@ -8,7 +8,8 @@
 # folder.
 source "$(dirname "$0")/common.sh"
 
-need build-essential cmake libopencv-dev python3-dev pybind11-dev python3-numpy python3-opencv python3-pytest mypy
+need build-essential cmake libopencv-dev python3-dev pybind11-dev python3-numpy python3-opencv python3-pytest mypy \
+    xvfb xdotool  # the last two for the sample live
 
 configure "$BUILD/release" -DAQORB_BUILD_PYTHON=ON -DPython_EXECUTABLE="$PYTHON" -DAQORB_BUILD_TESTS=OFF
 build "$BUILD/release"
@@ -27,5 +28,4 @@ PYTHONPATH=$(echo "$prefix"/lib/python3*/*-packages) "$PYTHON" -c 'import aqorb;
 say "Demo"
 opencv_samples
 mkdir -p "$BUILD/demo-python"
-"$PYTHON" "$ROOT/samples/aqorb_demo.py" --out="$BUILD/demo-python" --homography="$OPENCV_SAMPLES/H1to3p.xml" \
-    "$OPENCV_SAMPLES/graf1.png" "$OPENCV_SAMPLES/graf3.png"
+OPENCV_SAMPLES_DATA_PATH=$OPENCV_SAMPLES "$PYTHON" "$ROOT/samples/aqorb_demo.py" --out="$BUILD/demo-python"
