@@ -20,7 +20,7 @@ const Program PROGRAM = {
     "Compares cv::aqorb::AdaptiveQuadtreeORB with cv::ORB: prints a table and writes the pictures\n"
     "aqorb_keypoints.jpg and, for two images, aqorb_matches.jpg. More than two images are taken one\n"
     "by one (aqorb_keypoints1.jpg, ...). Without images it takes three pairs of OpenCV's samples: one\n"
-    "where AdaptiveQuadtreeORB wins, one where it loses, and one with both.",
+    "where AdaptiveQuadtreeORB wins, one where it loses, and one where each wins something.",
     "[IMAGE1 [IMAGE2]] or IMAGE IMAGE IMAGE ...",
     0,
     100000,
@@ -48,9 +48,13 @@ const struct
      "How to read it: only the box is in both images. AdaptiveQuadtreeORB spreads its keypoints over\n"
      "the whole scene, so fewer of them lie on the box, and fewer match."},
     {"graf1.png", "graf3.png", "H1to3p.xml",
-     "3. Some of both: a painted wall from two sides; the homography between them is known.\n"
+     "3. Each wins something: a painted wall from two sides; the homography between them is known.\n"
      "How to read it: cv::ORB has more correct matches, but on fewer places of the wall. The error says\n"
      "how far off, in pixels, the homography lies that is estimated from each detector's matches."}};
+
+const char* const LEGEND =
+    "Distinct: matches of at least 4 pixels from each other. Consistent: within 3 pixels of the\n"
+    "homography estimated from the detector's matches; correct: of the known one.\n";
 
 struct Input
 {
@@ -242,6 +246,7 @@ void run(const Arguments& arguments)
             compare(arguments, {file}, "", format("%d", ++number));
             std::printf("\n");
         }
+    std::printf("%s", LEGEND);
     std::printf("Time: detectAndCompute, median of calls that take turns, %d thread(s).\n", getNumThreads());
 }
 

@@ -5,7 +5,8 @@
 # of this distribution.
 """Compares AdaptiveQuadtreeORB with cv.ORB: prints a table and writes the pictures aqorb_keypoints.jpg and, for two
 images, aqorb_matches.jpg. More than two images are taken one by one (aqorb_keypoints1.jpg, ...). Without images it
-takes three pairs of OpenCV's samples: one where AdaptiveQuadtreeORB wins, one where it loses, and one with both."""
+takes three pairs of OpenCV's samples: one where AdaptiveQuadtreeORB wins, one where it loses, and one where each
+wins something."""
 
 import statistics
 from collections import namedtuple
@@ -31,9 +32,12 @@ places fill more of the image's cells."""),
 How to read it: only the box is in both images. AdaptiveQuadtreeORB spreads its keypoints over
 the whole scene, so fewer of them lie on the box, and fewer match."""),
     ('graf1.png', 'graf3.png', 'H1to3p.xml',
-     """3. Some of both: a painted wall from two sides; the homography between them is known.
+     """3. Each wins something: a painted wall from two sides; the homography between them is known.
 How to read it: cv.ORB has more correct matches, but on fewer places of the wall. The error says
 how far off, in pixels, the homography lies that is estimated from each detector's matches.""")]
+
+LEGEND = """Distinct: matches of at least 4 pixels from each other. Consistent: within 3 pixels of the
+homography estimated from the detector's matches; correct: of the known one."""
 
 # features: keypoints and descriptors of each image; matches: distinct, and in agreement with the homography;
 # homography_error: in pixels, or None
@@ -206,6 +210,7 @@ def main():
             print(name)
             compare(arguments, [name], suffix=str(i))
             print()
+    print(LEGEND)
     print('Time: detectAndCompute, median of calls that take turns, {} thread(s).'.format(cv.getNumThreads()))
 
 

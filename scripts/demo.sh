@@ -6,7 +6,7 @@
 #
 # Installs the Debian packages it needs. Without images it takes three pairs of OpenCV's samples (the Debian
 # package opencv-doc, fetched, not installed): one where AdaptiveQuadtreeORB wins, one where cv::ORB wins, and
-# one with both. The pictures go to build/demo.
+# one where each wins something. The pictures go to build/demo.
 source "$(dirname "$0")/common.sh"
 
 if [[ ${1:-} == --help || ${1:-} == -h ]]; then
