@@ -13,7 +13,7 @@ namespace opencv_test
 /** A synthetic photograph: a smooth sky, houses with windows, textured ground, plain walls, blur of a
  lens and noise of a sensor. The same for every run; objects grow with the image, texture does not.
  Its FAST corners are about as many, and as unevenly spread, as a street scene's of the same size. */
-cv::Mat makeScene(const cv::Size& size);
+cv::Mat makeStreetScene(const cv::Size& size);
 
 }  // namespace opencv_test
 

@@ -46,7 +46,7 @@ static Mat photographOrScene()
     const char* const data = std::getenv("OPENCV_TEST_DATA_PATH");
     const String leuven = "/cv/detectors_descriptors_evaluation/images_datasets/leuven/img1.png";
     const Mat photograph = data ? imread(data + leuven, IMREAD_GRAYSCALE) : Mat();
-    return photograph.empty() ? opencv_test::makeScene(Size(900, 600)) : photograph;
+    return photograph.empty() ? opencv_test::makeStreetScene(Size(900, 600)) : photograph;
 }
 
 // Pairs of images of a plane ten pixels of disparity away, with a camera that moves ahead.

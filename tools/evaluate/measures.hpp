@@ -5,7 +5,7 @@
 #ifndef AQORB_EVALUATE_MEASURES_HPP
 #define AQORB_EVALUATE_MEASURES_HPP
 
-#include "../../samples/evaluation.hpp"
+#include "../../test/features.hpp"
 
 //! How the features of two images of a plane match. Distances are in pixels of the second image.
 struct Matching
@@ -18,18 +18,9 @@ struct Matching
     std::vector<double> errors;  //!< of the corners under the estimated homography, for each seed
 
     double precision() const { return matches ? double(correct) / matches : 0; }
-    double medianError() const;
 };
 
-//! What cornerError gives where there is no homography.
-const double NO_HOMOGRAPHY = 1e6;
-
-Matching measureMatching(const Features& a, const Features& b, int norm, const cv::Mat& homography,
-                         cv::Size sizeA, cv::Size sizeB, int seeds);
-
-//! Area under the curve of the share of errors below a limit, for limits from 0 to `limit`; 1 is perfect.
-double areaUnderCurve(const std::vector<double>& errors, double limit);
-
-double median(std::vector<double> values);
+Matching measureMatching(const opencv_test::Features& a, const opencv_test::Features& b, int norm,
+                         const cv::Mat& homography, cv::Size sizeA, cv::Size sizeB, int seeds);
 
 #endif

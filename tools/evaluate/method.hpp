@@ -5,10 +5,14 @@
 #ifndef AQORB_EVALUATE_METHOD_HPP
 #define AQORB_EVALUATE_METHOD_HPP
 
-#include "../../samples/evaluation.hpp"
+#include "../../test/features.hpp"
+
+#include <opencv2/aqorb/features.hpp>
 
 #include <functional>
 #include <string>
+
+using opencv_test::Features;
 
 //! A detector with its descriptor, as one row of the tables.
 class Method

@@ -7,7 +7,7 @@
 #include "detector.hpp"
 #include "generate.hpp"
 
-#include <opencv2/core/utils/logger.hpp>
+#include "../common/quiet.hpp"
 
 #include <cmath>
 #include <functional>
@@ -309,8 +309,7 @@ Report callDetector(const uint8_t* bytes, size_t size, bool ofOrb)
     // An exception is no reason to print its message.
     static const bool quiet = []
     {
-        utils::logging::setLogLevel(utils::logging::LOG_LEVEL_SILENT);
-        redirectError([](int, const char*, const char*, const char*, int, void*) { return 0; });
+        tools::silenceOpenCV();
         return true;
     }();
     (void)quiet;

@@ -2,12 +2,10 @@
 // It is subject to the license terms in the LICENSE file found in the top-level directory
 // of this distribution.
 
-#include "failing_memory.hpp"
-
+#include "../common/options.hpp"
+#include "../common/quiet.hpp"
+#include "../../test/allocations.hpp"
 #include "../../test/test_precomp.hpp"
-
-#include <opencv2/core/utility.hpp>
-#include <opencv2/core/utils/logger.hpp>
 
 #include <malloc.h>
 #include <unistd.h>
@@ -21,6 +19,12 @@ using namespace opencv_test;
 
 namespace
 {
+
+const char* const KEYS = "{help h usage ? |      | print this text }"
+                         "{frames         |100000| frames through one object }"
+                         "{threads        |4     | threads that give it frames }"
+                         "{failures       |20000 | calls in which memory runs out }"
+                         "{any-memory     |      | do not check the memory in use }";
 
 //! An image, at times with a mask, and what the detector gives for it at first.
 struct Frame
@@ -175,7 +179,7 @@ bool runOutOfMemory(const std::vector<Frame>& frames, int count, int threads)
         const Ptr<AdaptiveQuadtreeORB> detector = isNew ? AdaptiveQuadtreeORB::create(200) : used;
         {
             Features found;
-            soak::failAllocation(rng.uniform(1, int(allocations[!isNew]) + 1));
+            const AllocationCounter failing(rng.uniform(1, int(allocations[!isNew]) + 1));
             try
             {
                 detector->detectAndCompute(frame.image, frame.mask, found.keypoints, found.descriptors);
@@ -190,16 +194,15 @@ bool runOutOfMemory(const std::vector<Frame>& frames, int count, int threads)
                 wrong += e.code != Error::StsNoMem;
             }
         }
-        soak::failAllocation(0);
         wrong += !isAsAtFirst(*detector, frame);
         // How many there are to choose from, of a call that succeeds.
         if (i < 64)
         {
             const Ptr<AdaptiveQuadtreeORB> probe = isNew ? AdaptiveQuadtreeORB::create(200) : used;
             Features found;
-            soak::failAllocation(0);
+            const AllocationCounter counter;
             probe->detectAndCompute(frame.image, frame.mask, found.keypoints, found.descriptors);
-            allocations[!isNew] = std::max(allocations[!isNew], soak::allocationsSince());
+            allocations[!isNew] = std::max(allocations[!isNew], counter.total());
         }
     }
     std::printf(
@@ -213,20 +216,19 @@ bool runOutOfMemory(const std::vector<Frame>& frames, int count, int threads)
 
 int main(int argc, char** argv)
 {
-    const CommandLineParser arguments(argc, argv,
-                                      "{help     |      | prints this}"
-                                      "{frames   |100000| frames through one object}"
-                                      "{threads  |4     | that give it frames}"
-                                      "{failures |20000 | calls in which memory runs out}"
-                                      "{any-memory |    | does not check the memory in use}");
+    const std::string unknown = tools::unknownOption(argc, argv, KEYS);
+    if (!unknown.empty())
+    {
+        std::fprintf(stderr, "aqorb_soak: %s: unknown option; see --help\n", unknown.c_str());
+        return 1;
+    }
+    const CommandLineParser arguments(argc, argv, KEYS);
     if (arguments.has("help"))
     {
         arguments.printMessage();
         return 0;
     }
-    utils::logging::setLogLevel(utils::logging::LOG_LEVEL_SILENT);
-    redirectError([](int, const char*, const char*, const char*, int, void*) { return 0; });
-    soak::failAllocation(0);
+    tools::silenceOpenCV();
     const std::vector<Frame> frames = makeFrames(60);
     const int failures = arguments.get<int>("failures");
     bool good = runFrames(frames, arguments.get<int>("frames"), arguments.get<int>("threads"),
