@@ -7,7 +7,7 @@
 # OPENCV_TEST_DATA_PATH names its testdata folder.
 source "$(dirname "$0")/common.sh"
 
-need build-essential cmake libopencv-dev libgtest-dev
+need build-essential cmake libopencv-dev libgtest-dev xvfb xdotool  # the last two for the sample live
 
 configure "$BUILD/release" -DAQORB_BUILD_TESTS=ON "$@"
 build "$BUILD/release"
