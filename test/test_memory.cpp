@@ -22,6 +22,19 @@ private:
     const int before;
 };
 
+// The other tests expect no allocation, and would hold as well if none was counted.
+TEST(AqorbMemory, allocationsAreCountedAndFailOnRequest)
+{
+    const AllocationCounter allocations(3);
+    const Mat matrix(10, 10, CV_8UC1);
+    EXPECT_EQ(1, allocations.ofMatrices());
+    EXPECT_EQ(0, allocations.ofNew());
+    ::operator delete(::operator new(10));
+    EXPECT_EQ(1, allocations.ofNew());
+    EXPECT_THROW(Mat(10, 10, CV_8UC1), cv::Exception);
+    EXPECT_NO_THROW(Mat(10, 10, CV_8UC1));
+}
+
 TEST(AqorbMemory, aStreamOfFramesAllocatesNothingAnew)
 {
     const OneThread oneThread;
