@@ -26,17 +26,17 @@ say "Measuring"
     --n=500,1000,2000 --degrade=dark,gamma,noise --ablation "${@:2}"
 
 say "Making tables and figures"
-"$PYTHON" "$ROOT/tools/report/evaluation.py" "$folder" >"$folder/tables.md"
-"$PYTHON" "$ROOT/tools/report/evaluation_figures.py" "$folder"
+"$PYTHON" "$ROOT/tools/report/report.py" evaluation "$folder" >"$folder/tables.txt"
+"$PYTHON" "$ROOT/tools/report/report.py" figures "$folder"
 
 if [[ $doc ]]; then
-    "$PYTHON" "$ROOT/tools/report/update_doc.py" "$folder" "$ROOT/doc/reproduction.md"
+    "$PYTHON" "$ROOT/tools/report/report.py" evaluation "$folder" --doc "$ROOT/doc/reproduction.md"
     for figure in figure3.jpg figure6.png figure8.png; do
         cp "$folder/$figure" "$ROOT/doc/images/reproduction-$figure"
     done
 fi
 
 say "Results"
-cat "$folder/tables.md"
+cat "$folder/tables.txt"
 echo
-echo "In $folder: tables.md, the figures and the CSV files that both were made of."
+echo "In $folder: tables.txt, the figures and the CSV files that both were made of."

@@ -4,7 +4,7 @@
 
 #include "reference.hpp"
 
-#include "../modules/aqorb/src/orb_pattern.hpp"
+#include "orb_pattern.hpp"
 
 namespace opencv_test
 {

@@ -30,7 +30,7 @@ using namespace cv;
 #include "opencv2/imgcodecs.hpp"
 #include "opencv2/imgproc.hpp"
 
-#include "../modules/aqorb/src/stages.hpp"
+#include "stages.hpp"
 
 #include "data_files.hpp"
 #include "features.hpp"

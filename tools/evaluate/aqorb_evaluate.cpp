@@ -2,7 +2,7 @@
 // It is subject to the license terms in the LICENSE file found in the top-level directory
 // of this distribution.
 
-// Measures detectors on the images of the paper and others, and writes CSV files. tools/report/evaluation.py makes
+// Measures detectors on the images of the paper and others, and writes CSV files. tools/report/report.py makes
 // tables of them: see doc/reproduction.md.
 
 #include "../common/median.hpp"

@@ -7,7 +7,6 @@
 #include <opencv2/core.hpp>
 
 #include <algorithm>
-#include <numeric>
 
 namespace
 {
@@ -61,15 +60,6 @@ public:
     Profile profile;
 };
 
-template <typename Value> double medianBy(const std::vector<Profile>& profiles, Value value)
-{
-    std::vector<double> values;
-    for (const Profile& profile : profiles)
-        values.push_back(value(profile));
-    std::nth_element(values.begin(), values.begin() + values.size() / 2, values.end());
-    return values[values.size() / 2];
-}
-
 void enter(const std::vector<TraceRegion>& regions, std::vector<std::string>& absent)
 {
     for (const TraceRegion& region : regions)
@@ -98,17 +88,6 @@ Profile profileOf(const TraceRegion& frame)
     profiler.add(frame, REST);
     profiler.profile.total = frame.duration;
     return profiler.profile;
-}
-
-Profile medianOf(const std::vector<Profile>& profiles)
-{
-    Profile median = profiles.at(0);
-    for (int stage = 0; stage < STAGE_COUNT; stage++)
-    {
-        median.stages[stage] = medianBy(profiles, [&](const Profile& p) { return p.stages[stage]; });
-    }
-    median.total = std::accumulate(median.stages, median.stages + STAGE_COUNT, 0.);
-    return median;
 }
 
 double leastTime(const TraceRegion& region, int threads)

@@ -1,14 +1,12 @@
-#!/usr/bin/python3
 # This file is part of the aqorb project.
 # It is subject to the license terms in the LICENSE file found in the top-level directory
 # of this distribution.
-"""Prints the tables of doc/reproduction.md from the CSV files that aqorb_evaluate wrote.
+"""The tables of doc/reproduction.md from the CSV files that aqorb_evaluate wrote.
 
 They are the tables of Yao et al. 2019 with the values measured here beside the printed ones, what is claimed of
 them, and the measures beyond the paper. The functions that read the files serve evaluation_figures.py, too.
 """
 
-import argparse
 import os
 
 import numpy as np
@@ -91,15 +89,12 @@ def cell(value, form='{:.2f}'):
     return '' if pd.isna(value) else form.format(value)
 
 
-def print_table(title, head, rows):
-    print('\n## {}\n'.format(title))
-    print('| ' + ' | '.join(head) + ' |')
-    print('|---|' + '---:|' * (len(head) - 1))
-    for row in rows:
-        print('| ' + ' | '.join(row) + ' |')
+def titled(title, head, rows):
+    """A title and its table."""
+    return title, pd.DataFrame(rows, columns=head)
 
 
-def print_three_methods(data, paper, table, set_name):
+def three_methods_tables(data, paper, table, set_name):
     """Tables 1 and 2: A, B and C by image."""
     head = ['image', 'A paper', 'A here', 'B paper', 'B here', 'C paper', 'C here', 'as shipped']
     for quantity, words in (('uniformity', 'uniformity'), ('time_ms', 'CPU time in ms')):
@@ -109,11 +104,11 @@ def print_three_methods(data, paper, table, set_name):
             if method != 'aqorb':
                 columns.append(printed(paper, table, set_name, method, quantity))
             columns.append([here.get((set_name, method, image), np.nan) for image in IMAGES])
-        print_table('Table {} ({}): {}'.format(table, set_name, words), head,
-                    [[str(image)] + [cell(value) for value in row] for image, *row in zip(IMAGES, *columns)])
+        yield titled('Table {} ({}): {}'.format(table, set_name, words), head,
+                     [[str(image)] + [cell(value) for value in row] for image, *row in zip(IMAGES, *columns)])
 
 
-def print_five_methods(data, paper):
+def five_methods_tables(data, paper):
     """Table 3: methods by image and set, the paper's rows above ours."""
     here = data.by_image('uniformity')
     rows = []
@@ -124,25 +119,25 @@ def print_five_methods(data, paper):
                 if not np.isnan(values).any():
                     rows.append([', '.join((set_name, title, source))]
                                 + [cell(value) for value in values + [sum(value / len(IMAGES) for value in values)]])
-    print_table('Table 3: uniformity', ['set, method'] + ['img{}'.format(i) for i in IMAGES] + ['mean'], rows)
+    yield titled('Table 3: uniformity', ['set, method'] + ['img{}'.format(i) for i in IMAGES] + ['mean'], rows)
 
 
-def print_means_by_set(data, paper):
+def means_by_set_tables(data, paper):
     """Figures 6 to 8 in numbers."""
     head = ['method'] + PAPER_SETS + ['mean']
     for title, quantity, form in (('Uniformity by set', 'uniformity', '{:.2f}'),
                                   ('Occupied share of a 16x12 grid by set', 'occupancy', '{:.3f}'),
                                   ('CPU time in ms by set', 'time_ms', '{:.2f}')):
         means = data.by_set(quantity)
-        print_table(title, head, [[data.methods[method]] + [cell(value, form) for value in row]
-                                  for method, row in zip(means.index, means.values)])
+        yield titled(title, head, [[data.methods[method]] + [cell(value, form) for value in row]
+                                   for method, row in zip(means.index, means.values)])
 
     times = data.by_set('time_ms').reindex(['orb', 'orb_slam', 'paper'])
     a, b, c = times.values
     less = [paper['text', name, 'mean', 'paper', 'percent_less_time_than_orb_slam'] for name in PAPER_SETS]
     rows = [('less than B, %, paper', less + [np.nan]), ('less than B, %, here', 100 * (1 - c / b)),
             ('B over C', b / c), ('A over C', a / c)]
-    print_table('Times of C', head, [[title] + [cell(value) for value in values] for title, values in rows])
+    yield titled('Times of C', head, [[title] + [cell(value) for value in values] for title, values in rows])
 
 
 def met(data, paper, table, set_name, method, images=IMAGES):
@@ -152,7 +147,7 @@ def met(data, paper, table, set_name, method, images=IMAGES):
     return sum(abs(values[image] - here[set_name, method, image]) <= 0.3 + 1e-9 for image in images)
 
 
-def print_claims(data, paper):
+def claims_tables(data, paper):
     """What is claimed, and whether it holds in this run."""
     uniformity = data.by_set('uniformity')
     needed = ['orb', 'orb_slam', 'paper', 'aqorb', 'sift']
@@ -197,10 +192,10 @@ def print_claims(data, paper):
     a, b, c = data.by_set('time_ms')['mean'][['orb', 'orb_slam', 'paper']]
     claim('time of A over time of C, mean of five sets', 'above 1', cell(a / c), c < a)
     claim('time of B over time of C', 'at least 5', cell(b / c), b >= 5 * c)
-    print_table('What is claimed', ['', 'asked', 'here', 'holds'], rows)
+    yield titled('What is claimed', ['', 'asked', 'here', 'holds'], rows)
 
 
-def print_quality(data, title, degradation, methods):
+def quality_tables(data, title, degradation, methods):
     """Means over all sets of what a frame and a pair of images come to. methods: their titles by name."""
     key = ['method', 'n']
     features = data.features[data.features['degradation'] == degradation].groupby(key)
@@ -212,21 +207,21 @@ def print_quality(data, title, degradation, methods):
     for limit in (3, 5, 10):
         area = data.area_under_curve(limit).xs(degradation, level='degradation')
         columns.append((area.groupby(level=key).mean(), '{:.3f}'))
-    print_table(title, ['method', 'n', 'keypoints', 'u', 'occupancy', 'distinct', 'places', 'precision',
-                        'repeatability', 'AUC@3', 'AUC@5', 'AUC@10'],
-                [[words, str(n)] + [cell(values.get((method, n)), form) for values, form in columns]
-                 for n in data.numbers for method, words in methods.items()])
+    yield titled(title, ['method', 'n', 'keypoints', 'u', 'occupancy', 'distinct', 'places', 'precision',
+                         'repeatability', 'AUC@3', 'AUC@5', 'AUC@10'],
+                 [[words, str(n)] + [cell(values.get((method, n)), form) for values, form in columns]
+                  for n in data.numbers for method, words in methods.items()])
 
 
-def print_distinct_by_set(data):
+def distinct_by_set_tables(data):
     plain = data.matching[data.matching['degradation'] == '']
     means = plain.groupby(['method', 'set'])['distinct'].mean()
-    print_table('Distinct correct matches by set, mean over n', ['method'] + data.sets,
-                [[title] + [cell(means.get((method, name)), '{:.1f}') for name in data.sets]
-                 for method, title in data.methods.items()])
+    yield titled('Distinct correct matches by set, mean over n', ['method'] + data.sets,
+                 [[title] + [cell(means.get((method, name)), '{:.1f}') for name in data.sets]
+                  for method, title in data.methods.items()])
 
 
-def print_odometry(data):
+def odometry_tables(data):
     rows = []
     for n in data.numbers:
         for method, title in data.methods.items():
@@ -237,34 +232,30 @@ def print_odometry(data):
                         + [cell(steps[column].mean(), '{:.0f}') for column in ('stereo', 'matches', 'inliers')]
                         + [cell(100 * metres), cell(degrees, '{:.4f}'),
                            str(steps['translation_error_m'].isna().sum())])
-    print_table('Stereo odometry, from frame to frame',
-                ['method', 'n', 'stereo points', 'matches', 'inliers', 'translation error, cm, RMS',
-                 'rotation error, degrees, RMS', 'frames without motion'], rows)
+    yield titled('Stereo odometry, from frame to frame',
+                 ['method', 'n', 'stereo points', 'matches', 'inliers', 'translation error, cm, RMS',
+                  'rotation error, degrees, RMS', 'frames without motion'], rows)
 
 
-def main():
-    parser = argparse.ArgumentParser(description=__doc__.split('\n')[0])
-    parser.add_argument('folder', help='where aqorb_evaluate wrote')
-    data, paper = Evaluation(parser.parse_args().folder), read_paper()
-
-    print('Measured by aqorb_evaluate with OpenCV {}, {}.'.format(data.setting['OpenCV'], data.setting['CPU features']))
-    for method, reason in data.absent.items():
-        print('Absent: {} ({}).'.format(method, reason))
-    print_three_methods(data, paper, '1', 'bikes')
-    print_three_methods(data, paper, '2', 'leuven')
-    print_five_methods(data, paper)
-    print_means_by_set(data, paper)
-    print_claims(data, paper)
+def evaluation_tables(folder):
+    """All tables of a run by title."""
+    data, paper = Evaluation(folder), read_paper()
+    lines = ['Measured by aqorb_evaluate with OpenCV {}, {}.'.format(
+        data.setting['OpenCV'], data.setting['CPU features'])]
+    lines += ['Absent: {} ({}).'.format(method, reason) for method, reason in data.absent.items()]
+    tables = {'Setting': '\n'.join(lines)}
+    tables.update(three_methods_tables(data, paper, '1', 'bikes'))
+    tables.update(three_methods_tables(data, paper, '2', 'leuven'))
+    tables.update(five_methods_tables(data, paper))
+    tables.update(means_by_set_tables(data, paper))
+    tables.update(claims_tables(data, paper))
     for degradation in DEGRADATIONS:
         if degradation in data.features['degradation'].values:
             title = ', '.join(filter(None, ('Means over all sets', degradation)))
-            print_quality(data, title, degradation, data.methods)
-    print_distinct_by_set(data)
+            tables.update(quality_tables(data, title, degradation, data.methods))
+    tables.update(distinct_by_set_tables(data))
     if not data.ablations.empty:
-        print_quality(data, 'Ablation: as shipped but for', '', data.ablations)
+        tables.update(quality_tables(data, 'Ablation: as shipped but for', '', data.ablations))
     if data.odometry is not None:
-        print_odometry(data)
-
-
-if __name__ == '__main__':
-    main()
+        tables.update(odometry_tables(data))
+    return tables

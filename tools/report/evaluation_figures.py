@@ -1,18 +1,16 @@
-#!/usr/bin/python3
 # This file is part of the aqorb project.
 # It is subject to the license terms in the LICENSE file found in the top-level directory
 # of this distribution.
 """Draws the paper's figures 3 to 8 from what aqorb_evaluate wrote, with the paper's values marked."""
 
-import argparse
 import glob
 import os
 
 import matplotlib
 matplotlib.use('Agg')
-import matplotlib.pyplot as plt
+import matplotlib.pyplot as plt  # noqa: E402 (after the choice of the backend)
 
-from evaluation import Evaluation, PAPER_SETS, read_paper
+from evaluation import Evaluation, PAPER_SETS, read_paper  # noqa: E402
 
 COLOURS = {'orb': 'tab:gray', 'orb_slam': 'tab:orange', 'paper': 'tab:blue', 'aqorb': 'black',
            'sift': 'tab:green', 'surf': 'tab:olive', 'brisk': 'tab:purple', 'akaze': 'tab:brown',
@@ -88,10 +86,8 @@ def pictures(data, folder, figure_number, columns, title):
     plt.close(figure)
 
 
-def main():
-    parser = argparse.ArgumentParser(description=__doc__)
-    parser.add_argument('folder', help='where aqorb_evaluate wrote, and the figures go')
-    folder = parser.parse_args().folder
+def draw_figures(folder):
+    """Draws what a folder has the measures of, into that folder, and says which figures there are now."""
     data, paper = Evaluation(folder), read_paper()
     present = [method for method in COLOURS if method in data.methods]
     four = [method for method in ('orb', 'orb_slam', 'paper', 'aqorb') if method in present]
@@ -105,7 +101,5 @@ def main():
            os.path.join(folder, 'figure7.png'), log=True)
     panels(data, paper, 'uniformity', [method for method in present if method not in ('orb', 'orb_slam')],
            'Figure 8: uniformity u by image', 'u', os.path.join(folder, 'figure8.png'), rows=2)
-
-
-if __name__ == '__main__':
-    main()
+    drawn = sorted(glob.glob(os.path.join(folder, 'figure[0-9].*')))
+    return {'Figures': '\n'.join(drawn)}

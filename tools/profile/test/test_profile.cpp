@@ -121,15 +121,4 @@ TEST(Profile, refusesATraceThatIsNotWhole)
     EXPECT_THROW(readTrace("/absent"), cv::Exception);
 }
 
-TEST(Profile, takesMediansOfFrames)
-{
-    const TraceFiles files(LOCATIONS, EVENTS);
-    const Profile profile = profileOf(readTrace(files.location)[0]);
-    Profile slow = profile, slowest = profile;
-    slow.stages[SELECTION] += 10;
-    slowest.stages[SELECTION] += 1000;
-    EXPECT_EQ(210, medianOf({profile, slowest, slow}).stages[SELECTION]);
-    EXPECT_EQ(1010, medianOf({profile, slowest, slow}).total);
-}
-
 }  // namespace

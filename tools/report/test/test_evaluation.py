@@ -1,11 +1,8 @@
-#!/usr/bin/python3
 # This file is part of the aqorb project.
 # It is subject to the license terms in the LICENSE file found in the top-level directory
 # of this distribution.
 """Tests evaluation.py on a small run whose tables are worked out by hand."""
 
-import contextlib
-import io
 import os
 import tempfile
 import unittest
@@ -51,12 +48,11 @@ class EvaluationTest(unittest.TestCase):
             cls.data = evaluation.Evaluation(folder)
 
     def table(self, function, *arguments):
-        """The rows that a function prints, cells without blanks."""
-        output = io.StringIO()
-        with contextlib.redirect_stdout(output):
-            function(self.data, *arguments)
-        return [[cell.strip() for cell in line.strip('|').split('|')]
-                for line in output.getvalue().splitlines() if line.startswith('| ')]
+        """The head and the rows of the tables of a function."""
+        lines = []
+        for _, table in function(self.data, *arguments):
+            lines += [list(table.columns)] + table.values.tolist()
+        return lines
 
     def test_names(self):
         self.assertEqual('SSE, AVX2', self.data.setting['CPU features'])
@@ -65,24 +61,24 @@ class EvaluationTest(unittest.TestCase):
         self.assertEqual([500], self.data.numbers)
 
     def test_quality(self):
-        rows = self.table(evaluation.print_quality, 'title', '', self.data.methods)
+        rows = self.table(evaluation.quality_tables, 'title', '', self.data.methods)
         # AUC@5: (1 + 0.5) / 2 for the first pair, 0 for the second.
         self.assertEqual(['cv::ORB (A)', '500', '494', '102.5', '0.500', '5.5', '3.5', '0.375', '0.500',
                           '0.292', '0.375', '0.562'], rows[1])
         self.assertEqual(['ours as shipped', '500', '500', '92.5', '0.750'] + [''] * 7, rows[2])
 
     def test_degraded_images_are_apart(self):
-        rows = self.table(evaluation.print_quality, 'title', 'dark', self.data.methods)
+        rows = self.table(evaluation.quality_tables, 'title', 'dark', self.data.methods)
         self.assertEqual(['cv::ORB (A)', '500', '7', '24.4', '0.020', '0.0'], rows[1][:6])
 
     def test_image_by_image(self):
         paper = evaluation.read_paper()
-        rows = self.table(evaluation.print_three_methods, paper, '1', 'bikes')
+        rows = self.table(evaluation.three_methods_tables, paper, '1', 'bikes')
         self.assertEqual(['1', '210.06', '100.00', '137.55', '', '140.81', '', '90.00'], rows[1])
         times = rows[8:]  # below a head of its own
         self.assertEqual(['5', '8.50', '2.00'], [times[4][0], times[4][2], times[4][7]])
         self.assertEqual(['6', '', '2.00'], [times[5][0], times[5][2], times[5][7]])
-        three = self.table(evaluation.print_five_methods, paper)
+        three = self.table(evaluation.five_methods_tables, paper)
         self.assertEqual(['bikes, cv::ORB (A), here'] + ['{}.00'.format(100 + i) for i in range(6)] + ['102.50'],
                          three[1])
 
@@ -90,13 +86,9 @@ class EvaluationTest(unittest.TestCase):
         means = self.data.by_set('uniformity')
         self.assertEqual(102.5, means.loc['orb', 'bikes'])
         self.assertTrue(means['mean'].isna().all())
-        self.assertEqual([], self.table(evaluation.print_claims, evaluation.read_paper()))
+        self.assertEqual([], self.table(evaluation.claims_tables, evaluation.read_paper()))
 
     def test_odometry(self):
-        rows = self.table(evaluation.print_odometry)
+        rows = self.table(evaluation.odometry_tables)
         # Errors are of the two frames with a motion: sqrt((3^2 + 4^2) / 2) cm.
         self.assertEqual(['cv::ORB (A)', '500', '100', '35', '20', '3.54', '0.3536', '1'], rows[1])
-
-
-if __name__ == '__main__':
-    unittest.main()

@@ -2,17 +2,19 @@
 // It is subject to the license terms in the LICENSE file found in the top-level directory
 // of this distribution.
 
-#ifndef AQORB_BENCHMARK_HPP
-#define AQORB_BENCHMARK_HPP
+#ifndef AQORB_PROFILE_MEASURE_HPP
+#define AQORB_PROFILE_MEASURE_HPP
+
+#include "../common/csv.hpp"
 
 #include <opencv2/aqorb.hpp>
 
 #include <string>
 #include <vector>
 
-//! Scene (WIDTHxHEIGHT, drawn), photograph of opencv_extra by its short name, or file.
 struct Image
 {
+    //! @param spec WIDTHxHEIGHT draws a scene; others are a photograph of opencv_extra by its short name, or a file.
     explicit Image(const std::string& spec);
 
     std::string spec;
@@ -24,7 +26,7 @@ struct Settings
 {
     std::vector<std::string> images;
     int nfeatures;
-    int repeats;
+    int repeats;  //!< frames to measure
 };
 
 enum Detector
@@ -32,6 +34,9 @@ enum Detector
     CV_ORB,
     AQORB
 };
+
+//! As the harness of perf/ names it.
+const char* nameOf(Detector detector);
 
 cv::Ptr<cv::Feature2D> createDetector(Detector detector, int nfeatures);
 
@@ -47,26 +52,8 @@ const int WARM_UP = 3;  //!< frames that --frames runs before those that count
 //! Seconds that detectAndCompute takes.
 double timeFrame(cv::Feature2D& detector, const cv::Mat& image, Features& features);
 
-double median(std::vector<double> values);
-
-//! A table of Markdown. The first row is the head; the first column is text, the others are numbers.
-class Table
-{
-public:
-    explicit Table(const std::string& title, const std::vector<std::string>& head);
-    void add(const std::vector<std::string>& row);
-    void print() const;
-
-private:
-    std::string title;
-    std::vector<std::vector<std::string>> rows;
-};
-
-// Each prints tables.
-void printSetting(const Settings& settings);
-void printStages(const Settings& settings);
-void printScaling(const Settings& settings, const std::vector<cv::Size>& sizes,
-                  const std::vector<int>& numbers);
-void printMemory(const Settings& settings);
+tools::CsvTable measureSetting(const Settings& settings);
+tools::CsvTable measureStages(const Settings& settings);
+tools::CsvTable measureMemory(const Settings& settings);
 
 #endif
