@@ -36,7 +36,7 @@ KeyPoints detect(Feature2D& detector, const Mat& image)
     return keypoints;
 }
 
-//! Prints one figure of both detectors.
+//! Prints one measure of both detectors.
 void report(const std::string& figure, double ours, double orb)
 {
     std::cout << format("[ FIGURE   ] %-52s %8.3f  cv::ORB %8.3f", figure.c_str(), ours, orb) << std::endl;
@@ -109,7 +109,7 @@ TEST(AqorbQuality, finds_features_in_dark_images)
             orbSum += double(b.size());
             oursLeast = std::min(oursLeast, a.size());
             images++;
-            // Where cv::ORB finds next to nothing there still is enough to see.
+            // cv::ORB finds next to nothing in these images, though there is enough to see.
             EXPECT_GE(a.size(), size_t(nfeatures / 2)) << "cv::ORB: " << b.size();
         }
     }

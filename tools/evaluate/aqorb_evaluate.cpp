@@ -60,7 +60,7 @@ struct BadArguments
     std::string message;
 };
 
-//! One line that says what goes on, on a terminal.
+//! Shows in one line what is being measured, if standard error is a terminal.
 class Progress
 {
 public:
@@ -133,8 +133,8 @@ Methods makeMethods(const std::vector<std::string>& names, const std::string& su
     return methods;
 }
 
-/** Median CPU times in ms on one thread. The methods take turns, so that other load slows all of them; those
- that have taken long enough drop out. */
+/** Median CPU times in ms on one thread. The methods take turns, so that other load of the machine slows all of
+ them alike. A method that has taken long enough in total is not run again. */
 std::vector<double> medianTimes(const Methods& methods, const Mat& image, int n, int runs)
 {
     const double ENOUGH = 300;  // ms
@@ -169,7 +169,7 @@ void drawKeypoints(const Mat& image, const Features& features, const std::string
         CV_Error(Error::StsError, file + ": cannot be written");
 }
 
-//! The pictures of figures 3 to 5: bikes img1 by the paper's three methods, leuven by two of them.
+//! Draws the pictures of figures 3 to 5: bikes img1 by the paper's three methods, leuven by two of them.
 void drawFigures(const ImageSet& set, size_t image, const Method& method, const Features& features,
                  const std::string& folder)
 {
@@ -242,7 +242,7 @@ void run(const Options& options)
 {
     Results results;
     Methods methods = makeMethods(options.methods, options.superPoint, results);
-    Methods ablations;  // those of them that are not measured anyway
+    Methods ablations;  // those that are not among the methods already
     if (options.ablation)
         results.ablations = ablationMethods();
     for (const Ablation& ablation : results.ablations)

@@ -16,7 +16,7 @@ using opencv_test::Matches;
 namespace
 {
 
-const float SAME_PLACE = 3;  // pixels
+const float SAME_PLACE = 3;  // pixels between two keypoints that count as one found again
 
 std::vector<cv::Point2f> transformed(const Features& features, const cv::Mat& homography)
 {
@@ -27,7 +27,7 @@ std::vector<cv::Point2f> transformed(const Features& features, const cv::Mat& ho
     return mapped;
 }
 
-//! The points inside an image: those of a that, mapped, another image shows.
+//! Those of the points that lie inside an image of this size.
 std::vector<cv::Point2f> inside(const std::vector<cv::Point2f>& points, cv::Size size)
 {
     std::vector<cv::Point2f> result;
@@ -40,7 +40,7 @@ std::vector<cv::Point2f> inside(const std::vector<cv::Point2f>& points, cv::Size
 double repeatability(const Features& a, const Features& b, const cv::Mat& homography, cv::Size sizeA,
                      cv::Size sizeB)
 {
-    // Those that both images show, in pixels of b.
+    // The keypoints of each image that the other one shows as well, in pixels of b.
     const std::vector<cv::Point2f> pointsA = inside(transformed(a, homography), sizeB);
     const std::vector<cv::Point2f> shown = inside(transformed(b, homography.inv()), sizeA);
     if (pointsA.empty() || shown.empty())

@@ -12,9 +12,9 @@ struct Matching
 {
     int matches;                 //!< mutual nearest neighbours
     int correct;                 //!< of these within 3 pixels of the homography
-    int distinct;                //!< of these the best ones that are 4 pixels apart
-    int places;                  //!< cells of a 16x12 grid over the first image that hold one
-    double repeatability;        //!< keypoints that are found again within 3 pixels, over those that could be
+    int distinct;                //!< of these the ones that are 4 pixels away from every better one
+    int places;                  //!< cells of a 16x12 grid over the first image that hold a correct match
+    double repeatability;        //!< share found again within 3 pixels, of keypoints in the common part
     std::vector<double> errors;  //!< of the corners under the estimated homography, for each seed
 
     double precision() const { return matches ? double(correct) / matches : 0; }

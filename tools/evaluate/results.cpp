@@ -67,7 +67,7 @@ CsvTable homographyTable(const std::vector<MatchingRow>& rows)
     return table;
 }
 
-//! Without errors where there is no motion.
+//! The cells of the errors are empty where no motion was found.
 CsvTable odometryTable(const std::vector<OdometryRow>& rows)
 {
     CsvTable table({"method", "n", "frame", "stereo", "matches", "inliers", "translation_error_m",

@@ -34,7 +34,7 @@ struct MatchingRow
     Matching matching;
 };
 
-//! The step from the frame before to this one, as one method sees it.
+//! The motion from the frame before to this one, by the features of one method.
 struct OdometryRow
 {
     std::string method;
@@ -45,10 +45,10 @@ struct OdometryRow
 //! Everything that was measured.
 struct Results
 {
-    std::vector<std::string> methods;           // those measured, in order
+    std::vector<std::string> methods;           // in the order of the command line
     std::map<std::string, std::string> titles;  // of the methods
-    std::vector<Ablation> ablations;            // measured, too
-    std::map<std::string, std::string> absent;  // methods that could not be had, and why
+    std::vector<Ablation> ablations;            // measured in addition
+    std::map<std::string, std::string> absent;  // methods that were left out, and why
     std::vector<FeatureRow> features;
     std::vector<MatchingRow> matching;
     std::vector<OdometryRow> odometry;

@@ -6,9 +6,9 @@
 //
 //   aqorb_fingerprint [--plain] [IMAGE ...]
 //
-// One line for each scene or image and each set of parameters. The hashes of the image and of the pyramid tell
-// a difference that came in with the input from one of the detector. --plain: cv::setUseOptimized(false). The
-// features of the CPU that OpenCV uses go to standard error.
+// There is one line for each scene or image and each set of parameters. The hashes of the image and of the pyramid
+// show whether a difference came with the input or is one of the detector. --plain calls
+// cv::setUseOptimized(false). The CPU features that OpenCV uses are printed to standard error.
 
 #include "../common/scenes.hpp"
 
@@ -67,7 +67,7 @@ template <typename T> uint64_t hashOf(const T& what)
     return hash.value();
 }
 
-//! A detector with parameters drawn at random over all that have an effect.
+//! A detector with random values of all parameters that have an effect.
 Ptr<AdaptiveQuadtreeORB> makeDetector(RNG& rng)
 {
     const float scaleFactors[] = {1.1f, 1.2f, 1.33f, 1.5f, 2.f};

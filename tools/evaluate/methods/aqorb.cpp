@@ -40,6 +40,6 @@ cv::Ptr<Method> makeAqorb(const std::string& settings)
         }
         return detector;
     };
-    create(1);  // speaks up about a bad setting
+    create(1);  // raises an exception for a bad setting before anything is measured
     return cv::makePtr<Feature2DMethod>(create);
 }

@@ -12,9 +12,9 @@
 #include <opencv2/aqorb.hpp>
 #include <opencv2/imgproc.hpp>
 
-// The paper's Figure 2 read to the letter, from the stages of this module: each leaf of the quadtree keeps its
-// best corner by Harris response, and where there are more leaves than features the Harris response alone
-// decides. A leaf gives no second corner.
+// The paper's Figure 2 read to the letter, made of this module's stages: each leaf of the quadtree keeps the
+// corner with its highest Harris response. Where that leaves more corners than features are asked for, those
+// with the highest responses of all stay. No leaf gives a second corner.
 
 namespace
 {
