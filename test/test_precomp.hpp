@@ -30,8 +30,6 @@ using namespace cv;
 #include "opencv2/imgcodecs.hpp"
 #include "opencv2/imgproc.hpp"
 
-#include "stages.hpp"
-
 #include "data_files.hpp"
 #include "features.hpp"
 #include "scenes.hpp"
@@ -66,7 +64,7 @@ bool isAround(const Mat& part, int value);
 //! Grey photographs of all kinds; needs opencv_extra's images.
 std::vector<Mat> photographs();
 
-//! Whether the installed cv::ORB's blur of a level is exactBlur in every pixel; else descriptors may differ.
+//! Whether the installed cv::ORB blurs a level as this module does, in every pixel. Else descriptors may differ.
 bool orbBlursExactly(const Mat& level);
 //! Whether it is rounded as with fused multiply-add on this CPU, so that as a rule it is.
 bool orbBlursWithFMA();

@@ -80,28 +80,4 @@ bool isAround(const Mat& part, int value)
     return countNonZero(whole != value) == countNonZero(part != value);
 }
 
-bool orbBlursExactly(const Mat& image)
-{
-    const int BORDER = 8;  // cv::ORB blurs a part of a larger matrix
-    Mat padded;
-    cv::copyMakeBorder(image, padded, BORDER, BORDER, BORDER, BORDER, BORDER_REFLECT_101);
-    Mat blurred = padded(Rect(Point(BORDER, BORDER), image.size()));
-    GaussianBlur(blurred, blurred, Size(7, 7), 2, 2, BORDER_REFLECT_101);
-    for (int y = 0; y < image.rows; y++)
-    {
-        for (int x = 0; x < image.cols; x++)
-        {
-            if (blurred.at<uchar>(y, x) != aqorb::stages::exactBlur(image, x, y))
-                return false;
-        }
-    }
-    return true;
-}
-
-bool orbBlursWithFMA()
-{
-    // With or without, most images of this size come out the same; with this seed not.
-    return orbBlursExactly(makeNoise(Size(200, 200), 18));
-}
-
 }  // namespace opencv_test

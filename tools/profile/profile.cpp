@@ -15,18 +15,11 @@ const struct
 {
     const char* region;
     Stage stage;
-} MARKS[] = {{"varianceOverMean", THRESHOLD},
-             {"fillPyramid", PYRAMID},
-             {"findBandCorners", FAST},
-             {"suppressCorners", SUPPRESSION},
-             {"harrisResponses", HARRIS},
-             {"leafPoints", QUADTREE},
-             {"BalancedSequence::begin", QUADTREE},
-             {"FeatureSelector::select", SELECTION},
-             {"orientations", ORIENTATION},
-             {"refine", POSITION},
-             {"approximateBlur", BLUR},
-             {"computeDescriptors", DESCRIPTOR}};
+} MARKS[] = {
+    {"varianceOverMean", THRESHOLD},       {"fillLevels", PYRAMID},       {"findBandCorners", FAST},
+    {"suppressCorners", SUPPRESSION},      {"harrisResponses", HARRIS},   {"leafPoints", QUADTREE},
+    {"BalancedSequence::begin", QUADTREE}, {"selectFeatures", SELECTION}, {"orientations", ORIENTATION},
+    {"computeKeypoints", POSITION},        {"approximateBlur", BLUR},     {"computeDescriptors", DESCRIPTOR}};
 
 //! The stage of a region inside one of another stage. Whatever selection calls is selection.
 Stage stageOf(const TraceRegion& region, Stage outer)

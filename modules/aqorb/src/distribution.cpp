@@ -4,6 +4,10 @@
 
 #include "precomp.hpp"
 
+#include "input.hpp"
+
+#include <opencv2/aqorb.hpp>
+
 namespace cv
 {
 namespace aqorb
@@ -14,7 +18,8 @@ double distributionUniformity(const std::vector<KeyPoint>& keypoints, Size image
     stages::checkImageSize(imageSize);
     const double W = imageSize.width, H = imageSize.height;
     const int HALVINGS = 5;
-    int64 first[HALVINGS] = {0, 0, 0, 0, 0}, count = 0;
+    int64 first[HALVINGS] = {0, 0, 0, 0, 0};  // keypoints in the first region of each halving
+    int64 count = 0;
     for (size_t i = 0; i < keypoints.size(); i++)
     {
         const double x = keypoints[i].pt.x, y = keypoints[i].pt.y;
@@ -23,13 +28,13 @@ double distributionUniformity(const std::vector<KeyPoint>& keypoints, Size image
         count++;
         first[0] += x <= W / 2;
         first[1] += y <= H / 2;
-        first[2] += y * W - x * H < 0;          // the main diagonal
-        first[3] += y * W + x * H - W * H < 0;  // the other one
-        // the centred rectangle of half the area
+        first[2] += y * W - x * H < 0;          // above the main diagonal
+        first[3] += y * W + x * H - W * H < 0;  // above the other diagonal
+        // in the centred rectangle of half the area
         first[4] +=
             std::abs(x - W / 2) <= W / (2 * std::sqrt(2.)) && std::abs(y - H / 2) <= H / (2 * std::sqrt(2.));
     }
-    // The two regions of a halving are equally far from their mean, count / 2.
+    // The counts of the two regions of a halving differ equally from their mean, which is count / 2.
     double squares = 0;
     for (int i = 0; i < HALVINGS; i++)
     {
