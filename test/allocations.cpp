@@ -128,6 +128,10 @@ void operator delete[](void* memory) noexcept
     std::free(memory);
 }
 
+// Declared by the standard library from C++14 on; OpenCV's build is C++11.
+void operator delete(void* memory, std::size_t) noexcept;
+void operator delete[](void* memory, std::size_t) noexcept;
+
 void operator delete(void* memory, std::size_t) noexcept
 {
     std::free(memory);
