@@ -7,10 +7,10 @@
 # whose homography is known. The pictures go to build/demo.
 source "$(dirname "$0")/common.sh"
 
-need build-essential cmake libopencv-dev
+need build
 
-configure "$BUILD/release" -DAQORB_BUILD_TESTS=OFF -DAQORB_BUILD_SAMPLES=ON
-build "$BUILD/release"
+configure release -DAQORB_BUILD_SAMPLES=ON
+build "$BUILD/release" --target aqorb_demo
 
 if (($# == 0)); then
     opencv_samples

@@ -8,10 +8,10 @@
 # folder.
 source "$(dirname "$0")/common.sh"
 
-need build-essential cmake libopencv-dev python3-dev pybind11-dev python3-numpy python3-opencv python3-pytest mypy
+need build python
 
-configure "$BUILD/release" -DAQORB_BUILD_PYTHON=ON -DPython_EXECUTABLE="$PYTHON" -DAQORB_BUILD_TESTS=OFF
-build "$BUILD/release"
+configure release -DAQORB_BUILD_PYTHON=ON -DPython_EXECUTABLE="$PYTHON"
+build "$BUILD/release" --target _aqorb
 export PYTHONPATH=$BUILD/release/bindings/python PYTHONDONTWRITEBYTECODE=1
 
 say "Tests"
@@ -21,7 +21,9 @@ AQORB_BINDING=aqorb "$PYTHON" -m pytest -q -p no:cacheprovider "$@" \
 say "The installed package"
 prefix=$BUILD/prefix-python
 rm -rf "$prefix"
-cmake --install "$BUILD/release" --prefix "$prefix" >/dev/null
+for component in runtime python; do
+    cmake --install "$BUILD/release" --component "$component" --prefix "$prefix" >/dev/null
+done
 PYTHONPATH=$(echo "$prefix"/lib/python3*/*-packages) "$PYTHON" -c 'import aqorb; print(aqorb.__file__)'
 
 say "Demo"
