@@ -169,6 +169,15 @@ counts() {
 
 junit() { sed -n "s/^\t$1=\"\([0-9]*\)\"\$/\1/p" "$2"; }
 
+# The name of this Debian's release.
+codename() { sed -n 's/^VERSION_CODENAME=//p' /etc/os-release; }
+
+# The mirror that this system has its packages from.
+mirror() {
+    apt-get indextargets --format '$(REPO_URI)' 'Identifier: Packages' 'Origin: Debian' "Codename: $(codename)" |
+        head -n 1
+}
+
 # opencv_source: sets OPENCV_SOURCE to OpenCV's source as Debian packages it; fetched once. The system's apt
 # configuration stays as it is: apt gets a source list and folders of our own.
 opencv_source() {

@@ -31,15 +31,6 @@ if [[ -n ${OPENCV_TEST_DATA_PATH:-} ]]; then
 fi
 photographs=cv/detectors_descriptors_evaluation/images_datasets
 
-# The mirror that this system has its packages from.
-mirror() {
-    local release
-    # shellcheck disable=SC1091
-    release=$(. /etc/os-release && echo "$VERSION_CODENAME")
-    apt-get indextargets --format '$(REPO_URI)' 'Identifier: Packages' 'Origin: Debian' "Codename: $release" |
-        head -n 1
-}
-
 # debian13_system: sets SYSTEM to the folder of a Debian 13 with what the tests need; made once.
 debian13_system() {
     SYSTEM=$CACHE/debian13
