@@ -9,15 +9,9 @@
 # one where each wins something. The pictures go to build/demo.
 source "$(dirname "$0")/common.sh"
 
-if [[ ${1:-} == --help || ${1:-} == -h ]]; then
-    sed -n '2,/^source/s/^# \{0,1\}//p' "$0"
-    echo "Options are passed on: build/release/samples/aqorb_demo --help, after the first run, lists them."
-    exit
-fi
+need build
 
-need build-essential cmake libopencv-dev
-
-configure "$BUILD/release" -DAQORB_BUILD_TESTS=OFF -DAQORB_BUILD_SAMPLES=ON
+configure release -DAQORB_BUILD_SAMPLES=ON
 build "$BUILD/release" --target aqorb_demo
 
 images=()

@@ -9,7 +9,7 @@
 # opencv_extra, and are left out without it. Ends with status 0 if everything is as it should be.
 source "$(dirname "$0")/common.sh"
 
-need build-essential cmake ccache libopencv-dev libgtest-dev python3-opencv
+need build test python3-opencv
 opencv_source
 export OPENCV_SAMPLES=$OPENCV_SOURCE/samples/python OPENCV_SAMPLES_DATA_PATH=$OPENCV_SOURCE/samples/data
 
@@ -19,8 +19,9 @@ headless=$folder/libheadless.so
 notice='aqorb: cv::ORB::create gives AdaptiveQuadtreeORB'
 
 say "Building"
-configure "$BUILD/release" -DAQORB_BUILD_TESTS=ON -DAQORB_BUILD_PRELOAD=ON
+configure release -DAQORB_BUILD_PRELOAD=ON
 build "$BUILD/release" --target aqorb_preload aqorb_preload_test
+forget_moved "$folder" "$ROOT/bindings/preload/opencv"
 cmake -S "$ROOT/bindings/preload/opencv" -B "$folder" -DCMAKE_BUILD_TYPE=Release \
     -DCMAKE_CXX_COMPILER_LAUNCHER=ccache -DOPENCV_SOURCE_DIR="$OPENCV_SOURCE"
 build "$folder"

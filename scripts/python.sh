@@ -18,14 +18,11 @@ if [[ ${1:-} == --asan ]]; then
     shift
 fi
 
-need build-essential cmake libopencv-dev locales python3-dev pybind11-dev python3-numpy python3-opencv python3-pytest \
-    mypy xvfb xdotool  # the last two for the sample live
+need build python
 
 if [[ $asan ]]; then
     folder=$BUILD/asan-python
-    configure "$folder" -DAQORB_BUILD_PYTHON=ON -DPython_EXECUTABLE="$PYTHON" -DAQORB_BUILD_TESTS=OFF \
-        -DAQORB_BUILD_SAMPLES=OFF -DAQORB_BUILD_PRELOAD=OFF -DAQORB_SANITIZE=address \
-        -DCMAKE_CXX_FLAGS=-DPYBIND11_ASSERT_GIL_HELD_INCREF_DECREF
+    configure asan-python -DPython_EXECUTABLE="$PYTHON"
     build "$folder" --target _aqorb
 
     say "Tests with AddressSanitizer"
@@ -42,8 +39,8 @@ if [[ $asan ]]; then
     exit
 fi
 
-configure "$BUILD/release" -DAQORB_BUILD_PYTHON=ON -DPython_EXECUTABLE="$PYTHON" -DAQORB_BUILD_TESTS=OFF
-build "$BUILD/release"
+configure release -DAQORB_BUILD_PYTHON=ON -DPython_EXECUTABLE="$PYTHON"
+build "$BUILD/release" --target _aqorb
 export PYTHONPATH=$BUILD/release/bindings/python PYTHONDONTWRITEBYTECODE=1
 
 say "Tests"
@@ -53,7 +50,9 @@ AQORB_BINDING=aqorb "$PYTHON" -m pytest -q -p no:cacheprovider "$@" \
 say "The installed package"
 prefix=$BUILD/prefix-python
 rm -rf "$prefix"
-cmake --install "$BUILD/release" --prefix "$prefix" >/dev/null
+for component in runtime python; do
+    cmake --install "$BUILD/release" --component "$component" --prefix "$prefix" >/dev/null
+done
 PYTHONPATH=$(echo "$prefix"/lib/python3*/*-packages) "$PYTHON" -c 'import aqorb; print(aqorb.__file__)'
 
 say "Demo"
