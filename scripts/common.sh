@@ -88,7 +88,7 @@ install_packages() {
         echo "The lists of packages may be missing or out of date: fetching them"
         if ! { as_root "${APT[@]}" "$log" update | progress && amount "$@" &&
             as_root "${APT[@]}" "$log" install -y "$@" | progress; }; then
-            grep -E '^(E|W|Err|dpkg: error)' "$log" | tail -n 5 >&2
+            { grep -E '^(E|W|Err|dpkg: error)' "$log" || true; } | tail -n 5 >&2
             die "could not install the packages (see $log). Without a network, do later, as root:
   $by_hand"
         fi
@@ -97,14 +97,14 @@ install_packages() {
 
 # amount PACKAGE...: how much an installation fetches and needs; fails where the lists do not have the packages.
 amount() {
-    LC_ALL=C apt-get install --print-uris -y --no-install-recommends "$@" 2>&1 | sed -n \
+    LC_ALL=C apt-get install --print-uris -y --no-install-recommends "$@" 2>>"$BUILD/install.log" | sed -n \
         -e 's/^[0-9]* upgraded, \([0-9]*\) newly installed.*/\1 packages/p' \
         -e 's/^Need to get \(.*\) of archives\./\1 to fetch/p' \
         -e 's/^After this operation, \(.*\) of additional disk space will be used\./\1 on disk/p' |
         paste -sd , | sed 's/,/, /g'
 }
 
-# Shows apt-get's records of progress as one line for fetching and one for installing, which grow to 100 %.
+# Shows apt-get's records of progress as one line for fetching and one for installing, which grow.
 progress() {
     local line phase="" tens shown=""
     while IFS= read -r line; do
@@ -192,7 +192,7 @@ opencv_source() {
             -o Dir::Etc::SourceList=/dev/null -o Dir::Etc::SourceParts="$folder/parts"
             -o Dir::State::Lists="$folder/lists" -o Dir::Cache="$folder/apt" -o APT::Sandbox::User="$(id -un)")
         if ! { "${apt[@]}" update && cd "$folder" && "${apt[@]}" source opencv; } | progress; then
-            grep -E '^(E|W|Err)' "$folder/log" | tail -n 5 >&2
+            { grep -E '^(E|W|Err)' "$folder/log" || true; } | tail -n 5 >&2
             die "could not fetch OpenCV's source package (see $folder/log); is there a network?"
         fi
         rm -rf "$folder"/{parts,lists,apt} "$folder"/*.tar.* "$folder"/*.dsc
