@@ -48,7 +48,7 @@ void drawHouse(Mat& scene, const Rect& house, RNG& rng)
 
 }  // namespace
 
-Mat makeScene(const Size& size)
+Mat makeStreetScene(const Size& size)
 {
     RNG rng(20191);
     const int horizon = size.height / 2;

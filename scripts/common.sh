@@ -34,12 +34,12 @@ as_root() {
 # The Debian packages that each kind of work needs; this is the only list of them.
 declare -A PACKAGES=(
     [build]='build-essential cmake ccache libopencv-dev'
-    [test]='libgtest-dev pkg-config'
-    [python]='python3-dev pybind11-dev python3-numpy python3-opencv python3-pytest mypy'
+    [test]='libgtest-dev pkg-config xvfb xdotool'  # the last two for the sample live
+    [python]='locales mypy pybind11-dev python3-dev python3-numpy python3-opencv python3-pytest xvfb xdotool'
     [package]='dpkg-dev file gzip lintian libdlib-dev python3-dev pybind11-dev python3-numpy'
     [doc]='doxygen graphviz texlive-binaries'
     [evaluate]='libdlib-dev'
-    [report]='python3-matplotlib'
+    [report]='python3-matplotlib python3-pandas python3-pytest'
     [profile]='python3 valgrind'
     [soak]='libgtest-dev valgrind'
     [tsan]='util-linux'

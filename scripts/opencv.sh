@@ -1,14 +1,23 @@
 #!/usr/bin/env bash
-# Builds the module inside OpenCV's own build, from Debian's source package, and runs what that build
-# gives: accuracy tests, a smoke run of the performance tests, the Python test and, where ant and a JDK
-# are installed, the Java wrappers' compilation.
+# Builds a copy of the module inside OpenCV and opencv_contrib, from Debian's source package, by nothing but
+# OpenCV's own build. Runs what that build gives: the accuracy tests, a smoke run of the performance tests, the
+# Python test and, where ant and a JDK are installed, the Java wrappers' compilation. Compares the list of tests
+# with the standalone build's. Then shows that OpenCV's build takes the module from this repository as well,
+# and what happens where its links are text files.
 #
-#   scripts/opencv.sh
+#   scripts/opencv.sh [--help]
 #
 # Installs the Debian packages it needs. OPENCV_TEST_DATA_PATH is passed on to the tests.
 source "$(dirname "$0")/common.sh"
 
-need build-essential cmake ninja-build ccache zlib1g-dev libpng-dev libjpeg-dev python3-dev python3-numpy
+if (($#)); then
+    sed -n '2,/^[^#]/s/^#\( \|$\)//p' "$0"
+    [[ $1 == --help ]] || die "unknown option $1"
+    exit
+fi
+
+need build-essential cmake ninja-build ccache zlib1g-dev libpng-dev libjpeg-dev python3-dev python3-numpy \
+    libopencv-dev libgtest-dev
 opencv_source
 
 # FindJNI does not know where Debian keeps its JDKs.
@@ -17,10 +26,12 @@ if [[ -z ${JAVA_HOME:-} ]] && command -v javac >/dev/null; then
     export JAVA_HOME
 fi
 
-modules=aqorb,calib3d,flann,stitching,imgcodecs,ts,highgui,videoio,python3,java,java_bindings_generator
-modules+=,img_hash  # one of opencv_contrib's
+opencv=$BUILD/opencv
+contrib=$BUILD/opencv_contrib
+module=$contrib/modules/aqorb
 
 # Nothing that the module and its tests can do without, and nothing that OpenCV would download.
+modules=aqorb,calib3d,flann,stitching,imgcodecs,ts,highgui,videoio,python3,java,java_bindings_generator
 options=(
     -DCMAKE_BUILD_TYPE=Release -DENABLE_CCACHE=OFF
     -DCMAKE_C_COMPILER_LAUNCHER=ccache -DCMAKE_CXX_COMPILER_LAUNCHER=ccache
@@ -36,23 +47,50 @@ for feature in 1394 ADE EIGEN FFMPEG GSTREAMER GTK IPP ITT JASPER LAPACK OPENCL 
     options+=("-DWITH_$feature=OFF")
 done
 
-# configure_opencv FOLDER MODULES-PATH
+# configure_opencv MODULES-PATH
 configure_opencv() {
-    say "OpenCV with OPENCV_EXTRA_MODULES_PATH=$2"
-    rm -f "$1/CMakeCache.txt"
-    cmake -S "$OPENCV_SOURCE" -B "$1" -G Ninja "${options[@]}" \
-        -DOPENCV_EXTRA_MODULES_PATH="$2" >"$1.log" 2>&1 || {
-        tail -n 50 "$1.log"
-        die "OpenCV's configuration failed"
-    }
-    # OpenCV drops a module that it cannot build without an error.
-    grep -q 'To be built:.* aqorb' "$1.log" || die "OpenCV does not build aqorb; see $1.log"
+    say "OpenCV with OPENCV_EXTRA_MODULES_PATH=$1"
+    cmake -S "$OPENCV_SOURCE" -B "$opencv" -G Ninja "${options[@]}" \
+        -DOPENCV_EXTRA_MODULES_PATH="$1" >"$opencv.log" 2>&1
 }
 
-opencv=$BUILD/opencv-modules
+# check_configuration FOLDER: that OpenCV builds the module from there, with its tests and all samples.
+check_configuration() {
+    # OpenCV drops a module that it cannot build without an error.
+    grep -q 'To be built:.* aqorb' "$opencv.log" || die "OpenCV does not build aqorb; see $opencv.log"
+    grep -qxF "OPENCV_MODULE_opencv_aqorb_LOCATION:INTERNAL=$1" "$opencv/CMakeCache.txt" ||
+        die "OpenCV does not take aqorb from $1"
+    local sample programs=(opencv_test_aqorb opencv_perf_aqorb)
+    for sample in "$ROOT"/samples/*.cpp; do programs+=("example_aqorb_$(basename "$sample" .cpp)"); done
+    ninja -C "$opencv" -t query "${programs[@]}" >/dev/null || die "a program is not built inside OpenCV"
+}
+
+# list_tests PROGRAM: the full names of its tests. What is not indented and has no full stop at the end is
+# what OpenCV's test program says of itself.
+list_tests() {
+    "$1" --gtest_list_tests | sed 's/ *#.*//' |
+        awk '/^[^ ]*\.$/ { suite = $1 } /^  [^ ]+$/ && suite { print suite $1 }' | LC_ALL=C sort
+}
+
+say "A copy of the module in opencv_contrib"
+rm -rf "$contrib"
+cp -al "$OPENCV_SOURCE/contrib" "$contrib"
+cp -rL "$ROOT/modules/aqorb" "$module"
+outside=$(cd "$module" && { grep -rIoE '[[:alnum:]_./-]*\.\./[[:alnum:]_./-]*' . || true; } |
+    while IFS=: read -r file path; do
+        [[ $(realpath -m "$(dirname "$file")/$path") == "$module"/* ]] || echo "$file: $path"
+    done)
+[[ -z $outside ]] || die "the module names what lies outside of it: $outside"
+echo "$(find "$module" -type f | wc -l) files, none of which names a path outside of the module"
+
 mkdir -p "$BUILD"
-configure_opencv "$opencv" "$ROOT/modules"
-targets=(opencv_test_aqorb opencv_perf_aqorb opencv_python3 gen_opencv_java_source example_aqorb_demo)
+rm -f "$opencv/CMakeCache.txt"
+configure_opencv "$contrib/modules" || {
+    tail -n 50 "$opencv.log"
+    die "OpenCV's configuration failed"
+}
+check_configuration "$module"
+targets=(opencv_test_aqorb opencv_perf_aqorb opencv_samples_aqorb opencv_python3 gen_opencv_java_source)
 if grep -q 'Java wrappers: *YES' "$opencv.log"; then targets+=(opencv_java); fi
 build "$opencv" --target "${targets[@]}" 2>&1 | tee "$opencv.build.log"
 if grep 'aqorb.*warning:' "$opencv.build.log"; then die "warnings in the build inside OpenCV"; fi
@@ -60,22 +98,53 @@ if grep 'aqorb.*warning:' "$opencv.build.log"; then die "warnings in the build i
 say "Accuracy tests"
 (cd "$opencv" && bin/opencv_test_aqorb)
 
+say "Tests that only one of the two builds has"
+configure "$BUILD/release" -DAQORB_BUILD_TESTS=ON >"$opencv.standalone.log"
+build "$BUILD/release" --target aqorb_test >>"$opencv.standalone.log"
+list_tests "$opencv/bin/opencv_test_aqorb" >"$opencv.tests"
+list_tests "$BUILD/release/test/aqorb_test" >"$opencv.standalone.tests"
+LC_ALL=C comm -23 "$opencv.tests" "$opencv.standalone.tests" | sed 's/^/only inside OpenCV: /'
+LC_ALL=C comm -13 "$opencv.tests" "$opencv.standalone.tests" | sed 's/^/only in the standalone build: /'
+echo "$(wc -l <"$opencv.tests") tests inside OpenCV, $(wc -l <"$opencv.standalone.tests") in the standalone build"
+[[ -s $opencv.standalone.tests ]] || die "the standalone build has no tests"
+[[ -z $(LC_ALL=C comm -13 "$opencv.tests" "$opencv.standalone.tests") ]] || die "tests are missing inside OpenCV"
+
 say "Performance tests, one sample each"
 (cd "$opencv" && bin/opencv_perf_aqorb --perf_min_samples=1 --perf_force_samples=1)
 
+say "Samples"
+"$opencv/bin/example_aqorb_aqorb_demo" --help
+ls "$opencv"/bin/example_aqorb_*
+
 say "Python test"
 AQORB_BINDING=cv2 PYTHONPATH=$opencv/lib/python3:$OPENCV_SOURCE/modules/python/test \
-    "$PYTHON" "$ROOT/modules/aqorb/misc/python/test/test_aqorb.py" -v
+    "$PYTHON" "$module/misc/python/test/test_aqorb.py" -v
 
 say "Java wrapper"
 grep -r 'class AdaptiveQuadtreeORB extends ORB' "$opencv"/modules/java_bindings_generator/gen/java
 
-# The other ways to name the module: the repository itself, and a list with opencv_contrib's modules. In
-# folders of their own, so that nothing built above passes for theirs; in the same configuration, so that
-# ccache has most of the objects.
-configure_opencv "$BUILD/opencv-root" "$ROOT"
-build "$BUILD/opencv-root" --target opencv_aqorb
-configure_opencv "$BUILD/opencv-contrib" "$ROOT/modules;$OPENCV_SOURCE/contrib/modules"
-build "$BUILD/opencv-contrib" --target opencv_aqorb opencv_img_hash
+# OpenCV itself is built by now; the module's own part goes, so that nothing of the copy passes for these.
+for path in "$ROOT" "$ROOT/modules"; do
+    rm -rf "$opencv"/modules/aqorb "$opencv"/lib/libopencv_aqorb*
+    configure_opencv "$path" || die "OpenCV's configuration failed; see $opencv.log"
+    check_configuration "$ROOT/modules/aqorb"
+    build "$opencv" --target opencv_aqorb
+done
 
-say "Built inside OpenCV from all three module paths"
+say "A checkout whose links are text files"
+checkout=$BUILD/checkout
+rm -rf "$checkout"
+mkdir "$checkout"
+cp -r "$ROOT"/{CMakeLists.txt,LICENSE,README.md,bindings,cmake,modules,perf,samples,test,tools} "$checkout"
+for folder in perf samples test; do
+    rm "$checkout/modules/aqorb/$folder"
+    echo "../../$folder" >"$checkout/modules/aqorb/$folder"
+done
+cmake -S "$checkout" -B "$checkout/build" >"$checkout.log" || die "the standalone build needs a link; see $checkout.log"
+echo "The standalone build is configured without the links."
+if configure_opencv "$checkout/modules"; then die "OpenCV's configuration accepts a text file as a folder"; fi
+sed -n '/^CMake Error/,/^$/p' "$opencv.log"
+tr -s ' \n' ' ' <"$opencv.log" | grep -q 'aqorb/test is not a folder\. .* core\.symlinks' ||
+    die "OpenCV's configuration does not say what is wrong; see $opencv.log"
+
+say "Built inside opencv_contrib and from both paths of this repository"

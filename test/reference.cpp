@@ -100,6 +100,21 @@ static std::vector<std::vector<int>> influences(int from, int to)
     return result;
 }
 
+std::vector<Mat> pyramid(const Mat& gray, int nlevels, int firstLevel, double scaleFactor)
+{
+    std::vector<Mat> levels;
+    for (int i = 0; i < nlevels; i++)
+    {
+        Mat level = gray.clone();
+        if (i != firstLevel)
+            cv::resize(i <= firstLevel + 1 ? gray : levels[i - 1], level,
+                       levelSize(gray.size(), levelScale(i, firstLevel, scaleFactor)), 0, 0,
+                       INTER_LINEAR_EXACT);
+        levels.push_back(level);
+    }
+    return levels;
+}
+
 Mat resizeMask(const Mat& mask, Size size)
 {
     const std::vector<std::vector<int>> columns = influences(mask.cols, size.width);
@@ -204,7 +219,7 @@ Corners findCorners(const Mat& image, const Mat& mask, const Rect& region, Thres
             cellIsFull |= b.score >= t.ini && (a.x - region.x) / cellSize == (b.x - region.x) / cellSize &&
                           (a.y - region.y) / cellSize == (b.y - region.y) / cellSize;
         }
-        (a.score >= t.ini || !cellIsFull ? candidates : result.cellRejects).push_back(a);
+        (a.score >= t.ini || !cellIsFull ? candidates : result.weak).push_back(a);
     }
     for (size_t i = 0; i < candidates.size(); i++)
     {

@@ -7,6 +7,8 @@
 
 #include "test_precomp.hpp"
 
+#include "types.hpp"
+
 // The algorithm once more, as plainly as it can be written: no vectors, no tables, no clever order.
 // What is slow here is so on purpose; only the results are of interest.
 
@@ -55,6 +57,8 @@ Thresholds thresholds(double v, bool adaptive, int fastThreshold, double minRati
 float levelScale(int level, int firstLevel, double scaleFactor);
 Size levelSize(Size imageSize, float scale);
 std::vector<int> quotas(int nfeatures, double scaleFactor, int nlevels);
+//! The levels of cv::ORB's pyramid.
+std::vector<Mat> pyramid(const Mat& gray, int nlevels, int firstLevel, double scaleFactor);
 //! A level's mask from the one it is made from.
 Mat resizeMask(const Mat& mask, Size size);
 
@@ -64,7 +68,7 @@ std::vector<Corner> fastCorners(const Mat& image, const Rect& region, int thresh
 //! Corners of a level by what the rules make of them.
 struct Corners
 {
-    std::vector<Corner> kept, suppressed, cellRejects;
+    std::vector<Corner> kept, suppressed, weak;
 };
 Corners findCorners(const Mat& image, const Mat& mask, const Rect& region, Thresholds thresholds,
                     int cellSize, bool suppressNear);

@@ -309,7 +309,7 @@ private:
         for (size_t i = 0; i < levels.size(); i++)
             wanted = fill(levels[i], rank(levels[i], levels[i].corners.suppressed), wanted);
         for (size_t i = 0; i < levels.size(); i++)
-            wanted = fill(levels[i], rank(levels[i], levels[i].corners.cellRejects), wanted);
+            wanted = fill(levels[i], rank(levels[i], levels[i].corners.weak), wanted);
     }
 
     void describe(int octave, Features& features)

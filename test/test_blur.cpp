@@ -3,6 +3,7 @@
 // of this distribution.
 
 #include "reference.hpp"
+#include "whole_blur.hpp"
 
 namespace opencv_test
 {

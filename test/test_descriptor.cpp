@@ -3,6 +3,9 @@
 // of this distribution.
 
 #include "reference.hpp"
+#include "whole_blur.hpp"
+
+#include "descriptor.hpp"
 
 namespace opencv_test
 {
@@ -11,7 +14,13 @@ namespace
 
 using namespace aqorb::stages;
 
-void expectAsReference(const Mat& image, const std::vector<DescriptorPoint>& points, int patchSize, int WTA_K)
+void computeDescriptors(const Mat& image, const Mat& blurred, const FeaturePoint* points, size_t count,
+                        const std::vector<Point>& pattern, int WTA_K, uchar* descriptors, size_t step)
+{
+    computeDescriptors(image, blurred, points, count, DescriptorTests(pattern, WTA_K), descriptors, step);
+}
+
+void expectAsReference(const Mat& image, const std::vector<FeaturePoint>& points, int patchSize, int WTA_K)
 {
     const std::vector<Point> pattern = descriptorPattern(patchSize, WTA_K);
     const Mat exactlyBlurred = reference::roundedBlur(image);
@@ -38,15 +47,15 @@ void expectAsReference(const Mat& image, const std::vector<DescriptorPoint>& poi
     }
 }
 
-std::vector<DescriptorPoint> randomPoints(Size size, int count, int seed)
+std::vector<FeaturePoint> randomPoints(Size size, int count, int seed)
 {
     RNG rng(seed);
-    std::vector<DescriptorPoint> points;
+    std::vector<FeaturePoint> points;
     for (int i = 0; i < count; i++)
     {
         // many of the angles are round, and with them the ties of cvRound
         const float angle = i % 3 == 0 ? float(rng.uniform(0, 25) * 15) : rng.uniform(-1.f, 720.f);
-        const DescriptorPoint point = {rng.uniform(0, size.width), rng.uniform(0, size.height), angle};
+        const FeaturePoint point = {rng.uniform(0, size.width), rng.uniform(0, size.height), angle};
         points.push_back(point);
     }
     return points;
@@ -78,20 +87,20 @@ TEST(AqorbDescriptor, equalsReferenceAtBorders)
     for (const Size& size : sizes)
     {
         const Mat noise = makeNoise(size, 2);
-        std::vector<DescriptorPoint> points;
+        std::vector<FeaturePoint> points;
         for (int x = 0; x < size.width; x++)
         {
             const int rows[] = {0, size.height / 2, size.height - 1};
             for (int row : rows)
             {
-                const DescriptorPoint point = {x, row, float(x * 37 % 360)};
+                const FeaturePoint point = {x, row, float(x * 37 % 360)};
                 points.push_back(point);
             }
         }
         for (int y = 0; y < size.height; y++)
         {
-            const DescriptorPoint left = {0, y, float(y * 53 % 360)};
-            const DescriptorPoint right = {size.width - 1, y, float(y * 91 % 360)};
+            const FeaturePoint left = {0, y, float(y * 53 % 360)};
+            const FeaturePoint right = {size.width - 1, y, float(y * 91 % 360)};
             points.push_back(left);
             points.push_back(right);
         }
@@ -112,11 +121,11 @@ TEST(AqorbDescriptor, equalsReferenceForEveryWidthAndAlignment)
         SCOPED_TRACE(format("width %d", width));
         const Size size(width, 43);
         const Mat noise = makeNoise(size, width), exactlyBlurred = reference::roundedBlur(noise);
-        std::vector<DescriptorPoint> points;
+        std::vector<FeaturePoint> points;
         Mat expected(width, 32, CV_8UC1), blurred;
         for (int x = 0; x < width; x++)
         {
-            const DescriptorPoint point = {x, 21, float(x * 37 % 360)};
+            const FeaturePoint point = {x, 21, float(x * 37 % 360)};
             points.push_back(point);
             reference::descriptor(noise, exactlyBlurred, Point(x, 21), point.angle, tests.pattern, 2,
                                   expected.ptr(x));
@@ -165,10 +174,10 @@ TEST(AqorbDescriptor, equalsReferenceWhereTheApproximationCannotTell)
 TEST(AqorbDescriptor, equalsReferenceForEveryAngle)
 {
     const Mat scene = makeScene(Size(90, 90), 3);
-    std::vector<DescriptorPoint> points;
+    std::vector<FeaturePoint> points;
     for (int i = 0; i <= 720; i++)
     {
-        const DescriptorPoint point = {45, 45, i * 0.5f};
+        const FeaturePoint point = {45, 45, i * 0.5f};
         points.push_back(point);
     }
     expectAsReference(scene, points, 31, 2);
@@ -205,7 +214,7 @@ TEST(AqorbDescriptor, ofThePatternsFirstTests)
     Mat blurred;
     approximateBlur(image, blurred);
     const std::vector<Point> pattern = descriptorPattern(31, 2);
-    const DescriptorPoint upright = {40, 40, 0}, upsideDown = {40, 40, 180};
+    const FeaturePoint upright = {40, 40, 0}, upsideDown = {40, 40, 180};
     uchar bits[32], turnedBits[32];
     computeDescriptors(image, blurred, &upright, 1, pattern, 2, bits, 32);
     computeDescriptors(image, blurred, &upsideDown, 1, pattern, 2, turnedBits, 32);

@@ -4,6 +4,8 @@
 
 #include "reference.hpp"
 
+#include "fast.hpp"
+
 #include <iterator>
 
 namespace opencv_test
@@ -12,6 +14,32 @@ namespace
 {
 
 using namespace aqorb::stages;
+
+// Appends the corners of score >= threshold whose centres lie in the region, in raster order.
+void detectCorners(const Mat& image, const Rect& region, int threshold, std::vector<Corner>& corners)
+{
+    const Rect scanned = fastRegion(image.size(), region);
+    if (scanned.empty())
+        return;
+    Level level;
+    level.image = image;
+    const Thresholds thresholds = {threshold, threshold};
+    ScorePlane plane;
+    plane.begin(image.cols, scanned);
+    CornerBlocks blocks;
+    FastScanner scanner;
+    scanner.begin(level, scanned, thresholds, plane, blocks);
+    scanner.scan(scanned.y + scanned.height);
+    scanner.collect();
+    listCorners(blocks, plane, corners);
+}
+
+int cornerScore(const Mat& image, int x, int y)
+{
+    int scores[3][3];
+    cornerScores3x3(image, x, y, scores);
+    return scores[1][1];
+}
 
 std::vector<Corner> cornersOfOpenCV(const Mat& image, const Rect& region, int threshold)
 {
@@ -94,7 +122,7 @@ TEST(AqorbFast, scanTellsStrongCornersFromWeakOnes)
             }
             ASSERT_EQ(scanner.hasStrong(columns), strong) << round;
             scanner.dropWeak(columns);
-            scanner.settle();
+            scanner.collect();
         }
         listCorners(blocks, plane, found);
         ASSERT_TRUE(sameCorners(found, expected)) << round;
@@ -235,7 +263,7 @@ TEST(AqorbFast, nineOfTheCircleAreNeeded)
                 Mat image(9, 30, CV_8UC1, Scalar(100));
                 for (int i = first; i < first + length; i++)
                     image.at<uchar>(4 + CIRCLE[i % 16][1], 12 + CIRCLE[i % 16][0]) = uchar(100 + sign * 60);
-                const int score = cornerScore(image.ptr(4) + 12, image.step);
+                const int score = cornerScore(image, 12, 4);
                 EXPECT_EQ(score, length >= 9 ? 60 : 0) << first << " " << length << " " << sign;
                 EXPECT_EQ(score, reference::cornerScore(image, 12, 4));
                 expectSameEverywhere(image, Rect(12, 4, 1, 1), 30);

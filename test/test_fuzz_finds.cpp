@@ -4,6 +4,8 @@
 
 #include "test_precomp.hpp"
 
+#include "pyramid.hpp"
+
 #include <limits>
 #include <numeric>
 

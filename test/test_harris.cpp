@@ -4,12 +4,22 @@
 
 #include "reference.hpp"
 
+#include "harris.hpp"
+
 namespace opencv_test
 {
 namespace
 {
 
 using namespace aqorb::stages;
+
+float harrisResponse(const Mat& image, int x, int y)
+{
+    const Corner corner = {x, y, 1};
+    std::vector<RankedCorner> ranked;
+    harrisResponses(image, std::vector<Corner>(1, corner), ranked);
+    return ranked[0].response;
+}
 
 void expectAsReference(const Mat& image, const std::vector<Corner>& corners)
 {

@@ -4,7 +4,7 @@
 
 #include "test_precomp.hpp"
 
-// By itself, so that programs which share test_util.cpp need no image codecs.
+// In a file of its own, so that programs which share test_util.cpp need no image codecs.
 
 namespace opencv_test
 {

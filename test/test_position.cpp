@@ -4,6 +4,8 @@
 
 #include "reference.hpp"
 
+#include "position.hpp"
+
 namespace opencv_test
 {
 namespace
@@ -93,8 +95,8 @@ TEST(AqorbPosition, equalsReferenceAndFindsBackToItsPixel)
         for (int level = -2; level <= 5; level++)
         {
             const Size image(197, 153);
-            const float scale = levelScale(level, 0, factor);
-            const Size size = levelSize(image, scale);
+            const float scale = reference::levelScale(level, 0, factor);
+            const Size size = reference::levelSize(image, scale);
             const int border = 5 + level;
             const PositionMap map = {image, size, scale, border, true};
             for (int x = border; x < size.width - border; x++)
@@ -122,8 +124,8 @@ TEST(AqorbPosition, staysInsideTheBorder)
         for (int level = 0; level < 6; level++)
         {
             const Size image(width, 100);
-            const float scale = levelScale(level, 0, 1.2f);
-            const Size size = levelSize(image, scale);
+            const float scale = reference::levelScale(level, 0, 1.2f);
+            const Size size = reference::levelSize(image, scale);
             const PositionMap map = {image, size, scale, border, true};
             for (int x = border; x < size.width - border; x++)
             {
@@ -147,8 +149,8 @@ TEST(AqorbPosition, maskIsThatOfTheImageAtThePosition)
         for (int subPixel = 0; subPixel <= 1; subPixel++)
         {
             SCOPED_TRACE(format("level %d, sub-pixel %d", level, subPixel));
-            const float scale = levelScale(level, 0, 1.3f);
-            const Size size = levelSize(image, scale);
+            const float scale = reference::levelScale(level, 0, 1.3f);
+            const Size size = reference::levelSize(image, scale);
             const PositionMap map = {image, size, scale, 3, subPixel != 0};
             Mat levelMask = makeNoise(size, level + 2) > 60;
             const Mat before = levelMask.clone();

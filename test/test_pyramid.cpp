@@ -4,12 +4,44 @@
 
 #include "reference.hpp"
 
+#include "pyramid.hpp"
+
 namespace opencv_test
 {
 namespace
 {
 
 using namespace aqorb::stages;
+
+// Resizes as levels are resized.
+void resizeExact(const Mat& source, Mat& resized, Size size)
+{
+    resized.create(size, CV_8UC1);
+    Level from, to;
+    from.image = source;
+    to.image = resized;
+    Ptr<ResizeTables> tables;
+    fillLevel(from, to, tables);
+}
+
+void buildPyramid(const Mat& image, const Mat& mask, int nlevels, int firstLevel, double scaleFactor,
+                  int minSide, std::vector<Level>& levels)
+{
+    Level input;
+    input.image = image;
+    input.mask = mask;
+    levels.clear();
+    for (int i = 0; i < nlevels; i++)
+    {
+        Level level;
+        if (!layOutLevel(input, i, firstLevel, scaleFactor, minSide, level))
+            break;
+        Ptr<ResizeTables> tables;
+        if (!level.isInput)
+            fillLevel(isMadeFromInput(i, firstLevel) ? input : levels[i - 1], level, tables);
+        levels.push_back(level);
+    }
+}
 
 TEST(AqorbPyramid, quotasOfThePaper)
 {

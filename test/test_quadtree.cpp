@@ -4,6 +4,8 @@
 
 #include "reference.hpp"
 
+#include "quadtree.hpp"
+
 #include <climits>
 #include <limits>
 

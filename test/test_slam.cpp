@@ -2,7 +2,7 @@
 // It is subject to the license terms in the LICENSE file found in the top-level directory
 // of this distribution.
 
-#include "test_precomp.hpp"
+#include "reference.hpp"
 
 #include "opencv2/aqorb/slam.hpp"
 
@@ -91,7 +91,7 @@ TEST(AQORB_Slam, a_system_holds_it_as_its_ORBextractor)
     ASSERT_EQ(8u, frame.mvScaleFactors.size());
     for (int i = 0; i < 8; i++)
     {
-        const float scale = aqorb::stages::levelScale(i, 0, 1.2f);
+        const float scale = reference::levelScale(i, 0, 1.2f);
         EXPECT_EQ(scale, frame.mvScaleFactors[i]);
         EXPECT_FLOAT_EQ(1 / scale, frame.mvInvScaleFactors[i]);
         EXPECT_FLOAT_EQ(scale * scale, frame.mvLevelSigma2[i]);
@@ -108,8 +108,8 @@ TEST(AQORB_Slam, keypoints_are_the_detectors_at_the_given_thresholds)
         SCOPED_TRACE(format("%d, %d", pair[0], pair[1]));
         SlamExtractor extractor(5000, 1.2f, 4, pair[0], pair[1]);
         const Features found = extract(extractor, image);
-        const aqorb::stages::Thresholds expected = aqorb::stages::fixedThresholds(
-            extractor.detector()->getFastThreshold(), extractor.detector()->getMinThresholdRatio());
+        const reference::Thresholds expected = reference::thresholds(
+            0, false, extractor.detector()->getFastThreshold(), extractor.detector()->getMinThresholdRatio());
         EXPECT_EQ(pair[0], expected.ini);
         EXPECT_EQ(pair[1], expected.min);
 
@@ -191,13 +191,12 @@ TEST(AQORB_Slam, the_pyramid_is_the_detectors)
     for (const Mat& image : images)
     {
         extract(extractor, image);
-        std::vector<aqorb::stages::Level> expected;
-        aqorb::stages::buildPyramid(image, Mat(), 8, 0, 1.2f, 1, expected);
+        const std::vector<Mat> expected = reference::pyramid(image, 8, 0, 1.2f);
         ASSERT_EQ(8u, extractor.mvImagePyramid.size());
         for (int i = 0; i < 8; i++)
         {
             const Mat& level = extractor.mvImagePyramid[i];
-            EXPECT_TRUE(sameMat(expected[i].image, level)) << "level " << i;
+            EXPECT_TRUE(sameMat(expected[i], level)) << "level " << i;
             const float scale = extractor.GetScaleFactors()[i];
             EXPECT_EQ(Size(cvRound(image.cols / scale), cvRound(image.rows / scale)), level.size());
         }
@@ -281,11 +280,10 @@ TEST(AQORB_Pyramid, is_what_detection_uses)
                 AdaptiveQuadtreeORB::create(500, factor, 4, 16, firstLevel);
             std::vector<Mat> levels;
             detector->buildPyramid(image, levels);
-            std::vector<aqorb::stages::Level> expected;
-            aqorb::stages::buildPyramid(image, Mat(), 4, firstLevel, factor, 1, expected);
+            const std::vector<Mat> expected = reference::pyramid(image, 4, firstLevel, factor);
             ASSERT_EQ(4u, levels.size());
             for (int i = 0; i < 4; i++)
-                EXPECT_TRUE(sameMat(expected[i].image, levels[i])) << factor << " " << firstLevel << " " << i;
+                EXPECT_TRUE(sameMat(expected[i], levels[i])) << factor << " " << firstLevel << " " << i;
         }
     }
 }
@@ -298,7 +296,7 @@ TEST(AQORB_Pyramid, holds_the_levels_of_ORB)
     AdaptiveQuadtreeORB::create()->buildPyramid(image, levels);
     for (int octave = 0; octave < 4; octave++)
     {
-        const float scale = aqorb::stages::levelScale(octave, 0, 1.2f);
+        const float scale = reference::levelScale(octave, 0, 1.2f);
         Mat onLevel, onImage;
         KeyPoints keypoints(1, KeyPoint(80.f, 70.f, 31, 30, 1, 0));
         ORB::create()->compute(levels[octave], keypoints, onLevel);

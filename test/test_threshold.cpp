@@ -4,6 +4,8 @@
 
 #include "reference.hpp"
 
+#include "threshold.hpp"
+
 namespace opencv_test
 {
 namespace

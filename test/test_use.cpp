@@ -4,13 +4,13 @@
 
 #include "test_precomp.hpp"
 
-#include <opencv2/calib3d.hpp>
+#include <opencv2/opencv_modules.hpp>
+
+#ifdef HAVE_OPENCV_FLANN
 #include <opencv2/flann.hpp>
-#if defined __has_include
-#if __has_include("opencv2/stitching.hpp")
-#include <opencv2/stitching.hpp>
-#define AQORB_HAVE_STITCHING
 #endif
+#ifdef HAVE_OPENCV_STITCHING
+#include <opencv2/stitching.hpp>
 #endif
 
 namespace opencv_test
@@ -40,6 +40,7 @@ TEST(AQORB_Use, in_BOWImgDescriptorExtractor)
     EXPECT_NEAR(1, sum(histogram)[0], 1e-5);
 }
 
+#ifdef HAVE_OPENCV_FLANN
 TEST(AQORB_Use, with_a_FLANN_index)
 {
     const Ptr<Feature2D> detector = AdaptiveQuadtreeORB::create(300);
@@ -52,6 +53,7 @@ TEST(AQORB_Use, with_a_FLANN_index)
         same += match.distance == 0;
     EXPECT_GT(same, 270);
 }
+#endif
 
 TEST(AQORB_Use, with_several_images)
 {
@@ -114,7 +116,7 @@ TEST(AQORB_Use, with_a_matcher)
     }
 }
 
-#ifdef AQORB_HAVE_STITCHING
+#ifdef HAVE_OPENCV_STITCHING
 TEST(AQORB_Use, in_a_Stitcher)
 {
     Mat scene;

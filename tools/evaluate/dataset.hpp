@@ -21,10 +21,10 @@ struct ImageSet
 //! Reads FOLDER/NAME/img1..6.{png,ppm,pgm} and H1to2p..6p (text) or H1to2p.xml...
 ImageSet readSet(const std::string& folder, const std::string& name);
 
-//! The ways in which images are made worse, each a name: dark, gamma, noise.
+//! The names of the ways in which images are made worse: dark, gamma, noise.
 std::vector<std::string> degradations();
 
-//! The set with each image made worse; its name is NAME/DEGRADATION.
+//! The set with each image made worse. The name of the result is NAME/DEGRADATION.
 ImageSet degrade(const ImageSet& set, const std::string& degradation);
 
 #endif

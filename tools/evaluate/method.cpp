@@ -19,7 +19,7 @@ Features Feature2DMethod::compute(const cv::Mat& image, int n)
 namespace
 {
 
-// The paper's column C. What it does not say is as shipped: cells, border.
+// The paper's column C. Where the paper states no value, as for cells and border, the default stays.
 const char* const PAPER_SETTINGS = "octave=0:subpixel=0";
 
 struct NamedMethod

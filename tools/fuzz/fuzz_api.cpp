@@ -10,7 +10,7 @@
 #include <cstdio>
 #include <cstdlib>
 
-// Any call with any arguments: whatever is not documented to happen is a find.
+// Makes any call with any arguments. Whatever happens that is not documented is a find.
 
 extern "C" int LLVMFuzzerInitialize(int*, char***);
 extern "C" int LLVMFuzzerTestOneInput(const uint8_t* bytes, size_t size);

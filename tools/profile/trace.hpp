@@ -2,8 +2,8 @@
 // It is subject to the license terms in the LICENSE file found in the top-level directory
 // of this distribution.
 
-#ifndef AQORB_BENCHMARK_TRACE_HPP
-#define AQORB_BENCHMARK_TRACE_HPP
+#ifndef AQORB_PROFILE_TRACE_HPP
+#define AQORB_PROFILE_TRACE_HPP
 
 #include <string>
 #include <vector>

@@ -4,6 +4,10 @@
 
 #include "precomp.hpp"
 
+#include "input.hpp"
+
+#include <opencv2/aqorb/features.hpp>
+
 namespace cv
 {
 namespace aqorb
@@ -44,6 +48,53 @@ Mat checkedMask(InputArray input, Size imageSize)
                    input.cols(), input.rows(), typeToString(input.type()).c_str(), imageSize.width,
                    imageSize.height));
     return input.getMat();
+}
+
+int highestOctave(const std::vector<KeyPoint>& keypoints)
+{
+    int highest = 0;
+    for (size_t i = 0; i < keypoints.size(); i++)
+    {
+        const int octave = keypoints[i].octave;
+        if (octave < 0)
+            CV_Error_(Error::StsOutOfRange,
+                      ("keypoints: got octave %d; >= 0 is accepted (SIFT packs more than the "
+                       "octave into the field: unpack it first)",
+                       octave));
+        // With such an angle the descriptor would read outside of the image.
+        if (!std::isfinite(keypoints[i].angle))
+            CV_Error_(Error::StsOutOfRange,
+                      ("keypoints: got angle %g; a finite angle is accepted", keypoints[i].angle));
+        highest = std::max(highest, octave);
+    }
+    return highest;
+}
+
+// Whether a point, rounded, is a pixel. Points far away are not rounded, because the result would depend on the CPU.
+static bool isOnPixel(const Point2f& pt, const Size& size)
+{
+    const float width = float(size.width), height = float(size.height);
+    return pt.x > -1 && pt.y > -1 && pt.x < width && pt.y < height && Rect(Point(), size).contains(Point(pt));
+}
+
+static bool hasLowerOctave(const KeyPoint& a, const KeyPoint& b)
+{
+    return a.octave < b.octave;
+}
+
+std::vector<KeyPoint> describableKeypoints(const std::vector<KeyPoint>& keypoints, Size imageSize,
+                                           int edgeThreshold)
+{
+    std::vector<KeyPoint> inside;
+    for (size_t i = 0; i < keypoints.size(); i++)
+    {
+        if (isOnPixel(keypoints[i].pt, imageSize))
+            inside.push_back(keypoints[i]);
+    }
+    const int border = std::min(edgeThreshold, std::max(imageSize.width, imageSize.height));
+    KeyPointsFilter::runByImageBorder(inside, imageSize, border);
+    std::stable_sort(inside.begin(), inside.end(), hasLowerOctave);
+    return inside;
 }
 
 }  // namespace stages

@@ -4,6 +4,8 @@
 
 #include "precomp.hpp"
 
+#include "patch.hpp"
+
 namespace cv
 {
 namespace aqorb

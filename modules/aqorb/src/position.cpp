@@ -4,6 +4,9 @@
 
 #include "precomp.hpp"
 
+#include "fast.hpp"
+#include "position.hpp"
+
 namespace cv
 {
 namespace aqorb
@@ -20,13 +23,13 @@ Point2f PositionMap::operator()(int x, int y, double dx, double dy) const
     {
         static float map(int pixel, double offset, int imageLength, int levelLength, double scale, int border)
         {
-            double p = (pixel + offset + 0.5) * imageLength / levelLength - 0.5;
-            // Off the border of the image, or compute would drop the keypoint: cv::ORB rounds first,
-            // or does not, from one version of OpenCV to the other.
+            double position = (pixel + offset + 0.5) * imageLength / levelLength - 0.5;
+            // cv::ORB::compute drops keypoints near the border. Whether it rounds positions before differs between
+            // versions of OpenCV, so positions stay off the border in both cases.
             const double last = imageLength - border - 0.51;
-            p = std::max(std::min(p, last), double(border));
-            // p / scale must still round to the pixel: it is where the descriptor is taken
-            return float(std::max(std::min(p, (pixel + 0.49) * scale), (pixel - 0.49) * scale));
+            position = std::max(std::min(position, last), double(border));
+            // The descriptor is taken at the pixel that position / scale rounds to. It must be the pixel given.
+            return float(std::max(std::min(position, (pixel + 0.49) * scale), (pixel - 0.49) * scale));
         }
     };
     return Point2f(Axis::map(x, dx, imageSize.width, levelSize.width, scale, border),
@@ -56,14 +59,14 @@ Point2d subPixelOffset(const Mat& image, int x, int y)
     int s[3][3];
     cornerScores3x3(image, x, y, s);
 
-    // Derivatives by central differences, in whole numbers: twice the gradient, four times dxy.
+    // Derivatives by central differences. As whole numbers they are twice the gradient and four times dxy.
     const int gx2 = s[1][2] - s[1][0], gy2 = s[2][1] - s[0][1];
     const int dxx = s[1][2] - 2 * s[1][1] + s[1][0], dyy = s[2][1] - 2 * s[1][1] + s[0][1];
     const int dxy4 = s[2][2] - s[2][0] - s[0][2] + s[0][0];
     const int determinant16 = 16 * dxx * dyy - dxy4 * dxy4;
     if (dxx >= 0 || determinant16 <= 0)  // no peak
         return Point2d(0, 0);
-    // minus the inverse of the Hessian times the gradient
+    // The peak is at minus the inverse of the Hessian times the gradient.
     const double px = 2. * (dxy4 * gy2 - 4 * dyy * gx2) / determinant16;
     const double py = 2. * (dxy4 * gx2 - 4 * dxx * gy2) / determinant16;
     return Point2d(std::min(std::max(px, -0.5), 0.5), std::min(std::max(py, -0.5), 0.5));

@@ -5,9 +5,10 @@
 #ifndef OPENCV_AQORB_PRECOMP_HPP
 #define OPENCV_AQORB_PRECOMP_HPP
 
-#include "stages.hpp"
+// OpenCV's and the standard headers only. Each source file includes the stages that it uses itself, so that
+// a change in the header of one stage does not recompile the others.
 
-#include <opencv2/aqorb.hpp>
+#include <opencv2/core.hpp>
 #include <opencv2/core/utility.hpp>
 #include <opencv2/core/utils/trace.hpp>
 #include <opencv2/imgproc.hpp>

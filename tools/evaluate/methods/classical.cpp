@@ -7,7 +7,7 @@
 namespace
 {
 
-//! A detector that does not take a number of features: the best n of what it finds.
+//! The best n features of a detector that does not take a number of features.
 class BestOf : public Method
 {
 public:

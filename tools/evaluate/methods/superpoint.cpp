@@ -26,7 +26,7 @@ public:
         cv::Mat gray = image;
         if (image.channels() > 1)
             cv::cvtColor(image, gray, cv::COLOR_BGR2GRAY);
-        // Whole cells: what is left over at the right and the bottom is not seen.
+        // The network takes whole cells: pixels left over at the right and the bottom are cut off.
         gray = gray(cv::Rect(0, 0, gray.cols / CELL * CELL, gray.rows / CELL * CELL));
 
         net.setInput(cv::dnn::blobFromImage(gray, 1 / 255.));
@@ -76,7 +76,7 @@ private:
         return keypoints;
     }
 
-    //! Bilinear between the descriptors of cells, normalized.
+    //! Interpolates bilinearly between the descriptors of cells, and normalizes.
     static cv::Mat describe(const cv::Mat& head, const std::vector<cv::KeyPoint>& keypoints)
     {
         if (keypoints.empty())

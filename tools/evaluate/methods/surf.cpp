@@ -22,7 +22,7 @@ public:
         cv::Mat gray = image;
         if (image.channels() > 1)
             cv::cvtColor(image, gray, cv::COLOR_BGR2GRAY);
-        // The strongest come first. Half as many more than asked for make up for those dropped at the border.
+        // The strongest points come first. dlib drops points near the border, so half as many more are asked for.
         std::vector<dlib::surf_point> points = dlib::get_surf_points(dlib::cv_image<uchar>(gray), n + n / 2);
         points.resize(std::min(points.size(), size_t(n)));
         Features features;

@@ -42,10 +42,10 @@ const char* const LOCATIONS =
     "l,4,\"a.cpp\",4,\"level\",0x0\n"
     "l,5,\"a.cpp\",5,\"void cv::aqorb::stages::findBandCorners(const Level&, const cv::Rect&)\",0x3\n"
     "l,6,\"a.cpp\",6,\"void cv::aqorb::stages::suppressCorners(int)\",0x3\n"
-    "l,7,\"a.cpp\",7,\"void cv::aqorb::stages::FeatureSelector::select(int)\",0x3\n"
+    "l,7,\"a.cpp\",7,\"void cv::aqorb::AdaptiveQuadtreeORBImpl::selectFeatures(int)\",0x3\n"
     "l,8,\"a.cpp\",8,\"void cv::aqorb::(anonymous namespace)::leafPoints(const std::vector<int>&, int "
     "(*)(int))\",0x3\n"
-    "l,9,\"a.cpp\",9,\"void cv::aqorb::stages::fillPyramid(int)\",0x3\n"
+    "l,9,\"a.cpp\",9,\"void cv::aqorb::Workspace::fillLevels(int)\",0x3\n"
     "l,10,\"a.cpp\",10,\"void cv::aqorb::stages::resizeExact(int)\",0x3\n";
 
 // 1000 ns: 50 threshold, 100 pyramid, 2 tasks of 400 and 200, 200 selection, 50 rest.
@@ -119,17 +119,6 @@ TEST(Profile, refusesATraceThatIsNotWhole)
     const TraceFiles twoThreads(std::string(LOCATIONS) + "#thread file: x-001.txt\n", EVENTS);
     EXPECT_THROW(readTrace(twoThreads.location), cv::Exception);
     EXPECT_THROW(readTrace("/absent"), cv::Exception);
-}
-
-TEST(Profile, takesMediansOfFrames)
-{
-    const TraceFiles files(LOCATIONS, EVENTS);
-    const Profile profile = profileOf(readTrace(files.location)[0]);
-    Profile slow = profile, slowest = profile;
-    slow.stages[SELECTION] += 10;
-    slowest.stages[SELECTION] += 1000;
-    EXPECT_EQ(210, medianOf({profile, slowest, slow}).stages[SELECTION]);
-    EXPECT_EQ(1010, medianOf({profile, slowest, slow}).total);
 }
 
 }  // namespace

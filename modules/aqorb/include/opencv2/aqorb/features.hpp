@@ -7,7 +7,8 @@
 
 #include <opencv2/core/version.hpp>
 
-// OpenCV 5 has renamed the module features2d. Its header of the old name is not for use inside OpenCV's build.
+// OpenCV 5 has renamed the module features2d to features. The header of the old name still exists, but must not be
+// used inside OpenCV's own build.
 #if CV_VERSION_MAJOR >= 5
 #include <opencv2/features.hpp>
 #else

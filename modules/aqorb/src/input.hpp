@@ -1,0 +1,41 @@
+// This file is part of the aqorb project.
+// It is subject to the license terms in the LICENSE file found in the top-level directory
+// of this distribution.
+
+#ifndef OPENCV_AQORB_INPUT_HPP
+#define OPENCV_AQORB_INPUT_HPP
+
+#include <opencv2/core.hpp>
+
+#include <vector>
+
+namespace cv
+{
+namespace aqorb
+{
+namespace stages
+{
+
+//! The grey image: the input itself, or its conversion as cv::ORB converts it. Throws for any other type of image.
+Mat grayImage(InputArray image);
+
+//! Throws unless both sides are > 0.
+void checkImageSize(Size imageSize);
+
+//! The mask, or an empty Mat where there is none. Throws for a mask of another size or type.
+Mat checkedMask(InputArray mask, Size imageSize);
+
+//! The highest octave of keypoints that are given to be described; 0 for no keypoints. Throws where an octave is
+//! negative or an angle is not finite.
+int highestOctave(const std::vector<KeyPoint>& keypoints);
+
+//! Of keypoints that are given to be described, those that cv::ORB describes: the others lie outside of the image
+//! or nearer than `edgeThreshold` to its border. They are ordered by octave, else in their given order.
+std::vector<KeyPoint> describableKeypoints(const std::vector<KeyPoint>& keypoints, Size imageSize,
+                                           int edgeThreshold);
+
+}  // namespace stages
+}  // namespace aqorb
+}  // namespace cv
+
+#endif

@@ -1,0 +1,39 @@
+// This file is part of the aqorb project.
+// It is subject to the license terms in the LICENSE file found in the top-level directory
+// of this distribution.
+
+#ifndef OPENCV_AQORB_POSITION_HPP
+#define OPENCV_AQORB_POSITION_HPP
+
+#include <opencv2/core.hpp>
+
+namespace cv
+{
+namespace aqorb
+{
+namespace stages
+{
+
+//! Maps pixels of a level to positions in the input image.
+struct PositionMap
+{
+    Size imageSize, levelSize;
+    float scale;
+    int border;     //!< positions stay this far inside the image where the pixel allows it
+    bool subPixel;  //!< false: pixel times scale, as in cv::ORB
+
+    //! The position of the point that lies (dx, dy), each within +-0.5, off the centre of pixel (x, y).
+    Point2f operator()(int x, int y, double dx = 0, double dy = 0) const;
+};
+
+//! Clears the pixels of a level's mask whose position rounds to a masked pixel of the input image.
+void maskPositions(const Mat& imageMask, const PositionMap& position, Mat& levelMask);
+
+//! Where the quadratic through the 3x3 FAST scores around (x, y) peaks, relative to (x, y), within +-0.5.
+Point2d subPixelOffset(const Mat& image, int x, int y);
+
+}  // namespace stages
+}  // namespace aqorb
+}  // namespace cv
+
+#endif

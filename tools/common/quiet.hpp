@@ -1,0 +1,20 @@
+
+#ifndef AQORB_TOOLS_QUIET_HPP
+#define AQORB_TOOLS_QUIET_HPP
+
+#include <opencv2/core/utility.hpp>
+#include <opencv2/core/utils/logger.hpp>
+
+namespace tools
+{
+
+//! Keeps OpenCV from printing the messages of exceptions: a program that provokes them expects them.
+inline void silenceOpenCV()
+{
+    cv::utils::logging::setLogLevel(cv::utils::logging::LOG_LEVEL_SILENT);
+    cv::redirectError([](int, const char*, const char*, const char*, int, void*) { return 0; });
+}
+
+}  // namespace tools
+
+#endif

@@ -1,0 +1,51 @@
+
+
+#include "csv.hpp"
+#include "median.hpp"
+#include "options.hpp"
+
+#include <gtest/gtest.h>
+#include <opencv2/core.hpp>
+
+namespace
+{
+
+TEST(ToolsCsv, quotesCellsAndKeepsDigits)
+{
+    tools::CsvTable table({"name", "value"});
+    table.add({"a, \"b\"", tools::csvNumber(1. / 3)});
+    table.add({"", tools::csvNumber(1e6)});
+    EXPECT_EQ("name,value\n\"a, \"\"b\"\"\",0.333333333\n,1000000\n", table.text());
+}
+
+TEST(ToolsCsv, rejectsWrongRowsAndFiles)
+{
+    tools::CsvTable table({"name", "value"});
+    EXPECT_THROW(table.add({"one"}), cv::Exception);
+    EXPECT_THROW(table.write("/nowhere/table.csv"), cv::Exception);
+}
+
+TEST(ToolsOptions, splitsLists)
+{
+    EXPECT_EQ((std::vector<std::string>{"a", "", "b"}), tools::splitList("a,,b"));
+    EXPECT_EQ((std::vector<std::string>{"a,b", "c"}), tools::splitList("a,b:c", ':'));
+    EXPECT_TRUE(tools::splitList("").empty());
+}
+
+TEST(ToolsOptions, findsUnknownOptions)
+{
+    const std::string keys = "{help h | | help }{out | . | folder }{@input | | file }";
+    const char* const good[] = {"program", "--out=x", "-h", "file", "--help"};
+    const char* const bad[] = {"program", "--out=x", "--outt=y"};
+    EXPECT_EQ("", tools::unknownOption(5, good, keys));
+    EXPECT_EQ("--outt=y", tools::unknownOption(3, bad, keys));
+}
+
+TEST(ToolsMedian, ofOddEvenAndNone)
+{
+    EXPECT_EQ(2, tools::median({3, 1, 2}));
+    EXPECT_EQ(2.5, tools::median({4, 1, 2, 3}));
+    EXPECT_EQ(0, tools::median({}));
+}
+
+}  // namespace
