@@ -1,16 +1,16 @@
 #!/usr/bin/env bash
-# Builds the documentation as a web site, build/doc/html/index.html, in the look of OpenCV's. Any warning of
-# doxygen, and any link that leads nowhere, is an error.
+# Builds the documentation as a web site, build/doc/html/index.html, and looks at every page of it in a browser. A
+# warning of doxygen, a link that leads nowhere, a page that needs the network and text that is hard to read are errors.
 #
 #   scripts/doc.sh [--opencv]
 #
 # With --opencv it is OpenCV's own documentation that is built, with the module and those it depends on:
 # build/opencv-doc/doc/doxygen/html/index.html.
 #
-# Installs the Debian packages it needs and fetches OpenCV's source, for its stylesheet and bibliography.
+# Installs the Debian packages it needs and fetches OpenCV's source, to link its classes, and for its bibliography.
 source "$(dirname "$0")/common.sh"
 
-need doxygen graphviz texlive-binaries
+need doxygen graphviz texlive-binaries libjs-mathjax chromium python3
 opencv_source
 # BibTeX finds its files here without TeX's configuration, which is a large package.
 export BIBINPUTS=. BSTINPUTS=.
@@ -60,15 +60,22 @@ END
 # doxygen writes members there that it cannot read.
 sed -i '/<member /{:a;/<\/member>/!{N;ba};/<name>operator std::/d}' "$OUT/opencv.tag"
 
-sed '/@CMAKE_DOXYGEN_JAVADOC_NODE@/d' "$OPENCV_DOC/DoxygenLayout.xml" >"$OUT/DoxygenLayout.xml"
-# shellcheck disable=SC2016 # doxygen's variable
-sed 's#/usr/share/javascript/jquery/#$relpath^#' "$OPENCV_DOC/header.html" >"$OUT/header.html"
-sed 's/doxygen\.png/doxygen.svg/' "$OPENCV_DOC/footer.html" >"$OUT/footer.html"
-doxygen "$ROOT/doc/Doxyfile"
+site=$ROOT/doc/site
+"$PYTHON" "$site/signatures.py" page "$OUT/opencv.tag" "$OUT/python.markdown"
+cp "$site/Doxyfile" "$OUT/Doxyfile"
+# Newer versions of doxygen follow the browser to dark colours, which the style sheet does not have.
+if doxygen -g - | grep -q '^HTML_COLORSTYLE  *='; then echo 'HTML_COLORSTYLE = LIGHT' >>"$OUT/Doxyfile"; fi
+doxygen "$OUT/Doxyfile"
+rm "$OUT"/html/dir_*.html  # nothing leads there
+"$PYTHON" "$site/signatures.py" insert "$OUT/html"
 
-# doxygen does not miss pictures.
-cd "$OUT/html"
-missing=$(grep -ohE '(src|href)="[^":#?]+["#?]' -- *.html | sed 's/.*="//; s/.$//' | sort -u |
-    while read -r file; do [[ -e $file ]] || echo "$file"; done)
-[[ -z $missing ]] || die "links lead nowhere: $missing"
+# The parts of MathJax that draw formulas as vector graphics.
+mathjax=/usr/share/javascript/mathjax
+for part in MathJax.js extensions jax/element jax/input/TeX jax/output/SVG/{autoload,fonts/TeX,config.js,jax.js}; do
+    mkdir -p "$OUT/html/mathjax/$(dirname "$part")"
+    cp -rL "$mathjax/$part" "$OUT/html/mathjax/$part"
+done
+
+"$PYTHON" "$site/check.py" links "$ROOT" "$OUT/html"
+"$PYTHON" "$site/check.py" pages "$OUT/html" "$OUT/screenshots"
 say "$OUT/html/index.html"
