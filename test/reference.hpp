@@ -83,6 +83,10 @@ std::vector<LeafPoint> balancedSequence(const std::vector<LeafPoint>& points, in
 
 Point2f position(int x, int y, Point2d d, Size imageSize, Size levelSize, float scale, int border,
                  bool subPixel);
+/** The position of a pixel's centre if it is not masked, else, with subPixel, the nearest centre of a pixel of the
+ image that is not, if a keypoint there belongs to the pixel. False: there is none. */
+bool usablePosition(const Mat& mask, int x, int y, Size levelSize, float scale, int border, bool subPixel,
+                    Point2f& found);
 Point2d subPixelOffset(const Mat& image, int x, int y);
 
 //! cv::fastAtan2 with or without fused multiply-add.

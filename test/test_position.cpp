@@ -140,7 +140,7 @@ TEST(AqorbPosition, staysInsideTheBorder)
     }
 }
 
-TEST(AqorbPosition, maskIsThatOfTheImageAtThePosition)
+TEST(AqorbPosition, aMaskedPixelHasNoUsablePosition)
 {
     const Size image(90, 70);
     const Mat mask = makeNoise(image) > 60;
@@ -159,9 +159,12 @@ TEST(AqorbPosition, maskIsThatOfTheImageAtThePosition)
             {
                 for (int x = 3; x < size.width - 3; x++)
                 {
-                    const Point2f p =
-                        reference::position(x, y, Point2d(), image, size, scale, 3, subPixel != 0);
-                    const bool use = before.at<uchar>(y, x) && mask.at<uchar>(cvRound(p.y), cvRound(p.x));
+                    Point2f expected, found;
+                    const bool hasPosition =
+                        reference::usablePosition(mask, x, y, size, scale, 3, subPixel != 0, expected);
+                    ASSERT_EQ(hasPosition, usablePosition(mask, map, x, y, found)) << x << " " << y;
+                    ASSERT_EQ(expected, found) << x << " " << y;
+                    const bool use = before.at<uchar>(y, x) && hasPosition;
                     ASSERT_EQ(levelMask.at<uchar>(y, x) != 0, use) << x << " " << y;
                 }
             }

@@ -248,6 +248,26 @@ TEST(AQORB_Slam, descriptors_need_not_be_asked_for)
     EXPECT_EQ(500u, keypoints.size());
 }
 
+TEST(AQORB_Slam, several_levels_need_a_scale_factor_above_1)
+{
+    const float factors[] = {1.f, 0.5f};
+    for (float factor : factors)
+    {
+        std::string message;
+        try
+        {
+            SlamExtractor(500, factor, 8, 20, 7);
+        }
+        catch (const cv::Exception& e)
+        {
+            message = e.err;
+        }
+        EXPECT_EQ(0u, message.find(format("scaleFactor: got %g; > 1", factor))) << message;
+        EXPECT_NE(std::string::npos, message.find("accepted")) << message;
+        EXPECT_NO_THROW(SlamExtractor(500, factor, 1, 20, 7)) << factor;
+    }
+}
+
 TEST(AQORB_Slam, bad_arguments)
 {
     EXPECT_THROW(SlamExtractor(-1, 1.2f, 8, 20, 7), cv::Exception);
@@ -321,6 +341,12 @@ TEST(AQORB_Pyramid, takes_what_detection_takes)
     ASSERT_EQ(expected.size(), levels.size());
     for (size_t i = 0; i < levels.size(); i++)
         EXPECT_TRUE(sameMat(expected[i], levels[i]));
+
+    std::vector<UMat> ofUMat(2);
+    detector->buildPyramid(image, ofUMat);
+    ASSERT_EQ(expected.size(), ofUMat.size());
+    for (size_t i = 0; i < ofUMat.size(); i++)
+        EXPECT_TRUE(sameMat(expected[i], ofUMat[i].getMat(ACCESS_READ)));
 
     const Mat before = levels[0];
     levels[0].setTo(0);
