@@ -29,7 +29,7 @@ struct Column
     Features expected;
 };
 
-TEST(AqorbAliasing, theImageAsTheOutput)
+TEST(Aqorb_Aliasing, the_image_as_the_output)
 {
     const Column column;
     ASSERT_EQ(int(Column::ROWS), column.expected.descriptors.rows);
@@ -48,7 +48,7 @@ TEST(AqorbAliasing, theImageAsTheOutput)
     setNumThreads(-1);
 }
 
-TEST(AqorbAliasing, theMaskAsTheOutput)
+TEST(Aqorb_Aliasing, the_mask_as_the_output)
 {
     const Column column;
     const Mat mask(column.image.size(), CV_8UC1, Scalar(1));
@@ -67,7 +67,7 @@ TEST(AqorbAliasing, theMaskAsTheOutput)
     EXPECT_TRUE(sameFeatures(expected, Features{keypoints, part}));
 }
 
-TEST(AqorbAliasing, aPartOfTheImageAsTheOutput)
+TEST(Aqorb_Aliasing, a_part_of_the_image_as_the_output)
 {
     const Mat scene = makeNoise(Size(160, 800), 3);
     const Ptr<AdaptiveQuadtreeORB> detector = AdaptiveQuadtreeORB::create(600);
@@ -85,7 +85,7 @@ TEST(AqorbAliasing, aPartOfTheImageAsTheOutput)
     }
 }
 
-TEST(AqorbAliasing, anOutputBesideTheImageInOneMatrix)
+TEST(Aqorb_Aliasing, an_output_beside_the_image_in_one_matrix)
 {
     const Mat scene = makeScene(Size(160, 100), 3);
     const Ptr<AdaptiveQuadtreeORB> detector = AdaptiveQuadtreeORB::create(100);
@@ -100,7 +100,7 @@ TEST(AqorbAliasing, anOutputBesideTheImageInOneMatrix)
     EXPECT_TRUE(sameMat(scene, image));
 }
 
-TEST(AqorbAliasing, outputsOfUMat)
+TEST(Aqorb_Aliasing, outputs_of_umat)
 {
     const Column column;
     UMat m;
@@ -125,7 +125,7 @@ TEST(AqorbAliasing, outputsOfUMat)
     EXPECT_TRUE(keypoints.empty() && flat.empty());
 }
 
-TEST(AqorbAliasing, thePyramidInTheVectorThatHoldsTheImage)
+TEST(Aqorb_Aliasing, the_pyramid_in_the_vector_that_holds_the_image)
 {
     const Mat scene = makeScene(Size(160, 120), 3);
     const int firstLevels[] = {0, 1, 3};
@@ -155,7 +155,7 @@ TEST(AqorbAliasing, thePyramidInTheVectorThatHoldsTheImage)
     }
 }
 
-TEST(AqorbAliasing, thePyramidOfTheExtractorIsThatOfTheImage)
+TEST(Aqorb_Aliasing, the_pyramid_of_the_extractor_is_that_of_the_image)
 {
     const Column column;
     aqorb::SlamExtractor extractor(Column::ROWS, 1.2f, 3, 20, 5);

@@ -40,7 +40,7 @@ template <typename Call> std::string messageOf(Call call)
 const float NOT_A_NUMBER = std::numeric_limits<float>::quiet_NaN();
 const float ENDLESS = std::numeric_limits<float>::infinity();
 
-TEST(AQORB_Errors, bad_parameters_of_create)
+TEST(Aqorb_Errors, bad_parameters_of_create)
 {
 #define AQORB_BAD(name, value, call) \
     EXPECT_TRUE(names(messageOf([] { AdaptiveQuadtreeORB::call; }), name, value))
@@ -62,7 +62,7 @@ TEST(AQORB_Errors, bad_parameters_of_create)
 #undef AQORB_BAD
 }
 
-TEST(AQORB_Errors, bad_values_of_setters_leave_the_object_unchanged)
+TEST(Aqorb_Errors, bad_values_of_setters_leave_the_object_unchanged)
 {
     const Ptr<AdaptiveQuadtreeORB> detector = AdaptiveQuadtreeORB::create();
     const Mat image = makeScene(Size(200, 150));
@@ -95,7 +95,7 @@ TEST(AQORB_Errors, bad_values_of_setters_leave_the_object_unchanged)
     EXPECT_TRUE(sameFeatures(before, detectAndCompute(*detector, image)));
 }
 
-TEST(AQORB_Errors, the_ends_of_what_is_accepted_are_accepted)
+TEST(Aqorb_Errors, the_ends_of_what_is_accepted_are_accepted)
 {
     const Ptr<AdaptiveQuadtreeORB> detector = AdaptiveQuadtreeORB::create();
     EXPECT_NO_THROW(detector->setMaxFeatures(0));
@@ -117,7 +117,7 @@ TEST(AQORB_Errors, the_ends_of_what_is_accepted_are_accepted)
     EXPECT_NO_THROW(detector->setOctaveSuppression(0));
 }
 
-TEST(AQORB_Errors, parameters_that_do_not_go_together)
+TEST(Aqorb_Errors, parameters_that_do_not_go_together)
 {
     const Mat image = makeScene(Size(200, 150));
     KeyPoints keypoints;
@@ -131,7 +131,7 @@ TEST(AQORB_Errors, parameters_that_do_not_go_together)
     EXPECT_TRUE(names(messageOf([&] { detector->detect(image, keypoints); }), "firstLevel", "pixels"));
 }
 
-TEST(AQORB_Errors, bad_images_and_masks)
+TEST(Aqorb_Errors, bad_images_and_masks)
 {
     const Ptr<AdaptiveQuadtreeORB> detector = AdaptiveQuadtreeORB::create();
     // OpenCV's issue 21539 is about 16-bit images.
@@ -158,7 +158,7 @@ TEST(AQORB_Errors, bad_images_and_masks)
     EXPECT_EQ(3u, keypoints.size());  // a call that fails leaves its outputs
 }
 
-TEST(AQORB_Errors, sequences_of_images_and_masks)
+TEST(Aqorb_Errors, sequences_of_images_and_masks)
 {
     const Ptr<AdaptiveQuadtreeORB> detector = AdaptiveQuadtreeORB::create();
     const Mat image = makeScene(Size(100, 80));
@@ -184,7 +184,7 @@ TEST(AQORB_Errors, sequences_of_images_and_masks)
     EXPECT_EQ(3, descriptors.rows);
 }
 
-TEST(AQORB_Errors, images_too_large_for_a_pyramid)
+TEST(Aqorb_Errors, images_too_large_for_a_pyramid)
 {
     const int side = 1 << 20;
     const Size sizes[] = {Size(side, 2), Size(2, side), Size(side + 9, 1)};
@@ -215,7 +215,7 @@ TEST(AQORB_Errors, images_too_large_for_a_pyramid)
         "firstLevel", "1048575 x 2"));
 }
 
-TEST(AQORB_Errors, outputs_that_do_not_fit_lose_nothing)
+TEST(Aqorb_Errors, outputs_that_do_not_fit_lose_nothing)
 {
     const Ptr<AdaptiveQuadtreeORB> detector = AdaptiveQuadtreeORB::create(20);
     const Mat scene = makeScene(Size(100, 80));
@@ -259,7 +259,7 @@ TEST(AQORB_Errors, outputs_that_do_not_fit_lose_nothing)
     EXPECT_EQ(4, level.rows);
 }
 
-TEST(AQORB_Errors, bad_octaves_of_provided_keypoints)
+TEST(Aqorb_Errors, bad_octaves_of_provided_keypoints)
 {
     const Ptr<AdaptiveQuadtreeORB> detector = AdaptiveQuadtreeORB::create();
     const Mat image = makeScene(Size(200, 150));
@@ -277,7 +277,7 @@ TEST(AQORB_Errors, bad_octaves_of_provided_keypoints)
         names(messageOf([&] { detector->compute(image, keypoints, descriptors); }), "scaleFactor", "1"));
 }
 
-TEST(AQORB_Errors, bad_arguments_of_the_functions)
+TEST(Aqorb_Errors, bad_arguments_of_the_functions)
 {
     KeyPoints keypoints(5, KeyPoint(Point2f(1, 1), 1));
     EXPECT_TRUE(names(messageOf([&] { aqorb::distributionUniformity(keypoints, Size(0, 5)); }), "imageSize",
@@ -302,7 +302,7 @@ TEST(AQORB_Errors, bad_arguments_of_the_functions)
     EXPECT_TRUE(sameKeypoints(KeyPoints(5, KeyPoint(Point2f(1, 1), 1)), keypoints));
 }
 
-TEST(AQORB_Errors, points_that_are_nowhere_are_dropped)
+TEST(Aqorb_Errors, points_that_are_nowhere_are_dropped)
 {
     const Mat image = makeScene(Size(200, 150));
     for (int border = 0; border <= 16; border += 16)
@@ -322,7 +322,7 @@ TEST(AQORB_Errors, points_that_are_nowhere_are_dropped)
     }
 }
 
-TEST(AQORB_Errors, extreme_parameters_work)
+TEST(Aqorb_Errors, extreme_parameters_work)
 {
     const Mat image = makeScene(Size(120, 90));
     KeyPoints keypoints(7);
@@ -344,7 +344,7 @@ TEST(AQORB_Errors, extreme_parameters_work)
     EXPECT_TRUE(given.empty());
 }
 
-TEST(AQORB_Errors, a_cell_larger_than_the_image_is_one_cell)
+TEST(Aqorb_Errors, a_cell_larger_than_the_image_is_one_cell)
 {
     // However large it is: its far side must not be computed beyond what an int holds.
     const Mat image = makeScene(Size(120, 90));
@@ -362,7 +362,7 @@ TEST(AQORB_Errors, a_cell_larger_than_the_image_is_one_cell)
     }
 }
 
-TEST(AQORB_Errors, fastThreshold_is_limited_as_by_FAST)
+TEST(Aqorb_Errors, fast_threshold_is_limited_as_by_fast)
 {
     const Mat image = makeScene(Size(120, 90));
     const int outside[][2] = {{-1, 0}, {INT_MIN, 0}, {256, 255}, {INT_MAX, 255}};

@@ -11,7 +11,7 @@ namespace opencv_test
 namespace
 {
 
-TEST(AQORB_Masks, an_empty_mask_gives_nothing)
+TEST(Aqorb_Masks, an_empty_mask_gives_nothing)
 {
     const Mat image = makeScene(Size(320, 240));
     Features stale = {KeyPoints(4), Mat::ones(4, 32, CV_8UC1)};
@@ -21,7 +21,7 @@ TEST(AQORB_Masks, an_empty_mask_gives_nothing)
     EXPECT_TRUE(stale.descriptors.empty());
 }
 
-TEST(AQORB_Masks, no_keypoint_lies_on_a_masked_pixel)
+TEST(Aqorb_Masks, no_keypoint_lies_on_a_masked_pixel)
 {
     const Mat image = makeScene(Size(320, 240), 2);
     RNG rng(8);
@@ -45,7 +45,7 @@ TEST(AQORB_Masks, no_keypoint_lies_on_a_masked_pixel)
     }
 }
 
-TEST(AQORB_Masks, positions_off_the_pixels_a_level_is_made_of)
+TEST(Aqorb_Masks, positions_off_the_pixels_a_level_is_made_of)
 {
     // Without SubPixel, and with large steps of the pyramid, a position may round to a pixel that is not
     // one of those that the level's pixel was made of: the mask must be looked up there, too.
@@ -192,7 +192,7 @@ void expectNoFewerThanOrb(const reference::Settings& s, const Mat& image, const 
 }
 
 // The only exception is a pixel of a level that is made of usable and unusable input pixels.
-TEST(AQORB_Masks, never_fewer_keypoints_than_orb_finds)
+TEST(Aqorb_Masks, never_fewer_keypoints_than_orb_finds)
 {
     const float factors[] = {1.2f, 1.5f, 2.f, 2.5f, 3.f};
     const int thresholds[] = {0, 1, 5, 20, 60}, limits[] = {7, 60, 1000000};
@@ -222,7 +222,7 @@ TEST(AQORB_Masks, never_fewer_keypoints_than_orb_finds)
     EXPECT_GT(counts.orb, counts.usable);
 }
 
-TEST(AQORB_Masks, a_level_made_with_gaps_loses_no_keypoint)
+TEST(Aqorb_Masks, a_level_made_with_gaps_loses_no_keypoint)
 {
     // With large steps of the pyramid the centre of a pixel may lie on an input pixel that it is not made of.
     const float factors[] = {2.2f, 2.5f, 3.f, 3.6f, 4.f};
@@ -246,7 +246,7 @@ TEST(AQORB_Masks, a_level_made_with_gaps_loses_no_keypoint)
     EXPECT_GT(counts.usable, 10000u);
 }
 
-TEST(AQORB_Masks, masked_corners_do_not_fill_a_cell)
+TEST(Aqorb_Masks, masked_corners_do_not_fill_a_cell)
 {
     // A strong corner and a weak one in one cell: the weak one shows once the strong one is masked.
     Mat image(120, 120, CV_8UC1, Scalar(100));
