@@ -117,8 +117,8 @@ TEST(Aqorb_Determinism, what_lies_around_a_region_does_not_matter)
                 image.copyTo(wholeImage(region));
                 mask.copyTo(wholeMask(region));
                 EXPECT_FALSE(wholeImage(region).isContinuous());
-                EXPECT_TRUE(
-                    sameFeatures(expected, detectAndCompute(*detector, wholeImage(region), wholeMask(region))));
+                EXPECT_TRUE(sameFeatures(expected,
+                                         detectAndCompute(*detector, wholeImage(region), wholeMask(region))));
                 EXPECT_TRUE(sameFeatures(unmasked, detectAndCompute(*detector, wholeImage(region))));
                 Features computed = {expected.keypoints, Mat()};
                 detector->compute(wholeImage(region), computed.keypoints, computed.descriptors);
