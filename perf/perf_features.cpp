@@ -1,10 +1,11 @@
-// This file is part of the aqorb project.
+// This file is part of aqorb. Copyright (C) The aqorb developers.
 // It is subject to the license terms in the LICENSE file found in the top-level directory
 // of this distribution.
+// SPDX-License-Identifier: Apache-2.0
 
 // cv::ORB and AdaptiveQuadtreeORB side by side, both with their default parameters. The detector is
 // the last parameter, so that the two of a case run one right after the other and see the same load of
-// the machine; tools/report/perf_table.py takes the ratio of each such pair.
+// the machine; tools/report/speed.py takes the ratio of each such pair.
 
 #include "perf_precomp.hpp"
 #include "perf_scene.hpp"
@@ -22,7 +23,15 @@ enum DetectorId
 CV_ENUM(Detector, CV_ORB, AQORB)
 
 typedef tuple<std::string, int, Detector> Image_NFeatures_Detector_t;
-typedef perf::TestBaseWithParam<Image_NFeatures_Detector_t> Features;
+
+class Features : public perf::TestBaseWithParam<Image_NFeatures_Detector_t>
+{
+protected:
+    void detectAndCompute();
+};
+
+//! How the time grows with the size of the image and with the number of features.
+typedef Features Scaling;
 
 #define EVALUATION_IMAGE(name) "cv/detectors_descriptors_evaluation/images_datasets/" name "/img1.png"
 
@@ -32,11 +41,16 @@ const std::string IMAGES[] = {
     // its other planar scenes, and photographs of other sizes
     EVALUATION_IMAGE("bikes"), EVALUATION_IMAGE("bark"), EVALUATION_IMAGE("trees"), EVALUATION_IMAGE("ubc"),
     "perf/640x512.png", "perf/1920x1080.png",
-    // makeScene, which needs no data
+    // makeStreetScene, which needs no data
     "scene_640x480", "scene_1280x720", "scene_1920x1080"};
 
 #define FEATURES_PARAMS \
     testing::Combine(testing::ValuesIn(IMAGES), testing::Values(500, 1000, 2000), Detector::all())
+
+#define SCALING_PARAMS                                                                                      \
+    testing::Combine(testing::Values("scene_320x240", "scene_640x480", "scene_1280x720", "scene_1920x1080", \
+                                     "scene_2560x1440", "scene_3840x2160"),                                 \
+                     testing::Values(250, 500, 1000, 2000, 4000, 8000), Detector::all())
 
 Ptr<Feature2D> createDetector(Detector detector, int nfeatures)
 {
@@ -54,7 +68,7 @@ Mat loadImage(const std::string& name)
     {
         Size size;
         if (sscanf(name.c_str(), "scene_%dx%d", &size.width, &size.height) == 2)
-            last = makeScene(size);
+            last = makeStreetScene(size);
         else
             last = imread(cvtest::findDataFile(name, false), IMREAD_GRAYSCALE);
         lastName = name;
@@ -62,11 +76,28 @@ Mat loadImage(const std::string& name)
     return last;
 }
 
-//! Notes what was measured, for the table.
+//! Notes what was measured, for the tables.
 void recordCase(const Mat& image, size_t keypoints)
 {
     testing::Test::RecordProperty("image_size", cv::format("%dx%d", image.cols, image.rows));
     testing::Test::RecordProperty("keypoints", (int)keypoints);
+}
+
+void Features::detectAndCompute()
+{
+    const Mat image = loadImage(get<0>(GetParam()));
+    ASSERT_FALSE(image.empty());
+    Ptr<Feature2D> detector = createDetector(get<2>(GetParam()), get<1>(GetParam()));
+    std::vector<KeyPoint> keypoints;
+    Mat descriptors;
+    detector->detectAndCompute(image, noArray(), keypoints, descriptors);
+
+    TEST_CYCLE() detector->detectAndCompute(image, noArray(), keypoints, descriptors);
+
+    EXPECT_GT(keypoints.size(), 20u);
+    EXPECT_EQ((int)keypoints.size(), descriptors.rows);
+    recordCase(image, keypoints.size());
+    SANITY_CHECK_NOTHING();
 }
 
 PERF_TEST_P(Features, detect, FEATURES_PARAMS)
@@ -107,19 +138,12 @@ PERF_TEST_P(Features, compute, FEATURES_PARAMS)
 
 PERF_TEST_P(Features, detectAndCompute, FEATURES_PARAMS)
 {
-    const Mat image = loadImage(get<0>(GetParam()));
-    ASSERT_FALSE(image.empty());
-    Ptr<Feature2D> detector = createDetector(get<2>(GetParam()), get<1>(GetParam()));
-    std::vector<KeyPoint> keypoints;
-    Mat descriptors;
-    detector->detectAndCompute(image, noArray(), keypoints, descriptors);
+    detectAndCompute();
+}
 
-    TEST_CYCLE() detector->detectAndCompute(image, noArray(), keypoints, descriptors);
-
-    EXPECT_GT(keypoints.size(), 20u);
-    EXPECT_EQ((int)keypoints.size(), descriptors.rows);
-    recordCase(image, keypoints.size());
-    SANITY_CHECK_NOTHING();
+PERF_TEST_P(Scaling, detectAndCompute, SCALING_PARAMS)
+{
+    detectAndCompute();
 }
 
 }  // namespace

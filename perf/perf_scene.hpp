@@ -1,6 +1,7 @@
-// This file is part of the aqorb project.
+// This file is part of aqorb. Copyright (C) The aqorb developers.
 // It is subject to the license terms in the LICENSE file found in the top-level directory
 // of this distribution.
+// SPDX-License-Identifier: Apache-2.0
 
 #ifndef OPENCV_AQORB_PERF_SCENE_HPP
 #define OPENCV_AQORB_PERF_SCENE_HPP
@@ -10,10 +11,10 @@
 namespace opencv_test
 {
 
-/** A synthetic photograph: a smooth sky, houses with windows, textured ground, plain walls, blur of a
- lens and noise of a sensor. The same for every run; objects grow with the image, texture does not.
- Its FAST corners are about as many, and as unevenly spread, as a street scene's of the same size. */
-cv::Mat makeScene(const cv::Size& size);
+/** Draws a synthetic photograph: a smooth sky, houses with windows, textured ground, plain walls, blur of a
+ lens and noise of a sensor. It is the same in every run. Objects grow with the image, texture does
+ not. It has about as many FAST corners as a photograph of a street of the same size, spread as unevenly. */
+cv::Mat makeStreetScene(const cv::Size& size);
 
 }  // namespace opencv_test
 

@@ -1,37 +1,61 @@
-// This file is part of the aqorb project.
+// This file is part of aqorb. Copyright (C) The aqorb developers.
 // It is subject to the license terms in the LICENSE file found in the top-level directory
 // of this distribution.
+// SPDX-License-Identifier: Apache-2.0
 
 // Shows AdaptiveQuadtreeORB beside cv::ORB: where their keypoints lie and how well these match.
 
+#include "drawing.hpp"
 #include "evaluation.hpp"
 #include "program.hpp"
 
 #include <opencv2/aqorb.hpp>
-#include <opencv2/core/utils/filesystem.hpp>
-#include <opencv2/imgproc.hpp>
-
-#include <cstdio>
 
 using namespace cv;
 
 namespace
 {
 
-const char* const ABOUT = "Compares cv::aqorb::AdaptiveQuadtreeORB with cv::ORB: prints a table and writes\n"
-                          "the pictures aqorb_keypoints.jpg and, for two images, aqorb_matches.jpg.\n"
-                          "More than two images are taken one by one (aqorb_keypoints1.jpg, ...).\n"
-                          "Exit codes: 0 done, 1 bad arguments, 2 an input cannot be read, 3 a picture\n"
-                          "cannot be written, 4 other.\n";
+const Program PROGRAM = {
+    "aqorb_demo",
+    "Compares cv::aqorb::AdaptiveQuadtreeORB with cv::ORB: prints a table and writes the pictures\n"
+    "aqorb_keypoints.jpg and, for two images, aqorb_matches.jpg. More than two images are taken one\n"
+    "by one (aqorb_keypoints1.jpg, ...). Without images it takes three pairs of OpenCV's samples: one\n"
+    "where AdaptiveQuadtreeORB wins, one where it loses, and one where each wins something.",
+    "[IMAGE1 [IMAGE2]] or IMAGE IMAGE IMAGE ...",
+    0,
+    100000,
+    {{"homography", "",
+      "XML, YAML or JSON file with the 3x3 homography from image 1 to\n"
+      "                       image 2; without it those matches are counted that agree with\n"
+      "                       the homography estimated from them"},
+     {"nfeatures", "1000", "number of keypoints to ask for"},
+     {"out", ".", "existing folder for the pictures"}},
+    "aqorb_demo --nfeatures=500 --out=pictures photograph1.jpg photograph2.jpg"};
 
-const char* const KEYS =
-    "{help h usage ? |      | print this text }"
-    "{homography     |      | XML, YAML or JSON file with the 3x3 homography from image1 "
-    "to image2; without it the matches are counted that agree with an estimated one }"
-    "{out            | .    | existing folder for the pictures }"
-    "{nfeatures      | 1000 | number of keypoints to ask for, at least 1 }"
-    "{@image1        |      | without images, OpenCV's samples graf1.png and graf3.png }"
-    "{@image2        |      | image to match with the first }";
+// What the program shows without images.
+const struct
+{
+    const char *image1, *image2, *homography;
+    const char* text;
+} PAIRS[] = {
+    {"rubberwhale1.png", "rubberwhale2.png", "",
+     "1. AdaptiveQuadtreeORB wins: two frames of a video, with something to see everywhere.\n"
+     "How to read it: cv::ORB's keypoints crowd where the contrast is highest, several on one corner;\n"
+     "AdaptiveQuadtreeORB's cover the image. So more of them match at distinct places, and these\n"
+     "places fill more of the image's cells."},
+    {"box.png", "box_in_scene.png", "",
+     "2. cv::ORB wins: a small box, and the same box among other things.\n"
+     "How to read it: only the box is in both images. AdaptiveQuadtreeORB spreads its keypoints over\n"
+     "the whole scene, so fewer of them lie on the box, and fewer match."},
+    {"graf1.png", "graf3.png", "H1to3p.xml",
+     "3. Each wins something: a painted wall from two sides; the homography between them is known.\n"
+     "How to read it: cv::ORB has more correct matches, but on fewer places of the wall. The error says\n"
+     "how far off, in pixels, the homography lies that is estimated from each detector's matches."}};
+
+const char* const LEGEND =
+    "Distinct: matches of at least 4 pixels from each other. Consistent: within 3 pixels of the\n"
+    "homography estimated from the detector's matches; correct: of the known one.\n";
 
 struct Input
 {
@@ -50,64 +74,24 @@ struct Result
     double homographyError;          // in pixels; negative: there is none
 };
 
-// The names of the images. CommandLineParser passes over options that it does not know and further images.
-std::vector<String> checkArguments(int argc, char** argv)
-{
-    std::vector<String> images;
-    for (int i = 1; i < argc; i++)
-    {
-        const String argument = argv[i], name = argument.substr(0, argument.find('='));
-        if (argument[0] != '-')
-            images.push_back(argument);
-        else if (name != "--homography" && name != "--out" && name != "--nfeatures")
-            throw Failure{1, argument + ": unknown option; see --help"};
-    }
-    return images;
-}
-
-// The path of a file or of one of OpenCV's samples.
-String find(const String& name)
-{
-    const String path = samples::findFile(name, false, true);
-    if (path.empty())
-        throw Failure{2, name + ": no such file, nor a sample in OPENCV_SAMPLES_DATA_PATH"};
-    return path;
-}
-
 // The first matrix in the file, whatever its name.
 Mat readHomography(const String& name)
 {
     Mat homography;
+    const String path = findFile(name);
     try
     {
-        const FileStorage file(find(name), FileStorage::READ);
+        const FileStorage file(path, FileStorage::READ);
         file.getFirstTopLevelNode() >> homography;
     }
     catch (const cv::Exception&)  // neither XML, YAML nor JSON, or no matrix
     {
     }
     if (homography.size() != Size(3, 3) || homography.channels() != 1)
-        throw Failure{2, name + ": holds no 3x3 matrix"};
+        throw Failure{FAILED,
+                      "--homography=" + name + ": an XML, YAML or JSON file with a 3x3 matrix is accepted"};
     homography.convertTo(homography, CV_64F);
     return homography;
-}
-
-Input readInput(const CommandLineParser& parser, const std::vector<String>& names, const String& suffix)
-{
-    Input input;
-    input.suffix = suffix;
-    input.nfeatures = featureCount(parser);
-    input.folder = parser.get<String>("out");
-    if (!utils::fs::isDirectory(input.folder))
-        throw Failure{3, input.folder + ": no such folder"};
-    const String homography = names.empty() ? "H1to3p.xml" : parser.get<String>("homography");
-    if (!homography.empty() && names.size() != 2 && !names.empty())
-        throw Failure{1, "--homography needs two images"};
-    for (const String& name : names.empty() ? std::vector<String>{"graf1.png", "graf3.png"} : names)
-        input.images.push_back(readGrayImage(find(name)));
-    if (!homography.empty())
-        input.homography = readHomography(homography);
-    return input;
 }
 
 void detectAndMatch(const Input& input, Result& result)
@@ -146,22 +130,27 @@ String occupied(const std::vector<KeyPoint>& keypoints, Size size)
     return format("%.0f %%", 100 * aqorb::distributionOccupancy(keypoints, size, Size(16, 12)));
 }
 
-// A detector's part of the table: label and value of each row.
+// A detector's part of the table: label and value of each row. What is said of each image is said in one row.
 std::vector<std::pair<String, String>> column(const Input& input, const Result& result, double milliseconds,
                                               double orbMilliseconds)
 {
-    std::vector<std::pair<String, String>> rows = {{"", result.name}};
+    String counts, thresholds, uniformity, cells;
     for (size_t i = 0; i < input.images.size(); i++)
     {
         const std::vector<KeyPoint>& keypoints = result.features[i].keypoints;
         const Size size = input.images[i].size();
-        const int iniT = fastThreshold(result.detector, input.images[i]);
-        const double u = aqorb::distributionUniformity(keypoints, size);
-        rows.push_back({format("image %d: keypoints", int(i + 1)), format("%d", int(keypoints.size()))});
-        rows.push_back({"  FAST threshold (iniT)", format("%d", iniT)});
-        rows.push_back({"  uniformity (less is more uniform)", format("%.1f", u)});
-        rows.push_back({"  occupied cells of a 16x12 grid", occupied(keypoints, size)});
+        const String comma = i > 0 ? ", " : "";
+        counts += comma + format("%d", int(keypoints.size()));
+        thresholds += comma + format("%d", fastThreshold(result.detector, input.images[i]));
+        uniformity += comma + format("%.1f", aqorb::distributionUniformity(keypoints, size));
+        cells += comma + occupied(keypoints, size);
     }
+    std::vector<std::pair<String, String>> rows = {
+        {input.images.size() == 2 ? "image 1, image 2" : "", result.name},
+        {"keypoints", counts},
+        {"FAST threshold (iniT)", thresholds},
+        {"uniformity (less is more uniform)", uniformity},
+        {"occupied cells of a 16x12 grid", cells}};
     if (input.images.size() == 2)
     {
         std::vector<KeyPoint> matched;
@@ -183,58 +172,46 @@ void printTable(const Input& input, const std::vector<Result>& results, const st
     const auto orb = column(input, results[0], times[0], times[0]);
     const auto ours = column(input, results[1], times[1], times[0]);
     for (size_t i = 0; i < orb.size(); i++)
-        std::printf("%-36s %10s %20s\n", orb[i].first.c_str(), orb[i].second.c_str(), ours[i].second.c_str());
-    std::printf("Time: detectAndCompute, median of calls that take turns, %d thread(s).\n", getNumThreads());
-}
-
-// The picture with a line of text above it.
-Mat labelled(const Mat& picture, const String& text)
-{
-    Mat result;
-    copyMakeBorder(picture, result, 36, 0, 0, 0, BORDER_CONSTANT, Scalar::all(255));
-    putText(result, text, Point(10, 25), FONT_HERSHEY_SIMPLEX, 0.75, Scalar::all(0), 1, LINE_AA);
-    return result;
-}
-
-Mat keypointPicture(const Input& input, const Result& result)
-{
-    Mat picture;
-    const std::vector<KeyPoint>& keypoints = result.features[0].keypoints;
-    drawKeypoints(input.images[0], keypoints, picture, Scalar(0, 255, 255));
-    return labelled(picture, format("%s: %d keypoints", result.name, int(keypoints.size())));
-}
-
-Mat matchPicture(const Input& input, const Result& result)
-{
-    Mat picture;  // darker, so that the lines stand out
-    drawMatches(input.images[0] * 0.6, result.features[0].keypoints, input.images[1] * 0.6,
-                result.features[1].keypoints, result.matches, picture, Scalar(0, 255, 255), Scalar::all(-1),
-                std::vector<char>(), DrawMatchesFlags::NOT_DRAW_SINGLE_POINTS);
-    return labelled(picture, format("%s: %d distinct %s matches", result.name, int(result.matches.size()),
-                                    reference(input).c_str()));
-}
-
-void save(const String& folder, const String& name, const Mat& picture)
-{
-    const String path = utils::fs::join(folder, name);
-    if (!imwrite(path, picture, {IMWRITE_JPEG_QUALITY, 85}))
-        throw Failure{3, path + ": cannot be written"};
-    std::printf("Picture: %s\n", utils::fs::canonical(path).c_str());
+        std::printf("%-34s %13s %20s\n%s", orb[i].first.c_str(), orb[i].second.c_str(),
+                    ours[i].second.c_str(), i > 0 ? "" : (String(69, '-') + "\n").c_str());
 }
 
 void savePictures(const Input& input, const std::vector<Result>& results)
 {
+    std::vector<Mat> keypoints, matches;
+    for (const Result& result : results)
+    {
+        const int count = int(result.features[0].keypoints.size());
+        keypoints.push_back(captioned(keypointPicture(input.images[0], result.features[0].keypoints),
+                                      format("%s: %d keypoints", result.name, count)));
+        if (input.images.size() == 2)
+            matches.push_back(
+                captioned(matchPicture(input.images[0], result.features[0].keypoints, input.images[1],
+                                       result.features[1].keypoints, result.matches),
+                          format("%s: %d distinct %s matches", result.name, int(result.matches.size()),
+                                 reference(input).c_str())));
+    }
     Mat picture;
-    hconcat(keypointPicture(input, results[0]), keypointPicture(input, results[1]), picture);
-    save(input.folder, "aqorb_keypoints" + input.suffix + ".jpg", picture);
-    if (input.images.size() < 2)
+    hconcat(keypoints, picture);
+    writePicture(pathIn(input.folder, "aqorb_keypoints" + input.suffix + ".jpg"), picture);
+    if (matches.empty())
         return;
-    vconcat(matchPicture(input, results[0]), matchPicture(input, results[1]), picture);
-    save(input.folder, "aqorb_matches.jpg", picture);
+    vconcat(matches, picture);
+    writePicture(pathIn(input.folder, "aqorb_matches" + input.suffix + ".jpg"), picture);
 }
 
-void compare(const Input& input)
+void compare(const Arguments& arguments, const std::vector<String>& files, const String& homography,
+             const String& suffix)
 {
+    Input input;
+    for (const String& file : files)
+        input.images.push_back(readImage(file));
+    if (!homography.empty())
+        input.homography = readHomography(homography);
+    input.folder = arguments.text("out");
+    input.suffix = suffix;
+    input.nfeatures = arguments.featureCount();
+
     std::vector<Result> results = {
         {"cv::ORB", ORB::create(input.nfeatures), {}, {}, -1},
         {"AdaptiveQuadtreeORB", aqorb::AdaptiveQuadtreeORB::create(input.nfeatures), {}, {}, -1}};
@@ -244,25 +221,39 @@ void compare(const Input& input)
     savePictures(input, results);
 }
 
-void run(int argc, char** argv)
+void run(const Arguments& arguments)
 {
-    CommandLineParser parser(argc, argv, KEYS);
-    parser.about(ABOUT);
-    if (parser.has("help"))
-        return parser.printMessage();
-    const std::vector<String> names = checkArguments(argc, argv);
-    if (names.size() <= 2)
-        return compare(readInput(parser, names, ""));
-    for (size_t i = 0; i < names.size(); i++)
-    {
-        std::printf("%s%s\n", i ? "\n" : "", names[i].c_str());
-        compare(readInput(parser, {names[i]}, format("%d", int(i + 1))));
-    }
+    arguments.featureCount();
+    pathIn(arguments.text("out"), "");
+    const std::vector<String>& files = arguments.files;
+    const String homography = arguments.text("homography");
+    if (!homography.empty() && files.size() != 2)
+        throw Failure{BAD_ARGUMENTS, "--homography=" + homography + ": is accepted with two images"};
+
+    int number = 0;
+    if (files.empty())
+        for (const auto& pair : PAIRS)
+        {
+            std::printf("%s\n%s, %s\n\n", pair.text, pair.image1, pair.image2);
+            compare(arguments, {pair.image1, pair.image2}, pair.homography, format("%d", ++number));
+            std::printf("\n");
+        }
+    else if (files.size() <= 2)
+        compare(arguments, files, homography, "");
+    else
+        for (const String& file : files)
+        {
+            std::printf("%s\n", file.c_str());
+            compare(arguments, {file}, "", format("%d", ++number));
+            std::printf("\n");
+        }
+    std::printf("%s", LEGEND);
+    std::printf("Time: detectAndCompute, median of calls that take turns, %d thread(s).\n", getNumThreads());
 }
 
 }  // namespace
 
 int main(int argc, char** argv)
 {
-    return runProgram("aqorb_demo", run, argc, argv);
+    return runProgram(PROGRAM, run, argc, argv);
 }

@@ -1,96 +1,68 @@
 #!/usr/bin/env python3
 
-# This file is part of the aqorb project.
+# This file is part of aqorb. Copyright (C) The aqorb developers.
 # It is subject to the license terms in the LICENSE file found in the top-level directory
 # of this distribution.
-"""Compares AdaptiveQuadtreeORB with cv.ORB on images: prints a table and writes the pictures
-aqorb_keypoints.jpg and, for two images, aqorb_matches.jpg. More than two images are taken one by one
-(aqorb_keypoints1.jpg, ...).
+# SPDX-License-Identifier: Apache-2.0
+"""Compares AdaptiveQuadtreeORB with cv.ORB: prints a table and writes the pictures aqorb_keypoints.jpg and, for two
+images, aqorb_matches.jpg. More than two images are taken one by one (aqorb_keypoints1.jpg, ...). Without images it
+takes three pairs of OpenCV's samples: one where AdaptiveQuadtreeORB wins, one where it loses, and one where each
+wins something."""
 
-Needs the package aqorb (scripts/python.sh builds it) or a cv2 that was built with the module (scripts/opencv.sh
-builds one)."""
-
-import argparse
-import os
 import statistics
-import sys
 from collections import namedtuple
 
-try:
-    import cv2 as cv
-    import numpy as np
-    try:
-        import aqorb
-    except ImportError:
-        from cv2 import aqorb
-except ImportError as error:
-    print('aqorb_demo.py:', error, file=sys.stderr)
-    sys.exit(4)
+# First, as it says what is missing where an import fails.
+from program import (BAD_ARGUMENTS, FAILED, Failure, Program, aqorb, find_file, path_in, read_image, run,
+                     write_picture)
 
-EPILOG = ('Exit codes: 0 done, 1 bad arguments, 2 an input cannot be read, 3 a picture cannot be written, '
-          '4 other.')
+import cv2 as cv
+import numpy as np
+
+from drawing import captioned, keypoint_picture, match_picture, size_of
+
+# What the program shows without images.
+PAIRS = [
+    ('rubberwhale1.png', 'rubberwhale2.png', '',
+     """1. AdaptiveQuadtreeORB wins: two frames of a video, with something to see everywhere.
+How to read it: cv.ORB's keypoints crowd where the contrast is highest, several on one corner;
+AdaptiveQuadtreeORB's cover the image. So more of them match at distinct places, and these
+places fill more of the image's cells."""),
+    ('box.png', 'box_in_scene.png', '',
+     """2. cv.ORB wins: a small box, and the same box among other things.
+How to read it: only the box is in both images. AdaptiveQuadtreeORB spreads its keypoints over
+the whole scene, so fewer of them lie on the box, and fewer match."""),
+    ('graf1.png', 'graf3.png', 'H1to3p.xml',
+     """3. Each wins something: a painted wall from two sides; the homography between them is known.
+How to read it: cv.ORB has more correct matches, but on fewer places of the wall. The error says
+how far off, in pixels, the homography lies that is estimated from each detector's matches.""")]
+
+LEGEND = """Distinct: matches of at least 4 pixels from each other. Consistent: within 3 pixels of the
+homography estimated from the detector's matches; correct: of the known one."""
 
 # features: keypoints and descriptors of each image; matches: distinct, and in agreement with the homography;
 # homography_error: in pixels, or None
 Result = namedtuple('Result', 'name detector features matches homography_error')
 
 
-class Failure(Exception):
-    def __init__(self, exit_code, message):
-        super().__init__(message)
-        self.exit_code = exit_code
-
-
-class Parser(argparse.ArgumentParser):
-    def error(self, message):
-        raise Failure(1, message + '; see --help')
-
-
-def count(text):
-    if not text.isdecimal() or int(text) < 1:
-        raise argparse.ArgumentTypeError(text + ': a whole number >= 1 is accepted')
-    return int(text)
-
-
 def parse_arguments():
-    parser = Parser(description=__doc__, epilog=EPILOG, allow_abbrev=False,
-                    formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument('--homography', metavar='FILE',
-                        help='XML, YAML or JSON file with the 3x3 homography from image1 to image2; without it '
-                             'the matches are counted that agree with the homography estimated from them')
-    parser.add_argument('--out', metavar='DIR', default='.', help='existing folder for the pictures (.)')
-    parser.add_argument('--nfeatures', metavar='N', type=count, default=1000,
-                        help='number of keypoints to ask for, at least 1 (1000)')
-    parser.add_argument('images', nargs='*', metavar='image',
-                        help="without images, OpenCV's samples graf1.png, graf3.png and H1to3p.xml are taken")
-    arguments = parser.parse_args()
-    if arguments.homography and len(arguments.images) not in (0, 2):
-        raise Failure(1, '--homography needs two images')
-    if not os.path.isdir(arguments.out):
-        raise Failure(3, arguments.out + ': no such folder')
-    if not arguments.images:
-        arguments.images, arguments.homography = ['graf1.png', 'graf3.png'], 'H1to3p.xml'
+    program = Program(__doc__, '[IMAGE1 [IMAGE2]] or IMAGE IMAGE IMAGE ...', 0, 100000,
+                      'aqorb_demo.py --nfeatures=500 --out=pictures photograph1.jpg photograph2.jpg')
+    program.add_text('homography', '',
+                     'XML, YAML or JSON file with the 3x3 homography from image 1 to image 2; without it those '
+                     'matches are counted that agree with the homography estimated from them')
+    program.add_feature_count()
+    program.add_text('out', '.', 'existing folder for the pictures')
+    arguments = program.parse()
+    path_in(arguments.out, '')
+    if arguments.homography and len(arguments.files) != 2:
+        raise Failure(BAD_ARGUMENTS, '--homography={}: is accepted with two images'.format(arguments.homography))
     return arguments
-
-
-def find(name):
-    """The path of a file or of one of OpenCV's samples."""
-    path = cv.samples.findFile(name, False, True)
-    if not path:
-        raise Failure(2, name + ': no such file, nor a sample in OPENCV_SAMPLES_DATA_PATH')
-    return path
-
-
-def read_image(name):
-    image = cv.imread(find(name), cv.IMREAD_GRAYSCALE)
-    if image is None:
-        raise Failure(2, name + ': not an image that OpenCV can read')
-    return image
 
 
 def read_homography(name):
     """The first matrix in the file, whatever its name."""
-    path = find(name)
+    path = find_file(name)
     homography = None
     try:
         storage = cv.FileStorage(path, cv.FILE_STORAGE_READ)
@@ -98,7 +70,7 @@ def read_homography(name):
     except (cv.error, SystemError):  # neither XML, YAML nor JSON, or no matrix
         pass
     if homography is None or homography.shape != (3, 3):
-        raise Failure(2, name + ': holds no 3x3 matrix')
+        raise Failure(FAILED, '--homography={}: an XML, YAML or JSON file with a 3x3 matrix is accepted'.format(name))
     return homography.astype(float)
 
 
@@ -164,18 +136,18 @@ def fast_threshold(detector, image):
 
 
 def occupied(keypoints, image):
-    return '{:.0f} %'.format(100 * aqorb.distributionOccupancy(keypoints, image.shape[::-1], (16, 12)))
+    return '{:.0f} %'.format(100 * aqorb.distributionOccupancy(keypoints, size_of(image), (16, 12)))
 
 
 def column(images, known, result, time, orb_time):
-    """A detector's part of the table: label and value of each row."""
-    yield '', result.name
-    for i, (image, (keypoints, _)) in enumerate(zip(images, result.features)):
-        yield 'image {}: keypoints'.format(i + 1), len(keypoints)
-        yield '  FAST threshold (iniT)', fast_threshold(result.detector, image)
-        u = aqorb.distributionUniformity(keypoints, image.shape[::-1])
-        yield '  uniformity (less is more uniform)', '{:.1f}'.format(u)
-        yield '  occupied cells of a 16x12 grid', occupied(keypoints, image)
+    """A detector's part of the table: label and value of each row. What is said of each image is in one row."""
+    pairs = [(image, keypoints) for image, (keypoints, _) in zip(images, result.features)]
+    uniformity = [aqorb.distributionUniformity(keypoints, size_of(image)) for image, keypoints in pairs]
+    yield 'image 1, image 2' if len(images) == 2 else '', result.name
+    yield 'keypoints', ', '.join(str(len(keypoints)) for _, keypoints in pairs)
+    yield 'FAST threshold (iniT)', ', '.join(str(fast_threshold(result.detector, image)) for image in images)
+    yield 'uniformity (less is more uniform)', ', '.join('{:.1f}'.format(u) for u in uniformity)
+    yield 'occupied cells of a 16x12 grid', ', '.join(occupied(keypoints, image) for image, keypoints in pairs)
     if len(images) == 2:
         yield 'distinct {} matches'.format(reference(known)), len(result.matches)
         matched = [result.features[0][0][m.queryIdx] for m in result.matches]
@@ -194,73 +166,54 @@ def reference(known):
 def print_table(images, known, results):
     times = median_times([r.detector for r in results], images[0])
     columns = [column(images, known, r, t, times[0]) for r, t in zip(results, times)]
-    for (label, orb), (_, ours) in zip(*columns):
-        print('{:36} {:>10} {:>20}'.format(label, orb, ours))
-    print('Time: detectAndCompute, median of calls that take turns, {} thread(s).'.format(cv.getNumThreads()))
+    for i, ((label, orb), (_, ours)) in enumerate(zip(*columns)):
+        print('{:34} {:>13} {:>20}'.format(label, orb, ours))
+        if i == 0:
+            print('-' * 69)
 
 
-def labelled(picture, text):
-    """The picture with a line of text above it."""
-    result = cv.copyMakeBorder(picture, 36, 0, 0, 0, cv.BORDER_CONSTANT, value=(255, 255, 255))
-    return cv.putText(result, text, (10, 25), cv.FONT_HERSHEY_SIMPLEX, 0.75, (0, 0, 0), 1, cv.LINE_AA)
+def save_pictures(images, known, results, folder, suffix):
+    keypoints, matches = [], []
+    for result in results:
+        features = [f[0] for f in result.features]
+        keypoints.append(captioned(keypoint_picture(images[0], features[0]),
+                                   '{}: {} keypoints'.format(result.name, len(features[0]))))
+        if len(images) == 2:
+            text = '{}: {} distinct {} matches'.format(result.name, len(result.matches), reference(known))
+            matches.append(captioned(match_picture(images[0], features[0], images[1], features[1], result.matches),
+                                     text))
+    write_picture(path_in(folder, 'aqorb_keypoints' + suffix + '.jpg'), cv.hconcat(keypoints))
+    if matches:
+        write_picture(path_in(folder, 'aqorb_matches' + suffix + '.jpg'), cv.vconcat(matches))
 
 
-def keypoint_picture(images, result):
-    keypoints = result.features[0][0]
-    picture = cv.drawKeypoints(images[0], keypoints, None, (0, 255, 255))
-    return labelled(picture, '{}: {} keypoints'.format(result.name, len(keypoints)))
-
-
-def match_picture(images, known, result):
-    dark = [cv.convertScaleAbs(image, alpha=0.6) for image in images]  # so that the lines stand out
-    picture = cv.drawMatches(dark[0], result.features[0][0], dark[1], result.features[1][0], result.matches, None,
-                             matchColor=(0, 255, 255), flags=cv.DrawMatchesFlags_NOT_DRAW_SINGLE_POINTS)
-    return labelled(picture, '{}: {} distinct {} matches'.format(result.name, len(result.matches),
-                                                                 reference(known)))
-
-
-def save(folder, name, picture):
-    path = os.path.join(folder, name)
-    if not cv.imwrite(path, picture, [cv.IMWRITE_JPEG_QUALITY, 85]):
-        raise Failure(3, path + ': cannot be written')
-    print('Picture:', os.path.realpath(path))
-
-
-def compare(arguments, names, suffix=''):
+def compare(arguments, names, homography='', suffix=''):
     images = [read_image(name) for name in names]
-    known = read_homography(arguments.homography) if arguments.homography else None
+    known = read_homography(homography) if homography else None
     detectors = [('cv.ORB', cv.ORB_create(arguments.nfeatures)),
                  ('AdaptiveQuadtreeORB', aqorb.AdaptiveQuadtreeORB_create(arguments.nfeatures))]
     results = [detect_and_match(name, detector, images, known) for name, detector in detectors]
     print_table(images, known, results)
-    save(arguments.out, 'aqorb_keypoints' + suffix + '.jpg',
-         cv.hconcat([keypoint_picture(images, r) for r in results]))
-    if len(images) == 2:
-        save(arguments.out, 'aqorb_matches.jpg',
-             cv.vconcat([match_picture(images, known, r) for r in results]))
-
-
-def run():
-    arguments = parse_arguments()
-    if len(arguments.images) <= 2:
-        compare(arguments, arguments.images)
-        return
-    for i, name in enumerate(arguments.images):
-        print('\n' * (i > 0) + name)
-        compare(arguments, [name], str(i + 1))
+    save_pictures(images, known, results, arguments.out, suffix)
 
 
 def main():
-    try:
-        run()
-    except Failure as failure:
-        print('aqorb_demo.py:', failure, file=sys.stderr)
-        return failure.exit_code
-    except cv.error as error:
-        print('aqorb_demo.py:', error, file=sys.stderr)
-        return 4
-    return 0
+    arguments = parse_arguments()
+    if not arguments.files:
+        for i, (image1, image2, homography, text) in enumerate(PAIRS, 1):
+            print(text, '{}, {}'.format(image1, image2), '', sep='\n')
+            compare(arguments, [image1, image2], homography, str(i))
+            print()
+    elif len(arguments.files) <= 2:
+        compare(arguments, arguments.files, arguments.homography)
+    else:
+        for i, name in enumerate(arguments.files, 1):
+            print(name)
+            compare(arguments, [name], suffix=str(i))
+            print()
+    print(LEGEND)
+    print('Time: detectAndCompute, median of calls that take turns, {} thread(s).'.format(cv.getNumThreads()))
 
 
 if __name__ == '__main__':
-    sys.exit(main())
+    run(main)

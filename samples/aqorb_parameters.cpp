@@ -1,15 +1,15 @@
-// This file is part of the aqorb project.
+// This file is part of aqorb. Copyright (C) The aqorb developers.
 // It is subject to the license terms in the LICENSE file found in the top-level directory
 // of this distribution.
+// SPDX-License-Identifier: Apache-2.0
 
 // Draws how AdaptiveQuadtreeORB chooses and what each of its parameters does: the pictures of the tutorials.
 
-#include <opencv2/aqorb.hpp>
-#include <opencv2/core/utils/filesystem.hpp>
-#include <opencv2/imgcodecs.hpp>
-#include <opencv2/imgproc.hpp>
+#include "drawing.hpp"
+#include "program.hpp"
 
-#include <cstdio>
+#include <opencv2/aqorb.hpp>
+
 #include <functional>
 #include <set>
 
@@ -18,13 +18,17 @@ using namespace cv;
 namespace
 {
 
-const char* const KEYS = "{help h usage ? |             | print this text }"
-                         "{out            | .           | existing folder for the pictures }"
-                         "{@image         | leuvenA.jpg | photograph, or one of OpenCV's samples }";
+const Program PROGRAM = {
+    "aqorb_parameters",
+    "Draws how cv::aqorb::AdaptiveQuadtreeORB chooses and what each of its parameters does: the\n"
+    "pictures of the tutorials. Without an image it takes leuvenA.jpg of OpenCV's samples.",
+    "[IMAGE]",
+    0,
+    1,
+    {{"out", ".", "existing folder for the pictures"}},
+    "aqorb_parameters --out=pictures leuvenA.jpg"};
 
 typedef Ptr<aqorb::AdaptiveQuadtreeORB> Detector;
-
-const Scalar YELLOW(0, 255, 255);
 
 // One setting of a parameter, and its part of the picture.
 struct Panel
@@ -72,7 +76,7 @@ Rect partAroundBest(const Mat& image, Size size)
     std::vector<KeyPoint> keypoints;
     aqorb::AdaptiveQuadtreeORB::create()->detect(image, keypoints);
     if (keypoints.empty())
-        CV_Error(Error::StsBadArg, "the image has no keypoints");
+        throw Failure{FAILED, "the image has no keypoints"};
     const auto best =
         std::max_element(keypoints.begin(), keypoints.end(),
                          [](const KeyPoint& a, const KeyPoint& b) { return a.response < b.response; });
@@ -110,13 +114,12 @@ void draw(const String& path, const Mat& image, int nfeatures, const std::vector
     }
     Mat picture;
     hconcat(pictures, picture);
-    if (!imwrite(path, picture, {IMWRITE_JPEG_QUALITY, 80}))
-        CV_Error(Error::StsError, path + ": cannot be written");
+    writePicture(path, picture, 80);
 }
 
 void drawParameters(const Mat& image, const String& folder)
 {
-    const auto path = [&](const String& name) { return utils::fs::join(folder, "aqorb_" + name + ".jpg"); };
+    const auto path = [&](const String& name) { return pathIn(folder, "aqorb_" + name + ".jpg"); };
     const auto none = [](const Detector&) {};
 
     draw(path("max_depth"), image, 500,
@@ -207,34 +210,20 @@ void drawStages(const Mat& image, const String& folder)
     hconcat(labelled(mesh, "Corners at iniT (yellow) and, in cells without these, at minT (red)", ""),
             labelled(tree, "The 109 chosen of them; 4^4 leaves of the quadtree", ""), picture);
     resize(picture, picture, Size(), 0.7, 0.7, INTER_AREA);
-    if (!imwrite(utils::fs::join(folder, "aqorb_stages.jpg"), picture, {IMWRITE_JPEG_QUALITY, 80}))
-        CV_Error(Error::StsError, folder + ": the pictures cannot be written");
+    writePicture(pathIn(folder, "aqorb_stages.jpg"), picture, 80);
+}
+
+void run(const Arguments& arguments)
+{
+    const String folder = pathIn(arguments.text("out"), "");
+    const Mat image = readImage(arguments.file(0, "leuvenA.jpg"), IMREAD_GRAYSCALE, 100);
+    drawStages(image, folder);
+    drawParameters(image, folder);
 }
 
 }  // namespace
 
 int main(int argc, char** argv)
 {
-    CommandLineParser parser(argc, argv, KEYS);
-    parser.about("Draws how cv::aqorb::AdaptiveQuadtreeORB chooses and what each of its parameters does.");
-    if (parser.has("help"))
-    {
-        parser.printMessage();
-        return 0;
-    }
-    try
-    {
-        const String name = parser.get<String>("@image");
-        const Mat image = imread(samples::findFile(name), IMREAD_GRAYSCALE);
-        if (std::min(image.rows, image.cols) < 100)
-            CV_Error(Error::StsBadArg, name + ": an image of at least 100x100 pixels is accepted");
-        drawStages(image, parser.get<String>("out"));
-        drawParameters(image, parser.get<String>("out"));
-        return 0;
-    }
-    catch (const std::exception& exception)
-    {
-        std::fprintf(stderr, "aqorb_parameters: %s\n", exception.what());
-        return 1;
-    }
+    return runProgram(PROGRAM, run, argc, argv);
 }

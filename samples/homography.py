@@ -1,37 +1,29 @@
 #!/usr/bin/env python3
 
-# This file is part of the aqorb project.
+# This file is part of aqorb. Copyright (C) The aqorb developers.
 # It is subject to the license terms in the LICENSE file found in the top-level directory
 # of this distribution.
-"""Matches two images of a plane and draws where the first lies in the second."""
+# SPDX-License-Identifier: Apache-2.0
+"""Matches two images of a plane, estimates the homography between them, and draws where the first image lies in
+the second. Without images it takes graf1.png and graf3.png of OpenCV's samples."""
 
-import argparse
-import sys
+# First, as it says what is missing where an import fails.
+from program import BAD_ARGUMENTS, FAILED, Failure, Program, aqorb, file_at, read_image, run, write_picture
 
 import cv2 as cv
 import numpy as np
 
-try:
-    import aqorb
-except ImportError:
-    from cv2 import aqorb
-
-
-def read(name):
-    image = cv.imread(cv.samples.findFile(name, False), cv.IMREAD_GRAYSCALE)
-    if image is None:
-        sys.exit(name + ': not an image that OpenCV can read')
-    return image
+from drawing import match_picture
 
 
 def main():
-    parser = argparse.ArgumentParser(description=__doc__)
-    parser.add_argument('image1', nargs='?', default='graf1.png', help='image of a plane (graf1.png)')
-    parser.add_argument('image2', nargs='?', default='graf3.png', help='another view of it (graf3.png)')
-    parser.add_argument('--nfeatures', type=int, default=1000, help='number of keypoints to ask for (1000)')
-    parser.add_argument('--out', default='homography.jpg', help='picture to write (homography.jpg)')
-    arguments = parser.parse_args()
-    image1, image2 = read(arguments.image1), read(arguments.image2)
+    program = Program(__doc__, '[IMAGE1 IMAGE2]', 0, 2, 'homography.py --nfeatures=2000 graf1.png graf3.png')
+    program.add_feature_count()
+    program.add_text('out', 'homography.jpg', 'picture to write')
+    arguments = program.parse()
+    if len(arguments.files) == 1:
+        raise Failure(BAD_ARGUMENTS, arguments.files[0] + ': a second image is needed')
+    image1, image2 = read_image(file_at(arguments, 0, 'graf1.png')), read_image(file_at(arguments, 1, 'graf3.png'))
 
     orb = aqorb.AdaptiveQuadtreeORB_create(arguments.nfeatures)
     keypoints1, descriptors1 = orb.detectAndCompute(image1, None)
@@ -47,22 +39,17 @@ def main():
         homography, inliers = cv.findHomography(points1, points2, cv.USAC_MAGSAC, 3, maxIters=10000,
                                                 confidence=0.9999)
     if homography is None:
-        sys.exit('No homography found among {} matches'.format(len(matches)))
+        raise Failure(FAILED, 'no homography was found among {} matches'.format(len(matches)))
+    inliers = [match for match, is_inlier in zip(matches, inliers.ravel()) if is_inlier]
     print('Keypoints: {}, {}'.format(len(keypoints1), len(keypoints2)))
-    print('Matches: {}, of which agree with the homography: {}'.format(len(matches), np.count_nonzero(inliers)))
+    print('Matches: {}, of which agree with the homography: {}'.format(len(matches), len(inliers)))
     print('Homography:', homography, sep='\n')
 
-    picture = cv.drawMatches(image1, keypoints1, image2, keypoints2, matches, None, matchColor=(0, 255, 255),
-                             matchesMask=inliers.ravel().tolist(),
-                             flags=cv.DrawMatchesFlags_NOT_DRAW_SINGLE_POINTS)
     height, width = image1.shape
     corners = np.float32([[[0, 0]], [[width - 1, 0]], [[width - 1, height - 1]], [[0, height - 1]]])
-    outline = cv.perspectiveTransform(corners, homography) + (width, 0)  # the second image is to the right
-    cv.polylines(picture, [np.int32(outline)], True, (0, 255, 0), 2, cv.LINE_AA)
-    if not cv.imwrite(arguments.out, picture):
-        sys.exit(arguments.out + ': cannot be written')
-    print('Picture:', arguments.out)
+    mapped = cv.perspectiveTransform(corners, homography)
+    write_picture(arguments.out, match_picture(image1, keypoints1, image2, keypoints2, inliers, mapped))
 
 
 if __name__ == '__main__':
-    main()
+    run(main)

@@ -1,29 +1,37 @@
-// This file is part of the aqorb project.
+// This file is part of aqorb. Copyright (C) The aqorb developers.
 // It is subject to the license terms in the LICENSE file found in the top-level directory
 // of this distribution.
+// SPDX-License-Identifier: Apache-2.0
 
 // Keypoints of a camera's or a video's images, with a slider for the threshold. Where there is no display, the
 // same numbers are printed.
 
+#include "drawing.hpp"
+#include "program.hpp"
+
 #include <opencv2/aqorb.hpp>
 #include <opencv2/highgui.hpp>
-#include <opencv2/imgcodecs.hpp>
-#include <opencv2/imgproc.hpp>
 #include <opencv2/videoio.hpp>
 
-#include <cstdlib>
 #include <iostream>
 
 using namespace cv;
 
-static const char* const KEYS =
-    "{help h usage ? |      | print this text }"
-    "{@source        | 0    | number of a camera, a video or a pattern of images such as frame_%02d.png }"
-    "{nfeatures      | 1000 | number of keypoints to ask for }"
-    "{threshold      | 20   | FastThreshold to begin with: 20 is the adaptive threshold as it is }"
-    "{frames         | 0    | number of images to stop after; 0: at the end }"
-    "{headless       |      | print instead of opening a window, as where there is no display }"
-    "{out            |      | picture to write the last image to }";
+static const Program PROGRAM = {
+    "live",
+    "Shows the keypoints of AdaptiveQuadtreeORB in the images of a camera or of a video, with a\n"
+    "slider for its threshold. SOURCE is the number of a camera (without it: 0), a video, or a\n"
+    "pattern of images such as frame_%02d.png. The space bar changes to cv::ORB and back, Esc ends;\n"
+    "the last image of a video stays until a key is pressed.",
+    "[SOURCE]",
+    0,
+    1,
+    {{"nfeatures", "1000", "number of keypoints to ask for"},
+     {"threshold", "20", "FastThreshold to begin with: 20 is the adaptive threshold as it is"},
+     {"frames", "0", "number of images to stop after; 0: at the end"},
+     {"headless", FLAG, "print instead of opening a window, as where there is no display"},
+     {"out", "", "picture to write the last image to"}},
+    "live --threshold=10 vtest.avi"};
 
 static const char* const WINDOW = "aqorb (space: cv::ORB and back; Esc: end)";
 
@@ -31,8 +39,7 @@ static bool hasDisplay()
 {
 #if defined __unix__ && !defined __APPLE__
     // Some of OpenCV's window systems end the program where there is none.
-    const char* const variables[] = {"DISPLAY", "WAYLAND_DISPLAY"};
-    for (const char* variable : variables)
+    for (const char* variable : {"DISPLAY", "WAYLAND_DISPLAY"})
     {
         const char* value = std::getenv(variable);
         if (value && *value)
@@ -44,37 +51,62 @@ static bool hasDisplay()
 #endif
 }
 
-int main(int argc, char** argv)
+// FFmpeg writes lines of its own about a file that it cannot read.
+static void silenceFFmpeg()
 {
-    CommandLineParser parser(argc, argv, KEYS);
-    parser.about("Shows the keypoints of AdaptiveQuadtreeORB in a video.");
-    if (parser.has("help"))
-    {
-        parser.printMessage();
-        return 0;
-    }
-    const String source = parser.get<String>("@source"), out = parser.get<String>("out");
-    const int nfeatures = parser.get<int>("nfeatures"), frames = parser.get<int>("frames");
-    int threshold = parser.get<int>("threshold");
-    const bool window = !parser.has("headless") && hasDisplay();
-    if (!parser.check())
-    {
-        parser.printErrors();
-        return 1;
-    }
-    VideoCapture capture;
-    if (source.find_first_not_of("0123456789") == String::npos)
+#if defined __unix__ || defined __APPLE__
+    setenv("OPENCV_FFMPEG_LOGLEVEL", "-8", 0);
+#endif
+}
+
+// Opens a camera or a file; gives the milliseconds from one image to the next, 0 for a camera.
+static double openSource(const String& source, VideoCapture& capture)
+{
+    const bool isCamera = source.find_first_not_of("0123456789") == String::npos && source.size() < 6;
+    if (isCamera)
         capture.open(std::atoi(source.c_str()));
     else
-        capture.open(source);
-    if (!capture.isOpened())
     {
-        std::cerr << source << ": cannot be opened" << std::endl;
-        return 1;
+        const String sample = samples::findFile(source, false, true);  // a file, or one of OpenCV's samples
+        capture.open(sample.empty() ? source : sample);
     }
+    if (!capture.isOpened() && isCamera)
+        throw Failure{FAILED, source + ": there is no such camera; the name of a video is accepted, too"};
+    if (!capture.isOpened())
+        throw Failure{FAILED, source + ": not a video, nor a pattern of images, that OpenCV can read"};
+    const double fps = capture.get(CAP_PROP_FPS);
+    return isCamera ? 0 : 1000 / (fps > 1 && fps < 1000 ? fps : 25);  // images have no rate
+}
+
+// Waits for a key at most so many milliseconds, 0: without end. Gives Esc when the window was closed.
+static int waitForKey(double milliseconds)
+{
+    const int ESC = 27, PART = 50;  // no key is reported when the window is closed
+    const int64 start = getTickCount();
+    for (;;)
+    {
+        const double passed = 1000 * (getTickCount() - start) / getTickFrequency();
+        const double rest = milliseconds > 0 ? milliseconds - passed : PART;
+        const int key = waitKey(std::max(1, std::min(cvRound(rest), PART)));
+        if (getWindowProperty(WINDOW, WND_PROP_VISIBLE) < 1)
+            return ESC;
+        if (key >= 0 || (milliseconds > 0 && rest <= PART))
+            return key;
+    }
+}
+
+static void run(const Arguments& arguments)
+{
+    const String source = arguments.file(0, "0"), out = arguments.text("out");
+    const int nfeatures = arguments.featureCount(), frames = arguments.wholeNumber("frames", 0, 1 << 30);
+    int threshold = arguments.wholeNumber("threshold", 0, 100);
+    const bool window = !arguments.has("headless") && hasDisplay();
+    silenceFFmpeg();
+    VideoCapture capture;
+    const double interval = openSource(source, capture);
 
     const Ptr<ORB> ours = aqorb::AdaptiveQuadtreeORB::create(nfeatures), orb = ORB::create(nfeatures);
-    bool usesOrb = false;
+    bool usesOrb = false, ended = false;
     if (window)
     {
         namedWindow(WINDOW);
@@ -83,8 +115,12 @@ int main(int argc, char** argv)
     }
     Mat frame, picture;
     int count = 0;
-    for (; (frames == 0 || count < frames) && capture.read(frame); count++)
+    for (; !ended && (frames == 0 || count < frames); count++)
     {
+        const int64 begin = getTickCount();
+        if (!capture.read(frame))
+            break;
+        requireSize(source, frame);
         if (window)
             threshold = getTrackbarPos("FastThreshold", WINDOW);
         const Ptr<ORB>& detector = usesOrb ? orb : ours;
@@ -99,28 +135,33 @@ int main(int argc, char** argv)
             format("%s, threshold %d: %d keypoints in %.0f %% of the cells, %.1f ms",
                    usesOrb ? "ORB" : "AdaptiveQuadtreeORB", threshold, int(keypoints.size()),
                    100 * aqorb::distributionOccupancy(keypoints, frame.size()), timer.getTimeMilli());
-        drawKeypoints(frame, keypoints, picture, Scalar(0, 255, 255));
-        putText(picture, text, Point(10, 25), FONT_HERSHEY_SIMPLEX, 0.6, Scalar(0, 255, 0), 2, LINE_AA);
         if (!window)
-        {
             std::cout << text << std::endl;
+        if (!window && out.empty())
             continue;
-        }
+        picture = captioned(keypointPicture(frame, keypoints), text);
+        if (!window)
+            continue;
         imshow(WINDOW, picture);
-        const int key = waitKey(1);
-        if (key == 27)
-            break;
+        const double passed = 1000 * (getTickCount() - begin) / getTickFrequency();
+        const int key = waitForKey(std::max(1., interval - passed));
+        ended = key == 27;
         usesOrb ^= key == ' ';
     }
-    if (picture.empty())
+    if (count == 0)
+        throw Failure{FAILED, source + ": not one image can be read from it"};
+    if (!out.empty())
+        writePicture(out, picture);
+    if (window && !ended && interval > 0)
     {
-        std::cerr << source << ": no image" << std::endl;
-        return 1;
+        const String text = "The end of " + source + ": any key closes the window";
+        std::cout << text << std::endl;
+        setWindowTitle(WINDOW, text);
+        waitForKey(0);
     }
-    if (!out.empty() && !imwrite(out, picture))
-    {
-        std::cerr << out << ": cannot be written" << std::endl;
-        return 1;
-    }
-    return 0;
+}
+
+int main(int argc, char** argv)
+{
+    return runProgram(PROGRAM, run, argc, argv);
 }

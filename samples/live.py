@@ -1,24 +1,37 @@
 #!/usr/bin/env python3
 
-# This file is part of the aqorb project.
+# This file is part of aqorb. Copyright (C) The aqorb developers.
 # It is subject to the license terms in the LICENSE file found in the top-level directory
 # of this distribution.
-"""Keypoints of a camera's or a video's images, with a slider for the threshold. Where there is no display, the same
-numbers are printed."""
+# SPDX-License-Identifier: Apache-2.0
+"""Shows the keypoints of AdaptiveQuadtreeORB in the images of a camera or of a video, with a slider for its
+threshold. SOURCE is the number of a camera (without it: 0), a video, or a pattern of images such as frame_%02d.png.
+The space bar changes to cv.ORB and back, Esc ends; the last image of a video stays until a key is pressed."""
 
-import argparse
 import os
 import sys
 import time
 
+# First, as it says what is missing where an import fails.
+from program import FAILED, Failure, Program, aqorb, file_at, require_size, run, write_picture
+
 import cv2 as cv
 
-try:
-    import aqorb
-except ImportError:
-    from cv2 import aqorb
+from drawing import captioned, keypoint_picture, size_of
 
 WINDOW = 'aqorb (space: cv.ORB and back; Esc: end)'
+ESC = 27
+
+
+def parse_arguments():
+    program = Program(__doc__, '[SOURCE]', 0, 1, 'live.py --threshold=10 vtest.avi')
+    program.add_feature_count()
+    program.add_whole_number('threshold', 20, 0, 100,
+                             'FastThreshold to begin with: 20 is the adaptive threshold as it is')
+    program.add_whole_number('frames', 0, 0, 1 << 30, 'number of images to stop after; 0: at the end')
+    program.add_flag('headless', 'print instead of opening a window, as where there is no display')
+    program.add_text('out', '', 'picture to write the last image to')
+    return program.parse()
 
 
 def has_display():
@@ -27,24 +40,36 @@ def has_display():
                                                         os.environ.get('WAYLAND_DISPLAY'))
 
 
-def parse_arguments():
-    parser = argparse.ArgumentParser(description=__doc__)
-    parser.add_argument('source', nargs='?', default='0',
-                        help='number of a camera, a video or a pattern of images such as frame_%%02d.png (0)')
-    parser.add_argument('--nfeatures', type=int, default=1000, help='number of keypoints to ask for (1000)')
-    parser.add_argument('--threshold', type=int, default=20,
-                        help='FastThreshold to begin with (20, the adaptive threshold as it is)')
-    parser.add_argument('--frames', type=int, default=0, help='number of images to stop after (0: at the end)')
-    parser.add_argument('--headless', action='store_true', help='print instead of opening a window')
-    parser.add_argument('--out', help='picture to write the last image to')
-    return parser.parse_args()
+def open_source(source):
+    """A camera or a file, and the milliseconds from one image to the next, 0 for a camera."""
+    is_camera = source.isdecimal() and len(source) < 6
+    # a file, or one of OpenCV's samples
+    capture = cv.VideoCapture(int(source) if is_camera else cv.samples.findFile(source, False, True) or source)
+    if not capture.isOpened() and is_camera:
+        raise Failure(FAILED, source + ': there is no such camera; the name of a video is accepted, too')
+    if not capture.isOpened():
+        raise Failure(FAILED, source + ': not a video, nor a pattern of images, that OpenCV can read')
+    fps = capture.get(cv.CAP_PROP_FPS)
+    return capture, 0 if is_camera else 1000 / (fps if 1 < fps < 1000 else 25)  # images have no rate
+
+
+def wait_for_key(milliseconds):
+    """Waits for a key at most so many milliseconds, 0: without end. Gives Esc when the window was closed."""
+    part = 50  # no key is reported when the window is closed
+    start = time.perf_counter()
+    while True:
+        rest = milliseconds - 1000 * (time.perf_counter() - start) if milliseconds > 0 else part
+        key = cv.waitKey(max(1, min(round(rest), part)))
+        if cv.getWindowProperty(WINDOW, cv.WND_PROP_VISIBLE) < 1:
+            return ESC
+        if key >= 0 or (milliseconds > 0 and rest <= part):
+            return key
 
 
 def main():
     arguments = parse_arguments()
-    capture = cv.VideoCapture(int(arguments.source) if arguments.source.isdecimal() else arguments.source)
-    if not capture.isOpened():
-        sys.exit(arguments.source + ': cannot be opened')
+    source = file_at(arguments, 0, '0')
+    capture, interval = open_source(source)
 
     detectors = [('AdaptiveQuadtreeORB', aqorb.AdaptiveQuadtreeORB_create(arguments.nfeatures)),
                  ('ORB', cv.ORB_create(arguments.nfeatures))]
@@ -54,12 +79,14 @@ def main():
         cv.namedWindow(WINDOW)
         cv.createTrackbar('FastThreshold', WINDOW, threshold, 100, lambda value: None)
     picture = None
-    count = 0
-    while arguments.frames == 0 or count < arguments.frames:
+    count = key = 0
+    while key != ESC and (arguments.frames == 0 or count < arguments.frames):
+        begin = time.perf_counter()
         found, frame = capture.read()
         if not found:
             break
         count += 1
+        require_size(source, frame)
         if window:
             threshold = cv.getTrackbarPos('FastThreshold', WINDOW)
         name, detector = detectors[0]
@@ -67,25 +94,30 @@ def main():
         start = time.perf_counter()
         keypoints, _ = detector.detectAndCompute(frame, None)
         milliseconds = 1e3 * (time.perf_counter() - start)
-        occupied = 100 * aqorb.distributionOccupancy(keypoints, frame.shape[1::-1])
+        occupied = 100 * aqorb.distributionOccupancy(keypoints, size_of(frame))
         text = '{}, threshold {}: {} keypoints in {:.0f} % of the cells, {:.1f} ms'.format(
             name, threshold, len(keypoints), occupied, milliseconds)
-        picture = cv.drawKeypoints(frame, keypoints, None, (0, 255, 255))
-        cv.putText(picture, text, (10, 25), cv.FONT_HERSHEY_SIMPLEX, 0.6, (0, 255, 0), 2, cv.LINE_AA)
         if not window:
             print(text)
+        if not window and not arguments.out:
+            continue
+        picture = captioned(keypoint_picture(frame, keypoints), text)
+        if not window:
             continue
         cv.imshow(WINDOW, picture)
-        key = cv.waitKey(1)
-        if key == 27:
-            break
+        key = wait_for_key(max(1, interval - 1000 * (time.perf_counter() - begin)))
         if key == ord(' '):
             detectors.reverse()
-    if picture is None:
-        sys.exit(arguments.source + ': no image')
-    if arguments.out and not cv.imwrite(arguments.out, picture):
-        sys.exit(arguments.out + ': cannot be written')
+    if count == 0:
+        raise Failure(FAILED, source + ': not one image can be read from it')
+    if arguments.out:
+        write_picture(arguments.out, picture)
+    if window and key != ESC and interval > 0:
+        text = 'The end of {}: any key closes the window'.format(source)
+        print(text, flush=True)
+        cv.setWindowTitle(WINDOW, text)
+        wait_for_key(0)
 
 
 if __name__ == '__main__':
-    main()
+    run(main)

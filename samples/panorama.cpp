@@ -1,63 +1,56 @@
-// This file is part of the aqorb project.
+// This file is part of aqorb. Copyright (C) The aqorb developers.
 // It is subject to the license terms in the LICENSE file found in the top-level directory
 // of this distribution.
+// SPDX-License-Identifier: Apache-2.0
 
 // A panorama by cv::Stitcher, which takes any Feature2D for its features.
 
-#include <opencv2/aqorb.hpp>
-#include <opencv2/imgcodecs.hpp>
-#include <opencv2/stitching.hpp>
+#include "program.hpp"
 
-#include <iostream>
+#include <opencv2/aqorb.hpp>
+#include <opencv2/stitching.hpp>
 
 using namespace cv;
 
-static const char* const USAGE =
-    "Stitches overlapping photographs to a panorama.\n\n"
-    "Usage: panorama [--scans] [--nfeatures=1500] [--out=panorama.jpg] IMAGE IMAGE ...\n\n"
-    "  --scans  the images are views of a plane, not of a turning camera\n";
+static const Program PROGRAM = {"panorama",
+                                "Stitches two or more overlapping photographs to a panorama.",
+                                "IMAGE IMAGE ...",
+                                2,
+                                1000,
+                                {{"nfeatures", "1500", "number of keypoints to ask for"},
+                                 {"scans", FLAG, "the images are views of a plane, not of a turning camera"},
+                                 {"out", "panorama.jpg", "picture to write"}},
+                                "panorama --out=hills.jpg left.jpg middle.jpg right.jpg"};
+
+static void run(const Arguments& arguments)
+{
+    const int nfeatures = arguments.featureCount();
+    std::vector<Mat> images;
+    for (const String& file : arguments.files)
+        images.push_back(readImage(file, IMREAD_COLOR));
+
+    const Ptr<Stitcher> stitcher =
+        Stitcher::create(arguments.has("scans") ? Stitcher::SCANS : Stitcher::PANORAMA);
+    stitcher->setFeaturesFinder(aqorb::AdaptiveQuadtreeORB::create(nfeatures));
+    Mat panorama;
+    Stitcher::Status status = Stitcher::ERR_HOMOGRAPHY_EST_FAIL;
+    try
+    {
+        status = stitcher->stitch(images, panorama);
+    }
+    catch (const cv::Exception&)  // an assertion, for example where hardly anything matches
+    {
+    }
+    if (status == Stitcher::ERR_NEED_MORE_IMGS)
+        throw Failure{FAILED, "the images do not overlap enough"};
+    if (status != Stitcher::OK)
+        throw Failure{FAILED, "the cameras could not be estimated"};
+    std::printf("%d of %d images stitched, %dx%d\n", int(stitcher->component().size()), int(images.size()),
+                panorama.cols, panorama.rows);
+    writePicture(arguments.text("out"), panorama);
+}
 
 int main(int argc, char** argv)
 {
-    const CommandLineParser parser(argc, argv,
-                                   "{help h usage ? ||}{scans||}{nfeatures|1500|}{out|panorama.jpg|}");
-    std::vector<Mat> images;
-    for (int i = 1; i < argc; i++)  // CommandLineParser takes a fixed number of files
-    {
-        if (argv[i][0] == '-')
-            continue;
-        images.push_back(imread(samples::findFile(argv[i], false)));
-        if (images.back().empty())
-        {
-            std::cerr << argv[i] << ": not an image that OpenCV can read" << std::endl;
-            return 1;
-        }
-    }
-    if (parser.has("help") || images.size() < 2)
-    {
-        std::cout << USAGE;
-        return parser.has("help") ? 0 : 1;
-    }
-
-    const Ptr<Stitcher> stitcher =
-        Stitcher::create(parser.has("scans") ? Stitcher::SCANS : Stitcher::PANORAMA);
-    stitcher->setFeaturesFinder(aqorb::AdaptiveQuadtreeORB::create(parser.get<int>("nfeatures")));
-    Mat panorama;
-    const Stitcher::Status status = stitcher->stitch(images, panorama);
-    if (status != Stitcher::OK)
-    {
-        std::cerr << (status == Stitcher::ERR_NEED_MORE_IMGS ? "The images do not overlap enough"
-                                                             : "The cameras could not be estimated")
-                  << std::endl;
-        return 1;
-    }
-    const String out = parser.get<String>("out");
-    if (!imwrite(out, panorama))
-    {
-        std::cerr << out << ": cannot be written" << std::endl;
-        return 1;
-    }
-    std::cout << stitcher->component().size() << " of " << images.size() << " images stitched, "
-              << panorama.cols << "x" << panorama.rows << "\nPicture: " << out << std::endl;
-    return 0;
+    return runProgram(PROGRAM, run, argc, argv);
 }

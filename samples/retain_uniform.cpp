@@ -1,53 +1,40 @@
-// This file is part of the aqorb project.
+// This file is part of aqorb. Copyright (C) The aqorb developers.
 // It is subject to the license terms in the LICENSE file found in the top-level directory
 // of this distribution.
+// SPDX-License-Identifier: Apache-2.0
 
 // Thins out the keypoints of other detectors: the best by response, and the best spread.
 
-#include <opencv2/aqorb.hpp>
-#include <opencv2/imgcodecs.hpp>
-#include <opencv2/imgproc.hpp>
+#include "drawing.hpp"
+#include "program.hpp"
 
-#include <cstdio>
+#include <opencv2/aqorb.hpp>
 
 using namespace cv;
 
-static const char* const KEYS = "{help h usage ? |                    | print this text }"
-                                "{@image         | graf1.png          | image }"
-                                "{npoints        | 500                | number of keypoints to keep }"
-                                "{out            | retain_uniform.jpg | picture to write }";
+static const Program PROGRAM = {
+    "retain_uniform",
+    "Keeps some keypoints of SIFT and of FAST: by cv::KeyPointsFilter::retainBest, which goes by the\n"
+    "response alone, and by cv::aqorb::retainUniform, which spreads them over the image. Without an\n"
+    "image it takes graf1.png of OpenCV's samples.",
+    "[IMAGE]",
+    0,
+    1,
+    {{"npoints", "500", "number of keypoints to keep"}, {"out", "retain_uniform.jpg", "picture to write"}},
+    "retain_uniform --npoints=300 graf1.png"};
 
 static Mat drawn(const Mat& image, const std::vector<KeyPoint>& keypoints, const String& name)
 {
     const double u = aqorb::distributionUniformity(keypoints, image.size());
     const double occupied = 100 * aqorb::distributionOccupancy(keypoints, image.size());
     std::printf("%-24s %9d %10.1f %9.0f %%\n", name.c_str(), int(keypoints.size()), u, occupied);
-    Mat picture;
-    drawKeypoints(image, keypoints, picture, Scalar(0, 255, 255));
-    putText(picture, name, Point(10, 25), FONT_HERSHEY_SIMPLEX, 0.75, Scalar(0, 255, 0), 2, LINE_AA);
-    return picture;
+    return captioned(keypointPicture(image, keypoints), name);
 }
 
-int main(int argc, char** argv)
+static void run(const Arguments& arguments)
 {
-    CommandLineParser parser(argc, argv, KEYS);
-    parser.about(
-        "Keeps some keypoints of SIFT and of FAST: by cv::KeyPointsFilter::retainBest, which goes by\n"
-        "the response alone, and by cv::aqorb::retainUniform.");
-    if (parser.has("help"))
-    {
-        parser.printMessage();
-        return 0;
-    }
-    const Mat image = imread(samples::findFile(parser.get<String>("@image"), false), IMREAD_GRAYSCALE);
-    const int npoints = parser.get<int>("npoints");
-    const String out = parser.get<String>("out");
-    if (!parser.check() || image.empty())
-    {
-        parser.printErrors();
-        std::fprintf(stderr, "%s", image.empty() ? "The image cannot be read\n" : "");
-        return 1;
-    }
+    const int npoints = arguments.featureCount("npoints");
+    const Mat image = readImage(arguments.file(0, "graf1.png"));
 
     const struct
     {
@@ -68,13 +55,11 @@ int main(int argc, char** argv)
         const Mat right = drawn(image, uniform, detectors[i].name + ", retainUniform");
         hconcat(left, right, rows[i]);
     }
-    Mat picture;
-    vconcat(rows[0], rows[1], picture);
-    if (!imwrite(out, picture))
-    {
-        std::fprintf(stderr, "%s: cannot be written\n", out.c_str());
-        return 1;
-    }
-    std::printf("Picture: %s\n", out.c_str());
-    return 0;
+    vconcat(rows[0], rows[1], rows[0]);
+    writePicture(arguments.text("out"), rows[0]);
+}
+
+int main(int argc, char** argv)
+{
+    return runProgram(PROGRAM, run, argc, argv);
 }

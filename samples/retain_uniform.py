@@ -1,20 +1,18 @@
 #!/usr/bin/env python3
 
-# This file is part of the aqorb project.
+# This file is part of aqorb. Copyright (C) The aqorb developers.
 # It is subject to the license terms in the LICENSE file found in the top-level directory
 # of this distribution.
-"""Thins out the keypoints of SIFT and of FAST: keeps the best by response, which cluster, and, by retainUniform, the
-best spread."""
+# SPDX-License-Identifier: Apache-2.0
+"""Keeps some keypoints of SIFT and of FAST: by response alone, as cv::KeyPointsFilter::retainBest in C++, and by
+retainUniform, which spreads them over the image. Without an image it takes graf1.png of OpenCV's samples."""
 
-import argparse
-import sys
+# First, as it says what is missing where an import fails.
+from program import Program, aqorb, file_at, read_image, run, write_picture
 
 import cv2 as cv
 
-try:
-    import aqorb
-except ImportError:
-    from cv2 import aqorb
+from drawing import captioned, keypoint_picture, size_of
 
 
 def retain_best(keypoints, npoints):
@@ -23,36 +21,30 @@ def retain_best(keypoints, npoints):
 
 
 def drawn(image, keypoints, name):
-    size = image.shape[::-1]
+    size = size_of(image)
     print('{:24} {:9} {:10.1f} {:9.0f} %'.format(name, len(keypoints),
                                                  aqorb.distributionUniformity(keypoints, size),
                                                  100 * aqorb.distributionOccupancy(keypoints, size)))
-    picture = cv.drawKeypoints(image, keypoints, None, (0, 255, 255))
-    return cv.putText(picture, name, (10, 25), cv.FONT_HERSHEY_SIMPLEX, 0.75, (0, 255, 0), 2, cv.LINE_AA)
+    return captioned(keypoint_picture(image, keypoints), name)
 
 
 def main():
-    parser = argparse.ArgumentParser(description=__doc__)
-    parser.add_argument('image', nargs='?', default='graf1.png', help='(graf1.png)')
-    parser.add_argument('--npoints', type=int, default=500, help='number of keypoints to keep (500)')
-    parser.add_argument('--out', default='retain_uniform.jpg', help='picture to write (retain_uniform.jpg)')
-    arguments = parser.parse_args()
-    image = cv.imread(cv.samples.findFile(arguments.image, False), cv.IMREAD_GRAYSCALE)
-    if image is None:
-        sys.exit(arguments.image + ': not an image that OpenCV can read')
+    program = Program(__doc__, '[IMAGE]', 0, 1, 'retain_uniform.py --npoints=300 graf1.png')
+    program.add_feature_count(500, 'npoints', 'number of keypoints to keep')
+    program.add_text('out', 'retain_uniform.jpg', 'picture to write')
+    arguments = program.parse()
+    image = read_image(file_at(arguments, 0, 'graf1.png'))
 
     print('{:24} {:>9} {:>10} {:>11}'.format('', 'keypoints', 'uniformity', 'occupied'))
     rows = []
     for name, detector in ('SIFT', cv.SIFT_create()), ('FAST', cv.FastFeatureDetector_create()):
         keypoints = detector.detect(image)
         best = retain_best(keypoints, arguments.npoints)
-        uniform = aqorb.retainUniform(keypoints, image.shape[::-1], arguments.npoints)
+        uniform = aqorb.retainUniform(keypoints, size_of(image), arguments.npoints)
         rows.append(cv.hconcat([drawn(image, best, name + ', retainBest'),
                                 drawn(image, uniform, name + ', retainUniform')]))
-    if not cv.imwrite(arguments.out, cv.vconcat(rows)):
-        sys.exit(arguments.out + ': cannot be written')
-    print('Picture:', arguments.out)
+    write_picture(arguments.out, cv.vconcat(rows))
 
 
 if __name__ == '__main__':
-    main()
+    run(main)

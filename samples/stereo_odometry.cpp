@@ -1,37 +1,35 @@
-// This file is part of the aqorb project.
+// This file is part of aqorb. Copyright (C) The aqorb developers.
 // It is subject to the license terms in the LICENSE file found in the top-level directory
 // of this distribution.
+// SPDX-License-Identifier: Apache-2.0
 
 // The path of a stereo camera from the features of AdaptiveQuadtreeORB, and from those of cv::ORB.
 
+#include "drawing.hpp"
 #include "program.hpp"
 #include "stereo_odometry.hpp"
 
 #include <opencv2/aqorb.hpp>
 #include <opencv2/highgui.hpp>
-#include <opencv2/imgproc.hpp>
-
-#include <cstdio>
 
 using namespace cv;
 
 namespace
 {
 
-const char* const ABOUT =
-    "Stereo visual odometry with cv::aqorb::AdaptiveQuadtreeORB and with cv::ORB on a folder\n"
-    "laid out as KITTI's odometry sequences: calib.txt, image_0 and image_1 (or image_l and\n"
-    "image_r) and, for the errors, poses.txt. Prints a table and writes the paths and the\n"
-    "features tracked into the last frame to a picture.\n"
-    "Exit codes: 0 done, 1 bad arguments, 2 an input cannot be read, 3 the picture cannot\n"
-    "be written, 4 other.\n";
-
-const char* const KEYS =
-    "{help h usage ? |                     | print this text }"
-    "{nfeatures      | 1000                | number of keypoints to ask for, at least 1 }"
-    "{out            | stereo_odometry.jpg | the picture }"
-    "{show           |                     | show the picture in a window, too, frame by frame }"
-    "{@folder        |                     | the sequence }";
+const Program PROGRAM = {
+    "stereo_odometry",
+    "Stereo visual odometry with cv::aqorb::AdaptiveQuadtreeORB and with cv::ORB. FOLDER is laid out\n"
+    "as KITTI's odometry sequences: calib.txt, image_0 and image_1 (or image_l and image_r) and, for\n"
+    "the errors, poses.txt. Prints a table and writes the paths and the features tracked into the\n"
+    "last frame to a picture.",
+    "FOLDER",
+    1,
+    1,
+    {{"nfeatures", "1000", "number of keypoints to ask for"},
+     {"show", FLAG, "show the picture in a window, too, frame by frame"},
+     {"out", "stereo_odometry.jpg", "picture to write"}},
+    "stereo_odometry --nfeatures=2000 kitti/sequences/06"};
 
 struct Odometry
 {
@@ -144,17 +142,18 @@ void printTable(const std::vector<Odometry>& odometries, const StereoSequence& s
 // The left image with the tracked features: a line from where each was in the frame before.
 Mat trackPicture(const Odometry& odometry, const Mat& left)
 {
-    Mat picture;
-    cvtColor(left, picture, COLOR_GRAY2BGR);
+    const int factor = enlargement(left.size());
+    Mat picture = canvas(left, factor);
+    const double scale = drawingScale(picture.size());
     for (size_t i = 0; i < odometry.motion.to.size(); i++)
     {
-        line(picture, odometry.motion.from[i], odometry.motion.to[i], odometry.colour, 1, LINE_AA);
-        circle(picture, odometry.motion.to[i], 2, odometry.colour, FILLED, LINE_AA);
+        const Point2f from = enlarged(odometry.motion.from[i], factor);
+        const Point2f to = enlarged(odometry.motion.to[i], factor);
+        line(picture, from, to, odometry.colour, cvRound(scale), LINE_AA);
+        drawCircle(picture, to, 2 * scale, FILLED, odometry.colour);
     }
-    const String text = format("%s: %d inliers", odometry.name, odometry.motion.inliers);
-    putText(picture, text, Point(10, 24), FONT_HERSHEY_SIMPLEX, 0.7, Scalar::all(0), 4, LINE_AA);
-    putText(picture, text, Point(10, 24), FONT_HERSHEY_SIMPLEX, 0.7, odometry.colour, 1, LINE_AA);
-    return picture;
+    return captioned(picture, format("%s: %d inliers", odometry.name, odometry.motion.inliers),
+                     odometry.colour);
 }
 
 // The paths from above: x to the right, z (ahead) to the top.
@@ -173,9 +172,9 @@ Mat pathPicture(const std::vector<std::vector<Matx44d>>& paths, const std::vecto
             lines.back().push_back(p);
         }
     }
-    const double margin = 20;
+    const double unit = drawingScale(Size(2 * size.width, size.height)), margin = 20 * unit;
     const double scale =
-        std::min((size.width - 2 * margin) / (high.x - low.x), (size.height - 2 * margin) / (high.y - low.y));
+        std::min((size.width - 2 * margin) / (high.x - low.x), (size.height - 4 * margin) / (high.y - low.y));
     const Point2d centre = 0.5 * (low + high);
     Mat picture(size, CV_8UC3, Scalar::all(255));
     for (size_t i = 0; i < lines.size(); i++)
@@ -184,12 +183,15 @@ Mat pathPicture(const std::vector<std::vector<Matx44d>>& paths, const std::vecto
         for (const Point2d& p : lines[i])
             pixels.push_back(Point(cvRound(size.width * 0.5 + (p.x - centre.x) * scale),
                                    cvRound(size.height * 0.5 - (p.y - centre.y) * scale)));
-        polylines(picture, pixels, false, colours[i], 2, LINE_AA);
+        polylines(picture, pixels, false, colours[i], cvRound(2 * unit), LINE_AA);
     }
     const int metres = 10, length = cvRound(metres * scale);
-    line(picture, Point(10, size.height - 10), Point(10 + length, size.height - 10), Scalar::all(0), 2);
-    putText(picture, format("%d m", metres), Point(10, size.height - 18), FONT_HERSHEY_SIMPLEX, 0.5,
-            Scalar::all(0), 1, LINE_AA);
+    const Point start(cvRound(margin / 2), size.height - cvRound(margin / 2));
+    line(picture, start, start + Point(length, 0), Scalar::all(0), cvRound(2 * unit));
+    putText(picture, format("%d m", metres), start - Point(0, cvRound(8 * unit)), FONT_HERSHEY_SIMPLEX,
+            0.5 * unit, Scalar::all(0), cvRound(unit), LINE_AA);
+    putText(picture, "Paths from above; grey: poses.txt", Point(start.x, cvRound(margin)),
+            FONT_HERSHEY_SIMPLEX, 0.5 * unit, Scalar::all(0), cvRound(unit), LINE_AA);
     return picture;
 }
 
@@ -219,17 +221,11 @@ Mat drawAll(const std::vector<Odometry>& odometries, const StereoSequence& seque
     return picture;
 }
 
-void run(int argc, char** argv)
+void run(const Arguments& arguments)
 {
-    CommandLineParser parser(argc, argv, KEYS);
-    parser.about(ABOUT);
-    if (parser.has("help"))
-        return parser.printMessage();
-    const int nfeatures = featureCount(parser);
-    const String folder = parser.get<String>("@folder"), out = parser.get<String>("out");
-    const bool show = parser.has("show");
-    if (folder.empty())
-        throw Failure{1, "needs a folder; see --help"};
+    const int nfeatures = arguments.featureCount();
+    const String folder = arguments.files[0];
+    const bool show = arguments.has("show");
 
     StereoSequence sequence;
     try
@@ -238,7 +234,7 @@ void run(int argc, char** argv)
     }
     catch (const cv::Exception& exception)
     {
-        throw Failure{2, exception.err};
+        throw Failure{FAILED, exception.err};
     }
     std::vector<Odometry> odometries = {
         Odometry("cv::ORB", ORB::create(nfeatures), Scalar(60, 60, 230)),
@@ -246,8 +242,10 @@ void run(int argc, char** argv)
     Mat left;
     for (size_t i = 0; i < sequence.left.size(); i++)
     {
-        left = readGrayImage(sequence.left[i]);
-        const Mat right = readGrayImage(sequence.right[i]);
+        left = readImage(sequence.left[i]);
+        const Mat right = readImage(sequence.right[i]);
+        if (left.size() != right.size())
+            throw Failure{FAILED, sequence.right[i] + ": has another size than the left image"};
         for (Odometry& odometry : odometries)
             track(odometry, left, right, sequence);
         if (show)
@@ -258,22 +256,12 @@ void run(int argc, char** argv)
         }
     }
     printTable(odometries, sequence);
-    bool written = false;
-    try
-    {
-        written = imwrite(out, drawAll(odometries, sequence, left), {IMWRITE_JPEG_QUALITY, 85});
-    }
-    catch (const cv::Exception&)  // no such format
-    {
-    }
-    if (!written)
-        throw Failure{3, out + ": cannot be written"};
-    std::printf("Picture: %s\n", out.c_str());
+    writePicture(arguments.text("out"), drawAll(odometries, sequence, left));
 }
 
 }  // namespace
 
 int main(int argc, char** argv)
 {
-    return runProgram("stereo_odometry", run, argc, argv);
+    return runProgram(PROGRAM, run, argc, argv);
 }

@@ -1,39 +1,23 @@
 #!/usr/bin/env python3
 
-# This file is part of the aqorb project.
+# This file is part of aqorb. Copyright (C) The aqorb developers.
 # It is subject to the license terms in the LICENSE file found in the top-level directory
 # of this distribution.
-"""Stereo visual odometry with AdaptiveQuadtreeORB and with cv.ORB on a folder laid out as KITTI's odometry
-sequences: calib.txt, image_0 and image_1 (or image_l and image_r) and, for the errors, poses.txt. Prints a table
-and writes the paths and the features tracked into the last frame to a picture.
+# SPDX-License-Identifier: Apache-2.0
+"""Stereo visual odometry with AdaptiveQuadtreeORB and with cv.ORB. FOLDER is laid out as KITTI's odometry sequences:
+calib.txt, image_0 and image_1 (or image_l and image_r) and, for the errors, poses.txt. Prints a table and writes the
+paths and the features tracked into the last frame to a picture."""
 
-Needs a cv2 that was built with the module aqorb (scripts/opencv.sh builds one)."""
-
-import argparse
 import glob
 import os
-import sys
 
-try:
-    import cv2 as cv
-    import numpy as np
-except ImportError as error:
-    print('stereo_odometry.py:', error, file=sys.stderr)
-    sys.exit(4)
+# First, as it says what is missing where an import fails.
+from program import FAILED, Failure, Program, aqorb, read_image, run, write_picture
 
-EPILOG = ('Exit codes: 0 done, 1 bad arguments, 2 an input cannot be read, 3 the picture cannot be written, '
-          '4 other.')
+import cv2 as cv
+import numpy as np
 
-
-class Failure(Exception):
-    def __init__(self, exit_code, message):
-        super().__init__(message)
-        self.exit_code = exit_code
-
-
-class Parser(argparse.ArgumentParser):
-    def error(self, message):
-        raise Failure(1, message + '; see --help')
+from drawing import canvas, captioned, draw_circle, drawing_scale, enlarged, enlargement, size_of
 
 
 class Sequence:
@@ -44,19 +28,22 @@ class Sequence:
         self.left = self._images(folder, 'image_l', 'image_0')
         self.right = self._images(folder, 'image_r', 'image_1')
         if len(projections) < 2 or not self.left or len(self.left) != len(self.right):
-            raise Failure(2, folder + ': needs calib.txt and as many images of both cameras')
+            raise Failure(FAILED, folder + ': needs calib.txt and as many images of both cameras')
         self.camera = projections[0][:, :3]
         self.baseline = (projections[0][0, 3] - projections[1][0, 3]) / self.camera[0, 0]  # in metres
         self.poses = [np.vstack([m, [0, 0, 0, 1]]) for m in self._matrices(os.path.join(folder, 'poses.txt'))]
         if self.poses and len(self.poses) < len(self.left):
-            raise Failure(2, folder + ': poses.txt has fewer poses than there are images')
+            raise Failure(FAILED, folder + ': poses.txt has fewer poses than there are images')
 
     @staticmethod
     def _matrices(path):
         if not os.path.exists(path):
             return []
         with open(path, encoding='ascii') as file:
-            rows = [np.array(line.split(':')[-1].split(), float) for line in file]
+            try:
+                rows = [np.array(line.split(':')[-1].split(), float) for line in file]
+            except ValueError:  # no number, or no ASCII
+                raise Failure(FAILED, path + ': rows of 12 numbers are accepted') from None
         return [row.reshape(3, 4) for row in rows if row.size == 12]
 
     @staticmethod
@@ -176,14 +163,15 @@ def print_table(odometries, sequence):
 
 def track_picture(odometry, left):
     """The left image with the tracked features: a line from where each was in the frame before."""
-    picture = cv.cvtColor(left, cv.COLOR_GRAY2BGR)
+    factor = enlargement(size_of(left))
+    picture = canvas(left, factor)
+    scale = drawing_scale(size_of(picture))
     for p, q in zip(*(odometry.tracks or ([], []))):
-        cv.line(picture, np.intp(p.round()), np.intp(q.round()), odometry.colour, 1, cv.LINE_AA)
-        cv.circle(picture, np.intp(q.round()), 2, odometry.colour, cv.FILLED, cv.LINE_AA)
-    text = '{}: {} inliers'.format(odometry.name, odometry.inliers[-1] if odometry.inliers else 0)
-    for colour, thickness in (((0, 0, 0), 4), (odometry.colour, 1)):
-        cv.putText(picture, text, (10, 24), cv.FONT_HERSHEY_SIMPLEX, 0.7, colour, thickness, cv.LINE_AA)
-    return picture
+        start, end = enlarged(p, factor), enlarged(q, factor)
+        cv.line(picture, np.intp(start.round()), np.intp(end.round()), odometry.colour, round(scale), cv.LINE_AA)
+        draw_circle(picture, end, 2 * scale, cv.FILLED, odometry.colour)
+    inliers = odometry.inliers[-1] if odometry.inliers else 0
+    return captioned(picture, '{}: {} inliers'.format(odometry.name, inliers), odometry.colour)
 
 
 def path_picture(paths, size):
@@ -192,13 +180,19 @@ def path_picture(paths, size):
     lines = [np.array([pose[[0, 2], 3] for pose in poses]) for poses, _ in paths]
     corners = np.vstack(lines + [np.array([[-5, -5], [5, 5]])])
     low, high = corners.min(0), corners.max(0)
-    scale = ((np.array(size) - 40) / (high - low)).min()
+    unit = drawing_scale((2 * width, height))
+    margin = 20 * unit
+    scale = ((np.array(size) - (2 * margin, 4 * margin)) / (high - low)).min()
     picture = np.full((height, width, 3), 255, np.uint8)
     for line, (_, colour) in zip(lines, paths):
         pixels = np.array(size) / 2 + (line - (low + high) / 2) * scale * (1, -1)
-        cv.polylines(picture, [pixels.round().astype(np.int32)], False, colour, 2, cv.LINE_AA)
-    cv.line(picture, (10, height - 10), (10 + round(10 * scale), height - 10), (0, 0, 0), 2)
-    return cv.putText(picture, '10 m', (10, height - 18), cv.FONT_HERSHEY_SIMPLEX, 0.5, (0, 0, 0), 1, cv.LINE_AA)
+        cv.polylines(picture, [pixels.round().astype(np.int32)], False, colour, round(2 * unit), cv.LINE_AA)
+    x, y = round(margin / 2), height - round(margin / 2)
+    cv.line(picture, (x, y), (x + round(10 * scale), y), (0, 0, 0), round(2 * unit))
+    for text, position in (('10 m', (x, y - round(8 * unit))),
+                           ('Paths from above; grey: poses.txt', (x, round(margin)))):
+        cv.putText(picture, text, position, cv.FONT_HERSHEY_SIMPLEX, 0.5 * unit, (0, 0, 0), round(unit), cv.LINE_AA)
+    return picture
 
 
 def draw_all(odometries, sequence, left):
@@ -210,35 +204,21 @@ def draw_all(odometries, sequence, left):
     return cv.hconcat([tracks, path_picture(paths, (tracks.shape[0] // 2, tracks.shape[0]))])
 
 
-def read_image(path):
-    image = cv.imread(path, cv.IMREAD_GRAYSCALE)
-    if image is None:
-        raise Failure(2, path + ': not an image that OpenCV can read')
-    return image
+def main():
+    program = Program(__doc__, 'FOLDER', 1, 1, 'stereo_odometry.py --nfeatures=2000 kitti/sequences/06')
+    program.add_feature_count()
+    program.add_flag('show', 'show the picture in a window, too, frame by frame')
+    program.add_text('out', 'stereo_odometry.jpg', 'picture to write')
+    arguments = program.parse()
 
-
-def run():
-    parser = Parser(description=__doc__, epilog=EPILOG, allow_abbrev=False,
-                    formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument('folder', help='the sequence')
-    parser.add_argument('--nfeatures', metavar='N', type=int, default=1000,
-                        help='number of keypoints to ask for, at least 1 (1000)')
-    parser.add_argument('--out', metavar='FILE', default='stereo_odometry.jpg',
-                        help='the picture (stereo_odometry.jpg)')
-    parser.add_argument('--show', action='store_true', help='show the picture in a window, too, frame by frame')
-    arguments = parser.parse_args()
-    if arguments.nfeatures < 1:
-        raise Failure(1, '--nfeatures: a whole number >= 1 is accepted')
-    if not hasattr(cv, 'aqorb'):
-        raise Failure(4, '{} was built without the module aqorb; see README.md, "Inside OpenCV"'.format(
-            getattr(cv, '__file__', 'cv2')))
-
-    sequence = Sequence(arguments.folder)
+    sequence = Sequence(arguments.files[0])
     odometries = [Odometry('cv.ORB', cv.ORB_create(arguments.nfeatures), (60, 60, 230)),
-                  Odometry('AdaptiveQuadtreeORB', cv.aqorb.AdaptiveQuadtreeORB_create(arguments.nfeatures),
+                  Odometry('AdaptiveQuadtreeORB', aqorb.AdaptiveQuadtreeORB_create(arguments.nfeatures),
                            (40, 200, 40))]
     for left_path, right_path in zip(sequence.left, sequence.right):
         left, right = read_image(left_path), read_image(right_path)
+        if left.shape != right.shape:
+            raise Failure(FAILED, right_path + ': has another size than the left image')
         for odometry in odometries:
             odometry.add(left, right, sequence)
         if arguments.show:
@@ -246,26 +226,8 @@ def run():
             if cv.waitKey(30) == 27:
                 break
     print_table(odometries, sequence)
-    try:
-        written = cv.imwrite(arguments.out, draw_all(odometries, sequence, left), [cv.IMWRITE_JPEG_QUALITY, 85])
-    except cv.error:  # no such format
-        written = False
-    if not written:
-        raise Failure(3, arguments.out + ': cannot be written')
-    print('Picture:', arguments.out)
-
-
-def main():
-    try:
-        run()
-    except Failure as failure:
-        print('stereo_odometry.py:', failure, file=sys.stderr)
-        return failure.exit_code
-    except cv.error as error:
-        print('stereo_odometry.py:', error, file=sys.stderr)
-        return 4
-    return 0
+    write_picture(arguments.out, draw_all(odometries, sequence, left))
 
 
 if __name__ == '__main__':
-    sys.exit(main())
+    run(main)

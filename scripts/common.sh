@@ -1,9 +1,9 @@
 # What the scripts share; sourced by them, from the repository's folder.
-# shellcheck shell=bash
+# shellcheck shell=bash disable=SC2034
 
 set -euo pipefail
 
-ROOT=$(cd "$(dirname "${BASH_SOURCE[0]}")/.." && pwd)
+ROOT=$(cd "$(dirname "${BASH_SOURCE[0]}")/.." && pwd -P)
 BUILD=$ROOT/build
 CACHE=$BUILD/cache  # what was fetched
 JOBS=$(nproc)
@@ -21,60 +21,161 @@ die() {
     exit 1
 }
 
+# The comment at the head of a script is its help.
+if [[ ${1:-} == --help || ${1:-} == -h ]]; then
+    sed -n '2,/^[^#]/s/^# \{0,1\}//p' "$0"
+    exit
+fi
+
 as_root() {
     if ((EUID == 0)); then "$@"; else sudo "$@"; fi
 }
 
-# need PACKAGE...: installs the Debian packages that are missing.
-need() {
-    local package missing=()
-    command -v apt-get >/dev/null || return 0  # not Debian: CMake says what is missing
-    for package; do
-        [[ $(dpkg-query -W -f '${db:Status-Status}' "$package" 2>/dev/null) == installed ]] ||
-            missing+=("$package")
-    done
-    ((${#missing[@]})) || return 0
+# The Debian packages that each kind of work needs; this is the only list of them.
+declare -A PACKAGES=(
+    [build]='build-essential cmake ccache libopencv-dev'
+    [test]='libgtest-dev pkg-config xvfb xdotool'  # the last two for the sample live
+    [python]='locales mypy pybind11-dev python3-dev python3-numpy python3-opencv python3-pytest xvfb xdotool'
+    [package]='dpkg-dev file gzip lintian libdlib-dev python3-dev pybind11-dev python3-numpy'
+    [doc]='doxygen graphviz texlive-binaries'
+    [evaluate]='libdlib-dev'
+    [report]='python3-matplotlib python3-pandas python3-pytest'
+    [profile]='python3 valgrind'
+    [soak]='libgtest-dev valgrind'
+    [tsan]='util-linux'
+    [fuzz]='clang libclang-rt-dev llvm libgtest-dev'
+    [clang]='clang'
+    [format]='clang-format clang-tidy shellcheck'
+    [opencv]='dpkg-dev ninja-build zlib1g-dev libpng-dev libjpeg-dev python3-dev python3-numpy'
+    [emulation]='qemu-user-static g++-aarch64-linux-gnu'
+    [system]='debootstrap util-linux'
+)
 
-    say "Installing ${missing[*]}"
-    local install=(env DEBIAN_FRONTEND=noninteractive
-        apt-get -o DPkg::Lock::Timeout=120 install -y -qq --no-install-recommends "${missing[@]}")
-    # The package lists may be absent or older than the mirror.
-    as_root "${install[@]}" >/dev/null 2>&1 ||
-        { as_root apt-get update -qq && as_root "${install[@]}" >/dev/null; } ||
-        die "could not install ${missing[*]}"
+# need NAME...: installs what is missing of the groups above, and of other Debian packages.
+need() {
+    local name package absent=()
+    command -v apt-get >/dev/null || return 0  # not Debian: CMake says what is absent
+    # shellcheck disable=SC2013,SC2086 # a list of names
+    for package in $(for name; do printf '%s\n' ${PACKAGES[$name]:-$name}; done | sort -u); do
+        [[ $(dpkg-query -W -f '${db:Status-Status}' "$package" 2>/dev/null) == installed ]] ||
+            absent+=("$package")
+    done
+    ((!${#absent[@]})) || install_packages "${absent[@]}"
 }
 
-# configure FOLDER [OPTION...]: configures the standalone build.
+# ${APT[@]} LOG ARGUMENT...: apt-get with its output in a log, and its progress as records on standard output. A
+# network that does not answer is an error, and soon. A shell opens descriptor 3, as sudo does not hand it on.
+APT=(env LC_ALL=C DEBIAN_FRONTEND=noninteractive sh -c 'log=$1; shift
+    exec apt-get -o APT::Status-Fd=3 -o Dpkg::Use-Pty=0 -o APT::Update::Error-Mode=any \
+        -o Acquire::Retries=1 -o Acquire::http::Timeout=30 -o DPkg::Lock::Timeout=120 \
+        -o APT::Install-Recommends=false "$@" 3>&1 >>"$log" 2>&1' sh)
+
+# can_be_root: whether as_root will work.
+can_be_root() {
+    ((EUID == 0)) || { command -v sudo >/dev/null && { sudo -n true 2>/dev/null || [[ -t 0 ]]; }; }
+}
+
+# install_packages PACKAGE...: says how much is fetched, and shows progress. The log is build/install.log.
+install_packages() {
+    local by_hand="apt-get update && apt-get install --no-install-recommends $*" log=$BUILD/install.log
+    can_be_root || die "only root can install the missing packages. As root, run
+  $by_hand"
+    say "Installing $*"
+    mkdir -p "$BUILD"
+    : >"$log"
+    # The package lists may be absent or older than the mirror.
+    if ! { amount "$@" && as_root "${APT[@]}" "$log" install -y "$@" | progress; }; then
+        echo "The lists of packages may be missing or out of date: fetching them"
+        if ! { as_root "${APT[@]}" "$log" update | progress && amount "$@" &&
+            as_root "${APT[@]}" "$log" install -y "$@" | progress; }; then
+            { grep -E '^(E|W|Err|dpkg: error)' "$log" || true; } | tail -n 5 >&2
+            die "could not install the packages (see $log). Without a network, do later, as root:
+  $by_hand"
+        fi
+    fi
+}
+
+# amount PACKAGE...: how much an installation fetches and needs; fails where the lists do not have the packages.
+amount() {
+    LC_ALL=C apt-get install --print-uris -y --no-install-recommends "$@" 2>>"$BUILD/install.log" | sed -n \
+        -e 's/^[0-9]* upgraded, \([0-9]*\) newly installed.*/\1 packages/p' \
+        -e 's/^Need to get \(.*\) of archives\./\1 to fetch/p' \
+        -e 's/^After this operation, \(.*\) of additional disk space will be used\./\1 on disk/p' |
+        paste -sd , | sed 's/,/, /g'
+}
+
+# Shows apt-get's records of progress as one line for fetching and one for installing, which grow.
+progress() {
+    local line phase="" tens shown=""
+    while IFS= read -r line; do
+        [[ $line =~ ^(dl|pm)status:.*:([0-9]+)(\.[0-9]*)?: ]] || continue
+        tens=$((BASH_REMATCH[2] / 10 * 10))
+        if [[ ${BASH_REMATCH[1]} != "$phase" ]]; then
+            [[ ! $phase ]] || echo
+            phase=${BASH_REMATCH[1]} shown=-1
+            if [[ $phase == dl ]]; then printf '  fetching  '; else printf '  installing'; fi
+        fi
+        if ((tens > shown)); then
+            printf ' %d%%' "$tens"
+            shown=$tens
+        fi
+    done
+    [[ ! $phase ]] || echo
+}
+
+# forget_moved FOLDER SOURCE: CMake refuses to configure a folder again that was configured under another name, as
+# those of a clone that was moved.
+forget_moved() {
+    local cache=$1/CMakeCache.txt was
+    [[ -e $cache ]] || return 0
+    was=$(sed -n 's/^CMAKE_HOME_DIRECTORY:INTERNAL=//p' "$cache")
+    if [[ $was != "$2" || $(sed -n 's/^CMAKE_CACHEFILE_DIR:INTERNAL=//p' "$cache") != "$1" ]]; then
+        echo "$1 was configured for $was: configuring it anew"
+        rm -rf "$cache" "$1/CMakeFiles"
+    fi
+}
+
+# configure PRESET [OPTION...]: by CMakePresets.json; the name may be that of its folder, build/PRESET.
 configure() {
-    local folder=$1 launcher=()
-    shift
-    if command -v ccache >/dev/null; then launcher=(-DCMAKE_CXX_COMPILER_LAUNCHER=ccache); fi
-    cmake -S "$ROOT" -B "$folder" -DCMAKE_BUILD_TYPE=Release "${launcher[@]}" "$@"
+    local preset=${1##*/}
+    forget_moved "$BUILD/$preset" "$ROOT"
+    (cd "$ROOT" && cmake --preset "$preset" "${@:2}")
 }
 
 build() { cmake --build "$1" --parallel "$JOBS" "${@:2}"; }
 
-# run_tests FOLDER [ctest option...]: runs a build's tests, under the command TEST_WRAPPER if set. Ends with
-# one line of counts: ctest's own summary does not say how many were skipped for want of data.
+# run_tests PRESET [ctest option...]: runs the tests of a preset. Ends with one line of counts: ctest's own summary
+# does not say how many were skipped for want of data.
 run_tests() {
-    local folder=$1 status=0
-    ${TEST_WRAPPER:-} ctest --test-dir "$folder" --parallel "$JOBS" --output-on-failure --no-tests=error \
-        --output-junit "$folder/tests.xml" "${@:2}" || status=$?
-    [[ $status == 0 || -e $folder/tests.xml ]] || return $status
-    counts "$folder"
+    local preset=${1##*/} status=0
+    local results=$BUILD/tests/$preset.xml
+    mkdir -p "$BUILD/tests"
+    rm -f "$results"
+    (cd "$ROOT" && ctest --preset "$preset" --parallel "$JOBS" --output-junit "$results" "${@:2}") || status=$?
+    [[ $status == 0 || -e $results ]] || return $status
+    counts "$preset"
     return $status
 }
 
-# counts FOLDER: what run_tests found there, as "N passed, N failed, N skipped".
+# counts PRESET: what run_tests found, as "N passed, N failed, N skipped".
 counts() {
-    local total failures skipped
-    total=$(junit tests "$1")
-    failures=$(junit failures "$1")
-    skipped=$(junit skipped "$1")
+    local total failures skipped results=$BUILD/tests/${1##*/}.xml
+    total=$(junit tests "$results")
+    failures=$(junit failures "$results")
+    skipped=$(junit skipped "$results")
     echo "$((total - failures - skipped)) passed, $failures failed, $skipped skipped"
 }
 
-junit() { sed -n "s/^\t$1=\"\([0-9]*\)\"\$/\1/p" "$2/tests.xml"; }
+junit() { sed -n "s/^\t$1=\"\([0-9]*\)\"\$/\1/p" "$2"; }
+
+# The name of this Debian's release.
+codename() { sed -n 's/^VERSION_CODENAME=//p' /etc/os-release; }
+
+# The mirror that this system has its packages from.
+mirror() {
+    apt-get indextargets --format '$(REPO_URI)' 'Identifier: Packages' 'Origin: Debian' "Codename: $(codename)" |
+        head -n 1
+}
 
 # opencv_source: sets OPENCV_SOURCE to OpenCV's source as Debian packages it; fetched once. The system's apt
 # configuration stays as it is: apt gets a source list and folders of our own.
@@ -87,11 +188,13 @@ opencv_source() {
         mkdir -p "$folder"/{parts,lists/partial,apt/archives/partial}
         apt-get indextargets --format 'deb-src $(REPO_URI) $(RELEASE) $(COMPONENT)' \
             'Identifier: Packages' 'Origin: Debian' | sort -u >"$folder/parts/src.list"
-        local apt=(apt-get -qq
+        local apt=("${APT[@]}" "$folder/log"
             -o Dir::Etc::SourceList=/dev/null -o Dir::Etc::SourceParts="$folder/parts"
             -o Dir::State::Lists="$folder/lists" -o Dir::Cache="$folder/apt" -o APT::Sandbox::User="$(id -un)")
-        "${apt[@]}" update
-        (cd "$folder" && "${apt[@]}" source opencv >/dev/null)
+        if ! { "${apt[@]}" update && cd "$folder" && "${apt[@]}" source opencv; } | progress; then
+            { grep -E '^(E|W|Err)' "$folder/log" || true; } | tail -n 5 >&2
+            die "could not fetch OpenCV's source package (see $folder/log); is there a network?"
+        fi
         rm -rf "$folder"/{parts,lists,apt} "$folder"/*.tar.* "$folder"/*.dsc
         touch "$folder/complete"
     fi
@@ -109,8 +212,11 @@ opencv_samples() {
         mkdir -p "$folder"
         (
             cd "$folder"
-            apt-get download -qq opencv-doc 2>/dev/null ||
-                { as_root apt-get update -qq && apt-get download -qq opencv-doc; }
+            "${APT[@]}" "$folder/log" download opencv-doc | progress || {
+                can_be_root || die "the lists of packages are missing. As root, run apt-get update"
+                as_root "${APT[@]}" "$folder/log" update | progress &&
+                    "${APT[@]}" "$folder/log" download opencv-doc | progress
+            } || die "could not fetch the package opencv-doc (see $folder/log); is there a network?"
             dpkg-deb --fsys-tarfile opencv-doc_*.deb | tar -x "./$examples"
             rm opencv-doc_*.deb
             find . -name '*.gz' -exec gunzip {} +

@@ -5,10 +5,11 @@
 #   scripts/compatibility.sh [--bytes] [ROW ...]
 #
 # Ends with one line for each row of the table in doc/compatibility.md; all rows by default. With --bytes the tests
-# are left out. Logs and builds are in build/compatibility.
+# are left out. The rows are presets of CMakePresets.json, but for debian13 and plain; their builds are in build, the
+# logs in build/compatibility.
 #
-#   debian12    scripts/test.sh
-#   debian13    scripts/test.sh on a Debian 13 in a folder of its own; needs root
+#   debian12    the ordinary build
+#   debian13    the same on a Debian 13 in a folder of its own; needs root
 #   avx2, sse2  the same build with the features of newer x86-64 CPUs disabled
 #   plain       the same build with cv::setUseOptimized(false); bytes only
 #   qemu64      the same build on an x86-64 CPU without SSSE3, emulated
@@ -23,7 +24,6 @@
 source "$(dirname "$0")/common.sh"
 
 FOLDER=$BUILD/compatibility
-options=(-DAQORB_BUILD_TESTS=ON -DAQORB_BUILD_FINGERPRINT=ON -DAQORB_WERROR=ON)
 images=()
 if [[ -n ${OPENCV_TEST_DATA_PATH:-} ]]; then
     OPENCV_TEST_DATA_PATH=$(cd "$OPENCV_TEST_DATA_PATH" && pwd)
@@ -31,23 +31,13 @@ if [[ -n ${OPENCV_TEST_DATA_PATH:-} ]]; then
 fi
 photographs=cv/detectors_descriptors_evaluation/images_datasets
 
-# The mirror that this system has its packages from.
-mirror() {
-    local release
-    # shellcheck disable=SC1091
-    release=$(. /etc/os-release && echo "$VERSION_CODENAME")
-    apt-get indextargets --format '$(REPO_URI)' 'Identifier: Packages' 'Origin: Debian' "Codename: $release" |
-        head -n 1
-}
-
 # debian13_system: sets SYSTEM to the folder of a Debian 13 with what the tests need; made once.
 debian13_system() {
     SYSTEM=$CACHE/debian13
     [[ ! -e $SYSTEM.complete ]] || return 0
-    need debootstrap
     as_root rm -rf "$SYSTEM"
     mkdir -p "$CACHE"
-    as_root debootstrap --variant=minbase --include=build-essential,ccache,cmake,libgtest-dev,libopencv-dev \
+    as_root debootstrap --variant=minbase --include="$(tr ' ' , <<<"${PACKAGES[build]} ${PACKAGES[test]}")" \
         trixie "$SYSTEM" "$(mirror)"
     as_root rm -rf "$SYSTEM"/var/cache/apt/archives/*.deb
     touch "$SYSTEM.complete"
@@ -102,15 +92,14 @@ arm64_sysroot() {
     touch "$folder/complete"
 }
 
-# tests FOLDER [CMake option...]: builds, and runs the tests unless they are left out.
-tests() {
-    local folder=$1
-    configure "$@" "${options[@]}"
+# built PRESET [TEST-PRESET]: builds, and runs the tests unless they are left out.
+built() {
+    configure "$1" -DAQORB_BUILD_FINGERPRINT=ON -DAQORB_WERROR=ON
     if [[ $bytes_only ]]; then
-        build "$folder" --target aqorb_fingerprint
+        build "$BUILD/$1" --target aqorb_fingerprint
     else
-        build "$folder"
-        run_tests "$folder"
+        build "$BUILD/$1"
+        run_tests "${2:-$1}"
     fi
 }
 
@@ -127,40 +116,36 @@ fingerprint() {
     mv "$FOLDER/bytes/$row.new" "$FOLDER/bytes/$row"
 }
 
-# compiled ROW [CMake option...]: a build of its own of the native system.
+# compiled ROW [COMMAND...]: the build of a preset, whose programs run by a command.
 compiled() {
     local row=$1
     shift
-    tests "$FOLDER/$row" "$@"
-    fingerprint "$row" "$FOLDER/$row/tools/fingerprint/aqorb_fingerprint"
+    built "$row"
+    fingerprint "$row" "$@" "$BUILD/$row/tools/fingerprint/aqorb_fingerprint"
 }
 
-# disabled ROW FEATURES: the ordinary build without some features of the CPU.
+# disabled ROW FEATURES: the ordinary build without some features of the CPU, as the test preset ROW has it.
 disabled() {
-    export OPENCV_CPU_DISABLE=$2
-    tests "$BUILD/release"
-    fingerprint "$1" "$BUILD/release/tools/fingerprint/aqorb_fingerprint"
+    built release "$1"
+    OPENCV_CPU_DISABLE=$2 fingerprint "$1" "$BUILD/release/tools/fingerprint/aqorb_fingerprint"
 }
 
 row_debian12() {
-    if [[ $bytes_only ]]; then
-        tests "$BUILD/release"
-    else
-        "$ROOT/scripts/test.sh" "${options[@]}"
-    fi
+    built release
     fingerprint debian12 "$BUILD/release/tools/fingerprint/aqorb_fingerprint"
 }
 
 row_debian13() {
-    need util-linux
+    need system
     debian13_system
-    if [[ $bytes_only ]]; then
-        inside_debian13 bash -ec 'source /aqorb/scripts/common.sh
-            configure /aqorb/build/release "$@"
-            build /aqorb/build/release --target aqorb_fingerprint' bash "${options[@]}"
-    else
-        inside_debian13 /aqorb/scripts/test.sh "${options[@]}"
-    fi
+    inside_debian13 bash -ec 'source /aqorb/scripts/common.sh
+        configure release -DAQORB_BUILD_FINGERPRINT=ON -DAQORB_WERROR=ON
+        if [[ $1 ]]; then
+            build /aqorb/build/release --target aqorb_fingerprint
+        else
+            build /aqorb/build/release
+            run_tests release
+        fi' bash "$bytes_only"
     # shellcheck disable=SC2016
     fingerprint debian13 inside_debian13 sh -ec \
         'if [ "$OPENCV_TEST_DATA_PATH" ]; then cd "/data/$0"; fi
@@ -172,45 +157,29 @@ row_avx2() { disabled avx2 AVX512-SKX; }
 row_sse2() { disabled sse2 SSE3,SSSE3,SSE4.1,SSE4.2,POPCNT,FP16,FMA3,AVX,AVX2,AVX512-SKX; }
 
 row_plain() {
-    bytes_only=1 tests "$BUILD/release"
+    bytes_only=1 built release
     fingerprint plain "$BUILD/release/tools/fingerprint/aqorb_fingerprint" --plain
 }
 
 row_qemu64() {
-    need qemu-user-static
-    local emulator=(qemu-x86_64-static -cpu qemu64)
-    tests "$FOLDER/qemu64" -DCMAKE_CROSSCOMPILING_EMULATOR="$(join "${emulator[@]}")"
-    fingerprint qemu64 "${emulator[@]}" "$FOLDER/qemu64/tools/fingerprint/aqorb_fingerprint"
+    need emulation
+    compiled qemu64 qemu-x86_64-static -cpu qemu64
 }
 
 row_aarch64() {
-    need g++-aarch64-linux-gnu qemu-user-static
+    need emulation
     arm64_sysroot
-    tests "$FOLDER/aarch64" -DCMAKE_TOOLCHAIN_FILE="$ROOT/cmake/aarch64-linux-gnu.cmake" \
-        -DAQORB_SYSROOT="$SYSROOT"
-    fingerprint aarch64 qemu-aarch64-static -L "$SYSROOT" "$FOLDER/aarch64/tools/fingerprint/aqorb_fingerprint"
+    compiled aarch64 qemu-aarch64-static -L "$SYSROOT"
 }
 
 row_clang() {
     need clang
-    compiled clang -DCMAKE_CXX_COMPILER=clang++
+    compiled clang
 }
 
-# _GLIBCXX_DEBUG has another layout of std::vector than the installed OpenCV.
-row_debug() { compiled debug -DCMAKE_BUILD_TYPE=Debug -DCMAKE_CXX_FLAGS='-O0 -D_GLIBCXX_ASSERTIONS'; }
-
-row_native() { compiled native -DCMAKE_CXX_FLAGS='-O3 -march=native'; }
-
-row_hardening() {
-    need dpkg-dev
-    export DEB_BUILD_MAINT_OPTIONS=hardening=+all
-    compiled hardening -DCMAKE_BUILD_TYPE=None \
-        -DCMAKE_CXX_FLAGS="$(dpkg-buildflags --get CXXFLAGS) $(dpkg-buildflags --get CPPFLAGS)" \
-        -DCMAKE_EXE_LINKER_FLAGS="$(dpkg-buildflags --get LDFLAGS)" \
-        -DCMAKE_SHARED_LINKER_FLAGS="$(dpkg-buildflags --get LDFLAGS)"
-}
-
-join() { local IFS=';' && echo "$*"; }
+row_debug() { compiled debug; }
+row_native() { compiled native; }
+row_hardening() { compiled hardening; }
 
 bytes_only=
 if [[ ${1:-} == --bytes ]]; then
@@ -223,7 +192,7 @@ for row in "${rows[@]}"; do
     declare -F "row_$row" >/dev/null || die "no such row: $row"
 done
 
-need build-essential cmake ccache libopencv-dev libgtest-dev
+need build test
 rm -rf "$FOLDER/bytes"
 mkdir -p "$FOLDER/bytes"
 

@@ -1,20 +1,23 @@
 #!/usr/bin/env bash
-# Builds the module and shows what it does beside cv::ORB.
+# Builds the module and shows what it does beside cv::ORB: a table and two pictures for each pair of images.
 #
 #   scripts/demo.sh [IMAGE ...]
+#   scripts/demo.sh --help
 #
-# Installs the Debian packages it needs. Without images it takes graf1 and graf3, two of OpenCV's samples
-# whose homography is known. The pictures go to build/demo.
+# Installs the Debian packages it needs. Without images it takes three pairs of OpenCV's samples (the Debian
+# package opencv-doc, fetched, not installed): one where AdaptiveQuadtreeORB wins, one where cv::ORB wins, and
+# one where each wins something. The pictures go to build/demo.
 source "$(dirname "$0")/common.sh"
 
-need build-essential cmake libopencv-dev
+need build
 
-configure "$BUILD/release" -DAQORB_BUILD_TESTS=OFF -DAQORB_BUILD_SAMPLES=ON
-build "$BUILD/release"
+configure release -DAQORB_BUILD_SAMPLES=ON
+build "$BUILD/release" --target aqorb_demo
 
-if (($# == 0)); then
-    opencv_samples
-    set -- --homography="$OPENCV_SAMPLES/H1to3p.xml" "$OPENCV_SAMPLES/graf1.png" "$OPENCV_SAMPLES/graf3.png"
-fi
+images=()
+for argument; do [[ $argument == -* ]] || images+=("$argument"); done
+if ((${#images[@]} == 0)); then opencv_samples && export OPENCV_SAMPLES_DATA_PATH=$OPENCV_SAMPLES; fi
 mkdir -p "$BUILD/demo"
+
+say "AdaptiveQuadtreeORB beside cv::ORB"
 exec "$BUILD/release/samples/aqorb_demo" --out="$BUILD/demo" "$@"

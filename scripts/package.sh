@@ -1,13 +1,18 @@
 #!/usr/bin/env bash
-# Builds the Debian packages libaqorb0.1, libaqorb-dev, aqorb-tools and python3-aqorb in build/packages.
+# Builds the Debian packages libaqorb0.1, libaqorb-dev, aqorb-tools, aqorb-preload and python3-aqorb in
+# build/packages, and has lintian check them.
 #
-#   scripts/package.sh [--test]
+#   scripts/package.sh [--test] [CMake option...]
 #
 # With --test they are installed on a fresh system of the same release, in a folder of its own; programs of each
-# kind are built and run there, and the packages removed again. That needs root.
+# kind are built and run there, the packages are removed again, and so is the folder. That needs root.
+# -DAQORB_PACKAGE_CONTACT='NAME <ADDRESS>' names the maintainer: whoever gives packages to others.
+# Installs the Debian packages it needs.
 source "$(dirname "$0")/common.sh"
 
-need build-essential cmake libopencv-dev dpkg-dev file python3-dev pybind11-dev python3-numpy
+test=
+if [[ ${1:-} == --test ]]; then test=yes && shift; fi
+need build package
 
 folder=$BUILD/package
 packages=$BUILD/packages
@@ -15,9 +20,11 @@ export DEB_BUILD_MAINT_OPTIONS=hardening=+all
 CXXFLAGS="$(dpkg-buildflags --get CXXFLAGS) $(dpkg-buildflags --get CPPFLAGS)"
 LDFLAGS=$(dpkg-buildflags --get LDFLAGS)
 export CXXFLAGS LDFLAGS
-configure "$folder" -DCMAKE_INSTALL_PREFIX=/usr -DAQORB_BUILD_TESTS=OFF -DAQORB_BUILD_SAMPLES=OFF \
-    -DAQORB_BUILD_PYTHON=ON -DPython_EXECUTABLE="$PYTHON"
-build "$folder"
+# The date of the packages' changelog.
+SOURCE_DATE_EPOCH=${SOURCE_DATE_EPOCH:-$(stat -c %Y "$ROOT/CHANGELOG.md")}
+export SOURCE_DATE_EPOCH
+configure package -DPython_EXECUTABLE="$PYTHON" "$@"
+(cd "$ROOT" && cmake --build --preset package --parallel "$JOBS")
 rm -rf "$packages"
 (cd "$folder" && cpack -B "$packages" >cpack.log) || die "see $folder/cpack.log"
 rm -rf "$packages/_CPack_Packages"
@@ -26,37 +33,44 @@ for package in "$packages"/*.deb; do
     dpkg-deb --field "$package" Depends
     dpkg-deb --contents "$package" | awk '$1 !~ /^d/ { print $6, $7, $8 }'
 done
-[[ ${1:-} == --test ]] || exit 0
 
-need debootstrap
+say "lintian"
+# That an upload to Debian closes a report of an intended package is not asked of these.
+lintian --allow-root --fail-on error,warning --suppress-tags initial-upload-closes-no-bugs "$packages"/*.deb
+echo "no errors, no warnings"
+[[ $test ]] || exit 0
+
+need system
 system=$BUILD/system
-inside() { as_root chroot "$system" "$@"; }
+inside() { as_root chroot "$system" env -i PATH=/usr/sbin:/usr/bin:/sbin:/bin LC_ALL=C.UTF-8 "$@"; }
 say "A fresh system"
 as_root rm -rf "$system"
-# shellcheck disable=SC1091
-release=$(. /etc/os-release && echo "$VERSION_CODENAME")
-as_root debootstrap --variant=minbase "$release" "$system" >"$BUILD/system.log" || die "see $BUILD/system.log"
+trap 'as_root rm -rf "$system"' EXIT
+log=$BUILD/system.log
+as_root debootstrap --variant=minbase "$(codename)" "$system" "$(mirror)" >"$log" || die "see $log"
 as_root mkdir "$system/work"
-as_root cp "$packages"/*.deb "$ROOT"/tools/consumer/* "$ROOT/bindings/python/test/test_installed.py" "$system/work"
+as_root cp "$packages"/*.deb "$ROOT"/tools/consumer/{CMakeLists.txt,main.cpp} \
+    "$ROOT/bindings/python/test/test_installed.py" "$system/work"
 
 say "Installing"
 quietly=(env DEBIAN_FRONTEND=noninteractive apt-get install -y -qq --no-install-recommends)
-inside "${quietly[@]}" cmake g++ make pkg-config >"$BUILD/system.log" 2>&1 || die "see $BUILD/system.log"
-inside sh -c "${quietly[*]} /work/*.deb" >>"$BUILD/system.log" 2>&1 || die "see $BUILD/system.log"
-
+inside "${quietly[@]}" cmake g++ make pkg-config >>"$log" 2>&1 || die "see $log"
+inside sh -c "${quietly[*]} /work/*.deb" >>"$log" 2>&1 || die "see $log"
 say "A project of CMake"
 inside sh -ec 'cmake -S /work -B /work/build >/dev/null && cmake --build /work/build >/dev/null && /work/build/consumer'
 say "A program by pkg-config"
 inside sh -ec 'cd /work && g++ -std=c++11 main.cpp -o consumer $(pkg-config --cflags --libs aqorb) && ./consumer'
 say "Python"
 inside python3 /work/test_installed.py
+say "Programs"
+inside sh -ec 'cd /work && aqorb_demo --help >/dev/null && aqorb_evaluate --help >/dev/null && aqorb_demo noise.png'
 say "Python, cv2 unchanged"
 inside sh -ec 'LD_PRELOAD=libaqorb_preload.so python3 -c "import cv2; print(cv2.ORB_create().getDefaultName())"' |
     tee "$BUILD/preload.txt"
 grep -q AdaptiveQuadtreeORB "$BUILD/preload.txt"
 
 say "Removing"
-inside apt-get purge -y -qq 'libaqorb*' aqorb-tools python3-aqorb >>"$BUILD/system.log" 2>&1
-left=$(inside find /usr /etc /var/lib -iname '*aqorb*' -not -path '/var/lib/dpkg/*' -not -name '*.pyc')
+inside apt-get purge -y -qq 'libaqorb*' 'aqorb-*' python3-aqorb >>"$log" 2>&1 || die "see $log"
+left=$(inside find /usr /etc /var -iname '*aqorb*' -not -path '/var/cache/apt/*')
 [[ -z $left ]] || die "left behind: $left"
 say "The packages install, serve and go"

@@ -1,71 +1,127 @@
 #!/usr/bin/env bash
-# Measures what doc/performance.md shows: speed, stages, scaling, memory, instructions.
+# Measures what doc/performance.md shows, and prints its tables.
 #
-#   scripts/performance.sh [--doc] [--smoke] [PART ...]
+#   scripts/performance.sh [OPTION ...] [PART ...] [-- HARNESS OPTION ...]
 #
-# PARTs are setting, perf, stages, scaling, memory and instructions; all unless named. --doc puts their tables
-# into doc/performance.md; --smoke shows in seconds that everything but perf runs. Photographs are measured where
-# OPENCV_TEST_DATA_PATH names the testdata folder of opencv_extra. Installs the Debian packages it needs.
-# Writes to build/performance. Times are best taken with real-time priority: chrt -f 1 scripts/performance.sh
+# PARTs, all unless named:
+#   setting       the versions and the CPU features in use
+#   speed         AdaptiveQuadtreeORB against cv::ORB on photographs and drawn scenes
+#   scaling       how the time grows with the size of the image and with the number of features
+#   stages        where the time of a frame goes
+#   memory        the heap in use during a frame and between frames
+#   instructions  the instructions of a frame by stage and function, counted by valgrind
+#
+# OPTIONs:
+#   --doc          put the tables into doc/performance.md and README.md, too
+#   --smoke        show that everything runs, in a short time; the numbers mean nothing
+#   --passes N     how often speed and scaling are measured; the tables hold medians over the passes (5)
+#   --threads "T"  the numbers of threads of speed ("1 2")
+#
+# speed and scaling are measured by OpenCV's performance harness, opencv_perf_aqorb. HARNESS OPTIONs go to it,
+# for example --gtest_param_filter='*leuven*'. Photographs are measured where OPENCV_TEST_DATA_PATH names the folder
+# testdata of opencv_extra. Installs the Debian packages it needs. What was measured is left in build/performance.
+# With real-time priority other programs disturb the measurement less: chrt -f 1 scripts/performance.sh
 source "$(dirname "$0")/common.sh"
 
-doc=
-smoke=()
+doc='' smoke='' passes=5 threads='1 2'
+samples=11  # odd and below 13, so that the harness's median is that of all samples, outliers included
 parts=()
 while (($#)); do
     case $1 in
+        -h | --help) sed -n '2,/^[^#]/s/^# \{0,1\}//p' "$0" && exit ;;
         --doc) doc=yes ;;
-        --smoke) smoke=(--smoke) ;;
-        setting | perf | stages | scaling | memory | instructions) parts+=("$1") ;;
-        *) die "$1? See the head of this script." ;;
+        --smoke) smoke=yes passes=1 samples=1 ;;
+        --passes) passes=${2:?is the number of passes} && shift ;;
+        --threads) threads=${2:?are the numbers of threads} && shift ;;
+        setting | speed | scaling | stages | memory | instructions) parts+=("$1") ;;
+        --) shift && break ;;
+        *) die "$1 is neither an option nor a PART; --help lists them" ;;
     esac
     shift
 done
-[[ ! $doc || ! ${smoke[*]} ]] || die 'a smoke run measures nothing for a document'
-if ((! ${#parts[@]})); then
-    parts=(setting stages scaling memory instructions)
-    [[ ${smoke[*]} ]] || parts+=(perf)
-fi
+harness_options=("$@")
+[[ $passes =~ ^[1-9][0-9]*$ ]] || die "--passes $passes: at least 1 is accepted"
+[[ ! $doc || ! $smoke ]] || die '--doc: a smoke run measures nothing for a document'
+[[ ! $doc || ! ${harness_options[*]} ]] || die '--doc: the tables of the document are of all cases'
+((${#parts[@]})) || parts=(setting speed scaling stages memory instructions)
 
-need build-essential cmake libopencv-dev python3 valgrind
+need build-essential cmake ccache libopencv-dev python3-pandas
 
-folder=$BUILD/performance
-benchmark=$BUILD/release/tools/profile/aqorb_profile
-mkdir -p "$folder"
-configure "$BUILD/release" -DAQORB_BUILD_PROFILE=ON
-build "$BUILD/release" --target aqorb_profile
+results=$BUILD/performance
+report=$ROOT/tools/report/report.py
 
-# perf_tables: what scripts/perf.sh prints, as tables under titles.
-perf_tables() {
-    "$ROOT/scripts/perf.sh" | tee /dev/stderr | sed -n '/^=== Results/,$p' >"$folder/perf.txt"
-    "$PYTHON" "$ROOT/tools/report/perf_aims.py" "$folder/perf.txt"
-    printf '## Against cv::ORB\n\n'
-    grep '^|' "$folder/perf.txt"
-    printf '\n## Against cv::ORB: notes\n\n|  |\n|---|\n'
-    sed -n '/^$/d; /^===/d; /^|/!s/.*/| & |/p' "$folder/perf.txt"
-    echo
-}
-
-images=640x480,1920x1080
-frames=3
-if [[ ${smoke[*]} ]]; then
-    images=320x240 frames=1
-elif [[ ${OPENCV_TEST_DATA_PATH:-} ]]; then
-    images+=,leuven,bark
-fi
-
+harness='' profiler=''
 for part in "${parts[@]}"; do
-    say "Measuring: $part"
     case $part in
-        perf) perf_tables ;;
-        instructions) "$PYTHON" "$ROOT/tools/profile/instructions.py" "$benchmark" "$folder" --images="$images" \
-            --frames="$frames" ;;
-        *) "$benchmark" "--$part" "${smoke[@]}" ;;
-    esac >"$folder/$part.md"
-    cat "$folder/$part.md"
+        speed | scaling) harness=$BUILD/perf/opencv_perf_aqorb ;;
+        *) profiler=$BUILD/release/tools/profile/aqorb_profile ;;
+    esac
 done
 
+say 'Building'
+if [[ $harness ]]; then
+    opencv_source
+    cmake -S "$ROOT/tools/opencv_ts" -B "$BUILD/perf" -DCMAKE_BUILD_TYPE=Release \
+        -DCMAKE_CXX_COMPILER_LAUNCHER=ccache -DOPENCV_SOURCE_DIR="$OPENCV_SOURCE"
+    build "$BUILD/perf" --target opencv_perf_aqorb
+fi
+if [[ $profiler ]]; then
+    configure "$BUILD/release" -DAQORB_BUILD_PROFILE=ON
+    build "$BUILD/release" --target aqorb_profile
+fi
+
+# run_harness PART THREADS [OPTION ...]: measures a part in each pass with each number of threads.
+run_harness() {
+    local part=$1 numbers=$2 pass count file
+    for ((pass = 1; pass <= passes; pass++)); do
+        for count in $numbers; do
+            say "Measuring $part: pass $pass of $passes, $count thread(s)"
+            file=$results/$part/$pass-$count
+            # The harness takes absent photographs, and that it has no records of earlier runs, for errors: its
+            # words go to the log.
+            "$harness" --perf_threads="$count" --perf_min_samples="$samples" --perf_force_samples="$samples" \
+                "${@:3}" "${harness_options[@]}" --gtest_output="xml:$file.xml" >"$file.log" 2>&1 ||
+                { tail -n 40 "$file.log" && die "the performance tests failed, see $file.log"; }
+        done
+    done
+}
+
+# run_profiler PART [OPTION ...]: makes a part's CSV.
+run_profiler() {
+    say "Measuring $1"
+    "$profiler" "--$1" ${smoke:+--smoke} "${@:2}" >"$results/$1/$1.csv"
+}
+
+count_instructions() {
+    local images=640x480,1920x1080 frames=3
+    need valgrind
+    if [[ $smoke ]]; then
+        images=320x240 frames=1
+    elif [[ ${OPENCV_TEST_DATA_PATH:-} ]]; then
+        images+=,leuven,bark
+    fi
+    say 'Measuring instructions'
+    "$PYTHON" "$ROOT/tools/profile/instructions.py" --images="$images" --frames="$frames" "$profiler" \
+        "$results/instructions" >"$results/instructions/instructions.csv"
+}
+
+for part in "${parts[@]}"; do
+    rm -rf "${results:?}/$part"
+    mkdir -p "$results/$part"
+    case $part in
+        speed) run_harness speed "$threads" --gtest_filter='Features_*' ;;
+        scaling) run_harness scaling 1 --gtest_filter='Scaling_*' ;;
+        instructions) count_instructions ;;
+        *) run_profiler "$part" ;;
+    esac
+    [[ ! $smoke ]] || say 'SMOKE RUN: it shows that everything runs. Do not quote these numbers.'
+    "$PYTHON" "$report" "$part" "$results/$part"
+done
+
+# At the end, so that a document changes only if everything was measured.
 if [[ $doc ]]; then
-    for part in "${parts[@]}"; do cat "$folder/$part.md"; done >"$folder/tables.md"
-    "$PYTHON" "$ROOT/tools/report/update_doc.py" --keep "$folder" "$ROOT/doc/performance.md"
+    say 'Updating the documents'
+    for part in "${parts[@]}"; do
+        "$PYTHON" "$report" "$part" "$results/$part" --doc "$ROOT/doc/performance.md" --doc "$ROOT/README.md"
+    done
 fi

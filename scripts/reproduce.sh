@@ -13,7 +13,7 @@ source "$(dirname "$0")/common.sh"
 doc=
 if [[ ${1:-} == --doc ]]; then doc=yes && shift; fi
 (($# > 0)) || die "which DATASETS? See the head of this script."
-need build-essential cmake libopencv-dev libdlib-dev python3-matplotlib
+need build-essential cmake libopencv-dev libdlib-dev python3-matplotlib python3-pandas
 
 folder=$BUILD/reproduction
 configure "$BUILD/release" -DAQORB_BUILD_EVALUATION=ON
@@ -25,17 +25,18 @@ say "Measuring"
 "$BUILD/release/tools/evaluate/aqorb_evaluate" "$1" --out="$folder" --sets=bikes,leuven,bark,trees,ubc,graf \
     --n=500,1000,2000 --degrade=dark,gamma,noise --ablation "${@:2}"
 
-say "Drawing"
-"$PYTHON" "$ROOT/tools/report/plots.py" "$folder"
+say "Making tables and figures"
+"$PYTHON" "$ROOT/tools/report/report.py" evaluation "$folder" >"$folder/tables.txt"
+"$PYTHON" "$ROOT/tools/report/report.py" figures "$folder"
 
 if [[ $doc ]]; then
-    "$PYTHON" "$ROOT/tools/report/update_doc.py" "$folder" "$ROOT/doc/reproduction.md"
+    "$PYTHON" "$ROOT/tools/report/report.py" evaluation "$folder" --doc "$ROOT/doc/reproduction.md"
     for figure in figure3.jpg figure6.png figure8.png; do
         cp "$folder/$figure" "$ROOT/doc/images/reproduction-$figure"
     done
 fi
 
 say "Results"
-cat "$folder/tables.md"
+cat "$folder/tables.txt"
 echo
-echo "In $folder: tables.md, the figures, and what they were made of."
+echo "In $folder: tables.txt, the figures and the CSV files that both were made of."

@@ -4,11 +4,12 @@
 #   scripts/test.sh [CMake option...]
 #
 # Installs the Debian packages it needs. Tests that need images of opencv_extra are skipped unless
-# OPENCV_TEST_DATA_PATH names its testdata folder.
+# OPENCV_TEST_DATA_PATH names its testdata folder. The same without installing anything:
+# cmake --workflow --preset release
 source "$(dirname "$0")/common.sh"
 
-need build-essential cmake libopencv-dev libgtest-dev
+need build test
 
-configure "$BUILD/release" -DAQORB_BUILD_TESTS=ON "$@"
+configure release "$@"
 build "$BUILD/release"
-run_tests "$BUILD/release"
+run_tests release

@@ -1,11 +1,14 @@
-// This file is part of the aqorb project.
+// This file is part of aqorb. Copyright (C) The aqorb developers.
 // It is subject to the license terms in the LICENSE file found in the top-level directory
 // of this distribution.
+// SPDX-License-Identifier: Apache-2.0
 
 #ifndef OPENCV_AQORB_TEST_REFERENCE_HPP
 #define OPENCV_AQORB_TEST_REFERENCE_HPP
 
 #include "test_precomp.hpp"
+
+#include "types.hpp"
 
 // The algorithm once more, as plainly as it can be written: no vectors, no tables, no clever order.
 // What is slow here is so on purpose; only the results are of interest.
@@ -55,6 +58,8 @@ Thresholds thresholds(double v, bool adaptive, int fastThreshold, double minRati
 float levelScale(int level, int firstLevel, double scaleFactor);
 Size levelSize(Size imageSize, float scale);
 std::vector<int> quotas(int nfeatures, double scaleFactor, int nlevels);
+//! The levels of cv::ORB's pyramid.
+std::vector<Mat> pyramid(const Mat& gray, int nlevels, int firstLevel, double scaleFactor);
 //! A level's mask from the one it is made from.
 Mat resizeMask(const Mat& mask, Size size);
 
@@ -64,7 +69,7 @@ std::vector<Corner> fastCorners(const Mat& image, const Rect& region, int thresh
 //! Corners of a level by what the rules make of them.
 struct Corners
 {
-    std::vector<Corner> kept, suppressed, cellRejects;
+    std::vector<Corner> kept, suppressed, weak;
 };
 Corners findCorners(const Mat& image, const Mat& mask, const Rect& region, Thresholds thresholds,
                     int cellSize, bool suppressNear);
@@ -79,6 +84,10 @@ std::vector<LeafPoint> balancedSequence(const std::vector<LeafPoint>& points, in
 
 Point2f position(int x, int y, Point2d d, Size imageSize, Size levelSize, float scale, int border,
                  bool subPixel);
+/** The position of a pixel's centre if it is not masked, else, with subPixel, the nearest centre of a pixel of the
+ image that is not, if a keypoint there belongs to the pixel. False: there is none. */
+bool usablePosition(const Mat& mask, int x, int y, Size levelSize, float scale, int border, bool subPixel,
+                    Point2f& found);
 Point2d subPixelOffset(const Mat& image, int x, int y);
 
 //! cv::fastAtan2 with or without fused multiply-add.

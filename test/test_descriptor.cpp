@@ -1,8 +1,12 @@
-// This file is part of the aqorb project.
+// This file is part of aqorb. Copyright (C) The aqorb developers.
 // It is subject to the license terms in the LICENSE file found in the top-level directory
 // of this distribution.
+// SPDX-License-Identifier: Apache-2.0
 
 #include "reference.hpp"
+#include "whole_blur.hpp"
+
+#include "descriptor.hpp"
 
 namespace opencv_test
 {
@@ -11,7 +15,13 @@ namespace
 
 using namespace aqorb::stages;
 
-void expectAsReference(const Mat& image, const std::vector<DescriptorPoint>& points, int patchSize, int WTA_K)
+void computeDescriptors(const Mat& image, const Mat& blurred, const FeaturePoint* points, size_t count,
+                        const std::vector<Point>& pattern, int WTA_K, uchar* descriptors, size_t step)
+{
+    computeDescriptors(image, blurred, points, count, DescriptorTests(pattern, WTA_K), descriptors, step);
+}
+
+void expectAsReference(const Mat& image, const std::vector<FeaturePoint>& points, int patchSize, int WTA_K)
 {
     const std::vector<Point> pattern = descriptorPattern(patchSize, WTA_K);
     const Mat exactlyBlurred = reference::roundedBlur(image);
@@ -38,21 +48,21 @@ void expectAsReference(const Mat& image, const std::vector<DescriptorPoint>& poi
     }
 }
 
-std::vector<DescriptorPoint> randomPoints(Size size, int count, int seed)
+std::vector<FeaturePoint> randomPoints(Size size, int count, int seed)
 {
     RNG rng(seed);
-    std::vector<DescriptorPoint> points;
+    std::vector<FeaturePoint> points;
     for (int i = 0; i < count; i++)
     {
         // many of the angles are round, and with them the ties of cvRound
         const float angle = i % 3 == 0 ? float(rng.uniform(0, 25) * 15) : rng.uniform(-1.f, 720.f);
-        const DescriptorPoint point = {rng.uniform(0, size.width), rng.uniform(0, size.height), angle};
+        const FeaturePoint point = {rng.uniform(0, size.width), rng.uniform(0, size.height), angle};
         points.push_back(point);
     }
     return points;
 }
 
-TEST(AqorbDescriptor, equalsReference)
+TEST(Aqorb_Descriptor, equals_reference)
 {
     const int patches[] = {2, 3, 8, 30, 31, 32, 47, 80};
     const Size size(130, 95);
@@ -72,26 +82,26 @@ TEST(AqorbDescriptor, equalsReference)
     }
 }
 
-TEST(AqorbDescriptor, equalsReferenceAtBorders)
+TEST(Aqorb_Descriptor, equals_reference_at_borders)
 {
     const Size sizes[] = {Size(70, 64), Size(33, 20), Size(9, 40), Size(3, 3), Size(1, 1)};
     for (const Size& size : sizes)
     {
         const Mat noise = makeNoise(size, 2);
-        std::vector<DescriptorPoint> points;
+        std::vector<FeaturePoint> points;
         for (int x = 0; x < size.width; x++)
         {
             const int rows[] = {0, size.height / 2, size.height - 1};
             for (int row : rows)
             {
-                const DescriptorPoint point = {x, row, float(x * 37 % 360)};
+                const FeaturePoint point = {x, row, float(x * 37 % 360)};
                 points.push_back(point);
             }
         }
         for (int y = 0; y < size.height; y++)
         {
-            const DescriptorPoint left = {0, y, float(y * 53 % 360)};
-            const DescriptorPoint right = {size.width - 1, y, float(y * 91 % 360)};
+            const FeaturePoint left = {0, y, float(y * 53 % 360)};
+            const FeaturePoint right = {size.width - 1, y, float(y * 91 % 360)};
             points.push_back(left);
             points.push_back(right);
         }
@@ -104,7 +114,7 @@ TEST(AqorbDescriptor, equalsReferenceAtBorders)
     }
 }
 
-TEST(AqorbDescriptor, equalsReferenceForEveryWidthAndAlignment)
+TEST(Aqorb_Descriptor, equals_reference_for_every_width_and_alignment)
 {
     const DescriptorTests tests(descriptorPattern(31, 2), 2);
     for (int width = 1; width <= MAX_WIDTH; width++)
@@ -112,11 +122,11 @@ TEST(AqorbDescriptor, equalsReferenceForEveryWidthAndAlignment)
         SCOPED_TRACE(format("width %d", width));
         const Size size(width, 43);
         const Mat noise = makeNoise(size, width), exactlyBlurred = reference::roundedBlur(noise);
-        std::vector<DescriptorPoint> points;
+        std::vector<FeaturePoint> points;
         Mat expected(width, 32, CV_8UC1), blurred;
         for (int x = 0; x < width; x++)
         {
-            const DescriptorPoint point = {x, 21, float(x * 37 % 360)};
+            const FeaturePoint point = {x, 21, float(x * 37 % 360)};
             points.push_back(point);
             reference::descriptor(noise, exactlyBlurred, Point(x, 21), point.angle, tests.pattern, 2,
                                   expected.ptr(x));
@@ -138,7 +148,7 @@ TEST(AqorbDescriptor, equalsReferenceForEveryWidthAndAlignment)
     }
 }
 
-TEST(AqorbDescriptor, equalsReferenceWhereTheApproximationCannotTell)
+TEST(Aqorb_Descriptor, equals_reference_where_the_approximation_cannot_tell)
 {
     // Slopes so flat that neighbours differ by less than the bound of the approximate blur.
     Mat slope(100, 160, CV_8UC1);
@@ -162,25 +172,25 @@ TEST(AqorbDescriptor, equalsReferenceWhereTheApproximationCannotTell)
     }
 }
 
-TEST(AqorbDescriptor, equalsReferenceForEveryAngle)
+TEST(Aqorb_Descriptor, equals_reference_for_every_angle)
 {
     const Mat scene = makeScene(Size(90, 90), 3);
-    std::vector<DescriptorPoint> points;
+    std::vector<FeaturePoint> points;
     for (int i = 0; i <= 720; i++)
     {
-        const DescriptorPoint point = {45, 45, i * 0.5f};
+        const FeaturePoint point = {45, 45, i * 0.5f};
         points.push_back(point);
     }
     expectAsReference(scene, points, 31, 2);
 }
 
-TEST(AqorbDescriptor, takesPartsOfLargerImages)
+TEST(Aqorb_Descriptor, takes_parts_of_larger_images)
 {
     const Mat part = makeNoise(Size(140, 110))(Rect(17, 9, 90, 70));
     expectAsReference(part, randomPoints(part.size(), 100, 8), 31, 2);
 }
 
-TEST(AqorbDescriptor, patternEqualsReference)
+TEST(Aqorb_Descriptor, pattern_equals_reference)
 {
     for (int WTA_K = 2; WTA_K <= 4; WTA_K++)
     {
@@ -196,7 +206,7 @@ TEST(AqorbDescriptor, patternEqualsReference)
     }
 }
 
-TEST(AqorbDescriptor, ofThePatternsFirstTests)
+TEST(Aqorb_Descriptor, of_the_patterns_first_tests)
 {
     // A bright left half: test 1 of the learned pattern compares (8, -3) with (9, 5), test 2 (4, 2) with
     // (7, -12), test 3 (-11, 9) with (-8, 2), ...; only tests whose points lie on both sides can tell.
@@ -205,7 +215,7 @@ TEST(AqorbDescriptor, ofThePatternsFirstTests)
     Mat blurred;
     approximateBlur(image, blurred);
     const std::vector<Point> pattern = descriptorPattern(31, 2);
-    const DescriptorPoint upright = {40, 40, 0}, upsideDown = {40, 40, 180};
+    const FeaturePoint upright = {40, 40, 0}, upsideDown = {40, 40, 180};
     uchar bits[32], turnedBits[32];
     computeDescriptors(image, blurred, &upright, 1, pattern, 2, bits, 32);
     computeDescriptors(image, blurred, &upsideDown, 1, pattern, 2, turnedBits, 32);

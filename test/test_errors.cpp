@@ -1,6 +1,7 @@
-// This file is part of the aqorb project.
+// This file is part of aqorb. Copyright (C) The aqorb developers.
 // It is subject to the license terms in the LICENSE file found in the top-level directory
 // of this distribution.
+// SPDX-License-Identifier: Apache-2.0
 
 #include "test_precomp.hpp"
 
@@ -40,7 +41,7 @@ template <typename Call> std::string messageOf(Call call)
 const float NOT_A_NUMBER = std::numeric_limits<float>::quiet_NaN();
 const float ENDLESS = std::numeric_limits<float>::infinity();
 
-TEST(AQORB_Errors, bad_parameters_of_create)
+TEST(Aqorb_Errors, bad_parameters_of_create)
 {
 #define AQORB_BAD(name, value, call) \
     EXPECT_TRUE(names(messageOf([] { AdaptiveQuadtreeORB::call; }), name, value))
@@ -62,7 +63,7 @@ TEST(AQORB_Errors, bad_parameters_of_create)
 #undef AQORB_BAD
 }
 
-TEST(AQORB_Errors, bad_values_of_setters_leave_the_object_unchanged)
+TEST(Aqorb_Errors, bad_values_of_setters_leave_the_object_unchanged)
 {
     const Ptr<AdaptiveQuadtreeORB> detector = AdaptiveQuadtreeORB::create();
     const Mat image = makeScene(Size(200, 150));
@@ -95,7 +96,7 @@ TEST(AQORB_Errors, bad_values_of_setters_leave_the_object_unchanged)
     EXPECT_TRUE(sameFeatures(before, detectAndCompute(*detector, image)));
 }
 
-TEST(AQORB_Errors, the_ends_of_what_is_accepted_are_accepted)
+TEST(Aqorb_Errors, the_ends_of_what_is_accepted_are_accepted)
 {
     const Ptr<AdaptiveQuadtreeORB> detector = AdaptiveQuadtreeORB::create();
     EXPECT_NO_THROW(detector->setMaxFeatures(0));
@@ -117,7 +118,7 @@ TEST(AQORB_Errors, the_ends_of_what_is_accepted_are_accepted)
     EXPECT_NO_THROW(detector->setOctaveSuppression(0));
 }
 
-TEST(AQORB_Errors, parameters_that_do_not_go_together)
+TEST(Aqorb_Errors, parameters_that_do_not_go_together)
 {
     const Mat image = makeScene(Size(200, 150));
     KeyPoints keypoints;
@@ -131,10 +132,12 @@ TEST(AQORB_Errors, parameters_that_do_not_go_together)
     EXPECT_TRUE(names(messageOf([&] { detector->detect(image, keypoints); }), "firstLevel", "pixels"));
 }
 
-TEST(AQORB_Errors, bad_images_and_masks)
+TEST(Aqorb_Errors, bad_images_and_masks)
 {
     const Ptr<AdaptiveQuadtreeORB> detector = AdaptiveQuadtreeORB::create();
-    const int types[] = {CV_16UC1, CV_32FC1, CV_8SC1, CV_8UC2, CV_8UC(5), CV_64FC3};
+    // OpenCV's issue 21539 is about 16-bit images.
+    const int types[] = {CV_16UC1, CV_16SC1, CV_16UC3, CV_32FC1, CV_32FC3, CV_64FC1,
+                         CV_64FC3, CV_8SC1,  CV_8UC2,  CV_8UC(5)};
     KeyPoints keypoints(3);
     for (int type : types)
     {
@@ -156,7 +159,108 @@ TEST(AQORB_Errors, bad_images_and_masks)
     EXPECT_EQ(3u, keypoints.size());  // a call that fails leaves its outputs
 }
 
-TEST(AQORB_Errors, bad_octaves_of_provided_keypoints)
+TEST(Aqorb_Errors, sequences_of_images_and_masks)
+{
+    const Ptr<AdaptiveQuadtreeORB> detector = AdaptiveQuadtreeORB::create();
+    const Mat image = makeScene(Size(100, 80));
+    const std::vector<Mat> images(3, image);
+    const std::vector<UMat> uimages(3, image.getUMat(ACCESS_READ));
+    const std::vector<std::vector<uchar>> rows(3, std::vector<uchar>(100));
+    KeyPoints keypoints(3);
+    Mat descriptors = Mat::ones(3, 32, CV_8UC1);
+    std::vector<Mat> levels;
+    const _InputArray sequences[] = {images, uimages, rows};
+    for (const _InputArray& s : sequences)
+    {
+        EXPECT_TRUE(
+            names(messageOf([&] { detector->detectAndCompute(s, noArray(), keypoints, descriptors); }),
+                  "image", "3"));
+        EXPECT_TRUE(names(messageOf([&] { detector->buildPyramid(s, levels); }), "image", "3"));
+        EXPECT_TRUE(names(messageOf([&] { aqorb::adaptiveFastThreshold(s); }), "image", "3"));
+        EXPECT_TRUE(names(messageOf([&] { detector->detectAndCompute(image, s, keypoints, descriptors); }),
+                          "mask", "3"));
+        EXPECT_TRUE(names(messageOf([&] { aqorb::adaptiveFastThreshold(image, s); }), "mask", "3"));
+    }
+    EXPECT_EQ(3u, keypoints.size());
+    EXPECT_EQ(3, descriptors.rows);
+}
+
+TEST(Aqorb_Errors, images_too_large_for_a_pyramid)
+{
+    const int side = 1 << 20;
+    const Size sizes[] = {Size(side, 2), Size(2, side), Size(side + 9, 1)};
+    for (const Size& size : sizes)
+    {
+        const Mat image(size, CV_8UC1, Scalar(9));
+        const std::string text = format("%d x %d", size.width, size.height);
+        for (int firstLevel = 0; firstLevel <= 1; firstLevel++)
+        {
+            const Ptr<AdaptiveQuadtreeORB> detector =
+                AdaptiveQuadtreeORB::create(500, 1.2f, 8, 0, firstLevel);
+            KeyPoints keypoints(1, KeyPoint(Point2f(0, 0), 31, 0, 0, 2));
+            Mat descriptors;
+            std::vector<Mat> levels;
+            EXPECT_TRUE(names(messageOf([&] { detector->detect(image, keypoints); }), "image", text));
+            EXPECT_TRUE(
+                names(messageOf([&] { detector->compute(image, keypoints, descriptors); }), "image", text));
+            EXPECT_TRUE(names(messageOf([&] { detector->buildPyramid(image, levels); }), "image", text));
+            EXPECT_EQ(1u, keypoints.size());
+        }
+    }
+    // The largest image is accepted, but not with a level before it.
+    const Mat largest(2, side - 1, CV_8UC1, Scalar(9));
+    KeyPoints keypoints;
+    EXPECT_NO_THROW(AdaptiveQuadtreeORB::create(500, 1.2f, 8)->detect(largest, keypoints));
+    EXPECT_TRUE(names(
+        messageOf([&] { AdaptiveQuadtreeORB::create(500, 1.2f, 8, 16, 1)->detect(largest, keypoints); }),
+        "firstLevel", "1048575 x 2"));
+}
+
+TEST(Aqorb_Errors, outputs_that_do_not_fit_lose_nothing)
+{
+    const Ptr<AdaptiveQuadtreeORB> detector = AdaptiveQuadtreeORB::create(20);
+    const Mat scene = makeScene(Size(100, 80));
+    const Mat images[] = {Mat(), Mat::zeros(80, 100, CV_8UC1), scene};
+    for (const Mat& image : images)
+    {
+        Matx<uchar, 5, 32> fixed = Matx<uchar, 5, 32>::all(7);
+        const Mat constant = Mat::ones(4, 32, CV_8UC1);
+        std::vector<Mat> several(2, constant);
+        std::vector<float> floats(3);
+        for (int useProvided = 0; useProvided <= 1; useProvided++)
+        {
+            KeyPoints keypoints(3, KeyPoint(Point2f(50, 40), 31, 0));
+            const auto call = [&](OutputArray output)
+            {
+                return messageOf(
+                    [&]
+                    { detector->detectAndCompute(image, noArray(), keypoints, output, useProvided != 0); });
+            };
+            EXPECT_TRUE(names(call(fixed), "descriptors", "32 x 5"));
+            EXPECT_TRUE(names(call(constant), "descriptors", "32 x 4"));
+            EXPECT_TRUE(names(call(several), "descriptors", "sequence"));
+            EXPECT_TRUE(names(call(floats), "descriptors", "CV_32FC1"));
+            EXPECT_EQ(3u, keypoints.size());
+            EXPECT_EQ(3u, floats.size());
+            EXPECT_EQ(2u, several.size());
+            EXPECT_EQ(5 * 32, cv::countNonZero(Mat(fixed) == 7));
+        }
+    }
+    // a fixed size that fits
+    Matx<uchar, 20, 32> fixed;
+    KeyPoints keypoints;
+    EXPECT_NO_THROW(detector->detectAndCompute(scene, noArray(), keypoints, fixed));
+    EXPECT_TRUE(sameFeatures(detectAndCompute(*detector, scene), Features{keypoints, Mat(fixed)}));
+    const Mat nothing;
+    EXPECT_NO_THROW(detector->detectAndCompute(Mat(), noArray(), keypoints, nothing));
+    EXPECT_TRUE(keypoints.empty());
+
+    Mat level = Mat::ones(4, 4, CV_8UC1);
+    EXPECT_TRUE(names(messageOf([&] { detector->buildPyramid(scene, level); }), "levels", "kind"));
+    EXPECT_EQ(4, level.rows);
+}
+
+TEST(Aqorb_Errors, bad_octaves_of_provided_keypoints)
 {
     const Ptr<AdaptiveQuadtreeORB> detector = AdaptiveQuadtreeORB::create();
     const Mat image = makeScene(Size(200, 150));
@@ -167,10 +271,6 @@ TEST(AQORB_Errors, bad_octaves_of_provided_keypoints)
     keypoints[0].octave = 0x01000200 + 255;
     EXPECT_TRUE(
         names(messageOf([&] { detector->compute(image, keypoints, descriptors); }), "octave", "16777983"));
-    KeyPoints sift;
-    SIFT::create(50)->detect(image, sift);
-    ASSERT_FALSE(sift.empty());
-    EXPECT_THROW(detector->compute(image, sift, descriptors), cv::Exception);
     keypoints[0].octave = 1;
     detector->setScaleFactor(1);
     detector->setNLevels(1);
@@ -178,11 +278,15 @@ TEST(AQORB_Errors, bad_octaves_of_provided_keypoints)
         names(messageOf([&] { detector->compute(image, keypoints, descriptors); }), "scaleFactor", "1"));
 }
 
-TEST(AQORB_Errors, bad_arguments_of_the_functions)
+TEST(Aqorb_Errors, bad_arguments_of_the_functions)
 {
     KeyPoints keypoints(5, KeyPoint(Point2f(1, 1), 1));
     EXPECT_TRUE(names(messageOf([&] { aqorb::distributionUniformity(keypoints, Size(0, 5)); }), "imageSize",
                       "0 x 5"));
+    EXPECT_TRUE(names(messageOf([&] { aqorb::distributionUniformity(keypoints, Size(1, -1)); }), "imageSize",
+                      "1 x -1"));
+    EXPECT_TRUE(names(messageOf([&] { aqorb::distributionOccupancy(keypoints, Size(0, 120)); }), "imageSize",
+                      "0 x 120"));
     EXPECT_TRUE(names(messageOf([&] { aqorb::distributionOccupancy(keypoints, Size(5, -1)); }), "imageSize",
                       "5 x -1"));
     EXPECT_TRUE(names(messageOf([&] { aqorb::distributionOccupancy(keypoints, Size(5, 5), Size(0, 1)); }),
@@ -190,12 +294,16 @@ TEST(AQORB_Errors, bad_arguments_of_the_functions)
     EXPECT_TRUE(
         names(messageOf([&] { aqorb::distributionOccupancy(keypoints, Size(5, 5), Size(1 << 20, 1 << 20)); }),
               "grid", "1048576"));
+    EXPECT_TRUE(names(messageOf([&] { aqorb::distributionOccupancy(keypoints, Size(5, 5), Size(5000, 5000)); }),
+                      "grid", "5000"));
     EXPECT_TRUE(names(messageOf([&] { aqorb::retainUniform(keypoints, Size(), 5); }), "imageSize", "0 x 0"));
+    EXPECT_TRUE(
+        names(messageOf([&] { aqorb::retainUniform(keypoints, Size(10, -1), 5); }), "imageSize", "10 x -1"));
     EXPECT_TRUE(names(messageOf([&] { aqorb::retainUniform(keypoints, Size(5, 5), -5); }), "npoints", "-5"));
-    EXPECT_EQ(5u, keypoints.size());
+    EXPECT_TRUE(sameKeypoints(KeyPoints(5, KeyPoint(Point2f(1, 1), 1)), keypoints));
 }
 
-TEST(AQORB_Errors, points_that_are_nowhere_are_dropped)
+TEST(Aqorb_Errors, points_that_are_nowhere_are_dropped)
 {
     const Mat image = makeScene(Size(200, 150));
     for (int border = 0; border <= 16; border += 16)
@@ -215,7 +323,7 @@ TEST(AQORB_Errors, points_that_are_nowhere_are_dropped)
     }
 }
 
-TEST(AQORB_Errors, extreme_parameters_work)
+TEST(Aqorb_Errors, extreme_parameters_work)
 {
     const Mat image = makeScene(Size(120, 90));
     KeyPoints keypoints(7);
@@ -237,7 +345,7 @@ TEST(AQORB_Errors, extreme_parameters_work)
     EXPECT_TRUE(given.empty());
 }
 
-TEST(AQORB_Errors, a_cell_larger_than_the_image_is_one_cell)
+TEST(Aqorb_Errors, a_cell_larger_than_the_image_is_one_cell)
 {
     // However large it is: its far side must not be computed beyond what an int holds.
     const Mat image = makeScene(Size(120, 90));
@@ -255,7 +363,7 @@ TEST(AQORB_Errors, a_cell_larger_than_the_image_is_one_cell)
     }
 }
 
-TEST(AQORB_Errors, fastThreshold_is_limited_as_by_FAST)
+TEST(Aqorb_Errors, fast_threshold_is_limited_as_by_fast)
 {
     const Mat image = makeScene(Size(120, 90));
     const int outside[][2] = {{-1, 0}, {INT_MIN, 0}, {256, 255}, {INT_MAX, 255}};

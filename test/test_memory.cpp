@@ -1,94 +1,18 @@
-// This file is part of the aqorb project.
+// This file is part of aqorb. Copyright (C) The aqorb developers.
 // It is subject to the license terms in the LICENSE file found in the top-level directory
 // of this distribution.
+// SPDX-License-Identifier: Apache-2.0
 
 #include "test_precomp.hpp"
 
-#include <atomic>
-#include <cstdlib>
-#include <new>
-
-// Counted, for this program and the libraries it uses. All forms, or a sanitizer would see memory go back to
-// where it does not come from.
-static std::atomic<int> newCalls(0);
-
-void* operator new(std::size_t size, const std::nothrow_t&) noexcept
-{
-    newCalls++;
-    return std::malloc(size > 0 ? size : 1);
-}
-void* operator new[](std::size_t size, const std::nothrow_t& nothrow) noexcept
-{
-    return operator new(size, nothrow);
-}
-void* operator new(std::size_t size)
-{
-    if (void* memory = operator new(size, std::nothrow))
-        return memory;
-    throw std::bad_alloc();
-}
-void* operator new[](std::size_t size)
-{
-    return operator new(size);
-}
-void operator delete(void* memory) noexcept
-{
-    std::free(memory);
-}
-void operator delete[](void* memory) noexcept
-{
-    std::free(memory);
-}
-void operator delete(void* memory, std::size_t) noexcept
-{
-    std::free(memory);
-}
-void operator delete[](void* memory, std::size_t) noexcept
-{
-    std::free(memory);
-}
-void operator delete(void* memory, const std::nothrow_t&) noexcept
-{
-    std::free(memory);
-}
-void operator delete[](void* memory, const std::nothrow_t&) noexcept
-{
-    std::free(memory);
-}
+#include "allocations.hpp"
 
 namespace opencv_test
 {
 namespace
 {
 
-//! Counts the matrices that are allocated while it lives.
-class CountingAllocator : public MatAllocator
-{
-public:
-    CountingAllocator() : count(0), before(Mat::getDefaultAllocator()) { Mat::setDefaultAllocator(this); }
-    ~CountingAllocator() { Mat::setDefaultAllocator(before); }
-    int allocations() const { return count; }
-
-    UMatData* allocate(int dims, const int* sizes, int type, void* data, size_t* step, AccessFlag flags,
-                       UMatUsageFlags usage) const CV_OVERRIDE
-    {
-        count++;
-        return standard()->allocate(dims, sizes, type, data, step, flags, usage);
-    }
-    bool allocate(UMatData* data, AccessFlag flags, UMatUsageFlags usage) const CV_OVERRIDE
-    {
-        return standard()->allocate(data, flags, usage);
-    }
-    void deallocate(UMatData* data) const CV_OVERRIDE { standard()->deallocate(data); }
-
-private:
-    static MatAllocator* standard() { return Mat::getStdAllocator(); }
-
-    mutable std::atomic<int> count;
-    MatAllocator* const before;
-};
-
-//! Which levels are worked on at once, each with memory of its own, is the threads' affair.
+//! With several threads the memory in use would depend on how many levels they happen to work on at once.
 class OneThread
 {
 public:
@@ -99,7 +23,20 @@ private:
     const int before;
 };
 
-TEST(AqorbMemory, aStreamOfFramesAllocatesNothingAnew)
+// The other tests expect no allocation, and would hold as well if none was counted.
+TEST(Aqorb_Memory, allocations_are_counted_and_fail_on_request)
+{
+    const AllocationCounter allocations(3);
+    const Mat matrix(10, 10, CV_8UC1);
+    EXPECT_EQ(1, allocations.ofMatrices());
+    EXPECT_EQ(0, allocations.ofNew());
+    ::operator delete(::operator new(10));
+    EXPECT_EQ(1, allocations.ofNew());
+    EXPECT_THROW(Mat(10, 10, CV_8UC1), cv::Exception);
+    EXPECT_NO_THROW(Mat(10, 10, CV_8UC1));
+}
+
+TEST(Aqorb_Memory, a_stream_of_frames_allocates_nothing_anew)
 {
     const OneThread oneThread;
     const Ptr<AdaptiveQuadtreeORB> detector = AdaptiveQuadtreeORB::create(300);
@@ -112,24 +49,23 @@ TEST(AqorbMemory, aStreamOfFramesAllocatesNothingAnew)
         for (const Mat& frame : frames)
         {
             detector->detectAndCompute(frame, noArray(), features.keypoints, features.descriptors);
-            ASSERT_EQ(300, features.descriptors.rows);  // or the output would be allocated anew
+            ASSERT_EQ(300, features.descriptors.rows);  // or the output itself would be allocated again
         }
     };
-    for (int round = 0; round < 20; round++)  // work space grows, and changes places
+    for (int round = 0; round < 20; round++)  // until the buffers have grown to their final sizes
         detectAll();
 
-    const CountingAllocator allocator;
-    const int newCallsBefore = newCalls;
+    const AllocationCounter allocations;
     for (int round = 0; round < 3; round++)
         detectAll();
-    if (checkHardwareSupport(CPU_AVX2))  // else OpenCV resizes, which allocates
+    if (checkHardwareSupport(CPU_AVX2))  // without AVX2 cv::resize makes the pyramid, and it allocates
     {
-        EXPECT_EQ(newCallsBefore, newCalls);
+        EXPECT_EQ(0, allocations.ofNew());
     }
-    EXPECT_EQ(0, allocator.allocations());
+    EXPECT_EQ(0, allocations.ofMatrices());
 }
 
-TEST(AqorbMemory, packedOctavesFailBeforeAnyLevelIsAllocated)
+TEST(Aqorb_Memory, packed_octaves_fail_before_any_level_is_allocated)
 {
     const Mat image = makeScene(Size(200, 150));
     const Ptr<AdaptiveQuadtreeORB> detector = AdaptiveQuadtreeORB::create();
@@ -139,13 +75,13 @@ TEST(AqorbMemory, packedOctavesFailBeforeAnyLevelIsAllocated)
         KeyPoints keypoints(3, KeyPoint(Point2f(100, 70), 31.f));
         keypoints[1].octave = octave;
         Mat descriptors;
-        const CountingAllocator allocator;
+        const AllocationCounter allocations;
         EXPECT_THROW(detector->compute(image, keypoints, descriptors), cv::Exception) << octave;
-        EXPECT_EQ(0, allocator.allocations()) << octave;
+        EXPECT_EQ(0, allocations.ofMatrices()) << octave;
     }
 }
 
-TEST(AqorbMemory, theImageAndTheMaskAreNotKept)
+TEST(Aqorb_Memory, the_image_and_the_mask_are_not_kept)
 {
     const Ptr<AdaptiveQuadtreeORB> detector = AdaptiveQuadtreeORB::create(100, 1.2f, 4, 8, 1);
     const Mat image = makeScene(Size(160, 120)), mask(image.size(), CV_8UC1, Scalar(1));

@@ -1,6 +1,7 @@
-// This file is part of the aqorb project.
+// This file is part of aqorb. Copyright (C) The aqorb developers.
 // It is subject to the license terms in the LICENSE file found in the top-level directory
 // of this distribution.
+// SPDX-License-Identifier: Apache-2.0
 
 #include "reference.hpp"
 
@@ -109,8 +110,11 @@ void expectDescriptorsOfOrb(const Parameters& p, const Mat& image)
     }
     ASSERT_EQ(int(tagged.size()), descriptors.rows);
     const int tolerance = toleratedBits();
+    int last = -1;
     for (size_t i = 0; i < tagged.size(); i++)
     {
+        ASSERT_GT(tagged[i].class_id, last);  // cv::ORB keeps the order, too.
+        last = tagged[i].class_id;
         ASSERT_LE(cv::norm(ours.descriptors.row(tagged[i].class_id), descriptors.row(int(i)), NORM_HAMMING),
                   tolerance)
             << "at (" << tagged[i].pt.x << ", " << tagged[i].pt.y << ") octave " << tagged[i].octave;
@@ -153,13 +157,13 @@ KeyPoints arbitraryKeypoints(RNG& rng, Size imageSize, int octaves, int count)
     return keypoints;
 }
 
-TEST(AqorbOpenCVORB, descriptors_equal_for_default_parameters)
+TEST(Aqorb_OpenCVOrb, descriptors_equal_for_default_parameters)
 {
     AQORB_NEEDS_FMA_BLUR();
     expectDescriptorsOfOrb(Parameters(), makeScene(Size(640, 480)));
 }
 
-TEST(AqorbOpenCVORB, descriptors_equal_for_each_parameter)
+TEST(Aqorb_OpenCVOrb, descriptors_equal_for_each_parameter)
 {
     AQORB_NEEDS_FMA_BLUR();
     const Mat scene = makeScene(Size(320, 240), 2);
@@ -195,7 +199,7 @@ TEST(AqorbOpenCVORB, descriptors_equal_for_each_parameter)
     expectSameCompute(p, scene, orbKeypoints(p, scene));
 }
 
-TEST(AqorbOpenCVORB, descriptors_equal_for_random_parameters)
+TEST(Aqorb_OpenCVOrb, descriptors_equal_for_random_parameters)
 {
     AQORB_NEEDS_FMA_BLUR();
     RNG rng(3);
@@ -208,7 +212,7 @@ TEST(AqorbOpenCVORB, descriptors_equal_for_random_parameters)
     }
 }
 
-TEST(AqorbOpenCVORB, descriptors_equal_in_colour)
+TEST(Aqorb_OpenCVOrb, descriptors_equal_in_colour)
 {
     AQORB_NEEDS_FMA_BLUR();
     Mat colour, colourAlpha;
@@ -220,7 +224,7 @@ TEST(AqorbOpenCVORB, descriptors_equal_in_colour)
     expectDescriptorsOfOrb(Parameters(), colourAlpha);
 }
 
-TEST(AqorbOpenCVORB, descriptors_equal_on_photographs)
+TEST(Aqorb_OpenCVOrb, descriptors_equal_on_photographs)
 {
     AQORB_NEEDS_DATA();
     AQORB_NEEDS_FMA_BLUR();
@@ -235,7 +239,7 @@ TEST(AqorbOpenCVORB, descriptors_equal_on_photographs)
     }
 }
 
-TEST(AqorbOpenCVORB, compute_equal_on_its_keypoints)
+TEST(Aqorb_OpenCVOrb, compute_equal_on_its_keypoints)
 {
     AQORB_NEEDS_FMA_BLUR();
     RNG rng(5);
@@ -249,7 +253,7 @@ TEST(AqorbOpenCVORB, compute_equal_on_its_keypoints)
     }
 }
 
-TEST(AqorbOpenCVORB, compute_equal_on_its_keypoints_of_photographs)
+TEST(Aqorb_OpenCVOrb, compute_equal_on_its_keypoints_of_photographs)
 {
     AQORB_NEEDS_DATA();
     AQORB_NEEDS_FMA_BLUR();
@@ -267,7 +271,7 @@ TEST(AqorbOpenCVORB, compute_equal_on_its_keypoints_of_photographs)
     }
 }
 
-TEST(AqorbOpenCVORB, compute_drops_at_border_and_sorts_as_orb)
+TEST(Aqorb_OpenCVOrb, compute_drops_at_border_and_sorts_as_orb)
 {
     AQORB_NEEDS_FMA_BLUR();
     RNG rng(7);
@@ -280,7 +284,7 @@ TEST(AqorbOpenCVORB, compute_drops_at_border_and_sorts_as_orb)
     }
 }
 
-TEST(AqorbOpenCVORB, compute_drops_points_outside_as_orb)
+TEST(Aqorb_OpenCVOrb, compute_drops_points_outside_as_orb)
 {
     // With edgeThreshold 0 cv::ORB::compute keeps points outside and reads beyond its memory for them.
     AQORB_NEEDS_FMA_BLUR();
@@ -299,7 +303,7 @@ TEST(AqorbOpenCVORB, compute_drops_points_outside_as_orb)
     }
 }
 
-TEST(AqorbOpenCVORB, compute_builds_the_levels_of_the_keypoints)
+TEST(Aqorb_OpenCVOrb, compute_builds_the_levels_of_the_keypoints)
 {
     // Whatever nlevels says: levels beyond it are built, too.
     AQORB_NEEDS_FMA_BLUR();
@@ -318,7 +322,79 @@ TEST(AqorbOpenCVORB, compute_builds_the_levels_of_the_keypoints)
         ASSERT_LE(kept[i - 1].octave, kept[i].octave);
 }
 
-TEST(AqorbOpenCVORB, compute_keeps_order_within_sorted_octaves_and_all_fields)
+TEST(Aqorb_OpenCVOrb, compute_takes_octaves_beyond_the_levels)
+{
+    // Up to the last octave whose level has a pixel.
+    AQORB_NEEDS_FMA_BLUR();
+    RNG rng(9);
+    const Mat scene = makeScene(Size(800, 600));
+    Parameters p;
+    p.patchSize = 15;
+    p.edgeThreshold = 16;
+    for (int nlevels : {1, 8})
+    {
+        p.nlevels = nlevels;
+        KeyPoints keypoints;
+        for (int octave = 8; octave <= 38; octave++)
+        {
+            for (int i = 0; i < 10; i++)
+                keypoints.push_back(KeyPoint(Point2f(rng.uniform(16.f, 780.f), rng.uniform(16.f, 580.f)),
+                                             31.f, rng.uniform(0.f, 360.f), 1.f, octave, i));
+        }
+        expectSameCompute(p, scene, keypoints);
+    }
+    // The next one raises before the other levels are made.
+    KeyPoints keypoints(1, KeyPoint(Point2f(400, 300), 31, 0, 1, 38));
+    Mat descriptors;
+    EXPECT_NO_THROW(p.ours()->compute(scene, keypoints, descriptors));
+    keypoints[0].octave = 39;
+    EXPECT_THROW(p.ours()->compute(scene, keypoints, descriptors), cv::Exception);
+    EXPECT_EQ(1u, keypoints.size());
+}
+
+TEST(Aqorb_OpenCVOrb, compute_drops_at_every_side_and_corner_as_orb)
+{
+    // Points in steps of an eighth of a pixel across each side and each corner of the image.
+    AQORB_NEEDS_FMA_BLUR();
+    const Mat scene = makeScene(Size(141, 107));
+    Parameters p;
+    for (int edgeThreshold : {0, 1, 16, 31})
+    {
+        p.edgeThreshold = edgeThreshold;
+        std::vector<float> xs(1, 70.25f), ys(1, 53.25f);
+        const float reach = edgeThreshold == 0 ? 0.f : 2.f;  // cv::ORB keeps points outside with 0
+        for (float d = -2; d <= 2; d += 0.125f)
+        {
+            if (edgeThreshold + d >= -0.5f)
+            {
+                xs.push_back(edgeThreshold + d);
+                ys.push_back(edgeThreshold + d);
+            }
+            if (d < reach)
+            {
+                xs.push_back(scene.cols - edgeThreshold + d);
+                ys.push_back(scene.rows - edgeThreshold + d);
+            }
+        }
+        KeyPoints keypoints;
+        for (float y : ys)
+        {
+            for (float x : xs)
+            {
+                for (int octave : {0, 1, 3})
+                    keypoints.push_back(
+                        KeyPoint(Point2f(x, y), 31.f, x + y, 1.f, octave, int(keypoints.size())));
+            }
+        }
+        for (int firstLevel : {0, 1})
+        {
+            p.firstLevel = firstLevel;
+            expectSameCompute(p, scene, keypoints);
+        }
+    }
+}
+
+TEST(Aqorb_OpenCVOrb, compute_keeps_order_within_sorted_octaves_and_all_fields)
 {
     const Mat scene = makeScene(Size(200, 200));
     KeyPoints keypoints;
@@ -344,7 +420,7 @@ void expectNoFewerThanOrb(const Parameters& p, const Mat& image)
     EXPECT_LE(ours.size(), size_t(p.nfeatures));
 }
 
-TEST(AqorbOpenCVORB, never_fewer_keypoints)
+TEST(Aqorb_OpenCVOrb, never_fewer_keypoints)
 {
     RNG rng(9);
     for (int i = 0; i < 60; i++)
@@ -363,7 +439,7 @@ TEST(AqorbOpenCVORB, never_fewer_keypoints)
     expectNoFewerThanOrb(p, makeNoise(Size(640, 480)));
 }
 
-TEST(AqorbOpenCVORB, never_fewer_keypoints_on_photographs)
+TEST(Aqorb_OpenCVOrb, never_fewer_keypoints_on_photographs)
 {
     AQORB_NEEDS_DATA();
     const std::vector<Mat> images = photographs();

@@ -1,10 +1,11 @@
-// This file is part of the aqorb project.
+// This file is part of aqorb. Copyright (C) The aqorb developers.
 // It is subject to the license terms in the LICENSE file found in the top-level directory
 // of this distribution.
+// SPDX-License-Identifier: Apache-2.0
 
 #include "test_precomp.hpp"
 
-// By itself, so that programs which share test_util.cpp need no image codecs.
+// In a file of its own, so that programs which share test_util.cpp need no image codecs.
 
 namespace opencv_test
 {

@@ -1,8 +1,11 @@
-// This file is part of the aqorb project.
+// This file is part of aqorb. Copyright (C) The aqorb developers.
 // It is subject to the license terms in the LICENSE file found in the top-level directory
 // of this distribution.
+// SPDX-License-Identifier: Apache-2.0
 
 #include "reference.hpp"
+
+#include "position.hpp"
 
 namespace opencv_test
 {
@@ -11,7 +14,7 @@ namespace
 
 using namespace aqorb::stages;
 
-TEST(AqorbPosition, offsetEqualsReferenceAtEveryPixel)
+TEST(Aqorb_Position, offset_equals_reference_at_every_pixel)
 {
     const Size sizes[] = {Size(67, 45), Size(30, 9), Size(8, 8), Size(2, 3)};
     for (const Size& size : sizes)
@@ -36,7 +39,7 @@ TEST(AqorbPosition, offsetEqualsReferenceAtEveryPixel)
     }
 }
 
-TEST(AqorbPosition, offsetOfSymmetricAndFlatPlacesIsZero)
+TEST(Aqorb_Position, offset_of_symmetric_and_flat_places_is_zero)
 {
     Mat image(30, 40, CV_8UC1, Scalar(60));
     EXPECT_EQ(subPixelOffset(image, 20, 15), Point2d(0, 0));
@@ -44,7 +47,7 @@ TEST(AqorbPosition, offsetOfSymmetricAndFlatPlacesIsZero)
     EXPECT_EQ(subPixelOffset(image, 20, 15), Point2d(0, 0));
 }
 
-TEST(AqorbPosition, offsetTurnsWithTheImage)
+TEST(Aqorb_Position, offset_turns_with_the_image)
 {
     const Mat scene = makeScene(Size(61, 61), 4);
     Mat mirrored, transposed = scene.t();
@@ -63,14 +66,14 @@ TEST(AqorbPosition, offsetTurnsWithTheImage)
     EXPECT_GT(moved, 50);
 }
 
-TEST(AqorbPosition, withoutSubPixelIsThatOfORB)
+TEST(Aqorb_Position, without_sub_pixel_is_that_of_orb)
 {
     const PositionMap map = {Size(640, 480), Size(444, 333), 1.44f, 16, false};
     EXPECT_EQ(map(100, 200, 0.3, -0.3), Point2f(100 * 1.44f, 200 * 1.44f));
     EXPECT_EQ(map(0, 1), Point2f(0, 1.44f));
 }
 
-TEST(AqorbPosition, isByPixelCentres)
+TEST(Aqorb_Position, is_by_pixel_centres)
 {
     // Half the size: pixel (20, 30) covers the pixels (40..41, 60..61).
     const PositionMap half = {Size(200, 160), Size(100, 80), 2.f, 3, true};
@@ -84,7 +87,7 @@ TEST(AqorbPosition, isByPixelCentres)
     EXPECT_EQ(same(20, 30, 0.5, -0.5), Point2f(20.49f, 29.51f));
 }
 
-TEST(AqorbPosition, equalsReferenceAndFindsBackToItsPixel)
+TEST(Aqorb_Position, equals_reference_and_finds_back_to_its_pixel)
 {
     const float factors[] = {1.1f, 1.2f, 1.5f, 2.f, 2.7f};
     const double offsets[] = {-0.5, -0.13, 0, 0.4, 0.5};
@@ -93,8 +96,8 @@ TEST(AqorbPosition, equalsReferenceAndFindsBackToItsPixel)
         for (int level = -2; level <= 5; level++)
         {
             const Size image(197, 153);
-            const float scale = levelScale(level, 0, factor);
-            const Size size = levelSize(image, scale);
+            const float scale = reference::levelScale(level, 0, factor);
+            const Size size = reference::levelSize(image, scale);
             const int border = 5 + level;
             const PositionMap map = {image, size, scale, border, true};
             for (int x = border; x < size.width - border; x++)
@@ -113,7 +116,7 @@ TEST(AqorbPosition, equalsReferenceAndFindsBackToItsPixel)
     }
 }
 
-TEST(AqorbPosition, staysInsideTheBorder)
+TEST(Aqorb_Position, stays_inside_the_border)
 {
     // Or else compute, which drops keypoints within edgeThreshold of the image's sides, would drop it.
     const int border = 16;
@@ -122,8 +125,8 @@ TEST(AqorbPosition, staysInsideTheBorder)
         for (int level = 0; level < 6; level++)
         {
             const Size image(width, 100);
-            const float scale = levelScale(level, 0, 1.2f);
-            const Size size = levelSize(image, scale);
+            const float scale = reference::levelScale(level, 0, 1.2f);
+            const Size size = reference::levelSize(image, scale);
             const PositionMap map = {image, size, scale, border, true};
             for (int x = border; x < size.width - border; x++)
             {
@@ -138,7 +141,7 @@ TEST(AqorbPosition, staysInsideTheBorder)
     }
 }
 
-TEST(AqorbPosition, maskIsThatOfTheImageAtThePosition)
+TEST(Aqorb_Position, a_masked_pixel_has_no_usable_position)
 {
     const Size image(90, 70);
     const Mat mask = makeNoise(image) > 60;
@@ -147,8 +150,8 @@ TEST(AqorbPosition, maskIsThatOfTheImageAtThePosition)
         for (int subPixel = 0; subPixel <= 1; subPixel++)
         {
             SCOPED_TRACE(format("level %d, sub-pixel %d", level, subPixel));
-            const float scale = levelScale(level, 0, 1.3f);
-            const Size size = levelSize(image, scale);
+            const float scale = reference::levelScale(level, 0, 1.3f);
+            const Size size = reference::levelSize(image, scale);
             const PositionMap map = {image, size, scale, 3, subPixel != 0};
             Mat levelMask = makeNoise(size, level + 2) > 60;
             const Mat before = levelMask.clone();
@@ -157,9 +160,12 @@ TEST(AqorbPosition, maskIsThatOfTheImageAtThePosition)
             {
                 for (int x = 3; x < size.width - 3; x++)
                 {
-                    const Point2f p =
-                        reference::position(x, y, Point2d(), image, size, scale, 3, subPixel != 0);
-                    const bool use = before.at<uchar>(y, x) && mask.at<uchar>(cvRound(p.y), cvRound(p.x));
+                    Point2f expected, found;
+                    const bool hasPosition =
+                        reference::usablePosition(mask, x, y, size, scale, 3, subPixel != 0, expected);
+                    ASSERT_EQ(hasPosition, usablePosition(mask, map, x, y, found)) << x << " " << y;
+                    ASSERT_EQ(expected, found) << x << " " << y;
+                    const bool use = before.at<uchar>(y, x) && hasPosition;
                     ASSERT_EQ(levelMask.at<uchar>(y, x) != 0, use) << x << " " << y;
                 }
             }

@@ -1,6 +1,7 @@
-// This file is part of the aqorb project.
+// This file is part of aqorb. Copyright (C) The aqorb developers.
 // It is subject to the license terms in the LICENSE file found in the top-level directory
 // of this distribution.
+// SPDX-License-Identifier: Apache-2.0
 
 #ifndef OPENCV_AQORB_TEST_PRECOMP_HPP
 #define OPENCV_AQORB_TEST_PRECOMP_HPP
@@ -30,7 +31,9 @@ using namespace cv;
 #include "opencv2/imgcodecs.hpp"
 #include "opencv2/imgproc.hpp"
 
-#include "stages.hpp"
+#include "data_files.hpp"
+#include "features.hpp"
+#include "scenes.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -45,13 +48,6 @@ using aqorb::AdaptiveQuadtreeORB;
 
 typedef std::vector<KeyPoint> KeyPoints;
 
-//! What detectAndCompute gives.
-struct Features
-{
-    KeyPoints keypoints;
-    Mat descriptors;
-};
-
 Features detectAndCompute(Feature2D& detector, InputArray image, InputArray mask = noArray());
 
 //! Whether all fields of all keypoints have the same bytes.
@@ -60,30 +56,16 @@ Features detectAndCompute(Feature2D& detector, InputArray image, InputArray mask
 ::testing::AssertionResult sameMat(const Mat& a, const Mat& b);
 ::testing::AssertionResult sameFeatures(const Features& a, const Features& b);
 
-/** A grey scene with a few hundred corners of all strengths and sizes, the same for the same seed:
- filled polygons, discs, lines, texture, a smooth area and noise. */
-Mat makeScene(Size size, int seed = 1);
-//! White noise over all grey levels.
-Mat makeNoise(Size size, int seed = 1);
-//! Dots of all greys on black: there are corners of all scores.
-Mat makeDots(Size size, int seed = 1);
-
 /** A copy of which each row begins so many bytes behind a multiple of 64. It is a part of a larger matrix that
  goes on around it with the inverse of what borders are to be taken for, BORDER_REFLECT_101. */
 Mat atOffset(const Mat& image, int offset);
 //! Whether the elements around a part of a larger matrix all have the value.
 bool isAround(const Mat& part, int value);
 
-//! Path of a file of opencv_extra's testdata; empty where OPENCV_TEST_DATA_PATH is not set.
-std::string dataFile(const std::string& name);
-//! Path of image `index` (1 to 6) of an Oxford set: bikes, leuven, bark, trees, ubc or graf.
-std::string oxfordImage(const std::string& set, int index);
-//! Homography of an Oxford set from image 1 to image `index` (2 to 6).
-Mat oxfordHomography(const std::string& set, int index);
 //! Grey photographs of all kinds; needs opencv_extra's images.
 std::vector<Mat> photographs();
 
-//! Whether the installed cv::ORB's blur of a level is exactBlur in every pixel; else descriptors may differ.
+//! Whether the installed cv::ORB blurs a level as this module does, in every pixel. Else descriptors may differ.
 bool orbBlursExactly(const Mat& level);
 //! Whether it is rounded as with fused multiply-add on this CPU, so that as a rule it is.
 bool orbBlursWithFMA();

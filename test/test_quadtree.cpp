@@ -1,8 +1,11 @@
-// This file is part of the aqorb project.
+// This file is part of aqorb. Copyright (C) The aqorb developers.
 // It is subject to the license terms in the LICENSE file found in the top-level directory
 // of this distribution.
+// SPDX-License-Identifier: Apache-2.0
 
 #include "reference.hpp"
+
+#include "quadtree.hpp"
 
 #include <climits>
 #include <limits>
@@ -14,7 +17,7 @@ namespace
 
 using namespace aqorb::stages;
 
-TEST(AqorbQuadtree, depthOfThePapersExample)
+TEST(Aqorb_Quadtree, depth_of_the_papers_example)
 {
     // 500 features on 8 levels: 109 on the first, 30 on the last. The paper's text says 5 for the first,
     // which its equation (9) does not give.
@@ -22,7 +25,7 @@ TEST(AqorbQuadtree, depthOfThePapersExample)
     EXPECT_EQ(quadtreeDepth(30), 3);
 }
 
-TEST(AqorbQuadtree, depthIsTheSmallestWithEnoughLeaves)
+TEST(Aqorb_Quadtree, depth_is_the_smallest_with_enough_leaves)
 {
     EXPECT_EQ(quadtreeDepth(0), 0);
     EXPECT_EQ(quadtreeDepth(1), 0);
@@ -34,7 +37,7 @@ TEST(AqorbQuadtree, depthIsTheSmallestWithEnoughLeaves)
     }
 }
 
-TEST(AqorbQuadtree, leafCodeInterleavesBits)
+TEST(Aqorb_Quadtree, leaf_code_interleaves_bits)
 {
     EXPECT_EQ(leafCode(0, 0), 0u);
     EXPECT_EQ(leafCode(1, 0), 1u);
@@ -77,7 +80,7 @@ void expectSequence(std::vector<LeafPoint> points, int depth, BalancedSequence& 
     EXPECT_FALSE(sequence.next(point));
 }
 
-TEST(AqorbQuadtree, sequenceEqualsItsDefinition)
+TEST(Aqorb_Quadtree, sequence_equals_its_definition)
 {
     const int counts[] = {0, 1, 2, 7, 60, 500, 3000};
     BalancedSequence sequence;  // one for all: it must begin anew
@@ -93,7 +96,7 @@ TEST(AqorbQuadtree, sequenceEqualsItsDefinition)
 }
 
 // Corners come by rows; the signs of zeros must not hide that others do not.
-TEST(AqorbQuadtree, sequenceOfPointsInRasterOrder)
+TEST(Aqorb_Quadtree, sequence_of_points_in_raster_order)
 {
     BalancedSequence sequence;
     for (int depth = 0; depth <= 8; depth++)
@@ -117,7 +120,7 @@ TEST(AqorbQuadtree, sequenceOfPointsInRasterOrder)
 }
 
 // What the filter rejects might as well not be there.
-TEST(AqorbQuadtree, filterLeavesPointsOut)
+TEST(Aqorb_Quadtree, filter_leaves_points_out)
 {
     struct NotThird : PointFilter
     {
@@ -145,7 +148,7 @@ TEST(AqorbQuadtree, filterLeavesPointsOut)
     }
 }
 
-TEST(AqorbQuadtree, sequenceRanksAllFloats)
+TEST(Aqorb_Quadtree, sequence_ranks_all_floats)
 {
     const float inf = std::numeric_limits<float>::infinity();
     const float nan = std::numeric_limits<float>::quiet_NaN();
@@ -165,7 +168,7 @@ TEST(AqorbQuadtree, sequenceRanksAllFloats)
     }
 }
 
-TEST(AqorbQuadtree, sequenceByHand)
+TEST(Aqorb_Quadtree, sequence_by_hand)
 {
     // Depth 3: leaves 0 and 1 are in the first group of 16 leaves, 16 in the second.
     const LeafPoint given[] = {{0, 9, 0, 0, 0},  {0, 8, 0, 0, 1},  {1, 5, 0, 0, 2},
@@ -181,125 +184,6 @@ TEST(AqorbQuadtree, sequenceByHand)
         ASSERT_TRUE(sequence.next(point));
         EXPECT_EQ(point.index, index);
     }
-}
-
-KeyPoints randomKeypoints(int count, Size size, int seed)
-{
-    RNG rng(seed);
-    KeyPoints keypoints;
-    for (int i = 0; i < count; i++)
-    {
-        // a third of them in one corner
-        const float part = i % 3 ? 1.f : 0.2f;
-        keypoints.push_back(KeyPoint(rng.uniform(0.f, part * size.width),
-                                     rng.uniform(0.f, part * size.height), rng.uniform(1.f, 99.f),
-                                     rng.uniform(-1.f, 360.f), rng.uniform(-5.f, 5.f), rng.uniform(-3, 99),
-                                     i));  // class_id tells which it was
-    }
-    return keypoints;
-}
-
-TEST(AqorbRetainUniform, equalsReferenceAndTouchesNoField)
-{
-    const Size size(640, 481);
-    const KeyPoints all = randomKeypoints(1000, size, 1);
-    const int numbers[] = {0, 1, 2, 5, 16, 17, 100, 500, 999, 1000, 5000};
-    for (int n : numbers)
-    {
-        SCOPED_TRACE(n);
-        const int depth = reference::quadtreeDepth(n);
-        std::vector<LeafPoint> points;
-        for (size_t i = 0; i < all.size(); i++)
-        {
-            const double leaves = 1 << depth;
-            const LeafPoint point = {reference::leafCode(unsigned(all[i].pt.x * leaves / size.width),
-                                                         unsigned(all[i].pt.y * leaves / size.height)),
-                                     all[i].response, all[i].pt.x, all[i].pt.y, int(i)};
-            points.push_back(point);
-        }
-        points = reference::balancedSequence(points, depth);
-        points.resize(std::min(points.size(), size_t(n)));
-        std::vector<int> indices;
-        for (const LeafPoint& point : points)
-            indices.push_back(point.index);
-        std::sort(indices.begin(), indices.end());
-        KeyPoints expected, kept = all;
-        for (int index : indices)
-            expected.push_back(all[index]);  // in input order
-        aqorb::retainUniform(kept, size, n);
-        EXPECT_TRUE(sameKeypoints(kept, expected));
-        aqorb::retainUniform(kept, size, n);  // once more changes nothing
-        EXPECT_TRUE(sameKeypoints(kept, expected));
-    }
-}
-
-TEST(AqorbRetainUniform, isMoreUniformThanTheBest)
-{
-    const Size size(640, 480);
-    KeyPoints uniform = randomKeypoints(3000, size, 2), best = uniform;
-    for (KeyPoint& keypoint : uniform)
-        keypoint.response += 10 * (keypoint.pt.x < 100);
-    best = uniform;
-    aqorb::retainUniform(uniform, size, 300);
-    KeyPointsFilter::retainBest(best, 300);
-    EXPECT_EQ(uniform.size(), 300u);
-    EXPECT_LT(aqorb::distributionUniformity(uniform, size), aqorb::distributionUniformity(best, size) - 50);
-    EXPECT_GT(aqorb::distributionOccupancy(uniform, size), 0.7);
-}
-
-TEST(AqorbRetainUniform, dropsWhatLiesOutside)
-{
-    const float nan = std::numeric_limits<float>::quiet_NaN();
-    const float inf = std::numeric_limits<float>::infinity();
-    const Point2f outside[] = {Point2f(-0.5f, 5), Point2f(5, -1e-6f), Point2f(10, 5),  Point2f(5, 20),
-                               Point2f(nan, 5),   Point2f(5, nan),    Point2f(inf, 5), Point2f(5, -inf)};
-    KeyPoints keypoints;
-    for (const Point2f& p : outside)
-        keypoints.push_back(KeyPoint(p, 1));
-    keypoints.push_back(KeyPoint(0, 0, 1));
-    keypoints.push_back(KeyPoint(9.999f, 19.999f, 1));
-    const KeyPoints inside(keypoints.end() - 2, keypoints.end());
-    aqorb::retainUniform(keypoints, Size(10, 20), 1000);  // also where fewer than npoints are there
-    EXPECT_TRUE(sameKeypoints(keypoints, inside));
-}
-
-TEST(AqorbRetainUniform, takesNaNLastAndAtMostOneOfALeafFirst)
-{
-    const float nan = std::numeric_limits<float>::quiet_NaN();
-    KeyPoints keypoints;
-    keypoints.push_back(KeyPoint(10, 10, 1, -1, nan));
-    keypoints.push_back(KeyPoint(11, 10, 1, -1, -1e30f));
-    keypoints.push_back(KeyPoint(12, 10, 1, -1, nan));
-    KeyPoints kept = keypoints;
-    aqorb::retainUniform(kept, Size(100, 100), 1);
-    EXPECT_TRUE(sameKeypoints(kept, KeyPoints(1, keypoints[1])));
-    kept = keypoints;
-    aqorb::retainUniform(kept, Size(100, 100), 3);
-    EXPECT_EQ(kept.size(), 3u);
-
-    // Two in one quarter; the weak one in another quarter goes before the second of them.
-    keypoints.clear();
-    keypoints.push_back(KeyPoint(10, 10, 1, -1, 9));
-    keypoints.push_back(KeyPoint(20, 10, 1, -1, 8));
-    keypoints.push_back(KeyPoint(90, 90, 1, -1, 1));
-    kept = keypoints;
-    aqorb::retainUniform(kept, Size(100, 100), 2);
-    ASSERT_EQ(kept.size(), 2u);
-    EXPECT_EQ(kept[0].response, 9);
-    EXPECT_EQ(kept[1].response, 1);
-}
-
-TEST(AqorbRetainUniform, rejectsBadArguments)
-{
-    KeyPoints keypoints = randomKeypoints(5, Size(10, 10), 1);
-    const KeyPoints before = keypoints;
-    EXPECT_THROW(aqorb::retainUniform(keypoints, Size(0, 10), 3), cv::Exception);
-    EXPECT_THROW(aqorb::retainUniform(keypoints, Size(10, -1), 3), cv::Exception);
-    EXPECT_THROW(aqorb::retainUniform(keypoints, Size(10, 10), -1), cv::Exception);
-    EXPECT_TRUE(sameKeypoints(keypoints, before));
-    keypoints.clear();
-    aqorb::retainUniform(keypoints, Size(10, 10), 3);
-    EXPECT_TRUE(keypoints.empty());
 }
 
 }  // namespace

@@ -1,14 +1,13 @@
-// This file is part of the aqorb project.
+// This file is part of aqorb. Copyright (C) The aqorb developers.
 // It is subject to the license terms in the LICENSE file found in the top-level directory
 // of this distribution.
+// SPDX-License-Identifier: Apache-2.0
 
 #include "test_precomp.hpp"
 
-#include <opencv2/opencv_modules.hpp>
+#include "matches.hpp"
 
-#ifdef HAVE_OPENCV_CALIB3D
-#include <opencv2/calib3d.hpp>
-#endif
+#include <opencv2/opencv_modules.hpp>
 
 #include <iostream>
 
@@ -38,13 +37,13 @@ KeyPoints detect(Feature2D& detector, const Mat& image)
     return keypoints;
 }
 
-//! Prints one figure of both detectors.
+//! Prints one measure of both detectors.
 void report(const std::string& figure, double ours, double orb)
 {
     std::cout << format("[ FIGURE   ] %-52s %8.3f  cv::ORB %8.3f", figure.c_str(), ours, orb) << std::endl;
 }
 
-TEST(AqorbQuality, uniform_on_photographs)
+TEST(Aqorb_Quality, uniform_on_photographs)
 {
     AQORB_NEEDS_DATA();
     const Ptr<ORB> ours = AdaptiveQuadtreeORB::create(500), orb = ORB::create(500);
@@ -75,7 +74,7 @@ TEST(AqorbQuality, uniform_on_photographs)
     EXPECT_GT(oursOccupancy, orbOccupancy);
 }
 
-TEST(AqorbQuality, gives_all_features_asked_for)
+TEST(Aqorb_Quality, gives_all_features_asked_for)
 {
     AQORB_NEEDS_DATA();
     for (const char* set : {"bark", "trees", "ubc"})
@@ -90,7 +89,7 @@ TEST(AqorbQuality, gives_all_features_asked_for)
     }
 }
 
-TEST(AqorbQuality, finds_features_in_dark_images)
+TEST(Aqorb_Quality, finds_features_in_dark_images)
 {
     AQORB_NEEDS_DATA();
     const int nfeatures = 500;
@@ -111,7 +110,7 @@ TEST(AqorbQuality, finds_features_in_dark_images)
             orbSum += double(b.size());
             oursLeast = std::min(oursLeast, a.size());
             images++;
-            // Where cv::ORB finds next to nothing there still is enough to see.
+            // cv::ORB finds next to nothing in these images, though there is enough to see.
             EXPECT_GE(a.size(), size_t(nfeatures / 2)) << "cv::ORB: " << b.size();
         }
     }
@@ -120,77 +119,6 @@ TEST(AqorbQuality, finds_features_in_dark_images)
 }
 
 #ifdef HAVE_OPENCV_CALIB3D
-
-//! Positions of cross-checked matches in both images, best first.
-struct Matches
-{
-    std::vector<Point2f> from, to;
-};
-
-Matches match(const Features& a, const Features& b)
-{
-    std::vector<DMatch> matches;
-    if (!a.descriptors.empty() && !b.descriptors.empty())
-        BFMatcher(NORM_HAMMING, true).match(a.descriptors, b.descriptors, matches);
-    std::stable_sort(matches.begin(), matches.end());
-    Matches result;
-    for (const DMatch& m : matches)
-    {
-        result.from.push_back(a.keypoints[m.queryIdx].pt);
-        result.to.push_back(b.keypoints[m.trainIdx].pt);
-    }
-    return result;
-}
-
-/** Matches within 3 pixels of the homography, each at least 4 pixels away from every better one in both
- images: two keypoints on one corner of the scene say no more about it than one. */
-int distinctCorrect(const Matches& matches, const Mat& homography)
-{
-    if (matches.from.empty())
-        return 0;
-    std::vector<Point2f> mapped;
-    perspectiveTransform(matches.from, mapped, homography);
-    std::vector<size_t> kept;
-    for (size_t i = 0; i < mapped.size(); i++)
-    {
-        bool counts = cv::norm(mapped[i] - matches.to[i]) <= 3;
-        for (size_t j = 0; counts && j < kept.size(); j++)
-            counts = cv::norm(matches.from[i] - matches.from[kept[j]]) >= 4 &&
-                     cv::norm(matches.to[i] - matches.to[kept[j]]) >= 4;
-        if (counts)
-            kept.push_back(i);
-    }
-    return int(kept.size());
-}
-
-//! Mean distance of the image's corners mapped by the homography estimated from the matches.
-double cornerError(const Matches& matches, const Mat& homography, Size size, int seed)
-{
-    const double FAILED = 1e6;
-    if (matches.from.size() < 4)
-        return FAILED;
-    UsacParams params;
-    params.score = SCORE_METHOD_MAGSAC;
-    params.sampler = SAMPLING_UNIFORM;
-    params.loMethod = LOCAL_OPTIM_SIGMA;
-    params.loIterations = 10;
-    params.maxIterations = 5000;
-    params.confidence = 0.9999;
-    params.threshold = 3;
-    params.randomGeneratorState = seed;
-    const Mat estimate = findHomography(matches.from, matches.to, noArray(), params);
-    if (estimate.empty())
-        return FAILED;
-    const float right = float(size.width - 1), bottom = float(size.height - 1);
-    const std::vector<Point2f> corners = {{0, 0}, {right, 0}, {right, bottom}, {0, bottom}};
-    std::vector<Point2f> estimated, known;
-    perspectiveTransform(corners, estimated, estimate);
-    perspectiveTransform(corners, known, homography);
-    double sum = 0;
-    for (size_t i = 0; i < corners.size(); i++)
-        sum += cv::norm(estimated[i] - known[i]);
-    return cvIsNaN(sum) ? FAILED : sum / double(corners.size());
-}
 
 //! Area under the curve of the share of errors below a limit, for limits from 0 to `limit`; 1 is perfect.
 double areaUnderCurve(const std::vector<double>& errors, double limit)
@@ -201,7 +129,7 @@ double areaUnderCurve(const std::vector<double>& errors, double limit)
     return sum / double(errors.size());
 }
 
-TEST(AqorbQuality, matches_more_of_the_scene)
+TEST(Aqorb_Quality, matches_more_of_the_scene)
 {
     AQORB_NEEDS_DATA();
     const int seeds = 7;
@@ -220,10 +148,10 @@ TEST(AqorbQuality, matches_more_of_the_scene)
             {
                 const Mat homography = oxfordHomography(set, i), image = readColour(set, i);
                 ASSERT_FALSE(homography.empty() || image.empty());
-                const Matches matches = match(features, detectAndCompute(*detectors[d], image));
-                distinctOfSet[d] += distinctCorrect(matches, homography);
+                const Matches matches = matchFeatures(features, detectAndCompute(*detectors[d], image));
+                distinctOfSet[d] += int(distinctCorrectMatches(matches, homography).size());
                 for (int seed = 1; seed <= seeds; seed++)
-                    errors[d].push_back(cornerError(matches, homography, first.size(), seed * 7919));
+                    errors[d].push_back(homographyError(matches, homography, first.size(), seed * 7919));
                 pairs += d;
             }
             distinct[d] += distinctOfSet[d];

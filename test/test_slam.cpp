@@ -1,8 +1,9 @@
-// This file is part of the aqorb project.
+// This file is part of aqorb. Copyright (C) The aqorb developers.
 // It is subject to the license terms in the LICENSE file found in the top-level directory
 // of this distribution.
+// SPDX-License-Identifier: Apache-2.0
 
-#include "test_precomp.hpp"
+#include "reference.hpp"
 
 #include "opencv2/aqorb/slam.hpp"
 
@@ -73,7 +74,7 @@ Features extract(SlamExtractor& extractor, const Mat& image, const Mat& mask = M
     return features;
 }
 
-TEST(AQORB_Slam, a_system_holds_it_as_its_ORBextractor)
+TEST(Aqorb_Slam, a_system_holds_it_as_its_or_bextractor)
 {
     const slam_system::Settings settings;
     slam_system::ORBextractor left(settings.nFeatures, settings.fScaleFactor, settings.nLevels,
@@ -91,7 +92,7 @@ TEST(AQORB_Slam, a_system_holds_it_as_its_ORBextractor)
     ASSERT_EQ(8u, frame.mvScaleFactors.size());
     for (int i = 0; i < 8; i++)
     {
-        const float scale = aqorb::stages::levelScale(i, 0, 1.2f);
+        const float scale = reference::levelScale(i, 0, 1.2f);
         EXPECT_EQ(scale, frame.mvScaleFactors[i]);
         EXPECT_FLOAT_EQ(1 / scale, frame.mvInvScaleFactors[i]);
         EXPECT_FLOAT_EQ(scale * scale, frame.mvLevelSigma2[i]);
@@ -99,7 +100,7 @@ TEST(AQORB_Slam, a_system_holds_it_as_its_ORBextractor)
     }
 }
 
-TEST(AQORB_Slam, keypoints_are_the_detectors_at_the_given_thresholds)
+TEST(Aqorb_Slam, keypoints_are_the_detectors_at_the_given_thresholds)
 {
     const Mat image = makeScene(Size(320, 240)) * 0.5;
     const int thresholds[][2] = {{20, 7}, {20, 20}, {40, 9}, {254, 1}, {1, 1}, {13, 11}};
@@ -108,8 +109,8 @@ TEST(AQORB_Slam, keypoints_are_the_detectors_at_the_given_thresholds)
         SCOPED_TRACE(format("%d, %d", pair[0], pair[1]));
         SlamExtractor extractor(5000, 1.2f, 4, pair[0], pair[1]);
         const Features found = extract(extractor, image);
-        const aqorb::stages::Thresholds expected = aqorb::stages::fixedThresholds(
-            extractor.detector()->getFastThreshold(), extractor.detector()->getMinThresholdRatio());
+        const reference::Thresholds expected = reference::thresholds(
+            0, false, extractor.detector()->getFastThreshold(), extractor.detector()->getMinThresholdRatio());
         EXPECT_EQ(pair[0], expected.ini);
         EXPECT_EQ(pair[1], expected.min);
 
@@ -122,7 +123,7 @@ TEST(AQORB_Slam, keypoints_are_the_detectors_at_the_given_thresholds)
     }
 }
 
-TEST(AQORB_Slam, positions_are_pixels_of_the_level_times_its_scale)
+TEST(Aqorb_Slam, positions_are_pixels_of_the_level_times_its_scale)
 {
     SlamExtractor extractor(1000, 1.2f, 8, 20, 7);
     const Features found = extract(extractor, makeScene(Size(500, 350)));
@@ -139,7 +140,7 @@ TEST(AQORB_Slam, positions_are_pixels_of_the_level_times_its_scale)
     }
 }
 
-TEST(AQORB_Slam, keypoints_are_parted_by_the_overlap)
+TEST(Aqorb_Slam, keypoints_are_parted_by_the_overlap)
 {
     const Mat image = makeScene(Size(400, 300));
     SlamExtractor extractor(800, 1.2f, 8, 20, 7);
@@ -171,7 +172,7 @@ TEST(AQORB_Slam, keypoints_are_parted_by_the_overlap)
     }
 }
 
-TEST(AQORB_Slam, both_ends_of_the_overlap_belong_to_it)
+TEST(Aqorb_Slam, both_ends_of_the_overlap_belong_to_it)
 {
     SlamExtractor extractor(100, 1.2f, 1, 20, 7);
     const Mat image = makeScene(Size(300, 200));
@@ -184,20 +185,19 @@ TEST(AQORB_Slam, both_ends_of_the_overlap_belong_to_it)
         EXPECT_EQ(i >= outside, found.keypoints[i].pt.x == column);
 }
 
-TEST(AQORB_Slam, the_pyramid_is_the_detectors)
+TEST(Aqorb_Slam, the_pyramid_is_the_detectors)
 {
     SlamExtractor extractor(500, 1.2f, 8, 20, 7);
     const Mat images[] = {makeScene(Size(301, 247)), makeScene(Size(123, 456), 2)};
     for (const Mat& image : images)
     {
         extract(extractor, image);
-        std::vector<aqorb::stages::Level> expected;
-        aqorb::stages::buildPyramid(image, Mat(), 8, 0, 1.2f, 1, expected);
+        const std::vector<Mat> expected = reference::pyramid(image, 8, 0, 1.2f);
         ASSERT_EQ(8u, extractor.mvImagePyramid.size());
         for (int i = 0; i < 8; i++)
         {
             const Mat& level = extractor.mvImagePyramid[i];
-            EXPECT_TRUE(sameMat(expected[i].image, level)) << "level " << i;
+            EXPECT_TRUE(sameMat(expected[i], level)) << "level " << i;
             const float scale = extractor.GetScaleFactors()[i];
             EXPECT_EQ(Size(cvRound(image.cols / scale), cvRound(image.rows / scale)), level.size());
         }
@@ -205,7 +205,7 @@ TEST(AQORB_Slam, the_pyramid_is_the_detectors)
     }
 }
 
-TEST(AQORB_Slam, a_level_without_pixels_is_empty)
+TEST(Aqorb_Slam, a_level_without_pixels_is_empty)
 {
     SlamExtractor extractor(500, 2, 8, 20, 7);
     extract(extractor, makeScene(Size(100, 60)));
@@ -215,7 +215,7 @@ TEST(AQORB_Slam, a_level_without_pixels_is_empty)
     EXPECT_TRUE(extractor.mvImagePyramid[7].empty());
 }
 
-TEST(AQORB_Slam, an_empty_image_clears_all)
+TEST(Aqorb_Slam, an_empty_image_clears_all)
 {
     SlamExtractor extractor(500, 1.2f, 8, 20, 7);
     Features features = extract(extractor, makeScene(Size(200, 150)));
@@ -228,7 +228,7 @@ TEST(AQORB_Slam, an_empty_image_clears_all)
     EXPECT_TRUE(extractor.mvImagePyramid[0].empty());
 }
 
-TEST(AQORB_Slam, a_mask_is_heeded)
+TEST(Aqorb_Slam, a_mask_is_heeded)
 {
     SlamExtractor extractor(500, 1.2f, 8, 20, 7);
     Mat mask = Mat::zeros(240, 320, CV_8UC1);
@@ -239,7 +239,7 @@ TEST(AQORB_Slam, a_mask_is_heeded)
         EXPECT_LT(cvRound(keypoint.pt.x), 160);
 }
 
-TEST(AQORB_Slam, descriptors_need_not_be_asked_for)
+TEST(Aqorb_Slam, descriptors_need_not_be_asked_for)
 {
     SlamExtractor extractor(500, 1.2f, 8, 20, 7);
     KeyPoints keypoints;
@@ -249,7 +249,27 @@ TEST(AQORB_Slam, descriptors_need_not_be_asked_for)
     EXPECT_EQ(500u, keypoints.size());
 }
 
-TEST(AQORB_Slam, bad_arguments)
+TEST(Aqorb_Slam, several_levels_need_a_scale_factor_above_1)
+{
+    const float factors[] = {1.f, 0.5f};
+    for (float factor : factors)
+    {
+        std::string message;
+        try
+        {
+            SlamExtractor(500, factor, 8, 20, 7);
+        }
+        catch (const cv::Exception& e)
+        {
+            message = e.err;
+        }
+        EXPECT_EQ(0u, message.find(format("scaleFactor: got %g; > 1", factor))) << message;
+        EXPECT_NE(std::string::npos, message.find("accepted")) << message;
+        EXPECT_NO_THROW(SlamExtractor(500, factor, 1, 20, 7)) << factor;
+    }
+}
+
+TEST(Aqorb_Slam, bad_arguments)
 {
     EXPECT_THROW(SlamExtractor(-1, 1.2f, 8, 20, 7), cv::Exception);
     EXPECT_THROW(SlamExtractor(500, 0, 8, 20, 7), cv::Exception);
@@ -265,78 +285,6 @@ TEST(AQORB_Slam, bad_arguments)
                  cv::Exception);
     EXPECT_THROW(extract(extractor, Mat(150, 200, CV_16UC1, Scalar(0))), cv::Exception);
     EXPECT_THROW(extract(extractor, image, Mat(150, 199, CV_8UC1, Scalar(1))), cv::Exception);
-}
-
-// ---- AdaptiveQuadtreeORB::buildPyramid ---------------------------------------------------------
-
-TEST(AQORB_Pyramid, is_what_detection_uses)
-{
-    const Mat image = makeScene(Size(211, 157));
-    const float factors[] = {1.1f, 1.2f, 2.f};
-    for (float factor : factors)
-    {
-        for (int firstLevel = 0; firstLevel <= 2; firstLevel++)
-        {
-            const Ptr<AdaptiveQuadtreeORB> detector =
-                AdaptiveQuadtreeORB::create(500, factor, 4, 16, firstLevel);
-            std::vector<Mat> levels;
-            detector->buildPyramid(image, levels);
-            std::vector<aqorb::stages::Level> expected;
-            aqorb::stages::buildPyramid(image, Mat(), 4, firstLevel, factor, 1, expected);
-            ASSERT_EQ(4u, levels.size());
-            for (int i = 0; i < 4; i++)
-                EXPECT_TRUE(sameMat(expected[i].image, levels[i])) << factor << " " << firstLevel << " " << i;
-        }
-    }
-}
-
-// A level given as an image has the features that it has as a level.
-TEST(AQORB_Pyramid, holds_the_levels_of_ORB)
-{
-    const Mat image = makeScene(Size(400, 300));
-    std::vector<Mat> levels;
-    AdaptiveQuadtreeORB::create()->buildPyramid(image, levels);
-    for (int octave = 0; octave < 4; octave++)
-    {
-        const float scale = aqorb::stages::levelScale(octave, 0, 1.2f);
-        Mat onLevel, onImage;
-        KeyPoints keypoints(1, KeyPoint(80.f, 70.f, 31, 30, 1, 0));
-        ORB::create()->compute(levels[octave], keypoints, onLevel);
-        keypoints[0].pt *= scale;
-        keypoints[0].octave = octave;
-        ORB::create()->compute(image, keypoints, onImage);
-        EXPECT_TRUE(sameMat(onImage, onLevel)) << "octave " << octave;
-    }
-}
-
-TEST(AQORB_Pyramid, takes_what_detection_takes)
-{
-    const Ptr<AdaptiveQuadtreeORB> detector = AdaptiveQuadtreeORB::create();
-    const Mat image = makeScene(Size(200, 150));
-    std::vector<Mat> expected, levels;
-    detector->buildPyramid(image, expected);
-    ASSERT_EQ(8u, expected.size());
-
-    Mat colour;
-    cvtColor(image, colour, COLOR_GRAY2BGR);
-    detector->buildPyramid(colour.getUMat(ACCESS_READ), levels);
-    ASSERT_EQ(expected.size(), levels.size());
-    for (size_t i = 0; i < levels.size(); i++)
-        EXPECT_TRUE(sameMat(expected[i], levels[i]));
-
-    const Mat before = levels[0];
-    levels[0].setTo(0);
-    detector->buildPyramid(image, levels);
-    EXPECT_TRUE(sameMat(expected[0], levels[0]));
-    EXPECT_TRUE(sameMat(image, expected[0]));  // its own memory
-    EXPECT_NE(before.data, levels[0].data);
-
-    EXPECT_THROW(detector->buildPyramid(Mat(9, 9, CV_32FC1, Scalar(0)), levels), cv::Exception);
-    EXPECT_EQ(8u, levels.size());
-    detector->buildPyramid(Mat(), levels);
-    EXPECT_TRUE(levels.empty());
-    detector->setFirstLevel(8);
-    EXPECT_THROW(detector->buildPyramid(image, levels), cv::Exception);
 }
 
 }  // namespace

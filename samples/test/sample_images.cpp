@@ -1,16 +1,19 @@
-// This file is part of the aqorb project.
+// This file is part of aqorb. Copyright (C) The aqorb developers.
 // It is subject to the license terms in the LICENSE file found in the top-level directory
 // of this distribution.
+// SPDX-License-Identifier: Apache-2.0
 
-// Makes the images that the samples' tests use, from a photograph or a drawn scene: two views of it, three
-// overlapping parts, a video of images and a fisheye lens's image.
+// Makes the files that the samples' tests use, from a photograph or a drawn scene: two views of it, three
+// overlapping parts, a video of images, a fisheye lens's image, a stereo sequence; and files that are of no use.
 
 #include "../../perf/perf_scene.hpp"
 
+#include <opencv2/core/utils/filesystem.hpp>
 #include <opencv2/imgcodecs.hpp>
 #include <opencv2/imgproc.hpp>
 
 #include <cstdlib>
+#include <fstream>
 
 using namespace cv;
 
@@ -44,7 +47,34 @@ static Mat photographOrScene()
     const char* const data = std::getenv("OPENCV_TEST_DATA_PATH");
     const String leuven = "/cv/detectors_descriptors_evaluation/images_datasets/leuven/img1.png";
     const Mat photograph = data ? imread(data + leuven, IMREAD_GRAYSCALE) : Mat();
-    return photograph.empty() ? opencv_test::makeScene(Size(900, 600)) : photograph;
+    return photograph.empty() ? opencv_test::makeStreetScene(Size(900, 600)) : photograph;
+}
+
+// Pairs of images of a plane ten pixels of disparity away, with a camera that moves ahead.
+static void saveStereo(const String& folder, const Mat& scene)
+{
+    utils::fs::createDirectories(folder + "/image_0");
+    utils::fs::createDirectories(folder + "/image_1");
+    std::ofstream(folder + "/calib.txt") << "P0: 500 0 320 0 0 500 240 0 0 0 1 0\n"
+                                            "P1: 500 0 320 -250 0 500 240 0 0 0 1 0\n";
+    for (int i = 0; i < 3; i++)
+    {
+        save(folder + format("/image_0/%06d.png", i), scene(Rect(60 + 4 * i, 50, 640, 480)));
+        save(folder + format("/image_1/%06d.png", i), scene(Rect(70 + 4 * i, 50, 640, 480)));
+    }
+}
+
+// What no sample can work on: an image and, for those that take them, a video and a stereo sequence of it.
+static void saveUseless(const String& folder, const String& name, const Mat& image)
+{
+    save(folder + name + ".png", image);
+    save(folder + name + "_00.png", image);
+    for (const String camera : {"0", "1"})
+    {
+        utils::fs::createDirectories(folder + name + "/image_" + camera);
+        save(folder + name + "/image_" + camera + "/0.png", image);
+    }
+    std::ofstream(folder + name + "/calib.txt") << "1 0 0 0 0 1 0 0 0 0 1 0\n1 0 0 -1 0 1 0 0 0 0 1 0\n";
 }
 
 int main(int argc, char** argv)
@@ -64,5 +94,17 @@ int main(int argc, char** argv)
     for (int i = 0; i < 4; i++)
         save(folder + format("frame_%02d.png", i), scene(Rect(20 * i, 10 * i, 640, 480)));
     save(folder + "fisheye.png", fisheye(scene));
+    saveStereo(folder + "stereo", scene);
+
+    const Scalar grey(128);
+    saveUseless(folder, "1x1", Mat(1, 1, CV_8UC1, grey));
+    saveUseless(folder, "3x3", Mat(3, 3, CV_8UC1, grey));
+    saveUseless(folder, "100000x1", Mat(1, 100000, CV_8UC1, grey));
+    saveUseless(folder, "text", Mat(1, 1, CV_8UC1, grey));
+    for (const char* file : {"text.png", "text_00.png", "text/image_0/0.png", "text/image_1/0.png"})
+        std::ofstream(folder + file) << "no image";
+    // What is just enough, and what is too wide for a picture in JPEG.
+    save(folder + "32x32.png", scene(Rect(0, 0, 32, 32)));
+    save(folder + "70000x40.png", repeat(scene(Rect(0, 0, 700, 40)), 1, 100));
     return 0;
 }

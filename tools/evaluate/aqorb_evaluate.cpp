@@ -1,10 +1,13 @@
-// This file is part of the aqorb project.
+// This file is part of aqorb. Copyright (C) The aqorb developers.
 // It is subject to the license terms in the LICENSE file found in the top-level directory
 // of this distribution.
+// SPDX-License-Identifier: Apache-2.0
 
-// Measures detectors on the images of the paper: its tables and figures, and more. See doc/reproduction.md.
+// Measures detectors on the images of the paper and others, and writes CSV files. tools/report/report.py makes
+// tables of them: see doc/reproduction.md.
 
-#include "../../samples/stereo_odometry.hpp"
+#include "../common/median.hpp"
+#include "../common/options.hpp"
 #include "dataset.hpp"
 #include "method.hpp"
 #include "results.hpp"
@@ -15,8 +18,6 @@
 
 #include <ctime>
 #include <iostream>
-#include <set>
-#include <sstream>
 
 #include <unistd.h>
 
@@ -27,7 +28,7 @@ namespace
 
 const char* const ABOUT =
     "Measures AdaptiveQuadtreeORB and other detectors on sets of the Oxford data (bikes, leuven, ...):\n"
-    "uniformity, time, matches. Writes CSV files, Markdown tables and pictures of keypoints.\n"
+    "uniformity, time, matches. Writes CSV files and pictures of keypoints.\n"
     "Exit codes: 0 done, 1 bad arguments, 2 other.\n";
 
 const char* const KEYS =
@@ -60,16 +61,7 @@ struct BadArguments
     std::string message;
 };
 
-std::vector<std::string> splitList(const std::string& list)
-{
-    std::vector<std::string> parts;
-    std::istringstream stream(list);
-    for (std::string part; std::getline(stream, part, ',');)
-        parts.push_back(part);
-    return parts;
-}
-
-//! One line that says what goes on, on a terminal.
+//! Shows in one line what is being measured, if standard error is a terminal.
 class Progress
 {
 public:
@@ -84,20 +76,6 @@ private:
     const bool isTerminal = isatty(STDERR_FILENO) != 0;
 };
 
-// CommandLineParser passes over options that it does not know.
-void checkArguments(int argc, char** argv)
-{
-    const std::set<std::string> known = {"out",   "sets",    "methods",  "n",        "runs",
-                                         "seeds", "degrade", "ablation", "odometry", "superpoint"};
-    for (int i = 1; i < argc; i++)
-    {
-        const std::string argument = argv[i];
-        const size_t name = std::min(argument.find_first_not_of('-'), argument.size());
-        if (name > 0 && !known.count(argument.substr(name, argument.find('=') - name)))
-            throw BadArguments{argument + ": unknown option; see --help"};
-    }
-}
-
 Options readOptions(const CommandLineParser& parser)
 {
     Options options;
@@ -105,8 +83,8 @@ Options readOptions(const CommandLineParser& parser)
     options.out = parser.get<String>("out");
     options.odometry = parser.get<String>("odometry");
     options.superPoint = parser.get<String>("superpoint");
-    options.sets = splitList(parser.get<String>("sets"));
-    for (const std::string& name : splitList(parser.get<String>("methods")))
+    options.sets = tools::splitList(parser.get<String>("sets"));
+    for (const std::string& name : tools::splitList(parser.get<String>("methods")))
     {
         if (name == "all")
             for (const std::string& each : allMethods())
@@ -114,8 +92,8 @@ Options readOptions(const CommandLineParser& parser)
         else
             options.methods.push_back(name);
     }
-    options.degradations = splitList(parser.get<String>("degrade"));
-    for (const std::string& n : splitList(parser.get<String>("n")))
+    options.degradations = tools::splitList(parser.get<String>("degrade"));
+    for (const std::string& n : tools::splitList(parser.get<String>("n")))
         options.numbers.push_back(std::atoi(n.c_str()));
     options.runs = parser.get<int>("runs");
     options.seeds = parser.get<int>("seeds");
@@ -156,8 +134,8 @@ Methods makeMethods(const std::vector<std::string>& names, const std::string& su
     return methods;
 }
 
-/** Median CPU times in ms on one thread. The methods take turns, so that other load slows all of them; those
- that have taken long enough drop out. */
+/** Median CPU times in ms on one thread. The methods take turns, so that other load of the machine slows all of
+ them alike. A method that has taken long enough in total is not run again. */
 std::vector<double> medianTimes(const Methods& methods, const Mat& image, int n, int runs)
 {
     const double ENOUGH = 300;  // ms
@@ -180,7 +158,7 @@ std::vector<double> medianTimes(const Methods& methods, const Mat& image, int n,
     setNumThreads(threads);
     std::vector<double> medians;
     for (const std::vector<double>& all : times)
-        medians.push_back(all.empty() ? -1 : median(all));
+        medians.push_back(all.empty() ? -1 : tools::median(all));
     return medians;
 }
 
@@ -192,7 +170,7 @@ void drawKeypoints(const Mat& image, const Features& features, const std::string
         CV_Error(Error::StsError, file + ": cannot be written");
 }
 
-//! The pictures of figures 3 to 5: bikes img1 by the paper's three methods, leuven by two of them.
+//! Draws the pictures of figures 3 to 5: bikes img1 by the paper's three methods, leuven by two of them.
 void drawFigures(const ImageSet& set, size_t image, const Method& method, const Features& features,
                  const std::string& folder)
 {
@@ -250,33 +228,22 @@ void measureSet(const ImageSet& set, Methods& methods, const Options& options, b
 
 void measureOdometry(const StereoSequence& sequence, Method& method, int n, Results& results)
 {
-    StereoFrame earlier;
+    StereoOdometry odometry(sequence, method.norm());
     for (size_t i = 0; i < sequence.left.size(); i++)
     {
         const Features left = method.compute(imread(sequence.left[i]), n);
         const Features right = method.compute(imread(sequence.right[i]), n);
-        const StereoFrame frame = stereoFrame(left.keypoints, left.descriptors, right.keypoints,
-                                              right.descriptors, method.norm(), sequence);
+        const OdometryStep step = odometry.add(left, right);
         if (i > 0)
-        {
-            const StereoMotion motion = estimateMotion(earlier, frame, method.norm(), sequence);
-            OdometryRow row = {method.name,    n,         int(i),   int(frame.points.size()), motion.matches,
-                               motion.inliers, NO_MOTION, NO_MOTION};
-            if (motion.found)
-                motionError(motion.motion, sequence.poses[i - 1].inv() * sequence.poses[i], row.metres,
-                            row.degrees);
-            results.odometry.push_back(row);
-        }
-        earlier = frame;
+            results.odometry.push_back({method.name, n, int(i), step});
     }
 }
 
 void run(const Options& options)
 {
     Results results;
-    results.numbers = options.numbers;
     Methods methods = makeMethods(options.methods, options.superPoint, results);
-    Methods ablations;  // those of them that are not measured anyway
+    Methods ablations;  // those that are not among the methods already
     if (options.ablation)
         results.ablations = ablationMethods();
     for (const Ablation& ablation : results.ablations)
@@ -296,8 +263,6 @@ void run(const Options& options)
     if (!options.odometry.empty())
     {
         const StereoSequence sequence = readStereoSequence(options.odometry);
-        if (sequence.poses.empty())
-            CV_Error(Error::StsObjectNotFound, options.odometry + ": needs poses.txt");
         for (const int n : options.numbers)
         {
             for (const Ptr<Method>& method : methods)
@@ -308,7 +273,6 @@ void run(const Options& options)
         }
     }
     writeCsv(results, options.out);
-    writeTables(results, options.out + "/tables.md");
 }
 
 }  // namespace
@@ -324,7 +288,9 @@ int main(int argc, char** argv)
             parser.printMessage();
             return 0;
         }
-        checkArguments(argc, argv);
+        const std::string unknown = tools::unknownOption(argc, argv, KEYS);
+        if (!unknown.empty())
+            throw BadArguments{unknown + ": unknown option; see --help"};
         run(readOptions(parser));
         return 0;
     }

@@ -1,6 +1,7 @@
-// This file is part of the aqorb project.
+// This file is part of aqorb. Copyright (C) The aqorb developers.
 // It is subject to the license terms in the LICENSE file found in the top-level directory
 // of this distribution.
+// SPDX-License-Identifier: Apache-2.0
 
 #ifndef AQORB_EVALUATE_DATASET_HPP
 #define AQORB_EVALUATE_DATASET_HPP
@@ -21,10 +22,10 @@ struct ImageSet
 //! Reads FOLDER/NAME/img1..6.{png,ppm,pgm} and H1to2p..6p (text) or H1to2p.xml...
 ImageSet readSet(const std::string& folder, const std::string& name);
 
-//! The ways in which images are made worse, each a name: dark, gamma, noise.
+//! The names of the ways in which images are made worse: dark, gamma, noise.
 std::vector<std::string> degradations();
 
-//! The set with each image made worse; its name is NAME/DEGRADATION.
+//! The set with each image made worse. The name of the result is NAME/DEGRADATION.
 ImageSet degrade(const ImageSet& set, const std::string& degradation);
 
 #endif

@@ -1,15 +1,23 @@
-// This file is part of the aqorb project.
+// This file is part of aqorb. Copyright (C) The aqorb developers.
 // It is subject to the license terms in the LICENSE file found in the top-level directory
 // of this distribution.
+// SPDX-License-Identifier: Apache-2.0
 
 #include "measures.hpp"
 
+#include "../../test/matches.hpp"
+
 #include <opencv2/aqorb.hpp>
+
+#include <algorithm>
+
+using opencv_test::Features;
+using opencv_test::Matches;
 
 namespace
 {
 
-const float CORRECT = 3;  // pixels
+const float SAME_PLACE = 3;  // pixels between two keypoints that count as one found again
 
 std::vector<cv::Point2f> transformed(const Features& features, const cv::Mat& homography)
 {
@@ -20,7 +28,7 @@ std::vector<cv::Point2f> transformed(const Features& features, const cv::Mat& ho
     return mapped;
 }
 
-//! The points inside an image: those of a that, mapped, another image shows.
+//! Those of the points that lie inside an image of this size.
 std::vector<cv::Point2f> inside(const std::vector<cv::Point2f>& points, cv::Size size)
 {
     std::vector<cv::Point2f> result;
@@ -33,7 +41,7 @@ std::vector<cv::Point2f> inside(const std::vector<cv::Point2f>& points, cv::Size
 double repeatability(const Features& a, const Features& b, const cv::Mat& homography, cv::Size sizeA,
                      cv::Size sizeB)
 {
-    // Those that both images show, in pixels of b.
+    // The keypoints of each image that the other one shows as well, in pixels of b.
     const std::vector<cv::Point2f> pointsA = inside(transformed(a, homography), sizeB);
     const std::vector<cv::Point2f> shown = inside(transformed(b, homography.inv()), sizeA);
     if (pointsA.empty() || shown.empty())
@@ -44,75 +52,27 @@ double repeatability(const Features& a, const Features& b, const cv::Mat& homogr
     std::vector<cv::DMatch> pairs;
     cv::BFMatcher(cv::NORM_L2, true).match(cv::Mat(pointsA).reshape(1), cv::Mat(pointsB).reshape(1), pairs);
     const auto found = std::count_if(pairs.begin(), pairs.end(),
-                                     [](const cv::DMatch& pair) { return pair.distance <= CORRECT; });
+                                     [](const cv::DMatch& pair) { return pair.distance <= SAME_PLACE; });
     return double(found) / double(std::min(pointsA.size(), pointsB.size()));
 }
 
-double errorOfEstimate(const std::vector<cv::Point2f>& from, const std::vector<cv::Point2f>& to,
-                       const cv::Mat& homography, cv::Size size, int seed)
-{
-    if (from.size() < 4)
-        return NO_HOMOGRAPHY;
-    cv::UsacParams params;
-    params.score = cv::SCORE_METHOD_MAGSAC;
-    params.sampler = cv::SAMPLING_UNIFORM;
-    params.loMethod = cv::LOCAL_OPTIM_SIGMA;
-    params.loIterations = 10;
-    params.maxIterations = 5000;
-    params.confidence = 0.9999;
-    params.threshold = 3;
-    params.randomGeneratorState = seed;
-    const cv::Mat estimate = cv::findHomography(from, to, cv::noArray(), params);
-    if (estimate.empty())
-        return NO_HOMOGRAPHY;
-    const double error = cornerError(estimate, homography, size);
-    return cvIsNaN(error) ? NO_HOMOGRAPHY : std::min(error, NO_HOMOGRAPHY);
-}
-
 }  // namespace
-
-double Matching::medianError() const
-{
-    return median(errors);
-}
 
 Matching measureMatching(const Features& a, const Features& b, int norm, const cv::Mat& homography,
                          cv::Size sizeA, cv::Size sizeB, int seeds)
 {
     Matching result = {};
-    const std::vector<cv::DMatch> matches = matchFeatures(a, b, norm);
-    std::vector<cv::Point2f> from, to, mapped;
-    matchedPoints(a, b, matches, from, to);
-    if (!from.empty())
-        cv::perspectiveTransform(from, mapped, homography);
+    const Matches matches = opencv_test::matchFeatures(a, b, norm);
     std::vector<cv::KeyPoint> correct;
-    for (size_t i = 0; i < matches.size(); i++)
-        if (cv::norm(mapped[i] - to[i]) <= CORRECT)
-            correct.push_back(a.keypoints[matches[i].queryIdx]);
-    result.matches = int(matches.size());
+    for (const size_t i : opencv_test::correctMatches(matches, homography))
+        correct.push_back(cv::KeyPoint(matches.from[i], 1));
+    result.matches = int(matches.from.size());
     result.correct = int(correct.size());
-    result.distinct = int(distinctCorrect(a, b, matches, homography).size());
+    result.distinct = int(opencv_test::distinctCorrectMatches(matches, homography).size());
     const cv::Size grid(16, 12);
     result.places = cvRound(cv::aqorb::distributionOccupancy(correct, sizeA, grid) * grid.area());
     result.repeatability = repeatability(a, b, homography, sizeA, sizeB);
     for (int seed = 1; seed <= seeds; seed++)
-        result.errors.push_back(errorOfEstimate(from, to, homography, sizeA, seed * 7919));
+        result.errors.push_back(opencv_test::homographyError(matches, homography, sizeA, seed * 7919));
     return result;
-}
-
-double areaUnderCurve(const std::vector<double>& errors, double limit)
-{
-    double sum = 0;
-    for (double error : errors)
-        sum += std::max(0., 1 - error / limit);
-    return errors.empty() ? 0 : sum / double(errors.size());
-}
-
-double median(std::vector<double> values)
-{
-    if (values.empty())
-        return 0;
-    std::sort(values.begin(), values.end());
-    const size_t half = values.size() / 2;
-    return values.size() % 2 ? values[half] : (values[half - 1] + values[half]) / 2;
 }

@@ -1,6 +1,7 @@
-// This file is part of the aqorb project.
+// This file is part of aqorb. Copyright (C) The aqorb developers.
 // It is subject to the license terms in the LICENSE file found in the top-level directory
 // of this distribution.
+// SPDX-License-Identifier: Apache-2.0
 
 #include "method.hpp"
 
@@ -19,7 +20,7 @@ Features Feature2DMethod::compute(const cv::Mat& image, int n)
 namespace
 {
 
-// The paper's column C. What it does not say is as shipped: cells, border.
+// The paper's column C. Where the paper states no value, as for cells and border, the default stays.
 const char* const PAPER_SETTINGS = "octave=0:subpixel=0";
 
 struct NamedMethod

@@ -1,14 +1,19 @@
-// This file is part of the aqorb project.
+// This file is part of aqorb. Copyright (C) The aqorb developers.
 // It is subject to the license terms in the LICENSE file found in the top-level directory
 // of this distribution.
+// SPDX-License-Identifier: Apache-2.0
 
 #ifndef AQORB_EVALUATE_METHOD_HPP
 #define AQORB_EVALUATE_METHOD_HPP
 
-#include "../../samples/evaluation.hpp"
+#include "../../test/features.hpp"
+
+#include <opencv2/aqorb/features.hpp>
 
 #include <functional>
 #include <string>
+
+using opencv_test::Features;
 
 //! A detector with its descriptor, as one row of the tables.
 class Method
@@ -24,7 +29,7 @@ public:
     std::string title;  //!< in tables
 };
 
-//! A method that is a cv::Feature2D which keeps to a number of features.
+//! A cv::Feature2D that is created for a number of features.
 class Feature2DMethod : public Method
 {
 public:
@@ -35,20 +40,20 @@ public:
 
 private:
     Create create;
-    cv::Ptr<cv::Feature2D> detector;  // for detectorN features
+    cv::Ptr<cv::Feature2D> detector;  // the last one created, for detectorN features
     int detectorN = -1;
 };
 
-//! Why a method cannot be had: its library or its model is absent.
+//! Thrown for a method whose library or model is absent.
 struct Absent
 {
     std::string reason;
 };
 
-// One file each in methods/. They throw Absent.
+// Each of these has a file in methods/. They throw Absent.
 cv::Ptr<Method> makeOrb();
 cv::Ptr<Method> makeOrbSlam();
-//! Settings as key=value, separated by ':'; what is not named is as shipped.
+//! Takes settings as key=value, separated by ':'. Settings that are not named keep their defaults.
 cv::Ptr<Method> makeAqorb(const std::string& settings);
 cv::Ptr<Method> makeFigure2();
 cv::Ptr<Method> makeSift();
@@ -61,14 +66,14 @@ cv::Ptr<Method> makeSuperPoint(const std::string& model);
 //! The names of all methods.
 std::vector<std::string> allMethods();
 
-//! A method that is aqorb but for one ingredient.
+//! A method that differs from aqorb in one ingredient.
 struct Ablation
 {
     std::string name;
-    std::string but;  //!< for what
+    std::string but;  //!< the difference, in words
 };
 
-//! aqorb itself and what remains of it without each of its ingredients.
+//! aqorb itself, and aqorb without each of its ingredients.
 std::vector<Ablation> ablationMethods();
 
 /** The method of a name: one of allMethods, or aqorb:key=value:... with the keys in methods/aqorb.cpp.

@@ -1,12 +1,14 @@
-// This file is part of the aqorb project.
+// This file is part of aqorb. Copyright (C) The aqorb developers.
 // It is subject to the license terms in the LICENSE file found in the top-level directory
 // of this distribution.
+// SPDX-License-Identifier: Apache-2.0
 
 #ifndef AQORB_EVALUATE_RESULTS_HPP
 #define AQORB_EVALUATE_RESULTS_HPP
 
 #include "measures.hpp"
 #include "method.hpp"
+#include "stereo_odometry.hpp"
 
 #include <map>
 #include <string>
@@ -33,34 +35,30 @@ struct MatchingRow
     Matching matching;
 };
 
-//! The motion from one frame to the next as one method sees it.
+//! The motion from the frame before to this one, by the features of one method.
 struct OdometryRow
 {
     std::string method;
     int n, frame;
-    int stereo, matches, inliers;
-    double metres, degrees;  // error; NO_MOTION: there is none
+    OdometryStep step;
 };
-
-const double NO_MOTION = 1e6;
 
 //! Everything that was measured.
 struct Results
 {
-    std::vector<std::string> methods;           // those measured, in order
+    std::vector<std::string> methods;           // in the order of the command line
     std::map<std::string, std::string> titles;  // of the methods
-    std::vector<Ablation> ablations;            // measured, too
-    std::map<std::string, std::string> absent;  // methods that could not be had, and why
-    std::vector<int> numbers;                   // of features; the first is the paper's
+    std::vector<Ablation> ablations;            // measured in addition
+    std::map<std::string, std::string> absent;  // methods that were left out, and why
     std::vector<FeatureRow> features;
     std::vector<MatchingRow> matching;
     std::vector<OdometryRow> odometry;
 };
 
-//! Writes uniformity.csv, matching.csv, homography.csv and odometry.csv.
+/** Writes what tools/report/evaluation.py makes tables of, all numbers as they were measured:
+ - setting.csv: what OpenCV and which CPU features were in use
+ - methods.csv: titles of the methods and of the ablations, and why others are absent
+ - uniformity.csv, matching.csv, homography.csv, odometry.csv: the measures */
 void writeCsv(const Results& results, const std::string& folder);
-
-//! Writes tables.md: the paper's tables with ours beside them, and those beyond it.
-void writeTables(const Results& results, const std::string& file);
 
 #endif

@@ -1,14 +1,17 @@
-// This file is part of the aqorb project.
+// This file is part of aqorb. Copyright (C) The aqorb developers.
 // It is subject to the license terms in the LICENSE file found in the top-level directory
 // of this distribution.
+// SPDX-License-Identifier: Apache-2.0
 
 // Prints hashes of what the module computes, to be compared between CPUs, compilers and versions of OpenCV:
 //
 //   aqorb_fingerprint [--plain] [IMAGE ...]
 //
-// One line for each scene or image and each set of parameters. The hashes of the image and of the pyramid tell
-// a difference that came in with the input from one of the detector. --plain: cv::setUseOptimized(false). The
-// features of the CPU that OpenCV uses go to standard error.
+// There is one line for each scene or image and each set of parameters. The hashes of the image and of the pyramid
+// show whether a difference came with the input or is one of the detector. --plain calls
+// cv::setUseOptimized(false). The CPU features that OpenCV uses are printed to standard error.
+
+#include "../common/scenes.hpp"
 
 #include <opencv2/aqorb.hpp>
 #include <opencv2/core/utility.hpp>
@@ -65,39 +68,7 @@ template <typename T> uint64_t hashOf(const T& what)
     return hash.value();
 }
 
-/** Rectangles, texture on the left and noise, in integer arithmetic only: drawing and filtering by OpenCV might
- themselves depend on the CPU. */
-Mat makeScene(Size size, int channels, uint64 seed)
-{
-    RNG rng(seed);
-    Mat scene(size, CV_8UC(channels));
-    for (int y = 0; y < size.height; y++)
-    {
-        for (int x = 0; x < size.width * channels; x++)
-            scene.ptr(y)[x] = uchar(60 + 80 * x / (size.width * channels) + 40 * y / size.height);
-    }
-    for (int i = 0; i < size.area() / 900; i++)
-    {
-        // Braces: they have an order of evaluation.
-        const Rect rect{rng.uniform(0, size.width), rng.uniform(0, size.height), rng.uniform(3, 30),
-                        rng.uniform(3, 30)};
-        const Scalar colour{double(rng.uniform(0, 256)), double(rng.uniform(0, 256)),
-                            double(rng.uniform(0, 256)), 255};
-        scene(rect & Rect(Point(), size)).setTo(colour);
-    }
-    for (int y = 0; y < size.height; y++)
-    {
-        for (int x = 0; x < size.width * channels; x++)
-        {
-            const int noise = x < size.width * channels / 3 ? 30 : 3;
-            uchar& value = scene.ptr(y)[x];
-            value = saturate_cast<uchar>(value + rng.uniform(-noise, noise + 1));
-        }
-    }
-    return scene;
-}
-
-//! A detector with parameters drawn at random over all that have an effect.
+//! A detector with random values of all parameters that have an effect.
 Ptr<AdaptiveQuadtreeORB> makeDetector(RNG& rng)
 {
     const float scaleFactors[] = {1.1f, 1.2f, 1.33f, 1.5f, 2.f};
@@ -162,7 +133,7 @@ int main(int argc, char** argv)
     {
         const int channels[] = {1, 3, 4};
         const Size size{rng.uniform(40, 500), rng.uniform(40, 400)};
-        const Mat scene = makeScene(size, channels[i % 3], rng.next());
+        const Mat scene = tools::makeIntegerScene(size, channels[i % 3], rng.next());
         Mat mask;
         if (i % 4 == 3)
         {

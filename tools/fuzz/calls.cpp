@@ -1,13 +1,14 @@
-// This file is part of the aqorb project.
+// This file is part of aqorb. Copyright (C) The aqorb developers.
 // It is subject to the license terms in the LICENSE file found in the top-level directory
 // of this distribution.
+// SPDX-License-Identifier: Apache-2.0
 
 #include "calls.hpp"
 
 #include "detector.hpp"
 #include "generate.hpp"
 
-#include <opencv2/core/utils/logger.hpp>
+#include "../common/quiet.hpp"
 
 #include <cmath>
 #include <functional>
@@ -22,7 +23,7 @@ namespace
 
 typedef std::vector<KeyPoint> KeyPoints;
 
-// What is slow by design, or takes much memory, is left out: a pyramid of more pixels, larger patches.
+// Calls that are slow or take much memory by design are left out: larger pyramids and larger patches.
 const double MAX_PYRAMID_PIXELS = 4e5;
 const double MAX_PATCH_PIXELS = 2e7;
 
@@ -51,7 +52,7 @@ public:
         };
         runChecked([&] { detector.create(data); });
         picture = image(data, 64, true);
-        // What cv::ORB comes to should not hide what it comes to later.
+        // With cv::ORB the calls go on after a problem, as a later one may be worse.
         for (int calls = 0; calls < 20 && data.remaining_bytes() > 0 && detector.orb; calls++)
         {
             if (!detector.isOrb && report.outcome != FINE)
@@ -118,7 +119,7 @@ private:
     {
         const OrbParameters& p = detector.parameters;
         if (p.isBad(true))
-            return detector.isOrb;  // under a limit of time there
+            return detector.isOrb;  // fuzz_orb limits the time of its calls
         if (std::min(double(keypoints), MAX_PYRAMID_PIXELS) * p.patchSize * p.patchSize > MAX_PATCH_PIXELS)
             return false;
         if (p.clash() || (count > 0 && p.hasTooLargeLevel(pictureSize(), 0)))
@@ -174,7 +175,7 @@ private:
                              [&] { aqorb::retainUniform(kept, size, npoints); }))
         {
             require(int(kept.size()) <= npoints, "retainUniform kept too many");
-            int before = INT_MAX;  // class_id falls in the order given
+            int before = INT_MAX;  // keypoints() numbers them in descending order by class_id
             for (const KeyPoint& k : kept)
             {
                 require(k.class_id < before && k.pt.x >= 0 && k.pt.y >= 0 && k.pt.x < float(size.width) &&
@@ -202,7 +203,7 @@ private:
             !area.empty() && (area.dims > 2 || area.type() != CV_8UC1 || area.size() != pictureSize());
         const bool bad = p.isBad(!detector.isOrb) || p.clash() || !isPicture() || badMask ||
                          (!detector.isOrb && p.hasTooLargeLevel(pictureSize(), 0));
-        // What was there before must go.
+        // The call must replace these outputs.
         KeyPoints found(3, KeyPoint(Point2f(-7, -7), 1.f, -1.f, 0.f, -1));
         Mat descriptors(2, 5, CV_16SC1, Scalar(3));
         const bool withDescriptors = kind < 2;
@@ -268,7 +269,7 @@ private:
         const bool isTooSmall = !(cvRound(size.width / scale) >= 1 && cvRound(size.height / scale) >= 1);
         bool bad = p.isBad(!detector.isOrb) || p.clash() || !isPicture() || minOctave < 0 ||
                    (maxOctave > 0 && p.scaleFactor <= 1) || isTooSmall || badAngle;
-        // Of levels that no keypoint is left on, cv::ORB and we need not know.
+        // Whether a level is too large need not be noticed if no keypoint is left on it.
         const bool mayBeBad = p.hasTooLargeLevel(size, 0);
         KeyPoints found = given;
         Mat descriptors(2, 5, CV_16SC1, Scalar(3));
@@ -285,7 +286,7 @@ private:
 
     void requireInside(const KeyPoint& k) const
     {
-        // By its pixel: the border of cv::ORB's compute is that of Rect::contains.
+        // A position counts by the pixel it lies on, as in cv::ORB's compute.
         require(std::isfinite(k.pt.x) && std::isfinite(k.pt.y) && k.pt.x >= -0.5f && k.pt.y >= -0.5f &&
                     k.pt.x <= float(picture.cols) - 0.5f && k.pt.y <= float(picture.rows) - 0.5f,
                 "a keypoint lies off the image");
@@ -306,11 +307,10 @@ private:
 
 Report callDetector(const uint8_t* bytes, size_t size, bool ofOrb)
 {
-    // An exception is no reason to print its message.
+    // Exceptions are expected here, and their messages would flood the log.
     static const bool quiet = []
     {
-        utils::logging::setLogLevel(utils::logging::LOG_LEVEL_SILENT);
-        redirectError([](int, const char*, const char*, const char*, int, void*) { return 0; });
+        tools::silenceOpenCV();
         return true;
     }();
     (void)quiet;

@@ -1,6 +1,7 @@
-// This file is part of the aqorb project.
+// This file is part of aqorb. Copyright (C) The aqorb developers.
 // It is subject to the license terms in the LICENSE file found in the top-level directory
 // of this distribution.
+// SPDX-License-Identifier: Apache-2.0
 
 #ifndef OPENCV_AQORB_FUZZ_CALLS_HPP
 #define OPENCV_AQORB_FUZZ_CALLS_HPP
@@ -12,12 +13,12 @@
 namespace fuzz
 {
 
-//! What became of the calls, from good to bad.
+//! The result of all calls for one input, from good to bad.
 enum Outcome
 {
     FINE,             //!< every call did what it should
-    NAMED_EXCEPTION,  //!< of them, at least one rejected a bad argument by an exception that names it
-    ACCEPTED,         //!< a bad argument was taken without a word
+    NAMED_EXCEPTION,  //!< the same, and at least one call rejected a bad argument by an exception that names it
+    ACCEPTED,         //!< a bad argument was accepted
     BAD_EXCEPTION,    //!< an exception for good arguments, of another kind, or that names no argument
     BAD_OUTPUT        //!< too many keypoints, off the image or the mask, not finite, without descriptor, ...
 };

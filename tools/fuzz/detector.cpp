@@ -1,6 +1,7 @@
-// This file is part of the aqorb project.
+// This file is part of aqorb. Copyright (C) The aqorb developers.
 // It is subject to the license terms in the LICENSE file found in the top-level directory
 // of this distribution.
+// SPDX-License-Identifier: Apache-2.0
 
 #include "detector.hpp"
 
@@ -61,7 +62,7 @@ static bool isNamed(const cv::Exception& e)
     return false;
 }
 
-//! Whether it is as documented: says what is accepted, too.
+//! Whether an exception is as documented: it names the argument and says what is accepted.
 static bool isDocumented(const cv::Exception& e)
 {
     return isNamed(e) && e.err.find("accepted") != std::string::npos &&
@@ -119,7 +120,7 @@ void Detector::create(FuzzedDataProvider& data)
         wanted.patchSize = number(data, 2, 80);
         wanted.fastThreshold = number(data, 0, 60);
     }
-    // cv::ORB checks when it is used.
+    // cv::ORB checks its parameters only when it is used.
     if (attempt("create", isOrb ? UNKNOWN : expect(wanted.isBad(true)), [&] { make(wanted); }))
         parameters = wanted;
     else
@@ -258,7 +259,7 @@ void Detector::readStorage(FuzzedDataProvider& data)
     out << "}";
     const std::string text = out.releaseAndGetString();
     if (isOrb)
-        return;  // reads nothing in OpenCV 4.6
+        return;  // cv::ORB of OpenCV 4.6 does not read its parameters
     FileStorage in(text, FileStorage::READ | FileStorage::MEMORY);
     const FileNode node = data.ConsumeBool() ? in["detector"] : in.root();
     attempt("read", UNKNOWN, [&] { ours->read(node); });

@@ -1,6 +1,7 @@
-// This file is part of the aqorb project.
+// This file is part of aqorb. Copyright (C) The aqorb developers.
 // It is subject to the license terms in the LICENSE file found in the top-level directory
 // of this distribution.
+// SPDX-License-Identifier: Apache-2.0
 
 #ifndef OPENCV_AQORB_FUZZ_DETECTOR_HPP
 #define OPENCV_AQORB_FUZZ_DETECTOR_HPP
@@ -15,7 +16,7 @@
 namespace fuzz
 {
 
-//! Another thing than what the documentation says has happened.
+//! Thrown when something other than the documentation says has happened.
 struct Problem
 {
     Outcome outcome;
@@ -25,7 +26,7 @@ struct Problem
 //! Throws a Problem, BAD_OUTPUT, unless the condition holds.
 void require(bool condition, const std::string& what);
 
-//! All of cv::ORB, which has no getter that could tell an invalid score type.
+//! All parameters of cv::ORB as they were set, since its getters cannot return an invalid score type.
 struct OrbParameters
 {
     int nfeatures = 500;
@@ -33,21 +34,21 @@ struct OrbParameters
     int nlevels = 8, edgeThreshold = 16, firstLevel = 0, WTA_K = 2, scoreType = cv::ORB::HARRIS_SCORE;
     int patchSize = 31, fastThreshold = 20;
 
-    //! Whether a value is bad by itself; `limits`: also one that only AdaptiveQuadtreeORB rejects.
+    //! Whether a value is bad by itself. @param limits also counts values that only AdaptiveQuadtreeORB rejects
     bool isBad(bool limits) const;
-    //! Whether values do not go together.
+    //! Whether values contradict each other.
     bool clash() const;
 
     double scale(int level) const;
     bool hasTooLargeLevel(cv::Size image, int level) const;
 };
 
-//! What a call must come to.
+//! How a call must end.
 enum Expectation
 {
-    GOOD,    //!< arguments: no exception
-    BAD,     //!< an exception that names one
-    UNKNOWN  //!< either
+    GOOD,    //!< without an exception: all arguments are good
+    BAD,     //!< by an exception that names a bad argument
+    UNKNOWN  //!< in either way
 };
 
 inline Expectation expect(bool bad)
@@ -61,10 +62,10 @@ class Detector
 public:
     explicit Detector(bool ofOrb) : isOrb(ofOrb) {}
 
-    //! Calls a function; false if it rejected its arguments.
+    //! Calls a function. Returns false if it rejected its arguments, and throws a Problem if it should not have.
     bool attempt(const char* name, Expectation expected, const std::function<void()>& function);
 
-    // What the bytes say: creates it with parameters of any kind, sets one, ...
+    // Each takes from the bytes what to do.
     void create(FuzzedDataProvider& data);
     void setOrbParameter(FuzzedDataProvider& data);
     void setOurParameter(FuzzedDataProvider& data);
@@ -73,12 +74,12 @@ public:
     const bool isOrb;
     cv::Ptr<cv::aqorb::AdaptiveQuadtreeORB> ours;  //!< empty for cv::ORB
     cv::Ptr<cv::ORB> orb;                          //!< the same, or cv::ORB; empty before create
-    OrbParameters parameters;                      //!< what they must be
-    int rejections = 0;                            //!< calls that threw what they should
+    OrbParameters parameters;                      //!< what the getters must return
+    int rejections = 0;                            //!< calls that rejected a bad argument as they should
 
 private:
     void make(const OrbParameters& p);
-    //! A value that was rejected must not stay, one that was accepted must.
+    //! Requires that a rejected value was not stored, and that an accepted one was.
     void requireParameters(const char* after) const;
 };
 

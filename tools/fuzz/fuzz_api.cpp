@@ -1,6 +1,7 @@
-// This file is part of the aqorb project.
+// This file is part of aqorb. Copyright (C) The aqorb developers.
 // It is subject to the license terms in the LICENSE file found in the top-level directory
 // of this distribution.
+// SPDX-License-Identifier: Apache-2.0
 
 #include "calls.hpp"
 
@@ -10,7 +11,7 @@
 #include <cstdio>
 #include <cstdlib>
 
-// Any call with any arguments: whatever is not documented to happen is a find.
+// Makes any call with any arguments. Whatever happens that is not documented is a find.
 
 extern "C" int LLVMFuzzerInitialize(int*, char***);
 extern "C" int LLVMFuzzerTestOneInput(const uint8_t* bytes, size_t size);

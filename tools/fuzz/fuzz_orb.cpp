@@ -1,6 +1,7 @@
-// This file is part of the aqorb project.
+// This file is part of aqorb. Copyright (C) The aqorb developers.
 // It is subject to the license terms in the LICENSE file found in the top-level directory
 // of this distribution.
+// SPDX-License-Identifier: Apache-2.0
 
 #include "calls.hpp"
 
@@ -19,16 +20,16 @@
 #include <map>
 #include <vector>
 
-// What becomes of the inputs of fuzz_api, given to cv::ORB and to AdaptiveQuadtreeORB:
+// Gives the inputs of fuzz_api to cv::ORB and to AdaptiveQuadtreeORB, and counts the outcomes:
 //
 //   fuzz_orb FOLDER...
 //
-// Each input gets a process of its own, 10 seconds and 4 GB, and counts once, by the worst that happened.
+// Each input gets a process of its own with 10 seconds and 4 GB. It counts once, by the worst that happened.
 
 namespace
 {
 
-// Beyond fuzz::Outcome.
+// These come in addition to fuzz::Outcome.
 const int CRASH = fuzz::BAD_OUTPUT + 1, TIMEOUT = CRASH + 1, OUTCOMES = TIMEOUT + 1;
 const char* const NAMES[OUTCOMES] = {
     "every call did what it should", "a bad argument rejected by an exception that names it",
@@ -39,7 +40,7 @@ const char* const NAMES[OUTCOMES] = {
 
 typedef std::map<std::string, int> Problems;
 
-//! What happens, and the problem in words.
+//! Runs one input in a process of its own. Gives its outcome and the problem in words.
 int outcomeOf(const std::vector<char>& input, bool ofOrb, std::string& problem)
 {
     int ends[2];

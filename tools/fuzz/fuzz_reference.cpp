@@ -1,6 +1,7 @@
-// This file is part of the aqorb project.
+// This file is part of aqorb. Copyright (C) The aqorb developers.
 // It is subject to the license terms in the LICENSE file found in the top-level directory
 // of this distribution.
+// SPDX-License-Identifier: Apache-2.0
 
 #include "generate.hpp"
 
@@ -12,8 +13,8 @@
 #include <cstdio>
 #include <cstdlib>
 
-// The detector against the plain reference of the tests, byte for byte: on the best kernels of the CPU, on
-// the baseline ones, with one thread and with two; and its descriptors against those of cv::ORB.
+// Compares the detector with the plain reference of the tests, byte for byte: on the best kernels of the CPU and
+// on the baseline ones, with one thread and with two. Its descriptors are compared with those of cv::ORB as well.
 
 using namespace opencv_test;
 
@@ -29,7 +30,7 @@ static void requireSame(const char* what, const ::testing::AssertionResult& resu
     }
 }
 
-// Good parameters only: fuzz_api has the others.
+// Only good parameters are drawn here; fuzz_api draws bad ones as well.
 static reference::Settings settingsFrom(FuzzedDataProvider& data)
 {
     reference::Settings s;
@@ -87,11 +88,11 @@ extern "C" int LLVMFuzzerTestOneInput(const uint8_t* bytes, size_t size)
             ORB::create(settings.nfeatures, settings.scaleFactor, settings.nlevels, settings.edgeThreshold,
                         settings.firstLevel, settings.WTA_K, settings.scoreType, settings.patchSize);
         Features ofOrb = {expected.keypoints, Mat()};
-        // It takes what lies around a part of a larger image for its border; we do not.
+        // cv::ORB would read the pixels around a part of a larger image, so it gets a copy.
         orb->compute(image.clone(), ofOrb.keypoints, ofOrb.descriptors);
         requireSame("compute of cv::ORB", sameFeatures(computed, ofOrb));
     }
-    // With levels before the first one, compute takes the border for that of the image.
+    // With firstLevel > 0 compute drops keypoints that detection allows, as it applies the border to the image.
     if (settings.firstLevel == 0)
         requireSame("compute of what was detected", sameFeatures(computed, expected));
     return 0;

@@ -1,6 +1,7 @@
-// This file is part of the aqorb project.
+// This file is part of aqorb. Copyright (C) The aqorb developers.
 // It is subject to the license terms in the LICENSE file found in the top-level directory
 // of this distribution.
+// SPDX-License-Identifier: Apache-2.0
 
 #include "generate.hpp"
 
@@ -43,7 +44,7 @@ double real(FuzzedDataProvider& data, double low, double high)
     }
 }
 
-//! Fills a matrix, byte by byte, over and over with bytes of the input.
+//! Fills a matrix with bytes of the input, which are repeated as often as needed.
 static void fillWithInput(FuzzedDataProvider& data, Mat& m)
 {
     const std::vector<uchar> bytes =
@@ -58,7 +59,7 @@ static void fillWithInput(FuzzedDataProvider& data, Mat& m)
 
 static void fill(FuzzedDataProvider& data, Mat& m)
 {
-    if (m.empty() || m.channels() > 4)  // more are too many for OpenCV's drawing, too
+    if (m.empty() || m.channels() > 4)  // OpenCV draws on four channels at most
         return;
     switch (data.ConsumeIntegralInRange(0, 6))
     {
@@ -122,7 +123,8 @@ Mat matrix(FuzzedDataProvider& data, Size size, int type)
 
 Mat image(FuzzedDataProvider& data, int maxSide, bool anyType)
 {
-    // Where the input ends, numbers are the lowest in their range: that is to be a picture with corners.
+    // Once the input is used up, all numbers are the lowest of their range. Counted down from maxSide, that gives a
+    // large image rather than an empty one.
     const Size size(maxSide - data.ConsumeIntegralInRange(0, maxSide),
                     maxSide - data.ConsumeIntegralInRange(0, maxSide));
     switch (data.ConsumeIntegralInRange(0, 15))

@@ -1,55 +1,50 @@
-// This file is part of the aqorb project.
+// This file is part of aqorb. Copyright (C) The aqorb developers.
 // It is subject to the license terms in the LICENSE file found in the top-level directory
 // of this distribution.
+// SPDX-License-Identifier: Apache-2.0
 
-// Where the time, the memory and the instructions of AdaptiveQuadtreeORB go, and how they grow, beside cv::ORB.
-// scripts/performance.sh makes the tables of doc/performance.md with it.
+// Shows where the time and the memory of AdaptiveQuadtreeORB go. Prints CSV; tools/report/report.py makes the tables of
+// doc/performance.md of it, and scripts/performance.sh runs both. How fast AdaptiveQuadtreeORB is beside cv::ORB is
+// measured by perf/ alone.
 
-#include "benchmark.hpp"
+#include "measure.hpp"
+
+#include "../common/options.hpp"
 
 #include <iostream>
-#include <sstream>
 
 using namespace cv;
+using tools::splitList;
 
 namespace
 {
 
-const char* const ABOUT = "Measures AdaptiveQuadtreeORB and cv::ORB, default parameters on both sides, and "
-                          "prints tables of ratios.\n"
-                          "Exit codes: 0 done, 1 bad arguments, 2 other.\n";
+const char* const ABOUT =
+    "Shows where the time and the memory of AdaptiveQuadtreeORB with default parameters go, "
+    "as CSV. One of --setting, --stages, --memory and --frames chooses what.\n"
+    "Exit codes: 0 done, 1 bad arguments, 2 other.\n";
 
 const char* const KEYS =
     "{help h usage ? |      | print this text }"
-    "{setting        |      | print what is measured with }"
-    "{stages         |      | share of each stage and level in a frame, and the critical path, by OpenCV's "
-    "trace }"
-    "{scaling        |      | growth with the image and with n, one thread }"
-    "{memory         |      | heap at its peak, and what is kept between frames }"
+    "{setting        |      | print the versions and the CPU features in use }"
+    "{stages         |      | print the time of each stage, and the least time of a frame by numbers of "
+    "threads, by OpenCV's trace of one thread; in ns }"
+    "{memory         |      | print the heap at its peak and what is kept between frames, in bytes; of "
+    "cv::ORB, too }"
     "{frames         | 0    | only run so many frames of the first image, for a profiler }"
     "{detector       | aqorb | of --frames: aqorb or orb }"
-    "{images         |      | of --stages, --memory and --frames: WIDTHxHEIGHT draws a scene, others are "
-    "photographs "
+    "{images         |      | names separated by commas: WIDTHxHEIGHT draws a scene, others are photographs "
     "in OPENCV_TEST_DATA_PATH (bikes, leuven, bark, trees, ubc, 640x512.png, 1920x1080.png) or files }"
-    "{n              | 1000 | number of features, except of --scaling }"
-    "{repeats        | 31   | frames to take medians of }"
-    "{smoke          |      | shows that everything runs, measures nothing }";
-
-std::vector<std::string> split(const std::string& list)
-{
-    std::vector<std::string> parts;
-    std::stringstream stream(list);
-    for (std::string part; std::getline(stream, part, ',');)
-        parts.push_back(part);
-    return parts;
-}
+    "{n              | 1000 | number of features }"
+    "{repeats        | 31   | number of frames of --stages }"
+    "{smoke          |      | one small image and three frames, to show that it runs }";
 
 std::vector<std::string> defaultImages()
 {
-    std::vector<std::string> images = split("640x480,1920x1080");
+    std::vector<std::string> images = splitList("640x480,1920x1080");
     if (std::getenv("OPENCV_TEST_DATA_PATH"))
     {
-        const std::vector<std::string> photographs = split("leuven,bark,trees,640x512.png,1920x1080.png");
+        const std::vector<std::string> photographs = splitList("leuven,bark,trees,640x512.png,1920x1080.png");
         images.insert(images.end(), photographs.begin(), photographs.end());
     }
     return images;
@@ -71,7 +66,7 @@ int run(const CommandLineParser& parser)
 {
     const bool smoke = parser.has("smoke");
     Settings settings;
-    settings.images = split(parser.get<String>("images"));
+    settings.images = splitList(parser.get<String>("images"));
     settings.nfeatures = parser.get<int>("n");
     settings.repeats = smoke ? 3 : parser.get<int>("repeats");
     const int frames = parser.get<int>("frames");
@@ -81,36 +76,29 @@ int run(const CommandLineParser& parser)
         parser.printErrors();
         return 1;
     }
-    if (settings.nfeatures < 1 || settings.repeats < 1 || (detector != "aqorb" && detector != "orb"))
+    if (settings.nfeatures < 1 || settings.repeats < 1 || frames < 0 ||
+        (detector != "aqorb" && detector != "orb"))
     {
-        std::cerr << "n, repeats: at least 1 is accepted; detector: aqorb or orb\n";
+        std::cerr << "n, repeats: at least 1 is accepted; frames: at least 0; detector: aqorb or orb\n";
+        return 1;
+    }
+    if (parser.has("setting") + parser.has("stages") + parser.has("memory") + (frames > 0) != 1)
+    {
+        std::cerr << "One of --setting, --stages, --memory and --frames is accepted\n";
         return 1;
     }
     if (settings.images.empty())
-        settings.images = smoke ? split("320x240") : defaultImages();
+        settings.images = smoke ? splitList("320x240") : defaultImages();
 
     if (frames > 0)
     {
         runFrames(settings.images[0], detector == "orb" ? CV_ORB : AQORB, settings.nfeatures, frames);
         return 0;
     }
-    if (smoke)
-        std::cout << "SMOKE RUN: shows that everything runs. Do not quote these numbers.\n\n";
-    if (parser.has("setting"))
-        printSetting(settings);
-    if (parser.has("stages"))
-        printStages(settings);
-    if (parser.has("scaling"))
-    {
-        if (smoke)
-            printScaling(settings, {{320, 240}, {640, 480}}, {250, 500, 1000});
-        else
-            printScaling(settings,
-                         {{320, 240}, {640, 480}, {1280, 720}, {1920, 1080}, {2560, 1440}, {3840, 2160}},
-                         {250, 500, 1000, 2000, 4000, 8000});
-    }
-    if (parser.has("memory"))
-        printMemory(settings);
+    const tools::CsvTable table = parser.has("setting")  ? measureSetting(settings)
+                                  : parser.has("stages") ? measureStages(settings)
+                                                         : measureMemory(settings);
+    std::cout << table.text();
     return 0;
 }
 
@@ -118,6 +106,12 @@ int run(const CommandLineParser& parser)
 
 int main(int argc, char** argv)
 {
+    const std::string unknown = tools::unknownOption(argc, argv, KEYS);
+    if (!unknown.empty())
+    {
+        std::cerr << "There is no option " << unknown << "; --help lists them\n";
+        return 1;
+    }
     CommandLineParser parser(argc, argv, KEYS);
     parser.about(ABOUT);
     if (parser.has("help") || argc == 1)

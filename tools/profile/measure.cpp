@@ -1,29 +1,31 @@
-// This file is part of the aqorb project.
+// This file is part of aqorb. Copyright (C) The aqorb developers.
 // It is subject to the license terms in the LICENSE file found in the top-level directory
 // of this distribution.
+// SPDX-License-Identifier: Apache-2.0
 
-#include "benchmark.hpp"
+#include "measure.hpp"
 
 #include "../../perf/perf_scene.hpp"
+#include "../../test/data_files.hpp"
 
 #include <opencv2/core/utility.hpp>
 #include <opencv2/imgcodecs.hpp>
 
 #include <algorithm>
-#include <iostream>
+#include <iterator>
 
 using namespace cv;
 
+//! The path of a photograph of opencv_extra; of others, the name itself.
 static std::string pathOf(const std::string& photograph)
 {
-    const char* const data = std::getenv("OPENCV_TEST_DATA_PATH");
-    const std::string names[] = {"bikes", "leuven", "bark", "trees", "ubc"};
-    if (data && std::count(std::begin(names), std::end(names), photograph))
-        return std::string(data) + "/cv/detectors_descriptors_evaluation/images_datasets/" + photograph +
-               "/img1.png";
-    if (data && (photograph == "640x512.png" || photograph == "1920x1080.png"))
-        return std::string(data) + "/perf/" + photograph;
-    return photograph;
+    const std::string sets[] = {"bikes", "leuven", "bark", "trees", "ubc"};
+    std::string path;
+    if (std::count(std::begin(sets), std::end(sets), photograph))
+        path = opencv_test::oxfordImage(photograph, 1);
+    else if (photograph == "640x512.png" || photograph == "1920x1080.png")
+        path = opencv_test::dataFile("perf/" + photograph);
+    return path.empty() ? photograph : path;
 }
 
 Image::Image(const std::string& spec_) : spec(spec_)
@@ -33,7 +35,7 @@ Image::Image(const std::string& spec_) : spec(spec_)
     if (std::sscanf(spec.c_str(), "%dx%d%c", &size.width, &size.height, &more) == 2)
     {
         name = "scene";
-        pixels = opencv_test::makeScene(size);
+        pixels = opencv_test::makeStreetScene(size);
     }
     else
     {
@@ -46,6 +48,11 @@ Image::Image(const std::string& spec_) : spec(spec_)
     if (name.compare(0, sizeText.size(), sizeText) == 0)
         name = "photograph";
     name += " " + sizeText;
+}
+
+const char* nameOf(Detector detector)
+{
+    return detector == AQORB ? "AQORB" : "CV_ORB";
 }
 
 Ptr<Feature2D> createDetector(Detector detector, int nfeatures)
@@ -62,48 +69,12 @@ double timeFrame(Feature2D& detector, const Mat& image, Features& features)
     return double(getTickCount() - start) / getTickFrequency();
 }
 
-double median(std::vector<double> values)
+tools::CsvTable measureSetting(const Settings& settings)
 {
-    const auto middle = values.begin() + values.size() / 2;
-    std::nth_element(values.begin(), middle, values.end());
-    return *middle;
-}
-
-Table::Table(const std::string& title_, const std::vector<std::string>& head) : title(title_), rows(1, head)
-{
-}
-
-void Table::add(const std::vector<std::string>& row)
-{
-    CV_Assert(row.size() == rows[0].size());
-    rows.push_back(row);
-}
-
-void Table::print() const
-{
-    std::cout << "## " << title << "\n\n";
-    for (size_t i = 0; i < rows.size(); i++)
-    {
-        std::cout << '|';
-        for (const std::string& cell : rows[i])
-            std::cout << ' ' << cell << " |";
-        std::cout << '\n';
-        if (i > 0)
-            continue;
-        std::cout << "|---|";
-        for (size_t j = 1; j < rows[0].size(); j++)
-            std::cout << "---:|";
-        std::cout << '\n';
-    }
-    std::cout << std::endl;
-}
-
-void printSetting(const Settings& settings)
-{
-    Table table("Setting", {"", ""});
+    tools::CsvTable table({"name", "value"});
     table.add({"OpenCV", getVersionString()});
     table.add({"CPU features in use", getCPUFeaturesLine()});
     table.add({"compiler of aqorb", AQORB_COMPILER});
-    table.add({"medians over", format("%d frames", settings.repeats)});
-    table.print();
+    table.add({"frames of the stages' medians", std::to_string(settings.repeats)});
+    return table;
 }

@@ -1,16 +1,16 @@
-// This file is part of the aqorb project.
+// This file is part of aqorb. Copyright (C) The aqorb developers.
 // It is subject to the license terms in the LICENSE file found in the top-level directory
 // of this distribution.
+// SPDX-License-Identifier: Apache-2.0
 
 // The heap in use is counted by standing in for malloc and its kin, which glibc provides for.
 
-#include "benchmark.hpp"
+#include "measure.hpp"
 
 #include <opencv2/core/utility.hpp>
 
 #include <atomic>
 #include <cerrno>
-#include <iostream>
 
 #include <malloc.h>
 
@@ -110,27 +110,25 @@ Memory measure(Detector id, const Image& image, int nfeatures)
 
 }  // namespace
 
-void printMemory(const Settings& settings)
+tools::CsvTable measureMemory(const Settings& settings)
 {
-    Table table("Memory", {"image", "threads", "first frame", "later frames", "kept between frames",
-                           "cv::ORB, first frame", "cv::ORB, later frames", "cv::ORB, kept"});
+    tools::CsvTable table({"image", "pixels", "threads", "detector", "first", "later", "kept"});
     for (const std::string& spec : settings.images)
     {
         const Image image(spec);
         for (int threads = 1; threads <= std::min(getNumberOfCPUs(), 2); threads++)
         {
             setNumThreads(threads);
-            measure(AQORB, image, settings.nfeatures);  // for what OpenCV allocates once, such as threads
-            measure(CV_ORB, image, settings.nfeatures);
-            const Memory ours = measure(AQORB, image, settings.nfeatures),
-                         orbs = measure(CV_ORB, image, settings.nfeatures);
-            std::vector<std::string> row = {image.name, format("%d", threads)};
-            for (size_t bytes : {ours.first, ours.later, ours.kept, orbs.first, orbs.later, orbs.kept})
-                row.push_back(format("%.2f", double(bytes) / double(image.pixels.total())));
-            table.add(row);
+            for (Detector id : {AQORB, CV_ORB})  // for what OpenCV allocates once, such as threads
+                measure(id, image, settings.nfeatures);
+            for (Detector id : {AQORB, CV_ORB})
+            {
+                const Memory memory = measure(id, image, settings.nfeatures);
+                table.add({image.name, std::to_string(image.pixels.total()), std::to_string(threads),
+                           nameOf(id), std::to_string(memory.first), std::to_string(memory.later),
+                           std::to_string(memory.kept)});
+            }
         }
     }
-    table.print();
-    std::cout << "Heap in multiples of the image's bytes, with the outputs, without the image; n = "
-              << settings.nfeatures << ".\n\n";
+    return table;
 }

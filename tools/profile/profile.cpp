@@ -1,13 +1,13 @@
-// This file is part of the aqorb project.
+// This file is part of aqorb. Copyright (C) The aqorb developers.
 // It is subject to the license terms in the LICENSE file found in the top-level directory
 // of this distribution.
+// SPDX-License-Identifier: Apache-2.0
 
 #include "profile.hpp"
 
 #include <opencv2/core.hpp>
 
 #include <algorithm>
-#include <numeric>
 
 namespace
 {
@@ -16,18 +16,11 @@ const struct
 {
     const char* region;
     Stage stage;
-} MARKS[] = {{"varianceOverMean", THRESHOLD},
-             {"fillPyramid", PYRAMID},
-             {"findBandCorners", FAST},
-             {"suppressCorners", SUPPRESSION},
-             {"harrisResponses", HARRIS},
-             {"leafPoints", QUADTREE},
-             {"BalancedSequence::begin", QUADTREE},
-             {"FeatureSelector::select", SELECTION},
-             {"orientations", ORIENTATION},
-             {"refine", POSITION},
-             {"approximateBlur", BLUR},
-             {"computeDescriptors", DESCRIPTOR}};
+} MARKS[] = {
+    {"varianceOverMean", THRESHOLD},       {"fillLevels", PYRAMID},       {"findBandCorners", FAST},
+    {"suppressCorners", SUPPRESSION},      {"harrisResponses", HARRIS},   {"leafPoints", QUADTREE},
+    {"BalancedSequence::begin", QUADTREE}, {"selectFeatures", SELECTION}, {"orientations", ORIENTATION},
+    {"computeKeypoints", POSITION},        {"approximateBlur", BLUR},     {"computeDescriptors", DESCRIPTOR}};
 
 //! The stage of a region inside one of another stage. Whatever selection calls is selection.
 Stage stageOf(const TraceRegion& region, Stage outer)
@@ -61,15 +54,6 @@ public:
     Profile profile;
 };
 
-template <typename Value> double medianBy(const std::vector<Profile>& profiles, Value value)
-{
-    std::vector<double> values;
-    for (const Profile& profile : profiles)
-        values.push_back(value(profile));
-    std::nth_element(values.begin(), values.begin() + values.size() / 2, values.end());
-    return values[values.size() / 2];
-}
-
 void enter(const std::vector<TraceRegion>& regions, std::vector<std::string>& absent)
 {
     for (const TraceRegion& region : regions)
@@ -98,17 +82,6 @@ Profile profileOf(const TraceRegion& frame)
     profiler.add(frame, REST);
     profiler.profile.total = frame.duration;
     return profiler.profile;
-}
-
-Profile medianOf(const std::vector<Profile>& profiles)
-{
-    Profile median = profiles.at(0);
-    for (int stage = 0; stage < STAGE_COUNT; stage++)
-    {
-        median.stages[stage] = medianBy(profiles, [&](const Profile& p) { return p.stages[stage]; });
-    }
-    median.total = std::accumulate(median.stages, median.stages + STAGE_COUNT, 0.);
-    return median;
 }
 
 double leastTime(const TraceRegion& region, int threads)

@@ -1,9 +1,10 @@
-// This file is part of the aqorb project.
+// This file is part of aqorb. Copyright (C) The aqorb developers.
 // It is subject to the license terms in the LICENSE file found in the top-level directory
 // of this distribution.
+// SPDX-License-Identifier: Apache-2.0
 
-#ifndef AQORB_BENCHMARK_PROFILE_HPP
-#define AQORB_BENCHMARK_PROFILE_HPP
+#ifndef AQORB_PROFILE_PROFILE_HPP
+#define AQORB_PROFILE_PROFILE_HPP
 
 #include "trace.hpp"
 
@@ -36,9 +37,6 @@ struct Profile
 
 //! The profile of a call of detectAndCompute.
 Profile profileOf(const TraceRegion& frame);
-
-//! Number by number the median of profiles; the total is the sum of the stages.
-Profile medianOf(const std::vector<Profile>& profiles);
 
 /** The least time that threads can take for a region: each parallel_for_ its longest task or its share of all
  tasks, whichever is longer. 0 threads: as many as there are tasks. */

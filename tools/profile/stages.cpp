@@ -1,16 +1,14 @@
-// This file is part of the aqorb project.
+// This file is part of aqorb. Copyright (C) The aqorb developers.
 // It is subject to the license terms in the LICENSE file found in the top-level directory
 // of this distribution.
+// SPDX-License-Identifier: Apache-2.0
 
-#include "benchmark.hpp"
+#include "measure.hpp"
 #include "profile.hpp"
 
 #include <opencv2/core/utility.hpp>
 
-#include <algorithm>
 #include <cstdio>
-#include <iostream>
-#include <iterator>
 
 #include <sys/wait.h>
 #include <unistd.h>
@@ -57,103 +55,59 @@ std::vector<TraceRegion> trace(const Image& image, const Settings& settings)
     return calls;
 }
 
-//! Median time of a frame by numbers of threads, measured in turns.
-std::vector<double> timeByThreads(const Image& image, const Settings& settings,
-                                  const std::vector<int>& threads)
+//! Times of the frames of an image.
+class FrameTimes
 {
+public:
+    FrameTimes(tools::CsvTable& table_, const Image& image_) : table(table_), image(image_) {}
+
+    void add(size_t frame, const char* kind, const std::string& name, double nanoseconds)
+    {
+        table.add({image.name, std::to_string(frame), kind, name, format("%.0f", nanoseconds)});
+    }
+
+private:
+    tools::CsvTable& table;
+    const Image& image;
+};
+
+//! The time of frames without a trace, by which it is known what the trace costs.
+void timeUntraced(const Image& image, const Settings& settings, FrameTimes& times)
+{
+    setNumThreads(1);
     const Ptr<Feature2D> detector = createDetector(AQORB, settings.nfeatures);
     Features features;
-    std::vector<std::vector<double>> times(threads.size());
-    const int turn = 5;
-    for (int i = 0; i < settings.repeats; i += turn)
-    {
-        for (size_t t = 0; t < threads.size(); t++)
-        {
-            setNumThreads(threads[t]);
-            timeFrame(*detector, image.pixels, features);
-            for (int j = 0; j < turn; j++)
-                times[t].push_back(timeFrame(*detector, image.pixels, features));
-        }
-    }
-    std::vector<double> medians;
-    std::transform(times.begin(), times.end(), std::back_inserter(medians), median);
-    return medians;
-}
-
-std::string percent(double part, double whole)
-{
-    return format("%.1f", 100 * part / whole);
-}
-
-//! Of frames, times as % of the total and bounds on the speedup, as medians.
-std::vector<std::string> criticalPath(const std::vector<TraceRegion>& frames)
-{
-    const int threads[] = {2, 4, 8, 0};
-    std::vector<double> serial, longest, bounds[4];
-    for (const TraceRegion& frame : frames)
-    {
-        serial.push_back(serialTime(frame) / frame.duration);
-        longest.push_back(leastTime(frame, 0) / frame.duration - serial.back());
-        for (int i = 0; i < 4; i++)
-            bounds[i].push_back(frame.duration / leastTime(frame, threads[i]));
-    }
-    std::vector<std::string> cells = {percent(median(serial), 1), percent(median(longest), 1)};
-    for (const std::vector<double>& bound : bounds)
-        cells.push_back(format("%.2f", median(bound)));
-    return cells;
+    for (int i = 0; i < WARM_UP; i++)
+        timeFrame(*detector, image.pixels, features);
+    for (int i = 0; i < settings.repeats; i++)
+        times.add(i, "untraced", "frame", timeFrame(*detector, image.pixels, features) * 1e9);
 }
 
 }  // namespace
 
-void printStages(const Settings& settings)
+tools::CsvTable measureStages(const Settings& settings)
 {
-    std::vector<Image> images;
-    std::vector<Profile> profiles;
-    std::vector<std::vector<double>> times;
-    std::vector<std::vector<std::string>> paths;
-    const std::vector<int> threads = getNumberOfCPUs() > 1 ? std::vector<int>{1, 2} : std::vector<int>{1};
-    std::vector<std::string> absent;
+    tools::CsvTable table({"image", "frame", "kind", "name", "ns"});
     for (const std::string& spec : settings.images)
     {
-        images.push_back(Image(spec));
-        const std::vector<TraceRegion> frames = trace(images.back(), settings);
-        absent = absentStages(frames);
+        const Image image(spec);
+        FrameTimes times(table, image);
+        const std::vector<TraceRegion> frames = trace(image, settings);
+        const std::vector<std::string> absent = absentStages(frames);
         if (!absent.empty())
             CV_Error(Error::StsError, "Not in the trace: " + absent[0] + "; see profile.cpp");
-        std::vector<Profile> ofFrames;
-        std::transform(frames.begin(), frames.end(), std::back_inserter(ofFrames), profileOf);
-        profiles.push_back(medianOf(ofFrames));
-        paths.push_back(criticalPath(frames));
-        times.push_back(timeByThreads(images.back(), settings, threads));
+        for (size_t i = 0; i < frames.size(); i++)
+        {
+            const Profile profile = profileOf(frames[i]);
+            for (int stage = 0; stage < STAGE_COUNT; stage++)
+                times.add(i, "stage", nameOf(Stage(stage)), profile.stages[stage]);
+            // The critical path: the serial part, and the least time by numbers of threads.
+            times.add(i, "path", "serial", serialTime(frames[i]));
+            for (int threads : {1, 2, 4, 8})
+                times.add(i, "path", std::to_string(threads), leastTime(frames[i], threads));
+            times.add(i, "path", "enough", leastTime(frames[i], 0));
+        }
+        timeUntraced(image, settings, times);
     }
-
-    std::vector<std::string> head(1, "% of a frame");
-    for (const Image& image : images)
-        head.push_back(image.name);
-    Table stages("Stages", head);
-    for (int stage = 0; stage < STAGE_COUNT; stage++)
-    {
-        std::vector<std::string> row(1, nameOf(Stage(stage)));
-        for (const Profile& profile : profiles)
-            row.push_back(percent(profile.stages[stage], profile.total));
-        stages.add(row);
-    }
-    std::vector<std::string> cost(1, "a traced frame takes longer by %");
-    for (size_t i = 0; i < images.size(); i++)
-        cost.push_back(format("%.0f", 100 * (profiles[i].total * 1e-9 / times[i][0] - 1)));
-    stages.add(cost);
-    stages.print();
-    std::cout << "One thread, n = " << settings.nfeatures << ".\n\n";
-
-    Table path("Critical path", {"image", "selection %", "serial %", "longest tasks %", "bound, 2 threads",
-                                 "4", "8", "enough threads", "measured, 2 threads"});
-    for (size_t i = 0; i < images.size(); i++)
-    {
-        std::vector<std::string> row = {images[i].name,
-                                        percent(profiles[i].stages[SELECTION], profiles[i].total)};
-        row.insert(row.end(), paths[i].begin(), paths[i].end());
-        row.push_back(times[i].size() > 1 ? format("%.2f", times[i][0] / times[i][1]) : "");
-        path.add(row);
-    }
-    path.print();
+    return table;
 }

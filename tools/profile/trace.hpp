@@ -1,9 +1,10 @@
-// This file is part of the aqorb project.
+// This file is part of aqorb. Copyright (C) The aqorb developers.
 // It is subject to the license terms in the LICENSE file found in the top-level directory
 // of this distribution.
+// SPDX-License-Identifier: Apache-2.0
 
-#ifndef AQORB_BENCHMARK_TRACE_HPP
-#define AQORB_BENCHMARK_TRACE_HPP
+#ifndef AQORB_PROFILE_TRACE_HPP
+#define AQORB_PROFILE_TRACE_HPP
 
 #include <string>
 #include <vector>

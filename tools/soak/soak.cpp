@@ -1,13 +1,15 @@
-// This file is part of the aqorb project.
+// This file is part of aqorb. Copyright (C) The aqorb developers.
 // It is subject to the license terms in the LICENSE file found in the top-level directory
 // of this distribution.
+// SPDX-License-Identifier: Apache-2.0
 
-#include "failing_memory.hpp"
+// The long run: frames of changing sizes through one object from several threads, calls that fail, and memory
+// that runs out. Each output must be what it was at first, and memory must not grow. See doc/reliability.md.
 
+#include "../common/options.hpp"
+#include "../common/quiet.hpp"
+#include "../../test/allocations.hpp"
 #include "../../test/test_precomp.hpp"
-
-#include <opencv2/core/utility.hpp>
-#include <opencv2/core/utils/logger.hpp>
 
 #include <malloc.h>
 #include <unistd.h>
@@ -22,7 +24,13 @@ using namespace opencv_test;
 namespace
 {
 
-//! An image, at times with a mask, and what the detector gives for it at first.
+const char* const KEYS = "{help h usage ? |      | print this text }"
+                         "{frames         |100000| frames through one object }"
+                         "{threads        |4     | threads that give it frames }"
+                         "{failures       |20000 | calls in which memory runs out }"
+                         "{any-memory     |      | do not check the memory in use }";
+
+//! An image, for some with a mask, and the features that a new detector finds in it.
 struct Frame
 {
     Mat image, mask;
@@ -47,7 +55,7 @@ std::vector<Frame> makeFrames(int count)
     return frames;
 }
 
-//! What a call must give again, after anything that went before.
+//! Whether the detector still gives the features that a new one gave.
 bool isAsAtFirst(Feature2D& detector, const Frame& frame)
 {
     Features found = detectAndCompute(detector, frame.image, frame.mask);
@@ -57,22 +65,22 @@ bool isAsAtFirst(Feature2D& detector, const Frame& frame)
     return bool(sameFeatures(found, frame.expected));
 }
 
-//! A call that must fail; false if it does not.
+//! Makes a call that must fail. Returns false if it does not.
 bool fails(Feature2D& detector, const Frame& frame, int kind)
 {
     KeyPoints keypoints;
     Mat descriptors;
     try
     {
-        if (kind == 0)  // before anything is done
+        if (kind == 0)  // fails before anything is computed
         {
             detector.detect(Mat(10, 10, CV_32FC1, Scalar(0)), keypoints);
         }
-        else if (kind == 1)  // once the image is known
+        else if (kind == 1)  // fails after the image was checked
         {
             detector.detect(frame.image, keypoints, Mat(7, 7, CV_8UC1, Scalar(1)));
         }
-        else  // once the work space is in use
+        else  // fails while memory of the detector is in use
         {
             keypoints.assign(1, KeyPoint(Point2f(9, 9), 31.f, 0.f, 0.f, 1 << 20));
             detector.compute(frame.image, keypoints, descriptors);
@@ -87,7 +95,7 @@ bool fails(Feature2D& detector, const Frame& frame, int kind)
 
 struct Memory
 {
-    double heap, resident;  // MB; heap: what is in use of it
+    double heap, resident;  // in MB; of the heap the part in use
 };
 
 Memory memoryInUse()
@@ -105,7 +113,7 @@ Memory memoryInUse()
     return memory;
 }
 
-//! Frames in random order through one object from several threads, and calls that fail among them.
+//! Passes frames in random order through one object from several threads, with calls that fail among them.
 bool runFrames(const std::vector<Frame>& frames, int count, int threads, bool checkMemory)
 {
     const int ROUNDS = 20, WARM_UP = 4;
@@ -141,7 +149,8 @@ bool runFrames(const std::vector<Frame>& frames, int count, int threads, bool ch
                     memory.back().resident, int(wrong));
         std::fflush(stdout);
     }
-    // A thread more at once than ever before needs a work space more; that may still happen.
+    // When more threads than ever before are in a call at once, the detector needs one more work space. That may
+    // still happen after the warm-up, so the limits below leave room for it.
     Memory before = {0, 0}, after = {0, 0};
     for (int i = 0; i < ROUNDS; i++)
     {
@@ -160,13 +169,13 @@ bool runFrames(const std::vector<Frame>& frames, int count, int threads, bool ch
     return wrong == 0 && !(checkMemory && grows);
 }
 
-//! Lets one of the allocations of a call fail, any of them, in a new object and in one in use.
+//! Lets an allocation fail, chosen at random among those of a call, in new objects and in one in use.
 bool runOutOfMemory(const std::vector<Frame>& frames, int count, int threads)
 {
     setNumThreads(threads);
     RNG rng(7);
     int thrown = 0, wrong = 0;
-    long allocations[] = {1, 1};  // of a call, in a new object and in one in use
+    long allocations[] = {1, 1};  // in one call of a new object and of the one in use, as far as is known
     Ptr<AdaptiveQuadtreeORB> used = AdaptiveQuadtreeORB::create(200);
     for (int i = 0; i < count; i++)
     {
@@ -175,7 +184,7 @@ bool runOutOfMemory(const std::vector<Frame>& frames, int count, int threads)
         const Ptr<AdaptiveQuadtreeORB> detector = isNew ? AdaptiveQuadtreeORB::create(200) : used;
         {
             Features found;
-            soak::failAllocation(rng.uniform(1, int(allocations[!isNew]) + 1));
+            const AllocationCounter failing(rng.uniform(1, int(allocations[!isNew]) + 1));
             try
             {
                 detector->detectAndCompute(frame.image, frame.mask, found.keypoints, found.descriptors);
@@ -190,16 +199,15 @@ bool runOutOfMemory(const std::vector<Frame>& frames, int count, int threads)
                 wrong += e.code != Error::StsNoMem;
             }
         }
-        soak::failAllocation(0);
         wrong += !isAsAtFirst(*detector, frame);
-        // How many there are to choose from, of a call that succeeds.
+        // A call that succeeds shows how many allocations there are to choose from.
         if (i < 64)
         {
             const Ptr<AdaptiveQuadtreeORB> probe = isNew ? AdaptiveQuadtreeORB::create(200) : used;
             Features found;
-            soak::failAllocation(0);
+            const AllocationCounter counter;
             probe->detectAndCompute(frame.image, frame.mask, found.keypoints, found.descriptors);
-            allocations[!isNew] = std::max(allocations[!isNew], soak::allocationsSince());
+            allocations[!isNew] = std::max(allocations[!isNew], counter.total());
         }
     }
     std::printf(
@@ -213,20 +221,19 @@ bool runOutOfMemory(const std::vector<Frame>& frames, int count, int threads)
 
 int main(int argc, char** argv)
 {
-    const CommandLineParser arguments(argc, argv,
-                                      "{help     |      | prints this}"
-                                      "{frames   |100000| frames through one object}"
-                                      "{threads  |4     | that give it frames}"
-                                      "{failures |20000 | calls in which memory runs out}"
-                                      "{any-memory |    | does not check the memory in use}");
+    const std::string unknown = tools::unknownOption(argc, argv, KEYS);
+    if (!unknown.empty())
+    {
+        std::fprintf(stderr, "aqorb_soak: %s: unknown option; see --help\n", unknown.c_str());
+        return 1;
+    }
+    const CommandLineParser arguments(argc, argv, KEYS);
     if (arguments.has("help"))
     {
         arguments.printMessage();
         return 0;
     }
-    utils::logging::setLogLevel(utils::logging::LOG_LEVEL_SILENT);
-    redirectError([](int, const char*, const char*, const char*, int, void*) { return 0; });
-    soak::failAllocation(0);
+    tools::silenceOpenCV();
     const std::vector<Frame> frames = makeFrames(60);
     const int failures = arguments.get<int>("failures");
     bool good = runFrames(frames, arguments.get<int>("frames"), arguments.get<int>("threads"),

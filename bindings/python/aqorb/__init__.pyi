@@ -1,8 +1,10 @@
-# This file is part of the aqorb project.
+# This file is part of aqorb. Copyright (C) The aqorb developers.
 # It is subject to the license terms in the LICENSE file found in the top-level directory
 # of this distribution.
+# SPDX-License-Identifier: Apache-2.0
 
-from typing import List, Optional, Sequence, Tuple, TypeVar, Union, overload
+import os
+from typing import List, Optional, Sequence, Tuple, Union, overload
 
 import cv2
 import numpy
@@ -13,7 +15,12 @@ _Mask = Union[NDArray[numpy.uint8], NDArray[numpy.bool_], None]
 _KeyPointArray = NDArray[numpy.void]
 _KeyPoints = Union[Sequence[cv2.KeyPoint], _KeyPointArray]
 _Descriptors = Optional[NDArray[numpy.uint8]]
-_Size = Tuple[int, int]
+_Size = Sequence[int]
+_FileName = Union[str, bytes, os.PathLike[str], os.PathLike[bytes]]
+
+__all__ = ['AdaptiveQuadtreeORB', 'AdaptiveQuadtreeORB_create', 'adaptiveFastThreshold', 'distributionOccupancy',
+           'distributionUniformity', 'error', 'keypoint_dtype', 'keypointsFromArray', 'keypointsToArray',
+           'retainUniform']
 
 keypoint_dtype: numpy.dtype[numpy.void]
 
@@ -28,12 +35,16 @@ class AdaptiveQuadtreeORB:
     @overload
     def detect(self, image: _Image, mask: _Mask = ...) -> Tuple[cv2.KeyPoint, ...]: ...
     @overload
-    def detect(self, images: Sequence[_Image], masks: Sequence[_Mask] = ...) -> List[Tuple[cv2.KeyPoint, ...]]: ...
+    def detect(self, images: Sequence[_Image],
+               masks: Optional[Sequence[_Mask]] = ...) -> List[Tuple[cv2.KeyPoint, ...]]: ...
     @overload
     def compute(self, image: _Image, keypoints: _KeyPointArray) -> Tuple[_KeyPointArray, _Descriptors]: ...
     @overload
     def compute(self, image: _Image,
                 keypoints: Sequence[cv2.KeyPoint]) -> Tuple[Tuple[cv2.KeyPoint, ...], _Descriptors]: ...
+    @overload
+    def compute(self, images: Sequence[_Image], keypoints: Sequence[_KeyPointArray]
+                ) -> Tuple[List[_KeyPointArray], List[_Descriptors]]: ...
     @overload
     def compute(self, images: Sequence[_Image], keypoints: Sequence[Sequence[cv2.KeyPoint]]
                 ) -> Tuple[List[Tuple[cv2.KeyPoint, ...]], List[_Descriptors]]: ...
@@ -80,12 +91,12 @@ class AdaptiveQuadtreeORB:
     def defaultNorm(self) -> int: ...
     def empty(self) -> bool: ...
     @overload
-    def write(self, fileName: str) -> None: ...
+    def write(self, fileName: _FileName) -> None: ...
     @overload
     def write(self, fs: cv2.FileStorage, name: str = ...) -> None: ...
-    def save(self, fileName: str) -> None: ...
+    def save(self, fileName: _FileName) -> None: ...
     @overload
-    def read(self, fileName: str) -> None: ...
+    def read(self, fileName: _FileName) -> None: ...
     @overload
     def read(self, fn: cv2.FileNode) -> None: ...
 

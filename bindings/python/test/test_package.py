@@ -1,6 +1,7 @@
-# This file is part of the aqorb project.
+# This file is part of aqorb. Copyright (C) The aqorb developers.
 # It is subject to the license terms in the LICENSE file found in the top-level directory
 # of this distribution.
+# SPDX-License-Identifier: Apache-2.0
 """Tests of what the package aqorb has beyond cv2.aqorb; modules/aqorb/misc/python/test has those of both."""
 
 import ast
@@ -10,7 +11,6 @@ import pathlib
 import re
 import subprocess
 import sys
-import threading
 
 import cv2 as cv
 import numpy as np
@@ -18,18 +18,9 @@ import pytest
 
 import aqorb
 
+FOLDER = str(pathlib.Path(aqorb.__file__).resolve().parent.parent)
+MYPY = '[mypy]\n[mypy-cv2.*]\nignore_missing_imports = True\n'  # cv2 4.6 has no stubs
 FIELDS = ('pt', 'size', 'angle', 'response', 'octave', 'class_id')
-
-
-@pytest.fixture(scope='module')
-def image():
-    noise = np.random.RandomState(3).randint(0, 256, (60, 80), np.uint8)
-    return cv.resize(noise, (640, 480), interpolation=cv.INTER_NEAREST)
-
-
-@pytest.fixture
-def orb():
-    return aqorb.AdaptiveQuadtreeORB_create(300)
 
 
 def same(keypoints, array):
@@ -116,66 +107,6 @@ def test_strides_that_no_mat_has(orb, image, shape, strides):
     assert np.array_equal(orb.detectAndComputeArrays(view)[1], orb.detectAndComputeArrays(view.copy())[1])
 
 
-def test_files(tmp_path, orb):
-    orb.setMaxDepth(3)
-    for suffix in 'yml', 'xml', 'json':
-        for write in orb.write, orb.save:
-            path = str(tmp_path / ('orb.' + suffix))
-            write(path)
-            other = aqorb.AdaptiveQuadtreeORB_create()
-            other.read(path)
-            assert (other.getMaxFeatures(), other.getMaxDepth()) == (300, 3)
-            os.remove(path)
-    for call in orb.write, orb.read:
-        with pytest.raises(aqorb.error, match='no/such/folder'):
-            call('no/such/folder/orb.yml')
-
-
-POINTS = aqorb.keypointsToArray([cv.KeyPoint(999, 999, 31)] * 1000)
-
-
-@pytest.mark.parametrize('call', [
-    lambda orb, image: orb.detect(image),
-    lambda orb, image: orb.detect([image]),
-    lambda orb, image: orb.compute(image, POINTS),
-    lambda orb, image: orb.compute([image], [POINTS]),
-    lambda orb, image: orb.detectAndCompute(image, None),
-    lambda orb, image: orb.detectAndComputeArrays(image),
-    lambda orb, image: aqorb.adaptiveFastThreshold(image)])
-def test_the_gil_is_released(orb, call):
-    # Within the switch interval another thread runs only if this one lets it. The image is blank, as making a
-    # cv2.KeyPoint releases the GIL, too.
-    image = np.zeros((2000, 2000), np.uint8)
-    gate, ran = threading.Semaphore(0), []
-    thread = threading.Thread(target=lambda: gate.acquire() and ran.append(True))
-    thread.start()
-    interval = sys.getswitchinterval()
-    sys.setswitchinterval(600)
-    try:
-        gate.release()
-        for _ in range(1000):
-            if ran:
-                break
-            call(orb, image)
-        released = bool(ran)
-    finally:
-        sys.setswitchinterval(interval)
-        thread.join()
-    assert released
-
-
-def test_threads_share_a_detector(orb, image):
-    expected = orb.detectAndComputeArrays(image)[1]
-    results = []
-    threads = [threading.Thread(target=lambda: results.append(orb.detectAndComputeArrays(image)[1]))
-               for _ in range(4)]
-    for thread in threads:
-        thread.start()
-    for thread in threads:
-        thread.join()
-    assert len(results) == 4 and all(np.array_equal(result, expected) for result in results)
-
-
 def functions(scope):
     """The public functions of a stub's module or class: name -> the signatures of its overloads."""
     found = {}
@@ -209,16 +140,54 @@ def test_stub_has_the_signatures():
 
 def test_stub_is_a_stub_of_the_package(tmp_path):
     pytest.importorskip('mypy')
-    config = tmp_path / 'mypy.ini'  # cv2 4.6 has no stubs
-    config.write_text('[mypy]\n[mypy-cv2.*]\nignore_missing_imports = True\n')
+    config = tmp_path / 'mypy.ini'
+    config.write_text(MYPY)
     allowlist = tmp_path / 'allowlist'  # pybind11's metaclass, and its __init__ that raises
     allowlist.write_text('aqorb.AdaptiveQuadtreeORB\naqorb.AdaptiveQuadtreeORB.__init__\n')
-    folder = str(pathlib.Path(aqorb.__file__).resolve().parent.parent)
-    environment = dict(os.environ, MYPYPATH=folder, PYTHONPATH=folder)
+    environment = dict(os.environ, MYPYPATH=FOLDER, PYTHONPATH=FOLDER)
     run = subprocess.run([sys.executable, '-m', 'mypy.stubtest', 'aqorb', '--mypy-config-file', str(config),
                           '--allowlist', str(allowlist)], cwd=str(tmp_path), env=environment,
                          stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True)
     assert run.returncode == 0, run.stdout
+
+
+PROGRAM = '''
+import pathlib
+from typing import List, Optional, Tuple
+import numpy
+import aqorb
+
+image = numpy.zeros((48, 64), numpy.uint8)
+orb = aqorb.AdaptiveQuadtreeORB_create(300)
+array, rows = orb.detectAndComputeArrays(image, image > 5)
+computed, descriptors = orb.compute(image, array)
+if descriptors is not None:
+    print(descriptors.shape, computed['pt'])
+several = orb.detect([image, None], [image, None]) + orb.detect((image,), None)
+lists, _ = orb.compute([image], [array])
+orb.write(pathlib.Path('orb.yml'))
+orb.read('orb.yml')
+orb.save(b'orb.yml')
+occupancy: float = aqorb.distributionOccupancy(array, (64, 48), [4, 3])
+kept = aqorb.retainUniform(array, image.shape[1::-1], 5)['pt']
+orb.detect('image.png')  # wrong
+orb.setCellSize('35')  # wrong
+orb.setCellsize(35)  # wrong
+aqorb.retainUniform(array, 640, 5)  # wrong
+aqorb.nothing  # wrong
+'''
+
+
+def test_programs_are_typed(tmp_path):
+    pytest.importorskip('mypy')
+    (tmp_path / 'mypy.ini').write_text(MYPY)
+    (tmp_path / 'program.py').write_text(PROGRAM)
+    run = subprocess.run([sys.executable, '-m', 'mypy', 'program.py'], cwd=str(tmp_path),
+                         env=dict(os.environ, MYPYPATH=FOLDER), stdout=subprocess.PIPE, stderr=subprocess.STDOUT,
+                         text=True)
+    found = {int(number) for number in re.findall(r'^program.py:([0-9]+): error', run.stdout, re.MULTILINE)}
+    wrong = {i for i, line in enumerate(PROGRAM.split('\n'), 1) if line.endswith('# wrong')}
+    assert found == wrong, run.stdout
 
 
 def test_everything_is_documented():

@@ -1,12 +1,20 @@
-// This file is part of the aqorb project.
+// This file is part of aqorb. Copyright (C) The aqorb developers.
 // It is subject to the license terms in the LICENSE file found in the top-level directory
 // of this distribution.
+// SPDX-License-Identifier: Apache-2.0
 
 #include "precomp.hpp"
 
+#include "descriptor.hpp"
+#include "input.hpp"
+#include "orientation.hpp"
 #include "parameters.hpp"
-#include "pyramid_corners.hpp"
+#include "pool.hpp"
+#include "position.hpp"
+#include "threshold.hpp"
 #include "workspace.hpp"
+
+#include <opencv2/aqorb.hpp>
 
 namespace cv
 {
@@ -26,11 +34,13 @@ namespace
 // What follows from the parameters alone.
 struct Tables
 {
-    explicit Tables(const Parameters& p)
-        : patch(circularPatch(p.patchSize)), tests(descriptorPattern(p.patchSize, p.WTA_K), p.WTA_K)
+    explicit Tables(const Parameters& parameters)
+        : patch(circularPatch(parameters.patchSize)),
+          tests(descriptorPattern(parameters.patchSize, parameters.WTA_K), parameters.WTA_K)
     {
-        if (p.nlevels == 1 || p.scaleFactor > 1)  // else detection is refused
-            quotas = levelQuotas(p.nfeatures, p.scaleFactor, p.nlevels);
+        // There are no quotas for other values, with which detection throws.
+        if (parameters.nlevels == 1 || parameters.scaleFactor > 1)
+            quotas = levelQuotas(parameters.nfeatures, parameters.scaleFactor, parameters.nlevels);
     }
     OrientationPatch patch;
     DescriptorTests tests;
@@ -40,9 +50,10 @@ struct Tables
 // Calls body(0) .. body(count - 1), several at once.
 template <typename Body> void inParallel(size_t count, const Body& body)
 {
+    // The function captures one pointer only, because std::function would allocate memory for more.
     parallel_for_(
         Range(0, int(count)),
-        [&body](const Range& range)  // no more than a pointer, or a copy would be allocated
+        [&body](const Range& range)
         {
             for (int i = range.start; i < range.end; i++)
                 body(size_t(i));
@@ -50,80 +61,51 @@ template <typename Body> void inParallel(size_t count, const Body& body)
         double(count));
 }
 
-// By counting: the rows are many, and have few corners each.
-void sortInRasterOrder(std::vector<RankedCorner>& corners, int rows, std::vector<size_t>& starts,
-                       std::vector<RankedCorner>& sorted)
-{
-    starts.assign(size_t(rows) + 1, 0);
-    for (size_t i = 0; i < corners.size(); i++)
-        starts[corners[i].y + 1]++;
-    std::partial_sum(starts.begin(), starts.end(), starts.begin());
-    sorted.resize(corners.size());
-    for (size_t i = 0; i < corners.size(); i++)
-        sorted[starts[corners[i].y]++] = corners[i];
-    size_t begin = 0;
-    for (int y = 0; y < rows; begin = starts[y++])  // now the end of row y
-    {
-        if (starts[y] - begin > 1)
-            std::sort(sorted.begin() + begin, sorted.begin() + starts[y], InRasterOrder());
-    }
-    corners.swap(sorted);
-}
-
-//! Whether a point, rounded, is a pixel. Points far away are not rounded: what comes of that depends on the CPU.
-bool isOnPixel(const Point2f& pt, const Size& size)
-{
-    const float width = float(size.width), height = float(size.height);
-    return pt.x > -1 && pt.y > -1 && pt.x < width && pt.y < height && Rect(Point(), size).contains(Point(pt));
-}
-
-bool hasLowerOctave(const KeyPoint& a, const KeyPoint& b)
-{
-    return a.octave < b.octave;
-}
-
 }  // namespace
 
 class AdaptiveQuadtreeORBImpl CV_FINAL : public AdaptiveQuadtreeORB
 {
 public:
-    explicit AdaptiveQuadtreeORBImpl(const Parameters& parameters) : p(checked(parameters)), tables(p) {}
+    explicit AdaptiveQuadtreeORBImpl(const Parameters& parameters_)
+        : parameters(checked(parameters_)), tables(parameters)
+    {
+    }
 
     void setMaxFeatures(int value) CV_OVERRIDE { set(&Parameters::nfeatures, value); }
-    int getMaxFeatures() const CV_OVERRIDE { return p.nfeatures; }
+    int getMaxFeatures() const CV_OVERRIDE { return parameters.nfeatures; }
     void setScaleFactor(double value) CV_OVERRIDE { set(&Parameters::scaleFactor, value); }
-    double getScaleFactor() const CV_OVERRIDE { return p.scaleFactor; }
+    double getScaleFactor() const CV_OVERRIDE { return parameters.scaleFactor; }
     void setNLevels(int value) CV_OVERRIDE { set(&Parameters::nlevels, value); }
-    int getNLevels() const CV_OVERRIDE { return p.nlevels; }
+    int getNLevels() const CV_OVERRIDE { return parameters.nlevels; }
     void setEdgeThreshold(int value) CV_OVERRIDE { set(&Parameters::edgeThreshold, value); }
-    int getEdgeThreshold() const CV_OVERRIDE { return p.edgeThreshold; }
+    int getEdgeThreshold() const CV_OVERRIDE { return parameters.edgeThreshold; }
     void setFirstLevel(int value) CV_OVERRIDE { set(&Parameters::firstLevel, value); }
-    int getFirstLevel() const CV_OVERRIDE { return p.firstLevel; }
+    int getFirstLevel() const CV_OVERRIDE { return parameters.firstLevel; }
     void setWTA_K(int value) CV_OVERRIDE { set(&Parameters::WTA_K, value); }
-    int getWTA_K() const CV_OVERRIDE { return p.WTA_K; }
+    int getWTA_K() const CV_OVERRIDE { return parameters.WTA_K; }
     void setScoreType(ORB::ScoreType value) CV_OVERRIDE { set(&Parameters::scoreType, numberOf(value)); }
-    ORB::ScoreType getScoreType() const CV_OVERRIDE { return ORB::ScoreType(p.scoreType); }
+    ORB::ScoreType getScoreType() const CV_OVERRIDE { return ORB::ScoreType(parameters.scoreType); }
     void setPatchSize(int value) CV_OVERRIDE { set(&Parameters::patchSize, value); }
-    int getPatchSize() const CV_OVERRIDE { return p.patchSize; }
+    int getPatchSize() const CV_OVERRIDE { return parameters.patchSize; }
     void setFastThreshold(int value) CV_OVERRIDE { set(&Parameters::fastThreshold, value); }
-    int getFastThreshold() const CV_OVERRIDE { return p.fastThreshold; }
+    int getFastThreshold() const CV_OVERRIDE { return parameters.fastThreshold; }
 
     void setAdaptiveThreshold(bool value) CV_OVERRIDE { set(&Parameters::adaptiveThreshold, value); }
-    bool getAdaptiveThreshold() const CV_OVERRIDE { return p.adaptiveThreshold; }
+    bool getAdaptiveThreshold() const CV_OVERRIDE { return parameters.adaptiveThreshold; }
     void setMinThresholdRatio(double value) CV_OVERRIDE { set(&Parameters::minThresholdRatio, value); }
-    double getMinThresholdRatio() const CV_OVERRIDE { return p.minThresholdRatio; }
+    double getMinThresholdRatio() const CV_OVERRIDE { return parameters.minThresholdRatio; }
     void setCellSize(int value) CV_OVERRIDE { set(&Parameters::cellSize, value); }
-    int getCellSize() const CV_OVERRIDE { return p.cellSize; }
+    int getCellSize() const CV_OVERRIDE { return parameters.cellSize; }
     void setMaxDepth(int value) CV_OVERRIDE { set(&Parameters::maxDepth, value); }
-    int getMaxDepth() const CV_OVERRIDE { return p.maxDepth; }
+    int getMaxDepth() const CV_OVERRIDE { return parameters.maxDepth; }
     void setOctaveSuppression(double value) CV_OVERRIDE { set(&Parameters::octaveSuppression, value); }
-    double getOctaveSuppression() const CV_OVERRIDE { return p.octaveSuppression; }
+    double getOctaveSuppression() const CV_OVERRIDE { return parameters.octaveSuppression; }
     void setSubPixel(bool value) CV_OVERRIDE { set(&Parameters::subPixel, value); }
-    bool getSubPixel() const CV_OVERRIDE { return p.subPixel; }
+    bool getSubPixel() const CV_OVERRIDE { return parameters.subPixel; }
 
     int descriptorSize() const CV_OVERRIDE { return kBytes; }
     int descriptorType() const CV_OVERRIDE { return CV_8U; }
-    int defaultNorm() const CV_OVERRIDE { return p.WTA_K == 2 ? NORM_HAMMING : NORM_HAMMING2; }
+    int defaultNorm() const CV_OVERRIDE { return parameters.WTA_K == 2 ? NORM_HAMMING : NORM_HAMMING2; }
     bool empty() const CV_OVERRIDE { return false; }
 
     using Feature2D::read;
@@ -132,11 +114,11 @@ public:
     {
         writeFormat(fs);
         fs << "name" << getDefaultName();
-        p.write(fs);
+        parameters.write(fs);
     }
     void read(const FileNode& node) CV_OVERRIDE
     {
-        Parameters changed = p;
+        Parameters changed = parameters;
         changed.read(node);
         use(changed);
     }
@@ -147,44 +129,43 @@ public:
                           OutputArray descriptors, bool useProvidedKeypoints) CV_OVERRIDE;
 
 private:
-    static const Parameters& checked(const Parameters& parameters)
+    static const Parameters& checked(const Parameters& unchecked)
     {
-        parameters.check();
-        return parameters;
+        unchecked.check();
+        return unchecked;
     }
     template <typename T> void set(T Parameters::*field, T value)
     {
-        Parameters changed = p;
+        Parameters changed = parameters;
         changed.*field = value;
         use(checked(changed));
     }
     void use(const Parameters& changed)
     {
         Tables ofChanged(changed);
-        p = changed;
+        parameters = changed;
         std::swap(tables, ofChanged);
     }
 
-    void chooseCorners(const Mat& image, const Mat& mask, Workspace& workspace) const;
-    void locate(const Mat& image, const std::vector<KeyPoint>& provided, Workspace& workspace) const;
-    Rect regionOf(Size level) const
-    {
-        const int border = p.edgeThreshold;
-        return Rect(border, border, level.width - 2 * border, level.height - 2 * border);
-    }
+    // What is done with an image, in this order. Given keypoints take the place of detection and selection.
+    void detectCorners(Workspace& workspace) const;
+    void selectFeatures(Workspace& workspace) const;
+    void takeKeypoints(const std::vector<KeyPoint>& given, Workspace& workspace) const;
+    void computeKeypoints(Workspace& workspace, const FeatureRange& range) const;
+    void describe(Workspace& workspace, const FeatureRange& range, Mat& descriptors) const;
+
     PositionMap positionsOf(const Level& level, Size imageSize) const
     {
-        const PositionMap map = {imageSize, level.image.size(), level.scale, p.edgeThreshold, p.subPixel};
+        const PositionMap map = {imageSize, level.image.size(), level.scale, parameters.edgeThreshold,
+                                 parameters.subPixel};
         return map;
     }
-    static void layOutStripes(Workspace& workspace);
-    void refine(Workspace& workspace, const Stripe& stripe, Size imageSize, const Mat& mask) const;
-    void describe(Workspace& workspace, const Stripe& stripe, Mat& descriptors) const;
 
-    Parameters p;
+    Parameters parameters;
     Tables tables;
     Pool<Workspace> workspaces;
-    mutable Pool<TaskScratch> scratches;
+    mutable Pool<DetectionScratch> detectionScratches;
+    mutable Pool<DescriptionScratch> descriptionScratches;
 };
 
 Ptr<AdaptiveQuadtreeORB> AdaptiveQuadtreeORB::create(int nfeatures, float scaleFactor, int nlevels,
@@ -205,18 +186,36 @@ Ptr<AdaptiveQuadtreeORB> AdaptiveQuadtreeORB::create(int nfeatures, float scaleF
     return makePtr<AdaptiveQuadtreeORBImpl>(parameters);
 }
 
-void AdaptiveQuadtreeORBImpl::buildPyramid(InputArray image_, OutputArrayOfArrays levels) const
+void AdaptiveQuadtreeORBImpl::buildPyramid(InputArray image_, OutputArrayOfArrays levels_) const
 {
     CV_TRACE_FUNCTION();
-    std::vector<Level> pyramid;
+    checkLevelsOutput(levels_);
+    const UMat held = heldUMat(image_);
+    Workspace workspace;  // not from the pool, as its images become the caller's
     if (!image_.empty())
     {
-        p.checkTogether(p.nlevels);
-        stages::buildPyramid(grayImage(image_), Mat(), p.nlevels, p.firstLevel, p.scaleFactor, 1, pyramid);
+        parameters.checkTogether(parameters.nlevels);
+        workspace.input.image = grayImage(image_);
+        checkPyramidInput(workspace.input.image.size());
+        workspace.layOutLevels(parameters.nlevels, parameters.firstLevel, parameters.scaleFactor, 1);
+        workspace.fillLevels(parameters.firstLevel);
     }
-    levels.create(int(pyramid.size()), 1, CV_8UC1);
-    for (int i = 0; i < int(pyramid.size()); i++)
-        levels.getMatRef(i) = pyramid[i].isInput ? pyramid[i].image.clone() : pyramid[i].image;
+    levels_.create(workspace.levelCount, 1, CV_8UC1);
+    for (int i = 0; i < workspace.levelCount; i++)
+    {
+        const Level& level = workspace.levels[i].level;
+        if (levels_.isUMatVector())
+        {
+            // A new UMat, because the old one may be the input, which later levels are still copied from.
+            UMat copy;
+            level.image.copyTo(copy);
+            levels_.getUMatRef(i) = copy;
+        }
+        else
+        {
+            levels_.getMatRef(i) = level.isInput ? level.image.clone() : level.image;
+        }
+    }
 }
 
 void AdaptiveQuadtreeORBImpl::detectAndCompute(InputArray image_, InputArray mask_,
@@ -227,241 +226,253 @@ void AdaptiveQuadtreeORBImpl::detectAndCompute(InputArray image_, InputArray mas
     const bool withDescriptors = descriptors_.needed();
     if (useProvidedKeypoints && !withDescriptors)
         return;  // as cv::ORB
+    if (withDescriptors)
+        checkDescriptorsOutput(descriptors_);
     if (image_.empty())
     {
-        keypoints.clear();
         if (withDescriptors)
-            descriptors_.release();
+            releaseDescriptors(descriptors_);
+        keypoints.clear();
         return;
     }
 
-    const Mat image = grayImage(image_),
-              mask = useProvidedKeypoints ? Mat() : checkedMask(mask_, image.size());
+    const UMat heldImage = heldUMat(image_), heldMask = heldUMat(mask_);
+    Level input;
+    input.image = grayImage(image_);
+    checkPyramidInput(input.image.size());
+    if (!useProvidedKeypoints)
+        input.mask = checkedMask(mask_, input.image.size());
     const Pool<Workspace>::Lease lease(workspaces);
     Workspace& workspace = *lease;
+    const InputScope scope(workspace, input);
     if (useProvidedKeypoints)
-        locate(image, keypoints, workspace);
+    {
+        takeKeypoints(keypoints, workspace);
+    }
     else
-        chooseCorners(image, mask, workspace);
+    {
+        detectCorners(workspace);
+        selectFeatures(workspace);
+    }
 
     const size_t count = workspace.keypoints.size();
-    Mat descriptors;
+    Mat output, descriptors;
     if (withDescriptors && count > 0)
     {
-        descriptors_.create(int(count), kBytes, CV_8UC1);
-        descriptors = descriptors_.getMat();
+        output = createDescriptors(descriptors_, int(count));
+        // Where the output lies in the image or the mask, it must not be written before both have been read.
+        const bool isRead = shareMemory(output, input.image) || shareMemory(output, input.mask);
+        descriptors = isRead ? Mat(output.size(), output.type()) : output;
     }
     else if (withDescriptors)
     {
-        descriptors_.release();
+        releaseDescriptors(descriptors_);
     }
-    layOutStripes(workspace);
-    inParallel(workspace.stripes.size(),
+    workspace.layOutRanges();
+    inParallel(workspace.ranges.size(),
                [&](size_t i)
                {
-                   CV_TRACE_REGION("stripe");
+                   CV_TRACE_REGION("range of features");
                    if (!useProvidedKeypoints)
-                       refine(workspace, workspace.stripes[i], image.size(), mask);
+                       computeKeypoints(workspace, workspace.ranges[i]);
                    if (!descriptors.empty())
-                       describe(workspace, workspace.stripes[i], descriptors);
+                       describe(workspace, workspace.ranges[i], descriptors);
                });
+    if (descriptors.data != output.data)
+        descriptors.copyTo(output);
     keypoints = workspace.keypoints;
 }
 
-// Finds the corners that become features.
-void AdaptiveQuadtreeORBImpl::chooseCorners(const Mat& image, const Mat& mask, Workspace& workspace) const
+// Finds and ranks the corners of all levels.
+void AdaptiveQuadtreeORBImpl::detectCorners(Workspace& workspace) const
 {
-    p.checkTogether(p.nlevels);
-    const Thresholds thresholds =
-        p.adaptiveThreshold
-            ? adaptiveThresholds(varianceOverMean(image, mask), p.fastThreshold, p.minThresholdRatio)
-            : fixedThresholds(p.fastThreshold, p.minThresholdRatio);
+    const Mat &image = workspace.input.image, &mask = workspace.input.mask;
+    parameters.checkTogether(parameters.nlevels);
+    DetectionRules rules;
+    rules.thresholds = parameters.adaptiveThreshold
+                           ? adaptiveThresholds(varianceOverMean(image, mask), parameters.fastThreshold,
+                                                parameters.minThresholdRatio)
+                           : fixedThresholds(parameters.fastThreshold, parameters.minThresholdRatio);
+    rules.cellSize = parameters.cellSize;
+    rules.rankByHarris = parameters.scoreType == ORB::HARRIS_SCORE;
 
-    const int FAST_RADIUS = 3;
-    const int minSide = int(std::min(2 * std::max<int64>(p.edgeThreshold, FAST_RADIUS) + 1, int64(INT_MAX)));
-    std::vector<Level>& pyramid = workspace.pyramid;
-    layOutPyramid(image, mask, p.nlevels, p.firstLevel, p.scaleFactor, minSide, pyramid);
-    const size_t levels = pyramid.size();
-    workspace.resize(levels);
-
-    std::vector<SelectionLevel>& selectionLevels = workspace.selectionLevels;
-    selectionLevels.resize(levels);
-    for (size_t i = 0; i < levels; i++)
+    const int FAST_RADIUS = 3, border = parameters.edgeThreshold;
+    const int minSide = int(std::min(2 * std::max<int64>(border, FAST_RADIUS) + 1, int64(INT_MAX)));
+    workspace.layOutLevels(parameters.nlevels, parameters.firstLevel, parameters.scaleFactor, minSide);
+    const int count = workspace.levelCount;
+    std::vector<LevelWork>& levels = workspace.levels;
+    for (int i = 0; i < count; i++)
     {
-        const Size size = pyramid[i].image.size();
-        const int quota = tables.quotas[i], depth = p.maxDepth >= 0 ? p.maxDepth : quadtreeDepth(quota);
-        const SelectionLevel level = {size, pyramid[i].scale, regionOf(size), depth, quota};
-        selectionLevels[i] = level;
+        // Levels too small for a keypoint leave their quotas to the next finer one.
+        const int quota = tables.quotas[i],
+                  added = i < count - 1
+                              ? 0
+                              : std::accumulate(tables.quotas.begin() + count, tables.quotas.end(), 0);
+        const Size size = levels[i].level.image.size();
+        const Rect root(border, border, size.width - 2 * border, size.height - 2 * border);
+        const int depth = parameters.maxDepth >= 0 ? parameters.maxDepth : quadtreeDepth(quota);
+        const SelectionLevel selection = {size, levels[i].level.scale, root, depth, quota + added};
+        levels[i].selection = selection;
+        levels[i].detection.begin(levels[i].level, root, depth, rules);
     }
-    // Levels too small for a keypoint leave their quota to the next finer one.
-    if (levels > 0)
-        selectionLevels.back().quota =
-            std::accumulate(tables.quotas.begin() + (levels - 1), tables.quotas.end(), 0);
 
-    PyramidCorners source(p, thresholds, workspace, scratches);
-    // The image itself is searched while the other levels are made of it.
-    const size_t ofImage = source.layOutBands(true), bands = source.layOutBands(false);
-    inParallel(1 + ofImage,
+    const size_t bandsOfInput = workspace.layOutBands(), bands = workspace.bands.size();
+    const auto search = [&](size_t i)
+    {
+        const Pool<DetectionScratch>::Lease scratch(detectionScratches);
+        const LevelBand& band = workspace.bands[i];
+        levels[band.level].detection.searchBand(band.band, *scratch);
+    };
+    // The image itself is searched while the other levels are made from it.
+    inParallel(1 + bandsOfInput,
                [&](size_t i)
                {
                    if (i > 0)
-                       return source.search(i - 1);
-                   fillPyramid(image, mask, p.firstLevel, pyramid, workspace.resizing);
-                   for (size_t j = 0; j < levels && !mask.empty(); j++)
+                       return search(i - 1);
+                   workspace.fillLevels(parameters.firstLevel);
+                   for (int j = 0; j < count && !mask.empty(); j++)
                    {
-                       if (!pyramid[j].isInput)
-                           maskPositions(mask, positionsOf(pyramid[j], image.size()), pyramid[j].mask);
+                       Level& level = levels[j].level;
+                       if (!level.isInput)
+                           maskPositions(mask, positionsOf(level, image.size()), level.mask);
                    }
                });
-    // The corners of the image, of which there are most, are ranked while those of other levels are searched for.
+    // The corners of the image, which has most of them, are ranked while the other levels are searched.
     inParallel(bands,
                [&](size_t i)
                {
-                   if (i < ofImage)
-                       source.rank(i);
+                   const LevelBand& band = workspace.bands[i];
+                   if (i < bandsOfInput)
+                       levels[band.level].detection.rankBand(band.band);
                    else
-                       source.search(i);
+                       search(i);
                });
-    inParallel(levels,
+    inParallel(size_t(count),
                [&](size_t i)
                {
-                   if (selectionLevels[i].quota > 0)
-                       source.prepare(int(i));
+                   if (levels[i].selection.quota == 0)
+                       return;
+                   const Pool<DetectionScratch>::Lease scratch(detectionScratches);
+                   levels[i].detection.balance(*scratch);
                });
-
-    workspace.selector.select(selectionLevels, image.size(), p.octaveSuppression, source, workspace.chosen);
-    workspace.firsts.assign(1, 0);
-    for (size_t i = 0; i < levels; i++)
-    {
-        std::vector<RankedCorner>& corners = workspace.chosen[i];
-        std::vector<DescriptorPoint>& points = workspace.points[i];
-        sortInRasterOrder(corners, pyramid[i].image.rows, workspace.rowStarts, workspace.sorted);
-        points.resize(corners.size());
-        for (size_t j = 0; j < corners.size(); j++)
-        {
-            points[j].x = corners[j].x;
-            points[j].y = corners[j].y;
-        }
-        workspace.firsts.push_back(workspace.firsts[i] + corners.size());
-    }
-    workspace.keypoints.resize(workspace.firsts[levels]);
 }
 
-// Stripes of about as many features, so that no thread waits for one level's.
-void AdaptiveQuadtreeORBImpl::layOutStripes(Workspace& workspace)
-{
-    // No more and no smaller: neighbouring stripes both blur the rows between them.
-    const size_t STRIPES = 8, MIN_FEATURES = 64;
-    const size_t most = std::max(workspace.keypoints.size() / STRIPES, MIN_FEATURES);
-    workspace.stripes.clear();
-    for (int level = 0; level < int(workspace.pyramid.size()); level++)
-    {
-        const size_t count = workspace.points[level].size(), stripes = (count + most - 1) / most;
-        for (size_t i = 0; i < stripes; i++)
-        {
-            const Stripe stripe = {level, count * i / stripes, count * (i + 1) / stripes};
-            workspace.stripes.push_back(stripe);
-        }
-    }
-}
-
-// The features at the chosen corners of a stripe: their direction and their position in the image.
-void AdaptiveQuadtreeORBImpl::refine(Workspace& workspace, const Stripe& stripe, Size imageSize,
-                                     const Mat& mask) const
+// Chooses the corners that become features, and gives selection what it asks for.
+void AdaptiveQuadtreeORBImpl::selectFeatures(Workspace& workspace) const
 {
     CV_TRACE_FUNCTION();
-    const Level& level = workspace.pyramid[stripe.level];
-    DescriptorPoint* points = workspace.points[stripe.level].data();
-    orientations(level.image, tables.patch, points + stripe.begin, stripe.end - stripe.begin);
-    const PositionMap position = positionsOf(level, imageSize);
-    for (size_t i = stripe.begin; i < stripe.end; i++)
+    FeatureSelector& selector = workspace.selector;
+    selector.begin(workspace.input.image.size(), parameters.octaveSuppression);
+    for (int i = 0; i < workspace.levelCount; i++)
+        selector.addLevel(workspace.levels[i].selection);
+
+    const Pool<DetectionScratch>::Lease scratch(detectionScratches);
+    CornerRequest request;
+    while (selector.wants(request))
     {
-        const DescriptorPoint& point = points[i];
-        const Point2d offset = p.subPixel ? subPixelOffset(level.image, point.x, point.y) : Point2d();
-        Point2f pt = position(point.x, point.y, offset.x, offset.y);
-        if (p.subPixel && !mask.empty() && !mask.at<uchar>(cvRound(pt.y), cvRound(pt.x)))
-            pt = position(point.x, point.y);
-        workspace.keypoints[workspace.firsts[stripe.level] + i] =
-            KeyPoint(pt, p.patchSize * level.scale, point.angle, workspace.chosen[stripe.level][i].response,
-                     stripe.level);
+        LevelDetection& detection = workspace.levels[request.level].detection;
+        if (request.set == BALANCED_CORNERS)
+        {
+            selector.offer(detection.sequence(*scratch));
+        }
+        else
+        {
+            detection.list(request.set, workspace.corners);
+            selector.offer(workspace.corners);
+        }
     }
+
+    size_t count = 0;
+    for (int i = 0; i < workspace.levelCount; i++)
+    {
+        LevelWork& work = workspace.levels[i];
+        selector.chosen(i, work.chosen);
+        work.points.resize(work.chosen.size());
+        for (size_t j = 0; j < work.chosen.size(); j++)
+        {
+            work.points[j].x = work.chosen[j].x;
+            work.points[j].y = work.chosen[j].y;
+        }
+        work.first = count;
+        count += work.chosen.size();
+    }
+    workspace.keypoints.resize(count);
 }
 
-// The descriptors of the features of a stripe.
-void AdaptiveQuadtreeORBImpl::describe(Workspace& workspace, const Stripe& stripe, Mat& descriptors) const
+// What compute does with given keypoints, as cv::ORB: it drops those near the border, orders the others by level and
+// finds their pixels.
+void AdaptiveQuadtreeORBImpl::takeKeypoints(const std::vector<KeyPoint>& given, Workspace& workspace) const
 {
-    const Mat& level = workspace.pyramid[stripe.level].image;
-    const DescriptorPoint* points = workspace.points[stripe.level].data();
-    const Pool<TaskScratch>::Lease lent(scratches);
-    TaskScratch& scratch = *lent;
-    const int reach = tables.tests.reach, side = 2 * reach + 1;
-    scratch.blurRegion.begin(level.size());
-    for (size_t i = stripe.begin; i < stripe.end; i++)
-        scratch.blurRegion.add(Rect(points[i].x - reach, points[i].y - reach, side, side));
-    if (scratch.blurred.size() < level.total())
-        scratch.blurred.resize(level.total());
-    Mat blurred(level.size(), CV_16UC1, scratch.blurred.data());
-    approximateBlur(level, scratch.blurRegion, blurred, scratch.blur);
-    computeDescriptors(level, blurred, points + stripe.begin, stripe.end - stripe.begin, tables.tests,
-                       descriptors.ptr(int(workspace.firsts[stripe.level] + stripe.begin)), descriptors.step);
-}
-
-// What compute does with given keypoints, as cv::ORB: drops those near the border, orders the others
-// by level and finds their pixels.
-void AdaptiveQuadtreeORBImpl::locate(const Mat& image, const std::vector<KeyPoint>& provided,
-                                     Workspace& workspace) const
-{
-    int maxOctave = 0;
-    for (size_t i = 0; i < provided.size(); i++)
-    {
-        const int octave = provided[i].octave;
-        if (octave < 0)
-            CV_Error_(Error::StsOutOfRange,
-                      ("keypoints: got octave %d; >= 0 is accepted (SIFT packs more than the "
-                       "octave into the field: unpack it first)",
-                       octave));
-        // Where to sample would be anywhere.
-        if (!std::isfinite(provided[i].angle))
-            CV_Error_(Error::StsOutOfRange,
-                      ("keypoints: got angle %g; a finite angle is accepted", provided[i].angle));
-        maxOctave = std::max(maxOctave, octave);
-    }
-    p.checkTogether(std::max(p.nlevels, maxOctave > 0 ? 2 : 1));
-    const Size smallest = levelSize(image.size(), levelScale(maxOctave, p.firstLevel, p.scaleFactor));
+    const Size imageSize = workspace.input.image.size();
+    const int highest = highestOctave(given);
+    parameters.checkTogether(std::max(parameters.nlevels, highest > 0 ? 2 : 1));
+    const Size smallest =
+        levelSize(imageSize, levelScale(highest, parameters.firstLevel, parameters.scaleFactor));
     if (smallest.width < 1 || smallest.height < 1)
         CV_Error_(Error::StsOutOfRange,
                   ("keypoints: got octave %d, whose level would have no pixels; an octave of a "
                    "level of at least 1 x 1 pixels is accepted (SIFT packs more than the octave "
                    "into the field: unpack it first)",
-                   maxOctave));
+                   highest));
 
-    std::vector<KeyPoint> inside;
-    for (size_t i = 0; i < provided.size(); i++)
-    {
-        if (isOnPixel(provided[i].pt, image.size()))
-            inside.push_back(provided[i]);
-    }
-    const int border = std::min(p.edgeThreshold, std::max(image.cols, image.rows));
-    KeyPointsFilter::runByImageBorder(inside, image.size(), border);
-    std::stable_sort(inside.begin(), inside.end(), hasLowerOctave);
+    std::vector<KeyPoint> inside = describableKeypoints(given, imageSize, parameters.edgeThreshold);
     const int levels = inside.empty() ? 0 : inside.back().octave + 1;
-    layOutPyramid(image, Mat(), levels, p.firstLevel, p.scaleFactor, 1, workspace.pyramid);
-    fillPyramid(image, Mat(), p.firstLevel, workspace.pyramid, workspace.resizing);
-    workspace.resize(levels);
+    workspace.layOutLevels(levels, parameters.firstLevel, parameters.scaleFactor, 1);
+    workspace.fillLevels(parameters.firstLevel);
     for (int i = 0; i < levels; i++)
-        workspace.points[i].clear();
+        workspace.levels[i].points.clear();
     for (size_t i = 0; i < inside.size(); i++)
     {
         const KeyPoint& keypoint = inside[i];
-        const float inverseScale = 1.f / workspace.pyramid[keypoint.octave].scale;
-        const DescriptorPoint point = {cvRound(keypoint.pt.x * inverseScale),
-                                       cvRound(keypoint.pt.y * inverseScale), keypoint.angle};
-        workspace.points[keypoint.octave].push_back(point);
+        LevelWork& work = workspace.levels[keypoint.octave];
+        const float inverseScale = 1.f / work.level.scale;
+        const FeaturePoint point = {cvRound(keypoint.pt.x * inverseScale),
+                                    cvRound(keypoint.pt.y * inverseScale), keypoint.angle};
+        if (work.points.empty())
+            work.first = i;
+        work.points.push_back(point);
     }
-    workspace.firsts.assign(1, 0);
-    for (int i = 0; i < levels; i++)
-        workspace.firsts.push_back(workspace.firsts[i] + workspace.points[i].size());
     workspace.keypoints.swap(inside);
+}
+
+// Makes keypoints of the chosen corners of a range: computes their directions and their positions in the image.
+void AdaptiveQuadtreeORBImpl::computeKeypoints(Workspace& workspace, const FeatureRange& range) const
+{
+    CV_TRACE_FUNCTION();
+    LevelWork& work = workspace.levels[range.level];
+    const Mat &image = work.level.image, &mask = workspace.input.mask;
+    orientations(image, tables.patch, work.points.data() + range.begin, range.end - range.begin);
+    const PositionMap position = positionsOf(work.level, workspace.input.image.size());
+    for (size_t i = range.begin; i < range.end; i++)
+    {
+        const FeaturePoint& point = work.points[i];
+        const Point2d offset = parameters.subPixel ? subPixelOffset(image, point.x, point.y) : Point2d();
+        Point2f pt = position(point.x, point.y, offset.x, offset.y);
+        if (parameters.subPixel && !mask.empty() && !isUsable(mask, pt))
+            usablePosition(mask, position, point.x, point.y, pt);
+        workspace.keypoints[work.first + i] = KeyPoint(pt, parameters.patchSize * work.level.scale,
+                                                       point.angle, work.chosen[i].response, range.level);
+    }
+}
+
+// Computes the descriptors of the features of a range.
+void AdaptiveQuadtreeORBImpl::describe(Workspace& workspace, const FeatureRange& range,
+                                       Mat& descriptors) const
+{
+    const LevelWork& work = workspace.levels[range.level];
+    const Mat& level = work.level.image;
+    const Pool<DescriptionScratch>::Lease lease(descriptionScratches);
+    DescriptionScratch& scratch = *lease;
+    const int reach = tables.tests.reach, side = 2 * reach + 1;
+    scratch.blurRegion.begin(level.size());
+    for (size_t i = range.begin; i < range.end; i++)
+        scratch.blurRegion.add(Rect(work.points[i].x - reach, work.points[i].y - reach, side, side));
+    if (scratch.blurred.size() < level.total())
+        scratch.blurred.resize(level.total());
+    Mat blurred(level.size(), CV_16UC1, scratch.blurred.data());
+    approximateBlur(level, scratch.blurRegion, blurred, scratch.blur);
+    computeDescriptors(level, blurred, work.points.data() + range.begin, range.end - range.begin,
+                       tables.tests, descriptors.ptr(int(work.first + range.begin)), descriptors.step);
 }
 
 }  // namespace aqorb

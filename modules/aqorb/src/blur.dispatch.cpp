@@ -1,8 +1,12 @@
-// This file is part of the aqorb project.
+// This file is part of aqorb. Copyright (C) The aqorb developers.
 // It is subject to the license terms in the LICENSE file found in the top-level directory
 // of this distribution.
+// SPDX-License-Identifier: Apache-2.0
 
 #include "precomp.hpp"
+
+#include "blur.hpp"
+#include "patch.hpp"
 
 #include "blur.simd.hpp"
 #include "blur.simd_declarations.hpp"
@@ -14,9 +18,9 @@ namespace aqorb
 namespace stages
 {
 
-// cv::ORB's blur of a level is a Gaussian in float, rounded to 8 bits at the end; its value depends on
-// every rounding on the way. exactBlur repeats these one by one. approximateBlur is a fast fixed-point
-// version with a proven bound; only where the bound leaves a comparison open is the exact value needed.
+// cv::ORB blurs a level by a Gaussian in float and rounds it to 8 bits at the end, so its value depends on every
+// rounding on the way. exactBlur repeats these roundings one by one. approximateBlur is a fast version in fixed point
+// with a proven bound on its error. Only where the bound leaves a comparison open is the exact value needed.
 
 static const int RADIUS = 3;
 
@@ -47,21 +51,21 @@ static uchar exactBlurOf(const uchar* p, ptrdiff_t step, const float* taps)
 
 uchar exactBlur(const Mat& image, int x, int y)
 {
-    const int READ = RADIUS + 1;  // vectors read on to the right
+    const int READ = RADIUS + 1;  // vectors read one pixel more on the right
     const float* tap = gaussianTaps().tap;
     PatchBuffer buffer;
     const Patch patch = patchAround(image, x, y, READ, buffer);
     return exactBlurOf(patch.center, patch.step, tap);
 }
 
-// All products are the upper 16 bits of 16-bit factors. The values are scaled up as far as 16 bits
-// allow, the taps by what is left. How far approximateBlur is off the exact value, in 1/256:
-//   the four products of the row pass round down, which + 2 centres:            2
+// All products are the upper 16 bits of the product of 16-bit factors. The values are scaled up as far as 16 bits
+// allow, and the taps by what is left. The error of approximateBlur against the exact value, in 1/256, has these parts:
+//   the four products of the row pass round down; adding 2 centres the error:   2
 //   the four products of the column pass, likewise:                             2
 //   the averages of two rows round up by 0 or 1/2, weighted by their taps:      0.4
-//   the taps are rounded to 16 bits, (all in all, for these taps):              1.5
+//   the taps are rounded to 16 bits; their sum, for these taps:                 1.5
 //   the roundings of exactBlur itself:                                          0.05
-// so BLUR_BOUND = 6.
+// Hence BLUR_BOUND is 6.
 namespace
 {
 struct FixedTaps
@@ -86,7 +90,8 @@ static void blurTileOf(const uchar* source, ptrdiff_t step, Size size, ushort* b
                     CV_CPU_DISPATCH_MODES_ALL);
 }
 
-// Columns are those of the left border, of what is inside, of the right border. A row more, never needed, ends each.
+// The first column of tiles is the left border, the last one the right border. Each column of `needed` has one row more
+// than the level, which stays 0, so that the search for the end of a tile always ends.
 
 void BlurRegion::begin(Size size_)
 {
@@ -125,7 +130,7 @@ bool BlurRegion::nextTile(size_t& position, Rect& tile) const
     const bool inside = column > 0 && column < columns - 1;
     const int left = inside ? RADIUS : 0, right = size.width - left;
     tile.width = std::min<int>(TILE_WIDTH, right - left);
-    // The last one overlaps.
+    // The last tile overlaps the one before.
     tile.x = std::min(column == columns - 1 ? right : left + std::max(column - 1, 0) * TILE_WIDTH,
                       right - tile.width);
     tile.y = int((first - begin) % rows);
@@ -159,16 +164,6 @@ void approximateBlur(const Mat& image, const BlurRegion& region, Mat& blurred, B
         blurTileOf(source, step, tile.size(), blurred.ptr<ushort>(tile.y) + tile.x,
                    ptrdiff_t(blurred.step1()));
     }
-}
-
-void approximateBlur(const Mat& image, Mat& blurred)
-{
-    BlurRegion everywhere;
-    everywhere.begin(image.size());
-    everywhere.add(Rect(Point(), image.size()));
-    blurred.create(image.size(), CV_16UC1);
-    BlurScratch scratch;
-    approximateBlur(image, everywhere, blurred, scratch);
 }
 
 }  // namespace stages

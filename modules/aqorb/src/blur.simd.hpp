@@ -1,8 +1,9 @@
-// This file is part of the aqorb project.
+// This file is part of aqorb. Copyright (C) The aqorb developers.
 // It is subject to the license terms in the LICENSE file found in the top-level directory
 // of this distribution.
+// SPDX-License-Identifier: Apache-2.0
 
-#include "kernels.hpp"
+#include "blur.hpp"
 #include "simd_compat.hpp"
 
 #include <cmath>
@@ -15,12 +16,13 @@ namespace stages
 {
 CV_CPU_OPTIMIZATION_NAMESPACE_BEGIN
 
-//! exactBlur at p, whose pixels 4 around must be readable; taps of the centre and 1, 2, 3 off it.
+//! exactBlur at p, around which 4 pixels must be readable. The taps are those of the centre and of the pixels 1, 2 and
+//! 3 off it.
 uchar exactBlurAt(const uchar* p, ptrdiff_t step, const float* taps);
 
 /** approximateBlur of a tile.
- @param source its first pixel; 3 around the tile must be readable
- @param taps of the rows' pass, then of the columns'; of the centre and 1, 2, 3 off it */
+ @param source the first pixel of the tile; 3 pixels around the tile must be readable
+ @param taps those of the row pass, then those of the column pass; of the centre and of the pixels 1, 2 and 3 off it */
 void blurTile(const uchar* source, ptrdiff_t step, int width, int height, const ushort taps[2][4],
               ushort* blurred, ptrdiff_t blurredStep);
 
@@ -30,7 +32,7 @@ uchar exactBlurAt(const uchar* p, ptrdiff_t step, const float* taps)
 {
     float rows[8];
 #if CV_AVX2
-    // All rows at once, column by column.
+    // The row pass for all seven rows at once, column by column.
     const uchar* q = p - 3 * step - 3;
     __m128i row[7];
     for (int i = 0; i < 7; i++)
@@ -68,13 +70,13 @@ uchar exactBlurAt(const uchar* p, ptrdiff_t step, const float* taps)
     sum = std::fma(rows[4] + rows[2], taps[1], sum);
     sum = std::fma(rows[5] + rows[1], taps[2], sum);
     sum = std::fma(rows[6] + rows[0], taps[3], sum);
-    return uchar(cvRound(sum));  // the taps add up to 1, so there is nothing to saturate
+    return uchar(cvRound(sum));  // the taps add up to 1, so the sum needs no saturation
 }
 
 namespace
 {
 
-// The 16-bit arithmetic of approximateBlur on neighbouring pixels, and on one, for narrow images.
+// The 16-bit arithmetic of approximateBlur: on neighbouring pixels at once and, for narrow images, on one pixel.
 #if CV_SIMD
 struct ManyPixels
 {
@@ -85,7 +87,7 @@ struct ManyPixels
     static CV_ALWAYS_INLINE V add(const V& a, const V& b) { return v_add(a, b); }
     static CV_ALWAYS_INLINE V upperHalf(const V& a, const V& b) { return v_mul_hi(a, b); }
     template <int BITS> static CV_ALWAYS_INLINE V shifted(const V& a) { return v_shl<BITS>(a); }
-    static CV_ALWAYS_INLINE V average(const V& a, const V& b)  // rounds up
+    static CV_ALWAYS_INLINE V average(const V& a, const V& b)  // rounded up
     {
 #if CV_AVX512_SKX && CV_SIMD_WIDTH == 64
         return v_uint16(_mm512_avg_epu16(a.val, b.val));
@@ -140,7 +142,7 @@ template <typename T> struct Taps
     V t0, t1, t2, t3, center;
 };
 
-// Blurs a column of lanes from top to bottom: the seven rows it needs stay in registers.
+// Blurs a column of lanes from top to bottom, so that the seven rows it needs stay in registers.
 template <typename T>
 CV_ALWAYS_INLINE void blurColumn(const uchar* p, ptrdiff_t step, int height, const Taps<T>& row,
                                  const Taps<T>& column, ushort* out, ptrdiff_t outStep)
@@ -171,7 +173,7 @@ void blurTile(const uchar* source, ptrdiff_t step, int width, int height, const 
         blurColumn(source + x, step, height, row, column, blurred + x, blurredStep);
         x = x + LANES == width       ? width
             : x + 2 * LANES <= width ? x + LANES
-                                     : width - LANES;  // the last one overlaps
+                                     : width - LANES;  // the last vector overlaps
     }
 #endif
     const Taps<OnePixel> rowOfOne(taps[0]), columnOfOne(taps[1]);

@@ -1,8 +1,12 @@
-// This file is part of the aqorb project.
+// This file is part of aqorb. Copyright (C) The aqorb developers.
 // It is subject to the license terms in the LICENSE file found in the top-level directory
 // of this distribution.
+// SPDX-License-Identifier: Apache-2.0
 
 #include "precomp.hpp"
+
+#include "corners.hpp"
+#include "fast.hpp"
 
 #include "corners.simd.hpp"
 #include "corners.simd_declarations.hpp"
@@ -16,7 +20,7 @@ namespace stages
 
 static int writeKeptCorners(const CornerBlocks& blocks, const ScorePlane& plane, Corner* kept)
 {
-    const CornerBlock* first = blocks.room.data();
+    const CornerBlock* first = blocks.storage.data();
     const uchar* scores = plane.row(first->y);
     CV_CPU_DISPATCH(writeKept, (first, blocks.cornerCount, scores, plane.step(), kept),
                     CV_CPU_DISPATCH_MODES_ALL);
@@ -30,17 +34,17 @@ void suppressCorners(const CornerBlocks& blocks, const ScorePlane& plane, std::v
         kept.resize(writeKeptCorners(blocks, plane, kept.data()));
 }
 
-void cornersWithout(const std::vector<Corner>& corners, const std::vector<Corner>& without,
-                    std::vector<Corner>& rest)
+void cornersWithout(const std::vector<Corner>& corners, const std::vector<Corner>& excluded,
+                    std::vector<Corner>& remaining)
 {
-    rest.clear();
-    std::set_difference(corners.begin(), corners.end(), without.begin(), without.end(),
-                        std::back_inserter(rest), InRasterOrder());
+    remaining.clear();
+    std::set_difference(corners.begin(), corners.end(), excluded.begin(), excluded.end(),
+                        std::back_inserter(remaining), InRasterOrder());
 }
 
 Range cornerBand(const Rect& region, int cellSize, int index)
 {
-    const int ROWS = 64;  // enough for a thread to be worth its while
+    const int ROWS = 64;  // fewer would not be worth a task of their own
     const int64 rows = (ROWS + int64(cellSize) - 1) / cellSize * cellSize,
                 end = region.y + int64(region.height);
     return Range(int(std::min(region.y + index * rows, end)),
@@ -67,50 +71,27 @@ void findBandCorners(const Level& level, const Rect& band, Thresholds thresholds
             if (scanner.hasStrong(cell))
                 scanner.dropWeak(cell);
         }
-        scanner.settle();
+        scanner.collect();
     }
 }
 
-void findCorners(const Level& level, const Rect& region, Thresholds thresholds, int cellSize,
-                 bool suppressNear, LevelCorners& corners, CornerScratch& scratch)
-{
-    corners.kept.clear();
-    corners.suppressed.clear();
-    scratch.all.clear();
-    const Rect scanned = fastRegion(level.image.size(), region);
-    if (scanned.empty())
-        return;
-    scratch.plane.begin(level.image.cols, scanned);
-    findBandCorners(level, region, thresholds, cellSize, scratch.plane, scratch.blocks, scratch.scanner);
-    listCorners(scratch.blocks, scratch.plane, scratch.all);
-    if (suppressNear)
-        suppressCorners(scratch.blocks, scratch.plane, corners.kept);
-    else
-        corners.kept = scratch.all;
-    cornersWithout(scratch.all, corners.kept, corners.suppressed);
-}
-
-void findCellRejects(const Level& level, const Rect& region, Thresholds thresholds,
-                     const std::vector<Corner>& found, std::vector<Corner>& corners)
+void findWeakCorners(const Level& level, const Rect& region, Thresholds thresholds,
+                     const std::vector<Corner>& found, std::vector<Corner>& weak)
 {
     CV_TRACE_FUNCTION();
-    corners.clear();
-    if (thresholds.min >= thresholds.ini)
+    weak.clear();
+    const Rect scanned = fastRegion(level.image.size(), region);
+    if (thresholds.min >= thresholds.ini || scanned.empty())
         return;
-    const Thresholds all = {thresholds.min, thresholds.min};
-    LevelCorners atMinimum;
-    CornerScratch scratch;
-    findCorners(level, region, all, INT_MAX, false, atMinimum, scratch);
-    cornersWithout(atMinimum.kept, found, corners);
-}
-
-void findCellRejects(const Level& level, const Rect& region, Thresholds thresholds, int cellSize,
-                     std::vector<Corner>& corners)
-{
-    LevelCorners found;
-    CornerScratch scratch;
-    findCorners(level, region, thresholds, cellSize, false, found, scratch);
-    findCellRejects(level, region, thresholds, found.kept, corners);
+    ScorePlane plane;
+    plane.begin(level.image.cols, scanned);
+    CornerBlocks blocks;
+    FastScanner scanner;
+    const Thresholds atMinimum = {thresholds.min, thresholds.min};
+    findBandCorners(level, region, atMinimum, INT_MAX, plane, blocks, scanner);
+    std::vector<Corner> all;
+    listCorners(blocks, plane, all);
+    cornersWithout(all, found, weak);
 }
 
 }  // namespace stages

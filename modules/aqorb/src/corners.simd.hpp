@@ -1,8 +1,9 @@
-// This file is part of the aqorb project.
+// This file is part of aqorb. Copyright (C) The aqorb developers.
 // It is subject to the license terms in the LICENSE file found in the top-level directory
 // of this distribution.
+// SPDX-License-Identifier: Apache-2.0
 
-#include "kernels.hpp"
+#include "corners.hpp"
 #include "simd_compat.hpp"
 
 namespace cv
@@ -13,11 +14,10 @@ namespace stages
 {
 CV_CPU_OPTIMIZATION_NAMESPACE_BEGIN
 
-/** Writes the corners but those that fall to a better one within SUPPRESS_RADIUS: of a higher score, or as
- high and before it in raster order.
- @param blocks of the corners, and two more
- @param scores of the row of the first block, by column, as ScorePlane's
- @param kept room for all corners
+/** Writes the corners that suppressCorners keeps.
+ @param blocks those of the corners, and two more that are readable
+ @param scores the scores of the row of the first block, by column, as in ScorePlane
+ @param kept has space for all corners
  @return number of corners written */
 int writeKept(const CornerBlock* blocks, int cornerCount, const uchar* scores, ptrdiff_t step, Corner* kept);
 
@@ -26,11 +26,12 @@ int writeKept(const CornerBlock* blocks, int cornerCount, const uchar* scores, p
 namespace
 {
 
-CV_ALWAYS_INLINE bool falls(const uchar* p, ptrdiff_t step)
+// Whether there is a better corner within SUPPRESS_RADIUS.
+CV_ALWAYS_INLINE bool isSuppressed(const uchar* p, ptrdiff_t step)
 {
     const int RADIUS = SUPPRESS_RADIUS;
     const uchar* q = p - RADIUS;
-    // The highest scores of the pixels that come before it in raster order, and after.
+    // The highest scores of the pixels that come before p in raster order, and after it.
 #if CV_SIMD128
     const v_uint8x16 above = v_max(v_max(v_load(q - 3 * step), v_load(q - 2 * step)), v_load(q - step));
     const v_uint8x16 below = v_max(v_max(v_load(q + 3 * step), v_load(q + 2 * step)), v_load(q + step));
@@ -66,19 +67,19 @@ int writeKept(const CornerBlock* blocks, int cornerCount, const uchar* scores, p
     const int top = blocks->y;
     uint64 columns = blocks[0].columns, next = blocks[1].columns;
     Corner* out = kept;
-    // Without branches: how many corners a block has and which are kept is hard to predict.
+    // There are no branches, as it is hard to predict how many corners a block has and which of them are kept.
     for (int i = 0; i < cornerCount; i++)
     {
         const int x = blocks->x + trailingZeros(columns), y = blocks->y;
         const uchar* p = scores + (y - top) * step + x;
         const Corner corner = {x, y, *p - 1};
         *out = corner;
-        out += !falls(p, step);
+        out += !isSuppressed(p, step);
         columns &= columns - 1;
         const bool wasLast = columns == 0;
         columns |= next & (uint64(0) - wasLast);
         blocks += wasLast;
-        next = blocks[1].columns;  // ahead of its use
+        next = blocks[1].columns;  // loaded ahead of its use
     }
     return int(out - kept);
 }

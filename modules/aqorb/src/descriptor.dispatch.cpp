@@ -1,10 +1,14 @@
-// This file is part of the aqorb project.
+// This file is part of aqorb. Copyright (C) The aqorb developers.
 // It is subject to the license terms in the LICENSE file found in the top-level directory
 // of this distribution.
+// SPDX-License-Identifier: Apache-2.0
 
 #include "precomp.hpp"
 
+#include "blur.hpp"
+#include "descriptor.hpp"
 #include "orb_pattern.hpp"
+#include "patch.hpp"
 
 #include "descriptor.simd.hpp"
 #include "descriptor.simd_declarations.hpp"
@@ -27,7 +31,7 @@ std::vector<Point> descriptorPattern(int patchSize, int WTA_K)
     }
     else
     {
-        RNG rng(0x34985739);  // cv::ORB's seed
+        RNG rng(0x34985739);  // the seed of cv::ORB
         for (int i = 0; i < POINTS; i++)
         {
             points[i].x = rng.uniform(-patchSize / 2, patchSize / 2 + 1);
@@ -37,8 +41,8 @@ std::vector<Point> descriptorPattern(int patchSize, int WTA_K)
     if (WTA_K == 2)
         return points;
 
-    // tuples of distinct points, drawn from the 512
-    RNG rng(0x12345678);  // cv::ORB's seed
+    // Tuples of distinct points are drawn from the 512.
+    RNG rng(0x12345678);  // the seed of cv::ORB
     std::vector<Point> tuples;
     tuples.reserve(TUPLES * WTA_K);
     for (int i = 0; i < TUPLES; i++)
@@ -57,7 +61,7 @@ std::vector<Point> descriptorPattern(int patchSize, int WTA_K)
 namespace
 {
 
-// What the blurred level looks like to the descriptor of one keypoint.
+// The blurred level around one keypoint. Wherever the approximate blur does not determine a value, it is computed exactly.
 class BlurredPatch
 {
 public:
@@ -93,7 +97,7 @@ private:
             const int highest = roundUp(approximate);
             return highest == roundDown(approximate) ? highest : exactBlur(image, p.x, p.y);
         }
-        // cv::ORB blurs the level, but not the reflected pixels around it
+        // cv::ORB blurs the level, but not the reflected pixels around it.
         return image.at<uchar>(borderInterpolate(p.y, image.rows, BORDER_REFLECT_101),
                                borderInterpolate(p.x, image.cols, BORDER_REFLECT_101));
     }
@@ -106,7 +110,7 @@ private:
 
 const int BYTES = 32;
 
-// The index of the brightest point; ties go as in cv::ORB.
+// The index of the brightest point. Ties are broken as in cv::ORB.
 static int brightest(const int* v, int WTA_K)
 {
     if (WTA_K == 3)
@@ -120,7 +124,7 @@ static Point rotate(Point p, float a, float b)
     return Point(cvRound(p.x * a - p.y * b), cvRound(p.x * b + p.y * a));
 }
 
-// Any WTA_K, any place.
+// The descriptor for any WTA_K at any place, without the kernel.
 static void computePlainly(const BlurredPatch& patch, float a, float b, const std::vector<Point>& pattern,
                            int WTA_K, uchar* descriptor)
 {
@@ -145,13 +149,15 @@ static void computePlainly(const BlurredPatch& patch, float a, float b, const st
     }
 }
 
-static int compareSurely(const ushort* center, ptrdiff_t step, float a, float b, const PairTests& tests,
-                         uchar* descriptor, uchar* unsure)
+static int decidePairs(const ushort* center, ptrdiff_t step, float a, float b, const PairTests& tests,
+                       uchar* descriptor, uchar* undecided)
 {
-    CV_CPU_DISPATCH(comparePairs, (center, step, a, b, tests, descriptor, unsure), CV_CPU_DISPATCH_MODES_ALL);
+    CV_CPU_DISPATCH(comparePairs, (center, step, a, b, tests, descriptor, undecided),
+                    CV_CPU_DISPATCH_MODES_ALL);
 }
 
-int descriptorReach(const std::vector<Point>& pattern)
+// How far from the keypoint the descriptor may read, in any direction.
+static int reachOf(const std::vector<Point>& pattern)
 {
     int64 squared = 0;
     for (size_t i = 0; i < pattern.size(); i++)
@@ -159,8 +165,8 @@ int descriptorReach(const std::vector<Point>& pattern)
     return cvCeil(std::sqrt(double(squared))) + 1;
 }
 
-// The blurred patch of the given radius around a pixel near the border, filled up with the reflected
-// pixels, as cv::ORB does not blur those.
+// Copies the blurred patch of the given radius around a pixel near the border. Outside of the image it gets the
+// reflected pixels unblurred, as cv::ORB does not blur those.
 static void copyBlurredPatch(const Mat& image, const Mat& blurred, int x, int y, int radius, ushort* patch)
 {
     const int side = 2 * radius + 1;
@@ -177,9 +183,9 @@ static void copyBlurredPatch(const Mat& image, const Mat& blurred, int x, int y,
 }
 
 DescriptorTests::DescriptorTests(const std::vector<Point>& pattern_, int WTA_K_)
-    : pattern(pattern_), WTA_K(WTA_K_), reach(descriptorReach(pattern_))
+    : pattern(pattern_), WTA_K(WTA_K_), reach(reachOf(pattern_))
 {
-    const int MAX_REACH = 64;  // where a patch at the border is still cheaply copied
+    const int MAX_REACH = 64;  // a larger patch at the border would be expensive to copy
     if (WTA_K != 2 || reach > MAX_REACH)
         return;
     pairs = makePtr<PairTests>();
@@ -193,7 +199,7 @@ DescriptorTests::DescriptorTests(const std::vector<Point>& pattern_, int WTA_K_)
     }
 }
 
-void computeDescriptors(const Mat& image, const Mat& blurred, const DescriptorPoint* points, size_t count,
+void computeDescriptors(const Mat& image, const Mat& blurred, const FeaturePoint* points, size_t count,
                         const DescriptorTests& tests, uchar* descriptors, size_t step)
 {
     CV_TRACE_FUNCTION();
@@ -205,7 +211,7 @@ void computeDescriptors(const Mat& image, const Mat& blurred, const DescriptorPo
         const int x = points[i].x, y = points[i].y;
         uchar* descriptor = descriptors + i * step;
         const float angle = points[i].angle * float(CV_PI / 180.f);
-        // Of a float, as cv::ORB: this is not always the float nearest to the exact value.
+        // Sine and cosine are those of a float, as in cv::ORB. They are not always the floats nearest to the exact values.
         const float a = std::cos(angle), b = std::sin(angle);
         const BlurredPatch patch(image, blurred, x, y);
         if (!tests.pairs)
@@ -227,11 +233,11 @@ void computeDescriptors(const Mat& image, const Mat& blurred, const DescriptorPo
             copyBlurredPatch(image, blurred, x, y, reach, copy.data());
             center = copy.data() + reach * centerStep + reach;
         }
-        uchar unsure[PairTests::COUNT];
-        const int left = compareSurely(center, centerStep, a, b, *tests.pairs, descriptor, unsure);
-        for (int j = 0; j < left; j++)
+        uchar undecided[PairTests::COUNT];
+        const int undecidedCount = decidePairs(center, centerStep, a, b, *tests.pairs, descriptor, undecided);
+        for (int j = 0; j < undecidedCount; j++)
         {
-            const int test = unsure[j];
+            const int test = undecided[j];
             const Point* p = &tests.pattern[2 * test];
             if (patch.value(rotate(p[0], a, b)) < patch.value(rotate(p[1], a, b)))
                 descriptor[test / 8] |= uchar(1 << (test % 8));

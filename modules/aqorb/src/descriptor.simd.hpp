@@ -1,8 +1,9 @@
-// This file is part of the aqorb project.
+// This file is part of aqorb. Copyright (C) The aqorb developers.
 // It is subject to the license terms in the LICENSE file found in the top-level directory
 // of this distribution.
+// SPDX-License-Identifier: Apache-2.0
 
-#include "kernels.hpp"
+#include "descriptor.hpp"
 #include "simd_compat.hpp"
 
 namespace cv
@@ -13,21 +14,23 @@ namespace stages
 {
 CV_CPU_OPTIMIZATION_NAMESPACE_BEGIN
 
-/** The tests of a descriptor that approximateBlur decides.
- @param center the keypoint's pixel in it, with all rotated points around readable; step in elements
+/** Carries out the tests of a descriptor that the approximate blur decides.
+ @param center the pixel of the keypoint in the approximate blur; all rotated points around it must be readable
+ @param step from one row to the next, in elements
  @param a, b cosine and sine of the direction
- @param descriptor 32 bytes; the bits of the other tests are 0
- @param unsure gets the indices of the other tests
- @return their number */
+ @param descriptor 32 bytes; the bits of the undecided tests become 0
+ @param undecided gets the indices of the tests that the bound of the blur leaves open
+ @return number of undecided tests */
 int comparePairs(const ushort* center, ptrdiff_t step, float a, float b, const PairTests& tests,
-                 uchar* descriptor, uchar* unsure);
+                 uchar* descriptor, uchar* undecided);
 
 #ifndef CV_CPU_OPTIMIZATION_DECLARATIONS_ONLY
 
 namespace
 {
 
-// The value at each test's rotated point. cv::ORB's arithmetic: no fused multiply-add, ties to even.
+// Fetches the value at the rotated point of each test. As in cv::ORB, multiplications and additions are not fused, and
+// ties are rounded to even.
 void fetch(const ushort* center, ptrdiff_t step, float a, float b, const float* x, const float* y,
            ushort* values)
 {
@@ -50,7 +53,7 @@ void fetch(const ushort* center, ptrdiff_t step, float a, float b, const float* 
 #if CV_SSE2
     for (i = 0; i < COUNT; i += 8)
     {
-        // Inserted from memory, which takes fewer instructions than a load and a store each.
+        // To insert values from memory takes fewer instructions than a load and a store for each.
         const int* at = offsets + i;
         __m128i v = _mm_cvtsi32_si128(center[at[0]]);
         v = _mm_insert_epi16(v, center[at[1]], 1);
@@ -71,15 +74,15 @@ void fetch(const ushort* center, ptrdiff_t step, float a, float b, const float* 
 }  // namespace
 
 int comparePairs(const ushort* center, ptrdiff_t step, float a, float b, const PairTests& tests,
-                 uchar* descriptor, uchar* unsure)
+                 uchar* descriptor, uchar* undecided)
 {
     const int COUNT = PairTests::COUNT;
-    // The exact value lies between roundings of the approximate one less and plus its bound.
+    // The exact value lies between the roundings of the approximate one minus and plus its bound.
     const int DOWN = 127 - BLUR_BOUND, UP = 128 + BLUR_BOUND;
     ushort first[COUNT], second[COUNT];
     fetch(center, step, a, b, tests.x[0], tests.y[0], first);
     fetch(center, step, a, b, tests.x[1], tests.y[1], second);
-    int left = 0, i = 0;
+    int undecidedCount = 0, i = 0;
 #if CV_SIMD
     const v_uint16 down = vx_setall_u16(DOWN), up = vx_setall_u16(UP);
     const int LANES = AQORB_LANES(v_uint16);
@@ -99,7 +102,7 @@ int comparePairs(const ushort* center, ptrdiff_t step, float a, float b, const P
         for (int j = 0; j < 2 * LANES / 8; j++)
             descriptor[i / 8 + j] = uchar(less >> (8 * j));
         for (uint64 maybe = signBits(isPossible) & ~less; maybe; maybe &= maybe - 1)
-            unsure[left++] = uchar(i + trailingZeros(maybe));
+            undecided[undecidedCount++] = uchar(i + trailingZeros(maybe));
     }
 #endif
     for (; i < COUNT; i++)
@@ -111,9 +114,9 @@ int comparePairs(const ushort* center, ptrdiff_t step, float a, float b, const P
         if (sure)
             descriptor[i / 8] |= uchar(1 << (i % 8));
         else if (possible)
-            unsure[left++] = uchar(i);
+            undecided[undecidedCount++] = uchar(i);
     }
-    return left;
+    return undecidedCount;
 }
 
 #endif  // CV_CPU_OPTIMIZATION_DECLARATIONS_ONLY

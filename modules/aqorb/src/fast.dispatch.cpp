@@ -1,8 +1,12 @@
-// This file is part of the aqorb project.
+// This file is part of aqorb. Copyright (C) The aqorb developers.
 // It is subject to the license terms in the LICENSE file found in the top-level directory
 // of this distribution.
+// SPDX-License-Identifier: Apache-2.0
 
 #include "precomp.hpp"
+
+#include "fast.hpp"
+#include "patch.hpp"
 
 #include "fast.simd.hpp"
 #include "fast.simd_declarations.hpp"
@@ -19,27 +23,28 @@ namespace
 
 const int RADIUS = 3;  // of the circle
 
-template <typename T> void makeRoom(std::vector<T>& elements, size_t count)
+// Work space never shrinks, so that it is allocated once.
+template <typename T> void growTo(std::vector<T>& elements, size_t count)
 {
     if (elements.size() < count)
         elements.resize(count);
 }
 
-// The pixels of a block in a range of columns, a bit for each.
+// Which pixels of a block are in a range of columns, a bit for each.
 uint64 columnsOf(int x, int width, const Range& columns)
 {
     const int begin = std::max(columns.start, x), end = std::min(columns.end, x + width);
     return begin < end ? (~uint64(0) >> (64 - (end - begin))) << (begin - x) : 0;
 }
 
-// Covers columns, and one around, with blocks inside `pixels`.
+// Covers columns, and one more on both sides, with blocks inside `pixels`.
 void coverWithBlocks(const Range& columns, const Range& pixels, int width, std::vector<ScanBlock>& blocks)
 {
     blocks.clear();
     const int end = std::min(columns.end + 1, pixels.end);
     for (int x = std::max(columns.start - 1, pixels.start), next; x < end; x = next)
     {
-        // The last one may overlap: what the one before has is not wanted twice.
+        // The last block may overlap the one before, whose columns are not wanted twice.
         const int first = std::min(x, pixels.end - width);
         next = first + width;
         const ScanBlock block = {first,
@@ -70,10 +75,10 @@ Rect fastRegion(Size imageSize, const Rect& region)
     return region & Rect(RADIUS, RADIUS, imageSize.width - 2 * RADIUS, imageSize.height - 2 * RADIUS);
 }
 
-// Room for rows of bytes by column of an image: column 0 of the first row, where the given column is aligned.
-static uchar* alignedRow(uchar* room, int column)
+// Where column 0 of the first row in a buffer is, if the given column is to be aligned.
+static uchar* alignedRow(uchar* buffer, int column)
 {
-    return alignPtr(room + SCAN_MARGIN + column, SCAN_ALIGNMENT) - column;
+    return alignPtr(buffer + SCAN_MARGIN + column, SCAN_ALIGNMENT) - column;
 }
 
 static size_t rowBytesOf(int imageWidth)
@@ -83,12 +88,12 @@ static size_t rowBytesOf(int imageWidth)
 
 void ScorePlane::begin(int imageWidth, const Rect& region)
 {
-    const size_t ROWS = SUPPRESS_RADIUS;  // around
+    const size_t ROWS = SUPPRESS_RADIUS;  // above and below the region
     const size_t bytesOfRow = rowBytesOf(imageWidth);
-    makeRoom(bytes, (region.height + 2 * ROWS) * bytesOfRow + SCAN_ALIGNMENT);
+    growTo(bytes, (region.height + 2 * ROWS) * bytesOfRow + SCAN_ALIGNMENT);
     top = region.y;
     rowBytes = ptrdiff_t(bytesOfRow);
-    // As a rule a scan's first block begins a column before the region.
+    // As a rule the first block of a scan begins one column before the region.
     first = alignedRow(bytes.data() + ROWS * bytesOfRow, std::max(region.x - 1, RADIUS)) - bytes.data();
     std::fill_n(row(top) - SCAN_MARGIN - ROWS * rowBytes, ROWS * bytesOfRow, uchar(0));
     std::fill_n(row(top + region.height) - SCAN_MARGIN, ROWS * bytesOfRow, uchar(0));
@@ -111,10 +116,10 @@ public:
         coverWithBlocks(Range(region.x, region.x + region.width), Range(pixels.x, pixels.x + pixels.width),
                         width, blocks);
         const size_t blockCount = blocks.size();
-        makeRoom(listed, 2 * blockCount);
-        makeRoom(floors, size_t(image.cols));
+        growTo(listed, 2 * blockCount);
+        growTo(floors, size_t(image.cols));
         const size_t rowBytes = rowBytesOf(image.cols);
-        makeRoom(scores, SCAN_ROWS * rowBytes + SCAN_ALIGNMENT);
+        growTo(scores, SCAN_ROWS * rowBytes + SCAN_ALIGNMENT);
         corners = &corners_;
         corners->count = corners->cornerCount = 0;
 
@@ -122,8 +127,7 @@ public:
         state.step = ptrdiff_t(image.step);
         state.mask = level.mask.empty() ? 0 : level.mask.ptr();
         state.maskStep = ptrdiff_t(level.mask.step);
-        state.strongThreshold =
-            std::min(std::max(thresholds.ini, 1), 255);  // as suppression needs scores > 0
+        state.strongThreshold = std::min(std::max(thresholds.ini, 1), 255);  // suppression needs scores > 0
         state.threshold = std::min(std::max(thresholds.min, 1), state.strongThreshold);
         state.top = region.y;
         state.bottom = region.y + region.height;
@@ -151,9 +155,9 @@ public:
     void scan(int end)
     {
         end = std::min(end, state.bottom);
-        const size_t rows = size_t(std::max(end - state.y + 1, 0));  // one more than are suppressed
-        makeRoom(corners->room, state.foundCount + rows * blocks.size() + 2);
-        state.found = corners->room.data();
+        const size_t rows = size_t(std::max(end - state.y + 1, 0));  // suppression is one row behind
+        growTo(corners->storage, state.foundCount + rows * blocks.size() + 2);
+        state.found = corners->storage.data();
         strong.assign(blocks.size(), 0);
         state.strong = strong.data();
         std::fill_n(floors.begin() + blocks[0].x, blocks.back().x + state.blockWidth - blocks[0].x,
@@ -180,7 +184,7 @@ public:
         std::fill(floors.begin() + inside.start, floors.begin() + inside.end, uchar(state.strongThreshold));
     }
 
-    void settle()
+    void collect()
     {
         corners->cornerCount += dropCornersOfScan(state, corners->count, floors.data());
         corners->count = state.foundCount;
@@ -221,16 +225,16 @@ void FastScanner::dropWeak(const Range& columns)
     impl->dropWeak(columns);
 }
 
-void FastScanner::settle()
+void FastScanner::collect()
 {
-    impl->settle();
+    impl->collect();
 }
 
 void listCorners(const CornerBlocks& blocks, const ScorePlane& plane, std::vector<Corner>& corners)
 {
     for (int i = 0; i < blocks.count; i++)
     {
-        const CornerBlock& block = blocks.room[i];
+        const CornerBlock& block = blocks.storage[i];
         const uchar* scores = plane.row(block.y);
         for (uint64 columns = block.columns; columns; columns &= columns - 1)
         {
@@ -241,29 +245,6 @@ void listCorners(const CornerBlocks& blocks, const ScorePlane& plane, std::vecto
     }
 }
 
-void detectCorners(const Mat& image, const Rect& region, int threshold, std::vector<Corner>& corners)
-{
-    const Rect scanned = fastRegion(image.size(), region);
-    if (scanned.empty())
-        return;
-    Level level;
-    level.image = image;
-    const Thresholds thresholds = {threshold, threshold};
-    ScorePlane plane;
-    plane.begin(image.cols, scanned);
-    CornerBlocks blocks;
-    FastScanner scanner;
-    scanner.begin(level, scanned, thresholds, plane, blocks);
-    scanner.scan(scanned.y + scanned.height);
-    scanner.settle();
-    listCorners(blocks, plane, corners);
-}
-
-int cornerScore(const uchar* p, size_t pixelStep)
-{
-    return cpu_baseline::scoreOfPixel(p, ptrdiff_t(pixelStep));
-}
-
 static void neighborCornerScores(const uchar* p, ptrdiff_t step, int lane, int scores[3][3])
 {
     CV_CPU_DISPATCH(neighborScores, (p, step, lane, scores), CV_CPU_DISPATCH_MODES_ALL);
@@ -272,7 +253,7 @@ static void neighborCornerScores(const uchar* p, ptrdiff_t step, int lane, int s
 void cornerScores3x3(const Mat& image, int x, int y, int scores[3][3])
 {
     const int READ = 4, LANES = 16;
-    // At the right border vectors begin further to the left.
+    // At the right border the vectors begin further to the left.
     const int lane = std::max(x - 1 + LANES + RADIUS - image.cols, 0);
     if (x - lane >= READ && y >= READ && x + READ < image.cols && y + READ < image.rows)
     {
@@ -284,7 +265,8 @@ void cornerScores3x3(const Mat& image, int x, int y, int scores[3][3])
     for (int dy = -1; dy <= 1; dy++)
     {
         for (int dx = -1; dx <= 1; dx++)
-            scores[dy + 1][dx + 1] = cornerScore(patch.center + dy * patch.step + dx, size_t(patch.step));
+            scores[dy + 1][dx + 1] =
+                cpu_baseline::scoreOfPixel(patch.center + dy * patch.step + dx, patch.step);
     }
 }
 

@@ -1,14 +1,12 @@
-// This file is part of the aqorb project.
+// This file is part of aqorb. Copyright (C) The aqorb developers.
 // It is subject to the license terms in the LICENSE file found in the top-level directory
 // of this distribution.
+// SPDX-License-Identifier: Apache-2.0
 
-#include "kernels.hpp"
+#include "fast.hpp"
 #include "simd_compat.hpp"
 
 #include <cstring>
-
-// Raw pointers and plain structs only: a file compiled for an ISA must not emit functions that others
-// may link to.
 
 namespace cv
 {
@@ -19,20 +17,20 @@ namespace stages
 
 CV_CPU_OPTIMIZATION_NAMESPACE_BEGIN
 
-//! How many pixels a block may have, the widest first; the last is 1, which serves where the others do not fit.
+//! How many pixels a block may have, the widest first. The last is 1, for images that are too narrow for the others.
 void scanWidths(int widths[SCAN_WIDTHS]);
 
-//! Continues a scan until the rows before `end`, at most scan.bottom, are done.
+//! Continues a scan up to the row before `end`, which is at most scan.bottom.
 void continueScan(FastScan& scan, int end);
 
-/** Drops corners, from the blocks found last and from the plane.
- @param first of the found blocks
- @param floors by column: the scores that are too low
- @return number of corners left; scan.foundCount is that of the blocks that have any */
+/** Removes corners whose scores are too low from the blocks found and from the plane.
+ @param first block to look at
+ @param floors by column: the highest score that is too low
+ @return number of corners left; scan.foundCount becomes the number of blocks that have any */
 int dropCorners(FastScan& scan, int first, const uchar* floors);
 
-/** cornerScore of the pixels (-1 .. 1, -1 .. 1) around p.
- @param lane 0 to 13, the place of column -1 in vectors of 16; 3 pixels around these must be readable */
+/** The scores of cornerScores3x3 for p and its neighbours.
+ @param lane 0 to 13, the lane of the left neighbour in vectors of 16 pixels; 3 pixels around these must be readable */
 void neighborScores(const uchar* p, ptrdiff_t step, int lane, int scores[3][3]);
 
 #ifndef CV_CPU_OPTIMIZATION_DECLARATIONS_ONLY
@@ -40,7 +38,8 @@ void neighborScores(const uchar* p, ptrdiff_t step, int lane, int scores[3][3]);
 namespace
 {
 
-// min for the bright side, max for the dark one
+// The score of the bright side takes the least of an arc and the greatest of all arcs; that of the dark side is the
+// other way round.
 struct Least
 {
     template <typename V> static CV_ALWAYS_INLINE V of(const V& a, const V& b) { return v_min(a, b); }
@@ -52,20 +51,20 @@ struct Greatest
     static CV_ALWAYS_INLINE int of(int a, int b) { return a > b ? a : b; }
 };
 
-// The circle's pixels of all lanes, clockwise or not does not matter.
+// The pixels of the circle for all lanes. The sense of rotation does not matter.
 template <typename V> struct Circle
 {
     V at[16];
 };
 
-// The `Outer` over the 16 arcs of the `Inner` over their 9 pixels. With odd j, b[j] is over pixels j and
-// j + 1 and c[j] over j to j + 3; the arc that begins at k has pixels k + 1 to k + 8 in common with that
-// from k + 1, and the two arcs' other pixels are k and k + 9. Arcs from k and k + 4 have c[k + 5] in
-// common, too.
+// Takes `Inner` over the 9 pixels of each arc, and `Outer` over the 16 arcs. Neighbouring arcs share work: the arcs
+// that begin at k and at k + 1 have pixels k + 1 to k + 8 in common and differ in the pixels k and k + 9 only. Of odd
+// indices j, b[j] is `Inner` over pixels j and j + 1, and c[j] over j to j + 3. The arcs from k and from k + 4 have
+// c[k + 5] in common.
 template <typename Inner, typename Outer, typename V> CV_ALWAYS_INLINE V bestArc(const Circle<V>& circle)
 {
     const V* x = circle.at;
-    V b[8], c[8], ends[8];  // of index j = 2 i + 1; ends of k = 2 i
+    V b[8], c[8], ends[8];  // b and c of j = 2 i + 1, ends of k = 2 i
     for (int i = 0; i < 8; i++)
         b[i] = Inner::of(x[2 * i + 1], x[(2 * i + 2) & 15]);
     for (int i = 0; i < 8; i++)
@@ -75,14 +74,14 @@ template <typename Inner, typename Outer, typename V> CV_ALWAYS_INLINE V bestArc
     V best[4];
     for (int i = 0; i < 4; i++)
     {
-        const int k = (i & 1) + (i >> 1) * 4;  // 0, 1, 4, 5: with k + 2 all eight
+        const int k = (i & 1) + (i >> 1) * 4;  // 0, 1, 4, 5; with k + 2 these are all eight
         best[i] = Inner::of(c[(k + 2) & 7], Outer::of(Inner::of(c[k], ends[k]),
                                                       Inner::of(c[(k + 4) & 7], ends[(k + 2) & 7])));
     }
     return Outer::of(Outer::of(best[0], best[1]), Outer::of(best[2], best[3]));
 }
 
-// One pixel, where vectors do not fit or there are none.
+// A single pixel, where vectors do not fit or there are none.
 struct Single
 {
     typedef int V;
@@ -106,21 +105,21 @@ template <typename Vector> struct Lanes
     // The difference where it is positive, else 0.
     static CV_ALWAYS_INLINE V above(const V& a, const V& b) { return v_sub(a, b); }
     static CV_ALWAYS_INLINE uint64 maskGreater(const V& a, const V& b) { return signBits(v_gt(a, b)); }
-    // Stores a where it is greater than b, else 0, and returns where it is.
+    // Stores a where it is greater than b, else 0. Returns the lanes in which it is greater.
     static CV_ALWAYS_INLINE uint64 storeGreater(uchar* p, const V& a, const V& b)
     {
         v_store(p, v_and(a, v_gt(a, b)));
         return maskGreater(a, b);
     }
 };
-// The widest vectors, and narrow ones for what these do not fit into.
+// The widest vectors, and narrow ones for images into which these do not fit.
 struct Wide : Lanes<v_uint8>
 {
     static CV_ALWAYS_INLINE V load(const uchar* p) { return vx_load(p); }
     static CV_ALWAYS_INLINE V all(int value) { return vx_setall_u8(uchar(value)); }
     static CV_ALWAYS_INLINE V whereZero(const V& a) { return v_eq(a, all(0)); }
 #if CV_AVX512_SKX && CV_SIMD_WIDTH == 64
-    // Comparisons give masks; vectors made of these would have to be made masks again.
+    // Comparisons give masks here. The generic code would make vectors of them, and then masks again.
     static CV_ALWAYS_INLINE uint64 maskGreater(const V& a, const V& b)
     {
         return _mm512_cmpgt_epu8_mask(a.val, b.val);
@@ -177,8 +176,8 @@ CV_ALWAYS_INLINE uchar* scoresOf(const FastScan& scan, int y)
     return scan.scores + (y & (SCAN_ROWS - 1)) * scan.scoreStep;
 }
 
-// Scores the blocks of a row: the FAST score where it exceeds the threshold, 1 to 255, else 0. Lists the
-// blocks that hold a corner and returns their number.
+// Scores the blocks of a row: the FAST score, 1 to 255, where it exceeds the threshold, else 0. Lists the blocks that
+// have a score and returns their number.
 template <typename Vectors> int scoreRow(const FastScan& scan, int y)
 {
     typedef typename Vectors::V V;
@@ -188,13 +187,13 @@ template <typename Vectors> int scoreRow(const FastScan& scan, int y)
     int* list = scan.listed[y & 1];
     const V zero = Vectors::all(0), limit = Vectors::all(scan.threshold);
     int possible = 0, count = 0;
-    // Every arc holds one end of each axis. Mostly few blocks have a pixel where these allow a corner; where most
-    // blocks of the row above have one, it is not worth a look.
-    const bool mayBeMost = 4 * scan.listedCount[(y - 1) & 1] > 3 * scan.blockCount;
+    // Every arc contains one end of each axis of the circle, and these four pixels rule out most blocks. Where most
+    // blocks of the row above have a corner the test is skipped, as it would cost more than it saves.
+    const bool skipTest = 4 * scan.listedCount[(y - 1) & 1] > 3 * scan.blockCount;
     for (int i = 0; i < scan.blockCount; i++)
     {
         list[possible] = i;
-        if (mayBeMost)
+        if (skipTest)
         {
             possible++;
             continue;
@@ -203,7 +202,9 @@ template <typename Vectors> int scoreRow(const FastScan& scan, int y)
         const uchar* p = row + x;
         const V v = Vectors::load(p), up = Vectors::load(p - 3 * step), down = Vectors::load(p + 3 * step),
                 left = Vectors::load(p - 3), right = Vectors::load(p + 3);
-        Vectors::store(scores + x, zero);  // here, so that compilers do not load the pixels once more
+        Vectors::store(
+            scores + x,
+            zero);  // stored here, because compilers would load the pixels again after a store further up
         const V bright = Least::of(Greatest::of(up, down), Greatest::of(left, right));
         const V dark = Greatest::of(Least::of(up, down), Least::of(left, right));
         const V bound = Greatest::of(Vectors::above(bright, v), Vectors::above(v, dark));
@@ -230,8 +231,8 @@ template <typename Vectors> void clearRow(const FastScan& scan, int y)
         Vectors::store(scoresOf(scan, y) + scan.blocks[i].x, Vectors::all(0));
 }
 
-// The corners of a row of scores are those that are higher than their eight neighbours: their scores go to
-// the plane, their blocks to those found.
+// Finds the corners of a row, whose scores are higher than those of their eight neighbours. The scores go to the plane
+// and the blocks to those found.
 template <typename Vectors> void suppressRow(FastScan& scan, int y)
 {
     typedef typename Vectors::V V;
@@ -260,7 +261,7 @@ template <typename Vectors> void suppressRow(FastScan& scan, int y)
                 Greatest::of(around, Vectors::whereZero(Vectors::load(scan.mask + y * scan.maskStep + x)));
         const uint64 columns = Vectors::storeGreater(corners + x, score, around);
         scan.strong[listed[i]] |= columns & Vectors::maskGreater(score, strongest);
-        // Also of columns that are not wanted: dropCorners clears these.
+        // The plane has got corners in columns that are not wanted, too. dropCorners clears them.
         found->x = x;
         found->y = y;
         found->columns = columns & block.wanted;

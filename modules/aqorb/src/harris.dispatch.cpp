@@ -1,8 +1,12 @@
-// This file is part of the aqorb project.
+// This file is part of aqorb. Copyright (C) The aqorb developers.
 // It is subject to the license terms in the LICENSE file found in the top-level directory
 // of this distribution.
+// SPDX-License-Identifier: Apache-2.0
 
 #include "precomp.hpp"
+
+#include "harris.hpp"
+#include "patch.hpp"
 
 #include "harris.simd.hpp"
 #include "harris.simd_declarations.hpp"
@@ -14,8 +18,8 @@ namespace aqorb
 namespace stages
 {
 
-static const int RADIUS = 3;  // of the 5x5 block and the Sobel operators
-static const int REACH = 6;   // to the right: vectors read on
+static const int RADIUS = 3;  // of the 5x5 block and the Sobel operators around its pixels
+static const int REACH = 6;   // to the right, where vectors read on
 
 static void rankInside(const uchar* image, ptrdiff_t step, const Corner* corners, int count,
                        RankedCorner* ranked)
@@ -23,7 +27,8 @@ static void rankInside(const uchar* image, ptrdiff_t step, const Corner* corners
     CV_CPU_DISPATCH(harrisOfCorners, (image, step, corners, count, ranked), CV_CPU_DISPATCH_MODES_ALL);
 }
 
-float harrisResponse(const Mat& image, int x, int y)
+// The response of a corner near the border, from a copy of its patch with reflected pixels.
+static float responseAtBorder(const Mat& image, int x, int y)
 {
     PatchBuffer buffer;
     const Patch patch = patchAround(image, x, y, REACH, buffer);
@@ -48,7 +53,7 @@ void harrisResponses(const Mat& image, const std::vector<Corner>& corners, std::
         if (end < corners.size())
         {
             const Corner& c = corners[end];
-            const RankedCorner corner = {c.x, c.y, harrisResponse(image, c.x, c.y)};
+            const RankedCorner corner = {c.x, c.y, responseAtBorder(image, c.x, c.y)};
             ranked[end++] = corner;
         }
     }

@@ -1,8 +1,9 @@
-// This file is part of the aqorb project.
+// This file is part of aqorb. Copyright (C) The aqorb developers.
 // It is subject to the license terms in the LICENSE file found in the top-level directory
 // of this distribution.
+// SPDX-License-Identifier: Apache-2.0
 
-#include "kernels.hpp"
+#include "harris.hpp"
 #include "simd_compat.hpp"
 
 namespace cv
@@ -13,7 +14,7 @@ namespace stages
 {
 CV_CPU_OPTIMIZATION_NAMESPACE_BEGIN
 
-//! harrisResponse of corners, around which 3 pixels, and 6 to the right, must be readable.
+//! The harrisResponses of corners. The 3 pixels around each, and the 6 to its right, must be readable.
 void harrisOfCorners(const uchar* image, ptrdiff_t step, const Corner* corners, int count,
                      RankedCorner* ranked);
 
@@ -70,19 +71,19 @@ CV_ALWAYS_INLINE WideVector both(const WideVector& a, const WideVector& b)
 
 #if defined(AQORB_WIDE) || (CV_SIMD && CV_SIMD_WIDTH == 16)
 
-// A row of the windows of 7 x 7 pixels that the blocks are made of, eight lanes for each corner: the horizontal
-// difference and the horizontal smoothing in the first five, 0 in the others.
+// One row of the window of 7 x 7 pixels around each corner, in eight lanes for each corner. The first five lanes hold
+// the horizontal difference and the horizontal smoothing, the others 0.
 struct WindowRows
 {
     v_int16 difference, smooth;
 };
 
 #ifdef AQORB_WIDE
-// p: the first of the eight pixels of each corner's row.
+// Loads eight pixels for each corner, the first at p + offset.
 CV_ALWAYS_INLINE WindowRows loadRows(const uchar* const* p, ptrdiff_t offset)
 {
     const WideVector bytes = eachBytes(p, offset);
-    // Pairs of bytes, each pair made a lane: left and middle, right and left.
+    // Pairs of bytes, of which maddubs makes one lane each: left and middle, right and left.
     const WideVector leftMiddle = AQORB_WIDE(shuffle_epi8)(
         bytes, inEach(_mm_setr_epi8(0, 1, 1, 2, 2, 3, 3, 4, 4, 5, -1, -1, -1, -1, -1, -1)));
     const WideVector rightLeft = AQORB_WIDE(shuffle_epi8)(
@@ -177,7 +178,7 @@ void sumBlocks(const uchar* const* centers, ptrdiff_t step, BlockSums* sums)
 CV_ALWAYS_INLINE float responseOf(int a, int b, int c)
 {
     const float K = 0.04f, SCALE = 1.f / ((1 << 2) * 5 * 255.f);
-    // operation by operation as in cv::ORB
+    // These are the operations of cv::ORB in its order, as every rounding counts.
     return (float(a) * b - float(c) * c - K * (float(a) + b) * (float(a) + b)) *
            (SCALE * SCALE * SCALE * SCALE);
 }
@@ -191,7 +192,7 @@ void harrisOfCorners(const uchar* image, ptrdiff_t step, const Corner* corners, 
     {
         const uchar* centers[AT_ONCE];
         BlockSums sums[AT_ONCE];
-        const int last = count - 1 - i;  // it fills the lanes that are left
+        const int last = count - 1 - i;  // the last corner also fills the lanes that are left over
         for (int j = 0; j < AT_ONCE; j++)
         {
             const Corner& corner = corners[i + (j < last ? j : last)];

@@ -1,6 +1,7 @@
-// This file is part of the aqorb project.
+// This file is part of aqorb. Copyright (C) The aqorb developers.
 // It is subject to the license terms in the LICENSE file found in the top-level directory
 // of this distribution.
+// SPDX-License-Identifier: Apache-2.0
 
 #ifndef OPENCV_AQORB_ORB_PATTERN_HPP
 #define OPENCV_AQORB_ORB_PATTERN_HPP
@@ -12,8 +13,8 @@ namespace aqorb
 namespace stages
 {
 
-// The 256 pairs of points of rBRIEF for a patch of 31x31 pixels, x and y in turn: learned by Rublee
-// et al., "ORB: an efficient alternative to SIFT or SURF", ICCV 2011, as published with OpenCV
+// The 256 pairs of points of rBRIEF for a patch of 31x31 pixels, as x and y. They were learned by Rublee et al., "ORB:
+// an efficient alternative to SIFT or SURF", ICCV 2011, and are published with OpenCV
 // (modules/features2d/src/orb.cpp, Apache-2.0).
 // clang-format off
 static const signed char LEARNED_POINTS[512][2] = {

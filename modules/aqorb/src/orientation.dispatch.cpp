@@ -1,8 +1,12 @@
-// This file is part of the aqorb project.
+// This file is part of aqorb. Copyright (C) The aqorb developers.
 // It is subject to the license terms in the LICENSE file found in the top-level directory
 // of this distribution.
+// SPDX-License-Identifier: Apache-2.0
 
 #include "precomp.hpp"
+
+#include "orientation.hpp"
+#include "patch.hpp"
 
 #include "orientation.simd.hpp"
 #include "orientation.simd_declarations.hpp"
@@ -16,7 +20,7 @@ namespace stages
 
 std::vector<int> circularPatch(int patchSize)
 {
-    // cv::ORB's circle: the upper octant by rounding, the rest mirrored so that the patch is symmetric
+    // The circle of cv::ORB: one octant is rounded, and the other is its mirror image, so that the patch is symmetric.
     const int radius = patchSize / 2;
     const int vmax = cvFloor(radius * std::sqrt(2.f) / 2 + 1);
     const int vmin = cvCeil(radius * std::sqrt(2.f) / 2);
@@ -35,8 +39,8 @@ std::vector<int> circularPatch(int patchSize)
     return halfWidths;
 }
 
-//! cv::fastAtan2 as it is written. As it is compiled its last bit depends on the CPU: compilers fuse its multiplications
-//! and additions, for example on AArch64.
+// The source code of cv::fastAtan2. The last bit of what OpenCV compiled from it depends on the CPU, as compilers may
+// fuse its multiplications and additions, for example on AArch64.
 static CV_ALWAYS_INLINE float directionOf(int m10, int m01)
 {
     const float DEGREES = float(180 / CV_PI);
@@ -54,6 +58,7 @@ static CV_ALWAYS_INLINE float directionOf(int m10, int m01)
     return angle;
 }
 
+// The moments of a patch of any size at any place, without the kernel.
 static void plainMoments(const Mat& image, int x, int y, const std::vector<int>& halfWidths, int& m10,
                          int& m01)
 {
@@ -61,7 +66,7 @@ static void plainMoments(const Mat& image, int x, int y, const std::vector<int>&
     PatchBuffer buffer;
     const Patch patch = patchAround(image, x, y, radius, buffer);
 
-    // unsigned: the moments of very large patches wrap around, as cv::ORB's do
+    // The sums are unsigned, because the moments of very large patches wrap around, as those of cv::ORB do.
     unsigned sum01 = 0, sum10 = 0;
     for (int v = -radius; v <= radius; v++)
     {
@@ -77,13 +82,6 @@ static void plainMoments(const Mat& image, int x, int y, const std::vector<int>&
     }
     m10 = int(sum10);
     m01 = int(sum01);
-}
-
-float orientation(const Mat& image, int x, int y, const std::vector<int>& halfWidths)
-{
-    int m10, m01;
-    plainMoments(image, x, y, halfWidths, m10, m01);
-    return directionOf(m10, m01);
 }
 
 static void momentsOf(const uchar* center, ptrdiff_t step, const PatchWeights& weights, int& m10, int& m01)
@@ -110,7 +108,7 @@ OrientationPatch::OrientationPatch(const std::vector<int>& halfWidths_) : halfWi
     }
 }
 
-void orientations(const Mat& image, const OrientationPatch& patch, DescriptorPoint* points, size_t count)
+void orientations(const Mat& image, const OrientationPatch& patch, FeaturePoint* points, size_t count)
 {
     CV_TRACE_FUNCTION();
     Rect inside;  // where the kernel may read
@@ -119,7 +117,8 @@ void orientations(const Mat& image, const OrientationPatch& patch, DescriptorPoi
         const int radius = patch.weights->radius;
         inside = Rect(radius, radius, image.cols - patch.weights->width, image.rows - 2 * radius);
     }
-    const size_t AT_ONCE = 64;  // moments, then directions, which do not depend on each other
+    // The directions do not depend on each other, so compilers can compute several at once, once the moments are known.
+    const size_t AT_ONCE = 64;
     for (size_t first = 0; first < count; first += AT_ONCE)
     {
         const size_t some = std::min(count - first, AT_ONCE);
@@ -127,7 +126,7 @@ void orientations(const Mat& image, const OrientationPatch& patch, DescriptorPoi
         float angles[AT_ONCE];
         for (size_t i = 0; i < some; i++)
         {
-            const DescriptorPoint& point = points[first + i];
+            const FeaturePoint& point = points[first + i];
             if (inside.contains(Point(point.x, point.y)))
                 momentsOf(image.ptr(point.y) + point.x, ptrdiff_t(image.step), *patch.weights, m10[i],
                           m01[i]);

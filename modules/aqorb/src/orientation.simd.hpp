@@ -1,8 +1,9 @@
-// This file is part of the aqorb project.
+// This file is part of aqorb. Copyright (C) The aqorb developers.
 // It is subject to the license terms in the LICENSE file found in the top-level directory
 // of this distribution.
+// SPDX-License-Identifier: Apache-2.0
 
-#include "kernels.hpp"
+#include "orientation.hpp"
 #include "simd_compat.hpp"
 
 namespace cv
@@ -14,7 +15,8 @@ namespace stages
 CV_CPU_OPTIMIZATION_NAMESPACE_BEGIN
 
 /** The moments of the circular patch around a pixel.
- @param center with `radius` pixels around and weights.width - radius to the right readable */
+ @param center the pixel; weights.radius pixels around it must be readable, and weights.width - weights.radius to its
+ right */
 void patchMoments(const uchar* center, ptrdiff_t step, const PatchWeights& weights, int& m10, int& m01);
 
 #ifndef CV_CPU_OPTIMIZATION_DECLARATIONS_ONLY
@@ -23,7 +25,7 @@ void patchMoments(const uchar* center, ptrdiff_t step, const PatchWeights& weigh
 {
     m10 = m01 = 0;
     const int radius = weights.radius;
-    // Row 0 is its own mirror image.
+    // The rows above and below the middle one share their weights. The middle one comes first, alone.
     const uchar* middle = center - radius;
     int x = 0;
 #if CV_SIMD

@@ -1,10 +1,12 @@
-// This file is part of the aqorb project.
+// This file is part of aqorb. Copyright (C) The aqorb developers.
 // It is subject to the license terms in the LICENSE file found in the top-level directory
 // of this distribution.
+// SPDX-License-Identifier: Apache-2.0
 
 #include "precomp.hpp"
 
 #include "parameters.hpp"
+#include "types.hpp"
 
 namespace cv
 {
@@ -32,10 +34,9 @@ Parameters::Parameters()
 
 int numberOf(const ORB::ScoreType& scoreType)
 {
-    // Reading it as what it is not would be undefined.
+    // To read a value that is no enumerator would be undefined behaviour, so the bytes are copied.
     int number = 0;
-    static_assert(sizeof(scoreType) == sizeof(number),
-                  "an enumeration without a given type is an int's size");
+    static_assert(sizeof(scoreType) == sizeof(number), "the enumeration must be of the size of an int");
     std::memcpy(&number, &scoreType, sizeof(number));
     return number;
 }
@@ -108,7 +109,7 @@ void Parameters::write(FileStorage& fs) const
     fs << "subPixel" << int(subPixel);
 }
 
-// FileStorage would silently read text as 0 and round or wrap numbers that are no int.
+// FileStorage would read text as 0, and would round or wrap numbers that are no int, all without an error.
 static void readValue(const FileNode& node, const char* key, double& value)
 {
     const FileNode found = node[key];

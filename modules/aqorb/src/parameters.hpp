@@ -1,6 +1,7 @@
-// This file is part of the aqorb project.
+// This file is part of aqorb. Copyright (C) The aqorb developers.
 // It is subject to the license terms in the LICENSE file found in the top-level directory
 // of this distribution.
+// SPDX-License-Identifier: Apache-2.0
 
 #ifndef OPENCV_AQORB_PARAMETERS_HPP
 #define OPENCV_AQORB_PARAMETERS_HPP
@@ -12,7 +13,7 @@ namespace cv
 namespace aqorb
 {
 
-//! The number behind a score type, which need not be one: a caller in Python gives any number.
+//! The number behind a score type. It need not be an enumerator, as a caller in Python can give any number.
 int numberOf(const ORB::ScoreType& scoreType);
 
 //! The parameters of AdaptiveQuadtreeORB, as documented there.
@@ -32,13 +33,13 @@ struct Parameters
     double octaveSuppression;
     bool subPixel;
 
-    //! Throws if a value is bad by itself.
+    //! Throws if a value is invalid whatever the others are.
     void check() const;
-    //! Throws if values do not go together, for so many levels.
+    //! Throws if values are invalid in combination, for a pyramid of so many levels.
     void checkTogether(int levelsInUse) const;
 
     void write(FileStorage& fs) const;
-    //! A missing key keeps its value. Throws for bad values, with *this unchanged.
+    //! A parameter whose key is missing keeps its value. Throws for an invalid value and then changes nothing.
     void read(const FileNode& node);
 };
 

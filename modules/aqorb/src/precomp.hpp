@@ -1,13 +1,15 @@
-// This file is part of the aqorb project.
+// This file is part of aqorb. Copyright (C) The aqorb developers.
 // It is subject to the license terms in the LICENSE file found in the top-level directory
 // of this distribution.
+// SPDX-License-Identifier: Apache-2.0
 
 #ifndef OPENCV_AQORB_PRECOMP_HPP
 #define OPENCV_AQORB_PRECOMP_HPP
 
-#include "stages.hpp"
+// OpenCV's and the standard headers only. Each source file includes the stages that it uses itself, so that
+// a change in the header of one stage does not recompile the others.
 
-#include <opencv2/aqorb.hpp>
+#include <opencv2/core.hpp>
 #include <opencv2/core/utility.hpp>
 #include <opencv2/core/utils/trace.hpp>
 #include <opencv2/imgproc.hpp>
@@ -15,6 +17,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstring>
+#include <functional>
 #include <limits>
 #include <numeric>
 #include <vector>

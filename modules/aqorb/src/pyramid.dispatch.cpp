@@ -1,8 +1,11 @@
-// This file is part of the aqorb project.
+// This file is part of aqorb. Copyright (C) The aqorb developers.
 // It is subject to the license terms in the LICENSE file found in the top-level directory
 // of this distribution.
+// SPDX-License-Identifier: Apache-2.0
 
 #include "precomp.hpp"
+
+#include "pyramid.hpp"
 
 #include "pyramid.simd.hpp"
 #include "pyramid.simd_declarations.hpp"
@@ -23,22 +26,23 @@ Size levelSize(Size imageSize, float scale)
 {
     const float inverse = 1.f / scale;
     const float width = imageSize.width * inverse, height = imageSize.height * inverse;
-    const float limit = float((1 << 20) - 1);
+    const float limit = float(MAX_LEVEL_SIDE);
     if (!(width <= limit && height <= limit))
-        CV_Error_(Error::StsOutOfRange,
-                  ("scaleFactor, firstLevel: a level of the pyramid would be %g x %g pixels; at most "
-                   "%g a side is accepted",
-                   width, height, limit));
+        CV_Error_(
+            Error::StsOutOfRange,
+            ("scaleFactor, firstLevel: a level of an image of %d x %d pixels would be %g x %g pixels; at "
+             "most %d a side are accepted",
+             imageSize.width, imageSize.height, width, height, MAX_LEVEL_SIDE));
     return Size(cvRound(width), cvRound(height));
 }
 
 std::vector<int> levelQuotas(int nfeatures, double scaleFactor, int nlevels)
 {
     const float factor = float(1.0 / scaleFactor);
-    float desired = factor == 1  // as a float can be, where scaleFactor is a little more
+    float desired = factor == 1  // rounded to a float, where scaleFactor is hardly more than 1
                         ? float(nfeatures) / nlevels
                         : nfeatures * (1 - factor) / (1 - float(std::pow(double(factor), double(nlevels))));
-    const float LARGEST_INT = 2147483520.f;  // that a float can hold
+    const float LARGEST_INT = 2147483520.f;  // the largest int that a float can hold
     std::vector<int> quotas(nlevels);
     int64 sum = 0;
     for (int level = 0; level < nlevels - 1; level++)
@@ -48,7 +52,7 @@ std::vector<int> levelQuotas(int nfeatures, double scaleFactor, int nlevels)
         desired *= factor;
     }
     quotas[nlevels - 1] = int(std::max<int64>(nfeatures - sum, 0));
-    // cv::ORB's rounding can ask for more than nfeatures; the finest levels have the most to give.
+    // The rounding of cv::ORB can ask for more than nfeatures. The finest levels have the most to give up.
     int64 excess = sum + quotas[nlevels - 1] - nfeatures;
     for (int level = 0; excess > 0; level++)
     {
@@ -61,7 +65,7 @@ std::vector<int> levelQuotas(int nfeatures, double scaleFactor, int nlevels)
 
 namespace
 {
-// The two source pixels that INTER_LINEAR_EXACT makes a pixel of.
+// The two source pixels from which INTER_LINEAR_EXACT makes a pixel.
 struct Taps
 {
     int first, second;
@@ -74,13 +78,13 @@ struct ResizeTables
     ResizeTables() : byKernel(false) {}
 
     Size source, destination;
-    bool byKernel;  // whether there are tables
+    bool byKernel;  // whether the kernel can do it; else there are no tables
     std::vector<ResizeBlock> blocks;
     std::vector<int> upper, lower;
     std::vector<short> lowerWeight, rows;
 };
 
-// By destination pixel along one axis; OpenCV's arithmetic, as every rounding counts.
+// The taps by destination pixel along one axis, in OpenCV's own arithmetic, as every rounding counts.
 static void linearTaps(int sourceLength, int length, Taps* taps)
 {
     const double scale = 1.0 / (double(length) / sourceLength);
@@ -95,7 +99,7 @@ static void linearTaps(int sourceLength, int length, Taps* taps)
     }
 }
 
-// A pixel is usable if all the pixels it is made of are.
+// A pixel is usable if all pixels that it is made from are.
 static Mat resizeMask(const Mat& mask, Size size)
 {
     AutoBuffer<Taps> columns(size.width), rows(size.height);
@@ -119,7 +123,7 @@ static Mat resizeMask(const Mat& mask, Size size)
     return resized;
 }
 
-// The tables of the horizontal pass; false where neighbours in a group come from too many source pixels.
+// Makes the tables of the horizontal pass. False: pixels of a group come from too many source pixels for the kernel.
 static bool resizeBlocks(int sourceWidth, const Taps* taps, int width, std::vector<ResizeBlock>& blocks)
 {
     const int GROUP = ResizeBlock::GROUP, GROUPS = ResizeBlock::GROUPS, BYTES = ResizeBlock::BYTES;
@@ -152,11 +156,11 @@ static bool resizeByKernel(const Resize& resize, int begin, int end)
     CV_CPU_DISPATCH(resizeRows, (resize, begin, end), CV_CPU_DISPATCH_MODES_ALL);
 }
 
-static void fit(ResizeTables& tables, Size source, Size destination)
+static void updateTables(ResizeTables& tables, Size source, Size destination)
 {
     if (tables.source == source && tables.destination == destination)
         return;
-    tables.source = tables.destination = Size();  // in case of an exception
+    tables.source = tables.destination = Size();  // they stay invalid if memory runs out below
     std::vector<Taps> columns(destination.width), rows(destination.height);
     linearTaps(source.width, destination.width, columns.data());
     linearTaps(source.height, destination.height, rows.data());
@@ -178,7 +182,7 @@ static void fit(ResizeTables& tables, Size source, Size destination)
 static void resizeExact(const Mat& source, Mat& destination, ResizeTables& tables)
 {
     CV_TRACE_FUNCTION();
-    fit(tables, source.size(), destination.size());
+    updateTables(tables, source.size(), destination.size());
     if (tables.byKernel)
     {
         Resize resize;
@@ -199,66 +203,40 @@ static void resizeExact(const Mat& source, Mat& destination, ResizeTables& table
     cv::resize(source, destination, destination.size(), 0, 0, INTER_LINEAR_EXACT);
 }
 
-void resizeExact(const Mat& source, Mat& destination, Size size)
+bool layOutLevel(const Level& input, int index, int firstLevel, double scaleFactor, int minSide, Level& level)
 {
-    destination.create(size, CV_8UC1);
-    ResizeTables tables;
-    resizeExact(source, destination, tables);
-}
-
-void layOutPyramid(const Mat& image, const Mat& mask, int nlevels, int firstLevel, double scaleFactor,
-                   int minSide, std::vector<Level>& levels)
-{
-    int count = 0;
-    for (; count < nlevels; count++)
+    const float scale = levelScale(index, firstLevel, scaleFactor);
+    const Size size = levelSize(input.image.size(), scale);
+    if (std::min(size.width, size.height) < minSide)
+        return false;
+    level.scale = scale;
+    level.isInput = index == firstLevel;
+    level.mask.release();
+    if (level.isInput)
     {
-        const float scale = levelScale(count, firstLevel, scaleFactor);
-        const Size size = levelSize(image.size(), scale);
-        if (std::min(size.width, size.height) < minSide)
-            break;
-        if (size_t(count) == levels.size())
-            levels.push_back(Level());
-        Level& level = levels[count];
-        level.scale = scale;
-        level.isInput = count == firstLevel;
-        level.mask.release();
-        if (level.isInput)
-        {
-            level.image = image;
-            level.mask = mask;
-        }
-        else
-        {
-            level.image.create(size, CV_8UC1);
-        }
+        level.image = input.image;
+        level.mask = input.mask;
     }
-    levels.resize(count);
+    else
+    {
+        level.image.create(size, CV_8UC1);
+    }
+    return true;
 }
 
-void fillPyramid(const Mat& image, const Mat& mask, int firstLevel, std::vector<Level>& levels,
-                 PyramidScratch& scratch)
+bool isMadeFromInput(int index, int firstLevel)
+{
+    return index <= firstLevel + 1;
+}
+
+void fillLevel(const Level& source, Level& level, Ptr<ResizeTables>& tables)
 {
     CV_TRACE_FUNCTION();
-    while (scratch.size() < levels.size())
-        scratch.push_back(makePtr<ResizeTables>());
-    for (int i = 0; i < int(levels.size()); i++)
-    {
-        if (levels[i].isInput)
-            continue;
-        // cv::ORB makes the level after the image's, too, from the image
-        const bool fromImage = i <= firstLevel + 1;
-        resizeExact(fromImage ? image : levels[i - 1].image, levels[i].image, *scratch[i]);
-        if (!mask.empty())
-            levels[i].mask = resizeMask(fromImage ? mask : levels[i - 1].mask, levels[i].image.size());
-    }
-}
-
-void buildPyramid(const Mat& image, const Mat& mask, int nlevels, int firstLevel, double scaleFactor,
-                  int minSide, std::vector<Level>& levels)
-{
-    PyramidScratch scratch;
-    layOutPyramid(image, mask, nlevels, firstLevel, scaleFactor, minSide, levels);
-    fillPyramid(image, mask, firstLevel, levels, scratch);
+    if (!tables)
+        tables = makePtr<ResizeTables>();
+    resizeExact(source.image, level.image, *tables);
+    if (!source.mask.empty())
+        level.mask = resizeMask(source.mask, level.image.size());
 }
 
 }  // namespace stages

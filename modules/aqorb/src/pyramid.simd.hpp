@@ -1,8 +1,9 @@
-// This file is part of the aqorb project.
+// This file is part of aqorb. Copyright (C) The aqorb developers.
 // It is subject to the license terms in the LICENSE file found in the top-level directory
 // of this distribution.
+// SPDX-License-Identifier: Apache-2.0
 
-#include "kernels.hpp"
+#include "pyramid.hpp"
 #include "simd_compat.hpp"
 
 namespace cv
@@ -13,7 +14,8 @@ namespace stages
 {
 CV_CPU_OPTIMIZATION_NAMESPACE_BEGIN
 
-//! Computes destination rows [begin, end). False: there is no kernel for this CPU, and nothing was done.
+//! Computes the destination rows from `begin` to before `end`. False: there is no kernel for this CPU, and nothing is
+//! done.
 bool resizeRows(const Resize& resize, int begin, int end);
 
 #ifndef CV_CPU_OPTIMIZATION_DECLARATIONS_ONLY
@@ -48,7 +50,7 @@ CV_ALWAYS_INLINE void store(void* p, Wide a)
 #endif
 const int LANES = int(sizeof(Wide) / sizeof(short));
 
-// The source bytes of as many groups as there are, one in each 128 bits.
+// Loads the source bytes of as many groups as the vector holds, one in each 128 bits.
 CV_ALWAYS_INLINE Wide loadGroups(const uchar* source, const int* base)
 {
     __m128i groups[sizeof(Wide) / sizeof(__m128i)];
@@ -63,7 +65,7 @@ CV_ALWAYS_INLINE Wide loadGroups(const uchar* source, const int* base)
 #endif
 }
 
-// Signed numbers in 16 bits, saturated to 8 and offset to unsigned ones.
+// Stores signed 16-bit numbers as bytes: saturated to 8 bits, then offset to unsigned ones.
 CV_ALWAYS_INLINE void storeBytes(uchar* p, Wide a)
 {
     const Wide bytes = AQORB_WIDE(add_epi8)(AQORB_WIDE(packs_epi16)(a, a), AQORB_WIDE(set1_epi8)(-128));
@@ -76,7 +78,8 @@ CV_ALWAYS_INLINE void storeBytes(uchar* p, Wide a)
 #endif
 }
 
-// 8-bit pixels in 1/256, less 2^15, plus the 2^7 that rounds the second pass: a signed 16-bit number.
+// The horizontal pass. Its pixels are in 1/256, less 2^15 so that they fit into signed 16-bit numbers, and plus the
+// 2^7 by which the second pass rounds.
 void resizeRow(const uchar* source, const ResizeBlock* blocks, int count, short* out)
 {
     const Wide bias = AQORB_WIDE(set1_epi16)(short(128 - 32768));
@@ -97,7 +100,7 @@ void resizeRow(const uchar* source, const ResizeBlock* blocks, int count, short*
     }
 }
 
-// Pixels between two rows, as signed 16-bit numbers less 128
+// The vertical pass: pixels between two rows, less 128, as signed 16-bit numbers.
 CV_ALWAYS_INLINE Wide between(const short* upper, const short* lower, Wide weights)
 {
     const Wide u = load(upper), l = load(lower);

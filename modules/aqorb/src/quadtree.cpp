@@ -1,8 +1,11 @@
-// This file is part of the aqorb project.
+// This file is part of aqorb. Copyright (C) The aqorb developers.
 // It is subject to the license terms in the LICENSE file found in the top-level directory
 // of this distribution.
+// SPDX-License-Identifier: Apache-2.0
 
 #include "precomp.hpp"
+
+#include "quadtree.hpp"
 
 namespace cv
 {
@@ -19,7 +22,8 @@ int quadtreeDepth(int quota)
     return depth;
 }
 
-static unsigned spreadBits(unsigned v)  // abcd -> 0a0b0c0d
+// Puts a zero before each bit: abcd becomes 0a0b0c0d.
+static unsigned spreadBits(unsigned v)
 {
     v = (v | (v << 8)) & 0x00ff00ffu;
     v = (v | (v << 4)) & 0x0f0f0f0fu;
@@ -32,21 +36,21 @@ unsigned leafCode(unsigned column, unsigned row)
     return spreadBits(column) | (spreadBits(row) << 1);
 }
 
-// The leaves' part of the code along one axis: of a root of the given length, by pixel.
+// For each pixel along one axis of a root of the given length, what this axis contributes to the code of its leaf.
 static void leafCodes(int length, int depth, std::vector<unsigned>& codes)
 {
     codes.resize(length);
     const int64 leaves = int64(1) << depth;
-    int64 leaf = 0, rest = 0;  // pixel * leaves = leaf * length + rest
+    int64 leaf = 0, remainder = 0;  // pixel * leaves = leaf * length + remainder
     unsigned code = leafCode(0, 0);
     for (int i = 0; i < length; i++)
     {
         codes[i] = code;
-        rest += leaves;
-        if (rest >= length)
+        remainder += leaves;
+        if (remainder >= length)
         {
-            leaf += rest / length;
-            rest %= length;
+            leaf += remainder / length;
+            remainder %= length;
             code = leafCode(unsigned(leaf), 0);
         }
     }
@@ -62,6 +66,7 @@ void leafPoints(const std::vector<RankedCorner>& corners, const Rect& root, int 
     for (size_t i = 0; i < corners.size(); i++)
     {
         const RankedCorner& c = corners[i];
+        // The sides of a level are at most 2^20 - 1, so a float holds its coordinates exactly.
         const LeafPoint point = {scratch.columns[c.x - root.x] | scratch.rows[c.y - root.y] << 1, c.response,
                                  float(c.x), float(c.y), int(i)};
         points[i] = point;
@@ -71,17 +76,17 @@ void leafPoints(const std::vector<RankedCorner>& corners, const Rect& root, int 
 namespace
 {
 
-// Orders responses as whole numbers do; NaN comes before all.
+// A whole number that orders responses as their values do. NaN comes before all others.
 unsigned orderedResponse(float response)
 {
     if (cvIsNaN(response))
         return 0;
     Cv32suf bits;
-    bits.f = response + 0.f;  // -0 is 0
+    bits.f = response + 0.f;  // makes -0 equal to 0
     return bits.u & 0x80000000u ? ~bits.u : bits.u | 0x80000000u;
 }
 
-// Breaks ties of responses.
+// The order of points whose responses are equal.
 struct TieBefore
 {
     bool operator()(const LeafPoint& a, const LeafPoint& b) const
@@ -92,8 +97,8 @@ struct TieBefore
     }
 };
 
-// Whether points are sorted by TieBefore, as corners are; not told of negative coordinates. Others rank as
-// their bits do, which takes no branches.
+// Whether points are sorted by TieBefore, as corners are. Floats that are not negative rank as their bits do, so that
+// this takes no branches. Where a coordinate is negative the answer is no.
 bool areSortedByTies(const std::vector<LeafPoint>& points)
 {
     const uint64 SIGNS = uint64(0x80000000u) << 32 | 0x80000000u;
@@ -112,8 +117,8 @@ bool areSortedByTies(const std::vector<LeafPoint>& points)
     return sorted && (all & SIGNS) == 0;
 }
 
-// Of points sorted by TieBefore, the better one has the lower key. The order is total, so that the result does
-// not depend on that of the caller's points.
+// Keys of points that are sorted by TieBefore: the better point has the lower key. No two keys are equal, so the
+// result does not depend on the order in which the caller gives the points.
 uint64 keyOf(float response, size_t position)
 {
     return uint64(~orderedResponse(response)) << 32 | position;
@@ -136,9 +141,9 @@ struct ByLeaf
 
 }  // namespace
 
-// The best of each leaf is found at the beginning, as sequences are begun side by side, but taken from one by one. The
-// rest is done as the sequence is asked for: as a rule a level needs little more, while it has many times as many
-// corners.
+// The best point of each leaf is found by begin, which several threads run at once for different levels. Whatever else
+// is needed is done by next, which one thread calls. As a rule that is little, because a level has many more corners
+// than it needs.
 
 void BalancedSequence::begin(std::vector<LeafPoint>& points_, int depth)
 {
@@ -151,7 +156,7 @@ void BalancedSequence::begin(std::vector<LeafPoint>& points_, int depth)
     if (!areSortedByTies(points))
         std::sort(points.begin(), points.end(), TieBefore());
 
-    // Into buckets: the leaves, or their ancestors in a tree that is too deep for an array of leaves.
+    // The keys are put into buckets. A bucket is a leaf or, in a tree too deep for an array of leaves, an ancestor.
     const int BUCKET_DEPTH = 6, shift = 2 * std::max(depth - BUCKET_DEPTH, 0);
     const size_t buckets = size_t(1) << (2 * depth - shift);
     unsigned ends[(1 << (2 * BUCKET_DEPTH)) + 1];
@@ -199,18 +204,19 @@ void BalancedSequence::addLeaf(unsigned code, unsigned begin, unsigned end)
     leaves.emplace_back(begin, end);
 }
 
-// Takes the best point off a leaf. NO_KEY: there is none.
+// Removes the best point from a leaf and returns its key, or NO_KEY if there is none.
 uint64 BalancedSequence::takeBest(Leaf& leaf)
 {
     const unsigned size = leaf.end - leaf.begin;
     if (leaf.taken == size)
         return NO_KEY;
-    // Selection pays for the first few; who asks for more gets all sorted.
+    // To look for the best one is cheaper for the first few points. Where more are asked for, the leaf is sorted.
     const unsigned SELECTED = 4;
     uint64* const ofLeaf = keys.data() + leaf.begin;
     if (leaf.taken < SELECTED)
     {
-        uint64 ahead = NO_KEY;  // keys below leaf.next come last by overflow
+        uint64 ahead =
+            NO_KEY;  // the least distance from leaf.next; by overflow, keys that are taken come last
         for (unsigned i = 0; i < size; i++)
             ahead = std::min(ahead, ofLeaf[i] - leaf.next);
         const uint64 key = leaf.next + ahead;
@@ -223,7 +229,7 @@ uint64 BalancedSequence::takeBest(Leaf& leaf)
     return ofLeaf[leaf.taken++];
 }
 
-// Takes the next point off a group that the filter lets pass. NO_KEY: there is none.
+// Removes the next point that the filter accepts from a group and returns its key, or NO_KEY if there is none.
 uint64 BalancedSequence::takeNext(Group& group, const PointFilter* filter)
 {
     for (;;)
@@ -232,12 +238,13 @@ uint64 BalancedSequence::takeNext(Group& group, const PointFilter* filter)
         unsigned best = group.begin;
         for (unsigned i = group.begin; i < group.end; i++)
         {
-            best += (i - best) & (0u - unsigned(candidates[i] < key));  // a branch would be hard to predict
+            best += (i - best) &
+                    (0u - unsigned(candidates[i] < key));  // without a branch, which would be hard to predict
             key = std::min(key, candidates[i]);
         }
         if (key == NO_KEY)
         {
-            // Every leaf has had its turn; those that are not exhausted get another.
+            // Every leaf has had its turn. Those that are not exhausted get another one.
             const unsigned end = group.end;
             group.end = group.begin;
             for (unsigned i = group.begin; i < end; i++)
@@ -288,48 +295,6 @@ bool BalancedSequence::next(LeafPoint& point, const PointFilter* filter)
 }
 
 }  // namespace stages
-
-void retainUniform(std::vector<KeyPoint>& keypoints, Size imageSize, int npoints)
-{
-    using namespace stages;
-    CV_TRACE_FUNCTION();
-    checkImageSize(imageSize);
-    if (npoints < 0)
-        CV_Error_(Error::StsOutOfRange, ("npoints: got %d; >= 0 is accepted", npoints));
-
-    const int depth = quadtreeDepth(npoints);
-    const double leaves = double(1 << depth);
-    std::vector<LeafPoint> points;
-    points.reserve(keypoints.size());
-    for (size_t i = 0; i < keypoints.size(); i++)
-    {
-        const Point2f p = keypoints[i].pt;
-        if (!(p.x >= 0 && p.y >= 0 && p.x < imageSize.width && p.y < imageSize.height))
-            continue;
-        const LeafPoint point = {
-            leafCode(unsigned(p.x * leaves / imageSize.width), unsigned(p.y * leaves / imageSize.height)),
-            keypoints[i].response, p.x, p.y, int(i)};
-        points.push_back(point);
-    }
-    if (points.size() > size_t(npoints))
-    {
-        BalancedSequence sequence;
-        sequence.begin(points, depth);
-        points.resize(npoints);
-        for (int i = 0; i < npoints; i++)
-            sequence.next(points[i]);
-    }
-    std::vector<uchar> keep(keypoints.size(), uchar(0));
-    for (size_t i = 0; i < points.size(); i++)
-        keep[points[i].index] = 1;
-    size_t kept = 0;
-    for (size_t i = 0; i < keypoints.size(); i++)
-    {
-        if (keep[i])
-            keypoints[kept++] = keypoints[i];
-    }
-    keypoints.resize(kept);
-}
 
 }  // namespace aqorb
 }  // namespace cv

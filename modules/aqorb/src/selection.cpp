@@ -1,8 +1,12 @@
-// This file is part of the aqorb project.
+// This file is part of aqorb. Copyright (C) The aqorb developers.
 // It is subject to the license terms in the LICENSE file found in the top-level directory
 // of this distribution.
+// SPDX-License-Identifier: Apache-2.0
 
 #include "precomp.hpp"
+
+#include "quadtree.hpp"
+#include "selection.hpp"
 
 namespace cv
 {
@@ -14,7 +18,7 @@ namespace stages
 namespace
 {
 
-// The chosen keypoints of all levels in buckets, to ask for those near a point of the input image.
+// The chosen keypoints of all levels in buckets, so that those near a point of the input image are found fast.
 class KeypointGrid
 {
 public:
@@ -32,7 +36,7 @@ public:
         head = int(entries.size());
         entries.push_back(entry);
     }
-    // Whether a keypoint of another level, or of a coarser one, is strictly nearer than radius.
+    // Whether a keypoint of another level, or only of a coarser one, is strictly nearer than radius.
     bool isNear(Point2d p, double radius, int level, bool onlyCoarser) const
     {
         const double squaredRadius = radius * radius;
@@ -67,7 +71,7 @@ private:
     int column(double x) const { return bucket(x, columns); }
     int row(double y) const { return bucket(y, rows); }
 
-    static const int SIDE = 8;  // of a bucket; smaller ones cost more to clear than they save
+    static const int SIDE = 8;  // of a bucket; smaller ones would cost more to clear than they save
     int columns, rows;
     std::vector<int> heads;
     std::vector<Entry> entries;
@@ -78,72 +82,123 @@ private:
 class FeatureSelector::Impl
 {
 public:
-    void begin(const std::vector<SelectionLevel>& levels_, Size imageSize_, double octaveSuppression_,
-               CornerSource& source_, std::vector<std::vector<RankedCorner>>& chosen_)
+    Impl() : octaveSuppression(0), levelCount(0), step(0), asked(0), wanted(0) {}
+
+    void begin(Size imageSize_, double octaveSuppression_)
     {
-        levels = &levels_;
         imageSize = imageSize_;
         octaveSuppression = octaveSuppression_;
-        source = &source_;
-        chosen = &chosen_;
-        // Never fewer, to keep their memory.
-        chosen->resize(std::max(chosen->size(), levels->size()));
-        for (size_t i = 0; i < chosen->size(); i++)
-            (*chosen)[i].clear();
-        begun.assign(levels->size(), uchar(0));
+        levelCount = 0;
+        step = 0;
+        wanted = 0;
         grid.clear(imageSize);
     }
 
-    // Coarse to fine: unmet quota goes to the next finer level. Returns what remains after the finest.
-    int chooseQuotas()
+    void addLevel(const SelectionLevel& added)
     {
-        int wanted = 0;
-        for (int level = int(levels->size()) - 1; level >= 0; level--)
+        if (size_t(levelCount) == levels.size())
+            levels.push_back(LevelState());
+        LevelState& level = levels[levelCount++];
+        level.given = added;
+        level.hasBegun = false;
+        level.chosen.clear();
+    }
+
+    bool wants(CornerRequest& request)
+    {
+        // What to take from each level. The first pass goes from coarse to fine, the others from fine to coarse.
+        static const CornerSet PASSES[] = {
+            BALANCED_CORNERS,    // the quotas; unmet quota goes to the next finer level
+            BALANCED_CORNERS,    // as many as are still missing after the finest level
+            KEPT_CORNERS,        // nothing is left of the sequences but what octave suppression passed over
+            SUPPRESSED_CORNERS,  // what other rules passed over
+            WEAK_CORNERS};
+        const int passes = int(sizeof(PASSES) / sizeof(PASSES[0]));
+        while (step < passes * levelCount)
         {
-            wanted += (*levels)[level].quota;
+            const int pass = step / levelCount, visited = step % levelCount;
+            const bool isFirstPass = pass == 0;
+            step++;
+            asked = isFirstPass ? levelCount - 1 - visited : visited;
+            if (isFirstPass)
+                wanted += levels[asked].given.quota;
             if (wanted > 0)
-                wanted -= choose(level, wanted);
+            {
+                request.level = asked;
+                request.set = PASSES[pass];
+                return true;
+            }
+            if (!isFirstPass)
+                return false;
         }
-        return wanted;
+        return false;
     }
-    // Fine to coarse: each level goes on in its sequence.
-    int chooseMore(int wanted)
+
+    void offer(BalancedSequence& sequence)
     {
-        for (int level = 0; level < int(levels->size()) && wanted > 0; level++)
-            wanted -= choose(level, wanted);
-        return wanted;
-    }
-    // Fine to coarse, from the corners that octave suppression passed over: as nothing else is left of the
-    // sequences, all that are not chosen.
-    int fillFromPassedOver(int wanted)
-    {
-        for (int level = 0; level < int(levels->size()) && wanted > 0; level++)
+        LevelState& level = levels[asked];
+        const bool again = level.hasBegun;
+        const NotSuppressed filter(*this, asked, again), now(*this, asked, false);
+        level.hasBegun = true;
+        const size_t before = level.chosen.size();
+        LeafPoint point;
+        while (level.chosen.size() < before + wanted && sequence.next(point, &filter))
         {
-            std::vector<RankedCorner> taken = (*chosen)[level];
-            std::sort(taken.begin(), taken.end(), InRasterOrder());
-            source->corners(level, KEPT_CORNERS, corners);
-            corners.erase(std::remove_if(corners.begin(), corners.end(),
-                                         [&](const RankedCorner& c) {
-                                             return std::binary_search(taken.begin(), taken.end(), c,
-                                                                       InRasterOrder());
-                                         }),
-                          corners.end());
-            wanted -= fill(level, wanted);
+            // Finer levels may have chosen keypoints since the sequence began.
+            if (!again || now.accepts(point))
+                level.chosen.push_back(cornerAt(point));
         }
-        return wanted;
+        for (size_t i = before; i < level.chosen.size(); i++)
+            grid.insert(position(asked, float(level.chosen[i].x), float(level.chosen[i].y)), asked);
+        wanted -= int(level.chosen.size() - before);
     }
-    // Fine to coarse, from corners that other rules passed over.
-    int fillFrom(CornerSet set, int wanted)
+
+    void offer(const std::vector<RankedCorner>& offered)
     {
-        for (int level = 0; level < int(levels->size()) && wanted > 0; level++)
+        LevelState& level = levels[asked];
+        std::vector<RankedCorner> taken = level.chosen;
+        std::sort(taken.begin(), taken.end(), InRasterOrder());
+        corners.clear();
+        for (size_t i = 0; i < offered.size(); i++)
         {
-            source->corners(level, set, corners);
-            wanted -= fill(level, wanted);
+            if (!std::binary_search(taken.begin(), taken.end(), offered[i], InRasterOrder()))
+                corners.push_back(offered[i]);
         }
-        return wanted;
+        leafPoints(corners, level.given.root, level.given.depth, scratch, points);
+        filling.begin(points, level.given.depth);
+        LeafPoint point;
+        for (; wanted > 0 && filling.next(point); wanted--)
+            level.chosen.push_back(cornerAt(point));
+    }
+
+    // Sorts by counting, as a level has many rows with few corners each.
+    void chosen(int index, std::vector<RankedCorner>& sorted)
+    {
+        const LevelState& level = levels[index];
+        const int rows = level.given.size.height;
+        rowStarts.assign(size_t(rows) + 1, 0);
+        for (size_t i = 0; i < level.chosen.size(); i++)
+            rowStarts[level.chosen[i].y + 1]++;
+        std::partial_sum(rowStarts.begin(), rowStarts.end(), rowStarts.begin());
+        sorted.resize(level.chosen.size());
+        for (size_t i = 0; i < level.chosen.size(); i++)
+            sorted[rowStarts[level.chosen[i].y]++] = level.chosen[i];
+        size_t begin = 0;
+        for (int y = 0; y < rows; begin = rowStarts[y++])  // where row y ends by now
+        {
+            if (rowStarts[y] - begin > 1)
+                std::sort(sorted.begin() + begin, sorted.begin() + rowStarts[y], InRasterOrder());
+        }
     }
 
 private:
+    struct LevelState
+    {
+        SelectionLevel given;
+        bool hasBegun;  // whether corners were taken from its sequence
+        std::vector<RankedCorner> chosen;
+    };
+
     // Octave suppression.
     class NotSuppressed : public PointFilter
     {
@@ -154,7 +209,7 @@ private:
         }
         bool accepts(const LeafPoint& point) const CV_OVERRIDE
         {
-            const double radius = impl.octaveSuppression * (*impl.levels)[level].scale;
+            const double radius = impl.octaveSuppression * impl.levels[level].given.scale;
             return !(radius > 0 &&
                      impl.grid.isNear(impl.position(level, point.x, point.y), radius, level, byCoarser));
         }
@@ -162,50 +217,20 @@ private:
     private:
         const Impl& impl;
         int level;
-        bool byCoarser;  // only, as keypoints of finer levels came later
+        bool byCoarser;  // only by keypoints of coarser levels, as a filter must not change its mind later
     };
 
-    // By pixel centres, exactly: positions of coarse levels must not be shifted against those of fine ones.
+    // The position in the image by pixel centres, exactly: positions on coarse levels must not be shifted against
+    // those on fine ones.
     static double position(int pixel, int levelLength, int imageLength)
     {
         return (pixel + 0.5) * imageLength / levelLength - 0.5;
     }
     Point2d position(int level, float x, float y) const
     {
-        const Size size = (*levels)[level].size;
+        const Size size = levels[level].given.size;
         return Point2d(position(int(x), size.width, imageSize.width),
                        position(int(y), size.height, imageSize.height));
-    }
-
-    int choose(int level, int wanted)
-    {
-        const bool again = begun[level] != 0;
-        const NotSuppressed filter(*this, level, again), now(*this, level, false);
-        begun[level] = 1;
-        BalancedSequence& sequence = source->sequence(level);
-        std::vector<RankedCorner>& ofLevel = (*chosen)[level];
-        const size_t before = ofLevel.size();
-        LeafPoint point;
-        while (ofLevel.size() < before + wanted && sequence.next(point, &filter))
-        {
-            // Finer levels may have chosen keypoints since the sequence was begun.
-            if (!again || now.accepts(point))
-                ofLevel.push_back(cornerAt(point));
-        }
-        for (size_t i = before; i < ofLevel.size(); i++)
-            grid.insert(position(level, float(ofLevel[i].x), float(ofLevel[i].y)), level);
-        return int(ofLevel.size() - before);
-    }
-
-    int fill(int level, int wanted)
-    {
-        leafPoints(corners, (*levels)[level].root, (*levels)[level].depth, scratch, points);
-        filling.begin(points, (*levels)[level].depth);
-        LeafPoint point;
-        int filled = 0;
-        for (; filled < wanted && filling.next(point); filled++)
-            (*chosen)[level].push_back(cornerAt(point));
-        return filled;
     }
 
     static RankedCorner cornerAt(const LeafPoint& point)
@@ -214,34 +239,53 @@ private:
         return corner;
     }
 
-    const std::vector<SelectionLevel>* levels;
     Size imageSize;
     double octaveSuppression;
-    CornerSource* source;
-    std::vector<std::vector<RankedCorner>>* chosen;
-    std::vector<uchar> begun;  // by level
+    std::vector<LevelState> levels;  // it never shrinks, so that levels keep their memory
+    int levelCount;                  // of this image
+    int step;                        // the next pass and level to ask for
+    int asked;                       // the level of the last request
+    int wanted;                      // features that are missing by now
     KeypointGrid grid;
     BalancedSequence filling;
-    std::vector<RankedCorner> corners;  // to fill from
+    std::vector<RankedCorner> corners;  // to fill up from
     LeafScratch scratch;
     std::vector<LeafPoint> points;
+    std::vector<size_t> rowStarts;
 };
 
 FeatureSelector::FeatureSelector() : impl(makePtr<Impl>())
 {
 }
 
-void FeatureSelector::select(const std::vector<SelectionLevel>& levels, Size imageSize,
-                             double octaveSuppression, CornerSource& source,
-                             std::vector<std::vector<RankedCorner>>& chosen)
+void FeatureSelector::begin(Size imageSize, double octaveSuppression)
 {
-    CV_TRACE_FUNCTION();
-    impl->begin(levels, imageSize, octaveSuppression, source, chosen);
-    int wanted = impl->chooseQuotas();
-    wanted = impl->chooseMore(wanted);
-    wanted = impl->fillFromPassedOver(wanted);
-    wanted = impl->fillFrom(SUPPRESSED_CORNERS, wanted);
-    impl->fillFrom(CELL_REJECTS, wanted);
+    impl->begin(imageSize, octaveSuppression);
+}
+
+void FeatureSelector::addLevel(const SelectionLevel& level)
+{
+    impl->addLevel(level);
+}
+
+bool FeatureSelector::wants(CornerRequest& request)
+{
+    return impl->wants(request);
+}
+
+void FeatureSelector::offer(BalancedSequence& sequence)
+{
+    impl->offer(sequence);
+}
+
+void FeatureSelector::offer(const std::vector<RankedCorner>& corners)
+{
+    impl->offer(corners);
+}
+
+void FeatureSelector::chosen(int level, std::vector<RankedCorner>& corners)
+{
+    impl->chosen(level, corners);
 }
 
 }  // namespace stages

@@ -1,6 +1,7 @@
-// This file is part of the aqorb project.
+// This file is part of aqorb. Copyright (C) The aqorb developers.
 // It is subject to the license terms in the LICENSE file found in the top-level directory
 // of this distribution.
+// SPDX-License-Identifier: Apache-2.0
 
 #ifndef OPENCV_AQORB_SIMD_COMPAT_HPP
 #define OPENCV_AQORB_SIMD_COMPAT_HPP
@@ -8,8 +9,8 @@
 #include <opencv2/core/hal/intrin.hpp>
 #include <opencv2/core/version.hpp>
 
-// Kernels are written with the function names of OpenCV's newer universal intrinsics; where only the
-// operators exist (up to 4.8), the functions used here are added.
+// The kernels call the universal intrinsics by the function names that OpenCV has had since 4.9. Older versions have
+// operators only; for these the functions are added here.
 
 #define AQORB_VERSION_CODE (CV_VERSION_MAJOR * 100 + CV_VERSION_MINOR)
 
@@ -42,14 +43,14 @@ AQORB_BINARY(v_ge, >=)
 #endif
 
 #if CV_SIMD
-//! A bit for each lane of bytes: whether its sign is set.
+//! A bit for each lane of bytes, set where the sign of the lane is.
 template <typename V> static CV_ALWAYS_INLINE uint64 signBits(const V& a)
 {
     return uint64(v_signmask(a)) & (~uint64(0) >> (64 - AQORB_LANES(V)));
 }
 #endif
 
-//! Index of the lowest bit set, of which there must be one.
+//! Index of the lowest bit that is set. At least one must be.
 static CV_ALWAYS_INLINE int trailingZeros(uint64 bits)
 {
 #if defined(__GNUC__)

@@ -1,11 +1,17 @@
-// This file is part of the aqorb project.
+// This file is part of aqorb. Copyright (C) The aqorb developers.
 // It is subject to the license terms in the LICENSE file found in the top-level directory
 // of this distribution.
+// SPDX-License-Identifier: Apache-2.0
 
 #include "precomp.hpp"
 
+#include "input.hpp"
+#include "threshold.hpp"
+
 #include "threshold.simd.hpp"
 #include "threshold.simd_declarations.hpp"
+
+#include <opencv2/aqorb.hpp>
 
 namespace cv
 {
@@ -22,7 +28,7 @@ static void addRow(const uchar* row, int width, uint64& sum, uint64& squares)
 double varianceOverMean(const Mat& image, const Mat& mask)
 {
     CV_TRACE_FUNCTION();
-    // Whole sums: the same for any order of summation.
+    // Whole numbers, so that the sums are the same for any order of summation.
     uint64 sum = 0, squares = 0, count = 0;
     for (int y = 0; y < image.rows; y++)
     {
@@ -46,7 +52,7 @@ double varianceOverMean(const Mat& image, const Mat& mask)
     }
     if (sum == 0)
         return 0;
-    // (squares/n - (sum/n)^2) / (sum/n)
+    // This is (squares/n - (sum/n)^2) / (sum/n).
     return double(squares) / double(sum) - double(sum) / double(count);
 }
 
@@ -54,7 +60,8 @@ static Thresholds thresholdsFor(double ini, int fastThreshold, double minRatio)
 {
     Thresholds thresholds;
     thresholds.ini = cvRound(std::min(std::max(ini, 1.), 254.));
-    // Never stricter than cv::ORB: a night scene with a few lamps has equation (7) in the hundreds.
+    // The lower threshold is never stricter than that of cv::ORB. For a night scene with a few lamps equation (7)
+    // gives hundreds, and corners off the lamps would be lost.
     const double loosest = std::min(std::max(fastThreshold, 1), thresholds.ini);
     thresholds.min = cvRound(std::min(std::max(ini / minRatio, 1.), loosest));
     return thresholds;

@@ -1,9 +1,10 @@
-// This file is part of the aqorb project.
+// This file is part of aqorb. Copyright (C) The aqorb developers.
 // It is subject to the license terms in the LICENSE file found in the top-level directory
 // of this distribution.
+// SPDX-License-Identifier: Apache-2.0
 
-#include "kernels.hpp"
 #include "simd_compat.hpp"
+#include "threshold.hpp"
 
 namespace cv
 {
@@ -22,7 +23,7 @@ void sumRow(const uchar* row, int width, uint64& sum, uint64& squares)
 {
     int x = 0;
 #if CV_SIMD
-    const int LANES = AQORB_LANES(v_uint8), FLUSH = 1024 * LANES;  // 32 bits hold so many squares
+    const int LANES = AQORB_LANES(v_uint8), FLUSH = 1024 * LANES;  // so many squares fit into 32 bits
     const v_uint8 one = vx_setall_u8(1);
     while (x + LANES <= width)
     {

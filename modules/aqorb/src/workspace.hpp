@@ -1,135 +1,99 @@
-// This file is part of the aqorb project.
+// This file is part of aqorb. Copyright (C) The aqorb developers.
 // It is subject to the license terms in the LICENSE file found in the top-level directory
 // of this distribution.
+// SPDX-License-Identifier: Apache-2.0
 
 #ifndef OPENCV_AQORB_WORKSPACE_HPP
 #define OPENCV_AQORB_WORKSPACE_HPP
 
-#include "stages.hpp"
-
-#include <opencv2/core/utility.hpp>
+#include "blur.hpp"
+#include "detection.hpp"
+#include "pyramid.hpp"
+#include "selection.hpp"
+#include "types.hpp"
 
 namespace cv
 {
 namespace aqorb
 {
 
-// A band of a level whose corners are found by themselves.
-struct CornerBand
+//! What an image needs for one level of its pyramid.
+struct LevelWork
 {
-    int level;
-    Rect rect;
-    stages::CornerBlocks blocks;
-    bool isRanked;
-    std::vector<stages::Corner> corners;       // kept
-    std::vector<stages::RankedCorner> ranked;  // the same
+    LevelWork() : first(0) {}
+
+    stages::Level level;
+    Ptr<stages::ResizeTables> resizing;  //!< to make the level
+    stages::SelectionLevel selection;    //!< what the level is to contribute
+    stages::LevelDetection detection;
+    std::vector<stages::RankedCorner> chosen;  //!< the corners that become features, in raster order
+    std::vector<stages::FeaturePoint> points;  //!< where the features of the level are described
+    size_t first;                              //!< index of the level's first feature among all features
 };
 
-// Features of a level that are described by themselves.
-struct Stripe
+//! A band of a level whose corners are found independently.
+struct LevelBand
 {
-    int level;
-    size_t begin, end;  // among the level's
+    int level, band;
 };
 
-// What a call needs beside its outputs.
+//! Features of a level that are described together, as one task.
+struct FeatureRange
+{
+    int level;
+    size_t begin, end;  //!< among the features of the level
+};
+
+//! What a call needs beside its outputs.
 struct Workspace
 {
-    std::vector<stages::Level> pyramid;
-    stages::PyramidScratch resizing;
-    std::vector<stages::SelectionLevel> selectionLevels;
-    std::vector<CornerBand> bands;           // never fewer, to keep their memory
-    std::vector<stages::ScorePlane> planes;  // by level, for its bands
-    std::vector<stages::BalancedSequence> sequences;
-    std::vector<uchar> ready;  // whether the level's corners and sequence are
+    Workspace() : levelCount(0) {}
+
+    stages::Level input;            //!< the image itself, of the caller
+    std::vector<LevelWork> levels;  //!< it never shrinks, so that levels keep their memory
+    int levelCount;                 //!< levels of this image
+    std::vector<LevelBand> bands;   //!< those of the input image first
     stages::FeatureSelector selector;
-    std::vector<std::vector<stages::RankedCorner>> chosen;
-    std::vector<size_t> rowStarts;                             // to sort them
-    std::vector<stages::RankedCorner> sorted;                  // likewise
-    std::vector<std::vector<stages::DescriptorPoint>> points;  // by level: where the features were found
-    std::vector<Stripe> stripes;
-    std::vector<size_t> firsts;  // of each level's features among all
+    std::vector<stages::RankedCorner> corners;  //!< to offer to selection
+    std::vector<FeatureRange> ranges;
     std::vector<KeyPoint> keypoints;
 
-    void resize(size_t levels)
-    {
-        planes.resize(std::max(levels, planes.size()));
-        sequences.resize(std::max(levels, sequences.size()));
-        points.resize(std::max(levels, points.size()));
-    }
-    // Before it is put away: the input image is the caller's.
-    void rest()
-    {
-        for (size_t i = 0; i < pyramid.size(); i++)
-        {
-            pyramid[i].mask.release();
-            if (pyramid[i].isInput)
-                pyramid[i].image.release();
-        }
-    }
+    //! Prepares the levels of the input's pyramid, nlevels or as many as have no side below minSide.
+    void layOutLevels(int nlevels, int firstLevel, double scaleFactor, int minSide);
+    //! Makes the levels from the input.
+    void fillLevels(int firstLevel);
+    //! Divides the levels into bands. A level without a quota is not searched unless selection asks for its corners.
+    //! Returns the number of bands of the input image, which come first.
+    size_t layOutBands();
+    //! Divides the features into ranges of about equal size, so that no thread must wait for that of a large level.
+    void layOutRanges();
+    //! Lets go of the images and masks that are the caller's, and of the masks of the levels.
+    void releaseImages();
 };
 
-// What a task needs only as long as it lasts, so that tasks one after the other share it.
-struct TaskScratch
+//! Gives a workspace its input until the end of the scope, also where that is an exception.
+class InputScope
 {
-    stages::FastScanner scanner;
-    std::vector<stages::RankedCorner> ranked;
-    stages::LeafScratch leaves;
-    std::vector<stages::LeafPoint> points;
+public:
+    InputScope(Workspace& workspace_, const stages::Level& input) : workspace(workspace_)
+    {
+        workspace.input = input;
+    }
+    ~InputScope() { workspace.releaseImages(); }
+
+private:
+    InputScope(const InputScope&);
+    InputScope& operator=(const InputScope&);
+
+    Workspace& workspace;
+};
+
+//! What the task that describes a range of features needs only as long as it runs.
+struct DescriptionScratch
+{
     stages::BlurRegion blurRegion;
     stages::BlurScratch blur;
     std::vector<ushort> blurred;
-
-    void rest() {}
-};
-
-// Lends objects, each to one user at a time, and keeps them with their memory.
-template <typename T> class Pool
-{
-public:
-    Pool() : made(0) {}
-
-    class Lease
-    {
-    public:
-        explicit Lease(Pool& pool_) : pool(pool_), lent(pool.take()) {}
-        ~Lease()
-        {
-            lent->rest();
-            pool.give(lent);
-        }
-        T& operator*() const { return *lent; }
-
-    private:
-        Lease(const Lease&);
-        Lease& operator=(const Lease&);
-
-        Pool& pool;
-        Ptr<T> lent;
-    };
-
-private:
-    Ptr<T> take()
-    {
-        AutoLock lock(mutex);
-        if (idle.empty())
-        {
-            idle.reserve(++made);  // a destructor gives it back: there must be room
-            return makePtr<T>();
-        }
-        const Ptr<T> lent = idle.back();
-        idle.pop_back();
-        return lent;
-    }
-    void give(const Ptr<T>& lent)
-    {
-        AutoLock lock(mutex);
-        idle.push_back(lent);
-    }
-
-    Mutex mutex;
-    size_t made;
-    std::vector<Ptr<T>> idle;
 };
 
 }  // namespace aqorb

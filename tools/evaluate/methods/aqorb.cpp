@@ -1,13 +1,14 @@
-// This file is part of the aqorb project.
+// This file is part of aqorb. Copyright (C) The aqorb developers.
 // It is subject to the license terms in the LICENSE file found in the top-level directory
 // of this distribution.
+// SPDX-License-Identifier: Apache-2.0
 
+#include "../../common/options.hpp"
 #include "../method.hpp"
 
 #include <opencv2/aqorb.hpp>
 
 #include <map>
-#include <sstream>
 
 // The detector of this module, as shipped or with some of its settings changed.
 cv::Ptr<Method> makeAqorb(const std::string& settings)
@@ -26,8 +27,7 @@ cv::Ptr<Method> makeAqorb(const std::string& settings)
     const auto create = [settings](int n)
     {
         const cv::Ptr<AdaptiveQuadtreeORB> detector = AdaptiveQuadtreeORB::create(n);
-        std::istringstream list(settings);
-        for (std::string setting; std::getline(list, setting, ':');)
+        for (const std::string& setting : tools::splitList(settings, ':'))
         {
             const size_t equals = std::min(setting.find('='), setting.size());
             const std::string key = setting.substr(0, equals), value = setting.substr(equals);
@@ -41,6 +41,6 @@ cv::Ptr<Method> makeAqorb(const std::string& settings)
         }
         return detector;
     };
-    create(1);  // speaks up about a bad setting
+    create(1);  // raises an exception for a bad setting before anything is measured
     return cv::makePtr<Feature2DMethod>(create);
 }

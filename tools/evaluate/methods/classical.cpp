@@ -1,13 +1,14 @@
-// This file is part of the aqorb project.
+// This file is part of aqorb. Copyright (C) The aqorb developers.
 // It is subject to the license terms in the LICENSE file found in the top-level directory
 // of this distribution.
+// SPDX-License-Identifier: Apache-2.0
 
 #include "../method.hpp"
 
 namespace
 {
 
-//! A detector that does not take a number of features: the best n of what it finds.
+//! The best n features of a detector that does not take a number of features.
 class BestOf : public Method
 {
 public:

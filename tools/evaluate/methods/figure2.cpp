@@ -1,17 +1,21 @@
-// This file is part of the aqorb project.
+// This file is part of aqorb. Copyright (C) The aqorb developers.
 // It is subject to the license terms in the LICENSE file found in the top-level directory
 // of this distribution.
+// SPDX-License-Identifier: Apache-2.0
 
 #include "../method.hpp"
 
-#include "../../../modules/aqorb/src/stages.hpp"
+#include "detection.hpp"
+#include "orientation.hpp"
+#include "pyramid.hpp"
+#include "threshold.hpp"
 
 #include <opencv2/aqorb.hpp>
 #include <opencv2/imgproc.hpp>
 
-// The paper's Figure 2 read to the letter, from the stages of this module: each leaf of the quadtree keeps its
-// best corner by Harris response, and where there are more leaves than features the Harris response alone
-// decides. A leaf gives no second corner.
+// The paper's Figure 2 read to the letter, made of this module's stages: each leaf of the quadtree keeps the
+// corner with its highest Harris response. Where that leaves more corners than features are asked for, those
+// with the highest responses of all stay. No leaf gives a second corner.
 
 namespace
 {
@@ -32,18 +36,24 @@ public:
         const Thresholds thresholds =
             adaptiveThresholds(varianceOverMean(gray, cv::Mat()), FAST_THRESHOLD, MIN_RATIO);
         const std::vector<int> quotas = levelQuotas(n, SCALE_FACTOR, LEVELS);
-        std::vector<Level> pyramid;
-        buildPyramid(gray, cv::Mat(), LEVELS, 0, SCALE_FACTOR, 2 * EDGE + 1, pyramid);
+        Level input, level, levelBefore;
+        input.image = gray;
         Features features;
-        for (size_t i = 0; i < pyramid.size(); i++)
+        for (int i = 0; i < LEVELS; i++)
         {
-            for (const RankedCorner& corner : choose(pyramid[i], thresholds, quotas[i]))
+            levelBefore = level;
+            level = Level();
+            if (!layOutLevel(input, i, 0, SCALE_FACTOR, 2 * EDGE + 1, level))
+                break;
+            cv::Ptr<ResizeTables> tables;
+            if (!level.isInput)
+                fillLevel(isMadeFromInput(i, 0) ? input : levelBefore, level, tables);
+            for (const RankedCorner& corner : choose(level, thresholds, quotas[i]))
             {
-                DescriptorPoint point = {corner.x, corner.y, 0};
-                orientations(pyramid[i].image, circle, &point, 1);
-                const float scale = pyramid[i].scale;
-                features.keypoints.emplace_back(corner.x * scale, corner.y * scale, PATCH_SIZE * scale,
-                                                point.angle, corner.response, int(i));
+                FeaturePoint point = {corner.x, corner.y, 0};
+                orientations(level.image, circle, &point, 1);
+                features.keypoints.emplace_back(corner.x * level.scale, corner.y * level.scale,
+                                                PATCH_SIZE * level.scale, point.angle, corner.response, i);
             }
         }
         describe->compute(gray, features.keypoints, features.descriptors);
@@ -54,11 +64,13 @@ private:
     static std::vector<RankedCorner> choose(const Level& level, Thresholds thresholds, int quota)
     {
         const cv::Rect region(EDGE, EDGE, level.image.cols - 2 * EDGE, level.image.rows - 2 * EDGE);
-        LevelCorners corners;
-        CornerScratch scratch;
-        findCorners(level, region, thresholds, CELL, true, corners, scratch);
+        const DetectionRules rules = {thresholds, CELL, true};
+        LevelDetection detection;
+        DetectionScratch scratch;
+        detection.begin(level, region, quadtreeDepth(quota), rules);
+        detection.sequence(scratch);
         std::vector<RankedCorner> ranked;
-        harrisResponses(level.image, corners.kept, ranked);
+        detection.list(KEPT_CORNERS, ranked);
         std::stable_sort(ranked.begin(), ranked.end(),
                          [](const RankedCorner& a, const RankedCorner& b)
                          { return a.response > b.response; });
@@ -78,7 +90,7 @@ private:
         return chosen;
     }
 
-    const std::vector<int> circle = circularPatch(PATCH_SIZE);
+    const OrientationPatch circle{circularPatch(PATCH_SIZE)};
     cv::Ptr<cv::ORB> describe = cv::aqorb::AdaptiveQuadtreeORB::create();
 };
 

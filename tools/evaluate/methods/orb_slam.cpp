@@ -1,6 +1,7 @@
-// This file is part of the aqorb project.
+// This file is part of aqorb. Copyright (C) The aqorb developers.
 // It is subject to the license terms in the LICENSE file found in the top-level directory
 // of this distribution.
+// SPDX-License-Identifier: Apache-2.0
 
 #include "../method.hpp"
 
@@ -9,8 +10,9 @@
 #include <numeric>
 
 // The keypoint distribution of ORB_SLAM (Mur-Artal et al. 2015), the paper's column B, written from its
-// description: FAST in cells at 20, in empty ones at 7, then a quadtree that is split until it has as many
-// nodes as the level is to have keypoints. The thresholds are ORB_SLAM's usual ones; the paper names none.
+// description: FAST with threshold 20 in cells, and with threshold 7 in those that stay empty. Then a quadtree
+// is split until it has as many nodes as the level is to have keypoints. The paper names no thresholds; these
+// are the usual ones of ORB_SLAM.
 
 namespace
 {
@@ -76,11 +78,11 @@ std::vector<Node> split(const Node& node)
 
 bool splits(const Node& node)
 {
-    // Keypoints on one pixel cannot be told apart; FAST gives none such.
+    // Keypoints on the same pixel could never be separated. FAST does not give such, but the loop must end.
     return node.points.size() > 1 && node.area.width > 1e-3f;
 }
 
-//! One keypoint a node, of about as many nodes as the quota.
+//! Splits the level into about as many nodes as the quota and takes one keypoint from each.
 KeyPoints distribute(const KeyPoints& corners, cv::Size size, int quota)
 {
     const cv::Size2f region(float(size.width - 2 * BORDER), float(size.height - 2 * BORDER));
@@ -97,7 +99,7 @@ KeyPoints distribute(const KeyPoints& corners, cv::Size size, int quota)
 
     while (int(nodes.size()) < quota)
     {
-        // Those to be split come first, the fullest first.
+        // The nodes to be split come first, in descending order of their number of keypoints.
         const auto end = std::stable_partition(nodes.begin(), nodes.end(), splits);
         const int splittable = int(end - nodes.begin());
         if (splittable == 0)

@@ -1,6 +1,7 @@
-// This file is part of the aqorb project.
+// This file is part of aqorb. Copyright (C) The aqorb developers.
 // It is subject to the license terms in the LICENSE file found in the top-level directory
 // of this distribution.
+// SPDX-License-Identifier: Apache-2.0
 
 #include "../method.hpp"
 
@@ -11,8 +12,8 @@
 namespace
 {
 
-/** The keypoints that remain if each, from the best on, covers the square of half side `width` around it.
- As in the paper the cover is kept on a grid of half that size. */
+/** Takes the keypoints from the best on; each one taken covers the square of half side `width` around it, and
+ keypoints on covered ground are left out. As in the paper, the cover is a grid of cells of half that size. */
 std::vector<cv::KeyPoint> coverSquares(const std::vector<cv::KeyPoint>& sorted, cv::Size size, double width)
 {
     const double cell = width / 2;
@@ -31,7 +32,7 @@ std::vector<cv::KeyPoint> coverSquares(const std::vector<cv::KeyPoint>& sorted, 
     return kept;
 }
 
-//! At the largest width that leaves n keypoints; of these the best n.
+//! Thins the keypoints out at the largest width that leaves at least n of them, and keeps the best n.
 void suppressViaSquareCovering(std::vector<cv::KeyPoint>& keypoints, cv::Size size, int n)
 {
     if (int(keypoints.size()) <= n)
@@ -70,7 +71,7 @@ public:
     }
 
 private:
-    // More than there are corners.
+    // The number of features is larger than any number of corners, so that all corners are kept.
     cv::Ptr<cv::ORB> detector = cv::ORB::create(1000000, 1.2f, 8, 31, 0, 2, cv::ORB::FAST_SCORE);
 };
 

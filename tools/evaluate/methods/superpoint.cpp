@@ -1,6 +1,7 @@
-// This file is part of the aqorb project.
+// This file is part of aqorb. Copyright (C) The aqorb developers.
 // It is subject to the license terms in the LICENSE file found in the top-level directory
 // of this distribution.
+// SPDX-License-Identifier: Apache-2.0
 
 #include "../method.hpp"
 
@@ -26,7 +27,7 @@ public:
         cv::Mat gray = image;
         if (image.channels() > 1)
             cv::cvtColor(image, gray, cv::COLOR_BGR2GRAY);
-        // Whole cells: what is left over at the right and the bottom is not seen.
+        // The network takes whole cells: pixels left over at the right and the bottom are cut off.
         gray = gray(cv::Rect(0, 0, gray.cols / CELL * CELL, gray.rows / CELL * CELL));
 
         net.setInput(cv::dnn::blobFromImage(gray, 1 / 255.));
@@ -76,7 +77,7 @@ private:
         return keypoints;
     }
 
-    //! Bilinear between the descriptors of cells, normalized.
+    //! Interpolates bilinearly between the descriptors of cells, and normalizes.
     static cv::Mat describe(const cv::Mat& head, const std::vector<cv::KeyPoint>& keypoints)
     {
         if (keypoints.empty())

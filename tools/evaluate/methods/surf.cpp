@@ -1,6 +1,7 @@
-// This file is part of the aqorb project.
+// This file is part of aqorb. Copyright (C) The aqorb developers.
 // It is subject to the license terms in the LICENSE file found in the top-level directory
 // of this distribution.
+// SPDX-License-Identifier: Apache-2.0
 
 #include "../method.hpp"
 
@@ -22,7 +23,7 @@ public:
         cv::Mat gray = image;
         if (image.channels() > 1)
             cv::cvtColor(image, gray, cv::COLOR_BGR2GRAY);
-        // The strongest come first. Half as many more than asked for make up for those dropped at the border.
+        // The strongest points come first. dlib drops points near the border, so half as many more are asked for.
         std::vector<dlib::surf_point> points = dlib::get_surf_points(dlib::cv_image<uchar>(gray), n + n / 2);
         points.resize(std::min(points.size(), size_t(n)));
         Features features;

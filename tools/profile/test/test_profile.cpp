@@ -1,6 +1,7 @@
-// This file is part of the aqorb project.
+// This file is part of aqorb. Copyright (C) The aqorb developers.
 // It is subject to the license terms in the LICENSE file found in the top-level directory
 // of this distribution.
+// SPDX-License-Identifier: Apache-2.0
 
 // The profile of a trace that was made up, so that every number is known.
 
@@ -42,10 +43,10 @@ const char* const LOCATIONS =
     "l,4,\"a.cpp\",4,\"level\",0x0\n"
     "l,5,\"a.cpp\",5,\"void cv::aqorb::stages::findBandCorners(const Level&, const cv::Rect&)\",0x3\n"
     "l,6,\"a.cpp\",6,\"void cv::aqorb::stages::suppressCorners(int)\",0x3\n"
-    "l,7,\"a.cpp\",7,\"void cv::aqorb::stages::FeatureSelector::select(int)\",0x3\n"
+    "l,7,\"a.cpp\",7,\"void cv::aqorb::AdaptiveQuadtreeORBImpl::selectFeatures(int)\",0x3\n"
     "l,8,\"a.cpp\",8,\"void cv::aqorb::(anonymous namespace)::leafPoints(const std::vector<int>&, int "
     "(*)(int))\",0x3\n"
-    "l,9,\"a.cpp\",9,\"void cv::aqorb::stages::fillPyramid(int)\",0x3\n"
+    "l,9,\"a.cpp\",9,\"void cv::aqorb::Workspace::fillLevels(int)\",0x3\n"
     "l,10,\"a.cpp\",10,\"void cv::aqorb::stages::resizeExact(int)\",0x3\n";
 
 // 1000 ns: 50 threshold, 100 pyramid, 2 tasks of 400 and 200, 200 selection, 50 rest.
@@ -60,7 +61,7 @@ const char* const EVENTS =
     "b,0,760,7,11\nb,0,800,8,12\ne,0,830,8,12,30\ne,0,960,7,11,200\n"
     "e,0,1000,1,1,1000\n";
 
-TEST(Profile, sharesTheTimeOfAFrameAmongStages)
+TEST(Aqorb_Profile, shares_the_time_of_a_frame_among_stages)
 {
     const TraceFiles files(LOCATIONS, EVENTS);
     const std::vector<TraceRegion> frames = readTrace(files.location);
@@ -77,7 +78,7 @@ TEST(Profile, sharesTheTimeOfAFrameAmongStages)
     EXPECT_EQ(20 + 10 + 40, profile.stages[REST]);
 }
 
-TEST(Profile, knowsTheLeastTimeOfThreads)
+TEST(Aqorb_Profile, knows_the_least_time_of_threads)
 {
     const TraceFiles files(LOCATIONS, EVENTS);
     const TraceRegion frame = readTrace(files.location)[0];
@@ -87,7 +88,7 @@ TEST(Profile, knowsTheLeastTimeOfThreads)
     EXPECT_EQ(800, leastTime(frame, 0));
 }
 
-TEST(Profile, knowsTheLeastTimeOfTasksThatAreSplitAgain)
+TEST(Aqorb_Profile, knows_the_least_time_of_tasks_that_are_split_again)
 {
     // A task of 10, and one of 90 with 60 in two halves.
     const TraceFiles files(LOCATIONS, "b,0,0,3,1\n"
@@ -102,7 +103,7 @@ TEST(Profile, knowsTheLeastTimeOfTasksThatAreSplitAgain)
     EXPECT_EQ(60, leastTime(region, 0));
 }
 
-TEST(Profile, namesTheStagesThatATraceLacks)
+TEST(Aqorb_Profile, names_the_stages_that_a_trace_lacks)
 {
     const TraceFiles files(LOCATIONS, EVENTS);
     const std::vector<std::string> absent = absentStages(readTrace(files.location));
@@ -110,7 +111,7 @@ TEST(Profile, namesTheStagesThatATraceLacks)
     EXPECT_EQ(1, std::count(absent.begin(), absent.end(), "computeDescriptors"));
 }
 
-TEST(Profile, refusesATraceThatIsNotWhole)
+TEST(Aqorb_Profile, refuses_a_trace_that_is_not_whole)
 {
     const TraceFiles skipping(LOCATIONS, "b,0,0,1,1\ne,0,9,1,1,9,skip=1\n");
     EXPECT_THROW(readTrace(skipping.location), cv::Exception);
@@ -119,17 +120,6 @@ TEST(Profile, refusesATraceThatIsNotWhole)
     const TraceFiles twoThreads(std::string(LOCATIONS) + "#thread file: x-001.txt\n", EVENTS);
     EXPECT_THROW(readTrace(twoThreads.location), cv::Exception);
     EXPECT_THROW(readTrace("/absent"), cv::Exception);
-}
-
-TEST(Profile, takesMediansOfFrames)
-{
-    const TraceFiles files(LOCATIONS, EVENTS);
-    const Profile profile = profileOf(readTrace(files.location)[0]);
-    Profile slow = profile, slowest = profile;
-    slow.stages[SELECTION] += 10;
-    slowest.stages[SELECTION] += 1000;
-    EXPECT_EQ(210, medianOf({profile, slowest, slow}).stages[SELECTION]);
-    EXPECT_EQ(1010, medianOf({profile, slowest, slow}).total);
 }
 
 }  // namespace

@@ -1,13 +1,15 @@
-// This file is part of the aqorb project.
+// This file is part of aqorb. Copyright (C) The aqorb developers.
 // It is subject to the license terms in the LICENSE file found in the top-level directory
 // of this distribution.
+// SPDX-License-Identifier: Apache-2.0
 
 #ifndef OPENCV_AQORB_FEATURES_HPP
 #define OPENCV_AQORB_FEATURES_HPP
 
 #include <opencv2/core/version.hpp>
 
-// OpenCV 5 has renamed the module features2d. Its header of the old name is not for use inside OpenCV's build.
+// OpenCV 5 has renamed the module features2d to features. The header of the old name still exists, but must not be
+// used inside OpenCV's own build.
 #if CV_VERSION_MAJOR >= 5
 #include <opencv2/features.hpp>
 #else

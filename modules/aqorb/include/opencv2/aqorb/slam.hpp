@@ -1,6 +1,7 @@
-// This file is part of the aqorb project.
+// This file is part of aqorb. Copyright (C) The aqorb developers.
 // It is subject to the license terms in the LICENSE file found in the top-level directory
 // of this distribution.
+// SPDX-License-Identifier: Apache-2.0
 
 #ifndef OPENCV_AQORB_SLAM_HPP
 #define OPENCV_AQORB_SLAM_HPP
@@ -19,10 +20,10 @@ namespace aqorb
 //! @addtogroup aqorb
 //! @{
 
-/** @brief AdaptiveQuadtreeORB behind the interface that ORB-SLAM2 and ORB-SLAM3 call their feature
-extractor by; see @ref tutorial_aqorb_slam.
+/** @brief AdaptiveQuadtreeORB with the interface by which ORB-SLAM2 and ORB-SLAM3 call their feature
+extractor; see @ref tutorial_aqorb_slam.
 
-In place of the header that declares `ORBextractor`, a SLAM system includes this one and says
+A SLAM system includes this header in place of the one that declares `ORBextractor`, and writes
 @code{.cpp}
     #include <opencv2/aqorb/slam.hpp>
     namespace ORB_SLAM3
@@ -31,24 +32,25 @@ In place of the header that declares `ORBextractor`, a SLAM system includes this
     }
 @endcode
 
-Two properties of the detector are set as such systems expect: SubPixel is false, because their stereo
-matching takes a position for a whole pixel of its level times the level's scale, and AdaptiveThreshold
-is false, so that the FAST thresholds are those given. detector() gives access to them.
+Two properties of the detector are set to what such systems expect. SubPixel is false, because their
+stereo matching takes a position for a whole pixel of its level times the scale of the level.
+AdaptiveThreshold is false, so that the FAST thresholds are those given. Both can be changed through
+detector().
 
-An object keeps the pyramid of its last image, so it serves one thread at a time; have one for each
-camera.
+An object keeps the pyramid of its last image, so it can be used by one thread at a time. Create one object
+for each camera.
  */
 class SlamExtractor
 {
 public:
-    /** @brief Creates the extractor. Bad values raise a cv::Exception.
+    /** @brief Creates the extractor. Invalid values raise a cv::Exception.
 
-    @param nfeatures The most keypoints to return, >= 0.
-    @param scaleFactor Ratio between the sizes of neighbouring levels, finite and > 1 where there are
-    several.
+    @param nfeatures The maximum number of keypoints, >= 0.
+    @param scaleFactor Ratio between the sizes of neighbouring levels, finite, and > 1 if there are
+    several levels.
     @param nlevels Number of pyramid levels, 1 to 65536.
     @param iniThFAST FAST threshold, 1 to 254.
-    @param minThFAST FAST threshold in cells that would stay empty, 1 to iniThFAST.
+    @param minThFAST FAST threshold in cells that would otherwise stay empty, 1 to iniThFAST.
      */
     SlamExtractor(int nfeatures, float scaleFactor, int nlevels, int iniThFAST, int minThFAST)
     {
@@ -57,6 +59,9 @@ public:
         if (minThFAST < 1 || minThFAST > iniThFAST)
             CV_Error_(Error::StsOutOfRange, ("minThFAST: got %d; 1 to iniThFAST is accepted", minThFAST));
         orb = AdaptiveQuadtreeORB::create(nfeatures, scaleFactor, nlevels);
+        if (nlevels > 1 && scaleFactor <= 1)
+            CV_Error_(Error::StsOutOfRange,
+                      ("scaleFactor: got %g; > 1 with more than one level is accepted", scaleFactor));
         orb->setFastThreshold(iniThFAST);
         orb->setMinThresholdRatio(double(iniThFAST) / minThFAST);
         orb->setAdaptiveThreshold(false);
@@ -71,26 +76,28 @@ public:
         }
     }
 
-    /** @brief Finds keypoints and descriptors and keeps the pyramid; what ORB-SLAM2 calls.
+    /** @brief Finds keypoints and descriptors, and keeps the pyramid. This is what ORB-SLAM2 calls.
 
     @param image 8-bit image with 1, 3 (BGR) or 4 (BGRA) channels. An empty one gives no keypoints.
-    @param mask Optional CV_8UC1 mask of the image's size: keypoints only where it is not zero.
-    @param keypoints By level, coordinates in pixels of the image.
-    @param descriptors CV_8UC1, 32 bytes a row, the row of a keypoint.
+    @param mask Optional CV_8UC1 mask of the size of the image. Keypoints are found only where it is not zero.
+    @param keypoints Ordered by level, with coordinates in pixels of the image.
+    @param descriptors CV_8UC1, one row of 32 bytes for each keypoint.
      */
     void operator()(InputArray image, InputArray mask, std::vector<KeyPoint>& keypoints,
                     OutputArray descriptors)
     {
+        // First, as the descriptors may be put into the image. It may be a level of the last pyramid, too.
+        std::vector<Mat> pyramid;
+        orb->buildPyramid(image, pyramid);
         orb->detectAndCompute(image, mask, keypoints, descriptors);
-        orb->buildPyramid(image, mvImagePyramid);
-        mvImagePyramid.resize(scales.size());
+        pyramid.resize(scales.size());
+        mvImagePyramid.swap(pyramid);
     }
 
-    /** @brief The same with the keypoints parted for two cameras whose images overlap; what ORB-SLAM3
-    calls.
+    /** @brief The same for two cameras whose images overlap. This is what ORB-SLAM3 calls.
 
-    @param image, mask, keypoints, descriptors As above, but keypoints outside of the overlap come
-    first, those in it after them; each part by level.
+    @param image, mask, keypoints, descriptors As above, but keypoints outside of the overlap come first
+    and those inside of it after them. Each part is ordered by level.
     @param vLappingArea First and last column of the overlap, in pixels of the image.
     @return Number of keypoints outside of the overlap.
      */
@@ -126,16 +133,16 @@ public:
     //! Size of a pixel of each level in pixels of the image: scaleFactor^level.
     std::vector<float> GetScaleFactors() const { return scales; }
     std::vector<float> GetInverseScaleFactors() const { return inverseScales; }
-    //! Squares of the scale factors: variance of a position on each level where that of level 0 is 1.
+    //! Squares of the scale factors: the variance of a position on each level if that on level 0 is 1.
     std::vector<float> GetScaleSigmaSquares() const { return sigmaSquares; }
     std::vector<float> GetInverseScaleSigmaSquares() const { return inverseSigmaSquares; }
 
-    /** @brief The detector, to set its other properties. Its number of levels and its scale factor must
-    stay, and its firstLevel 0. */
+    /** @brief The detector, so that its other properties can be set. Its number of levels and its scale factor
+    must not be changed, and its firstLevel must stay 0. */
     const Ptr<AdaptiveQuadtreeORB>& detector() const { return orb; }
 
-    /** @brief The levels of the last image: GetLevels() images of round(size / scale), without a border.
-    Levels that would have no pixel are empty. */
+    /** @brief The levels of the last image: GetLevels() images of size round(size / scale), without a border.
+    A level that would have no pixel is empty. */
     std::vector<Mat> mvImagePyramid;
 
 private:

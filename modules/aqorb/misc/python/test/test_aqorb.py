@@ -1,8 +1,9 @@
 #!/usr/bin/env python
 
-# This file is part of the aqorb project.
+# This file is part of aqorb. Copyright (C) The aqorb developers.
 # It is subject to the license terms in the LICENSE file found in the top-level directory
 # of this distribution.
+# SPDX-License-Identifier: Apache-2.0
 """Tests of both Python bindings: cv2.aqorb, which a cv2 has that was built with the module, and the package aqorb.
 AQORB_BINDING names the one to test, cv2 or aqorb; by default it is cv2.aqorb where there is one."""
 
@@ -101,6 +102,31 @@ class aqorb_test(NewOpenCVTests):
             mask = np.full(array.shape[:2], 255, np.uint8, 'F')
             np.testing.assert_array_equal(orb.detectAndCompute(image, mask)[1], expected)
 
+    def test_arrays_that_are_read_only(self):
+        image, mask = squares(200, 300), np.full((200, 300), 255, np.uint8)
+        expected = aqorb.AdaptiveQuadtreeORB_create(200).detectAndCompute(image, mask)[1]
+        image.flags.writeable = mask.flags.writeable = False
+        found = aqorb.AdaptiveQuadtreeORB_create(200).detectAndCompute(image, mask)[1]
+        np.testing.assert_array_equal(found, expected)
+
+    def test_keypoints_as_a_list_or_a_tuple(self):
+        image = squares(200, 300)
+        orb = aqorb.AdaptiveQuadtreeORB_create(100)
+        keypoints, expected = orb.detectAndCompute(image, None)
+        for given in list(keypoints), tuple(keypoints):
+            np.testing.assert_array_equal(orb.compute(image, given)[1], expected)
+            np.testing.assert_array_equal(orb.compute([image], [given])[1][0], expected)
+
+    def test_empty_lists(self):
+        image = squares(100, 100)
+        orb = aqorb.AdaptiveQuadtreeORB_create(100)
+        self.assertEqual(len(orb.detect([])), 0)
+        self.assertEqual([len(found) for found in orb.detect([image, image], [])], [len(orb.detect(image))] * 2)
+        for nothing in [], ():
+            keypoints, descriptors = orb.compute(image, nothing)
+            self.assertEqual(len(keypoints), 0)
+            self.assertIsNone(descriptors)
+
     def test_colour(self):
         bgr = np.dstack([squares(200, 300), squares(200, 300)[::-1], squares(200, 300)[:, ::-1]])
         orb = aqorb.AdaptiveQuadtreeORB_create(200)
@@ -136,6 +162,8 @@ class aqorb_test(NewOpenCVTests):
             np.testing.assert_array_equal(descriptors[i], expected[1])
         masks = [np.zeros(image.shape, np.uint8) for image in images]
         self.assertEqual([len(k) for k in orb.detect(images, masks)], [0, 0])
+        masks[1] = None
+        self.assertEqual([len(k) for k in orb.detect(images, masks)], [0, len(keypoints[1])])
 
     def test_bad_arguments(self):
         orb = aqorb.AdaptiveQuadtreeORB_create()

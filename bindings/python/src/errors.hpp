@@ -1,0 +1,32 @@
+// This file is part of aqorb. Copyright (C) The aqorb developers.
+// It is subject to the license terms in the LICENSE file found in the top-level directory
+// of this distribution.
+// SPDX-License-Identifier: Apache-2.0
+
+// How a call that is refused ends: aqorb.error for a value, TypeError for an object of a wrong type. Either message
+// names the parameter, what was given and what is accepted.
+
+#ifndef AQORB_PYTHON_ERRORS_HPP
+#define AQORB_PYTHON_ERRORS_HPP
+
+#include <pybind11/pybind11.h>
+
+#include <string>
+
+namespace aqorb_python
+{
+
+namespace py = pybind11;
+
+//! Makes aqorb.error, which OpenCV's exceptions become: a cv2.error, with its attributes, and a ValueError.
+void addErrorType(py::module_& module);
+
+[[noreturn]] void throwTypeError(const std::string& name, const std::string& given,
+                                 const std::string& accepted);
+
+//! What was given, in a few words: a short value as it is, the type of everything else.
+std::string brief(py::handle object);
+
+}  // namespace aqorb_python
+
+#endif

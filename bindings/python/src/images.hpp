@@ -1,0 +1,52 @@
+// This file is part of aqorb. Copyright (C) The aqorb developers.
+// It is subject to the license terms in the LICENSE file found in the top-level directory
+// of this distribution.
+// SPDX-License-Identifier: Apache-2.0
+
+// Images and masks as numpy arrays, and OpenCV's matrices as such.
+
+#ifndef AQORB_PYTHON_IMAGES_HPP
+#define AQORB_PYTHON_IMAGES_HPP
+
+#include <opencv2/core.hpp>
+
+#include <pybind11/numpy.h>
+
+#include <string>
+#include <vector>
+
+namespace aqorb_python
+{
+
+namespace py = pybind11;
+
+//! The pixels of an array, shared where a Mat can have its strides, or nothing (None). Cannot be copied, as a copy
+//! made without the GIL would corrupt the count of the array's references.
+struct Pixels
+{
+    Pixels() = default;
+    Pixels(Pixels&&) = default;
+    Pixels(const Pixels&) = delete;
+
+    cv::Mat mat;
+    py::object owner;  // keeps the pixels alive
+};
+
+//! An 8-bit image of 1, 3 or 4 channels. Messages use the name.
+Pixels toImage(py::handle source, const std::string& name = "image");
+//! An 8-bit mask of one channel, uint8 or bool.
+Pixels toMask(py::handle source, const std::string& name = "mask");
+
+std::vector<Pixels> toImages(py::handle source);
+//! One mask for each of so many images, or none at all (None or an empty sequence).
+std::vector<Pixels> toMasks(py::handle source, size_t images);
+
+//! Whether the object is a sequence of several things: a list or a tuple, but not an array or text.
+bool isSequence(py::handle object);
+
+//! An array of uint8 with the matrix's elements.
+py::object toArray(const cv::Mat& mat);
+
+}  // namespace aqorb_python
+
+#endif

@@ -1,0 +1,234 @@
+// This file is part of aqorb. Copyright (C) The aqorb developers.
+// It is subject to the license terms in the LICENSE file found in the top-level directory
+// of this distribution.
+// SPDX-License-Identifier: Apache-2.0
+
+#include "keypoints.hpp"
+
+#include "errors.hpp"
+#include "images.hpp"
+
+#include <climits>
+#include <cstring>
+#include <memory>
+#include <utility>
+
+namespace aqorb_python
+{
+
+namespace
+{
+
+const char ACCEPTED[] = "a sequence of cv2.KeyPoint or an array of aqorb.keypoint_dtype";
+
+// cv2.KeyPoint and the names of its attributes. Never released, as the interpreter may be gone by then.
+struct KeyPointType
+{
+    PyObject *type, *pt, *size, *angle, *response, *octave, *class_id;
+} keyPoint;
+
+// The attributes of one item of a sequence of keypoints.
+class Item
+{
+public:
+    Item(PyObject* object, const std::string& sequence, size_t index)
+        : object_(object), sequence_(sequence), index_(index)
+    {
+    }
+
+    cv::KeyPoint read() const
+    {
+        const cv::Point2f pt = point();
+        return cv::KeyPoint(pt.x, pt.y, real(keyPoint.size), real(keyPoint.angle), real(keyPoint.response),
+                            integer(keyPoint.octave), integer(keyPoint.class_id));
+    }
+
+private:
+    py::object attribute(PyObject* name) const
+    {
+        PyObject* const value = PyObject_GetAttr(object_, name);
+        if (!value)
+            throw py::error_already_set();
+        return py::reinterpret_steal<py::object>(value);
+    }
+
+    cv::Point2f point() const
+    {
+        const py::object pt = attribute(keyPoint.pt);
+        if (!PyTuple_Check(pt.ptr()) || PyTuple_GET_SIZE(pt.ptr()) != 2)
+            reject(keyPoint.pt, pt, "a tuple (x, y)");
+        return cv::Point2f(toFloat(keyPoint.pt, PyTuple_GET_ITEM(pt.ptr(), 0)),
+                           toFloat(keyPoint.pt, PyTuple_GET_ITEM(pt.ptr(), 1)));
+    }
+
+    float real(PyObject* name) const { return toFloat(name, attribute(name)); }
+
+    float toFloat(PyObject* name, py::handle value) const
+    {
+        const double number = PyFloat_AsDouble(value.ptr());
+        if (number == -1 && PyErr_Occurred())
+            rejectAfterError(name, value, "a number");
+        return float(number);
+    }
+
+    int integer(PyObject* name) const
+    {
+        const py::object value = attribute(name);
+        const long number = PyLong_AsLong(value.ptr());
+        if (number == -1 && PyErr_Occurred())
+            rejectAfterError(name, value, "an int");
+        if (number < INT_MIN || number > INT_MAX)
+            reject(name, value, "an int of 32 bits");
+        return int(number);
+    }
+
+    [[noreturn]] void rejectAfterError(PyObject* name, py::handle value, const char* accepted) const
+    {
+        const py::error_already_set error;
+        if (!error.matches(PyExc_TypeError) && !error.matches(PyExc_OverflowError))
+            throw error;
+        reject(name, value, accepted);
+    }
+
+    [[noreturn]] void reject(PyObject* name, py::handle value, const char* accepted) const
+    {
+        const std::string attribute = py::handle(name).cast<std::string>();
+        throwTypeError(sequence_ + "[" + std::to_string(index_) + "]." + attribute, brief(value), accepted);
+    }
+
+    PyObject* const object_;
+    const std::string& sequence_;
+    const size_t index_;
+};
+
+// Such an array is a sequence for cv2, too.
+bool isArrayOfObjects(py::handle source)
+{
+    if (!py::isinstance<py::array>(source))
+        return false;
+    const py::array array = py::reinterpret_borrow<py::array>(source);
+    return array.dtype().kind() == 'O' && array.ndim() == 1;
+}
+
+std::vector<cv::KeyPoint> fromArray(const py::array& source, const std::string& name)
+{
+    if (source.ndim() != 1 || !source.dtype().equal(keypointDtype()))
+    {
+        const std::string dtype = py::str(source.dtype()), shape = py::str(source.attr("shape"));
+        CV_Error_(cv::Error::StsBadArg, ("%s: got an array of dtype %s and shape %s; %s is accepted",
+                                         name.c_str(), dtype.c_str(), shape.c_str(), ACCEPTED));
+    }
+    const py::array array = py::array::ensure(source, py::array::c_style);
+    if (!array)
+        throw py::error_already_set();
+    std::vector<cv::KeyPoint> points(size_t(array.size()));
+    if (!points.empty())
+        std::memcpy(static_cast<void*>(points.data()), array.data(), points.size() * sizeof(points[0]));
+    return points;
+}
+
+std::vector<cv::KeyPoint> fromSequence(py::handle source, const std::string& name)
+{
+    // A snapshot: another thread, or an attribute of an item, may change a list while it is read.
+    const py::tuple items(py::reinterpret_borrow<py::object>(source));
+    std::vector<cv::KeyPoint> points;
+    points.reserve(items.size());
+    for (size_t i = 0; i < items.size(); i++)
+    {
+        PyObject* const item = PyTuple_GET_ITEM(items.ptr(), py::ssize_t(i));
+        if (!py::isinstance(item, keyPoint.type))
+            throwTypeError(name + "[" + std::to_string(i) + "]", brief(item), "a cv2.KeyPoint");
+        points.push_back(Item(item, name, i).read());
+    }
+    return points;
+}
+
+py::object toPython(const cv::KeyPoint& keypoint)
+{
+    return py::handle(keyPoint.type)(keypoint.pt.x, keypoint.pt.y, keypoint.size, keypoint.angle,
+                                     keypoint.response, keypoint.octave, keypoint.class_id);
+}
+
+}  // namespace
+
+void importKeyPoint()
+{
+    keyPoint.type = py::object(py::module_::import("cv2").attr("KeyPoint")).release().ptr();
+    keyPoint.pt = PyUnicode_InternFromString("pt");
+    keyPoint.size = PyUnicode_InternFromString("size");
+    keyPoint.angle = PyUnicode_InternFromString("angle");
+    keyPoint.response = PyUnicode_InternFromString("response");
+    keyPoint.octave = PyUnicode_InternFromString("octave");
+    keyPoint.class_id = PyUnicode_InternFromString("class_id");
+}
+
+py::dtype keypointDtype()
+{
+    // Never released, as the interpreter may be gone by then. The import calls this first.
+    static const py::handle dtype = []
+    {
+        static_assert(sizeof(cv::KeyPoint) == 5 * sizeof(float) + 2 * sizeof(int),
+                      "an item of the array is a KeyPoint");
+        py::list fields;
+        fields.append(py::make_tuple("pt", "f4", 2));
+        for (const char* name : {"size", "angle", "response"})
+            fields.append(py::make_tuple(name, "f4"));
+        for (const char* name : {"octave", "class_id"})
+            fields.append(py::make_tuple(name, "i4"));
+        return py::dtype::from_args(fields).release();
+    }();
+    return py::reinterpret_borrow<py::dtype>(dtype);
+}
+
+KeyPoints toKeyPoints(py::handle source, const std::string& name)
+{
+    KeyPoints keypoints;
+    keypoints.isArray = py::isinstance<py::array>(source) && !isArrayOfObjects(source);
+    if (keypoints.isArray)
+        keypoints.points = fromArray(py::reinterpret_borrow<py::array>(source), name);
+    else if (isSequence(source) || isArrayOfObjects(source))
+        keypoints.points = fromSequence(source, name);
+    else
+        throwTypeError(name, brief(source), ACCEPTED);
+    return keypoints;
+}
+
+std::vector<KeyPoints> toKeyPointLists(py::handle source, size_t images)
+{
+    if (!isSequence(source))
+        throwTypeError("keypoints", brief(source), "with several images a sequence of keypoints for each");
+    const py::tuple items(py::reinterpret_borrow<py::object>(source));
+    if (items.size() != images)
+        CV_Error_(cv::Error::StsBadArg,
+                  ("keypoints: got %d for %d images; one sequence for each image is accepted",
+                   int(items.size()), int(images)));
+    std::vector<KeyPoints> lists;
+    for (size_t i = 0; i < items.size(); i++)
+        lists.push_back(toKeyPoints(items[i], "keypoints[" + std::to_string(i) + "]"));
+    return lists;
+}
+
+py::object toPython(KeyPoints&& keypoints)
+{
+    return keypoints.isArray ? toArray(std::move(keypoints.points)) : toTuple(keypoints.points);
+}
+
+py::object toTuple(const std::vector<cv::KeyPoint>& keypoints)
+{
+    py::tuple result(keypoints.size());
+    for (size_t i = 0; i < keypoints.size(); i++)
+        PyTuple_SET_ITEM(result.ptr(), py::ssize_t(i), toPython(keypoints[i]).release().ptr());
+    return std::move(result);
+}
+
+py::object toArray(std::vector<cv::KeyPoint>&& keypoints)
+{
+    typedef std::vector<cv::KeyPoint> Vector;
+    std::unique_ptr<Vector> kept(new Vector(std::move(keypoints)));
+    const Vector& points = *kept;
+    const py::capsule owner(kept.get(), [](void* vector) { delete static_cast<Vector*>(vector); });
+    kept.release();
+    return py::array(keypointDtype(), {points.size()}, {sizeof(cv::KeyPoint)}, points.data(), owner);
+}
+
+}  // namespace aqorb_python

@@ -1,0 +1,253 @@
+# This file is part of aqorb. Copyright (C) The aqorb developers.
+# It is subject to the license terms in the LICENSE file found in the top-level directory
+# of this distribution.
+# SPDX-License-Identifier: Apache-2.0
+"""Tests of what the package accepts as an argument, and of what it says about the rest."""
+
+import collections
+import re
+
+import cv2 as cv
+import numpy as np
+import pytest
+
+import aqorb
+from conftest import never_freed
+
+KEYPOINT = cv.KeyPoint(100, 100, 31)
+SEQUENCE = 'a sequence of cv2.KeyPoint or an array of aqorb.keypoint_dtype is accepted'
+
+
+def message_of(error, call):
+    with pytest.raises(error) as raised:
+        call()
+    assert type(raised.value) is error
+    return str(raised.value)
+
+
+@pytest.mark.parametrize('wrong, message', [
+    (None, 'keypoints: got None; ' + SEQUENCE),
+    (5, 'keypoints: got 5; ' + SEQUENCE),
+    ('xy', "keypoints: got 'xy'; " + SEQUENCE),
+    ('x' * 99, 'keypoints: got an object of type str; ' + SEQUENCE),
+    ('\udcff', r"keypoints: got '\udcff'; " + SEQUENCE),
+    ({}, 'keypoints: got an object of type dict; ' + SEQUENCE),
+    (iter([KEYPOINT]), 'keypoints: got an object of type list_iterator; ' + SEQUENCE),
+    (KEYPOINT, 'keypoints: got an object of type cv2.KeyPoint; ' + SEQUENCE),
+    ([1, 2], 'keypoints[0]: got 1; a cv2.KeyPoint is accepted'),
+    ([KEYPOINT, None], 'keypoints[1]: got None; a cv2.KeyPoint is accepted'),
+    ([[KEYPOINT]], 'keypoints[0]: got an object of type list; a cv2.KeyPoint is accepted'),
+    (np.array([KEYPOINT, 5]), 'keypoints[1]: got 5; a cv2.KeyPoint is accepted')])
+def test_things_that_are_no_keypoints(orb, image, wrong, message):
+    calls = [lambda: orb.compute(image, wrong), lambda: aqorb.retainUniform(wrong, (640, 480), 5),
+             lambda: aqorb.distributionUniformity(wrong, (640, 480)),
+             lambda: aqorb.distributionOccupancy(wrong, (640, 480)), lambda: aqorb.keypointsToArray(wrong),
+             lambda: aqorb.keypointsFromArray(wrong)]
+    for call in calls:
+        assert message_of(TypeError, call) == message
+    of_list = message.replace('keypoints', 'keypoints[0]', 1)
+    assert message_of(TypeError, lambda: orb.compute([image], [wrong])) == of_list
+
+
+def test_a_number_that_python_does_not_write():
+    # Python refuses to convert so many digits.
+    message = message_of(TypeError, lambda: aqorb.keypointsToArray(10 ** 5000))
+    assert message == 'keypoints: got an object of type int; ' + SEQUENCE
+
+
+@pytest.mark.parametrize('wrong', [
+    np.zeros((5, 7), np.float32), np.zeros(5), np.zeros((1, 1), aqorb.keypoint_dtype), np.array(KEYPOINT, object),
+    np.zeros(2, aqorb.keypoint_dtype.newbyteorder())])
+def test_arrays_that_are_no_keypoints(orb, image, wrong):
+    message = r'keypoints: got an array of dtype .* and shape \(.*\); a sequence of cv2.KeyPoint or an array of aqorb'
+    with pytest.raises(aqorb.error, match=message):
+        orb.compute(image, wrong)
+
+
+@pytest.mark.parametrize('attributes, message', [
+    ({'pt': (1.,)}, 'keypoints[1].pt: got (1.0,); a tuple (x, y) is accepted'),
+    ({'pt': (1., 2., 3.)}, 'keypoints[1].pt: got (1.0, 2.0, 3.0); a tuple (x, y) is accepted'),
+    ({'pt': None}, 'keypoints[1].pt: got None; a tuple (x, y) is accepted'),
+    ({'pt': (1., 'y')}, "keypoints[1].pt: got 'y'; a number is accepted"),
+    ({'angle': 'left'}, "keypoints[1].angle: got 'left'; a number is accepted"),
+    ({'octave': 1.5}, 'keypoints[1].octave: got 1.5; an int is accepted'),
+    ({'octave': 2 ** 31}, 'keypoints[1].octave: got 2147483648; an int of 32 bits is accepted'),
+    ({'class_id': -2 ** 99}, 'keypoints[1].class_id: got -633825300114114700748351602688; an int is accepted')])
+def test_keypoints_of_a_derived_class(attributes, message):
+    derived = type('Derived', (cv.KeyPoint,), attributes)
+    keypoints = [KEYPOINT, never_freed(derived())]
+    assert message_of(TypeError, lambda: aqorb.keypointsToArray(keypoints)) == message
+
+
+def test_an_error_of_a_keypoint_is_raised():
+
+    class Failing(cv.KeyPoint):
+        @property
+        def size(self):
+            raise KeyError('size of it')
+
+    with pytest.raises(KeyError, match='size of it'):
+        aqorb.keypointsToArray([never_freed(Failing())])
+
+
+class Sequence(collections.abc.Sequence):
+
+    def __init__(self, items):
+        self.items = items
+
+    def __len__(self):
+        return len(self.items)
+
+    def __getitem__(self, index):
+        return self.items[index]
+
+
+@pytest.mark.parametrize('kind', [list, tuple, np.array, Sequence, collections.deque,
+                                  lambda keypoints: np.array(keypoints * 2, object)[::2][:len(keypoints)]])
+def test_keypoints_of_any_sequence(orb, image, kind):
+    keypoints = orb.detect(image)[:1] * 20
+    expected = orb.compute(image, keypoints)[1]
+    computed, descriptors = orb.compute(image, kind(keypoints))
+    assert type(computed) is tuple and np.array_equal(descriptors, expected)
+    computed, descriptors = orb.compute([image], [kind(keypoints)])
+    assert np.array_equal(descriptors[0], expected)
+
+
+def test_keypoints_as_an_array_of_records(orb, image):
+    keypoints = orb.detectAndComputeArrays(image)[0]
+    expected = orb.compute(image, keypoints)[1]
+    read_only = keypoints.copy()
+    read_only.flags.writeable = False
+    for array in keypoints.view(np.recarray), read_only, keypoints[::-1][::-1], np.repeat(keypoints, 2)[::2]:
+        computed, descriptors = orb.compute(image, array)
+        assert computed.dtype == aqorb.keypoint_dtype and np.array_equal(descriptors, expected)
+    assert np.array_equal(read_only, keypoints)
+
+
+def test_keypoints_that_are_nowhere(orb, image):
+    strange = [np.nan, np.inf, -np.inf, 1e30, -1e30]
+    keypoints = [cv.KeyPoint(x, y, 31) for x in strange for y in strange + [50]]
+    for given in keypoints, aqorb.keypointsToArray(keypoints):
+        computed, descriptors = orb.compute(image, given)
+        assert len(computed) == 0 and descriptors is None
+
+
+@pytest.mark.parametrize('wrong, given', [
+    ('x', "'x'"), (5, '5'), (b'x', "b'x'"), ({}, 'an object of type dict'), (cv.UMat, 'an object of type type')])
+def test_things_that_are_no_image(orb, image, wrong, given):
+    calls = [orb.detect, orb.detectAndCompute, orb.detectAndComputeArrays, orb.buildPyramid,
+             aqorb.adaptiveFastThreshold, lambda wrong: orb.compute(wrong, [])]
+    for call in calls:
+        assert message_of(TypeError, lambda: call(wrong)).startswith('image: got {}; '.format(given))
+    for call in orb.detect, lambda images: orb.compute(images, [[], []]):
+        assert message_of(TypeError, lambda: call([image, wrong])).startswith('images[1]: got {}; '.format(given))
+    for call in orb.detect, orb.detectAndCompute, orb.detectAndComputeArrays, aqorb.adaptiveFastThreshold:
+        assert message_of(TypeError, lambda: call(image, wrong)).startswith('mask: got {}; '.format(given))
+    assert message_of(TypeError, lambda: orb.detect([image], [wrong])).startswith('masks[0]: got {}; '.format(given))
+    assert message_of(TypeError, lambda: orb.detect([image], wrong)).startswith('masks: got {}; '.format(given))
+
+
+@pytest.mark.parametrize('wrong', [
+    np.zeros((40, 40)), np.zeros((40, 40), bool), np.zeros((40, 40), np.int8), np.zeros((40, 40), np.uint16),
+    np.zeros((40, 40), object), np.zeros((40, 40), 'S1'), np.zeros((40, 40), [('grey', 'u1')]), np.zeros(40, np.uint8),
+    np.uint8(5) * np.ones((), np.uint8), np.zeros((40, 40, 2), np.uint8), np.zeros((2, 40, 40, 3), np.uint8)])
+def test_arrays_that_are_no_image(orb, image, wrong):
+    given = 'got an array of dtype {} and shape {}; uint8'.format(wrong.dtype, wrong.shape)
+    with pytest.raises(aqorb.error, match=re.escape('image: ' + given)):
+        orb.detect(np.asarray(wrong))
+    with pytest.raises(aqorb.error, match=re.escape('images[1]: ' + given)):
+        orb.detect([image, np.asarray(wrong)])
+
+
+def test_images_and_masks_of_derived_classes(orb, image):
+
+    class Derived(np.ndarray):
+        pass
+
+    mask = np.zeros(image.shape, np.uint8)
+    mask[:240] = 1
+    expected = orb.detectAndCompute(image, mask)[1]
+    for kind in Derived, np.matrix, np.memmap:
+        assert np.array_equal(orb.detectAndCompute(image.view(kind), mask.view(kind))[1], expected)
+    assert np.array_equal(orb.detectAndCompute(np.ma.masked_array(image), mask)[1], expected)
+
+
+def test_arrays_that_are_read_only(orb, image):
+    frozen, mask = image.copy(), np.ones(image.shape, bool)
+    frozen.flags.writeable = mask.flags.writeable = False
+    expected = orb.detectAndCompute(image)[1]
+    assert np.array_equal(orb.detectAndCompute(frozen, mask)[1], expected)
+    of_bytes = np.frombuffer(image.tobytes(), np.uint8).reshape(image.shape)
+    assert np.array_equal(orb.detectAndCompute(of_bytes)[1], expected)
+    assert np.array_equal(frozen, image)
+    # A level of the pyramid is the caller's to change, also that of the image itself.
+    level = orb.buildPyramid(frozen)[0]
+    level[:] = 0
+    assert np.array_equal(frozen, image)
+
+
+def test_masks_of_several_images(orb, image):
+    mask = np.zeros(image.shape, np.uint8)
+    mask[:, :320] = 255
+    everywhere, left = len(orb.detect(image)), orb.detect(image, mask)
+    for masks in [mask, None], (mask, None):
+        found = orb.detect([image, image], masks)
+        assert [k.pt for k in found[0]] == [k.pt for k in left] and len(found[1]) == everywhere
+    for masks in None, [], (), [None, None]:
+        assert [len(found) for found in orb.detect([image, image], masks)] == [everywhere] * 2
+    with pytest.raises(aqorb.error, match='masks: got 1 for 2 images; one for each image or none is accepted'):
+        orb.detect([image, image], [mask])
+    with pytest.raises(aqorb.error, match=r'masks\[1\]: got an array of dtype float64'):
+        orb.detect([image, image], [None, mask * 1.])
+
+
+def test_empty_lists(orb, image):
+    assert orb.detect([]) == orb.detect(()) == orb.detect([], []) == orb.detect([], None) == []
+    assert orb.compute([], []) == ([], [])
+    assert orb.detect([None]) == [()]
+    assert orb.compute([None, image], [[], ()]) == ([(), ()], [None, None])
+    assert orb.compute(image, []) == orb.compute(image, ()) == ((), None)
+    assert aqorb.retainUniform([], (640, 480), 5) == ()
+    with pytest.raises(aqorb.error, match='keypoints: got 0 for 1 images; one sequence for each image is accepted'):
+        orb.compute([image], [])
+    assert message_of(TypeError, lambda: orb.compute([image], None)).startswith('keypoints: got None; ')
+
+
+@pytest.mark.parametrize('wrong, given', [
+    (5, '5'), (None, 'None'), ((640,), '(640,)'), ((640, 480, 3), '(640, 480, 3)'), ((640., 480.), '(640.0, 480.0)'),
+    ('12', "'12'"), ((2 ** 40, 1), '(1099511627776, 1)'), ((1, 2 ** 70), '(1, 1180591620717411303424)'),
+    ({1: 2, 3: 4}, 'an object of type dict')])
+def test_sizes(wrong, given):
+    calls = [('imageSize', lambda: aqorb.distributionUniformity([], wrong)),
+             ('imageSize', lambda: aqorb.distributionOccupancy([], wrong)),
+             ('imageSize', lambda: aqorb.retainUniform([], wrong, 5)),
+             ('grid', lambda: aqorb.distributionOccupancy([], (640, 480), wrong))]
+    for name, call in calls:
+        assert message_of(TypeError, call) == '{}: got {}; a tuple of two ints is accepted'.format(name, given)
+    for size in [640, 480], np.array([640, 480]), (np.int64(640), np.uint8(200)):
+        assert aqorb.distributionOccupancy([KEYPOINT], size, (1, 1)) == 1
+
+
+def test_numbers(orb):
+    orb.setCellSize(np.int64(50))
+    orb.setOctaveSuppression(np.float32(0.5))
+    orb.setSubPixel(np.bool_(False))
+    assert (orb.getCellSize(), orb.getOctaveSuppression(), orb.getSubPixel()) == (50, 0.5, False)
+    for wrong in '50', 50.5, None, 2 ** 31, [50]:
+        with pytest.raises(TypeError, match='cellSize: int'):
+            orb.setCellSize(wrong)
+    with pytest.raises(TypeError, match='nfeatures: int = 500'):
+        aqorb.AdaptiveQuadtreeORB_create('500')
+    for wrong in float('nan'), float('inf'), -1:
+        with pytest.raises(aqorb.error, match='octaveSuppression: got'):
+            orb.setOctaveSuppression(wrong)
+    with pytest.raises(aqorb.error, match='scoreType: got 7'):
+        orb.setScoreType(7)
+
+
+def test_what_is_returned_can_be_changed(orb, image):
+    array, descriptors = orb.detectAndComputeArrays(image)
+    for result in (array, descriptors) + orb.buildPyramid(image):
+        result[:] = np.zeros(1, result.dtype)
+    again, rows = orb.detectAndComputeArrays(image)
+    assert rows.any() and again['size'].all()

@@ -1,0 +1,188 @@
+# This file is part of aqorb. Copyright (C) The aqorb developers.
+# It is subject to the license terms in the LICENSE file found in the top-level directory
+# of this distribution.
+# SPDX-License-Identifier: Apache-2.0
+"""Tests of files and cv2's storages with the parameters of a detector."""
+
+import os
+import pathlib
+import shutil
+import subprocess
+import sys
+
+import cv2 as cv
+import numpy as np
+import pytest
+
+import aqorb
+
+
+def storage_of(text):
+    return cv.FileStorage(text, cv.FILE_STORAGE_READ | cv.FILE_STORAGE_MEMORY)
+
+
+def test_files(tmp_path, orb):
+    orb.setMaxDepth(3)
+    for suffix in 'yml', 'xml', 'json':
+        for write in orb.write, orb.save:
+            path = str(tmp_path / ('orb.' + suffix))
+            write(path)
+            other = aqorb.AdaptiveQuadtreeORB_create()
+            other.read(path)
+            assert (other.getMaxFeatures(), other.getMaxDepth()) == (300, 3)
+            os.remove(path)
+    for call in orb.write, orb.read:
+        with pytest.raises(aqorb.error, match='no/such/folder'):
+            call('no/such/folder/orb.yml')
+
+
+class Path:
+    """A path that is no str, as any library may have one."""
+
+    def __init__(self, path):
+        self.path = path
+
+    def __fspath__(self):
+        return self.path
+
+
+@pytest.mark.parametrize('kind', [str, pathlib.Path, os.fsencode, Path])
+@pytest.mark.parametrize('name', [
+    'plain.yml', 'with some spaces.xml', 'zwölf Boxkämpfer.json', '日本.yml', 'packed.yml.gz'])
+def test_file_names(tmp_path, orb, kind, name):
+    path = kind(str(tmp_path / name))
+    orb.write(path)
+    assert os.listdir(str(tmp_path)) == [name]
+    other = aqorb.AdaptiveQuadtreeORB_create()
+    other.read(path)
+    assert other.getMaxFeatures() == 300
+
+
+def test_file_names_that_are_no_unicode(tmp_path, orb):
+    path = os.path.join(os.fsencode(str(tmp_path)), b'\xff.yml')
+    orb.write(path)
+    orb.read(os.fsdecode(path))
+    with pytest.raises(aqorb.error, match='no folder'):
+        orb.read(os.fsdecode(b'no folder/\xff.yml'))
+
+
+@pytest.mark.parametrize('method', ['write', 'save', 'read'])
+@pytest.mark.parametrize('wrong', [5, None, 2.5, ['orb.yml'], Path(5), np.zeros(3)])
+def test_things_that_are_no_file(orb, method, wrong):
+    with pytest.raises(TypeError, match=r'fileName: got .+; a str.* is accepted') as raised:
+        getattr(orb, method)(wrong)
+    assert '{!r}'.format(wrong) in str(raised.value) or type(wrong).__name__ in str(raised.value)
+
+
+def test_what_is_accepted_instead_of_a_file_name(orb):
+    with pytest.raises(TypeError, match='cv2.FileStorage is accepted'):
+        orb.write(5)
+    with pytest.raises(TypeError, match='cv2.FileNode is accepted'):
+        orb.read(5)
+    with pytest.raises(TypeError, match='fileName: got an object of type cv2.FileStorage; .*cv2.FileNode'):
+        orb.read(storage_of('{}'))
+
+
+@pytest.mark.parametrize('content', [None, b'', b'no storage', b'{"nfeatures": '])
+def test_files_that_cannot_be_read(tmp_path, orb, content):
+    path = tmp_path / 'wrong.json'
+    if content is not None:
+        path.write_bytes(content)
+    with pytest.raises(aqorb.error, match=r"fileName: '.*wrong\.json' cannot be read") as raised:
+        orb.read(path)
+    assert isinstance(raised.value, cv.error)
+    with pytest.raises(aqorb.error, match=r"fileName: '.*' cannot be written"):
+        orb.write(tmp_path)
+    for call in orb.read, orb.write:
+        with pytest.raises(aqorb.error, match="fileName: '' cannot be"):
+            call('')
+        with pytest.raises(ValueError):
+            call('a\0b.yml')
+
+
+def test_a_parameter_in_a_file_is_wrong(tmp_path, orb):
+    path = tmp_path / 'orb.json'
+    path.write_text('{"cellSize": 3}')
+    with pytest.raises(aqorb.error, match='cellSize: got 3'):
+        orb.read(path)
+    assert orb.getCellSize() == 35
+
+
+@pytest.mark.parametrize('text, message', [
+    ('{"a": 1}', 'fn: got a node that does not exist; a map of the parameters is accepted'),
+    ('{"detector": 1}', 'fn: got a node that is no map; a map of the parameters is accepted'),
+    ('{"detector": [1]}', 'fn: got a node that is no map; a map of the parameters is accepted')])
+def test_nodes_that_hold_no_parameters(orb, text, message):
+    storage = storage_of(text)
+    with pytest.raises(aqorb.error, match=message):
+        orb.read(storage.getNode('detector'))
+
+
+def test_unrelated_keys_are_ignored(orb):
+    storage = storage_of('{"x.y": 5, "nfeatures": 77, "other": {"nfeatures": 3}, "list": [1], "text": "a\\nb"}')
+    orb.read(storage.root())
+    assert orb.getMaxFeatures() == 77
+
+
+def test_every_parameter_survives_a_storage(tmp_path):
+    values = {'MaxFeatures': 77, 'ScaleFactor': 1.3, 'NLevels': 5, 'EdgeThreshold': 9, 'FirstLevel': 1, 'WTA_K': 3,
+              'ScoreType': 1, 'PatchSize': 25, 'FastThreshold': 7, 'AdaptiveThreshold': False,
+              'MinThresholdRatio': 2.7, 'CellSize': 50, 'MaxDepth': 4, 'OctaveSuppression': 0.1, 'SubPixel': False}
+    orb = aqorb.AdaptiveQuadtreeORB_create()
+    for name, value in values.items():
+        getattr(orb, 'set' + name)(value)
+    path = tmp_path / 'orb.xml'
+    orb.write(path)
+    storage = cv.FileStorage('.yml', cv.FILE_STORAGE_WRITE | cv.FILE_STORAGE_MEMORY)
+    orb.write(storage, 'detector')
+    written = storage_of(storage.releaseAndGetString())
+    for source in path, written.getNode('detector'):
+        other = aqorb.AdaptiveQuadtreeORB_create()
+        other.read(source)
+        assert {name: getattr(other, 'get' + name)() for name in values} == values
+
+
+def test_storages_that_are_not_open_to_write(orb):
+    with pytest.raises(aqorb.error, match='fs: got a storage that is not open'):
+        orb.write(cv.FileStorage())
+    with pytest.raises(cv.error, match='write'):
+        orb.write(storage_of('{}'))
+
+
+COMMAS = '''
+import locale, re
+import cv2 as cv
+import aqorb
+locale.setlocale(locale.LC_ALL, 'de_DE.UTF-8')
+assert locale.str(1.5) == '1,5'
+orb = aqorb.AdaptiveQuadtreeORB_create(scaleFactor=1.3)
+orb.setOctaveSuppression(0.1)
+for suffix in 'yml', 'xml', 'json':
+    orb.write('orb.' + suffix)
+    text = open('orb.' + suffix).read()
+    assert not re.search('[0-9],[0-9]', text), text
+storage = cv.FileStorage('storage.yml', cv.FILE_STORAGE_WRITE)
+orb.write(storage, 'detector')
+storage.release()
+node = cv.FileStorage('storage.yml', cv.FILE_STORAGE_READ)
+for source in 'orb.yml', 'orb.xml', 'orb.json', node.getNode('detector'):
+    other = aqorb.AdaptiveQuadtreeORB_create()
+    other.read(source)
+    assert other.getOctaveSuppression() == 0.1 and other.getScaleFactor() == orb.getScaleFactor()
+try:
+    orb.setMinThresholdRatio(0.5)
+except aqorb.error as error:
+    assert 'minThresholdRatio: got 0' in str(error)
+'''
+
+
+def test_a_language_with_decimal_commas(tmp_path):
+    # German is made here, as it need not be installed.
+    if not shutil.which('localedef') or not os.path.exists('/usr/share/i18n/locales/de_DE'):
+        pytest.skip('needs localedef and the sources of locales')
+    subprocess.run(['localedef', '--no-archive', '-i', 'de_DE', '-f', 'UTF-8', str(tmp_path / 'de_DE.UTF-8')],
+                   check=True)
+    run = subprocess.run([sys.executable, '-c', COMMAS], cwd=str(tmp_path), text=True,
+                         env=dict(os.environ, LOCPATH=str(tmp_path), LC_ALL='de_DE.UTF-8'),
+                         stdout=subprocess.PIPE, stderr=subprocess.STDOUT)
+    assert run.returncode == 0, run.stdout

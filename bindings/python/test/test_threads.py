@@ -1,0 +1,223 @@
+# This file is part of aqorb. Copyright (C) The aqorb developers.
+# It is subject to the license terms in the LICENSE file found in the top-level directory
+# of this distribution.
+# SPDX-License-Identifier: Apache-2.0
+"""Tests of what the package does while several threads use it. scripts/python.sh --asan repeats them where no wrong
+access to memory, and no touch of a Python object without the GIL, goes unseen."""
+
+import subprocess
+import sys
+import threading
+import time
+
+import cv2 as cv
+import numpy as np
+import pytest
+
+import aqorb
+from conftest import never_freed
+
+SECONDS = 0.5
+
+
+def run_together(*bodies):
+    """Calls each body again and again in a thread of its own, for SECONDS. Raises what they raise."""
+    end = time.monotonic() + SECONDS
+    errors = []
+
+    def repeat(body):
+        try:
+            while time.monotonic() < end and not errors:
+                body()
+        except BaseException as error:  # an assertion, too
+            errors.append(error)
+
+    threads = [threading.Thread(target=repeat, args=(body,)) for body in bodies]
+    for thread in threads:
+        thread.start()
+    for thread in threads:
+        thread.join()
+    if errors:
+        raise errors[0]
+
+
+def count_references(objects):
+    return [sys.getrefcount(item) for item in objects]
+
+
+@pytest.mark.parametrize('call', [
+    lambda orb, image, mask: orb.detect([image] * 50, [mask] * 50),
+    lambda orb, image, mask: orb.detect([image] * 50, [mask, None] * 25),
+    lambda orb, image, mask: orb.compute([image] * 50, [KEYPOINTS] * 50),
+    lambda orb, image, mask: orb.detectAndCompute(image, mask),
+    lambda orb, image, mask: orb.detectAndComputeArrays(image[::-1], mask[::-1]),
+    lambda orb, image, mask: orb.buildPyramid(image),
+    lambda orb, image, mask: aqorb.adaptiveFastThreshold(image, mask)],
+    ids=['detect', 'detect with some masks', 'compute', 'detectAndCompute', 'arrays', 'pyramid', 'threshold'])
+def test_threads_keep_references(call):
+    # The images are small, so that the calls begin and end often.
+    orb = aqorb.AdaptiveQuadtreeORB_create()
+    image, mask = np.zeros((40, 40), np.uint8), np.ones((40, 40), np.uint8)
+    objects = image, mask, KEYPOINTS, KEYPOINTS[0]
+    before = count_references(objects)
+    run_together(*[lambda: call(orb, image, mask)] * 4, lambda: [[mask, image] * 100 for _ in range(100)])
+    assert count_references(objects) == before
+
+
+KEYPOINTS = [cv.KeyPoint(20, 20, 31)] * 3
+
+
+def test_threads_keep_references_when_calls_fail():
+    orb = aqorb.AdaptiveQuadtreeORB_create()
+    image, mask, wrong = np.zeros((40, 40), np.uint8), np.ones((40, 40), np.uint8), np.ones((39, 40), np.uint8)
+
+    def fail():
+        with pytest.raises(aqorb.error, match='mask'):
+            orb.detect([image] * 10, [mask] * 9 + [wrong])
+
+    before = count_references((image, mask, wrong))
+    run_together(*[fail] * 4)
+    assert count_references((image, mask, wrong)) == before
+
+
+def test_a_setter_during_a_call(orb, image):
+    # A call keeps the parameters that it began with, so that its result is that of one of the settings.
+    small = image[:120, :160]
+    settings = [(1, 31), (8, 31), (3, 20), (12, 50)]
+
+    def use(nlevels, patch_size):
+        orb.setNLevels(nlevels)
+        orb.setPatchSize(patch_size)
+
+    expected = set()
+    for nlevels, _ in settings:  # the setters are two calls, so that other pairs are met, too
+        for _, patch_size in settings:
+            use(nlevels, patch_size)
+            expected.add(orb.detectAndComputeArrays(small)[1].tobytes())
+
+    def detect():
+        assert orb.detectAndComputeArrays(small)[1].tobytes() in expected
+
+    run_together(detect, detect, lambda: [use(*setting) for setting in settings])
+
+
+def test_reading_parameters_during_a_call(tmp_path, image):
+    files = [str(tmp_path / name) for name in ('small.yml', 'large.yml')]
+    aqorb.AdaptiveQuadtreeORB_create(nlevels=1, patchSize=5).write(files[0])
+    aqorb.AdaptiveQuadtreeORB_create(nlevels=30, patchSize=301).write(files[1])
+    orb = aqorb.AdaptiveQuadtreeORB_create()
+    run_together(*[lambda: orb.detectAndComputeArrays(image[:120, :160])] * 2, lambda: [orb.read(f) for f in files])
+
+
+def test_a_setter_during_a_call_changes_its_own_property_only(image):
+    # A setter goes on with a copy of the detector while another thread uses it.
+    orb = aqorb.AdaptiveQuadtreeORB_create()
+    values = {'MaxFeatures': 77, 'ScaleFactor': 1.3, 'NLevels': 5, 'EdgeThreshold': 9, 'FirstLevel': 1, 'WTA_K': 3,
+              'ScoreType': 1, 'PatchSize': 25, 'FastThreshold': 7, 'AdaptiveThreshold': False,
+              'MinThresholdRatio': 2.7, 'CellSize': 50, 'MaxDepth': 4, 'OctaveSuppression': 0.3, 'SubPixel': False}
+    assert set(values) == {name[3:] for name in dir(orb) if name.startswith('set')}
+    for name, value in values.items():
+        assert getattr(orb, 'get' + name)() != value
+        getattr(orb, 'set' + name)(value)
+
+    def change():
+        orb.setCellSize(60)
+        orb.setCellSize(50)
+        for name, value in values.items():
+            assert getattr(orb, 'get' + name)() == value, name
+
+    run_together(*[lambda: orb.detectAndComputeArrays(image)] * 2, change)
+
+
+def test_a_list_that_changes_while_it_is_read(orb, image):
+    # cv2 releases the GIL for each keypoint that is made, and Python between any two instructions.
+    keypoints = list(orb.detect(image))
+    images = [image[:40, :40]] * 20
+
+    def change():
+        for items in keypoints, images:
+            taken = items[5:]
+            del items[5:]
+            items.extend(taken)
+
+    run_together(lambda: aqorb.keypointsToArray(keypoints), lambda: orb.compute(image, keypoints),
+                 lambda: orb.detect(images), change)
+
+
+def test_a_keypoint_that_changes_its_list():
+
+    class Treacherous(cv.KeyPoint):
+        @property
+        def pt(self):
+            keypoints.clear()
+            return 50., 50.
+
+    keypoints = [never_freed(Treacherous()) for _ in range(1000)]
+    assert len(aqorb.keypointsToArray(keypoints)) == 1000
+
+
+EXIT = '''
+import threading, time
+import numpy as np
+import aqorb
+image = np.random.RandomState(0).randint(0, 256, (480, 640)).astype(np.uint8)
+orb = aqorb.AdaptiveQuadtreeORB_create()
+def run():
+    while True:
+        orb.detectAndComputeArrays(image)
+for _ in range(3):
+    threading.Thread(target=run, daemon=True).start()
+time.sleep(0.2)
+'''
+
+
+def test_the_interpreter_exits_during_a_call():
+    # With detectAndCompute, cv2.KeyPoint aborts the process here, as cv2's own functions do.
+    run = subprocess.run([sys.executable, '-c', EXIT], stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True,
+                         timeout=60)
+    assert run.returncode == 0, run.stdout
+
+
+POINTS = aqorb.keypointsToArray([cv.KeyPoint(999, 999, 31)] * 1000)
+
+
+@pytest.mark.parametrize('call', [
+    lambda orb, image: orb.detect(image),
+    lambda orb, image: orb.detect([image]),
+    lambda orb, image: orb.compute(image, POINTS),
+    lambda orb, image: orb.compute([image], [POINTS]),
+    lambda orb, image: orb.detectAndCompute(image, None),
+    lambda orb, image: orb.detectAndComputeArrays(image),
+    lambda orb, image: aqorb.adaptiveFastThreshold(image)])
+def test_the_gil_is_released(orb, call):
+    # Within the switch interval another thread runs only if this one lets it. The image is blank, as making a
+    # cv2.KeyPoint releases the GIL, too.
+    image = np.zeros((2000, 2000), np.uint8)
+    gate, ran = threading.Semaphore(0), []
+    thread = threading.Thread(target=lambda: gate.acquire() and ran.append(True))
+    thread.start()
+    interval = sys.getswitchinterval()
+    sys.setswitchinterval(600)
+    try:
+        gate.release()
+        for _ in range(1000):
+            if ran:
+                break
+            call(orb, image)
+        released = bool(ran)
+    finally:
+        sys.setswitchinterval(interval)
+        thread.join()
+    assert released
+
+
+def test_threads_share_a_detector(orb, image):
+    expected = orb.detectAndComputeArrays(image)[1]
+    results = []
+    threads = [threading.Thread(target=lambda: results.append(orb.detectAndComputeArrays(image)[1]))
+               for _ in range(4)]
+    for thread in threads:
+        thread.start()
+    for thread in threads:
+        thread.join()
+    assert len(results) == 4 and all(np.array_equal(result, expected) for result in results)

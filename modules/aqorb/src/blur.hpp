@@ -1,0 +1,56 @@
+// This file is part of aqorb. Copyright (C) The aqorb developers.
+// It is subject to the license terms in the LICENSE file found in the top-level directory
+// of this distribution.
+// SPDX-License-Identifier: Apache-2.0
+
+#ifndef OPENCV_AQORB_BLUR_HPP
+#define OPENCV_AQORB_BLUR_HPP
+
+#include "types.hpp"
+
+namespace cv
+{
+namespace aqorb
+{
+namespace stages
+{
+
+//! The value of cv::ORB's Gaussian blur (7x7, sigma 2) at a pixel of a level, rounded as with fused multiply-add.
+uchar exactBlur(const Mat& image, int x, int y);
+
+//! The pixels of a level that are to be blurred, kept as rows of columns of tiles. The pixels at the border, whose
+//! blur needs reflected pixels, have tiles of their own.
+class BlurRegion
+{
+public:
+    //! Starts with no pixels of a level of the given size.
+    void begin(Size size);
+    //! Adds the pixels of a rectangle that are inside the level, and possibly some more.
+    void add(const Rect& rect);
+    //! Gives the next tile, and false if there is none. The position must be 0 for the first tile.
+    bool nextTile(size_t& position, Rect& tile) const;
+
+private:
+    enum
+    {
+        TILE_WIDTH = 32  // whole vectors
+    };
+    int columnOf(int x) const;
+
+    Size size;
+    int columns;                // of tiles
+    std::vector<uchar> needed;  // by column, by row
+};
+
+//! Work space of approximateBlur.
+typedef std::vector<uchar> BlurScratch;
+
+/** The blur in fixed point, in units of 1/256. It differs from the exact one before rounding by at most BLUR_BOUND.
+ @param blurred CV_16UC1 of the size of the image; pixels outside of the region get any value */
+void approximateBlur(const Mat& image, const BlurRegion& region, Mat& blurred, BlurScratch& scratch);
+
+}  // namespace stages
+}  // namespace aqorb
+}  // namespace cv
+
+#endif

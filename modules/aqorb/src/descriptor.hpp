@@ -1,0 +1,61 @@
+// This file is part of aqorb. Copyright (C) The aqorb developers.
+// It is subject to the license terms in the LICENSE file found in the top-level directory
+// of this distribution.
+// SPDX-License-Identifier: Apache-2.0
+
+#ifndef OPENCV_AQORB_DESCRIPTOR_HPP
+#define OPENCV_AQORB_DESCRIPTOR_HPP
+
+#include "types.hpp"
+
+namespace cv
+{
+namespace aqorb
+{
+namespace stages
+{
+
+//! The points that rBRIEF compares, WTA_K for each test, in the order of the tests, as cv::ORB draws them.
+std::vector<Point> descriptorPattern(int patchSize, int WTA_K);
+
+struct PairTests;
+
+//! A pattern, prepared for any number of descriptors.
+struct DescriptorTests
+{
+    DescriptorTests(const std::vector<Point>& pattern, int WTA_K);
+
+    std::vector<Point> pattern;
+    int WTA_K;
+    int reach;             //!< how far from the keypoint the descriptor may read
+    Ptr<PairTests> pairs;  //!< empty where there is no kernel for the pattern
+};
+
+/** The 32-byte descriptors at pixels of a level, equal to those of cv::ORB.
+ @param image the level
+ @param blurred its approximateBlur, at least wherever it lies within tests.reach of a point
+ @param points where descriptors are taken, and in which direction
+ @param count number of points
+ @param tests the pattern
+ @param descriptors gets one descriptor a row
+ @param step bytes from one row to the next */
+void computeDescriptors(const Mat& image, const Mat& blurred, const FeaturePoint* points, size_t count,
+                        const DescriptorTests& tests, uchar* descriptors, size_t step);
+
+// ---- for the kernel: plain structs only, see types.hpp ---------------------------------------
+
+//! The 256 tests of a descriptor with WTA_K 2. A bit is 1 where point 0 is darker than point 1.
+struct PairTests
+{
+    enum
+    {
+        COUNT = 256
+    };
+    float x[2][COUNT], y[2][COUNT];  //!< [point of the pair][test]
+};
+
+}  // namespace stages
+}  // namespace aqorb
+}  // namespace cv
+
+#endif

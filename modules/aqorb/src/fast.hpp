@@ -1,0 +1,131 @@
+// This file is part of aqorb. Copyright (C) The aqorb developers.
+// It is subject to the license terms in the LICENSE file found in the top-level directory
+// of this distribution.
+// SPDX-License-Identifier: Apache-2.0
+
+#ifndef OPENCV_AQORB_FAST_HPP
+#define OPENCV_AQORB_FAST_HPP
+
+#include "types.hpp"
+
+namespace cv
+{
+namespace aqorb
+{
+namespace stages
+{
+
+//! Blocks of corners in raster order: the first `count` elements of `storage`, which is kept for later images.
+struct CornerBlocks
+{
+    CornerBlocks() : count(0), cornerCount(0) {}
+
+    std::vector<CornerBlock> storage;
+    int count, cornerCount;
+};
+
+//! The scores of corners by pixel, 0 where there is none.
+class ScorePlane
+{
+public:
+    //! Prepares the plane for corners in a region of an image of the given width.
+    void begin(int imageWidth, const Rect& region);
+    //! The scores of a row by column of the image. Around the region SUPPRESS_RADIUS rows and SUPPRESS_MARGIN columns
+    //! are readable, too.
+    uchar* row(int y) { return bytes.data() + first + (y - top) * step(); }
+    const uchar* row(int y) const { return bytes.data() + first + (y - top) * step(); }
+    ptrdiff_t step() const { return rowBytes; }
+
+private:
+    std::vector<uchar> bytes;
+    ptrdiff_t first, rowBytes;
+    int top;
+};
+
+//! The part of a region in which there may be FAST corners: the pixels whose whole circle is inside the image.
+Rect fastRegion(Size imageSize, const Rect& region);
+
+/** Finds the FAST-9/16 corners of a region of a level, with 3x3 non-maximum suppression, from top to bottom and some
+ rows at a time. Corners of score >= thresholds.ini are called strong, those below it but >= thresholds.min weak.
+ An object can be used again, and then needs no new memory. */
+class FastScanner
+{
+public:
+    FastScanner();
+    /** Starts with the first row of a region.
+     @param region inside fastRegion, not empty
+     @param plane gets the scores of the corners of all rows of the region, each one more than Corner::score
+     @param found gets the corners */
+    void begin(const Level& level, const Rect& region, Thresholds thresholds, ScorePlane& plane,
+               CornerBlocks& found);
+    //! Scans the next rows, up to the row before `end`.
+    void scan(int end);
+    //! Whether the rows of the last scan have a strong corner in some columns.
+    bool hasStrong(const Range& columns) const;
+    //! Leaves out the weak corners of the last scan in some columns.
+    void dropWeak(const Range& columns);
+    //! Adds the corners of the last scan that were not left out to those found.
+    void collect();
+
+private:
+    class Impl;
+    Ptr<Impl> impl;
+};
+
+//! Appends the corners of blocks in raster order.
+void listCorners(const CornerBlocks& blocks, const ScorePlane& plane, std::vector<Corner>& corners);
+
+/** The unthresholded FAST scores, -255 to 255, of (x, y) and its neighbours: scores[1 + dy][1 + dx]. A score is the
+ largest over the 16 arcs of 9 circle pixels of their least difference to the centre, brighter or darker. That is one
+ more than the response of cv::FAST. */
+void cornerScores3x3(const Mat& image, int x, int y, int scores[3][3]);
+
+// ---- for the kernel: plain structs only, see types.hpp ---------------------------------------
+
+//! Neighbouring pixels of a row that are scored together.
+struct ScanBlock
+{
+    int x;          //!< the first
+    uint64 wanted;  //!< bit i: whether a corner at x + i is wanted
+};
+
+const int SCAN_ROWS = 4;  // of scores that are kept: a power of two that holds three
+const int SCAN_WIDTHS = 3;
+const int SCAN_ALIGNMENT =
+    64;                      // of scores, so that as few vectors as possible cross the border of a cache line
+const int SCAN_MARGIN = 64;  // columns around the scores of a row that vectors may touch
+
+//! A scan of rows for FAST corners. A row is suppressed as soon as the row below it has scores.
+struct FastScan
+{
+    const uchar* image;
+    ptrdiff_t step;
+    const uchar* mask;  //!< of usable pixels; 0: all are usable
+    ptrdiff_t maskStep;
+    int threshold;        //!< of all corners
+    int strongThreshold;  //!< >= threshold
+    int top, bottom;      //!< the rows in which corners are wanted
+    int scoredTop,
+        scoredBottom;         //!< the rows that get scores: one more above and below, where the circle fits
+    int left, right;          //!< the columns where the circle fits
+    int y;                    //!< the next row to get scores; beyond bottom, the scan is finished
+    const ScanBlock* blocks;  //!< from left to right
+    int blockCount;
+    int blockWidth;  //!< one of scanWidths
+    uchar* scores;  //!< SCAN_ROWS rows, by row modulo their number, by column, with SCAN_MARGIN on both sides
+    ptrdiff_t scoreStep;
+    int* listed[2];  //!< by row modulo 2: the blocks in which there are scores
+    int listedCount[2];
+    uchar*
+        plane;  //!< the scores of corners from row top on, by column; undefined off wanted ones until dropped
+    ptrdiff_t planeStep;
+    uint64* strong;      //!< by block: the columns with a strong corner; undefined off the wanted ones
+    CornerBlock* found;  //!< has space for all blocks of the rows to scan, and two more
+    int foundCount;
+};
+
+}  // namespace stages
+}  // namespace aqorb
+}  // namespace cv
+
+#endif

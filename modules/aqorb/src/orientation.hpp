@@ -1,0 +1,54 @@
+// This file is part of aqorb. Copyright (C) The aqorb developers.
+// It is subject to the license terms in the LICENSE file found in the top-level directory
+// of this distribution.
+// SPDX-License-Identifier: Apache-2.0
+
+#ifndef OPENCV_AQORB_ORIENTATION_HPP
+#define OPENCV_AQORB_ORIENTATION_HPP
+
+#include "types.hpp"
+
+namespace cv
+{
+namespace aqorb
+{
+namespace stages
+{
+
+//! Half widths of the rows 0 .. patchSize/2 of the circular patch, as in cv::ORB.
+std::vector<int> circularPatch(int patchSize);
+
+struct PatchWeights;
+
+//! A circular patch, prepared for any number of points.
+struct OrientationPatch
+{
+    explicit OrientationPatch(const std::vector<int>& halfWidths);
+
+    std::vector<int> halfWidths;
+    Ptr<PatchWeights> weights;  //!< empty where the patch is too large for the kernel
+};
+
+//! Sets the angles of points to the direction of the intensity centroid of the patch around them, as in cv::ORB.
+void orientations(const Mat& image, const OrientationPatch& patch, FeaturePoint* points, size_t count);
+
+// ---- for the kernel: plain structs only, see types.hpp ---------------------------------------
+
+//! The factors of the pixels of a circular patch in its moments: u and v inside of the circle, 0 outside.
+struct PatchWeights
+{
+    enum
+    {
+        MAX_RADIUS = 31,
+        MAX_WIDTH = 64
+    };
+    int radius;
+    int width;  //!< of the patch, filled up with zeros to whole vectors
+    short u[MAX_RADIUS + 1][MAX_WIDTH], v[MAX_RADIUS + 1][MAX_WIDTH];  //!< [|v|][u + radius]
+};
+
+}  // namespace stages
+}  // namespace aqorb
+}  // namespace cv
+
+#endif

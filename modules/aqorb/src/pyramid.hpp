@@ -1,0 +1,84 @@
+// This file is part of aqorb. Copyright (C) The aqorb developers.
+// It is subject to the license terms in the LICENSE file found in the top-level directory
+// of this distribution.
+// SPDX-License-Identifier: Apache-2.0
+
+#ifndef OPENCV_AQORB_PYRAMID_HPP
+#define OPENCV_AQORB_PYRAMID_HPP
+
+#include "types.hpp"
+
+namespace cv
+{
+namespace aqorb
+{
+namespace stages
+{
+
+//! The size of a pixel of a level in pixels of the input image, as cv::ORB computes it.
+float levelScale(int level, int firstLevel, double scaleFactor);
+
+//! The longest side of a level.
+const int MAX_LEVEL_SIDE = (1 << 20) - 1;
+
+//! The size of a level, as cv::ORB computes it; a side may be 0. Throws where a side exceeds MAX_LEVEL_SIDE.
+Size levelSize(Size imageSize, float scale);
+
+//! The number of features of each level by equation (8), rounded as by cv::ORB but at most nfeatures in all.
+std::vector<int> levelQuotas(int nfeatures, double scaleFactor, int nlevels);
+
+/** Prepares level `index` of cv::ORB's pyramid. The level `firstLevel` becomes the input image itself, which is not
+ copied. Any other level gets its scale and size; fillLevel gives it its pixels. Memory of the same size is used again.
+ @param input the image and its mask
+ @return false where a side of the level would be shorter than minSide; the level is then unchanged */
+bool layOutLevel(const Level& input, int index, int firstLevel, double scaleFactor, int minSide,
+                 Level& level);
+
+//! Whether cv::ORB resizes the input image to make a level; else it resizes the level before.
+bool isMadeFromInput(int index, int firstLevel);
+
+struct ResizeTables;
+
+/** Makes a level by cv::resize with INTER_LINEAR_EXACT, without the overhead that cv::resize has for one channel.
+ Where there is a mask, a pixel of the level is usable if all pixels that it is made from are.
+ @param tables for this level only. They are made when sizes change and then used again for later images. */
+void fillLevel(const Level& source, Level& level, Ptr<ResizeTables>& tables);
+
+// ---- for the kernel: plain structs only, see types.hpp ---------------------------------------
+
+//! Where neighbouring pixels of a resized row come from. Pixel i is a + (b - a) * weight / 256.
+struct ResizeBlock
+{
+    enum
+    {
+        GROUP = 8,  //!< pixels that come from the same source bytes
+        GROUPS = 4,
+        PIXELS = 32,
+        BYTES = 16  //!< source bytes of a group
+    };
+    int base[GROUPS];  //!< the first source byte of each group
+    signed char a[GROUPS][2 * GROUP],
+        b[GROUPS]
+         [2 * GROUP];  //!< for each pixel the index of its source byte, then -128, which yields a zero
+    short weight[PIXELS];
+};
+
+//! Resizes rows by INTER_LINEAR_EXACT.
+struct Resize
+{
+    const uchar* source;
+    ptrdiff_t sourceStep;
+    uchar* destination;
+    ptrdiff_t destinationStep;
+    int width;                  //!< of the destination
+    const ResizeBlock* blocks;  //!< as many as cover the width
+    const int *upper, *lower;   //!< by destination row: the two source rows
+    const short* lowerWeight;   //!< by destination row, in 1/256
+    short* rows[2];             //!< work space of as many elements each as the blocks have pixels
+};
+
+}  // namespace stages
+}  // namespace aqorb
+}  // namespace cv
+
+#endif

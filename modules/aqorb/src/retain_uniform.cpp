@@ -1,0 +1,61 @@
+// This file is part of aqorb. Copyright (C) The aqorb developers.
+// It is subject to the license terms in the LICENSE file found in the top-level directory
+// of this distribution.
+// SPDX-License-Identifier: Apache-2.0
+
+#include "precomp.hpp"
+
+#include "input.hpp"
+#include "quadtree.hpp"
+
+#include <opencv2/aqorb.hpp>
+
+namespace cv
+{
+namespace aqorb
+{
+
+void retainUniform(std::vector<KeyPoint>& keypoints, Size imageSize, int npoints)
+{
+    using namespace stages;
+    CV_TRACE_FUNCTION();
+    checkImageSize(imageSize);
+    if (npoints < 0)
+        CV_Error_(Error::StsOutOfRange, ("npoints: got %d; >= 0 is accepted", npoints));
+
+    const int depth = quadtreeDepth(npoints);
+    const double leaves = double(1 << depth);
+    std::vector<LeafPoint> points;
+    points.reserve(keypoints.size());
+    for (size_t i = 0; i < keypoints.size(); i++)
+    {
+        const Point2f p = keypoints[i].pt;
+        if (!(p.x >= 0 && p.y >= 0 && p.x < imageSize.width && p.y < imageSize.height))
+            continue;
+        const LeafPoint point = {
+            leafCode(unsigned(p.x * leaves / imageSize.width), unsigned(p.y * leaves / imageSize.height)),
+            keypoints[i].response, p.x, p.y, int(i)};
+        points.push_back(point);
+    }
+    if (points.size() > size_t(npoints))
+    {
+        BalancedSequence sequence;
+        sequence.begin(points, depth);
+        points.resize(npoints);
+        for (int i = 0; i < npoints; i++)
+            sequence.next(points[i]);
+    }
+    std::vector<uchar> keep(keypoints.size(), uchar(0));
+    for (size_t i = 0; i < points.size(); i++)
+        keep[points[i].index] = 1;
+    size_t kept = 0;
+    for (size_t i = 0; i < keypoints.size(); i++)
+    {
+        if (keep[i])
+            keypoints[kept++] = keypoints[i];
+    }
+    keypoints.resize(kept);
+}
+
+}  // namespace aqorb
+}  // namespace cv

@@ -1,0 +1,78 @@
+// This file is part of aqorb. Copyright (C) The aqorb developers.
+// It is subject to the license terms in the LICENSE file found in the top-level directory
+// of this distribution.
+// SPDX-License-Identifier: Apache-2.0
+
+#ifndef OPENCV_AQORB_SELECTION_HPP
+#define OPENCV_AQORB_SELECTION_HPP
+
+#include "types.hpp"
+
+namespace cv
+{
+namespace aqorb
+{
+namespace stages
+{
+
+class BalancedSequence;
+
+//! What selection must know of a level.
+struct SelectionLevel
+{
+    Size size;    //!< of the level
+    float scale;  //!< of the level
+    Rect root;    //!< of the quadtree: the region between the borders
+    int depth;    //!< of the quadtree
+    int quota;    //!< number of features that the level is to have
+};
+
+//! The corners of a level that selection asks for.
+struct CornerRequest
+{
+    int level;
+    CornerSet set;
+};
+
+/** Chooses the features of all levels. It takes from the balanced sequence of each level, from coarse to fine, as many
+ corners as the quota of the level and what coarser levels left over. It passes over corners that are nearer than
+ octaveSuppression pixels of their level to a keypoint of a coarser level. If features are then still missing, all
+ levels are asked from fine to coarse to go on in their sequences, and after that to fill up from the corners that the
+ rules have passed over.
+
+ Selection does not call other stages. It says which corners it needs next, and is then given them:
+ @code
+    selector.begin(imageSize, octaveSuppression);
+    // addLevel for each level
+    CornerRequest request;
+    while (selector.wants(request))
+        // offer what it wants
+ @endcode
+ An object can be used again, and then needs no new memory. */
+class FeatureSelector
+{
+public:
+    FeatureSelector();
+    //! Starts with an image.
+    void begin(Size imageSize, double octaveSuppression);
+    //! Adds the next level, in the order of the pyramid.
+    void addLevel(const SelectionLevel& level);
+    //! Which corners must be offered next; false when the selection is complete.
+    bool wants(CornerRequest& request);
+    //! Answers a request for BALANCED_CORNERS. The sequence must be as it was left by the request before.
+    void offer(BalancedSequence& sequence);
+    //! Answers any other request.
+    void offer(const std::vector<RankedCorner>& corners);
+    //! Gives the chosen corners of a level in raster order.
+    void chosen(int level, std::vector<RankedCorner>& corners);
+
+private:
+    class Impl;
+    Ptr<Impl> impl;
+};
+
+}  // namespace stages
+}  // namespace aqorb
+}  // namespace cv
+
+#endif

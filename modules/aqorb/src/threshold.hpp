@@ -1,0 +1,31 @@
+// This file is part of aqorb. Copyright (C) The aqorb developers.
+// It is subject to the license terms in the LICENSE file found in the top-level directory
+// of this distribution.
+// SPDX-License-Identifier: Apache-2.0
+
+#ifndef OPENCV_AQORB_THRESHOLD_HPP
+#define OPENCV_AQORB_THRESHOLD_HPP
+
+#include "types.hpp"
+
+namespace cv
+{
+namespace aqorb
+{
+namespace stages
+{
+
+//! Equation (7) for a CV_8UC1 image: variance over mean of the unmasked pixels; 0 where the mean is 0.
+double varianceOverMean(const Mat& image, const Mat& mask);
+
+//! iniT and minT from the value of equation (7). A `fastThreshold` of 20 takes the equation as it is.
+Thresholds adaptiveThresholds(double varianceOverMean, int fastThreshold, double minRatio);
+
+//! iniT and minT without equation (7): iniT is fastThreshold itself.
+Thresholds fixedThresholds(int fastThreshold, double minRatio);
+
+}  // namespace stages
+}  // namespace aqorb
+}  // namespace cv
+
+#endif

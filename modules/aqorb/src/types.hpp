@@ -1,0 +1,114 @@
+// This file is part of aqorb. Copyright (C) The aqorb developers.
+// It is subject to the license terms in the LICENSE file found in the top-level directory
+// of this distribution.
+// SPDX-License-Identifier: Apache-2.0
+
+#ifndef OPENCV_AQORB_TYPES_HPP
+#define OPENCV_AQORB_TYPES_HPP
+
+#include <opencv2/core.hpp>
+
+#include <vector>
+
+// The types that several stages share. A stage and the structs that only its own kernel needs are declared in
+// the header of the stage, so that a change in one stage does not recompile the others.
+//
+// What passes between a stage and its kernel (*.simd.hpp) are raw pointers and plain structs only. A function of
+// a class or a template that the compiler emits in a file compiled for one CPU could be chosen by the linker for
+// the whole program, which would then crash on other CPUs.
+
+namespace cv
+{
+namespace aqorb
+{
+namespace stages
+{
+
+//! One level of the pyramid. Its pixels are continued outside of the image by reflection (BORDER_REFLECT_101).
+struct Level
+{
+    Level() : scale(1), isInput(false) {}
+
+    Mat image;     //!< CV_8UC1
+    Mat mask;      //!< CV_8UC1 of the same size, not 0 where a corner may lie; empty: everywhere
+    float scale;   //!< size of a pixel of this level in pixels of the input image
+    bool isInput;  //!< whether the level is the input image itself
+};
+
+//! FAST thresholds of an image: `ini` everywhere, `min` in cells that have no corner at `ini`.
+struct Thresholds
+{
+    int ini, min;
+};
+
+//! A FAST corner: a pixel of a level and its FAST score (the highest threshold at which it is a corner).
+struct Corner
+{
+    int x, y;
+    int score;
+};
+
+//! A corner with the response that ranks it.
+struct RankedCorner
+{
+    int x, y;
+    float response;
+};
+
+//! Orders corners by rows, and by columns within a row. It is a type because std::sort does not inline functions.
+struct InRasterOrder
+{
+    template <typename C> bool operator()(const C& a, const C& b) const
+    {
+        return a.y != b.y ? a.y < b.y : a.x < b.x;
+    }
+};
+
+//! Neighbouring pixels of a row, and which of them are FAST corners.
+struct CornerBlock
+{
+    int x, y;        //!< the first pixel
+    uint64 columns;  //!< bit i: whether pixel x + i is a corner
+};
+
+//! A corner loses to a better one at most this far away in x and in y. The kernel is written for this radius.
+const int SUPPRESS_RADIUS = 3;
+//! The columns beside a region whose scores must be readable, as the kernel of the suppression loads whole vectors.
+const int SUPPRESS_MARGIN = 16;
+
+//! The corners of a level by what the rules of the detection say about them.
+enum CornerSet
+{
+    BALANCED_CORNERS,    //!< those that pass all rules, in the order of their BalancedSequence
+    KEPT_CORNERS,        //!< the same corners as a list
+    SUPPRESSED_CORNERS,  //!< those that lost to a better corner nearby
+    WEAK_CORNERS         //!< those below thresholds.ini in cells that have a corner at thresholds.ini
+};
+
+//! The deepest quadtree has 2^15 leaves along a side.
+const int MAX_QUADTREE_DEPTH = 15;
+
+//! A point in a leaf of the quadtree.
+struct LeafPoint
+{
+    unsigned leaf;   //!< Morton code of the leaf
+    float response;  //!< NaN ranks last
+    float x, y;      //!< break ties: lower y first, then lower x, then lower index
+    int index;       //!< for the caller's use
+};
+
+//! The pixel of a level at which a feature is described, and the direction in which.
+struct FeaturePoint
+{
+    int x, y;
+    float angle;  //!< degrees
+};
+
+//! The approximate blur differs from the exact one, before rounding, by at most this many units of 1/256.
+const int BLUR_BOUND = 6;
+
+}  // namespace stages
+}  // namespace aqorb
+}  // namespace cv
+
+#endif

@@ -1,0 +1,308 @@
+// This file is part of aqorb. Copyright (C) The aqorb developers.
+// It is subject to the license terms in the LICENSE file found in the top-level directory
+// of this distribution.
+// SPDX-License-Identifier: Apache-2.0
+
+#include "test_precomp.hpp"
+
+// Counterparts of OpenCV's own tests of ORB, and of what users reported about ORB and its relatives. The
+// tests are named after the issue.
+
+namespace opencv_test
+{
+namespace
+{
+
+//! What an operation throws; empty where it does not throw a cv::Exception.
+template <typename Operation> std::string exceptionOf(const Operation& operation)
+{
+    try
+    {
+        operation();
+    }
+    catch (const Exception& e)
+    {
+        return e.what();
+    }
+    return std::string();
+}
+
+//! What holds for all keypoints of all images.
+void expectValid(const Features& features, Size imageSize)
+{
+    EXPECT_EQ(int(features.keypoints.size()), features.descriptors.rows);
+    const Rect2f inside(0, 0, float(imageSize.width), float(imageSize.height));
+    for (const KeyPoint& keypoint : features.keypoints)
+    {
+        EXPECT_TRUE(inside.contains(keypoint.pt)) << keypoint.pt.x << ", " << keypoint.pt.y;
+        EXPECT_GT(keypoint.size, 0);
+        EXPECT_GE(keypoint.angle, 0);
+        EXPECT_LT(keypoint.angle, 360);
+        EXPECT_GE(keypoint.octave, 0);
+        EXPECT_EQ(-1, keypoint.class_id);
+    }
+}
+
+// ---- modules/features2d/test/test_orb.cpp ----------------------------------------------------
+
+TEST(Aqorb_Issues, opencv_1996_mask)
+{
+    const Ptr<Feature2D> detector =
+        AdaptiveQuadtreeORB::create(10000, 1.2f, 8, 31, 0, 2, ORB::HARRIS_SCORE, 31, 20);
+    const Mat image = makeScene(Size(512, 512));
+    Mat mask(image.size(), CV_8UC1, Scalar(0));
+    const Point polygon[] = {Point(100, 20), Point(300, 50), Point(400, 200), Point(10, 500)};
+    fillConvexPoly(mask, polygon, 4, Scalar(255));
+
+    Features features;
+    detector->detect(image, features.keypoints, mask);
+    detector->compute(image, features.keypoints, features.descriptors);
+    ASSERT_FALSE(features.keypoints.empty());
+    expectValid(features, image.size());
+    // OpenCV's test leaves this check out: cv::ORB violates it.
+    for (const KeyPoint& keypoint : features.keypoints)
+        ASSERT_NE(0, int(mask.at<uchar>(cvRound(keypoint.pt.y), cvRound(keypoint.pt.x))));
+}
+
+TEST(Aqorb_Issues, opencv_5031_large_patch_near_border)
+{
+    const Mat image = Mat::zeros(Size(1920, 1080), CV_8UC3);
+    const Ptr<ORB> orb = AdaptiveQuadtreeORB::create(8000, 1.2f, 18, 4, 0, 2, ORB::HARRIS_SCORE, 47, 20);
+    KeyPoints keypoints(1, KeyPoint(443, 5, 47, 53.4580612f, 0.0000470733867f, 0, -1));
+    Mat descriptors;
+    ASSERT_NO_THROW(orb->compute(image, keypoints, descriptors));
+    EXPECT_EQ(1u, keypoints.size());
+    // On the image's very corner, and on levels much smaller than the patch.
+    keypoints.clear();
+    for (int octave = 0; octave < 30; octave++)
+        keypoints.push_back(KeyPoint(5.f, 5.f, 47.f, 45.f, 0.f, octave));
+    ASSERT_NO_THROW(orb->compute(image, keypoints, descriptors));
+    EXPECT_EQ(30u, keypoints.size());
+    EXPECT_EQ(30, descriptors.rows);
+}
+
+TEST(Aqorb_Issues, opencv_16197_first_level)
+{
+    const Ptr<ORB> orb = AdaptiveQuadtreeORB::create();
+    orb->setNLevels(5);
+    orb->setFirstLevel(3);
+    orb->setScaleFactor(1.8);
+    orb->setPatchSize(8);
+    orb->setEdgeThreshold(8);
+    Features features;
+    const Mat black(Size(72, 72), CV_8UC1, Scalar::all(0));
+    ASSERT_NO_THROW(features = detectAndCompute(*orb, black));
+    EXPECT_TRUE(features.keypoints.empty() && features.descriptors.empty());
+    ASSERT_NO_THROW(features = detectAndCompute(*orb, makeScene(Size(72, 72))));
+    EXPECT_FALSE(features.keypoints.empty());
+    expectValid(features, Size(72, 72));
+}
+
+TEST(Aqorb_Issues, opencv_python_537_large_image)
+{
+    // OpenCV's test takes 25000 x 25000; what overflowed were offsets in a row and in the buffer. Here the
+    // rows are as long, the image is not.
+    const int width = 25000, height = 1000, border = 23;
+    Mat image(Size(width, height), CV_8UC1, Scalar::all(0));
+    for (int i = 0; i < 23; i++)
+    {
+        line(image, Point(border + i * 100, border + i * 10),
+             Point(width - border - i * 100, height - border - i * 10), Scalar(255), 1, LINE_AA);
+    }
+    Features features;
+    ASSERT_NO_THROW(features = detectAndCompute(*AdaptiveQuadtreeORB::create(31), image));
+    EXPECT_EQ(31u, features.keypoints.size());
+    expectValid(features, image.size());
+}
+
+// ---- modules/features2d/test/test_keypoints.cpp ----------------------------------------------
+
+TEST(Aqorb_Issues, keypoints_validation)
+{
+    const Mat scene = makeScene(Size(384, 288));
+    for (int border : {0, 16, 31})
+    {
+        const Features features = detectAndCompute(*AdaptiveQuadtreeORB::create(500, 1.2f, 8, border), scene);
+        ASSERT_FALSE(features.keypoints.empty());
+        expectValid(features, scene.size());
+    }
+}
+
+TEST(Aqorb_Issues, keypoints_validation_on_photograph)
+{
+    AQORB_NEEDS_DATA();
+    const Mat image = imread(dataFile("cv/features2d/tsukuba.png"));
+    ASSERT_FALSE(image.empty());
+    const Features features = detectAndCompute(*AdaptiveQuadtreeORB::create(), image);
+    EXPECT_EQ(500u, features.keypoints.size());
+    expectValid(features, image.size());
+}
+
+// ---- what users reported ---------------------------------------------------------------------
+
+TEST(Aqorb_Issues, opencv_4517_dark_image)
+{
+    // "Threshold depends on the dynamic range": 4 keypoints in a dark image.
+    Mat dark;
+    makeScene(Size(640, 480)).convertTo(dark, CV_8U, 0.12);
+    KeyPoints ours, orb;
+    AdaptiveQuadtreeORB::create(500)->detect(dark, ours);
+    ORB::create(500)->detect(dark, orb);
+    EXPECT_GE(ours.size(), 250u);
+    EXPECT_GT(ours.size(), 2 * orb.size());
+}
+
+TEST(Aqorb_Issues, opencv_25974_4574_mask_of_ones)
+{
+    const Mat scene = makeScene(Size(320, 240));
+    Mat mask = Mat::zeros(scene.size(), CV_8UC1);
+    ellipse(mask, Point(150, 120), Size(120, 90), 20, 0, 360, Scalar(255), -1);
+    const Ptr<AdaptiveQuadtreeORB> detector = AdaptiveQuadtreeORB::create();
+    const Features expected = detectAndCompute(*detector, scene, mask);
+    ASSERT_FALSE(expected.keypoints.empty());
+    EXPECT_GT(expected.keypoints.back().octave, 0);  // above level 0, where cv::ORB loses a mask of ones
+    for (int value : {1, 2, 127, 128, 254})
+    {
+        SCOPED_TRACE(value);
+        Mat other = Mat::zeros(scene.size(), CV_8UC1);
+        other.setTo(Scalar(value), mask);
+        EXPECT_TRUE(sameFeatures(expected, detectAndCompute(*detector, scene, other)));
+    }
+    const Mat ones(scene.size(), CV_8UC1, Scalar(1));
+    EXPECT_TRUE(sameFeatures(detectAndCompute(*detector, scene), detectAndCompute(*detector, scene, ones)));
+}
+
+TEST(Aqorb_Issues, opencv_17353_11359_sizes)
+{
+    const Size sizes[] = {Size(1, 1),   Size(2, 1),   Size(1, 300), Size(3, 3),     Size(7, 7),
+                          Size(64, 1),  Size(20, 20), Size(31, 31), Size(33, 33),   Size(34, 35),
+                          Size(37, 91), Size(63, 65), Size(61, 7),  Size(300, 800), Size(4000, 40),
+                          Size(2, 2),   Size(34, 500), Size(40, 4000)};
+    int large = 0;
+    for (const Size& size : sizes)
+    {
+        SCOPED_TRACE(format("%d x %d", size.width, size.height));
+        const Mat noise = makeNoise(size);
+        for (int border : {0, 3, 16, 31})
+        {
+            for (int nlevels : {1, 8, 30})
+            {
+                for (int patchSize : {2, 31, 61})
+                {
+                    const Ptr<Feature2D> detector = AdaptiveQuadtreeORB::create(
+                        200, 1.2f, nlevels, border, 0, 2, ORB::HARRIS_SCORE, patchSize);
+                    Features features;
+                    ASSERT_NO_THROW(features = detectAndCompute(*detector, noise));
+                    expectValid(features, size);
+                    // The pixels of level 0 within the border and the circle of FAST are enough for all.
+                    const int inset = 2 * std::max(border, 3) + 2;
+                    if (std::min(size.width, size.height) > inset &&
+                        (size.width - inset) * (size.height - inset) > 200 * 60)
+                    {
+                        EXPECT_EQ(200u, features.keypoints.size()) << border << " " << nlevels;
+                        large++;
+                    }
+                    EXPECT_LE(features.keypoints.size(), 200u);
+                }
+            }
+        }
+    }
+    EXPECT_GT(large, 0);
+}
+
+TEST(Aqorb_Issues, opencv_10555_keypoints_of_sift)
+{
+    // cv::ORB builds as many levels as SIFT's packed octave says, until memory ends.
+    const Mat scene = makeScene(Size(320, 240));
+    KeyPoints keypoints;
+    SIFT::create()->detect(scene, keypoints);
+    ASSERT_FALSE(keypoints.empty());
+    const size_t count = keypoints.size();
+    Mat descriptors;
+    const Ptr<Feature2D> detector = AdaptiveQuadtreeORB::create();
+    const std::string error = exceptionOf([&] { detector->compute(scene, keypoints, descriptors); });
+    EXPECT_NE(std::string::npos, error.find("octave")) << error;
+    EXPECT_EQ(count, keypoints.size());
+    // Unpacked they are welcome.
+    for (KeyPoint& keypoint : keypoints)
+    {
+        const int octave = keypoint.octave & 255;
+        keypoint.octave = octave < 128 ? octave : 0;
+    }
+    EXPECT_EQ("", exceptionOf([&] { detector->compute(scene, keypoints, descriptors); }));
+    EXPECT_FALSE(keypoints.empty());
+}
+
+TEST(Aqorb_Issues, opencv_6362_12594_the_same_again)
+{
+    const Mat scene = makeScene(Size(640, 480));
+    const Features first = detectAndCompute(*AdaptiveQuadtreeORB::create(), scene);
+    const Ptr<Feature2D> used = AdaptiveQuadtreeORB::create();
+    for (int i = 0; i < 5; i++)
+    {
+        // Another image in between must leave no traces.
+        detectAndCompute(*used, makeNoise(Size(300 + 50 * i, 200), i + 1));
+        EXPECT_TRUE(sameFeatures(first, detectAndCompute(*used, scene)));
+        EXPECT_TRUE(sameFeatures(first, detectAndCompute(*AdaptiveQuadtreeORB::create(), scene)));
+    }
+}
+
+TEST(Aqorb_Issues, opencv_contrib_4185_retain_uniform)
+{
+    // Thins out another detector's keypoints so that they cover the image.
+    const Mat scene = makeScene(Size(640, 480));
+    KeyPoints all;
+    FAST(scene, all, 10);
+    ASSERT_GT(all.size(), 1000u);
+    KeyPoints uniform = all, best = all;
+    aqorb::retainUniform(uniform, scene.size(), 300);
+    KeyPointsFilter::retainBest(best, 300);
+    EXPECT_EQ(300u, uniform.size());
+    EXPECT_LT(aqorb::distributionUniformity(uniform, scene.size()),
+              aqorb::distributionUniformity(best, scene.size()));
+    EXPECT_GT(aqorb::distributionOccupancy(uniform, scene.size()),
+              1.5 * aqorb::distributionOccupancy(best, scene.size()));
+}
+
+TEST(Aqorb_Issues, all_500_of_a_small_image)
+{
+    // "320 x 240: 500 asked, 450 given"; and with FAST_SCORE ties gave more than asked.
+    const Mat images[] = {makeNoise(Size(320, 240)), makeScene(Size(320, 240))};
+    for (const Mat& image : images)
+    {
+        for (const ORB::ScoreType score : {ORB::HARRIS_SCORE, ORB::FAST_SCORE})
+        {
+            const Ptr<Feature2D> detector = AdaptiveQuadtreeORB::create(500, 1.2f, 8, 16, 0, 2, score);
+            EXPECT_EQ(500u, detectAndCompute(*detector, image).keypoints.size());
+        }
+    }
+}
+
+TEST(Aqorb_Issues, opencv_24690_4281_detected_keypoints_are_not_dropped)
+{
+    const Mat scene = makeScene(Size(320, 240));
+    for (int border : {0, 3, 16, 31})
+    {
+        SCOPED_TRACE(border);
+        const Ptr<Feature2D> detector = AdaptiveQuadtreeORB::create(500, 1.2f, 8, border);
+        const Features expected = detectAndCompute(*detector, scene);
+        Features inTwoSteps;
+        detector->detect(scene, inTwoSteps.keypoints);
+        EXPECT_TRUE(sameKeypoints(expected.keypoints, inTwoSteps.keypoints));
+        detector->compute(scene, inTwoSteps.keypoints, inTwoSteps.descriptors);
+        EXPECT_TRUE(sameFeatures(expected, inTwoSteps));
+    }
+}
+
+TEST(Aqorb_Issues, orb_slam2_1029_portrait)
+{
+    for (const Size& size : {Size(240, 640), Size(60, 1000), Size(40, 4000)})
+    {
+        const Features features = detectAndCompute(*AdaptiveQuadtreeORB::create(300), makeNoise(size));
+        EXPECT_EQ(300u, features.keypoints.size());
+        expectValid(features, size);
+    }
+}
+
+}  // namespace
+}  // namespace opencv_test

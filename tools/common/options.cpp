@@ -1,0 +1,50 @@
+// This file is part of aqorb. Copyright (C) The aqorb developers.
+// It is subject to the license terms in the LICENSE file found in the top-level directory
+// of this distribution.
+// SPDX-License-Identifier: Apache-2.0
+
+#include "options.hpp"
+
+#include <algorithm>
+#include <set>
+#include <sstream>
+
+namespace tools
+{
+
+std::vector<std::string> splitList(const std::string& list, char separator)
+{
+    std::vector<std::string> parts;
+    std::istringstream stream(list);
+    for (std::string part; std::getline(stream, part, separator);)
+        parts.push_back(part);
+    return parts;
+}
+
+//! The names of the options: the words between `{` and the first `|` of each.
+static std::set<std::string> optionNames(const std::string& keys)
+{
+    std::set<std::string> names;
+    for (size_t begin = keys.find('{'); begin != std::string::npos; begin = keys.find('{', begin + 1))
+    {
+        std::istringstream words(keys.substr(begin + 1, keys.find('|', begin) - begin - 1));
+        for (std::string word; words >> word;)
+            names.insert(word);
+    }
+    return names;
+}
+
+std::string unknownOption(int argc, const char* const* argv, const std::string& keys)
+{
+    const std::set<std::string> known = optionNames(keys);
+    for (int i = 1; i < argc; i++)
+    {
+        const std::string argument = argv[i];
+        const size_t name = std::min(argument.find_first_not_of('-'), argument.size());
+        if (name > 0 && !known.count(argument.substr(name, argument.find('=') - name)))
+            return argument;
+    }
+    return std::string();
+}
+
+}  // namespace tools

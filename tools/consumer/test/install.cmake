@@ -1,0 +1,17 @@
+# Installs the build, moves what was installed, and writes the project of README.md to a folder.
+cmake_minimum_required(VERSION 3.16)
+file(REMOVE_RECURSE "${INSTALLED}" "${MOVED}" "${EXAMPLE}")
+execute_process(COMMAND "${CMAKE_COMMAND}" --install "${BUILD}" --prefix "${INSTALLED}" RESULT_VARIABLE failed)
+if(failed)
+  message(FATAL_ERROR "cmake --install failed")
+endif()
+file(RENAME "${INSTALLED}" "${MOVED}")
+
+# The block of README.md that calls find_package(aqorb.
+file(READ "${README}" text)
+string(REGEX MATCH "```cmake\n([^`]*find_package\\(aqorb[^`]*)```" block "${text}")
+if(NOT block)
+  message(FATAL_ERROR "${README} shows no project that calls find_package(aqorb)")
+endif()
+file(WRITE "${EXAMPLE}/CMakeLists.txt" "${CMAKE_MATCH_1}enable_testing()\nadd_test(NAME example COMMAND example)\n")
+configure_file("${MAIN}" "${EXAMPLE}/main.cpp" COPYONLY)

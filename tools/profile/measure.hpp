@@ -1,0 +1,60 @@
+// This file is part of aqorb. Copyright (C) The aqorb developers.
+// It is subject to the license terms in the LICENSE file found in the top-level directory
+// of this distribution.
+// SPDX-License-Identifier: Apache-2.0
+
+#ifndef AQORB_PROFILE_MEASURE_HPP
+#define AQORB_PROFILE_MEASURE_HPP
+
+#include "../common/csv.hpp"
+
+#include <opencv2/aqorb.hpp>
+
+#include <string>
+#include <vector>
+
+struct Image
+{
+    //! @param spec WIDTHxHEIGHT draws a scene; others are a photograph of opencv_extra by its short name, or a file.
+    explicit Image(const std::string& spec);
+
+    std::string spec;
+    std::string name;  //!< with the size
+    cv::Mat pixels;
+};
+
+struct Settings
+{
+    std::vector<std::string> images;
+    int nfeatures;
+    int repeats;  //!< frames to measure
+};
+
+enum Detector
+{
+    CV_ORB,
+    AQORB
+};
+
+//! As the harness of perf/ names it.
+const char* nameOf(Detector detector);
+
+cv::Ptr<cv::Feature2D> createDetector(Detector detector, int nfeatures);
+
+//! Features of a frame; outputs are kept from frame to frame, as programs do.
+struct Features
+{
+    std::vector<cv::KeyPoint> keypoints;
+    cv::Mat descriptors;
+};
+
+const int WARM_UP = 3;  //!< frames that --frames runs before those that count
+
+//! Seconds that detectAndCompute takes.
+double timeFrame(cv::Feature2D& detector, const cv::Mat& image, Features& features);
+
+tools::CsvTable measureSetting(const Settings& settings);
+tools::CsvTable measureStages(const Settings& settings);
+tools::CsvTable measureMemory(const Settings& settings);
+
+#endif

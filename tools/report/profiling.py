@@ -1,0 +1,101 @@
+# This file is part of aqorb. Copyright (C) The aqorb developers.
+# It is subject to the license terms in the LICENSE file found in the top-level directory
+# of this distribution.
+# SPDX-License-Identifier: Apache-2.0
+"""The tables of what tools/profile measured: where time, memory and instructions go."""
+
+import os
+import re
+
+import pandas
+
+from document import number
+
+
+def setting_tables(folder):
+    setting = pandas.read_csv(os.path.join(folder, 'setting.csv'), dtype=str)
+    return {'Setting': setting.set_axis(['', ''], axis=1)}
+
+
+def stage_tables(folder):
+    times = pandas.read_csv(os.path.join(folder, 'stages.csv'))
+    images = list(times['image'].unique())
+
+    def of_kind(kind):
+        """Times with a row for each image and frame and a column for each name."""
+        chosen = times[times['kind'] == kind]
+        return chosen.pivot(index=['image', 'frame'], columns='name', values='ns')[list(chosen['name'].unique())]
+
+    stages = medians(of_kind('stage'))
+    totals = stages.sum(axis=1)  # as medians of stages need not add up to the median of frames
+    shares = 100 * stages.div(totals, axis=0)
+    rows = [[stage] + [number(shares.loc[image, stage], 1) for image in images] for stage in stages.columns]
+    cost = 100 * (totals / medians(of_kind('untraced'))['frame'] - 1)
+    rows.append(['a traced frame takes longer by %'] + [number(cost[image], 0) for image in images])
+    tables = {'Stages': pandas.DataFrame(rows, columns=['% of a frame'] + images)}
+
+    paths = of_kind('path')
+    one = paths['1']
+    serial = medians(paths['serial'] / one)
+    longest = medians((paths['enough'] - paths['serial']) / one)
+    bounds = medians(paths[['2', '4', '8', 'enough']].rdiv(one, axis=0))
+    rows = [[image, number(shares.loc[image, 'selection'], 1), number(100 * serial[image], 1),
+             number(100 * longest[image], 1)] + [number(bound) for bound in bounds.loc[image]] for image in images]
+    tables['Critical path'] = pandas.DataFrame(rows, columns=[
+        'image', 'selection %', 'serial %', 'longest tasks %', 'bound, 2 threads', '4', '8', 'enough threads'])
+    return tables
+
+
+def medians(by_frame):
+    return by_frame.groupby(level='image', sort=False).median()
+
+
+def memory_tables(folder):
+    memory = pandas.read_csv(os.path.join(folder, 'memory.csv'))
+    values = ['first', 'later', 'kept']
+    memory[values] = memory[values].div(memory['pixels'], axis=0)  # a pixel is a byte
+    detectors = {detector: rows.set_index(['image', 'threads']) for detector, rows in memory.groupby('detector')}
+    rows = []
+    for case in detectors['AQORB'].index:
+        rows.append([case[0], str(case[1])] + [number(detectors[detector].loc[case, value])
+                                               for detector in ('AQORB', 'CV_ORB') for value in values])
+    return {'Memory': pandas.DataFrame(rows, columns=[
+        'image', 'threads', 'first frame', 'later frames', 'kept between frames', 'cv::ORB, first frame',
+        'cv::ORB, later frames', 'cv::ORB, kept'])}
+
+
+def instruction_tables(folder):
+    counts = pandas.read_csv(os.path.join(folder, 'instructions.csv'))
+    images = list(counts['image'].unique())
+
+    def of_kind(kind, detector):
+        """Instructions with a row for each name and a column for each image, in the order of the file."""
+        chosen = counts[(counts['kind'] == kind) & (counts['detector'] == detector)]
+        table = chosen.pivot(index='name', columns='image', values='instructions')
+        return table.loc[chosen['name'].unique(), images]
+
+    orbs, ours = of_kind('frame', 'CV_ORB').loc['frame'], of_kind('frame', 'AQORB').loc['frame']
+    rows = [[image, number(orbs[image] * 1e-6), number(ours[image] * 1e-6), number(orbs[image] / ours[image])]
+            for image in images]
+    tables = {'Instructions': pandas.DataFrame(rows, columns=[
+        'image', 'cv::ORB, millions', 'AdaptiveQuadtreeORB, millions', 'ratio'])}
+
+    stages = 100 * of_kind('stage', 'AQORB') / ours
+    stages.loc['rest'] = 100 - stages.sum()
+    tables['Instructions by stage'] = shares_table('% of a frame', stages)
+
+    functions = 100 * of_kind('function', 'AQORB') / ours
+    functions = functions.sort_values(images[0], ascending=False).head(15).fillna(0)
+    functions.index = functions.index.map(short_function)
+    tables['Instructions by function'] = shares_table('% of a frame, in the function itself', functions)
+    return tables
+
+
+def shares_table(head, shares):
+    rows = [[name] + [number(share, 1) for share in row] for name, row in shares.iterrows()]
+    return pandas.DataFrame(rows, columns=[head] + list(shares.columns))
+
+
+def short_function(name):
+    """'int cv::aqorb::stages::opt_AVX2::scoreRow<cv::aqorb::...>' without the namespaces and the type it returns."""
+    return re.sub(r'^\w+ ', '', re.sub(r'cv::aqorb::|stages::', '', name))

@@ -1,0 +1,72 @@
+# This file is part of aqorb. Copyright (C) The aqorb developers.
+# It is subject to the license terms in the LICENSE file found in the top-level directory
+# of this distribution.
+# SPDX-License-Identifier: Apache-2.0
+import profiling
+
+
+def rows(table):
+    return table.values.tolist()
+
+
+def write_stages(folder, frames, untraced):
+    """frames: (FAST, selection, serial, two threads), of which a frame is the sum of the first two."""
+    lines = ['image,frame,kind,name,ns']
+    for i, (fast, selection, serial, two) in enumerate(frames):
+        for kind, name, ns in [('stage', 'FAST, cells', fast), ('stage', 'selection', selection),
+                               ('path', 'serial', serial), ('path', '1', fast + selection), ('path', '2', two),
+                               ('path', '4', two), ('path', '8', two), ('path', 'enough', two)]:
+            lines.append('"scene 9x9",{},{},"{}",{}'.format(i, kind, name, ns))
+    lines += ['"scene 9x9",{},untraced,"frame",{}'.format(i, ns) for i, ns in enumerate(untraced)]
+    (folder / 'stages.csv').write_text('\n'.join(lines) + '\n')
+
+
+def test_stages_are_medians_of_frames(tmp_path):
+    # The medians of the stages, 900 and 100, are of different frames; no frame has them both.
+    write_stages(tmp_path, [(900, 1100, 200, 1000), (700, 100, 100, 400), (9000, 90, 909, 4545)], [500, 800, 9000])
+    tables = profiling.stage_tables(tmp_path)
+    assert list(tables['Stages'].columns) == ['% of a frame', 'scene 9x9']
+    assert rows(tables['Stages']) == [['FAST, cells', '90.0'], ['selection', '10.0'],
+                                      ['a traced frame takes longer by %', '25']]
+
+
+def test_critical_path_is_of_ratios_within_a_frame(tmp_path):
+    # serial: 10, 12.5 and 10 %; least time of two threads: 50, 62.5 and 50 %
+    write_stages(tmp_path, [(900, 1100, 200, 1000), (700, 100, 100, 500), (9000, 90, 909, 4545)], [1])
+    assert rows(profiling.stage_tables(tmp_path)['Critical path']) == [
+        ['scene 9x9', '10.0', '10.0', '40.0', '2.00', '2.00', '2.00', '2.00']]
+
+
+def test_memory_is_in_multiples_of_the_image(tmp_path):
+    (tmp_path / 'memory.csv').write_text('image,pixels,threads,detector,first,later,kept\n'
+                                         '"scene 10x10",100,1,AQORB,1000,1100,900\n'
+                                         '"scene 10x10",100,1,CV_ORB,600,655,0\n'
+                                         '"scene 10x10",100,2,AQORB,1200,1300,905\n'
+                                         '"scene 10x10",100,2,CV_ORB,600,655,0\n')
+    assert rows(profiling.memory_tables(tmp_path)['Memory']) == [
+        ['scene 10x10', '1', '10.00', '11.00', '9.00', '6.00', '6.55', '0.00'],
+        ['scene 10x10', '2', '12.00', '13.00', '9.05', '6.00', '6.55', '0.00']]
+
+
+def test_instructions(tmp_path):
+    (tmp_path / 'instructions.csv').write_text(
+        'image,detector,kind,name,instructions\n'
+        'leuven,CV_ORB,frame,frame,80000000.0\nleuven,AQORB,frame,frame,20000000.0\n'
+        'leuven,AQORB,stage,"FAST, suppression",10000000.0\nleuven,AQORB,stage,blur,5000000.0\n'
+        'leuven,AQORB,function,cv::aqorb::stages::opt_AVX2::fetch,1000000.0\n'
+        'leuven,AQORB,function,int cv::aqorb::stages::scoreRow<cv::aqorb::stages::Wide>,2000000.0\n'
+        'bark,CV_ORB,frame,frame,60000000.0\nbark,AQORB,frame,frame,40000000.0\n'
+        'bark,AQORB,stage,"FAST, suppression",10000000.0\nbark,AQORB,stage,blur,5000000.0\n'
+        'bark,AQORB,function,int cv::aqorb::stages::scoreRow<cv::aqorb::stages::Wide>,4000000.0\n')
+    tables = profiling.instruction_tables(tmp_path)
+    assert rows(tables['Instructions']) == [['leuven', '80.00', '20.00', '4.00'], ['bark', '60.00', '40.00', '1.50']]
+    assert rows(tables['Instructions by stage']) == [['FAST, suppression', '50.0', '25.0'], ['blur', '25.0', '12.5'],
+                                                     ['rest', '25.0', '62.5']]
+    # The most of the first image come first.
+    assert rows(tables['Instructions by function']) == [['scoreRow<Wide>', '10.0', '10.0'],
+                                                        ['opt_AVX2::fetch', '5.0', '0.0']]
+
+
+def test_setting(tmp_path):
+    (tmp_path / 'setting.csv').write_text('name,value\nOpenCV,4.10\nframes,31\n')
+    assert rows(profiling.setting_tables(tmp_path)['Setting']) == [['OpenCV', '4.10'], ['frames', '31']]
