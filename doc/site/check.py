@@ -14,6 +14,7 @@ check.py pages SITE SCREENSHOTS   looks at every page with Chromium, in a wide a
 """
 
 import base64
+import fcntl
 import glob
 import html.parser
 import json
@@ -103,8 +104,8 @@ def check_site(site):
                 check(path, target)  # the address of another host does not pass either
     for path in glob.glob(os.path.join(site, '**', '*.css'), recursive=True):
         for target in re.findall(r'url\(["\']?([^"\')]+)', read(path)):
-            if not target.startswith('data:'):
-                check(path, target)
+            if re.match(r'\w+:|/', target) and not target.startswith('data:'):  # the browser misses what is absent
+                problems.append(f'{os.path.basename(path)} needs {target}')
     for target in re.findall(r'url:"([^"]+)"', read(os.path.join(site, 'menudata.js'))):
         check(os.path.join(site, 'index.html'), target)
     for path in glob.glob(os.path.join(site, 'search', '*.js')):
@@ -162,6 +163,8 @@ LOOK = r'''
         if (!element.checkVisibility({opacityProperty: true, visibilityProperty: true}))
             continue;
         texts++;
+        if (/\*\*|`|\]\(/.test(text) && !element.closest('code, pre, .fragment'))
+            problems.add(`not understood as Markdown: "${text.slice(0, 60)}"`);
         if (/\\\(|\\\[|\\f\[|@(ref|cite|code|subpage)\b|\\(ref|cite|subpage)\b/.test(text))
             problems.add(`left as it is in the source: "${text.slice(0, 60)}"`);
         if (!ratios.has(element)) {
@@ -215,7 +218,6 @@ LOOK = r'''
 })()
 '''
 
-# Only the main pages are kept as narrow screenshots.
 WINDOWS = {'wide': (1280, 900, False), 'narrow': (390, 844, True)}
 
 
@@ -239,7 +241,7 @@ class Browser:
         self.process = subprocess.Popen(
             [program, '--headless', '--no-sandbox', '--disable-gpu', '--disable-quic', '--no-first-run',
              '--disable-background-networking', '--disable-component-update', '--disable-sync',
-             '--disable-dev-shm-usage', '--hide-scrollbars', '--host-resolver-rules=MAP * ~NOTFOUND',
+             '--disable-dev-shm-usage', '--host-resolver-rules=MAP * ~NOTFOUND',
              '--allow-file-access-from-files', f'--user-data-dir={self.profile}', '--remote-debugging-pipe', 'about:blank'],
             preexec_fn=connect, close_fds=False, stdin=subprocess.DEVNULL, stdout=subprocess.DEVNULL,
             stderr=subprocess.DEVNULL, env=dict(os.environ, HOME=self.profile))
@@ -253,7 +255,6 @@ class Browser:
 
     @staticmethod
     def above(fd):
-        import fcntl
         return fcntl.fcntl(fd, fcntl.F_DUPFD, 10)
 
     def receive(self, deadline):
@@ -331,9 +332,9 @@ def check_pages(site, screenshots):
         for path in paths:
             name = os.path.basename(path)[:-len('.html')]
             browser.open('file://' + urllib.parse.quote(os.path.abspath(path)))
-            found = browser.evaluate(LOOK)
-            found += browser.failures()
-            problems.extend(f'{name}.html, {window}: {problem}' for problem in found)
+            found = browser.evaluate(LOOK) + list(browser.failures())
+            shown = found[:10] + ([f'{len(found) - 10} problems more'] if len(found) > 10 else [])
+            problems.extend(f'{name}.html, {window}: {problem}' for problem in shown)
             picture = browser.call('Page.captureScreenshot', captureBeyondViewport=True)
             with open(os.path.join(screenshots, f'{name}.{window}.png'), 'wb') as file:
                 file.write(base64.b64decode(picture['data']))

@@ -77,8 +77,10 @@ def prose(text, path):
 
     def document(match):
         other = page(match.group(1))
-        return f'[{title(match.group(1))}](@ref {other})' if other and other != name else match.group(0)
-    text = re.sub(r'(?<!\[)`((?:doc|bindings)/[\w/]+\.md)`(?!\])', document, text)
+        return f'[{title(match.group(1))}](@ref {other})' if other else match.group(0)
+    if path.endswith('.markdown'):  # which cannot link to what is not in the module
+        text = re.sub(r'`(doc/\w+\.md)`', document, text)
+    text = re.sub(r'\*\*(`[^`]+`)\*\*', r'<b>\1</b>', text)
     # An apostrophe would end the code for doxygen, which takes two more marks as a sign that it does not.
     return re.sub(r'`+[^`]+`+', lambda code: f'`{code[0]}`' if "'" in code[0] else code[0], text)
 

@@ -110,7 +110,8 @@ def write_page(tags, path):
         rows = ['| call | result | in C++ |', '|---|---|---|']
         for name, overloads in declared.items():
             for call, result in overloads:
-                rows.append(f'| `{call}` | `{result}` | {counterpart(name, scope)} |')
+                # The mark keeps doxygen from taking the name for that of a function of OpenCV.
+                rows.append(f'| <code>%{call}</code> | `{result}` | {counterpart(name, scope)} |')
         return '\n'.join(rows)
 
     rows = ['| name | type |', '|---|---|'] + [f'| `{name}` | `{value}` |' for name, value in types.items()]
