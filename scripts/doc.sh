@@ -10,7 +10,7 @@
 # Installs the Debian packages it needs and fetches OpenCV's source, to link its classes, and for its bibliography.
 source "$(dirname "$0")/common.sh"
 
-need doxygen graphviz texlive-binaries libjs-mathjax chromium python3
+need doc
 opencv_source
 # BibTeX finds its files here without TeX's configuration, which is a large package.
 export BIBINPUTS=. BSTINPUTS=.
