@@ -216,14 +216,6 @@ TEST(AqorbFast, equalsBruteForceInEveryRegion)
     EXPECT_TRUE(corners(noise, Rect(0, 0, 3, 60), 1).empty());
 }
 
-TEST(AqorbFast, takesPartsOfLargerImages)
-{
-    const Mat whole = makeNoise(Size(150, 90));
-    const Mat part = whole(Rect(31, 11, 77, 44));
-    EXPECT_TRUE(sameCorners(corners(part, Rect(Point(), part.size()), 30),
-                            corners(part.clone(), Rect(Point(), part.size()), 30)));
-}
-
 TEST(AqorbFast, flatImagesHaveNoCorners)
 {
     for (int grey = 0; grey <= 255; grey += 51)

@@ -9,32 +9,6 @@ namespace opencv_test
 namespace
 {
 
-Mat circleMask(Size size, uchar value)
-{
-    Mat mask = Mat::zeros(size, CV_8UC1);
-    circle(mask, Point(size.width / 2, size.height / 2), std::min(size.width, size.height) * 2 / 5,
-           Scalar(value), -1);
-    return mask;
-}
-
-TEST(AQORB_Masks, any_value_but_0_means_use)
-{
-    const Mat image = makeScene(Size(320, 240));
-    const Ptr<AdaptiveQuadtreeORB> detector = AdaptiveQuadtreeORB::create(300);
-    const Features expected = detectAndCompute(*detector, image, circleMask(image.size(), 255));
-    EXPECT_EQ(300u, expected.keypoints.size());
-    EXPECT_TRUE(sameFeatures(expected, detectAndCompute(*detector, image, circleMask(image.size(), 1))));
-    EXPECT_TRUE(sameFeatures(expected, detectAndCompute(*detector, image, circleMask(image.size(), 128))));
-}
-
-TEST(AQORB_Masks, a_full_mask_is_none)
-{
-    const Mat image = makeScene(Size(320, 240));
-    const Ptr<AdaptiveQuadtreeORB> detector = AdaptiveQuadtreeORB::create(300);
-    EXPECT_TRUE(sameFeatures(detectAndCompute(*detector, image),
-                             detectAndCompute(*detector, image, Mat(image.size(), CV_8UC1, Scalar(9)))));
-}
-
 TEST(AQORB_Masks, an_empty_mask_gives_nothing)
 {
     const Mat image = makeScene(Size(320, 240));

@@ -109,8 +109,11 @@ void expectDescriptorsOfOrb(const Parameters& p, const Mat& image)
     }
     ASSERT_EQ(int(tagged.size()), descriptors.rows);
     const int tolerance = toleratedBits();
+    int last = -1;
     for (size_t i = 0; i < tagged.size(); i++)
     {
+        ASSERT_GT(tagged[i].class_id, last);  // cv::ORB keeps the order, too.
+        last = tagged[i].class_id;
         ASSERT_LE(cv::norm(ours.descriptors.row(tagged[i].class_id), descriptors.row(int(i)), NORM_HAMMING),
                   tolerance)
             << "at (" << tagged[i].pt.x << ", " << tagged[i].pt.y << ") octave " << tagged[i].octave;

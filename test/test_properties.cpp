@@ -4,6 +4,8 @@
 
 #include "reference.hpp"
 
+#include "pyramid.hpp"
+
 #include <numeric>
 
 // What must hold for any image and any parameters, on thousands of small random cases. A failure prints the
@@ -83,15 +85,9 @@ Size randomSize(RNG& rng)
     return Size(rng.uniform(10, 130), rng.uniform(10, 110));
 }
 
-bool isBefore(const KeyPoint& a, const KeyPoint& b)
-{
-    if (a.octave != b.octave)
-        return a.octave < b.octave;
-    return a.pt.y != b.pt.y ? a.pt.y < b.pt.y : a.pt.x < b.pt.x;
-}
-
 TEST(AqorbProperties, capMaskFieldsAndDeterminism)
 {
+    size_t found = 0;
     Ptr<AdaptiveQuadtreeORB> used;
     for (int seed = 1; seed <= 3000; seed++)
     {
@@ -117,7 +113,9 @@ TEST(AqorbProperties, capMaskFieldsAndDeterminism)
             ASSERT_TRUE(mask.empty() || mask.at<uchar>(cvRound(k.pt.y), cvRound(k.pt.x)) != 0);
         }
         ASSERT_TRUE(sameFeatures(features, detectAndCompute(*used, image.clone(), mask)));
+        found += features.keypoints.size();
     }
+    EXPECT_GT(found, 10000u);
 }
 
 TEST(AqorbProperties, descriptorsAreThoseOfOrb)
@@ -162,8 +160,9 @@ TEST(AqorbProperties, quotasAddUpToTheNumberOfFeatures)
         const int n = rng.uniform(0, 3) ? rng.uniform(0, 3000) : int(rng.next() >> 1);
         const double factor = rng.uniform(1.001, 4.);
         const int nlevels = rng.uniform(1, 40);
-        const std::vector<int> quotas = reference::quotas(n, factor, nlevels);
+        const std::vector<int> quotas = aqorb::stages::levelQuotas(n, factor, nlevels);
         ASSERT_EQ(size_t(nlevels), quotas.size());
+        ASSERT_EQ(reference::quotas(n, factor, nlevels), quotas) << n << " " << factor << " " << nlevels;
         ASSERT_GE(*std::min_element(quotas.begin(), quotas.end()), 0) << n << " " << factor << " " << nlevels;
         ASSERT_EQ(n, std::accumulate(quotas.begin(), quotas.end(), int64(0)))
             << n << " " << factor << " " << nlevels;
@@ -172,7 +171,8 @@ TEST(AqorbProperties, quotasAddUpToTheNumberOfFeatures)
 
 TEST(AqorbProperties, asManyFeaturesAsThereAreCorners)
 {
-    // All corners there are come with nfeatures large enough; with fewer, exactly so many.
+    // If nfeatures is large enough, every corner becomes a keypoint. If not, exactly nfeatures of them do.
+    int64 corners = 0;
     for (int seed = 1; seed <= 400; seed++)
     {
         RNG rng(seed);
@@ -192,6 +192,7 @@ TEST(AqorbProperties, asManyFeaturesAsThereAreCorners)
         detector->setMaxFeatures(1 << 20);
         detector->detect(image, keypoints, mask);
         const int all = int(keypoints.size());
+        corners += all;
         if (isPlain)
         {
             const int e = s.edgeThreshold;
@@ -209,6 +210,7 @@ TEST(AqorbProperties, asManyFeaturesAsThereAreCorners)
             ASSERT_EQ(std::min(n, all), int(keypoints.size())) << "nfeatures " << n;
         }
     }
+    EXPECT_GT(corners, 10000);
 }
 
 TEST(AqorbProperties, moreFeaturesKeepTheOthers)
@@ -216,6 +218,7 @@ TEST(AqorbProperties, moreFeaturesKeepTheOthers)
     // On one level with a quadtree of given depth the choice is a prefix of a sequence that does not depend
     // on nfeatures. (With several levels a quota may shrink as nfeatures grows, by what coarser levels
     // leave over; with equation (9) the depth grows.)
+    size_t compared = 0;
     for (int seed = 1; seed <= 400; seed++)
     {
         RNG rng(seed);
@@ -231,12 +234,15 @@ TEST(AqorbProperties, moreFeaturesKeepTheOthers)
         {
             detector->setMaxFeatures(n);
             detector->detect(image, more);
-            std::sort(more.begin(), more.end(), isBefore);  // it is the pixels that are in order
-            ASSERT_TRUE(std::includes(more.begin(), more.end(), fewer.begin(), fewer.end(), isBefore))
-                << "nfeatures " << n;
+            size_t found = 0;  // of the fewer ones, which must be there unchanged and in the same order
+            for (const KeyPoint& k : more)
+                found += found < fewer.size() && sameKeypoints(KeyPoints(1, k), KeyPoints(1, fewer[found]));
+            ASSERT_EQ(fewer.size(), found) << "nfeatures " << n;
+            compared += found;
             fewer = more;
         }
     }
+    EXPECT_GT(compared, 10000u);
 }
 
 TEST(AqorbProperties, theSceneMovedByWholeCellsGivesTheSameMoved)
@@ -295,7 +301,9 @@ TEST(AqorbProperties, theSceneMovedByWholeCellsGivesTheSameMoved)
 
 TEST(AqorbProperties, aMaskTakesCornersAwayAndNothingElse)
 {
-    // On one level, where corners do not compete: one threshold, fixed, no suppression, room for all.
+    // This holds on one level where corners do not compete: with one fixed threshold, without suppression,
+    // and with an nfeatures that no image reaches.
+    size_t removed = 0, compared = 0;
     for (int seed = 1; seed <= 500; seed++)
     {
         RNG rng(seed);
@@ -313,16 +321,21 @@ TEST(AqorbProperties, aMaskTakesCornersAwayAndNothingElse)
         KeyPoints all, masked;
         detector->detect(image, all);
         detector->detect(image, masked, mask);
+        removed += all.size() - std::min(all.size(), masked.size());
+        compared += masked.size();
         all.erase(std::remove_if(all.begin(), all.end(),
                                  [&](const KeyPoint& k)
                                  { return mask.at<uchar>(int(k.pt.y), int(k.pt.x)) == 0; }),
                   all.end());
         ASSERT_TRUE(sameKeypoints(all, masked));
     }
+    EXPECT_GT(removed, 1000u);
+    EXPECT_GT(compared, 1000u);
 }
 
 TEST(AqorbProperties, neverFewerThanOrb)
 {
+    size_t compared = 0;
     for (int seed = 1; seed <= 500; seed++)
     {
         RNG rng(seed);
@@ -338,7 +351,9 @@ TEST(AqorbProperties, neverFewerThanOrb)
             ->detect(image, theirs);
         // cv::ORB keeps all that tie for the last place.
         ASSERT_GE(ours.size(), std::min(theirs.size(), size_t(s.nfeatures)));
+        compared += theirs.size();
     }
+    EXPECT_GT(compared, 10000u);
 }
 
 TEST(AqorbProperties, retainUniformKeepsAsManyAsThereAreInside)
@@ -364,7 +379,7 @@ TEST(AqorbProperties, retainUniformKeepsAsManyAsThereAreInside)
         int last = -1;
         for (const KeyPoint& k : kept)
         {
-            ASSERT_GT(k.class_id, last);  // in their order
+            ASSERT_GT(k.class_id, last);  // They keep their order.
             ASSERT_TRUE(sameKeypoints(KeyPoints(1, k), KeyPoints(1, given[k.class_id])));
             last = k.class_id;
         }
