@@ -1,7 +1,7 @@
 # Included by ctest, after it has listed the tests of aqorb_test: gives them their labels.
 foreach(test IN LISTS aqorb_test_TESTS)
   set(labels unit)
-  if(test MATCHES "Concurren|Threads")
+  if(test MATCHES "concurrency|threads")
     list(APPEND labels concurrency)
   endif()
   set_tests_properties("${test}" PROPERTIES LABELS "${labels}")

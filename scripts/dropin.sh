@@ -28,7 +28,7 @@ build "$folder"
 mkdir -p "$folder/out"
 
 say "A program of the installed OpenCV's cv::ORB"
-ctest --test-dir "$BUILD/release" --tests-regex '^Preload' --output-on-failure --no-tests=error
+ctest --test-dir "$BUILD/release" --tests-regex '^Aqorb_Preload' --output-on-failure --no-tests=error
 
 say "Debian's python3-opencv"
 LD_PRELOAD=$preload "$PYTHON" "$ROOT/bindings/preload/test/test_python.py"

@@ -44,13 +44,13 @@ double worstError(bool subPixel)
     return worst;
 }
 
-TEST(AqorbAnalytic, positionOfABlobIsASmallFractionOfAPixelOff)
+TEST(Aqorb_Analytic, position_of_a_blob_is_a_small_fraction_of_a_pixel_off)
 {
     EXPECT_LT(worstError(true), 0.15);
     EXPECT_GT(worstError(false), 0.5);  // whole pixels are half a diagonal off
 }
 
-TEST(AqorbAnalytic, aBlobIsAtTheSamePlaceOnEveryLevel)
+TEST(Aqorb_Analytic, a_blob_is_at_the_same_place_on_every_level)
 {
     for (int octave = 0; octave < 8; octave++)
     {
@@ -73,7 +73,7 @@ TEST(AqorbAnalytic, aBlobIsAtTheSamePlaceOnEveryLevel)
     }
 }
 
-TEST(AqorbAnalytic, theBestOfEachLeafIsChosen)
+TEST(Aqorb_Analytic, the_best_of_each_leaf_is_chosen)
 {
     // A level with 16 features has 4 x 4 leaves. Each holds dots of three brightnesses in random places;
     // neither the other dots nor the leaves with the brightest ones may crowd the others out.
@@ -113,7 +113,7 @@ TEST(AqorbAnalytic, theBestOfEachLeafIsChosen)
     }
 }
 
-TEST(AqorbAnalytic, aCornerIsKeptOnceInsteadOfOnEveryLevel)
+TEST(Aqorb_Analytic, a_corner_is_kept_once_instead_of_on_every_level)
 {
     Mat image(300, 300, CV_8UC1, Scalar(20));
     drawBlob(image, Point2d(150, 150), 4, 200);

@@ -39,7 +39,7 @@ void expectWithinBound(const Mat& image, const Mat& blurred, const Mat& exact)
     }
 }
 
-TEST(AqorbBlur, approximationStaysWithinItsBoundForEveryWidth)
+TEST(Aqorb_Blur, approximation_stays_within_its_bound_for_every_width)
 {
     for (int width = 1; width <= MAX_WIDTH; width++)
     {
@@ -57,7 +57,7 @@ TEST(AqorbBlur, approximationStaysWithinItsBoundForEveryWidth)
     }
 }
 
-TEST(AqorbBlur, isTheSameForEveryWidthAndAlignment)
+TEST(Aqorb_Blur, is_the_same_for_every_width_and_alignment)
 {
     BlurScratch scratch;
     for (int width = 1; width <= MAX_WIDTH; width++)
@@ -87,7 +87,7 @@ TEST(AqorbBlur, isTheSameForEveryWidthAndAlignment)
     }
 }
 
-TEST(AqorbBlur, ofARegionEqualsThatOfTheImage)
+TEST(Aqorb_Blur, of_a_region_equals_that_of_the_image)
 {
     RNG rng(3);
     const int widths[] = {1, 2, 5, 6, 7, 31, 32, 33, 64, 100, 700, 2047, 2048, 2049, 2500};
@@ -122,7 +122,7 @@ TEST(AqorbBlur, ofARegionEqualsThatOfTheImage)
     }
 }
 
-TEST(AqorbBlur, approximationStaysWithinItsBoundOnFlatImages)
+TEST(Aqorb_Blur, approximation_stays_within_its_bound_on_flat_images)
 {
     for (int grey = 0; grey <= 255; grey++)
     {
@@ -133,7 +133,7 @@ TEST(AqorbBlur, approximationStaysWithinItsBoundOnFlatImages)
     }
 }
 
-TEST(AqorbBlur, approximationStaysWithinItsBoundOnTheWorstPatches)
+TEST(Aqorb_Blur, approximation_stays_within_its_bound_on_the_worst_patches)
 {
     // Single bright pixels and rows of them: the products of one tap round alone.
     for (int i = 0; i < 49; i++)
@@ -149,7 +149,7 @@ TEST(AqorbBlur, approximationStaysWithinItsBoundOnTheWorstPatches)
     }
 }
 
-TEST(AqorbBlur, exactBlurEqualsFusedMultiplyAdd)
+TEST(Aqorb_Blur, exact_blur_equals_fused_multiply_add)
 {
     const Size sizes[] = {Size(131, 60), Size(30, 17), Size(7, 7), Size(5, 3), Size(2, 1), Size(1, 1)};
     for (const Size& size : sizes)
@@ -172,7 +172,7 @@ TEST(AqorbBlur, exactBlurEqualsFusedMultiplyAdd)
     }
 }
 
-TEST(AqorbBlur, takesPartsOfLargerImages)
+TEST(Aqorb_Blur, takes_parts_of_larger_images)
 {
     const Mat part = makeNoise(Size(90, 70))(Rect(11, 5, 51, 40));
     Mat blurred, ofClone, reused(51, 40, CV_8UC3);
@@ -185,7 +185,7 @@ TEST(AqorbBlur, takesPartsOfLargerImages)
     EXPECT_EQ(exactBlur(part, 50, 39), exactBlur(part.clone(), 50, 39));
 }
 
-TEST(AqorbBlur, isOpenCVsGaussianWithinARounding)
+TEST(Aqorb_Blur, is_opencv_gaussian_within_a_rounding)
 {
     const Mat scene = makeScene(Size(150, 110));
     Mat expected;

@@ -11,7 +11,7 @@ namespace opencv_test
 namespace
 {
 
-TEST(AQORB_BuildPyramid, is_what_detection_uses)
+TEST(Aqorb_BuildPyramid, is_what_detection_uses)
 {
     const Mat image = makeScene(Size(211, 157));
     const float factors[] = {1.1f, 1.2f, 2.f};
@@ -32,7 +32,7 @@ TEST(AQORB_BuildPyramid, is_what_detection_uses)
 }
 
 // A level given as an image has the features that it has as a level.
-TEST(AQORB_BuildPyramid, holds_the_levels_of_ORB)
+TEST(Aqorb_BuildPyramid, holds_the_levels_of_orb)
 {
     const Mat image = makeScene(Size(400, 300));
     std::vector<Mat> levels;
@@ -50,7 +50,7 @@ TEST(AQORB_BuildPyramid, holds_the_levels_of_ORB)
     }
 }
 
-TEST(AQORB_BuildPyramid, takes_what_detection_takes)
+TEST(Aqorb_BuildPyramid, takes_what_detection_takes)
 {
     const Ptr<AdaptiveQuadtreeORB> detector = AdaptiveQuadtreeORB::create();
     const Mat image = makeScene(Size(200, 150));

@@ -9,7 +9,7 @@ namespace opencv_test
 namespace
 {
 
-TEST(AQORB_Contracts, defaults)
+TEST(Aqorb_Contracts, defaults)
 {
     const Ptr<AdaptiveQuadtreeORB> detector = AdaptiveQuadtreeORB::create();
     EXPECT_EQ(500, detector->getMaxFeatures());
@@ -29,7 +29,7 @@ TEST(AQORB_Contracts, defaults)
     EXPECT_TRUE(detector->getSubPixel());
 }
 
-TEST(AQORB_Contracts, is_an_ORB)
+TEST(Aqorb_Contracts, is_an_orb)
 {
     const Ptr<ORB> orb = AdaptiveQuadtreeORB::create(1000);
     orb->setMaxFeatures(77);
@@ -62,7 +62,7 @@ TEST(AQORB_Contracts, is_an_ORB)
     EXPECT_EQ("Feature2D.AdaptiveQuadtreeORB", orb->getDefaultName());
 }
 
-TEST(AQORB_Contracts, the_cap_is_reached_and_never_exceeded)
+TEST(Aqorb_Contracts, the_cap_is_reached_and_never_exceeded)
 {
     const Mat image = makeScene(Size(640, 480));
     const int counts[] = {0, 1, 2, 7, 30, 100, 499, 500, 1000, 1500};
@@ -85,7 +85,7 @@ TEST(AQORB_Contracts, the_cap_is_reached_and_never_exceeded)
     }
 }
 
-TEST(AQORB_Contracts, fields_and_order_of_keypoints)
+TEST(Aqorb_Contracts, fields_and_order_of_keypoints)
 {
     const Mat image = makeScene(Size(400, 300));
     const Ptr<AdaptiveQuadtreeORB> detector =
@@ -111,7 +111,7 @@ TEST(AQORB_Contracts, fields_and_order_of_keypoints)
     EXPECT_EQ(4, octave);
 }
 
-TEST(AQORB_Contracts, levels_before_the_first_are_finer)
+TEST(Aqorb_Contracts, levels_before_the_first_are_finer)
 {
     // The scale of a level, and with it the size of its keypoints, counts from firstLevel.
     const Mat image = makeScene(Size(240, 180));
@@ -140,7 +140,7 @@ TEST(AQORB_Contracts, levels_before_the_first_are_finer)
     }
 }
 
-TEST(AQORB_Contracts, one_level_needs_no_scale_factor)
+TEST(Aqorb_Contracts, one_level_needs_no_scale_factor)
 {
     const Mat image = makeScene(Size(320, 240), 6);
     const Features expected = detectAndCompute(*AdaptiveQuadtreeORB::create(300, 2.f, 1), image);
@@ -153,7 +153,7 @@ TEST(AQORB_Contracts, one_level_needs_no_scale_factor)
     }
 }
 
-TEST(AQORB_Contracts, nothing_found_clears_both_outputs)
+TEST(Aqorb_Contracts, nothing_found_clears_both_outputs)
 {
     const Ptr<AdaptiveQuadtreeORB> detector = AdaptiveQuadtreeORB::create();
     const Mat images[] = {Mat(), Mat::zeros(1, 1, CV_8UC1), Mat::zeros(300, 300, CV_8UC1),
@@ -171,7 +171,7 @@ TEST(AQORB_Contracts, nothing_found_clears_both_outputs)
     EXPECT_TRUE(stale.descriptors.empty());
 }
 
-TEST(AQORB_Contracts, night_and_half_black_images)
+TEST(Aqorb_Contracts, night_and_half_black_images)
 {
     const Ptr<AdaptiveQuadtreeORB> detector = AdaptiveQuadtreeORB::create(500);
     const Mat scene = makeScene(Size(640, 480), 3);
@@ -196,7 +196,7 @@ TEST(AQORB_Contracts, night_and_half_black_images)
         EXPECT_GT(keypoint.pt.x, 310);
 }
 
-TEST(AQORB_Contracts, keypoints_cover_the_image)
+TEST(Aqorb_Contracts, keypoints_cover_the_image)
 {
     const Mat image = makeScene(Size(640, 480), 7);
     KeyPoints ours, ofORB;

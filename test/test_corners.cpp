@@ -91,7 +91,7 @@ void expectAsReference(const Level& level, const Rect& region, int ini, int min,
     }
 }
 
-TEST(AqorbCorners, equalReference)
+TEST(Aqorb_Corners, equal_reference)
 {
     const Size size(121, 93);
     Mat smooth;
@@ -117,7 +117,7 @@ TEST(AqorbCorners, equalReference)
     }
 }
 
-TEST(AqorbCorners, equalReferenceWithMasks)
+TEST(Aqorb_Corners, equal_reference_with_masks)
 {
     const Size size(90, 70);
     const Mat scene = makeScene(size, 5);
@@ -133,7 +133,7 @@ TEST(AqorbCorners, equalReferenceWithMasks)
                       workspace);
 }
 
-TEST(AqorbCorners, equalReferenceForEveryWidthAndAnyWorkspace)
+TEST(Aqorb_Corners, equal_reference_for_every_width_and_any_workspace)
 {
     LevelCorners workspace;  // What one image leaves in it must not show in the next, smaller or larger.
     for (int width = MAX_WIDTH; width >= 1; width--)
@@ -153,7 +153,7 @@ Mat dots(const std::vector<Point>& places, const std::vector<int>& contrasts)
     return image;
 }
 
-TEST(AqorbCorners, aWeakCornerCountsOnlyInACellWithoutStrongOnes)
+TEST(Aqorb_Corners, a_weak_corner_counts_only_in_a_cell_without_strong_ones)
 {
     const Point places[] = {Point(15, 15), Point(25, 25), Point(60, 20)};
     const int contrasts[] = {101, 31, 31};
@@ -182,7 +182,7 @@ TEST(AqorbCorners, aWeakCornerCountsOnlyInACellWithoutStrongOnes)
     EXPECT_TRUE(weak.empty());
 }
 
-TEST(AqorbCorners, aCornerFallsEvenToOneThatFalls)
+TEST(Aqorb_Corners, a_corner_falls_even_to_one_that_falls)
 {
     // Three dots in a row, off each other's circles, so that the first and the last do not see each other.
     const Point places[] = {Point(40, 40), Point(43, 43), Point(46, 46), Point(60, 60), Point(60, 64)};
@@ -200,7 +200,7 @@ TEST(AqorbCorners, aCornerFallsEvenToOneThatFalls)
     EXPECT_EQ(corners.suppressed.size(), 2u);
 }
 
-TEST(AqorbCorners, ofEqualOnesTheFirstInRasterOrderStays)
+TEST(Aqorb_Corners, of_equal_ones_the_first_in_raster_order_stays)
 {
     const Point places[] = {Point(40, 40), Point(37, 43), Point(20, 20), Point(23, 20)};
     const int contrasts[] = {60, 60, 60, 60};

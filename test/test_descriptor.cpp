@@ -61,7 +61,7 @@ std::vector<FeaturePoint> randomPoints(Size size, int count, int seed)
     return points;
 }
 
-TEST(AqorbDescriptor, equalsReference)
+TEST(Aqorb_Descriptor, equals_reference)
 {
     const int patches[] = {2, 3, 8, 30, 31, 32, 47, 80};
     const Size size(130, 95);
@@ -81,7 +81,7 @@ TEST(AqorbDescriptor, equalsReference)
     }
 }
 
-TEST(AqorbDescriptor, equalsReferenceAtBorders)
+TEST(Aqorb_Descriptor, equals_reference_at_borders)
 {
     const Size sizes[] = {Size(70, 64), Size(33, 20), Size(9, 40), Size(3, 3), Size(1, 1)};
     for (const Size& size : sizes)
@@ -113,7 +113,7 @@ TEST(AqorbDescriptor, equalsReferenceAtBorders)
     }
 }
 
-TEST(AqorbDescriptor, equalsReferenceForEveryWidthAndAlignment)
+TEST(Aqorb_Descriptor, equals_reference_for_every_width_and_alignment)
 {
     const DescriptorTests tests(descriptorPattern(31, 2), 2);
     for (int width = 1; width <= MAX_WIDTH; width++)
@@ -147,7 +147,7 @@ TEST(AqorbDescriptor, equalsReferenceForEveryWidthAndAlignment)
     }
 }
 
-TEST(AqorbDescriptor, equalsReferenceWhereTheApproximationCannotTell)
+TEST(Aqorb_Descriptor, equals_reference_where_the_approximation_cannot_tell)
 {
     // Slopes so flat that neighbours differ by less than the bound of the approximate blur.
     Mat slope(100, 160, CV_8UC1);
@@ -171,7 +171,7 @@ TEST(AqorbDescriptor, equalsReferenceWhereTheApproximationCannotTell)
     }
 }
 
-TEST(AqorbDescriptor, equalsReferenceForEveryAngle)
+TEST(Aqorb_Descriptor, equals_reference_for_every_angle)
 {
     const Mat scene = makeScene(Size(90, 90), 3);
     std::vector<FeaturePoint> points;
@@ -183,13 +183,13 @@ TEST(AqorbDescriptor, equalsReferenceForEveryAngle)
     expectAsReference(scene, points, 31, 2);
 }
 
-TEST(AqorbDescriptor, takesPartsOfLargerImages)
+TEST(Aqorb_Descriptor, takes_parts_of_larger_images)
 {
     const Mat part = makeNoise(Size(140, 110))(Rect(17, 9, 90, 70));
     expectAsReference(part, randomPoints(part.size(), 100, 8), 31, 2);
 }
 
-TEST(AqorbDescriptor, patternEqualsReference)
+TEST(Aqorb_Descriptor, pattern_equals_reference)
 {
     for (int WTA_K = 2; WTA_K <= 4; WTA_K++)
     {
@@ -205,7 +205,7 @@ TEST(AqorbDescriptor, patternEqualsReference)
     }
 }
 
-TEST(AqorbDescriptor, ofThePatternsFirstTests)
+TEST(Aqorb_Descriptor, of_the_patterns_first_tests)
 {
     // A bright left half: test 1 of the learned pattern compares (8, -3) with (9, 5), test 2 (4, 2) with
     // (7, -12), test 3 (-11, 9) with (-8, 2), ...; only tests whose points lie on both sides can tell.

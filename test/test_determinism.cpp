@@ -22,7 +22,7 @@ private:
     int before;
 };
 
-TEST(AQORB_Determinism, Threads_1_to_8_give_the_same_bytes)
+TEST(Aqorb_Determinism, threads_1_to_8_give_the_same_bytes)
 {
     const Ptr<AdaptiveQuadtreeORB> detector = AdaptiveQuadtreeORB::create(700);
     const Mat image = makeScene(Size(320, 240));
@@ -44,7 +44,7 @@ TEST(AQORB_Determinism, Threads_1_to_8_give_the_same_bytes)
     }
 }
 
-TEST(AQORB_Determinism, Concurrency_one_object_serves_many_threads)
+TEST(Aqorb_Determinism, concurrency_one_object_serves_many_threads)
 {
     const int THREADS = 8, ROUNDS = 6;
     const Ptr<AdaptiveQuadtreeORB> detector = AdaptiveQuadtreeORB::create(200);
@@ -77,7 +77,7 @@ TEST(AQORB_Determinism, Concurrency_one_object_serves_many_threads)
     EXPECT_EQ(std::vector<int>(THREADS, 0), wrong);
 }
 
-TEST(AQORB_Determinism, every_CPU_path_gives_the_same_bytes)
+TEST(Aqorb_Determinism, every_cpu_path_gives_the_same_bytes)
 {
     for (int seed = 1; seed <= 4; seed++)
     {
@@ -91,7 +91,7 @@ TEST(AQORB_Determinism, every_CPU_path_gives_the_same_bytes)
     }
 }
 
-TEST(AQORB_Determinism, what_lies_around_a_region_does_not_matter)
+TEST(Aqorb_Determinism, what_lies_around_a_region_does_not_matter)
 {
     // Image and mask are parts of larger matrices. What is around them changes, they do not. Without a border,
     // and with the narrow one, the detector reads pixels beyond the sides of the image.
@@ -116,8 +116,8 @@ TEST(AQORB_Determinism, what_lies_around_a_region_does_not_matter)
                 image.copyTo(wholeImage(region));
                 mask.copyTo(wholeMask(region));
                 EXPECT_FALSE(wholeImage(region).isContinuous());
-                EXPECT_TRUE(
-                    sameFeatures(expected, detectAndCompute(*detector, wholeImage(region), wholeMask(region))));
+                EXPECT_TRUE(sameFeatures(expected,
+                                         detectAndCompute(*detector, wholeImage(region), wholeMask(region))));
                 EXPECT_TRUE(sameFeatures(unmasked, detectAndCompute(*detector, wholeImage(region))));
                 Features computed = {expected.keypoints, Mat()};
                 detector->compute(wholeImage(region), computed.keypoints, computed.descriptors);
@@ -127,7 +127,7 @@ TEST(AQORB_Determinism, what_lies_around_a_region_does_not_matter)
     }
 }
 
-TEST(AQORB_Determinism, UMat_equals_Mat)
+TEST(Aqorb_Determinism, umat_equals_mat)
 {
     const Mat image = makeScene(Size(300, 200));
     const Mat mask = image < 180;
@@ -157,7 +157,7 @@ TEST(AQORB_Determinism, UMat_equals_Mat)
     EXPECT_TRUE(descriptors.empty());
 }
 
-TEST(AQORB_Determinism, colour_equals_its_grey_image)
+TEST(Aqorb_Determinism, colour_equals_its_grey_image)
 {
     const Size size(300, 200);
     std::vector<Mat> channels;

@@ -40,7 +40,7 @@ template <typename Call> std::string messageOf(Call call)
 const float NOT_A_NUMBER = std::numeric_limits<float>::quiet_NaN();
 const float ENDLESS = std::numeric_limits<float>::infinity();
 
-TEST(AQORB_Errors, bad_parameters_of_create)
+TEST(Aqorb_Errors, bad_parameters_of_create)
 {
 #define AQORB_BAD(name, value, call) \
     EXPECT_TRUE(names(messageOf([] { AdaptiveQuadtreeORB::call; }), name, value))
@@ -62,7 +62,7 @@ TEST(AQORB_Errors, bad_parameters_of_create)
 #undef AQORB_BAD
 }
 
-TEST(AQORB_Errors, bad_values_of_setters_leave_the_object_unchanged)
+TEST(Aqorb_Errors, bad_values_of_setters_leave_the_object_unchanged)
 {
     const Ptr<AdaptiveQuadtreeORB> detector = AdaptiveQuadtreeORB::create();
     const Mat image = makeScene(Size(200, 150));
@@ -95,7 +95,7 @@ TEST(AQORB_Errors, bad_values_of_setters_leave_the_object_unchanged)
     EXPECT_TRUE(sameFeatures(before, detectAndCompute(*detector, image)));
 }
 
-TEST(AQORB_Errors, the_ends_of_what_is_accepted_are_accepted)
+TEST(Aqorb_Errors, the_ends_of_what_is_accepted_are_accepted)
 {
     const Ptr<AdaptiveQuadtreeORB> detector = AdaptiveQuadtreeORB::create();
     EXPECT_NO_THROW(detector->setMaxFeatures(0));
@@ -117,7 +117,7 @@ TEST(AQORB_Errors, the_ends_of_what_is_accepted_are_accepted)
     EXPECT_NO_THROW(detector->setOctaveSuppression(0));
 }
 
-TEST(AQORB_Errors, parameters_that_do_not_go_together)
+TEST(Aqorb_Errors, parameters_that_do_not_go_together)
 {
     const Mat image = makeScene(Size(200, 150));
     KeyPoints keypoints;
@@ -131,12 +131,12 @@ TEST(AQORB_Errors, parameters_that_do_not_go_together)
     EXPECT_TRUE(names(messageOf([&] { detector->detect(image, keypoints); }), "firstLevel", "pixels"));
 }
 
-TEST(AQORB_Errors, bad_images_and_masks)
+TEST(Aqorb_Errors, bad_images_and_masks)
 {
     const Ptr<AdaptiveQuadtreeORB> detector = AdaptiveQuadtreeORB::create();
     // OpenCV's issue 21539 is about 16-bit images.
-    const int types[] = {CV_16UC1, CV_16SC1, CV_16UC3, CV_32FC1, CV_32FC3, CV_64FC1,
-                         CV_64FC3, CV_8SC1,  CV_8UC2,  CV_8UC(5)};
+    const int types[] = {CV_16UC1, CV_16SC1, CV_16UC3, CV_32FC1, CV_32FC3,
+                         CV_64FC1, CV_64FC3, CV_8SC1,  CV_8UC2,  CV_8UC(5)};
     KeyPoints keypoints(3);
     for (int type : types)
     {
@@ -158,7 +158,7 @@ TEST(AQORB_Errors, bad_images_and_masks)
     EXPECT_EQ(3u, keypoints.size());  // a call that fails leaves its outputs
 }
 
-TEST(AQORB_Errors, bad_octaves_of_provided_keypoints)
+TEST(Aqorb_Errors, bad_octaves_of_provided_keypoints)
 {
     const Ptr<AdaptiveQuadtreeORB> detector = AdaptiveQuadtreeORB::create();
     const Mat image = makeScene(Size(200, 150));
@@ -176,7 +176,7 @@ TEST(AQORB_Errors, bad_octaves_of_provided_keypoints)
         names(messageOf([&] { detector->compute(image, keypoints, descriptors); }), "scaleFactor", "1"));
 }
 
-TEST(AQORB_Errors, bad_arguments_of_the_functions)
+TEST(Aqorb_Errors, bad_arguments_of_the_functions)
 {
     KeyPoints keypoints(5, KeyPoint(Point2f(1, 1), 1));
     EXPECT_TRUE(names(messageOf([&] { aqorb::distributionUniformity(keypoints, Size(0, 5)); }), "imageSize",
@@ -192,8 +192,9 @@ TEST(AQORB_Errors, bad_arguments_of_the_functions)
     EXPECT_TRUE(
         names(messageOf([&] { aqorb::distributionOccupancy(keypoints, Size(5, 5), Size(1 << 20, 1 << 20)); }),
               "grid", "1048576"));
-    EXPECT_TRUE(names(messageOf([&] { aqorb::distributionOccupancy(keypoints, Size(5, 5), Size(5000, 5000)); }),
-                      "grid", "5000"));
+    EXPECT_TRUE(
+        names(messageOf([&] { aqorb::distributionOccupancy(keypoints, Size(5, 5), Size(5000, 5000)); }),
+              "grid", "5000"));
     EXPECT_TRUE(names(messageOf([&] { aqorb::retainUniform(keypoints, Size(), 5); }), "imageSize", "0 x 0"));
     EXPECT_TRUE(
         names(messageOf([&] { aqorb::retainUniform(keypoints, Size(10, -1), 5); }), "imageSize", "10 x -1"));
@@ -201,7 +202,7 @@ TEST(AQORB_Errors, bad_arguments_of_the_functions)
     EXPECT_TRUE(sameKeypoints(KeyPoints(5, KeyPoint(Point2f(1, 1), 1)), keypoints));
 }
 
-TEST(AQORB_Errors, points_that_are_nowhere_are_dropped)
+TEST(Aqorb_Errors, points_that_are_nowhere_are_dropped)
 {
     const Mat image = makeScene(Size(200, 150));
     for (int border = 0; border <= 16; border += 16)
@@ -221,7 +222,7 @@ TEST(AQORB_Errors, points_that_are_nowhere_are_dropped)
     }
 }
 
-TEST(AQORB_Errors, extreme_parameters_work)
+TEST(Aqorb_Errors, extreme_parameters_work)
 {
     const Mat image = makeScene(Size(120, 90));
     KeyPoints keypoints(7);
@@ -243,7 +244,7 @@ TEST(AQORB_Errors, extreme_parameters_work)
     EXPECT_TRUE(given.empty());
 }
 
-TEST(AQORB_Errors, a_cell_larger_than_the_image_is_one_cell)
+TEST(Aqorb_Errors, a_cell_larger_than_the_image_is_one_cell)
 {
     // However large it is: its far side must not be computed beyond what an int holds.
     const Mat image = makeScene(Size(120, 90));
@@ -261,7 +262,7 @@ TEST(AQORB_Errors, a_cell_larger_than_the_image_is_one_cell)
     }
 }
 
-TEST(AQORB_Errors, fastThreshold_is_limited_as_by_FAST)
+TEST(Aqorb_Errors, fast_threshold_is_limited_as_by_fast)
 {
     const Mat image = makeScene(Size(120, 90));
     const int outside[][2] = {{-1, 0}, {INT_MIN, 0}, {256, 255}, {INT_MAX, 255}};

@@ -77,7 +77,7 @@ void expectSameEverywhere(const Mat& image, const Rect& region, int threshold)
 }
 
 // The corners at the low threshold, some rows at a time, of which weak ones are dropped where not wanted.
-TEST(AqorbFast, scanTellsStrongCornersFromWeakOnes)
+TEST(Aqorb_Fast, scan_tells_strong_corners_from_weak_ones)
 {
     RNG rng(7);
     FastScanner scanner;  // one for all sizes
@@ -130,7 +130,7 @@ TEST(AqorbFast, scanTellsStrongCornersFromWeakOnes)
     }
 }
 
-TEST(AqorbFast, equalsBruteForceForEveryWidth)
+TEST(Aqorb_Fast, equals_brute_force_for_every_width)
 {
     const int thresholds[] = {1, 2, 20, 90, 200, 254};
     for (int width = 1; width <= MAX_WIDTH; width++)
@@ -149,7 +149,7 @@ TEST(AqorbFast, equalsBruteForceForEveryWidth)
     }
 }
 
-TEST(AqorbFast, equalsBruteForceForEveryThreshold)
+TEST(Aqorb_Fast, equals_brute_force_for_every_threshold)
 {
     const Mat scene = makeScene(Size(83, 61)), noise = makeNoise(Size(70, 40));
     for (int threshold = 1; threshold <= 255; threshold += threshold < 30 || threshold > 250 ? 1 : 11)
@@ -160,7 +160,7 @@ TEST(AqorbFast, equalsBruteForceForEveryThreshold)
     }
 }
 
-TEST(AqorbFast, equalsBruteForceForEveryWidthAlignmentAndThreshold)
+TEST(Aqorb_Fast, equals_brute_force_for_every_width_alignment_and_threshold)
 {
     for (int width = 1; width <= MAX_WIDTH; width++)
     {
@@ -183,7 +183,7 @@ TEST(AqorbFast, equalsBruteForceForEveryWidthAlignmentAndThreshold)
     }
 }
 
-TEST(AqorbFast, equalsOpenCVOnPhotographs)
+TEST(Aqorb_Fast, equals_opencv_on_photographs)
 {
     AQORB_NEEDS_DATA();
     for (const Mat& photograph : photographs())
@@ -200,7 +200,7 @@ TEST(AqorbFast, equalsOpenCVOnPhotographs)
     }
 }
 
-TEST(AqorbFast, equalsBruteForceInEveryRegion)
+TEST(Aqorb_Fast, equals_brute_force_in_every_region)
 {
     const Mat noise = makeNoise(Size(100, 60)), extremes = makeNoise(Size(100, 60), 2) > 200;
     RNG rng(4);
@@ -216,7 +216,7 @@ TEST(AqorbFast, equalsBruteForceInEveryRegion)
     EXPECT_TRUE(corners(noise, Rect(0, 0, 3, 60), 1).empty());
 }
 
-TEST(AqorbFast, flatImagesHaveNoCorners)
+TEST(Aqorb_Fast, flat_images_have_no_corners)
 {
     for (int grey = 0; grey <= 255; grey += 51)
     {
@@ -225,7 +225,7 @@ TEST(AqorbFast, flatImagesHaveNoCorners)
     }
 }
 
-TEST(AqorbFast, knowsASingleDot)
+TEST(Aqorb_Fast, knows_a_single_dot)
 {
     Mat image(15, 21, CV_8UC1, Scalar(100));
     image.at<uchar>(6, 9) = 150;
@@ -241,7 +241,7 @@ TEST(AqorbFast, knowsASingleDot)
     EXPECT_EQ(found.size(), 2u);
 }
 
-TEST(AqorbFast, nineOfTheCircleAreNeeded)
+TEST(Aqorb_Fast, nine_of_the_circle_are_needed)
 {
     static const int CIRCLE[16][2] = {{0, 3},  {1, 3},  {2, 2},  {3, 1},   {3, 0},   {3, -1},
                                       {2, -2}, {1, -3}, {0, -3}, {-1, -3}, {-2, -2}, {-3, -1},
@@ -264,7 +264,7 @@ TEST(AqorbFast, nineOfTheCircleAreNeeded)
     }
 }
 
-TEST(AqorbFast, equalScoresSuppressEachOther)
+TEST(Aqorb_Fast, equal_scores_suppress_each_other)
 {
     Mat image(20, 40, CV_8UC1, Scalar(50));
     image(Rect(10, 8, 2, 1)).setTo(200);  // two pixels of the same score: cv::FAST keeps neither
@@ -274,7 +274,7 @@ TEST(AqorbFast, equalScoresSuppressEachOther)
     EXPECT_TRUE(corners(image, Rect(10, 8, 1, 1), 20).empty());
 }
 
-TEST(AqorbFast, scoresOfNeighboursEqualBruteForceEverywhere)
+TEST(Aqorb_Fast, scores_of_neighbours_equal_brute_force_everywhere)
 {
     const Size sizes[] = {Size(60, 20), Size(25, 13), Size(9, 9), Size(3, 5), Size(1, 1)};
     for (const Size& size : sizes)
@@ -306,7 +306,7 @@ TEST(AqorbFast, scoresOfNeighboursEqualBruteForceEverywhere)
     }
 }
 
-TEST(AqorbFast, scoresOfNeighboursEqualBruteForceForEveryWidthAndAlignment)
+TEST(Aqorb_Fast, scores_of_neighbours_equal_brute_force_for_every_width_and_alignment)
 {
     const int y = 5;
     for (int width = 1; width <= MAX_WIDTH; width++)

@@ -16,7 +16,7 @@ namespace opencv_test
 namespace
 {
 
-TEST(AqorbFuzzFinds, aStorageNodeThatIsNoMap)
+TEST(Aqorb_FuzzFinds, a_storage_node_that_is_no_map)
 {
     // XML reads an empty map as nothing at all: all keys are missing, which is no error.
     const char* good[] = {
@@ -49,7 +49,7 @@ TEST(AqorbFuzzFinds, aStorageNodeThatIsNoMap)
     }
 }
 
-TEST(AqorbFuzzFinds, anglesThatAreNotFinite)
+TEST(Aqorb_FuzzFinds, angles_that_are_not_finite)
 {
     // They made the descriptor read anywhere, as they make cv::ORB's.
     const Mat image = makeScene(Size(120, 90));
@@ -74,7 +74,7 @@ TEST(AqorbFuzzFinds, anglesThatAreNotFinite)
     }
 }
 
-TEST(AqorbFuzzFinds, quotasOfMoreFeaturesThanAFloatCounts)
+TEST(Aqorb_FuzzFinds, quotas_of_more_features_than_a_float_counts)
 {
     // 2^31 - 1 is 2^31 as a float, which no int holds.
     const double factors[] = {1.001, 1.2, 2, 1e30};
@@ -89,7 +89,7 @@ TEST(AqorbFuzzFinds, quotasOfMoreFeaturesThanAFloatCounts)
     }
 }
 
-TEST(AqorbFuzzFinds, aScaleFactorThatIsOneAsAFloat)
+TEST(Aqorb_FuzzFinds, a_scale_factor_that_is_one_as_a_float)
 {
     // Equation (8) is 0 / 0 there.
     for (double factor : {1 + 1e-15, 1 + 1e-8, 1 + 6e-8, 1 + 1e-7, 1 + 1e-6})
@@ -106,7 +106,7 @@ TEST(AqorbFuzzFinds, aScaleFactorThatIsOneAsAFloat)
     }
 }
 
-TEST(AqorbFuzzFinds, aDirectionThatPutsAPointBetweenTwoPixels)
+TEST(Aqorb_FuzzFinds, a_direction_that_puts_a_point_between_two_pixels)
 {
     // cv::ORB takes sine and cosine of a float, which are not always the floats nearest to the exact values;
     // at this angle the point (14, -23) of the pattern comes to lie on -22.5 or just beyond.

@@ -51,7 +51,7 @@ std::vector<Corner> allPixels(Size size)
     return corners;
 }
 
-TEST(AqorbHarris, equalsReferenceAtEveryPixel)
+TEST(Aqorb_Harris, equals_reference_at_every_pixel)
 {
     const Size sizes[] = {Size(70, 40), Size(31, 9), Size(16, 7), Size(7, 7), Size(3, 2), Size(1, 1)};
     for (const Size& size : sizes)
@@ -68,7 +68,7 @@ TEST(AqorbHarris, equalsReferenceAtEveryPixel)
     }
 }
 
-TEST(AqorbHarris, equalsReferenceForEveryWidthAndAlignment)
+TEST(Aqorb_Harris, equals_reference_for_every_width_and_alignment)
 {
     const int y = 4;
     for (int width = 1; width <= MAX_WIDTH; width++)
@@ -96,7 +96,7 @@ TEST(AqorbHarris, equalsReferenceForEveryWidthAndAlignment)
     }
 }
 
-TEST(AqorbHarris, equalsReferenceInAnyOrder)
+TEST(Aqorb_Harris, equals_reference_in_any_order)
 {
     // Corners that the kernel must not read around come between others.
     const Mat noise = makeNoise(Size(64, 48));
@@ -111,7 +111,7 @@ TEST(AqorbHarris, equalsReferenceInAnyOrder)
     expectAsReference(noise, std::vector<Corner>());
 }
 
-TEST(AqorbHarris, takesPartsOfLargerImages)
+TEST(Aqorb_Harris, takes_parts_of_larger_images)
 {
     const Mat part = makeNoise(Size(90, 60))(Rect(20, 10, 37, 23));
     expectAsReference(part, allPixels(part.size()));
@@ -120,7 +120,7 @@ TEST(AqorbHarris, takesPartsOfLargerImages)
     EXPECT_EQ(harrisResponse(part, 36, 22), harrisResponse(part.clone(), 36, 22));
 }
 
-TEST(AqorbHarris, holdsTheLargestDerivatives)
+TEST(Aqorb_Harris, holds_the_largest_derivatives)
 {
     // Stripes and steps from 0 to 255 give the largest sums.
     Mat columns(40, 40, CV_8UC1, Scalar(0)), step(40, 40, CV_8UC1, Scalar(0)), quarter;
@@ -134,7 +134,7 @@ TEST(AqorbHarris, holdsTheLargestDerivatives)
         expectAsReference(image, allPixels(image.size()));
 }
 
-TEST(AqorbHarris, ranksCornersAboveEdgesAndFlatPlaces)
+TEST(Aqorb_Harris, ranks_corners_above_edges_and_flat_places)
 {
     Mat image(60, 60, CV_8UC1, Scalar(40));
     image(Rect(30, 30, 30, 30)).setTo(180);

@@ -129,7 +129,7 @@ void print(const char* what, double value, const Invariance& ours, const Invaria
               << std::endl;
 }
 
-TEST(AqorbInvariance, rotation)
+TEST(Aqorb_Invariance, rotation)
 {
     const Ptr<ORB> detector = AdaptiveQuadtreeORB::create(), orb = ORB::create();
     const Mat scene = smoothScene(Size(480, 360), 5);
@@ -146,7 +146,7 @@ TEST(AqorbInvariance, rotation)
     }
 }
 
-TEST(AqorbInvariance, scale)
+TEST(Aqorb_Invariance, scale)
 {
     const Ptr<ORB> detector = AdaptiveQuadtreeORB::create(), orb = ORB::create();
     const Mat scene = smoothScene(Size(640, 480), 6);
@@ -164,7 +164,7 @@ TEST(AqorbInvariance, scale)
     }
 }
 
-TEST(AqorbInvariance, descriptors_of_turned_keypoints)
+TEST(Aqorb_Invariance, descriptors_of_turned_keypoints)
 {
     // The descriptor alone: the keypoints are turned with the scene, not found again.
     const Ptr<Feature2D> detector = AdaptiveQuadtreeORB::create();
@@ -235,17 +235,17 @@ std::vector<String_FeatureDetector_DescriptorExtractor_Float_t> descriptorCase(c
 }
 
 // What is detected, before it is chosen from: cv::ORB's thresholds.
-INSTANTIATE_TEST_CASE_P(AQORB_without_selection, DetectorRotationInvariance,
+INSTANTIATE_TEST_CASE_P(Aqorb_without_selection, DetectorRotationInvariance,
                         testing::ValuesIn(detectorCase(TSUKUBA, withoutSelection(), 0.5f, 0.76f)));
 // The choice depends on where the corners lie in the quadtree, which does not turn with the scene, and the
 // turned image of this test is half empty: lower thresholds than cv::ORB's 0.5 and 0.76.
-INSTANTIATE_TEST_CASE_P(AQORB, DetectorRotationInvariance,
+INSTANTIATE_TEST_CASE_P(Aqorb, DetectorRotationInvariance,
                         testing::ValuesIn(detectorCase(TSUKUBA, AdaptiveQuadtreeORB::create(), 0.33f,
                                                        0.65f)));
 // As for cv::ORB.
-INSTANTIATE_TEST_CASE_P(AQORB, DetectorScaleInvariance,
+INSTANTIATE_TEST_CASE_P(Aqorb, DetectorScaleInvariance,
                         testing::ValuesIn(detectorCase(BIKES, AdaptiveQuadtreeORB::create(), 0.08f, 0.49f)));
-INSTANTIATE_TEST_CASE_P(AQORB, DescriptorRotationInvariance,
+INSTANTIATE_TEST_CASE_P(Aqorb, DescriptorRotationInvariance,
                         testing::ValuesIn(descriptorCase(TSUKUBA, 0.99f)));
 
 #endif

@@ -44,7 +44,7 @@ Ptr<AdaptiveQuadtreeORB> unusual()
     return detector;
 }
 
-TEST(AQORB_IO, every_parameter_makes_the_round_trip)
+TEST(Aqorb_IO, every_parameter_makes_the_round_trip)
 {
     const Ptr<AdaptiveQuadtreeORB> source = unusual(), target = AdaptiveQuadtreeORB::create();
     readFrom(*target, written(*source));
@@ -65,7 +65,7 @@ TEST(AQORB_IO, every_parameter_makes_the_round_trip)
     EXPECT_FALSE(target->getSubPixel());
 }
 
-TEST(AQORB_IO, keys_are_those_of_ORB_in_newer_OpenCV_then_ours)
+TEST(Aqorb_IO, keys_are_those_of_orb_in_newer_opencv_then_ours)
 {
     FileStorage fs(written(*unusual()), FileStorage::READ | FileStorage::MEMORY);
     const FileNode node = fs["detector"];
@@ -91,7 +91,7 @@ TEST(AQORB_IO, keys_are_those_of_ORB_in_newer_OpenCV_then_ours)
     }
 }
 
-TEST(AQORB_IO, every_format_of_FileStorage_serves)
+TEST(Aqorb_IO, every_format_of_file_storage_serves)
 {
     const char* names[] = {"memory.yml", "memory.xml", "memory.json"};
     for (const char* name : names)
@@ -105,7 +105,7 @@ TEST(AQORB_IO, every_format_of_FileStorage_serves)
     }
 }
 
-TEST(AQORB_IO, a_missing_key_keeps_its_value)
+TEST(Aqorb_IO, a_missing_key_keeps_its_value)
 {
     const Ptr<AdaptiveQuadtreeORB> detector = unusual();
     readFrom(*detector, withValue("cellSize", "77"));
@@ -116,7 +116,7 @@ TEST(AQORB_IO, a_missing_key_keeps_its_value)
     EXPECT_EQ(77, detector->getCellSize());
 }
 
-TEST(AQORB_IO, a_bad_value_throws_and_changes_nothing)
+TEST(Aqorb_IO, a_bad_value_throws_and_changes_nothing)
 {
     const char* bad[][2] = {{"nfeatures", "-1"},
                             {"nfeatures", "many"},
@@ -147,7 +147,7 @@ TEST(AQORB_IO, a_bad_value_throws_and_changes_nothing)
     }
 }
 
-TEST(AQORB_IO, works_with_Algorithm_load)
+TEST(Aqorb_IO, works_with_algorithm_load)
 {
     const std::string text = written(*unusual());
     const Ptr<AdaptiveQuadtreeORB> detector = Algorithm::loadFromString<AdaptiveQuadtreeORB>(text);
@@ -176,7 +176,7 @@ TEST(AQORB_IO, works_with_Algorithm_load)
     EXPECT_EQ(text, written(*second));
 }
 
-TEST(AQORB_IO, what_was_read_is_what_is_used)
+TEST(Aqorb_IO, what_was_read_is_what_is_used)
 {
     const Mat image = makeScene(Size(200, 150));
     const Ptr<AdaptiveQuadtreeORB> target = AdaptiveQuadtreeORB::create();
@@ -187,7 +187,7 @@ TEST(AQORB_IO, what_was_read_is_what_is_used)
     EXPECT_TRUE(sameFeatures(expected, detectAndCompute(*target, image)));
 }
 
-TEST(AQORB_IO, overloads_of_Feature2D_stay_visible)
+TEST(Aqorb_IO, overloads_of_feature2d_stay_visible)
 {
     const std::string file = tempfile(".yml");
     const Ptr<AdaptiveQuadtreeORB> detector = unusual(), target = AdaptiveQuadtreeORB::create();

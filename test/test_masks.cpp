@@ -9,7 +9,7 @@ namespace opencv_test
 namespace
 {
 
-TEST(AQORB_Masks, an_empty_mask_gives_nothing)
+TEST(Aqorb_Masks, an_empty_mask_gives_nothing)
 {
     const Mat image = makeScene(Size(320, 240));
     Features stale = {KeyPoints(4), Mat::ones(4, 32, CV_8UC1)};
@@ -19,7 +19,7 @@ TEST(AQORB_Masks, an_empty_mask_gives_nothing)
     EXPECT_TRUE(stale.descriptors.empty());
 }
 
-TEST(AQORB_Masks, no_keypoint_lies_on_a_masked_pixel)
+TEST(Aqorb_Masks, no_keypoint_lies_on_a_masked_pixel)
 {
     const Mat image = makeScene(Size(320, 240), 2);
     RNG rng(8);
@@ -43,7 +43,7 @@ TEST(AQORB_Masks, no_keypoint_lies_on_a_masked_pixel)
     }
 }
 
-TEST(AQORB_Masks, positions_off_the_pixels_a_level_is_made_of)
+TEST(Aqorb_Masks, positions_off_the_pixels_a_level_is_made_of)
 {
     // Without SubPixel, and with large steps of the pyramid, a position may round to a pixel that is not
     // one of those that the level's pixel was made of: the mask must be looked up there, too.
@@ -74,7 +74,7 @@ TEST(AQORB_Masks, positions_off_the_pixels_a_level_is_made_of)
     }
 }
 
-TEST(AQORB_Masks, masked_corners_do_not_fill_a_cell)
+TEST(Aqorb_Masks, masked_corners_do_not_fill_a_cell)
 {
     // A strong corner and a weak one in one cell: the weak one shows once the strong one is masked.
     Mat image(120, 120, CV_8UC1, Scalar(100));

@@ -23,7 +23,7 @@ private:
 };
 
 // The other tests expect no allocation, and would hold as well if none was counted.
-TEST(AqorbMemory, allocationsAreCountedAndFailOnRequest)
+TEST(Aqorb_Memory, allocations_are_counted_and_fail_on_request)
 {
     const AllocationCounter allocations(3);
     const Mat matrix(10, 10, CV_8UC1);
@@ -35,7 +35,7 @@ TEST(AqorbMemory, allocationsAreCountedAndFailOnRequest)
     EXPECT_NO_THROW(Mat(10, 10, CV_8UC1));
 }
 
-TEST(AqorbMemory, aStreamOfFramesAllocatesNothingAnew)
+TEST(Aqorb_Memory, a_stream_of_frames_allocates_nothing_anew)
 {
     const OneThread oneThread;
     const Ptr<AdaptiveQuadtreeORB> detector = AdaptiveQuadtreeORB::create(300);
@@ -64,7 +64,7 @@ TEST(AqorbMemory, aStreamOfFramesAllocatesNothingAnew)
     EXPECT_EQ(0, allocations.ofMatrices());
 }
 
-TEST(AqorbMemory, packedOctavesFailBeforeAnyLevelIsAllocated)
+TEST(Aqorb_Memory, packed_octaves_fail_before_any_level_is_allocated)
 {
     const Mat image = makeScene(Size(200, 150));
     const Ptr<AdaptiveQuadtreeORB> detector = AdaptiveQuadtreeORB::create();
@@ -80,7 +80,7 @@ TEST(AqorbMemory, packedOctavesFailBeforeAnyLevelIsAllocated)
     }
 }
 
-TEST(AqorbMemory, theImageAndTheMaskAreNotKept)
+TEST(Aqorb_Memory, the_image_and_the_mask_are_not_kept)
 {
     const Ptr<AdaptiveQuadtreeORB> detector = AdaptiveQuadtreeORB::create(100, 1.2f, 4, 8, 1);
     const Mat image = makeScene(Size(160, 120)), mask(image.size(), CV_8UC1, Scalar(1));

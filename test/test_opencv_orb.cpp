@@ -156,13 +156,13 @@ KeyPoints arbitraryKeypoints(RNG& rng, Size imageSize, int octaves, int count)
     return keypoints;
 }
 
-TEST(AqorbOpenCVORB, descriptors_equal_for_default_parameters)
+TEST(Aqorb_OpenCVOrb, descriptors_equal_for_default_parameters)
 {
     AQORB_NEEDS_FMA_BLUR();
     expectDescriptorsOfOrb(Parameters(), makeScene(Size(640, 480)));
 }
 
-TEST(AqorbOpenCVORB, descriptors_equal_for_each_parameter)
+TEST(Aqorb_OpenCVOrb, descriptors_equal_for_each_parameter)
 {
     AQORB_NEEDS_FMA_BLUR();
     const Mat scene = makeScene(Size(320, 240), 2);
@@ -198,7 +198,7 @@ TEST(AqorbOpenCVORB, descriptors_equal_for_each_parameter)
     expectSameCompute(p, scene, orbKeypoints(p, scene));
 }
 
-TEST(AqorbOpenCVORB, descriptors_equal_for_random_parameters)
+TEST(Aqorb_OpenCVOrb, descriptors_equal_for_random_parameters)
 {
     AQORB_NEEDS_FMA_BLUR();
     RNG rng(3);
@@ -211,7 +211,7 @@ TEST(AqorbOpenCVORB, descriptors_equal_for_random_parameters)
     }
 }
 
-TEST(AqorbOpenCVORB, descriptors_equal_in_colour)
+TEST(Aqorb_OpenCVOrb, descriptors_equal_in_colour)
 {
     AQORB_NEEDS_FMA_BLUR();
     Mat colour, colourAlpha;
@@ -223,7 +223,7 @@ TEST(AqorbOpenCVORB, descriptors_equal_in_colour)
     expectDescriptorsOfOrb(Parameters(), colourAlpha);
 }
 
-TEST(AqorbOpenCVORB, descriptors_equal_on_photographs)
+TEST(Aqorb_OpenCVOrb, descriptors_equal_on_photographs)
 {
     AQORB_NEEDS_DATA();
     AQORB_NEEDS_FMA_BLUR();
@@ -238,7 +238,7 @@ TEST(AqorbOpenCVORB, descriptors_equal_on_photographs)
     }
 }
 
-TEST(AqorbOpenCVORB, compute_equal_on_its_keypoints)
+TEST(Aqorb_OpenCVOrb, compute_equal_on_its_keypoints)
 {
     AQORB_NEEDS_FMA_BLUR();
     RNG rng(5);
@@ -252,7 +252,7 @@ TEST(AqorbOpenCVORB, compute_equal_on_its_keypoints)
     }
 }
 
-TEST(AqorbOpenCVORB, compute_equal_on_its_keypoints_of_photographs)
+TEST(Aqorb_OpenCVOrb, compute_equal_on_its_keypoints_of_photographs)
 {
     AQORB_NEEDS_DATA();
     AQORB_NEEDS_FMA_BLUR();
@@ -270,7 +270,7 @@ TEST(AqorbOpenCVORB, compute_equal_on_its_keypoints_of_photographs)
     }
 }
 
-TEST(AqorbOpenCVORB, compute_drops_at_border_and_sorts_as_orb)
+TEST(Aqorb_OpenCVOrb, compute_drops_at_border_and_sorts_as_orb)
 {
     AQORB_NEEDS_FMA_BLUR();
     RNG rng(7);
@@ -283,7 +283,7 @@ TEST(AqorbOpenCVORB, compute_drops_at_border_and_sorts_as_orb)
     }
 }
 
-TEST(AqorbOpenCVORB, compute_drops_points_outside_as_orb)
+TEST(Aqorb_OpenCVOrb, compute_drops_points_outside_as_orb)
 {
     // With edgeThreshold 0 cv::ORB::compute keeps points outside and reads beyond its memory for them.
     AQORB_NEEDS_FMA_BLUR();
@@ -302,7 +302,7 @@ TEST(AqorbOpenCVORB, compute_drops_points_outside_as_orb)
     }
 }
 
-TEST(AqorbOpenCVORB, compute_builds_the_levels_of_the_keypoints)
+TEST(Aqorb_OpenCVOrb, compute_builds_the_levels_of_the_keypoints)
 {
     // Whatever nlevels says: levels beyond it are built, too.
     AQORB_NEEDS_FMA_BLUR();
@@ -321,7 +321,7 @@ TEST(AqorbOpenCVORB, compute_builds_the_levels_of_the_keypoints)
         ASSERT_LE(kept[i - 1].octave, kept[i].octave);
 }
 
-TEST(AqorbOpenCVORB, compute_keeps_order_within_sorted_octaves_and_all_fields)
+TEST(Aqorb_OpenCVOrb, compute_keeps_order_within_sorted_octaves_and_all_fields)
 {
     const Mat scene = makeScene(Size(200, 200));
     KeyPoints keypoints;
@@ -347,7 +347,7 @@ void expectNoFewerThanOrb(const Parameters& p, const Mat& image)
     EXPECT_LE(ours.size(), size_t(p.nfeatures));
 }
 
-TEST(AqorbOpenCVORB, never_fewer_keypoints)
+TEST(Aqorb_OpenCVOrb, never_fewer_keypoints)
 {
     RNG rng(9);
     for (int i = 0; i < 60; i++)
@@ -366,7 +366,7 @@ TEST(AqorbOpenCVORB, never_fewer_keypoints)
     expectNoFewerThanOrb(p, makeNoise(Size(640, 480)));
 }
 
-TEST(AqorbOpenCVORB, never_fewer_keypoints_on_photographs)
+TEST(Aqorb_OpenCVOrb, never_fewer_keypoints_on_photographs)
 {
     AQORB_NEEDS_DATA();
     const std::vector<Mat> images = photographs();

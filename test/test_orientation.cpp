@@ -25,7 +25,7 @@ float orientation(const Mat& image, int x, int y, const std::vector<int>& halfWi
     return point.angle;
 }
 
-TEST(AqorbOrientation, equalsReferenceAtEveryPixel)
+TEST(Aqorb_Orientation, equals_reference_at_every_pixel)
 {
     const int patches[] = {2, 3, 8, 21, 31, 32, 47, 63, 64, 90};
     const Size sizes[] = {Size(96, 71), Size(40, 33), Size(12, 9), Size(1, 4)};
@@ -67,7 +67,7 @@ TEST(AqorbOrientation, equalsReferenceAtEveryPixel)
     }
 }
 
-TEST(AqorbOrientation, equalsReferenceForEveryWidthAndAlignment)
+TEST(Aqorb_Orientation, equals_reference_for_every_width_and_alignment)
 {
     const int patches[] = {8, 31, 63}, y = 32;
     for (int width = 1; width <= MAX_WIDTH; width++)
@@ -93,7 +93,7 @@ TEST(AqorbOrientation, equalsReferenceForEveryWidthAndAlignment)
     }
 }
 
-TEST(AqorbOrientation, referenceIsFastAtan2)
+TEST(Aqorb_Orientation, reference_is_fast_atan2)
 {
     const bool fused = reference::opencvFusesMultiplyAdd();
     for (int y = -300; y <= 300; y += 3)
@@ -108,7 +108,7 @@ TEST(AqorbOrientation, referenceIsFastAtan2)
     }
 }
 
-TEST(AqorbOrientation, patchIsSymmetric)
+TEST(Aqorb_Orientation, patch_is_symmetric)
 {
     for (int patchSize = 2; patchSize <= 200; patchSize++)
     {
@@ -126,13 +126,13 @@ TEST(AqorbOrientation, patchIsSymmetric)
     }
 }
 
-TEST(AqorbOrientation, patchOf31PixelsIsThatOfORB)
+TEST(Aqorb_Orientation, patch_of_31_pixels_is_that_of_orb)
 {
     const int expected[] = {15, 15, 15, 15, 14, 14, 14, 13, 13, 12, 11, 10, 9, 8, 6, 3};
     EXPECT_EQ(circularPatch(31), std::vector<int>(expected, expected + 16));
 }
 
-TEST(AqorbOrientation, pointsToTheBrightSide)
+TEST(Aqorb_Orientation, points_to_the_bright_side)
 {
     const std::vector<int> halfWidths = circularPatch(31);
     Mat image(61, 61, CV_8UC1);
@@ -149,7 +149,7 @@ TEST(AqorbOrientation, pointsToTheBrightSide)
     }
 }
 
-TEST(AqorbOrientation, holdsTheLargestMoments)
+TEST(Aqorb_Orientation, holds_the_largest_moments)
 {
     const int patches[] = {31, 63}, center = 40;
     Mat step(81, 81, CV_8UC1, Scalar(0)), quarter;
@@ -171,7 +171,7 @@ TEST(AqorbOrientation, holdsTheLargestMoments)
     }
 }
 
-TEST(AqorbOrientation, ofAFlatPatchIsZero)
+TEST(Aqorb_Orientation, of_a_flat_patch_is_zero)
 {
     const Mat flat(40, 70, CV_8UC1, Scalar(255));
     FeaturePoint point = {20, 20, 33};
@@ -180,7 +180,7 @@ TEST(AqorbOrientation, ofAFlatPatchIsZero)
     orientations(flat, circularPatch(31), &point, 0);  // nothing to do
 }
 
-TEST(AqorbOrientation, takesPartsOfLargerImages)
+TEST(Aqorb_Orientation, takes_parts_of_larger_images)
 {
     const Mat part = makeNoise(Size(120, 90))(Rect(20, 20, 70, 50));
     const std::vector<int> halfWidths = circularPatch(31);

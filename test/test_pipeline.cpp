@@ -34,7 +34,7 @@ void expectAsReferenceOnScenes(const Settings& settings)
     expectAsReference(settings, makeNoise(Size(118, 97), 5));
 }
 
-TEST(AqorbPipeline, equalsReferenceByDefault)
+TEST(Aqorb_Pipeline, equals_reference_by_default)
 {
     for (int seed = 1; seed <= 5; seed++)
     {
@@ -44,7 +44,7 @@ TEST(AqorbPipeline, equalsReferenceByDefault)
     expectAsReferenceOnScenes(Settings());
 }
 
-TEST(AqorbPipeline, equalsReferenceOnPhotographs)
+TEST(Aqorb_Pipeline, equals_reference_on_photographs)
 {
     AQORB_NEEDS_DATA();
     for (const Mat& photograph : photographs())
@@ -54,7 +54,7 @@ TEST(AqorbPipeline, equalsReferenceOnPhotographs)
     }
 }
 
-TEST(AqorbPipeline, equalsReferenceForEveryNumberOfFeatures)
+TEST(Aqorb_Pipeline, equals_reference_for_every_number_of_features)
 {
     const int numbers[] = {0, 1, 2, 7, 50, 500, 10000};
     for (int n : numbers)
@@ -68,7 +68,7 @@ TEST(AqorbPipeline, equalsReferenceForEveryNumberOfFeatures)
     }
 }
 
-TEST(AqorbPipeline, equalsReferenceForEveryPyramid)
+TEST(Aqorb_Pipeline, equals_reference_for_every_pyramid)
 {
     const float factors[] = {1.1f, 1.2f, 1.8f, 2.5f};
     for (float factor : factors)
@@ -94,7 +94,7 @@ TEST(AqorbPipeline, equalsReferenceForEveryPyramid)
     expectAsReferenceOnScenes(settings);
 }
 
-TEST(AqorbPipeline, equalsReferenceForEveryBorderAndPatch)
+TEST(Aqorb_Pipeline, equals_reference_for_every_border_and_patch)
 {
     const int edges[] = {0, 3, 4, 16, 31}, patches[] = {2, 8, 31, 47};
     for (int edge : edges)
@@ -112,7 +112,7 @@ TEST(AqorbPipeline, equalsReferenceForEveryBorderAndPatch)
     }
 }
 
-TEST(AqorbPipeline, equalsReferenceForEveryWTA_K)
+TEST(Aqorb_Pipeline, equals_reference_for_everywta_k)
 {
     for (int WTA_K = 2; WTA_K <= 4; WTA_K++)
     {
@@ -126,7 +126,7 @@ TEST(AqorbPipeline, equalsReferenceForEveryWTA_K)
     }
 }
 
-TEST(AqorbPipeline, equalsReferenceForEveryThreshold)
+TEST(Aqorb_Pipeline, equals_reference_for_every_threshold)
 {
     const int fastThresholds[] = {0, 1, 7, 20, 60, 255};
     const double ratios[] = {1, 1.5, 4, 10};
@@ -145,7 +145,7 @@ TEST(AqorbPipeline, equalsReferenceForEveryThreshold)
     }
 }
 
-TEST(AqorbPipeline, equalsReferenceForEveryOwnParameter)
+TEST(Aqorb_Pipeline, equals_reference_for_every_own_parameter)
 {
     const ORB::ScoreType scores[] = {ORB::HARRIS_SCORE, ORB::FAST_SCORE};
     const int cells[] = {8, 35, 1000}, depths[] = {0, 1, 3, 15};
@@ -182,7 +182,7 @@ TEST(AqorbPipeline, equalsReferenceForEveryOwnParameter)
     }
 }
 
-TEST(AqorbPipeline, equalsReferenceWhereFineLevelsLackCorners)
+TEST(Aqorb_Pipeline, equals_reference_where_fine_levels_lack_corners)
 {
     // What fine levels leave over is offered to coarse ones, against the keypoints of finer ones.
     Mat smooth;
@@ -202,7 +202,7 @@ TEST(AqorbPipeline, equalsReferenceWhereFineLevelsLackCorners)
     }
 }
 
-TEST(AqorbPipeline, equalsReferenceWhereCoarseLevelsGoOn)
+TEST(Aqorb_Pipeline, equals_reference_where_coarse_levels_go_on)
 {
     // Noise enlarged eight times has the most corners on level 3: what level 0 leaves over is taken from
     // the rest of the coarse levels' sequences, against the keypoints of finer ones.
@@ -225,7 +225,7 @@ TEST(AqorbPipeline, equalsReferenceWhereCoarseLevelsGoOn)
     }
 }
 
-TEST(AqorbPipeline, equalsReferenceWithMasks)
+TEST(Aqorb_Pipeline, equals_reference_with_masks)
 {
     const Mat scene = makeScene(SMALL_IMAGE, 7);
     Mat ones(scene.size(), CV_8UC1, Scalar(1)), half(scene.size(), CV_8UC1, Scalar(0));
@@ -254,7 +254,7 @@ TEST(AqorbPipeline, equalsReferenceWithMasks)
     }
 }
 
-TEST(AqorbPipeline, equalsReferenceForEveryImageSize)
+TEST(Aqorb_Pipeline, equals_reference_for_every_image_size)
 {
     for (int i = 0; i < 40; i++)
     {
@@ -271,7 +271,7 @@ TEST(AqorbPipeline, equalsReferenceForEveryImageSize)
     }
 }
 
-TEST(AqorbPipeline, equalsReferenceInColour)
+TEST(Aqorb_Pipeline, equals_reference_in_colour)
 {
     Mat planes[] = {makeScene(SMALL_IMAGE, 1), makeScene(SMALL_IMAGE, 2), makeScene(SMALL_IMAGE, 3),
                     makeNoise(SMALL_IMAGE)};
@@ -282,13 +282,13 @@ TEST(AqorbPipeline, equalsReferenceInColour)
     expectAsReference(Settings(), bgra);
 }
 
-TEST(AqorbPipeline, equalsReferenceOnImagesWithoutCorners)
+TEST(Aqorb_Pipeline, equals_reference_on_images_without_corners)
 {
     expectAsReference(Settings(), Mat(SMALL_IMAGE, CV_8UC1, Scalar(0)));
     expectAsReference(Settings(), Mat(SMALL_IMAGE, CV_8UC1, Scalar(77)));
 }
 
-TEST(AqorbPipeline, equalsReferenceInTheDark)
+TEST(Aqorb_Pipeline, equals_reference_in_the_dark)
 {
     const Mat scene = makeScene(SMALL_IMAGE, 9) * 0.08;
     expectAsReference(Settings(), scene);

@@ -13,7 +13,7 @@ namespace
 
 using namespace aqorb::stages;
 
-TEST(AqorbPosition, offsetEqualsReferenceAtEveryPixel)
+TEST(Aqorb_Position, offset_equals_reference_at_every_pixel)
 {
     const Size sizes[] = {Size(67, 45), Size(30, 9), Size(8, 8), Size(2, 3)};
     for (const Size& size : sizes)
@@ -38,7 +38,7 @@ TEST(AqorbPosition, offsetEqualsReferenceAtEveryPixel)
     }
 }
 
-TEST(AqorbPosition, offsetOfSymmetricAndFlatPlacesIsZero)
+TEST(Aqorb_Position, offset_of_symmetric_and_flat_places_is_zero)
 {
     Mat image(30, 40, CV_8UC1, Scalar(60));
     EXPECT_EQ(subPixelOffset(image, 20, 15), Point2d(0, 0));
@@ -46,7 +46,7 @@ TEST(AqorbPosition, offsetOfSymmetricAndFlatPlacesIsZero)
     EXPECT_EQ(subPixelOffset(image, 20, 15), Point2d(0, 0));
 }
 
-TEST(AqorbPosition, offsetTurnsWithTheImage)
+TEST(Aqorb_Position, offset_turns_with_the_image)
 {
     const Mat scene = makeScene(Size(61, 61), 4);
     Mat mirrored, transposed = scene.t();
@@ -65,14 +65,14 @@ TEST(AqorbPosition, offsetTurnsWithTheImage)
     EXPECT_GT(moved, 50);
 }
 
-TEST(AqorbPosition, withoutSubPixelIsThatOfORB)
+TEST(Aqorb_Position, without_sub_pixel_is_that_of_orb)
 {
     const PositionMap map = {Size(640, 480), Size(444, 333), 1.44f, 16, false};
     EXPECT_EQ(map(100, 200, 0.3, -0.3), Point2f(100 * 1.44f, 200 * 1.44f));
     EXPECT_EQ(map(0, 1), Point2f(0, 1.44f));
 }
 
-TEST(AqorbPosition, isByPixelCentres)
+TEST(Aqorb_Position, is_by_pixel_centres)
 {
     // Half the size: pixel (20, 30) covers the pixels (40..41, 60..61).
     const PositionMap half = {Size(200, 160), Size(100, 80), 2.f, 3, true};
@@ -86,7 +86,7 @@ TEST(AqorbPosition, isByPixelCentres)
     EXPECT_EQ(same(20, 30, 0.5, -0.5), Point2f(20.49f, 29.51f));
 }
 
-TEST(AqorbPosition, equalsReferenceAndFindsBackToItsPixel)
+TEST(Aqorb_Position, equals_reference_and_finds_back_to_its_pixel)
 {
     const float factors[] = {1.1f, 1.2f, 1.5f, 2.f, 2.7f};
     const double offsets[] = {-0.5, -0.13, 0, 0.4, 0.5};
@@ -115,7 +115,7 @@ TEST(AqorbPosition, equalsReferenceAndFindsBackToItsPixel)
     }
 }
 
-TEST(AqorbPosition, staysInsideTheBorder)
+TEST(Aqorb_Position, stays_inside_the_border)
 {
     // Or else compute, which drops keypoints within edgeThreshold of the image's sides, would drop it.
     const int border = 16;
@@ -140,7 +140,7 @@ TEST(AqorbPosition, staysInsideTheBorder)
     }
 }
 
-TEST(AqorbPosition, maskIsThatOfTheImageAtThePosition)
+TEST(Aqorb_Position, mask_is_that_of_the_image_at_the_position)
 {
     const Size image(90, 70);
     const Mat mask = makeNoise(image) > 60;

@@ -85,7 +85,7 @@ Size randomSize(RNG& rng)
     return Size(rng.uniform(10, 130), rng.uniform(10, 110));
 }
 
-TEST(AqorbProperties, capMaskFieldsAndDeterminism)
+TEST(Aqorb_Properties, cap_mask_fields_and_determinism)
 {
     size_t found = 0;
     Ptr<AdaptiveQuadtreeORB> used;
@@ -118,7 +118,7 @@ TEST(AqorbProperties, capMaskFieldsAndDeterminism)
     EXPECT_GT(found, 10000u);
 }
 
-TEST(AqorbProperties, descriptorsAreThoseOfOrb)
+TEST(Aqorb_Properties, descriptors_are_those_of_orb)
 {
     if (!orbBlursWithFMA())
         AQORB_SKIP("cv::ORB of this OpenCV and CPU blurs without multiply-add");
@@ -152,7 +152,7 @@ TEST(AqorbProperties, descriptorsAreThoseOfOrb)
     EXPECT_LE(blurredOtherwise, 5);
 }
 
-TEST(AqorbProperties, quotasAddUpToTheNumberOfFeatures)
+TEST(Aqorb_Properties, quotas_add_up_to_the_number_of_features)
 {
     RNG rng(1);
     for (int i = 0; i < 20000; i++)
@@ -169,7 +169,7 @@ TEST(AqorbProperties, quotasAddUpToTheNumberOfFeatures)
     }
 }
 
-TEST(AqorbProperties, asManyFeaturesAsThereAreCorners)
+TEST(Aqorb_Properties, as_many_features_as_there_are_corners)
 {
     // If nfeatures is large enough, every corner becomes a keypoint. If not, exactly nfeatures of them do.
     int64 corners = 0;
@@ -213,7 +213,7 @@ TEST(AqorbProperties, asManyFeaturesAsThereAreCorners)
     EXPECT_GT(corners, 10000);
 }
 
-TEST(AqorbProperties, moreFeaturesKeepTheOthers)
+TEST(Aqorb_Properties, more_features_keep_the_others)
 {
     // On one level with a quadtree of given depth the choice is a prefix of a sequence that does not depend
     // on nfeatures. (With several levels a quota may shrink as nfeatures grows, by what coarser levels
@@ -245,7 +245,7 @@ TEST(AqorbProperties, moreFeaturesKeepTheOthers)
     EXPECT_GT(compared, 10000u);
 }
 
-TEST(AqorbProperties, theSceneMovedByWholeCellsGivesTheSameMoved)
+TEST(Aqorb_Properties, the_scene_moved_by_whole_cells_gives_the_same_moved)
 {
     // On one level with a fixed threshold: a move by whole cells of the mesh and whole groups of the
     // quadtree's leaves, of a scene on flat ground that the frame does not cut.
@@ -299,7 +299,7 @@ TEST(AqorbProperties, theSceneMovedByWholeCellsGivesTheSameMoved)
     EXPECT_GT(compared, 3000u);
 }
 
-TEST(AqorbProperties, aMaskTakesCornersAwayAndNothingElse)
+TEST(Aqorb_Properties, a_mask_takes_corners_away_and_nothing_else)
 {
     // This holds on one level where corners do not compete: with one fixed threshold, without suppression,
     // and with an nfeatures that no image reaches.
@@ -333,7 +333,7 @@ TEST(AqorbProperties, aMaskTakesCornersAwayAndNothingElse)
     EXPECT_GT(compared, 1000u);
 }
 
-TEST(AqorbProperties, neverFewerThanOrb)
+TEST(Aqorb_Properties, never_fewer_than_orb)
 {
     size_t compared = 0;
     for (int seed = 1; seed <= 500; seed++)
@@ -356,7 +356,7 @@ TEST(AqorbProperties, neverFewerThanOrb)
     EXPECT_GT(compared, 10000u);
 }
 
-TEST(AqorbProperties, retainUniformKeepsAsManyAsThereAreInside)
+TEST(Aqorb_Properties, retain_uniform_keeps_as_many_as_there_are_inside)
 {
     for (int seed = 1; seed <= 2000; seed++)
     {

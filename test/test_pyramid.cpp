@@ -43,7 +43,7 @@ void buildPyramid(const Mat& image, const Mat& mask, int nlevels, int firstLevel
     }
 }
 
-TEST(AqorbPyramid, quotasOfThePaper)
+TEST(Aqorb_Pyramid, quotas_of_the_paper)
 {
     // 500 features on 8 levels: equation (8) gives 108.6 for the first and 30.3 for the last.
     const std::vector<int> quotas = levelQuotas(500, 1.2f, 8);
@@ -53,7 +53,7 @@ TEST(AqorbPyramid, quotasOfThePaper)
     EXPECT_EQ(levelQuotas(500, 1.f, 1), std::vector<int>(1, 500));
 }
 
-TEST(AqorbPyramid, quotasAddUpAndEqualReference)
+TEST(Aqorb_Pyramid, quotas_add_up_and_equal_reference)
 {
     const float factors[] = {1.01f, 1.1f, 1.2f, 1.5f, 2.f, 3.7f};
     for (float factor : factors)
@@ -77,7 +77,7 @@ TEST(AqorbPyramid, quotasAddUpAndEqualReference)
     }
 }
 
-TEST(AqorbPyramid, quotasTakeRoundingFromTheFinestLevel)
+TEST(Aqorb_Pyramid, quotas_take_rounding_from_the_finest_level)
 {
     // cv::ORB's rounding asks for 8 features where 7 are wanted.
     const std::vector<int> quotas = levelQuotas(7, 1.2f, 8);
@@ -85,7 +85,7 @@ TEST(AqorbPyramid, quotasTakeRoundingFromTheFinestLevel)
     EXPECT_EQ(quotas, std::vector<int>(expected, expected + 8));
 }
 
-TEST(AqorbPyramid, scalesAndSizesAreThoseOfORB)
+TEST(Aqorb_Pyramid, scales_and_sizes_are_those_of_orb)
 {
     EXPECT_EQ(levelScale(0, 0, 1.2f), 1.f);
     EXPECT_EQ(levelScale(1, 0, 1.2f), 1.2f);
@@ -106,7 +106,7 @@ static void expectResizedAsOpenCV(const Mat& source, Size size)
     EXPECT_TRUE(sameMat(resized, expected));
 }
 
-TEST(AqorbPyramid, resizeEqualsOpenCVForEveryWidth)
+TEST(Aqorb_Pyramid, resize_equals_opencv_for_every_width)
 {
     const double factors[] = {0.5, 0.9, 1.1, 1.2, 1.5, 2, 2.7, 5, 17};
     for (int width = 1; width <= MAX_WIDTH; width++)
@@ -127,7 +127,7 @@ TEST(AqorbPyramid, resizeEqualsOpenCVForEveryWidth)
     }
 }
 
-TEST(AqorbPyramid, resizeEqualsOpenCVForEveryWidthAndAlignment)
+TEST(Aqorb_Pyramid, resize_equals_opencv_for_every_width_and_alignment)
 {
     const double factors[] = {0.5, 1.1, 1.2, 1.5, 2.7};
     for (int width = 1; width <= MAX_WIDTH; width++)
@@ -153,7 +153,7 @@ TEST(AqorbPyramid, resizeEqualsOpenCVForEveryWidthAndAlignment)
     }
 }
 
-TEST(AqorbPyramid, resizeEqualsOpenCVOnPhotographs)
+TEST(Aqorb_Pyramid, resize_equals_opencv_on_photographs)
 {
     AQORB_NEEDS_DATA();
     for (const Mat& photograph : photographs())
@@ -163,7 +163,7 @@ TEST(AqorbPyramid, resizeEqualsOpenCVOnPhotographs)
     }
 }
 
-TEST(AqorbPyramid, resizeTakesRegions)
+TEST(Aqorb_Pyramid, resize_takes_regions)
 {
     const Mat noise = makeNoise(Size(200, 150));
     expectResizedAsOpenCV(noise(Rect(13, 7, 151, 101)), Size(126, 84));
@@ -174,7 +174,7 @@ TEST(AqorbPyramid, resizeTakesRegions)
     EXPECT_TRUE(sameMat(resized, expected));
 }
 
-TEST(AqorbPyramid, levelsAreMadeFromWhatORBMakesThemFrom)
+TEST(Aqorb_Pyramid, levels_are_made_from_what_orb_makes_them_from)
 {
     const Mat image = makeScene(Size(200, 160));
     for (int firstLevel = 0; firstLevel <= 3; firstLevel++)
@@ -198,7 +198,7 @@ TEST(AqorbPyramid, levelsAreMadeFromWhatORBMakesThemFrom)
     }
 }
 
-TEST(AqorbPyramid, stopsBeforeTheFirstLevelThatIsTooSmall)
+TEST(Aqorb_Pyramid, stops_before_the_first_level_that_is_too_small)
 {
     std::vector<Level> levels;
     buildPyramid(makeNoise(Size(100, 64)), Mat(), 8, 0, 2, 16, levels);
@@ -209,7 +209,7 @@ TEST(AqorbPyramid, stopsBeforeTheFirstLevelThatIsTooSmall)
     EXPECT_TRUE(levels.empty());
 }
 
-TEST(AqorbPyramid, aMaskedPixelMasksAllThatAreMadeOfIt)
+TEST(Aqorb_Pyramid, a_masked_pixel_masks_all_that_are_made_of_it)
 {
     const Mat image = makeScene(Size(97, 75));
     Mat mask(image.size(), CV_8UC1, Scalar(1));

@@ -16,7 +16,7 @@ namespace
 
 using namespace aqorb::stages;
 
-TEST(AqorbQuadtree, depthOfThePapersExample)
+TEST(Aqorb_Quadtree, depth_of_the_papers_example)
 {
     // 500 features on 8 levels: 109 on the first, 30 on the last. The paper's text says 5 for the first,
     // which its equation (9) does not give.
@@ -24,7 +24,7 @@ TEST(AqorbQuadtree, depthOfThePapersExample)
     EXPECT_EQ(quadtreeDepth(30), 3);
 }
 
-TEST(AqorbQuadtree, depthIsTheSmallestWithEnoughLeaves)
+TEST(Aqorb_Quadtree, depth_is_the_smallest_with_enough_leaves)
 {
     EXPECT_EQ(quadtreeDepth(0), 0);
     EXPECT_EQ(quadtreeDepth(1), 0);
@@ -36,7 +36,7 @@ TEST(AqorbQuadtree, depthIsTheSmallestWithEnoughLeaves)
     }
 }
 
-TEST(AqorbQuadtree, leafCodeInterleavesBits)
+TEST(Aqorb_Quadtree, leaf_code_interleaves_bits)
 {
     EXPECT_EQ(leafCode(0, 0), 0u);
     EXPECT_EQ(leafCode(1, 0), 1u);
@@ -79,7 +79,7 @@ void expectSequence(std::vector<LeafPoint> points, int depth, BalancedSequence& 
     EXPECT_FALSE(sequence.next(point));
 }
 
-TEST(AqorbQuadtree, sequenceEqualsItsDefinition)
+TEST(Aqorb_Quadtree, sequence_equals_its_definition)
 {
     const int counts[] = {0, 1, 2, 7, 60, 500, 3000};
     BalancedSequence sequence;  // one for all: it must begin anew
@@ -95,7 +95,7 @@ TEST(AqorbQuadtree, sequenceEqualsItsDefinition)
 }
 
 // Corners come by rows; the signs of zeros must not hide that others do not.
-TEST(AqorbQuadtree, sequenceOfPointsInRasterOrder)
+TEST(Aqorb_Quadtree, sequence_of_points_in_raster_order)
 {
     BalancedSequence sequence;
     for (int depth = 0; depth <= 8; depth++)
@@ -119,7 +119,7 @@ TEST(AqorbQuadtree, sequenceOfPointsInRasterOrder)
 }
 
 // What the filter rejects might as well not be there.
-TEST(AqorbQuadtree, filterLeavesPointsOut)
+TEST(Aqorb_Quadtree, filter_leaves_points_out)
 {
     struct NotThird : PointFilter
     {
@@ -147,7 +147,7 @@ TEST(AqorbQuadtree, filterLeavesPointsOut)
     }
 }
 
-TEST(AqorbQuadtree, sequenceRanksAllFloats)
+TEST(Aqorb_Quadtree, sequence_ranks_all_floats)
 {
     const float inf = std::numeric_limits<float>::infinity();
     const float nan = std::numeric_limits<float>::quiet_NaN();
@@ -167,7 +167,7 @@ TEST(AqorbQuadtree, sequenceRanksAllFloats)
     }
 }
 
-TEST(AqorbQuadtree, sequenceByHand)
+TEST(Aqorb_Quadtree, sequence_by_hand)
 {
     // Depth 3: leaves 0 and 1 are in the first group of 16 leaves, 16 in the second.
     const LeafPoint given[] = {{0, 9, 0, 0, 0},  {0, 8, 0, 0, 1},  {1, 5, 0, 0, 2},

@@ -42,7 +42,7 @@ void report(const std::string& figure, double ours, double orb)
     std::cout << format("[ FIGURE   ] %-52s %8.3f  cv::ORB %8.3f", figure.c_str(), ours, orb) << std::endl;
 }
 
-TEST(AqorbQuality, uniform_on_photographs)
+TEST(Aqorb_Quality, uniform_on_photographs)
 {
     AQORB_NEEDS_DATA();
     const Ptr<ORB> ours = AdaptiveQuadtreeORB::create(500), orb = ORB::create(500);
@@ -73,7 +73,7 @@ TEST(AqorbQuality, uniform_on_photographs)
     EXPECT_GT(oursOccupancy, orbOccupancy);
 }
 
-TEST(AqorbQuality, gives_all_features_asked_for)
+TEST(Aqorb_Quality, gives_all_features_asked_for)
 {
     AQORB_NEEDS_DATA();
     for (const char* set : {"bark", "trees", "ubc"})
@@ -88,7 +88,7 @@ TEST(AqorbQuality, gives_all_features_asked_for)
     }
 }
 
-TEST(AqorbQuality, finds_features_in_dark_images)
+TEST(Aqorb_Quality, finds_features_in_dark_images)
 {
     AQORB_NEEDS_DATA();
     const int nfeatures = 500;
@@ -128,7 +128,7 @@ double areaUnderCurve(const std::vector<double>& errors, double limit)
     return sum / double(errors.size());
 }
 
-TEST(AqorbQuality, matches_more_of_the_scene)
+TEST(Aqorb_Quality, matches_more_of_the_scene)
 {
     AQORB_NEEDS_DATA();
     const int seeds = 7;

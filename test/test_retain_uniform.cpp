@@ -29,7 +29,7 @@ KeyPoints randomKeypoints(int count, Size size, int seed)
     return keypoints;
 }
 
-TEST(AqorbRetainUniform, equalsReferenceAndTouchesNoField)
+TEST(Aqorb_RetainUniform, equals_reference_and_touches_no_field)
 {
     const Size size(640, 481);
     const KeyPoints all = randomKeypoints(1000, size, 1);
@@ -63,7 +63,7 @@ TEST(AqorbRetainUniform, equalsReferenceAndTouchesNoField)
     }
 }
 
-TEST(AqorbRetainUniform, dropsWhatLiesOutside)
+TEST(Aqorb_RetainUniform, drops_what_lies_outside)
 {
     const float nan = std::numeric_limits<float>::quiet_NaN();
     const float inf = std::numeric_limits<float>::infinity();
@@ -82,7 +82,7 @@ TEST(AqorbRetainUniform, dropsWhatLiesOutside)
     EXPECT_TRUE(keypoints.empty());
 }
 
-TEST(AqorbRetainUniform, takesNaNLastAndAtMostOneOfALeafFirst)
+TEST(Aqorb_RetainUniform, takes_nan_last_and_at_most_one_of_a_leaf_first)
 {
     const float nan = std::numeric_limits<float>::quiet_NaN();
     KeyPoints keypoints;

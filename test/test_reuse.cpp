@@ -70,7 +70,7 @@ void fail(AdaptiveQuadtreeORB& detector, const Mat& image, int kind)
     }
 }
 
-TEST(AqorbReuse, anObjectGivesWhatANewOneGives)
+TEST(Aqorb_Reuse, an_object_gives_what_a_new_one_gives)
 {
     RNG rng(20);
     const Ptr<AdaptiveQuadtreeORB> used = AdaptiveQuadtreeORB::create();
@@ -99,7 +99,7 @@ TEST(AqorbReuse, anObjectGivesWhatANewOneGives)
     }
 }
 
-TEST(AqorbReuse, inputsAreNotWrittenTo)
+TEST(Aqorb_Reuse, inputs_are_not_written_to)
 {
     const Mat image = makeScene(Size(180, 140)), mask = makeNoise(image.size()) > 10;
     const Mat imageBefore = image.clone(), maskBefore = mask.clone();
@@ -118,7 +118,7 @@ TEST(AqorbReuse, inputsAreNotWrittenTo)
     }
 }
 
-TEST(AqorbReuse, earlierOutputsStayAsTheyAre)
+TEST(Aqorb_Reuse, earlier_outputs_stay_as_they_are)
 {
     const Ptr<AdaptiveQuadtreeORB> detector = AdaptiveQuadtreeORB::create(150);
     const Mat first = makeScene(Size(200, 150), 1), second = makeScene(Size(200, 150), 2);
@@ -128,7 +128,7 @@ TEST(AqorbReuse, earlierOutputsStayAsTheyAre)
     EXPECT_TRUE(sameFeatures(copy, kept));
 }
 
-TEST(AqorbReuse, outputsMayHoldAnything)
+TEST(Aqorb_Reuse, outputs_may_hold_anything)
 {
     const Ptr<AdaptiveQuadtreeORB> detector = AdaptiveQuadtreeORB::create(100);
     const Mat image = makeScene(Size(200, 150));
@@ -152,7 +152,7 @@ TEST(AqorbReuse, outputsMayHoldAnything)
     EXPECT_EQ(0, countNonZero(large != 77));
 }
 
-TEST(AqorbReuse, outputsMayBeLeftOut)
+TEST(Aqorb_Reuse, outputs_may_be_left_out)
 {
     const Ptr<AdaptiveQuadtreeORB> detector = AdaptiveQuadtreeORB::create(100);
     const Mat image = makeScene(Size(200, 150));

@@ -56,7 +56,7 @@ private:
     std::vector<SelectionLevel> levels;
 };
 
-TEST(AqorbSelection, asksForNothingMoreWhereQuotasAreMet)
+TEST(Aqorb_Selection, asks_for_nothing_more_where_quotas_are_met)
 {
     const Levels levels({3, 2});
     FeatureSelector selector;
@@ -81,7 +81,7 @@ TEST(AqorbSelection, asksForNothingMoreWhereQuotasAreMet)
     EXPECT_EQ(chosen.size(), 2u);
 }
 
-TEST(AqorbSelection, asksForNothingWithoutLevelsOrQuotas)
+TEST(Aqorb_Selection, asks_for_nothing_without_levels_or_quotas)
 {
     FeatureSelector selector;
     CornerRequest request;
@@ -92,7 +92,7 @@ TEST(AqorbSelection, asksForNothingWithoutLevelsOrQuotas)
 }
 
 // Each set is asked for from fine to coarse, and only as long as features are missing.
-TEST(AqorbSelection, asksForWhatTheRulesPassedOverInTheOrderOfTheRules)
+TEST(Aqorb_Selection, asks_for_what_the_rules_passed_over_in_the_order_of_the_rules)
 {
     const Levels levels({2, 2});
     FeatureSelector selector;
@@ -127,7 +127,7 @@ TEST(AqorbSelection, asksForWhatTheRulesPassedOverInTheOrderOfTheRules)
     }
 }
 
-TEST(AqorbSelection, passesOverCornersNearThoseOfCoarserLevels)
+TEST(Aqorb_Selection, passes_over_corners_near_those_of_coarser_levels)
 {
     // Pixel (10, 5) of level 1 lies at (20.5, 10.5) of level 0.
     const Levels levels({2, 1});
@@ -154,7 +154,7 @@ TEST(AqorbSelection, passesOverCornersNearThoseOfCoarserLevels)
     }
 }
 
-TEST(AqorbSelection, choosesNoCornerTwiceAndGivesThemInRasterOrder)
+TEST(Aqorb_Selection, chooses_no_corner_twice_and_gives_them_in_raster_order)
 {
     const Levels levels({5});
     FeatureSelector selector;

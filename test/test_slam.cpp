@@ -73,7 +73,7 @@ Features extract(SlamExtractor& extractor, const Mat& image, const Mat& mask = M
     return features;
 }
 
-TEST(AQORB_Slam, a_system_holds_it_as_its_ORBextractor)
+TEST(Aqorb_Slam, a_system_holds_it_as_its_or_bextractor)
 {
     const slam_system::Settings settings;
     slam_system::ORBextractor left(settings.nFeatures, settings.fScaleFactor, settings.nLevels,
@@ -99,7 +99,7 @@ TEST(AQORB_Slam, a_system_holds_it_as_its_ORBextractor)
     }
 }
 
-TEST(AQORB_Slam, keypoints_are_the_detectors_at_the_given_thresholds)
+TEST(Aqorb_Slam, keypoints_are_the_detectors_at_the_given_thresholds)
 {
     const Mat image = makeScene(Size(320, 240)) * 0.5;
     const int thresholds[][2] = {{20, 7}, {20, 20}, {40, 9}, {254, 1}, {1, 1}, {13, 11}};
@@ -122,7 +122,7 @@ TEST(AQORB_Slam, keypoints_are_the_detectors_at_the_given_thresholds)
     }
 }
 
-TEST(AQORB_Slam, positions_are_pixels_of_the_level_times_its_scale)
+TEST(Aqorb_Slam, positions_are_pixels_of_the_level_times_its_scale)
 {
     SlamExtractor extractor(1000, 1.2f, 8, 20, 7);
     const Features found = extract(extractor, makeScene(Size(500, 350)));
@@ -139,7 +139,7 @@ TEST(AQORB_Slam, positions_are_pixels_of_the_level_times_its_scale)
     }
 }
 
-TEST(AQORB_Slam, keypoints_are_parted_by_the_overlap)
+TEST(Aqorb_Slam, keypoints_are_parted_by_the_overlap)
 {
     const Mat image = makeScene(Size(400, 300));
     SlamExtractor extractor(800, 1.2f, 8, 20, 7);
@@ -171,7 +171,7 @@ TEST(AQORB_Slam, keypoints_are_parted_by_the_overlap)
     }
 }
 
-TEST(AQORB_Slam, both_ends_of_the_overlap_belong_to_it)
+TEST(Aqorb_Slam, both_ends_of_the_overlap_belong_to_it)
 {
     SlamExtractor extractor(100, 1.2f, 1, 20, 7);
     const Mat image = makeScene(Size(300, 200));
@@ -184,7 +184,7 @@ TEST(AQORB_Slam, both_ends_of_the_overlap_belong_to_it)
         EXPECT_EQ(i >= outside, found.keypoints[i].pt.x == column);
 }
 
-TEST(AQORB_Slam, the_pyramid_is_the_detectors)
+TEST(Aqorb_Slam, the_pyramid_is_the_detectors)
 {
     SlamExtractor extractor(500, 1.2f, 8, 20, 7);
     const Mat images[] = {makeScene(Size(301, 247)), makeScene(Size(123, 456), 2)};
@@ -204,7 +204,7 @@ TEST(AQORB_Slam, the_pyramid_is_the_detectors)
     }
 }
 
-TEST(AQORB_Slam, a_level_without_pixels_is_empty)
+TEST(Aqorb_Slam, a_level_without_pixels_is_empty)
 {
     SlamExtractor extractor(500, 2, 8, 20, 7);
     extract(extractor, makeScene(Size(100, 60)));
@@ -214,7 +214,7 @@ TEST(AQORB_Slam, a_level_without_pixels_is_empty)
     EXPECT_TRUE(extractor.mvImagePyramid[7].empty());
 }
 
-TEST(AQORB_Slam, an_empty_image_clears_all)
+TEST(Aqorb_Slam, an_empty_image_clears_all)
 {
     SlamExtractor extractor(500, 1.2f, 8, 20, 7);
     Features features = extract(extractor, makeScene(Size(200, 150)));
@@ -227,7 +227,7 @@ TEST(AQORB_Slam, an_empty_image_clears_all)
     EXPECT_TRUE(extractor.mvImagePyramid[0].empty());
 }
 
-TEST(AQORB_Slam, a_mask_is_heeded)
+TEST(Aqorb_Slam, a_mask_is_heeded)
 {
     SlamExtractor extractor(500, 1.2f, 8, 20, 7);
     Mat mask = Mat::zeros(240, 320, CV_8UC1);
@@ -238,7 +238,7 @@ TEST(AQORB_Slam, a_mask_is_heeded)
         EXPECT_LT(cvRound(keypoint.pt.x), 160);
 }
 
-TEST(AQORB_Slam, descriptors_need_not_be_asked_for)
+TEST(Aqorb_Slam, descriptors_need_not_be_asked_for)
 {
     SlamExtractor extractor(500, 1.2f, 8, 20, 7);
     KeyPoints keypoints;
@@ -248,7 +248,7 @@ TEST(AQORB_Slam, descriptors_need_not_be_asked_for)
     EXPECT_EQ(500u, keypoints.size());
 }
 
-TEST(AQORB_Slam, bad_arguments)
+TEST(Aqorb_Slam, bad_arguments)
 {
     EXPECT_THROW(SlamExtractor(-1, 1.2f, 8, 20, 7), cv::Exception);
     EXPECT_THROW(SlamExtractor(500, 0, 8, 20, 7), cv::Exception);

@@ -13,7 +13,7 @@ namespace
 
 using namespace aqorb::stages;
 
-TEST(AqorbThreshold, equation7OfKnownImages)
+TEST(Aqorb_Threshold, equation7_of_known_images)
 {
     // Half 0, half 200: mean 100, variance 100^2.
     Mat image(10, 10, CV_8UC1, Scalar(0));
@@ -27,7 +27,7 @@ TEST(AqorbThreshold, equation7OfKnownImages)
     EXPECT_DOUBLE_EQ(varianceOverMean(three, (Mat_<uchar>(1, 3) << 1, 0, 255)), 5.);
 }
 
-TEST(AqorbThreshold, equation7IsZeroWithoutContrast)
+TEST(Aqorb_Threshold, equation7_is_zero_without_contrast)
 {
     EXPECT_EQ(varianceOverMean(Mat(7, 9, CV_8UC1, Scalar(0)), Mat()), 0);
     EXPECT_NEAR(varianceOverMean(Mat(7, 9, CV_8UC1, Scalar(255)), Mat()), 0, 1e-12);
@@ -36,7 +36,7 @@ TEST(AqorbThreshold, equation7IsZeroWithoutContrast)
     EXPECT_EQ(aqorb::adaptiveFastThreshold(Mat()), 0);
 }
 
-TEST(AqorbThreshold, equation7EqualsReferenceForEveryWidth)
+TEST(Aqorb_Threshold, equation7_equals_reference_for_every_width)
 {
     for (int width = 1; width <= MAX_WIDTH; width++)
     {
@@ -52,7 +52,7 @@ TEST(AqorbThreshold, equation7EqualsReferenceForEveryWidth)
     }
 }
 
-TEST(AqorbThreshold, equation7EqualsReferenceForEveryWidthAndAlignment)
+TEST(Aqorb_Threshold, equation7_equals_reference_for_every_width_and_alignment)
 {
     for (int width = 1; width <= MAX_WIDTH; width++)
     {
@@ -65,7 +65,7 @@ TEST(AqorbThreshold, equation7EqualsReferenceForEveryWidthAndAlignment)
     }
 }
 
-TEST(AqorbThreshold, equation7DoesNotOverflow)
+TEST(Aqorb_Threshold, equation7_does_not_overflow)
 {
     // More than 2^32 in the sum of squares, and rows longer than any block of the kernel.
     const Mat wide(2, 1 << 19, CV_8UC1, Scalar(255)), tall(1 << 12, 100, CV_8UC1, Scalar(255));
@@ -78,7 +78,7 @@ TEST(AqorbThreshold, equation7DoesNotOverflow)
     EXPECT_EQ(varianceOverMean(wide, Mat()), reference::varianceOverMean(wide, Mat()));
 }
 
-TEST(AqorbThreshold, scalesWithLight)
+TEST(Aqorb_Threshold, scales_with_light)
 {
     const Mat scene = makeScene(Size(320, 240));
     const double bright = varianceOverMean(scene, Mat());
@@ -92,7 +92,7 @@ static void expectThresholds(const Thresholds& thresholds, int ini, int min)
     EXPECT_EQ(thresholds.min, min);
 }
 
-TEST(AqorbThreshold, thresholdsOfKnownValues)
+TEST(Aqorb_Threshold, thresholds_of_known_values)
 {
     // as in the paper: iniT from equation (7), minT a quarter of it
     expectThresholds(adaptiveThresholds(40, 20, 4), 40, 10);
@@ -120,7 +120,7 @@ TEST(AqorbThreshold, thresholdsOfKnownValues)
     expectThresholds(fixedThresholds(1000, 10), 254, 26);
 }
 
-TEST(AqorbThreshold, thresholdsEqualReference)
+TEST(Aqorb_Threshold, thresholds_equal_reference)
 {
     const int fasts[] = {-3, 0, 1, 2, 7, 20, 100, 254, 255, 300};
     const double values[] = {0, 0.3, 1, 1.5, 2.5, 7, 14.4, 29.9, 48, 100, 253.5, 254.5, 400, 1e6};

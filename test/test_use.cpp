@@ -18,7 +18,7 @@ namespace opencv_test
 namespace
 {
 
-TEST(AQORB_Use, in_AffineFeature)
+TEST(Aqorb_Use, in_affine_feature)
 {
     const Ptr<AffineFeature> affine = AffineFeature::create(AdaptiveQuadtreeORB::create(100), 2, 0);
     const Features features = detectAndCompute(*affine, makeScene(Size(200, 160)));
@@ -26,7 +26,7 @@ TEST(AQORB_Use, in_AffineFeature)
     EXPECT_EQ((int)features.keypoints.size(), features.descriptors.rows);
 }
 
-TEST(AQORB_Use, in_BOWImgDescriptorExtractor)
+TEST(Aqorb_Use, in_bow_img_descriptor_extractor)
 {
     const Ptr<Feature2D> detector = AdaptiveQuadtreeORB::create(200);
     const Mat image = makeScene(Size(240, 200));
@@ -41,7 +41,7 @@ TEST(AQORB_Use, in_BOWImgDescriptorExtractor)
 }
 
 #ifdef HAVE_OPENCV_FLANN
-TEST(AQORB_Use, with_a_FLANN_index)
+TEST(Aqorb_Use, with_a_flann_index)
 {
     const Ptr<Feature2D> detector = AdaptiveQuadtreeORB::create(300);
     const Features features = detectAndCompute(*detector, makeScene(Size(320, 240)));
@@ -55,7 +55,7 @@ TEST(AQORB_Use, with_a_FLANN_index)
 }
 #endif
 
-TEST(AQORB_Use, with_several_images)
+TEST(Aqorb_Use, with_several_images)
 {
     std::vector<Mat> images, descriptors;
     images.push_back(makeScene(Size(200, 160), 1));
@@ -74,7 +74,7 @@ TEST(AQORB_Use, with_several_images)
     }
 }
 
-TEST(AQORB_Use, as_a_Feature2D_whose_keypoints_are_drawn)
+TEST(Aqorb_Use, as_a_feature2d_whose_keypoints_are_drawn)
 {
     const Ptr<Feature2D> detector = AdaptiveQuadtreeORB::create(100);
     const Mat image = makeScene(Size(200, 160));
@@ -107,7 +107,7 @@ void expectMatches(int WTA_K)
     EXPECT_GT(correct, a.keypoints.size() / 2);
 }
 
-TEST(AQORB_Use, with_a_matcher)
+TEST(Aqorb_Use, with_a_matcher)
 {
     for (int WTA_K = 2; WTA_K <= 4; WTA_K++)
     {
@@ -117,7 +117,7 @@ TEST(AQORB_Use, with_a_matcher)
 }
 
 #ifdef HAVE_OPENCV_STITCHING
-TEST(AQORB_Use, in_a_Stitcher)
+TEST(Aqorb_Use, in_a_stitcher)
 {
     Mat scene;
     cvtColor(makeScene(Size(900, 400), 4), scene, COLOR_GRAY2BGR);

@@ -10,7 +10,7 @@
 namespace
 {
 
-TEST(ToolsCsv, quotesCellsAndKeepsDigits)
+TEST(Aqorb_Common, csv_quotes_cells_and_keeps_digits)
 {
     tools::CsvTable table({"name", "value"});
     table.add({"a, \"b\"", tools::csvNumber(1. / 3)});
@@ -18,21 +18,21 @@ TEST(ToolsCsv, quotesCellsAndKeepsDigits)
     EXPECT_EQ("name,value\n\"a, \"\"b\"\"\",0.333333333\n,1000000\n", table.text());
 }
 
-TEST(ToolsCsv, rejectsWrongRowsAndFiles)
+TEST(Aqorb_Common, csv_rejects_wrong_rows_and_files)
 {
     tools::CsvTable table({"name", "value"});
     EXPECT_THROW(table.add({"one"}), cv::Exception);
     EXPECT_THROW(table.write("/nowhere/table.csv"), cv::Exception);
 }
 
-TEST(ToolsOptions, splitsLists)
+TEST(Aqorb_Common, options_splits_lists)
 {
     EXPECT_EQ((std::vector<std::string>{"a", "", "b"}), tools::splitList("a,,b"));
     EXPECT_EQ((std::vector<std::string>{"a,b", "c"}), tools::splitList("a,b:c", ':'));
     EXPECT_TRUE(tools::splitList("").empty());
 }
 
-TEST(ToolsOptions, findsUnknownOptions)
+TEST(Aqorb_Common, options_finds_unknown_options)
 {
     const std::string keys = "{help h | | help }{out | . | folder }{@input | | file }";
     const char* const good[] = {"program", "--out=x", "-h", "file", "--help"};
@@ -41,7 +41,7 @@ TEST(ToolsOptions, findsUnknownOptions)
     EXPECT_EQ("--outt=y", tools::unknownOption(3, bad, keys));
 }
 
-TEST(ToolsMedian, ofOddEvenAndNone)
+TEST(Aqorb_Common, median_of_odd_even_and_none)
 {
     EXPECT_EQ(2, tools::median({3, 1, 2}));
     EXPECT_EQ(2.5, tools::median({4, 1, 2, 3}));

@@ -72,7 +72,7 @@ std::string messageOf(const char* variable, const char* value)
     return "no exception";
 }
 
-TEST(Preload, gives_our_detector_with_the_callers_parameters)
+TEST(Aqorb_Preload, gives_our_detector_with_the_callers_parameters)
 {
     const Ptr<ORB> orb = ORB::create(321, 1.3f, 5, 24, 1, 3, ORB::FAST_SCORE, 25, 11);
     EXPECT_EQ("Feature2D.AdaptiveQuadtreeORB", orb->getDefaultName());
@@ -88,12 +88,12 @@ TEST(Preload, gives_our_detector_with_the_callers_parameters)
     EXPECT_EQ(11, orb->getFastThreshold());
 }
 
-TEST(Preload, keeps_the_callers_default_border)
+TEST(Aqorb_Preload, keeps_the_callers_default_border)
 {
     EXPECT_EQ(31, ORB::create()->getEdgeThreshold());
 }
 
-TEST(Preload, leaves_our_own_defaults)
+TEST(Aqorb_Preload, leaves_our_own_defaults)
 {
     const Ptr<AdaptiveQuadtreeORB> orb = ours(ORB::create()), expected = AdaptiveQuadtreeORB::create();
     EXPECT_EQ(expected->getAdaptiveThreshold(), orb->getAdaptiveThreshold());
@@ -104,7 +104,7 @@ TEST(Preload, leaves_our_own_defaults)
     EXPECT_EQ(expected->getSubPixel(), orb->getSubPixel());
 }
 
-TEST(Preload, sets_properties_from_the_environment)
+TEST(Aqorb_Preload, sets_properties_from_the_environment)
 {
     const Variable edge("AQORB_EDGE_THRESHOLD", "16"), adaptive("AQORB_ADAPTIVE_THRESHOLD", "0"),
         ratio("AQORB_MIN_THRESHOLD_RATIO", "2.5"), cell("AQORB_CELL_SIZE", "50"),
@@ -128,7 +128,7 @@ struct DecimalComma : std::numpunct<char>
     char do_decimal_point() const override { return ','; }
 };
 
-TEST(Preload, reads_numbers_in_any_locale)
+TEST(Aqorb_Preload, reads_numbers_in_any_locale)
 {
     const std::locale before = std::locale::global(std::locale(std::locale::classic(), new DecimalComma));
     const Variable octave("AQORB_OCTAVE_SUPPRESSION", "0.25");
@@ -136,13 +136,13 @@ TEST(Preload, reads_numbers_in_any_locale)
     std::locale::global(before);
 }
 
-TEST(Preload, takes_an_empty_variable_for_none)
+TEST(Aqorb_Preload, takes_an_empty_variable_for_none)
 {
     const Variable edge("AQORB_EDGE_THRESHOLD", ""), disable("AQORB_DISABLE", "");
     EXPECT_EQ(31, ours(ORB::create())->getEdgeThreshold());
 }
 
-TEST(Preload, names_the_variable_of_a_bad_value)
+TEST(Aqorb_Preload, names_the_variable_of_a_bad_value)
 {
     EXPECT_EQ("AQORB_EDGE_THRESHOLD: got \"sixteen\"; a whole number is accepted",
               messageOf("AQORB_EDGE_THRESHOLD", "sixteen"));
@@ -157,7 +157,7 @@ TEST(Preload, names_the_variable_of_a_bad_value)
     EXPECT_EQ("AQORB_CELL_SIZE: cellSize: got 4; >= 8 is accepted", messageOf("AQORB_CELL_SIZE", "4"));
 }
 
-TEST(Preload, gives_opencvs_detector_where_disabled)
+TEST(Aqorb_Preload, gives_opencv_detector_where_disabled)
 {
     const Ptr<ORB> orb = opencvORB(123);
     EXPECT_EQ("Feature2D.ORB", orb->getDefaultName());
@@ -167,7 +167,7 @@ TEST(Preload, gives_opencvs_detector_where_disabled)
     EXPECT_NO_THROW(ours(ORB::create()));
 }
 
-TEST(Preload, notices_once_and_on_request_only)
+TEST(Aqorb_Preload, notices_once_and_on_request_only)
 {
     const auto output = []
     {
@@ -186,7 +186,7 @@ TEST(Preload, notices_once_and_on_request_only)
 }
 
 // A library that called cv::ORB for these would call itself for ever.
-TEST(Preload, computes_descriptors_of_every_kind_itself)
+TEST(Aqorb_Preload, computes_descriptors_of_every_kind_itself)
 {
     const Mat image = makeImage();
     for (int WTA_K : {2, 3, 4})

@@ -60,7 +60,7 @@ const char* const EVENTS =
     "b,0,760,7,11\nb,0,800,8,12\ne,0,830,8,12,30\ne,0,960,7,11,200\n"
     "e,0,1000,1,1,1000\n";
 
-TEST(Profile, sharesTheTimeOfAFrameAmongStages)
+TEST(Aqorb_Profile, shares_the_time_of_a_frame_among_stages)
 {
     const TraceFiles files(LOCATIONS, EVENTS);
     const std::vector<TraceRegion> frames = readTrace(files.location);
@@ -77,7 +77,7 @@ TEST(Profile, sharesTheTimeOfAFrameAmongStages)
     EXPECT_EQ(20 + 10 + 40, profile.stages[REST]);
 }
 
-TEST(Profile, knowsTheLeastTimeOfThreads)
+TEST(Aqorb_Profile, knows_the_least_time_of_threads)
 {
     const TraceFiles files(LOCATIONS, EVENTS);
     const TraceRegion frame = readTrace(files.location)[0];
@@ -87,7 +87,7 @@ TEST(Profile, knowsTheLeastTimeOfThreads)
     EXPECT_EQ(800, leastTime(frame, 0));
 }
 
-TEST(Profile, knowsTheLeastTimeOfTasksThatAreSplitAgain)
+TEST(Aqorb_Profile, knows_the_least_time_of_tasks_that_are_split_again)
 {
     // A task of 10, and one of 90 with 60 in two halves.
     const TraceFiles files(LOCATIONS, "b,0,0,3,1\n"
@@ -102,7 +102,7 @@ TEST(Profile, knowsTheLeastTimeOfTasksThatAreSplitAgain)
     EXPECT_EQ(60, leastTime(region, 0));
 }
 
-TEST(Profile, namesTheStagesThatATraceLacks)
+TEST(Aqorb_Profile, names_the_stages_that_a_trace_lacks)
 {
     const TraceFiles files(LOCATIONS, EVENTS);
     const std::vector<std::string> absent = absentStages(readTrace(files.location));
@@ -110,7 +110,7 @@ TEST(Profile, namesTheStagesThatATraceLacks)
     EXPECT_EQ(1, std::count(absent.begin(), absent.end(), "computeDescriptors"));
 }
 
-TEST(Profile, refusesATraceThatIsNotWhole)
+TEST(Aqorb_Profile, refuses_a_trace_that_is_not_whole)
 {
     const TraceFiles skipping(LOCATIONS, "b,0,0,1,1\ne,0,9,1,1,9,skip=1\n");
     EXPECT_THROW(readTrace(skipping.location), cv::Exception);

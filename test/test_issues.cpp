@@ -44,7 +44,7 @@ void expectValid(const Features& features, Size imageSize)
 
 // ---- modules/features2d/test/test_orb.cpp ----------------------------------------------------
 
-TEST(AqorbIssue, opencv_1996_mask)
+TEST(Aqorb_Issues, opencv_1996_mask)
 {
     const Ptr<Feature2D> detector =
         AdaptiveQuadtreeORB::create(10000, 1.2f, 8, 31, 0, 2, ORB::HARRIS_SCORE, 31, 20);
@@ -63,7 +63,7 @@ TEST(AqorbIssue, opencv_1996_mask)
         ASSERT_NE(0, int(mask.at<uchar>(cvRound(keypoint.pt.y), cvRound(keypoint.pt.x))));
 }
 
-TEST(AqorbIssue, opencv_5031_large_patch_near_border)
+TEST(Aqorb_Issues, opencv_5031_large_patch_near_border)
 {
     const Mat image = Mat::zeros(Size(1920, 1080), CV_8UC3);
     const Ptr<ORB> orb = AdaptiveQuadtreeORB::create(8000, 1.2f, 18, 4, 0, 2, ORB::HARRIS_SCORE, 47, 20);
@@ -80,7 +80,7 @@ TEST(AqorbIssue, opencv_5031_large_patch_near_border)
     EXPECT_EQ(30, descriptors.rows);
 }
 
-TEST(AqorbIssue, opencv_16197_first_level)
+TEST(Aqorb_Issues, opencv_16197_first_level)
 {
     const Ptr<ORB> orb = AdaptiveQuadtreeORB::create();
     orb->setNLevels(5);
@@ -97,7 +97,7 @@ TEST(AqorbIssue, opencv_16197_first_level)
     expectValid(features, Size(72, 72));
 }
 
-TEST(AqorbIssue, opencv_python_537_large_image)
+TEST(Aqorb_Issues, opencv_python_537_large_image)
 {
     // OpenCV's test takes 25000 x 25000; what overflowed were offsets in a row and in the buffer. Here the
     // rows are as long, the image is not.
@@ -116,7 +116,7 @@ TEST(AqorbIssue, opencv_python_537_large_image)
 
 // ---- modules/features2d/test/test_keypoints.cpp ----------------------------------------------
 
-TEST(AqorbIssue, keypoints_validation)
+TEST(Aqorb_Issues, keypoints_validation)
 {
     const Mat scene = makeScene(Size(384, 288));
     for (int border : {0, 16, 31})
@@ -127,7 +127,7 @@ TEST(AqorbIssue, keypoints_validation)
     }
 }
 
-TEST(AqorbIssue, keypoints_validation_on_photograph)
+TEST(Aqorb_Issues, keypoints_validation_on_photograph)
 {
     AQORB_NEEDS_DATA();
     const Mat image = imread(dataFile("cv/features2d/tsukuba.png"));
@@ -139,7 +139,7 @@ TEST(AqorbIssue, keypoints_validation_on_photograph)
 
 // ---- what users reported ---------------------------------------------------------------------
 
-TEST(AqorbIssue, opencv_4517_dark_image)
+TEST(Aqorb_Issues, opencv_4517_dark_image)
 {
     // "Threshold depends on the dynamic range": 4 keypoints in a dark image.
     Mat dark;
@@ -151,7 +151,7 @@ TEST(AqorbIssue, opencv_4517_dark_image)
     EXPECT_GT(ours.size(), 2 * orb.size());
 }
 
-TEST(AqorbIssue, opencv_25974_4574_mask_of_ones)
+TEST(Aqorb_Issues, opencv_25974_4574_mask_of_ones)
 {
     const Mat scene = makeScene(Size(320, 240));
     Mat mask = Mat::zeros(scene.size(), CV_8UC1);
@@ -171,11 +171,11 @@ TEST(AqorbIssue, opencv_25974_4574_mask_of_ones)
     EXPECT_TRUE(sameFeatures(detectAndCompute(*detector, scene), detectAndCompute(*detector, scene, ones)));
 }
 
-TEST(AqorbIssue, opencv_17353_11359_sizes)
+TEST(Aqorb_Issues, opencv_17353_11359_sizes)
 {
-    const Size sizes[] = {Size(1, 1),   Size(2, 1),   Size(1, 300), Size(3, 3),     Size(7, 7),
-                          Size(64, 1),  Size(20, 20), Size(31, 31), Size(33, 33),   Size(34, 35),
-                          Size(37, 91), Size(63, 65), Size(61, 7),  Size(300, 800), Size(4000, 40),
+    const Size sizes[] = {Size(1, 1),   Size(2, 1),    Size(1, 300),  Size(3, 3),     Size(7, 7),
+                          Size(64, 1),  Size(20, 20),  Size(31, 31),  Size(33, 33),   Size(34, 35),
+                          Size(37, 91), Size(63, 65),  Size(61, 7),   Size(300, 800), Size(4000, 40),
                           Size(2, 2),   Size(34, 500), Size(40, 4000)};
     int large = 0;
     for (const Size& size : sizes)
@@ -209,7 +209,7 @@ TEST(AqorbIssue, opencv_17353_11359_sizes)
     EXPECT_GT(large, 0);
 }
 
-TEST(AqorbIssue, opencv_10555_keypoints_of_sift)
+TEST(Aqorb_Issues, opencv_10555_keypoints_of_sift)
 {
     // cv::ORB builds as many levels as SIFT's packed octave says, until memory ends.
     const Mat scene = makeScene(Size(320, 240));
@@ -232,7 +232,7 @@ TEST(AqorbIssue, opencv_10555_keypoints_of_sift)
     EXPECT_FALSE(keypoints.empty());
 }
 
-TEST(AqorbIssue, opencv_6362_12594_the_same_again)
+TEST(Aqorb_Issues, opencv_6362_12594_the_same_again)
 {
     const Mat scene = makeScene(Size(640, 480));
     const Features first = detectAndCompute(*AdaptiveQuadtreeORB::create(), scene);
@@ -246,7 +246,7 @@ TEST(AqorbIssue, opencv_6362_12594_the_same_again)
     }
 }
 
-TEST(AqorbIssue, opencv_contrib_4185_retain_uniform)
+TEST(Aqorb_Issues, opencv_contrib_4185_retain_uniform)
 {
     // Thins out another detector's keypoints so that they cover the image.
     const Mat scene = makeScene(Size(640, 480));
@@ -263,7 +263,7 @@ TEST(AqorbIssue, opencv_contrib_4185_retain_uniform)
               1.5 * aqorb::distributionOccupancy(best, scene.size()));
 }
 
-TEST(AqorbIssue, all_500_of_a_small_image)
+TEST(Aqorb_Issues, all_500_of_a_small_image)
 {
     // "320 x 240: 500 asked, 450 given"; and with FAST_SCORE ties gave more than asked.
     const Mat images[] = {makeNoise(Size(320, 240)), makeScene(Size(320, 240))};
@@ -277,7 +277,7 @@ TEST(AqorbIssue, all_500_of_a_small_image)
     }
 }
 
-TEST(AqorbIssue, opencv_24690_4281_detected_keypoints_are_not_dropped)
+TEST(Aqorb_Issues, opencv_24690_4281_detected_keypoints_are_not_dropped)
 {
     const Mat scene = makeScene(Size(320, 240));
     for (int border : {0, 3, 16, 31})
@@ -293,7 +293,7 @@ TEST(AqorbIssue, opencv_24690_4281_detected_keypoints_are_not_dropped)
     }
 }
 
-TEST(AqorbIssue, ORB_SLAM2_1029_portrait)
+TEST(Aqorb_Issues, orb_slam2_1029_portrait)
 {
     for (const Size& size : {Size(240, 640), Size(60, 1000), Size(40, 4000)})
     {

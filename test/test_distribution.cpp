@@ -24,7 +24,7 @@ double uniformityOf(double sigma)
     return 101 * std::log10(sigma);
 }
 
-TEST(AqorbUniformity, ofCountsByHand)
+TEST(Aqorb_Distribution, uniformity_of_counts_by_hand)
 {
     // 100 x 60, four keypoints at the left end of the middle row: all left, all top (y <= H/2); below the
     // main diagonal (y W - x H = 30*100 - 5*60 > 0), before the other (3000 + 300 - 6000 < 0), all outside
@@ -46,7 +46,7 @@ TEST(AqorbUniformity, ofCountsByHand)
                      uniformityOf(std::sqrt(44. / 5)));
 }
 
-TEST(AqorbUniformity, centreIsARectangleOfHalfTheArea)
+TEST(Aqorb_Distribution, uniformity_centre_is_a_rectangle_of_half_the_area)
 {
     // W/(2 sqrt 2) = 35.355.. of 100, H/(2 sqrt 2) = 21.213.. of 60.
     const Size size(100, 60);
@@ -77,7 +77,7 @@ TEST(AqorbUniformity, centreIsARectangleOfHalfTheArea)
     }
 }
 
-TEST(AqorbUniformity, isZeroForAnEvenDistributionAndForNone)
+TEST(Aqorb_Distribution, uniformity_is_zero_for_an_even_distribution_and_for_none)
 {
     EXPECT_EQ(aqorb::distributionUniformity(KeyPoints(), Size(10, 10)), 0);
     EXPECT_EQ(
@@ -89,7 +89,7 @@ TEST(AqorbUniformity, isZeroForAnEvenDistributionAndForNone)
         aqorb::distributionUniformity(keypointsAt(std::vector<Point2f>(even, even + 8)), Size(100, 100)), 0);
 }
 
-TEST(AqorbUniformity, ignoresPositionsThatAreNotFinite)
+TEST(Aqorb_Distribution, uniformity_ignores_positions_that_are_not_finite)
 {
     const float nan = std::numeric_limits<float>::quiet_NaN();
     const float inf = std::numeric_limits<float>::infinity();
@@ -101,7 +101,7 @@ TEST(AqorbUniformity, ignoresPositionsThatAreNotFinite)
     EXPECT_DOUBLE_EQ(aqorb::distributionUniformity(keypointsAt(places), Size(100, 60)), uniformityOf(2));
 }
 
-TEST(AqorbUniformity, hasTheScaleOfTheDocumentation)
+TEST(Aqorb_Distribution, uniformity_has_the_scale_of_the_documentation)
 {
     // 500 keypoints in one half, on a grid within it: left/right is 500 : 0, the rest nearly even.
     RNG rng(1);
@@ -122,7 +122,7 @@ TEST(AqorbUniformity, hasTheScaleOfTheDocumentation)
     EXPECT_NEAR(random, 101, 12);
 }
 
-TEST(AqorbOccupancy, ofCellsByHand)
+TEST(Aqorb_Distribution, occupancy_of_cells_by_hand)
 {
     std::vector<Point2f> places;
     EXPECT_EQ(aqorb::distributionOccupancy(keypointsAt(places), Size(160, 120)), 0);
@@ -156,14 +156,14 @@ void expectColumnA(const std::string& set, const double* values, int count)
     }
 }
 
-TEST(AqorbUniformity, givesThePapersValuesForBikes)
+TEST(Aqorb_Distribution, uniformity_gives_the_papers_values_for_bikes)
 {
     AQORB_NEEDS_DATA();
     const double values[] = {210.06, 201.62, 209.01, 209.61};
     expectColumnA("bikes", values, 4);
 }
 
-TEST(AqorbUniformity, givesThePapersValuesForLeuven)
+TEST(Aqorb_Distribution, uniformity_gives_the_papers_values_for_leuven)
 {
     AQORB_NEEDS_DATA();
     const double values[] = {203.30, 214.93, 217.05, 216.57, 215.70, 216.82};
