@@ -75,6 +75,7 @@ install(FILES "${files}/aqorb-preload.lintian-overrides" DESTINATION share/linti
   RENAME aqorb-preload)
 
 # The extension module is compiled for one version of Python.
+find_package(Python 3.8 REQUIRED COMPONENTS Interpreter)
 math(EXPR next_python "${Python_VERSION_MINOR} + 1")
 debian_package(python python3-aqorb python
   "${exactly}, python3 (>= ${Python_VERSION_MAJOR}.${Python_VERSION_MINOR}~), python3 (<< ${Python_VERSION_MAJOR}.${next_python}), python3-numpy, python3-opencv"

@@ -1,6 +1,7 @@
-// This file is part of the aqorb project.
+// This file is part of aqorb. Copyright (C) The aqorb developers.
 // It is subject to the license terms in the LICENSE file found in the top-level directory
 // of this distribution.
+// SPDX-License-Identifier: Apache-2.0
 
 // cv::ORB and AdaptiveQuadtreeORB side by side, both with their default parameters. The detector is
 // the last parameter, so that the two of a case run one right after the other and see the same load of

@@ -1,8 +1,9 @@
 #!/usr/bin/env python3
 
-# This file is part of the aqorb project.
+# This file is part of aqorb. Copyright (C) The aqorb developers.
 # It is subject to the license terms in the LICENSE file found in the top-level directory
 # of this distribution.
+# SPDX-License-Identifier: Apache-2.0
 """Compares AdaptiveQuadtreeORB with cv.ORB: prints a table and writes the pictures aqorb_keypoints.jpg and, for two
 images, aqorb_matches.jpg. More than two images are taken one by one (aqorb_keypoints1.jpg, ...). Without images it
 takes three pairs of OpenCV's samples: one where AdaptiveQuadtreeORB wins, one where it loses, and one where each

@@ -1,8 +1,9 @@
 #!/usr/bin/env python3
 
-# This file is part of the aqorb project.
+# This file is part of aqorb. Copyright (C) The aqorb developers.
 # It is subject to the license terms in the LICENSE file found in the top-level directory
 # of this distribution.
+# SPDX-License-Identifier: Apache-2.0
 """Finds keypoints inside the circle of a fisheye lens: without a mask, where the rim of the circle takes some, and
 with one. Without an image it takes graf1.png of OpenCV's samples."""
 

@@ -1,8 +1,9 @@
 #!/usr/bin/env python3
 
-# This file is part of the aqorb project.
+# This file is part of aqorb. Copyright (C) The aqorb developers.
 # It is subject to the license terms in the LICENSE file found in the top-level directory
 # of this distribution.
+# SPDX-License-Identifier: Apache-2.0
 """Matches two images of a plane, estimates the homography between them, and draws where the first image lies in
 the second. Without images it takes graf1.png and graf3.png of OpenCV's samples."""
 

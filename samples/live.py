@@ -1,8 +1,9 @@
 #!/usr/bin/env python3
 
-# This file is part of the aqorb project.
+# This file is part of aqorb. Copyright (C) The aqorb developers.
 # It is subject to the license terms in the LICENSE file found in the top-level directory
 # of this distribution.
+# SPDX-License-Identifier: Apache-2.0
 """Shows the keypoints of AdaptiveQuadtreeORB in the images of a camera or of a video, with a slider for its
 threshold. SOURCE is the number of a camera (without it: 0), a video, or a pattern of images such as frame_%02d.png.
 The space bar changes to cv.ORB and back, Esc ends; the last image of a video stays until a key is pressed."""

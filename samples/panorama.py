@@ -1,8 +1,9 @@
 #!/usr/bin/env python3
 
-# This file is part of the aqorb project.
+# This file is part of aqorb. Copyright (C) The aqorb developers.
 # It is subject to the license terms in the LICENSE file found in the top-level directory
 # of this distribution.
+# SPDX-License-Identifier: Apache-2.0
 """Stitches two or more overlapping photographs of a turning camera to a panorama.
 
 In Python cv.Stitcher does not take a detector, so its steps are done here one by one."""

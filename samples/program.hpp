@@ -1,6 +1,7 @@
-// This file is part of the aqorb project.
+// This file is part of aqorb. Copyright (C) The aqorb developers.
 // It is subject to the license terms in the LICENSE file found in the top-level directory
 // of this distribution.
+// SPDX-License-Identifier: Apache-2.0
 
 // How every sample takes its arguments, reads and writes images, and ends. cv::CommandLineParser passes over
 // options that it does not know, reads 12abc as 12 and takes a fixed number of files.

@@ -1,6 +1,7 @@
-// This file is part of the aqorb project.
+// This file is part of aqorb. Copyright (C) The aqorb developers.
 // It is subject to the license terms in the LICENSE file found in the top-level directory
 // of this distribution.
+// SPDX-License-Identifier: Apache-2.0
 
 // Stereo visual odometry from frame to frame, on sequences laid out as KITTI's: what a detector's features are
 // worth to it. Points of a rectified pair are matched along the rows, then to the frame before; the motion is

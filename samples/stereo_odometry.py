@@ -1,8 +1,9 @@
 #!/usr/bin/env python3
 
-# This file is part of the aqorb project.
+# This file is part of aqorb. Copyright (C) The aqorb developers.
 # It is subject to the license terms in the LICENSE file found in the top-level directory
 # of this distribution.
+# SPDX-License-Identifier: Apache-2.0
 """Stereo visual odometry with AdaptiveQuadtreeORB and with cv.ORB. FOLDER is laid out as KITTI's odometry sequences:
 calib.txt, image_0 and image_1 (or image_l and image_r) and, for the errors, poses.txt. Prints a table and writes the
 paths and the features tracked into the last frame to a picture."""

@@ -63,10 +63,12 @@ need() {
     ((!${#absent[@]})) || install_packages "${absent[@]}"
 }
 
-# apt-get for use by a script: a network that does not answer is an error, and soon.
-APT=(env LC_ALL=C DEBIAN_FRONTEND=noninteractive apt-get -o APT::Update::Error-Mode=any
-    -o Acquire::Retries=1 -o Acquire::http::Timeout=30 -o DPkg::Lock::Timeout=120
-    -o APT::Status-Fd=1 -o Dpkg::Use-Pty=0 -o APT::Install-Recommends=false)
+# ${APT[@]} LOG ARGUMENT...: apt-get with its output in a log, and its progress as records on standard output. A
+# network that does not answer is an error, and soon. A shell opens descriptor 3, as sudo does not hand it on.
+APT=(env LC_ALL=C DEBIAN_FRONTEND=noninteractive sh -c 'log=$1; shift
+    exec apt-get -o APT::Status-Fd=3 -o Dpkg::Use-Pty=0 -o APT::Update::Error-Mode=any \
+        -o Acquire::Retries=1 -o Acquire::http::Timeout=30 -o DPkg::Lock::Timeout=120 \
+        -o APT::Install-Recommends=false "$@" 3>&1 >>"$log" 2>&1' sh)
 
 # can_be_root: whether as_root will work.
 can_be_root() {
@@ -82,12 +84,12 @@ install_packages() {
     mkdir -p "$BUILD"
     : >"$log"
     # The package lists may be absent or older than the mirror.
-    if ! { amount "$@" && as_root "${APT[@]}" install -y "$@" 2>&1 | progress "$log"; }; then
-        echo "The lists of packages are missing or out of date: fetching them"
-        if ! { as_root "${APT[@]}" update 2>&1 | progress "$log" && amount "$@" &&
-            as_root "${APT[@]}" install -y "$@" 2>&1 | progress "$log"; }; then
-            grep '^[EW]:' "$log" | tail -n 5 >&2
-            die "could not install the packages (see $log). If there is no network now, run later, as root,
+    if ! { amount "$@" && as_root "${APT[@]}" "$log" install -y "$@" | progress; }; then
+        echo "The lists of packages may be missing or out of date: fetching them"
+        if ! { as_root "${APT[@]}" "$log" update | progress && amount "$@" &&
+            as_root "${APT[@]}" "$log" install -y "$@" | progress; }; then
+            { grep -E '^(E|W|Err|dpkg: error)' "$log" || true; } | tail -n 5 >&2
+            die "could not install the packages (see $log). Without a network, do later, as root:
   $by_hand"
         fi
     fi
@@ -95,21 +97,18 @@ install_packages() {
 
 # amount PACKAGE...: how much an installation fetches and needs; fails where the lists do not have the packages.
 amount() {
-    "${APT[@]}" install --print-uris -y "$@" 2>&1 | sed -n \
+    LC_ALL=C apt-get install --print-uris -y --no-install-recommends "$@" 2>>"$BUILD/install.log" | sed -n \
         -e 's/^[0-9]* upgraded, \([0-9]*\) newly installed.*/\1 packages/p' \
         -e 's/^Need to get \(.*\) of archives\./\1 to fetch/p' \
         -e 's/^After this operation, \(.*\) of additional disk space will be used\./\1 on disk/p' |
         paste -sd , | sed 's/,/, /g'
 }
 
-# progress LOG: shows one line for fetching and one for installing, which grow to 100 %; the rest goes to the log.
+# Shows apt-get's records of progress as one line for fetching and one for installing, which grow.
 progress() {
     local line phase="" tens shown=""
     while IFS= read -r line; do
-        if [[ ! $line =~ ^(dl|pm)status:.*:([0-9]+)(\.[0-9]*)?: ]]; then
-            printf '%s\n' "$line" >>"$1"
-            continue
-        fi
+        [[ $line =~ ^(dl|pm)status:.*:([0-9]+)(\.[0-9]*)?: ]] || continue
         tens=$((BASH_REMATCH[2] / 10 * 10))
         if [[ ${BASH_REMATCH[1]} != "$phase" ]]; then
             [[ ! $phase ]] || echo
@@ -189,11 +188,11 @@ opencv_source() {
         mkdir -p "$folder"/{parts,lists/partial,apt/archives/partial}
         apt-get indextargets --format 'deb-src $(REPO_URI) $(RELEASE) $(COMPONENT)' \
             'Identifier: Packages' 'Origin: Debian' | sort -u >"$folder/parts/src.list"
-        local apt=("${APT[@]}"
+        local apt=("${APT[@]}" "$folder/log"
             -o Dir::Etc::SourceList=/dev/null -o Dir::Etc::SourceParts="$folder/parts"
             -o Dir::State::Lists="$folder/lists" -o Dir::Cache="$folder/apt" -o APT::Sandbox::User="$(id -un)")
-        if ! { "${apt[@]}" update && cd "$folder" && "${apt[@]}" source opencv; } 2>&1 | progress "$folder/log"; then
-            grep '^[EW]:' "$folder/log" | tail -n 5 >&2
+        if ! { "${apt[@]}" update && cd "$folder" && "${apt[@]}" source opencv; } | progress; then
+            { grep -E '^(E|W|Err)' "$folder/log" || true; } | tail -n 5 >&2
             die "could not fetch OpenCV's source package (see $folder/log); is there a network?"
         fi
         rm -rf "$folder"/{parts,lists,apt} "$folder"/*.tar.* "$folder"/*.dsc
@@ -213,9 +212,10 @@ opencv_samples() {
         mkdir -p "$folder"
         (
             cd "$folder"
-            "${APT[@]}" download opencv-doc 2>&1 | progress log || {
+            "${APT[@]}" "$folder/log" download opencv-doc | progress || {
                 can_be_root || die "the lists of packages are missing. As root, run apt-get update"
-                as_root "${APT[@]}" update 2>&1 | progress log && "${APT[@]}" download opencv-doc 2>&1 | progress log
+                as_root "${APT[@]}" "$folder/log" update | progress &&
+                    "${APT[@]}" "$folder/log" download opencv-doc | progress
             } || die "could not fetch the package opencv-doc (see $folder/log); is there a network?"
             dpkg-deb --fsys-tarfile opencv-doc_*.deb | tar -x "./$examples"
             rm opencv-doc_*.deb

@@ -1,22 +1,22 @@
 #!/usr/bin/env bash
-# Builds the documentation as a web site, build/doc/html/index.html, in the look of OpenCV's. Any warning of
-# doxygen, and any link that leads nowhere, is an error.
+# Builds the documentation as a web site, build/doc/html/index.html, and looks at every page of it in a browser. A
+# warning of doxygen, a link that leads nowhere, a page that needs the network and text that is hard to read are errors.
 #
 #   scripts/doc.sh [--opencv]
 #
 # With --opencv it is OpenCV's own documentation that is built, with the module and those it depends on:
-# build/opencv-doc/doc/doxygen/html/index.html.
+# build/opencv-doc/doc/doxygen/html/index.html. This fetches OpenCV's source.
 #
-# Installs the Debian packages it needs and fetches OpenCV's source, for its stylesheet and bibliography.
+# Installs the Debian packages it needs.
 source "$(dirname "$0")/common.sh"
 
-need doxygen graphviz texlive-binaries
-opencv_source
+need doxygen graphviz texlive-binaries libopencv-features2d-dev libjs-mathjax chromium python3
 # BibTeX finds its files here without TeX's configuration, which is a large package.
 export BIBINPUTS=. BSTINPUTS=.
 
 if [[ ${1:-} == --opencv ]]; then
     need build-essential cmake zlib1g-dev
+    opencv_source
     folder=$BUILD/opencv-doc
     options=(-DBUILD_LIST=aqorb -DBUILD_DOCS=ON -DOPENCV_DOWNLOAD_TRIES_LIST=)
     for feature in ADE IPP ITT JASPER JPEG OPENCL OPENEXR OPENJPEG PNG PROTOBUF QUIRC TIFF WEBP; do
@@ -34,15 +34,16 @@ if [[ ${1:-} == --opencv ]]; then
     exit
 fi
 
-export ROOT OUT=$BUILD/doc OPENCV_DOC=$OPENCV_SOURCE/doc OPENCV_VERSION VERSION
-OPENCV_VERSION=$(basename "$OPENCV_SOURCE" | sed 's/^opencv-\([0-9.]*\).*/\1/')
+export ROOT OUT=$BUILD/doc OPENCV_VERSION VERSION
+opencv=/usr/include/opencv4/opencv2
+OPENCV_VERSION=$(sed -n 's/^#define CV_VERSION_\(MAJOR\|MINOR\|REVISION\) *\([0-9]*\).*/\2/p' "$opencv/core/version.hpp" | paste -sd.)
 VERSION=$(sed -n 's/^project(aqorb VERSION \([0-9.]*\).*/\1/p' "$ROOT/CMakeLists.txt")
 rm -rf "$OUT"
 mkdir -p "$OUT"
 
 # Where OpenCV's own site documents the classes that ours mentions.
 doxygen - >"$OUT/opencv.log" 2>&1 <<END
-INPUT            = "$OPENCV_SOURCE/modules/core/include" "$OPENCV_SOURCE/modules/features2d/include"
+INPUT            = $opencv/core.hpp $opencv/core $opencv/features2d.hpp $opencv/features2d
 RECURSIVE        = YES
 EXCLUDE_PATTERNS = */cuda/* */hal/* */opencl/* *.inl.hpp
 CREATE_SUBDIRS   = YES
@@ -57,18 +58,29 @@ GENERATE_TAGFILE = "$OUT/opencv.tag"
 OUTPUT_DIRECTORY = "$OUT"
 END
 
-# doxygen writes members there that it cannot read.
-sed -i '/<member /{:a;/<\/member>/!{N;ba};/<name>operator std::/d}' "$OUT/opencv.tag"
+# doxygen writes members there that it cannot read. And it would take the name of a file in a text for OpenCV's.
+sed -i -e '/<member /{:a;/<\/member>/!{N;ba};/<name>operator std::/d}' -e '/<compound kind="file"/,/<\/compound>/d' \
+    "$OUT/opencv.tag"
 
-sed '/@CMAKE_DOXYGEN_JAVADOC_NODE@/d' "$OPENCV_DOC/DoxygenLayout.xml" >"$OUT/DoxygenLayout.xml"
-# shellcheck disable=SC2016 # doxygen's variable
-sed 's#/usr/share/javascript/jquery/#$relpath^#' "$OPENCV_DOC/header.html" >"$OUT/header.html"
-sed 's/doxygen\.png/doxygen.svg/' "$OPENCV_DOC/footer.html" >"$OUT/footer.html"
-doxygen "$ROOT/doc/Doxyfile"
+site=$ROOT/doc/site
+"$PYTHON" "$site/signatures.py" page "$OUT/opencv.tag" "$OUT/python.markdown"
+cp "$site/Doxyfile" "$OUT/Doxyfile"
+# Newer versions of doxygen follow the browser to dark colours, which the style sheet does not have.
+if [[ $(doxygen -g -) == *HTML_COLORSTYLE\ * ]]; then echo 'HTML_COLORSTYLE = LIGHT' >>"$OUT/Doxyfile"; fi
+doxygen "$OUT/Doxyfile"
+rm -f "$OUT"/html/dir_*.html  # nothing leads there
+# The page of the namespace cv lists all of OpenCV.
+sed -i 's/namespacecv\.html/namespacecv_1_1aqorb.html/g' "$OUT"/html/*.html "$OUT"/html/search/*.js
+rm -f "$OUT/html/namespacecv.html"
+"$PYTHON" "$site/signatures.py" insert "$OUT/html"
 
-# doxygen does not miss pictures.
-cd "$OUT/html"
-missing=$(grep -ohE '(src|href)="[^":#?]+["#?]' -- *.html | sed 's/.*="//; s/.$//' | sort -u |
-    while read -r file; do [[ -e $file ]] || echo "$file"; done)
-[[ -z $missing ]] || die "links lead nowhere: $missing"
+# The parts of MathJax that draw formulas as vector graphics.
+mathjax=/usr/share/javascript/mathjax
+for part in MathJax.js extensions jax/element jax/input/TeX jax/output/SVG/{autoload,fonts/TeX,config.js,jax.js}; do
+    mkdir -p "$OUT/html/mathjax/$(dirname "$part")"
+    cp -rL "$mathjax/$part" "$OUT/html/mathjax/$part"
+done
+
+"$PYTHON" "$site/check.py" links "$ROOT" "$OUT/html"
+"$PYTHON" "$site/check.py" pages "$OUT/html" "$OUT/screenshots"
 say "$OUT/html/index.html"

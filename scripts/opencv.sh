@@ -47,9 +47,11 @@ for feature in 1394 ADE EIGEN FFMPEG GSTREAMER GTK IPP ITT JASPER LAPACK OPENCL 
     options+=("-DWITH_$feature=OFF")
 done
 
-# configure_opencv MODULES-PATH
+# configure_opencv MODULES-PATH. The cache goes first: with one, OpenCV passes its include folders to the compiler
+# in another way than without, and everything would be compiled again.
 configure_opencv() {
     say "OpenCV with OPENCV_EXTRA_MODULES_PATH=$1"
+    rm -f "$opencv/CMakeCache.txt"
     cmake -S "$OPENCV_SOURCE" -B "$opencv" -G Ninja "${options[@]}" \
         -DOPENCV_EXTRA_MODULES_PATH="$1" >"$opencv.log" 2>&1
 }
@@ -72,6 +74,7 @@ list_tests() {
         awk '/^[^ ]*\.$/ { suite = $1 } /^  [^ ]+$/ && suite { print suite $1 }' | LC_ALL=C sort
 }
 
+mkdir -p "$BUILD"
 say "A copy of the module in opencv_contrib"
 rm -rf "$contrib"
 cp -al "$OPENCV_SOURCE/contrib" "$contrib"
@@ -83,8 +86,6 @@ outside=$(cd "$module" && { grep -rIoE '[[:alnum:]_./-]*\.\./[[:alnum:]_./-]*' .
 [[ -z $outside ]] || die "the module names what lies outside of it: $outside"
 echo "$(find "$module" -type f | wc -l) files, none of which names a path outside of the module"
 
-mkdir -p "$BUILD"
-rm -f "$opencv/CMakeCache.txt"
 configure_opencv "$contrib/modules" || {
     tail -n 50 "$opencv.log"
     die "OpenCV's configuration failed"

@@ -1,6 +1,7 @@
-// This file is part of the aqorb project.
+// This file is part of aqorb. Copyright (C) The aqorb developers.
 // It is subject to the license terms in the LICENSE file found in the top-level directory
 // of this distribution.
+// SPDX-License-Identifier: Apache-2.0
 
 #include "reference.hpp"
 
@@ -281,14 +282,18 @@ Point2d subPixelOffset(const Mat& image, int x, int y)
     return Point2d(clamp(px, -0.5, 0.5), clamp(py, -0.5, 0.5));
 }
 
-static float coordinate(int x, double d, int imageLength, int levelLength, float scale, int border)
+static float nearestCoordinate(int x, double p, int imageLength, float scale, int border)
 {
-    double p = (x + d + 0.5) * imageLength / levelLength - 0.5;
     p = std::min(p, imageLength - border - 0.51);
     p = std::max(p, (double)border);
     p = std::min(p, (x + 0.49) * scale);
     p = std::max(p, (x - 0.49) * scale);
     return (float)p;
+}
+
+static float coordinate(int x, double d, int imageLength, int levelLength, float scale, int border)
+{
+    return nearestCoordinate(x, (x + d + 0.5) * imageLength / levelLength - 0.5, imageLength, scale, border);
 }
 
 Point2f position(int x, int y, Point2d d, Size imageSize, Size levelSize, float scale, int border,
@@ -298,6 +303,35 @@ Point2f position(int x, int y, Point2d d, Size imageSize, Size levelSize, float 
         return Point2f((float)x * scale, (float)y * scale);
     return Point2f(coordinate(x, d.x, imageSize.width, levelSize.width, scale, border),
                    coordinate(y, d.y, imageSize.height, levelSize.height, scale, border));
+}
+
+bool usablePosition(const Mat& mask, int x, int y, Size levelSize, float scale, int border, bool subPixel,
+                    Point2f& found)
+{
+    const Size imageSize = mask.size();
+    const Point2f center = position(x, y, Point2d(), imageSize, levelSize, scale, border, subPixel);
+    if (mask.at<uchar>(cvRound(center.y), cvRound(center.x)))
+    {
+        found = center;
+        return true;
+    }
+    // The nearest of all, of which the first.
+    double least = DBL_MAX;
+    for (int row = 0; subPixel && row < mask.rows; row++)
+    {
+        for (int column = 0; column < mask.cols; column++)
+        {
+            const Point2f p(nearestCoordinate(x, column, imageSize.width, scale, border),
+                            nearestCoordinate(y, row, imageSize.height, scale, border));
+            const double dx = p.x - center.x, dy = p.y - center.y;
+            if (mask.at<uchar>(cvRound(p.y), cvRound(p.x)) && dx * dx + dy * dy < least)
+            {
+                least = dx * dx + dy * dy;
+                found = p;
+            }
+        }
+    }
+    return least < DBL_MAX;
 }
 
 float arctangent(float y, float x, bool fused)

@@ -1,6 +1,7 @@
-// This file is part of the aqorb project.
+// This file is part of aqorb. Copyright (C) The aqorb developers.
 // It is subject to the license terms in the LICENSE file found in the top-level directory
 // of this distribution.
+// SPDX-License-Identifier: Apache-2.0
 
 #ifndef OPENCV_AQORB_TEST_REFERENCE_HPP
 #define OPENCV_AQORB_TEST_REFERENCE_HPP
@@ -83,6 +84,10 @@ std::vector<LeafPoint> balancedSequence(const std::vector<LeafPoint>& points, in
 
 Point2f position(int x, int y, Point2d d, Size imageSize, Size levelSize, float scale, int border,
                  bool subPixel);
+/** The position of a pixel's centre if it is not masked, else, with subPixel, the nearest centre of a pixel of the
+ image that is not, if a keypoint there belongs to the pixel. False: there is none. */
+bool usablePosition(const Mat& mask, int x, int y, Size levelSize, float scale, int border, bool subPixel,
+                    Point2f& found);
 Point2d subPixelOffset(const Mat& image, int x, int y);
 
 //! cv::fastAtan2 with or without fused multiply-add.

@@ -1,6 +1,7 @@
-// This file is part of the aqorb project.
+// This file is part of aqorb. Copyright (C) The aqorb developers.
 // It is subject to the license terms in the LICENSE file found in the top-level directory
 // of this distribution.
+// SPDX-License-Identifier: Apache-2.0
 
 #include "reference.hpp"
 
@@ -194,7 +195,13 @@ private:
         return position(x, y, d, gray.size(), level.image.size(), level.scale, s.edgeThreshold, s.subPixel);
     }
 
-    // The level's mask without the pixels whose position in the image is masked. (Levels made from this
+    bool usablePosition(const PyramidLevel& level, int x, int y, Point2f& p) const
+    {
+        return reference::usablePosition(mask, x, y, level.image.size(), level.scale, s.edgeThreshold,
+                                         s.subPixel, p);
+    }
+
+    // The level's mask without the pixels that have no usable position in the image. (Levels made from this
     // one have positions of their own.)
     Mat usableMask(const PyramidLevel& level) const
     {
@@ -203,8 +210,8 @@ private:
         {
             for (int x = 3; x < level.mask.cols - 3; x++)
             {
-                const Point2f p = positionOf(level, x, y, Point2d());
-                if (!mask.at<uchar>(cvRound(p.y), cvRound(p.x)))
+                Point2f p;
+                if (usable.at<uchar>(y, x) && !usablePosition(level, x, y, p))
                     usable.at<uchar>(y, x) = 0;
             }
         }
@@ -327,6 +334,8 @@ private:
                 const Point2f refined = positionOf(level, c.x, c.y, subPixelOffset(level.image, c.x, c.y));
                 if (mask.empty() || mask.at<uchar>(cvRound(refined.y), cvRound(refined.x)))
                     p = refined;
+                else
+                    usablePosition(level, c.x, c.y, p);
             }
             const float angle = orientation(level.image, c.x, c.y, s.patchSize);
             features.keypoints.push_back(

@@ -1,6 +1,7 @@
-// This file is part of the aqorb project.
+// This file is part of aqorb. Copyright (C) The aqorb developers.
 // It is subject to the license terms in the LICENSE file found in the top-level directory
 // of this distribution.
+// SPDX-License-Identifier: Apache-2.0
 
 #include "reference.hpp"
 
@@ -64,6 +65,12 @@ TEST(Aqorb_BuildPyramid, takes_what_detection_takes)
     ASSERT_EQ(expected.size(), levels.size());
     for (size_t i = 0; i < levels.size(); i++)
         EXPECT_TRUE(sameMat(expected[i], levels[i]));
+
+    std::vector<UMat> ofUMat(2);
+    detector->buildPyramid(image, ofUMat);
+    ASSERT_EQ(expected.size(), ofUMat.size());
+    for (size_t i = 0; i < ofUMat.size(); i++)
+        EXPECT_TRUE(sameMat(expected[i], ofUMat[i].getMat(ACCESS_READ)));
 
     const Mat before = levels[0];
     levels[0].setTo(0);

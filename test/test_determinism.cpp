@@ -1,6 +1,7 @@
-// This file is part of the aqorb project.
+// This file is part of aqorb. Copyright (C) The aqorb developers.
 // It is subject to the license terms in the LICENSE file found in the top-level directory
 // of this distribution.
+// SPDX-License-Identifier: Apache-2.0
 
 #include "test_precomp.hpp"
 
@@ -107,10 +108,6 @@ TEST(Aqorb_Determinism, what_lies_around_a_region_does_not_matter)
                 AdaptiveQuadtreeORB::create(200, 1.2f, 8, border, firstLevel);
             const Features expected = detectAndCompute(*detector, image, mask);
             const Features unmasked = detectAndCompute(*detector, image);
-            // With firstLevel > 0 compute may drop a keypoint near the border, as that of cv::ORB does.
-            Features expectedOfCompute = {expected.keypoints, Mat()};
-            detector->compute(image, expectedOfCompute.keypoints, expectedOfCompute.descriptors);
-            EXPECT_GE(expectedOfCompute.keypoints.size(), 190u);
             ASSERT_EQ(200u, expected.keypoints.size());
             for (int around = 0; around <= 255; around += 51)
             {
@@ -125,7 +122,7 @@ TEST(Aqorb_Determinism, what_lies_around_a_region_does_not_matter)
                 EXPECT_TRUE(sameFeatures(unmasked, detectAndCompute(*detector, wholeImage(region))));
                 Features computed = {expected.keypoints, Mat()};
                 detector->compute(wholeImage(region), computed.keypoints, computed.descriptors);
-                EXPECT_TRUE(sameFeatures(expectedOfCompute, computed));
+                EXPECT_TRUE(sameFeatures(expected, computed));
             }
         }
     }

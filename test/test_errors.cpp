@@ -1,6 +1,7 @@
-// This file is part of the aqorb project.
+// This file is part of aqorb. Copyright (C) The aqorb developers.
 // It is subject to the license terms in the LICENSE file found in the top-level directory
 // of this distribution.
+// SPDX-License-Identifier: Apache-2.0
 
 #include "test_precomp.hpp"
 
@@ -135,8 +136,8 @@ TEST(Aqorb_Errors, bad_images_and_masks)
 {
     const Ptr<AdaptiveQuadtreeORB> detector = AdaptiveQuadtreeORB::create();
     // OpenCV's issue 21539 is about 16-bit images.
-    const int types[] = {CV_16UC1, CV_16SC1, CV_16UC3, CV_32FC1, CV_32FC3,
-                         CV_64FC1, CV_64FC3, CV_8SC1,  CV_8UC2,  CV_8UC(5)};
+    const int types[] = {CV_16UC1, CV_16SC1, CV_16UC3, CV_32FC1, CV_32FC3, CV_64FC1,
+                         CV_64FC3, CV_8SC1,  CV_8UC2,  CV_8UC(5)};
     KeyPoints keypoints(3);
     for (int type : types)
     {
@@ -156,6 +157,107 @@ TEST(Aqorb_Errors, bad_images_and_masks)
         EXPECT_TRUE(names(messageOf([&] { aqorb::adaptiveFastThreshold(image, mask); }), "mask", size));
     }
     EXPECT_EQ(3u, keypoints.size());  // a call that fails leaves its outputs
+}
+
+TEST(Aqorb_Errors, sequences_of_images_and_masks)
+{
+    const Ptr<AdaptiveQuadtreeORB> detector = AdaptiveQuadtreeORB::create();
+    const Mat image = makeScene(Size(100, 80));
+    const std::vector<Mat> images(3, image);
+    const std::vector<UMat> uimages(3, image.getUMat(ACCESS_READ));
+    const std::vector<std::vector<uchar>> rows(3, std::vector<uchar>(100));
+    KeyPoints keypoints(3);
+    Mat descriptors = Mat::ones(3, 32, CV_8UC1);
+    std::vector<Mat> levels;
+    const _InputArray sequences[] = {images, uimages, rows};
+    for (const _InputArray& s : sequences)
+    {
+        EXPECT_TRUE(
+            names(messageOf([&] { detector->detectAndCompute(s, noArray(), keypoints, descriptors); }),
+                  "image", "3"));
+        EXPECT_TRUE(names(messageOf([&] { detector->buildPyramid(s, levels); }), "image", "3"));
+        EXPECT_TRUE(names(messageOf([&] { aqorb::adaptiveFastThreshold(s); }), "image", "3"));
+        EXPECT_TRUE(names(messageOf([&] { detector->detectAndCompute(image, s, keypoints, descriptors); }),
+                          "mask", "3"));
+        EXPECT_TRUE(names(messageOf([&] { aqorb::adaptiveFastThreshold(image, s); }), "mask", "3"));
+    }
+    EXPECT_EQ(3u, keypoints.size());
+    EXPECT_EQ(3, descriptors.rows);
+}
+
+TEST(Aqorb_Errors, images_too_large_for_a_pyramid)
+{
+    const int side = 1 << 20;
+    const Size sizes[] = {Size(side, 2), Size(2, side), Size(side + 9, 1)};
+    for (const Size& size : sizes)
+    {
+        const Mat image(size, CV_8UC1, Scalar(9));
+        const std::string text = format("%d x %d", size.width, size.height);
+        for (int firstLevel = 0; firstLevel <= 1; firstLevel++)
+        {
+            const Ptr<AdaptiveQuadtreeORB> detector =
+                AdaptiveQuadtreeORB::create(500, 1.2f, 8, 0, firstLevel);
+            KeyPoints keypoints(1, KeyPoint(Point2f(0, 0), 31, 0, 0, 2));
+            Mat descriptors;
+            std::vector<Mat> levels;
+            EXPECT_TRUE(names(messageOf([&] { detector->detect(image, keypoints); }), "image", text));
+            EXPECT_TRUE(
+                names(messageOf([&] { detector->compute(image, keypoints, descriptors); }), "image", text));
+            EXPECT_TRUE(names(messageOf([&] { detector->buildPyramid(image, levels); }), "image", text));
+            EXPECT_EQ(1u, keypoints.size());
+        }
+    }
+    // The largest image is accepted, but not with a level before it.
+    const Mat largest(2, side - 1, CV_8UC1, Scalar(9));
+    KeyPoints keypoints;
+    EXPECT_NO_THROW(AdaptiveQuadtreeORB::create(500, 1.2f, 8)->detect(largest, keypoints));
+    EXPECT_TRUE(names(
+        messageOf([&] { AdaptiveQuadtreeORB::create(500, 1.2f, 8, 16, 1)->detect(largest, keypoints); }),
+        "firstLevel", "1048575 x 2"));
+}
+
+TEST(Aqorb_Errors, outputs_that_do_not_fit_lose_nothing)
+{
+    const Ptr<AdaptiveQuadtreeORB> detector = AdaptiveQuadtreeORB::create(20);
+    const Mat scene = makeScene(Size(100, 80));
+    const Mat images[] = {Mat(), Mat::zeros(80, 100, CV_8UC1), scene};
+    for (const Mat& image : images)
+    {
+        Matx<uchar, 5, 32> fixed = Matx<uchar, 5, 32>::all(7);
+        const Mat constant = Mat::ones(4, 32, CV_8UC1);
+        std::vector<Mat> several(2, constant);
+        std::vector<float> floats(3);
+        for (int useProvided = 0; useProvided <= 1; useProvided++)
+        {
+            KeyPoints keypoints(3, KeyPoint(Point2f(50, 40), 31, 0));
+            const auto call = [&](OutputArray output)
+            {
+                return messageOf(
+                    [&]
+                    { detector->detectAndCompute(image, noArray(), keypoints, output, useProvided != 0); });
+            };
+            EXPECT_TRUE(names(call(fixed), "descriptors", "32 x 5"));
+            EXPECT_TRUE(names(call(constant), "descriptors", "32 x 4"));
+            EXPECT_TRUE(names(call(several), "descriptors", "sequence"));
+            EXPECT_TRUE(names(call(floats), "descriptors", "CV_32FC1"));
+            EXPECT_EQ(3u, keypoints.size());
+            EXPECT_EQ(3u, floats.size());
+            EXPECT_EQ(2u, several.size());
+            EXPECT_EQ(5 * 32, cv::countNonZero(Mat(fixed) == 7));
+        }
+    }
+    // a fixed size that fits
+    Matx<uchar, 20, 32> fixed;
+    KeyPoints keypoints;
+    EXPECT_NO_THROW(detector->detectAndCompute(scene, noArray(), keypoints, fixed));
+    EXPECT_TRUE(sameFeatures(detectAndCompute(*detector, scene), Features{keypoints, Mat(fixed)}));
+    const Mat nothing;
+    EXPECT_NO_THROW(detector->detectAndCompute(Mat(), noArray(), keypoints, nothing));
+    EXPECT_TRUE(keypoints.empty());
+
+    Mat level = Mat::ones(4, 4, CV_8UC1);
+    EXPECT_TRUE(names(messageOf([&] { detector->buildPyramid(scene, level); }), "levels", "kind"));
+    EXPECT_EQ(4, level.rows);
 }
 
 TEST(Aqorb_Errors, bad_octaves_of_provided_keypoints)
@@ -192,9 +294,8 @@ TEST(Aqorb_Errors, bad_arguments_of_the_functions)
     EXPECT_TRUE(
         names(messageOf([&] { aqorb::distributionOccupancy(keypoints, Size(5, 5), Size(1 << 20, 1 << 20)); }),
               "grid", "1048576"));
-    EXPECT_TRUE(
-        names(messageOf([&] { aqorb::distributionOccupancy(keypoints, Size(5, 5), Size(5000, 5000)); }),
-              "grid", "5000"));
+    EXPECT_TRUE(names(messageOf([&] { aqorb::distributionOccupancy(keypoints, Size(5, 5), Size(5000, 5000)); }),
+                      "grid", "5000"));
     EXPECT_TRUE(names(messageOf([&] { aqorb::retainUniform(keypoints, Size(), 5); }), "imageSize", "0 x 0"));
     EXPECT_TRUE(
         names(messageOf([&] { aqorb::retainUniform(keypoints, Size(10, -1), 5); }), "imageSize", "10 x -1"));

@@ -1,6 +1,7 @@
-// This file is part of the aqorb project.
+// This file is part of aqorb. Copyright (C) The aqorb developers.
 // It is subject to the license terms in the LICENSE file found in the top-level directory
 // of this distribution.
+// SPDX-License-Identifier: Apache-2.0
 
 #include "reference.hpp"
 
@@ -319,6 +320,78 @@ TEST(Aqorb_OpenCVOrb, compute_builds_the_levels_of_the_keypoints)
     EXPECT_EQ(11, kept.back().octave);
     for (size_t i = 1; i < kept.size(); i++)
         ASSERT_LE(kept[i - 1].octave, kept[i].octave);
+}
+
+TEST(Aqorb_OpenCVOrb, compute_takes_octaves_beyond_the_levels)
+{
+    // Up to the last octave whose level has a pixel.
+    AQORB_NEEDS_FMA_BLUR();
+    RNG rng(9);
+    const Mat scene = makeScene(Size(800, 600));
+    Parameters p;
+    p.patchSize = 15;
+    p.edgeThreshold = 16;
+    for (int nlevels : {1, 8})
+    {
+        p.nlevels = nlevels;
+        KeyPoints keypoints;
+        for (int octave = 8; octave <= 38; octave++)
+        {
+            for (int i = 0; i < 10; i++)
+                keypoints.push_back(KeyPoint(Point2f(rng.uniform(16.f, 780.f), rng.uniform(16.f, 580.f)),
+                                             31.f, rng.uniform(0.f, 360.f), 1.f, octave, i));
+        }
+        expectSameCompute(p, scene, keypoints);
+    }
+    // The next one raises before the other levels are made.
+    KeyPoints keypoints(1, KeyPoint(Point2f(400, 300), 31, 0, 1, 38));
+    Mat descriptors;
+    EXPECT_NO_THROW(p.ours()->compute(scene, keypoints, descriptors));
+    keypoints[0].octave = 39;
+    EXPECT_THROW(p.ours()->compute(scene, keypoints, descriptors), cv::Exception);
+    EXPECT_EQ(1u, keypoints.size());
+}
+
+TEST(Aqorb_OpenCVOrb, compute_drops_at_every_side_and_corner_as_orb)
+{
+    // Points in steps of an eighth of a pixel across each side and each corner of the image.
+    AQORB_NEEDS_FMA_BLUR();
+    const Mat scene = makeScene(Size(141, 107));
+    Parameters p;
+    for (int edgeThreshold : {0, 1, 16, 31})
+    {
+        p.edgeThreshold = edgeThreshold;
+        std::vector<float> xs(1, 70.25f), ys(1, 53.25f);
+        const float reach = edgeThreshold == 0 ? 0.f : 2.f;  // cv::ORB keeps points outside with 0
+        for (float d = -2; d <= 2; d += 0.125f)
+        {
+            if (edgeThreshold + d >= -0.5f)
+            {
+                xs.push_back(edgeThreshold + d);
+                ys.push_back(edgeThreshold + d);
+            }
+            if (d < reach)
+            {
+                xs.push_back(scene.cols - edgeThreshold + d);
+                ys.push_back(scene.rows - edgeThreshold + d);
+            }
+        }
+        KeyPoints keypoints;
+        for (float y : ys)
+        {
+            for (float x : xs)
+            {
+                for (int octave : {0, 1, 3})
+                    keypoints.push_back(
+                        KeyPoint(Point2f(x, y), 31.f, x + y, 1.f, octave, int(keypoints.size())));
+            }
+        }
+        for (int firstLevel : {0, 1})
+        {
+            p.firstLevel = firstLevel;
+            expectSameCompute(p, scene, keypoints);
+        }
+    }
 }
 
 TEST(Aqorb_OpenCVOrb, compute_keeps_order_within_sorted_octaves_and_all_fields)

@@ -1,6 +1,7 @@
-// This file is part of the aqorb project.
+// This file is part of aqorb. Copyright (C) The aqorb developers.
 // It is subject to the license terms in the LICENSE file found in the top-level directory
 // of this distribution.
+// SPDX-License-Identifier: Apache-2.0
 
 #include "reference.hpp"
 
@@ -140,7 +141,7 @@ TEST(Aqorb_Position, stays_inside_the_border)
     }
 }
 
-TEST(Aqorb_Position, mask_is_that_of_the_image_at_the_position)
+TEST(Aqorb_Position, a_masked_pixel_has_no_usable_position)
 {
     const Size image(90, 70);
     const Mat mask = makeNoise(image) > 60;
@@ -159,9 +160,12 @@ TEST(Aqorb_Position, mask_is_that_of_the_image_at_the_position)
             {
                 for (int x = 3; x < size.width - 3; x++)
                 {
-                    const Point2f p =
-                        reference::position(x, y, Point2d(), image, size, scale, 3, subPixel != 0);
-                    const bool use = before.at<uchar>(y, x) && mask.at<uchar>(cvRound(p.y), cvRound(p.x));
+                    Point2f expected, found;
+                    const bool hasPosition =
+                        reference::usablePosition(mask, x, y, size, scale, 3, subPixel != 0, expected);
+                    ASSERT_EQ(hasPosition, usablePosition(mask, map, x, y, found)) << x << " " << y;
+                    ASSERT_EQ(expected, found) << x << " " << y;
+                    const bool use = before.at<uchar>(y, x) && hasPosition;
                     ASSERT_EQ(levelMask.at<uchar>(y, x) != 0, use) << x << " " << y;
                 }
             }

@@ -1,6 +1,7 @@
-// This file is part of the aqorb project.
+// This file is part of aqorb. Copyright (C) The aqorb developers.
 // It is subject to the license terms in the LICENSE file found in the top-level directory
 // of this distribution.
+// SPDX-License-Identifier: Apache-2.0
 
 #include "reference.hpp"
 
@@ -340,14 +341,12 @@ TEST(Aqorb_Properties, never_fewer_than_orb)
     {
         RNG rng(seed);
         Settings s = randomSettings(rng);
-        s.firstLevel = 0;
-        s.fastThreshold = std::max(s.fastThreshold, 1);
         SCOPED_TRACE(text(seed, s));
         const Mat image = randomImage(rng, Size(rng.uniform(70, 150), rng.uniform(70, 130)));
         KeyPoints ours, theirs;
         s.create()->detect(image, ours);
-        ORB::create(s.nfeatures, s.scaleFactor, s.nlevels, s.edgeThreshold, 0, s.WTA_K, s.scoreType,
-                    s.patchSize, s.fastThreshold)
+        ORB::create(s.nfeatures, s.scaleFactor, s.nlevels, s.edgeThreshold, s.firstLevel, s.WTA_K,
+                    s.scoreType, s.patchSize, s.fastThreshold)
             ->detect(image, theirs);
         // cv::ORB keeps all that tie for the last place.
         ASSERT_GE(ours.size(), std::min(theirs.size(), size_t(s.nfeatures)));

@@ -1,6 +1,7 @@
-// This file is part of the aqorb project.
+// This file is part of aqorb. Copyright (C) The aqorb developers.
 // It is subject to the license terms in the LICENSE file found in the top-level directory
 // of this distribution.
+// SPDX-License-Identifier: Apache-2.0
 
 #include "reference.hpp"
 
@@ -246,6 +247,26 @@ TEST(Aqorb_Slam, descriptors_need_not_be_asked_for)
         extractor(makeScene(Size(320, 240)), noArray(), keypoints, noArray(), std::vector<int>(2, 0));
     EXPECT_EQ(500, outside);
     EXPECT_EQ(500u, keypoints.size());
+}
+
+TEST(Aqorb_Slam, several_levels_need_a_scale_factor_above_1)
+{
+    const float factors[] = {1.f, 0.5f};
+    for (float factor : factors)
+    {
+        std::string message;
+        try
+        {
+            SlamExtractor(500, factor, 8, 20, 7);
+        }
+        catch (const cv::Exception& e)
+        {
+            message = e.err;
+        }
+        EXPECT_EQ(0u, message.find(format("scaleFactor: got %g; > 1", factor))) << message;
+        EXPECT_NE(std::string::npos, message.find("accepted")) << message;
+        EXPECT_NO_THROW(SlamExtractor(500, factor, 1, 20, 7)) << factor;
+    }
 }
 
 TEST(Aqorb_Slam, bad_arguments)

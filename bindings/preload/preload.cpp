@@ -1,6 +1,7 @@
-// This file is part of the aqorb project.
+// This file is part of aqorb. Copyright (C) The aqorb developers.
 // It is subject to the license terms in the LICENSE file found in the top-level directory
 // of this distribution.
+// SPDX-License-Identifier: Apache-2.0
 
 // cv::ORB::create for programs that are not to be changed: preloaded, this definition comes before OpenCV's.
 // Environment variables set what callers of cv::ORB cannot: see README.md in this folder.

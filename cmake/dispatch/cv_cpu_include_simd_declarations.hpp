@@ -1,6 +1,7 @@
-// This file is part of the aqorb project.
+// This file is part of aqorb. Copyright (C) The aqorb developers.
 // It is subject to the license terms in the LICENSE file found in the top-level directory
 // of this distribution.
+// SPDX-License-Identifier: Apache-2.0
 
 // Declares the kernels of CV_CPU_SIMD_FILENAME for CV_CPU_DISPATCH_MODE, like OpenCV's private header
 // opencv2/core/private/cv_cpu_include_simd_declarations.hpp. No include guard: once for each mode.

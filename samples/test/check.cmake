@@ -1,5 +1,6 @@
 # Runs a sample that must end with EXIT_CODE and, where that is not 0, with one sentence in which the text
-# MESSAGE stands: cmake -DEXIT_CODE=2 "-DMESSAGE=unknown option" -P check.cmake -- PROGRAM ARGUMENT ...
+# MESSAGE stands:
+#   cmake -DSAMPLE=live -DEXIT_CODE=2 "-DMESSAGE=unknown option" -P check.cmake -- PROGRAM ARGUMENT ...
 # With EXIT_CODE 0 the text stands in the output. With MAY_PASS it may end with 0 as well.
 cmake_minimum_required(VERSION 3.16)
 
@@ -26,9 +27,7 @@ if(EXIT_CODE STREQUAL "0")
   string(FIND "${output}" "${MESSAGE}" found)
 else()
   string(FIND "${errors}" "${MESSAGE}" found)
-  list(GET command 0 program)
-  get_filename_component(program "${program}" NAME_WE)
-  if(NOT errors MATCHES "^${program}: [^\n]+\n$")
+  if(NOT errors MATCHES "^${SAMPLE}: [^\n]+\n$")
     message(FATAL_ERROR "wrote not one line that begins with its name")
   endif()
 endif()

@@ -1,7 +1,8 @@
 #!/usr/bin/python3
-# This file is part of the aqorb project.
+# This file is part of aqorb. Copyright (C) The aqorb developers.
 # It is subject to the license terms in the LICENSE file found in the top-level directory
 # of this distribution.
+# SPDX-License-Identifier: Apache-2.0
 """Counts the instructions of a frame with callgrind and prints them as CSV, by image, detector, stage and function."""
 
 import argparse

@@ -1,6 +1,7 @@
-# This file is part of the aqorb project.
+# This file is part of aqorb. Copyright (C) The aqorb developers.
 # It is subject to the license terms in the LICENSE file found in the top-level directory
 # of this distribution.
+# SPDX-License-Identifier: Apache-2.0
 """The tables of doc/reproduction.md from the CSV files that aqorb_evaluate wrote.
 
 They are the tables of Yao et al. 2019 with the values measured here beside the printed ones, what is claimed of

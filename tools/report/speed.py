@@ -1,6 +1,7 @@
-# This file is part of the aqorb project.
+# This file is part of aqorb. Copyright (C) The aqorb developers.
 # It is subject to the license terms in the LICENSE file found in the top-level directory
 # of this distribution.
+# SPDX-License-Identifier: Apache-2.0
 """The tables of what opencv_perf_aqorb measured.
 
 Each file is one pass with one number of threads (--gtest_output=xml:FILE). Within a pass the two detectors of a case

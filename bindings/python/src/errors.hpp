@@ -1,6 +1,7 @@
-// This file is part of the aqorb project.
+// This file is part of aqorb. Copyright (C) The aqorb developers.
 // It is subject to the license terms in the LICENSE file found in the top-level directory
 // of this distribution.
+// SPDX-License-Identifier: Apache-2.0
 
 // How a call that is refused ends: aqorb.error for a value, TypeError for an object of a wrong type. Either message
 // names the parameter, what was given and what is accepted.

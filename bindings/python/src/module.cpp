@@ -1,6 +1,7 @@
-// This file is part of the aqorb project.
+// This file is part of aqorb. Copyright (C) The aqorb developers.
 // It is subject to the license terms in the LICENSE file found in the top-level directory
 // of this distribution.
+// SPDX-License-Identifier: Apache-2.0
 
 // The extension module aqorb._aqorb: the names, signatures and docstrings. The names are those of cv2.aqorb, which a cv2
 // has that was built with the module, and a few more for numpy.

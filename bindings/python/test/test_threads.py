@@ -1,6 +1,7 @@
-# This file is part of the aqorb project.
+# This file is part of aqorb. Copyright (C) The aqorb developers.
 # It is subject to the license terms in the LICENSE file found in the top-level directory
 # of this distribution.
+# SPDX-License-Identifier: Apache-2.0
 """Tests of what the package does while several threads use it. scripts/python.sh --asan repeats them where no wrong
 access to memory, and no touch of a Python object without the GIL, goes unseen."""
 

@@ -1,6 +1,7 @@
-// This file is part of the aqorb project.
+// This file is part of aqorb. Copyright (C) The aqorb developers.
 // It is subject to the license terms in the LICENSE file found in the top-level directory
 // of this distribution.
+// SPDX-License-Identifier: Apache-2.0
 
 #include "precomp.hpp"
 
@@ -188,11 +189,14 @@ Ptr<AdaptiveQuadtreeORB> AdaptiveQuadtreeORB::create(int nfeatures, float scaleF
 void AdaptiveQuadtreeORBImpl::buildPyramid(InputArray image_, OutputArrayOfArrays levels_) const
 {
     CV_TRACE_FUNCTION();
+    checkLevelsOutput(levels_);
+    const UMat held = heldUMat(image_);
     Workspace workspace;  // not from the pool, as its images become the caller's
     if (!image_.empty())
     {
         parameters.checkTogether(parameters.nlevels);
         workspace.input.image = grayImage(image_);
+        checkPyramidInput(workspace.input.image.size());
         workspace.layOutLevels(parameters.nlevels, parameters.firstLevel, parameters.scaleFactor, 1);
         workspace.fillLevels(parameters.firstLevel);
     }
@@ -200,7 +204,17 @@ void AdaptiveQuadtreeORBImpl::buildPyramid(InputArray image_, OutputArrayOfArray
     for (int i = 0; i < workspace.levelCount; i++)
     {
         const Level& level = workspace.levels[i].level;
-        levels_.getMatRef(i) = level.isInput ? level.image.clone() : level.image;
+        if (levels_.isUMatVector())
+        {
+            // A new UMat, because the old one may be the input, which later levels are still copied from.
+            UMat copy;
+            level.image.copyTo(copy);
+            levels_.getUMatRef(i) = copy;
+        }
+        else
+        {
+            levels_.getMatRef(i) = level.isInput ? level.image.clone() : level.image;
+        }
     }
 }
 
@@ -212,16 +226,20 @@ void AdaptiveQuadtreeORBImpl::detectAndCompute(InputArray image_, InputArray mas
     const bool withDescriptors = descriptors_.needed();
     if (useProvidedKeypoints && !withDescriptors)
         return;  // as cv::ORB
+    if (withDescriptors)
+        checkDescriptorsOutput(descriptors_);
     if (image_.empty())
     {
-        keypoints.clear();
         if (withDescriptors)
-            descriptors_.release();
+            releaseDescriptors(descriptors_);
+        keypoints.clear();
         return;
     }
 
+    const UMat heldImage = heldUMat(image_), heldMask = heldUMat(mask_);
     Level input;
     input.image = grayImage(image_);
+    checkPyramidInput(input.image.size());
     if (!useProvidedKeypoints)
         input.mask = checkedMask(mask_, input.image.size());
     const Pool<Workspace>::Lease lease(workspaces);
@@ -238,15 +256,17 @@ void AdaptiveQuadtreeORBImpl::detectAndCompute(InputArray image_, InputArray mas
     }
 
     const size_t count = workspace.keypoints.size();
-    Mat descriptors;
+    Mat output, descriptors;
     if (withDescriptors && count > 0)
     {
-        descriptors_.create(int(count), kBytes, CV_8UC1);
-        descriptors = descriptors_.getMat();
+        output = createDescriptors(descriptors_, int(count));
+        // Where the output lies in the image or the mask, it must not be written before both have been read.
+        const bool isRead = shareMemory(output, input.image) || shareMemory(output, input.mask);
+        descriptors = isRead ? Mat(output.size(), output.type()) : output;
     }
     else if (withDescriptors)
     {
-        descriptors_.release();
+        releaseDescriptors(descriptors_);
     }
     workspace.layOutRanges();
     inParallel(workspace.ranges.size(),
@@ -258,6 +278,8 @@ void AdaptiveQuadtreeORBImpl::detectAndCompute(InputArray image_, InputArray mas
                    if (!descriptors.empty())
                        describe(workspace, workspace.ranges[i], descriptors);
                });
+    if (descriptors.data != output.data)
+        descriptors.copyTo(output);
     keypoints = workspace.keypoints;
 }
 
@@ -426,8 +448,8 @@ void AdaptiveQuadtreeORBImpl::computeKeypoints(Workspace& workspace, const Featu
         const FeaturePoint& point = work.points[i];
         const Point2d offset = parameters.subPixel ? subPixelOffset(image, point.x, point.y) : Point2d();
         Point2f pt = position(point.x, point.y, offset.x, offset.y);
-        if (parameters.subPixel && !mask.empty() && !mask.at<uchar>(cvRound(pt.y), cvRound(pt.x)))
-            pt = position(point.x, point.y);
+        if (parameters.subPixel && !mask.empty() && !isUsable(mask, pt))
+            usablePosition(mask, position, point.x, point.y, pt);
         workspace.keypoints[work.first + i] = KeyPoint(pt, parameters.patchSize * work.level.scale,
                                                        point.angle, work.chosen[i].response, range.level);
     }

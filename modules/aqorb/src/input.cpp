@@ -1,10 +1,12 @@
-// This file is part of the aqorb project.
+// This file is part of aqorb. Copyright (C) The aqorb developers.
 // It is subject to the license terms in the LICENSE file found in the top-level directory
 // of this distribution.
+// SPDX-License-Identifier: Apache-2.0
 
 #include "precomp.hpp"
 
 #include "input.hpp"
+#include "pyramid.hpp"
 
 #include <opencv2/aqorb/features.hpp>
 
@@ -15,8 +17,26 @@ namespace aqorb
 namespace stages
 {
 
+// Whether there are several images, or rows of their own, where one matrix is wanted.
+static bool isSequence(const _InputArray& array)
+{
+    switch (array.kind())
+    {
+    case _InputArray::STD_VECTOR_MAT:
+    case _InputArray::STD_ARRAY_MAT:
+    case _InputArray::STD_VECTOR_UMAT:
+    case _InputArray::STD_VECTOR_VECTOR:
+        return true;
+    default:
+        return false;
+    }
+}
+
 Mat grayImage(InputArray input)
 {
+    if (isSequence(input))
+        CV_Error_(Error::StsBadArg,
+                  ("image: got a sequence of %d images; a single one is accepted", int(input.total())));
     const int depth = input.depth(), channels = input.channels();
     if (input.dims() > 2 || depth != CV_8U || (channels != 1 && channels != 3 && channels != 4))
         CV_Error_(Error::StsBadArg,
@@ -31,6 +51,18 @@ Mat grayImage(InputArray input)
     return gray;
 }
 
+void checkPyramidInput(Size imageSize)
+{
+    if (std::max(imageSize.width, imageSize.height) > MAX_LEVEL_SIDE)
+        CV_Error_(Error::StsOutOfRange, ("image: got %d x %d pixels; at most %d a side are accepted",
+                                         imageSize.width, imageSize.height, MAX_LEVEL_SIDE));
+}
+
+UMat heldUMat(InputArray input)
+{
+    return input.isUMat() ? input.getUMat() : UMat();
+}
+
 void checkImageSize(Size imageSize)
 {
     if (imageSize.width <= 0 || imageSize.height <= 0)
@@ -42,12 +74,67 @@ Mat checkedMask(InputArray input, Size imageSize)
 {
     if (input.empty())
         return Mat();
+    if (isSequence(input))
+        CV_Error_(Error::StsBadArg,
+                  ("mask: got a sequence of %d masks; a single one is accepted", int(input.total())));
     if (input.dims() > 2 || input.type() != CV_8UC1 || input.size() != imageSize)
         CV_Error_(Error::StsBadArg,
                   ("mask: got %d x %d of type %s; CV_8UC1 of the image's size %d x %d is accepted",
                    input.cols(), input.rows(), typeToString(input.type()).c_str(), imageSize.width,
                    imageSize.height));
     return input.getMat();
+}
+
+bool shareMemory(const Mat& a, const Mat& b)
+{
+    if (a.empty() || b.empty())
+        return false;
+    const std::less<const uchar*> before = std::less<const uchar*>();
+    const uchar *endOfA = a.ptr(a.rows - 1) + a.cols * a.elemSize(),
+                *endOfB = b.ptr(b.rows - 1) + b.cols * b.elemSize();
+    return before(a.data, endOfB) && before(b.data, endOfA);
+}
+
+void checkLevelsOutput(OutputArrayOfArrays levels)
+{
+    const int kind = levels.kind();
+    if (kind != _InputArray::STD_VECTOR_MAT && kind != _InputArray::STD_ARRAY_MAT &&
+        kind != _InputArray::STD_VECTOR_UMAT)
+        CV_Error_(Error::StsBadArg, ("levels: got an output of kind %d; a vector of Mat or UMat is accepted",
+                                     kind >> _InputArray::KIND_SHIFT));
+}
+
+void checkDescriptorsOutput(OutputArray descriptors)
+{
+    if (isSequence(descriptors))
+        CV_Error(Error::StsBadArg, "descriptors: got a sequence of outputs; a single one is accepted");
+    if (descriptors.fixedType() && descriptors.type() != CV_8UC1)
+        CV_Error_(Error::StsBadArg, ("descriptors: got an output of fixed type %s; CV_8UC1 is accepted",
+                                     typeToString(descriptors.type()).c_str()));
+}
+
+// Throws if the size of the output is fixed to another one.
+static void checkDescriptorsSize(OutputArray descriptors, Size size)
+{
+    if (descriptors.fixedSize() && descriptors.size() != size)
+        CV_Error_(Error::StsBadSize,
+                  ("descriptors: got an output of fixed size %d x %d; the %d x %d of the keypoints, or an "
+                   "output that can be resized, is accepted",
+                   descriptors.cols(), descriptors.rows(), size.width, size.height));
+}
+
+Mat createDescriptors(OutputArray descriptors, int count)
+{
+    checkDescriptorsSize(descriptors, Size(ORB::kBytes, count));
+    descriptors.create(count, ORB::kBytes, CV_8UC1);
+    return descriptors.getMat();
+}
+
+void releaseDescriptors(OutputArray descriptors)
+{
+    checkDescriptorsSize(descriptors, Size());
+    if (!descriptors.fixedSize())
+        descriptors.release();
 }
 
 int highestOctave(const std::vector<KeyPoint>& keypoints)
@@ -70,11 +157,12 @@ int highestOctave(const std::vector<KeyPoint>& keypoints)
     return highest;
 }
 
-// Whether a point, rounded, is a pixel. Points far away are not rounded, because the result would depend on the CPU.
-static bool isOnPixel(const Point2f& pt, const Size& size)
+// Whether a point is inside the image. On the left and above, the halves of the pixels before their centres belong to
+// it, too. Those behind the centres of the last pixels do, although such a point rounds to a pixel beside the image:
+// cv::ORB describes it there.
+static bool isInside(const Point2f& pt, const Size& size)
 {
-    const float width = float(size.width), height = float(size.height);
-    return pt.x > -1 && pt.y > -1 && pt.x < width && pt.y < height && Rect(Point(), size).contains(Point(pt));
+    return pt.x >= -0.5f && pt.y >= -0.5f && pt.x < float(size.width) && pt.y < float(size.height);
 }
 
 static bool hasLowerOctave(const KeyPoint& a, const KeyPoint& b)
@@ -88,7 +176,7 @@ std::vector<KeyPoint> describableKeypoints(const std::vector<KeyPoint>& keypoint
     std::vector<KeyPoint> inside;
     for (size_t i = 0; i < keypoints.size(); i++)
     {
-        if (isOnPixel(keypoints[i].pt, imageSize))
+        if (isInside(keypoints[i].pt, imageSize))
             inside.push_back(keypoints[i]);
     }
     const int border = std::min(edgeThreshold, std::max(imageSize.width, imageSize.height));

@@ -1,6 +1,7 @@
-// This file is part of the aqorb project.
+// This file is part of aqorb. Copyright (C) The aqorb developers.
 // It is subject to the license terms in the LICENSE file found in the top-level directory
 // of this distribution.
+// SPDX-License-Identifier: Apache-2.0
 
 #ifndef OPENCV_AQORB_INPUT_HPP
 #define OPENCV_AQORB_INPUT_HPP
@@ -19,11 +20,32 @@ namespace stages
 //! The grey image: the input itself, or its conversion as cv::ORB converts it. Throws for any other type of image.
 Mat grayImage(InputArray image);
 
+//! Throws for an image that is too large for a pyramid.
+void checkPyramidInput(Size imageSize);
+
+//! Another header of a UMat, or none. While its Mat is in use, no call may free the UMat: hold the header meanwhile.
+UMat heldUMat(InputArray input);
+
 //! Throws unless both sides are > 0.
 void checkImageSize(Size imageSize);
 
 //! The mask, or an empty Mat where there is none. Throws for a mask of another size or type.
 Mat checkedMask(InputArray mask, Size imageSize);
+
+//! Whether the memory of two matrices overlaps. It may say so of interleaved parts of one matrix that do not.
+bool shareMemory(const Mat& a, const Mat& b);
+
+//! Throws unless images can be put into the output.
+void checkLevelsOutput(OutputArrayOfArrays levels);
+
+//! Throws unless descriptors of any number of keypoints, or of the one number that a fixed size is for, can be output.
+void checkDescriptorsOutput(OutputArray descriptors);
+
+//! Makes the output a matrix of a row for each keypoint. Throws if its size is fixed to another one.
+Mat createDescriptors(OutputArray descriptors, int count);
+
+//! Empties the output. Throws if its size is fixed to another one.
+void releaseDescriptors(OutputArray descriptors);
 
 //! The highest octave of keypoints that are given to be described; 0 for no keypoints. Throws where an octave is
 //! negative or an angle is not finite.

@@ -1,6 +1,7 @@
-// This file is part of the aqorb project.
+// This file is part of aqorb. Copyright (C) The aqorb developers.
 // It is subject to the license terms in the LICENSE file found in the top-level directory
 // of this distribution.
+// SPDX-License-Identifier: Apache-2.0
 
 #include "precomp.hpp"
 
@@ -14,41 +15,85 @@ namespace aqorb
 namespace stages
 {
 
+// Moves a position along one axis to where a keypoint belongs to a pixel of a level.
+static float clampToPixel(double position, int pixel, int imageLength, double scale, int border)
+{
+    // cv::ORB::compute drops keypoints near the border. Whether it rounds positions before differs between
+    // versions of OpenCV, so positions stay off the border in both cases.
+    const double last = imageLength - border - 0.51;
+    position = std::max(std::min(position, last), double(border));
+    // The descriptor is taken at the pixel that position / scale rounds to. It must be the pixel given.
+    return float(std::max(std::min(position, (pixel + 0.49) * scale), (pixel - 0.49) * scale));
+}
+
+Point2f PositionMap::nearest(int x, int y, const Point2d& p) const
+{
+    return Point2f(clampToPixel(p.x, x, imageSize.width, scale, border),
+                   clampToPixel(p.y, y, imageSize.height, scale, border));
+}
+
 Point2f PositionMap::operator()(int x, int y, double dx, double dy) const
 {
     if (!subPixel)
         return Point2f(float(x) * scale, float(y) * scale);
+    return nearest(x, y,
+                   Point2d((x + dx + 0.5) * imageSize.width / levelSize.width - 0.5,
+                           (y + dy + 0.5) * imageSize.height / levelSize.height - 0.5));
+}
 
-    struct Axis
+static int nearestPixel(float position, int length)
+{
+    return std::min(std::max(cvRound(position), 0), length - 1);
+}
+
+bool isUsable(const Mat& imageMask, const Point2f& position)
+{
+    return imageMask.at<uchar>(nearestPixel(position.y, imageMask.rows),
+                               nearestPixel(position.x, imageMask.cols)) != 0;
+}
+
+bool usablePosition(const Mat& imageMask, const PositionMap& position, int x, int y, Point2f& found)
+{
+    const Point2f center = position(x, y);
+    if (isUsable(imageMask, center))
     {
-        static float map(int pixel, double offset, int imageLength, int levelLength, double scale, int border)
+        found = center;
+        return true;
+    }
+    if (!position.subPixel)
+        return false;
+    const Point2f first = position.nearest(x, y, Point2d(0, 0));
+    const Point2f last = position.nearest(x, y, Point2d(imageMask.cols - 1, imageMask.rows - 1));
+    double least = std::numeric_limits<double>::infinity();
+    for (int row = cvFloor(first.y); row <= cvCeil(last.y); row++)
+    {
+        for (int column = cvFloor(first.x); column <= cvCeil(last.x); column++)
         {
-            double position = (pixel + offset + 0.5) * imageLength / levelLength - 0.5;
-            // cv::ORB::compute drops keypoints near the border. Whether it rounds positions before differs between
-            // versions of OpenCV, so positions stay off the border in both cases.
-            const double last = imageLength - border - 0.51;
-            position = std::max(std::min(position, last), double(border));
-            // The descriptor is taken at the pixel that position / scale rounds to. It must be the pixel given.
-            return float(std::max(std::min(position, (pixel + 0.49) * scale), (pixel - 0.49) * scale));
+            const Point2f candidate = position.nearest(x, y, Point2d(column, row));
+            const double dx = candidate.x - center.x, dy = candidate.y - center.y;
+            if (dx * dx + dy * dy < least && isUsable(imageMask, candidate))
+            {
+                least = dx * dx + dy * dy;
+                found = candidate;
+            }
         }
-    };
-    return Point2f(Axis::map(x, dx, imageSize.width, levelSize.width, scale, border),
-                   Axis::map(y, dy, imageSize.height, levelSize.height, scale, border));
+    }
+    return least < std::numeric_limits<double>::infinity();
 }
 
 void maskPositions(const Mat& imageMask, const PositionMap& position, Mat& levelMask)
 {
     std::vector<int> columns(levelMask.cols);
     for (int x = 0; x < levelMask.cols; x++)
-        columns[x] = std::min(std::max(cvRound(position(x, 0).x), 0), imageMask.cols - 1);
+        columns[x] = nearestPixel(position(x, 0).x, imageMask.cols);
+    Point2f anywhere;
     for (int y = 0; y < levelMask.rows; y++)
     {
-        const uchar* use =
-            imageMask.ptr(std::min(std::max(cvRound(position(0, y).y), 0), imageMask.rows - 1));
+        const uchar* use = imageMask.ptr(nearestPixel(position(0, y).y, imageMask.rows));
         uchar* out = levelMask.ptr(y);
         for (int x = 0; x < levelMask.cols; x++)
         {
-            if (!use[columns[x]])
+            if (out[x] && !use[columns[x]] && !usablePosition(imageMask, position, x, y, anywhere))
                 out[x] = 0;
         }
     }

@@ -1,6 +1,7 @@
-// This file is part of the aqorb project.
+// This file is part of aqorb. Copyright (C) The aqorb developers.
 // It is subject to the license terms in the LICENSE file found in the top-level directory
 // of this distribution.
+// SPDX-License-Identifier: Apache-2.0
 
 #ifndef OPENCV_AQORB_POSITION_HPP
 #define OPENCV_AQORB_POSITION_HPP
@@ -24,9 +25,19 @@ struct PositionMap
 
     //! The position of the point that lies (dx, dy), each within +-0.5, off the centre of pixel (x, y).
     Point2f operator()(int x, int y, double dx = 0, double dy = 0) const;
+    //! With subPixel: the position nearest to p at which a keypoint belongs to pixel (x, y).
+    Point2f nearest(int x, int y, const Point2d& p) const;
 };
 
-//! Clears the pixels of a level's mask whose position rounds to a masked pixel of the input image.
+//! Whether a position rounds to a pixel that is not 0 in the mask of the input image.
+bool isUsable(const Mat& imageMask, const Point2f& position);
+
+/** Finds a usable position for pixel (x, y) of a level: that of its centre if it is usable, else, with subPixel, the
+ nearest centre of a usable pixel of the input image at which a keypoint still belongs to the pixel of the level.
+ @return false, and `found` unchanged, where there is none */
+bool usablePosition(const Mat& imageMask, const PositionMap& position, int x, int y, Point2f& found);
+
+//! Clears the pixels of a level's mask that have no usable position in the input image.
 void maskPositions(const Mat& imageMask, const PositionMap& position, Mat& levelMask);
 
 //! Where the quadratic through the 3x3 FAST scores around (x, y) peaks, relative to (x, y), within +-0.5.

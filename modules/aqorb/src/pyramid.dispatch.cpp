@@ -1,6 +1,7 @@
-// This file is part of the aqorb project.
+// This file is part of aqorb. Copyright (C) The aqorb developers.
 // It is subject to the license terms in the LICENSE file found in the top-level directory
 // of this distribution.
+// SPDX-License-Identifier: Apache-2.0
 
 #include "precomp.hpp"
 
@@ -25,12 +26,13 @@ Size levelSize(Size imageSize, float scale)
 {
     const float inverse = 1.f / scale;
     const float width = imageSize.width * inverse, height = imageSize.height * inverse;
-    const float limit = float((1 << 20) - 1);
+    const float limit = float(MAX_LEVEL_SIDE);
     if (!(width <= limit && height <= limit))
-        CV_Error_(Error::StsOutOfRange,
-                  ("scaleFactor, firstLevel: a level of the pyramid would be %g x %g pixels; at most "
-                   "%g a side is accepted",
-                   width, height, limit));
+        CV_Error_(
+            Error::StsOutOfRange,
+            ("scaleFactor, firstLevel: a level of an image of %d x %d pixels would be %g x %g pixels; at "
+             "most %d a side are accepted",
+             imageSize.width, imageSize.height, width, height, MAX_LEVEL_SIDE));
     return Size(cvRound(width), cvRound(height));
 }
 

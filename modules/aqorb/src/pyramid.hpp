@@ -1,6 +1,7 @@
-// This file is part of the aqorb project.
+// This file is part of aqorb. Copyright (C) The aqorb developers.
 // It is subject to the license terms in the LICENSE file found in the top-level directory
 // of this distribution.
+// SPDX-License-Identifier: Apache-2.0
 
 #ifndef OPENCV_AQORB_PYRAMID_HPP
 #define OPENCV_AQORB_PYRAMID_HPP
@@ -17,7 +18,10 @@ namespace stages
 //! The size of a pixel of a level in pixels of the input image, as cv::ORB computes it.
 float levelScale(int level, int firstLevel, double scaleFactor);
 
-//! The size of a level, as cv::ORB computes it; a side may be 0. Throws where a side exceeds 2^20 - 1.
+//! The longest side of a level.
+const int MAX_LEVEL_SIDE = (1 << 20) - 1;
+
+//! The size of a level, as cv::ORB computes it; a side may be 0. Throws where a side exceeds MAX_LEVEL_SIDE.
 Size levelSize(Size imageSize, float scale);
 
 //! The number of features of each level by equation (8), rounded as by cv::ORB but at most nfeatures in all.

@@ -1,6 +1,7 @@
-// This file is part of the aqorb project.
+// This file is part of aqorb. Copyright (C) The aqorb developers.
 // It is subject to the license terms in the LICENSE file found in the top-level directory
 // of this distribution.
+// SPDX-License-Identifier: Apache-2.0
 
 #ifndef OPENCV_AQORB_HPP
 #define OPENCV_AQORB_HPP
@@ -54,18 +55,24 @@ lie, or where the keypoints of earlier runs of cv::ORB must be found again.
 The following holds for every image and all parameters:
 - There are never more than nfeatures keypoints, and exactly nfeatures if the image has enough corners.
 - With equal edgeThreshold and fastThreshold there are never fewer keypoints than cv::ORB finds, up to
-  nfeatures.
+  nfeatures, for every mask, firstLevel and fastThreshold. The only exception is a pixel of a level that
+  is made of usable and unusable input pixels: no keypoint is found there.
 - The keypoints and descriptors are the same for any number of threads, on any CPU, at every
   repetition, and for a Mat, a UMat, a region of a larger image, or its clone.
 - The descriptors are those that cv::ORB::compute with the same parameters computes for the keypoints
   on an x86-64 CPU with FMA. On other CPUs the roundings of cv::ORB differ; those of this class do not.
-- Any non-zero value of a mask means "use this pixel", on every level.
+- Any non-zero value of a mask means "use this pixel", on every level. A pixel of a level is made of the
+  input pixels that it is interpolated from, and of the one that its keypoint lies on.
+- An output may lie in the memory of the image or of the mask: it is written when both have been read.
 - Several threads may use one object at the same time, as long as none of them calls a setter.
 
 Two parameters of create differ from those of cv::ORB: edgeThreshold is 16 by default, and fastThreshold
 scales the adaptive threshold. An invalid parameter raises a cv::Exception that names it and leaves the
-object unchanged. What depends on two parameters is checked when an image is processed. A keypoint given
-to compute raises an exception, too, if its octave is no level or its angle is not finite.
+object unchanged. What depends on two parameters is checked when an image is processed. An image has at
+most 2^20 - 1 pixels a side, and so has each level; otherwise an exception names the size of the image. A
+keypoint given to compute may have an octave of nlevels or more, as with cv::ORB. It raises an exception
+if its octave is negative or would be a level without a pixel, or if its angle is not finite. A call that
+raises an exception because of an argument leaves its outputs unchanged.
  */
 class CV_EXPORTS_W AdaptiveQuadtreeORB : public cv::ORB
 {
@@ -141,7 +148,8 @@ public:
     that of cv::ORB. Detection keeps no pyramid, so that this function computes all of it.
 
     @param image 8-bit image with 1, 3 (BGR) or 4 (BGRA) channels.
-    @param levels One CV_8UC1 image for each level, which shares no memory with the input. There are
+    @param levels A vector of Mat or UMat: one CV_8UC1 image for each level, which shares no memory with
+    the input. The vector may hold the input itself. There are
     nlevels of them, or as many as have at least one pixel. Empty for an empty image.
      */
     CV_WRAP virtual void buildPyramid(InputArray image, OutputArrayOfArrays levels) const = 0;

@@ -1,6 +1,7 @@
-// This file is part of the aqorb project.
+// This file is part of aqorb. Copyright (C) The aqorb developers.
 // It is subject to the license terms in the LICENSE file found in the top-level directory
 // of this distribution.
+// SPDX-License-Identifier: Apache-2.0
 
 #ifndef OPENCV_AQORB_SLAM_HPP
 #define OPENCV_AQORB_SLAM_HPP
@@ -58,6 +59,9 @@ public:
         if (minThFAST < 1 || minThFAST > iniThFAST)
             CV_Error_(Error::StsOutOfRange, ("minThFAST: got %d; 1 to iniThFAST is accepted", minThFAST));
         orb = AdaptiveQuadtreeORB::create(nfeatures, scaleFactor, nlevels);
+        if (nlevels > 1 && scaleFactor <= 1)
+            CV_Error_(Error::StsOutOfRange,
+                      ("scaleFactor: got %g; > 1 with more than one level is accepted", scaleFactor));
         orb->setFastThreshold(iniThFAST);
         orb->setMinThresholdRatio(double(iniThFAST) / minThFAST);
         orb->setAdaptiveThreshold(false);
@@ -82,9 +86,12 @@ public:
     void operator()(InputArray image, InputArray mask, std::vector<KeyPoint>& keypoints,
                     OutputArray descriptors)
     {
+        // First, as the descriptors may be put into the image. It may be a level of the last pyramid, too.
+        std::vector<Mat> pyramid;
+        orb->buildPyramid(image, pyramid);
         orb->detectAndCompute(image, mask, keypoints, descriptors);
-        orb->buildPyramid(image, mvImagePyramid);
-        mvImagePyramid.resize(scales.size());
+        pyramid.resize(scales.size());
+        mvImagePyramid.swap(pyramid);
     }
 
     /** @brief The same for two cameras whose images overlap. This is what ORB-SLAM3 calls.

@@ -1,8 +1,9 @@
 #!/usr/bin/env python
 
-# This file is part of the aqorb project.
+# This file is part of aqorb. Copyright (C) The aqorb developers.
 # It is subject to the license terms in the LICENSE file found in the top-level directory
 # of this distribution.
+# SPDX-License-Identifier: Apache-2.0
 """Tests of both Python bindings: cv2.aqorb, which a cv2 has that was built with the module, and the package aqorb.
 AQORB_BINDING names the one to test, cv2 or aqorb; by default it is cv2.aqorb where there is one."""
 
