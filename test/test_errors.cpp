@@ -136,8 +136,8 @@ TEST(Aqorb_Errors, bad_images_and_masks)
 {
     const Ptr<AdaptiveQuadtreeORB> detector = AdaptiveQuadtreeORB::create();
     // OpenCV's issue 21539 is about 16-bit images.
-    const int types[] = {CV_16UC1, CV_16SC1, CV_16UC3, CV_32FC1, CV_32FC3, CV_64FC1,
-                         CV_64FC3, CV_8SC1,  CV_8UC2,  CV_8UC(5)};
+    const int types[] = {CV_16UC1, CV_16SC1, CV_16UC3, CV_32FC1, CV_32FC3,
+                         CV_64FC1, CV_64FC3, CV_8SC1,  CV_8UC2,  CV_8UC(5)};
     KeyPoints keypoints(3);
     for (int type : types)
     {
@@ -294,8 +294,9 @@ TEST(Aqorb_Errors, bad_arguments_of_the_functions)
     EXPECT_TRUE(
         names(messageOf([&] { aqorb::distributionOccupancy(keypoints, Size(5, 5), Size(1 << 20, 1 << 20)); }),
               "grid", "1048576"));
-    EXPECT_TRUE(names(messageOf([&] { aqorb::distributionOccupancy(keypoints, Size(5, 5), Size(5000, 5000)); }),
-                      "grid", "5000"));
+    EXPECT_TRUE(
+        names(messageOf([&] { aqorb::distributionOccupancy(keypoints, Size(5, 5), Size(5000, 5000)); }),
+              "grid", "5000"));
     EXPECT_TRUE(names(messageOf([&] { aqorb::retainUniform(keypoints, Size(), 5); }), "imageSize", "0 x 0"));
     EXPECT_TRUE(
         names(messageOf([&] { aqorb::retainUniform(keypoints, Size(10, -1), 5); }), "imageSize", "10 x -1"));
