@@ -10,7 +10,7 @@
 # Installs the Debian packages it needs.
 source "$(dirname "$0")/common.sh"
 
-need doxygen graphviz texlive-binaries libopencv-features2d-dev libjs-mathjax chromium python3
+need doc
 # BibTeX finds its files here without TeX's configuration, which is a large package.
 export BIBINPUTS=. BSTINPUTS=.
 
