@@ -12,7 +12,7 @@ namespace opencv_test
 namespace
 {
 
-// Sets the number of OpenCV's threads back in the end.
+// Sets the number of OpenCV's threads until it goes out of scope.
 class Threads
 {
 public:

@@ -126,7 +126,7 @@ TEST(Aqorb_Errors, parameters_that_do_not_go_together)
     EXPECT_TRUE(names(messageOf([&] { detector->detect(image, keypoints); }), "scaleFactor", "1"));
     detector = AdaptiveQuadtreeORB::create(500, 1.2f, 4, 16, 4);
     EXPECT_TRUE(names(messageOf([&] { detector->detect(image, keypoints); }), "firstLevel", "4"));
-    detector->setNLevels(5);  // the order of setters does not matter
+    detector->setNLevels(5);  // The order of the setters does not matter.
     EXPECT_NO_THROW(detector->detect(image, keypoints));
     detector = AdaptiveQuadtreeORB::create(500, 3.f, 60, 16, 50);
     EXPECT_TRUE(names(messageOf([&] { detector->detect(image, keypoints); }), "firstLevel", "pixels"));
@@ -156,7 +156,7 @@ TEST(Aqorb_Errors, bad_images_and_masks)
         EXPECT_TRUE(names(messageOf([&] { detector->detect(image, keypoints, mask); }), "mask", size));
         EXPECT_TRUE(names(messageOf([&] { aqorb::adaptiveFastThreshold(image, mask); }), "mask", size));
     }
-    EXPECT_EQ(3u, keypoints.size());  // a call that fails leaves its outputs
+    EXPECT_EQ(3u, keypoints.size());  // A call that fails leaves its outputs unchanged.
 }
 
 TEST(Aqorb_Errors, sequences_of_images_and_masks)

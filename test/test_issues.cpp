@@ -223,7 +223,7 @@ TEST(Aqorb_Issues, opencv_10555_keypoints_of_sift)
     const std::string error = exceptionOf([&] { detector->compute(scene, keypoints, descriptors); });
     EXPECT_NE(std::string::npos, error.find("octave")) << error;
     EXPECT_EQ(count, keypoints.size());
-    // Unpacked they are welcome.
+    // Once the octaves are unpacked, the keypoints are accepted.
     for (KeyPoint& keypoint : keypoints)
     {
         const int octave = keypoint.octave & 255;
