@@ -5,8 +5,8 @@
 #   scripts/compatibility.sh [--bytes] [ROW ...]
 #
 # Ends with one line for each row of the table in doc/compatibility.md; all rows by default. With --bytes the tests
-# are left out. The rows are presets of CMakePresets.json, but for debian13 and plain; their builds are in build, the
-# logs in build/compatibility.
+# are left out. The rows are presets of CMakePresets.json, except debian12, debian13 and plain, which use the preset
+# release. The builds are in build, the logs in build/compatibility.
 #
 #   debian12    the ordinary build
 #   debian13    the same on a Debian 13 in a folder of its own; needs root

@@ -12,7 +12,7 @@
 #   instructions  the instructions of a frame by stage and function, counted by valgrind
 #
 # OPTIONs:
-#   --doc          put the tables into doc/performance.md and README.md, too
+#   --doc          put the tables into doc/performance.md, too
 #   --smoke        show that everything runs, in a short time; the numbers mean nothing
 #   --passes N     how often speed and scaling are measured; the tables hold medians over the passes (5)
 #   --threads "T"  the numbers of threads of speed ("1 2")
@@ -121,8 +121,8 @@ done
 
 # At the end, so that a document changes only if everything was measured.
 if [[ $doc ]]; then
-    say 'Updating the documents'
+    say 'Updating the document'
     for part in "${parts[@]}"; do
-        "$PYTHON" "$report" "$part" "$results/$part" --doc "$ROOT/doc/performance.md" --doc "$ROOT/README.md"
+        "$PYTHON" "$report" "$part" "$results/$part" --doc "$ROOT/doc/performance.md"
     done
 fi

@@ -229,7 +229,7 @@ def notes(results):
 
 
 def short_table(ratios):
-    """What the README shows."""
+    """The speed in a few lines, for the terminal."""
     threads = list(ratios.index.unique('threads'))
     rows = []
 

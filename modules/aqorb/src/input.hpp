@@ -38,7 +38,7 @@ bool shareMemory(const Mat& a, const Mat& b);
 //! Throws unless images can be put into the output.
 void checkLevelsOutput(OutputArrayOfArrays levels);
 
-//! Throws unless descriptors of any number of keypoints, or of the one number that a fixed size is for, can be output.
+//! Throws unless the output is a single one that can hold CV_8UC1. Its size is checked by the two functions below.
 void checkDescriptorsOutput(OutputArray descriptors);
 
 //! Makes the output a matrix of a row for each keypoint. Throws if its size is fixed to another one.
