@@ -87,8 +87,9 @@ double pathLength(const std::vector<Matx44d>& poses, size_t first, size_t last)
 
 struct Errors
 {
-    double translation, rotation;  // of the motion over `step` frames: per cent of the way, degrees per 100 m
-    double end;                    // of the last position, per cent of the way
+    double translation;  // of the motion over `step` frames, per cent of the path
+    double rotation;     // of the same motion, degrees per 100 m
+    double end;          // of the last position, per cent of the path
 };
 
 Errors errorsOf(const std::vector<Matx44d>& poses, const std::vector<Matx44d>& truth, size_t step)
@@ -117,11 +118,11 @@ void printTable(const std::vector<Odometry>& odometries, const StereoSequence& s
     const size_t STEP = 10;
     const auto row = [&](const char* label, const char* format, double orb, double ours)
     {
-        std::printf("%-44s %10s %20s\n", label, cv::format(format, orb).c_str(),
+        std::printf("%-45s %10s %20s\n", label, cv::format(format, orb).c_str(),
                     cv::format(format, ours).c_str());
     };
     const Odometry &orb = odometries[0], &ours = odometries[1];
-    std::printf("%-44s %10s %20s\n", cv::format("%d frames", int(frames)).c_str(), orb.name, ours.name);
+    std::printf("%-45s %10s %20s\n", cv::format("%d frames", int(frames)).c_str(), orb.name, ours.name);
     row("keypoints of the left image, mean", "%.0f", orb.keypoints / frames, ours.keypoints / frames);
     row("  of these with a depth", "%.0f", orb.depths / frames, ours.depths / frames);
     row("inliers of the motion, mean", "%.0f", orb.inliers / motions, ours.inliers / motions);
@@ -133,10 +134,10 @@ void printTable(const std::vector<Odometry>& odometries, const StereoSequence& s
     std::printf("  by poses.txt: %.2f m\n", pathLength(sequence.poses, 0, orb.poses.size() - 1));
     const Errors errorsOrb = errorsOf(orb.poses, sequence.poses, STEP);
     const Errors errorsOurs = errorsOf(ours.poses, sequence.poses, STEP);
-    row("translation error over 10 frames, of the way", "%.2f %%", errorsOrb.translation,
+    row("translation error over 10 frames, of the path", "%.2f %%", errorsOrb.translation,
         errorsOurs.translation);
     row("rotation error over 10 frames, degrees/100 m", "%.2f", errorsOrb.rotation, errorsOurs.rotation);
-    row("error of the last position, of the way", "%.2f %%", errorsOrb.end, errorsOurs.end);
+    row("error of the last position, of the path", "%.2f %%", errorsOrb.end, errorsOurs.end);
 }
 
 // The left image with the tracked features: a line from where each was in the frame before.

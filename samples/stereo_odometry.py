@@ -130,7 +130,7 @@ def motion_error(estimate, truth):
 
 
 def errors(poses, truth, step=10):
-    """Of the motion over `step` frames: per cent of the way, degrees per 100 m. Of the last position: per cent."""
+    """Of the motion over `step` frames: per cent of the path, degrees per 100 m. Of the last position: per cent."""
     all_errors = []
     for i in range(len(poses) - step):
         error = motion_error(np.linalg.inv(poses[i]) @ poses[i + step], np.linalg.inv(truth[i]) @ truth[i + step])
@@ -143,7 +143,7 @@ def errors(poses, truth, step=10):
 
 def print_table(odometries, sequence):
     def row(label, form, values):
-        print('{:44} {:>10} {:>20}'.format(label, *[form.format(v) for v in values]))
+        print('{:45} {:>10} {:>20}'.format(label, *[form.format(v) for v in values]))
 
     frames = len(odometries[0].poses)
     row('{} frames'.format(frames), '{}', [o.name for o in odometries])
@@ -156,9 +156,9 @@ def print_table(odometries, sequence):
         return
     print('  by poses.txt: {:.2f} m'.format(path_length(sequence.poses[:frames])))
     columns = list(zip(*[errors(o.poses, sequence.poses) for o in odometries]))
-    row('translation error over 10 frames, of the way', '{:.2f} %', columns[0])
+    row('translation error over 10 frames, of the path', '{:.2f} %', columns[0])
     row('rotation error over 10 frames, degrees/100 m', '{:.2f}', columns[1])
-    row('error of the last position, of the way', '{:.2f} %', columns[2])
+    row('error of the last position, of the path', '{:.2f} %', columns[2])
 
 
 def track_picture(odometry, left):
