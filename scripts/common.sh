@@ -63,8 +63,8 @@ need() {
     ((!${#absent[@]})) || install_packages "${absent[@]}"
 }
 
-# ${APT[@]} LOG ARGUMENT...: apt-get with its output in a log, and its progress as records on standard output. A
-# network that does not answer is an error, and soon. A shell opens descriptor 3, as sudo does not hand it on.
+# ${APT[@]} LOG ARGUMENT...: apt-get with its output in a log, and its progress as records on standard output. If
+# the network does not answer, apt-get soon fails. A shell opens descriptor 3, because sudo does not pass it on.
 APT=(env LC_ALL=C DEBIAN_FRONTEND=noninteractive sh -c 'log=$1; shift
     exec apt-get -o APT::Status-Fd=3 -o Dpkg::Use-Pty=0 -o APT::Update::Error-Mode=any \
         -o Acquire::Retries=1 -o Acquire::http::Timeout=30 -o DPkg::Lock::Timeout=120 \
@@ -123,8 +123,8 @@ progress() {
     [[ ! $phase ]] || echo
 }
 
-# forget_moved FOLDER SOURCE: CMake refuses to configure a folder again that was configured under another name, as
-# those of a clone that was moved.
+# forget_moved FOLDER SOURCE: CMake refuses to configure a folder again that was configured under another name, for
+# example before the clone was moved. This function removes what CMake remembers of it.
 forget_moved() {
     local cache=$1/CMakeCache.txt was
     [[ -e $cache ]] || return 0

@@ -4,7 +4,7 @@
 #
 #   scripts/doc.sh [--opencv]
 #
-# With --opencv it is OpenCV's own documentation that is built, with the module and those it depends on:
+# With --opencv it builds OpenCV's own documentation instead, of this module and of those that it depends on:
 # build/opencv-doc/doc/doxygen/html/index.html. This fetches OpenCV's source.
 #
 # Installs the Debian packages it needs.

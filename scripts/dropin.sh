@@ -1,7 +1,7 @@
 #!/usr/bin/env bash
-# Shows that libaqorb_preload.so replaces cv::ORB in programs that know nothing of it: runs Debian's Python
-# binding, OpenCV's samples and OpenCV's own tests of features2d, built from Debian's source package without
-# a change, each with and without the library preloaded.
+# Shows that libaqorb_preload.so replaces cv::ORB in programs that do not know of it. Runs Debian's Python binding,
+# OpenCV's samples and OpenCV's own tests of features2d, each with and without the library. The samples and the tests
+# are built from Debian's source package without a change.
 #
 #   scripts/dropin.sh
 #
@@ -75,8 +75,8 @@ if [[ -z ${OPENCV_TEST_DATA_PATH:-} ]]; then
     exit
 fi
 
-# fresh_data: points OPENCV_TEST_DATA_PATH to a copy, as OpenCV's tests write the records that they miss. A
-# picture that some test only needs to be there may be another one.
+# fresh_data: points OPENCV_TEST_DATA_PATH to a copy, because OpenCV's tests write records that are missing there. Where
+# a test only needs some picture, another one takes the place of a picture that is missing.
 original_data=$(cd "$OPENCV_TEST_DATA_PATH" && pwd)
 fresh_data() {
     export OPENCV_TEST_DATA_PATH=$folder/testdata

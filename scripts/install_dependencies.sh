@@ -3,8 +3,8 @@
 #
 #   scripts/install_dependencies.sh [--list] [GROUP ...]
 #
-# Without a GROUP: build and test. --list prints the packages of the groups, of all groups unless named, and installs
-# nothing.
+# Without a GROUP it installs the groups build and test. --list installs nothing: it prints the packages of the named
+# groups, or of all groups.
 source "$(dirname "$0")/common.sh"
 
 list=

@@ -3,7 +3,7 @@
 # OpenCV's own build. Runs what that build gives: the accuracy tests, a smoke run of the performance tests, the
 # Python test and, where ant and a JDK are installed, the Java wrappers' compilation. Compares the list of tests
 # with the standalone build's. Then shows that OpenCV's build takes the module from this repository as well,
-# and what happens where its links are text files.
+# and what it says of a checkout whose symbolic links are text files.
 #
 #   scripts/opencv.sh [--help]
 #

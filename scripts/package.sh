@@ -4,9 +4,9 @@
 #
 #   scripts/package.sh [--test] [CMake option...]
 #
-# With --test they are installed on a fresh system of the same release, in a folder of its own; programs of each
-# kind are built and run there, the packages are removed again, and so is the folder. That needs root.
-# -DAQORB_PACKAGE_CONTACT='NAME <ADDRESS>' names the maintainer: whoever gives packages to others.
+# With --test they are installed on a fresh system of the same release, in a folder of its own. Programs of each
+# kind are built and run there. Then the packages are removed, and so is the folder. This needs root.
+# -DAQORB_PACKAGE_CONTACT='NAME <ADDRESS>' names the maintainer. Use it if you give the packages to others.
 # Installs the Debian packages it needs.
 source "$(dirname "$0")/common.sh"
 
@@ -35,7 +35,7 @@ for package in "$packages"/*.deb; do
 done
 
 say "lintian"
-# That an upload to Debian closes a report of an intended package is not asked of these.
+# The suppressed tag asks that an upload to Debian closes a report. These packages are not uploaded.
 lintian --allow-root --fail-on error,warning --suppress-tags initial-upload-closes-no-bugs "$packages"/*.deb
 echo "no errors, no warnings"
 [[ $test ]] || exit 0
@@ -73,4 +73,4 @@ say "Removing"
 inside apt-get purge -y -qq 'libaqorb*' 'aqorb-*' python3-aqorb >>"$log" 2>&1 || die "see $log"
 left=$(inside find /usr /etc /var -iname '*aqorb*' -not -path '/var/cache/apt/*')
 [[ -z $left ]] || die "left behind: $left"
-say "The packages install, serve and go"
+say "The packages were installed, used and removed"

@@ -19,8 +19,8 @@
 #
 # speed and scaling are measured by OpenCV's performance harness, opencv_perf_aqorb. HARNESS OPTIONs go to it,
 # for example --gtest_param_filter='*leuven*'. Photographs are measured where OPENCV_TEST_DATA_PATH names the folder
-# testdata of opencv_extra. Installs the Debian packages it needs. What was measured is left in build/performance.
-# With real-time priority other programs disturb the measurement less: chrt -f 1 scripts/performance.sh
+# testdata of opencv_extra. Installs the Debian packages it needs. The results are left in build/performance. With
+# real-time priority, other programs disturb the measurement less: chrt -f 1 scripts/performance.sh
 source "$(dirname "$0")/common.sh"
 
 doc='' smoke='' passes=5 threads='1 2'
@@ -78,8 +78,8 @@ run_harness() {
         for count in $numbers; do
             say "Measuring $part: pass $pass of $passes, $count thread(s)"
             file=$results/$part/$pass-$count
-            # The harness takes absent photographs, and that it has no records of earlier runs, for errors: its
-            # words go to the log.
+            # The harness reports absent photographs and missing records of earlier runs as errors, so its output
+            # goes to the log.
             "$harness" --perf_threads="$count" --perf_min_samples="$samples" --perf_force_samples="$samples" \
                 "${@:3}" "${harness_options[@]}" --gtest_output="xml:$file.xml" >"$file.log" 2>&1 ||
                 { tail -n 40 "$file.log" && die "the performance tests failed, see $file.log"; }

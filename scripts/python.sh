@@ -4,11 +4,11 @@
 #   scripts/python.sh [pytest option ...]
 #   scripts/python.sh --asan [pytest option ...]
 #
-# With --asan it does nothing but the package's tests, with an extension module in which AddressSanitizer ends the
-# process at a wrong access to memory, and pybind11 at a reference that is taken or released without the GIL.
+# With --asan it runs only the package's tests, on an extension module with additional checks. AddressSanitizer ends the
+# process at a wrong access to memory. pybind11 ends it if a reference is taken or released without the GIL.
 #
-# Installs the Debian packages it needs. The package lies in build/release/bindings/python then. Programs find it there
-# with PYTHONPATH. Tests that need images of opencv_extra are skipped unless OPENCV_TEST_DATA_PATH names its testdata
+# Installs the Debian packages it needs. It leaves the package in build/release/bindings/python, where programs find
+# it with PYTHONPATH. Tests that need images of opencv_extra are skipped unless OPENCV_TEST_DATA_PATH names its testdata
 # folder.
 source "$(dirname "$0")/common.sh"
 

@@ -1,13 +1,13 @@
 #!/usr/bin/env bash
-# Measures the paper's tables and figures, and more, anew: see doc/reproduction.md.
+# Measures the paper's tables and figures again, and what the paper did not measure: see doc/reproduction.md.
 #
 #   scripts/reproduce.sh [--doc] DATASETS [OPTION ...]
 #
 # DATASETS holds the folders bikes, leuven, bark, trees, ubc and graf of the Oxford data (img1..6 and
 # homographies), for example opencv_extra's testdata/cv/detectors_descriptors_evaluation/images_datasets.
-# Options go to aqorb_evaluate: --odometry=SEQUENCE (KITTI's layout), --superpoint=MODEL.onnx, others by --help;
-# they take precedence over those below. Installs the Debian packages it needs. Writes to build/reproduction, with
-# --doc the tables and some of the figures to doc/, too.
+# Options go to aqorb_evaluate, for example --odometry=SEQUENCE (KITTI's layout) and --superpoint=MODEL.onnx; its
+# --help lists them. They take precedence over those that this script gives. Installs the Debian packages it needs.
+# Writes to build/reproduction. With --doc it also writes the tables and some of the figures to doc.
 source "$(dirname "$0")/common.sh"
 
 doc=
