@@ -38,7 +38,7 @@ struct Tables
         : patch(circularPatch(parameters.patchSize)),
           tests(descriptorPattern(parameters.patchSize, parameters.WTA_K), parameters.WTA_K)
     {
-        // There are no quotas for other values, with which detection throws.
+        // Other values have no quotas. Detection throws for them.
         if (parameters.nlevels == 1 || parameters.scaleFactor > 1)
             quotas = levelQuotas(parameters.nfeatures, parameters.scaleFactor, parameters.nlevels);
     }
@@ -147,7 +147,7 @@ private:
         std::swap(tables, ofChanged);
     }
 
-    // What is done with an image, in this order. Given keypoints take the place of detection and selection.
+    // The steps of a call, in this order. If keypoints are given, takeKeypoints replaces the first two.
     void detectCorners(Workspace& workspace) const;
     void selectFeatures(Workspace& workspace) const;
     void takeKeypoints(const std::vector<KeyPoint>& given, Workspace& workspace) const;
@@ -399,8 +399,8 @@ void AdaptiveQuadtreeORBImpl::selectFeatures(Workspace& workspace) const
     workspace.keypoints.resize(count);
 }
 
-// What compute does with given keypoints, as cv::ORB: it drops those near the border, orders the others by level and
-// finds their pixels.
+// Takes given keypoints as cv::ORB::compute does: drops those near the border, orders the others by level and finds
+// their pixels.
 void AdaptiveQuadtreeORBImpl::takeKeypoints(const std::vector<KeyPoint>& given, Workspace& workspace) const
 {
     const Size imageSize = workspace.input.image.size();

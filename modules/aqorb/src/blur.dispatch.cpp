@@ -20,7 +20,7 @@ namespace stages
 
 // cv::ORB blurs a level by a Gaussian in float and rounds it to 8 bits at the end, so its value depends on every
 // rounding on the way. exactBlur repeats these roundings one by one. approximateBlur is a fast version in fixed point
-// with a proven bound on its error. Only where the bound leaves a comparison open is the exact value needed.
+// with a proven bound on its error. The exact value is needed only where the bound leaves a comparison open.
 
 static const int RADIUS = 3;
 

@@ -18,8 +18,8 @@ namespace stages
 //! The value of cv::ORB's Gaussian blur (7x7, sigma 2) at a pixel of a level, rounded as with fused multiply-add.
 uchar exactBlur(const Mat& image, int x, int y);
 
-//! The pixels of a level that are to be blurred, kept as rows of columns of tiles. The pixels at the border, whose
-//! blur needs reflected pixels, have tiles of their own.
+//! The pixels of a level that are to be blurred, kept for each row of each column of tiles. The pixels at the
+//! border, whose blur needs reflected pixels, have tiles of their own.
 class BlurRegion
 {
 public:

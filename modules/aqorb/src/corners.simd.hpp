@@ -67,7 +67,7 @@ int writeKept(const CornerBlock* blocks, int cornerCount, const uchar* scores, p
     const int top = blocks->y;
     uint64 columns = blocks[0].columns, next = blocks[1].columns;
     Corner* out = kept;
-    // There are no branches, as it is hard to predict how many corners a block has and which of them are kept.
+    // There are no branches, because it is hard to predict how many corners a block has and which of them are kept.
     for (int i = 0; i < cornerCount; i++)
     {
         const int x = blocks->x + trailingZeros(columns), y = blocks->y;

@@ -53,7 +53,7 @@ void fetch(const ushort* center, ptrdiff_t step, float a, float b, const float* 
 #if CV_SSE2
     for (i = 0; i < COUNT; i += 8)
     {
-        // To insert values from memory takes fewer instructions than a load and a store for each.
+        // Inserting values from memory takes fewer instructions than a load and a store for each.
         const int* at = offsets + i;
         __m128i v = _mm_cvtsi32_si128(center[at[0]]);
         v = _mm_insert_epi16(v, center[at[1]], 1);

@@ -25,7 +25,7 @@ struct DetectionRules
     bool rankByHarris;  //!< false: corners are ranked by their FAST score, and none is suppressed
 };
 
-//! What a task of the detection needs only as long as it runs.
+//! Work space that a task of the detection needs only while it runs.
 struct DetectionScratch
 {
     FastScanner scanner;
@@ -54,9 +54,9 @@ public:
     void rankBand(int index);
     //! Ranks the bands that are not ranked yet and begins the balanced sequence of all corners.
     void balance(DetectionScratch& scratch);
-    //! The sequence of the corners. Where the level has not been searched yet, it is searched now.
+    //! The sequence of the corners. If the level has not been searched yet, it is searched now.
     BalancedSequence& sequence(DetectionScratch& scratch);
-    //! Lists the ranked corners of a set, of a level that has its sequence.
+    //! Lists the ranked corners of a set. The level must have begun its sequence.
     void list(CornerSet set, std::vector<RankedCorner>& corners) const;
 
 private:

@@ -89,10 +89,10 @@ struct ScanBlock
     uint64 wanted;  //!< bit i: whether a corner at x + i is wanted
 };
 
-const int SCAN_ROWS = 4;  // of scores that are kept: a power of two that holds three
+const int SCAN_ROWS = 4;  // rows of scores that are kept: at least three, and a power of two
 const int SCAN_WIDTHS = 3;
-const int SCAN_ALIGNMENT =
-    64;                      // of scores, so that as few vectors as possible cross the border of a cache line
+// Bytes to which scores are aligned, so that as few vectors as possible cross the border of a cache line.
+const int SCAN_ALIGNMENT = 64;
 const int SCAN_MARGIN = 64;  // columns around the scores of a row that vectors may touch
 
 //! A scan of rows for FAST corners. A row is suppressed as soon as the row below it has scores.
@@ -116,10 +116,11 @@ struct FastScan
     ptrdiff_t scoreStep;
     int* listed[2];  //!< by row modulo 2: the blocks in which there are scores
     int listedCount[2];
-    uchar*
-        plane;  //!< the scores of corners from row top on, by column; undefined off wanted ones until dropped
+    //! The scores of corners, from row top on, by column. Scores in columns that are not wanted mean nothing until
+    //! dropCorners clears them.
+    uchar* plane;
     ptrdiff_t planeStep;
-    uint64* strong;      //!< by block: the columns with a strong corner; undefined off the wanted ones
+    uint64* strong;  //!< by block: the columns with a strong corner; other bits than wanted ones mean nothing
     CornerBlock* found;  //!< has space for all blocks of the rows to scan, and two more
     int foundCount;
 };

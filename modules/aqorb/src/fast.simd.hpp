@@ -58,7 +58,7 @@ template <typename V> struct Circle
 };
 
 // Takes `Inner` over the 9 pixels of each arc, and `Outer` over the 16 arcs. Neighbouring arcs share work: the arcs
-// that begin at k and at k + 1 have pixels k + 1 to k + 8 in common and differ in the pixels k and k + 9 only. Of odd
+// that begin at k and at k + 1 have pixels k + 1 to k + 8 in common and differ in the pixels k and k + 9 only. For odd
 // indices j, b[j] is `Inner` over pixels j and j + 1, and c[j] over j to j + 3. The arcs from k and from k + 4 have
 // c[k + 5] in common.
 template <typename Inner, typename Outer, typename V> CV_ALWAYS_INLINE V bestArc(const Circle<V>& circle)

@@ -17,7 +17,7 @@ namespace aqorb
 namespace stages
 {
 
-// Whether there are several images, or rows of their own, where one matrix is wanted.
+// Whether the argument is a vector of images, or of vectors, where one matrix is wanted.
 static bool isSequence(const _InputArray& array)
 {
     switch (array.kind())
@@ -157,8 +157,8 @@ int highestOctave(const std::vector<KeyPoint>& keypoints)
     return highest;
 }
 
-// Whether a point is inside the image. On the left and above, the halves of the pixels before their centres belong to
-// it, too. Those behind the centres of the last pixels do, although such a point rounds to a pixel beside the image:
+// Whether a point is inside the image. The image begins half a pixel before the centre of its first pixel and ends a
+// whole pixel behind the centre of its last one. In the last half pixel a point rounds to a pixel beside the image, but
 // cv::ORB describes it there.
 static bool isInside(const Point2f& pt, const Size& size)
 {

@@ -23,7 +23,8 @@ Mat grayImage(InputArray image);
 //! Throws for an image that is too large for a pyramid.
 void checkPyramidInput(Size imageSize);
 
-//! Another header of a UMat, or none. While its Mat is in use, no call may free the UMat: hold the header meanwhile.
+//! A second header of the input if it is a UMat, else an empty one. The caller keeps it for as long as it uses the
+//! UMat's Mat, so that nothing frees the UMat meanwhile.
 UMat heldUMat(InputArray input);
 
 //! Throws unless both sides are > 0.
@@ -32,7 +33,8 @@ void checkImageSize(Size imageSize);
 //! The mask, or an empty Mat where there is none. Throws for a mask of another size or type.
 Mat checkedMask(InputArray mask, Size imageSize);
 
-//! Whether the memory of two matrices overlaps. It may say so of interleaved parts of one matrix that do not.
+//! Whether the memory of two matrices overlaps. The answer may also be yes for two parts of one matrix whose rows
+//! alternate in memory.
 bool shareMemory(const Mat& a, const Mat& b);
 
 //! Throws unless images can be put into the output.
@@ -51,8 +53,8 @@ void releaseDescriptors(OutputArray descriptors);
 //! negative or an angle is not finite.
 int highestOctave(const std::vector<KeyPoint>& keypoints);
 
-//! Of keypoints that are given to be described, those that cv::ORB describes: the others lie outside of the image
-//! or nearer than `edgeThreshold` to its border. They are ordered by octave, else in their given order.
+//! Of keypoints that are given to be described, those that cv::ORB describes. The others lie outside of the image or
+//! nearer than `edgeThreshold` to its border. The result is ordered by octave, and otherwise in the given order.
 std::vector<KeyPoint> describableKeypoints(const std::vector<KeyPoint>& keypoints, Size imageSize,
                                            int edgeThreshold);
 

@@ -117,7 +117,8 @@ void orientations(const Mat& image, const OrientationPatch& patch, FeaturePoint*
         const int radius = patch.weights->radius;
         inside = Rect(radius, radius, image.cols - patch.weights->width, image.rows - 2 * radius);
     }
-    // The directions do not depend on each other, so compilers can compute several at once, once the moments are known.
+    // The directions do not depend on each other. In a loop after that of the moments, compilers can compute several at
+    // once.
     const size_t AT_ONCE = 64;
     for (size_t first = 0; first < count; first += AT_ONCE)
     {

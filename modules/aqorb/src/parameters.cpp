@@ -34,7 +34,7 @@ Parameters::Parameters()
 
 int numberOf(const ORB::ScoreType& scoreType)
 {
-    // To read a value that is no enumerator would be undefined behaviour, so the bytes are copied.
+    // Reading a value that is not an enumerator would be undefined behaviour, so the bytes are copied.
     int number = 0;
     static_assert(sizeof(scoreType) == sizeof(number), "the enumeration must be of the size of an int");
     std::memcpy(&number, &scoreType, sizeof(number));
@@ -109,7 +109,7 @@ void Parameters::write(FileStorage& fs) const
     fs << "subPixel" << int(subPixel);
 }
 
-// FileStorage would read text as 0, and would round or wrap numbers that are no int, all without an error.
+// FileStorage would read text as 0, and would round or wrap numbers that do not fit an int, all without an error.
 static void readValue(const FileNode& node, const char* key, double& value)
 {
     const FileNode found = node[key];

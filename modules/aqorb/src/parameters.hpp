@@ -13,7 +13,7 @@ namespace cv
 namespace aqorb
 {
 
-//! The number behind a score type. It need not be an enumerator, as a caller in Python can give any number.
+//! The number behind a score type. It need not be an enumerator, because a caller in Python can pass any number.
 int numberOf(const ORB::ScoreType& scoreType);
 
 //! The parameters of AdaptiveQuadtreeORB, as documented there.

@@ -16,8 +16,8 @@ namespace cv
 namespace aqorb
 {
 
-/** Lends objects, each to one user at a time, and keeps them with their memory. That is how an object that holds no
- data of an image can serve several threads at once without allocating memory for every image. */
+/** Lends objects, each to one user at a time, and keeps them with their memory. So an object that lends its work space
+ can serve several threads at once without allocating memory for every image. */
 template <typename T> class Pool
 {
 public:

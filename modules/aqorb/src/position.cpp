@@ -18,8 +18,8 @@ namespace stages
 // Moves a position along one axis to where a keypoint belongs to a pixel of a level.
 static float clampToPixel(double position, int pixel, int imageLength, double scale, int border)
 {
-    // cv::ORB::compute drops keypoints near the border. Whether it rounds positions before differs between
-    // versions of OpenCV, so positions stay off the border in both cases.
+    // cv::ORB::compute drops keypoints near the border. Whether it first rounds positions depends on
+    // the version of OpenCV. These positions stay off the border in both cases.
     const double last = imageLength - border - 0.51;
     position = std::max(std::min(position, last), double(border));
     // The descriptor is taken at the pixel that position / scale rounds to. It must be the pixel given.

@@ -34,7 +34,7 @@ std::vector<int> levelQuotas(int nfeatures, double scaleFactor, int nlevels);
 bool layOutLevel(const Level& input, int index, int firstLevel, double scaleFactor, int minSide,
                  Level& level);
 
-//! Whether cv::ORB resizes the input image to make a level; else it resizes the level before.
+//! Whether cv::ORB makes a level from the input image. Otherwise it makes the level from the previous one.
 bool isMadeFromInput(int index, int firstLevel);
 
 struct ResizeTables;

@@ -14,8 +14,8 @@ namespace stages
 {
 CV_CPU_OPTIMIZATION_NAMESPACE_BEGIN
 
-//! Computes the destination rows from `begin` to before `end`. False: there is no kernel for this CPU, and nothing is
-//! done.
+//! Computes the destination rows from `begin` to before `end`. Returns false, and does nothing, if there is no kernel
+//! for this CPU.
 bool resizeRows(const Resize& resize, int begin, int end);
 
 #ifndef CV_CPU_OPTIMIZATION_DECLARATIONS_ONLY

@@ -97,8 +97,8 @@ struct TieBefore
     }
 };
 
-// Whether points are sorted by TieBefore, as corners are. Floats that are not negative rank as their bits do, so that
-// this takes no branches. Where a coordinate is negative the answer is no.
+// Whether points are sorted by TieBefore, as corners are. Floats that are not negative have the order of their bits,
+// so no branches are needed. If a coordinate is negative, the answer is no.
 bool areSortedByTies(const std::vector<LeafPoint>& points)
 {
     const uint64 SIGNS = uint64(0x80000000u) << 32 | 0x80000000u;
@@ -210,7 +210,7 @@ uint64 BalancedSequence::takeBest(Leaf& leaf)
     const unsigned size = leaf.end - leaf.begin;
     if (leaf.taken == size)
         return NO_KEY;
-    // To look for the best one is cheaper for the first few points. Where more are asked for, the leaf is sorted.
+    // For the first few points it is cheaper to search for the best one. If more are asked for, the leaf is sorted.
     const unsigned SELECTED = 4;
     uint64* const ofLeaf = keys.data() + leaf.begin;
     if (leaf.taken < SELECTED)

@@ -39,20 +39,20 @@ public:
     virtual bool accepts(const LeafPoint& point) const = 0;
 };
 
-/** Gives points in an order of which each prefix is the best selection of that many: it is balanced over the tree
- first, and then takes the highest responses. Leaves are grouped by their ancestor two levels up. A group offers the
- best point of each of its leaves, then the second best of each, and so on; each round is ordered by response. The
- sequence takes the first offer of every group by response, then the second of every group, and so on.
+/** Gives points in an order in which the first n points are the best selection of n points, for every n. The selection
+ is balanced over the tree first, and then takes the highest responses. Leaves are grouped by their ancestor two levels
+ up. A group offers the best point of each of its leaves, then the second best of each, and so on; each round is ordered
+ by response. The sequence takes the first offer of every group by response, then the second of every group, and so on.
  An object can be used again, and then needs no new memory. */
 class BalancedSequence
 {
 public:
     BalancedSequence() : given(0) {}
-    //! Starts a sequence. It takes the points and leaves other memory in exchange. It is fastest for points in raster
-    //! order.
+    //! Starts a sequence. It swaps the points in, so the caller's vector has any content afterwards. It is fastest for
+    //! points in raster order.
     void begin(std::vector<LeafPoint>& points, int depth);
     //! The next point; false if there is none. Points that the filter rejects are treated as if they did not exist.
-    //! The filter is asked for little more than the points given, and must always give the same answer.
+    //! The filter is asked about few more points than are given, and must always give the same answer for a point.
     bool next(LeafPoint& point, const PointFilter* filter = 0);
 
 private:

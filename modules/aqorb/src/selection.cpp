@@ -36,7 +36,7 @@ public:
         head = int(entries.size());
         entries.push_back(entry);
     }
-    // Whether a keypoint of another level, or only of a coarser one, is strictly nearer than radius.
+    // Whether a keypoint of another level (with onlyCoarser: of a coarser level) is strictly nearer than radius.
     bool isNear(Point2d p, double radius, int level, bool onlyCoarser) const
     {
         const double squaredRadius = radius * radius;
@@ -184,7 +184,7 @@ public:
         for (size_t i = 0; i < level.chosen.size(); i++)
             sorted[rowStarts[level.chosen[i].y]++] = level.chosen[i];
         size_t begin = 0;
-        for (int y = 0; y < rows; begin = rowStarts[y++])  // where row y ends by now
+        for (int y = 0; y < rows; begin = rowStarts[y++])  // row y now ends there
         {
             if (rowStarts[y] - begin > 1)
                 std::sort(sorted.begin() + begin, sorted.begin() + rowStarts[y], InRasterOrder());
@@ -217,11 +217,12 @@ private:
     private:
         const Impl& impl;
         int level;
-        bool byCoarser;  // only by keypoints of coarser levels, as a filter must not change its mind later
+        // Only by keypoints of coarser levels, because a filter must always give the same answer.
+        bool byCoarser;
     };
 
-    // The position in the image by pixel centres, exactly: positions on coarse levels must not be shifted against
-    // those on fine ones.
+    // The exact position in the image, by pixel centres, so that positions on coarse levels are not shifted against those
+    // on fine ones.
     static double position(int pixel, int levelLength, int imageLength)
     {
         return (pixel + 0.5) * imageLength / levelLength - 0.5;
@@ -245,7 +246,7 @@ private:
     int levelCount;                  // of this image
     int step;                        // the next pass and level to ask for
     int asked;                       // the level of the last request
-    int wanted;                      // features that are missing by now
+    int wanted;                      // features that are still missing
     KeypointGrid grid;
     BalancedSequence filling;
     std::vector<RankedCorner> corners;  // to fill up from

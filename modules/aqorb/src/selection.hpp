@@ -36,9 +36,9 @@ struct CornerRequest
 
 /** Chooses the features of all levels. It takes from the balanced sequence of each level, from coarse to fine, as many
  corners as the quota of the level and what coarser levels left over. It passes over corners that are nearer than
- octaveSuppression pixels of their level to a keypoint of a coarser level. If features are then still missing, all
- levels are asked from fine to coarse to go on in their sequences, and after that to fill up from the corners that the
- rules have passed over.
+ octaveSuppression pixels of their level to a keypoint of a coarser level. If features are still missing then, it
+ goes through the levels from fine to coarse: first it continues their sequences, and then it fills up with the corners
+ that the rules have passed over.
 
  Selection does not call other stages. It says which corners it needs next, and is then given them:
  @code
@@ -59,7 +59,7 @@ public:
     void addLevel(const SelectionLevel& level);
     //! Which corners must be offered next; false when the selection is complete.
     bool wants(CornerRequest& request);
-    //! Answers a request for BALANCED_CORNERS. The sequence must be as it was left by the request before.
+    //! Answers a request for BALANCED_CORNERS. The sequence must be as the previous request left it.
     void offer(BalancedSequence& sequence);
     //! Answers any other request.
     void offer(const std::vector<RankedCorner>& corners);

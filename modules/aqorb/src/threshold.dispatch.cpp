@@ -28,7 +28,7 @@ static void addRow(const uchar* row, int width, uint64& sum, uint64& squares)
 double varianceOverMean(const Mat& image, const Mat& mask)
 {
     CV_TRACE_FUNCTION();
-    // Whole numbers, so that the sums are the same for any order of summation.
+    // The sums are whole numbers, so they are the same for any order of summation.
     uint64 sum = 0, squares = 0, count = 0;
     for (int y = 0; y < image.rows; y++)
     {

@@ -66,7 +66,7 @@ size_t Workspace::layOutBands()
 
 void Workspace::layOutRanges()
 {
-    // Ranges are neither more nor smaller, because neighbouring ranges both blur the rows between them.
+    // More and smaller ranges would cost time, because neighbouring ranges both blur the rows between them.
     const size_t RANGES = 8, MIN_FEATURES = 64;
     const size_t most = std::max(keypoints.size() / RANGES, MIN_FEATURES);
     ranges.clear();

@@ -58,20 +58,20 @@ struct Workspace
     std::vector<FeatureRange> ranges;
     std::vector<KeyPoint> keypoints;
 
-    //! Prepares the levels of the input's pyramid, nlevels or as many as have no side below minSide.
+    //! Prepares the levels of the input's pyramid: nlevels, or fewer if a side would be shorter than minSide.
     void layOutLevels(int nlevels, int firstLevel, double scaleFactor, int minSide);
     //! Makes the levels from the input.
     void fillLevels(int firstLevel);
     //! Divides the levels into bands. A level without a quota is not searched unless selection asks for its corners.
     //! Returns the number of bands of the input image, which come first.
     size_t layOutBands();
-    //! Divides the features into ranges of about equal size, so that no thread must wait for that of a large level.
+    //! Divides the features into ranges of about equal size, so that no thread waits long for another one.
     void layOutRanges();
-    //! Lets go of the images and masks that are the caller's, and of the masks of the levels.
+    //! Releases the images and masks that are the caller's, and the masks of the levels.
     void releaseImages();
 };
 
-//! Gives a workspace its input until the end of the scope, also where that is an exception.
+//! Gives a workspace its input until the end of the scope, even if an exception ends it.
 class InputScope
 {
 public:
@@ -88,7 +88,7 @@ private:
     Workspace& workspace;
 };
 
-//! What the task that describes a range of features needs only as long as it runs.
+//! Work space that the task that describes a range of features needs only while it runs.
 struct DescriptionScratch
 {
     stages::BlurRegion blurRegion;

@@ -145,12 +145,12 @@ public:
     needs the pixels around keypoints, such as stereo matching: keypoint k lies on levels[k.octave].
 
     Level i has the size of the image divided by scaleFactor^(i - firstLevel), rounded, and is equal to
-    that of cv::ORB. Detection keeps no pyramid, so that this function computes all of it.
+    that of cv::ORB. Detection keeps no pyramid, so this function computes all of it.
 
     @param image 8-bit image with 1, 3 (BGR) or 4 (BGRA) channels.
     @param levels A vector of Mat or UMat: one CV_8UC1 image for each level, which shares no memory with
-    the input. The vector may hold the input itself. There are
-    nlevels of them, or as many as have at least one pixel. Empty for an empty image.
+    the input. The vector may hold the input itself. There are nlevels images, or as many as have at
+    least one pixel. It is empty for an empty image.
      */
     CV_WRAP virtual void buildPyramid(InputArray image, OutputArrayOfArrays levels) const = 0;
 

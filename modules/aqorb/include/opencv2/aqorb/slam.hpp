@@ -86,7 +86,8 @@ public:
     void operator()(InputArray image, InputArray mask, std::vector<KeyPoint>& keypoints,
                     OutputArray descriptors)
     {
-        // First, as the descriptors may be put into the image. It may be a level of the last pyramid, too.
+        // The pyramid comes first, because the descriptors may be written into the image. It goes to a vector of
+        // its own, because the image may be a level of the last pyramid.
         std::vector<Mat> pyramid;
         orb->buildPyramid(image, pyramid);
         orb->detectAndCompute(image, mask, keypoints, descriptors);
