@@ -51,10 +51,10 @@ const struct
     {"graf1.png", "graf3.png", "H1to3p.xml",
      "3. Each wins something: a painted wall from two sides; the homography between them is known.\n"
      "How to read it: cv::ORB has more correct matches, but on fewer places of the wall. The error says\n"
-     "how far off, in pixels, the homography lies that is estimated from each detector's matches."}};
+     "by how many pixels the homography is off that is estimated from each detector's matches."}};
 
 const char* const LEGEND =
-    "Distinct: matches of at least 4 pixels from each other. Consistent: within 3 pixels of the\n"
+    "Distinct: matches at least 4 pixels from each other. Consistent: within 3 pixels of the\n"
     "homography estimated from the detector's matches; correct: of the known one.\n";
 
 struct Input

@@ -12,7 +12,7 @@ wins something."""
 import statistics
 from collections import namedtuple
 
-# First, as it says what is missing where an import fails.
+# Imported first, because it says what is missing if an import fails.
 from program import (BAD_ARGUMENTS, FAILED, Failure, Program, aqorb, find_file, path_in, read_image, run,
                      write_picture)
 
@@ -35,9 +35,9 @@ the whole scene, so fewer of them lie on the box, and fewer match."""),
     ('graf1.png', 'graf3.png', 'H1to3p.xml',
      """3. Each wins something: a painted wall from two sides; the homography between them is known.
 How to read it: cv.ORB has more correct matches, but on fewer places of the wall. The error says
-how far off, in pixels, the homography lies that is estimated from each detector's matches.""")]
+by how many pixels the homography is off that is estimated from each detector's matches.""")]
 
-LEGEND = """Distinct: matches of at least 4 pixels from each other. Consistent: within 3 pixels of the
+LEGEND = """Distinct: matches at least 4 pixels from each other. Consistent: within 3 pixels of the
 homography estimated from the detector's matches; correct: of the known one."""
 
 # features: keypoints and descriptors of each image; matches: distinct, and in agreement with the homography;

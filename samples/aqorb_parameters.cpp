@@ -39,7 +39,7 @@ struct Panel
 
 typedef std::function<Mat(const Mat& image, const std::vector<KeyPoint>& keypoints)> View;
 
-// Keypoints as dots, so that one sees how they lie, on the whole image.
+// Keypoints as dots on the whole image, which show how they are distributed.
 Mat overview(const Mat& image, const std::vector<KeyPoint>& keypoints)
 {
     const float scale = 400.f / image.cols;
@@ -174,7 +174,7 @@ Mat divided(const Mat& image, double border, Size2d cell)
     return picture;
 }
 
-// The mesh and the quadtree of one level: with as many features as the first of 8 levels gets of 500.
+// The mesh and the quadtree of one level, with as many features as the first of 8 levels gets of 500.
 void drawStages(const Mat& image, const String& folder)
 {
     const Detector detector = aqorb::AdaptiveQuadtreeORB::create(100000, 1.2f, 1);

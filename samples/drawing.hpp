@@ -87,7 +87,7 @@ inline cv::Mat matchPicture(const cv::Mat& image1, const std::vector<cv::KeyPoin
 
     const cv::Size size(std::max(left.cols, right.cols), picture.rows);
     const cv::Point2f shift(float(left.cols), 0);
-    // Hundreds of lines would hide the images: they let these shine through, the circles at their ends do not.
+    // Hundreds of lines would hide the images, so the lines are translucent. The circles at their ends are not.
     cv::Mat lines = picture.clone();
     for (const cv::DMatch& match : matches)
         cv::line(lines, enlarged(keypoints1[match.queryIdx].pt, factor),

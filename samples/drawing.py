@@ -71,7 +71,7 @@ def match_picture(image1, keypoints1, image2, keypoints2, matches, area=None):
     shift = np.array([left.shape[1], 0])
     ends = [(enlarged(keypoints1[match.queryIdx].pt, factor), enlarged(keypoints2[match.trainIdx].pt, factor) + shift)
             for match in matches]
-    # Hundreds of lines would hide the images: they let these shine through, the circles at their ends do not.
+    # Hundreds of lines would hide the images, so the lines are translucent. The circles at their ends are not.
     lines = picture.copy()
     for start, end in ends:
         cv.line(lines, np.intp(np.round(start)), np.intp(np.round(end)), YELLOW, line_width(size), cv.LINE_AA)

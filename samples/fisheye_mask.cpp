@@ -50,7 +50,7 @@ static void run(const Arguments& arguments)
         throw Failure{BAD_ARGUMENTS,
                       format("--margin=%d: at most the radius of %d pixels is accepted", margin, radius)};
 
-    // Not zero where keypoints may lie; the detector scales the mask for its pyramid.
+    // Keypoints may lie where the mask is not zero. The detector scales the mask for its pyramid.
     Mat mask = Mat::zeros(image.size(), CV_8UC1);
     circle(mask, centre, inner, Scalar(255), FILLED);
 

@@ -7,7 +7,7 @@
 """Finds keypoints inside the circle of a fisheye lens: without a mask, where the rim of the circle takes some, and
 with one. Without an image it takes graf1.png of OpenCV's samples."""
 
-# First, as it says what is missing where an import fails.
+# Imported first, because it says what is missing if an import fails.
 from program import BAD_ARGUMENTS, Failure, Program, aqorb, file_at, read_image, run, write_picture
 
 import cv2 as cv
@@ -44,7 +44,7 @@ def main():
         raise Failure(BAD_ARGUMENTS, '--margin={}: at most the radius of {} pixels is accepted'.format(
             arguments.margin, radius))
 
-    # Not zero where keypoints may lie; the detector scales the mask for its pyramid.
+    # Keypoints may lie where the mask is not zero. The detector scales the mask for its pyramid.
     mask = cv.circle(np.zeros_like(image), (x, y), inner, 255, cv.FILLED)
 
     detector = aqorb.AdaptiveQuadtreeORB_create(arguments.nfeatures)

@@ -7,7 +7,7 @@
 """Matches two images of a plane, estimates the homography between them, and draws where the first image lies in
 the second. Without images it takes graf1.png and graf3.png of OpenCV's samples."""
 
-# First, as it says what is missing where an import fails.
+# Imported first, because it says what is missing if an import fails.
 from program import BAD_ARGUMENTS, FAILED, Failure, Program, aqorb, file_at, read_image, run, write_picture
 
 import cv2 as cv

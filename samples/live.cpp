@@ -3,8 +3,8 @@
 // of this distribution.
 // SPDX-License-Identifier: Apache-2.0
 
-// Keypoints of a camera's or a video's images, with a slider for the threshold. Where there is no display, the
-// same numbers are printed.
+// Shows the keypoints in the images of a camera or a video, with a slider for the threshold. If there is no display,
+// the same numbers are printed.
 
 #include "drawing.hpp"
 #include "program.hpp"
@@ -38,7 +38,7 @@ static const char* const WINDOW = "aqorb (space: cv::ORB and back; Esc: end)";
 static bool hasDisplay()
 {
 #if defined __unix__ && !defined __APPLE__
-    // Some of OpenCV's window systems end the program where there is none.
+    // Some of OpenCV's window systems end the program if there is no display.
     for (const char* variable : {"DISPLAY", "WAYLAND_DISPLAY"})
     {
         const char* value = std::getenv(variable);
@@ -59,7 +59,7 @@ static void silenceFFmpeg()
 #endif
 }
 
-// Opens a camera or a file; gives the milliseconds from one image to the next, 0 for a camera.
+// Opens a camera or a file. Returns the milliseconds from one image to the next, 0 for a camera.
 static double openSource(const String& source, VideoCapture& capture)
 {
     const bool isCamera = source.find_first_not_of("0123456789") == String::npos && source.size() < 6;
@@ -78,10 +78,12 @@ static double openSource(const String& source, VideoCapture& capture)
     return isCamera ? 0 : 1000 / (fps > 1 && fps < 1000 ? fps : 25);  // images have no rate
 }
 
-// Waits for a key at most so many milliseconds, 0: without end. Gives Esc when the window was closed.
+// Waits for a key, for at most this many milliseconds or, if they are 0, without end. Returns Esc if the window is
+// closed.
 static int waitForKey(double milliseconds)
 {
-    const int ESC = 27, PART = 50;  // no key is reported when the window is closed
+    const int ESC = 27;
+    const int PART = 50;  // ms; closing the window reports no key, so it is looked at this often
     const int64 start = getTickCount();
     for (;;)
     {

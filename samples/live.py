@@ -12,7 +12,7 @@ import os
 import sys
 import time
 
-# First, as it says what is missing where an import fails.
+# Imported first, because it says what is missing if an import fails.
 from program import FAILED, Failure, Program, aqorb, file_at, require_size, run, write_picture
 
 import cv2 as cv
@@ -35,7 +35,7 @@ def parse_arguments():
 
 
 def has_display():
-    """Some of OpenCV's window systems end the program where there is none."""
+    """Whether there is a display. Some of OpenCV's window systems end the program if there is none."""
     return not sys.platform.startswith('linux') or bool(os.environ.get('DISPLAY') or
                                                         os.environ.get('WAYLAND_DISPLAY'))
 
@@ -54,8 +54,9 @@ def open_source(source):
 
 
 def wait_for_key(milliseconds):
-    """Waits for a key at most so many milliseconds, 0: without end. Gives Esc when the window was closed."""
-    part = 50  # no key is reported when the window is closed
+    """Waits for a key, for at most this many milliseconds or, if they are 0, without end. Returns Esc if the window is
+    closed."""
+    part = 50  # ms; closing the window reports no key, so it is looked at this often
     start = time.perf_counter()
     while True:
         rest = milliseconds - 1000 * (time.perf_counter() - start) if milliseconds > 0 else part

@@ -8,7 +8,7 @@
 
 In Python cv.Stitcher does not take a detector, so its steps are done here one by one."""
 
-# First, as it says what is missing where an import fails.
+# Imported first, because it says what is missing if an import fails.
 from program import FAILED, Failure, Program, aqorb, read_image, run, write_picture
 
 import cv2 as cv

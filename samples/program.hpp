@@ -3,7 +3,7 @@
 // of this distribution.
 // SPDX-License-Identifier: Apache-2.0
 
-// How every sample takes its arguments, reads and writes images, and ends. cv::CommandLineParser passes over
+// How every sample takes its arguments, reads and writes images, and ends. cv::CommandLineParser ignores
 // options that it does not know, reads 12abc as 12 and takes a fixed number of files.
 
 #ifndef AQORB_SAMPLES_PROGRAM_HPP
@@ -43,9 +43,9 @@ struct Option
     cv::String help;
 };
 
-const char* const FLAG = "\n";  // no default is this
+const char* const FLAG = "\n";  // no option has this default
 
-//! What a program says of itself.
+//! What a program says about itself.
 struct Program
 {
     cv::String name, about;
@@ -146,7 +146,7 @@ inline Arguments parseArguments(const Program& program, int argc, char** argv)
 //! Runs a program and gives its exit code.
 inline int runProgram(const Program& program, void (*run)(const Arguments&), int argc, char** argv)
 {
-    // The one sentence below is enough; OpenCV adds several lines of its own to it.
+    // The one sentence below is enough. OpenCV would add several lines of its own.
     if (!std::getenv("OPENCV_LOG_LEVEL"))
         cv::utils::logging::setLogLevel(cv::utils::logging::LOG_LEVEL_SILENT);
     for (int i = 1; i < argc; i++)

@@ -11,7 +11,7 @@ import argparse
 import os
 import sys
 
-# One sentence is enough where something fails; OpenCV and FFmpeg add lines of their own to it.
+# One sentence is enough if something fails. OpenCV and FFmpeg would add lines of their own.
 os.environ.setdefault('OPENCV_LOG_LEVEL', 'SILENT')
 os.environ.setdefault('OPENCV_FFMPEG_LOGLEVEL', '-8')
 
@@ -23,7 +23,7 @@ EPILOG = '''Exit code: 0 done; 1 a file cannot be read or written, or there is n
 
 try:
     import cv2 as cv
-    import numpy  # which cv2 gives and takes
+    import numpy  # whose arrays cv2 takes and returns
     try:
         import aqorb
     except ImportError:

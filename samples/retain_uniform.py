@@ -7,7 +7,7 @@
 """Keeps some keypoints of SIFT and of FAST: by response alone, as cv::KeyPointsFilter::retainBest in C++, and by
 retainUniform, which spreads them over the image. Without an image it takes graf1.png of OpenCV's samples."""
 
-# First, as it says what is missing where an import fails.
+# Imported first, because it says what is missing if an import fails.
 from program import Program, aqorb, file_at, read_image, run, write_picture
 
 import cv2 as cv

@@ -44,7 +44,7 @@ struct Odometry
     StereoFrame frame;
     StereoMotion motion;         // to the last frame
     std::vector<Matx44d> poses;  // of the left camera, from the first frame's on
-    int lost = 0;                // frames whose motion was not found: the last one is taken again
+    int lost = 0;                // frames whose motion was not found; they repeat the last motion
     double keypoints = 0, depths = 0, inliers = 0;  // sums over the frames
 };
 

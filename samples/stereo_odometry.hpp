@@ -3,9 +3,9 @@
 // of this distribution.
 // SPDX-License-Identifier: Apache-2.0
 
-// Stereo visual odometry from frame to frame, on sequences laid out as KITTI's: what a detector's features are
-// worth to it. Points of a rectified pair are matched along the rows, then to the frame before; the motion is
-// that under which the points of one frame project onto their matches in the next (PnP).
+// Stereo visual odometry from frame to frame, on sequences in KITTI's layout. It shows what a detector's features are
+// worth for this. Points of a rectified pair are matched along the rows, and then with those of the frame before. The
+// motion is the one under which the points of one frame project onto their matches in the next (PnP).
 
 #ifndef AQORB_SAMPLES_STEREO_ODOMETRY_HPP
 #define AQORB_SAMPLES_STEREO_ODOMETRY_HPP
@@ -199,7 +199,7 @@ inline StereoMotion estimateMotion(const StereoFrame& earlier, const StereoFrame
     return result;
 }
 
-//! The distance between two rigid motions: of what is left of one after the other is undone.
+//! The distance between two rigid motions: the length and the angle of what remains of one after undoing the other.
 inline void motionError(const cv::Matx44d& estimate, const cv::Matx44d& truth, double& metres,
                         double& degrees)
 {

@@ -11,7 +11,7 @@ paths and the features tracked into the last frame to a picture."""
 import glob
 import os
 
-# First, as it says what is missing where an import fails.
+# Imported first, because it says what is missing if an import fails.
 from program import FAILED, Failure, Program, aqorb, read_image, run, write_picture
 
 import cv2 as cv

@@ -221,8 +221,8 @@ private:
         bool byCoarser;
     };
 
-    // The exact position in the image, by pixel centres, so that positions on coarse levels are not shifted against those
-    // on fine ones.
+    // The exact position in the image, by pixel centres, so that positions on coarse levels are not shifted against
+    // those on fine ones.
     static double position(int pixel, int levelLength, int imageLength)
     {
         return (pixel + 0.5) * imageLength / levelLength - 0.5;
