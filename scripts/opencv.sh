@@ -123,7 +123,8 @@ AQORB_BINDING=cv2 PYTHONPATH=$opencv/lib/python3:$OPENCV_SOURCE/modules/python/t
 say "Java wrapper"
 grep -r 'class AdaptiveQuadtreeORB extends ORB' "$opencv"/modules/java_bindings_generator/gen/java
 
-# OpenCV itself is built by now; the module's own part goes, so that nothing of the copy passes for these.
+# OpenCV itself has been built. What was built of the copy is removed, so that it cannot be taken for the module of this
+# repository.
 for path in "$ROOT" "$ROOT/modules"; do
     rm -rf "$opencv"/modules/aqorb "$opencv"/lib/libopencv_aqorb*
     configure_opencv "$path" || die "OpenCV's configuration failed; see $opencv.log"
