@@ -10,12 +10,12 @@
 # Installs the Debian packages it needs.
 source "$(dirname "$0")/common.sh"
 
-need doxygen graphviz texlive-binaries libopencv-features2d-dev libjs-mathjax chromium python3
+need doc
 # BibTeX finds its files here without TeX's configuration, which is a large package.
 export BIBINPUTS=. BSTINPUTS=.
 
 if [[ ${1:-} == --opencv ]]; then
-    need build-essential cmake zlib1g-dev
+    need build zlib1g-dev
     opencv_source
     folder=$BUILD/opencv-doc
     options=(-DBUILD_LIST=aqorb -DBUILD_DOCS=ON -DOPENCV_DOWNLOAD_TRIES_LIST=)
@@ -36,7 +36,8 @@ fi
 
 export ROOT OUT=$BUILD/doc OPENCV_VERSION VERSION
 opencv=/usr/include/opencv4/opencv2
-OPENCV_VERSION=$(sed -n 's/^#define CV_VERSION_\(MAJOR\|MINOR\|REVISION\) *\([0-9]*\).*/\2/p' "$opencv/core/version.hpp" | paste -sd.)
+OPENCV_VERSION=$(sed -n 's/^#define CV_VERSION_\(MAJOR\|MINOR\|REVISION\) *\([0-9]*\).*/\2/p' \
+    "$opencv/core/version.hpp" | paste -sd.)
 VERSION=$(sed -n 's/^project(aqorb VERSION \([0-9.]*\).*/\1/p' "$ROOT/CMakeLists.txt")
 rm -rf "$OUT"
 mkdir -p "$OUT"
