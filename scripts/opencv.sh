@@ -16,8 +16,7 @@ if (($#)); then
     exit
 fi
 
-need build-essential cmake ninja-build ccache zlib1g-dev libpng-dev libjpeg-dev python3-dev python3-numpy \
-    libopencv-dev libgtest-dev
+need build test opencv
 opencv_source
 
 # FindJNI does not know where Debian keeps its JDKs.

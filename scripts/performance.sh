@@ -45,7 +45,7 @@ harness_options=("$@")
 [[ ! $doc || ! ${harness_options[*]} ]] || die '--doc: the tables of the document are of all cases'
 ((${#parts[@]})) || parts=(setting speed scaling stages memory instructions)
 
-need build-essential cmake ccache libopencv-dev python3-pandas
+need build report
 
 results=$BUILD/performance
 report=$ROOT/tools/report/report.py
@@ -61,6 +61,7 @@ done
 say 'Building'
 if [[ $harness ]]; then
     opencv_source
+    forget_moved "$BUILD/perf" "$ROOT/tools/opencv_ts"
     cmake -S "$ROOT/tools/opencv_ts" -B "$BUILD/perf" -DCMAKE_BUILD_TYPE=Release \
         -DCMAKE_CXX_COMPILER_LAUNCHER=ccache -DOPENCV_SOURCE_DIR="$OPENCV_SOURCE"
     build "$BUILD/perf" --target opencv_perf_aqorb

@@ -13,7 +13,7 @@ source "$(dirname "$0")/common.sh"
 doc=
 if [[ ${1:-} == --doc ]]; then doc=yes && shift; fi
 (($# > 0)) || die "which DATASETS? See the head of this script."
-need build-essential cmake libopencv-dev libdlib-dev python3-matplotlib python3-pandas
+need build evaluate report
 
 folder=$BUILD/reproduction
 configure "$BUILD/release" -DAQORB_BUILD_EVALUATION=ON

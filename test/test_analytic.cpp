@@ -33,7 +33,7 @@ double worstError(bool subPixel)
     {
         const Point2d center(60 + (i % 6 - 2.5) / 6., 52 + (i / 6 - 2.5) / 6.);
         Mat image(110, 120, CV_8UC1, Scalar(20));
-        drawBlob(image, center, 1, 200);  // the circle of FAST lies outside
+        drawBlob(image, center, 1, 200);  // The circle of FAST lies outside the blob.
         const Ptr<AdaptiveQuadtreeORB> detector = AdaptiveQuadtreeORB::create(1, 1.2f, 1);
         detector->setSubPixel(subPixel);
         KeyPoints keypoints;
@@ -48,7 +48,7 @@ double worstError(bool subPixel)
 TEST(Aqorb_Analytic, position_of_a_blob_is_a_small_fraction_of_a_pixel_off)
 {
     EXPECT_LT(worstError(true), 0.15);
-    EXPECT_GT(worstError(false), 0.5);  // whole pixels are half a diagonal off
+    EXPECT_GT(worstError(false), 0.5);  // Whole pixels are up to half a diagonal off.
 }
 
 TEST(Aqorb_Analytic, a_blob_is_at_the_same_place_on_every_level)
@@ -61,7 +61,7 @@ TEST(Aqorb_Analytic, a_blob_is_at_the_same_place_on_every_level)
         Mat image(290, 300, CV_8UC1, Scalar(20));
         drawBlob(image, center, 1.2 * scale, 200);
         const Ptr<AdaptiveQuadtreeORB> detector = AdaptiveQuadtreeORB::create(200);
-        detector->setOctaveSuppression(0);  // the same blob on several levels
+        detector->setOctaveSuppression(0);  // This keeps the same blob on several levels.
         KeyPoints keypoints;
         detector->detect(image, keypoints);
         double least = 1e9;

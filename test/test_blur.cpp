@@ -92,7 +92,7 @@ TEST(Aqorb_Blur, of_a_region_equals_that_of_the_image)
 {
     RNG rng(3);
     const int widths[] = {1, 2, 5, 6, 7, 31, 32, 33, 64, 100, 700, 2047, 2048, 2049, 2500};
-    BlurRegion region;  // one for all: they must begin anew
+    BlurRegion region;  // It is used again and again, so begin must reset it.
     BlurScratch scratch;
     for (int width : widths)
     {
@@ -136,7 +136,7 @@ TEST(Aqorb_Blur, approximation_stays_within_its_bound_on_flat_images)
 
 TEST(Aqorb_Blur, approximation_stays_within_its_bound_on_the_worst_patches)
 {
-    // Single bright pixels and rows of them: the products of one tap round alone.
+    // Around a single bright pixel every product of a tap is rounded alone.
     for (int i = 0; i < 49; i++)
     {
         for (int grey = 1; grey <= 255; grey += 2)

@@ -74,7 +74,7 @@ void expectAsReference(const Level& level, const Rect& region, int ini, int min,
                        bool suppressNear, LevelCorners& workspace)
 {
     const Thresholds thresholds = {ini, min};
-    static CornerScratch scratch;  // shared by images of all sizes
+    static CornerScratch scratch;  // Images of all sizes share it.
     const reference::Corners expected =
         reference::findCorners(level.image, level.mask, region, thresholds, cellSize, suppressNear);
     for (int optimized = 1; optimized >= 0; optimized--)

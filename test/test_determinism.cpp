@@ -12,7 +12,7 @@ namespace opencv_test
 namespace
 {
 
-// Sets the number of OpenCV's threads back in the end.
+// Sets the number of OpenCV's threads until it goes out of scope.
 class Threads
 {
 public:
@@ -108,6 +108,10 @@ TEST(Aqorb_Determinism, what_lies_around_a_region_does_not_matter)
                 AdaptiveQuadtreeORB::create(200, 1.2f, 8, border, firstLevel);
             const Features expected = detectAndCompute(*detector, image, mask);
             const Features unmasked = detectAndCompute(*detector, image);
+            // With firstLevel > 0 compute may drop a keypoint near the border, as that of cv::ORB does.
+            Features expectedOfCompute = {expected.keypoints, Mat()};
+            detector->compute(image, expectedOfCompute.keypoints, expectedOfCompute.descriptors);
+            EXPECT_GE(expectedOfCompute.keypoints.size(), 190u);
             ASSERT_EQ(200u, expected.keypoints.size());
             for (int around = 0; around <= 255; around += 51)
             {
@@ -122,7 +126,7 @@ TEST(Aqorb_Determinism, what_lies_around_a_region_does_not_matter)
                 EXPECT_TRUE(sameFeatures(unmasked, detectAndCompute(*detector, wholeImage(region))));
                 Features computed = {expected.keypoints, Mat()};
                 detector->compute(wholeImage(region), computed.keypoints, computed.descriptors);
-                EXPECT_TRUE(sameFeatures(expected, computed));
+                EXPECT_TRUE(sameFeatures(expectedOfCompute, computed));
             }
         }
     }

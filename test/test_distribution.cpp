@@ -136,7 +136,7 @@ TEST(Aqorb_Distribution, occupancy_of_cells_by_hand)
     EXPECT_DOUBLE_EQ(aqorb::distributionOccupancy(keypointsAt(places), Size(160, 120), Size(2, 1)), 1);
     EXPECT_DOUBLE_EQ(aqorb::distributionOccupancy(keypointsAt(places), Size(160, 120), Size(2, 2)), 0.5);
 
-    // outside of the image nothing counts
+    // Keypoints outside the image do not count.
     const float nan = std::numeric_limits<float>::quiet_NaN();
     const Point2f outside[] = {Point2f(-1, 50), Point2f(160, 50), Point2f(50, 120), Point2f(nan, 50)};
     places.assign(outside, outside + 4);

@@ -126,7 +126,7 @@ TEST(Aqorb_Errors, parameters_that_do_not_go_together)
     EXPECT_TRUE(names(messageOf([&] { detector->detect(image, keypoints); }), "scaleFactor", "1"));
     detector = AdaptiveQuadtreeORB::create(500, 1.2f, 4, 16, 4);
     EXPECT_TRUE(names(messageOf([&] { detector->detect(image, keypoints); }), "firstLevel", "4"));
-    detector->setNLevels(5);  // the order of setters does not matter
+    detector->setNLevels(5);  // The order of the setters does not matter.
     EXPECT_NO_THROW(detector->detect(image, keypoints));
     detector = AdaptiveQuadtreeORB::create(500, 3.f, 60, 16, 50);
     EXPECT_TRUE(names(messageOf([&] { detector->detect(image, keypoints); }), "firstLevel", "pixels"));
@@ -136,8 +136,8 @@ TEST(Aqorb_Errors, bad_images_and_masks)
 {
     const Ptr<AdaptiveQuadtreeORB> detector = AdaptiveQuadtreeORB::create();
     // OpenCV's issue 21539 is about 16-bit images.
-    const int types[] = {CV_16UC1, CV_16SC1, CV_16UC3, CV_32FC1, CV_32FC3, CV_64FC1,
-                         CV_64FC3, CV_8SC1,  CV_8UC2,  CV_8UC(5)};
+    const int types[] = {CV_16UC1, CV_16SC1, CV_16UC3, CV_32FC1, CV_32FC3,
+                         CV_64FC1, CV_64FC3, CV_8SC1,  CV_8UC2,  CV_8UC(5)};
     KeyPoints keypoints(3);
     for (int type : types)
     {
@@ -156,7 +156,7 @@ TEST(Aqorb_Errors, bad_images_and_masks)
         EXPECT_TRUE(names(messageOf([&] { detector->detect(image, keypoints, mask); }), "mask", size));
         EXPECT_TRUE(names(messageOf([&] { aqorb::adaptiveFastThreshold(image, mask); }), "mask", size));
     }
-    EXPECT_EQ(3u, keypoints.size());  // a call that fails leaves its outputs
+    EXPECT_EQ(3u, keypoints.size());  // A call that fails leaves its outputs unchanged.
 }
 
 TEST(Aqorb_Errors, sequences_of_images_and_masks)
@@ -294,8 +294,9 @@ TEST(Aqorb_Errors, bad_arguments_of_the_functions)
     EXPECT_TRUE(
         names(messageOf([&] { aqorb::distributionOccupancy(keypoints, Size(5, 5), Size(1 << 20, 1 << 20)); }),
               "grid", "1048576"));
-    EXPECT_TRUE(names(messageOf([&] { aqorb::distributionOccupancy(keypoints, Size(5, 5), Size(5000, 5000)); }),
-                      "grid", "5000"));
+    EXPECT_TRUE(
+        names(messageOf([&] { aqorb::distributionOccupancy(keypoints, Size(5, 5), Size(5000, 5000)); }),
+              "grid", "5000"));
     EXPECT_TRUE(names(messageOf([&] { aqorb::retainUniform(keypoints, Size(), 5); }), "imageSize", "0 x 0"));
     EXPECT_TRUE(
         names(messageOf([&] { aqorb::retainUniform(keypoints, Size(10, -1), 5); }), "imageSize", "10 x -1"));

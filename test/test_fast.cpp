@@ -63,7 +63,7 @@ std::vector<Corner> corners(const Mat& image, const Rect& region, int threshold)
     return found;
 }
 
-// The one answer that all four must give.
+// The stage on either kernel, cv::FAST and the reference must all give the same corners.
 void expectSameEverywhere(const Mat& image, const Rect& region, int threshold)
 {
     const std::vector<Corner> expected = reference::fastCorners(image, region, threshold);
@@ -77,11 +77,11 @@ void expectSameEverywhere(const Mat& image, const Rect& region, int threshold)
     EXPECT_TRUE(sameCorners(corners(image, region, threshold), expected));
 }
 
-// The corners at the low threshold, some rows at a time, of which weak ones are dropped where not wanted.
+// Scans for corners at the low threshold, some rows at a time, and drops the weak ones of some columns.
 TEST(Aqorb_Fast, scan_tells_strong_corners_from_weak_ones)
 {
     RNG rng(7);
-    FastScanner scanner;  // one for all sizes
+    FastScanner scanner;  // Images of all sizes share it.
     ScorePlane plane;
     CornerBlocks blocks;
     for (int round = 0; round < 300; round++)
@@ -237,7 +237,7 @@ TEST(Aqorb_Fast, knows_a_single_dot)
     EXPECT_EQ(found[0].score, 49);  // a corner at 49, none at 50
     EXPECT_EQ(corners(image, Rect(0, 0, 21, 15), 49).size(), 1u);
     EXPECT_TRUE(corners(image, Rect(0, 0, 21, 15), 50).empty());
-    // appended to what is there
+    // Corners are appended to those that the list holds.
     detectCorners(image, Rect(0, 0, 21, 15), 20, found);
     EXPECT_EQ(found.size(), 2u);
 }
@@ -271,7 +271,7 @@ TEST(Aqorb_Fast, equal_scores_suppress_each_other)
     image(Rect(10, 8, 2, 1)).setTo(200);  // two pixels of the same score: cv::FAST keeps neither
     expectSameEverywhere(image, Rect(0, 0, 40, 20), 20);
     EXPECT_TRUE(corners(image, Rect(0, 0, 40, 20), 20).empty());
-    // one just outside the region counts, too
+    // A corner just outside the region suppresses one inside, too.
     EXPECT_TRUE(corners(image, Rect(10, 8, 1, 1), 20).empty());
 }
 

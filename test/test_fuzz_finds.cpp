@@ -10,7 +10,7 @@
 #include <limits>
 #include <numeric>
 
-// What fuzzing has found, one test a find; see doc/reliability.md.
+// Each test repeats a failure that fuzzing has found; see doc/reliability.md.
 
 namespace opencv_test
 {
@@ -52,7 +52,7 @@ TEST(Aqorb_FuzzFinds, a_storage_node_that_is_no_map)
 
 TEST(Aqorb_FuzzFinds, angles_that_are_not_finite)
 {
-    // They made the descriptor read anywhere, as they make cv::ORB's.
+    // They made the descriptor read outside the image, as they still make that of cv::ORB.
     const Mat image = makeScene(Size(120, 90));
     const float endless = std::numeric_limits<float>::infinity();
     const float angles[] = {endless, -endless, std::numeric_limits<float>::quiet_NaN()};
@@ -67,7 +67,7 @@ TEST(Aqorb_FuzzFinds, angles_that_are_not_finite)
             EXPECT_THROW(detector->compute(image, keypoints, descriptors), cv::Exception) << angle;
             EXPECT_EQ(2u, keypoints.size());
         }
-        // any number will do
+        // Any finite angle is accepted.
         KeyPoints keypoints(1, KeyPoint(Point2f(60, 45), 31.f, -1e30f));
         Mat descriptors;
         EXPECT_NO_THROW(detector->compute(image, keypoints, descriptors));

@@ -32,7 +32,7 @@ void expectAsReference(const Mat& image, const std::vector<Corner>& corners)
         const Corner& c = corners[i];
         ASSERT_EQ(ranked[i].x, c.x);
         ASSERT_EQ(ranked[i].y, c.y);
-        // the same float, not one nearby
+        // The response is the same float, not one nearby.
         ASSERT_EQ(ranked[i].response, reference::harrisResponse(image, c.x, c.y)) << c.x << " " << c.y;
         ASSERT_EQ(harrisResponse(image, c.x, c.y), ranked[i].response) << c.x << " " << c.y;
     }
@@ -99,7 +99,7 @@ TEST(Aqorb_Harris, equals_reference_for_every_width_and_alignment)
 
 TEST(Aqorb_Harris, equals_reference_in_any_order)
 {
-    // Corners that the kernel must not read around come between others.
+    // Corners too near the border for the kernel come between others.
     const Mat noise = makeNoise(Size(64, 48));
     std::vector<Corner> corners;
     RNG rng(8);
@@ -116,7 +116,7 @@ TEST(Aqorb_Harris, takes_parts_of_larger_images)
 {
     const Mat part = makeNoise(Size(90, 60))(Rect(20, 10, 37, 23));
     expectAsReference(part, allPixels(part.size()));
-    // a pixel of the larger image counts for nothing
+    // Pixels of the larger image around the part count for nothing.
     EXPECT_EQ(harrisResponse(part, 0, 0), harrisResponse(part.clone(), 0, 0));
     EXPECT_EQ(harrisResponse(part, 36, 22), harrisResponse(part.clone(), 36, 22));
 }
@@ -142,7 +142,7 @@ TEST(Aqorb_Harris, ranks_corners_above_edges_and_flat_places)
     EXPECT_GT(harrisResponse(image, 30, 30), 0);
     EXPECT_LT(harrisResponse(image, 30, 45), 0);
     EXPECT_EQ(harrisResponse(image, 10, 10), 0);
-    // the block is 5 x 5 and the operator 3 x 3: 3 pixels off it sees the corner, 4 off no more
+    // The block is 5 x 5 and the operator 3 x 3, so the response sees the corner from 3 pixels away, but not from 4.
     EXPECT_NE(harrisResponse(image, 27, 27), 0);
     EXPECT_EQ(harrisResponse(image, 26, 26), 0);
 }

@@ -35,7 +35,7 @@ Ptr<AdaptiveQuadtreeORB> unusual()
 {
     const Ptr<AdaptiveQuadtreeORB> detector =
         AdaptiveQuadtreeORB::create(321, 1.37f, 5, 7, 2, 3, ORB::FAST_SCORE, 25, 11);
-    detector->setScaleFactor(1.37);  // more digits than a float has
+    detector->setScaleFactor(1.37);  // This has more digits than a float.
     detector->setAdaptiveThreshold(false);
     detector->setMinThresholdRatio(2.75);
     detector->setCellSize(51);
@@ -141,7 +141,7 @@ TEST(Aqorb_IO, a_bad_value_throws_and_changes_nothing)
     const std::string before = written(*detector);
     for (const char** entry : bad)
     {
-        // a good value before the bad one must not stay, either
+        // The good value before the bad one must not be kept, either.
         const std::string text = withValue("fastThreshold", "99") + "   " + entry[0] + ": " + entry[1] + "\n";
         EXPECT_THROW(readFrom(*detector, text), cv::Exception) << entry[0] << ": " << entry[1];
         EXPECT_EQ(before, written(*detector)) << entry[0];
@@ -155,7 +155,7 @@ TEST(Aqorb_IO, works_with_algorithm_load)
     ASSERT_TRUE(detector);
     EXPECT_EQ(text, written(*detector));
 
-    // from a file that holds several, by name
+    // A file may hold several detectors, which are found by name.
     const std::string file = tempfile(".yml");
     {
         FileStorage fs(file, FileStorage::WRITE);

@@ -174,9 +174,9 @@ TEST(Aqorb_Issues, opencv_25974_4574_mask_of_ones)
 
 TEST(Aqorb_Issues, opencv_17353_11359_sizes)
 {
-    const Size sizes[] = {Size(1, 1),   Size(2, 1),   Size(1, 300), Size(3, 3),     Size(7, 7),
-                          Size(64, 1),  Size(20, 20), Size(31, 31), Size(33, 33),   Size(34, 35),
-                          Size(37, 91), Size(63, 65), Size(61, 7),  Size(300, 800), Size(4000, 40),
+    const Size sizes[] = {Size(1, 1),   Size(2, 1),    Size(1, 300),  Size(3, 3),     Size(7, 7),
+                          Size(64, 1),  Size(20, 20),  Size(31, 31),  Size(33, 33),   Size(34, 35),
+                          Size(37, 91), Size(63, 65),  Size(61, 7),   Size(300, 800), Size(4000, 40),
                           Size(2, 2),   Size(34, 500), Size(40, 4000)};
     int large = 0;
     for (const Size& size : sizes)
@@ -223,7 +223,7 @@ TEST(Aqorb_Issues, opencv_10555_keypoints_of_sift)
     const std::string error = exceptionOf([&] { detector->compute(scene, keypoints, descriptors); });
     EXPECT_NE(std::string::npos, error.find("octave")) << error;
     EXPECT_EQ(count, keypoints.size());
-    // Unpacked they are welcome.
+    // Once the octaves are unpacked, the keypoints are accepted.
     for (KeyPoint& keypoint : keypoints)
     {
         const int octave = keypoint.octave & 255;

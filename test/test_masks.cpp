@@ -28,7 +28,7 @@ TEST(Aqorb_Masks, no_keypoint_lies_on_a_masked_pixel)
     RNG rng(8);
     for (int round = 0; round < 12; round++)
     {
-        // holes of all sizes down to a pixel, which coarse levels must not lose
+        // Coarse levels must not lose even the smallest holes, which are single pixels.
         Mat mask(image.size(), CV_8UC1, Scalar(1));
         for (int i = 0; i < 200; i++)
         {
@@ -183,7 +183,7 @@ void expectNoFewerThanOrb(const reference::Settings& s, const Mat& image, const 
     std::vector<Pixel> found;
     for (const KeyPoint& k : ours)
         found.push_back(pixelOf(k));
-    std::sort(found.begin(), found.end());
+    ASSERT_TRUE(std::is_sorted(found.begin(), found.end()));  // They come by levels, and in raster order.
     for (const KeyPoint& k : theirs)
     {
         const Pixel pixel = pixelOf(k);
@@ -256,7 +256,7 @@ TEST(Aqorb_Masks, masked_corners_do_not_fill_a_cell)
     const Ptr<AdaptiveQuadtreeORB> detector = AdaptiveQuadtreeORB::create(2, 1.2f, 1);
     Mat mask(image.size(), CV_8UC1, Scalar(1));
     mask(Rect(26, 26, 12, 12)).setTo(0);
-    detector->setAdaptiveThreshold(false);  // not the mask's effect on equation (7)
+    detector->setAdaptiveThreshold(false);  // Otherwise the mask would change equation (7), too.
     detector->setFastThreshold(30);
     KeyPoints keypoints;
     detector->setMaxFeatures(1);

@@ -43,7 +43,7 @@ TEST(Aqorb_Orientation, equals_reference_at_every_pixel)
                 std::vector<FeaturePoint> points, baselinePoints;
                 for (int y = 0; y < size.height; y++)
                 {
-                    // all columns near the sides, some of those between
+                    // Near the sides columns are taken more densely than between them.
                     for (int x = 0; x < size.width; x += patchSize < 32 || x % 50 > 40 ? 3 : 7)
                     {
                         const FeaturePoint point = {x, y, -1};
@@ -178,7 +178,7 @@ TEST(Aqorb_Orientation, of_a_flat_patch_is_zero)
     FeaturePoint point = {20, 20, 33};
     orientations(flat, circularPatch(31), &point, 1);
     EXPECT_EQ(point.angle, 0);
-    orientations(flat, circularPatch(31), &point, 0);  // nothing to do
+    orientations(flat, circularPatch(31), &point, 0);  // There is nothing to do.
 }
 
 TEST(Aqorb_Orientation, takes_parts_of_larger_images)

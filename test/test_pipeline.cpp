@@ -19,7 +19,7 @@ void expectAsReference(const Settings& settings, const Mat& image, const Mat& ma
     const Features expected = reference::detectAndCompute(image, mask, settings);
     const Ptr<AdaptiveQuadtreeORB> detector = settings.create();
     EXPECT_TRUE(sameFeatures(detectAndCompute(*detector, image, mask), expected));
-    // Again, with what the first run has left in the work space, and on the baseline kernels.
+    // The second run finds what the first has left in the work space, and uses the baseline kernels.
     WithoutOptimization baseline;
     EXPECT_TRUE(sameFeatures(detectAndCompute(*detector, image, mask), expected));
 }

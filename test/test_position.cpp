@@ -79,7 +79,7 @@ TEST(Aqorb_Position, is_by_pixel_centres)
     const PositionMap half = {Size(200, 160), Size(100, 80), 2.f, 3, true};
     EXPECT_EQ(half(20, 30), Point2f(40.5f, 60.5f));
     EXPECT_EQ(half(20, 30, 0.2, -0.2), Point2f(40.9f, 60.1f));
-    // never so far that scaling back would round to another pixel
+    // An offset never goes so far that scaling back would round to another pixel.
     EXPECT_EQ(half(20, 30, 0.5, -0.5), Point2f(40.98f, 59.5f));
     EXPECT_EQ(half(20, 30, -0.5, 0.5), Point2f(39.5f, 60.98f));
     const PositionMap same = {Size(200, 160), Size(200, 160), 1.f, 3, true};
@@ -107,7 +107,7 @@ TEST(Aqorb_Position, equals_reference_and_finds_back_to_its_pixel)
                 {
                     const Point2f p = map(x, y, d, -d);
                     ASSERT_EQ(p, reference::position(x, y, Point2d(d, -d), image, size, scale, border, true));
-                    // as compute and cv::ORB see it
+                    // Compute and cv::ORB round it back to its pixel.
                     ASSERT_EQ(cvRound(p.x * (1.f / scale)), x) << factor << " " << level << " " << d;
                     ASSERT_EQ(cvRound(p.y * (1.f / scale)), y) << factor << " " << level << " " << d;
                 }
@@ -118,7 +118,7 @@ TEST(Aqorb_Position, equals_reference_and_finds_back_to_its_pixel)
 
 TEST(Aqorb_Position, stays_inside_the_border)
 {
-    // Or else compute, which drops keypoints within edgeThreshold of the image's sides, would drop it.
+    // Otherwise compute would drop the keypoint, as it does with all within edgeThreshold of the image's sides.
     const int border = 16;
     for (int width = 40; width < 120; width++)
     {

@@ -168,7 +168,7 @@ TEST(Aqorb_Pyramid, resize_takes_regions)
 {
     const Mat noise = makeNoise(Size(200, 150));
     expectResizedAsOpenCV(noise(Rect(13, 7, 151, 101)), Size(126, 84));
-    // into memory that was something else before
+    // The output may be a matrix of another size and type.
     Mat expected, resized(30, 30, CV_32FC3, Scalar::all(1));
     cv::resize(noise, expected, Size(167, 125), 0, 0, INTER_LINEAR_EXACT);
     resizeExact(noise, resized, Size(167, 125));
@@ -205,7 +205,7 @@ TEST(Aqorb_Pyramid, stops_before_the_first_level_that_is_too_small)
     buildPyramid(makeNoise(Size(100, 64)), Mat(), 8, 0, 2, 16, levels);
     ASSERT_EQ(levels.size(), 3u);  // 64, 32, 16
     EXPECT_EQ(levels[2].image.size(), Size(25, 16));
-    // the same vector again, for another image
+    // The same vector is used again for another image.
     buildPyramid(makeNoise(Size(15, 64)), Mat(), 8, 0, 2, 16, levels);
     EXPECT_TRUE(levels.empty());
 }

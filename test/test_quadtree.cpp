@@ -83,7 +83,7 @@ void expectSequence(std::vector<LeafPoint> points, int depth, BalancedSequence& 
 TEST(Aqorb_Quadtree, sequence_equals_its_definition)
 {
     const int counts[] = {0, 1, 2, 7, 60, 500, 3000};
-    BalancedSequence sequence;  // one for all: it must begin anew
+    BalancedSequence sequence;  // It is used again and again, so begin must reset it.
     for (int count : counts)
     {
         for (int depth = 0; depth <= 15; depth++)
@@ -95,7 +95,8 @@ TEST(Aqorb_Quadtree, sequence_equals_its_definition)
     }
 }
 
-// Corners come by rows; the signs of zeros must not hide that others do not.
+// Corners come by rows, which spares the sequence a sort. Zeros of different signs must not make it believe that
+// points come by rows when they do not.
 TEST(Aqorb_Quadtree, sequence_of_points_in_raster_order)
 {
     BalancedSequence sequence;
@@ -119,7 +120,7 @@ TEST(Aqorb_Quadtree, sequence_of_points_in_raster_order)
     expectSequence(points, 0, sequence);
 }
 
-// What the filter rejects might as well not be there.
+// The sequence with a filter is that of the points which the filter accepts.
 TEST(Aqorb_Quadtree, filter_leaves_points_out)
 {
     struct NotThird : PointFilter

@@ -78,7 +78,7 @@ TEST(Aqorb_Reuse, an_object_gives_what_a_new_one_gives)
     for (int round = 0; round < 80; round++)
     {
         SCOPED_TRACE(round);
-        if (round % 3 != 1)  // every third time only the image is another one
+        if (round % 3 != 1)  // Every third time only the image changes.
             setRandomly(*used, rng);
         const Size size(rng.uniform(30, 200), rng.uniform(30, 200));
         Mat image = round % 5 ? makeScene(size, round + 1) : makeNoise(size, round + 1);
@@ -92,7 +92,7 @@ TEST(Aqorb_Reuse, an_object_gives_what_a_new_one_gives)
         fail(*used, image, round % 3);
         const Features expected = detectAndCompute(*twin(*used), image, mask);
         EXPECT_TRUE(sameFeatures(expected, detectAndCompute(*used, image, mask)));
-        // compute keeps its levels in the same place
+        // compute keeps its levels in the same memory.
         Features computed = {expected.keypoints, Mat()}, computedAnew = computed;
         used->compute(image, computed.keypoints, computed.descriptors);
         twin(*used)->compute(image, computedAnew.keypoints, computedAnew.descriptors);
@@ -110,7 +110,7 @@ TEST(Aqorb_Reuse, inputs_are_not_written_to)
         for (int round = 0; round < 2; round++)
         {
             Features features = detectAndCompute(*detector, image, mask);
-            // another image of the same size in between, whose levels go where those of this one went
+            // The levels of another image of the same size go where those of this one went.
             detectAndCompute(*detector, makeNoise(image.size(), 3));
             detector->compute(image, features.keypoints, features.descriptors);
             EXPECT_TRUE(sameMat(imageBefore, image));
@@ -143,7 +143,7 @@ TEST(Aqorb_Reuse, outputs_may_hold_anything)
         detector->detectAndCompute(image, noArray(), features.keypoints, features.descriptors);
         EXPECT_TRUE(sameFeatures(expected, features));
     }
-    // part of a larger matrix, row by row
+    // The output may be a part of a larger matrix, whose rows are not contiguous.
     Mat large(104, 40, CV_8UC1, Scalar(77));
     const Rect part(5, 2, 32, 100);
     Features features = {KeyPoints(), large(part)};
@@ -161,12 +161,12 @@ TEST(Aqorb_Reuse, outputs_may_be_left_out)
     KeyPoints keypoints;
     detector->detectAndCompute(image, noArray(), keypoints, noArray());
     EXPECT_TRUE(sameKeypoints(expected.keypoints, keypoints));
-    // nothing to do, as for cv::ORB: the keypoints are not even looked at
+    // Without outputs there is nothing to do, so the keypoints are not even looked at. cv::ORB does the same.
     keypoints.assign(3, KeyPoint(Point2f(-5, 1e9f), 31.f, 0.f, 0.f, -4));
     const KeyPoints given = keypoints;
     detector->detectAndCompute(image, noArray(), keypoints, noArray(), true);
     EXPECT_TRUE(sameKeypoints(given, keypoints));
-    // no keypoints, no descriptors
+    // Without keypoints there are no descriptors.
     keypoints.clear();
     Mat descriptors(3, 32, CV_8UC1);
     detector->compute(image, keypoints, descriptors);

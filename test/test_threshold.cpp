@@ -24,7 +24,7 @@ TEST(Aqorb_Threshold, equation7_of_known_images)
     // 10, 20, 30: mean 20, variance 200/3.
     const Mat three = (Mat_<uchar>(1, 3) << 10, 20, 30);
     EXPECT_NEAR(varianceOverMean(three, Mat()), 10. / 3, 1e-12);
-    // the mask leaves 10 and 30: mean 20, variance 100
+    // The mask leaves 10 and 30: mean 20, variance 100.
     EXPECT_DOUBLE_EQ(varianceOverMean(three, (Mat_<uchar>(1, 3) << 1, 0, 255)), 5.);
 }
 
@@ -46,7 +46,7 @@ TEST(Aqorb_Threshold, equation7_equals_reference_for_every_width)
         const Mat mask = makeNoise(noise.size(), width + 1) > 128;
         EXPECT_EQ(varianceOverMean(noise, Mat()), reference::varianceOverMean(noise, Mat()));
         EXPECT_EQ(varianceOverMean(noise, mask), reference::varianceOverMean(noise, mask));
-        const Mat part = noise.colRange(width / 3, width);  // its rows are not contiguous
+        const Mat part = noise.colRange(width / 3, width);  // Its rows are not contiguous.
         EXPECT_EQ(varianceOverMean(part, Mat()), reference::varianceOverMean(part, Mat()));
         WithoutOptimization baseline;
         EXPECT_EQ(varianceOverMean(noise, Mat()), reference::varianceOverMean(noise, Mat()));
@@ -95,21 +95,21 @@ static void expectThresholds(const Thresholds& thresholds, int ini, int min)
 
 TEST(Aqorb_Threshold, thresholds_of_known_values)
 {
-    // as in the paper: iniT from equation (7), minT a quarter of it
+    // As in the paper, iniT is equation (7), and minT is a quarter of it.
     expectThresholds(adaptiveThresholds(40, 20, 4), 40, 10);
-    // fastThreshold scales both
+    // fastThreshold scales both thresholds.
     expectThresholds(adaptiveThresholds(40, 10, 4), 20, 5);
-    // never 0
+    // A threshold is never 0.
     expectThresholds(adaptiveThresholds(0, 20, 4), 1, 1);
     expectThresholds(adaptiveThresholds(40, 0, 4), 1, 1);
     expectThresholds(adaptiveThresholds(40, -5, 4), 1, 1);
-    // never stricter than cv::ORB, never beyond what a corner can score
+    // minT is never stricter than cv::ORB, and iniT never beyond what a corner can score.
     expectThresholds(adaptiveThresholds(800, 20, 4), 254, 20);
     expectThresholds(adaptiveThresholds(800, 255, 1), 254, 254);
     expectThresholds(adaptiveThresholds(1e9, 7, 1), 254, 7);
-    // minT <= iniT
+    // minT never exceeds iniT.
     expectThresholds(adaptiveThresholds(5, 20, 1), 5, 5);
-    // halves are rounded to even
+    // Halves are rounded to even.
     expectThresholds(adaptiveThresholds(10, 20, 4), 10, 2);
     expectThresholds(adaptiveThresholds(14, 20, 4), 14, 4);
 

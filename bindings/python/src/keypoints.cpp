@@ -218,7 +218,7 @@ py::object toTuple(const std::vector<cv::KeyPoint>& keypoints)
     py::tuple result(keypoints.size());
     for (size_t i = 0; i < keypoints.size(); i++)
         PyTuple_SET_ITEM(result.ptr(), py::ssize_t(i), toPython(keypoints[i]).release().ptr());
-    return std::move(result);
+    return py::object(std::move(result));
 }
 
 py::object toArray(std::vector<cv::KeyPoint>&& keypoints)
