@@ -15,7 +15,7 @@ need doc
 export BIBINPUTS=. BSTINPUTS=.
 
 if [[ ${1:-} == --opencv ]]; then
-    need build-essential cmake zlib1g-dev
+    need build zlib1g-dev
     opencv_source
     folder=$BUILD/opencv-doc
     options=(-DBUILD_LIST=aqorb -DBUILD_DOCS=ON -DOPENCV_DOWNLOAD_TRIES_LIST=)
@@ -36,7 +36,8 @@ fi
 
 export ROOT OUT=$BUILD/doc OPENCV_VERSION VERSION
 opencv=/usr/include/opencv4/opencv2
-OPENCV_VERSION=$(sed -n 's/^#define CV_VERSION_\(MAJOR\|MINOR\|REVISION\) *\([0-9]*\).*/\2/p' "$opencv/core/version.hpp" | paste -sd.)
+OPENCV_VERSION=$(sed -n 's/^#define CV_VERSION_\(MAJOR\|MINOR\|REVISION\) *\([0-9]*\).*/\2/p' \
+    "$opencv/core/version.hpp" | paste -sd.)
 VERSION=$(sed -n 's/^project(aqorb VERSION \([0-9.]*\).*/\1/p' "$ROOT/CMakeLists.txt")
 rm -rf "$OUT"
 mkdir -p "$OUT"
@@ -63,7 +64,7 @@ sed -i -e '/<member /{:a;/<\/member>/!{N;ba};/<name>operator std::/d}' -e '/<com
     "$OUT/opencv.tag"
 
 site=$ROOT/doc/site
-"$PYTHON" "$site/signatures.py" page "$OUT/opencv.tag" "$OUT/python.markdown"
+"$PYTHON" -B "$site/signatures.py" page "$OUT/opencv.tag" "$OUT/python.markdown"
 cp "$site/Doxyfile" "$OUT/Doxyfile"
 # Newer versions of doxygen follow the browser to dark colours, which the style sheet does not have.
 if [[ $(doxygen -g -) == *HTML_COLORSTYLE\ * ]]; then echo 'HTML_COLORSTYLE = LIGHT' >>"$OUT/Doxyfile"; fi
@@ -72,7 +73,7 @@ rm -f "$OUT"/html/dir_*.html  # nothing leads there
 # The page of the namespace cv lists all of OpenCV.
 sed -i 's/namespacecv\.html/namespacecv_1_1aqorb.html/g' "$OUT"/html/*.html "$OUT"/html/search/*.js
 rm -f "$OUT/html/namespacecv.html"
-"$PYTHON" "$site/signatures.py" insert "$OUT/html"
+"$PYTHON" -B "$site/signatures.py" insert "$OUT/html"
 
 # The parts of MathJax that draw formulas as vector graphics.
 mathjax=/usr/share/javascript/mathjax
@@ -81,6 +82,6 @@ for part in MathJax.js extensions jax/element jax/input/TeX jax/output/SVG/{auto
     cp -rL "$mathjax/$part" "$OUT/html/mathjax/$part"
 done
 
-"$PYTHON" "$site/check.py" links "$ROOT" "$OUT/html"
-"$PYTHON" "$site/check.py" pages "$OUT/html" "$OUT/screenshots"
+"$PYTHON" -B "$site/check.py" links "$ROOT" "$OUT/html"
+"$PYTHON" -B "$site/check.py" pages "$OUT/html" "$OUT/screenshots"
 say "$OUT/html/index.html"

@@ -46,11 +46,9 @@ for feature in 1394 ADE EIGEN FFMPEG GSTREAMER GTK IPP ITT JASPER LAPACK OPENCL 
     options+=("-DWITH_$feature=OFF")
 done
 
-# configure_opencv MODULES-PATH. The cache goes first: with one, OpenCV passes its include folders to the compiler
-# in another way than without, and everything would be compiled again.
+# configure_opencv MODULES-PATH
 configure_opencv() {
     say "OpenCV with OPENCV_EXTRA_MODULES_PATH=$1"
-    rm -f "$opencv/CMakeCache.txt"
     cmake -S "$OPENCV_SOURCE" -B "$opencv" -G Ninja "${options[@]}" \
         -DOPENCV_EXTRA_MODULES_PATH="$1" >"$opencv.log" 2>&1
 }
@@ -85,6 +83,7 @@ outside=$(cd "$module" && { grep -rIoE '[[:alnum:]_./-]*\.\./[[:alnum:]_./-]*' .
 [[ -z $outside ]] || die "the module names what lies outside of it: $outside"
 echo "$(find "$module" -type f | wc -l) files, none of which names a path outside of the module"
 
+rm -f "$opencv/CMakeCache.txt"
 configure_opencv "$contrib/modules" || {
     tail -n 50 "$opencv.log"
     die "OpenCV's configuration failed"
@@ -125,12 +124,17 @@ grep -r 'class AdaptiveQuadtreeORB extends ORB' "$opencv"/modules/java_bindings_
 
 # OpenCV itself has been built. What was built of the copy is removed, so that it cannot be taken for the module of this
 # repository.
-for path in "$ROOT" "$ROOT/modules"; do
-    rm -rf "$opencv"/modules/aqorb "$opencv"/lib/libopencv_aqorb*
-    configure_opencv "$path" || die "OpenCV's configuration failed; see $opencv.log"
-    check_configuration "$ROOT/modules/aqorb"
-    build "$opencv" --target opencv_aqorb
-done
+rm -rf "$opencv"/modules/aqorb "$opencv"/lib/libopencv_aqorb*
+configure_opencv "$ROOT/modules" || die "OpenCV's configuration failed; see $opencv.log"
+check_configuration "$ROOT/modules/aqorb"
+build "$opencv" --target opencv_aqorb >"$opencv.build.log" 2>&1 || die "see $opencv.build.log"
+ls "$opencv/lib/libopencv_aqorb.so"
+
+# This is only configured. OpenCV takes the build folder, which lies in the repository, for a part of the modules here,
+# and would compile all of its own files again with other flags.
+configure_opencv "$ROOT" || die "OpenCV's configuration failed; see $opencv.log"
+check_configuration "$ROOT/modules/aqorb"
+echo "OpenCV finds the module."
 
 say "A checkout whose links are text files"
 checkout=$BUILD/checkout

@@ -197,8 +197,8 @@ LOOK = r'''
         problems.add(`is ${document.documentElement.scrollWidth} pixels wide in a window of ${width}`);
     for (const element of document.querySelectorAll('.contents *')) {
         const box = element.getBoundingClientRect(), around = element.parentElement.getBoundingClientRect();
-        if (box.width && box.right > width + 1 && around.right <= width + 1 && !element.closest('.markdownTable, .doxtable, .fragment, .memproto, ' +
-            'object, .dynsection, .dyncontent'))
+        const scrolls = element.closest('.markdownTable, .doxtable, .fragment, .memproto, .dynsection, .dyncontent');
+        if (box.width && box.right > width + 1 && around.right <= width + 1 && !scrolls)
             problems.add(`<${element.tagName.toLowerCase()} class="${element.className}"> ends at ${box.right}`);
     }
     for (const image of document.querySelectorAll('img')) {
@@ -212,7 +212,8 @@ LOOK = r'''
     }
     if (document.querySelector('.MathJax_Error, .merror, .MathJax_SVG_Error'))
         problems.add('a formula has an error');
-    if (window.MathJax && MathJax.Hub && MathJax.Hub.getAllJax().length !== document.querySelectorAll('.MathJax_SVG').length)
+    const formulas = window.MathJax && MathJax.Hub ? MathJax.Hub.getAllJax().length : 0;
+    if (formulas !== document.querySelectorAll('.MathJax_SVG').length)
         problems.add('a formula is not drawn');
     return [...problems];
 })()
@@ -242,7 +243,7 @@ class Browser:
             [program, '--headless', '--no-sandbox', '--disable-gpu', '--disable-quic', '--no-first-run',
              '--disable-background-networking', '--disable-component-update', '--disable-sync',
              '--disable-dev-shm-usage', '--host-resolver-rules=MAP * ~NOTFOUND',
-             '--allow-file-access-from-files', f'--user-data-dir={self.profile}', '--remote-debugging-pipe', 'about:blank'],
+             f'--user-data-dir={self.profile}', '--remote-debugging-pipe', 'about:blank'],
             preexec_fn=connect, close_fds=False, stdin=subprocess.DEVNULL, stdout=subprocess.DEVNULL,
             stderr=subprocess.DEVNULL, env=dict(os.environ, HOME=self.profile))
         for fd in [commands, answers] + spare + high:
@@ -325,7 +326,8 @@ def check_pages(site, screenshots):
     browser = Browser()
     paths = sorted(glob.glob(os.path.join(site, '*.html')))
     for window, (width, height, mobile) in WINDOWS.items():
-        browser.call('Emulation.setDeviceMetricsOverride', width=width, height=height, deviceScaleFactor=1, mobile=mobile)
+        browser.call('Emulation.setDeviceMetricsOverride', width=width, height=height, deviceScaleFactor=1,
+                     mobile=mobile)
         # The narrow window asks for dark colours, too.
         scheme = 'dark' if mobile else 'light'
         browser.call('Emulation.setEmulatedMedia', features=[{'name': 'prefers-color-scheme', 'value': scheme}])

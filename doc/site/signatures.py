@@ -40,8 +40,8 @@ def declarations():
     """The functions of the public header that are wrapped: {name: {parameter: default in Python's notation}}."""
     text = re.sub(r'/\*.*?\*/|//[^\n]*', '', read(HEADER), flags=re.DOTALL)
     found = {}
-    for match in re.finditer(r'CV_(?:WRAP|EXPORTS_W)\b[^;{(]*?(\w+)\((.*?)\)\s*(?:const\b[^;]*|=\s*0|CV_OVERRIDE)?;', text,
-                             re.DOTALL):
+    declaration = r'CV_(?:WRAP|EXPORTS_W)\b[^;{(]*?(\w+)\((.*?)\)\s*(?:const\b[^;]*|=\s*0|CV_OVERRIDE)?;'
+    for match in re.finditer(declaration, text, re.DOTALL):
         defaults = {}
         for parameter, value in re.findall(r'(\w+) = ([\w:.]+(?:\([^)]*\))?)', match.group(2)):
             value = {'noArray()': 'None', 'true': 'True', 'false': 'False'}.get(value, value)
