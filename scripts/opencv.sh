@@ -152,4 +152,4 @@ sed -n '/^CMake Error/,/^$/p' "$opencv.log"
 tr -s ' \n' ' ' <"$opencv.log" | grep -q 'aqorb/test is not a folder\. .* core\.symlinks' ||
     die "OpenCV's configuration does not say what is wrong; see $opencv.log"
 
-say "Built inside opencv_contrib and from both paths of this repository"
+say "Built inside opencv_contrib and from this repository"
