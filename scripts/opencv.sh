@@ -10,12 +10,7 @@
 # Installs the Debian packages it needs. OPENCV_TEST_DATA_PATH is passed on to the tests.
 source "$(dirname "$0")/common.sh"
 
-if (($#)); then
-    sed -n '2,/^[^#]/s/^#\( \|$\)//p' "$0"
-    [[ $1 == --help ]] || die "unknown option $1"
-    exit
-fi
-
+(($# == 0)) || die "unknown option $1; --help says what there is"
 need build test opencv
 opencv_source
 
