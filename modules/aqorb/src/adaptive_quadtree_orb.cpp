@@ -200,7 +200,7 @@ void AdaptiveQuadtreeORBImpl::buildPyramid(InputArray image_, OutputArrayOfArray
         workspace.layOutLevels(parameters.nlevels, parameters.firstLevel, parameters.scaleFactor, 1);
         workspace.fillLevels(parameters.firstLevel);
     }
-    levels_.create(workspace.levelCount, 1, CV_8UC1);
+    createLevels(levels_, workspace.levelCount);
     for (int i = 0; i < workspace.levelCount; i++)
     {
         const Level& level = workspace.levels[i].level;

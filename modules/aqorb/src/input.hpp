@@ -35,8 +35,11 @@ Mat checkedMask(InputArray mask, Size imageSize);
 //! Whether the memory of two matrices overlaps. It may say so of interleaved parts of one matrix that do not.
 bool shareMemory(const Mat& a, const Mat& b);
 
-//! Throws unless images can be put into the output.
+//! Throws unless grey images can be put into the output.
 void checkLevelsOutput(OutputArrayOfArrays levels);
+
+//! Gives the output so many images. Throws if it has a fixed number of them, and that is another one.
+void createLevels(OutputArrayOfArrays levels, int count);
 
 //! Throws unless descriptors of any number of keypoints, or of the one number that a fixed size is for, can be output.
 void checkDescriptorsOutput(OutputArray descriptors);
