@@ -10,11 +10,7 @@
 # Installs the Debian packages it needs. OPENCV_TEST_DATA_PATH is passed on to the tests.
 source "$(dirname "$0")/common.sh"
 
-if (($#)); then
-    sed -n '2,/^[^#]/s/^#\( \|$\)//p' "$0"
-    [[ $1 == --help ]] || die "unknown option $1"
-    exit
-fi
+((!$#)) || die "unknown option $1"
 
 need build test opencv
 opencv_source
