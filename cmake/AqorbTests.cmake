@@ -4,6 +4,7 @@
 #   unit         the accuracy tests, of test/
 #   concurrency  those of them that use several threads (their name says concurrency or threads)
 #   sample, preload, profile, package   each of these programs, run once
+#   exports      what the shared library exports
 #   soak, fuzz   long runs and valgrind; fuzz targets
 #
 # Tests of the configuration Long take minutes: ctest runs them with -C Long only.

@@ -11,6 +11,7 @@
 source "$(dirname "$0")/common.sh"
 
 (($# == 0)) || die "unknown option $1; --help says what there is"
+
 need build test opencv
 opencv_source
 

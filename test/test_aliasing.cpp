@@ -156,6 +156,41 @@ TEST(Aqorb_Aliasing, the_pyramid_in_the_vector_that_holds_the_image)
     }
 }
 
+// The image has no reference to the memory, which the output owns and gives up. To read it then is found by the address
+// sanitizer for certain.
+TEST(Aqorb_Aliasing, an_image_in_memory_that_the_output_gives_up)
+{
+    const Mat scene = makeScene(Size(160, 120), 3);
+    const Ptr<AdaptiveQuadtreeORB> detector = AdaptiveQuadtreeORB::create(200, 1.2f, 4, 16, 1);
+    const Features expected = detectAndCompute(*detector, scene);
+    Mat descriptors = scene.clone();
+    KeyPoints keypoints;
+    detector->detectAndCompute(Mat(scene.size(), CV_8UC1, descriptors.data), noArray(), keypoints,
+                               descriptors);
+    EXPECT_TRUE(sameFeatures(expected, Features{keypoints, descriptors}));
+
+    std::vector<Mat> levels(1, scene.clone()), expectedLevels;
+    detector->buildPyramid(scene, expectedLevels);
+    detector->buildPyramid(Mat(scene.size(), CV_8UC1, levels[0].data), levels);
+    ASSERT_EQ(expectedLevels.size(), levels.size());
+    for (size_t i = 0; i < levels.size(); i++)
+        EXPECT_TRUE(sameMat(expectedLevels[i], levels[i]));
+
+    // A vector grows from the image to the descriptor.
+    detector->setEdgeThreshold(0);
+    detector->setFirstLevel(0);
+    std::vector<uchar> pixels;
+    for (int i = 0; i < 20; i++)
+        pixels.push_back(uchar(i * 77));
+    keypoints.assign(1, KeyPoint(Point2f(10, 0), 31, 0));
+    Mat descriptor;
+    detector->compute(Mat(pixels, true).reshape(1, 1), keypoints, descriptor);
+    ASSERT_EQ(1u, keypoints.size());
+    detector->compute(pixels, keypoints, pixels);
+    ASSERT_EQ(32u, pixels.size());
+    EXPECT_TRUE(sameMat(descriptor, Mat(pixels, true).reshape(1, 1)));
+}
+
 TEST(Aqorb_Aliasing, the_pyramid_of_the_extractor_is_that_of_the_image)
 {
     const Column column;

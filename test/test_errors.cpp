@@ -5,6 +5,7 @@
 
 #include "test_precomp.hpp"
 
+#include <array>
 #include <limits>
 
 namespace opencv_test
@@ -258,6 +259,28 @@ TEST(Aqorb_Errors, outputs_that_do_not_fit_lose_nothing)
     Mat level = Mat::ones(4, 4, CV_8UC1);
     EXPECT_TRUE(names(messageOf([&] { detector->buildPyramid(scene, level); }), "levels", "kind"));
     EXPECT_EQ(4, level.rows);
+    // vectors and arrays of matrices that the levels cannot be put into
+    std::vector<Mat_<float>> floats(2, Mat_<float>(4, 4, 7.f));
+    std::array<Mat, 3> three;
+    const std::vector<Mat> constant(2, level);
+    const Mat inputs[] = {Mat(), scene};
+    for (const Mat& image : inputs)
+    {
+        EXPECT_TRUE(names(messageOf([&] { detector->buildPyramid(image, floats); }), "levels", "CV_32FC1"));
+        EXPECT_TRUE(names(messageOf([&] { detector->buildPyramid(image, three); }), "levels", "3 images"));
+        EXPECT_TRUE(names(messageOf([&] { detector->buildPyramid(image, constant); }), "levels", "2 images"));
+    }
+    ASSERT_EQ(2u, floats.size());
+    EXPECT_EQ(CV_32FC1, floats[0].type());
+    EXPECT_EQ(16, cv::countNonZero(floats[0] == 7.f));
+    EXPECT_TRUE(three[0].empty());
+    EXPECT_EQ(level.data, constant[0].data);
+    std::vector<Mat_<uchar>> grey;
+    std::array<Mat, 8> eight;
+    EXPECT_NO_THROW(detector->buildPyramid(scene, grey));
+    EXPECT_NO_THROW(detector->buildPyramid(scene, eight));
+    ASSERT_EQ(eight.size(), grey.size());
+    EXPECT_TRUE(sameMat(grey[7], eight[7]));
 }
 
 TEST(Aqorb_Errors, bad_octaves_of_provided_keypoints)

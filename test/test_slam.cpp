@@ -283,6 +283,11 @@ TEST(Aqorb_Slam, bad_arguments)
     Features features;
     EXPECT_THROW(extractor(image, noArray(), features.keypoints, features.descriptors, std::vector<int>(1)),
                  cv::Exception);
+    Mat_<float> floats(1, 1, 7.f);
+    features.keypoints.resize(3);
+    EXPECT_THROW(extractor(image, noArray(), features.keypoints, floats, std::vector<int>(2)), cv::Exception);
+    EXPECT_EQ(3u, features.keypoints.size());
+    EXPECT_EQ(7.f, floats(0));
     EXPECT_THROW(extract(extractor, Mat(150, 200, CV_16UC1, Scalar(0))), cv::Exception);
     EXPECT_THROW(extract(extractor, image, Mat(150, 199, CV_8UC1, Scalar(1))), cv::Exception);
 }

@@ -199,21 +199,27 @@ void AdaptiveQuadtreeORBImpl::buildPyramid(InputArray image_, OutputArrayOfArray
         checkPyramidInput(workspace.input.image.size());
         workspace.layOutLevels(parameters.nlevels, parameters.firstLevel, parameters.scaleFactor, 1);
         workspace.fillLevels(parameters.firstLevel);
+        // The caller's pixels may lie in the memory of a level that is given up below.
+        if (parameters.firstLevel < workspace.levelCount)
+        {
+            Mat& first = workspace.levels[parameters.firstLevel].level.image;
+            first = first.clone();
+        }
     }
-    levels_.create(workspace.levelCount, 1, CV_8UC1);
+    createLevels(levels_, workspace.levelCount);
     for (int i = 0; i < workspace.levelCount; i++)
     {
         const Level& level = workspace.levels[i].level;
         if (levels_.isUMatVector())
         {
-            // A new UMat, because the old one may be the input, which later levels are still copied from.
+            // A new UMat, because the caller may share the old one.
             UMat copy;
             level.image.copyTo(copy);
             levels_.getUMatRef(i) = copy;
         }
         else
         {
-            levels_.getMatRef(i) = level.isInput ? level.image.clone() : level.image;
+            levels_.getMatRef(i) = level.image;
         }
     }
 }
@@ -237,8 +243,13 @@ void AdaptiveQuadtreeORBImpl::detectAndCompute(InputArray image_, InputArray mas
     }
 
     const UMat heldImage = heldUMat(image_), heldMask = heldUMat(mask_);
+    // The image may lie in memory that the output gives up for a larger one.
+    const Mat heldDescriptors = descriptors_.isMat() ? descriptors_.getMat() : Mat();
+    const UMat heldUDescriptors = heldUMat(descriptors_);
     Level input;
     input.image = grayImage(image_);
+    if (descriptors_.isVector())
+        input.image = input.image.clone();
     checkPyramidInput(input.image.size());
     if (!useProvidedKeypoints)
         input.mask = checkedMask(mask_, input.image.size());

@@ -102,6 +102,20 @@ void checkLevelsOutput(OutputArrayOfArrays levels)
         kind != _InputArray::STD_VECTOR_UMAT)
         CV_Error_(Error::StsBadArg, ("levels: got an output of kind %d; a vector of Mat or UMat is accepted",
                                      kind >> _InputArray::KIND_SHIFT));
+    // OpenCV leaves the type of images that are put into a vector of them unchecked.
+    if (levels.fixedType() && levels.type() != CV_8UC1)
+        CV_Error_(Error::StsBadArg, ("levels: got an output of fixed type %s; CV_8UC1 is accepted",
+                                     typeToString(levels.type()).c_str()));
+}
+
+void createLevels(OutputArrayOfArrays levels, int count)
+{
+    const bool isFixed = levels.fixedSize() || levels.kind() == _InputArray::STD_ARRAY_MAT;
+    if (isFixed && levels.total() != size_t(count))
+        CV_Error_(Error::StsBadSize, ("levels: got an output of %d images; the %d of the levels, or an "
+                                      "output that can be resized, is accepted",
+                                      int(levels.total()), count));
+    levels.create(count, 1, CV_8UC1);
 }
 
 void checkDescriptorsOutput(OutputArray descriptors)

@@ -37,8 +37,11 @@ Mat checkedMask(InputArray mask, Size imageSize);
 //! alternate in memory.
 bool shareMemory(const Mat& a, const Mat& b);
 
-//! Throws unless images can be put into the output.
+//! Throws unless grey images can be put into the output.
 void checkLevelsOutput(OutputArrayOfArrays levels);
+
+//! Gives the output this many images. Throws if it has a fixed number of them, and that is another one.
+void createLevels(OutputArrayOfArrays levels, int count);
 
 //! Throws unless the output is a single one that can hold CV_8UC1. Its size is checked by the two functions below.
 void checkDescriptorsOutput(OutputArray descriptors);

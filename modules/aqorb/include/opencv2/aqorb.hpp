@@ -88,7 +88,8 @@ public:
     the image. The value 31 of cv::ORB costs uniformity, because on small levels most of the image is
     within the border.
     @param firstLevel The level that is the input image, 0 <= firstLevel < nlevels. Levels before it are
-    enlarged.
+    enlarged. Their border is narrower in pixels of the image, so that compute, which keeps edgeThreshold
+    pixels of the image free as cv::ORB::compute does, drops some of the keypoints that detect found there.
     @param WTA_K Number of points compared for each element of the descriptor: 2, 3 or 4. Match with
     NORM_HAMMING for 2, with NORM_HAMMING2 for 3 and 4 (see defaultNorm).
     @param scoreType The score that ranks corners and is returned as KeyPoint::response:

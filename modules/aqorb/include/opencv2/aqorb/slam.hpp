@@ -110,22 +110,21 @@ public:
                                           int(vLappingArea.size())));
         const float first = float(vLappingArea[0]), last = float(vLappingArea[1]);
         std::vector<KeyPoint> found;
-        Mat rows;
-        (*this)(image, mask, found, rows);
+        (*this)(image, mask, found, descriptors);
+        Mat parted = descriptors.needed() ? descriptors.getMat() : Mat();
+        const Mat rows = parted.clone();
 
         const auto isOutside = [=](const KeyPoint& k) { return k.pt.x < first || k.pt.x > last; };
         const int outside = int(std::count_if(found.begin(), found.end(), isOutside));
-        Mat parted(rows.size(), rows.type());
         keypoints.resize(found.size());
         int next[] = {outside, 0};  // where the next keypoint in the overlap goes, and the next outside of it
         for (int i = 0; i < int(found.size()); i++)
         {
             const int to = next[isOutside(found[i])]++;
             keypoints[to] = found[i];
-            rows.row(i).copyTo(parted.row(to));
+            if (!rows.empty())
+                rows.row(i).copyTo(parted.row(to));
         }
-        if (descriptors.needed())
-            parted.copyTo(descriptors);
         return outside;
     }
 
