@@ -17,12 +17,12 @@ DETECTORS = {'orb': 'CV_ORB', 'aqorb': 'AQORB'}  # as the harness of perf/ names
 # Functions that, with all they call, make up a stage.
 STAGES = [
     ('threshold', ['varianceOverMean']),
-    ('pyramid', ['fillPyramid']),
+    ('pyramid', ['fillLevels']),
     ('FAST, suppression', ['findBandCorners', 'suppressCorners']),
     ('Harris', ['harrisResponses']),
     ('quadtree', ['leafPoints', 'BalancedSequence::begin']),
-    ('selection', ['FeatureSelector::select']),
-    ('orientation, position', ['AdaptiveQuadtreeORBImpl::refine']),
+    ('selection', ['AdaptiveQuadtreeORBImpl::selectFeatures']),
+    ('orientation, position', ['AdaptiveQuadtreeORBImpl::computeKeypoints']),
     ('blur', ['approximateBlur']),
     ('descriptor', ['computeDescriptors']),
 ]
