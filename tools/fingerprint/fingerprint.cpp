@@ -5,11 +5,12 @@
 
 // Prints hashes of what the module computes, to be compared between CPUs, compilers and versions of OpenCV:
 //
-//   aqorb_fingerprint [--plain] [IMAGE ...]
+//   aqorb_fingerprint [--plain] [--balanced] [IMAGE ...]
 //
 // There is one line for each scene or image and each set of parameters. The hashes of the image and of the pyramid
 // show whether a difference came with the input or is one of the detector. --plain calls
-// cv::setUseOptimized(false). The CPU features that OpenCV uses are printed to standard error.
+// cv::setUseOptimized(false). --balanced sets BALANCED_SELECTION, which gives the lines that version 0.1 printed. The
+// CPU features that OpenCV uses are printed to standard error.
 
 #include "../common/scenes.hpp"
 
@@ -69,7 +70,7 @@ template <typename T> uint64_t hashOf(const T& what)
 }
 
 //! A detector with random values of all parameters that have an effect.
-Ptr<AdaptiveQuadtreeORB> makeDetector(RNG& rng)
+Ptr<AdaptiveQuadtreeORB> makeDetector(RNG& rng, bool isBalanced)
 {
     const float scaleFactors[] = {1.1f, 1.2f, 1.33f, 1.5f, 2.f};
     const int patchSizes[] = {31, 31, 31, 24, 15};
@@ -88,7 +89,42 @@ Ptr<AdaptiveQuadtreeORB> makeDetector(RNG& rng)
     detector->setMaxDepth(rng.uniform(-1, 7));
     detector->setOctaveSuppression(rng.uniform(0., 3.));
     detector->setSubPixel(rng.uniform(0, 4) != 0);
+
+    if (isBalanced)
+    {
+        detector->setSelectionType(AdaptiveQuadtreeORB::BALANCED_SELECTION);
+        return detector;
+    }
+
+    // Version 0.1 did not have these. A copy draws them, so that all others stay as version 0.1 drew them.
+    RNG copy = rng;
+    const double weights[] = {0, 0.15, 0.15, copy.uniform(0., 2.), 1000},
+                 radii[] = {0, 1, 1, copy.uniform(0., 4.)};
+    if (copy.uniform(0, 4) == 0)
+        detector->setSelectionType(AdaptiveQuadtreeORB::BALANCED_SELECTION);
+    detector->setStrengthWeight(weights[copy.uniform(0, 5)]);
+    detector->setRankRadius(radii[copy.uniform(0, 4)]);
+    if (copy.uniform(0, 4) == 0)
+        detector->setOctaveSuppression(-1);
     return detector;
+}
+
+//! A detector with the default values of all parameters but one or two.
+Ptr<AdaptiveQuadtreeORB> makeDetector(int nfeatures, bool isBalanced)
+{
+    const Ptr<AdaptiveQuadtreeORB> detector = AdaptiveQuadtreeORB::create(nfeatures);
+    if (isBalanced)
+        detector->setSelectionType(AdaptiveQuadtreeORB::BALANCED_SELECTION);
+    return detector;
+}
+
+//! Removes an option from the front of the arguments. False: it is not there.
+bool takeOption(std::vector<std::string>& arguments, const std::string& option)
+{
+    if (arguments.empty() || arguments[0] != option)
+        return false;
+    arguments.erase(arguments.begin());
+    return true;
 }
 
 void print(const std::string& name, const Mat& image, const Mat& mask, AdaptiveQuadtreeORB& detector)
@@ -120,11 +156,9 @@ void print(const std::string& name, const Mat& image, const Mat& mask, AdaptiveQ
 int main(int argc, char** argv)
 {
     std::vector<std::string> arguments(argv + 1, argv + argc);
-    if (!arguments.empty() && arguments[0] == "--plain")
-    {
+    if (takeOption(arguments, "--plain"))
         setUseOptimized(false);
-        arguments.erase(arguments.begin());
-    }
+    const bool isBalanced = takeOption(arguments, "--balanced");
     std::fprintf(stderr, "%s, %s%s\n", CV_VERSION, getCPUFeaturesLine().c_str(),
                  useOptimized() ? "" : ", setUseOptimized(false)");
 
@@ -142,7 +176,7 @@ int main(int argc, char** argv)
                 .setTo(rng.uniform(1, 256));
         }
         print("scene " + std::to_string(i), scene, mask,
-              *(i == 0 ? AdaptiveQuadtreeORB::create() : makeDetector(rng)));
+              *(i == 0 ? makeDetector(500, isBalanced) : makeDetector(rng, isBalanced)));
     }
     for (const std::string& file : arguments)
     {
@@ -152,8 +186,8 @@ int main(int argc, char** argv)
             std::fprintf(stderr, "cannot read %s\n", file.c_str());
             return 1;
         }
-        print(file + " by default", image, Mat(), *AdaptiveQuadtreeORB::create(1000));
-        print(file + " with drawn parameters", image, Mat(), *makeDetector(rng));
+        print(file + " by default", image, Mat(), *makeDetector(1000, isBalanced));
+        print(file + " with drawn parameters", image, Mat(), *makeDetector(rng, isBalanced));
     }
     return 0;
 }
