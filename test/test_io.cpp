@@ -40,6 +40,9 @@ Ptr<AdaptiveQuadtreeORB> unusual()
     detector->setMinThresholdRatio(2.75);
     detector->setCellSize(51);
     detector->setMaxDepth(6);
+    detector->setSelectionType(AdaptiveQuadtreeORB::BALANCED_SELECTION);
+    detector->setStrengthWeight(0.7);
+    detector->setRankRadius(5.0 / 3);
     detector->setOctaveSuppression(1.0 / 3);
     detector->setSubPixel(false);
     return detector;
@@ -62,6 +65,9 @@ TEST(Aqorb_IO, every_parameter_makes_the_round_trip)
     EXPECT_EQ(2.75, target->getMinThresholdRatio());
     EXPECT_EQ(51, target->getCellSize());
     EXPECT_EQ(6, target->getMaxDepth());
+    EXPECT_EQ(AdaptiveQuadtreeORB::BALANCED_SELECTION, target->getSelectionType());
+    EXPECT_EQ(0.7, target->getStrengthWeight());
+    EXPECT_EQ(5.0 / 3, target->getRankRadius());
     EXPECT_EQ(1.0 / 3, target->getOctaveSuppression());
     EXPECT_FALSE(target->getSubPixel());
 }
@@ -71,11 +77,10 @@ TEST(Aqorb_IO, keys_are_those_of_orb_in_newer_opencv_then_ours)
     FileStorage fs(written(*unusual()), FileStorage::READ | FileStorage::MEMORY);
     const FileNode node = fs["detector"];
     EXPECT_EQ("Feature2D.AdaptiveQuadtreeORB", (std::string)node["name"]);
-    const char* keys[] = {"nfeatures",         "scaleFactor",       "nlevels",
-                          "edgeThreshold",     "firstLevel",        "wta_k",
-                          "scoreType",         "patchSize",         "fastThreshold",
-                          "adaptiveThreshold", "minThresholdRatio", "cellSize",
-                          "maxDepth",          "octaveSuppression", "subPixel"};
+    const char* keys[] = {
+        "nfeatures", "scaleFactor",   "nlevels",        "edgeThreshold",     "firstLevel",        "wta_k",
+        "scoreType", "patchSize",     "fastThreshold",  "adaptiveThreshold", "minThresholdRatio", "cellSize",
+        "maxDepth",  "selectionType", "strengthWeight", "rankRadius",        "octaveSuppression", "subPixel"};
     for (const char* key : keys)
         EXPECT_FALSE(node[key].empty()) << key;
     EXPECT_EQ(3, (int)node["format"]);  // as every Algorithm of OpenCV 4
@@ -134,7 +139,15 @@ TEST(Aqorb_IO, a_bad_value_throws_and_changes_nothing)
                             {"minThresholdRatio", "0.9"},
                             {"cellSize", "3"},
                             {"maxDepth", "16"},
+                            {"selectionType", "2"},
+                            {"selectionType", "0.5"},
+                            {"selectionType", "balanced"},
+                            {"strengthWeight", "1e4"},
+                            {"strengthWeight", ".nan"},
+                            {"rankRadius", "-1"},
+                            {"rankRadius", "17"},
                             {"octaveSuppression", ".inf"},
+                            {"octaveSuppression", "-2"},
                             {"subPixel", "2"},
                             {"adaptiveThreshold", "yes"}};
     const Ptr<AdaptiveQuadtreeORB> detector = unusual();

@@ -66,7 +66,13 @@ Settings randomSettings(RNG& rng)
     s.minThresholdRatio = rng.uniform(0, 3) ? rng.uniform(1., 8.) : 1;
     s.cellSize = rng.uniform(8, 60);
     s.maxDepth = rng.uniform(-1, 7);
-    s.octaveSuppression = rng.uniform(0, 3) ? rng.uniform(0., 4.) : 0.;
+    s.selectionType =
+        rng.uniform(0, 4) ? AdaptiveQuadtreeORB::RANKED_SELECTION : AdaptiveQuadtreeORB::BALANCED_SELECTION;
+    const double weights[] = {0, 0.15, rng.uniform(0., 1.), 1000}, radii[] = {0, 1, rng.uniform(0., 4.), 16};
+    s.strengthWeight = weights[rng.uniform(0, 4)];
+    s.rankRadius = radii[rng.uniform(0, 4)];
+    const double distances[] = {-1, 0, rng.uniform(0., 4.), rng.uniform(0., 1.)};
+    s.octaveSuppression = distances[rng.uniform(0, 4)];
     s.subPixel = rng.uniform(0, 2) != 0;
     return s;
 }
@@ -75,10 +81,12 @@ std::string text(int seed, const Settings& s)
 {
     return format("seed %d: nfeatures %d scaleFactor %.9g nlevels %d edgeThreshold %d firstLevel %d WTA_K %d "
                   "scoreType %d patchSize %d fastThreshold %d adaptiveThreshold %d minThresholdRatio %.17g "
-                  "cellSize %d maxDepth %d octaveSuppression %.17g subPixel %d",
+                  "cellSize %d maxDepth %d selectionType %d strengthWeight %.17g rankRadius %.17g "
+                  "octaveSuppression %.17g subPixel %d",
                   seed, s.nfeatures, s.scaleFactor, s.nlevels, s.edgeThreshold, s.firstLevel, s.WTA_K,
                   int(s.scoreType), s.patchSize, s.fastThreshold, int(s.adaptiveThreshold),
-                  s.minThresholdRatio, s.cellSize, s.maxDepth, s.octaveSuppression, int(s.subPixel));
+                  s.minThresholdRatio, s.cellSize, s.maxDepth, int(s.selectionType), s.strengthWeight,
+                  s.rankRadius, s.octaveSuppression, int(s.subPixel));
 }
 
 Size randomSize(RNG& rng)
