@@ -69,8 +69,9 @@ template <typename T> uint64_t hashOf(const T& what)
     return hash.value();
 }
 
-//! A detector with random values of all parameters that have an effect.
-Ptr<AdaptiveQuadtreeORB> makeDetector(RNG& rng, bool isBalanced)
+//! A detector with random values of all parameters that have an effect with the selection. The other parameters are the
+//! same with both selections.
+Ptr<AdaptiveQuadtreeORB> makeDetector(RNG& rng, AdaptiveQuadtreeORB::SelectionType selection)
 {
     const float scaleFactors[] = {1.1f, 1.2f, 1.33f, 1.5f, 2.f};
     const int patchSizes[] = {31, 31, 31, 24, 15};
@@ -89,42 +90,12 @@ Ptr<AdaptiveQuadtreeORB> makeDetector(RNG& rng, bool isBalanced)
     detector->setMaxDepth(rng.uniform(-1, 7));
     detector->setOctaveSuppression(rng.uniform(0., 3.));
     detector->setSubPixel(rng.uniform(0, 4) != 0);
-
-    if (isBalanced)
-    {
-        detector->setSelectionType(AdaptiveQuadtreeORB::BALANCED_SELECTION);
-        return detector;
-    }
-
-    // Version 0.1 did not have these. A copy draws them, so that all others stay as version 0.1 drew them.
-    RNG copy = rng;
-    const double weights[] = {0, 0.15, 0.15, copy.uniform(0., 2.), 1000},
-                 radii[] = {0, 1, 1, copy.uniform(0., 4.)};
-    if (copy.uniform(0, 4) == 0)
-        detector->setSelectionType(AdaptiveQuadtreeORB::BALANCED_SELECTION);
-    detector->setStrengthWeight(weights[copy.uniform(0, 5)]);
-    detector->setRankRadius(radii[copy.uniform(0, 4)]);
-    if (copy.uniform(0, 4) == 0)
-        detector->setOctaveSuppression(-1);
+    detector->setSelectionType(selection);
+    RNG ofSelection(rng.state);
+    const double strengthWeights[] = {0, 0.15, 0.5, 2}, rankRadii[] = {0, 0.5, 1, 2.5};
+    detector->setStrengthWeight(strengthWeights[ofSelection.uniform(0, 4)]);
+    detector->setRankRadius(rankRadii[ofSelection.uniform(0, 4)]);
     return detector;
-}
-
-//! A detector with the default values of all parameters but one or two.
-Ptr<AdaptiveQuadtreeORB> makeDetector(int nfeatures, bool isBalanced)
-{
-    const Ptr<AdaptiveQuadtreeORB> detector = AdaptiveQuadtreeORB::create(nfeatures);
-    if (isBalanced)
-        detector->setSelectionType(AdaptiveQuadtreeORB::BALANCED_SELECTION);
-    return detector;
-}
-
-//! Removes an option from the front of the arguments. False: it is not there.
-bool takeOption(std::vector<std::string>& arguments, const std::string& option)
-{
-    if (arguments.empty() || arguments[0] != option)
-        return false;
-    arguments.erase(arguments.begin());
-    return true;
 }
 
 void print(const std::string& name, const Mat& image, const Mat& mask, AdaptiveQuadtreeORB& detector)
@@ -156,9 +127,29 @@ void print(const std::string& name, const Mat& image, const Mat& mask, AdaptiveQ
 int main(int argc, char** argv)
 {
     std::vector<std::string> arguments(argv + 1, argv + argc);
-    if (takeOption(arguments, "--plain"))
-        setUseOptimized(false);
-    const bool isBalanced = takeOption(arguments, "--balanced");
+    AdaptiveQuadtreeORB::SelectionType selection = AdaptiveQuadtreeORB::RANKED_SELECTION;
+    for (; !arguments.empty() && arguments[0].compare(0, 2, "--") == 0; arguments.erase(arguments.begin()))
+    {
+        if (arguments[0] == "--plain")
+        {
+            setUseOptimized(false);
+        }
+        else if (arguments[0] == "--balanced")
+        {
+            selection = AdaptiveQuadtreeORB::BALANCED_SELECTION;
+        }
+        else
+        {
+            std::fprintf(stderr, "%s: --plain or --balanced is accepted\n", arguments[0].c_str());
+            return 1;
+        }
+    }
+    const auto makeDefault = [selection](int nfeatures)
+    {
+        const Ptr<AdaptiveQuadtreeORB> detector = AdaptiveQuadtreeORB::create(nfeatures);
+        detector->setSelectionType(selection);
+        return detector;
+    };
     std::fprintf(stderr, "%s, %s%s\n", CV_VERSION, getCPUFeaturesLine().c_str(),
                  useOptimized() ? "" : ", setUseOptimized(false)");
 
@@ -176,7 +167,7 @@ int main(int argc, char** argv)
                 .setTo(rng.uniform(1, 256));
         }
         print("scene " + std::to_string(i), scene, mask,
-              *(i == 0 ? makeDetector(500, isBalanced) : makeDetector(rng, isBalanced)));
+              *(i == 0 ? makeDefault(500) : makeDetector(rng, selection)));
     }
     for (const std::string& file : arguments)
     {
@@ -186,8 +177,8 @@ int main(int argc, char** argv)
             std::fprintf(stderr, "cannot read %s\n", file.c_str());
             return 1;
         }
-        print(file + " by default", image, Mat(), *makeDetector(1000, isBalanced));
-        print(file + " with drawn parameters", image, Mat(), *makeDetector(rng, isBalanced));
+        print(file + " by default", image, Mat(), *makeDefault(1000));
+        print(file + " with drawn parameters", image, Mat(), *makeDetector(rng, selection));
     }
     return 0;
 }
