@@ -109,26 +109,25 @@ void LevelDetection::orderByRank(const OrderRule& rule, DetectionScratch& scratc
 {
     // A tree of one leaf leaves the choice to the response.
     const bool byResponse = rule.depth == 0;
-    numberLeaves(root.size(), rule.depth, scratch.leaves);
-    scratch.points.resize(ordered.size());
-    size_t count = 0;
+    ranked.begin(rule.depth, ordered.size());
+    numberLeaves(root.size(), rule.depth, ranked, scratch.leaves);
+    const unsigned *columns = scratch.leaves.columns.data(), *rows = scratch.leaves.rows.data();
+    int index = 0;
     for (int i = 0; i < bandCount; i++)
     {
         const Band& band = bands[i];
-        for (size_t j = 0; j < band.corners.size(); j++, count++)
+        for (size_t j = 0; j < band.corners.size(); j++, index++)
         {
             const Corner& corner = band.corners[j];
             const float response = band.ranked[j].response;
-            LeafPoint& point = scratch.points[count];
-            point.leaf = scratch.leaves.columns[corner.x - root.x] | scratch.leaves.rows[corner.y - root.y];
-            point.response =
+            const float strength =
                 byResponse ? response : cornerStrength(corner.score, rules.rankByHarris ? response : 1.f);
-            point.x = float(corner.x);
-            point.y = float(corner.y);
-            point.index = int(count);
+            const LeafPoint point = {columns[corner.x - root.x] + rows[corner.y - root.y], strength,
+                                     float(corner.x), float(corner.y), index};
+            ranked.add(point);
         }
     }
-    ranked.begin(scratch.points, rule.depth);
+    ranked.findRepresentatives();
 
     const std::vector<LeafPoint>& best = ranked.representatives();
     if (!byResponse)

@@ -110,80 +110,37 @@ int64 binaryLogarithm(float v)
     return sharedLogarithm()(v);
 }
 
-void numberLeaves(const Size& root, int depth, LeafScratch& scratch)
+bool RankedSequence::StrongerInLeaf::operator()(const LeafPoint& a, const LeafPoint& b) const
 {
-    scratch.columns.resize(root.width);
-    scratch.rows.resize(root.height);
-    for (int i = 0; i < root.width; i++)
-        scratch.columns[i] = unsigned((uint64(i) << depth) / unsigned(root.width));
-    for (int i = 0; i < root.height; i++)
-        scratch.rows[i] = unsigned((uint64(i) << depth) / unsigned(root.height)) << depth;
+    if (a.leaf != b.leaf)
+        return a.leaf < b.leaf;
+    const int strengthOfA = orderOf(a.response), strengthOfB = orderOf(b.response);
+    return strengthOfA != strengthOfB ? strengthOfA > strengthOfB : TieBefore()(a, b);
 }
 
-namespace
+void RankedSequence::begin(int depth_, size_t size)
 {
-
-// A whole number that orders strengths as their values do. NaN comes before all others, and none is INT_MIN.
-int orderOf(float strength)
-{
-    if (cvIsNaN(strength))
-        return INT_MIN + 1;
-    Cv32suf bits;
-    bits.f = strength + 0.f;  // makes -0 equal to 0
-    return bits.i >= 0 ? bits.i : INT_MIN + 1 + int(~bits.u & 0x7fffffff);
-}
-
-// A greater number for a stronger point, never 0. Of equally strong points the one of lower index has the greater key.
-uint64 keyOf(float strength, size_t index)
-{
-    return uint64(unsigned(orderOf(strength)) ^ 0x80000000u) << 32 | unsigned(~index);
-}
-unsigned indexOf(uint64 key)
-{
-    return ~unsigned(key);
-}
-
-struct StrongerInLeaf
-{
-    bool operator()(const LeafPoint& a, const LeafPoint& b) const
-    {
-        if (a.leaf != b.leaf)
-            return a.leaf < b.leaf;
-        const int strengthOfA = orderOf(a.response), strengthOfB = orderOf(b.response);
-        return strengthOfA != strengthOfB ? strengthOfA > strengthOfB : TieBefore()(a, b);
-    }
-};
-
-}  // namespace
-
-void RankedSequence::begin(std::vector<LeafPoint>& points_, int depth_)
-{
-    CV_TRACE_FUNCTION();
-    points.swap(points_);
     depth = depth_;
-    given = sorted = 0;
+    count = given = sorted = 0;
     hasOthers = false;
     others.clear();
-
-    // The border is never stronger than any point.
-    const int side = 1 << depth, stride = side + 2;
-    grid.assign(size_t(stride) * stride, INT_MIN);
+    points.resize(size);
+    const size_t stride = (size_t(1) << depth) + 2;
+    grid.assign(stride * stride, INT_MIN);
     best.resize(grid.size());
-    for (size_t i = 0; i < points.size(); i++)
-    {
-        const size_t cell = cellOf(points[i].leaf);
-        const int strength = orderOf(points[i].response);
-        // Without branches, which would be hard to predict. Of equal points the first one stays.
-        const bool isBetter = strength > grid[cell];
-        grid[cell] = isBetter ? strength : grid[cell];
-        best[cell] = isBetter ? unsigned(i) : best[cell];
-    }
+}
+
+void RankedSequence::findRepresentatives()
+{
+    CV_TRACE_FUNCTION();
+    const int side = 1 << depth;
     representativeLeaves(grid, side, flags, leaves);
     chosen.resize(leaves.size());
     strengths.resize(leaves.size());
     for (size_t i = 0; i < leaves.size(); i++)
     {
-        chosen[i] = points[best[cellOf(leaves[i])]];
+        const int column = int(leaves[i]) & (side - 1), row = int(leaves[i] >> depth);
+        chosen[i] = points[best[leafColumn(column) + leafRow(row)]];
         strengths[i] = chosen[i].response;
     }
 }
@@ -191,28 +148,28 @@ void RankedSequence::begin(std::vector<LeafPoint>& points_, int depth_)
 // Sorts by counting, one byte after the other, because comparisons would be hard to predict.
 void RankedSequence::sortByStrength()
 {
-    const size_t count = chosen.size();
-    byStrength.resize(count);
-    other.resize(count);
-    for (size_t i = 0; i < count; i++)
+    const size_t size = chosen.size();
+    byStrength.resize(size);
+    other.resize(size);
+    for (size_t i = 0; i < size; i++)
         byStrength[i] = keyOf(strengths[i], i);
     const int DIGITS = 4;
-    size_t starts[DIGITS][256] = {{0}};
-    for (size_t i = 0; i < count; i++)
+    unsigned starts[DIGITS][256] = {{0}};
+    for (size_t i = 0; i < size; i++)
     {
         for (int digit = 0; digit < DIGITS; digit++)
             starts[digit][byStrength[i] >> (32 + 8 * digit) & 255]++;
     }
     for (int digit = 0; digit < DIGITS; digit++)
     {
-        size_t begin = 0;
+        unsigned begin = 0;
         for (int value = 255; value >= 0; value--)
         {
-            const size_t size = starts[digit][value];
+            const unsigned ofValue = starts[digit][value];
             starts[digit][value] = begin;
-            begin += size;
+            begin += ofValue;
         }
-        for (size_t i = 0; i < count; i++)
+        for (size_t i = 0; i < size; i++)
             other[starts[digit][byStrength[i] >> (32 + 8 * digit) & 255]++] = byStrength[i];
         byStrength.swap(other);
     }
@@ -222,28 +179,28 @@ void RankedSequence::rank(const RankRule& rule, const std::vector<uchar>& usable
 {
     CV_TRACE_FUNCTION();
     const int side = 1 << depth;
-    const size_t count = chosen.size();
+    const size_t size = chosen.size();
     sortByStrength();
-    leaves.resize(count);
-    for (size_t i = 0; i < count; i++)
-        leaves[i] = chosen[indexOf(byStrength[i])].leaf;
+    ranked.resize(size);
+    for (size_t i = 0; i < size; i++)
+        ranked[i] = leaves[indexOf(byStrength[i])];
 
-    Size size = rule.size;
-    while (std::max(size.width, size.height) > 1 << 18)  // so that squares fit
-        size = Size((size.width + 1) / 2, (size.height + 1) / 2);
-    const double squaredRadius = rule.radius * rule.radius * rule.usable * size.width * size.height *
+    Size region = rule.size;
+    while (std::max(region.width, region.height) > 1 << 18)  // so that squares fit
+        region = Size((region.width + 1) / 2, (region.height + 1) / 2);
+    const double squaredRadius = rule.radius * rule.radius * rule.usable * region.width * region.height *
                                  double(int64(1) << (2 * depth)) / rule.quota;
-    disc.begin(size, int64(std::min(squaredRadius, 4e18)), side);
-    ranks.resize(count);
-    leafRanks(leaves.data(), count, depth, disc, ranking, ranks.data());
+    disc.begin(region, int64(std::min(squaredRadius, 4e18)), side);
+    ranks.resize(size);
+    leafRanks(ranked.data(), size, depth, disc, ranking, ranks.data());
 
     // By row and column: how many leaves before the column are usable.
     usableBefore.clear();
     if (!usable.empty())
     {
         usableBefore.assign(size_t(side + 1) * side, 0);
-        for (size_t i = 0; i < count; i++)
-            usableBefore[size_t(leaves[i] >> depth) * (side + 1) + (leaves[i] & (side - 1)) + 1] = 1;
+        for (size_t i = 0; i < size; i++)
+            usableBefore[size_t(ranked[i] >> depth) * (side + 1) + (ranked[i] & (side - 1)) + 1] = 1;
         for (int row = 0; row < side; row++)
         {
             int* before = &usableBefore[size_t(row) * (side + 1)];
@@ -262,10 +219,10 @@ void RankedSequence::rank(const RankRule& rule, const std::vector<uchar>& usable
         shared[i] = rankKey(i, disc.total);
 
     const int reach = int(disc.halfWidths.size()) - 1;
-    entries.resize(count);
-    for (size_t i = 0; i < count; i++)
+    entries.resize(size);
+    for (size_t i = 0; i < size; i++)
     {
-        const int column = int(leaves[i]) & (side - 1), row = int(leaves[i] >> depth);
+        const int column = int(ranked[i]) & (side - 1), row = int(ranked[i] >> depth);
         Entry& entry = entries[i];
         entry.place = unsigned(i);
         entry.index = indexOf(byStrength[i]);
@@ -321,20 +278,24 @@ void RankedSequence::sortMore()
 void RankedSequence::listOthers()
 {
     hasOthers = true;
-    std::vector<uchar> isChosen(size_t(1) << (2 * depth), uchar(0));
+    std::vector<uchar> isChosen(grid.size(), uchar(0));
     for (size_t i = 0; i < chosen.size(); i++)
         isChosen[chosen[i].leaf] = 1;
-    std::sort(points.begin(), points.end(), StrongerInLeaf());
+    others.assign(points.begin(), points.begin() + count);
+    std::sort(others.begin(), others.end(), StrongerInLeaf());
     // They are sorted by their place in their leaf, which takes the place of the leaf's number.
-    unsigned place = 0;
-    for (size_t i = 0; i < points.size(); i++)
+    size_t left = 0;
+    unsigned place = 0, leaf = 0;
+    for (size_t i = 0; i < count; i++)
     {
-        place = i > 0 && points[i].leaf == points[i - 1].leaf ? place + 1 : 0;
-        if (place == 0 && isChosen[points[i].leaf])
+        place = i > 0 && others[i].leaf == leaf ? place + 1 : 0;
+        leaf = others[i].leaf;
+        if (place == 0 && isChosen[leaf])
             continue;
-        others.push_back(points[i]);
-        others.back().leaf = place;
+        others[left] = others[i];
+        others[left++].leaf = place;
     }
+    others.resize(left);
     std::sort(others.begin(), others.end(), StrongerInLeaf());
 }
 
@@ -362,11 +323,23 @@ bool RankedSequence::next(LeafPoint& point, const PointFilter* filter)
     }
 }
 
-void orderByResponse(std::vector<LeafPoint>& points, int depth, const RankRule& rule, RankedSequence& sequence)
+void numberLeaves(const Size& region, int depth, const RankedSequence& sequence, LeafScratch& scratch)
+{
+    scratch.columns.resize(region.width);
+    scratch.rows.resize(region.height);
+    for (int i = 0; i < region.width; i++)
+        scratch.columns[i] = sequence.leafColumn(int((int64(i) << depth) / region.width));
+    for (int i = 0; i < region.height; i++)
+        scratch.rows[i] = sequence.leafRow(int((int64(i) << depth) / region.height));
+}
+
+void orderByResponse(std::vector<LeafPoint>& points, const RankRule& rule, RankedSequence& sequence)
 {
     if (!areSortedByTies(points))
         std::sort(points.begin(), points.end(), TieBefore());
-    sequence.begin(points, depth);
+    for (size_t i = 0; i < points.size(); i++)
+        sequence.add(points[i]);
+    sequence.findRepresentatives();
     sequence.rank(rule, std::vector<uchar>());
 }
 

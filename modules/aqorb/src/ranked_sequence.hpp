@@ -49,9 +49,6 @@ int maxRankedDepth(Size size);
 //! so it is the same on every CPU.
 int64 binaryLogarithm(float v);
 
-//! Numbers the leaves row by row: for each column and row of the root what it adds to the number.
-void numberLeaves(const Size& root, int depth, LeafScratch& scratch);
-
 /** Gives points in an order that depends on the distances between points and on their strengths, and so hardly on how
  the scene lies in the image. Each leaf of a quadtree is represented by its strongest point, unless two of the leaves
  around it have stronger ones. The rank of a representative is the number of stronger ones within a disc around it;
@@ -61,18 +58,30 @@ void numberLeaves(const Size& root, int depth, LeafScratch& scratch);
 class RankedSequence : public PointSequence
 {
 public:
-    RankedSequence() : depth(0), given(0), sorted(0), firstSorted(0), hasOthers(false) {}
-    /** Starts a sequence and finds the representatives.
-     @param points sorted by TieBefore, in leaves that are numbered row by row; their responses are their strengths, of
-     which NaN ranks last. They are swapped in, so the caller's vector has any content afterwards.
-     @param depth of the quadtree, at most maxRankedDepth */
-    void begin(std::vector<LeafPoint>& points, int depth);
+    RankedSequence() : depth(0), count(0), given(0), sorted(0), firstSorted(0), hasOthers(false) {}
+    //! Starts a sequence of at most `size` points in a quadtree of the given depth, at most maxRankedDepth.
+    void begin(int depth, size_t size);
+    //! The contribution of a column and of a row of leaves to the number of a leaf, which is their sum.
+    unsigned leafColumn(int column) const { return unsigned(column + 1); }
+    unsigned leafRow(int row) const { return unsigned(row + 1) * ((1u << depth) + 2); }
+    //! Adds the next point by TieBefore. Its response is its strength; NaN ranks last.
+    void add(const LeafPoint& point)
+    {
+        const int strength = orderOf(point.response);
+        // Without branches, which would be hard to predict. Of equal points the first one stays.
+        const bool isBetter = strength > grid[point.leaf];
+        grid[point.leaf] = isBetter ? strength : grid[point.leaf];
+        best[point.leaf] = isBetter ? unsigned(count) : best[point.leaf];
+        points[count++] = point;
+    }
+    //! Finds the representatives, when all points have been added.
+    void findRepresentatives();
     //! The representatives, in the order of their leaves.
     const std::vector<LeafPoint>& representatives() const { return chosen; }
     //! The strength of a representative by which it is ranked; at first it is that of its point.
     float& strength(size_t index) { return strengths[index]; }
     /** Ranks the representatives. It must be called once before next.
-     @param usable by leaf: whether points may lie there; empty: everywhere */
+     @param usable by leaf, row by row: whether points may lie there; empty: everywhere */
     void rank(const RankRule& rule, const std::vector<uchar>& usable);
     bool next(LeafPoint& point, const PointFilter* filter = 0) CV_OVERRIDE;
 
@@ -88,24 +97,37 @@ private:
         unsigned place;  // among the representatives by strength
         unsigned index;  // of the representative
     };
-    size_t cellOf(unsigned leaf) const
+    // A whole number that orders strengths as their values do. NaN comes before all others, and none is INT_MIN.
+    static int orderOf(float strength)
     {
-        const unsigned side = 1u << depth;
-        return size_t((leaf >> depth) + 1) * (side + 2) + (leaf & (side - 1)) + 1;
+        Cv32suf bits;
+        bits.f = strength + 0.f;  // makes -0 equal to 0
+        return strength == strength ? bits.i ^ ((bits.i >> 31) & INT_MAX) : INT_MIN + 1;
     }
+    static uint64 keyOf(float strength, size_t index)
+    {
+        // Never 0. Of equally strong points the one of lower index has the greater key.
+        return uint64(unsigned(orderOf(strength)) ^ 0x80000000u) << 32 | unsigned(~index);
+    }
+    static unsigned indexOf(uint64 key) { return ~unsigned(key); }
+    struct StrongerInLeaf
+    {
+        bool operator()(const LeafPoint& a, const LeafPoint& b) const;
+    };
     void sortByStrength();
     int leavesInside(int column, int row) const;
     void sortMore();
     void listOthers();
 
     int depth;
+    size_t count;  // of points
     std::vector<LeafPoint> points, chosen, others;
     std::vector<float> strengths;
     std::vector<int> grid;       // by leaf, with a border: how strong its best point is
     std::vector<unsigned> best;  // by leaf, with a border: that point
     std::vector<uchar> flags;
     std::vector<uint64> byStrength, other;  // keys of the representatives; work space
-    std::vector<unsigned> leaves;           // of the representatives, at last by strength
+    std::vector<unsigned> leaves, ranked;   // of the representatives, in their order and by strength, row by row
     std::vector<int> ranks, usableBefore;
     LeafDisc disc;
     RankingScratch ranking;
@@ -114,8 +136,11 @@ private:
     bool hasOthers;
 };
 
-//! Starts a sequence of points in any order whose strength is their response, and ranks them.
-void orderByResponse(std::vector<LeafPoint>& points, int depth, const RankRule& rule, RankedSequence& sequence);
+//! By column and row of a region: what they contribute to the number of their leaf.
+void numberLeaves(const Size& region, int depth, const RankedSequence& sequence, LeafScratch& scratch);
+
+//! Adds points in any order whose strength is their response to a sequence that has begun, and ranks them.
+void orderByResponse(std::vector<LeafPoint>& points, const RankRule& rule, RankedSequence& sequence);
 
 }  // namespace stages
 }  // namespace aqorb

@@ -241,16 +241,17 @@ private:
             balanced.begin(points, rule.depth);
             return balanced;
         }
-        numberLeaves(rule.root.size(), rule.depth, scratch);
+        ranked.begin(rule.depth, unordered.size());
+        numberLeaves(rule.root.size(), rule.depth, ranked, scratch);
         points.resize(unordered.size());
         for (size_t i = 0; i < unordered.size(); i++)
         {
             const RankedCorner& corner = unordered[i];
-            const unsigned leaf = scratch.columns[corner.x - rule.root.x] | scratch.rows[corner.y - rule.root.y];
+            const unsigned leaf = scratch.columns[corner.x - rule.root.x] + scratch.rows[corner.y - rule.root.y];
             const LeafPoint point = {leaf, corner.response, float(corner.x), float(corner.y), int(i)};
             points[i] = point;
         }
-        orderByResponse(points, rule.depth, rule.rank, ranked);
+        orderByResponse(points, rule.rank, ranked);
         return ranked;
     }
 
