@@ -41,7 +41,7 @@ public:
     }
     void begin(FeatureSelector& selector, double octaveSuppression) const
     {
-        selector.begin(Size(256, 256), octaveSuppression);
+        selector.begin(Size(256, 256), octaveSuppression, int(levels.size()));
         for (const SelectionLevel& level : levels)
             selector.addLevel(level);
     }

@@ -374,7 +374,7 @@ void AdaptiveQuadtreeORBImpl::detectCorners(Workspace& workspace) const
         const double usable =
             levelMask.empty() ? 1 : countNonZero(levelMask(order.root)) / (double(size.width) * size.height);
         const RankRule rule = {size, usable, std::max(levels[i].selection.quota, 1), parameters.rankRadius,
-                               strengthExponent(parameters.strengthWeight, 4)};
+                               parameters.strengthWeight};
         order.rank = rule;
         order.depth = parameters.maxDepth >= 0 ? std::min(parameters.maxDepth, maxRankedDepth(size))
                                                : rankedDepth(size, usable, rule.quota);
@@ -404,7 +404,8 @@ void AdaptiveQuadtreeORBImpl::selectFeatures(Workspace& workspace) const
 {
     CV_TRACE_FUNCTION();
     FeatureSelector& selector = workspace.selector;
-    selector.begin(workspace.input.image.size(), parameters.octaveSuppressionInUse());
+    selector.begin(workspace.input.image.size(), parameters.octaveSuppressionInUse(),
+                   parameters.selectionType == RANKED_SELECTION ? 1 : parameters.nlevels);
     for (int i = 0; i < workspace.levelCount; i++)
         selector.addLevel(workspace.levels[i].selection);
 

@@ -163,7 +163,7 @@ void LevelDetection::orderByRank(const OrderRule& rule, DetectionScratch& scratc
             }
         }
     }
-    ranked.rank(rule.rank, scratch.usable);
+    ranked.rank(rule.rank, byResponse ? 1 : 4, scratch.usable);
 }
 
 PointSequence& LevelDetection::sequence(const OrderRule& rule, DetectionScratch& scratch)

@@ -28,7 +28,7 @@ Parameters::Parameters()
       cellSize(35),
       maxDepth(-1),
       selectionType(AdaptiveQuadtreeORB::RANKED_SELECTION),
-      strengthWeight(0.2),
+      strengthWeight(0.1),
       rankRadius(1),
       octaveSuppression(-1),
       subPixel(true)
@@ -39,7 +39,7 @@ double Parameters::octaveSuppressionInUse() const
 {
     if (octaveSuppression >= 0)
         return octaveSuppression;
-    return selectionType == AdaptiveQuadtreeORB::BALANCED_SELECTION ? 0.5 : 0.6;
+    return selectionType == AdaptiveQuadtreeORB::BALANCED_SELECTION ? 0.5 : 2;
 }
 
 static void reject(const char* name, double value, const char* accepted)

@@ -14,11 +14,6 @@ namespace aqorb
 namespace stages
 {
 
-int strengthExponent(double strengthWeight, int power)
-{
-    return cvRound(strengthWeight * 65536) * (4 / power);
-}
-
 int maxRankedDepth(Size size)
 {
     const int MAX_RANKED_DEPTH = 12, side = std::min(size.width, size.height);
@@ -175,7 +170,7 @@ void RankedSequence::sortByStrength()
     }
 }
 
-void RankedSequence::rank(const RankRule& rule, const std::vector<uchar>& usable)
+void RankedSequence::rank(const RankRule& rule, int power, const std::vector<uchar>& usable)
 {
     CV_TRACE_FUNCTION();
     const int side = 1 << depth;
@@ -213,6 +208,7 @@ void RankedSequence::rank(const RankRule& rule, const std::vector<uchar>& usable
     const BinaryLogarithm& logarithm = sharedLogarithm();
     const auto rankKey = [&](int rank, int inside)
     { return (logarithm(float(inside + int64(rank) * disc.total)) - logarithm(float(inside))) * (1 << 18); };
+    const int exponent = cvRound(rule.strengthWeight * (1 << 16)) * (4 / power);  // in units of 2^-18
     const int SHARED_RANKS = 32;
     int64 shared[SHARED_RANKS];
     for (int i = 0; i < SHARED_RANKS; i++)
@@ -231,7 +227,7 @@ void RankedSequence::rank(const RankRule& rule, const std::vector<uchar>& usable
         entry.key = isWhole && ranks[i] < SHARED_RANKS
                         ? shared[ranks[i]]
                         : rankKey(ranks[i], isWhole ? disc.total : leavesInside(column, row));
-        if (rule.exponent > 0)
+        if (exponent > 0)
         {
             const float strength = strengths[entry.index];
             const int64 LAST = int64(1) << 61;
@@ -240,7 +236,7 @@ void RankedSequence::rank(const RankRule& rule, const std::vector<uchar>& usable
             else if (cvIsInf(strength))
                 entry.key -= LAST;
             else
-                entry.key -= rule.exponent * logarithm(strength);
+                entry.key -= exponent * logarithm(strength);
         }
     }
     firstSorted = size_t(rule.quota) + size_t(rule.quota) / 4 + 16;
@@ -340,7 +336,7 @@ void orderByResponse(std::vector<LeafPoint>& points, const RankRule& rule, Ranke
     for (size_t i = 0; i < points.size(); i++)
         sequence.add(points[i]);
     sequence.findRepresentatives();
-    sequence.rank(rule, std::vector<uchar>());
+    sequence.rank(rule, 1, std::vector<uchar>());
 }
 
 }  // namespace stages

@@ -24,7 +24,7 @@ struct RankRule
     double usable;  //!< the share of the region in which points may lie
     int quota;      //!< the number of points that the region is to have, > 0
     double radius;  //!< of the disc in which stronger points count, in units of sqrt(usable area / quota)
-    int exponent;   //!< of the strength, in units of 2^-18
+    double strengthWeight;  //!< exponent of the strength
 };
 
 //! How the corners of a level are put in the order of selection.
@@ -35,9 +35,6 @@ struct OrderRule
     bool isRanked;  //!< true: by a RankedSequence; false: by a BalancedSequence
     RankRule rank;  //!< of a RankedSequence
 };
-
-//! The exponent of a strength that is the given power of the score that strengthWeight is for.
-int strengthExponent(double strengthWeight, int power);
 
 //! The smallest depth with 8 leaves for each point that the region is to have, but not so deep that leaves become
 //! shorter than 2 pixels.
@@ -81,8 +78,9 @@ public:
     //! The strength of a representative by which it is ranked; at first it is that of its point.
     float& strength(size_t index) { return strengths[index]; }
     /** Ranks the representatives. It must be called once before next.
+     @param power of the strength that the strengths of the representatives are: 1 or 4
      @param usable by leaf, row by row: whether points may lie there; empty: everywhere */
-    void rank(const RankRule& rule, const std::vector<uchar>& usable);
+    void rank(const RankRule& rule, int power, const std::vector<uchar>& usable);
     bool next(LeafPoint& point, const PointFilter* filter = 0) CV_OVERRIDE;
 
 private:

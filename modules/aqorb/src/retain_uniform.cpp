@@ -46,7 +46,7 @@ void retainUniform(std::vector<KeyPoint>& keypoints, Size imageSize, int npoints
     {
         const Parameters defaults;
         const RankRule rule = {imageSize, 1, std::max(npoints, 1), defaults.rankRadius,
-                               strengthExponent(defaults.strengthWeight, 1)};
+                               defaults.strengthWeight};
         orderByResponse(points, rule, sequence);
         points.resize(npoints);
         for (int i = 0; i < npoints; i++)

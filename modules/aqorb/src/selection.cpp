@@ -36,8 +36,8 @@ public:
         head = int(entries.size());
         entries.push_back(entry);
     }
-    // Whether a keypoint of another level (with onlyCoarser: of a coarser level) is strictly nearer than radius.
-    bool isNear(Point2d p, double radius, int level, bool onlyCoarser) const
+    // Whether a keypoint of one of the levels first .. last, but not of the given level, is strictly nearer than radius.
+    bool isNear(Point2d p, double radius, int level, int first, int last) const
     {
         const double squaredRadius = radius * radius;
         const int top = row(p.y - radius), bottom = row(p.y + radius);
@@ -49,7 +49,8 @@ public:
                 for (int i = heads[size_t(r) * columns + c]; i >= 0; i = entries[i].next)
                 {
                     const Point2d d = entries[i].position - p;
-                    const bool counts = onlyCoarser ? entries[i].level > level : entries[i].level != level;
+                    const int other = entries[i].level;
+                    const bool counts = other != level && other >= first && other <= last;
                     if (counts && d.x * d.x + d.y * d.y < squaredRadius)
                         return true;
                 }
@@ -82,10 +83,11 @@ private:
 class FeatureSelector::Impl
 {
 public:
-    Impl() : octaveSuppression(0), levelCount(0), step(0), asked(0), wanted(0) {}
+    Impl() : octaveSuppression(0), reach(0), levelCount(0), step(0), asked(0), wanted(0) {}
 
-    void begin(Size imageSize_, double octaveSuppression_)
+    void begin(Size imageSize_, double octaveSuppression_, int suppressionReach)
     {
+        reach = suppressionReach;
         imageSize = imageSize_;
         octaveSuppression = octaveSuppression_;
         levelCount = 0;
@@ -202,22 +204,25 @@ private:
     class NotSuppressed : public PointFilter
     {
     public:
-        NotSuppressed(const Impl& impl_, int level_, bool byCoarser_)
-            : impl(impl_), level(level_), byCoarser(byCoarser_)
+        NotSuppressed(const Impl& impl_, int level_, bool byCoarser)
+            : impl(impl_),
+              level(level_),
+              // A sequence that has begun must get the same answers again, and finer levels have new keypoints.
+              first(byCoarser ? level : level - impl.reach),
+              last(level + impl.reach)
         {
         }
         bool accepts(const LeafPoint& point) const CV_OVERRIDE
         {
             const double radius = impl.octaveSuppression * impl.levels[level].given.scale;
             return !(radius > 0 &&
-                     impl.grid.isNear(impl.position(level, point.x, point.y), radius, level, byCoarser));
+                     impl.grid.isNear(impl.position(level, point.x, point.y), radius, level, first, last));
         }
 
     private:
         const Impl& impl;
         int level;
-        // Only by keypoints of coarser levels, because a filter must always give the same answer.
-        bool byCoarser;
+        int first, last;  // the levels whose keypoints count
     };
 
     // The exact position in the image, by pixel centres, so that positions on coarse levels are not shifted against
@@ -257,6 +262,7 @@ private:
 
     Size imageSize;
     double octaveSuppression;
+    int reach;  // of octave suppression, in levels
     std::vector<LevelState> levels;  // it never shrinks, so that levels keep their memory
     int levelCount;                  // of this image
     int step;                        // the next pass and level to ask for
@@ -275,9 +281,9 @@ FeatureSelector::FeatureSelector() : impl(makePtr<Impl>())
 {
 }
 
-void FeatureSelector::begin(Size imageSize, double octaveSuppression)
+void FeatureSelector::begin(Size imageSize, double octaveSuppression, int suppressionReach)
 {
-    impl->begin(imageSize, octaveSuppression);
+    impl->begin(imageSize, octaveSuppression, suppressionReach);
 }
 
 void FeatureSelector::addLevel(const SelectionLevel& level)
