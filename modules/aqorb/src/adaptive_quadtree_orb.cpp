@@ -98,6 +98,15 @@ public:
     int getCellSize() const CV_OVERRIDE { return parameters.cellSize; }
     void setMaxDepth(int value) CV_OVERRIDE { set(&Parameters::maxDepth, value); }
     int getMaxDepth() const CV_OVERRIDE { return parameters.maxDepth; }
+    void setSelectionType(SelectionType value) CV_OVERRIDE
+    {
+        set(&Parameters::selectionType, numberOf(value));
+    }
+    SelectionType getSelectionType() const CV_OVERRIDE { return SelectionType(parameters.selectionType); }
+    void setStrengthWeight(double value) CV_OVERRIDE { set(&Parameters::strengthWeight, value); }
+    double getStrengthWeight() const CV_OVERRIDE { return parameters.strengthWeight; }
+    void setRankRadius(double value) CV_OVERRIDE { set(&Parameters::rankRadius, value); }
+    double getRankRadius() const CV_OVERRIDE { return parameters.rankRadius; }
     void setOctaveSuppression(double value) CV_OVERRIDE { set(&Parameters::octaveSuppression, value); }
     double getOctaveSuppression() const CV_OVERRIDE { return parameters.octaveSuppression; }
     void setSubPixel(bool value) CV_OVERRIDE { set(&Parameters::subPixel, value); }
@@ -373,7 +382,7 @@ void AdaptiveQuadtreeORBImpl::selectFeatures(Workspace& workspace) const
 {
     CV_TRACE_FUNCTION();
     FeatureSelector& selector = workspace.selector;
-    selector.begin(workspace.input.image.size(), parameters.octaveSuppression);
+    selector.begin(workspace.input.image.size(), parameters.octaveSuppressionInUse());
     for (int i = 0; i < workspace.levelCount; i++)
         selector.addLevel(workspace.levels[i].selection);
 
