@@ -119,6 +119,8 @@ TEST(Aqorb_Slam, keypoints_are_the_detectors_at_the_given_thresholds)
         detector->setFastThreshold(pair[0]);
         detector->setMinThresholdRatio(pair[0] / double(pair[1]));
         detector->setSubPixel(false);
+        detector->setStrengthWeight(extractor.detector()->getStrengthWeight());
+        detector->setOctaveSuppression(extractor.detector()->getOctaveSuppression());
         EXPECT_TRUE(sameFeatures(detectAndCompute(*detector, image), found));
     }
 }
@@ -126,6 +128,41 @@ TEST(Aqorb_Slam, keypoints_are_the_detectors_at_the_given_thresholds)
 int countOf(SlamExtractor& extractor, const Mat& image, const Mat& mask = Mat())
 {
     return int(extract(extractor, image, mask).keypoints.size());
+}
+
+TEST(Aqorb_Slam, what_differs_from_the_detectors_defaults)
+{
+    const SlamExtractor extractor(500, 1.2f, 8, 20, 7);
+    const AdaptiveQuadtreeORB& detector = *extractor.detector();
+    EXPECT_FALSE(detector.getSubPixel());
+    EXPECT_FALSE(detector.getAdaptiveThreshold());
+
+    const Ptr<AdaptiveQuadtreeORB> other = AdaptiveQuadtreeORB::create();
+    EXPECT_EQ(other->getSelectionType(), detector.getSelectionType());
+    EXPECT_EQ(other->getStrengthWeight(), detector.getStrengthWeight());
+    EXPECT_EQ(other->getRankRadius(), detector.getRankRadius());
+    EXPECT_EQ(other->getOctaveSuppression(), detector.getOctaveSuppression());
+    EXPECT_EQ(other->getMaxDepth(), detector.getMaxDepth());
+    EXPECT_EQ(other->getCellSize(), detector.getCellSize());
+    EXPECT_EQ(other->getEdgeThreshold(), detector.getEdgeThreshold());
+    EXPECT_EQ(other->getScoreType(), detector.getScoreType());
+}
+
+TEST(Aqorb_Slam, properties_of_the_detector_are_heeded)
+{
+    const Mat image = makeScene(Size(400, 300));
+    SlamExtractor extractor(500, 1.2f, 8, 20, 7);
+    AdaptiveQuadtreeORB& detector = *extractor.detector();
+    detector.setMaxFeatures(500);
+    detector.setSubPixel(true);
+    detector.setAdaptiveThreshold(true);
+    detector.setMinThresholdRatio(4);
+    detector.setSelectionType(AdaptiveQuadtreeORB::BALANCED_SELECTION);
+    detector.setOctaveSuppression(3);
+    const Ptr<AdaptiveQuadtreeORB> expected = AdaptiveQuadtreeORB::create(500);
+    expected->setSelectionType(AdaptiveQuadtreeORB::BALANCED_SELECTION);
+    expected->setOctaveSuppression(3);
+    EXPECT_TRUE(sameFeatures(detectAndCompute(*expected, image), extract(extractor, image)));
 }
 
 // ORB-SLAM2's tracker starts on a frame with more than 500 keypoints, whatever the settings ask for.

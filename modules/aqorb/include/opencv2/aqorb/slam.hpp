@@ -167,6 +167,10 @@ private:
         orb.setAdaptiveThreshold(false);
         // Stereo matching by patches starts at a whole pixel of the level.
         orb.setSubPixel(false);
+        // The selection, between evenness and strength, and the distance between keypoints of different levels: so
+        // far those that suit all purposes.
+        orb.setStrengthWeight(0.15);
+        orb.setOctaveSuppression(-1);
     }
 
     Ptr<AdaptiveQuadtreeORB> orb;
