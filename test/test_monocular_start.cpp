@@ -221,9 +221,10 @@ struct Start
     double keypoints = 0;  // of the finest level
     double matches = 0;    // with the next frame
     double correct = 0;    // of these
-    double wait =
-        0;  // frames until one has enough matches with the one before; all that are left, if none has
-    double held = 0;  // how many frames in a row have enough matches with one reference
+    //! Frames until one has enough matches with the one before. One more than are left, if none has.
+    double wait = 0;
+    //! How many frames in a row have enough matches with one reference, up to 10.
+    double held = 0;
 };
 
 //! Whether a match of the frames with these indices agrees with the motion between them.
@@ -232,8 +233,7 @@ typedef std::function<bool(int from, int to, const PointPair& match)> Motion;
 Start measureStart(const std::vector<Features>& frames, const Motion& isCorrect)
 {
     const int count = int(frames.size()), pairs = count - 1;
-    // The matches of a frame with so many after it.
-    const int horizon = std::min(pairs, 10);
+    const int horizon = std::min(pairs, 10);  // a frame is matched with so many after it
     std::vector<std::vector<int>> matches(count, std::vector<int>(horizon + 1));
     Start start;
     for (int from = 0; from < count; from++)
@@ -347,6 +347,11 @@ TEST(Aqorb_MonocularStart, over_a_drawn_plane)
                                               { return flight.isCorrect(from, to, match); });
             report(format("drawn plane %d, %d features", seed, nfeatures), starts);
             expectAsGoodAsThePapers(starts);
+            if (nfeatures >= 1000)
+            {
+                EXPECT_DOUBLE_EQ(1, starts[DEFAULT].wait);  // every frame matches the next
+                EXPECT_GE(starts[DEFAULT].held, 4);
+            }
         }
     }
 }
@@ -426,6 +431,14 @@ TEST(Aqorb_MonocularStart, on_a_road)
                                           { return drive.isCorrect(from, to, match); });
         report(format("road, %d features", nfeatures), starts);
         expectAsGoodAsThePapers(starts);
+        if (nfeatures >= 1000)
+        {
+            EXPECT_LE(starts[DEFAULT].wait, 2);
+        }
+        if (nfeatures >= 2000)
+        {
+            EXPECT_GE(starts[DEFAULT].held, 2);
+        }
     }
 }
 
