@@ -136,12 +136,12 @@ TEST(Aqorb_Slam, what_differs_from_the_detectors_defaults)
     const AdaptiveQuadtreeORB& detector = *extractor.detector();
     EXPECT_FALSE(detector.getSubPixel());
     EXPECT_FALSE(detector.getAdaptiveThreshold());
+    EXPECT_EQ(0, detector.getOctaveSuppression());
 
     const Ptr<AdaptiveQuadtreeORB> other = AdaptiveQuadtreeORB::create();
     EXPECT_EQ(other->getSelectionType(), detector.getSelectionType());
     EXPECT_EQ(other->getStrengthWeight(), detector.getStrengthWeight());
     EXPECT_EQ(other->getRankRadius(), detector.getRankRadius());
-    EXPECT_EQ(other->getOctaveSuppression(), detector.getOctaveSuppression());
     EXPECT_EQ(other->getMaxDepth(), detector.getMaxDepth());
     EXPECT_EQ(other->getCellSize(), detector.getCellSize());
     EXPECT_EQ(other->getEdgeThreshold(), detector.getEdgeThreshold());

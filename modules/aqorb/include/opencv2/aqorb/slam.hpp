@@ -38,10 +38,11 @@ so nfeatures + nlevels if the image has enough corners, and at least nfeatures +
 ORB-SLAM2 starts only on a frame with more than 500 keypoints, and so would never start with nFeatures: 500
 and an extractor that keeps to it. AdaptiveQuadtreeORB itself never returns more than it is created for.
 
-Two properties of the detector are set to what such systems expect. SubPixel is false, because their
+Three properties of the detector are set to what such systems expect. SubPixel is false, because their
 stereo matching takes a position for a whole pixel of its level times the scale of the level.
-AdaptiveThreshold is false, so that the FAST thresholds are those given. Both can be changed through
-detector().
+AdaptiveThreshold is false, so that the FAST thresholds are those given. OctaveSuppression is 0, because a
+single camera is initialised with keypoints of the finest level only, and the best of these are where a
+coarser level has one, too. All can be changed through detector().
 
 An object keeps the pyramid of its last image, so it can be used by one thread at a time. Create one object
 for each camera.
@@ -167,10 +168,9 @@ private:
         orb.setAdaptiveThreshold(false);
         // Stereo matching by patches starts at a whole pixel of the level.
         orb.setSubPixel(false);
-        // The selection, between evenness and strength, and the distance between keypoints of different levels: so
-        // far those that suit all purposes.
-        orb.setStrengthWeight(0.15);
-        orb.setOctaveSuppression(-1);
+        // Two frames of a single camera are first matched by keypoints of the finest level. Octave suppression
+        // would leave out those of its corners that a coarser level has, too, which are found again best.
+        orb.setOctaveSuppression(0);
     }
 
     Ptr<AdaptiveQuadtreeORB> orb;
