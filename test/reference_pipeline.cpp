@@ -156,7 +156,10 @@ class Pipeline
 {
 public:
     Pipeline(const Mat& gray_, const Mat& mask_, const Settings& settings)
-        : gray(gray_), mask(mask_), s(settings), isHarris(settings.scoreType == ORB::HARRIS_SCORE),
+        : gray(gray_),
+          mask(mask_),
+          s(settings),
+          isHarris(settings.scoreType == ORB::HARRIS_SCORE),
           isRanked(settings.selectionType == AdaptiveQuadtreeORB::RANKED_SELECTION)
     {
     }
@@ -255,8 +258,8 @@ private:
         for (size_t i = 0; i < corners.size(); i++)
         {
             const Corner& c = corners[i];
-            const Candidate candidate = {
-                c.x, c.y, c.score, isHarris ? harrisResponse(level.image, c.x, c.y) : (float)c.score};
+            const Candidate candidate = {c.x, c.y, c.score,
+                                         isHarris ? harrisResponse(level.image, c.x, c.y) : (float)c.score};
             scored.push_back(candidate);
         }
         return scored;
@@ -309,7 +312,7 @@ private:
         {
             const int64 column = (int64(of[i].x - level.root.x) << level.depth) / level.root.width;
             const int64 row = (int64(of[i].y - level.root.y) << level.depth) / level.root.height;
-            const LeafCorner corner = {int(column),      int(row),       float(of[i].x),
+            const LeafCorner corner = {int(column),    int(row),       float(of[i].x),
                                        float(of[i].y), of[i].response, int(i)};
             corners.push_back(corner);
         }
@@ -343,8 +346,9 @@ private:
                         m01);
             return momentsScore(corner.base, m10, m01);
         };
-        const RankedRule rule = {level.root.size(), level.depth,      level.usableShare, level.ownQuota,
-                                 s.rankRadius,      s.strengthWeight, 1 << 18};
+        const RankedRule rule = {
+            level.root.size(), level.depth, level.usableShare, level.ownQuota, s.rankRadius,
+            s.strengthWeight,  1 << 18};
         return rankedSequence(corners, rule, unmaskedLeaves(level), strengthOf);
     }
 

@@ -242,7 +242,10 @@ KeyPoints retainUniform(const KeyPoints& keypoints, Size imageSize, int npoints)
         const double side = 1 << depth;
         const LeafCorner corner = {int(p.x * side / imageSize.width),
                                    int(p.y * side / imageSize.height),
-                                   p.x, p.y, keypoints[i].response, (int)i};
+                                   p.x,
+                                   p.y,
+                                   keypoints[i].response,
+                                   (int)i};
         corners.push_back(corner);
     }
     std::vector<int> order;

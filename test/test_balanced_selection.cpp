@@ -139,7 +139,8 @@ TEST(Aqorb_BalancedSelection, gives_the_bytes_of_version_0_1_by_default)
 TEST(Aqorb_BalancedSelection, gives_the_bytes_of_version_0_1_for_other_numbers_of_features)
 {
     const int numbers[] = {1, 7, 60, 1000, 100000};
-    const char* const hashes[] = {"9d51cfa5e89115ef", "2b853d93e8fc3681", "d38f4b4b8dff96d1", "b7a9ad603df10e7c", "cb8bca3a8915ed9a"};
+    const char* const hashes[] = {"9d51cfa5e89115ef", "2b853d93e8fc3681", "d38f4b4b8dff96d1",
+                                  "b7a9ad603df10e7c", "cb8bca3a8915ed9a"};
     for (int i = 0; i < 5; i++)
     {
         SCOPED_TRACE(numbers[i]);

@@ -92,8 +92,8 @@ TEST(Aqorb_RankedReference, base_and_score_by_hand)
     EXPECT_EQ(reference::cornerBase(10, 2.f, true), 20000.f);
     EXPECT_EQ(reference::cornerBase(10, -2.f, true), 0.f);
     EXPECT_EQ(reference::cornerBase(10, 10.f, false), 10000.f);
-    EXPECT_EQ(reference::momentsScore(3.f, 1 << 16, 0), 3.f);        // |m| = 1
-    EXPECT_EQ(reference::momentsScore(3.f, 0, -(1 << 17)), 48.f);    // 2
+    EXPECT_EQ(reference::momentsScore(3.f, 1 << 16, 0), 3.f);         // |m| = 1
+    EXPECT_EQ(reference::momentsScore(3.f, 0, -(1 << 17)), 48.f);     // 2
     EXPECT_EQ(reference::momentsScore(3.f, 1 << 16, 1 << 16), 12.f);  // sqrt(2)
     EXPECT_EQ(reference::momentsScore(3.f, 0, 0), 0.f);
     // -2^31 squared twice is 2^63: |m|^2 = 2^31, and with b = 1 it is squared.
@@ -145,7 +145,8 @@ public:
     Ints get() const
     {
         return rankedSequence(
-            corners, rule, [this](int column, int row)
+            corners, rule,
+            [this](int column, int row)
             { return std::find(masked.begin(), masked.end(), Point(column, row)) == masked.end(); },
             [](const LeafCorner& corner) { return corner.base; });
     }
@@ -170,26 +171,22 @@ TEST(Aqorb_RankedReference, ranks_by_hand)
     Order order(crossRule(0));
     order.add(0, 0, 4).add(1, 0, 8).add(3, 3, 2).add(2, 0, 16);
     EXPECT_EQ(order.get(), Ints({3, 2, 1, 0}));
-    // (1 + r)^4 / S, as S is a fourth power: 64 * 2.67^4 = 3227, 8 * 2.25^4 = 205, 17, 16
+    // By (1 + r)^4 / S, as S is a fourth power. Now 1/8 is the strongest: 8 and, far away, 17. The two beside it have
+    // 16 * (9/4)^4 = 410 and 64 * (8/3)^4 = 3236.
     Order weighted(crossRule(1));
     weighted.add(0, 0, 1 / 64.f).add(1, 0, 1 / 8.f).add(3, 3, 1 / 17.f).add(2, 0, 1 / 16.f);
-    EXPECT_EQ(weighted.get(), Ints({1, 3, 2, 0}));  // 8 has no stronger one; 16 * (9/4)^4 = 410, 17, ...
+    EXPECT_EQ(weighted.get(), Ints({1, 2, 3, 0}));
 }
 
 TEST(Aqorb_RankedReference, weight_by_hand)
 {
-    // In the middle of 4 x 4 leaves: a corner of strength 4^4 beside one of 3^4 and far from one of 1.1^4. Ranked by
-    // (1 + r) / s^P: 1 / 4^P, 2 / 3^P, 1 / 1.1^P. The last two are equal if (3 / 1.1)^P = 2, P = .691.
+    // A corner of strength 4^4 beside one of 3^4, and one of 1.1^4 far away. By (1 + r) / s^P they have 1 / 4^P, 2 / 3^P
+    // and 1 / 1.1^P. The last two are equal if (3 / 1.1)^P = 2, which is P = .691.
     for (double P : {0., 0.5, 0.68, 0.70, 1., 1000.})
     {
         Order order(crossRule(P));
-        order.add(1, 1, 1.1f * 1.1f * 1.1f * 1.1f).add(1, 2, 256.f).add(2, 2, 81.f);
-        // 1.1 is beside 4 as well.
-        Order apart(crossRule(P));
-        apart.add(3, 1, std::pow(1.1f, 4)).add(1, 2, 256.f).add(2, 2, 81.f);
-        // Its disc has 4 leaves inside, but r = 0.
-        EXPECT_EQ(apart.get(), P < 0.69 ? Ints({1, 0, 2}) : Ints({1, 2, 0})) << P;
-        EXPECT_EQ(order.get(), Ints({1, 2, 0})) << P;
+        order.add(3, 0, std::pow(1.1f, 4.f)).add(1, 2, 256.f).add(2, 2, 81.f);
+        EXPECT_EQ(order.get(), P < 0.69 ? Ints({1, 0, 2}) : Ints({1, 2, 0})) << P;
     }
 }
 
@@ -202,41 +199,34 @@ TEST(Aqorb_RankedReference, masked_leaves_are_no_part_of_the_disc)
     // With two leaves masked it is 1 + 5/3 for the first.
     order.maskLeaf(0, 2).maskLeaf(2, 2);
     EXPECT_EQ(order.get(), Ints({3, 1, 2, 0}));
+
     // The leaf of a representative counts even if its centre is masked.
-    order.maskLeaf(1, 0).maskLeaf(2, 0);
-    EXPECT_EQ(order.get(), Ints({3, 1, 2, 0}));
-    order.maskLeaf(0, 0).maskLeaf(1, 1);  // Now 2 of 5 leaves of the other one are left.
-    EXPECT_EQ(order.get(), Ints({3, 1, 0, 2}));
+    Order masked(crossRule(0));
+    masked.add(1, 2, 1).add(1, 3, 2).add(1, 0, 8).add(2, 0, 16).maskLeaf(1, 2).maskLeaf(1, 3);
+    EXPECT_EQ(masked.get(), Ints({3, 1, 0, 2}));
 }
 
 TEST(Aqorb_RankedReference, disc_reaches_as_far_as_its_radius)
 {
-    // 16 x 16 leaves in a root of 200 x 100. With quota 8 and half of the area usable the spacing is
-    // sqrt(100 * 100 / 8) = 35.36, 2.83 leaves in x and 5.66 in y. The weaker one in the middle comes before a third
-    // one, which has a stronger neighbour, if the stronger one is out of reach.
-    const double halfLeaf = 1e-9;  // of the radius, to be on either side
+    // 16 x 16 leaves of 12.5 x 6.25 pixels. With quota 8 and half of the area usable the spacing is
+    // sqrt(100 * 100 / 8) pixels, so that its square is 8 squared widths or 32 squared heights.
     struct Case
     {
         int dx, dy;
-        double leaves;  // squared distance over spacing^2
+        double squaredRadius;
     };
-    const Case cases[] = {{2, 0, 4 / 8.}, {0, 5, 25 / 32.}, {2, 4, 1.}, {-2, -4, 1.}, {3, 0, 9 / 8.}, {1, -6, 40 / 32.}};
+    const Case cases[] = {{2, 0, 4 / 8.}, {0, 5, 25 / 32.}, {2, 4, 1.},
+                          {-2, -4, 1.},   {3, 0, 9 / 8.},   {1, -6, 40 / 32.}};
     for (const Case& c : cases)
     {
         for (int side = -1; side <= 1; side += 2)
         {
             SCOPED_TRACE(format("%d, %d, %d", c.dx, c.dy, side));
-            const RankedRule rule = {Size(200, 100), 4, 0.5, 8, std::sqrt(c.leaves) + side * halfLeaf, 0, 1 << 18};
+            RankedRule rule = {Size(200, 100), 4, 0.5, 8, 0, 0, 1 << 18};
+            rule.rankRadius = std::sqrt(c.squaredRadius) + side * 1e-9;
             Order order(rule);
-            order.add(8, 8, 5).add(8 + c.dx, 8 + c.dy, 6).add(0, 0, 7).add(1, 0, 4);
-            // Ranks in the disc: the first of these is first, and the one beside it always has a rank.
-            const Ints found = order.get();
-            ASSERT_EQ(found.size(), 4u);
-            EXPECT_EQ(found[0], 2);
-            EXPECT_EQ(found[1], 1);
-            const bool isNear = side > 0;
-            if (!isNear)
-                EXPECT_EQ(found[2], 0);  // rank 0
+            order.add(8, 8, 5).add(8 + c.dx, 8 + c.dy, 6).add(15, 15, 4);  // The last one is alone.
+            EXPECT_EQ(order.get(), side > 0 ? Ints({1, 2, 0}) : Ints({1, 0, 2}));
         }
     }
     // R = 0: every leaf is alone.
@@ -265,7 +255,7 @@ TEST(Aqorb_RankedReference, large_roots_are_halved_together)
 
 TEST(Aqorb_RankedReference, strengths_that_are_no_numbers_or_not_positive)
 {
-    // All of them apart from each other, so that every rank is 0 (odd leaves of 8 x 8, a disc of one leaf).
+    // With R = 0 every rank is 0.
     RankedRule rule = crossRule(0.15);
     rule.depth = 3;
     rule.rankRadius = 0;
