@@ -93,8 +93,8 @@ std::vector<LeafPoint> balancedSequence(const std::vector<LeafPoint>& points, in
 /** log2(v) in units of 2^-24, v > 0 and finite. v = 2^e * (1 + f / 2^23). With T(i), i = 0..4096, log2(1 + i / 4096)
  in units of 2^-26, rounded down, it is e plus what lies linearly between T(f / 2048) and the next, rounded down. */
 int64 binaryLogarithm(float v);
-//! Quotas in proportion to the levels' areas. Level 0 takes what the others leave by rounding.
-std::vector<int> areaQuotas(int nfeatures, double scaleFactor, int nlevels);
+//! Quotas of as many levels, in proportion to their areas. Level 0 takes what the others leave by rounding.
+std::vector<int> areaQuotas(int nfeatures, double scaleFactor, int count);
 //! The smallest depth, but at most `most`, with 16 leaves for each feature, where the usable share counts alone.
 int depthForQuota(int quota, double usable, int most);
 //! The depth of a level's tree. Leaves are at least 2 pixels a side.
@@ -130,9 +130,10 @@ struct RankedRule
 std::vector<int> rankedSequence(const std::vector<LeafCorner>& corners, const RankedRule& rule,
                                 const std::function<bool(int column, int row)>& isUnmasked,
                                 const std::function<float(const LeafCorner&)>& strengthOf);
-//! The same with the base for strength and the default radius and weight: the rule of retainUniform.
+//! The same without a mask, with the base for strength, and with the default radius and weight: the rule of
+//! retainUniform, by which also those corners of a level are ordered that other rules passed over.
 std::vector<int> responseSequence(const std::vector<LeafCorner>& corners, Size root, int depth, double usable,
-                                  int quota, const std::function<bool(int column, int row)>& isUnmasked);
+                                  int quota);
 KeyPoints retainUniform(const KeyPoints& keypoints, Size imageSize, int npoints);
 
 Point2f position(int x, int y, Point2d d, Size imageSize, Size levelSize, float scale, int border,

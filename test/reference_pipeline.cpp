@@ -135,7 +135,7 @@ struct PyramidLevel
     Mat image, mask;
     Mat usable;  // the mask without the pixels that have no usable position in the image
     float scale;
-    int quota;     // with what smaller levels leave over
+    int quota;     // with that of levels that are too small
     int ownQuota;  // without that, but at least 1
     int depth;
     double usableShare;  // of the pixels of the root
@@ -174,24 +174,33 @@ public:
     }
 
 private:
+    Size sizeOfLevel(int i) const
+    {
+        return levelSize(gray.size(), levelScale(i, s.firstLevel, s.scaleFactor));
+    }
+    bool isLargeEnough(Size size) const
+    {
+        return std::min(size.width, size.height) >= 2 * std::max(s.edgeThreshold, 3) + 1;
+    }
+
     void buildPyramid()
     {
         const double scaleFactor = s.scaleFactor;
-        const std::vector<int> quotaOfLevel = isRanked ? areaQuotas(s.nfeatures, scaleFactor, s.nlevels)
+        int count = 0;  // of the levels that are large enough
+        while (count < s.nlevels && isLargeEnough(sizeOfLevel(count)))
+            count++;
+        if (count == 0)
+            return;
+        // A ranked selection distributes the features over these, the paper's over all.
+        const std::vector<int> quotaOfLevel = isRanked ? areaQuotas(s.nfeatures, scaleFactor, count)
                                                        : quotas(s.nfeatures, scaleFactor, s.nlevels);
         const Thresholds t = thresholds(varianceOverMean(gray, mask), s.adaptiveThreshold, s.fastThreshold,
                                         s.minThresholdRatio);
-        int unused = 0;  // quota of levels that are too small
-        for (int i = 0; i < s.nlevels; i++)
+        for (int i = 0; i < count; i++)
         {
             PyramidLevel level;
             level.scale = levelScale(i, s.firstLevel, scaleFactor);
-            const Size size = levelSize(gray.size(), level.scale);
-            if (std::min(size.width, size.height) < 2 * std::max(s.edgeThreshold, 3) + 1)
-            {
-                unused = std::accumulate(quotaOfLevel.begin() + i, quotaOfLevel.end(), 0);
-                break;
-            }
+            const Size size = sizeOfLevel(i);
             level.image = gray;
             level.mask = mask;
             if (i != s.firstLevel)
@@ -220,8 +229,7 @@ private:
             level.next = 0;
             levels.push_back(level);
         }
-        if (!levels.empty())
-            levels.back().quota += unused;
+        levels.back().quota = std::accumulate(quotaOfLevel.begin() + count - 1, quotaOfLevel.end(), 0);
     }
 
     Point2f positionOf(const PyramidLevel& level, int x, int y, Point2d d) const
@@ -358,7 +366,7 @@ private:
         if (!isRanked)
             return balancedOrder(level, of);
         return responseSequence(leafCorners(level, of), level.root.size(), level.depth, level.usableShare,
-                                level.ownQuota, unmaskedLeaves(level));
+                                level.ownQuota);
     }
 
     // Takes up to `wanted` more of a level's sequence; returns how many are still wanted.

@@ -31,13 +31,15 @@ int64 binaryLogarithm(float v)
     return e * ((int64)1 << 24) + (T(i) * 2048 + (T(i + 1) - T(i)) * t) / 8192;
 }
 
-std::vector<int> areaQuotas(int nfeatures, double scaleFactor, int nlevels)
+std::vector<int> areaQuotas(int nfeatures, double scaleFactor, int count)
 {
-    std::vector<int> result(nlevels);
-    const float factor = (float)(1.0 / (scaleFactor * scaleFactor));
-    float wanted = nfeatures * (1 - factor) / (1 - (float)std::pow((double)factor, (double)nlevels));
+    std::vector<int> result(count);
+    const float ratio = (float)(1.0 / scaleFactor), factor = ratio * ratio;
+    float wanted = factor < 1
+                       ? nfeatures * (1 - factor) / (1 - (float)std::pow((double)factor, (double)count))
+                       : (float)nfeatures / count;
     int64 sum = 0;
-    for (int level = 1; level < nlevels; level++)
+    for (int level = 1; level < count; level++)
     {
         wanted *= factor;
         result[level] = cvRound(wanted);
@@ -216,22 +218,15 @@ std::vector<int> rankedSequence(const std::vector<LeafCorner>& corners, const Ra
 }
 
 std::vector<int> responseSequence(const std::vector<LeafCorner>& corners, Size root, int depth, double usable,
-                                  int quota, const std::function<bool(int column, int row)>& isUnmasked)
+                                  int quota)
 {
-    struct Base
-    {
-        float operator()(const LeafCorner& corner) const { return corner.base; }
-    };
     const RankedRule rule = {root, depth, usable, quota, 1, 0.15, 1 << 16};
-    return rankedSequence(corners, rule, isUnmasked, Base());
+    return rankedSequence(
+        corners, rule, [](int, int) { return true; }, [](const LeafCorner& corner) { return corner.base; });
 }
 
 KeyPoints retainUniform(const KeyPoints& keypoints, Size imageSize, int npoints)
 {
-    struct Everywhere
-    {
-        bool operator()(int, int) const { return true; }
-    };
     const int depth = depthForQuota(npoints, 1, 12);
     std::vector<LeafCorner> corners;
     for (size_t i = 0; i < keypoints.size(); i++)
@@ -250,7 +245,7 @@ KeyPoints retainUniform(const KeyPoints& keypoints, Size imageSize, int npoints)
     }
     std::vector<int> order;
     if (npoints > 0)
-        order = responseSequence(corners, imageSize, depth, 1, npoints, Everywhere());
+        order = responseSequence(corners, imageSize, depth, 1, npoints);
     order.resize(std::min(order.size(), (size_t)npoints));
     std::sort(order.begin(), order.end());
     KeyPoints kept;
