@@ -126,7 +126,7 @@ struct RankedRule
 
 /** The indices of corners in the order in which they are chosen.
  @param isUnmasked whether the mask allows a corner in the centre of a leaf
- @param strengthOf asked of the best corner of each leaf */
+ @param strengthOf asked of the best corners of leaves that are representatives */
 std::vector<int> rankedSequence(const std::vector<LeafCorner>& corners, const RankedRule& rule,
                                 const std::function<bool(int column, int row)>& isUnmasked,
                                 const std::function<float(const LeafCorner&)>& strengthOf);

@@ -350,7 +350,7 @@ private:
             if (level.depth == 0)
                 return corner.base;
             int m10 = 0, m01 = 0;
-            discMoments(level.image, (int)corner.x, (int)corner.y, s.patchSize, std::max(1, radius / 5), m10,
+            discMoments(level.image, (int)corner.x, (int)corner.y, s.patchSize, std::max(1, radius / 3), m10,
                         m01);
             return momentsScore(corner.base, m10, m01);
         };

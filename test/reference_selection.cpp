@@ -7,6 +7,7 @@
 
 #include <limits>
 #include <map>
+#include <set>
 
 namespace opencv_test
 {
@@ -106,7 +107,8 @@ namespace
 struct Placed
 {
     LeafCorner corner;
-    int place;       // in the leaf; 0: representative
+    int place;  // in the leaf
+    bool isRepresentative;
     float strength;  // the rest is for representatives only
     int part;        // of the sequence of representatives: 0 is infinite, 2 is not positive
     int64 key;
@@ -121,10 +123,10 @@ bool isStronger(const Placed& a, const Placed& b)
 
 bool comesBefore(const Placed& a, const Placed& b)
 {
-    if (a.place != b.place)
-        return a.place < b.place;
-    if (a.place > 0)
-        return isBetterBase(a.corner, b.corner);
+    if (a.isRepresentative != b.isRepresentative)
+        return a.isRepresentative;
+    if (!a.isRepresentative)
+        return a.place != b.place ? a.place < b.place : isBetterBase(a.corner, b.corner);
     if (a.part != b.part)
         return a.part < b.part;
     return a.key != b.key ? a.key < b.key : isStronger(a, b);
@@ -140,17 +142,37 @@ std::vector<int> rankedSequence(const std::vector<LeafCorner>& corners, const Ra
     Leaves leaves;
     for (size_t i = 0; i < corners.size(); i++)
         leaves[std::make_pair(corners[i].row, corners[i].column)].push_back(corners[i]);
+    for (Leaves::iterator leaf = leaves.begin(); leaf != leaves.end(); ++leaf)
+        std::sort(leaf->second.begin(), leaf->second.end(), isBetterBase);
 
+    // The best of a leaf represents it, unless two or more of the 8 leaves around have a better one.
     std::vector<Placed> representatives, sequence;
+    std::set<std::pair<int, int>> represented;
     for (Leaves::iterator leaf = leaves.begin(); leaf != leaves.end(); ++leaf)
     {
-        std::vector<LeafCorner>& inLeaf = leaf->second;
-        std::sort(inLeaf.begin(), inLeaf.end(), isBetterBase);
-        for (size_t i = 0; i < inLeaf.size(); i++)
+        int better = 0;
+        for (int dy = -1; dy <= 1; dy++)
         {
-            const Placed placed = {inLeaf[i], (int)i, i == 0 ? strengthOf(inLeaf[i]) : 0.f, 0, 0};
-            (i == 0 ? representatives : sequence).push_back(placed);
+            for (int dx = -1; dx <= 1; dx++)
+            {
+                const Leaves::iterator other =
+                    leaves.find(std::make_pair(leaf->first.first + dy, leaf->first.second + dx));
+                if (other == leaves.end() || other == leaf)
+                    continue;
+                const float base = leaf->second[0].base, otherBase = other->second[0].base;
+                const bool isEqual = !isHigher(base, otherBase) && !isHigher(otherBase, base);
+                better += isHigher(otherBase, base) || (isEqual && other->first < leaf->first);
+            }
         }
+        for (size_t i = 0; i < leaf->second.size(); i++)
+        {
+            const bool represents = i == 0 && better < 2;
+            const Placed placed = {
+                leaf->second[i], (int)i, represents, represents ? strengthOf(leaf->second[i]) : 0.f, 0, 0};
+            (represents ? representatives : sequence).push_back(placed);
+        }
+        if (better < 2)
+            represented.insert(leaf->first);
     }
 
     // Leaves that are (dx, dy) away are in the disc if dx^2 W^2 + dy^2 H^2 <= reach.
@@ -195,7 +217,7 @@ std::vector<int> rankedSequence(const std::vector<LeafCorner>& corners, const Ra
             {
                 const int64 dx = x - column, dy = y - row;
                 if (dx * dx * W * W + dy * dy * H * H <= reach &&
-                    (isUnmasked((int)x, (int)y) || leaves.count(std::make_pair((int)y, (int)x)) != 0))
+                    (isUnmasked((int)x, (int)y) || represented.count(std::make_pair((int)y, (int)x)) != 0))
                     inside++;
             }
         }

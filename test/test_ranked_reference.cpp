@@ -101,9 +101,9 @@ TEST(Aqorb_RankedReference, base_and_score_by_hand)
               std::ldexp(1.f, 62));
 }
 
-TEST(Aqorb_RankedReference, moments_of_every_third_row)
+TEST(Aqorb_RankedReference, moments_of_every_fifth_row)
 {
-    // One bright pixel at a time: it counts on rows 0, +-3, ... +-15 of the disc and nowhere else.
+    // One bright pixel at a time: it counts on rows 0, +-5, +-10 and +-15 of the disc and nowhere else.
     int counted = 0;
     for (int v = -17; v <= 17; v++)
     {
@@ -112,17 +112,16 @@ TEST(Aqorb_RankedReference, moments_of_every_third_row)
             Mat image = Mat::zeros(41, 41, CV_8UC1);
             image.at<uchar>(20 + v, 20 + u) = 2;
             int m10 = 0, m01 = 0, all10 = 0, all01 = 0;
-            reference::discMoments(image, 20, 20, 31, 3, m10, m01);
+            reference::discMoments(image, 20, 20, 31, 5, m10, m01);
             reference::discMoments(image, 20, 20, 31, 1, all10, all01);
-            const bool counts = v % 3 == 0;
-            ASSERT_EQ(m10, counts ? all10 : 0);
-            ASSERT_EQ(m01, counts ? all01 : 0);
-            counted += m10 != 0 || m01 != 0;
+            ASSERT_EQ(m10, v % 5 == 0 ? all10 : 0);
+            ASSERT_EQ(m01, v % 5 == 0 ? all01 : 0);
             ASSERT_TRUE((m10 == 0 && m01 == 0) || (m10 == 2 * u && m01 == 2 * v));
+            counted += m10 != 0 || m01 != 0;
         }
     }
-    // Rows 0, 3, 6, 9, 12, 15 of the disc of radius 15 have 15, 15, 14, 12, 9 and 3 pixels on either side.
-    EXPECT_EQ(counted, 30 + 2 * (31 + 29 + 25 + 19 + 7));
+    // Rows 0, 5, 10 and 15 of the disc of radius 15 have 15, 14, 11 and 3 pixels on either side.
+    EXPECT_EQ(counted, 30 + 2 * (29 + 23 + 7));
 }
 
 //! Corners in leaves, of which the order is asked.
@@ -255,16 +254,16 @@ TEST(Aqorb_RankedReference, large_roots_are_halved_together)
 
 TEST(Aqorb_RankedReference, strengths_that_are_no_numbers_or_not_positive)
 {
-    // With R = 0 every rank is 0.
+    // With R = 0 every rank is 0. No leaf has a neighbour.
     RankedRule rule = crossRule(0.15);
-    rule.depth = 3;
+    rule.depth = 4;
     rule.rankRadius = 0;
     const float strengths[] = {NOT_A_NUMBER, 1.f, 0.f, INF, -1.f, -INF, 1e-42f, -0.f, INF, 2.f, NOT_A_NUMBER};
-    Order order(rule), even(RankedRule({Size(100, 100), 3, 1, 16, 0, 0, 1 << 18}));
+    Order order(rule), even(RankedRule({Size(100, 100), 4, 1, 16, 0, 0, 1 << 18}));
     for (int i = 0; i < 11; i++)
     {
-        order.add(i % 8, i / 8, strengths[i]);
-        even.add(i % 8, i / 8, strengths[i]);
+        order.add(2 * (i % 8), 2 * (i / 8), strengths[i]);
+        even.add(2 * (i % 8), 2 * (i / 8), strengths[i]);
     }
     EXPECT_EQ(order.get(), Ints({3, 8, 9, 1, 6, 2, 7, 4, 5, 0, 10}));
     EXPECT_EQ(even.get(), Ints({3, 8, 9, 1, 6, 2, 7, 4, 5, 0, 10}));
@@ -276,6 +275,26 @@ TEST(Aqorb_RankedReference, strengths_that_are_no_numbers_or_not_positive)
         ranked.add(0, 0, INF).add(1, 0, INF).add(3, 3, 0.f).add(2, 3, 5.f).add(0, 3, 7.f);
         EXPECT_EQ(ranked.get(), P > 0 ? Ints({0, 1, 4, 3, 2}) : Ints({0, 4, 3, 1, 2})) << P;
     }
+}
+
+TEST(Aqorb_RankedReference, no_more_than_one_better_neighbour)
+{
+    // In a row 2.5, 3, 2, and 1 below the last two of them, which is passed over. 1 + r is 1 + 5/3, 1 and 1 + 5/4.
+    Order order(crossRule(0));
+    order.add(0, 0, 2.5f).add(1, 0, 3).add(2, 0, 2).add(2, 1, 1);
+    EXPECT_EQ(order.get(), Ints({1, 2, 0, 3}));
+    // Nothing represents the leaf below. If it is masked, the third has 1 + 5/3, too.
+    order.maskLeaf(2, 1);
+    EXPECT_EQ(order.get(), Ints({1, 0, 2, 3}));
+
+    // Of four equal ones beside each other the first two in raster order stay.
+    Order equal(crossRule(0));
+    equal.add(1, 1, 5).add(0, 1, 5).add(1, 0, 5).add(0, 0, 5).add(3, 3, 5);
+    EXPECT_EQ(equal.get(), Ints({3, 4, 2, 0, 1}));
+    // Passed-over ones come before the second of any leaf, by their base.
+    Order mixed(crossRule(0.15));
+    mixed.add(0, 0, 9, 1, 1).add(0, 0, 8, 2, 1).add(1, 0, 7, 30, 1).add(0, 1, 5, 1, 30).add(1, 1, 6, 30, 30);
+    EXPECT_EQ(mixed.get(), Ints({0, 2, 4, 3, 1}));
 }
 
 TEST(Aqorb_RankedReference, the_others_follow_by_their_place_in_the_leaf)
