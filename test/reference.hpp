@@ -41,7 +41,7 @@ struct Settings
     int cellSize = 35;
     int maxDepth = -1;
     AdaptiveQuadtreeORB::SelectionType selectionType = AdaptiveQuadtreeORB::RANKED_SELECTION;
-    double strengthWeight = 0.15;
+    double strengthWeight = 0.2;
     double rankRadius = 1;
     double octaveSuppression = -1;
     bool subPixel = true;
@@ -95,7 +95,7 @@ std::vector<LeafPoint> balancedSequence(const std::vector<LeafPoint>& points, in
 int64 binaryLogarithm(float v);
 //! Quotas of as many levels, in proportion to their areas. Level 0 takes what the others leave by rounding.
 std::vector<int> areaQuotas(int nfeatures, double scaleFactor, int count);
-//! The smallest depth, but at most `most`, with 16 leaves for each feature, where the usable share counts alone.
+//! The smallest depth, but at most `most`, with 8 leaves for each feature, where the usable share counts alone.
 int depthForQuota(int quota, double usable, int most);
 //! The depth of a level's tree. Leaves are at least 2 pixels a side.
 int rankedDepth(int maxDepth, int quota, double usable, Size root);

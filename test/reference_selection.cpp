@@ -60,7 +60,7 @@ std::vector<int> areaQuotas(int nfeatures, double scaleFactor, int count)
 int depthForQuota(int quota, double usable, int most)
 {
     int depth = 0;
-    while (depth < most && std::pow(4., depth) * usable < 16. * quota)
+    while (depth < most && std::pow(4., depth) * usable < 8. * quota)
         depth++;
     return depth;
 }
@@ -242,7 +242,7 @@ std::vector<int> rankedSequence(const std::vector<LeafCorner>& corners, const Ra
 std::vector<int> responseSequence(const std::vector<LeafCorner>& corners, Size root, int depth, double usable,
                                   int quota)
 {
-    const RankedRule rule = {root, depth, usable, quota, 1, 0.15, 1 << 16};
+    const RankedRule rule = {root, depth, usable, quota, 1, 0.2, 1 << 16};
     return rankedSequence(
         corners, rule, [](int, int) { return true; }, [](const LeafCorner& corner) { return corner.base; });
 }

@@ -70,11 +70,12 @@ TEST(Aqorb_RankedReference, quotas_by_hand)
 TEST(Aqorb_RankedReference, depth_by_hand)
 {
     const Size large(1 << 14, 1 << 14);
-    EXPECT_EQ(reference::rankedDepth(-1, 1, 1, large), 2);     // 16 leaves
-    EXPECT_EQ(reference::rankedDepth(-1, 4, 1, large), 3);     // 64
-    EXPECT_EQ(reference::rankedDepth(-1, 5, 1, large), 4);     // 80 <= 256
-    EXPECT_EQ(reference::rankedDepth(-1, 16, 1, large), 4);    // 256
-    EXPECT_EQ(reference::rankedDepth(-1, 16, 0.5, large), 5);  // 1024 / 2
+    EXPECT_EQ(reference::rankedDepth(-1, 1, 1, large), 2);     // 8 <= 16 leaves
+    EXPECT_EQ(reference::rankedDepth(-1, 2, 1, large), 2);     // 16
+    EXPECT_EQ(reference::rankedDepth(-1, 3, 1, large), 3);     // 24 <= 64
+    EXPECT_EQ(reference::rankedDepth(-1, 32, 1, large), 4);    // 256
+    EXPECT_EQ(reference::rankedDepth(-1, 32, 0.5, large), 5);  // 1024 / 2
+    EXPECT_EQ(reference::rankedDepth(-1, 32, 0.2, large), 6);  // 4096 / 5
     EXPECT_EQ(reference::rankedDepth(-1, 1, 0, large), 12);
     EXPECT_EQ(reference::rankedDepth(-1, 2000000, 1, large), 12);
     EXPECT_EQ(reference::rankedDepth(15, 1, 1, large), 12);
