@@ -134,8 +134,15 @@ void LevelDetection::orderByRank(const OrderRule& rule, DetectionScratch& scratc
     if (!byResponse)
     {
         // A corner whose direction is well defined is found again with the same direction.
+        scratch.patches.resize(best.size());
         scratch.moments.resize(best.size());
-        patchMoments(level->image, *rules.strengthPatch, best.data(), best.size(), scratch.moments.data());
+        for (size_t i = 0; i < best.size(); i++)
+        {
+            scratch.patches[i].x = int(best[i].x);
+            scratch.patches[i].y = int(best[i].y);
+        }
+        patchMoments(level->image, *rules.strengthPatch, scratch.patches.data(), best.size(),
+                     scratch.moments.data());
         for (size_t i = 0; i < best.size(); i++)
         {
             const int64 m10 = scratch.moments[i].m10, m01 = scratch.moments[i].m01;

@@ -35,6 +35,7 @@ struct DetectionScratch
     FastScanner scanner;
     LeafScratch leaves;
     std::vector<LeafPoint> points;
+    std::vector<FeaturePoint> patches;
     std::vector<Moments> moments;
     std::vector<uchar> usable;
 };

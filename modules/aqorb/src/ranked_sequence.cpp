@@ -165,45 +165,25 @@ void RankedSequence::begin(std::vector<LeafPoint>& points_, int depth_)
     hasOthers = false;
     others.clear();
 
-    best.assign(size_t(1) << (2 * depth), 0);
-    for (size_t i = 0; i < points.size(); i++)
-    {
-        uint64& ofLeaf = best[points[i].leaf];
-        ofLeaf = std::max(ofLeaf, keyOf(points[i].response, i));
-    }
-
+    // The border is never stronger than any point.
     const int side = 1 << depth, stride = side + 2;
     grid.assign(size_t(stride) * stride, INT_MIN);
-    for (int row = 0; row < side; row++)
+    best.resize(grid.size());
+    for (size_t i = 0; i < points.size(); i++)
     {
-        int* out = &grid[size_t(row + 1) * stride + 1];
-        for (int column = 0; column < side; column++)
-            out[column] = int(unsigned(best[size_t(row) * side + column] >> 32) ^ 0x80000000u);
+        const size_t cell = cellOf(points[i].leaf);
+        const int strength = orderOf(points[i].response);
+        // Without branches, which would be hard to predict. Of equal points the first one stays.
+        const bool isBetter = strength > grid[cell];
+        grid[cell] = isBetter ? strength : grid[cell];
+        best[cell] = isBetter ? unsigned(i) : best[cell];
     }
-    leaves.resize(best.size());
-    size_t count = 0;
-    for (int row = 0; row < side; row++)
+    representativeLeaves(grid, side, flags, leaves);
+    chosen.resize(leaves.size());
+    strengths.resize(leaves.size());
+    for (size_t i = 0; i < leaves.size(); i++)
     {
-        const int *at = &grid[size_t(row + 1) * stride + 1], *above = at - stride, *below = at + stride;
-        passed.resize(side);
-        for (int i = 0; i < side; i++)
-        {
-            const int own = at[i];
-            passed[i] = (above[i - 1] >= own) + (above[i] >= own) + (above[i + 1] >= own) + (at[i - 1] >= own) +
-                        (at[i + 1] > own) + (below[i - 1] > own) + (below[i] > own) + (below[i + 1] > own);
-        }
-        // Without branches, which would be hard to predict.
-        for (int i = 0; i < side; i++)
-        {
-            leaves[count] = unsigned(row * side + i);
-            count += (at[i] != INT_MIN) & (passed[i] < 2);
-        }
-    }
-    chosen.resize(count);
-    strengths.resize(count);
-    for (size_t i = 0; i < count; i++)
-    {
-        chosen[i] = points[indexOf(best[leaves[i]])];
+        chosen[i] = points[best[cellOf(leaves[i])]];
         strengths[i] = chosen[i].response;
     }
 }
@@ -341,7 +321,7 @@ void RankedSequence::sortMore()
 void RankedSequence::listOthers()
 {
     hasOthers = true;
-    std::vector<uchar> isChosen(best.size(), uchar(0));
+    std::vector<uchar> isChosen(size_t(1) << (2 * depth), uchar(0));
     for (size_t i = 0; i < chosen.size(); i++)
         isChosen[chosen[i].leaf] = 1;
     std::sort(points.begin(), points.end(), StrongerInLeaf());

@@ -88,6 +88,11 @@ private:
         unsigned place;  // among the representatives by strength
         unsigned index;  // of the representative
     };
+    size_t cellOf(unsigned leaf) const
+    {
+        const unsigned side = 1u << depth;
+        return size_t((leaf >> depth) + 1) * (side + 2) + (leaf & (side - 1)) + 1;
+    }
     void sortByStrength();
     int leavesInside(int column, int row) const;
     void sortMore();
@@ -96,11 +101,11 @@ private:
     int depth;
     std::vector<LeafPoint> points, chosen, others;
     std::vector<float> strengths;
-    std::vector<uint64> best;               // by leaf: its strongest point
-    std::vector<int> grid;                  // by leaf, with a border: how strong that point is
+    std::vector<int> grid;       // by leaf, with a border: how strong its best point is
+    std::vector<unsigned> best;  // by leaf, with a border: that point
+    std::vector<uchar> flags;
     std::vector<uint64> byStrength, other;  // keys of the representatives; work space
     std::vector<unsigned> leaves;           // of the representatives, at last by strength
-    std::vector<int> passed;                // by leaf of a row: leaves around it with a stronger point
     std::vector<int> ranks, usableBefore;
     LeafDisc disc;
     RankingScratch ranking;

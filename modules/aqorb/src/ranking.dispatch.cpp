@@ -33,6 +33,34 @@ void LeafDisc::begin(const Size& cell, int64 squaredRadius, int side)
     }
 }
 
+static void flagRow(const int* strengths, ptrdiff_t stride, int side, uchar* flags)
+{
+    CV_CPU_DISPATCH(flagRepresentatives, (strengths, stride, side, flags), CV_CPU_DISPATCH_MODES_ALL);
+}
+
+void representativeLeaves(const std::vector<int>& strengths, int side, std::vector<uchar>& flags,
+                          std::vector<unsigned>& leaves)
+{
+    const int stride = side + 2, AT_ONCE = int(sizeof(uint64));
+    flags.assign(alignSize(size_t(side), AT_ONCE), uchar(0));
+    leaves.clear();
+    for (int row = 0; row < side; row++)
+    {
+        flagRow(&strengths[size_t(row + 1) * stride + 1], stride, side, flags.data());
+        for (int first = 0; first < side; first += AT_ONCE)
+        {
+            // Few leaves are representatives, so that most groups have none.
+            uint64 any;
+            std::memcpy(&any, &flags[first], sizeof(any));
+            for (int i = first; any && i < std::min(first + AT_ONCE, side); i++)
+            {
+                if (flags[i])
+                    leaves.push_back(unsigned(row * side + i));
+            }
+        }
+    }
+}
+
 void leafRanks(const unsigned* leaves, size_t count, int depth, const LeafDisc& disc, RankingScratch& scratch,
                int* ranks)
 {

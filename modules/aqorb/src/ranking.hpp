@@ -33,6 +33,15 @@ struct RankingScratch
     std::vector<int> words;
 };
 
+/** Finds the leaves that represent their neighbourhood: those with a point of which at most one of the eight leaves around
+ has a stronger one. Of leaves with equally strong points the first one counts as stronger.
+ @param strengths by leaf, row by row, in rows of side + 2 elements with a border of one element on each side. A greater
+ number is stronger; INT_MIN stands for no point, and for the border.
+ @param side of the grid, in leaves
+ @param leaves their numbers in ascending order */
+void representativeLeaves(const std::vector<int>& strengths, int side, std::vector<uchar>& flags,
+                          std::vector<unsigned>& leaves);
+
 /** Finds the rank of leaves: the number of leaves before it in the list that lie within the disc around it.
  @param leaves numbers of leaves of a grid of side x side leaves, row by row
  @param depth log2 of side */

@@ -14,6 +14,10 @@ namespace stages
 {
 CV_CPU_OPTIMIZATION_NAMESPACE_BEGIN
 
+/** Finds which leaves of a row represent their neighbourhood.
+ @param strengths of the leaves of the row; those of the rows above and below are stride elements away */
+void flagRepresentatives(const int* strengths, ptrdiff_t stride, int side, uchar* flags);
+
 /** Counts, for each leaf, the leaves before it within the disc around it.
  @param grid without any bit; afterwards it has those of all leaves */
 void countBefore(const RankingGrid& grid, const unsigned* leaves, size_t count, int* counts);
@@ -36,6 +40,20 @@ inline int bitCount(uint64 v)
 }
 
 }  // namespace
+
+// Compilers vectorize this loop.
+void flagRepresentatives(const int* strengths, ptrdiff_t stride, int side, uchar* flags)
+{
+    const int *above = strengths - stride, *below = strengths + stride;
+    for (int i = 0; i < side; i++)
+    {
+        const int own = strengths[i];
+        const int stronger = (above[i - 1] >= own) + (above[i] >= own) + (above[i + 1] >= own) +
+                             (strengths[i - 1] >= own) + (strengths[i + 1] > own) + (below[i - 1] > own) +
+                             (below[i] > own) + (below[i + 1] > own);
+        flags[i] = uchar((own != INT_MIN) & (stronger < 2));
+    }
+}
 
 void countBefore(const RankingGrid& grid, const unsigned* leaves, size_t count, int* counts)
 {
