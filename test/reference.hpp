@@ -130,10 +130,10 @@ struct RankedRule
 std::vector<int> rankedSequence(const std::vector<LeafCorner>& corners, const RankedRule& rule,
                                 const std::function<bool(int column, int row)>& isUnmasked,
                                 const std::function<float(const LeafCorner&)>& strengthOf);
-//! The same without a mask, with the base for strength, and with the default radius and weight: the rule of
-//! retainUniform, by which also those corners of a level are ordered that other rules passed over.
+//! The same without a mask and with the base for strength: the rule of retainUniform, by which also those corners of a
+//! level are ordered that other rules passed over.
 std::vector<int> responseSequence(const std::vector<LeafCorner>& corners, Size root, int depth, double usable,
-                                  int quota);
+                                  int quota, double rankRadius, double strengthWeight);
 KeyPoints retainUniform(const KeyPoints& keypoints, Size imageSize, int npoints);
 
 Point2f position(int x, int y, Point2d d, Size imageSize, Size levelSize, float scale, int border,

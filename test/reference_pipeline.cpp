@@ -366,7 +366,7 @@ private:
         if (!isRanked)
             return balancedOrder(level, of);
         return responseSequence(leafCorners(level, of), level.root.size(), level.depth, level.usableShare,
-                                level.ownQuota);
+                                level.ownQuota, s.rankRadius, s.strengthWeight);
     }
 
     // Takes up to `wanted` more of a level's sequence; returns how many are still wanted.

@@ -240,9 +240,9 @@ std::vector<int> rankedSequence(const std::vector<LeafCorner>& corners, const Ra
 }
 
 std::vector<int> responseSequence(const std::vector<LeafCorner>& corners, Size root, int depth, double usable,
-                                  int quota)
+                                  int quota, double rankRadius, double strengthWeight)
 {
-    const RankedRule rule = {root, depth, usable, quota, 1, 0.2, 1 << 16};
+    const RankedRule rule = {root, depth, usable, quota, rankRadius, strengthWeight, 1 << 16};
     return rankedSequence(
         corners, rule, [](int, int) { return true; }, [](const LeafCorner& corner) { return corner.base; });
 }
@@ -267,7 +267,7 @@ KeyPoints retainUniform(const KeyPoints& keypoints, Size imageSize, int npoints)
     }
     std::vector<int> order;
     if (npoints > 0)
-        order = responseSequence(corners, imageSize, depth, 1, npoints);
+        order = responseSequence(corners, imageSize, depth, 1, npoints, 1, 0.2);
     order.resize(std::min(order.size(), (size_t)npoints));
     std::sort(order.begin(), order.end());
     KeyPoints kept;
