@@ -50,7 +50,7 @@ double Settings::octaveSuppressionInUse() const
 {
     if (octaveSuppression != -1)
         return octaveSuppression;
-    return selectionType == AdaptiveQuadtreeORB::RANKED_SELECTION ? 0.6 : 0.5;
+    return selectionType == AdaptiveQuadtreeORB::RANKED_SELECTION ? 2 : 0.5;
 }
 
 int quadtreeDepth(int quota)
@@ -284,7 +284,9 @@ private:
         const double radius = s.octaveSuppressionInUse() * levels[index].scale;
         for (size_t i = 0; i < levels.size(); i++)
         {
-            for (size_t j = 0; i != index && j < levels[i].chosen.size(); j++)
+            // A ranked selection looks at the neighbouring levels only.
+            const bool counts = isRanked ? i + 1 == index || i == index + 1 : i != index;
+            for (size_t j = 0; counts && j < levels[i].chosen.size(); j++)
             {
                 const Point2d d = exactPosition(levels[i], levels[i].chosen[j]) - p;
                 if (d.x * d.x + d.y * d.y < radius * radius)
