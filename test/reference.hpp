@@ -39,9 +39,14 @@ struct Settings
     double minThresholdRatio = 4;
     int cellSize = 35;
     int maxDepth = -1;
-    double octaveSuppression = 0.5;
+    AdaptiveQuadtreeORB::SelectionType selectionType = AdaptiveQuadtreeORB::RANKED_SELECTION;
+    double strengthWeight = 0.15;
+    double rankRadius = 1;
+    double octaveSuppression = -1;
     bool subPixel = true;
 
+    //! The distance that octaveSuppression stands for.
+    double octaveSuppressionInUse() const;
     Ptr<AdaptiveQuadtreeORB> create() const;
 };
 

@@ -38,9 +38,19 @@ Ptr<AdaptiveQuadtreeORB> Settings::create() const
     detector->setMinThresholdRatio(minThresholdRatio);
     detector->setCellSize(cellSize);
     detector->setMaxDepth(maxDepth);
+    detector->setSelectionType(selectionType);
+    detector->setStrengthWeight(strengthWeight);
+    detector->setRankRadius(rankRadius);
     detector->setOctaveSuppression(octaveSuppression);
     detector->setSubPixel(subPixel);
     return detector;
+}
+
+double Settings::octaveSuppressionInUse() const
+{
+    if (octaveSuppression != -1)
+        return octaveSuppression;
+    return selectionType == AdaptiveQuadtreeORB::RANKED_SELECTION ? 0.6 : 0.5;
 }
 
 int quadtreeDepth(int quota)
@@ -239,7 +249,7 @@ private:
     bool isNearOther(size_t index, const RankedCorner& corner) const
     {
         const Point2d p = exactPosition(levels[index], corner);
-        const double radius = s.octaveSuppression * levels[index].scale;
+        const double radius = s.octaveSuppressionInUse() * levels[index].scale;
         for (size_t i = 0; i < levels.size(); i++)
         {
             for (size_t j = 0; i != index && j < levels[i].chosen.size(); j++)

@@ -26,7 +26,10 @@ TEST(Aqorb_Contracts, defaults)
     EXPECT_EQ(4, detector->getMinThresholdRatio());
     EXPECT_EQ(35, detector->getCellSize());
     EXPECT_EQ(-1, detector->getMaxDepth());
-    EXPECT_EQ(0.5, detector->getOctaveSuppression());
+    EXPECT_EQ(AdaptiveQuadtreeORB::RANKED_SELECTION, detector->getSelectionType());
+    EXPECT_EQ(0.15, detector->getStrengthWeight());
+    EXPECT_EQ(1, detector->getRankRadius());
+    EXPECT_EQ(-1, detector->getOctaveSuppression());
     EXPECT_TRUE(detector->getSubPixel());
 }
 

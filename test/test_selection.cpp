@@ -23,8 +23,8 @@ public:
     {
         for (size_t i = 0; i < quotas.size(); i++)
         {
-            const SelectionLevel level = {Size(256 >> i, 256 >> i), float(1 << i),
-                                          Rect(0, 0, 256 >> i, 256 >> i), 0, quotas[i]};
+            const OrderRule order = {Rect(0, 0, 256 >> i, 256 >> i), 0, false, RankRule()};
+            const SelectionLevel level = {order.root.size(), float(1 << i), quotas[i], order};
             levels.push_back(level);
         }
     }
@@ -49,8 +49,8 @@ public:
     {
         LeafScratch scratch;
         std::vector<LeafPoint> points;
-        leafPoints(corners, levels[level].root, levels[level].depth, scratch, points);
-        sequence.begin(points, levels[level].depth);
+        leafPoints(corners, levels[level].order.root, levels[level].order.depth, scratch, points);
+        sequence.begin(points, levels[level].order.depth);
     }
 
 private:
@@ -67,7 +67,7 @@ TEST(Aqorb_Selection, asks_for_nothing_more_where_quotas_are_met)
     {
         ASSERT_TRUE(selector.wants(request));
         EXPECT_EQ(request.level, level);
-        EXPECT_EQ(request.set, BALANCED_CORNERS);
+        EXPECT_EQ(request.set, SEQUENCE_CORNERS);
         BalancedSequence sequence;
         levels.beginSequence(level, Levels::line(9, 5, 10), sequence);
         selector.offer(sequence);
@@ -104,8 +104,8 @@ TEST(Aqorb_Selection, asks_for_what_the_rules_passed_over_in_the_order_of_the_ru
         for (int i = 0; i < 2; i++)
             levels.beginSequence(i, std::vector<RankedCorner>(), sequences[i]);
         const int expectedLevels[] = {1, 0, 0, 1, 0, 1, 0, 1, 0};
-        const CornerSet expectedSets[] = {BALANCED_CORNERS,   BALANCED_CORNERS,   BALANCED_CORNERS,
-                                          BALANCED_CORNERS,   KEPT_CORNERS,       KEPT_CORNERS,
+        const CornerSet expectedSets[] = {SEQUENCE_CORNERS,   SEQUENCE_CORNERS,   SEQUENCE_CORNERS,
+                                          SEQUENCE_CORNERS,   KEPT_CORNERS,       KEPT_CORNERS,
                                           SUPPRESSED_CORNERS, SUPPRESSED_CORNERS, WEAK_CORNERS};
         CornerRequest request;
         for (int i = 0; i < 9; i++)
@@ -114,7 +114,7 @@ TEST(Aqorb_Selection, asks_for_what_the_rules_passed_over_in_the_order_of_the_ru
             ASSERT_TRUE(selector.wants(request));
             EXPECT_EQ(request.level, expectedLevels[i]);
             EXPECT_EQ(request.set, expectedSets[i]);
-            if (request.set == BALANCED_CORNERS)
+            if (request.set == SEQUENCE_CORNERS)
                 selector.offer(sequences[request.level]);
             else
                 selector.offer(Levels::line(i < 8 ? 0 : 9, 7, 3));
@@ -166,7 +166,7 @@ TEST(Aqorb_Selection, chooses_no_corner_twice_and_gives_them_in_raster_order)
     CornerRequest request;
     while (selector.wants(request))
     {
-        if (request.set == BALANCED_CORNERS)
+        if (request.set == SEQUENCE_CORNERS)
         {
             selector.offer(sequence);
             continue;

@@ -21,7 +21,7 @@ namespace
 {
 
 // The paper's column C. Where the paper states no value, as for cells and border, the default stays.
-const char* const PAPER_SETTINGS = "octave=0:subpixel=0";
+const char* const PAPER_SETTINGS = "selection=balanced:octave=0:subpixel=0";
 
 struct NamedMethod
 {

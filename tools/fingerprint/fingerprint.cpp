@@ -5,11 +5,11 @@
 
 // Prints hashes of what the module computes, to be compared between CPUs, compilers and versions of OpenCV:
 //
-//   aqorb_fingerprint [--plain] [IMAGE ...]
+//   aqorb_fingerprint [--plain] [--balanced] [IMAGE ...]
 //
 // There is one line for each scene or image and each set of parameters. The hashes of the image and of the pyramid
 // show whether a difference came with the input or is one of the detector. --plain calls
-// cv::setUseOptimized(false). The CPU features that OpenCV uses are printed to standard error.
+// cv::setUseOptimized(false), and --balanced uses BALANCED_SELECTION, whose hashes are those of version 0.1. The CPU features that OpenCV uses are printed to standard error.
 
 #include "../common/scenes.hpp"
 
@@ -68,8 +68,9 @@ template <typename T> uint64_t hashOf(const T& what)
     return hash.value();
 }
 
-//! A detector with random values of all parameters that have an effect.
-Ptr<AdaptiveQuadtreeORB> makeDetector(RNG& rng)
+//! A detector with random values of all parameters that have an effect with the selection. The other parameters are the
+//! same with both selections.
+Ptr<AdaptiveQuadtreeORB> makeDetector(RNG& rng, AdaptiveQuadtreeORB::SelectionType selection)
 {
     const float scaleFactors[] = {1.1f, 1.2f, 1.33f, 1.5f, 2.f};
     const int patchSizes[] = {31, 31, 31, 24, 15};
@@ -88,6 +89,11 @@ Ptr<AdaptiveQuadtreeORB> makeDetector(RNG& rng)
     detector->setMaxDepth(rng.uniform(-1, 7));
     detector->setOctaveSuppression(rng.uniform(0., 3.));
     detector->setSubPixel(rng.uniform(0, 4) != 0);
+    detector->setSelectionType(selection);
+    RNG ofSelection(rng.state);
+    const double strengthWeights[] = {0, 0.15, 0.5, 2}, rankRadii[] = {0, 0.5, 1, 2.5};
+    detector->setStrengthWeight(strengthWeights[ofSelection.uniform(0, 4)]);
+    detector->setRankRadius(rankRadii[ofSelection.uniform(0, 4)]);
     return detector;
 }
 
@@ -120,11 +126,29 @@ void print(const std::string& name, const Mat& image, const Mat& mask, AdaptiveQ
 int main(int argc, char** argv)
 {
     std::vector<std::string> arguments(argv + 1, argv + argc);
-    if (!arguments.empty() && arguments[0] == "--plain")
+    AdaptiveQuadtreeORB::SelectionType selection = AdaptiveQuadtreeORB::RANKED_SELECTION;
+    for (; !arguments.empty() && arguments[0].compare(0, 2, "--") == 0; arguments.erase(arguments.begin()))
     {
-        setUseOptimized(false);
-        arguments.erase(arguments.begin());
+        if (arguments[0] == "--plain")
+        {
+            setUseOptimized(false);
+        }
+        else if (arguments[0] == "--balanced")
+        {
+            selection = AdaptiveQuadtreeORB::BALANCED_SELECTION;
+        }
+        else
+        {
+            std::fprintf(stderr, "%s: --plain or --balanced is accepted\n", arguments[0].c_str());
+            return 1;
+        }
     }
+    const auto makeDefault = [selection](int nfeatures)
+    {
+        const Ptr<AdaptiveQuadtreeORB> detector = AdaptiveQuadtreeORB::create(nfeatures);
+        detector->setSelectionType(selection);
+        return detector;
+    };
     std::fprintf(stderr, "%s, %s%s\n", CV_VERSION, getCPUFeaturesLine().c_str(),
                  useOptimized() ? "" : ", setUseOptimized(false)");
 
@@ -142,7 +166,7 @@ int main(int argc, char** argv)
                 .setTo(rng.uniform(1, 256));
         }
         print("scene " + std::to_string(i), scene, mask,
-              *(i == 0 ? AdaptiveQuadtreeORB::create() : makeDetector(rng)));
+              *(i == 0 ? makeDefault(500) : makeDetector(rng, selection)));
     }
     for (const std::string& file : arguments)
     {
@@ -152,8 +176,8 @@ int main(int argc, char** argv)
             std::fprintf(stderr, "cannot read %s\n", file.c_str());
             return 1;
         }
-        print(file + " by default", image, Mat(), *AdaptiveQuadtreeORB::create(1000));
-        print(file + " with drawn parameters", image, Mat(), *makeDetector(rng));
+        print(file + " by default", image, Mat(), *makeDefault(1000));
+        print(file + " with drawn parameters", image, Mat(), *makeDetector(rng, selection));
     }
     return 0;
 }

@@ -36,6 +36,7 @@ struct Tables
 {
     explicit Tables(const Parameters& parameters)
         : patch(circularPatch(parameters.patchSize)),
+          strengthPatch(patch.halfWidths, std::max(1, parameters.patchSize / 2 / 5)),
           tests(descriptorPattern(parameters.patchSize, parameters.WTA_K), parameters.WTA_K)
     {
         // Other values have no quotas. Detection throws for them.
@@ -43,8 +44,9 @@ struct Tables
             quotas = levelQuotas(parameters.nfeatures, parameters.scaleFactor, parameters.nlevels);
     }
     OrientationPatch patch;
+    OrientationPatch strengthPatch;  // the same with fewer rows
     DescriptorTests tests;
-    std::vector<int> quotas;  // by level
+    std::vector<int> quotas;  // by level, of BALANCED_SELECTION
 };
 
 // Calls body(0) .. body(count - 1), several at once.
@@ -98,6 +100,15 @@ public:
     int getCellSize() const CV_OVERRIDE { return parameters.cellSize; }
     void setMaxDepth(int value) CV_OVERRIDE { set(&Parameters::maxDepth, value); }
     int getMaxDepth() const CV_OVERRIDE { return parameters.maxDepth; }
+    void setSelectionType(SelectionType value) CV_OVERRIDE
+    {
+        set(&Parameters::selectionType, numberOf(value));
+    }
+    SelectionType getSelectionType() const CV_OVERRIDE { return SelectionType(parameters.selectionType); }
+    void setStrengthWeight(double value) CV_OVERRIDE { set(&Parameters::strengthWeight, value); }
+    double getStrengthWeight() const CV_OVERRIDE { return parameters.strengthWeight; }
+    void setRankRadius(double value) CV_OVERRIDE { set(&Parameters::rankRadius, value); }
+    double getRankRadius() const CV_OVERRIDE { return parameters.rankRadius; }
     void setOctaveSuppression(double value) CV_OVERRIDE { set(&Parameters::octaveSuppression, value); }
     double getOctaveSuppression() const CV_OVERRIDE { return parameters.octaveSuppression; }
     void setSubPixel(bool value) CV_OVERRIDE { set(&Parameters::subPixel, value); }
@@ -306,25 +317,32 @@ void AdaptiveQuadtreeORBImpl::detectCorners(Workspace& workspace) const
                            : fixedThresholds(parameters.fastThreshold, parameters.minThresholdRatio);
     rules.cellSize = parameters.cellSize;
     rules.rankByHarris = parameters.scoreType == ORB::HARRIS_SCORE;
+    const bool isRanked = parameters.selectionType == RANKED_SELECTION;
+    rules.strengthPatch = isRanked ? &tables.strengthPatch : 0;
 
     const int FAST_RADIUS = 3, border = parameters.edgeThreshold;
     const int minSide = int(std::min(2 * std::max<int64>(border, FAST_RADIUS) + 1, int64(INT_MAX)));
     workspace.layOutLevels(parameters.nlevels, parameters.firstLevel, parameters.scaleFactor, minSide);
     const int count = workspace.levelCount;
     std::vector<LevelWork>& levels = workspace.levels;
+    const std::vector<int> quotas = isRanked
+                                        ? areaQuotas(parameters.nfeatures, parameters.scaleFactor, count)
+                                        : tables.quotas;
     for (int i = 0; i < count; i++)
     {
         // Levels too small for a keypoint leave their quotas to the next finer one.
-        const int quota = tables.quotas[i],
-                  added = i < count - 1
-                              ? 0
-                              : std::accumulate(tables.quotas.begin() + count, tables.quotas.end(), 0);
-        const Size size = levels[i].level.image.size();
-        const Rect root(border, border, size.width - 2 * border, size.height - 2 * border);
-        const int depth = parameters.maxDepth >= 0 ? parameters.maxDepth : quadtreeDepth(quota);
-        const SelectionLevel selection = {size, levels[i].level.scale, root, depth, quota + added};
-        levels[i].selection = selection;
-        levels[i].detection.begin(levels[i].level, root, depth, rules);
+        const int quota = quotas[i], added = i < count - 1 ? 0
+                                                           : std::accumulate(quotas.begin() + count,
+                                                                             quotas.end(), 0);
+        SelectionLevel& selection = levels[i].selection;
+        selection.size = levels[i].level.image.size();
+        selection.scale = levels[i].level.scale;
+        selection.quota = quota + added;
+        OrderRule& order = selection.order;
+        order.root = Rect(border, border, selection.size.width - 2 * border, selection.size.height - 2 * border);
+        order.depth = parameters.maxDepth >= 0 ? parameters.maxDepth : quadtreeDepth(quota);
+        order.isRanked = isRanked;
+        levels[i].detection.begin(levels[i].level, order.root, rules);
     }
 
     const size_t bandsOfInput = workspace.layOutBands(), bands = workspace.bands.size();
@@ -348,6 +366,19 @@ void AdaptiveQuadtreeORBImpl::detectCorners(Workspace& workspace) const
                            maskPositions(mask, positionsOf(level, image.size()), level.mask);
                    }
                });
+    for (int i = 0; i < count && isRanked; i++)
+    {
+        OrderRule& order = levels[i].selection.order;
+        const Mat& levelMask = levels[i].level.mask;
+        const Size size = order.root.size();
+        const double usable =
+            levelMask.empty() ? 1 : countNonZero(levelMask(order.root)) / (double(size.width) * size.height);
+        const RankRule rule = {size, usable, std::max(levels[i].selection.quota, 1), parameters.rankRadius,
+                               strengthExponent(parameters.strengthWeight, 4)};
+        order.rank = rule;
+        order.depth = parameters.maxDepth >= 0 ? std::min(parameters.maxDepth, maxRankedDepth(size))
+                                               : rankedDepth(size, usable, rule.quota);
+    }
     // The corners of the image, which has most of them, are ranked while the other levels are searched.
     inParallel(bands,
                [&](size_t i)
@@ -364,7 +395,7 @@ void AdaptiveQuadtreeORBImpl::detectCorners(Workspace& workspace) const
                    if (levels[i].selection.quota == 0)
                        return;
                    const Pool<DetectionScratch>::Lease scratch(detectionScratches);
-                   levels[i].detection.balance(*scratch);
+                   levels[i].detection.order(levels[i].selection.order, *scratch);
                });
 }
 
@@ -373,7 +404,7 @@ void AdaptiveQuadtreeORBImpl::selectFeatures(Workspace& workspace) const
 {
     CV_TRACE_FUNCTION();
     FeatureSelector& selector = workspace.selector;
-    selector.begin(workspace.input.image.size(), parameters.octaveSuppression);
+    selector.begin(workspace.input.image.size(), parameters.octaveSuppressionInUse());
     for (int i = 0; i < workspace.levelCount; i++)
         selector.addLevel(workspace.levels[i].selection);
 
@@ -381,10 +412,11 @@ void AdaptiveQuadtreeORBImpl::selectFeatures(Workspace& workspace) const
     CornerRequest request;
     while (selector.wants(request))
     {
-        LevelDetection& detection = workspace.levels[request.level].detection;
-        if (request.set == BALANCED_CORNERS)
+        LevelWork& work = workspace.levels[request.level];
+        LevelDetection& detection = work.detection;
+        if (request.set == SEQUENCE_CORNERS)
         {
-            selector.offer(detection.sequence(*scratch));
+            selector.offer(detection.sequence(work.selection.order, *scratch));
         }
         else
         {

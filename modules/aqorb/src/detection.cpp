@@ -17,18 +17,17 @@ namespace aqorb
 namespace stages
 {
 
-LevelDetection::LevelDetection() : level(0), depth(0), rules(), bandCount(0), isBalanced(false)
+LevelDetection::LevelDetection() : level(0), rules(), bandCount(0), isOrdered(false)
 {
 }
 
-void LevelDetection::begin(const Level& level_, const Rect& root_, int depth_, const DetectionRules& rules_)
+void LevelDetection::begin(const Level& level_, const Rect& root_, const DetectionRules& rules_)
 {
     level = &level_;
     root = root_;
-    depth = depth_;
     rules = rules_;
     bandCount = 0;
-    isBalanced = false;
+    isOrdered = false;
 }
 
 int LevelDetection::layOutBands()
@@ -76,7 +75,7 @@ void LevelDetection::rankBand(int index)
     band.isRanked = true;
 }
 
-void LevelDetection::balance(DetectionScratch& scratch)
+void LevelDetection::order(const OrderRule& rule, DetectionScratch& scratch)
 {
     CV_TRACE_FUNCTION();
     scratch.ranked.clear();
@@ -87,20 +86,86 @@ void LevelDetection::balance(DetectionScratch& scratch)
             rankBand(i);
         scratch.ranked.insert(scratch.ranked.end(), band.ranked.begin(), band.ranked.end());
     }
-    leafPoints(scratch.ranked, root, depth, scratch.leaves, scratch.points);
-    balanced.begin(scratch.points, depth);
-    isBalanced = true;
+    if (rule.isRanked)
+    {
+        orderByRank(rule, scratch);
+    }
+    else
+    {
+        leafPoints(scratch.ranked, root, rule.depth, scratch.leaves, scratch.points);
+        balanced.begin(scratch.points, rule.depth);
+    }
+    isOrdered = true;
 }
 
-BalancedSequence& LevelDetection::sequence(DetectionScratch& scratch)
+// The strength of a corner is the fourth power of FAST * sqrt(sqrt(Harris)), so that no root is needed.
+static float cornerStrength(int fastScore, float harrisResponse)
 {
-    if (!isBalanced)
+    const float squared = float(fastScore) * float(fastScore);
+    return squared * squared * std::max(harrisResponse, 0.f);
+}
+
+void LevelDetection::orderByRank(const OrderRule& rule, DetectionScratch& scratch)
+{
+    const int depth = rule.depth;
+    std::vector<float>& strengths = scratch.strengths;
+    strengths.clear();
+    for (int i = 0; i < bandCount; i++)
+    {
+        const Band& band = bands[i];
+        for (size_t j = 0; j < band.corners.size(); j++)
+        {
+            const float response = band.ranked[j].response;
+            // A tree of one leaf leaves the choice to the response.
+            strengths.push_back(depth == 0 ? response
+                                           : cornerStrength(band.corners[j].score,
+                                                            rules.rankByHarris ? response : 1.f));
+        }
+    }
+    leafCells(scratch.ranked, root, depth, scratch.leaves, scratch.points);
+    ranked.begin(scratch.points, strengths, depth);
+
+    // A corner whose direction is well defined is found again with the same direction.
+    const std::vector<LeafPoint>& best = ranked.representatives();
+    scratch.moments.resize(best.size());
+    std::vector<float> scores(best.size());
+    if (depth > 0)
+        patchMoments(level->image, *rules.strengthPatch, best.data(), best.size(), scratch.moments.data());
+    for (size_t i = 0; i < best.size(); i++)
+    {
+        const float strength = strengths[best[i].index];
+        const int64 m10 = scratch.moments[i].m10, m01 = scratch.moments[i].m01;
+        const float squared = float(uint64(m10 * m10) + uint64(m01 * m01)) * (1.f / 4294967296.f);
+        scores[i] = depth == 0 ? strength : strength * (squared * squared);
+    }
+    scratch.usable.clear();
+    if (!level->mask.empty())
+    {
+        const int side = 1 << depth;
+        for (int row = 0; row < side; row++)
+        {
+            const int y = root.y + int((int64(2 * row + 1) * root.height) >> (depth + 1));
+            for (int column = 0; column < side; column++)
+            {
+                const int x = root.x + int((int64(2 * column + 1) * root.width) >> (depth + 1));
+                scratch.usable.push_back(level->mask.at<uchar>(y, x));
+            }
+        }
+    }
+    ranked.rank(scores, rule.rank, scratch.usable);
+}
+
+PointSequence& LevelDetection::sequence(const OrderRule& rule, DetectionScratch& scratch)
+{
+    if (!isOrdered)
     {
         layOutBands();
         for (int i = 0; i < bandCount; i++)
             searchBand(i, scratch);
-        balance(scratch);
+        order(rule, scratch);
     }
+    if (rule.isRanked)
+        return ranked;
     return balanced;
 }
 
@@ -124,18 +189,18 @@ void LevelDetection::list(CornerSet set, std::vector<RankedCorner>& corners) con
     score(passedOver, corners);
 }
 
-void LevelDetection::score(const std::vector<Corner>& corners, std::vector<RankedCorner>& ranked) const
+void LevelDetection::score(const std::vector<Corner>& corners, std::vector<RankedCorner>& scored) const
 {
     if (rules.rankByHarris)
     {
-        harrisResponses(level->image, corners, ranked);
+        harrisResponses(level->image, corners, scored);
         return;
     }
-    ranked.resize(corners.size());
+    scored.resize(corners.size());
     for (size_t i = 0; i < corners.size(); i++)
     {
         const RankedCorner corner = {corners[i].x, corners[i].y, float(corners[i].score)};
-        ranked[i] = corner;
+        scored[i] = corner;
     }
 }
 

@@ -59,19 +59,19 @@ static CV_ALWAYS_INLINE float directionOf(int m10, int m01)
 }
 
 // The moments of a patch of any size at any place, without the kernel.
-static void plainMoments(const Mat& image, int x, int y, const std::vector<int>& halfWidths, int& m10,
-                         int& m01)
+static void plainMoments(const Mat& image, int x, int y, const OrientationPatch& weights, int& m10, int& m01)
 {
-    const int radius = int(halfWidths.size()) - 1;
+    const int radius = int(weights.halfWidths.size()) - 1;
     PatchBuffer buffer;
     const Patch patch = patchAround(image, x, y, radius, buffer);
 
     // The sums are unsigned, because the moments of very large patches wrap around, as those of cv::ORB do.
     unsigned sum01 = 0, sum10 = 0;
-    for (int v = -radius; v <= radius; v++)
+    const int last = radius - radius % weights.rowStep;
+    for (int v = -last; v <= last; v += weights.rowStep)
     {
         const uchar* row = patch.center + v * patch.step;
-        const int halfWidth = halfWidths[std::abs(v)];
+        const int halfWidth = weights.halfWidths[std::abs(v)];
         unsigned sum = 0;
         for (int u = -halfWidth; u <= halfWidth; u++)
         {
@@ -84,18 +84,38 @@ static void plainMoments(const Mat& image, int x, int y, const std::vector<int>&
     m01 = int(sum01);
 }
 
-static void momentsOf(const uchar* center, ptrdiff_t step, const PatchWeights& weights, int& m10, int& m01)
+static void momentsAround(const uchar* center, ptrdiff_t step, const PatchWeights& weights, int& m10, int& m01)
 {
-    CV_CPU_DISPATCH(patchMoments, (center, step, weights, m10, m01), CV_CPU_DISPATCH_MODES_ALL);
+    CV_CPU_DISPATCH(momentsAround, (center, step, weights, m10, m01), CV_CPU_DISPATCH_MODES_ALL);
 }
 
-OrientationPatch::OrientationPatch(const std::vector<int>& halfWidths_) : halfWidths(halfWidths_)
+// The region of the pixels around which the kernel may be used.
+static Rect kernelRegion(const Mat& image, const OrientationPatch& patch)
+{
+    if (!patch.weights)
+        return Rect();
+    const int radius = patch.weights->radius;
+    return Rect(radius, radius, image.cols - patch.weights->width, image.rows - 2 * radius);
+}
+
+static void momentsOf(const Mat& image, const OrientationPatch& patch, const Rect& inside, int x, int y,
+                      int& m10, int& m01)
+{
+    if (inside.contains(Point(x, y)))
+        momentsAround(image.ptr(y) + x, ptrdiff_t(image.step), *patch.weights, m10, m01);
+    else
+        plainMoments(image, x, y, patch, m10, m01);
+}
+
+OrientationPatch::OrientationPatch(const std::vector<int>& halfWidths_, int rowStep_)
+    : halfWidths(halfWidths_), rowStep(rowStep_)
 {
     const int radius = int(halfWidths.size()) - 1, LANES = 32;
     if (radius > PatchWeights::MAX_RADIUS)
         return;
     weights = makePtr<PatchWeights>();
     weights->radius = radius;
+    weights->rowStep = rowStep;
     weights->width = int(alignSize(size_t(2 * radius + 1), LANES));
     for (int v = 0; v <= radius; v++)
     {
@@ -108,15 +128,19 @@ OrientationPatch::OrientationPatch(const std::vector<int>& halfWidths_) : halfWi
     }
 }
 
+void patchMoments(const Mat& image, const OrientationPatch& patch, const LeafPoint* points, size_t count,
+                  Moments* moments)
+{
+    CV_TRACE_FUNCTION();
+    const Rect inside = kernelRegion(image, patch);
+    for (size_t i = 0; i < count; i++)
+        momentsOf(image, patch, inside, int(points[i].x), int(points[i].y), moments[i].m10, moments[i].m01);
+}
+
 void orientations(const Mat& image, const OrientationPatch& patch, FeaturePoint* points, size_t count)
 {
     CV_TRACE_FUNCTION();
-    Rect inside;  // where the kernel may read
-    if (patch.weights)
-    {
-        const int radius = patch.weights->radius;
-        inside = Rect(radius, radius, image.cols - patch.weights->width, image.rows - 2 * radius);
-    }
+    const Rect inside = kernelRegion(image, patch);
     // The directions do not depend on each other. In a loop after that of the moments, compilers can compute several at
     // once.
     const size_t AT_ONCE = 64;
@@ -128,11 +152,7 @@ void orientations(const Mat& image, const OrientationPatch& patch, FeaturePoint*
         for (size_t i = 0; i < some; i++)
         {
             const FeaturePoint& point = points[first + i];
-            if (inside.contains(Point(point.x, point.y)))
-                momentsOf(image.ptr(point.y) + point.x, ptrdiff_t(image.step), *patch.weights, m10[i],
-                          m01[i]);
-            else
-                plainMoments(image, point.x, point.y, patch.halfWidths, m10[i], m01[i]);
+            momentsOf(image, patch, inside, point.x, point.y, m10[i], m01[i]);
         }
         for (size_t i = 0; i < some; i++)
             angles[i] = directionOf(m10[i], m01[i]);

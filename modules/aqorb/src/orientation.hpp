@@ -20,17 +20,29 @@ std::vector<int> circularPatch(int patchSize);
 
 struct PatchWeights;
 
-//! A circular patch, prepared for any number of points.
+//! A circular patch, prepared for any number of points. Its moments are summed over the middle row and every rowStep-th
+//! row above and below it.
 struct OrientationPatch
 {
-    explicit OrientationPatch(const std::vector<int>& halfWidths);
+    explicit OrientationPatch(const std::vector<int>& halfWidths, int rowStep = 1);
 
     std::vector<int> halfWidths;
+    int rowStep;
     Ptr<PatchWeights> weights;  //!< empty where the patch is too large for the kernel
 };
 
 //! Sets the angles of points to the direction of the intensity centroid of the patch around them, as in cv::ORB.
 void orientations(const Mat& image, const OrientationPatch& patch, FeaturePoint* points, size_t count);
+
+//! The moments m10 and m01 of the patch around a pixel.
+struct Moments
+{
+    int m10, m01;
+};
+
+//! Computes the moments of the patch around points.
+void patchMoments(const Mat& image, const OrientationPatch& patch, const LeafPoint* points, size_t count,
+                  Moments* moments);
 
 // ---- for the kernel: plain structs only, see types.hpp ---------------------------------------
 
@@ -42,7 +54,7 @@ struct PatchWeights
         MAX_RADIUS = 31,
         MAX_WIDTH = 64
     };
-    int radius;
+    int radius, rowStep;
     int width;  //!< of the patch, filled up with zeros to whole vectors
     short u[MAX_RADIUS + 1][MAX_WIDTH], v[MAX_RADIUS + 1][MAX_WIDTH];  //!< [|v|][u + radius]
 };

@@ -14,14 +14,14 @@ namespace stages
 {
 CV_CPU_OPTIMIZATION_NAMESPACE_BEGIN
 
-/** The moments of the circular patch around a pixel.
+/** The moments of a circular patch around a pixel.
  @param center the pixel; weights.radius pixels around it must be readable, and weights.width - weights.radius to its
  right */
-void patchMoments(const uchar* center, ptrdiff_t step, const PatchWeights& weights, int& m10, int& m01);
+void momentsAround(const uchar* center, ptrdiff_t step, const PatchWeights& weights, int& m10, int& m01);
 
 #ifndef CV_CPU_OPTIMIZATION_DECLARATIONS_ONLY
 
-void patchMoments(const uchar* center, ptrdiff_t step, const PatchWeights& weights, int& m10, int& m01)
+void momentsAround(const uchar* center, ptrdiff_t step, const PatchWeights& weights, int& m10, int& m01)
 {
     m10 = m01 = 0;
     const int radius = weights.radius;
@@ -37,7 +37,7 @@ void patchMoments(const uchar* center, ptrdiff_t step, const PatchWeights& weigh
 #endif
     for (; x < weights.width; x++)
         m10 += middle[x] * weights.u[0][x];
-    for (int v = 1; v <= radius; v++)
+    for (int v = weights.rowStep; v <= radius; v += weights.rowStep)
     {
         const uchar *above = middle - v * step, *below = middle + v * step;
         const short *wu = weights.u[v], *wv = weights.v[v];

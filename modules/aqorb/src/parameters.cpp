@@ -27,18 +27,19 @@ Parameters::Parameters()
       minThresholdRatio(4),
       cellSize(35),
       maxDepth(-1),
-      octaveSuppression(0.5),
+      selectionType(AdaptiveQuadtreeORB::RANKED_SELECTION),
+      strengthWeight(0.15),
+      rankRadius(1),
+      octaveSuppression(-1),
       subPixel(true)
 {
 }
 
-int numberOf(const ORB::ScoreType& scoreType)
+double Parameters::octaveSuppressionInUse() const
 {
-    // Reading a value that is not an enumerator would be undefined behaviour, so the bytes are copied.
-    int number = 0;
-    static_assert(sizeof(scoreType) == sizeof(number), "the enumeration must be of the size of an int");
-    std::memcpy(&number, &scoreType, sizeof(number));
-    return number;
+    if (octaveSuppression >= 0)
+        return octaveSuppression;
+    return selectionType == AdaptiveQuadtreeORB::BALANCED_SELECTION ? 0.5 : 0.6;
 }
 
 static void reject(const char* name, double value, const char* accepted)
@@ -74,9 +75,16 @@ void Parameters::check() const
     if (cellSize < 8)
         reject("cellSize", cellSize, ">= 8");
     if (maxDepth < -1 || maxDepth > stages::MAX_QUADTREE_DEPTH)
-        reject("maxDepth", maxDepth, "-1 (equation (9)) or 0 to 15");
-    if (!isFinite(octaveSuppression) || octaveSuppression < 0)
-        reject("octaveSuppression", octaveSuppression, "a finite value >= 0");
+        reject("maxDepth", maxDepth, "-1 (by the number of features) or 0 to 15");
+    if (selectionType != AdaptiveQuadtreeORB::RANKED_SELECTION &&
+        selectionType != AdaptiveQuadtreeORB::BALANCED_SELECTION)
+        reject("selectionType", selectionType, "RANKED_SELECTION (0) or BALANCED_SELECTION (1)");
+    if (!(strengthWeight >= 0 && strengthWeight <= 1000))
+        reject("strengthWeight", strengthWeight, "0 to 1000");
+    if (!(rankRadius >= 0 && rankRadius <= 16))
+        reject("rankRadius", rankRadius, "0 to 16");
+    if (!isFinite(octaveSuppression) || (octaveSuppression < 0 && octaveSuppression != -1))
+        reject("octaveSuppression", octaveSuppression, "a finite value >= 0, or -1 (by the selection),");
 }
 
 void Parameters::checkTogether(int levelsInUse) const
@@ -105,6 +113,9 @@ void Parameters::write(FileStorage& fs) const
     fs << "minThresholdRatio" << minThresholdRatio;
     fs << "cellSize" << cellSize;
     fs << "maxDepth" << maxDepth;
+    fs << "selectionType" << selectionType;
+    fs << "strengthWeight" << strengthWeight;
+    fs << "rankRadius" << rankRadius;
     fs << "octaveSuppression" << octaveSuppression;
     fs << "subPixel" << int(subPixel);
 }
@@ -158,6 +169,9 @@ void Parameters::read(const FileNode& node)
     readValue(node, "minThresholdRatio", changed.minThresholdRatio);
     readValue(node, "cellSize", changed.cellSize);
     readValue(node, "maxDepth", changed.maxDepth);
+    readValue(node, "selectionType", changed.selectionType);
+    readValue(node, "strengthWeight", changed.strengthWeight);
+    readValue(node, "rankRadius", changed.rankRadius);
     readValue(node, "octaveSuppression", changed.octaveSuppression);
     readValue(node, "subPixel", changed.subPixel);
     changed.check();

@@ -6,15 +6,22 @@
 #ifndef OPENCV_AQORB_PARAMETERS_HPP
 #define OPENCV_AQORB_PARAMETERS_HPP
 
-#include <opencv2/aqorb/features.hpp>
+#include <opencv2/aqorb.hpp>
 
 namespace cv
 {
 namespace aqorb
 {
 
-//! The number behind a score type. It need not be an enumerator, because a caller in Python can pass any number.
-int numberOf(const ORB::ScoreType& scoreType);
+//! The number behind an enumeration. It need not be an enumerator, because a caller in Python can pass any number.
+template <typename Enumeration> int numberOf(const Enumeration& value)
+{
+    // Reading a value that is not an enumerator would be undefined behaviour, so the bytes are copied.
+    int number = 0;
+    static_assert(sizeof(value) == sizeof(number), "the enumeration must be of the size of an int");
+    std::memcpy(&number, &value, sizeof(number));
+    return number;
+}
 
 //! The parameters of AdaptiveQuadtreeORB, as documented there.
 struct Parameters
@@ -30,8 +37,13 @@ struct Parameters
     bool adaptiveThreshold;
     double minThresholdRatio;
     int cellSize, maxDepth;
+    int selectionType;  //!< of AdaptiveQuadtreeORB::SelectionType
+    double strengthWeight, rankRadius;
     double octaveSuppression;
     bool subPixel;
+
+    //! The distance that octaveSuppression stands for.
+    double octaveSuppressionInUse() const;
 
     //! Throws if a value is invalid whatever the others are.
     void check() const;

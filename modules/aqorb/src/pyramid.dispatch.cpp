@@ -203,6 +203,33 @@ static void resizeExact(const Mat& source, Mat& destination, ResizeTables& table
     cv::resize(source, destination, destination.size(), 0, 0, INTER_LINEAR_EXACT);
 }
 
+std::vector<int> areaQuotas(int nfeatures, double scaleFactor, int nlevels)
+{
+    const float inverse = float(1.0 / scaleFactor), factor = inverse * inverse;
+    float desired = factor >= 1 ? float(nfeatures) / nlevels
+                                : nfeatures * (1 - factor) /
+                                      (1 - float(std::pow(double(factor), double(nlevels))));
+    const float LARGEST_INT = 2147483520.f;  // the largest int that a float can hold
+    std::vector<int> quotas(nlevels);
+    int64 sum = 0;
+    for (int level = 1; level < nlevels; level++)
+    {
+        desired *= factor;
+        quotas[level] = cvRound(std::min(desired, LARGEST_INT));
+        sum += quotas[level];
+    }
+    if (nlevels > 0)
+        quotas[0] = int(std::max<int64>(nfeatures - sum, 0));
+    int64 excess = sum - nfeatures;
+    for (int level = 1; excess > 0; level++)
+    {
+        const int taken = int(std::min<int64>(excess, quotas[level]));
+        quotas[level] -= taken;
+        excess -= taken;
+    }
+    return quotas;
+}
+
 bool layOutLevel(const Level& input, int index, int firstLevel, double scaleFactor, int minSide, Level& level)
 {
     const float scale = levelScale(index, firstLevel, scaleFactor);

@@ -27,6 +27,9 @@ Size levelSize(Size imageSize, float scale);
 //! The number of features of each level by equation (8), rounded as by cv::ORB but at most nfeatures in all.
 std::vector<int> levelQuotas(int nfeatures, double scaleFactor, int nlevels);
 
+//! The number of features of each level in proportion to its area.
+std::vector<int> areaQuotas(int nfeatures, double scaleFactor, int nlevels);
+
 /** Prepares level `index` of cv::ORB's pyramid. The level `firstLevel` becomes the input image itself, which is not
  copied. Any other level gets its scale and size; fillLevel gives it its pixels. Memory of the same size is used again.
  @param input the image and its mask

@@ -73,32 +73,7 @@ void leafPoints(const std::vector<RankedCorner>& corners, const Rect& root, int 
     }
 }
 
-namespace
-{
-
-// A whole number that orders responses as their values do. NaN comes before all others.
-unsigned orderedResponse(float response)
-{
-    if (cvIsNaN(response))
-        return 0;
-    Cv32suf bits;
-    bits.f = response + 0.f;  // makes -0 equal to 0
-    return bits.u & 0x80000000u ? ~bits.u : bits.u | 0x80000000u;
-}
-
-// The order of points whose responses are equal.
-struct TieBefore
-{
-    bool operator()(const LeafPoint& a, const LeafPoint& b) const
-    {
-        if (a.y != b.y)
-            return a.y < b.y;
-        return a.x != b.x ? a.x < b.x : a.index < b.index;
-    }
-};
-
-// Whether points are sorted by TieBefore, as corners are. Floats that are not negative have the order of their bits,
-// so no branches are needed. If a coordinate is negative, the answer is no.
+// Floats that are not negative have the order of their bits, so no branches are needed.
 bool areSortedByTies(const std::vector<LeafPoint>& points)
 {
     const uint64 SIGNS = uint64(0x80000000u) << 32 | 0x80000000u;
@@ -115,6 +90,19 @@ bool areSortedByTies(const std::vector<LeafPoint>& points)
         before = bits;
     }
     return sorted && (all & SIGNS) == 0;
+}
+
+namespace
+{
+
+// A whole number that orders responses as their values do. NaN comes before all others.
+unsigned orderedResponse(float response)
+{
+    if (cvIsNaN(response))
+        return 0;
+    Cv32suf bits;
+    bits.f = response + 0.f;  // makes -0 equal to 0
+    return bits.u & 0x80000000u ? ~bits.u : bits.u | 0x80000000u;
 }
 
 // Keys of points that are sorted by TieBefore: the better point has the lower key. No two keys are equal, so the

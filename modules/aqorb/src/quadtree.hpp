@@ -39,21 +39,45 @@ public:
     virtual bool accepts(const LeafPoint& point) const = 0;
 };
 
+//! Points in the order in which they are to be chosen.
+class PointSequence
+{
+public:
+    virtual ~PointSequence() {}
+    //! The next point; false if there is none. Points that the filter rejects are passed over. The filter must always
+    //! give the same answer for a point.
+    virtual bool next(LeafPoint& point, const PointFilter* filter = 0) = 0;
+};
+
+//! The order of points that nothing else tells apart.
+struct TieBefore
+{
+    bool operator()(const LeafPoint& a, const LeafPoint& b) const
+    {
+        if (a.y != b.y)
+            return a.y < b.y;
+        return a.x != b.x ? a.x < b.x : a.index < b.index;
+    }
+};
+
+//! Whether points are sorted by TieBefore, as corners are. If a coordinate is negative, the answer is no.
+bool areSortedByTies(const std::vector<LeafPoint>& points);
+
 /** Gives points in an order in which the first n points are the best selection of n points, for every n. The selection
  is balanced over the tree first, and then takes the highest responses. Leaves are grouped by their ancestor two levels
  up. A group offers the best point of each of its leaves, then the second best of each, and so on; each round is ordered
  by response. The sequence takes the first offer of every group by response, then the second of every group, and so on.
  An object can be used again, and then needs no new memory. */
-class BalancedSequence
+class BalancedSequence : public PointSequence
 {
 public:
     BalancedSequence() : given(0) {}
     //! Starts a sequence. It swaps the points in, so the caller's vector has any content afterwards. It is fastest for
     //! points in raster order.
     void begin(std::vector<LeafPoint>& points, int depth);
-    //! The next point; false if there is none. Points that the filter rejects are treated as if they did not exist.
-    //! The filter is asked about few more points than are given, and must always give the same answer for a point.
-    bool next(LeafPoint& point, const PointFilter* filter = 0);
+    //! Points that the filter rejects are treated as if they did not exist. The filter is asked about few more points
+    //! than are given.
+    bool next(LeafPoint& point, const PointFilter* filter = 0) CV_OVERRIDE;
 
 private:
     struct Leaf

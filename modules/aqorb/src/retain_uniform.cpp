@@ -6,7 +6,8 @@
 #include "precomp.hpp"
 
 #include "input.hpp"
-#include "quadtree.hpp"
+#include "parameters.hpp"
+#include "ranked_sequence.hpp"
 
 #include <opencv2/aqorb.hpp>
 
@@ -23,7 +24,9 @@ void retainUniform(std::vector<KeyPoint>& keypoints, Size imageSize, int npoints
     if (npoints < 0)
         CV_Error_(Error::StsOutOfRange, ("npoints: got %d; >= 0 is accepted", npoints));
 
-    const int depth = quadtreeDepth(npoints);
+    // Positions are not bound to pixels, so leaves may be smaller.
+    const Size LARGE(INT_MAX, INT_MAX);
+    const int depth = rankedDepth(LARGE, 1, npoints);
     const double leaves = double(1 << depth);
     std::vector<LeafPoint> points;
     points.reserve(keypoints.size());
@@ -33,14 +36,17 @@ void retainUniform(std::vector<KeyPoint>& keypoints, Size imageSize, int npoints
         if (!(p.x >= 0 && p.y >= 0 && p.x < imageSize.width && p.y < imageSize.height))
             continue;
         const LeafPoint point = {
-            leafCode(unsigned(p.x * leaves / imageSize.width), unsigned(p.y * leaves / imageSize.height)),
+            unsigned(p.x * leaves / imageSize.width) | unsigned(p.y * leaves / imageSize.height) << depth,
             keypoints[i].response, p.x, p.y, int(i)};
         points.push_back(point);
     }
     if (points.size() > size_t(npoints))
     {
-        BalancedSequence sequence;
-        sequence.begin(points, depth);
+        RankedSequence sequence;
+        const Parameters defaults;
+        const RankRule rule = {imageSize, 1, std::max(npoints, 1), defaults.rankRadius,
+                               strengthExponent(defaults.strengthWeight, 1)};
+        orderByResponse(points, depth, rule, sequence);
         points.resize(npoints);
         for (int i = 0; i < npoints; i++)
             sequence.next(points[i]);

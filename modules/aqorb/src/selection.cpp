@@ -108,8 +108,8 @@ public:
     {
         // What to take from each level. The first pass goes from coarse to fine, the others from fine to coarse.
         static const CornerSet PASSES[] = {
-            BALANCED_CORNERS,    // the quotas; unmet quota goes to the next finer level
-            BALANCED_CORNERS,    // as many as are still missing after the finest level
+            SEQUENCE_CORNERS,    // the quotas; unmet quota goes to the next finer level
+            SEQUENCE_CORNERS,    // as many as are still missing after the finest level
             KEPT_CORNERS,        // nothing is left of the sequences but what octave suppression passed over
             SUPPRESSED_CORNERS,  // what other rules passed over
             WEAK_CORNERS};
@@ -134,7 +134,7 @@ public:
         return false;
     }
 
-    void offer(BalancedSequence& sequence)
+    void offer(PointSequence& sequence)
     {
         LevelState& level = levels[asked];
         const bool again = level.hasBegun;
@@ -164,8 +164,7 @@ public:
             if (!std::binary_search(taken.begin(), taken.end(), offered[i], InRasterOrder()))
                 corners.push_back(offered[i]);
         }
-        leafPoints(corners, level.given.root, level.given.depth, scratch, points);
-        filling.begin(points, level.given.depth);
+        PointSequence& filling = order(corners, level.given.order);
         LeafPoint point;
         for (; wanted > 0 && filling.next(point); wanted--)
             level.chosen.push_back(cornerAt(point));
@@ -234,6 +233,19 @@ private:
                        position(int(y), size.height, imageSize.height));
     }
 
+    PointSequence& order(const std::vector<RankedCorner>& unordered, const OrderRule& rule)
+    {
+        if (!rule.isRanked)
+        {
+            leafPoints(unordered, rule.root, rule.depth, scratch, points);
+            balanced.begin(points, rule.depth);
+            return balanced;
+        }
+        leafCells(unordered, rule.root, rule.depth, scratch, points);
+        orderByResponse(points, rule.depth, rule.rank, ranked);
+        return ranked;
+    }
+
     static RankedCorner cornerAt(const LeafPoint& point)
     {
         const RankedCorner corner = {int(point.x), int(point.y), point.response};
@@ -248,7 +260,8 @@ private:
     int asked;                       // the level of the last request
     int wanted;                      // features that are still missing
     KeypointGrid grid;
-    BalancedSequence filling;
+    BalancedSequence balanced;          // to fill up from
+    RankedSequence ranked;              // to fill up from
     std::vector<RankedCorner> corners;  // to fill up from
     LeafScratch scratch;
     std::vector<LeafPoint> points;
@@ -274,7 +287,7 @@ bool FeatureSelector::wants(CornerRequest& request)
     return impl->wants(request);
 }
 
-void FeatureSelector::offer(BalancedSequence& sequence)
+void FeatureSelector::offer(PointSequence& sequence)
 {
     impl->offer(sequence);
 }

@@ -6,6 +6,7 @@
 #ifndef OPENCV_AQORB_SELECTION_HPP
 #define OPENCV_AQORB_SELECTION_HPP
 
+#include "ranked_sequence.hpp"
 #include "types.hpp"
 
 namespace cv
@@ -15,16 +16,13 @@ namespace aqorb
 namespace stages
 {
 
-class BalancedSequence;
-
 //! What selection must know of a level.
 struct SelectionLevel
 {
-    Size size;    //!< of the level
-    float scale;  //!< of the level
-    Rect root;    //!< of the quadtree: the region between the borders
-    int depth;    //!< of the quadtree
-    int quota;    //!< number of features that the level is to have
+    Size size;        //!< of the level
+    float scale;      //!< of the level
+    int quota;        //!< number of features that the level is to have
+    OrderRule order;  //!< of corners that are not in the level's sequence
 };
 
 //! The corners of a level that selection asks for.
@@ -34,7 +32,7 @@ struct CornerRequest
     CornerSet set;
 };
 
-/** Chooses the features of all levels. It takes from the balanced sequence of each level, from coarse to fine, as many
+/** Chooses the features of all levels. It takes from the sequence of each level, from coarse to fine, as many
  corners as the quota of the level and what coarser levels left over. It passes over corners that are nearer than
  octaveSuppression pixels of their level to a keypoint of a coarser level. If features are still missing then, it
  goes through the levels from fine to coarse: first it continues their sequences, and then it fills up with the corners
@@ -59,8 +57,8 @@ public:
     void addLevel(const SelectionLevel& level);
     //! Which corners must be offered next; false when the selection is complete.
     bool wants(CornerRequest& request);
-    //! Answers a request for BALANCED_CORNERS. The sequence must be as the previous request left it.
-    void offer(BalancedSequence& sequence);
+    //! Answers a request for SEQUENCE_CORNERS. The sequence must be as the previous request left it.
+    void offer(PointSequence& sequence);
     //! Answers any other request.
     void offer(const std::vector<RankedCorner>& corners);
     //! Gives the chosen corners of a level in raster order.

@@ -79,7 +79,7 @@ const int SUPPRESS_MARGIN = 16;
 //! The corners of a level by what the rules of the detection say about them.
 enum CornerSet
 {
-    BALANCED_CORNERS,    //!< those that pass all rules, in the order of their BalancedSequence
+    SEQUENCE_CORNERS,    //!< those that pass all rules, in the order in which they are to be chosen
     KEPT_CORNERS,        //!< the same corners as a list
     SUPPRESSED_CORNERS,  //!< those that lost to a better corner nearby
     WEAK_CORNERS         //!< those below thresholds.ini in cells that have a corner at thresholds.ini

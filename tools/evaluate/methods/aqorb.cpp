@@ -20,7 +20,9 @@ cv::Ptr<Method> makeAqorb(const std::string& settings)
         {"edge", [](AdaptiveQuadtreeORB& d, double v) { d.setEdgeThreshold(int(v)); }},
         {"fast", [](AdaptiveQuadtreeORB& d, double v) { d.setFastThreshold(int(v)); }},
         {"octave", [](AdaptiveQuadtreeORB& d, double v) { d.setOctaveSuppression(v); }},
+        {"radius", [](AdaptiveQuadtreeORB& d, double v) { d.setRankRadius(v); }},
         {"ratio", [](AdaptiveQuadtreeORB& d, double v) { d.setMinThresholdRatio(v); }},
+        {"strength", [](AdaptiveQuadtreeORB& d, double v) { d.setStrengthWeight(v); }},
         {"subpixel", [](AdaptiveQuadtreeORB& d, double v) { d.setSubPixel(v != 0); }},
         {"threshold", [](AdaptiveQuadtreeORB& d, double v) { d.setAdaptiveThreshold(v != 0); }},
     };
@@ -34,6 +36,10 @@ cv::Ptr<Method> makeAqorb(const std::string& settings)
             const auto setter = setters.find(key);
             if (setting == "score=fast")
                 detector->setScoreType(cv::ORB::FAST_SCORE);
+            else if (setting == "selection=balanced")
+                detector->setSelectionType(AdaptiveQuadtreeORB::BALANCED_SELECTION);
+            else if (setting == "selection=ranked")
+                detector->setSelectionType(AdaptiveQuadtreeORB::RANKED_SELECTION);
             else if (setter == setters.end() || value.size() < 2)
                 CV_Error(cv::Error::StsBadArg, setting + ": no setting of aqorb");
             else

@@ -64,11 +64,12 @@ private:
     static std::vector<RankedCorner> choose(const Level& level, Thresholds thresholds, int quota)
     {
         const cv::Rect region(EDGE, EDGE, level.image.cols - 2 * EDGE, level.image.rows - 2 * EDGE);
-        const DetectionRules rules = {thresholds, CELL, true};
+        const DetectionRules rules = {thresholds, CELL, true, 0};
+        const OrderRule order = {region, quadtreeDepth(quota), false, RankRule()};
         LevelDetection detection;
         DetectionScratch scratch;
-        detection.begin(level, region, quadtreeDepth(quota), rules);
-        detection.sequence(scratch);
+        detection.begin(level, region, rules);
+        detection.sequence(order, scratch);
         std::vector<RankedCorner> ranked;
         detection.list(KEPT_CORNERS, ranked);
         std::stable_sort(ranked.begin(), ranked.end(),

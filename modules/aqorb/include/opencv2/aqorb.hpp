@@ -77,6 +77,13 @@ raises an exception because of an argument leaves its outputs unchanged.
 class CV_EXPORTS_W AdaptiveQuadtreeORB : public cv::ORB
 {
 public:
+    //! The rule by which the corners of a level are chosen, see setSelectionType.
+    enum SelectionType
+    {
+        RANKED_SELECTION = 0,   //!< by score and by the number of stronger corners nearby
+        BALANCED_SELECTION = 1  //!< as in the paper, and as in version 0.1 of this module
+    };
+
     /** @brief Creates the detector. The parameters are those of cv::ORB::create, in the same order.
 
     @param nfeatures The maximum number of keypoints, >= 0. With 0 the outputs are empty.
@@ -123,16 +130,49 @@ public:
     CV_WRAP virtual void setCellSize(int cellSize) = 0;
     CV_WRAP virtual int getCellSize() const = 0;
 
-    /** @brief Depth of the quadtree: 0 to 15, or -1 for equation (9), which gives the smallest depth with
-    at least as many leaves as the level is to have features. The default is -1, as in the paper. With 0
-    the corners of a level are ranked by their score alone. */
+    /** @brief Depth of the quadtree: 0 to 15, or -1 for the depth that suits the number of features. The
+    default is -1. With 0 the corners of a level are ranked by their score alone.
+
+    With RANKED_SELECTION -1 means the smallest depth with at least 16 leaves for each feature that the
+    level is to have, where a mask excludes no corners. A leaf is never smaller than 2 pixels a side, and
+    the tree never deeper than 12. With BALANCED_SELECTION -1 means equation (9) of the paper, the smallest
+    depth with at least as many leaves as the level is to have features. */
     CV_WRAP virtual void setMaxDepth(int maxDepth) = 0;
     CV_WRAP virtual int getMaxDepth() const = 0;
 
-    /** @brief The distance between keypoints of different levels, in pixels of the finer level: finite,
-    >= 0. The default is 0.5. A corner that is strictly nearer than that to a keypoint of a coarser
-    level is chosen only if too few corners are left elsewhere. With 0 there is no such rule, as in the
-    paper. */
+    /** @brief The rule by which the corners of a level are chosen. The default is RANKED_SELECTION.
+
+    - RANKED_SELECTION ranks the best corner of each leaf of the quadtree by the number of stronger ones
+      within a distance (setRankRadius), and weighs that rank against its strength (setStrengthWeight).
+      Only distances and the order of strengths enter, so that nearly the same corners are chosen when the
+      camera turns.
+    - BALANCED_SELECTION is that of the paper, equations (8) and (9) and Figure 2. It gives the keypoints
+      of version 0.1 of this module to the byte.
+
+    Any other value raises an exception. */
+    CV_WRAP virtual void setSelectionType(AdaptiveQuadtreeORB::SelectionType selectionType) = 0;
+    CV_WRAP virtual AdaptiveQuadtreeORB::SelectionType getSelectionType() const = 0;
+
+    /** @brief How much the strength of a corner counts against an even distribution: 0 to 1000, without a
+    unit. The default is 0.15. With 0 corners are chosen by their rank alone, which gives the most even
+    distribution. A larger value prefers strong corners, and from about 100 on their strength decides
+    alone, nearly as in cv::ORB: raise it to find a small object in a large scene. It has no effect with
+    BALANCED_SELECTION. */
+    CV_WRAP virtual void setStrengthWeight(double strengthWeight) = 0;
+    CV_WRAP virtual double getStrengthWeight() const = 0;
+
+    /** @brief Radius of the disc in which the rank of a corner is counted, 0 to 16, in units of the mean
+    distance between the features of the level. That is the square root of the area of the level, less what
+    is masked, over the number of its features. The default is 1. With 0 all best corners of leaves have
+    the same rank, so that their strength decides among them. It has no effect with BALANCED_SELECTION. */
+    CV_WRAP virtual void setRankRadius(double rankRadius) = 0;
+    CV_WRAP virtual double getRankRadius() const = 0;
+
+    /** @brief The distance between keypoints of different levels, in pixels of the finer level: finite and
+    >= 0, or -1 for the distance that suits the selection, which is 0.6 with RANKED_SELECTION and 0.5 with
+    BALANCED_SELECTION. The default is -1. A corner that is strictly nearer than that to a keypoint of a
+    coarser level is chosen only if too few corners are left elsewhere. With 0 there is no such rule, as in
+    the paper. */
     CV_WRAP virtual void setOctaveSuppression(double octaveSuppression) = 0;
     CV_WRAP virtual double getOctaveSuppression() const = 0;
 
