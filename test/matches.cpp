@@ -13,6 +13,7 @@
 #include <opencv2/aqorb/features.hpp>
 
 #include <algorithm>
+#include <cmath>
 
 namespace opencv_test
 {
@@ -52,10 +53,27 @@ std::vector<size_t> correctMatches(const Matches& matches, const cv::Mat& homogr
     return correct;
 }
 
-std::vector<size_t> distinctCorrectMatches(const Matches& matches, const cv::Mat& homography)
+std::vector<size_t> matchesOnEpipolarLines(const Matches& matches, const cv::Mat& fundamental)
+{
+    const cv::Matx33d f(fundamental);
+    std::vector<size_t> agreeing;
+    for (size_t i = 0; i < matches.from.size(); i++)
+    {
+        const cv::Vec3d from(matches.from[i].x, matches.from[i].y, 1),
+            to(matches.to[i].x, matches.to[i].y, 1);
+        const cv::Vec3d lineOfFrom = f * from, lineOfTo = f.t() * to;
+        const double product = std::abs(to.dot(lineOfFrom));
+        if (product <=
+            3 * std::min(std::hypot(lineOfFrom[0], lineOfFrom[1]), std::hypot(lineOfTo[0], lineOfTo[1])))
+            agreeing.push_back(i);
+    }
+    return agreeing;
+}
+
+std::vector<size_t> distinctMatches(const Matches& matches, const std::vector<size_t>& correct)
 {
     std::vector<size_t> distinct;
-    for (const size_t i : correctMatches(matches, homography))
+    for (const size_t i : correct)
     {
         const auto isNear = [&](size_t better)
         {
@@ -66,6 +84,11 @@ std::vector<size_t> distinctCorrectMatches(const Matches& matches, const cv::Mat
             distinct.push_back(i);
     }
     return distinct;
+}
+
+std::vector<size_t> distinctCorrectMatches(const Matches& matches, const cv::Mat& homography)
+{
+    return distinctMatches(matches, correctMatches(matches, homography));
 }
 
 double homographyError(const Matches& matches, const cv::Mat& homography, cv::Size size, int seed)

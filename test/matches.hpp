@@ -26,8 +26,15 @@ Matches matchFeatures(const Features& a, const Features& b, int norm = cv::NORM_
 //! Indices of the matches within 3 pixels of the homography, in pixels of the second image.
 std::vector<size_t> correctMatches(const Matches& matches, const cv::Mat& homography);
 
-/** Indices of the correct matches that are at least 4 pixels away from every better one in both images: two
- keypoints on one corner of the scene say no more about it than one. */
+/** Indices of the matches that agree with a fundamental matrix: each point is within 3 pixels of the epipolar line
+ of the other. Chance alone lets some per cent of wrong matches agree. */
+std::vector<size_t> matchesOnEpipolarLines(const Matches& matches, const cv::Mat& fundamental);
+
+/** Those of the correct matches, given by their indices in ascending order, that are at least 4 pixels away from
+ every better one in both images: two keypoints on one corner of the scene say no more about it than one. */
+std::vector<size_t> distinctMatches(const Matches& matches, const std::vector<size_t>& correct);
+
+//! distinctMatches of correctMatches.
 std::vector<size_t> distinctCorrectMatches(const Matches& matches, const cv::Mat& homography);
 
 //! What homographyError gives where the matches yield no homography.

@@ -41,7 +41,7 @@ const char* const KEYS =
     "{n              | 500  | numbers of features; tables 1 to 3 are of the first }"
     "{runs           | 30   | repeats of a time measurement, fewer for methods that take long }"
     "{seeds          | 15   | random seeds of a homography's estimation }"
-    "{degrade        |      | dark,gamma,noise: also measure on images made worse so }"
+    "{degrade        |      | dark,gamma,noise,blur,shrunk,enlarged: also measure on images made worse so }"
     "{ablation       |      | also measure aqorb with one ingredient changed }"
     "{odometry       |      | stereo sequence laid out as KITTI's: also measure visual odometry }"
     "{superpoint     |      | ONNX file of SuperPoint's two heads }"
@@ -228,14 +228,16 @@ void measureSet(const ImageSet& set, Methods& methods, const Options& options, b
 
 void measureOdometry(const StereoSequence& sequence, Method& method, int n, Results& results)
 {
-    StereoOdometry odometry(sequence, method.norm());
+    StereoFrame earlier;
     for (size_t i = 0; i < sequence.left.size(); i++)
     {
         const Features left = method.compute(imread(sequence.left[i]), n);
         const Features right = method.compute(imread(sequence.right[i]), n);
-        const OdometryStep step = odometry.add(left, right);
+        const StereoFrame later = triangulate(sequence, left, right, method.norm());
         if (i > 0)
-            results.odometry.push_back({method.name, n, int(i), step});
+            results.odometry.push_back(
+                {method.name, n, int(i), estimateMotion(sequence, earlier, i - 1, later, i, method.norm())});
+        earlier = later;
     }
 }
 

@@ -5,8 +5,6 @@
 
 #include "measures.hpp"
 
-#include "../../test/matches.hpp"
-
 #include <opencv2/aqorb.hpp>
 
 #include <algorithm>
@@ -58,21 +56,43 @@ double repeatability(const Features& a, const Features& b, const cv::Mat& homogr
 
 }  // namespace
 
+Matching countMatches(const Matches& matches, const std::vector<size_t>& correct, cv::Size sizeA)
+{
+    Matching result = {};
+    std::vector<cv::KeyPoint> found;
+    for (const size_t i : correct)
+        found.push_back(cv::KeyPoint(matches.from[i], 1));
+    result.matches = int(matches.from.size());
+    result.correct = int(correct.size());
+    result.distinct = int(opencv_test::distinctMatches(matches, correct).size());
+    const cv::Size grid(16, 12);
+    result.places = cvRound(cv::aqorb::distributionOccupancy(found, sizeA, grid) * grid.area());
+    return result;
+}
+
+std::vector<double> homographyErrors(const Matches& matches, const cv::Mat& homography, cv::Size sizeA,
+                                     int seeds)
+{
+    std::vector<double> errors;
+    for (int seed = 1; seed <= seeds; seed++)
+        errors.push_back(opencv_test::homographyError(matches, homography, sizeA, seed * 7919));
+    return errors;
+}
+
+double areaUnderCurve(const std::vector<double>& errors, double limit)
+{
+    double sum = 0;
+    for (const double error : errors)
+        sum += std::max(0., 1 - error / limit);
+    return errors.empty() ? 0 : sum / double(errors.size());
+}
+
 Matching measureMatching(const Features& a, const Features& b, int norm, const cv::Mat& homography,
                          cv::Size sizeA, cv::Size sizeB, int seeds)
 {
-    Matching result = {};
     const Matches matches = opencv_test::matchFeatures(a, b, norm);
-    std::vector<cv::KeyPoint> correct;
-    for (const size_t i : opencv_test::correctMatches(matches, homography))
-        correct.push_back(cv::KeyPoint(matches.from[i], 1));
-    result.matches = int(matches.from.size());
-    result.correct = int(correct.size());
-    result.distinct = int(opencv_test::distinctCorrectMatches(matches, homography).size());
-    const cv::Size grid(16, 12);
-    result.places = cvRound(cv::aqorb::distributionOccupancy(correct, sizeA, grid) * grid.area());
+    Matching result = countMatches(matches, opencv_test::correctMatches(matches, homography), sizeA);
     result.repeatability = repeatability(a, b, homography, sizeA, sizeB);
-    for (int seed = 1; seed <= seeds; seed++)
-        result.errors.push_back(opencv_test::homographyError(matches, homography, sizeA, seed * 7919));
+    result.errors = homographyErrors(matches, homography, sizeA, seeds);
     return result;
 }

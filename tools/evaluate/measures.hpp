@@ -7,6 +7,7 @@
 #define AQORB_EVALUATE_MEASURES_HPP
 
 #include "../../test/features.hpp"
+#include "../../test/matches.hpp"
 
 //! How the features of two images of a plane match. Distances are in pixels of the second image.
 struct Matching
@@ -20,6 +21,19 @@ struct Matching
 
     double precision() const { return matches ? double(correct) / matches : 0; }
 };
+
+//! The counts of matches whose correct ones are known; repeatability and errors stay empty.
+Matching countMatches(const opencv_test::Matches& matches, const std::vector<size_t>& correct,
+                      cv::Size sizeA);
+
+/** The errors in pixels of the corners of an image under the homographies estimated from the matches, one for
+ each seed. */
+std::vector<double> homographyErrors(const opencv_test::Matches& matches, const cv::Mat& homography,
+                                     cv::Size sizeA, int seeds);
+
+/** Area under the curve of the share of homographies whose error is below a limit, for limits from 0 to this one;
+ 1 is perfect. */
+double areaUnderCurve(const std::vector<double>& errors, double limit);
 
 Matching measureMatching(const opencv_test::Features& a, const opencv_test::Features& b, int norm,
                          const cv::Mat& homography, cv::Size sizeA, cv::Size sizeB, int seeds);

@@ -5,6 +5,8 @@
 
 #include "method.hpp"
 
+#include <algorithm>
+
 Features Feature2DMethod::compute(const cv::Mat& image, int n)
 {
     if (n != detectorN)
@@ -80,7 +82,6 @@ std::vector<Ablation> ablationMethods()
 
 cv::Ptr<Method> makeMethod(const std::string& name, const std::string& superPoint)
 {
-    const std::string prefix = "aqorb:";
     cv::Ptr<Method> method;
     for (const NamedMethod& named : namedMethods())
     {
@@ -90,9 +91,12 @@ cv::Ptr<Method> makeMethod(const std::string& name, const std::string& superPoin
         if (method->title.empty())
             method->title = named.title;
     }
-    if (name.compare(0, prefix.size(), prefix) == 0)
+    const size_t colon = std::min(name.find(':'), name.size());
+    const std::string kind = name.substr(0, colon),
+                      settings = colon < name.size() ? name.substr(colon + 1) : "";
+    if (kind == "slam" || (kind == "aqorb" && !settings.empty()))
     {
-        method = makeAqorb(name.substr(prefix.size()));
+        method = kind == "slam" ? makeSlam(settings) : makeAqorb(settings);
         method->title = name;
     }
     if (!method)

@@ -8,7 +8,7 @@
 
 #include "../../test/features.hpp"
 
-#include <opencv2/aqorb/features.hpp>
+#include <opencv2/aqorb.hpp>
 
 #include <functional>
 #include <string>
@@ -50,11 +50,16 @@ struct Absent
     std::string reason;
 };
 
+//! Changes the settings of a detector: key=value, separated by ':'. Raises cv::Exception for an unknown one.
+void applySettings(cv::aqorb::AdaptiveQuadtreeORB& detector, const std::string& settings);
+
 // Each of these has a file in methods/. They throw Absent.
 cv::Ptr<Method> makeOrb();
 cv::Ptr<Method> makeOrbSlam();
 //! Takes settings as key=value, separated by ':'. Settings that are not named keep their defaults.
 cv::Ptr<Method> makeAqorb(const std::string& settings);
+//! SlamExtractor; takes the same settings.
+cv::Ptr<Method> makeSlam(const std::string& settings);
 cv::Ptr<Method> makeFigure2();
 cv::Ptr<Method> makeSift();
 cv::Ptr<Method> makeBrisk();
@@ -76,7 +81,8 @@ struct Ablation
 //! aqorb itself, and aqorb without each of its ingredients.
 std::vector<Ablation> ablationMethods();
 
-/** The method of a name: one of allMethods, or aqorb:key=value:... with the keys in methods/aqorb.cpp.
+/** The method of a name: one of allMethods, slam, or aqorb:key=value:... or slam:key=value:...
+ with the keys in methods/aqorb.cpp.
  Throws Absent, or cv::Exception for a name that is none.
  @param superPoint ONNX file; empty: SuperPoint is absent */
 cv::Ptr<Method> makeMethod(const std::string& name, const std::string& superPoint);

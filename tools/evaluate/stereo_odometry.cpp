@@ -100,80 +100,18 @@ std::vector<int> matchAlongRows(const opencv_test::Features& left, const opencv_
     return matches;
 }
 
-}  // namespace
-
-StereoSequence readStereoSequence(const std::string& folder)
-{
-    StereoSequence sequence;
-    sequence.left = listImages(folder + "/image_l", folder + "/image_0");
-    sequence.right = listImages(folder + "/image_r", folder + "/image_1");
-    for (const cv::Matx34d& pose : readMatrices(folder + "/poses.txt"))
-        sequence.poses.push_back(
-            rigidMotion(pose.get_minor<3, 3>(0, 0), cv::Vec3d(pose(0, 3), pose(1, 3), pose(2, 3))));
-    const std::vector<cv::Matx34d> projections = readMatrices(folder + "/calib.txt");
-    if (projections.size() < 2 || sequence.left.empty() || sequence.right.size() != sequence.left.size())
-        CV_Error(cv::Error::StsObjectNotFound,
-                 folder + ": needs calib.txt and as many images of both cameras");
-    if (sequence.poses.size() < sequence.left.size())
-        CV_Error(cv::Error::StsObjectNotFound, folder + ": needs poses.txt with a pose for each image pair");
-    sequence.camera = projections[0].get_minor<3, 3>(0, 0);
-    sequence.baseline = (projections[0](0, 3) - projections[1](0, 3)) / projections[0](0, 0);
-    return sequence;
-}
-
-StereoOdometry::StereoOdometry(const StereoSequence& sequence_, int norm_) : sequence(sequence_), norm(norm_)
-{
-}
-
-OdometryStep StereoOdometry::add(const opencv_test::Features& left, const opencv_test::Features& right)
-{
-    const Frame later = triangulate(left, right);
-    OdometryStep step;
-    step.points = int(later.points.size());
-    cv::Matx44d motion;
-    step.found = count > 0 && estimateMotion(later, step, motion);
-    if (step.found)
-    {
-        const cv::Matx44d truth = sequence.poses[count - 1].inv() * sequence.poses[count];
-        const cv::Matx44d error = truth.inv() * motion;
-        cv::Vec3d rotation;
-        cv::Rodrigues(error.get_minor<3, 3>(0, 0), rotation);
-        step.metres = cv::norm(cv::Vec3d(error(0, 3), error(1, 3), error(2, 3)));
-        step.degrees = cv::norm(rotation) * 180 / CV_PI;
-    }
-    earlier = later;
-    count++;
-    return step;
-}
-
-StereoOdometry::Frame StereoOdometry::triangulate(const opencv_test::Features& left,
-                                                  const opencv_test::Features& right) const
-{
-    const std::vector<int> matches = matchAlongRows(left, right, norm);
-    const cv::Matx33d& k = sequence.camera;
-    Frame frame;
-    for (size_t i = 0; i < matches.size(); i++)
-    {
-        if (matches[i] < 0)
-            continue;
-        const cv::Point2f p = left.keypoints[i].pt;
-        const double depth = k(0, 0) * sequence.baseline / (p.x - right.keypoints[matches[i]].pt.x);
-        frame.features.keypoints.push_back(left.keypoints[i]);
-        frame.features.descriptors.push_back(left.descriptors.row(int(i)));
-        frame.points.emplace_back((p.x - k(0, 2)) * depth / k(0, 0), (p.y - k(1, 2)) * depth / k(1, 1),
-                                  depth);
-    }
-    return frame;
-}
-
 //! From the coordinates of the later frame to those of the earlier one; false where none is found.
-bool StereoOdometry::estimateMotion(const Frame& later, OdometryStep& step, cv::Matx44d& motion) const
+bool solveMotion(const StereoSequence& sequence, const StereoFrame& earlier, const StereoFrame& later,
+                 int norm, int seed, OdometryStep& step, cv::Matx44d& motion)
 {
     const size_t FEWEST = 6;
     std::vector<cv::DMatch> matches;
     if (!earlier.points.empty() && !later.points.empty())
         cv::BFMatcher(norm, true).match(earlier.features.descriptors, later.features.descriptors, matches);
     step.matches = int(matches.size());
+    cv::RNG random(seed);
+    for (size_t i = matches.size(); seed && i > 1; i--)
+        std::swap(matches[i - 1], matches[random.uniform(0, int(i))]);
     std::vector<cv::Point3d> points;
     std::vector<cv::Point2d> pixels;
     for (const cv::DMatch& match : matches)
@@ -204,4 +142,64 @@ bool StereoOdometry::estimateMotion(const Frame& later, OdometryStep& step, cv::
     cv::Rodrigues(rotation, toLater);
     motion = rigidMotion(toLater.t(), -(toLater.t() * translation));
     return true;
+}
+
+}  // namespace
+
+StereoSequence readStereoSequence(const std::string& folder)
+{
+    StereoSequence sequence;
+    sequence.left = listImages(folder + "/image_l", folder + "/image_0");
+    sequence.right = listImages(folder + "/image_r", folder + "/image_1");
+    for (const cv::Matx34d& pose : readMatrices(folder + "/poses.txt"))
+        sequence.poses.push_back(
+            rigidMotion(pose.get_minor<3, 3>(0, 0), cv::Vec3d(pose(0, 3), pose(1, 3), pose(2, 3))));
+    const std::vector<cv::Matx34d> projections = readMatrices(folder + "/calib.txt");
+    if (projections.size() < 2 || sequence.left.empty() || sequence.right.size() != sequence.left.size())
+        CV_Error(cv::Error::StsObjectNotFound,
+                 folder + ": needs calib.txt and as many images of both cameras");
+    if (sequence.poses.size() < sequence.left.size())
+        CV_Error(cv::Error::StsObjectNotFound, folder + ": needs poses.txt with a pose for each image pair");
+    sequence.camera = projections[0].get_minor<3, 3>(0, 0);
+    sequence.baseline = (projections[0](0, 3) - projections[1](0, 3)) / projections[0](0, 0);
+    return sequence;
+}
+
+StereoFrame triangulate(const StereoSequence& sequence, const opencv_test::Features& left,
+                        const opencv_test::Features& right, int norm)
+{
+    const std::vector<int> matches = matchAlongRows(left, right, norm);
+    const cv::Matx33d& k = sequence.camera;
+    StereoFrame frame;
+    for (size_t i = 0; i < matches.size(); i++)
+    {
+        if (matches[i] < 0)
+            continue;
+        const cv::Point2f p = left.keypoints[i].pt;
+        const double depth = k(0, 0) * sequence.baseline / (p.x - right.keypoints[matches[i]].pt.x);
+        frame.features.keypoints.push_back(left.keypoints[i]);
+        frame.features.descriptors.push_back(left.descriptors.row(int(i)));
+        frame.points.emplace_back((p.x - k(0, 2)) * depth / k(0, 0), (p.y - k(1, 2)) * depth / k(1, 1),
+                                  depth);
+    }
+    return frame;
+}
+
+OdometryStep estimateMotion(const StereoSequence& sequence, const StereoFrame& earlier, size_t earlierIndex,
+                            const StereoFrame& later, size_t laterIndex, int norm, int seed)
+{
+    OdometryStep step;
+    step.points = int(later.points.size());
+    cv::Matx44d motion;
+    step.found = solveMotion(sequence, earlier, later, norm, seed, step, motion);
+    if (step.found)
+    {
+        const cv::Matx44d truth = sequence.poses[earlierIndex].inv() * sequence.poses[laterIndex];
+        const cv::Matx44d error = truth.inv() * motion;
+        cv::Vec3d rotation;
+        cv::Rodrigues(error.get_minor<3, 3>(0, 0), rotation);
+        step.metres = cv::norm(cv::Vec3d(error(0, 3), error(1, 3), error(2, 3)));
+        step.degrees = cv::norm(rotation) * 180 / CV_PI;
+    }
+    return step;
 }

@@ -35,32 +35,23 @@ struct OdometryStep
     double metres = 0, degrees = 0;  // error of the motion that was found
 };
 
-/** Follows a sequence. The depth of a feature comes from its match along the row of the right image; the motion
- is that under which the points of one frame project onto their matches in the next (PnP). */
-class StereoOdometry
+//! Features of a left image that have a depth, and where they are, in coordinates of its camera and metres.
+struct StereoFrame
 {
-public:
-    //! @param norm that compares descriptors
-    StereoOdometry(const StereoSequence& sequence, int norm);
-
-    //! Takes the features of the next pair. The step is an empty one for the first pair.
-    OdometryStep add(const opencv_test::Features& left, const opencv_test::Features& right);
-
-private:
-    //! Features of a left image and where they are, in coordinates of its camera and metres.
-    struct Frame
-    {
-        opencv_test::Features features;
-        std::vector<cv::Point3d> points;
-    };
-
-    Frame triangulate(const opencv_test::Features& left, const opencv_test::Features& right) const;
-    bool estimateMotion(const Frame& later, OdometryStep& step, cv::Matx44d& motion) const;
-
-    const StereoSequence& sequence;
-    const int norm;
-    Frame earlier;
-    size_t count = 0;  // of pairs taken
+    opencv_test::Features features;
+    std::vector<cv::Point3d> points;
 };
+
+/** The depth of a feature comes from its match along the row of the right image.
+ @param norm that compares descriptors */
+StereoFrame triangulate(const StereoSequence& sequence, const opencv_test::Features& left,
+                        const opencv_test::Features& right, int norm);
+
+/** The motion between two frames of a sequence: that under which the points of the earlier one project onto their
+ matches in the later one (PnP).
+ @param earlierIndex, laterIndex of the frames in the sequence
+ @param seed that orders the matches, of which random ones are tried; 0 leaves them as they are */
+OdometryStep estimateMotion(const StereoSequence& sequence, const StereoFrame& earlier, size_t earlierIndex,
+                            const StereoFrame& later, size_t laterIndex, int norm, int seed = 0);
 
 #endif

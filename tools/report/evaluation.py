@@ -15,7 +15,7 @@ import pandas as pd
 
 PAPER_SETS = ['bikes', 'leuven', 'bark', 'trees', 'ubc']
 IMAGES = range(1, 7)
-DEGRADATIONS = ['', 'dark', 'gamma', 'noise']
+DEGRADATIONS = ['', 'dark', 'gamma', 'noise', 'blur', 'shrunk', 'enlarged']
 
 
 class Evaluation:

@@ -10,10 +10,10 @@
 
 #include <map>
 
-// The detector of this module, as shipped or with some of its settings changed.
-cv::Ptr<Method> makeAqorb(const std::string& settings)
+using cv::aqorb::AdaptiveQuadtreeORB;
+
+void applySettings(AdaptiveQuadtreeORB& detector, const std::string& settings)
 {
-    using cv::aqorb::AdaptiveQuadtreeORB;
     static const std::map<std::string, void (*)(AdaptiveQuadtreeORB&, double)> setters = {
         {"cell", [](AdaptiveQuadtreeORB& d, double v) { d.setCellSize(int(v)); }},
         {"depth", [](AdaptiveQuadtreeORB& d, double v) { d.setMaxDepth(int(v)); }},
@@ -26,25 +26,31 @@ cv::Ptr<Method> makeAqorb(const std::string& settings)
         {"subpixel", [](AdaptiveQuadtreeORB& d, double v) { d.setSubPixel(v != 0); }},
         {"threshold", [](AdaptiveQuadtreeORB& d, double v) { d.setAdaptiveThreshold(v != 0); }},
     };
+    for (const std::string& setting : tools::splitList(settings, ':'))
+    {
+        const size_t equals = std::min(setting.find('='), setting.size());
+        const std::string key = setting.substr(0, equals), value = setting.substr(equals);
+        const auto setter = setters.find(key);
+        if (setting == "score=fast")
+            detector.setScoreType(cv::ORB::FAST_SCORE);
+        else if (setting == "selection=balanced")
+            detector.setSelectionType(AdaptiveQuadtreeORB::BALANCED_SELECTION);
+        else if (setting == "selection=ranked")
+            detector.setSelectionType(AdaptiveQuadtreeORB::RANKED_SELECTION);
+        else if (setter == setters.end() || value.size() < 2)
+            CV_Error(cv::Error::StsBadArg, setting + ": no setting of aqorb");
+        else
+            setter->second(detector, std::stod(value.substr(1)));
+    }
+}
+
+// The detector of this module, as shipped or with some of its settings changed.
+cv::Ptr<Method> makeAqorb(const std::string& settings)
+{
     const auto create = [settings](int n)
     {
         const cv::Ptr<AdaptiveQuadtreeORB> detector = AdaptiveQuadtreeORB::create(n);
-        for (const std::string& setting : tools::splitList(settings, ':'))
-        {
-            const size_t equals = std::min(setting.find('='), setting.size());
-            const std::string key = setting.substr(0, equals), value = setting.substr(equals);
-            const auto setter = setters.find(key);
-            if (setting == "score=fast")
-                detector->setScoreType(cv::ORB::FAST_SCORE);
-            else if (setting == "selection=balanced")
-                detector->setSelectionType(AdaptiveQuadtreeORB::BALANCED_SELECTION);
-            else if (setting == "selection=ranked")
-                detector->setSelectionType(AdaptiveQuadtreeORB::RANKED_SELECTION);
-            else if (setter == setters.end() || value.size() < 2)
-                CV_Error(cv::Error::StsBadArg, setting + ": no setting of aqorb");
-            else
-                setter->second(*detector, std::stod(value.substr(1)));
-        }
+        applySettings(*detector, settings);
         return detector;
     };
     create(1);  // raises an exception for a bad setting before anything is measured

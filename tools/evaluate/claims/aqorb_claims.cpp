@@ -1,0 +1,291 @@
+// This file is part of aqorb. Copyright (C) The aqorb developers.
+// It is subject to the license terms in the LICENSE file found in the top-level directory
+// of this distribution.
+// SPDX-License-Identifier: Apache-2.0
+
+// Measures what is claimed of the default selection, prints each claim with its number, and says whether it holds:
+// see doc/reproduction.md.
+
+#include "../../common/csv.hpp"
+#include "../../common/options.hpp"
+#include "claims.hpp"
+#include "subjects.hpp"
+
+#include <opencv2/core/utils/filesystem.hpp>
+#include <opencv2/imgproc.hpp>
+
+#include <algorithm>
+#include <cstdio>
+#include <iostream>
+
+namespace
+{
+
+const char* const ABOUT = "Measures what is claimed of AdaptiveQuadtreeORB's selection beside cv::ORB and "
+                          "the paper's selection, and says\n"
+                          "whether it holds. Images are read in grey unless a line says otherwise.\n"
+                          "Exit codes: 0 all that is asked holds (a time does not count), 3 something does "
+                          "not, 1 bad arguments, 2 other.\n";
+
+const char* const KEYS =
+    "{help h usage ? |      | print this text }"
+    "{methods        | aqorb | methods to judge: aqorb or aqorb:key=value:..., separated by commas }"
+    "{orb            | orb  | the method that stands for cv::ORB }"
+    "{paper          | aqorb:selection=balanced | the method that stands for the paper's selection }"
+    "{dial           | aqorb:strength=1000 | the method at the dial's other end }"
+    "{only           | distinct,uniformity,roll,findobj,heldout,stereo,degraded,cost | what is measured }"
+    "{short          |      | only distinct,uniformity,roll,findobj, and no homographies }"
+    "{n              | 500,1000,2000 | numbers of features }"
+    "{seeds          | 15   | random seeds; 0 leaves homographies out }"
+    "{sets           | bikes,leuven,bark,trees,ubc,graf | folders in DATASETS }"
+    "{photographs    | bikes,leuven,trees,graf | sets whose first image is rolled }"
+    "{object         |      | folder with box.png and box_in_scene.png of OpenCV's samples, for findobj }"
+    "{heldout        |      | folder that scripts/held_out.sh made, for heldout }"
+    "{stereo         |      | stereo sequence laid out as KITTI's, for stereo }"
+    "{degrade        | dark,gamma,noise,blur,shrunk,enlarged | the ways in which images are made worse }"
+    "{runs           | 30   | repeats of a time measurement }"
+    "{out            |      | folder to write claims.csv and measured.csv to }"
+    "{@datasets      |      | folder of the sets }";
+
+struct BadArguments
+{
+    std::string message;
+};
+
+struct Options
+{
+    std::string datasets, out, orb, paper, dial, object, heldOut, stereo;
+    std::vector<std::string> methods, only, sets, photographs, degradations;
+    std::vector<int> numbers;
+    int seeds, runs;
+};
+
+Options readOptions(const cv::CommandLineParser& parser)
+{
+    const auto text = [&](const char* key) { return std::string(parser.get<cv::String>(key)); };
+    const auto list = [&](const char* key) { return tools::splitList(text(key)); };
+    Options options = {text("@datasets"),
+                       text("out"),
+                       text("orb"),
+                       text("paper"),
+                       text("dial"),
+                       text("object"),
+                       text("heldout"),
+                       text("stereo"),
+                       list("methods"),
+                       list("only"),
+                       list("sets"),
+                       list("photographs"),
+                       list("degrade"),
+                       {},
+                       parser.get<int>("seeds"),
+                       parser.get<int>("runs")};
+    for (const std::string& n : list("n"))
+        options.numbers.push_back(std::atoi(n.c_str()));
+    if (parser.has("short"))
+    {
+        options.only = {"distinct", "uniformity", "roll", "findobj"};
+        options.seeds = 0;
+    }
+    if (!parser.check())
+    {
+        parser.printErrors();
+        throw BadArguments{"see --help"};
+    }
+    if (options.datasets.empty())
+        throw BadArguments{"which DATASETS? see --help"};
+    if (options.numbers.empty() || *std::min_element(options.numbers.begin(), options.numbers.end()) < 1)
+        throw BadArguments{"--n: numbers above 0, separated by commas"};
+    if (options.runs < 1 || options.seeds < 0)
+        throw BadArguments{"--runs: at least 1; --seeds: at least 0"};
+    static const std::vector<std::string> subjects = {"distinct", "uniformity", "roll",     "findobj",
+                                                      "heldout",  "stereo",     "degraded", "cost"};
+    for (const std::string& subject : options.only)
+        if (std::find(subjects.begin(), subjects.end(), subject) == subjects.end())
+            throw BadArguments{"--only: " + subject +
+                               " is none of distinct, uniformity, roll, findobj, heldout, "
+                               "stereo, degraded, cost"};
+    return options;
+}
+
+/** Whether a subject is asked for. It is left out with a word where its data is not given.
+ @param data the option's value; "-" for a subject that needs no other data than the sets */
+bool isAsked(const Options& options, const std::string& subject, const std::string& data = "-")
+{
+    if (std::find(options.only.begin(), options.only.end(), subject) == options.only.end())
+        return false;
+    if (data.empty())
+        std::cerr << subject << " is left out: its data is not given, see --help" << std::endl;
+    return !data.empty();
+}
+
+//! Names without repetition, in the order in which they first appear.
+std::vector<std::string> unique(const std::vector<std::string>& names)
+{
+    std::vector<std::string> found;
+    for (const std::string& name : names)
+        if (!name.empty() && std::find(found.begin(), found.end(), name) == found.end())
+            found.push_back(name);
+    return found;
+}
+
+std::vector<ImageSet> readSets(const Options& options, const std::vector<std::string>& names, int flags)
+{
+    std::vector<ImageSet> sets;
+    for (const std::string& name : names)
+        sets.push_back(readSet(options.datasets, name, flags));
+    return sets;
+}
+
+cv::Mat readGrey(const std::string& file)
+{
+    const cv::Mat image = cv::imread(file, cv::IMREAD_GRAYSCALE);
+    if (image.empty())
+        CV_Error(cv::Error::StsObjectNotFound, file + ": no such image");
+    return image;
+}
+
+Measurements measure(const Options& options)
+{
+    Measurements results;
+    std::vector<std::string> names = options.methods;
+    names.insert(names.begin(), {options.orb, options.paper});
+    std::vector<cv::Ptr<Method>> methods;
+    for (const std::string& name : unique(names))
+        methods.push_back(makeMethod(name, ""));
+
+    const std::vector<ImageSet> sets = readSets(options, options.sets, cv::IMREAD_GRAYSCALE);
+    if (isAsked(options, "distinct"))
+        for (const ImageSet& set : sets)
+            for (const int n : options.numbers)
+                for (const cv::Ptr<Method>& method : methods)
+                    measureSet("sets", set, *method, n, options.seeds, results);
+    if (isAsked(options, "uniformity"))
+    {
+        for (const ImageSet& set : readSets(options, options.sets, cv::IMREAD_COLOR))
+            for (const cv::Ptr<Method>& method : methods)
+                measureUniformity("colour", set, *method, options.numbers[0], results);
+        for (const ImageSet& set : sets)
+            for (const cv::Ptr<Method>& method : methods)
+                for (const int n : options.numbers)
+                    if (!isAsked(options, "distinct"))
+                        measureUniformity("sets", set, *method, n, results);
+    }
+    if (isAsked(options, "roll"))
+        for (const ImageSet& set : readSets(options, options.photographs, cv::IMREAD_GRAYSCALE))
+            for (const cv::Ptr<Method>& method : methods)
+                measureRolled(set.name, set.images[0], *method, 1000, results);
+    if (isAsked(options, "findobj", options.object))
+    {
+        const cv::Mat object = readGrey(options.object + "/box.png");
+        const cv::Mat scene = readGrey(options.object + "/box_in_scene.png");
+        std::vector<cv::Ptr<Method>> all = methods;
+        if (std::find(names.begin(), names.end(), options.dial) == names.end())
+            all.push_back(makeMethod(options.dial, ""));
+        for (const cv::Ptr<Method>& method : all)
+            for (const int n : {250, 500, 1000, 2000})
+                measureFindObject(object, scene, *method, n, results);
+    }
+    if (isAsked(options, "heldout", options.heldOut))
+    {
+        const std::vector<ImagePair> pairs = readPairs(options.heldOut);
+        for (const int n : options.numbers)
+            for (const cv::Ptr<Method>& method : methods)
+                measureHeldOut(pairs, *method, n, options.seeds, results);
+    }
+    if (isAsked(options, "stereo", options.stereo))
+    {
+        const StereoSequence sequence = readStereoSequence(options.stereo);
+        for (const std::string& name : unique(names))
+            for (const std::string& each : {name, slamOf(name)})
+                if (!each.empty())
+                    measureStereo(sequence, *makeMethod(each, ""), 1000, std::max(options.seeds, 1), results);
+    }
+    if (isAsked(options, "degraded"))
+        for (const std::string& degradation : options.degradations)
+            for (const ImageSet& set : sets)
+                for (const cv::Ptr<Method>& method : methods)
+                    measureSet(degradation, degrade(set, degradation), *method, 1000, 0, results);
+    if (isAsked(options, "cost"))
+        measureCost(sets, methods, 1000, options.runs, results);
+    return results;
+}
+
+const char* words(Claim::Verdict verdict)
+{
+    return verdict == Claim::HOLDS ? "yes" : verdict == Claim::FAILS ? "no" : "";
+}
+
+void print(const std::string& method, const std::vector<Claim>& claims)
+{
+    std::cout << "\n" << method << "\n";
+    const char* const form = "%-66s %5s %8s %8s %8s  %-52s %-14s %s\n";
+    std::printf(form, "", "n", "here", "cv::ORB", "paper's", "asked", "aim", "holds");
+    for (const Claim& claim : claims)
+        std::printf(form, claim.what.c_str(), claim.n ? std::to_string(claim.n).c_str() : "",
+                    claim.here.c_str(), claim.orb.c_str(), claim.paper.c_str(), claim.asked.c_str(),
+                    claim.aim.c_str(), words(claim.verdict));
+    std::fflush(stdout);
+}
+
+//! Whether all that is asked holds.
+bool run(const Options& options)
+{
+    const Measurements measured = measure(options);
+    tools::CsvTable table({"method", "claim", "n", "here", "orb", "paper", "asked", "aim", "holds"});
+    bool holds = true;
+    for (const std::string& method : options.methods)
+    {
+        const std::vector<Claim> claims =
+            judge(measured, {method, options.orb, options.paper, options.dial}, options.numbers);
+        print(method, claims);
+        for (const Claim& claim : claims)
+        {
+            table.add({method, claim.what, claim.n ? std::to_string(claim.n) : "", claim.here, claim.orb,
+                       claim.paper, claim.asked, claim.aim, words(claim.verdict)});
+            holds = holds && (claim.isTime || claim.verdict != Claim::FAILS);
+        }
+    }
+    if (!options.out.empty())
+    {
+        cv::utils::fs::createDirectories(options.out);
+        table.write(options.out + "/claims.csv");
+        measured.write(options.out + "/measured.csv");
+    }
+    return holds;
+}
+
+}  // namespace
+
+int main(int argc, char** argv)
+{
+    try
+    {
+        cv::CommandLineParser parser(argc, argv, KEYS);
+        parser.about(ABOUT);
+        if (parser.has("help"))
+        {
+            parser.printMessage();
+            return 0;
+        }
+        const std::string unknown = tools::unknownOption(argc, argv, KEYS);
+        if (!unknown.empty())
+            throw BadArguments{unknown + ": unknown option; see --help"};
+        return run(readOptions(parser)) ? 0 : 3;
+    }
+    catch (const BadArguments& bad)
+    {
+        std::cerr << "aqorb_claims: " << bad.message << std::endl;
+        return 1;
+    }
+    catch (const cv::Exception& error)
+    {
+        std::cerr << "aqorb_claims: " << error.err << std::endl;
+        return 2;
+    }
+    catch (const std::exception& error)
+    {
+        std::cerr << "aqorb_claims: " << error.what() << std::endl;
+        return 2;
+    }
+}

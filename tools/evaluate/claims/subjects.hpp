@@ -1,0 +1,60 @@
+// This file is part of aqorb. Copyright (C) The aqorb developers.
+// It is subject to the license terms in the LICENSE file found in the top-level directory
+// of this distribution.
+// SPDX-License-Identifier: Apache-2.0
+
+#ifndef AQORB_CLAIMS_SUBJECTS_HPP
+#define AQORB_CLAIMS_SUBJECTS_HPP
+
+#include "../../../test/matches.hpp"
+#include "../dataset.hpp"
+#include "../method.hpp"
+#include "../stereo_odometry.hpp"
+#include "measurements.hpp"
+
+// What is measured of a method. Each function adds measurements of one subject.
+
+/** Of each image (SET/1) the uniformity and the occupancy; of each pair (SET/1-2) distinct, places, precision and,
+ with seeds, auc5, the area under the curve of homographies up to 5 pixels. */
+void measureSet(const std::string& subject, const ImageSet& set, Method& method, int n, int seeds,
+                Measurements& results);
+
+//! Of each image only the uniformity and the occupancy.
+void measureUniformity(const std::string& subject, const ImageSet& set, Method& method, int n,
+                       Measurements& results);
+
+//! An image that was rolled about its centre, and where the points of the original went.
+struct RolledImage
+{
+    cv::Mat image, homography;
+};
+
+//! Rolls an image on a canvas of the same size. The corners are filled by reflection.
+RolledImage rollImage(const cv::Mat& image, double degrees);
+
+/** Those of the matches that lie, by the known homography, where both images show the scene: not where a canvas was
+ filled. */
+opencv_test::Matches matchesInCommonPart(const opencv_test::Matches& matches, const cv::Mat& homography,
+                                         cv::Size sizeA, cv::Size sizeB);
+
+//! Of an image rolled by 15, 45, ... 345 degrees (NAME/15): distinct, places, precision.
+void measureRolled(const std::string& name, const cv::Mat& image, Method& method, int n,
+                   Measurements& results);
+
+//! Of an object in a scene: matches that pass the ratio test of 0.75, and inliers within 5 pixels of a homography.
+void measureFindObject(const cv::Mat& object, const cv::Mat& scene, Method& method, int n,
+                       Measurements& results);
+
+//! Of each pair as of a set. With a fundamental matrix a match is right that agrees with it, and there is no auc5.
+void measureHeldOut(const std::vector<ImagePair>& pairs, Method& method, int n, int seeds,
+                    Measurements& results);
+
+/** Of gaps of 1, 2 and 3 frames and each seed (GAP/SEED) the median errors of the motion, in metres and degrees; a
+ step without motion counts as an infinite error. */
+void measureStereo(const StereoSequence& sequence, Method& method, int n, int seeds, Measurements& results);
+
+//! The methods in turns on one thread; of each image the median milliseconds of a method's CPU time.
+void measureCost(const std::vector<ImageSet>& sets, const std::vector<cv::Ptr<Method>>& methods, int n,
+                 int runs, Measurements& results);
+
+#endif
