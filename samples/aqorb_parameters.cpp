@@ -211,7 +211,7 @@ void drawStages(const Mat& image, const String& folder)
         }
     }
 
-    const int quota = 109, leaves = 16;  // leaves a side: 4^4 >= 109
+    const int quota = 161, leaves = 64;  // leaves a side: 4^6 >= 16 * 161
     detector->setMaxFeatures(quota);
     detector->detect(image, keypoints);
     Mat tree = divided(image, border,
@@ -221,7 +221,7 @@ void drawStages(const Mat& image, const String& folder)
 
     Mat picture;
     hconcat(labelled(mesh, "Corners at iniT (yellow) and, in cells without these, at minT (red)", ""),
-            labelled(tree, "The 109 chosen of them; 4^4 leaves of the quadtree", ""), picture);
+            labelled(tree, "The 161 chosen of them; 4^6 leaves of the quadtree", ""), picture);
     resize(picture, picture, Size(), 0.7, 0.7, INTER_AREA);
     writePicture(pathIn(folder, "aqorb_stages.jpg"), picture, 80);
 }
