@@ -36,7 +36,7 @@ struct Tables
 {
     explicit Tables(const Parameters& parameters)
         : patch(circularPatch(parameters.patchSize)),
-          strengthPatch(patch.halfWidths, std::max(1, parameters.patchSize / 2 / 5)),
+          strengthPatch(patch.halfWidths, std::max(1, parameters.patchSize / 2 / 3)),
           tests(descriptorPattern(parameters.patchSize, parameters.WTA_K), parameters.WTA_K)
     {
         // Other values have no quotas. Detection throws for them.
@@ -416,7 +416,8 @@ void AdaptiveQuadtreeORBImpl::selectFeatures(Workspace& workspace) const
         LevelDetection& detection = work.detection;
         if (request.set == SEQUENCE_CORNERS)
         {
-            selector.offer(detection.sequence(work.selection.order, *scratch));
+            PointSequence& sequence = detection.sequence(work.selection.order, *scratch);
+            selector.offer(sequence, detection.corners());
         }
         else
         {

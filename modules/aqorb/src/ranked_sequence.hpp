@@ -7,6 +7,7 @@
 #define OPENCV_AQORB_RANKED_SEQUENCE_HPP
 
 #include "quadtree.hpp"
+#include "ranking.hpp"
 #include "types.hpp"
 
 namespace cv
@@ -38,7 +39,7 @@ struct OrderRule
 //! The exponent of a strength that is the given power of the score that strengthWeight is for.
 int strengthExponent(double strengthWeight, int power);
 
-//! The smallest depth with 16 leaves for each point that the region is to have, but not so deep that leaves become
+//! The smallest depth with 8 leaves for each point that the region is to have, but not so deep that leaves become
 //! shorter than 2 pixels.
 int rankedDepth(Size size, double usable, int quota);
 //! The greatest depth that rankedDepth returns for a region.
@@ -48,32 +49,31 @@ int maxRankedDepth(Size size);
 //! so it is the same on every CPU.
 int64 binaryLogarithm(float v);
 
-//! Assigns corners, all of them inside the root, to the leaves of a quadtree, which are numbered row by row.
-void leafCells(const std::vector<RankedCorner>& corners, const Rect& root, int depth, LeafScratch& scratch,
-               std::vector<LeafPoint>& points);
+//! Numbers the leaves row by row: for each column and row of the root what it adds to the number.
+void numberLeaves(const Size& root, int depth, LeafScratch& scratch);
 
 /** Gives points in an order that depends on the distances between points and on their strengths, and so hardly on how
- the scene lies in the image. Each leaf of a quadtree is represented by its strongest point. The rank of such a point is
- the number of stronger ones within a disc around it; where a part of the disc lies outside of the region, the rank is
- scaled up. The representatives come first, by (1 + rank) / strength^weight. The other points follow by their place in
- their leaf, then by strength.
+ the scene lies in the image. Each leaf of a quadtree is represented by its strongest point, unless two of the leaves
+ around it have stronger ones. The rank of a representative is the number of stronger ones within a disc around it;
+ where a part of the disc lies outside of the region, the rank is scaled up. The representatives come first, by
+ (1 + rank) / strength^weight. The other points follow by their place in their leaf, then by strength.
  An object can be used again, and then needs no new memory. */
 class RankedSequence : public PointSequence
 {
 public:
-    RankedSequence() : depth(0), given(0), sorted(0), hasOthers(false) {}
+    RankedSequence() : depth(0), given(0), sorted(0), firstSorted(0), hasOthers(false) {}
     /** Starts a sequence and finds the representatives.
-     @param points in leaves that are numbered row by row. They are swapped in, so the caller's vector has any content
-     afterwards. It is fastest for points in raster order.
-     @param strengths by the index of the points. NaN ranks last.
-     @param depth at most MAX_RANKED_DEPTH */
-    void begin(std::vector<LeafPoint>& points, const std::vector<float>& strengths, int depth);
+     @param points sorted by TieBefore, in leaves that are numbered row by row; their responses are their strengths, of
+     which NaN ranks last. They are swapped in, so the caller's vector has any content afterwards.
+     @param depth of the quadtree, at most maxRankedDepth */
+    void begin(std::vector<LeafPoint>& points, int depth);
     //! The representatives, in the order of their leaves.
     const std::vector<LeafPoint>& representatives() const { return chosen; }
+    //! The strength of a representative by which it is ranked; at first it is that of its point.
+    float& strength(size_t index) { return strengths[index]; }
     /** Ranks the representatives. It must be called once before next.
-     @param scores the strengths of the representatives, which replace those given to begin
      @param usable by leaf: whether points may lie there; empty: everywhere */
-    void rank(const std::vector<float>& scores, const RankRule& rule, const std::vector<uchar>& usable);
+    void rank(const RankRule& rule, const std::vector<uchar>& usable);
     bool next(LeafPoint& point, const PointFilter* filter = 0) CV_OVERRIDE;
 
 private:
@@ -82,31 +82,39 @@ private:
     {
         bool operator<(const Entry& other) const
         {
-            if (key != other.key)
-                return key < other.key;
-            return strength != other.strength ? strength > other.strength : index < other.index;
+            return key != other.key ? key < other.key : place < other.place;
         }
         int64 key;
-        int strength;    // orders strengths
+        unsigned place;  // among the representatives by strength
         unsigned index;  // of the representative
     };
+    size_t cellOf(unsigned leaf) const
+    {
+        const unsigned side = 1u << depth;
+        return size_t((leaf >> depth) + 1) * (side + 2) + (leaf & (side - 1)) + 1;
+    }
+    void sortByStrength();
+    int leavesInside(int column, int row) const;
     void sortMore();
     void listOthers();
 
     int depth;
-    std::vector<LeafPoint> points, chosen;
+    std::vector<LeafPoint> points, chosen, others;
     std::vector<float> strengths;
-    std::vector<uint64> best;  // by leaf
-    std::vector<int> grid;     // by leaf, with a border
-    std::vector<int> scoreOrder;
-    std::vector<int> usableBefore;
+    std::vector<int> grid;       // by leaf, with a border: how strong its best point is
+    std::vector<unsigned> best;  // by leaf, with a border: that point
+    std::vector<uchar> flags;
+    std::vector<uint64> byStrength, other;  // keys of the representatives; work space
+    std::vector<unsigned> leaves;           // of the representatives, at last by strength
+    std::vector<int> ranks, usableBefore;
+    LeafDisc disc;
+    RankingScratch ranking;
     std::vector<Entry> entries;
-    std::vector<LeafPoint> others;
-    size_t given, sorted;
+    size_t given, sorted, firstSorted;
     bool hasOthers;
 };
 
-//! Starts a sequence of points whose strength is their response.
+//! Starts a sequence of points in any order whose strength is their response, and ranks them.
 void orderByResponse(std::vector<LeafPoint>& points, int depth, const RankRule& rule, RankedSequence& sequence);
 
 }  // namespace stages

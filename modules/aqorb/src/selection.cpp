@@ -134,7 +134,7 @@ public:
         return false;
     }
 
-    void offer(PointSequence& sequence)
+    void offer(PointSequence& sequence, const std::vector<RankedCorner>& ofSequence)
     {
         LevelState& level = levels[asked];
         const bool again = level.hasBegun;
@@ -146,7 +146,7 @@ public:
         {
             // Finer levels may have chosen keypoints since the sequence began.
             if (!again || now.accepts(point))
-                level.chosen.push_back(cornerAt(point));
+                level.chosen.push_back(ofSequence[point.index]);
         }
         for (size_t i = before; i < level.chosen.size(); i++)
             grid.insert(position(asked, float(level.chosen[i].x), float(level.chosen[i].y)), asked);
@@ -167,7 +167,7 @@ public:
         PointSequence& filling = order(corners, level.given.order);
         LeafPoint point;
         for (; wanted > 0 && filling.next(point); wanted--)
-            level.chosen.push_back(cornerAt(point));
+            level.chosen.push_back(corners[point.index]);
     }
 
     // Sorts by counting, as a level has many rows with few corners each.
@@ -241,15 +241,17 @@ private:
             balanced.begin(points, rule.depth);
             return balanced;
         }
-        leafCells(unordered, rule.root, rule.depth, scratch, points);
+        numberLeaves(rule.root.size(), rule.depth, scratch);
+        points.resize(unordered.size());
+        for (size_t i = 0; i < unordered.size(); i++)
+        {
+            const RankedCorner& corner = unordered[i];
+            const unsigned leaf = scratch.columns[corner.x - rule.root.x] | scratch.rows[corner.y - rule.root.y];
+            const LeafPoint point = {leaf, corner.response, float(corner.x), float(corner.y), int(i)};
+            points[i] = point;
+        }
         orderByResponse(points, rule.depth, rule.rank, ranked);
         return ranked;
-    }
-
-    static RankedCorner cornerAt(const LeafPoint& point)
-    {
-        const RankedCorner corner = {int(point.x), int(point.y), point.response};
-        return corner;
     }
 
     Size imageSize;
@@ -287,9 +289,9 @@ bool FeatureSelector::wants(CornerRequest& request)
     return impl->wants(request);
 }
 
-void FeatureSelector::offer(PointSequence& sequence)
+void FeatureSelector::offer(PointSequence& sequence, const std::vector<RankedCorner>& corners)
 {
-    impl->offer(sequence);
+    impl->offer(sequence, corners);
 }
 
 void FeatureSelector::offer(const std::vector<RankedCorner>& corners)

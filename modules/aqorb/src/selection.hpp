@@ -57,8 +57,9 @@ public:
     void addLevel(const SelectionLevel& level);
     //! Which corners must be offered next; false when the selection is complete.
     bool wants(CornerRequest& request);
-    //! Answers a request for SEQUENCE_CORNERS. The sequence must be as the previous request left it.
-    void offer(PointSequence& sequence);
+    //! Answers a request for SEQUENCE_CORNERS. The sequence must be as the previous request left it. The index of its
+    //! points is that of their corners.
+    void offer(PointSequence& sequence, const std::vector<RankedCorner>& corners);
     //! Answers any other request.
     void offer(const std::vector<RankedCorner>& corners);
     //! Gives the chosen corners of a level in raster order.
