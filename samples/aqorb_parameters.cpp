@@ -132,7 +132,7 @@ void drawParameters(const Mat& image, const String& folder)
           {"RANKED_SELECTION", none}});
     draw(path("strength_weight"), image, 500,
          {{"StrengthWeight 0", [](const Detector& d) { d->setStrengthWeight(0); }},
-          {"StrengthWeight 0.15", none},
+          {"StrengthWeight 0.2", none},
           {"StrengthWeight 1", [](const Detector& d) { d->setStrengthWeight(1); }},
           {"StrengthWeight 1000", [](const Detector& d) { d->setStrengthWeight(1000); }}});
     draw(path("rank_radius"), image, 500,
