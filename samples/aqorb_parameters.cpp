@@ -132,7 +132,7 @@ void drawParameters(const Mat& image, const String& folder)
           {"RANKED_SELECTION", none}});
     draw(path("strength_weight"), image, 500,
          {{"StrengthWeight 0", [](const Detector& d) { d->setStrengthWeight(0); }},
-          {"StrengthWeight 0.15", none},
+          {"StrengthWeight 0.2", none},
           {"StrengthWeight 1", [](const Detector& d) { d->setStrengthWeight(1); }},
           {"StrengthWeight 1000", [](const Detector& d) { d->setStrengthWeight(1000); }}});
     draw(path("rank_radius"), image, 500,
@@ -211,7 +211,7 @@ void drawStages(const Mat& image, const String& folder)
         }
     }
 
-    const int quota = 109, leaves = 16;  // leaves a side: 4^4 >= 109
+    const int quota = 161, leaves = 64;  // leaves a side: 4^6 >= 16 * 161
     detector->setMaxFeatures(quota);
     detector->detect(image, keypoints);
     Mat tree = divided(image, border,
@@ -221,7 +221,7 @@ void drawStages(const Mat& image, const String& folder)
 
     Mat picture;
     hconcat(labelled(mesh, "Corners at iniT (yellow) and, in cells without these, at minT (red)", ""),
-            labelled(tree, "The 109 chosen of them; 4^4 leaves of the quadtree", ""), picture);
+            labelled(tree, "The 161 chosen of them; 4^6 leaves of the quadtree", ""), picture);
     resize(picture, picture, Size(), 0.7, 0.7, INTER_AREA);
     writePicture(pathIn(folder, "aqorb_stages.jpg"), picture, 80);
 }

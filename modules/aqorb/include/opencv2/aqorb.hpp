@@ -155,7 +155,7 @@ public:
     CV_WRAP virtual cv::aqorb::AdaptiveQuadtreeORB::SelectionType getSelectionType() const = 0;
 
     /** @brief How much the strength of a corner counts against an even distribution: 0 to 1000, without a
-    unit. The default is 0.15. With 0 corners are chosen by their rank alone, which gives the most even
+    unit. The default is 0.2. With 0 corners are chosen by their rank alone, which gives the most even
     distribution. A larger value prefers strong corners, and from about 100 on their strength decides
     alone, nearly as in cv::ORB: raise it to find a small object in a large scene. It has no effect with
     BALANCED_SELECTION. */
