@@ -41,7 +41,7 @@ struct Settings
     int cellSize = 35;
     int maxDepth = -1;
     AdaptiveQuadtreeORB::SelectionType selectionType = AdaptiveQuadtreeORB::RANKED_SELECTION;
-    double strengthWeight = 0.1;
+    double strengthWeight = 0.15;
     double rankRadius = 1;
     double octaveSuppression = -1;
     bool subPixel = true;

@@ -182,7 +182,7 @@ void RankedSequence::rank(const RankRule& rule, int power, const std::vector<uch
 
     Size region = rule.size;
     while (std::max(region.width, region.height) > 1 << 18)  // so that squares fit
-        region = Size((region.width + 1) / 2, (region.height + 1) / 2);
+        region = Size(std::max(region.width / 2, 1), std::max(region.height / 2, 1));
     const double squaredRadius = rule.radius * rule.radius * rule.usable * region.width * region.height *
                                  double(int64(1) << (2 * depth)) / rule.quota;
     disc.begin(region, int64(std::min(squaredRadius, 4e18)), side);
