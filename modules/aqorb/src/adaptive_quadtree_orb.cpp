@@ -432,6 +432,7 @@ void AdaptiveQuadtreeORBImpl::selectFeatures(Workspace& workspace) const
     {
         LevelWork& work = workspace.levels[i];
         selector.chosen(i, work.chosen);
+        work.detection.setResponses(work.chosen, *scratch);
         work.points.resize(work.chosen.size());
         for (size_t j = 0; j < work.chosen.size(); j++)
         {
