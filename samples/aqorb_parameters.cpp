@@ -143,7 +143,7 @@ void drawParameters(const Mat& image, const String& folder)
     const auto none = [](const Detector&) {};
 
     draw(path("max_depth"), image, 500,
-         {{"MaxDepth 0: by score alone", [](const Detector& d) { d->setMaxDepth(0); }},
+         {{"MaxDepth 0: by response alone", [](const Detector& d) { d->setMaxDepth(0); }},
           {"MaxDepth 2", [](const Detector& d) { d->setMaxDepth(2); }},
           {"MaxDepth -1", none}});
     draw(path("selection_type"), image, 500,
@@ -152,11 +152,12 @@ void drawParameters(const Mat& image, const String& folder)
           {"RANKED_SELECTION", none}});
     draw(path("strength_weight"), image, 500,
          {{"StrengthWeight 0: most even", [](const Detector& d) { d->setStrengthWeight(0); }},
-          {"StrengthWeight 0.15", none},
-          {"StrengthWeight 1", [](const Detector& d) { d->setStrengthWeight(1); }},
+          {"StrengthWeight 0.1", none},
           {"StrengthWeight 1000: strongest", [](const Detector& d) { d->setStrengthWeight(1000); }},
           {"the same, OctaveSuppression 0",
            [](const Detector& d) { d->setStrengthWeight(1000), d->setOctaveSuppression(0); }},
+          {"OctaveSuppression 0, MaxDepth 0",
+           [](const Detector& d) { d->setMaxDepth(0), d->setOctaveSuppression(0); }},
           {"cv::ORB, for comparison", nullptr}},
          overview, 3);
     draw(path("rank_radius"), image, 500,
@@ -235,7 +236,7 @@ void drawStages(const Mat& image, const String& folder)
         }
     }
 
-    const int quota = 161, leaves = 64;  // leaves a side: 4^6 >= 8 * 161
+    const int quota = 161, leaves = 64;  // leaves a side: 4^6 >= 16 * 161
     detector->setMaxFeatures(quota);
     detector->detect(image, keypoints);
     Mat tree = divided(image, border,

@@ -27,7 +27,7 @@ TEST(Aqorb_Contracts, defaults)
     EXPECT_EQ(35, detector->getCellSize());
     EXPECT_EQ(-1, detector->getMaxDepth());
     EXPECT_EQ(AdaptiveQuadtreeORB::RANKED_SELECTION, detector->getSelectionType());
-    EXPECT_EQ(0.15, detector->getStrengthWeight());
+    EXPECT_EQ(0.1, detector->getStrengthWeight());
     EXPECT_EQ(1, detector->getRankRadius());
     EXPECT_EQ(-1, detector->getOctaveSuppression());
     EXPECT_TRUE(detector->getSubPixel());
