@@ -243,10 +243,19 @@ void drawStages(const Mat& image, const String& folder)
                        Size2d((image.cols - 2. * border) / leaves, (image.rows - 2. * border) / leaves));
     for (const KeyPoint& keypoint : keypoints)
         circle(tree, keypoint.pt, 4, YELLOW, FILLED);
+    // The disc of RankRadius 1 around the corner that is nearest to the middle.
+    const Point2f middle(float(image.cols) / 2, float(image.rows) / 2);
+    const auto nearest = std::min_element(keypoints.begin(), keypoints.end(),
+                                          [&](const KeyPoint& a, const KeyPoint& b)
+                                          { return norm(a.pt - middle) < norm(b.pt - middle); });
+    const double area = (image.cols - 2. * border) * (image.rows - 2. * border);
+    if (nearest != keypoints.end())
+        circle(tree, nearest->pt, cvRound(std::sqrt(area / quota)), RED, 2, LINE_AA);
 
     Mat picture;
     hconcat(labelled(mesh, "Corners at iniT (yellow) and, in cells without these, at minT (red)", ""),
-            labelled(tree, "The 161 chosen of them; 4^6 leaves of the quadtree", ""), picture);
+            labelled(tree, "The 161 chosen, 4^6 leaves, and the disc in which one is ranked (red)", ""),
+            picture);
     resize(picture, picture, Size(), 0.7, 0.7, INTER_AREA);
     writePicture(pathIn(folder, "aqorb_stages.jpg"), picture, 80);
 }
