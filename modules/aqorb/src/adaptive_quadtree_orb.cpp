@@ -325,9 +325,9 @@ void AdaptiveQuadtreeORBImpl::detectCorners(Workspace& workspace) const
     workspace.layOutLevels(parameters.nlevels, parameters.firstLevel, parameters.scaleFactor, minSide);
     const int count = workspace.levelCount;
     std::vector<LevelWork>& levels = workspace.levels;
-    const std::vector<int> quotas = isRanked
-                                        ? areaQuotas(parameters.nfeatures, parameters.scaleFactor, count)
-                                        : tables.quotas;
+    if (isRanked)
+        areaQuotas(parameters.nfeatures, parameters.scaleFactor, count, workspace.areaQuotas);
+    const std::vector<int>& quotas = isRanked ? workspace.areaQuotas : tables.quotas;
     for (int i = 0; i < count; i++)
     {
         // Levels too small for a keypoint leave their quotas to the next finer one.

@@ -182,21 +182,22 @@ PointSequence& LevelDetection::sequence(const OrderRule& rule, DetectionScratch&
 
 void LevelDetection::list(CornerSet set, std::vector<RankedCorner>& corners) const
 {
-    corners.clear();
+    if (set == KEPT_CORNERS)
+    {
+        corners = ordered;
+        return;
+    }
     std::vector<Corner> found, kept, passedOver;
     for (int i = 0; i < bandCount; i++)
     {
         const Band& band = bands[i];
-        corners.insert(corners.end(), band.ranked.begin(), band.ranked.end());
         kept.insert(kept.end(), band.corners.begin(), band.corners.end());
         listCorners(band.blocks, plane, found);
     }
     if (set == SUPPRESSED_CORNERS)
         cornersWithout(found, kept, passedOver);
-    else if (set == WEAK_CORNERS)
-        findWeakCorners(*level, root, rules.thresholds, found, passedOver);
     else
-        return;
+        findWeakCorners(*level, root, rules.thresholds, found, passedOver);
     score(passedOver, corners);
 }
 

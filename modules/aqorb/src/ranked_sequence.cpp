@@ -274,9 +274,9 @@ void RankedSequence::sortMore()
 void RankedSequence::listOthers()
 {
     hasOthers = true;
-    std::vector<uchar> isChosen(grid.size(), uchar(0));
+    flags.assign(grid.size(), uchar(0));
     for (size_t i = 0; i < chosen.size(); i++)
-        isChosen[chosen[i].leaf] = 1;
+        flags[chosen[i].leaf] = 1;
     others.assign(points.begin(), points.begin() + count);
     std::sort(others.begin(), others.end(), StrongerInLeaf());
     // They are sorted by their place in their leaf, which takes the place of the leaf's number.
@@ -286,7 +286,7 @@ void RankedSequence::listOthers()
     {
         place = i > 0 && others[i].leaf == leaf ? place + 1 : 0;
         leaf = others[i].leaf;
-        if (place == 0 && isChosen[leaf])
+        if (place == 0 && flags[leaf])
             continue;
         others[left] = others[i];
         others[left++].leaf = place;

@@ -158,7 +158,7 @@ public:
     void offer(const std::vector<RankedCorner>& offered)
     {
         LevelState& level = levels[asked];
-        std::vector<RankedCorner> taken = level.chosen;
+        taken = level.chosen;
         std::sort(taken.begin(), taken.end(), InRasterOrder());
         corners.clear();
         for (size_t i = 0; i < offered.size(); i++)
@@ -272,6 +272,7 @@ private:
     BalancedSequence balanced;          // to fill up from
     RankedSequence ranked;              // to fill up from
     std::vector<RankedCorner> corners;  // to fill up from
+    std::vector<RankedCorner> taken;    // what the level has before
     LeafScratch scratch;
     std::vector<LeafPoint> points;
     std::vector<size_t> rowStarts;
