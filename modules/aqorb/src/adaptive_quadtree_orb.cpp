@@ -331,15 +331,15 @@ void AdaptiveQuadtreeORBImpl::detectCorners(Workspace& workspace) const
     for (int i = 0; i < count; i++)
     {
         // Levels too small for a keypoint leave their quotas to the next finer one.
-        const int quota = quotas[i], added = i < count - 1 ? 0
-                                                           : std::accumulate(quotas.begin() + count,
-                                                                             quotas.end(), 0);
+        const int quota = quotas[i],
+                  added = i < count - 1 ? 0 : std::accumulate(quotas.begin() + count, quotas.end(), 0);
         SelectionLevel& selection = levels[i].selection;
         selection.size = levels[i].level.image.size();
         selection.scale = levels[i].level.scale;
         selection.quota = quota + added;
         OrderRule& order = selection.order;
-        order.root = Rect(border, border, selection.size.width - 2 * border, selection.size.height - 2 * border);
+        order.root =
+            Rect(border, border, selection.size.width - 2 * border, selection.size.height - 2 * border);
         order.depth = parameters.maxDepth >= 0 ? parameters.maxDepth : quadtreeDepth(quota);
         order.isRanked = isRanked;
         levels[i].detection.begin(levels[i].level, order.root, rules);

@@ -107,6 +107,7 @@ static float cornerStrength(int fastScore, float harrisResponse)
 
 void LevelDetection::orderByRank(const OrderRule& rule, DetectionScratch& scratch)
 {
+    CV_TRACE_FUNCTION();
     // A tree of one leaf leaves the choice to the response.
     const bool byResponse = rule.depth == 0;
     ranked.begin(rule.depth, ordered.size());

@@ -82,9 +82,9 @@ private:
     const Level* level;
     Rect root;
     DetectionRules rules;
-    std::vector<Band> bands;  // it never shrinks, so that bands keep their memory
-    int bandCount;            // of this level
-    ScorePlane plane;         // of all bands
+    std::vector<Band> bands;            // it never shrinks, so that bands keep their memory
+    int bandCount;                      // of this level
+    ScorePlane plane;                   // of all bands
     std::vector<RankedCorner> ordered;  // those kept, of all bands
     BalancedSequence balanced;
     RankedSequence ranked;

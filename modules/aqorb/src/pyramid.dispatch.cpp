@@ -206,9 +206,9 @@ static void resizeExact(const Mat& source, Mat& destination, ResizeTables& table
 void areaQuotas(int nfeatures, double scaleFactor, int nlevels, std::vector<int>& quotas)
 {
     const float inverse = float(1.0 / scaleFactor), factor = inverse * inverse;
-    float desired = factor >= 1 ? float(nfeatures) / nlevels
-                                : nfeatures * (1 - factor) /
-                                      (1 - float(std::pow(double(factor), double(nlevels))));
+    float desired = factor >= 1
+                        ? float(nfeatures) / nlevels
+                        : nfeatures * (1 - factor) / (1 - float(std::pow(double(factor), double(nlevels))));
     const float LARGEST_INT = 2147483520.f;  // the largest int that a float can hold
     quotas.assign(nlevels, 0);
     int64 sum = 0;

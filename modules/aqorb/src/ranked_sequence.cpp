@@ -200,14 +200,15 @@ void RankedSequence::rank(const RankRule& rule, int power, const std::vector<uch
         {
             int* before = &usableBefore[size_t(row) * (side + 1)];
             for (int column = 0; column < side; column++)
-                before[column + 1] = before[column] + (before[column + 1] || usable[size_t(row) * side + column]);
+                before[column + 1] =
+                    before[column] + (before[column + 1] || usable[size_t(row) * side + column]);
         }
     }
 
     // Away from the borders the part of the key that the rank decides depends on nothing else.
     const BinaryLogarithm& logarithm = sharedLogarithm();
-    const auto rankKey = [&](int rank, int inside)
-    { return (logarithm(float(inside + int64(rank) * disc.total)) - logarithm(float(inside))) * (1 << 18); };
+    const auto rankKey = [&](int rank, int64 inside)
+    { return (logarithm(float(inside + rank * disc.total)) - logarithm(float(inside))) * (1 << 18); };
     const int exponent = cvRound(rule.strengthWeight * (1 << 16)) * (4 / power);  // in units of 2^-18
     const int SHARED_RANKS = 32;
     int64 shared[SHARED_RANKS];

@@ -21,16 +21,17 @@ void LeafDisc::begin(const Size& cell, int64 squaredRadius, int side)
 {
     const int64 width2 = int64(cell.width) * cell.width, height2 = int64(cell.height) * cell.height;
     halfWidths.clear();
-    widest = total = 0;
-    int64 dx = side - 1;
-    for (int64 dy = 0; dy < side && dy * dy * height2 <= squaredRadius; dy++)
+    total = 0;
+    int64 dx = int64(std::sqrt(double(squaredRadius))) / cell.width + 1;  // not too small
+    for (int64 dy = 0; dy * dy * height2 <= squaredRadius; dy++)
     {
         while (dx * dx * width2 + dy * dy * height2 > squaredRadius)
             dx--;
-        halfWidths.push_back(int(dx));
-        widest = std::max(widest, int(dx));
-        total += int(2 * dx + 1) * (dy > 0 ? 2 : 1);
+        if (dy < side)
+            halfWidths.push_back(int(std::min<int64>(dx, side - 1)));
+        total += (2 * dx + 1) * (dy > 0 ? 2 : 1);
     }
+    widest = halfWidths[0];
 }
 
 static void flagRow(const int* strengths, ptrdiff_t stride, int side, uchar* flags)
