@@ -267,7 +267,7 @@ KeyPoints retainUniform(const KeyPoints& keypoints, Size imageSize, int npoints)
     }
     std::vector<int> order;
     if (npoints > 0)
-        order = responseSequence(corners, imageSize, depth, 1, npoints, 1, 0.1);
+        order = responseSequence(corners, imageSize, depth, 1, npoints, 1, 0.15);
     order.resize(std::min(order.size(), (size_t)npoints));
     std::sort(order.begin(), order.end());
     KeyPoints kept;

@@ -7,6 +7,9 @@
 
 #include "pyramid.hpp"
 
+#include <climits>
+#include <numeric>
+
 namespace opencv_test
 {
 namespace
@@ -84,6 +87,35 @@ TEST(Aqorb_Pyramid, quotas_take_rounding_from_the_finest_level)
     const std::vector<int> quotas = levelQuotas(7, 1.2f, 8);
     const int expected[] = {1, 1, 1, 1, 1, 1, 1, 0};
     EXPECT_EQ(quotas, std::vector<int>(expected, expected + 8));
+}
+
+TEST(Aqorb_Pyramid, quotas_by_area_add_up_and_equal_reference)
+{
+    std::vector<int> quotas;  // What it holds before must not matter.
+    const double factors[] = {1.001, 1.1, double(1.2f), 1.5, 2, 3.7};
+    for (double factor : factors)
+    {
+        for (int nlevels = 1; nlevels <= 12; nlevels++)
+        {
+            for (int n = 0; n <= 5000; n += n < 60 ? 1 : 617)
+            {
+                SCOPED_TRACE(format("factor %g, levels %d, features %d", factor, nlevels, n));
+                areaQuotas(n, factor, nlevels, quotas);
+                ASSERT_EQ(quotas, reference::areaQuotas(n, factor, nlevels));
+                ASSERT_GE(*std::min_element(quotas.begin(), quotas.end()), 0);
+                ASSERT_EQ(std::accumulate(quotas.begin(), quotas.end(), 0), n);
+            }
+        }
+    }
+    areaQuotas(500, 1, 1, quotas);
+    EXPECT_EQ(quotas, std::vector<int>(1, 500));
+    areaQuotas(500, 0.5, 1, quotas);
+    EXPECT_EQ(quotas, std::vector<int>(1, 500));
+    areaQuotas(500, 1.2, 0, quotas);
+    EXPECT_TRUE(quotas.empty());
+    areaQuotas(INT_MAX, 2, 2, quotas);  // as well as floats can tell
+    EXPECT_NEAR(quotas[0] / 4., quotas[1], 200);
+    EXPECT_EQ(int64(quotas[0]) + quotas[1], INT_MAX);
 }
 
 TEST(Aqorb_Pyramid, scales_and_sizes_are_those_of_orb)

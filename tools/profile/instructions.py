@@ -20,7 +20,7 @@ STAGES = [
     ('pyramid', ['fillLevels']),
     ('FAST, suppression', ['findBandCorners', 'suppressCorners']),
     ('Harris', ['harrisResponses']),
-    ('quadtree', ['leafPoints', 'BalancedSequence::begin']),
+    ('quadtree', ['LevelDetection::orderByRank']),
     ('selection', ['AdaptiveQuadtreeORBImpl::selectFeatures']),
     ('orientation, position', ['AdaptiveQuadtreeORBImpl::computeKeypoints']),
     ('blur', ['approximateBlur']),

@@ -17,10 +17,10 @@ const struct
     const char* region;
     Stage stage;
 } MARKS[] = {
-    {"varianceOverMean", THRESHOLD},       {"fillLevels", PYRAMID},       {"findBandCorners", FAST},
-    {"suppressCorners", SUPPRESSION},      {"harrisResponses", HARRIS},   {"leafPoints", QUADTREE},
-    {"BalancedSequence::begin", QUADTREE}, {"selectFeatures", SELECTION}, {"orientations", ORIENTATION},
-    {"computeKeypoints", POSITION},        {"approximateBlur", BLUR},     {"computeDescriptors", DESCRIPTOR}};
+    {"varianceOverMean", THRESHOLD},  {"fillLevels", PYRAMID},           {"findBandCorners", FAST},
+    {"suppressCorners", SUPPRESSION}, {"harrisResponses", HARRIS},       {"orderByRank", QUADTREE},
+    {"selectFeatures", SELECTION},    {"orientations", ORIENTATION},     {"computeKeypoints", POSITION},
+    {"approximateBlur", BLUR},        {"computeDescriptors", DESCRIPTOR}};
 
 //! The stage of a region inside one of another stage. Whatever selection calls is selection.
 Stage stageOf(const TraceRegion& region, Stage outer)

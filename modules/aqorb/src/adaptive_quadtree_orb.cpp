@@ -36,7 +36,7 @@ struct Tables
 {
     explicit Tables(const Parameters& parameters)
         : patch(circularPatch(parameters.patchSize)),
-          strengthPatch(patch.halfWidths, std::max(1, parameters.patchSize / 2 / 3)),
+          strengthPatch(patch.halfWidths, std::max(1, parameters.patchSize / 2 / 5)),
           tests(descriptorPattern(parameters.patchSize, parameters.WTA_K), parameters.WTA_K)
     {
         // Other values have no quotas. Detection throws for them.
@@ -325,21 +325,21 @@ void AdaptiveQuadtreeORBImpl::detectCorners(Workspace& workspace) const
     workspace.layOutLevels(parameters.nlevels, parameters.firstLevel, parameters.scaleFactor, minSide);
     const int count = workspace.levelCount;
     std::vector<LevelWork>& levels = workspace.levels;
-    const std::vector<int> quotas = isRanked
-                                        ? areaQuotas(parameters.nfeatures, parameters.scaleFactor, count)
-                                        : tables.quotas;
+    if (isRanked)
+        areaQuotas(parameters.nfeatures, parameters.scaleFactor, count, workspace.areaQuotas);
+    const std::vector<int>& quotas = isRanked ? workspace.areaQuotas : tables.quotas;
     for (int i = 0; i < count; i++)
     {
         // Levels too small for a keypoint leave their quotas to the next finer one.
-        const int quota = quotas[i], added = i < count - 1 ? 0
-                                                           : std::accumulate(quotas.begin() + count,
-                                                                             quotas.end(), 0);
+        const int quota = quotas[i],
+                  added = i < count - 1 ? 0 : std::accumulate(quotas.begin() + count, quotas.end(), 0);
         SelectionLevel& selection = levels[i].selection;
         selection.size = levels[i].level.image.size();
         selection.scale = levels[i].level.scale;
         selection.quota = quota + added;
         OrderRule& order = selection.order;
-        order.root = Rect(border, border, selection.size.width - 2 * border, selection.size.height - 2 * border);
+        order.root =
+            Rect(border, border, selection.size.width - 2 * border, selection.size.height - 2 * border);
         order.depth = parameters.maxDepth >= 0 ? parameters.maxDepth : quadtreeDepth(quota);
         order.isRanked = isRanked;
         levels[i].detection.begin(levels[i].level, order.root, rules);
@@ -422,7 +422,7 @@ void AdaptiveQuadtreeORBImpl::selectFeatures(Workspace& workspace) const
         }
         else
         {
-            detection.list(request.set, workspace.corners);
+            detection.list(request.set, *scratch, workspace.corners);
             selector.offer(workspace.corners);
         }
     }

@@ -101,6 +101,7 @@ void LevelDetection::order(const OrderRule& rule, DetectionScratch& scratch)
 
 void LevelDetection::orderByRank(const OrderRule& rule, DetectionScratch& scratch)
 {
+    CV_TRACE_FUNCTION();
     // A tree of one leaf leaves the choice to the response.
     const bool byResponse = rule.depth == 0;
     if (byResponse)
@@ -192,9 +193,16 @@ PointSequence& LevelDetection::sequence(const OrderRule& rule, DetectionScratch&
     return balanced;
 }
 
-void LevelDetection::list(CornerSet set, std::vector<RankedCorner>& corners) const
+void LevelDetection::list(CornerSet set, DetectionScratch& scratch,
+                          std::vector<RankedCorner>& corners) const
 {
-    std::vector<Corner> found, kept, listed;
+    if (set == KEPT_CORNERS)
+    {
+        corners = ordered;
+        setResponses(corners, scratch);
+        return;
+    }
+    std::vector<Corner> found, kept, passedOver;
     for (int i = 0; i < bandCount; i++)
     {
         const Band& band = bands[i];
@@ -202,12 +210,10 @@ void LevelDetection::list(CornerSet set, std::vector<RankedCorner>& corners) con
         listCorners(band.blocks, plane, found);
     }
     if (set == SUPPRESSED_CORNERS)
-        cornersWithout(found, kept, listed);
-    else if (set == WEAK_CORNERS)
-        findWeakCorners(*level, root, rules.thresholds, found, listed);
+        cornersWithout(found, kept, passedOver);
     else
-        listed.swap(kept);
-    score(listed, rules.rankByHarris, corners);
+        findWeakCorners(*level, root, rules.thresholds, found, passedOver);
+    score(passedOver, rules.rankByHarris, corners);
 }
 
 void LevelDetection::score(const std::vector<Corner>& corners, bool byHarris,

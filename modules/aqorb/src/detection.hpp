@@ -69,7 +69,7 @@ public:
     //! Sets the responses of corners that were chosen.
     void setResponses(std::vector<RankedCorner>& chosen, DetectionScratch& scratch) const;
     //! Lists the ranked corners of a set. The level must have begun its sequence.
-    void list(CornerSet set, std::vector<RankedCorner>& corners) const;
+    void list(CornerSet set, DetectionScratch& scratch, std::vector<RankedCorner>& corners) const;
 
 private:
     // A part of the level whose corners are found independently.
@@ -88,9 +88,9 @@ private:
     const Level* level;
     Rect root;
     DetectionRules rules;
-    std::vector<Band> bands;  // it never shrinks, so that bands keep their memory
-    int bandCount;            // of this level
-    ScorePlane plane;         // of all bands
+    std::vector<Band> bands;            // it never shrinks, so that bands keep their memory
+    int bandCount;                      // of this level
+    ScorePlane plane;                   // of all bands
     std::vector<RankedCorner> ordered;  // those kept, of all bands
     BalancedSequence balanced;
     RankedSequence ranked;

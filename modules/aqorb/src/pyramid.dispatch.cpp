@@ -203,14 +203,14 @@ static void resizeExact(const Mat& source, Mat& destination, ResizeTables& table
     cv::resize(source, destination, destination.size(), 0, 0, INTER_LINEAR_EXACT);
 }
 
-std::vector<int> areaQuotas(int nfeatures, double scaleFactor, int nlevels)
+void areaQuotas(int nfeatures, double scaleFactor, int nlevels, std::vector<int>& quotas)
 {
     const float inverse = float(1.0 / scaleFactor), factor = inverse * inverse;
-    float desired = factor >= 1 ? float(nfeatures) / nlevels
-                                : nfeatures * (1 - factor) /
-                                      (1 - float(std::pow(double(factor), double(nlevels))));
+    float desired = factor >= 1
+                        ? float(nfeatures) / nlevels
+                        : nfeatures * (1 - factor) / (1 - float(std::pow(double(factor), double(nlevels))));
     const float LARGEST_INT = 2147483520.f;  // the largest int that a float can hold
-    std::vector<int> quotas(nlevels);
+    quotas.assign(nlevels, 0);
     int64 sum = 0;
     for (int level = 1; level < nlevels; level++)
     {
@@ -227,7 +227,6 @@ std::vector<int> areaQuotas(int nfeatures, double scaleFactor, int nlevels)
         quotas[level] -= taken;
         excess -= taken;
     }
-    return quotas;
 }
 
 bool layOutLevel(const Level& input, int index, int firstLevel, double scaleFactor, int minSide, Level& level)

@@ -28,7 +28,7 @@ Size levelSize(Size imageSize, float scale);
 std::vector<int> levelQuotas(int nfeatures, double scaleFactor, int nlevels);
 
 //! The number of features of each level in proportion to its area.
-std::vector<int> areaQuotas(int nfeatures, double scaleFactor, int nlevels);
+void areaQuotas(int nfeatures, double scaleFactor, int nlevels, std::vector<int>& quotas);
 
 /** Prepares level `index` of cv::ORB's pyramid. The level `firstLevel` becomes the input image itself, which is not
  copied. Any other level gets its scale and size; fillLevel gives it its pixels. Memory of the same size is used again.

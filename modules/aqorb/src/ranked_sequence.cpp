@@ -25,7 +25,7 @@ int maxRankedDepth(Size size)
 
 int rankedDepth(Size size, double usable, int quota)
 {
-    const double LEAVES_PER_POINT = 16;
+    const double LEAVES_PER_POINT = 12;
     const int deepest = maxRankedDepth(size);
     int depth = 0;
     while (depth < deepest && double(int64(1) << (2 * depth)) * usable < LEAVES_PER_POINT * quota)
@@ -200,14 +200,15 @@ void RankedSequence::rank(const RankRule& rule, int power, const std::vector<uch
         {
             int* before = &usableBefore[size_t(row) * (side + 1)];
             for (int column = 0; column < side; column++)
-                before[column + 1] = before[column] + (before[column + 1] || usable[size_t(row) * side + column]);
+                before[column + 1] =
+                    before[column] + (before[column + 1] || usable[size_t(row) * side + column]);
         }
     }
 
     // Away from the borders the part of the key that the rank decides depends on nothing else.
     const BinaryLogarithm& logarithm = sharedLogarithm();
-    const auto rankKey = [&](int rank, int inside)
-    { return (logarithm(float(inside + int64(rank) * disc.total)) - logarithm(float(inside))) * (1 << 18); };
+    const auto rankKey = [&](int rank, int64 inside)
+    { return (logarithm(float(inside + rank * disc.total)) - logarithm(float(inside))) * (1 << 18); };
     const int exponent = cvRound(rule.strengthWeight * (1 << 16)) * (4 / power);  // in units of 2^-18
     const int SHARED_RANKS = 32;
     int64 shared[SHARED_RANKS];
@@ -274,9 +275,9 @@ void RankedSequence::sortMore()
 void RankedSequence::listOthers()
 {
     hasOthers = true;
-    std::vector<uchar> isChosen(grid.size(), uchar(0));
+    flags.assign(grid.size(), uchar(0));
     for (size_t i = 0; i < chosen.size(); i++)
-        isChosen[chosen[i].leaf] = 1;
+        flags[chosen[i].leaf] = 1;
     others.assign(points.begin(), points.begin() + count);
     std::sort(others.begin(), others.end(), StrongerInLeaf());
     // They are sorted by their place in their leaf, which takes the place of the leaf's number.
@@ -286,7 +287,7 @@ void RankedSequence::listOthers()
     {
         place = i > 0 && others[i].leaf == leaf ? place + 1 : 0;
         leaf = others[i].leaf;
-        if (place == 0 && isChosen[leaf])
+        if (place == 0 && flags[leaf])
             continue;
         others[left] = others[i];
         others[left++].leaf = place;

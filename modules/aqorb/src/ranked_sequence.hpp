@@ -30,13 +30,13 @@ struct RankRule
 //! How the corners of a level are put in the order of selection.
 struct OrderRule
 {
-    Rect root;  //!< of the quadtree: the region between the borders
-    int depth;  //!< of the quadtree
+    Rect root;      //!< of the quadtree: the region between the borders
+    int depth;      //!< of the quadtree
     bool isRanked;  //!< true: by a RankedSequence; false: by a BalancedSequence
     RankRule rank;  //!< of a RankedSequence
 };
 
-//! The smallest depth with 16 leaves for each point that the region is to have, but not so deep that leaves become
+//! The smallest depth with 12 leaves for each point that the region is to have, but not so deep that leaves become
 //! shorter than 2 pixels.
 int rankedDepth(Size size, double usable, int quota);
 //! The greatest depth that rankedDepth returns for a region.
@@ -121,11 +121,12 @@ private:
     size_t count;  // of points
     std::vector<LeafPoint> points, chosen, others;
     std::vector<float> strengths;
-    std::vector<int> grid;       // by leaf, with a border: how strong its best point is
-    std::vector<unsigned> best;  // by leaf, with a border: that point
-    std::vector<uchar> flags;
+    std::vector<int> grid;                  // by leaf, with a border: how strong its best point is
+    std::vector<unsigned> best;             // by leaf, with a border: that point
+    std::vector<uchar> flags;               // work space
     std::vector<uint64> byStrength, other;  // keys of the representatives; work space
-    std::vector<unsigned> leaves, ranked;   // of the representatives, in their order and by strength, row by row
+    std::vector<unsigned> leaves,
+        ranked;  // of the representatives, in their order and by strength, row by row
     std::vector<int> ranks, usableBefore;
     LeafDisc disc;
     RankingScratch ranking;

@@ -21,16 +21,17 @@ void LeafDisc::begin(const Size& cell, int64 squaredRadius, int side)
 {
     const int64 width2 = int64(cell.width) * cell.width, height2 = int64(cell.height) * cell.height;
     halfWidths.clear();
-    widest = total = 0;
-    int64 dx = side - 1;
-    for (int64 dy = 0; dy < side && dy * dy * height2 <= squaredRadius; dy++)
+    total = 0;
+    int64 dx = int64(std::sqrt(double(squaredRadius))) / cell.width + 1;  // not too small
+    for (int64 dy = 0; dy * dy * height2 <= squaredRadius; dy++)
     {
         while (dx * dx * width2 + dy * dy * height2 > squaredRadius)
             dx--;
-        halfWidths.push_back(int(dx));
-        widest = std::max(widest, int(dx));
-        total += int(2 * dx + 1) * (dy > 0 ? 2 : 1);
+        if (dy < side)
+            halfWidths.push_back(int(std::min<int64>(dx, side - 1)));
+        total += (2 * dx + 1) * (dy > 0 ? 2 : 1);
     }
+    widest = halfWidths[0];
 }
 
 static void flagRow(const int* strengths, ptrdiff_t stride, int side, uchar* flags)
@@ -64,29 +65,37 @@ void representativeLeaves(const std::vector<int>& strengths, int side, std::vect
 void leafRanks(const unsigned* leaves, size_t count, int depth, const LeafDisc& disc, RankingScratch& scratch,
                int* ranks)
 {
-    const int side = 1 << depth, reach = int(disc.halfWidths.size()) - 1, WORD = 32;
+    // The border has one more row above, and each row one more word before, for the bits that are set twice.
+    const int side = 1 << depth, reach = int(disc.halfWidths.size()) - 1, WORD = 16;
     RankingGrid grid;
     grid.depth = depth;
     grid.left = disc.widest;
-    grid.top = reach;
-    grid.stride = (side + 2 * disc.widest) / WORD + 1;
-    scratch.bits.assign(size_t(grid.stride) * (side + 2 * reach), 0);
+    grid.top = reach + 1;
+    grid.stride = (side + 2 * disc.widest) / WORD + 2;
+    scratch.bits.assign(size_t(grid.stride) * (side + 2 * reach + 1), 0);
     scratch.words.clear();
     scratch.masks.clear();
-    for (int row = 0; row <= 2 * reach; row++)
+    // Two rows at a time, the bits from the column disc.widest before the leaf on.
+    for (int row = 0; row <= 2 * reach; row += 2)
     {
-        // The bits of the row, from the column disc.widest before the leaf on.
-        const int halfWidth = disc.halfWidths[std::abs(row - reach)];
-        const int begin = disc.widest - halfWidth, end = disc.widest + halfWidth + 1;
-        for (int first = 0; first < end; first += WORD)
+        for (int first = 0; first < 2 * disc.widest + 1;)
         {
+            const int last = first + (2 * disc.widest + 1 - first == WORD + 1 ? WORD + 1 : WORD);
             uint64 mask = 0;
-            for (int bit = std::max(begin, first); bit < std::min(end, first + WORD); bit++)
-                mask |= uint64(1) << (bit - first);
-            if (!mask)
-                continue;
-            scratch.words.push_back(row * grid.stride + first / WORD);
-            scratch.masks.push_back(mask);
+            for (int i = 0; i < 2 && row + i <= 2 * reach; i++)
+            {
+                const int halfWidth = disc.halfWidths[std::abs(row + i - reach)];
+                const int begin = std::max(disc.widest - halfWidth, first);
+                const int end = std::min(disc.widest + halfWidth + 1, last);
+                for (int bit = begin; bit < end; bit++)
+                    mask |= uint64(1) << (bit - first + 32 * i);
+            }
+            if (mask)
+            {
+                scratch.words.push_back((row + 1) * grid.stride + first / WORD + 1);
+                scratch.masks.push_back(mask);
+            }
+            first = last;
         }
     }
     grid.bits = scratch.bits.data();

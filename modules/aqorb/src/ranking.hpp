@@ -19,11 +19,13 @@ namespace stages
 struct LeafDisc
 {
     //! The leaves at offsets (dx, dy) with dx^2 * cell.width^2 + dy^2 * cell.height^2 <= squaredRadius.
+    //! @param squaredRadius 0 to 4 * 10^18
+    //! @param side of the grid, in leaves
     void begin(const Size& cell, int64 squaredRadius, int side);
 
-    std::vector<int> halfWidths;  //!< by |dy|: the greatest |dx|
+    std::vector<int> halfWidths;  //!< by |dy|: the greatest |dx|; both below the side of the grid
     int widest;                   //!< of the half widths
-    int total;                    //!< leaves of the disc
+    int64 total;                  //!< leaves of the disc, with those that are too far away for any grid
 };
 
 //! Work space of leafRanks.
@@ -50,15 +52,15 @@ void leafRanks(const unsigned* leaves, size_t count, int depth, const LeafDisc& 
 
 // ---- for the kernel: plain structs only, see types.hpp ---------------------------------------
 
-//! A grid of bits with a border, in which each word holds 64 bits of a row, and the next word begins 32 bits later. So a
-//! word holds any 33 neighbouring bits.
+//! A grid of bits with a border. Each word holds 32 bits of a row and, in its upper half, those of the next row. The next
+//! word begins 16 bits later, so a word holds any 17 neighbouring bits of both rows.
 struct RankingGrid
 {
     uint64* bits;
-    int depth;          //!< leaves have 2^depth columns
-    int stride;         //!< words of a row
-    int left, top;      //!< width of the border, in bits and rows
-    const int* words;   //!< the disc: offsets from the word that holds the column `left` bits before the leaf
+    int depth;         //!< leaves have 2^depth columns
+    int stride;        //!< words of a row
+    int left, top;     //!< width of the border, in bits and rows
+    const int* words;  //!< the disc: offsets from the word that holds the column `left` bits before the leaf
     const uint64* masks;  //!< the disc: which bits of each of these words count
     int wordCount;
 };

@@ -158,7 +158,7 @@ public:
     void offer(const std::vector<RankedCorner>& offered)
     {
         LevelState& level = levels[asked];
-        std::vector<RankedCorner> taken = level.chosen;
+        taken = level.chosen;
         std::sort(taken.begin(), taken.end(), InRasterOrder());
         corners.clear();
         for (size_t i = 0; i < offered.size(); i++)
@@ -252,7 +252,8 @@ private:
         for (size_t i = 0; i < unordered.size(); i++)
         {
             const RankedCorner& corner = unordered[i];
-            const unsigned leaf = scratch.columns[corner.x - rule.root.x] + scratch.rows[corner.y - rule.root.y];
+            const unsigned leaf =
+                scratch.columns[corner.x - rule.root.x] + scratch.rows[corner.y - rule.root.y];
             const LeafPoint point = {leaf, corner.response, float(corner.x), float(corner.y), int(i)};
             points[i] = point;
         }
@@ -262,7 +263,7 @@ private:
 
     Size imageSize;
     double octaveSuppression;
-    int reach;  // of octave suppression, in levels
+    int reach;                       // of octave suppression, in levels
     std::vector<LevelState> levels;  // it never shrinks, so that levels keep their memory
     int levelCount;                  // of this image
     int step;                        // the next pass and level to ask for
@@ -272,6 +273,7 @@ private:
     BalancedSequence balanced;          // to fill up from
     RankedSequence ranked;              // to fill up from
     std::vector<RankedCorner> corners;  // to fill up from
+    std::vector<RankedCorner> taken;    // what the level has before
     LeafScratch scratch;
     std::vector<LeafPoint> points;
     std::vector<size_t> rowStarts;

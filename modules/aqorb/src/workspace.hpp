@@ -52,6 +52,7 @@ struct Workspace
     stages::Level input;            //!< the image itself, of the caller
     std::vector<LevelWork> levels;  //!< it never shrinks, so that levels keep their memory
     int levelCount;                 //!< levels of this image
+    std::vector<int> areaQuotas;    //!< of the levels, for RANKED_SELECTION
     std::vector<LevelBand> bands;   //!< those of the input image first
     stages::FeatureSelector selector;
     std::vector<stages::RankedCorner> corners;  //!< to offer to selection

@@ -44,7 +44,7 @@ const char* const LOCATIONS =
     "l,5,\"a.cpp\",5,\"void cv::aqorb::stages::findBandCorners(const Level&, const cv::Rect&)\",0x3\n"
     "l,6,\"a.cpp\",6,\"void cv::aqorb::stages::suppressCorners(int)\",0x3\n"
     "l,7,\"a.cpp\",7,\"void cv::aqorb::AdaptiveQuadtreeORBImpl::selectFeatures(int)\",0x3\n"
-    "l,8,\"a.cpp\",8,\"void cv::aqorb::(anonymous namespace)::leafPoints(const std::vector<int>&, int "
+    "l,8,\"a.cpp\",8,\"void cv::aqorb::(anonymous namespace)::orderByRank(const std::vector<int>&, int "
     "(*)(int))\",0x3\n"
     "l,9,\"a.cpp\",9,\"void cv::aqorb::Workspace::fillLevels(int)\",0x3\n"
     "l,10,\"a.cpp\",10,\"void cv::aqorb::stages::resizeExact(int)\",0x3\n";
@@ -107,7 +107,7 @@ TEST(Aqorb_Profile, names_the_stages_that_a_trace_lacks)
 {
     const TraceFiles files(LOCATIONS, EVENTS);
     const std::vector<std::string> absent = absentStages(readTrace(files.location));
-    EXPECT_EQ(0, std::count(absent.begin(), absent.end(), "leafPoints"));
+    EXPECT_EQ(0, std::count(absent.begin(), absent.end(), "orderByRank"));
     EXPECT_EQ(1, std::count(absent.begin(), absent.end(), "computeDescriptors"));
 }
 

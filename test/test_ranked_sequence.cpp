@@ -1,0 +1,306 @@
+// This file is part of aqorb. Copyright (C) The aqorb developers.
+// It is subject to the license terms in the LICENSE file found in the top-level directory
+// of this distribution.
+// SPDX-License-Identifier: Apache-2.0
+
+#include "reference.hpp"
+
+#include "ranked_sequence.hpp"
+
+#include <cfloat>
+#include <climits>
+#include <limits>
+
+namespace opencv_test
+{
+namespace
+{
+
+using namespace aqorb::stages;
+
+const float INF = std::numeric_limits<float>::infinity();
+const float NOT_A_NUMBER = std::numeric_limits<float>::quiet_NaN();
+
+TEST(Aqorb_RankedSequence, logarithm_equals_reference)
+{
+    for (int e = -149; e <= 127; e++)
+        ASSERT_EQ(binaryLogarithm(std::ldexp(1.f, e)), int64(e) * (1 << 24)) << e;
+    RNG rng(1);
+    for (int i = 0; i < 200000; i++)
+    {
+        Cv32suf bits;
+        bits.u = unsigned(rng.uniform(1, 0x7f800000));  // any number > 0, denormals as well
+        ASSERT_EQ(binaryLogarithm(bits.f), reference::binaryLogarithm(bits.f)) << bits.f;
+    }
+    EXPECT_EQ(binaryLogarithm(FLT_MAX), reference::binaryLogarithm(FLT_MAX));
+    EXPECT_EQ(binaryLogarithm(FLT_MIN), int64(-126) * (1 << 24));
+}
+
+TEST(Aqorb_RankedSequence, logarithm_grows_and_is_exact_to_7_digits)
+{
+    // All numbers from 1 to 2: the table has 2^12 steps of 2^11 numbers.
+    int64 before = 0;
+    for (unsigned fraction = 0; fraction <= 1u << 23; fraction++)
+    {
+        Cv32suf bits;
+        bits.u = 0x3f800000 + fraction;
+        const int64 logarithm = binaryLogarithm(bits.f);
+        ASSERT_GE(logarithm, before) << bits.f;
+        if (fraction % 97 == 0)
+        {
+            ASSERT_NEAR(std::ldexp(double(logarithm), -24), std::log2(double(bits.f)), 1.5e-7) << bits.f;
+        }
+        before = logarithm;
+    }
+    EXPECT_EQ(before, 1 << 24);
+}
+
+TEST(Aqorb_RankedSequence, depth_equals_reference)
+{
+    RNG rng(1);
+    for (int i = 0; i < 20000; i++)
+    {
+        const Size size(rng.uniform(1, 1 << rng.uniform(1, 15)), rng.uniform(1, 1 << rng.uniform(1, 15)));
+        const int quota = rng.uniform(1, 1 << rng.uniform(1, 24));
+        const double usable = i % 3 ? rng.uniform(0., 1.) : i % 2;
+        ASSERT_EQ(rankedDepth(size, usable, quota), reference::rankedDepth(-1, quota, usable, size))
+            << size << usable << quota;
+        ASSERT_EQ(maxRankedDepth(size), reference::rankedDepth(15, quota, usable, size)) << size;
+    }
+    EXPECT_EQ(maxRankedDepth(Size(INT_MAX, INT_MAX)), 12);
+}
+
+//! Points over a region, and the strengths of the representatives among them by their indices.
+struct Scene
+{
+    RankRule rule;
+    int depth, power;
+    std::vector<LeafPoint> points;  // by TieBefore; the leaves are not numbered yet
+    std::vector<float> strengths;
+    std::vector<uchar> usable;
+};
+
+float randomStrength(RNG& rng, int kind)
+{
+    static const float odd[] = {NOT_A_NUMBER, -INF, -1.f, -1e-42f, -0.f, 0.f, 1e-45f, 1.f, FLT_MAX, INF};
+    if (kind == 0 || (kind == 1 && rng.uniform(0, 3) == 0))
+        return odd[rng.uniform(0, 10)];
+    if (kind == 2)
+        return float(rng.uniform(0, 3));  // many are equal
+    return rng.uniform(0.f, 1000.f);
+}
+
+Scene randomScene(int seed)
+{
+    RNG rng(seed);
+    const int kind = seed % 5;
+    Scene scene;
+    const Size size(rng.uniform(1, 300), rng.uniform(1, 300));
+    const RankRule rule = {size, 1, rng.uniform(1, 1 << rng.uniform(1, 9)),
+                           seed % 3 ? rng.uniform(0., 3.) : rng.uniform(0., 16.),
+                           seed % 4 ? rng.uniform(0., 2.) : rng.uniform(0, 2) * 1000.};
+    scene.rule = rule;
+    scene.depth = rng.uniform(0, maxRankedDepth(size) + 1);
+    scene.power = rng.uniform(0, 2) ? 4 : 1;
+    const int count = rng.uniform(0, 1 << rng.uniform(1, 11));
+    for (int i = 0; i < count; i++)
+    {
+        const LeafPoint point = {0, randomStrength(rng, kind), float(rng.uniform(0, size.width)),
+                                 float(rng.uniform(0, size.height)), i};
+        scene.points.push_back(point);
+        scene.strengths.push_back(randomStrength(rng, kind));
+    }
+    std::sort(scene.points.begin(), scene.points.end(), TieBefore());
+    if (rng.uniform(0, 2))
+    {
+        scene.rule.usable = rng.uniform(0., 1.);
+        for (int i = 0; i < 1 << (2 * scene.depth); i++)
+            scene.usable.push_back(uchar(rng.uniform(0, 3) ? rng.uniform(1, 256) : 0));
+    }
+    return scene;
+}
+
+std::vector<int> expectedOrder(const Scene& scene)
+{
+    std::vector<reference::LeafCorner> corners;
+    for (const LeafPoint& point : scene.points)
+    {
+        const Size size = scene.rule.size;
+        const reference::LeafCorner corner = {(int(point.x) << scene.depth) / size.width,
+                                              (int(point.y) << scene.depth) / size.height,
+                                              point.x,
+                                              point.y,
+                                              point.response,
+                                              point.index};
+        corners.push_back(corner);
+    }
+    const reference::RankedRule rule = {scene.rule.size,
+                                        scene.depth,
+                                        scene.rule.usable,
+                                        scene.rule.quota,
+                                        scene.rule.radius,
+                                        scene.rule.strengthWeight,
+                                        scene.power == 4 ? 1 << 18 : 1 << 16};
+    return reference::rankedSequence(
+        corners, rule,
+        [&](int column, int row)
+        { return scene.usable.empty() || scene.usable[(size_t(row) << scene.depth) + column]; },
+        [&](const reference::LeafCorner& corner) { return scene.strengths[corner.index]; });
+}
+
+void begin(const Scene& scene, RankedSequence& sequence)
+{
+    LeafScratch scratch;
+    sequence.begin(scene.depth, scene.points.size());
+    numberLeaves(scene.rule.size, scene.depth, sequence, scratch);
+    for (LeafPoint point : scene.points)
+    {
+        point.leaf = scratch.columns[int(point.x)] + scratch.rows[int(point.y)];
+        sequence.add(point);
+    }
+    sequence.findRepresentatives();
+    const std::vector<LeafPoint>& representatives = sequence.representatives();
+    for (size_t i = 0; i < representatives.size(); i++)
+    {
+        // At first it is that of the point, also where it is no number.
+        EXPECT_EQ(0, std::memcmp(&sequence.strength(i), &representatives[i].response, sizeof(float)));
+        sequence.strength(i) = scene.strengths[representatives[i].index];
+    }
+    sequence.rank(scene.rule, scene.power, scene.usable);
+}
+
+TEST(Aqorb_RankedSequence, equals_reference)
+{
+    RankedSequence sequence;  // It is used again, so what one scene leaves in it must not matter.
+    size_t compared = 0;
+    for (int seed = 1; seed <= 600; seed++)
+    {
+        SCOPED_TRACE(seed);
+        const Scene scene = randomScene(seed);
+        const std::vector<int> expected = expectedOrder(scene);
+        begin(scene, sequence);
+        LeafPoint point;
+        for (size_t i = 0; i < expected.size(); i++)
+        {
+            ASSERT_TRUE(sequence.next(point)) << i;
+            ASSERT_EQ(point.index, expected[i]) << i;
+        }
+        ASSERT_FALSE(sequence.next(point));
+        ASSERT_FALSE(sequence.next(point));
+        compared += expected.size();
+    }
+    EXPECT_GT(compared, 20000u);
+}
+
+// The kernels for this CPU and the baseline's.
+TEST(Aqorb_RankedSequence, equals_reference_without_optimization)
+{
+    WithoutOptimization baseline;
+    RankedSequence sequence;
+    for (int seed = 601; seed <= 700; seed++)
+    {
+        SCOPED_TRACE(seed);
+        const Scene scene = randomScene(seed);
+        begin(scene, sequence);
+        LeafPoint point;
+        for (int index : expectedOrder(scene))
+        {
+            ASSERT_TRUE(sequence.next(point));
+            ASSERT_EQ(point.index, index);
+        }
+        ASSERT_FALSE(sequence.next(point));
+    }
+}
+
+class OddIndices : public PointFilter
+{
+public:
+    bool accepts(const LeafPoint& point) const CV_OVERRIDE { return point.index % 2 != 0; }
+};
+
+TEST(Aqorb_RankedSequence, a_filter_passes_over_points_and_changes_no_rank)
+{
+    RankedSequence sequence;
+    const OddIndices filter;
+    for (int seed = 1; seed <= 50; seed++)
+    {
+        SCOPED_TRACE(seed);
+        const Scene scene = randomScene(seed);
+        begin(scene, sequence);
+        LeafPoint point;
+        for (int index : expectedOrder(scene))
+        {
+            if (index % 2 == 0)
+                continue;
+            ASSERT_TRUE(sequence.next(point, &filter));
+            ASSERT_EQ(point.index, index);
+        }
+        ASSERT_FALSE(sequence.next(point, &filter));
+    }
+}
+
+// In any order; their strength is their response.
+TEST(Aqorb_RankedSequence, points_are_ordered_by_their_response)
+{
+    RankedSequence sequence;
+    LeafScratch scratch;
+    for (int seed = 1; seed <= 100; seed++)
+    {
+        SCOPED_TRACE(seed);
+        Scene scene = randomScene(seed);
+        scene.power = 1;
+        scene.usable.clear();
+        for (const LeafPoint& point : scene.points)
+            scene.strengths[point.index] = point.response;
+        const std::vector<int> expected = expectedOrder(scene);
+        RNG rng(seed);
+        for (size_t i = scene.points.size(); i > 1; i--)
+            std::swap(scene.points[i - 1], scene.points[rng.uniform(0, int(i))]);
+        sequence.begin(scene.depth, scene.points.size());
+        numberLeaves(scene.rule.size, scene.depth, sequence, scratch);
+        for (LeafPoint& point : scene.points)
+            point.leaf = scratch.columns[int(point.x)] + scratch.rows[int(point.y)];
+        orderByResponse(scene.points, scene.rule, sequence);
+        LeafPoint point;
+        for (int index : expected)
+        {
+            ASSERT_TRUE(sequence.next(point));
+            ASSERT_EQ(point.index, index);
+        }
+        ASSERT_FALSE(sequence.next(point));
+    }
+}
+
+TEST(Aqorb_RankedSequence, representatives_come_in_the_order_of_their_leaves)
+{
+    // 4 x 4 leaves of 10 x 10 pixels. Beside 9 and 8 the 7 has two stronger leaves.
+    RankedSequence sequence;
+    sequence.begin(2, 5);
+    const float responses[] = {9, 8, 7, 3, 4};
+    const Point leaves[] = {Point(0, 0), Point(1, 0), Point(0, 1), Point(3, 3), Point(3, 3)};
+    for (int i = 0; i < 5; i++)
+    {
+        const LeafPoint point = {sequence.leafColumn(leaves[i].x) + sequence.leafRow(leaves[i].y),
+                                 responses[i], float(10 * leaves[i].x + i), float(10 * leaves[i].y), i};
+        sequence.add(point);
+    }
+    sequence.findRepresentatives();
+    std::vector<int> indices;
+    for (const LeafPoint& point : sequence.representatives())
+        indices.push_back(point.index);
+    EXPECT_EQ(indices, std::vector<int>({0, 1, 4}));
+    EXPECT_EQ(sequence.strength(2), 4.f);
+    const RankRule rule = {Size(40, 40), 1, 16, 1, 0};
+    sequence.rank(rule, 1, std::vector<uchar>());
+    // By rank, then strength; those passed over by their place in the leaf.
+    LeafPoint point;
+    for (int index : {0, 4, 1, 2, 3})
+    {
+        ASSERT_TRUE(sequence.next(point));
+        EXPECT_EQ(point.index, index);
+    }
+    EXPECT_FALSE(sequence.next(point));
+}
+
+}  // namespace
+}  // namespace opencv_test
