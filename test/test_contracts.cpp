@@ -27,7 +27,7 @@ TEST(Aqorb_Contracts, defaults)
     EXPECT_EQ(35, detector->getCellSize());
     EXPECT_EQ(-1, detector->getMaxDepth());
     EXPECT_EQ(AdaptiveQuadtreeORB::RANKED_SELECTION, detector->getSelectionType());
-    EXPECT_EQ(0.1, detector->getStrengthWeight());
+    EXPECT_EQ(0.15, detector->getStrengthWeight());
     EXPECT_EQ(1, detector->getRankRadius());
     EXPECT_EQ(-1, detector->getOctaveSuppression());
     EXPECT_TRUE(detector->getSubPixel());
@@ -45,7 +45,7 @@ TEST(Aqorb_Contracts, the_default_of_octave_suppression_follows_the_selection)
     };
     const auto ranked = AdaptiveQuadtreeORB::RANKED_SELECTION;
     const auto balanced = AdaptiveQuadtreeORB::BALANCED_SELECTION;
-    EXPECT_TRUE(sameFeatures(features(ranked, 0.6), features(ranked, -1)));
+    EXPECT_TRUE(sameFeatures(features(ranked, 2), features(ranked, -1)));
     EXPECT_FALSE(sameFeatures(features(ranked, 0.5), features(ranked, -1)));
     EXPECT_TRUE(sameFeatures(features(balanced, 0.5), features(balanced, -1)));
     EXPECT_FALSE(sameFeatures(features(balanced, 0.6), features(balanced, -1)));

@@ -159,7 +159,7 @@ TEST(Aqorb_IO, reads_a_file_of_version_0_1)
     EXPECT_EQ(0.5, detector->getOctaveSuppression());
     EXPECT_FALSE(detector->getSubPixel());
     EXPECT_EQ(AdaptiveQuadtreeORB::RANKED_SELECTION, detector->getSelectionType());
-    EXPECT_EQ(0.1, detector->getStrengthWeight());
+    EXPECT_EQ(0.15, detector->getStrengthWeight());
     EXPECT_EQ(1, detector->getRankRadius());
 
     // One line brings back what version 0.1 did with the file, before or after it is read.

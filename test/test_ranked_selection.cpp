@@ -166,6 +166,8 @@ TEST(Aqorb_RankedSelection, a_turned_scene_keeps_more_keypoints_than_with_the_pa
             {
                 Settings settings;
                 settings.nfeatures = n;
+                // It makes a corner a keypoint of another level, which here counts as lost.
+                settings.octaveSuppression = 0;
                 ranked += shareAfterTurn(settings, image, angle);
                 settings.selectionType = AdaptiveQuadtreeORB::BALANCED_SELECTION;
                 balanced += shareAfterTurn(settings, image, angle);
@@ -176,7 +178,7 @@ TEST(Aqorb_RankedSelection, a_turned_scene_keeps_more_keypoints_than_with_the_pa
     std::cout << format("[ FIGURE   ] found again in the turned scene: %.3f, with the paper's selection %.3f",
                         ranked / count, balanced / count)
               << std::endl;
-    EXPECT_GT(ranked / count, balanced / count + 0.02);
+    EXPECT_GT(ranked / count, balanced / count + 0.05);
 }
 
 }  // namespace

@@ -71,21 +71,19 @@ void LevelDetection::rankBand(int index)
         band.corners.clear();
         listCorners(band.blocks, plane, band.corners);
     }
-    // A RankedSequence needs the Harris responses of few corners.
-    score(band.corners, rules.rankByHarris && !rules.strengthPatch, band.ranked);
+    // A RankedSequence needs the responses of few corners.
+    if (!rules.strengthPatch)
+        score(band.corners, rules.rankByHarris, band.ranked);
     band.isRanked = true;
 }
 
 void LevelDetection::order(const OrderRule& rule, DetectionScratch& scratch)
 {
     CV_TRACE_FUNCTION();
-    ordered.clear();
     for (int i = 0; i < bandCount; i++)
     {
-        const Band& band = bands[i];
-        if (!band.isRanked)
+        if (!bands[i].isRanked)
             rankBand(i);
-        ordered.insert(ordered.end(), band.ranked.begin(), band.ranked.end());
     }
     if (rule.isRanked)
     {
@@ -93,6 +91,9 @@ void LevelDetection::order(const OrderRule& rule, DetectionScratch& scratch)
     }
     else
     {
+        ordered.clear();
+        for (int i = 0; i < bandCount; i++)
+            ordered.insert(ordered.end(), bands[i].ranked.begin(), bands[i].ranked.end());
         leafPoints(ordered, root, rule.depth, scratch.leaves, scratch.points);
         balanced.begin(scratch.points, rule.depth);
     }
@@ -102,14 +103,28 @@ void LevelDetection::order(const OrderRule& rule, DetectionScratch& scratch)
 void LevelDetection::orderByRank(const OrderRule& rule, DetectionScratch& scratch)
 {
     CV_TRACE_FUNCTION();
+    size_t count = 0;
+    for (int i = 0; i < bandCount; i++)
+        count += bands[i].corners.size();
+    ordered.resize(count);
+    count = 0;
+    for (int i = 0; i < bandCount; i++)
+    {
+        const std::vector<Corner>& corners = bands[i].corners;
+        for (size_t j = 0; j < corners.size(); j++)
+        {
+            const RankedCorner corner = {corners[j].x, corners[j].y, float(corners[j].score)};
+            ordered[count++] = corner;
+        }
+    }
     // A tree of one leaf leaves the choice to the response.
     const bool byResponse = rule.depth == 0;
     if (byResponse)
         setResponses(ordered, scratch);
-    ranked.begin(rule.depth, ordered.size());
+    ranked.begin(rule.depth, count);
     numberLeaves(root.size(), rule.depth, ranked, scratch.leaves);
     const unsigned *columns = scratch.leaves.columns.data(), *rows = scratch.leaves.rows.data();
-    for (size_t i = 0; i < ordered.size(); i++)
+    for (size_t i = 0; i < count; i++)
     {
         const RankedCorner& corner = ordered[i];
         const LeafPoint point = {columns[corner.x - root.x] + rows[corner.y - root.y], corner.response,

@@ -28,7 +28,7 @@ Parameters::Parameters()
       cellSize(35),
       maxDepth(-1),
       selectionType(AdaptiveQuadtreeORB::RANKED_SELECTION),
-      strengthWeight(0.1),
+      strengthWeight(0.15),
       rankRadius(1),
       octaveSuppression(-1),
       subPixel(true)

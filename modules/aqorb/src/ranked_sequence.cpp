@@ -45,18 +45,16 @@ public:
     {
         for (int i = 0; i < SIZE; i++)
         {
-            // A number in [1, 2) with 31 bits of fraction. Each squaring yields one more bit of its logarithm.
-            uint64 v = uint64(SIZE + i) << (31 - SIZE_BITS);
+            // A number in [1, 2) with 62 bits of fraction. Each squaring yields one more bit of its logarithm.
+            uint64 v = uint64(SIZE + i) << (62 - SIZE_BITS);
             int logarithm = 0;
             for (int bit = 0; bit < TABLE_BITS; bit++)
             {
-                v = (v * v) >> 31;
-                logarithm *= 2;
-                if (v >> 32)
-                {
-                    logarithm++;
-                    v >>= 1;
-                }
+                const uint64 high = v >> 32, low = v & 0xffffffff;
+                v = 4 * high * high + (high * low >> 29) + (low * low >> 62);
+                const int isTwoOrMore = int(v >> 63);
+                logarithm = 2 * logarithm + isTwoOrMore;
+                v >>= isTwoOrMore;
             }
             table[i] = logarithm;
         }

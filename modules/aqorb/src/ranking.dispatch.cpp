@@ -44,7 +44,8 @@ void representativeLeaves(const std::vector<int>& strengths, int side, std::vect
 {
     const int stride = side + 2, AT_ONCE = int(sizeof(uint64));
     flags.assign(alignSize(size_t(side), AT_ONCE), uchar(0));
-    leaves.clear();
+    leaves.resize(size_t(side) * side);
+    size_t count = 0;
     for (int row = 0; row < side; row++)
     {
         flagRow(&strengths[size_t(row + 1) * stride + 1], stride, side, flags.data());
@@ -55,11 +56,12 @@ void representativeLeaves(const std::vector<int>& strengths, int side, std::vect
             std::memcpy(&any, &flags[first], sizeof(any));
             for (int i = first; any && i < std::min(first + AT_ONCE, side); i++)
             {
-                if (flags[i])
-                    leaves.push_back(unsigned(row * side + i));
+                leaves[count] = unsigned(row * side + i);
+                count += flags[i];
             }
         }
     }
+    leaves.resize(count);
 }
 
 void leafRanks(const unsigned* leaves, size_t count, int depth, const LeafDisc& disc, RankingScratch& scratch,
