@@ -152,7 +152,7 @@ void drawParameters(const Mat& image, const String& folder)
           {"RANKED_SELECTION", none}});
     draw(path("strength_weight"), image, 500,
          {{"StrengthWeight 0: most even", [](const Detector& d) { d->setStrengthWeight(0); }},
-          {"StrengthWeight 0.1", none},
+          {"StrengthWeight 0.15", none},
           {"StrengthWeight 1000: strongest", [](const Detector& d) { d->setStrengthWeight(1000); }},
           {"the same, OctaveSuppression 0",
            [](const Detector& d) { d->setStrengthWeight(1000), d->setOctaveSuppression(0); }},
@@ -236,7 +236,7 @@ void drawStages(const Mat& image, const String& folder)
         }
     }
 
-    const int quota = 161, leaves = 64;  // leaves a side: 4^6 >= 16 * 161
+    const int quota = 161, leaves = 64;  // leaves a side: 4^6 >= 12 * 161
     detector->setMaxFeatures(quota);
     detector->detect(image, keypoints);
     Mat tree = divided(image, border,

@@ -177,7 +177,7 @@ void addProperties(DetectorClass& detector)
         .def("getSelectionType", &getSelectionType)
         .def("setStrengthWeight", set(&Library::setStrengthWeight), arg("strengthWeight"),
              "Sets how much the strength of a corner counts against an even distribution, 0 (most even) to\n"
-             "1000 (by strength alone); default 0.1. It has an effect with the ranked selection only.")
+             "1000 (by strength alone); default 0.15. It has an effect with the ranked selection only.")
         .def("getStrengthWeight", get(&Library::getStrengthWeight))
         .def(
             "setRankRadius", set(&Library::setRankRadius), arg("rankRadius"),

@@ -135,7 +135,7 @@ public:
     /** @brief Depth of the quadtree: 0 to 15, or -1 for the depth that suits the number of features. The
     default is -1. With 0 the corners of a level are ranked by their response alone.
 
-    With RANKED_SELECTION -1 means the smallest depth with at least 16 leaves for each feature that the
+    With RANKED_SELECTION -1 means the smallest depth with at least 12 leaves for each feature that the
     level is to have; leaves on masked pixels do not count. A leaf is never smaller than 2 pixels a side,
     and the tree never deeper than 12, whatever is set. With BALANCED_SELECTION -1 means equation (9) of
     the paper, the smallest depth with at least as many leaves as the level is to have features. */
@@ -158,7 +158,7 @@ public:
     CV_WRAP virtual cv::aqorb::AdaptiveQuadtreeORB::SelectionType getSelectionType() const = 0;
 
     /** @brief How much the strength of a corner counts against an even distribution: 0 to 1000, without a
-    unit. The default is 0.1. With 0 corners are chosen by their rank alone, which gives the most even
+    unit. The default is 0.15. With 0 corners are chosen by their rank alone, which gives the most even
     distribution. A larger value prefers strong corners, and from about 100 on their strength decides
     alone, nearly as in cv::ORB: raise it to find a small object in a large scene. It has no effect with
     BALANCED_SELECTION. */
@@ -247,7 +247,7 @@ of AdaptiveQuadtreeORB for the keypoints of any detector.
 
 Use it in place of cv::KeyPointsFilter::retainBest, which keeps the highest responses wherever they lie.
 The rule is that of RANKED_SELECTION with the default StrengthWeight and RankRadius. The quadtree spans the
-whole image and has at least 16 leaves for each keypoint that is kept. The response takes the place of the
+whole image and has at least 12 leaves for each keypoint that is kept. The response takes the place of the
 strength, and octaves are ignored. The best keypoint of a leaf represents it, unless at least two of the eight
 leaves around it have better ones. The representatives come in this order:
 -# those of infinite response, by their rank;
