@@ -175,7 +175,7 @@ void drawParameters(const Mat& image, const String& folder)
          {"FastThreshold 20", [](const Detector& d) { d->setMinThresholdRatio(1); }},
          {"FastThreshold 10",
           [](const Detector& d) { d->setFastThreshold(10), d->setMinThresholdRatio(1); }}});
-    draw(path("min_threshold_ratio"), image, 500,
+    draw(path("min_threshold_ratio"), image, 2000,
          {{"MinThresholdRatio 1: off", [](const Detector& d) { d->setMinThresholdRatio(1); }},
           {"MinThresholdRatio 2", [](const Detector& d) { d->setMinThresholdRatio(2); }},
           {"MinThresholdRatio 4", none}});
