@@ -36,7 +36,7 @@ struct Tables
 {
     explicit Tables(const Parameters& parameters)
         : patch(circularPatch(parameters.patchSize)),
-          strengthPatch(patch.halfWidths, std::max(1, parameters.patchSize / 2 / 3)),
+          strengthPatch(patch.halfWidths, std::max(1, parameters.patchSize / 2 / 5)),
           tests(descriptorPattern(parameters.patchSize, parameters.WTA_K), parameters.WTA_K)
     {
         // Other values have no quotas. Detection throws for them.
@@ -422,7 +422,7 @@ void AdaptiveQuadtreeORBImpl::selectFeatures(Workspace& workspace) const
         }
         else
         {
-            detection.list(request.set, workspace.corners);
+            detection.list(request.set, *scratch, workspace.corners);
             selector.offer(workspace.corners);
         }
     }
@@ -432,6 +432,7 @@ void AdaptiveQuadtreeORBImpl::selectFeatures(Workspace& workspace) const
     {
         LevelWork& work = workspace.levels[i];
         selector.chosen(i, work.chosen);
+        work.detection.setResponses(work.chosen, *scratch);
         work.points.resize(work.chosen.size());
         for (size_t j = 0; j < work.chosen.size(); j++)
         {

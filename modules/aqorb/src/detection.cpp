@@ -71,20 +71,19 @@ void LevelDetection::rankBand(int index)
         band.corners.clear();
         listCorners(band.blocks, plane, band.corners);
     }
-    score(band.corners, band.ranked);
+    // A RankedSequence needs the responses of few corners.
+    if (!rules.strengthPatch)
+        score(band.corners, rules.rankByHarris, band.ranked);
     band.isRanked = true;
 }
 
 void LevelDetection::order(const OrderRule& rule, DetectionScratch& scratch)
 {
     CV_TRACE_FUNCTION();
-    ordered.clear();
     for (int i = 0; i < bandCount; i++)
     {
-        const Band& band = bands[i];
-        if (!band.isRanked)
+        if (!bands[i].isRanked)
             rankBand(i);
-        ordered.insert(ordered.end(), band.ranked.begin(), band.ranked.end());
     }
     if (rule.isRanked)
     {
@@ -92,64 +91,49 @@ void LevelDetection::order(const OrderRule& rule, DetectionScratch& scratch)
     }
     else
     {
+        ordered.clear();
+        for (int i = 0; i < bandCount; i++)
+            ordered.insert(ordered.end(), bands[i].ranked.begin(), bands[i].ranked.end());
         leafPoints(ordered, root, rule.depth, scratch.leaves, scratch.points);
         balanced.begin(scratch.points, rule.depth);
     }
     isOrdered = true;
 }
 
-// The strength of a corner is the fourth power of FAST * sqrt(sqrt(Harris)), so that no root is needed.
-static float cornerStrength(int fastScore, float harrisResponse)
-{
-    const float squared = float(fastScore) * float(fastScore);
-    return squared * squared * std::max(harrisResponse, 0.f);
-}
-
 void LevelDetection::orderByRank(const OrderRule& rule, DetectionScratch& scratch)
 {
     CV_TRACE_FUNCTION();
-    // A tree of one leaf leaves the choice to the response.
-    const bool byResponse = rule.depth == 0;
-    ranked.begin(rule.depth, ordered.size());
-    numberLeaves(root.size(), rule.depth, ranked, scratch.leaves);
-    const unsigned *columns = scratch.leaves.columns.data(), *rows = scratch.leaves.rows.data();
-    int index = 0;
+    size_t count = 0;
+    for (int i = 0; i < bandCount; i++)
+        count += bands[i].corners.size();
+    ordered.resize(count);
+    count = 0;
     for (int i = 0; i < bandCount; i++)
     {
-        const Band& band = bands[i];
-        for (size_t j = 0; j < band.corners.size(); j++, index++)
+        const std::vector<Corner>& corners = bands[i].corners;
+        for (size_t j = 0; j < corners.size(); j++)
         {
-            const Corner& corner = band.corners[j];
-            const float response = band.ranked[j].response;
-            const float strength =
-                byResponse ? response : cornerStrength(corner.score, rules.rankByHarris ? response : 1.f);
-            const LeafPoint point = {columns[corner.x - root.x] + rows[corner.y - root.y], strength,
-                                     float(corner.x), float(corner.y), index};
-            ranked.add(point);
+            const RankedCorner corner = {corners[j].x, corners[j].y, float(corners[j].score)};
+            ordered[count++] = corner;
         }
+    }
+    // A tree of one leaf leaves the choice to the response.
+    const bool byResponse = rule.depth == 0;
+    if (byResponse)
+        setResponses(ordered, scratch);
+    ranked.begin(rule.depth, count);
+    numberLeaves(root.size(), rule.depth, ranked, scratch.leaves);
+    const unsigned *columns = scratch.leaves.columns.data(), *rows = scratch.leaves.rows.data();
+    for (size_t i = 0; i < count; i++)
+    {
+        const RankedCorner& corner = ordered[i];
+        const LeafPoint point = {columns[corner.x - root.x] + rows[corner.y - root.y], corner.response,
+                                 float(corner.x), float(corner.y), int(i)};
+        ranked.add(point);
     }
     ranked.findRepresentatives();
-
-    const std::vector<LeafPoint>& best = ranked.representatives();
     if (!byResponse)
-    {
-        // A corner whose direction is well defined is found again with the same direction.
-        scratch.patches.resize(best.size());
-        scratch.moments.resize(best.size());
-        for (size_t i = 0; i < best.size(); i++)
-        {
-            scratch.patches[i].x = int(best[i].x);
-            scratch.patches[i].y = int(best[i].y);
-        }
-        patchMoments(level->image, *rules.strengthPatch, scratch.patches.data(), best.size(),
-                     scratch.moments.data());
-        for (size_t i = 0; i < best.size(); i++)
-        {
-            const int64 m10 = scratch.moments[i].m10, m01 = scratch.moments[i].m01;
-            const float squared = float(uint64(m10 * m10) + uint64(m01 * m01)) * (1.f / 4294967296.f);
-            ranked.strength(i) *= squared * squared;
-        }
-    }
+        scoreRepresentatives(scratch);
     scratch.usable.clear();
     if (!level->mask.empty())
     {
@@ -167,6 +151,49 @@ void LevelDetection::orderByRank(const OrderRule& rule, DetectionScratch& scratc
     ranked.rank(rule.rank, byResponse ? 1 : 4, scratch.usable);
 }
 
+// The strength is the fourth power of FAST * sqrt(sqrt(Harris)) * moment, so that no root is needed. A corner whose moment
+// is long has a well-defined direction, and is found again with the same direction.
+void LevelDetection::scoreRepresentatives(DetectionScratch& scratch)
+{
+    const std::vector<LeafPoint>& best = ranked.representatives();
+    scratch.corners.resize(best.size());
+    scratch.patches.resize(best.size());
+    scratch.moments.resize(best.size());
+    for (size_t i = 0; i < best.size(); i++)
+    {
+        const int x = int(best[i].x), y = int(best[i].y);
+        const Corner corner = {x, y, int(best[i].response)};
+        const FeaturePoint patch = {x, y, 0};
+        scratch.corners[i] = corner;
+        scratch.patches[i] = patch;
+    }
+    patchMoments(level->image, *rules.strengthPatch, scratch.patches.data(), best.size(),
+                 scratch.moments.data());
+    if (rules.rankByHarris)
+        score(scratch.corners, true, scratch.ranked);
+    for (size_t i = 0; i < best.size(); i++)
+    {
+        const float fast = best[i].response * best[i].response;
+        const float harris = rules.rankByHarris ? std::max(scratch.ranked[i].response, 0.f) : 1.f;
+        const int64 m10 = scratch.moments[i].m10, m01 = scratch.moments[i].m01;
+        const float moment = float(uint64(m10 * m10) + uint64(m01 * m01)) * (1.f / 4294967296.f);
+        ranked.strength(i) = (fast * fast * harris) * (moment * moment);
+    }
+}
+
+void LevelDetection::setResponses(std::vector<RankedCorner>& chosen, DetectionScratch& scratch) const
+{
+    if (!rules.rankByHarris || !rules.strengthPatch)
+        return;
+    scratch.corners.resize(chosen.size());
+    for (size_t i = 0; i < chosen.size(); i++)
+    {
+        const Corner corner = {chosen[i].x, chosen[i].y, 0};
+        scratch.corners[i] = corner;
+    }
+    score(scratch.corners, true, chosen);
+}
+
 PointSequence& LevelDetection::sequence(const OrderRule& rule, DetectionScratch& scratch)
 {
     if (!isOrdered)
@@ -181,11 +208,13 @@ PointSequence& LevelDetection::sequence(const OrderRule& rule, DetectionScratch&
     return balanced;
 }
 
-void LevelDetection::list(CornerSet set, std::vector<RankedCorner>& corners) const
+void LevelDetection::list(CornerSet set, DetectionScratch& scratch,
+                          std::vector<RankedCorner>& corners) const
 {
     if (set == KEPT_CORNERS)
     {
         corners = ordered;
+        setResponses(corners, scratch);
         return;
     }
     std::vector<Corner> found, kept, passedOver;
@@ -199,12 +228,13 @@ void LevelDetection::list(CornerSet set, std::vector<RankedCorner>& corners) con
         cornersWithout(found, kept, passedOver);
     else
         findWeakCorners(*level, root, rules.thresholds, found, passedOver);
-    score(passedOver, corners);
+    score(passedOver, rules.rankByHarris, corners);
 }
 
-void LevelDetection::score(const std::vector<Corner>& corners, std::vector<RankedCorner>& scored) const
+void LevelDetection::score(const std::vector<Corner>& corners, bool byHarris,
+                           std::vector<RankedCorner>& scored) const
 {
-    if (rules.rankByHarris)
+    if (byHarris)
     {
         harrisResponses(level->image, corners, scored);
         return;

@@ -35,6 +35,8 @@ struct DetectionScratch
     FastScanner scanner;
     LeafScratch leaves;
     std::vector<LeafPoint> points;
+    std::vector<Corner> corners;
+    std::vector<RankedCorner> ranked;
     std::vector<FeaturePoint> patches;
     std::vector<Moments> moments;
     std::vector<uchar> usable;
@@ -61,10 +63,13 @@ public:
     void order(const OrderRule& rule, DetectionScratch& scratch);
     //! The sequence of the corners. If the level has not been searched yet, it is searched now.
     PointSequence& sequence(const OrderRule& rule, DetectionScratch& scratch);
-    //! The corners of the sequence, by the index of its points.
+    //! The corners of the sequence, by the index of its points. In place of their responses they may have their FAST
+    //! scores.
     const std::vector<RankedCorner>& corners() const { return ordered; }
+    //! Sets the responses of corners that were chosen.
+    void setResponses(std::vector<RankedCorner>& chosen, DetectionScratch& scratch) const;
     //! Lists the ranked corners of a set. The level must have begun its sequence.
-    void list(CornerSet set, std::vector<RankedCorner>& corners) const;
+    void list(CornerSet set, DetectionScratch& scratch, std::vector<RankedCorner>& corners) const;
 
 private:
     // A part of the level whose corners are found independently.
@@ -76,8 +81,9 @@ private:
         std::vector<Corner> corners;       // those kept
         std::vector<RankedCorner> ranked;  // the same, ranked
     };
-    void score(const std::vector<Corner>& corners, std::vector<RankedCorner>& ranked) const;
+    void score(const std::vector<Corner>& corners, bool byHarris, std::vector<RankedCorner>& ranked) const;
     void orderByRank(const OrderRule& rule, DetectionScratch& scratch);
+    void scoreRepresentatives(DetectionScratch& scratch);
 
     const Level* level;
     Rect root;

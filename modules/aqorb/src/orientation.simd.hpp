@@ -28,43 +28,44 @@ namespace
 inline void momentsAt(const uchar* center, ptrdiff_t step, const PatchWeights& weights, int& m10, int& m01)
 {
     m10 = m01 = 0;
-    const int radius = weights.radius;
     // The rows above and below the middle one share their weights. The middle one comes first, alone.
-    const uchar* middle = center - radius;
+    const uchar* const middle = center - weights.radius;
+    const ptrdiff_t apart = weights.rowStep * step;
+    const int rows = weights.radius / weights.rowStep;
     int x = 0;
 #if CV_SIMD
     const int LANES = AQORB_LANES(v_int16);
     v_int32 sum10 = vx_setzero_s32(), sum01 = vx_setzero_s32();
     for (; x < weights.width; x += LANES)
-        sum10 = v_add(sum10,
-                      v_dotprod(v_reinterpret_as_s16(vx_load_expand(middle + x)), vx_load(weights.u[0] + x)));
-#endif
-    for (; x < weights.width; x++)
-        m10 += middle[x] * weights.u[0][x];
-    for (int v = weights.rowStep; v <= radius; v += weights.rowStep)
     {
-        const uchar *above = middle - v * step, *below = middle + v * step;
-        const short *wu = weights.u[v], *wv = weights.v[v];
-        x = 0;
-#if CV_SIMD
-        for (; x < weights.width; x += LANES)
+        const uchar *above = middle + x, *below = above;
+        const short *wu = weights.u[0] + x, *wv = weights.v[0] + x;
+        sum10 = v_add(sum10, v_dotprod(v_reinterpret_as_s16(vx_load_expand(above)), vx_load(wu)));
+        for (int row = 0; row < rows; row++)
         {
-            const v_int16 a = v_reinterpret_as_s16(vx_load_expand(above + x)),
-                          b = v_reinterpret_as_s16(vx_load_expand(below + x));
-            sum10 = v_add(sum10, v_dotprod(v_add(a, b), vx_load(wu + x)));
-            sum01 = v_add(sum01, v_dotprod(v_sub(b, a), vx_load(wv + x)));
-        }
-#endif
-        for (; x < weights.width; x++)
-        {
-            m10 += (above[x] + below[x]) * wu[x];
-            m01 += (below[x] - above[x]) * wv[x];
+            above -= apart;
+            below += apart;
+            wu += weights.rowStep * PatchWeights::MAX_WIDTH;
+            wv += weights.rowStep * PatchWeights::MAX_WIDTH;
+            const v_int16 a = v_reinterpret_as_s16(vx_load_expand(above)),
+                          b = v_reinterpret_as_s16(vx_load_expand(below));
+            sum10 = v_add(sum10, v_dotprod(v_add(a, b), vx_load(wu)));
+            sum01 = v_add(sum01, v_dotprod(v_sub(b, a), vx_load(wv)));
         }
     }
-#if CV_SIMD
     m10 = v_reduce_sum(sum10);
     m01 = v_reduce_sum(sum01);
 #endif
+    for (; x < weights.width; x++)
+    {
+        m10 += middle[x] * weights.u[0][x];
+        for (int v = weights.rowStep; v <= weights.radius; v += weights.rowStep)
+        {
+            const int above = middle[x - v * step], below = middle[x + v * step];
+            m10 += (above + below) * weights.u[v][x];
+            m01 += (below - above) * weights.v[v][x];
+        }
+    }
 }
 
 }  // namespace

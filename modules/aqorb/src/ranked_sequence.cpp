@@ -25,7 +25,7 @@ int maxRankedDepth(Size size)
 
 int rankedDepth(Size size, double usable, int quota)
 {
-    const double LEAVES_PER_POINT = 8;
+    const double LEAVES_PER_POINT = 12;
     const int deepest = maxRankedDepth(size);
     int depth = 0;
     while (depth < deepest && double(int64(1) << (2 * depth)) * usable < LEAVES_PER_POINT * quota)

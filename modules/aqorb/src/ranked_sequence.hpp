@@ -36,7 +36,7 @@ struct OrderRule
     RankRule rank;  //!< of a RankedSequence
 };
 
-//! The smallest depth with 8 leaves for each point that the region is to have, but not so deep that leaves become
+//! The smallest depth with 12 leaves for each point that the region is to have, but not so deep that leaves become
 //! shorter than 2 pixels.
 int rankedDepth(Size size, double usable, int quota);
 //! The greatest depth that rankedDepth returns for a region.

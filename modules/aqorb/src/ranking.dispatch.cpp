@@ -44,7 +44,8 @@ void representativeLeaves(const std::vector<int>& strengths, int side, std::vect
 {
     const int stride = side + 2, AT_ONCE = int(sizeof(uint64));
     flags.assign(alignSize(size_t(side), AT_ONCE), uchar(0));
-    leaves.clear();
+    leaves.resize(size_t(side) * side);
+    size_t count = 0;
     for (int row = 0; row < side; row++)
     {
         flagRow(&strengths[size_t(row + 1) * stride + 1], stride, side, flags.data());
@@ -55,39 +56,48 @@ void representativeLeaves(const std::vector<int>& strengths, int side, std::vect
             std::memcpy(&any, &flags[first], sizeof(any));
             for (int i = first; any && i < std::min(first + AT_ONCE, side); i++)
             {
-                if (flags[i])
-                    leaves.push_back(unsigned(row * side + i));
+                leaves[count] = unsigned(row * side + i);
+                count += flags[i];
             }
         }
     }
+    leaves.resize(count);
 }
 
 void leafRanks(const unsigned* leaves, size_t count, int depth, const LeafDisc& disc, RankingScratch& scratch,
                int* ranks)
 {
-    const int side = 1 << depth, reach = int(disc.halfWidths.size()) - 1, WORD = 32;
+    // The border has one more row above, and each row one more word before, for the bits that are set twice.
+    const int side = 1 << depth, reach = int(disc.halfWidths.size()) - 1, WORD = 16;
     RankingGrid grid;
     grid.depth = depth;
     grid.left = disc.widest;
-    grid.top = reach;
-    grid.stride = (side + 2 * disc.widest) / WORD + 1;
-    scratch.bits.assign(size_t(grid.stride) * (side + 2 * reach), 0);
+    grid.top = reach + 1;
+    grid.stride = (side + 2 * disc.widest) / WORD + 2;
+    scratch.bits.assign(size_t(grid.stride) * (side + 2 * reach + 1), 0);
     scratch.words.clear();
     scratch.masks.clear();
-    for (int row = 0; row <= 2 * reach; row++)
+    // Two rows at a time, the bits from the column disc.widest before the leaf on.
+    for (int row = 0; row <= 2 * reach; row += 2)
     {
-        // The bits of the row, from the column disc.widest before the leaf on.
-        const int halfWidth = disc.halfWidths[std::abs(row - reach)];
-        const int begin = disc.widest - halfWidth, end = disc.widest + halfWidth + 1;
-        for (int first = 0; first < end; first += WORD)
+        for (int first = 0; first < 2 * disc.widest + 1;)
         {
+            const int last = first + (2 * disc.widest + 1 - first == WORD + 1 ? WORD + 1 : WORD);
             uint64 mask = 0;
-            for (int bit = std::max(begin, first); bit < std::min(end, first + WORD); bit++)
-                mask |= uint64(1) << (bit - first);
-            if (!mask)
-                continue;
-            scratch.words.push_back(row * grid.stride + first / WORD);
-            scratch.masks.push_back(mask);
+            for (int i = 0; i < 2 && row + i <= 2 * reach; i++)
+            {
+                const int halfWidth = disc.halfWidths[std::abs(row + i - reach)];
+                const int begin = std::max(disc.widest - halfWidth, first);
+                const int end = std::min(disc.widest + halfWidth + 1, last);
+                for (int bit = begin; bit < end; bit++)
+                    mask |= uint64(1) << (bit - first + 32 * i);
+            }
+            if (mask)
+            {
+                scratch.words.push_back((row + 1) * grid.stride + first / WORD + 1);
+                scratch.masks.push_back(mask);
+            }
+            first = last;
         }
     }
     grid.bits = scratch.bits.data();

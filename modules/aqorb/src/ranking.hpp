@@ -52,8 +52,8 @@ void leafRanks(const unsigned* leaves, size_t count, int depth, const LeafDisc& 
 
 // ---- for the kernel: plain structs only, see types.hpp ---------------------------------------
 
-//! A grid of bits with a border, in which each word holds 64 bits of a row, and the next word begins 32 bits later. So a
-//! word holds any 33 neighbouring bits.
+//! A grid of bits with a border. Each word holds 32 bits of a row and, in its upper half, those of the next row. The next
+//! word begins 16 bits later, so a word holds any 17 neighbouring bits of both rows.
 struct RankingGrid
 {
     uint64* bits;

@@ -61,18 +61,20 @@ void countBefore(const RankingGrid& grid, const unsigned* leaves, size_t count, 
     for (size_t i = 0; i < count; i++)
     {
         const unsigned column = leaves[i] & columns, row = leaves[i] >> grid.depth;
-        uint64* const word = grid.bits + size_t(row) * grid.stride + (column >> 5);
-        const unsigned shift = column & 31;
+        uint64* const word = grid.bits + size_t(row) * grid.stride + (column >> 4);
+        const unsigned shift = column & 15;
         int sum = 0;
         for (int j = 0; j < grid.wordCount; j++)
             sum += bitCount((word[grid.words[j]] >> shift) & grid.masks[j]);
         counts[i] = sum;
-        // The bit of the leaf lies in two words.
+        // The bit of the leaf lies in two words of its row, and in two of the row before.
         const unsigned bit = column + unsigned(grid.left);
-        uint64* const own = grid.bits + size_t(row + unsigned(grid.top)) * grid.stride + (bit >> 5);
-        own[0] |= uint64(1) << (bit & 31);
-        if (bit >= 32)
-            own[-1] |= uint64(1) << (32 + (bit & 31));
+        uint64* const own = grid.bits + size_t(row + unsigned(grid.top)) * grid.stride + (bit >> 4) + 1;
+        const uint64 inSecond = uint64(1) << (bit & 15), inFirst = inSecond << 16;
+        own[0] |= inSecond;
+        own[-1] |= inFirst;
+        own[-grid.stride] |= inSecond << 32;
+        own[-grid.stride - 1] |= inFirst << 32;
     }
 }
 
