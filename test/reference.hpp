@@ -95,11 +95,11 @@ std::vector<LeafPoint> balancedSequence(const std::vector<LeafPoint>& points, in
 int64 binaryLogarithm(float v);
 //! Quotas of as many levels, in proportion to their areas. Level 0 takes what the others leave by rounding.
 std::vector<int> areaQuotas(int nfeatures, double scaleFactor, int count);
-//! The smallest depth, but at most `most`, with 8 leaves for each feature, where the usable share counts alone.
+//! The smallest depth, but at most `most`, with 12 leaves for each feature, where the usable share counts alone.
 int depthForQuota(int quota, double usable, int most);
 //! The depth of a level's tree. Leaves are at least 2 pixels a side.
 int rankedDepth(int maxDepth, int quota, double usable, Size root);
-//! What corners of a leaf are compared by.
+//! What a corner is scored by besides its moments.
 float cornerBase(int fastScore, float response, bool isHarris);
 //! Base times the fourth power of the length of the moment, in units of 2^16.
 float momentsScore(float base, int64 m10, int64 m01);

@@ -345,16 +345,17 @@ private:
     {
         std::vector<LeafCorner> corners = leafCorners(level, of);
         for (size_t i = 0; i < of.size() && level.depth > 0; i++)
-            corners[i].base = cornerBase(of[i].score, of[i].response, isHarris);
+            corners[i].base = (float)of[i].score;
         const int radius = s.patchSize / 2;
         const auto strengthOf = [&](const LeafCorner& corner)
         {
             if (level.depth == 0)
                 return corner.base;
             int m10 = 0, m01 = 0;
-            discMoments(level.image, (int)corner.x, (int)corner.y, s.patchSize, std::max(1, radius / 3), m10,
+            discMoments(level.image, (int)corner.x, (int)corner.y, s.patchSize, std::max(1, radius / 5), m10,
                         m01);
-            return momentsScore(corner.base, m10, m01);
+            const Candidate& candidate = of[corner.index];
+            return momentsScore(cornerBase(candidate.score, candidate.response, isHarris), m10, m01);
         };
         const RankedRule rule = {
             level.root.size(), level.depth, level.usableShare, level.ownQuota, s.rankRadius,

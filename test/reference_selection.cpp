@@ -60,7 +60,7 @@ std::vector<int> areaQuotas(int nfeatures, double scaleFactor, int count)
 int depthForQuota(int quota, double usable, int most)
 {
     int depth = 0;
-    while (depth < most && std::pow(4., depth) * usable < 8. * quota)
+    while (depth < most && std::pow(4., depth) * usable < 12. * quota)
         depth++;
     return depth;
 }

@@ -70,12 +70,13 @@ TEST(Aqorb_RankedReference, quotas_by_hand)
 TEST(Aqorb_RankedReference, depth_by_hand)
 {
     const Size large(1 << 14, 1 << 14);
-    EXPECT_EQ(reference::rankedDepth(-1, 1, 1, large), 2);     // 8 <= 16 leaves
-    EXPECT_EQ(reference::rankedDepth(-1, 2, 1, large), 2);     // 16
-    EXPECT_EQ(reference::rankedDepth(-1, 3, 1, large), 3);     // 24 <= 64
-    EXPECT_EQ(reference::rankedDepth(-1, 32, 1, large), 4);    // 256
-    EXPECT_EQ(reference::rankedDepth(-1, 32, 0.5, large), 5);  // 1024 / 2
-    EXPECT_EQ(reference::rankedDepth(-1, 32, 0.2, large), 6);  // 4096 / 5
+    EXPECT_EQ(reference::rankedDepth(-1, 1, 1, large), 2);     // 12 <= 16 leaves
+    EXPECT_EQ(reference::rankedDepth(-1, 2, 1, large), 3);     // 24 <= 64
+    EXPECT_EQ(reference::rankedDepth(-1, 5, 1, large), 3);     // 60
+    EXPECT_EQ(reference::rankedDepth(-1, 6, 1, large), 4);     // 72 <= 256
+    EXPECT_EQ(reference::rankedDepth(-1, 64, 1, large), 5);    // 768 <= 1024
+    EXPECT_EQ(reference::rankedDepth(-1, 64, 0.5, large), 6);  // 4096 / 2
+    EXPECT_EQ(reference::rankedDepth(-1, 64, 0.1, large), 7);  // 16384 / 10
     EXPECT_EQ(reference::rankedDepth(-1, 1, 0, large), 12);
     EXPECT_EQ(reference::rankedDepth(-1, 2000000, 1, large), 12);
     EXPECT_EQ(reference::rankedDepth(15, 1, 1, large), 12);
@@ -102,9 +103,9 @@ TEST(Aqorb_RankedReference, base_and_score_by_hand)
               std::ldexp(1.f, 62));
 }
 
-TEST(Aqorb_RankedReference, moments_of_every_fifth_row)
+TEST(Aqorb_RankedReference, moments_of_every_third_row)
 {
-    // One bright pixel at a time: it counts on rows 0, +-5, +-10 and +-15 of the disc and nowhere else.
+    // One bright pixel at a time: it counts on rows 0, +-3, +-6 .. +-15 of the disc and nowhere else.
     int counted = 0;
     for (int v = -17; v <= 17; v++)
     {
@@ -113,16 +114,16 @@ TEST(Aqorb_RankedReference, moments_of_every_fifth_row)
             Mat image = Mat::zeros(41, 41, CV_8UC1);
             image.at<uchar>(20 + v, 20 + u) = 2;
             int m10 = 0, m01 = 0, all10 = 0, all01 = 0;
-            reference::discMoments(image, 20, 20, 31, 5, m10, m01);
+            reference::discMoments(image, 20, 20, 31, 3, m10, m01);
             reference::discMoments(image, 20, 20, 31, 1, all10, all01);
-            ASSERT_EQ(m10, v % 5 == 0 ? all10 : 0);
-            ASSERT_EQ(m01, v % 5 == 0 ? all01 : 0);
+            ASSERT_EQ(m10, v % 3 == 0 ? all10 : 0);
+            ASSERT_EQ(m01, v % 3 == 0 ? all01 : 0);
             ASSERT_TRUE((m10 == 0 && m01 == 0) || (m10 == 2 * u && m01 == 2 * v));
             counted += m10 != 0 || m01 != 0;
         }
     }
-    // Rows 0, 5, 10 and 15 of the disc of radius 15 have 15, 14, 11 and 3 pixels on either side.
-    EXPECT_EQ(counted, 30 + 2 * (29 + 23 + 7));
+    // Rows 0, 3, 6, 9, 12 and 15 of the disc of radius 15 have 15, 15, 14, 12, 9 and 3 pixels on either side.
+    EXPECT_EQ(counted, 30 + 2 * (31 + 29 + 25 + 19 + 7));
 }
 
 //! Corners in leaves, of which the order is asked.
