@@ -50,7 +50,7 @@ double Settings::octaveSuppressionInUse() const
 {
     if (octaveSuppression != -1)
         return octaveSuppression;
-    return selectionType == AdaptiveQuadtreeORB::RANKED_SELECTION ? 2 : 0.5;
+    return selectionType == AdaptiveQuadtreeORB::RANKED_SELECTION ? 2.3 / (1 + strengthWeight) : 0.5;
 }
 
 int quadtreeDepth(int quota)

@@ -173,8 +173,8 @@ public:
     CV_WRAP virtual double getRankRadius() const = 0;
 
     /** @brief The distance between keypoints of different levels, in pixels of the finer level: finite and
-    >= 0, or -1 for the distance that suits the selection, which is 2 with RANKED_SELECTION and 0.5 with
-    BALANCED_SELECTION. The default is -1. A corner that is strictly nearer than that to a keypoint of a
+    >= 0, or -1 for the distance that suits the selection. That is 2.3 / (1 + StrengthWeight) with
+    RANKED_SELECTION, and 0.5 with BALANCED_SELECTION. The default is -1. A corner that is strictly nearer than that to a keypoint of a
     coarser level is chosen only if too few corners are left elsewhere. With RANKED_SELECTION only the next
     coarser level counts, so that a corner of the scene can be kept on every second level; with
     BALANCED_SELECTION all coarser levels count. With 0 there is no such rule, as in the paper. */
