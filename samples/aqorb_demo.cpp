@@ -21,7 +21,7 @@ const Program PROGRAM = {
     "Compares cv::aqorb::AdaptiveQuadtreeORB with cv::ORB: prints a table and writes the pictures\n"
     "aqorb_keypoints.jpg and, for two images, aqorb_matches.jpg. More than two images are taken one\n"
     "by one (aqorb_keypoints1.jpg, ...). Without images it takes three pairs of OpenCV's samples: one\n"
-    "where AdaptiveQuadtreeORB wins, one where it loses, and one where each wins something.",
+    "where all of the scene is in both images, one with a small object, and one from two sides.",
     "[IMAGE1 [IMAGE2]] or IMAGE IMAGE IMAGE ...",
     0,
     100000,
@@ -45,13 +45,14 @@ const struct
      "AdaptiveQuadtreeORB's cover the image. So more of them match at distinct places, and these\n"
      "places fill more of the image's cells."},
     {"box.png", "box_in_scene.png", "",
-     "2. cv::ORB wins: a small box, and the same box among other things.\n"
+     "2. No clear winner: a small box, and the same box among other things.\n"
      "How to read it: only the box is in both images. AdaptiveQuadtreeORB spreads its keypoints over\n"
-     "the whole scene, so fewer of them lie on the box, and fewer match."},
+     "the whole scene, so fewer of them lie on the box; cv::ORB has several on one corner, which count\n"
+     "once. If you look for an object, see StrengthWeight and OctaveSuppression in the tutorial."},
     {"graf1.png", "graf3.png", "H1to3p.xml",
-     "3. Each wins something: a painted wall from two sides; the homography between them is known.\n"
-     "How to read it: cv::ORB has more correct matches, but on fewer places of the wall. The error says\n"
-     "by how many pixels the homography is off that is estimated from each detector's matches."}};
+     "3. AdaptiveQuadtreeORB wins: a painted wall from two sides, with a known homography between them.\n"
+     "How to read it: AdaptiveQuadtreeORB has more correct matches, on more places of the wall. The error\n"
+     "says by how many pixels the homography is off that is estimated from each detector's matches."}};
 
 const char* const LEGEND =
     "Distinct: matches at least 4 pixels from each other. Consistent: within 3 pixels of the\n"

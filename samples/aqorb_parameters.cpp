@@ -9,6 +9,7 @@
 #include "program.hpp"
 
 #include <opencv2/aqorb.hpp>
+#include <opencv2/features2d.hpp>
 
 #include <functional>
 #include <set>
@@ -30,11 +31,13 @@ const Program PROGRAM = {
 
 typedef Ptr<aqorb::AdaptiveQuadtreeORB> Detector;
 
+const Scalar RED(60, 60, 255);
+
 // One setting of a parameter, and its part of the picture.
 struct Panel
 {
     String caption;
-    std::function<void(const Detector&)> set;
+    std::function<void(const Detector&)> set;  // empty: cv::ORB, for comparison
 };
 
 typedef std::function<Mat(const Mat& image, const std::vector<KeyPoint>& keypoints)> View;
@@ -95,26 +98,43 @@ Mat labelled(const Mat& picture, const String& first, const String& second)
     return result;
 }
 
+// Pictures of one size side by side, in rows of so many.
+Mat arranged(const std::vector<Mat>& pictures, int columns)
+{
+    std::vector<Mat> rows;
+    for (size_t i = 0; i + columns <= pictures.size(); i += columns)
+    {
+        rows.push_back(Mat());
+        hconcat(&pictures[i], columns, rows.back());
+    }
+    Mat picture;
+    vconcat(rows, picture);
+    return picture;
+}
+
 // Draws one parameter, a panel a setting, and prints its numbers.
 void draw(const String& path, const Mat& image, int nfeatures, const std::vector<Panel>& panels,
-          const View& view = overview)
+          const View& view = overview, int columns = 0)
 {
     std::vector<Mat> pictures;
     for (const Panel& panel : panels)
     {
-        const Detector detector = aqorb::AdaptiveQuadtreeORB::create(nfeatures);
-        panel.set(detector);
+        Ptr<ORB> orb = ORB::create(nfeatures);
+        if (panel.set)
+        {
+            const Detector detector = aqorb::AdaptiveQuadtreeORB::create(nfeatures);
+            panel.set(detector);
+            orb = detector;
+        }
         std::vector<KeyPoint> keypoints;
-        detector->detect(image, keypoints);
+        orb->detect(image, keypoints);
         const String numbers = format("%d keypoints, u %.0f, %.0f %% of a 16x12 grid", int(keypoints.size()),
                                       aqorb::distributionUniformity(keypoints, image.size()),
                                       100 * aqorb::distributionOccupancy(keypoints, image.size()));
         std::printf("%-28s %s\n", panel.caption.c_str(), numbers.c_str());
         pictures.push_back(labelled(view(image, keypoints), panel.caption, numbers));
     }
-    Mat picture;
-    hconcat(pictures, picture);
-    writePicture(path, picture, 80);
+    writePicture(path, arranged(pictures, columns ? columns : int(pictures.size())), 80);
 }
 
 void drawParameters(const Mat& image, const String& folder)
@@ -123,7 +143,7 @@ void drawParameters(const Mat& image, const String& folder)
     const auto none = [](const Detector&) {};
 
     draw(path("max_depth"), image, 500,
-         {{"MaxDepth 0: by score alone", [](const Detector& d) { d->setMaxDepth(0); }},
+         {{"MaxDepth 0: by response alone", [](const Detector& d) { d->setMaxDepth(0); }},
           {"MaxDepth 2", [](const Detector& d) { d->setMaxDepth(2); }},
           {"MaxDepth -1", none}});
     draw(path("selection_type"), image, 500,
@@ -131,10 +151,15 @@ void drawParameters(const Mat& image, const String& folder)
            [](const Detector& d) { d->setSelectionType(aqorb::AdaptiveQuadtreeORB::BALANCED_SELECTION); }},
           {"RANKED_SELECTION", none}});
     draw(path("strength_weight"), image, 500,
-         {{"StrengthWeight 0", [](const Detector& d) { d->setStrengthWeight(0); }},
-          {"StrengthWeight 0.2", none},
-          {"StrengthWeight 1", [](const Detector& d) { d->setStrengthWeight(1); }},
-          {"StrengthWeight 1000", [](const Detector& d) { d->setStrengthWeight(1000); }}});
+         {{"StrengthWeight 0: most even", [](const Detector& d) { d->setStrengthWeight(0); }},
+          {"StrengthWeight 0.15", none},
+          {"StrengthWeight 1000: strongest", [](const Detector& d) { d->setStrengthWeight(1000); }},
+          {"the same, OctaveSuppression 0",
+           [](const Detector& d) { d->setStrengthWeight(1000), d->setOctaveSuppression(0); }},
+          {"OctaveSuppression 0, MaxDepth 0",
+           [](const Detector& d) { d->setMaxDepth(0), d->setOctaveSuppression(0); }},
+          {"cv::ORB, for comparison", nullptr}},
+         overview, 3);
     draw(path("rank_radius"), image, 500,
          {{"RankRadius 0", [](const Detector& d) { d->setRankRadius(0); }},
           {"RankRadius 1", none},
@@ -150,7 +175,7 @@ void drawParameters(const Mat& image, const String& folder)
          {"FastThreshold 20", [](const Detector& d) { d->setMinThresholdRatio(1); }},
          {"FastThreshold 10",
           [](const Detector& d) { d->setFastThreshold(10), d->setMinThresholdRatio(1); }}});
-    draw(path("min_threshold_ratio"), image, 500,
+    draw(path("min_threshold_ratio"), image, 2000,
          {{"MinThresholdRatio 1: off", [](const Detector& d) { d->setMinThresholdRatio(1); }},
           {"MinThresholdRatio 2", [](const Detector& d) { d->setMinThresholdRatio(2); }},
           {"MinThresholdRatio 4", none}});
@@ -163,8 +188,8 @@ void drawParameters(const Mat& image, const String& folder)
           {"EdgeThreshold 16", none}});
     draw(path("octave_suppression"), image, 2000,
          {{"OctaveSuppression 0: off", [](const Detector& d) { d->setOctaveSuppression(0); }},
-          {"OctaveSuppression -1: 0.6", none},
-          {"OctaveSuppression 2", [](const Detector& d) { d->setOctaveSuppression(2); }}},
+          {"OctaveSuppression 0.5", [](const Detector& d) { d->setOctaveSuppression(0.5); }},
+          {"OctaveSuppression -1: 2", none}},
          closeUp(partAroundBest(image, Size(100, 66)), 4));
     draw(path("sub_pixel"), image, 2000,
          {{"SubPixel false", [](const Detector& d) { d->setSubPixel(false); }}, {"SubPixel true", none}},
@@ -207,23 +232,153 @@ void drawStages(const Mat& image, const String& folder)
             if (ratio == 1)
                 full.insert(in);
             if (ratio == 1 || !full.count(in))
-                circle(mesh, keypoint.pt, 2, ratio == 1 ? YELLOW : Scalar(60, 60, 255), FILLED);
+                circle(mesh, keypoint.pt, 2, ratio == 1 ? YELLOW : RED, FILLED);
         }
     }
 
-    const int quota = 161, leaves = 64;  // leaves a side: 4^6 >= 16 * 161
+    const int quota = 161, leaves = 64;  // leaves a side: 4^6 >= 12 * 161
     detector->setMaxFeatures(quota);
     detector->detect(image, keypoints);
     Mat tree = divided(image, border,
                        Size2d((image.cols - 2. * border) / leaves, (image.rows - 2. * border) / leaves));
     for (const KeyPoint& keypoint : keypoints)
         circle(tree, keypoint.pt, 4, YELLOW, FILLED);
+    // The disc of RankRadius 1 around the corner that is nearest to the middle.
+    const Point2f middle(float(image.cols) / 2, float(image.rows) / 2);
+    const auto nearest = std::min_element(keypoints.begin(), keypoints.end(),
+                                          [&](const KeyPoint& a, const KeyPoint& b)
+                                          { return norm(a.pt - middle) < norm(b.pt - middle); });
+    const double area = (image.cols - 2. * border) * (image.rows - 2. * border);
+    if (nearest != keypoints.end())
+        circle(tree, nearest->pt, cvRound(std::sqrt(area / quota)), RED, 2, LINE_AA);
 
     Mat picture;
     hconcat(labelled(mesh, "Corners at iniT (yellow) and, in cells without these, at minT (red)", ""),
-            labelled(tree, "The 161 chosen of them; 4^6 leaves of the quadtree", ""), picture);
+            labelled(tree, "The 161 chosen, 4^6 leaves, and the disc in which one is ranked (red)", ""),
+            picture);
     resize(picture, picture, Size(), 0.7, 0.7, INTER_AREA);
     writePicture(pathIn(folder, "aqorb_stages.jpg"), picture, 80);
+}
+
+// What a camera sees of the image: its middle, turned by so many degrees. The frame lies inside of the image.
+struct TurnedView
+{
+    TurnedView(const Mat& image, double degrees)
+    {
+        const int diagonal = std::min(image.cols, image.rows);
+        const Size size(diagonal * 4 / 5, diagonal * 3 / 5);
+        const Point2f centre(float(image.cols - 1) / 2, float(image.rows - 1) / 2);
+        fromImage = getRotationMatrix2D(centre, degrees, 1);
+        fromImage.at<double>(0, 2) -= (image.cols - size.width) / 2;
+        fromImage.at<double>(1, 2) -= (image.rows - size.height) / 2;
+        warpAffine(image, frame, fromImage, size, INTER_LINEAR, BORDER_REFLECT_101);
+    }
+
+    Mat frame, fromImage;  // the frame, and where points of the image are in it
+};
+
+// Features of a view.
+struct Features
+{
+    Features(const Ptr<ORB>& detector, const TurnedView& view)
+    {
+        detector->detectAndCompute(view.frame, noArray(), keypoints, descriptors);
+    }
+
+    std::vector<KeyPoint> keypoints;
+    Mat descriptors;
+};
+
+// Where the keypoints of a view are in another one.
+std::vector<Point2f> carried(const std::vector<KeyPoint>& keypoints, const TurnedView& from,
+                             const TurnedView& to)
+{
+    std::vector<Point2f> points;
+    KeyPoint::convert(keypoints, points);
+    if (points.empty())
+        return points;
+    Mat toImage;
+    invertAffineTransform(from.fromImage, toImage);
+    transform(points, points, toImage);
+    transform(points, points, to.fromImage);
+    return points;
+}
+
+// Which features of the second set are matched with one of the first within 3 pixels of the right place.
+std::vector<bool> foundAgain(const Features& first, const Features& second,
+                             const std::vector<Point2f>& rightPlaces)
+{
+    std::vector<bool> found(second.keypoints.size(), false);
+    std::vector<DMatch> matches;
+    if (!first.keypoints.empty() && !second.keypoints.empty())
+        BFMatcher(NORM_HAMMING, true).match(second.descriptors, first.descriptors, matches);
+    for (const DMatch& match : matches)
+        found[match.queryIdx] = norm(first.keypoints[match.trainIdx].pt - rightPlaces[match.queryIdx]) <= 3;
+    return found;
+}
+
+// The number of places, at least 4 pixels from each other, of the keypoints that were found again.
+int countPlaces(const std::vector<KeyPoint>& keypoints, const std::vector<bool>& found)
+{
+    std::vector<Point2f> places;
+    for (size_t i = 0; i < keypoints.size(); i++)
+    {
+        const Point2f p = keypoints[i].pt;
+        if (found[i] &&
+            std::none_of(places.begin(), places.end(), [&](const Point2f& q) { return norm(p - q) < 4; }))
+            places.push_back(p);
+    }
+    return int(places.size());
+}
+
+// Which keypoints are found again when the camera turns.
+void drawTurn(const Mat& image, const String& folder)
+{
+    const int nfeatures = 300;
+    const Detector ranked = aqorb::AdaptiveQuadtreeORB::create(nfeatures);
+    const Detector balanced = aqorb::AdaptiveQuadtreeORB::create(nfeatures);
+    balanced->setSelectionType(aqorb::AdaptiveQuadtreeORB::BALANCED_SELECTION);
+    const std::vector<std::pair<String, Ptr<ORB>>> detectors = {
+        {"cv::ORB", ORB::create(nfeatures)}, {"BALANCED_SELECTION", balanced}, {"RANKED_SELECTION", ranked}};
+
+    const TurnedView upright(image, 0);
+    const int SHOWN = 45, STEP = 30;  // degrees
+    Mat first;
+    cvtColor(upright.frame, first, COLOR_GRAY2BGR);
+    std::vector<Mat> pictures = {labelled(first, "Before the turn", "")};
+    for (const auto& detector : detectors)
+    {
+        const Features before(detector.second, upright);
+        int placesHere = 0;
+        double sum = 0;
+        Mat picture;
+        for (int degrees = SHOWN - STEP; degrees < 360; degrees += STEP)
+        {
+            const TurnedView turned(image, degrees);
+            const Features after(detector.second, turned);
+            const std::vector<Point2f> rightPlaces = carried(after.keypoints, turned, upright);
+            const std::vector<bool> found = foundAgain(before, after, rightPlaces);
+            const int places = countPlaces(after.keypoints, found);
+            sum += places;
+            if (degrees != SHOWN)
+                continue;
+            placesHere = places;
+            cvtColor(turned.frame, picture, COLOR_GRAY2BGR);
+            const Rect2f frame(Point2f(0, 0), Size2f(upright.frame.size()));
+            for (size_t i = 0; i < after.keypoints.size(); i++)
+            {
+                if (found[i])
+                    circle(picture, after.keypoints[i].pt, 4, YELLOW, FILLED, LINE_AA);
+                else if (frame.contains(rightPlaces[i]))
+                    circle(picture, after.keypoints[i].pt, 4, RED, 1, LINE_AA);
+            }
+        }
+        const String numbers = format("found again at %d places; on average of %d angles at %.0f", placesHere,
+                                      360 / STEP, sum / (360 / STEP));
+        std::printf("%-28s %s\n", detector.first.c_str(), numbers.c_str());
+        pictures.push_back(labelled(picture, detector.first, numbers));
+    }
+    writePicture(pathIn(folder, "aqorb_turn.jpg"), arranged(pictures, 2), 80);
 }
 
 void run(const Arguments& arguments)
@@ -231,6 +386,7 @@ void run(const Arguments& arguments)
     const String folder = pathIn(arguments.text("out"), "");
     const Mat image = readImage(arguments.file(0, "leuvenA.jpg"), IMREAD_GRAYSCALE, 100);
     drawStages(image, folder);
+    drawTurn(image, folder);
     drawParameters(image, folder);
 }
 

@@ -5,8 +5,8 @@
 #   scripts/demo.sh --help
 #
 # Installs the Debian packages it needs. Without images it takes three pairs of OpenCV's samples (the Debian
-# package opencv-doc, fetched, not installed): one where AdaptiveQuadtreeORB wins, one where cv::ORB wins, and
-# one where each wins something. The pictures go to build/demo.
+# package opencv-doc, fetched, not installed): one where all of the scene is in both images, one with a small object,
+# and one from two sides. The pictures go to build/demo.
 source "$(dirname "$0")/common.sh"
 
 need build

@@ -69,10 +69,17 @@ def link(match, path):
     return f'{text} (`{target}`)'
 
 
-def prose(text, path):
+def prose(text, path, seen):
     name = page(path)
+
+    def labelled(match):
+        # A heading that is repeated gets a number, as hosts of repositories do it.
+        anchor = slug(match[2])
+        seen[anchor] = seen.get(anchor, -1) + 1
+        number = f'-{seen[anchor]}' if seen[anchor] else ''
+        return f'{match[1]} {match[2]} {{#{name}-{anchor}{number}}}'
     if path.endswith('.md'):
-        text = re.sub(r'^(##+) (.*)$', lambda m: f'{m[1]} {m[2]} {{#{name}-{slug(m[2])}}}', text, flags=re.MULTILINE)
+        text = re.sub(r'^(##+) (.*)$', labelled, text, flags=re.MULTILINE)
     text = LINK.sub(lambda m: link(m, path), text)
 
     def document(match):
@@ -89,13 +96,13 @@ def convert(text, path):
     if path.endswith('.md'):
         contents = '' if path == 'README.md' else '\n@tableofcontents\n'
         text = re.sub(r'\A# (.*)\n', lambda m: f'# {m[1]} {{#{page(path)}}}\n{contents}', text)
-    result, end = [], 0
+    result, end, seen = [], 0, {}
     for fence in FENCE.finditer(text):
-        result.append(prose(text[end:fence.start()], path))
+        result.append(prose(text[end:fence.start()], path, seen))
         indent, language, code = fence.groups()
         result.append(f'{indent}@code{{.{LANGUAGES.get(language, language)}}}\n{code}{indent}@endcode')
         end = fence.end()
-    return ''.join(result) + prose(text[end:], path)
+    return ''.join(result) + prose(text[end:], path, seen)
 
 
 if __name__ == '__main__':

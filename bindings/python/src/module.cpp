@@ -177,7 +177,7 @@ void addProperties(DetectorClass& detector)
         .def("getSelectionType", &getSelectionType)
         .def("setStrengthWeight", set(&Library::setStrengthWeight), arg("strengthWeight"),
              "Sets how much the strength of a corner counts against an even distribution, 0 (most even) to\n"
-             "1000 (by strength alone); default 0.2. It has an effect with the ranked selection only.")
+             "1000 (by strength alone); default 0.15. It has an effect with the ranked selection only.")
         .def("getStrengthWeight", get(&Library::getStrengthWeight))
         .def(
             "setRankRadius", set(&Library::setRankRadius), arg("rankRadius"),
@@ -186,7 +186,7 @@ void addProperties(DetectorClass& detector)
         .def("getRankRadius", get(&Library::getRankRadius))
         .def("setOctaveSuppression", set(&Library::setOctaveSuppression), arg("octaveSuppression"),
              "Sets how far a keypoint keeps those of other levels away, in pixels of the finer level. The\n"
-             "default, -1, is 0.6 with the ranked selection and 0.5 with the balanced one.")
+             "default, -1, is 2 with the ranked selection and 0.5 with the balanced one.")
         .def("getOctaveSuppression", get(&Library::getOctaveSuppression))
         .def("setSubPixel", set(&Library::setSubPixel), arg("subPixel"),
              "Sets whether positions are refined to a fraction of a pixel; default True.")

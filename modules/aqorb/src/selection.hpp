@@ -34,7 +34,7 @@ struct CornerRequest
 
 /** Chooses the features of all levels. It takes from the sequence of each level, from coarse to fine, as many
  corners as the quota of the level and what coarser levels left over. It passes over corners that are nearer than
- octaveSuppression pixels of their level to a keypoint of a coarser level within reach. If features are still missing then, it
+ octaveSuppression pixels of their level to a keypoint of another level within reach. If features are still missing then, it
  goes through the levels from fine to coarse: first it continues their sequences, and then it fills up with the corners
  that the rules have passed over.
 

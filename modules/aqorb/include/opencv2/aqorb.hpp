@@ -13,7 +13,7 @@
 @defgroup aqorb Uniformly distributed ORB features
 
 ORB features that are spread uniformly over the image. They are found with an adaptive FAST threshold
-and a quadtree of limited depth after @cite Yao2019AQORB. The class cv::aqorb::AdaptiveQuadtreeORB is
+and a quadtree after @cite Yao2019AQORB. The class cv::aqorb::AdaptiveQuadtreeORB is
 derived from cv::ORB: it takes the same parameters, computes the same descriptors, and can be used
 wherever a cv::ORB or a cv::Feature2D is expected.
 
@@ -42,11 +42,13 @@ namespace aqorb
 
 /** @brief ORB detector and descriptor whose keypoints are spread uniformly over the image.
 
-The detector is that of @cite Yao2019AQORB, and the descriptor that of cv::ORB @cite RRKB11. On each
+The detector follows @cite Yao2019AQORB, and the descriptor is that of cv::ORB @cite RRKB11. On each
 level of an image pyramid FAST corners are found with a threshold that is taken from the contrast of
-the image. The threshold is lowered in those cells of a square mesh that would stay empty. A quadtree,
-no deeper than the number of features requires, then chooses the corners so that every part of the
-level gets its share.
+the image. The threshold is lowered in those cells of a square mesh that would stay empty. A quadtree
+gives each small part of the level a representative, its best corner. The representatives are then
+taken in an order that weighs the strength of each against the number of stronger ones around it. This
+order is the module's own; setSelectionType chooses that of the paper instead. A corner near a keypoint
+of a neighbouring level is passed over.
 
 Use it where keypoints must cover the image: for visual odometry and SLAM, stitching, homographies, and
 dark or low-contrast images. Prefer cv::ORB where only the strongest keypoints are wanted, wherever they
@@ -80,7 +82,7 @@ public:
     //! The rule by which the corners of a level are chosen, see setSelectionType.
     enum SelectionType
     {
-        RANKED_SELECTION = 0,   //!< by score and by the number of stronger corners nearby
+        RANKED_SELECTION = 0,   //!< by strength and by the number of stronger corners nearby
         BALANCED_SELECTION = 1  //!< as in the paper, and as in version 0.1 of this module
     };
 
@@ -131,12 +133,12 @@ public:
     CV_WRAP virtual int getCellSize() const = 0;
 
     /** @brief Depth of the quadtree: 0 to 15, or -1 for the depth that suits the number of features. The
-    default is -1. With 0 the corners of a level are ranked by their score alone.
+    default is -1. With 0 the corners of a level are ranked by their response alone.
 
-    With RANKED_SELECTION -1 means the smallest depth with at least 16 leaves for each feature that the
-    level is to have, where a mask excludes no corners. A leaf is never smaller than 2 pixels a side, and
-    the tree never deeper than 12. With BALANCED_SELECTION -1 means equation (9) of the paper, the smallest
-    depth with at least as many leaves as the level is to have features. */
+    With RANKED_SELECTION -1 means the smallest depth with at least 12 leaves for each feature that the
+    level is to have; leaves on masked pixels do not count. A leaf is never smaller than 2 pixels a side,
+    and the tree never deeper than 12, whatever is set. With BALANCED_SELECTION -1 means equation (9) of
+    the paper, the smallest depth with at least as many leaves as the level is to have features. */
     CV_WRAP virtual void setMaxDepth(int maxDepth) = 0;
     CV_WRAP virtual int getMaxDepth() const = 0;
 
@@ -145,17 +147,18 @@ public:
 
     - RANKED_SELECTION ranks the best corner of each leaf of the quadtree by the number of stronger ones
       within a distance (setRankRadius), and weighs that rank against its strength (setStrengthWeight).
-      Only distances and the order of strengths enter, so that nearly the same corners are chosen when the
-      camera turns.
-    - BALANCED_SELECTION is that of the paper, equations (8) and (9) and Figure 2. It gives the keypoints
-      of version 0.1 of this module to the byte.
+      Distances and strengths hardly depend on how the scene lies in the frame, so nearly the same corners
+      are chosen when the camera turns. Levels share the features in proportion to their areas.
+    - BALANCED_SELECTION is that of the paper, equations (8) and (9) and Figure 2: the parts of the frame
+      take their best corners in turn, and levels share the features in proportion to their lengths. It
+      gives the keypoints of version 0.1 of this module to the byte.
 
     Any other value raises an exception. */
     CV_WRAP virtual void setSelectionType(cv::aqorb::AdaptiveQuadtreeORB::SelectionType selectionType) = 0;
     CV_WRAP virtual cv::aqorb::AdaptiveQuadtreeORB::SelectionType getSelectionType() const = 0;
 
     /** @brief How much the strength of a corner counts against an even distribution: 0 to 1000, without a
-    unit. The default is 0.2. With 0 corners are chosen by their rank alone, which gives the most even
+    unit. The default is 0.15. With 0 corners are chosen by their rank alone, which gives the most even
     distribution. A larger value prefers strong corners, and from about 100 on their strength decides
     alone, nearly as in cv::ORB: raise it to find a small object in a large scene. It has no effect with
     BALANCED_SELECTION. */
@@ -170,10 +173,11 @@ public:
     CV_WRAP virtual double getRankRadius() const = 0;
 
     /** @brief The distance between keypoints of different levels, in pixels of the finer level: finite and
-    >= 0, or -1 for the distance that suits the selection, which is 0.6 with RANKED_SELECTION and 0.5 with
+    >= 0, or -1 for the distance that suits the selection, which is 2 with RANKED_SELECTION and 0.5 with
     BALANCED_SELECTION. The default is -1. A corner that is strictly nearer than that to a keypoint of a
-    coarser level is chosen only if too few corners are left elsewhere. With 0 there is no such rule, as in
-    the paper. */
+    coarser level is chosen only if too few corners are left elsewhere. With RANKED_SELECTION only the next
+    coarser level counts, so that a corner of the scene can be kept on every second level; with
+    BALANCED_SELECTION all coarser levels count. With 0 there is no such rule, as in the paper. */
     CV_WRAP virtual void setOctaveSuppression(double octaveSuppression) = 0;
     CV_WRAP virtual double getOctaveSuppression() const = 0;
 
@@ -242,8 +246,18 @@ CV_EXPORTS_W double distributionOccupancy(const std::vector<KeyPoint>& keypoints
 of AdaptiveQuadtreeORB for the keypoints of any detector.
 
 Use it in place of cv::KeyPointsFilter::retainBest, which keeps the highest responses wherever they lie.
-The quadtree spans the whole image, and octaves are ignored. Of equal responses the keypoint of lower y is
-preferred, then that of lower x, then that of lower index. NaN counts as the lowest response.
+The rule is that of RANKED_SELECTION with the default StrengthWeight and RankRadius. The quadtree spans the
+whole image and has at least 12 leaves for each keypoint that is kept. The response takes the place of the
+strength, and octaves are ignored. The best keypoint of a leaf represents it, unless at least two of the eight
+leaves around it have better ones. The representatives come in this order:
+-# those of infinite response, by their rank;
+-# those of positive response, by (1 + rank) / response^StrengthWeight;
+-# those whose response is zero, negative or NaN, by their rank.
+
+The other keypoints follow, by their place in their leaf and then by response. Whatever compares responses
+takes NaN for the lowest. Of equal responses in a leaf the keypoint of lower y is preferred, then that of
+lower x, then that of lower index. To multiply all responses by a positive constant changes nothing, as long
+as the products are neither rounded nor out of the range of a float.
 
 @param keypoints In: keypoints of any detector. Out: at most npoints of them, in their input order and
 with all fields unchanged. Those outside the image are dropped, even if there are fewer than npoints.

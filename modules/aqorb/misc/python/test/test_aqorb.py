@@ -199,7 +199,7 @@ class aqorb_test(NewOpenCVTests):
                                      ('CellSize', 35, 50), ('MaxDepth', -1, 3),
                                      ('SelectionType', aqorb.AdaptiveQuadtreeORB_RANKED_SELECTION,
                                       aqorb.AdaptiveQuadtreeORB_BALANCED_SELECTION),
-                                     ('StrengthWeight', 0.2, 0.5), ('RankRadius', 1, 2.5),
+                                     ('StrengthWeight', 0.15, 0.5), ('RankRadius', 1, 2.5),
                                      ('OctaveSuppression', -1, 0), ('SubPixel', True, False),
                                      ('EdgeThreshold', 16, 31), ('FastThreshold', 20, 7)):
             get, set_ = getattr(orb, 'get' + name), getattr(orb, 'set' + name)
