@@ -192,7 +192,7 @@ TEST(Aqorb_Ranking, representatives_equal_a_count_for_every_width)
                 {
                     int& strength = strengths[size_t(row) * (side + 2) + column];
                     if (kind == 0)
-                        strength = rng.uniform(INT_MIN + 1, INT_MAX);
+                        strength = std::max(int(rng.next()), INT_MIN + 1);
                     else if (kind == 1)
                         strength =
                             rng.uniform(0, 2) ? INT_MIN + rng.uniform(1, 4) : INT_MIN;  // many are equal

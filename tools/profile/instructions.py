@@ -19,8 +19,8 @@ STAGES = [
     ('threshold', ['varianceOverMean']),
     ('pyramid', ['fillLevels']),
     ('FAST, suppression', ['findBandCorners', 'suppressCorners']),
-    ('Harris', ['harrisResponses']),
-    ('quadtree', ['LevelDetection::orderByRank']),
+    ('Harris', ['LevelDetection::scoreRepresentatives']),  # and moments
+    ('quadtree', ['RankedSequence::findRepresentatives', 'RankedSequence::rank']),
     ('selection', ['AdaptiveQuadtreeORBImpl::selectFeatures']),
     ('orientation, position', ['AdaptiveQuadtreeORBImpl::computeKeypoints']),
     ('blur', ['approximateBlur']),
