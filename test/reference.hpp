@@ -94,7 +94,7 @@ std::vector<LeafPoint> balancedSequence(const std::vector<LeafPoint>& points, in
  in units of 2^-26, rounded down, it is e plus what lies linearly between T(f / 2048) and the next, rounded down. */
 int64 binaryLogarithm(float v);
 //! Quotas of as many levels, in proportion to their areas. Level 0 takes what the others leave by rounding.
-std::vector<int> areaQuotas(int nfeatures, double scaleFactor, int count);
+std::vector<int> areaQuotas(int nfeatures, const std::vector<Size>& regions);
 //! The smallest depth, but at most `most`, with 12 leaves for each feature, where the usable share counts alone.
 int depthForQuota(int quota, double usable, int most);
 //! The depth of a level's tree. Leaves are at least 2 pixels a side.

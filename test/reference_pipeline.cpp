@@ -50,7 +50,7 @@ double Settings::octaveSuppressionInUse() const
 {
     if (octaveSuppression != -1)
         return octaveSuppression;
-    return selectionType == AdaptiveQuadtreeORB::RANKED_SELECTION ? 2.3 / (1 + strengthWeight) : 0.5;
+    return selectionType == AdaptiveQuadtreeORB::RANKED_SELECTION ? 1.15 / (1 + strengthWeight) : 0.5;
 }
 
 int quadtreeDepth(int quota)
@@ -151,6 +151,10 @@ bool inRasterOrder(const Candidate& a, const Candidate& b)
 {
     return a.y != b.y ? a.y < b.y : a.x < b.x;
 }
+bool hasHigherResponse(const Candidate& a, const Candidate& b)
+{
+    return a.response > b.response;
+}
 
 class Pipeline
 {
@@ -191,9 +195,12 @@ private:
             count++;
         if (count == 0)
             return;
+        std::vector<Size> regions;
+        for (int i = 0; i < count; i++)
+            regions.push_back(sizeOfLevel(i) - Size(2 * s.edgeThreshold, 2 * s.edgeThreshold));
         // A ranked selection distributes the features over these, the paper's over all.
-        const std::vector<int> quotaOfLevel = isRanked ? areaQuotas(s.nfeatures, scaleFactor, count)
-                                                       : quotas(s.nfeatures, scaleFactor, s.nlevels);
+        const std::vector<int> quotaOfLevel =
+            isRanked ? areaQuotas(s.nfeatures, regions) : quotas(s.nfeatures, scaleFactor, s.nlevels);
         const Thresholds t = thresholds(varianceOverMean(gray, mask), s.adaptiveThreshold, s.fastThreshold,
                                         s.minThresholdRatio);
         for (int i = 0; i < count; i++)
@@ -434,6 +441,8 @@ private:
     {
         PyramidLevel& level = levels[octave];
         std::sort(level.chosen.begin(), level.chosen.end(), inRasterOrder);
+        if (isRanked)
+            std::stable_sort(level.chosen.begin(), level.chosen.end(), hasHigherResponse);
         const Mat blurred = roundedBlur(level.image);
         const std::vector<Point> pattern = descriptorPattern(s.patchSize, s.WTA_K);
         for (size_t i = 0; i < level.chosen.size(); i++)

@@ -5,6 +5,8 @@
 
 #include "reference.hpp"
 
+#include <numeric>
+
 #include <limits>
 #include <map>
 #include <set>
@@ -32,20 +34,15 @@ int64 binaryLogarithm(float v)
     return e * ((int64)1 << 24) + (T(i) * 2048 + (T(i + 1) - T(i)) * t) / 8192;
 }
 
-std::vector<int> areaQuotas(int nfeatures, double scaleFactor, int count)
+std::vector<int> areaQuotas(int nfeatures, const std::vector<Size>& regions)
 {
-    std::vector<int> result(count);
-    const float ratio = (float)(1.0 / scaleFactor), factor = ratio * ratio;
-    float wanted = factor < 1
-                       ? nfeatures * (1 - factor) / (1 - (float)std::pow((double)factor, (double)count))
-                       : (float)nfeatures / count;
-    int64 sum = 0;
-    for (int level = 1; level < count; level++)
-    {
-        wanted *= factor;
-        result[level] = cvRound(wanted);
-        sum += result[level];
-    }
+    double whole = 0;
+    for (const Size& region : regions)
+        whole += (double)region.width * region.height;
+    std::vector<int> result(1);
+    for (size_t level = 1; level < regions.size(); level++)
+        result.push_back(cvRound(nfeatures * ((double)regions[level].width * regions[level].height) / whole));
+    int64 sum = std::accumulate(result.begin(), result.end(), (int64)0);
     result[0] = (int)std::max(nfeatures - sum, (int64)0);
     sum += result[0];
     for (int level = 0; sum > nfeatures; sum--)

@@ -162,9 +162,10 @@ TEST(Aqorb_Analytic, dots_that_are_alone_come_before_a_crowd)
                 found.push_back(place);
         }
         EXPECT_EQ(1, inCrowd);
-        // Keypoints of a level come in raster order.
-        std::sort(alone.begin(), alone.end(),
-                  [](const Point& a, const Point& b) { return a.y != b.y ? a.y < b.y : a.x < b.x; });
+        const auto inRasterOrder = [](const Point& a, const Point& b)
+        { return a.y != b.y ? a.y < b.y : a.x < b.x; };
+        std::sort(alone.begin(), alone.end(), inRasterOrder);
+        std::sort(found.begin(), found.end(), inRasterOrder);
         EXPECT_EQ(alone, found);
     }
 }

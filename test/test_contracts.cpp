@@ -45,7 +45,7 @@ TEST(Aqorb_Contracts, the_default_of_octave_suppression_follows_the_selection)
     };
     const auto ranked = AdaptiveQuadtreeORB::RANKED_SELECTION;
     const auto balanced = AdaptiveQuadtreeORB::BALANCED_SELECTION;
-    EXPECT_TRUE(sameFeatures(features(ranked, 2), features(ranked, -1)));
+    EXPECT_TRUE(sameFeatures(features(ranked, 1), features(ranked, -1)));
     EXPECT_FALSE(sameFeatures(features(ranked, 0.5), features(ranked, -1)));
     EXPECT_TRUE(sameFeatures(features(balanced, 0.5), features(balanced, -1)));
     EXPECT_FALSE(sameFeatures(features(balanced, 0.6), features(balanced, -1)));
@@ -121,27 +121,46 @@ TEST(Aqorb_Contracts, the_cap_is_reached_and_never_exceeded)
 TEST(Aqorb_Contracts, fields_and_order_of_keypoints)
 {
     const Mat image = makeScene(Size(400, 300));
-    const Ptr<AdaptiveQuadtreeORB> detector =
-        AdaptiveQuadtreeORB::create(400, 1.3f, 5, 12, 0, 2, ORB::HARRIS_SCORE, 27);
-    KeyPoints keypoints;
-    detector->detect(image, keypoints);
-    ASSERT_EQ(400u, keypoints.size());
-    Point last(-1, -1);
-    int octave = 0;
-    for (const KeyPoint& keypoint : keypoints)
+    const AdaptiveQuadtreeORB::SelectionType selections[] = {AdaptiveQuadtreeORB::RANKED_SELECTION,
+                                                             AdaptiveQuadtreeORB::BALANCED_SELECTION};
+    for (AdaptiveQuadtreeORB::SelectionType selection : selections)
     {
-        const float scale = (float)std::pow((double)1.3f, keypoint.octave);
-        EXPECT_EQ(27 * scale, keypoint.size);
-        EXPECT_EQ(-1, keypoint.class_id);
-        EXPECT_TRUE(keypoint.angle >= 0 && keypoint.angle < 360);
-        EXPECT_TRUE(keypoint.pt.x >= 12 && keypoint.pt.x < 388 && keypoint.pt.y >= 12 && keypoint.pt.y < 288);
-        ASSERT_TRUE(keypoint.octave >= octave && keypoint.octave < 5);
-        const Point pixel(cvRound(keypoint.pt.x * (1.f / scale)), cvRound(keypoint.pt.y * (1.f / scale)));
-        EXPECT_TRUE(keypoint.octave > octave || pixel.y > last.y || (pixel.y == last.y && pixel.x > last.x));
-        last = pixel;
-        octave = keypoint.octave;
+        const bool isRanked = selection == AdaptiveQuadtreeORB::RANKED_SELECTION;
+        SCOPED_TRACE(isRanked ? "ranked" : "balanced");
+        const Ptr<AdaptiveQuadtreeORB> detector =
+            AdaptiveQuadtreeORB::create(400, 1.3f, 5, 12, 0, 2, ORB::HARRIS_SCORE, 27);
+        detector->setSelectionType(selection);
+        KeyPoints keypoints;
+        detector->detect(image, keypoints);
+        ASSERT_EQ(400u, keypoints.size());
+        for (size_t i = 0; i < keypoints.size(); i++)
+        {
+            const KeyPoint& keypoint = keypoints[i];
+            const float scale = (float)std::pow((double)1.3f, keypoint.octave);
+            EXPECT_EQ(27 * scale, keypoint.size);
+            EXPECT_EQ(-1, keypoint.class_id);
+            EXPECT_TRUE(keypoint.angle >= 0 && keypoint.angle < 360);
+            EXPECT_TRUE(keypoint.pt.x >= 12 && keypoint.pt.x < 388 && keypoint.pt.y >= 12 &&
+                        keypoint.pt.y < 288);
+            ASSERT_TRUE(keypoint.octave >= 0 && keypoint.octave < 5);
+            if (i == 0)
+                continue;
+            // By level. In a level the ranked selection gives the highest response first, the balanced one rows.
+            const KeyPoint& before = keypoints[i - 1];
+            ASSERT_GE(keypoint.octave, before.octave);
+            if (keypoint.octave > before.octave)
+                continue;
+            const Point pixel(cvRound(keypoint.pt.x / scale), cvRound(keypoint.pt.y / scale)),
+                last(cvRound(before.pt.x / scale), cvRound(before.pt.y / scale));
+            const bool isAfter = pixel.y > last.y || (pixel.y == last.y && pixel.x > last.x);
+            if (isRanked)
+                EXPECT_TRUE(keypoint.response < before.response ||
+                            (keypoint.response == before.response && isAfter));
+            else
+                EXPECT_TRUE(isAfter);
+        }
+        EXPECT_EQ(4, keypoints.back().octave);
     }
-    EXPECT_EQ(4, octave);
 }
 
 TEST(Aqorb_Contracts, levels_before_the_first_are_finer)

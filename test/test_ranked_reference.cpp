@@ -56,15 +56,14 @@ TEST(Aqorb_RankedReference, logarithm_grows_and_is_exact_to_7_digits)
 
 TEST(Aqorb_RankedReference, quotas_by_hand)
 {
-    // 161.5 112.2 77.9 54.1 37.6 26.1 18.1 12.6
-    EXPECT_EQ(reference::areaQuotas(500, 1.2f, 8), Ints({161, 112, 78, 54, 38, 26, 18, 13}));
+    const std::vector<Size> three = {Size(100, 80), Size(50, 40), Size(25, 20)};
     // 76.2 19.05 4.8
-    EXPECT_EQ(reference::areaQuotas(100, 2, 3), Ints({76, 19, 5}));
+    EXPECT_EQ(reference::areaQuotas(100, three), Ints({76, 19, 5}));
+    EXPECT_EQ(reference::areaQuotas(1, three), Ints({1, 0, 0}));
+    EXPECT_EQ(reference::areaQuotas(0, three), Ints({0, 0, 0}));
     // .67 of each: one is too many on levels 1 to 5, and is taken from the finest that has one.
-    EXPECT_EQ(reference::areaQuotas(4, 1.001, 6), Ints({0, 0, 1, 1, 1, 1}));
-    EXPECT_EQ(reference::areaQuotas(1, 1.2f, 3), Ints({1, 0, 0}));
-    EXPECT_EQ(reference::areaQuotas(0, 1.2f, 3), Ints({0, 0, 0}));
-    EXPECT_EQ(reference::areaQuotas(7, 1, 1), Ints({7}));
+    EXPECT_EQ(reference::areaQuotas(4, std::vector<Size>(6, Size(10, 10))), Ints({0, 0, 1, 1, 1, 1}));
+    EXPECT_EQ(reference::areaQuotas(7, {Size(3, 1)}), Ints({7}));
 }
 
 TEST(Aqorb_RankedReference, depth_by_hand)

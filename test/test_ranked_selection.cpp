@@ -105,6 +105,7 @@ TEST(Aqorb_RankedSelection, the_weight_leads_from_evenness_to_strength)
         const Mat image = makeScene(Size(640, 480), seed);
         Settings settings;
         settings.nfeatures = n;
+        settings.octaveSuppression = 1;  // its default would follow the weight
         settings.rankRadius = 0;
         const KeyPoints strongest = detect(settings, image);
         settings.rankRadius = 1;

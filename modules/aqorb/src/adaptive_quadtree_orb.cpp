@@ -277,6 +277,8 @@ void AdaptiveQuadtreeORBImpl::detectAndCompute(InputArray image_, InputArray mas
         selectFeatures(workspace);
     }
 
+    // Features are computed in raster order, because neighbours share what is blurred.
+    const bool isReordered = !useProvidedKeypoints && parameters.selectionType == RANKED_SELECTION;
     const size_t count = workspace.keypoints.size();
     Mat output, descriptors;
     if (withDescriptors && count > 0)
@@ -284,7 +286,12 @@ void AdaptiveQuadtreeORBImpl::detectAndCompute(InputArray image_, InputArray mas
         output = createDescriptors(descriptors_, int(count));
         // Where the output lies in the image or the mask, it must not be written before both have been read.
         const bool isRead = shareMemory(output, input.image) || shareMemory(output, input.mask);
-        descriptors = isRead ? Mat(output.size(), output.type()) : output;
+        descriptors = output;
+        if (isRead || isReordered)
+        {
+            workspace.descriptors.resize(output.total());
+            descriptors = Mat(output.size(), output.type(), workspace.descriptors.data());
+        }
     }
     else if (withDescriptors)
     {
@@ -300,9 +307,21 @@ void AdaptiveQuadtreeORBImpl::detectAndCompute(InputArray image_, InputArray mas
                    if (!descriptors.empty())
                        describe(workspace, workspace.ranges[i], descriptors);
                });
-    if (descriptors.data != output.data)
-        descriptors.copyTo(output);
-    keypoints = workspace.keypoints;
+    if (!isReordered)
+    {
+        if (descriptors.data != output.data)
+            descriptors.copyTo(output);
+        keypoints = workspace.keypoints;
+        return;
+    }
+    workspace.orderByResponse();
+    keypoints.resize(count);
+    for (size_t i = 0; i < count; i++)
+    {
+        keypoints[i] = workspace.keypoints[workspace.order[i]];
+        if (!descriptors.empty())
+            std::memcpy(output.ptr(int(i)), descriptors.ptr(workspace.order[i]), size_t(kBytes));
+    }
 }
 
 // Finds and ranks the corners of all levels.
@@ -325,8 +344,14 @@ void AdaptiveQuadtreeORBImpl::detectCorners(Workspace& workspace) const
     workspace.layOutLevels(parameters.nlevels, parameters.firstLevel, parameters.scaleFactor, minSide);
     const int count = workspace.levelCount;
     std::vector<LevelWork>& levels = workspace.levels;
+    workspace.regions.clear();
+    for (int i = 0; i < count; i++)
+    {
+        const Size size = levels[i].level.image.size();
+        workspace.regions.push_back(Size(size.width - 2 * border, size.height - 2 * border));
+    }
     if (isRanked)
-        areaQuotas(parameters.nfeatures, parameters.scaleFactor, count, workspace.areaQuotas);
+        areaQuotas(parameters.nfeatures, workspace.regions, workspace.areaQuotas);
     const std::vector<int>& quotas = isRanked ? workspace.areaQuotas : tables.quotas;
     for (int i = 0; i < count; i++)
     {
@@ -338,8 +363,7 @@ void AdaptiveQuadtreeORBImpl::detectCorners(Workspace& workspace) const
         selection.scale = levels[i].level.scale;
         selection.quota = quota + added;
         OrderRule& order = selection.order;
-        order.root =
-            Rect(border, border, selection.size.width - 2 * border, selection.size.height - 2 * border);
+        order.root = Rect(Point(border, border), workspace.regions[i]);
         order.depth = parameters.maxDepth >= 0 ? parameters.maxDepth : quadtreeDepth(quota);
         order.isRanked = isRanked;
         levels[i].detection.begin(levels[i].level, order.root, rules);

@@ -208,8 +208,7 @@ PointSequence& LevelDetection::sequence(const OrderRule& rule, DetectionScratch&
     return balanced;
 }
 
-void LevelDetection::list(CornerSet set, DetectionScratch& scratch,
-                          std::vector<RankedCorner>& corners) const
+void LevelDetection::list(CornerSet set, DetectionScratch& scratch, std::vector<RankedCorner>& corners) const
 {
     if (set == KEPT_CORNERS)
     {

@@ -40,7 +40,7 @@ double Parameters::octaveSuppressionInUse() const
     if (octaveSuppression >= 0)
         return octaveSuppression;
     // Who asks for the strongest corners takes them on every level, as with cv::ORB.
-    return selectionType == AdaptiveQuadtreeORB::BALANCED_SELECTION ? 0.5 : 2.3 / (1 + strengthWeight);
+    return selectionType == AdaptiveQuadtreeORB::BALANCED_SELECTION ? 0.5 : 1.15 / (1 + strengthWeight);
 }
 
 static void reject(const char* name, double value, const char* accepted)

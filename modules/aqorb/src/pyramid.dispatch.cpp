@@ -203,29 +203,27 @@ static void resizeExact(const Mat& source, Mat& destination, ResizeTables& table
     cv::resize(source, destination, destination.size(), 0, 0, INTER_LINEAR_EXACT);
 }
 
-void areaQuotas(int nfeatures, double scaleFactor, int nlevels, std::vector<int>& quotas)
+void areaQuotas(int nfeatures, const std::vector<Size>& regions, std::vector<int>& quotas)
 {
-    const float inverse = float(1.0 / scaleFactor), factor = inverse * inverse;
-    float desired = factor >= 1
-                        ? float(nfeatures) / nlevels
-                        : nfeatures * (1 - factor) / (1 - float(std::pow(double(factor), double(nlevels))));
-    const float LARGEST_INT = 2147483520.f;  // the largest int that a float can hold
-    quotas.assign(nlevels, 0);
-    int64 sum = 0;
-    for (int level = 1; level < nlevels; level++)
+    double whole = 0;
+    for (size_t level = 0; level < regions.size(); level++)
+        whole += double(regions[level].width) * regions[level].height;
+    quotas.assign(regions.size(), 0);
+    int64 rest = nfeatures;
+    for (size_t level = 1; level < regions.size(); level++)
     {
-        desired *= factor;
-        quotas[level] = cvRound(std::min(desired, LARGEST_INT));
-        sum += quotas[level];
+        const double area = double(regions[level].width) * regions[level].height;
+        quotas[level] = cvRound(nfeatures * area / whole);
+        rest -= quotas[level];
     }
-    if (nlevels > 0)
-        quotas[0] = int(std::max<int64>(nfeatures - sum, 0));
-    int64 excess = sum - nfeatures;
-    for (int level = 1; excess > 0; level++)
+    if (!regions.empty())
+        quotas[0] = int(std::max<int64>(rest, 0));
+    // Where many levels round up, the finest ones give up what is too much.
+    for (size_t level = 1; rest < 0; level++)
     {
-        const int taken = int(std::min<int64>(excess, quotas[level]));
+        const int taken = int(std::min<int64>(-rest, quotas[level]));
         quotas[level] -= taken;
-        excess -= taken;
+        rest += taken;
     }
 }
 

@@ -27,8 +27,8 @@ Size levelSize(Size imageSize, float scale);
 //! The number of features of each level by equation (8), rounded as by cv::ORB but at most nfeatures in all.
 std::vector<int> levelQuotas(int nfeatures, double scaleFactor, int nlevels);
 
-//! The number of features of each level in proportion to its area.
-void areaQuotas(int nfeatures, double scaleFactor, int nlevels, std::vector<int>& quotas);
+//! The number of features of each level in proportion to the area of its region, nfeatures in all.
+void areaQuotas(int nfeatures, const std::vector<Size>& regions, std::vector<int>& quotas);
 
 /** Prepares level `index` of cv::ORB's pyramid. The level `firstLevel` becomes the input image itself, which is not
  copied. Any other level gets its scale and size; fillLevel gives it its pixels. Memory of the same size is used again.

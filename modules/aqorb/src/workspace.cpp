@@ -81,6 +81,21 @@ void Workspace::layOutRanges()
     }
 }
 
+void Workspace::orderByResponse()
+{
+    order.resize(keypoints.size());
+    std::iota(order.begin(), order.end(), 0);
+    const std::vector<KeyPoint>& unordered = keypoints;
+    std::sort(order.begin(), order.end(),
+              [&](int a, int b)
+              {
+                  const KeyPoint &first = unordered[a], &second = unordered[b];
+                  if (first.octave != second.octave)
+                      return first.octave < second.octave;
+                  return first.response != second.response ? first.response > second.response : a < b;
+              });
+}
+
 void Workspace::releaseImages()
 {
     input = Level();

@@ -52,12 +52,15 @@ struct Workspace
     stages::Level input;            //!< the image itself, of the caller
     std::vector<LevelWork> levels;  //!< it never shrinks, so that levels keep their memory
     int levelCount;                 //!< levels of this image
+    std::vector<Size> regions;      //!< of the levels: where they may have keypoints
     std::vector<int> areaQuotas;    //!< of the levels, for RANKED_SELECTION
     std::vector<LevelBand> bands;   //!< those of the input image first
     stages::FeatureSelector selector;
     std::vector<stages::RankedCorner> corners;  //!< to offer to selection
     std::vector<FeatureRange> ranges;
     std::vector<KeyPoint> keypoints;
+    std::vector<uchar> descriptors;  //!< where they are not computed in place
+    std::vector<int> order;          //!< of the output: indices of keypoints
 
     //! Prepares the levels of the input's pyramid: nlevels, or fewer if a side would be shorter than minSide.
     void layOutLevels(int nlevels, int firstLevel, double scaleFactor, int minSide);
@@ -68,6 +71,8 @@ struct Workspace
     size_t layOutBands();
     //! Divides the features into ranges of about equal size, so that no thread waits long for another one.
     void layOutRanges();
+    //! Orders the keypoints of each level by response.
+    void orderByResponse();
     //! Releases the images and masks that are the caller's, and the masks of the levels.
     void releaseImages();
 };
