@@ -202,10 +202,18 @@ Measurements measure(const Options& options)
                     measureStereo(sequence, *makeMethod(each, ""), 1000, std::max(options.seeds, 1), results);
     }
     if (isAsked(options, "degraded"))
+    {
         for (const std::string& degradation : options.degradations)
+        {
             for (const ImageSet& set : sets)
+            {
+                ImageSet worse = degrade(set, degradation);
+                worse.name = set.name;
                 for (const cv::Ptr<Method>& method : methods)
-                    measureSet(degradation, degrade(set, degradation), *method, 1000, 0, results);
+                    measureSet(degradation, worse, *method, 1000, 0, results);
+            }
+        }
+    }
     if (isAsked(options, "cost"))
         measureCost(sets, methods, 1000, options.runs, results);
     return results;
@@ -219,7 +227,7 @@ const char* words(Claim::Verdict verdict)
 void print(const std::string& method, const std::vector<Claim>& claims)
 {
     std::cout << "\n" << method << "\n";
-    const char* const form = "%-66s %5s %8s %8s %8s  %-52s %-14s %s\n";
+    const char* const form = "%-66s %5s %8s %8s %8s  %-60s %-14s %s\n";
     std::printf(form, "", "n", "here", "cv::ORB", "paper's", "asked", "aim", "holds");
     for (const Claim& claim : claims)
         std::printf(form, claim.what.c_str(), claim.n ? std::to_string(claim.n).c_str() : "",
