@@ -125,7 +125,20 @@ void drawParameters(const Mat& image, const String& folder)
     draw(path("max_depth"), image, 500,
          {{"MaxDepth 0: by score alone", [](const Detector& d) { d->setMaxDepth(0); }},
           {"MaxDepth 2", [](const Detector& d) { d->setMaxDepth(2); }},
-          {"MaxDepth -1: equation (9)", none}});
+          {"MaxDepth -1", none}});
+    draw(path("selection_type"), image, 500,
+         {{"BALANCED_SELECTION",
+           [](const Detector& d) { d->setSelectionType(aqorb::AdaptiveQuadtreeORB::BALANCED_SELECTION); }},
+          {"RANKED_SELECTION", none}});
+    draw(path("strength_weight"), image, 500,
+         {{"StrengthWeight 0", [](const Detector& d) { d->setStrengthWeight(0); }},
+          {"StrengthWeight 0.2", none},
+          {"StrengthWeight 1", [](const Detector& d) { d->setStrengthWeight(1); }},
+          {"StrengthWeight 1000", [](const Detector& d) { d->setStrengthWeight(1000); }}});
+    draw(path("rank_radius"), image, 500,
+         {{"RankRadius 0", [](const Detector& d) { d->setRankRadius(0); }},
+          {"RankRadius 1", none},
+          {"RankRadius 3", [](const Detector& d) { d->setRankRadius(3); }}});
     const Mat dark = image * 0.1;
     draw(path("adaptive_threshold"), dark, 500,
          {{"AdaptiveThreshold false", [](const Detector& d) { d->setAdaptiveThreshold(false); }},
@@ -150,7 +163,7 @@ void drawParameters(const Mat& image, const String& folder)
           {"EdgeThreshold 16", none}});
     draw(path("octave_suppression"), image, 2000,
          {{"OctaveSuppression 0: off", [](const Detector& d) { d->setOctaveSuppression(0); }},
-          {"OctaveSuppression 0.5", none},
+          {"OctaveSuppression -1: 0.6", none},
           {"OctaveSuppression 2", [](const Detector& d) { d->setOctaveSuppression(2); }}},
          closeUp(partAroundBest(image, Size(100, 66)), 4));
     draw(path("sub_pixel"), image, 2000,
@@ -198,7 +211,7 @@ void drawStages(const Mat& image, const String& folder)
         }
     }
 
-    const int quota = 109, leaves = 16;  // leaves a side: 4^4 >= 109
+    const int quota = 161, leaves = 64;  // leaves a side: 4^6 >= 16 * 161
     detector->setMaxFeatures(quota);
     detector->detect(image, keypoints);
     Mat tree = divided(image, border,
@@ -208,7 +221,7 @@ void drawStages(const Mat& image, const String& folder)
 
     Mat picture;
     hconcat(labelled(mesh, "Corners at iniT (yellow) and, in cells without these, at minT (red)", ""),
-            labelled(tree, "The 109 chosen of them; 4^4 leaves of the quadtree", ""), picture);
+            labelled(tree, "The 161 chosen of them; 4^6 leaves of the quadtree", ""), picture);
     resize(picture, picture, Size(), 0.7, 0.7, INTER_AREA);
     writePicture(pathIn(folder, "aqorb_stages.jpg"), picture, 80);
 }

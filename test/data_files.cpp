@@ -11,10 +11,20 @@ namespace opencv_test
 {
 using namespace cv;
 
+static std::string fileIn(const char* variable, const std::string& name)
+{
+    const char* folder = std::getenv(variable);
+    return folder && *folder ? std::string(folder) + "/" + name : std::string();
+}
+
 std::string dataFile(const std::string& name)
 {
-    const char* folder = std::getenv("OPENCV_TEST_DATA_PATH");
-    return folder && *folder ? std::string(folder) + "/" + name : std::string();
+    return fileIn("OPENCV_TEST_DATA_PATH", name);
+}
+
+std::string sequenceFile(const std::string& name)
+{
+    return fileIn("AQORB_TEST_SEQUENCE", name);
 }
 
 static std::string oxfordFile(const std::string& set, const std::string& name)

@@ -305,12 +305,18 @@ Point2f position(int x, int y, Point2d d, Size imageSize, Size levelSize, float 
                    coordinate(y, d.y, imageSize.height, levelSize.height, scale, border));
 }
 
+// On fine levels the position of a pixel on the side may lie half a pixel beyond the image.
+static bool isUsable(const Mat& mask, const Point2f& p)
+{
+    return mask.at<uchar>(std::min(cvRound(p.y), mask.rows - 1), std::min(cvRound(p.x), mask.cols - 1)) != 0;
+}
+
 bool usablePosition(const Mat& mask, int x, int y, Size levelSize, float scale, int border, bool subPixel,
                     Point2f& found)
 {
     const Size imageSize = mask.size();
     const Point2f center = position(x, y, Point2d(), imageSize, levelSize, scale, border, subPixel);
-    if (mask.at<uchar>(cvRound(center.y), cvRound(center.x)))
+    if (isUsable(mask, center))
     {
         found = center;
         return true;
@@ -324,7 +330,7 @@ bool usablePosition(const Mat& mask, int x, int y, Size levelSize, float scale, 
             const Point2f p(nearestCoordinate(x, column, imageSize.width, scale, border),
                             nearestCoordinate(y, row, imageSize.height, scale, border));
             const double dx = p.x - center.x, dy = p.y - center.y;
-            if (mask.at<uchar>(cvRound(p.y), cvRound(p.x)) && dx * dx + dy * dy < least)
+            if (isUsable(mask, p) && dx * dx + dy * dy < least)
             {
                 least = dx * dx + dy * dy;
                 found = p;
@@ -360,7 +366,7 @@ bool opencvFusesMultiplyAdd()
     return fastAtan2(100, float(x)) == arctangent(100, float(x), true);
 }
 
-float orientation(const Mat& image, int x, int y, int patchSize)
+void discMoments(const Mat& image, int x, int y, int patchSize, int step, int& m10, int& m01)
 {
     // As in orb.cpp.
     const int half = patchSize / 2;
@@ -376,15 +382,26 @@ float orientation(const Mat& image, int x, int y, int patchSize)
     }
     umax[0] = half;
 
-    int m01 = 0, m10 = 0;
+    // Large patches exceed 32 bits; the sums are then modulo 2^32.
+    unsigned sum01 = 0, sum10 = 0;
     for (int v = -half; v <= half; v++)
     {
+        if (v % step != 0)
+            continue;
         for (int u = -umax[std::abs(v)]; u <= umax[std::abs(v)]; u++)
         {
-            m10 += u * pixel(image, x + u, y + v);
-            m01 += v * pixel(image, x + u, y + v);
+            sum10 += unsigned(u * pixel(image, x + u, y + v));
+            sum01 += unsigned(v * pixel(image, x + u, y + v));
         }
     }
+    m10 = int(sum10);
+    m01 = int(sum01);
+}
+
+float orientation(const Mat& image, int x, int y, int patchSize)
+{
+    int m10 = 0, m01 = 0;
+    discMoments(image, x, y, patchSize, 1, m10, m01);
     return arctangent((float)m01, (float)m10);
 }
 

@@ -10,6 +10,8 @@
 
 #include "types.hpp"
 
+#include <functional>
+
 // The algorithm once more, as plainly as it can be written: no vectors, no tables, no clever order.
 // What is slow here is so on purpose; only the results are of interest.
 
@@ -20,7 +22,6 @@ namespace reference
 
 using aqorb::stages::Corner;
 using aqorb::stages::LeafPoint;
-using aqorb::stages::RankedCorner;
 using aqorb::stages::Thresholds;
 
 //! All parameters of AdaptiveQuadtreeORB with its defaults.
@@ -87,6 +88,54 @@ unsigned leafCode(unsigned column, unsigned row);
 //! The whole balanced sequence, from its definition.
 std::vector<LeafPoint> balancedSequence(const std::vector<LeafPoint>& points, int depth);
 
+// The rule of RANKED_SELECTION.
+
+/** log2(v) in units of 2^-24, v > 0 and finite. v = 2^e * (1 + f / 2^23). With T(i), i = 0..4096, log2(1 + i / 4096)
+ in units of 2^-26, rounded down, it is e plus what lies linearly between T(f / 2048) and the next, rounded down. */
+int64 binaryLogarithm(float v);
+//! Quotas of as many levels, in proportion to their areas. Level 0 takes what the others leave by rounding.
+std::vector<int> areaQuotas(int nfeatures, double scaleFactor, int count);
+//! The smallest depth, but at most `most`, with 8 leaves for each feature, where the usable share counts alone.
+int depthForQuota(int quota, double usable, int most);
+//! The depth of a level's tree. Leaves are at least 2 pixels a side.
+int rankedDepth(int maxDepth, int quota, double usable, Size root);
+//! What corners of a leaf are compared by.
+float cornerBase(int fastScore, float response, bool isHarris);
+//! Base times the fourth power of the length of the moment, in units of 2^16.
+float momentsScore(float base, int64 m10, int64 m01);
+
+//! A corner in its leaf. Of equal bases the lower y comes first, then the lower x, then the lower index.
+struct LeafCorner
+{
+    int column, row;
+    float x, y;
+    float base;
+    int index;
+};
+
+//! What the order of corners depends on besides them and the mask.
+struct RankedRule
+{
+    Size root;
+    int depth;
+    double usable;  //!< share of the root
+    int quota;      //!< at least 1
+    double rankRadius, strengthWeight;
+    int rankWeight;  //!< 2^18 for strengths that are fourth powers, 2^16 for plain ones
+};
+
+/** The indices of corners in the order in which they are chosen.
+ @param isUnmasked whether the mask allows a corner in the centre of a leaf
+ @param strengthOf asked of the best corners of leaves that are representatives */
+std::vector<int> rankedSequence(const std::vector<LeafCorner>& corners, const RankedRule& rule,
+                                const std::function<bool(int column, int row)>& isUnmasked,
+                                const std::function<float(const LeafCorner&)>& strengthOf);
+//! The same without a mask and with the base for strength: the rule of retainUniform, by which also those corners of a
+//! level are ordered that other rules passed over.
+std::vector<int> responseSequence(const std::vector<LeafCorner>& corners, Size root, int depth, double usable,
+                                  int quota, double rankRadius, double strengthWeight);
+KeyPoints retainUniform(const KeyPoints& keypoints, Size imageSize, int npoints);
+
 Point2f position(int x, int y, Point2d d, Size imageSize, Size levelSize, float scale, int border,
                  bool subPixel);
 /** The position of a pixel's centre if it is not masked, else, with subPixel, the nearest centre of a pixel of the
@@ -100,6 +149,8 @@ float arctangent(float y, float x, bool fused = false);
 /** Whether OpenCV was compiled with fused multiply-add, as for AArch64. Its angles then differ from ours in the last
  bit, and cv::ORB may round a turned test point to another pixel. */
 bool opencvFusesMultiplyAdd();
+//! The moments of the orientation disc over the rows that are a multiple of step away from its centre.
+void discMoments(const Mat& image, int x, int y, int patchSize, int step, int& m10, int& m01);
 float orientation(const Mat& image, int x, int y, int patchSize);
 
 //! cv::ORB's blur with fused multiply-add before it is rounded, CV_32FC1.

@@ -50,7 +50,7 @@ double Settings::octaveSuppressionInUse() const
 {
     if (octaveSuppression != -1)
         return octaveSuppression;
-    return selectionType == AdaptiveQuadtreeORB::RANKED_SELECTION ? 0.6 : 0.5;
+    return selectionType == AdaptiveQuadtreeORB::RANKED_SELECTION ? 2 : 0.5;
 }
 
 int quadtreeDepth(int quota)
@@ -123,20 +123,31 @@ std::vector<LeafPoint> balancedSequence(const std::vector<LeafPoint>& points, in
 namespace
 {
 
+// A corner with its FAST score and with the response that its keypoint gets.
+struct Candidate
+{
+    int x, y, score;
+    float response;
+};
+
 struct PyramidLevel
 {
     Mat image, mask;
+    Mat usable;  // the mask without the pixels that have no usable position in the image
     float scale;
-    int quota, depth;
+    int quota;     // with that of levels that are too small
+    int ownQuota;  // without that, but at least 1
+    int depth;
+    double usableShare;  // of the pixels of the root
     Rect root;
     Corners corners;
-    std::vector<RankedCorner> candidates, passedOver, chosen;
-    std::vector<LeafPoint> sequence;
-    size_t next;  // of the sequence
+    std::vector<Candidate> candidates, passedOver, chosen;
+    std::vector<int> sequence;  // of candidates
+    size_t next;                // of the sequence
     bool begun;
 };
 
-bool inRasterOrder(const RankedCorner& a, const RankedCorner& b)
+bool inRasterOrder(const Candidate& a, const Candidate& b)
 {
     return a.y != b.y ? a.y < b.y : a.x < b.x;
 }
@@ -145,7 +156,11 @@ class Pipeline
 {
 public:
     Pipeline(const Mat& gray_, const Mat& mask_, const Settings& settings)
-        : gray(gray_), mask(mask_), s(settings), isHarris(settings.scoreType == ORB::HARRIS_SCORE)
+        : gray(gray_),
+          mask(mask_),
+          s(settings),
+          isHarris(settings.scoreType == ORB::HARRIS_SCORE),
+          isRanked(settings.selectionType == AdaptiveQuadtreeORB::RANKED_SELECTION)
     {
     }
     Features run()
@@ -159,23 +174,33 @@ public:
     }
 
 private:
+    Size sizeOfLevel(int i) const
+    {
+        return levelSize(gray.size(), levelScale(i, s.firstLevel, s.scaleFactor));
+    }
+    bool isLargeEnough(Size size) const
+    {
+        return std::min(size.width, size.height) >= 2 * std::max(s.edgeThreshold, 3) + 1;
+    }
+
     void buildPyramid()
     {
         const double scaleFactor = s.scaleFactor;
-        const std::vector<int> quotaOfLevel = quotas(s.nfeatures, scaleFactor, s.nlevels);
+        int count = 0;  // of the levels that are large enough
+        while (count < s.nlevels && isLargeEnough(sizeOfLevel(count)))
+            count++;
+        if (count == 0)
+            return;
+        // A ranked selection distributes the features over these, the paper's over all.
+        const std::vector<int> quotaOfLevel = isRanked ? areaQuotas(s.nfeatures, scaleFactor, count)
+                                                       : quotas(s.nfeatures, scaleFactor, s.nlevels);
         const Thresholds t = thresholds(varianceOverMean(gray, mask), s.adaptiveThreshold, s.fastThreshold,
                                         s.minThresholdRatio);
-        int unused = 0;  // quota of levels that are too small
-        for (int i = 0; i < s.nlevels; i++)
+        for (int i = 0; i < count; i++)
         {
             PyramidLevel level;
             level.scale = levelScale(i, s.firstLevel, scaleFactor);
-            const Size size = levelSize(gray.size(), level.scale);
-            if (std::min(size.width, size.height) < 2 * std::max(s.edgeThreshold, 3) + 1)
-            {
-                unused = std::accumulate(quotaOfLevel.begin() + i, quotaOfLevel.end(), 0);
-                break;
-            }
+            const Size size = sizeOfLevel(i);
             level.image = gray;
             level.mask = mask;
             if (i != s.firstLevel)
@@ -188,16 +213,23 @@ private:
                     level.mask = resizeMask(i <= s.firstLevel + 1 ? mask : levels[i - 1].mask, size);
             }
             level.quota = quotaOfLevel[i];
-            level.depth = s.maxDepth >= 0 ? s.maxDepth : quadtreeDepth(level.quota);
+            level.ownQuota = std::max(quotaOfLevel[i], 1);
             level.root = Rect(s.edgeThreshold, s.edgeThreshold, size.width - 2 * s.edgeThreshold,
                               size.height - 2 * s.edgeThreshold);
-            level.corners = findCorners(level.image, usableMask(level), level.root, t, s.cellSize, isHarris);
+            level.usable = usableMask(level);
+            level.usableShare = mask.empty() ? 1.
+                                             : (double)countNonZero(level.usable(level.root)) /
+                                                   ((double)level.root.width * level.root.height);
+            if (isRanked)
+                level.depth = rankedDepth(s.maxDepth, level.ownQuota, level.usableShare, level.root.size());
+            else
+                level.depth = s.maxDepth >= 0 ? s.maxDepth : quadtreeDepth(level.quota);
+            level.corners = findCorners(level.image, level.usable, level.root, t, s.cellSize, isHarris);
             level.begun = false;
             level.next = 0;
             levels.push_back(level);
         }
-        if (!levels.empty())
-            levels.back().quota += unused;
+        levels.back().quota = std::accumulate(quotaOfLevel.begin() + count - 1, quotaOfLevel.end(), 0);
     }
 
     Point2f positionOf(const PyramidLevel& level, int x, int y, Point2d d) const
@@ -216,9 +248,9 @@ private:
     Mat usableMask(const PyramidLevel& level) const
     {
         Mat usable = level.mask.clone();
-        for (int y = 3; y < level.mask.rows - 3; y++)
+        for (int y = 0; y < level.mask.rows; y++)
         {
-            for (int x = 3; x < level.mask.cols - 3; x++)
+            for (int x = 0; x < level.mask.cols; x++)
             {
                 Point2f p;
                 if (usable.at<uchar>(y, x) && !usablePosition(level, x, y, p))
@@ -228,31 +260,33 @@ private:
         return usable;
     }
 
-    std::vector<RankedCorner> rank(const PyramidLevel& level, const std::vector<Corner>& corners) const
+    std::vector<Candidate> score(const PyramidLevel& level, const std::vector<Corner>& corners) const
     {
-        std::vector<RankedCorner> ranked;
+        std::vector<Candidate> scored;
         for (size_t i = 0; i < corners.size(); i++)
         {
             const Corner& c = corners[i];
-            const RankedCorner corner = {c.x, c.y,
+            const Candidate candidate = {c.x, c.y, c.score,
                                          isHarris ? harrisResponse(level.image, c.x, c.y) : (float)c.score};
-            ranked.push_back(corner);
+            scored.push_back(candidate);
         }
-        return ranked;
+        return scored;
     }
 
-    Point2d exactPosition(const PyramidLevel& level, const RankedCorner& c) const
+    Point2d exactPosition(const PyramidLevel& level, const Candidate& c) const
     {
         return Point2d((c.x + 0.5) * gray.cols / level.image.cols - 0.5,
                        (c.y + 0.5) * gray.rows / level.image.rows - 0.5);
     }
-    bool isNearOther(size_t index, const RankedCorner& corner) const
+    bool isNearOther(size_t index, const Candidate& corner) const
     {
         const Point2d p = exactPosition(levels[index], corner);
         const double radius = s.octaveSuppressionInUse() * levels[index].scale;
         for (size_t i = 0; i < levels.size(); i++)
         {
-            for (size_t j = 0; i != index && j < levels[i].chosen.size(); j++)
+            // A ranked selection looks at the neighbouring levels only.
+            const bool counts = isRanked ? i + 1 == index || i == index + 1 : i != index;
+            for (size_t j = 0; counts && j < levels[i].chosen.size(); j++)
             {
                 const Point2d d = exactPosition(levels[i], levels[i].chosen[j]) - p;
                 if (d.x * d.x + d.y * d.y < radius * radius)
@@ -262,7 +296,7 @@ private:
         return false;
     }
 
-    static std::vector<LeafPoint> sequenceOf(const PyramidLevel& level, const std::vector<RankedCorner>& of)
+    static std::vector<int> balancedOrder(const PyramidLevel& level, const std::vector<Candidate>& of)
     {
         std::vector<LeafPoint> points;
         for (size_t i = 0; i < of.size(); i++)
@@ -273,7 +307,68 @@ private:
                                      float(of[i].x), float(of[i].y), int(i)};
             points.push_back(point);
         }
-        return balancedSequence(points, level.depth);
+        points = balancedSequence(points, level.depth);
+        std::vector<int> order;
+        for (size_t i = 0; i < points.size(); i++)
+            order.push_back(points[i].index);
+        return order;
+    }
+
+    // With the response as their base.
+    static std::vector<LeafCorner> leafCorners(const PyramidLevel& level, const std::vector<Candidate>& of)
+    {
+        std::vector<LeafCorner> corners;
+        for (size_t i = 0; i < of.size(); i++)
+        {
+            const int64 column = (int64(of[i].x - level.root.x) << level.depth) / level.root.width;
+            const int64 row = (int64(of[i].y - level.root.y) << level.depth) / level.root.height;
+            const LeafCorner corner = {int(column),    int(row),       float(of[i].x),
+                                       float(of[i].y), of[i].response, int(i)};
+            corners.push_back(corner);
+        }
+        return corners;
+    }
+
+    static std::function<bool(int, int)> unmaskedLeaves(const PyramidLevel& level)
+    {
+        return [&level](int column, int row)
+        {
+            const Rect& root = level.root;
+            const int64 x = root.x + (((int64)2 * column + 1) * root.width >> (level.depth + 1));
+            const int64 y = root.y + (((int64)2 * row + 1) * root.height >> (level.depth + 1));
+            return level.usable.empty() || level.usable.at<uchar>((int)y, (int)x) != 0;
+        };
+    }
+
+    // The order of the corners that passed all rules.
+    std::vector<int> rankedOrder(const PyramidLevel& level, const std::vector<Candidate>& of) const
+    {
+        std::vector<LeafCorner> corners = leafCorners(level, of);
+        for (size_t i = 0; i < of.size() && level.depth > 0; i++)
+            corners[i].base = cornerBase(of[i].score, of[i].response, isHarris);
+        const int radius = s.patchSize / 2;
+        const auto strengthOf = [&](const LeafCorner& corner)
+        {
+            if (level.depth == 0)
+                return corner.base;
+            int m10 = 0, m01 = 0;
+            discMoments(level.image, (int)corner.x, (int)corner.y, s.patchSize, std::max(1, radius / 3), m10,
+                        m01);
+            return momentsScore(corner.base, m10, m01);
+        };
+        const RankedRule rule = {
+            level.root.size(), level.depth, level.usableShare, level.ownQuota, s.rankRadius,
+            s.strengthWeight,  1 << 18};
+        return rankedSequence(corners, rule, unmaskedLeaves(level), strengthOf);
+    }
+
+    // The order of those that some rule passed over.
+    std::vector<int> orderOfPassedOver(const PyramidLevel& level, const std::vector<Candidate>& of) const
+    {
+        if (!isRanked)
+            return balancedOrder(level, of);
+        return responseSequence(leafCorners(level, of), level.root.size(), level.depth, level.usableShare,
+                                level.ownQuota, s.rankRadius, s.strengthWeight);
     }
 
     // Takes up to `wanted` more of a level's sequence; returns how many are still wanted.
@@ -285,14 +380,17 @@ private:
         if (!level.begun)
         {
             level.begun = true;
-            const std::vector<RankedCorner> all = rank(level, level.corners.kept);
+            const std::vector<Candidate> all = score(level, level.corners.kept);
+            // A ranked sequence is of all corners, so that those which are passed over do not change the ranks.
             for (size_t i = 0; i < all.size(); i++)
-                (isNearOther(index, all[i]) ? level.passedOver : level.candidates).push_back(all[i]);
-            level.sequence = sequenceOf(level, level.candidates);
+                (!isRanked && isNearOther(index, all[i]) ? level.passedOver : level.candidates)
+                    .push_back(all[i]);
+            level.sequence =
+                isRanked ? rankedOrder(level, level.candidates) : balancedOrder(level, level.candidates);
         }
         for (; wanted > 0 && level.next < level.sequence.size(); level.next++)
         {
-            const RankedCorner& corner = level.candidates[level.sequence[level.next].index];
+            const Candidate& corner = level.candidates[level.sequence[level.next]];
             if (isNearOther(index, corner))
             {
                 level.passedOver.push_back(corner);
@@ -306,11 +404,13 @@ private:
         return wanted;
     }
 
-    static int fill(PyramidLevel& level, const std::vector<RankedCorner>& from, int wanted)
+    int fill(PyramidLevel& level, const std::vector<Candidate>& from, int wanted) const
     {
-        const std::vector<LeafPoint> sequence = sequenceOf(level, from);
+        if (wanted == 0)
+            return 0;
+        const std::vector<int> sequence = orderOfPassedOver(level, from);
         for (size_t i = 0; i < sequence.size() && wanted > 0; i++, wanted--)
-            level.chosen.push_back(from[sequence[i].index]);
+            level.chosen.push_back(from[sequence[i]]);
         return wanted;
     }
 
@@ -324,9 +424,9 @@ private:
         for (size_t i = 0; i < levels.size(); i++)
             wanted = fill(levels[i], levels[i].passedOver, wanted);
         for (size_t i = 0; i < levels.size(); i++)
-            wanted = fill(levels[i], rank(levels[i], levels[i].corners.suppressed), wanted);
+            wanted = fill(levels[i], score(levels[i], levels[i].corners.suppressed), wanted);
         for (size_t i = 0; i < levels.size(); i++)
-            wanted = fill(levels[i], rank(levels[i], levels[i].corners.weak), wanted);
+            wanted = fill(levels[i], score(levels[i], levels[i].corners.weak), wanted);
     }
 
     void describe(int octave, Features& features)
@@ -337,7 +437,7 @@ private:
         const std::vector<Point> pattern = descriptorPattern(s.patchSize, s.WTA_K);
         for (size_t i = 0; i < level.chosen.size(); i++)
         {
-            const RankedCorner& c = level.chosen[i];
+            const Candidate& c = level.chosen[i];
             Point2f p = positionOf(level, c.x, c.y, Point2d());
             if (s.subPixel)
             {
@@ -358,7 +458,7 @@ private:
 
     const Mat gray, mask;
     const Settings s;
-    const bool isHarris;
+    const bool isHarris, isRanked;
     std::vector<PyramidLevel> levels;
 };
 

@@ -27,10 +27,39 @@ TEST(Aqorb_Contracts, defaults)
     EXPECT_EQ(35, detector->getCellSize());
     EXPECT_EQ(-1, detector->getMaxDepth());
     EXPECT_EQ(AdaptiveQuadtreeORB::RANKED_SELECTION, detector->getSelectionType());
-    EXPECT_EQ(0.15, detector->getStrengthWeight());
+    EXPECT_EQ(0.2, detector->getStrengthWeight());
     EXPECT_EQ(1, detector->getRankRadius());
     EXPECT_EQ(-1, detector->getOctaveSuppression());
     EXPECT_TRUE(detector->getSubPixel());
+}
+
+TEST(Aqorb_Contracts, the_default_of_octave_suppression_follows_the_selection)
+{
+    const Mat image = makeScene(Size(320, 240));
+    const auto features = [&](AdaptiveQuadtreeORB::SelectionType type, double octaveSuppression)
+    {
+        const Ptr<AdaptiveQuadtreeORB> detector = AdaptiveQuadtreeORB::create(1000);
+        detector->setSelectionType(type);
+        detector->setOctaveSuppression(octaveSuppression);
+        return detectAndCompute(*detector, image);
+    };
+    const auto ranked = AdaptiveQuadtreeORB::RANKED_SELECTION;
+    const auto balanced = AdaptiveQuadtreeORB::BALANCED_SELECTION;
+    EXPECT_TRUE(sameFeatures(features(ranked, 0.6), features(ranked, -1)));
+    EXPECT_FALSE(sameFeatures(features(ranked, 0.5), features(ranked, -1)));
+    EXPECT_TRUE(sameFeatures(features(balanced, 0.5), features(balanced, -1)));
+    EXPECT_FALSE(sameFeatures(features(balanced, 0.6), features(balanced, -1)));
+}
+
+TEST(Aqorb_Contracts, weight_and_radius_have_no_effect_with_the_balanced_selection)
+{
+    const Mat image = makeScene(Size(320, 240));
+    const Ptr<AdaptiveQuadtreeORB> detector = AdaptiveQuadtreeORB::create(300);
+    detector->setSelectionType(AdaptiveQuadtreeORB::BALANCED_SELECTION);
+    const Features expected = detectAndCompute(*detector, image);
+    detector->setStrengthWeight(1000);
+    detector->setRankRadius(16);
+    EXPECT_TRUE(sameFeatures(expected, detectAndCompute(*detector, image)));
 }
 
 TEST(Aqorb_Contracts, is_an_orb)

@@ -23,9 +23,8 @@ private:
     int before;
 };
 
-TEST(Aqorb_Determinism, threads_1_to_8_give_the_same_bytes)
+void expectSameOfAllThreads(const Ptr<AdaptiveQuadtreeORB>& detector)
 {
-    const Ptr<AdaptiveQuadtreeORB> detector = AdaptiveQuadtreeORB::create(700);
     const Mat image = makeScene(Size(320, 240));
     Features expected, more;
     {
@@ -43,6 +42,26 @@ TEST(Aqorb_Determinism, threads_1_to_8_give_the_same_bytes)
         detector->setMaxFeatures(10000);
         EXPECT_TRUE(sameFeatures(more, detectAndCompute(*detector, image)));
     }
+}
+
+TEST(Aqorb_Determinism, threads_1_to_8_give_the_same_bytes)
+{
+    const double weights[] = {0, 0.15, 1000}, radii[] = {0, 1, 4};
+    for (double weight : weights)
+    {
+        for (double radius : radii)
+        {
+            SCOPED_TRACE(format("weight %g, radius %g", weight, radius));
+            const Ptr<AdaptiveQuadtreeORB> detector = AdaptiveQuadtreeORB::create(700);
+            detector->setStrengthWeight(weight);
+            detector->setRankRadius(radius);
+            expectSameOfAllThreads(detector);
+        }
+    }
+    SCOPED_TRACE("balanced");
+    const Ptr<AdaptiveQuadtreeORB> detector = AdaptiveQuadtreeORB::create(700);
+    detector->setSelectionType(AdaptiveQuadtreeORB::BALANCED_SELECTION);
+    expectSameOfAllThreads(detector);
 }
 
 TEST(Aqorb_Determinism, concurrency_one_object_serves_many_threads)

@@ -90,7 +90,18 @@ TEST(Aqorb_Errors, bad_values_of_setters_leave_the_object_unchanged)
     AQORB_BAD("cellSize", "7", setCellSize(7));
     AQORB_BAD("maxDepth", "-2", setMaxDepth(-2));
     AQORB_BAD("maxDepth", "16", setMaxDepth(16));
+    AQORB_BAD("selectionType", "2", setSelectionType(static_cast<AdaptiveQuadtreeORB::SelectionType>(2)));
+    AQORB_BAD("selectionType", "-1", setSelectionType(static_cast<AdaptiveQuadtreeORB::SelectionType>(-1)));
+    AQORB_BAD("strengthWeight", "-0.125", setStrengthWeight(-0.125));
+    AQORB_BAD("strengthWeight", "1000.5", setStrengthWeight(1000.5));
+    AQORB_BAD("strengthWeight", "inf", setStrengthWeight(ENDLESS));
+    AQORB_BAD("strengthWeight", "nan", setStrengthWeight(NOT_A_NUMBER));
+    AQORB_BAD("rankRadius", "-0.125", setRankRadius(-0.125));
+    AQORB_BAD("rankRadius", "16.5", setRankRadius(16.5));
+    AQORB_BAD("rankRadius", "inf", setRankRadius(ENDLESS));
+    AQORB_BAD("rankRadius", "nan", setRankRadius(NOT_A_NUMBER));
     AQORB_BAD("octaveSuppression", "-0.5", setOctaveSuppression(-0.5));
+    AQORB_BAD("octaveSuppression", "-2", setOctaveSuppression(-2));
     AQORB_BAD("octaveSuppression", "inf", setOctaveSuppression(ENDLESS));
     AQORB_BAD("octaveSuppression", "nan", setOctaveSuppression(NOT_A_NUMBER));
 #undef AQORB_BAD
@@ -116,6 +127,13 @@ TEST(Aqorb_Errors, the_ends_of_what_is_accepted_are_accepted)
     EXPECT_NO_THROW(detector->setMaxDepth(-1));
     EXPECT_NO_THROW(detector->setMaxDepth(0));
     EXPECT_NO_THROW(detector->setMaxDepth(15));
+    EXPECT_NO_THROW(detector->setSelectionType(AdaptiveQuadtreeORB::RANKED_SELECTION));
+    EXPECT_NO_THROW(detector->setSelectionType(AdaptiveQuadtreeORB::BALANCED_SELECTION));
+    EXPECT_NO_THROW(detector->setStrengthWeight(0));
+    EXPECT_NO_THROW(detector->setStrengthWeight(1000));
+    EXPECT_NO_THROW(detector->setRankRadius(0));
+    EXPECT_NO_THROW(detector->setRankRadius(16));
+    EXPECT_NO_THROW(detector->setOctaveSuppression(-1));
     EXPECT_NO_THROW(detector->setOctaveSuppression(0));
 }
 

@@ -40,6 +40,9 @@ Ptr<AdaptiveQuadtreeORB> unusual()
     detector->setMinThresholdRatio(2.75);
     detector->setCellSize(51);
     detector->setMaxDepth(6);
+    detector->setSelectionType(AdaptiveQuadtreeORB::BALANCED_SELECTION);
+    detector->setStrengthWeight(0.7);
+    detector->setRankRadius(5.0 / 3);
     detector->setOctaveSuppression(1.0 / 3);
     detector->setSubPixel(false);
     return detector;
@@ -62,6 +65,9 @@ TEST(Aqorb_IO, every_parameter_makes_the_round_trip)
     EXPECT_EQ(2.75, target->getMinThresholdRatio());
     EXPECT_EQ(51, target->getCellSize());
     EXPECT_EQ(6, target->getMaxDepth());
+    EXPECT_EQ(AdaptiveQuadtreeORB::BALANCED_SELECTION, target->getSelectionType());
+    EXPECT_EQ(0.7, target->getStrengthWeight());
+    EXPECT_EQ(5.0 / 3, target->getRankRadius());
     EXPECT_EQ(1.0 / 3, target->getOctaveSuppression());
     EXPECT_FALSE(target->getSubPixel());
 }
@@ -71,11 +77,10 @@ TEST(Aqorb_IO, keys_are_those_of_orb_in_newer_opencv_then_ours)
     FileStorage fs(written(*unusual()), FileStorage::READ | FileStorage::MEMORY);
     const FileNode node = fs["detector"];
     EXPECT_EQ("Feature2D.AdaptiveQuadtreeORB", (std::string)node["name"]);
-    const char* keys[] = {"nfeatures",         "scaleFactor",       "nlevels",
-                          "edgeThreshold",     "firstLevel",        "wta_k",
-                          "scoreType",         "patchSize",         "fastThreshold",
-                          "adaptiveThreshold", "minThresholdRatio", "cellSize",
-                          "maxDepth",          "octaveSuppression", "subPixel"};
+    const char* keys[] = {
+        "nfeatures", "scaleFactor",   "nlevels",        "edgeThreshold",     "firstLevel",        "wta_k",
+        "scoreType", "patchSize",     "fastThreshold",  "adaptiveThreshold", "minThresholdRatio", "cellSize",
+        "maxDepth",  "selectionType", "strengthWeight", "rankRadius",        "octaveSuppression", "subPixel"};
     for (const char* key : keys)
         EXPECT_FALSE(node[key].empty()) << key;
     EXPECT_EQ(3, (int)node["format"]);  // as every Algorithm of OpenCV 4
@@ -117,6 +122,60 @@ TEST(Aqorb_IO, a_missing_key_keeps_its_value)
     EXPECT_EQ(77, detector->getCellSize());
 }
 
+// What version 0.1 wrote for create(321, 1.25f, 5) and some properties. It had neither SelectionType nor what depends
+// on it.
+const char* const FILE_OF_VERSION_0_1 = R"(%YAML:1.0
+---
+format: 3
+name: "Feature2D.AdaptiveQuadtreeORB"
+nfeatures: 321
+scaleFactor: 1.2500000000000000e+00
+nlevels: 5
+edgeThreshold: 16
+firstLevel: 0
+wta_k: 2
+scoreType: 0
+patchSize: 31
+fastThreshold: 20
+adaptiveThreshold: 1
+minThresholdRatio: 2.7500000000000000e+00
+cellSize: 51
+maxDepth: 6
+octaveSuppression: 5.0000000000000000e-01
+subPixel: 0
+)";
+
+TEST(Aqorb_IO, reads_a_file_of_version_0_1)
+{
+    FileStorage fs(FILE_OF_VERSION_0_1, FileStorage::READ | FileStorage::MEMORY);
+    const Ptr<AdaptiveQuadtreeORB> detector = AdaptiveQuadtreeORB::create();
+    detector->read(fs.root());
+    EXPECT_EQ(321, detector->getMaxFeatures());
+    EXPECT_EQ(1.25, detector->getScaleFactor());
+    EXPECT_EQ(5, detector->getNLevels());
+    EXPECT_EQ(2.75, detector->getMinThresholdRatio());
+    EXPECT_EQ(51, detector->getCellSize());
+    EXPECT_EQ(6, detector->getMaxDepth());
+    EXPECT_EQ(0.5, detector->getOctaveSuppression());
+    EXPECT_FALSE(detector->getSubPixel());
+    EXPECT_EQ(AdaptiveQuadtreeORB::RANKED_SELECTION, detector->getSelectionType());
+    EXPECT_EQ(0.2, detector->getStrengthWeight());
+    EXPECT_EQ(1, detector->getRankRadius());
+
+    // One line brings back what version 0.1 did with the file, before or after it is read.
+    const Ptr<AdaptiveQuadtreeORB> balanced = AdaptiveQuadtreeORB::create();
+    balanced->setSelectionType(AdaptiveQuadtreeORB::BALANCED_SELECTION);
+    balanced->setStrengthWeight(3);
+    balanced->setRankRadius(2);
+    balanced->read(fs.root());
+    EXPECT_EQ(AdaptiveQuadtreeORB::BALANCED_SELECTION, balanced->getSelectionType());
+    EXPECT_EQ(3, balanced->getStrengthWeight());
+    EXPECT_EQ(2, balanced->getRankRadius());
+    detector->setSelectionType(AdaptiveQuadtreeORB::BALANCED_SELECTION);
+    const Mat image = makeScene(Size(200, 150));
+    EXPECT_TRUE(sameFeatures(detectAndCompute(*detector, image), detectAndCompute(*balanced, image)));
+}
+
 TEST(Aqorb_IO, a_bad_value_throws_and_changes_nothing)
 {
     const char* bad[][2] = {{"nfeatures", "-1"},
@@ -134,7 +193,15 @@ TEST(Aqorb_IO, a_bad_value_throws_and_changes_nothing)
                             {"minThresholdRatio", "0.9"},
                             {"cellSize", "3"},
                             {"maxDepth", "16"},
+                            {"selectionType", "2"},
+                            {"selectionType", "0.5"},
+                            {"selectionType", "balanced"},
+                            {"strengthWeight", "1e4"},
+                            {"strengthWeight", ".nan"},
+                            {"rankRadius", "-1"},
+                            {"rankRadius", "17"},
                             {"octaveSuppression", ".inf"},
+                            {"octaveSuppression", "-2"},
                             {"subPixel", "2"},
                             {"adaptiveThreshold", "yes"}};
     const Ptr<AdaptiveQuadtreeORB> detector = unusual();

@@ -5,6 +5,8 @@
 
 #include "reference.hpp"
 
+#include <climits>
+
 namespace opencv_test
 {
 namespace
@@ -14,7 +16,7 @@ using reference::Settings;
 
 const Size SMALL_IMAGE(161, 123);
 
-void expectAsReference(const Settings& settings, const Mat& image, const Mat& mask = Mat())
+void expectAsReferenceWithItsSelection(const Settings& settings, const Mat& image, const Mat& mask = Mat())
 {
     const Features expected = reference::detectAndCompute(image, mask, settings);
     const Ptr<AdaptiveQuadtreeORB> detector = settings.create();
@@ -22,6 +24,20 @@ void expectAsReference(const Settings& settings, const Mat& image, const Mat& ma
     // The second run finds what the first has left in the work space, and uses the baseline kernels.
     WithoutOptimization baseline;
     EXPECT_TRUE(sameFeatures(detectAndCompute(*detector, image, mask), expected));
+}
+
+// With both selections.
+void expectAsReference(const Settings& given, const Mat& image, const Mat& mask = Mat())
+{
+    Settings settings = given;
+    {
+        SCOPED_TRACE("ranked selection");
+        settings.selectionType = AdaptiveQuadtreeORB::RANKED_SELECTION;
+        expectAsReferenceWithItsSelection(settings, image, mask);
+    }
+    SCOPED_TRACE("balanced selection");
+    settings.selectionType = AdaptiveQuadtreeORB::BALANCED_SELECTION;
+    expectAsReferenceWithItsSelection(settings, image, mask);
 }
 
 // One scene full of corners of all kinds, one of noise.
@@ -69,6 +85,53 @@ TEST(Aqorb_Pipeline, equals_reference_for_every_number_of_features)
     }
 }
 
+TEST(Aqorb_Pipeline, equals_reference_for_few_features)
+{
+    for (int n = 0; n <= 9; n++)
+    {
+        SCOPED_TRACE(n);
+        Settings settings;
+        settings.nfeatures = n;
+        settings.nlevels = n % 2 ? 8 : 2;
+        settings.edgeThreshold = 5;
+        expectAsReference(settings, makeScene(Size(97, 81), n));
+        settings.maxDepth = 5;
+        settings.rankRadius = 16;
+        expectAsReference(settings, makeScene(Size(97, 81), n));
+    }
+}
+
+TEST(Aqorb_Pipeline, equals_reference_for_the_most_features)
+{
+    Settings settings;
+    settings.nfeatures = INT_MAX;
+    expectAsReferenceOnScenes(settings);
+}
+
+TEST(Aqorb_Pipeline, equals_reference_for_every_strength_weight_and_rank_radius)
+{
+    const double weights[] = {0, 1e-3, 0.15, 2, 1000}, radii[] = {0, 0.5, 1, 3, 16};
+    const Mat scene = makeScene(SMALL_IMAGE, 21), noise = makeNoise(Size(118, 97), 5);
+    for (double weight : weights)
+    {
+        for (double radius : radii)
+        {
+            for (int depth = -1; depth <= 4; depth += 5)
+            {
+                SCOPED_TRACE(format("weight %g, radius %g, depth %d", weight, radius, depth));
+                Settings settings;
+                settings.strengthWeight = weight;
+                settings.rankRadius = radius;
+                settings.maxDepth = depth;
+                settings.nfeatures = depth < 0 ? 60 : 400;
+                settings.scoreType = radius > 1 ? ORB::FAST_SCORE : ORB::HARRIS_SCORE;
+                expectAsReferenceWithItsSelection(settings, scene);
+                expectAsReferenceWithItsSelection(settings, noise);
+            }
+        }
+    }
+}
+
 TEST(Aqorb_Pipeline, equals_reference_for_every_pyramid)
 {
     const float factors[] = {1.1f, 1.2f, 1.8f, 2.5f};
@@ -97,7 +160,7 @@ TEST(Aqorb_Pipeline, equals_reference_for_every_pyramid)
 
 TEST(Aqorb_Pipeline, equals_reference_for_every_border_and_patch)
 {
-    const int edges[] = {0, 3, 4, 16, 31}, patches[] = {2, 8, 31, 47};
+    const int edges[] = {0, 3, 4, 16, 31}, patches[] = {2, 3, 8, 15, 31, 47};
     for (int edge : edges)
     {
         for (int patch : patches)
@@ -150,7 +213,7 @@ TEST(Aqorb_Pipeline, equals_reference_for_every_own_parameter)
 {
     const ORB::ScoreType scores[] = {ORB::HARRIS_SCORE, ORB::FAST_SCORE};
     const int cells[] = {8, 35, 1000}, depths[] = {0, 1, 3, 15};
-    const double radii[] = {0, 3, 40};
+    const double radii[] = {-1, 0, 0.6, 3, 40};
     for (ORB::ScoreType score : scores)
     {
         Settings settings;
@@ -236,8 +299,15 @@ TEST(Aqorb_Pipeline, equals_reference_with_masks)
     for (int i = 0; i < 60; i++)
         holes.at<uchar>(rng.uniform(0, holes.rows), rng.uniform(0, holes.cols)) = 0;
     circle(holes, Point(80, 60), 20, Scalar(0), -1);
-    const Mat masks[] = {ones, half, holes, zero};
-    for (int i = 0; i < 4; i++)
+    Mat dots(scene.size(), CV_8UC1, Scalar(0)), lines(scene.size(), CV_8UC1, Scalar(9)),
+        corner = dots.clone();
+    for (int i = 0; i < 1500; i++)
+        dots.at<uchar>(rng.uniform(0, dots.rows), rng.uniform(0, dots.cols)) = 1;
+    for (int i = 0; i < 12; i++)
+        line(lines, Point(rng.uniform(0, 160), rng.uniform(0, 120)), Point(14 * i, 61), Scalar(0), 1 + i / 8);
+    corner(Rect(120, 90, 41, 33)).setTo(255);
+    const Mat masks[] = {ones, half, holes, zero, dots, lines, corner};
+    for (int i = 0; i < 7; i++)
     {
         for (int firstLevel = 0; firstLevel <= 2; firstLevel++)
         {
@@ -247,6 +317,9 @@ TEST(Aqorb_Pipeline, equals_reference_with_masks)
             settings.firstLevel = firstLevel;
             settings.scaleFactor = firstLevel == 1 ? 1.5f : 1.2f;
             expectAsReference(settings, scene, masks[i]);
+            settings.nfeatures = 40;
+            expectAsReference(settings, scene, masks[i]);
+            settings.nfeatures = 500;
             settings.subPixel = false;
             settings.scoreType = ORB::FAST_SCORE;
             settings.octaveSuppression = 3;
@@ -260,7 +333,9 @@ TEST(Aqorb_Pipeline, equals_reference_for_every_image_size)
     for (int i = 0; i < 40; i++)
     {
         RNG rng(100 + i);
-        const Size size(rng.uniform(1, 100), rng.uniform(1, 90));
+        Size size(rng.uniform(1, 100), rng.uniform(1, 90));
+        if (i % 4 == 0)
+            size = Size(2 * (i % 20) + 1 + i / 20, i < 20 ? 90 : 2 * (i % 20) + 4);  // hardly a root
         SCOPED_TRACE(format("%d x %d", size.width, size.height));
         Settings settings;
         settings.edgeThreshold = i % 20;

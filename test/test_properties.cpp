@@ -66,7 +66,13 @@ Settings randomSettings(RNG& rng)
     s.minThresholdRatio = rng.uniform(0, 3) ? rng.uniform(1., 8.) : 1;
     s.cellSize = rng.uniform(8, 60);
     s.maxDepth = rng.uniform(-1, 7);
-    s.octaveSuppression = rng.uniform(0, 3) ? rng.uniform(0., 4.) : 0.;
+    s.selectionType =
+        rng.uniform(0, 4) ? AdaptiveQuadtreeORB::RANKED_SELECTION : AdaptiveQuadtreeORB::BALANCED_SELECTION;
+    const double weights[] = {0, 0.15, rng.uniform(0., 1.), 1000}, radii[] = {0, 1, rng.uniform(0., 4.), 16};
+    s.strengthWeight = weights[rng.uniform(0, 4)];
+    s.rankRadius = radii[rng.uniform(0, 4)];
+    const double distances[] = {-1, 0, rng.uniform(0., 4.), rng.uniform(0., 1.)};
+    s.octaveSuppression = distances[rng.uniform(0, 4)];
     s.subPixel = rng.uniform(0, 2) != 0;
     return s;
 }
@@ -75,10 +81,12 @@ std::string text(int seed, const Settings& s)
 {
     return format("seed %d: nfeatures %d scaleFactor %.9g nlevels %d edgeThreshold %d firstLevel %d WTA_K %d "
                   "scoreType %d patchSize %d fastThreshold %d adaptiveThreshold %d minThresholdRatio %.17g "
-                  "cellSize %d maxDepth %d octaveSuppression %.17g subPixel %d",
+                  "cellSize %d maxDepth %d selectionType %d strengthWeight %.17g rankRadius %.17g "
+                  "octaveSuppression %.17g subPixel %d",
                   seed, s.nfeatures, s.scaleFactor, s.nlevels, s.edgeThreshold, s.firstLevel, s.WTA_K,
                   int(s.scoreType), s.patchSize, s.fastThreshold, int(s.adaptiveThreshold),
-                  s.minThresholdRatio, s.cellSize, s.maxDepth, s.octaveSuppression, int(s.subPixel));
+                  s.minThresholdRatio, s.cellSize, s.maxDepth, int(s.selectionType), s.strengthWeight,
+                  s.rankRadius, s.octaveSuppression, int(s.subPixel));
 }
 
 Size randomSize(RNG& rng)
@@ -218,7 +226,7 @@ TEST(Aqorb_Properties, more_features_keep_the_others)
 {
     // On one level with a quadtree of given depth the choice is a prefix of a sequence that does not depend
     // on nfeatures. (With several levels a quota may shrink as nfeatures grows, by what coarser levels
-    // leave over; with equation (9) the depth grows.)
+    // leave over; with -1 the depth grows, and with it shrinks the disc in which corners are ranked.)
     size_t compared = 0;
     for (int seed = 1; seed <= 400; seed++)
     {
@@ -227,6 +235,7 @@ TEST(Aqorb_Properties, more_features_keep_the_others)
         s.nlevels = 1;
         s.firstLevel = 0;
         s.maxDepth = rng.uniform(0, 7);
+        s.rankRadius = 0;
         SCOPED_TRACE(text(seed, s));
         const Mat image = randomImage(rng, randomSize(rng));
         const Ptr<AdaptiveQuadtreeORB> detector = s.create();
@@ -249,8 +258,9 @@ TEST(Aqorb_Properties, more_features_keep_the_others)
 TEST(Aqorb_Properties, the_scene_moved_by_whole_cells_gives_the_same_moved)
 {
     // On one level with a fixed threshold: a move by whole cells of the mesh and whole groups of the
-    // quadtree's leaves, of a scene on flat ground that the frame does not cut.
-    const int EDGE = 16, ROOT = 256, GROUP = 64;
+    // quadtree's leaves, of a scene on flat ground that the frame does not cut, nor a disc in which its
+    // corners are ranked.
+    const int EDGE = 16, ROOT = 256, GROUP = 64, FROM_CORNERS = 20;  // to the side of the root
     size_t compared = 0;
     for (int seed = 1; seed <= 300; seed++)
     {
@@ -266,6 +276,7 @@ TEST(Aqorb_Properties, the_scene_moved_by_whole_cells_gives_the_same_moved)
         s.maxDepth = rng.uniform(0, 4);       // 2^depth leaves over ROOT, 4 to a group
         if (s.maxDepth > 0)
             s.maxDepth += 2;  // 8 to 32 leaves, groups of 128 to 32 pixels
+        s.rankRadius = std::min(s.rankRadius, FROM_CORNERS * std::sqrt(double(s.nfeatures)) / ROOT);
         const int step = s.maxDepth == 3 ? 2 * GROUP : GROUP;
         SCOPED_TRACE(text(seed, s));
 

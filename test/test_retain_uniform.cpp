@@ -5,14 +5,14 @@
 
 #include "reference.hpp"
 
+#include <cfloat>
+#include <climits>
 #include <limits>
 
 namespace opencv_test
 {
 namespace
 {
-
-using aqorb::stages::LeafPoint;
 
 KeyPoints randomKeypoints(int count, Size size, int seed)
 {
@@ -30,37 +30,172 @@ KeyPoints randomKeypoints(int count, Size size, int seed)
     return keypoints;
 }
 
+void expectAsReference(const KeyPoints& given, Size size, int npoints)
+{
+    const KeyPoints expected = reference::retainUniform(given, size, npoints);
+    KeyPoints kept = given;
+    aqorb::retainUniform(kept, size, npoints);
+    EXPECT_TRUE(sameKeypoints(kept, expected));
+    aqorb::retainUniform(kept, size, npoints);  // once more changes nothing
+    EXPECT_TRUE(sameKeypoints(kept, expected));
+}
+
 TEST(Aqorb_RetainUniform, equals_reference_and_touches_no_field)
 {
     const Size size(640, 481);
     const KeyPoints all = randomKeypoints(1000, size, 1);
-    const int numbers[] = {0, 1, 2, 5, 16, 17, 100, 500, 999, 1000, 5000};
+    const int numbers[] = {0, 1, 2, 5, 16, 17, 100, 500, 999, 1000, 5000, INT_MAX};
     for (int n : numbers)
     {
         SCOPED_TRACE(n);
-        const int depth = reference::quadtreeDepth(n);
-        std::vector<LeafPoint> points;
-        for (size_t i = 0; i < all.size(); i++)
+        expectAsReference(all, size, n);
+    }
+}
+
+TEST(Aqorb_RetainUniform, equals_reference_for_all_kinds_of_responses)
+{
+    const float nan = std::numeric_limits<float>::quiet_NaN(), inf = std::numeric_limits<float>::infinity();
+    const float odd[] = {nan, -nan,   -inf,   -FLT_MAX, -1.f,    -1e-42f, -0.f,
+                         0.f, 1e-45f, 1e-38f, 1.f,      FLT_MAX, inf,     inf};
+    const Size size(300, 200);
+    for (int seed = 1; seed <= 60; seed++)
+    {
+        SCOPED_TRACE(seed);
+        RNG rng(seed);
+        KeyPoints keypoints = randomKeypoints(rng.uniform(1, 500), size, seed);
+        for (KeyPoint& keypoint : keypoints)
         {
-            const double leaves = 1 << depth;
-            const LeafPoint point = {reference::leafCode(unsigned(all[i].pt.x * leaves / size.width),
-                                                         unsigned(all[i].pt.y * leaves / size.height)),
-                                     all[i].response, all[i].pt.x, all[i].pt.y, int(i)};
-            points.push_back(point);
+            const int kind = seed % 5;
+            if (kind == 0)
+                keypoint.response = odd[rng.uniform(0, 14)];
+            else if (kind == 1)
+                keypoint.response = float(rng.uniform(0, 3));  // many are equal
+            else if (kind == 2)
+                keypoint.response = 7;
+            else if (kind == 3)
+                keypoint.response = std::ldexp(rng.uniform(1.f, 2.f), rng.uniform(-149, 128));
+            else if (rng.uniform(0, 3) == 0)
+                keypoint.response = odd[rng.uniform(0, 14)];
         }
-        points = reference::balancedSequence(points, depth);
-        points.resize(std::min(points.size(), size_t(n)));
-        std::vector<int> indices;
-        for (const LeafPoint& point : points)
-            indices.push_back(point.index);
-        std::sort(indices.begin(), indices.end());
-        KeyPoints expected, kept = all;
-        for (int index : indices)
-            expected.push_back(all[index]);  // in input order
-        aqorb::retainUniform(kept, size, n);
-        EXPECT_TRUE(sameKeypoints(kept, expected));
-        aqorb::retainUniform(kept, size, n);  // once more changes nothing
-        EXPECT_TRUE(sameKeypoints(kept, expected));
+        for (int n = 1; n < 500; n += rng.uniform(1, 150))
+            expectAsReference(keypoints, size, n);
+    }
+}
+
+TEST(Aqorb_RetainUniform, equals_reference_for_all_kinds_of_positions)
+{
+    for (int seed = 1; seed <= 40; seed++)
+    {
+        SCOPED_TRACE(seed);
+        RNG rng(seed);
+        const Size size(rng.uniform(1, 60), rng.uniform(1, 60));
+        KeyPoints keypoints = randomKeypoints(rng.uniform(1, 300), size, seed);
+        for (size_t i = 0; i < keypoints.size(); i++)
+        {
+            Point2f& p = keypoints[i].pt;
+            const int kind = rng.uniform(0, 5);
+            if (kind == 0)
+                p = keypoints[rng.uniform(0, int(keypoints.size()))].pt;  // a duplicate
+            else if (kind == 1)
+                p = Point2f(float(cvFloor(p.x)), float(cvFloor(p.y)));
+            else if (kind == 2)
+                (i % 2 ? p.x : p.y) = 0;
+            else if (kind == 3)  // the last number before the side
+                (i % 2 ? p.x : p.y) = std::nextafter(float(i % 2 ? size.width : size.height), 0.f);
+            if (seed % 2)
+                keypoints[i].response = 1;
+        }
+        for (int n = 1; n < 300; n += rng.uniform(1, 70))
+            expectAsReference(keypoints, size, n);
+    }
+}
+
+TEST(Aqorb_RetainUniform, equals_reference_for_every_image_size)
+{
+    const Size sizes[] = {Size(1, 1),
+                          Size(1, 2),
+                          Size(3, 1),
+                          Size(1, 1000),
+                          Size(20000, 7),
+                          Size(1 << 18, 1 << 18),
+                          Size((1 << 18) + 1, 1 << 17),
+                          Size(1 << 20, 1 << 20),
+                          Size((1 << 20) + 7, 3001),
+                          Size(1001, 5000000),
+                          Size(1 << 29, 1 << 30)};
+    for (const Size& size : sizes)
+    {
+        SCOPED_TRACE(format("%d x %d", size.width, size.height));
+        const KeyPoints keypoints = randomKeypoints(300, size, size.width);
+        for (int n : {1, 2, 9, 60, 299})
+            expectAsReference(keypoints, size, n);
+    }
+}
+
+// A positive factor moves all logarithms alike. A power of two does so exactly. With other factors the rounding of
+// responses could decide between equals, of which there are none here.
+TEST(Aqorb_RetainUniform, a_factor_of_the_responses_changes_nothing)
+{
+    const Size size(640, 481);
+    for (int seed = 1; seed <= 20; seed++)
+    {
+        SCOPED_TRACE(seed);
+        KeyPoints given = randomKeypoints(700, size, seed);
+        RNG rng(seed);
+        for (KeyPoint& keypoint : given)
+            keypoint.response = rng.uniform(-0.1f, 5.f);
+        const float factors[] = {1 / 1024.f, 0.25f, 2.f,   65536.f, std::ldexp(1.f, 100),
+                                 3.f,        0.7f,  1e-9f, 255.f};
+        for (int n : {1, 10, 100, 300, 600})
+        {
+            KeyPoints expected = given;
+            aqorb::retainUniform(expected, size, n);
+            for (float factor : factors)
+            {
+                KeyPoints multiplied = given;
+                for (KeyPoint& keypoint : multiplied)
+                    keypoint.response *= factor;
+                aqorb::retainUniform(multiplied, size, n);
+                ASSERT_EQ(multiplied.size(), expected.size());
+                for (size_t i = 0; i < expected.size(); i++)
+                    ASSERT_EQ(multiplied[i].class_id, expected[i].class_id) << n << " " << factor;
+            }
+        }
+    }
+}
+
+// Far apart from each other, so that only the responses decide: +inf first; then the positive ones; then those that
+// are not, with zero before the negative ones; and NaN last.
+TEST(Aqorb_RetainUniform, odd_responses_have_a_place_in_the_order)
+{
+    const float nan = std::numeric_limits<float>::quiet_NaN(), inf = std::numeric_limits<float>::infinity();
+    const float inOrder[] = {inf, FLT_MAX, 2.f, 1.f, 1e-45f, 0.f, -1e-45f, -1.f, -FLT_MAX, -inf, nan};
+    const int count = 11;
+    for (int n = 1; n < count; n++)
+    {
+        // All in one leaf, in any order.
+        KeyPoints keypoints;
+        for (int i = 0; i < count; i++)
+            keypoints.push_back(KeyPoint(float(i * 7 % count), 5, 1, -1, inOrder[i], 0, i));
+        aqorb::retainUniform(keypoints, Size(100000, 100000), n);
+        ASSERT_EQ(int(keypoints.size()), n);
+        for (int i = 0; i < n; i++)
+            EXPECT_EQ(keypoints[i].class_id, i) << n;
+    }
+    // Two of them far away from each other.
+    for (int better = 0; better < count; better++)
+    {
+        for (int worse = better + 1; worse < count; worse++)
+        {
+            for (int swapped = 0; swapped < 2; swapped++)
+            {
+                KeyPoints keypoints(1, KeyPoint(5, 5, 1, -1, inOrder[swapped ? better : worse]));
+                keypoints.push_back(KeyPoint(95, 95, 1, -1, inOrder[swapped ? worse : better]));
+                const KeyPoint expected = keypoints[swapped ? 0 : 1];
+                aqorb::retainUniform(keypoints, Size(100, 100), 1);
+                EXPECT_TRUE(sameKeypoints(keypoints, KeyPoints(1, expected))) << better << " " << worse;
+            }
+        }
     }
 }
 

@@ -28,7 +28,12 @@ void setRandomly(AdaptiveQuadtreeORB& detector, RNG& rng)
     detector.setMinThresholdRatio(rng.uniform(1., 8.));
     detector.setCellSize(rng.uniform(8, 80));
     detector.setMaxDepth(rng.uniform(-1, 6));
-    detector.setOctaveSuppression(rng.uniform(0, 3) ? rng.uniform(0., 4.) : 0.);
+    detector.setSelectionType(rng.uniform(0, 4) ? AdaptiveQuadtreeORB::RANKED_SELECTION
+                                                : AdaptiveQuadtreeORB::BALANCED_SELECTION);
+    detector.setStrengthWeight(rng.uniform(0, 3) ? rng.uniform(0., 1.) : 0.15);
+    detector.setRankRadius(rng.uniform(0, 3) ? rng.uniform(0., 4.) : 1);
+    const double distances[] = {-1, 0, rng.uniform(0., 4.)};
+    detector.setOctaveSuppression(distances[rng.uniform(0, 3)]);
     detector.setSubPixel(rng.uniform(0, 2) != 0);
 }
 

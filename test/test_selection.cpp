@@ -41,7 +41,7 @@ public:
     }
     void begin(FeatureSelector& selector, double octaveSuppression) const
     {
-        selector.begin(Size(256, 256), octaveSuppression);
+        selector.begin(Size(256, 256), octaveSuppression, int(levels.size()));
         for (const SelectionLevel& level : levels)
             selector.addLevel(level);
     }
@@ -69,8 +69,9 @@ TEST(Aqorb_Selection, asks_for_nothing_more_where_quotas_are_met)
         EXPECT_EQ(request.level, level);
         EXPECT_EQ(request.set, SEQUENCE_CORNERS);
         BalancedSequence sequence;
-        levels.beginSequence(level, Levels::line(9, 5, 10), sequence);
-        selector.offer(sequence);
+        const std::vector<RankedCorner> corners = Levels::line(9, 5, 10);
+        levels.beginSequence(level, corners, sequence);
+        selector.offer(sequence, corners);
     }
     EXPECT_FALSE(selector.wants(request));
     EXPECT_FALSE(selector.wants(request));
@@ -115,7 +116,7 @@ TEST(Aqorb_Selection, asks_for_what_the_rules_passed_over_in_the_order_of_the_ru
             EXPECT_EQ(request.level, expectedLevels[i]);
             EXPECT_EQ(request.set, expectedSets[i]);
             if (request.set == SEQUENCE_CORNERS)
-                selector.offer(sequences[request.level]);
+                selector.offer(sequences[request.level], std::vector<RankedCorner>());
             else
                 selector.offer(Levels::line(i < 8 ? 0 : 9, 7, 3));
         }
@@ -141,11 +142,12 @@ TEST(Aqorb_Selection, passes_over_corners_near_those_of_coarser_levels)
         CornerRequest request;
         BalancedSequence sequence;
         ASSERT_TRUE(selector.wants(request));
-        levels.beginSequence(1, std::vector<RankedCorner>(1, coarse), sequence);
-        selector.offer(sequence);
+        const std::vector<RankedCorner> coarseCorners(1, coarse), fineCorners(fine, fine + 3);
+        levels.beginSequence(1, coarseCorners, sequence);
+        selector.offer(sequence, coarseCorners);
         ASSERT_TRUE(selector.wants(request));
-        levels.beginSequence(0, std::vector<RankedCorner>(fine, fine + 3), sequence);
-        selector.offer(sequence);
+        levels.beginSequence(0, fineCorners, sequence);
+        selector.offer(sequence, fineCorners);
         EXPECT_FALSE(selector.wants(request));
         std::vector<RankedCorner> chosen;
         selector.chosen(0, chosen);
@@ -168,7 +170,7 @@ TEST(Aqorb_Selection, chooses_no_corner_twice_and_gives_them_in_raster_order)
     {
         if (request.set == SEQUENCE_CORNERS)
         {
-            selector.offer(sequence);
+            selector.offer(sequence, corners);
             continue;
         }
         std::vector<RankedCorner> offered = others;

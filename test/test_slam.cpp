@@ -83,10 +83,10 @@ TEST(Aqorb_Slam, a_system_holds_it_as_its_or_bextractor)
                                     settings.fIniThFAST, settings.fMinThFAST);
     const Mat image = makeScene(Size(400, 300));
     const slam_system::Frame frame(image, makeScene(Size(400, 300), 2), &left, &right);
-    EXPECT_EQ(600u, frame.mvKeys.size());
-    EXPECT_EQ(600, frame.mDescriptors.rows);
-    EXPECT_EQ(600u, frame.mvKeysRight.size());
-    EXPECT_EQ(600, frame.monoLeft);  // no keypoint lies in column 0
+    EXPECT_EQ(608u, frame.mvKeys.size());
+    EXPECT_EQ(608, frame.mDescriptors.rows);
+    EXPECT_EQ(608u, frame.mvKeysRight.size());
+    EXPECT_EQ(608, frame.monoLeft);  // no keypoint lies in column 0
     EXPECT_EQ(8, frame.mnScaleLevels);
     EXPECT_EQ(1.2f, frame.mfScaleFactor);
     ASSERT_EQ(8u, frame.mvScaleFactors.size());
@@ -114,12 +114,120 @@ TEST(Aqorb_Slam, keypoints_are_the_detectors_at_the_given_thresholds)
         EXPECT_EQ(pair[0], expected.ini);
         EXPECT_EQ(pair[1], expected.min);
 
-        const Ptr<AdaptiveQuadtreeORB> detector = AdaptiveQuadtreeORB::create(5000, 1.2f, 4);
+        const Ptr<AdaptiveQuadtreeORB> detector = AdaptiveQuadtreeORB::create(5000 + 4, 1.2f, 4);
         detector->setAdaptiveThreshold(false);
         detector->setFastThreshold(pair[0]);
         detector->setMinThresholdRatio(pair[0] / double(pair[1]));
         detector->setSubPixel(false);
+        detector->setStrengthWeight(extractor.detector()->getStrengthWeight());
+        detector->setOctaveSuppression(extractor.detector()->getOctaveSuppression());
         EXPECT_TRUE(sameFeatures(detectAndCompute(*detector, image), found));
+    }
+}
+
+int countOf(SlamExtractor& extractor, const Mat& image, const Mat& mask = Mat())
+{
+    return int(extract(extractor, image, mask).keypoints.size());
+}
+
+TEST(Aqorb_Slam, what_differs_from_the_detectors_defaults)
+{
+    const SlamExtractor extractor(500, 1.2f, 8, 20, 7);
+    const AdaptiveQuadtreeORB& detector = *extractor.detector();
+    EXPECT_FALSE(detector.getSubPixel());
+    EXPECT_FALSE(detector.getAdaptiveThreshold());
+    EXPECT_EQ(0, detector.getOctaveSuppression());
+
+    const Ptr<AdaptiveQuadtreeORB> other = AdaptiveQuadtreeORB::create();
+    EXPECT_EQ(other->getSelectionType(), detector.getSelectionType());
+    EXPECT_EQ(other->getStrengthWeight(), detector.getStrengthWeight());
+    EXPECT_EQ(other->getRankRadius(), detector.getRankRadius());
+    EXPECT_EQ(other->getMaxDepth(), detector.getMaxDepth());
+    EXPECT_EQ(other->getCellSize(), detector.getCellSize());
+    EXPECT_EQ(other->getEdgeThreshold(), detector.getEdgeThreshold());
+    EXPECT_EQ(other->getScoreType(), detector.getScoreType());
+}
+
+TEST(Aqorb_Slam, properties_of_the_detector_are_heeded)
+{
+    const Mat image = makeScene(Size(400, 300));
+    SlamExtractor extractor(500, 1.2f, 8, 20, 7);
+    AdaptiveQuadtreeORB& detector = *extractor.detector();
+    detector.setMaxFeatures(500);
+    detector.setSubPixel(true);
+    detector.setAdaptiveThreshold(true);
+    detector.setMinThresholdRatio(4);
+    detector.setSelectionType(AdaptiveQuadtreeORB::BALANCED_SELECTION);
+    detector.setOctaveSuppression(3);
+    const Ptr<AdaptiveQuadtreeORB> expected = AdaptiveQuadtreeORB::create(500);
+    expected->setSelectionType(AdaptiveQuadtreeORB::BALANCED_SELECTION);
+    expected->setOctaveSuppression(3);
+    EXPECT_TRUE(sameFeatures(detectAndCompute(*expected, image), extract(extractor, image)));
+}
+
+// ORB-SLAM2's tracker starts on a frame with more than 500 keypoints, whatever the settings ask for.
+TEST(Aqorb_Slam, one_keypoint_more_a_level_than_asked_for)
+{
+    const Mat image = makeScene(Size(640, 480));
+    for (int nlevels : {1, 2, 8, 12})
+    {
+        for (int nfeatures : {1, 10, 500, 1000})
+        {
+            SCOPED_TRACE(format("%d features, %d levels", nfeatures, nlevels));
+            SlamExtractor extractor(nfeatures, 1.2f, nlevels, 20, 7);
+            EXPECT_EQ(nfeatures + nlevels, extractor.detector()->getMaxFeatures());
+            EXPECT_EQ(nlevels, extractor.GetLevels());
+            const Features found = extract(extractor, image);
+            EXPECT_EQ(size_t(nfeatures + nlevels), found.keypoints.size());
+            EXPECT_EQ(nfeatures + nlevels, found.descriptors.rows);
+            for (size_t i = 1; i < found.keypoints.size(); i++)
+                ASSERT_LE(found.keypoints[i - 1].octave, found.keypoints[i].octave) << i;
+        }
+    }
+}
+
+// Wherever the image has one more corner than asked for, it is returned.
+TEST(Aqorb_Slam, one_keypoint_more_wherever_the_image_has_it)
+{
+    Mat mask = Mat::zeros(240, 320, CV_8UC1);
+    mask(Rect(40, 60, 90, 70)).setTo(1);
+    const Mat images[] = {makeScene(Size(320, 240)), makeScene(Size(320, 240), 2) * 0.2,
+                          makeDots(Size(320, 240))};
+    for (const Mat& image : images)
+    {
+        for (const Mat& usable : {Mat(), mask})
+        {
+            SlamExtractor unlimited(100000, 1.2f, 8, 20, 7);
+            const int all = countOf(unlimited, image, usable);
+            ASSERT_GT(all, 12);
+            for (int fewer = -1; fewer <= 10; fewer++)
+            {
+                SlamExtractor extractor(all - fewer, 1.2f, 8, 20, 7);
+                const int least = fewer > 0 ? all - fewer + 1 : all;
+                const int count = countOf(extractor, image, usable);
+                EXPECT_GE(count, least) << all << " corners, " << fewer << " fewer asked for";
+                EXPECT_LE(count, std::min(all, all - fewer + 8)) << all;
+            }
+        }
+    }
+}
+
+TEST(Aqorb_Slam, no_keypoints_and_all_keypoints)
+{
+    const Mat image = makeScene(Size(320, 240));
+    SlamExtractor none(0, 1.2f, 8, 20, 7);
+    Features features = extract(none, image);
+    EXPECT_TRUE(features.keypoints.empty());
+    EXPECT_TRUE(features.descriptors.empty());
+    EXPECT_EQ(8u, none.mvImagePyramid.size());
+
+    SlamExtractor plenty(100000, 1.2f, 8, 20, 7);
+    const Features all = extract(plenty, image);
+    for (int less : {0, 1, 7, 8, 9})
+    {
+        SlamExtractor most(INT_MAX - less, 1.2f, 8, 20, 7);
+        EXPECT_EQ(less > 8 ? INT_MAX - less + 8 : INT_MAX, most.detector()->getMaxFeatures());
+        EXPECT_TRUE(sameFeatures(all, extract(most, image))) << less;
     }
 }
 
@@ -127,7 +235,7 @@ TEST(Aqorb_Slam, positions_are_pixels_of_the_level_times_its_scale)
 {
     SlamExtractor extractor(1000, 1.2f, 8, 20, 7);
     const Features found = extract(extractor, makeScene(Size(500, 350)));
-    ASSERT_EQ(1000u, found.keypoints.size());
+    ASSERT_EQ(1008u, found.keypoints.size());
     const std::vector<float> scales = extractor.GetScaleFactors();
     for (const KeyPoint& keypoint : found.keypoints)
     {
@@ -180,8 +288,8 @@ TEST(Aqorb_Slam, both_ends_of_the_overlap_belong_to_it)
     Features found;
     const int outside =
         extractor(image, noArray(), found.keypoints, found.descriptors, std::vector<int>(2, column));
-    EXPECT_LT(outside, 100);
-    for (int i = 0; i < 100; i++)
+    EXPECT_LT(outside, 101);
+    for (int i = 0; i < 101; i++)
         EXPECT_EQ(i >= outside, found.keypoints[i].pt.x == column);
 }
 
@@ -245,8 +353,8 @@ TEST(Aqorb_Slam, descriptors_need_not_be_asked_for)
     KeyPoints keypoints;
     const int outside =
         extractor(makeScene(Size(320, 240)), noArray(), keypoints, noArray(), std::vector<int>(2, 0));
-    EXPECT_EQ(500, outside);
-    EXPECT_EQ(500u, keypoints.size());
+    EXPECT_EQ(508, outside);
+    EXPECT_EQ(508u, keypoints.size());
 }
 
 TEST(Aqorb_Slam, several_levels_need_a_scale_factor_above_1)
@@ -271,9 +379,11 @@ TEST(Aqorb_Slam, several_levels_need_a_scale_factor_above_1)
 
 TEST(Aqorb_Slam, bad_arguments)
 {
-    EXPECT_THROW(SlamExtractor(-1, 1.2f, 8, 20, 7), cv::Exception);
+    for (int nfeatures : {-1, -8, INT_MIN})
+        EXPECT_THROW(SlamExtractor(nfeatures, 1.2f, 8, 20, 7), cv::Exception) << nfeatures;
     EXPECT_THROW(SlamExtractor(500, 0, 8, 20, 7), cv::Exception);
-    EXPECT_THROW(SlamExtractor(500, 1.2f, 0, 20, 7), cv::Exception);
+    for (int nlevels : {0, -1, INT_MIN, 65537, INT_MAX})
+        EXPECT_THROW(SlamExtractor(500, 1.2f, nlevels, 20, 7), cv::Exception) << nlevels;
     const int bad[][2] = {{0, 0}, {-20, 7}, {255, 7}, {20, 0}, {20, -7}, {7, 20}};
     for (const int* pair : bad)
         EXPECT_THROW(SlamExtractor(500, 1.2f, 8, pair[0], pair[1]), cv::Exception) << pair[0];

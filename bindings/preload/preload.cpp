@@ -15,6 +15,7 @@
 #include <locale>
 #include <mutex>
 #include <sstream>
+#include <string>
 
 namespace
 {
@@ -34,6 +35,24 @@ const char* accepted(double)
 const char* accepted(bool)
 {
     return "0 or 1";
+}
+const char* accepted(AdaptiveQuadtreeORB::SelectionType)
+{
+    return "ranked or balanced";
+}
+
+// For readVariable.
+std::istream& operator>>(std::istream& stream, AdaptiveQuadtreeORB::SelectionType& value)
+{
+    std::string name;
+    stream >> name;
+    if (name == "ranked")
+        value = AdaptiveQuadtreeORB::RANKED_SELECTION;
+    else if (name == "balanced")
+        value = AdaptiveQuadtreeORB::BALANCED_SELECTION;
+    else
+        stream.setstate(std::ios::failbit);
+    return stream;
 }
 
 // Reads an environment variable. False: it is not set, or empty.
@@ -79,6 +98,9 @@ void setFromEnvironment(AdaptiveQuadtreeORB& orb)
     setFromVariable(orb, "AQORB_MIN_THRESHOLD_RATIO", &Orb::setMinThresholdRatio);
     setFromVariable(orb, "AQORB_CELL_SIZE", &Orb::setCellSize);
     setFromVariable(orb, "AQORB_MAX_DEPTH", &Orb::setMaxDepth);
+    setFromVariable(orb, "AQORB_SELECTION_TYPE", &Orb::setSelectionType);
+    setFromVariable(orb, "AQORB_STRENGTH_WEIGHT", &Orb::setStrengthWeight);
+    setFromVariable(orb, "AQORB_RANK_RADIUS", &Orb::setRankRadius);
     setFromVariable(orb, "AQORB_OCTAVE_SUPPRESSION", &Orb::setOctaveSuppression);
     setFromVariable(orb, "AQORB_SUB_PIXEL", &Orb::setSubPixel);
 }

@@ -51,6 +51,7 @@ static bool isNamed(const cv::Exception& e)
                            "wta_k",         "scoreType",         "patchSize",
                            "fastThreshold", "adaptiveThreshold", "minThresholdRatio",
                            "cellSize",      "octaveSuppression", "subPixel",
+                           "selectionType", "strengthWeight",    "rankRadius",
                            "image",         "maxDepth",          "mask",
                            "keypoints",     "imageSize",         "npoints",
                            "grid"};
@@ -176,9 +177,17 @@ void Detector::setOrbParameter(FuzzedDataProvider& data)
 
 void Detector::setOurParameter(FuzzedDataProvider& data)
 {
-    const int which = data.ConsumeIntegralInRange(0, 5);
-    const int whole = which == 0 ? number(data, 8, 100) : which == 1 ? number(data, -1, 15) : 0;
-    const double ratio = which == 2 ? real(data, 1, 10) : which == 3 ? real(data, 0, 20) : 0;
+    // What is drawn for each: a number of a small or of any kind. The cases of version 0.1 come first.
+    const int which = data.ConsumeIntegralInRange(0, 8);
+    const int whole = which == 0   ? number(data, 8, 100)
+                      : which == 1 ? number(data, -1, 15)
+                      : which == 6 ? number(data, 0, 1)
+                                   : 0;
+    const double ratio = which == 2   ? real(data, 1, 10)
+                         : which == 3 ? real(data, -1, 20)
+                         : which == 7 ? real(data, 0, 2)
+                         : which == 8 ? real(data, 0, 16)
+                                      : 0;
     const bool flag = data.ConsumeBool();
     if (isOrb)
         return;
@@ -195,14 +204,25 @@ void Detector::setOurParameter(FuzzedDataProvider& data)
                 [&] { ours->setMinThresholdRatio(ratio); });
         return;
     case 3:
-        attempt("setOctaveSuppression", expect(!std::isfinite(ratio) || ratio < 0),
+        attempt("setOctaveSuppression", expect(!std::isfinite(ratio) || (ratio < 0 && ratio != -1)),
                 [&] { ours->setOctaveSuppression(ratio); });
         return;
     case 4:
         ours->setAdaptiveThreshold(flag);
         return;
-    default:
+    case 5:
         ours->setSubPixel(flag);
+        return;
+    case 6:
+        attempt("setSelectionType", expect(whole < 0 || whole > 1),
+                [&] { ours->setSelectionType(static_cast<AdaptiveQuadtreeORB::SelectionType>(whole)); });
+        return;
+    case 7:
+        attempt("setStrengthWeight", expect(!(ratio >= 0 && ratio <= 1000)),
+                [&] { ours->setStrengthWeight(ratio); });
+        return;
+    default:
+        attempt("setRankRadius", expect(!(ratio >= 0 && ratio <= 16)), [&] { ours->setRankRadius(ratio); });
     }
 }
 
@@ -226,7 +246,8 @@ void Detector::readStorage(FuzzedDataProvider& data)
                                        "edgeThreshold",     "firstLevel",        "wta_k",
                                        "scoreType",         "patchSize",         "fastThreshold",
                                        "adaptiveThreshold", "minThresholdRatio", "cellSize",
-                                       "maxDepth",          "octaveSuppression", "subPixel"};
+                                       "maxDepth",          "octaveSuppression", "subPixel",
+                                       "selectionType",     "strengthWeight",    "rankRadius"};
     const char* names[] = {"memory.yml", "memory.xml", "memory.json"};
     FileStorage out(data.PickValueInArray(names), FileStorage::WRITE | FileStorage::MEMORY);
     out << "detector"
@@ -234,10 +255,10 @@ void Detector::readStorage(FuzzedDataProvider& data)
     const bool whole = data.ConsumeBool();
     if (whole && !isOrb)
         ours->write(out);
-    std::vector<bool> written(15, whole);
+    std::vector<bool> written(18, whole);
     for (int i = data.ConsumeIntegralInRange(0, 6); i > 0; i--)
     {
-        const int key = data.ConsumeIntegralInRange(0, 14), kind = data.ConsumeIntegralInRange(0, 7);
+        const int key = data.ConsumeIntegralInRange(0, 17), kind = data.ConsumeIntegralInRange(0, 7);
         const int wholeNumber = number(data, 0, 30);
         const double realNumber = real(data, 0, 10);
         if (written[key])

@@ -48,9 +48,20 @@ static reference::Settings settingsFrom(FuzzedDataProvider& data)
     s.minThresholdRatio = data.ConsumeFloatingPointInRange(1., 8.);
     s.cellSize = data.ConsumeIntegralInRange(8, 80);
     s.maxDepth = data.ConsumeIntegralInRange(-1, 15);
-    s.octaveSuppression = data.ConsumeBool() ? data.ConsumeFloatingPointInRange(0., 8.) : 0.5;
+    s.octaveSuppression = data.ConsumeBool() ? data.ConsumeFloatingPointInRange(0., 8.) : -1;
     s.subPixel = data.ConsumeBool();
     return s;
+}
+
+// Drawn after the image, because inputs of the corpus are older than these properties.
+static void drawSelection(FuzzedDataProvider& data, reference::Settings& s)
+{
+    if (data.ConsumeBool())
+        s.selectionType = AdaptiveQuadtreeORB::BALANCED_SELECTION;
+    if (data.ConsumeBool())
+        s.strengthWeight = data.ConsumeFloatingPointInRange(0., data.ConsumeBool() ? 1000. : 1.);
+    if (data.ConsumeBool())
+        s.rankRadius = data.ConsumeFloatingPointInRange(0., data.ConsumeBool() ? 16. : 3.);
 }
 
 extern "C" int LLVMFuzzerInitialize(int*, char***)
@@ -62,11 +73,12 @@ extern "C" int LLVMFuzzerInitialize(int*, char***)
 extern "C" int LLVMFuzzerTestOneInput(const uint8_t* bytes, size_t size)
 {
     FuzzedDataProvider data(bytes, size);
-    const reference::Settings settings = settingsFrom(data);
+    reference::Settings settings = settingsFrom(data);
     const Mat image = fuzz::image(data, 72, false);
     if (image.empty())
         return 0;
     const Mat mask = fuzz::mask(data, image.size(), false);
+    drawSelection(data, settings);
 
     const Features expected = reference::detectAndCompute(image, mask, settings);
     const Ptr<AdaptiveQuadtreeORB> detector = settings.create();

@@ -101,6 +101,9 @@ TEST(Aqorb_Preload, leaves_our_own_defaults)
     EXPECT_EQ(expected->getMinThresholdRatio(), orb->getMinThresholdRatio());
     EXPECT_EQ(expected->getCellSize(), orb->getCellSize());
     EXPECT_EQ(expected->getMaxDepth(), orb->getMaxDepth());
+    EXPECT_EQ(expected->getSelectionType(), orb->getSelectionType());
+    EXPECT_EQ(expected->getStrengthWeight(), orb->getStrengthWeight());
+    EXPECT_EQ(expected->getRankRadius(), orb->getRankRadius());
     EXPECT_EQ(expected->getOctaveSuppression(), orb->getOctaveSuppression());
     EXPECT_EQ(expected->getSubPixel(), orb->getSubPixel());
 }
@@ -109,19 +112,24 @@ TEST(Aqorb_Preload, sets_properties_from_the_environment)
 {
     const Variable edge("AQORB_EDGE_THRESHOLD", "16"), adaptive("AQORB_ADAPTIVE_THRESHOLD", "0"),
         ratio("AQORB_MIN_THRESHOLD_RATIO", "2.5"), cell("AQORB_CELL_SIZE", "50"),
-        depth("AQORB_MAX_DEPTH", "-1"), octave("AQORB_OCTAVE_SUPPRESSION", " 0.25 "),
-        subPixel("AQORB_SUB_PIXEL", "0");
+        depth("AQORB_MAX_DEPTH", "-1"), selection("AQORB_SELECTION_TYPE", " balanced"),
+        weight("AQORB_STRENGTH_WEIGHT", "0.3"), radius("AQORB_RANK_RADIUS", "2.5"),
+        octave("AQORB_OCTAVE_SUPPRESSION", " 0.25 "), subPixel("AQORB_SUB_PIXEL", "0");
     const Ptr<AdaptiveQuadtreeORB> orb = ours(ORB::create(100, 1.2f, 8, 40));
     EXPECT_EQ(16, orb->getEdgeThreshold());
     EXPECT_FALSE(orb->getAdaptiveThreshold());
     EXPECT_EQ(2.5, orb->getMinThresholdRatio());
     EXPECT_EQ(50, orb->getCellSize());
     EXPECT_EQ(-1, orb->getMaxDepth());
+    EXPECT_EQ(AdaptiveQuadtreeORB::BALANCED_SELECTION, orb->getSelectionType());
+    EXPECT_EQ(0.3, orb->getStrengthWeight());
+    EXPECT_EQ(2.5, orb->getRankRadius());
     EXPECT_EQ(0.25, orb->getOctaveSuppression());
     EXPECT_FALSE(orb->getSubPixel());
 
-    const Variable otherDepth("AQORB_MAX_DEPTH", "3");
+    const Variable otherDepth("AQORB_MAX_DEPTH", "3"), otherSelection("AQORB_SELECTION_TYPE", "ranked");
     EXPECT_EQ(3, ours(ORB::create())->getMaxDepth());
+    EXPECT_EQ(AdaptiveQuadtreeORB::RANKED_SELECTION, ours(ORB::create())->getSelectionType());
 }
 
 struct DecimalComma : std::numpunct<char>
@@ -154,6 +162,14 @@ TEST(Aqorb_Preload, names_the_variable_of_a_bad_value)
     EXPECT_EQ("AQORB_MIN_THRESHOLD_RATIO: got \"nan\"; a number is accepted",
               messageOf("AQORB_MIN_THRESHOLD_RATIO", "nan"));
     EXPECT_EQ("AQORB_SUB_PIXEL: got \"yes\"; 0 or 1 is accepted", messageOf("AQORB_SUB_PIXEL", "yes"));
+    EXPECT_EQ("AQORB_SELECTION_TYPE: got \"1\"; ranked or balanced is accepted",
+              messageOf("AQORB_SELECTION_TYPE", "1"));
+    EXPECT_EQ("AQORB_SELECTION_TYPE: got \"balanced ranked\"; ranked or balanced is accepted",
+              messageOf("AQORB_SELECTION_TYPE", "balanced ranked"));
+    EXPECT_EQ("AQORB_STRENGTH_WEIGHT: strengthWeight: got 1001; 0 to 1000 is accepted",
+              messageOf("AQORB_STRENGTH_WEIGHT", "1001"));
+    EXPECT_EQ("AQORB_RANK_RADIUS: rankRadius: got -1; 0 to 16 is accepted",
+              messageOf("AQORB_RANK_RADIUS", "-1"));
     EXPECT_EQ("AQORB_DISABLE: got \"2\"; 0 or 1 is accepted", messageOf("AQORB_DISABLE", "2"));
     EXPECT_EQ("AQORB_CELL_SIZE: cellSize: got 4; >= 8 is accepted", messageOf("AQORB_CELL_SIZE", "4"));
 }

@@ -23,10 +23,11 @@ keypointsToArray and keypointsFromArray convert keypoints. Every function takes 
 that return keypoints then return an array.
 """
 
-from ._aqorb import (AdaptiveQuadtreeORB, AdaptiveQuadtreeORB_create, adaptiveFastThreshold, distributionOccupancy,
-                     distributionUniformity, error, keypoint_dtype, keypointsFromArray, keypointsToArray,
-                     retainUniform)
+from ._aqorb import (AdaptiveQuadtreeORB, AdaptiveQuadtreeORB_BALANCED_SELECTION,
+                     AdaptiveQuadtreeORB_RANKED_SELECTION, AdaptiveQuadtreeORB_create, adaptiveFastThreshold,
+                     distributionOccupancy, distributionUniformity, error, keypoint_dtype, keypointsFromArray,
+                     keypointsToArray, retainUniform)
 
-__all__ = ['AdaptiveQuadtreeORB', 'AdaptiveQuadtreeORB_create', 'adaptiveFastThreshold', 'distributionOccupancy',
-           'distributionUniformity', 'error', 'keypoint_dtype', 'keypointsFromArray', 'keypointsToArray',
-           'retainUniform']
+__all__ = ['AdaptiveQuadtreeORB', 'AdaptiveQuadtreeORB_BALANCED_SELECTION', 'AdaptiveQuadtreeORB_RANKED_SELECTION',
+           'AdaptiveQuadtreeORB_create', 'adaptiveFastThreshold', 'distributionOccupancy', 'distributionUniformity',
+           'error', 'keypoint_dtype', 'keypointsFromArray', 'keypointsToArray', 'retainUniform']

@@ -33,6 +33,9 @@ cv::Ptr<Library> copyOf(const Library& other)
     copy->setMinThresholdRatio(other.getMinThresholdRatio());
     copy->setCellSize(other.getCellSize());
     copy->setMaxDepth(other.getMaxDepth());
+    copy->setSelectionType(other.getSelectionType());
+    copy->setStrengthWeight(other.getStrengthWeight());
+    copy->setRankRadius(other.getRankRadius());
     copy->setOctaveSuppression(other.getOctaveSuppression());
     copy->setSubPixel(other.getSubPixel());
     return copy;

@@ -59,6 +59,16 @@ void setScoreType(Detector& self, int scoreType)
     self.change().setScoreType(cv::ORB::ScoreType(scoreType));
 }
 
+int getSelectionType(const Detector& self)
+{
+    return int(self.get().getSelectionType());
+}
+
+void setSelectionType(Detector& self, int selectionType)
+{
+    self.change().setSelectionType(Library::SelectionType(selectionType));
+}
+
 std::string getDefaultName(const Detector& self)
 {
     return self.get().getDefaultName();
@@ -156,11 +166,27 @@ void addProperties(DetectorClass& detector)
         .def(
             "setMaxDepth", set(&Library::setMaxDepth), arg("maxDepth"),
             "Sets the depth of the quadtree, 0 to 15. The default, -1, is as deep as the number of features\n"
-            "asks for.")
+            "asks for. With 0 corners are chosen by their response alone.")
         .def("getMaxDepth", get(&Library::getMaxDepth))
+        .def(
+            "setSelectionType", &setSelectionType, arg("selectionType"),
+            "Sets the rule by which the corners of a level are chosen: "
+            "AdaptiveQuadtreeORB_RANKED_SELECTION,\n"
+            "the default, or AdaptiveQuadtreeORB_BALANCED_SELECTION, the paper's, which gives the keypoints\n"
+            "of version 0.1.")
+        .def("getSelectionType", &getSelectionType)
+        .def("setStrengthWeight", set(&Library::setStrengthWeight), arg("strengthWeight"),
+             "Sets how much the strength of a corner counts against an even distribution, 0 (most even) to\n"
+             "1000 (by strength alone); default 0.2. It has an effect with the ranked selection only.")
+        .def("getStrengthWeight", get(&Library::getStrengthWeight))
+        .def(
+            "setRankRadius", set(&Library::setRankRadius), arg("rankRadius"),
+            "Sets how far around a corner stronger ones are counted, 0 to 16, in units of the mean distance\n"
+            "between the features of a level; default 1. It has an effect with the ranked selection only.")
+        .def("getRankRadius", get(&Library::getRankRadius))
         .def("setOctaveSuppression", set(&Library::setOctaveSuppression), arg("octaveSuppression"),
-             "Sets how far a keypoint keeps those of other levels away, in pixels of the finer level; "
-             "default 0.5.")
+             "Sets how far a keypoint keeps those of other levels away, in pixels of the finer level. The\n"
+             "default, -1, is 0.6 with the ranked selection and 0.5 with the balanced one.")
         .def("getOctaveSuppression", get(&Library::getOctaveSuppression))
         .def("setSubPixel", set(&Library::setSubPixel), arg("subPixel"),
              "Sets whether positions are refined to a fraction of a pixel; default True.")
@@ -233,5 +259,7 @@ PYBIND11_MODULE(_aqorb, module)
     addProperties(detector);
     addFeature2D(detector);
     module.attr("AdaptiveQuadtreeORB_create") = detector.attr("create");
+    module.attr("AdaptiveQuadtreeORB_RANKED_SELECTION") = int(Library::RANKED_SELECTION);
+    module.attr("AdaptiveQuadtreeORB_BALANCED_SELECTION") = int(Library::BALANCED_SELECTION);
     addFunctions(module);
 }

@@ -238,7 +238,7 @@ def test_numbers(orb):
             orb.setCellSize(wrong)
     with pytest.raises(TypeError, match='nfeatures: int = 500'):
         aqorb.AdaptiveQuadtreeORB_create('500')
-    for wrong in float('nan'), float('inf'), -1:
+    for wrong in float('nan'), float('inf'), -2:
         with pytest.raises(aqorb.error, match='octaveSuppression: got'):
             orb.setOctaveSuppression(wrong)
     with pytest.raises(aqorb.error, match='scoreType: got 7'):

@@ -127,7 +127,8 @@ def test_unrelated_keys_are_ignored(orb):
 def test_every_parameter_survives_a_storage(tmp_path):
     values = {'MaxFeatures': 77, 'ScaleFactor': 1.3, 'NLevels': 5, 'EdgeThreshold': 9, 'FirstLevel': 1, 'WTA_K': 3,
               'ScoreType': 1, 'PatchSize': 25, 'FastThreshold': 7, 'AdaptiveThreshold': False,
-              'MinThresholdRatio': 2.7, 'CellSize': 50, 'MaxDepth': 4, 'OctaveSuppression': 0.1, 'SubPixel': False}
+              'MinThresholdRatio': 2.7, 'CellSize': 50, 'MaxDepth': 4, 'SelectionType': 1, 'StrengthWeight': 0.3,
+              'RankRadius': 2.5, 'OctaveSuppression': 0.1, 'SubPixel': False}
     orb = aqorb.AdaptiveQuadtreeORB_create()
     for name, value in values.items():
         getattr(orb, 'set' + name)(value)

@@ -114,7 +114,8 @@ def test_a_setter_during_a_call_changes_its_own_property_only(image):
     orb = aqorb.AdaptiveQuadtreeORB_create()
     values = {'MaxFeatures': 77, 'ScaleFactor': 1.3, 'NLevels': 5, 'EdgeThreshold': 9, 'FirstLevel': 1, 'WTA_K': 3,
               'ScoreType': 1, 'PatchSize': 25, 'FastThreshold': 7, 'AdaptiveThreshold': False,
-              'MinThresholdRatio': 2.7, 'CellSize': 50, 'MaxDepth': 4, 'OctaveSuppression': 0.3, 'SubPixel': False}
+              'MinThresholdRatio': 2.7, 'CellSize': 50, 'MaxDepth': 4, 'SelectionType': 1, 'StrengthWeight': 0.3,
+              'RankRadius': 2.5, 'OctaveSuppression': 0.3, 'SubPixel': False}
     assert set(values) == {name[3:] for name in dir(orb) if name.startswith('set')}
     for name, value in values.items():
         assert getattr(orb, 'get' + name)() != value

@@ -36,7 +36,7 @@ struct Tables
 {
     explicit Tables(const Parameters& parameters)
         : patch(circularPatch(parameters.patchSize)),
-          strengthPatch(patch.halfWidths, std::max(1, parameters.patchSize / 2 / 5)),
+          strengthPatch(patch.halfWidths, std::max(1, parameters.patchSize / 2 / 3)),
           tests(descriptorPattern(parameters.patchSize, parameters.WTA_K), parameters.WTA_K)
     {
         // Other values have no quotas. Detection throws for them.
@@ -374,7 +374,7 @@ void AdaptiveQuadtreeORBImpl::detectCorners(Workspace& workspace) const
         const double usable =
             levelMask.empty() ? 1 : countNonZero(levelMask(order.root)) / (double(size.width) * size.height);
         const RankRule rule = {size, usable, std::max(levels[i].selection.quota, 1), parameters.rankRadius,
-                               strengthExponent(parameters.strengthWeight, 4)};
+                               parameters.strengthWeight};
         order.rank = rule;
         order.depth = parameters.maxDepth >= 0 ? std::min(parameters.maxDepth, maxRankedDepth(size))
                                                : rankedDepth(size, usable, rule.quota);
@@ -404,7 +404,8 @@ void AdaptiveQuadtreeORBImpl::selectFeatures(Workspace& workspace) const
 {
     CV_TRACE_FUNCTION();
     FeatureSelector& selector = workspace.selector;
-    selector.begin(workspace.input.image.size(), parameters.octaveSuppressionInUse());
+    selector.begin(workspace.input.image.size(), parameters.octaveSuppressionInUse(),
+                   parameters.selectionType == RANKED_SELECTION ? 1 : parameters.nlevels);
     for (int i = 0; i < workspace.levelCount; i++)
         selector.addLevel(workspace.levels[i].selection);
 
@@ -416,7 +417,8 @@ void AdaptiveQuadtreeORBImpl::selectFeatures(Workspace& workspace) const
         LevelDetection& detection = work.detection;
         if (request.set == SEQUENCE_CORNERS)
         {
-            selector.offer(detection.sequence(work.selection.order, *scratch));
+            PointSequence& sequence = detection.sequence(work.selection.order, *scratch);
+            selector.offer(sequence, detection.corners());
         }
         else
         {

@@ -78,13 +78,13 @@ void LevelDetection::rankBand(int index)
 void LevelDetection::order(const OrderRule& rule, DetectionScratch& scratch)
 {
     CV_TRACE_FUNCTION();
-    scratch.ranked.clear();
+    ordered.clear();
     for (int i = 0; i < bandCount; i++)
     {
         const Band& band = bands[i];
         if (!band.isRanked)
             rankBand(i);
-        scratch.ranked.insert(scratch.ranked.end(), band.ranked.begin(), band.ranked.end());
+        ordered.insert(ordered.end(), band.ranked.begin(), band.ranked.end());
     }
     if (rule.isRanked)
     {
@@ -92,7 +92,7 @@ void LevelDetection::order(const OrderRule& rule, DetectionScratch& scratch)
     }
     else
     {
-        leafPoints(scratch.ranked, root, rule.depth, scratch.leaves, scratch.points);
+        leafPoints(ordered, root, rule.depth, scratch.leaves, scratch.points);
         balanced.begin(scratch.points, rule.depth);
     }
     isOrdered = true;
@@ -107,41 +107,52 @@ static float cornerStrength(int fastScore, float harrisResponse)
 
 void LevelDetection::orderByRank(const OrderRule& rule, DetectionScratch& scratch)
 {
-    const int depth = rule.depth;
-    std::vector<float>& strengths = scratch.strengths;
-    strengths.clear();
+    // A tree of one leaf leaves the choice to the response.
+    const bool byResponse = rule.depth == 0;
+    ranked.begin(rule.depth, ordered.size());
+    numberLeaves(root.size(), rule.depth, ranked, scratch.leaves);
+    const unsigned *columns = scratch.leaves.columns.data(), *rows = scratch.leaves.rows.data();
+    int index = 0;
     for (int i = 0; i < bandCount; i++)
     {
         const Band& band = bands[i];
-        for (size_t j = 0; j < band.corners.size(); j++)
+        for (size_t j = 0; j < band.corners.size(); j++, index++)
         {
+            const Corner& corner = band.corners[j];
             const float response = band.ranked[j].response;
-            // A tree of one leaf leaves the choice to the response.
-            strengths.push_back(depth == 0 ? response
-                                           : cornerStrength(band.corners[j].score,
-                                                            rules.rankByHarris ? response : 1.f));
+            const float strength =
+                byResponse ? response : cornerStrength(corner.score, rules.rankByHarris ? response : 1.f);
+            const LeafPoint point = {columns[corner.x - root.x] + rows[corner.y - root.y], strength,
+                                     float(corner.x), float(corner.y), index};
+            ranked.add(point);
         }
     }
-    leafCells(scratch.ranked, root, depth, scratch.leaves, scratch.points);
-    ranked.begin(scratch.points, strengths, depth);
+    ranked.findRepresentatives();
 
-    // A corner whose direction is well defined is found again with the same direction.
     const std::vector<LeafPoint>& best = ranked.representatives();
-    scratch.moments.resize(best.size());
-    std::vector<float> scores(best.size());
-    if (depth > 0)
-        patchMoments(level->image, *rules.strengthPatch, best.data(), best.size(), scratch.moments.data());
-    for (size_t i = 0; i < best.size(); i++)
+    if (!byResponse)
     {
-        const float strength = strengths[best[i].index];
-        const int64 m10 = scratch.moments[i].m10, m01 = scratch.moments[i].m01;
-        const float squared = float(uint64(m10 * m10) + uint64(m01 * m01)) * (1.f / 4294967296.f);
-        scores[i] = depth == 0 ? strength : strength * (squared * squared);
+        // A corner whose direction is well defined is found again with the same direction.
+        scratch.patches.resize(best.size());
+        scratch.moments.resize(best.size());
+        for (size_t i = 0; i < best.size(); i++)
+        {
+            scratch.patches[i].x = int(best[i].x);
+            scratch.patches[i].y = int(best[i].y);
+        }
+        patchMoments(level->image, *rules.strengthPatch, scratch.patches.data(), best.size(),
+                     scratch.moments.data());
+        for (size_t i = 0; i < best.size(); i++)
+        {
+            const int64 m10 = scratch.moments[i].m10, m01 = scratch.moments[i].m01;
+            const float squared = float(uint64(m10 * m10) + uint64(m01 * m01)) * (1.f / 4294967296.f);
+            ranked.strength(i) *= squared * squared;
+        }
     }
     scratch.usable.clear();
     if (!level->mask.empty())
     {
-        const int side = 1 << depth;
+        const int depth = rule.depth, side = 1 << depth;
         for (int row = 0; row < side; row++)
         {
             const int y = root.y + int((int64(2 * row + 1) * root.height) >> (depth + 1));
@@ -152,7 +163,7 @@ void LevelDetection::orderByRank(const OrderRule& rule, DetectionScratch& scratc
             }
         }
     }
-    ranked.rank(scores, rule.rank, scratch.usable);
+    ranked.rank(rule.rank, byResponse ? 1 : 4, scratch.usable);
 }
 
 PointSequence& LevelDetection::sequence(const OrderRule& rule, DetectionScratch& scratch)

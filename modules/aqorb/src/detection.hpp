@@ -33,10 +33,9 @@ struct DetectionRules
 struct DetectionScratch
 {
     FastScanner scanner;
-    std::vector<RankedCorner> ranked;
     LeafScratch leaves;
     std::vector<LeafPoint> points;
-    std::vector<float> strengths;
+    std::vector<FeaturePoint> patches;
     std::vector<Moments> moments;
     std::vector<uchar> usable;
 };
@@ -62,6 +61,8 @@ public:
     void order(const OrderRule& rule, DetectionScratch& scratch);
     //! The sequence of the corners. If the level has not been searched yet, it is searched now.
     PointSequence& sequence(const OrderRule& rule, DetectionScratch& scratch);
+    //! The corners of the sequence, by the index of its points.
+    const std::vector<RankedCorner>& corners() const { return ordered; }
     //! Lists the ranked corners of a set. The level must have begun its sequence.
     void list(CornerSet set, std::vector<RankedCorner>& corners) const;
 
@@ -84,6 +85,7 @@ private:
     std::vector<Band> bands;  // it never shrinks, so that bands keep their memory
     int bandCount;            // of this level
     ScorePlane plane;         // of all bands
+    std::vector<RankedCorner> ordered;  // those kept, of all bands
     BalancedSequence balanced;
     RankedSequence ranked;
     bool isOrdered;

@@ -84,29 +84,6 @@ static void plainMoments(const Mat& image, int x, int y, const OrientationPatch&
     m01 = int(sum01);
 }
 
-static void momentsAround(const uchar* center, ptrdiff_t step, const PatchWeights& weights, int& m10, int& m01)
-{
-    CV_CPU_DISPATCH(momentsAround, (center, step, weights, m10, m01), CV_CPU_DISPATCH_MODES_ALL);
-}
-
-// The region of the pixels around which the kernel may be used.
-static Rect kernelRegion(const Mat& image, const OrientationPatch& patch)
-{
-    if (!patch.weights)
-        return Rect();
-    const int radius = patch.weights->radius;
-    return Rect(radius, radius, image.cols - patch.weights->width, image.rows - 2 * radius);
-}
-
-static void momentsOf(const Mat& image, const OrientationPatch& patch, const Rect& inside, int x, int y,
-                      int& m10, int& m01)
-{
-    if (inside.contains(Point(x, y)))
-        momentsAround(image.ptr(y) + x, ptrdiff_t(image.step), *patch.weights, m10, m01);
-    else
-        plainMoments(image, x, y, patch, m10, m01);
-}
-
 OrientationPatch::OrientationPatch(const std::vector<int>& halfWidths_, int rowStep_)
     : halfWidths(halfWidths_), rowStep(rowStep_)
 {
@@ -128,34 +105,47 @@ OrientationPatch::OrientationPatch(const std::vector<int>& halfWidths_, int rowS
     }
 }
 
-void patchMoments(const Mat& image, const OrientationPatch& patch, const LeafPoint* points, size_t count,
+static void kernelMoments(const Mat& image, const PatchWeights& weights, const PatchRegion& inside,
+                          const FeaturePoint* points, size_t count, Moments* moments)
+{
+    CV_CPU_DISPATCH(momentsAround,
+                    (image.ptr(), ptrdiff_t(image.step), weights, inside, points, count, moments),
+                    CV_CPU_DISPATCH_MODES_ALL);
+}
+
+void patchMoments(const Mat& image, const OrientationPatch& patch, const FeaturePoint* points, size_t count,
                   Moments* moments)
 {
-    CV_TRACE_FUNCTION();
-    const Rect inside = kernelRegion(image, patch);
+    PatchRegion inside = {0, 0, 0, 0};
+    if (patch.weights)
+    {
+        const PatchWeights& weights = *patch.weights;
+        inside.left = inside.top = weights.radius;
+        inside.right = image.cols - weights.width + weights.radius;
+        inside.bottom = image.rows - weights.radius;
+        kernelMoments(image, weights, inside, points, count, moments);
+    }
     for (size_t i = 0; i < count; i++)
-        momentsOf(image, patch, inside, int(points[i].x), int(points[i].y), moments[i].m10, moments[i].m01);
+    {
+        if (!inside.contains(points[i]))
+            plainMoments(image, points[i].x, points[i].y, patch, moments[i].m10, moments[i].m01);
+    }
 }
 
 void orientations(const Mat& image, const OrientationPatch& patch, FeaturePoint* points, size_t count)
 {
     CV_TRACE_FUNCTION();
-    const Rect inside = kernelRegion(image, patch);
     // The directions do not depend on each other. In a loop after that of the moments, compilers can compute several at
     // once.
     const size_t AT_ONCE = 64;
     for (size_t first = 0; first < count; first += AT_ONCE)
     {
         const size_t some = std::min(count - first, AT_ONCE);
-        int m10[AT_ONCE], m01[AT_ONCE];
+        Moments moments[AT_ONCE];
         float angles[AT_ONCE];
+        patchMoments(image, patch, points + first, some, moments);
         for (size_t i = 0; i < some; i++)
-        {
-            const FeaturePoint& point = points[first + i];
-            momentsOf(image, patch, inside, point.x, point.y, m10[i], m01[i]);
-        }
-        for (size_t i = 0; i < some; i++)
-            angles[i] = directionOf(m10[i], m01[i]);
+            angles[i] = directionOf(moments[i].m10, moments[i].m01);
         for (size_t i = 0; i < some; i++)
             points[first + i].angle = angles[i];
     }

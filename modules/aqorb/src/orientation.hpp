@@ -31,8 +31,16 @@ struct OrientationPatch
     Ptr<PatchWeights> weights;  //!< empty where the patch is too large for the kernel
 };
 
+struct Moments;
+
 //! Sets the angles of points to the direction of the intensity centroid of the patch around them, as in cv::ORB.
 void orientations(const Mat& image, const OrientationPatch& patch, FeaturePoint* points, size_t count);
+
+//! Computes the moments of the patch around points.
+void patchMoments(const Mat& image, const OrientationPatch& patch, const FeaturePoint* points, size_t count,
+                  Moments* moments);
+
+// ---- for the kernel: plain structs only, see types.hpp ---------------------------------------
 
 //! The moments m10 and m01 of the patch around a pixel.
 struct Moments
@@ -40,11 +48,15 @@ struct Moments
     int m10, m01;
 };
 
-//! Computes the moments of the patch around points.
-void patchMoments(const Mat& image, const OrientationPatch& patch, const LeafPoint* points, size_t count,
-                  Moments* moments);
-
-// ---- for the kernel: plain structs only, see types.hpp ---------------------------------------
+//! The pixels from (left, top) on, up to but not including (right, bottom).
+struct PatchRegion
+{
+    int left, top, right, bottom;
+    bool contains(const FeaturePoint& p) const
+    {
+        return left <= p.x && p.x < right && top <= p.y && p.y < bottom;
+    }
+};
 
 //! The factors of the pixels of a circular patch in its moments: u and v inside of the circle, 0 outside.
 struct PatchWeights

@@ -14,14 +14,18 @@ namespace stages
 {
 CV_CPU_OPTIMIZATION_NAMESPACE_BEGIN
 
-/** The moments of a circular patch around a pixel.
- @param center the pixel; weights.radius pixels around it must be readable, and weights.width - weights.radius to its
- right */
-void momentsAround(const uchar* center, ptrdiff_t step, const PatchWeights& weights, int& m10, int& m01);
+/** The moments of a circular patch around pixels.
+ @param inside the pixels around which all of the patch can be read: weights.radius pixels around them, and
+ weights.width - weights.radius to their right. The moments around other pixels are left as they are. */
+void momentsAround(const uchar* image, ptrdiff_t step, const PatchWeights& weights, const PatchRegion& inside,
+                   const FeaturePoint* points, size_t count, Moments* moments);
 
 #ifndef CV_CPU_OPTIMIZATION_DECLARATIONS_ONLY
 
-void momentsAround(const uchar* center, ptrdiff_t step, const PatchWeights& weights, int& m10, int& m01)
+namespace
+{
+
+inline void momentsAt(const uchar* center, ptrdiff_t step, const PatchWeights& weights, int& m10, int& m01)
 {
     m10 = m01 = 0;
     const int radius = weights.radius;
@@ -61,6 +65,19 @@ void momentsAround(const uchar* center, ptrdiff_t step, const PatchWeights& weig
     m10 = v_reduce_sum(sum10);
     m01 = v_reduce_sum(sum01);
 #endif
+}
+
+}  // namespace
+
+void momentsAround(const uchar* image, ptrdiff_t step, const PatchWeights& weights, const PatchRegion& inside,
+                   const FeaturePoint* points, size_t count, Moments* moments)
+{
+    for (size_t i = 0; i < count; i++)
+    {
+        const FeaturePoint& p = points[i];
+        if (inside.left <= p.x && p.x < inside.right && inside.top <= p.y && p.y < inside.bottom)
+            momentsAt(image + p.y * step + p.x, step, weights, moments[i].m10, moments[i].m01);
+    }
 }
 
 #endif  // CV_CPU_OPTIMIZATION_DECLARATIONS_ONLY

@@ -39,7 +39,7 @@ double Parameters::octaveSuppressionInUse() const
 {
     if (octaveSuppression >= 0)
         return octaveSuppression;
-    return selectionType == AdaptiveQuadtreeORB::BALANCED_SELECTION ? 0.5 : 0.6;
+    return selectionType == AdaptiveQuadtreeORB::BALANCED_SELECTION ? 0.5 : 2;
 }
 
 static void reject(const char* name, double value, const char* accepted)

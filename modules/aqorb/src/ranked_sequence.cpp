@@ -14,11 +14,6 @@ namespace aqorb
 namespace stages
 {
 
-int strengthExponent(double strengthWeight, int power)
-{
-    return cvRound(strengthWeight * 65536) * (4 / power);
-}
-
 int maxRankedDepth(Size size)
 {
     const int MAX_RANKED_DEPTH = 12, side = std::min(size.width, size.height);
@@ -30,7 +25,7 @@ int maxRankedDepth(Size size)
 
 int rankedDepth(Size size, double usable, int quota)
 {
-    const double LEAVES_PER_POINT = 16;
+    const double LEAVES_PER_POINT = 8;
     const int deepest = maxRankedDepth(size);
     int depth = 0;
     while (depth < deepest && double(int64(1) << (2 * depth)) * usable < LEAVES_PER_POINT * quota)
@@ -41,23 +36,19 @@ int rankedDepth(Size size, double usable, int quota)
 namespace
 {
 
-// floor(2^26 log2(1 + i / 4096)) for i = 0 .. 4096.
-struct LogarithmTable
+// log2 of numbers > 0 that are finite, as fixed-point numbers with 24 bits of fraction. It is computed in integers, so
+// it is the same on every CPU.
+class BinaryLogarithm
 {
-    LogarithmTable()
+public:
+    BinaryLogarithm()
     {
-        const int BITS = 26;
-        for (int i = 0; i <= SIZE; i++)
+        for (int i = 0; i < SIZE; i++)
         {
-            // A number in [1, 2) with 31 bits of fraction. Each squaring yields one more bit of the logarithm.
-            uint64 v = uint64(SIZE + i) << 19;
-            int64 logarithm = 0;
-            if (v >> 32)
-            {
-                values[i] = int64(1) << BITS;
-                continue;
-            }
-            for (int bit = 0; bit < BITS; bit++)
+            // A number in [1, 2) with 31 bits of fraction. Each squaring yields one more bit of its logarithm.
+            uint64 v = uint64(SIZE + i) << (31 - SIZE_BITS);
+            int logarithm = 0;
+            for (int bit = 0; bit < TABLE_BITS; bit++)
             {
                 v = (v * v) >> 31;
                 logarithm *= 2;
@@ -67,245 +58,246 @@ struct LogarithmTable
                     v >>= 1;
                 }
             }
-            values[i] = logarithm;
+            table[i] = logarithm;
         }
+        table[SIZE] = 1 << TABLE_BITS;
     }
+    int64 operator()(float v) const
+    {
+        int exponent = -127;
+        if (v < FLT_MIN)
+        {
+            v *= 18446744073709551616.f;  // 2^64, so that it is normal
+            exponent -= 64;
+        }
+        Cv32suf bits;
+        bits.f = v;
+        exponent += int(bits.u >> 23);
+        const int STEP_BITS = 23 - SIZE_BITS;
+        const unsigned fraction = bits.u & 0x7fffff, i = fraction >> STEP_BITS;
+        const int64 step = fraction & ((1 << STEP_BITS) - 1);
+        const int64 low = table[i], high = table[i + 1];
+        return int64(exponent) * (1 << FRACTION_BITS) +
+               ((low * (1 << STEP_BITS) + (high - low) * step) >> (STEP_BITS + TABLE_BITS - FRACTION_BITS));
+    }
+
+private:
     enum
     {
-        SIZE = 4096
+        FRACTION_BITS = 24,
+        TABLE_BITS = 26,
+        SIZE_BITS = 12,
+        SIZE = 1 << SIZE_BITS
     };
-    int64 values[SIZE + 1];
+    int table[SIZE + 1];  // floor(2^TABLE_BITS log2(1 + i / SIZE))
 };
+
+const BinaryLogarithm& sharedLogarithm()
+{
+    static const BinaryLogarithm logarithm;
+    return logarithm;
+}
 
 }  // namespace
 
 int64 binaryLogarithm(float v)
 {
-    static const LogarithmTable table;
-    int exponent = 0;
-    if (v < FLT_MIN)
-    {
-        v *= 18446744073709551616.f;  // 2^64, so that it is normal
-        exponent = -64;
-    }
-    Cv32suf bits;
-    bits.f = v;
-    exponent += int(bits.u >> 23) - 127;
-    const unsigned fraction = bits.u & 0x7fffff, i = fraction >> 11, t = fraction & 2047;
-    const int64 low = table.values[i], high = table.values[i + 1];
-    return int64(exponent) * (1 << 24) + ((low * 2048 + (high - low) * t) >> 13);
+    return sharedLogarithm()(v);
 }
 
-void leafCells(const std::vector<RankedCorner>& corners, const Rect& root, int depth, LeafScratch& scratch,
-               std::vector<LeafPoint>& points)
+bool RankedSequence::StrongerInLeaf::operator()(const LeafPoint& a, const LeafPoint& b) const
 {
-    CV_TRACE_FUNCTION();
-    scratch.columns.resize(root.width);
-    scratch.rows.resize(root.height);
-    for (int i = 0; i < root.width; i++)
-        scratch.columns[i] = unsigned((uint64(i) << depth) / root.width);
-    for (int i = 0; i < root.height; i++)
-        scratch.rows[i] = unsigned((uint64(i) << depth) / root.height) << depth;
-    points.resize(corners.size());
-    for (size_t i = 0; i < corners.size(); i++)
-    {
-        const RankedCorner& c = corners[i];
-        const LeafPoint point = {scratch.columns[c.x - root.x] | scratch.rows[c.y - root.y], c.response,
-                                 float(c.x), float(c.y), int(i)};
-        points[i] = point;
-    }
+    if (a.leaf != b.leaf)
+        return a.leaf < b.leaf;
+    const int strengthOfA = orderOf(a.response), strengthOfB = orderOf(b.response);
+    return strengthOfA != strengthOfB ? strengthOfA > strengthOfB : TieBefore()(a, b);
 }
 
-namespace
+void RankedSequence::begin(int depth_, size_t size)
 {
-
-// A whole number that orders strengths as their values do. NaN comes before all others, and none is INT_MIN.
-int orderOf(float strength)
-{
-    if (cvIsNaN(strength))
-        return INT_MIN + 1;
-    Cv32suf bits;
-    bits.f = strength + 0.f;  // makes -0 equal to 0
-    return bits.i >= 0 ? bits.i : INT_MIN + 1 + int(~bits.u & 0x7fffffff);
-}
-
-struct StrongerInLeaf
-{
-    bool operator()(const LeafPoint& a, const LeafPoint& b) const
-    {
-        if (a.leaf != b.leaf)
-            return a.leaf < b.leaf;
-        const int sa = orderOf(strengths[a.index]), sb = orderOf(strengths[b.index]);
-        if (sa != sb)
-            return sa > sb;
-        return TieBefore()(a, b);
-    }
-    const float* strengths;
-};
-
-}  // namespace
-
-void RankedSequence::begin(std::vector<LeafPoint>& points_, const std::vector<float>& strengths_, int depth_)
-{
-    CV_TRACE_FUNCTION();
-    points.swap(points_);
-    strengths = strengths_;
     depth = depth_;
-    entries.clear();
-    given = sorted = 0;
+    count = given = sorted = 0;
     hasOthers = false;
     others.clear();
-    if (!areSortedByTies(points))
-        std::sort(points.begin(), points.end(), TieBefore());
-
-    best.assign(size_t(1) << (2 * depth), 0);
-    for (size_t i = 0; i < points.size(); i++)
-    {
-        // Biased, so that it is never 0. Of equal strengths the first point wins.
-        const uint64 key =
-            uint64(unsigned(orderOf(strengths[points[i].index])) ^ 0x80000000u) << 32 | unsigned(~i);
-        uint64& of = best[points[i].leaf];
-        of = std::max(of, key);
-    }
-    chosen.clear();
-    for (size_t leaf = 0; leaf < best.size(); leaf++)
-    {
-        if (best[leaf])
-            chosen.push_back(points[unsigned(~best[leaf])]);
-    }
+    points.resize(size);
+    const size_t stride = (size_t(1) << depth) + 2;
+    grid.assign(stride * stride, INT_MIN);
+    best.resize(grid.size());
 }
 
-void RankedSequence::rank(const std::vector<float>& scores, const RankRule& rule,
-                          const std::vector<uchar>& usable)
+void RankedSequence::findRepresentatives()
 {
     CV_TRACE_FUNCTION();
     const int side = 1 << depth;
-    // The squared radius of the disc, in units in which leaf offsets (dx, dy) are dx * width and dy * height long.
-    Size size = rule.size;
-    while (std::max(size.width, size.height) > 1 << 18)
-        size = Size((size.width + 1) / 2, (size.height + 1) / 2);
-    const int64 width2 = int64(size.width) * size.width, height2 = int64(size.height) * size.height;
-    const int64 reach = int64(std::min(rule.radius * rule.radius * rule.usable * size.width * size.height *
-                                           double(int64(1) << (2 * depth)) / rule.quota,
-                                       4e18));
-    // By row of the disc, how far it extends to both sides.
-    std::vector<int> halfWidths;
-    int total = 0, widest = 0;
-    for (int64 dy = 0; dy < side && dy * dy * height2 <= reach; dy++)
+    representativeLeaves(grid, side, flags, leaves);
+    chosen.resize(leaves.size());
+    strengths.resize(leaves.size());
+    for (size_t i = 0; i < leaves.size(); i++)
     {
-        int64 dx = 0;
-        while (dx + 1 < side && (dx + 1) * (dx + 1) * width2 + dy * dy * height2 <= reach)
-            dx++;
-        halfWidths.push_back(int(dx));
-        widest = std::max(widest, int(dx));
-        total += int(2 * dx + 1) * (dy > 0 ? 2 : 1);
+        const int column = int(leaves[i]) & (side - 1), row = int(leaves[i] >> depth);
+        chosen[i] = points[best[leafColumn(column) + leafRow(row)]];
+        strengths[i] = chosen[i].response;
     }
-    const int reachY = int(halfWidths.size()) - 1;
+}
 
-    const int stride = side + 2 * widest;
-    grid.assign(size_t(stride) * (side + 2 * reachY), INT_MIN);
-    scoreOrder.resize(chosen.size());
-    for (size_t i = 0; i < chosen.size(); i++)
+// Sorts by counting, one byte after the other, because comparisons would be hard to predict.
+void RankedSequence::sortByStrength()
+{
+    const size_t size = chosen.size();
+    byStrength.resize(size);
+    other.resize(size);
+    for (size_t i = 0; i < size; i++)
+        byStrength[i] = keyOf(strengths[i], i);
+    const int DIGITS = 4;
+    unsigned starts[DIGITS][256] = {{0}};
+    for (size_t i = 0; i < size; i++)
     {
-        const int column = int(chosen[i].leaf) & (side - 1), row = int(chosen[i].leaf >> depth);
-        scoreOrder[i] = orderOf(scores[i]);
-        grid[size_t(row + reachY) * stride + column + widest] = scoreOrder[i];
+        for (int digit = 0; digit < DIGITS; digit++)
+            starts[digit][byStrength[i] >> (32 + 8 * digit) & 255]++;
     }
+    for (int digit = 0; digit < DIGITS; digit++)
+    {
+        unsigned begin = 0;
+        for (int value = 255; value >= 0; value--)
+        {
+            const unsigned ofValue = starts[digit][value];
+            starts[digit][value] = begin;
+            begin += ofValue;
+        }
+        for (size_t i = 0; i < size; i++)
+            other[starts[digit][byStrength[i] >> (32 + 8 * digit) & 255]++] = byStrength[i];
+        byStrength.swap(other);
+    }
+}
+
+void RankedSequence::rank(const RankRule& rule, int power, const std::vector<uchar>& usable)
+{
+    CV_TRACE_FUNCTION();
+    const int side = 1 << depth;
+    const size_t size = chosen.size();
+    sortByStrength();
+    ranked.resize(size);
+    for (size_t i = 0; i < size; i++)
+        ranked[i] = leaves[indexOf(byStrength[i])];
+
+    Size region = rule.size;
+    while (std::max(region.width, region.height) > 1 << 18)  // so that squares fit
+        region = Size(std::max(region.width / 2, 1), std::max(region.height / 2, 1));
+    const double squaredRadius = rule.radius * rule.radius * rule.usable * region.width * region.height *
+                                 double(int64(1) << (2 * depth)) / rule.quota;
+    disc.begin(region, int64(std::min(squaredRadius, 4e18)), side);
+    ranks.resize(size);
+    leafRanks(ranked.data(), size, depth, disc, ranking, ranks.data());
+
+    // By row and column: how many leaves before the column are usable.
     usableBefore.clear();
     if (!usable.empty())
     {
-        // Prefix sums of the rows
         usableBefore.assign(size_t(side + 1) * side, 0);
+        for (size_t i = 0; i < size; i++)
+            usableBefore[size_t(ranked[i] >> depth) * (side + 1) + (ranked[i] & (side - 1)) + 1] = 1;
         for (int row = 0; row < side; row++)
         {
             int* before = &usableBefore[size_t(row) * (side + 1)];
             for (int column = 0; column < side; column++)
-            {
-                const bool counts = usable[size_t(row) * side + column] ||
-                                    grid[size_t(row + reachY) * stride + column + widest] != INT_MIN;
-                before[column + 1] = before[column] + counts;
-            }
+                before[column + 1] = before[column] + (before[column + 1] || usable[size_t(row) * side + column]);
         }
     }
 
-    entries.resize(chosen.size());
-    for (size_t i = 0; i < chosen.size(); i++)
+    // Away from the borders the part of the key that the rank decides depends on nothing else.
+    const BinaryLogarithm& logarithm = sharedLogarithm();
+    const auto rankKey = [&](int rank, int inside)
+    { return (logarithm(float(inside + int64(rank) * disc.total)) - logarithm(float(inside))) * (1 << 18); };
+    const int exponent = cvRound(rule.strengthWeight * (1 << 16)) * (4 / power);  // in units of 2^-18
+    const int SHARED_RANKS = 32;
+    int64 shared[SHARED_RANKS];
+    for (int i = 0; i < SHARED_RANKS; i++)
+        shared[i] = rankKey(i, disc.total);
+
+    const int reach = int(disc.halfWidths.size()) - 1;
+    entries.resize(size);
+    for (size_t i = 0; i < size; i++)
     {
-        const int column = int(chosen[i].leaf) & (side - 1), row = int(chosen[i].leaf >> depth);
-        const int own = scoreOrder[i];
-        int stronger = 0, inside = 0;
-        for (int dy = -reachY; dy <= reachY; dy++)
-        {
-            const int halfWidth = halfWidths[std::abs(dy)];
-            const int* at = &grid[size_t(row + reachY + dy) * stride + column + widest];
-            if (dy < 0)
-                for (int dx = -halfWidth; dx <= halfWidth; dx++)
-                    stronger += at[dx] >= own;
-            else if (dy > 0)
-                for (int dx = -halfWidth; dx <= halfWidth; dx++)
-                    stronger += at[dx] > own;
-            else
-                for (int dx = 1; dx <= halfWidth; dx++)
-                    stronger += (at[-dx] >= own) + (at[dx] > own);
-            if (row + dy >= 0 && row + dy < side)
-            {
-                const int begin = std::max(column - halfWidth, 0),
-                          end = std::min(column + halfWidth + 1, side);
-                inside += usable.empty() ? end - begin
-                                         : usableBefore[size_t(row + dy) * (side + 1) + end] -
-                                               usableBefore[size_t(row + dy) * (side + 1) + begin];
-            }
-        }
+        const int column = int(ranked[i]) & (side - 1), row = int(ranked[i] >> depth);
         Entry& entry = entries[i];
-        entry.index = unsigned(i);
-        entry.strength = own;
-        entry.key = (binaryLogarithm(float(inside + int64(stronger) * total)) - binaryLogarithm(float(inside))) *
-                    (1 << 18);
-        if (rule.exponent > 0)
+        entry.place = unsigned(i);
+        entry.index = indexOf(byStrength[i]);
+        const bool isWhole = usable.empty() && column >= disc.widest && column < side - disc.widest &&
+                             row >= reach && row < side - reach;
+        entry.key = isWhole && ranks[i] < SHARED_RANKS
+                        ? shared[ranks[i]]
+                        : rankKey(ranks[i], isWhole ? disc.total : leavesInside(column, row));
+        if (exponent > 0)
         {
-            const float score = scores[i];
+            const float strength = strengths[entry.index];
             const int64 LAST = int64(1) << 61;
-            if (!(score > 0))
+            if (!(strength > 0))
                 entry.key += LAST;
-            else if (cvIsInf(score))
+            else if (cvIsInf(strength))
                 entry.key -= LAST;
             else
-                entry.key -= rule.exponent * binaryLogarithm(score);
+                entry.key -= exponent * logarithm(strength);
         }
     }
+    firstSorted = size_t(rule.quota) + size_t(rule.quota) / 4 + 16;
+}
+
+// The number of usable leaves of the disc around a leaf.
+int RankedSequence::leavesInside(int column, int row) const
+{
+    const int side = 1 << depth, reach = int(disc.halfWidths.size()) - 1;
+    int inside = 0;
+    for (int y = std::max(row - reach, 0); y <= std::min(row + reach, side - 1); y++)
+    {
+        const int halfWidth = disc.halfWidths[std::abs(y - row)];
+        const int begin = std::max(column - halfWidth, 0), end = std::min(column + halfWidth + 1, side);
+        if (usableBefore.empty())
+        {
+            inside += end - begin;
+            continue;
+        }
+        const int* before = &usableBefore[size_t(y) * (side + 1)];
+        inside += before[end] - before[begin];
+    }
+    return inside;
 }
 
 void RankedSequence::sortMore()
 {
-    const size_t more = std::min(std::max(sorted, size_t(64)), entries.size() - sorted);
-    std::nth_element(entries.begin() + sorted, entries.begin() + sorted + more - 1, entries.end());
-    std::sort(entries.begin() + sorted, entries.begin() + sorted + more);
+    const size_t more = std::min(std::max(sorted, firstSorted), entries.size() - sorted);
+    const std::vector<Entry>::iterator begin = entries.begin() + sorted;
+    std::nth_element(begin, begin + (more - 1), entries.end());
+    std::sort(begin, begin + more);
     sorted += more;
 }
 
 void RankedSequence::listOthers()
 {
     hasOthers = true;
-    const StrongerInLeaf stronger = {strengths.data()};
-    std::sort(points.begin(), points.end(), stronger);
-    // Sorted by place in the leaf, strength, and ties: LeafPoint::leaf becomes the place.
+    std::vector<uchar> isChosen(grid.size(), uchar(0));
+    for (size_t i = 0; i < chosen.size(); i++)
+        isChosen[chosen[i].leaf] = 1;
+    others.assign(points.begin(), points.begin() + count);
+    std::sort(others.begin(), others.end(), StrongerInLeaf());
+    // They are sorted by their place in their leaf, which takes the place of the leaf's number.
+    size_t left = 0;
     unsigned place = 0, leaf = 0;
-    for (size_t i = 0; i < points.size(); i++)
+    for (size_t i = 0; i < count; i++)
     {
-        place = i > 0 && points[i].leaf == leaf ? place + 1 : 0;
-        leaf = points[i].leaf;
-        if (place > 0)
-        {
-            others.push_back(points[i]);
-            others.back().leaf = place;
-        }
+        place = i > 0 && others[i].leaf == leaf ? place + 1 : 0;
+        leaf = others[i].leaf;
+        if (place == 0 && isChosen[leaf])
+            continue;
+        others[left] = others[i];
+        others[left++].leaf = place;
     }
-    std::sort(others.begin(), others.end(), stronger);
+    others.resize(left);
+    std::sort(others.begin(), others.end(), StrongerInLeaf());
 }
 
 bool RankedSequence::next(LeafPoint& point, const PointFilter* filter)
 {
-    for (;; given++)
+    for (;;)
     {
         if (given < entries.size())
         {
@@ -321,27 +313,30 @@ bool RankedSequence::next(LeafPoint& point, const PointFilter* filter)
                 return false;
             point = others[given - entries.size()];
         }
+        given++;
         if (!filter || filter->accepts(point))
-        {
-            given++;
             return true;
-        }
     }
 }
 
-void orderByResponse(std::vector<LeafPoint>& points, int depth, const RankRule& rule, RankedSequence& sequence)
+void numberLeaves(const Size& region, int depth, const RankedSequence& sequence, LeafScratch& scratch)
 {
-    int last = -1;
+    scratch.columns.resize(region.width);
+    scratch.rows.resize(region.height);
+    for (int i = 0; i < region.width; i++)
+        scratch.columns[i] = sequence.leafColumn(int((int64(i) << depth) / region.width));
+    for (int i = 0; i < region.height; i++)
+        scratch.rows[i] = sequence.leafRow(int((int64(i) << depth) / region.height));
+}
+
+void orderByResponse(std::vector<LeafPoint>& points, const RankRule& rule, RankedSequence& sequence)
+{
+    if (!areSortedByTies(points))
+        std::sort(points.begin(), points.end(), TieBefore());
     for (size_t i = 0; i < points.size(); i++)
-        last = std::max(last, points[i].index);
-    std::vector<float> strengths(size_t(last + 1)), scores;
-    for (size_t i = 0; i < points.size(); i++)
-        strengths[points[i].index] = points[i].response;
-    sequence.begin(points, strengths, depth);
-    const std::vector<LeafPoint>& best = sequence.representatives();
-    for (size_t i = 0; i < best.size(); i++)
-        scores.push_back(best[i].response);
-    sequence.rank(scores, rule, std::vector<uchar>());
+        sequence.add(points[i]);
+    sequence.findRepresentatives();
+    sequence.rank(rule, 1, std::vector<uchar>());
 }
 
 }  // namespace stages

@@ -28,25 +28,26 @@ void retainUniform(std::vector<KeyPoint>& keypoints, Size imageSize, int npoints
     const Size LARGE(INT_MAX, INT_MAX);
     const int depth = rankedDepth(LARGE, 1, npoints);
     const double leaves = double(1 << depth);
+    RankedSequence sequence;
     std::vector<LeafPoint> points;
     points.reserve(keypoints.size());
+    sequence.begin(depth, keypoints.size());
     for (size_t i = 0; i < keypoints.size(); i++)
     {
         const Point2f p = keypoints[i].pt;
         if (!(p.x >= 0 && p.y >= 0 && p.x < imageSize.width && p.y < imageSize.height))
             continue;
-        const LeafPoint point = {
-            unsigned(p.x * leaves / imageSize.width) | unsigned(p.y * leaves / imageSize.height) << depth,
-            keypoints[i].response, p.x, p.y, int(i)};
+        const unsigned leaf = sequence.leafColumn(int(p.x * leaves / imageSize.width)) +
+                              sequence.leafRow(int(p.y * leaves / imageSize.height));
+        const LeafPoint point = {leaf, keypoints[i].response, p.x, p.y, int(i)};
         points.push_back(point);
     }
     if (points.size() > size_t(npoints))
     {
-        RankedSequence sequence;
         const Parameters defaults;
         const RankRule rule = {imageSize, 1, std::max(npoints, 1), defaults.rankRadius,
-                               strengthExponent(defaults.strengthWeight, 1)};
-        orderByResponse(points, depth, rule, sequence);
+                               defaults.strengthWeight};
+        orderByResponse(points, rule, sequence);
         points.resize(npoints);
         for (int i = 0; i < npoints; i++)
             sequence.next(points[i]);

@@ -36,8 +36,8 @@ public:
         head = int(entries.size());
         entries.push_back(entry);
     }
-    // Whether a keypoint of another level (with onlyCoarser: of a coarser level) is strictly nearer than radius.
-    bool isNear(Point2d p, double radius, int level, bool onlyCoarser) const
+    // Whether a keypoint of one of the levels first .. last, but not of the given level, is strictly nearer than radius.
+    bool isNear(Point2d p, double radius, int level, int first, int last) const
     {
         const double squaredRadius = radius * radius;
         const int top = row(p.y - radius), bottom = row(p.y + radius);
@@ -49,7 +49,8 @@ public:
                 for (int i = heads[size_t(r) * columns + c]; i >= 0; i = entries[i].next)
                 {
                     const Point2d d = entries[i].position - p;
-                    const bool counts = onlyCoarser ? entries[i].level > level : entries[i].level != level;
+                    const int other = entries[i].level;
+                    const bool counts = other != level && other >= first && other <= last;
                     if (counts && d.x * d.x + d.y * d.y < squaredRadius)
                         return true;
                 }
@@ -82,10 +83,11 @@ private:
 class FeatureSelector::Impl
 {
 public:
-    Impl() : octaveSuppression(0), levelCount(0), step(0), asked(0), wanted(0) {}
+    Impl() : octaveSuppression(0), reach(0), levelCount(0), step(0), asked(0), wanted(0) {}
 
-    void begin(Size imageSize_, double octaveSuppression_)
+    void begin(Size imageSize_, double octaveSuppression_, int suppressionReach)
     {
+        reach = suppressionReach;
         imageSize = imageSize_;
         octaveSuppression = octaveSuppression_;
         levelCount = 0;
@@ -134,7 +136,7 @@ public:
         return false;
     }
 
-    void offer(PointSequence& sequence)
+    void offer(PointSequence& sequence, const std::vector<RankedCorner>& ofSequence)
     {
         LevelState& level = levels[asked];
         const bool again = level.hasBegun;
@@ -146,7 +148,7 @@ public:
         {
             // Finer levels may have chosen keypoints since the sequence began.
             if (!again || now.accepts(point))
-                level.chosen.push_back(cornerAt(point));
+                level.chosen.push_back(ofSequence[point.index]);
         }
         for (size_t i = before; i < level.chosen.size(); i++)
             grid.insert(position(asked, float(level.chosen[i].x), float(level.chosen[i].y)), asked);
@@ -167,7 +169,7 @@ public:
         PointSequence& filling = order(corners, level.given.order);
         LeafPoint point;
         for (; wanted > 0 && filling.next(point); wanted--)
-            level.chosen.push_back(cornerAt(point));
+            level.chosen.push_back(corners[point.index]);
     }
 
     // Sorts by counting, as a level has many rows with few corners each.
@@ -202,22 +204,25 @@ private:
     class NotSuppressed : public PointFilter
     {
     public:
-        NotSuppressed(const Impl& impl_, int level_, bool byCoarser_)
-            : impl(impl_), level(level_), byCoarser(byCoarser_)
+        NotSuppressed(const Impl& impl_, int level_, bool byCoarser)
+            : impl(impl_),
+              level(level_),
+              // A sequence that has begun must get the same answers again, and finer levels have new keypoints.
+              first(byCoarser ? level : level - impl.reach),
+              last(level + impl.reach)
         {
         }
         bool accepts(const LeafPoint& point) const CV_OVERRIDE
         {
             const double radius = impl.octaveSuppression * impl.levels[level].given.scale;
             return !(radius > 0 &&
-                     impl.grid.isNear(impl.position(level, point.x, point.y), radius, level, byCoarser));
+                     impl.grid.isNear(impl.position(level, point.x, point.y), radius, level, first, last));
         }
 
     private:
         const Impl& impl;
         int level;
-        // Only by keypoints of coarser levels, because a filter must always give the same answer.
-        bool byCoarser;
+        int first, last;  // the levels whose keypoints count
     };
 
     // The exact position in the image, by pixel centres, so that positions on coarse levels are not shifted against
@@ -241,19 +246,23 @@ private:
             balanced.begin(points, rule.depth);
             return balanced;
         }
-        leafCells(unordered, rule.root, rule.depth, scratch, points);
-        orderByResponse(points, rule.depth, rule.rank, ranked);
+        ranked.begin(rule.depth, unordered.size());
+        numberLeaves(rule.root.size(), rule.depth, ranked, scratch);
+        points.resize(unordered.size());
+        for (size_t i = 0; i < unordered.size(); i++)
+        {
+            const RankedCorner& corner = unordered[i];
+            const unsigned leaf = scratch.columns[corner.x - rule.root.x] + scratch.rows[corner.y - rule.root.y];
+            const LeafPoint point = {leaf, corner.response, float(corner.x), float(corner.y), int(i)};
+            points[i] = point;
+        }
+        orderByResponse(points, rule.rank, ranked);
         return ranked;
-    }
-
-    static RankedCorner cornerAt(const LeafPoint& point)
-    {
-        const RankedCorner corner = {int(point.x), int(point.y), point.response};
-        return corner;
     }
 
     Size imageSize;
     double octaveSuppression;
+    int reach;  // of octave suppression, in levels
     std::vector<LevelState> levels;  // it never shrinks, so that levels keep their memory
     int levelCount;                  // of this image
     int step;                        // the next pass and level to ask for
@@ -272,9 +281,9 @@ FeatureSelector::FeatureSelector() : impl(makePtr<Impl>())
 {
 }
 
-void FeatureSelector::begin(Size imageSize, double octaveSuppression)
+void FeatureSelector::begin(Size imageSize, double octaveSuppression, int suppressionReach)
 {
-    impl->begin(imageSize, octaveSuppression);
+    impl->begin(imageSize, octaveSuppression, suppressionReach);
 }
 
 void FeatureSelector::addLevel(const SelectionLevel& level)
@@ -287,9 +296,9 @@ bool FeatureSelector::wants(CornerRequest& request)
     return impl->wants(request);
 }
 
-void FeatureSelector::offer(PointSequence& sequence)
+void FeatureSelector::offer(PointSequence& sequence, const std::vector<RankedCorner>& corners)
 {
-    impl->offer(sequence);
+    impl->offer(sequence, corners);
 }
 
 void FeatureSelector::offer(const std::vector<RankedCorner>& corners)

@@ -34,7 +34,7 @@ struct CornerRequest
 
 /** Chooses the features of all levels. It takes from the sequence of each level, from coarse to fine, as many
  corners as the quota of the level and what coarser levels left over. It passes over corners that are nearer than
- octaveSuppression pixels of their level to a keypoint of a coarser level. If features are still missing then, it
+ octaveSuppression pixels of their level to a keypoint of a coarser level within reach. If features are still missing then, it
  goes through the levels from fine to coarse: first it continues their sequences, and then it fills up with the corners
  that the rules have passed over.
 
@@ -52,13 +52,15 @@ class FeatureSelector
 public:
     FeatureSelector();
     //! Starts with an image.
-    void begin(Size imageSize, double octaveSuppression);
+    //! @param suppressionReach a corner is not near keypoints of levels that are further away than so many levels
+    void begin(Size imageSize, double octaveSuppression, int suppressionReach);
     //! Adds the next level, in the order of the pyramid.
     void addLevel(const SelectionLevel& level);
     //! Which corners must be offered next; false when the selection is complete.
     bool wants(CornerRequest& request);
-    //! Answers a request for SEQUENCE_CORNERS. The sequence must be as the previous request left it.
-    void offer(PointSequence& sequence);
+    //! Answers a request for SEQUENCE_CORNERS. The sequence must be as the previous request left it. The index of its
+    //! points is that of their corners.
+    void offer(PointSequence& sequence, const std::vector<RankedCorner>& corners);
     //! Answers any other request.
     void offer(const std::vector<RankedCorner>& corners);
     //! Gives the chosen corners of a level in raster order.

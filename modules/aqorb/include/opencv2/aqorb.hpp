@@ -140,6 +140,7 @@ public:
     CV_WRAP virtual void setMaxDepth(int maxDepth) = 0;
     CV_WRAP virtual int getMaxDepth() const = 0;
 
+    // The type has its full name here, because OpenCV's wrappers for Python and Java do not find it otherwise.
     /** @brief The rule by which the corners of a level are chosen. The default is RANKED_SELECTION.
 
     - RANKED_SELECTION ranks the best corner of each leaf of the quadtree by the number of stronger ones
@@ -150,11 +151,11 @@ public:
       of version 0.1 of this module to the byte.
 
     Any other value raises an exception. */
-    CV_WRAP virtual void setSelectionType(AdaptiveQuadtreeORB::SelectionType selectionType) = 0;
-    CV_WRAP virtual AdaptiveQuadtreeORB::SelectionType getSelectionType() const = 0;
+    CV_WRAP virtual void setSelectionType(cv::aqorb::AdaptiveQuadtreeORB::SelectionType selectionType) = 0;
+    CV_WRAP virtual cv::aqorb::AdaptiveQuadtreeORB::SelectionType getSelectionType() const = 0;
 
     /** @brief How much the strength of a corner counts against an even distribution: 0 to 1000, without a
-    unit. The default is 0.15. With 0 corners are chosen by their rank alone, which gives the most even
+    unit. The default is 0.2. With 0 corners are chosen by their rank alone, which gives the most even
     distribution. A larger value prefers strong corners, and from about 100 on their strength decides
     alone, nearly as in cv::ORB: raise it to find a small object in a large scene. It has no effect with
     BALANCED_SELECTION. */

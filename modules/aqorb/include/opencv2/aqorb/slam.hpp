@@ -9,6 +9,7 @@
 #include <opencv2/aqorb.hpp>
 
 #include <algorithm>
+#include <climits>
 #include <cmath>
 #include <vector>
 
@@ -32,10 +33,16 @@ A SLAM system includes this header in place of the one that declares `ORBextract
     }
 @endcode
 
-Two properties of the detector are set to what such systems expect. SubPixel is false, because their
+It returns a few more keypoints than asked for, as the extractor it replaces does: one more for each level,
+so nfeatures + nlevels if the image has enough corners, and at least nfeatures + 1 wherever it has that many.
+ORB-SLAM2 starts only on a frame with more than 500 keypoints, and so would never start with nFeatures: 500
+and an extractor that keeps to it. AdaptiveQuadtreeORB itself never returns more than it is created for.
+
+Three properties of the detector are set to what such systems expect. SubPixel is false, because their
 stereo matching takes a position for a whole pixel of its level times the scale of the level.
-AdaptiveThreshold is false, so that the FAST thresholds are those given. Both can be changed through
-detector().
+AdaptiveThreshold is false, so that the FAST thresholds are those given. OctaveSuppression is 0, because a
+single camera is initialised with keypoints of the finest level only, and the best of these are where a
+coarser level has one, too. All can be changed through detector().
 
 An object keeps the pyramid of its last image, so it can be used by one thread at a time. Create one object
 for each camera.
@@ -45,7 +52,8 @@ class SlamExtractor
 public:
     /** @brief Creates the extractor. Invalid values raise a cv::Exception.
 
-    @param nfeatures The maximum number of keypoints, >= 0.
+    @param nfeatures The number of keypoints asked for, >= 0. There can be up to nlevels more. With 0 there
+    are none.
     @param scaleFactor Ratio between the sizes of neighbouring levels, finite, and > 1 if there are
     several levels.
     @param nlevels Number of pyramid levels, 1 to 65536.
@@ -58,14 +66,13 @@ public:
             CV_Error_(Error::StsOutOfRange, ("iniThFAST: got %d; 1 to 254 is accepted", iniThFAST));
         if (minThFAST < 1 || minThFAST > iniThFAST)
             CV_Error_(Error::StsOutOfRange, ("minThFAST: got %d; 1 to iniThFAST is accepted", minThFAST));
-        orb = AdaptiveQuadtreeORB::create(nfeatures, scaleFactor, nlevels);
+        orb = AdaptiveQuadtreeORB::create(withSurplus(nfeatures, nlevels), scaleFactor, nlevels);
         if (nlevels > 1 && scaleFactor <= 1)
             CV_Error_(Error::StsOutOfRange,
                       ("scaleFactor: got %g; > 1 with more than one level is accepted", scaleFactor));
         orb->setFastThreshold(iniThFAST);
         orb->setMinThresholdRatio(double(iniThFAST) / minThFAST);
-        orb->setAdaptiveThreshold(false);
-        orb->setSubPixel(false);
+        setForSlam(*orb);
         for (int level = 0; level < nlevels; level++)
         {
             const float scale = float(std::pow(double(scaleFactor), level));
@@ -137,8 +144,8 @@ public:
     std::vector<float> GetScaleSigmaSquares() const { return sigmaSquares; }
     std::vector<float> GetInverseScaleSigmaSquares() const { return inverseSigmaSquares; }
 
-    /** @brief The detector, so that its other properties can be set. Its number of levels and its scale factor
-    must not be changed, and its firstLevel must stay 0. */
+    /** @brief The detector, so that its other properties can be set. Its getMaxFeatures() is nfeatures +
+    nlevels. Its number of levels and its scale factor must not be changed, and its firstLevel must stay 0. */
     const Ptr<AdaptiveQuadtreeORB>& detector() const { return orb; }
 
     /** @brief The levels of the last image: GetLevels() images of size round(size / scale), without a border.
@@ -146,6 +153,26 @@ public:
     std::vector<Mat> mvImagePyramid;
 
 private:
+    //! One keypoint more for each level. Values that create rejects are passed on, so that it names them.
+    static int withSurplus(int nfeatures, int nlevels)
+    {
+        if (nfeatures <= 0 || nlevels <= 0)
+            return nfeatures;
+        return nfeatures < INT_MAX - nlevels ? nfeatures + nlevels : INT_MAX;
+    }
+
+    //! All that differs from the detector's own defaults, apart from the arguments of the constructor.
+    static void setForSlam(AdaptiveQuadtreeORB& orb)
+    {
+        // The thresholds are those of the settings file.
+        orb.setAdaptiveThreshold(false);
+        // Stereo matching by patches starts at a whole pixel of the level.
+        orb.setSubPixel(false);
+        // Two frames of a single camera are first matched by keypoints of the finest level. Octave suppression
+        // would leave out those of its corners that a coarser level has, too, which are found again best.
+        orb.setOctaveSuppression(0);
+    }
+
     Ptr<AdaptiveQuadtreeORB> orb;
     std::vector<float> scales, inverseScales, sigmaSquares, inverseSigmaSquares;
 };

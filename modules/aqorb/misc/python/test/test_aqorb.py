@@ -197,19 +197,29 @@ class aqorb_test(NewOpenCVTests):
         orb = aqorb.AdaptiveQuadtreeORB_create()
         for name, default, other in (('AdaptiveThreshold', True, False), ('MinThresholdRatio', 4, 2.5),
                                      ('CellSize', 35, 50), ('MaxDepth', -1, 3),
-                                     ('OctaveSuppression', 0.5, 0), ('SubPixel', True, False),
+                                     ('SelectionType', aqorb.AdaptiveQuadtreeORB_RANKED_SELECTION,
+                                      aqorb.AdaptiveQuadtreeORB_BALANCED_SELECTION),
+                                     ('StrengthWeight', 0.2, 0.5), ('RankRadius', 1, 2.5),
+                                     ('OctaveSuppression', -1, 0), ('SubPixel', True, False),
                                      ('EdgeThreshold', 16, 31), ('FastThreshold', 20, 7)):
             get, set_ = getattr(orb, 'get' + name), getattr(orb, 'set' + name)
             self.assertEqual(get(), default, name)
             set_(other)
             self.assertEqual(get(), other, name)
-        with self.assertRaisesRegex(cv.error, 'cellSize'):
-            orb.setCellSize(1)
+        for name, setter, bad in (('cellSize', orb.setCellSize, 1), ('selectionType', orb.setSelectionType, 2),
+                                  ('strengthWeight', orb.setStrengthWeight, 1001),
+                                  ('rankRadius', orb.setRankRadius, -0.5)):
+            with self.assertRaisesRegex(cv.error, name + ': got'):
+                setter(bad)
         self.assertEqual(orb.getCellSize(), 50)
+        self.assertEqual(orb.getSelectionType(), aqorb.AdaptiveQuadtreeORB_BALANCED_SELECTION)
 
     def test_write_and_read(self):
         orb = aqorb.AdaptiveQuadtreeORB_create(123, 1.5, 4)
         orb.setMaxDepth(2)
+        orb.setSelectionType(aqorb.AdaptiveQuadtreeORB_BALANCED_SELECTION)
+        orb.setStrengthWeight(0.5)
+        orb.setRankRadius(2.5)
         handle, path = tempfile.mkstemp(suffix='.yml')
         os.close(handle)
         try:
@@ -225,6 +235,9 @@ class aqorb_test(NewOpenCVTests):
         self.assertEqual(other.getScaleFactor(), 1.5)
         self.assertEqual(other.getNLevels(), 4)
         self.assertEqual(other.getMaxDepth(), 2)
+        self.assertEqual(other.getSelectionType(), aqorb.AdaptiveQuadtreeORB_BALANCED_SELECTION)
+        self.assertEqual(other.getStrengthWeight(), 0.5)
+        self.assertEqual(other.getRankRadius(), 2.5)
 
     def test_write_into_a_storage(self):
         orb = aqorb.AdaptiveQuadtreeORB_create(123, 1.5)

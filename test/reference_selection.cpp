@@ -1,0 +1,280 @@
+// This file is part of aqorb. Copyright (C) The aqorb developers.
+// It is subject to the license terms in the LICENSE file found in the top-level directory
+// of this distribution.
+// SPDX-License-Identifier: Apache-2.0
+
+#include "reference.hpp"
+
+#include <limits>
+#include <map>
+#include <set>
+
+namespace opencv_test
+{
+namespace reference
+{
+
+int64 binaryLogarithm(float v)
+{
+    // v = 2^e * (1 + f / 2^23), also where v is denormal.
+    int e = 0;
+    const double significand = std::frexp((double)v, &e) * 2;
+    e--;
+    const int64 f = (int64)((significand - 1) * (1 << 23));
+    struct Table
+    {
+        int64 operator()(int64 i) const
+        {
+            return (int64)std::floor(std::log2(1 + (double)i / 4096) * (1 << 26));
+        }
+    } T;
+    const int64 i = f / 2048, t = f % 2048;
+    return e * ((int64)1 << 24) + (T(i) * 2048 + (T(i + 1) - T(i)) * t) / 8192;
+}
+
+std::vector<int> areaQuotas(int nfeatures, double scaleFactor, int count)
+{
+    std::vector<int> result(count);
+    const float ratio = (float)(1.0 / scaleFactor), factor = ratio * ratio;
+    float wanted = factor < 1
+                       ? nfeatures * (1 - factor) / (1 - (float)std::pow((double)factor, (double)count))
+                       : (float)nfeatures / count;
+    int64 sum = 0;
+    for (int level = 1; level < count; level++)
+    {
+        wanted *= factor;
+        result[level] = cvRound(wanted);
+        sum += result[level];
+    }
+    result[0] = (int)std::max(nfeatures - sum, (int64)0);
+    sum += result[0];
+    for (int level = 0; sum > nfeatures; sum--)
+    {
+        while (result[level] == 0)
+            level++;
+        result[level]--;
+    }
+    return result;
+}
+
+int depthForQuota(int quota, double usable, int most)
+{
+    int depth = 0;
+    while (depth < most && std::pow(4., depth) * usable < 8. * quota)
+        depth++;
+    return depth;
+}
+
+int rankedDepth(int maxDepth, int quota, double usable, Size root)
+{
+    int depth = maxDepth >= 0 ? std::min(maxDepth, 12) : depthForQuota(quota, usable, 12);
+    while (depth > 0 && (2 << depth) > std::min(root.width, root.height))
+        depth--;
+    return depth;
+}
+
+float cornerBase(int fastScore, float response, bool isHarris)
+{
+    const float f2 = (float)fastScore * (float)fastScore;
+    return isHarris ? f2 * f2 * std::max(response, 0.f) : f2 * f2;
+}
+
+float momentsScore(float base, int64 m10, int64 m01)
+{
+    const float M = (float)((uint64)(m10 * m10) + (uint64)(m01 * m01)) * std::ldexp(1.f, -32);
+    return base * (M * M);
+}
+
+// Higher first. NaN is lower than everything.
+static bool isHigher(float a, float b)
+{
+    return cvIsNaN(a) ? false : cvIsNaN(b) ? true : a > b;
+}
+
+static bool isBetterBase(const LeafCorner& a, const LeafCorner& b)
+{
+    if (isHigher(a.base, b.base) || isHigher(b.base, a.base))
+        return isHigher(a.base, b.base);
+    if (a.y != b.y)
+        return a.y < b.y;
+    return a.x != b.x ? a.x < b.x : a.index < b.index;
+}
+
+namespace
+{
+
+// A corner with all that its place in the sequence depends on.
+struct Placed
+{
+    LeafCorner corner;
+    int place;  // in the leaf
+    bool isRepresentative;
+    float strength;  // the rest is for representatives only
+    int part;        // of the sequence of representatives: 0 is infinite, 2 is not positive
+    int64 key;
+};
+
+bool isStronger(const Placed& a, const Placed& b)
+{
+    if (isHigher(a.strength, b.strength) || isHigher(b.strength, a.strength))
+        return isHigher(a.strength, b.strength);
+    return a.corner.row != b.corner.row ? a.corner.row < b.corner.row : a.corner.column < b.corner.column;
+}
+
+bool comesBefore(const Placed& a, const Placed& b)
+{
+    if (a.isRepresentative != b.isRepresentative)
+        return a.isRepresentative;
+    if (!a.isRepresentative)
+        return a.place != b.place ? a.place < b.place : isBetterBase(a.corner, b.corner);
+    if (a.part != b.part)
+        return a.part < b.part;
+    return a.key != b.key ? a.key < b.key : isStronger(a, b);
+}
+
+}  // namespace
+
+std::vector<int> rankedSequence(const std::vector<LeafCorner>& corners, const RankedRule& rule,
+                                const std::function<bool(int column, int row)>& isUnmasked,
+                                const std::function<float(const LeafCorner&)>& strengthOf)
+{
+    typedef std::map<std::pair<int, int>, std::vector<LeafCorner>> Leaves;
+    Leaves leaves;
+    for (size_t i = 0; i < corners.size(); i++)
+        leaves[std::make_pair(corners[i].row, corners[i].column)].push_back(corners[i]);
+    for (Leaves::iterator leaf = leaves.begin(); leaf != leaves.end(); ++leaf)
+        std::sort(leaf->second.begin(), leaf->second.end(), isBetterBase);
+
+    // The best of a leaf represents it, unless two or more of the 8 leaves around have a better one.
+    std::vector<Placed> representatives, sequence;
+    std::set<std::pair<int, int>> represented;
+    for (Leaves::iterator leaf = leaves.begin(); leaf != leaves.end(); ++leaf)
+    {
+        int better = 0;
+        for (int dy = -1; dy <= 1; dy++)
+        {
+            for (int dx = -1; dx <= 1; dx++)
+            {
+                const Leaves::iterator other =
+                    leaves.find(std::make_pair(leaf->first.first + dy, leaf->first.second + dx));
+                if (other == leaves.end() || other == leaf)
+                    continue;
+                const float base = leaf->second[0].base, otherBase = other->second[0].base;
+                const bool isEqual = !isHigher(base, otherBase) && !isHigher(otherBase, base);
+                better += isHigher(otherBase, base) || (isEqual && other->first < leaf->first);
+            }
+        }
+        for (size_t i = 0; i < leaf->second.size(); i++)
+        {
+            const bool represents = i == 0 && better < 2;
+            const Placed placed = {
+                leaf->second[i], (int)i, represents, represents ? strengthOf(leaf->second[i]) : 0.f, 0, 0};
+            (represents ? representatives : sequence).push_back(placed);
+        }
+        if (better < 2)
+            represented.insert(leaf->first);
+    }
+
+    // Leaves that are (dx, dy) away are in the disc if dx^2 W^2 + dy^2 H^2 <= reach.
+    int64 W = rule.root.width, H = rule.root.height;
+    while (std::max(W, H) > 1 << 18)
+    {
+        W = std::max<int64>(W / 2, 1);
+        H = std::max<int64>(H / 2, 1);
+    }
+    const double R = rule.rankRadius;
+    const int64 reach = (int64)std::floor(R * R * rule.usable * (double)W * (double)H *
+                                          std::pow(4., rule.depth) / rule.quota);
+    int64 most = 0;  // |dx|
+    while ((most + 1) * (most + 1) * W * W <= reach)
+        most++;
+    int64 total = 0;
+    for (int64 dy = 0, width = most; dy * dy * H * H <= reach; dy++)
+    {
+        while (width * width * W * W + dy * dy * H * H > reach)
+            width--;
+        total += (2 * width + 1) * (dy == 0 ? 1 : 2);
+    }
+
+    const int64 P = cvRound(rule.strengthWeight * 65536), side = (int64)1 << rule.depth;
+    for (size_t i = 0; i < representatives.size(); i++)
+    {
+        Placed& a = representatives[i];
+        const int64 column = a.corner.column, row = a.corner.row;
+        int64 stronger = 0, inside = 0;
+        for (size_t j = 0; j < representatives.size(); j++)
+        {
+            const Placed& b = representatives[j];
+            const int64 dx = b.corner.column - column, dy = b.corner.row - row;
+            if (dx * dx * W * W + dy * dy * H * H <= reach && isStronger(b, a))
+                stronger++;
+        }
+        for (int64 y = 0; y < side; y++)
+        {
+            if ((y - row) * (y - row) * H * H > reach)
+                continue;
+            for (int64 x = std::max(column - most, (int64)0); x <= std::min(column + most, side - 1); x++)
+            {
+                const int64 dx = x - column, dy = y - row;
+                if (dx * dx * W * W + dy * dy * H * H <= reach &&
+                    (isUnmasked((int)x, (int)y) || represented.count(std::make_pair((int)y, (int)x)) != 0))
+                    inside++;
+            }
+        }
+        a.key = (binaryLogarithm((float)(inside + stronger * total)) - binaryLogarithm((float)inside)) *
+                rule.rankWeight;
+        if (rule.strengthWeight > 0)
+        {
+            a.part = a.strength == std::numeric_limits<float>::infinity() ? 0 : a.strength > 0 ? 1 : 2;
+            if (a.part == 1)
+                a.key -= P * binaryLogarithm(a.strength);
+        }
+        sequence.push_back(a);
+    }
+
+    std::sort(sequence.begin(), sequence.end(), comesBefore);
+    std::vector<int> indices;
+    for (size_t i = 0; i < sequence.size(); i++)
+        indices.push_back(sequence[i].corner.index);
+    return indices;
+}
+
+std::vector<int> responseSequence(const std::vector<LeafCorner>& corners, Size root, int depth, double usable,
+                                  int quota, double rankRadius, double strengthWeight)
+{
+    const RankedRule rule = {root, depth, usable, quota, rankRadius, strengthWeight, 1 << 16};
+    return rankedSequence(
+        corners, rule, [](int, int) { return true; }, [](const LeafCorner& corner) { return corner.base; });
+}
+
+KeyPoints retainUniform(const KeyPoints& keypoints, Size imageSize, int npoints)
+{
+    const int depth = depthForQuota(npoints, 1, 12);
+    std::vector<LeafCorner> corners;
+    for (size_t i = 0; i < keypoints.size(); i++)
+    {
+        const Point2f p = keypoints[i].pt;
+        if (!(p.x >= 0 && p.y >= 0 && p.x < imageSize.width && p.y < imageSize.height))
+            continue;
+        const double side = 1 << depth;
+        const LeafCorner corner = {int(p.x * side / imageSize.width),
+                                   int(p.y * side / imageSize.height),
+                                   p.x,
+                                   p.y,
+                                   keypoints[i].response,
+                                   (int)i};
+        corners.push_back(corner);
+    }
+    std::vector<int> order;
+    if (npoints > 0)
+        order = responseSequence(corners, imageSize, depth, 1, npoints, 1, 0.1);
+    order.resize(std::min(order.size(), (size_t)npoints));
+    std::sort(order.begin(), order.end());
+    KeyPoints kept;
+    for (size_t i = 0; i < order.size(); i++)
+        kept.push_back(keypoints[order[i]]);
+    return kept;
+}
+
+}  // namespace reference
+}  // namespace opencv_test

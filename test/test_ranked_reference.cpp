@@ -1,0 +1,328 @@
+// This file is part of aqorb. Copyright (C) The aqorb developers.
+// It is subject to the license terms in the LICENSE file found in the top-level directory
+// of this distribution.
+// SPDX-License-Identifier: Apache-2.0
+
+#include "reference.hpp"
+
+#include <limits>
+
+// The reference of RANKED_SELECTION decides what is right, so its parts are checked by examples worked out by hand.
+
+namespace opencv_test
+{
+namespace
+{
+
+using reference::LeafCorner;
+using reference::RankedRule;
+
+typedef std::vector<int> Ints;
+
+const float INF = std::numeric_limits<float>::infinity();
+const float NOT_A_NUMBER = std::numeric_limits<float>::quiet_NaN();
+
+TEST(Aqorb_RankedReference, logarithm_by_hand)
+{
+    for (int e = -149; e <= 127; e++)  // with denormals
+        ASSERT_EQ(reference::binaryLogarithm(std::ldexp(1.f, e)), int64(e) << 24) << e;
+    EXPECT_EQ(reference::binaryLogarithm(1.5f), 9814042);
+    EXPECT_EQ(reference::binaryLogarithm(3.f), 9814042 + (1 << 24));
+    EXPECT_EQ(reference::binaryLogarithm(std::ldexp(3.f, -149)), 9814042 - (int64(148) << 24));
+    EXPECT_EQ(reference::binaryLogarithm(0.1f), -55732706);
+    EXPECT_EQ(reference::binaryLogarithm(100.f), 111465410);
+    EXPECT_EQ(reference::binaryLogarithm(1e10f), 557327051);
+    EXPECT_EQ(reference::binaryLogarithm(1 + std::ldexp(1.f, -23)), 2);
+    EXPECT_EQ(reference::binaryLogarithm(std::numeric_limits<float>::max()), (int64(128) << 24) - 2);
+}
+
+TEST(Aqorb_RankedReference, logarithm_grows_and_is_exact_to_7_digits)
+{
+    RNG rng(1);
+    for (int i = 0; i < 100000; i++)
+    {
+        const float v = std::ldexp(rng.uniform(1.f, 2.f), rng.uniform(-126, 127));
+        const int64 L = reference::binaryLogarithm(v);
+        ASSERT_LE(L, reference::binaryLogarithm(std::nextafter(v, INF))) << v;
+        ASSERT_NEAR(std::ldexp(double(L), -24), std::log2(double(v)), 1.5e-7) << v;
+    }
+    // What is rounded down in the table is far enough from whole numbers for any std::log2.
+    for (int i = 1; i < 4096; i++)
+    {
+        const double T = std::log2(1 + i / 4096.) * (1 << 26);
+        ASSERT_GT(std::abs(T - std::floor(T + 0.5)), 1e-5) << i;
+    }
+}
+
+TEST(Aqorb_RankedReference, quotas_by_hand)
+{
+    // 161.5 112.2 77.9 54.1 37.6 26.1 18.1 12.6
+    EXPECT_EQ(reference::areaQuotas(500, 1.2f, 8), Ints({161, 112, 78, 54, 38, 26, 18, 13}));
+    // 76.2 19.05 4.8
+    EXPECT_EQ(reference::areaQuotas(100, 2, 3), Ints({76, 19, 5}));
+    // .67 of each: one is too many on levels 1 to 5, and is taken from the finest that has one.
+    EXPECT_EQ(reference::areaQuotas(4, 1.001, 6), Ints({0, 0, 1, 1, 1, 1}));
+    EXPECT_EQ(reference::areaQuotas(1, 1.2f, 3), Ints({1, 0, 0}));
+    EXPECT_EQ(reference::areaQuotas(0, 1.2f, 3), Ints({0, 0, 0}));
+    EXPECT_EQ(reference::areaQuotas(7, 1, 1), Ints({7}));
+}
+
+TEST(Aqorb_RankedReference, depth_by_hand)
+{
+    const Size large(1 << 14, 1 << 14);
+    EXPECT_EQ(reference::rankedDepth(-1, 1, 1, large), 2);     // 8 <= 16 leaves
+    EXPECT_EQ(reference::rankedDepth(-1, 2, 1, large), 2);     // 16
+    EXPECT_EQ(reference::rankedDepth(-1, 3, 1, large), 3);     // 24 <= 64
+    EXPECT_EQ(reference::rankedDepth(-1, 32, 1, large), 4);    // 256
+    EXPECT_EQ(reference::rankedDepth(-1, 32, 0.5, large), 5);  // 1024 / 2
+    EXPECT_EQ(reference::rankedDepth(-1, 32, 0.2, large), 6);  // 4096 / 5
+    EXPECT_EQ(reference::rankedDepth(-1, 1, 0, large), 12);
+    EXPECT_EQ(reference::rankedDepth(-1, 2000000, 1, large), 12);
+    EXPECT_EQ(reference::rankedDepth(15, 1, 1, large), 12);
+    EXPECT_EQ(reference::rankedDepth(12, 1, 1, Size(1 << 13, 1 << 14)), 12);
+    EXPECT_EQ(reference::rankedDepth(12, 1, 1, Size((1 << 13) - 1, 1 << 14)), 11);
+    EXPECT_EQ(reference::rankedDepth(3, 500, 1, large), 3);
+    EXPECT_EQ(reference::rankedDepth(0, 500, 1, large), 0);
+    EXPECT_EQ(reference::rankedDepth(-1, 500, 1, Size(100, 4)), 1);  // 2 pixels a side
+    EXPECT_EQ(reference::rankedDepth(-1, 500, 1, Size(3, 100)), 0);
+    EXPECT_EQ(reference::rankedDepth(5, 500, 1, Size(1, 1)), 0);
+}
+
+TEST(Aqorb_RankedReference, base_and_score_by_hand)
+{
+    EXPECT_EQ(reference::cornerBase(10, 2.f, true), 20000.f);
+    EXPECT_EQ(reference::cornerBase(10, -2.f, true), 0.f);
+    EXPECT_EQ(reference::cornerBase(10, 10.f, false), 10000.f);
+    EXPECT_EQ(reference::momentsScore(3.f, 1 << 16, 0), 3.f);         // |m| = 1
+    EXPECT_EQ(reference::momentsScore(3.f, 0, -(1 << 17)), 48.f);     // 2
+    EXPECT_EQ(reference::momentsScore(3.f, 1 << 16, 1 << 16), 12.f);  // sqrt(2)
+    EXPECT_EQ(reference::momentsScore(3.f, 0, 0), 0.f);
+    // -2^31 squared twice is 2^63: |m|^2 = 2^31, and with b = 1 it is squared.
+    EXPECT_EQ(reference::momentsScore(1.f, std::numeric_limits<int>::min(), std::numeric_limits<int>::min()),
+              std::ldexp(1.f, 62));
+}
+
+TEST(Aqorb_RankedReference, moments_of_every_fifth_row)
+{
+    // One bright pixel at a time: it counts on rows 0, +-5, +-10 and +-15 of the disc and nowhere else.
+    int counted = 0;
+    for (int v = -17; v <= 17; v++)
+    {
+        for (int u = -17; u <= 17; u++)
+        {
+            Mat image = Mat::zeros(41, 41, CV_8UC1);
+            image.at<uchar>(20 + v, 20 + u) = 2;
+            int m10 = 0, m01 = 0, all10 = 0, all01 = 0;
+            reference::discMoments(image, 20, 20, 31, 5, m10, m01);
+            reference::discMoments(image, 20, 20, 31, 1, all10, all01);
+            ASSERT_EQ(m10, v % 5 == 0 ? all10 : 0);
+            ASSERT_EQ(m01, v % 5 == 0 ? all01 : 0);
+            ASSERT_TRUE((m10 == 0 && m01 == 0) || (m10 == 2 * u && m01 == 2 * v));
+            counted += m10 != 0 || m01 != 0;
+        }
+    }
+    // Rows 0, 5, 10 and 15 of the disc of radius 15 have 15, 14, 11 and 3 pixels on either side.
+    EXPECT_EQ(counted, 30 + 2 * (29 + 23 + 7));
+}
+
+//! Corners in leaves, of which the order is asked.
+class Order
+{
+public:
+    explicit Order(const RankedRule& rule_) : rule(rule_) {}
+    //! Adds a corner with its place in the leaf, in units that are finer than a leaf.
+    Order& add(int column, int row, float strength, float x = 0, float y = 0)
+    {
+        const LeafCorner corner = {column, row, x, y, strength, int(corners.size())};
+        corners.push_back(corner);
+        return *this;
+    }
+    Order& maskLeaf(int column, int row)
+    {
+        masked.push_back(Point(column, row));
+        return *this;
+    }
+    Ints get() const
+    {
+        return rankedSequence(
+            corners, rule,
+            [this](int column, int row)
+            { return std::find(masked.begin(), masked.end(), Point(column, row)) == masked.end(); },
+            [](const LeafCorner& corner) { return corner.base; });
+    }
+
+private:
+    RankedRule rule;
+    std::vector<LeafCorner> corners;
+    std::vector<Point> masked;
+};
+
+//! 4 x 4 leaves, and a disc of a leaf and its four neighbours.
+RankedRule crossRule(double strengthWeight)
+{
+    const RankedRule rule = {Size(100, 100), 2, 1, 16, 1, strengthWeight, 1 << 18};
+    return rule;
+}
+
+TEST(Aqorb_RankedReference, ranks_by_hand)
+{
+    // In a row 4, 8, 16, and 2 far away. Nothing is stronger near 16 and 2. Near 8 there is one, and 4 of the 5
+    // leaves of its disc are inside: 1 + r = 1 + 5/4. Near 4, in the corner, it is 1 + 5/3.
+    Order order(crossRule(0));
+    order.add(0, 0, 4).add(1, 0, 8).add(3, 3, 2).add(2, 0, 16);
+    EXPECT_EQ(order.get(), Ints({3, 2, 1, 0}));
+    // By (1 + r)^4 / S, as S is a fourth power. Now 1/8 is the strongest: 8 and, far away, 17. The two beside it have
+    // 16 * (9/4)^4 = 410 and 64 * (8/3)^4 = 3236.
+    Order weighted(crossRule(1));
+    weighted.add(0, 0, 1 / 64.f).add(1, 0, 1 / 8.f).add(3, 3, 1 / 17.f).add(2, 0, 1 / 16.f);
+    EXPECT_EQ(weighted.get(), Ints({1, 2, 3, 0}));
+}
+
+TEST(Aqorb_RankedReference, weight_by_hand)
+{
+    // A corner of strength 4^4 beside one of 3^4, and one of 1.1^4 far away. By (1 + r) / s^P they have 1 / 4^P, 2 / 3^P
+    // and 1 / 1.1^P. The last two are equal if (3 / 1.1)^P = 2, which is P = .691.
+    for (double P : {0., 0.5, 0.68, 0.70, 1., 1000.})
+    {
+        Order order(crossRule(P));
+        order.add(3, 0, std::pow(1.1f, 4.f)).add(1, 2, 256.f).add(2, 2, 81.f);
+        EXPECT_EQ(order.get(), P < 0.69 ? Ints({1, 0, 2}) : Ints({1, 2, 0})) << P;
+    }
+}
+
+TEST(Aqorb_RankedReference, masked_leaves_are_no_part_of_the_disc)
+{
+    // 1 at (1, 2) beside 2 at (1, 3): 1 + 5/5. 8 at (1, 0) beside 16 at (2, 0): 1 + 5/4.
+    Order order(crossRule(0));
+    order.add(1, 2, 1).add(1, 3, 2).add(1, 0, 8).add(2, 0, 16);
+    EXPECT_EQ(order.get(), Ints({3, 1, 0, 2}));
+    // With two leaves masked it is 1 + 5/3 for the first.
+    order.maskLeaf(0, 2).maskLeaf(2, 2);
+    EXPECT_EQ(order.get(), Ints({3, 1, 2, 0}));
+
+    // The leaf of a representative counts even if its centre is masked.
+    Order masked(crossRule(0));
+    masked.add(1, 2, 1).add(1, 3, 2).add(1, 0, 8).add(2, 0, 16).maskLeaf(1, 2).maskLeaf(1, 3);
+    EXPECT_EQ(masked.get(), Ints({3, 1, 0, 2}));
+}
+
+TEST(Aqorb_RankedReference, disc_reaches_as_far_as_its_radius)
+{
+    // 16 x 16 leaves of 12.5 x 6.25 pixels. With quota 8 and half of the area usable the spacing is
+    // sqrt(100 * 100 / 8) pixels, so that its square is 8 squared widths or 32 squared heights.
+    struct Case
+    {
+        int dx, dy;
+        double squaredRadius;
+    };
+    const Case cases[] = {{2, 0, 4 / 8.}, {0, 5, 25 / 32.}, {2, 4, 1.},
+                          {-2, -4, 1.},   {3, 0, 9 / 8.},   {1, -6, 40 / 32.}};
+    for (const Case& c : cases)
+    {
+        for (int side = -1; side <= 1; side += 2)
+        {
+            SCOPED_TRACE(format("%d, %d, %d", c.dx, c.dy, side));
+            RankedRule rule = {Size(200, 100), 4, 0.5, 8, 0, 0, 1 << 18};
+            rule.rankRadius = std::sqrt(c.squaredRadius) + side * 1e-9;
+            Order order(rule);
+            order.add(8, 8, 5).add(8 + c.dx, 8 + c.dy, 6).add(15, 15, 4);  // The last one is alone.
+            EXPECT_EQ(order.get(), side > 0 ? Ints({1, 2, 0}) : Ints({1, 0, 2}));
+        }
+    }
+    // R = 0: every leaf is alone.
+    RankedRule alone = crossRule(0);
+    alone.rankRadius = 0;
+    Order order(alone);
+    order.add(0, 0, 4).add(1, 0, 8).add(3, 3, 2).add(2, 0, 16);
+    EXPECT_EQ(order.get(), Ints({3, 1, 0, 2}));
+}
+
+TEST(Aqorb_RankedReference, large_roots_are_halved_together)
+{
+    for (int shift = 0; shift <= 3; shift++)
+    {
+        const RankedRule rule = {Size((1 << 18) << shift, (1 << 16) << shift), 5, 1, 40, 1.3, 0.2, 1 << 16};
+        Order order(rule);
+        RNG rng(3);
+        for (int i = 0; i < 300; i++)
+            order.add(rng.uniform(0, 32), rng.uniform(0, 32), rng.uniform(0.f, 1.f));
+        static Ints expected;
+        if (shift == 0)
+            expected = order.get();
+        EXPECT_EQ(order.get(), expected);
+    }
+}
+
+TEST(Aqorb_RankedReference, strengths_that_are_no_numbers_or_not_positive)
+{
+    // With R = 0 every rank is 0. No leaf has a neighbour.
+    RankedRule rule = crossRule(0.15);
+    rule.depth = 4;
+    rule.rankRadius = 0;
+    const float strengths[] = {NOT_A_NUMBER, 1.f, 0.f, INF, -1.f, -INF, 1e-42f, -0.f, INF, 2.f, NOT_A_NUMBER};
+    Order order(rule), even(RankedRule({Size(100, 100), 4, 1, 16, 0, 0, 1 << 18}));
+    for (int i = 0; i < 11; i++)
+    {
+        order.add(2 * (i % 8), 2 * (i / 8), strengths[i]);
+        even.add(2 * (i % 8), 2 * (i / 8), strengths[i]);
+    }
+    EXPECT_EQ(order.get(), Ints({3, 8, 9, 1, 6, 2, 7, 4, 5, 0, 10}));
+    EXPECT_EQ(even.get(), Ints({3, 8, 9, 1, 6, 2, 7, 4, 5, 0, 10}));
+
+    // Infinity comes first whatever its rank, and zero last; with P = 0 the ranks decide.
+    for (double P : {0.15, 0.})
+    {
+        Order ranked(crossRule(P));
+        ranked.add(0, 0, INF).add(1, 0, INF).add(3, 3, 0.f).add(2, 3, 5.f).add(0, 3, 7.f);
+        EXPECT_EQ(ranked.get(), P > 0 ? Ints({0, 1, 4, 3, 2}) : Ints({0, 4, 3, 1, 2})) << P;
+    }
+}
+
+TEST(Aqorb_RankedReference, no_more_than_one_better_neighbour)
+{
+    // In a row 2.5, 3, 2, and 1 below the last two of them, which is passed over. 1 + r is 1 + 5/3, 1 and 1 + 5/4.
+    Order order(crossRule(0));
+    order.add(0, 0, 2.5f).add(1, 0, 3).add(2, 0, 2).add(2, 1, 1);
+    EXPECT_EQ(order.get(), Ints({1, 2, 0, 3}));
+    // Nothing represents the leaf below. If it is masked, the third has 1 + 5/3, too.
+    order.maskLeaf(2, 1);
+    EXPECT_EQ(order.get(), Ints({1, 0, 2, 3}));
+
+    // Of four equal ones beside each other the first two in raster order stay.
+    Order equal(crossRule(0));
+    equal.add(1, 1, 5).add(0, 1, 5).add(1, 0, 5).add(0, 0, 5).add(3, 3, 5);
+    EXPECT_EQ(equal.get(), Ints({3, 4, 2, 0, 1}));
+    // Passed-over ones come before the second of any leaf, by their base.
+    Order mixed(crossRule(0.15));
+    mixed.add(0, 0, 9, 1, 1).add(0, 0, 8, 2, 1).add(1, 0, 7, 30, 1).add(0, 1, 5, 1, 30).add(1, 1, 6, 30, 30);
+    EXPECT_EQ(mixed.get(), Ints({0, 2, 4, 3, 1}));
+}
+
+TEST(Aqorb_RankedReference, the_others_follow_by_their_place_in_the_leaf)
+{
+    Order order(crossRule(0.15));
+    order.add(0, 0, 9, 1, 1).add(0, 0, 8, 2, 1).add(0, 0, 7, 3, 1);  // one leaf: first, second, third
+    order.add(3, 3, 2, 70, 5).add(3, 3, 2, 71, 4);                   // The one of lower y is the first.
+    order.add(0, 3, 2, 80, 4).add(0, 3, 2, 72, 4);                   // of lower x
+    order.add(3, 0, 1, 5, 5).add(3, 0, 1, 5, 5);                     // of lower index
+    order.add(2, 1, NOT_A_NUMBER, 1, 9).add(2, 1, -INF, 2, 9);
+    EXPECT_EQ(order.get(), Ints({0, 6, 4, 7, 10, /* second */ 1, 5, 3, 8, 9, /* third */ 2}));
+}
+
+TEST(Aqorb_RankedReference, retain_uniform_by_hand)
+{
+    // For 1 of 16 x 16 pixels there are 4 x 4 leaves.
+    KeyPoints given;
+    given.push_back(KeyPoint(1, 1, 1, -1, 5));
+    given.push_back(KeyPoint(2, 2, 1, -1, 6));
+    given.push_back(KeyPoint(15, 15, 1, -1, 6));
+    given.push_back(KeyPoint(16, 15, 1, -1, 9));  // outside
+    KeyPoints kept = reference::retainUniform(given, Size(16, 16), 1);
+    ASSERT_EQ(kept.size(), 1u);
+    EXPECT_EQ(kept[0].pt, Point2f(2, 2));
+    EXPECT_EQ(reference::retainUniform(given, Size(16, 16), 9).size(), 3u);
+    EXPECT_EQ(reference::retainUniform(given, Size(16, 16), 0).size(), 0u);
+}
+
+}  // namespace
+}  // namespace opencv_test
