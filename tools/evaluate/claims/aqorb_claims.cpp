@@ -32,6 +32,8 @@ const char* const KEYS =
     "{methods        | aqorb | methods to judge: aqorb or aqorb:key=value:..., separated by commas }"
     "{orb            | orb  | the method that stands for cv::ORB }"
     "{paper          | aqorb:selection=balanced | the method that stands for the paper's selection }"
+    "{paperslam      | slam:selection=balanced:octave=0.5 | SlamExtractor with the paper's selection, as it "
+    "was }"
     "{dial           | aqorb:strength=1000 | the method at the dial's other end }"
     "{only           | distinct,uniformity,roll,findobj,heldout,stereo,degraded,cost | what is measured }"
     "{short          |      | only distinct,uniformity,roll,findobj, and no homographies }"
@@ -54,7 +56,7 @@ struct BadArguments
 
 struct Options
 {
-    std::string datasets, out, orb, paper, dial, object, heldOut, stereo;
+    std::string datasets, out, orb, paper, paperSlam, dial, object, heldOut, stereo;
     std::vector<std::string> methods, only, sets, photographs, degradations;
     std::vector<int> numbers;
     int seeds, runs;
@@ -68,6 +70,7 @@ Options readOptions(const cv::CommandLineParser& parser)
                        text("out"),
                        text("orb"),
                        text("paper"),
+                       text("paperslam"),
                        text("dial"),
                        text("object"),
                        text("heldout"),
@@ -196,10 +199,12 @@ Measurements measure(const Options& options)
     if (isAsked(options, "stereo", options.stereo))
     {
         const StereoSequence sequence = readStereoSequence(options.stereo);
-        for (const std::string& name : unique(names))
-            for (const std::string& each : {name, slamOf(name)})
-                if (!each.empty())
-                    measureStereo(sequence, *makeMethod(each, ""), 1000, std::max(options.seeds, 1), results);
+        std::vector<std::string> all = names;
+        all.push_back(options.paperSlam);
+        for (const std::string& name : options.methods)
+            all.push_back(slamOf(name));
+        for (const std::string& name : unique(all))
+            measureStereo(sequence, *makeMethod(name, ""), 1000, std::max(options.seeds, 1), results);
     }
     if (isAsked(options, "degraded"))
     {
@@ -244,8 +249,8 @@ bool run(const Options& options)
     bool holds = true;
     for (const std::string& method : options.methods)
     {
-        const std::vector<Claim> claims =
-            judge(measured, {method, options.orb, options.paper, options.dial}, options.numbers);
+        const std::vector<Claim> claims = judge(
+            measured, {method, options.orb, options.paper, options.paperSlam, options.dial}, options.numbers);
         print(method, claims);
         for (const Claim& claim : claims)
         {

@@ -219,7 +219,7 @@ std::vector<Claim> judge(const Measurements& measured, const Compared& compared,
     for (const char* const quantity : {"metres", "degrees"})
     {
         judge.stereo("stereo odometry, median error", compared.method, compared.paper, quantity);
-        judge.stereo("stereo odometry with SlamExtractor", slamOf(compared.method), slamOf(compared.paper),
+        judge.stereo("stereo odometry with SlamExtractor", slamOf(compared.method), compared.paperSlam,
                      quantity);
     }
 

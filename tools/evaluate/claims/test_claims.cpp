@@ -221,7 +221,7 @@ std::vector<Claim> claimsOf(double distinct)
     measured.add({"sets", "graf/1-2", "orb", 500, "distinct", 100});
     measured.add({"sets", "graf/1-2", "old", 500, "distinct", 120});
     measured.add({"sets", "graf/1-2", "new", 500, "distinct", distinct});
-    return judge(measured, {"new", "orb", "old", "dial"}, {500});
+    return judge(measured, {"new", "orb", "old", "slam", "dial"}, {500});
 }
 
 TEST(Aqorb_Claims, verdict_follows_the_number)
@@ -246,7 +246,7 @@ TEST(Aqorb_Claims, homographies_may_be_worse_by_chance_only)
             measured.add({"sets", "graf/1-2", "old", 500, "auc5", 0.5});
             measured.add({"sets", "graf/1-2", "new", 500, "auc5", 0.5 - less + (i % 2 ? 0.05 : -0.05)});
         }
-        return judge(measured, {"new", "orb", "old", "dial"}, {500})[0].verdict;
+        return judge(measured, {"new", "orb", "old", "slam", "dial"}, {500})[0].verdict;
     };
     EXPECT_EQ(Claim::HOLDS, verdict(0.05));
     EXPECT_EQ(Claim::FAILS, verdict(0.06));
