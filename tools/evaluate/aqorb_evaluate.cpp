@@ -235,8 +235,11 @@ void measureOdometry(const StereoSequence& sequence, Method& method, int n, Resu
         const Features right = method.compute(imread(sequence.right[i]), n);
         const StereoFrame later = triangulate(sequence, left, right, method.norm());
         if (i > 0)
+        {
+            const std::vector<DMatch> matches = matchFrames(earlier, later, method.norm());
             results.odometry.push_back(
-                {method.name, n, int(i), estimateMotion(sequence, earlier, i - 1, later, i, method.norm())});
+                {method.name, n, int(i), estimateMotion(sequence, earlier, i - 1, later, i, matches)});
+        }
         earlier = later;
     }
 }

@@ -101,8 +101,9 @@ ImageSet degrade(const ImageSet& set, const std::string& degradation)
             // Coordinates count from the middle of a pixel.
             const double shift = (scale - 1) / 2;
             const cv::Matx33d resized(scale, 0, shift, 0, scale, shift, 0, 0, 1);
-            // A new matrix: the elements of the old one are those of the set.
-            worse.homographies[i] = cv::Mat(cv::Mat(resized) * set.homographies[i]);
+            // A new matrix: the set's own stays as it is.
+            const cv::Mat homography = cv::Mat(resized) * set.homographies[i];
+            worse.homographies[i] = homography;
         }
         else
             CV_Error(cv::Error::StsBadArg, degradation + ": no such degradation");

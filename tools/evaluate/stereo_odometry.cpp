@@ -102,16 +102,9 @@ std::vector<int> matchAlongRows(const opencv_test::Features& left, const opencv_
 
 //! From the coordinates of the later frame to those of the earlier one; false where none is found.
 bool solveMotion(const StereoSequence& sequence, const StereoFrame& earlier, const StereoFrame& later,
-                 int norm, int seed, OdometryStep& step, cv::Matx44d& motion)
+                 const std::vector<cv::DMatch>& matches, OdometryStep& step, cv::Matx44d& motion)
 {
     const size_t FEWEST = 6;
-    std::vector<cv::DMatch> matches;
-    if (!earlier.points.empty() && !later.points.empty())
-        cv::BFMatcher(norm, true).match(earlier.features.descriptors, later.features.descriptors, matches);
-    step.matches = int(matches.size());
-    cv::RNG random(seed);
-    for (size_t i = matches.size(); seed && i > 1; i--)
-        std::swap(matches[i - 1], matches[random.uniform(0, int(i))]);
     std::vector<cv::Point3d> points;
     std::vector<cv::Point2d> pixels;
     for (const cv::DMatch& match : matches)
@@ -185,13 +178,26 @@ StereoFrame triangulate(const StereoSequence& sequence, const opencv_test::Featu
     return frame;
 }
 
-OdometryStep estimateMotion(const StereoSequence& sequence, const StereoFrame& earlier, size_t earlierIndex,
-                            const StereoFrame& later, size_t laterIndex, int norm, int seed)
+std::vector<cv::DMatch> matchFrames(const StereoFrame& earlier, const StereoFrame& later, int norm)
 {
+    std::vector<cv::DMatch> matches;
+    if (!earlier.points.empty() && !later.points.empty())
+        cv::BFMatcher(norm, true).match(earlier.features.descriptors, later.features.descriptors, matches);
+    return matches;
+}
+
+OdometryStep estimateMotion(const StereoSequence& sequence, const StereoFrame& earlier, size_t earlierIndex,
+                            const StereoFrame& later, size_t laterIndex, std::vector<cv::DMatch> matches,
+                            int seed)
+{
+    cv::RNG random(seed);
+    for (size_t i = matches.size(); seed && i > 1; i--)
+        std::swap(matches[i - 1], matches[random.uniform(0, int(i))]);
     OdometryStep step;
     step.points = int(later.points.size());
+    step.matches = int(matches.size());
     cv::Matx44d motion;
-    step.found = solveMotion(sequence, earlier, later, norm, seed, step, motion);
+    step.found = solveMotion(sequence, earlier, later, matches, step, motion);
     if (step.found)
     {
         const cv::Matx44d truth = sequence.poses[earlierIndex].inv() * sequence.poses[laterIndex];

@@ -47,11 +47,16 @@ struct StereoFrame
 StereoFrame triangulate(const StereoSequence& sequence, const opencv_test::Features& left,
                         const opencv_test::Features& right, int norm);
 
+//! Mutual nearest neighbours of the features of two frames.
+std::vector<cv::DMatch> matchFrames(const StereoFrame& earlier, const StereoFrame& later, int norm);
+
 /** The motion between two frames of a sequence: that under which the points of the earlier one project onto their
  matches in the later one (PnP).
  @param earlierIndex, laterIndex of the frames in the sequence
+ @param matches by matchFrames
  @param seed that orders the matches, of which random ones are tried; 0 leaves them as they are */
 OdometryStep estimateMotion(const StereoSequence& sequence, const StereoFrame& earlier, size_t earlierIndex,
-                            const StereoFrame& later, size_t laterIndex, int norm, int seed = 0);
+                            const StereoFrame& later, size_t laterIndex, std::vector<cv::DMatch> matches,
+                            int seed = 0);
 
 #endif

@@ -13,6 +13,7 @@ PART says what FOLDER holds:
   memory        what aqorb_profile --memory printed, as memory.csv
   instructions  what tools/profile/instructions.py printed, as instructions.csv
   evaluation    what aqorb_evaluate wrote
+  claims        what aqorb_claims wrote
   figures       the same, to draw the figures in FOLDER
 
 scripts/performance.sh and scripts/reproduce.sh measure and call this program.
@@ -34,6 +35,7 @@ PARTS = {
     'memory': ('profiling', 'memory_tables'),
     'instructions': ('profiling', 'instruction_tables'),
     'evaluation': ('evaluation', 'evaluation_tables'),
+    'claims': ('claims', 'claims_tables'),
     'figures': ('evaluation_figures', 'draw_figures'),
 }
 

@@ -140,9 +140,12 @@ public:
         if (here.empty() || here.size() != theirs.size())
             return;
         const double error = standardError(differences(here, theirs));
+        const double withFrames = standardDeviation(differences(
+            stereoErrors(method, quantity + ", resampled"), stereoErrors(paper, quantity + ", resampled")));
         const Bound bound = {Bound::AT_MOST, ::mean(theirs) + error, NOTHING};
         add(what + ", " + quantity, ONE_NUMBER, ::mean(here), ::mean(stereoErrors(names.orb, quantity)),
-            ::mean(theirs), 4, bound, cv::format(" (with a standard error of %.4f)", error));
+            ::mean(theirs), 4, bound,
+            cv::format(" (incl. standard error %.4f; %.4f with the frames)", error, withFrames));
         for (int gap = 1; gap <= 3; gap++)
         {
             const Measurements::Filter filter = ofSets({std::to_string(gap)});
@@ -216,7 +219,7 @@ std::vector<Claim> judge(const Measurements& measured, const Compared& compared,
     for (const char* const quantity : {"metres", "degrees"})
     {
         judge.stereo("stereo odometry, median error", compared.method, compared.paper, quantity);
-        judge.stereo("stereo odometry with SlamExtractor", slamOf(compared.method), slamOf(compared.paper),
+        judge.stereo("stereo odometry with SlamExtractor", slamOf(compared.method), compared.paperSlam,
                      quantity);
     }
 

@@ -27,9 +27,10 @@ struct Claim
 struct Compared
 {
     std::string method;
-    std::string orb;    //!< cv::ORB
-    std::string paper;  //!< the paper's selection, which was the default of version 0.1
-    std::string dial;   //!< the other end of the dial: strength alone
+    std::string orb;        //!< cv::ORB
+    std::string paper;      //!< the paper's selection, which was the default of version 0.1
+    std::string paperSlam;  //!< SlamExtractor of version 0.1
+    std::string dial;       //!< the other end of the dial: strength alone
 };
 
 //! The name of the method that is SlamExtractor with the settings of an aqorb; empty if the method is none.

@@ -46,13 +46,18 @@ double mean(const std::vector<double>& values)
     return values.empty() ? std::numeric_limits<double>::quiet_NaN() : sum / double(values.size());
 }
 
-double standardError(const std::vector<double>& values)
+double standardDeviation(const std::vector<double>& values)
 {
     const double count = double(values.size()), middle = mean(values);
     double sum = 0;
     for (const double value : values)
         sum += (value - middle) * (value - middle);
-    return count < 2 ? std::numeric_limits<double>::quiet_NaN() : std::sqrt(sum / (count - 1) / count);
+    return count < 2 ? std::numeric_limits<double>::quiet_NaN() : std::sqrt(sum / (count - 1));
+}
+
+double standardError(const std::vector<double>& values)
+{
+    return standardDeviation(values) / std::sqrt(double(values.size()));
 }
 
 std::vector<double> differences(const std::vector<double>& a, const std::vector<double>& b)

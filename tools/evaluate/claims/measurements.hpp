@@ -44,6 +44,8 @@ private:
 
 double mean(const std::vector<double>& values);
 
+double standardDeviation(const std::vector<double>& values);
+
 //! The standard error of the mean.
 double standardError(const std::vector<double>& values);
 

@@ -10,6 +10,30 @@
 
 #include <limits>
 
+namespace
+{
+
+struct Error
+{
+    double metres, degrees;
+};
+
+Error errorOf(const OdometryStep& step)
+{
+    const double infinite = std::numeric_limits<double>::infinity();
+    return step.found ? Error{step.metres, step.degrees} : Error{infinite, infinite};
+}
+
+double medianOf(const std::vector<Error>& errors, double Error::*quantity)
+{
+    std::vector<double> values;
+    for (const Error& error : errors)
+        values.push_back(error.*quantity);
+    return tools::median(values);
+}
+
+}  // namespace
+
 void measureStereo(const StereoSequence& sequence, Method& method, int n, int seeds, Measurements& results)
 {
     const int GAPS = 3, norm = method.norm(), frames = int(sequence.left.size());
@@ -28,24 +52,35 @@ void measureStereo(const StereoSequence& sequence, Method& method, int n, int se
                       });
     for (int gap = 1; gap <= GAPS; gap++)
     {
+        const int steps = std::max(frames - gap, 0);
+        std::vector<std::vector<Error>> errors(seeds, std::vector<Error>(steps));
+        cv::parallel_for_(cv::Range(0, steps),
+                          [&](const cv::Range& range)
+                          {
+                              for (int i = range.start; i < range.end; i++)
+                              {
+                                  const StereoFrame &earlier = stereo[i], &later = stereo[i + gap];
+                                  const std::vector<cv::DMatch> matches = matchFrames(earlier, later, norm);
+                                  for (int seed = 1; seed <= seeds; seed++)
+                                      errors[seed - 1][i] = errorOf(estimateMotion(
+                                          sequence, earlier, i, later, i + gap, matches, seed));
+                              }
+                          });
         for (int seed = 1; seed <= seeds; seed++)
         {
-            std::vector<double> metres(std::max(frames - gap, 0)), degrees(metres.size());
-            cv::parallel_for_(cv::Range(0, int(metres.size())),
-                              [&](const cv::Range& range)
-                              {
-                                  for (int i = range.start; i < range.end; i++)
-                                  {
-                                      const OdometryStep step = estimateMotion(
-                                          sequence, stereo[i], i, stereo[i + gap], i + gap, norm, seed);
-                                      const double infinite = std::numeric_limits<double>::infinity();
-                                      metres[i] = step.found ? step.metres : infinite;
-                                      degrees[i] = step.found ? step.degrees : infinite;
-                                  }
-                              });
+            const std::vector<Error>& all = errors[seed - 1];
+            std::vector<Error> resampled;
+            cv::RNG random(seed);
+            for (int i = 0; i < steps; i++)
+                resampled.push_back(all[random.uniform(0, steps)]);
             const std::string item = cv::format("%d/%d", gap, seed);
-            results.add({"stereo", item, method.name, n, "metres", tools::median(metres)});
-            results.add({"stereo", item, method.name, n, "degrees", tools::median(degrees)});
+            const auto add = [&](const char* quantity, double value) {
+                results.add({"stereo", item, method.name, n, quantity, value});
+            };
+            add("metres", medianOf(all, &Error::metres));
+            add("degrees", medianOf(all, &Error::degrees));
+            add("metres, resampled", medianOf(resampled, &Error::metres));
+            add("degrees, resampled", medianOf(resampled, &Error::degrees));
         }
     }
 }

@@ -50,7 +50,8 @@ void measureHeldOut(const std::vector<ImagePair>& pairs, Method& method, int n, 
                     Measurements& results);
 
 /** Of gaps of 1, 2 and 3 frames and each seed (GAP/SEED) the median errors of the motion, in metres and degrees; a
- step without motion counts as an infinite error. */
+ step without motion counts as an infinite error. Also the same of steps drawn at random with replacement, the same
+ ones for each method: their spread is what the choice of the frames adds. */
 void measureStereo(const StereoSequence& sequence, Method& method, int n, int seeds, Measurements& results);
 
 //! The methods in turns on one thread; of each image the median milliseconds of a method's CPU time.
