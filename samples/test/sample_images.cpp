@@ -89,8 +89,17 @@ int main(int argc, char** argv)
     warpPerspective(scene, view, homography, scene.size());
     save(folder + "view2.png", view);
 
+    // Without noise OpenCV's matcher takes the parts for one and the same image, and drops the pair.
+    RNG rng(2);
     for (int i = 0; i < 3; i++)
-        save(folder + format("part%d.png", i + 1), scene(Rect(225 * i, 0, 450, 600)));
+    {
+        Mat part, noise(Size(450, 600), CV_16S);
+        scene(Rect(225 * i, 0, 450, 600)).convertTo(part, CV_16S);
+        rng.fill(noise, RNG::NORMAL, 0, 10);
+        part += noise;
+        part.convertTo(part, CV_8U);
+        save(folder + format("part%d.png", i + 1), part);
+    }
     for (int i = 0; i < 4; i++)
         save(folder + format("frame_%02d.png", i), scene(Rect(20 * i, 10 * i, 640, 480)));
     save(folder + "fisheye.png", fisheye(scene));
