@@ -33,7 +33,7 @@ def drawn():
 
 
 def with_noise(image, random):
-    return np.clip(image + random.normal(0, 10, image.shape), 0, 255).astype(np.uint8)
+    return np.clip(image + random.normal(0, 30, image.shape), 0, 255).astype(np.uint8)
 
 
 @pytest.fixture(scope='module')
