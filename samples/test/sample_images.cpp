@@ -90,7 +90,7 @@ int main(int argc, char** argv)
     save(folder + "view2.png", view);
 
     for (int i = 0; i < 3; i++)
-        save(folder + format("part%d.png", i + 1), scene(Rect(225 * i, 0, 450, 600)));
+        save(folder + format("part%d.png", i + 1), scene(Rect(150 * i, 0, 450, 600)));
     for (int i = 0; i < 4; i++)
         save(folder + format("frame_%02d.png", i), scene(Rect(20 * i, 10 * i, 640, 480)));
     save(folder + "fisheye.png", fisheye(scene));
