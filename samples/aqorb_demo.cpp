@@ -45,10 +45,10 @@ const struct
      "AdaptiveQuadtreeORB's cover the image. So more of them match at distinct places, and these\n"
      "places fill more of the image's cells."},
     {"box.png", "box_in_scene.png", "",
-     "2. No clear winner: a small box, and the same box among other things.\n"
+     "2. cv::ORB has more matches: a small box, and the same box among other things.\n"
      "How to read it: only the box is in both images. AdaptiveQuadtreeORB spreads its keypoints over\n"
-     "the whole scene, so fewer of them lie on the box; cv::ORB has several on one corner, which count\n"
-     "once. If you look for an object, see StrengthWeight and OctaveSuppression in the tutorial."},
+     "the whole scene, so fewer of them lie on the box, and fewer match. The matches cover as much of it.\n"
+     "If you look for a small object, see StrengthWeight in the tutorial."},
     {"graf1.png", "graf3.png", "H1to3p.xml",
      "3. AdaptiveQuadtreeORB wins: a painted wall from two sides, with a known homography between them.\n"
      "How to read it: AdaptiveQuadtreeORB has more correct matches, on more places of the wall. The error\n"

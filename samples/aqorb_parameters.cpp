@@ -153,9 +153,8 @@ void drawParameters(const Mat& image, const String& folder)
     draw(path("strength_weight"), image, 500,
          {{"StrengthWeight 0: most even", [](const Detector& d) { d->setStrengthWeight(0); }},
           {"StrengthWeight 0.15", none},
+          {"StrengthWeight 1", [](const Detector& d) { d->setStrengthWeight(1); }},
           {"StrengthWeight 1000: strongest", [](const Detector& d) { d->setStrengthWeight(1000); }},
-          {"the same, OctaveSuppression 0",
-           [](const Detector& d) { d->setStrengthWeight(1000), d->setOctaveSuppression(0); }},
           {"OctaveSuppression 0, MaxDepth 0",
            [](const Detector& d) { d->setMaxDepth(0), d->setOctaveSuppression(0); }},
           {"cv::ORB, for comparison", nullptr}},
@@ -189,7 +188,7 @@ void drawParameters(const Mat& image, const String& folder)
     draw(path("octave_suppression"), image, 2000,
          {{"OctaveSuppression 0: off", [](const Detector& d) { d->setOctaveSuppression(0); }},
           {"OctaveSuppression 0.5", [](const Detector& d) { d->setOctaveSuppression(0.5); }},
-          {"OctaveSuppression -1: 2", none}},
+          {"OctaveSuppression -1: 1", none}},
          closeUp(partAroundBest(image, Size(100, 66)), 4));
     draw(path("sub_pixel"), image, 2000,
          {{"SubPixel false", [](const Detector& d) { d->setSubPixel(false); }}, {"SubPixel true", none}},
@@ -236,7 +235,7 @@ void drawStages(const Mat& image, const String& folder)
         }
     }
 
-    const int quota = 161, leaves = 64;  // leaves a side: 4^6 >= 12 * 161
+    const int quota = 171, leaves = 64;  // leaves a side: 4^6 >= 12 * 171
     detector->setMaxFeatures(quota);
     detector->detect(image, keypoints);
     Mat tree = divided(image, border,
@@ -254,7 +253,7 @@ void drawStages(const Mat& image, const String& folder)
 
     Mat picture;
     hconcat(labelled(mesh, "Corners at iniT (yellow) and, in cells without these, at minT (red)", ""),
-            labelled(tree, "The 161 chosen, 4^6 leaves, and the disc in which one is ranked (red)", ""),
+            labelled(tree, "The 171 chosen, 4^6 leaves, and the disc in which one is ranked (red)", ""),
             picture);
     resize(picture, picture, Size(), 0.7, 0.7, INTER_AREA);
     writePicture(pathIn(folder, "aqorb_stages.jpg"), picture, 80);

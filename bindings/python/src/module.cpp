@@ -186,8 +186,9 @@ void addProperties(DetectorClass& detector)
         .def("getRankRadius", get(&Library::getRankRadius))
         .def("setOctaveSuppression", set(&Library::setOctaveSuppression), arg("octaveSuppression"),
              "Sets how far a keypoint keeps those of other levels away, in pixels of the finer level. The\n"
-             "default, -1, is 2.3 / (1 + StrengthWeight) with the ranked selection and 0.5 with the balanced "
-             "one.")
+             "default, -1, is 1.15 / (1 + StrengthWeight) with the ranked selection, which is 1 by default, "
+             "and\n"
+             "0.5 with the balanced one.")
         .def("getOctaveSuppression", get(&Library::getOctaveSuppression))
         .def("setSubPixel", set(&Library::setSubPixel), arg("subPixel"),
              "Sets whether positions are refined to a fraction of a pixel; default True.")

@@ -56,6 +56,10 @@ lie, or where the keypoints of earlier runs of cv::ORB must be found again.
 
 The following holds for every image and all parameters:
 - There are never more than nfeatures keypoints, and exactly nfeatures if the image has enough corners.
+- Keypoints come by octave, the lowest first. With RANKED_SELECTION those of a level come by response, the
+  highest first, and equal ones in raster order. With BALANCED_SELECTION those of a level come in raster
+  order. compute keeps this order, so that detect followed by compute gives the keypoints and the rows of
+  descriptors of detectAndCompute in the same order, apart from what compute drops (see firstLevel).
 - With equal edgeThreshold and fastThreshold there are never fewer keypoints than cv::ORB finds, up to
   nfeatures, for every mask, firstLevel and fastThreshold. The only exception is a pixel of a level that
   is made of usable and unusable input pixels: no keypoint is found there.
@@ -148,7 +152,8 @@ public:
     - RANKED_SELECTION ranks the best corner of each leaf of the quadtree by the number of stronger ones
       within a distance (setRankRadius), and weighs that rank against its strength (setStrengthWeight).
       Distances and strengths hardly depend on how the scene lies in the frame, so nearly the same corners
-      are chosen when the camera turns. Levels share the features in proportion to their areas.
+      are chosen when the camera turns. Levels share the features in proportion to their areas between the
+      borders.
     - BALANCED_SELECTION is that of the paper, equations (8) and (9) and Figure 2: the parts of the frame
       take their best corners in turn, and levels share the features in proportion to their lengths. It
       gives the keypoints of version 0.1 of this module to the byte.
@@ -173,11 +178,12 @@ public:
     CV_WRAP virtual double getRankRadius() const = 0;
 
     /** @brief The distance between keypoints of different levels, in pixels of the finer level: finite and
-    >= 0, or -1 for the distance that suits the selection. That is 2.3 / (1 + StrengthWeight) with
-    RANKED_SELECTION, and 0.5 with BALANCED_SELECTION. The default is -1. A corner that is strictly nearer than that to a keypoint of a
-    coarser level is chosen only if too few corners are left elsewhere. With RANKED_SELECTION only the next
-    coarser level counts, so that a corner of the scene can be kept on every second level; with
-    BALANCED_SELECTION all coarser levels count. With 0 there is no such rule, as in the paper. */
+    >= 0, or -1 for the distance that suits the selection. That is 1.15 / (1 + StrengthWeight) with
+    RANKED_SELECTION, which is 1 by default, and 0.5 with BALANCED_SELECTION. The default is -1. A corner
+    that is strictly nearer than that to a keypoint of a coarser level is chosen only if too few corners are
+    left elsewhere. With RANKED_SELECTION only the next coarser level counts, so that a corner of the scene
+    can be kept on every second level; with BALANCED_SELECTION all coarser levels count. With 0 there is no
+    such rule, as in the paper. */
     CV_WRAP virtual void setOctaveSuppression(double octaveSuppression) = 0;
     CV_WRAP virtual double getOctaveSuppression() const = 0;
 

@@ -105,7 +105,7 @@ public:
     /** @brief The same for two cameras whose images overlap. This is what ORB-SLAM3 calls.
 
     @param image, mask, keypoints, descriptors As above, but keypoints outside of the overlap come first
-    and those inside of it after them. Each part is ordered by level.
+    and those inside of it after them. Each part is ordered by level, and in a level by response.
     @param vLappingArea First and last column of the overlap, in pixels of the image.
     @return Number of keypoints outside of the overlap.
      */
