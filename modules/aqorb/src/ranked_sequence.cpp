@@ -143,7 +143,7 @@ void RankedSequence::sortByStrength()
 {
     const size_t size = chosen.size();
     byStrength.resize(size);
-    other.resize(size);
+    resorted.resize(size);
     for (size_t i = 0; i < size; i++)
         byStrength[i] = keyOf(strengths[i], i);
     const int DIGITS = 4;
@@ -163,8 +163,8 @@ void RankedSequence::sortByStrength()
             begin += ofValue;
         }
         for (size_t i = 0; i < size; i++)
-            other[starts[digit][byStrength[i] >> (32 + 8 * digit) & 255]++] = byStrength[i];
-        byStrength.swap(other);
+            resorted[starts[digit][byStrength[i] >> (32 + 8 * digit) & 255]++] = byStrength[i];
+        byStrength.swap(resorted);
     }
 }
 

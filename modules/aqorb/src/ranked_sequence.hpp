@@ -124,7 +124,7 @@ private:
     std::vector<int> grid;                  // by leaf, with a border: how strong its best point is
     std::vector<unsigned> best;             // by leaf, with a border: that point
     std::vector<uchar> flags;               // work space
-    std::vector<uint64> byStrength, other;  // keys of the representatives; work space
+    std::vector<uint64> byStrength, resorted;  // keys of the representatives; work space
     std::vector<unsigned> leaves,
         ranked;  // of the representatives, in their order and by strength, row by row
     std::vector<int> ranks, usableBefore;
