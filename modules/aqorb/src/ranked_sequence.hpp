@@ -121,9 +121,9 @@ private:
     size_t count;  // of points
     std::vector<LeafPoint> points, chosen, others;
     std::vector<float> strengths;
-    std::vector<int> grid;                  // by leaf, with a border: how strong its best point is
-    std::vector<unsigned> best;             // by leaf, with a border: that point
-    std::vector<uchar> flags;               // work space
+    std::vector<int> grid;                     // by leaf, with a border: how strong its best point is
+    std::vector<unsigned> best;                // by leaf, with a border: that point
+    std::vector<uchar> flags;                  // work space
     std::vector<uint64> byStrength, resorted;  // keys of the representatives; work space
     std::vector<unsigned> leaves,
         ranked;  // of the representatives, in their order and by strength, row by row
