@@ -311,7 +311,7 @@ struct Flight
             Mat frame, noise(480, 640, CV_16SC1);
             warpAffine(plane, frame, motion, Size(640, 480), INTER_LINEAR);
             rng.fill(noise, RNG::NORMAL, 0, 3);
-            add(frame, noise, frame, noArray(), CV_8U);
+            cv::add(frame, noise, frame, noArray(), CV_8U);
             motions.push_back(motion);
             frames.push_back(frame);
         }
@@ -321,7 +321,7 @@ struct Flight
     {
         Mat back;
         invertAffineTransform(motions[from], back);
-        return norm(mapped(motions[to], mapped(back, match.from)) - Point2d(match.to)) <= 3;
+        return cv::norm(mapped(motions[to], mapped(back, match.from)) - Point2d(match.to)) <= 3;
     }
     static Point2d mapped(const Mat& motion, const Point2d& point)
     {
