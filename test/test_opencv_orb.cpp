@@ -21,11 +21,16 @@ namespace
     } while (false)
 
 /** Bits in which a descriptor may differ from cv::ORB's: none, except where OpenCV is compiled such that it may round
- a turned test point to another pixel. */
+ a turned test point to another pixel. With the headers of OpenCV's own build it takes sine and cosine of a double, and
+ such a point is part of several tests. */
 int toleratedBits()
 {
+#ifdef __OPENCV_BUILD
+    return 8;
+#else
     static const int bits = reference::opencvFusesMultiplyAdd() ? 1 : 0;
     return bits;
+#endif
 }
 
 struct Parameters
