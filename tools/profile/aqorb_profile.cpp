@@ -10,7 +10,9 @@
 #include "measure.hpp"
 
 #include "../common/options.hpp"
+#include "../common/program.hpp"
 
+#include <cstdlib>
 #include <iostream>
 
 using namespace cv;
@@ -68,21 +70,13 @@ std::vector<std::string> defaultImages()
     return images;
 }
 
-std::vector<int> numbersOf(const std::string& list)
-{
-    std::vector<int> numbers;
-    for (const std::string& number : splitList(list))
-        numbers.push_back(std::atoi(number.c_str()));
-    return numbers;
-}
-
 ProgramSettings programSettings(const CommandLineParser& parser, const Settings& common,
                                 const std::vector<std::string>& arguments)
 {
     ProgramSettings settings;
     static_cast<Settings&>(settings) = common;
-    settings.numbers = numbersOf(parser.get<String>("numbers"));
-    settings.threads = numbersOf(parser.get<String>("threads"));
+    settings.numbers = tools::splitNumbers(parser.get<String>("numbers"));
+    settings.threads = tools::splitNumbers(parser.get<String>("threads"));
     settings.cases = splitList(parser.get<String>("cases"));
     settings.passes = parser.get<int>("passes");
     settings.repeats = parser.get<int>("calls");
@@ -121,6 +115,21 @@ void runFrames(const std::string& spec, Detector id, int nfeatures, int frames)
         timeFrame(*detector, image.pixels, features);
 }
 
+//! Throws where a value is not accepted.
+void check(const Settings& settings, const ProgramSettings& program)
+{
+    const auto isPositive = [](int number) { return number > 0; };
+    if (settings.nfeatures < 1 || settings.repeats < 1 || program.passes < 1 || program.repeats < 1)
+        throw tools::BadArguments{"--n, --repeats, --passes, --calls: at least 1"};
+    for (const std::vector<int>* numbers : {&program.numbers, &program.threads})
+        if (numbers->empty() || !std::all_of(numbers->begin(), numbers->end(), isPositive))
+            throw tools::BadArguments{"--numbers, --threads: numbers above 0, separated by commas"};
+    const std::vector<std::string> cases = splitList("turns,cold,warm,stream,avx2");
+    for (const std::string& each : program.cases)
+        if (std::find(cases.begin(), cases.end(), each) == cases.end())
+            throw tools::BadArguments{"--cases: " + each + " is none of turns, cold, warm, stream, avx2"};
+}
+
 int run(const CommandLineParser& parser, const std::vector<std::string>& arguments)
 {
     const bool smoke = parser.has("smoke");
@@ -132,41 +141,14 @@ int run(const CommandLineParser& parser, const std::vector<std::string>& argumen
     const ProgramSettings program = programSettings(parser, settings, arguments);
     const int frames = parser.get<int>("frames");
     const std::string detector = parser.get<String>("detector");
-    if (!parser.check())
-    {
-        parser.printErrors();
-        return 1;
-    }
-    if (settings.nfeatures < 1 || settings.repeats < 1 || frames < 0 ||
-        (detector != "aqorb" && detector != "orb"))
-    {
-        std::cerr << "n, repeats: at least 1 is accepted; frames: at least 0; detector: aqorb or orb\n";
-        return 1;
-    }
-    const auto isPositive = [](int number) { return number > 0; };
-    if (program.passes < 1 || program.repeats < 1 || program.numbers.empty() || program.threads.empty() ||
-        !std::all_of(program.numbers.begin(), program.numbers.end(), isPositive) ||
-        !std::all_of(program.threads.begin(), program.threads.end(), isPositive))
-    {
-        std::cerr << "numbers, threads, passes, calls: at least 1 is accepted\n";
-        return 1;
-    }
-    const std::vector<std::string> cases = splitList("turns,cold,warm,stream,avx2");
-    for (const std::string& each : program.cases)
-    {
-        if (std::find(cases.begin(), cases.end(), each) == cases.end())
-        {
-            std::cerr << "cases: " << each << " is none of turns, cold, warm, stream, avx2\n";
-            return 1;
-        }
-    }
+    tools::checkRead(parser);
+    check(settings, program);
+    if (frames < 0 || (detector != "aqorb" && detector != "orb"))
+        throw tools::BadArguments{"--frames: at least 0; --detector: aqorb or orb"};
     if (parser.has("setting") + parser.has("program") + parser.has("stages") + parser.has("memory") +
             (frames > 0) !=
         1)
-    {
-        std::cerr << "One of --setting, --program, --stages, --memory and --frames is accepted\n";
-        return 1;
-    }
+        throw tools::BadArguments{"one of --setting, --program, --stages, --memory and --frames; see --help"};
     if (settings.images.empty())
         settings.images = smoke ? splitList("320x240") : defaultImages();
 
@@ -187,26 +169,7 @@ int run(const CommandLineParser& parser, const std::vector<std::string>& argumen
 
 int main(int argc, char** argv)
 {
-    const std::string unknown = tools::unknownOption(argc, argv, KEYS);
-    if (!unknown.empty())
-    {
-        std::cerr << "There is no option " << unknown << "; --help lists them\n";
-        return 1;
-    }
-    CommandLineParser parser(argc, argv, KEYS);
-    parser.about(ABOUT);
-    if (parser.has("help") || argc == 1)
-    {
-        parser.printMessage();
-        return parser.has("help") ? 0 : 1;
-    }
-    try
-    {
-        return run(parser, std::vector<std::string>(argv, argv + argc));
-    }
-    catch (const std::exception& error)
-    {
-        std::cerr << error.what() << '\n';
-        return 2;
-    }
+    return tools::runProgram("aqorb_profile", ABOUT, KEYS, argc, argv,
+                             [argc, argv](const CommandLineParser& parser)
+                             { return run(parser, std::vector<std::string>(argv, argv + argc)); });
 }
