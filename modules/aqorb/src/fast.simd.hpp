@@ -301,7 +301,9 @@ template <typename Vectors> int scoreRow(const FastScan& scan, int y)
     // Every arc contains one end of each axis of the circle, and these four pixels rule out most blocks. Where most
     // blocks of the row above have a corner the test is skipped, as it would cost more than it saves.
     const bool skipTest = 4 * scan.listedCount[(y - 1) & 1] > 3 * scan.blockCount;
-    for (int i = 0; i < scan.blockCount; i++)
+    const ScanBlock* const blocks = scan.blocks;
+    const int blockCount = scan.blockCount;
+    for (int i = 0; i < blockCount; i++)
     {
         list[possible] = i;
         if (skipTest)
@@ -309,7 +311,7 @@ template <typename Vectors> int scoreRow(const FastScan& scan, int y)
             possible++;
             continue;
         }
-        const int x = scan.blocks[i].x;
+        const int x = blocks[i].x;
         const uchar* p = row + x;
         const V v = Vectors::load(p), up = Vectors::load(p - 3 * step), down = Vectors::load(p + 3 * step),
                 left = Vectors::load(p - 3), right = Vectors::load(p + 3);
@@ -323,7 +325,7 @@ template <typename Vectors> int scoreRow(const FastScan& scan, int y)
     }
     for (int i = 0; i < possible; i++)
     {
-        const int x = scan.blocks[list[i]].x;
+        const int x = blocks[list[i]].x;
         const uchar* p = row + x;
         const Sides<Vectors> best = bestArc(Around<Vectors>(p, step));
         const V v = Vectors::load(p);
