@@ -8,6 +8,9 @@
 
 #include "types.hpp"
 
+#include <climits>
+#include <limits>
+
 namespace cv
 {
 namespace aqorb
@@ -48,6 +51,15 @@ inline int orderOf(float response)
     Cv32suf bits;
     bits.f = response + 0.f;  // makes -0 equal to 0
     return response == response ? bits.i ^ ((bits.i >> 31) & INT_MAX) : INT_MIN + 1;
+}
+//! The response, but a NaN for any NaN, and 0 for -0.
+inline float responseOf(int order)
+{
+    if (order == INT_MIN + 1)
+        return std::numeric_limits<float>::quiet_NaN();
+    Cv32suf bits;
+    bits.i = order ^ ((order >> 31) & INT_MAX);
+    return bits.f;
 }
 //! The same as an unsigned number: never 0.
 inline unsigned unsignedOrderOf(float response)
