@@ -81,8 +81,13 @@ void LevelDetection::orderByRank(const OrderRule& rule, DetectionScratch& scratc
 {
     CV_TRACE_FUNCTION();
     depth = rule.depth;
-    // A tree of one leaf leaves the choice to the response.
     responses.clear();
+    if (found.kept.size() <= size_t(rule.rank.quota))
+    {
+        respond(found.kept, scratch.ranked);
+        return ranked.beginUnranked(*this, scratch.ranked);
+    }
+    // A tree of one leaf leaves the choice to the response.
     if (depth == 0)
         respond(found.kept, responses);
     ranked.begin(depth, *this, scratch.ranking);

@@ -40,6 +40,8 @@ class PointSequence
 {
 public:
     virtual ~PointSequence() {}
+    //! Announces that at most so many points are taken. Where that is all there are, their order does not matter.
+    virtual void willTake(size_t) {}
     //! The next point; false if there is none. Points that the filter rejects are passed over. The filter must always
     //! give the same answer for a point.
     virtual bool next(LeafPoint& point, const PointFilter* filter = 0) = 0;

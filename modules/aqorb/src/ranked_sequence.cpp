@@ -51,6 +51,21 @@ void RankedSequence::begin(int depth_, const PointSource& points, RankedScratch&
     scratch->best.resize(scratch->grid.size());
 }
 
+void RankedSequence::beginUnranked(const PointSource& points, const std::vector<RankedCorner>& responses)
+{
+    source = &points;
+    scratch = 0;
+    given = 0;
+    hasOthers = true;
+    others.clear();
+    entries.resize(responses.size());
+    for (size_t i = 0; i < responses.size(); i++)
+    {
+        entries[i].point = unsigned(i);
+        entries[i].response = responses[i].response;
+    }
+}
+
 void RankedSequence::addAll()
 {
     Adder adder(*this);
@@ -221,15 +236,27 @@ int RankedSequence::leavesInsideAsBefore(int column, int row) const
 void RankedSequence::listOthers()
 {
     hasOthers = true;
-    const size_t stride = (size_t(1) << depth) + 2, count = source->count();
-    std::vector<uchar> isRepresented(stride * stride, uchar(0));
+    const size_t count = source->count();
+    std::vector<uchar> isRepresentative(count, uchar(0));
     for (size_t i = 0; i < entries.size(); i++)
-        isRepresented[source->leaf(source->point(entries[i].point))] = 1;
-    others.resize(count);
+        isRepresentative[entries[i].point] = 1;
+    others.clear();
+    if (takesAll)
+    {
+        for (size_t i = 0; i < count; i++)
+        {
+            if (!isRepresentative[i])
+                others.push_back(source->point(i));
+        }
+        return;
+    }
+    const size_t stride = (size_t(1) << depth) + 2;
+    std::vector<uchar> isRepresented(stride * stride, uchar(0));
     for (size_t i = 0; i < count; i++)
     {
-        others[i] = source->point(i);
+        others.push_back(source->point(i));
         others[i].leaf = source->leaf(others[i]);
+        isRepresented[others[i].leaf] |= isRepresentative[i];
     }
     std::sort(others.begin(), others.end(), StrongerInLeaf());
     // They are sorted by their place in their leaf, which takes the place of the leaf's number.

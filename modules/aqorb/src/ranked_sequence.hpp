@@ -107,7 +107,7 @@ struct RankedScratch
 class RankedSequence : public PointSequence
 {
 public:
-    RankedSequence() : depth(0), source(0), scratch(0), given(0), hasOthers(false) {}
+    RankedSequence() : depth(0), source(0), scratch(0), given(0), takesAll(false), hasOthers(false) {}
     //! Starts a sequence in a quadtree of the given depth, at most maxRankedDepth. The points must stay until the last one
     //! was given, the work space until they are ranked.
     void begin(int depth, const PointSource& points, RankedScratch& scratch);
@@ -125,6 +125,9 @@ public:
      @param power of the strength that the strengths of the representatives are: 1 or 4
      @param usable by leaf, row by row: whether points may lie there; empty: everywhere */
     void rank(const RankRule& rule, int power, const std::vector<uchar>& usable);
+    //! Starts a sequence of points that are not ranked, for a caller that takes all of them.
+    void beginUnranked(const PointSource& points, const std::vector<RankedCorner>& responses);
+    void willTake(size_t count) CV_OVERRIDE { takesAll = count >= source->count() - given; }
     bool next(LeafPoint& point, const PointFilter* filter = 0) CV_OVERRIDE;
 
     //! Adds points one by one, which is what addAll does, for a caller that has them at hand.
@@ -167,7 +170,7 @@ private:
     std::vector<Entry> entries;     // the representatives, in their order
     std::vector<LeafPoint> others;  // the other points, in their order
     size_t given;
-    bool hasOthers;
+    bool takesAll, hasOthers;
 };
 
 }  // namespace stages
