@@ -5,6 +5,7 @@
 #
 # PARTs, all unless named:
 #   setting       the versions and the CPU features in use
+#   program       AdaptiveQuadtreeORB against cv::ORB on photographs, as a program sees it that does other work, too
 #   speed         AdaptiveQuadtreeORB against cv::ORB on photographs and drawn scenes
 #   scaling       how the time grows with the size of the image and with the number of features
 #   stages        where the time of a frame goes
@@ -15,8 +16,10 @@
 # OPTIONs:
 #   --doc          put the tables into doc/performance.md, too
 #   --smoke        show that everything runs, in a short time; the numbers mean nothing
-#   --passes N     how often speed and scaling are measured; the tables hold medians over the passes (5)
-#   --threads "T"  the numbers of threads of speed ("1 2")
+#   --quick        program measures a few images and numbers only, in less than half a minute
+#   --beside FILE  program and memory measure another build of the library, too: FILE is its libaqorb.so
+#   --passes N     how often program, speed and scaling are measured; the tables hold medians over the passes (5)
+#   --threads "T"  the numbers of threads of program and speed ("1 2")
 #
 # speed and scaling are measured by OpenCV's performance harness, opencv_perf_aqorb. HARNESS OPTIONs go to it,
 # for example --gtest_param_filter='*leuven*'. Photographs are measured where OPENCV_TEST_DATA_PATH names the folder
@@ -24,7 +27,7 @@
 # real-time priority, other programs disturb the measurement less: chrt -f 1 scripts/performance.sh
 source "$(dirname "$0")/common.sh"
 
-doc='' smoke='' passes=5 threads='1 2'
+doc='' smoke='' quick='' beside='' passes=5 threads='1 2'
 samples=11  # odd and below 13, so that the harness's median is that of all samples, outliers included
 parts=()
 while (($#)); do
@@ -32,9 +35,11 @@ while (($#)); do
         -h | --help) sed -n '2,/^[^#]/s/^# \{0,1\}//p' "$0" && exit ;;
         --doc) doc=yes ;;
         --smoke) smoke=yes passes=1 samples=1 ;;
+        --quick) quick=yes ;;
+        --beside) beside=$(realpath -e "${2:?is the file of a library}") && shift ;;
         --passes) passes=${2:?is the number of passes} && shift ;;
         --threads) threads=${2:?are the numbers of threads} && shift ;;
-        setting | speed | scaling | stages | memory | instructions | aarch64) parts+=("$1") ;;
+        setting | program | speed | scaling | stages | memory | instructions | aarch64) parts+=("$1") ;;
         --) shift && break ;;
         *) die "$1 is neither an option nor a PART; --help lists them" ;;
     esac
@@ -43,8 +48,9 @@ done
 harness_options=("$@")
 [[ $passes =~ ^[1-9][0-9]*$ ]] || die "--passes $passes: at least 1 is accepted"
 [[ ! $doc || ! $smoke ]] || die '--doc: a smoke run measures nothing for a document'
+[[ ! $doc || ! $quick$beside ]] || die '--doc: the tables of the document are of all cases and of this build alone'
 [[ ! $doc || ! ${harness_options[*]} ]] || die '--doc: the tables of the document are of all cases'
-((${#parts[@]})) || parts=(setting speed scaling stages memory instructions)
+((${#parts[@]})) || parts=(setting program speed scaling stages memory instructions)
 
 need build report
 
@@ -136,6 +142,9 @@ for part in "${parts[@]}"; do
         scaling) run_harness scaling 1 --gtest_filter='Scaling_*' ;;
         instructions) count_instructions ;;
         aarch64) count_on_aarch64 ;;
+        program) run_profiler program ${quick:+--quick} ${beside:+--beside="$beside"} \
+            --passes="$passes" --threads="${threads// /,}" ;;
+        memory) run_profiler memory ${beside:+--beside="$beside"} ;;
         *) run_profiler "$part" ;;
     esac
     [[ ! $smoke ]] || say 'SMOKE RUN: it shows that everything runs. Do not quote these numbers.'

@@ -8,7 +8,10 @@
 
 #include <opencv2/core.hpp>
 
-// Drawn images, the same for the same seed. They need neither test framework, so that tools/ uses them, too.
+#include <cstdint>
+
+// Drawn images, the same for the same seed. They need neither test framework, so that tools/ uses them, too. What is
+// timed is drawn by perf/perf_scene.hpp, as it resembles a photograph.
 
 namespace opencv_test
 {
@@ -16,6 +19,9 @@ namespace opencv_test
 /** A grey scene with a few hundred corners of all strengths and sizes: filled polygons, discs, lines,
  texture, a smooth area and noise. */
 cv::Mat makeScene(cv::Size size, int seed = 1);
+/** Rectangles, texture on the left and noise, in integer arithmetic only: for hashes that are compared between versions
+ and CPUs. Drawing and filtering by OpenCV might themselves depend on them. */
+cv::Mat makeIntegerScene(cv::Size size, uint64_t seed, int channels = 1);
 //! White noise over all grey levels.
 cv::Mat makeNoise(cv::Size size, int seed = 1);
 //! Dots of all greys on black: there are corners of all scores.

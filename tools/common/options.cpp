@@ -6,6 +6,7 @@
 #include "options.hpp"
 
 #include <algorithm>
+#include <cstdlib>
 #include <set>
 #include <sstream>
 
@@ -19,6 +20,14 @@ std::vector<std::string> splitList(const std::string& list, char separator)
     for (std::string part; std::getline(stream, part, separator);)
         parts.push_back(part);
     return parts;
+}
+
+std::vector<int> splitNumbers(const std::string& list)
+{
+    std::vector<int> numbers;
+    for (const std::string& number : splitList(list))
+        numbers.push_back(std::atoi(number.c_str()));
+    return numbers;
 }
 
 //! The names of the options: the words between `{` and the first `|` of each.

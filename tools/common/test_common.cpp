@@ -6,9 +6,12 @@
 #include "csv.hpp"
 #include "median.hpp"
 #include "options.hpp"
+#include "program.hpp"
 
 #include <gtest/gtest.h>
 #include <opencv2/core.hpp>
+
+#include <stdexcept>
 
 namespace
 {
@@ -33,6 +36,7 @@ TEST(Aqorb_Common, options_splits_lists)
     EXPECT_EQ((std::vector<std::string>{"a", "", "b"}), tools::splitList("a,,b"));
     EXPECT_EQ((std::vector<std::string>{"a,b", "c"}), tools::splitList("a,b:c", ':'));
     EXPECT_TRUE(tools::splitList("").empty());
+    EXPECT_EQ((std::vector<int>{500, -1, 0}), tools::splitNumbers("500,-1,many"));
 }
 
 TEST(Aqorb_Common, options_finds_unknown_options)
@@ -42,6 +46,37 @@ TEST(Aqorb_Common, options_finds_unknown_options)
     const char* const bad[] = {"program", "--out=x", "--outt=y"};
     EXPECT_EQ("", tools::unknownOption(5, good, keys));
     EXPECT_EQ("--outt=y", tools::unknownOption(3, bad, keys));
+}
+
+TEST(Aqorb_Common, programs_return_what_went_wrong)
+{
+    const auto codeOf = [](const char* argument, const std::function<int(const cv::CommandLineParser&)>& run)
+    {
+        const char* const arguments[] = {"program", argument};
+        testing::internal::CaptureStdout();
+        testing::internal::CaptureStderr();
+        const int code =
+            tools::runProgram("tool", "about", "{help h | | help }{number | 1 | }", 2, arguments, run);
+        return std::to_string(code) + " " + testing::internal::GetCapturedStderr() +
+               (testing::internal::GetCapturedStdout().empty() ? "" : "output");
+    };
+    const auto number = [](const cv::CommandLineParser& parser)
+    {
+        const int value = parser.get<int>("number");
+        tools::checkRead(parser);
+        return value;
+    };
+    EXPECT_EQ("7 ", codeOf("--number=7", number));
+    EXPECT_EQ("1 tool: see --help\noutput", codeOf("--number=x", number));
+    EXPECT_EQ("0 output", codeOf("--help", number));
+    EXPECT_EQ("1 tool: --other: unknown option; see --help\n", codeOf("--other", number));
+    EXPECT_EQ("1 tool: bad\n",
+              codeOf("", [](const cv::CommandLineParser&) -> int { throw tools::BadArguments{"bad"}; }));
+    EXPECT_EQ("2 tool: broken\n",
+              codeOf("", [](const cv::CommandLineParser&) -> int { throw std::runtime_error("broken"); }));
+    EXPECT_EQ("2 tool: wrong\n", codeOf("",
+                                        [](const cv::CommandLineParser&) -> int
+                                        { throw cv::Exception(-1, "wrong", "here", "file", 1); }));
 }
 
 TEST(Aqorb_Common, median_of_odd_even_and_none)

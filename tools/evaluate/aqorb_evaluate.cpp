@@ -8,6 +8,7 @@
 
 #include "../common/median.hpp"
 #include "../common/options.hpp"
+#include "../common/program.hpp"
 #include "dataset.hpp"
 #include "method.hpp"
 #include "results.hpp"
@@ -56,11 +57,6 @@ struct Options
     bool ablation;
 };
 
-struct BadArguments
-{
-    std::string message;
-};
-
 //! Shows in one line what is being measured, if standard error is a terminal.
 class Progress
 {
@@ -93,22 +89,17 @@ Options readOptions(const CommandLineParser& parser)
             options.methods.push_back(name);
     }
     options.degradations = tools::splitList(parser.get<String>("degrade"));
-    for (const std::string& n : tools::splitList(parser.get<String>("n")))
-        options.numbers.push_back(std::atoi(n.c_str()));
+    options.numbers = tools::splitNumbers(parser.get<String>("n"));
     options.runs = parser.get<int>("runs");
     options.seeds = parser.get<int>("seeds");
     options.ablation = parser.has("ablation");
-    if (!parser.check())
-    {
-        parser.printErrors();
-        throw BadArguments{"see --help"};
-    }
+    tools::checkRead(parser);
     if (options.datasets.empty())
-        throw BadArguments{"which DATASETS? see --help"};
+        throw tools::BadArguments{"which DATASETS? see --help"};
     if (options.numbers.empty() || *std::min_element(options.numbers.begin(), options.numbers.end()) < 1)
-        throw BadArguments{"--n: numbers above 0, separated by commas"};
+        throw tools::BadArguments{"--n: numbers above 0, separated by commas"};
     if (options.runs < 0 || options.seeds < 1)
-        throw BadArguments{"--runs: at least 0; --seeds: at least 1"};
+        throw tools::BadArguments{"--runs: at least 0; --seeds: at least 1"};
     return options;
 }
 
@@ -284,34 +275,10 @@ void run(const Options& options)
 
 int main(int argc, char** argv)
 {
-    try
-    {
-        CommandLineParser parser(argc, argv, KEYS);
-        parser.about(ABOUT);
-        if (parser.has("help"))
-        {
-            parser.printMessage();
-            return 0;
-        }
-        const std::string unknown = tools::unknownOption(argc, argv, KEYS);
-        if (!unknown.empty())
-            throw BadArguments{unknown + ": unknown option; see --help"};
-        run(readOptions(parser));
-        return 0;
-    }
-    catch (const BadArguments& bad)
-    {
-        std::cerr << "aqorb_evaluate: " << bad.message << std::endl;
-        return 1;
-    }
-    catch (const cv::Exception& error)
-    {
-        std::cerr << "aqorb_evaluate: " << error.err << std::endl;
-        return 2;
-    }
-    catch (const std::exception& error)
-    {
-        std::cerr << "aqorb_evaluate: " << error.what() << std::endl;
-        return 2;
-    }
+    return tools::runProgram("aqorb_evaluate", ABOUT, KEYS, argc, argv,
+                             [](const CommandLineParser& parser)
+                             {
+                                 run(readOptions(parser));
+                                 return 0;
+                             });
 }

@@ -12,7 +12,8 @@
 // cv::setUseOptimized(false). --balanced sets BALANCED_SELECTION, which gives the lines that version 0.1 printed. The
 // CPU features that OpenCV uses are printed to standard error.
 
-#include "../common/scenes.hpp"
+#include "../../test/hash.hpp"
+#include "../../test/scenes.hpp"
 
 #include <opencv2/aqorb.hpp>
 #include <opencv2/core/utility.hpp>
@@ -20,54 +21,17 @@
 #include <opencv2/imgproc.hpp>
 
 #include <algorithm>
-#include <cinttypes>
 #include <cstdio>
 #include <string>
 #include <vector>
 
 using namespace cv;
 using aqorb::AdaptiveQuadtreeORB;
+using opencv_test::Hash;
+using opencv_test::hashOf;
 
 namespace
 {
-
-//! FNV-1a of 64 bits.
-class Hash
-{
-public:
-    void add(const void* data, size_t size)
-    {
-        const uchar* bytes = static_cast<const uchar*>(data);
-        for (size_t i = 0; i < size; i++)
-            state = (state ^ bytes[i]) * 0x100000001b3u;
-    }
-
-    void add(const Mat& mat)
-    {
-        add(&mat.rows, sizeof(mat.rows));
-        add(&mat.cols, sizeof(mat.cols));
-        for (int y = 0; y < mat.rows; y++)
-            add(mat.ptr(y), mat.cols * mat.elemSize());
-    }
-
-    void add(const std::vector<KeyPoint>& keypoints)
-    {
-        static_assert(sizeof(KeyPoint) == 5 * sizeof(float) + 2 * sizeof(int), "a KeyPoint has no padding");
-        add(keypoints.data(), keypoints.size() * sizeof(KeyPoint));
-    }
-
-    uint64_t value() const { return state; }
-
-private:
-    uint64_t state = 0xcbf29ce484222325u;
-};
-
-template <typename T> uint64_t hashOf(const T& what)
-{
-    Hash hash;
-    hash.add(what);
-    return hash.value();
-}
 
 //! A detector with random values of all parameters that have an effect with the selection. The other parameters are the
 //! same with both selections.
@@ -116,10 +80,9 @@ void print(const std::string& name, const Mat& image, const Mat& mask, AdaptiveQ
     Hash hashOfMeasures;
     hashOfMeasures.add(measures, sizeof(measures));
 
-    std::printf("%s image %016" PRIx64 " pyramid %016" PRIx64 " measures %016" PRIx64
-                " keypoints %zu %016" PRIx64 " descriptors %016" PRIx64 "\n",
-                name.c_str(), hashOf(image), pyramid.value(), hashOfMeasures.value(), keypoints.size(),
-                hashOf(keypoints), hashOf(descriptors));
+    std::printf("%s image %s pyramid %s measures %s keypoints %zu %s descriptors %s\n", name.c_str(),
+                hashOf(image).c_str(), pyramid.text().c_str(), hashOfMeasures.text().c_str(),
+                keypoints.size(), hashOf(keypoints).c_str(), hashOf(descriptors).c_str());
 }
 
 }  // namespace
@@ -158,7 +121,7 @@ int main(int argc, char** argv)
     {
         const int channels[] = {1, 3, 4};
         const Size size{rng.uniform(40, 500), rng.uniform(40, 400)};
-        const Mat scene = tools::makeIntegerScene(size, channels[i % 3], rng.next());
+        const Mat scene = opencv_test::makeIntegerScene(size, rng.next(), channels[i % 3]);
         Mat mask;
         if (i % 4 == 3)
         {

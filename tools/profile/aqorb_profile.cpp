@@ -3,14 +3,16 @@
 // of this distribution.
 // SPDX-License-Identifier: Apache-2.0
 
-// Shows where the time and the memory of AdaptiveQuadtreeORB go. Prints CSV; tools/report/report.py makes the tables of
-// doc/performance.md of it, and scripts/performance.sh runs both. How fast AdaptiveQuadtreeORB is beside cv::ORB is
-// measured by perf/ alone.
+// Shows where the time and the memory of AdaptiveQuadtreeORB go, and how long a frame takes in a program that does other
+// work, too. Prints CSV; tools/report/report.py makes the tables of doc/performance.md of it, and scripts/performance.sh
+// runs both. How fast AdaptiveQuadtreeORB is beside cv::ORB if nothing else runs is measured by perf/.
 
 #include "measure.hpp"
 
 #include "../common/options.hpp"
+#include "../common/program.hpp"
 
+#include <cstdlib>
 #include <iostream>
 
 using namespace cv;
@@ -21,12 +23,15 @@ namespace
 
 const char* const ABOUT =
     "Shows where the time and the memory of AdaptiveQuadtreeORB with default parameters go, "
-    "as CSV. One of --setting, --stages, --memory and --frames chooses what.\n"
+    "as CSV. One of --setting, --program, --stages, --memory and --frames chooses what.\n"
     "Exit codes: 0 done, 1 bad arguments, 2 other.\n";
 
 const char* const KEYS =
     "{help h usage ? |      | print this text }"
     "{setting        |      | print the versions and the CPU features in use }"
+    "{program        |      | print the times of cv::ORB and AdaptiveQuadtreeORB in a program that does "
+    "other "
+    "work, too; in ms }"
     "{stages         |      | print the time of each stage, and the least time of a frame by numbers of "
     "threads, by OpenCV's trace of one thread; in ns }"
     "{memory         |      | print the heap at its peak and what is kept between frames, in bytes; of "
@@ -37,17 +42,65 @@ const char* const KEYS =
     "in OPENCV_TEST_DATA_PATH (bikes, leuven, bark, trees, ubc, 640x512.png, 1920x1080.png) or files }"
     "{n              | 1000 | number of features }"
     "{repeats        | 31   | number of frames of --stages }"
+    "{beside         |      | of --program and --memory: libaqorb.so of another build, which is measured, "
+    "too }"
+    "{cases          | turns,cold,warm,stream,avx2 | of --program. turns: the detectors are called in turns; "
+    "cold: 64 MB of other memory are touched before each call; warm: calls of one detector after the other; "
+    "stream: different frames with other work between; avx2: turns without AVX-512 }"
+    "{numbers        | 500,1000,2000 | of --program: numbers of features }"
+    "{threads        | 1,2  | of --program: numbers of threads }"
+    "{passes         | 3    | of --program: passes over all images }"
+    "{calls          | 7    | of --program: calls of a detector in a pass }"
+    "{quick          |      | of --program: leuven, bark and 640x512.png, 1000 features, one pass of 5 calls "
+    "}"
     "{smoke          |      | one small image and three frames, to show that it runs }";
+
+//! The photographs that the aims of doc/performance.md are set for; none without opencv_extra.
+std::vector<std::string> photographs()
+{
+    return splitList(
+        std::getenv("OPENCV_TEST_DATA_PATH") ? "bikes,leuven,bark,trees,ubc,640x512.png,1920x1080.png" : "");
+}
 
 std::vector<std::string> defaultImages()
 {
     std::vector<std::string> images = splitList("640x480,1920x1080");
-    if (std::getenv("OPENCV_TEST_DATA_PATH"))
-    {
-        const std::vector<std::string> photographs = splitList("leuven,bark,trees,640x512.png,1920x1080.png");
-        images.insert(images.end(), photographs.begin(), photographs.end());
-    }
+    for (const std::string& image : photographs())
+        images.push_back(image);
     return images;
+}
+
+ProgramSettings programSettings(const CommandLineParser& parser, const Settings& common,
+                                const std::vector<std::string>& arguments)
+{
+    ProgramSettings settings;
+    static_cast<Settings&>(settings) = common;
+    settings.numbers = tools::splitNumbers(parser.get<String>("numbers"));
+    settings.threads = tools::splitNumbers(parser.get<String>("threads"));
+    settings.cases = splitList(parser.get<String>("cases"));
+    settings.passes = parser.get<int>("passes");
+    settings.repeats = parser.get<int>("calls");
+    for (const std::string& argument : arguments)
+        if (argument.compare(0, 7, "--cases") != 0)
+            settings.arguments.push_back(argument);
+    if (parser.has("quick"))
+    {
+        settings.numbers = {1000};
+        settings.passes = 1;
+        settings.repeats = 5;
+        if (settings.images.empty() && !photographs().empty())
+            settings.images = splitList("leuven,bark,640x512.png");
+    }
+    if (parser.has("smoke"))
+    {
+        settings.numbers = {500};
+        settings.passes = settings.repeats = 1;
+        if (settings.images.empty())
+            settings.images = splitList("320x240");
+    }
+    if (settings.images.empty())
+        settings.images = photographs().empty() ? defaultImages() : photographs();
+    return settings;
 }
 
 void runFrames(const std::string& spec, Detector id, int nfeatures, int frames)
@@ -62,31 +115,40 @@ void runFrames(const std::string& spec, Detector id, int nfeatures, int frames)
         timeFrame(*detector, image.pixels, features);
 }
 
-int run(const CommandLineParser& parser)
+//! Throws where a value is not accepted.
+void check(const Settings& settings, const ProgramSettings& program)
+{
+    const auto isPositive = [](int number) { return number > 0; };
+    if (settings.nfeatures < 1 || settings.repeats < 1 || program.passes < 1 || program.repeats < 1)
+        throw tools::BadArguments{"--n, --repeats, --passes, --calls: at least 1"};
+    for (const std::vector<int>* numbers : {&program.numbers, &program.threads})
+        if (numbers->empty() || !std::all_of(numbers->begin(), numbers->end(), isPositive))
+            throw tools::BadArguments{"--numbers, --threads: numbers above 0, separated by commas"};
+    const std::vector<std::string> cases = splitList("turns,cold,warm,stream,avx2");
+    for (const std::string& each : program.cases)
+        if (std::find(cases.begin(), cases.end(), each) == cases.end())
+            throw tools::BadArguments{"--cases: " + each + " is none of turns, cold, warm, stream, avx2"};
+}
+
+int run(const CommandLineParser& parser, const std::vector<std::string>& arguments)
 {
     const bool smoke = parser.has("smoke");
     Settings settings;
     settings.images = splitList(parser.get<String>("images"));
     settings.nfeatures = parser.get<int>("n");
     settings.repeats = smoke ? 3 : parser.get<int>("repeats");
+    settings.beside = parser.get<String>("beside");
+    const ProgramSettings program = programSettings(parser, settings, arguments);
     const int frames = parser.get<int>("frames");
     const std::string detector = parser.get<String>("detector");
-    if (!parser.check())
-    {
-        parser.printErrors();
-        return 1;
-    }
-    if (settings.nfeatures < 1 || settings.repeats < 1 || frames < 0 ||
-        (detector != "aqorb" && detector != "orb"))
-    {
-        std::cerr << "n, repeats: at least 1 is accepted; frames: at least 0; detector: aqorb or orb\n";
-        return 1;
-    }
-    if (parser.has("setting") + parser.has("stages") + parser.has("memory") + (frames > 0) != 1)
-    {
-        std::cerr << "One of --setting, --stages, --memory and --frames is accepted\n";
-        return 1;
-    }
+    tools::checkRead(parser);
+    check(settings, program);
+    if (frames < 0 || (detector != "aqorb" && detector != "orb"))
+        throw tools::BadArguments{"--frames: at least 0; --detector: aqorb or orb"};
+    if (parser.has("setting") + parser.has("program") + parser.has("stages") + parser.has("memory") +
+            (frames > 0) !=
+        1)
+        throw tools::BadArguments{"one of --setting, --program, --stages, --memory and --frames; see --help"};
     if (settings.images.empty())
         settings.images = smoke ? splitList("320x240") : defaultImages();
 
@@ -95,9 +157,10 @@ int run(const CommandLineParser& parser)
         runFrames(settings.images[0], detector == "orb" ? CV_ORB : AQORB, settings.nfeatures, frames);
         return 0;
     }
-    const tools::CsvTable table = parser.has("setting")  ? measureSetting(settings)
-                                  : parser.has("stages") ? measureStages(settings)
-                                                         : measureMemory(settings);
+    const tools::CsvTable table = parser.has("setting")   ? measureSetting(settings)
+                                  : parser.has("program") ? measureProgram(program)
+                                  : parser.has("stages")  ? measureStages(settings)
+                                                          : measureMemory(settings);
     std::cout << table.text();
     return 0;
 }
@@ -106,26 +169,7 @@ int run(const CommandLineParser& parser)
 
 int main(int argc, char** argv)
 {
-    const std::string unknown = tools::unknownOption(argc, argv, KEYS);
-    if (!unknown.empty())
-    {
-        std::cerr << "There is no option " << unknown << "; --help lists them\n";
-        return 1;
-    }
-    CommandLineParser parser(argc, argv, KEYS);
-    parser.about(ABOUT);
-    if (parser.has("help") || argc == 1)
-    {
-        parser.printMessage();
-        return parser.has("help") ? 0 : 1;
-    }
-    try
-    {
-        return run(parser);
-    }
-    catch (const std::exception& error)
-    {
-        std::cerr << error.what() << '\n';
-        return 2;
-    }
+    return tools::runProgram("aqorb_profile", ABOUT, KEYS, argc, argv,
+                             [argc, argv](const CommandLineParser& parser)
+                             { return run(parser, std::vector<std::string>(argv, argv + argc)); });
 }

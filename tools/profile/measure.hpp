@@ -10,6 +10,7 @@
 
 #include <opencv2/aqorb.hpp>
 
+#include <algorithm>
 #include <string>
 #include <vector>
 
@@ -27,7 +28,23 @@ struct Settings
 {
     std::vector<std::string> images;
     int nfeatures;
-    int repeats;  //!< frames to measure
+    int repeats;         //!< frames to measure
+    std::string beside;  //!< library of another build that is measured, too; empty: none
+};
+
+//! Of measureProgram.
+struct ProgramSettings : Settings
+{
+    std::vector<int> numbers;            //!< of features
+    std::vector<int> threads;            //!< numbers of them
+    std::vector<std::string> cases;      //!< turns, cold, warm, stream, avx2
+    int passes;                          //!< over all images and numbers
+    std::vector<std::string> arguments;  //!< of this program, without the cases
+
+    bool has(const std::string& name) const
+    {
+        return std::find(cases.begin(), cases.end(), name) != cases.end();
+    }
 };
 
 enum Detector
@@ -56,5 +73,7 @@ double timeFrame(cv::Feature2D& detector, const cv::Mat& image, Features& featur
 tools::CsvTable measureSetting(const Settings& settings);
 tools::CsvTable measureStages(const Settings& settings);
 tools::CsvTable measureMemory(const Settings& settings);
+//! Times of frames in a program that does other work, too.
+tools::CsvTable measureProgram(const ProgramSettings& settings);
 
 #endif

@@ -5,32 +5,39 @@
 
 // The heap in use is counted by standing in for malloc and its kin, which glibc provides for.
 
+#include "contenders.hpp"
 #include "measure.hpp"
 
 #include <opencv2/core/utility.hpp>
 
 #include <atomic>
 #include <cerrno>
+#include <cstdint>
 
 #include <malloc.h>
 
 namespace
 {
 
-std::atomic<size_t> inUse(0), peak(0);
+std::atomic<bool> isCounting(false);  // so that what is timed does not pay for it
+std::atomic<int64_t> inUse(0), peak(0);
 
 void* counted(void* block)
 {
-    const size_t now = inUse += malloc_usable_size(block);
-    size_t before = peak;
-    while (before < now && !peak.compare_exchange_weak(before, now))
-        ;
+    if (isCounting)
+    {
+        const int64_t now = inUse += int64_t(malloc_usable_size(block));
+        int64_t before = peak;
+        while (before < now && !peak.compare_exchange_weak(before, now))
+            ;
+    }
     return block;
 }
 
 void discount(void* block)
 {
-    inUse -= malloc_usable_size(block);
+    if (isCounting)
+        inUse -= int64_t(malloc_usable_size(block));
 }
 
 }  // namespace
@@ -82,28 +89,35 @@ using namespace cv;
 
 const int LATER_FRAMES = 20;
 
-//! Bytes above what was in use before the detector was created.
+//! Bytes above what was in use before the detector was created, without the outputs.
 struct Memory
 {
-    size_t first, later;  //!< peaks during the first frame and during the later ones
-    size_t kept;          //!< after them, without their outputs
+    int64_t first, later;  //!< peaks during the first frame and during the later ones
+    int64_t kept;          //!< between frames
 };
 
-Memory measure(Detector id, const Image& image, int nfeatures)
+/** Outputs of a frame that need not grow during it: they have been made before the detector and do not count. cv::ORB
+ and AdaptiveQuadtreeORB write to such outputs in place. */
+Features madeOutputs(const Contender& contender, const Image& image, int nfeatures)
 {
-    Memory memory;
-    const size_t before = inUse;
-    const Ptr<Feature2D> detector = createDetector(id, nfeatures);
     Features features;
+    timeFrame(*contender.create(nfeatures), image.pixels, features);
+    return features;
+}
+
+Memory measure(const Contender& contender, const Image& image, int nfeatures)
+{
+    Features features = madeOutputs(contender, image, nfeatures);
+    Memory memory;
+    const int64_t before = inUse;
+    const Ptr<Feature2D> detector = contender.create(nfeatures);
     peak = inUse.load();
     timeFrame(*detector, image.pixels, features);
     memory.first = peak - before;
-    features = Features();
     peak = inUse.load();
     for (int i = 0; i < LATER_FRAMES; i++)  // which threads take part is chance
         timeFrame(*detector, image.pixels, features);
     memory.later = peak - before;
-    features = Features();
     memory.kept = inUse - before;
     return memory;
 }
@@ -113,19 +127,21 @@ Memory measure(Detector id, const Image& image, int nfeatures)
 tools::CsvTable measureMemory(const Settings& settings)
 {
     tools::CsvTable table({"image", "pixels", "threads", "detector", "first", "later", "kept"});
+    const std::vector<Contender> contenders = makeContenders(settings.beside);
+    isCounting = true;
     for (const std::string& spec : settings.images)
     {
         const Image image(spec);
         for (int threads = 1; threads <= std::min(getNumberOfCPUs(), 2); threads++)
         {
             setNumThreads(threads);
-            for (Detector id : {AQORB, CV_ORB})  // for what OpenCV allocates once, such as threads
-                measure(id, image, settings.nfeatures);
-            for (Detector id : {AQORB, CV_ORB})
+            for (const Contender& contender : contenders)  // for what OpenCV allocates once, such as threads
+                measure(contender, image, settings.nfeatures);
+            for (const Contender& contender : contenders)
             {
-                const Memory memory = measure(id, image, settings.nfeatures);
+                const Memory memory = measure(contender, image, settings.nfeatures);
                 table.add({image.name, std::to_string(image.pixels.total()), std::to_string(threads),
-                           nameOf(id), std::to_string(memory.first), std::to_string(memory.later),
+                           contender.name, std::to_string(memory.first), std::to_string(memory.later),
                            std::to_string(memory.kept)});
             }
         }

@@ -11,6 +11,8 @@ import pandas
 
 from document import number
 
+BUILDS = {'AQORB': '', 'BESIDE': 'other build, ', 'CV_ORB': 'cv::ORB, '}  # detectors and what heads their columns
+
 
 def setting_tables(folder):
     setting = pandas.read_csv(os.path.join(folder, 'setting.csv'), dtype=str)
@@ -54,14 +56,16 @@ def memory_tables(folder):
     memory = pandas.read_csv(os.path.join(folder, 'memory.csv'))
     values = ['first', 'later', 'kept']
     memory[values] = memory[values].div(memory['pixels'], axis=0)  # a pixel is a byte
-    detectors = {detector: rows.set_index(['image', 'threads']) for detector, rows in memory.groupby('detector')}
-    rows = []
-    for case in detectors['AQORB'].index:
-        rows.append([case[0], str(case[1])] + [number(detectors[detector].loc[case, value])
-                                               for detector in ('AQORB', 'CV_ORB') for value in values])
-    return {'Memory': pandas.DataFrame(rows, columns=[
-        'image', 'threads', 'first frame', 'later frames', 'kept between frames', 'cv::ORB, first frame',
-        'cv::ORB, later frames', 'cv::ORB, kept'])}
+    names = {detector: name for detector, name in BUILDS.items() if detector in set(memory['detector'])}
+    detectors = {detector: memory[memory['detector'] == detector].set_index(['image', 'threads'])[values]
+                 for detector in names}
+    heads = [name + head for name in names.values() for head in ('first frame', 'later frames', 'kept')]
+    rows = [[image, str(threads)] + [number(share) for detector in names
+                                     for share in detectors[detector].loc[(image, threads)]]
+            for image, threads in detectors['AQORB'].index]
+    largest = [['largest', str(threads)] + [number(share) for detector in names for share in detectors[detector].xs(
+        threads, level='threads').max()] for threads in memory['threads'].unique()]
+    return {'Memory': pandas.DataFrame(rows + largest, columns=['image', 'threads'] + heads)}
 
 
 def instruction_tables(folder):

@@ -9,6 +9,7 @@ PART says what FOLDER holds:
   speed         results of opencv_perf_aqorb: AdaptiveQuadtreeORB against cv::ORB, image by image
   scaling       results of opencv_perf_aqorb: growth with the size of the image and with the number of features
   setting       what aqorb_profile --setting printed, as setting.csv
+  program       what aqorb_profile --program printed, as program.csv
   stages        what aqorb_profile --stages printed, as stages.csv
   memory        what aqorb_profile --memory printed, as memory.csv
   instructions  what tools/profile/instructions.py printed, as instructions.csv
@@ -32,6 +33,7 @@ PARTS = {
     'speed': ('speed', 'speed_tables'),
     'scaling': ('speed', 'scaling_tables'),
     'setting': ('profiling', 'setting_tables'),
+    'program': ('program', 'program_tables'),
     'stages': ('profiling', 'stage_tables'),
     'memory': ('profiling', 'memory_tables'),
     'instructions': ('profiling', 'instruction_tables'),

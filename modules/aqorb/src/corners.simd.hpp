@@ -14,11 +14,11 @@ namespace stages
 {
 CV_CPU_OPTIMIZATION_NAMESPACE_BEGIN
 
-/** Writes the corners that suppressCorners keeps.
+/** Writes the corners that have no better one within SUPPRESS_RADIUS.
  @param blocks those of the corners, and two more that are readable
  @param scores the scores of the row of the first block, by column, as in ScorePlane
- @param kept has space for all corners
- @return number of corners written */
+ @param kept has space for all corners and one more
+ @return number of corners kept */
 int writeKept(const CornerBlock* blocks, int cornerCount, const uchar* scores, ptrdiff_t step, Corner* kept);
 
 #ifndef CV_CPU_OPTIMIZATION_DECLARATIONS_ONLY

@@ -370,7 +370,7 @@ template <typename Vectors> void suppressRow(FastScan& scan, int y)
 {
     typedef typename Vectors::V V;
     const uchar *scores = scoresOf(scan, y), *above = scoresOf(scan, y - 1), *below = scoresOf(scan, y + 1);
-    uchar* corners = scan.plane + (y - scan.top) * scan.planeStep;
+    uchar* corners = scan.plane + (y - scan.planeTop) * scan.planeStep;
     const int end = scan.blocks[scan.blockCount - 1].x + scan.blockWidth;
     std::memset(corners + scan.blocks[0].x - SUPPRESS_MARGIN, 0,
                 end - scan.blocks[0].x + 2 * SUPPRESS_MARGIN);
@@ -430,7 +430,7 @@ template <typename Vectors> int dropFromBlocks(FastScan& scan, int first, const 
     for (int i = first; i < scan.foundCount; i++)
     {
         CornerBlock block = scan.found[i];
-        uchar* scores = scan.plane + (block.y - scan.top) * scan.planeStep + block.x;
+        uchar* scores = scan.plane + (block.y - scan.planeTop) * scan.planeStep + block.x;
         block.columns &=
             Vectors::storeGreater(scores, Vectors::load(scores), Vectors::load(floors + block.x));
         corners += countBits(block.columns);

@@ -8,6 +8,7 @@
 
 #include "../../common/csv.hpp"
 #include "../../common/options.hpp"
+#include "../../common/program.hpp"
 #include "claims.hpp"
 #include "subjects.hpp"
 
@@ -51,11 +52,6 @@ const char* const KEYS =
     "{out            |      | folder to write claims.csv and measured.csv to }"
     "{@datasets      |      | folder of the sets }";
 
-struct BadArguments
-{
-    std::string message;
-};
-
 struct Options
 {
     std::string datasets, out, orb, paper, paperSlam, dial, object, heldOut, stereo;
@@ -83,35 +79,29 @@ Options readOptions(const cv::CommandLineParser& parser)
                        list("sets"),
                        list("photographs"),
                        list("degrade"),
-                       {},
+                       tools::splitNumbers(text("n")),
                        parser.get<int>("seeds"),
                        parser.get<int>("runs"),
                        parser.has("table")};
-    for (const std::string& n : list("n"))
-        options.numbers.push_back(std::atoi(n.c_str()));
     if (parser.has("short"))
     {
         options.only = {"distinct", "uniformity", "roll", "findobj"};
         options.seeds = 0;
     }
-    if (!parser.check())
-    {
-        parser.printErrors();
-        throw BadArguments{"see --help"};
-    }
+    tools::checkRead(parser);
     if (options.datasets.empty())
-        throw BadArguments{"which DATASETS? see --help"};
+        throw tools::BadArguments{"which DATASETS? see --help"};
     if (options.numbers.empty() || *std::min_element(options.numbers.begin(), options.numbers.end()) < 1)
-        throw BadArguments{"--n: numbers above 0, separated by commas"};
+        throw tools::BadArguments{"--n: numbers above 0, separated by commas"};
     if (options.runs < 1 || options.seeds < 0)
-        throw BadArguments{"--runs: at least 1; --seeds: at least 0"};
+        throw tools::BadArguments{"--runs: at least 1; --seeds: at least 0"};
     static const std::vector<std::string> subjects = {"distinct", "uniformity", "roll",     "findobj",
                                                       "heldout",  "stereo",     "degraded", "cost"};
     for (const std::string& subject : options.only)
         if (std::find(subjects.begin(), subjects.end(), subject) == subjects.end())
-            throw BadArguments{"--only: " + subject +
-                               " is none of distinct, uniformity, roll, findobj, heldout, "
-                               "stereo, degraded, cost"};
+            throw tools::BadArguments{"--only: " + subject +
+                                      " is none of distinct, uniformity, roll, findobj, heldout, "
+                                      "stereo, degraded, cost"};
     return options;
 }
 
@@ -309,33 +299,7 @@ bool run(const Options& options)
 
 int main(int argc, char** argv)
 {
-    try
-    {
-        cv::CommandLineParser parser(argc, argv, KEYS);
-        parser.about(ABOUT);
-        if (parser.has("help"))
-        {
-            parser.printMessage();
-            return 0;
-        }
-        const std::string unknown = tools::unknownOption(argc, argv, KEYS);
-        if (!unknown.empty())
-            throw BadArguments{unknown + ": unknown option; see --help"};
-        return run(readOptions(parser)) ? 0 : 3;
-    }
-    catch (const BadArguments& bad)
-    {
-        std::cerr << "aqorb_claims: " << bad.message << std::endl;
-        return 1;
-    }
-    catch (const cv::Exception& error)
-    {
-        std::cerr << "aqorb_claims: " << error.err << std::endl;
-        return 2;
-    }
-    catch (const std::exception& error)
-    {
-        std::cerr << "aqorb_claims: " << error.what() << std::endl;
-        return 2;
-    }
+    return tools::runProgram("aqorb_claims", ABOUT, KEYS, argc, argv,
+                             [](const cv::CommandLineParser& parser)
+                             { return run(readOptions(parser)) ? 0 : 3; });
 }
