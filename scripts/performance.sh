@@ -141,10 +141,10 @@ for part in "${parts[@]}"; do
         speed) run_harness speed "$threads" --gtest_filter='Features_*' ;;
         scaling) run_harness scaling 1 --gtest_filter='Scaling_*' ;;
         instructions) count_instructions ;;
-        aarch64) count_on_aarch64 ;;
         program) run_profiler program ${quick:+--quick} ${beside:+--beside="$beside"} \
             --passes="$passes" --threads="${threads// /,}" ;;
         memory) run_profiler memory ${beside:+--beside="$beside"} ;;
+        aarch64) count_on_aarch64 ;;
         *) run_profiler "$part" ;;
     esac
     [[ ! $smoke ]] || say 'SMOKE RUN: it shows that everything runs. Do not quote these numbers.'
