@@ -16,11 +16,10 @@ const struct
 {
     const char* region;
     Stage stage;
-} MARKS[] = {
-    {"varianceOverMean", THRESHOLD},  {"fillLevels", PYRAMID},           {"findBandCorners", FAST},
-    {"suppressCorners", SUPPRESSION}, {"harrisResponses", HARRIS},       {"orderByRank", QUADTREE},
-    {"selectFeatures", SELECTION},    {"orientations", ORIENTATION},     {"computeKeypoints", POSITION},
-    {"approximateBlur", BLUR},        {"computeDescriptors", DESCRIPTOR}};
+} MARKS[] = {{"varianceOverMean", THRESHOLD},   {"makeLevel", PYRAMID},      {"BandSearch::find", FAST},
+             {"harrisResponses", HARRIS},       {"orderByRank", QUADTREE},   {"select", SELECTION},
+             {"orientations", ORIENTATION},     {"findKeypoints", POSITION}, {"approximateBlur", BLUR},
+             {"computeDescriptors", DESCRIPTOR}};
 
 //! The stage of a region inside one of another stage. Whatever selection calls is selection.
 Stage stageOf(const TraceRegion& region, Stage outer)
@@ -69,10 +68,10 @@ void enter(const std::vector<TraceRegion>& regions, std::vector<std::string>& ab
 
 const char* nameOf(Stage stage)
 {
-    static const char* const NAMES[] = {
-        "threshold", "pyramid",  "FAST, cells", "suppression between neighbours",
-        "Harris",    "quadtree", "selection",   "orientation",
-        "position",  "blur",     "descriptor",  "rest"};
+    static const char* const NAMES[] = {"threshold",   "pyramid",  "FAST, cells, suppression",
+                                        "Harris",      "quadtree", "selection",
+                                        "orientation", "position", "blur",
+                                        "descriptor",  "rest"};
     return NAMES[stage];
 }
 

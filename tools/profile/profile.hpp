@@ -14,7 +14,6 @@ enum Stage
     THRESHOLD,
     PYRAMID,
     FAST,
-    SUPPRESSION,
     HARRIS,
     QUADTREE,
     SELECTION,

@@ -41,12 +41,12 @@ const char* const LOCATIONS =
     "l,2,\"a.cpp\",2,\"double cv::aqorb::stages::varianceOverMean(const cv::Mat&, const cv::Mat&)\",0x3\n"
     "l,3,\"a.cpp\",3,\"parallel_for\",0x1\n"
     "l,4,\"a.cpp\",4,\"level\",0x0\n"
-    "l,5,\"a.cpp\",5,\"void cv::aqorb::stages::findBandCorners(const Level&, const cv::Rect&)\",0x3\n"
-    "l,6,\"a.cpp\",6,\"void cv::aqorb::stages::suppressCorners(int)\",0x3\n"
-    "l,7,\"a.cpp\",7,\"void cv::aqorb::AdaptiveQuadtreeORBImpl::selectFeatures(int)\",0x3\n"
+    "l,5,\"a.cpp\",5,\"void cv::aqorb::stages::BandSearch::find(const Level&, const cv::Rect&)\",0x3\n"
+    "l,6,\"a.cpp\",6,\"void cv::aqorb::stages::harrisResponses(int)\",0x3\n"
+    "l,7,\"a.cpp\",7,\"select\",0x0\n"
     "l,8,\"a.cpp\",8,\"void cv::aqorb::(anonymous namespace)::orderByRank(const std::vector<int>&, int "
     "(*)(int))\",0x3\n"
-    "l,9,\"a.cpp\",9,\"void cv::aqorb::Workspace::fillLevels(int)\",0x3\n"
+    "l,9,\"a.cpp\",9,\"void cv::aqorb::Workspace::makeLevel(int)\",0x3\n"
     "l,10,\"a.cpp\",10,\"void cv::aqorb::stages::resizeExact(int)\",0x3\n";
 
 // 1000 ns: 50 threshold, 100 pyramid, 2 tasks of 400 and 200, 200 selection, 50 rest.
@@ -72,7 +72,7 @@ TEST(Aqorb_Profile, shares_the_time_of_a_frame_among_stages)
     EXPECT_EQ(50, profile.stages[THRESHOLD]);
     EXPECT_EQ(100, profile.stages[PYRAMID]);
     EXPECT_EQ(350 + 180, profile.stages[FAST]);
-    EXPECT_EQ(50, profile.stages[SUPPRESSION]);
+    EXPECT_EQ(50, profile.stages[HARRIS]);
     EXPECT_EQ(0, profile.stages[QUADTREE]);  // what selection calls is its own
     EXPECT_EQ(200, profile.stages[SELECTION]);
     EXPECT_EQ(20 + 10 + 40, profile.stages[REST]);
