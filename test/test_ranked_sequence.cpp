@@ -182,12 +182,14 @@ RankedSequence& begin(const Scene& scene, Sequence& sequence)
     ranked.begin(scene.depth, sequence.list, sequence.scratch);
     ranked.addAll();
     ranked.findRepresentatives();
-    const std::vector<LeafPoint>& representatives = ranked.representatives();
+    const std::vector<unsigned>& representatives = ranked.representatives();
     for (size_t i = 0; i < representatives.size(); i++)
     {
-        // At first it is that of the point, also where it is no number.
-        EXPECT_EQ(0, std::memcmp(&ranked.strength(i), &representatives[i].response, sizeof(float)));
-        ranked.strength(i) = scene.strengths[representatives[i].index];
+        // At first both are that of the point, also where it is no number.
+        const LeafPoint& point = sequence.points[representatives[i]];
+        EXPECT_EQ(orderOf(ranked.strength(i)), orderOf(point.response));
+        EXPECT_EQ(orderOf(ranked.response(i)), orderOf(point.response));
+        ranked.strength(i) = scene.strengths[point.index];
     }
     ranked.rank(scene.rule, scene.power, scene.usable);
     return ranked;
@@ -315,8 +317,8 @@ TEST(Aqorb_RankedSequence, representatives_come_in_the_order_of_their_leaves)
     sequence.addAll();
     sequence.findRepresentatives();
     std::vector<int> indices;
-    for (const LeafPoint& point : sequence.representatives())
-        indices.push_back(point.index);
+    for (unsigned point : sequence.representatives())
+        indices.push_back(points[point].index);
     EXPECT_EQ(indices, std::vector<int>({0, 1, 4}));
     EXPECT_EQ(sequence.strength(2), 4.f);
     const RankRule rule = {Size(40, 40), 1, 16, 1, 0};
