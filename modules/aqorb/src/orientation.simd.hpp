@@ -76,7 +76,7 @@ inline void momentsAt(const uchar* center, ptrdiff_t step, const PatchWeights& w
     {
         const uchar *above = middle + x, *below = above;
         const schar *wu = weights.u[0] + x, *wv = weights.v[0] + x;
-        sum10 = v_add(sum10, v_dotprod(v_reinterpret_as_s16(vx_load_expand(above)), vx_load_expand(wu)));
+        sum10 = v_dotprod_fast(v_reinterpret_as_s16(vx_load_expand(above)), vx_load_expand(wu), sum10);
         for (int row = 0; row < rows; row++)
         {
             above -= apart;
@@ -85,8 +85,8 @@ inline void momentsAt(const uchar* center, ptrdiff_t step, const PatchWeights& w
             wv += weights.rowStep * PatchWeights::MAX_WIDTH;
             const v_int16 a = v_reinterpret_as_s16(vx_load_expand(above)),
                           b = v_reinterpret_as_s16(vx_load_expand(below));
-            sum10 = v_add(sum10, v_dotprod(v_add(a, b), vx_load_expand(wu)));
-            sum01 = v_add(sum01, v_dotprod(v_sub(b, a), vx_load_expand(wv)));
+            sum10 = v_dotprod_fast(v_add(a, b), vx_load_expand(wu), sum10);
+            sum01 = v_dotprod_fast(v_sub(b, a), vx_load_expand(wv), sum01);
         }
     }
     m10 = v_reduce_sum(sum10);
