@@ -235,8 +235,12 @@ public:
         runs[index]++;
         if (worker >= 0 && worker < threads)
             busy[worker] = 0;
+        begunLate += hasFailed;
         if (index == failing)
+        {
+            hasFailed = 1;
             throw Failure();
+        }
         for (int follower : node.followers)
         {
             if (--missing[follower] == 0)
@@ -263,7 +267,7 @@ private:
     {
         queue = &tasks;
         threads = threads_;
-        wrong = 0;
+        wrong = begunLate = hasFailed = 0;
         for (int i = 0; i < MOST_THREADS; i++)
             busy[i] = 0;
         for (size_t i = 0; i < nodes.size(); i++)
@@ -286,6 +290,8 @@ private:
         }
         if (wrong > 0)
             return ::testing::AssertionFailure() << wrong << " tasks ran before their inputs, or two at once";
+        if (threads == 1 && begunLate > 0)
+            return ::testing::AssertionFailure() << begunLate << " tasks were begun after one failed";
         std::vector<bool> isAfterFailing(nodes.size());
         for (int i = 0; i < int(nodes.size()); i++)
         {
@@ -302,7 +308,7 @@ private:
     std::vector<std::atomic<int>> missing, runs, busy;
     const int longest;
     int failing, threads;
-    std::atomic<int> wrong;
+    std::atomic<int> wrong, begunLate, hasFailed;
     TaskQueue* queue;
 };
 
