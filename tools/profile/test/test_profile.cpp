@@ -103,6 +103,36 @@ TEST(Aqorb_Profile, knows_the_least_time_of_tasks_that_are_split_again)
     EXPECT_EQ(60, leastTime(region, 0));
 }
 
+// Two levels: the fine one is made at 10, the coarse one at 45, and the thresholds are known at 40.
+TEST(Aqorb_Profile, knows_the_longest_chain_of_a_frames_tasks)
+{
+    const std::string locations = "#thread file: x-000.txt\n"
+                                  "l,1,\"a.cpp\",1,\"parallel_for\",0x1\n"
+                                  "l,2,\"a.cpp\",2,\"parallel_for_body\",0x1\n"
+                                  "l,3,\"a.cpp\",3,\"measure\",0x0\nl,4,\"a.cpp\",4,\"make\",0x0\n"
+                                  "l,5,\"a.cpp\",5,\"search\",0x0\nl,6,\"a.cpp\",6,\"order\",0x0\n"
+                                  "l,7,\"a.cpp\",7,\"select\",0x0\nl,8,\"a.cpp\",8,\"describe\",0x0\n";
+    const int tasks[][2] = {{3, 40}, {4, 10}, {4, 35}, {5, 30}, {6, 7},   {7, 2},
+                            {5, 50}, {5, 60}, {6, 8},  {7, 3},  {8, 100}, {8, 90}};
+    std::string events = "b,0,0,1,1\nb,0,0,2,2\n";
+    int now = 0, region = 3;
+    for (const auto& task : tasks)
+    {
+        events += cv::format("b,0,%d,%d,%d\n", now, task[0], region);
+        now += task[1];
+        events += cv::format("e,0,%d,%d,%d,%d\n", now, task[0], region++, task[1]);
+    }
+    events += cv::format("e,0,%d,2,2,%d\ne,0,%d,1,1,%d\n", now, now, now, now);
+    const TraceFiles files(locations, events);
+    const TraceRegion frame = readTrace(files.location)[0];
+    // The coarse level is selected at 45 + 30 + 7 + 2, the fine one at 40 + 60 + 8 + 3.
+    EXPECT_EQ(111 + 90, leastTime(frame, 0));
+    EXPECT_EQ(435, now);
+    EXPECT_EQ(435, leastTime(frame, 1));
+    EXPECT_EQ(435. / 2, leastTime(frame, 2));
+    EXPECT_EQ(201, leastTime(frame, 4));
+}
+
 TEST(Aqorb_Profile, names_the_stages_that_a_trace_lacks)
 {
     const TraceFiles files(LOCATIONS, EVENTS);
