@@ -17,12 +17,12 @@ DETECTORS = {'orb': 'CV_ORB', 'aqorb': 'AQORB'}  # as the harness of perf/ names
 # Functions that, with all they call, make up a stage.
 STAGES = [
     ('threshold', ['varianceOverMean']),
-    ('pyramid', ['fillLevels']),
-    ('FAST, suppression', ['findBandCorners', 'suppressCorners']),
-    ('Harris', ['LevelDetection::scoreRepresentatives']),  # and moments
+    ('pyramid', ['Workspace::makeLevel']),
+    ('FAST, suppression', ['BandSearch::find']),
+    ('Harris', ['harrisResponses', 'patchMoments']),  # and moments
     ('quadtree', ['RankedSequence::findRepresentatives', 'RankedSequence::rank']),
-    ('selection', ['AdaptiveQuadtreeORBImpl::selectFeatures']),
-    ('orientation, position', ['AdaptiveQuadtreeORBImpl::computeKeypoints']),
+    ('selection', ['FeatureSelector::offer', 'FeatureSelector::chosen']),
+    ('orientation, position', ['orientations', 'subPixelOffset']),
     ('blur', ['approximateBlur']),
     ('descriptor', ['computeDescriptors']),
 ]

@@ -14,7 +14,6 @@ enum Stage
     THRESHOLD,
     PYRAMID,
     FAST,
-    SUPPRESSION,
     HARRIS,
     QUADTREE,
     SELECTION,
@@ -39,7 +38,8 @@ struct Profile
 Profile profileOf(const TraceRegion& frame);
 
 /** The least time that threads can take for a region: each parallel_for_ its longest task or its share of all
- tasks, whichever is longer. 0 threads: as many as there are tasks. */
+ tasks, whichever is longer. Tasks of a frame depend on each other, so it is the longest chain of them there.
+ 0 threads: as many as there are tasks. */
 double leastTime(const TraceRegion& region, int threads);
 
 //! The part of a region's time that is outside of parallel_for_.

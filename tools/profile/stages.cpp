@@ -18,8 +18,9 @@ using namespace cv;
 namespace
 {
 
-//! Runs frames of an image in a process of its own, as OpenCV decides at its start whether it traces.
-std::vector<TraceRegion> trace(const Image& image, const Settings& settings)
+//! Runs frames of an image in a process of its own, as OpenCV decides at its start whether it traces. One thread does all
+//! tasks, of which there are as many as for `parts` threads.
+std::vector<TraceRegion> trace(const Image& image, const Settings& settings, int parts)
 {
     const std::string location = tempfile();
     const pid_t child = fork();
@@ -33,8 +34,10 @@ std::vector<TraceRegion> trace(const Image& image, const Settings& settings)
              {"OPENCV_TRACE_DEPTH_OPENCV", "OPENCV_TRACE_MAX_CHILDREN_OPENCV", "OPENCV_TRACE_MAX_CHILDREN"})
             setenv(limit, "0", 1);  // none
         const std::string images = "--images=" + image.spec, n = format("--n=%d", settings.nfeatures),
-                          frames = format("--frames=%d", settings.repeats);
-        execl("/proc/self/exe", "aqorb_profile", images.c_str(), n.c_str(), frames.c_str(), (char*)NULL);
+                          frames = format("--frames=%d", settings.repeats),
+                          partsText = format("--parts=%d", parts);
+        execl("/proc/self/exe", "aqorb_profile", images.c_str(), n.c_str(), frames.c_str(), partsText.c_str(),
+              (char*)NULL);
         _exit(127);
     }
     int status = 0;
@@ -92,7 +95,7 @@ tools::CsvTable measureStages(const Settings& settings)
     {
         const Image image(spec);
         FrameTimes times(table, image);
-        const std::vector<TraceRegion> frames = trace(image, settings);
+        const std::vector<TraceRegion> frames = trace(image, settings, 1);
         const std::vector<std::string> absent = absentStages(frames);
         if (!absent.empty())
             CV_Error(Error::StsError, "Not in the trace: " + absent[0] + "; see profile.cpp");
@@ -101,11 +104,22 @@ tools::CsvTable measureStages(const Settings& settings)
             const Profile profile = profileOf(frames[i]);
             for (int stage = 0; stage < STAGE_COUNT; stage++)
                 times.add(i, "stage", nameOf(Stage(stage)), profile.stages[stage]);
-            // The critical path: the serial part, and the least time by numbers of threads.
-            times.add(i, "path", "serial", serialTime(frames[i]));
-            for (int threads : {1, 2, 4, 8})
-                times.add(i, "path", std::to_string(threads), leastTime(frames[i], threads));
-            times.add(i, "path", "enough", leastTime(frames[i], 0));
+        }
+        // The critical path: the serial part, and the least time by numbers of threads.
+        const int MOST_THREADS = 16;
+        for (int threads : {1, 2, 4, 8, MOST_THREADS})
+        {
+            const std::vector<TraceRegion> divided = threads == 1 ? frames : trace(image, settings, threads);
+            for (size_t i = 0; i < divided.size(); i++)
+            {
+                if (threads < MOST_THREADS)
+                {
+                    times.add(i, "path", std::to_string(threads), leastTime(divided[i], threads));
+                    continue;
+                }
+                times.add(i, "path", "serial", serialTime(divided[i]));
+                times.add(i, "path", "enough", leastTime(divided[i], 0));
+            }
         }
         timeUntraced(image, settings, times);
     }

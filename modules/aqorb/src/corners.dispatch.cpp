@@ -169,6 +169,9 @@ void BandSearch::find(const Level& level, const Rect& band, const CornerRules& r
         if (rules.count)
             rules.count->add(found.kept.size() - keptBefore, int64(band.width) * (scannedEnd - y));
     }
+    // The last band may have fewer rows than the seam takes: without a border, there is no circle around some of them.
+    if (above)
+        above->plane.clearBelow(copied);
     if (below)
     {
         for (int y = bottom - ScorePlane::ROWS_ABOVE; y < bottom; y++)

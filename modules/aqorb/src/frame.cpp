@@ -38,6 +38,12 @@ Frame::Frame(const Parameters& parameters_, const Tables& tables_, Workspace& wo
 {
 }
 
+Frame::~Frame()
+{
+    // An exception may have left tasks in the queue that no worker has seen.
+    workspace.queue.clear();
+}
+
 void Frame::put(Kind kind, int level, int part)
 {
     // With one thread a level is described while its rows are in the cache. With several, what is to be described is left

@@ -41,12 +41,12 @@ const char* const LOCATIONS =
     "l,2,\"a.cpp\",2,\"double cv::aqorb::stages::varianceOverMean(const cv::Mat&, const cv::Mat&)\",0x3\n"
     "l,3,\"a.cpp\",3,\"parallel_for\",0x1\n"
     "l,4,\"a.cpp\",4,\"level\",0x0\n"
-    "l,5,\"a.cpp\",5,\"void cv::aqorb::stages::findBandCorners(const Level&, const cv::Rect&)\",0x3\n"
-    "l,6,\"a.cpp\",6,\"void cv::aqorb::stages::suppressCorners(int)\",0x3\n"
-    "l,7,\"a.cpp\",7,\"void cv::aqorb::AdaptiveQuadtreeORBImpl::selectFeatures(int)\",0x3\n"
+    "l,5,\"a.cpp\",5,\"void cv::aqorb::stages::BandSearch::find(const Level&, const cv::Rect&)\",0x3\n"
+    "l,6,\"a.cpp\",6,\"void cv::aqorb::stages::harrisResponses(int)\",0x3\n"
+    "l,7,\"a.cpp\",7,\"select\",0x0\n"
     "l,8,\"a.cpp\",8,\"void cv::aqorb::(anonymous namespace)::orderByRank(const std::vector<int>&, int "
     "(*)(int))\",0x3\n"
-    "l,9,\"a.cpp\",9,\"void cv::aqorb::Workspace::fillLevels(int)\",0x3\n"
+    "l,9,\"a.cpp\",9,\"void cv::aqorb::Workspace::makeLevel(int)\",0x3\n"
     "l,10,\"a.cpp\",10,\"void cv::aqorb::stages::resizeExact(int)\",0x3\n";
 
 // 1000 ns: 50 threshold, 100 pyramid, 2 tasks of 400 and 200, 200 selection, 50 rest.
@@ -72,7 +72,7 @@ TEST(Aqorb_Profile, shares_the_time_of_a_frame_among_stages)
     EXPECT_EQ(50, profile.stages[THRESHOLD]);
     EXPECT_EQ(100, profile.stages[PYRAMID]);
     EXPECT_EQ(350 + 180, profile.stages[FAST]);
-    EXPECT_EQ(50, profile.stages[SUPPRESSION]);
+    EXPECT_EQ(50, profile.stages[HARRIS]);
     EXPECT_EQ(0, profile.stages[QUADTREE]);  // what selection calls is its own
     EXPECT_EQ(200, profile.stages[SELECTION]);
     EXPECT_EQ(20 + 10 + 40, profile.stages[REST]);
@@ -101,6 +101,36 @@ TEST(Aqorb_Profile, knows_the_least_time_of_tasks_that_are_split_again)
     EXPECT_EQ(100, leastTime(region, 1));
     EXPECT_EQ(60, leastTime(region, 2));
     EXPECT_EQ(60, leastTime(region, 0));
+}
+
+// Two levels: the fine one is made at 10, the coarse one at 45, and the thresholds are known at 40.
+TEST(Aqorb_Profile, knows_the_longest_chain_of_a_frames_tasks)
+{
+    const std::string locations = "#thread file: x-000.txt\n"
+                                  "l,1,\"a.cpp\",1,\"parallel_for\",0x1\n"
+                                  "l,2,\"a.cpp\",2,\"parallel_for_body\",0x1\n"
+                                  "l,3,\"a.cpp\",3,\"measure\",0x0\nl,4,\"a.cpp\",4,\"make\",0x0\n"
+                                  "l,5,\"a.cpp\",5,\"search\",0x0\nl,6,\"a.cpp\",6,\"order\",0x0\n"
+                                  "l,7,\"a.cpp\",7,\"select\",0x0\nl,8,\"a.cpp\",8,\"describe\",0x0\n";
+    const int tasks[][2] = {{3, 40}, {4, 10}, {4, 35}, {5, 30}, {6, 7},   {7, 2},
+                            {5, 50}, {5, 60}, {6, 8},  {7, 3},  {8, 100}, {8, 90}};
+    std::string events = "b,0,0,1,1\nb,0,0,2,2\n";
+    int now = 0, region = 3;
+    for (const auto& task : tasks)
+    {
+        events += cv::format("b,0,%d,%d,%d\n", now, task[0], region);
+        now += task[1];
+        events += cv::format("e,0,%d,%d,%d,%d\n", now, task[0], region++, task[1]);
+    }
+    events += cv::format("e,0,%d,2,2,%d\ne,0,%d,1,1,%d\n", now, now, now, now);
+    const TraceFiles files(locations, events);
+    const TraceRegion frame = readTrace(files.location)[0];
+    // The coarse level is selected at 45 + 30 + 7 + 2, the fine one at 40 + 60 + 8 + 3.
+    EXPECT_EQ(111 + 90, leastTime(frame, 0));
+    EXPECT_EQ(435, now);
+    EXPECT_EQ(435, leastTime(frame, 1));
+    EXPECT_EQ(435. / 2, leastTime(frame, 2));
+    EXPECT_EQ(201, leastTime(frame, 4));
 }
 
 TEST(Aqorb_Profile, names_the_stages_that_a_trace_lacks)
