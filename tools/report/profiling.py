@@ -9,9 +9,7 @@ import re
 
 import pandas
 
-from document import number
-
-BUILDS = {'AQORB': '', 'BESIDE': 'other build, ', 'CV_ORB': 'cv::ORB, '}  # detectors and what heads their columns
+from document import build_names, number
 
 
 def setting_tables(folder):
@@ -56,10 +54,10 @@ def memory_tables(folder):
     memory = pandas.read_csv(os.path.join(folder, 'memory.csv'))
     values = ['first', 'later', 'kept']
     memory[values] = memory[values].div(memory['pixels'], axis=0)  # a pixel is a byte
-    names = {detector: name for detector, name in BUILDS.items() if detector in set(memory['detector'])}
+    names = dict(build_names(memory['detector']), CV_ORB='cv::ORB')
     detectors = {detector: memory[memory['detector'] == detector].set_index(['image', 'threads'])[values]
                  for detector in names}
-    heads = [name + head for name in names.values() for head in ('first frame', 'later frames', 'kept')]
+    heads = [name + ', ' * bool(name) + head for name in names.values() for head in ('first frame', 'later frames', 'kept')]
     rows = [[image, str(threads)] + [number(share) for detector in names
                                      for share in detectors[detector].loc[(image, threads)]]
             for image, threads in detectors['AQORB'].index]

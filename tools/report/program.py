@@ -12,11 +12,10 @@ import os
 
 import pandas
 
-from document import number
+from document import build_names, number
 from speed import geometric_mean
 
 CASES = {'turns': 'in turns', 'cold': 'cold', 'stream': 'stream', 'warm': 'warm'}
-BUILDS = {'AQORB': '', 'BESIDE': ', other build'}  # detectors and what is added to the names of their rows
 
 
 def program_tables(folder):
@@ -29,8 +28,8 @@ def program_tables(folder):
         times.loc[~has_avx512, 'case'] += ', AVX2 only'
     key = ['case', 'threads', 'image', 'n']
     by_pass = times.pivot(index=key + ['pass'], columns='detector', values='ms')
-    builds = [detector for detector in BUILDS if detector in by_pass]
-    ratios = by_pass[builds].rdiv(by_pass['CV_ORB'], axis=0).groupby(level=key).median()
+    builds = build_names(by_pass.columns)
+    ratios = by_pass[list(builds)].rdiv(by_pass['CV_ORB'], axis=0).groupby(level=key).median()
     in_order = times.drop_duplicates(key).set_index(key).index
     ratios = ratios.loc[in_order].astype(float)
     medians = by_pass.groupby(level=key).median().loc[in_order]
@@ -43,14 +42,14 @@ def summary_table(ratios, builds):
     threads = list(ratios.index.unique('threads'))
     rows = []
     for case in ratios.index.unique('case'):
-        for build in builds:
+        for build, name in builds.items():
             cells = [[], []]
             for count in threads:
                 chosen = ratios[build].xs(case, level='case')
                 chosen = chosen[chosen.index.get_level_values('threads') == count]
                 for row, summary in zip(cells, (geometric_mean, min)):
                     row.append('' if chosen.empty else number(summary(chosen)))
-            rows.append([case + BUILDS[build]] + cells[0] + cells[1])
+            rows.append([case + ', ' * bool(name) + name] + cells[0] + cells[1])
     heads = [threads_of(count) for count in threads]
     return pandas.DataFrame(rows, columns=['time of cv::ORB / time of AdaptiveQuadtreeORB'] + heads +
                             ['lowest, ' + head for head in heads])

@@ -39,13 +39,32 @@ def test_critical_path_is_of_ratios_within_a_frame(tmp_path):
 
 def test_memory_is_in_multiples_of_the_image(tmp_path):
     (tmp_path / 'memory.csv').write_text('image,pixels,threads,detector,first,later,kept\n'
-                                         '"scene 10x10",100,1,AQORB,1000,1100,900\n'
                                          '"scene 10x10",100,1,CV_ORB,600,655,0\n'
+                                         '"scene 10x10",100,1,AQORB,1000,1100,900\n'
+                                         '"scene 10x10",100,2,CV_ORB,600,655,0\n'
                                          '"scene 10x10",100,2,AQORB,1200,1300,905\n'
-                                         '"scene 10x10",100,2,CV_ORB,600,655,0\n')
-    assert rows(profiling.memory_tables(tmp_path)['Memory']) == [
+                                         '"scene 20x10",200,1,CV_ORB,1200,1310,0\n'
+                                         '"scene 20x10",200,1,AQORB,2200,1100,900\n')
+    table = profiling.memory_tables(tmp_path)['Memory']
+    assert list(table.columns) == ['image', 'threads', 'first frame', 'later frames', 'kept', 'cv::ORB, first frame',
+                                   'cv::ORB, later frames', 'cv::ORB, kept']
+    assert rows(table) == [
         ['scene 10x10', '1', '10.00', '11.00', '9.00', '6.00', '6.55', '0.00'],
-        ['scene 10x10', '2', '12.00', '13.00', '9.05', '6.00', '6.55', '0.00']]
+        ['scene 10x10', '2', '12.00', '13.00', '9.05', '6.00', '6.55', '0.00'],
+        ['scene 20x10', '1', '11.00', '5.50', '4.50', '6.00', '6.55', '0.00'],
+        ['largest', '1', '11.00', '11.00', '9.00', '6.00', '6.55', '0.00'],
+        ['largest', '2', '12.00', '13.00', '9.05', '6.00', '6.55', '0.00']]
+
+
+def test_memory_of_another_build(tmp_path):
+    (tmp_path / 'memory.csv').write_text('image,pixels,threads,detector,first,later,kept\n'
+                                         '"scene 10x10",100,1,CV_ORB,600,655,0\n'
+                                         '"scene 10x10",100,1,AQORB,1000,1100,900\n'
+                                         '"scene 10x10",100,1,BESIDE libaqorb.so.0.1.0,1500,1600,1400\n')
+    table = profiling.memory_tables(tmp_path)['Memory']
+    assert list(table.columns[5:8]) == ['version 0.1.0, first frame', 'version 0.1.0, later frames',
+                                        'version 0.1.0, kept']
+    assert rows(table)[0][2:8] == ['10.00', '11.00', '9.00', '15.00', '16.00', '14.00']
 
 
 def test_instructions(tmp_path):
