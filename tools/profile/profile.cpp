@@ -16,11 +16,10 @@ const struct
 {
     const char* region;
     Stage stage;
-} MARKS[] = {
-    {"varianceOverMean", THRESHOLD},  {"fillLevels", PYRAMID},           {"findBandCorners", FAST},
-    {"suppressCorners", SUPPRESSION}, {"harrisResponses", HARRIS},       {"orderByRank", QUADTREE},
-    {"selectFeatures", SELECTION},    {"orientations", ORIENTATION},     {"computeKeypoints", POSITION},
-    {"approximateBlur", BLUR},        {"computeDescriptors", DESCRIPTOR}};
+} MARKS[] = {{"varianceOverMean", THRESHOLD},   {"fillLevel", PYRAMID},      {"BandSearch::find", FAST},
+             {"harrisResponses", HARRIS},       {"orderByRank", RANKING},    {"select", SELECTION},
+             {"orientations", ORIENTATION},     {"findKeypoints", POSITION}, {"approximateBlur", BLUR},
+             {"computeDescriptors", DESCRIPTOR}};
 
 //! The stage of a region inside one of another stage. Whatever selection calls is selection.
 Stage stageOf(const TraceRegion& region, Stage outer)
@@ -31,11 +30,6 @@ Stage stageOf(const TraceRegion& region, Stage outer)
             return mark.stage;
     }
     return outer;
-}
-
-bool isParallel(const TraceRegion& region)
-{
-    return region.is("parallel_for");
 }
 
 class Profiler
@@ -69,10 +63,10 @@ void enter(const std::vector<TraceRegion>& regions, std::vector<std::string>& ab
 
 const char* nameOf(Stage stage)
 {
-    static const char* const NAMES[] = {
-        "threshold", "pyramid",  "FAST, cells", "suppression between neighbours",
-        "Harris",    "quadtree", "selection",   "orientation",
-        "position",  "blur",     "descriptor",  "rest"};
+    static const char* const NAMES[] = {"threshold",   "pyramid",  "FAST, cells, suppression",
+                                        "Harris",      "ranking",  "selection",
+                                        "orientation", "position", "blur",
+                                        "descriptor",  "rest"};
     return NAMES[stage];
 }
 
@@ -82,29 +76,6 @@ Profile profileOf(const TraceRegion& frame)
     profiler.add(frame, REST);
     profiler.profile.total = frame.duration;
     return profiler.profile;
-}
-
-double leastTime(const TraceRegion& region, int threads)
-{
-    double work = 0, longest = 0, sum = 0;  // of the children
-    for (const TraceRegion& child : region.children)
-    {
-        const double least = leastTime(child, threads);
-        work += child.duration;
-        longest = std::max(longest, least);
-        sum += least;
-    }
-    if (isParallel(region))
-        sum = threads > 0 ? std::max(longest, work / threads) : longest;
-    return region.selfDuration() + sum;
-}
-
-double serialTime(const TraceRegion& region)
-{
-    double serial = region.selfDuration();
-    for (const TraceRegion& child : region.children)
-        serial += isParallel(region) ? 0 : serialTime(child);
-    return serial;
 }
 
 std::vector<std::string> absentStages(const std::vector<TraceRegion>& regions)

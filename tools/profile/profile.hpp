@@ -14,9 +14,8 @@ enum Stage
     THRESHOLD,
     PYRAMID,
     FAST,
-    SUPPRESSION,
     HARRIS,
-    QUADTREE,
+    RANKING,
     SELECTION,
     ORIENTATION,
     POSITION,
@@ -37,13 +36,6 @@ struct Profile
 
 //! The profile of a call of detectAndCompute.
 Profile profileOf(const TraceRegion& frame);
-
-/** The least time that threads can take for a region: each parallel_for_ its longest task or its share of all
- tasks, whichever is longer. 0 threads: as many as there are tasks. */
-double leastTime(const TraceRegion& region, int threads);
-
-//! The part of a region's time that is outside of parallel_for_.
-double serialTime(const TraceRegion& region);
 
 //! Names of functions and blocks that mark stages but are nowhere among these regions.
 std::vector<std::string> absentStages(const std::vector<TraceRegion>& regions);

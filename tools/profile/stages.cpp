@@ -5,10 +5,12 @@
 
 #include "measure.hpp"
 #include "profile.hpp"
+#include "recorded_frame.hpp"
 
 #include <opencv2/core/utility.hpp>
 
 #include <cstdio>
+#include <memory>
 
 #include <sys/wait.h>
 #include <unistd.h>
@@ -83,6 +85,32 @@ void timeUntraced(const Image& image, const Settings& settings, FrameTimes& time
         times.add(i, "untraced", "frame", timeFrame(*detector, image.pixels, features) * 1e9);
 }
 
+/** The least times of a frame by numbers of threads. A frame is divided into more tasks for more threads, and one thread
+ does them. Whatever is outside of tasks is serial. */
+void recordTasks(const Image& image, const Settings& settings, FrameTimes& times)
+{
+    const std::vector<int> numbers = {1, 2, 4, 8};
+    std::vector<std::unique_ptr<FrameRecorder>> recorders;
+    for (const int threads : numbers)
+        recorders.emplace_back(new FrameRecorder(threads, settings.nfeatures));
+    for (int i = -WARM_UP; i < settings.repeats; i++)
+    {
+        for (size_t j = 0; j < numbers.size(); j++)
+        {
+            const RecordedTasks recorded = recorders[j]->record(image.pixels);
+            if (i < 0)
+                continue;
+            const double serial = recorded.frame - workOf(recorded.tasks);
+            const std::string threads = " " + std::to_string(numbers[j]);
+            times.add(i, "path", "frame" + threads, recorded.frame);
+            times.add(i, "path", "serial" + threads, serial);
+            times.add(i, "path", "longest" + threads, serial + longestPath(recorded.tasks));
+            times.add(i, "path", "least" + threads, serial + leastTime(recorded.tasks, numbers[j]));
+            times.add(i, "path", "queue" + threads, serial + queueTime(recorded.tasks, numbers[j]));
+        }
+    }
+}
+
 }  // namespace
 
 tools::CsvTable measureStages(const Settings& settings)
@@ -101,13 +129,9 @@ tools::CsvTable measureStages(const Settings& settings)
             const Profile profile = profileOf(frames[i]);
             for (int stage = 0; stage < STAGE_COUNT; stage++)
                 times.add(i, "stage", nameOf(Stage(stage)), profile.stages[stage]);
-            // The critical path: the serial part, and the least time by numbers of threads.
-            times.add(i, "path", "serial", serialTime(frames[i]));
-            for (int threads : {1, 2, 4, 8})
-                times.add(i, "path", std::to_string(threads), leastTime(frames[i], threads));
-            times.add(i, "path", "enough", leastTime(frames[i], 0));
         }
         timeUntraced(image, settings, times);
+        recordTasks(image, settings, times);
     }
     return table;
 }

@@ -35,14 +35,16 @@ def stage_tables(folder):
     tables = {'Stages': pandas.DataFrame(rows, columns=['% of a frame'] + images)}
 
     paths = of_kind('path')
-    one = paths['1']
-    serial = medians(paths['serial'] / one)
-    longest = medians((paths['enough'] - paths['serial']) / one)
-    bounds = medians(paths[['2', '4', '8', 'enough']].rdiv(one, axis=0))
-    rows = [[image, number(shares.loc[image, 'selection'], 1), number(100 * serial[image], 1),
-             number(100 * longest[image], 1)] + [number(bound) for bound in bounds.loc[image]] for image in images]
+    one = paths['frame 1']
+    shares_of_path = medians(100 * paths[['serial 8', 'longest 8']].div(one, axis=0))
+    gains = medians(paths[['{} {}'.format(kind, threads) for kind in ('least', 'queue') for threads in (2, 4, 8)]].rdiv(
+        one, axis=0))
+    rows = [[image, number(shares.loc[image, 'selection'], 1)] +
+            [number(share, 1) for share in shares_of_path.loc[image]] + [number(gain) for gain in gains.loc[image]]
+            for image in images]
     tables['Critical path'] = pandas.DataFrame(rows, columns=[
-        'image', 'selection %', 'serial %', 'longest tasks %', 'bound, 2 threads', '4', '8', 'enough threads'])
+        'image', 'selection %', 'serial %', 'longest path %', 'bound, 2 threads', 'bound, 4', 'bound, 8',
+        'queue, 2 threads', 'queue, 4', 'queue, 8'])
     return tables
 
 
