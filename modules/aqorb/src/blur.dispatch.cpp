@@ -105,6 +105,17 @@ int BlurRegion::columnOf(int x) const
     return x < RADIUS ? 0 : x >= size.width - RADIUS ? columns - 1 : 1 + (x - RADIUS) / TILE_WIDTH;
 }
 
+Range BlurRegion::pixelsOf(int column) const
+{
+    const bool inside = column > 0 && column < columns - 1;
+    const int left = inside ? RADIUS : 0, right = size.width - left;
+    const int width = std::min<int>(TILE_WIDTH, right - left);
+    // The last tile overlaps the one before.
+    const int x =
+        std::min(column == columns - 1 ? right : left + std::max(column - 1, 0) * TILE_WIDTH, right - width);
+    return Range(x, x + width);
+}
+
 void BlurRegion::add(const Rect& rect)
 {
     const Rect part = rect & Rect(Point(), size);
@@ -117,37 +128,60 @@ void BlurRegion::add(const Rect& rect)
     }
 }
 
-bool BlurRegion::nextTile(size_t& position, Rect& tile) const
+void BlurRegion::addDisc(const Point& center, const std::vector<int>& halfHeights)
 {
-    const uchar *begin = needed.data(), *end = begin + needed.size();
-    const void* found = std::memchr(begin + position, 1, needed.size() - position);
-    if (!found)
-        return false;
-    const uchar* first = static_cast<const uchar*>(found);
-    const uchar* last = static_cast<const uchar*>(std::memchr(first, 0, end - first));
-    const size_t rows = size_t(size.height) + 1;
-    const int column = int((first - begin) / rows);
-    const bool inside = column > 0 && column < columns - 1;
-    const int left = inside ? RADIUS : 0, right = size.width - left;
-    tile.width = std::min<int>(TILE_WIDTH, right - left);
-    // The last tile overlaps the one before.
-    tile.x = std::min(column == columns - 1 ? right : left + std::max(column - 1, 0) * TILE_WIDTH,
-                      right - tile.width);
-    tile.y = int((first - begin) % rows);
-    const int bottom = tile.y < RADIUS                 ? RADIUS
-                       : tile.y < size.height - RADIUS ? size.height - RADIUS
-                                                       : size.height;
-    tile.height = std::min(int(last - first), bottom - tile.y);
-    position = size_t(first - begin) + tile.height;
-    return true;
+    const int radius = int(halfHeights.size()) - 1;
+    const int left = std::max(center.x - radius, 0), right = std::min(center.x + radius, size.width - 1);
+    for (int column = columnOf(left), last = columnOf(right); column <= last; column++)
+    {
+        // Of the pixels of the column, that nearest to the centre counts.
+        const int begin = column == 0             ? left
+                          : column == columns - 1 ? std::max(left, size.width - RADIUS)
+                                                  : std::max(left, RADIUS + (column - 1) * TILE_WIDTH);
+        const int end = column == columns - 1 ? right + 1 : std::min(right + 1, RADIUS + column * TILE_WIDTH);
+        const int distance = std::max(std::max(begin - center.x, center.x - (end - 1)), 0);
+        if (distance > radius)
+            continue;
+        const int height = halfHeights[distance];
+        const int top = std::max(center.y - height, 0), bottom = std::min(center.y + height + 1, size.height);
+        uchar* rows = needed.data() + size_t(column) * (size.height + 1);
+        if (top < bottom)
+            std::memset(rows + top, 1, size_t(bottom - top));
+    }
 }
 
-void approximateBlur(const Mat& image, const BlurRegion& region, Mat& blurred, BlurScratch& scratch)
+bool BlurRegion::nextTile(const Range& rows, Position& position, Rect& tile) const
+{
+    for (; position.column < columns; position.column++, position.row = rows.start)
+    {
+        const uchar* column = needed.data() + size_t(position.column) * (size.height + 1);
+        const void* found = std::memchr(column + position.row, 1, size_t(rows.end - position.row));
+        if (!found)
+            continue;
+        const uchar* first = static_cast<const uchar*>(found);
+        const uchar* last =
+            static_cast<const uchar*>(std::memchr(first, 0, size_t(column + size.height + 1 - first)));
+        const Range pixels = pixelsOf(position.column);
+        tile.x = pixels.start;
+        tile.width = pixels.size();
+        tile.y = int(first - column);
+        const int bottom = tile.y < RADIUS                 ? RADIUS
+                           : tile.y < size.height - RADIUS ? size.height - RADIUS
+                                                           : size.height;
+        tile.height = std::min(std::min(int(last - column), rows.end), bottom) - tile.y;
+        position.row = tile.y + tile.height;
+        return true;
+    }
+    return false;
+}
+
+void approximateBlur(const Mat& image, const BlurRegion& region, const Range& rows,
+                     const BlurredRows& blurred, BlurScratch& scratch)
 {
     CV_TRACE_FUNCTION();
     const Rect inner(RADIUS, RADIUS, image.cols - 2 * RADIUS, image.rows - 2 * RADIUS);
-    Rect tile;
-    for (size_t position = 0; region.nextTile(position, tile);)
+    BlurRegion::Position position = {0, rows.start};
+    for (Rect tile; region.nextTile(rows, position, tile);)
     {
         const uchar* source = image.ptr(tile.y) + tile.x;
         ptrdiff_t step = ptrdiff_t(image.step);
@@ -161,8 +195,7 @@ void approximateBlur(const Mat& image, const BlurRegion& region, Mat& blurred, B
             copyReflected(image, read, scratch.data());
             source = scratch.data() + RADIUS * step + RADIUS;
         }
-        blurTileOf(source, step, tile.size(), blurred.ptr<ushort>(tile.y) + tile.x,
-                   ptrdiff_t(blurred.step1()));
+        blurTileOf(source, step, tile.size(), blurred.row(tile.y) + tile.x, blurred.step);
     }
 }
 

@@ -27,8 +27,16 @@ public:
     void begin(Size size);
     //! Adds the pixels of a rectangle that are inside the level, and possibly some more.
     void add(const Rect& rect);
-    //! Gives the next tile, and false if there is none. The position must be 0 for the first tile.
-    bool nextTile(size_t& position, Rect& tile) const;
+    //! Adds the pixels of a disc that are inside the level, and possibly some more.
+    //! @param halfHeights the greatest vertical distance from the centre, by the horizontal one
+    void addDisc(const Point& center, const std::vector<int>& halfHeights);
+    //! Where a search for tiles has arrived.
+    struct Position
+    {
+        int column, row;
+    };
+    //! Gives the next tile of some rows, and false if there is none. The search begins at column 0 and the first row.
+    bool nextTile(const Range& rows, Position& position, Rect& tile) const;
 
 private:
     enum
@@ -36,6 +44,7 @@ private:
         TILE_WIDTH = 32  // whole vectors
     };
     int columnOf(int x) const;
+    Range pixelsOf(int column) const;
 
     Size size;
     int columns;                // of tiles
@@ -45,9 +54,22 @@ private:
 //! Work space of approximateBlur.
 typedef std::vector<uchar> BlurScratch;
 
+//! Some rows of the approximate blur of a level.
+struct BlurredRows
+{
+    BlurredRows() : data(0), step(0), top(0) {}
+    ushort* row(int y) const { return data + (y - top) * step; }
+
+    ushort* data;
+    ptrdiff_t step;  //!< in elements
+    int top;         //!< the first row
+};
+
 /** The blur in fixed point, in units of 1/256. It differs from the exact one before rounding by at most BLUR_BOUND.
- @param blurred CV_16UC1 of the size of the image; pixels outside of the region get any value */
-void approximateBlur(const Mat& image, const BlurRegion& region, Mat& blurred, BlurScratch& scratch);
+ @param rows to blur
+ @param blurred gets the pixels of the region; others of these rows get any value */
+void approximateBlur(const Mat& image, const BlurRegion& region, const Range& rows,
+                     const BlurredRows& blurred, BlurScratch& scratch);
 
 }  // namespace stages
 }  // namespace aqorb

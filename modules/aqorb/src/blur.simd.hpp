@@ -82,11 +82,69 @@ struct ManyPixels
 {
     typedef v_uint16 V;
     static CV_ALWAYS_INLINE V all(ushort value) { return vx_setall_u16(value); }
-    static CV_ALWAYS_INLINE V load(const uchar* p) { return vx_load_expand(p); }
     static CV_ALWAYS_INLINE void store(ushort* p, const V& a) { v_store(p, a); }
-    static CV_ALWAYS_INLINE V add(const V& a, const V& b) { return v_add(a, b); }
+    // All sums fit into 16 bits.
+    static CV_ALWAYS_INLINE V add(const V& a, const V& b) { return v_add_wrap(a, b); }
     static CV_ALWAYS_INLINE V upperHalf(const V& a, const V& b) { return v_mul_hi(a, b); }
-    template <int BITS> static CV_ALWAYS_INLINE V shifted(const V& a) { return v_shl<BITS>(a); }
+#if CV_AVX512_SKX && CV_SIMD_WIDTH == 64
+#define AQORB_WIDE(name) _mm512_##name
+    // The bytes from p - 3 on that the pixels of each eight lanes need, in 128 bits each.
+    static CV_ALWAYS_INLINE __m512i eachBytes(const uchar* p)
+    {
+        const __m512i bytes = _mm512_maskz_loadu_epi8((uint64(1) << 38) - 1, p - 3);
+        return _mm512_permutexvar_epi64(_mm512_setr_epi64(0, 1, 1, 2, 2, 3, 3, 4), bytes);
+    }
+    static CV_ALWAYS_INLINE __m512i inEach(const __m128i& v)
+    {
+        return _mm512_broadcast_i32x4(v);
+    }
+#elif CV_AVX2 && CV_SIMD_WIDTH == 32
+#define AQORB_WIDE(name) _mm256_##name
+    static CV_ALWAYS_INLINE __m256i eachBytes(const uchar* p)
+    {
+        // The upper ones are two bytes further up, because these are the last that are readable.
+        const __m128i lower = _mm_loadu_si128(reinterpret_cast<const __m128i*>(p - 3));
+        const __m128i upper = _mm_loadu_si128(reinterpret_cast<const __m128i*>(p + 3));
+        return _mm256_inserti128_si256(_mm256_castsi128_si256(lower), upper, 1);
+    }
+    static CV_ALWAYS_INLINE __m256i inEach(const __m128i& bytes)
+    {
+        return _mm256_inserti128_si256(_mm256_castsi128_si256(bytes), _mm_add_epi8(bytes, _mm_set1_epi8(2)),
+                                       1);
+    }
+#endif
+#ifdef AQORB_WIDE
+    // A shuffle makes pairs of bytes of the two pixels, and maddubs adds each pair up.
+    static CV_ALWAYS_INLINE void loadRow(const uchar* p, V& center, V& pair1, V& pair2, V& pair3)
+    {
+        const char Z = -128;  // makes a zero
+        const auto bytes = eachBytes(p);
+        const auto sixtyFour = AQORB_WIDE(set1_epi8)(64);
+        center = V(AQORB_WIDE(shuffle_epi8)(
+            bytes, inEach(_mm_setr_epi8(Z, 3, Z, 4, Z, 5, Z, 6, Z, 7, Z, 8, Z, 9, Z, 10))));
+        pair1 = V(AQORB_WIDE(maddubs_epi16)(
+            AQORB_WIDE(shuffle_epi8)(bytes,
+                                     inEach(_mm_setr_epi8(2, 4, 3, 5, 4, 6, 5, 7, 6, 8, 7, 9, 8, 10, 9, 11))),
+            sixtyFour));
+        pair2 = V(AQORB_WIDE(maddubs_epi16)(
+            AQORB_WIDE(shuffle_epi8)(
+                bytes, inEach(_mm_setr_epi8(1, 5, 2, 6, 3, 7, 4, 8, 5, 9, 6, 10, 7, 11, 8, 12))),
+            sixtyFour));
+        pair3 = V(AQORB_WIDE(maddubs_epi16)(
+            AQORB_WIDE(shuffle_epi8)(
+                bytes, inEach(_mm_setr_epi8(0, 6, 1, 7, 2, 8, 3, 9, 4, 10, 5, 11, 6, 12, 7, 13))),
+            sixtyFour));
+    }
+#undef AQORB_WIDE
+#else
+    static CV_ALWAYS_INLINE void loadRow(const uchar* p, V& center, V& pair1, V& pair2, V& pair3)
+    {
+        center = v_shl<8>(vx_load_expand(p));
+        pair1 = v_shl<6>(add(vx_load_expand(p - 1), vx_load_expand(p + 1)));
+        pair2 = v_shl<6>(add(vx_load_expand(p - 2), vx_load_expand(p + 2)));
+        pair3 = v_shl<6>(add(vx_load_expand(p - 3), vx_load_expand(p + 3)));
+    }
+#endif
     static CV_ALWAYS_INLINE V average(const V& a, const V& b)  // rounded up
     {
 #if CV_AVX512_SKX && CV_SIMD_WIDTH == 64
@@ -107,11 +165,16 @@ struct OnePixel
 {
     typedef unsigned V;
     static CV_ALWAYS_INLINE V all(ushort value) { return value; }
-    static CV_ALWAYS_INLINE V load(const uchar* p) { return *p; }
+    static CV_ALWAYS_INLINE void loadRow(const uchar* p, V& center, V& pair1, V& pair2, V& pair3)
+    {
+        center = V(p[0]) << 8;
+        pair1 = V(p[-1] + p[1]) << 6;
+        pair2 = V(p[-2] + p[2]) << 6;
+        pair3 = V(p[-3] + p[3]) << 6;
+    }
     static CV_ALWAYS_INLINE void store(ushort* p, V a) { *p = ushort(a); }
     static CV_ALWAYS_INLINE V add(V a, V b) { return a + b; }
     static CV_ALWAYS_INLINE V upperHalf(V a, V b) { return (a * b) >> 16; }
-    template <int BITS> static CV_ALWAYS_INLINE V shifted(V a) { return a << BITS; }
     static CV_ALWAYS_INLINE V average(V a, V b) { return (a + b + 1) >> 1; }
 };
 
@@ -134,10 +197,9 @@ template <typename T> struct Taps
     }
     CV_ALWAYS_INLINE V ofRow(const uchar* p) const
     {
-        return sum(T::template shifted<8>(T::load(p)),
-                   T::template shifted<6>(T::add(T::load(p - 1), T::load(p + 1))),
-                   T::template shifted<6>(T::add(T::load(p - 2), T::load(p + 2))),
-                   T::template shifted<6>(T::add(T::load(p - 3), T::load(p + 3))));
+        V middle, pair1, pair2, pair3;
+        T::loadRow(p, middle, pair1, pair2, pair3);
+        return sum(middle, pair1, pair2, pair3);
     }
     V t0, t1, t2, t3, center;
 };

@@ -6,7 +6,6 @@
 #include "precomp.hpp"
 
 #include "corners.hpp"
-#include "fast.hpp"
 
 #include "corners.simd.hpp"
 #include "corners.simd_declarations.hpp"
@@ -18,80 +17,164 @@ namespace aqorb
 namespace stages
 {
 
-static int writeKeptCorners(const CornerBlocks& blocks, const ScorePlane& plane, Corner* kept)
+namespace
 {
-    const CornerBlock* first = blocks.storage.data();
+
+int partCorners(const CornerBlock* first, int cornerCount, const ScorePlane& plane, Corner* kept,
+                Corner* suppressed)
+{
     const uchar* scores = plane.row(first->y);
-    CV_CPU_DISPATCH(writeKept, (first, blocks.cornerCount, scores, plane.step(), kept),
+    CV_CPU_DISPATCH(writeParted, (first, cornerCount, scores, plane.step(), kept, suppressed),
                     CV_CPU_DISPATCH_MODES_ALL);
 }
 
-void suppressCorners(const CornerBlocks& blocks, const ScorePlane& plane, std::vector<Corner>& kept)
+// Appends the corners of the first blocks: those that have no better one nearby, and the others.
+void appendCorners(const CornerBlocks& blocks, int cornerCount, const ScorePlane& plane, KeptCount& count,
+                   FoundCorners& found, std::vector<Corner>& scratch)
+{
+    if (cornerCount == 0)
+        return;
+    // The kernel writes every corner to both ends before it knows whether it is kept.
+    const size_t space = size_t(cornerCount) + 1;
+    if (scratch.size() < 2 * space)
+        scratch.resize(2 * space);
+    Corner *const kept = scratch.data(), *const suppressed = kept + space;
+    const int keptCount = partCorners(blocks.storage.data(), cornerCount, plane, kept, suppressed);
+    found.kept.insert(found.kept.end(), kept, kept + keptCount);
+    if (count.isShort())
+        found.suppressed.insert(found.suppressed.end(), suppressed, suppressed + (cornerCount - keptCount));
+    count.add(size_t(keptCount));
+}
+
+// Moves the blocks from `begin` to before `end` to the end of others. There must be space for one more, which the kernel
+// reads.
+void appendBlocks(const CornerBlocks& blocks, int begin, int end, CornerBlocks& others)
+{
+    others.storage.resize(size_t(others.count + end - begin) + 1);
+    for (int i = begin; i < end; i++)
+    {
+        others.storage[others.count++] = blocks.storage[i];
+        others.cornerCount += countCorners(blocks.storage[i]);
+    }
+}
+
+}  // namespace
+
+void Seam::begin(int imageWidth, const Range& columns, int y)
+{
+    plane.begin(imageWidth, columns, y, ScorePlane::ROWS_ABOVE);
+    above.count = above.cornerCount = below.count = below.cornerCount = 0;
+}
+
+void FoundCorners::append(const FoundCorners& next)
+{
+    kept.insert(kept.end(), next.kept.begin(), next.kept.end());
+    suppressed.insert(suppressed.end(), next.suppressed.begin(), next.suppressed.end());
+    weak.insert(weak.end(), next.weak.begin(), next.weak.end());
+}
+
+void Seam::list(KeptCount& count, FoundCorners& found, std::vector<Corner>& scratch) const
+{
+    appendCorners(above, above.cornerCount, plane, count, found, scratch);
+    appendCorners(below, below.cornerCount, plane, count, found, scratch);
+}
+
+// Takes the corners of the rows before `end`. Three more rows must have scores, or there are none.
+void BandSearch::take(int end, KeptCount& count, FoundCorners& found)
+{
+    int taken = blocks.count, left = 0;  // corners that are not taken yet
+    while (taken > 0 && blocks.storage[taken - 1].y >= end)
+        left += countCorners(blocks.storage[--taken]);
+    appendCorners(blocks, blocks.cornerCount - left, plane, count, found, scratch);
+    removeFirst(taken, left);
+}
+
+void BandSearch::removeFirst(int removed, int cornersLeft)
+{
+    std::copy(blocks.storage.begin() + removed, blocks.storage.begin() + blocks.count,
+              blocks.storage.begin());
+    blocks.count -= removed;
+    blocks.cornerCount = cornersLeft;
+}
+
+// Leaves the corners of the first rows to the seam above.
+void BandSearch::giveFirst(int end, Seam& above)
+{
+    int given = 0;
+    while (given < blocks.count && blocks.storage[given].y < end)
+        given++;
+    const int before = above.below.cornerCount;
+    appendBlocks(blocks, 0, given, above.below);
+    removeFirst(given, blocks.cornerCount - (above.below.cornerCount - before));
+}
+
+void BandSearch::find(const Level& level, const Rect& band, const CornerRules& rules, Seam* above,
+                      Seam* below, FoundCorners& found)
 {
     CV_TRACE_FUNCTION();
-    kept.resize(blocks.cornerCount);
-    if (blocks.count > 0)
-        kept.resize(writeKeptCorners(blocks, plane, kept.data()));
-}
-
-void cornersWithout(const std::vector<Corner>& corners, const std::vector<Corner>& excluded,
-                    std::vector<Corner>& remaining)
-{
-    remaining.clear();
-    std::set_difference(corners.begin(), corners.end(), excluded.begin(), excluded.end(),
-                        std::back_inserter(remaining), InRasterOrder());
-}
-
-Range cornerBand(const Rect& region, int cellSize, int index)
-{
-    const int ROWS = 64;  // fewer would not be worth a task of their own
-    const int64 rows = (ROWS + int64(cellSize) - 1) / cellSize * cellSize,
-                end = region.y + int64(region.height);
-    return Range(int(std::min(region.y + index * rows, end)),
-                 int(std::min(region.y + (index + 1) * rows, end)));
-}
-
-void findBandCorners(const Level& level, const Rect& band, Thresholds thresholds, int cellSize,
-                     ScorePlane& plane, CornerBlocks& found, FastScanner& scanner)
-{
-    CV_TRACE_FUNCTION();
-    found.count = found.cornerCount = 0;
     const Rect scanned = fastRegion(level.image.size(), band);
     if (scanned.empty())
         return;
-    scanner.begin(level, scanned, thresholds, plane, found);
-    const int side = std::min(cellSize, std::max(band.width, band.height));
     const Point end = band.br();
+    const int bottom = scanned.y + scanned.height,
+              side = std::min(rules.cellSize, std::max(band.width, band.height));
+    plane.begin(level.image.cols, Range(scanned.x, scanned.x + scanned.width), scanned.y,
+                std::min(side, scanned.height));
+    scanner.begin(level, scanned, rules.thresholds, plane, blocks);
+    int copied = scanned.y;  // rows before it have been copied to the seam above
     for (int y = band.y; y < end.y; y += side)
     {
-        scanner.scan(y + side);
+        const int scannedEnd = std::min(y + side, bottom);
+        plane.slideTo(std::min(y, bottom));
+        scanner.scan(scannedEnd);
         for (int x = band.x; x < end.x; x += side)
         {
             const Range cell(x, std::min(x + side, end.x));
             if (scanner.hasStrong(cell))
                 scanner.dropWeak(cell);
         }
-        scanner.collect();
+        scanner.collect(rules.count->isShort() ? &found.weak : 0);
+        if (!rules.suppressNear)
+        {
+            rules.count->add(size_t(blocks.cornerCount));
+            listCorners(blocks, plane, found.kept);
+            removeFirst(blocks.count, 0);
+            continue;
+        }
+        if (above)
+        {
+            for (; copied < std::min(scannedEnd, scanned.y + ScorePlane::ROWS_ABOVE); copied++)
+                above->plane.copyRow(copied, plane);
+            giveFirst(scanned.y + SUPPRESS_RADIUS, *above);
+        }
+        take(scannedEnd - SUPPRESS_RADIUS, *rules.count, found);
     }
+    if (!rules.suppressNear)
+        return;
+    if (below)
+    {
+        for (int y = bottom - ScorePlane::ROWS_ABOVE; y < bottom; y++)
+            below->plane.copyRow(y, plane);
+        appendBlocks(blocks, 0, blocks.count, below->above);
+        return;
+    }
+    plane.clearBelow(bottom);
+    take(bottom, *rules.count, found);
 }
 
-void findWeakCorners(const Level& level, const Rect& region, Thresholds thresholds,
-                     const std::vector<Corner>& found, std::vector<Corner>& weak)
+int mostBands(const Rect& region, int cellSize)
 {
-    CV_TRACE_FUNCTION();
-    weak.clear();
-    const Rect scanned = fastRegion(level.image.size(), region);
-    if (thresholds.min >= thresholds.ini || scanned.empty())
-        return;
-    ScorePlane plane;
-    plane.begin(level.image.cols, scanned);
-    CornerBlocks blocks;
-    FastScanner scanner;
-    const Thresholds atMinimum = {thresholds.min, thresholds.min};
-    findBandCorners(level, region, atMinimum, INT_MAX, plane, blocks, scanner);
-    std::vector<Corner> all;
-    listCorners(blocks, plane, all);
-    cornersWithout(all, found, weak);
+    const int ROWS = 64;
+    // A seam takes ROWS_ABOVE rows from the bands above and below.
+    const int64 cells = (int64(region.height) - ScorePlane::ROWS_ABOVE) / cellSize + 1;
+    return int(std::max<int64>(std::min<int64>(cells, region.height / ROWS), 1));
+}
+
+Range rowsOfBand(const Rect& region, int cellSize, int bands, int index)
+{
+    const int64 cells = (int64(region.height) - ScorePlane::ROWS_ABOVE) / cellSize + 1;
+    const auto top = [&](int band) { return region.y + int(cells * band / bands * cellSize); };
+    return Range(top(index), index == bands - 1 ? region.y + region.height : top(index + 1));
 }
 
 }  // namespace stages

@@ -6,6 +6,7 @@
 #ifndef OPENCV_AQORB_CORNERS_HPP
 #define OPENCV_AQORB_CORNERS_HPP
 
+#include "fast.hpp"
 #include "types.hpp"
 
 namespace cv
@@ -15,35 +16,97 @@ namespace aqorb
 namespace stages
 {
 
-struct CornerBlocks;
-class ScorePlane;
-class FastScanner;
+//! How many corners have been kept in all levels of an image so far.
+class KeptCount
+{
+public:
+    KeptCount() : wanted(0), kept(0) {}
+    void begin(int wanted_)
+    {
+        wanted = wanted_;
+        kept = 0;
+    }
+    void add(size_t count) { CV_XADD(&kept, int(count)); }
+    //! Whether corners that are not kept could still be asked for.
+    bool isShort() { return CV_XADD(&kept, 0) <= wanted; }
 
-//! The rows of band `index` of a region: whole rows of cells, whose corners are found independently of other bands.
-//! Empty if the index is too high.
-Range cornerBand(const Rect& region, int cellSize, int index);
+private:
+    int wanted, kept;
+};
 
-/** Finds the corners of a band: those of score >= thresholds.ini, and in cells that have none of them those of score
- >= thresholds.min. Cells are squares of side cellSize; the first begins at the corner of the band. Masked
- corners do not count.
- @param plane prepared for fastRegion of the whole region; other bands may be searched at the same time
- @param found gets the corners of this band only */
-void findBandCorners(const Level& level, const Rect& band, Thresholds thresholds, int cellSize,
-                     ScorePlane& plane, CornerBlocks& found, FastScanner& scanner);
+//! The rules by which corners are found.
+struct CornerRules
+{
+    Thresholds thresholds;
+    int cellSize;
+    bool suppressNear;  //!< whether a corner loses to a better one within SUPPRESS_RADIUS
+    KeptCount* count;   //!< of the image
+};
 
-/** The corners of a band that have no better corner within SUPPRESS_RADIUS. A corner is better if it has a higher
- score or, with the same score, comes first in raster order. It counts even if it loses to another one itself.
- @param plane of the whole region */
-void suppressCorners(const CornerBlocks& blocks, const ScorePlane& plane, std::vector<Corner>& kept);
+//! The corners of a band or a level, each list in raster order.
+struct FoundCorners
+{
+    void clear()
+    {
+        kept.clear();
+        suppressed.clear();
+        weak.clear();
+    }
+    void append(const FoundCorners& next);
 
-//! The corners that are not among the excluded ones. All are in raster order.
-void cornersWithout(const std::vector<Corner>& corners, const std::vector<Corner>& excluded,
-                    std::vector<Corner>& remaining);
+    std::vector<Corner> kept;
+    //! Those that lost to a better corner nearby, and those below thresholds.ini in cells that have one at thresholds.ini.
+    //! They are listed as long as KeptCount::isShort.
+    std::vector<Corner> suppressed, weak;
+};
 
-/** The corners of score >= thresholds.min that findBandCorners leaves out because their cell has a strong one.
- @param found the corners that it finds in all bands of the region */
-void findWeakCorners(const Level& level, const Rect& region, Thresholds thresholds,
-                     const std::vector<Corner>& found, std::vector<Corner>& weak);
+/** The rows on both sides of the border between two bands. Which of their corners are kept can be said only when both
+ bands have been searched. Each band writes its own half. */
+class Seam
+{
+public:
+    //! Prepares the seam above row y.
+    void begin(int imageWidth, const Range& columns, int y);
+    //! Appends the corners of the seam, once both bands have been searched.
+    void list(KeptCount& count, FoundCorners& found, std::vector<Corner>& scratch) const;
+
+private:
+    friend class BandSearch;
+    ScorePlane plane;
+    CornerBlocks above, below;
+};
+
+/** Finds the corners of bands: those of score >= thresholds.ini, and in cells that have none of them those of score
+ >= thresholds.min. Cells are squares of side cellSize; the first begins at the corner of the band. Masked corners do
+ not count. With suppressNear, a corner is kept only if there is no better one within SUPPRESS_RADIUS. A corner is better
+ if it has a higher score or, with the same score, comes first in raster order. It counts even if it loses to another one
+ itself. An object can be used again, and then needs no new memory. */
+class BandSearch
+{
+public:
+    /** Appends the corners of a band in raster order.
+     @param above, below the seams to neighbouring bands; 0: there is no neighbour, or corners are not suppressed. The
+     corners of the seams are left to them. */
+    void find(const Level& level, const Rect& band, const CornerRules& rules, Seam* above, Seam* below,
+              FoundCorners& found);
+
+    //! Work space for Seam::list.
+    std::vector<Corner> scratch;
+
+private:
+    void take(int end, KeptCount& count, FoundCorners& found);
+    void giveFirst(int end, Seam& above);
+    void removeFirst(int removed, int cornersLeft);
+
+    FastScanner scanner;
+    ScorePlane plane;
+    CornerBlocks blocks;  // of rows whose corners were not taken yet
+};
+
+//! How many bands of whole rows of cells a region can be divided into so that none is too small to be worth a task.
+int mostBands(const Rect& region, int cellSize);
+//! The rows of band `index` of so many of a region, at most mostBands.
+Range rowsOfBand(const Rect& region, int cellSize, int bands, int index);
 
 }  // namespace stages
 }  // namespace aqorb

@@ -14,12 +14,13 @@ namespace stages
 {
 CV_CPU_OPTIMIZATION_NAMESPACE_BEGIN
 
-/** Writes the corners that suppressCorners keeps.
+/** Writes the corners that have no better one within SUPPRESS_RADIUS, and apart from them the others.
  @param blocks those of the corners, and two more that are readable
  @param scores the scores of the row of the first block, by column, as in ScorePlane
- @param kept has space for all corners
- @return number of corners written */
-int writeKept(const CornerBlock* blocks, int cornerCount, const uchar* scores, ptrdiff_t step, Corner* kept);
+ @param kept, suppressed have space for all corners and one more
+ @return number of corners kept */
+int writeParted(const CornerBlock* blocks, int cornerCount, const uchar* scores, ptrdiff_t step, Corner* kept,
+                Corner* suppressed);
 
 #ifndef CV_CPU_OPTIMIZATION_DECLARATIONS_ONLY
 
@@ -62,7 +63,8 @@ CV_ALWAYS_INLINE bool isSuppressed(const uchar* p, ptrdiff_t step)
 
 }  // namespace
 
-int writeKept(const CornerBlock* blocks, int cornerCount, const uchar* scores, ptrdiff_t step, Corner* kept)
+int writeParted(const CornerBlock* blocks, int cornerCount, const uchar* scores, ptrdiff_t step, Corner* kept,
+                Corner* suppressed)
 {
     const int top = blocks->y;
     uint64 columns = blocks[0].columns, next = blocks[1].columns;
@@ -73,8 +75,10 @@ int writeKept(const CornerBlock* blocks, int cornerCount, const uchar* scores, p
         const int x = blocks->x + trailingZeros(columns), y = blocks->y;
         const uchar* p = scores + (y - top) * step + x;
         const Corner corner = {x, y, *p - 1};
-        *out = corner;
-        out += !isSuppressed(p, step);
+        *out = *suppressed = corner;
+        const bool loses = isSuppressed(p, step);
+        out += !loses;
+        suppressed += loses;
         columns &= columns - 1;
         const bool wasLast = columns == 0;
         columns |= next & (uint64(0) - wasLast);

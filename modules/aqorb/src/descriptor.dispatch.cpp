@@ -65,7 +65,7 @@ namespace
 class BlurredPatch
 {
 public:
-    BlurredPatch(const Mat& image_, const Mat& blurred_, int x_, int y_)
+    BlurredPatch(const Mat& image_, const BlurredRows& blurred_, int x_, int y_)
         : image(image_), blurred(blurred_), x(x_), y(y_)
     {
     }
@@ -74,7 +74,7 @@ public:
         const Point pa(x + a.x, y + a.y), pb(x + b.x, y + b.y);
         if (!inside(pa) || !inside(pb))
             return valueAt(pa) < valueAt(pb);
-        const int va = blurred.at<ushort>(pa), vb = blurred.at<ushort>(pb);
+        const int va = approximateAt(pa), vb = approximateAt(pb);
         if (roundUp(va) < roundDown(vb))
             return true;
         if (roundDown(va) >= roundUp(vb))
@@ -93,7 +93,7 @@ private:
     {
         if (inside(p))
         {
-            const int approximate = blurred.at<ushort>(p);
+            const int approximate = approximateAt(p);
             const int highest = roundUp(approximate);
             return highest == roundDown(approximate) ? highest : exactBlur(image, p.x, p.y);
         }
@@ -102,13 +102,14 @@ private:
                                borderInterpolate(p.x, image.cols, BORDER_REFLECT_101));
     }
 
-    const Mat &image, &blurred;
+    int approximateAt(Point p) const { return blurred.row(p.y)[p.x]; }
+
+    const Mat& image;
+    const BlurredRows& blurred;
     int x, y;
 };
 
 }  // namespace
-
-const int BYTES = 32;
 
 // The index of the brightest point. Ties are broken as in cv::ORB.
 static int brightest(const int* v, int WTA_K)
@@ -130,7 +131,7 @@ static void computePlainly(const BlurredPatch& patch, float a, float b, const st
 {
     const int bitsOfTest = WTA_K == 2 ? 1 : 2;
     const Point* p = &pattern[0];
-    for (int i = 0; i < BYTES; i++)
+    for (int i = 0; i < DESCRIPTOR_BYTES; i++)
     {
         int byte = 0;
         for (int bit = 0; bit < 8; bit += bitsOfTest, p += WTA_K)
@@ -167,7 +168,8 @@ static int reachOf(const std::vector<Point>& pattern)
 
 // Copies the blurred patch of the given radius around a pixel near the border. Outside of the image it gets the
 // reflected pixels unblurred, as cv::ORB does not blur those.
-static void copyBlurredPatch(const Mat& image, const Mat& blurred, int x, int y, int radius, ushort* patch)
+static void copyBlurredPatch(const Mat& image, const BlurredRows& blurred, int x, int y, int radius,
+                             ushort* patch)
 {
     const int side = 2 * radius + 1;
     const Rect rect(x - radius, y - radius, side, side), inside = rect & Rect(Point(), image.size());
@@ -177,7 +179,7 @@ static void copyBlurredPatch(const Mat& image, const Mat& blurred, int x, int y,
         patch[i] = ushort(reflected[i] << 8);
     for (int row = inside.y; row < inside.y + inside.height; row++)
     {
-        const ushort* source = blurred.ptr<ushort>(row) + inside.x;
+        const ushort* source = blurred.row(row) + inside.x;
         std::copy(source, source + inside.width, patch + (row - rect.y) * side + (inside.x - rect.x));
     }
 }
@@ -185,6 +187,8 @@ static void copyBlurredPatch(const Mat& image, const Mat& blurred, int x, int y,
 DescriptorTests::DescriptorTests(const std::vector<Point>& pattern_, int WTA_K_)
     : pattern(pattern_), WTA_K(WTA_K_), reach(reachOf(pattern_))
 {
+    for (int x = 0; x <= reach; x++)
+        halfHeights.push_back(cvFloor(std::sqrt(double(reach) * reach - double(x) * x)));
     const int MAX_REACH = 64;  // a larger patch at the border would be expensive to copy
     if (WTA_K != 2 || reach > MAX_REACH)
         return;
@@ -199,8 +203,8 @@ DescriptorTests::DescriptorTests(const std::vector<Point>& pattern_, int WTA_K_)
     }
 }
 
-void computeDescriptors(const Mat& image, const Mat& blurred, const FeaturePoint* points, size_t count,
-                        const DescriptorTests& tests, uchar* descriptors, size_t step)
+void computeDescriptors(const Mat& image, const BlurredRows& blurred, const FeaturePoint* points,
+                        size_t count, const DescriptorTests& tests, uchar* descriptors, size_t step)
 {
     CV_TRACE_FUNCTION();
     const int reach = tests.reach;
@@ -223,8 +227,8 @@ void computeDescriptors(const Mat& image, const Mat& blurred, const FeaturePoint
         ptrdiff_t centerStep;
         if (inside.contains(Point(x, y)))
         {
-            center = blurred.ptr<ushort>(y) + x;
-            centerStep = ptrdiff_t(blurred.step1());
+            center = blurred.row(y) + x;
+            centerStep = blurred.step;
         }
         else
         {

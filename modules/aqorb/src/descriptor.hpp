@@ -6,6 +6,7 @@
 #ifndef OPENCV_AQORB_DESCRIPTOR_HPP
 #define OPENCV_AQORB_DESCRIPTOR_HPP
 
+#include "blur.hpp"
 #include "types.hpp"
 
 namespace cv
@@ -20,6 +21,8 @@ std::vector<Point> descriptorPattern(int patchSize, int WTA_K);
 
 struct PairTests;
 
+const int DESCRIPTOR_BYTES = 32;
+
 //! A pattern, prepared for any number of descriptors.
 struct DescriptorTests
 {
@@ -27,7 +30,9 @@ struct DescriptorTests
 
     std::vector<Point> pattern;
     int WTA_K;
-    int reach;             //!< how far from the keypoint the descriptor may read
+    int reach;  //!< how far from the keypoint the descriptor may read
+    std::vector<int>
+        halfHeights;       //!< of the disc that it may read, by the horizontal distance from the keypoint
     Ptr<PairTests> pairs;  //!< empty where there is no kernel for the pattern
 };
 
@@ -39,8 +44,8 @@ struct DescriptorTests
  @param tests the pattern
  @param descriptors gets one descriptor a row
  @param step bytes from one row to the next */
-void computeDescriptors(const Mat& image, const Mat& blurred, const FeaturePoint* points, size_t count,
-                        const DescriptorTests& tests, uchar* descriptors, size_t step);
+void computeDescriptors(const Mat& image, const BlurredRows& blurred, const FeaturePoint* points,
+                        size_t count, const DescriptorTests& tests, uchar* descriptors, size_t step);
 
 // ---- for the kernel: plain structs only, see types.hpp ---------------------------------------
 

@@ -29,18 +29,19 @@ int comparePairs(const ushort* center, ptrdiff_t step, float a, float b, const P
 namespace
 {
 
-// Fetches the value at the rotated point of each test. As in cv::ORB, multiplications and additions are not fused, and
-// ties are rounded to even.
-void fetch(const ushort* center, ptrdiff_t step, float a, float b, const float* x, const float* y,
-           ushort* values)
+// How many points are rotated, and then fetched, at a time.
+const int STEP = 16;
+
+// Rotates points. As in cv::ORB, multiplications and additions are not fused, and ties are rounded to even.
+// @param offsets from the centre to each rotated point, in elements
+CV_ALWAYS_INLINE void rotatePoints(const float* x, const float* y, float a, float b, ptrdiff_t step,
+                                   int* offsets)
 {
-    const int COUNT = PairTests::COUNT;
-    int offsets[COUNT];
     int i = 0;
 #if CV_SIMD
     const v_float32 va = vx_setall_f32(a), vb = vx_setall_f32(b);
     const v_int32 vstep = vx_setall_s32(int(step));
-    for (; i < COUNT; i += AQORB_LANES(v_float32))
+    for (; i < STEP; i += AQORB_LANES(v_float32))
     {
         const v_float32 px = vx_load(x + i), py = vx_load(y + i);
         const v_int32 column = v_round(v_sub(v_mul(px, va), v_mul(py, vb)));
@@ -48,27 +49,51 @@ void fetch(const ushort* center, ptrdiff_t step, float a, float b, const float* 
         v_store(offsets + i, v_add(v_mul(row, vstep), column));
     }
 #endif
-    for (; i < COUNT; i++)
+    for (; i < STEP; i++)
         offsets[i] = cvRound(x[i] * b + y[i] * a) * int(step) + cvRound(x[i] * a - y[i] * b);
+}
+
+CV_ALWAYS_INLINE void fetchPoints(const ushort* center, const int* offsets, ushort* values)
+{
 #if CV_SSE2
-    for (i = 0; i < COUNT; i += 8)
+    for (int i = 0; i < STEP; i += 8)
     {
-        // Inserting values from memory takes fewer instructions than a load and a store for each.
+        // Half of the values are inserted into vectors, and the others stored one by one: either way alone would keep
+        // some units busy and let others idle.
         const int* at = offsets + i;
         __m128i v = _mm_cvtsi32_si128(center[at[0]]);
         v = _mm_insert_epi16(v, center[at[1]], 1);
         v = _mm_insert_epi16(v, center[at[2]], 2);
         v = _mm_insert_epi16(v, center[at[3]], 3);
-        v = _mm_insert_epi16(v, center[at[4]], 4);
-        v = _mm_insert_epi16(v, center[at[5]], 5);
-        v = _mm_insert_epi16(v, center[at[6]], 6);
-        v = _mm_insert_epi16(v, center[at[7]], 7);
-        _mm_storeu_si128(reinterpret_cast<__m128i*>(values + i), v);
+        _mm_storel_epi64(reinterpret_cast<__m128i*>(values + i), v);
+        for (int j = 4; j < 8; j++)
+            values[i + j] = center[at[j]];
     }
 #else
-    for (i = 0; i < COUNT; i++)
+    for (int i = 0; i < STEP; i++)
         values[i] = center[offsets[i]];
 #endif
+}
+
+// Fetches the values at the rotated points of all tests: first the first points, then the second ones.
+void fetchPairs(const ushort* center, ptrdiff_t step, float a, float b, const PairTests& tests,
+                ushort* values)
+{
+    // Offsets are computed this long before they are used. Sooner, they would hardly have left the store buffer; and
+    // so that the processor does both at the same time, they are not all computed in advance.
+    const int AHEAD = 64, COUNT = 2 * PairTests::COUNT;
+    const float *x = tests.x[0], *y = tests.y[0];  // the arrays of the second points follow
+    int offsets[COUNT];
+    int i = 0;
+    for (; i < AHEAD; i += STEP)
+        rotatePoints(x + i, y + i, a, b, step, offsets + i);
+    for (; i < COUNT; i += STEP)
+    {
+        rotatePoints(x + i, y + i, a, b, step, offsets + i);
+        fetchPoints(center, offsets + i - AHEAD, values + i - AHEAD);
+    }
+    for (; i < COUNT + AHEAD; i += STEP)
+        fetchPoints(center, offsets + i - AHEAD, values + i - AHEAD);
 }
 
 }  // namespace
@@ -79,9 +104,9 @@ int comparePairs(const ushort* center, ptrdiff_t step, float a, float b, const P
     const int COUNT = PairTests::COUNT;
     // The exact value lies between the roundings of the approximate one minus and plus its bound.
     const int DOWN = 127 - BLUR_BOUND, UP = 128 + BLUR_BOUND;
-    ushort first[COUNT], second[COUNT];
-    fetch(center, step, a, b, tests.x[0], tests.y[0], first);
-    fetch(center, step, a, b, tests.x[1], tests.y[1], second);
+    ushort values[2 * COUNT];
+    const ushort *first = values, *second = values + COUNT;
+    fetchPairs(center, step, a, b, tests, values);
     int undecidedCount = 0, i = 0;
 #if CV_SIMD
     const v_uint16 down = vx_setall_u16(DOWN), up = vx_setall_u16(UP);

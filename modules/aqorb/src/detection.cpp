@@ -7,7 +7,6 @@
 
 #include "detection.hpp"
 
-#include "corners.hpp"
 #include "harris.hpp"
 
 namespace cv
@@ -17,73 +16,53 @@ namespace aqorb
 namespace stages
 {
 
-LevelDetection::LevelDetection() : level(0), rules(), bandCount(0), isOrdered(false)
+LevelDetection::LevelDetection() : level(0), rules(), bandCount(0), depth(0), isOrdered(false)
 {
 }
 
-void LevelDetection::begin(const Level& level_, const Rect& root_, const DetectionRules& rules_)
+int LevelDetection::begin(const Level& level_, const Rect& root_, const DetectionRules& rules_, int most)
 {
     level = &level_;
     root = root_;
     rules = rules_;
-    bandCount = 0;
     isOrdered = false;
-}
-
-int LevelDetection::layOutBands()
-{
+    found.clear();
+    bandCount = std::min(mostBands(root, rules.cellSize), most);
+    if (bands.size() < size_t(bandCount))
+        bands.resize(bandCount);
+    if (seams.size() + 1 < size_t(bandCount))
+        seams.resize(bandCount - 1);
     const Size size = level->image.size();
     const Rect scanned = fastRegion(size, root);
-    if (scanned.empty())
-        return 0;
-    plane.begin(size.width, scanned);
-    for (;; bandCount++)
+    for (int i = 0; i < bandCount; i++)
     {
-        const Range rows = cornerBand(root, rules.cellSize, bandCount);
-        if (rows.start >= rows.end)
-            return bandCount;
-        if (size_t(bandCount) == bands.size())
-            bands.push_back(Band());
-        Band& band = bands[bandCount];
-        band.rect = Rect(root.x, rows.start, root.width, rows.end - rows.start);
-        band.isRanked = false;
+        const Range rows = rowsOfBand(root, rules.cellSize, bandCount, i);
+        bands[i].rect = Rect(root.x, rows.start, root.width, rows.size());
+        bands[i].corners.clear();
+        if (i > 0)
+            seams[i - 1].begin(size.width, Range(scanned.x, scanned.x + scanned.width), rows.start);
     }
+    return bandCount;
 }
 
 void LevelDetection::searchBand(int index, DetectionScratch& scratch)
 {
-    CV_TRACE_FUNCTION();
-    Band& band = bands[index];
-    findBandCorners(*level, band.rect, rules.thresholds, rules.cellSize, plane, band.blocks, scratch.scanner);
-}
-
-void LevelDetection::rankBand(int index)
-{
-    CV_TRACE_FUNCTION();
-    Band& band = bands[index];
-    if (rules.rankByHarris)
-    {
-        // Harris responses of neighbours hardly differ. Without suppression a strong corner would be chosen thrice.
-        suppressCorners(band.blocks, plane, band.corners);
-    }
-    else
-    {
-        band.corners.clear();
-        listCorners(band.blocks, plane, band.corners);
-    }
-    // A RankedSequence needs the responses of few corners.
-    if (!rules.strengthPatch)
-        score(band.corners, rules.rankByHarris, band.ranked);
-    band.isRanked = true;
+    const bool hasSeams = rules.rankByHarris;
+    Seam* const above = hasSeams && index > 0 ? &seams[index - 1] : 0;
+    Seam* const below = hasSeams && index < bandCount - 1 ? &seams[index] : 0;
+    // Harris responses of neighbours hardly differ. Without suppression a strong corner would be chosen thrice.
+    const CornerRules ofCorners = {rules.thresholds, rules.cellSize, rules.rankByHarris, rules.count};
+    scratch.search.find(*level, bands[index].rect, ofCorners, above, below, cornersOf(index));
 }
 
 void LevelDetection::order(const OrderRule& rule, DetectionScratch& scratch)
 {
     CV_TRACE_FUNCTION();
-    for (int i = 0; i < bandCount; i++)
+    for (int i = 1; i < bandCount; i++)
     {
-        if (!bands[i].isRanked)
-            rankBand(i);
+        if (rules.rankByHarris)
+            seams[i - 1].list(*rules.count, found, scratch.search.scratch);
+        found.append(bands[i].corners);
     }
     if (rule.isRanked)
     {
@@ -91,10 +70,8 @@ void LevelDetection::order(const OrderRule& rule, DetectionScratch& scratch)
     }
     else
     {
-        ordered.clear();
-        for (int i = 0; i < bandCount; i++)
-            ordered.insert(ordered.end(), bands[i].ranked.begin(), bands[i].ranked.end());
-        leafPoints(ordered, root, rule.depth, scratch.leaves, scratch.points);
+        respond(found.kept, scratch.ranked);
+        leafPoints(scratch.ranked, root, rule.depth, scratch.leaves, scratch.points);
         balanced.begin(scratch.points, rule.depth);
     }
     isOrdered = true;
@@ -103,41 +80,29 @@ void LevelDetection::order(const OrderRule& rule, DetectionScratch& scratch)
 void LevelDetection::orderByRank(const OrderRule& rule, DetectionScratch& scratch)
 {
     CV_TRACE_FUNCTION();
-    size_t count = 0;
-    for (int i = 0; i < bandCount; i++)
-        count += bands[i].corners.size();
-    ordered.resize(count);
-    count = 0;
-    for (int i = 0; i < bandCount; i++)
-    {
-        const std::vector<Corner>& corners = bands[i].corners;
-        for (size_t j = 0; j < corners.size(); j++)
-        {
-            const RankedCorner corner = {corners[j].x, corners[j].y, float(corners[j].score)};
-            ordered[count++] = corner;
-        }
-    }
+    depth = rule.depth;
     // A tree of one leaf leaves the choice to the response.
-    const bool byResponse = rule.depth == 0;
-    if (byResponse)
-        setResponses(ordered, scratch);
-    ranked.begin(rule.depth, count);
-    numberLeaves(root.size(), rule.depth, ranked, scratch.leaves);
+    responses.clear();
+    if (depth == 0)
+        respond(found.kept, responses);
+    ranked.begin(depth, *this, scratch.ranking);
+    numberLeaves(root.size(), depth, scratch.leaves);
     const unsigned *columns = scratch.leaves.columns.data(), *rows = scratch.leaves.rows.data();
-    for (size_t i = 0; i < count; i++)
+    RankedSequence::Adder adder(ranked);
+    const std::vector<Corner>& corners = found.kept;
+    for (size_t i = 0; i < corners.size(); i++)
     {
-        const RankedCorner& corner = ordered[i];
-        const LeafPoint point = {columns[corner.x - root.x] + rows[corner.y - root.y], corner.response,
-                                 float(corner.x), float(corner.y), int(i)};
-        ranked.add(point);
+        const Corner& corner = corners[i];
+        adder.add(columns[corner.x - root.x] + rows[corner.y - root.y],
+                  depth == 0 ? responses[i].response : float(corner.score), i);
     }
     ranked.findRepresentatives();
-    if (!byResponse)
-        scoreRepresentatives(scratch);
+    if (depth > 0)
+        findStrengths(scratch);
     scratch.usable.clear();
     if (!level->mask.empty())
     {
-        const int depth = rule.depth, side = 1 << depth;
+        const int side = 1 << depth;
         for (int row = 0; row < side; row++)
         {
             const int y = root.y + int((int64(2 * row + 1) * root.height) >> (depth + 1));
@@ -148,57 +113,65 @@ void LevelDetection::orderByRank(const OrderRule& rule, DetectionScratch& scratc
             }
         }
     }
-    ranked.rank(rule.rank, byResponse ? 1 : 4, scratch.usable);
+    ranked.rank(rule.rank, depth == 0 ? 1 : 4, scratch.usable);
 }
 
 // The strength is the fourth power of FAST * sqrt(sqrt(Harris)) * moment, so that no root is needed. A corner whose moment
 // is long has a well-defined direction, and is found again with the same direction.
-void LevelDetection::scoreRepresentatives(DetectionScratch& scratch)
+void LevelDetection::findStrengths(DetectionScratch& scratch)
 {
-    const std::vector<LeafPoint>& best = ranked.representatives();
+    std::vector<LeafPoint>& best = ranked.representatives();
     scratch.corners.resize(best.size());
     scratch.patches.resize(best.size());
     scratch.moments.resize(best.size());
     for (size_t i = 0; i < best.size(); i++)
     {
-        const int x = int(best[i].x), y = int(best[i].y);
-        const Corner corner = {x, y, int(best[i].response)};
-        const FeaturePoint patch = {x, y, 0};
+        const Corner& corner = found.kept[best[i].index];
+        const FeaturePoint patch = {corner.x, corner.y, 0};
         scratch.corners[i] = corner;
         scratch.patches[i] = patch;
     }
     patchMoments(level->image, *rules.strengthPatch, scratch.patches.data(), best.size(),
                  scratch.moments.data());
-    if (rules.rankByHarris)
-        score(scratch.corners, true, scratch.ranked);
+    respond(scratch.corners, scratch.ranked);
     for (size_t i = 0; i < best.size(); i++)
     {
-        const float fast = best[i].response * best[i].response;
-        const float harris = rules.rankByHarris ? std::max(scratch.ranked[i].response, 0.f) : 1.f;
+        const float fast = best[i].response * best[i].response, response = scratch.ranked[i].response;
+        const float harris = rules.rankByHarris ? std::max(response, 0.f) : 1.f;
         const int64 m10 = scratch.moments[i].m10, m01 = scratch.moments[i].m01;
         const float moment = float(uint64(m10 * m10) + uint64(m01 * m01)) * (1.f / 4294967296.f);
         ranked.strength(i) = (fast * fast * harris) * (moment * moment);
+        best[i].response = response;
     }
 }
 
-void LevelDetection::setResponses(std::vector<RankedCorner>& chosen, DetectionScratch& scratch) const
+LeafPoint LevelDetection::point(size_t index) const
 {
-    if (!rules.rankByHarris || !rules.strengthPatch)
-        return;
-    scratch.corners.resize(chosen.size());
-    for (size_t i = 0; i < chosen.size(); i++)
-    {
-        const Corner corner = {chosen[i].x, chosen[i].y, 0};
-        scratch.corners[i] = corner;
-    }
-    score(scratch.corners, true, chosen);
+    const Corner& corner = found.kept[index];
+    const LeafPoint point = {0, responses.empty() ? float(corner.score) : responses[index].response,
+                             float(corner.x), float(corner.y), int(index)};
+    return point;
+}
+
+unsigned LevelDetection::leaf(const LeafPoint& point) const
+{
+    return leafColumn(int(((int64(point.x) - root.x) << depth) / root.width)) +
+           leafRow(int(((int64(point.y) - root.y) << depth) / root.height), depth);
+}
+
+float LevelDetection::response(const LeafPoint& point) const
+{
+    if (!responses.empty() || !rules.rankByHarris)
+        return point.response;
+    std::vector<RankedCorner> ofPoint;
+    respond(std::vector<Corner>(1, found.kept[point.index]), ofPoint);
+    return ofPoint[0].response;
 }
 
 PointSequence& LevelDetection::sequence(const OrderRule& rule, DetectionScratch& scratch)
 {
     if (!isOrdered)
     {
-        layOutBands();
         for (int i = 0; i < bandCount; i++)
             searchBand(i, scratch);
         order(rule, scratch);
@@ -208,41 +181,28 @@ PointSequence& LevelDetection::sequence(const OrderRule& rule, DetectionScratch&
     return balanced;
 }
 
-void LevelDetection::list(CornerSet set, DetectionScratch& scratch, std::vector<RankedCorner>& corners) const
+void LevelDetection::list(CornerSet set, std::vector<RankedCorner>& listed) const
 {
-    if (set == KEPT_CORNERS)
-    {
-        corners = ordered;
-        setResponses(corners, scratch);
-        return;
-    }
-    std::vector<Corner> found, kept, passedOver;
-    for (int i = 0; i < bandCount; i++)
-    {
-        const Band& band = bands[i];
-        kept.insert(kept.end(), band.corners.begin(), band.corners.end());
-        listCorners(band.blocks, plane, found);
-    }
-    if (set == SUPPRESSED_CORNERS)
-        cornersWithout(found, kept, passedOver);
-    else
-        findWeakCorners(*level, root, rules.thresholds, found, passedOver);
-    score(passedOver, rules.rankByHarris, corners);
+    respond(set == KEPT_CORNERS         ? found.kept
+            : set == SUPPRESSED_CORNERS ? found.suppressed
+                                        : found.weak,
+            listed);
 }
 
-void LevelDetection::score(const std::vector<Corner>& corners, bool byHarris,
-                           std::vector<RankedCorner>& scored) const
+// The responses of corners.
+void LevelDetection::respond(const std::vector<Corner>& ofCorners,
+                             std::vector<RankedCorner>& responding) const
 {
-    if (byHarris)
+    if (rules.rankByHarris)
     {
-        harrisResponses(level->image, corners, scored);
+        harrisResponses(level->image, ofCorners, responding);
         return;
     }
-    scored.resize(corners.size());
-    for (size_t i = 0; i < corners.size(); i++)
+    responding.resize(ofCorners.size());
+    for (size_t i = 0; i < ofCorners.size(); i++)
     {
-        const RankedCorner corner = {corners[i].x, corners[i].y, float(corners[i].score)};
-        scored[i] = corner;
+        const RankedCorner corner = {ofCorners[i].x, ofCorners[i].y, float(ofCorners[i].score)};
+        responding[i] = corner;
     }
 }
 

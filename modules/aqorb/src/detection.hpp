@@ -6,7 +6,8 @@
 #ifndef OPENCV_AQORB_DETECTION_HPP
 #define OPENCV_AQORB_DETECTION_HPP
 
-#include "fast.hpp"
+#include "balanced_sequence.hpp"
+#include "corners.hpp"
 #include "orientation.hpp"
 #include "quadtree.hpp"
 #include "ranked_sequence.hpp"
@@ -25,6 +26,7 @@ struct DetectionRules
     Thresholds thresholds;
     int cellSize;
     bool rankByHarris;  //!< false: corners are ranked by their FAST score, and none is suppressed
+    KeptCount* count;   //!< of the image
     //! For the strengths of corners in a RankedSequence.
     const OrientationPatch* strengthPatch;
 };
@@ -32,7 +34,8 @@ struct DetectionRules
 //! Work space that a task of the detection needs only while it runs.
 struct DetectionScratch
 {
-    FastScanner scanner;
+    BandSearch search;
+    RankedScratch ranking;
     LeafScratch leaves;
     std::vector<LeafPoint> points;
     std::vector<Corner> corners;
@@ -42,56 +45,55 @@ struct DetectionScratch
     std::vector<uchar> usable;
 };
 
-/** Detects and ranks the corners of one level. The level is divided into bands, so that several tasks can work on it
- at once: first all bands are searched, then all are ranked, and finally their corners are put into the order of selection.
- An object can be used again, and then needs no new memory. */
-class LevelDetection
+/** Finds the corners of one level and puts them into the order of selection. The level is divided into bands, so that
+ several tasks can work on it at once. An object can be used again, and then needs no new memory. */
+class LevelDetection : private PointSource
 {
 public:
     LevelDetection();
     /** Starts with a level, which must stay where it is.
      @param level its pixels may be filled in until the first band is searched
-     @param root the region in which corners are wanted */
-    void begin(const Level& level, const Rect& root, const DetectionRules& rules);
-    //! Divides the level into bands and returns their number.
-    int layOutBands();
+     @param root the region in which corners are wanted
+     @param bands how many bands there are at most
+     @return number of bands, at least one */
+    int begin(const Level& level, const Rect& root, const DetectionRules& rules, int bands);
+    //! Sets the thresholds, before the first band is searched.
+    void setThresholds(const Thresholds& thresholds) { rules.thresholds = thresholds; }
     //! Finds the corners of a band. Several bands may be searched at once.
     void searchBand(int index, DetectionScratch& scratch);
-    //! Suppresses and ranks the corners of a band, once all bands are searched. Several bands may be ranked at once.
-    void rankBand(int index);
-    //! Ranks the bands that are not ranked yet and begins the sequence of all corners.
+    //! Begins the sequence of all corners, once all bands have been searched.
     void order(const OrderRule& rule, DetectionScratch& scratch);
     //! The sequence of the corners. If the level has not been searched yet, it is searched now.
     PointSequence& sequence(const OrderRule& rule, DetectionScratch& scratch);
-    //! The corners of the sequence, by the index of its points. In place of their responses they may have their FAST
-    //! scores.
-    const std::vector<RankedCorner>& corners() const { return ordered; }
-    //! Sets the responses of corners that were chosen.
-    void setResponses(std::vector<RankedCorner>& chosen, DetectionScratch& scratch) const;
-    //! Lists the ranked corners of a set. The level must have begun its sequence.
-    void list(CornerSet set, DetectionScratch& scratch, std::vector<RankedCorner>& corners) const;
+    //! Lists the corners of a set with their responses. The level must have begun its sequence.
+    void list(CornerSet set, std::vector<RankedCorner>& listed) const;
 
 private:
     // A part of the level whose corners are found independently.
     struct Band
     {
         Rect rect;
-        CornerBlocks blocks;
-        bool isRanked;
-        std::vector<Corner> corners;       // those kept
-        std::vector<RankedCorner> ranked;  // the same, ranked
+        FoundCorners corners;  // but those of the first band, which go to the level's at once
     };
-    void score(const std::vector<Corner>& corners, bool byHarris, std::vector<RankedCorner>& ranked) const;
+    FoundCorners& cornersOf(int band) { return band == 0 ? found : bands[band].corners; }
+    void respond(const std::vector<Corner>& corners, std::vector<RankedCorner>& ranked) const;
     void orderByRank(const OrderRule& rule, DetectionScratch& scratch);
-    void scoreRepresentatives(DetectionScratch& scratch);
+    void findStrengths(DetectionScratch& scratch);
+
+    size_t count() const CV_OVERRIDE { return found.kept.size(); }
+    LeafPoint point(size_t index) const CV_OVERRIDE;
+    unsigned leaf(const LeafPoint& point) const CV_OVERRIDE;
+    float response(const LeafPoint& point) const CV_OVERRIDE;
 
     const Level* level;
     Rect root;
     DetectionRules rules;
-    std::vector<Band> bands;            // it never shrinks, so that bands keep their memory
-    int bandCount;                      // of this level
-    ScorePlane plane;                   // of all bands
-    std::vector<RankedCorner> ordered;  // those kept, of all bands
+    std::vector<Band> bands;              // it never shrinks, so that bands keep their memory
+    std::vector<Seam> seams;              // below each band but the last one
+    int bandCount;                        // of this level
+    FoundCorners found;                   // of all bands, once they are ordered
+    std::vector<RankedCorner> responses;  // of the corners, where the response alone ranks them
+    int depth;                            // of the ranked sequence
     BalancedSequence balanced;
     RankedSequence ranked;
     bool isOrdered;

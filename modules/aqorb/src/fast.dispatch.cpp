@@ -86,25 +86,51 @@ static size_t rowBytesOf(int imageWidth)
     return alignSize(size_t(imageWidth) + 2 * SCAN_MARGIN, SCAN_ALIGNMENT);
 }
 
-void ScorePlane::begin(int imageWidth, const Rect& region)
+void ScorePlane::begin(int imageWidth, const Range& columns_, int top_, int rows)
 {
-    const size_t ROWS = SUPPRESS_RADIUS;  // above and below the region
     const size_t bytesOfRow = rowBytesOf(imageWidth);
-    growTo(bytes, (region.height + 2 * ROWS) * bytesOfRow + SCAN_ALIGNMENT);
-    top = region.y;
+    growTo(bytes, (ROWS_ABOVE + size_t(rows) + SUPPRESS_RADIUS) * bytesOfRow + SCAN_ALIGNMENT);
+    columns = columns_;
+    top = top_;
     rowBytes = ptrdiff_t(bytesOfRow);
     // As a rule the first block of a scan begins one column before the region.
-    first = alignedRow(bytes.data() + ROWS * bytesOfRow, std::max(region.x - 1, RADIUS)) - bytes.data();
-    std::fill_n(row(top) - SCAN_MARGIN - ROWS * rowBytes, ROWS * bytesOfRow, uchar(0));
-    std::fill_n(row(top + region.height) - SCAN_MARGIN, ROWS * bytesOfRow, uchar(0));
+    first = alignedRow(bytes.data() + ROWS_ABOVE * bytesOfRow, std::max(columns.start - 1, RADIUS)) -
+            bytes.data();
+    std::fill_n(row(top) - SCAN_MARGIN - ROWS_ABOVE * rowBytes, ROWS_ABOVE * bytesOfRow, uchar(0));
+}
+
+void ScorePlane::slideTo(int top_)
+{
+    if (top_ <= top)
+        return;
+    std::memmove(row(top - ROWS_ABOVE) - SCAN_MARGIN, row(top_ - ROWS_ABOVE) - SCAN_MARGIN,
+                 size_t(ROWS_ABOVE * rowBytes));
+    top = top_;
+}
+
+void ScorePlane::clearBelow(int y)
+{
+    std::fill_n(row(y) - SCAN_MARGIN, size_t(SUPPRESS_RADIUS * rowBytes), uchar(0));
+}
+
+void ScorePlane::copyRow(int y, const ScorePlane& other)
+{
+    const uchar* from = other.row(y) + columns.start - SUPPRESS_MARGIN;
+    std::copy(from, from + columns.size() + 2 * SUPPRESS_MARGIN, row(y) + columns.start - SUPPRESS_MARGIN);
+}
+
+int countCorners(const CornerBlock& block)
+{
+    return countBits(block.columns);
 }
 
 class FastScanner::Impl
 {
 public:
-    void begin(const Level& level, const Rect& region, Thresholds thresholds, ScorePlane& plane,
+    void begin(const Level& level, const Rect& region, Thresholds thresholds, ScorePlane& plane_,
                CornerBlocks& corners_)
     {
+        plane = &plane_;
         const Mat& image = level.image;
         const Rect pixels = fastRegion(image.size(), Rect(Point(), image.size()));
         int widths[SCAN_WIDTHS];
@@ -146,9 +172,7 @@ public:
             state.listed[i] = listed.data() + i * blockCount;
             state.listedCount[i] = 0;
         }
-        state.plane = plane.row(region.y);
-        state.planeStep = plane.step();
-        state.foundCount = 0;
+        state.planeStep = plane->step();
         columns = Range(region.x, region.x + region.width);
     }
 
@@ -156,6 +180,9 @@ public:
     {
         end = std::min(end, state.bottom);
         const size_t rows = size_t(std::max(end - state.y + 1, 0));  // suppression is one row behind
+        state.planeTop = plane->topRow();
+        state.plane = plane->row(state.planeTop);
+        state.foundCount = corners->count;
         growTo(corners->storage, state.foundCount + rows * blocks.size() + 2);
         state.found = corners->storage.data();
         strong.assign(blocks.size(), 0);
@@ -184,18 +211,37 @@ public:
         std::fill(floors.begin() + inside.start, floors.begin() + inside.end, uchar(state.strongThreshold));
     }
 
-    void collect()
+    void collect(std::vector<Corner>* dropped)
     {
+        if (dropped)
+            listDropped(*dropped);
         corners->cornerCount += dropCornersOfScan(state, corners->count, floors.data());
         corners->count = state.foundCount;
     }
 
 private:
+    void listDropped(std::vector<Corner>& dropped) const
+    {
+        for (int i = corners->count; i < state.foundCount; i++)
+        {
+            const CornerBlock& block = state.found[i];
+            const uchar* scoresOfRow = plane->row(block.y);
+            for (uint64 left = block.columns; left; left &= left - 1)
+            {
+                const int x = block.x + trailingZeros(left);
+                const Corner corner = {x, block.y, scoresOfRow[x] - 1};
+                if (scoresOfRow[x] <= floors[x])
+                    dropped.push_back(corner);
+            }
+        }
+    }
+
     FastScan state;
     std::vector<ScanBlock> blocks;
     std::vector<uchar> scores, floors;
     std::vector<int> listed;
     std::vector<uint64> strong;
+    ScorePlane* plane;
     CornerBlocks* corners;
     Range columns;
 };
@@ -225,9 +271,9 @@ void FastScanner::dropWeak(const Range& columns)
     impl->dropWeak(columns);
 }
 
-void FastScanner::collect()
+void FastScanner::collect(std::vector<Corner>* dropped)
 {
-    impl->collect();
+    impl->collect(dropped);
 }
 
 void listCorners(const CornerBlocks& blocks, const ScorePlane& plane, std::vector<Corner>& corners)

@@ -24,20 +24,36 @@ struct CornerBlocks
     int count, cornerCount;
 };
 
-//! The scores of corners by pixel, 0 where there is none.
+int countCorners(const CornerBlock& block);
+
+/** The scores of corners by pixel, 0 where there is none. The plane holds some rows of a region only, and slides down
+ over the region. */
 class ScorePlane
 {
 public:
-    //! Prepares the plane for corners in a region of an image of the given width.
-    void begin(int imageWidth, const Rect& region);
-    //! The scores of a row by column of the image. Around the region SUPPRESS_RADIUS rows and SUPPRESS_MARGIN columns
-    //! are readable, too.
-    uchar* row(int y) { return bytes.data() + first + (y - top) * step(); }
-    const uchar* row(int y) const { return bytes.data() + first + (y - top) * step(); }
+    //! How many rows above the plane's first one are kept.
+    enum
+    {
+        ROWS_ABOVE = 2 * SUPPRESS_RADIUS
+    };
+    //! Prepares the plane for so many rows, the first of them `top`, of a region of an image of the given width. The
+    //! rows above are 0.
+    void begin(int imageWidth, const Range& columns, int top, int rows);
+    //! Moves the plane down, so that `top` becomes its first row.
+    void slideTo(int top);
+    //! Clears the SUPPRESS_RADIUS rows from y on, of which the first is at most the one below the plane.
+    void clearBelow(int y);
+    //! Copies a row of another plane of the same columns.
+    void copyRow(int y, const ScorePlane& other);
+    //! The scores of a row by column of the image. SUPPRESS_MARGIN columns beside the region are readable, too.
+    uchar* row(int y) { return bytes.data() + first + (y - top) * rowBytes; }
+    const uchar* row(int y) const { return bytes.data() + first + (y - top) * rowBytes; }
     ptrdiff_t step() const { return rowBytes; }
+    int topRow() const { return top; }
 
 private:
     std::vector<uchar> bytes;
+    Range columns;
     ptrdiff_t first, rowBytes;
     int top;
 };
@@ -54,18 +70,19 @@ public:
     FastScanner();
     /** Starts with the first row of a region.
      @param region inside fastRegion, not empty
-     @param plane gets the scores of the corners of all rows of the region, each one more than Corner::score
-     @param found gets the corners */
+     @param plane gets the scores of the corners of the rows that it holds, each one more than Corner::score
+     @param found gets the corners. Between two scans the caller may take blocks out. */
     void begin(const Level& level, const Rect& region, Thresholds thresholds, ScorePlane& plane,
                CornerBlocks& found);
-    //! Scans the next rows, up to the row before `end`.
+    //! Scans the next rows, up to the row before `end`. The plane must hold them.
     void scan(int end);
     //! Whether the rows of the last scan have a strong corner in some columns.
     bool hasStrong(const Range& columns) const;
     //! Leaves out the weak corners of the last scan in some columns.
     void dropWeak(const Range& columns);
     //! Adds the corners of the last scan that were not left out to those found.
-    void collect();
+    //! @param dropped gets the others; 0: they are not listed
+    void collect(std::vector<Corner>* dropped);
 
 private:
     class Impl;
@@ -116,10 +133,11 @@ struct FastScan
     ptrdiff_t scoreStep;
     int* listed[2];  //!< by row modulo 2: the blocks in which there are scores
     int listedCount[2];
-    //! The scores of corners, from row top on, by column. Scores in columns that are not wanted mean nothing until
+    //! The scores of corners, from row planeTop on, by column. Scores in columns that are not wanted mean nothing until
     //! dropCorners clears them.
     uchar* plane;
     ptrdiff_t planeStep;
+    int planeTop;
     uint64* strong;  //!< by block: the columns with a strong corner; other bits than wanted ones mean nothing
     CornerBlock* found;  //!< has space for all blocks of the rows to scan, and two more
     int foundCount;

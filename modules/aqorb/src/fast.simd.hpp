@@ -35,11 +35,16 @@ void neighborScores(const uchar* p, ptrdiff_t step, int lane, int scores[3][3]);
 
 #ifndef CV_CPU_OPTIMIZATION_DECLARATIONS_ONLY
 
+// Whether bestArc keeps all it needs in registers, of which these processors have 32, and others 16.
+#if CV_AVX512_SKX || defined(__aarch64__)
+#define AQORB_MANY_REGISTERS 1
+#else
+#define AQORB_MANY_REGISTERS 0
+#endif
+
 namespace
 {
 
-// The score of the bright side takes the least of an arc and the greatest of all arcs; that of the dark side is the
-// other way round.
 struct Least
 {
     template <typename V> static CV_ALWAYS_INLINE V of(const V& a, const V& b) { return v_min(a, b); }
@@ -50,36 +55,6 @@ struct Greatest
     template <typename V> static CV_ALWAYS_INLINE V of(const V& a, const V& b) { return v_max(a, b); }
     static CV_ALWAYS_INLINE int of(int a, int b) { return a > b ? a : b; }
 };
-
-// The pixels of the circle for all lanes. The sense of rotation does not matter.
-template <typename V> struct Circle
-{
-    V at[16];
-};
-
-// Takes `Inner` over the 9 pixels of each arc, and `Outer` over the 16 arcs. Neighbouring arcs share work: the arcs
-// that begin at k and at k + 1 have pixels k + 1 to k + 8 in common and differ in the pixels k and k + 9 only. For odd
-// indices j, b[j] is `Inner` over pixels j and j + 1, and c[j] over j to j + 3. The arcs from k and from k + 4 have
-// c[k + 5] in common.
-template <typename Inner, typename Outer, typename V> CV_ALWAYS_INLINE V bestArc(const Circle<V>& circle)
-{
-    const V* x = circle.at;
-    V b[8], c[8], ends[8];  // b and c of j = 2 i + 1, ends of k = 2 i
-    for (int i = 0; i < 8; i++)
-        b[i] = Inner::of(x[2 * i + 1], x[(2 * i + 2) & 15]);
-    for (int i = 0; i < 8; i++)
-        c[i] = Inner::of(b[i], b[(i + 1) & 7]);
-    for (int i = 0; i < 8; i++)
-        ends[i] = Outer::of(x[2 * i], x[(2 * i + 9) & 15]);
-    V best[4];
-    for (int i = 0; i < 4; i++)
-    {
-        const int k = (i & 1) + (i >> 1) * 4;  // 0, 1, 4, 5; with k + 2 these are all eight
-        best[i] = Inner::of(c[(k + 2) & 7], Outer::of(Inner::of(c[k], ends[k]),
-                                                      Inner::of(c[(k + 4) & 7], ends[(k + 2) & 7])));
-    }
-    return Outer::of(Outer::of(best[0], best[1]), Outer::of(best[2], best[3]));
-}
 
 // A single pixel, where vectors do not fit or there are none.
 struct Single
@@ -96,6 +71,9 @@ struct Single
         return a > b;
     }
     static CV_ALWAYS_INLINE V whereZero(V a) { return a == 0 ? 255 : 0; }
+    static CV_ALWAYS_INLINE V greatestOtherwise(V a, V b) { return Greatest::of(a, b); }
+    static CV_ALWAYS_INLINE V greaterThan(V, V a, V b) { return Greatest::of(a, b); }
+    static CV_ALWAYS_INLINE V greaterEnd(V, V a, V b) { return Greatest::of(a, b); }
 };
 #if CV_SIMD
 template <typename Vector> struct Lanes
@@ -111,6 +89,11 @@ template <typename Vector> struct Lanes
         v_store(p, v_and(a, v_gt(a, b)));
         return maskGreater(a, b);
     }
+    // The same as Greatest::of, for processors that have free units for other instructions: by other instructions,
+    // and for a pair of which the lesser one is known. The latter differs for the ends of arcs, see bestArc.
+    static CV_ALWAYS_INLINE V greatestOtherwise(const V& a, const V& b) { return v_max(a, b); }
+    static CV_ALWAYS_INLINE V greaterThan(const V&, const V& a, const V& b) { return v_max(a, b); }
+    static CV_ALWAYS_INLINE V greaterEnd(const V&, const V& a, const V& b) { return v_max(a, b); }
 };
 // The widest vectors, and narrow ones for images into which these do not fit.
 struct Wide : Lanes<v_uint8>
@@ -130,6 +113,27 @@ struct Wide : Lanes<v_uint8>
         _mm512_storeu_si512(p, _mm512_maskz_mov_epi8(greater, a.val));
         return greater;
     }
+    // One of two units does v_min and v_max; the other one would be idle in bestArc.
+    static CV_ALWAYS_INLINE V greatestOtherwise(const V& a, const V& b)
+    {
+        return V(_mm512_mask_mov_epi8(a.val, _mm512_cmpgt_epu8_mask(b.val, a.val), b.val));
+    }
+    static CV_ALWAYS_INLINE V greaterThan(const V& lesser, const V& a, const V& b)
+    {
+        const int EXCLUSIVE_OR = 0x96;
+        return V(_mm512_ternarylogic_epi32(a.val, b.val, lesser.val, EXCLUSIVE_OR));
+    }
+    static CV_ALWAYS_INLINE V greaterEnd(const V& lesser, const V& a, const V& b)
+    {
+        return greaterThan(lesser, a, b);
+    }
+#elif CV_AVX2 && CV_SIMD_WIDTH == 32
+    // Two of three units do v_min and v_max, and all of them v_xor. As this takes two instructions, it pays for half of
+    // the pairs only.
+    static CV_ALWAYS_INLINE V greaterThan(const V& lesser, const V& a, const V& b)
+    {
+        return v_xor(v_xor(a, b), lesser);
+    }
 #endif
 };
 struct Narrow : Lanes<v_uint8x16>
@@ -140,35 +144,142 @@ struct Narrow : Lanes<v_uint8x16>
 };
 #endif
 
-template <typename Vectors>
-CV_ALWAYS_INLINE void loadCircle(const uchar* p, ptrdiff_t step, Circle<typename Vectors::V>& circle)
+// The pixels around a centre.
+template <typename Vectors> struct Around
 {
-    const uchar *d1 = p + step, *d2 = d1 + step, *d3 = d2 + step, *u1 = p - step, *u2 = u1 - step,
-                *u3 = u2 - step;
-    typename Vectors::V* x = circle.at;
-    x[0] = Vectors::load(d3);
-    x[1] = Vectors::load(d3 + 1);
-    x[2] = Vectors::load(d2 + 2);
-    x[3] = Vectors::load(d1 + 3);
-    x[4] = Vectors::load(p + 3);
-    x[5] = Vectors::load(u1 + 3);
-    x[6] = Vectors::load(u2 + 2);
-    x[7] = Vectors::load(u3 + 1);
-    x[8] = Vectors::load(u3);
-    x[9] = Vectors::load(u3 - 1);
-    x[10] = Vectors::load(u2 - 2);
-    x[11] = Vectors::load(u1 - 3);
-    x[12] = Vectors::load(p - 3);
-    x[13] = Vectors::load(d1 - 3);
-    x[14] = Vectors::load(d2 - 2);
-    x[15] = Vectors::load(d3 - 1);
+    CV_ALWAYS_INLINE Around(const uchar* center_, ptrdiff_t step_) : center(center_), step(step_) {}
+    CV_ALWAYS_INLINE typename Vectors::V at(int x, int y) const
+    {
+        return Vectors::load(center + y * step + x);
+    }
+    const uchar* center;
+    ptrdiff_t step;
+};
+
+// What counts of a set of pixels if it is to be brighter than the centre, and if it is to be darker.
+template <typename Vectors> struct Sides
+{
+    typedef typename Vectors::V V;
+    CV_ALWAYS_INLINE Sides() {}
+    CV_ALWAYS_INLINE Sides(V bright_, V dark_)  // by value: with references GCC writes all of them to memory
+        : bright(bright_), dark(dark_)
+    {
+    }
+    V bright, dark;
+};
+
+// All pixels of two sets: the brighter they are, the greater is the least of them.
+template <typename Vectors>
+CV_ALWAYS_INLINE Sides<Vectors> both(const Sides<Vectors>& a, const Sides<Vectors>& b)
+{
+    return Sides<Vectors>(Least::of(a.bright, b.bright), Greatest::of(a.dark, b.dark));
+}
+template <typename Vectors>
+CV_ALWAYS_INLINE Sides<Vectors> bothOtherwise(const Sides<Vectors>& a, const Sides<Vectors>& b)
+{
+    return Sides<Vectors>(Least::of(a.bright, b.bright), Vectors::greatestOtherwise(a.dark, b.dark));
+}
+// The better one of two sets.
+template <typename Vectors>
+CV_ALWAYS_INLINE Sides<Vectors> either(const Sides<Vectors>& a, const Sides<Vectors>& b)
+{
+    return Sides<Vectors>(Greatest::of(a.bright, b.bright), Least::of(a.dark, b.dark));
+}
+// A pair of pixels of which both count, or the better one.
+template <typename Vectors, typename V> CV_ALWAYS_INLINE Sides<Vectors> bothPixels(const V& a, const V& b)
+{
+    const V least = Least::of(a, b);
+    return Sides<Vectors>(least, Vectors::greaterThan(least, a, b));
+}
+template <typename Vectors, typename V> CV_ALWAYS_INLINE Sides<Vectors> eitherPixel(const V& a, const V& b)
+{
+    const V least = Least::of(a, b);
+    return Sides<Vectors>(Vectors::greaterEnd(least, a, b), least);
+}
+
+// The best of the 16 arcs of 9 pixels on the circle of 16 around p. Neighbouring arcs share work. Pair i is pixels 2 i + 1 and 2 i + 2. The arcs that
+// begin at 2 i and at 2 i + 1 have the pairs i to i + 3 in common and differ in their ends, the pixels 2 i and 2 i + 9.
+// Of the four arcs that begin at 4 i to 4 i + 3, all have the pairs 2 i + 1 to 2 i + 3; two of them have pair 2 i and
+// ends 2 i besides, the other two pair 2 i + 4 and ends 2 i + 1. The eight arcs from 8 i on share pair 4 i + 3.
+template <typename Vectors> CV_ALWAYS_INLINE Sides<Vectors> bestArc(const Around<Vectors>& p)
+{
+    typedef typename Vectors::V V;
+    typedef Sides<Vectors> S;
+#if AQORB_MANY_REGISTERS
+    const V x[16] = {p.at(0, 3),  p.at(1, 3),  p.at(2, 2),  p.at(3, 1),   p.at(3, 0),   p.at(3, -1),
+                     p.at(2, -2), p.at(1, -3), p.at(0, -3), p.at(-1, -3), p.at(-2, -2), p.at(-3, -1),
+                     p.at(-3, 0), p.at(-3, 1), p.at(-2, 2), p.at(-1, 3)};
+    S pair[8], ends[8], four[4], eight[2];
+    for (int i = 0; i < 8; i++)
+    {
+        pair[i] = bothPixels<Vectors>(x[2 * i + 1], x[(2 * i + 2) & 15]);
+        ends[i] = eitherPixel<Vectors>(x[2 * i], x[(2 * i + 9) & 15]);
+    }
+    for (int i = 0; i < 4; i++)
+    {
+        const int first = 2 * i + 1 + (i & 1);  // with the next one, the pairs that not all eight arcs share
+        four[i] = both(bothOtherwise(pair[first & 7], pair[(first + 1) & 7]),
+                       either(bothOtherwise(pair[2 * i], ends[2 * i]),
+                              bothOtherwise(pair[(2 * i + 4) & 7], ends[2 * i + 1])));
+    }
+    for (int i = 0; i < 2; i++)
+        eight[i] = both(pair[4 * i + 3], either(four[2 * i], four[2 * i + 1]));
+    return either(eight[0], eight[1]);
+#else
+    // The same, ordered by hand so that as few vectors as possible are needed at a time: with 16 registers compilers
+    // would otherwise spend more time on saving and restoring them than on the work itself.
+    const V x2 = p.at(2, 2), x11 = p.at(-3, -1), x8 = p.at(0, -3), x1 = p.at(1, 3);
+    const S ends1 = eitherPixel<Vectors>(x2, x11);
+    const S ends4 = eitherPixel<Vectors>(x8, x1);
+    const V x10 = p.at(-2, -2), x3 = p.at(3, 1);
+    const S ends5 = eitherPixel<Vectors>(x10, x3);
+    const S pair0 = bothPixels<Vectors>(x1, x2);
+    const S rest2b = both(pair0, ends5);
+    const V x9 = p.at(-1, -3);
+    const S pair4 = bothPixels<Vectors>(x9, x10);
+    const S rest2a = both(pair4, ends4);
+    const V x12 = p.at(-3, 0);
+    const S pair5 = bothPixels<Vectors>(x11, x12);
+    const S rest2 = either(rest2a, rest2b);
+    const S rest0b = both(pair4, ends1);
+    const S pairs45 = both(pair4, pair5);
+    const V x0 = p.at(0, 3);
+    const S ends0 = eitherPixel<Vectors>(x0, x9);
+    const S rest0 = either(both(pair0, ends0), rest0b);
+    const V x13 = p.at(-3, 1), x14 = p.at(-2, 2);
+    const S pair6 = bothPixels<Vectors>(x13, x14);
+    const S four2 = both(both(pair5, pair6), rest2);
+    const V x5 = p.at(3, -1), x6 = p.at(2, -2);
+    const S pair2 = bothPixels<Vectors>(x5, x6);
+    const V x4 = p.at(3, 0);
+    const S pair1 = bothPixels<Vectors>(x3, x4);
+    const S pairs01 = both(pair0, pair1);
+    const S four0 = both(both(pair1, pair2), rest0);
+    const S ends2 = eitherPixel<Vectors>(x4, x13);
+    const S rest1a = both(pair2, ends2);
+    const V x15 = p.at(-1, 3);
+    const S ends3 = eitherPixel<Vectors>(x6, x15);
+    const S rest1 = either(rest1a, both(pair6, ends3));
+    const S four1 = both(pairs45, rest1);
+    const S fours01 = either(four0, four1);
+    const S pair7 = bothPixels<Vectors>(x15, x0);
+    const S ends6 = eitherPixel<Vectors>(x12, x5);
+    const S rest3a = both(pair6, ends6);
+    const V x7 = p.at(1, -3);
+    const S pair3 = bothPixels<Vectors>(x7, x8);
+    const S eight0 = both(pair3, fours01);
+    const S ends7 = eitherPixel<Vectors>(x14, x7);
+    const S rest3 = either(rest3a, both(pair2, ends7));
+    const S four3 = both(pairs01, rest3);
+    const S eight1 = both(pair7, either(four2, four3));
+    return either(eight0, eight1);
+#endif
 }
 
 CV_ALWAYS_INLINE int scoreOfPixel(const uchar* p, ptrdiff_t step)
 {
-    Circle<int> circle;
-    loadCircle<Single>(p, step, circle);
-    return Greatest::of(bestArc<Least, Greatest>(circle) - *p, *p - bestArc<Greatest, Least>(circle));
+    const Sides<Single> best = bestArc(Around<Single>(p, step));
+    return Greatest::of(best.bright - *p, *p - best.dark);
 }
 
 CV_ALWAYS_INLINE uchar* scoresOf(const FastScan& scan, int y)
@@ -190,7 +301,9 @@ template <typename Vectors> int scoreRow(const FastScan& scan, int y)
     // Every arc contains one end of each axis of the circle, and these four pixels rule out most blocks. Where most
     // blocks of the row above have a corner the test is skipped, as it would cost more than it saves.
     const bool skipTest = 4 * scan.listedCount[(y - 1) & 1] > 3 * scan.blockCount;
-    for (int i = 0; i < scan.blockCount; i++)
+    const ScanBlock* const blocks = scan.blocks;
+    const int blockCount = scan.blockCount;
+    for (int i = 0; i < blockCount; i++)
     {
         list[possible] = i;
         if (skipTest)
@@ -198,7 +311,7 @@ template <typename Vectors> int scoreRow(const FastScan& scan, int y)
             possible++;
             continue;
         }
-        const int x = scan.blocks[i].x;
+        const int x = blocks[i].x;
         const uchar* p = row + x;
         const V v = Vectors::load(p), up = Vectors::load(p - 3 * step), down = Vectors::load(p + 3 * step),
                 left = Vectors::load(p - 3), right = Vectors::load(p + 3);
@@ -212,15 +325,13 @@ template <typename Vectors> int scoreRow(const FastScan& scan, int y)
     }
     for (int i = 0; i < possible; i++)
     {
-        const int x = scan.blocks[list[i]].x;
+        const int x = blocks[list[i]].x;
         const uchar* p = row + x;
-        Circle<V> circle;
-        loadCircle<Vectors>(p, step, circle);
+        const Sides<Vectors> best = bestArc(Around<Vectors>(p, step));
         const V v = Vectors::load(p);
-        const V bright = Vectors::above(bestArc<Least, Greatest>(circle), v);
-        const V dark = Vectors::above(v, bestArc<Greatest, Least>(circle));
+        const V score = Greatest::of(Vectors::above(best.bright, v), Vectors::above(v, best.dark));
         list[count] = list[i];
-        count += Vectors::storeGreater(scores + x, Greatest::of(bright, dark), limit) != 0;
+        count += Vectors::storeGreater(scores + x, score, limit) != 0;
     }
     return count;
 }
@@ -237,7 +348,7 @@ template <typename Vectors> void suppressRow(FastScan& scan, int y)
 {
     typedef typename Vectors::V V;
     const uchar *scores = scoresOf(scan, y), *above = scoresOf(scan, y - 1), *below = scoresOf(scan, y + 1);
-    uchar* corners = scan.plane + (y - scan.top) * scan.planeStep;
+    uchar* corners = scan.plane + (y - scan.planeTop) * scan.planeStep;
     const int end = scan.blocks[scan.blockCount - 1].x + scan.blockWidth;
     std::memset(corners + scan.blocks[0].x - SUPPRESS_MARGIN, 0,
                 end - scan.blocks[0].x + 2 * SUPPRESS_MARGIN);
@@ -297,7 +408,7 @@ template <typename Vectors> int dropFromBlocks(FastScan& scan, int first, const 
     for (int i = first; i < scan.foundCount; i++)
     {
         CornerBlock block = scan.found[i];
-        uchar* scores = scan.plane + (block.y - scan.top) * scan.planeStep + block.x;
+        uchar* scores = scan.plane + (block.y - scan.planeTop) * scan.planeStep + block.x;
         block.columns &=
             Vectors::storeGreater(scores, Vectors::load(scores), Vectors::load(floors + block.x));
         corners += countBits(block.columns);
@@ -347,11 +458,10 @@ void neighborScores(const uchar* p, ptrdiff_t step, int lane, int scores[3][3])
     {
         const uchar* q = p + (row - 1) * step - 1;
 #if CV_SIMD
-        Circle<v_uint8x16> circle;
-        loadCircle<Narrow>(q - lane, step, circle);
+        const Sides<Narrow> best = bestArc(Around<Narrow>(q - lane, step));
         uchar bright[16], dark[16];
-        v_store(bright, bestArc<Least, Greatest>(circle));
-        v_store(dark, bestArc<Greatest, Least>(circle));
+        v_store(bright, best.bright);
+        v_store(dark, best.dark);
         for (int i = 0; i < 3; i++)
             scores[row][i] = Greatest::of(bright[lane + i] - q[i], q[i] - dark[lane + i]);
 #else

@@ -36,6 +36,17 @@ Size levelSize(Size imageSize, float scale)
     return Size(cvRound(width), cvRound(height));
 }
 
+// Takes what is too much from the finest levels, which have the most to give up.
+static void takeExcess(int64 excess, std::vector<int>& quotas)
+{
+    for (size_t level = 0; excess > 0; level++)
+    {
+        const int taken = int(std::min<int64>(excess, quotas[level]));
+        quotas[level] -= taken;
+        excess -= taken;
+    }
+}
+
 std::vector<int> levelQuotas(int nfeatures, double scaleFactor, int nlevels)
 {
     const float factor = float(1.0 / scaleFactor);
@@ -52,14 +63,8 @@ std::vector<int> levelQuotas(int nfeatures, double scaleFactor, int nlevels)
         desired *= factor;
     }
     quotas[nlevels - 1] = int(std::max<int64>(nfeatures - sum, 0));
-    // The rounding of cv::ORB can ask for more than nfeatures. The finest levels have the most to give up.
-    int64 excess = sum + quotas[nlevels - 1] - nfeatures;
-    for (int level = 0; excess > 0; level++)
-    {
-        const int taken = int(std::min<int64>(excess, quotas[level]));
-        quotas[level] -= taken;
-        excess -= taken;
-    }
+    // The rounding of cv::ORB can ask for more than nfeatures.
+    takeExcess(sum + quotas[nlevels - 1] - nfeatures, quotas);
     return quotas;
 }
 
@@ -82,11 +87,14 @@ struct ResizeTables
     std::vector<ResizeBlock> blocks;
     std::vector<int> upper, lower;
     std::vector<short> lowerWeight, rows;
+    std::vector<Taps> columnTaps, rowTaps;  // work space
+    std::vector<uchar> mask;                // of the level
 };
 
 // The taps by destination pixel along one axis, in OpenCV's own arithmetic, as every rounding counts.
-static void linearTaps(int sourceLength, int length, Taps* taps)
+static void linearTaps(int sourceLength, int length, std::vector<Taps>& taps)
 {
+    taps.resize(length);
     const double scale = 1.0 / (double(length) / sourceLength);
     for (int i = 0; i < length; i++)
     {
@@ -97,30 +105,6 @@ static void linearTaps(int sourceLength, int length, Taps* taps)
         taps[i].second = between ? first + 1 : taps[i].first;
         taps[i].secondWeight = between ? cvRound((center - first) * 256) : 0;
     }
-}
-
-// A pixel is usable if all pixels that it is made from are.
-static Mat resizeMask(const Mat& mask, Size size)
-{
-    AutoBuffer<Taps> columns(size.width), rows(size.height);
-    linearTaps(mask.cols, size.width, columns.data());
-    linearTaps(mask.rows, size.height, rows.data());
-    Mat resized(size, CV_8UC1);
-    for (int y = 0; y < size.height; y++)
-    {
-        const bool useUpper = rows[y].secondWeight<256, useLower = rows[y].secondWeight> 0;
-        const uchar* upper = mask.ptr(useUpper ? rows[y].first : rows[y].second);
-        const uchar* lower = mask.ptr(useLower ? rows[y].second : rows[y].first);
-        uchar* out = resized.ptr(y);
-        for (int x = 0; x < size.width; x++)
-        {
-            const Taps& taps = columns[x];
-            const int left = taps.secondWeight < 256 ? taps.first : taps.second;
-            const int right = taps.secondWeight > 0 ? taps.second : taps.first;
-            out[x] = upper[left] && upper[right] && lower[left] && lower[right] ? 255 : 0;
-        }
-    }
-    return resized;
 }
 
 // Makes the tables of the horizontal pass. False: pixels of a group come from too many source pixels for the kernel.
@@ -161,9 +145,9 @@ static void updateTables(ResizeTables& tables, Size source, Size destination)
     if (tables.source == source && tables.destination == destination)
         return;
     tables.source = tables.destination = Size();  // they stay invalid if memory runs out below
-    std::vector<Taps> columns(destination.width), rows(destination.height);
-    linearTaps(source.width, destination.width, columns.data());
-    linearTaps(source.height, destination.height, rows.data());
+    std::vector<Taps>&columns = tables.columnTaps, &rows = tables.rowTaps;
+    linearTaps(source.width, destination.width, columns);
+    linearTaps(source.height, destination.height, rows);
     tables.byKernel = resizeBlocks(source.width, columns.data(), destination.width, tables.blocks);
     tables.rows.resize(2 * ResizeBlock::PIXELS * tables.blocks.size());
     tables.upper.resize(rows.size());
@@ -203,6 +187,32 @@ static void resizeExact(const Mat& source, Mat& destination, ResizeTables& table
     cv::resize(source, destination, destination.size(), 0, 0, INTER_LINEAR_EXACT);
 }
 
+// A pixel is usable if all pixels that it is made from are.
+static Mat resizeMask(const Mat& mask, Size size, ResizeTables& tables)
+{
+    std::vector<Taps>&columns = tables.columnTaps, &rows = tables.rowTaps;
+    linearTaps(mask.cols, size.width, columns);
+    linearTaps(mask.rows, size.height, rows);
+    if (tables.mask.size() < size_t(size.area()))
+        tables.mask.resize(size.area());
+    Mat resized(size, CV_8UC1, tables.mask.data());
+    for (int y = 0; y < size.height; y++)
+    {
+        const bool useUpper = rows[y].secondWeight<256, useLower = rows[y].secondWeight> 0;
+        const uchar* upper = mask.ptr(useUpper ? rows[y].first : rows[y].second);
+        const uchar* lower = mask.ptr(useLower ? rows[y].second : rows[y].first);
+        uchar* out = resized.ptr(y);
+        for (int x = 0; x < size.width; x++)
+        {
+            const Taps& taps = columns[x];
+            const int left = taps.secondWeight < 256 ? taps.first : taps.second;
+            const int right = taps.secondWeight > 0 ? taps.second : taps.first;
+            out[x] = upper[left] && upper[right] && lower[left] && lower[right] ? 255 : 0;
+        }
+    }
+    return resized;
+}
+
 void areaQuotas(int nfeatures, const std::vector<Size>& regions, std::vector<int>& quotas)
 {
     double whole = 0;
@@ -218,16 +228,11 @@ void areaQuotas(int nfeatures, const std::vector<Size>& regions, std::vector<int
     }
     if (!regions.empty())
         quotas[0] = int(std::max<int64>(rest, 0));
-    // Where many levels round up, the finest ones give up what is too much.
-    for (size_t level = 1; rest < 0; level++)
-    {
-        const int taken = int(std::min<int64>(-rest, quotas[level]));
-        quotas[level] -= taken;
-        rest += taken;
-    }
+    takeExcess(-rest, quotas);  // where many levels round up
 }
 
-bool layOutLevel(const Level& input, int index, int firstLevel, double scaleFactor, int minSide, Level& level)
+bool layOutLevel(const Level& input, int index, int firstLevel, double scaleFactor, int minSide, Level& level,
+                 std::vector<uchar>* memory)
 {
     const float scale = levelScale(index, firstLevel, scaleFactor);
     const Size size = levelSize(input.image.size(), scale);
@@ -240,6 +245,12 @@ bool layOutLevel(const Level& input, int index, int firstLevel, double scaleFact
     {
         level.image = input.image;
         level.mask = input.mask;
+    }
+    else if (memory)
+    {
+        if (memory->size() < size_t(size.area()))
+            memory->resize(size.area());
+        level.image = Mat(size, CV_8UC1, memory->data());
     }
     else
     {
@@ -260,7 +271,7 @@ void fillLevel(const Level& source, Level& level, Ptr<ResizeTables>& tables)
         tables = makePtr<ResizeTables>();
     resizeExact(source.image, level.image, *tables);
     if (!source.mask.empty())
-        level.mask = resizeMask(source.mask, level.image.size());
+        level.mask = resizeMask(source.mask, level.image.size(), *tables);
 }
 
 }  // namespace stages

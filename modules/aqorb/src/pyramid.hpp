@@ -33,9 +33,10 @@ void areaQuotas(int nfeatures, const std::vector<Size>& regions, std::vector<int
 /** Prepares level `index` of cv::ORB's pyramid. The level `firstLevel` becomes the input image itself, which is not
  copied. Any other level gets its scale and size; fillLevel gives it its pixels. Memory of the same size is used again.
  @param input the image and its mask
+ @param memory for the pixels; 0: the level gets memory of its own
  @return false where a side of the level would be shorter than minSide; the level is then unchanged */
-bool layOutLevel(const Level& input, int index, int firstLevel, double scaleFactor, int minSide,
-                 Level& level);
+bool layOutLevel(const Level& input, int index, int firstLevel, double scaleFactor, int minSide, Level& level,
+                 std::vector<uchar>* memory = 0);
 
 //! Whether cv::ORB makes a level from the input image. Otherwise it makes the level from the previous one.
 bool isMadeFromInput(int index, int firstLevel);

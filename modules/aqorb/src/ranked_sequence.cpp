@@ -5,6 +5,7 @@
 
 #include "precomp.hpp"
 
+#include "logarithm.hpp"
 #include "ranked_sequence.hpp"
 
 namespace cv
@@ -14,127 +15,77 @@ namespace aqorb
 namespace stages
 {
 
-int maxRankedDepth(Size size)
-{
-    const int MAX_RANKED_DEPTH = 12, side = std::min(size.width, size.height);
-    int depth = 0;
-    while (depth < MAX_RANKED_DEPTH && (int64(4) << depth) <= side)
-        depth++;
-    return depth;
-}
-
-int rankedDepth(Size size, double usable, int quota)
-{
-    const double LEAVES_PER_POINT = 12;
-    const int deepest = maxRankedDepth(size);
-    int depth = 0;
-    while (depth < deepest && double(int64(1) << (2 * depth)) * usable < LEAVES_PER_POINT * quota)
-        depth++;
-    return depth;
-}
-
 namespace
 {
 
-// log2 of numbers > 0 that are finite, as fixed-point numbers with 24 bits of fraction. It is computed in integers, so
-// it is the same on every CPU.
-class BinaryLogarithm
+// Orders points by leaf, and in a leaf by strength.
+struct StrongerInLeaf
 {
-public:
-    BinaryLogarithm()
+    bool operator()(const LeafPoint& a, const LeafPoint& b) const
     {
-        for (int i = 0; i < SIZE; i++)
-        {
-            // A number in [1, 2) with 62 bits of fraction. Each squaring yields one more bit of its logarithm.
-            uint64 v = uint64(SIZE + i) << (62 - SIZE_BITS);
-            int logarithm = 0;
-            for (int bit = 0; bit < TABLE_BITS; bit++)
-            {
-                const uint64 high = v >> 32, low = v & 0xffffffff;
-                v = 4 * high * high + (high * low >> 29) + (low * low >> 62);
-                const int isTwoOrMore = int(v >> 63);
-                logarithm = 2 * logarithm + isTwoOrMore;
-                v >>= isTwoOrMore;
-            }
-            table[i] = logarithm;
-        }
-        table[SIZE] = 1 << TABLE_BITS;
+        if (a.leaf != b.leaf)
+            return a.leaf < b.leaf;
+        const int strengthOfA = orderOf(a.response), strengthOfB = orderOf(b.response);
+        return strengthOfA != strengthOfB ? strengthOfA > strengthOfB : TieBefore()(a, b);
     }
-    int64 operator()(float v) const
-    {
-        int exponent = -127;
-        if (v < FLT_MIN)
-        {
-            v *= 18446744073709551616.f;  // 2^64, so that it is normal
-            exponent -= 64;
-        }
-        Cv32suf bits;
-        bits.f = v;
-        exponent += int(bits.u >> 23);
-        const int STEP_BITS = 23 - SIZE_BITS;
-        const unsigned fraction = bits.u & 0x7fffff, i = fraction >> STEP_BITS;
-        const int64 step = fraction & ((1 << STEP_BITS) - 1);
-        const int64 low = table[i], high = table[i + 1];
-        return int64(exponent) * (1 << FRACTION_BITS) +
-               ((low * (1 << STEP_BITS) + (high - low) * step) >> (STEP_BITS + TABLE_BITS - FRACTION_BITS));
-    }
-
-private:
-    enum
-    {
-        FRACTION_BITS = 24,
-        TABLE_BITS = 26,
-        SIZE_BITS = 12,
-        SIZE = 1 << SIZE_BITS
-    };
-    int table[SIZE + 1];  // floor(2^TABLE_BITS log2(1 + i / SIZE))
 };
 
-const BinaryLogarithm& sharedLogarithm()
+// Of equally strong representatives the one of lower index has the greater key.
+uint64 keyOf(float strength, size_t index)
 {
-    static const BinaryLogarithm logarithm;
-    return logarithm;
+    return uint64(unsignedOrderOf(strength)) << 32 | unsigned(~index);
+}
+unsigned indexOf(uint64 key)
+{
+    return ~unsigned(key);
 }
 
 }  // namespace
 
-int64 binaryLogarithm(float v)
+void PointList::sort()
 {
-    return sharedLogarithm()(v);
+    if (!areSortedByTies(points))
+        std::sort(points.begin(), points.end(), TieBefore());
 }
 
-bool RankedSequence::StrongerInLeaf::operator()(const LeafPoint& a, const LeafPoint& b) const
-{
-    if (a.leaf != b.leaf)
-        return a.leaf < b.leaf;
-    const int strengthOfA = orderOf(a.response), strengthOfB = orderOf(b.response);
-    return strengthOfA != strengthOfB ? strengthOfA > strengthOfB : TieBefore()(a, b);
-}
-
-void RankedSequence::begin(int depth_, size_t size)
+void RankedSequence::begin(int depth_, const PointSource& points, RankedScratch& scratch_)
 {
     depth = depth_;
-    count = given = sorted = 0;
+    source = &points;
+    scratch = &scratch_;
+    given = sorted = 0;
     hasOthers = false;
     others.clear();
-    points.resize(size);
     const size_t stride = (size_t(1) << depth) + 2;
-    grid.assign(stride * stride, INT_MIN);
-    best.resize(grid.size());
+    scratch->grid.assign(stride * stride, INT_MIN);
+    scratch->best.resize(scratch->grid.size());
+}
+
+void RankedSequence::addAll()
+{
+    Adder adder(*this);
+    for (size_t i = 0; i < source->count(); i++)
+    {
+        const LeafPoint point = source->point(i);
+        adder.add(source->leaf(point), point.response, i);
+    }
 }
 
 void RankedSequence::findRepresentatives()
 {
     CV_TRACE_FUNCTION();
     const int side = 1 << depth;
-    representativeLeaves(grid, side, flags, leaves);
+    std::vector<unsigned>& leaves = scratch->leaves;
+    representativeLeaves(scratch->grid, side, scratch->flags, leaves);
     chosen.resize(leaves.size());
-    strengths.resize(leaves.size());
+    scratch->strengths.resize(leaves.size());
     for (size_t i = 0; i < leaves.size(); i++)
     {
         const int column = int(leaves[i]) & (side - 1), row = int(leaves[i] >> depth);
-        chosen[i] = points[best[leafColumn(column) + leafRow(row)]];
-        strengths[i] = chosen[i].response;
+        const unsigned leaf = leafColumn(column) + leafRow(row, depth);
+        chosen[i] = source->point(scratch->best[leaf]);
+        chosen[i].leaf = leaf;
+        scratch->strengths[i] = chosen[i].response;
     }
 }
 
@@ -142,10 +93,11 @@ void RankedSequence::findRepresentatives()
 void RankedSequence::sortByStrength()
 {
     const size_t size = chosen.size();
+    std::vector<uint64>&byStrength = scratch->byStrength, &resorted = scratch->resorted;
     byStrength.resize(size);
     resorted.resize(size);
     for (size_t i = 0; i < size; i++)
-        byStrength[i] = keyOf(strengths[i], i);
+        byStrength[i] = keyOf(scratch->strengths[i], i);
     const int DIGITS = 4;
     unsigned starts[DIGITS][256] = {{0}};
     for (size_t i = 0; i < size; i++)
@@ -168,43 +120,50 @@ void RankedSequence::sortByStrength()
     }
 }
 
+// By row and column: how many leaves before the column are usable. Leaves of representatives are.
+void RankedSequence::countUsable(const std::vector<uchar>& usable)
+{
+    const int side = 1 << depth;
+    std::vector<int>& usableBefore = scratch->usableBefore;
+    usableBefore.clear();
+    if (usable.empty())
+        return;
+    usableBefore.assign(size_t(side + 1) * side, 0);
+    for (unsigned leaf : scratch->ranked)
+        usableBefore[size_t(leaf >> depth) * (side + 1) + (leaf & (side - 1)) + 1] = 1;
+    for (int row = 0; row < side; row++)
+    {
+        int* before = &usableBefore[size_t(row) * (side + 1)];
+        for (int column = 0; column < side; column++)
+            before[column + 1] = before[column] + (before[column + 1] || usable[size_t(row) * side + column]);
+    }
+}
+
 void RankedSequence::rank(const RankRule& rule, int power, const std::vector<uchar>& usable)
 {
     CV_TRACE_FUNCTION();
     const int side = 1 << depth;
     const size_t size = chosen.size();
+    const LeafDisc& disc = scratch->disc;
     sortByStrength();
+    std::vector<unsigned>& ranked = scratch->ranked;
     ranked.resize(size);
     for (size_t i = 0; i < size; i++)
-        ranked[i] = leaves[indexOf(byStrength[i])];
+        ranked[i] = scratch->leaves[indexOf(scratch->byStrength[i])];
+    countUsable(usable);
 
     Size region = rule.size;
     while (std::max(region.width, region.height) > 1 << 18)  // so that squares fit
         region = Size(std::max(region.width / 2, 1), std::max(region.height / 2, 1));
     const double squaredRadius = rule.radius * rule.radius * rule.usable * region.width * region.height *
                                  double(int64(1) << (2 * depth)) / rule.quota;
-    disc.begin(region, int64(std::min(squaredRadius, 4e18)), side);
+    scratch->disc.begin(region, int64(std::min(squaredRadius, 4e18)), side);
+    std::vector<int>& ranks = scratch->ranks;
     ranks.resize(size);
-    leafRanks(ranked.data(), size, depth, disc, ranking, ranks.data());
-
-    // By row and column: how many leaves before the column are usable.
-    usableBefore.clear();
-    if (!usable.empty())
-    {
-        usableBefore.assign(size_t(side + 1) * side, 0);
-        for (size_t i = 0; i < size; i++)
-            usableBefore[size_t(ranked[i] >> depth) * (side + 1) + (ranked[i] & (side - 1)) + 1] = 1;
-        for (int row = 0; row < side; row++)
-        {
-            int* before = &usableBefore[size_t(row) * (side + 1)];
-            for (int column = 0; column < side; column++)
-                before[column + 1] =
-                    before[column] + (before[column + 1] || usable[size_t(row) * side + column]);
-        }
-    }
+    leafRanks(ranked.data(), size, depth, disc, scratch->ranking, ranks.data());
 
     // Away from the borders the part of the key that the rank decides depends on nothing else.
-    const BinaryLogarithm& logarithm = sharedLogarithm();
+    const BinaryLogarithm& logarithm = BinaryLogarithm::shared();
     const auto rankKey = [&](int rank, int64 inside)
     { return (logarithm(float(inside + rank * disc.total)) - logarithm(float(inside))) * (1 << 18); };
     const int exponent = cvRound(rule.strengthWeight * (1 << 16)) * (4 / power);  // in units of 2^-18
@@ -220,7 +179,7 @@ void RankedSequence::rank(const RankRule& rule, int power, const std::vector<uch
         const int column = int(ranked[i]) & (side - 1), row = int(ranked[i] >> depth);
         Entry& entry = entries[i];
         entry.place = unsigned(i);
-        entry.index = indexOf(byStrength[i]);
+        entry.index = indexOf(scratch->byStrength[i]);
         const bool isWhole = usable.empty() && column >= disc.widest && column < side - disc.widest &&
                              row >= reach && row < side - reach;
         entry.key = isWhole && ranks[i] < SHARED_RANKS
@@ -228,7 +187,7 @@ void RankedSequence::rank(const RankRule& rule, int power, const std::vector<uch
                         : rankKey(ranks[i], isWhole ? disc.total : leavesInside(column, row));
         if (exponent > 0)
         {
-            const float strength = strengths[entry.index];
+            const float strength = scratch->strengths[entry.index];
             const int64 LAST = int64(1) << 61;
             if (!(strength > 0))
                 entry.key += LAST;
@@ -239,11 +198,14 @@ void RankedSequence::rank(const RankRule& rule, int power, const std::vector<uch
         }
     }
     firstSorted = size_t(rule.quota) + size_t(rule.quota) / 4 + 16;
+    scratch = 0;
 }
 
 // The number of usable leaves of the disc around a leaf.
 int RankedSequence::leavesInside(int column, int row) const
 {
+    const LeafDisc& disc = scratch->disc;
+    const std::vector<int>& usableBefore = scratch->usableBefore;
     const int side = 1 << depth, reach = int(disc.halfWidths.size()) - 1;
     int inside = 0;
     for (int y = std::max(row - reach, 0); y <= std::min(row + reach, side - 1); y++)
@@ -273,10 +235,16 @@ void RankedSequence::sortMore()
 void RankedSequence::listOthers()
 {
     hasOthers = true;
-    flags.assign(grid.size(), uchar(0));
+    const size_t stride = (size_t(1) << depth) + 2, count = source->count();
+    std::vector<uchar> isRepresented(stride * stride, uchar(0));
     for (size_t i = 0; i < chosen.size(); i++)
-        flags[chosen[i].leaf] = 1;
-    others.assign(points.begin(), points.begin() + count);
+        isRepresented[chosen[i].leaf] = 1;
+    others.resize(count);
+    for (size_t i = 0; i < count; i++)
+    {
+        others[i] = source->point(i);
+        others[i].leaf = source->leaf(others[i]);
+    }
     std::sort(others.begin(), others.end(), StrongerInLeaf());
     // They are sorted by their place in their leaf, which takes the place of the leaf's number.
     size_t left = 0;
@@ -285,7 +253,7 @@ void RankedSequence::listOthers()
     {
         place = i > 0 && others[i].leaf == leaf ? place + 1 : 0;
         leaf = others[i].leaf;
-        if (place == 0 && flags[leaf])
+        if (place == 0 && isRepresented[leaf])
             continue;
         others[left] = others[i];
         others[left++].leaf = place;
@@ -312,30 +280,35 @@ bool RankedSequence::next(LeafPoint& point, const PointFilter* filter)
                 return false;
             point = others[given - entries.size()];
         }
-        given++;
-        if (!filter || filter->accepts(point))
-            return true;
+        const bool isOther = given++ >= entries.size();
+        if (filter && !filter->accepts(point))
+            continue;
+        if (isOther)
+            point.response = source->response(point);
+        return true;
     }
 }
 
-void numberLeaves(const Size& region, int depth, const RankedSequence& sequence, LeafScratch& scratch)
+// By pixel of an axis: leaf, which is floor(pixel * leaves / length), without a division for each.
+template <typename Number>
+static void numberAxis(int length, int depth, const Number& number, std::vector<unsigned>& numbers)
 {
-    scratch.columns.resize(region.width);
-    scratch.rows.resize(region.height);
-    for (int i = 0; i < region.width; i++)
-        scratch.columns[i] = sequence.leafColumn(int((int64(i) << depth) / region.width));
-    for (int i = 0; i < region.height; i++)
-        scratch.rows[i] = sequence.leafRow(int((int64(i) << depth) / region.height));
+    numbers.resize(length);
+    const int64 leaves = int64(1) << depth;
+    int64 leaf = 0, remainder = 0;  // pixel * leaves = leaf * length + remainder
+    for (int i = 0; i < length; i++)
+    {
+        numbers[i] = number(int(leaf));
+        for (remainder += leaves; remainder >= length; remainder -= length)
+            leaf++;
+    }
 }
 
-void orderByResponse(std::vector<LeafPoint>& points, const RankRule& rule, RankedSequence& sequence)
+void numberLeaves(const Size& region, int depth, LeafScratch& scratch)
 {
-    if (!areSortedByTies(points))
-        std::sort(points.begin(), points.end(), TieBefore());
-    for (size_t i = 0; i < points.size(); i++)
-        sequence.add(points[i]);
-    sequence.findRepresentatives();
-    sequence.rank(rule, 1, std::vector<uchar>());
+    numberAxis(region.width, depth, leafColumn, scratch.columns);
+    numberAxis(
+        region.height, depth, [&](int row) { return leafRow(row, depth); }, scratch.rows);
 }
 
 }  // namespace stages

@@ -6,9 +6,9 @@
 #ifndef OPENCV_AQORB_RANKED_SEQUENCE_HPP
 #define OPENCV_AQORB_RANKED_SEQUENCE_HPP
 
+#include "point_sequence.hpp"
 #include "quadtree.hpp"
 #include "ranking.hpp"
-#include "types.hpp"
 
 namespace cv
 {
@@ -36,15 +36,61 @@ struct OrderRule
     RankRule rank;  //!< of a RankedSequence
 };
 
-//! The smallest depth with 12 leaves for each point that the region is to have, but not so deep that leaves become
-//! shorter than 2 pixels.
-int rankedDepth(Size size, double usable, int quota);
-//! The greatest depth that rankedDepth returns for a region.
-int maxRankedDepth(Size size);
+//! The contribution of a column and of a row of leaves to the number of a leaf, which is their sum.
+inline unsigned leafColumn(int column)
+{
+    return unsigned(column + 1);
+}
+inline unsigned leafRow(int row, int depth)
+{
+    return unsigned(row + 1) * ((1u << depth) + 2);
+}
+//! By column and row of a region: what they contribute to the number of their leaf.
+void numberLeaves(const Size& region, int depth, LeafScratch& scratch);
 
-//! log2 of a number > 0 that is finite, as a fixed-point number with 24 bits of fraction. It is computed in integers,
-//! so it is the same on every CPU.
-int64 binaryLogarithm(float v);
+//! The points of a sequence, by their index, which grows in the order of TieBefore.
+class PointSource
+{
+public:
+    virtual ~PointSource() {}
+    virtual size_t count() const = 0;
+    //! A point with its strength as the response; its leaf need not be set.
+    virtual LeafPoint point(size_t index) const = 0;
+    virtual unsigned leaf(const LeafPoint& point) const = 0;
+    //! The response that a point is to have when it is given.
+    virtual float response(const LeafPoint& point) const = 0;
+};
+
+//! Points in a vector, whose strength is their response.
+class PointList : public PointSource
+{
+public:
+    explicit PointList(std::vector<LeafPoint>& points_) : points(points_) {}
+    //! Sorts the points, if they are not sorted yet. It must be called once they are complete.
+    void sort();
+    size_t count() const CV_OVERRIDE { return points.size(); }
+    LeafPoint point(size_t index) const CV_OVERRIDE { return points[index]; }
+    unsigned leaf(const LeafPoint& point) const CV_OVERRIDE { return point.leaf; }
+    float response(const LeafPoint& point) const CV_OVERRIDE { return point.response; }
+
+private:
+    std::vector<LeafPoint>& points;
+};
+
+//! Work space of a RankedSequence from begin to rank.
+struct RankedScratch
+{
+    std::vector<int> grid;       // by leaf, with a border: how strong its best point is
+    std::vector<unsigned> best;  // by leaf, with a border: that point
+    std::vector<uchar> flags;
+    std::vector<float> strengths;              // of the representatives
+    std::vector<uint64> byStrength, resorted;  // keys of the representatives
+    std::vector<unsigned> leaves,
+        ranked;  // of the representatives, in their order and by strength, row by row
+    std::vector<int> ranks, usableBefore;
+    LeafDisc disc;
+    RankingScratch ranking;
+};
 
 /** Gives points in an order that depends on the distances between points and on their strengths, and so hardly on how
  the scene lies in the image. Each leaf of a quadtree is represented by its strongest point, unless two of the leaves
@@ -55,33 +101,47 @@ int64 binaryLogarithm(float v);
 class RankedSequence : public PointSequence
 {
 public:
-    RankedSequence() : depth(0), count(0), given(0), sorted(0), firstSorted(0), hasOthers(false) {}
-    //! Starts a sequence of at most `size` points in a quadtree of the given depth, at most maxRankedDepth.
-    void begin(int depth, size_t size);
-    //! The contribution of a column and of a row of leaves to the number of a leaf, which is their sum.
-    unsigned leafColumn(int column) const { return unsigned(column + 1); }
-    unsigned leafRow(int row) const { return unsigned(row + 1) * ((1u << depth) + 2); }
-    //! Adds the next point by TieBefore. Its response is its strength; NaN ranks last.
-    void add(const LeafPoint& point)
+    RankedSequence() : depth(0), source(0), scratch(0), given(0), sorted(0), firstSorted(0), hasOthers(false)
     {
-        const int strength = orderOf(point.response);
-        // Without branches, which would be hard to predict. Of equal points the first one stays.
-        const bool isBetter = strength > grid[point.leaf];
-        grid[point.leaf] = isBetter ? strength : grid[point.leaf];
-        best[point.leaf] = isBetter ? unsigned(count) : best[point.leaf];
-        points[count++] = point;
     }
+    //! Starts a sequence in a quadtree of the given depth, at most maxRankedDepth. The points must stay until the last one
+    //! was given, the work space until they are ranked.
+    void begin(int depth, const PointSource& points, RankedScratch& scratch);
+    //! Adds the points, in their order.
+    void addAll();
     //! Finds the representatives, when all points have been added.
     void findRepresentatives();
-    //! The representatives, in the order of their leaves.
-    const std::vector<LeafPoint>& representatives() const { return chosen; }
+    //! The representatives, in the order of their leaves. They may be given other responses.
+    std::vector<LeafPoint>& representatives() { return chosen; }
     //! The strength of a representative by which it is ranked; at first it is that of its point.
-    float& strength(size_t index) { return strengths[index]; }
+    float& strength(size_t index) { return scratch->strengths[index]; }
     /** Ranks the representatives. It must be called once before next.
      @param power of the strength that the strengths of the representatives are: 1 or 4
      @param usable by leaf, row by row: whether points may lie there; empty: everywhere */
     void rank(const RankRule& rule, int power, const std::vector<uchar>& usable);
     bool next(LeafPoint& point, const PointFilter* filter = 0) CV_OVERRIDE;
+
+    //! Adds points one by one, which is what addAll does, for a caller that has them at hand.
+    class Adder
+    {
+    public:
+        explicit Adder(RankedSequence& sequence)
+            : grid(sequence.scratch->grid.data()), best(sequence.scratch->best.data())
+        {
+        }
+        void add(unsigned leaf, float response, size_t index)
+        {
+            const int strength = orderOf(response);
+            // Without branches, which would be hard to predict. Of equal points the first one stays.
+            const bool isBetter = strength > grid[leaf];
+            grid[leaf] = isBetter ? strength : grid[leaf];
+            best[leaf] = isBetter ? unsigned(index) : best[leaf];
+        }
+
+    private:
+        int* grid;
+        unsigned* best;
+    };
 
 private:
     // A representative in the order of the sequence.
@@ -95,51 +155,20 @@ private:
         unsigned place;  // among the representatives by strength
         unsigned index;  // of the representative
     };
-    // A whole number that orders strengths as their values do. NaN comes before all others, and none is INT_MIN.
-    static int orderOf(float strength)
-    {
-        Cv32suf bits;
-        bits.f = strength + 0.f;  // makes -0 equal to 0
-        return strength == strength ? bits.i ^ ((bits.i >> 31) & INT_MAX) : INT_MIN + 1;
-    }
-    static uint64 keyOf(float strength, size_t index)
-    {
-        // Never 0. Of equally strong points the one of lower index has the greater key.
-        return uint64(unsigned(orderOf(strength)) ^ 0x80000000u) << 32 | unsigned(~index);
-    }
-    static unsigned indexOf(uint64 key) { return ~unsigned(key); }
-    struct StrongerInLeaf
-    {
-        bool operator()(const LeafPoint& a, const LeafPoint& b) const;
-    };
     void sortByStrength();
+    void countUsable(const std::vector<uchar>& usable);
     int leavesInside(int column, int row) const;
     void sortMore();
     void listOthers();
 
     int depth;
-    size_t count;  // of points
-    std::vector<LeafPoint> points, chosen, others;
-    std::vector<float> strengths;
-    std::vector<int> grid;                     // by leaf, with a border: how strong its best point is
-    std::vector<unsigned> best;                // by leaf, with a border: that point
-    std::vector<uchar> flags;                  // work space
-    std::vector<uint64> byStrength, resorted;  // keys of the representatives; work space
-    std::vector<unsigned> leaves,
-        ranked;  // of the representatives, in their order and by strength, row by row
-    std::vector<int> ranks, usableBefore;
-    LeafDisc disc;
-    RankingScratch ranking;
+    const PointSource* source;
+    RankedScratch* scratch;
+    std::vector<LeafPoint> chosen, others;
     std::vector<Entry> entries;
     size_t given, sorted, firstSorted;
     bool hasOthers;
 };
-
-//! By column and row of a region: what they contribute to the number of their leaf.
-void numberLeaves(const Size& region, int depth, const RankedSequence& sequence, LeafScratch& scratch);
-
-//! Adds points in any order whose strength is their response to a sequence that has begun, and ranks them.
-void orderByResponse(std::vector<LeafPoint>& points, const RankRule& rule, RankedSequence& sequence);
 
 }  // namespace stages
 }  // namespace aqorb

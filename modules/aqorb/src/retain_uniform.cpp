@@ -28,17 +28,16 @@ void retainUniform(std::vector<KeyPoint>& keypoints, Size imageSize, int npoints
     const Size LARGE(INT_MAX, INT_MAX);
     const int depth = rankedDepth(LARGE, 1, npoints);
     const double leaves = double(1 << depth);
-    RankedSequence sequence;
+    std::vector<uchar> keep(keypoints.size(), uchar(0));
     std::vector<LeafPoint> points;
     points.reserve(keypoints.size());
-    sequence.begin(depth, keypoints.size());
     for (size_t i = 0; i < keypoints.size(); i++)
     {
         const Point2f p = keypoints[i].pt;
         if (!(p.x >= 0 && p.y >= 0 && p.x < imageSize.width && p.y < imageSize.height))
             continue;
-        const unsigned leaf = sequence.leafColumn(int(p.x * leaves / imageSize.width)) +
-                              sequence.leafRow(int(p.y * leaves / imageSize.height));
+        const unsigned leaf = leafColumn(int(p.x * leaves / imageSize.width)) +
+                              leafRow(int(p.y * leaves / imageSize.height), depth);
         const LeafPoint point = {leaf, keypoints[i].response, p.x, p.y, int(i)};
         points.push_back(point);
     }
@@ -47,14 +46,23 @@ void retainUniform(std::vector<KeyPoint>& keypoints, Size imageSize, int npoints
         const Parameters defaults;
         const RankRule rule = {imageSize, 1, std::max(npoints, 1), defaults.rankRadius,
                                defaults.strengthWeight};
-        orderByResponse(points, rule, sequence);
-        points.resize(npoints);
-        for (int i = 0; i < npoints; i++)
-            sequence.next(points[i]);
+        PointList list(points);
+        list.sort();
+        RankedScratch scratch;
+        RankedSequence sequence;
+        sequence.begin(depth, list, scratch);
+        sequence.addAll();
+        sequence.findRepresentatives();
+        sequence.rank(rule, 1, std::vector<uchar>());
+        LeafPoint point;
+        for (int i = 0; i < npoints && sequence.next(point); i++)
+            keep[point.index] = 1;
     }
-    std::vector<uchar> keep(keypoints.size(), uchar(0));
-    for (size_t i = 0; i < points.size(); i++)
-        keep[points[i].index] = 1;
+    else
+    {
+        for (size_t i = 0; i < points.size(); i++)
+            keep[points[i].index] = 1;
+    }
     size_t kept = 0;
     for (size_t i = 0; i < keypoints.size(); i++)
     {

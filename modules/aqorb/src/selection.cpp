@@ -5,7 +5,6 @@
 
 #include "precomp.hpp"
 
-#include "quadtree.hpp"
 #include "selection.hpp"
 
 namespace cv
@@ -83,7 +82,7 @@ private:
 class FeatureSelector::Impl
 {
 public:
-    Impl() : octaveSuppression(0), reach(0), levelCount(0), step(0), asked(0), wanted(0) {}
+    Impl() : octaveSuppression(0), reach(0), levelCount(0), step(0), asked(0), wanted(0), list(points) {}
 
     void begin(Size imageSize_, double octaveSuppression_, int suppressionReach)
     {
@@ -106,37 +105,31 @@ public:
         level.chosen.clear();
     }
 
+    int wantsOf(int level)
+    {
+        asked = level;
+        wanted += levels[level].given.quota;
+        return wanted;
+    }
+
     bool wants(CornerRequest& request)
     {
-        // What to take from each level. The first pass goes from coarse to fine, the others from fine to coarse.
+        // What to take from the levels, from fine to coarse, when their quotas have been taken.
         static const CornerSet PASSES[] = {
-            SEQUENCE_CORNERS,    // the quotas; unmet quota goes to the next finer level
             SEQUENCE_CORNERS,    // as many as are still missing after the finest level
             KEPT_CORNERS,        // nothing is left of the sequences but what octave suppression passed over
             SUPPRESSED_CORNERS,  // what other rules passed over
             WEAK_CORNERS};
         const int passes = int(sizeof(PASSES) / sizeof(PASSES[0]));
-        while (step < passes * levelCount)
-        {
-            const int pass = step / levelCount, visited = step % levelCount;
-            const bool isFirstPass = pass == 0;
-            step++;
-            asked = isFirstPass ? levelCount - 1 - visited : visited;
-            if (isFirstPass)
-                wanted += levels[asked].given.quota;
-            if (wanted > 0)
-            {
-                request.level = asked;
-                request.set = PASSES[pass];
-                return true;
-            }
-            if (!isFirstPass)
-                return false;
-        }
-        return false;
+        if (wanted <= 0 || step == passes * levelCount)
+            return false;
+        asked = request.level = step % levelCount;
+        request.set = PASSES[step / levelCount];
+        step++;
+        return true;
     }
 
-    void offer(PointSequence& sequence, const std::vector<RankedCorner>& ofSequence)
+    void offer(PointSequence& sequence)
     {
         LevelState& level = levels[asked];
         const bool again = level.hasBegun;
@@ -147,8 +140,10 @@ public:
         while (level.chosen.size() < before + wanted && sequence.next(point, &filter))
         {
             // Finer levels may have chosen keypoints since the sequence began.
-            if (!again || now.accepts(point))
-                level.chosen.push_back(ofSequence[point.index]);
+            if (again && !now.accepts(point))
+                continue;
+            const RankedCorner corner = {int(point.x), int(point.y), point.response};
+            level.chosen.push_back(corner);
         }
         for (size_t i = before; i < level.chosen.size(); i++)
             grid.insert(position(asked, float(level.chosen[i].x), float(level.chosen[i].y)), asked);
@@ -172,17 +167,19 @@ public:
             level.chosen.push_back(corners[point.index]);
     }
 
+    size_t count(int level) const { return levels[level].chosen.size(); }
+
     // Sorts by counting, as a level has many rows with few corners each.
-    void chosen(int index, std::vector<RankedCorner>& sorted)
+    void chosen(int index, size_t first, std::vector<RankedCorner>& sorted)
     {
         const LevelState& level = levels[index];
         const int rows = level.given.size.height;
         rowStarts.assign(size_t(rows) + 1, 0);
-        for (size_t i = 0; i < level.chosen.size(); i++)
+        for (size_t i = first; i < level.chosen.size(); i++)
             rowStarts[level.chosen[i].y + 1]++;
         std::partial_sum(rowStarts.begin(), rowStarts.end(), rowStarts.begin());
-        sorted.resize(level.chosen.size());
-        for (size_t i = 0; i < level.chosen.size(); i++)
+        sorted.resize(level.chosen.size() - first);
+        for (size_t i = first; i < level.chosen.size(); i++)
             sorted[rowStarts[level.chosen[i].y]++] = level.chosen[i];
         size_t begin = 0;
         for (int y = 0; y < rows; begin = rowStarts[y++])  // row y now ends there
@@ -246,8 +243,7 @@ private:
             balanced.begin(points, rule.depth);
             return balanced;
         }
-        ranked.begin(rule.depth, unordered.size());
-        numberLeaves(rule.root.size(), rule.depth, ranked, scratch);
+        numberLeaves(rule.root.size(), rule.depth, scratch);
         points.resize(unordered.size());
         for (size_t i = 0; i < unordered.size(); i++)
         {
@@ -257,7 +253,11 @@ private:
             const LeafPoint point = {leaf, corner.response, float(corner.x), float(corner.y), int(i)};
             points[i] = point;
         }
-        orderByResponse(points, rule.rank, ranked);
+        list.sort();
+        ranked.begin(rule.depth, list, rankedScratch);
+        ranked.addAll();
+        ranked.findRepresentatives();
+        ranked.rank(rule.rank, 1, std::vector<uchar>());
         return ranked;
     }
 
@@ -266,16 +266,18 @@ private:
     int reach;                       // of octave suppression, in levels
     std::vector<LevelState> levels;  // it never shrinks, so that levels keep their memory
     int levelCount;                  // of this image
-    int step;                        // the next pass and level to ask for
+    int step;                        // the next pass and level to ask for, after the finest level
     int asked;                       // the level of the last request
     int wanted;                      // features that are still missing
     KeypointGrid grid;
-    BalancedSequence balanced;          // to fill up from
-    RankedSequence ranked;              // to fill up from
+    BalancedSequence balanced;  // to fill up from
+    RankedSequence ranked;      // to fill up from
+    RankedScratch rankedScratch;
     std::vector<RankedCorner> corners;  // to fill up from
     std::vector<RankedCorner> taken;    // what the level has before
     LeafScratch scratch;
     std::vector<LeafPoint> points;
+    PointList list;  // of the points
     std::vector<size_t> rowStarts;
 };
 
@@ -293,14 +295,19 @@ void FeatureSelector::addLevel(const SelectionLevel& level)
     impl->addLevel(level);
 }
 
+int FeatureSelector::wantsOf(int level)
+{
+    return impl->wantsOf(level);
+}
+
 bool FeatureSelector::wants(CornerRequest& request)
 {
     return impl->wants(request);
 }
 
-void FeatureSelector::offer(PointSequence& sequence, const std::vector<RankedCorner>& corners)
+void FeatureSelector::offer(PointSequence& sequence)
 {
-    impl->offer(sequence, corners);
+    impl->offer(sequence);
 }
 
 void FeatureSelector::offer(const std::vector<RankedCorner>& corners)
@@ -308,9 +315,14 @@ void FeatureSelector::offer(const std::vector<RankedCorner>& corners)
     impl->offer(corners);
 }
 
-void FeatureSelector::chosen(int level, std::vector<RankedCorner>& corners)
+size_t FeatureSelector::count(int level) const
 {
-    impl->chosen(level, corners);
+    return impl->count(level);
+}
+
+void FeatureSelector::chosen(int level, size_t first, std::vector<RankedCorner>& corners)
+{
+    impl->chosen(level, first, corners);
 }
 
 }  // namespace stages

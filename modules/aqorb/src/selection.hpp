@@ -6,6 +6,8 @@
 #ifndef OPENCV_AQORB_SELECTION_HPP
 #define OPENCV_AQORB_SELECTION_HPP
 
+#include "balanced_sequence.hpp"
+#include "quadtree.hpp"
 #include "ranked_sequence.hpp"
 #include "types.hpp"
 
@@ -40,8 +42,11 @@ struct CornerRequest
 
  Selection does not call other stages. It says which corners it needs next, and is then given them:
  @code
-    selector.begin(imageSize, octaveSuppression);
+    selector.begin(imageSize, octaveSuppression, reach);
     // addLevel for each level
+    for (int level = levels - 1; level >= 0; level--)
+        if (selector.wantsOf(level) > 0)
+            selector.offer(sequence);
     CornerRequest request;
     while (selector.wants(request))
         // offer what it wants
@@ -56,15 +61,19 @@ public:
     void begin(Size imageSize, double octaveSuppression, int suppressionReach);
     //! Adds the next level, in the order of the pyramid.
     void addLevel(const SelectionLevel& level);
-    //! Which corners must be offered next; false when the selection is complete.
+    //! Goes on to a level, from coarse to fine, and returns how many of its corners are wanted. If there are any, its
+    //! sequence must be offered next.
+    int wantsOf(int level);
+    //! After the finest level: which corners must be offered next; false when the selection is complete.
     bool wants(CornerRequest& request);
-    //! Answers a request for SEQUENCE_CORNERS. The sequence must be as the previous request left it. The index of its
-    //! points is that of their corners.
-    void offer(PointSequence& sequence, const std::vector<RankedCorner>& corners);
+    //! Answers wantsOf, or a request for SEQUENCE_CORNERS. The sequence must be as the previous request left it.
+    void offer(PointSequence& sequence);
     //! Answers any other request.
     void offer(const std::vector<RankedCorner>& corners);
-    //! Gives the chosen corners of a level in raster order.
-    void chosen(int level, std::vector<RankedCorner>& corners);
+    //! How many corners of a level have been chosen.
+    size_t count(int level) const;
+    //! Gives the chosen corners of a level, but the first ones, in raster order.
+    void chosen(int level, size_t first, std::vector<RankedCorner>& corners);
 
 private:
     class Impl;

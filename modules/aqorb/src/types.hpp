@@ -44,8 +44,8 @@ struct Thresholds
 //! A FAST corner: a pixel of a level and its FAST score (the highest threshold at which it is a corner).
 struct Corner
 {
-    int x, y;
-    int score;
+    int x;
+    int y : 22, score : 10;  // a level has thousands of corners: 8 bytes for each
 };
 
 //! A corner with the response that ranks it.
@@ -87,15 +87,6 @@ enum CornerSet
 
 //! The deepest quadtree has 2^15 leaves along a side.
 const int MAX_QUADTREE_DEPTH = 15;
-
-//! A point in a leaf of the quadtree.
-struct LeafPoint
-{
-    unsigned leaf;   //!< Morton code of the leaf
-    float response;  //!< NaN ranks last
-    float x, y;      //!< break ties: lower y first, then lower x, then lower index
-    int index;       //!< for the caller's use
-};
 
 //! The pixel of a level at which a feature is described, and the direction in which.
 struct FeaturePoint

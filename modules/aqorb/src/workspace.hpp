@@ -6,11 +6,14 @@
 #ifndef OPENCV_AQORB_WORKSPACE_HPP
 #define OPENCV_AQORB_WORKSPACE_HPP
 
-#include "blur.hpp"
+#include "description.hpp"
 #include "detection.hpp"
 #include "pyramid.hpp"
 #include "selection.hpp"
+#include "tasks.hpp"
 #include "types.hpp"
+
+#include <deque>
 
 namespace cv
 {
@@ -20,60 +23,51 @@ namespace aqorb
 //! What an image needs for one level of its pyramid.
 struct LevelWork
 {
-    LevelWork() : first(0) {}
+    LevelWork() : bandsLeft(0), inputsOfSearch(0), inputsOfSelection(0) {}
 
     stages::Level level;
+    std::vector<uchar> pixels;           //!< of the level, if they do not become the caller's
     Ptr<stages::ResizeTables> resizing;  //!< to make the level
     stages::SelectionLevel selection;    //!< what the level is to contribute
     stages::LevelDetection detection;
-    std::vector<stages::RankedCorner> chosen;  //!< the corners that become features, in raster order
-    std::vector<stages::FeaturePoint> points;  //!< where the features of the level are described
-    size_t first;                              //!< index of the level's first feature among all features
+    //! The features that were chosen by the level's quota, and those that were chosen to fill up.
+    stages::FeatureBatch batches[2];
+    int bandsLeft, inputsOfSearch, inputsOfSelection;  //!< what tasks still wait for
 };
 
-//! A band of a level whose corners are found independently.
-struct LevelBand
+//! Work space of a thread that does tasks.
+struct WorkerScratch
 {
-    int level, band;
+    stages::DetectionScratch detection;
+    stages::DescriptionScratch description;
+    std::vector<stages::RankedCorner> corners;
 };
 
-//! Features of a level that are described together, as one task.
-struct FeatureRange
-{
-    int level;
-    size_t begin, end;  //!< among the features of the level
-};
-
-//! What a call needs beside its outputs.
+//! What a call needs beside its outputs. It is kept for later calls.
 struct Workspace
 {
-    Workspace() : levelCount(0) {}
+    Workspace() : levelCount(0), givesLevels(false) {}
 
-    stages::Level input;            //!< the image itself, of the caller
-    std::vector<LevelWork> levels;  //!< it never shrinks, so that levels keep their memory
-    int levelCount;                 //!< levels of this image
-    std::vector<Size> regions;      //!< of the levels: where they may have keypoints
-    std::vector<int> areaQuotas;    //!< of the levels, for RANKED_SELECTION
-    std::vector<LevelBand> bands;   //!< those of the input image first
+    stages::Level input;      //!< the image itself, of the caller
+    std::vector<uchar> gray;  //!< the image, where the caller's has colours
+    std::deque<LevelWork>
+        levels;                 //!< it never shrinks, so that levels keep their memory, and never moves them
+    int levelCount;             //!< levels of this image
+    bool givesLevels;           //!< whether the levels become the caller's
+    std::vector<Size> regions;  //!< of the levels: where they may have keypoints
+    std::vector<int> areaQuotas;  //!< of the levels, for RANKED_SELECTION
+    stages::KeptCount keptCount;
     stages::FeatureSelector selector;
-    std::vector<stages::RankedCorner> corners;  //!< to offer to selection
-    std::vector<FeatureRange> ranges;
-    std::vector<KeyPoint> keypoints;
-    std::vector<uchar> descriptors;  //!< where they are not computed in place
-    std::vector<int> order;          //!< of the output: indices of keypoints
+    TaskQueue queue;
+    std::vector<WorkerScratch> scratches;  //!< of the workers
+    std::vector<uint64> places;            //!< work space of the output
+    std::vector<unsigned> rasterOrder;     //!< likewise
 
     //! Prepares the levels of the input's pyramid: nlevels, or fewer if a side would be shorter than minSide.
     void layOutLevels(int nlevels, int firstLevel, double scaleFactor, int minSide);
-    //! Makes the levels from the input.
-    void fillLevels(int firstLevel);
-    //! Divides the levels into bands. A level without a quota is not searched unless selection asks for its corners.
-    //! Returns the number of bands of the input image, which come first.
-    size_t layOutBands();
-    //! Divides the features into ranges of about equal size, so that no thread waits long for another one.
-    void layOutRanges();
-    //! Orders the keypoints of each level by response.
-    void orderByResponse();
-    //! Releases the images and masks that are the caller's, and the masks of the levels.
+    //! Makes a level from the level before or from the input.
+    void makeLevel(int index, int firstLevel);
+    //! Forgets the images and masks that are the caller's, and those that became the caller's.
     void releaseImages();
 };
 
@@ -92,14 +86,6 @@ private:
     InputScope& operator=(const InputScope&);
 
     Workspace& workspace;
-};
-
-//! Work space that the task that describes a range of features needs only while it runs.
-struct DescriptionScratch
-{
-    stages::BlurRegion blurRegion;
-    stages::BlurScratch blur;
-    std::vector<ushort> blurred;
 };
 
 }  // namespace aqorb

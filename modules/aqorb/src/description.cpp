@@ -1,0 +1,83 @@
+// This file is part of aqorb. Copyright (C) The aqorb developers.
+// It is subject to the license terms in the LICENSE file found in the top-level directory
+// of this distribution.
+// SPDX-License-Identifier: Apache-2.0
+
+#include "precomp.hpp"
+
+#include "description.hpp"
+
+namespace cv
+{
+namespace aqorb
+{
+namespace stages
+{
+
+// Finds the directions of features and completes their keypoints.
+static void findKeypoints(const Level& level, const DescriptionRules& rules, size_t begin, size_t end,
+                          FeatureBatch& batch)
+{
+    CV_TRACE_FUNCTION();
+    const Mat &image = level.image, &mask = *rules.imageMask;
+    const bool subPixel = rules.position.subPixel;
+    orientations(image, *rules.patch, &batch.points[begin], end - begin);
+    for (size_t i = begin; i < end; i++)
+    {
+        const FeaturePoint& point = batch.points[i];
+        const Point2d offset = subPixel ? subPixelOffset(image, point.x, point.y) : Point2d();
+        Point2f pt = rules.position(point.x, point.y, offset.x, offset.y);
+        if (subPixel && !mask.empty() && !isUsable(mask, pt))
+            usablePosition(mask, rules.position, point.x, point.y, pt);
+        batch.keypoints[i].pt = pt;
+        batch.keypoints[i].angle = point.angle;
+    }
+}
+
+void describeFeatures(const Level& level, const DescriptionRules& rules, const Range& features,
+                      FeatureBatch& batch, DescriptionScratch& scratch)
+{
+    const size_t end = size_t(features.end);
+    if (!rules.tests)
+    {
+        if (rules.patch)
+            findKeypoints(level, rules, size_t(features.start), end, batch);
+        return;
+    }
+    const int ROWS = 128;  // that are blurred at once
+    const int rows = level.image.rows, reach = rules.tests->reach;
+    const std::vector<FeaturePoint>& points = batch.points;
+    scratch.region.begin(level.image.size());
+    for (size_t i = size_t(features.start); i < end; i++)
+        scratch.region.addDisc(Point(points[i].x, points[i].y), rules.tests->halfHeights);
+
+    BlurredRows blurred;
+    blurred.step = level.image.cols;
+    const size_t capacity = size_t(std::min<int64>(int64(ROWS) + 2 * int64(reach) + 1, rows));
+    if (scratch.blurred.size() < capacity * blurred.step)
+        scratch.blurred.resize(capacity * blurred.step);
+    blurred.data = scratch.blurred.data();
+    int filled = 0;  // the rows from blurred.top to before it are blurred
+    for (size_t next, i = size_t(features.start); i < end; i = next)
+    {
+        // The rows that the next features read are kept.
+        const int top = std::max(points[i].y - reach, 0);
+        if (top < filled)
+            std::memmove(blurred.data, blurred.row(top), sizeof(ushort) * blurred.step * (filled - top));
+        blurred.top = top;
+        filled = std::max(filled, top);
+        const int bottom = std::min(std::max(points[i].y + reach + 1, filled + ROWS), rows);
+        for (next = i; next < end && (points[next].y + reach < bottom || bottom == rows);)
+            next++;
+        if (rules.patch)
+            findKeypoints(level, rules, i, next, batch);
+        approximateBlur(level.image, scratch.region, Range(filled, bottom), blurred, scratch.blur);
+        filled = bottom;
+        computeDescriptors(level.image, blurred, &points[i], next - i, *rules.tests,
+                           &batch.descriptors[i * DESCRIPTOR_BYTES], DESCRIPTOR_BYTES);
+    }
+}
+
+}  // namespace stages
+}  // namespace aqorb
+}  // namespace cv

@@ -1,0 +1,58 @@
+// This file is part of aqorb. Copyright (C) The aqorb developers.
+// It is subject to the license terms in the LICENSE file found in the top-level directory
+// of this distribution.
+// SPDX-License-Identifier: Apache-2.0
+
+#ifndef OPENCV_AQORB_DESCRIPTION_HPP
+#define OPENCV_AQORB_DESCRIPTION_HPP
+
+#include "blur.hpp"
+#include "descriptor.hpp"
+#include "orientation.hpp"
+#include "position.hpp"
+#include "types.hpp"
+
+namespace cv
+{
+namespace aqorb
+{
+namespace stages
+{
+
+//! Features of a level that are described together.
+struct FeatureBatch
+{
+    std::vector<FeaturePoint> points;  //!< in raster order
+    std::vector<KeyPoint> keypoints;   //!< of the points
+    std::vector<uchar> descriptors;    //!< of the points, DESCRIPTOR_BYTES each
+    std::vector<unsigned> order;       //!< of the points in the output; equal ones come in raster order
+};
+
+//! What features are described by.
+struct DescriptionRules
+{
+    const Mat* imageMask;           //!< of the input image; may be empty
+    PositionMap position;           //!< of the level
+    const OrientationPatch* patch;  //!< 0: the keypoints are given, with their directions
+    const DescriptorTests* tests;   //!< 0: no descriptors are wanted
+};
+
+//! Work space of describeFeatures.
+struct DescriptionScratch
+{
+    BlurRegion region;
+    BlurScratch blur;
+    std::vector<ushort> blurred;
+};
+
+/** Describes some of the features of a batch, so that several tasks can share the batch: finds their directions, their
+ positions in the image and their descriptors. The rows of the level are read and blurred from top to bottom, some at a
+ time. */
+void describeFeatures(const Level& level, const DescriptionRules& rules, const Range& features,
+                      FeatureBatch& batch, DescriptionScratch& scratch);
+
+}  // namespace stages
+}  // namespace aqorb
+}  // namespace cv
+
+#endif

@@ -1,0 +1,83 @@
+// This file is part of aqorb. Copyright (C) The aqorb developers.
+// It is subject to the license terms in the LICENSE file found in the top-level directory
+// of this distribution.
+// SPDX-License-Identifier: Apache-2.0
+
+#ifndef OPENCV_AQORB_TASKS_HPP
+#define OPENCV_AQORB_TASKS_HPP
+
+#include <opencv2/core.hpp>
+
+#include <condition_variable>
+#include <exception>
+#include <mutex>
+#include <vector>
+
+namespace cv
+{
+namespace aqorb
+{
+
+//! A piece of work. What it is about is up to its TaskRunner.
+struct Task
+{
+    int kind, level, part;
+};
+
+//! Does tasks, several at once.
+class TaskRunner
+{
+public:
+    virtual ~TaskRunner() {}
+    /** Does a task, and puts those that it makes ready into the queue.
+     @param worker 0 to threads - 1; a worker does one task after the other */
+    virtual void run(const Task& task, int worker) = 0;
+};
+
+/** Tasks whose inputs are ready. One call of cv::parallel_for_ starts the workers, each of which takes the next task
+ until none is left. A worker waits only while another one is at work, so the tasks are done however many workers
+ cv::parallel_for_ lets run at once, even one after the other. An object can be used again, and then needs no new
+ memory. */
+class TaskQueue
+{
+public:
+    TaskQueue() : number(0), runner(0), running(0), waiting(0), workers(0), threads(1) {}
+    //! How many threads cv::parallel_for_ may use for a frame.
+    static int threadsInUse();
+    //! Adds a task whose inputs are ready. Of those in the queue the one of least priority is taken first.
+    void put(int priority, const Task& task);
+    //! Does all tasks: those in the queue, and those that they put there. An exception of a task ends the others as soon
+    //! as possible, and is thrown on.
+    void run(int threads, TaskRunner& runner);
+
+private:
+    struct Entry
+    {
+        bool operator<(const Entry& other) const
+        {
+            return priority != other.priority ? priority > other.priority : number > other.number;
+        }
+        int priority;
+        unsigned number;  // the first one put in comes first
+        Task task;
+    };
+    void work();
+    void runNext(std::unique_lock<std::mutex>& lock, int worker);
+    void waitForTask(std::unique_lock<std::mutex>& lock);
+
+    std::mutex mutex;  // guards what follows
+    std::condition_variable changed;
+    std::vector<Entry> ready;  // a heap
+    unsigned number;           // of the next task
+    TaskRunner* runner;
+    int running;  // tasks that are being done
+    int waiting;  // workers that wait for a task
+    int workers;  // that have begun
+    int threads;
+    std::exception_ptr error;  // the first one
+};
+
+}  // namespace aqorb
+}  // namespace cv
+
+#endif
