@@ -34,7 +34,7 @@ def program_tables(folder):
     ratios = ratios.loc[in_order].astype(float)
     medians = by_pass.groupby(level=key).median().loc[in_order]
     return {'In a program': summary_table(ratios, builds), 'In a program: cases': case_table(ratios, medians),
-            'In a program: notes': notes(times)}
+            'In a program: notes': notes(times, ratios['AQORB'])}
 
 
 def summary_table(ratios, builds):
@@ -77,12 +77,14 @@ def case_table(ratios, medians):
     return pandas.DataFrame(rows, columns=['image', 'n'] + heads)
 
 
-def notes(times):
-    """What is to be known of the tables, as a list."""
-    numbers = ', '.join(map(str, sorted(times['n'].unique())))
+def notes(times, ratios):
+    """What is to be known of the tables, a sentence or two a line."""
     passes = times['pass'].nunique()
-    lines = ['Geometric means over {} images and n = {}: {} cases.'.format(
-        times['image'].nunique(), numbers, len(times[['image', 'n']].drop_duplicates())),
-             'A ratio is the median over {} pass{} of the ratio of medians.'.format(passes, '' if passes == 1 else 'es')]
+    case, threads, image, n = ratios.idxmin()
+    lines = ['Geometric means over {} image{} and n = {}. A ratio is the median over {} pass{} of the ratio of the'.format(
+        times['image'].nunique(), '' if times['image'].nunique() == 1 else 's',
+        ', '.join(map(str, sorted(times['n'].unique()))), passes, '' if passes == 1 else 'es'),
+             'medians. The lowest ratio of all is that of {} and n = {}, {} with {}.'.format(
+                 image, n, case, threads_of(threads))]
     lines += ['CPU features: {}.'.format(cpu) for cpu in times['cpu'].unique()]
-    return '\n'.join('- ' + line for line in lines)
+    return '\n'.join(lines)
