@@ -59,7 +59,8 @@ def memory_tables(folder):
     names = dict(build_names(memory['detector']), CV_ORB='cv::ORB')
     detectors = {detector: memory[memory['detector'] == detector].set_index(['image', 'threads'])[values]
                  for detector in names}
-    heads = [name + ', ' * bool(name) + head for name in names.values() for head in ('first frame', 'later frames', 'kept')]
+    heads = [name + ', ' * bool(name) + head
+             for name in names.values() for head in ('first frame', 'later frames', 'kept')]
     rows = [[image, str(threads)] + [number(share) for detector in names
                                      for share in detectors[detector].loc[(image, threads)]]
             for image, threads in detectors['AQORB'].index]

@@ -81,10 +81,11 @@ def notes(times, ratios):
     """What is to be known of the tables, a sentence or two a line."""
     passes = times['pass'].nunique()
     case, threads, image, n = ratios.idxmin()
-    lines = ['Geometric means over {} image{} and n = {}. A ratio is the median over {} pass{} of the ratio of the'.format(
-        times['image'].nunique(), '' if times['image'].nunique() == 1 else 's',
-        ', '.join(map(str, sorted(times['n'].unique()))), passes, '' if passes == 1 else 'es'),
-             'medians. The lowest ratio of all is that of {} and n = {}, {} with {}.'.format(
+    images = times['image'].nunique()
+    lines = ['Geometric means over {} image{} and n = {}. A ratio is the median over {} pass{} of the ratio of'.format(
+        images, '' if images == 1 else 's', ', '.join(map(str, sorted(times['n'].unique()))), passes,
+        '' if passes == 1 else 'es'),
+             'the medians. The lowest ratio of all is that of {} and n = {}, {} with {}.'.format(
                  image, n, case, threads_of(threads))]
     lines += ['CPU features: {}.'.format(cpu) for cpu in times['cpu'].unique()]
     return '\n'.join(lines)
