@@ -48,6 +48,7 @@ declare -A PACKAGES=(
     [format]='clang-format clang-tidy shellcheck'
     [opencv]='dpkg-dev ninja-build zlib1g-dev libpng-dev libjpeg-dev python3-dev python3-numpy'
     [emulation]='qemu-user-static g++-aarch64-linux-gnu'
+    [count]='qemu-user g++-aarch64-linux-gnu'  # the static one has no plugins
     [system]='debootstrap util-linux'
 )
 
@@ -133,6 +134,35 @@ forget_moved() {
         echo "$1 was configured for $was: configuring it anew"
         rm -rf "$cache" "$1/CMakeFiles"
     fi
+}
+
+# arm64_sysroot: sets SYSROOT to a folder with Debian's arm64 packages of OpenCV and GoogleTest, unpacked; fetched
+# once. The system's architectures stay as they are: apt gets folders and a source list of our own.
+arm64_sysroot() {
+    local folder=$CACHE/arm64
+    SYSROOT=$folder/root
+    [[ ! -e $folder/complete ]] || return 0
+    rm -rf "$folder"
+    mkdir -p "$folder"/{parts,lists/partial,apt/archives/partial,root/usr/{bin,lib,sbin}}
+    apt-get indextargets --format 'deb [arch=arm64] $(REPO_URI) $(RELEASE) $(COMPONENT)' \
+        'Identifier: Packages' 'Origin: Debian' | sort -u >"$folder/parts/arm64.list"
+    touch "$folder/status"
+    local apt=(apt-get -qq
+        -o APT::Architecture=arm64 -o APT::Architectures=arm64 -o APT::Sandbox::User="$(id -un)"
+        -o Dir::Etc::SourceList=/dev/null -o Dir::Etc::SourceParts="$folder/parts"
+        -o Dir::State::Status="$folder/status" -o Dir::State::Lists="$folder/lists" -o Dir::Cache="$folder/apt")
+    "${apt[@]}" update
+    "${apt[@]}" install -y --no-install-recommends --download-only libgtest-dev libopencv-dev libstdc++-12-dev
+
+    local directory package
+    for directory in bin lib sbin; do ln -s "usr/$directory" "$SYSROOT/$directory"; done
+    for package in "$folder"/apt/archives/*.deb; do
+        dpkg-deb --fsys-tarfile "$package" | tar -x -C "$SYSROOT" --keep-directory-symlink --no-same-owner
+    done
+    # What update-alternatives would choose.
+    ln -s blas/libblas.so.3 lapack/liblapack.so.3 "$SYSROOT/usr/lib/aarch64-linux-gnu/"
+    rm -r "$folder"/{apt,lists,parts,status}
+    touch "$folder/complete"
 }
 
 # configure PRESET [OPTION...]: by CMakePresets.json; the name may be that of its folder, build/PRESET.

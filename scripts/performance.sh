@@ -11,6 +11,7 @@
 #   stages        where the time of a frame goes
 #   memory        the heap in use during a frame and between frames
 #   instructions  the instructions of a frame by stage and function, counted by valgrind
+#   aarch64       the instructions of a frame on an emulated AArch64 CPU; only where it is named
 #
 # OPTIONs:
 #   --doc          put the tables into doc/performance.md, too
@@ -38,7 +39,7 @@ while (($#)); do
         --beside) beside=$(realpath -e "${2:?is the file of a library}") && shift ;;
         --passes) passes=${2:?is the number of passes} && shift ;;
         --threads) threads=${2:?are the numbers of threads} && shift ;;
-        setting | program | speed | scaling | stages | memory | instructions) parts+=("$1") ;;
+        setting | program | speed | scaling | stages | memory | instructions | aarch64) parts+=("$1") ;;
         --) shift && break ;;
         *) die "$1 is neither an option nor a PART; --help lists them" ;;
     esac
@@ -59,6 +60,7 @@ harness='' profiler=''
 for part in "${parts[@]}"; do
     case $part in
         speed | scaling) harness=$BUILD/perf/opencv_perf_aqorb ;;
+        aarch64) ;;
         *) profiler=$BUILD/release/tools/profile/aqorb_profile ;;
     esac
 done
@@ -111,6 +113,26 @@ count_instructions() {
         "$results/instructions" >"$results/instructions/instructions.csv"
 }
 
+count_on_aarch64() {
+    local images=640x480,1920x1080 plugin=$results/aarch64/qemu_count.so
+    need count
+    qemu-aarch64 --help | grep -q -e -plugin || die 'aarch64: this qemu-aarch64 has no plugins'
+    if [[ $smoke ]]; then
+        images=320x240
+    elif [[ ${OPENCV_TEST_DATA_PATH:-} ]]; then
+        images+=,leuven,bark
+    fi
+    say 'Building for AArch64'
+    arm64_sysroot
+    configure aarch64 -DAQORB_BUILD_PROFILE=ON
+    build "$BUILD/aarch64" --target aqorb_profile
+    cc -O2 -fPIC -shared "$ROOT/tools/profile/qemu_count.c" -o "$plugin" \
+        -DQEMU_PLUGIN_VERSION="$(qemu-aarch64 --version | awk '/version/ { print ($3 + 0 < 9 ? 1 : 2) }')"
+    say 'Measuring instructions on AArch64'
+    "$PYTHON" "$ROOT/tools/profile/emulated.py" --images="$images" "$plugin" "$SYSROOT" \
+        "$BUILD/aarch64/tools/profile/aqorb_profile" >"$results/aarch64/instructions.csv"
+}
+
 for part in "${parts[@]}"; do
     rm -rf "${results:?}/$part"
     mkdir -p "$results/$part"
@@ -121,6 +143,7 @@ for part in "${parts[@]}"; do
         program) run_profiler program ${quick:+--quick} ${beside:+--beside="$beside"} \
             --passes="$passes" --threads="${threads// /,}" ;;
         memory) run_profiler memory ${beside:+--beside="$beside"} ;;
+        aarch64) count_on_aarch64 ;;
         *) run_profiler "$part" ;;
     esac
     [[ ! $smoke ]] || say 'SMOKE RUN: it shows that everything runs. Do not quote these numbers.'

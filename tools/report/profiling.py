@@ -96,6 +96,15 @@ def instruction_tables(folder):
     return tables
 
 
+def emulated_tables(folder):
+    counts = pandas.read_csv(os.path.join(folder, 'instructions.csv'))
+    table = counts.pivot(index='image', columns='detector', values='instructions').loc[counts['image'].unique()]
+    rows = [[image, number(row['CV_ORB'] * 1e-6), number(row['AQORB'] * 1e-6), number(row['CV_ORB'] / row['AQORB'])]
+            for image, row in table.iterrows()]
+    return {'Instructions on AArch64': pandas.DataFrame(rows, columns=[
+        'image', 'cv::ORB, millions', 'AdaptiveQuadtreeORB, millions', 'ratio'])}
+
+
 def shares_table(head, shares):
     rows = [[name] + [number(share, 1) for share in row] for name, row in shares.iterrows()]
     return pandas.DataFrame(rows, columns=[head] + list(shares.columns))

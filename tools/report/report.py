@@ -13,6 +13,7 @@ PART says what FOLDER holds:
   stages        what aqorb_profile --stages printed, as stages.csv
   memory        what aqorb_profile --memory printed, as memory.csv
   instructions  what tools/profile/instructions.py printed, as instructions.csv
+  aarch64       what tools/profile/emulated.py printed, as instructions.csv
   evaluation    what aqorb_evaluate wrote
   claims        what aqorb_claims wrote
   figures       the same, to draw the figures in FOLDER
@@ -36,6 +37,7 @@ PARTS = {
     'stages': ('profiling', 'stage_tables'),
     'memory': ('profiling', 'memory_tables'),
     'instructions': ('profiling', 'instruction_tables'),
+    'aarch64': ('profiling', 'emulated_tables'),
     'evaluation': ('evaluation', 'evaluation_tables'),
     'claims': ('claims', 'claims_tables'),
     'figures': ('evaluation_figures', 'draw_figures'),

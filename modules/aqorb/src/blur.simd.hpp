@@ -76,16 +76,79 @@ uchar exactBlurAt(const uchar* p, ptrdiff_t step, const float* taps)
 namespace
 {
 
-// The 16-bit arithmetic of approximateBlur: on neighbouring pixels at once and, for narrow images, on one pixel.
+// The arithmetic of approximateBlur: on neighbouring pixels at once and, for narrow images, on one pixel.
+#if CV_NEON
+// NEON multiplies to 32 bits and adds in the same instruction, so nothing is rounded before the end of a pass. Hence the
+// error is smaller than that of products of 16 bits, and BLUR_BOUND holds all the more.
+struct ManyPixels
+{
+    typedef v_uint16 V;
+    static CV_ALWAYS_INLINE V all(ushort value) { return vx_setall_u16(value); }
+    static CV_ALWAYS_INLINE void store(ushort* p, const V& a) { v_store(p, a); }
+    static CV_ALWAYS_INLINE void loadRow(const uchar* p, V& center, V& pair1, V& pair2, V& pair3)
+    {
+        center = V(vshll_n_u8(vld1_u8(p), 2));
+        pair1 = V(vaddl_u8(vld1_u8(p - 1), vld1_u8(p + 1)));
+        pair2 = V(vaddl_u8(vld1_u8(p - 2), vld1_u8(p + 2)));
+        pair3 = V(vaddl_u8(vld1_u8(p - 3), vld1_u8(p + 3)));
+    }
+    static CV_ALWAYS_INLINE V average(const V& a, const V& b) { return V(vrhaddq_u16(a.val, b.val)); }
+    template <int SHIFT>
+    static CV_ALWAYS_INLINE V weighted(const V& a0, const V& a1, const V& a2, const V& a3, const V& t0,
+                                       const V& t1, const V& t2, const V& t3)
+    {
+        const uint32x4_t low = addLow(addLow(addLow(vdupq_n_u32(0), a0, t0), a1, t1), a2, t2);
+        const uint32x4_t high = addHigh(addHigh(addHigh(vdupq_n_u32(0), a0, t0), a1, t1), a2, t2);
+        return V(vcombine_u16(vrshrn_n_u32(addLow(low, a3, t3), SHIFT),
+                              vrshrn_n_u32(addHigh(high, a3, t3), SHIFT)));
+    }
+
+private:
+    static CV_ALWAYS_INLINE uint32x4_t addLow(const uint32x4_t& sum, const V& a, const V& t)
+    {
+        return vmlal_u16(sum, vget_low_u16(a.val), vget_low_u16(t.val));
+    }
+    static CV_ALWAYS_INLINE uint32x4_t addHigh(const uint32x4_t& sum, const V& a, const V& t)
+    {
+#if defined(__aarch64__)
+        return vmlal_high_u16(sum, a.val, t.val);
+#else
+        return vmlal_u16(sum, vget_high_u16(a.val), vget_high_u16(t.val));
+#endif
+    }
+};
+struct OnePixel
+{
+    typedef unsigned V;
+    static CV_ALWAYS_INLINE V all(ushort value) { return value; }
+    static CV_ALWAYS_INLINE void store(ushort* p, V a) { *p = ushort(a); }
+    static CV_ALWAYS_INLINE void loadRow(const uchar* p, V& center, V& pair1, V& pair2, V& pair3)
+    {
+        center = V(p[0]) << 2;
+        pair1 = V(p[-1] + p[1]);
+        pair2 = V(p[-2] + p[2]);
+        pair3 = V(p[-3] + p[3]);
+    }
+    static CV_ALWAYS_INLINE V average(V a, V b) { return (a + b + 1) >> 1; }
+    template <int SHIFT> static CV_ALWAYS_INLINE V weighted(V a0, V a1, V a2, V a3, V t0, V t1, V t2, V t3)
+    {
+        return (a0 * t0 + a1 * t1 + a2 * t2 + a3 * t3 + (V(1) << (SHIFT - 1))) >> SHIFT;
+    }
+};
+#else
 #if CV_SIMD
 struct ManyPixels
 {
     typedef v_uint16 V;
     static CV_ALWAYS_INLINE V all(ushort value) { return vx_setall_u16(value); }
     static CV_ALWAYS_INLINE void store(ushort* p, const V& a) { v_store(p, a); }
-    // All sums fit into 16 bits.
-    static CV_ALWAYS_INLINE V add(const V& a, const V& b) { return v_add_wrap(a, b); }
-    static CV_ALWAYS_INLINE V upperHalf(const V& a, const V& b) { return v_mul_hi(a, b); }
+    template <int>
+    static CV_ALWAYS_INLINE V weighted(const V& a0, const V& a1, const V& a2, const V& a3, const V& t0,
+                                       const V& t1, const V& t2, const V& t3)
+    {
+        return add(add(add(v_mul_hi(a0, t0), v_mul_hi(a1, t1)), add(v_mul_hi(a2, t2), v_mul_hi(a3, t3))),
+                   all(2));
+    }
 #if CV_AVX512_SKX && CV_SIMD_WIDTH == 64
 #define AQORB_WIDE(name) _mm512_##name
     // The bytes from p - 3 on that the pixels of each eight lanes need, in 128 bits each.
@@ -153,11 +216,16 @@ struct ManyPixels
         return v_uint16(_mm256_avg_epu16(a.val, b.val));
 #elif CV_SSE2 && CV_SIMD_WIDTH == 16
         return v_uint16(_mm_avg_epu16(a.val, b.val));
-#elif CV_NEON && CV_SIMD_WIDTH == 16
-        return v_uint16(vrhaddq_u16(a.val, b.val));
 #else
         return v_sub(v_or(a, b), v_shr<1>(v_xor(a, b)));
 #endif
+    }
+
+private:
+    // All sums fit into 16 bits.
+    static CV_ALWAYS_INLINE V add(const V& a, const V& b)
+    {
+        return v_add_wrap(a, b);
     }
 };
 #endif
@@ -173,35 +241,32 @@ struct OnePixel
         pair3 = V(p[-3] + p[3]) << 6;
     }
     static CV_ALWAYS_INLINE void store(ushort* p, V a) { *p = ushort(a); }
-    static CV_ALWAYS_INLINE V add(V a, V b) { return a + b; }
-    static CV_ALWAYS_INLINE V upperHalf(V a, V b) { return (a * b) >> 16; }
     static CV_ALWAYS_INLINE V average(V a, V b) { return (a + b + 1) >> 1; }
+    template <int> static CV_ALWAYS_INLINE V weighted(V a0, V a1, V a2, V a3, V t0, V t1, V t2, V t3)
+    {
+        return ((a0 * t0) >> 16) + ((a1 * t1) >> 16) + ((a2 * t2) >> 16) + ((a3 * t3) >> 16) + 2;
+    }
 };
+#endif
 
 template <typename T> struct Taps
 {
-    explicit CV_ALWAYS_INLINE Taps(const ushort* taps)
-        : t0(T::all(taps[0])),
-          t1(T::all(taps[1])),
-          t2(T::all(taps[2])),
-          t3(T::all(taps[3])),
-          center(T::all(2))
-    {
-    }
     typedef typename T::V V;
-    CV_ALWAYS_INLINE V sum(const V& a0, const V& a1, const V& a2, const V& a3) const
+    explicit CV_ALWAYS_INLINE Taps(const ushort* taps)
+        : t0(T::all(taps[0])), t1(T::all(taps[1])), t2(T::all(taps[2])), t3(T::all(taps[3]))
     {
-        return T::add(T::add(T::add(T::upperHalf(a0, t0), T::upperHalf(a1, t1)),
-                             T::add(T::upperHalf(a2, t2), T::upperHalf(a3, t3))),
-                      center);
     }
     CV_ALWAYS_INLINE V ofRow(const uchar* p) const
     {
-        V middle, pair1, pair2, pair3;
-        T::loadRow(p, middle, pair1, pair2, pair3);
-        return sum(middle, pair1, pair2, pair3);
+        V center, pair1, pair2, pair3;
+        T::loadRow(p, center, pair1, pair2, pair3);
+        return T::template weighted<10>(center, pair1, pair2, pair3, t0, t1, t2, t3);
     }
-    V t0, t1, t2, t3, center;
+    CV_ALWAYS_INLINE V ofColumn(const V& center, const V& mean1, const V& mean2, const V& mean3) const
+    {
+        return T::template weighted<16>(center, mean1, mean2, mean3, t0, t1, t2, t3);
+    }
+    V t0, t1, t2, t3;
 };
 
 // Blurs a column of lanes from top to bottom, so that the seven rows it needs stay in registers.
@@ -216,7 +281,7 @@ CV_ALWAYS_INLINE void blurColumn(const uchar* p, ptrdiff_t step, int height, con
     for (int y = 0; y < height; y++, p += step, out += outStep)
     {
         const V r6 = row.ofRow(p);
-        T::store(out, column.sum(r3, T::average(r4, r2), T::average(r5, r1), T::average(r6, r0)));
+        T::store(out, column.ofColumn(r3, T::average(r4, r2), T::average(r5, r1), T::average(r6, r0)));
         r0 = r1, r1 = r2, r2 = r3, r3 = r4, r4 = r5, r5 = r6;
     }
 }

@@ -20,29 +20,46 @@ namespace stages
 namespace
 {
 
-int partCorners(const CornerBlock* first, int cornerCount, const ScorePlane& plane, Corner* kept,
-                Corner* suppressed)
+int writeKeptCorners(const CornerBlock* first, int cornerCount, const ScorePlane& plane, Corner* kept)
 {
     const uchar* scores = plane.row(first->y);
-    CV_CPU_DISPATCH(writeParted, (first, cornerCount, scores, plane.step(), kept, suppressed),
-                    CV_CPU_DISPATCH_MODES_ALL);
+    CV_CPU_DISPATCH(writeKept, (first, cornerCount, scores, plane.step(), kept), CV_CPU_DISPATCH_MODES_ALL);
+}
+
+// Appends the corners of the first blocks but those that are kept, which are in raster order.
+void appendOthers(const CornerBlocks& blocks, int blockCount, const ScorePlane& plane, const Corner* kept,
+                  const Corner* keptEnd, std::vector<Corner>& others)
+{
+    for (int i = 0; i < blockCount; i++)
+    {
+        const CornerBlock& block = blocks.storage[i];
+        const uchar* scores = plane.row(block.y);
+        for (uint64 columns = block.columns; columns; columns &= columns - 1)
+        {
+            const int x = block.x + trailingZeros(columns);
+            const Corner corner = {x, block.y, scores[x] - 1};
+            if (kept != keptEnd && kept->x == x && kept->y == block.y)
+                kept++;
+            else
+                others.push_back(corner);
+        }
+    }
 }
 
 // Appends the corners of the first blocks: those that have no better one nearby, and the others.
-void appendCorners(const CornerBlocks& blocks, int cornerCount, const ScorePlane& plane, KeptCount& count,
-                   FoundCorners& found, std::vector<Corner>& scratch)
+void appendCorners(const CornerBlocks& blocks, int blockCount, int cornerCount, const ScorePlane& plane,
+                   KeptCount& count, FoundCorners& found, std::vector<Corner>& scratch)
 {
     if (cornerCount == 0)
         return;
-    // The kernel writes every corner to both ends before it knows whether it is kept.
-    const size_t space = size_t(cornerCount) + 1;
-    if (scratch.size() < 2 * space)
-        scratch.resize(2 * space);
-    Corner *const kept = scratch.data(), *const suppressed = kept + space;
-    const int keptCount = partCorners(blocks.storage.data(), cornerCount, plane, kept, suppressed);
+    // The kernel writes every corner before it knows whether it is kept.
+    if (scratch.size() < size_t(cornerCount) + 1)
+        scratch.resize(size_t(cornerCount) + 1);
+    Corner* const kept = scratch.data();
+    const int keptCount = writeKeptCorners(blocks.storage.data(), cornerCount, plane, kept);
     found.kept.insert(found.kept.end(), kept, kept + keptCount);
     if (count.isShort())
-        found.suppressed.insert(found.suppressed.end(), suppressed, suppressed + (cornerCount - keptCount));
+        appendOthers(blocks, blockCount, plane, kept, kept + keptCount, found.suppressed);
     count.add(size_t(keptCount));
 }
 
@@ -75,8 +92,8 @@ void FoundCorners::append(const FoundCorners& next)
 
 void Seam::list(KeptCount& count, FoundCorners& found, std::vector<Corner>& scratch) const
 {
-    appendCorners(above, above.cornerCount, plane, count, found, scratch);
-    appendCorners(below, below.cornerCount, plane, count, found, scratch);
+    appendCorners(above, above.count, above.cornerCount, plane, count, found, scratch);
+    appendCorners(below, below.count, below.cornerCount, plane, count, found, scratch);
 }
 
 // Takes the corners of the rows before `end`. Three more rows must have scores, or there are none.
@@ -85,7 +102,7 @@ void BandSearch::take(int end, KeptCount& count, FoundCorners& found)
     int taken = blocks.count, left = 0;  // corners that are not taken yet
     while (taken > 0 && blocks.storage[taken - 1].y >= end)
         left += countCorners(blocks.storage[--taken]);
-    appendCorners(blocks, blocks.cornerCount - left, plane, count, found, scratch);
+    appendCorners(blocks, taken, blocks.cornerCount - left, plane, count, found, scratch);
     removeFirst(taken, left);
 }
 

@@ -14,13 +14,12 @@ namespace stages
 {
 CV_CPU_OPTIMIZATION_NAMESPACE_BEGIN
 
-/** Writes the corners that have no better one within SUPPRESS_RADIUS, and apart from them the others.
+/** Writes the corners that have no better one within SUPPRESS_RADIUS.
  @param blocks those of the corners, and two more that are readable
  @param scores the scores of the row of the first block, by column, as in ScorePlane
- @param kept, suppressed have space for all corners and one more
+ @param kept has space for all corners and one more
  @return number of corners kept */
-int writeParted(const CornerBlock* blocks, int cornerCount, const uchar* scores, ptrdiff_t step, Corner* kept,
-                Corner* suppressed);
+int writeKept(const CornerBlock* blocks, int cornerCount, const uchar* scores, ptrdiff_t step, Corner* kept);
 
 #ifndef CV_CPU_OPTIMIZATION_DECLARATIONS_ONLY
 
@@ -63,8 +62,7 @@ CV_ALWAYS_INLINE bool isSuppressed(const uchar* p, ptrdiff_t step)
 
 }  // namespace
 
-int writeParted(const CornerBlock* blocks, int cornerCount, const uchar* scores, ptrdiff_t step, Corner* kept,
-                Corner* suppressed)
+int writeKept(const CornerBlock* blocks, int cornerCount, const uchar* scores, ptrdiff_t step, Corner* kept)
 {
     const int top = blocks->y;
     uint64 columns = blocks[0].columns, next = blocks[1].columns;
@@ -75,10 +73,8 @@ int writeParted(const CornerBlock* blocks, int cornerCount, const uchar* scores,
         const int x = blocks->x + trailingZeros(columns), y = blocks->y;
         const uchar* p = scores + (y - top) * step + x;
         const Corner corner = {x, y, *p - 1};
-        *out = *suppressed = corner;
-        const bool loses = isSuppressed(p, step);
-        out += !loses;
-        suppressed += loses;
+        *out = corner;
+        out += !isSuppressed(p, step);
         columns &= columns - 1;
         const bool wasLast = columns == 0;
         columns |= next & (uint64(0) - wasLast);

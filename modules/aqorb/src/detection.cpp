@@ -81,8 +81,13 @@ void LevelDetection::orderByRank(const OrderRule& rule, DetectionScratch& scratc
 {
     CV_TRACE_FUNCTION();
     depth = rule.depth;
-    // A tree of one leaf leaves the choice to the response.
     responses.clear();
+    if (found.kept.size() <= size_t(rule.rank.quota))
+    {
+        respond(found.kept, scratch.ranked);
+        return ranked.beginUnranked(*this, scratch.ranked);
+    }
+    // A tree of one leaf leaves the choice to the response.
     if (depth == 0)
         respond(found.kept, responses);
     ranked.begin(depth, *this, scratch.ranking);
@@ -120,15 +125,14 @@ void LevelDetection::orderByRank(const OrderRule& rule, DetectionScratch& scratc
 // is long has a well-defined direction, and is found again with the same direction.
 void LevelDetection::findStrengths(DetectionScratch& scratch)
 {
-    std::vector<LeafPoint>& best = ranked.representatives();
+    const std::vector<unsigned>& best = ranked.representatives();
     scratch.corners.resize(best.size());
     scratch.patches.resize(best.size());
     scratch.moments.resize(best.size());
     for (size_t i = 0; i < best.size(); i++)
     {
-        const Corner& corner = found.kept[best[i].index];
+        const Corner& corner = scratch.corners[i] = found.kept[best[i]];
         const FeaturePoint patch = {corner.x, corner.y, 0};
-        scratch.corners[i] = corner;
         scratch.patches[i] = patch;
     }
     patchMoments(level->image, *rules.strengthPatch, scratch.patches.data(), best.size(),
@@ -136,12 +140,13 @@ void LevelDetection::findStrengths(DetectionScratch& scratch)
     respond(scratch.corners, scratch.ranked);
     for (size_t i = 0; i < best.size(); i++)
     {
-        const float fast = best[i].response * best[i].response, response = scratch.ranked[i].response;
+        const float score = float(scratch.corners[i].score), fast = score * score;
+        const float response = scratch.ranked[i].response;
         const float harris = rules.rankByHarris ? std::max(response, 0.f) : 1.f;
         const int64 m10 = scratch.moments[i].m10, m01 = scratch.moments[i].m01;
         const float moment = float(uint64(m10 * m10) + uint64(m01 * m01)) * (1.f / 4294967296.f);
         ranked.strength(i) = (fast * fast * harris) * (moment * moment);
-        best[i].response = response;
+        ranked.response(i) = response;
     }
 }
 

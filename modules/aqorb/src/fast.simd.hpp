@@ -65,6 +65,7 @@ struct Single
     static CV_ALWAYS_INLINE V all(int value) { return value; }
     static CV_ALWAYS_INLINE V above(V a, V b) { return a > b ? a - b : 0; }
     static CV_ALWAYS_INLINE uint64 maskGreater(V a, V b) { return a > b; }
+    static CV_ALWAYS_INLINE bool anyGreater(V a, V b) { return a > b; }
     static CV_ALWAYS_INLINE uint64 storeGreater(uchar* p, V a, V b)
     {
         *p = uchar(a > b ? a : 0);
@@ -83,6 +84,14 @@ template <typename Vector> struct Lanes
     // The difference where it is positive, else 0.
     static CV_ALWAYS_INLINE V above(const V& a, const V& b) { return v_sub(a, b); }
     static CV_ALWAYS_INLINE uint64 maskGreater(const V& a, const V& b) { return signBits(v_gt(a, b)); }
+    static CV_ALWAYS_INLINE bool anyGreater(const V& a, const V& b)
+    {
+#if CV_NEON
+        return anyBit(v_gt(a, b));  // on NEON it takes long to collect a bit of each lane
+#else
+        return maskGreater(a, b) != 0;
+#endif
+    }
     // Stores a where it is greater than b, else 0. Returns the lanes in which it is greater.
     static CV_ALWAYS_INLINE uint64 storeGreater(uchar* p, const V& a, const V& b)
     {
@@ -91,9 +100,18 @@ template <typename Vector> struct Lanes
     }
     // The same as Greatest::of, for processors that have free units for other instructions: by other instructions,
     // and for a pair of which the lesser one is known. The latter differs for the ends of arcs, see bestArc.
-    static CV_ALWAYS_INLINE V greatestOtherwise(const V& a, const V& b) { return v_max(a, b); }
-    static CV_ALWAYS_INLINE V greaterThan(const V&, const V& a, const V& b) { return v_max(a, b); }
-    static CV_ALWAYS_INLINE V greaterEnd(const V&, const V& a, const V& b) { return v_max(a, b); }
+    static CV_ALWAYS_INLINE V greatestOtherwise(const V& a, const V& b)
+    {
+        return v_max(a, b);
+    }
+    static CV_ALWAYS_INLINE V greaterThan(const V&, const V& a, const V& b)
+    {
+        return v_max(a, b);
+    }
+    static CV_ALWAYS_INLINE V greaterEnd(const V&, const V& a, const V& b)
+    {
+        return v_max(a, b);
+    }
 };
 // The widest vectors, and narrow ones for images into which these do not fit.
 struct Wide : Lanes<v_uint8>
@@ -106,6 +124,10 @@ struct Wide : Lanes<v_uint8>
     static CV_ALWAYS_INLINE uint64 maskGreater(const V& a, const V& b)
     {
         return _mm512_cmpgt_epu8_mask(a.val, b.val);
+    }
+    static CV_ALWAYS_INLINE bool anyGreater(const V& a, const V& b)
+    {
+        return maskGreater(a, b) != 0;
     }
     static CV_ALWAYS_INLINE uint64 storeGreater(uchar* p, const V& a, const V& b)
     {
@@ -321,7 +343,7 @@ template <typename Vectors> int scoreRow(const FastScan& scan, int y)
         const V bright = Least::of(Greatest::of(up, down), Greatest::of(left, right));
         const V dark = Greatest::of(Least::of(up, down), Least::of(left, right));
         const V bound = Greatest::of(Vectors::above(bright, v), Vectors::above(v, dark));
-        possible += Vectors::maskGreater(bound, limit) != 0;
+        possible += Vectors::anyGreater(bound, limit);
     }
     for (int i = 0; i < possible; i++)
     {

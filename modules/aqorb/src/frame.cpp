@@ -395,14 +395,12 @@ void Frame::output(std::vector<KeyPoint>& keypoints, Mat& descriptors) const
 {
     CV_TRACE_FUNCTION();
     keypoints.resize(count());
-    std::vector<uint64>& places = workspace.places;
     int next = 0;
     for (int level = 0; level < workspace.levelCount; level++)
     {
         const FeatureBatch& first = levels[level].batches[0];
         const FeatureBatch& second = levels[level].batches[1];
         // The number of each feature in raster order tells apart those that the order does not.
-        places.clear();
         std::vector<unsigned>& rasterOrder = workspace.rasterOrder;
         rasterOrder.clear();
         const unsigned inFirst = unsigned(first.points.size()),
@@ -413,16 +411,17 @@ void Frame::output(std::vector<KeyPoint>& keypoints, Mat& descriptors) const
                 j == count || (i < inFirst && InRasterOrder()(first.points[i], second.points[j - inFirst]));
             rasterOrder.push_back(isFirst ? i++ : j++);
         }
+        std::vector<uint64>& numbers = workspace.numbers;
+        numbers.resize(count);
         for (unsigned i = 0; i < count; i++)
         {
             const unsigned index = rasterOrder[i];
-            places.push_back(
-                uint64(index < inFirst ? first.order[index] : second.order[index - inFirst]) << 32 | i);
+            numbers[i] = index < inFirst ? first.order[index] : second.order[index - inFirst];
         }
-        std::sort(places.begin(), places.end());
+        sortIndices(numbers, workspace.sorting, workspace.places);
         for (unsigned i = 0; i < count; i++, next++)
         {
-            const unsigned place = rasterOrder[unsigned(places[i])];
+            const unsigned place = rasterOrder[workspace.places[i]];
             const FeatureBatch& batch = place < inFirst ? first : second;
             const size_t index = place < inFirst ? place : place - inFirst;
             keypoints[next] = batch.keypoints[index];

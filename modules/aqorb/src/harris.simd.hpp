@@ -141,9 +141,9 @@ void sumBlocks(const uchar* const* centers, ptrdiff_t step, BlockSums* sums)
         const v_int16 Ix =
             v_add(v_add(above.difference, below.difference), v_add(rows.difference, rows.difference));
         const v_int16 Iy = v_sub(below.smooth, above.smooth);
-        xx = v_add(xx, v_dotprod(Ix, Ix));
-        yy = v_add(yy, v_dotprod(Iy, Iy));
-        xy = v_add(xy, v_dotprod(Ix, Iy));
+        xx = v_dotprod_fast(Ix, Ix, xx);
+        yy = v_dotprod_fast(Iy, Iy, yy);
+        xy = v_dotprod_fast(Ix, Iy, xy);
         above = rows;
         rows = below;
     }

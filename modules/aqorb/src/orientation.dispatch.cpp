@@ -99,8 +99,8 @@ OrientationPatch::OrientationPatch(const std::vector<int>& halfWidths_, int rowS
         for (int x = 0; x < weights->width; x++)
         {
             const bool inPatch = std::abs(x - radius) <= halfWidths[v];
-            weights->u[v][x] = short(inPatch ? x - radius : 0);
-            weights->v[v][x] = short(inPatch ? v : 0);
+            weights->u[v][x] = schar(inPatch ? x - radius : 0);
+            weights->v[v][x] = schar(inPatch ? v : 0);
         }
     }
 }

@@ -68,7 +68,7 @@ struct PatchWeights
     };
     int radius, rowStep;
     int width;  //!< of the patch, filled up with zeros to whole vectors
-    short u[MAX_RADIUS + 1][MAX_WIDTH], v[MAX_RADIUS + 1][MAX_WIDTH];  //!< [|v|][u + radius]
+    schar u[MAX_RADIUS + 1][MAX_WIDTH], v[MAX_RADIUS + 1][MAX_WIDTH];  //!< [|v|][u + radius]
 };
 
 }  // namespace stages

@@ -8,6 +8,9 @@
 
 #include "types.hpp"
 
+#include <climits>
+#include <limits>
+
 namespace cv
 {
 namespace aqorb
@@ -37,6 +40,8 @@ class PointSequence
 {
 public:
     virtual ~PointSequence() {}
+    //! Announces that at most so many points are taken. Where that is all there are, their order does not matter.
+    virtual void willTake(size_t) {}
     //! The next point; false if there is none. Points that the filter rejects are passed over. The filter must always
     //! give the same answer for a point.
     virtual bool next(LeafPoint& point, const PointFilter* filter = 0) = 0;
@@ -48,6 +53,15 @@ inline int orderOf(float response)
     Cv32suf bits;
     bits.f = response + 0.f;  // makes -0 equal to 0
     return response == response ? bits.i ^ ((bits.i >> 31) & INT_MAX) : INT_MIN + 1;
+}
+//! The response, but a NaN for any NaN, and 0 for -0.
+inline float responseOf(int order)
+{
+    if (order == INT_MIN + 1)
+        return std::numeric_limits<float>::quiet_NaN();
+    Cv32suf bits;
+    bits.i = order ^ ((order >> 31) & INT_MAX);
+    return bits.f;
 }
 //! The same as an unsigned number: never 0.
 inline unsigned unsignedOrderOf(float response)

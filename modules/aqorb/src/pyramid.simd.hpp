@@ -20,10 +20,61 @@ bool resizeRows(const Resize& resize, int begin, int end);
 
 #ifndef CV_CPU_OPTIMIZATION_DECLARATIONS_ONLY
 
-#if CV_AVX2
+#if CV_SSSE3 || CV_NEON
 
 namespace
 {
+
+#if CV_NEON
+
+const int LANES = 8;
+
+// The bytes of an index, each followed by a zero.
+CV_ALWAYS_INLINE uint16x8_t pick(const uint8x16_t& bytes, const schar* index)
+{
+    const uint8x16_t at = vreinterpretq_u8_s8(vld1q_s8(index));
+#if defined(__aarch64__) || defined(_M_ARM64)
+    return vreinterpretq_u16_u8(vqtbl1q_u8(bytes, at));
+#else
+    const uint8x8x2_t halves = {{vget_low_u8(bytes), vget_high_u8(bytes)}};
+    return vmovl_u8(vtbl2_u8(halves, vmovn_u16(vreinterpretq_u16_u8(at))));
+#endif
+}
+
+// The horizontal pass. Its pixels are in 1/256, as unsigned 16-bit numbers.
+CV_ALWAYS_INLINE void resizeGroup(const uchar* source, const ResizeBlock& block, int group, short* out)
+{
+    const uint8x16_t bytes = vld1q_u8(source + block.base[group]);
+    const uint16x8_t a = pick(bytes, block.a[group]), b = pick(bytes, block.b[group]);
+    const int16x8_t weight = vld1q_s16(block.weight + group * ResizeBlock::GROUP);
+    const int16x8_t difference = vreinterpretq_s16_u16(vsubq_u16(b, a));
+    vst1q_s16(out, vmlaq_s16(vreinterpretq_s16_u16(vshlq_n_u16(a, 8)), difference, weight));
+}
+
+// The vertical pass.
+class Blend
+{
+public:
+    explicit Blend(int weight)
+        : upperWeight(vdup_n_u16(ushort(256 - weight))), lowerWeight(vdup_n_u16(ushort(weight)))
+    {
+    }
+    CV_ALWAYS_INLINE void store(const short* upper, const short* lower, uchar* out) const
+    {
+        const uint16x8_t u = vreinterpretq_u16_s16(vld1q_s16(upper)),
+                         l = vreinterpretq_u16_s16(vld1q_s16(lower));
+        const uint32x4_t first =
+            vmlal_u16(vmull_u16(vget_low_u16(u), upperWeight), vget_low_u16(l), lowerWeight);
+        const uint32x4_t second =
+            vmlal_u16(vmull_u16(vget_high_u16(u), upperWeight), vget_high_u16(l), lowerWeight);
+        vst1_u8(out, vmovn_u16(vcombine_u16(vrshrn_n_u32(first, 16), vrshrn_n_u32(second, 16))));
+    }
+
+private:
+    uint16x4_t upperWeight, lowerWeight;
+};
+
+#else
 
 #if CV_AVX512_SKX
 #define AQORB_WIDE(name) _mm512_##name
@@ -36,7 +87,7 @@ CV_ALWAYS_INLINE void store(void* p, Wide a)
 {
     _mm512_storeu_si512(p, a);
 }
-#else
+#elif CV_AVX2
 #define AQORB_WIDE(name) _mm256_##name
 typedef __m256i Wide;
 CV_ALWAYS_INLINE Wide load(const void* p)
@@ -47,6 +98,17 @@ CV_ALWAYS_INLINE void store(void* p, Wide a)
 {
     _mm256_storeu_si256(static_cast<__m256i*>(p), a);
 }
+#else
+#define AQORB_WIDE(name) _mm_##name
+typedef __m128i Wide;
+CV_ALWAYS_INLINE Wide load(const void* p)
+{
+    return _mm_loadu_si128(static_cast<const __m128i*>(p));
+}
+CV_ALWAYS_INLINE void store(void* p, Wide a)
+{
+    _mm_storeu_si128(static_cast<__m128i*>(p), a);
+}
 #endif
 const int LANES = int(sizeof(Wide) / sizeof(short));
 
@@ -56,13 +118,31 @@ CV_ALWAYS_INLINE Wide loadGroups(const uchar* source, const int* base)
     __m128i groups[sizeof(Wide) / sizeof(__m128i)];
     for (size_t i = 0; i < sizeof(Wide) / sizeof(__m128i); i++)
         groups[i] = _mm_loadu_si128(reinterpret_cast<const __m128i*>(source + base[i]));
+#if CV_AVX2
     const __m256i low = _mm256_inserti128_si256(_mm256_castsi128_si256(groups[0]), groups[1], 1);
+#endif
 #if CV_AVX512_SKX
     const __m256i high = _mm256_inserti128_si256(_mm256_castsi128_si256(groups[2]), groups[3], 1);
     return _mm512_inserti64x4(_mm512_castsi256_si512(low), high, 1);
-#else
+#elif CV_AVX2
     return low;
+#else
+    return groups[0];
 #endif
+}
+
+// The horizontal pass, for as many groups as the vector holds. Its pixels are in 1/256, less 2^15 so that they fit into
+// signed 16-bit numbers, and plus the 2^7 by which the second pass rounds.
+CV_ALWAYS_INLINE void resizeGroup(const uchar* source, const ResizeBlock& block, int group, short* out)
+{
+    const Wide bias = AQORB_WIDE(set1_epi16)(short(128 - 32768));
+    const Wide pixels = loadGroups(source, block.base + group);
+    const Wide a = AQORB_WIDE(shuffle_epi8)(pixels, load(block.a[group]));
+    const Wide b = AQORB_WIDE(shuffle_epi8)(pixels, load(block.b[group]));
+    const Wide weight = load(block.weight + group * ResizeBlock::GROUP);
+    const Wide part = AQORB_WIDE(mullo_epi16)(AQORB_WIDE(sub_epi16)(b, a), weight);
+    const Wide whole = AQORB_WIDE(add_epi16)(AQORB_WIDE(slli_epi16)(a, 8), bias);
+    store(out, AQORB_WIDE(add_epi16)(whole, part));
 }
 
 // Stores signed 16-bit numbers as bytes: saturated to 8 bits, then offset to unsigned ones.
@@ -72,58 +152,60 @@ CV_ALWAYS_INLINE void storeBytes(uchar* p, Wide a)
 #if CV_AVX512_SKX
     const __m512i inOrder = _mm512_permutexvar_epi64(_mm512_setr_epi64(0, 2, 4, 6, 0, 2, 4, 6), bytes);
     _mm256_storeu_si256(reinterpret_cast<__m256i*>(p), _mm512_castsi512_si256(inOrder));
-#else
+#elif CV_AVX2
     const __m256i inOrder = _mm256_permute4x64_epi64(bytes, 0x08);
     _mm_storeu_si128(reinterpret_cast<__m128i*>(p), _mm256_castsi256_si128(inOrder));
+#else
+    _mm_storel_epi64(reinterpret_cast<__m128i*>(p), bytes);
 #endif
 }
 
-// The horizontal pass. Its pixels are in 1/256, less 2^15 so that they fit into signed 16-bit numbers, and plus the
-// 2^7 by which the second pass rounds.
+// The vertical pass.
+class Blend
+{
+public:
+    explicit Blend(int lowerWeight)
+        : weights(AQORB_WIDE(set1_epi32)((lowerWeight << 16) | (256 - lowerWeight)))
+    {
+    }
+    CV_ALWAYS_INLINE void store(const short* upper, const short* lower, uchar* out) const
+    {
+        const Wide u = load(upper), l = load(lower);
+        const Wide first = AQORB_WIDE(madd_epi16)(AQORB_WIDE(unpacklo_epi16)(u, l), weights);
+        const Wide second = AQORB_WIDE(madd_epi16)(AQORB_WIDE(unpackhi_epi16)(u, l), weights);
+        storeBytes(out, AQORB_WIDE(packs_epi32)(AQORB_WIDE(srai_epi32)(first, 16),
+                                                AQORB_WIDE(srai_epi32)(second, 16)));
+    }
+
+private:
+    Wide weights;
+};
+#undef AQORB_WIDE
+
+#endif
+
 void resizeRow(const uchar* source, const ResizeBlock* blocks, int count, short* out)
 {
-    const Wide bias = AQORB_WIDE(set1_epi16)(short(128 - 32768));
     const int GROUPS = LANES / ResizeBlock::GROUP;
     for (int i = 0; i < count; i++)
-    {
-        const ResizeBlock& block = blocks[i];
         for (int group = 0; group < ResizeBlock::GROUPS; group += GROUPS, out += LANES)
-        {
-            const Wide pixels = loadGroups(source, block.base + group);
-            const Wide a = AQORB_WIDE(shuffle_epi8)(pixels, load(block.a[group]));
-            const Wide b = AQORB_WIDE(shuffle_epi8)(pixels, load(block.b[group]));
-            const Wide weight = load(block.weight + group * ResizeBlock::GROUP);
-            const Wide part = AQORB_WIDE(mullo_epi16)(AQORB_WIDE(sub_epi16)(b, a), weight);
-            const Wide whole = AQORB_WIDE(add_epi16)(AQORB_WIDE(slli_epi16)(a, 8), bias);
-            store(out, AQORB_WIDE(add_epi16)(whole, part));
-        }
-    }
-}
-
-// The vertical pass: pixels between two rows, less 128, as signed 16-bit numbers.
-CV_ALWAYS_INLINE Wide between(const short* upper, const short* lower, Wide weights)
-{
-    const Wide u = load(upper), l = load(lower);
-    const Wide first = AQORB_WIDE(madd_epi16)(AQORB_WIDE(unpacklo_epi16)(u, l), weights);
-    const Wide second = AQORB_WIDE(madd_epi16)(AQORB_WIDE(unpackhi_epi16)(u, l), weights);
-    return AQORB_WIDE(packs_epi32)(AQORB_WIDE(srai_epi32)(first, 16), AQORB_WIDE(srai_epi32)(second, 16));
+            resizeGroup(source, blocks[i], group, out);
 }
 
 void blendRows(const short* upper, const short* lower, int lowerWeight, int width, uchar* out)
 {
-    const Wide weights = AQORB_WIDE(set1_epi32)((lowerWeight << 16) | (256 - lowerWeight));
+    const Blend blend(lowerWeight);
     int x = 0;
     for (; x + LANES <= width; x += LANES)
-        storeBytes(out + x, between(upper + x, lower + x, weights));
+        blend.store(upper + x, lower + x, out + x);
     if (x < width)
     {
         uchar last[LANES];
-        storeBytes(last, between(upper + x, lower + x, weights));
+        blend.store(upper + x, lower + x, last);
         for (int i = x; i < width; i++)
             out[i] = last[i - x];
     }
 }
-#undef AQORB_WIDE
 
 }  // namespace
 

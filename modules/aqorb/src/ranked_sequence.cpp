@@ -30,16 +30,6 @@ struct StrongerInLeaf
     }
 };
 
-// Of equally strong representatives the one of lower index has the greater key.
-uint64 keyOf(float strength, size_t index)
-{
-    return uint64(unsignedOrderOf(strength)) << 32 | unsigned(~index);
-}
-unsigned indexOf(uint64 key)
-{
-    return ~unsigned(key);
-}
-
 }  // namespace
 
 void PointList::sort()
@@ -53,12 +43,27 @@ void RankedSequence::begin(int depth_, const PointSource& points, RankedScratch&
     depth = depth_;
     source = &points;
     scratch = &scratch_;
-    given = sorted = 0;
+    given = 0;
     hasOthers = false;
     others.clear();
     const size_t stride = (size_t(1) << depth) + 2;
     scratch->grid.assign(stride * stride, INT_MIN);
     scratch->best.resize(scratch->grid.size());
+}
+
+void RankedSequence::beginUnranked(const PointSource& points, const std::vector<RankedCorner>& responses)
+{
+    source = &points;
+    scratch = 0;
+    given = 0;
+    hasOthers = true;
+    others.clear();
+    entries.resize(responses.size());
+    for (size_t i = 0; i < responses.size(); i++)
+    {
+        entries[i].point = unsigned(i);
+        entries[i].response = responses[i].response;
+    }
 }
 
 void RankedSequence::addAll()
@@ -75,49 +80,27 @@ void RankedSequence::findRepresentatives()
 {
     CV_TRACE_FUNCTION();
     const int side = 1 << depth;
-    std::vector<unsigned>& leaves = scratch->leaves;
-    representativeLeaves(scratch->grid, side, scratch->flags, leaves);
-    chosen.resize(leaves.size());
-    scratch->strengths.resize(leaves.size());
-    for (size_t i = 0; i < leaves.size(); i++)
+    representativeLeaves(scratch->grid, side, scratch->flags, scratch->leaves);
+    const size_t size = scratch->leaves.size();
+    scratch->points.resize(size);
+    scratch->strengths.resize(size);
+    for (size_t i = 0; i < size; i++)
     {
-        const int column = int(leaves[i]) & (side - 1), row = int(leaves[i] >> depth);
+        const int column = int(scratch->leaves[i]) & (side - 1), row = int(scratch->leaves[i] >> depth);
         const unsigned leaf = leafColumn(column) + leafRow(row, depth);
-        chosen[i] = source->point(scratch->best[leaf]);
-        chosen[i].leaf = leaf;
-        scratch->strengths[i] = chosen[i].response;
+        scratch->points[i] = scratch->best[leaf];
+        scratch->strengths[i] = responseOf(scratch->grid[leaf]);
     }
+    scratch->responses = scratch->strengths;
 }
 
-// Sorts by counting, one byte after the other, because comparisons would be hard to predict.
 void RankedSequence::sortByStrength()
 {
-    const size_t size = chosen.size();
-    std::vector<uint64>&byStrength = scratch->byStrength, &resorted = scratch->resorted;
-    byStrength.resize(size);
-    resorted.resize(size);
-    for (size_t i = 0; i < size; i++)
-        byStrength[i] = keyOf(scratch->strengths[i], i);
-    const int DIGITS = 4;
-    unsigned starts[DIGITS][256] = {{0}};
-    for (size_t i = 0; i < size; i++)
-    {
-        for (int digit = 0; digit < DIGITS; digit++)
-            starts[digit][byStrength[i] >> (32 + 8 * digit) & 255]++;
-    }
-    for (int digit = 0; digit < DIGITS; digit++)
-    {
-        unsigned begin = 0;
-        for (int value = 255; value >= 0; value--)
-        {
-            const unsigned ofValue = starts[digit][value];
-            starts[digit][value] = begin;
-            begin += ofValue;
-        }
-        for (size_t i = 0; i < size; i++)
-            resorted[starts[digit][byStrength[i] >> (32 + 8 * digit) & 255]++] = byStrength[i];
-        byStrength.swap(resorted);
-    }
+    std::vector<uint64>& numbers = scratch->numbers;
+    numbers.resize(scratch->strengths.size());
+    for (size_t i = 0; i < numbers.size(); i++)
+        numbers[i] = ~unsignedOrderOf(scratch->strengths[i]);
+    sortIndices(numbers, scratch->sorting, scratch->byStrength);
 }
 
 // By row and column: how many leaves before the column are usable. Leaves of representatives are.
@@ -143,13 +126,13 @@ void RankedSequence::rank(const RankRule& rule, int power, const std::vector<uch
 {
     CV_TRACE_FUNCTION();
     const int side = 1 << depth;
-    const size_t size = chosen.size();
+    const size_t size = scratch->points.size();
     const LeafDisc& disc = scratch->disc;
     sortByStrength();
     std::vector<unsigned>& ranked = scratch->ranked;
     ranked.resize(size);
     for (size_t i = 0; i < size; i++)
-        ranked[i] = scratch->leaves[indexOf(scratch->byStrength[i])];
+        ranked[i] = scratch->leaves[scratch->byStrength[i]];
     countUsable(usable);
 
     Size region = rule.size;
@@ -172,32 +155,40 @@ void RankedSequence::rank(const RankRule& rule, int power, const std::vector<uch
     for (int i = 0; i < SHARED_RANKS; i++)
         shared[i] = rankKey(i, disc.total);
 
+    // The numbers order keys as the keys themselves do. Strengths of 0 or infinity lie far outside of the range of others.
+    const int64 LAST = int64(1) << 61;
+    const auto numberOf = [](int64 key) { return uint64(key) ^ uint64(1) << 63; };
+    uint64 least = numberOf(LAST), greatest = numberOf(-LAST);
     const int reach = int(disc.halfWidths.size()) - 1;
-    entries.resize(size);
+    scratch->inside.clear();
+    scratch->numbers.resize(size);
     for (size_t i = 0; i < size; i++)
     {
         const int column = int(ranked[i]) & (side - 1), row = int(ranked[i] >> depth);
-        Entry& entry = entries[i];
-        entry.place = unsigned(i);
-        entry.index = indexOf(scratch->byStrength[i]);
         const bool isWhole = usable.empty() && column >= disc.widest && column < side - disc.widest &&
                              row >= reach && row < side - reach;
-        entry.key = isWhole && ranks[i] < SHARED_RANKS
+        int64 key = isWhole && ranks[i] < SHARED_RANKS
                         ? shared[ranks[i]]
-                        : rankKey(ranks[i], isWhole ? disc.total : leavesInside(column, row));
+                        : rankKey(ranks[i], isWhole ? disc.total : leavesInsideAsBefore(column, row));
+        const float strength = scratch->strengths[scratch->byStrength[i]];
+        const bool isOrdinary = exponent == 0 || (strength > 0 && !cvIsInf(strength));
         if (exponent > 0)
+            key += isOrdinary ? -exponent * logarithm(strength) : strength > 0 ? -LAST : LAST;
+        const uint64 number = scratch->numbers[i] = numberOf(key);
+        if (isOrdinary)
         {
-            const float strength = scratch->strengths[entry.index];
-            const int64 LAST = int64(1) << 61;
-            if (!(strength > 0))
-                entry.key += LAST;
-            else if (cvIsInf(strength))
-                entry.key -= LAST;
-            else
-                entry.key -= exponent * logarithm(strength);
+            least = std::min(least, number);
+            greatest = std::max(greatest, number);
         }
     }
-    firstSorted = size_t(rule.quota) + size_t(rule.quota) / 4 + 16;
+    sortIndices(scratch->numbers, std::min(least, greatest), greatest, scratch->sorting, scratch->sorted);
+    entries.resize(size);
+    for (size_t i = 0; i < size; i++)
+    {
+        const unsigned index = scratch->byStrength[scratch->sorted[i]];
+        entries[i].point = scratch->points[index];
+        entries[i].response = scratch->responses[index];
+    }
     scratch = 0;
 }
 
@@ -223,27 +214,49 @@ int RankedSequence::leavesInside(int column, int row) const
     return inside;
 }
 
-void RankedSequence::sortMore()
+// The same, remembered by the distances to the borders of the region, on which alone it depends where all leaves are
+// usable.
+int RankedSequence::leavesInsideAsBefore(int column, int row) const
 {
-    const size_t more = std::min(std::max(sorted, firstSorted), entries.size() - sorted);
-    const std::vector<Entry>::iterator begin = entries.begin() + sorted;
-    std::nth_element(begin, begin + (more - 1), entries.end());
-    std::sort(begin, begin + more);
-    sorted += more;
+    const LeafDisc& disc = scratch->disc;
+    const int side = 1 << depth, widest = disc.widest, reach = int(disc.halfWidths.size()) - 1;
+    if (!scratch->usableBefore.empty() || side <= 2 * std::max(widest, reach))
+        return leavesInside(column, row);
+    const int columns = 2 * widest + 1, rows = 2 * reach + 1;
+    if (scratch->inside.empty())
+        scratch->inside.resize(size_t(columns) * rows);
+    const int x = column < widest ? column : std::max(widest, 2 * widest - (side - 1 - column));
+    const int y = row < reach ? row : std::max(reach, 2 * reach - (side - 1 - row));
+    int& inside = scratch->inside[size_t(y) * columns + x];
+    if (inside == 0)
+        inside = leavesInside(column, row);
+    return inside;
 }
 
 void RankedSequence::listOthers()
 {
     hasOthers = true;
-    const size_t stride = (size_t(1) << depth) + 2, count = source->count();
+    const size_t count = source->count();
+    std::vector<uchar> isRepresentative(count, uchar(0));
+    for (size_t i = 0; i < entries.size(); i++)
+        isRepresentative[entries[i].point] = 1;
+    others.clear();
+    if (takesAll)
+    {
+        for (size_t i = 0; i < count; i++)
+        {
+            if (!isRepresentative[i])
+                others.push_back(source->point(i));
+        }
+        return;
+    }
+    const size_t stride = (size_t(1) << depth) + 2;
     std::vector<uchar> isRepresented(stride * stride, uchar(0));
-    for (size_t i = 0; i < chosen.size(); i++)
-        isRepresented[chosen[i].leaf] = 1;
-    others.resize(count);
     for (size_t i = 0; i < count; i++)
     {
-        others[i] = source->point(i);
+        others.push_back(source->point(i));
         others[i].leaf = source->leaf(others[i]);
+        isRepresented[others[i].leaf] |= isRepresentative[i];
     }
     std::sort(others.begin(), others.end(), StrongerInLeaf());
     // They are sorted by their place in their leaf, which takes the place of the leaf's number.
@@ -266,11 +279,11 @@ bool RankedSequence::next(LeafPoint& point, const PointFilter* filter)
 {
     for (;;)
     {
-        if (given < entries.size())
+        const bool isRepresentative = given < entries.size();
+        if (isRepresentative)
         {
-            if (given == sorted)
-                sortMore();
-            point = chosen[entries[given].index];
+            point = source->point(entries[given].point);
+            point.response = entries[given].response;
         }
         else
         {
@@ -280,10 +293,10 @@ bool RankedSequence::next(LeafPoint& point, const PointFilter* filter)
                 return false;
             point = others[given - entries.size()];
         }
-        const bool isOther = given++ >= entries.size();
+        given++;
         if (filter && !filter->accepts(point))
             continue;
-        if (isOther)
+        if (!isRepresentative)
             point.response = source->response(point);
         return true;
     }

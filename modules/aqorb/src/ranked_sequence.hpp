@@ -6,6 +6,7 @@
 #ifndef OPENCV_AQORB_RANKED_SEQUENCE_HPP
 #define OPENCV_AQORB_RANKED_SEQUENCE_HPP
 
+#include "index_sort.hpp"
 #include "point_sequence.hpp"
 #include "quadtree.hpp"
 #include "ranking.hpp"
@@ -83,13 +84,18 @@ struct RankedScratch
     std::vector<int> grid;       // by leaf, with a border: how strong its best point is
     std::vector<unsigned> best;  // by leaf, with a border: that point
     std::vector<uchar> flags;
-    std::vector<float> strengths;              // of the representatives
-    std::vector<uint64> byStrength, resorted;  // keys of the representatives
-    std::vector<unsigned> leaves,
-        ranked;  // of the representatives, in their order and by strength, row by row
-    std::vector<int> ranks, usableBefore;
+    // Of the representatives, in the order of their leaves: leaf, row by row, point and numbers.
+    std::vector<unsigned> leaves, points;
+    std::vector<float> strengths, responses;
+    // Of the representatives, by strength: which one, its leaf and its rank.
+    std::vector<unsigned> byStrength, ranked;
+    std::vector<int> ranks;
+    std::vector<int> usableBefore, inside;
     LeafDisc disc;
     RankingScratch ranking;
+    std::vector<uint64> numbers;  // to sort by
+    std::vector<unsigned> sorted;
+    SortScratch sorting;
 };
 
 /** Gives points in an order that depends on the distances between points and on their strengths, and so hardly on how
@@ -101,9 +107,7 @@ struct RankedScratch
 class RankedSequence : public PointSequence
 {
 public:
-    RankedSequence() : depth(0), source(0), scratch(0), given(0), sorted(0), firstSorted(0), hasOthers(false)
-    {
-    }
+    RankedSequence() : depth(0), source(0), scratch(0), given(0), takesAll(false), hasOthers(false) {}
     //! Starts a sequence in a quadtree of the given depth, at most maxRankedDepth. The points must stay until the last one
     //! was given, the work space until they are ranked.
     void begin(int depth, const PointSource& points, RankedScratch& scratch);
@@ -111,14 +115,19 @@ public:
     void addAll();
     //! Finds the representatives, when all points have been added.
     void findRepresentatives();
-    //! The representatives, in the order of their leaves. They may be given other responses.
-    std::vector<LeafPoint>& representatives() { return chosen; }
-    //! The strength of a representative by which it is ranked; at first it is that of its point.
+    //! The points of the representatives, in the order of their leaves.
+    const std::vector<unsigned>& representatives() const { return scratch->points; }
+    //! The strength of a representative by which it is ranked, and the response with which it is given; at first both are
+    //! the strength of its point.
     float& strength(size_t index) { return scratch->strengths[index]; }
+    float& response(size_t index) { return scratch->responses[index]; }
     /** Ranks the representatives. It must be called once before next.
      @param power of the strength that the strengths of the representatives are: 1 or 4
      @param usable by leaf, row by row: whether points may lie there; empty: everywhere */
     void rank(const RankRule& rule, int power, const std::vector<uchar>& usable);
+    //! Starts a sequence of points that are not ranked, for a caller that takes all of them.
+    void beginUnranked(const PointSource& points, const std::vector<RankedCorner>& responses);
+    void willTake(size_t count) CV_OVERRIDE { takesAll = count >= source->count() - given; }
     bool next(LeafPoint& point, const PointFilter* filter = 0) CV_OVERRIDE;
 
     //! Adds points one by one, which is what addAll does, for a caller that has them at hand.
@@ -144,30 +153,24 @@ public:
     };
 
 private:
-    // A representative in the order of the sequence.
     struct Entry
     {
-        bool operator<(const Entry& other) const
-        {
-            return key != other.key ? key < other.key : place < other.place;
-        }
-        int64 key;
-        unsigned place;  // among the representatives by strength
-        unsigned index;  // of the representative
+        unsigned point;
+        float response;
     };
     void sortByStrength();
     void countUsable(const std::vector<uchar>& usable);
     int leavesInside(int column, int row) const;
-    void sortMore();
+    int leavesInsideAsBefore(int column, int row) const;
     void listOthers();
 
     int depth;
     const PointSource* source;
     RankedScratch* scratch;
-    std::vector<LeafPoint> chosen, others;
-    std::vector<Entry> entries;
-    size_t given, sorted, firstSorted;
-    bool hasOthers;
+    std::vector<Entry> entries;     // the representatives, in their order
+    std::vector<LeafPoint> others;  // the other points, in their order
+    size_t given;
+    bool takesAll, hasOthers;
 };
 
 }  // namespace stages

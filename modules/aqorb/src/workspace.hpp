@@ -60,8 +60,10 @@ struct Workspace
     stages::FeatureSelector selector;
     TaskQueue queue;
     std::vector<WorkerScratch> scratches;  //!< of the workers
-    std::vector<uint64> places;            //!< work space of the output
-    std::vector<unsigned> rasterOrder;     //!< likewise
+    // Work space of the output.
+    std::vector<uint64> numbers;
+    std::vector<unsigned> rasterOrder, places;
+    SortScratch sorting;
 
     //! Prepares the levels of the input's pyramid: nlevels, or fewer if a side would be shorter than minSide.
     void layOutLevels(int nlevels, int firstLevel, double scaleFactor, int minSide);

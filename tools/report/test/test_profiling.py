@@ -92,6 +92,14 @@ def test_instructions(tmp_path):
                                                         ['opt_AVX2::fetch', '5.0', '0.0']]
 
 
+def test_emulated_instructions(tmp_path):
+    (tmp_path / 'instructions.csv').write_text('image,detector,instructions\n'
+                                               'leuven,CV_ORB,80000000.0\nleuven,AQORB,40000000.0\n'
+                                               'bark,CV_ORB,60000000.0\nbark,AQORB,24000000.0\n')
+    assert rows(profiling.emulated_tables(tmp_path)['Instructions on AArch64']) == [
+        ['leuven', '80.00', '40.00', '2.00'], ['bark', '60.00', '24.00', '2.50']]
+
+
 def test_setting(tmp_path):
     (tmp_path / 'setting.csv').write_text('name,value\nOpenCV,4.10\nframes,31\n')
     assert rows(profiling.setting_tables(tmp_path)['Setting']) == [['OpenCV', '4.10'], ['frames', '31']]
