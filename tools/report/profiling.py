@@ -64,8 +64,10 @@ def memory_tables(folder):
     rows = [[image, str(threads)] + [number(share) for detector in names
                                      for share in detectors[detector].loc[(image, threads)]]
             for image, threads in detectors['AQORB'].index]
-    largest = [['largest', str(threads)] + [number(share) for detector in names for share in detectors[detector].xs(
-        threads, level='threads').max()] for threads in memory['threads'].unique()]
+    photographs = memory[~memory['image'].str.startswith('scene ')].groupby(['threads', 'detector'])[values].max()
+    largest = [['largest of the photographs', str(threads)] +
+               [number(share) for detector in names for share in photographs.loc[(threads, detector)]]
+               for threads in photographs.index.unique('threads')]
     return {'Memory': pandas.DataFrame(rows + largest, columns=['image', 'threads'] + heads)}
 
 

@@ -49,17 +49,19 @@ def test_memory_is_in_multiples_of_the_image(tmp_path):
                                          '"scene 10x10",100,1,AQORB,1000,1100,900\n'
                                          '"scene 10x10",100,2,CV_ORB,600,655,0\n'
                                          '"scene 10x10",100,2,AQORB,1200,1300,905\n'
-                                         '"scene 20x10",200,1,CV_ORB,1200,1310,0\n'
-                                         '"scene 20x10",200,1,AQORB,2200,1100,900\n')
+                                         'leuven 20x10,200,1,CV_ORB,1200,1310,0\n'
+                                         'leuven 20x10,200,1,AQORB,2200,1100,900\n'
+                                         'bark 10x10,100,1,CV_ORB,500,700,0\n'
+                                         'bark 10x10,100,1,AQORB,500,600,400\n')
     table = profiling.memory_tables(tmp_path)['Memory']
     assert list(table.columns) == ['image', 'threads', 'first frame', 'later frames', 'kept', 'cv::ORB, first frame',
                                    'cv::ORB, later frames', 'cv::ORB, kept']
     assert rows(table) == [
         ['scene 10x10', '1', '10.00', '11.00', '9.00', '6.00', '6.55', '0.00'],
         ['scene 10x10', '2', '12.00', '13.00', '9.05', '6.00', '6.55', '0.00'],
-        ['scene 20x10', '1', '11.00', '5.50', '4.50', '6.00', '6.55', '0.00'],
-        ['largest', '1', '11.00', '11.00', '9.00', '6.00', '6.55', '0.00'],
-        ['largest', '2', '12.00', '13.00', '9.05', '6.00', '6.55', '0.00']]
+        ['leuven 20x10', '1', '11.00', '5.50', '4.50', '6.00', '6.55', '0.00'],
+        ['bark 10x10', '1', '5.00', '6.00', '4.00', '5.00', '7.00', '0.00'],
+        ['largest of the photographs', '1', '11.00', '6.00', '4.50', '6.00', '7.00', '0.00']]
 
 
 def test_memory_of_another_build(tmp_path):
