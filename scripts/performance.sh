@@ -48,8 +48,7 @@ done
 harness_options=("$@")
 [[ $passes =~ ^[1-9][0-9]*$ ]] || die "--passes $passes: at least 1 is accepted"
 [[ ! $doc || ! $smoke ]] || die '--doc: a smoke run measures nothing for a document'
-[[ ! $doc || ! $quick$beside ]] || die '--doc: the tables of the document are of all cases and of this build alone'
-[[ ! $doc || ! ${harness_options[*]} ]] || die '--doc: the tables of the document are of all cases'
+[[ ! $doc || ! $quick${harness_options[*]} ]] || die '--doc: the tables of the document are of all cases'
 ((${#parts[@]})) || parts=(setting program speed scaling stages memory instructions)
 
 need build report

@@ -58,7 +58,7 @@ std::vector<Contender> makeContenders(const std::string& beside)
                           here->getEdgeThreshold(), here->getFirstLevel(), here->getWTA_K(),
                           here->getScoreType(), here->getPatchSize(), here->getFastThreshold());
         };
-        contenders.push_back({"BESIDE", createAlike});
+        contenders.push_back({"BESIDE " + beside.substr(beside.rfind('/') + 1), createAlike});
     }
     return contenders;
 }

@@ -19,7 +19,8 @@ struct Contender
     std::function<cv::Ptr<cv::Feature2D>(int nfeatures)> create;  //!< with default parameters otherwise
 };
 
-/** cv::ORB as CV_ORB, AdaptiveQuadtreeORB as AQORB, and that of another build of the library as BESIDE.
+/** cv::ORB as CV_ORB, AdaptiveQuadtreeORB as AQORB, and that of another build of the library as BESIDE and its file's
+ name.
  @param beside file of the other build's shared library; empty: none. It is never unloaded.
  Throws cv::Exception where this is not such a library. */
 std::vector<Contender> makeContenders(const std::string& beside);

@@ -14,17 +14,17 @@ import sys
 
 DETECTORS = {'orb': 'CV_ORB', 'aqorb': 'AQORB'}  # as the harness of perf/ names them
 
-# Functions that, with all they call, make up a stage.
+# Functions that, with all they call, make up a stage, and functions that they call and that are of another stage.
 STAGES = [
-    ('threshold', ['varianceOverMean']),
-    ('pyramid', ['Workspace::makeLevel']),
-    ('FAST, suppression', ['BandSearch::find']),
-    ('Harris', ['harrisResponses', 'patchMoments']),  # and moments
-    ('quadtree', ['RankedSequence::findRepresentatives', 'RankedSequence::rank']),
-    ('selection', ['FeatureSelector::offer', 'FeatureSelector::chosen']),
-    ('orientation, position', ['orientations', 'subPixelOffset']),
-    ('blur', ['approximateBlur']),
-    ('descriptor', ['computeDescriptors']),
+    ('threshold', ['varianceOverMean'], []),
+    ('pyramid', ['fillLevel'], []),
+    ('FAST, suppression', ['BandSearch::find'], []),
+    ('Harris, moments', ['LevelDetection::findStrengths'], []),
+    ('ranking', ['LevelDetection::orderByRank'], ['LevelDetection::findStrengths']),
+    ('selection', ['Frame::select'], []),
+    ('orientation, position', ['findKeypoints'], []),
+    ('blur', ['approximateBlur'], []),
+    ('descriptor', ['computeDescriptors'], []),
 ]
 
 
@@ -74,11 +74,14 @@ def main():
             write('frame', 'frame', total)
             if detector != 'aqorb':
                 continue
-            for stage, functions in STAGES:
+            def instructions_of(functions):
                 counts = [c for name, c in inclusive.items() for f in functions if name.endswith('::' + f)]
                 if len(counts) < len(functions):
                     sys.exit('Not in the profile: ' + ', '.join(functions))
-                write('stage', stage, sum(counts))
+                return sum(counts)
+
+            for stage, functions, others in STAGES:
+                write('stage', stage, instructions_of(functions) - instructions_of(others))
             for name, instructions in annotate(profile, 'no')[0].items():
                 write('function', name, instructions)
 

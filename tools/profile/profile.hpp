@@ -15,7 +15,7 @@ enum Stage
     PYRAMID,
     FAST,
     HARRIS,
-    QUADTREE,
+    RANKING,
     SELECTION,
     ORIENTATION,
     POSITION,
@@ -36,14 +36,6 @@ struct Profile
 
 //! The profile of a call of detectAndCompute.
 Profile profileOf(const TraceRegion& frame);
-
-/** The least time that threads can take for a region: each parallel_for_ its longest task or its share of all
- tasks, whichever is longer. Tasks of a frame depend on each other, so it is the longest chain of them there.
- 0 threads: as many as there are tasks. */
-double leastTime(const TraceRegion& region, int threads);
-
-//! The part of a region's time that is outside of parallel_for_.
-double serialTime(const TraceRegion& region);
 
 //! Names of functions and blocks that mark stages but are nowhere among these regions.
 std::vector<std::string> absentStages(const std::vector<TraceRegion>& regions);

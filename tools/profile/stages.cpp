@@ -5,10 +5,12 @@
 
 #include "measure.hpp"
 #include "profile.hpp"
+#include "recorded_frame.hpp"
 
 #include <opencv2/core/utility.hpp>
 
 #include <cstdio>
+#include <memory>
 
 #include <sys/wait.h>
 #include <unistd.h>
@@ -18,9 +20,8 @@ using namespace cv;
 namespace
 {
 
-//! Runs frames of an image in a process of its own, as OpenCV decides at its start whether it traces. One thread does all
-//! tasks, of which there are as many as for `parts` threads.
-std::vector<TraceRegion> trace(const Image& image, const Settings& settings, int parts)
+//! Runs frames of an image in a process of its own, as OpenCV decides at its start whether it traces.
+std::vector<TraceRegion> trace(const Image& image, const Settings& settings)
 {
     const std::string location = tempfile();
     const pid_t child = fork();
@@ -34,10 +35,8 @@ std::vector<TraceRegion> trace(const Image& image, const Settings& settings, int
              {"OPENCV_TRACE_DEPTH_OPENCV", "OPENCV_TRACE_MAX_CHILDREN_OPENCV", "OPENCV_TRACE_MAX_CHILDREN"})
             setenv(limit, "0", 1);  // none
         const std::string images = "--images=" + image.spec, n = format("--n=%d", settings.nfeatures),
-                          frames = format("--frames=%d", settings.repeats),
-                          partsText = format("--parts=%d", parts);
-        execl("/proc/self/exe", "aqorb_profile", images.c_str(), n.c_str(), frames.c_str(), partsText.c_str(),
-              (char*)NULL);
+                          frames = format("--frames=%d", settings.repeats);
+        execl("/proc/self/exe", "aqorb_profile", images.c_str(), n.c_str(), frames.c_str(), (char*)NULL);
         _exit(127);
     }
     int status = 0;
@@ -86,6 +85,32 @@ void timeUntraced(const Image& image, const Settings& settings, FrameTimes& time
         times.add(i, "untraced", "frame", timeFrame(*detector, image.pixels, features) * 1e9);
 }
 
+/** The least times of a frame by numbers of threads. A frame is divided into more tasks for more threads, and one thread
+ does them. Whatever is outside of tasks is serial. */
+void recordTasks(const Image& image, const Settings& settings, FrameTimes& times)
+{
+    const std::vector<int> numbers = {1, 2, 4, 8};
+    std::vector<std::unique_ptr<FrameRecorder>> recorders;
+    for (const int threads : numbers)
+        recorders.emplace_back(new FrameRecorder(threads, settings.nfeatures));
+    for (int i = -WARM_UP; i < settings.repeats; i++)
+    {
+        for (size_t j = 0; j < numbers.size(); j++)
+        {
+            const RecordedTasks recorded = recorders[j]->record(image.pixels);
+            if (i < 0)
+                continue;
+            const double serial = recorded.frame - workOf(recorded.tasks);
+            const std::string threads = " " + std::to_string(numbers[j]);
+            times.add(i, "path", "frame" + threads, recorded.frame);
+            times.add(i, "path", "serial" + threads, serial);
+            times.add(i, "path", "longest" + threads, serial + longestPath(recorded.tasks));
+            times.add(i, "path", "least" + threads, serial + leastTime(recorded.tasks, numbers[j]));
+            times.add(i, "path", "queue" + threads, serial + queueTime(recorded.tasks, numbers[j]));
+        }
+    }
+}
+
 }  // namespace
 
 tools::CsvTable measureStages(const Settings& settings)
@@ -95,7 +120,7 @@ tools::CsvTable measureStages(const Settings& settings)
     {
         const Image image(spec);
         FrameTimes times(table, image);
-        const std::vector<TraceRegion> frames = trace(image, settings, 1);
+        const std::vector<TraceRegion> frames = trace(image, settings);
         const std::vector<std::string> absent = absentStages(frames);
         if (!absent.empty())
             CV_Error(Error::StsError, "Not in the trace: " + absent[0] + "; see profile.cpp");
@@ -105,23 +130,8 @@ tools::CsvTable measureStages(const Settings& settings)
             for (int stage = 0; stage < STAGE_COUNT; stage++)
                 times.add(i, "stage", nameOf(Stage(stage)), profile.stages[stage]);
         }
-        // The critical path: the serial part, and the least time by numbers of threads.
-        const int MOST_THREADS = 16;
-        for (int threads : {1, 2, 4, 8, MOST_THREADS})
-        {
-            const std::vector<TraceRegion> divided = threads == 1 ? frames : trace(image, settings, threads);
-            for (size_t i = 0; i < divided.size(); i++)
-            {
-                if (threads < MOST_THREADS)
-                {
-                    times.add(i, "path", std::to_string(threads), leastTime(divided[i], threads));
-                    continue;
-                }
-                times.add(i, "path", "serial", serialTime(divided[i]));
-                times.add(i, "path", "enough", leastTime(divided[i], 0));
-            }
-        }
         timeUntraced(image, settings, times);
+        recordTasks(image, settings, times);
     }
     return table;
 }

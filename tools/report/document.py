@@ -26,6 +26,15 @@ def number(value, digits=2, unit=''):
     return text + unit
 
 
+def build_names(detectors):
+    """{detector: how a table names it} of AdaptiveQuadtreeORB here (no name) and of another build, 'BESIDE FILE'."""
+    names = {}
+    for detector in sorted(set(detectors) - {'CV_ORB'}):
+        version = re.fullmatch(r'BESIDE libaqorb\.so\.([0-9.]+)', detector)
+        names[detector] = 'version ' + version[1] if version else detector.partition(' ')[2]
+    return names
+
+
 def markdown(table):
     """The Markdown of a table. Its first column is set as text, the others as numbers."""
     if isinstance(table, str):

@@ -9,9 +9,7 @@ import re
 
 import pandas
 
-from document import number
-
-BUILDS = {'AQORB': '', 'BESIDE': 'other build, ', 'CV_ORB': 'cv::ORB, '}  # detectors and what heads their columns
+from document import build_names, number
 
 
 def setting_tables(folder):
@@ -37,14 +35,16 @@ def stage_tables(folder):
     tables = {'Stages': pandas.DataFrame(rows, columns=['% of a frame'] + images)}
 
     paths = of_kind('path')
-    one = paths['1']
-    serial = medians(paths['serial'] / one)
-    longest = medians((paths['enough'] - paths['serial']) / one)
-    bounds = medians(paths[['2', '4', '8', 'enough']].rdiv(one, axis=0))
-    rows = [[image, number(shares.loc[image, 'selection'], 1), number(100 * serial[image], 1),
-             number(100 * longest[image], 1)] + [number(bound) for bound in bounds.loc[image]] for image in images]
+    one = paths['frame 1']
+    shares_of_path = medians(100 * paths[['serial 8', 'longest 8']].div(one, axis=0))
+    gains = medians(paths[['{} {}'.format(kind, threads) for kind in ('least', 'queue') for threads in (2, 4, 8)]].rdiv(
+        one, axis=0))
+    rows = [[image, number(shares.loc[image, 'selection'], 1)] +
+            [number(share, 1) for share in shares_of_path.loc[image]] + [number(gain) for gain in gains.loc[image]]
+            for image in images]
     tables['Critical path'] = pandas.DataFrame(rows, columns=[
-        'image', 'selection %', 'serial %', 'longest tasks %', 'bound, 2 threads', '4', '8', 'enough threads'])
+        'image', 'selection %', 'serial %', 'longest path %', 'bound, 2 threads', 'bound, 4', 'bound, 8',
+        'queue, 2 threads', 'queue, 4', 'queue, 8'])
     return tables
 
 
@@ -56,15 +56,18 @@ def memory_tables(folder):
     memory = pandas.read_csv(os.path.join(folder, 'memory.csv'))
     values = ['first', 'later', 'kept']
     memory[values] = memory[values].div(memory['pixels'], axis=0)  # a pixel is a byte
-    names = {detector: name for detector, name in BUILDS.items() if detector in set(memory['detector'])}
+    names = dict(build_names(memory['detector']), CV_ORB='cv::ORB')
     detectors = {detector: memory[memory['detector'] == detector].set_index(['image', 'threads'])[values]
                  for detector in names}
-    heads = [name + head for name in names.values() for head in ('first frame', 'later frames', 'kept')]
+    heads = [name + ', ' * bool(name) + head
+             for name in names.values() for head in ('first frame', 'later frames', 'kept')]
     rows = [[image, str(threads)] + [number(share) for detector in names
                                      for share in detectors[detector].loc[(image, threads)]]
             for image, threads in detectors['AQORB'].index]
-    largest = [['largest', str(threads)] + [number(share) for detector in names for share in detectors[detector].xs(
-        threads, level='threads').max()] for threads in memory['threads'].unique()]
+    photographs = memory[~memory['image'].str.startswith('scene ')].groupby(['threads', 'detector'])[values].max()
+    largest = [['largest of the photographs', str(threads)] +
+               [number(share) for detector in names for share in photographs.loc[(threads, detector)]]
+               for threads in photographs.index.unique('threads')]
     return {'Memory': pandas.DataFrame(rows + largest, columns=['image', 'threads'] + heads)}
 
 

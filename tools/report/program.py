@@ -12,11 +12,10 @@ import os
 
 import pandas
 
-from document import number
+from document import build_names, number
 from speed import geometric_mean
 
 CASES = {'turns': 'in turns', 'cold': 'cold', 'stream': 'stream', 'warm': 'warm'}
-BUILDS = {'AQORB': '', 'BESIDE': ', other build'}  # detectors and what is added to the names of their rows
 
 
 def program_tables(folder):
@@ -29,13 +28,13 @@ def program_tables(folder):
         times.loc[~has_avx512, 'case'] += ', AVX2 only'
     key = ['case', 'threads', 'image', 'n']
     by_pass = times.pivot(index=key + ['pass'], columns='detector', values='ms')
-    builds = [detector for detector in BUILDS if detector in by_pass]
-    ratios = by_pass[builds].rdiv(by_pass['CV_ORB'], axis=0).groupby(level=key).median()
+    builds = build_names(by_pass.columns)
+    ratios = by_pass[list(builds)].rdiv(by_pass['CV_ORB'], axis=0).groupby(level=key).median()
     in_order = times.drop_duplicates(key).set_index(key).index
     ratios = ratios.loc[in_order].astype(float)
     medians = by_pass.groupby(level=key).median().loc[in_order]
     return {'In a program': summary_table(ratios, builds), 'In a program: cases': case_table(ratios, medians),
-            'In a program: notes': notes(times)}
+            'In a program: notes': notes(times, ratios['AQORB'])}
 
 
 def summary_table(ratios, builds):
@@ -43,14 +42,14 @@ def summary_table(ratios, builds):
     threads = list(ratios.index.unique('threads'))
     rows = []
     for case in ratios.index.unique('case'):
-        for build in builds:
+        for build, name in builds.items():
             cells = [[], []]
             for count in threads:
                 chosen = ratios[build].xs(case, level='case')
                 chosen = chosen[chosen.index.get_level_values('threads') == count]
                 for row, summary in zip(cells, (geometric_mean, min)):
                     row.append('' if chosen.empty else number(summary(chosen)))
-            rows.append([case + BUILDS[build]] + cells[0] + cells[1])
+            rows.append([case + ', ' * bool(name) + name] + cells[0] + cells[1])
     heads = [threads_of(count) for count in threads]
     return pandas.DataFrame(rows, columns=['time of cv::ORB / time of AdaptiveQuadtreeORB'] + heads +
                             ['lowest, ' + head for head in heads])
@@ -78,12 +77,15 @@ def case_table(ratios, medians):
     return pandas.DataFrame(rows, columns=['image', 'n'] + heads)
 
 
-def notes(times):
-    """What is to be known of the tables, as a list."""
-    numbers = ', '.join(map(str, sorted(times['n'].unique())))
+def notes(times, ratios):
+    """What is to be known of the tables, a sentence or two a line."""
     passes = times['pass'].nunique()
-    lines = ['Geometric means over {} images and n = {}: {} cases.'.format(
-        times['image'].nunique(), numbers, len(times[['image', 'n']].drop_duplicates())),
-             'A ratio is the median over {} pass{} of the ratio of medians.'.format(passes, '' if passes == 1 else 'es')]
+    case, threads, image, n = ratios.idxmin()
+    images = times['image'].nunique()
+    lines = ['Geometric means over {} image{} and n = {}. A ratio is the median over {} pass{} of the ratio of'.format(
+        images, '' if images == 1 else 's', ', '.join(map(str, sorted(times['n'].unique()))), passes,
+        '' if passes == 1 else 'es'),
+             'the medians. The lowest ratio of all is that of {} and n = {}, {} with {}.'.format(
+                 image, n, case, threads_of(threads))]
     lines += ['CPU features: {}.'.format(cpu) for cpu in times['cpu'].unique()]
-    return '\n'.join('- ' + line for line in lines)
+    return '\n'.join(lines)

@@ -19,7 +19,7 @@ import pandas
 from document import number
 
 DETECTORS = ['CV_ORB', 'AQORB']
-OPERATIONS = ['detect', 'compute', 'detectAndCompute']
+OPERATIONS = ['detect', 'compute', 'detectAndCompute', 'stream']
 CASE = ['operation', 'image', 'size', 'n', 'threads']  # what tells cases apart
 # The photographs that the aims of doc/performance.md are set for.
 REFERENCE_SET = ['bikes', 'leuven', 'bark', 'trees', 'ubc', '640x512', '1920x1080']
@@ -213,7 +213,8 @@ def notes(results):
         'Time of `cv::ORB` / time of `AdaptiveQuadtreeORB`, both with default parameters; above 1',
         '`AdaptiveQuadtreeORB` is faster. 1T and 2T: one thread and two. ms: the median times of detectAndCompute,',
         '`cv::ORB` / `AdaptiveQuadtreeORB`. keypoints: how many each of them found. compute is given the keypoints',
-        'that `cv::ORB` finds. Reference set: {}.'.format(', '.join(REFERENCE_SET)),
+        'that `cv::ORB` finds. stream: detectAndCompute of different frames, with 16 MB of other memory touched',
+        'between them. Reference set: {}.'.format(', '.join(REFERENCE_SET)),
         'A ratio is the median over {} pass{} of the ratio of the medians of {} sample{}.'.format(
             passes, '' if passes == 1 else 'es',
             samples[0] if len(samples) == 1 else '{} to {}'.format(samples[0], samples[-1]),
@@ -273,12 +274,15 @@ def two_threads_table(results):
 def scaling_tables(folder):
     """Of the cases Scaling_*: scenes of all sizes, each with all numbers of features, one thread."""
     results = Results(folder, 'Scaling')
+    is_grid = results.cases['image'] == 'dots'
+    results.cases.loc[is_grid, 'size'] = 'dot grid ' + results.cases['size']
     if set(results.cases['threads']) != {1}:
         raise ValueError('{}: scaling is measured with one thread'.format(folder))
     dropped = ['operation', 'image', 'threads']
     ratios = results.ratios().droplevel(dropped)
     keypoints = results.by_case('keypoints').droplevel(dropped)
     times = results.by_case('ms').droplevel(dropped)
+    scenes = [case for case in times.index if not case[0].startswith('dot grid')]
 
     def growth(detector):
         # Both times are of one pass, so that a change of the machine's speed between passes does not matter.
@@ -305,8 +309,8 @@ def scaling_tables(folder):
     if GROWTH_REFERENCE in times.index:
         ours, orbs = growth('AQORB'), growth('CV_ORB')
         tables['Growth'] = table(lambda case: '{} ({})'.format(relative(ours.loc[case]), relative(orbs.loc[case])))
-    if len(times) > 2:
-        tables['Cost of a pixel and of a keypoint'] = cost_table(times, keypoints)
+    if len(scenes) > 2:
+        tables['Cost of a pixel and of a keypoint'] = cost_table(times.loc[scenes], keypoints.loc[scenes])
     return tables
 
 

@@ -54,7 +54,8 @@ public:
     //! @param descriptors of count() rows; an empty one if they are not wanted
     void output(std::vector<KeyPoint>& keypoints, Mat& descriptors) const;
 
-private:
+protected:
+    // A tool records the tasks.
     enum Kind
     {
         MEASURE,
@@ -65,6 +66,8 @@ private:
         DESCRIBE
     };
     void run(const Task& task, int worker) CV_OVERRIDE;
+
+private:
     void put(Kind kind, int level, int part = 0);
     void runTasks();
 

@@ -166,6 +166,24 @@ def test_scaling(tmp_path):
         ['cv::ORB', '1.000', '1.000', '200', '0 %'], ['AdaptiveQuadtreeORB', '0.250', '0.250', '200', '0 %']]
 
 
+def test_scaling_has_a_row_for_the_dot_grid(tmp_path):
+    def scaling(image, n, orbs, ours):
+        return both(image, n, orbs, ours, fixture='Scaling', size=image[-7:],
+                    operation='dots' if 'dots' in image else 'detectAndCompute')
+
+    write(tmp_path, '1-1', [scaling('scene_320x240', 500, 4, 2), scaling('scene_640x480', 500, 8, 2),
+                            scaling('scene_640x480', 1000, 10, 2), scaling('dots_640x480', 100000, 300, 200)])
+    tables = speed.scaling_tables(tmp_path)
+    assert rows(tables['Speed by size and n']) == [['320x240', '2.00', '', ''], ['640x480', '4.00', '5.00', ''],
+                                                   ['dot grid 640x480', '', '', '1.50']]
+    assert rows(tables['Growth'])[2] == ['dot grid 640x480', '', '', '100.0 (30.0)']
+    # It is not fitted: it has no scene's corners.
+    costs = rows(tables['Cost of a pixel and of a keypoint'])
+    write(tmp_path, '1-1', [scaling('scene_320x240', 500, 4, 2), scaling('scene_640x480', 500, 8, 2),
+                            scaling('scene_640x480', 1000, 10, 2)])
+    assert rows(speed.scaling_tables(tmp_path)['Cost of a pixel and of a keypoint']) == costs
+
+
 def test_scaling_is_of_one_thread(tmp_path):
     write(tmp_path, '1-2', [both('scene_640x480', 500, 6, 2, fixture='Scaling')], threads=2)
     with pytest.raises(ValueError, match='one thread'):
