@@ -504,7 +504,7 @@ TEST(Aqorb_Tasks, threads_1_to_16_of_any_backend_give_the_same_bytes)
         for (int kind = -1; kind < int(backends().size()); kind++)
         {
             std::unique_ptr<BackendScope> scope(kind < 0 ? 0 : new BackendScope(backends()[kind]));
-            for (int count = 0; count <= 16; count++)
+            for (int count = 0; count <= 16; count += kind < 0 || count < 3 ? 1 : 4)
             {
                 Threads threads(count);
                 EXPECT_TRUE(gives(*detector, call, expected))
@@ -626,7 +626,7 @@ TEST(Aqorb_Tasks, of_a_frame_that_lacked_memory_are_not_left_for_the_next)
             return detectAndCompute(detector, call.image, call.mask);
         };
         for (; failsForMemory(call, expected, detect) && !HasFailure(); failures++)
-            failing++;
+            failing += 1 + failing / 32;
         EXPECT_GT(failures, 50);
     }
 }
