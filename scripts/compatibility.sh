@@ -10,7 +10,8 @@
 #
 #   debian12    the ordinary build
 #   debian13    the same on a Debian 13 in a folder of its own; needs root
-#   avx2, sse2  the same build with the features of newer x86-64 CPUs disabled
+#   avx2, sse4, sse2
+#               the same build with the features of newer x86-64 CPUs disabled
 #   plain       the same build with cv::setUseOptimized(false); bytes only
 #   qemu64      the same build on an x86-64 CPU without SSSE3, emulated
 #   aarch64     cross-built, on an emulated CPU
@@ -125,6 +126,8 @@ row_debian13() {
 
 row_avx2() { disabled avx2 AVX512-SKX; }
 
+row_sse4() { disabled sse4 FMA3,AVX,AVX2,AVX512-SKX; }
+
 row_sse2() { disabled sse2 SSE3,SSSE3,SSE4.1,SSE4.2,POPCNT,FP16,FMA3,AVX,AVX2,AVX512-SKX; }
 
 row_plain() {
@@ -158,7 +161,7 @@ if [[ ${1:-} == --bytes ]]; then
     shift
 fi
 rows=("$@")
-((${#rows[@]})) || rows=(debian12 debian13 avx2 sse2 plain qemu64 aarch64 clang debug native hardening)
+((${#rows[@]})) || rows=(debian12 debian13 avx2 sse4 sse2 plain qemu64 aarch64 clang debug native hardening)
 for row in "${rows[@]}"; do
     declare -F "row_$row" >/dev/null || die "no such row: $row"
 done

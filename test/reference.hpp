@@ -8,6 +8,7 @@
 
 #include "test_precomp.hpp"
 
+#include "point_sequence.hpp"
 #include "types.hpp"
 
 #include <functional>

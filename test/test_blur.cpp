@@ -79,7 +79,7 @@ TEST(Aqorb_Blur, is_the_same_for_every_width_and_alignment)
                       [&](const Mat& image, int offset)
                       {
                           Mat blurred = atOffset(Mat::zeros(size, CV_16UC1), (6 * offset + 2 * width) % 64);
-                          approximateBlur(image, region, blurred, scratch);
+                          approximateBlur(image, region, Range(0, size.height), rowsOf(blurred), scratch);
                           EXPECT_TRUE(sameMat(blurred.rowRange(rows), expected.rowRange(rows)));
                           EXPECT_TRUE(isAround(blurred, 65535));
                           for (int x = offset % 8; x < width; x += 8)
@@ -109,7 +109,7 @@ TEST(Aqorb_Blur, of_a_region_equals_that_of_the_image)
                 region.add(rects.back());
             }
             Mat blurred(image.size(), CV_16UC1, Scalar(65535));
-            approximateBlur(image, region, blurred, scratch);
+            approximateBlur(image, region, Range(0, image.rows), rowsOf(blurred), scratch);
             for (const Rect& rect : rects)
             {
                 const Rect inside = rect & Rect(Point(), image.size());

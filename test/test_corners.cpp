@@ -8,6 +8,8 @@
 #include "corners.hpp"
 #include "fast.hpp"
 
+#include <climits>
+
 namespace opencv_test
 {
 namespace
@@ -15,48 +17,57 @@ namespace
 
 using namespace aqorb::stages;
 
-// The corners to choose from, and those that suppression passes over.
-struct LevelCorners
-{
-    std::vector<Corner> kept, suppressed;
-};
-
 // Memory that is used for one image after the other.
 struct CornerScratch
 {
-    FastScanner scanner;
-    ScorePlane plane;
-    CornerBlocks blocks;
-    std::vector<Corner> all;
+    BandSearch search;
+    std::vector<Seam> seams;
+    std::vector<FoundCorners> bands;
 };
 
-// Finds the corners of a level as one band.
-void findCorners(const Level& level, const Rect& region, Thresholds thresholds, int cellSize,
-                 bool suppressNear, LevelCorners& corners, CornerScratch& scratch)
-{
-    corners.kept.clear();
-    corners.suppressed.clear();
-    scratch.all.clear();
-    const Rect scanned = fastRegion(level.image.size(), region);
-    if (scanned.empty())
-        return;
-    scratch.plane.begin(level.image.cols, scanned);
-    findBandCorners(level, region, thresholds, cellSize, scratch.plane, scratch.blocks, scratch.scanner);
-    listCorners(scratch.blocks, scratch.plane, scratch.all);
-    if (suppressNear)
-        suppressCorners(scratch.blocks, scratch.plane, corners.kept);
-    else
-        corners.kept = scratch.all;
-    cornersWithout(scratch.all, corners.kept, corners.suppressed);
-}
+const int MANY = 1 << 20;  // more corners than any image here has
 
-void findWeakCorners(const Level& level, const Rect& region, Thresholds thresholds, int cellSize,
-                     std::vector<Corner>& weak)
+/** Finds the corners of a region that is divided into bands, which are searched in any order, as several threads do.
+ @param wanted corners; where fewer are kept, those that the rules pass over are complete
+ @return whether they are */
+bool findCorners(const Level& level, const Rect& region, const Thresholds& thresholds, int cellSize,
+                 bool suppressNear, FoundCorners& found, CornerScratch& scratch, int bands = 1,
+                 int wanted = MANY)
 {
-    LevelCorners found;
-    CornerScratch scratch;
-    findCorners(level, region, thresholds, cellSize, false, found, scratch);
-    findWeakCorners(level, region, thresholds, found.kept, weak);
+    KeptCount count;
+    count.begin(wanted);
+    const CornerRules rules = {thresholds, cellSize, suppressNear, &count};
+    scratch.seams.resize(std::max(scratch.seams.size(), size_t(bands)));
+    scratch.bands.resize(std::max(scratch.bands.size(), size_t(bands)));
+    const Rect scanned = fastRegion(level.image.size(), region);
+    std::vector<int> order;
+    std::vector<Range> rows;
+    for (int i = 0; i < bands; i++)
+    {
+        order.push_back(i);
+        rows.push_back(rowsOfBand(region, cellSize, bands, i));
+        scratch.bands[i].clear();
+        if (i > 0)
+            scratch.seams[i].begin(level.image.cols, Range(scanned.x, scanned.x + scanned.width),
+                                   rows[i].start);
+    }
+    RNG rng(bands);
+    for (int i = bands; i > 1; i--)
+        std::swap(order[i - 1], order[rng.uniform(0, i)]);
+    for (int i : order)
+    {
+        const Rect band(region.x, rows[i].start, region.width, rows[i].size());
+        scratch.search.find(level, band, rules, suppressNear && i > 0 ? &scratch.seams[i] : 0,
+                            suppressNear && i < bands - 1 ? &scratch.seams[i + 1] : 0, scratch.bands[i]);
+    }
+    found.clear();
+    for (int i = 0; i < bands; i++)
+    {
+        if (suppressNear && i > 0)
+            scratch.seams[i].list(count, found, scratch.search.scratch);
+        found.append(scratch.bands[i]);
+    }
+    return count.isShort();
 }
 
 Level levelOf(const Mat& image, const Mat& mask = Mat())
@@ -71,7 +82,7 @@ Level levelOf(const Mat& image, const Mat& mask = Mat())
 
 // The reference gives all corners in raster order, and so must the stage.
 void expectAsReference(const Level& level, const Rect& region, int ini, int min, int cellSize,
-                       bool suppressNear, LevelCorners& workspace)
+                       bool suppressNear, FoundCorners& found, int bands = 1)
 {
     const Thresholds thresholds = {ini, min};
     static CornerScratch scratch;  // Images of all sizes share it.
@@ -82,13 +93,11 @@ void expectAsReference(const Level& level, const Rect& region, int ini, int min,
         SCOPED_TRACE(optimized);
         const bool before = useOptimized();
         setUseOptimized(optimized && before);
-        std::vector<Corner> weak;
-        findCorners(level, region, thresholds, cellSize, suppressNear, workspace, scratch);
-        findWeakCorners(level, region, thresholds, cellSize, weak);
+        findCorners(level, region, thresholds, cellSize, suppressNear, found, scratch, bands);
         setUseOptimized(before);
-        EXPECT_TRUE(sameCorners(workspace.kept, expected.kept));
-        EXPECT_TRUE(sameCorners(workspace.suppressed, expected.suppressed));
-        EXPECT_TRUE(sameCorners(weak, expected.weak));
+        EXPECT_TRUE(sameCorners(found.kept, expected.kept));
+        EXPECT_TRUE(sameCorners(found.suppressed, expected.suppressed));
+        EXPECT_TRUE(sameCorners(found.weak, expected.weak));
     }
 }
 
@@ -100,7 +109,7 @@ TEST(Aqorb_Corners, equal_reference)
     const Mat images[] = {makeScene(size, 2), makeNoise(size), makeNoise(size, 2) > 220, smooth};
     const int thresholds[][2] = {{1, 1}, {20, 5}, {60, 60}, {120, 10}, {254, 20}, {254, 1}};
     const int cells[] = {8, 13, 35, 1000};
-    LevelCorners workspace;
+    FoundCorners found;
     for (int i = 0; i < 4; i++)
     {
         for (int j = 0; j < 6; j++)
@@ -112,7 +121,7 @@ TEST(Aqorb_Corners, equal_reference)
                 const Rect region(border, border, size.width - 2 * border, size.height - 2 * border);
                 const bool suppressNear = (j + k) % 3 != 0;
                 expectAsReference(levelOf(images[i]), region, thresholds[j][0], thresholds[j][1], cells[k],
-                                  suppressNear, workspace);
+                                  suppressNear, found);
             }
         }
     }
@@ -122,26 +131,25 @@ TEST(Aqorb_Corners, equal_reference_with_masks)
 {
     const Size size(90, 70);
     const Mat scene = makeScene(size, 5);
-    LevelCorners workspace;
+    FoundCorners found;
     for (int i = 0; i < 10; i++)
     {
         SCOPED_TRACE(i);
         Mat mask = makeNoise(size, i) > i * 25;
         mask.setTo(1 + i, mask);
-        expectAsReference(levelOf(scene, mask), Rect(3, 3, 84, 64), 40, 8, 16, i % 2 == 0, workspace);
+        expectAsReference(levelOf(scene, mask), Rect(3, 3, 84, 64), 40, 8, 16, i % 2 == 0, found);
     }
-    expectAsReference(levelOf(scene, Mat::zeros(size, CV_8UC1)), Rect(3, 3, 84, 64), 40, 8, 16, true,
-                      workspace);
+    expectAsReference(levelOf(scene, Mat::zeros(size, CV_8UC1)), Rect(3, 3, 84, 64), 40, 8, 16, true, found);
 }
 
 TEST(Aqorb_Corners, equal_reference_for_every_width_and_any_workspace)
 {
-    LevelCorners workspace;  // What one image leaves in it must not show in the next, smaller or larger.
+    FoundCorners found;  // What one image leaves in it must not show in the next, smaller or larger.
     for (int width = MAX_WIDTH; width >= 1; width--)
     {
         SCOPED_TRACE(width);
         const Mat noise = makeNoise(Size(width, 31), width);
-        expectAsReference(levelOf(noise), Rect(Point(), noise.size()), 150, 30, 9, true, workspace);
+        expectAsReference(levelOf(noise), Rect(Point(), noise.size()), 150, 30, 9, true, found);
     }
 }
 
@@ -162,25 +170,22 @@ TEST(Aqorb_Corners, a_weak_corner_counts_only_in_a_cell_without_strong_ones)
         dots(std::vector<Point>(places, places + 3), std::vector<int>(contrasts, contrasts + 3));
     const Thresholds thresholds = {100, 10};
     const Rect region(10, 10, 60, 60);
-    LevelCorners corners;
+    FoundCorners corners;
     CornerScratch scratch;
     findCorners(levelOf(image), region, thresholds, 30, false, corners, scratch);
     ASSERT_EQ(corners.kept.size(), 2u);  // cells begin at the region's corner: (25, 25) is in the first
     EXPECT_EQ(corners.kept[0].score, 100);
     EXPECT_EQ(corners.kept[1].x, 60);
     EXPECT_EQ(corners.kept[1].score, 30);
-    std::vector<Corner> weak;
-    findWeakCorners(levelOf(image), region, thresholds, 30, weak);
-    ASSERT_EQ(weak.size(), 1u);
-    EXPECT_EQ(weak[0].x, 25);
+    ASSERT_EQ(corners.weak.size(), 1u);
+    EXPECT_EQ(corners.weak[0].x, 25);
 
     // A corner that the mask takes away does not make its cell full.
     Mat mask(image.size(), CV_8UC1, Scalar(255));
     mask.at<uchar>(15, 15) = 0;
     findCorners(levelOf(image, mask), region, thresholds, 30, false, corners, scratch);
     EXPECT_EQ(corners.kept.size(), 2u);
-    findWeakCorners(levelOf(image, mask), region, thresholds, 30, weak);
-    EXPECT_TRUE(weak.empty());
+    EXPECT_TRUE(corners.weak.empty());
 }
 
 TEST(Aqorb_Corners, a_corner_falls_even_to_one_that_falls)
@@ -191,7 +196,7 @@ TEST(Aqorb_Corners, a_corner_falls_even_to_one_that_falls)
     const Mat image =
         dots(std::vector<Point>(places, places + 5), std::vector<int>(contrasts, contrasts + 5));
     const Thresholds thresholds = {10, 10};
-    LevelCorners corners;
+    FoundCorners corners;
     CornerScratch scratch;
     findCorners(levelOf(image), Rect(5, 5, 70, 70), thresholds, 35, true, corners, scratch);
     ASSERT_EQ(corners.kept.size(), 3u);
@@ -208,12 +213,125 @@ TEST(Aqorb_Corners, of_equal_ones_the_first_in_raster_order_stays)
     const Mat image =
         dots(std::vector<Point>(places, places + 4), std::vector<int>(contrasts, contrasts + 4));
     const Thresholds thresholds = {10, 10};
-    LevelCorners corners;
+    FoundCorners corners;
     CornerScratch scratch;
     findCorners(levelOf(image), Rect(5, 5, 70, 70), thresholds, 35, true, corners, scratch);
     ASSERT_EQ(corners.kept.size(), 2u);
     EXPECT_EQ(corners.kept[0].x, 20);
     EXPECT_EQ(corners.kept[1].x, 40);
+}
+
+// Corners that are suppressed from the other side of the border between two bands, and cells that end there.
+TEST(Aqorb_Corners, of_several_bands_equal_reference)
+{
+    RNG rng(12);
+    FoundCorners corners;
+    int divided = 0;
+    for (int i = 0; i < 160; i++)
+    {
+        const int border = rng.uniform(0, i % 4 ? 32 : 3), cellSize = rng.uniform(1, 101);
+        const Size size(2 * border + rng.uniform(1, 60), 2 * border + rng.uniform(1, 700));
+        const Rect region(border, border, size.width - 2 * border, size.height - 2 * border);
+        const int min = rng.uniform(5, 60), ini = min + rng.uniform(0, 60);
+        Mat noise = makeNoise(size, i), mask;
+        if (i % 2)
+            blur(noise, noise, Size(3, 3));
+        if (i % 3 == 0)
+            mask = makeNoise(size, -i) > rng.uniform(0, 256);
+        const int bands = std::min(rng.uniform(1, 9), mostBands(region, cellSize));
+        SCOPED_TRACE(format("%d: %d x %d, border %d, cells %d, thresholds %d and %d, %d bands", i, size.width,
+                            size.height, border, cellSize, ini, min, bands));
+        expectAsReference(levelOf(noise, mask), region, ini, min, cellSize, i % 5 != 0, corners, bands);
+        divided += bands > 2;
+        if (HasFailure())
+            return;
+    }
+    EXPECT_GT(divided, 50);
+}
+
+// The last band has hardly more rows than the seam takes, and without a border some of them cannot have corners.
+TEST(Aqorb_Corners, of_bands_of_few_rows_equal_reference)
+{
+    FoundCorners corners;
+    for (int i = 0; i < 120; i++)
+    {
+        const int border = i % 4, rest = 6 + i / 4 % 5, cellSize = 64 + i % 37;
+        const int bands = 2 + i % 3, height = (bands - 1) * cellSize + rest;
+        const Size size(2 * border + 50, 2 * border + height);
+        const Rect region(border, border, 50, height);
+        SCOPED_TRACE(format("border %d, %d cells of %d and %d rows", border, bands - 1, cellSize, rest));
+        const Mat noise = makeNoise(size, i);
+        expectAsReference(levelOf(noise), region, 90, 20, cellSize, true, corners,
+                          std::min(bands, mostBands(region, cellSize)));
+        if (HasFailure())
+            return;
+    }
+}
+
+// Each level has as many bands as are worth while, and each row of the region is in one of them.
+TEST(Aqorb_Corners, bands_are_of_whole_cells)
+{
+    RNG rng(3);
+    for (int i = 0; i < 2000; i++)
+    {
+        const Rect region(rng.uniform(0, 40), rng.uniform(0, 40), rng.uniform(1, 2000), rng.uniform(1, 3000));
+        const int cellSize = i % 10 ? rng.uniform(1, 200) : INT_MAX, most = mostBands(region, cellSize);
+        SCOPED_TRACE(format("%d rows, cells of %d", region.height, cellSize));
+        ASSERT_GE(most, 1);
+        ASSERT_LE(most, std::max(region.height / 64, 1));
+        const int bands = rng.uniform(1, most + 1);
+        int end = region.y;
+        for (int band = 0; band < bands; band++)
+        {
+            const Range rows = rowsOfBand(region, cellSize, bands, band);
+            ASSERT_EQ(rows.start, end);
+            ASSERT_EQ((rows.start - region.y) % cellSize, 0);
+            // A seam takes so many rows from each of two bands.
+            ASSERT_TRUE(bands == 1 || rows.size() >= ScorePlane::ROWS_ABOVE) << rows.size();
+            end = rows.end;
+        }
+        ASSERT_EQ(end, region.y + region.height);
+    }
+}
+
+// Lists that nobody can ask for any more may have gaps, and only those.
+TEST(Aqorb_Corners, passed_over_are_complete_while_too_few_are_kept)
+{
+    const Mat scene = makeScene(Size(120, 700), 4);
+    const Rect region(16, 16, 88, 668);
+    const Thresholds thresholds = {30, 8};
+    CornerScratch scratch;
+    for (int bands = 1; bands <= 8; bands++)
+    {
+        for (int suppressNear = 0; suppressNear < 2; suppressNear++)
+        {
+            SCOPED_TRACE(format("%d bands, suppression %d", bands, suppressNear));
+            FoundCorners all, corners;
+            findCorners(levelOf(scene), region, thresholds, 20, suppressNear != 0, all, scratch, bands);
+            const int kept = int(all.kept.size());
+            ASSERT_GT(kept, 100);
+            ASSERT_FALSE(all.weak.empty());
+            ASSERT_EQ(all.suppressed.empty(), suppressNear == 0);
+            const int wanted[] = {kept + 1, kept, kept - 1, kept / 2, 1, 0};
+            for (int i = 0; i < 6; i++)
+            {
+                SCOPED_TRACE(wanted[i]);
+                const bool isShort = findCorners(levelOf(scene), region, thresholds, 20, suppressNear != 0,
+                                                 corners, scratch, bands, wanted[i]);
+                EXPECT_EQ(isShort, wanted[i] >= kept);
+                EXPECT_TRUE(sameCorners(corners.kept, all.kept));
+                if (isShort)
+                {
+                    EXPECT_TRUE(sameCorners(corners.suppressed, all.suppressed));
+                    EXPECT_TRUE(sameCorners(corners.weak, all.weak));
+                }
+                else if (wanted[i] < kept / 4)
+                {
+                    EXPECT_LT(corners.weak.size(), all.weak.size()) << "memory is used for nothing";
+                }
+            }
+        }
+    }
 }
 
 }  // namespace

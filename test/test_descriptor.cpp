@@ -18,7 +18,8 @@ using namespace aqorb::stages;
 void computeDescriptors(const Mat& image, const Mat& blurred, const FeaturePoint* points, size_t count,
                         const std::vector<Point>& pattern, int WTA_K, uchar* descriptors, size_t step)
 {
-    computeDescriptors(image, blurred, points, count, DescriptorTests(pattern, WTA_K), descriptors, step);
+    computeDescriptors(image, rowsOf(blurred), points, count, DescriptorTests(pattern, WTA_K), descriptors,
+                       step);
 }
 
 void expectAsReference(const Mat& image, const std::vector<FeaturePoint>& points, int patchSize, int WTA_K)
@@ -140,7 +141,7 @@ TEST(Aqorb_Descriptor, equals_reference_for_every_width_and_alignment)
                           const int first = offset * 3 % width, count = std::min(3, width - first);
                           Mat descriptors =
                               atOffset(Mat::zeros(count, 32, CV_8UC1), (7 * offset + width) % 64);
-                          computeDescriptors(image, blurredCopy, &points[first], size_t(count), tests,
+                          computeDescriptors(image, rowsOf(blurredCopy), &points[first], size_t(count), tests,
                                              descriptors.ptr(), descriptors.step);
                           EXPECT_TRUE(sameMat(descriptors, expected.rowRange(first, first + count)));
                           EXPECT_TRUE(isAround(descriptors, 255));

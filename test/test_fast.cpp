@@ -16,6 +16,11 @@ namespace
 
 using namespace aqorb::stages;
 
+Range columnsOf(const Rect& region)
+{
+    return Range(region.x, region.x + region.width);
+}
+
 // Appends the corners of score >= threshold whose centres lie in the region, in raster order.
 void detectCorners(const Mat& image, const Rect& region, int threshold, std::vector<Corner>& corners)
 {
@@ -26,12 +31,12 @@ void detectCorners(const Mat& image, const Rect& region, int threshold, std::vec
     level.image = image;
     const Thresholds thresholds = {threshold, threshold};
     ScorePlane plane;
-    plane.begin(image.cols, scanned);
+    plane.begin(image.cols, columnsOf(scanned), scanned.y, scanned.height);
     CornerBlocks blocks;
     FastScanner scanner;
     scanner.begin(level, scanned, thresholds, plane, blocks);
     scanner.scan(scanned.y + scanned.height);
-    scanner.collect();
+    scanner.collect(0);
     listCorners(blocks, plane, corners);
 }
 
@@ -77,7 +82,8 @@ void expectSameEverywhere(const Mat& image, const Rect& region, int threshold)
     EXPECT_TRUE(sameCorners(corners(image, region, threshold), expected));
 }
 
-// Scans for corners at the low threshold, some rows at a time, and drops the weak ones of some columns.
+// Scans for corners at the low threshold, some rows at a time, and drops the weak ones of some columns. The plane holds
+// all rows, or those of one scan, from which the corners are then taken.
 TEST(Aqorb_Fast, scan_tells_strong_corners_from_weak_ones)
 {
     RNG rng(7);
@@ -99,15 +105,19 @@ TEST(Aqorb_Fast, scan_tells_strong_corners_from_weak_ones)
         Thresholds thresholds;
         thresholds.min = 9;
         thresholds.ini = thresholds.min + rng.uniform(0, 20);
-        std::vector<Corner> expected, found;
+        std::vector<Corner> expected, dropped, expectedDropped, found;
         const std::vector<Corner> all = reference::fastCorners(level.image, region, thresholds.min);
         std::unique_ptr<WithoutOptimization> baseline(round % 2 ? new WithoutOptimization : 0);
-        plane.begin(size.width, region);
+        const int MOST_ROWS = 40;
+        const bool slides = round % 4 < 2;
+        plane.begin(size.width, columnsOf(region), region.y, slides ? MOST_ROWS : region.height);
         scanner.begin(level, region, thresholds, plane, blocks);
         for (int top = region.y, end; top < region.br().y; top = end)
         {
-            end = std::min(top + rng.uniform(1, 40), region.br().y);
+            end = std::min(top + rng.uniform(1, MOST_ROWS), region.br().y);
             const Range columns(region.x + rng.uniform(0, region.width), region.br().x - rng.uniform(0, 9));
+            if (slides)
+                plane.slideTo(top);
             scanner.scan(end);
             bool strong = false;
             for (const Corner& corner : all)
@@ -120,14 +130,24 @@ TEST(Aqorb_Fast, scan_tells_strong_corners_from_weak_ones)
                 strong |= isStrong && inColumns;
                 if (isStrong || !inColumns)
                     expected.push_back(corner);
+                else
+                    expectedDropped.push_back(corner);
             }
             ASSERT_EQ(scanner.hasStrong(columns), strong) << round;
             scanner.dropWeak(columns);
-            scanner.collect();
+            scanner.collect(&dropped);
+            if (slides)
+            {
+                const size_t before = found.size();
+                listCorners(blocks, plane, found);
+                ASSERT_EQ(size_t(blocks.cornerCount), found.size() - before) << round;
+                blocks.count = blocks.cornerCount = 0;
+            }
         }
         listCorners(blocks, plane, found);
         ASSERT_TRUE(sameCorners(found, expected)) << round;
-        ASSERT_EQ(size_t(blocks.cornerCount), found.size()) << round;
+        ASSERT_TRUE(sameCorners(dropped, expectedDropped)) << round;
+        ASSERT_EQ(size_t(blocks.cornerCount), slides ? 0 : found.size()) << round;
     }
 }
 

@@ -43,6 +43,7 @@ void buildPyramid(const Mat& image, const Mat& mask, int nlevels, int firstLevel
         Ptr<ResizeTables> tables;
         if (!level.isInput)
             fillLevel(isMadeFromInput(i, firstLevel) ? input : levels[i - 1], level, tables);
+        level.mask = level.mask.clone();  // its pixels are the tables'
         levels.push_back(level);
     }
 }

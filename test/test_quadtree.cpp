@@ -5,6 +5,7 @@
 
 #include "reference.hpp"
 
+#include "balanced_sequence.hpp"
 #include "quadtree.hpp"
 
 #include <climits>

@@ -5,6 +5,7 @@
 
 #include "reference.hpp"
 
+#include "logarithm.hpp"
 #include "ranked_sequence.hpp"
 
 #include <cfloat>
@@ -21,19 +22,24 @@ using namespace aqorb::stages;
 const float INF = std::numeric_limits<float>::infinity();
 const float NOT_A_NUMBER = std::numeric_limits<float>::quiet_NaN();
 
+int64 logarithmOf(float v)
+{
+    return BinaryLogarithm::shared()(v);
+}
+
 TEST(Aqorb_RankedSequence, logarithm_equals_reference)
 {
     for (int e = -149; e <= 127; e++)
-        ASSERT_EQ(binaryLogarithm(std::ldexp(1.f, e)), int64(e) * (1 << 24)) << e;
+        ASSERT_EQ(logarithmOf(std::ldexp(1.f, e)), int64(e) * (1 << 24)) << e;
     RNG rng(1);
     for (int i = 0; i < 200000; i++)
     {
         Cv32suf bits;
         bits.u = unsigned(rng.uniform(1, 0x7f800000));  // any number > 0, denormals as well
-        ASSERT_EQ(binaryLogarithm(bits.f), reference::binaryLogarithm(bits.f)) << bits.f;
+        ASSERT_EQ(logarithmOf(bits.f), reference::binaryLogarithm(bits.f)) << bits.f;
     }
-    EXPECT_EQ(binaryLogarithm(FLT_MAX), reference::binaryLogarithm(FLT_MAX));
-    EXPECT_EQ(binaryLogarithm(FLT_MIN), int64(-126) * (1 << 24));
+    EXPECT_EQ(logarithmOf(FLT_MAX), reference::binaryLogarithm(FLT_MAX));
+    EXPECT_EQ(logarithmOf(FLT_MIN), int64(-126) * (1 << 24));
 }
 
 TEST(Aqorb_RankedSequence, logarithm_grows_and_is_exact_to_7_digits)
@@ -44,7 +50,7 @@ TEST(Aqorb_RankedSequence, logarithm_grows_and_is_exact_to_7_digits)
     {
         Cv32suf bits;
         bits.u = 0x3f800000 + fraction;
-        const int64 logarithm = binaryLogarithm(bits.f);
+        const int64 logarithm = logarithmOf(bits.f);
         ASSERT_GE(logarithm, before) << bits.f;
         if (fraction % 97 == 0)
         {
@@ -148,37 +154,57 @@ std::vector<int> expectedOrder(const Scene& scene)
         [&](const reference::LeafCorner& corner) { return scene.strengths[corner.index]; });
 }
 
-void begin(const Scene& scene, RankedSequence& sequence)
+//! A sequence of the points of one scene after the other.
+struct Sequence
 {
-    LeafScratch scratch;
-    sequence.begin(scene.depth, scene.points.size());
-    numberLeaves(scene.rule.size, scene.depth, sequence, scratch);
-    for (LeafPoint point : scene.points)
-    {
-        point.leaf = scratch.columns[int(point.x)] + scratch.rows[int(point.y)];
-        sequence.add(point);
-    }
-    sequence.findRepresentatives();
-    const std::vector<LeafPoint>& representatives = sequence.representatives();
+    Sequence() : list(points) {}
+
+    std::vector<LeafPoint> points;
+    PointList list;
+    RankedScratch scratch;
+    RankedSequence ranked;
+    LeafScratch leaves;
+};
+
+void numberPoints(const Scene& scene, Sequence& sequence)
+{
+    numberLeaves(scene.rule.size, scene.depth, sequence.leaves);
+    sequence.points = scene.points;
+    for (LeafPoint& point : sequence.points)
+        point.leaf = sequence.leaves.columns[int(point.x)] + sequence.leaves.rows[int(point.y)];
+    sequence.list.sort();
+}
+
+RankedSequence& begin(const Scene& scene, Sequence& sequence)
+{
+    numberPoints(scene, sequence);
+    RankedSequence& ranked = sequence.ranked;
+    ranked.begin(scene.depth, sequence.list, sequence.scratch);
+    ranked.addAll();
+    ranked.findRepresentatives();
+    const std::vector<unsigned>& representatives = ranked.representatives();
     for (size_t i = 0; i < representatives.size(); i++)
     {
-        // At first it is that of the point, also where it is no number.
-        EXPECT_EQ(0, std::memcmp(&sequence.strength(i), &representatives[i].response, sizeof(float)));
-        sequence.strength(i) = scene.strengths[representatives[i].index];
+        // At first both are that of the point, also where it is no number.
+        const LeafPoint& point = sequence.points[representatives[i]];
+        EXPECT_EQ(orderOf(ranked.strength(i)), orderOf(point.response));
+        EXPECT_EQ(orderOf(ranked.response(i)), orderOf(point.response));
+        ranked.strength(i) = scene.strengths[point.index];
     }
-    sequence.rank(scene.rule, scene.power, scene.usable);
+    ranked.rank(scene.rule, scene.power, scene.usable);
+    return ranked;
 }
 
 TEST(Aqorb_RankedSequence, equals_reference)
 {
-    RankedSequence sequence;  // It is used again, so what one scene leaves in it must not matter.
+    Sequence memory;  // It is used again, so what one scene leaves in it must not matter.
     size_t compared = 0;
     for (int seed = 1; seed <= 600; seed++)
     {
         SCOPED_TRACE(seed);
         const Scene scene = randomScene(seed);
         const std::vector<int> expected = expectedOrder(scene);
-        begin(scene, sequence);
+        RankedSequence& sequence = begin(scene, memory);
         LeafPoint point;
         for (size_t i = 0; i < expected.size(); i++)
         {
@@ -196,12 +222,12 @@ TEST(Aqorb_RankedSequence, equals_reference)
 TEST(Aqorb_RankedSequence, equals_reference_without_optimization)
 {
     WithoutOptimization baseline;
-    RankedSequence sequence;
+    Sequence memory;
     for (int seed = 601; seed <= 700; seed++)
     {
         SCOPED_TRACE(seed);
         const Scene scene = randomScene(seed);
-        begin(scene, sequence);
+        RankedSequence& sequence = begin(scene, memory);
         LeafPoint point;
         for (int index : expectedOrder(scene))
         {
@@ -220,13 +246,13 @@ public:
 
 TEST(Aqorb_RankedSequence, a_filter_passes_over_points_and_changes_no_rank)
 {
-    RankedSequence sequence;
+    Sequence memory;
     const OddIndices filter;
     for (int seed = 1; seed <= 50; seed++)
     {
         SCOPED_TRACE(seed);
         const Scene scene = randomScene(seed);
-        begin(scene, sequence);
+        RankedSequence& sequence = begin(scene, memory);
         LeafPoint point;
         for (int index : expectedOrder(scene))
         {
@@ -242,8 +268,7 @@ TEST(Aqorb_RankedSequence, a_filter_passes_over_points_and_changes_no_rank)
 // In any order; their strength is their response.
 TEST(Aqorb_RankedSequence, points_are_ordered_by_their_response)
 {
-    RankedSequence sequence;
-    LeafScratch scratch;
+    Sequence memory;
     for (int seed = 1; seed <= 100; seed++)
     {
         SCOPED_TRACE(seed);
@@ -256,11 +281,12 @@ TEST(Aqorb_RankedSequence, points_are_ordered_by_their_response)
         RNG rng(seed);
         for (size_t i = scene.points.size(); i > 1; i--)
             std::swap(scene.points[i - 1], scene.points[rng.uniform(0, int(i))]);
-        sequence.begin(scene.depth, scene.points.size());
-        numberLeaves(scene.rule.size, scene.depth, sequence, scratch);
-        for (LeafPoint& point : scene.points)
-            point.leaf = scratch.columns[int(point.x)] + scratch.rows[int(point.y)];
-        orderByResponse(scene.points, scene.rule, sequence);
+        numberPoints(scene, memory);
+        RankedSequence& sequence = memory.ranked;
+        sequence.begin(scene.depth, memory.list, memory.scratch);
+        sequence.addAll();
+        sequence.findRepresentatives();
+        sequence.rank(scene.rule, 1, scene.usable);
         LeafPoint point;
         for (int index : expected)
         {
@@ -274,20 +300,25 @@ TEST(Aqorb_RankedSequence, points_are_ordered_by_their_response)
 TEST(Aqorb_RankedSequence, representatives_come_in_the_order_of_their_leaves)
 {
     // 4 x 4 leaves of 10 x 10 pixels. Beside 9 and 8 the 7 has two stronger leaves.
-    RankedSequence sequence;
-    sequence.begin(2, 5);
     const float responses[] = {9, 8, 7, 3, 4};
     const Point leaves[] = {Point(0, 0), Point(1, 0), Point(0, 1), Point(3, 3), Point(3, 3)};
+    std::vector<LeafPoint> points;
     for (int i = 0; i < 5; i++)
     {
-        const LeafPoint point = {sequence.leafColumn(leaves[i].x) + sequence.leafRow(leaves[i].y),
-                                 responses[i], float(10 * leaves[i].x + i), float(10 * leaves[i].y), i};
-        sequence.add(point);
+        const LeafPoint point = {leafColumn(leaves[i].x) + leafRow(leaves[i].y, 2), responses[i],
+                                 float(10 * leaves[i].x + i), float(10 * leaves[i].y), i};
+        points.push_back(point);
     }
+    PointList list(points);
+    list.sort();
+    RankedScratch scratch;
+    RankedSequence sequence;
+    sequence.begin(2, list, scratch);
+    sequence.addAll();
     sequence.findRepresentatives();
     std::vector<int> indices;
-    for (const LeafPoint& point : sequence.representatives())
-        indices.push_back(point.index);
+    for (unsigned point : sequence.representatives())
+        indices.push_back(points[point].index);
     EXPECT_EQ(indices, std::vector<int>({0, 1, 4}));
     EXPECT_EQ(sequence.strength(2), 4.f);
     const RankRule rule = {Size(40, 40), 1, 16, 1, 0};

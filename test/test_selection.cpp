@@ -5,6 +5,7 @@
 
 #include "reference.hpp"
 
+#include "balanced_sequence.hpp"
 #include "quadtree.hpp"
 #include "selection.hpp"
 
@@ -65,21 +66,19 @@ TEST(Aqorb_Selection, asks_for_nothing_more_where_quotas_are_met)
     CornerRequest request;
     for (int level = 1; level >= 0; level--)  // from coarse to fine
     {
-        ASSERT_TRUE(selector.wants(request));
-        EXPECT_EQ(request.level, level);
-        EXPECT_EQ(request.set, SEQUENCE_CORNERS);
+        ASSERT_EQ(selector.wantsOf(level), level == 1 ? 2 : 3);
         BalancedSequence sequence;
-        const std::vector<RankedCorner> corners = Levels::line(9, 5, 10);
-        levels.beginSequence(level, corners, sequence);
-        selector.offer(sequence, corners);
+        levels.beginSequence(level, Levels::line(9, 5, 10), sequence);
+        selector.offer(sequence);
+        EXPECT_EQ(selector.count(level), level == 1 ? 2u : 3u);
     }
     EXPECT_FALSE(selector.wants(request));
     EXPECT_FALSE(selector.wants(request));
     std::vector<RankedCorner> chosen;
-    selector.chosen(0, chosen);
+    selector.chosen(0, 0, chosen);
     ASSERT_EQ(chosen.size(), 3u);
     EXPECT_EQ(chosen[2].x, 20);
-    selector.chosen(1, chosen);
+    selector.chosen(1, 0, chosen);
     EXPECT_EQ(chosen.size(), 2u);
 }
 
@@ -90,6 +89,8 @@ TEST(Aqorb_Selection, asks_for_nothing_without_levels_or_quotas)
     Levels({}).begin(selector, 0.5);
     EXPECT_FALSE(selector.wants(request));
     Levels({0, 0}).begin(selector, 0.5);
+    EXPECT_EQ(selector.wantsOf(1), 0);
+    EXPECT_EQ(selector.wantsOf(0), 0);
     EXPECT_FALSE(selector.wants(request));
 }
 
@@ -104,27 +105,32 @@ TEST(Aqorb_Selection, asks_for_what_the_rules_passed_over_in_the_order_of_the_ru
         levels.begin(selector, 0.5);
         for (int i = 0; i < 2; i++)
             levels.beginSequence(i, std::vector<RankedCorner>(), sequences[i]);
-        const int expectedLevels[] = {1, 0, 0, 1, 0, 1, 0, 1, 0};
-        const CornerSet expectedSets[] = {SEQUENCE_CORNERS,   SEQUENCE_CORNERS,   SEQUENCE_CORNERS,
-                                          SEQUENCE_CORNERS,   KEPT_CORNERS,       KEPT_CORNERS,
+        for (int level = 1; level >= 0; level--)
+        {
+            ASSERT_EQ(selector.wantsOf(level),
+                      level == 1 ? 2 : 4);  // what is missing is left to finer levels
+            selector.offer(sequences[level]);
+        }
+        const int expectedLevels[] = {0, 1, 0, 1, 0, 1, 0};
+        const CornerSet expectedSets[] = {SEQUENCE_CORNERS,   SEQUENCE_CORNERS,   KEPT_CORNERS, KEPT_CORNERS,
                                           SUPPRESSED_CORNERS, SUPPRESSED_CORNERS, WEAK_CORNERS};
         CornerRequest request;
-        for (int i = 0; i < 9; i++)
+        for (int i = 0; i < 7; i++)
         {
             SCOPED_TRACE(i);
             ASSERT_TRUE(selector.wants(request));
             EXPECT_EQ(request.level, expectedLevels[i]);
             EXPECT_EQ(request.set, expectedSets[i]);
             if (request.set == SEQUENCE_CORNERS)
-                selector.offer(sequences[request.level], std::vector<RankedCorner>());
+                selector.offer(sequences[request.level]);
             else
-                selector.offer(Levels::line(i < 8 ? 0 : 9, 7, 3));
+                selector.offer(Levels::line(i < 6 ? 0 : 9, 7, 3));
         }
         EXPECT_FALSE(selector.wants(request));
         std::vector<RankedCorner> chosen;
-        selector.chosen(0, chosen);
+        selector.chosen(0, 0, chosen);
         EXPECT_EQ(chosen.size(), 4u);
-        selector.chosen(1, chosen);
+        selector.chosen(1, 0, chosen);
         EXPECT_TRUE(chosen.empty());
     }
 }
@@ -141,16 +147,15 @@ TEST(Aqorb_Selection, passes_over_corners_near_those_of_coarser_levels)
         levels.begin(selector, octaveSuppression);
         CornerRequest request;
         BalancedSequence sequence;
-        ASSERT_TRUE(selector.wants(request));
-        const std::vector<RankedCorner> coarseCorners(1, coarse), fineCorners(fine, fine + 3);
-        levels.beginSequence(1, coarseCorners, sequence);
-        selector.offer(sequence, coarseCorners);
-        ASSERT_TRUE(selector.wants(request));
-        levels.beginSequence(0, fineCorners, sequence);
-        selector.offer(sequence, fineCorners);
+        ASSERT_EQ(selector.wantsOf(1), 1);
+        levels.beginSequence(1, std::vector<RankedCorner>(1, coarse), sequence);
+        selector.offer(sequence);
+        ASSERT_EQ(selector.wantsOf(0), 2);
+        levels.beginSequence(0, std::vector<RankedCorner>(fine, fine + 3), sequence);
+        selector.offer(sequence);
         EXPECT_FALSE(selector.wants(request));
         std::vector<RankedCorner> chosen;
-        selector.chosen(0, chosen);
+        selector.chosen(0, 0, chosen);
         ASSERT_EQ(chosen.size(), 2u);
         // They are 0.71 pixels of level 0 apart.
         EXPECT_EQ(chosen[0].x, octaveSuppression == 0.8 ? 60 : 20);
@@ -165,12 +170,14 @@ TEST(Aqorb_Selection, chooses_no_corner_twice_and_gives_them_in_raster_order)
     std::vector<RankedCorner> corners = Levels::line(2, 9, 5), others = Levels::line(3, 4, 5);
     BalancedSequence sequence;
     levels.beginSequence(0, corners, sequence);
+    ASSERT_EQ(selector.wantsOf(0), 5);
+    selector.offer(sequence);
     CornerRequest request;
     while (selector.wants(request))
     {
         if (request.set == SEQUENCE_CORNERS)
         {
-            selector.offer(sequence, corners);
+            selector.offer(sequence);
             continue;
         }
         std::vector<RankedCorner> offered = others;
@@ -178,10 +185,19 @@ TEST(Aqorb_Selection, chooses_no_corner_twice_and_gives_them_in_raster_order)
         selector.offer(offered);
     }
     std::vector<RankedCorner> chosen;
-    selector.chosen(0, chosen);
+    selector.chosen(0, 0, chosen);
     ASSERT_EQ(chosen.size(), 5u);
     const int expected[][2] = {{0, 4}, {5, 4}, {10, 4}, {0, 9}, {5, 9}};
     for (int i = 0; i < 5; i++)
+    {
+        EXPECT_EQ(chosen[i].x, expected[i][0]) << i;
+        EXPECT_EQ(chosen[i].y, expected[i][1]) << i;
+    }
+    // Without the first two, which the sequence gave.
+    ASSERT_EQ(selector.count(0), 5u);
+    selector.chosen(0, 2, chosen);
+    ASSERT_EQ(chosen.size(), 3u);
+    for (int i = 0; i < 3; i++)
     {
         EXPECT_EQ(chosen[i].x, expected[i][0]) << i;
         EXPECT_EQ(chosen[i].y, expected[i][1]) << i;

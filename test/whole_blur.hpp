@@ -11,6 +11,15 @@
 namespace opencv_test
 {
 
+//! The rows of a matrix of type CV_16UC1.
+inline aqorb::stages::BlurredRows rowsOf(const Mat& blurred)
+{
+    aqorb::stages::BlurredRows rows;
+    rows.data = const_cast<ushort*>(blurred.ptr<ushort>());
+    rows.step = ptrdiff_t(blurred.step1());
+    return rows;
+}
+
 //! The approximate blur of a whole image, of which the module blurs parts only.
 inline void approximateBlur(const Mat& image, Mat& blurred)
 {
@@ -19,7 +28,7 @@ inline void approximateBlur(const Mat& image, Mat& blurred)
     everywhere.add(Rect(Point(), image.size()));
     blurred.create(image.size(), CV_16UC1);
     aqorb::stages::BlurScratch scratch;
-    aqorb::stages::approximateBlur(image, everywhere, blurred, scratch);
+    aqorb::stages::approximateBlur(image, everywhere, Range(0, image.rows), rowsOf(blurred), scratch);
 }
 
 }  // namespace opencv_test

@@ -48,7 +48,7 @@ void appendOthers(const CornerBlocks& blocks, int blockCount, const ScorePlane& 
 
 // Appends the corners of the first blocks: those that have no better one nearby, and the others.
 void appendCorners(const CornerBlocks& blocks, int blockCount, int cornerCount, const ScorePlane& plane,
-                   KeptCount& count, FoundCorners& found, std::vector<Corner>& scratch)
+                   bool withOthers, FoundCorners& found, std::vector<Corner>& scratch)
 {
     if (cornerCount == 0)
         return;
@@ -58,9 +58,8 @@ void appendCorners(const CornerBlocks& blocks, int blockCount, int cornerCount, 
     Corner* const kept = scratch.data();
     const int keptCount = writeKeptCorners(blocks.storage.data(), cornerCount, plane, kept);
     found.kept.insert(found.kept.end(), kept, kept + keptCount);
-    if (count.isShort())
+    if (withOthers)
         appendOthers(blocks, blockCount, plane, kept, kept + keptCount, found.suppressed);
-    count.add(size_t(keptCount));
 }
 
 // Moves the blocks from `begin` to before `end` to the end of others. There must be space for one more, which the kernel
@@ -88,21 +87,22 @@ void FoundCorners::append(const FoundCorners& next)
     kept.insert(kept.end(), next.kept.begin(), next.kept.end());
     suppressed.insert(suppressed.end(), next.suppressed.begin(), next.suppressed.end());
     weak.insert(weak.end(), next.weak.begin(), next.weak.end());
+    isComplete = isComplete && next.isComplete;
 }
 
-void Seam::list(KeptCount& count, FoundCorners& found, std::vector<Corner>& scratch) const
+void Seam::list(bool withOthers, FoundCorners& found, std::vector<Corner>& scratch) const
 {
-    appendCorners(above, above.count, above.cornerCount, plane, count, found, scratch);
-    appendCorners(below, below.count, below.cornerCount, plane, count, found, scratch);
+    appendCorners(above, above.count, above.cornerCount, plane, withOthers, found, scratch);
+    appendCorners(below, below.count, below.cornerCount, plane, withOthers, found, scratch);
 }
 
 // Takes the corners of the rows before `end`. Three more rows must have scores, or there are none.
-void BandSearch::take(int end, KeptCount& count, FoundCorners& found)
+void BandSearch::take(int end, bool withOthers, FoundCorners& found)
 {
     int taken = blocks.count, left = 0;  // corners that are not taken yet
     while (taken > 0 && blocks.storage[taken - 1].y >= end)
         left += countCorners(blocks.storage[--taken]);
-    appendCorners(blocks, taken, blocks.cornerCount - left, plane, count, found, scratch);
+    appendCorners(blocks, taken, blocks.cornerCount - left, plane, withOthers, found, scratch);
     removeFirst(taken, left);
 }
 
@@ -139,6 +139,7 @@ void BandSearch::find(const Level& level, const Rect& band, const CornerRules& r
                 std::min(side, scanned.height));
     scanner.begin(level, scanned, rules.thresholds, plane, blocks);
     int copied = scanned.y;  // rows before it have been copied to the seam above
+    bool withOthers = true;
     for (int y = band.y; y < end.y; y += side)
     {
         const int scannedEnd = std::min(y + side, bottom);
@@ -150,13 +151,13 @@ void BandSearch::find(const Level& level, const Rect& band, const CornerRules& r
             if (scanner.hasStrong(cell))
                 scanner.dropWeak(cell);
         }
-        scanner.collect(rules.count->isShort() ? &found.weak : 0);
+        withOthers = withOthers && (!rules.count || rules.count->looksShort());
+        scanner.collect(withOthers ? &found.weak : 0);
+        const size_t keptBefore = found.kept.size();
         if (!rules.suppressNear)
         {
-            rules.count->add(size_t(blocks.cornerCount));
             listCorners(blocks, plane, found.kept);
             removeFirst(blocks.count, 0);
-            continue;
         }
         if (above)
         {
@@ -164,19 +165,25 @@ void BandSearch::find(const Level& level, const Rect& band, const CornerRules& r
                 above->plane.copyRow(copied, plane);
             giveFirst(scanned.y + SUPPRESS_RADIUS, *above);
         }
-        take(scannedEnd - SUPPRESS_RADIUS, *rules.count, found);
+        take(scannedEnd - SUPPRESS_RADIUS, withOthers, found);
+        if (rules.count)
+            rules.count->add(found.kept.size() - keptBefore, int64(band.width) * (scannedEnd - y));
     }
-    if (!rules.suppressNear)
-        return;
+    // The last band may have fewer rows than the seam takes: without a border, there is no circle around some of them.
+    if (above)
+        above->plane.clearBelow(copied);
     if (below)
     {
         for (int y = bottom - ScorePlane::ROWS_ABOVE; y < bottom; y++)
             below->plane.copyRow(y, plane);
         appendBlocks(blocks, 0, blocks.count, below->above);
-        return;
     }
-    plane.clearBelow(bottom);
-    take(bottom, *rules.count, found);
+    else
+    {
+        plane.clearBelow(bottom);
+        take(bottom, withOthers, found);
+    }
+    found.isComplete = found.isComplete && withOthers;
 }
 
 int mostBands(const Rect& region, int cellSize)

@@ -9,6 +9,8 @@
 #include "fast.hpp"
 #include "types.hpp"
 
+#include <atomic>
+
 namespace cv
 {
 namespace aqorb
@@ -16,22 +18,30 @@ namespace aqorb
 namespace stages
 {
 
-//! How many corners have been kept in all levels of an image so far.
+//! How many corners all levels of an image have kept so far.
 class KeptCount
 {
 public:
-    KeptCount() : wanted(0), kept(0) {}
-    void begin(int wanted_)
+    //! @param area of all regions that are searched, in pixels
+    void begin(int wanted_, double area_)
     {
         wanted = wanted_;
+        area = area_;
         kept = 0;
+        searched = 0;
     }
-    void add(size_t count) { CV_XADD(&kept, int(count)); }
-    //! Whether corners that are not kept could still be asked for.
-    bool isShort() { return CV_XADD(&kept, 0) <= wanted; }
+    void add(size_t count, int64 pixels)
+    {
+        kept += int64(count);
+        searched += pixels;
+    }
+    //! Whether it looks as if all corners will be wanted, and some that are not kept, too.
+    bool looksShort() const { return double(kept) * area <= 1.5 * wanted * double(searched); }
 
 private:
-    int wanted, kept;
+    int wanted;
+    double area;
+    std::atomic<int64> kept, searched;
 };
 
 //! The rules by which corners are found.
@@ -40,7 +50,7 @@ struct CornerRules
     Thresholds thresholds;
     int cellSize;
     bool suppressNear;  //!< whether a corner loses to a better one within SUPPRESS_RADIUS
-    KeptCount* count;   //!< of the image
+    KeptCount* count;   //!< of the image; 0: all corners are listed
 };
 
 //! The corners of a band or a level, each list in raster order.
@@ -51,13 +61,15 @@ struct FoundCorners
         kept.clear();
         suppressed.clear();
         weak.clear();
+        isComplete = true;
     }
     void append(const FoundCorners& next);
 
     std::vector<Corner> kept;
     //! Those that lost to a better corner nearby, and those below thresholds.ini in cells that have one at thresholds.ini.
-    //! They are listed as long as KeptCount::isShort.
+    //! They are listed while KeptCount::looksShort.
     std::vector<Corner> suppressed, weak;
+    bool isComplete;  //!< whether that was always so
 };
 
 /** The rows on both sides of the border between two bands. Which of their corners are kept can be said only when both
@@ -68,7 +80,7 @@ public:
     //! Prepares the seam above row y.
     void begin(int imageWidth, const Range& columns, int y);
     //! Appends the corners of the seam, once both bands have been searched.
-    void list(KeptCount& count, FoundCorners& found, std::vector<Corner>& scratch) const;
+    void list(bool withOthers, FoundCorners& found, std::vector<Corner>& scratch) const;
 
 private:
     friend class BandSearch;
@@ -94,7 +106,7 @@ public:
     std::vector<Corner> scratch;
 
 private:
-    void take(int end, KeptCount& count, FoundCorners& found);
+    void take(int end, bool withOthers, FoundCorners& found);
     void giveFirst(int end, Seam& above);
     void removeFirst(int removed, int cornersLeft);
 

@@ -55,7 +55,10 @@ void describeFeatures(const Level& level, const DescriptionRules& rules, const R
     blurred.step = level.image.cols;
     const size_t capacity = size_t(std::min<int64>(int64(ROWS) + 2 * int64(reach) + 1, rows));
     if (scratch.blurred.size() < capacity * blurred.step)
+    {
+        std::vector<ushort>().swap(scratch.blurred);  // a vector that grows may get twice as much
         scratch.blurred.resize(capacity * blurred.step);
+    }
     blurred.data = scratch.blurred.data();
     int filled = 0;  // the rows from blurred.top to before it are blurred
     for (size_t next, i = size_t(features.start); i < end; i = next)

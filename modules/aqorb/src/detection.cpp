@@ -61,7 +61,7 @@ void LevelDetection::order(const OrderRule& rule, DetectionScratch& scratch)
     for (int i = 1; i < bandCount; i++)
     {
         if (rules.rankByHarris)
-            seams[i - 1].list(*rules.count, found, scratch.search.scratch);
+            seams[i - 1].list(found.isComplete, found, scratch.search.scratch);
         found.append(bands[i].corners);
     }
     if (rule.isRanked)
@@ -186,8 +186,15 @@ PointSequence& LevelDetection::sequence(const OrderRule& rule, DetectionScratch&
     return balanced;
 }
 
-void LevelDetection::list(CornerSet set, std::vector<RankedCorner>& listed) const
+void LevelDetection::list(CornerSet set, DetectionScratch& scratch, std::vector<RankedCorner>& listed)
 {
+    if (set != KEPT_CORNERS && !found.isComplete)
+    {
+        // It did not look as if they would be asked for.
+        found.clear();
+        const CornerRules everything = {rules.thresholds, rules.cellSize, rules.rankByHarris, 0};
+        scratch.search.find(*level, root, everything, 0, 0, found);
+    }
     respond(set == KEPT_CORNERS         ? found.kept
             : set == SUPPRESSED_CORNERS ? found.suppressed
                                         : found.weak,

@@ -66,7 +66,7 @@ public:
     //! The sequence of the corners. If the level has not been searched yet, it is searched now.
     PointSequence& sequence(const OrderRule& rule, DetectionScratch& scratch);
     //! Lists the corners of a set with their responses. The level must have begun its sequence.
-    void list(CornerSet set, std::vector<RankedCorner>& listed) const;
+    void list(CornerSet set, DetectionScratch& scratch, std::vector<RankedCorner>& listed);
 
 private:
     // A part of the level whose corners are found independently.

@@ -23,11 +23,15 @@ namespace
 
 const int RADIUS = 3;  // of the circle
 
-// Work space never shrinks, so that it is allocated once.
+// Work space never shrinks, so that it is allocated once. It has no more than is needed: without reserve, a vector that
+// grows may get twice as much.
 template <typename T> void growTo(std::vector<T>& elements, size_t count)
 {
     if (elements.size() < count)
+    {
+        elements.reserve(count);
         elements.resize(count);
+    }
 }
 
 // Which pixels of a block are in a range of columns, a bit for each.

@@ -374,12 +374,16 @@ template <typename Vectors> void suppressRow(FastScan& scan, int y)
     const int end = scan.blocks[scan.blockCount - 1].x + scan.blockWidth;
     std::memset(corners + scan.blocks[0].x - SUPPRESS_MARGIN, 0,
                 end - scan.blocks[0].x + 2 * SUPPRESS_MARGIN);
-    const int* listed = scan.listed[y & 1];
+    const int* const listed = scan.listed[y & 1];
+    const int listedCount = scan.listedCount[y & 1];
+    const ScanBlock* const blocks = scan.blocks;
+    uint64* const strong = scan.strong;
+    const uchar* const mask = scan.mask ? scan.mask + y * scan.maskStep : 0;
     const V strongest = Vectors::all(scan.strongThreshold);
     CornerBlock* found = scan.found + scan.foundCount;
-    for (int i = 0; i < scan.listedCount[y & 1]; i++)
+    for (int i = 0; i < listedCount; i++)
     {
-        const ScanBlock& block = scan.blocks[listed[i]];
+        const ScanBlock& block = blocks[listed[i]];
         const int x = block.x;
         const uchar *s = scores + x, *u = above + x, *d = below + x;
         const V score = Vectors::load(s);
@@ -389,11 +393,10 @@ template <typename Vectors> void suppressRow(FastScan& scan, int y)
         const V under =
             Greatest::of(Greatest::of(Vectors::load(d - 1), Vectors::load(d)), Vectors::load(d + 1));
         V around = Greatest::of(beside, Greatest::of(over, under));
-        if (scan.mask)
-            around =
-                Greatest::of(around, Vectors::whereZero(Vectors::load(scan.mask + y * scan.maskStep + x)));
+        if (mask)
+            around = Greatest::of(around, Vectors::whereZero(Vectors::load(mask + x)));
         const uint64 columns = Vectors::storeGreater(corners + x, score, around);
-        scan.strong[listed[i]] |= columns & Vectors::maskGreater(score, strongest);
+        strong[listed[i]] |= columns & Vectors::maskGreater(score, strongest);
         // The plane has got corners in columns that are not wanted, too. dropCorners clears them.
         found->x = x;
         found->y = y;

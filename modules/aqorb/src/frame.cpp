@@ -38,6 +38,12 @@ Frame::Frame(const Parameters& parameters_, const Tables& tables_, Workspace& wo
 {
 }
 
+Frame::~Frame()
+{
+    // An exception may have left tasks in the queue that no worker has seen.
+    workspace.queue.clear();
+}
+
 void Frame::put(Kind kind, int level, int part)
 {
     // With one thread a level is described while its rows are in the cache. With several, what is to be described is left
@@ -96,7 +102,6 @@ void Frame::planLevels()
     rules.thresholds.ini = rules.thresholds.min = 0;  // to be measured
     rules.cellSize = parameters.cellSize;
     rules.rankByHarris = parameters.scoreType == ORB::HARRIS_SCORE;
-    workspace.keptCount.begin(parameters.nfeatures);
     rules.count = &workspace.keptCount;
     rules.strengthPatch = &tables.strengthPatch;
     workspace.regions.clear();
@@ -110,6 +115,7 @@ void Frame::planLevels()
     if (isRanked)
         areaQuotas(parameters.nfeatures, workspace.regions, workspace.areaQuotas);
     const std::vector<int>& quotas = isRanked ? workspace.areaQuotas : tables.quotas;
+    workspace.keptCount.begin(parameters.nfeatures, pixels);
     // Several threads share about four bands each.
     const double pixelsOfBand = threads == 1 ? pixels : pixels / (4 * threads);
     for (int i = 0; i < count; i++)
@@ -249,7 +255,7 @@ void Frame::fillUp(WorkerScratch& scratch)
         }
         else
         {
-            detection.list(request.set, scratch.corners);
+            detection.list(request.set, scratch.detection, scratch.corners);
             selector.offer(scratch.corners);
         }
     }

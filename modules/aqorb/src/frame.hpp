@@ -42,6 +42,7 @@ class Frame : private TaskRunner
 {
 public:
     Frame(const Parameters& parameters, const Tables& tables, Workspace& workspace);
+    ~Frame();
     //! Finds features and, if they are wanted, their descriptors.
     void detect(bool withDescriptors);
     //! Takes given keypoints as cv::ORB::compute does, and describes them.

@@ -16,7 +16,10 @@ namespace
 {
 struct ByNumber
 {
-    bool operator()(unsigned a, unsigned b) const { return numbers[a] != numbers[b] ? numbers[a] < numbers[b] : a < b; }
+    bool operator()(unsigned a, unsigned b) const
+    {
+        return numbers[a] != numbers[b] ? numbers[a] < numbers[b] : a < b;
+    }
     const uint64* numbers;
 };
 }  // namespace

@@ -69,6 +69,11 @@ public:
             vmlal_u16(vmull_u16(vget_high_u16(u), upperWeight), vget_high_u16(l), lowerWeight);
         vst1_u8(out, vmovn_u16(vcombine_u16(vrshrn_n_u32(first, 16), vrshrn_n_u32(second, 16))));
     }
+    CV_ALWAYS_INLINE void storeTwo(const short* upper, const short* lower, uchar* out) const
+    {
+        store(upper, lower, out);
+        store(upper + LANES, lower + LANES, out + LANES);
+    }
 
 private:
     uint16x4_t upperWeight, lowerWeight;
@@ -83,7 +88,7 @@ CV_ALWAYS_INLINE Wide load(const void* p)
 {
     return _mm512_loadu_si512(p);
 }
-CV_ALWAYS_INLINE void store(void* p, Wide a)
+CV_ALWAYS_INLINE void storeWide(void* p, Wide a)
 {
     _mm512_storeu_si512(p, a);
 }
@@ -94,7 +99,7 @@ CV_ALWAYS_INLINE Wide load(const void* p)
 {
     return _mm256_loadu_si256(static_cast<const __m256i*>(p));
 }
-CV_ALWAYS_INLINE void store(void* p, Wide a)
+CV_ALWAYS_INLINE void storeWide(void* p, Wide a)
 {
     _mm256_storeu_si256(static_cast<__m256i*>(p), a);
 }
@@ -105,7 +110,7 @@ CV_ALWAYS_INLINE Wide load(const void* p)
 {
     return _mm_loadu_si128(static_cast<const __m128i*>(p));
 }
-CV_ALWAYS_INLINE void store(void* p, Wide a)
+CV_ALWAYS_INLINE void storeWide(void* p, Wide a)
 {
     _mm_storeu_si128(static_cast<__m128i*>(p), a);
 }
@@ -142,22 +147,7 @@ CV_ALWAYS_INLINE void resizeGroup(const uchar* source, const ResizeBlock& block,
     const Wide weight = load(block.weight + group * ResizeBlock::GROUP);
     const Wide part = AQORB_WIDE(mullo_epi16)(AQORB_WIDE(sub_epi16)(b, a), weight);
     const Wide whole = AQORB_WIDE(add_epi16)(AQORB_WIDE(slli_epi16)(a, 8), bias);
-    store(out, AQORB_WIDE(add_epi16)(whole, part));
-}
-
-// Stores signed 16-bit numbers as bytes: saturated to 8 bits, then offset to unsigned ones.
-CV_ALWAYS_INLINE void storeBytes(uchar* p, Wide a)
-{
-    const Wide bytes = AQORB_WIDE(add_epi8)(AQORB_WIDE(packs_epi16)(a, a), AQORB_WIDE(set1_epi8)(-128));
-#if CV_AVX512_SKX
-    const __m512i inOrder = _mm512_permutexvar_epi64(_mm512_setr_epi64(0, 2, 4, 6, 0, 2, 4, 6), bytes);
-    _mm256_storeu_si256(reinterpret_cast<__m256i*>(p), _mm512_castsi512_si256(inOrder));
-#elif CV_AVX2
-    const __m256i inOrder = _mm256_permute4x64_epi64(bytes, 0x08);
-    _mm_storeu_si128(reinterpret_cast<__m128i*>(p), _mm256_castsi256_si128(inOrder));
-#else
-    _mm_storel_epi64(reinterpret_cast<__m128i*>(p), bytes);
-#endif
+    storeWide(out, AQORB_WIDE(add_epi16)(whole, part));
 }
 
 // The vertical pass.
@@ -170,14 +160,42 @@ public:
     }
     CV_ALWAYS_INLINE void store(const short* upper, const short* lower, uchar* out) const
     {
-        const Wide u = load(upper), l = load(lower);
-        const Wide first = AQORB_WIDE(madd_epi16)(AQORB_WIDE(unpacklo_epi16)(u, l), weights);
-        const Wide second = AQORB_WIDE(madd_epi16)(AQORB_WIDE(unpackhi_epi16)(u, l), weights);
-        storeBytes(out, AQORB_WIDE(packs_epi32)(AQORB_WIDE(srai_epi32)(first, 16),
-                                                AQORB_WIDE(srai_epi32)(second, 16)));
+        const Wide a = between(upper, lower), bytes = asBytes(a, a);
+#if CV_AVX512_SKX
+        _mm256_storeu_si256(reinterpret_cast<__m256i*>(out), _mm512_castsi512_si256(bytes));
+#elif CV_AVX2
+        _mm_storeu_si128(reinterpret_cast<__m128i*>(out), _mm256_castsi256_si128(bytes));
+#else
+        _mm_storel_epi64(reinterpret_cast<__m128i*>(out), bytes);
+#endif
+    }
+    CV_ALWAYS_INLINE void storeTwo(const short* upper, const short* lower, uchar* out) const
+    {
+        storeWide(out, asBytes(between(upper, lower), between(upper + LANES, lower + LANES)));
     }
 
 private:
+    // The pixels less 128, as signed 16-bit numbers.
+    CV_ALWAYS_INLINE Wide between(const short* upper, const short* lower) const
+    {
+        const Wide u = load(upper), l = load(lower);
+        const Wide first = AQORB_WIDE(madd_epi16)(AQORB_WIDE(unpacklo_epi16)(u, l), weights);
+        const Wide second = AQORB_WIDE(madd_epi16)(AQORB_WIDE(unpackhi_epi16)(u, l), weights);
+        return AQORB_WIDE(packs_epi32)(AQORB_WIDE(srai_epi32)(first, 16), AQORB_WIDE(srai_epi32)(second, 16));
+    }
+    // Saturated to 8 bits, then offset to unsigned ones.
+    static CV_ALWAYS_INLINE Wide asBytes(Wide a, Wide b)
+    {
+        const Wide bytes = AQORB_WIDE(add_epi8)(AQORB_WIDE(packs_epi16)(a, b), AQORB_WIDE(set1_epi8)(-128));
+#if CV_AVX512_SKX
+        return _mm512_permutexvar_epi64(_mm512_setr_epi64(0, 2, 4, 6, 1, 3, 5, 7), bytes);
+#elif CV_AVX2
+        return _mm256_permute4x64_epi64(bytes, 0xd8);
+#else
+        return bytes;
+#endif
+    }
+
     Wide weights;
 };
 #undef AQORB_WIDE
@@ -196,14 +214,21 @@ void blendRows(const short* upper, const short* lower, int lowerWeight, int widt
 {
     const Blend blend(lowerWeight);
     int x = 0;
+    for (; x + 2 * LANES <= width; x += 2 * LANES)
+        blend.storeTwo(upper + x, lower + x, out + x);
     for (; x + LANES <= width; x += LANES)
         blend.store(upper + x, lower + x, out + x);
-    if (x < width)
+    if (x < width && x > 0)  // the last vector overlaps the one before
     {
-        uchar last[LANES];
-        blend.store(upper + x, lower + x, last);
-        for (int i = x; i < width; i++)
-            out[i] = last[i - x];
+        x = width - LANES;
+        blend.store(upper + x, lower + x, out + x);
+    }
+    else if (x < width)
+    {
+        uchar pixels[LANES];
+        blend.store(upper, lower, pixels);
+        for (; x < width; x++)
+            out[x] = pixels[x];
     }
 }
 

@@ -35,20 +35,6 @@ public:
         head = int(entries.size());
         entries.push_back(entry);
     }
-    // Whether there is a keypoint in the buckets within the radius. It takes no division, and few points are near any.
-    bool mayBeNear(float x, float y, float radius) const
-    {
-        const int left = column(x - radius), right = column(x + radius), bottom = row(y + radius);
-        for (int r = row(y - radius); r <= bottom; r++)
-        {
-            for (int c = left; c <= right; c++)
-            {
-                if (heads[size_t(r) * columns + c] >= 0)
-                    return true;
-            }
-        }
-        return false;
-    }
     // Whether a keypoint of one of the levels first .. last, but not of the given level, is strictly nearer than radius.
     bool isNear(Point2d p, double radius, int level, int first, int last) const
     {
@@ -115,8 +101,6 @@ public:
             levels.push_back(LevelState());
         LevelState& level = levels[levelCount++];
         level.given = added;
-        level.toImageX = float(imageSize.width) / added.size.width;
-        level.toImageY = float(imageSize.height) / added.size.height;
         level.hasBegun = false;
         level.chosen.clear();
     }
@@ -216,7 +200,6 @@ private:
     struct LevelState
     {
         SelectionLevel given;
-        float toImageX, toImageY;  // about the size of a pixel in pixels of the image
         bool hasBegun;  // whether corners were taken from its sequence
         std::vector<RankedCorner> chosen;
     };
@@ -236,11 +219,7 @@ private:
         bool accepts(const LeafPoint& point) const CV_OVERRIDE
         {
             const double radius = impl.octaveSuppression * impl.levels[level].given.scale;
-            const LevelState& state = impl.levels[level];
-            const float MARGIN = 1;  // of rounding
             return !(radius > 0 &&
-                     impl.grid.mayBeNear(point.x * state.toImageX, point.y * state.toImageY,
-                                         float(radius) + state.toImageX + MARGIN) &&
                      impl.grid.isNear(impl.position(level, point.x, point.y), radius, level, first, last));
         }
 

@@ -46,10 +46,15 @@ void TaskQueue::run(int threads_, TaskRunner& runner_)
         parallel_for_(
             Range(0, threads), [this](const Range&) { work(); }, threads);
     }
-    ready.clear();
-    number = 0;
+    clear();
     if (error)
         std::rethrow_exception(error);
+}
+
+void TaskQueue::clear()
+{
+    ready.clear();
+    number = 0;
 }
 
 void TaskQueue::work()

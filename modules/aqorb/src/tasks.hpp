@@ -49,6 +49,8 @@ public:
     //! Does all tasks: those in the queue, and those that they put there. An exception of a task ends the others as soon
     //! as possible, and is thrown on.
     void run(int threads, TaskRunner& runner);
+    //! Forgets the tasks of a frame that ended before they were done.
+    void clear();
 
 private:
     struct Entry

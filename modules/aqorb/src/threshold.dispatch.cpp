@@ -20,9 +20,10 @@ namespace aqorb
 namespace stages
 {
 
-static void addRow(const uchar* row, int width, uint64& sum, uint64& squares)
+static void addRows(const Mat& image, uint64& sum, uint64& squares)
 {
-    CV_CPU_DISPATCH(sumRow, (row, width, sum, squares), CV_CPU_DISPATCH_MODES_ALL);
+    CV_CPU_DISPATCH(sumRows, (image.ptr(), ptrdiff_t(image.step), image.cols, image.rows, sum, squares),
+                    CV_CPU_DISPATCH_MODES_ALL);
 }
 
 double varianceOverMean(const Mat& image, const Mat& mask)
@@ -30,15 +31,14 @@ double varianceOverMean(const Mat& image, const Mat& mask)
     CV_TRACE_FUNCTION();
     // The sums are whole numbers, so they are the same for any order of summation.
     uint64 sum = 0, squares = 0, count = 0;
-    for (int y = 0; y < image.rows; y++)
+    if (mask.empty())
+    {
+        addRows(image, sum, squares);
+        count = uint64(image.total());
+    }
+    for (int y = 0; y < image.rows && !mask.empty(); y++)
     {
         const uchar* row = image.ptr(y);
-        if (mask.empty())
-        {
-            addRow(row, image.cols, sum, squares);
-            count += image.cols;
-            continue;
-        }
         const uchar* use = mask.ptr(y);
         for (int x = 0; x < image.cols; x++)
         {

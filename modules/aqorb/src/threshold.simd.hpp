@@ -14,36 +14,52 @@ namespace stages
 {
 CV_CPU_OPTIMIZATION_NAMESPACE_BEGIN
 
-//! Adds the pixels of a row and their squares.
-void sumRow(const uchar* row, int width, uint64& sum, uint64& squares);
+//! Adds the pixels of rows and their squares.
+void sumRows(const uchar* rows, ptrdiff_t step, int width, int height, uint64& sum, uint64& squares);
 
 #ifndef CV_CPU_OPTIMIZATION_DECLARATIONS_ONLY
 
-void sumRow(const uchar* row, int width, uint64& sum, uint64& squares)
+void sumRows(const uchar* rows, ptrdiff_t step, int width, int height, uint64& sum, uint64& squares)
 {
-    int x = 0;
 #if CV_SIMD
-    const int LANES = AQORB_LANES(v_uint8), FLUSH = 1024 * LANES;  // so many squares fit into 32 bits
-    const v_uint8 one = vx_setall_u8(1);
-    while (x + LANES <= width)
+    const int LANES = AQORB_LANES(v_uint8), MOST = 1024;  // so many vectors of squares fit into 32 bits
+    const v_uint8 low = v_reinterpret_as_u8(vx_setall_u16(0x00ff));
+    const v_uint16 one = vx_setall_u16(1);
+    v_uint32 sums = vx_setzero_u32(), squareSums = vx_setzero_u32();
+    int added = 0;
+#endif
+    for (int y = 0; y < height; y++)
     {
-        v_uint32 sums = vx_setzero_u32(), squareSums = vx_setzero_u32();
-        const int end = x + FLUSH < width ? x + FLUSH : width;
-        for (; x + LANES <= end; x += LANES)
+        const uchar* row = rows + y * step;
+        int x = 0;
+#if CV_SIMD
+        for (; x + LANES <= width; x += LANES)
         {
             const v_uint8 v = vx_load(row + x);
-            sums = v_dotprod_expand_fast(v, one, sums);
-            squareSums = v_dotprod_expand_fast(v, v, squareSums);
+            const v_int16 even = v_reinterpret_as_s16(v_and(v, low));
+            const v_int16 odd = v_reinterpret_as_s16(v_shr<8>(v_reinterpret_as_u16(v)));
+            squareSums =
+                v_add(squareSums, v_reinterpret_as_u32(v_add(v_dotprod(even, even), v_dotprod(odd, odd))));
+            sums = v_add(sums, v_reinterpret_as_u32(v_dotprod(v_add(even, odd), v_reinterpret_as_s16(one))));
+            if (++added == MOST)
+            {
+                sum += v_reduce_sum(sums);
+                squares += v_reduce_sum(squareSums);
+                sums = squareSums = vx_setzero_u32();
+                added = 0;
+            }
         }
-        sum += v_reduce_sum(sums);
-        squares += v_reduce_sum(squareSums);
-    }
 #endif
-    for (; x < width; x++)
-    {
-        sum += row[x];
-        squares += unsigned(row[x]) * row[x];
+        for (; x < width; x++)
+        {
+            sum += row[x];
+            squares += unsigned(row[x]) * row[x];
+        }
     }
+#if CV_SIMD
+    sum += v_reduce_sum(sums);
+    squares += v_reduce_sum(squareSums);
+#endif
 }
 
 #endif  // CV_CPU_OPTIMIZATION_DECLARATIONS_ONLY

@@ -64,14 +64,15 @@ private:
     static std::vector<RankedCorner> choose(const Level& level, Thresholds thresholds, int quota)
     {
         const cv::Rect region(EDGE, EDGE, level.image.cols - 2 * EDGE, level.image.rows - 2 * EDGE);
-        const DetectionRules rules = {thresholds, CELL, true, 0};
+        KeptCount count;
+        const DetectionRules rules = {thresholds, CELL, true, &count, 0};
         const OrderRule order = {region, quadtreeDepth(quota), false, RankRule()};
         LevelDetection detection;
         DetectionScratch scratch;
-        detection.begin(level, region, rules);
+        detection.begin(level, region, rules, 1);
         detection.sequence(order, scratch);
         std::vector<RankedCorner> ranked;
-        detection.list(KEPT_CORNERS, scratch, ranked);
+        detection.list(KEPT_CORNERS, ranked);
         std::stable_sort(ranked.begin(), ranked.end(),
                          [](const RankedCorner& a, const RankedCorner& b)
                          { return a.response > b.response; });
