@@ -35,7 +35,7 @@ bool findCorners(const Level& level, const Rect& region, const Thresholds& thres
                  int wanted = MANY)
 {
     KeptCount count;
-    count.begin(wanted);
+    count.begin(wanted, double(region.width) * region.height);
     const CornerRules rules = {thresholds, cellSize, suppressNear, &count};
     scratch.seams.resize(std::max(scratch.seams.size(), size_t(bands)));
     scratch.bands.resize(std::max(scratch.bands.size(), size_t(bands)));
@@ -64,10 +64,10 @@ bool findCorners(const Level& level, const Rect& region, const Thresholds& thres
     for (int i = 0; i < bands; i++)
     {
         if (suppressNear && i > 0)
-            scratch.seams[i].list(count, found, scratch.search.scratch);
+            scratch.seams[i].list(found.isComplete, found, scratch.search.scratch);
         found.append(scratch.bands[i]);
     }
-    return count.isShort();
+    return found.isComplete;
 }
 
 Level levelOf(const Mat& image, const Mat& mask = Mat())
