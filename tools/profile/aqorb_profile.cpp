@@ -12,11 +12,8 @@
 #include "../common/options.hpp"
 #include "../common/program.hpp"
 
-#include <opencv2/core/parallel/parallel_backend.hpp>
-
 #include <cstdlib>
 #include <iostream>
-#include <memory>
 
 using namespace cv;
 using tools::splitList;
@@ -40,7 +37,6 @@ const char* const KEYS =
     "{memory         |      | print the heap at its peak and what is kept between frames, in bytes; of "
     "cv::ORB, too }"
     "{frames         | 0    | only run so many frames of the first image, for a profiler }"
-    "{parts          | 1    | of --frames: divide a frame as for so many threads, but use one }"
     "{detector       | aqorb | of --frames: aqorb or orb }"
     "{images         |      | names separated by commas: WIDTHxHEIGHT draws a scene, others are photographs "
     "in OPENCV_TEST_DATA_PATH (bikes, leuven, bark, trees, ubc, 640x512.png, 1920x1080.png) or files }"
@@ -107,30 +103,9 @@ ProgramSettings programSettings(const CommandLineParser& parser, const Settings&
     return settings;
 }
 
-//! Runs what would be done by several threads on one, so that its trace shows how long each task takes.
-class InTurns : public parallel::ParallelForAPI
+void runFrames(const std::string& spec, Detector id, int nfeatures, int frames)
 {
-public:
-    explicit InTurns(int threads_) : threads(threads_) {}
-    void parallel_for(int stripes, FN_parallel_for_body_cb_t body, void* data) override
-    {
-        for (int i = 0; i < stripes; i++)
-            body(i, i + 1, data);
-    }
-    int getThreadNum() const override { return 0; }
-    int getNumThreads() const override { return threads; }
-    int setNumThreads(int) override { return threads; }
-    const char* getName() const override { return "in turns"; }
-
-private:
-    const int threads;
-};
-
-void runFrames(const std::string& spec, Detector id, int nfeatures, int frames, int parts)
-{
-    setNumThreads(parts);
-    if (parts > 1)
-        parallel::setParallelForBackend(std::make_shared<InTurns>(parts), false);
+    setNumThreads(1);
     const Image image(spec);
     const Ptr<Feature2D> detector = createDetector(id, nfeatures);
     Features features;
@@ -164,12 +139,12 @@ int run(const CommandLineParser& parser, const std::vector<std::string>& argumen
     settings.repeats = smoke ? 3 : parser.get<int>("repeats");
     settings.beside = parser.get<String>("beside");
     const ProgramSettings program = programSettings(parser, settings, arguments);
-    const int frames = parser.get<int>("frames"), parts = parser.get<int>("parts");
+    const int frames = parser.get<int>("frames");
     const std::string detector = parser.get<String>("detector");
     tools::checkRead(parser);
     check(settings, program);
-    if (frames < 0 || parts < 1 || (detector != "aqorb" && detector != "orb"))
-        throw tools::BadArguments{"--frames: at least 0; --parts: at least 1; --detector: aqorb or orb"};
+    if (frames < 0 || (detector != "aqorb" && detector != "orb"))
+        throw tools::BadArguments{"--frames: at least 0; --detector: aqorb or orb"};
     if (parser.has("setting") + parser.has("program") + parser.has("stages") + parser.has("memory") +
             (frames > 0) !=
         1)
@@ -179,7 +154,7 @@ int run(const CommandLineParser& parser, const std::vector<std::string>& argumen
 
     if (frames > 0)
     {
-        runFrames(settings.images[0], detector == "orb" ? CV_ORB : AQORB, settings.nfeatures, frames, parts);
+        runFrames(settings.images[0], detector == "orb" ? CV_ORB : AQORB, settings.nfeatures, frames);
         return 0;
     }
     const tools::CsvTable table = parser.has("setting")   ? measureSetting(settings)

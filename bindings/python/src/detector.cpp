@@ -169,4 +169,10 @@ ArrayTupleObject buildPyramid(const Detector& self, const OptionalArrayObject& i
     return {arrays};
 }
 
+void releaseMemory(const Detector& self)
+{
+    const cv::Ptr<Library> library = self.share();
+    withoutGil([&] { library->releaseMemory(); });
+}
+
 }  // namespace aqorb_python

@@ -49,6 +49,7 @@ std::pair<ArrayObject, ArrayObject> detectAndComputeArrays(const Detector& self,
                                                            const OptionalArrayObject& image,
                                                            const OptionalArrayObject& mask);
 ArrayTupleObject buildPyramid(const Detector& self, const OptionalArrayObject& image);
+void releaseMemory(const Detector& self);
 
 }  // namespace aqorb_python
 

@@ -116,7 +116,9 @@ void addProcessing(DetectorClass& detector)
              "of\n"
              "the first is an array of shape (n, 2).")
         .def("buildPyramid", &buildPyramid, arg("image"),
-             "Returns the levels of the pyramid in which keypoints are found, as grey images.");
+             "Returns the levels of the pyramid in which keypoints are found, as grey images.")
+        .def("releaseMemory", &releaseMemory,
+             "Frees the work space that the detector keeps between calls. The next call allocates it anew.");
 }
 
 void addProperties(DetectorClass& detector)

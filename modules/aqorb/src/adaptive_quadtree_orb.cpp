@@ -96,9 +96,21 @@ public:
     void buildPyramid(InputArray image, OutputArrayOfArrays levels) const CV_OVERRIDE;
 
     void detectAndCompute(InputArray image, InputArray mask, std::vector<KeyPoint>& keypoints,
-                          OutputArray descriptors, bool useProvidedKeypoints) CV_OVERRIDE;
+                          OutputArray descriptors, bool useProvidedKeypoints) CV_OVERRIDE
+    {
+        process(image, mask, keypoints, descriptors, useProvidedKeypoints, 0);
+    }
+    void detectAndComputeWithPyramid(InputArray image, InputArray mask, std::vector<KeyPoint>& keypoints,
+                                     OutputArray descriptors, OutputArrayOfArrays levels) CV_OVERRIDE
+    {
+        checkLevelsOutput(levels);
+        process(image, mask, keypoints, descriptors, false, &levels);
+    }
+    void releaseMemory() CV_OVERRIDE { workspaces.clear(); }
 
 private:
+    void process(InputArray image, InputArray mask, std::vector<KeyPoint>& keypoints, OutputArray descriptors,
+                 bool useProvidedKeypoints, const _OutputArray* levels);
     static const Parameters& checked(const Parameters& unchecked)
     {
         unchecked.check();
@@ -140,6 +152,40 @@ Ptr<AdaptiveQuadtreeORB> AdaptiveQuadtreeORB::create(int nfeatures, float scaleF
     return makePtr<AdaptiveQuadtreeORBImpl>(parameters);
 }
 
+// Makes the levels of the pyramid but the first ones, which have been made.
+static void completePyramid(const Parameters& parameters, int made, Workspace& workspace)
+{
+    workspace.layOutLevels(parameters.nlevels, parameters.firstLevel, parameters.scaleFactor, 1);
+    for (int i = made; i < workspace.levelCount; i++)
+        workspace.makeLevel(i, parameters.firstLevel);
+    // The caller's pixels may lie in the memory of a level that is given up when the levels are given.
+    if (parameters.firstLevel < workspace.levelCount)
+    {
+        Mat& input = workspace.levels[parameters.firstLevel].level.image;
+        input = input.clone();
+    }
+}
+
+static void giveLevels(const Workspace& workspace, const _OutputArray& levels)
+{
+    createLevels(levels, workspace.levelCount);
+    for (int i = 0; i < workspace.levelCount; i++)
+    {
+        const Mat& image = workspace.levels[i].level.image;
+        if (levels.isUMatVector())
+        {
+            // A new UMat, because the caller may share the old one.
+            UMat copy;
+            image.copyTo(copy);
+            levels.getUMatRef(i) = copy;
+        }
+        else
+        {
+            levels.getMatRef(i) = image;
+        }
+    }
+}
+
 void AdaptiveQuadtreeORBImpl::buildPyramid(InputArray image_, OutputArrayOfArrays levels_) const
 {
     CV_TRACE_FUNCTION();
@@ -152,37 +198,14 @@ void AdaptiveQuadtreeORBImpl::buildPyramid(InputArray image_, OutputArrayOfArray
         parameters.checkTogether(parameters.nlevels);
         workspace.input.image = grayImage(image_);
         checkPyramidInput(workspace.input.image.size());
-        workspace.layOutLevels(parameters.nlevels, parameters.firstLevel, parameters.scaleFactor, 1);
-        for (int i = 0; i < workspace.levelCount; i++)
-            workspace.makeLevel(i, parameters.firstLevel);
-        // The caller's pixels may lie in the memory of a level that is given up below.
-        if (parameters.firstLevel < workspace.levelCount)
-        {
-            Mat& first = workspace.levels[parameters.firstLevel].level.image;
-            first = first.clone();
-        }
+        completePyramid(parameters, 0, workspace);
     }
-    createLevels(levels_, workspace.levelCount);
-    for (int i = 0; i < workspace.levelCount; i++)
-    {
-        const Level& level = workspace.levels[i].level;
-        if (levels_.isUMatVector())
-        {
-            // A new UMat, because the caller may share the old one.
-            UMat copy;
-            level.image.copyTo(copy);
-            levels_.getUMatRef(i) = copy;
-        }
-        else
-        {
-            levels_.getMatRef(i) = level.image;
-        }
-    }
+    giveLevels(workspace, levels_);
 }
 
-void AdaptiveQuadtreeORBImpl::detectAndCompute(InputArray image_, InputArray mask_,
-                                               std::vector<KeyPoint>& keypoints, OutputArray descriptors_,
-                                               bool useProvidedKeypoints)
+void AdaptiveQuadtreeORBImpl::process(InputArray image_, InputArray mask_, std::vector<KeyPoint>& keypoints,
+                                      OutputArray descriptors_, bool useProvidedKeypoints,
+                                      const _OutputArray* levels)
 {
     CV_TRACE_FUNCTION();
     const bool withDescriptors = descriptors_.needed();
@@ -194,31 +217,43 @@ void AdaptiveQuadtreeORBImpl::detectAndCompute(InputArray image_, InputArray mas
     {
         if (withDescriptors)
             releaseDescriptors(descriptors_);
+        if (levels)
+            createLevels(*levels, 0);
         keypoints.clear();
         return;
     }
 
     const UMat heldImage = heldUMat(image_), heldMask = heldUMat(mask_);
-    Level input;
-    input.image = grayImage(image_);
-    checkPyramidInput(input.image.size());
-    if (!useProvidedKeypoints)
-        input.mask = checkedMask(mask_, input.image.size());
-    const Pool<Workspace>::Lease lease(workspaces);
+    checkImage(image_);
+    const Size size = image_.size();
+    checkPyramidInput(size);
+    const Pool<Workspace>::Lease lease(workspaces, size_t(size.area()));
     Workspace& workspace = *lease;
+    Level input;
+    input.image = grayImage(image_, &workspace.gray);
+    if (!useProvidedKeypoints)
+        input.mask = checkedMask(mask_, size);
     const InputScope scope(workspace, input);
+    workspace.givesLevels = levels != 0;
     Frame frame(parameters, tables, workspace);
     if (useProvidedKeypoints)
         frame.describeGiven(keypoints);
     else
         frame.detect(withDescriptors);
+    const size_t count = frame.count();
+    const int levelsInUse = workspace.levelCount;
+    if (levels)
+        completePyramid(parameters, levelsInUse, workspace);
 
     // The outputs are written when the image has been read, because they may share its memory.
     Mat descriptors;
-    if (withDescriptors && frame.count() > 0)
-        descriptors = createDescriptors(descriptors_, int(frame.count()));
+    if (withDescriptors && count > 0)
+        descriptors = createDescriptors(descriptors_, int(count));
     else if (withDescriptors)
         releaseDescriptors(descriptors_);
+    if (levels)
+        giveLevels(workspace, *levels);
+    workspace.levelCount = levelsInUse;
     frame.output(keypoints, descriptors);
 }
 

@@ -32,7 +32,7 @@ static bool isSequence(const _InputArray& array)
     }
 }
 
-Mat grayImage(InputArray input)
+void checkImage(InputArray input)
 {
     if (isSequence(input))
         CV_Error_(Error::StsBadArg,
@@ -43,10 +43,21 @@ Mat grayImage(InputArray input)
                   ("image: got %d dimensions of type %s; a CV_8U image with 1 (grey), 3 (BGR) or 4 "
                    "(BGRA) channels is accepted",
                    input.dims(), typeToString(input.type()).c_str()));
+}
+
+Mat grayImage(InputArray input, std::vector<uchar>* memory)
+{
+    checkImage(input);
     Mat image = input.getMat();
-    if (channels == 1)
+    if (image.channels() == 1)
         return image;
     Mat gray;
+    if (memory)
+    {
+        if (memory->size() < image.total())
+            memory->resize(image.total());
+        gray = Mat(image.size(), CV_8UC1, memory->data());
+    }
     cvtColor(image, gray, COLOR_BGR2GRAY);
     return gray;
 }

@@ -17,8 +17,12 @@ namespace aqorb
 namespace stages
 {
 
+//! Throws unless the input is an image that can be converted to grey.
+void checkImage(InputArray image);
+
 //! The grey image: the input itself, or its conversion as cv::ORB converts it. Throws for any other type of image.
-Mat grayImage(InputArray image);
+//! @param memory for the conversion; 0: the conversion gets memory of its own
+Mat grayImage(InputArray image, std::vector<uchar>* memory = 0);
 
 //! Throws for an image that is too large for a pyramid.
 void checkPyramidInput(Size imageSize);

@@ -9,6 +9,7 @@
 #include <opencv2/core.hpp>
 #include <opencv2/core/utility.hpp>
 
+#include <algorithm>
 #include <vector>
 
 namespace cv
@@ -17,50 +18,90 @@ namespace aqorb
 {
 
 /** Lends objects, each to one user at a time, and keeps them with their memory. So an object that lends its work space
- can serve several threads at once without allocating memory for every image. */
+ can serve several threads at once without allocating memory for every image. It does not keep memory for ever: of more
+ objects than the machine has CPUs, and of objects that were not lent for KEPT_CALLS loans, it keeps none, and an object
+ that served a much larger image than the last KEPT_CALLS ones is replaced. */
 template <typename T> class Pool
 {
 public:
-    Pool() : made(0) {}
+    enum
+    {
+        KEPT_CALLS = 64
+    };
+
+    Pool() : made(0), loans(0) {}
 
     //! A loan, which ends with the scope.
     class Lease
     {
     public:
-        explicit Lease(Pool& pool_) : pool(pool_), lent(pool.take()) {}
+        //! @param size of what the object is needed for, in any unit
+        Lease(Pool& pool_, size_t size) : pool(pool_), lent(pool.take(size)) {}
         ~Lease() { pool.give(lent); }
-        T& operator*() const { return *lent; }
+        T& operator*() const { return *lent.object; }
 
     private:
         Lease(const Lease&);
         Lease& operator=(const Lease&);
 
         Pool& pool;
-        Ptr<T> lent;
+        typename Pool::Entry lent;
     };
 
-private:
-    Ptr<T> take()
+    //! Frees the objects that are not lent.
+    void clear()
     {
         AutoLock lock(mutex);
+        idle.clear();
+    }
+
+private:
+    struct Entry
+    {
+        Entry() : largest(0), smaller(0), loan(0) {}
+
+        Ptr<T> object;
+        size_t largest;  // that the object was lent for
+        int smaller;     // loans since one of at least half of that size
+        uint64 loan;     // the last one
+    };
+    Entry take(size_t size)
+    {
+        AutoLock lock(mutex);
+        Entry lent;
         if (idle.empty())
         {
             idle.reserve(++made);  // so that giving back, which a destructor does, cannot fail
-            return makePtr<T>();
         }
-        const Ptr<T> lent = idle.back();
-        idle.pop_back();
+        else
+        {
+            lent = idle.back();
+            idle.pop_back();
+        }
+        lent.smaller = size >= lent.largest / 2 ? 0 : lent.smaller + 1;
+        if (!lent.object || lent.smaller == KEPT_CALLS)
+        {
+            lent = Entry();
+            lent.object = makePtr<T>();
+        }
+        lent.largest = std::max(lent.largest, size);
+        lent.loan = ++loans;
         return lent;
     }
-    void give(const Ptr<T>& lent)
+    void give(const Entry& lent)
     {
         AutoLock lock(mutex);
         idle.push_back(lent);
+        // The last one given is lent first, so that the first one has been idle for the longest time.
+        if (idle.size() > size_t(std::max(getNumberOfCPUs(), 1)) ||
+            loans - idle.front().loan > uint64(KEPT_CALLS))
+            idle.erase(idle.begin());
     }
 
     Mutex mutex;
     size_t made;
-    std::vector<Ptr<T>> idle;
+    uint64 loans;
+    std::vector<Entry> idle;
 };
 
 }  // namespace aqorb

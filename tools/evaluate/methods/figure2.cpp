@@ -72,7 +72,7 @@ private:
         detection.begin(level, region, rules, 1);
         detection.sequence(order, scratch);
         std::vector<RankedCorner> ranked;
-        detection.list(KEPT_CORNERS, ranked);
+        detection.list(KEPT_CORNERS, scratch, ranked);
         std::stable_sort(ranked.begin(), ranked.end(),
                          [](const RankedCorner& a, const RankedCorner& b)
                          { return a.response > b.response; });

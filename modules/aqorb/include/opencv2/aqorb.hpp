@@ -197,7 +197,8 @@ public:
     needs the pixels around keypoints, such as stereo matching: keypoint k lies on levels[k.octave].
 
     Level i has the size of the image divided by scaleFactor^(i - firstLevel), rounded, and is equal to
-    that of cv::ORB. Detection keeps no pyramid, so this function computes all of it.
+    that of cv::ORB. Detection keeps no pyramid, so this function computes all of it. In C++
+    detectAndComputeWithPyramid saves computing it twice.
 
     @param image 8-bit image with 1, 3 (BGR) or 4 (BGRA) channels.
     @param levels A vector of Mat or UMat: one CV_8UC1 image for each level, which shares no memory with
@@ -205,6 +206,25 @@ public:
     least one pixel. It is empty for an empty image.
      */
     CV_WRAP virtual void buildPyramid(InputArray image, OutputArrayOfArrays levels) const = 0;
+
+    /** @brief detectAndCompute and buildPyramid in one call, which computes the pyramid once. The results are
+    those of the two calls.
+
+    @param image, mask, keypoints, descriptors as for detectAndCompute
+    @param levels as for buildPyramid
+     */
+    virtual void detectAndComputeWithPyramid(InputArray image, InputArray mask,
+                                             std::vector<KeyPoint>& keypoints, OutputArray descriptors,
+                                             OutputArrayOfArrays levels) = 0;
+
+    /** @brief Frees the work space that the object keeps between calls. The next call allocates it anew.
+
+    The work space takes a few times the memory of the image. Without this function it is kept for as long as
+    it is of use. After 64 calls with images of less than half of the largest one's pixels it is made anew for
+    their size. Threads that call the object at the same time have a work space each. As many are kept as the
+    machine has CPUs, and those that 64 calls did without are freed.
+     */
+    CV_WRAP virtual void releaseMemory() = 0;
 
     CV_WRAP virtual String getDefaultName() const CV_OVERRIDE;
 };

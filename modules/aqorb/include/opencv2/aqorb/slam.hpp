@@ -93,11 +93,9 @@ public:
     void operator()(InputArray image, InputArray mask, std::vector<KeyPoint>& keypoints,
                     OutputArray descriptors)
     {
-        // The pyramid comes first, because the descriptors may be written into the image. It goes to a vector of
-        // its own, because the image may be a level of the last pyramid.
+        // The pyramid goes to a vector of its own, because the image may be a level of the last pyramid.
         std::vector<Mat> pyramid;
-        orb->buildPyramid(image, pyramid);
-        orb->detectAndCompute(image, mask, keypoints, descriptors);
+        orb->detectAndComputeWithPyramid(image, mask, keypoints, descriptors, pyramid);
         pyramid.resize(scales.size());
         mvImagePyramid.swap(pyramid);
     }
@@ -133,6 +131,13 @@ public:
                 rows.row(i).copyTo(parted.row(to));
         }
         return outside;
+    }
+
+    //! Frees the work space of the detector and the pyramid of the last image.
+    void releaseMemory()
+    {
+        orb->releaseMemory();
+        mvImagePyramid.clear();
     }
 
     int GetLevels() const { return int(scales.size()); }
