@@ -155,7 +155,8 @@ TEST(Aqorb_Position, a_masked_pixel_has_no_usable_position)
             const PositionMap map = {image, size, scale, 3, subPixel != 0};
             Mat levelMask = makeNoise(size, level + 2) > 60;
             const Mat before = levelMask.clone();
-            maskPositions(mask, map, levelMask);
+            std::vector<int> columns;
+            maskPositions(mask, map, levelMask, columns);
             for (int y = 3; y < size.height - 3; y++)
             {
                 for (int x = 3; x < size.width - 3; x++)

@@ -174,7 +174,7 @@ void Frame::completeMasks()
     {
         Level& masked = levels[i].level;
         if (!masked.isInput)
-            maskPositions(workspace.input.mask, rulesOf(i).position, masked.mask);
+            maskPositions(workspace.input.mask, rulesOf(i).position, masked.mask, workspace.maskColumns);
         planOrder(parameters, masked.mask, levels[i].selection);
     }
     for (int i = workspace.levelCount - 1; i >= 0; i--)

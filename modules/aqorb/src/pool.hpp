@@ -29,7 +29,7 @@ public:
         KEPT_CALLS = 64
     };
 
-    Pool() : made(0), loans(0) {}
+    Pool() : lentCount(0), loans(0) {}
 
     //! A loan, which ends with the scope.
     class Lease
@@ -68,12 +68,10 @@ private:
     Entry take(size_t size)
     {
         AutoLock lock(mutex);
+        idle.reserve(idle.size() + lentCount +
+                     1);  // so that giving back, which a destructor does, cannot fail
         Entry lent;
-        if (idle.empty())
-        {
-            idle.reserve(++made);  // so that giving back, which a destructor does, cannot fail
-        }
-        else
+        if (!idle.empty())
         {
             lent = idle.back();
             idle.pop_back();
@@ -86,12 +84,14 @@ private:
         }
         lent.largest = std::max(lent.largest, size);
         lent.loan = ++loans;
+        lentCount++;
         return lent;
     }
     void give(const Entry& lent)
     {
         AutoLock lock(mutex);
         idle.push_back(lent);
+        lentCount--;
         // The last one given is lent first, so that the first one has been idle for the longest time.
         if (idle.size() > size_t(std::max(getNumberOfCPUs(), 1)) ||
             loans - idle.front().loan > uint64(KEPT_CALLS))
@@ -99,7 +99,7 @@ private:
     }
 
     Mutex mutex;
-    size_t made;
+    size_t lentCount;
     uint64 loans;
     std::vector<Entry> idle;
 };

@@ -81,9 +81,10 @@ bool usablePosition(const Mat& imageMask, const PositionMap& position, int x, in
     return least < std::numeric_limits<double>::infinity();
 }
 
-void maskPositions(const Mat& imageMask, const PositionMap& position, Mat& levelMask)
+void maskPositions(const Mat& imageMask, const PositionMap& position, Mat& levelMask,
+                   std::vector<int>& columns)
 {
-    std::vector<int> columns(levelMask.cols);
+    columns.resize(levelMask.cols);
     for (int x = 0; x < levelMask.cols; x++)
         columns[x] = nearestPixel(position(x, 0).x, imageMask.cols);
     Point2f anywhere;

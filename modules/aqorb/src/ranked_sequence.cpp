@@ -237,26 +237,26 @@ void RankedSequence::listOthers()
 {
     hasOthers = true;
     const size_t count = source->count();
-    std::vector<uchar> isRepresentative(count, uchar(0));
+    representedPoints.assign(count, uchar(0));
     for (size_t i = 0; i < entries.size(); i++)
-        isRepresentative[entries[i].point] = 1;
+        representedPoints[entries[i].point] = 1;
     others.clear();
     if (takesAll)
     {
         for (size_t i = 0; i < count; i++)
         {
-            if (!isRepresentative[i])
+            if (!representedPoints[i])
                 others.push_back(source->point(i));
         }
         return;
     }
     const size_t stride = (size_t(1) << depth) + 2;
-    std::vector<uchar> isRepresented(stride * stride, uchar(0));
+    representedLeaves.assign(stride * stride, uchar(0));
     for (size_t i = 0; i < count; i++)
     {
         others.push_back(source->point(i));
         others[i].leaf = source->leaf(others[i]);
-        isRepresented[others[i].leaf] |= isRepresentative[i];
+        representedLeaves[others[i].leaf] |= representedPoints[i];
     }
     std::sort(others.begin(), others.end(), StrongerInLeaf());
     // They are sorted by their place in their leaf, which takes the place of the leaf's number.
@@ -266,7 +266,7 @@ void RankedSequence::listOthers()
     {
         place = i > 0 && others[i].leaf == leaf ? place + 1 : 0;
         leaf = others[i].leaf;
-        if (place == 0 && isRepresented[leaf])
+        if (place == 0 && representedLeaves[leaf])
             continue;
         others[left] = others[i];
         others[left++].leaf = place;

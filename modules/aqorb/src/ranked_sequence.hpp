@@ -167,8 +167,9 @@ private:
     int depth;
     const PointSource* source;
     RankedScratch* scratch;
-    std::vector<Entry> entries;     // the representatives, in their order
-    std::vector<LeafPoint> others;  // the other points, in their order
+    std::vector<Entry> entries;                               // the representatives, in their order
+    std::vector<LeafPoint> others;                            // the other points, in their order
+    std::vector<uchar> representedPoints, representedLeaves;  // work space of listOthers
     size_t given;
     bool takesAll, hasOthers;
 };

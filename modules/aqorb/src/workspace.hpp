@@ -60,6 +60,7 @@ struct Workspace
     stages::FeatureSelector selector;
     TaskQueue queue;
     std::vector<WorkerScratch> scratches;  //!< of the workers
+    std::vector<int> maskColumns;          //!< work space of maskPositions
     // Work space of the output.
     std::vector<uint64> numbers;
     std::vector<unsigned> rasterOrder, places;
