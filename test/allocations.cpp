@@ -11,10 +11,42 @@
 #include <cstdlib>
 #include <new>
 
+#if defined(__GLIBC__)
+#include <malloc.h>
+#endif
+
 namespace
 {
 
 std::atomic<long> newCalls(0), matrices(0), countdown(0);
+std::atomic<long long> inUse(0), peak(0);  // bytes, of the whole program
+long long inUseBefore = 0;
+
+long long sizeOf(void* memory)
+{
+#if defined(__GLIBC__)
+    return (long long)malloc_usable_size(memory);
+#else
+    (void)memory;
+    return 0;
+#endif
+}
+
+void addBytes(long long count)
+{
+    const long long now = inUse += count;
+    long long most = peak;
+    while (most < now && !peak.compare_exchange_weak(most, now))
+    {
+    }
+}
+
+void freeCounted(void* memory)
+{
+    if (memory)
+        addBytes(-sizeOf(memory));
+    std::free(memory);
+}
 
 // While OpenCV allocates a matrix, which is counted as one allocation.
 thread_local bool isMatrix = false;
@@ -35,13 +67,24 @@ public:
         if (!data && isToFail())
             CV_Error(cv::Error::StsNoMem, "no memory, on purpose");
         const Mark mark;
-        return cv::Mat::getStdAllocator()->allocate(dims, sizes, type, data, step, flags, usage);
+        cv::UMatData* const allocated =
+            cv::Mat::getStdAllocator()->allocate(dims, sizes, type, data, step, flags, usage);
+        // So that it comes back here.
+        allocated->prevAllocator = allocated->currAllocator = this;
+        if (!data)
+            addBytes((long long)allocated->size);
+        return allocated;
     }
     bool allocate(cv::UMatData* data, cv::AccessFlag flags, cv::UMatUsageFlags usage) const CV_OVERRIDE
     {
         return cv::Mat::getStdAllocator()->allocate(data, flags, usage);
     }
-    void deallocate(cv::UMatData* data) const CV_OVERRIDE { cv::Mat::getStdAllocator()->deallocate(data); }
+    void deallocate(cv::UMatData* data) const CV_OVERRIDE
+    {
+        if (data && !(data->flags & cv::UMatData::USER_ALLOCATED))
+            addBytes(-(long long)data->size);
+        cv::Mat::getStdAllocator()->deallocate(data);
+    }
 
 private:
     struct Mark
@@ -51,8 +94,12 @@ private:
     };
 };
 
-// Lives on after the counter: a matrix may be made while that ends.
-CountingMatAllocator matAllocator;
+// It is never destroyed, as matrices that it made may live on to the end of the program.
+cv::MatAllocator* matAllocator()
+{
+    static cv::MatAllocator* const allocator = new CountingMatAllocator;
+    return allocator;
+}
 cv::MatAllocator* before = 0;
 
 }  // namespace
@@ -64,9 +111,11 @@ AllocationCounter::AllocationCounter(long failing)
 {
     CV_Assert(!before);
     before = cv::Mat::getDefaultAllocator();
-    cv::Mat::setDefaultAllocator(&matAllocator);
+    cv::Mat::setDefaultAllocator(matAllocator());
     newCalls = 0;
     matrices = 0;
+    inUseBefore = inUse;
+    beginPeak();
     countdown = failing;
 }
 
@@ -87,6 +136,30 @@ long AllocationCounter::ofMatrices() const
     return matrices;
 }
 
+bool AllocationCounter::countsBytes()
+{
+#if defined(__GLIBC__)
+    return true;
+#else
+    return false;
+#endif
+}
+
+long long AllocationCounter::bytes() const
+{
+    return inUse - inUseBefore;
+}
+
+long long AllocationCounter::peakBytes() const
+{
+    return peak - inUseBefore;
+}
+
+void AllocationCounter::beginPeak()
+{
+    peak = inUse.load();
+}
+
 }  // namespace opencv_test
 
 // All forms, or a sanitizer would see memory go back to where it does not come from.
@@ -99,7 +172,10 @@ void* operator new(std::size_t size, const std::nothrow_t&) noexcept
         if (isToFail())
             return 0;
     }
-    return std::malloc(size > 0 ? size : 1);
+    void* const memory = std::malloc(size > 0 ? size : 1);
+    if (memory)
+        addBytes(sizeOf(memory));
+    return memory;
 }
 
 void* operator new[](std::size_t size, const std::nothrow_t& nothrow) noexcept
@@ -121,12 +197,12 @@ void* operator new[](std::size_t size)
 
 void operator delete(void* memory) noexcept
 {
-    std::free(memory);
+    freeCounted(memory);
 }
 
 void operator delete[](void* memory) noexcept
 {
-    std::free(memory);
+    freeCounted(memory);
 }
 
 // Declared by the standard library from C++14 on; OpenCV's build is C++11.
@@ -135,20 +211,20 @@ void operator delete[](void* memory, std::size_t) noexcept;
 
 void operator delete(void* memory, std::size_t) noexcept
 {
-    std::free(memory);
+    freeCounted(memory);
 }
 
 void operator delete[](void* memory, std::size_t) noexcept
 {
-    std::free(memory);
+    freeCounted(memory);
 }
 
 void operator delete(void* memory, const std::nothrow_t&) noexcept
 {
-    std::free(memory);
+    freeCounted(memory);
 }
 
 void operator delete[](void* memory, const std::nothrow_t&) noexcept
 {
-    std::free(memory);
+    freeCounted(memory);
 }

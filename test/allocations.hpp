@@ -9,7 +9,7 @@
 namespace opencv_test
 {
 
-/** Counts allocations of memory while it lives, on all threads, and lets one of them fail on request.
+/** Counts allocations of memory and their bytes while it lives, on all threads, and lets one of them fail on request.
  A program that compiles allocations.cpp has its operator new, which serves the libraries that it loads, too.
  OpenCV takes two allocations for a matrix, and would lose the first if the second one failed; here they are
  one. There may be one such object at a time. */
@@ -25,6 +25,14 @@ public:
     //! Allocations of a matrix's data.
     long ofMatrices() const;
     long total() const { return ofNew() + ofMatrices(); }
+
+    //! Whether bytes are counted here: the C library must tell the size of a block.
+    static bool countsBytes();
+    //! Bytes in use, less those in use when the counter was made.
+    long long bytes() const;
+    //! The most that bytes() has been since the counter was made, or since beginPeak.
+    long long peakBytes() const;
+    void beginPeak();
 
 private:
     AllocationCounter(const AllocationCounter&);

@@ -6,6 +6,12 @@
 #include "test_precomp.hpp"
 
 #include "allocations.hpp"
+#include "pool.hpp"
+
+#include <condition_variable>
+#include <memory>
+#include <mutex>
+#include <thread>
 
 namespace opencv_test
 {
@@ -13,11 +19,11 @@ namespace
 {
 
 //! With several threads the memory in use would depend on how many levels they happen to work on at once.
-class OneThread
+class Threads
 {
 public:
-    OneThread() : before(getNumThreads()) { setNumThreads(1); }
-    ~OneThread() { setNumThreads(before); }
+    explicit Threads(int count) : before(getNumThreads()) { setNumThreads(count); }
+    ~Threads() { setNumThreads(before); }
 
 private:
     const int before;
@@ -36,9 +42,30 @@ TEST(Aqorb_Memory, allocations_are_counted_and_fail_on_request)
     EXPECT_NO_THROW(Mat(10, 10, CV_8UC1));
 }
 
+TEST(Aqorb_Memory, bytes_are_counted)
+{
+    if (!AllocationCounter::countsBytes())
+        AQORB_SKIP("the size of a block of memory is not known here");
+    const int MOST = 1000;  // of what the C library adds
+    std::vector<uchar> first(10000);
+    Mat before(100, 100, CV_8UC1);
+    AllocationCounter allocations;
+    {
+        const std::vector<uchar> second(50000);
+        const Mat matrix(100, 1000, CV_8UC1);
+        EXPECT_NEAR(double(allocations.bytes()), 150000, MOST);
+    }
+    EXPECT_EQ(allocations.bytes(), 0);
+    EXPECT_NEAR(double(allocations.peakBytes()), 150000, MOST);
+    allocations.beginPeak();
+    EXPECT_EQ(allocations.peakBytes(), 0);
+    std::vector<uchar>().swap(first);
+    EXPECT_NEAR(double(allocations.bytes()), -10000, MOST);
+}
+
 TEST(Aqorb_Memory, a_stream_of_frames_allocates_nothing_anew)
 {
-    const OneThread oneThread;
+    const Threads oneThread(1);
     const Ptr<AdaptiveQuadtreeORB> detector = AdaptiveQuadtreeORB::create(300);
     std::vector<Mat> frames;
     for (int seed = 1; seed <= 4; seed++)
@@ -63,6 +90,47 @@ TEST(Aqorb_Memory, a_stream_of_frames_allocates_nothing_anew)
         EXPECT_EQ(0, allocations.ofNew());
     }
     EXPECT_EQ(0, allocations.ofMatrices());
+}
+
+// What a call needs once both kinds of frames have been seen does not depend on which came before.
+TEST(Aqorb_Memory, alternating_frames_allocate_nothing_anew)
+{
+    struct Frame
+    {
+        Mat image, mask;
+        Features features;
+    };
+    const Threads oneThread(1);
+    std::vector<Frame> frames(6);
+    const Size sizes[] = {Size(320, 240), Size(200, 310), Size(640, 200), Size(64, 64)};
+    for (int i = 0; i < 6; i++)
+        frames[i].image = makeScene(sizes[i % 4], i + 1);
+    frames[1].mask = makeNoise(sizes[1], 1) > 9;
+    frames[2].mask = makeNoise(sizes[2], 2) > 9;
+    cvtColor(frames[2].image, frames[2].image, COLOR_GRAY2BGR);
+    cvtColor(frames[4].image, frames[4].image, COLOR_GRAY2BGRA);
+    for (int type = 0; type < 2; type++)
+    {
+        const Ptr<AdaptiveQuadtreeORB> detector = AdaptiveQuadtreeORB::create(300);
+        detector->setSelectionType(type ? AdaptiveQuadtreeORB::BALANCED_SELECTION
+                                        : AdaptiveQuadtreeORB::RANKED_SELECTION);
+        const auto detectAll = [&]
+        {
+            for (Frame& frame : frames)
+                detector->detectAndCompute(frame.image, frame.mask, frame.features.keypoints,
+                                           frame.features.descriptors);
+        };
+        for (int round = 0; round < 10; round++)  // until the buffers have grown to their final sizes
+            detectAll();
+        const AllocationCounter allocations;
+        for (int round = 0; round < 3; round++)
+            detectAll();
+        if (checkHardwareSupport(CPU_AVX2))  // without AVX2 cv::resize makes the pyramid, and it allocates
+        {
+            EXPECT_EQ(0, allocations.ofNew()) << type;
+        }
+        EXPECT_EQ(0, allocations.ofMatrices()) << type;
+    }
 }
 
 TEST(Aqorb_Memory, packed_octaves_fail_before_any_level_is_allocated)
@@ -95,6 +163,248 @@ TEST(Aqorb_Memory, the_image_and_the_mask_are_not_kept)
     EXPECT_THROW(detector->detect(image, features.keypoints, noPixel), cv::Exception);
     EXPECT_EQ(1, image.u->refcount);
     EXPECT_EQ(1, noPixel.u->refcount);
+}
+
+//! What a detector allocates beside its outputs, in bytes for each of the image.
+struct WorkSpace
+{
+    double first, later;  //!< at most, during its first call and during later ones
+    double kept;          //!< between calls
+};
+
+WorkSpace workSpaceOf(const Mat& image, int threads_, int nfeatures = 1000)
+{
+    const Threads threads(threads_);
+    // Outputs that need not grow. And OpenCV, which allocates memory for threads, does it now.
+    Features features = detectAndCompute(*AdaptiveQuadtreeORB::create(nfeatures), image);
+    AllocationCounter allocations;
+    const Ptr<AdaptiveQuadtreeORB> detector = AdaptiveQuadtreeORB::create(nfeatures);
+    const auto detect = [&]
+    { detector->detectAndCompute(image, noArray(), features.keypoints, features.descriptors); };
+    WorkSpace workSpace;
+    detect();
+    const double bytes = double(image.total());
+    workSpace.first = allocations.peakBytes() / bytes;
+    allocations.beginPeak();
+    for (int i = 0; i < 10; i++)  // which threads take which part is chance
+        detect();
+    workSpace.later = allocations.peakBytes() / bytes;
+    workSpace.kept = allocations.bytes() / bytes;
+    return workSpace;
+}
+
+void expectSmallWorkSpace(const Mat& image)
+{
+    for (int threads = 1; threads <= 2; threads++)
+    {
+        SCOPED_TRACE(format("%d x %d, %d threads", image.cols, image.rows, threads));
+        const double MOST = threads == 1 ? 5 : 7.5;
+        const WorkSpace workSpace = workSpaceOf(image, threads);
+        EXPECT_LE(workSpace.first, MOST);
+        EXPECT_LE(workSpace.later, MOST);
+        EXPECT_LE(workSpace.kept, MOST);
+    }
+}
+
+TEST(Aqorb_Memory, work_space_of_scenes_is_small)
+{
+    if (!AllocationCounter::countsBytes())
+        AQORB_SKIP("the size of a block of memory is not known here");
+    for (const Size& size : {Size(1280, 720), Size(1920, 1080)})
+        expectSmallWorkSpace(makeScene(size, 3));
+}
+
+TEST(Aqorb_Memory, work_space_of_photographs_is_small)
+{
+    AQORB_NEEDS_DATA();
+    if (!AllocationCounter::countsBytes())
+        AQORB_SKIP("the size of a block of memory is not known here");
+    const std::string names[] = {oxfordImage("bikes", 1),       oxfordImage("leuven", 1),
+                                 oxfordImage("bark", 1),        oxfordImage("trees", 1),
+                                 oxfordImage("ubc", 1),         dataFile("perf/640x512.png"),
+                                 dataFile("perf/1920x1080.png")};
+    for (const std::string& name : names)
+    {
+        const Mat photograph = imread(name, IMREAD_GRAYSCALE);
+        ASSERT_FALSE(photograph.empty()) << name;
+        expectSmallWorkSpace(photograph);
+    }
+}
+
+const int KEPT_CALLS = 64;  // as the documentation of releaseMemory says
+
+// One large frame, and then small ones only.
+TEST(Aqorb_Memory, of_a_large_frame_is_freed_after_many_small_ones)
+{
+    if (!AllocationCounter::countsBytes())
+        AQORB_SKIP("the size of a block of memory is not known here");
+    const Threads oneThread(1);
+    const Mat large = makeScene(Size(900, 700), 1), half = makeScene(Size(700, 450), 2),
+              small = makeScene(Size(160, 120), 3);
+    Features features;
+    const auto detect = [&](AdaptiveQuadtreeORB& detector, const Mat& image)
+    { detector.detectAndCompute(image, noArray(), features.keypoints, features.descriptors); };
+    detect(*AdaptiveQuadtreeORB::create(500), large);  // for the outputs
+    const Features expected = detectAndCompute(*AdaptiveQuadtreeORB::create(500), small);
+    detect(*AdaptiveQuadtreeORB::create(500), small);
+
+    AllocationCounter allocations;
+    const Ptr<AdaptiveQuadtreeORB> detector = AdaptiveQuadtreeORB::create(500);
+    for (int i = 0; i < 5; i++)
+        detect(*detector, small);
+    const long long ofSmall = allocations.bytes();
+    for (int round = 0; round < 2; round++)
+    {
+        detect(*detector, large);
+        const long long ofLarge = allocations.bytes();
+        EXPECT_GT(ofLarge, 5 * ofSmall);
+        for (int i = 1; i < KEPT_CALLS; i++)
+            detect(*detector, small);
+        EXPECT_NEAR(double(allocations.bytes()), double(ofLarge), double(ofSmall)) << "it is of use";
+        // A frame of half the size needs much of it, so that the count begins anew.
+        detect(*detector, half);
+        for (int i = 1; i < KEPT_CALLS; i++)
+            detect(*detector, small);
+        EXPECT_NEAR(double(allocations.bytes()), double(ofLarge), double(ofSmall)) << "it is of use";
+        for (int i = 0; i < 2; i++)
+            detect(*detector, small);
+        EXPECT_LE(allocations.bytes(), ofSmall + ofSmall / 4);
+        EXPECT_TRUE(sameFeatures(expected, features));
+    }
+}
+
+TEST(Aqorb_Memory, is_freed_on_request)
+{
+    if (!AllocationCounter::countsBytes())
+        AQORB_SKIP("the size of a block of memory is not known here");
+    const Threads oneThread(1);
+    const Mat image = makeScene(Size(400, 300), 1);
+    Features features = detectAndCompute(*AdaptiveQuadtreeORB::create(500), image);
+    const Features expected = {features.keypoints, features.descriptors.clone()};
+    AllocationCounter allocations;
+    const Ptr<AdaptiveQuadtreeORB> detector = AdaptiveQuadtreeORB::create(500);
+    const long long before = allocations.bytes();
+    detector->releaseMemory();  // there is none
+    long long kept = 0;
+    for (int i = 0; i < 1000; i++)
+    {
+        if (i < 3 || i == 999)
+        {
+            detector->detectAndCompute(image, noArray(), features.keypoints, features.descriptors);
+            EXPECT_TRUE(sameFeatures(expected, features));
+            kept = allocations.bytes() - before;
+            EXPECT_GT(kept, 2 * 400 * 300);
+        }
+        else
+        {
+            detector->detect(image.rowRange(0, 40), features.keypoints);
+        }
+        detector->releaseMemory();
+        EXPECT_LE(allocations.bytes() - before, kept / 100);
+    }
+}
+
+//! Something that counts how many of it there are.
+struct Counted
+{
+    Counted() { alive()++; }
+    ~Counted() { alive()--; }
+    static int& alive()
+    {
+        static int count = 0;
+        return count;
+    }
+};
+
+// As many as there are CPUs can be in use at the same time again.
+TEST(Aqorb_Memory, of_many_threads_at_once_is_not_kept)
+{
+    typedef aqorb::Pool<Counted> Pool;
+    const int CPUS = std::max(getNumberOfCPUs(), 1);
+    {
+        Pool pool;
+        for (int round = 0; round < 3; round++)
+        {
+            {
+                std::vector<std::unique_ptr<Pool::Lease>> leases;
+                for (int i = 0; i < 200; i++)
+                    leases.emplace_back(new Pool::Lease(pool, 100));
+                EXPECT_EQ(Counted::alive(), 200);
+            }
+            EXPECT_EQ(Counted::alive(), CPUS);
+            for (int i = 0; i < KEPT_CALLS + CPUS; i++)
+                Pool::Lease(pool, 100);
+            EXPECT_EQ(Counted::alive(), 1) << "one is enough for one thread";
+        }
+        pool.clear();
+        EXPECT_EQ(Counted::alive(), 0);
+        {
+            const Pool::Lease first(pool, 100), second(pool, 100);
+            pool.clear();  // It does not take away what is lent.
+            EXPECT_EQ(Counted::alive(), 2);
+        }
+        EXPECT_EQ(Counted::alive(), std::min(CPUS, 2));
+    }
+    EXPECT_EQ(Counted::alive(), 0);
+}
+
+TEST(Aqorb_Memory, a_pool_that_is_cleared_again_and_again_does_not_grow)
+{
+    if (!AllocationCounter::countsBytes())
+        AQORB_SKIP("the size of a block of memory is not known here");
+    const AllocationCounter allocations;
+    aqorb::Pool<Counted> pool;
+    for (int i = 0; i < 20000; i++)
+    {
+        const aqorb::Pool<Counted>::Lease lease(pool, 100);
+        pool.clear();
+    }
+    EXPECT_LE(allocations.bytes(), 10000);
+}
+
+TEST(Aqorb_Memory, threads_of_one_call_each_do_not_leave_a_work_space_each)
+{
+    if (!AllocationCounter::countsBytes())
+        AQORB_SKIP("the size of a block of memory is not known here");
+    const Mat image = makeScene(Size(200, 150), 1);
+    const int THREADS = 200;
+    const Threads one(1);
+    Features features = detectAndCompute(*AdaptiveQuadtreeORB::create(300), image);
+    AllocationCounter allocations;
+    const Ptr<AdaptiveQuadtreeORB> detector = AdaptiveQuadtreeORB::create(300);
+    const auto detect = [&]
+    { detector->detectAndCompute(image, noArray(), features.keypoints, features.descriptors); };
+    detect();
+    const long long ofOne = allocations.bytes();
+    {
+        // All of them begin at once.
+        std::mutex mutex;
+        std::condition_variable begun;
+        bool hasBegun = false;
+        std::vector<std::thread> threads;
+        for (int i = 0; i < THREADS; i++)
+        {
+            threads.push_back(std::thread(
+                [&]
+                {
+                    {
+                        std::unique_lock<std::mutex> lock(mutex);
+                        begun.wait(lock, [&] { return hasBegun; });
+                    }
+                    detectAndCompute(*detector, image);
+                }));
+        }
+        {
+            const std::lock_guard<std::mutex> lock(mutex);
+            hasBegun = true;
+        }
+        begun.notify_all();
+        for (std::thread& thread : threads)
+            thread.join();
+    }
+    for (int i = 0; i < KEPT_CALLS + getNumberOfCPUs(); i++)
+        detect();
+    EXPECT_LE(allocations.bytes(), ofOne + ofOne / 2);
 }
 
 }  // namespace
