@@ -28,7 +28,7 @@ struct CornerScratch
 const int MANY = 1 << 20;  // more corners than any image here has
 
 /** Finds the corners of a region that is divided into bands, which are searched in any order, as several threads do.
- @param wanted corners; where fewer are kept, those that the rules pass over are complete
+ @param wanted corners; where many more are kept, those that the rules pass over are not all listed
  @return whether they are */
 bool findCorners(const Level& level, const Rect& region, const Thresholds& thresholds, int cellSize,
                  bool suppressNear, FoundCorners& found, CornerScratch& scratch, int bands = 1,
@@ -294,8 +294,8 @@ TEST(Aqorb_Corners, bands_are_of_whole_cells)
     }
 }
 
-// Lists that nobody can ask for any more may have gaps, and only those.
-TEST(Aqorb_Corners, passed_over_are_complete_while_too_few_are_kept)
+// Lists that are not likely to be asked for may have gaps, and then say so.
+TEST(Aqorb_Corners, passed_over_are_complete_or_known_not_to_be)
 {
     const Mat scene = makeScene(Size(120, 700), 4);
     const Rect region(16, 16, 88, 668);
@@ -312,22 +312,19 @@ TEST(Aqorb_Corners, passed_over_are_complete_while_too_few_are_kept)
             ASSERT_GT(kept, 100);
             ASSERT_FALSE(all.weak.empty());
             ASSERT_EQ(all.suppressed.empty(), suppressNear == 0);
-            const int wanted[] = {kept + 1, kept, kept - 1, kept / 2, 1, 0};
+            const int wanted[] = {MANY, 2 * kept, kept, kept / 2, kept / 10, 0};
             for (int i = 0; i < 6; i++)
             {
                 SCOPED_TRACE(wanted[i]);
-                const bool isShort = findCorners(levelOf(scene), region, thresholds, 20, suppressNear != 0,
-                                                 corners, scratch, bands, wanted[i]);
-                EXPECT_EQ(isShort, wanted[i] >= kept);
+                const bool isComplete = findCorners(levelOf(scene), region, thresholds, 20, suppressNear != 0,
+                                                    corners, scratch, bands, wanted[i]);
                 EXPECT_TRUE(sameCorners(corners.kept, all.kept));
-                if (isShort)
+                EXPECT_TRUE(isComplete || wanted[i] != MANY);
+                EXPECT_FALSE(isComplete && wanted[i] <= kept / 10) << "memory is used for nothing";
+                if (isComplete)
                 {
                     EXPECT_TRUE(sameCorners(corners.suppressed, all.suppressed));
                     EXPECT_TRUE(sameCorners(corners.weak, all.weak));
-                }
-                else if (wanted[i] < kept / 4)
-                {
-                    EXPECT_LT(corners.weak.size(), all.weak.size()) << "memory is used for nothing";
                 }
             }
         }

@@ -62,11 +62,11 @@ void appendCorners(const CornerBlocks& blocks, int blockCount, int cornerCount, 
         appendOthers(blocks, blockCount, plane, kept, kept + keptCount, found.suppressed);
 }
 
-// Moves the blocks from `begin` to before `end` to the end of others. There must be space for one more, which the kernel
+// Moves the blocks from `begin` to before `end` to the end of others. There must be space for two more, which the kernel
 // reads.
 void appendBlocks(const CornerBlocks& blocks, int begin, int end, CornerBlocks& others)
 {
-    others.storage.resize(size_t(others.count + end - begin) + 1);
+    others.storage.resize(size_t(others.count + end - begin) + 2);
     for (int i = begin; i < end; i++)
     {
         others.storage[others.count++] = blocks.storage[i];
