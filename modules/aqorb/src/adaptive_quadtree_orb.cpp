@@ -98,11 +98,13 @@ public:
     void detectAndCompute(InputArray image, InputArray mask, std::vector<KeyPoint>& keypoints,
                           OutputArray descriptors, bool useProvidedKeypoints) CV_OVERRIDE
     {
+        CV_TRACE_FUNCTION();
         process(image, mask, keypoints, descriptors, useProvidedKeypoints, 0);
     }
     void detectAndComputeWithPyramid(InputArray image, InputArray mask, std::vector<KeyPoint>& keypoints,
                                      OutputArray descriptors, OutputArrayOfArrays levels) CV_OVERRIDE
     {
+        CV_TRACE_FUNCTION();
         checkLevelsOutput(levels);
         process(image, mask, keypoints, descriptors, false, &levels);
     }
@@ -207,7 +209,6 @@ void AdaptiveQuadtreeORBImpl::process(InputArray image_, InputArray mask_, std::
                                       OutputArray descriptors_, bool useProvidedKeypoints,
                                       const _OutputArray* levels)
 {
-    CV_TRACE_FUNCTION();
     const bool withDescriptors = descriptors_.needed();
     if (useProvidedKeypoints && !withDescriptors)
         return;  // as cv::ORB
