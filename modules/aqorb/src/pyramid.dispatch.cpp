@@ -248,9 +248,15 @@ bool layOutLevel(const Level& input, int index, int firstLevel, double scaleFact
     }
     else if (memory)
     {
-        if (memory->size() < size_t(size.area()))
-            memory->resize(size.area());
-        level.image = Mat(size, CV_8UC1, memory->data());
+        // Rows begin where cache lines do, so that vectors cross as few of them as possible.
+        const int LINE = 64;
+        const size_t step = alignSize(size_t(size.width), LINE), bytes = step * size.height + LINE;
+        if (memory->size() < bytes)
+        {
+            memory->reserve(bytes);
+            memory->resize(bytes);
+        }
+        level.image = Mat(size, CV_8UC1, alignPtr(memory->data(), LINE), step);
     }
     else
     {
