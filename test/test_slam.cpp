@@ -313,6 +313,20 @@ TEST(Aqorb_Slam, the_pyramid_is_the_detectors)
     }
 }
 
+TEST(Aqorb_Slam, memory_can_be_given_back)
+{
+    aqorb::SlamExtractor extractor(200, 1.2f, 8, 20, 7);
+    const Mat image = makeScene(Size(320, 240));
+    KeyPoints expected, keypoints;
+    Mat descriptors;
+    extractor(image, noArray(), expected, descriptors);
+    EXPECT_EQ(8u, extractor.mvImagePyramid.size());
+    extractor.releaseMemory();
+    EXPECT_TRUE(extractor.mvImagePyramid.empty());
+    extractor(image, noArray(), keypoints, descriptors);
+    EXPECT_TRUE(sameKeypoints(expected, keypoints));
+}
+
 TEST(Aqorb_Slam, a_level_without_pixels_is_empty)
 {
     SlamExtractor extractor(500, 2, 8, 20, 7);

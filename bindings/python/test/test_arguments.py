@@ -245,6 +245,13 @@ def test_numbers(orb):
         orb.setScoreType(7)
 
 
+def test_memory_can_be_given_back(orb, image):
+    expected, _ = orb.detectAndComputeArrays(image)
+    orb.releaseMemory()
+    again, _ = orb.detectAndComputeArrays(image)
+    assert (expected == again).all()
+
+
 def test_what_is_returned_can_be_changed(orb, image):
     array, descriptors = orb.detectAndComputeArrays(image)
     for result in (array, descriptors) + orb.buildPyramid(image):
