@@ -14,7 +14,7 @@
 #   aarch64       the instructions of a frame on an emulated AArch64 CPU; only where it is named
 #
 # OPTIONs:
-#   --doc          put the tables into doc/performance.md and README.md, too
+#   --doc          put the tables into doc/performance.md, too
 #   --smoke        show that everything runs, in a short time; the numbers mean nothing
 #   --quick        program measures a few images and numbers only, in less than half a minute
 #   --beside FILE  program and memory measure another build of the library, too: FILE is its libaqorb.so
@@ -154,6 +154,6 @@ done
 if [[ $doc ]]; then
     say 'Updating the document'
     for part in "${parts[@]}"; do
-        "$PYTHON" "$report" "$part" "$results/$part" --doc "$ROOT/doc/performance.md" --doc "$ROOT/README.md"
+        "$PYTHON" "$report" "$part" "$results/$part" --doc "$ROOT/doc/performance.md"
     done
 fi
