@@ -23,6 +23,17 @@ namespace aqorb
  that served a much larger image than the last KEPT_CALLS ones is replaced. */
 template <typename T> class Pool
 {
+    //! An object, and when it was lent.
+    struct Entry
+    {
+        Entry() : largest(0), smaller(0), loan(0) {}
+
+        Ptr<T> object;
+        size_t largest;  // that the object was lent for
+        int smaller;     // loans since one of at least half of that size
+        uint64 loan;     // the last one
+    };
+
 public:
     enum
     {
@@ -45,7 +56,7 @@ public:
         Lease& operator=(const Lease&);
 
         Pool& pool;
-        typename Pool::Entry lent;
+        Entry lent;
     };
 
     //! Frees the objects that are not lent.
@@ -56,20 +67,11 @@ public:
     }
 
 private:
-    struct Entry
-    {
-        Entry() : largest(0), smaller(0), loan(0) {}
-
-        Ptr<T> object;
-        size_t largest;  // that the object was lent for
-        int smaller;     // loans since one of at least half of that size
-        uint64 loan;     // the last one
-    };
     Entry take(size_t size)
     {
         AutoLock lock(mutex);
-        idle.reserve(idle.size() + lentCount +
-                     1);  // so that giving back, which a destructor does, cannot fail
+        // So that giving back, which a destructor does, cannot fail.
+        idle.reserve(idle.size() + lentCount + 1);
         Entry lent;
         if (!idle.empty())
         {
