@@ -56,6 +56,7 @@ struct CornerRules
 //! The corners of a band or a level, each list in raster order.
 struct FoundCorners
 {
+    FoundCorners() : isComplete(true) {}
     void clear()
     {
         kept.clear();
