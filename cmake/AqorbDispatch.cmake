@@ -23,6 +23,18 @@ if(CMAKE_CXX_COMPILER_ID STREQUAL "GNU")
 endif()
 set(AQORB_AVX512_SKX_FEATURES ${AQORB_AVX2_FEATURES} AVX_512F AVX512_COMMON AVX512_SKX)
 
+# aqorb_write(<file> <content>): leaves a file as it is that has the content. (file(CONFIGURE) is newer than CMake 3.16,
+# and that of 3.18 loses the ends of lines.)
+function(aqorb_write file content)
+  set(present "")
+  if(EXISTS "${file}")
+    file(READ "${file}" present)
+  endif()
+  if(NOT present STREQUAL content)
+    file(WRITE "${file}" "${content}")
+  endif()
+endfunction()
+
 # aqorb_add_dispatched_file(<target> <name> [<CPU feature>...])
 function(aqorb_add_dispatched_file target name)
   set(features "")
@@ -39,8 +51,7 @@ function(aqorb_add_dispatched_file target name)
   foreach(feature IN LISTS features)
     string(TOLOWER "${feature}" suffix)
     set(file "${generated}/${name}.${suffix}.cpp")
-    file(CONFIGURE OUTPUT "${file}" CONTENT
-      "#include \"${src}/precomp.hpp\"\n#include \"${src}/${name}.simd.hpp\"\n")
+    aqorb_write("${file}" "#include \"${src}/precomp.hpp\"\n#include \"${src}/${name}.simd.hpp\"\n")
     target_sources(${target} PRIVATE "${file}")
 
     list(TRANSFORM AQORB_${feature}_FEATURES REPLACE "(.+)" "CV_CPU_COMPILE_\\1=1" OUTPUT_VARIABLE defines)
@@ -57,7 +68,7 @@ function(aqorb_add_dispatched_file target name)
 
   list(JOIN modes ", " modes)
   string(APPEND declarations "#define CV_CPU_DISPATCH_MODES_ALL ${modes}\n#undef CV_CPU_SIMD_FILENAME\n")
-  file(CONFIGURE OUTPUT "${generated}/${name}.simd_declarations.hpp" CONTENT "${declarations}" @ONLY)
+  aqorb_write("${generated}/${name}.simd_declarations.hpp" "${declarations}")
 
   set_source_files_properties("${src}/${name}.dispatch.cpp" PROPERTIES
     COMPILE_DEFINITIONS "__OPENCV_BUILD=1;${dispatched}"

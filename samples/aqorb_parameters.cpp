@@ -9,7 +9,8 @@
 #include "program.hpp"
 
 #include <opencv2/aqorb.hpp>
-#include <opencv2/features2d.hpp>
+#include <opencv2/aqorb/features.hpp>
+#include <opencv2/aqorb/geometry.hpp>
 
 #include <functional>
 #include <set>

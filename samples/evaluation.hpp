@@ -8,8 +8,8 @@
 #ifndef AQORB_SAMPLES_EVALUATION_HPP
 #define AQORB_SAMPLES_EVALUATION_HPP
 
-#include <opencv2/calib3d.hpp>
 #include <opencv2/aqorb/features.hpp>
+#include <opencv2/aqorb/geometry.hpp>
 
 #include <algorithm>
 #include <vector>

@@ -9,7 +9,7 @@
 #include "program.hpp"
 
 #include <opencv2/aqorb.hpp>
-#include <opencv2/calib3d.hpp>
+#include <opencv2/aqorb/geometry.hpp>
 
 #include <iostream>
 

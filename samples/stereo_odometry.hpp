@@ -10,9 +10,9 @@
 #ifndef AQORB_SAMPLES_STEREO_ODOMETRY_HPP
 #define AQORB_SAMPLES_STEREO_ODOMETRY_HPP
 
-#include <opencv2/calib3d.hpp>
-#include <opencv2/core/utils/filesystem.hpp>
 #include <opencv2/aqorb/features.hpp>
+#include <opencv2/aqorb/geometry.hpp>
+#include <opencv2/core/utils/filesystem.hpp>
 
 #include <algorithm>
 #include <fstream>

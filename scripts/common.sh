@@ -8,6 +8,10 @@ BUILD=$ROOT/build
 CACHE=$BUILD/cache  # what was fetched
 JOBS=$(nproc)
 
+# What the Python package index has of OpenCV: the newest release of version 4, and version 5.
+OPENCV_4=4.14.0.94
+OPENCV_5=5.0.0.93
+
 # Debian's Python: another one on the PATH may lack numpy.
 PYTHON=/usr/bin/python3
 
@@ -50,6 +54,7 @@ declare -A PACKAGES=(
     [emulation]='qemu-user-static g++-aarch64-linux-gnu'
     [count]='qemu-user g++-aarch64-linux-gnu'  # the static one has no plugins
     [system]='debootstrap util-linux'
+    [wheel]='ca-certificates ninja-build python3-dev python3-venv'
 )
 
 # need NAME...: installs what is missing of the groups above, and of other Debian packages.
@@ -230,6 +235,31 @@ opencv_source() {
     fi
     OPENCV_SOURCE=$(echo "$folder"/opencv-*/)
     OPENCV_SOURCE=${OPENCV_SOURCE%/}
+}
+
+# opencv_release 4|5: sets OPENCV_SOURCE to the source of OPENCV_4 or OPENCV_5, which is in the source distribution of
+# opencv-python-headless; fetched once.
+opencv_release() {
+    local release=$OPENCV_4 hash=4afa2ea1214453648be88259f035712454faa9039b686de7753569ba8eec1577
+    if [[ $1 == 5 ]]; then
+        release=$OPENCV_5 hash=b82f9831daab90b725c7c1ee1b36cb5732c367096ac76d119e64e14eb70d5f3c
+    fi
+    local folder=$CACHE/opencv-$release
+    if [[ ! -e $folder/complete ]]; then
+        need wheel
+        say "Fetching the source of OpenCV $release"
+        rm -rf "$folder"
+        mkdir -p "$folder"
+        "$PYTHON" -m venv "$folder/venv"
+        echo "opencv-python-headless==$release --hash=sha256:$hash" >"$folder/requirements"
+        "$folder/venv/bin/pip" download --quiet --disable-pip-version-check --no-deps \
+            --no-binary opencv-python-headless --require-hashes --requirement "$folder/requirements" \
+            --dest "$folder" || die "could not fetch from the Python package index; is there a network?"
+        tar -xz -C "$folder" -f "$folder"/*.tar.gz --strip-components=1 --wildcards '*/opencv'
+        rm -r "$folder"/*.tar.gz "$folder/venv"
+        touch "$folder/complete"
+    fi
+    OPENCV_SOURCE=$folder/opencv
 }
 
 # debian_file PACKAGE FOLDER: puts a Debian package's file into a folder without installing it.

@@ -10,6 +10,8 @@
 #
 #   debian12    the ordinary build
 #   debian13    the same on a Debian 13 in a folder of its own; needs root
+#   opencv4     the newest OpenCV 4, built from source with scripts/opencv.sh --release 4, which runs all tests inside it
+#   opencv5     the same of OpenCV 5
 #   avx2, sse4, sse2
 #               the same build with the features of newer x86-64 CPUs disabled
 #   plain       the same build with cv::setUseOptimized(false); bytes only
@@ -124,6 +126,15 @@ row_debian13() {
         exec /aqorb/build/release/tools/fingerprint/aqorb_fingerprint "$@"' "$photographs"
 }
 
+# released 4|5
+released() {
+    [[ $bytes_only && -e $BUILD/opencv-$1/OpenCVConfig.cmake ]] || "$ROOT/scripts/opencv.sh" --release "$1"
+    compiled "opencv$1"
+}
+
+row_opencv4() { released 4; }
+row_opencv5() { released 5; }
+
 row_avx2() { disabled avx2 AVX512-SKX; }
 
 row_sse4() { disabled sse4 FMA3,AVX,AVX2,AVX512-SKX; }
@@ -161,7 +172,7 @@ if [[ ${1:-} == --bytes ]]; then
     shift
 fi
 rows=("$@")
-((${#rows[@]})) || rows=(debian12 debian13 avx2 sse4 sse2 plain qemu64 aarch64 clang debug native hardening)
+((${#rows[@]})) || rows=(debian12 debian13 opencv4 opencv5 avx2 sse4 sse2 plain qemu64 aarch64 clang debug native hardening)
 for row in "${rows[@]}"; do
     declare -F "row_$row" >/dev/null || die "no such row: $row"
 done

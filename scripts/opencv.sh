@@ -5,15 +5,26 @@
 # with the standalone build's. Then shows that OpenCV's build takes the module from this repository as well,
 # and what it says of a checkout whose symbolic links are text files.
 #
-#   scripts/opencv.sh [--help]
+#   scripts/opencv.sh
+#   scripts/opencv.sh --release 4|5
+#
+# With --release the source is that of the newest OpenCV 4, or of OpenCV 5, from the Python package index, without
+# opencv_contrib. The script then ends after the Python test, and leaves OpenCV without the module in build/opencv-4 or
+# build/opencv-5, for scripts/compatibility.sh.
 #
 # Installs the Debian packages it needs. OPENCV_TEST_DATA_PATH is passed on to the tests.
 source "$(dirname "$0")/common.sh"
 
+release=
+if [[ ${1:-} == --release ]]; then
+    release=${2:-}
+    [[ $release =~ ^[45]$ ]] || die "--release needs 4 or 5"
+    shift 2
+fi
 (($# == 0)) || die "unknown option $1; --help says what there is"
 
 need build test opencv
-opencv_source
+if [[ $release ]]; then opencv_release "$release"; else opencv_source; fi
 
 # FindJNI does not know where Debian keeps its JDKs.
 if [[ -z ${JAVA_HOME:-} ]] && command -v javac >/dev/null; then
@@ -21,12 +32,14 @@ if [[ -z ${JAVA_HOME:-} ]] && command -v javac >/dev/null; then
     export JAVA_HOME
 fi
 
-opencv=$BUILD/opencv
-contrib=$BUILD/opencv_contrib
+opencv=$BUILD/opencv${release:+-$release}
+contrib=$BUILD/opencv_contrib${release:+-$release}
 module=$contrib/modules/aqorb
 
 # Nothing that the module and its tests can do without, and nothing that OpenCV would download.
-modules=aqorb,calib3d,flann,stitching,imgcodecs,ts,highgui,videoio,python3,java,java_bindings_generator
+modules=aqorb,calib3d,flann,stitching,imgcodecs,ts,highgui,videoio,python3
+[[ $release ]] || modules+=,java,java_bindings_generator
+[[ $release != 5 ]] || modules=${modules/calib3d/geometry}
 options=(
     -DCMAKE_BUILD_TYPE=Release -DENABLE_CCACHE=OFF
     -DCMAKE_C_COMPILER_LAUNCHER=ccache -DCMAKE_CXX_COMPILER_LAUNCHER=ccache
@@ -70,7 +83,7 @@ list_tests() {
 mkdir -p "$BUILD"
 say "A copy of the module in opencv_contrib"
 rm -rf "$contrib"
-cp -al "$OPENCV_SOURCE/contrib" "$contrib"
+if [[ $release ]]; then mkdir -p "$contrib/modules"; else cp -al "$OPENCV_SOURCE/contrib" "$contrib"; fi
 cp -rL "$ROOT/modules/aqorb" "$module"
 outside=$(cd "$module" && { grep -rIoE '[[:alnum:]_./-]*\.\./[[:alnum:]_./-]*' . || true; } |
     while IFS=: read -r file path; do
@@ -85,24 +98,27 @@ configure_opencv "$contrib/modules" || {
     die "OpenCV's configuration failed"
 }
 check_configuration "$module"
-targets=(opencv_test_aqorb opencv_perf_aqorb opencv_samples_aqorb opencv_python3 gen_opencv_java_source)
-if grep -q 'Java wrappers: *YES' "$opencv.log"; then targets+=(opencv_java); fi
+targets=(opencv_test_aqorb opencv_perf_aqorb opencv_samples_aqorb opencv_python3)
+[[ $release ]] || targets+=(gen_opencv_java_source)
+if [[ ! $release ]] && grep -q 'Java wrappers: *YES' "$opencv.log"; then targets+=(opencv_java); fi
 build "$opencv" --target "${targets[@]}" 2>&1 | tee "$opencv.build.log"
 if grep 'aqorb.*warning:' "$opencv.build.log"; then die "warnings in the build inside OpenCV"; fi
 
 say "Accuracy tests"
 (cd "$opencv" && bin/opencv_test_aqorb)
 
-say "Tests that only one of the two builds has"
-configure "$BUILD/release" -DAQORB_BUILD_TESTS=ON >"$opencv.standalone.log"
-build "$BUILD/release" --target aqorb_test >>"$opencv.standalone.log"
-list_tests "$opencv/bin/opencv_test_aqorb" >"$opencv.tests"
-list_tests "$BUILD/release/test/aqorb_test" >"$opencv.standalone.tests"
-LC_ALL=C comm -23 "$opencv.tests" "$opencv.standalone.tests" | sed 's/^/only inside OpenCV: /'
-LC_ALL=C comm -13 "$opencv.tests" "$opencv.standalone.tests" | sed 's/^/only in the standalone build: /'
-echo "$(wc -l <"$opencv.tests") tests inside OpenCV, $(wc -l <"$opencv.standalone.tests") in the standalone build"
-[[ -s $opencv.standalone.tests ]] || die "the standalone build has no tests"
-[[ -z $(LC_ALL=C comm -13 "$opencv.tests" "$opencv.standalone.tests") ]] || die "tests are missing inside OpenCV"
+if [[ ! $release ]]; then  # the standalone build's tests are listed with Debian's OpenCV
+    say "Tests that only one of the two builds has"
+    configure "$BUILD/release" -DAQORB_BUILD_TESTS=ON >"$opencv.standalone.log"
+    build "$BUILD/release" --target aqorb_test >>"$opencv.standalone.log"
+    list_tests "$opencv/bin/opencv_test_aqorb" >"$opencv.tests"
+    list_tests "$BUILD/release/test/aqorb_test" >"$opencv.standalone.tests"
+    LC_ALL=C comm -23 "$opencv.tests" "$opencv.standalone.tests" | sed 's/^/only inside OpenCV: /'
+    LC_ALL=C comm -13 "$opencv.tests" "$opencv.standalone.tests" | sed 's/^/only in the standalone build: /'
+    echo "$(wc -l <"$opencv.tests") tests inside OpenCV, $(wc -l <"$opencv.standalone.tests") in the standalone build"
+    [[ -s $opencv.standalone.tests ]] || die "the standalone build has no tests"
+    [[ -z $(LC_ALL=C comm -13 "$opencv.tests" "$opencv.standalone.tests") ]] || die "tests are missing inside OpenCV"
+fi
 
 say "Performance tests, one sample each"
 (cd "$opencv" && bin/opencv_perf_aqorb --perf_min_samples=1 --perf_force_samples=1)
@@ -115,12 +131,18 @@ say "Python test"
 AQORB_BINDING=cv2 PYTHONPATH=$opencv/lib/python3:$OPENCV_SOURCE/modules/python/test \
     "$PYTHON" "$module/misc/python/test/test_aqorb.py" -v
 
-say "Java wrapper"
-grep -r 'class AdaptiveQuadtreeORB extends ORB' "$opencv"/modules/java_bindings_generator/gen/java
-
 # OpenCV itself has been built. What was built of the copy is removed, so that it cannot be taken for the module of this
 # repository.
 rm -rf "$opencv"/modules/aqorb "$opencv"/lib/libopencv_aqorb*
+if [[ $release ]]; then
+    configure_opencv "" || die "OpenCV's configuration failed; see $opencv.log"
+    say "Built inside OpenCV $(sed -n 's/^set(OpenCV_VERSION \([0-9.]*\).*/\1/ip' "$opencv/OpenCVConfig.cmake" | head -n 1)"
+    exit
+fi
+
+say "Java wrapper"
+grep -r 'class AdaptiveQuadtreeORB extends ORB' "$opencv"/modules/java_bindings_generator/gen/java
+
 configure_opencv "$ROOT/modules" || die "OpenCV's configuration failed; see $opencv.log"
 check_configuration "$ROOT/modules/aqorb"
 build "$opencv" --target opencv_aqorb >"$opencv.build.log" 2>&1 || die "see $opencv.build.log"

@@ -5,12 +5,10 @@
 
 #include "matches.hpp"
 
-#include <opencv2/opencv_modules.hpp>
-
-#ifdef HAVE_OPENCV_CALIB3D
-
-#include <opencv2/calib3d.hpp>
 #include <opencv2/aqorb/features.hpp>
+#include <opencv2/aqorb/geometry.hpp>
+
+#ifdef AQORB_HAVE_GEOMETRY
 
 #include <algorithm>
 #include <cmath>

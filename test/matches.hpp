@@ -8,8 +8,8 @@
 
 #include "features.hpp"
 
-// How well the features of two images of a plane match. This needs OpenCV's module calib3d but neither test
-// framework, so that tools/evaluate uses it, too.
+// How well the features of two images of a plane match. This needs OpenCV's module calib3d, or geometry in OpenCV
+// 5, but neither test framework, so that tools/evaluate uses it, too.
 
 namespace opencv_test
 {

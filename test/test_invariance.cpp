@@ -5,15 +5,17 @@
 
 #include "test_precomp.hpp"
 
+#include "opencv2/aqorb/geometry.hpp"
+
 #include <iostream>
 
 // Features of a scene are found again, in the right orientation and with similar descriptors, after the
 // scene was turned or shrunk. Where OpenCV's build offers its own tests of that, they run, too.
 
 #if defined(__OPENCV_TESTS) && defined(AQORB_FEATURES2D_TESTS)
-#include "features2d/test/test_invariance_utils.hpp"
-#include "features2d/test/test_detectors_invariance.impl.hpp"
-#include "features2d/test/test_descriptors_invariance.impl.hpp"
+#include "test_invariance_utils.hpp"
+#include "test_detectors_invariance.impl.hpp"
+#include "test_descriptors_invariance.impl.hpp"
 #endif
 
 namespace opencv_test
@@ -236,12 +238,21 @@ Ptr<AdaptiveQuadtreeORB> withoutSelection()
     return detector;
 }
 
+// The tests of OpenCV 4.6 take a detector, those of 4.14 and 5 a function that makes one.
+struct Made
+{
+    Ptr<AdaptiveQuadtreeORB> detector;
+
+    operator Ptr<FeatureDetector>() const { return detector; }
+    Ptr<FeatureDetector> operator()() const { return detector; }
+};
+
 std::vector<String_FeatureDetector_Float_Float_t>
 detectorCase(const char* image, const Ptr<AdaptiveQuadtreeORB>& detector, float repeated, float inliers)
 {
     std::vector<String_FeatureDetector_Float_Float_t> cases;
     if (!dataFile("").empty())
-        cases.push_back(String_FeatureDetector_Float_Float_t(image, detector, repeated, inliers));
+        cases.push_back(String_FeatureDetector_Float_Float_t(image, Made{detector}, repeated, inliers));
     return cases;
 }
 
@@ -251,7 +262,7 @@ std::vector<String_FeatureDetector_DescriptorExtractor_Float_t> descriptorCase(c
     std::vector<String_FeatureDetector_DescriptorExtractor_Float_t> cases;
     if (!dataFile("").empty())
         cases.push_back(String_FeatureDetector_DescriptorExtractor_Float_t(
-            image, AdaptiveQuadtreeORB::create(), AdaptiveQuadtreeORB::create(), inliers));
+            image, Made{AdaptiveQuadtreeORB::create()}, Made{AdaptiveQuadtreeORB::create()}, inliers));
     return cases;
 }
 

@@ -5,6 +5,7 @@
 
 #include "test_precomp.hpp"
 
+#include "opencv2/aqorb/geometry.hpp"
 #include "opencv2/aqorb/slam.hpp"
 #include "opencv2/core/hal/hal.hpp"
 #include "opencv2/core/utils/filesystem.hpp"

@@ -7,7 +7,7 @@
 
 #include "matches.hpp"
 
-#include <opencv2/opencv_modules.hpp>
+#include "opencv2/aqorb/geometry.hpp"
 
 #include <iostream>
 
@@ -118,7 +118,7 @@ TEST(Aqorb_Quality, finds_features_in_dark_images)
     std::cout << "[ FIGURE   ] least: " << oursLeast << std::endl;
 }
 
-#ifdef HAVE_OPENCV_CALIB3D
+#ifdef AQORB_HAVE_GEOMETRY
 
 //! Area under the curve of the share of errors below a limit, for limits from 0 to `limit`; 1 is perfect.
 double areaUnderCurve(const std::vector<double>& errors, double limit)
@@ -167,7 +167,7 @@ TEST(Aqorb_Quality, matches_more_of_the_scene)
     EXPECT_GT(ours, orb);
 }
 
-#endif  // HAVE_OPENCV_CALIB3D
+#endif  // AQORB_HAVE_GEOMETRY
 
 }  // namespace
 }  // namespace opencv_test

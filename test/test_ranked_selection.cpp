@@ -5,6 +5,8 @@
 
 #include "reference.hpp"
 
+#include "opencv2/aqorb/geometry.hpp"
+
 #include <iostream>
 
 // What follows from the rule of RANKED_SELECTION, whatever its numbers are.

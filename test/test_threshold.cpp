@@ -22,10 +22,10 @@ TEST(Aqorb_Threshold, equation7_of_known_images)
     EXPECT_DOUBLE_EQ(varianceOverMean(image, Mat()), 100.);
     EXPECT_DOUBLE_EQ(aqorb::adaptiveFastThreshold(image), 100.);
     // 10, 20, 30: mean 20, variance 200/3.
-    const Mat three = (Mat_<uchar>(1, 3) << 10, 20, 30);
+    const Mat three = Mat_<uchar>({1, 3}, {10, 20, 30});
     EXPECT_NEAR(varianceOverMean(three, Mat()), 10. / 3, 1e-12);
     // The mask leaves 10 and 30: mean 20, variance 100.
-    EXPECT_DOUBLE_EQ(varianceOverMean(three, (Mat_<uchar>(1, 3) << 1, 0, 255)), 5.);
+    EXPECT_DOUBLE_EQ(varianceOverMean(three, Mat_<uchar>({1, 3}, {1, 0, 255})), 5.);
 }
 
 TEST(Aqorb_Threshold, equation7_is_zero_without_contrast)

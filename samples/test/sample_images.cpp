@@ -24,7 +24,7 @@ static void save(const String& path, const Mat& image)
 }
 
 // What a lens that maps angles to radii sees of the scene, in a circle.
-static Mat fisheye(const Mat& scene)
+static Mat fisheyeView(const Mat& scene)
 {
     const int side = 600;
     Mat map(side, side, CV_32FC2);
@@ -102,7 +102,7 @@ int main(int argc, char** argv)
     }
     for (int i = 0; i < 4; i++)
         save(folder + format("frame_%02d.png", i), scene(Rect(20 * i, 10 * i, 640, 480)));
-    save(folder + "fisheye.png", fisheye(scene));
+    save(folder + "fisheye.png", fisheyeView(scene));
     saveStereo(folder + "stereo", scene);
 
     const Scalar grey(128);

@@ -74,9 +74,10 @@ TEST(Aqorb_Common, programs_return_what_went_wrong)
               codeOf("", [](const cv::CommandLineParser&) -> int { throw tools::BadArguments{"bad"}; }));
     EXPECT_EQ("2 tool: broken\n",
               codeOf("", [](const cv::CommandLineParser&) -> int { throw std::runtime_error("broken"); }));
-    EXPECT_EQ("2 tool: wrong\n", codeOf("",
-                                        [](const cv::CommandLineParser&) -> int
-                                        { throw cv::Exception(-1, "wrong", "here", "file", 1); }));
+    EXPECT_EQ("2 tool: wrong\n",
+              codeOf("",
+                     [](const cv::CommandLineParser&) -> int
+                     { throw cv::Exception(cv::Error::StsError, "wrong", "here", "file", 1); }));
 }
 
 TEST(Aqorb_Common, median_of_odd_even_and_none)

@@ -5,9 +5,9 @@
 
 #include "stereo_odometry.hpp"
 
-#include <opencv2/calib3d.hpp>
-#include <opencv2/core/utils/filesystem.hpp>
 #include <opencv2/aqorb/features.hpp>
+#include <opencv2/aqorb/geometry.hpp>
+#include <opencv2/core/utils/filesystem.hpp>
 
 #include <algorithm>
 #include <fstream>

@@ -219,6 +219,15 @@ bool runOutOfMemory(const std::vector<Frame>& frames, int count, int threads)
 
 }  // namespace
 
+// Whether OpenCV was built without a library for threads. Its own leave a mutex locked when memory runs out.
+static bool threadsAreOpenCVsOwn()
+{
+    const std::string built = getBuildInformation();
+    const size_t begin = built.find("Parallel framework:");
+    return begin != std::string::npos &&
+           built.substr(begin, built.find('\n', begin) - begin).find("pthreads") != std::string::npos;
+}
+
 int main(int argc, char** argv)
 {
     const std::string unknown = tools::unknownOption(argc, argv, KEYS);
@@ -239,7 +248,8 @@ int main(int argc, char** argv)
     bool good = runFrames(frames, arguments.get<int>("frames"), arguments.get<int>("threads"),
                           !arguments.has("any-memory"));
     good = runOutOfMemory(frames, failures / 2, 1) && good;
-    good = runOutOfMemory(frames, failures / 2, 2) && good;
+    if (!threadsAreOpenCVsOwn())
+        good = runOutOfMemory(frames, failures / 2, 2) && good;
     std::printf("%s\n", good ? "good" : "BAD");
     return good ? 0 : 1;
 }

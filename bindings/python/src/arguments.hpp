@@ -19,10 +19,11 @@ namespace aqorb_python
 
 namespace py = pybind11;
 
-//! Whether the object is an instance of a class of cv2.
+//! Whether the object is an instance of a class of cv2. If nobody has imported cv2, there are none.
 inline bool isInstance(py::handle object, const char* cv2Class)
 {
-    return py::isinstance(object, py::module_::import("cv2").attr(cv2Class));
+    PyObject* const cv2 = PyDict_GetItemString(PyImport_GetModuleDict(), "cv2");
+    return cv2 && py::hasattr(cv2, cv2Class) && py::isinstance(object, py::handle(cv2).attr(cv2Class));
 }
 
 // A kind is the name in signatures and, for the first argument, the choice between overloads. The first overload that

@@ -71,6 +71,7 @@ Library& Detector::change()
 
 KeyPointTupleObject detect(const Detector& self, const ImageObject& image, const OptionalArrayObject& mask)
 {
+    importKeyPoint();
     const cv::Ptr<Library> library = self.share();
     const Pixels pixels = toImage(image.object), maskPixels = toMask(mask.object);
     std::vector<cv::KeyPoint> keypoints;
@@ -81,6 +82,7 @@ KeyPointTupleObject detect(const Detector& self, const ImageObject& image, const
 std::vector<KeyPointTupleObject> detectImages(const Detector& self, const ImagesObject& images,
                                               const MasksObject& masks)
 {
+    importKeyPoint();
     const cv::Ptr<Library> library = self.share();
     const std::vector<Pixels> pixels = toImages(images.object),
                               maskPixels = toMasks(masks.object, pixels.size());
@@ -134,6 +136,7 @@ computeImages(const Detector& self, const ImagesObject& images, const KeyPointLi
 std::pair<KeyPointTupleObject, OptionalArrayObject>
 detectAndCompute(const Detector& self, const OptionalArrayObject& image, const OptionalArrayObject& mask)
 {
+    importKeyPoint();
     const cv::Ptr<Library> library = self.share();
     const Pixels pixels = toImage(image.object), maskPixels = toMask(mask.object);
     std::vector<cv::KeyPoint> keypoints;

@@ -24,17 +24,40 @@ py::object toText(const std::string& bytes)
 
 }  // namespace
 
-void addErrorType(py::module_& module)
+py::object errorClass()
 {
-    const py::tuple bases =
-        py::make_tuple(py::module_::import("cv2").attr("error"), py::handle(PyExc_ValueError));
-    errorType = PyErr_NewExceptionWithDoc("aqorb.error",
-                                          "The value of an argument is not accepted. The message names the "
-                                          "argument. It is a cv2.error and a ValueError.",
-                                          bases.ptr(), nullptr);
     if (!errorType)
-        throw py::error_already_set();
-    module.attr("error") = py::handle(errorType);
+    {
+        // Without cv2, or with one that does not work, it is a ValueError only.
+        py::object cv2Error;
+        try
+        {
+            cv2Error = py::module_::import("cv2").attr("error");
+        }
+        catch (const py::error_already_set& error)
+        {
+            if (!error.matches(PyExc_Exception))
+                throw;
+        }
+        const py::handle valueError(PyExc_ValueError);
+        py::tuple bases = py::make_tuple(valueError);
+        if (cv2Error)
+            bases = py::make_tuple(cv2Error, valueError);
+        PyObject* const made =
+            PyErr_NewExceptionWithDoc("aqorb.error",
+                                      "The value of an argument is not accepted. The message names the "
+                                      "argument. It is a ValueError and, where there is cv2, a cv2.error.",
+                                      bases.ptr(), nullptr);
+        if (!made)
+            throw py::error_already_set();
+        if (!errorType)  // another thread may have made one meanwhile
+            errorType = made;
+    }
+    return py::reinterpret_borrow<py::object>(errorType);
+}
+
+void translateErrors()
+{
     py::register_local_exception_translator(
         [](std::exception_ptr pointer)
         {
@@ -45,14 +68,14 @@ void addErrorType(py::module_& module)
             }
             catch (const cv::Exception& exception)
             {
-                const py::object error = py::handle(errorType)(toText(exception.what()));
+                const py::object type = errorClass(), error = type(toText(exception.what()));
                 error.attr("code") = exception.code;
                 error.attr("err") = toText(exception.err);
                 error.attr("file") = toText(exception.file);
                 error.attr("func") = toText(exception.func);
                 error.attr("line") = exception.line;
                 error.attr("msg") = toText(exception.msg);
-                PyErr_SetObject(errorType, error.ptr());
+                PyErr_SetObject(type.ptr(), error.ptr());
             }
         });
 }

@@ -18,8 +18,12 @@ namespace aqorb_python
 
 namespace py = pybind11;
 
-//! Makes aqorb.error, which OpenCV's exceptions become: a cv2.error, with its attributes, and a ValueError.
-void addErrorType(py::module_& module);
+//! aqorb.error: a cv2.error, with its attributes, and a ValueError. Made, and cv2 imported for it, when it is first
+//! asked for.
+py::object errorClass();
+
+//! Makes OpenCV's exceptions such errors. To be called once, at import.
+void translateErrors();
 
 [[noreturn]] void throwTypeError(const std::string& name, const std::string& given,
                                  const std::string& accepted);

@@ -8,6 +8,8 @@
 #ifndef AQORB_PYTHON_GIL_HPP
 #define AQORB_PYTHON_GIL_HPP
 
+#include "threads.hpp"
+
 #include <pybind11/pybind11.h>
 
 #include <chrono>
@@ -39,6 +41,7 @@ template <typename Process> void withoutGil(const Process& process)
     PyThreadState* const thread = PyEval_SaveThread();
     try
     {
+        const Call call;
         process();
     }
     catch (...)

@@ -21,11 +21,24 @@ namespace
 
 const char ACCEPTED[] = "a sequence of cv2.KeyPoint or an array of aqorb.keypoint_dtype";
 
-// cv2.KeyPoint and the names of its attributes. Never released, as the interpreter may be gone by then.
+// cv2.KeyPoint, once it is known, and the names of its attributes. Never released, as the interpreter may be gone by
+// then.
 struct KeyPointType
 {
     PyObject *type, *pt, *size, *angle, *response, *octave, *class_id;
 } keyPoint;
+
+// Whether the object is a cv2.KeyPoint. If nobody has imported cv2, there are none.
+bool isKeyPoint(py::handle object)
+{
+    if (!keyPoint.type)
+    {
+        const py::handle cv2 = PyDict_GetItemString(PyImport_GetModuleDict(), "cv2");
+        if (cv2 && !cv2.is_none())
+            importKeyPoint();
+    }
+    return keyPoint.type && py::isinstance(object, keyPoint.type);
+}
 
 // The attributes of one item of a sequence of keypoints.
 class Item
@@ -74,7 +87,9 @@ private:
     int integer(PyObject* name) const
     {
         const py::object value = attribute(name);
-        const long number = PyLong_AsLong(value.ptr());
+        // Not PyLong_AsLong alone, as that of Python 3.9 takes a float.
+        const py::object index = py::reinterpret_steal<py::object>(PyNumber_Index(value.ptr()));
+        const long number = index ? PyLong_AsLong(index.ptr()) : -1;
         if (number == -1 && PyErr_Occurred())
             rejectAfterError(name, value, "an int");
         if (number < INT_MIN || number > INT_MAX)
@@ -136,7 +151,7 @@ std::vector<cv::KeyPoint> fromSequence(py::handle source, const std::string& nam
     for (size_t i = 0; i < items.size(); i++)
     {
         PyObject* const item = PyTuple_GET_ITEM(items.ptr(), py::ssize_t(i));
-        if (!py::isinstance(item, keyPoint.type))
+        if (!isKeyPoint(item))
             throwTypeError(name + "[" + std::to_string(i) + "]", brief(item), "a cv2.KeyPoint");
         points.push_back(Item(item, name, i).read());
     }
@@ -153,13 +168,29 @@ py::object toPython(const cv::KeyPoint& keypoint)
 
 void importKeyPoint()
 {
-    keyPoint.type = py::object(py::module_::import("cv2").attr("KeyPoint")).release().ptr();
+    if (keyPoint.type)
+        return;
+    py::object type;
+    try
+    {
+        type = py::module_::import("cv2").attr("KeyPoint");
+    }
+    catch (py::error_already_set& error)
+    {
+        if (!error.matches(PyExc_ImportError))
+            throw;
+        py::raise_from(error, PyExc_ImportError,
+                       "keypoints are objects of cv2, which cannot be imported: install opencv-python or "
+                       "opencv-python-headless, or call detectAndComputeArrays, which needs no cv2");
+        throw py::error_already_set();
+    }
     keyPoint.pt = PyUnicode_InternFromString("pt");
     keyPoint.size = PyUnicode_InternFromString("size");
     keyPoint.angle = PyUnicode_InternFromString("angle");
     keyPoint.response = PyUnicode_InternFromString("response");
     keyPoint.octave = PyUnicode_InternFromString("octave");
     keyPoint.class_id = PyUnicode_InternFromString("class_id");
+    keyPoint.type = type.release().ptr();  // last: another thread sees all of it or nothing
 }
 
 py::dtype keypointDtype()
@@ -215,6 +246,8 @@ py::object toPython(KeyPoints&& keypoints)
 
 py::object toTuple(const std::vector<cv::KeyPoint>& keypoints)
 {
+    if (!keypoints.empty())
+        importKeyPoint();
     py::tuple result(keypoints.size());
     for (size_t i = 0; i < keypoints.size(); i++)
         PyTuple_SET_ITEM(result.ptr(), py::ssize_t(i), toPython(keypoints[i]).release().ptr());

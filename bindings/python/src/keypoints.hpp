@@ -28,7 +28,7 @@ struct KeyPoints
     bool isArray = false;
 };
 
-//! Finds cv2.KeyPoint. To be called once, at import: whoever waits for another thread's import must not have the GIL.
+//! Imports cv2 for its KeyPoint, the first time. Called before a call that will return some begins to work.
 void importKeyPoint();
 
 //! cv::KeyPoint's members as the fields of an array.

@@ -11,6 +11,7 @@
 #include "functions.hpp"
 #include "keypoints.hpp"
 #include "storage.hpp"
+#include "threads.hpp"
 
 #include <pybind11/stl.h>
 
@@ -81,6 +82,41 @@ Detector create(int nfeatures, float scaleFactor, int nlevels, int edgeThreshold
                                     cv::ORB::ScoreType(scoreType), patchSize, fastThreshold));
 }
 
+// cv2's optional array for the output. Here the output is returned only.
+void checkOutput(const OptionalArrayObject& descriptors)
+{
+    if (!descriptors.object.is_none())
+        throwTypeError("descriptors", brief(descriptors.object), "None, as the descriptors are returned,");
+}
+
+std::pair<KeyPointsObject, OptionalArrayObject> computeAsCv2(const Detector& self, const ImageObject& image,
+                                                             const KeyPointsObject& keypoints,
+                                                             const OptionalArrayObject& descriptors)
+{
+    checkOutput(descriptors);
+    return compute(self, image, keypoints);
+}
+
+std::pair<std::vector<KeyPointsObject>, std::vector<OptionalArrayObject>>
+computeImagesAsCv2(const Detector& self, const ImagesObject& images, const KeyPointListsObject& keypoints,
+                   const OptionalArrayObject& descriptors)
+{
+    checkOutput(descriptors);
+    return computeImages(self, images, keypoints);
+}
+
+std::pair<KeyPointTupleObject, OptionalArrayObject>
+detectAndComputeAsCv2(const Detector& self, const OptionalArrayObject& image, const OptionalArrayObject& mask,
+                      const OptionalArrayObject& descriptors, bool useProvidedKeypoints)
+{
+    checkOutput(descriptors);
+    if (useProvidedKeypoints)
+        CV_Error(cv::Error::StsBadArg,
+                 "useProvidedKeypoints: got True; False is accepted. The method compute "
+                 "takes keypoints");
+    return detectAndCompute(self, image, mask);
+}
+
 void addCreate(DetectorClass& detector)
 {
     detector.def_static(
@@ -100,12 +136,13 @@ void addProcessing(DetectorClass& detector)
             "detect", &detectImages, arg("images"), arg("masks") = py::none(),
             "Does the same for several images and returns a list. There is one mask for each image, or none.")
         .def(
-            "compute", &compute, arg("image"), arg("keypoints"),
+            "compute", &computeAsCv2, arg("image"), arg("keypoints"), arg("descriptors") = py::none(),
             "Computes the descriptors of given keypoints. Returns the keypoints that have one, and an array\n"
             "with a row for each, or None if there are none.")
-        .def("compute", &computeImages, arg("images"), arg("keypoints"),
+        .def("compute", &computeImagesAsCv2, arg("images"), arg("keypoints"), arg("descriptors") = py::none(),
              "Does the same for several images and returns a list of each.")
-        .def("detectAndCompute", &detectAndCompute, arg("image"), arg("mask") = py::none(),
+        .def("detectAndCompute", &detectAndComputeAsCv2, arg("image"), arg("mask") = py::none(),
+             arg("descriptors") = py::none(), arg("useProvidedKeypoints") = false,
              "Returns the keypoints of an image, as a tuple, and their descriptors, as an array with a row "
              "for\n"
              "each, or None if there are none. With a mask, only keypoints at its nonzero pixels are found.")
@@ -207,6 +244,8 @@ void addFeature2D(DetectorClass& detector)
         .def("defaultNorm", get(&Library::defaultNorm),
              "Returns the norm to match with: cv2.NORM_HAMMING, or cv2.NORM_HAMMING2 where WTA_K is 3 or 4.")
         .def("empty", get(&Library::empty))
+        .def(
+            "clear", [](const Detector&) {}, "Does nothing, as that of cv2.ORB.")
         // The functions for files come last, as they say what is accepted where no other overload is meant.
         .def("write", &writeStorage, arg("fs"), arg("name") = "",
              "Writes the parameters to a cv2.FileStorage, under the name if one is given.")
@@ -215,7 +254,8 @@ void addFeature2D(DetectorClass& detector)
         .def("read", &readNode, arg("fn"),
              "Reads the parameters that the map of a cv2.FileNode has. The others keep their values.")
         .def("read", &readFile, arg("fileName"),
-             "Reads the parameters that a file has. The others keep their values.");
+             "Reads the parameters that a file has. The others keep their values.")
+        .def(py::pickle(&toText, &fromText));  // for copy, too
 }
 
 void addFunctions(py::module_& module)
@@ -240,6 +280,11 @@ void addFunctions(py::module_& module)
                "Returns an array of keypoint_dtype with the values of cv2.KeyPoint objects.");
     module.def("keypointsFromArray", &keypointsFromArray, arg("keypoints"),
                "Returns a tuple of cv2.KeyPoint objects with the values of an array of keypoint_dtype.");
+    module.def(
+        "setNumThreads", &setNumThreads, arg("nthreads"),
+        "Sets the number of threads that a call may use, as cv2.setNumThreads does for cv2. A negative\n"
+        "number is the default: the number of processors, or of the variable OPENCV_FOR_THREADS_NUM.");
+    module.def("getNumThreads", &getNumThreads, "Returns the number of threads that a call may use.");
 }
 
 }  // namespace
@@ -247,15 +292,18 @@ void addFunctions(py::module_& module)
 PYBIND11_MODULE(_aqorb, module)
 {
     module.doc() = "The compiled part of the package aqorb.";
-    addErrorType(module);
-    importKeyPoint();
+    module.attr("__version__") = AQORB_VERSION;
+    module.attr("_has_own_opencv") = prepareThreads();
+    translateErrors();
+    module.def("_error", &errorClass);
     module.attr("keypoint_dtype") = keypointDtype();
 
     DetectorClass detector(
         module, "AdaptiveQuadtreeORB",
         "An ORB detector and descriptor whose keypoints are spread uniformly over the image.\n\n"
-        "It has the methods of cv2.ORB, except that they do not take the output array\n"
-        "descriptors. Methods that process images release the GIL. Several threads may share a\n"
+        "It has the methods of cv2.ORB, with the same parameters. Outputs are returned, so that\n"
+        "descriptors is to be None. Methods that process images release the GIL. Several threads may share "
+        "a\n"
         "detector: a parameter that one thread sets applies to the calls that begin later.");
     detector.attr("__module__") = "aqorb";
     addCreate(detector);

@@ -68,6 +68,21 @@ cv::FileStorage parameters(const Detector& detector)
 
 }  // namespace
 
+std::string toText(const Detector& self)
+{
+    cv::FileStorage memory = memoryToWrite();
+    self.get().write(memory);
+    return memory.releaseAndGetString();
+}
+
+Detector fromText(const std::string& text)
+{
+    const cv::Ptr<Detector::Library> library = Detector::Library::create();
+    const cv::FileStorage memory(text, cv::FileStorage::READ | cv::FileStorage::MEMORY);
+    library->read(memory.root());
+    return Detector(library);
+}
+
 void writeFile(const Detector& self, const FileNameObject& fileName)
 {
     const std::string path = toPath(fileName, "a str, a path or a cv2.FileStorage");

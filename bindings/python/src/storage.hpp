@@ -15,6 +15,10 @@
 namespace aqorb_python
 {
 
+//! All parameters as the text of a file, by which a detector is copied and pickled.
+std::string toText(const Detector& self);
+Detector fromText(const std::string& text);
+
 void writeFile(const Detector& self, const FileNameObject& fileName);
 void readFile(Detector& self, const FileNameObject& fileName);
 

@@ -234,9 +234,9 @@ def test_numbers(orb):
     orb.setSubPixel(np.bool_(False))
     assert (orb.getCellSize(), orb.getOctaveSuppression(), orb.getSubPixel()) == (50, 0.5, False)
     for wrong in '50', 50.5, None, 2 ** 31, [50]:
-        with pytest.raises(TypeError, match='cellSize: int'):
+        with pytest.raises(TypeError, match='cellSize: .*[iI]nt'):
             orb.setCellSize(wrong)
-    with pytest.raises(TypeError, match='nfeatures: int = 500'):
+    with pytest.raises(TypeError, match='nfeatures: .*[iI]nt.* = 500'):
         aqorb.AdaptiveQuadtreeORB_create('500')
     for wrong in float('nan'), float('inf'), -2:
         with pytest.raises(aqorb.error, match='octaveSuppression: got'):

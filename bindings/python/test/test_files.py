@@ -4,8 +4,10 @@
 # SPDX-License-Identifier: Apache-2.0
 """Tests of files and cv2's storages with the parameters of a detector."""
 
+import copy
 import os
 import pathlib
+import pickle
 import shutil
 import subprocess
 import sys
@@ -141,6 +143,22 @@ def test_every_parameter_survives_a_storage(tmp_path):
         other = aqorb.AdaptiveQuadtreeORB_create()
         other.read(source)
         assert {name: getattr(other, 'get' + name)() for name in values} == values
+    for copied in copies_of(orb):
+        assert {name: getattr(copied, 'get' + name)() for name in values} == values
+
+
+def copies_of(orb):
+    pickled = [pickle.loads(pickle.dumps(orb, protocol)) for protocol in range(2, pickle.HIGHEST_PROTOCOL + 1)]
+    return pickled + [copy.copy(orb), copy.deepcopy(orb)]
+
+
+def test_copies(orb, image):
+    expected = orb.detectAndComputeArrays(image)[1]
+    for copied in copies_of(orb):
+        assert type(copied) is aqorb.AdaptiveQuadtreeORB
+        assert np.array_equal(copied.detectAndComputeArrays(image)[1], expected)
+        copied.setMaxFeatures(5)
+        assert orb.getMaxFeatures() == 300
 
 
 def test_storages_that_are_not_open_to_write(orb):

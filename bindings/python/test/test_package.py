@@ -194,3 +194,30 @@ def test_everything_is_documented():
     assert set(aqorb.__all__) == {name for name in dir(aqorb) if name[0] != '_'}
     for name in aqorb.__all__:
         assert getattr(aqorb, name).__doc__ or name == 'keypoint_dtype', name
+
+
+def test_version():
+    cmake = pathlib.Path(__file__).parents[3] / 'CMakeLists.txt'
+    if not cmake.exists():
+        pytest.skip('not in the repository')
+    assert aqorb.__version__ == re.search(r'project\(aqorb VERSION (\S+)', cmake.read_text()).group(1)
+
+
+def test_keywords_of_cv2(orb, image):
+    expected = orb.detectAndCompute(image, None)
+    for call in (lambda: orb.detectAndCompute(image, None, None, False),
+                 lambda: orb.detectAndCompute(image=image, mask=None, descriptors=None, useProvidedKeypoints=False),
+                 lambda: orb.compute(image, expected[0], None),
+                 lambda: orb.compute(image=image, keypoints=expected[0], descriptors=None)):
+        assert np.array_equal(call()[1], expected[1])
+    assert np.array_equal(orb.compute([image], [expected[0]], None)[1][0], expected[1])
+    for call in (lambda: orb.detectAndCompute(image, None, expected[1]),
+                 lambda: orb.compute(image, expected[0], expected[1]),
+                 lambda: orb.compute([image], [expected[0]], [expected[1]])):
+        with pytest.raises(TypeError, match='descriptors: got an object of type .*; None, as the descriptors are'):
+            call()
+    with pytest.raises(aqorb.error, match='useProvidedKeypoints: got True; False is accepted'):
+        orb.detectAndCompute(image, None, useProvidedKeypoints=True)
+    other = aqorb.AdaptiveQuadtreeORB_create(nfeatures=7, scaleFactor=1.5, nlevels=3, edgeThreshold=20, firstLevel=1,
+                                             WTA_K=3, scoreType=1, patchSize=25, fastThreshold=9)
+    assert (other.getMaxFeatures(), other.getWTA_K(), other.getScoreType()) == (7, 3, cv.ORB_FAST_SCORE)

@@ -5,6 +5,9 @@
 """Tests of what the package does while several threads use it. scripts/python.sh --asan repeats them where no wrong
 access to memory, and no touch of a Python object without the GIL, goes unseen."""
 
+import multiprocessing
+import os
+import resource
 import subprocess
 import sys
 import threading
@@ -18,6 +21,8 @@ import aqorb
 from conftest import never_freed
 
 SECONDS = 0.5
+OWN_THREADS = pytest.mark.skipif(not aqorb._aqorb._has_own_opencv,
+                                 reason='the threads are those of the OpenCV that is shared with cv2')
 
 
 def run_together(*bodies):
@@ -222,3 +227,127 @@ def test_threads_share_a_detector(orb, image):
     for thread in threads:
         thread.join()
     assert len(results) == 4 and all(np.array_equal(result, expected) for result in results)
+
+
+@pytest.fixture
+def threads():
+    """The number of threads, which is set back afterwards."""
+    number = aqorb.getNumThreads()
+    yield number
+    aqorb.setNumThreads(number)
+
+
+def threads_of_process():
+    return len(os.listdir('/proc/self/task'))
+
+
+def test_the_number_of_threads(orb, image, threads):
+    expected = orb.detectAndComputeArrays(image)[1]
+    for number in 1, 2, 5, 3, 1:
+        aqorb.setNumThreads(number)
+        assert aqorb.getNumThreads() == number
+        assert np.array_equal(orb.detectAndComputeArrays(image)[1], expected)
+    aqorb.setNumThreads(0)
+    assert aqorb.getNumThreads() == 1
+    aqorb.setNumThreads(-1)
+    assert aqorb.getNumThreads() == threads >= 1
+    for wrong in '2', 2.5, None:
+        with pytest.raises(TypeError, match='nthreads'):
+            aqorb.setNumThreads(wrong)
+
+
+def test_setting_the_number_of_threads_during_a_call(orb, image, threads):
+    expected = orb.detectAndComputeArrays(image)[1]
+
+    def detect():
+        assert np.array_equal(orb.detectAndComputeArrays(image)[1], expected)
+
+    run_together(detect, detect, lambda: [aqorb.setNumThreads(number) for number in (1, 4, 2)])
+
+
+NUMBER = '''
+import os
+import numpy as np
+import aqorb
+image = np.random.RandomState(0).randint(0, 256, (480, 640)).astype(np.uint8)
+before = len(os.listdir('/proc/self/task'))
+aqorb.AdaptiveQuadtreeORB_create().detectAndComputeArrays(image)
+print(aqorb.getNumThreads(), len(os.listdir('/proc/self/task')) - before)
+'''
+
+
+@OWN_THREADS
+@pytest.mark.parametrize('number', [1, 3])
+def test_the_number_of_threads_by_an_environment_variable(number):
+    run = subprocess.run([sys.executable, '-c', NUMBER], stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True,
+                         env=dict(os.environ, OPENCV_FOR_THREADS_NUM=str(number)))
+    assert run.stdout.split() == [str(number), str(number - 1)]
+
+
+def describe(number):
+    image = np.random.RandomState(number).randint(0, 256, (240, 320)).astype(np.uint8)
+    return aqorb.AdaptiveQuadtreeORB_create(200).detectAndComputeArrays(image)[1].tobytes()
+
+
+@OWN_THREADS
+def test_processes_that_are_forked(orb, image, threads):
+    aqorb.setNumThreads(3)
+    expected = [describe(number) for number in range(8)]
+    context = multiprocessing.get_context('fork')
+    stop = threading.Event()
+
+    def detect():
+        while not stop.is_set():
+            orb.detectAndComputeArrays(image)
+
+    # The processes begin while other threads are in calls.
+    busy = [threading.Thread(target=detect) for _ in range(2)]
+    for thread in busy:
+        thread.start()
+    try:
+        for _ in range(5):
+            with context.Pool(3) as pool:
+                assert pool.map_async(describe, range(8)).get(60) == expected
+    finally:
+        stop.set()
+        for thread in busy:
+            thread.join()
+    assert [describe(number) for number in range(8)] == expected
+
+
+def count_threads_of_a_child(_):
+    describe(0)
+    return aqorb.getNumThreads(), threads_of_process()
+
+
+@OWN_THREADS
+def test_a_forked_process_has_threads_of_its_own(threads):
+    aqorb.setNumThreads(3)
+    describe(0)
+    with multiprocessing.get_context('fork').Pool(1) as pool:
+        number, running = pool.map_async(count_threads_of_a_child, [0]).get(60)[0]
+    assert number == 3 and running >= 3
+
+
+WITHOUT_THREADS = '''
+import resource
+import numpy as np
+import aqorb
+image = np.random.RandomState(0).randint(0, 256, (480, 640)).astype(np.uint8)
+aqorb.setNumThreads(1)
+expected = aqorb.AdaptiveQuadtreeORB_create().detectAndComputeArrays(image)[1]
+aqorb.setNumThreads(4)
+resource.setrlimit(resource.RLIMIT_AS, (2 << 30, 2 << 30))
+assert np.array_equal(aqorb.AdaptiveQuadtreeORB_create().detectAndComputeArrays(image)[1], expected)
+'''
+
+
+@OWN_THREADS
+def test_goes_on_where_no_thread_can_be_started():
+    # A thread's stack would be larger than the memory that the process may have.
+    def limit_stack():
+        resource.setrlimit(resource.RLIMIT_STACK, (4 << 30, resource.getrlimit(resource.RLIMIT_STACK)[1]))
+
+    run = subprocess.run([sys.executable, '-c', WITHOUT_THREADS], preexec_fn=limit_stack, stdout=subprocess.PIPE,
+                         stderr=subprocess.STDOUT, text=True, timeout=60, env=dict(os.environ, OPENBLAS_NUM_THREADS='1'))
+    assert run.returncode == 0, run.stdout

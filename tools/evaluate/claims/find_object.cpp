@@ -5,8 +5,8 @@
 
 #include "subjects.hpp"
 
-#include <opencv2/calib3d.hpp>
-#include <opencv2/features2d.hpp>
+#include <opencv2/aqorb/features.hpp>
+#include <opencv2/aqorb/geometry.hpp>
 
 // The same as OpenCV's sample find_obj.py with its brute-force matcher.
 void measureFindObject(const cv::Mat& object, const cv::Mat& scene, Method& method, int n,

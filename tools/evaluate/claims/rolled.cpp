@@ -6,7 +6,7 @@
 #include "../measures.hpp"
 #include "subjects.hpp"
 
-#include <opencv2/imgproc.hpp>
+#include <opencv2/aqorb/geometry.hpp>
 
 using opencv_test::Matches;
 

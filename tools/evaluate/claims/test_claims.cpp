@@ -125,7 +125,7 @@ TEST(Aqorb_Claims, held_out_pairs_count_by_either_matrix)
     ImagePair depth = plane;
     depth.name = "depth";
     depth.homography = cv::Mat();
-    depth.fundamental = (cv::Mat1d(3, 3) << 0, 0, 0, 0, 0, -1, 0, 1, 0);  // rectified: equal rows
+    depth.fundamental = cv::Mat1d({3, 3}, {0, 0, 0, 0, 0, -1, 0, 1, 0});  // rectified: equal rows
     Grid grid("grid");
     Measurements results;
     measureHeldOut({plane, depth}, grid, 81, 1, results);
@@ -135,7 +135,7 @@ TEST(Aqorb_Claims, held_out_pairs_count_by_either_matrix)
 
 TEST(Aqorb_Claims, epipolar_lines_tell_the_row_and_nothing_else)
 {
-    const cv::Mat rectified = (cv::Mat1d(3, 3) << 0, 0, 0, 0, 0, -1, 0, 1, 0);
+    const cv::Mat rectified = cv::Mat1d({3, 3}, {0, 0, 0, 0, 0, -1, 0, 1, 0});
     Matches matches;
     matches.from = {{10, 10}, {10, 20}, {10, 30}};
     matches.to = {{90, 10}, {10, 23.5f}, {5, 32.5f}};

@@ -1,0 +1,113 @@
+# This file is part of aqorb. Copyright (C) The aqorb developers.
+# It is subject to the license terms in the LICENSE file found in the top-level directory
+# of this distribution.
+# SPDX-License-Identifier: Apache-2.0
+"""Tests of the package where cv2 is not installed, and that cv2 is imported no sooner than it is needed."""
+
+import os
+import subprocess
+import sys
+
+import pytest
+
+import aqorb
+
+FOLDER = os.path.dirname(os.path.dirname(os.path.abspath(aqorb.__file__)))
+
+# cv2 cannot be imported here.
+BEGIN = '''
+import sys
+sys.modules['cv2'] = None
+import numpy as np
+import aqorb
+image = np.repeat(np.repeat(np.random.RandomState(3).randint(0, 256, (60, 80), np.uint8), 8, 0), 8, 1)
+orb = aqorb.AdaptiveQuadtreeORB_create(300)
+'''
+
+
+def run(program):
+    run = subprocess.run([sys.executable, '-c', program], stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True,
+                         env=dict(os.environ, PYTHONPATH=FOLDER), timeout=120)
+    assert run.returncode == 0, run.stdout
+
+
+@pytest.mark.parametrize('body', [
+    # arrays in, arrays out
+    '''
+keypoints, descriptors = orb.detectAndComputeArrays(image, image > 0)
+assert keypoints.shape == (300,) and descriptors.shape == (300, 32)
+computed, again = orb.compute(image, keypoints)
+assert np.array_equal(again, descriptors) and np.array_equal(computed, keypoints)
+computed, again = orb.compute([image], [keypoints])
+assert np.array_equal(again[0], descriptors)
+assert len(aqorb.retainUniform(keypoints, (640, 480), 5)) == 5
+assert aqorb.distributionOccupancy(keypoints, (640, 480)) > .5
+assert aqorb.distributionUniformity(keypoints, (640, 480)) > 0
+assert np.array_equal(aqorb.keypointsToArray(keypoints), keypoints)
+assert len(orb.buildPyramid(image)) == 8 and aqorb.adaptiveFastThreshold(image) > 0
+assert orb.compute(image, []) == ((), None) and aqorb.keypointsFromArray(keypoints[:0]) == ()
+''',
+    # keypoints as objects
+    '''
+for call in (lambda: orb.detect(image), lambda: orb.detect([image]), lambda: orb.detectAndCompute(image, None),
+             lambda: aqorb.keypointsFromArray(orb.detectAndComputeArrays(image)[0])):
+    try:
+        call()
+    except ImportError as error:
+        assert 'install opencv-python or' in str(error) and 'detectAndComputeArrays' in str(error)
+        assert isinstance(error.__cause__, ImportError)
+    else:
+        raise AssertionError('no error')
+for wrong in [5], [image]:
+    try:
+        orb.compute(image, wrong)
+    except TypeError as error:
+        assert 'keypoints[0]: got' in str(error) and 'a cv2.KeyPoint is accepted' in str(error)
+    else:
+        raise AssertionError('no error')
+''',
+    # errors
+    '''
+import pickle
+try:
+    orb.setCellSize(1)
+except ValueError as error:
+    assert type(error) is aqorb.error and 'cellSize' in error.err and error.code == -211
+    assert type(pickle.loads(pickle.dumps(error))) is aqorb.error
+else:
+    raise AssertionError('no error')
+assert aqorb.error.__bases__ == (ValueError,) and 'error' in dir(aqorb)
+''',
+    # files
+    '''
+import copy, os, pathlib, tempfile
+with tempfile.TemporaryDirectory() as folder:
+    path = pathlib.Path(folder) / 'orb.yml'
+    orb.write(path)
+    other = aqorb.AdaptiveQuadtreeORB_create()
+    other.read(path)
+    assert other.getMaxFeatures() == copy.copy(orb).getMaxFeatures() == 300
+for call in orb.write, orb.read:
+    try:
+        call(5)
+    except TypeError as error:
+        assert 'fileName: got 5' in str(error)
+    else:
+        raise AssertionError('no error')
+'''], ids=['arrays', 'keypoints', 'errors', 'files'])
+def test_without_cv2(body):
+    run(BEGIN + body)
+
+
+@pytest.mark.parametrize('needs', ["orb.detect(image)", "aqorb.error", "from aqorb import error",
+                                   "aqorb.keypointsFromArray(np.zeros(1, aqorb.keypoint_dtype))"])
+def test_cv2_is_imported_when_it_is_needed(needs):
+    run(BEGIN.replace("sys.modules['cv2'] = None", '') + '''
+orb.detectAndComputeArrays(image)
+orb.compute(image, orb.detectAndComputeArrays(image)[0])
+assert 'cv2' not in sys.modules
+{}
+assert 'cv2' in sys.modules
+import cv2
+assert issubclass(aqorb.error, cv2.error) and issubclass(aqorb.error, ValueError)
+'''.format(needs))

@@ -1,0 +1,97 @@
+# The three modules of OpenCV that the library needs, built from OpenCV's source as static archives, for a Python
+# package that depends on no installed OpenCV. Sets OpenCV_DIR.
+#
+# What is left out: GUI and codecs, because images come as arrays; TBB, LAPACK, IPP and OpenCL, because the module's
+# own kernels do the work and call none of them; OpenCV's threads, because bindings/python/src/threads.cpp has some that
+# survive a fork. The kernels of OpenCV that remain (conversion to grey, scaling) are dispatched up to AVX2.
+
+set(AQORB_OPENCV_RELEASE 4.14.0.94)
+set(sha256 4afa2ea1214453648be88259f035712454faa9039b686de7753569ba8eec1577)
+set(AQORB_OPENCV_SOURCE "" CACHE PATH
+  "Folder of OpenCV's source; empty: the source distribution of opencv-python-headless ${AQORB_OPENCV_RELEASE}, fetched by pip")
+set(AQORB_OPENCV_BUILD "${PROJECT_SOURCE_DIR}/build/pip/opencv" CACHE PATH
+  "Folder where OpenCV is built once for the builds of all versions of Python")
+
+set(source "${AQORB_OPENCV_SOURCE}")
+set(build "${AQORB_OPENCV_BUILD}/build")
+set(prefix "${AQORB_OPENCV_BUILD}/prefix")
+
+# run(<what> <command>...): with its output in a log.
+function(aqorb_run what)
+  set(log "${AQORB_OPENCV_BUILD}/${what}.log")
+  message(STATUS "OpenCV, static: ${what}")
+  execute_process(COMMAND ${ARGN} OUTPUT_FILE "${log}" ERROR_FILE "${log}" RESULT_VARIABLE failed)
+  if(failed)
+    file(STRINGS "${log}" lines)
+    list(LENGTH lines count)
+    math(EXPR first "${count} - 30")
+    if(first GREATER 0)
+      list(SUBLIST lines ${first} -1 lines)
+    endif()
+    list(JOIN lines "\n" lines)
+    message(FATAL_ERROR "OpenCV: ${what} failed, see ${log}:\n${lines}")
+  endif()
+endfunction()
+
+file(MAKE_DIRECTORY "${AQORB_OPENCV_BUILD}")
+if(NOT source)
+  set(folder "opencv_python_headless-${AQORB_OPENCV_RELEASE}")
+  set(source "${AQORB_OPENCV_BUILD}/${folder}/opencv")
+  if(NOT EXISTS "${AQORB_OPENCV_BUILD}/fetched-${AQORB_OPENCV_RELEASE}")
+    find_package(Python 3.9 REQUIRED COMPONENTS Interpreter Development.Module)
+    aqorb_run(fetch "${Python_EXECUTABLE}" -m pip download --no-deps --no-binary opencv-python-headless
+      --dest "${AQORB_OPENCV_BUILD}" "opencv-python-headless==${AQORB_OPENCV_RELEASE}")
+    set(archive "${AQORB_OPENCV_BUILD}/${folder}.tar.gz")
+    if(NOT EXISTS "${archive}")  # an older name of the same
+      set(archive "${AQORB_OPENCV_BUILD}/opencv-python-headless-${AQORB_OPENCV_RELEASE}.tar.gz")
+    endif()
+    file(SHA256 "${archive}" found)
+    if(NOT found STREQUAL sha256)
+      message(FATAL_ERROR "${archive} is not what was expected: its SHA256 is ${found} instead of ${sha256}")
+    endif()
+    aqorb_run(unpack "${CMAKE_COMMAND}" -E chdir "${AQORB_OPENCV_BUILD}" "${CMAKE_COMMAND}" -E tar xzf "${archive}")
+    file(REMOVE "${archive}")
+    file(WRITE "${AQORB_OPENCV_BUILD}/fetched-${AQORB_OPENCV_RELEASE}" "")
+  endif()
+endif()
+
+set(options
+  -DCMAKE_BUILD_TYPE=Release -DCMAKE_POSITION_INDEPENDENT_CODE=ON
+  -DBUILD_SHARED_LIBS=OFF -DBUILD_LIST=core,imgproc,features2d,features -DBUILD_ZLIB=ON
+  -DBUILD_TESTS=OFF -DBUILD_PERF_TESTS=OFF -DBUILD_EXAMPLES=OFF -DBUILD_opencv_apps=OFF -DBUILD_JAVA=OFF
+  -DBUILD_opencv_python3=OFF
+  -DENABLE_CCACHE=OFF -DOPENCV_DOWNLOAD_TRIES_LIST= -DOPENCV_GENERATE_PKGCONFIG=OFF)
+foreach(feature 1394 ADE CAROTENE EIGEN FFMPEG FLATBUFFERS GSTREAMER GTK IPP ITT JASPER JPEG KLEIDICV LAPACK OPENCL
+    OPENEXR OPENJPEG PNG PROTOBUF PTHREADS_PF QUIRC TBB TIFF V4L VA VA_INTEL VTK WEBP)
+  list(APPEND options "-DWITH_${feature}=OFF")
+endforeach()
+if(CMAKE_SYSTEM_PROCESSOR MATCHES "x86_64|AMD64")
+  list(APPEND options -DCPU_BASELINE=SSE2 -DCPU_DISPATCH=SSE4_1,AVX2)
+endif()
+if(CMAKE_CXX_COMPILER_LAUNCHER)
+  list(APPEND options
+    "-DCMAKE_C_COMPILER_LAUNCHER=${CMAKE_CXX_COMPILER_LAUNCHER}"
+    "-DCMAKE_CXX_COMPILER_LAUNCHER=${CMAKE_CXX_COMPILER_LAUNCHER}")
+endif()
+
+# What the archives depend on: if it is what they were built from, they are used again.
+set(made "${source}\n${options}\n${CMAKE_CXX_COMPILER} ${CMAKE_CXX_COMPILER_VERSION}\n")
+set(stamp "${prefix}/made")
+set(present "")
+if(EXISTS "${stamp}")
+  file(READ "${stamp}" present)
+endif()
+if(NOT present STREQUAL made)
+  cmake_host_system_information(RESULT cores QUERY NUMBER_OF_LOGICAL_CORES)
+  file(REMOVE_RECURSE "${build}" "${prefix}")
+  aqorb_run(configure "${CMAKE_COMMAND}" -S "${source}" -B "${build}" -G "${CMAKE_GENERATOR}"
+    "-DCMAKE_MAKE_PROGRAM=${CMAKE_MAKE_PROGRAM}" "-DCMAKE_CXX_COMPILER=${CMAKE_CXX_COMPILER}"
+    "-DCMAKE_INSTALL_PREFIX=${prefix}" ${options})
+  aqorb_run(build "${CMAKE_COMMAND}" --build "${build}" --parallel ${cores} --target install)
+  file(REMOVE_RECURSE "${build}")
+  file(WRITE "${stamp}" "${made}")
+endif()
+
+file(GLOB_RECURSE config "${prefix}/OpenCVConfig.cmake" "${prefix}/*/OpenCVConfig.cmake")
+list(GET config 0 config)
+get_filename_component(OpenCV_DIR "${config}" DIRECTORY)

@@ -1,0 +1,25 @@
+// This file is part of aqorb. Copyright (C) The aqorb developers.
+// It is subject to the license terms in the LICENSE file found in the top-level directory
+// of this distribution.
+// SPDX-License-Identifier: Apache-2.0
+
+#ifndef OPENCV_AQORB_GEOMETRY_HPP
+#define OPENCV_AQORB_GEOMETRY_HPP
+
+// Homographies, poses and affine maps, for programs that are to be compiled with OpenCV 4 and 5. OpenCV 5 has moved them
+// from the modules calib3d and imgproc to the module geometry. AQORB_HAVE_GEOMETRY is defined unless OpenCV was built
+// without calib3d.
+
+#include <opencv2/core/version.hpp>
+#include <opencv2/imgproc.hpp>
+#include <opencv2/opencv_modules.hpp>
+
+#if CV_VERSION_MAJOR >= 5
+#include <opencv2/geometry.hpp>
+#define AQORB_HAVE_GEOMETRY
+#elif defined(HAVE_OPENCV_CALIB3D)
+#include <opencv2/calib3d.hpp>
+#define AQORB_HAVE_GEOMETRY
+#endif
+
+#endif

@@ -1,0 +1,156 @@
+#!/usr/bin/env python3
+# This file is part of aqorb. Copyright (C) The aqorb developers.
+# It is subject to the license terms in the LICENSE file found in the top-level directory
+# of this distribution.
+# SPDX-License-Identifier: Apache-2.0
+"""Reconstructs a scene with COLMAP from the images of a moving camera, with features of each of several detectors.
+
+usage: colmap.py [--detectors=aqorb,orb,sift] [--features=2000] [--neighbours=5] [--seed=0]
+                 [--out=colmap] FOLDER
+
+FOLDER has the images in the folder image_l, the first camera's projection matrix in the first line of calib.txt and, if
+the error is to be measured, the true poses in poses.txt, as the odometry benchmark of KITTI has them.
+
+Features are matched between each image and the next ones, as mutual nearest neighbours: those of ORB by Hamming
+distance, which COLMAP does not know. The keypoints and the matches are written into COLMAP's database. COLMAP verifies
+them and reconstructs the camera's poses and the points. The reconstructions are left in the folder --out.
+Needs pycolmap.
+"""
+
+import argparse
+import os
+import shutil
+import sys
+
+import cv2 as cv
+import numpy as np
+import pycolmap
+
+import aqorb
+
+
+def fail(message):
+    sys.exit('colmap.py: ' + message)
+
+
+def make_detector(name, features):
+    """The detector, and the norm that its descriptors are compared by."""
+    if name == 'aqorb':
+        return aqorb.AdaptiveQuadtreeORB_create(features), cv.NORM_HAMMING
+    if name == 'orb':
+        return cv.ORB_create(features), cv.NORM_HAMMING
+    if name == 'sift':
+        return cv.SIFT_create(features), cv.NORM_L2
+    return fail('there is no detector {}'.format(name))
+
+
+def read_camera(folder, size):
+    with open(os.path.join(folder, 'calib.txt')) as file:
+        projection = np.array(file.readline().split()[-12:], float).reshape(3, 4)
+    return pycolmap.Camera(model='PINHOLE', width=size[0], height=size[1], camera_id=1, has_prior_focal_length=True,
+                           params=[projection[0, 0], projection[1, 1], projection[0, 2] + .5, projection[1, 2] + .5])
+
+
+def fill_database(path, folder, names, name, features, neighbours):
+    """Detects, matches and writes into a new database. Returns the pairs of images that were matched."""
+    detector, norm = make_detector(name, features)
+    matcher = cv.BFMatcher(norm, crossCheck=True)
+    images = [cv.imread(os.path.join(folder, file), cv.IMREAD_GRAYSCALE) for file in names]
+    if any(image is None for image in images):
+        fail('not all files in {} are images'.format(folder))
+    found = [detector.detectAndCompute(image, None) for image in images]
+    database = pycolmap.Database.open(path)
+    camera = read_camera(os.path.dirname(folder), images[0].shape[::-1])
+    database.write_camera(camera, use_camera_id=True)
+    rig = pycolmap.Rig(rig_id=1)
+    rig.add_ref_sensor(camera.sensor_id)
+    database.write_rig(rig, use_rig_id=True)
+    for i, (file, (keypoints, _)) in enumerate(zip(names, found), 1):
+        image = pycolmap.Image(name=file, camera_id=1, image_id=i)
+        database.write_image(image, use_image_id=True)
+        frame = pycolmap.Frame(frame_id=i, rig_id=1)
+        frame.add_data_id(image.data_id)
+        database.write_frame(frame, use_frame_id=True)
+        # The centre of the first pixel is (0.5, 0.5) for COLMAP, (0, 0) for OpenCV.
+        points = np.array([k.pt for k in keypoints], np.float32).reshape(-1, 2) + .5
+        database.write_keypoints(i, points)
+    pairs = []
+    for i in range(len(names)):
+        for j in range(i + 1, min(i + 1 + neighbours, len(names))):
+            matches = matcher.match(found[i][1], found[j][1])
+            database.write_matches(i + 1, j + 1, np.array([(m.queryIdx, m.trainIdx) for m in matches],
+                                                          np.uint32).reshape(-1, 2))
+            pairs.append('{} {}'.format(names[i], names[j]))
+    database.close()
+    return pairs
+
+
+def position_error(reconstruction, folder, names):
+    """The root of the mean square distance in metres between the camera's positions and the true ones, after the best
+    similarity transform; None without poses.txt."""
+    path = os.path.join(folder, 'poses.txt')
+    if not os.path.exists(path):
+        return None
+    poses = np.loadtxt(path).reshape(-1, 3, 4)
+    found, true = [], []
+    for image in reconstruction.images.values():
+        if image.has_pose:
+            found.append(image.projection_center())
+            true.append(poses[names.index(image.name)][:, 3])
+    found, true = np.array(found), np.array(true)
+    a, b = found - found.mean(0), true - true.mean(0)
+    u, values, v = np.linalg.svd(b.T @ a)
+    sign = np.diag([1, 1, np.linalg.det(u @ v)])
+    scale = np.trace(np.diag(values) @ sign) / (a ** 2).sum()
+    return np.sqrt(((b - scale * a @ (u @ sign @ v).T) ** 2).sum(1).mean())
+
+
+def reconstruct(folder, names, name, options):
+    out = os.path.join(options.out, name)
+    shutil.rmtree(out, ignore_errors=True)
+    os.makedirs(out)
+    database, pairs = os.path.join(out, 'database.db'), os.path.join(out, 'pairs.txt')
+    written = fill_database(database, folder, names, name, options.features, options.neighbours)
+    with open(pairs, 'w') as file:
+        file.write('\n'.join(written) + '\n')
+    pycolmap.verify_matches(database, pairs)
+    pipeline = pycolmap.IncrementalPipelineOptions(ba_refine_focal_length=False, ba_refine_extra_params=False,
+                                                   multiple_models=False, num_threads=2)
+    # A camera that looks ahead as it drives has no pair of images that COLMAP would begin with otherwise.
+    pipeline.mapper.init_max_forward_motion = 1
+    pipeline.mapper.init_min_tri_angle = 4
+    pycolmap.set_random_seed(options.seed)
+    return pycolmap.incremental_mapping(database, folder, out, pipeline)
+
+
+def main():
+    parser = argparse.ArgumentParser(usage=__doc__.split('usage: ')[1].split('\n\n')[0], add_help=True)
+    parser.add_argument('--detectors', default='aqorb,orb,sift')
+    parser.add_argument('--features', type=int, default=2000)
+    parser.add_argument('--neighbours', type=int, default=5)
+    parser.add_argument('--seed', type=int, default=0)
+    parser.add_argument('--out', default='colmap')
+    parser.add_argument('folder')
+    options = parser.parse_args()
+    folder = os.path.join(options.folder, 'image_l')
+    if not os.path.isdir(folder):
+        fail('there is no folder {}'.format(folder))
+    names = sorted(os.listdir(folder))
+    pycolmap.logging.minloglevel = 2
+    print('| features | images | points | track length | reprojection error, px | position error, m |')
+    print('|---|---|---|---|---|---|')
+    for name in options.detectors.split(','):
+        found = reconstruct(folder, names, name, options)
+        if not found:
+            print('| {} | 0 of {} | | | | |'.format(name, len(names)))
+            continue
+        largest = max(found.values(), key=lambda r: r.num_reg_images())
+        error = position_error(largest, options.folder, names)
+        print('| {} | {} of {} | {} | {:.2f} | {:.3f} | {} |'.format(
+            name, largest.num_reg_images(), len(names), largest.num_points3D(),
+            largest.compute_mean_track_length(), largest.compute_mean_reprojection_error(),
+            '' if error is None else '{:.3f}'.format(error)), flush=True)
+
+
+if __name__ == '__main__':
+    main()
