@@ -9,7 +9,7 @@
 # With --test the results are compared with those of the native library, in Node.js and in headless Chromium, and the
 # page is used there as people would. The screenshots are in build/web/screenshots. If OPENCV_TEST_DATA_PATH names
 # opencv_extra's testdata folder, six photographs are compared, too.
-# With --speed both detectors are timed in Node.js, as they are and in a build without SIMD.
+# With --speed both detectors are timed in Node.js, and the module also as compiled without SIMD.
 #
 # Installs the Debian packages it needs. pip fetches OpenCV's source, and npm what drives Chromium.
 source "$(dirname "$0")/common.sh"
@@ -22,12 +22,14 @@ export NODE_PATH=/usr/share/nodejs
 mode=${1:-}
 [[ $mode =~ ^(|--serve|--test|--speed)$ ]] || die "unknown option $mode; --help says what there is"
 
-# compile FOLDER FLAGS: the page and the module with these flags.
+# compile FOLDER FLAGS: the page, and the module with these flags. OpenCV is always compiled with SIMD.
 compile() {
+    local opencv=(-DAQORB_BUNDLE_OPENCV=ON -DAQORB_OPENCV_SOURCE="$OPENCV_SOURCE" -DAQORB_OPENCV_BUILD="$WEB/opencv")
+    [[ $1 == "$WEB" ]] ||
+        opencv=(-DOpenCV_DIR="$(dirname "$(find "$WEB/opencv/prefix" -name OpenCVConfig.cmake)")")
     forget_moved "$1" "$ROOT"
     cmake -S "$ROOT" -B "$1" -G Ninja -DCMAKE_TOOLCHAIN_FILE="$TOOLCHAIN" -DCMAKE_BUILD_TYPE=Release \
-        -DCMAKE_CXX_FLAGS="-fwasm-exceptions $2" -DBUILD_SHARED_LIBS=OFF -DAQORB_WERROR=ON \
-        -DAQORB_BUNDLE_OPENCV=ON -DAQORB_OPENCV_SOURCE="$OPENCV_SOURCE" -DAQORB_OPENCV_BUILD="$1/opencv" \
+        -DCMAKE_CXX_FLAGS="-fwasm-exceptions $2" -DBUILD_SHARED_LIBS=OFF -DAQORB_WERROR=ON "${opencv[@]}" \
         -DAQORB_BUILD_TESTS=OFF -DAQORB_BUILD_SAMPLES=OFF -DAQORB_BUILD_PRELOAD=OFF -DAQORB_INSTALL=OFF
     build "$1"
 }
@@ -97,7 +99,7 @@ case $mode in
     tests
     ;;
 --speed)
-    say "The same without SIMD"
+    say "The module without SIMD"
     compile "$BUILD/web-plain" ""
     say "Times"
     node "$ROOT/web/test/speed.mjs" "$WEB/page" "$BUILD/web-plain/page"

@@ -23,6 +23,7 @@ let sent = null;    // the job that the worker does
 let pictures = [];  // canvases of both pictures, as they were last detected in
 let shown = null;   // what was found in them
 let stream = null;  // of the camera
+let drawnWidth = 0;
 const video = document.createElement('video');
 
 function say(sentence) {
@@ -186,7 +187,7 @@ async function toggleCamera() {
         say(CAMERA_ERRORS[error.name] || `The camera could not be used (${error.name}). Open a picture instead.`);
         return;
     }
-    element('camera').textContent = 'Stop the camera';
+    element('camera').textContent = 'Stop camera';
     element('camera').setAttribute('aria-pressed', 'true');
     showOwn(true);
     grabFrame();
@@ -201,7 +202,7 @@ function stopCamera() {
     if (stream)
         stream.getTracks().forEach(track => track.stop());
     stream = null;
-    element('camera').textContent = 'Use the camera';
+    element('camera').textContent = 'Camera';
     element('camera').setAttribute('aria-pressed', 'false');
 }
 
@@ -211,6 +212,7 @@ function draw() {
     if (!shown)
         return;
     element('figures').classList.toggle('wide', shown.view === 'pair');
+    drawnWidth = canvases[0].clientWidth;
     canvases.forEach((canvas, detector) => {
         const width = canvas.clientWidth;
         const stacked = width < 560;
@@ -428,7 +430,7 @@ function listen() {
     element('properties').onreset = () => setTimeout(element('properties').oninput);
     element('properties').onsubmit = event => event.preventDefault();
     element('cells').onchange = draw;
-    new ResizeObserver(draw).observe(element('figures'));
+    new ResizeObserver(() => canvases[0].clientWidth === drawnWidth || draw()).observe(element('figures'));
 
     const hasFiles = event => event.dataTransfer && event.dataTransfer.types.includes('Files');
     document.ondragover = event => {

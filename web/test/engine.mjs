@@ -14,7 +14,10 @@ import path from 'node:path';
 import test from 'node:test';
 
 const [page, native] = process.argv.slice(2).map(folder => path.resolve(folder));
-const engine = await createRequire(import.meta.url)(path.join(page, 'aqorb.js'))();
+// The file is read here, because emscripten 3.1.6 would fetch it in a Node.js that can fetch.
+const engine = await createRequire(import.meta.url)(path.join(page, 'aqorb.js'))({
+    wasmBinary: fs.readFileSync(path.join(page, 'aqorb.wasm')),
+});
 const PROPERTIES = {
     nfeatures: 500, fastThreshold: 20, nlevels: 8, scaleFactor: 1.2, selectionType: 0, strengthWeight: 0.15,
     rankRadius: 1, minThresholdRatio: 4, adaptiveThreshold: 1,

@@ -156,19 +156,15 @@ test('a sample is shown at once, by both detectors, without an error', async () 
 test('the bytes are those of the native library, of scenes and of pictures that the browser decodes', async () => {
     const { tab, problems, close } = await open();
     for (const image of images) {
-        const name = path.basename(image);
         const isFirst = image === images[0];
         await tab.locator('#file').setInputFiles(image);
         await tab.waitForFunction(() => element('sample').value === '');
         await idle(tab);
-        const label = isFirst ? 'image' : path.relative(process.cwd(), image);
         const expected = linesOf(isFirst ? 'ranked.txt' : `${image.replaceAll('/', '_')}.txt`);
         assert.equal(expected.length, 62);
         const lines = (await fingerprint(tab, false, 'image')).trim().split('\n');
         assert.deepEqual(lines.slice(0, 60), expected.slice(0, 60));
-        assert.deepEqual(lines.slice(60).map(line => line.replace(/^image /, '')),
-            expected.slice(60).map(line => line.slice(line.indexOf(' by default') > 0 ? line.indexOf('by default')
-                : line.indexOf('with drawn'))), `${name} ${label}`);
+        assert.deepEqual(lines.slice(60), expected.slice(60).map(line => line.replace(image, 'image')));
         if (isFirst) {
             const balanced = (await fingerprint(tab, true, '')).trim().split('\n');
             assert.deepEqual(balanced, linesOf('balanced.txt').slice(0, 60));
@@ -276,8 +272,7 @@ test('two pictures are matched, simulated or opened', async () => {
     assert.ok(simulated.every(count => count > 50), `${simulated}`);
     await tab.screenshot({ path: path.join(screenshots, 'desktop-pair.png'), fullPage: true });
     await tab.locator('#second').setInputFiles(images[0]);
-    await tab.waitForFunction(before => document.querySelectorAll('#figures canvas')[1].dataset.seen !== before &&
-        document.querySelector('#measures tr:last-child td').textContent === 'none found', '');
+    await tab.waitForFunction(() => document.querySelector('#measures tr:last-child td').textContent === 'none found');
     await idle(tab);
     await tab.locator('#other').click();
     await tab.waitForFunction(() => document.querySelector('#measures tr:last-child td').textContent !== 'none found');
@@ -374,7 +369,7 @@ test('the keyboard alone is enough, and the focus is visible', async () => {
     const { tab, problems, close } = await open();
     const focused = () => tab.evaluate(() => {
         const e = document.activeElement;
-        const shown = e.closest('.button, #views label') || e;
+        const shown = e.matches('.button input, #views input') ? e.nextElementSibling : e;
         const { outlineStyle, outlineWidth } = getComputedStyle(shown);
         return { id: e.id || e.value || e.type || e.tagName, isVisible: outlineStyle !== 'none' && parseFloat(outlineWidth) >= 2 };
     });
@@ -405,6 +400,10 @@ test('the keyboard alone is enough, and the focus is visible', async () => {
             await tab.keyboard.press('ArrowLeft');
             await idle(tab);
             assert.ok(await tab.locator('#degrees').isHidden());
+        } else if (id === 'file') {
+            const chooser = tab.waitForEvent('filechooser');
+            await tab.keyboard.press('Enter');
+            await chooser;
         } else if (id === 'cells') {
             await tab.keyboard.press('Space');
             assert.notEqual(await drawn(tab), before, id);

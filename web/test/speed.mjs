@@ -4,20 +4,22 @@
 
 // Times detectAndCompute of both detectors in Node.js, in turns: speed.mjs PAGE PLAIN
 //
-// PAGE and PLAIN are folders with an aqorb.js, of which the second one is compiled without SIMD.
+// PAGE and PLAIN are folders with an aqorb.js; in the second one the module, but not OpenCV, is compiled without SIMD.
 
+import fs from 'node:fs';
 import { createRequire } from 'node:module';
 import path from 'node:path';
 
 const require = createRequire(import.meta.url);
 const ROUNDS = 40;
-const builds = process.argv.slice(2).map(folder => require(path.resolve(folder, 'aqorb.js')));
-const engines = await Promise.all(builds.map(create => create()));
+const engines = await Promise.all(process.argv.slice(2).map(folder => require(path.resolve(folder, 'aqorb.js'))({
+    wasmBinary: fs.readFileSync(path.join(folder, 'aqorb.wasm')),
+})));
 
 const median = values => values.sort((a, b) => a - b)[values.length >> 1];
 
 console.log('median of the times of one call, in ms, on the sample `street`, 960x640 pixels');
-console.log('features   cv::ORB plain  SIMD   AdaptiveQuadtreeORB plain  SIMD   cv::ORB / AdaptiveQuadtreeORB, SIMD');
+console.log('features   cv::ORB   AdaptiveQuadtreeORB without SIMD   with SIMD   cv::ORB / AdaptiveQuadtreeORB');
 for (const nfeatures of [500, 1000, 2000]) {
     const times = engines.map(() => [[], []]);
     for (const engine of engines) {
@@ -36,8 +38,8 @@ for (const nfeatures of [500, 1000, 2000]) {
             }
         });
     }
-    const [[orb, ours], [plainOrb, plainOurs]] = times.map(both => both.map(median));
-    const column = (value, width) => value.toFixed(1).padStart(width);
-    console.log(String(nfeatures).padStart(8) + column(plainOrb, 16) + column(orb, 6) + column(plainOurs, 28) +
-        column(ours, 6) + (orb / ours).toFixed(2).padStart(40));
+    const [[orb, ours], [, plain]] = times.map(both => both.map(median));
+    const column = (value, width, digits = 1) => value.toFixed(digits).padStart(width);
+    console.log(column(nfeatures, 8, 0) + column(orb, 10) + column(plain, 35) + column(ours, 12) +
+        column(orb / ours, 32, 2));
 }
