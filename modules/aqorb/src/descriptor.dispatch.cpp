@@ -192,13 +192,13 @@ DescriptorTests::DescriptorTests(const std::vector<Point>& pattern_, int WTA_K_)
     const int MAX_REACH = 64;  // a larger patch at the border would be expensive to copy
     if (WTA_K != 2 || reach > MAX_REACH)
         return;
-    pairs = makePtr<PairTests>();
+    pairs.resize(1);
     for (int i = 0; i < PairTests::COUNT; i++)
     {
         for (int k = 0; k < 2; k++)
         {
-            pairs->x[k][i] = float(pattern[2 * i + k].x);
-            pairs->y[k][i] = float(pattern[2 * i + k].y);
+            pairs[0].x[k][i] = float(pattern[2 * i + k].x);
+            pairs[0].y[k][i] = float(pattern[2 * i + k].y);
         }
     }
 }
@@ -218,7 +218,7 @@ void computeDescriptors(const Mat& image, const BlurredRows& blurred, const Feat
         // Sine and cosine are those of a float, as in cv::ORB. They are not always the floats nearest to the exact values.
         const float a = std::cos(angle), b = std::sin(angle);
         const BlurredPatch patch(image, blurred, x, y);
-        if (!tests.pairs)
+        if (tests.pairs.empty())
         {
             computePlainly(patch, a, b, tests.pattern, tests.WTA_K, descriptor);
             continue;
@@ -238,7 +238,8 @@ void computeDescriptors(const Mat& image, const BlurredRows& blurred, const Feat
             center = copy.data() + reach * centerStep + reach;
         }
         uchar undecided[PairTests::COUNT];
-        const int undecidedCount = decidePairs(center, centerStep, a, b, *tests.pairs, descriptor, undecided);
+        const int undecidedCount =
+            decidePairs(center, centerStep, a, b, tests.pairs[0], descriptor, undecided);
         for (int j = 0; j < undecidedCount; j++)
         {
             const int test = undecided[j];
