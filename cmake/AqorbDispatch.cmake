@@ -38,7 +38,9 @@ endfunction()
 # aqorb_add_dispatched_file(<target> <name> [<CPU feature>...])
 function(aqorb_add_dispatched_file target name)
   set(features "")
-  if(CMAKE_SYSTEM_PROCESSOR MATCHES "x86_64|AMD64|i.86" AND CMAKE_CXX_COMPILER_ID MATCHES "GNU|Clang")
+  # OpenCV's intrinsics for AVX2 cannot be compiled for 32 bits.
+  if(CMAKE_SYSTEM_PROCESSOR MATCHES "x86_64|AMD64" AND CMAKE_SIZEOF_VOID_P EQUAL 8
+      AND CMAKE_CXX_COMPILER_ID MATCHES "GNU|Clang")
     set(features ${ARGN})
   endif()
 

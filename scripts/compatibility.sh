@@ -16,7 +16,9 @@
 #               the same build with the features of newer x86-64 CPUs disabled
 #   plain       the same build with cv::setUseOptimized(false); bytes only
 #   qemu64      the same build on an x86-64 CPU without SSSE3, emulated
-#   aarch64     cross-built, on an emulated CPU
+#   aarch64, armhf, riscv64, s390x
+#               cross-built, on an emulated CPU; armhf with NEON, s390x big-endian
+#   i386        cross-built for SSE2, on this CPU
 #   clang       clang++
 #   debug       g++ -O0 with the assertions of the standard library
 #   native      g++ -O3 -march=native
@@ -151,11 +153,23 @@ row_qemu64() {
     compiled qemu64 qemu-x86_64-static -cpu qemu64
 }
 
-row_aarch64() {
-    need emulation
-    arm64_sysroot
-    compiled aarch64 qemu-aarch64-static -L "$SYSROOT"
+# cross ROW ARCHITECTURE [EMULATOR]: cross-built with the compiler and the packages of Debian for an architecture, by
+# Debian's name of it. Its programs run under qemu-user with the name of the emulated CPU, or by a given command.
+cross() {
+    need emulation "$2"
+    sysroot "$2"
+    if [[ $2 == i386 ]]; then
+        compiled "$1" "$SYSROOT/lib/i386-linux-gnu/ld-linux.so.2" --library-path "$SYSROOT/lib/i386-linux-gnu"
+    else
+        compiled "$1" "qemu-$3-static" -L "$SYSROOT"
+    fi
 }
+
+row_aarch64() { cross aarch64 arm64 aarch64; }
+row_armhf() { cross armhf armhf arm; }
+row_i386() { cross i386 i386; }
+row_riscv64() { cross riscv64 riscv64 riscv64; }
+row_s390x() { cross s390x s390x s390x; }
 
 row_clang() {
     need clang
@@ -172,7 +186,8 @@ if [[ ${1:-} == --bytes ]]; then
     shift
 fi
 rows=("$@")
-((${#rows[@]})) || rows=(debian12 debian13 opencv4 opencv5 avx2 sse4 sse2 plain qemu64 aarch64 clang debug native hardening)
+((${#rows[@]})) || rows=(debian12 debian13 opencv4 opencv5 avx2 sse4 sse2 plain qemu64
+    aarch64 armhf i386 riscv64 s390x clang debug native hardening)
 for row in "${rows[@]}"; do
     declare -F "row_$row" >/dev/null || die "no such row: $row"
 done

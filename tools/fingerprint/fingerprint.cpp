@@ -78,7 +78,7 @@ void print(const std::string& name, const Mat& image, const Mat& mask, AdaptiveQ
                                aqorb::distributionUniformity(keypoints, image.size()),
                                aqorb::distributionOccupancy(keypoints, image.size())};
     Hash hashOfMeasures;
-    hashOfMeasures.add(measures, sizeof(measures));
+    hashOfMeasures.addNumbers(measures, 3);
 
     std::printf("%s image %s pyramid %s measures %s keypoints %zu %s descriptors %s\n", name.c_str(),
                 hashOf(image).c_str(), pyramid.text().c_str(), hashOfMeasures.text().c_str(),
