@@ -38,7 +38,7 @@ set(CMAKE_FIND_ROOT_PATH_MODE_PACKAGE ONLY)
 
 if(AQORB_ARCHITECTURE STREQUAL "i386")
   set(CMAKE_CROSSCOMPILING_EMULATOR "${AQORB_SYSROOT}/lib/i386-linux-gnu/ld-linux.so.2"
-    --library-path "${AQORB_SYSROOT}/lib/i386-linux-gnu")
+    --library-path "${AQORB_SYSROOT}/lib/i386-linux-gnu:${AQORB_SYSROOT}/lib")
 else()
   set(CMAKE_CROSSCOMPILING_EMULATOR qemu-${CMAKE_SYSTEM_PROCESSOR}-static -L "${AQORB_SYSROOT}")
 endif()

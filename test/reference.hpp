@@ -162,6 +162,9 @@ Mat roundedBlur(const Mat& image);
 std::vector<Point> descriptorPattern(int patchSize, int WTA_K);
 void descriptor(const Mat& image, const Mat& blurred, Point center, float angle,
                 const std::vector<Point>& pattern, int WTA_K, uchar* bytes);
+/** The bits of a descriptor that all roundings agree on: no point of their tests comes so close to the border between two
+ pixels that its place depends on whether multiplication and addition are fused. */
+void certainBits(float angle, const std::vector<Point>& pattern, int WTA_K, uchar* bytes);
 
 }  // namespace reference
 

@@ -129,6 +129,30 @@ void descriptor(const Mat& image, const Mat& blurred, Point center, float angle,
     }
 }
 
+void certainBits(float angle, const std::vector<Point>& pattern, int WTA_K, uchar* bytes)
+{
+    angle *= (float)(CV_PI / 180.f);
+    const double a = std::cos(angle), b = std::sin(angle);
+    const auto isCertain = [](double coordinate)
+    {
+        const double ERROR = 1e-6 * (1 + std::abs(coordinate));  // a few times the last bit of a float
+        return cvRound(coordinate - ERROR) == cvRound(coordinate + ERROR);
+    };
+    const int bits = WTA_K == 2 ? 1 : 2;
+    std::fill(bytes, bytes + 32, uchar(0));
+    for (int test = 0; test < 256 / bits; test++)
+    {
+        bool certain = true;
+        for (int k = 0; k < WTA_K; k++)
+        {
+            const Point p = pattern[test * WTA_K + k];
+            certain = certain && isCertain(p.x * a - p.y * b) && isCertain(p.x * b + p.y * a);
+        }
+        if (certain)
+            bytes[test * bits / 8] |= uchar((1 << bits) - 1) << (test * bits % 8);
+    }
+}
+
 }  // namespace reference
 bool orbBlursExactly(const Mat& image)
 {
