@@ -21,7 +21,7 @@ if(CMAKE_CXX_COMPILER_ID STREQUAL "GNU")
   # GCC 12 warns of its own avx512fintrin.h.
   list(APPEND AQORB_AVX512_SKX_FLAGS -Wno-uninitialized -Wno-maybe-uninitialized)
 endif()
-if(MINGW)
+if(MINGW AND CMAKE_CXX_COMPILER_ID STREQUAL "GNU")
   # GCC aligns the stack of 64-bit Windows to 16 bytes, but moves wider vectors to it as if it were aligned to theirs.
   list(APPEND AQORB_AVX2_FLAGS -Wa,-muse-unaligned-vector-move)
   list(APPEND AQORB_AVX512_SKX_FLAGS -Wa,-muse-unaligned-vector-move)

@@ -23,7 +23,7 @@ Mat blur(const Mat& image)
         {
             float sum = k[-3] * pixel(image, x - 3, y);
             for (int i = -2; i <= 3; i++)
-                sum = std::fma(k[i], (float)pixel(image, x + i, y), sum);
+                sum = multiplyAdd(k[i], (float)pixel(image, x + i, y), sum);
             rows.at<float>(y, x) = sum;
         }
     }
@@ -38,7 +38,7 @@ Mat blur(const Mat& image)
                     rows.at<float>(borderInterpolate(y - i, image.rows, BORDER_REFLECT_101), x);
                 const float below =
                     rows.at<float>(borderInterpolate(y + i, image.rows, BORDER_REFLECT_101), x);
-                sum = std::fma(k[i], below + above, sum);
+                sum = multiplyAdd(k[i], below + above, sum);
             }
             result.at<float>(y, x) = sum;
         }
