@@ -71,7 +71,7 @@ std::string line(const std::string& name, const Mat& image, const Mat& mask, Ada
                                aqorb::distributionUniformity(keypoints, image.size()),
                                aqorb::distributionOccupancy(keypoints, image.size())};
     Hash hashOfMeasures;
-    hashOfMeasures.add(measures, sizeof(measures));
+    hashOfMeasures.addNumbers(measures, 3);
 
     return name + " image " + hashOf(image) + " pyramid " + pyramid.text() + " measures " +
            hashOfMeasures.text() + " keypoints " + std::to_string(keypoints.size()) + " " +
