@@ -213,6 +213,16 @@ val setProperties(val properties)
         });
 }
 
+//! How many levels of an image have a pixel. cv::ORB raises an exception if there are fewer than it has.
+int levelsOf(const Size& size, int nlevels, double scaleFactor)
+{
+    int levels = 1;
+    double side = std::min(size.width, size.height);
+    for (; levels < nlevels && side / scaleFactor >= 1; levels++)
+        side /= scaleFactor;
+    return levels;
+}
+
 /** Finds the features of a picture.
  @param runs the time is the shortest of so many */
 val detect(int index, int detector, int runs)
@@ -223,6 +233,8 @@ val detect(int index, int detector, int runs)
             checkDetector(detector);
             Picture& picture = at(index);
             Features& features = picture.features[detector];
+            detectors[0]->setNLevels(
+                levelsOf(picture.grey.size(), detectors[1]->getNLevels(), detectors[1]->getScaleFactor()));
             double time = 0;
             for (int run = 0; run < runs; run++)
             {
