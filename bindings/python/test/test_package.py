@@ -138,6 +138,34 @@ def test_stub_has_the_signatures():
             assert signatures == documented(getattr(scope, name)), name
 
 
+def texts(function):
+    """What pybind11 writes into the docstring beside the signatures."""
+    parts = re.split(r'^(?:\d+\. )?\w+\((.*)\) -> .*$', function.__doc__, flags=re.MULTILINE)
+    return {' '.join(text.split()) for arguments, text in zip(parts[1::2], parts[2::2]) if '*args' not in arguments}
+
+
+def test_stub_has_the_docstrings():
+    # Editors show those of the stub, because they do not load a compiled module.
+    stub = ast.parse((pathlib.Path(aqorb.__file__).parent / '__init__.pyi').read_text())
+    checked = []
+
+    def check(scope, nodes):
+        stubbed = {}
+        for node in nodes:
+            if isinstance(node, (ast.FunctionDef, ast.ClassDef)):
+                stubbed.setdefault(node.name, set()).add(' '.join((ast.get_docstring(node) or '').split()))
+            if isinstance(node, ast.ClassDef):
+                check(getattr(scope, node.name), node.body)
+        for name, found in stubbed.items():
+            member = getattr(scope, name)
+            expected = {' '.join(member.__doc__.split())} if inspect.isclass(member) else texts(member)
+            assert found == expected and all(found), name
+            checked.append(name)
+
+    check(aqorb, stub.body)
+    assert {'AdaptiveQuadtreeORB', 'compute', 'error', 'getSubPixel', 'retainUniform'} <= set(checked)
+
+
 def test_stub_is_a_stub_of_the_package(tmp_path):
     pytest.importorskip('mypy')
     config = tmp_path / 'mypy.ini'
