@@ -305,6 +305,10 @@ void addFunctions(py::module_& module)
 
 }  // namespace
 
+// pybind11's function that begins to make the module, under another name: in a subinterpreter it would wait for ever for
+// the main interpreter's lock.
+#define PyInit__aqorb aqorb_init_in_main_interpreter
+
 PYBIND11_MODULE(_aqorb, module)
 {
     module.doc() = "The compiled part of the package aqorb.";
@@ -330,4 +334,19 @@ PYBIND11_MODULE(_aqorb, module)
     module.attr("AdaptiveQuadtreeORB_RANKED_SELECTION") = int(Library::RANKED_SELECTION);
     module.attr("AdaptiveQuadtreeORB_BALANCED_SELECTION") = int(Library::BALANCED_SELECTION);
     addFunctions(module);
+}
+
+#undef PyInit__aqorb
+
+extern "C" PYBIND11_EXPORT PyObject* PyInit__aqorb();
+
+extern "C" PyObject* PyInit__aqorb()
+{
+    if (PyThreadState_Get()->interp != PyInterpreterState_Main())
+    {
+        PyErr_SetString(PyExc_ImportError,
+                        "aqorb works in Python's main interpreter only, and this is a subinterpreter");
+        return nullptr;
+    }
+    return aqorb_init_in_main_interpreter();
 }

@@ -218,6 +218,40 @@ def test_programs_are_typed(tmp_path):
     assert found == wrong, run.stdout
 
 
+SUBINTERPRETER = '''
+import sys
+try:
+    import _xxsubinterpreters as interpreters
+except ImportError:
+    import _interpreters as interpreters
+if sys.argv[1] == 'second':
+    import aqorb
+interpreter = interpreters.create()
+code = """
+try:
+    import aqorb
+except ImportError as error:
+    assert 'subinterpreter' in str(error), error
+else:
+    raise AssertionError('no error')
+"""
+run = getattr(interpreters, 'exec', None) or interpreters.run_string
+assert run(interpreter, code) is None
+interpreters.destroy(interpreter)
+import aqorb
+assert aqorb.AdaptiveQuadtreeORB_create(7).getMaxFeatures() == 7
+'''
+
+
+@pytest.mark.parametrize('when', ['first', 'second'])
+def test_a_subinterpreter_is_refused(when):
+    if when == 'second' and not aqorb._aqorb._has_own_opencv:
+        pytest.skip('Python does not ask a module of pybind11 2 again')
+    run = subprocess.run([sys.executable, '-c', SUBINTERPRETER, when], stdout=subprocess.PIPE,
+                         stderr=subprocess.STDOUT, text=True, timeout=60)
+    assert run.returncode == 0, run.stdout
+
+
 def test_everything_is_documented():
     assert set(aqorb.__all__) == {name for name in dir(aqorb) if name[0] != '_'}
     for name in aqorb.__all__:
