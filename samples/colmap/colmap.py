@@ -15,8 +15,8 @@ Features are matched between each image and the next ones, as mutual nearest nei
 distance, which COLMAP does not know. The keypoints and the matches are written into COLMAP's database. COLMAP verifies
 them and reconstructs the camera's poses and the points. The latter depends on chance, so that it is done several times,
 with the seeds 0 to --runs - 1. The table has the medians, and the position errors from the least to the greatest.
-The reconstructions are left in the folder --out, and a picture points.jpg: where in the middle image the points lie that
-the first run of each detector reconstructed. Needs pycolmap.
+The reconstructions are left in the folder --out, and a picture points.jpg. It shows where in the middle image the
+points lie that the first run of each detector reconstructed. Needs pycolmap.
 """
 
 import argparse
