@@ -21,6 +21,11 @@ if(CMAKE_CXX_COMPILER_ID STREQUAL "GNU")
   # GCC 12 warns of its own avx512fintrin.h.
   list(APPEND AQORB_AVX512_SKX_FLAGS -Wno-uninitialized -Wno-maybe-uninitialized)
 endif()
+if(MINGW AND CMAKE_CXX_COMPILER_ID STREQUAL "GNU")
+  # GCC aligns the stack of 64-bit Windows to 16 bytes, but moves wider vectors to it as if it were aligned to theirs.
+  list(APPEND AQORB_AVX2_FLAGS -Wa,-muse-unaligned-vector-move)
+  list(APPEND AQORB_AVX512_SKX_FLAGS -Wa,-muse-unaligned-vector-move)
+endif()
 set(AQORB_AVX512_SKX_FEATURES ${AQORB_AVX2_FEATURES} AVX_512F AVX512_COMMON AVX512_SKX)
 
 # aqorb_write(<file> <content>): leaves a file as it is that has the content. (file(CONFIGURE) is newer than CMake 3.16,
@@ -38,7 +43,13 @@ endfunction()
 # aqorb_add_dispatched_file(<target> <name> [<CPU feature>...])
 function(aqorb_add_dispatched_file target name)
   set(features "")
-  if(CMAKE_SYSTEM_PROCESSOR MATCHES "x86_64|AMD64|i.86" AND CMAKE_CXX_COMPILER_ID MATCHES "GNU|Clang")
+  set(processor "${CMAKE_SYSTEM_PROCESSOR}")
+  if(APPLE AND CMAKE_OSX_ARCHITECTURES)
+    set(processor "${CMAKE_OSX_ARCHITECTURES}")  # of one file for two processors only the baseline
+  endif()
+  # OpenCV's intrinsics for AVX2 cannot be compiled for 32 bits.
+  if(processor MATCHES "^(x86_64|AMD64)$" AND CMAKE_SIZEOF_VOID_P EQUAL 8
+      AND CMAKE_CXX_COMPILER_ID MATCHES "GNU|Clang" AND NOT MSVC)
     set(features ${ARGN})
   endif()
 
@@ -70,7 +81,15 @@ function(aqorb_add_dispatched_file target name)
   string(APPEND declarations "#define CV_CPU_DISPATCH_MODES_ALL ${modes}\n#undef CV_CPU_SIMD_FILENAME\n")
   aqorb_write("${generated}/${name}.simd_declarations.hpp" "${declarations}")
 
+  set(options "")
+  if(EMSCRIPTEN AND "SSE4_1" IN_LIST ARGN AND CMAKE_CXX_FLAGS MATCHES "-msimd128")
+    # Emscripten has the intrinsics of SSE, made of instructions of WebAssembly.
+    set(options ${AQORB_SSE4_1_FLAGS})
+    list(APPEND dispatched CV_CPU_COMPILE_SSSE3=1)
+  endif()
+
   set_source_files_properties("${src}/${name}.dispatch.cpp" PROPERTIES
+    COMPILE_OPTIONS "${options}"
     COMPILE_DEFINITIONS "__OPENCV_BUILD=1;${dispatched}"
     INCLUDE_DIRECTORIES "${AQORB_DISPATCH_DIR};${generated}")
 endfunction()

@@ -8,6 +8,10 @@ function(aqorb_target target)
 
   # Fused multiply-add only where the source asks for it: the same bytes on every CPU.
   target_compile_options(${target} PRIVATE -ffp-contract=off)
+  # The x87 instructions of 32-bit x86 round to more bits than a float has.
+  if(CMAKE_SIZEOF_VOID_P EQUAL 4 AND CMAKE_SYSTEM_PROCESSOR MATCHES "x86|AMD64|i.86" AND NOT EMSCRIPTEN)
+    target_compile_options(${target} PRIVATE -msse2 -mfpmath=sse)
+  endif()
 
   if(AQORB_WARNINGS)
     # OpenCV's cmake/OpenCVCompilerOptions.cmake, without what -Wall and -Wextra hold anyway.
@@ -15,7 +19,7 @@ function(aqorb_target target)
       -Wall -Wextra -Wnon-virtual-dtor -Wformat-security -Wmissing-declarations -Wundef -Winit-self
       -Wpointer-arith -Wshadow -Wsign-promo -Wno-comment)
     if(CMAKE_CXX_COMPILER_ID STREQUAL "GNU")
-      target_compile_options(${target} PRIVATE -Wsuggest-override)
+      target_compile_options(${target} PRIVATE -Wsuggest-override -Wno-psabi)  # 32-bit ARM: notes on GCC before 7
     else()
       target_compile_options(${target} PRIVATE -Winconsistent-missing-override)
     endif()

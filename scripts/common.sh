@@ -51,10 +51,17 @@ declare -A PACKAGES=(
     [clang]='clang'
     [format]='clang-format clang-tidy shellcheck'
     [opencv]='dpkg-dev ninja-build zlib1g-dev libpng-dev libjpeg-dev python3-dev python3-numpy'
-    [emulation]='qemu-user-static g++-aarch64-linux-gnu'
-    [count]='qemu-user g++-aarch64-linux-gnu'  # the static one has no plugins
+    [emulation]='dpkg-dev qemu-user-static'
+    [arm64]='g++-aarch64-linux-gnu'
+    [armhf]='g++-arm-linux-gnueabihf'
+    [i386]='g++-i686-linux-gnu'
+    [riscv64]='g++-riscv64-linux-gnu'
+    [s390x]='g++-s390x-linux-gnu'
+    [windows]='g++-mingw-w64-x86-64-posix googletest ninja-build wine64'
+    [count]='dpkg-dev qemu-user g++-aarch64-linux-gnu'  # the static one has no plugins
     [system]='debootstrap util-linux'
     [wheel]='ca-certificates ninja-build python3-dev python3-venv'
+    [web]='ca-certificates ccache cmake emscripten ninja-build nodejs python3-venv'
 )
 
 # need NAME...: installs what is missing of the groups above, and of other Debian packages.
@@ -141,19 +148,21 @@ forget_moved() {
     fi
 }
 
-# arm64_sysroot: sets SYSROOT to a folder with Debian's arm64 packages of OpenCV and GoogleTest, unpacked; fetched
-# once. The system's architectures stay as they are: apt gets folders and a source list of our own.
-arm64_sysroot() {
-    local folder=$CACHE/arm64
+# sysroot ARCHITECTURE: sets SYSROOT to a folder with Debian's packages of OpenCV and GoogleTest for an architecture, by
+# Debian's name of it, unpacked; fetched once. They are those of this Debian, or of Debian 13, the first that has
+# riscv64. The system's architectures stay as they are: apt gets folders and a source list of our own.
+sysroot() {
+    local folder=$CACHE/$1 release triplet
     SYSROOT=$folder/root
     [[ ! -e $folder/complete ]] || return 0
     rm -rf "$folder"
     mkdir -p "$folder"/{parts,lists/partial,apt/archives/partial,root/usr/{bin,lib,sbin}}
-    apt-get indextargets --format 'deb [arch=arm64] $(REPO_URI) $(RELEASE) $(COMPONENT)' \
-        'Identifier: Packages' 'Origin: Debian' | sort -u >"$folder/parts/arm64.list"
+    release=$(codename)
+    [[ $1 != riscv64 || $release != bookworm ]] || release=trixie
+    echo "deb [arch=$1] $(mirror) $release main" >"$folder/parts/$1.list"
     touch "$folder/status"
     local apt=(apt-get -qq
-        -o APT::Architecture=arm64 -o APT::Architectures=arm64 -o APT::Sandbox::User="$(id -un)"
+        -o APT::Architecture="$1" -o APT::Architectures="$1" -o APT::Sandbox::User="$(id -un)"
         -o Dir::Etc::SourceList=/dev/null -o Dir::Etc::SourceParts="$folder/parts"
         -o Dir::State::Status="$folder/status" -o Dir::State::Lists="$folder/lists" -o Dir::Cache="$folder/apt")
     "${apt[@]}" update
@@ -165,7 +174,8 @@ arm64_sysroot() {
         dpkg-deb --fsys-tarfile "$package" | tar -x -C "$SYSROOT" --keep-directory-symlink --no-same-owner
     done
     # What update-alternatives would choose.
-    ln -s blas/libblas.so.3 lapack/liblapack.so.3 "$SYSROOT/usr/lib/aarch64-linux-gnu/"
+    triplet=$(dpkg-architecture -f -a "$1" -q DEB_HOST_MULTIARCH)
+    ln -s blas/libblas.so.3 lapack/liblapack.so.3 "$SYSROOT/usr/lib/$triplet/"
     rm -r "$folder"/{apt,lists,parts,status}
     touch "$folder/complete"
 }

@@ -123,7 +123,7 @@ count_on_aarch64() {
         images+=,leuven,bark
     fi
     say 'Building for AArch64'
-    arm64_sysroot
+    sysroot arm64
     configure aarch64 -DAQORB_BUILD_PROFILE=ON
     build "$BUILD/aarch64" --target aqorb_profile
     cc -O2 -fPIC -shared "$ROOT/tools/profile/qemu_count.c" -o "$plugin" \

@@ -340,11 +340,20 @@ bool usablePosition(const Mat& mask, int x, int y, Size levelSize, float scale, 
     return least < DBL_MAX;
 }
 
+float multiplyAdd(float a, float b, float c)
+{
+#if defined(__MINGW32__)
+    return float((long double)a * b + c);
+#else
+    return std::fma(a, b, c);
+#endif
+}
+
 float arctangent(float y, float x, bool fused)
 {
     // As in mathfuncs_core.simd.hpp.
-    const auto multiplyAdd = [fused](float a, float b, float c)
-    { return fused ? std::fma(a, b, c) : a * b + c; };
+    const auto sumOf = [fused](float a, float b, float c)
+    { return fused ? multiplyAdd(a, b, c) : a * b + c; };
     const float degrees = (float)(180 / CV_PI);
     const float p[] = {-0.04432655554792128f * degrees, 0.1555786518463281f * degrees,
                        -0.3258083974640975f * degrees, 0.9997878412794807f * degrees};
@@ -352,8 +361,8 @@ float arctangent(float y, float x, bool fused)
     const float c = std::min(ax, ay) / (std::max(ax, ay) + (float)DBL_EPSILON), c2 = c * c;
     float sum = p[0];
     for (int i = 1; i < 4; i++)
-        sum = multiplyAdd(sum, c2, p[i]);
-    const float a = ax >= ay ? sum * c : multiplyAdd(-sum, c, 90.f);
+        sum = sumOf(sum, c2, p[i]);
+    const float a = ax >= ay ? sum * c : sumOf(-sum, c, 90.f);
     const float half = x < 0 ? 180.f - a : a;
     return y < 0 ? 360.f - half : half;
 }

@@ -23,7 +23,7 @@ Mat blur(const Mat& image)
         {
             float sum = k[-3] * pixel(image, x - 3, y);
             for (int i = -2; i <= 3; i++)
-                sum = std::fma(k[i], (float)pixel(image, x + i, y), sum);
+                sum = multiplyAdd(k[i], (float)pixel(image, x + i, y), sum);
             rows.at<float>(y, x) = sum;
         }
     }
@@ -38,7 +38,7 @@ Mat blur(const Mat& image)
                     rows.at<float>(borderInterpolate(y - i, image.rows, BORDER_REFLECT_101), x);
                 const float below =
                     rows.at<float>(borderInterpolate(y + i, image.rows, BORDER_REFLECT_101), x);
-                sum = std::fma(k[i], below + above, sum);
+                sum = multiplyAdd(k[i], below + above, sum);
             }
             result.at<float>(y, x) = sum;
         }
@@ -126,6 +126,30 @@ void descriptor(const Mat& image, const Mat& blurred, Point center, float angle,
             result = v[first] > v[second] ? first : second;
         }
         bytes[test * bits / 8] |= uchar(result << (test * bits % 8));
+    }
+}
+
+void certainBits(float angle, const std::vector<Point>& pattern, int WTA_K, uchar* bytes)
+{
+    angle *= (float)(CV_PI / 180.f);
+    const double a = std::cos(angle), b = std::sin(angle);
+    const auto isCertain = [](double coordinate)
+    {
+        const double ERROR = 1e-6 * (1 + std::abs(coordinate));  // a few times the last bit of a float
+        return cvRound(coordinate - ERROR) == cvRound(coordinate + ERROR);
+    };
+    const int bits = WTA_K == 2 ? 1 : 2;
+    std::fill(bytes, bytes + 32, uchar(0));
+    for (int test = 0; test < 256 / bits; test++)
+    {
+        bool certain = true;
+        for (int k = 0; k < WTA_K; k++)
+        {
+            const Point p = pattern[test * WTA_K + k];
+            certain = certain && isCertain(p.x * a - p.y * b) && isCertain(p.x * b + p.y * a);
+        }
+        if (certain)
+            bytes[test * bits / 8] |= uchar((1 << bits) - 1) << (test * bits % 8);
     }
 }
 

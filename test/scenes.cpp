@@ -25,7 +25,9 @@ Mat makeScene(Size size, int seed)
     const int area = size.area(), longest = std::max(size.width, size.height);
     for (int i = 0; i < 12 + area / 1500; i++)
     {
-        const Point center(rng.uniform(0, size.width), rng.uniform(0, size.height));
+        // Drawn one after another: in which order the arguments of a call are evaluated depends on compiler and CPU.
+        const int centerY = rng.uniform(0, size.height), centerX = rng.uniform(0, size.width);
+        const Point center(centerX, centerY);
         const Scalar grey(rng.uniform(0, 256));
         const int radius = rng.uniform(2, std::max(4, longest / 12));
         const int shape = rng.uniform(0, 3);
@@ -44,9 +46,11 @@ Mat makeScene(Size size, int seed)
         else
         {
             Point points[4];
-            for (int j = 0; j < 4; j++)
-                points[j] =
-                    center + Point(rng.uniform(-radius, radius + 1), rng.uniform(-radius, radius + 1));
+            for (Point& point : points)
+            {
+                const int y = rng.uniform(-radius, radius + 1), x = rng.uniform(-radius, radius + 1);
+                point = center + Point(x, y);
+            }
             fillConvexPoly(scene, points, 4, grey);
         }
     }

@@ -185,6 +185,22 @@ TEST(Aqorb_Descriptor, equals_reference_for_every_angle)
     expectAsReference(scene, points, 31, 2);
 }
 
+TEST(Aqorb_Descriptor, equals_reference_where_points_are_rounded_to_even)
+{
+    // In these directions some coordinates of the learned pattern end in exactly a half.
+    const Mat noise = makeNoise(Size(200, 200), 9);
+    std::vector<FeaturePoint> points;
+    for (float angle : {24.57f, 26.14f, 63.86f, 114.57f, 153.86f, 210.f})
+    {
+        for (int i = 0; i < 20; i++)
+        {
+            const FeaturePoint point = {25 + 7 * i, 30 + 7 * i, angle};
+            points.push_back(point);
+        }
+    }
+    expectAsReference(noise, points, 31, 2);
+}
+
 TEST(Aqorb_Descriptor, takes_parts_of_larger_images)
 {
     const Mat part = makeNoise(Size(140, 110))(Rect(17, 9, 90, 70));

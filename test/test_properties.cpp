@@ -127,12 +127,23 @@ TEST(Aqorb_Properties, cap_mask_fields_and_determinism)
     EXPECT_GT(found, 10000u);
 }
 
+//! Whether descriptors differ only in tests that depend on how a turned point between two pixels is rounded.
+bool sameCertainBits(const Features& a, const Features& b, const Settings& s)
+{
+    const std::vector<Point> pattern = reference::descriptorPattern(s.patchSize, s.WTA_K);
+    Mat certain(a.descriptors.size(), CV_8UC1);
+    for (int i = 0; i < certain.rows; i++)
+        reference::certainBits(a.keypoints[i].angle, pattern, s.WTA_K, certain.ptr(i));
+    return countNonZero((a.descriptors ^ b.descriptors) & certain) == 0;
+}
+
 TEST(Aqorb_Properties, descriptors_are_those_of_orb)
 {
     if (!orbBlursWithFMA())
         AQORB_SKIP("cv::ORB of this OpenCV and CPU blurs without multiply-add");
+    const bool fuses = reference::opencvFusesMultiplyAdd();
     size_t compared = 0;
-    int blurredOtherwise = 0;
+    int blurredOtherwise = 0, turnedOtherwise = 0;
     for (int seed = 1; seed <= 1000; seed++)
     {
         RNG rng(seed);
@@ -151,6 +162,11 @@ TEST(Aqorb_Properties, descriptors_are_those_of_orb)
         compared += ours.keypoints.size();
         if (sameFeatures(theirs, ours))
             continue;
+        if (fuses && sameKeypoints(theirs.keypoints, ours.keypoints) && sameCertainBits(theirs, ours, s))
+        {
+            turnedOtherwise++;
+            continue;
+        }
         // OpenCV 4.10, as Debian compiles it, rounds some two of a million blurred pixels otherwise.
         std::vector<Mat> levels;
         s.create()->buildPyramid(image, levels);
@@ -159,6 +175,7 @@ TEST(Aqorb_Properties, descriptors_are_those_of_orb)
     }
     EXPECT_GT(compared, 10000u);
     EXPECT_LE(blurredOtherwise, 5);
+    EXPECT_LE(turnedOtherwise, 20);
 }
 
 TEST(Aqorb_Properties, quotas_add_up_to_the_number_of_features)

@@ -7,6 +7,7 @@
 #include "simd_compat.hpp"
 
 #include <cmath>
+#include <cstring>
 
 namespace cv
 {
@@ -27,6 +28,35 @@ void blurTile(const uchar* source, ptrdiff_t step, int width, int height, const 
               ushort* blurred, ptrdiff_t blurredStep);
 
 #ifndef CV_CPU_OPTIMIZATION_DECLARATIONS_ONLY
+
+namespace
+{
+
+// a * b + c, rounded once. The C library's function for this is slow where the processor has no such instruction, and in
+// that of MinGW it rounds twice.
+CV_ALWAYS_INLINE float multiplyAdd(float a, float b, float c)
+{
+#if defined(FP_FAST_FMAF) || defined(__FMA__) || defined(__ARM_FEATURE_FMA)
+    return std::fma(a, b, c);
+#else
+    // The product of two floats is exact in a double. If the sum is not, its last bit is made odd on the side of what was
+    // cut off, and then stands for it: the double has more than two bits more than twice those of a float, so it cannot
+    // be taken for a number midway between two floats, nor for a float.
+    const double product = double(a) * b, sum = product + c;
+    const double added = sum - product, error = (product - (sum - added)) + (c - added);
+    if (error == 0)
+        return float(sum);
+    int64 bits;
+    std::memcpy(&bits, &sum, sizeof(bits));
+    if (bits % 2 == 0)
+        bits += (error > 0) == (sum > 0) ? 1 : -1;
+    double odd;
+    std::memcpy(&odd, &bits, sizeof(odd));
+    return float(odd);
+#endif
+}
+
+}  // namespace
 
 uchar exactBlurAt(const uchar* p, ptrdiff_t step, const float* taps)
 {
@@ -58,18 +88,18 @@ uchar exactBlurAt(const uchar* p, ptrdiff_t step, const float* taps)
     {
         const uchar* q = p + (i - 3) * step;
         float sum = taps[3] * q[-3];
-        sum = std::fma(taps[2], float(q[-2]), sum);
-        sum = std::fma(taps[1], float(q[-1]), sum);
-        sum = std::fma(taps[0], float(q[0]), sum);
-        sum = std::fma(taps[1], float(q[1]), sum);
-        sum = std::fma(taps[2], float(q[2]), sum);
-        rows[i] = std::fma(taps[3], float(q[3]), sum);
+        sum = multiplyAdd(taps[2], float(q[-2]), sum);
+        sum = multiplyAdd(taps[1], float(q[-1]), sum);
+        sum = multiplyAdd(taps[0], float(q[0]), sum);
+        sum = multiplyAdd(taps[1], float(q[1]), sum);
+        sum = multiplyAdd(taps[2], float(q[2]), sum);
+        rows[i] = multiplyAdd(taps[3], float(q[3]), sum);
     }
 #endif
     float sum = taps[0] * rows[3];
-    sum = std::fma(rows[4] + rows[2], taps[1], sum);
-    sum = std::fma(rows[5] + rows[1], taps[2], sum);
-    sum = std::fma(rows[6] + rows[0], taps[3], sum);
+    sum = multiplyAdd(rows[4] + rows[2], taps[1], sum);
+    sum = multiplyAdd(rows[5] + rows[1], taps[2], sum);
+    sum = multiplyAdd(rows[6] + rows[0], taps[3], sum);
     return uchar(cvRound(sum));  // the taps add up to 1, so the sum needs no saturation
 }
 

@@ -44,8 +44,8 @@ CV_ALWAYS_INLINE void rotatePoints(const float* x, const float* y, float a, floa
     for (; i < STEP; i += AQORB_LANES(v_float32))
     {
         const v_float32 px = vx_load(x + i), py = vx_load(y + i);
-        const v_int32 column = v_round(v_sub(v_mul(px, va), v_mul(py, vb)));
-        const v_int32 row = v_round(v_add(v_mul(px, vb), v_mul(py, va)));
+        const v_int32 column = roundToEven(v_sub(v_mul(px, va), v_mul(py, vb)));
+        const v_int32 row = roundToEven(v_add(v_mul(px, vb), v_mul(py, va)));
         v_store(offsets + i, v_add(v_mul(row, vstep), column));
     }
 #endif

@@ -37,9 +37,11 @@ inline void momentsAt(const uchar* center, ptrdiff_t step, const PatchWeights& w
     m10 = m01 = 0;
     // The rows above and below the middle one share their weights. The middle one comes first, alone.
     const uchar* const middle = center - weights.radius;
+    int x = 0;
+#if CV_SIMD
     const ptrdiff_t apart = weights.rowStep * step;
     const int rows = weights.radius / weights.rowStep;
-    int x = 0;
+#endif
 #if CV_AVX2
     // Products of bytes. A pair of them is at most 2 * 31 * 255, so 16 bits hold the pairs of two rows.
     __m256i sum10 = _mm256_setzero_si256(), sum01 = sum10;

@@ -23,4 +23,8 @@
 #include <numeric>
 #include <vector>
 
+#if defined(_MSC_VER) && !defined(__clang__)
+#pragma fp_contract(off)  // as cmake/AqorbTarget.cmake asks other compilers for
+#endif
+
 #endif

@@ -43,6 +43,20 @@ AQORB_BINARY(v_ge, >=)
 #endif
 
 #if CV_SIMD
+//! Rounds to the nearest whole number, and ties to even, as cvRound does. The numbers must be less than 2^22 in size.
+static CV_ALWAYS_INLINE v_int32 roundToEven(const v_float32& a)
+{
+#if CV_SSE2 || defined(__aarch64__) || defined(_M_ARM64)
+    return v_round(a);
+#else
+    // Elsewhere OpenCV's v_round adds a half and cuts the fraction off, for example on 32-bit ARM. The sum with this number
+    // has no fraction bits left, so the addition itself rounds, and the lowest bits of the sum are the whole number.
+    const float LARGE = 3 << 22;
+    const v_int32 sum = v_reinterpret_as_s32(v_add(a, vx_setall_f32(LARGE)));
+    return v_sub(sum, v_reinterpret_as_s32(vx_setall_f32(LARGE)));
+#endif
+}
+
 //! A bit for each lane of bytes, set where the sign of the lane is.
 template <typename V> static CV_ALWAYS_INLINE uint64 signBits(const V& a)
 {
