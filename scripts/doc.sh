@@ -71,7 +71,7 @@ cp "$site/Doxyfile" "$OUT/Doxyfile"
 if [[ $(doxygen -g -) == *HTML_COLORSTYLE\ * ]]; then echo 'HTML_COLORSTYLE = LIGHT' >>"$OUT/Doxyfile"; fi
 page=$BUILD/web/page
 cp "$site/layout.xml" "$OUT/"
-[[ -e $page/aqorb.wasm ]] || sed -i '/url="^page\//d' "$OUT/layout.xml"
+[[ -e $page/aqorb.wasm ]] || sed -i '/url="page\//d' "$OUT/layout.xml"
 doxygen "$OUT/Doxyfile"
 [[ ! -e $page/aqorb.wasm ]] || cp -r "$page" "$OUT/html/page"
 rm -f "$OUT"/html/dir_*.html  # nothing leads there

@@ -458,6 +458,7 @@ if (isSupported()) {
 } else {
     say('This browser does not run WebAssembly with SIMD and exceptions, which this page needs. A current version of ' +
         'Chrome, Edge, Firefox or Safari does.');
+    element('result').hidden = true;
     for (const control of document.querySelectorAll('input, select, button'))
         control.disabled = true;
     setState('failed');

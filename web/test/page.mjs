@@ -156,6 +156,8 @@ test('the bytes are those of the native library, of scenes and of pictures that 
     const { tab, problems, close } = await open();
     for (const image of images) {
         const isFirst = image === images[0];
+        await tab.locator('#sample').selectOption('shapes');  // so that the next picture is another one
+        await idle(tab);
         await tab.locator('#file').setInputFiles(image);
         await tab.waitForFunction(() => element('sample').value === '');
         await idle(tab);
