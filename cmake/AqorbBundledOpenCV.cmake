@@ -1,5 +1,5 @@
 # The three modules of OpenCV that the library needs, built from OpenCV's source as static archives, for a Python
-# package that depends on no installed OpenCV. Sets OpenCV_DIR.
+# package that depends on no installed OpenCV, and for WebAssembly. Sets OpenCV_DIR.
 #
 # What is left out: GUI and codecs, because images come as arrays; TBB, LAPACK, IPP and OpenCL, because the module's
 # own kernels do the work and call none of them; OpenCV's threads, because bindings/python/src/threads.cpp has some that
@@ -67,6 +67,12 @@ foreach(feature 1394 ADE CAROTENE EIGEN FFMPEG FLATBUFFERS GSTREAMER GTK IPP ITT
 endforeach()
 if(CMAKE_SYSTEM_PROCESSOR MATCHES "x86_64|AMD64")
   list(APPEND options -DCPU_BASELINE=SSE2 -DCPU_DISPATCH=SSE4_1,AVX2)
+endif()
+if(EMSCRIPTEN)
+  # Its toolchain file says x86, for which OpenCV would look for kernels.
+  list(APPEND options "-DCMAKE_TOOLCHAIN_FILE=${CMAKE_TOOLCHAIN_FILE}" "-DCMAKE_C_FLAGS=${CMAKE_CXX_FLAGS}"
+    "-DCMAKE_CXX_FLAGS=${CMAKE_CXX_FLAGS}" -DCPU_BASELINE= -DCPU_DISPATCH= -DCV_ENABLE_INTRINSICS=ON -DENABLE_PIC=OFF
+    -DCV_TRACE=OFF -DCMAKE_TRY_COMPILE_TARGET_TYPE=STATIC_LIBRARY)
 endif()
 if(CMAKE_CXX_COMPILER_LAUNCHER)
   list(APPEND options

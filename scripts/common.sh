@@ -61,6 +61,7 @@ declare -A PACKAGES=(
     [count]='dpkg-dev qemu-user g++-aarch64-linux-gnu'  # the static one has no plugins
     [system]='debootstrap util-linux'
     [wheel]='ca-certificates ninja-build python3-dev python3-venv'
+    [web]='ca-certificates ccache cmake emscripten ninja-build nodejs python3-venv'
 )
 
 # need NAME...: installs what is missing of the groups above, and of other Debian packages.

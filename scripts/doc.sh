@@ -3,6 +3,7 @@
 # warning of doxygen, a link that leads nowhere, a page that needs the network and text that is hard to read are errors.
 #
 #   scripts/doc.sh [--opencv]
+# If scripts/web.sh has built the page for browsers, the site holds a copy of it and links to that.
 #
 # With --opencv it builds OpenCV's own documentation instead, of this module and of those that it depends on:
 # build/opencv-doc/doc/doxygen/html/index.html. This fetches OpenCV's source.
@@ -68,7 +69,11 @@ site=$ROOT/doc/site
 cp "$site/Doxyfile" "$OUT/Doxyfile"
 # Newer versions of doxygen follow the browser to dark colours, which the style sheet does not have.
 if [[ $(doxygen -g -) == *HTML_COLORSTYLE\ * ]]; then echo 'HTML_COLORSTYLE = LIGHT' >>"$OUT/Doxyfile"; fi
+page=$BUILD/web/page
+cp "$site/layout.xml" "$OUT/"
+[[ -e $page/aqorb.wasm ]] || sed -i '/url="^page\//d' "$OUT/layout.xml"
 doxygen "$OUT/Doxyfile"
+[[ ! -e $page/aqorb.wasm ]] || cp -r "$page" "$OUT/html/page"
 rm -f "$OUT"/html/dir_*.html  # nothing leads there
 # The page of the namespace cv lists all of OpenCV.
 sed -i 's/namespacecv\.html/namespacecv_1_1aqorb.html/g' "$OUT"/html/*.html "$OUT"/html/search/*.js

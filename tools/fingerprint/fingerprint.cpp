@@ -12,80 +12,17 @@
 // cv::setUseOptimized(false). --balanced sets BALANCED_SELECTION, which gives the lines that version 0.1 printed. The
 // CPU features that OpenCV uses are printed to standard error.
 
-#include "../../test/hash.hpp"
-#include "../../test/scenes.hpp"
+#include "lines.hpp"
 
-#include <opencv2/aqorb.hpp>
 #include <opencv2/core/utility.hpp>
 #include <opencv2/imgcodecs.hpp>
-#include <opencv2/imgproc.hpp>
 
-#include <algorithm>
 #include <cstdio>
 #include <string>
 #include <vector>
 
 using namespace cv;
 using aqorb::AdaptiveQuadtreeORB;
-using opencv_test::Hash;
-using opencv_test::hashOf;
-
-namespace
-{
-
-//! A detector with random values of all parameters that have an effect with the selection. The other parameters are the
-//! same with both selections.
-Ptr<AdaptiveQuadtreeORB> makeDetector(RNG& rng, AdaptiveQuadtreeORB::SelectionType selection)
-{
-    const float scaleFactors[] = {1.1f, 1.2f, 1.33f, 1.5f, 2.f};
-    const int patchSizes[] = {31, 31, 31, 24, 15};
-    const int nfeatures = rng.uniform(50, 2500), nlevels = rng.uniform(1, 9),
-              edgeThreshold = rng.uniform(0, 32);
-    const float scaleFactor = scaleFactors[rng.uniform(0, 5)];
-    const int firstLevel = rng.uniform(0, std::min(nlevels, 3)), tupleSize = rng.uniform(2, 5);
-    const ORB::ScoreType score = rng.uniform(0, 3) == 0 ? ORB::FAST_SCORE : ORB::HARRIS_SCORE;
-    const int patchSize = patchSizes[rng.uniform(0, 5)], fastThreshold = rng.uniform(3, 41);
-    const Ptr<AdaptiveQuadtreeORB> detector =
-        AdaptiveQuadtreeORB::create(nfeatures, scaleFactor, nlevels, edgeThreshold, firstLevel, tupleSize,
-                                    score, patchSize, fastThreshold);
-    detector->setAdaptiveThreshold(rng.uniform(0, 3) != 0);
-    detector->setMinThresholdRatio(rng.uniform(1., 6.));
-    detector->setCellSize(rng.uniform(8, 80));
-    detector->setMaxDepth(rng.uniform(-1, 7));
-    detector->setOctaveSuppression(rng.uniform(0., 3.));
-    detector->setSubPixel(rng.uniform(0, 4) != 0);
-    detector->setSelectionType(selection);
-    RNG ofSelection(rng.state);
-    const double strengthWeights[] = {0, 0.15, 0.5, 2}, rankRadii[] = {0, 0.5, 1, 2.5};
-    detector->setStrengthWeight(strengthWeights[ofSelection.uniform(0, 4)]);
-    detector->setRankRadius(rankRadii[ofSelection.uniform(0, 4)]);
-    return detector;
-}
-
-void print(const std::string& name, const Mat& image, const Mat& mask, AdaptiveQuadtreeORB& detector)
-{
-    std::vector<Mat> levels;
-    detector.buildPyramid(image, levels);
-    Hash pyramid;
-    for (const Mat& level : levels)
-        pyramid.add(level);
-
-    std::vector<KeyPoint> keypoints;
-    Mat descriptors;
-    detector.detectAndCompute(image, mask, keypoints, descriptors);
-
-    const double measures[] = {aqorb::adaptiveFastThreshold(image, mask),
-                               aqorb::distributionUniformity(keypoints, image.size()),
-                               aqorb::distributionOccupancy(keypoints, image.size())};
-    Hash hashOfMeasures;
-    hashOfMeasures.addNumbers(measures, 3);
-
-    std::printf("%s image %s pyramid %s measures %s keypoints %zu %s descriptors %s\n", name.c_str(),
-                hashOf(image).c_str(), pyramid.text().c_str(), hashOfMeasures.text().c_str(),
-                keypoints.size(), hashOf(keypoints).c_str(), hashOf(descriptors).c_str());
-}
-
-}  // namespace
 
 int main(int argc, char** argv)
 {
@@ -107,31 +44,11 @@ int main(int argc, char** argv)
             return 1;
         }
     }
-    const auto makeDefault = [selection](int nfeatures)
-    {
-        const Ptr<AdaptiveQuadtreeORB> detector = AdaptiveQuadtreeORB::create(nfeatures);
-        detector->setSelectionType(selection);
-        return detector;
-    };
     std::fprintf(stderr, "%s, %s%s\n", CV_VERSION, getCPUFeaturesLine().c_str(),
                  useOptimized() ? "" : ", setUseOptimized(false)");
 
-    RNG rng(20191);
-    for (int i = 0; i < 60; i++)
-    {
-        const int channels[] = {1, 3, 4};
-        const Size size{rng.uniform(40, 500), rng.uniform(40, 400)};
-        const Mat scene = opencv_test::makeIntegerScene(size, rng.next(), channels[i % 3]);
-        Mat mask;
-        if (i % 4 == 3)
-        {
-            mask = Mat::zeros(size, CV_8UC1);
-            mask(Rect(size.width / 5, size.height / 5, size.width / 2, size.height / 2))
-                .setTo(rng.uniform(1, 256));
-        }
-        print("scene " + std::to_string(i), scene, mask,
-              *(i == 0 ? makeDefault(500) : makeDetector(rng, selection)));
-    }
+    FingerprintLines lines(selection);
+    std::fputs(lines.scenes().c_str(), stdout);
     for (const std::string& file : arguments)
     {
         const Mat image = imread(file, IMREAD_COLOR);
@@ -140,8 +57,7 @@ int main(int argc, char** argv)
             std::fprintf(stderr, "cannot read %s\n", file.c_str());
             return 1;
         }
-        print(file + " by default", image, Mat(), *makeDefault(1000));
-        print(file + " with drawn parameters", image, Mat(), *makeDetector(rng, selection));
+        std::fputs(lines.image(file, image).c_str(), stdout);
     }
     return 0;
 }

@@ -309,6 +309,7 @@ def scaling_tables(folder):
     if GROWTH_REFERENCE in times.index:
         ours, orbs = growth('AQORB'), growth('CV_ORB')
         tables['Growth'] = table(lambda case: '{} ({})'.format(relative(ours.loc[case]), relative(orbs.loc[case])))
+    tables['Keypoints found'] = table(lambda case: pair(keypoints.loc[case], '{:.0f}'))
     if len(scenes) > 2:
         tables['Cost of a pixel and of a keypoint'] = cost_table(times.loc[scenes], keypoints.loc[scenes])
     return tables

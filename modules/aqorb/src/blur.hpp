@@ -6,6 +6,7 @@
 #ifndef OPENCV_AQORB_BLUR_HPP
 #define OPENCV_AQORB_BLUR_HPP
 
+#include "aligned.hpp"
 #include "types.hpp"
 
 namespace cv
@@ -50,6 +51,9 @@ private:
     int columns;                // of tiles
     std::vector<uchar> needed;  // by column, by row
 };
+
+//! The elements to leave free before a row of BlurredRows that begins at a cache line, so that tiles begin at one, too.
+const int BLUR_LEFT = CACHE_LINE / int(sizeof(ushort)) - 3;  // the left border has 3 columns
 
 //! Work space of approximateBlur.
 typedef std::vector<uchar> BlurScratch;

@@ -52,21 +52,23 @@ void describeFeatures(const Level& level, const DescriptionRules& rules, const R
         scratch.region.addDisc(Point(points[i].x, points[i].y), rules.tests->halfHeights);
 
     BlurredRows blurred;
-    blurred.step = level.image.cols;
+    blurred.step = ptrdiff_t(alignSize((size_t(level.image.cols) + BLUR_LEFT) * sizeof(ushort), CACHE_LINE) /
+                             sizeof(ushort));
     const size_t capacity = size_t(std::min<int64>(int64(ROWS) + 2 * int64(reach) + 1, rows));
     if (scratch.blurred.size() < capacity * blurred.step)
     {
-        std::vector<ushort>().swap(scratch.blurred);  // a vector that grows may get twice as much
+        AlignedVector<ushort>().swap(scratch.blurred);  // a vector that grows may get twice as much
         scratch.blurred.resize(capacity * blurred.step);
     }
-    blurred.data = scratch.blurred.data();
+    blurred.data = scratch.blurred.data() + BLUR_LEFT;
     int filled = 0;  // the rows from blurred.top to before it are blurred
     for (size_t next, i = size_t(features.start); i < end; i = next)
     {
         // The rows that the next features read are kept.
         const int top = std::max(points[i].y - reach, 0);
         if (top < filled)
-            std::memmove(blurred.data, blurred.row(top), sizeof(ushort) * blurred.step * (filled - top));
+            std::memmove(blurred.data - BLUR_LEFT, blurred.row(top) - BLUR_LEFT,
+                         sizeof(ushort) * blurred.step * (filled - top));
         blurred.top = top;
         filled = std::max(filled, top);
         const int bottom = std::min(std::max(points[i].y + reach + 1, filled + ROWS), rows);

@@ -6,6 +6,7 @@
 #ifndef OPENCV_AQORB_DESCRIPTION_HPP
 #define OPENCV_AQORB_DESCRIPTION_HPP
 
+#include "aligned.hpp"
 #include "blur.hpp"
 #include "descriptor.hpp"
 #include "orientation.hpp"
@@ -42,7 +43,7 @@ struct DescriptionScratch
 {
     BlurRegion region;
     BlurScratch blur;
-    std::vector<ushort> blurred;
+    AlignedVector<ushort> blurred;
 };
 
 /** Describes some of the features of a batch, so that several tasks can share the batch: finds their directions, their

@@ -173,11 +173,26 @@ static void copyBlurredPatch(const Mat& image, const BlurredRows& blurred, int x
 {
     const int side = 2 * radius + 1;
     const Rect rect(x - radius, y - radius, side, side), inside = rect & Rect(Point(), image.size());
-    PatchBuffer reflected(size_t(side) * side);
-    copyReflected(image, rect, reflected.data());
-    for (size_t i = 0; i < reflected.size(); i++)
-        patch[i] = ushort(reflected[i] << 8);
-    for (int row = inside.y; row < inside.y + inside.height; row++)
+    const Point end = inside.br();
+    const Rect outside[] = {Rect(rect.x, rect.y, side, inside.y - rect.y),
+                            Rect(rect.x, inside.y, inside.x - rect.x, inside.height),
+                            Rect(end.x, inside.y, rect.x + side - end.x, inside.height),
+                            Rect(rect.x, end.y, side, rect.y + side - end.y)};
+    for (const Rect& part : outside)
+    {
+        if (part.empty())
+            continue;
+        PatchBuffer reflected(size_t(part.area()));
+        copyReflected(image, part, reflected.data());
+        const uchar* source = reflected.data();
+        for (int row = part.y; row < part.y + part.height; row++)
+        {
+            ushort* out = patch + (row - rect.y) * side + (part.x - rect.x);
+            for (int i = 0; i < part.width; i++)
+                out[i] = ushort(*source++ << 8);
+        }
+    }
+    for (int row = inside.y; row < end.y; row++)
     {
         const ushort* source = blurred.row(row) + inside.x;
         std::copy(source, source + inside.width, patch + (row - rect.y) * side + (inside.x - rect.x));
@@ -192,13 +207,13 @@ DescriptorTests::DescriptorTests(const std::vector<Point>& pattern_, int WTA_K_)
     const int MAX_REACH = 64;  // a larger patch at the border would be expensive to copy
     if (WTA_K != 2 || reach > MAX_REACH)
         return;
-    pairs = makePtr<PairTests>();
+    pairs.resize(1);
     for (int i = 0; i < PairTests::COUNT; i++)
     {
         for (int k = 0; k < 2; k++)
         {
-            pairs->x[k][i] = float(pattern[2 * i + k].x);
-            pairs->y[k][i] = float(pattern[2 * i + k].y);
+            pairs[0].x[k][i] = float(pattern[2 * i + k].x);
+            pairs[0].y[k][i] = float(pattern[2 * i + k].y);
         }
     }
 }
@@ -218,7 +233,7 @@ void computeDescriptors(const Mat& image, const BlurredRows& blurred, const Feat
         // Sine and cosine are those of a float, as in cv::ORB. They are not always the floats nearest to the exact values.
         const float a = std::cos(angle), b = std::sin(angle);
         const BlurredPatch patch(image, blurred, x, y);
-        if (!tests.pairs)
+        if (tests.pairs.empty())
         {
             computePlainly(patch, a, b, tests.pattern, tests.WTA_K, descriptor);
             continue;
@@ -238,7 +253,8 @@ void computeDescriptors(const Mat& image, const BlurredRows& blurred, const Feat
             center = copy.data() + reach * centerStep + reach;
         }
         uchar undecided[PairTests::COUNT];
-        const int undecidedCount = decidePairs(center, centerStep, a, b, *tests.pairs, descriptor, undecided);
+        const int undecidedCount =
+            decidePairs(center, centerStep, a, b, tests.pairs[0], descriptor, undecided);
         for (int j = 0; j < undecidedCount; j++)
         {
             const int test = undecided[j];

@@ -6,6 +6,7 @@
 #ifndef OPENCV_AQORB_DESCRIPTOR_HPP
 #define OPENCV_AQORB_DESCRIPTOR_HPP
 
+#include "aligned.hpp"
 #include "blur.hpp"
 #include "types.hpp"
 
@@ -19,7 +20,15 @@ namespace stages
 //! The points that rBRIEF compares, WTA_K for each test, in the order of the tests, as cv::ORB draws them.
 std::vector<Point> descriptorPattern(int patchSize, int WTA_K);
 
-struct PairTests;
+//! The 256 tests of a descriptor with WTA_K 2. A bit is 1 where point 0 is darker than point 1.
+struct PairTests
+{
+    enum
+    {
+        COUNT = 256
+    };
+    float x[2][COUNT], y[2][COUNT];  //!< [point of the pair][test]
+};
 
 const int DESCRIPTOR_BYTES = 32;
 
@@ -32,8 +41,8 @@ struct DescriptorTests
     int WTA_K;
     int reach;  //!< how far from the keypoint the descriptor may read
     std::vector<int>
-        halfHeights;       //!< of the disc that it may read, by the horizontal distance from the keypoint
-    Ptr<PairTests> pairs;  //!< empty where there is no kernel for the pattern
+        halfHeights;  //!< of the disc that it may read, by the horizontal distance from the keypoint
+    AlignedVector<PairTests> pairs;  //!< one; empty where there is no kernel for the pattern
 };
 
 /** The 32-byte descriptors at pixels of a level, equal to those of cv::ORB.
@@ -46,18 +55,6 @@ struct DescriptorTests
  @param step bytes from one row to the next */
 void computeDescriptors(const Mat& image, const BlurredRows& blurred, const FeaturePoint* points,
                         size_t count, const DescriptorTests& tests, uchar* descriptors, size_t step);
-
-// ---- for the kernel: plain structs only, see types.hpp ---------------------------------------
-
-//! The 256 tests of a descriptor with WTA_K 2. A bit is 1 where point 0 is darker than point 1.
-struct PairTests
-{
-    enum
-    {
-        COUNT = 256
-    };
-    float x[2][COUNT], y[2][COUNT];  //!< [point of the pair][test]
-};
 
 }  // namespace stages
 }  // namespace aqorb

@@ -55,24 +55,10 @@ CV_ALWAYS_INLINE void rotatePoints(const float* x, const float* y, float a, floa
 
 CV_ALWAYS_INLINE void fetchPoints(const ushort* center, const int* offsets, ushort* values)
 {
-#if CV_SSE2
-    for (int i = 0; i < STEP; i += 8)
-    {
-        // Half of the values are inserted into vectors, and the others stored one by one: either way alone would keep
-        // some units busy and let others idle.
-        const int* at = offsets + i;
-        __m128i v = _mm_cvtsi32_si128(center[at[0]]);
-        v = _mm_insert_epi16(v, center[at[1]], 1);
-        v = _mm_insert_epi16(v, center[at[2]], 2);
-        v = _mm_insert_epi16(v, center[at[3]], 3);
-        _mm_storel_epi64(reinterpret_cast<__m128i*>(values + i), v);
-        for (int j = 4; j < 8; j++)
-            values[i + j] = center[at[j]];
-    }
-#else
+    // Compilers would combine stores that are not volatile, at the price of more instructions.
+    volatile ushort* const out = values;
     for (int i = 0; i < STEP; i++)
-        values[i] = center[offsets[i]];
-#endif
+        out[i] = center[offsets[i]];
 }
 
 // Fetches the values at the rotated points of all tests: first the first points, then the second ones.
@@ -83,17 +69,17 @@ void fetchPairs(const ushort* center, ptrdiff_t step, float a, float b, const Pa
     // so that the processor does both at the same time, they are not all computed in advance.
     const int AHEAD = 64, COUNT = 2 * PairTests::COUNT;
     const float *x = tests.x[0], *y = tests.y[0];  // the arrays of the second points follow
-    int offsets[COUNT];
+    CV_DECL_ALIGNED(CACHE_LINE) int offsets[COUNT];
     int i = 0;
     for (; i < AHEAD; i += STEP)
         rotatePoints(x + i, y + i, a, b, step, offsets + i);
     for (; i < COUNT; i += STEP)
     {
         rotatePoints(x + i, y + i, a, b, step, offsets + i);
-        fetchPoints(center, offsets + i - AHEAD, values + i - AHEAD);
+        fetchPoints(center, offsets + (i - AHEAD), values + (i - AHEAD));
     }
     for (; i < COUNT + AHEAD; i += STEP)
-        fetchPoints(center, offsets + i - AHEAD, values + i - AHEAD);
+        fetchPoints(center, offsets + (i - AHEAD), values + (i - AHEAD));
 }
 
 }  // namespace
@@ -104,7 +90,7 @@ int comparePairs(const ushort* center, ptrdiff_t step, float a, float b, const P
     const int COUNT = PairTests::COUNT;
     // The exact value lies between the roundings of the approximate one minus and plus its bound.
     const int DOWN = 127 - BLUR_BOUND, UP = 128 + BLUR_BOUND;
-    ushort values[2 * COUNT];
+    CV_DECL_ALIGNED(CACHE_LINE) ushort values[2 * COUNT];
     const ushort *first = values, *second = values + COUNT;
     fetchPairs(center, step, a, b, tests, values);
     int undecidedCount = 0, i = 0;

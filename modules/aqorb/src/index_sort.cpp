@@ -36,34 +36,37 @@ void sortIndices(const std::vector<uint64>& numbers, uint64 least, uint64 greate
         std::sort(indices.begin(), indices.end(), byNumber);
         return;
     }
-    // Two digits of the upper bits of the range leave few indices to compare.
-    const int DIGIT_BITS = 11, DIGITS = 1 << DIGIT_BITS, LAST = DIGITS * DIGITS - 1;
+    // Two digits of the upper bits of the range leave few indices to compare. Fewer numbers need shorter digits, whose
+    // counts are sooner added up.
+    const int MOST_BITS = 11, digitBits = size < 1024 ? 8 : MOST_BITS, digits = 1 << digitBits;
     int shift = 0;
-    while ((greatest - least) >> shift > uint64(LAST))
+    while ((greatest - least) >> shift >= uint64(digits) * digits)
         shift++;
-    unsigned starts[2][DIGITS] = {{0}};
+    unsigned starts[2][1 << MOST_BITS];
+    for (int pass = 0; pass < 2; pass++)
+        std::fill_n(starts[pass], digits, 0u);
     scratch.items.resize(size);
     scratch.moved.resize(size);
     for (size_t i = 0; i < size; i++)
     {
         const uint64 above = std::min(std::max(numbers[i], least), greatest) - least;
-        const unsigned digits = unsigned(above >> shift);
-        scratch.items[i] = uint64(digits) << 32 | i;
-        starts[0][digits % DIGITS]++;
-        starts[1][digits / DIGITS]++;
+        const unsigned both = unsigned(above >> shift);
+        scratch.items[i] = uint64(both) << 32 | i;
+        starts[0][both & (digits - 1)]++;
+        starts[1][both >> digitBits]++;
     }
     for (int pass = 0; pass < 2; pass++)
     {
         unsigned begin = 0;
-        for (int digit = 0; digit < DIGITS; digit++)
+        for (int digit = 0; digit < digits; digit++)
         {
             const unsigned count = starts[pass][digit];
             starts[pass][digit] = begin;
             begin += count;
         }
-        const int digitShift = 32 + pass * DIGIT_BITS;
+        const int digitShift = 32 + pass * digitBits;
         for (size_t i = 0; i < size; i++)
-            scratch.moved[starts[pass][scratch.items[i] >> digitShift & (DIGITS - 1)]++] = scratch.items[i];
+            scratch.moved[starts[pass][scratch.items[i] >> digitShift & (digits - 1)]++] = scratch.items[i];
         scratch.items.swap(scratch.moved);
     }
     for (size_t i = 0; i < size; i++)

@@ -90,17 +90,18 @@ OrientationPatch::OrientationPatch(const std::vector<int>& halfWidths_, int rowS
     const int radius = int(halfWidths.size()) - 1, LANES = 32;
     if (radius > PatchWeights::MAX_RADIUS)
         return;
-    weights = makePtr<PatchWeights>();
-    weights->radius = radius;
-    weights->rowStep = rowStep;
-    weights->width = int(alignSize(size_t(2 * radius + 1), LANES));
+    weights.resize(1);
+    PatchWeights& table = weights[0];
+    table.radius = radius;
+    table.rowStep = rowStep;
+    table.width = int(alignSize(size_t(2 * radius + 1), LANES));
     for (int v = 0; v <= radius; v++)
     {
-        for (int x = 0; x < weights->width; x++)
+        for (int x = 0; x < table.width; x++)
         {
             const bool inPatch = std::abs(x - radius) <= halfWidths[v];
-            weights->u[v][x] = schar(inPatch ? x - radius : 0);
-            weights->v[v][x] = schar(inPatch ? v : 0);
+            table.u[v][x] = schar(inPatch ? x - radius : 0);
+            table.v[v][x] = schar(inPatch ? v : 0);
         }
     }
 }
@@ -117,9 +118,9 @@ void patchMoments(const Mat& image, const OrientationPatch& patch, const Feature
                   Moments* moments)
 {
     PatchRegion inside = {0, 0, 0, 0};
-    if (patch.weights)
+    if (!patch.weights.empty())
     {
-        const PatchWeights& weights = *patch.weights;
+        const PatchWeights& weights = patch.weights[0];
         inside.left = inside.top = weights.radius;
         inside.right = image.cols - weights.width + weights.radius;
         inside.bottom = image.rows - weights.radius;

@@ -6,6 +6,7 @@
 #ifndef OPENCV_AQORB_ORIENTATION_HPP
 #define OPENCV_AQORB_ORIENTATION_HPP
 
+#include "aligned.hpp"
 #include "types.hpp"
 
 namespace cv
@@ -18,7 +19,18 @@ namespace stages
 //! Half widths of the rows 0 .. patchSize/2 of the circular patch, as in cv::ORB.
 std::vector<int> circularPatch(int patchSize);
 
-struct PatchWeights;
+//! The factors of the pixels of a circular patch in its moments: u and v inside of the circle, 0 outside.
+struct PatchWeights
+{
+    enum
+    {
+        MAX_RADIUS = 31,
+        MAX_WIDTH = 64
+    };
+    schar u[MAX_RADIUS + 1][MAX_WIDTH], v[MAX_RADIUS + 1][MAX_WIDTH];  //!< [|v|][u + radius]
+    int radius, rowStep;
+    int width;  //!< of the patch, filled up with zeros to whole vectors
+};
 
 //! A circular patch, prepared for any number of points. Its moments are summed over the middle row and every rowStep-th
 //! row above and below it.
@@ -28,7 +40,7 @@ struct OrientationPatch
 
     std::vector<int> halfWidths;
     int rowStep;
-    Ptr<PatchWeights> weights;  //!< empty where the patch is too large for the kernel
+    AlignedVector<PatchWeights> weights;  //!< one; empty where the patch is too large for the kernel
 };
 
 struct Moments;
@@ -56,19 +68,6 @@ struct PatchRegion
     {
         return left <= p.x && p.x < right && top <= p.y && p.y < bottom;
     }
-};
-
-//! The factors of the pixels of a circular patch in its moments: u and v inside of the circle, 0 outside.
-struct PatchWeights
-{
-    enum
-    {
-        MAX_RADIUS = 31,
-        MAX_WIDTH = 64
-    };
-    int radius, rowStep;
-    int width;  //!< of the patch, filled up with zeros to whole vectors
-    schar u[MAX_RADIUS + 1][MAX_WIDTH], v[MAX_RADIUS + 1][MAX_WIDTH];  //!< [|v|][u + radius]
 };
 
 }  // namespace stages

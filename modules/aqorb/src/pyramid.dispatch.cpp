@@ -84,9 +84,10 @@ struct ResizeTables
 
     Size source, destination;
     bool byKernel;  // whether the kernel can do it; else there are no tables
-    std::vector<ResizeBlock> blocks;
-    std::vector<int> upper, lower;
-    std::vector<short> lowerWeight, rows;
+    AlignedVector<ResizeBlock> blocks;
+    AlignedVector<short> rows;
+    std::vector<int> bases, upper, lower;
+    std::vector<short> lowerWeight;
     std::vector<Taps> columnTaps, rowTaps;  // work space
     std::vector<uchar> mask;                // of the level
 };
@@ -108,19 +109,22 @@ static void linearTaps(int sourceLength, int length, std::vector<Taps>& taps)
 }
 
 // Makes the tables of the horizontal pass. False: pixels of a group come from too many source pixels for the kernel.
-static bool resizeBlocks(int sourceWidth, const Taps* taps, int width, std::vector<ResizeBlock>& blocks)
+static bool resizeBlocks(int sourceWidth, const Taps* taps, int width, ResizeTables& tables)
 {
     const int GROUP = ResizeBlock::GROUP, GROUPS = ResizeBlock::GROUPS, BYTES = ResizeBlock::BYTES;
     const signed char ZERO = -128;
     if (sourceWidth < BYTES)
         return false;
-    blocks.resize((width + ResizeBlock::PIXELS - 1) / ResizeBlock::PIXELS);
-    for (int i = 0; i < int(blocks.size()) * GROUPS; i++)
+    const int blocks = (width + ResizeBlock::PIXELS - 1) / ResizeBlock::PIXELS;
+    tables.blocks.resize(blocks);
+    tables.bases.resize(blocks * GROUPS);
+    tables.rows.resize(2 * blocks * ResizeBlock::PIXELS);
+    for (int i = 0; i < blocks * GROUPS; i++)
     {
-        ResizeBlock& block = blocks[i / GROUPS];
+        ResizeBlock& block = tables.blocks[i / GROUPS];
         const int group = i % GROUPS;
         const int base = std::min(taps[std::min(i * GROUP, width - 1)].first, sourceWidth - BYTES);
-        block.base[group] = base;
+        tables.bases[i] = base;
         for (int j = 0; j < GROUP; j++)
         {
             const Taps& tap = taps[std::min(i * GROUP + j, width - 1)];
@@ -148,8 +152,7 @@ static void updateTables(ResizeTables& tables, Size source, Size destination)
     std::vector<Taps>&columns = tables.columnTaps, &rows = tables.rowTaps;
     linearTaps(source.width, destination.width, columns);
     linearTaps(source.height, destination.height, rows);
-    tables.byKernel = resizeBlocks(source.width, columns.data(), destination.width, tables.blocks);
-    tables.rows.resize(2 * ResizeBlock::PIXELS * tables.blocks.size());
+    tables.byKernel = resizeBlocks(source.width, columns.data(), destination.width, tables);
     tables.upper.resize(rows.size());
     tables.lower.resize(rows.size());
     tables.lowerWeight.resize(rows.size());
@@ -176,6 +179,7 @@ static void resizeExact(const Mat& source, Mat& destination, ResizeTables& table
         resize.destinationStep = ptrdiff_t(destination.step);
         resize.width = destination.cols;
         resize.blocks = tables.blocks.data();
+        resize.bases = tables.bases.data();
         resize.upper = tables.upper.data();
         resize.lower = tables.lower.data();
         resize.lowerWeight = tables.lowerWeight.data();
@@ -232,7 +236,7 @@ void areaQuotas(int nfeatures, const std::vector<Size>& regions, std::vector<int
 }
 
 bool layOutLevel(const Level& input, int index, int firstLevel, double scaleFactor, int minSide, Level& level,
-                 std::vector<uchar>* memory)
+                 AlignedVector<uchar>* memory)
 {
     const float scale = levelScale(index, firstLevel, scaleFactor);
     const Size size = levelSize(input.image.size(), scale);
@@ -249,14 +253,13 @@ bool layOutLevel(const Level& input, int index, int firstLevel, double scaleFact
     else if (memory)
     {
         // Rows begin where cache lines do, so that vectors cross as few of them as possible.
-        const int LINE = 64;
-        const size_t step = alignSize(size_t(size.width), LINE), bytes = step * size.height + LINE;
+        const size_t step = alignSize(size_t(size.width), CACHE_LINE), bytes = step * size.height;
         if (memory->size() < bytes)
         {
             memory->reserve(bytes);
             memory->resize(bytes);
         }
-        level.image = Mat(size, CV_8UC1, alignPtr(memory->data(), LINE), step);
+        level.image = Mat(size, CV_8UC1, memory->data(), step);
     }
     else
     {

@@ -6,6 +6,7 @@
 #ifndef OPENCV_AQORB_PYRAMID_HPP
 #define OPENCV_AQORB_PYRAMID_HPP
 
+#include "aligned.hpp"
 #include "types.hpp"
 
 namespace cv
@@ -36,7 +37,7 @@ void areaQuotas(int nfeatures, const std::vector<Size>& regions, std::vector<int
  @param memory for the pixels; 0: the level gets memory of its own
  @return false where a side of the level would be shorter than minSide; the level is then unchanged */
 bool layOutLevel(const Level& input, int index, int firstLevel, double scaleFactor, int minSide, Level& level,
-                 std::vector<uchar>* memory = 0);
+                 AlignedVector<uchar>* memory = 0);
 
 //! Whether cv::ORB makes a level from the input image. Otherwise it makes the level from the previous one.
 bool isMadeFromInput(int index, int firstLevel);
@@ -60,10 +61,8 @@ struct ResizeBlock
         PIXELS = 32,
         BYTES = 16  //!< source bytes of a group
     };
-    int base[GROUPS];  //!< the first source byte of each group
-    signed char a[GROUPS][2 * GROUP],
-        b[GROUPS]
-         [2 * GROUP];  //!< for each pixel the index of its source byte, then -128, which yields a zero
+    //! For each pixel the index of its source byte in those of its group, then -128, which yields a zero.
+    signed char a[GROUPS][2 * GROUP], b[GROUPS][2 * GROUP];
     short weight[PIXELS];
 };
 
@@ -76,6 +75,7 @@ struct Resize
     ptrdiff_t destinationStep;
     int width;                  //!< of the destination
     const ResizeBlock* blocks;  //!< as many as cover the width
+    const int* bases;           //!< the first source byte of each group of the blocks
     const int *upper, *lower;   //!< by destination row: the two source rows
     const short* lowerWeight;   //!< by destination row, in 1/256
     short* rows[2];             //!< work space of as many elements each as the blocks have pixels

@@ -42,9 +42,10 @@ CV_ALWAYS_INLINE uint16x8_t pick(const uint8x16_t& bytes, const schar* index)
 }
 
 // The horizontal pass. Its pixels are in 1/256, as unsigned 16-bit numbers.
-CV_ALWAYS_INLINE void resizeGroup(const uchar* source, const ResizeBlock& block, int group, short* out)
+CV_ALWAYS_INLINE void resizeGroup(const uchar* source, const int* bases, const ResizeBlock& block, int group,
+                                  short* out)
 {
-    const uint8x16_t bytes = vld1q_u8(source + block.base[group]);
+    const uint8x16_t bytes = vld1q_u8(source + bases[group]);
     const uint16x8_t a = pick(bytes, block.a[group]), b = pick(bytes, block.b[group]);
     const int16x8_t weight = vld1q_s16(block.weight + group * ResizeBlock::GROUP);
     const int16x8_t difference = vreinterpretq_s16_u16(vsubq_u16(b, a));
@@ -138,10 +139,11 @@ CV_ALWAYS_INLINE Wide loadGroups(const uchar* source, const int* base)
 
 // The horizontal pass, for as many groups as the vector holds. Its pixels are in 1/256, less 2^15 so that they fit into
 // signed 16-bit numbers, and plus the 2^7 by which the second pass rounds.
-CV_ALWAYS_INLINE void resizeGroup(const uchar* source, const ResizeBlock& block, int group, short* out)
+CV_ALWAYS_INLINE void resizeGroup(const uchar* source, const int* bases, const ResizeBlock& block, int group,
+                                  short* out)
 {
     const Wide bias = AQORB_WIDE(set1_epi16)(short(128 - 32768));
-    const Wide pixels = loadGroups(source, block.base + group);
+    const Wide pixels = loadGroups(source, bases + group);
     const Wide a = AQORB_WIDE(shuffle_epi8)(pixels, load(block.a[group]));
     const Wide b = AQORB_WIDE(shuffle_epi8)(pixels, load(block.b[group]));
     const Wide weight = load(block.weight + group * ResizeBlock::GROUP);
@@ -202,12 +204,14 @@ private:
 
 #endif
 
-void resizeRow(const uchar* source, const ResizeBlock* blocks, int count, short* out)
+void resizeRow(const uchar* source, const Resize& resize, int count, short* out)
 {
     const int GROUPS = LANES / ResizeBlock::GROUP;
-    for (int i = 0; i < count; i++)
+    const ResizeBlock* const blocks = resize.blocks;
+    const int* bases = resize.bases;
+    for (int i = 0; i < count; i++, bases += ResizeBlock::GROUPS)
         for (int group = 0; group < ResizeBlock::GROUPS; group += GROUPS, out += LANES)
-            resizeGroup(source, blocks[i], group, out);
+            resizeGroup(source, bases, blocks[i], group, out);
 }
 
 void blendRows(const short* upper, const short* lower, int lowerWeight, int width, uchar* out)
@@ -245,8 +249,7 @@ bool resizeRows(const Resize& resize, int begin, int end)
         {
             const int slot = rows[i] & 1;
             if (held[slot] != rows[i])
-                resizeRow(resize.source + rows[i] * resize.sourceStep, resize.blocks, blocks,
-                          resize.rows[slot]);
+                resizeRow(resize.source + rows[i] * resize.sourceStep, resize, blocks, resize.rows[slot]);
             held[slot] = rows[i];
         }
         blendRows(resize.rows[rows[0] & 1], resize.rows[rows[1] & 1], resize.lowerWeight[y], resize.width,

@@ -15,22 +15,11 @@ namespace aqorb
 namespace stages
 {
 
-namespace
+// Less for stronger points.
+static unsigned weaknessOf(float response)
 {
-
-// Orders points by leaf, and in a leaf by strength.
-struct StrongerInLeaf
-{
-    bool operator()(const LeafPoint& a, const LeafPoint& b) const
-    {
-        if (a.leaf != b.leaf)
-            return a.leaf < b.leaf;
-        const int strengthOfA = orderOf(a.response), strengthOfB = orderOf(b.response);
-        return strengthOfA != strengthOfB ? strengthOfA > strengthOfB : TieBefore()(a, b);
-    }
-};
-
-}  // namespace
+    return ~unsignedOrderOf(response);
+}
 
 void PointList::sort()
 {
@@ -236,51 +225,57 @@ int RankedSequence::leavesInsideAsBefore(int column, int row) const
 void RankedSequence::listOthers()
 {
     hasOthers = true;
-    const size_t count = source->count();
-    representedPoints.assign(count, uchar(0));
+    const unsigned count = unsigned(source->count());
+    isRepresentative.assign(count, uchar(0));
     for (size_t i = 0; i < entries.size(); i++)
-        representedPoints[entries[i].point] = 1;
+        isRepresentative[entries[i].point] = 1;
+    if (!takesAll)
+        numberByPlaces();
     others.clear();
-    if (takesAll)
+    for (unsigned i = 0; i < count; i++)
     {
-        for (size_t i = 0; i < count; i++)
-        {
-            if (!representedPoints[i])
-                others.push_back(source->point(i));
-        }
-        return;
-    }
-    const size_t stride = (size_t(1) << depth) + 2;
-    representedLeaves.assign(stride * stride, uchar(0));
-    for (size_t i = 0; i < count; i++)
-    {
-        others.push_back(source->point(i));
-        others[i].leaf = source->leaf(others[i]);
-        representedLeaves[others[i].leaf] |= representedPoints[i];
-    }
-    std::sort(others.begin(), others.end(), StrongerInLeaf());
-    // They are sorted by their place in their leaf, which takes the place of the leaf's number.
-    size_t left = 0;
-    unsigned place = 0, leaf = 0;
-    for (size_t i = 0; i < count; i++)
-    {
-        place = i > 0 && others[i].leaf == leaf ? place + 1 : 0;
-        leaf = others[i].leaf;
-        if (place == 0 && representedLeaves[leaf])
+        if (isRepresentative[i])
             continue;
-        others[left] = others[i];
-        others[left++].leaf = place;
+        if (!takesAll)
+            placeNumbers[others.size()] = placeNumbers[i];
+        others.push_back(i);
     }
-    others.resize(left);
-    std::sort(others.begin(), others.end(), StrongerInLeaf());
+    if (takesAll)
+        return;
+    placeNumbers.resize(others.size());
+    sortIndices(placeNumbers, sorting, byPlace);
+    for (unsigned& index : byPlace)
+        index = others[index];
+    others.swap(byPlace);
+}
+
+// Numbers all points by their place in their leaf, then by strength. A representative has the first place in its leaf.
+void RankedSequence::numberByPlaces()
+{
+    const size_t count = source->count();
+    placeNumbers.resize(count);
+    for (size_t i = 0; i < count; i++)
+    {
+        const LeafPoint point = source->point(i);
+        placeNumbers[i] = uint64(source->leaf(point)) << 32 | weaknessOf(point.response);
+    }
+    sortIndices(placeNumbers, sorting, byPlace);
+    uint64 leaf = 0, place = 0;
+    for (size_t i = 0; i < count; i++)
+    {
+        uint64& number = placeNumbers[byPlace[i]];
+        place = i > 0 && number >> 32 == leaf ? place + 1 : 0;
+        leaf = number >> 32;
+        number = place << 32 | unsigned(number);
+    }
 }
 
 bool RankedSequence::next(LeafPoint& point, const PointFilter* filter)
 {
     for (;;)
     {
-        const bool isRepresentative = given < entries.size();
-        if (isRepresentative)
+        const bool isRanked = given < entries.size();
+        if (isRanked)
         {
             point = source->point(entries[given].point);
             point.response = entries[given].response;
@@ -291,12 +286,12 @@ bool RankedSequence::next(LeafPoint& point, const PointFilter* filter)
                 listOthers();
             if (given - entries.size() == others.size())
                 return false;
-            point = others[given - entries.size()];
+            point = source->point(others[given - entries.size()]);
         }
         given++;
         if (filter && !filter->accepts(point))
             continue;
-        if (!isRepresentative)
+        if (!isRanked)
             point.response = source->response(point);
         return true;
     }

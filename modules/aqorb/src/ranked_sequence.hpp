@@ -163,13 +163,18 @@ private:
     int leavesInside(int column, int row) const;
     int leavesInsideAsBefore(int column, int row) const;
     void listOthers();
+    void numberByPlaces();
 
     int depth;
     const PointSource* source;
     RankedScratch* scratch;
-    std::vector<Entry> entries;                               // the representatives, in their order
-    std::vector<LeafPoint> others;                            // the other points, in their order
-    std::vector<uchar> representedPoints, representedLeaves;  // work space of listOthers
+    std::vector<Entry> entries;    // the representatives, in their order
+    std::vector<unsigned> others;  // the other points, in their order
+    // Work space of listOthers.
+    std::vector<uchar> isRepresentative;  // by point
+    std::vector<uint64> placeNumbers;     // by point
+    std::vector<unsigned> byPlace;
+    SortScratch sorting;
     size_t given;
     bool takesAll, hasOthers;
 };

@@ -154,14 +154,10 @@ public:
     void offer(const std::vector<RankedCorner>& offered)
     {
         LevelState& level = levels[asked];
-        taken = level.chosen;
-        std::sort(taken.begin(), taken.end(), InRasterOrder());
+        chosen(asked, 0, taken);
         corners.clear();
-        for (size_t i = 0; i < offered.size(); i++)
-        {
-            if (!std::binary_search(taken.begin(), taken.end(), offered[i], InRasterOrder()))
-                corners.push_back(offered[i]);
-        }
+        std::set_difference(offered.begin(), offered.end(), taken.begin(), taken.end(),
+                            std::back_inserter(corners), InRasterOrder());
         if (corners.size() <= size_t(wanted))
         {
             level.chosen.insert(level.chosen.end(), corners.begin(), corners.end());

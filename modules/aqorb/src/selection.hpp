@@ -68,7 +68,7 @@ public:
     bool wants(CornerRequest& request);
     //! Answers wantsOf, or a request for SEQUENCE_CORNERS. The sequence must be as the previous request left it.
     void offer(PointSequence& sequence);
-    //! Answers any other request.
+    //! Answers any other request. The corners come in raster order.
     void offer(const std::vector<RankedCorner>& corners);
     //! How many corners of a level have been chosen.
     size_t count(int level) const;

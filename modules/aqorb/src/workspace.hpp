@@ -26,7 +26,7 @@ struct LevelWork
     LevelWork() : bandsLeft(0), inputsOfSearch(0), inputsOfSelection(0) {}
 
     stages::Level level;
-    std::vector<uchar> pixels;           //!< of the level, if they do not become the caller's
+    AlignedVector<uchar> pixels;         //!< of the level, if they do not become the caller's
     Ptr<stages::ResizeTables> resizing;  //!< to make the level
     stages::SelectionLevel selection;    //!< what the level is to contribute
     stages::LevelDetection detection;

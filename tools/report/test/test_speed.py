@@ -161,6 +161,7 @@ def test_scaling(tmp_path):
     tables = speed.scaling_tables(tmp_path)
     assert rows(tables['Speed by size and n']) == [['320x240', '4.00', '4.00', '4.00*'],
                                                    ['640x480', '4.00', '4.00', '4.00']]
+    assert rows(tables['Keypoints found'])[0] == ['320x240', '500 / 500', '1000 / 1000', '4000 / 4000*']
     assert rows(tables['Growth'])[1] == ['640x480', '0.80 (0.80)', '1.00 (1.00)', '3.76 (3.76)']
     assert rows(tables['Cost of a pixel and of a keypoint']) == [
         ['cv::ORB', '1.000', '1.000', '200', '0 %'], ['AdaptiveQuadtreeORB', '0.250', '0.250', '200', '0 %']]

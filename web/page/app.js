@@ -1,0 +1,464 @@
+// This file is part of aqorb. Copyright (C) The aqorb developers.
+// It is subject to the license terms in the LICENSE file found in the top-level directory of this distribution.
+// SPDX-License-Identifier: Apache-2.0
+
+'use strict';
+
+const LONGEST_SIDE = 1280;               // of a picture, in pixels
+const GRID = { columns: 16, rows: 12 };  // of the occupied cells
+const COLOURS = ['#ff8126', '#1fc8e3'];  // of the keypoints of either detector, on pictures of any brightness
+const CAMERA_ERRORS = {
+    NotAllowedError: 'The camera was refused. Allow it for this page in the browser, or open a picture instead.',
+    NotFoundError: 'No camera was found. Open a picture instead.',
+    NotReadableError: 'The camera is in use by another program. Open a picture instead.',
+};
+
+const element = id => document.getElementById(id);
+const canvases = [...document.querySelectorAll('#figures canvas')];
+const NAMES = ['cv::ORB', 'AdaptiveQuadtreeORB'];
+
+let worker = null;
+let wanted = null;  // pictures that the worker does not have yet; an empty object if it has them, null if all is done
+let sent = null;    // the job that the worker does
+let pictures = [];  // canvases of both pictures, as they were last detected in
+let shown = null;   // what was found in them
+let stream = null;  // of the camera
+let drawnWidth = 0;
+const video = document.createElement('video');
+
+function say(sentence) {
+    element('message').textContent = sentence;
+    element('message').hidden = !sentence;
+}
+
+function setState(state) {
+    document.body.dataset.state = state;
+}
+
+// The worker
+
+// Whether the browser has what aqorb.wasm is compiled for: a function that uses a vector, and one that catches.
+function isSupported() {
+    if (typeof WebAssembly !== 'object' || typeof Worker !== 'function' || typeof OffscreenCanvas !== 'function')
+        return false;
+    const head = [0, 97, 115, 109, 1, 0, 0, 0];
+    const vector = [1, 5, 1, 96, 0, 1, 123, 3, 2, 1, 0, 10, 10, 1, 8, 0, 65, 0, 253, 15, 253, 98, 11];
+    const exception = [1, 4, 1, 96, 0, 0, 3, 2, 1, 0, 10, 8, 1, 6, 0, 6, 64, 25, 11, 11];
+    return [vector, exception].every(code => WebAssembly.validate(new Uint8Array([...head, ...code])));
+}
+
+function startWorker() {
+    worker = new Worker('worker.js');
+    worker.onmessage = ({ data }) => {
+        const job = sent;
+        sent = null;
+        if (data.error) {
+            say(`The detector reports an error: ${data.error}`);
+            setState('failed');
+        } else {
+            receive(data, job);
+            setState('ready');
+        }
+        send();
+        if (stream)
+            requestAnimationFrame(grabFrame);
+    };
+    worker.onerror = () => {
+        say('The detector could not be loaded. Reload the page to try again.');
+        setState('failed');
+    };
+}
+
+// Asks for what the controls say, in pictures that may be new: sample (a name) or picture (a canvas), and second (a
+// canvas, or null for a simulated one). While the worker is busy nothing is sent, so a slider never leaves a queue.
+function request(change = {}) {
+    wanted = { ...wanted, ...change };
+    send();
+}
+
+function send() {
+    if (!worker || sent || !wanted)
+        return;
+    const { sample, picture, second } = wanted;
+    wanted = null;
+    const properties = {};
+    for (const field of element('properties').querySelectorAll('input, select'))
+        properties[field.id] = field.type === 'checkbox' ? Number(field.checked) : Number(field.value);
+    const view = document.querySelector('[name=view]:checked').value;
+    const degrees = Number(element('degrees').value);
+    sent = { picture, second, view, degrees };
+    setState('busy');
+    const message = { sample, view, degrees, properties, runs: stream ? 1 : 3 };
+    if (picture)
+        message.pixels = pixelsOf(picture);
+    if (second !== undefined)
+        message.second = second && pixelsOf(second);
+    worker.postMessage(message);
+}
+
+function receive(answer, job) {
+    pictures[0] = answer.picture ? canvasOf(answer.picture) : job.picture || pictures[0];
+    pictures[1] = answer.second ? canvasOf(answer.second) : job.second || pictures[1];
+    shown = { found: answer.found, view: job.view, degrees: job.degrees };
+    draw();
+    fillTable();
+    element('size').textContent = `Now ${pictures[0].width}×${pictures[0].height} pixels.`;
+}
+
+function pixelsOf(canvas) {
+    return canvas.getContext('2d').getImageData(0, 0, canvas.width, canvas.height);
+}
+
+function canvasOf({ width, height, pixels }) {
+    const canvas = new OffscreenCanvas(width, height);
+    canvas.getContext('2d').putImageData(new ImageData(new Uint8ClampedArray(pixels.buffer), width, height), 0, 0);
+    return canvas;
+}
+
+// Pictures
+
+// A picture, or a frame of a video, at a size that is processed in a moment.
+function scaled(image, width, height) {
+    const scale = Math.min(1, LONGEST_SIDE / Math.max(width, height));
+    const canvas = new OffscreenCanvas(Math.max(1, Math.round(width * scale)), Math.max(1, Math.round(height * scale)));
+    const context = canvas.getContext('2d', { willReadFrequently: true });
+    context.fillStyle = '#fff';  // behind what is transparent
+    context.fillRect(0, 0, canvas.width, canvas.height);
+    context.imageSmoothingQuality = 'high';
+    context.drawImage(image, 0, 0, canvas.width, canvas.height);
+    return canvas;
+}
+
+async function openFile(file, isSecond = false) {
+    if (!file)
+        return;
+    let image;
+    try {
+        image = await createImageBitmap(file, { colorSpaceConversion: 'none' });
+    } catch {
+        say(`“${file.name}” is not a picture that this browser can read. Open a JPEG, PNG or WebP file.`);
+        return;
+    }
+    say('');
+    const picture = scaled(image, image.width, image.height);
+    if (isSecond)
+        request({ second: picture });
+    else
+        openPicture(picture);
+}
+
+function openPicture(picture) {
+    stopCamera();
+    showOwn(true);
+    request({ picture, sample: undefined });
+}
+
+function openSample() {
+    stopCamera();
+    showOwn(false);
+    say('');
+    request({ sample: element('sample').value, picture: undefined });
+}
+
+// The list of samples says so when none of them is shown.
+function showOwn(isOwn) {
+    element('own').hidden = !isOwn;
+    if (isOwn)
+        element('sample').value = '';
+}
+
+async function toggleCamera() {
+    if (stream) {
+        stopCamera();
+        request();
+        return;
+    }
+    say('');
+    try {
+        if (!navigator.mediaDevices)
+            throw new DOMException('', 'NotAllowedError');  // not over plain HTTP
+        stream = await navigator.mediaDevices.getUserMedia({
+            video: { facingMode: 'environment', width: { ideal: 640 }, height: { ideal: 480 } } });
+        video.srcObject = stream;
+        video.muted = video.playsInline = true;
+        await video.play();
+    } catch (error) {
+        stopCamera();
+        say(CAMERA_ERRORS[error.name] || `The camera could not be used (${error.name}). Open a picture instead.`);
+        return;
+    }
+    element('camera').textContent = 'Stop camera';
+    element('camera').setAttribute('aria-pressed', 'true');
+    showOwn(true);
+    grabFrame();
+}
+
+function grabFrame() {
+    if (stream && !sent)
+        request({ picture: scaled(video, video.videoWidth, video.videoHeight), sample: undefined });
+}
+
+function stopCamera() {
+    if (stream)
+        stream.getTracks().forEach(track => track.stop());
+    stream = null;
+    element('camera').textContent = 'Camera';
+    element('camera').setAttribute('aria-pressed', 'false');
+}
+
+// Drawing. Sizes are in CSS pixels; the canvas has as many pixels as the screen.
+
+function draw() {
+    if (!shown)
+        return;
+    element('figures').classList.toggle('wide', shown.view === 'pair');
+    drawnWidth = canvases[0].clientWidth;
+    canvases.forEach((canvas, detector) => {
+        const width = canvas.clientWidth;
+        const stacked = width < 560;
+        const [first, second] = pictures;
+        let columns = 1, rows = 1;
+        if (shown.view === 'pair')
+            [columns, rows] = stacked ? [1, 2] : [2, 1];
+        const scale = width / columns / first.width;
+        const cell = { width: width / columns, height: first.height * scale };
+        canvas.width = Math.round(width * devicePixelRatio);
+        canvas.height = Math.round(cell.height * rows * devicePixelRatio);
+        const context = canvas.getContext('2d');
+        context.scale(canvas.width / width, canvas.width / width);
+        const found = shown.found[detector];
+        const colour = COLOURS[detector];
+        if (shown.view === 'pair') {
+            const fit = Math.min(cell.width / second.width, cell.height / second.height);
+            const at = { x: stacked ? 0 : cell.width, y: stacked ? cell.height : 0, scale: fit };
+            context.drawImage(first, 0, 0, cell.width, cell.height);
+            context.drawImage(second, at.x, at.y, second.width * fit, second.height * fit);
+            drawMatches(context, found.pair, scale, at, colour);
+        } else if (shown.view === 'turn') {
+            context.save();
+            context.translate(cell.width / 2, cell.height / 2);
+            context.rotate(shown.degrees * Math.PI / 180);
+            context.drawImage(first, -cell.width / 2, -cell.height / 2, cell.width, cell.height);
+            context.restore();
+            const { keypoints, stays } = found.turned;
+            const points = [...stays].map((stay, i) => ({ stay, x: keypoints[4 * i], y: keypoints[4 * i + 1] }));
+            drawRings(context, points.filter(point => !point.stay), scale, colour);
+            drawDots(context, points.filter(point => point.stay), scale, colour);
+        } else {
+            context.drawImage(first, 0, 0, cell.width, cell.height);
+            const points = pointsOf(found.keypoints);
+            if (element('cells').checked)
+                shadeEmptyCells(context, points, first, scale);
+            drawRings(context, points, scale, colour);
+        }
+        canvas.setAttribute('aria-label', `Picture with ${found.count} keypoints of ${NAMES[detector]}`);
+    });
+}
+
+function pointsOf(keypoints) {
+    const points = [];
+    for (let i = 0; i < keypoints.length; i += 4)
+        points.push({ x: keypoints[i], y: keypoints[i + 1] });
+    return points;
+}
+
+function circles(context, points, scale, radius) {
+    context.beginPath();
+    for (const { x, y } of points) {
+        context.moveTo((x + .5) * scale + radius, (y + .5) * scale);
+        context.arc((x + .5) * scale, (y + .5) * scale, radius, 0, 2 * Math.PI);
+    }
+}
+
+// A dark edge makes the colour visible on a bright picture.
+function drawRings(context, points, scale, colour) {
+    circles(context, points, scale, 2.75);
+    context.strokeStyle = 'rgb(0 0 0 / 55%)';
+    context.lineWidth = 2.75;
+    context.stroke();
+    context.strokeStyle = colour;
+    context.lineWidth = 1.25;
+    context.stroke();
+}
+
+function drawDots(context, points, scale, colour) {
+    circles(context, points, scale, 3);
+    context.strokeStyle = 'rgb(0 0 0 / 70%)';
+    context.lineWidth = 1.5;
+    context.stroke();
+    context.fillStyle = colour;
+    context.fill();
+}
+
+// The grid of distributionOccupancy.
+function shadeEmptyCells(context, points, picture, scale) {
+    const { columns, rows } = GRID;
+    const occupied = new Set(points.map(({ x, y }) =>
+        Math.floor(y * rows / picture.height) * columns + Math.floor(x * columns / picture.width)));
+    const width = picture.width * scale / columns, height = picture.height * scale / rows;
+    context.fillStyle = 'rgb(20 0 30 / 62%)';
+    for (let cell = 0; cell < columns * rows; cell++) {
+        if (!occupied.has(cell))
+            context.fillRect(cell % columns * width, Math.floor(cell / columns) * height, width, height);
+    }
+}
+
+function drawMatches(context, pair, scale, at, colour) {
+    const lines = new Path2D(), others = [];
+    const { matches, homography } = pair;
+    for (let i = 0; i < matches.length; i += 5) {
+        const [x, y, x2, y2, agrees] = matches.subarray(i, i + 5);
+        if (agrees) {
+            lines.moveTo((x + .5) * scale, (y + .5) * scale);
+            lines.lineTo(at.x + (x2 + .5) * at.scale, at.y + (y2 + .5) * at.scale);
+        } else {
+            others.push({ x, y });
+        }
+    }
+    circles(context, others, scale, 1.75);
+    context.fillStyle = 'rgb(255 255 255 / 75%)';
+    context.fill();
+    context.strokeStyle = 'rgb(0 0 0 / 60%)';
+    context.lineWidth = .75;
+    context.stroke();
+    context.globalAlpha = .7;
+    context.strokeStyle = colour;
+    context.lineWidth = 1;
+    context.stroke(lines);
+    context.globalAlpha = 1;
+    if (!homography)
+        return;
+    const { width, height } = pictures[0];
+    const outline = new Path2D();
+    for (const [x, y] of [[0, 0], [width, 0], [width, height], [0, height]]) {
+        const w = homography[6] * x + homography[7] * y + homography[8];
+        outline.lineTo(at.x + (homography[0] * x + homography[1] * y + homography[2]) / w * at.scale,
+            at.y + (homography[3] * x + homography[4] * y + homography[5]) / w * at.scale);
+    }
+    outline.closePath();
+    context.save();
+    context.beginPath();
+    context.rect(at.x, at.y, pictures[1].width * at.scale, pictures[1].height * at.scale);
+    context.clip();
+    context.strokeStyle = 'rgb(0 0 0 / 60%)';
+    context.lineWidth = 4;
+    context.stroke(outline);
+    context.strokeStyle = '#fff';
+    context.lineWidth = 2;
+    context.stroke(outline);
+    context.restore();
+}
+
+// The table
+
+const percent = value => `${(100 * value).toFixed(1)} %`;
+const MEASURES = [
+    { name: 'Keypoints', value: found => found.count },
+    { name: 'Uniformity', note: 'less is more uniform', best: Math.min,
+        value: found => found.count ? found.uniformity : null, text: value => value.toFixed(1) },
+    { name: 'Occupied cells', best: Math.max, value: found => found.occupancy, text: percent },
+    { name: 'Time', best: Math.min, value: found => found.time, text: value => `${value.toFixed(1)} ms` },
+    { view: 'turn', name: 'Found again', note: 'of those in both frames', best: Math.max,
+        value: found => found.turned.share, text: percent },
+    { view: 'turn', name: 'Correct matches', best: Math.max, value: found => found.turned.correct },
+    { view: 'pair', name: 'Matches', value: found => found.pair.count },
+    { view: 'pair', name: 'Of these in the homography', best: Math.max,
+        value: found => found.pair.homography ? found.pair.agreeing : null, none: 'none found' },
+];
+
+function fillTable() {
+    const rows = MEASURES.filter(measure => !measure.view || measure.view === shown.view).map(measure => {
+        const values = shown.found.map(measure.value);
+        const row = document.createElement('tr');
+        const head = document.createElement('th');
+        head.scope = 'row';
+        head.textContent = measure.name;
+        if (measure.note) {
+            const note = document.createElement('small');
+            note.textContent = measure.note;
+            head.append(note);
+        }
+        row.append(head);
+        values.forEach((value, i) => {
+            const cell = row.insertCell();
+            cell.textContent = value === null ? measure.none || '–' : (measure.text || String)(value);
+            const other = values[1 - i];
+            cell.classList.toggle('better', Boolean(measure.best) && value !== null && value !== other &&
+                (other === null || measure.best(value, other) === value));
+        });
+        return row;
+    });
+    element('measures').replaceChildren(...rows);
+}
+
+// The controls
+
+function showValues() {
+    for (const output of document.querySelectorAll('output')) {
+        const slider = element(output.htmlFor);
+        const digits = (slider.step.split('.')[1] || '').length;
+        output.textContent = Number(slider.value).toFixed(digits) + (slider.dataset.unit || '');
+    }
+}
+
+function showView() {
+    const view = document.querySelector('[name=view]:checked').value;
+    for (const part of document.querySelectorAll('.of-view'))
+        part.hidden = part.dataset.view !== view;
+}
+
+function listen() {
+    element('sample').onchange = openSample;
+    for (const [id, isSecond] of [['file', false], ['second', true]]) {
+        element(id).onchange = ({ target }) => {
+            openFile(target.files[0], isSecond);
+            target.value = '';  // so that the same file can be opened again
+        };
+    }
+    element('camera').onclick = toggleCamera;
+    element('other').onclick = () => request({ second: null });
+    element('views').onchange = () => {
+        showView();
+        request();
+    };
+    for (const control of [element('properties'), element('degrees')]) {
+        control.oninput = () => {
+            showValues();
+            request();
+        };
+    }
+    element('properties').onreset = () => setTimeout(element('properties').oninput);
+    element('properties').onsubmit = event => event.preventDefault();
+    element('cells').onchange = draw;
+    new ResizeObserver(() => canvases[0].clientWidth === drawnWidth || draw()).observe(element('figures'));
+
+    const hasFiles = event => event.dataTransfer && event.dataTransfer.types.includes('Files');
+    document.ondragover = event => {
+        event.preventDefault();
+        document.body.classList.toggle('dropping', hasFiles(event));
+    };
+    document.ondragleave = event => {
+        if (!event.relatedTarget)
+            document.body.classList.remove('dropping');
+    };
+    document.ondrop = event => {
+        event.preventDefault();
+        document.body.classList.remove('dropping');
+        const isSecond = event.target === element('second') || Boolean(event.target.closest('[data-view=pair]'));
+        openFile(event.dataTransfer.files[0], isSecond);
+    };
+}
+
+showView();
+showValues();
+if (isSupported()) {
+    listen();
+    startWorker();
+    openSample();
+} else {
+    say('This browser does not run WebAssembly with SIMD and exceptions, which this page needs. A current version of ' +
+        'Chrome, Edge, Firefox or Safari does.');
+    for (const control of document.querySelectorAll('input, select, button'))
+        control.disabled = true;
+    setState('failed');
+}

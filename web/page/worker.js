@@ -1,0 +1,80 @@
+// This file is part of aqorb. Copyright (C) The aqorb developers.
+// It is subject to the license terms in the LICENSE file found in the top-level directory of this distribution.
+// SPDX-License-Identifier: Apache-2.0
+
+// Detects and matches, so that the page stays responsive. The page sends one job at a time:
+//
+//   sample or pixels   the picture, if it is another one than before
+//   second             the second picture's pixels, or null for a simulated one, if it is another one than before
+//   view               'keypoints', 'turn' or 'pair'; degrees is for 'turn'
+//   properties, runs   of the detectors, and how often they are called
+//
+// The answer holds the pictures that were drawn here, and for each detector what was found.
+
+'use strict';
+
+importScripts('aqorb.js');
+
+const engine = createAqorb();
+const DETECTORS = [0, 1];  // cv::ORB, AdaptiveQuadtreeORB
+
+let first = [];    // what was found in the picture, for each detector
+let current = '';  // the properties with which
+let second = { simulated: true, drawn: false };
+
+function checked(result) {
+    if (result.error)
+        throw new Error(result.error);
+    return result;
+}
+
+function run(engine, job) {
+    const answer = {};
+    if (job.sample)
+        answer.picture = checked(engine.drawSample(job.sample, 960, 640));
+    else if (job.pixels)
+        checked(engine.setPicture(0, job.pixels.width, job.pixels.height, job.pixels.data));
+    if (job.sample || job.pixels) {
+        first = [];
+        second.drawn = false;
+    }
+    if (job.second !== undefined)
+        second = { simulated: !job.second, pixels: job.second, drawn: false };
+
+    const properties = JSON.stringify(job.properties);
+    if (!first.length || properties !== current) {
+        checked(engine.setProperties(job.properties));
+        first = DETECTORS.map(detector => checked(engine.detect(0, detector, job.runs)));
+        current = properties;
+    }
+    answer.found = first.map(found => ({ ...found }));
+
+    if (job.view === 'turn') {
+        checked(engine.turn(job.degrees));
+        second.drawn = false;
+        for (const detector of DETECTORS) {
+            const turned = checked(engine.detect(1, detector, 1));
+            answer.found[detector].turned = { ...checked(engine.compareTurned(detector)), keypoints: turned.keypoints };
+        }
+    } else if (job.view === 'pair') {
+        if (!second.drawn && second.simulated)
+            answer.second = checked(engine.drawOtherView());
+        else if (!second.drawn)
+            checked(engine.setPicture(1, second.pixels.width, second.pixels.height, second.pixels.data));
+        second.drawn = true;
+        for (const detector of DETECTORS) {
+            checked(engine.detect(1, detector, 1));
+            answer.found[detector].pair = checked(engine.match(detector));
+        }
+    }
+    return answer;
+}
+
+onmessage = async ({ data }) => {
+    try {
+        const loaded = await engine;
+        postMessage(data.fingerprint ? checked(loaded.fingerprint(data.balanced, data.name)) : run(loaded, data));
+    } catch (error) {
+        postMessage({ error: String(error.message || error) });
+    }
+};

@@ -1,0 +1,410 @@
+// This file is part of aqorb. Copyright (C) The aqorb developers.
+// It is subject to the license terms in the LICENSE file found in the top-level directory
+// of this distribution.
+// SPDX-License-Identifier: Apache-2.0
+
+// What the page's worker calls. The engine holds two pictures, 0 and 1, and the features that both detectors find in
+// them. Each function returns an object; if something is wrong, it holds a sentence, `error`, and nothing else.
+
+#include "../../perf/perf_scene.hpp"
+#include "../../test/scenes.hpp"
+#include "../../tools/fingerprint/lines.hpp"
+#include "homography.hpp"
+
+#include <opencv2/imgproc.hpp>
+
+#include <emscripten/bind.h>
+#include <emscripten/emscripten.h>
+
+#include <algorithm>
+#include <string>
+#include <vector>
+
+using namespace cv;
+using aqorb::AdaptiveQuadtreeORB;
+using emscripten::val;
+
+namespace
+{
+
+const int DETECTORS = 2;  // 0: cv::ORB, 1: AdaptiveQuadtreeORB
+const double SAME_PLACE =
+    3;  // pixels between two keypoints that count as one found again, as in tools/evaluate
+
+struct Features
+{
+    std::vector<KeyPoint> keypoints;
+    Mat descriptors;
+};
+
+struct Picture
+{
+    Mat rgba, grey, mask;
+    Features features[DETECTORS];
+};
+
+Picture pictures[2];
+Ptr<ORB> detectors[DETECTORS];
+Matx33d turned;  // from picture 0 to picture 1, after turn
+
+//! A copy, as a typed array: a view would end with the next growth of the memory.
+template <typename T> val copied(const std::vector<T>& values)
+{
+    return val(emscripten::typed_memory_view(values.size(), values.data())).template call<val>("slice");
+}
+
+//! Calls a function that returns a val, and turns its exceptions into an error.
+template <typename Function> val guarded(Function function)
+{
+    std::string error;
+    try
+    {
+        return function();
+    }
+    catch (const cv::Exception& e)
+    {
+        error = e.err;
+    }
+    catch (const std::exception& e)
+    {
+        error = e.what();
+    }
+    val result = val::object();
+    result.set("error", error);
+    return result;
+}
+
+Picture& at(int index)
+{
+    CV_CheckGE(index, 0, "there are the pictures 0 and 1");
+    CV_CheckLE(index, 1, "there are the pictures 0 and 1");
+    return pictures[index];
+}
+
+void checkDetector(int detector)
+{
+    CV_CheckGE(detector, 0, "there are the detectors 0 and 1");
+    CV_CheckLT(detector, DETECTORS, "there are the detectors 0 and 1");
+}
+
+void setGrey(Picture& picture, const Mat& grey)
+{
+    picture = Picture();
+    picture.grey = grey;
+    cvtColor(grey, picture.rgba, COLOR_GRAY2RGBA);
+}
+
+//! The picture's size and, as RGBA, its pixels.
+val shown(const Picture& picture)
+{
+    val result = val::object();
+    result.set("width", picture.rgba.cols);
+    result.set("height", picture.rgba.rows);
+    const Mat pixels = picture.rgba.isContinuous() ? picture.rgba : picture.rgba.clone();
+    result.set("pixels",
+               val(emscripten::typed_memory_view(pixels.total() * 4, pixels.data)).call<val>("slice"));
+    return result;
+}
+
+val setPicture(int index, int width, int height, val pixels)
+{
+    return guarded(
+        [&]
+        {
+            CV_CheckGT(width, 0, "a picture has pixels");
+            CV_CheckGT(height, 0, "a picture has pixels");
+            CV_CheckEQ(pixels["length"].as<int>(), width * height * 4, "the length of the pixels");
+            Picture& picture = at(index);
+            picture = Picture();
+            picture.rgba.create(height, width, CV_8UC4);
+            val(emscripten::typed_memory_view(picture.rgba.total() * 4, picture.rgba.data))
+                .call<void>("set", pixels);
+            cvtColor(picture.rgba, picture.grey, COLOR_RGBA2GRAY);
+            return val::object();
+        });
+}
+
+val drawSample(const std::string& name, int width, int height)
+{
+    return guarded(
+        [&]
+        {
+            const Size size(width, height);
+            Mat grey;
+            if (name == "street" || name == "dusk")
+                grey = opencv_test::makeStreetScene(size);
+            else if (name == "shapes")
+                grey = opencv_test::makeScene(size, 3);
+            else
+                CV_Error_(Error::StsBadArg, ("There is no sample %s", name.c_str()));
+            if (name == "dusk")
+                grey.convertTo(grey, -1, 0.12, 2);
+            setGrey(pictures[0], grey);
+            return shown(pictures[0]);
+        });
+}
+
+//! Picture 1 becomes what a camera sees that has moved to the side and a little nearer to the plane of picture 0.
+val drawOtherView()
+{
+    return guarded(
+        []
+        {
+            const Mat& image = pictures[0].rgba;
+            const float w = float(image.cols), h = float(image.rows);
+            const Point2f from[] = {{0.f, 0.f}, {w, 0.f}, {w, h}, {0.f, h}};
+            const Point2f to[] = {
+                {-.06f * w, .1f * h}, {.92f * w, -.14f * h}, {1.02f * w, 1.04f * h}, {.05f * w, .88f * h}};
+            Mat view;
+            warpPerspective(image, view, getPerspectiveTransform(from, to), image.size(), INTER_LINEAR,
+                            BORDER_CONSTANT, Scalar(90, 90, 90, 255));
+            pictures[1] = Picture();
+            pictures[1].rgba = view;
+            cvtColor(view, pictures[1].grey, COLOR_RGBA2GRAY);
+            return shown(pictures[1]);
+        });
+}
+
+//! Picture 1 becomes picture 0 turned clockwise about its centre, in the same frame. What the frame did not show before
+//! is masked.
+val turn(double degrees)
+{
+    return guarded(
+        [&]
+        {
+            const Mat& grey = pictures[0].grey;
+            const Point2f centre(float(grey.cols - 1) / 2, float(grey.rows - 1) / 2);
+            const Mat matrix = getRotationMatrix2D(centre, -degrees, 1);
+            turned = Matx33d::eye();
+            matrix.copyTo(Mat(turned, false).rowRange(0, 2));
+            Picture& picture = pictures[1];
+            picture = Picture();
+            // Reflected, because an edge of the picture would be one of the scene for a detector.
+            warpAffine(grey, picture.grey, matrix, grey.size(), INTER_LINEAR, BORDER_REFLECT_101);
+            warpAffine(Mat(grey.size(), CV_8UC1, Scalar(255)), picture.mask, matrix, grey.size(),
+                       INTER_NEAREST, BORDER_CONSTANT, Scalar(0));
+            return val::object();
+        });
+}
+
+//! Sets the properties of both detectors that the page has sliders for. AdaptiveQuadtreeORB keeps its default
+//! edgeThreshold, and cv::ORB its own.
+val setProperties(val properties)
+{
+    return guarded(
+        [&]
+        {
+            const auto number = [&](const char* name) { return properties[name].as<double>(); };
+            const int nfeatures = cvRound(number("nfeatures")), nlevels = cvRound(number("nlevels")),
+                      fastThreshold = cvRound(number("fastThreshold"));
+            const float scaleFactor = float(number("scaleFactor"));
+            const Ptr<AdaptiveQuadtreeORB> ours =
+                AdaptiveQuadtreeORB::create(nfeatures, scaleFactor, nlevels);
+            ours->setFastThreshold(fastThreshold);
+            ours->setSelectionType(AdaptiveQuadtreeORB::SelectionType(cvRound(number("selectionType"))));
+            ours->setStrengthWeight(number("strengthWeight"));
+            ours->setRankRadius(number("rankRadius"));
+            ours->setMinThresholdRatio(number("minThresholdRatio"));
+            ours->setAdaptiveThreshold(number("adaptiveThreshold") != 0);
+            detectors[0] = ORB::create(nfeatures, scaleFactor, nlevels);
+            detectors[0]->setFastThreshold(fastThreshold);
+            detectors[1] = ours;
+            return val::object();
+        });
+}
+
+//! How many levels of an image have a pixel. cv::ORB raises an exception if there are fewer than it has.
+int levelsOf(const Size& size, int nlevels, double scaleFactor)
+{
+    int levels = 1;
+    double side = std::min(size.width, size.height);
+    for (; levels < nlevels && side / scaleFactor >= 1; levels++)
+        side /= scaleFactor;
+    return levels;
+}
+
+/** Finds the features of a picture.
+ @param runs the time is the shortest of so many */
+val detect(int index, int detector, int runs)
+{
+    return guarded(
+        [&]
+        {
+            checkDetector(detector);
+            Picture& picture = at(index);
+            Features& features = picture.features[detector];
+            detectors[0]->setNLevels(
+                levelsOf(picture.grey.size(), detectors[1]->getNLevels(), detectors[1]->getScaleFactor()));
+            double time = 0;
+            for (int run = 0; run < runs; run++)
+            {
+                const double start = emscripten_get_now();
+                detectors[detector]->detectAndCompute(picture.grey, picture.mask, features.keypoints,
+                                                      features.descriptors);
+                const double taken = emscripten_get_now() - start;
+                time = run == 0 ? taken : std::min(time, taken);
+            }
+            std::vector<float> keypoints;
+            for (const KeyPoint& keypoint : features.keypoints)
+                keypoints.insert(keypoints.end(),
+                                 {keypoint.pt.x, keypoint.pt.y, keypoint.size, keypoint.angle});
+            val result = val::object();
+            result.set("keypoints", copied(keypoints));
+            result.set("count", features.keypoints.size());
+            result.set("time", time);
+            result.set("uniformity", aqorb::distributionUniformity(features.keypoints, picture.grey.size()));
+            result.set("occupancy", aqorb::distributionOccupancy(features.keypoints, picture.grey.size()));
+            return result;
+        });
+}
+
+//! Mutual nearest neighbours, the nearest first.
+std::vector<DMatch> matched(int detector)
+{
+    const Features &a = pictures[0].features[detector], &b = pictures[1].features[detector];
+    std::vector<DMatch> matches;
+    if (!a.descriptors.empty() && !b.descriptors.empty())
+        BFMatcher(NORM_HAMMING, true).match(a.descriptors, b.descriptors, matches);
+    std::stable_sort(matches.begin(), matches.end());
+    return matches;
+}
+
+/** Matches the features of the pictures.
+ @return `matches`: x and y in picture 0, those in picture 1, and whether the homography agrees; their number, `count`,
+ and that of those that agree, `agreeing`; `homography`: nine numbers, or null */
+val match(int detector)
+{
+    return guarded(
+        [&]
+        {
+            checkDetector(detector);
+            std::vector<Point2f> from, to;
+            for (const DMatch& pair : matched(detector))
+            {
+                from.push_back(pictures[0].features[detector].keypoints[pair.queryIdx].pt);
+                to.push_back(pictures[1].features[detector].keypoints[pair.trainIdx].pt);
+            }
+            Matx33d homography;
+            const bool found = findHomography(from, to, homography);
+            std::vector<float> matches;
+            int agreeing = 0;
+            for (size_t i = 0; i < from.size(); i++)
+            {
+                const bool does = found && agrees(homography, from[i], to[i], SAME_PLACE);
+                agreeing += does;
+                matches.insert(matches.end(), {from[i].x, from[i].y, to[i].x, to[i].y, does ? 1.f : 0.f});
+            }
+            val result = val::object();
+            result.set("matches", copied(matches));
+            result.set("count", from.size());
+            result.set("agreeing", agreeing);
+            result.set("homography",
+                       found ? copied(std::vector<double>(homography.val, homography.val + 9)) : val::null());
+            return result;
+        });
+}
+
+bool isInside(const Point2f& point, const Size& size)
+{
+    return point.x >= 0 && point.y >= 0 && point.x <= float(size.width - 1) &&
+           point.y <= float(size.height - 1);
+}
+
+/** After turn, what of the features of picture 0 is found again in picture 1.
+ @return `stays`: for each keypoint of picture 1 whether it is one of picture 0, that is a mutual nearest neighbour
+ within 3 pixels; `share` of those of the keypoints that both pictures show; `correct`, the number of matches of
+ descriptors that are right within 3 pixels */
+val compareTurned(int detector)
+{
+    return guarded(
+        [&]
+        {
+            checkDetector(detector);
+            const Features &a = pictures[0].features[detector], &b = pictures[1].features[detector];
+            const Size size = pictures[0].grey.size();
+            const auto mapped = [](const Point2f& point, const Matx33d& by)
+            {
+                const Vec3d p = by * Vec3d(point.x, point.y, 1);
+                return Point2f(float(p[0]), float(p[1]));
+            };
+            const Matx33d back = turned.inv();
+            std::vector<Point2f> before, after;  // both in picture 1
+            std::vector<size_t> index;
+            for (const KeyPoint& keypoint : a.keypoints)
+            {
+                const Point2f point = mapped(keypoint.pt, turned);
+                if (isInside(point, size))
+                    before.push_back(point);
+            }
+            for (size_t i = 0; i < b.keypoints.size(); i++)
+            {
+                if (!isInside(mapped(b.keypoints[i].pt, back), size))
+                    continue;
+                after.push_back(b.keypoints[i].pt);
+                index.push_back(i);
+            }
+            std::vector<uchar> stays(b.keypoints.size(), 0);
+            double share = 0;
+            if (!before.empty() && !after.empty())
+            {
+                std::vector<DMatch> pairs;
+                BFMatcher(NORM_L2, true).match(Mat(before).reshape(1), Mat(after).reshape(1), pairs);
+                size_t found = 0;
+                for (const DMatch& pair : pairs)
+                {
+                    if (pair.distance > SAME_PLACE)
+                        continue;
+                    found++;
+                    stays[index[pair.trainIdx]] = 1;
+                }
+                share = double(found) / double(std::min(before.size(), after.size()));
+            }
+            int correct = 0;
+            for (const DMatch& pair : matched(detector))
+                correct +=
+                    agrees(turned, a.keypoints[pair.queryIdx].pt, b.keypoints[pair.trainIdx].pt, SAME_PLACE);
+            val result = val::object();
+            result.set("stays", copied(stays));
+            result.set("share", share);
+            result.set("correct", correct);
+            return result;
+        });
+}
+
+/** What aqorb_fingerprint prints of the scenes that it draws, and, if there is a picture 0 and a name, of that as the
+ file of this name.
+ @return `lines` */
+val fingerprint(bool balanced, const std::string& name)
+{
+    return guarded(
+        [&]
+        {
+            FingerprintLines lines(balanced ? AdaptiveQuadtreeORB::BALANCED_SELECTION
+                                            : AdaptiveQuadtreeORB::RANKED_SELECTION);
+            std::string text = lines.scenes();
+            if (!name.empty())
+            {
+                Mat image;
+                cvtColor(pictures[0].rgba, image, COLOR_RGBA2BGR);
+                text += lines.image(name, image);
+            }
+            val result = val::object();
+            result.set("lines", text);
+            return result;
+        });
+}
+
+}  // namespace
+
+EMSCRIPTEN_BINDINGS(aqorb)
+{
+    emscripten::function("setPicture", &setPicture);
+    emscripten::function("drawSample", &drawSample);
+    emscripten::function("drawOtherView", &drawOtherView);
+    emscripten::function("turn", &turn);
+    emscripten::function("setProperties", &setProperties);
+    emscripten::function("detect", &detect);
+    emscripten::function("match", &match);
+    emscripten::function("compareTurned", &compareTurned);
+    emscripten::function("fingerprint", &fingerprint);
+}

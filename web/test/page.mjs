@@ -1,0 +1,426 @@
+// This file is part of aqorb. Copyright (C) The aqorb developers.
+// It is subject to the license terms in the LICENSE file found in the top-level directory of this distribution.
+// SPDX-License-Identifier: Apache-2.0
+
+// Tests the page in headless Chromium: page.mjs PAGE NATIVE SCREENSHOTS IMAGE...
+//
+// PAGE is the folder of the page. NATIVE has what the native aqorb_fingerprint printed: ranked.txt and balanced.txt of
+// its scenes, and after them of the first image; IMAGE.txt for each of the other images. Screenshots of every view are
+// left in the folder SCREENSHOTS.
+
+import assert from 'node:assert/strict';
+import fs from 'node:fs';
+import http from 'node:http';
+import { createRequire } from 'node:module';
+import path from 'node:path';
+import test, { after, before } from 'node:test';
+
+const require = createRequire(path.join(process.env.PLAYWRIGHT || '.', 'package.json'));
+const { chromium } = require('playwright-core');
+const [page, native, screenshots, ...images] = process.argv.slice(2).map(name => path.resolve(name));
+const TYPES = {
+    '.html': 'text/html', '.js': 'text/javascript', '.css': 'text/css', '.svg': 'image/svg+xml',
+    '.wasm': 'application/wasm', '.txt': 'text/plain',
+};
+const DESKTOP = { width: 1280, height: 900 }, PHONE = { width: 360, height: 740 };
+
+let server, browser, address;
+
+before(async () => {
+    fs.mkdirSync(screenshots, { recursive: true });
+    server = http.createServer((request, response) => {
+        const file = path.join(page, new URL(request.url, 'http://x').pathname.replace(/\/$/, '/index.html'));
+        if (!file.startsWith(page) || !fs.existsSync(file)) {
+            response.writeHead(404).end();
+            return;
+        }
+        response.writeHead(200, { 'Content-Type': TYPES[path.extname(file)] });
+        fs.createReadStream(file).pipe(response);
+    });
+    await new Promise(resolve => server.listen(0, '127.0.0.1', resolve));
+    address = `http://127.0.0.1:${server.address().port}/`;
+    const root = process.getuid() === 0 ? ['--no-sandbox'] : [];
+    browser = await chromium.launch({
+        executablePath: process.env.CHROMIUM || '/usr/bin/chromium',
+        args: [...root, '--use-fake-device-for-media-stream', '--disable-gpu'],
+    });
+});
+
+after(async () => {
+    await browser?.close();
+    server?.close();
+});
+
+// The page in a context of its own. What it writes to the console, and what it fails to load, is in `problems`.
+async function open(options = {}, prepare = null) {
+    const context = await browser.newContext({ viewport: DESKTOP, ...options });
+    const tab = await context.newPage();
+    tab.setDefaultTimeout(120000);
+    const problems = [];
+    tab.on('console', message => {
+        if (['error', 'warning'].includes(message.type()))
+            problems.push(message.text());
+    });
+    tab.on('pageerror', error => problems.push(String(error)));
+    tab.on('requestfailed', request => problems.push(`${request.url()} failed`));
+    tab.on('response', response => response.ok() || problems.push(`${response.url()}: ${response.status()}`));
+    tab.on('request', request => {
+        if (!/^(http:\/\/127\.0\.0\.1|blob:|data:)/.test(request.url()))
+            problems.push(`${request.url()} is of the network`);
+    });
+    if (prepare)
+        await tab.addInitScript(prepare);
+    await tab.goto(address);
+    await tab.waitForFunction(() => ['ready', 'failed'].includes(document.body.dataset.state));
+    return { tab, problems, close: () => context.close() };
+}
+
+const idle = tab => tab.waitForFunction(() => document.body.dataset.state === 'ready');
+
+// The cells of a row of the table, as numbers.
+const measured = (tab, name) => tab.evaluate(name => [...document.querySelectorAll('#measures tr')]
+    .filter(row => row.cells[0].firstChild.textContent === name)
+    .flatMap(row => [...row.cells].slice(1).map(cell => parseFloat(cell.textContent))), name);
+
+// What a canvas shows, as text.
+const drawn = (tab, which = 1) => tab.evaluate(which => document.querySelectorAll('#figures canvas')[which].toDataURL(),
+    which);
+
+const setSlider = (tab, id, value) => tab.locator(`#${id}`).fill(String(value));
+
+async function choose(tab, view) {
+    await tab.locator(`[name=view][value=${view}]`).check({ force: true });
+    await idle(tab);
+}
+
+async function assertFits(tab) {
+    const { wide, inner, name } = await tab.evaluate(() => {
+        const inner = document.documentElement.clientWidth;
+        const over = [...document.body.querySelectorAll('*')].find(e => e.getBoundingClientRect().right > inner + .5 &&
+            getComputedStyle(e).position !== 'absolute');
+        return { wide: document.documentElement.scrollWidth, inner, name: over && over.outerHTML.slice(0, 80) };
+    });
+    assert.ok(wide <= inner && !name, `${wide} > ${inner} pixels: ${name}`);
+}
+
+function drop(tab, name, type, bytes, target = 'body') {
+    return tab.evaluate(([name, type, bytes, target]) => {
+        const transfer = new DataTransfer();
+        transfer.items.add(new File([Uint8Array.from(atob(bytes), c => c.charCodeAt(0))], name, { type }));
+        for (const event of ['dragover', 'drop']) {
+            document.querySelector(target).dispatchEvent(
+                new DragEvent(event, { dataTransfer: transfer, bubbles: true, cancelable: true }));
+        }
+    }, [name, type, bytes.toString('base64'), target]);
+}
+
+const fingerprint = (tab, balanced, name) => tab.evaluate(([balanced, name]) => new Promise((resolve, reject) => {
+    const usual = worker.onmessage;
+    worker.onmessage = ({ data }) => {
+        worker.onmessage = usual;
+        if (data.error)
+            reject(new Error(data.error));
+        else
+            resolve(data.lines);
+    };
+    worker.postMessage({ fingerprint: true, balanced, name });
+}), [balanced, name]);
+
+// distributionUniformity takes the logarithm of the C library, whose last bit may be another one in WebAssembly.
+const withoutMeasures = text => text.trim().replace(/ measures \w+/g, '').split('\n');
+const linesOf = file => withoutMeasures(fs.readFileSync(path.join(native, file), 'utf8'));
+
+test('a sample is shown at once, by both detectors, without an error', async () => {
+    const { tab, problems, close } = await open();
+    assert.deepEqual(await measured(tab, 'Keypoints'), [500, 500]);
+    const [orb, ours] = await measured(tab, 'Occupied cells');
+    assert.ok(ours > orb && orb > 0);
+    assert.ok((await measured(tab, 'Time')).every(time => time > 0));
+    assert.ok(await drawn(tab, 0) !== await drawn(tab, 1));
+    await assertFits(tab);
+    await tab.screenshot({ path: path.join(screenshots, 'desktop-keypoints.png') });
+    await tab.locator('#cells').check();
+    await tab.screenshot({ path: path.join(screenshots, 'desktop-cells.png') });
+    const list = await tab.locator('#sample option:not([hidden])').evaluateAll(all => all.map(option => option.value));
+    for (const sample of list) {
+        await tab.locator('#sample').selectOption(sample);
+        await idle(tab);
+        assert.equal((await measured(tab, 'Keypoints'))[1], 500, sample);
+        await tab.screenshot({ path: path.join(screenshots, `sample-${sample}.png`) });
+    }
+    assert.deepEqual(problems, []);
+    await close();
+});
+
+test('the bytes are those of the native library, of scenes and of pictures that the browser decodes', async () => {
+    const { tab, problems, close } = await open();
+    for (const image of images) {
+        const isFirst = image === images[0];
+        await tab.locator('#file').setInputFiles(image);
+        await tab.waitForFunction(() => element('sample').value === '');
+        await idle(tab);
+        const expected = linesOf(isFirst ? 'ranked.txt' : `${image.replaceAll('/', '_')}.txt`);
+        assert.equal(expected.length, 62);
+        const lines = withoutMeasures(await fingerprint(tab, false, 'image'));
+        assert.deepEqual(lines.slice(0, 60), expected.slice(0, 60));
+        assert.deepEqual(lines.slice(60), expected.slice(60).map(line => line.replace(image, 'image')));
+        if (isFirst) {
+            const balanced = withoutMeasures(await fingerprint(tab, true, ''));
+            assert.deepEqual(balanced, linesOf('balanced.txt').slice(0, 60));
+        }
+    }
+    assert.deepEqual(problems, []);
+    await close();
+});
+
+test('sliders change the keypoints, and Defaults changes them back', async () => {
+    const { tab, problems, close } = await open();
+    const before = await drawn(tab);
+    await setSlider(tab, 'nfeatures', 1500);
+    await idle(tab);
+    assert.equal((await measured(tab, 'Keypoints'))[1], 1500);
+    assert.equal(await tab.locator('output[for=nfeatures]').textContent(), '1500');
+    const more = await drawn(tab);
+    assert.ok(more !== before);
+    for (const [id, value] of [['strengthWeight', 1.5], ['rankRadius', 3], ['fastThreshold', 55], ['nlevels', 3],
+        ['scaleFactor', 1.6], ['minThresholdRatio', 1]]) {
+        const last = await drawn(tab);
+        await setSlider(tab, id, value);
+        await idle(tab);
+        assert.ok(await drawn(tab) !== last, id);
+    }
+    await tab.locator('#adaptiveThreshold').uncheck();
+    await idle(tab);
+    await tab.locator('#selectionType').selectOption('1');
+    await idle(tab);
+    await tab.locator('button[type=reset]').click();
+    await tab.waitForTimeout(50);
+    await idle(tab);
+    assert.ok(await drawn(tab) === before);
+    assert.deepEqual(problems, []);
+    await close();
+});
+
+test('a slider that moves all the time leaves no queue behind', async () => {
+    const { tab, problems, close } = await open();
+    await tab.evaluate(() => {
+        window.answers = 0;
+        worker.addEventListener('message', () => window.answers++);
+        for (let n = 100; n <= 3000; n += 50) {
+            element('nfeatures').value = n;
+            element('nfeatures').dispatchEvent(new Event('input', { bubbles: true }));
+        }
+    });
+    await idle(tab);
+    assert.ok(await tab.evaluate(() => window.answers) <= 2);
+    assert.equal((await measured(tab, 'Keypoints'))[1], 3000);
+    assert.deepEqual(problems, []);
+    await close();
+});
+
+test('a picture can be dropped', async () => {
+    const { tab, problems, close } = await open();
+    const before = await drawn(tab);
+    await drop(tab, 'picture.png', 'image/png', fs.readFileSync(images[0]));
+    await tab.waitForFunction(() => element('sample').value === '');
+    await idle(tab);
+    assert.ok(await drawn(tab) !== before);
+    assert.ok((await measured(tab, 'Keypoints'))[1] > 100);
+    assert.match(await tab.locator('#size').textContent(), /\d+×\d+/);
+    await tab.screenshot({ path: path.join(screenshots, 'desktop-dropped.png') });
+    assert.deepEqual(problems, []);
+    await close();
+});
+
+test('a file that is no picture gets a sentence, and the next picture works', async () => {
+    const { tab, problems, close } = await open();
+    const before = await drawn(tab);
+    await drop(tab, 'notes.txt', 'text/plain', Buffer.from('no picture'));
+    await tab.waitForSelector('#message:not([hidden])');
+    assert.match(await tab.locator('#message').textContent(), /^“notes.txt” is not a picture .*\.$/);
+    assert.ok(await drawn(tab) === before);
+    await tab.screenshot({ path: path.join(screenshots, 'desktop-no-picture.png') });
+    await tab.locator('#file').setInputFiles(images[0]);
+    await tab.waitForFunction(() => element('sample').value === '');
+    await idle(tab);
+    assert.ok(await tab.locator('#message').isHidden());
+    assert.deepEqual(problems, []);
+    await close();
+});
+
+test('a turn shows what stays', async () => {
+    const { tab, problems, close } = await open();
+    await choose(tab, 'turn');
+    assert.ok(await tab.locator('#degrees').isVisible());
+    const [orb, ours] = await measured(tab, 'Found again');
+    assert.ok(orb > 20 && orb < 100 && ours > 20 && ours < 100, `${orb} ${ours}`);
+    await tab.screenshot({ path: path.join(screenshots, 'desktop-turn.png') });
+    const before = await drawn(tab);
+    await setSlider(tab, 'degrees', 0);
+    await idle(tab);
+    assert.ok((await measured(tab, 'Found again')).every(share => share >= 98));
+    assert.ok(await drawn(tab) !== before);
+    assert.deepEqual(problems, []);
+    await close();
+});
+
+test('two pictures are matched, simulated or opened', async () => {
+    const { tab, problems, close } = await open();
+    await choose(tab, 'pair');
+    const simulated = await measured(tab, 'Of these in the homography');
+    assert.ok(simulated.every(count => count > 50), `${simulated}`);
+    await tab.screenshot({ path: path.join(screenshots, 'desktop-pair.png'), fullPage: true });
+    await tab.locator('#second').setInputFiles(images[0]);
+    await tab.waitForFunction(() => document.querySelector('#measures tr:last-child td').textContent === 'none found');
+    await idle(tab);
+    await tab.locator('#other').click();
+    await tab.waitForFunction(() => document.querySelector('#measures tr:last-child td').textContent !== 'none found');
+    await idle(tab);
+    assert.deepEqual(await measured(tab, 'Of these in the homography'), simulated);
+    assert.deepEqual(problems, []);
+    await close();
+});
+
+test('a refused camera gets a sentence', async () => {
+    const { tab, problems, close } = await open();
+    await tab.locator('#camera').click();
+    await tab.waitForSelector('#message:not([hidden])');
+    assert.match(await tab.locator('#message').textContent(), /^The camera was refused\. .*\.$/);
+    assert.equal(await tab.locator('#camera').getAttribute('aria-pressed'), 'false');
+    assert.deepEqual(problems, []);
+    await close();
+});
+
+test('the camera shows one frame after the other, until it is stopped', async () => {
+    const { tab, problems, close } = await open({ permissions: ['camera'] });
+    await tab.locator('#camera').click();
+    await tab.waitForSelector('#camera[aria-pressed=true]');
+    await tab.waitForFunction(() => /640×480/.test(element('size').textContent));
+    const before = await drawn(tab);
+    await tab.waitForTimeout(1500);
+    assert.ok(await drawn(tab) !== before);
+    await tab.locator('#camera').click();
+    await idle(tab);
+    const last = await drawn(tab);
+    await tab.waitForTimeout(500);
+    assert.ok(await drawn(tab) === last);
+    assert.deepEqual(problems, []);
+    await close();
+});
+
+test('a browser without SIMD gets a sentence', async () => {
+    const { tab, problems, close } = await open({}, () => { WebAssembly.validate = () => false; });
+    assert.match(await tab.locator('#message').textContent(), /does not run WebAssembly with SIMD.*\.$/);
+    assert.ok(await tab.locator('#nfeatures').isDisabled());
+    await tab.screenshot({ path: path.join(screenshots, 'desktop-no-simd.png') });
+    assert.deepEqual(problems, []);
+    await close();
+});
+
+for (const colorScheme of ['light', 'dark']) {
+    test(`the page fits a phone, ${colorScheme}`, async () => {
+        const { tab, problems, close } = await open({
+            viewport: PHONE, deviceScaleFactor: 2, isMobile: true, hasTouch: true, colorScheme });
+        for (const view of ['keypoints', 'turn', 'pair']) {
+            await choose(tab, view);
+            await assertFits(tab);
+            await tab.screenshot({ path: path.join(screenshots, `phone-${colorScheme}-${view}.png`), fullPage: true });
+        }
+        const low = await tab.evaluate(() => [...document.querySelectorAll('button, .button, select, #views label, .check')]
+            .filter(e => e.offsetParent && e.getBoundingClientRect().height < 44).map(e => e.outerHTML));
+        assert.deepEqual(low, [], 'a finger needs 44 pixels');
+        assert.deepEqual(problems, []);
+        await close();
+    });
+}
+
+// WCAG's ratio of the luminances of a text and of what is behind it.
+test('text stands out from its background, light and dark', async () => {
+    for (const colorScheme of ['light', 'dark']) {
+        const { tab, close } = await open({ colorScheme });
+        const faint = await tab.evaluate(() => {
+            const parse = colour => (colour.match(/[\d.]+/g) || []).map(Number);
+            const luminance = colour => parse(colour).slice(0, 3).map(v => v / 255)
+                .map(v => v <= .03928 ? v / 12.92 : ((v + .055) / 1.055) ** 2.4)
+                .reduce((sum, v, i) => sum + v * [.2126, .7152, .0722][i], 0);
+            const behind = e => {
+                for (; e; e = e.parentElement) {
+                    const colour = getComputedStyle(e).backgroundColor;
+                    if (parse(colour)[3] !== 0)
+                        return colour;
+                }
+                return 'rgb(255, 255, 255)';
+            };
+            return [...document.body.querySelectorAll('*')]
+                .filter(e => e.offsetParent && [...e.childNodes].some(n => n.nodeType === 3 && n.data.trim()))
+                .map(e => {
+                    const [a, b] = [luminance(getComputedStyle(e).color), luminance(behind(e))].sort((x, y) => y - x);
+                    return { ratio: (a + .05) / (b + .05), text: e.textContent.trim().slice(0, 30) };
+                }).filter(({ ratio }) => ratio < 4.5);
+        });
+        assert.deepEqual(faint, [], colorScheme);
+        await tab.screenshot({ path: path.join(screenshots, `desktop-${colorScheme}.png`), fullPage: true });
+        await close();
+    }
+});
+
+test('the keyboard alone is enough, and the focus is visible', async () => {
+    const { tab, problems, close } = await open();
+    const focused = () => tab.evaluate(() => {
+        const e = document.activeElement;
+        const shown = e.matches('.button input, #views input') ? e.nextElementSibling : e;
+        const { outlineStyle, outlineWidth } = getComputedStyle(shown);
+        return { id: e.id || e.value || e.type || e.tagName, isVisible: outlineStyle !== 'none' && parseFloat(outlineWidth) >= 2 };
+    });
+    const order = [];
+    for (let i = 0; i < 30; i++) {
+        await tab.keyboard.press('Tab');
+        const { id, isVisible } = await focused();
+        if (id === 'BODY' || order.includes(id))
+            break;
+        assert.ok(isVisible, `the focus of ${id}`);
+        order.push(id);
+        const before = await drawn(tab);
+        if (id === 'sample') {
+            await tab.keyboard.press('ArrowDown');
+            await idle(tab);
+            assert.ok(await drawn(tab) !== before, id);
+        } else if (id === 'keypoints') {
+            await tab.screenshot({ path: path.join(screenshots, 'desktop-focus.png') });
+            await tab.keyboard.press('ArrowRight');
+            await idle(tab);
+            assert.ok(await tab.locator('#degrees').isVisible());
+            await tab.keyboard.press('Tab');
+            assert.equal((await focused()).id, 'degrees');
+            await tab.keyboard.press('ArrowRight');
+            await idle(tab);
+            assert.equal(await tab.locator('#degrees').inputValue(), '26');
+            await tab.keyboard.press('Shift+Tab');
+            await tab.keyboard.press('ArrowLeft');
+            await idle(tab);
+            assert.ok(await tab.locator('#degrees').isHidden());
+        } else if (id === 'file') {
+            const chooser = tab.waitForEvent('filechooser');
+            await tab.keyboard.press('Space');
+            await chooser;
+        } else if (id === 'cells') {
+            await tab.keyboard.press('Space');
+            assert.ok(await drawn(tab) !== before, id);
+        } else if (['nfeatures', 'strengthWeight'].includes(id)) {
+            for (let press = 0; press < 4; press++)
+                await tab.keyboard.press('ArrowRight');
+            await idle(tab);
+            assert.ok(await drawn(tab) !== before, id);
+        } else if (id === 'reset') {
+            await tab.keyboard.press('Enter');
+            await tab.waitForTimeout(50);
+            await idle(tab);
+            assert.equal(await tab.locator('#nfeatures').inputValue(), '500');
+        }
+    }
+    for (const id of ['sample', 'file', 'camera', 'keypoints', 'cells', 'nfeatures', 'fastThreshold', 'nlevels',
+        'scaleFactor', 'strengthWeight', 'rankRadius', 'minThresholdRatio', 'adaptiveThreshold', 'selectionType', 'reset'])
+        assert.ok(order.includes(id), `${id} is not reached: ${order}`);
+    assert.deepEqual(problems, []);
+    await close();
+});
