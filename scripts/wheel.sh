@@ -7,9 +7,9 @@
 # The wheels are built on a Debian 11 in a folder of its own, with its compiler and its C library, so that they work on
 # newer systems, too. There is one for each CPython of Debian 11, 12 and 13. This needs root.
 #
-# With --test each wheel is installed on the Debian whose CPython it is for, in a virtual environment of its own beside
-# each of pip's opencv-python 4 and 5, and passes the tests of the package there. The results are left as a table in
-# build/wheels/table.md. With --matrix that is done for every combination of CPython, cv2 and NumPy that has wheels, and
+# With --test each wheel is installed on the Debian whose CPython it is for, in a virtual environment of its own, without
+# cv2 and beside each of pip's opencv-python 4 and 5. Beside cv2 it passes the tests of the package. The results are left
+# as a table in build/wheels/table.md. With --matrix that is done for every combination of CPython, cv2 and NumPy that has wheels, and
 # the table in doc/compatibility.md is written anew.
 #
 # With --here there is one wheel, for Debian's python3 of this system. It is installed in an environment without cv2,
@@ -120,6 +120,40 @@ run_suite='
     export AQORB_BINDING=aqorb PYTHONDONTWRITEBYTECODE=1
     '
 
+# What works without cv2: arrays in, arrays out. cv2 is asked for when its objects are needed.
+arrays='import numpy as np, aqorb
+image = np.random.RandomState(0).randint(0, 256, (480, 640)).astype(np.uint8)
+keypoints, descriptors = aqorb.AdaptiveQuadtreeORB_create(300).detectAndComputeArrays(image)
+assert keypoints["pt"].shape == (300, 2) and descriptors.shape == (300, 32)
+try:
+    print(aqorb.AdaptiveQuadtreeORB_create().detect(image))
+except ImportError as error:
+    assert "detectAndComputeArrays, which needs no cv2" in str(error)
+    print("arrays in, arrays out")'
+
+# test_alone VERSION: the wheel and the newest NumPy only; prints one line.
+test_alone() {
+    debian "$1"
+    local log=$WHEELS/test/$1-alone.log
+    mkdir -p "$WHEELS/test"
+    # shellcheck disable=SC2016
+    inside sh -c '
+        set -e
+        environment=$(mktemp -d)
+        python3 -m venv "$environment"
+        . "$environment/bin/activate"
+        pip install -q --upgrade pip
+        pip install -q --only-binary :all: /aqorb/build/wheels/aqorb-*-$1-$1-*.whl
+        cd /
+        echo "NUMPY $(python -c "import numpy; print(numpy.__version__)")"
+        echo "RESULT $(python -c "$2")"
+        rm -rf "$environment"' sh "cp${1/./}" "$arrays" >"$log" 2>&1 || { tail -n 30 "$log" && die "see $log"; }
+    RESULT=$(sed -n 's/^RESULT //p' "$log")
+    NUMPY=$(sed -n 's/^NUMPY //p' "$log")
+    [[ $RESULT == "arrays in, arrays out" ]] || die "see $log"
+    echo "CPython $1, without cv2, NumPy $NUMPY: $RESULT"
+}
+
 # test_beside VERSION PACKAGE==VERSION NUMPY: prints one line, the result of the tests.
 test_beside() {
     debian "$1"
@@ -165,14 +199,7 @@ here() {
     cp "$ROOT/modules/aqorb/misc/python/test/test_aqorb.py" "$folder"
     cp -r "$ROOT/bindings/python/test" "$folder/bindings_test"
     export AQORB_BINDING=aqorb PYTHONDONTWRITEBYTECODE=1
-    (cd "$folder" && "$tools/bin/python" -c 'import numpy as np, aqorb
-image = np.random.RandomState(0).randint(0, 256, (480, 640)).astype(np.uint8)
-keypoints, descriptors = aqorb.AdaptiveQuadtreeORB_create(300).detectAndComputeArrays(image)
-assert keypoints["pt"].shape == (300, 2) and descriptors.shape == (300, 32)
-try:
-    aqorb.AdaptiveQuadtreeORB_create().detect(image)
-except ImportError as error:
-    print(error)')
+    (cd "$folder" && "$tools/bin/python" -c "$arrays")
     say "Beside opencv-python-headless $OPENCV_4"
     "$tools/bin/pip" install -q "opencv-python-headless==$OPENCV_4"
     (cd "$folder" && env PATH="$tools/bin:$PATH" "${PYTEST[@]}")
@@ -218,6 +245,8 @@ if [[ $mode == --matrix ]]; then
     packages+=(opencv-contrib-python-headless) releases=("$OPENCV_4_OLD" "${releases[@]}") numpys=("numpy==$NUMPY_1" numpy)
 fi
 for version in "${VERSIONS[@]}"; do
+    test_alone "$version"
+    echo "| $version | ${DEBIAN[$version]} | none | $NUMPY | $RESULT | |" >>"$table"
     for package in "${packages[@]}"; do
         for release in "${releases[@]}"; do
             for numpy in "${numpys[@]}"; do

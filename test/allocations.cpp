@@ -51,10 +51,13 @@ void freeCounted(void* memory)
 // While OpenCV allocates a matrix, which is counted as one allocation.
 thread_local bool isMatrix = false;
 
+// Whether allocations of the thread may fail.
+thread_local bool mayFail = false;
+
 //! Whether this is the allocation that is to fail.
 bool isToFail()
 {
-    return countdown > 0 && --countdown == 0;
+    return mayFail && countdown > 0 && --countdown == 0;
 }
 
 class CountingMatAllocator : public cv::MatAllocator
@@ -116,7 +119,13 @@ AllocationCounter::AllocationCounter(long failing)
     matrices = 0;
     inUseBefore = inUse;
     beginPeak();
+    letThreadFail();
     countdown = failing;
+}
+
+void AllocationCounter::letThreadFail()
+{
+    mayFail = true;
 }
 
 AllocationCounter::~AllocationCounter()

@@ -16,9 +16,12 @@ namespace opencv_test
 class AllocationCounter
 {
 public:
-    //! @param failing the number, from 1, of the allocation that fails; 0: none does
+    /** @param failing the number, from 1, of the allocation that fails; 0: none does. Those of the calling thread
+     count, and those of threads that have called letThreadFail. OpenCV would end the program if one failed while it
+     starts a thread. */
     explicit AllocationCounter(long failing = 0);
     ~AllocationCounter();
+    static void letThreadFail();
 
     //! Calls of operator new, except those for a matrix.
     long ofNew() const;

@@ -10,6 +10,7 @@
 
 #include <opencv2/core/parallel/parallel_backend.hpp>
 #include <opencv2/core/utility.hpp>
+#include <opencv2/core/utils/trace.hpp>
 
 #include <atomic>
 #include <chrono>
@@ -94,15 +95,25 @@ public:
     void parallel_for(int stripes, FN_parallel_for_body_cb_t body, void* data) CV_OVERRIDE
     {
         std::mutex mutex;
-        std::condition_variable begun;
+        std::condition_variable changed;
+        size_t ready = 0;
         bool hasBegun = false;
         std::exception_ptr error;
         std::atomic<int> next(0);
         const auto work = [&](int thread)
         {
             {
+                // OpenCV allocates memory when a thread uses these for the first time, and ends the program if there
+                // is none.
+                CV_TRACE_REGION("thread");
+                theRNG();
+            }
+            AllocationCounter::letThreadFail();
+            {
                 std::unique_lock<std::mutex> lock(mutex);
-                begun.wait(lock, [&] { return hasBegun; });
+                ready++;
+                changed.notify_all();
+                changed.wait(lock, [&] { return hasBegun; });
             }
             std::this_thread::sleep_for(std::chrono::microseconds(thread * delay));
             try
@@ -110,7 +121,7 @@ public:
                 for (int stripe = next++; stripe < stripes; stripe = next++)
                     body(stripe, stripe + 1, data);
             }
-            catch (...)  // OpenCV itself allocates memory when a thread begins
+            catch (...)  // OpenCV itself allocates memory, too
             {
                 const std::lock_guard<std::mutex> lock(mutex);
                 error = std::current_exception();
@@ -119,12 +130,16 @@ public:
         std::vector<std::thread> others;
         for (int i = 0; i < std::min(getNumThreads(), stripes); i++)
             others.push_back(std::thread(work, i));
+        {
+            std::unique_lock<std::mutex> lock(mutex);
+            changed.wait(lock, [&] { return ready == others.size(); });
+        }
         allStarted();
         {
             const std::lock_guard<std::mutex> lock(mutex);
             hasBegun = true;
         }
-        begun.notify_all();
+        changed.notify_all();
         for (std::thread& other : others)
             other.join();
         allEnded();

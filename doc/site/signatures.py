@@ -76,7 +76,7 @@ def stub():
     methods, functions, types = {}, {}, {}
     for node in ast.parse(read(STUB)).body:
         if isinstance(node, ast.ClassDef) and node.name == CLASS:
-            for method in node.body:
+            for method in (member for member in node.body if isinstance(member, ast.FunctionDef)):
                 static = any(ast.unparse(d) == 'staticmethod' for d in method.decorator_list)
                 methods.setdefault(method.name, []).append(
                     signature(method, cpp.get(method.name, {}), not static))

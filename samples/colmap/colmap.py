@@ -5,7 +5,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """Reconstructs a scene with COLMAP from the images of a moving camera, with features of each of several detectors.
 
-usage: colmap.py [--detectors=aqorb,orb,sift] [--features=2000] [--neighbours=5] [--seed=0]
+usage: colmap.py [--detectors=aqorb,orb,sift] [--features=2000] [--neighbours=5] [--runs=5]
                  [--out=colmap] FOLDER
 
 FOLDER has the images in the folder image_l, the first camera's projection matrix in the first line of calib.txt and, if
@@ -13,8 +13,10 @@ the error is to be measured, the true poses in poses.txt, as the odometry benchm
 
 Features are matched between each image and the next ones, as mutual nearest neighbours: those of ORB by Hamming
 distance, which COLMAP does not know. The keypoints and the matches are written into COLMAP's database. COLMAP verifies
-them and reconstructs the camera's poses and the points. The reconstructions are left in the folder --out.
-Needs pycolmap.
+them and reconstructs the camera's poses and the points. The latter depends on chance, so that it is done several times,
+with the seeds 0 to --runs - 1. The table has the medians, and the position errors from the least to the greatest.
+The reconstructions are left in the folder --out, and a picture points.jpg. It shows where in the middle image the
+points lie that the first run of each detector reconstructed. Needs pycolmap.
 """
 
 import argparse
@@ -106,6 +108,7 @@ def position_error(reconstruction, folder, names):
 
 
 def reconstruct(folder, names, name, options):
+    """The largest reconstruction of each run that gave one."""
     out = os.path.join(options.out, name)
     shutil.rmtree(out, ignore_errors=True)
     os.makedirs(out)
@@ -113,14 +116,50 @@ def reconstruct(folder, names, name, options):
     written = fill_database(database, folder, names, name, options.features, options.neighbours)
     with open(pairs, 'w') as file:
         file.write('\n'.join(written) + '\n')
+    pycolmap.set_random_seed(0)
     pycolmap.verify_matches(database, pairs)
     pipeline = pycolmap.IncrementalPipelineOptions(ba_refine_focal_length=False, ba_refine_extra_params=False,
                                                    multiple_models=False, num_threads=2)
     # A camera that looks ahead as it drives has no pair of images that COLMAP would begin with otherwise.
     pipeline.mapper.init_max_forward_motion = 1
     pipeline.mapper.init_min_tri_angle = 4
-    pycolmap.set_random_seed(options.seed)
-    return pycolmap.incremental_mapping(database, folder, out, pipeline)
+    largest = []
+    for seed in range(options.runs):
+        pycolmap.set_random_seed(seed)
+        run = os.path.join(out, 'run{}'.format(seed))
+        os.makedirs(run)
+        found = pycolmap.incremental_mapping(database, folder, run, pipeline)
+        if found:
+            largest.append(max(found.values(), key=lambda r: r.num_reg_images()))
+    return largest
+
+
+def table_row(name, found, names, options):
+    """A row of the table: medians of the reconstructions, and each position error."""
+    def median(values):
+        return np.median(list(values))
+
+    if not found:
+        return '| {} | 0 of {} | | | | |'.format(name, len(names))
+    errors = [position_error(reconstruction, options.folder, names) for reconstruction in found]
+    return '| {} | {:.0f} of {} | {:.0f} | {:.2f} | {:.3f} | {} |'.format(
+        name, median(r.num_reg_images() for r in found), len(names), median(r.num_points3D() for r in found),
+        median(r.compute_mean_track_length() for r in found),
+        median(r.compute_mean_reprojection_error() for r in found),
+        '' if None in errors else ', '.join('{:.3f}'.format(error) for error in sorted(errors)))
+
+
+def draw_points(path, name, found):
+    """The image with the keypoints of which there is a point."""
+    picture = cv.imread(path)
+    for image in found.images.values():
+        if image.name == os.path.basename(path):
+            points = np.array([point.xy for point in image.points2D if point.has_point3D()]).reshape(-1, 2)
+            for x, y in points - .5:
+                cv.circle(picture, (int(round(x)), int(round(y))), 3, (0, 220, 255), -1, cv.LINE_AA)
+            cv.putText(picture, '{}: {} points'.format(name, len(points)), (10, 28), cv.FONT_HERSHEY_SIMPLEX, .8,
+                       (255, 255, 255), 2, cv.LINE_AA)
+    return picture
 
 
 def main():
@@ -128,7 +167,7 @@ def main():
     parser.add_argument('--detectors', default='aqorb,orb,sift')
     parser.add_argument('--features', type=int, default=2000)
     parser.add_argument('--neighbours', type=int, default=5)
-    parser.add_argument('--seed', type=int, default=0)
+    parser.add_argument('--runs', type=int, default=5)
     parser.add_argument('--out', default='colmap')
     parser.add_argument('folder')
     options = parser.parse_args()
@@ -137,19 +176,16 @@ def main():
         fail('there is no folder {}'.format(folder))
     names = sorted(os.listdir(folder))
     pycolmap.logging.minloglevel = 2
-    print('| features | images | points | track length | reprojection error, px | position error, m |')
+    print('| features | images | points | track length | reprojection error, px | position errors, m |')
     print('|---|---|---|---|---|---|')
+    pictures = []
     for name in options.detectors.split(','):
         found = reconstruct(folder, names, name, options)
-        if not found:
-            print('| {} | 0 of {} | | | | |'.format(name, len(names)))
-            continue
-        largest = max(found.values(), key=lambda r: r.num_reg_images())
-        error = position_error(largest, options.folder, names)
-        print('| {} | {} of {} | {} | {:.2f} | {:.3f} | {} |'.format(
-            name, largest.num_reg_images(), len(names), largest.num_points3D(),
-            largest.compute_mean_track_length(), largest.compute_mean_reprojection_error(),
-            '' if error is None else '{:.3f}'.format(error)), flush=True)
+        print(table_row(name, found, names, options), flush=True)
+        if found:
+            pictures.append(draw_points(os.path.join(folder, names[len(names) // 2]), name, found[0]))
+    if pictures:
+        cv.imwrite(os.path.join(options.out, 'points.jpg'), np.vstack(pictures), [cv.IMWRITE_JPEG_QUALITY, 80])
 
 
 if __name__ == '__main__':

@@ -34,7 +34,7 @@ bool isKeyPoint(py::handle object)
     if (!keyPoint.type)
     {
         const py::handle cv2 = PyDict_GetItemString(PyImport_GetModuleDict(), "cv2");
-        if (cv2 && !cv2.is_none())
+        if (cv2 && py::hasattr(cv2, "KeyPoint"))
             importKeyPoint();
     }
     return keyPoint.type && py::isinstance(object, keyPoint.type);
@@ -177,7 +177,8 @@ void importKeyPoint()
     }
     catch (py::error_already_set& error)
     {
-        if (!error.matches(PyExc_ImportError))
+        // A folder cv2 that is left of an old installation can be imported, and has no names.
+        if (!error.matches(PyExc_ImportError) && !error.matches(PyExc_AttributeError))
             throw;
         py::raise_from(error, PyExc_ImportError,
                        "keypoints are objects of cv2, which cannot be imported: install opencv-python or "

@@ -163,87 +163,103 @@ void addProperties(DetectorClass& detector)
     detector
         .def("setMaxFeatures", set(&Library::setMaxFeatures), arg("maxFeatures"),
              "Sets the number of keypoints to find; default 500.")
-        .def("getMaxFeatures", get(&Library::getMaxFeatures))
+        .def("getMaxFeatures", get(&Library::getMaxFeatures), "Returns the number of keypoints to find.")
         .def("setScaleFactor", set(&Library::setScaleFactor), arg("scaleFactor"),
              "Sets the ratio of the sizes of two neighbouring levels of the pyramid; default 1.2.")
-        .def("getScaleFactor", get(&Library::getScaleFactor))
+        .def("getScaleFactor", get(&Library::getScaleFactor),
+             "Returns the ratio of the sizes of two neighbouring levels of the pyramid.")
         .def("setNLevels", set(&Library::setNLevels), arg("nlevels"),
              "Sets the number of levels of the pyramid; default 8.")
-        .def("getNLevels", get(&Library::getNLevels))
+        .def("getNLevels", get(&Library::getNLevels), "Returns the number of levels of the pyramid.")
         .def("setEdgeThreshold", set(&Library::setEdgeThreshold), arg("edgeThreshold"),
              "Sets the width, in pixels of each level, of the border without keypoints; default 16.")
-        .def("getEdgeThreshold", get(&Library::getEdgeThreshold))
+        .def("getEdgeThreshold", get(&Library::getEdgeThreshold),
+             "Returns the width, in pixels of each level, of the border without keypoints.")
         .def("setFirstLevel", set(&Library::setFirstLevel), arg("firstLevel"),
              "Sets the level of the pyramid that is the image itself; default 0. Lower levels are larger.")
-        .def("getFirstLevel", get(&Library::getFirstLevel))
+        .def("getFirstLevel", get(&Library::getFirstLevel),
+             "Returns the level of the pyramid that is the image itself.")
         .def("setWTA_K", set(&Library::setWTA_K), arg("wta_k"),
              "Sets how many points each element of a descriptor compares: 2, 3 or 4; default 2.")
-        .def("getWTA_K", get(&Library::getWTA_K))
+        .def("getWTA_K", get(&Library::getWTA_K),
+             "Returns how many points each element of a descriptor compares.")
         .def("setScoreType", &setScoreType, arg("scoreType"),
              "Sets what a response is: cv2.ORB_HARRIS_SCORE, the default, or cv2.ORB_FAST_SCORE.")
-        .def("getScoreType", &getScoreType)
+        .def("getScoreType", &getScoreType,
+             "Returns what a response is: cv2.ORB_HARRIS_SCORE or cv2.ORB_FAST_SCORE.")
         .def("setPatchSize", set(&Library::setPatchSize), arg("patchSize"),
              "Sets the side, in pixels of a level, of the patch that a descriptor describes; default 31.")
-        .def("getPatchSize", get(&Library::getPatchSize))
+        .def("getPatchSize", get(&Library::getPatchSize),
+             "Returns the side, in pixels of a level, of the patch that a descriptor describes.")
         .def("setFastThreshold", set(&Library::setFastThreshold), arg("fastThreshold"),
              "Sets the scale of the adaptive FAST threshold, or the threshold itself where it is not "
              "adaptive.\n"
              "The default, 20, takes equation (7) as it is.")
-        .def("getFastThreshold", get(&Library::getFastThreshold))
+        .def("getFastThreshold", get(&Library::getFastThreshold),
+             "Returns the scale of the adaptive FAST threshold, or the threshold itself.")
         .def("setAdaptiveThreshold", set(&Library::setAdaptiveThreshold), arg("adaptiveThreshold"),
              "Sets whether the FAST threshold adapts to the image; default True.")
-        .def("getAdaptiveThreshold", get(&Library::getAdaptiveThreshold))
+        .def("getAdaptiveThreshold", get(&Library::getAdaptiveThreshold),
+             "Returns whether the FAST threshold adapts to the image.")
         .def("setMinThresholdRatio", set(&Library::setMinThresholdRatio), arg("minThresholdRatio"),
              "Sets how many times lower the FAST threshold is in cells that would stay empty; >= 1, default "
              "4.")
-        .def("getMinThresholdRatio", get(&Library::getMinThresholdRatio))
+        .def("getMinThresholdRatio", get(&Library::getMinThresholdRatio),
+             "Returns how many times lower the FAST threshold is in cells that would stay empty.")
         .def("setCellSize", set(&Library::setCellSize), arg("cellSize"),
              "Sets the side, in pixels of a level, of the cells in which the lower threshold may apply; >= "
              "8,\n"
              "default 35.")
-        .def("getCellSize", get(&Library::getCellSize))
+        .def("getCellSize", get(&Library::getCellSize),
+             "Returns the side, in pixels of a level, of the cells in which the lower threshold may apply.")
         .def(
             "setMaxDepth", set(&Library::setMaxDepth), arg("maxDepth"),
             "Sets the depth of the quadtree, 0 to 15. The default, -1, is as deep as the number of features\n"
             "asks for. With 0 corners are chosen by their response alone.")
-        .def("getMaxDepth", get(&Library::getMaxDepth))
+        .def("getMaxDepth", get(&Library::getMaxDepth), "Returns the depth of the quadtree, or -1.")
         .def(
             "setSelectionType", &setSelectionType, arg("selectionType"),
             "Sets the rule by which the corners of a level are chosen: "
             "AdaptiveQuadtreeORB_RANKED_SELECTION,\n"
             "the default, or AdaptiveQuadtreeORB_BALANCED_SELECTION, the paper's, which gives the keypoints\n"
             "of version 0.1.")
-        .def("getSelectionType", &getSelectionType)
+        .def("getSelectionType", &getSelectionType,
+             "Returns the rule by which the corners of a level are chosen.")
         .def("setStrengthWeight", set(&Library::setStrengthWeight), arg("strengthWeight"),
              "Sets how much the strength of a corner counts against an even distribution, 0 (most even) to\n"
              "1000 (by strength alone); default 0.15. It has an effect with the ranked selection only.")
-        .def("getStrengthWeight", get(&Library::getStrengthWeight))
+        .def("getStrengthWeight", get(&Library::getStrengthWeight),
+             "Returns how much the strength of a corner counts against an even distribution.")
         .def(
             "setRankRadius", set(&Library::setRankRadius), arg("rankRadius"),
             "Sets how far around a corner stronger ones are counted, 0 to 16, in units of the mean distance\n"
             "between the features of a level; default 1. It has an effect with the ranked selection only.")
-        .def("getRankRadius", get(&Library::getRankRadius))
+        .def("getRankRadius", get(&Library::getRankRadius),
+             "Returns how far around a corner stronger ones are counted.")
         .def("setOctaveSuppression", set(&Library::setOctaveSuppression), arg("octaveSuppression"),
              "Sets how far a keypoint keeps those of other levels away, in pixels of the finer level. The\n"
              "default, -1, is 1.15 / (1 + StrengthWeight) with the ranked selection, which is 1 by default, "
              "and\n"
              "0.5 with the balanced one.")
-        .def("getOctaveSuppression", get(&Library::getOctaveSuppression))
+        .def("getOctaveSuppression", get(&Library::getOctaveSuppression),
+             "Returns how far a keypoint keeps those of other levels away, or -1.")
         .def("setSubPixel", set(&Library::setSubPixel), arg("subPixel"),
              "Sets whether positions are refined to a fraction of a pixel; default True.")
-        .def("getSubPixel", get(&Library::getSubPixel));
+        .def("getSubPixel", get(&Library::getSubPixel),
+             "Returns whether positions are refined to a fraction of a pixel.");
 }
 
 // The other methods of cv2.Feature2D.
 void addFeature2D(DetectorClass& detector)
 {
-    detector.def("getDefaultName", &getDefaultName)
+    detector.def("getDefaultName", &getDefaultName, "Returns the name under which parameters are saved.")
         .def("descriptorSize", get(&Library::descriptorSize),
              "Returns the number of bytes of a descriptor, 32.")
-        .def("descriptorType", get(&Library::descriptorType))
+        .def("descriptorType", get(&Library::descriptorType),
+             "Returns the type of a descriptor's elements, cv2.CV_8U.")
         .def("defaultNorm", get(&Library::defaultNorm),
              "Returns the norm to match with: cv2.NORM_HAMMING, or cv2.NORM_HAMMING2 where WTA_K is 3 or 4.")
-        .def("empty", get(&Library::empty))
+        .def("empty", get(&Library::empty), "Returns False, as there are parameters to write.")
         .def(
             "clear", [](const Detector&) {}, "Does nothing, as that of cv2.ORB.")
         // The functions for files come last, as they say what is accepted where no other overload is meant.
@@ -289,6 +305,10 @@ void addFunctions(py::module_& module)
 
 }  // namespace
 
+// pybind11's function that begins to make the module, under another name: in a subinterpreter it would wait for ever for
+// the main interpreter's lock.
+#define PyInit__aqorb aqorb_init_in_main_interpreter
+
 PYBIND11_MODULE(_aqorb, module)
 {
     module.doc() = "The compiled part of the package aqorb.";
@@ -314,4 +334,19 @@ PYBIND11_MODULE(_aqorb, module)
     module.attr("AdaptiveQuadtreeORB_RANKED_SELECTION") = int(Library::RANKED_SELECTION);
     module.attr("AdaptiveQuadtreeORB_BALANCED_SELECTION") = int(Library::BALANCED_SELECTION);
     addFunctions(module);
+}
+
+#undef PyInit__aqorb
+
+extern "C" PYBIND11_EXPORT PyObject* PyInit__aqorb();
+
+extern "C" PyObject* PyInit__aqorb()
+{
+    if (PyThreadState_Get()->interp != PyInterpreterState_Main())
+    {
+        PyErr_SetString(PyExc_ImportError,
+                        "aqorb works in Python's main interpreter only, and this is a subinterpreter");
+        return nullptr;
+    }
+    return aqorb_init_in_main_interpreter();
 }

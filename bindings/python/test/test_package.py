@@ -138,6 +138,34 @@ def test_stub_has_the_signatures():
             assert signatures == documented(getattr(scope, name)), name
 
 
+def texts(function):
+    """What pybind11 writes into the docstring beside the signatures."""
+    parts = re.split(r'^(?:\d+\. )?\w+\((.*)\) -> .*$', function.__doc__, flags=re.MULTILINE)
+    return {' '.join(text.split()) for arguments, text in zip(parts[1::2], parts[2::2]) if '*args' not in arguments}
+
+
+def test_stub_has_the_docstrings():
+    # Editors show those of the stub, because they do not load a compiled module.
+    stub = ast.parse((pathlib.Path(aqorb.__file__).parent / '__init__.pyi').read_text())
+    checked = []
+
+    def check(scope, nodes):
+        stubbed = {}
+        for node in nodes:
+            if isinstance(node, (ast.FunctionDef, ast.ClassDef)):
+                stubbed.setdefault(node.name, set()).add(' '.join((ast.get_docstring(node) or '').split()))
+            if isinstance(node, ast.ClassDef):
+                check(getattr(scope, node.name), node.body)
+        for name, found in stubbed.items():
+            member = getattr(scope, name)
+            expected = {' '.join(member.__doc__.split())} if inspect.isclass(member) else texts(member)
+            assert found == expected and all(found), name
+            checked.append(name)
+
+    check(aqorb, stub.body)
+    assert {'AdaptiveQuadtreeORB', 'compute', 'error', 'getSubPixel', 'retainUniform'} <= set(checked)
+
+
 def test_stub_is_a_stub_of_the_package(tmp_path):
     pytest.importorskip('mypy')
     config = tmp_path / 'mypy.ini'
@@ -188,6 +216,40 @@ def test_programs_are_typed(tmp_path):
     found = {int(number) for number in re.findall(r'^program.py:([0-9]+): error', run.stdout, re.MULTILINE)}
     wrong = {i for i, line in enumerate(PROGRAM.split('\n'), 1) if line.endswith('# wrong')}
     assert found == wrong, run.stdout
+
+
+SUBINTERPRETER = '''
+import sys
+try:
+    import _xxsubinterpreters as interpreters
+except ImportError:
+    import _interpreters as interpreters
+if sys.argv[1] == 'second':
+    import aqorb
+interpreter = interpreters.create()
+code = """
+try:
+    import aqorb
+except ImportError as error:
+    assert 'subinterpreter' in str(error), error
+else:
+    raise AssertionError('no error')
+"""
+run = getattr(interpreters, 'exec', None) or interpreters.run_string
+assert run(interpreter, code) is None
+interpreters.destroy(interpreter)
+import aqorb
+assert aqorb.AdaptiveQuadtreeORB_create(7).getMaxFeatures() == 7
+'''
+
+
+@pytest.mark.parametrize('when', ['first', 'second'])
+def test_a_subinterpreter_is_refused(when):
+    if when == 'second' and not aqorb._aqorb._has_own_opencv:
+        pytest.skip('Python does not ask a module of pybind11 2 again')
+    run = subprocess.run([sys.executable, '-c', SUBINTERPRETER, when], stdout=subprocess.PIPE,
+                         stderr=subprocess.STDOUT, text=True, timeout=60)
+    assert run.returncode == 0, run.stdout
 
 
 def test_everything_is_documented():

@@ -2,7 +2,7 @@
 # It is subject to the license terms in the LICENSE file found in the top-level directory
 # of this distribution.
 # SPDX-License-Identifier: Apache-2.0
-"""Tests of the package where cv2 is not installed, and that cv2 is imported no sooner than it is needed."""
+"""Tests of the package where cv2 is not installed or does not work, and that cv2 is imported no sooner than it is needed."""
 
 import os
 import subprocess
@@ -97,6 +97,33 @@ for call in orb.write, orb.read:
 '''], ids=['arrays', 'keypoints', 'errors', 'files'])
 def test_without_cv2(body):
     run(BEGIN + body)
+
+
+@pytest.mark.parametrize('cv2', [
+    '',
+    'raise ImportError("libGL.so.1: cannot open shared object file")'])
+def test_cv2_does_not_work(tmp_path, cv2):
+    (tmp_path / 'cv2').mkdir()
+    (tmp_path / 'cv2' / '__init__.py').write_text(cv2)
+    run('import sys\nsys.path.insert(0, {!r})\n'.format(str(tmp_path)) + BEGIN.replace("sys.modules['cv2'] = None", """
+try:
+    import cv2
+    assert not hasattr(cv2, 'KeyPoint')
+except ImportError:
+    pass
+""") + """
+keypoints, descriptors = orb.detectAndComputeArrays(image)
+assert np.array_equal(orb.compute(image, keypoints)[1], descriptors)
+assert aqorb.error.__bases__ == (ValueError,)
+for call, expected in ((lambda: orb.detect(image), ImportError), (lambda: orb.compute(image, [5]), TypeError),
+                       (lambda: orb.write(5), TypeError), (lambda: orb.setCellSize(1), ValueError)):
+    try:
+        call()
+    except expected as error:
+        assert expected is not ImportError or 'install opencv-python or' in str(error)
+    else:
+        raise AssertionError('no error')
+""")
 
 
 @pytest.mark.parametrize('needs', ["orb.detect(image)", "aqorb.error", "from aqorb import error",

@@ -173,11 +173,26 @@ static void copyBlurredPatch(const Mat& image, const BlurredRows& blurred, int x
 {
     const int side = 2 * radius + 1;
     const Rect rect(x - radius, y - radius, side, side), inside = rect & Rect(Point(), image.size());
-    PatchBuffer reflected(size_t(side) * side);
-    copyReflected(image, rect, reflected.data());
-    for (size_t i = 0; i < reflected.size(); i++)
-        patch[i] = ushort(reflected[i] << 8);
-    for (int row = inside.y; row < inside.y + inside.height; row++)
+    const Point end = inside.br();
+    const Rect outside[] = {Rect(rect.x, rect.y, side, inside.y - rect.y),
+                            Rect(rect.x, inside.y, inside.x - rect.x, inside.height),
+                            Rect(end.x, inside.y, rect.x + side - end.x, inside.height),
+                            Rect(rect.x, end.y, side, rect.y + side - end.y)};
+    for (const Rect& part : outside)
+    {
+        if (part.empty())
+            continue;
+        PatchBuffer reflected(size_t(part.area()));
+        copyReflected(image, part, reflected.data());
+        const uchar* source = reflected.data();
+        for (int row = part.y; row < part.y + part.height; row++)
+        {
+            ushort* out = patch + (row - rect.y) * side + (part.x - rect.x);
+            for (int i = 0; i < part.width; i++)
+                out[i] = ushort(*source++ << 8);
+        }
+    }
+    for (int row = inside.y; row < end.y; row++)
     {
         const ushort* source = blurred.row(row) + inside.x;
         std::copy(source, source + inside.width, patch + (row - rect.y) * side + (inside.x - rect.x));

@@ -154,8 +154,7 @@ public:
     void offer(const std::vector<RankedCorner>& offered)
     {
         LevelState& level = levels[asked];
-        taken = level.chosen;
-        std::sort(taken.begin(), taken.end(), InRasterOrder());
+        chosen(asked, 0, taken);
         corners.clear();
         std::set_difference(offered.begin(), offered.end(), taken.begin(), taken.end(),
                             std::back_inserter(corners), InRasterOrder());
