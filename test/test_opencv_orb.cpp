@@ -200,6 +200,15 @@ TEST(Aqorb_OpenCVOrb, descriptors_equal_for_each_parameter)
     p = Parameters();
     p.scaleFactor = 1;  // legal with one level
     p.nlevels = 1;
+    try
+    {
+        p.theirs();
+    }
+    catch (const cv::Exception&)  // not for the cv::ORB of OpenCV 4.14
+    {
+        EXPECT_NO_THROW(p.ours());
+        return;
+    }
     expectDescriptorsOfOrb(p, scene);
     expectSameCompute(p, scene, orbKeypoints(p, scene));
 }
