@@ -12,17 +12,6 @@ namespace opencv_test
 namespace
 {
 
-// Sets the number of OpenCV's threads until it goes out of scope.
-class Threads
-{
-public:
-    explicit Threads(int count) : before(getNumThreads()) { setNumThreads(count); }
-    ~Threads() { setNumThreads(before); }
-
-private:
-    int before;
-};
-
 void expectSameOfAllThreads(const Ptr<AdaptiveQuadtreeORB>& detector)
 {
     const Mat image = makeScene(Size(320, 240));

@@ -5,7 +5,6 @@
 
 #include "test_precomp.hpp"
 
-#include "aligned.hpp"
 #include "index_sort.hpp"
 
 #include <algorithm>
@@ -64,20 +63,6 @@ TEST(Aqorb_IndexSort, some_numbers_may_lie_outside_of_the_range)
         aqorb::sortIndices(numbers, least, greatest, scratch, indices);
         EXPECT_EQ(sortedPlainly(numbers), indices) << size << " numbers";
     }
-}
-
-TEST(Aqorb_Memory, aligned_vectors_begin_at_a_cache_line)
-{
-    for (size_t size = 1; size < 300; size++)
-    {
-        aqorb::AlignedVector<uchar> elements(size, uchar(1));
-        elements.push_back(2);
-        EXPECT_EQ(size_t(0), size_t(elements.data()) % aqorb::CACHE_LINE) << size << " elements";
-        EXPECT_EQ(1, elements[size - 1]);
-        EXPECT_EQ(2, elements[size]);
-    }
-    aqorb::LineAllocator<int> allocator;
-    EXPECT_THROW(allocator.allocate(~size_t(0) / sizeof(int)), std::bad_alloc);
 }
 
 }  // namespace

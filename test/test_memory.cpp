@@ -18,17 +18,6 @@ namespace opencv_test
 namespace
 {
 
-//! With several threads the memory in use would depend on how many levels they happen to work on at once.
-class Threads
-{
-public:
-    explicit Threads(int count) : before(getNumThreads()) { setNumThreads(count); }
-    ~Threads() { setNumThreads(before); }
-
-private:
-    const int before;
-};
-
 // The other tests expect no allocation, and would hold as well if none was counted.
 TEST(Aqorb_Memory, allocations_are_counted_and_fail_on_request)
 {

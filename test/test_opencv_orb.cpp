@@ -21,8 +21,8 @@ namespace
     } while (false)
 
 /** Bits in which a descriptor may differ from cv::ORB's: none, except where OpenCV is compiled such that it may round
- a turned test point to another pixel. Compiled with OpenCV's own headers only, as 4.14 and 5 are here, it takes sine and
- cosine of a double, and such a point is part of several tests. */
+ a turned test point to another pixel. Compiled with OpenCV's own headers only, as 4.14 and 5 are here, it takes sine
+ and cosine of a double, and such a point is part of several tests. */
 int toleratedBits()
 {
 #if defined(__OPENCV_BUILD) || CV_VERSION_MAJOR >= 5 || CV_VERSION_MINOR >= 14

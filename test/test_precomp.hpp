@@ -48,6 +48,17 @@ using aqorb::AdaptiveQuadtreeORB;
 
 typedef std::vector<KeyPoint> KeyPoints;
 
+//! Sets the number of OpenCV's threads until it goes out of scope.
+class Threads
+{
+public:
+    explicit Threads(int count) : before(getNumThreads()) { setNumThreads(count); }
+    ~Threads() { setNumThreads(before); }
+
+private:
+    const int before;
+};
+
 Features detectAndCompute(Feature2D& detector, InputArray image, InputArray mask = noArray());
 
 //! Whether all fields of all keypoints have the same bytes.

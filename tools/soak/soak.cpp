@@ -200,21 +200,22 @@ bool runOutOfMemory(const std::vector<Frame>& frames, int count, int threads)
             }
         }
         wrong += !isAsAtFirst(*detector, frame);
-        // A call that succeeds shows how many allocations there are to choose from.
+        // A call that succeeds shows how many allocations there are to choose from: those of this thread.
         if (i < 64)
         {
             const Ptr<AdaptiveQuadtreeORB> probe = isNew ? AdaptiveQuadtreeORB::create(200) : used;
             Features found;
             const AllocationCounter counter;
             probe->detectAndCompute(frame.image, frame.mask, found.keypoints, found.descriptors);
-            allocations[!isNew] = std::max(allocations[!isNew], counter.total());
+            allocations[!isNew] = std::max(allocations[!isNew], counter.thatMayFail());
         }
     }
     std::printf(
         "%d calls in which an allocation was to fail (of up to %ld in a new object, %ld in one in use), "
         "OpenCV on %d thread(s): %d raised an exception, %d wrong outputs\n",
         count, allocations[0], allocations[1], threads, thrown, wrong);
-    return wrong == 0 && thrown > count / 4;
+    // How many of the calls allocate as often as chosen depends on the sizes of the frames and on the threads.
+    return wrong == 0 && thrown > count / 10;
 }
 
 }  // namespace

@@ -1,0 +1,172 @@
+// This file is part of aqorb. Copyright (C) The aqorb developers.
+// It is subject to the license terms in the LICENSE file found in the top-level directory
+// of this distribution.
+// SPDX-License-Identifier: Apache-2.0
+
+#ifndef OPENCV_AQORB_TEST_BACKENDS_HPP
+#define OPENCV_AQORB_TEST_BACKENDS_HPP
+
+#include "test_precomp.hpp"
+
+#include "allocations.hpp"
+
+#include <opencv2/core/parallel/parallel_backend.hpp>
+#include <opencv2/core/utils/trace.hpp>
+
+#include <atomic>
+#include <chrono>
+#include <condition_variable>
+#include <exception>
+#include <memory>
+#include <mutex>
+#include <thread>
+
+// Backends of cv::parallel_for_ that do with its stripes whatever a backend may do.
+
+namespace opencv_test
+{
+
+//! A way to run the stripes of cv::parallel_for_.
+class Backend : public parallel::ParallelForAPI
+{
+public:
+    Backend() : threads(2) {}
+    int getThreadNum() const CV_OVERRIDE { return 0; }
+    int getNumThreads() const CV_OVERRIDE { return threads; }
+    int setNumThreads(int count) CV_OVERRIDE { return threads.exchange(std::max(count, 1)); }
+    const char* getName() const CV_OVERRIDE { return "test"; }
+
+private:
+    std::atomic<int> threads;
+};
+
+//! Runs one stripe after the other.
+class InTurns : public Backend
+{
+public:
+    explicit InTurns(bool isReversed_ = false) : isReversed(isReversed_) {}
+    void parallel_for(int stripes, FN_parallel_for_body_cb_t body, void* data) CV_OVERRIDE
+    {
+        for (int i = 0; i < stripes; i++)
+        {
+            const int stripe = isReversed ? stripes - 1 - i : i;
+            body(stripe, stripe + 1, data);
+        }
+    }
+
+private:
+    const bool isReversed;
+};
+
+//! Runs all stripes as one.
+class AtOnce : public Backend
+{
+public:
+    void parallel_for(int stripes, FN_parallel_for_body_cb_t body, void* data) CV_OVERRIDE
+    {
+        body(0, stripes, data);
+    }
+};
+
+//! Runs the stripes on new threads, of which each begins later than the one before.
+class NewThreads : public Backend
+{
+public:
+    explicit NewThreads(int delay_ = 0) : delay(delay_) {}
+    void parallel_for(int stripes, FN_parallel_for_body_cb_t body, void* data) CV_OVERRIDE
+    {
+        std::mutex mutex;
+        std::condition_variable changed;
+        size_t ready = 0;
+        bool hasBegun = false;
+        std::exception_ptr error;
+        std::atomic<int> next(0);
+        const auto work = [&](int thread)
+        {
+            {
+                // OpenCV allocates memory when a thread uses these for the first time, and ends the program if there
+                // is none.
+                CV_TRACE_REGION("thread");
+                theRNG();
+            }
+            AllocationCounter::letThreadFail();
+            {
+                std::unique_lock<std::mutex> lock(mutex);
+                ready++;
+                changed.notify_all();
+                changed.wait(lock, [&] { return hasBegun; });
+            }
+            std::this_thread::sleep_for(std::chrono::microseconds(thread * delay));
+            try
+            {
+                for (int stripe = next++; stripe < stripes; stripe = next++)
+                    body(stripe, stripe + 1, data);
+            }
+            catch (...)  // OpenCV itself allocates memory, too
+            {
+                const std::lock_guard<std::mutex> lock(mutex);
+                error = std::current_exception();
+            }
+        };
+        std::vector<std::thread> others;
+        for (int i = 0; i < std::min(getNumThreads(), stripes); i++)
+            others.push_back(std::thread(work, i));
+        {
+            std::unique_lock<std::mutex> lock(mutex);
+            changed.wait(lock, [&] { return ready == others.size(); });
+        }
+        allStarted();
+        {
+            const std::lock_guard<std::mutex> lock(mutex);
+            hasBegun = true;
+        }
+        changed.notify_all();
+        for (std::thread& other : others)
+            other.join();
+        allEnded();
+        if (error)
+            std::rethrow_exception(error);
+    }
+
+private:
+    virtual void allStarted() {}
+    virtual void allEnded() {}
+    const int delay;
+};
+
+//! Replaces the backend of cv::parallel_for_ until it goes out of scope.
+class BackendScope
+{
+public:
+    explicit BackendScope(const std::shared_ptr<Backend>& backend)
+    {
+        parallel::setParallelForBackend(backend, false);
+    }
+    ~BackendScope()
+    {
+        std::shared_ptr<Backend> before;
+#if defined(__SANITIZE_THREAD__)
+        before = std::make_shared<NewThreads>();  // see tools/tsan
+#endif
+        parallel::setParallelForBackend(before, false);
+    }
+
+private:
+    BackendScope(const BackendScope&);
+    BackendScope& operator=(const BackendScope&);
+};
+
+inline std::vector<std::shared_ptr<Backend>> backends()
+{
+    std::vector<std::shared_ptr<Backend>> all;
+    all.push_back(std::make_shared<InTurns>());
+    all.push_back(std::make_shared<InTurns>(true));
+    all.push_back(std::make_shared<AtOnce>());
+    all.push_back(std::make_shared<NewThreads>());
+    all.push_back(std::make_shared<NewThreads>(300));
+    return all;
+}
+
+}  // namespace opencv_test
+
+#endif
