@@ -9,6 +9,7 @@
 #include "descriptor.hpp"
 #include "orb_pattern.hpp"
 #include "patch.hpp"
+#include "sine_cosine.hpp"
 
 #include "descriptor.simd.hpp"
 #include "descriptor.simd_declarations.hpp"
@@ -230,8 +231,8 @@ void computeDescriptors(const Mat& image, const BlurredRows& blurred, const Feat
         const int x = points[i].x, y = points[i].y;
         uchar* descriptor = descriptors + i * step;
         const float angle = points[i].angle * float(CV_PI / 180.f);
-        // Sine and cosine are those of a float, as in cv::ORB. They are not always the floats nearest to the exact values.
-        const float a = std::cos(angle), b = std::sin(angle);
+        float a, b;
+        sineAndCosine(angle, b, a);
         const BlurredPatch patch(image, blurred, x, y);
         if (tests.pairs.empty())
         {
