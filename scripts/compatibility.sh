@@ -199,8 +199,6 @@ windows_opencv() {
     for dll in libstdc++-6.dll libgcc_s_seh-1.dll libwinpthread-1.dll; do
         cp "$("$triplet-g++-posix" -print-file-name="$dll")" "$prefix/bin"
     done
-    find "$prefix" -path "$prefix/build*" -prune -o -path "$prefix/wine" -prune -o -name '*opencv_*.dll' \
-        -exec cp -t "$prefix/bin" {} +
     rm -r "$prefix"/build*
     touch "$prefix/complete"
 }
