@@ -83,6 +83,12 @@ public:
         return valueAt(pa) < valueAt(pb);
     }
     int value(Point offset) const { return valueAt(Point(x + offset.x, y + offset.y)); }
+    //! The same value, computed without a look at the approximate one.
+    int exactValue(Point offset) const
+    {
+        const Point p(x + offset.x, y + offset.y);
+        return inside(p) ? exactBlur(image, p.x, p.y) : valueAt(p);
+    }
 
 private:
     bool inside(Point p) const { return p.x >= 0 && p.y >= 0 && p.x < image.cols && p.y < image.rows; }
@@ -151,11 +157,10 @@ static void computePlainly(const BlurredPatch& patch, float a, float b, const st
     }
 }
 
-static int decidePairs(const ushort* center, ptrdiff_t step, float a, float b, const PairTests& tests,
-                       uchar* descriptor, uchar* undecided)
+static void decidePairs(const ushort* center, ptrdiff_t step, float a, float b, const PairTests& tests,
+                        uchar* descriptor, uint64* open)
 {
-    CV_CPU_DISPATCH(comparePairs, (center, step, a, b, tests, descriptor, undecided),
-                    CV_CPU_DISPATCH_MODES_ALL);
+    CV_CPU_DISPATCH(comparePairs, (center, step, a, b, tests, descriptor, open), CV_CPU_DISPATCH_MODES_ALL);
 }
 
 // How far from the keypoint the descriptor may read, in any direction.
@@ -219,6 +224,78 @@ DescriptorTests::DescriptorTests(const std::vector<Point>& pattern_, int WTA_K_)
     }
 }
 
+namespace
+{
+
+// The tests of some descriptors that the approximate blur leaves open. They are decided many at a time and without a
+// branch on their number or on their outcome: the processor would guess it wrong, and wait for each exact value.
+class OpenTests
+{
+public:
+    OpenTests(const Mat& image_, const BlurredRows& blurred_, const std::vector<Point>& pattern_)
+        : image(image_), blurred(blurred_), pattern(pattern_), placeCount(0), count(0)
+    {
+    }
+    //! @param bits one for each test: whether it is open
+    //! @param descriptor gets the results at some later time; its bits of open tests must be 0
+    void add(const FeaturePoint& point, float cosine, float sine, const uint64* bits, uchar* descriptor)
+    {
+        const Place place = {point.x, point.y, cosine, sine, descriptor};
+        places[placeCount] = place;
+        for (int i = 0; i < PairTests::COUNT; i += 64)
+        {
+            uint64 left = bits[i / 64];
+            do
+            {
+                for (int k = 0; k < 2; k++)  // there are seldom more, and often less
+                {
+                    const uint64 LAST = uint64(1) << 63;  // so that there is one
+                    tests[count] = ushort(placeCount * PairTests::COUNT + i + trailingZeros(left | LAST));
+                    count += left != 0;
+                    left &= left - 1;
+                }
+            } while (left);
+        }
+        if (++placeCount == PLACES)
+            decide();
+    }
+    void decide()
+    {
+        for (int i = 0; i < count; i++)
+        {
+            const Place& place = places[tests[i] / PairTests::COUNT];
+            const int test = tests[i] % PairTests::COUNT;
+            const Point* p = &pattern[2 * test];
+            const BlurredPatch patch(image, blurred, place.x, place.y);
+            const int less = patch.exactValue(rotate(p[0], place.cosine, place.sine)) <
+                             patch.exactValue(rotate(p[1], place.cosine, place.sine));
+            place.descriptor[test / 8] |= uchar(less << (test % 8));
+        }
+        placeCount = 0;
+        count = 0;
+    }
+
+private:
+    struct Place
+    {
+        int x, y;
+        float cosine, sine;
+        uchar* descriptor;
+    };
+    enum
+    {
+        PLACES = 32
+    };
+    const Mat& image;
+    const BlurredRows& blurred;
+    const std::vector<Point>& pattern;
+    int placeCount, count;
+    Place places[PLACES];
+    ushort tests[PLACES * PairTests::COUNT + 1];  // the place and the test; one more may be written
+};
+
+}  // namespace
+
 void computeDescriptors(const Mat& image, const BlurredRows& blurred, const FeaturePoint* points,
                         size_t count, const DescriptorTests& tests, uchar* descriptors, size_t step)
 {
@@ -226,6 +303,7 @@ void computeDescriptors(const Mat& image, const BlurredRows& blurred, const Feat
     const int reach = tests.reach;
     const Rect inside(reach, reach, image.cols - 2 * reach, image.rows - 2 * reach);
     AutoBuffer<ushort, 2048> copy;
+    OpenTests openTests(image, blurred, tests.pattern);
     for (size_t i = 0; i < count; i++)
     {
         const int x = points[i].x, y = points[i].y;
@@ -233,10 +311,9 @@ void computeDescriptors(const Mat& image, const BlurredRows& blurred, const Feat
         const float angle = points[i].angle * float(CV_PI / 180.f);
         float a, b;
         sineAndCosine(angle, b, a);
-        const BlurredPatch patch(image, blurred, x, y);
         if (tests.pairs.empty())
         {
-            computePlainly(patch, a, b, tests.pattern, tests.WTA_K, descriptor);
+            computePlainly(BlurredPatch(image, blurred, x, y), a, b, tests.pattern, tests.WTA_K, descriptor);
             continue;
         }
         const ushort* center;
@@ -253,17 +330,11 @@ void computeDescriptors(const Mat& image, const BlurredRows& blurred, const Feat
             copyBlurredPatch(image, blurred, x, y, reach, copy.data());
             center = copy.data() + reach * centerStep + reach;
         }
-        uchar undecided[PairTests::COUNT];
-        const int undecidedCount =
-            decidePairs(center, centerStep, a, b, tests.pairs[0], descriptor, undecided);
-        for (int j = 0; j < undecidedCount; j++)
-        {
-            const int test = undecided[j];
-            const Point* p = &tests.pattern[2 * test];
-            if (patch.value(rotate(p[0], a, b)) < patch.value(rotate(p[1], a, b)))
-                descriptor[test / 8] |= uchar(1 << (test % 8));
-        }
+        uint64 open[PairTests::COUNT / 64];
+        decidePairs(center, centerStep, a, b, tests.pairs[0], descriptor, open);
+        openTests.add(points[i], a, b, open, descriptor);
     }
+    openTests.decide();
 }
 
 }  // namespace stages

@@ -18,11 +18,10 @@ CV_CPU_OPTIMIZATION_NAMESPACE_BEGIN
  @param center the pixel of the keypoint in the approximate blur; all rotated points around it must be readable
  @param step from one row to the next, in elements
  @param a, b cosine and sine of the direction
- @param descriptor 32 bytes; the bits of the undecided tests become 0
- @param undecided gets the indices of the tests that the bound of the blur leaves open
- @return number of undecided tests */
-int comparePairs(const ushort* center, ptrdiff_t step, float a, float b, const PairTests& tests,
-                 uchar* descriptor, uchar* undecided);
+ @param descriptor 32 bytes; the bits of the open tests become 0
+ @param open gets a bit for each test: 1 where the bound of the blur leaves it open */
+void comparePairs(const ushort* center, ptrdiff_t step, float a, float b, const PairTests& tests,
+                  uchar* descriptor, uint64 open[PairTests::COUNT / 64]);
 
 #ifndef CV_CPU_OPTIMIZATION_DECLARATIONS_ONLY
 
@@ -84,8 +83,8 @@ void fetchPairs(const ushort* center, ptrdiff_t step, float a, float b, const Pa
 
 }  // namespace
 
-int comparePairs(const ushort* center, ptrdiff_t step, float a, float b, const PairTests& tests,
-                 uchar* descriptor, uchar* undecided)
+void comparePairs(const ushort* center, ptrdiff_t step, float a, float b, const PairTests& tests,
+                  uchar* descriptor, uint64 open[PairTests::COUNT / 64])
 {
     const int COUNT = PairTests::COUNT;
     // The exact value lies between the roundings of the approximate one minus and plus its bound.
@@ -93,7 +92,9 @@ int comparePairs(const ushort* center, ptrdiff_t step, float a, float b, const P
     CV_DECL_ALIGNED(CACHE_LINE) ushort values[2 * COUNT];
     const ushort *first = values, *second = values + COUNT;
     fetchPairs(center, step, a, b, tests, values);
-    int undecidedCount = 0, i = 0;
+    for (int k = 0; k < COUNT / 64; k++)
+        open[k] = 0;
+    int i = 0;
 #if CV_SIMD
     const v_uint16 down = vx_setall_u16(DOWN), up = vx_setall_u16(UP);
     const int LANES = AQORB_LANES(v_uint16);
@@ -112,8 +113,7 @@ int comparePairs(const ushort* center, ptrdiff_t step, float a, float b, const P
         const uint64 less = signBits(isSure);
         for (int j = 0; j < 2 * LANES / 8; j++)
             descriptor[i / 8 + j] = uchar(less >> (8 * j));
-        for (uint64 maybe = signBits(isPossible) & ~less; maybe; maybe &= maybe - 1)
-            undecided[undecidedCount++] = uchar(i + trailingZeros(maybe));
+        open[i / 64] |= (uint64(signBits(isPossible)) & ~less) << (i % 64);
     }
 #endif
     for (; i < COUNT; i++)
@@ -125,9 +125,8 @@ int comparePairs(const ushort* center, ptrdiff_t step, float a, float b, const P
         if (sure)
             descriptor[i / 8] |= uchar(1 << (i % 8));
         else if (possible)
-            undecided[undecidedCount++] = uchar(i);
+            open[i / 64] |= uint64(1) << (i % 64);
     }
-    return undecidedCount;
 }
 
 #endif  // CV_CPU_OPTIMIZATION_DECLARATIONS_ONLY
