@@ -3,6 +3,7 @@
 # warning of doxygen, a link that leads nowhere, a page that needs the network and text that is hard to read are errors.
 #
 #   scripts/doc.sh [--opencv]
+#
 # If scripts/web.sh has built the page for browsers, the site holds a copy of it and links to that.
 #
 # With --opencv it builds OpenCV's own documentation instead, of this module and of those that it depends on:

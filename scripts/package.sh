@@ -48,22 +48,22 @@ as_root rm -rf "$system"
 trap 'as_root rm -rf "$system"' EXIT
 log=$BUILD/system.log
 as_root debootstrap --variant=minbase "$(codename)" "$system" "$(mirror)" >"$log" || die "see $log"
-as_root mkdir "$system/work"
+as_root mkdir "$system/packages"
 as_root cp "$packages"/*.deb "$ROOT"/tools/consumer/{CMakeLists.txt,main.cpp} \
-    "$ROOT/bindings/python/test/test_installed.py" "$system/work"
+    "$ROOT/bindings/python/test/test_installed.py" "$system/packages"
 
 say "Installing"
 quietly=(env DEBIAN_FRONTEND=noninteractive apt-get install -y -qq --no-install-recommends)
 inside "${quietly[@]}" cmake g++ make pkg-config >>"$log" 2>&1 || die "see $log"
-inside sh -c "${quietly[*]} /work/*.deb" >>"$log" 2>&1 || die "see $log"
+inside sh -c "${quietly[*]} /packages/*.deb" >>"$log" 2>&1 || die "see $log"
 say "A project of CMake"
-inside sh -ec 'cmake -S /work -B /work/build >/dev/null && cmake --build /work/build >/dev/null && /work/build/consumer'
+inside sh -ec 'cmake -S /packages -B /packages/build >/dev/null && cmake --build /packages/build >/dev/null && /packages/build/consumer'
 say "A program by pkg-config"
-inside sh -ec 'cd /work && g++ -std=c++11 main.cpp -o consumer $(pkg-config --cflags --libs aqorb) && ./consumer'
+inside sh -ec 'cd /packages && g++ -std=c++11 main.cpp -o consumer $(pkg-config --cflags --libs aqorb) && ./consumer'
 say "Python"
-inside python3 /work/test_installed.py
+inside python3 /packages/test_installed.py
 say "Programs"
-inside sh -ec 'cd /work && aqorb_demo --help >/dev/null && aqorb_evaluate --help >/dev/null && aqorb_demo noise.png'
+inside sh -ec 'cd /packages && aqorb_demo --help >/dev/null && aqorb_evaluate --help >/dev/null && aqorb_demo noise.png'
 say "Python, cv2 unchanged"
 inside sh -ec 'LD_PRELOAD=libaqorb_preload.so python3 -c "import cv2; print(cv2.ORB_create().getDefaultName())"' |
     tee "$BUILD/preload.txt"

@@ -22,7 +22,7 @@ unsigned bitsOf(float v)
     return bits.u;
 }
 
-//! Angles of either sign up to 120, which are all exponents and many mantissas.
+//! Angles of either sign up to 120: every exponent, with many mantissas.
 std::vector<float> manyAngles()
 {
     std::vector<float> angles;

@@ -87,5 +87,6 @@ def notes(times, ratios):
         '' if passes == 1 else 'es'),
              'the medians. The lowest ratio of all is that of {} and n = {}, {} with {}.'.format(
                  image, n, case, threads_of(threads))]
-    lines += ['CPU features: {}.'.format(cpu) for cpu in times['cpu'].unique()]
+    for rows, cpu in zip(('', 'In the rows "AVX2 only": '), times['cpu'].unique()):
+        lines.append('{}CPU features: {}{}.'.format(rows, cpu, ' (? means disabled)' if '?' in cpu else ''))
     return '\n'.join(lines)

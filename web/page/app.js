@@ -10,6 +10,7 @@ const COLOURS = ['#ff8126', '#1fc8e3'];  // of the keypoints of either detector,
 const CAMERA_ERRORS = {
     NotAllowedError: 'The camera was refused. Allow it for this page in the browser, or open a picture instead.',
     NotFoundError: 'No camera was found. Open a picture instead.',
+    InsecureContext: 'The camera works only over HTTPS or from localhost. Open a picture instead.',
     NotReadableError: 'The camera is in use by another program. Open a picture instead.',
 };
 
@@ -176,7 +177,7 @@ async function toggleCamera() {
     say('');
     try {
         if (!navigator.mediaDevices)
-            throw new DOMException('', 'NotAllowedError');  // not over plain HTTP
+            throw new DOMException('', 'InsecureContext');
         stream = await navigator.mediaDevices.getUserMedia({
             video: { facingMode: 'environment', width: { ideal: 640 }, height: { ideal: 480 } } });
         video.srcObject = stream;
@@ -444,7 +445,7 @@ function listen() {
     document.ondrop = event => {
         event.preventDefault();
         document.body.classList.remove('dropping');
-        const isSecond = event.target === element('second') || Boolean(event.target.closest('[data-view=pair]'));
+        const isSecond = Boolean(event.target.closest('[data-view=pair]'));
         openFile(event.dataTransfer.files[0], isSecond);
     };
 }

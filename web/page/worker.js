@@ -15,11 +15,11 @@
 
 importScripts('aqorb.js');
 
-const engine = createAqorb();
+const loading = createAqorb();
 const DETECTORS = [0, 1];  // cv::ORB, AdaptiveQuadtreeORB
 
 let first = [];    // what was found in the picture, for each detector
-let current = '';  // the properties with which
+let current = '';  // the properties with which it was found, as JSON
 let second = { simulated: true, drawn: false };
 
 function checked(result) {
@@ -72,7 +72,7 @@ function run(engine, job) {
 
 onmessage = async ({ data }) => {
     try {
-        const loaded = await engine;
+        const loaded = await loading;
         postMessage(data.fingerprint ? checked(loaded.fingerprint(data.balanced, data.name)) : run(loaded, data));
     } catch (error) {
         postMessage({ error: String(error.message || error) });

@@ -213,7 +213,7 @@ val setProperties(val properties)
         });
 }
 
-//! How many levels of an image have a pixel. cv::ORB raises an exception if there are fewer than it has.
+//! How many of nlevels levels have at least one pixel. cv::ORB raises an exception if it is asked for more.
 int levelsOf(const Size& size, int nlevels, double scaleFactor)
 {
     int levels = 1;
@@ -224,7 +224,7 @@ int levelsOf(const Size& size, int nlevels, double scaleFactor)
 }
 
 /** Finds the features of a picture.
- @param runs the time is the shortest of so many */
+ @param runs how often it is called; the time is the shortest */
 val detect(int index, int detector, int runs)
 {
     return guarded(

@@ -16,7 +16,7 @@ namespace cv
 namespace aqorb
 {
 
-//! Bytes of a cache line. The widest vectors have as many, and one that begins elsewhere than a line touches two.
+//! Bytes of a cache line. The widest vectors are as long, so one that does not begin at a line lies across two.
 const int CACHE_LINE = 64;
 
 //! Allocates memory that begins at a cache line.

@@ -73,7 +73,7 @@ private:
     struct Band
     {
         Rect rect;
-        FoundCorners corners;  // but those of the first band, which go to the level's at once
+        FoundCorners corners;  // unused in the first band, whose corners go into `found` at once
     };
     FoundCorners& cornersOf(int band) { return band == 0 ? found : bands[band].corners; }
     void respond(const std::vector<Corner>& corners, std::vector<RankedCorner>& ranked) const;

@@ -55,7 +55,7 @@ public:
     void output(std::vector<KeyPoint>& keypoints, Mat& descriptors) const;
 
 protected:
-    // A tool records the tasks.
+    // In the order of their priority, see put. Protected, because a tool records the tasks.
     enum Kind
     {
         MEASURE,

@@ -17,9 +17,10 @@ namespace stages
 
 /** Sine and cosine of an angle in radians, the same on every system.
 
- The functions of C libraries differ in the last bit, and with it cv::ORB does. These are, to the bit, those of the GNU
- C library, which has them from Arm's Optimized Routines: polynomials in double, rounded to float at the end. They are
- not always the floats nearest to the exact values. Beyond 120 they are the C library's; directions are below 2 pi. */
+ C libraries differ in the last bit of these functions, and so does cv::ORB. These are, to the bit, those of the GNU C
+ library up to version 2.41, which has them from Arm's Optimized Routines: polynomials in double, rounded to float at the
+ end. They are not always the floats nearest to the exact values. From 120 on they are the C library's; directions are
+ below 2 pi. */
 inline void sineAndCosine(float angle, float& sine, float& cosine)
 {
     if (!(std::abs(angle) < 120.f))  // NaN, too
@@ -28,10 +29,10 @@ inline void sineAndCosine(float angle, float& sine, float& cosine)
         cosine = std::cos(angle);
         return;
     }
-    // The angle is n quarters of a turn and x, which is at most an eighth.
-    const double QUARTER = 1.5707963267948966, QUARTERS_OF_RADIAN = 0.6366197723675814;
+    // The angle is n quarters of a turn plus x, which is at most an eighth of a turn.
+    const double QUARTER = 1.5707963267948966, QUARTERS_PER_RADIAN = 0.6366197723675814;
     const int BITS = 24, HALF = 1 << (BITS - 1);
-    const int n = (int(angle * (QUARTERS_OF_RADIAN * (1 << BITS))) + HALF) >> BITS;
+    const int n = (int(angle * (QUARTERS_PER_RADIAN * (1 << BITS))) + HALF) >> BITS;
     const double x = angle - n * QUARTER, x2 = x * x, x3 = x2 * x, x4 = x2 * x2;
     const double lowSine = x + x3 * -0.16666654943701084;
     const double highSine = 0.008332178146138854 + x2 * -0.00019517298981385725;

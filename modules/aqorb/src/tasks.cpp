@@ -30,11 +30,10 @@ void TaskQueue::put(int priority, const Task& task)
         changed.notify_one();
 }
 
-void TaskQueue::run(int threads_, TaskRunner& runner_)
+void TaskQueue::run(int threads, TaskRunner& runner_)
 {
     runner = &runner_;
     running = waiting = workers = 0;
-    threads = threads_;
     error = std::exception_ptr();
     if (threads == 1)
     {

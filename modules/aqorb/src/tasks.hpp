@@ -41,13 +41,13 @@ public:
 class TaskQueue
 {
 public:
-    TaskQueue() : number(0), runner(0), running(0), waiting(0), workers(0), threads(1) {}
+    TaskQueue() : runner(0), number(0), running(0), waiting(0), workers(0) {}
     //! How many threads cv::parallel_for_ may use for a frame.
     static int threadsInUse();
-    //! Adds a task whose inputs are ready. Of those in the queue the one of least priority is taken first.
+    //! Adds a task whose inputs are ready. The one with the smallest number as priority is taken first.
     void put(int priority, const Task& task);
     //! Does all tasks: those in the queue, and those that they put there. An exception of a task ends the others as soon
-    //! as possible, and is thrown on.
+    //! as possible, and is rethrown.
     void run(int threads, TaskRunner& runner);
     //! Forgets the tasks of a frame that ended before they were done.
     void clear();
@@ -67,15 +67,14 @@ private:
     void runNext(std::unique_lock<std::mutex>& lock, int worker);
     void waitForTask(std::unique_lock<std::mutex>& lock);
 
-    std::mutex mutex;  // guards what follows
+    TaskRunner* runner;  // of the current run
+    std::mutex mutex;    // guards what follows
     std::condition_variable changed;
     std::vector<Entry> ready;  // a heap
     unsigned number;           // of the next task
-    TaskRunner* runner;
-    int running;  // tasks that are being done
-    int waiting;  // workers that wait for a task
-    int workers;  // that have begun
-    int threads;
+    int running;               // tasks that are being done
+    int waiting;               // workers that wait for a task
+    int workers;               // that have begun
     std::exception_ptr error;  // the first one
 };
 
