@@ -8,6 +8,8 @@
 #include "allocations.hpp"
 #include "pool.hpp"
 
+#include <opencv2/core/hal/intrin.hpp>
+
 #include <condition_variable>
 #include <memory>
 #include <mutex>
@@ -194,7 +196,8 @@ void expectSmallWorkSpace(const Mat& image)
     for (int threads = 1; threads <= 2; threads++)
     {
         SCOPED_TRACE(format("%d x %d, %d threads", image.cols, image.rows, threads));
-        const double MOST = threads == 1 ? 5 : 7.5;
+        // Without vectors there is a block of the scan for each pixel, and their lists are longer.
+        const double MOST = (threads == 1 ? 5 : 7.5) * (CV_SIMD ? 1 : 1.5);
         const WorkSpace workSpace = workSpaceOf(image, threads);
         EXPECT_LE(workSpace.first, MOST);
         EXPECT_LE(workSpace.later, MOST);
