@@ -40,5 +40,6 @@ if(AQORB_ARCHITECTURE STREQUAL "i386")
   set(CMAKE_CROSSCOMPILING_EMULATOR "${AQORB_SYSROOT}/lib/i386-linux-gnu/ld-linux.so.2"
     --library-path "${AQORB_SYSROOT}/lib/i386-linux-gnu:${AQORB_SYSROOT}/lib")
 else()
-  set(CMAKE_CROSSCOMPILING_EMULATOR qemu-${CMAKE_SYSTEM_PROCESSOR}-static -L "${AQORB_SYSROOT}")
+  # Not by the option -L, which cmake -P would take for its own where a test is a script.
+  set(CMAKE_CROSSCOMPILING_EMULATOR env "QEMU_LD_PREFIX=${AQORB_SYSROOT}" qemu-${CMAKE_SYSTEM_PROCESSOR}-static)
 endif()
