@@ -59,6 +59,18 @@ std::vector<Point> descriptorPattern(int patchSize, int WTA_K)
     return tuples;
 }
 
+static bool isInside(const Mat& image, Point p)
+{
+    return p.x >= 0 && p.y >= 0 && p.x < image.cols && p.y < image.rows;
+}
+
+// The value at a pixel around the level. cv::ORB blurs the level, but not the reflected pixels around it.
+static int reflectedPixel(const Mat& image, Point p)
+{
+    return image.at<uchar>(borderInterpolate(p.y, image.rows, BORDER_REFLECT_101),
+                           borderInterpolate(p.x, image.cols, BORDER_REFLECT_101));
+}
+
 namespace
 {
 
@@ -73,7 +85,7 @@ public:
     bool less(Point a, Point b) const
     {
         const Point pa(x + a.x, y + a.y), pb(x + b.x, y + b.y);
-        if (!inside(pa) || !inside(pb))
+        if (!isInside(image, pa) || !isInside(image, pb))
             return valueAt(pa) < valueAt(pb);
         const int va = approximateAt(pa), vb = approximateAt(pb);
         if (roundUp(va) < roundDown(vb))
@@ -83,30 +95,19 @@ public:
         return valueAt(pa) < valueAt(pb);
     }
     int value(Point offset) const { return valueAt(Point(x + offset.x, y + offset.y)); }
-    //! The same value, computed without a look at the approximate one.
-    int exactValue(Point offset) const
-    {
-        const Point p(x + offset.x, y + offset.y);
-        return inside(p) ? exactBlur(image, p.x, p.y) : valueAt(p);
-    }
 
 private:
-    bool inside(Point p) const { return p.x >= 0 && p.y >= 0 && p.x < image.cols && p.y < image.rows; }
     // The highest and the lowest value that the exact blur can have.
     static int roundUp(int approximate) { return (approximate + BLUR_BOUND + 128) >> 8; }
     static int roundDown(int approximate) { return (approximate - BLUR_BOUND + 127) >> 8; }
 
     int valueAt(Point p) const
     {
-        if (inside(p))
-        {
-            const int approximate = approximateAt(p);
-            const int highest = roundUp(approximate);
-            return highest == roundDown(approximate) ? highest : exactBlur(image, p.x, p.y);
-        }
-        // cv::ORB blurs the level, but not the reflected pixels around it.
-        return image.at<uchar>(borderInterpolate(p.y, image.rows, BORDER_REFLECT_101),
-                               borderInterpolate(p.x, image.cols, BORDER_REFLECT_101));
+        if (!isInside(image, p))
+            return reflectedPixel(image, p);
+        const int approximate = approximateAt(p);
+        const int highest = roundUp(approximate);
+        return highest == roundDown(approximate) ? highest : exactBlur(image, p.x, p.y);
     }
 
     int approximateAt(Point p) const { return blurred.row(p.y)[p.x]; }
@@ -232,8 +233,8 @@ namespace
 class OpenTests
 {
 public:
-    OpenTests(const Mat& image_, const BlurredRows& blurred_, const std::vector<Point>& pattern_)
-        : image(image_), blurred(blurred_), pattern(pattern_), placeCount(0), count(0)
+    OpenTests(const Mat& image_, const std::vector<Point>& pattern_)
+        : image(image_), pattern(pattern_), placeCount(0), count(0)
     {
     }
     //! @param bits one for each test: whether it is open
@@ -265,10 +266,7 @@ public:
         {
             const Place& place = places[tests[i] / PairTests::COUNT];
             const int test = tests[i] % PairTests::COUNT;
-            const Point* p = &pattern[2 * test];
-            const BlurredPatch patch(image, blurred, place.x, place.y);
-            const int less = patch.exactValue(rotate(p[0], place.cosine, place.sine)) <
-                             patch.exactValue(rotate(p[1], place.cosine, place.sine));
+            const int less = valueAt(place, pattern[2 * test]) < valueAt(place, pattern[2 * test + 1]);
             place.descriptor[test / 8] |= uchar(less << (test % 8));
         }
         placeCount = 0;
@@ -286,8 +284,13 @@ private:
     {
         PLACES = 32
     };
+    int valueAt(const Place& place, Point point) const
+    {
+        const Point p = Point(place.x, place.y) + rotate(point, place.cosine, place.sine);
+        return isInside(image, p) ? exactBlur(image, p.x, p.y) : reflectedPixel(image, p);
+    }
+
     const Mat& image;
-    const BlurredRows& blurred;
     const std::vector<Point>& pattern;
     int placeCount, count;
     Place places[PLACES];
@@ -303,7 +306,7 @@ void computeDescriptors(const Mat& image, const BlurredRows& blurred, const Feat
     const int reach = tests.reach;
     const Rect inside(reach, reach, image.cols - 2 * reach, image.rows - 2 * reach);
     AutoBuffer<ushort, 2048> copy;
-    OpenTests openTests(image, blurred, tests.pattern);
+    OpenTests openTests(image, tests.pattern);
     for (size_t i = 0; i < count; i++)
     {
         const int x = points[i].x, y = points[i].y;
