@@ -51,6 +51,7 @@ native() {
 
 tests() {
     local image images=("$ROOT/doc/images/reproduction-figure8.png")
+    need build
     command -v chromium >/dev/null || need chromium
     command -v npm >/dev/null || need npm
 
