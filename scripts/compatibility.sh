@@ -169,8 +169,24 @@ cross() {
 row_aarch64() { cross aarch64 arm64 aarch64; }
 row_armhf() { cross armhf armhf arm; }
 row_i386() { cross i386 i386; }
-row_riscv64() { cross riscv64 riscv64 riscv64; }
+row_riscv64() {
+    # The linker of Debian 12 crashes on the GoogleTest of Debian 13.
+    need emulation riscv64
+    sysroot riscv64
+    googletest "$SYSROOT/usr" debian-cross -DAQORB_ARCHITECTURE=riscv64 -DAQORB_SYSROOT="$SYSROOT" \
+        -DCMAKE_INSTALL_LIBDIR=lib/riscv64-linux-gnu
+    cross riscv64 riscv64 riscv64
+}
 row_s390x() { cross s390x s390x s390x; }
+
+# googletest PREFIX TOOLCHAIN [OPTION ...]: builds GoogleTest for another machine, and installs it in PREFIX.
+googletest() {
+    local folder=$1/src/build-googletest
+    [[ ! -e $folder/install_manifest.txt ]] || return 0
+    cmake -S /usr/src/googletest -B "$folder" -DCMAKE_TOOLCHAIN_FILE="$ROOT/cmake/$2.cmake" \
+        -DCMAKE_BUILD_TYPE=Release -DCMAKE_INSTALL_PREFIX="$1" -DBUILD_GMOCK=OFF "${@:3}"
+    cmake --build "$folder" --parallel "$JOBS" --target install
+}
 
 # windows_opencv: builds OpenCV and GoogleTest for Windows in build/opencv-windows, and puts the compiler's own DLLs
 # beside them.
@@ -191,15 +207,12 @@ windows_opencv() {
         -DBUILD_TESTS=OFF -DBUILD_PERF_TESTS=OFF -DBUILD_EXAMPLES=OFF -DBUILD_opencv_apps=OFF -DBUILD_JAVA=OFF \
         -DBUILD_opencv_python3=OFF -DOPENCV_DOWNLOAD_TRIES_LIST= -DOPENCV_GENERATE_PKGCONFIG=OFF "${options[@]}"
     cmake --build "$prefix/build" --parallel "$JOBS" --target install
-    cmake -S /usr/src/googletest -B "$prefix/build-googletest" -G Ninja \
-        -DCMAKE_TOOLCHAIN_FILE="$ROOT/cmake/mingw-w64.cmake" -DAQORB_WINDOWS="$prefix" \
-        -DCMAKE_BUILD_TYPE=Release -DCMAKE_INSTALL_PREFIX="$prefix" -DBUILD_GMOCK=OFF
-    cmake --build "$prefix/build-googletest" --parallel "$JOBS" --target install
+    googletest "$prefix" mingw-w64 -DAQORB_WINDOWS="$prefix"
     mkdir -p "$prefix/bin"
     for dll in libstdc++-6.dll libgcc_s_seh-1.dll libwinpthread-1.dll; do
         cp "$("$triplet-g++-posix" -print-file-name="$dll")" "$prefix/bin"
     done
-    rm -r "$prefix"/build*
+    rm -r "$prefix/build"
     touch "$prefix/complete"
 }
 
