@@ -6,6 +6,8 @@
 #include "simd_compat.hpp"
 #include "threshold.hpp"
 
+#include <cstring>
+
 namespace cv
 {
 namespace aqorb
@@ -27,15 +29,20 @@ void sumRows(const uchar* rows, ptrdiff_t step, int width, int height, uint64& s
     const v_uint16 one = vx_setall_u16(1);
     v_uint32 sums = vx_setzero_u32(), squareSums = vx_setzero_u32();
     int added = 0;
+    uchar counted[2 * CV_SIMD_WIDTH];  // from LANES on: all lanes, from i lanes before: all but the first i
+    std::memset(counted, 0, LANES);
+    std::memset(counted + LANES, 255, LANES);
 #endif
     for (int y = 0; y < height; y++)
     {
         const uchar* row = rows + y * step;
         int x = 0;
 #if CV_SIMD
-        for (; x + LANES <= width; x += LANES)
+        for (; x < width && width >= LANES; x += LANES)
         {
-            const v_uint8 v = vx_load(row + x);
+            // The last vector overlaps the one before, whose pixels do not count again.
+            const int first = std::min(x, width - LANES);
+            const v_uint8 v = v_and(vx_load(row + first), vx_load(counted + LANES - (x - first)));
             const v_int16 even = v_reinterpret_as_s16(v_and(v, low));
             const v_int16 odd = v_reinterpret_as_s16(v_shr<8>(v_reinterpret_as_u16(v)));
             squareSums =
