@@ -112,7 +112,6 @@ static void linearTaps(int sourceLength, int length, std::vector<Taps>& taps)
 static bool resizeBlocks(int sourceWidth, const Taps* taps, int width, ResizeTables& tables)
 {
     const int GROUP = ResizeBlock::GROUP, GROUPS = ResizeBlock::GROUPS, BYTES = ResizeBlock::BYTES;
-    const signed char ZERO = -128;
     if (sourceWidth < BYTES)
         return false;
     const int blocks = (width + ResizeBlock::PIXELS - 1) / ResizeBlock::PIXELS;
@@ -130,10 +129,12 @@ static bool resizeBlocks(int sourceWidth, const Taps* taps, int width, ResizeTab
             const Taps& tap = taps[std::min(i * GROUP + j, width - 1)];
             if (tap.second - base >= BYTES)
                 return false;
-            block.a[group][2 * j] = schar(tap.first - base);
-            block.b[group][2 * j] = schar(tap.second - base);
-            block.a[group][2 * j + 1] = block.b[group][2 * j + 1] = ZERO;
-            block.weight[group * GROUP + j] = short(tap.secondWeight);
+            const int weight = tap.secondWeight;
+            const bool isOne = weight == 0 || weight == 256;
+            block.pairs[group][2 * j] = uchar((weight == 256 ? tap.second : tap.first) - base);
+            block.pairs[group][2 * j + 1] = uchar((weight == 0 ? tap.first : tap.second) - base);
+            block.weights[group][2 * j] = uchar(isOne ? 255 : 256 - weight);
+            block.weights[group][2 * j + 1] = uchar(isOne ? 1 : weight);
         }
     }
     return true;

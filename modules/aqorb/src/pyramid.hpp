@@ -51,7 +51,7 @@ void fillLevel(const Level& source, Level& level, Ptr<ResizeTables>& tables);
 
 // ---- for the kernel: plain structs only, see types.hpp ---------------------------------------
 
-//! Where neighbouring pixels of a resized row come from. Pixel i is a + (b - a) * weight / 256.
+//! Where neighbouring pixels of a resized row come from: each from two source bytes.
 struct ResizeBlock
 {
     enum
@@ -61,9 +61,11 @@ struct ResizeBlock
         PIXELS = 32,
         BYTES = 16  //!< source bytes of a group
     };
-    //! For each pixel the index of its source byte in those of its group, then -128, which yields a zero.
-    signed char a[GROUPS][2 * GROUP], b[GROUPS][2 * GROUP];
-    short weight[PIXELS];
+    //! For each pixel the indices of its two bytes among those of its group.
+    uchar pairs[GROUPS][2 * GROUP];
+    //! For each pixel the weights of its two bytes in 1/256, which add up to 256. A pixel that comes from one byte alone
+    //! has it twice, with the weights 255 and 1, as 256 would not fit.
+    uchar weights[GROUPS][2 * GROUP];
 };
 
 //! Resizes rows by INTER_LINEAR_EXACT.

@@ -29,15 +29,23 @@ namespace
 
 const int LANES = 8;
 
-// The bytes of an index, each followed by a zero.
-CV_ALWAYS_INLINE uint16x8_t pick(const uint8x16_t& bytes, const schar* index)
+CV_ALWAYS_INLINE uint8x16_t pick(const uint8x16_t& bytes, const uint8x16_t& indices)
 {
-    const uint8x16_t at = vreinterpretq_u8_s8(vld1q_s8(index));
 #if defined(__aarch64__) || defined(_M_ARM64)
-    return vreinterpretq_u16_u8(vqtbl1q_u8(bytes, at));
+    return vqtbl1q_u8(bytes, indices);
 #else
     const uint8x8x2_t halves = {{vget_low_u8(bytes), vget_high_u8(bytes)}};
-    return vmovl_u8(vtbl2_u8(halves, vmovn_u16(vreinterpretq_u16_u8(at))));
+    return vcombine_u8(vtbl2_u8(halves, vget_low_u8(indices)), vtbl2_u8(halves, vget_high_u8(indices)));
+#endif
+}
+
+CV_ALWAYS_INLINE uint16x8_t addPairs(const uint16x8_t& a, const uint16x8_t& b)
+{
+#if defined(__aarch64__) || defined(_M_ARM64)
+    return vpaddq_u16(a, b);
+#else
+    return vcombine_u16(vpadd_u16(vget_low_u16(a), vget_high_u16(a)),
+                        vpadd_u16(vget_low_u16(b), vget_high_u16(b)));
 #endif
 }
 
@@ -45,11 +53,11 @@ CV_ALWAYS_INLINE uint16x8_t pick(const uint8x16_t& bytes, const schar* index)
 CV_ALWAYS_INLINE void resizeGroup(const uchar* source, const int* bases, const ResizeBlock& block, int group,
                                   short* out)
 {
-    const uint8x16_t bytes = vld1q_u8(source + bases[group]);
-    const uint16x8_t a = pick(bytes, block.a[group]), b = pick(bytes, block.b[group]);
-    const int16x8_t weight = vld1q_s16(block.weight + group * ResizeBlock::GROUP);
-    const int16x8_t difference = vreinterpretq_s16_u16(vsubq_u16(b, a));
-    vst1q_s16(out, vmlaq_s16(vreinterpretq_s16_u16(vshlq_n_u16(a, 8)), difference, weight));
+    const uint8x16_t pairs = pick(vld1q_u8(source + bases[group]), vld1q_u8(block.pairs[group]));
+    const uint8x16_t weights = vld1q_u8(block.weights[group]);
+    const uint16x8_t low = vmull_u8(vget_low_u8(pairs), vget_low_u8(weights)),
+                     high = vmull_u8(vget_high_u8(pairs), vget_high_u8(weights));
+    vst1q_s16(out, vreinterpretq_s16_u16(addPairs(low, high)));
 }
 
 // The vertical pass.
@@ -142,14 +150,10 @@ CV_ALWAYS_INLINE Wide loadGroups(const uchar* source, const int* base)
 CV_ALWAYS_INLINE void resizeGroup(const uchar* source, const int* bases, const ResizeBlock& block, int group,
                                   short* out)
 {
-    const Wide bias = AQORB_WIDE(set1_epi16)(short(128 - 32768));
-    const Wide pixels = loadGroups(source, bases + group);
-    const Wide a = AQORB_WIDE(shuffle_epi8)(pixels, load(block.a[group]));
-    const Wide b = AQORB_WIDE(shuffle_epi8)(pixels, load(block.b[group]));
-    const Wide weight = load(block.weight + group * ResizeBlock::GROUP);
-    const Wide part = AQORB_WIDE(mullo_epi16)(AQORB_WIDE(sub_epi16)(b, a), weight);
-    const Wide whole = AQORB_WIDE(add_epi16)(AQORB_WIDE(slli_epi16)(a, 8), bias);
-    storeWide(out, AQORB_WIDE(add_epi16)(whole, part));
+    const Wide bytes = AQORB_WIDE(sub_epi8)(loadGroups(source, bases + group), AQORB_WIDE(set1_epi8)(-128));
+    const Wide pairs = AQORB_WIDE(shuffle_epi8)(bytes, load(block.pairs[group]));
+    const Wide pixels = AQORB_WIDE(maddubs_epi16)(load(block.weights[group]), pairs);
+    storeWide(out, AQORB_WIDE(add_epi16)(pixels, AQORB_WIDE(set1_epi16)(128)));
 }
 
 // The vertical pass.
