@@ -33,16 +33,17 @@ CV_ALWAYS_INLINE bool isSuppressed(const uchar* p, ptrdiff_t step)
     const uchar* q = p - RADIUS;
     // The highest scores of the pixels that come before p in raster order, and after it.
 #if CV_SIMD128
-    const v_uint8x16 above = v_max(v_max(v_load(q - 3 * step), v_load(q - 2 * step)), v_load(q - step));
+    // Subtractions leave 0 outside of the window, and the next lower score where only a higher one counts.
+    const v_uint8x16 ofRow(0, 0, 0, 255, 1, 1, 1, 255, 255, 255, 255, 255, 255, 255, 255, 255);
+    const v_uint8x16 ofBefore(0, 0, 0, 0, 0, 0, 0, 255, 255, 255, 255, 255, 255, 255, 255, 255);
+    const v_uint8x16 ofAfter(1, 1, 1, 1, 1, 1, 1, 255, 255, 255, 255, 255, 255, 255, 255, 255);
+    const ptrdiff_t up = -step;
+    const v_uint8x16 above = v_max(v_max(v_load(q + 3 * up), v_load(q + 2 * up)), v_load(q + up));
     const v_uint8x16 below = v_max(v_max(v_load(q + 3 * step), v_load(q + 2 * step)), v_load(q + step));
-    const v_uint8x16 row = v_load(q);
-    const v_uint8x16 window(255, 255, 255, 255, 255, 255, 255, 0, 0, 0, 0, 0, 0, 0, 0, 0);
-    const v_uint8x16 left(255, 255, 255, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0);
-    const v_uint8x16 right(0, 0, 0, 0, 255, 255, 255, 0, 0, 0, 0, 0, 0, 0, 0, 0);
-    const v_uint8x16 before = v_max(v_and(above, window), v_and(row, left));
-    const v_uint8x16 after = v_max(v_and(below, window), v_and(row, right));
+    const v_uint8x16 best =
+        v_max(v_sub(v_load(q), ofRow), v_max(v_sub(above, ofBefore), v_sub(below, ofAfter)));
     const v_uint8x16 score = v_setall_u8(*p);
-    return v_check_any(v_or(v_ge(before, score), v_gt(after, score)));
+    return v_check_any(v_eq(v_min(best, score), score));
 #else
     int before = 0, after = 0;
     for (int y = 0; y <= 2 * RADIUS; y++)
