@@ -17,7 +17,7 @@ namespace stages
 namespace
 {
 
-// The chosen keypoints of all levels in buckets, so that those near a point of the input image are found fast.
+// Keypoints in buckets, so that those near a point of the input image are found fast.
 class KeypointGrid
 {
 public:
@@ -28,15 +28,15 @@ public:
         rows = imageSize.height / SIDE + 1;
         heads.assign(size_t(columns) * rows, -1);
     }
-    void insert(Point2d p, int level)
+    void insert(Point2d p)
     {
         int& head = heads[size_t(row(p.y)) * columns + column(p.x)];
-        const Entry entry = {p, level, head};
+        const Entry entry = {p, head};
         head = int(entries.size());
         entries.push_back(entry);
     }
-    // Whether a keypoint of one of the levels first .. last, but not of the given level, is strictly nearer than radius.
-    bool isNear(Point2d p, double radius, int level, int first, int last) const
+    // Whether a keypoint is strictly nearer than radius.
+    bool isNear(Point2d p, double radius) const
     {
         const double squaredRadius = radius * radius;
         const int top = row(p.y - radius), bottom = row(p.y + radius);
@@ -48,9 +48,7 @@ public:
                 for (int i = heads[size_t(r) * columns + c]; i >= 0; i = entries[i].next)
                 {
                     const Point2d d = entries[i].position - p;
-                    const int other = entries[i].level;
-                    const bool counts = other != level && other >= first && other <= last;
-                    if (counts && d.x * d.x + d.y * d.y < squaredRadius)
+                    if (d.x * d.x + d.y * d.y < squaredRadius)
                         return true;
                 }
             }
@@ -62,7 +60,7 @@ private:
     struct Entry
     {
         Point2d position;
-        int level, next;
+        int next;
     };
     static int bucket(double coordinate, int count)
     {
@@ -92,7 +90,6 @@ public:
         levelCount = 0;
         step = 0;
         wanted = 0;
-        grid.clear(imageSize);
     }
 
     void addLevel(const SelectionLevel& added)
@@ -133,7 +130,11 @@ public:
     {
         LevelState& level = levels[asked];
         const bool again = level.hasBegun;
-        const NotSuppressed filter(*this, asked, again), now(*this, asked, false);
+        // A sequence that has begun must get the same answers again, and finer levels have new keypoints.
+        findOthers(again ? asked + 1 : asked - reach, asked + reach, others);
+        if (again)
+            findOthers(asked - reach, asked - 1, finer);
+        const NotSuppressed filter(*this, others), now(*this, finer);
         level.hasBegun = true;
         const size_t before = level.chosen.size();
         sequence.willTake(size_t(wanted));
@@ -146,8 +147,6 @@ public:
             const RankedCorner corner = {int(point.x), int(point.y), point.response};
             level.chosen.push_back(corner);
         }
-        for (size_t i = before; i < level.chosen.size(); i++)
-            grid.insert(position(asked, float(level.chosen[i].x), float(level.chosen[i].y)), asked);
         wanted -= int(level.chosen.size() - before);
     }
 
@@ -204,26 +203,33 @@ private:
     class NotSuppressed : public PointFilter
     {
     public:
-        NotSuppressed(const Impl& impl_, int level_, bool byCoarser)
+        NotSuppressed(const Impl& impl_, const KeypointGrid& others_)
             : impl(impl_),
-              level(level_),
-              // A sequence that has begun must get the same answers again, and finer levels have new keypoints.
-              first(byCoarser ? level : level - impl.reach),
-              last(level + impl.reach)
+              others(others_),
+              radius(impl.octaveSuppression * impl.levels[impl.asked].given.scale)
         {
         }
         bool accepts(const LeafPoint& point) const CV_OVERRIDE
         {
-            const double radius = impl.octaveSuppression * impl.levels[level].given.scale;
-            return !(radius > 0 &&
-                     impl.grid.isNear(impl.position(level, point.x, point.y), radius, level, first, last));
+            return !(radius > 0 && others.isNear(impl.position(impl.asked, point.x, point.y), radius));
         }
 
     private:
         const Impl& impl;
-        int level;
-        int first, last;  // the levels whose keypoints count
+        const KeypointGrid& others;
+        double radius;
     };
+
+    // Puts the keypoints of the levels first .. last into buckets, but not those of the level asked for.
+    void findOthers(int first, int last, KeypointGrid& found) const
+    {
+        found.clear(imageSize);
+        for (int i = std::max(first, 0); i <= std::min(last, levelCount - 1); i++)
+        {
+            for (size_t j = 0; i != asked && j < levels[i].chosen.size(); j++)
+                found.insert(position(i, float(levels[i].chosen[j].x), float(levels[i].chosen[j].y)));
+        }
+    }
 
     // The exact position in the image, by pixel centres, so that positions on coarse levels are not shifted against
     // those on fine ones.
@@ -272,7 +278,7 @@ private:
     int step;                        // the next pass and level to ask for, after the finest level
     int asked;                       // the level of the last request
     int wanted;                      // features that are still missing
-    KeypointGrid grid;
+    KeypointGrid others, finer;
     BalancedSequence balanced;  // to fill up from
     RankedSequence ranked;      // to fill up from
     RankedScratch rankedScratch;
