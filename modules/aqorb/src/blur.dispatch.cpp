@@ -60,12 +60,12 @@ uchar exactBlur(const Mat& image, int x, int y)
 
 // All products are the upper 16 bits of the product of 16-bit factors. The values are scaled up as far as 16 bits
 // allow, and the taps by what is left. The error of approximateBlur against the exact value, in 1/256, has these parts:
-//   the four products of the row pass round down; adding 2 centres the error:   2
-//   the four products of the column pass, likewise:                             2
-//   the averages of two rows round up by 0 or 1/2, weighted by their taps:      0.4
-//   the taps are rounded to 16 bits; their sum, for these taps:                 1.5
-//   the roundings of exactBlur itself:                                          0.05
-// Hence BLUR_BOUND is 6.
+//   the four products of the row pass round down:                             -4
+//   the four products of the column pass, likewise:                           -4
+//   the averages of two rows round up by 0 or 1/2, weighted by their taps:    +0.4
+//   the taps are rounded to 16 bits; their sum, for these taps:               -1.5 or +1.5
+//   the roundings of exactBlur itself:                                        -0.05 or +0.05
+// Hence BLUR_SHORTFALL is 10, and BLUR_EXCESS is 2. To centre the error would take two more additions.
 namespace
 {
 struct FixedTaps

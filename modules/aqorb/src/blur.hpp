@@ -69,7 +69,8 @@ struct BlurredRows
     int top;         //!< the first row
 };
 
-/** The blur in fixed point, in units of 1/256. It differs from the exact one before rounding by at most BLUR_BOUND.
+/** The blur in fixed point, in units of 1/256. It exceeds the exact one before rounding by at most BLUR_EXCESS, and
+ falls short of it by at most BLUR_SHORTFALL.
  @param rows to blur
  @param blurred gets the pixels of the region; others of these rows get any value */
 void approximateBlur(const Mat& image, const BlurRegion& region, const Range& rows,

@@ -108,8 +108,8 @@ namespace
 
 // The arithmetic of approximateBlur: on neighbouring pixels at once and, for narrow images, on one pixel.
 #if CV_NEON
-// NEON multiplies to 32 bits and adds in the same instruction, so nothing is rounded before the end of a pass. Hence the
-// error is smaller than that of products of 16 bits, and BLUR_BOUND holds all the more.
+// NEON multiplies to 32 bits and adds in the same instruction, so a pass rounds down once, at its end. Hence the error is
+// smaller than that of products of 16 bits, and the bounds hold all the more.
 struct ManyPixels
 {
     typedef v_uint16 V;
@@ -129,8 +129,8 @@ struct ManyPixels
     {
         const uint32x4_t low = addLow(addLow(addLow(vdupq_n_u32(0), a0, t0), a1, t1), a2, t2);
         const uint32x4_t high = addHigh(addHigh(addHigh(vdupq_n_u32(0), a0, t0), a1, t1), a2, t2);
-        return V(vcombine_u16(vrshrn_n_u32(addLow(low, a3, t3), SHIFT),
-                              vrshrn_n_u32(addHigh(high, a3, t3), SHIFT)));
+        return V(
+            vcombine_u16(vshrn_n_u32(addLow(low, a3, t3), SHIFT), vshrn_n_u32(addHigh(high, a3, t3), SHIFT)));
     }
 
 private:
@@ -162,7 +162,7 @@ struct OnePixel
     static CV_ALWAYS_INLINE V average(V a, V b) { return (a + b + 1) >> 1; }
     template <int SHIFT> static CV_ALWAYS_INLINE V weighted(V a0, V a1, V a2, V a3, V t0, V t1, V t2, V t3)
     {
-        return (a0 * t0 + a1 * t1 + a2 * t2 + a3 * t3 + (V(1) << (SHIFT - 1))) >> SHIFT;
+        return (a0 * t0 + a1 * t1 + a2 * t2 + a3 * t3) >> SHIFT;
     }
 };
 #else
@@ -176,8 +176,7 @@ struct ManyPixels
     static CV_ALWAYS_INLINE V weighted(const V& a0, const V& a1, const V& a2, const V& a3, const V& t0,
                                        const V& t1, const V& t2, const V& t3)
     {
-        return add(add(add(v_mul_hi(a0, t0), v_mul_hi(a1, t1)), add(v_mul_hi(a2, t2), v_mul_hi(a3, t3))),
-                   all(2));
+        return add(add(v_mul_hi(a0, t0), v_mul_hi(a1, t1)), add(v_mul_hi(a2, t2), v_mul_hi(a3, t3)));
     }
 #if CV_AVX512_SKX && CV_SIMD_WIDTH == 64
 #define AQORB_WIDE(name) _mm512_##name
@@ -274,7 +273,7 @@ struct OnePixel
     static CV_ALWAYS_INLINE V average(V a, V b) { return (a + b + 1) >> 1; }
     template <int> static CV_ALWAYS_INLINE V weighted(V a0, V a1, V a2, V a3, V t0, V t1, V t2, V t3)
     {
-        return ((a0 * t0) >> 16) + ((a1 * t1) >> 16) + ((a2 * t2) >> 16) + ((a3 * t3) >> 16) + 2;
+        return ((a0 * t0) >> 16) + ((a1 * t1) >> 16) + ((a2 * t2) >> 16) + ((a3 * t3) >> 16);
     }
 };
 #endif

@@ -98,8 +98,8 @@ public:
 
 private:
     // The highest and the lowest value that the exact blur can have.
-    static int roundUp(int approximate) { return (approximate + BLUR_BOUND + 128) >> 8; }
-    static int roundDown(int approximate) { return (approximate - BLUR_BOUND + 127) >> 8; }
+    static int roundUp(int approximate) { return (approximate + BLUR_SHORTFALL + 128) >> 8; }
+    static int roundDown(int approximate) { return (approximate - BLUR_EXCESS + 127) >> 8; }
 
     int valueAt(Point p) const
     {

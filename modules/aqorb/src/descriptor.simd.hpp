@@ -87,8 +87,8 @@ void comparePairs(const ushort* center, ptrdiff_t step, float a, float b, const 
                   uchar* descriptor, uint64 open[PairTests::COUNT / 64])
 {
     const int COUNT = PairTests::COUNT;
-    // The exact value lies between the roundings of the approximate one minus and plus its bound.
-    const int DOWN = 127 - BLUR_BOUND, UP = 128 + BLUR_BOUND;
+    // The exact value lies between the roundings of the approximate one minus and plus its bounds.
+    const int DOWN = 127 - BLUR_EXCESS, UP = 128 + BLUR_SHORTFALL;
     CV_DECL_ALIGNED(CACHE_LINE) ushort values[2 * COUNT];
     const ushort *first = values, *second = values + COUNT;
     fetchPairs(center, step, a, b, tests, values);

@@ -95,8 +95,8 @@ struct FeaturePoint
     float angle;  //!< degrees
 };
 
-//! The approximate blur differs from the exact one, before rounding, by at most this many units of 1/256.
-const int BLUR_BOUND = 6;
+//! By how many units of 1/256 at most the approximate blur exceeds the exact one before rounding, or falls short of it.
+const int BLUR_EXCESS = 2, BLUR_SHORTFALL = 10;
 
 }  // namespace stages
 }  // namespace aqorb
