@@ -98,8 +98,8 @@ void LevelDetection::orderByRank(const OrderRule& rule, DetectionScratch& scratc
     for (size_t i = 0; i < corners.size(); i++)
     {
         const Corner& corner = corners[i];
-        adder.add(columns[corner.x - root.x] + rows[corner.y - root.y],
-                  depth == 0 ? responses[i].response : float(corner.score), i);
+        const unsigned leaf = columns[corner.x - root.x] + rows[corner.y - root.y];
+        adder.add(leaf, depth == 0 ? orderOf(responses[i].response) : orderOfScore(corner.score), i);
     }
     ranked.findRepresentatives();
     if (depth > 0)

@@ -54,6 +54,13 @@ inline int orderOf(float response)
     bits.f = response + 0.f;  // makes -0 equal to 0
     return response == response ? bits.i ^ ((bits.i >> 31) & INT_MAX) : INT_MIN + 1;
 }
+//! The same for a FAST score.
+inline int orderOfScore(int score)
+{
+    Cv32suf bits;
+    bits.f = float(score);  // neither negative nor NaN
+    return bits.i;
+}
 //! The response, but a NaN for any NaN, and 0 for -0.
 inline float responseOf(int order)
 {

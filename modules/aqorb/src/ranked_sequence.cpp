@@ -61,7 +61,7 @@ void RankedSequence::addAll()
     for (size_t i = 0; i < source->count(); i++)
     {
         const LeafPoint point = source->point(i);
-        adder.add(source->leaf(point), point.response, i);
+        adder.add(source->leaf(point), orderOf(point.response), i);
     }
 }
 

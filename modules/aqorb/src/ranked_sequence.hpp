@@ -138,9 +138,9 @@ public:
             : grid(sequence.scratch->grid.data()), best(sequence.scratch->best.data())
         {
         }
-        void add(unsigned leaf, float response, size_t index)
+        //! @param strength the order of the response
+        void add(unsigned leaf, int strength, size_t index)
         {
-            const int strength = orderOf(response);
             // Without branches, which would be hard to predict. Of equal points the first one stays.
             const bool isBetter = strength > grid[leaf];
             grid[leaf] = isBetter ? strength : grid[leaf];
