@@ -220,14 +220,14 @@ private:
         double radius;
     };
 
-    // Puts the keypoints of the levels first .. last into buckets, but not those of the level asked for.
+    // Puts the keypoints of the levels first .. last into buckets. If the level asked for is among them, it has none yet.
     void findOthers(int first, int last, KeypointGrid& found) const
     {
         found.clear(imageSize);
         for (int i = std::max(first, 0); i <= std::min(last, levelCount - 1); i++)
         {
-            for (size_t j = 0; i != asked && j < levels[i].chosen.size(); j++)
-                found.insert(position(i, float(levels[i].chosen[j].x), float(levels[i].chosen[j].y)));
+            for (const RankedCorner& corner : levels[i].chosen)
+                found.insert(position(i, float(corner.x), float(corner.y)));
         }
     }
 
