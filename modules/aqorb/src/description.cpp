@@ -22,15 +22,23 @@ static void findKeypoints(const Level& level, const DescriptionRules& rules, siz
     const Mat &image = level.image, &mask = *rules.imageMask;
     const bool subPixel = rules.position.subPixel;
     orientations(image, *rules.patch, &batch.points[begin], end - begin);
-    for (size_t i = begin; i < end; i++)
+    // Step by step for some features at a time: within a step they do not depend on each other.
+    const size_t AT_ONCE = 64;
+    for (size_t first = begin; first < end; first += AT_ONCE)
     {
-        const FeaturePoint& point = batch.points[i];
-        const Point2d offset = subPixel ? subPixelOffset(image, point.x, point.y) : Point2d();
-        Point2f pt = rules.position(point.x, point.y, offset.x, offset.y);
-        if (subPixel && !mask.empty() && !isUsable(mask, pt))
-            usablePosition(mask, rules.position, point.x, point.y, pt);
-        batch.keypoints[i].pt = pt;
-        batch.keypoints[i].angle = point.angle;
+        const size_t some = std::min(end - first, AT_ONCE);
+        Point2d offsets[AT_ONCE];
+        for (size_t i = 0; i < some && subPixel; i++)
+            offsets[i] = subPixelOffset(image, batch.points[first + i].x, batch.points[first + i].y);
+        for (size_t i = 0; i < some; i++)
+        {
+            const FeaturePoint& point = batch.points[first + i];
+            KeyPoint& keypoint = batch.keypoints[first + i];
+            keypoint.pt = rules.position(point.x, point.y, offsets[i].x, offsets[i].y);
+            keypoint.angle = point.angle;
+            if (subPixel && !mask.empty() && !isUsable(mask, keypoint.pt))
+                usablePosition(mask, rules.position, point.x, point.y, keypoint.pt);
+        }
     }
 }
 
