@@ -48,14 +48,11 @@ static CV_ALWAYS_INLINE float directionOf(int m10, int m01)
     const float P5 = 0.1555786518463281f * DEGREES, P7 = -0.04432655554792128f * DEGREES;
     const float x = std::abs(float(m10)), y = std::abs(float(m01));
     const float t = std::min(x, y) / (std::max(x, y) + float(DBL_EPSILON)), t2 = t * t;
-    float angle = (((P7 * t2 + P5) * t2 + P3) * t2 + P1) * t;
-    if (x < y)
-        angle = 90.f - angle;
-    if (m10 < 0)
-        angle = 180.f - angle;
-    if (m01 < 0)
-        angle = 360.f - angle;
-    return angle;
+    const float angle = (((P7 * t2 + P5) * t2 + P3) * t2 + P1) * t;
+    // The angle, or whole - angle. Branches on a direction would be hard to predict.
+    const auto mirrored = [](bool isMirrored, float whole, float v)
+    { return whole * float(isMirrored) + v * float(1 - 2 * int(isMirrored)); };
+    return mirrored(m01 < 0, 360, mirrored(m10 < 0, 180, mirrored(x < y, 90, angle)));
 }
 
 // The moments of a patch of any size at any place, without the kernel.

@@ -39,9 +39,10 @@ inline void sineAndCosine(float angle, float& sine, float& cosine)
     const double lowCosine = 1 + x2 * -0.49999999725108224 + x4 * 0.041666623324344516;
     const double highCosine = -0.001388676379437604 + x2 * 2.4390450703564542e-05;
     const float s = float(lowSine + x3 * x2 * highSine), c = float(lowCosine + x4 * x2 * highCosine);
-    const float turned = n & 1 ? c : s, ahead = n & 1 ? s : c;
-    sine = n & 2 ? -turned : turned;
-    cosine = (n + 1) & 2 ? -ahead : ahead;
+    // Branches on a direction would be hard to predict.
+    const float both[] = {s, c};
+    sine = both[n & 1] * float(1 - (n & 2));
+    cosine = both[~n & 1] * float(1 - ((n + 1) & 2));
 }
 
 }  // namespace stages
