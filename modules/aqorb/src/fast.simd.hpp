@@ -178,6 +178,42 @@ template <typename Vectors> struct Around
     ptrdiff_t step;
 };
 
+#if CV_SIMD
+// 16 neighbouring pixels of as many rows as a vector holds, of at most three, side by side.
+#if CV_AVX512_SKX && CV_SIMD_WIDTH == 64
+struct Rows : Wide
+{
+    enum
+    {
+        COUNT = 3
+    };
+    static CV_ALWAYS_INLINE V load(const uchar* p, ptrdiff_t step)
+    {
+        const __m512i first = _mm512_castsi128_si512(v_load(p).val);
+        return V(_mm512_inserti32x4(_mm512_inserti32x4(first, v_load(p + step).val, 1),
+                                    v_load(p + 2 * step).val, 2));
+    }
+};
+#else
+struct Rows : Narrow
+{
+    enum
+    {
+        COUNT = 1
+    };
+    static CV_ALWAYS_INLINE V load(const uchar* p, ptrdiff_t) { return v_load(p); }
+};
+#endif
+// The centre is in the first row.
+template <> struct Around<Rows>
+{
+    CV_ALWAYS_INLINE Around(const uchar* center_, ptrdiff_t step_) : center(center_), step(step_) {}
+    CV_ALWAYS_INLINE Rows::V at(int x, int y) const { return Rows::load(center + y * step + x, step); }
+    const uchar* center;
+    ptrdiff_t step;
+};
+#endif
+
 // What counts of a set of pixels if it is to be brighter than the centre, and if it is to be darker.
 template <typename Vectors> struct Sides
 {
@@ -479,22 +515,29 @@ int dropCorners(FastScan& scan, int first, const uchar* floors)
 
 void neighborScores(const uchar* p, ptrdiff_t step, int lane, int scores[3][3])
 {
-    for (int row = 0; row < 3; row++)
-    {
-        const uchar* q = p + (row - 1) * step - 1;
 #if CV_SIMD
-        const Sides<Narrow> best = bestArc(Around<Narrow>(q - lane, step));
-        uchar bright[16], dark[16];
-        v_store(bright, best.bright);
-        v_store(dark, best.dark);
-        for (int i = 0; i < 3; i++)
-            scores[row][i] = Greatest::of(bright[lane + i] - q[i], q[i] - dark[lane + i]);
-#else
-        (void)lane;
-        for (int i = 0; i < 3; i++)
-            scores[row][i] = scoreOfPixel(q + i, step);
-#endif
+    const int COUNT = Rows::COUNT, WIDTH = 16;
+    for (int row = 0; row < 3; row += COUNT)
+    {
+        const int first = row + COUNT > 3 ? 3 - COUNT : row;
+        const uchar* q = p + (first - 1) * step - 1;
+        const Sides<Rows> best = bestArc(Around<Rows>(q - lane, step));
+        uchar bright[CV_SIMD_WIDTH], dark[CV_SIMD_WIDTH];
+        Rows::store(bright, best.bright);
+        Rows::store(dark, best.dark);
+        for (int k = 0; k < COUNT; k++, q += step)
+        {
+            for (int i = 0; i < 3; i++)
+                scores[first + k][i] =
+                    Greatest::of(bright[k * WIDTH + lane + i] - q[i], q[i] - dark[k * WIDTH + lane + i]);
+        }
     }
+#else
+    (void)lane;
+    for (int row = 0; row < 3; row++)
+        for (int i = 0; i < 3; i++)
+            scores[row][i] = scoreOfPixel(p + (row - 1) * step - 1 + i, step);
+#endif
 }
 
 #endif  // CV_CPU_OPTIMIZATION_DECLARATIONS_ONLY
