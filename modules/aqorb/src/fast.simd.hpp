@@ -71,6 +71,10 @@ struct Single
         *p = uchar(a > b ? a : 0);
         return a > b;
     }
+    static CV_ALWAYS_INLINE uint64 storeGreatest(uchar* p, V a, V b, V c, V d, V e)
+    {
+        return storeGreater(p, a, Greatest::of(Greatest::of(b, c), Greatest::of(d, e)));
+    }
     static CV_ALWAYS_INLINE V whereZero(V a) { return a == 0 ? 255 : 0; }
     static CV_ALWAYS_INLINE V greatestOtherwise(V a, V b) { return Greatest::of(a, b); }
     static CV_ALWAYS_INLINE V greaterThan(V, V a, V b) { return Greatest::of(a, b); }
@@ -97,6 +101,12 @@ template <typename Vector> struct Lanes
     {
         v_store(p, v_and(a, v_gt(a, b)));
         return maskGreater(a, b);
+    }
+    // The same where a is greater than all others.
+    static CV_ALWAYS_INLINE uint64 storeGreatest(uchar* p, const V& a, const V& b, const V& c, const V& d,
+                                                 const V& e)
+    {
+        return storeGreater(p, a, v_max(v_max(b, c), v_max(d, e)));
     }
     // The same as Greatest::of, for processors that have free units for other instructions: by other instructions,
     // and for a pair of which the lesser one is known. The latter differs for the ends of arcs, see bestArc.
@@ -132,6 +142,16 @@ struct Wide : Lanes<v_uint8>
     static CV_ALWAYS_INLINE uint64 storeGreater(uchar* p, const V& a, const V& b)
     {
         const __mmask64 greater = _mm512_cmpgt_epu8_mask(a.val, b.val);
+        _mm512_storeu_si512(p, _mm512_maskz_mov_epi8(greater, a.val));
+        return greater;
+    }
+    static CV_ALWAYS_INLINE uint64 storeGreatest(uchar* p, const V& a, const V& b, const V& c, const V& d,
+                                                 const V& e)
+    {
+        __mmask64 greater = _mm512_cmpgt_epu8_mask(a.val, b.val);
+        greater = _mm512_mask_cmpgt_epu8_mask(greater, a.val, c.val);
+        greater = _mm512_mask_cmpgt_epu8_mask(greater, a.val, d.val);
+        greater = _mm512_mask_cmpgt_epu8_mask(greater, a.val, e.val);
         _mm512_storeu_si512(p, _mm512_maskz_mov_epi8(greater, a.val));
         return greater;
     }
@@ -423,15 +443,14 @@ template <typename Vectors> void suppressRow(FastScan& scan, int y)
         const int x = block.x;
         const uchar *s = scores + x, *u = above + x, *d = below + x;
         const V score = Vectors::load(s);
-        const V beside = Greatest::of(Vectors::load(s - 1), Vectors::load(s + 1));
         const V over =
             Greatest::of(Greatest::of(Vectors::load(u - 1), Vectors::load(u)), Vectors::load(u + 1));
-        const V under =
+        V under =
             Greatest::of(Greatest::of(Vectors::load(d - 1), Vectors::load(d)), Vectors::load(d + 1));
-        V around = Greatest::of(beside, Greatest::of(over, under));
         if (mask)
-            around = Greatest::of(around, Vectors::whereZero(Vectors::load(mask + x)));
-        const uint64 columns = Vectors::storeGreater(corners + x, score, around);
+            under = Greatest::of(under, Vectors::whereZero(Vectors::load(mask + x)));
+        const uint64 columns = Vectors::storeGreatest(corners + x, score, over, under, Vectors::load(s - 1),
+                                                      Vectors::load(s + 1));
         strong[listed[i]] |= columns & Vectors::maskGreater(score, strongest);
         // The plane has got corners in columns that are not wanted, too. dropCorners clears them.
         found->x = x;
