@@ -199,7 +199,7 @@ template <typename Vectors> struct Around
 };
 
 #if CV_SIMD
-// 16 neighbouring pixels of as many rows as a vector holds, of at most three, side by side.
+// 16 neighbouring pixels of one row or, with AVX-512, of three rows side by side.
 #if CV_AVX512_SKX && CV_SIMD_WIDTH == 64
 struct Rows : Wide
 {
@@ -445,8 +445,7 @@ template <typename Vectors> void suppressRow(FastScan& scan, int y)
         const V score = Vectors::load(s);
         const V over =
             Greatest::of(Greatest::of(Vectors::load(u - 1), Vectors::load(u)), Vectors::load(u + 1));
-        V under =
-            Greatest::of(Greatest::of(Vectors::load(d - 1), Vectors::load(d)), Vectors::load(d + 1));
+        V under = Greatest::of(Greatest::of(Vectors::load(d - 1), Vectors::load(d)), Vectors::load(d + 1));
         if (mask)
             under = Greatest::of(under, Vectors::whereZero(Vectors::load(mask + x)));
         const uint64 columns = Vectors::storeGreatest(corners + x, score, over, under, Vectors::load(s - 1),
@@ -538,8 +537,7 @@ void neighborScores(const uchar* p, ptrdiff_t step, int lane, int scores[3][3])
     const int COUNT = Rows::COUNT, WIDTH = 16;
     for (int row = 0; row < 3; row += COUNT)
     {
-        const int first = row + COUNT > 3 ? 3 - COUNT : row;
-        const uchar* q = p + (first - 1) * step - 1;
+        const uchar* q = p + (row - 1) * step - 1;
         const Sides<Rows> best = bestArc(Around<Rows>(q - lane, step));
         uchar bright[CV_SIMD_WIDTH], dark[CV_SIMD_WIDTH];
         Rows::store(bright, best.bright);
@@ -547,7 +545,7 @@ void neighborScores(const uchar* p, ptrdiff_t step, int lane, int scores[3][3])
         for (int k = 0; k < COUNT; k++, q += step)
         {
             for (int i = 0; i < 3; i++)
-                scores[first + k][i] =
+                scores[row + k][i] =
                     Greatest::of(bright[k * WIDTH + lane + i] - q[i], q[i] - dark[k * WIDTH + lane + i]);
         }
     }
