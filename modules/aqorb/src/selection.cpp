@@ -223,6 +223,8 @@ private:
     // Puts the keypoints of the levels first .. last into buckets. If the level asked for is among them, it has none yet.
     void findOthers(int first, int last, KeypointGrid& found) const
     {
+        if (octaveSuppression == 0)
+            return;  // none will be looked for
         found.clear(imageSize);
         for (int i = std::max(first, 0); i <= std::min(last, levelCount - 1); i++)
         {
