@@ -289,6 +289,40 @@ TEST(Aqorb_Pipeline, equals_reference_where_coarse_levels_go_on)
     }
 }
 
+TEST(Aqorb_Pipeline, equals_reference_where_one_level_has_almost_all_corners)
+{
+    // Faint dots are corners of the finest level only, which gets the quotas of all levels.
+    Mat dots(240, 320, CV_8UC1, Scalar(128));
+    RNG rng(1);
+    for (int i = 0; i < 5000; i++)
+        dots.at<uchar>(rng.uniform(0, dots.rows), rng.uniform(0, dots.cols)) = uchar(rng.uniform(150, 153));
+    Settings settings;
+    settings.adaptiveThreshold = false;
+    settings.minThresholdRatio = 1;
+    for (int n : {300, 400, 500})
+    {
+        SCOPED_TRACE(n);
+        settings.nfeatures = n;
+        expectAsReference(settings, dots);
+    }
+}
+
+TEST(Aqorb_Pipeline, equals_reference_where_octave_suppression_passes_over_most)
+{
+    // Of each level, about twice as many as its quota are put in order at first.
+    const double radii[] = {2, 5, 12};
+    for (double radius : radii)
+    {
+        SCOPED_TRACE(radius);
+        Settings settings;
+        settings.nfeatures = 300;
+        settings.octaveSuppression = radius;
+        expectAsReference(settings, makeScene(Size(320, 240), 3));
+        settings.nlevels = 2;
+        expectAsReference(settings, makeNoise(Size(240, 200), 4));
+    }
+}
+
 TEST(Aqorb_Pipeline, equals_reference_with_masks)
 {
     const Mat scene = makeScene(SMALL_IMAGE, 7);

@@ -96,19 +96,21 @@ float randomStrength(RNG& rng, int kind)
     return rng.uniform(0.f, 1000.f);
 }
 
-Scene randomScene(int seed)
+//! @param isLarge whether the scene has thousands of points in hundreds of leaves
+Scene randomScene(int seed, bool isLarge = false)
 {
     RNG rng(seed);
     const int kind = seed % 5;
     Scene scene;
-    const Size size(rng.uniform(1, 300), rng.uniform(1, 300));
+    const int shortest = isLarge ? 200 : 1;
+    const Size size(rng.uniform(shortest, 300), rng.uniform(shortest, 300));
     const RankRule rule = {size, 1, rng.uniform(1, 1 << rng.uniform(1, 9)),
                            seed % 3 ? rng.uniform(0., 3.) : rng.uniform(0., 16.),
                            seed % 4 ? rng.uniform(0., 2.) : rng.uniform(0, 2) * 1000.};
     scene.rule = rule;
-    scene.depth = rng.uniform(0, maxRankedDepth(size) + 1);
+    scene.depth = rng.uniform(isLarge ? 5 : 0, isLarge ? 7 : maxRankedDepth(size) + 1);
     scene.power = rng.uniform(0, 2) ? 4 : 1;
-    const int count = rng.uniform(0, 1 << rng.uniform(1, 11));
+    const int count = (isLarge ? 4000 : 0) + rng.uniform(0, 1 << rng.uniform(1, 11));
     for (int i = 0; i < count; i++)
     {
         const LeafPoint point = {0, randomStrength(rng, kind), float(rng.uniform(0, size.width)),
@@ -175,7 +177,7 @@ void numberPoints(const Scene& scene, Sequence& sequence)
     sequence.list.sort();
 }
 
-RankedSequence& begin(const Scene& scene, Sequence& sequence)
+RankedSequence& begin(const Scene& scene, Sequence& sequence, size_t enough = SIZE_MAX)
 {
     numberPoints(scene, sequence);
     RankedSequence& ranked = sequence.ranked;
@@ -191,7 +193,7 @@ RankedSequence& begin(const Scene& scene, Sequence& sequence)
         EXPECT_EQ(orderOf(ranked.response(i)), orderOf(point.response));
         ranked.strength(i) = scene.strengths[point.index];
     }
-    ranked.rank(scene.rule, scene.power, scene.usable);
+    ranked.rank(scene.rule, scene.power, scene.usable, enough);
     return ranked;
 }
 
@@ -263,6 +265,51 @@ TEST(Aqorb_RankedSequence, a_filter_passes_over_points_and_changes_no_rank)
         }
         ASSERT_FALSE(sequence.next(point, &filter));
     }
+}
+
+TEST(Aqorb_RankedSequence, where_fewer_are_enough_it_begins_the_same)
+{
+    Sequence memory;
+    RNG rng(2);
+    int early = 0;
+    for (int seed = 701; seed <= 750; seed++)
+    {
+        SCOPED_TRACE(seed);
+        const Scene scene = randomScene(seed, true);
+        const std::vector<int> expected = expectedOrder(scene);
+        const size_t enough = size_t(rng.uniform(0, 400));
+        RankedSequence& sequence = begin(scene, memory, enough);
+        const size_t representatives = memory.scratch.points.size();
+        LeafPoint point;
+        size_t given = 0;
+        for (; sequence.next(point); given++)
+        {
+            ASSERT_LT(given, expected.size());
+            ASSERT_EQ(point.index, expected[given]) << given;
+        }
+        EXPECT_EQ(sequence.place(), given);
+        if (!sequence.endsEarly())
+        {
+            EXPECT_EQ(given, expected.size());
+            continue;
+        }
+        early++;
+        EXPECT_GT(given, enough / 2);
+        EXPECT_LT(given, representatives);
+        EXPECT_FALSE(sequence.next(point));
+        sequence.beginUnranked(memory.list, std::vector<RankedCorner>());
+        EXPECT_FALSE(sequence.endsEarly());
+        RankedSequence& whole = begin(scene, memory);
+        EXPECT_FALSE(whole.endsEarly());
+        whole.goOnFrom(given);
+        for (; whole.next(point); given++)
+        {
+            ASSERT_LT(given, expected.size());
+            ASSERT_EQ(point.index, expected[given]) << given;
+        }
+        EXPECT_EQ(given, expected.size());
+    }
+    EXPECT_GT(early, 10);
 }
 
 // In any order; their strength is their response.

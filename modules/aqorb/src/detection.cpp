@@ -16,7 +16,8 @@ namespace aqorb
 namespace stages
 {
 
-LevelDetection::LevelDetection() : level(0), rules(), bandCount(0), depth(0), isOrdered(false)
+LevelDetection::LevelDetection()
+    : level(0), rules(), bandCount(0), depth(0), isOrdered(false), ruleInUse(0), scratchInUse(0)
 {
 }
 
@@ -66,7 +67,8 @@ void LevelDetection::order(const OrderRule& rule, DetectionScratch& scratch)
     }
     if (rule.isRanked)
     {
-        orderByRank(rule, scratch);
+        // Octave suppression passes over some of them.
+        orderByRank(rule, scratch, 2 * size_t(rule.rank.quota));
     }
     else
     {
@@ -77,7 +79,7 @@ void LevelDetection::order(const OrderRule& rule, DetectionScratch& scratch)
     isOrdered = true;
 }
 
-void LevelDetection::orderByRank(const OrderRule& rule, DetectionScratch& scratch)
+void LevelDetection::orderByRank(const OrderRule& rule, DetectionScratch& scratch, size_t enough)
 {
     CV_TRACE_FUNCTION();
     depth = rule.depth;
@@ -118,7 +120,7 @@ void LevelDetection::orderByRank(const OrderRule& rule, DetectionScratch& scratc
             }
         }
     }
-    ranked.rank(rule.rank, depth == 0 ? 1 : 4, scratch.usable);
+    ranked.rank(rule.rank, depth == 0 ? 1 : 4, scratch.usable, enough);
 }
 
 // The strength is the fourth power of FAST * sqrt(sqrt(Harris)) * moment, so that no root is needed. A corner whose moment
@@ -181,9 +183,23 @@ PointSequence& LevelDetection::sequence(const OrderRule& rule, DetectionScratch&
             searchBand(i, scratch);
         order(rule, scratch);
     }
-    if (rule.isRanked)
-        return ranked;
-    return balanced;
+    if (!rule.isRanked)
+        return balanced;
+    ruleInUse = &rule;
+    scratchInUse = &scratch;
+    return *this;
+}
+
+bool LevelDetection::next(LeafPoint& point, const PointFilter* filter)
+{
+    if (ranked.next(point, filter))
+        return true;
+    if (!ranked.endsEarly())
+        return false;
+    const size_t place = ranked.place();
+    orderByRank(*ruleInUse, *scratchInUse, SIZE_MAX);
+    ranked.goOnFrom(place);
+    return ranked.next(point, filter);
 }
 
 void LevelDetection::list(CornerSet set, DetectionScratch& scratch, std::vector<RankedCorner>& listed)

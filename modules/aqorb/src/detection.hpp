@@ -47,7 +47,7 @@ struct DetectionScratch
 
 /** Finds the corners of one level and puts them into the order of selection. The level is divided into bands, so that
  several tasks can work on it at once. An object can be used again, and then needs no new memory. */
-class LevelDetection : private PointSource
+class LevelDetection : private PointSource, private PointSequence
 {
 public:
     LevelDetection();
@@ -77,13 +77,15 @@ private:
     };
     FoundCorners& cornersOf(int band) { return band == 0 ? found : bands[band].corners; }
     void respond(const std::vector<Corner>& corners, std::vector<RankedCorner>& ranked) const;
-    void orderByRank(const OrderRule& rule, DetectionScratch& scratch);
+    void orderByRank(const OrderRule& rule, DetectionScratch& scratch, size_t enough);
     void findStrengths(DetectionScratch& scratch);
 
     size_t count() const CV_OVERRIDE { return found.kept.size(); }
     LeafPoint point(size_t index) const CV_OVERRIDE;
     unsigned leaf(const LeafPoint& point) const CV_OVERRIDE;
     float response(const LeafPoint& point) const CV_OVERRIDE;
+    void willTake(size_t count) CV_OVERRIDE { ranked.willTake(count); }
+    bool next(LeafPoint& point, const PointFilter* filter) CV_OVERRIDE;
 
     const Level* level;
     Rect root;
@@ -97,6 +99,9 @@ private:
     BalancedSequence balanced;
     RankedSequence ranked;
     bool isOrdered;
+    // While the ranked sequence is taken.
+    const OrderRule* ruleInUse;
+    DetectionScratch* scratchInUse;
 };
 
 }  // namespace stages

@@ -45,6 +45,7 @@ void RankedSequence::beginUnranked(const PointSource& points, const std::vector<
     source = &points;
     scratch = 0;
     given = 0;
+    isCutShort = false;
     hasOthers = true;
     others.clear();
     entries.resize(responses.size());
@@ -111,7 +112,31 @@ void RankedSequence::countUsable(const std::vector<uchar>& usable)
     }
 }
 
-void RankedSequence::rank(const RankRule& rule, int power, const std::vector<uchar>& usable)
+// Strengths of 0 or infinity lie far outside of the range of others.
+static const int64 LAST_KEY = int64(1) << 61;
+
+// The key of a representative is the logarithm of (1 + rank) / strength^weight, in units of 2^-42.
+struct RankedSequence::KeyRule
+{
+    int64 ofRank(int rank, int64 leavesInside) const
+    {
+        return (logarithm(float(leavesInside + rank * leaves)) - logarithm(float(leavesInside))) * (1 << 18);
+    }
+    int64 ofStrength(float strength) const
+    {
+        if (exponent == 0)
+            return 0;
+        if (strength > 0 && !cvIsInf(strength))
+            return -exponent * logarithm(strength);
+        return strength > 0 ? -LAST_KEY : LAST_KEY;
+    }
+
+    const BinaryLogarithm& logarithm;
+    int64 leaves;  // of the disc
+    int exponent;  // of strengths, in units of 2^-18
+};
+
+void RankedSequence::rank(const RankRule& rule, int power, const std::vector<uchar>& usable, size_t enough)
 {
     CV_TRACE_FUNCTION();
     const int side = 1 << depth;
@@ -134,91 +159,143 @@ void RankedSequence::rank(const RankRule& rule, int power, const std::vector<uch
     ranks.resize(size);
     leafRanks(ranked.data(), size, depth, disc, scratch->ranking, ranks.data());
 
-    // Away from the borders the part of the key that the rank decides depends on nothing else.
-    const BinaryLogarithm& logarithm = BinaryLogarithm::shared();
-    const auto rankKey = [&](int rank, int64 inside)
-    { return (logarithm(float(inside + rank * disc.total)) - logarithm(float(inside))) * (1 << 18); };
-    const int exponent = cvRound(rule.strengthWeight * (1 << 16)) * (4 / power);  // in units of 2^-18
-    const int SHARED_RANKS = 32;
-    int64 shared[SHARED_RANKS];
-    for (int i = 0; i < SHARED_RANKS; i++)
-        shared[i] = rankKey(i, disc.total);
+    countInside();
+    const KeyRule keyRule = {BinaryLogarithm::shared(), disc.total,
+                             cvRound(rule.strengthWeight * (1 << 16)) * (4 / power)};
+    sortByKeys(keyRule, enough);
+    scratch = 0;
+}
 
-    // The numbers order keys as the keys themselves do. Strengths of 0 or infinity lie far outside of the range of others.
-    const int64 LAST = int64(1) << 61;
-    const auto numberOf = [](int64 key) { return uint64(key) ^ uint64(1) << 63; };
-    uint64 least = numberOf(LAST), greatest = numberOf(-LAST);
-    const int reach = int(disc.halfWidths.size()) - 1;
-    scratch->inside.clear();
-    scratch->numbers.resize(size);
-    for (size_t i = 0; i < size; i++)
+int64 RankedSequence::keyOf(size_t index, int64 ofStrength, const KeyRule& rule) const
+{
+    const int leaf = int(scratch->ranked[index]);
+    const int inside = leavesInside(leaf & ((1 << depth) - 1), leaf >> depth);
+    return rule.ofRank(scratch->ranks[index], inside) + ofStrength;
+}
+
+// Finds those that may have one of the least keys, if not all are needed, and returns the greatest key that counts.
+int64 RankedSequence::findCandidates(const KeyRule& rule, size_t enough)
+{
+    const std::vector<int>& ranks = scratch->ranks;
+    const size_t size = ranks.size(), FEW = 256, BLOCK = 8;
+    std::vector<unsigned>& candidates = scratch->candidates;
+    candidates.resize(size);
+    std::iota(candidates.begin(), candidates.end(), 0u);
+    if (size <= FEW || enough >= size / 4 * 3)
+        return std::numeric_limits<int64>::max();
+
+    // The keys of the first representatives of blocks tell which key about so many of all do not exceed.
+    std::vector<int64>&ofBlocks = scratch->strengthsOfBlocks, &keys = scratch->keysOfBlocks;
+    ofBlocks.clear();
+    keys.clear();
+    for (size_t i = 0; i < size; i += BLOCK)
     {
-        const int column = int(ranked[i]) & (side - 1), row = int(ranked[i] >> depth);
-        const bool isWhole = usable.empty() && column >= disc.widest && column < side - disc.widest &&
-                             row >= reach && row < side - reach;
-        int64 key = isWhole && ranks[i] < SHARED_RANKS
-                        ? shared[ranks[i]]
-                        : rankKey(ranks[i], isWhole ? disc.total : leavesInsideAsBefore(column, row));
-        const float strength = scratch->strengths[scratch->byStrength[i]];
-        const bool isOrdinary = exponent == 0 || (strength > 0 && !cvIsInf(strength));
-        if (exponent > 0)
-            key += isOrdinary ? -exponent * logarithm(strength) : strength > 0 ? -LAST : LAST;
-        const uint64 number = scratch->numbers[i] = numberOf(key);
-        if (isOrdinary)
+        ofBlocks.push_back(rule.ofStrength(scratch->strengths[scratch->byStrength[i]]));
+        keys.push_back(keyOf(i, ofBlocks.back(), rule));
+    }
+    std::nth_element(keys.begin(), keys.begin() + enough / BLOCK, keys.end());
+    const int64 greatestKey = keys[enough / BLOCK];
+
+    // Near borders ranks are scaled up, so these are the least keys.
+    const int RANKS = 32;
+    int64 ofRanks[RANKS];
+    for (int i = 0; i < RANKS; i++)
+        ofRanks[i] = rule.ofRank(i, rule.leaves);
+    // The first representative is the strongest one of its block. It tells from which rank on all keys are too great.
+    const int64 ERROR = int64(1) << 24;  // of a key, at most
+    size_t count = 0;
+    for (size_t begin = 0, end = RANKS; begin < size; begin += BLOCK)
+    {
+        while (end > 0 && ofRanks[end - 1] - ERROR > greatestKey - ofBlocks[begin / BLOCK])
+            end--;
+        for (size_t i = begin; i < std::min(begin + BLOCK, size); i++)
         {
-            least = std::min(least, number);
-            greatest = std::max(greatest, number);
+            candidates[count] = unsigned(i);
+            count += size_t(std::min(ranks[i], RANKS - 1)) < end;
         }
     }
-    sortIndices(scratch->numbers, std::min(least, greatest), greatest, scratch->sorting, scratch->sorted);
-    entries.resize(size);
-    for (size_t i = 0; i < size; i++)
+    candidates.resize(count);
+    return greatestKey;
+}
+
+void RankedSequence::sortByKeys(const KeyRule& rule, size_t enough)
+{
+    const int64 greatestKey = findCandidates(rule, enough);
+    const std::vector<unsigned>& byStrength = scratch->byStrength;
+    std::vector<unsigned>& candidates = scratch->candidates;
+    std::vector<uint64>& numbers = scratch->numbers;
+    numbers.resize(candidates.size());
+    // The numbers order keys as the keys themselves do.
+    const auto numberOf = [](int64 key) { return uint64(key) ^ uint64(1) << 63; };
+    int64 least = LAST_KEY, greatest = -LAST_KEY;  // without those of strengths of 0 or infinity
+    size_t count = 0;
+    for (unsigned candidate : candidates)
     {
-        const unsigned index = scratch->byStrength[scratch->sorted[i]];
+        const int64 key = keyOf(candidate, rule.ofStrength(scratch->strengths[byStrength[candidate]]), rule);
+        if (key > greatestKey)
+            continue;
+        if (std::abs(key) < LAST_KEY / 2)
+        {
+            least = std::min(least, key);
+            greatest = std::max(greatest, key);
+        }
+        candidates[count] = candidate;
+        numbers[count++] = numberOf(key);
+    }
+    numbers.resize(count);
+    sortIndices(numbers, numberOf(std::min(least, greatest)), numberOf(greatest), scratch->sorting,
+                scratch->sorted);
+    entries.resize(count);
+    for (size_t i = 0; i < count; i++)
+    {
+        const unsigned index = byStrength[candidates[scratch->sorted[i]]];
         entries[i].point = scratch->points[index];
         entries[i].response = scratch->responses[index];
     }
-    scratch = 0;
+    isCutShort = count < scratch->ranks.size();
+}
+
+// Of the disc around a leaf, the number of leaves in the rows above its own that lie inside of the region depends on the
+// column and on the number of rows alone. Columns whose discs reach neither border are like the first such column.
+void RankedSequence::countInside()
+{
+    const std::vector<int>& halfWidths = scratch->disc.halfWidths;
+    const int side = 1 << depth, widest = scratch->disc.widest, columns = std::min(side, 2 * widest + 1);
+    const size_t rows = halfWidths.size();
+    scratch->inside.resize(columns * rows);
+    for (int i = 0; i < columns; i++)
+    {
+        const int left = std::min(i, widest), right = std::min(columns - 1 - i, widest);
+        int* const inside = &scratch->inside[i * rows];
+        inside[0] = 0;
+        for (size_t dy = 1; dy < rows; dy++)
+            inside[dy] =
+                inside[dy - 1] + std::min(halfWidths[dy], left) + std::min(halfWidths[dy], right) + 1;
+    }
 }
 
 // The number of usable leaves of the disc around a leaf.
 int RankedSequence::leavesInside(int column, int row) const
 {
-    const LeafDisc& disc = scratch->disc;
-    const std::vector<int>& usableBefore = scratch->usableBefore;
-    const int side = 1 << depth, reach = int(disc.halfWidths.size()) - 1;
-    int inside = 0;
-    for (int y = std::max(row - reach, 0); y <= std::min(row + reach, side - 1); y++)
+    const std::vector<int>&halfWidths = scratch->disc.halfWidths, &usableBefore = scratch->usableBefore;
+    const int side = 1 << depth, reach = int(halfWidths.size()) - 1;
+    const int above = std::min(row, reach), below = std::min(side - 1 - row, reach);
+    if (usableBefore.empty())
     {
-        const int halfWidth = disc.halfWidths[std::abs(y - row)];
+        const int widest = scratch->disc.widest, columns = std::min(side, 2 * widest + 1);
+        const int like = std::min(column, std::max(widest, column - (side - columns)));
+        const int* const inside = &scratch->inside[size_t(like) * (reach + 1)];
+        return inside[above] + inside[below] + std::min(column, widest) +
+               std::min(side - 1 - column, widest) + 1;
+    }
+    int inside = 0;
+    for (int y = row - above; y <= row + below; y++)
+    {
+        const int halfWidth = halfWidths[std::abs(y - row)];
         const int begin = std::max(column - halfWidth, 0), end = std::min(column + halfWidth + 1, side);
-        if (usableBefore.empty())
-        {
-            inside += end - begin;
-            continue;
-        }
         const int* before = &usableBefore[size_t(y) * (side + 1)];
         inside += before[end] - before[begin];
     }
-    return inside;
-}
-
-// The same, remembered by the distances to the borders of the region, on which alone it depends where all leaves are
-// usable.
-int RankedSequence::leavesInsideAsBefore(int column, int row) const
-{
-    const LeafDisc& disc = scratch->disc;
-    const int side = 1 << depth, widest = disc.widest, reach = int(disc.halfWidths.size()) - 1;
-    if (!scratch->usableBefore.empty() || side <= 2 * std::max(widest, reach))
-        return leavesInside(column, row);
-    const int columns = 2 * widest + 1, rows = 2 * reach + 1;
-    if (scratch->inside.empty())
-        scratch->inside.resize(size_t(columns) * rows);
-    const int x = column < widest ? column : std::max(widest, 2 * widest - (side - 1 - column));
-    const int y = row < reach ? row : std::max(reach, 2 * reach - (side - 1 - row));
-    int& inside = scratch->inside[size_t(y) * columns + x];
-    if (inside == 0)
-        inside = leavesInside(column, row);
     return inside;
 }
 
@@ -282,6 +359,8 @@ bool RankedSequence::next(LeafPoint& point, const PointFilter* filter)
         }
         else
         {
+            if (isCutShort)
+                return false;
             if (!hasOthers)
                 listOthers();
             if (given - entries.size() == others.size())

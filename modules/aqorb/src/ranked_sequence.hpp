@@ -90,6 +90,9 @@ struct RankedScratch
     // Of the representatives, by strength: which one, its leaf and its rank.
     std::vector<unsigned> byStrength, ranked;
     std::vector<int> ranks;
+    // Which of those, by strength, may have one of the first places, and keys of some of them.
+    std::vector<unsigned> candidates;
+    std::vector<int64> strengthsOfBlocks, keysOfBlocks;
     std::vector<int> usableBefore, inside;
     LeafDisc disc;
     RankingScratch ranking;
@@ -107,7 +110,10 @@ struct RankedScratch
 class RankedSequence : public PointSequence
 {
 public:
-    RankedSequence() : depth(0), source(0), scratch(0), given(0), takesAll(false), hasOthers(false) {}
+    RankedSequence()
+        : depth(0), source(0), scratch(0), given(0), takesAll(false), isCutShort(false), hasOthers(false)
+    {
+    }
     //! Starts a sequence in a quadtree of the given depth, at most maxRankedDepth. The points must stay until the last one
     //! was given, the work space until they are ranked.
     void begin(int depth, const PointSource& points, RankedScratch& scratch);
@@ -123,12 +129,19 @@ public:
     float& response(size_t index) { return scratch->responses[index]; }
     /** Ranks the representatives. It must be called once before next.
      @param power of the strength that the strengths of the representatives are: 1 or 4
-     @param usable by leaf, row by row: whether points may lie there; empty: everywhere */
-    void rank(const RankRule& rule, int power, const std::vector<uchar>& usable);
+     @param usable by leaf, row by row: whether points may lie there; empty: everywhere
+     @param enough where there are far more representatives, the sequence may end after about so many */
+    void rank(const RankRule& rule, int power, const std::vector<uchar>& usable, size_t enough = SIZE_MAX);
     //! Starts a sequence of points that are not ranked, for a caller that takes all of them.
     void beginUnranked(const PointSource& points, const std::vector<RankedCorner>& responses);
     void willTake(size_t count) CV_OVERRIDE { takesAll = count >= source->count() - given; }
     bool next(LeafPoint& point, const PointFilter* filter = 0) CV_OVERRIDE;
+    //! Whether the sequence ends before the last point.
+    bool endsEarly() const { return isCutShort; }
+    //! How many points were given or passed over.
+    size_t place() const { return given; }
+    //! Goes on from a place of the same sequence.
+    void goOnFrom(size_t place) { given = place; }
 
     //! Adds points one by one, which is what addAll does, for a caller that has them at hand.
     class Adder
@@ -158,10 +171,14 @@ private:
         unsigned point;
         float response;
     };
+    struct KeyRule;
     void sortByStrength();
+    int64 keyOf(size_t index, int64 ofStrength, const KeyRule& rule) const;
+    int64 findCandidates(const KeyRule& rule, size_t enough);
+    void sortByKeys(const KeyRule& rule, size_t enough);
     void countUsable(const std::vector<uchar>& usable);
+    void countInside();
     int leavesInside(int column, int row) const;
-    int leavesInsideAsBefore(int column, int row) const;
     void listOthers();
     void numberByPlaces();
 
@@ -176,7 +193,7 @@ private:
     std::vector<unsigned> byPlace;
     SortScratch sorting;
     size_t given;
-    bool takesAll, hasOthers;
+    bool takesAll, isCutShort, hasOthers;
 };
 
 }  // namespace stages
