@@ -317,7 +317,11 @@ TEST(Aqorb_Pipeline, equals_reference_where_octave_suppression_passes_over_most)
         Settings settings;
         settings.nfeatures = 300;
         settings.octaveSuppression = radius;
-        expectAsReference(settings, makeScene(Size(320, 240), 3));
+        const Mat scene = makeScene(Size(320, 240), 3);
+        expectAsReference(settings, scene);
+        Mat mask(scene.size(), CV_8UC1, Scalar(255));
+        mask(Rect(100, 80, 60, 70)).setTo(0);
+        expectAsReference(settings, scene, mask);
         settings.nlevels = 2;
         expectAsReference(settings, makeNoise(Size(240, 200), 4));
     }

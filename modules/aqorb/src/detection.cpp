@@ -67,7 +67,7 @@ void LevelDetection::order(const OrderRule& rule, DetectionScratch& scratch)
     }
     if (rule.isRanked)
     {
-        // Octave suppression passes over some of them.
+        // Octave suppression passes over some representatives, so more than the quota are put in order.
         orderByRank(rule, scratch, 2 * size_t(rule.rank.quota));
     }
     else
@@ -196,9 +196,9 @@ bool LevelDetection::next(LeafPoint& point, const PointFilter* filter)
         return true;
     if (!ranked.endsEarly())
         return false;
-    const size_t place = ranked.place();
+    const size_t passed = ranked.passed();
     orderByRank(*ruleInUse, *scratchInUse, SIZE_MAX);
-    ranked.goOnFrom(place);
+    ranked.goOnAfter(passed);
     return ranked.next(point, filter);
 }
 

@@ -63,7 +63,8 @@ public:
     void searchBand(int index, DetectionScratch& scratch);
     //! Begins the sequence of all corners, once all bands have been searched.
     void order(const OrderRule& rule, DetectionScratch& scratch);
-    //! The sequence of the corners. If the level has not been searched yet, it is searched now.
+    //! The sequence of the corners. If the level has not been searched yet, it is searched now. The rule, which is that of
+    //! order, and the work space must stay while points are taken, as the level may have to be ranked again.
     PointSequence& sequence(const OrderRule& rule, DetectionScratch& scratch);
     //! Lists the corners of a set with their responses. The level must have begun its sequence.
     void list(CornerSet set, DetectionScratch& scratch, std::vector<RankedCorner>& listed);
@@ -99,7 +100,7 @@ private:
     BalancedSequence balanced;
     RankedSequence ranked;
     bool isOrdered;
-    // While the ranked sequence is taken.
+    // The arguments of sequence.
     const OrderRule* ruleInUse;
     DetectionScratch* scratchInUse;
 };

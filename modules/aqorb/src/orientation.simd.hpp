@@ -113,13 +113,13 @@ inline void momentsOfTwo(const uchar* first, const uchar* second, ptrdiff_t step
     // The rows above and below the middle one share their weights. The middle one comes first, alone.
     const ptrdiff_t apart = weights.rowStep * step, weightsApart = weights.rowStep * PatchWeights::MAX_WIDTH;
     const int rows = weights.radius / weights.rowStep;
+    const ptrdiff_t toSecond = second - first;
+    const Row none = emptyRow();
     Sums first10 = noSums(), first01 = first10, second10 = first10, second01 = first10;
     for (int x = 0; x < weights.width; x += lanesOfRow())
     {
         const uchar *above = first - weights.radius + x, *below = above;
         const schar *wu = weights.u[0] + x, *wv = weights.v[0] + x;
-        const ptrdiff_t toSecond = second - first;
-        const Row none = emptyRow();
         add(loadRow(above), none, loadRow(wu), loadRow(wv), first10, first01);
         add(loadRow(above + toSecond), none, loadRow(wu), loadRow(wv), second10, second01);
         for (int row = 0; row < rows; row++)
@@ -144,7 +144,7 @@ inline Moments momentsOfOne(const uchar* center, ptrdiff_t step, const PatchWeig
     Moments moments = {0, 0};
     for (int u = -weights.radius; u <= weights.radius; u++)
     {
-        moments.m10 += center[u] * u;
+        moments.m10 += center[u] * weights.u[0][u + weights.radius];
         for (int v = weights.rowStep; v <= weights.radius; v += weights.rowStep)
         {
             const int above = center[u - v * step], below = center[u + v * step];
@@ -174,7 +174,7 @@ void momentsAround(const uchar* image, ptrdiff_t step, const PatchWeights& weigh
     {
         if (!isInside(points[i]))
             continue;
-        // A patch that has no second one is measured twice.
+        // A patch without a partner is measured twice.
         const size_t first = i, second = i + 1 < count && isInside(points[i + 1]) ? ++i : i;
         const FeaturePoint &p = points[first], &q = points[second];
         momentsOfTwo(image + p.y * step + p.x, image + q.y * step + q.x, step, weights, moments[first],

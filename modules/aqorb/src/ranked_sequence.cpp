@@ -115,7 +115,7 @@ void RankedSequence::countUsable(const std::vector<uchar>& usable)
 // Strengths of 0 or infinity lie far outside of the range of others.
 static const int64 LAST_KEY = int64(1) << 61;
 
-// The key of a representative is the logarithm of (1 + rank) / strength^weight, in units of 2^-42.
+// The key of a representative is the logarithm of (1 + rank * leaves / leavesInside) / strength^weight, in units of 2^-42.
 struct RankedSequence::KeyRule
 {
     int64 ofRank(int rank, int64 leavesInside) const
@@ -159,7 +159,8 @@ void RankedSequence::rank(const RankRule& rule, int power, const std::vector<uch
     ranks.resize(size);
     leafRanks(ranked.data(), size, depth, disc, scratch->ranking, ranks.data());
 
-    countInside();
+    if (usable.empty())
+        countInside();
     const KeyRule keyRule = {BinaryLogarithm::shared(), disc.total,
                              cvRound(rule.strengthWeight * (1 << 16)) * (4 / power)};
     sortByKeys(keyRule, enough);
@@ -173,7 +174,7 @@ int64 RankedSequence::keyOf(size_t index, int64 ofStrength, const KeyRule& rule)
     return rule.ofRank(scratch->ranks[index], inside) + ofStrength;
 }
 
-// Finds those that may have one of the least keys, if not all are needed, and returns the greatest key that counts.
+// Lists the representatives that may have one of the least keys, and returns a bound: those with greater keys are left out.
 int64 RankedSequence::findCandidates(const KeyRule& rule, size_t enough)
 {
     const std::vector<int>& ranks = scratch->ranks;
@@ -184,7 +185,7 @@ int64 RankedSequence::findCandidates(const KeyRule& rule, size_t enough)
     if (size <= FEW || enough >= size / 4 * 3)
         return std::numeric_limits<int64>::max();
 
-    // The keys of the first representatives of blocks tell which key about so many of all do not exceed.
+    // The first representative of each block is a sample. It tells which bound the keys of about enough of all do not exceed.
     std::vector<int64>&ofBlocks = scratch->strengthsOfBlocks, &keys = scratch->keysOfBlocks;
     ofBlocks.clear();
     keys.clear();
@@ -196,22 +197,23 @@ int64 RankedSequence::findCandidates(const KeyRule& rule, size_t enough)
     std::nth_element(keys.begin(), keys.begin() + enough / BLOCK, keys.end());
     const int64 greatestKey = keys[enough / BLOCK];
 
-    // Near borders ranks are scaled up, so these are the least keys.
+    // Ranks are scaled up where a part of the disc does not count, so these are the least parts of ranks in keys.
     const int RANKS = 32;
     int64 ofRanks[RANKS];
     for (int i = 0; i < RANKS; i++)
         ofRanks[i] = rule.ofRank(i, rule.leaves);
-    // The first representative is the strongest one of its block. It tells from which rank on all keys are too great.
-    const int64 ERROR = int64(1) << 24;  // of a key, at most
+    // The first representative is the strongest one of its block. It tells how many ranks, from 0 on, are low enough there.
+    const int64 SLACK = int64(1) << 24;  // more than what rounding adds to the difference of two keys
+    int lowRanks = RANKS;
     size_t count = 0;
-    for (size_t begin = 0, end = RANKS; begin < size; begin += BLOCK)
+    for (size_t first = 0; first < size; first += BLOCK)
     {
-        while (end > 0 && ofRanks[end - 1] - ERROR > greatestKey - ofBlocks[begin / BLOCK])
-            end--;
-        for (size_t i = begin; i < std::min(begin + BLOCK, size); i++)
+        while (lowRanks > 0 && ofRanks[lowRanks - 1] - SLACK > greatestKey - ofBlocks[first / BLOCK])
+            lowRanks--;
+        for (size_t i = first; i < std::min(first + BLOCK, size); i++)
         {
             candidates[count] = unsigned(i);
-            count += size_t(std::min(ranks[i], RANKS - 1)) < end;
+            count += std::min(ranks[i], RANKS - 1) < lowRanks;
         }
     }
     candidates.resize(count);
@@ -256,7 +258,8 @@ void RankedSequence::sortByKeys(const KeyRule& rule, size_t enough)
 }
 
 // Of the disc around a leaf, the number of leaves in the rows above its own that lie inside of the region depends on the
-// column and on the number of rows alone. Columns whose discs reach neither border are like the first such column.
+// column and on the number of rows alone. The table holds it by column, then by number of rows. The rows below are alike.
+// Columns whose discs reach neither border are like the first such column, and are left out.
 void RankedSequence::countInside()
 {
     const std::vector<int>& halfWidths = scratch->disc.halfWidths;

@@ -90,8 +90,8 @@ struct RankedScratch
     // Of the representatives, by strength: which one, its leaf and its rank.
     std::vector<unsigned> byStrength, ranked;
     std::vector<int> ranks;
-    // Which of those, by strength, may have one of the first places, and keys of some of them.
-    std::vector<unsigned> candidates;
+    std::vector<unsigned> candidates;  // which of those may be among the first
+    // Of the first one of each block of those: the part of the strength in the key, and, in any order, the key.
     std::vector<int64> strengthsOfBlocks, keysOfBlocks;
     std::vector<int> usableBefore, inside;
     LeafDisc disc;
@@ -130,7 +130,8 @@ public:
     /** Ranks the representatives. It must be called once before next.
      @param power of the strength that the strengths of the representatives are: 1 or 4
      @param usable by leaf, row by row: whether points may lie there; empty: everywhere
-     @param enough where there are far more representatives, the sequence may end after about so many */
+     @param enough if there are far more representatives than that, the sequence may end after about as many, see
+     endsEarly */
     void rank(const RankRule& rule, int power, const std::vector<uchar>& usable, size_t enough = SIZE_MAX);
     //! Starts a sequence of points that are not ranked, for a caller that takes all of them.
     void beginUnranked(const PointSource& points, const std::vector<RankedCorner>& responses);
@@ -138,10 +139,10 @@ public:
     bool next(LeafPoint& point, const PointFilter* filter = 0) CV_OVERRIDE;
     //! Whether the sequence ends before the last point.
     bool endsEarly() const { return isCutShort; }
-    //! How many points were given or passed over.
-    size_t place() const { return given; }
-    //! Goes on from a place of the same sequence.
-    void goOnFrom(size_t place) { given = place; }
+    //! How many points have been given or passed over.
+    size_t passed() const { return given; }
+    //! Goes on after so many points, which another beginning of the same sequence has given or passed over.
+    void goOnAfter(size_t passed) { given = passed; }
 
     //! Adds points one by one, which is what addAll does, for a caller that has them at hand.
     class Adder
