@@ -73,18 +73,6 @@ private:
     const Image& image;
 };
 
-//! The time of frames without a trace, by which it is known what the trace costs.
-void timeUntraced(const Image& image, const Settings& settings, FrameTimes& times)
-{
-    setNumThreads(1);
-    const Ptr<Feature2D> detector = createDetector(AQORB, settings.nfeatures);
-    Features features;
-    for (int i = 0; i < WARM_UP; i++)
-        timeFrame(*detector, image.pixels, features);
-    for (int i = 0; i < settings.repeats; i++)
-        times.add(i, "untraced", "frame", timeFrame(*detector, image.pixels, features) * 1e9);
-}
-
 /** The least times of a frame by numbers of threads. A frame is divided into more tasks for more threads, and one thread
  does them. Whatever is outside of tasks is serial. */
 void recordTasks(const Image& image, const Settings& settings, FrameTimes& times)
@@ -130,7 +118,6 @@ tools::CsvTable measureStages(const Settings& settings)
             for (int stage = 0; stage < STAGE_COUNT; stage++)
                 times.add(i, "stage", nameOf(Stage(stage)), profile.stages[stage]);
         }
-        timeUntraced(image, settings, times);
         recordTasks(image, settings, times);
     }
     return table;

@@ -27,11 +27,8 @@ def stage_tables(folder):
         return chosen.pivot(index=['image', 'frame'], columns='name', values='ns')[list(chosen['name'].unique())]
 
     stages = medians(of_kind('stage'))
-    totals = stages.sum(axis=1)  # as medians of stages need not add up to the median of frames
-    shares = 100 * stages.div(totals, axis=0)
+    shares = 100 * stages.div(stages.sum(axis=1), axis=0)  # medians need not add up to that of the frames
     rows = [[stage] + [number(shares.loc[image, stage], 1) for image in images] for stage in stages.columns]
-    cost = 100 * (totals / medians(of_kind('untraced'))['frame'] - 1)
-    rows.append(['a traced frame takes longer by %'] + [number(cost[image], 0) for image in images])
     tables = {'Stages': pandas.DataFrame(rows, columns=['% of a frame'] + images)}
 
     paths = of_kind('path')

@@ -9,7 +9,7 @@ def rows(table):
     return table.values.tolist()
 
 
-def write_stages(folder, frames, untraced, paths=((1000, 100, 400, 500, 600),)):
+def write_stages(folder, frames, paths=((1000, 100, 400, 500, 600),)):
     """frames: (FAST, selection); paths: (frame by one thread, serial, longest path, least and queue's time)."""
     lines = ['image,frame,kind,name,ns']
     for i, (fast, selection) in enumerate(frames):
@@ -22,22 +22,20 @@ def write_stages(folder, frames, untraced, paths=((1000, 100, 400, 500, 600),)):
                 # With more threads the least time falls, the queue's does not.
                 least = ns * 2 // threads if name == 'least' else ns
                 lines.append('"scene 9x9",{},path,{} {},{}'.format(i, name, threads, least))
-    lines += ['"scene 9x9",{},untraced,"frame",{}'.format(i, ns) for i, ns in enumerate(untraced)]
     (folder / 'stages.csv').write_text('\n'.join(lines) + '\n')
 
 
 def test_stages_are_medians_of_frames(tmp_path):
     # The medians of the stages, 900 and 100, are of different frames; no frame has them both.
-    write_stages(tmp_path, [(900, 1100), (700, 100), (9000, 90)], [500, 800, 9000])
+    write_stages(tmp_path, [(900, 1100), (700, 100), (9000, 90)])
     tables = profiling.stage_tables(tmp_path)
     assert list(tables['Stages'].columns) == ['% of a frame', 'scene 9x9']
-    assert rows(tables['Stages']) == [['FAST, cells', '90.0'], ['selection', '10.0'],
-                                      ['a traced frame takes longer by %', '25']]
+    assert rows(tables['Stages']) == [['FAST, cells', '90.0'], ['selection', '10.0']]
 
 
 def test_critical_path_is_of_ratios_within_a_frame(tmp_path):
     # serial: 10, 12.5 and 10 %; least time of two threads: 50, 62.5 and 50 %; of the queue 60, 75 and 60 %
-    write_stages(tmp_path, [(900, 100)], [1],
+    write_stages(tmp_path, [(900, 100)],
                  [(2000, 200, 800, 1000, 1200), (800, 100, 400, 500, 600), (9090, 909, 3636, 4545, 5454)])
     assert rows(profiling.stage_tables(tmp_path)['Critical path']) == [
         ['scene 9x9', '10.0', '10.0', '40.0', '2.00', '4.00', '8.00', '1.67', '1.67', '1.67']]
