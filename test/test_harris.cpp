@@ -17,16 +17,15 @@ using namespace aqorb::stages;
 float harrisResponse(const Mat& image, int x, int y)
 {
     const Corner corner = {x, y, 1};
-    std::vector<RankedCorner> ranked;
-    harrisResponses(image, std::vector<Corner>(1, corner), ranked);
-    return ranked[0].response;
+    RankedCorner ranked;
+    harrisResponses(image, &corner, 1, &ranked);
+    return ranked.response;
 }
 
 void expectAsReference(const Mat& image, const std::vector<Corner>& corners)
 {
-    std::vector<RankedCorner> ranked;
-    harrisResponses(image, corners, ranked);
-    ASSERT_EQ(ranked.size(), corners.size());
+    std::vector<RankedCorner> ranked(corners.size());
+    harrisResponses(image, corners.data(), corners.size(), ranked.data());
     for (size_t i = 0; i < corners.size(); i++)
     {
         const Corner& c = corners[i];
@@ -89,8 +88,8 @@ TEST(Aqorb_Harris, equals_reference_for_every_width_and_alignment)
                               const Corner corner = {x, y, 1};
                               corners.push_back(corner);
                           }
-                          std::vector<RankedCorner> ranked;
-                          harrisResponses(image, corners, ranked);
+                          std::vector<RankedCorner> ranked(corners.size());
+                          harrisResponses(image, corners.data(), corners.size(), ranked.data());
                           for (const RankedCorner& corner : ranked)
                               EXPECT_EQ(corner.response, expected[corner.x]) << corner.x;
                       });

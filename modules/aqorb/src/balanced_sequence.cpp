@@ -45,10 +45,10 @@ struct ByLeaf
 // is needed is done by next, which one thread calls. As a rule that is little, because a level has many more corners
 // than it needs.
 
-void BalancedSequence::begin(std::vector<LeafPoint>& points_, int depth)
+void BalancedSequence::begin(const std::vector<LeafPoint>& points_, int depth)
 {
     CV_TRACE_FUNCTION();
-    points.swap(points_);
+    points = points_;
     groups.clear();
     leaves.clear();
     offers.clear();

@@ -24,9 +24,8 @@ class BalancedSequence : public PointSequence
 {
 public:
     BalancedSequence() : given(0) {}
-    //! Starts a sequence. It swaps the points in, so the caller's vector has any content afterwards. It is fastest for
-    //! points in raster order.
-    void begin(std::vector<LeafPoint>& points, int depth);
+    //! Starts a sequence. It is fastest for points in raster order.
+    void begin(const std::vector<LeafPoint>& points, int depth);
     //! Points that the filter rejects are treated as if they did not exist. The filter is asked about few more points
     //! than are given.
     bool next(LeafPoint& point, const PointFilter* filter = 0) CV_OVERRIDE;

@@ -170,9 +170,9 @@ float LevelDetection::response(const LeafPoint& point) const
 {
     if (!responses.empty() || !rules.rankByHarris)
         return point.response;
-    std::vector<RankedCorner> ofPoint;
-    respond(std::vector<Corner>(1, found.kept[point.index]), ofPoint);
-    return ofPoint[0].response;
+    RankedCorner ofPoint;
+    respond(&found.kept[point.index], 1, &ofPoint);
+    return ofPoint.response;
 }
 
 PointSequence& LevelDetection::sequence(const OrderRule& rule, DetectionScratch& scratch)
@@ -218,20 +218,21 @@ void LevelDetection::list(CornerSet set, DetectionScratch& scratch, std::vector<
 }
 
 // The responses of corners.
-void LevelDetection::respond(const std::vector<Corner>& ofCorners,
-                             std::vector<RankedCorner>& responding) const
+void LevelDetection::respond(const Corner* corners, size_t count, RankedCorner* responding) const
 {
     if (rules.rankByHarris)
+        return harrisResponses(level->image, corners, count, responding);
+    for (size_t i = 0; i < count; i++)
     {
-        harrisResponses(level->image, ofCorners, responding);
-        return;
-    }
-    responding.resize(ofCorners.size());
-    for (size_t i = 0; i < ofCorners.size(); i++)
-    {
-        const RankedCorner corner = {ofCorners[i].x, ofCorners[i].y, float(ofCorners[i].score)};
+        const RankedCorner corner = {corners[i].x, corners[i].y, float(corners[i].score)};
         responding[i] = corner;
     }
+}
+
+void LevelDetection::respond(const std::vector<Corner>& corners, std::vector<RankedCorner>& responding) const
+{
+    responding.resize(corners.size());
+    respond(corners.data(), corners.size(), responding.data());
 }
 
 }  // namespace stages

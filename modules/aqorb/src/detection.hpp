@@ -77,6 +77,7 @@ private:
         FoundCorners corners;  // unused in the first band, whose corners go into `found` at once
     };
     FoundCorners& cornersOf(int band) { return band == 0 ? found : bands[band].corners; }
+    void respond(const Corner* corners, size_t count, RankedCorner* ranked) const;
     void respond(const std::vector<Corner>& corners, std::vector<RankedCorner>& ranked) const;
     void orderByRank(const OrderRule& rule, DetectionScratch& scratch, size_t enough);
     void findStrengths(DetectionScratch& scratch);

@@ -326,15 +326,6 @@ void Frame::describe(int level, int part, WorkerScratch& scratch)
                      scratch.description);
 }
 
-namespace
-{
-struct GivenFeature
-{
-    FeaturePoint point;
-    unsigned index;
-};
-}  // namespace
-
 void Frame::describeGiven(const std::vector<KeyPoint>& given)
 {
     areGiven = true;
@@ -350,36 +341,37 @@ void Frame::describeGiven(const std::vector<KeyPoint>& given)
                    "into the field: unpack it first)",
                    highest));
 
-    // They are ordered by level.
-    const std::vector<KeyPoint> inside = describableKeypoints(given, imageSize, parameters.edgeThreshold);
-    workspace.layOutLevels(inside.empty() ? 0 : inside.back().octave + 1, parameters.firstLevel,
+    std::vector<KeyPoint>& inside = workspace.given;
+    describableKeypoints(given, imageSize, parameters.edgeThreshold, inside);
+    workspace.layOutLevels(inside.empty() ? 0 : highestOctave(inside) + 1, parameters.firstLevel,
                            parameters.scaleFactor, 1);
-    std::vector<GivenFeature> features;
-    size_t end = 0;
+    std::vector<GivenFeature>& features = workspace.givenFeatures;
+    features.clear();
+    for (size_t i = 0; i < inside.size(); i++)
+    {
+        const KeyPoint& keypoint = inside[i];
+        const float inverseScale = 1.f / levels[keypoint.octave].level.scale;
+        const GivenFeature feature = {
+            {cvRound(keypoint.pt.x * inverseScale), cvRound(keypoint.pt.y * inverseScale), keypoint.angle},
+            keypoint.octave,
+            unsigned(i)};
+        features.push_back(feature);
+    }
+    std::sort(features.begin(), features.end(),
+              [](const GivenFeature& a, const GivenFeature& b)
+              { return a.octave != b.octave ? a.octave < b.octave : InRasterOrder()(a.point, b.point); });
+    size_t next = 0;
     for (int i = 0; i < workspace.levelCount; i++)
     {
-        const float inverseScale = 1.f / levels[i].level.scale;
-        features.clear();
-        for (; end < inside.size() && inside[end].octave == i; end++)
-        {
-            const KeyPoint& keypoint = inside[end];
-            const GivenFeature feature = {{cvRound(keypoint.pt.x * inverseScale),
-                                           cvRound(keypoint.pt.y * inverseScale), keypoint.angle},
-                                          unsigned(end)};
-            features.push_back(feature);
-        }
-        std::stable_sort(features.begin(), features.end(),
-                         [](const GivenFeature& a, const GivenFeature& b)
-                         { return InRasterOrder()(a.point, b.point); });
         FeatureBatch& batch = levels[i].batches[0];
-        batch.points.resize(features.size());
-        batch.keypoints.resize(features.size());
-        batch.order.resize(features.size());
-        for (size_t j = 0; j < features.size(); j++)
+        batch.points.clear();
+        batch.keypoints.clear();
+        batch.order.clear();
+        for (; next < features.size() && features[next].octave == i; next++)
         {
-            batch.points[j] = features[j].point;
-            batch.keypoints[j] = inside[features[j].index];
-            batch.order[j] = features[j].index;
+            batch.points.push_back(features[next].point);
+            batch.keypoints.push_back(inside[features[next].index]);
+            batch.order.push_back(features[next].index);
         }
         levels[i].batches[1].points.clear();
     }

@@ -38,19 +38,18 @@ static float responseAtBorder(const Mat& image, int x, int y)
     return ranked.response;
 }
 
-void harrisResponses(const Mat& image, const std::vector<Corner>& corners, std::vector<RankedCorner>& ranked)
+void harrisResponses(const Mat& image, const Corner* corners, size_t count, RankedCorner* ranked)
 {
     CV_TRACE_FUNCTION();
-    ranked.resize(corners.size());
     const Rect inside(RADIUS, RADIUS, image.cols - RADIUS - REACH, image.rows - 2 * RADIUS);
     size_t end;
-    for (size_t i = 0; i < corners.size(); i = end)
+    for (size_t i = 0; i < count; i = end)
     {
         end = i;
-        while (end < corners.size() && inside.contains(Point(corners[end].x, corners[end].y)))
+        while (end < count && inside.contains(Point(corners[end].x, corners[end].y)))
             end++;
-        rankInside(image.ptr(), ptrdiff_t(image.step), corners.data() + i, int(end - i), ranked.data() + i);
-        if (end < corners.size())
+        rankInside(image.ptr(), ptrdiff_t(image.step), corners + i, int(end - i), ranked + i);
+        if (end < count)
         {
             const Corner& c = corners[end];
             const RankedCorner corner = {c.x, c.y, responseAtBorder(image, c.x, c.y)};

@@ -190,24 +190,17 @@ static bool isInside(const Point2f& pt, const Size& size)
     return pt.x >= -0.5f && pt.y >= -0.5f && pt.x < float(size.width) && pt.y < float(size.height);
 }
 
-static bool hasLowerOctave(const KeyPoint& a, const KeyPoint& b)
+void describableKeypoints(const std::vector<KeyPoint>& keypoints, Size imageSize, int edgeThreshold,
+                          std::vector<KeyPoint>& describable)
 {
-    return a.octave < b.octave;
-}
-
-std::vector<KeyPoint> describableKeypoints(const std::vector<KeyPoint>& keypoints, Size imageSize,
-                                           int edgeThreshold)
-{
-    std::vector<KeyPoint> inside;
+    describable.clear();
     for (size_t i = 0; i < keypoints.size(); i++)
     {
         if (isInside(keypoints[i].pt, imageSize))
-            inside.push_back(keypoints[i]);
+            describable.push_back(keypoints[i]);
     }
     const int border = std::min(edgeThreshold, std::max(imageSize.width, imageSize.height));
-    KeyPointsFilter::runByImageBorder(inside, imageSize, border);
-    std::stable_sort(inside.begin(), inside.end(), hasLowerOctave);
-    return inside;
+    KeyPointsFilter::runByImageBorder(describable, imageSize, border);
 }
 
 }  // namespace stages

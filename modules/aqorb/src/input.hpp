@@ -61,9 +61,9 @@ void releaseDescriptors(OutputArray descriptors);
 int highestOctave(const std::vector<KeyPoint>& keypoints);
 
 //! Of keypoints that are given to be described, those that cv::ORB describes. The others lie outside of the image or
-//! nearer than `edgeThreshold` to its border. The result is ordered by octave, and otherwise in the given order.
-std::vector<KeyPoint> describableKeypoints(const std::vector<KeyPoint>& keypoints, Size imageSize,
-                                           int edgeThreshold);
+//! nearer than `edgeThreshold` to its border.
+void describableKeypoints(const std::vector<KeyPoint>& keypoints, Size imageSize, int edgeThreshold,
+                          std::vector<KeyPoint>& describable);
 
 }  // namespace stages
 }  // namespace aqorb

@@ -71,7 +71,7 @@ private:
     {
         AutoLock lock(mutex);
         // So that giving back, which a destructor does, cannot fail.
-        idle.reserve(idle.size() + lentCount + 1);
+        idle.reserve(std::max(idle.size(), size_t(1)) + lentCount);
         Entry lent;
         if (!idle.empty())
         {

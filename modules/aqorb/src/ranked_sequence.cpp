@@ -326,7 +326,7 @@ void RankedSequence::listOthers()
     sortIndices(placeNumbers, sorting, byPlace);
     for (unsigned& index : byPlace)
         index = others[index];
-    others.swap(byPlace);
+    others.assign(byPlace.begin(), byPlace.end());
 }
 
 // Numbers all points by their place in their leaf, then by strength. A representative has the first place in its leaf.

@@ -43,6 +43,14 @@ struct WorkerScratch
     std::vector<stages::RankedCorner> corners;
 };
 
+//! A keypoint that is given to be described.
+struct GivenFeature
+{
+    stages::FeaturePoint point;
+    int octave;
+    unsigned index;  //!< of the keypoint
+};
+
 //! What a call needs beside its outputs. It is kept for later calls.
 struct Workspace
 {
@@ -61,6 +69,9 @@ struct Workspace
     TaskQueue queue;
     std::vector<WorkerScratch> scratches;  //!< of the workers
     std::vector<int> maskColumns;          //!< work space of maskPositions
+    // Work space of given keypoints.
+    std::vector<KeyPoint> given;
+    std::vector<GivenFeature> givenFeatures;
     // Work space of the output.
     std::vector<uint64> numbers;
     std::vector<unsigned> rasterOrder, places;
