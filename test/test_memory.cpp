@@ -57,8 +57,7 @@ TEST(Aqorb_Memory, bytes_are_counted)
 //! Otherwise cv::resize makes the pyramid, and it allocates.
 bool pyramidHasKernel()
 {
-    const bool is64Bit = sizeof(void*) == 8;  // OpenCV's intrinsics for AVX2 need it
-    return is64Bit && checkHardwareSupport(CPU_AVX2);
+    return CV_NEON || checkHardwareSupport(CPU_SSE4_1);
 }
 
 //! Those for which doc/performance.md sets aims.

@@ -75,6 +75,10 @@ struct Taps
 {
     int first, second;
     int secondWeight;  // in 1/256
+
+    // Of those that count.
+    int firstUsed() const { return secondWeight < 256 ? first : second; }
+    int lastUsed() const { return secondWeight > 0 ? second : first; }
 };
 }  // namespace
 
@@ -131,8 +135,8 @@ static bool resizeBlocks(int sourceWidth, const Taps* taps, int width, ResizeTab
                 return false;
             const int weight = tap.secondWeight;
             const bool isOne = weight == 0 || weight == 256;
-            block.pairs[group][2 * j] = uchar((weight == 256 ? tap.second : tap.first) - base);
-            block.pairs[group][2 * j + 1] = uchar((weight == 0 ? tap.first : tap.second) - base);
+            block.pairs[group][2 * j] = uchar(tap.firstUsed() - base);
+            block.pairs[group][2 * j + 1] = uchar(tap.lastUsed() - base);
             block.weights[group][2 * j] = uchar(isOne ? 255 : 256 - weight);
             block.weights[group][2 * j + 1] = uchar(isOne ? 1 : weight);
         }
@@ -203,15 +207,12 @@ static Mat resizeMask(const Mat& mask, Size size, ResizeTables& tables)
     Mat resized(size, CV_8UC1, tables.mask.data());
     for (int y = 0; y < size.height; y++)
     {
-        const bool useUpper = rows[y].secondWeight<256, useLower = rows[y].secondWeight> 0;
-        const uchar* upper = mask.ptr(useUpper ? rows[y].first : rows[y].second);
-        const uchar* lower = mask.ptr(useLower ? rows[y].second : rows[y].first);
+        const uchar* upper = mask.ptr(rows[y].firstUsed());
+        const uchar* lower = mask.ptr(rows[y].lastUsed());
         uchar* out = resized.ptr(y);
         for (int x = 0; x < size.width; x++)
         {
-            const Taps& taps = columns[x];
-            const int left = taps.secondWeight < 256 ? taps.first : taps.second;
-            const int right = taps.secondWeight > 0 ? taps.second : taps.first;
+            const int left = columns[x].firstUsed(), right = columns[x].lastUsed();
             out[x] = upper[left] && upper[right] && lower[left] && lower[right] ? 255 : 0;
         }
     }
