@@ -76,7 +76,7 @@ struct Taps
     int first, second;
     int secondWeight;  // in 1/256
 
-    // Of those that count.
+    // The first and the last one whose weight is not 0.
     int firstUsed() const { return secondWeight < 256 ? first : second; }
     int lastUsed() const { return secondWeight > 0 ? second : first; }
 };
