@@ -151,7 +151,7 @@ row_plain() {
 
 row_qemu64() {
     need emulation
-    compiled qemu64 qemu-x86_64-static -cpu qemu64
+    compiled qemu64 qemu-x86_64-static -cpu qemu64,vendor=GenuineIntel
 }
 
 # cross ROW ARCHITECTURE [EMULATOR]: cross-built with the compiler and the packages of Debian for an architecture, by
