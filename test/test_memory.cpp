@@ -38,8 +38,8 @@ TEST(Aqorb_Memory, bytes_are_counted)
     if (!AllocationCounter::countsBytes())
         AQORB_SKIP("the size of a block of memory is not known here");
     const int MOST = 1000;  // of what the C library adds
-    void* const first =
-        ::operator new(10000);  // clang would leave out the memory of a vector that is not used
+    // No vectors, because clang leaves out the memory of those that nobody uses.
+    void* const first = ::operator new(10000);
     Mat before(100, 100, CV_8UC1);
     AllocationCounter allocations;
     {
