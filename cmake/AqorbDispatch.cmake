@@ -27,6 +27,9 @@ if(MINGW AND CMAKE_CXX_COMPILER_ID STREQUAL "GNU")
   list(APPEND AQORB_AVX512_SKX_FLAGS -Wa,-muse-unaligned-vector-move)
 endif()
 set(AQORB_AVX512_SKX_FEATURES ${AQORB_AVX2_FEATURES} AVX_512F AVX512_COMMON AVX512_SKX)
+set(AQORB_AVX512_ICL_FLAGS ${AQORB_AVX512_SKX_FLAGS}
+  -mavx512ifma -mavx512vbmi -mavx512vbmi2 -mavx512vnni -mavx512bitalg -mavx512vpopcntdq)
+set(AQORB_AVX512_ICL_FEATURES ${AQORB_AVX512_SKX_FEATURES} AVX512_ICL)
 
 # aqorb_write(<file> <content>): leaves a file as it is that has the content. (file(CONFIGURE) is newer than CMake 3.16,
 # and that of 3.18 loses the ends of lines.)

@@ -3,7 +3,7 @@
 # Labels, for ctest -L and CMakePresets.json:
 #   unit         the accuracy tests, of test/
 #   concurrency  those of them that use several threads (their name says concurrency or threads)
-#   sample, preload, profile, package   each of these programs, run once
+#   sample, preload, package   each of these programs, run once
 #   exports      what the shared library exports
 #   soak, fuzz   long runs and valgrind; fuzz targets
 #

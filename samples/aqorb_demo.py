@@ -1,5 +1,4 @@
 #!/usr/bin/env python3
-
 # This file is part of aqorb. Copyright (C) The aqorb developers.
 # It is subject to the license terms in the LICENSE file found in the top-level directory
 # of this distribution.
@@ -9,17 +8,21 @@ images, aqorb_matches.jpg. More than two images are taken one by one (aqorb_keyp
 takes three pairs of OpenCV's samples: one where all of the scene is in both images, one with a small object, and one
 from two sides."""
 
+import argparse
+import os
 import statistics
+import sys
 from collections import namedtuple
-
-# Imported first, because it says what is missing if an import fails.
-from program import (BAD_ARGUMENTS, FAILED, Failure, Program, aqorb, find_file, path_in, read_image, run,
-                     write_picture)
 
 import cv2 as cv
 import numpy as np
 
-from drawing import captioned, keypoint_picture, match_picture, size_of
+try:
+    import aqorb
+except ImportError:  # a cv2 that was built with the module
+    from cv2 import aqorb
+
+YELLOW = (0, 255, 255)
 
 # What the program shows without images.
 PAIRS = [
@@ -29,70 +32,166 @@ How to read it: cv.ORB's keypoints crowd where the contrast is highest, several 
 AdaptiveQuadtreeORB's cover the image. So more of them match at distinct places, and these
 places fill more of the image's cells."""),
     ('box.png', 'box_in_scene.png', '',
-     """2. cv.ORB has more matches: a small box, and the same box among other things.
+     """2. cv.ORB has more matches in all: a small box, and the same box among other things.
 How to read it: only the box is in both images. AdaptiveQuadtreeORB spreads its keypoints over
-the whole scene, so fewer of them lie on the box, and fewer match. The matches cover as much of it.
-If you look for a small object, see StrengthWeight in the tutorial."""),
+the whole scene, so fewer of them lie on the box. If you look for a small object, see StrengthWeight
+in the tutorial."""),
     ('graf1.png', 'graf3.png', 'H1to3p.xml',
      """3. AdaptiveQuadtreeORB wins: a painted wall from two sides, with a known homography between them.
 How to read it: AdaptiveQuadtreeORB has more correct matches, on more places of the wall. The error
 says by how many pixels the homography is off that is estimated from each detector's matches.""")]
 
-LEGEND = """Distinct: matches at least 4 pixels from each other. Consistent: within 3 pixels of the
-homography estimated from the detector's matches; correct: of the known one."""
+LEGEND = """Matches are mutual nearest neighbours. Consistent: within 3 pixels of the homography estimated
+from the detector's matches; correct: of the known one. Distinct: at least 4 pixels from every
+better one in both images. cv.ORB often has more in all, because it finds a strong corner on
+several levels and each of these counts. FAST threshold: cv.ORB's is fixed, AdaptiveQuadtreeORB's
+follows the contrast of the image."""
 
 # features: keypoints and descriptors of each image; matches: distinct, and in agreement with the homography;
-# homography_error: in pixels, or None
-Result = namedtuple('Result', 'name detector features matches homography_error')
+# agreeing, matched: how many agree with it, whether distinct or not, and how many there are; homography_error: in
+# pixels, or None
+Result = namedtuple('Result', 'name detector features matches agreeing matched homography_error')
 
 
 def parse_arguments():
-    program = Program(__doc__, '[IMAGE1 [IMAGE2]] or IMAGE IMAGE IMAGE ...', 0, 100000,
-                      'aqorb_demo.py --nfeatures=500 --out=pictures photograph1.jpg photograph2.jpg')
-    program.add_text('homography', '',
-                     'XML, YAML or JSON file with the 3x3 homography from image 1 to image 2; without it those '
-                     'matches are counted that agree with the homography estimated from them')
-    program.add_feature_count()
-    program.add_text('out', '.', 'existing folder for the pictures')
-    arguments = program.parse()
-    path_in(arguments.out, '')
-    if arguments.homography and len(arguments.files) != 2:
-        raise Failure(BAD_ARGUMENTS, '--homography={}: is accepted with two images'.format(arguments.homography))
-    return arguments
+    parser = argparse.ArgumentParser(description=__doc__)
+    parser.add_argument('--homography', help='XML, YAML or JSON file with the 3x3 homography from image 1 to image 2; '
+                        'without it those matches are counted that agree with the homography estimated from them')
+    parser.add_argument('--nfeatures', type=int, default=1000)
+    parser.add_argument('--out', default='.', help='existing folder for the pictures')
+    parser.add_argument('images', nargs='*', metavar='IMAGE')
+    return parser.parse_args()
+
+
+def read_image(name):
+    image = cv.imread(cv.samples.findFile(name, False), cv.IMREAD_GRAYSCALE)
+    if image is None:
+        sys.exit(name + ': cannot be read as an image'
+                 " (OpenCV's: export OPENCV_SAMPLES_DATA_PATH=$(scripts/sample_images.sh))")
+    return image
 
 
 def read_homography(name):
     """The first matrix in the file, whatever its name."""
-    path = find_file(name)
-    homography = None
-    try:
-        storage = cv.FileStorage(path, cv.FILE_STORAGE_READ)
-        homography = storage.getFirstTopLevelNode().mat()
-    except (cv.error, SystemError):  # neither XML, YAML nor JSON, or no matrix
-        pass
+    storage = cv.FileStorage(cv.samples.findFile(name), cv.FILE_STORAGE_READ)  # must outlive its nodes
+    homography = storage.getFirstTopLevelNode().mat()
     if homography is None or homography.shape != (3, 3):
-        raise Failure(FAILED, '--homography={}: an XML, YAML or JSON file with a 3x3 matrix is accepted'.format(name))
+        sys.exit(name + ': has no 3x3 matrix')
     return homography.astype(float)
 
 
+def write_picture(folder, name, picture):
+    path = os.path.join(folder, name)
+    if not cv.imwrite(path, picture, [cv.IMWRITE_JPEG_QUALITY, 85]):
+        sys.exit(path + ': cannot be written; an existing folder is accepted')
+    print('Picture:', path)
+
+
+def size_of(image):
+    return image.shape[1], image.shape[0]
+
+
+def drawing_scale(size):
+    """How much larger circles and letters are than on a picture of 800x640 pixels; at least 1."""
+    return max(1, (size[0] * size[1] / (800 * 640)) ** 0.5)
+
+
+def line_width(size):
+    return round(drawing_scale(size))
+
+
+def enlargement(size):
+    """By which factor a small image is enlarged, so that circles and a caption find room on it."""
+    return max(1, (400 + size[0] - 1) // size[0])
+
+
+def canvas(image, factor):
+    """The image in colour, enlarged."""
+    picture = cv.resize(image, None, fx=factor, fy=factor, interpolation=cv.INTER_NEAREST)
+    return picture if picture.ndim == 3 else cv.cvtColor(picture, cv.COLOR_GRAY2BGR)
+
+
+def enlarged(position, factor):
+    """Where a position lies on the enlarged image. The centre of a pixel has whole numbers on both."""
+    return (np.array(position) + 0.5) * factor - 0.5
+
+
+def draw_circle(picture, centre, radius, width):
+    """A circle at a fraction of a pixel."""
+    bits = 4  # of the fraction
+    cv.circle(picture, np.intp(np.round(centre * (1 << bits))), round(radius * (1 << bits)), YELLOW, width, cv.LINE_AA,
+              bits)
+
+
+def keypoint_picture(image, keypoints):
+    """The image with a circle at each keypoint."""
+    factor = enlargement(size_of(image))
+    picture = canvas(image, factor)
+    scale = drawing_scale(size_of(picture))
+    for keypoint in keypoints:
+        draw_circle(picture, enlarged(keypoint.pt, factor), 3 * scale, round(scale))
+    return picture
+
+
+def match_picture(image1, keypoints1, image2, keypoints2, matches):
+    """Two images side by side, darker, with a line for each match."""
+    factor = min(enlargement(size_of(image)) for image in (image1, image2))
+    left, right = [canvas(cv.convertScaleAbs(image, alpha=0.6), factor) for image in (image1, image2)]
+    height = max(left.shape[0], right.shape[0])
+    parts = [cv.copyMakeBorder(image, 0, height - image.shape[0], 0, 0, cv.BORDER_CONSTANT, value=(255, 255, 255))
+             for image in (left, right)]
+    picture = cv.hconcat(parts)
+    size = max(left.shape[1], right.shape[1]), height
+    shift = np.array([left.shape[1], 0])
+    ends = [(enlarged(keypoints1[match.queryIdx].pt, factor), enlarged(keypoints2[match.trainIdx].pt, factor) + shift)
+            for match in matches]
+    # Hundreds of lines would hide the images. So they are translucent, and of many matches only some have one. All have
+    # circles at their ends.
+    lines = picture.copy()
+    for start, end in ends[::max(1, -(-len(ends) // 100))]:
+        cv.line(lines, np.intp(np.round(start)), np.intp(np.round(end)), YELLOW, line_width(size), cv.LINE_AA)
+    picture = cv.addWeighted(lines, 0.4, picture, 0.6, 0)
+    for pair in ends:
+        for position in pair:
+            draw_circle(picture, position, 3 * drawing_scale(size), line_width(size))
+    return picture
+
+
+def captioned(picture, text):
+    """The picture with a line of text above it, in letters that fit its width."""
+    font = cv.FONT_HERSHEY_SIMPLEX
+    largest = 0.75 * drawing_scale(size_of(picture))
+    (width, _), _ = cv.getTextSize(text, font, 1, 1)
+    scale = min(largest, 0.94 * picture.shape[1] / width)
+    height, thickness = round(48 * largest), max(1, round(1.3 * scale))
+    result = cv.copyMakeBorder(picture, height, 0, 0, 0, cv.BORDER_CONSTANT, value=(255, 255, 255))
+    origin = round(0.02 * picture.shape[1]), height - round(15 * largest)
+    return cv.putText(result, text, origin, font, scale, (0, 0, 0), thickness, cv.LINE_AA)
+
+
 def match_features(a, b, norm):
-    """Mutual nearest neighbours, the best first."""
+    """Mutual nearest neighbours, those of cv.BFMatcher(norm, crossCheck=True), the best first."""
     if a[1] is None or b[1] is None:
         return []
-    return sorted(cv.BFMatcher(norm, crossCheck=True).match(a[1], b[1]), key=lambda m: m.distance)
+    return sorted(aqorb.HammingMatcher(norm, crossCheck=True).match(a[1], b[1]), key=lambda m: m.distance)
 
 
-def distinct_correct(matches, start, end, homography):
-    """The matches within 3 pixels of the homography, each at least 4 pixels away from every better one in both
-    images: several keypoints on one corner of the scene say no more about it than one."""
-    if not matches or homography is None:
+def correct(start, end, homography):
+    """The indices of the matches within 3 pixels of the homography."""
+    if not len(start) or homography is None:
         return []
     mapped = cv.perspectiveTransform(start[:, None], homography)[:, 0]
+    return np.flatnonzero(np.linalg.norm(mapped - end, axis=1) <= 3)
+
+
+def distinct(indices, start, end):
+    """Those of them that are at least 4 pixels away from every better one in both images: several keypoints on one
+    corner of the scene say no more about it than one."""
     kept = []
-    for i in np.flatnonzero(np.linalg.norm(mapped - end, axis=1) <= 3):
+    for i in indices:
         if all(np.linalg.norm(p[i] - p[kept], axis=1).min(initial=4) >= 4 for p in (start, end)):
             kept.append(i)
-    return [matches[i] for i in kept]
+    return kept
 
 
 def corner_error(a, b, image):
@@ -106,7 +205,7 @@ def corner_error(a, b, image):
 def detect_and_match(name, detector, images, known):
     features = [detector.detectAndCompute(image, None) for image in images]
     if len(images) < 2:
-        return Result(name, detector, features, [], None)
+        return Result(name, detector, features, [], 0, 0, None)
     matches = match_features(*features, detector.defaultNorm())
     start = np.array([features[0][0][m.queryIdx].pt for m in matches], np.float32)
     end = np.array([features[1][0][m.trainIdx].pt for m in matches], np.float32)
@@ -115,7 +214,9 @@ def detect_and_match(name, detector, images, known):
         estimate = cv.findHomography(start, end, cv.USAC_MAGSAC, 3, maxIters=10000, confidence=0.9999)[0]
     homography = estimate if known is None else known
     error = None if estimate is None else corner_error(estimate, homography, images[0])
-    return Result(name, detector, features, distinct_correct(matches, start, end, homography), error)
+    agreeing = correct(start, end, homography)
+    return Result(name, detector, features, [matches[i] for i in distinct(agreeing, start, end)], len(agreeing),
+                  len(matches), error)
 
 
 def median_times(detectors, image, repeats=31):
@@ -146,13 +247,14 @@ def column(images, known, result, time, orb_time):
     uniformity = [aqorb.distributionUniformity(keypoints, size_of(image)) for image, keypoints in pairs]
     yield 'image 1, image 2' if len(images) == 2 else '', result.name
     yield 'keypoints', ', '.join(str(len(keypoints)) for _, keypoints in pairs)
-    yield 'FAST threshold (iniT)', ', '.join(str(fast_threshold(result.detector, image)) for image in images)
+    yield 'FAST threshold', ', '.join(str(fast_threshold(result.detector, image)) for image in images)
     yield 'uniformity (less is more uniform)', ', '.join('{:.1f}'.format(u) for u in uniformity)
     yield 'occupied cells of a 16x12 grid', ', '.join(occupied(keypoints, image) for image, keypoints in pairs)
     if len(images) == 2:
         yield 'distinct {} matches'.format(reference(known)), len(result.matches)
         matched = [result.features[0][0][m.queryIdx] for m in result.matches]
         yield '  cells of image 1 that hold one', occupied(matched, images[0])
+        yield '{} matches in all'.format(reference(known)), '{} of {}'.format(result.agreeing, result.matched)
     if known is not None:
         error = result.homography_error
         yield 'error of the estimated homography', 'none' if error is None else '{:.2f} px'.format(error)
@@ -183,9 +285,9 @@ def save_pictures(images, known, results, folder, suffix):
             text = '{}: {} distinct {} matches'.format(result.name, len(result.matches), reference(known))
             matches.append(captioned(match_picture(images[0], features[0], images[1], features[1], result.matches),
                                      text))
-    write_picture(path_in(folder, 'aqorb_keypoints' + suffix + '.jpg'), cv.hconcat(keypoints))
+    write_picture(folder, 'aqorb_keypoints' + suffix + '.jpg', cv.hconcat(keypoints))
     if matches:
-        write_picture(path_in(folder, 'aqorb_matches' + suffix + '.jpg'), cv.vconcat(matches))
+        write_picture(folder, 'aqorb_matches' + suffix + '.jpg', cv.vconcat(matches))
 
 
 def compare(arguments, names, homography='', suffix=''):
@@ -200,15 +302,15 @@ def compare(arguments, names, homography='', suffix=''):
 
 def main():
     arguments = parse_arguments()
-    if not arguments.files:
+    if not arguments.images:
         for i, (image1, image2, homography, text) in enumerate(PAIRS, 1):
             print(text, '{}, {}'.format(image1, image2), '', sep='\n')
             compare(arguments, [image1, image2], homography, str(i))
             print()
-    elif len(arguments.files) <= 2:
-        compare(arguments, arguments.files, arguments.homography)
+    elif len(arguments.images) <= 2:
+        compare(arguments, arguments.images, arguments.homography)
     else:
-        for i, name in enumerate(arguments.files, 1):
+        for i, name in enumerate(arguments.images, 1):
             print(name)
             compare(arguments, [name], suffix=str(i))
             print()
@@ -217,4 +319,4 @@ def main():
 
 
 if __name__ == '__main__':
-    run(main)
+    main()

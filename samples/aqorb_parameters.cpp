@@ -5,14 +5,15 @@
 
 // Draws how AdaptiveQuadtreeORB chooses and what each of its parameters does: the pictures of the tutorials.
 
-#include "drawing.hpp"
-#include "program.hpp"
-
 #include <opencv2/aqorb.hpp>
 #include <opencv2/aqorb/features.hpp>
 #include <opencv2/aqorb/geometry.hpp>
+#include <opencv2/core/utility.hpp>
+#include <opencv2/imgcodecs.hpp>
+#include <opencv2/imgproc.hpp>
 
 #include <functional>
+#include <iostream>
 #include <set>
 
 using namespace cv;
@@ -20,19 +21,20 @@ using namespace cv;
 namespace
 {
 
-const Program PROGRAM = {
-    "aqorb_parameters",
-    "Draws how cv::aqorb::AdaptiveQuadtreeORB chooses and what each of its parameters does: the\n"
-    "pictures of the tutorials. Without an image it takes leuvenA.jpg of OpenCV's samples.",
-    "[IMAGE]",
-    0,
-    1,
-    {{"out", ".", "existing folder for the pictures"}},
-    "aqorb_parameters --out=pictures leuvenA.jpg"};
+const char* const KEYS =
+    "{help   |              | print this text }"
+    "{out    | .            | existing folder for the pictures }"
+    "{@image | leuvenA.jpg  | file, or one of OpenCV's samples in OPENCV_SAMPLES_DATA_PATH }";
 
 typedef Ptr<aqorb::AdaptiveQuadtreeORB> Detector;
 
-const Scalar RED(60, 60, 255);
+const Scalar YELLOW(0, 255, 255), RED(60, 60, 255);
+
+void writePicture(const String& path, const Mat& picture)
+{
+    if (!imwrite(path, picture, {IMWRITE_JPEG_QUALITY, 80}))
+        CV_Error(Error::StsError, path + ": cannot be written; an existing folder is accepted");
+}
 
 // One setting of a parameter, and its part of the picture.
 struct Panel
@@ -80,7 +82,7 @@ Rect partAroundBest(const Mat& image, Size size)
     std::vector<KeyPoint> keypoints;
     aqorb::AdaptiveQuadtreeORB::create()->detect(image, keypoints);
     if (keypoints.empty())
-        throw Failure{FAILED, "the image has no keypoints"};
+        CV_Error(Error::StsError, "the image has no keypoints");
     const auto best =
         std::max_element(keypoints.begin(), keypoints.end(),
                          [](const KeyPoint& a, const KeyPoint& b) { return a.response < b.response; });
@@ -135,12 +137,12 @@ void draw(const String& path, const Mat& image, int nfeatures, const std::vector
         std::printf("%-28s %s\n", panel.caption.c_str(), numbers.c_str());
         pictures.push_back(labelled(view(image, keypoints), panel.caption, numbers));
     }
-    writePicture(path, arranged(pictures, columns ? columns : int(pictures.size())), 80);
+    writePicture(path, arranged(pictures, columns ? columns : int(pictures.size())));
 }
 
 void drawParameters(const Mat& image, const String& folder)
 {
-    const auto path = [&](const String& name) { return pathIn(folder, "aqorb_" + name + ".jpg"); };
+    const auto path = [&](const String& name) { return folder + "/aqorb_" + name + ".jpg"; };
     const auto none = [](const Detector&) {};
 
     draw(path("max_depth"), image, 500,
@@ -153,7 +155,7 @@ void drawParameters(const Mat& image, const String& folder)
           {"RANKED_SELECTION", none}});
     draw(path("strength_weight"), image, 500,
          {{"StrengthWeight 0: most even", [](const Detector& d) { d->setStrengthWeight(0); }},
-          {"StrengthWeight 0.15", none},
+          {"StrengthWeight 0.05", none},
           {"StrengthWeight 1", [](const Detector& d) { d->setStrengthWeight(1); }},
           {"StrengthWeight 1000: strongest", [](const Detector& d) { d->setStrengthWeight(1000); }},
           {"OctaveSuppression 0, MaxDepth 0",
@@ -162,8 +164,8 @@ void drawParameters(const Mat& image, const String& folder)
          overview, 3);
     draw(path("rank_radius"), image, 500,
          {{"RankRadius 0", [](const Detector& d) { d->setRankRadius(0); }},
-          {"RankRadius 1", none},
-          {"RankRadius 3", [](const Detector& d) { d->setRankRadius(3); }}});
+          {"RankRadius 1", [](const Detector& d) { d->setRankRadius(1); }},
+          {"RankRadius 2.25", none}});
     const Mat dark = image * 0.1;
     draw(path("adaptive_threshold"), dark, 500,
          {{"AdaptiveThreshold false", [](const Detector& d) { d->setAdaptiveThreshold(false); }},
@@ -189,7 +191,7 @@ void drawParameters(const Mat& image, const String& folder)
     draw(path("octave_suppression"), image, 2000,
          {{"OctaveSuppression 0: off", [](const Detector& d) { d->setOctaveSuppression(0); }},
           {"OctaveSuppression 0.5", [](const Detector& d) { d->setOctaveSuppression(0.5); }},
-          {"OctaveSuppression -1: 1", none}},
+          {"OctaveSuppression -1: 2", none}},
          closeUp(partAroundBest(image, Size(100, 66)), 4));
     draw(path("sub_pixel"), image, 2000,
          {{"SubPixel false", [](const Detector& d) { d->setSubPixel(false); }}, {"SubPixel true", none}},
@@ -236,28 +238,29 @@ void drawStages(const Mat& image, const String& folder)
         }
     }
 
-    const int quota = 171, leaves = 64;  // leaves a side: 4^6 >= 12 * 171
+    const int quota = 141, leaves = 64;  // leaves a side: 4^6 >= 9 * 141
     detector->setMaxFeatures(quota);
     detector->detect(image, keypoints);
     Mat tree = divided(image, border,
                        Size2d((image.cols - 2. * border) / leaves, (image.rows - 2. * border) / leaves));
     for (const KeyPoint& keypoint : keypoints)
         circle(tree, keypoint.pt, 4, YELLOW, FILLED);
-    // The disc of RankRadius 1 around the corner that is nearest to the middle.
+    // The disc of RankRadius around the corner that is nearest to the middle.
     const Point2f middle(float(image.cols) / 2, float(image.rows) / 2);
     const auto nearest = std::min_element(keypoints.begin(), keypoints.end(),
                                           [&](const KeyPoint& a, const KeyPoint& b)
                                           { return norm(a.pt - middle) < norm(b.pt - middle); });
     const double area = (image.cols - 2. * border) * (image.rows - 2. * border);
     if (nearest != keypoints.end())
-        circle(tree, nearest->pt, cvRound(std::sqrt(area / quota)), RED, 2, LINE_AA);
+        circle(tree, nearest->pt, cvRound(detector->getRankRadius() * std::sqrt(area / quota)), RED, 2,
+               LINE_AA);
 
     Mat picture;
     hconcat(labelled(mesh, "Corners at iniT (yellow) and, in cells without these, at minT (red)", ""),
-            labelled(tree, "The 171 chosen, 4^6 leaves, and the disc in which one is ranked (red)", ""),
+            labelled(tree, "The 141 chosen, 4^6 leaves, and the disc in which one is ranked (red)", ""),
             picture);
     resize(picture, picture, Size(), 0.7, 0.7, INTER_AREA);
-    writePicture(pathIn(folder, "aqorb_stages.jpg"), picture, 80);
+    writePicture(folder + "/aqorb_stages.jpg", picture);
 }
 
 // What a camera sees of the image: its middle, turned by so many degrees. The frame lies inside of the image.
@@ -311,7 +314,7 @@ std::vector<bool> foundAgain(const Features& first, const Features& second,
     std::vector<bool> found(second.keypoints.size(), false);
     std::vector<DMatch> matches;
     if (!first.keypoints.empty() && !second.keypoints.empty())
-        BFMatcher(NORM_HAMMING, true).match(second.descriptors, first.descriptors, matches);
+        aqorb::HammingMatcher(NORM_HAMMING, true).match(second.descriptors, first.descriptors, matches);
     for (const DMatch& match : matches)
         found[match.queryIdx] = norm(first.keypoints[match.trainIdx].pt - rightPlaces[match.queryIdx]) <= 3;
     return found;
@@ -378,21 +381,33 @@ void drawTurn(const Mat& image, const String& folder)
         std::printf("%-28s %s\n", detector.first.c_str(), numbers.c_str());
         pictures.push_back(labelled(picture, detector.first, numbers));
     }
-    writePicture(pathIn(folder, "aqorb_turn.jpg"), arranged(pictures, 2), 80);
-}
-
-void run(const Arguments& arguments)
-{
-    const String folder = pathIn(arguments.text("out"), "");
-    const Mat image = readImage(arguments.file(0, "leuvenA.jpg"), IMREAD_GRAYSCALE, 100);
-    drawStages(image, folder);
-    drawTurn(image, folder);
-    drawParameters(image, folder);
+    writePicture(folder + "/aqorb_turn.jpg", arranged(pictures, 2));
 }
 
 }  // namespace
 
 int main(int argc, char** argv)
 {
-    return runProgram(PROGRAM, run, argc, argv);
+    CommandLineParser parser(argc, argv, KEYS);
+    parser.about(
+        "Draws how cv::aqorb::AdaptiveQuadtreeORB chooses and what each of its parameters does: the\n"
+        "pictures of the tutorials.");
+    if (parser.has("help"))
+    {
+        parser.printMessage();
+        return 0;
+    }
+    const String file = parser.get<String>("@image"), folder = parser.get<String>("out");
+    const Mat image = imread(samples::findFile(file, false), IMREAD_GRAYSCALE);
+    if (image.empty())
+    {
+        std::cerr << file
+                  << ": cannot be read as an image (OpenCV's: export "
+                     "OPENCV_SAMPLES_DATA_PATH=$(scripts/sample_images.sh))\n";
+        return 1;
+    }
+    drawStages(image, folder);
+    drawTurn(image, folder);
+    drawParameters(image, folder);
+    return 0;
 }

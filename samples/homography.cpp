@@ -5,44 +5,55 @@
 
 // Matches two images of a plane and draws where the first lies in the second.
 
-#include "drawing.hpp"
-#include "program.hpp"
-
 #include <opencv2/aqorb.hpp>
 #include <opencv2/aqorb/geometry.hpp>
+#include <opencv2/core/utility.hpp>
+#include <opencv2/imgcodecs.hpp>
+#include <opencv2/imgproc.hpp>
 
 #include <iostream>
 
 using namespace cv;
 
-static const Program PROGRAM = {
-    "homography",
-    "Matches two images of a plane, estimates the homography between them, and draws where the\n"
-    "first image lies in the second. Without images it takes graf1.png and graf3.png of OpenCV's\n"
-    "samples.",
-    "[IMAGE1 IMAGE2]",
-    0,
-    2,
-    {{"nfeatures", "1000", "number of keypoints to ask for"}, {"out", "homography.jpg", "picture to write"}},
-    "homography --nfeatures=2000 graf1.png graf3.png"};
+static const char* const KEYS =
+    "{help      |                | print this text }"
+    "{nfeatures | 1000           | number of keypoints to ask for }"
+    "{out       | homography.jpg | picture to write }"
+    "{@image1   | graf1.png      | file, or one of OpenCV's samples in OPENCV_SAMPLES_DATA_PATH }"
+    "{@image2   | graf3.png      | the same plane from another side }";
 
-static void run(const Arguments& arguments)
+int main(int argc, char** argv)
 {
-    const int nfeatures = arguments.featureCount();
-    if (arguments.files.size() == 1)
-        throw Failure{BAD_ARGUMENTS, arguments.files[0] + ": a second image is needed"};
-    const Mat image1 = readImage(arguments.file(0, "graf1.png"));
-    const Mat image2 = readImage(arguments.file(1, "graf3.png"));
+    CommandLineParser parser(argc, argv, KEYS);
+    parser.about("Matches two images of a plane, estimates the homography between them, and draws where the\n"
+                 "first image lies in the second.");
+    const String file1 = parser.get<String>("@image1"), file2 = parser.get<String>("@image2");
+    const String out = parser.get<String>("out");
+    const Ptr<ORB> orb = aqorb::AdaptiveQuadtreeORB::create(parser.get<int>("nfeatures"));
+    if (parser.has("help") || !parser.check())
+    {
+        parser.printErrors();
+        parser.printMessage();
+        return !parser.check();
+    }
+    const Mat image1 = imread(samples::findFile(file1, false), IMREAD_GRAYSCALE);
+    const Mat image2 = imread(samples::findFile(file2, false), IMREAD_GRAYSCALE);
+    if (image1.empty() || image2.empty())
+    {
+        std::cerr << (image1.empty() ? file1 : file2)
+                  << ": cannot be read as an image (OpenCV's: export "
+                     "OPENCV_SAMPLES_DATA_PATH=$(scripts/sample_images.sh))\n";
+        return 1;
+    }
 
-    const Ptr<ORB> orb = aqorb::AdaptiveQuadtreeORB::create(nfeatures);
     std::vector<KeyPoint> keypoints1, keypoints2;
     Mat descriptors1, descriptors2;
     orb->detectAndCompute(image1, noArray(), keypoints1, descriptors1);
     orb->detectAndCompute(image2, noArray(), keypoints2, descriptors2);
 
-    std::vector<DMatch> matches;  // mutual nearest neighbours
+    std::vector<DMatch> matches;  // mutual nearest neighbours, those of BFMatcher(orb->defaultNorm(), true)
     if (!descriptors1.empty() && !descriptors2.empty())
-        BFMatcher(orb->defaultNorm(), true).match(descriptors1, descriptors2, matches);
+        aqorb::HammingMatcher(orb->defaultNorm(), true).match(descriptors1, descriptors2, matches);
 
     std::vector<Point2f> points1, points2;
     for (const DMatch& match : matches)
@@ -55,25 +66,26 @@ static void run(const Arguments& arguments)
     if (matches.size() >= 4)
         homography = findHomography(points1, points2, USAC_MAGSAC, 3, isInlier, 10000, 0.9999);
     if (homography.empty())
-        throw Failure{FAILED, format("no homography was found among %d matches", int(matches.size()))};
-    std::vector<DMatch> inliers;
-    for (size_t i = 0; i < matches.size(); i++)
-        if (isInlier[i])
-            inliers.push_back(matches[i]);
+    {
+        std::cerr << "no homography was found among " << matches.size() << " matches\n";
+        return 1;
+    }
     std::cout << "Keypoints: " << keypoints1.size() << ", " << keypoints2.size()
-              << "\nMatches: " << matches.size() << ", of which agree with the homography: " << inliers.size()
-              << "\nHomography:\n"
+              << "\nMatches: " << matches.size()
+              << ", of which agree with the homography: " << countNonZero(isInlier) << "\nHomography:\n"
               << homography << std::endl;
 
     const float right = float(image1.cols - 1), bottom = float(image1.rows - 1);
     const std::vector<Point2f> corners = {{0, 0}, {right, 0}, {right, bottom}, {0, bottom}};
     std::vector<Point2f> mapped;
     perspectiveTransform(corners, mapped, homography);
-    writePicture(arguments.text("out"),
-                 matchPicture(image1, keypoints1, image2, keypoints2, inliers, mapped));
-}
-
-int main(int argc, char** argv)
-{
-    return runProgram(PROGRAM, run, argc, argv);
+    std::vector<Point> outline;
+    for (const Point2f& corner : mapped)
+        outline.push_back(corner +
+                          Point2f(float(image1.cols), 0));  // the second image stands right of the first
+    Mat picture;
+    drawMatches(image1, keypoints1, image2, keypoints2, matches, picture, Scalar(0, 255, 255),
+                Scalar(0, 255, 255), isInlier, DrawMatchesFlags::NOT_DRAW_SINGLE_POINTS);
+    polylines(picture, outline, true, Scalar(0, 255, 0), 2, LINE_AA);
+    return !imwrite(out, picture);
 }

@@ -6,32 +6,26 @@
 // Shows the keypoints in the images of a camera or a video, with a slider for the threshold. If there is no display,
 // the same numbers are printed.
 
-#include "drawing.hpp"
-#include "program.hpp"
-
 #include <opencv2/aqorb.hpp>
+#include <opencv2/core/utility.hpp>
 #include <opencv2/highgui.hpp>
+#include <opencv2/imgcodecs.hpp>
+#include <opencv2/imgproc.hpp>
 #include <opencv2/videoio.hpp>
 
+#include <cstdlib>
 #include <iostream>
 
 using namespace cv;
 
-static const Program PROGRAM = {
-    "live",
-    "Shows the keypoints of AdaptiveQuadtreeORB in the images of a camera or of a video, with a\n"
-    "slider for its threshold. SOURCE is the number of a camera (without it: 0), a video, or a\n"
-    "pattern of images such as frame_%02d.png. The space bar changes to cv::ORB and back, Esc ends;\n"
-    "the last image of a video stays until a key is pressed.",
-    "[SOURCE]",
-    0,
-    1,
-    {{"nfeatures", "1000", "number of keypoints to ask for"},
-     {"threshold", "20", "FastThreshold to begin with: 20 is the adaptive threshold as it is"},
-     {"frames", "0", "number of images to stop after; 0: at the end"},
-     {"headless", FLAG, "print instead of opening a window, as where there is no display"},
-     {"out", "", "picture to write the last image to"}},
-    "live --threshold=10 vtest.avi"};
+static const char* const KEYS =
+    "{help      |      | print this text }"
+    "{nfeatures | 1000 | number of keypoints to ask for }"
+    "{threshold | 20   | FastThreshold to begin with: 20 is the adaptive threshold as it is }"
+    "{frames    | 0    | number of images to stop after; 0: at the end }"
+    "{headless  |      | print instead of opening a window, as where there is no display }"
+    "{out       |      | picture to write the last image to }"
+    "{@source   | 0    | number of a camera, a video, or a pattern of images such as frame_%02d.png }";
 
 static const char* const WINDOW = "aqorb (space: cv::ORB and back; Esc: end)";
 
@@ -51,14 +45,6 @@ static bool hasDisplay()
 #endif
 }
 
-// FFmpeg writes lines of its own about a file that it cannot read.
-static void silenceFFmpeg()
-{
-#if defined __unix__ || defined __APPLE__
-    setenv("OPENCV_FFMPEG_LOGLEVEL", "-8", 0);
-#endif
-}
-
 // Opens a camera or a file. Returns the milliseconds from one image to the next, 0 for a camera.
 static double openSource(const String& source, VideoCapture& capture)
 {
@@ -71,9 +57,9 @@ static double openSource(const String& source, VideoCapture& capture)
         capture.open(sample.empty() ? source : sample);
     }
     if (!capture.isOpened() && isCamera)
-        throw Failure{FAILED, source + ": there is no such camera; the name of a video is accepted, too"};
-    if (!capture.isOpened())
-        throw Failure{FAILED, source + ": not a video, nor a pattern of images, that OpenCV can read"};
+        std::cerr << source << ": there is no such camera; the name of a video is accepted, too\n";
+    else if (!capture.isOpened())
+        std::cerr << source << ": not a video, nor a pattern of images, that OpenCV can read\n";
     const double fps = capture.get(CAP_PROP_FPS);
     return isCamera ? 0 : 1000 / (fps > 1 && fps < 1000 ? fps : 25);  // images have no rate
 }
@@ -97,15 +83,27 @@ static int waitForKey(double milliseconds)
     }
 }
 
-static void run(const Arguments& arguments)
+int main(int argc, char** argv)
 {
-    const String source = arguments.file(0, "0"), out = arguments.text("out");
-    const int nfeatures = arguments.featureCount(), frames = arguments.wholeNumber("frames", 0, 1 << 30);
-    int threshold = arguments.wholeNumber("threshold", 0, 100);
-    const bool window = !arguments.has("headless") && hasDisplay();
-    silenceFFmpeg();
+    CommandLineParser parser(argc, argv, KEYS);
+    parser.about(
+        "Shows the keypoints of AdaptiveQuadtreeORB in the images of a camera or of a video, with a\n"
+        "slider for its threshold. The space bar changes to cv::ORB and back, Esc ends; the last image\n"
+        "of a video stays until a key is pressed.");
+    const String source = parser.get<String>("@source"), out = parser.get<String>("out");
+    const int nfeatures = parser.get<int>("nfeatures"), frames = parser.get<int>("frames");
+    int threshold = parser.get<int>("threshold");
+    const bool window = !parser.has("headless") && hasDisplay();
+    if (parser.has("help") || !parser.check())
+    {
+        parser.printErrors();
+        parser.printMessage();
+        return !parser.check();
+    }
     VideoCapture capture;
     const double interval = openSource(source, capture);
+    if (!capture.isOpened())
+        return 1;
 
     const Ptr<ORB> ours = aqorb::AdaptiveQuadtreeORB::create(nfeatures), orb = ORB::create(nfeatures);
     bool usesOrb = false, ended = false;
@@ -122,26 +120,24 @@ static void run(const Arguments& arguments)
         const int64 begin = getTickCount();
         if (!capture.read(frame))
             break;
-        requireSize(source, frame);
         if (window)
             threshold = getTrackbarPos("FastThreshold", WINDOW);
         const Ptr<ORB>& detector = usesOrb ? orb : ours;
         detector->setFastThreshold(threshold);
         std::vector<KeyPoint> keypoints;
         Mat descriptors;
-        TickMeter timer;
-        timer.start();
+        const int64 start = getTickCount();
         detector->detectAndCompute(frame, noArray(), keypoints, descriptors);
-        timer.stop();
-        const String text =
-            format("%s, threshold %d: %d keypoints in %.0f %% of the cells, %.1f ms",
-                   usesOrb ? "ORB" : "AdaptiveQuadtreeORB", threshold, int(keypoints.size()),
-                   100 * aqorb::distributionOccupancy(keypoints, frame.size()), timer.getTimeMilli());
+        const double milliseconds = 1000 * double(getTickCount() - start) / getTickFrequency();
+        const String text = format("%s, threshold %d: %d keypoints in %.0f %% of the cells, %.1f ms",
+                                   usesOrb ? "ORB" : "AdaptiveQuadtreeORB", threshold, int(keypoints.size()),
+                                   100 * aqorb::distributionOccupancy(keypoints, frame.size()), milliseconds);
         if (!window)
             std::cout << text << std::endl;
         if (!window && out.empty())
             continue;
-        picture = captioned(keypointPicture(frame, keypoints), text);
+        drawKeypoints(frame, keypoints, picture, Scalar(0, 255, 255));
+        putText(picture, text, Point(8, 20), FONT_HERSHEY_SIMPLEX, 0.5, Scalar(0, 255, 0), 1, LINE_AA);
         if (!window)
             continue;
         imshow(WINDOW, picture);
@@ -151,9 +147,12 @@ static void run(const Arguments& arguments)
         usesOrb ^= key == ' ';
     }
     if (count == 0)
-        throw Failure{FAILED, source + ": not one image can be read from it"};
-    if (!out.empty())
-        writePicture(out, picture);
+    {
+        std::cerr << source << ": not one image can be read from it\n";
+        return 1;
+    }
+    if (!out.empty() && !imwrite(out, picture))
+        return 1;
     if (window && !ended && interval > 0)
     {
         const String text = "The end of " + source + ": any key closes the window";
@@ -161,9 +160,5 @@ static void run(const Arguments& arguments)
         setWindowTitle(WINDOW, text);
         waitForKey(0);
     }
-}
-
-int main(int argc, char** argv)
-{
-    return runProgram(PROGRAM, run, argc, argv);
+    return 0;
 }

@@ -1,5 +1,4 @@
 #!/usr/bin/env python3
-
 # This file is part of aqorb. Copyright (C) The aqorb developers.
 # It is subject to the license terms in the LICENSE file found in the top-level directory
 # of this distribution.
@@ -8,30 +7,32 @@
 threshold. SOURCE is the number of a camera (without it: 0), a video, or a pattern of images such as frame_%02d.png.
 The space bar changes to cv.ORB and back, Esc ends; the last image of a video stays until a key is pressed."""
 
+import argparse
 import os
 import sys
 import time
 
-# Imported first, because it says what is missing if an import fails.
-from program import FAILED, Failure, Program, aqorb, file_at, require_size, run, write_picture
-
 import cv2 as cv
 
-from drawing import captioned, keypoint_picture, size_of
+try:
+    import aqorb
+except ImportError:  # a cv2 that was built with the module
+    from cv2 import aqorb
 
 WINDOW = 'aqorb (space: cv.ORB and back; Esc: end)'
 ESC = 27
 
 
 def parse_arguments():
-    program = Program(__doc__, '[SOURCE]', 0, 1, 'live.py --threshold=10 vtest.avi')
-    program.add_feature_count()
-    program.add_whole_number('threshold', 20, 0, 100,
-                             'FastThreshold to begin with: 20 is the adaptive threshold as it is')
-    program.add_whole_number('frames', 0, 0, 1 << 30, 'number of images to stop after; 0: at the end')
-    program.add_flag('headless', 'print instead of opening a window, as where there is no display')
-    program.add_text('out', '', 'picture to write the last image to')
-    return program.parse()
+    parser = argparse.ArgumentParser(description=__doc__)
+    parser.add_argument('--nfeatures', type=int, default=1000)
+    parser.add_argument('--threshold', type=int, default=20,
+                        help='FastThreshold to begin with: 20 is the adaptive threshold as it is')
+    parser.add_argument('--frames', type=int, default=0, help='number of images to stop after; 0: at the end')
+    parser.add_argument('--headless', action='store_true', help='print instead of opening a window')
+    parser.add_argument('--out', help='picture to write the last image to')
+    parser.add_argument('source', nargs='?', default='0', help='a camera, a video, or a pattern of images')
+    return parser.parse_args()
 
 
 def has_display():
@@ -46,9 +47,9 @@ def open_source(source):
     # a file, or one of OpenCV's samples
     capture = cv.VideoCapture(int(source) if is_camera else cv.samples.findFile(source, False, True) or source)
     if not capture.isOpened() and is_camera:
-        raise Failure(FAILED, source + ': there is no such camera; the name of a video is accepted, too')
+        sys.exit(source + ': there is no such camera; the name of a video is accepted, too')
     if not capture.isOpened():
-        raise Failure(FAILED, source + ': not a video, nor a pattern of images, that OpenCV can read')
+        sys.exit(source + ': not a video, nor a pattern of images, that OpenCV can read')
     fps = capture.get(cv.CAP_PROP_FPS)
     return capture, 0 if is_camera else 1000 / (fps if 1 < fps < 1000 else 25)  # images have no rate
 
@@ -69,7 +70,7 @@ def wait_for_key(milliseconds):
 
 def main():
     arguments = parse_arguments()
-    source = file_at(arguments, 0, '0')
+    source = arguments.source
     capture, interval = open_source(source)
 
     detectors = [('AdaptiveQuadtreeORB', aqorb.AdaptiveQuadtreeORB_create(arguments.nfeatures)),
@@ -87,7 +88,6 @@ def main():
         if not found:
             break
         count += 1
-        require_size(source, frame)
         if window:
             threshold = cv.getTrackbarPos('FastThreshold', WINDOW)
         name, detector = detectors[0]
@@ -95,14 +95,15 @@ def main():
         start = time.perf_counter()
         keypoints, _ = detector.detectAndCompute(frame, None)
         milliseconds = 1e3 * (time.perf_counter() - start)
-        occupied = 100 * aqorb.distributionOccupancy(keypoints, size_of(frame))
+        occupied = 100 * aqorb.distributionOccupancy(keypoints, frame.shape[1::-1])
         text = '{}, threshold {}: {} keypoints in {:.0f} % of the cells, {:.1f} ms'.format(
             name, threshold, len(keypoints), occupied, milliseconds)
         if not window:
             print(text)
         if not window and not arguments.out:
             continue
-        picture = captioned(keypoint_picture(frame, keypoints), text)
+        picture = cv.drawKeypoints(frame, keypoints, None, (0, 255, 255))
+        cv.putText(picture, text, (8, 20), cv.FONT_HERSHEY_SIMPLEX, 0.5, (0, 255, 0), 1, cv.LINE_AA)
         if not window:
             continue
         cv.imshow(WINDOW, picture)
@@ -110,9 +111,9 @@ def main():
         if key == ord(' '):
             detectors.reverse()
     if count == 0:
-        raise Failure(FAILED, source + ': not one image can be read from it')
-    if arguments.out:
-        write_picture(arguments.out, picture)
+        sys.exit(source + ': not one image can be read from it')
+    if arguments.out and not cv.imwrite(arguments.out, picture):
+        sys.exit(1)
     if window and key != ESC and interval > 0:
         text = 'The end of {}: any key closes the window'.format(source)
         print(text, flush=True)
@@ -121,4 +122,4 @@ def main():
 
 
 if __name__ == '__main__':
-    run(main)
+    main()

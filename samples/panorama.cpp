@@ -5,33 +5,50 @@
 
 // A panorama by cv::Stitcher, which takes any Feature2D for its features.
 
-#include "program.hpp"
-
 #include <opencv2/aqorb.hpp>
+#include <opencv2/core/utility.hpp>
+#include <opencv2/imgcodecs.hpp>
 #include <opencv2/stitching.hpp>
+
+#include <iostream>
 
 using namespace cv;
 
-static const Program PROGRAM = {"panorama",
-                                "Stitches two or more overlapping photographs to a panorama.",
-                                "IMAGE IMAGE ...",
-                                2,
-                                1000,
-                                {{"nfeatures", "1500", "number of keypoints to ask for"},
-                                 {"scans", FLAG, "the images are views of a plane, not of a turning camera"},
-                                 {"out", "panorama.jpg", "picture to write"}},
-                                "panorama --out=hills.jpg left.jpg middle.jpg right.jpg"};
+static const char* const KEYS =
+    "{help      |              | print this text }"
+    "{nfeatures | 1500         | number of keypoints to ask for }"
+    "{scans     |              | the images are views of a plane, not of a turning camera }"
+    "{out       | panorama.jpg | picture to write }";
 
-static void run(const Arguments& arguments)
+int main(int argc, char** argv)
 {
-    const int nfeatures = arguments.featureCount();
+    CommandLineParser parser(argc, argv, KEYS);
+    parser.about("Stitches two or more overlapping photographs to a panorama:\n"
+                 "  panorama --out=hills.jpg left.jpg middle.jpg right.jpg");
     std::vector<Mat> images;
-    for (const String& file : arguments.files)
-        images.push_back(readImage(file, IMREAD_COLOR));
+    for (int i = 1; i < argc; i++)
+    {
+        if (argv[i][0] == '-')
+            continue;
+        images.push_back(imread(argv[i]));
+        if (images.back().empty())
+        {
+            std::cerr << argv[i] << ": cannot be read as an image\n";
+            return 1;
+        }
+    }
+    const Ptr<ORB> detector = aqorb::AdaptiveQuadtreeORB::create(parser.get<int>("nfeatures"));
+    const String out = parser.get<String>("out");
+    if (parser.has("help") || !parser.check() || images.size() < 2)
+    {
+        parser.printErrors();
+        parser.printMessage();
+        return !parser.has("help");
+    }
 
     const Ptr<Stitcher> stitcher =
-        Stitcher::create(arguments.has("scans") ? Stitcher::SCANS : Stitcher::PANORAMA);
-    stitcher->setFeaturesFinder(aqorb::AdaptiveQuadtreeORB::create(nfeatures));
+        Stitcher::create(parser.has("scans") ? Stitcher::SCANS : Stitcher::PANORAMA);
+    stitcher->setFeaturesFinder(detector);
     Mat panorama;
     Stitcher::Status status = Stitcher::ERR_HOMOGRAPHY_EST_FAIL;
     try
@@ -41,16 +58,13 @@ static void run(const Arguments& arguments)
     catch (const cv::Exception&)  // an assertion, for example where hardly anything matches
     {
     }
-    if (status == Stitcher::ERR_NEED_MORE_IMGS)
-        throw Failure{FAILED, "the images do not overlap enough"};
     if (status != Stitcher::OK)
-        throw Failure{FAILED, "the cameras could not be estimated"};
-    std::printf("%d of %d images stitched, %dx%d\n", int(stitcher->component().size()), int(images.size()),
-                panorama.cols, panorama.rows);
-    writePicture(arguments.text("out"), panorama);
-}
-
-int main(int argc, char** argv)
-{
-    return runProgram(PROGRAM, run, argc, argv);
+    {
+        std::cerr << (status == Stitcher::ERR_NEED_MORE_IMGS ? "the images do not overlap enough\n"
+                                                             : "the cameras could not be estimated\n");
+        return 1;
+    }
+    std::cout << stitcher->component().size() << " of " << images.size() << " images stitched, "
+              << panorama.cols << "x" << panorama.rows << std::endl;
+    return !imwrite(out, panorama);
 }

@@ -1,5 +1,4 @@
 #!/usr/bin/env python3
-
 # This file is part of aqorb. Copyright (C) The aqorb developers.
 # It is subject to the license terms in the LICENSE file found in the top-level directory
 # of this distribution.
@@ -8,15 +7,22 @@
 
 In Python cv.Stitcher does not take a detector, so its steps are done here one by one."""
 
-# Imported first, because it says what is missing if an import fails.
-from program import FAILED, Failure, Program, aqorb, read_image, run, write_picture
+import argparse
+import sys
 
 import cv2 as cv
 import numpy as np
 
+try:
+    import aqorb
+except ImportError:  # a cv2 that was built with the module
+    from cv2 import aqorb
+
 
 def read(name, megapixels=1):
-    image = read_image(name, cv.IMREAD_COLOR)
+    image = cv.imread(name)
+    if image is None:
+        sys.exit(name + ': cannot be read as an image')
     scale = min(1, (megapixels * 1e6 / image[..., 0].size) ** 0.5)
     return cv.resize(image, None, fx=scale, fy=scale, interpolation=cv.INTER_AREA)
 
@@ -25,7 +31,7 @@ def image_features(detector, image):
     """What cv.detail.computeImageFeatures2 gives for a cv.Feature2D."""
     keypoints, descriptors = detector.detectAndCompute(image, None)
     if descriptors is None:
-        raise Failure(FAILED, 'the images do not overlap enough')
+        sys.exit('the images do not overlap enough')
     features = cv.detail.computeImageFeatures2(cv.ORB_create(1), image)  # the class's constructor is of no use
     features.keypoints, features.descriptors = keypoints, cv.UMat(descriptors)
     return features
@@ -35,7 +41,7 @@ def estimate_cameras(features):
     matcher = cv.detail_BestOf2NearestMatcher(False, 0.3)
     matches = matcher.apply2(features)
     if len(cv.detail.leaveBiggestComponent(features, matches, 1)) < len(features):
-        raise Failure(FAILED, 'the images do not overlap enough')
+        sys.exit('the images do not overlap enough')
     found, cameras = cv.detail_HomographyBasedEstimator().apply(features, matches, None)
     if found:
         for camera in cameras:
@@ -44,7 +50,7 @@ def estimate_cameras(features):
         adjuster.setConfThresh(1)
         found, cameras = adjuster.apply(features, matches, cameras)
     if not found:
-        raise Failure(FAILED, 'the cameras could not be estimated')
+        sys.exit('the cameras could not be estimated')
     rotations = cv.detail.waveCorrect([camera.R for camera in cameras], cv.detail.WAVE_CORRECT_HORIZ)
     for camera, rotation in zip(cameras, rotations):
         camera.R = rotation
@@ -77,20 +83,21 @@ def compose(images, cameras):
 
 
 def main():
-    program = Program(__doc__, 'IMAGE IMAGE ...', 2, 1000, 'panorama.py --out=hills.jpg left.jpg middle.jpg right.jpg')
-    program.add_feature_count(1500)
-    program.add_text('out', 'panorama.jpg', 'picture to write')
-    arguments = program.parse()
-    images = [read(name) for name in arguments.files]
+    parser = argparse.ArgumentParser(description=__doc__)
+    parser.add_argument('--nfeatures', type=int, default=1500)
+    parser.add_argument('--out', default='panorama.jpg', help='picture to write')
+    parser.add_argument('images', nargs='+', metavar='IMAGE', help='two or more, as left.jpg middle.jpg right.jpg')
+    arguments = parser.parse_args()
+    images = [read(name) for name in arguments.images]
     detector = aqorb.AdaptiveQuadtreeORB_create(arguments.nfeatures)
     try:
         cameras = estimate_cameras([image_features(detector, image) for image in images])
         panorama = compose(images, cameras)
     except cv.error:  # an assertion, for example where hardly anything matches
-        raise Failure(FAILED, 'the cameras could not be estimated') from None
+        sys.exit('the cameras could not be estimated')
     print('{} of {} images stitched, {}x{}'.format(len(images), len(images), *panorama.shape[1::-1]))
-    write_picture(arguments.out, panorama)
+    sys.exit(not cv.imwrite(arguments.out, panorama))
 
 
 if __name__ == '__main__':
-    run(main)
+    main()

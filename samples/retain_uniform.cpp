@@ -5,61 +5,68 @@
 
 // Thins out the keypoints of other detectors: the best by response, and the best spread.
 
-#include "drawing.hpp"
-#include "program.hpp"
-
 #include <opencv2/aqorb.hpp>
+#include <opencv2/core/utility.hpp>
+#include <opencv2/imgcodecs.hpp>
+
+#include <iostream>
 
 using namespace cv;
 
-static const Program PROGRAM = {
-    "retain_uniform",
-    "Keeps some keypoints of SIFT and of FAST: by cv::KeyPointsFilter::retainBest, which goes by the\n"
-    "response alone, and by cv::aqorb::retainUniform, which spreads them over the image. Without an\n"
-    "image it takes graf1.png of OpenCV's samples.",
-    "[IMAGE]",
-    0,
-    1,
-    {{"npoints", "500", "number of keypoints to keep"}, {"out", "retain_uniform.jpg", "picture to write"}},
-    "retain_uniform --npoints=300 graf1.png"};
+static const char* const KEYS =
+    "{help    |                    | print this text }"
+    "{npoints | 500                | number of keypoints to keep }"
+    "{out     | retain_uniform.jpg | picture to write }"
+    "{@image  | graf1.png          | file, or one of OpenCV's samples in OPENCV_SAMPLES_DATA_PATH }";
 
 static Mat drawn(const Mat& image, const std::vector<KeyPoint>& keypoints, const String& name)
 {
-    const double u = aqorb::distributionUniformity(keypoints, image.size());
-    const double occupied = 100 * aqorb::distributionOccupancy(keypoints, image.size());
-    std::printf("%-24s %9d %10.1f %9.0f %%\n", name.c_str(), int(keypoints.size()), u, occupied);
-    return captioned(keypointPicture(image, keypoints), name);
-}
-
-static void run(const Arguments& arguments)
-{
-    const int npoints = arguments.featureCount("npoints");
-    const Mat image = readImage(arguments.file(0, "graf1.png"));
-
-    const struct
-    {
-        String name;
-        Ptr<Feature2D> detector;
-    } detectors[] = {{"SIFT", SIFT::create()}, {"FAST", FastFeatureDetector::create()}};
-
-    std::printf("%-24s %9s %10s %11s\n", "", "keypoints", "uniformity", "occupied");
-    Mat rows[2];
-    for (int i = 0; i < 2; i++)
-    {
-        std::vector<KeyPoint> best, uniform;
-        detectors[i].detector->detect(image, best);
-        uniform = best;
-        KeyPointsFilter::retainBest(best, npoints);
-        aqorb::retainUniform(uniform, image.size(), npoints);
-        const Mat left = drawn(image, best, detectors[i].name + ", retainBest");
-        const Mat right = drawn(image, uniform, detectors[i].name + ", retainUniform");
-        hconcat(left, right, rows[i]);
-    }
-    vconcat(rows[0], rows[1], rows[0]);
-    writePicture(arguments.text("out"), rows[0]);
+    std::cout << format("%-24s %9d %10.1f %9.0f %%\n", name.c_str(), int(keypoints.size()),
+                        aqorb::distributionUniformity(keypoints, image.size()),
+                        100 * aqorb::distributionOccupancy(keypoints, image.size()));
+    Mat picture;
+    drawKeypoints(image, keypoints, picture, Scalar(0, 255, 255));
+    return picture;
 }
 
 int main(int argc, char** argv)
 {
-    return runProgram(PROGRAM, run, argc, argv);
+    CommandLineParser parser(argc, argv, KEYS);
+    parser.about(
+        "Keeps some keypoints of SIFT and of FAST: by cv::KeyPointsFilter::retainBest, which goes by the\n"
+        "response alone (left), and by cv::aqorb::retainUniform, which spreads them over the image.");
+    const int npoints = parser.get<int>("npoints");
+    const String file = parser.get<String>("@image"), out = parser.get<String>("out");
+    if (parser.has("help") || !parser.check())
+    {
+        parser.printErrors();
+        parser.printMessage();
+        return !parser.check();
+    }
+    const Mat image = imread(samples::findFile(file, false), IMREAD_GRAYSCALE);
+    if (image.empty())
+    {
+        std::cerr << file
+                  << ": cannot be read as an image (OpenCV's: export "
+                     "OPENCV_SAMPLES_DATA_PATH=$(scripts/sample_images.sh))\n";
+        return 1;
+    }
+
+    const std::pair<String, Ptr<Feature2D>> detectors[] = {{"SIFT", SIFT::create()},
+                                                           {"FAST", FastFeatureDetector::create()}};
+    std::cout << format("%-24s %9s %10s %11s\n", "", "keypoints", "uniformity", "occupied");
+    Mat rows[2];
+    for (int i = 0; i < 2; i++)
+    {
+        std::vector<KeyPoint> best, uniform;
+        detectors[i].second->detect(image, best);
+        uniform = best;
+        KeyPointsFilter::retainBest(best, npoints);
+        aqorb::retainUniform(uniform, image.size(), npoints);
+        const Mat left = drawn(image, best, detectors[i].first + ", retainBest");
+        const Mat right = drawn(image, uniform, detectors[i].first + ", retainUniform");
+        hconcat(left, right, rows[i]);
+    }
+    vconcat(rows[0], rows[1], rows[0]);
+    return !imwrite(out, rows[0]);
 }

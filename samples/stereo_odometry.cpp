@@ -5,31 +5,27 @@
 
 // The path of a stereo camera from the features of AdaptiveQuadtreeORB, and from those of cv::ORB.
 
-#include "drawing.hpp"
-#include "program.hpp"
 #include "stereo_odometry.hpp"
 
 #include <opencv2/aqorb.hpp>
+#include <opencv2/core/utility.hpp>
 #include <opencv2/highgui.hpp>
+#include <opencv2/imgcodecs.hpp>
+#include <opencv2/imgproc.hpp>
+
+#include <iostream>
 
 using namespace cv;
 
 namespace
 {
 
-const Program PROGRAM = {
-    "stereo_odometry",
-    "Stereo visual odometry with cv::aqorb::AdaptiveQuadtreeORB and with cv::ORB. FOLDER is laid out\n"
-    "as KITTI's odometry sequences: calib.txt, image_0 and image_1 (or image_l and image_r) and, for\n"
-    "the errors, poses.txt. Prints a table and writes the paths and the features tracked into the\n"
-    "last frame to a picture.",
-    "FOLDER",
-    1,
-    1,
-    {{"nfeatures", "1000", "number of keypoints to ask for"},
-     {"show", FLAG, "show the picture in a window, too, frame by frame"},
-     {"out", "stereo_odometry.jpg", "picture to write"}},
-    "stereo_odometry --nfeatures=2000 kitti/sequences/06"};
+const char* const KEYS =
+    "{help      |                     | print this text }"
+    "{nfeatures | 1000                | number of keypoints to ask for }"
+    "{show      |                     | show the picture in a window, too, frame by frame }"
+    "{out       | stereo_odometry.jpg | picture to write }"
+    "{@folder   |                     | a sequence as KITTI's }";
 
 struct Odometry
 {
@@ -66,7 +62,10 @@ void track(Odometry& odometry, const Mat& left, const Mat& right, const StereoSe
     else
     {
         const Matx44d before = odometry.motion.motion;
-        odometry.motion = estimateMotion(odometry.frame, frame, norm, sequence);
+        // The matches of BFMatcher(norm, true).
+        odometry.motion =
+            estimateMotion(odometry.frame, frame,
+                           matchFrames(odometry.frame, frame, aqorb::HammingMatcher(norm, true)), sequence);
         if (!odometry.motion.found)
             odometry.motion.motion = before;
         odometry.lost += !odometry.motion.found;
@@ -143,18 +142,17 @@ void printTable(const std::vector<Odometry>& odometries, const StereoSequence& s
 // The left image with the tracked features: a line from where each was in the frame before.
 Mat trackPicture(const Odometry& odometry, const Mat& left)
 {
-    const int factor = enlargement(left.size());
-    Mat picture = canvas(left, factor);
-    const double scale = drawingScale(picture.size());
+    Mat picture;
+    cvtColor(left, picture, COLOR_GRAY2BGR);
     for (size_t i = 0; i < odometry.motion.to.size(); i++)
     {
-        const Point2f from = enlarged(odometry.motion.from[i], factor);
-        const Point2f to = enlarged(odometry.motion.to[i], factor);
-        line(picture, from, to, odometry.colour, cvRound(scale), LINE_AA);
-        drawCircle(picture, to, 2 * scale, FILLED, odometry.colour);
+        line(picture, odometry.motion.from[i], odometry.motion.to[i], odometry.colour, 1, LINE_AA);
+        circle(picture, odometry.motion.to[i], 2, odometry.colour, FILLED, LINE_AA);
     }
-    return captioned(picture, format("%s: %d inliers", odometry.name, odometry.motion.inliers),
-                     odometry.colour);
+    copyMakeBorder(picture, picture, 40, 0, 0, 0, BORDER_CONSTANT, Scalar::all(255));
+    putText(picture, format("%s: %d inliers", odometry.name, odometry.motion.inliers), Point(12, 28),
+            FONT_HERSHEY_SIMPLEX, 0.75, odometry.colour, 1, LINE_AA);
+    return picture;
 }
 
 // The paths from above: x to the right, z (ahead) to the top.
@@ -173,7 +171,7 @@ Mat pathPicture(const std::vector<std::vector<Matx44d>>& paths, const std::vecto
             lines.back().push_back(p);
         }
     }
-    const double unit = drawingScale(Size(2 * size.width, size.height)), margin = 20 * unit;
+    const double margin = 20;
     const double scale =
         std::min((size.width - 2 * margin) / (high.x - low.x), (size.height - 4 * margin) / (high.y - low.y));
     const Point2d centre = 0.5 * (low + high);
@@ -184,15 +182,15 @@ Mat pathPicture(const std::vector<std::vector<Matx44d>>& paths, const std::vecto
         for (const Point2d& p : lines[i])
             pixels.push_back(Point(cvRound(size.width * 0.5 + (p.x - centre.x) * scale),
                                    cvRound(size.height * 0.5 - (p.y - centre.y) * scale)));
-        polylines(picture, pixels, false, colours[i], cvRound(2 * unit), LINE_AA);
+        polylines(picture, pixels, false, colours[i], 2, LINE_AA);
     }
     const int metres = 10, length = cvRound(metres * scale);
-    const Point start(cvRound(margin / 2), size.height - cvRound(margin / 2));
-    line(picture, start, start + Point(length, 0), Scalar::all(0), cvRound(2 * unit));
-    putText(picture, format("%d m", metres), start - Point(0, cvRound(8 * unit)), FONT_HERSHEY_SIMPLEX,
-            0.5 * unit, Scalar::all(0), cvRound(unit), LINE_AA);
+    const Point start(10, size.height - 10);
+    line(picture, start, start + Point(length, 0), Scalar::all(0), 2);
+    putText(picture, format("%d m", metres), start - Point(0, 8), FONT_HERSHEY_SIMPLEX, 0.5, Scalar::all(0),
+            1, LINE_AA);
     putText(picture, "Paths from above; grey: poses.txt", Point(start.x, cvRound(margin)),
-            FONT_HERSHEY_SIMPLEX, 0.5 * unit, Scalar::all(0), cvRound(unit), LINE_AA);
+            FONT_HERSHEY_SIMPLEX, 0.5, Scalar::all(0), 1, LINE_AA);
     return picture;
 }
 
@@ -222,11 +220,26 @@ Mat drawAll(const std::vector<Odometry>& odometries, const StereoSequence& seque
     return picture;
 }
 
-void run(const Arguments& arguments)
+}  // namespace
+
+int main(int argc, char** argv)
 {
-    const int nfeatures = arguments.featureCount();
-    const String folder = arguments.files[0];
-    const bool show = arguments.has("show");
+    CommandLineParser parser(argc, argv, KEYS);
+    parser.about(
+        "Stereo visual odometry with cv::aqorb::AdaptiveQuadtreeORB and with cv::ORB, on a folder laid out "
+        "as\n"
+        "KITTI's odometry sequences: calib.txt, image_0 and image_1 (or image_l and image_r) and, for the\n"
+        "errors, poses.txt. Prints a table and writes the paths and the features tracked into the last\n"
+        "frame to a picture.");
+    const String folder = parser.get<String>("@folder"), out = parser.get<String>("out");
+    const int nfeatures = parser.get<int>("nfeatures");
+    const bool show = parser.has("show");
+    if (parser.has("help") || !parser.check() || folder.empty())
+    {
+        parser.printErrors();
+        parser.printMessage();
+        return !parser.has("help");
+    }
 
     StereoSequence sequence;
     try
@@ -235,7 +248,8 @@ void run(const Arguments& arguments)
     }
     catch (const cv::Exception& exception)
     {
-        throw Failure{FAILED, exception.err};
+        std::cerr << exception.err << std::endl;
+        return 1;
     }
     std::vector<Odometry> odometries = {
         Odometry("cv::ORB", ORB::create(nfeatures), Scalar(60, 60, 230)),
@@ -243,10 +257,13 @@ void run(const Arguments& arguments)
     Mat left;
     for (size_t i = 0; i < sequence.left.size(); i++)
     {
-        left = readImage(sequence.left[i]);
-        const Mat right = readImage(sequence.right[i]);
-        if (left.size() != right.size())
-            throw Failure{FAILED, sequence.right[i] + ": has another size than the left image"};
+        left = imread(sequence.left[i], IMREAD_GRAYSCALE);
+        const Mat right = imread(sequence.right[i], IMREAD_GRAYSCALE);
+        if (left.empty() || left.size() != right.size())
+        {
+            std::cerr << sequence.left[i] << ": not a pair of images of one size\n";
+            return 1;
+        }
         for (Odometry& odometry : odometries)
             track(odometry, left, right, sequence);
         if (show)
@@ -257,12 +274,5 @@ void run(const Arguments& arguments)
         }
     }
     printTable(odometries, sequence);
-    writePicture(arguments.text("out"), drawAll(odometries, sequence, left));
-}
-
-}  // namespace
-
-int main(int argc, char** argv)
-{
-    return runProgram(PROGRAM, run, argc, argv);
+    return !imwrite(out, drawAll(odometries, sequence, left));
 }

@@ -12,6 +12,7 @@
 
 #include <opencv2/aqorb/features.hpp>
 #include <opencv2/aqorb/geometry.hpp>
+#include <opencv2/aqorb/matching.hpp>
 #include <opencv2/core/utils/filesystem.hpp>
 
 #include <algorithm>
@@ -39,8 +40,7 @@ struct StereoFrame
 
 struct StereoMotion
 {
-    cv::Matx44d motion =
-        cv::Matx44d::eye();  // from the coordinates of the later frame to those of the earlier
+    cv::Matx44d motion = cv::Matx44d::eye();  // from coordinates of the later frame to those of the earlier
     int matches = 0, inliers = 0;
     bool found = false;
     std::vector<cv::Point2f> from, to;  // the inliers, in the earlier and the later left image
@@ -96,67 +96,59 @@ inline StereoSequence readStereoSequence(const std::string& folder)
     return sequence;
 }
 
-/** The features of the left image that match one of the right image best, and the other way round, among those
- within two pixels of its row (more for large features, as they are located less exactly) and at most
- maxDisparity further left. */
-inline StereoFrame stereoFrame(const std::vector<cv::KeyPoint>& left, const cv::Mat& leftDescriptors,
-                               const std::vector<cv::KeyPoint>& right, const cv::Mat& rightDescriptors,
-                               int norm, const StereoSequence& sequence, float maxDisparity = 200)
+//! The features of the left image that are in a pair with one of the right image: CV_32SC1, a row for each pair.
+inline StereoFrame triangulatePairs(const std::vector<cv::KeyPoint>& left, const cv::Mat& leftDescriptors,
+                                    const std::vector<cv::KeyPoint>& right, const cv::Mat& pairs,
+                                    const StereoSequence& sequence)
 {
-    const float ROWS = 2, ORB_SIZE = 31, MIN_DISPARITY = 0.5f;
-    std::vector<int> byRow(right.size());
-    for (size_t i = 0; i < right.size(); i++)
-        byRow[i] = int(i);
-    std::sort(byRow.begin(), byRow.end(), [&](int a, int b) { return right[a].pt.y < right[b].pt.y; });
-
-    std::vector<cv::DMatch> bestOfLeft(left.size()), bestOfRight(right.size());
-    for (size_t i = 0; i < left.size(); i++)
-    {
-        const cv::Point2f p = left[i].pt;
-        const float rows = ROWS * std::max(1.f, left[i].size / ORB_SIZE);
-        auto candidate = std::lower_bound(byRow.begin(), byRow.end(), p.y - rows,
-                                          [&](int index, float y) { return right[index].pt.y < y; });
-        for (; candidate != byRow.end() && right[*candidate].pt.y <= p.y + rows; ++candidate)
-        {
-            const float disparity = p.x - right[*candidate].pt.x;
-            if (disparity < MIN_DISPARITY || disparity > maxDisparity)
-                continue;
-            const double distance =
-                cv::norm(leftDescriptors.row(int(i)), rightDescriptors.row(*candidate), norm);
-            const cv::DMatch match(int(i), *candidate, float(distance));
-            if (match < bestOfLeft[i])
-                bestOfLeft[i] = match;
-            if (match < bestOfRight[*candidate])
-                bestOfRight[*candidate] = match;
-        }
-    }
-
     StereoFrame frame;
     const cv::Matx33d& k = sequence.camera;
-    for (size_t i = 0; i < left.size(); i++)
+    for (int i = 0; i < pairs.rows; i++)
     {
-        const int match = bestOfLeft[i].trainIdx;
-        if (match < 0 || bestOfRight[match].queryIdx != int(i))
-            continue;
-        const cv::Point2f p = left[i].pt;
-        const double depth = k(0, 0) * sequence.baseline / (p.x - right[match].pt.x);
-        frame.keypoints.push_back(left[i]);
-        frame.descriptors.push_back(leftDescriptors.row(int(i)));
+        const int index = pairs.at<int>(i, 0);
+        const cv::Point2f p = left[index].pt;
+        const double depth = k(0, 0) * sequence.baseline / (p.x - right[pairs.at<int>(i, 1)].pt.x);
+        frame.keypoints.push_back(left[index]);
+        frame.descriptors.push_back(leftDescriptors.row(index));
         frame.points.emplace_back((p.x - k(0, 2)) * depth / k(0, 0), (p.y - k(1, 2)) * depth / k(1, 1),
                                   depth);
     }
     return frame;
 }
 
-//! The motion between two frames: PnP with RANSAC, refined on the inliers.
-inline StereoMotion estimateMotion(const StereoFrame& earlier, const StereoFrame& later, int norm,
-                                   const StereoSequence& sequence)
+/** The features of the left image that match one of the right image best, and the other way round, among those within
+ some rows and at most maxDisparity pixels further left. */
+inline StereoFrame stereoFrame(const std::vector<cv::KeyPoint>& left, const cv::Mat& leftDescriptors,
+                               const std::vector<cv::KeyPoint>& right, const cv::Mat& rightDescriptors,
+                               int norm, const StereoSequence& sequence, float maxDisparity = 200)
+{
+    const float ROWS = 3, MIN_DISPARITY = 0.5f;
+    std::vector<cv::Point2f> predicted;
+    for (const cv::KeyPoint& keypoint : left)
+        predicted.push_back(keypoint.pt - cv::Point2f((MIN_DISPARITY + maxDisparity) / 2, 0));
+    const cv::Size2f reach((maxDisparity - MIN_DISPARITY) / 2, ROWS);
+    cv::Mat pairs, distances;
+    cv::aqorb::matchByPosition(leftDescriptors, predicted, rightDescriptors, right, reach, pairs, distances,
+                               0, true, -1, norm);
+    return triangulatePairs(left, leftDescriptors, right, pairs, sequence);
+}
+
+//! Mutual nearest neighbours of the features of two frames, if the matcher checks both directions.
+inline std::vector<cv::DMatch> matchFrames(const StereoFrame& earlier, const StereoFrame& later,
+                                           const cv::DescriptorMatcher& matcher)
+{
+    std::vector<cv::DMatch> matches;
+    if (!earlier.descriptors.empty() && !later.descriptors.empty())
+        matcher.match(earlier.descriptors, later.descriptors, matches);
+    return matches;
+}
+
+//! The motion between two frames from their matches: PnP with RANSAC, refined on the inliers.
+inline StereoMotion estimateMotion(const StereoFrame& earlier, const StereoFrame& later,
+                                   const std::vector<cv::DMatch>& matches, const StereoSequence& sequence)
 {
     const float THRESHOLD = 2;  // pixels
     StereoMotion result;
-    std::vector<cv::DMatch> matches;
-    if (!earlier.descriptors.empty() && !later.descriptors.empty())
-        cv::BFMatcher(norm, true).match(earlier.descriptors, later.descriptors, matches);
     std::vector<cv::Point3d> points;
     std::vector<cv::Point2d> pixels;
     for (const cv::DMatch& match : matches)

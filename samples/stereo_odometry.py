@@ -1,5 +1,4 @@
 #!/usr/bin/env python3
-
 # This file is part of aqorb. Copyright (C) The aqorb developers.
 # It is subject to the license terms in the LICENSE file found in the top-level directory
 # of this distribution.
@@ -8,16 +7,18 @@
 calib.txt, image_0 and image_1 (or image_l and image_r) and, for the errors, poses.txt. Prints a table and writes the
 paths and the features tracked into the last frame to a picture."""
 
+import argparse
 import glob
 import os
-
-# Imported first, because it says what is missing if an import fails.
-from program import FAILED, Failure, Program, aqorb, read_image, run, write_picture
+import sys
 
 import cv2 as cv
 import numpy as np
 
-from drawing import canvas, captioned, draw_circle, drawing_scale, enlarged, enlargement, size_of
+try:
+    import aqorb
+except ImportError:  # a cv2 that was built with the module
+    from cv2 import aqorb
 
 
 class Sequence:
@@ -28,12 +29,12 @@ class Sequence:
         self.left = self._images(folder, 'image_l', 'image_0')
         self.right = self._images(folder, 'image_r', 'image_1')
         if len(projections) < 2 or not self.left or len(self.left) != len(self.right):
-            raise Failure(FAILED, folder + ': needs calib.txt and as many images of both cameras')
+            sys.exit(folder + ': needs calib.txt and as many images of both cameras')
         self.camera = projections[0][:, :3]
         self.baseline = (projections[0][0, 3] - projections[1][0, 3]) / self.camera[0, 0]  # in metres
         self.poses = [np.vstack([m, [0, 0, 0, 1]]) for m in self._matrices(os.path.join(folder, 'poses.txt'))]
         if self.poses and len(self.poses) < len(self.left):
-            raise Failure(FAILED, folder + ': poses.txt has fewer poses than there are images')
+            sys.exit(folder + ': poses.txt has fewer poses than there are images')
 
     @staticmethod
     def _matrices(path):
@@ -43,7 +44,7 @@ class Sequence:
             try:
                 rows = [np.array(line.split(':')[-1].split(), float) for line in file]
             except ValueError:  # no number, or no ASCII
-                raise Failure(FAILED, path + ': rows of 12 numbers are accepted') from None
+                sys.exit(path + ': rows of 12 numbers are accepted')
         return [row.reshape(3, 4) for row in rows if row.size == 12]
 
     @staticmethod
@@ -71,24 +72,22 @@ class Odometry:
 
     def stereo_frame(self, left, right, sequence):
         """Pixels, descriptors and points in space of the features that match one of the right image best, and
-        the other way round, among those within two pixels of its row (more for large features) further left."""
+        the other way round, among those within some rows and at most 200 pixels further left."""
         (keypoints, a), (others, b) = [self.detector.detectAndCompute(image, None) for image in (left, right)]
         self.keypoints.append(len(keypoints))
         if not keypoints or not others:
             self.depths.append(0)
             return np.empty((0, 2)), None, np.empty((0, 3))
         p, q = cv.KeyPoint_convert(keypoints), cv.KeyPoint_convert(others)
-        rows = 2 * np.array([k.size for k in keypoints]) / 31  # more for large features
-        disparity = p[:, None, 0] - q[None, :, 0]
-        bits, other_bits = [np.unpackbits(d, axis=1).astype(np.float32) for d in (a, b)]
-        distance = bits.sum(1)[:, None] + other_bits.sum(1) - 2 * bits @ other_bits.T  # Hamming
-        distance = np.where((abs(p[:, None, 1] - q[None, :, 1]) <= rows[:, None]) & (disparity >= 0.5) &
-                            (disparity <= 200), distance, 1 << 20)
-        match, back = distance.argmin(1), distance.argmin(0)
-        i = np.arange(len(p))
-        i = i[(back[match] == i) & (distance[i, match] < 1 << 20)]
-        self.depths.append(len(i))
-        depth = sequence.camera[0, 0] * sequence.baseline / disparity[i, match[i]]
+        low, high = 0.5, 200  # disparity
+        predicted = p - np.float32([(low + high) / 2, 0])
+        pairs, _ = aqorb.matchByPosition(a, predicted, b, others, ((high - low) / 2, 3),
+                                         normType=self.detector.defaultNorm())
+        if pairs is None:  # of a cv2 that was built with the module
+            pairs = np.empty((0, 2), int)
+        self.depths.append(len(pairs))
+        i, match = pairs.T
+        depth = sequence.camera[0, 0] * sequence.baseline / (p[i, 0] - q[match, 0])
         rays = np.column_stack([p[i], np.ones(len(i))]) @ np.linalg.inv(sequence.camera).T
         return p[i], a[i], rays * depth[:, None]
 
@@ -96,7 +95,7 @@ class Odometry:
         """The motion between two frames: PnP with RANSAC, refined on the inliers."""
         matches = []
         if len(earlier[0]) and len(later[0]):
-            matches = cv.BFMatcher(self.detector.defaultNorm(), crossCheck=True).match(earlier[1], later[1])
+            matches = aqorb.HammingMatcher(self.detector.defaultNorm(), crossCheck=True).match(earlier[1], later[1])
         source, target = [m.queryIdx for m in matches], [m.trainIdx for m in matches]
         points, pixels = earlier[2][source], later[0][target].astype(float)
         found, inliers = False, None
@@ -163,15 +162,14 @@ def print_table(odometries, sequence):
 
 def track_picture(odometry, left):
     """The left image with the tracked features: a line from where each was in the frame before."""
-    factor = enlargement(size_of(left))
-    picture = canvas(left, factor)
-    scale = drawing_scale(size_of(picture))
-    for p, q in zip(*(odometry.tracks or ([], []))):
-        start, end = enlarged(p, factor), enlarged(q, factor)
-        cv.line(picture, np.intp(start.round()), np.intp(end.round()), odometry.colour, round(scale), cv.LINE_AA)
-        draw_circle(picture, end, 2 * scale, cv.FILLED, odometry.colour)
-    inliers = odometry.inliers[-1] if odometry.inliers else 0
-    return captioned(picture, '{}: {} inliers'.format(odometry.name, inliers), odometry.colour)
+    picture = cv.cvtColor(left, cv.COLOR_GRAY2BGR)
+    for start, end in zip(*(odometry.tracks or ([], []))):
+        start, end = np.intp(start.round()), np.intp(end.round())
+        cv.line(picture, start, end, odometry.colour, 1, cv.LINE_AA)
+        cv.circle(picture, end, 2, odometry.colour, cv.FILLED, cv.LINE_AA)
+    picture = cv.copyMakeBorder(picture, 40, 0, 0, 0, cv.BORDER_CONSTANT, value=(255, 255, 255))
+    text = '{}: {} inliers'.format(odometry.name, odometry.inliers[-1] if odometry.inliers else 0)
+    return cv.putText(picture, text, (12, 28), cv.FONT_HERSHEY_SIMPLEX, 0.75, odometry.colour, 1, cv.LINE_AA)
 
 
 def path_picture(paths, size):
@@ -180,18 +178,17 @@ def path_picture(paths, size):
     lines = [np.array([pose[[0, 2], 3] for pose in poses]) for poses, _ in paths]
     corners = np.vstack(lines + [np.array([[-5, -5], [5, 5]])])
     low, high = corners.min(0), corners.max(0)
-    unit = drawing_scale((2 * width, height))
-    margin = 20 * unit
+    margin = 20
     scale = ((np.array(size) - (2 * margin, 4 * margin)) / (high - low)).min()
     picture = np.full((height, width, 3), 255, np.uint8)
     for line, (_, colour) in zip(lines, paths):
         pixels = np.array(size) / 2 + (line - (low + high) / 2) * scale * (1, -1)
-        cv.polylines(picture, [pixels.round().astype(np.int32)], False, colour, round(2 * unit), cv.LINE_AA)
-    x, y = round(margin / 2), height - round(margin / 2)
-    cv.line(picture, (x, y), (x + round(10 * scale), y), (0, 0, 0), round(2 * unit))
-    for text, position in (('10 m', (x, y - round(8 * unit))),
-                           ('Paths from above; grey: poses.txt', (x, round(margin)))):
-        cv.putText(picture, text, position, cv.FONT_HERSHEY_SIMPLEX, 0.5 * unit, (0, 0, 0), round(unit), cv.LINE_AA)
+        cv.polylines(picture, [pixels.round().astype(np.int32)], False, colour, 2, cv.LINE_AA)
+    x, y = 10, height - 10
+    cv.line(picture, (x, y), (x + round(10 * scale), y), (0, 0, 0), 2)
+    for text, position in (('10 m', (x, y - 8)),
+                           ('Paths from above; grey: poses.txt', (x, margin))):
+        cv.putText(picture, text, position, cv.FONT_HERSHEY_SIMPLEX, 0.5, (0, 0, 0), 1, cv.LINE_AA)
     return picture
 
 
@@ -205,20 +202,21 @@ def draw_all(odometries, sequence, left):
 
 
 def main():
-    program = Program(__doc__, 'FOLDER', 1, 1, 'stereo_odometry.py --nfeatures=2000 kitti/sequences/06')
-    program.add_feature_count()
-    program.add_flag('show', 'show the picture in a window, too, frame by frame')
-    program.add_text('out', 'stereo_odometry.jpg', 'picture to write')
-    arguments = program.parse()
+    parser = argparse.ArgumentParser(description=__doc__)
+    parser.add_argument('--nfeatures', type=int, default=1000)
+    parser.add_argument('--show', action='store_true', help='show the picture in a window, too, frame by frame')
+    parser.add_argument('--out', default='stereo_odometry.jpg', help='picture to write')
+    parser.add_argument('folder')
+    arguments = parser.parse_args()
 
-    sequence = Sequence(arguments.files[0])
+    sequence = Sequence(arguments.folder)
     odometries = [Odometry('cv.ORB', cv.ORB_create(arguments.nfeatures), (60, 60, 230)),
                   Odometry('AdaptiveQuadtreeORB', aqorb.AdaptiveQuadtreeORB_create(arguments.nfeatures),
                            (40, 200, 40))]
     for left_path, right_path in zip(sequence.left, sequence.right):
-        left, right = read_image(left_path), read_image(right_path)
-        if left.shape != right.shape:
-            raise Failure(FAILED, right_path + ': has another size than the left image')
+        left, right = [cv.imread(path, cv.IMREAD_GRAYSCALE) for path in (left_path, right_path)]
+        if left is None or right is None or left.shape != right.shape:
+            sys.exit(left_path + ': not a pair of images of one size')
         for odometry in odometries:
             odometry.add(left, right, sequence)
         if arguments.show:
@@ -226,8 +224,8 @@ def main():
             if cv.waitKey(30) == 27:
                 break
     print_table(odometries, sequence)
-    write_picture(arguments.out, draw_all(odometries, sequence, left))
+    sys.exit(not cv.imwrite(arguments.out, draw_all(odometries, sequence, left)))
 
 
 if __name__ == '__main__':
-    run(main)
+    main()

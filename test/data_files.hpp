@@ -17,7 +17,7 @@ namespace opencv_test
 
 //! Path of a file of opencv_extra's testdata; empty where OPENCV_TEST_DATA_PATH is not set.
 std::string dataFile(const std::string& name);
-/** Path of a file of a sequence in the layout of KITTI's odometry (calib.txt, image_0 or image_l, poses.txt); empty
+/** Path of a file of a sequence in the layout of KITTI's odometry (see samples/stereo_odometry.hpp); empty
  where AQORB_TEST_SEQUENCE is not set. */
 std::string sequenceFile(const std::string& name);
 //! Path of image `index` (1 to 6) of an Oxford set: bikes, leuven, bark, trees, ubc or graf.

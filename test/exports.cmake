@@ -7,12 +7,13 @@ if(NOT result EQUAL 0 OR output STREQUAL "")
   message(FATAL_ERROR "${NM} lists no symbols of ${LIBRARY}")
 endif()
 
-set(class "cv::aqorb::AdaptiveQuadtreeORB")
-set(functions adaptiveFastThreshold distributionOccupancy distributionUniformity retainUniform)
+set(class "cv::aqorb::(AdaptiveQuadtreeORB|HammingMatcher)")
+set(functions adaptiveFastThreshold distributionOccupancy distributionUniformity retainUniform
+  matchArrays knnMatchArrays matchByPosition batchHammingDistance)
 list(TRANSFORM functions PREPEND "cv::aqorb::" OUTPUT_VARIABLE names)
 list(JOIN names "|" names)
 # A program that derives from the class needs its tables, too. Clang exports those in which the class is constructed.
-set(accepted "^(${names})\\(|^((non-)?virtual thunk to )?${class}::[A-Za-z]+(\\(|\\[abi)")
+set(accepted "^(${names})\\(|^((non-)?virtual thunk to )?${class}::(SingleThreadScope::~?)?[A-Za-z]+(\\(|\\[abi)")
 string(APPEND accepted "|^(vtable|VTT|typeinfo|typeinfo name) for ${class} |^construction vtable for .*-in-${class} ")
 
 set(unexpected "")
@@ -29,8 +30,12 @@ if(unexpected)
 endif()
 
 list(TRANSFORM functions APPEND "(" OUTPUT_VARIABLE required)
-list(APPEND required "AdaptiveQuadtreeORB::create(" "AdaptiveQuadtreeORB::getDefaultName" "vtable for ${class}"
-  "typeinfo for ${class}")
+list(APPEND required "AdaptiveQuadtreeORB::create(" "AdaptiveQuadtreeORB::SingleThreadScope::SingleThreadScope("
+  "AdaptiveQuadtreeORB::getDefaultName"
+  "HammingMatcher::HammingMatcher(" "HammingMatcher::create(")
+foreach(name IN ITEMS AdaptiveQuadtreeORB HammingMatcher)
+  list(APPEND required "vtable for cv::aqorb::${name} " "typeinfo for cv::aqorb::${name} ")
+endforeach()
 foreach(name IN LISTS required)
   string(FIND "${output}" "${name}" position)
   if(position EQUAL -1)

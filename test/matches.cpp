@@ -5,8 +5,8 @@
 
 #include "matches.hpp"
 
-#include <opencv2/aqorb/features.hpp>
 #include <opencv2/aqorb/geometry.hpp>
+#include <opencv2/aqorb/matching.hpp>
 
 #ifdef AQORB_HAVE_GEOMETRY
 
@@ -24,11 +24,18 @@ static std::vector<cv::Point2f> mapped(const std::vector<cv::Point2f>& points, c
     return result;
 }
 
+cv::Ptr<cv::BFMatcher> makeMatcher(int norm, bool crossCheck)
+{
+    if (norm == cv::NORM_HAMMING || norm == cv::NORM_HAMMING2)
+        return cv::aqorb::HammingMatcher::create(norm, crossCheck);
+    return cv::BFMatcher::create(norm, crossCheck);
+}
+
 Matches matchFeatures(const Features& a, const Features& b, int norm)
 {
     std::vector<cv::DMatch> matches;
     if (!a.descriptors.empty() && !b.descriptors.empty())
-        cv::BFMatcher(norm, true).match(a.descriptors, b.descriptors, matches);
+        makeMatcher(norm, true)->match(a.descriptors, b.descriptors, matches);
     std::stable_sort(matches.begin(), matches.end());
     Matches result;
     for (const cv::DMatch& match : matches)

@@ -8,6 +8,8 @@
 
 #include "features.hpp"
 
+#include <opencv2/aqorb/features.hpp>
+
 // How well the features of two images of a plane match. This needs OpenCV's module calib3d, or geometry in OpenCV
 // 5, but neither test framework, so that tools/evaluate uses it, too.
 
@@ -19,6 +21,9 @@ struct Matches
 {
     std::vector<cv::Point2f> from, to;
 };
+
+//! The fastest matcher of a norm. All of them find the same matches.
+cv::Ptr<cv::BFMatcher> makeMatcher(int norm, bool crossCheck);
 
 //! Mutual nearest neighbours by the norm of the descriptors.
 Matches matchFeatures(const Features& a, const Features& b, int norm = cv::NORM_HAMMING);

@@ -20,7 +20,6 @@ double varianceOverMean(const Mat& gray, const Mat& mask)
 {
     int64 n = 0, sum = 0, squares = 0;
     for (int y = 0; y < gray.rows; y++)
-    {
         for (int x = 0; x < gray.cols; x++)
         {
             if (!mask.empty() && mask.at<uchar>(y, x) == 0)
@@ -30,7 +29,6 @@ double varianceOverMean(const Mat& gray, const Mat& mask)
             sum += value;
             squares += value * value;
         }
-    }
     return sum == 0 ? 0. : (double)squares / (double)sum - (double)sum / (double)n;
 }
 
@@ -91,13 +89,11 @@ static std::vector<std::vector<int>> influences(int from, int to)
     cv::resize(Mat::eye(from, from, CV_8UC1) * 255, resized, Size(to, from), 0, 0, INTER_LINEAR_EXACT);
     std::vector<std::vector<int>> result(to);
     for (int i = 0; i < to; i++)
-    {
         for (int j = 0; j < from; j++)
         {
             if (resized.at<uchar>(j, i) != 0)
                 result[i].push_back(j);
         }
-    }
     return result;
 }
 
@@ -122,19 +118,13 @@ Mat resizeMask(const Mat& mask, Size size)
     const std::vector<std::vector<int>> rows = influences(mask.rows, size.height);
     Mat result(size, CV_8UC1, Scalar(255));
     for (int y = 0; y < size.height; y++)
-    {
         for (int x = 0; x < size.width; x++)
-        {
             for (size_t i = 0; i < rows[y].size(); i++)
-            {
                 for (size_t j = 0; j < columns[x].size(); j++)
                 {
                     if (mask.at<uchar>(rows[y][i], columns[x][j]) == 0)
                         result.at<uchar>(y, x) = 0;
                 }
-            }
-        }
-    }
     return result;
 }
 
@@ -167,33 +157,27 @@ std::vector<Corner> fastCorners(const Mat& image, const Rect& region, int thresh
     // The score of every pixel that is a corner at the threshold; 0 elsewhere, and around the image.
     Mat scores = Mat::zeros(image.size(), CV_32SC1);
     for (int y = RADIUS; y < image.rows - RADIUS; y++)
-    {
         for (int x = RADIUS; x < image.cols - RADIUS; x++)
         {
             const int score = cornerScore(image, x, y);
             if (score > threshold)
                 scores.at<int>(y, x) = score - 1;
         }
-    }
     std::vector<Corner> corners;
     for (int y = RADIUS; y < image.rows - RADIUS; y++)
-    {
         for (int x = RADIUS; x < image.cols - RADIUS; x++)
         {
             const Corner corner = {x, y, scores.at<int>(y, x)};
             bool isMaximum = corner.score > 0;
             for (int dy = -1; dy <= 1; dy++)
-            {
                 for (int dx = -1; dx <= 1; dx++)
                 {
                     if ((dx != 0 || dy != 0) && scores.at<int>(y + dy, x + dx) >= corner.score)
                         isMaximum = false;
                 }
-            }
             if (isMaximum && region.contains(Point(x, y)))
                 corners.push_back(corner);
         }
-    }
     return corners;
 }
 
@@ -242,7 +226,6 @@ float harrisResponse(const Mat& image, int x0, int y0)
 {
     int a = 0, b = 0, c = 0;
     for (int y = y0 - 2; y <= y0 + 2; y++)
-    {
         for (int x = x0 - 2; x <= x0 + 2; x++)
         {
             int Ix = 0, Iy = 0;
@@ -256,7 +239,6 @@ float harrisResponse(const Mat& image, int x0, int y0)
             b += Iy * Iy;
             c += Ix * Iy;
         }
-    }
     const float k = 0.04f, scale = 1.f / ((1 << 2) * 5 * 255.f);
     return ((float)a * b - (float)c * c - k * ((float)a + b) * ((float)a + b)) *
            (scale * scale * scale * scale);
@@ -324,7 +306,6 @@ bool usablePosition(const Mat& mask, int x, int y, Size levelSize, float scale, 
     // The nearest of all, of which the first.
     double least = DBL_MAX;
     for (int row = 0; subPixel && row < mask.rows; row++)
-    {
         for (int column = 0; column < mask.cols; column++)
         {
             const Point2f p(nearestCoordinate(x, column, imageSize.width, scale, border),
@@ -336,7 +317,6 @@ bool usablePosition(const Mat& mask, int x, int y, Size levelSize, float scale, 
                 found = p;
             }
         }
-    }
     return least < DBL_MAX;
 }
 

@@ -8,7 +8,7 @@
 
 #include "test_precomp.hpp"
 
-#include "point_sequence.hpp"
+#include "parameter_table.hpp"
 #include "types.hpp"
 
 #include <functional>
@@ -22,35 +22,34 @@ namespace reference
 {
 
 using aqorb::stages::Corner;
-using aqorb::stages::LeafPoint;
 using aqorb::stages::Thresholds;
+
+//! A point in a leaf of a quadtree, by its Morton code. Ties go to the lower y, then the lower x, then the lower index.
+struct LeafPoint
+{
+    unsigned leaf;
+    float response, x, y;
+    int index;
+};
 
 //! All parameters of AdaptiveQuadtreeORB with its defaults.
 struct Settings
 {
-    int nfeatures = 500;
-    float scaleFactor = 1.2f;
-    int nlevels = 8;
-    int edgeThreshold = 16;
-    int firstLevel = 0;
-    int WTA_K = 2;
-    ORB::ScoreType scoreType = ORB::HARRIS_SCORE;
-    int patchSize = 31;
-    int fastThreshold = 20;
-    bool adaptiveThreshold = true;
-    double minThresholdRatio = 4;
-    int cellSize = 35;
-    int maxDepth = -1;
-    AdaptiveQuadtreeORB::SelectionType selectionType = AdaptiveQuadtreeORB::RANKED_SELECTION;
-    double strengthWeight = 0.15;
-    double rankRadius = 1;
-    double octaveSuppression = -1;
-    bool subPixel = true;
+#define AQORB_FIELD(property, type, name, key, byDefault, ...) type name = type(byDefault);
+    AQORB_PARAMETERS(AQORB_FIELD)
+#undef AQORB_FIELD
 
     //! The distance that octaveSuppression stands for.
     double octaveSuppressionInUse() const;
+    void set(AdaptiveQuadtreeORB& detector) const;
     Ptr<AdaptiveQuadtreeORB> create() const;
+    //! cv::ORB with those of them that it has.
+    Ptr<ORB> createOrb() const;
+    //! All of them, for messages.
+    std::string text() const;
 };
+//! Random values of all parameters that go together.
+Settings randomSettings(RNG& rng);
 
 //! What detectAndCompute must give.
 Features detectAndCompute(const Mat& image, const Mat& mask, const Settings& settings);
@@ -94,9 +93,10 @@ std::vector<LeafPoint> balancedSequence(const std::vector<LeafPoint>& points, in
 /** log2(v) in units of 2^-24, v > 0 and finite. v = 2^e * (1 + f / 2^23). With T(i), i = 0..4096, log2(1 + i / 4096)
  in units of 2^-26, rounded down, it is e plus what lies linearly between T(f / 2048) and the next, rounded down. */
 int64 binaryLogarithm(float v);
-//! Quotas of as many levels, in proportion to their areas. Level 0 takes what the others leave by rounding.
-std::vector<int> areaQuotas(int nfeatures, const std::vector<Size>& regions);
-//! The smallest depth, but at most `most`, with 12 leaves for each feature, where the usable share counts alone.
+//! Quotas of as many levels, in proportion to area * scale^1.25, level 0 half as much again. It takes what the others leave by rounding.
+std::vector<int> rankedQuotas(int nfeatures, const std::vector<Size>& regions,
+                              const std::vector<float>& scales);
+//! The smallest depth, but at most `most`, with 9 leaves for each feature, where the usable share counts alone.
 int depthForQuota(int quota, double usable, int most);
 //! The depth of a level's tree. Leaves are at least 2 pixels a side.
 int rankedDepth(int maxDepth, int quota, double usable, Size root);
@@ -165,9 +165,6 @@ Mat roundedBlur(const Mat& image);
 std::vector<Point> descriptorPattern(int patchSize, int WTA_K);
 void descriptor(const Mat& image, const Mat& blurred, Point center, float angle,
                 const std::vector<Point>& pattern, int WTA_K, uchar* bytes);
-/** The bits of a descriptor that all roundings agree on: no point of their tests comes so close to the border between two
- pixels that its place depends on whether multiplication and addition are fused. */
-void certainBits(float angle, const std::vector<Point>& pattern, int WTA_K, uchar* bytes);
 
 }  // namespace reference
 

@@ -29,28 +29,67 @@ namespace opencv_test
 namespace reference
 {
 
+void Settings::set(AdaptiveQuadtreeORB& detector) const
+{
+#define AQORB_SET(property, type, name, ...) detector.set##property(name);
+    AQORB_PARAMETERS(AQORB_SET)
+#undef AQORB_SET
+}
+
 Ptr<AdaptiveQuadtreeORB> Settings::create() const
 {
-    const Ptr<AdaptiveQuadtreeORB> detector =
-        AdaptiveQuadtreeORB::create(nfeatures, scaleFactor, nlevels, edgeThreshold, firstLevel, WTA_K,
-                                    scoreType, patchSize, fastThreshold);
-    detector->setAdaptiveThreshold(adaptiveThreshold);
-    detector->setMinThresholdRatio(minThresholdRatio);
-    detector->setCellSize(cellSize);
-    detector->setMaxDepth(maxDepth);
-    detector->setSelectionType(selectionType);
-    detector->setStrengthWeight(strengthWeight);
-    detector->setRankRadius(rankRadius);
-    detector->setOctaveSuppression(octaveSuppression);
-    detector->setSubPixel(subPixel);
+    const Ptr<AdaptiveQuadtreeORB> detector = AdaptiveQuadtreeORB::create();
+    set(*detector);
     return detector;
+}
+
+std::string Settings::text() const
+{
+    std::string text;
+#define AQORB_TEXT(property, type, name, ...) text += format(" " #name " %.17g", double(name));
+    AQORB_PARAMETERS(AQORB_TEXT)
+#undef AQORB_TEXT
+    return text;
+}
+
+Ptr<ORB> Settings::createOrb() const
+{
+    return ORB::create(nfeatures, scaleFactor, nlevels, edgeThreshold, firstLevel, WTA_K, scoreType,
+                       patchSize, fastThreshold);
+}
+
+Settings randomSettings(RNG& rng)
+{
+    Settings s;
+    s.nfeatures = rng.uniform(0, 3) ? rng.uniform(0, 120) : rng.uniform(0, 3000);
+    s.scaleFactor = rng.uniform(1.05f, 2.f);
+    s.nlevels = rng.uniform(1, 7);
+    s.firstLevel = rng.uniform(0, 4) ? 0 : rng.uniform(0, std::min(s.nlevels, 2));
+    s.edgeThreshold = rng.uniform(0, 25);
+    s.WTA_K = rng.uniform(2, 5);
+    s.scoreType = rng.uniform(0, 2) ? ORB::HARRIS_SCORE : ORB::FAST_SCORE;
+    s.patchSize = rng.uniform(2, 45);
+    s.fastThreshold = rng.uniform(0, 40);
+    s.adaptiveThreshold = rng.uniform(0, 2) != 0;
+    s.minThresholdRatio = rng.uniform(0, 3) ? rng.uniform(1., 8.) : 1;
+    s.cellSize = rng.uniform(8, 60);
+    s.maxDepth = rng.uniform(-1, 7);
+    s.selectionType =
+        rng.uniform(0, 4) ? AdaptiveQuadtreeORB::RANKED_SELECTION : AdaptiveQuadtreeORB::BALANCED_SELECTION;
+    const double weights[] = {0, 0.15, rng.uniform(0., 1.), 1000}, radii[] = {0, 1, rng.uniform(0., 4.), 16};
+    s.strengthWeight = weights[rng.uniform(0, 4)];
+    s.rankRadius = radii[rng.uniform(0, 4)];
+    const double distances[] = {-1, 0, rng.uniform(0., 4.), rng.uniform(0., 1.)};
+    s.octaveSuppression = distances[rng.uniform(0, 4)];
+    s.subPixel = rng.uniform(0, 2) != 0;
+    return s;
 }
 
 double Settings::octaveSuppressionInUse() const
 {
     if (octaveSuppression != -1)
         return octaveSuppression;
-    return selectionType == AdaptiveQuadtreeORB::RANKED_SELECTION ? 1.15 / (1 + strengthWeight) : 0.5;
+    return selectionType == AdaptiveQuadtreeORB::RANKED_SELECTION ? 2.1 / (1 + strengthWeight) : 0.5;
 }
 
 int quadtreeDepth(int quota)
@@ -196,11 +235,15 @@ private:
         if (count == 0)
             return;
         std::vector<Size> regions;
+        std::vector<float> scales;
         for (int i = 0; i < count; i++)
+        {
+            scales.push_back(levelScale(i, s.firstLevel, s.scaleFactor));
             regions.push_back(sizeOfLevel(i) - Size(2 * s.edgeThreshold, 2 * s.edgeThreshold));
+        }
         // A ranked selection distributes the features over these, the paper's over all.
-        const std::vector<int> quotaOfLevel =
-            isRanked ? areaQuotas(s.nfeatures, regions) : quotas(s.nfeatures, scaleFactor, s.nlevels);
+        const std::vector<int> quotaOfLevel = isRanked ? rankedQuotas(s.nfeatures, regions, scales)
+                                                       : quotas(s.nfeatures, scaleFactor, s.nlevels);
         const Thresholds t = thresholds(varianceOverMean(gray, mask), s.adaptiveThreshold, s.fastThreshold,
                                         s.minThresholdRatio);
         for (int i = 0; i < count; i++)
@@ -256,14 +299,12 @@ private:
     {
         Mat usable = level.mask.clone();
         for (int y = 0; y < level.mask.rows; y++)
-        {
             for (int x = 0; x < level.mask.cols; x++)
             {
                 Point2f p;
                 if (usable.at<uchar>(y, x) && !usablePosition(level, x, y, p))
                     usable.at<uchar>(y, x) = 0;
             }
-        }
         return usable;
     }
 

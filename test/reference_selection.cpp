@@ -34,14 +34,18 @@ int64 binaryLogarithm(float v)
     return e * ((int64)1 << 24) + (T(i) * 2048 + (T(i + 1) - T(i)) * t) / 8192;
 }
 
-std::vector<int> areaQuotas(int nfeatures, const std::vector<Size>& regions)
+std::vector<int> rankedQuotas(int nfeatures, const std::vector<Size>& regions,
+                              const std::vector<float>& scales)
 {
-    double whole = 0;
-    for (const Size& region : regions)
-        whole += (double)region.width * region.height;
+    std::vector<double> shares;
+    for (size_t level = 0; level < regions.size(); level++)
+        shares.push_back((double)regions[level].width * regions[level].height *
+                         (scales[level] * std::sqrt(std::sqrt((double)scales[level]))));
+    shares[0] *= 1.5;
+    const double whole = std::accumulate(shares.begin(), shares.end(), 0.);
     std::vector<int> result(1);
     for (size_t level = 1; level < regions.size(); level++)
-        result.push_back(cvRound(nfeatures * ((double)regions[level].width * regions[level].height) / whole));
+        result.push_back(cvRound(nfeatures * (shares[level] / whole)));
     int64 sum = std::accumulate(result.begin(), result.end(), (int64)0);
     result[0] = (int)std::max(nfeatures - sum, (int64)0);
     sum += result[0];
@@ -57,7 +61,7 @@ std::vector<int> areaQuotas(int nfeatures, const std::vector<Size>& regions)
 int depthForQuota(int quota, double usable, int most)
 {
     int depth = 0;
-    while (depth < most && std::pow(4., depth) * usable < 12. * quota)
+    while (depth < most && std::pow(4., depth) * usable < 9. * quota)
         depth++;
     return depth;
 }
@@ -142,14 +146,13 @@ std::vector<int> rankedSequence(const std::vector<LeafCorner>& corners, const Ra
     for (Leaves::iterator leaf = leaves.begin(); leaf != leaves.end(); ++leaf)
         std::sort(leaf->second.begin(), leaf->second.end(), isBetterBase);
 
-    // The best of a leaf represents it, unless two or more of the 8 leaves around have a better one.
+    // The best of a leaf represents it, unless three or more of the 8 leaves around have a better one.
     std::vector<Placed> representatives, sequence;
     std::set<std::pair<int, int>> represented;
     for (Leaves::iterator leaf = leaves.begin(); leaf != leaves.end(); ++leaf)
     {
         int better = 0;
         for (int dy = -1; dy <= 1; dy++)
-        {
             for (int dx = -1; dx <= 1; dx++)
             {
                 const Leaves::iterator other =
@@ -160,15 +163,14 @@ std::vector<int> rankedSequence(const std::vector<LeafCorner>& corners, const Ra
                 const bool isEqual = !isHigher(base, otherBase) && !isHigher(otherBase, base);
                 better += isHigher(otherBase, base) || (isEqual && other->first < leaf->first);
             }
-        }
         for (size_t i = 0; i < leaf->second.size(); i++)
         {
-            const bool represents = i == 0 && better < 2;
+            const bool represents = i == 0 && better < 3;
             const Placed placed = {
                 leaf->second[i], (int)i, represents, represents ? strengthOf(leaf->second[i]) : 0.f, 0, 0};
             (represents ? representatives : sequence).push_back(placed);
         }
-        if (better < 2)
+        if (better < 3)
             represented.insert(leaf->first);
     }
 

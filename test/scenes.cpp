@@ -18,10 +18,8 @@ Mat makeScene(Size size, int seed)
     RNG rng(seed);
     Mat scene(size, CV_8UC1);
     for (int y = 0; y < size.height; y++)
-    {
         for (int x = 0; x < size.width; x++)
             scene.at<uchar>(y, x) = uchar(90 + 60 * x / size.width + 30 * y / size.height);
-    }
     const int area = size.area(), longest = std::max(size.width, size.height);
     for (int i = 0; i < 12 + area / 1500; i++)
     {
@@ -56,7 +54,6 @@ Mat makeScene(Size size, int seed)
     }
     // Texture on the left, nothing but slopes in the upper right.
     for (int y = 0; y < size.height; y++)
-    {
         for (int x = 0; x < size.width; x++)
         {
             uchar& pixel = scene.at<uchar>(y, x);
@@ -67,7 +64,6 @@ Mat makeScene(Size size, int seed)
             else
                 pixel = saturate_cast<uchar>(pixel + rng.uniform(-3, 4));
         }
-    }
     return scene;
 }
 
@@ -90,10 +86,8 @@ Mat makeIntegerScene(Size size, uint64_t seed, int channels)
     RNG rng(seed);
     Mat scene(size, CV_8UC(channels));
     for (int y = 0; y < size.height; y++)
-    {
         for (int x = 0; x < size.width * channels; x++)
             scene.ptr(y)[x] = uchar(60 + 80 * x / (size.width * channels) + 40 * y / size.height);
-    }
     for (int i = 0; i < size.area() / 900; i++)
     {
         // Braces: they have an order of evaluation.
@@ -104,14 +98,12 @@ Mat makeIntegerScene(Size size, uint64_t seed, int channels)
         scene(rect & Rect(Point(), size)).setTo(colour);
     }
     for (int y = 0; y < size.height; y++)
-    {
         for (int x = 0; x < size.width * channels; x++)
         {
             const int noise = x < size.width * channels / 3 ? 30 : 3;
             uchar& value = scene.ptr(y)[x];
             value = saturate_cast<uchar>(value + rng.uniform(-noise, noise + 1));
         }
-    }
     return scene;
 }
 

@@ -21,13 +21,11 @@ Mat drawMask(Size size)
 {
     Mat mask(size, CV_8UC1);
     for (int y = 0; y < size.height; y++)
-    {
         for (int x = 0; x < size.width; x++)
         {
             const bool isHole = (x % 41) * (x % 41) + (y % 53) * (y % 53) < 200;
             mask.at<uchar>(y, x) = uchar((x < size.width / 2) != isHole ? 7 : 0);
         }
-    }
     return mask;
 }
 

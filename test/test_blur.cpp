@@ -31,14 +31,12 @@ void expectWithinBounds(const Mat& image, const Mat& blurred, const Mat& exact)
     ASSERT_EQ(blurred.type(), CV_16UC1);
     ASSERT_EQ(blurred.size(), image.size());
     for (int y = 0; y < image.rows; y++)
-    {
         for (int x = 0; x < image.cols; x++)
         {
             const double error = blurred.at<ushort>(y, x) - 256. * exact.at<float>(y, x);
             ASSERT_LE(error, BLUR_EXCESS) << x << " " << y;
             ASSERT_GE(error, -BLUR_SHORTFALL) << x << " " << y;
         }
-    }
 }
 
 TEST(Aqorb_Blur, approximation_stays_within_its_bounds_for_every_width)
@@ -54,14 +52,14 @@ TEST(Aqorb_Blur, approximation_stays_within_its_bounds_for_every_width)
             expectWithinBounds(images[i], blurred, reference::blur(images[i]));
             WithoutOptimization baseline;
             approximateBlur(images[i], baselineBlurred);
-            EXPECT_TRUE(sameMat(blurred, baselineBlurred));
+            EXPECT_TRUE(sameMat(withMargin(blurred), withMargin(baselineBlurred)));
         }
     }
 }
 
 TEST(Aqorb_Blur, is_the_same_for_every_width_and_alignment)
 {
-    BlurScratch scratch;
+    std::vector<uchar> scratch;
     for (int width = 1; width <= MAX_WIDTH; width++)
     {
         SCOPED_TRACE(format("width %d", width));
@@ -71,18 +69,22 @@ TEST(Aqorb_Blur, is_the_same_for_every_width_and_alignment)
         Mat expected;
         approximateBlur(noise, expected);
         expectWithinBounds(noise, expected, reference::blur(noise));
-        // Rows that can be read in place, where columns can.
-        const Range rows(3, 6);
+        // Pixels that can be read in place where the image is wide enough.
+        const Rect inner(3, 3, width - 6, 3);
         BlurRegion region;
-        region.begin(size);
-        region.add(Rect(0, rows.start, width, rows.size()));
+        region.begin(size, BLUR_MARGIN);
+        for (int x = inner.x + 1; x < inner.br().x - 1; x++)
+            region.addDisc(Point(x, 4), std::vector<int>(2, 1));
+        const Rect compared = inner.width > 2 ? inner : Rect();
         atEveryOffset(noise,
                       [&](const Mat& image, int offset)
                       {
-                          Mat blurred = atOffset(Mat::zeros(size, CV_16UC1), (6 * offset + 2 * width) % 64);
+                          const Mat all = atOffset(Mat::zeros(withMargin(expected).size(), CV_16UC1),
+                                                   (6 * offset + 2 * width) % 64);
+                          const Mat blurred = all(Rect(Point(BLUR_MARGIN, BLUR_MARGIN), size));
                           approximateBlur(image, region, Range(0, size.height), rowsOf(blurred), scratch);
-                          EXPECT_TRUE(sameMat(blurred.rowRange(rows), expected.rowRange(rows)));
-                          EXPECT_TRUE(isAround(blurred, 65535));
+                          EXPECT_TRUE(sameMat(blurred(compared), expected(compared)));
+                          EXPECT_TRUE(isAround(all, 65535));
                           for (int x = offset % 8; x < width; x += 8)
                               EXPECT_EQ(exactBlur(image, x, 4), exact.at<uchar>(4, x)) << x;
                       });
@@ -92,35 +94,62 @@ TEST(Aqorb_Blur, is_the_same_for_every_width_and_alignment)
 TEST(Aqorb_Blur, of_a_region_equals_that_of_the_image)
 {
     RNG rng(3);
-    const int widths[] = {1, 2, 5, 6, 7, 31, 32, 33, 64, 100, 700, 2047, 2048, 2049, 2500};
+    const int widths[] = {1, 2, 5, 6, 7, 31, 32, 33, 37, 38, 39, 64, 100, 700, 2047, 2048, 2049, 2500};
+    const int height = 61, reach = 19;
     BlurRegion region;  // It is used again and again, so begin must reset it.
-    BlurScratch scratch;
+    std::vector<uchar> scratch;
     for (int width : widths)
     {
-        const Mat image = makeNoise(Size(width, 41), width);
+        const Mat image = makeNoise(Size(width, height), width);
         Mat whole;
         approximateBlur(image, whole);
-        for (int count = 0; count < 5; count++)
+        for (int count = 0; count < 7; count++)
         {
-            std::vector<Rect> rects;
-            region.begin(image.size());
+            // The last ones do not reach the border where the image is wide enough.
+            const int off = count > 4 ? std::min(reach + 3, (width - 1) / 2) : 0;
+            std::vector<Point> centers;
+            const int margin = count % 2 ? BLUR_MARGIN : blurMargin(reach);
+            region.begin(image.size(), margin);
             for (int i = 0; i < count; i++)
             {
-                rects.push_back(Rect(rng.uniform(-20, width), rng.uniform(-20, 41), 39, 39));
-                region.add(rects.back());
+                centers.push_back(Point(rng.uniform(off, width - off), rng.uniform(off, height - off)));
+                region.addDisc(centers.back(), std::vector<int>(reach + 1, reach));
             }
-            Mat blurred(image.size(), CV_16UC1, Scalar(65535));
-            approximateBlur(image, region, Range(0, image.rows), rowsOf(blurred), scratch);
-            for (const Rect& rect : rects)
+            const Mat blurred = blurredOf(image.size(), 65535);
+            // in two parts
+            const int middle = rng.uniform(-margin, height + margin);
+            approximateBlur(image, region, Range(-margin, middle), rowsOf(blurred), scratch);
+            approximateBlur(image, region, Range(middle, height + margin), rowsOf(blurred), scratch);
+            for (const Point& center : centers)
             {
-                const Rect inside = rect & Rect(Point(), image.size());
-                EXPECT_TRUE(inside.empty() || sameMat(blurred(inside), whole(inside))) << width;
+                const Rect read(center.x - reach + BLUR_MARGIN, center.y - reach + BLUR_MARGIN, 2 * reach + 1,
+                                2 * reach + 1);
+                EXPECT_TRUE(sameMat(withMargin(blurred)(read), withMargin(whole)(read))) << width;
             }
+            const int outside = BLUR_MARGIN - margin;
+            Mat around = withMargin(blurred).clone();
+            around(Rect(outside, outside, width + 2 * margin, height + 2 * margin)).setTo(65535);
+            EXPECT_EQ(0, countNonZero(around != 65535)) << "width " << width << ": beyond the margin";
             if (count == 0)
             {
-                EXPECT_EQ(0, countNonZero(blurred != 65535)) << "nothing was asked for";
+                EXPECT_EQ(0, countNonZero(withMargin(blurred) != 65535)) << "nothing was asked for";
             }
         }
+    }
+}
+
+TEST(Aqorb_Blur, does_not_blur_reflected_pixels)
+{
+    for (int width : {1, 2, 3, 20, 200})
+    {
+        const Mat image = makeNoise(Size(width, 30), width);
+        Mat blurred, expected;
+        approximateBlur(image, blurred);
+        copyMakeBorder(image, expected, BLUR_MARGIN, BLUR_MARGIN, BLUR_MARGIN, BLUR_MARGIN,
+                       BORDER_REFLECT_101);
+        expected.convertTo(expected, CV_16U, 256);
+        blurred.copyTo(expected(Rect(Point(BLUR_MARGIN, BLUR_MARGIN), image.size())));
+        EXPECT_TRUE(sameMat(withMargin(blurred), expected));
     }
 }
 
@@ -139,7 +168,6 @@ TEST(Aqorb_Blur, approximation_stays_within_its_bounds_on_the_worst_patches)
 {
     // Around a single bright pixel every product of a tap is rounded alone.
     for (int i = 0; i < 49; i++)
-    {
         for (int grey = 1; grey <= 255; grey += 2)
         {
             Mat image = Mat::zeros(13, 40, CV_8UC1);
@@ -148,7 +176,6 @@ TEST(Aqorb_Blur, approximation_stays_within_its_bounds_on_the_worst_patches)
             approximateBlur(image, blurred);
             expectWithinBounds(image, blurred, reference::blur(image));
         }
-    }
 }
 
 TEST(Aqorb_Blur, exact_blur_equals_fused_multiply_add)
@@ -162,14 +189,12 @@ TEST(Aqorb_Blur, exact_blur_equals_fused_multiply_add)
             SCOPED_TRACE(format("%d x %d, image %d", size.width, size.height, int(i)));
             const Mat expected = reference::roundedBlur(images[i]);
             for (int y = 0; y < size.height; y++)
-            {
                 for (int x = 0; x < size.width; x++)
                 {
                     ASSERT_EQ(exactBlur(images[i], x, y), expected.at<uchar>(y, x)) << x << " " << y;
                     WithoutOptimization baseline;
                     ASSERT_EQ(exactBlur(images[i], x, y), expected.at<uchar>(y, x)) << x << " " << y;
                 }
-            }
         }
     }
 }
@@ -177,12 +202,10 @@ TEST(Aqorb_Blur, exact_blur_equals_fused_multiply_add)
 TEST(Aqorb_Blur, takes_parts_of_larger_images)
 {
     const Mat part = makeNoise(Size(90, 70))(Rect(11, 5, 51, 40));
-    Mat blurred, ofClone, reused(51, 40, CV_8UC3);
+    Mat blurred, ofClone;
     approximateBlur(part, blurred);
     approximateBlur(part.clone(), ofClone);
-    approximateBlur(part, reused);
-    EXPECT_TRUE(sameMat(blurred, ofClone));
-    EXPECT_TRUE(sameMat(reused, ofClone));
+    EXPECT_TRUE(sameMat(withMargin(blurred), withMargin(ofClone)));
     EXPECT_EQ(exactBlur(part, 0, 0), exactBlur(part.clone(), 0, 0));
     EXPECT_EQ(exactBlur(part, 50, 39), exactBlur(part.clone(), 50, 39));
 }

@@ -17,7 +17,6 @@ TEST(Aqorb_BuildPyramid, is_what_detection_uses)
     const Mat image = makeScene(Size(211, 157));
     const float factors[] = {1.1f, 1.2f, 2.f};
     for (float factor : factors)
-    {
         for (int firstLevel = 0; firstLevel <= 2; firstLevel++)
         {
             const Ptr<AdaptiveQuadtreeORB> detector =
@@ -29,7 +28,6 @@ TEST(Aqorb_BuildPyramid, is_what_detection_uses)
             for (int i = 0; i < 4; i++)
                 EXPECT_TRUE(sameMat(expected[i], levels[i])) << factor << " " << firstLevel << " " << i;
         }
-    }
 }
 
 // One call gives what two give, also where the outputs take the memory of the image, and for levels that are too small

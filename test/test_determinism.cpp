@@ -5,100 +5,10 @@
 
 #include "test_precomp.hpp"
 
-#include <thread>
-
 namespace opencv_test
 {
 namespace
 {
-
-void expectSameOfAllThreads(const Ptr<AdaptiveQuadtreeORB>& detector)
-{
-    const Mat image = makeScene(Size(320, 240));
-    Features expected, more;
-    {
-        Threads one(1);
-        expected = detectAndCompute(*detector, image);
-        detector->setMaxFeatures(10000);
-        more = detectAndCompute(*detector, image);
-    }
-    for (int count = 2; count <= 8; count++)
-    {
-        SCOPED_TRACE(count);
-        Threads threads(count);
-        detector->setMaxFeatures(700);
-        EXPECT_TRUE(sameFeatures(expected, detectAndCompute(*detector, image)));
-        detector->setMaxFeatures(10000);
-        EXPECT_TRUE(sameFeatures(more, detectAndCompute(*detector, image)));
-    }
-}
-
-TEST(Aqorb_Determinism, threads_1_to_8_give_the_same_bytes)
-{
-    const double weights[] = {0, 0.15, 1000}, radii[] = {0, 1, 4};
-    for (double weight : weights)
-    {
-        for (double radius : radii)
-        {
-            SCOPED_TRACE(format("weight %g, radius %g", weight, radius));
-            const Ptr<AdaptiveQuadtreeORB> detector = AdaptiveQuadtreeORB::create(700);
-            detector->setStrengthWeight(weight);
-            detector->setRankRadius(radius);
-            expectSameOfAllThreads(detector);
-        }
-    }
-    SCOPED_TRACE("balanced");
-    const Ptr<AdaptiveQuadtreeORB> detector = AdaptiveQuadtreeORB::create(700);
-    detector->setSelectionType(AdaptiveQuadtreeORB::BALANCED_SELECTION);
-    expectSameOfAllThreads(detector);
-}
-
-TEST(Aqorb_Determinism, concurrency_one_object_serves_many_threads)
-{
-    const int THREADS = 8, ROUNDS = 6;
-    const Ptr<AdaptiveQuadtreeORB> detector = AdaptiveQuadtreeORB::create(200);
-    std::vector<Mat> images;
-    std::vector<Features> expected;
-    for (int i = 0; i < THREADS; i++)
-    {
-        images.push_back(makeScene(Size(120 + 23 * i, 190 - 11 * i), i + 1));
-        expected.push_back(detectAndCompute(*detector, images[i]));
-    }
-    std::vector<int> wrong(THREADS, 0);
-    std::vector<std::thread> threads;
-    for (int i = 0; i < THREADS; i++)
-    {
-        threads.push_back(std::thread(
-            [&, i]
-            {
-                for (int round = 0; round < ROUNDS; round++)
-                {
-                    const int j = (i + round) % THREADS;
-                    wrong[i] += !sameFeatures(expected[j], detectAndCompute(*detector, images[j]));
-                    Features computed = {expected[j].keypoints, Mat()};
-                    detector->compute(images[j], computed.keypoints, computed.descriptors);
-                    wrong[i] += !sameFeatures(expected[j], computed);
-                }
-            }));
-    }
-    for (std::thread& thread : threads)
-        thread.join();
-    EXPECT_EQ(std::vector<int>(THREADS, 0), wrong);
-}
-
-TEST(Aqorb_Determinism, every_cpu_path_gives_the_same_bytes)
-{
-    for (int seed = 1; seed <= 4; seed++)
-    {
-        const Mat image = makeScene(Size(321, 243), seed);
-        const Ptr<AdaptiveQuadtreeORB> detector = AdaptiveQuadtreeORB::create(400);
-        const Features expected = detectAndCompute(*detector, image);
-        const bool before = useOptimized();
-        setUseOptimized(false);
-        EXPECT_TRUE(sameFeatures(expected, detectAndCompute(*detector, image)));
-        setUseOptimized(before);
-    }
-}
 
 TEST(Aqorb_Determinism, what_lies_around_a_region_does_not_matter)
 {
@@ -109,7 +19,6 @@ TEST(Aqorb_Determinism, what_lies_around_a_region_does_not_matter)
     Mat image, mask = makeScene(size, 8) > 120;  // holes with many edges
     cvtColor(makeScene(size, 7), image, COLOR_GRAY2BGR);
     for (int border : {0, 3, 16})
-    {
         for (int firstLevel = 0; firstLevel <= 1; firstLevel++)
         {
             const Ptr<AdaptiveQuadtreeORB> detector =
@@ -137,7 +46,6 @@ TEST(Aqorb_Determinism, what_lies_around_a_region_does_not_matter)
                 EXPECT_TRUE(sameFeatures(expectedOfCompute, computed));
             }
         }
-    }
 }
 
 TEST(Aqorb_Determinism, umat_equals_mat)
@@ -168,22 +76,6 @@ TEST(Aqorb_Determinism, umat_equals_mat)
     detector->detectAndCompute(UMat(), noArray(), keypoints, descriptors);
     EXPECT_TRUE(keypoints.empty());
     EXPECT_TRUE(descriptors.empty());
-}
-
-TEST(Aqorb_Determinism, colour_equals_its_grey_image)
-{
-    const Size size(300, 200);
-    std::vector<Mat> channels;
-    for (int i = 0; i < 4; i++)
-        channels.push_back(makeScene(size, i + 1));
-    const Ptr<AdaptiveQuadtreeORB> detector = AdaptiveQuadtreeORB::create(300);
-    for (int count = 3; count <= 4; count++)
-    {
-        Mat color, gray;
-        merge(&channels[0], count, color);
-        cvtColor(color, gray, count == 3 ? COLOR_BGR2GRAY : COLOR_BGRA2GRAY);
-        EXPECT_TRUE(sameFeatures(detectAndCompute(*detector, gray), detectAndCompute(*detector, color)));
-    }
 }
 
 }  // namespace

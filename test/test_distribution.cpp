@@ -144,31 +144,22 @@ TEST(Aqorb_Distribution, occupancy_of_cells_by_hand)
 }
 
 // The uniformity of cv::ORB's 500 keypoints, column A of the paper's tables.
-void expectColumnA(const std::string& set, const double* values, int count)
-{
-    for (int i = 1; i <= count; i++)
-    {
-        SCOPED_TRACE(set + format(" img%d", i));
-        const Mat image = imread(oxfordImage(set, i), IMREAD_COLOR);
-        ASSERT_FALSE(image.empty());
-        KeyPoints keypoints;
-        ORB::create(500)->detect(image, keypoints);
-        EXPECT_NEAR(aqorb::distributionUniformity(keypoints, image.size()), values[i - 1], 0.3);
-    }
-}
-
-TEST(Aqorb_Distribution, uniformity_gives_the_papers_values_for_bikes)
+TEST(Aqorb_Distribution, uniformity_gives_the_papers_values)
 {
     AQORB_NEEDS_DATA();
-    const double values[] = {210.06, 201.62, 209.01, 209.61};
-    expectColumnA("bikes", values, 4);
-}
-
-TEST(Aqorb_Distribution, uniformity_gives_the_papers_values_for_leuven)
-{
-    AQORB_NEEDS_DATA();
-    const double values[] = {203.30, 214.93, 217.05, 216.57, 215.70, 216.82};
-    expectColumnA("leuven", values, 6);
+    const std::pair<std::string, std::vector<double>> sets[] = {
+        {"bikes", {210.06, 201.62, 209.01, 209.61}},
+        {"leuven", {203.30, 214.93, 217.05, 216.57, 215.70, 216.82}}};
+    for (const auto& set : sets)
+        for (size_t i = 0; i < set.second.size(); i++)
+        {
+            SCOPED_TRACE(set.first + format(" img%d", int(i + 1)));
+            const Mat image = imread(oxfordImage(set.first, int(i + 1)), IMREAD_COLOR);
+            ASSERT_FALSE(image.empty());
+            KeyPoints keypoints;
+            ORB::create(500)->detect(image, keypoints);
+            EXPECT_NEAR(aqorb::distributionUniformity(keypoints, image.size()), set.second[i], 0.3);
+        }
 }
 
 }  // namespace

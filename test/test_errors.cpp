@@ -30,17 +30,31 @@ template <typename Call> std::string messageOf(Call call)
 ::testing::AssertionResult names(const std::string& message, const std::string& name,
                                  const std::string& value)
 {
-    // The value must be in the part that says what was given, not in what is accepted.
-    const std::string given = message.substr(0, message.find(';'));
-    if (given.find(name) != std::string::npos && given.find(value) != std::string::npos &&
-        message.find("accepted", given.size()) != std::string::npos)
+    // As in "nfeatures must be at least 0, got -1".
+    const size_t must = message.find(" must "), got = message.find(", got ");
+    if (must != std::string::npos && got != std::string::npos && message.find(name) < got &&
+        message.find(value, got) != std::string::npos)
         return ::testing::AssertionSuccess();
     return ::testing::AssertionFailure()
-           << "'" << message << "' does not name " << name << ", " << value << " and what is accepted";
+           << "'" << message << "' does not say what " << name << " must be, and that it is " << value;
 }
 
 const float NOT_A_NUMBER = std::numeric_limits<float>::quiet_NaN();
 const float ENDLESS = std::numeric_limits<float>::infinity();
+
+TEST(Aqorb_Errors, are_said_as_a_person_would)
+{
+    EXPECT_EQ("nfeatures must be at least 0, got -1", messageOf([] { AdaptiveQuadtreeORB::create(-1); }));
+    const Ptr<AdaptiveQuadtreeORB> detector = AdaptiveQuadtreeORB::create();
+    EXPECT_EQ("nlevels must be from 1 to 65536, got 0", messageOf([&] { detector->setNLevels(0); }));
+    EXPECT_EQ("scaleFactor must be finite and above 0, got inf",
+              messageOf([&] { detector->setScaleFactor(ENDLESS); }));
+    EXPECT_EQ("scoreType must be HARRIS_SCORE (0) or FAST_SCORE (1), got 2",
+              messageOf([&] { detector->setScoreType(static_cast<ORB::ScoreType>(2)); }));
+    EXPECT_EQ("maxDepth must be from 0 to 15, or -1, got 16", messageOf([&] { detector->setMaxDepth(16); }));
+    EXPECT_EQ("octaveSuppression must be finite and at least 0, or -1, got -0.5",
+              messageOf([&] { detector->setOctaveSuppression(-0.5); }));
+}
 
 TEST(Aqorb_Errors, bad_parameters_of_create)
 {
@@ -141,14 +155,20 @@ TEST(Aqorb_Errors, parameters_that_do_not_go_together)
 {
     const Mat image = makeScene(Size(200, 150));
     KeyPoints keypoints;
-    Ptr<AdaptiveQuadtreeORB> detector = AdaptiveQuadtreeORB::create(500, 1.f, 2);
+    EXPECT_EQ("scaleFactor must be above 1 with more than one level, got 0.5",
+              messageOf([] { AdaptiveQuadtreeORB::create(500, 0.5f); }));
+    EXPECT_EQ("firstLevel must be below nlevels, which is 4, got 4",
+              messageOf([] { AdaptiveQuadtreeORB::create(500, 1.2f, 4, 16, 4); }));
+    Ptr<AdaptiveQuadtreeORB> detector = AdaptiveQuadtreeORB::create(500, 1.f, 1);
+    detector->setNLevels(2);
     EXPECT_TRUE(names(messageOf([&] { detector->detect(image, keypoints); }), "scaleFactor", "1"));
-    detector = AdaptiveQuadtreeORB::create(500, 1.2f, 4, 16, 4);
+    detector = AdaptiveQuadtreeORB::create(500, 1.2f, 4);
+    detector->setFirstLevel(4);
     EXPECT_TRUE(names(messageOf([&] { detector->detect(image, keypoints); }), "firstLevel", "4"));
     detector->setNLevels(5);  // The order of the setters does not matter.
     EXPECT_NO_THROW(detector->detect(image, keypoints));
     detector = AdaptiveQuadtreeORB::create(500, 3.f, 60, 16, 50);
-    EXPECT_TRUE(names(messageOf([&] { detector->detect(image, keypoints); }), "firstLevel", "pixels"));
+    EXPECT_TRUE(names(messageOf([&] { detector->detect(image, keypoints); }), "firstLevel", "200 x 150"));
 }
 
 TEST(Aqorb_Errors, bad_images_and_masks)
@@ -265,6 +285,12 @@ TEST(Aqorb_Errors, outputs_that_do_not_fit_lose_nothing)
             EXPECT_EQ(5 * 32, cv::countNonZero(Mat(fixed) == 7));
         }
     }
+    std::vector<uchar> bytes(3);
+    KeyPoints kept(3);
+    EXPECT_TRUE(names(messageOf([&] { detector->detectAndCompute(scene, noArray(), kept, bytes); }),
+                      "descriptors", "std::vector"));
+    EXPECT_EQ(3u, bytes.size());
+    EXPECT_EQ(3u, kept.size());
     // a fixed size that fits
     Matx<uchar, 20, 32> fixed;
     KeyPoints keypoints;
@@ -275,7 +301,8 @@ TEST(Aqorb_Errors, outputs_that_do_not_fit_lose_nothing)
     EXPECT_TRUE(keypoints.empty());
 
     Mat level = Mat::ones(4, 4, CV_8UC1);
-    EXPECT_TRUE(names(messageOf([&] { detector->buildPyramid(scene, level); }), "levels", "kind"));
+    EXPECT_EQ("levels must be a vector of Mat or UMat",
+              messageOf([&] { detector->buildPyramid(scene, level); }));
     EXPECT_EQ(4, level.rows);
     // vectors and arrays of matrices that the levels cannot be put into
     std::vector<Mat_<float>> floats(2, Mat_<float>(4, 4, 7.f));
@@ -312,6 +339,15 @@ TEST(Aqorb_Errors, bad_octaves_of_provided_keypoints)
     keypoints[0].octave = 0x01000200 + 255;
     EXPECT_TRUE(
         names(messageOf([&] { detector->compute(image, keypoints, descriptors); }), "octave", "16777983"));
+    // one untrusted keypoint that would ask for thousands of levels
+    detector->setScaleFactor(1.0001);
+    keypoints[0].octave = 63;
+    EXPECT_NO_THROW(detector->compute(image, keypoints, descriptors));
+    EXPECT_EQ(1u, keypoints.size());
+    keypoints[0].octave = 64;
+    EXPECT_TRUE(names(messageOf([&] { detector->compute(image, keypoints, descriptors); }), "octave", "64"));
+    detector->setNLevels(65);
+    EXPECT_NO_THROW(detector->compute(image, keypoints, descriptors));
     keypoints[0].octave = 1;
     detector->setScaleFactor(1);
     detector->setNLevels(1);

@@ -17,23 +17,23 @@ using namespace aqorb::stages;
 float harrisResponse(const Mat& image, int x, int y)
 {
     const Corner corner = {x, y, 1};
-    RankedCorner ranked;
-    harrisResponses(image, &corner, 1, &ranked);
-    return ranked.response;
+    CornerResponse found;
+    harrisResponses(image, &corner, 1, &found);
+    return found.response;
 }
 
 void expectAsReference(const Mat& image, const std::vector<Corner>& corners)
 {
-    std::vector<RankedCorner> ranked(corners.size());
-    harrisResponses(image, corners.data(), corners.size(), ranked.data());
+    std::vector<CornerResponse> found(corners.size());
+    harrisResponses(image, corners.data(), corners.size(), found.data());
     for (size_t i = 0; i < corners.size(); i++)
     {
         const Corner& c = corners[i];
-        ASSERT_EQ(ranked[i].x, c.x);
-        ASSERT_EQ(ranked[i].y, c.y);
+        ASSERT_EQ(found[i].x, c.x);
+        ASSERT_EQ(found[i].y, c.y);
         // The response is the same float, not one nearby.
-        ASSERT_EQ(ranked[i].response, reference::harrisResponse(image, c.x, c.y)) << c.x << " " << c.y;
-        ASSERT_EQ(harrisResponse(image, c.x, c.y), ranked[i].response) << c.x << " " << c.y;
+        ASSERT_EQ(found[i].response, reference::harrisResponse(image, c.x, c.y)) << c.x << " " << c.y;
+        ASSERT_EQ(harrisResponse(image, c.x, c.y), found[i].response) << c.x << " " << c.y;
     }
 }
 
@@ -41,13 +41,11 @@ std::vector<Corner> allPixels(Size size)
 {
     std::vector<Corner> corners;
     for (int y = 0; y < size.height; y++)
-    {
         for (int x = 0; x < size.width; x++)
         {
             const Corner corner = {x, y, 1};
             corners.push_back(corner);
         }
-    }
     return corners;
 }
 
@@ -88,9 +86,9 @@ TEST(Aqorb_Harris, equals_reference_for_every_width_and_alignment)
                               const Corner corner = {x, y, 1};
                               corners.push_back(corner);
                           }
-                          std::vector<RankedCorner> ranked(corners.size());
-                          harrisResponses(image, corners.data(), corners.size(), ranked.data());
-                          for (const RankedCorner& corner : ranked)
+                          std::vector<CornerResponse> found(corners.size());
+                          harrisResponses(image, corners.data(), corners.size(), found.data());
+                          for (const CornerResponse& corner : found)
                               EXPECT_EQ(corner.response, expected[corner.x]) << corner.x;
                       });
     }
@@ -109,15 +107,6 @@ TEST(Aqorb_Harris, equals_reference_in_any_order)
     }
     expectAsReference(noise, corners);
     expectAsReference(noise, std::vector<Corner>());
-}
-
-TEST(Aqorb_Harris, takes_parts_of_larger_images)
-{
-    const Mat part = makeNoise(Size(90, 60))(Rect(20, 10, 37, 23));
-    expectAsReference(part, allPixels(part.size()));
-    // Pixels of the larger image around the part count for nothing.
-    EXPECT_EQ(harrisResponse(part, 0, 0), harrisResponse(part.clone(), 0, 0));
-    EXPECT_EQ(harrisResponse(part, 36, 22), harrisResponse(part.clone(), 36, 22));
 }
 
 TEST(Aqorb_Harris, holds_the_largest_derivatives)

@@ -8,6 +8,8 @@
 #include "index_sort.hpp"
 
 #include <algorithm>
+#include <climits>
+#include <limits>
 #include <numeric>
 
 namespace opencv_test
@@ -47,22 +49,24 @@ TEST(Aqorb_IndexSort, sorts_any_number_of_numbers)
     }
 }
 
-TEST(Aqorb_IndexSort, some_numbers_may_lie_outside_of_the_range)
+TEST(Aqorb_IndexSort, keys_sort_as_values_do)
 {
-    aqorb::SortScratch scratch;
-    std::vector<unsigned> indices;
-    RNG rng(2);
-    const uint64 least = 1 << 20, greatest = 1 << 21;
-    for (int size : SIZES)
+    const float inf = std::numeric_limits<float>::infinity(), nan = std::numeric_limits<float>::quiet_NaN();
+    const float values[] = {nan, -inf, -1.f, -1e-42f, 0.f, 1e-42f, 1.f, 2.f, inf};
+    for (int i = 0; i < 9; i++)
     {
-        std::vector<uint64> numbers(size);
-        for (size_t i = 0; i < numbers.size(); i++)
-            numbers[i] = i % 10 == 0   ? rng.next() % least
-                         : i % 11 == 0 ? ~uint64(rng.next() % 1000)
-                                       : least + rng.next() % (greatest - least);
-        aqorb::sortIndices(numbers, least, greatest, scratch, indices);
-        EXPECT_EQ(sortedPlainly(numbers), indices) << size << " numbers";
+        const int key = aqorb::sortKey(values[i]);
+        EXPECT_NE(key, INT_MIN);
+        EXPECT_EQ(aqorb::sortKey(aqorb::valueOf(key)), key);
+        if (i > 0)
+        {
+            EXPECT_EQ(aqorb::valueOf(key), values[i]);
+            EXPECT_GT(key, aqorb::sortKey(values[i - 1])) << values[i];
+            EXPECT_LT(aqorb::descendingKey(key), aqorb::descendingKey(aqorb::sortKey(values[i - 1])));
+        }
     }
+    EXPECT_EQ(aqorb::sortKey(-0.f), aqorb::sortKey(0.f));
+    EXPECT_EQ(aqorb::sortKey(-nan), aqorb::sortKey(nan));
 }
 
 }  // namespace

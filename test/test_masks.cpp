@@ -12,40 +12,6 @@ namespace opencv_test
 namespace
 {
 
-TEST(Aqorb_Masks, an_empty_mask_gives_nothing)
-{
-    const Mat image = makeScene(Size(320, 240));
-    Features stale = {KeyPoints(4), Mat::ones(4, 32, CV_8UC1)};
-    AdaptiveQuadtreeORB::create()->detectAndCompute(image, Mat::zeros(image.size(), CV_8UC1), stale.keypoints,
-                                                    stale.descriptors);
-    EXPECT_TRUE(stale.keypoints.empty());
-    EXPECT_TRUE(stale.descriptors.empty());
-}
-
-TEST(Aqorb_Masks, no_keypoint_lies_on_a_masked_pixel)
-{
-    const Mat image = makeScene(Size(320, 240), 2);
-    RNG rng(8);
-    for (int round = 0; round < 12; round++)
-    {
-        // Coarse levels must not lose even the smallest holes, which are single pixels.
-        Mat mask(image.size(), CV_8UC1, Scalar(1));
-        for (int i = 0; i < 200; i++)
-        {
-            const Point hole(rng.uniform(0, mask.cols), rng.uniform(0, mask.rows));
-            circle(mask, hole, i < 150 ? 0 : rng.uniform(1, 20), Scalar(0), -1);
-        }
-        const Ptr<AdaptiveQuadtreeORB> detector =
-            AdaptiveQuadtreeORB::create(400, round % 2 ? 1.2f : 1.7f, 6, 5, round % 3);
-        detector->setSubPixel(round < 8);
-        KeyPoints keypoints;
-        detector->detect(image, keypoints, mask);
-        EXPECT_GT(keypoints.size(), 50u);
-        for (const KeyPoint& keypoint : keypoints)
-            EXPECT_NE(0, mask.at<uchar>(cvRound(keypoint.pt.y), cvRound(keypoint.pt.x)));
-    }
-}
-
 TEST(Aqorb_Masks, positions_off_the_pixels_a_level_is_made_of)
 {
     // Without SubPixel, and with large steps of the pyramid, a position may round to a pixel that is not
@@ -57,7 +23,6 @@ TEST(Aqorb_Masks, positions_off_the_pixels_a_level_is_made_of)
         mask.at<uchar>(rng.uniform(0, mask.rows), rng.uniform(0, mask.cols)) = 0;
     const float factors[] = {1.2f, 1.5f, 2.f, 2.7f, 4.f};
     for (float factor : factors)
-    {
         for (int subPixel = 0; subPixel <= 1; subPixel++)
         {
             reference::Settings settings;
@@ -74,7 +39,6 @@ TEST(Aqorb_Masks, positions_off_the_pixels_a_level_is_made_of)
                     << "octave " << keypoint.octave;
             EXPECT_TRUE(sameFeatures(features, reference::detectAndCompute(image, mask, settings)));
         }
-    }
 }
 
 // Random pixels, dots, lines or rectangles that may be used or may not.
@@ -153,15 +117,10 @@ struct Counts
 // Compares with cv::ORB and adds to the counts.
 void expectNoFewerThanOrb(const reference::Settings& s, const Mat& image, const Mat& mask, Counts& counts)
 {
-    SCOPED_TRACE(format("firstLevel %d, nlevels %d, scaleFactor %g, fastThreshold %d, nfeatures %d, "
-                        "edgeThreshold %d, subPixel %d",
-                        s.firstLevel, s.nlevels, s.scaleFactor, s.fastThreshold, s.nfeatures, s.edgeThreshold,
-                        int(s.subPixel)));
+    SCOPED_TRACE(s.text());
     KeyPoints ours, theirs;
     s.create()->detect(image, ours, mask);
-    ORB::create(s.nfeatures, s.scaleFactor, s.nlevels, s.edgeThreshold, s.firstLevel, s.WTA_K, s.scoreType,
-                s.patchSize, s.fastThreshold)
-        ->detect(image, theirs, mask);
+    s.createOrb()->detect(image, theirs, mask);
     const UsablePixels pixels(mask, s);
     const auto isUsable = [&](const KeyPoint& k) { return pixels.contain(k); };
     const size_t usable = size_t(std::count_if(theirs.begin(), theirs.end(), isUsable));
@@ -245,29 +204,6 @@ TEST(Aqorb_Masks, a_level_made_with_gaps_loses_no_keypoint)
         expectNoFewerThanOrb(s, makeNoise(size, seed), mask, counts);
     }
     EXPECT_GT(counts.usable, 10000u);
-}
-
-TEST(Aqorb_Masks, masked_corners_do_not_fill_a_cell)
-{
-    // A strong corner and a weak one in one cell: the weak one shows once the strong one is masked.
-    Mat image(120, 120, CV_8UC1, Scalar(100));
-    image.at<uchar>(32, 32) = 255;
-    image.at<uchar>(42, 42) = 112;
-    const Ptr<AdaptiveQuadtreeORB> detector = AdaptiveQuadtreeORB::create(2, 1.2f, 1);
-    Mat mask(image.size(), CV_8UC1, Scalar(1));
-    mask(Rect(26, 26, 12, 12)).setTo(0);
-    detector->setAdaptiveThreshold(false);  // Otherwise the mask would change equation (7), too.
-    detector->setFastThreshold(30);
-    KeyPoints keypoints;
-    detector->setMaxFeatures(1);
-    detector->detect(image, keypoints);
-    ASSERT_EQ(1u, keypoints.size());
-    EXPECT_LT(cv::norm(keypoints[0].pt - Point2f(32, 32)), 4);
-    detector->setMaxFeatures(500);
-    detector->detect(image, keypoints, mask);
-    ASSERT_FALSE(keypoints.empty());
-    for (const KeyPoint& keypoint : keypoints)
-        EXPECT_LT(cv::norm(keypoint.pt - Point2f(42, 42)), 4);
 }
 
 }  // namespace

@@ -11,6 +11,7 @@
 #include <opencv2/core/hal/intrin.hpp>
 
 #include <condition_variable>
+#include <functional>
 #include <memory>
 #include <mutex>
 #include <thread>
@@ -19,6 +20,13 @@ namespace opencv_test
 {
 namespace
 {
+
+#define AQORB_NEEDS_BYTES()                                                \
+    do                                                                     \
+    {                                                                      \
+        if (!AllocationCounter::countsBytes())                             \
+            AQORB_SKIP("the size of a block of memory is not known here"); \
+    } while (false)
 
 // The other tests expect no allocation, and would hold as well if none was counted.
 TEST(Aqorb_Memory, allocations_are_counted_and_fail_on_request)
@@ -35,8 +43,7 @@ TEST(Aqorb_Memory, allocations_are_counted_and_fail_on_request)
 
 TEST(Aqorb_Memory, bytes_are_counted)
 {
-    if (!AllocationCounter::countsBytes())
-        AQORB_SKIP("the size of a block of memory is not known here");
+    AQORB_NEEDS_BYTES();
     const int MOST = 1000;  // of what the C library adds
     // No vectors, because clang leaves out the memory of those that nobody uses.
     void* const first = ::operator new(10000);
@@ -54,6 +61,34 @@ TEST(Aqorb_Memory, bytes_are_counted)
     EXPECT_EQ(allocations.peakBytes(), 0);
     ::operator delete(first);
     EXPECT_NEAR(double(allocations.bytes()), -10000, MOST);
+}
+
+// cv::BFMatcher needs 400 MB for the distances alone.
+TEST(Aqorb_Memory, matching_needs_no_matrix_of_distances)
+{
+    AQORB_NEEDS_BYTES();
+    const long long MOST = 50000000;
+    RNG rng(1);
+    Mat query(10000, 32, CV_8UC1), train(10000, 32, CV_8UC1);
+    rng.fill(query, RNG::UNIFORM, 0, 256);
+    rng.fill(train, RNG::UNIFORM, 0, 256);
+    std::vector<DMatch> matches;
+    std::vector<std::vector<DMatch>> lists;
+    const std::function<void()> works[] = {
+        [&] { aqorb::HammingMatcher(NORM_HAMMING, true).match(query, train, matches); },
+        [&] { aqorb::HammingMatcher().knnMatch(query, train, lists, 2); },
+        [&] { aqorb::HammingMatcher().knnMatch(query, train, lists, 5); },
+        [&] { aqorb::HammingMatcher().radiusMatch(query, train, lists, 80); },
+    };
+    for (const std::function<void()>& work : works)
+    {
+        const AllocationCounter allocations;
+        work();
+        EXPECT_GT(allocations.bytes(), 0);
+        EXPECT_LT(allocations.peakBytes() - allocations.bytes(), MOST);
+        matches = std::vector<DMatch>();
+        lists = std::vector<std::vector<DMatch>>();
+    }
 }
 
 //! Otherwise cv::resize makes the pyramid, and it allocates.
@@ -77,28 +112,15 @@ std::vector<Mat> referencePhotographs()
     return photographs;
 }
 
-TEST(Aqorb_Memory, a_stream_of_frames_allocates_nothing_anew)
+//! Calls a function until the buffers have grown to their final sizes, and expects no allocation of later calls.
+template <typename Call> void expectNothingAllocatedAnew(int before, const Call& call)
 {
     const Threads oneThread(1);
-    const Ptr<AdaptiveQuadtreeORB> detector = AdaptiveQuadtreeORB::create(300);
-    std::vector<Mat> frames;
-    for (int seed = 1; seed <= 4; seed++)
-        frames.push_back(makeScene(Size(320, 240), seed));
-    Features features;
-    const auto detectAll = [&]
-    {
-        for (const Mat& frame : frames)
-        {
-            detector->detectAndCompute(frame, noArray(), features.keypoints, features.descriptors);
-            ASSERT_EQ(300, features.descriptors.rows);  // or the output itself would be allocated again
-        }
-    };
-    for (int round = 0; round < 20; round++)  // until the buffers have grown to their final sizes
-        detectAll();
-
+    for (int i = 0; i < before; i++)
+        call();
     const AllocationCounter allocations;
-    for (int round = 0; round < 3; round++)
-        detectAll();
+    for (int i = 0; i < 3; i++)
+        call();
     if (pyramidHasKernel())
     {
         EXPECT_EQ(0, allocations.ofNew());
@@ -108,32 +130,19 @@ TEST(Aqorb_Memory, a_stream_of_frames_allocates_nothing_anew)
 
 void expectNothingAllocatedAnew(const Mat& image, int nfeatures)
 {
-    const Threads oneThread(1);
     for (const auto type : {AdaptiveQuadtreeORB::RANKED_SELECTION, AdaptiveQuadtreeORB::BALANCED_SELECTION})
     {
         SCOPED_TRACE(format("%d x %d, n = %d, type %d", image.cols, image.rows, nfeatures, type));
         const Ptr<AdaptiveQuadtreeORB> detector = AdaptiveQuadtreeORB::create(nfeatures);
         detector->setSelectionType(type);
         Features features;
-        const auto detect = [&]
-        { detector->detectAndCompute(image, noArray(), features.keypoints, features.descriptors); };
-        std::vector<KeyPoint> given;
-        const auto describe = [&]
-        {
-            features.keypoints = given;
-            detector->detectAndCompute(image, noArray(), features.keypoints, features.descriptors, true);
-        };
-        detect();
-        given = features.keypoints;
-        describe();
-        const AllocationCounter allocations;
-        detect();
-        describe();
-        if (pyramidHasKernel())
-        {
-            EXPECT_EQ(0, allocations.ofNew());
-        }
-        EXPECT_EQ(0, allocations.ofMatrices());
+        expectNothingAllocatedAnew(
+            1,
+            [&]
+            {
+                detector->detectAndCompute(image, noArray(), features.keypoints, features.descriptors);
+                detector->detectAndCompute(image, noArray(), features.keypoints, features.descriptors, true);
+            });
     }
 }
 
@@ -161,7 +170,6 @@ TEST(Aqorb_Memory, alternating_frames_allocate_nothing_anew)
         Mat image, mask;
         Features features;
     };
-    const Threads oneThread(1);
     std::vector<Frame> frames(6);
     const Size sizes[] = {Size(320, 240), Size(200, 310), Size(640, 200), Size(64, 64)};
     for (int i = 0; i < 6; i++)
@@ -170,27 +178,17 @@ TEST(Aqorb_Memory, alternating_frames_allocate_nothing_anew)
     frames[2].mask = makeNoise(sizes[2], 2) > 9;
     cvtColor(frames[2].image, frames[2].image, COLOR_GRAY2BGR);
     cvtColor(frames[4].image, frames[4].image, COLOR_GRAY2BGRA);
-    for (int type = 0; type < 2; type++)
+    for (const auto type : {AdaptiveQuadtreeORB::RANKED_SELECTION, AdaptiveQuadtreeORB::BALANCED_SELECTION})
     {
         const Ptr<AdaptiveQuadtreeORB> detector = AdaptiveQuadtreeORB::create(300);
-        detector->setSelectionType(type ? AdaptiveQuadtreeORB::BALANCED_SELECTION
-                                        : AdaptiveQuadtreeORB::RANKED_SELECTION);
+        detector->setSelectionType(type);
         const auto detectAll = [&]
         {
             for (Frame& frame : frames)
                 detector->detectAndCompute(frame.image, frame.mask, frame.features.keypoints,
                                            frame.features.descriptors);
         };
-        for (int round = 0; round < 10; round++)  // until the buffers have grown to their final sizes
-            detectAll();
-        const AllocationCounter allocations;
-        for (int round = 0; round < 3; round++)
-            detectAll();
-        if (pyramidHasKernel())
-        {
-            EXPECT_EQ(0, allocations.ofNew()) << type;
-        }
-        EXPECT_EQ(0, allocations.ofMatrices()) << type;
+        expectNothingAllocatedAnew(10, detectAll);
     }
 }
 
@@ -270,8 +268,7 @@ void expectSmallWorkSpace(const Mat& image)
 
 TEST(Aqorb_Memory, work_space_of_scenes_is_small)
 {
-    if (!AllocationCounter::countsBytes())
-        AQORB_SKIP("the size of a block of memory is not known here");
+    AQORB_NEEDS_BYTES();
     for (const Size& size : {Size(1280, 720), Size(1920, 1080)})
         expectSmallWorkSpace(makeScene(size, 3));
 }
@@ -279,8 +276,7 @@ TEST(Aqorb_Memory, work_space_of_scenes_is_small)
 TEST(Aqorb_Memory, work_space_of_photographs_is_small)
 {
     AQORB_NEEDS_DATA();
-    if (!AllocationCounter::countsBytes())
-        AQORB_SKIP("the size of a block of memory is not known here");
+    AQORB_NEEDS_BYTES();
     for (const Mat& photograph : referencePhotographs())
         expectSmallWorkSpace(photograph);
 }
@@ -290,8 +286,7 @@ const int KEPT_CALLS = 64;  // as the documentation of releaseMemory says
 // One large frame, and then small ones only.
 TEST(Aqorb_Memory, of_a_large_frame_is_freed_after_many_small_ones)
 {
-    if (!AllocationCounter::countsBytes())
-        AQORB_SKIP("the size of a block of memory is not known here");
+    AQORB_NEEDS_BYTES();
     const Threads oneThread(1);
     const Mat large = makeScene(Size(900, 700), 1), half = makeScene(Size(700, 450), 2),
               small = makeScene(Size(160, 120), 3);
@@ -329,8 +324,7 @@ TEST(Aqorb_Memory, of_a_large_frame_is_freed_after_many_small_ones)
 
 TEST(Aqorb_Memory, is_freed_on_request)
 {
-    if (!AllocationCounter::countsBytes())
-        AQORB_SKIP("the size of a block of memory is not known here");
+    AQORB_NEEDS_BYTES();
     const Threads oneThread(1);
     const Mat image = makeScene(Size(400, 300), 1);
     Features features = detectAndCompute(*AdaptiveQuadtreeORB::create(500), image);
@@ -404,8 +398,7 @@ TEST(Aqorb_Memory, of_many_threads_at_once_is_not_kept)
 
 TEST(Aqorb_Memory, a_pool_that_is_cleared_again_and_again_does_not_grow)
 {
-    if (!AllocationCounter::countsBytes())
-        AQORB_SKIP("the size of a block of memory is not known here");
+    AQORB_NEEDS_BYTES();
     const AllocationCounter allocations;
     aqorb::Pool<Counted> pool;
     for (int i = 0; i < 20000; i++)
@@ -416,10 +409,31 @@ TEST(Aqorb_Memory, a_pool_that_is_cleared_again_and_again_does_not_grow)
     EXPECT_LE(allocations.bytes(), 10000);
 }
 
+TEST(Aqorb_Memory, a_collection_needs_one_work_space_for_each_of_its_threads)
+{
+    AQORB_NEEDS_BYTES();
+    const std::vector<Mat> images(40, makeScene(Size(200, 150), 1));
+    std::vector<KeyPoints> keypoints(40);
+    const Ptr<AdaptiveQuadtreeORB> detector = AdaptiveQuadtreeORB::create(300);
+    const AllocationCounter allocations;
+    const auto detect = [&](int threads)
+    {
+        const Threads scope(threads);
+        detector->releaseMemory();
+        const long long before = allocations.bytes();
+        detector->detect(images, keypoints);
+        keypoints.clear();
+        return allocations.bytes() - before;
+    };
+    detect(2);
+    const long long ofOne = detect(1), ofTwo = detect(2);
+    EXPECT_GT(ofOne, 2 * 200 * 150);
+    EXPECT_LE(ofTwo, 2 * ofOne + ofOne / 10);
+}
+
 TEST(Aqorb_Memory, threads_of_one_call_each_do_not_leave_a_work_space_each)
 {
-    if (!AllocationCounter::countsBytes())
-        AQORB_SKIP("the size of a block of memory is not known here");
+    AQORB_NEEDS_BYTES();
     const Mat image = makeScene(Size(200, 150), 1);
     const int THREADS = 200;
     const Threads one(1);

@@ -103,7 +103,6 @@ TEST(Aqorb_Orientation, reference_is_fast_atan2)
     const bool exact = true;
 #endif
     for (int y = -300; y <= 300; y += 3)
-    {
         for (int x = -300; x <= 300; x++)
         {
             const float plain = reference::arctangent(float(y), float(x));
@@ -114,25 +113,6 @@ TEST(Aqorb_Orientation, reference_is_fast_atan2)
             }
             ASSERT_NEAR(plain, fastAtan2(float(y), float(x)), 1e-4) << x << " " << y;
         }
-    }
-}
-
-TEST(Aqorb_Orientation, patch_is_symmetric)
-{
-    for (int patchSize = 2; patchSize <= 200; patchSize++)
-    {
-        SCOPED_TRACE(patchSize);
-        const std::vector<int> halfWidths = circularPatch(patchSize);
-        const int radius = patchSize / 2;
-        ASSERT_EQ(int(halfWidths.size()), radius + 1);
-        EXPECT_EQ(halfWidths[0], radius);
-        // A pixel (u, v) is in the patch if (v, u) is; cv::ORB's centre row is the one exception.
-        for (int v = 1; v <= radius; v++)
-        {
-            for (int u = 1; u <= radius; u++)
-                ASSERT_EQ(u <= halfWidths[v], v <= halfWidths[u]) << u << " " << v;
-        }
-    }
 }
 
 TEST(Aqorb_Orientation, patch_of_31_pixels_is_that_of_orb)
@@ -149,10 +129,8 @@ TEST(Aqorb_Orientation, points_to_the_bright_side)
     {
         const double c = std::cos(degrees * CV_PI / 180), s = std::sin(degrees * CV_PI / 180);
         for (int y = 0; y < 61; y++)
-        {
             for (int x = 0; x < 61; x++)
                 image.at<uchar>(y, x) = uchar(cvRound(128 + 2 * ((x - 30) * c + (y - 30) * s)));
-        }
         const double difference = orientation(image, 30, 30, halfWidths) - degrees;
         EXPECT_LT(std::abs(difference - 360 * cvRound(difference / 360)), 1) << degrees;
     }
@@ -167,7 +145,6 @@ TEST(Aqorb_Orientation, holds_the_largest_moments)
     quarter.rowRange(0, center).setTo(0);
     const Mat images[] = {step, ~step, step.t(), ~step.t(), quarter, ~quarter};
     for (int patchSize : patches)
-    {
         for (const Mat& image : images)
         {
             FeaturePoint point = {center, center, -1}, baselinePoint = point;
@@ -177,7 +154,6 @@ TEST(Aqorb_Orientation, holds_the_largest_moments)
             orientations(image, circularPatch(patchSize), &baselinePoint, 1);
             EXPECT_EQ(point.angle, baselinePoint.angle);
         }
-    }
 }
 
 TEST(Aqorb_Orientation, of_a_flat_patch_is_zero)
@@ -187,19 +163,6 @@ TEST(Aqorb_Orientation, of_a_flat_patch_is_zero)
     orientations(flat, circularPatch(31), &point, 1);
     EXPECT_EQ(point.angle, 0);
     orientations(flat, circularPatch(31), &point, 0);  // There is nothing to do.
-}
-
-TEST(Aqorb_Orientation, takes_parts_of_larger_images)
-{
-    const Mat part = makeNoise(Size(120, 90))(Rect(20, 20, 70, 50));
-    const std::vector<int> halfWidths = circularPatch(31);
-    for (int x = 0; x < 70; x++)
-    {
-        FeaturePoint a = {x, x * 49 / 69, 0}, b = a;
-        orientations(part, halfWidths, &a, 1);
-        orientations(part.clone(), halfWidths, &b, 1);
-        ASSERT_EQ(a.angle, b.angle) << x;
-    }
 }
 
 }  // namespace

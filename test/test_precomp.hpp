@@ -76,9 +76,8 @@ bool isAround(const Mat& part, int value);
 //! Grey photographs of all kinds; needs opencv_extra's images.
 std::vector<Mat> photographs();
 
-//! Whether the installed cv::ORB blurs a level as this module does, in every pixel. Else descriptors may differ.
-bool orbBlursExactly(const Mat& level);
-//! Whether it is rounded as with fused multiply-add on this CPU, so that as a rule it is.
+//! Whether the installed cv::ORB blurs as with fused multiply-add on this CPU, as this module does. Else descriptors may
+//! differ.
 bool orbBlursWithFMA();
 
 }  // namespace opencv_test

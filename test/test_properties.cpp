@@ -5,6 +5,7 @@
 
 #include "reference.hpp"
 
+#include "plan.hpp"
 #include "pyramid.hpp"
 
 #include <numeric>
@@ -17,6 +18,7 @@ namespace opencv_test
 namespace
 {
 
+using reference::randomSettings;
 using reference::Settings;
 
 Mat randomImage(RNG& rng, Size size)
@@ -50,45 +52,6 @@ Mat randomMask(RNG& rng, Size size)
     return mask;
 }
 
-Settings randomSettings(RNG& rng)
-{
-    Settings s;
-    s.nfeatures = rng.uniform(0, 3) ? rng.uniform(0, 120) : rng.uniform(0, 3000);
-    s.scaleFactor = rng.uniform(1.05f, 2.f);
-    s.nlevels = rng.uniform(1, 7);
-    s.firstLevel = rng.uniform(0, 4) ? 0 : rng.uniform(0, std::min(s.nlevels, 2));
-    s.edgeThreshold = rng.uniform(0, 25);
-    s.WTA_K = rng.uniform(2, 5);
-    s.scoreType = rng.uniform(0, 2) ? ORB::HARRIS_SCORE : ORB::FAST_SCORE;
-    s.patchSize = rng.uniform(2, 45);
-    s.fastThreshold = rng.uniform(0, 40);
-    s.adaptiveThreshold = rng.uniform(0, 2) != 0;
-    s.minThresholdRatio = rng.uniform(0, 3) ? rng.uniform(1., 8.) : 1;
-    s.cellSize = rng.uniform(8, 60);
-    s.maxDepth = rng.uniform(-1, 7);
-    s.selectionType =
-        rng.uniform(0, 4) ? AdaptiveQuadtreeORB::RANKED_SELECTION : AdaptiveQuadtreeORB::BALANCED_SELECTION;
-    const double weights[] = {0, 0.15, rng.uniform(0., 1.), 1000}, radii[] = {0, 1, rng.uniform(0., 4.), 16};
-    s.strengthWeight = weights[rng.uniform(0, 4)];
-    s.rankRadius = radii[rng.uniform(0, 4)];
-    const double distances[] = {-1, 0, rng.uniform(0., 4.), rng.uniform(0., 1.)};
-    s.octaveSuppression = distances[rng.uniform(0, 4)];
-    s.subPixel = rng.uniform(0, 2) != 0;
-    return s;
-}
-
-std::string text(int seed, const Settings& s)
-{
-    return format("seed %d: nfeatures %d scaleFactor %.9g nlevels %d edgeThreshold %d firstLevel %d WTA_K %d "
-                  "scoreType %d patchSize %d fastThreshold %d adaptiveThreshold %d minThresholdRatio %.17g "
-                  "cellSize %d maxDepth %d selectionType %d strengthWeight %.17g rankRadius %.17g "
-                  "octaveSuppression %.17g subPixel %d",
-                  seed, s.nfeatures, s.scaleFactor, s.nlevels, s.edgeThreshold, s.firstLevel, s.WTA_K,
-                  int(s.scoreType), s.patchSize, s.fastThreshold, int(s.adaptiveThreshold),
-                  s.minThresholdRatio, s.cellSize, s.maxDepth, int(s.selectionType), s.strengthWeight,
-                  s.rankRadius, s.octaveSuppression, int(s.subPixel));
-}
-
 Size randomSize(RNG& rng)
 {
     return Size(rng.uniform(10, 130), rng.uniform(10, 110));
@@ -102,7 +65,7 @@ TEST(Aqorb_Properties, cap_mask_fields_and_determinism)
     {
         RNG rng(seed);
         const Settings s = randomSettings(rng);
-        SCOPED_TRACE(text(seed, s));
+        SCOPED_TRACE(format("seed %d: ", seed) + s.text());
         const Mat image = randomImage(rng, randomSize(rng));
         const Mat mask = seed % 2 ? randomMask(rng, image.size()) : Mat();
         // Of ten cases nine use one object, with one set of parameters.
@@ -125,57 +88,6 @@ TEST(Aqorb_Properties, cap_mask_fields_and_determinism)
         found += features.keypoints.size();
     }
     EXPECT_GT(found, 10000u);
-}
-
-//! Whether descriptors differ only in tests that depend on how a turned point between two pixels is rounded.
-bool sameCertainBits(const Features& a, const Features& b, const Settings& s)
-{
-    const std::vector<Point> pattern = reference::descriptorPattern(s.patchSize, s.WTA_K);
-    Mat certain(a.descriptors.size(), CV_8UC1);
-    for (int i = 0; i < certain.rows; i++)
-        reference::certainBits(a.keypoints[i].angle, pattern, s.WTA_K, certain.ptr(i));
-    return countNonZero((a.descriptors ^ b.descriptors) & certain) == 0;
-}
-
-TEST(Aqorb_Properties, descriptors_are_those_of_orb)
-{
-    if (!orbBlursWithFMA())
-        AQORB_SKIP("cv::ORB of this OpenCV and CPU blurs without multiply-add");
-    const bool fuses = reference::opencvFusesMultiplyAdd();
-    size_t compared = 0;
-    int blurredOtherwise = 0, turnedOtherwise = 0;
-    for (int seed = 1; seed <= 1000; seed++)
-    {
-        RNG rng(seed);
-        Settings s = randomSettings(rng);
-        s.firstLevel = 0;  // else cv::ORB::compute may drop keypoints near the border
-        s.nfeatures = std::min(s.nfeatures, 100);
-        SCOPED_TRACE(text(seed, s));
-        const Mat image = randomImage(rng, randomSize(rng));
-        const Features ours = detectAndCompute(*s.create(), image);
-        if (ours.keypoints.empty())
-            continue;
-        Features theirs = {ours.keypoints, Mat()};
-        ORB::create(s.nfeatures, s.scaleFactor, s.nlevels, s.edgeThreshold, 0, s.WTA_K, s.scoreType,
-                    s.patchSize)
-            ->compute(image, theirs.keypoints, theirs.descriptors);
-        compared += ours.keypoints.size();
-        if (sameFeatures(theirs, ours))
-            continue;
-        if (fuses && sameKeypoints(theirs.keypoints, ours.keypoints) && sameCertainBits(theirs, ours, s))
-        {
-            turnedOtherwise++;
-            continue;
-        }
-        // OpenCV 4.10, as Debian compiles it, rounds some two of a million blurred pixels otherwise.
-        std::vector<Mat> levels;
-        s.create()->buildPyramid(image, levels);
-        ASSERT_FALSE(std::all_of(levels.begin(), levels.end(), orbBlursExactly));
-        blurredOtherwise++;
-    }
-    EXPECT_GT(compared, 10000u);
-    EXPECT_LE(blurredOtherwise, 5);
-    EXPECT_LE(turnedOtherwise, 20);
 }
 
 TEST(Aqorb_Properties, quotas_add_up_to_the_number_of_features)
@@ -202,7 +114,7 @@ TEST(Aqorb_Properties, as_many_features_as_there_are_corners)
     for (int seed = 1; seed <= 400; seed++)
     {
         RNG rng(seed);
-        Settings s = randomSettings(rng);
+        Settings s = reference::randomSettings(rng);
         const bool isPlain = seed % 2 == 0;  // one level, one known threshold, no mask
         if (isPlain)
         {
@@ -210,7 +122,7 @@ TEST(Aqorb_Properties, as_many_features_as_there_are_corners)
             s.firstLevel = 0;
             s.adaptiveThreshold = false;
         }
-        SCOPED_TRACE(text(seed, s));
+        SCOPED_TRACE(format("seed %d: ", seed) + s.text());
         const Mat image = randomImage(rng, randomSize(rng));
         const Mat mask = isPlain || seed % 3 ? Mat() : randomMask(rng, image.size());
         const Ptr<AdaptiveQuadtreeORB> detector = s.create();
@@ -248,12 +160,12 @@ TEST(Aqorb_Properties, more_features_keep_the_others)
     for (int seed = 1; seed <= 400; seed++)
     {
         RNG rng(seed);
-        Settings s = randomSettings(rng);
+        Settings s = reference::randomSettings(rng);
         s.nlevels = 1;
         s.firstLevel = 0;
         s.maxDepth = rng.uniform(0, 7);
         s.rankRadius = 0;
-        SCOPED_TRACE(text(seed, s));
+        SCOPED_TRACE(format("seed %d: ", seed) + s.text());
         const Mat image = randomImage(rng, randomSize(rng));
         const Ptr<AdaptiveQuadtreeORB> detector = s.create();
         KeyPoints fewer, more;
@@ -282,7 +194,7 @@ TEST(Aqorb_Properties, the_scene_moved_by_whole_cells_gives_the_same_moved)
     for (int seed = 1; seed <= 300; seed++)
     {
         RNG rng(seed);
-        Settings s = randomSettings(rng);
+        Settings s = reference::randomSettings(rng);
         s.nfeatures = rng.uniform(1, 150);
         s.nlevels = 1;
         s.firstLevel = 0;
@@ -295,7 +207,7 @@ TEST(Aqorb_Properties, the_scene_moved_by_whole_cells_gives_the_same_moved)
             s.maxDepth += 2;  // 8 to 32 leaves, groups of 128 to 32 pixels
         s.rankRadius = std::min(s.rankRadius, FROM_CORNERS * std::sqrt(double(s.nfeatures)) / ROOT);
         const int step = s.maxDepth == 3 ? 2 * GROUP : GROUP;
-        SCOPED_TRACE(text(seed, s));
+        SCOPED_TRACE(format("seed %d: ", seed) + s.text());
 
         const Mat scene = randomImage(rng, Size(50, 45));
         const Point place(EDGE + 26 + rng.uniform(0, 20), EDGE + 26 + rng.uniform(0, 20));
@@ -336,7 +248,7 @@ TEST(Aqorb_Properties, a_mask_takes_corners_away_and_nothing_else)
     for (int seed = 1; seed <= 500; seed++)
     {
         RNG rng(seed);
-        Settings s = randomSettings(rng);
+        Settings s = reference::randomSettings(rng);
         s.nfeatures = 1 << 20;
         s.nlevels = 1;
         s.firstLevel = 0;
@@ -344,7 +256,7 @@ TEST(Aqorb_Properties, a_mask_takes_corners_away_and_nothing_else)
         s.adaptiveThreshold = false;
         s.minThresholdRatio = 1;
         s.subPixel = false;
-        SCOPED_TRACE(text(seed, s));
+        SCOPED_TRACE(format("seed %d: ", seed) + s.text());
         const Mat image = randomImage(rng, randomSize(rng)), mask = randomMask(rng, image.size());
         const Ptr<AdaptiveQuadtreeORB> detector = s.create();
         KeyPoints all, masked;
@@ -360,27 +272,6 @@ TEST(Aqorb_Properties, a_mask_takes_corners_away_and_nothing_else)
     }
     EXPECT_GT(removed, 1000u);
     EXPECT_GT(compared, 1000u);
-}
-
-TEST(Aqorb_Properties, never_fewer_than_orb)
-{
-    size_t compared = 0;
-    for (int seed = 1; seed <= 500; seed++)
-    {
-        RNG rng(seed);
-        Settings s = randomSettings(rng);
-        SCOPED_TRACE(text(seed, s));
-        const Mat image = randomImage(rng, Size(rng.uniform(70, 150), rng.uniform(70, 130)));
-        KeyPoints ours, theirs;
-        s.create()->detect(image, ours);
-        ORB::create(s.nfeatures, s.scaleFactor, s.nlevels, s.edgeThreshold, s.firstLevel, s.WTA_K,
-                    s.scoreType, s.patchSize, s.fastThreshold)
-            ->detect(image, theirs);
-        // cv::ORB keeps all that tie for the last place.
-        ASSERT_GE(ours.size(), std::min(theirs.size(), size_t(s.nfeatures)));
-        compared += theirs.size();
-    }
-    EXPECT_GT(compared, 10000u);
 }
 
 TEST(Aqorb_Properties, retain_uniform_keeps_as_many_as_there_are_inside)

@@ -5,6 +5,7 @@
 
 #include "reference.hpp"
 
+#include "plan.hpp"
 #include "pyramid.hpp"
 
 #include <climits>
@@ -62,9 +63,7 @@ TEST(Aqorb_Pyramid, quotas_add_up_and_equal_reference)
 {
     const float factors[] = {1.01f, 1.1f, 1.2f, 1.5f, 2.f, 3.7f};
     for (float factor : factors)
-    {
         for (int nlevels = 1; nlevels <= 12; nlevels++)
-        {
             for (int n = 0; n <= 5000; n += n < 60 ? 1 : 617)
             {
                 SCOPED_TRACE(format("factor %g, levels %d, features %d", factor, nlevels, n));
@@ -78,8 +77,6 @@ TEST(Aqorb_Pyramid, quotas_add_up_and_equal_reference)
                 }
                 ASSERT_EQ(sum, n);
             }
-        }
-    }
 }
 
 TEST(Aqorb_Pyramid, quotas_take_rounding_from_the_finest_level)
@@ -90,29 +87,34 @@ TEST(Aqorb_Pyramid, quotas_take_rounding_from_the_finest_level)
     EXPECT_EQ(quotas, std::vector<int>(expected, expected + 8));
 }
 
-TEST(Aqorb_Pyramid, quotas_by_area_add_up_and_equal_reference)
+TEST(Aqorb_Pyramid, quotas_of_the_ranked_selection_add_up_and_equal_reference)
 {
     std::vector<int> quotas;  // What it holds before must not matter.
     RNG rng(15);
     for (int nlevels = 1; nlevels <= 12; nlevels++)
-    {
         for (int n = 0; n <= 5000; n += n < 60 ? 1 : 617)
         {
             SCOPED_TRACE(format("levels %d, features %d", nlevels, n));
-            std::vector<Size> regions;
+            std::vector<Size> sizes;
+            std::vector<float> scales;
+            std::vector<LevelRegion> regions;
             const bool equal = rng.uniform(0, 4) == 0;
             for (int i = 0; i < nlevels; i++)
-                regions.push_back(equal ? Size(9, 9) : Size(rng.uniform(1, 2000), rng.uniform(1, 2000)));
-            areaQuotas(n, regions, quotas);
-            ASSERT_EQ(quotas, reference::areaQuotas(n, regions));
+            {
+                sizes.push_back(equal ? Size(9, 9) : Size(rng.uniform(1, 2000), rng.uniform(1, 2000)));
+                scales.push_back(equal ? 1.f : rng.uniform(0.1f, 10.f));
+                regions.push_back({sizes[i], scales[i]});
+            }
+            rankedQuotas(n, regions, quotas);
+            ASSERT_EQ(quotas, reference::rankedQuotas(n, sizes, scales));
             ASSERT_GE(*std::min_element(quotas.begin(), quotas.end()), 0);
             ASSERT_EQ(std::accumulate(quotas.begin(), quotas.end(), 0), n);
         }
-    }
-    areaQuotas(500, std::vector<Size>(), quotas);
+    rankedQuotas(500, std::vector<LevelRegion>(), quotas);
     EXPECT_TRUE(quotas.empty());
-    areaQuotas(INT_MAX, {Size(2, 2), Size(1, 1)}, quotas);
-    EXPECT_NEAR(quotas[0] / 4., quotas[1], 200);
+    // 1.5 * 64 against 3 * 16^1.25
+    rankedQuotas(INT_MAX, {{Size(8, 8), 1.f}, {Size(3, 1), 16.f}}, quotas);
+    EXPECT_NEAR(quotas[0], quotas[1], 200);
     EXPECT_EQ(int64(quotas[0]) + quotas[1], INT_MAX);
 }
 
@@ -184,16 +186,6 @@ TEST(Aqorb_Pyramid, resize_equals_opencv_for_every_width_and_alignment)
     }
 }
 
-TEST(Aqorb_Pyramid, resize_equals_opencv_on_photographs)
-{
-    AQORB_NEEDS_DATA();
-    for (const Mat& photograph : photographs())
-    {
-        for (int level = 1; level < 8; level++)
-            expectResizedAsOpenCV(photograph, levelSize(photograph.size(), levelScale(level, 0, 1.2f)));
-    }
-}
-
 TEST(Aqorb_Pyramid, resize_takes_regions)
 {
     const Mat noise = makeNoise(Size(200, 150));
@@ -203,41 +195,6 @@ TEST(Aqorb_Pyramid, resize_takes_regions)
     cv::resize(noise, expected, Size(167, 125), 0, 0, INTER_LINEAR_EXACT);
     resizeExact(noise, resized, Size(167, 125));
     EXPECT_TRUE(sameMat(resized, expected));
-}
-
-TEST(Aqorb_Pyramid, levels_are_made_from_what_orb_makes_them_from)
-{
-    const Mat image = makeScene(Size(200, 160));
-    for (int firstLevel = 0; firstLevel <= 3; firstLevel++)
-    {
-        std::vector<Level> levels;
-        buildPyramid(image, Mat(), 6, firstLevel, 1.3f, 10, levels);
-        ASSERT_EQ(levels.size(), 6u);
-        for (int i = 0; i < 6; i++)
-        {
-            SCOPED_TRACE(format("first level %d, level %d", firstLevel, i));
-            EXPECT_EQ(levels[i].scale, levelScale(i, firstLevel, 1.3f));
-            EXPECT_EQ(levels[i].isInput, i == firstLevel);
-            EXPECT_TRUE(levels[i].mask.empty());
-            Mat expected = image;
-            if (i != firstLevel)
-                cv::resize(i <= firstLevel + 1 ? image : levels[i - 1].image, expected,
-                           levelSize(image.size(), levels[i].scale), 0, 0, INTER_LINEAR_EXACT);
-            EXPECT_TRUE(sameMat(levels[i].image, expected));
-        }
-        EXPECT_EQ(levels[firstLevel].image.data, image.data);  // not copied
-    }
-}
-
-TEST(Aqorb_Pyramid, stops_before_the_first_level_that_is_too_small)
-{
-    std::vector<Level> levels;
-    buildPyramid(makeNoise(Size(100, 64)), Mat(), 8, 0, 2, 16, levels);
-    ASSERT_EQ(levels.size(), 3u);  // 64, 32, 16
-    EXPECT_EQ(levels[2].image.size(), Size(25, 16));
-    // The same vector is used again for another image.
-    buildPyramid(makeNoise(Size(15, 64)), Mat(), 8, 0, 2, 16, levels);
-    EXPECT_TRUE(levels.empty());
 }
 
 TEST(Aqorb_Pyramid, a_masked_pixel_masks_all_that_are_made_of_it)
@@ -250,7 +207,6 @@ TEST(Aqorb_Pyramid, a_masked_pixel_masks_all_that_are_made_of_it)
     mask(Rect(20, 20, 15, 5)).setTo(0);
     const float factors[] = {1.1f, 1.2f, 1.5f, 2.f, 2.9f};
     for (float factor : factors)
-    {
         for (int firstLevel = 0; firstLevel <= 2; firstLevel++)
         {
             std::vector<Level> levels;
@@ -266,7 +222,6 @@ TEST(Aqorb_Pyramid, a_masked_pixel_masks_all_that_are_made_of_it)
                 EXPECT_TRUE(sameMat(levels[i].mask != 0, expected != 0));
             }
         }
-    }
 }
 
 }  // namespace

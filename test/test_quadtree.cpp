@@ -5,7 +5,8 @@
 
 #include "reference.hpp"
 
-#include "balanced_sequence.hpp"
+#include "balanced_order.hpp"
+#include "plan.hpp"
 #include "quadtree.hpp"
 
 #include <climits>
@@ -38,154 +39,128 @@ TEST(Aqorb_Quadtree, depth_is_the_smallest_with_enough_leaves)
     }
 }
 
-TEST(Aqorb_Quadtree, leaf_code_interleaves_bits)
+TEST(Aqorb_Quadtree, leaves_divide_a_region_evenly)
 {
-    EXPECT_EQ(leafCode(0, 0), 0u);
-    EXPECT_EQ(leafCode(1, 0), 1u);
-    EXPECT_EQ(leafCode(0, 1), 2u);
-    EXPECT_EQ(leafCode(2, 3), 14u);
-    EXPECT_EQ(leafCode(32767, 32767), (1u << 30) - 1);
-    for (unsigned i = 0; i < 2000; i++)
-        ASSERT_EQ(leafCode(i * 7919 % 32768, i * 104729 % 32768),
-                  reference::leafCode(i * 7919 % 32768, i * 104729 % 32768));
+    LeafGrid grid;
+    RNG rng(1);
+    for (int i = 0; i < 300; i++)
+    {
+        const Rect region(rng.uniform(0, 50), rng.uniform(0, 50), rng.uniform(1, 700), rng.uniform(1, 700));
+        const int depth = rng.uniform(0, MAX_QUADTREE_DEPTH + 1);
+        grid.begin(region, depth);
+        for (int j = 0; j < 50; j++)
+        {
+            const Point p(rng.uniform(0, region.width), rng.uniform(0, region.height));
+            const unsigned column = unsigned((int64(p.x) << depth) / region.width),
+                           row = unsigned((int64(p.y) << depth) / region.height);
+            const unsigned leaf = row << depth | column;
+            ASSERT_EQ(grid.leaf(region.x + p.x, region.y + p.y), leaf) << region << depth << p;
+            ASSERT_EQ(LeafGrid::leafAt(Point2f(p), region.size(), depth), leaf);
+            // The centre of a leaf that has pixels lies in it, or at its border where it has only one column or row.
+            const Point centre = grid.centre(leaf) - region.tl();
+            ASSERT_LE(std::abs(((2 * column + 1) * double(region.width) / (2 << depth)) - centre.x), 1);
+            ASSERT_LE(std::abs(((2 * row + 1) * double(region.height) / (2 << depth)) - centre.y), 1);
+        }
+    }
 }
 
-std::vector<LeafPoint> randomPoints(int count, int depth, int responses, int seed)
+std::vector<reference::LeafPoint> randomPoints(int count, int depth, int responses, int seed)
 {
     RNG rng(seed);
-    std::vector<LeafPoint> points;
+    std::vector<reference::LeafPoint> points;
     for (int i = 0; i < count; i++)
     {
         const int x = rng.uniform(0, 300), y = rng.uniform(0, 200);
-        const LeafPoint point = {leafCode((unsigned(x) << depth) / 300, (unsigned(y) << depth) / 200),
-                                 float(rng.uniform(-responses, responses)), float(x), float(y), i};
+        const reference::LeafPoint point = {
+            reference::leafCode((unsigned(x) << depth) / 300, (unsigned(y) << depth) / 200),
+            float(rng.uniform(-responses, responses)), float(x), float(y), i};
         points.push_back(point);
     }
     return points;
 }
 
-void expectSequence(std::vector<LeafPoint> points, int depth, BalancedSequence& sequence)
+//! Every other bit of a Morton code.
+unsigned everyOtherBit(unsigned code)
 {
-    const std::vector<LeafPoint> expected = reference::balancedSequence(points, depth);
-    sequence.begin(points, depth);
-    LeafPoint point;
-    for (size_t i = 0; i < expected.size(); i++)
-    {
-        ASSERT_TRUE(sequence.next(point)) << i;
-        ASSERT_EQ(point.index, expected[i].index) << i;
-        ASSERT_EQ(point.leaf, expected[i].leaf);
-        ASSERT_EQ(point.x, expected[i].x);
-        ASSERT_EQ(point.y, expected[i].y);
-    }
-    EXPECT_FALSE(sequence.next(point));
-    EXPECT_FALSE(sequence.next(point));
+    unsigned bits = 0;
+    for (int i = 0; i < 16; i++)
+        bits |= (code >> (2 * i) & 1) << i;
+    return bits;
 }
 
-TEST(Aqorb_Quadtree, sequence_equals_its_definition)
+//! The indices of points in balancedOrder.
+std::vector<int> balancedIndices(std::vector<reference::LeafPoint> points, int depth,
+                                 BalancedScratch& scratch)
+{
+    std::sort(points.begin(), points.end(),
+              [](const reference::LeafPoint& a, const reference::LeafPoint& b) {
+                  return a.y != b.y ? a.y < b.y : a.x != b.x ? a.x < b.x : a.index < b.index;
+              });
+    std::vector<LeafPoint> leafPoints;
+    for (const reference::LeafPoint& point : points)
+    {
+        const LeafPoint leafPoint = {everyOtherBit(point.leaf >> 1) << depth | everyOtherBit(point.leaf),
+                                     aqorb::sortKey(point.response)};
+        leafPoints.push_back(leafPoint);
+    }
+    std::vector<unsigned> order(3, 9u);
+    balancedOrder(leafPoints, depth, points.size(), scratch, order);
+    std::vector<int> indices;
+    for (unsigned index : order)
+        indices.push_back(points[index].index);
+    return indices;
+}
+
+void expectOrder(const std::vector<reference::LeafPoint>& points, int depth, BalancedScratch& scratch)
+{
+    std::vector<int> expected;
+    for (const reference::LeafPoint& point : reference::balancedSequence(points, depth))
+        expected.push_back(point.index);
+    EXPECT_EQ(balancedIndices(points, depth, scratch), expected);
+}
+
+TEST(Aqorb_Quadtree, balanced_order_equals_its_definition)
 {
     const int counts[] = {0, 1, 2, 7, 60, 500, 3000};
-    BalancedSequence sequence;  // It is used again and again, so begin must reset it.
+    BalancedScratch scratch;  // It is used again and again, so what one case leaves in it must not matter.
     for (int count : counts)
-    {
         for (int depth = 0; depth <= 15; depth++)
         {
             SCOPED_TRACE(format("%d points, depth %d", count, depth));
-            expectSequence(randomPoints(count, depth, 1000000, depth), depth, sequence);
-            expectSequence(randomPoints(count, depth, 3, depth), depth, sequence);  // many ties
+            expectOrder(randomPoints(count, depth, 1000000, depth), depth, scratch);
+            expectOrder(randomPoints(count, depth, 3, depth), depth, scratch);  // many ties
         }
-    }
 }
 
-// Corners come by rows, which spares the sequence a sort. Zeros of different signs must not make it believe that
-// points come by rows when they do not.
-TEST(Aqorb_Quadtree, sequence_of_points_in_raster_order)
-{
-    BalancedSequence sequence;
-    for (int depth = 0; depth <= 8; depth++)
-    {
-        SCOPED_TRACE(depth);
-        std::vector<LeafPoint> points = randomPoints(3000, depth, 3, depth);
-        std::sort(points.begin(), points.end(),
-                  [](const LeafPoint& a, const LeafPoint& b) { return a.y != b.y ? a.y < b.y : a.x < b.x; });
-        for (size_t i = 0; i < points.size(); i++)
-            points[i].index = int(i);
-        expectSequence(points, depth, sequence);
-    }
-    std::vector<LeafPoint> points;
-    const float xs[] = {0.f, 3.f, -0.f, -2.f};
-    for (int i = 0; i < 4; i++)
-    {
-        const LeafPoint point = {0, 1.f, xs[i], 5.f, i};
-        points.push_back(point);
-    }
-    expectSequence(points, 0, sequence);
-}
-
-// The sequence with a filter is that of the points which the filter accepts.
-TEST(Aqorb_Quadtree, filter_leaves_points_out)
-{
-    struct NotThird : PointFilter
-    {
-        bool accepts(const LeafPoint& point) const CV_OVERRIDE { return point.index % 3 != 0; }
-    };
-    BalancedSequence sequence;
-    for (int depth = 0; depth <= 6; depth++)
-    {
-        std::vector<LeafPoint> points = randomPoints(700, depth, 1000, depth), accepted;
-        for (const LeafPoint& point : points)
-        {
-            if (NotThird().accepts(point))
-                accepted.push_back(point);
-        }
-        const std::vector<LeafPoint> expected = reference::balancedSequence(accepted, depth);
-        sequence.begin(points, depth);
-        const NotThird filter;
-        LeafPoint point;
-        for (size_t i = 0; i < expected.size(); i++)
-        {
-            ASSERT_TRUE(sequence.next(point, &filter));
-            ASSERT_EQ(point.index, expected[i].index) << i;
-        }
-        EXPECT_FALSE(sequence.next(point, &filter));
-    }
-}
-
-TEST(Aqorb_Quadtree, sequence_ranks_all_floats)
+TEST(Aqorb_Quadtree, balanced_order_of_all_floats)
 {
     const float inf = std::numeric_limits<float>::infinity();
     const float nan = std::numeric_limits<float>::quiet_NaN();
     const float responses[] = {nan, -inf, -1.f, -1e-42f, -0.f, 0.f, 1e-42f, 2.f, inf, -nan};
-    BalancedSequence sequence;
+    BalancedScratch scratch;
     for (int depth = 0; depth <= 3; depth++)
     {
         SCOPED_TRACE(depth);
-        std::vector<LeafPoint> points;
+        std::vector<reference::LeafPoint> points;
         for (int i = 0; i < 300; i++)
         {
-            const LeafPoint point = {unsigned(i / 10 % (1 << (2 * depth))), responses[i % 10], float(i / 50),
-                                     float(i % 3), i};
+            const reference::LeafPoint point = {unsigned(i / 10 % (1 << (2 * depth))), responses[i % 10],
+                                                float(i / 50), float(i % 3), i};
             points.push_back(point);
         }
-        expectSequence(points, depth, sequence);
+        expectOrder(points, depth, scratch);
     }
 }
 
-TEST(Aqorb_Quadtree, sequence_by_hand)
+TEST(Aqorb_Quadtree, balanced_order_by_hand)
 {
     // Depth 3: leaves 0 and 1 are in the first group of 16 leaves, 16 in the second.
-    const LeafPoint given[] = {{0, 9, 0, 0, 0},  {0, 8, 0, 0, 1},  {1, 5, 0, 0, 2},
-                               {16, 7, 0, 0, 3}, {16, 1, 0, 0, 4}, {0, 7.5f, 0, 0, 5}};
+    const reference::LeafPoint given[] = {{0, 9, 0, 0, 0},  {0, 8, 0, 0, 1},  {1, 5, 0, 0, 2},
+                                          {16, 7, 0, 0, 3}, {16, 1, 0, 0, 4}, {0, 7.5f, 0, 0, 5}};
     // The groups' lists are 0 2 1 5 and 3 4; taken in turn by response: 0 3, 2 4, 1, 5.
-    const int expected[] = {0, 3, 2, 4, 1, 5};
-    std::vector<LeafPoint> points(given, given + 6);
-    BalancedSequence sequence;
-    sequence.begin(points, 3);
-    for (int index : expected)
-    {
-        LeafPoint point;
-        ASSERT_TRUE(sequence.next(point));
-        EXPECT_EQ(point.index, index);
-    }
+    BalancedScratch scratch;
+    EXPECT_EQ(balancedIndices(std::vector<reference::LeafPoint>(given, given + 6), 3, scratch),
+              std::vector<int>({0, 3, 2, 4, 1, 5}));
 }
 
 }  // namespace

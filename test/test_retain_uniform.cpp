@@ -184,9 +184,7 @@ TEST(Aqorb_RetainUniform, odd_responses_have_a_place_in_the_order)
     }
     // Two of them far away from each other.
     for (int better = 0; better < count; better++)
-    {
         for (int worse = better + 1; worse < count; worse++)
-        {
             for (int swapped = 0; swapped < 2; swapped++)
             {
                 KeyPoints keypoints(1, KeyPoint(5, 5, 1, -1, inOrder[swapped ? better : worse]));
@@ -195,8 +193,6 @@ TEST(Aqorb_RetainUniform, odd_responses_have_a_place_in_the_order)
                 aqorb::retainUniform(keypoints, Size(100, 100), 1);
                 EXPECT_TRUE(sameKeypoints(keypoints, KeyPoints(1, expected))) << better << " " << worse;
             }
-        }
-    }
 }
 
 TEST(Aqorb_RetainUniform, drops_what_lies_outside)
@@ -216,32 +212,6 @@ TEST(Aqorb_RetainUniform, drops_what_lies_outside)
     keypoints.clear();
     aqorb::retainUniform(keypoints, Size(10, 20), 3);
     EXPECT_TRUE(keypoints.empty());
-}
-
-TEST(Aqorb_RetainUniform, takes_nan_last_and_at_most_one_of_a_leaf_first)
-{
-    const float nan = std::numeric_limits<float>::quiet_NaN();
-    KeyPoints keypoints;
-    keypoints.push_back(KeyPoint(10, 10, 1, -1, nan));
-    keypoints.push_back(KeyPoint(11, 10, 1, -1, -1e30f));
-    keypoints.push_back(KeyPoint(12, 10, 1, -1, nan));
-    KeyPoints kept = keypoints;
-    aqorb::retainUniform(kept, Size(100, 100), 1);
-    EXPECT_TRUE(sameKeypoints(kept, KeyPoints(1, keypoints[1])));
-    kept = keypoints;
-    aqorb::retainUniform(kept, Size(100, 100), 3);
-    EXPECT_EQ(kept.size(), 3u);
-
-    // Two in one quarter; the weak one in another quarter goes before the second of them.
-    keypoints.clear();
-    keypoints.push_back(KeyPoint(10, 10, 1, -1, 9));
-    keypoints.push_back(KeyPoint(20, 10, 1, -1, 8));
-    keypoints.push_back(KeyPoint(90, 90, 1, -1, 1));
-    kept = keypoints;
-    aqorb::retainUniform(kept, Size(100, 100), 2);
-    ASSERT_EQ(kept.size(), 2u);
-    EXPECT_EQ(kept[0].response, 9);
-    EXPECT_EQ(kept[1].response, 1);
 }
 
 }  // namespace

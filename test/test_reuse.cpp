@@ -3,7 +3,7 @@
 // of this distribution.
 // SPDX-License-Identifier: Apache-2.0
 
-#include "test_precomp.hpp"
+#include "reference.hpp"
 
 // An object keeps its work space from call to call. Nothing of an earlier call may show in a later one.
 
@@ -12,43 +12,7 @@ namespace opencv_test
 namespace
 {
 
-//! Gives all parameters random values that go together.
-void setRandomly(AdaptiveQuadtreeORB& detector, RNG& rng)
-{
-    detector.setMaxFeatures(rng.uniform(0, 4) ? rng.uniform(1, 300) : 5000);
-    detector.setScaleFactor(rng.uniform(1.1, 2.2));
-    detector.setNLevels(rng.uniform(1, 9));
-    detector.setFirstLevel(rng.uniform(0, std::min(detector.getNLevels(), 2)));
-    detector.setEdgeThreshold(rng.uniform(0, 32));
-    detector.setWTA_K(rng.uniform(2, 5));
-    detector.setScoreType(rng.uniform(0, 2) ? ORB::HARRIS_SCORE : ORB::FAST_SCORE);
-    detector.setPatchSize(rng.uniform(2, 50));
-    detector.setFastThreshold(rng.uniform(1, 60));
-    detector.setAdaptiveThreshold(rng.uniform(0, 2) != 0);
-    detector.setMinThresholdRatio(rng.uniform(1., 8.));
-    detector.setCellSize(rng.uniform(8, 80));
-    detector.setMaxDepth(rng.uniform(-1, 6));
-    detector.setSelectionType(rng.uniform(0, 4) ? AdaptiveQuadtreeORB::RANKED_SELECTION
-                                                : AdaptiveQuadtreeORB::BALANCED_SELECTION);
-    detector.setStrengthWeight(rng.uniform(0, 3) ? rng.uniform(0., 1.) : 0.15);
-    detector.setRankRadius(rng.uniform(0, 3) ? rng.uniform(0., 4.) : 1);
-    const double distances[] = {-1, 0, rng.uniform(0., 4.)};
-    detector.setOctaveSuppression(distances[rng.uniform(0, 3)]);
-    detector.setSubPixel(rng.uniform(0, 2) != 0);
-}
-
-//! A new object with the same parameters.
-Ptr<AdaptiveQuadtreeORB> twin(const AdaptiveQuadtreeORB& detector)
-{
-    const Ptr<AdaptiveQuadtreeORB> fresh = AdaptiveQuadtreeORB::create();
-    FileStorage out("memory.yml", FileStorage::WRITE | FileStorage::MEMORY);
-    detector.write(out);
-    FileStorage in(out.releaseAndGetString(), FileStorage::READ | FileStorage::MEMORY);
-    fresh->read(in.root());
-    return fresh;
-}
-
-//! A call that fails after the work space is in use.
+//! A call that fails after the work space is in use. It may leave other parameters.
 void fail(AdaptiveQuadtreeORB& detector, const Mat& image, int kind)
 {
     Features features;
@@ -64,15 +28,10 @@ void fail(AdaptiveQuadtreeORB& detector, const Mat& image, int kind)
     }
     else
     {
-        const int levels = detector.getNLevels(), first = detector.getFirstLevel();
-        const double factor = detector.getScaleFactor();
         detector.setNLevels(60);
         detector.setFirstLevel(59);
         detector.setScaleFactor(1e6);  // a level of more pixels than can be
         EXPECT_THROW(detector.detect(image, features.keypoints), cv::Exception);
-        detector.setNLevels(levels);
-        detector.setFirstLevel(first);
-        detector.setScaleFactor(factor);
     }
 }
 
@@ -80,11 +39,12 @@ TEST(Aqorb_Reuse, an_object_gives_what_a_new_one_gives)
 {
     RNG rng(20);
     const Ptr<AdaptiveQuadtreeORB> used = AdaptiveQuadtreeORB::create();
+    reference::Settings settings;
     for (int round = 0; round < 80; round++)
     {
         SCOPED_TRACE(round);
         if (round % 3 != 1)  // Every third time only the image changes.
-            setRandomly(*used, rng);
+            settings = reference::randomSettings(rng);
         const Size size(rng.uniform(30, 200), rng.uniform(30, 200));
         Mat image = round % 5 ? makeScene(size, round + 1) : makeNoise(size, round + 1);
         if (round % 16 == 7)
@@ -95,12 +55,13 @@ TEST(Aqorb_Reuse, an_object_gives_what_a_new_one_gives)
         if (!mask.empty())
             cv::resize(mask, mask, size, 0, 0, INTER_NEAREST);
         fail(*used, image, round % 3);
-        const Features expected = detectAndCompute(*twin(*used), image, mask);
+        settings.set(*used);
+        const Features expected = detectAndCompute(*settings.create(), image, mask);
         EXPECT_TRUE(sameFeatures(expected, detectAndCompute(*used, image, mask)));
         // compute keeps its levels in the same memory.
         Features computed = {expected.keypoints, Mat()}, computedAnew = computed;
         used->compute(image, computed.keypoints, computed.descriptors);
-        twin(*used)->compute(image, computedAnew.keypoints, computedAnew.descriptors);
+        settings.create()->compute(image, computedAnew.keypoints, computedAnew.descriptors);
         EXPECT_TRUE(sameFeatures(computedAnew, computed));
     }
 }

@@ -5,8 +5,6 @@
 
 #include "reference.hpp"
 
-#include "balanced_sequence.hpp"
-#include "quadtree.hpp"
 #include "selection.hpp"
 
 namespace opencv_test
@@ -16,191 +14,179 @@ namespace
 
 using namespace aqorb::stages;
 
-// Levels of which each is half the size of the one before, and whose corners lie on a line, best first.
-class Levels
+typedef std::vector<CornerResponse> Corners;
+
+//! Levels of which each is half the size of the one before.
+struct Selection : FeatureSelector
 {
-public:
-    explicit Levels(const std::vector<int>& quotas)
+    void begin(const std::vector<int>& quotas, double octaveSuppression, bool isRanked = true)
     {
+        plans.clear();
         for (size_t i = 0; i < quotas.size(); i++)
         {
-            const OrderRule order = {Rect(0, 0, 256 >> i, 256 >> i), 0, false, RankRule()};
-            const SelectionLevel level = {order.root.size(), float(1 << i), quotas[i], order};
-            levels.push_back(level);
+            LevelPlan plan = LevelPlan();
+            plan.root = Rect(0, 0, 256 >> i, 256 >> i);
+            plan.size = plan.root.size();
+            plan.scale = float(1 << i);
+            plan.quota = quotas[i];
+            plan.isRanked = isRanked;
+            const RankRule rank = {plan.size, 1, std::max(plan.quota, 1), 1, 0.15};
+            plan.rank = rank;
+            plans.push_back(plan);
         }
+        FeatureSelector::begin(Size(256, 256), int(plans.size()), octaveSuppression, int(plans.size()));
     }
-    // Corners of a level at (0, row), (step, row), ...
-    static std::vector<RankedCorner> line(int count, int row, int step)
-    {
-        std::vector<RankedCorner> corners;
-        for (int i = 0; i < count; i++)
-        {
-            const RankedCorner corner = {i * step, row, float(100 - i)};
-            corners.push_back(corner);
-        }
-        return corners;
-    }
-    void begin(FeatureSelector& selector, double octaveSuppression) const
-    {
-        selector.begin(Size(256, 256), octaveSuppression, int(levels.size()));
-        for (const SelectionLevel& level : levels)
-            selector.addLevel(level);
-    }
-    void beginSequence(int level, const std::vector<RankedCorner>& corners, BalancedSequence& sequence) const
-    {
-        LeafScratch scratch;
-        std::vector<LeafPoint> points;
-        leafPoints(corners, levels[level].order.root, levels[level].order.depth, scratch, points);
-        sequence.begin(points, levels[level].order.depth);
-    }
+    void add(int level) { addLevel(level, plans[level]); }
 
 private:
-    std::vector<SelectionLevel> levels;
+    std::vector<LevelPlan> plans;
 };
 
-TEST(Aqorb_Selection, asks_for_nothing_more_where_quotas_are_met)
+//! Corners at (0, row), (step, row), ..., best first.
+Corners line(int count, int row, int step)
 {
-    const Levels levels({3, 2});
-    FeatureSelector selector;
-    levels.begin(selector, 0);
-    CornerRequest request;
+    Corners corners;
+    for (int i = 0; i < count; i++)
+    {
+        const CornerResponse corner = {i * step, row, float(100 - i)};
+        corners.push_back(corner);
+    }
+    return corners;
+}
+
+//! The columns of the corners of a level that were chosen, in raster order.
+std::vector<int> columns(FeatureSelector& selector, int level, size_t first = 0)
+{
+    Corners chosen;
+    selector.chosen(level, first, chosen);
+    std::vector<int> xs;
+    for (const CornerResponse& corner : chosen)
+        xs.push_back(corner.x);
+    return xs;
+}
+
+TEST(Aqorb_Selection, takes_the_quotas_and_no_more)
+{
+    Selection selector;
+    selector.begin({3, 2}, 0);
     for (int level = 1; level >= 0; level--)  // from coarse to fine
     {
-        ASSERT_EQ(selector.wantsOf(level), level == 1 ? 2 : 3);
-        BalancedSequence sequence;
-        levels.beginSequence(level, Levels::line(9, 5, 10), sequence);
-        selector.offer(sequence);
-        EXPECT_EQ(selector.count(level), level == 1 ? 2u : 3u);
+        selector.add(level);
+        EXPECT_EQ(selector.missing(), level == 1 ? 2 : 3);
+        selector.take(level, line(9, 5, 10));
+        EXPECT_EQ(selector.missing(), 0);
     }
-    EXPECT_FALSE(selector.wants(request));
-    EXPECT_FALSE(selector.wants(request));
-    std::vector<RankedCorner> chosen;
-    selector.chosen(0, 0, chosen);
-    ASSERT_EQ(chosen.size(), 3u);
-    EXPECT_EQ(chosen[2].x, 20);
-    selector.chosen(1, 0, chosen);
-    EXPECT_EQ(chosen.size(), 2u);
+    EXPECT_EQ(columns(selector, 0), std::vector<int>({0, 10, 20}));
+    EXPECT_EQ(columns(selector, 1), std::vector<int>({0, 10}));
 }
 
-TEST(Aqorb_Selection, asks_for_nothing_without_levels_or_quotas)
+TEST(Aqorb_Selection, of_nothing_is_nothing)
 {
-    FeatureSelector selector;
-    CornerRequest request;
-    Levels({}).begin(selector, 0.5);
-    EXPECT_FALSE(selector.wants(request));
-    Levels({0, 0}).begin(selector, 0.5);
-    EXPECT_EQ(selector.wantsOf(1), 0);
-    EXPECT_EQ(selector.wantsOf(0), 0);
-    EXPECT_FALSE(selector.wants(request));
+    Selection selector;
+    selector.begin({}, 0.5);
+    EXPECT_EQ(selector.missing(), 0);
+    selector.begin({0, 4}, 0.5);
+    selector.add(1);
+    selector.take(1, Corners());
+    selector.fill(1, Corners());
+    EXPECT_EQ(selector.missing(), 4);
+    EXPECT_TRUE(columns(selector, 1).empty());
 }
 
-// Each set is asked for from fine to coarse, and only as long as features are missing.
-TEST(Aqorb_Selection, asks_for_what_the_rules_passed_over_in_the_order_of_the_rules)
+// A list may have grown, and is then gone on with.
+TEST(Aqorb_Selection, goes_on_along_an_order_and_hands_on_what_is_missing)
 {
-    const Levels levels({2, 2});
-    FeatureSelector selector;
-    BalancedSequence sequences[2];
+    Selection selector;
     for (int repeat = 0; repeat < 2; repeat++)  // the second time with the memory of the first
     {
-        levels.begin(selector, 0.5);
-        for (int i = 0; i < 2; i++)
-            levels.beginSequence(i, std::vector<RankedCorner>(), sequences[i]);
-        for (int level = 1; level >= 0; level--)
+        selector.begin({2, 3}, 0);
+        selector.add(1);
+        selector.take(1, line(2, 7, 3));
+        EXPECT_EQ(selector.missing(), 1);
+        selector.add(0);
+        EXPECT_EQ(selector.missing(), 3);
+        selector.take(0, line(2, 7, 3));
+        EXPECT_EQ(selector.missing(), 1);
+        selector.take(1, line(9, 7, 3));
+        EXPECT_EQ(selector.missing(), 0);
+        EXPECT_EQ(columns(selector, 1), std::vector<int>({0, 3, 6}));
+        EXPECT_EQ(columns(selector, 1, 2), std::vector<int>({6}));
+    }
+}
+
+TEST(Aqorb_Selection, passes_over_corners_near_those_of_other_levels)
+{
+    // Pixel (10, 5) of level 1 lies at (20.5, 10.5) of level 0, 0.71 pixels from the first of these.
+    const CornerResponse coarse = {10, 5, 9.f};
+    const CornerResponse fine[] = {{20, 10, 9.f}, {60, 10, 8.f}, {90, 10, 7.f}};
+    for (bool isRanked : {true, false})
+        for (double octaveSuppression : {0., 0.5, 0.8, 1e300})
         {
-            ASSERT_EQ(selector.wantsOf(level),
-                      level == 1 ? 2 : 4);  // what is missing is left to finer levels
-            selector.offer(sequences[level]);
-        }
-        const int expectedLevels[] = {0, 1, 0, 1, 0, 1, 0};
-        const CornerSet expectedSets[] = {SEQUENCE_CORNERS,   SEQUENCE_CORNERS,   KEPT_CORNERS, KEPT_CORNERS,
-                                          SUPPRESSED_CORNERS, SUPPRESSED_CORNERS, WEAK_CORNERS};
-        CornerRequest request;
-        for (int i = 0; i < 7; i++)
-        {
-            SCOPED_TRACE(i);
-            ASSERT_TRUE(selector.wants(request));
-            EXPECT_EQ(request.level, expectedLevels[i]);
-            EXPECT_EQ(request.set, expectedSets[i]);
-            if (request.set == SEQUENCE_CORNERS)
-                selector.offer(sequences[request.level]);
+            SCOPED_TRACE(format("ranked %d, suppression %g", isRanked, octaveSuppression));
+            Selection selector;
+            selector.begin({2, 1}, octaveSuppression, isRanked);
+            selector.add(1);
+            selector.take(1, Corners(1, coarse));
+            selector.add(0);
+            selector.take(0, Corners(fine, fine + 3));
+            if (octaveSuppression > 1)
+                EXPECT_TRUE(columns(selector, 0).empty());
             else
-                selector.offer(Levels::line(i < 6 ? 0 : 9, 7, 3));
+                EXPECT_EQ(columns(selector, 0)[0], octaveSuppression == 0.8 ? 60 : 20);
         }
-        EXPECT_FALSE(selector.wants(request));
-        std::vector<RankedCorner> chosen;
-        selector.chosen(0, 0, chosen);
-        EXPECT_EQ(chosen.size(), 4u);
-        selector.chosen(1, 0, chosen);
-        EXPECT_TRUE(chosen.empty());
-    }
 }
 
-TEST(Aqorb_Selection, passes_over_corners_near_those_of_coarser_levels)
+TEST(Aqorb_Selection, fills_up_with_no_corner_twice)
 {
-    // Pixel (10, 5) of level 1 lies at (20.5, 10.5) of level 0.
-    const Levels levels({2, 1});
-    const RankedCorner coarse = {10, 5, 9.f};
-    const RankedCorner fine[] = {{20, 10, 9.f}, {60, 10, 8.f}, {90, 10, 7.f}};
-    for (double octaveSuppression : {0., 0.5, 0.8})
+    for (bool isRanked : {true, false})
     {
-        FeatureSelector selector;
-        levels.begin(selector, octaveSuppression);
-        CornerRequest request;
-        BalancedSequence sequence;
-        ASSERT_EQ(selector.wantsOf(1), 1);
-        levels.beginSequence(1, std::vector<RankedCorner>(1, coarse), sequence);
-        selector.offer(sequence);
-        ASSERT_EQ(selector.wantsOf(0), 2);
-        levels.beginSequence(0, std::vector<RankedCorner>(fine, fine + 3), sequence);
-        selector.offer(sequence);
-        EXPECT_FALSE(selector.wants(request));
-        std::vector<RankedCorner> chosen;
-        selector.chosen(0, 0, chosen);
-        ASSERT_EQ(chosen.size(), 2u);
-        // They are 0.71 pixels of level 0 apart.
-        EXPECT_EQ(chosen[0].x, octaveSuppression == 0.8 ? 60 : 20);
-    }
-}
-
-TEST(Aqorb_Selection, chooses_no_corner_twice_and_gives_them_in_raster_order)
-{
-    const Levels levels({5});
-    FeatureSelector selector;
-    levels.begin(selector, 0.5);
-    std::vector<RankedCorner> corners = Levels::line(2, 9, 5), others = Levels::line(3, 4, 5);
-    BalancedSequence sequence;
-    levels.beginSequence(0, corners, sequence);
-    ASSERT_EQ(selector.wantsOf(0), 5);
-    selector.offer(sequence);
-    CornerRequest request;
-    while (selector.wants(request))
-    {
-        if (request.set == SEQUENCE_CORNERS)
-        {
-            selector.offer(sequence);
-            continue;
-        }
-        std::vector<RankedCorner> offered = others;
+        Selection selector;
+        selector.begin({5}, 0.5, isRanked);
+        selector.add(0);
+        const Corners corners = line(2, 9, 5), others = line(9, 4, 5);
+        selector.take(0, corners);
+        Corners offered = others;
         offered.insert(offered.end(), corners.begin(), corners.end());
-        selector.offer(offered);
+        selector.fill(0, offered);
+        EXPECT_EQ(selector.missing(), 0);
+        // The best three of the others, in raster order before the two that were taken.
+        EXPECT_EQ(columns(selector, 0), std::vector<int>({0, 5, 10, 0, 5}));
+        EXPECT_EQ(columns(selector, 0, 2), std::vector<int>({0, 5, 10}));
     }
-    std::vector<RankedCorner> chosen;
-    selector.chosen(0, 0, chosen);
-    ASSERT_EQ(chosen.size(), 5u);
-    const int expected[][2] = {{0, 4}, {5, 4}, {10, 4}, {0, 9}, {5, 9}};
-    for (int i = 0; i < 5; i++)
+}
+
+//! The number of corners that are not near a keypoint of the coarser level, one by one.
+TEST(Aqorb_Selection, near_keypoints_are_found_at_any_radius)
+{
+    RNG rng(1);
+    for (int round = 0; round < 200; round++)
     {
-        EXPECT_EQ(chosen[i].x, expected[i][0]) << i;
-        EXPECT_EQ(chosen[i].y, expected[i][1]) << i;
-    }
-    // Without the first two, which the sequence gave.
-    ASSERT_EQ(selector.count(0), 5u);
-    selector.chosen(0, 2, chosen);
-    ASSERT_EQ(chosen.size(), 3u);
-    for (int i = 0; i < 3; i++)
-    {
-        EXPECT_EQ(chosen[i].x, expected[i][0]) << i;
-        EXPECT_EQ(chosen[i].y, expected[i][1]) << i;
+        const double suppressions[] = {0.3, 0.5, 1.5, 2.1, 9, 50, 1e6};
+        const double suppression = suppressions[rng.uniform(0, 7)];
+        Selection selector;
+        selector.begin({1000, 20}, suppression, round % 2 == 0);
+        Corners coarse, fine;
+        for (int i = 0; i < 20; i++)
+        {
+            const CornerResponse a = {rng.uniform(0, 50), 2 * i, 1.f}, b = {rng.uniform(0, 100), 4 * i, 2.f};
+            coarse.push_back(a);
+            fine.push_back(b);
+        }
+        selector.add(1);
+        selector.take(1, coarse);
+        selector.add(0);
+        selector.take(0, fine);
+        int expected = 1000;
+        for (const CornerResponse& corner : fine)
+        {
+            const auto isNear = [&](const CornerResponse& other)
+            {
+                const Point2d d(2 * other.x + 0.5 - corner.x, 2 * other.y + 0.5 - corner.y);
+                return d.dot(d) < suppression * suppression;
+            };
+            expected -= std::none_of(coarse.begin(), coarse.end(), isNear);
+        }
+        EXPECT_EQ(selector.missing(), expected) << suppression;
     }
 }
 

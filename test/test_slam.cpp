@@ -170,7 +170,6 @@ TEST(Aqorb_Slam, one_keypoint_more_a_level_than_asked_for)
 {
     const Mat image = makeScene(Size(640, 480));
     for (int nlevels : {1, 2, 8, 12})
-    {
         for (int nfeatures : {1, 10, 500, 1000})
         {
             SCOPED_TRACE(format("%d features, %d levels", nfeatures, nlevels));
@@ -183,7 +182,6 @@ TEST(Aqorb_Slam, one_keypoint_more_a_level_than_asked_for)
             for (size_t i = 1; i < found.keypoints.size(); i++)
                 ASSERT_LE(found.keypoints[i - 1].octave, found.keypoints[i].octave) << i;
         }
-    }
 }
 
 // Wherever the image has one more corner than asked for, it is returned.
@@ -194,7 +192,6 @@ TEST(Aqorb_Slam, one_keypoint_more_wherever_the_image_has_it)
     const Mat images[] = {makeScene(Size(320, 240)), makeScene(Size(320, 240), 2) * 0.2,
                           makeDots(Size(320, 240))};
     for (const Mat& image : images)
-    {
         for (const Mat& usable : {Mat(), mask})
         {
             SlamExtractor unlimited(100000, 1.2f, 8, 20, 7);
@@ -209,7 +206,6 @@ TEST(Aqorb_Slam, one_keypoint_more_wherever_the_image_has_it)
                 EXPECT_LE(count, std::min(all, all - fewer + 8)) << all;
             }
         }
-    }
 }
 
 TEST(Aqorb_Slam, no_keypoints_and_all_keypoints)
@@ -385,8 +381,7 @@ TEST(Aqorb_Slam, several_levels_need_a_scale_factor_above_1)
         {
             message = e.err;
         }
-        EXPECT_EQ(0u, message.find(format("scaleFactor: got %g; > 1", factor))) << message;
-        EXPECT_NE(std::string::npos, message.find("accepted")) << message;
+        EXPECT_EQ(format("scaleFactor must be above 1 with more than one level, got %g", factor), message);
         EXPECT_NO_THROW(SlamExtractor(500, factor, 1, 20, 7)) << factor;
     }
 }

@@ -113,7 +113,7 @@ private:
     };
     void put(int index)
     {
-        const Task task = {7, 8, index};
+        const Task task = {7, 8, index, Range()};
         queue->put(nodes[index].priority, task);
     }
     void start(TaskQueue& tasks, int threads_)
@@ -233,7 +233,7 @@ TEST(Aqorb_Tasks, threads_of_the_caller_do_all_tasks)
 TEST(Aqorb_Tasks, that_were_not_begun_can_be_cleared)
 {
     TaskQueue queue;
-    const Task task = {3, 4, 5};
+    const Task task = {3, 4, 5, Range(6, 7)};
     queue.put(0, task);
     queue.clear();
     Graph graph(50, 1, 0);
@@ -262,7 +262,7 @@ TEST(Aqorb_Tasks, come_in_the_order_of_their_priorities)
     {
         for (int i = 0; i < 8; i++)
         {
-            const Task task = {3, 4, i};
+            const Task task = {3, 4, i, Range()};
             queue.put(priorities[i], task);
         }
         Recorder recorder;

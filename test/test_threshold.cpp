@@ -127,7 +127,6 @@ TEST(Aqorb_Threshold, thresholds_equal_reference)
     const double values[] = {0, 0.3, 1, 1.5, 2.5, 7, 14.4, 29.9, 48, 100, 253.5, 254.5, 400, 1e6};
     const double ratios[] = {1, 1.01, 2, 4, 10, 1e9};
     for (int fast : fasts)
-    {
         for (double ratio : ratios)
         {
             for (double value : values)
@@ -139,7 +138,6 @@ TEST(Aqorb_Threshold, thresholds_equal_reference)
             const Thresholds expected = reference::thresholds(0, false, fast, ratio);
             expectThresholds(fixedThresholds(fast, ratio), expected.ini, expected.min);
         }
-    }
 }
 
 }  // namespace

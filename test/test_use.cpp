@@ -77,20 +77,6 @@ TEST(Aqorb_Use, with_several_images)
     }
 }
 
-TEST(Aqorb_Use, as_a_feature2d_whose_keypoints_are_drawn)
-{
-    const Ptr<Feature2D> detector = AdaptiveQuadtreeORB::create(100);
-    const Mat image = makeScene(Size(200, 160));
-    KeyPoints keypoints;
-    detector->detect(image, keypoints);
-    Mat plain, drawn;
-    cvtColor(image, plain, COLOR_GRAY2BGR);
-    drawKeypoints(image, keypoints, drawn, Scalar(0, 0, 255), DrawMatchesFlags::DRAW_RICH_KEYPOINTS);
-    ASSERT_EQ(plain.size(), drawn.size());
-    ASSERT_EQ(plain.type(), drawn.type());
-    EXPECT_GT(cv::norm(plain, drawn, NORM_INF), 0);
-}
-
 // Matches of an image with itself turned by 90 degrees: pixels are the same.
 void expectMatches(int WTA_K)
 {

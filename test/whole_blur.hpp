@@ -11,24 +11,42 @@
 namespace opencv_test
 {
 
-//! The rows of a matrix of type CV_16UC1.
+const int BLUR_MARGIN = 61;  // wide enough for the patches of the tests, and a blurMargin
+
+//! The rows of a matrix of type CV_16UC1, which is a part of a larger one that has the margin, too.
 inline aqorb::stages::BlurredRows rowsOf(const Mat& blurred)
 {
-    aqorb::stages::BlurredRows rows;
-    rows.data = const_cast<ushort*>(blurred.ptr<ushort>());
-    rows.step = ptrdiff_t(blurred.step1());
+    const aqorb::stages::BlurredRows rows = {const_cast<ushort*>(blurred.ptr<ushort>()),
+                                             ptrdiff_t(blurred.step1()), 0};
     return rows;
 }
 
-//! The approximate blur of a whole image, of which the module blurs parts only.
+//! The matrix with the margin around it.
+inline Mat withMargin(Mat blurred)
+{
+    const int margin = BLUR_MARGIN;
+    return blurred.adjustROI(margin, margin, margin, margin);
+}
+
+//! A matrix with a margin around it.
+inline Mat blurredOf(Size size, int value = 0)
+{
+    const int margin = BLUR_MARGIN;
+    const Mat all(size + Size(2 * margin, 2 * margin), CV_16UC1, Scalar(value));
+    return all(Rect(Point(margin, margin), size));
+}
+
+//! The approximate blur of a whole image, of which the module blurs parts only, and of the margin around it.
 inline void approximateBlur(const Mat& image, Mat& blurred)
 {
+    const int margin = BLUR_MARGIN;
     aqorb::stages::BlurRegion everywhere;
-    everywhere.begin(image.size());
-    everywhere.add(Rect(Point(), image.size()));
-    blurred.create(image.size(), CV_16UC1);
-    aqorb::stages::BlurScratch scratch;
-    aqorb::stages::approximateBlur(image, everywhere, Range(0, image.rows), rowsOf(blurred), scratch);
+    everywhere.begin(image.size(), BLUR_MARGIN);
+    everywhere.addDisc(Point(), std::vector<int>(image.cols + BLUR_MARGIN + 1, image.rows + BLUR_MARGIN));
+    blurred = blurredOf(image.size());
+    std::vector<uchar> scratch;
+    aqorb::stages::approximateBlur(image, everywhere, Range(-margin, image.rows + margin), rowsOf(blurred),
+                                   scratch);
 }
 
 }  // namespace opencv_test

@@ -29,6 +29,7 @@ import numpy as np
 import pycolmap
 
 import aqorb
+from aqorb import colmap
 
 
 def fail(message):
@@ -49,42 +50,31 @@ def make_detector(name, features):
 def read_camera(folder, size):
     with open(os.path.join(folder, 'calib.txt')) as file:
         projection = np.array(file.readline().split()[-12:], float).reshape(3, 4)
-    return pycolmap.Camera(model='PINHOLE', width=size[0], height=size[1], camera_id=1, has_prior_focal_length=True,
+    return pycolmap.Camera(model='PINHOLE', width=size[0], height=size[1], has_prior_focal_length=True,
                            params=[projection[0, 0], projection[1, 1], projection[0, 2] + .5, projection[1, 2] + .5])
 
 
 def fill_database(path, folder, names, name, features, neighbours):
     """Detects, matches and writes into a new database. Returns the pairs of images that were matched."""
     detector, norm = make_detector(name, features)
-    matcher = cv.BFMatcher(norm, crossCheck=True)
     images = [cv.imread(os.path.join(folder, file), cv.IMREAD_GRAYSCALE) for file in names]
     if any(image is None for image in images):
         fail('not all files in {} are images'.format(folder))
     found = [detector.detectAndCompute(image, None) for image in images]
     database = pycolmap.Database.open(path)
-    camera = read_camera(os.path.dirname(folder), images[0].shape[::-1])
-    database.write_camera(camera, use_camera_id=True)
-    rig = pycolmap.Rig(rig_id=1)
-    rig.add_ref_sensor(camera.sensor_id)
-    database.write_rig(rig, use_rig_id=True)
-    for i, (file, (keypoints, _)) in enumerate(zip(names, found), 1):
-        image = pycolmap.Image(name=file, camera_id=1, image_id=i)
-        database.write_image(image, use_image_id=True)
-        frame = pycolmap.Frame(frame_id=i, rig_id=1)
-        frame.add_data_id(image.data_id)
-        database.write_frame(frame, use_frame_id=True)
-        # The centre of the first pixel is (0.5, 0.5) for COLMAP, (0, 0) for OpenCV.
-        points = np.array([k.pt for k in keypoints], np.float32).reshape(-1, 2) + .5
-        database.write_keypoints(i, points)
-    pairs = []
-    for i in range(len(names)):
-        for j in range(i + 1, min(i + 1 + neighbours, len(names))):
-            matches = matcher.match(found[i][1], found[j][1])
-            database.write_matches(i + 1, j + 1, np.array([(m.queryIdx, m.trainIdx) for m in matches],
-                                                          np.uint32).reshape(-1, 2))
-            pairs.append('{} {}'.format(names[i], names[j]))
+    camera = colmap.add_camera(database, read_camera(os.path.dirname(folder), images[0].shape[::-1]))
+    ids = [colmap.write_image(database, file, camera, aqorb.keypointsToArray(keypoints))
+           for file, (keypoints, _) in zip(names, found)]
+    pairs = [(i, j) for i in range(len(names)) for j in range(i + 1, min(i + 1 + neighbours, len(names)))]
+    for i, j in pairs:
+        if norm == cv.NORM_HAMMING:
+            matches = aqorb.matchArrays(found[i][1], found[j][1])[0]
+        else:
+            matches = cv.BFMatcher(norm, crossCheck=True).match(found[i][1], found[j][1])
+            matches = [(m.queryIdx, m.trainIdx) for m in matches]
+        colmap.write_matches(database, ids[i], ids[j], matches)
     database.close()
-    return pairs
+    return [(names[i], names[j]) for i, j in pairs]
 
 
 def position_error(reconstruction, folder, names):
@@ -113,9 +103,7 @@ def reconstruct(folder, names, name, options):
     shutil.rmtree(out, ignore_errors=True)
     os.makedirs(out)
     database, pairs = os.path.join(out, 'database.db'), os.path.join(out, 'pairs.txt')
-    written = fill_database(database, folder, names, name, options.features, options.neighbours)
-    with open(pairs, 'w') as file:
-        file.write('\n'.join(written) + '\n')
+    colmap.write_pairs(pairs, fill_database(database, folder, names, name, options.features, options.neighbours))
     pycolmap.set_random_seed(0)
     pycolmap.verify_matches(database, pairs)
     pipeline = pycolmap.IncrementalPipelineOptions(ba_refine_focal_length=False, ba_refine_extra_params=False,

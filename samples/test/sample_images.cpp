@@ -4,7 +4,7 @@
 // SPDX-License-Identifier: Apache-2.0
 
 // Makes the files that the samples' tests use, from a photograph or a drawn scene: two views of it, three
-// overlapping parts, a video of images, a fisheye lens's image, a stereo sequence; and files that are of no use.
+// overlapping parts, a video of images, a fisheye lens's image, a stereo sequence; and files that are of little use.
 
 #include "../../perf/perf_scene.hpp"
 
@@ -64,19 +64,6 @@ static void saveStereo(const String& folder, const Mat& scene)
     }
 }
 
-// What no sample can work on: an image and, for those that take them, a video and a stereo sequence of it.
-static void saveUseless(const String& folder, const String& name, const Mat& image)
-{
-    save(folder + name + ".png", image);
-    save(folder + name + "_00.png", image);
-    for (const String camera : {"0", "1"})
-    {
-        utils::fs::createDirectories(folder + name + "/image_" + camera);
-        save(folder + name + "/image_" + camera + "/0.png", image);
-    }
-    std::ofstream(folder + name + "/calib.txt") << "1 0 0 0 0 1 0 0 0 0 1 0\n1 0 0 -1 0 1 0 0 0 0 1 0\n";
-}
-
 int main(int argc, char** argv)
 {
     CV_Assert(argc == 2);
@@ -105,15 +92,7 @@ int main(int argc, char** argv)
     save(folder + "fisheye.png", fisheyeView(scene));
     saveStereo(folder + "stereo", scene);
 
-    const Scalar grey(128);
-    saveUseless(folder, "1x1", Mat(1, 1, CV_8UC1, grey));
-    saveUseless(folder, "3x3", Mat(3, 3, CV_8UC1, grey));
-    saveUseless(folder, "100000x1", Mat(1, 100000, CV_8UC1, grey));
-    saveUseless(folder, "text", Mat(1, 1, CV_8UC1, grey));
-    for (const char* file : {"text.png", "text_00.png", "text/image_0/0.png", "text/image_1/0.png"})
-        std::ofstream(folder + file) << "no image";
-    // What is just enough, and what is too wide for a picture in JPEG.
+    std::ofstream(folder + "text.png") << "no image";
     save(folder + "32x32.png", scene(Rect(0, 0, 32, 32)));
-    save(folder + "70000x40.png", repeat(scene(Rect(0, 0, 700, 40)), 1, 100));
     return 0;
 }

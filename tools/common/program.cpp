@@ -5,12 +5,59 @@
 
 #include "program.hpp"
 
-#include "options.hpp"
-
+#include <algorithm>
+#include <cstdlib>
 #include <iostream>
+#include <set>
+#include <sstream>
 
 namespace tools
 {
+
+std::vector<std::string> splitList(const std::string& list, char separator)
+{
+    std::vector<std::string> parts;
+    std::istringstream stream(list);
+    for (std::string part; std::getline(stream, part, separator);)
+        parts.push_back(part);
+    return parts;
+}
+
+std::vector<int> splitNumbers(const std::string& list)
+{
+    std::vector<int> numbers;
+    for (const std::string& number : splitList(list))
+        numbers.push_back(std::atoi(number.c_str()));
+    return numbers;
+}
+
+//! The names of the options: the words between `{` and the first `|` of each.
+static std::set<std::string> optionNames(const std::string& keys)
+{
+    std::set<std::string> names;
+    for (size_t begin = keys.find('{'); begin != std::string::npos; begin = keys.find('{', begin + 1))
+    {
+        std::istringstream words(keys.substr(begin + 1, keys.find('|', begin) - begin - 1));
+        for (std::string word; words >> word;)
+            names.insert(word);
+    }
+    return names;
+}
+
+/** The first argument that is an option which a program does not have; empty if there is none.
+ cv::CommandLineParser passes over such options without a word. */
+static std::string unknownOption(int argc, const char* const* argv, const std::string& keys)
+{
+    const std::set<std::string> known = optionNames(keys);
+    for (int i = 1; i < argc; i++)
+    {
+        const std::string argument = argv[i];
+        const size_t name = std::min(argument.find_first_not_of('-'), argument.size());
+        if (name > 0 && !known.count(argument.substr(name, argument.find('=') - name)))
+            return argument;
+    }
+    return std::string();
+}
 
 void checkRead(const cv::CommandLineParser& parser)
 {

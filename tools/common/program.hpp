@@ -10,9 +10,16 @@
 
 #include <functional>
 #include <string>
+#include <vector>
 
 namespace tools
 {
+
+//! The parts of a list, for example of an option's values. An empty text has none.
+std::vector<std::string> splitList(const std::string& list, char separator = ',');
+
+//! The whole numbers of a list; what is no number is 0.
+std::vector<int> splitNumbers(const std::string& list);
 
 //! Thrown where arguments are not accepted. The message names them.
 struct BadArguments

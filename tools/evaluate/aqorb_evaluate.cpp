@@ -6,23 +6,29 @@
 // Measures detectors on the images of the paper and others, and writes CSV files. tools/report/report.py makes
 // tables of them: see doc/reproduction.md.
 
+#include "../common/csv.hpp"
 #include "../common/median.hpp"
-#include "../common/options.hpp"
 #include "../common/program.hpp"
 #include "dataset.hpp"
 #include "method.hpp"
-#include "results.hpp"
+#include "measures.hpp"
+#include "stereo_odometry.hpp"
 
 #include <opencv2/aqorb.hpp>
 #include <opencv2/core/utils/filesystem.hpp>
 #include <opencv2/imgcodecs.hpp>
 
+#include <algorithm>
 #include <ctime>
 #include <iostream>
+#include <map>
 
 #include <unistd.h>
 
 using namespace cv;
+using std::to_string;
+using tools::csvNumber;
+using tools::CsvTable;
 
 namespace
 {
@@ -103,6 +109,21 @@ Options readOptions(const CommandLineParser& parser)
     return options;
 }
 
+/** What tools/report/evaluation.py makes tables of, all numbers as they were measured: what OpenCV and which CPU
+ features were in use; titles of the methods and of the ablations, and why others are absent; the measures. Cells are
+ empty where nothing was measured. */
+struct Results
+{
+    CsvTable setting{{"name", "value"}};
+    CsvTable methods{{"method", "role", "text"}};
+    CsvTable uniformity{{"set", "image", "method", "n", "keypoints", "uniformity", "occupancy", "time_ms"}};
+    CsvTable matching{{"set", "pair", "method", "n", "matches", "correct", "distinct", "places", "precision",
+                       "repeatability", "corner_error"}};
+    CsvTable homography{{"set", "pair", "method", "n", "seed", "corner_error"}};
+    CsvTable odometry{{"method", "n", "frame", "stereo", "matches", "inliers", "translation_error_m",
+                       "rotation_error_deg"}};
+};
+
 typedef std::vector<Ptr<Method>> Methods;
 
 Methods makeMethods(const std::vector<std::string>& names, const std::string& superPoint, Results& results)
@@ -113,13 +134,12 @@ Methods makeMethods(const std::vector<std::string>& names, const std::string& su
         try
         {
             methods.push_back(makeMethod(name, superPoint));
-            results.methods.push_back(name);
-            results.titles[name] = methods.back()->title;
+            results.methods.add({name, "method", methods.back()->title});
         }
         catch (const Absent& absent)
         {
             std::cerr << name << " is absent: " << absent.reason << std::endl;
-            results.absent[name] = absent.reason;
+            results.methods.add({name, "absent", absent.reason});
         }
     }
     return methods;
@@ -135,7 +155,6 @@ std::vector<double> medianTimes(const Methods& methods, const Mat& image, int n,
     std::vector<std::vector<double>> times(methods.size());
     std::vector<double> total(methods.size(), 0);
     for (int run = 0; run < runs; run++)
-    {
         for (size_t i = 0; i < methods.size(); i++)
         {
             if (total[i] >= ENOUGH)
@@ -145,7 +164,6 @@ std::vector<double> medianTimes(const Methods& methods, const Mat& image, int n,
             times[i].push_back(1e3 * double(std::clock() - start) / CLOCKS_PER_SEC);
             total[i] += times[i].back();
         }
-    }
     setNumThreads(threads);
     std::vector<double> medians;
     for (const std::vector<double>& all : times)
@@ -175,6 +193,17 @@ void drawFigures(const ImageSet& set, size_t image, const Method& method, const 
                                       method.name.c_str()));
 }
 
+void addMatching(const std::string& set, const std::string& pair, const std::string& method, int n,
+                 const Matching& m, Results& results)
+{
+    results.matching.add({set, pair, method, to_string(n), to_string(m.matches), to_string(m.correct),
+                          to_string(m.distinct), to_string(m.places), csvNumber(m.precision()),
+                          csvNumber(m.repeatability), csvNumber(tools::median(m.errors))});
+    for (size_t seed = 0; seed < m.errors.size(); seed++)
+        results.homography.add(
+            {set, pair, method, to_string(n), to_string(seed + 1), csvNumber(m.errors[seed])});
+}
+
 void measureSet(const ImageSet& set, Methods& methods, const Options& options, bool isPlain, Results& results,
                 const Progress& progress)
 {
@@ -196,23 +225,25 @@ void measureSet(const ImageSet& set, Methods& methods, const Options& options, b
                 const Size size = set.images[i].size();
                 features.push_back(methods[m]->compute(set.images[i], n));
                 const std::vector<KeyPoint>& keypoints = features.back().keypoints;
-                results.features.push_back({set.name, int(i + 1), methods[m]->name, n, int(keypoints.size()),
-                                            aqorb::distributionUniformity(keypoints, size),
-                                            aqorb::distributionOccupancy(keypoints, size), times[i][m]});
+                results.uniformity.add({set.name, to_string(i + 1), methods[m]->name, to_string(n),
+                                        to_string(keypoints.size()),
+                                        csvNumber(aqorb::distributionUniformity(keypoints, size)),
+                                        csvNumber(aqorb::distributionOccupancy(keypoints, size)),
+                                        times[i][m] < 0 ? "" : csvNumber(times[i][m])});
                 if (isPaper)
                     drawFigures(set, i, *methods[m], features.back(), options.out);
             }
-            std::vector<MatchingRow> rows(set.images.size());
+            std::vector<Matching> pairs(set.images.size());
             parallel_for_(Range(1, int(set.images.size())),
                           [&](const Range& range)
                           {
                               for (int i = range.start; i < range.end; i++)
-                                  rows[i] = {set.name, i + 1, methods[m]->name, n,
-                                             measureMatching(features[0], features[i], methods[m]->norm(),
+                                  pairs[i] = measureMatching(features[0], features[i], methods[m]->norm(),
                                                              set.homographies[i], set.images[0].size(),
-                                                             set.images[i].size(), options.seeds)};
+                                                             set.images[i].size(), options.seeds);
                           });
-            results.matching.insert(results.matching.end(), rows.begin() + 1, rows.end());
+            for (size_t i = 1; i < pairs.size(); i++)
+                addMatching(set.name, "1-" + to_string(i + 1), methods[m]->name, n, pairs[i], results);
         }
     }
 }
@@ -227,9 +258,13 @@ void measureOdometry(const StereoSequence& sequence, Method& method, int n, Resu
         const StereoFrame later = triangulate(sequence, left, right, method.norm());
         if (i > 0)
         {
-            const std::vector<DMatch> matches = matchFrames(earlier, later, method.norm());
-            results.odometry.push_back(
-                {method.name, n, int(i), estimateMotion(sequence, earlier, i - 1, later, i, matches)});
+            const std::vector<DMatch> matches =
+                matchFrames(earlier, later, *opencv_test::makeMatcher(method.norm(), true));
+            const OdometryStep step = estimateMotion(sequence, earlier, i - 1, later, i, matches);
+            results.odometry.add({method.name, to_string(n), to_string(i), to_string(step.points),
+                                  to_string(step.matches), to_string(step.inliers),
+                                  step.found ? csvNumber(step.metres) : "",
+                                  step.found ? csvNumber(step.degrees) : ""});
         }
         earlier = later;
     }
@@ -240,11 +275,13 @@ void run(const Options& options)
     Results results;
     Methods methods = makeMethods(options.methods, options.superPoint, results);
     Methods ablations;  // those that are not among the methods already
-    if (options.ablation)
-        results.ablations = ablationMethods();
-    for (const Ablation& ablation : results.ablations)
-        if (!results.titles.count(ablation.name))
+    for (const Ablation& ablation : options.ablation ? ablationMethods() : std::vector<Ablation>())
+    {
+        results.methods.add({ablation.name, "ablation", ablation.but});
+        const auto isIt = [&](const Ptr<Method>& method) { return method->name == ablation.name; };
+        if (std::none_of(methods.begin(), methods.end(), isIt))
             ablations.push_back(makeMethod(ablation.name, ""));
+    }
     utils::fs::createDirectories(options.out);
 
     const Progress progress;
@@ -258,17 +295,23 @@ void run(const Options& options)
     }
     if (!options.odometry.empty())
     {
-        const StereoSequence sequence = readStereoSequence(options.odometry);
+        const StereoSequence sequence = readPosedSequence(options.odometry);
         for (const int n : options.numbers)
-        {
             for (const Ptr<Method>& method : methods)
             {
                 progress.show(format("odometry: n = %d, %s", n, method->name.c_str()));
                 measureOdometry(sequence, *method, n, results);
             }
-        }
     }
-    writeCsv(results, options.out);
+    results.setting.add({"OpenCV", CV_VERSION});
+    results.setting.add({"CPU features", getCPUFeaturesLine()});
+    results.setting.write(options.out + "/setting.csv");
+    results.methods.write(options.out + "/methods.csv");
+    results.uniformity.write(options.out + "/uniformity.csv");
+    results.matching.write(options.out + "/matching.csv");
+    results.homography.write(options.out + "/homography.csv");
+    if (!options.odometry.empty())
+        results.odometry.write(options.out + "/odometry.csv");
 }
 
 }  // namespace

@@ -62,6 +62,16 @@ ImageSet readSet(const std::string& folder, const std::string& name, int flags)
     return set;
 }
 
+ScaledImage scaleImage(const cv::Mat& image, double scale)
+{
+    ScaledImage scaled;
+    cv::resize(image, scaled.image, cv::Size(), scale, scale, scale < 1 ? cv::INTER_AREA : cv::INTER_CUBIC);
+    // Coordinates count from the middle of a pixel.
+    const double shift = (scale - 1) / 2;
+    scaled.homography = cv::Mat(cv::Matx33d(scale, 0, shift, 0, scale, shift, 0, 0, 1));
+    return scaled;
+}
+
 std::vector<std::string> degradations()
 {
     return {"dark", "gamma", "noise", "blur", "shrunk", "enlarged"};
@@ -97,12 +107,10 @@ ImageSet degrade(const ImageSet& set, const std::string& degradation)
             const double scale = degradation == "shrunk" ? 0.7 : 1.4;
             if (i == 0)
                 continue;
-            cv::resize(image, image, cv::Size(), scale, scale, scale < 1 ? cv::INTER_AREA : cv::INTER_CUBIC);
-            // Coordinates count from the middle of a pixel.
-            const double shift = (scale - 1) / 2;
-            const cv::Matx33d resized(scale, 0, shift, 0, scale, shift, 0, 0, 1);
+            const ScaledImage scaled = scaleImage(set.images[i], scale);
+            image = scaled.image;
             // A new matrix: the set's own stays as it is.
-            const cv::Mat homography = cv::Mat(resized) * set.homographies[i];
+            const cv::Mat homography = scaled.homography * set.homographies[i];
             worse.homographies[i] = homography;
         }
         else

@@ -24,6 +24,14 @@ struct ImageSet
  @param flags cv::IMREAD_COLOR or cv::IMREAD_GRAYSCALE: the two give other counts */
 ImageSet readSet(const std::string& folder, const std::string& name, int flags = cv::IMREAD_COLOR);
 
+//! An image at another scale, by cv::INTER_AREA below 1 and by cv::INTER_CUBIC above, and where its points went.
+struct ScaledImage
+{
+    cv::Mat image, homography;
+};
+
+ScaledImage scaleImage(const cv::Mat& image, double scale);
+
 //! Two grey images of a scene, and the one or the other matrix between them; the other is empty.
 struct ImagePair
 {

@@ -5,7 +5,17 @@
 
 #include "method.hpp"
 
+#include <opencv2/imgproc.hpp>
+
 #include <algorithm>
+
+cv::Mat grayOf(const cv::Mat& image)
+{
+    cv::Mat gray = image;
+    if (image.channels() > 1)
+        cv::cvtColor(image, gray, cv::COLOR_BGR2GRAY);
+    return gray;
+}
 
 Features Feature2DMethod::compute(const cv::Mat& image, int n)
 {

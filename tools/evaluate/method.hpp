@@ -29,6 +29,9 @@ public:
     std::string title;  //!< in tables
 };
 
+//! The image itself if it is grey.
+cv::Mat grayOf(const cv::Mat& image);
+
 //! A cv::Feature2D that is created for a number of features.
 class Feature2DMethod : public Method
 {

@@ -8,7 +8,7 @@
 #include "detector.hpp"
 #include "generate.hpp"
 
-#include "../common/quiet.hpp"
+#include "../../test/quiet.hpp"
 
 #include <cmath>
 #include <functional>
@@ -67,44 +67,25 @@ public:
 private:
     void callOne()
     {
-        switch (data.ConsumeIntegralInRange(0, 15))
-        {
-        case 0:
+        const int which = data.ConsumeIntegralInRange(0, 15);
+        if (which < 2)
             detector.setOrbParameter(data);
-            return;
-        case 1:
-            detector.setOrbParameter(data);
-            return;
-        case 2:
+        else if (which < 4)
             detector.setOurParameter(data);
-            return;
-        case 3:
-            detector.setOurParameter(data);
-            return;
-        case 4:
+        else if (which == 4)
             detector.readStorage(data);
-            return;
-        case 5:
+        else if (which == 5)
             buildPyramid();
-            return;
-        case 6:
+        else if (which == 6)
             callFunctions();
-            return;
-        case 7:
-        case 8:
+        else if (which < 9)
             picture = image(data, data.ConsumeBool() ? 64 : 300, true);
-            return;
-        case 9:
+        else if (which == 9)
             area = mask(data, picture.dims > 2 ? Size() : picture.size(), true);
-            return;
-        case 10:
-        case 11:
+        else if (which < 12)
             compute();
-            return;
-        default:
+        else
             detect();
-            return;
-        }
     }
 
     bool isPicture() const
@@ -308,12 +289,7 @@ private:
 Report callDetector(const uint8_t* bytes, size_t size, bool ofOrb)
 {
     // Exceptions are expected here, and their messages would flood the log.
-    static const bool quiet = []
-    {
-        tools::silenceOpenCV();
-        return true;
-    }();
-    (void)quiet;
+    static const opencv_test::Quiet quiet;
     return Caller(bytes, size, ofOrb).run();
 }
 

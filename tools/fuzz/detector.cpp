@@ -6,8 +6,10 @@
 #include "detector.hpp"
 
 #include "generate.hpp"
+#include "parameters.hpp"
 
 #include <cmath>
+#include <tuple>
 
 using namespace cv;
 using aqorb::AdaptiveQuadtreeORB;
@@ -46,15 +48,10 @@ bool OrbParameters::hasTooLargeLevel(Size image, int level) const
 //! Whether an exception says which argument it is about.
 static bool isNamed(const cv::Exception& e)
 {
-    const char* names[] = {"nfeatures",     "scaleFactor",       "nlevels",
-                           "edgeThreshold", "firstLevel",        "WTA_K",
-                           "wta_k",         "scoreType",         "patchSize",
-                           "fastThreshold", "adaptiveThreshold", "minThresholdRatio",
-                           "cellSize",      "octaveSuppression", "subPixel",
-                           "selectionType", "strengthWeight",    "rankRadius",
-                           "image",         "maxDepth",          "mask",
-                           "keypoints",     "imageSize",         "npoints",
-                           "grid"};
+#define AQORB_NAME(property, type, name, key, ...) #name, #key,
+    const char* names[] = {
+        AQORB_PARAMETERS(AQORB_NAME) "image", "mask", "keypoints", "imageSize", "npoints", "grid"};
+#undef AQORB_NAME
     for (const char* name : names)
     {
         if (e.err.find(name) != std::string::npos)
@@ -66,7 +63,7 @@ static bool isNamed(const cv::Exception& e)
 //! Whether an exception is as documented: it names the argument and says what is accepted.
 static bool isDocumented(const cv::Exception& e)
 {
-    return isNamed(e) && e.err.find("accepted") != std::string::npos &&
+    return isNamed(e) && e.err.find(" must ") != std::string::npos &&
            (e.code == Error::StsBadArg || e.code == Error::StsOutOfRange || e.code == Error::StsParseError);
 }
 
@@ -122,132 +119,96 @@ void Detector::create(FuzzedDataProvider& data)
         wanted.fastThreshold = number(data, 0, 60);
     }
     // cv::ORB checks its parameters only when it is used.
-    if (attempt("create", isOrb ? UNKNOWN : expect(wanted.isBad(true)), [&] { make(wanted); }))
+    if (attempt("create", isOrb ? UNKNOWN : expect(wanted.isBad(true) || wanted.clash()),
+                [&] { make(wanted); }))
         parameters = wanted;
-    else
+    else if (!orb)
         make(parameters);
 }
 
 void Detector::setOrbParameter(FuzzedDataProvider& data)
 {
-    OrbParameters wanted = parameters;
-    std::function<void()> set;
-    switch (data.ConsumeIntegralInRange(0, 8))
+    typedef OrbParameters P;
+    static const struct
     {
-    case 0:
-        wanted.nfeatures = number(data, 0, 2000);
-        set = [&] { orb->setMaxFeatures(wanted.nfeatures); };
-        break;
-    case 1:
-        wanted.scaleFactor = real(data, 1, 3);
-        set = [&] { orb->setScaleFactor(wanted.scaleFactor); };
-        break;
-    case 2:
-        wanted.nlevels = number(data, 1, 12);
-        set = [&] { orb->setNLevels(wanted.nlevels); };
-        break;
-    case 3:
-        wanted.edgeThreshold = number(data, 0, 40);
-        set = [&] { orb->setEdgeThreshold(wanted.edgeThreshold); };
-        break;
-    case 4:
-        wanted.firstLevel = number(data, 0, 3);
-        set = [&] { orb->setFirstLevel(wanted.firstLevel); };
-        break;
-    case 5:
-        wanted.WTA_K = number(data, 2, 4);
-        set = [&] { orb->setWTA_K(wanted.WTA_K); };
-        break;
-    case 6:
-        wanted.scoreType = number(data, 0, 1);
-        set = [&] { orb->setScoreType(static_cast<ORB::ScoreType>(wanted.scoreType)); };
-        break;
-    case 7:
-        wanted.patchSize = number(data, 2, 80);
-        set = [&] { orb->setPatchSize(wanted.patchSize); };
-        break;
-    default:
-        wanted.fastThreshold = number(data, 0, 60);
-        set = [&] { orb->setFastThreshold(wanted.fastThreshold); };
-    }
-    if (attempt("a setter", isOrb ? UNKNOWN : expect(wanted.isBad(true)), set))
+        void (*draw)(FuzzedDataProvider& data, P& p);
+        void (*set)(ORB& detector, const P& p);
+    } SETTERS[] = {{[](auto& d, P& p) { p.nfeatures = number(d, 0, 2000); },
+                    [](ORB& detector, const P& p) { detector.setMaxFeatures(p.nfeatures); }},
+                   {[](auto& d, P& p) { p.scaleFactor = real(d, 1, 3); },
+                    [](ORB& detector, const P& p) { detector.setScaleFactor(p.scaleFactor); }},
+                   {[](auto& d, P& p) { p.nlevels = number(d, 1, 12); },
+                    [](ORB& detector, const P& p) { detector.setNLevels(p.nlevels); }},
+                   {[](auto& d, P& p) { p.edgeThreshold = number(d, 0, 40); },
+                    [](ORB& detector, const P& p) { detector.setEdgeThreshold(p.edgeThreshold); }},
+                   {[](auto& d, P& p) { p.firstLevel = number(d, 0, 3); },
+                    [](ORB& detector, const P& p) { detector.setFirstLevel(p.firstLevel); }},
+                   {[](auto& d, P& p) { p.WTA_K = number(d, 2, 4); },
+                    [](ORB& detector, const P& p) { detector.setWTA_K(p.WTA_K); }},
+                   {[](auto& d, P& p) { p.scoreType = number(d, 0, 1); }, [](ORB& detector, const P& p)
+                    { detector.setScoreType(static_cast<ORB::ScoreType>(p.scoreType)); }},
+                   {[](auto& d, P& p) { p.patchSize = number(d, 2, 80); },
+                    [](ORB& detector, const P& p) { detector.setPatchSize(p.patchSize); }},
+                   {[](auto& d, P& p) { p.fastThreshold = number(d, 0, 60); },
+                    [](ORB& detector, const P& p) { detector.setFastThreshold(p.fastThreshold); }}};
+    const auto& setter = SETTERS[data.ConsumeIntegralInRange(0, 8)];
+    OrbParameters wanted = parameters;
+    setter.draw(data, wanted);
+    if (attempt("a setter", isOrb ? UNKNOWN : expect(wanted.isBad(true)), [&] { setter.set(*orb, wanted); }))
         parameters = wanted;
     requireParameters("a setter");
 }
 
 void Detector::setOurParameter(FuzzedDataProvider& data)
 {
-    // What is drawn for each: a number of a small or of any kind. The cases of version 0.1 come first.
-    const int which = data.ConsumeIntegralInRange(0, 8);
-    const int whole = which == 0   ? number(data, 8, 100)
-                      : which == 1 ? number(data, -1, 15)
-                      : which == 6 ? number(data, 0, 1)
-                                   : 0;
-    const double ratio = which == 2   ? real(data, 1, 10)
-                         : which == 3 ? real(data, -1, 20)
-                         : which == 7 ? real(data, 0, 2)
-                         : which == 8 ? real(data, 0, 16)
-                                      : 0;
-    const bool flag = data.ConsumeBool();
-    if (isOrb)
-        return;
-    switch (which)
-    {
-    case 0:
-        attempt("setCellSize", expect(whole < 8), [&] { ours->setCellSize(whole); });
-        return;
-    case 1:
-        attempt("setMaxDepth", expect(whole < -1 || whole > 15), [&] { ours->setMaxDepth(whole); });
-        return;
-    case 2:
-        attempt("setMinThresholdRatio", expect(!std::isfinite(ratio) || ratio < 1),
-                [&] { ours->setMinThresholdRatio(ratio); });
-        return;
-    case 3:
-        attempt("setOctaveSuppression", expect(!std::isfinite(ratio) || (ratio < 0 && ratio != -1)),
-                [&] { ours->setOctaveSuppression(ratio); });
-        return;
-    case 4:
-        ours->setAdaptiveThreshold(flag);
-        return;
-    case 5:
-        ours->setSubPixel(flag);
-        return;
-    case 6:
-        attempt("setSelectionType", expect(whole < 0 || whole > 1),
-                [&] { ours->setSelectionType(static_cast<AdaptiveQuadtreeORB::SelectionType>(whole)); });
-        return;
-    case 7:
-        attempt("setStrengthWeight", expect(!(ratio >= 0 && ratio <= 1000)),
-                [&] { ours->setStrengthWeight(ratio); });
-        return;
-    default:
-        attempt("setRankRadius", expect(!(ratio >= 0 && ratio <= 16)), [&] { ours->setRankRadius(ratio); });
+    int which = data.ConsumeIntegralInRange(0, 8);
+#define AQORB_SET(property, type, name, key, byDefault, range, text)                                      \
+    if (which-- == 0)                                                                                     \
+    {                                                                                                     \
+        const double value =                                                                              \
+            std::is_same<type, double>::value ? real(data, -1, 20) : double(number(data, -1, 100));       \
+        if (!isOrb)                                                                                       \
+            attempt("set" #property, expect(!range.has(value)),                                           \
+                    [&]                                                                                   \
+                    { ours->set##property(static_cast<type>(static_cast<Stored<type>::Type>(value))); }); \
     }
+    using namespace cv::aqorb;
+    AQORB_OWN_PARAMETERS(AQORB_SET)
+#undef AQORB_SET
+}
+
+OrbParameters Detector::current() const
+{
+    OrbParameters now;
+    now.nfeatures = orb->getMaxFeatures();
+    now.scaleFactor = orb->getScaleFactor();
+    now.nlevels = orb->getNLevels();
+    now.edgeThreshold = orb->getEdgeThreshold();
+    now.firstLevel = orb->getFirstLevel();
+    now.WTA_K = orb->getWTA_K();
+    now.scoreType = orb->getScoreType();
+    now.patchSize = orb->getPatchSize();
+    now.fastThreshold = orb->getFastThreshold();
+    return now;
 }
 
 void Detector::requireParameters(const char* after) const
 {
-    if (isOrb)
-        return;
-    const OrbParameters& p = parameters;
-    require(orb->getMaxFeatures() == p.nfeatures && orb->getScaleFactor() == p.scaleFactor &&
-                orb->getNLevels() == p.nlevels && orb->getEdgeThreshold() == p.edgeThreshold &&
-                orb->getFirstLevel() == p.firstLevel && orb->getWTA_K() == p.WTA_K &&
-                orb->getScoreType() == p.scoreType && orb->getPatchSize() == p.patchSize &&
-                orb->getFastThreshold() == p.fastThreshold,
-            std::string(after) + " left other parameters");
+    const auto all = [](const OrbParameters& p)
+    {
+        return std::make_tuple(p.nfeatures, p.scaleFactor, p.nlevels, p.edgeThreshold, p.firstLevel, p.WTA_K,
+                               p.scoreType, p.patchSize, p.fastThreshold);
+    };
+    require(isOrb || all(current()) == all(parameters), std::string(after) + " left other parameters");
 }
 
 //! Writes a storage with fields of any kind, and reads it.
 void Detector::readStorage(FuzzedDataProvider& data)
 {
-    static const char* const KEYS[] = {"nfeatures",         "scaleFactor",       "nlevels",
-                                       "edgeThreshold",     "firstLevel",        "wta_k",
-                                       "scoreType",         "patchSize",         "fastThreshold",
-                                       "adaptiveThreshold", "minThresholdRatio", "cellSize",
-                                       "maxDepth",          "octaveSuppression", "subPixel",
-                                       "selectionType",     "strengthWeight",    "rankRadius"};
+#define AQORB_KEY(property, type, name, key, ...) #key,
+    static const char* const KEYS[] = {AQORB_PARAMETERS(AQORB_KEY)};
+#undef AQORB_KEY
+    const int count = int(sizeof(KEYS) / sizeof(KEYS[0]));
     const char* names[] = {"memory.yml", "memory.xml", "memory.json"};
     FileStorage out(data.PickValueInArray(names), FileStorage::WRITE | FileStorage::MEMORY);
     out << "detector"
@@ -255,10 +216,10 @@ void Detector::readStorage(FuzzedDataProvider& data)
     const bool whole = data.ConsumeBool();
     if (whole && !isOrb)
         ours->write(out);
-    std::vector<bool> written(18, whole);
+    std::vector<bool> written(count, whole);
     for (int i = data.ConsumeIntegralInRange(0, 6); i > 0; i--)
     {
-        const int key = data.ConsumeIntegralInRange(0, 17), kind = data.ConsumeIntegralInRange(0, 7);
+        const int key = data.ConsumeIntegralInRange(0, count - 1), kind = data.ConsumeIntegralInRange(0, 7);
         const int wholeNumber = number(data, 0, 30);
         const double realNumber = real(data, 0, 10);
         if (written[key])
@@ -284,19 +245,8 @@ void Detector::readStorage(FuzzedDataProvider& data)
     FileStorage in(text, FileStorage::READ | FileStorage::MEMORY);
     const FileNode node = data.ConsumeBool() ? in["detector"] : in.root();
     attempt("read", UNKNOWN, [&] { ours->read(node); });
-    OrbParameters& p = parameters;
-    OrbParameters now;
-    now.nfeatures = orb->getMaxFeatures();
-    now.scaleFactor = orb->getScaleFactor();
-    now.nlevels = orb->getNLevels();
-    now.edgeThreshold = orb->getEdgeThreshold();
-    now.firstLevel = orb->getFirstLevel();
-    now.WTA_K = orb->getWTA_K();
-    now.scoreType = orb->getScoreType();
-    now.patchSize = orb->getPatchSize();
-    now.fastThreshold = orb->getFastThreshold();
-    require(!now.isBad(true), "read left a bad parameter");
-    p = now;
+    parameters = current();
+    require(!parameters.isBad(true), "read left a bad parameter");
 }
 
 }  // namespace fuzz

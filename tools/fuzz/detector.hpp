@@ -79,6 +79,8 @@ public:
 
 private:
     void make(const OrbParameters& p);
+    //! What the getters return.
+    OrbParameters current() const;
     //! Requires that a rejected value was not stored, and that an accepted one was.
     void requireParameters(const char* after) const;
 };

@@ -96,12 +96,9 @@ extern "C" int LLVMFuzzerTestOneInput(const uint8_t* bytes, size_t size)
     static const bool comparable = orbBlursWithFMA();
     if (comparable && !expected.keypoints.empty())
     {
-        const Ptr<ORB> orb =
-            ORB::create(settings.nfeatures, settings.scaleFactor, settings.nlevels, settings.edgeThreshold,
-                        settings.firstLevel, settings.WTA_K, settings.scoreType, settings.patchSize);
         Features ofOrb = {expected.keypoints, Mat()};
         // cv::ORB would read the pixels around a part of a larger image, so it gets a copy.
-        orb->compute(image.clone(), ofOrb.keypoints, ofOrb.descriptors);
+        settings.createOrb()->compute(image.clone(), ofOrb.keypoints, ofOrb.descriptors);
         requireSame("compute of cv::ORB", sameFeatures(computed, ofOrb));
     }
     // With firstLevel > 0 compute drops keypoints that detection allows, as it applies the border to the image.

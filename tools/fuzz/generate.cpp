@@ -51,10 +51,8 @@ static void fillWithInput(FuzzedDataProvider& data, Mat& m)
         data.ConsumeBytes<uchar>(data.ConsumeIntegralInRange<size_t>(1, std::max<size_t>(m.total(), 1)));
     const size_t rowBytes = m.cols * m.elemSize();
     for (int y = 0; y < m.rows && !bytes.empty(); y++)
-    {
         for (size_t x = 0; x < rowBytes; x++)
             m.ptr(y)[x] = bytes[(y * rowBytes + x) % bytes.size()];
-    }
 }
 
 static void fill(FuzzedDataProvider& data, Mat& m)
@@ -81,10 +79,8 @@ static void fill(FuzzedDataProvider& data, Mat& m)
         const Scalar grey = Scalar::all(data.ConsumeIntegral<uchar>());
         m.setTo(Scalar::all(data.ConsumeIntegral<uchar>()));
         for (int y = 0; y < m.rows; y += side)
-        {
             for (int x = y / side % 2 * side; x < m.cols; x += 2 * side)
                 rectangle(m, Rect(x, y, side, side), grey, -1);
-        }
         return;
     }
     case 4:  // dots on flat ground

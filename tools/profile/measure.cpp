@@ -8,13 +8,17 @@
 #include "../../perf/perf_scene.hpp"
 #include "../../test/data_files.hpp"
 
+#include <opencv2/aqorb.hpp>
 #include <opencv2/core/utility.hpp>
 #include <opencv2/imgcodecs.hpp>
 
 #include <algorithm>
 #include <iterator>
 
+#include <dlfcn.h>
+
 using namespace cv;
+using aqorb::AdaptiveQuadtreeORB;
 
 //! The path of a photograph of opencv_extra; of others, the name itself.
 static std::string pathOf(const std::string& photograph)
@@ -28,7 +32,7 @@ static std::string pathOf(const std::string& photograph)
     return path.empty() ? photograph : path;
 }
 
-Image::Image(const std::string& spec_) : spec(spec_)
+Image::Image(const std::string& spec)
 {
     Size size;
     char more;
@@ -50,16 +54,49 @@ Image::Image(const std::string& spec_) : spec(spec_)
     name += " " + sizeText;
 }
 
-const char* nameOf(Detector detector)
+// AdaptiveQuadtreeORB::create, as it is in every version up to now.
+typedef Ptr<AdaptiveQuadtreeORB> (*CreateFunction)(int nfeatures, float scaleFactor, int nlevels,
+                                                   int edgeThreshold, int firstLevel, int WTA_K,
+                                                   ORB::ScoreType scoreType, int patchSize,
+                                                   int fastThreshold);
+
+static CreateFunction loadCreate(const std::string& library)
 {
-    return detector == AQORB ? "AQORB" : "CV_ORB";
+    const char* const SYMBOL = "_ZN2cv5aqorb19AdaptiveQuadtreeORB6createEifiiiiNS_3ORB9ScoreTypeEii";
+    int flags = RTLD_NOW | RTLD_LOCAL;
+#ifdef RTLD_DEEPBIND
+    flags |= RTLD_DEEPBIND;  // or the functions of this build would stand in for its own
+#endif
+    // A plain file name would be looked for in the system's folders.
+    void* const handle =
+        dlopen((library.find('/') == std::string::npos ? "./" + library : library).c_str(), flags);
+    void* const symbol = handle ? dlsym(handle, SYMBOL) : NULL;
+    if (!symbol)
+        CV_Error(Error::StsBadArg, library + " is not a shared library of aqorb: " + dlerror());
+    const CreateFunction create = reinterpret_cast<CreateFunction>(symbol);
+    if (create == static_cast<CreateFunction>(&AdaptiveQuadtreeORB::create))
+        CV_Error(Error::StsBadArg, library + " is the library that is measured already");
+    return create;
 }
 
-Ptr<Feature2D> createDetector(Detector detector, int nfeatures)
+std::vector<Contender> makeContenders(const std::string& beside)
 {
-    if (detector == AQORB)
-        return aqorb::AdaptiveQuadtreeORB::create(nfeatures);
-    return ORB::create(nfeatures);
+    std::vector<Contender> contenders = {{"CV_ORB", [](int n) { return ORB::create(n); }},
+                                         {"AQORB", [](int n) { return AdaptiveQuadtreeORB::create(n); }}};
+    if (!beside.empty())
+    {
+        const CreateFunction create = loadCreate(beside);
+        const auto createAlike = [create](int nfeatures) -> Ptr<Feature2D>
+        {
+            // No symbol has the default values, so those of this build are taken.
+            const Ptr<AdaptiveQuadtreeORB> here = AdaptiveQuadtreeORB::create(nfeatures);
+            return create(nfeatures, float(here->getScaleFactor()), here->getNLevels(),
+                          here->getEdgeThreshold(), here->getFirstLevel(), here->getWTA_K(),
+                          here->getScoreType(), here->getPatchSize(), here->getFastThreshold());
+        };
+        contenders.push_back({"BESIDE " + beside.substr(beside.rfind('/') + 1), createAlike});
+    }
+    return contenders;
 }
 
 double timeFrame(Feature2D& detector, const Mat& image, Features& features)
@@ -67,14 +104,4 @@ double timeFrame(Feature2D& detector, const Mat& image, Features& features)
     const int64 start = getTickCount();
     detector.detectAndCompute(image, noArray(), features.keypoints, features.descriptors);
     return double(getTickCount() - start) / getTickFrequency();
-}
-
-tools::CsvTable measureSetting(const Settings& settings)
-{
-    tools::CsvTable table({"name", "value"});
-    table.add({"OpenCV", getVersionString()});
-    table.add({"CPU features in use", getCPUFeaturesLine()});
-    table.add({"compiler of aqorb", AQORB_COMPILER});
-    table.add({"frames of the stages' medians", std::to_string(settings.repeats)});
-    return table;
 }

@@ -5,7 +5,6 @@
 
 // The heap in use is counted by standing in for malloc and its kin, which glibc provides for.
 
-#include "contenders.hpp"
 #include "measure.hpp"
 
 #include <opencv2/core/utility.hpp>

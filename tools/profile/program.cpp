@@ -5,15 +5,15 @@
 
 // How long a frame takes in a program that does other work, too.
 
-#include "contenders.hpp"
 #include "measure.hpp"
 
 #include "../../perf/perf_stream.hpp"
 #include "../common/median.hpp"
-#include "../common/options.hpp"
+#include "../common/program.hpp"
 
 #include <opencv2/core/utility.hpp>
 
+#include <algorithm>
 #include <cstdio>
 #include <fstream>
 #include <iostream>
@@ -41,8 +41,12 @@ public:
     }
 
     size_t size() const { return runners.size(); }
-    void call(size_t i, const Mat& image) { time(i, image); }
-    void measure(size_t i, const Mat& image) { runners[i].times.push_back(time(i, image)); }
+    void call(size_t i, const Mat& image, bool counts)
+    {
+        const double seconds = timeFrame(*runners[i].detector, image, runners[i].features);
+        if (counts)
+            runners[i].times.push_back(1e3 * seconds);
+    }
     double median(size_t i) const { return tools::median(runners[i].times); }
     size_t keypoints(size_t i) const { return runners[i].features.keypoints.size(); }
 
@@ -54,11 +58,6 @@ private:
         std::vector<double> times;
     };
 
-    double time(size_t i, const Mat& image)
-    {
-        return 1e3 * timeFrame(*runners[i].detector, image, runners[i].features);
-    }
-
     std::vector<Runner> runners;
 };
 
@@ -66,18 +65,11 @@ private:
 void runInTurns(Race& race, const Mat& image, int calls)
 {
     for (int call = -1; call < calls; call++)
-    {
         for (size_t i = 1; i < race.size(); i++)
         {
-            for (size_t which : {size_t(0), i})
-            {
-                if (call < 0)
-                    race.call(which, image);
-                else
-                    race.measure(which, image);
-            }
+            race.call(0, image, call >= 0);
+            race.call(i, image, call >= 0);
         }
-    }
 }
 
 //! Other memory is touched before each call.
@@ -85,30 +77,21 @@ void runCold(Race& race, const Mat& image, int calls)
 {
     static OtherMemory memory(COLD_MEMORY);
     for (size_t i = 0; i < race.size(); i++)
-        race.call(i, image);
+        race.call(i, image, false);
     for (int call = 0; call < calls; call++)
-    {
         for (size_t i = 0; i < race.size(); i++)
         {
             memory.touch();
-            race.measure(i, image);
+            race.call(i, image, true);
         }
-    }
 }
 
 //! Calls of the same detector one right after the other.
 void runWarm(Race& race, const Mat& image, int calls)
 {
     for (size_t i = 0; i < race.size(); i++)
-    {
         for (int call = -WARM_CALLS; call < calls; call++)
-        {
-            if (call < 0)
-                race.call(i, image);
-            else
-                race.measure(i, image);
-        }
-    }
+            race.call(i, image, call >= 0);
 }
 
 //! Different frames, with other work between, as in perf/.
@@ -118,11 +101,11 @@ void runStream(Race& race, const Mat& image, int calls)
     const std::vector<Mat> frames = opencv_test::panFrames(image);
     for (size_t i = 0; i < race.size(); i++)
     {
-        race.call(i, frames.back());
+        race.call(i, frames.back(), false);
         for (int call = 0; call < calls; call++)
         {
             memory.touch();
-            race.measure(i, frames[call % frames.size()]);
+            race.call(i, frames[call % frames.size()], true);
         }
     }
 }
@@ -132,6 +115,11 @@ const struct
     const char* name;
     void (*run)(Race&, const Mat&, int);
 } CASES[] = {{"turns", runInTurns}, {"cold", runCold}, {"warm", runWarm}, {"stream", runStream}};
+
+bool has(const ProgramSettings& settings, const std::string& name)
+{
+    return std::find(settings.cases.begin(), settings.cases.end(), name) != settings.cases.end();
+}
 
 //! Measures the cases one after the other with the CPU features that OpenCV now uses.
 void measureCases(const ProgramSettings& settings, tools::CsvTable& table)
@@ -143,29 +131,25 @@ void measureCases(const ProgramSettings& settings, tools::CsvTable& table)
     for (const std::string& spec : settings.images)
         images.push_back(Image(spec));
     for (int pass = 0; pass < settings.passes; pass++)
-    {
         for (const auto& each : CASES)
         {
-            if (!settings.has(each.name))
+            if (!has(settings, each.name))
                 continue;
             for (const int threads : settings.threads)
             {
                 setNumThreads(threads);
                 for (const Image& image : images)
-                {
                     for (const int n : settings.numbers)
                     {
                         Race race(contenders, n);
-                        each.run(race, image.pixels, settings.repeats);
+                        each.run(race, image.pixels, settings.calls);
                         for (size_t i = 0; i < race.size(); i++)
                             table.add({cpu, each.name, std::to_string(threads), image.name, std::to_string(n),
                                        std::to_string(pass), contenders[i].name,
                                        std::to_string(race.keypoints(i)), tools::csvNumber(race.median(i))});
                     }
-                }
             }
         }
-    }
 }
 
 /** Measures the case turns in a process of its own without AVX-512: OpenCV decides at its start which CPU features it
@@ -207,7 +191,7 @@ tools::CsvTable measureProgram(const ProgramSettings& settings)
 {
     tools::CsvTable table({"cpu", "case", "threads", "image", "n", "pass", "detector", "keypoints", "ms"});
     measureCases(settings, table);
-    if (settings.has("avx2") && checkHardwareSupport(CPU_AVX512_SKX))
+    if (has(settings, "avx2") && checkHardwareSupport(CPU_AVX512_SKX))
         measureWithoutAvx512(settings, table);
     return table;
 }

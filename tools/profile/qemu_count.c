@@ -4,7 +4,7 @@
 // SPDX-License-Identifier: Apache-2.0
 
 // A plugin for qemu-user that counts the instructions of a program and prints their number to stderr at its end.
-// See tools/profile/emulated.py. Debian has no header of the interface; this declares the few parts needed.
+// See tools/profile/frames.py. Debian has no header of the interface; this declares the few parts needed.
 
 #include <inttypes.h>
 #include <stdio.h>

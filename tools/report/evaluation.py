@@ -77,8 +77,8 @@ def split_set(rows):
 def read_paper():
     """The paper's numbers: a series by table, set, image, method and quantity."""
     path = os.path.join(os.path.dirname(os.path.abspath(__file__)), 'paper_tables.csv')
-    rows = pd.read_csv(path, dtype={'table': str, 'image': str})
-    return rows.set_index(['table', 'set', 'image', 'method', 'quantity'])['value']
+    rows = pd.read_csv(path, dtype={'table': str}).set_index(['table', 'set', 'method', 'quantity'])
+    return rows.rename_axis(columns='image').stack().reorder_levels(['table', 'set', 'image', 'method', 'quantity'])
 
 
 def printed(paper, table, set_name, method, quantity):
@@ -110,14 +110,15 @@ def three_methods_tables(data, paper, table, set_name):
 
 
 def five_methods_tables(data, paper):
-    """Table 3: methods by image and set, the paper's rows above ours."""
+    """Table 3: methods that the paper has there by image and set, its rows above ours."""
     here = data.by_image('uniformity')
     rows = []
     for set_name in PAPER_SETS:
         for method, title in data.methods.items():
-            for values, source in ((printed(paper, '3', set_name, method, 'uniformity'), 'paper'),
-                                   ([here.get((set_name, method, image), np.nan) for image in IMAGES], 'here')):
-                if not np.isnan(values).any():
+            theirs = printed(paper, '3', set_name, method, 'uniformity')
+            ours = [here.get((set_name, method, image), np.nan) for image in IMAGES]
+            for values, source in ((theirs, 'paper'), (ours, 'here')):
+                if not np.isnan(theirs + values).any():
                     rows.append([', '.join((set_name, title, source))]
                                 + [cell(value) for value in values + [sum(value / len(IMAGES) for value in values)]])
     yield titled('Table 3: uniformity', ['set, method'] + ['img{}'.format(i) for i in IMAGES] + ['mean'], rows)

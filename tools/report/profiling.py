@@ -20,33 +20,19 @@ def setting_tables(folder):
 def stage_tables(folder):
     times = pandas.read_csv(os.path.join(folder, 'stages.csv'))
     images = list(times['image'].unique())
-
-    def of_kind(kind):
-        """Times with a row for each image and frame and a column for each name."""
-        chosen = times[times['kind'] == kind]
-        return chosen.pivot(index=['image', 'frame'], columns='name', values='ns')[list(chosen['name'].unique())]
-
-    stages = medians(of_kind('stage'))
-    shares = 100 * stages.div(stages.sum(axis=1), axis=0)  # medians need not add up to that of the frames
-    rows = [[stage] + [number(shares.loc[image, stage], 1) for image in images] for stage in stages.columns]
-    tables = {'Stages': pandas.DataFrame(rows, columns=['% of a frame'] + images)}
-
-    paths = of_kind('path')
-    one = paths['frame 1']
-    shares_of_path = medians(100 * paths[['serial 8', 'longest 8']].div(one, axis=0))
-    gains = medians(paths[['{} {}'.format(kind, threads) for kind in ('least', 'queue') for threads in (2, 4, 8)]].rdiv(
-        one, axis=0))
-    rows = [[image, number(shares.loc[image, 'selection'], 1)] +
-            [number(share, 1) for share in shares_of_path.loc[image]] + [number(gain) for gain in gains.loc[image]]
-            for image in images]
-    tables['Critical path'] = pandas.DataFrame(rows, columns=[
-        'image', 'selection %', 'serial %', 'longest path %', 'bound, 2 threads', 'bound, 4', 'bound, 8',
-        'queue, 2 threads', 'queue, 4', 'queue, 8'])
-    return tables
+    medians = times.groupby(['image', 'stage'])['ns'].median().unstack()[times['stage'].unique()]
+    shares = 100 * medians.div(medians.sum(axis=1), axis=0)  # medians need not add up to that of the frames
+    return {'Stages': shares_table('% of a frame', shares.loc[images].T)}
 
 
-def medians(by_frame):
-    return by_frame.groupby(level='image', sort=False).median()
+def collection_tables(folder):
+    """Ratios are medians of those of one turn, as the speed of a machine varies from turn to turn."""
+    times = pandas.read_csv(os.path.join(folder, 'collection.csv'))
+    rates = (times['images'] / times['seconds']).groupby([times['repeat'], times['way']]).first().unstack()
+    rows = [[way, number(rates[way].median(), 0)] +
+            [number((rates[way] / rates[other]).median(), 3) for other in ('1 thread', '2 processes')]
+            for way in times['way'].unique()]
+    return {'Many images': pandas.DataFrame(rows, columns=['', 'images a second', 'of 1 thread', 'of 2 processes'])}
 
 
 def memory_tables(folder):
@@ -96,7 +82,7 @@ def instruction_tables(folder):
 
 
 def emulated_tables(folder):
-    counts = pandas.read_csv(os.path.join(folder, 'instructions.csv'))
+    counts = pandas.read_csv(os.path.join(folder, 'aarch64.csv'))
     table = counts.pivot(index='image', columns='detector', values='instructions').loc[counts['image'].unique()]
     rows = [[image, number(row['CV_ORB'] * 1e-6), number(row['AQORB'] * 1e-6), number(row['CV_ORB'] / row['AQORB'])]
             for image, row in table.iterrows()]

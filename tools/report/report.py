@@ -10,10 +10,13 @@ PART says what FOLDER holds:
   scaling       results of opencv_perf_aqorb: growth with the size of the image and with the number of features
   setting       what aqorb_profile --setting printed, as setting.csv
   program       what aqorb_profile --program printed, as program.csv
-  stages        what aqorb_profile --stages printed, as stages.csv
+  stages        what tools/profile/frames.py stages printed, as stages.csv
+  matching      what aqorb_matching printed, as matchers-*.csv, scaling.csv and frequency.csv
+  pairs         what aqorb_matching --pairs printed, as pairs-*.csv
+  collection    what tools/profile/collection.py printed, as collection.csv
   memory        what aqorb_profile --memory printed, as memory.csv
-  instructions  what tools/profile/instructions.py printed, as instructions.csv
-  aarch64       what tools/profile/emulated.py printed, as instructions.csv
+  instructions  what tools/profile/frames.py instructions printed, as instructions.csv
+  aarch64       what tools/profile/frames.py aarch64 printed, as aarch64.csv
   evaluation    what aqorb_evaluate wrote
   claims        what aqorb_claims wrote
   figures       the same, to draw the figures in FOLDER
@@ -34,7 +37,10 @@ PARTS = {
     'scaling': ('speed', 'scaling_tables'),
     'setting': ('profiling', 'setting_tables'),
     'program': ('program', 'program_tables'),
+    'matching': ('matching', 'matching_tables'),
+    'pairs': ('matching', 'pair_tables'),
     'stages': ('profiling', 'stage_tables'),
+    'collection': ('profiling', 'collection_tables'),
     'memory': ('profiling', 'memory_tables'),
     'instructions': ('profiling', 'instruction_tables'),
     'aarch64': ('profiling', 'emulated_tables'),

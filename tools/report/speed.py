@@ -53,10 +53,6 @@ def short_name(image):
     return parts[-1].split('.')[0].split('_')[0]
 
 
-def name_and_size(image, size):
-    return 'photograph ' + size if image == size else image + ' ' + size
-
-
 class Results:
     """What the files of a folder hold of a fixture, with the columns CASE, pass, detector, ms, keypoints, samples."""
 
@@ -136,10 +132,6 @@ def speed_tables(folder):
         tables['Aims'] = aims_table(ratios)
     tables['Against cv::ORB'] = case_table(results, ratios)
     tables['Against cv::ORB: notes'] = notes(results)
-    tables['Speed in short'] = short_table(ratios)
-    threads_table = two_threads_table(results)
-    if not threads_table.empty:
-        tables['Two threads'] = threads_table
     return tables
 
 
@@ -229,48 +221,6 @@ def notes(results):
     return '\n'.join(lines)
 
 
-def short_table(ratios):
-    """The speed in a few lines, for the terminal."""
-    threads = list(ratios.index.unique('threads'))
-    rows = []
-
-    def add(words, chosen, summary):
-        columns = [choose(chosen, threads=t) for t in threads]
-        rows.append([words] + ['' if column.empty else number(summary(column)) for column in columns])
-
-    def join(values):
-        return ', '.join(map(str, values))
-
-    for operation in OPERATIONS:
-        chosen = choose(ratios, operation=operation)
-        if chosen.empty:
-            continue
-        cases = chosen.index.droplevel(['operation', 'n', 'threads']).unique()
-        add('`{}`, geometric mean over {} images and n = {}'.format(
-            operation, len(cases), join(sorted(chosen.index.unique('n')))), chosen, geometric_mean)
-    whole = choose(ratios, operation='detectAndCompute', threads=threads[0])
-    if not whole.empty:
-        _, image, size, n, _ = whole.idxmin()
-        add('`detectAndCompute`, the lowest: {}, n = {}'.format(name_and_size(image, size), n),
-            choose(ratios, operation='detectAndCompute', image=image, size=size, n=n), min)
-    heads = ['{} thread{}'.format(t, '' if t == 1 else 's') for t in threads]
-    return pandas.DataFrame(rows, columns=['time of cv::ORB / time of AdaptiveQuadtreeORB'] + heads)
-
-
-def two_threads_table(results):
-    """What the second thread gives each detector."""
-    times = results.by_case('ms')
-    rows = []
-    for case in times.index:
-        operation, image, size, n, threads = case
-        one = (operation, image, size, n, 1)
-        if operation == 'detectAndCompute' and n == 1000 and threads == 2 and one in times.index:
-            gains = times.loc[one] / times.loc[case]
-            rows.append([name_and_size(image, size), number(gains['AQORB']),
-                         number(gains['CV_ORB'])])
-    return pandas.DataFrame(rows, columns=['image', 'AdaptiveQuadtreeORB', 'cv::ORB'])
-
-
 def scaling_tables(folder):
     """Of the cases Scaling_*: scenes of all sizes, each with all numbers of features, one thread."""
     results = Results(folder, 'Scaling')
@@ -281,8 +231,6 @@ def scaling_tables(folder):
     dropped = ['operation', 'image', 'threads']
     ratios = results.ratios().droplevel(dropped)
     keypoints = results.by_case('keypoints').droplevel(dropped)
-    times = results.by_case('ms').droplevel(dropped)
-    scenes = [case for case in times.index if not case[0].startswith('dot grid')]
 
     def growth(detector):
         # Both times are of one pass, so that a change of the machine's speed between passes does not matter.
@@ -306,33 +254,7 @@ def scaling_tables(folder):
         return pandas.DataFrame(rows, columns=['size'] + ['n = {}'.format(n) for n in ratios.index.unique('n')])
 
     tables = {'Speed by size and n': table(lambda case: number(ratios.loc[case]))}
-    if GROWTH_REFERENCE in times.index:
+    if GROWTH_REFERENCE in ratios.index:
         ours, orbs = growth('AQORB'), growth('CV_ORB')
         tables['Growth'] = table(lambda case: '{} ({})'.format(relative(ours.loc[case]), relative(orbs.loc[case])))
-    tables['Keypoints found'] = table(lambda case: pair(keypoints.loc[case], '{:.0f}'))
-    if len(scenes) > 2:
-        tables['Cost of a pixel and of a keypoint'] = cost_table(times.loc[scenes], keypoints.loc[scenes])
     return tables
-
-
-def cost_table(times, keypoints):
-    costs = {}
-    pixels = [numpy.prod([int(side) for side in size.split('x')]) for size in times.index.get_level_values('size')]
-    for detector in DETECTORS:
-        costs[detector] = fit_costs(pixels, keypoints[detector], times[detector])
-    rows = []
-    for detector, words in (('CV_ORB', 'cv::ORB'), ('AQORB', 'AdaptiveQuadtreeORB')):
-        pixel, keypoint, deviation = costs[detector]
-        rows.append([words, number(pixel / costs['CV_ORB'][0], 3), number(keypoint / costs['CV_ORB'][1], 3),
-                     number(keypoint / pixel, 0), number(100 * deviation, 0, ' %')])
-    return pandas.DataFrame(rows, columns=['', 'a pixel', 'a keypoint', 'a keypoint in pixels', 'largest deviation'])
-
-
-def fit_costs(pixels, keypoints, times):
-    """The cost of a pixel, that of a keypoint, and the largest relative error of the times they give.
-
-    Least squares of relative errors, as the times lie orders of magnitude apart."""
-    times = numpy.asarray(times, dtype=float)
-    factors = numpy.column_stack([numpy.asarray(pixels) / times, numpy.asarray(keypoints) / times])
-    costs = numpy.linalg.lstsq(factors, numpy.ones(len(times)), rcond=None)[0]
-    return costs[0], costs[1], float(abs(factors @ costs - 1).max())

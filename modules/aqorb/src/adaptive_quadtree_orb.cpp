@@ -6,6 +6,7 @@
 #include "precomp.hpp"
 
 #include "frame.hpp"
+#include "image_loop.hpp"
 #include "input.hpp"
 #include "parameters.hpp"
 #include "pool.hpp"
@@ -24,54 +25,26 @@ String AdaptiveQuadtreeORB::getDefaultName() const
     return Feature2D::getDefaultName() + ".AdaptiveQuadtreeORB";
 }
 
+// The setter and the getter of a row of the table of parameters.
+#define AQORB_PROPERTY(property, type, name, ...) \
+    void set##property(type value) CV_OVERRIDE    \
+    {                                             \
+        set(&Parameters::name, stored(value));    \
+    }                                             \
+    type get##property() const CV_OVERRIDE        \
+    {                                             \
+        return type(parameters.name);             \
+    }
+
 class AdaptiveQuadtreeORBImpl CV_FINAL : public AdaptiveQuadtreeORB
 {
 public:
     explicit AdaptiveQuadtreeORBImpl(const Parameters& parameters_)
-        : parameters(checked(parameters_)), tables(parameters)
+        : parameters(parameters_), tables(parameters)
     {
     }
 
-    void setMaxFeatures(int value) CV_OVERRIDE { set(&Parameters::nfeatures, value); }
-    int getMaxFeatures() const CV_OVERRIDE { return parameters.nfeatures; }
-    void setScaleFactor(double value) CV_OVERRIDE { set(&Parameters::scaleFactor, value); }
-    double getScaleFactor() const CV_OVERRIDE { return parameters.scaleFactor; }
-    void setNLevels(int value) CV_OVERRIDE { set(&Parameters::nlevels, value); }
-    int getNLevels() const CV_OVERRIDE { return parameters.nlevels; }
-    void setEdgeThreshold(int value) CV_OVERRIDE { set(&Parameters::edgeThreshold, value); }
-    int getEdgeThreshold() const CV_OVERRIDE { return parameters.edgeThreshold; }
-    void setFirstLevel(int value) CV_OVERRIDE { set(&Parameters::firstLevel, value); }
-    int getFirstLevel() const CV_OVERRIDE { return parameters.firstLevel; }
-    void setWTA_K(int value) CV_OVERRIDE { set(&Parameters::WTA_K, value); }
-    int getWTA_K() const CV_OVERRIDE { return parameters.WTA_K; }
-    void setScoreType(ORB::ScoreType value) CV_OVERRIDE { set(&Parameters::scoreType, numberOf(value)); }
-    ORB::ScoreType getScoreType() const CV_OVERRIDE { return ORB::ScoreType(parameters.scoreType); }
-    void setPatchSize(int value) CV_OVERRIDE { set(&Parameters::patchSize, value); }
-    int getPatchSize() const CV_OVERRIDE { return parameters.patchSize; }
-    void setFastThreshold(int value) CV_OVERRIDE { set(&Parameters::fastThreshold, value); }
-    int getFastThreshold() const CV_OVERRIDE { return parameters.fastThreshold; }
-
-    void setAdaptiveThreshold(bool value) CV_OVERRIDE { set(&Parameters::adaptiveThreshold, value); }
-    bool getAdaptiveThreshold() const CV_OVERRIDE { return parameters.adaptiveThreshold; }
-    void setMinThresholdRatio(double value) CV_OVERRIDE { set(&Parameters::minThresholdRatio, value); }
-    double getMinThresholdRatio() const CV_OVERRIDE { return parameters.minThresholdRatio; }
-    void setCellSize(int value) CV_OVERRIDE { set(&Parameters::cellSize, value); }
-    int getCellSize() const CV_OVERRIDE { return parameters.cellSize; }
-    void setMaxDepth(int value) CV_OVERRIDE { set(&Parameters::maxDepth, value); }
-    int getMaxDepth() const CV_OVERRIDE { return parameters.maxDepth; }
-    void setSelectionType(SelectionType value) CV_OVERRIDE
-    {
-        set(&Parameters::selectionType, numberOf(value));
-    }
-    SelectionType getSelectionType() const CV_OVERRIDE { return SelectionType(parameters.selectionType); }
-    void setStrengthWeight(double value) CV_OVERRIDE { set(&Parameters::strengthWeight, value); }
-    double getStrengthWeight() const CV_OVERRIDE { return parameters.strengthWeight; }
-    void setRankRadius(double value) CV_OVERRIDE { set(&Parameters::rankRadius, value); }
-    double getRankRadius() const CV_OVERRIDE { return parameters.rankRadius; }
-    void setOctaveSuppression(double value) CV_OVERRIDE { set(&Parameters::octaveSuppression, value); }
-    double getOctaveSuppression() const CV_OVERRIDE { return parameters.octaveSuppression; }
-    void setSubPixel(bool value) CV_OVERRIDE { set(&Parameters::subPixel, value); }
-    bool getSubPixel() const CV_OVERRIDE { return parameters.subPixel; }
+    AQORB_PARAMETERS(AQORB_PROPERTY)
 
     int descriptorSize() const CV_OVERRIDE { return kBytes; }
     int descriptorType() const CV_OVERRIDE { return CV_8U; }
@@ -105,24 +78,30 @@ public:
                                      OutputArray descriptors, OutputArrayOfArrays levels) CV_OVERRIDE
     {
         CV_TRACE_FUNCTION();
-        checkLevelsOutput(levels);
+        checkMatsOutput(levels, "levels");
         process(image, mask, keypoints, descriptors, false, &levels);
     }
+    // Of Feature2D. Those for one image are its own.
+    using Feature2D::compute;
+    using Feature2D::detect;
+    void detect(InputArrayOfArrays images, std::vector<std::vector<KeyPoint>>& keypoints,
+                InputArrayOfArrays masks) CV_OVERRIDE;
+    void compute(InputArrayOfArrays images, std::vector<std::vector<KeyPoint>>& keypoints,
+                 OutputArrayOfArrays descriptors) CV_OVERRIDE;
+    void detectAndComputeBatch(InputArrayOfArrays images, InputArrayOfArrays masks,
+                               std::vector<std::vector<KeyPoint>>& keypoints,
+                               OutputArrayOfArrays descriptors) CV_OVERRIDE;
     void releaseMemory() CV_OVERRIDE { workspaces.clear(); }
 
 private:
     void process(InputArray image, InputArray mask, std::vector<KeyPoint>& keypoints, OutputArray descriptors,
                  bool useProvidedKeypoints, const _OutputArray* levels);
-    static const Parameters& checked(const Parameters& unchecked)
-    {
-        unchecked.check();
-        return unchecked;
-    }
     template <typename T> void set(T Parameters::*field, T value)
     {
         Parameters changed = parameters;
         changed.*field = value;
-        use(checked(changed));
+        changed.check();
+        use(changed);
     }
     void use(const Parameters& changed)
     {
@@ -148,61 +127,93 @@ Ptr<AdaptiveQuadtreeORB> AdaptiveQuadtreeORB::create(int nfeatures, float scaleF
     parameters.edgeThreshold = edgeThreshold;
     parameters.firstLevel = firstLevel;
     parameters.WTA_K = WTA_K;
-    parameters.scoreType = numberOf(scoreType);
+    parameters.scoreType = stored(scoreType);
     parameters.patchSize = patchSize;
     parameters.fastThreshold = fastThreshold;
+    parameters.check();
+    parameters.checkTogether(nlevels);
     return makePtr<AdaptiveQuadtreeORBImpl>(parameters);
 }
 
-// Makes the levels of the pyramid but the first ones, which have been made.
-static void completePyramid(const Parameters& parameters, int made, Workspace& workspace)
+namespace
 {
-    workspace.layOutLevels(parameters.nlevels, parameters.firstLevel, parameters.scaleFactor, 1);
-    for (int i = made; i < workspace.levelCount; i++)
-        workspace.makeLevel(i, parameters.firstLevel);
+
+//! Forgets the levels at the end of the scope, even if an exception ends it.
+class LevelsScope
+{
+public:
+    explicit LevelsScope(Levels& levels_) : levels(levels_) {}
+    ~LevelsScope() { levels.release(); }
+
+private:
+    LevelsScope(const LevelsScope&);
+    LevelsScope& operator=(const LevelsScope&);
+
+    Levels& levels;
+};
+
+}  // namespace
+
+// Makes the levels of the pyramid that have not been made yet.
+static void completeLevels(const Parameters& parameters, Levels& levels)
+{
+    for (int i = levels.size(), count = levels.layOut(parameters.nlevels, 1); i < count; i++)
+        levels.make(i);
     // The caller's pixels may lie in the memory of a level that is given up when the levels are given.
-    if (parameters.firstLevel < workspace.levelCount)
+    if (parameters.firstLevel < levels.size())
     {
-        Mat& input = workspace.levels[parameters.firstLevel].level.image;
+        Mat& input = levels[parameters.firstLevel].image;
         input = input.clone();
     }
 }
 
-static void giveLevels(const Workspace& workspace, const _OutputArray& levels)
+static void giveLevels(const Levels& levels, const _OutputArray& output)
 {
-    createLevels(levels, workspace.levelCount);
-    for (int i = 0; i < workspace.levelCount; i++)
+    std::vector<Mat> images(size_t(levels.size()));
+    for (int i = 0; i < levels.size(); i++)
+        images[i] = levels[i].image;
+    giveMats(images, output, "levels");
+}
+
+// Processes the images of a collection side by side, each on one thread, or a single one on all of them.
+template <typename Process> static void forEachImage(size_t count, const Process& process)
+{
+    ImageLoop loop(count);
+    const int threads = int(std::min(size_t(TaskQueue::threadsAllowed()), count));
+    if (threads <= 1)
     {
-        const Mat& image = workspace.levels[i].level.image;
-        if (levels.isUMatVector())
-        {
-            // A new UMat, because the caller may share the old one.
-            UMat copy;
-            image.copyTo(copy);
-            levels.getUMatRef(i) = copy;
-        }
-        else
-        {
-            levels.getMatRef(i) = image;
-        }
+        loop.work(process);
     }
+    else
+    {
+        parallel_for_(
+            Range(0, threads),
+            [&](const Range&)
+            {
+                const AdaptiveQuadtreeORB::SingleThreadScope scope;
+                loop.work(process);
+            },
+            threads);
+    }
+    loop.check();
 }
 
 void AdaptiveQuadtreeORBImpl::buildPyramid(InputArray image_, OutputArrayOfArrays levels_) const
 {
     CV_TRACE_FUNCTION();
-    checkLevelsOutput(levels_);
+    checkMatsOutput(levels_, "levels");
     const UMat held = heldUMat(image_);
-    Workspace workspace;
-    workspace.givesLevels = true;
+    Levels levels;
     if (!image_.empty())
     {
         parameters.checkTogether(parameters.nlevels);
-        workspace.input.image = grayImage(image_);
-        checkPyramidInput(workspace.input.image.size());
-        completePyramid(parameters, 0, workspace);
+        Level input;
+        input.image = grayImage(image_);
+        checkPyramidInput(input.image.size());
+        levels.begin(input, parameters.firstLevel, parameters.scaleFactor, true);
+        completeLevels(parameters, levels);
     }
-    giveLevels(workspace, levels_);
+    giveLevels(levels, levels_);
 }
 
 void AdaptiveQuadtreeORBImpl::process(InputArray image_, InputArray mask_, std::vector<KeyPoint>& keypoints,
@@ -219,7 +230,7 @@ void AdaptiveQuadtreeORBImpl::process(InputArray image_, InputArray mask_, std::
         if (withDescriptors)
             releaseDescriptors(descriptors_);
         if (levels)
-            createLevels(*levels, 0);
+            giveMats(std::vector<Mat>(), *levels, "levels");
         keypoints.clear();
         return;
     }
@@ -234,17 +245,16 @@ void AdaptiveQuadtreeORBImpl::process(InputArray image_, InputArray mask_, std::
     input.image = grayImage(image_, &workspace.gray);
     if (!useProvidedKeypoints)
         input.mask = checkedMask(mask_, size);
-    const InputScope scope(workspace, input);
-    workspace.givesLevels = levels != 0;
+    const LevelsScope scope(workspace.levels);
+    workspace.levels.begin(input, parameters.firstLevel, parameters.scaleFactor, levels != 0);
     Frame frame(parameters, tables, workspace);
     if (useProvidedKeypoints)
         frame.describeGiven(keypoints);
     else
         frame.detect(withDescriptors);
     const size_t count = frame.count();
-    const int levelsInUse = workspace.levelCount;
     if (levels)
-        completePyramid(parameters, levelsInUse, workspace);
+        completeLevels(parameters, workspace.levels);
 
     // The outputs are written when the image has been read, because they may share its memory.
     Mat descriptors;
@@ -253,9 +263,58 @@ void AdaptiveQuadtreeORBImpl::process(InputArray image_, InputArray mask_, std::
     else if (withDescriptors)
         releaseDescriptors(descriptors_);
     if (levels)
-        giveLevels(workspace, *levels);
-    workspace.levelCount = levelsInUse;
+        giveLevels(workspace.levels, *levels);
     frame.output(keypoints, descriptors);
+}
+
+// The outputs are given at the end, so that an error leaves them unchanged and no image is lost that shares their memory.
+
+void AdaptiveQuadtreeORBImpl::detect(InputArrayOfArrays images_,
+                                     std::vector<std::vector<KeyPoint>>& keypoints, InputArrayOfArrays masks_)
+{
+    CV_TRACE_FUNCTION();
+    const Collection collection(images_, masks_);
+    std::vector<std::vector<KeyPoint>> found(collection.images.size());
+    forEachImage(found.size(), [&](size_t i) { detect(collection.images[i], found[i], collection.mask(i)); });
+    keypoints.swap(found);
+}
+
+void AdaptiveQuadtreeORBImpl::compute(InputArrayOfArrays images_,
+                                      std::vector<std::vector<KeyPoint>>& keypoints,
+                                      OutputArrayOfArrays descriptors_)
+{
+    CV_TRACE_FUNCTION();
+    if (!descriptors_.needed())
+        return;  // as cv::ORB
+    checkMatsOutput(descriptors_, "descriptors");
+    const Collection collection(images_);
+    if (keypoints.size() != collection.images.size())
+        CV_Error_(Error::StsBadArg, ("keypoints must be one vector for each image, got %d for %d images",
+                                     int(keypoints.size()), int(collection.images.size())));
+    std::vector<std::vector<KeyPoint>> described = keypoints;
+    std::vector<Mat> descriptors(described.size());
+    forEachImage(described.size(),
+                 [&](size_t i) { compute(collection.images[i], described[i], descriptors[i]); });
+    giveMats(descriptors, descriptors_, "descriptors");
+    keypoints.swap(described);
+}
+
+void AdaptiveQuadtreeORBImpl::detectAndComputeBatch(InputArrayOfArrays images_, InputArrayOfArrays masks_,
+                                                    std::vector<std::vector<KeyPoint>>& keypoints,
+                                                    OutputArrayOfArrays descriptors_)
+{
+    CV_TRACE_FUNCTION();
+    if (!descriptors_.needed())
+        return detect(images_, keypoints, masks_);
+    checkMatsOutput(descriptors_, "descriptors");
+    const Collection collection(images_, masks_);
+    std::vector<std::vector<KeyPoint>> found(collection.images.size());
+    std::vector<Mat> descriptors(found.size());
+    forEachImage(
+        found.size(), [&](size_t i)
+        { detectAndCompute(collection.images[i], collection.mask(i), found[i], descriptors[i], false); });
+    giveMats(descriptors, descriptors_, "descriptors");
+    keypoints.swap(found);
 }
 
 }  // namespace aqorb

@@ -83,119 +83,117 @@ struct FixedTaps
 };
 }  // namespace
 
-static void blurTileOf(const uchar* source, ptrdiff_t step, Size size, ushort* blurred, ptrdiff_t blurredStep)
+static void blurTileOf(const uchar* source, ptrdiff_t step, int height, ushort* blurred,
+                       ptrdiff_t blurredStep)
 {
     static const FixedTaps fixed;
-    CV_CPU_DISPATCH(blurTile, (source, step, size.width, size.height, fixed.taps, blurred, blurredStep),
+    CV_CPU_DISPATCH(blurTile, (source, step, height, fixed.taps, blurred, blurredStep),
                     CV_CPU_DISPATCH_MODES_ALL);
 }
 
-// The first column of tiles is the left border, the last one the right border. Each column of `needed` has one row more
-// than the level, which stays 0, so that the search for the end of a tile always ends.
+int blurMargin(int reach)
+{
+    return int(alignSize(size_t(reach + RADIUS), BLUR_TILE_WIDTH)) - RADIUS;
+}
 
-void BlurRegion::begin(Size size_)
+void BlurRegion::begin(Size size_, int margin_)
 {
     size = size_;
-    columns = 2 + std::max(size.width - 2 * RADIUS + TILE_WIDTH - 1, 0) / TILE_WIDTH;
-    needed.assign(size_t(columns) * (size.height + 1), uchar(0));
+    margin = margin_;
+    borderTiles = (margin + RADIUS) / BLUR_TILE_WIDTH;
+    innerTiles = std::max(size.width - 2 * RADIUS + BLUR_TILE_WIDTH - 1, 0) / BLUR_TILE_WIDTH;
+    needed.assign(size_t(2 * borderTiles + innerTiles) * (size.height + 2 * margin), uchar(0));
 }
+
+// The tiles of the border, whose blur depends on reflected pixels, end and begin RADIUS pixels inside of the level.
 
 int BlurRegion::columnOf(int x) const
 {
-    return x < RADIUS ? 0 : x >= size.width - RADIUS ? columns - 1 : 1 + (x - RADIUS) / TILE_WIDTH;
+    const int right = size.width - RADIUS;
+    return x < RADIUS  ? (x + margin) / BLUR_TILE_WIDTH
+           : x < right ? borderTiles + (x - RADIUS) / BLUR_TILE_WIDTH
+                       : borderTiles + innerTiles + (x - right) / BLUR_TILE_WIDTH;
 }
 
-Range BlurRegion::pixelsOf(int column) const
+int BlurRegion::firstPixelOf(int column) const
 {
-    const bool inside = column > 0 && column < columns - 1;
-    const int left = inside ? RADIUS : 0, right = size.width - left;
-    const int width = std::min<int>(TILE_WIDTH, right - left);
-    // The last tile overlaps the one before.
-    const int x =
-        std::min(column == columns - 1 ? right : left + std::max(column - 1, 0) * TILE_WIDTH, right - width);
-    return Range(x, x + width);
+    const int right = size.width - RADIUS, ofRight = column - borderTiles - innerTiles;
+    return column < borderTiles ? column * BLUR_TILE_WIDTH - margin
+           : ofRight >= 0
+               ? right + ofRight * BLUR_TILE_WIDTH
+               // the last one overlaps the one before
+               : std::min(RADIUS + (column - borderTiles) * BLUR_TILE_WIDTH, right - BLUR_TILE_WIDTH);
 }
 
-void BlurRegion::add(const Rect& rect)
+const uchar* BlurRegion::rowsOf(int column) const
 {
-    const Rect part = rect & Rect(Point(), size);
-    if (part.empty())
-        return;
-    for (int column = columnOf(part.x); column <= columnOf(part.x + part.width - 1); column++)
-    {
-        uchar* rows = needed.data() + size_t(column) * (size.height + 1) + part.y;
-        std::fill(rows, rows + part.height, uchar(1));
-    }
+    return needed.data() + size_t(column) * (size.height + 2 * margin) + margin;
 }
 
 void BlurRegion::addDisc(const Point& center, const std::vector<int>& halfHeights)
 {
     const int radius = int(halfHeights.size()) - 1;
-    const int left = std::max(center.x - radius, 0), right = std::min(center.x + radius, size.width - 1);
+    const int left = std::max(center.x - radius, -margin),
+              right = std::min(center.x + radius, size.width + margin - 1);
     for (int column = columnOf(left), last = columnOf(right); column <= last; column++)
     {
         // Of the pixels of the column, that nearest to the centre counts.
-        const int begin = column == 0             ? left
-                          : column == columns - 1 ? std::max(left, size.width - RADIUS)
-                                                  : std::max(left, RADIUS + (column - 1) * TILE_WIDTH);
-        const int end = column == columns - 1 ? right + 1 : std::min(right + 1, RADIUS + column * TILE_WIDTH);
-        const int distance = std::max(std::max(begin - center.x, center.x - (end - 1)), 0);
-        if (distance > radius)
-            continue;
-        const int height = halfHeights[distance];
-        const int top = std::max(center.y - height, 0), bottom = std::min(center.y + height + 1, size.height);
-        uchar* rows = needed.data() + size_t(column) * (size.height + 1);
-        if (top < bottom)
-            std::memset(rows + top, 1, size_t(bottom - top));
+        const int begin = firstPixelOf(column), end = begin + BLUR_TILE_WIDTH;
+        const int height = halfHeights[std::max(std::max(begin - center.x, center.x - (end - 1)), 0)];
+        const int top = std::max(center.y - height, -margin),
+                  bottom = std::min(center.y + height + 1, size.height + margin);
+        std::memset(const_cast<uchar*>(rowsOf(column)) + top, 1, size_t(bottom - top));
     }
 }
 
-bool BlurRegion::nextTile(const Range& rows, Position& position, Rect& tile) const
+// Blurs a tile of the border.
+static void blurAtBorder(const Mat& image, const Rect& tile, const BlurredRows& blurred,
+                         std::vector<uchar>& scratch)
 {
-    for (; position.column < columns; position.column++, position.row = rows.start)
+    const Rect read(tile.x - RADIUS, tile.y - RADIUS, tile.width + 2 * RADIUS, tile.height + 2 * RADIUS);
+    if (scratch.size() < size_t(read.area()))
+        scratch.resize(read.area());
+    copyReflected(image, read, scratch.data());
+    const uchar* source = scratch.data() + RADIUS * read.width + RADIUS;
+    blurTileOf(source, read.width, tile.height, blurred.row(tile.y) + tile.x, blurred.step);
+    // Columns of the tile that lie in the level.
+    const int left = std::max(-tile.x, 0), right = std::max(std::min(image.cols - tile.x, tile.width), left);
+    for (int y = tile.y; y < tile.y + tile.height; y++, source += read.width)
     {
-        const uchar* column = needed.data() + size_t(position.column) * (size.height + 1);
-        const void* found = std::memchr(column + position.row, 1, size_t(rows.end - position.row));
-        if (!found)
-            continue;
-        const uchar* first = static_cast<const uchar*>(found);
-        const uchar* last =
-            static_cast<const uchar*>(std::memchr(first, 0, size_t(column + size.height + 1 - first)));
-        const Range pixels = pixelsOf(position.column);
-        tile.x = pixels.start;
-        tile.width = pixels.size();
-        tile.y = int(first - column);
-        const int bottom = tile.y < RADIUS                 ? RADIUS
-                           : tile.y < size.height - RADIUS ? size.height - RADIUS
-                                                           : size.height;
-        tile.height = std::min(std::min(int(last - column), rows.end), bottom) - tile.y;
-        position.row = tile.y + tile.height;
-        return true;
+        ushort* const out = blurred.row(y) + tile.x;
+        const bool isInside = y >= 0 && y < image.rows;
+        for (int x = 0; x < (isInside ? left : tile.width); x++)
+            out[x] = ushort(source[x] << 8);
+        for (int x = right; x < tile.width; x++)
+            out[x] = ushort(source[x] << 8);
     }
-    return false;
 }
 
 void approximateBlur(const Mat& image, const BlurRegion& region, const Range& rows,
-                     const BlurredRows& blurred, BlurScratch& scratch)
+                     const BlurredRows& blurred, std::vector<uchar>& scratch)
 {
     CV_TRACE_FUNCTION();
     const Rect inner(RADIUS, RADIUS, image.cols - 2 * RADIUS, image.rows - 2 * RADIUS);
-    BlurRegion::Position position = {0, rows.start};
-    for (Rect tile; region.nextTile(rows, position, tile);)
+    for (int column = 0; column < region.columns(); column++)
     {
-        const uchar* source = image.ptr(tile.y) + tile.x;
-        ptrdiff_t step = ptrdiff_t(image.step);
-        if ((tile & inner) != tile)
+        const int x = region.firstPixelOf(column);
+        const uchar* const needed = region.rowsOf(column);
+        const auto find = [&](int value, int y)
         {
-            const Rect read(tile.x - RADIUS, tile.y - RADIUS, tile.width + 2 * RADIUS,
-                            tile.height + 2 * RADIUS);
-            step = read.width;
-            if (scratch.size() < size_t(read.area()))
-                scratch.resize(read.area());
-            copyReflected(image, read, scratch.data());
-            source = scratch.data() + RADIUS * step + RADIUS;
+            const void* found = y < rows.end ? std::memchr(needed + y, value, size_t(rows.end - y)) : 0;
+            return found ? int(static_cast<const uchar*>(found) - needed) : rows.end;
+        };
+        for (int y = find(1, rows.start), end; y < rows.end; y = find(1, end))
+        {
+            const int bottom = y < inner.y ? inner.y : y < inner.br().y ? inner.br().y : rows.end;
+            end = std::min(find(0, y), bottom);
+            const Rect tile(x, y, BLUR_TILE_WIDTH, end - y);
+            if ((tile & inner) == tile)
+                blurTileOf(image.ptr(y) + x, ptrdiff_t(image.step), tile.height, blurred.row(y) + x,
+                           blurred.step);
+            else
+                blurAtBorder(image, tile, blurred, scratch);
         }
-        blurTileOf(source, step, tile.size(), blurred.row(tile.y) + tile.x, blurred.step);
     }
 }
 

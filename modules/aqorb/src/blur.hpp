@@ -19,62 +19,55 @@ namespace stages
 //! The value of cv::ORB's Gaussian blur (7x7, sigma 2) at a pixel of a level, rounded as with fused multiply-add.
 uchar exactBlur(const Mat& image, int x, int y);
 
-//! The pixels of a level that are to be blurred, kept for each row of each column of tiles. The pixels at the
-//! border, whose blur needs reflected pixels, have tiles of their own.
-class BlurRegion
-{
-public:
-    //! Starts with no pixels of a level of the given size.
-    void begin(Size size);
-    //! Adds the pixels of a rectangle that are inside the level, and possibly some more.
-    void add(const Rect& rect);
-    //! Adds the pixels of a disc that are inside the level, and possibly some more.
-    //! @param halfHeights the greatest vertical distance from the centre, by the horizontal one
-    void addDisc(const Point& center, const std::vector<int>& halfHeights);
-    //! Where a search for tiles has arrived.
-    struct Position
-    {
-        int column, row;
-    };
-    //! Gives the next tile of some rows, and false if there is none. The search begins at column 0 and the first row.
-    bool nextTile(const Range& rows, Position& position, Rect& tile) const;
+//! The pixels that the kernel blurs side by side: whole vectors.
+const int BLUR_TILE_WIDTH = 32;
 
-private:
-    enum
-    {
-        TILE_WIDTH = 32  // whole vectors
-    };
-    int columnOf(int x) const;
-    Range pixelsOf(int column) const;
+//! How far around a level there must be BlurredRows if points within `reach` are read. Whole tiles fit into it.
+int blurMargin(int reach);
 
-    Size size;
-    int columns;                // of tiles
-    std::vector<uchar> needed;  // by column, by row
-};
-
-//! The elements to leave free before a row of BlurredRows that begins at a cache line, so that tiles begin at one, too.
-const int BLUR_LEFT = CACHE_LINE / int(sizeof(ushort)) - 3;  // the left border has 3 columns
-
-//! Work space of approximateBlur.
-typedef std::vector<uchar> BlurScratch;
-
-//! Some rows of the approximate blur of a level.
+//! Some rows of the approximate blur of a level and of the margin around it.
 struct BlurredRows
 {
-    BlurredRows() : data(0), step(0), top(0) {}
     ushort* row(int y) const { return data + (y - top) * step; }
 
-    ushort* data;
+    ushort* data;    //!< column 0 of the first row
     ptrdiff_t step;  //!< in elements
     int top;         //!< the first row
 };
 
+//! The pixels of a level and of the margin around it that are to be blurred, by column of tiles and by row.
+class BlurRegion
+{
+public:
+    //! Starts with no pixels of a level of the given size.
+    //! @param margin a blurMargin
+    void begin(Size size, int margin);
+    //! Adds the pixels of a disc and possibly some more. Its centre lies in the level or one pixel beside it.
+    //! @param halfHeights the greatest vertical distance from the centre, by the horizontal one
+    void addDisc(const Point& center, const std::vector<int>& halfHeights);
+
+    //! The number of columns of tiles.
+    int columns() const { return 2 * borderTiles + innerTiles; }
+    int firstPixelOf(int column) const;
+    //! Whether the pixels of a column are needed, by row.
+    const uchar* rowsOf(int column) const;
+
+private:
+    int columnOf(int x) const;
+
+    Size size;
+    int margin, borderTiles, innerTiles;  // tiles on either side, and between
+    std::vector<uchar> needed;            // by column, by row
+};
+
 /** The blur in fixed point, in units of 1/256. It exceeds the exact one before rounding by at most BLUR_EXCESS, and
- falls short of it by at most BLUR_SHORTFALL.
- @param rows to blur
- @param blurred gets the pixels of the region; others of these rows get any value */
+ falls short of it by at most BLUR_SHORTFALL. Outside of the level stand the reflected pixels themselves: those cv::ORB
+ does not blur.
+ @param rows to blur; may begin and end in the margin
+ @param blurred gets the pixels of the region; others of these rows get any value
+ @param scratch work space */
 void approximateBlur(const Mat& image, const BlurRegion& region, const Range& rows,
-                     const BlurredRows& blurred, BlurScratch& scratch);
+                     const BlurredRows& blurred, std::vector<uchar>& scratch);
 
 }  // namespace stages
 }  // namespace aqorb

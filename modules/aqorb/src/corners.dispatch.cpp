@@ -26,29 +26,18 @@ int writeKeptCorners(const CornerBlock* first, int cornerCount, const ScorePlane
     CV_CPU_DISPATCH(writeKept, (first, cornerCount, scores, plane.step(), kept), CV_CPU_DISPATCH_MODES_ALL);
 }
 
-// Appends the corners of the first blocks but those that are kept, which are in raster order.
-void appendOthers(const CornerBlocks& blocks, int blockCount, const ScorePlane& plane, const Corner* kept,
-                  const Corner* keptEnd, std::vector<Corner>& others)
+// Appends corners to a list. Lists of corners are long and stay, so they grow by little more than they need.
+void appendTo(std::vector<Corner>& corners, const Corner* first, const Corner* last)
 {
-    for (int i = 0; i < blockCount; i++)
-    {
-        const CornerBlock& block = blocks.storage[i];
-        const uchar* scores = plane.row(block.y);
-        for (uint64 columns = block.columns; columns; columns &= columns - 1)
-        {
-            const int x = block.x + trailingZeros(columns);
-            const Corner corner = {x, block.y, scores[x] - 1};
-            if (kept != keptEnd && kept->x == x && kept->y == block.y)
-                kept++;
-            else
-                others.push_back(corner);
-        }
-    }
+    const size_t size = corners.size() + size_t(last - first);
+    if (size > corners.capacity())
+        corners.reserve(size + size / 8);
+    corners.insert(corners.end(), first, last);
 }
 
 // Appends the corners of the first blocks: those that have no better one nearby, and the others.
 void appendCorners(const CornerBlocks& blocks, int blockCount, int cornerCount, const ScorePlane& plane,
-                   bool withOthers, FoundCorners& found, std::vector<Corner>& scratch)
+                   bool listOthers, FoundCorners& found, std::vector<Corner>& scratch)
 {
     if (cornerCount == 0)
         return;
@@ -57,9 +46,15 @@ void appendCorners(const CornerBlocks& blocks, int blockCount, int cornerCount, 
         scratch.resize(size_t(cornerCount) + 1);
     Corner* const kept = scratch.data();
     const int keptCount = writeKeptCorners(blocks.storage.data(), cornerCount, plane, kept);
-    found.kept.insert(found.kept.end(), kept, kept + keptCount);
-    if (withOthers)
-        appendOthers(blocks, blockCount, plane, kept, kept + keptCount, found.suppressed);
+    appendTo(found.kept, kept, kept + keptCount);
+    if (!listOthers)
+        return;
+    const size_t before = found.suppressed.size();
+    listCorners(blocks.storage.data(), blocks.storage.data() + blockCount, plane, found.suppressed);
+    const auto isKept = [&](const Corner& corner)
+    { return std::binary_search(kept, kept + keptCount, corner, InRasterOrder()); };
+    found.suppressed.erase(std::remove_if(found.suppressed.begin() + before, found.suppressed.end(), isKept),
+                           found.suppressed.end());
 }
 
 // Moves the blocks from `begin` to before `end` to the end of others. There must be space for two more, which the kernel
@@ -82,27 +77,34 @@ void Seam::begin(int imageWidth, const Range& columns, int y)
     above.count = above.cornerCount = below.count = below.cornerCount = 0;
 }
 
+void FoundCorners::clear()
+{
+    kept.clear();
+    suppressed.clear();
+    weak.clear();
+}
+
 void FoundCorners::append(const FoundCorners& next)
 {
-    kept.insert(kept.end(), next.kept.begin(), next.kept.end());
-    suppressed.insert(suppressed.end(), next.suppressed.begin(), next.suppressed.end());
-    weak.insert(weak.end(), next.weak.begin(), next.weak.end());
-    isComplete = isComplete && next.isComplete;
+    appendTo(kept, next.kept.data(), next.kept.data() + next.kept.size());
+    appendTo(suppressed, next.suppressed.data(), next.suppressed.data() + next.suppressed.size());
+    appendTo(weak, next.weak.data(), next.weak.data() + next.weak.size());
 }
 
-void Seam::list(bool withOthers, FoundCorners& found, std::vector<Corner>& scratch) const
+void Seam::list(bool listOthers, FoundCorners& found, std::vector<Corner>& scratch) const
 {
-    appendCorners(above, above.count, above.cornerCount, plane, withOthers, found, scratch);
-    appendCorners(below, below.count, below.cornerCount, plane, withOthers, found, scratch);
+    appendCorners(above, above.count, above.cornerCount, plane, listOthers, found, scratch);
+    appendCorners(below, below.count, below.cornerCount, plane, listOthers, found, scratch);
 }
 
-// Takes the corners of the rows before `end`. Three more rows must have scores, or there are none.
-void BandSearch::take(int end, bool withOthers, FoundCorners& found)
+// Takes the corners of the rows before `end`. The SUPPRESS_RADIUS rows from there on must have their scores, too, as far as
+// there are any.
+void BandSearch::take(int end, bool listOthers, FoundCorners& found)
 {
     int taken = blocks.count, left = 0;  // corners that are not taken yet
     while (taken > 0 && blocks.storage[taken - 1].y >= end)
         left += countCorners(blocks.storage[--taken]);
-    appendCorners(blocks, taken, blocks.cornerCount - left, plane, withOthers, found, scratch);
+    appendCorners(blocks, taken, blocks.cornerCount - left, plane, listOthers, found, scratch);
     removeFirst(taken, left);
 }
 
@@ -139,7 +141,6 @@ void BandSearch::find(const Level& level, const Rect& band, const CornerRules& r
                 std::min(side, scanned.height));
     scanner.begin(level, scanned, rules.thresholds, plane, blocks);
     int copied = scanned.y;  // rows before it have been copied to the seam above
-    bool withOthers = true;
     for (int y = band.y; y < end.y; y += side)
     {
         const int scannedEnd = std::min(y + side, bottom);
@@ -151,12 +152,10 @@ void BandSearch::find(const Level& level, const Rect& band, const CornerRules& r
             if (scanner.hasStrong(cell))
                 scanner.dropWeak(cell);
         }
-        withOthers = withOthers && (!rules.count || rules.count->looksShort());
-        scanner.collect(withOthers ? &found.weak : 0);
-        const size_t keptBefore = found.kept.size();
+        scanner.collect(rules.listOthers ? &found.weak : 0);
         if (!rules.suppressNear)
         {
-            listCorners(blocks, plane, found.kept);
+            listCorners(blocks.storage.data(), blocks.storage.data() + blocks.count, plane, found.kept);
             removeFirst(blocks.count, 0);
         }
         if (above)
@@ -165,11 +164,10 @@ void BandSearch::find(const Level& level, const Rect& band, const CornerRules& r
                 above->plane.copyRow(copied, plane);
             giveFirst(scanned.y + SUPPRESS_RADIUS, *above);
         }
-        take(scannedEnd - SUPPRESS_RADIUS, withOthers, found);
-        if (rules.count)
-            rules.count->add(found.kept.size() - keptBefore, int64(band.width) * (scannedEnd - y));
+        take(scannedEnd - SUPPRESS_RADIUS, rules.listOthers, found);
     }
-    // The last band may have fewer rows than the seam takes: without a border, there is no circle around some of them.
+    // With an edgeThreshold below 3 the last band may have fewer than ROWS_ABOVE rows in which a whole circle fits. The
+    // missing rows of the seam have no corners.
     if (above)
         above->plane.clearBelow(copied);
     if (below)
@@ -181,22 +179,25 @@ void BandSearch::find(const Level& level, const Rect& band, const CornerRules& r
     else
     {
         plane.clearBelow(bottom);
-        take(bottom, withOthers, found);
+        take(bottom, rules.listOthers, found);
     }
-    found.isComplete = found.isComplete && withOthers;
+}
+
+// The rows of cells with which a band may begin: a seam takes ROWS_ABOVE rows from the bands above and below.
+static int64 rowsOfCells(const Rect& region, int cellSize)
+{
+    return (int64(region.height) - ScorePlane::ROWS_ABOVE) / cellSize + 1;
 }
 
 int mostBands(const Rect& region, int cellSize)
 {
     const int ROWS = 64;
-    // A seam takes ROWS_ABOVE rows from the bands above and below.
-    const int64 cells = (int64(region.height) - ScorePlane::ROWS_ABOVE) / cellSize + 1;
-    return int(std::max<int64>(std::min<int64>(cells, region.height / ROWS), 1));
+    return int(std::max<int64>(std::min<int64>(rowsOfCells(region, cellSize), region.height / ROWS), 1));
 }
 
 Range rowsOfBand(const Rect& region, int cellSize, int bands, int index)
 {
-    const int64 cells = (int64(region.height) - ScorePlane::ROWS_ABOVE) / cellSize + 1;
+    const int64 cells = rowsOfCells(region, cellSize);
     const auto top = [&](int band) { return region.y + int(cells * band / bands * cellSize); };
     return Range(top(index), index == bands - 1 ? region.y + region.height : top(index + 1));
 }

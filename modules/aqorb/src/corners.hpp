@@ -9,8 +9,6 @@
 #include "fast.hpp"
 #include "types.hpp"
 
-#include <atomic>
-
 namespace cv
 {
 namespace aqorb
@@ -18,59 +16,24 @@ namespace aqorb
 namespace stages
 {
 
-//! How many corners all levels of an image have kept so far.
-class KeptCount
-{
-public:
-    //! @param area of all regions that are searched, in pixels
-    void begin(int wanted_, double area_)
-    {
-        wanted = wanted_;
-        area = area_;
-        kept = 0;
-        searched = 0;
-    }
-    void add(size_t count, int64 pixels)
-    {
-        kept += int64(count);
-        searched += pixels;
-    }
-    //! Whether it looks as if all corners will be wanted, and some that are not kept, too.
-    bool looksShort() const { return double(kept) * area <= 1.5 * wanted * double(searched); }
-
-private:
-    int wanted;
-    double area;
-    std::atomic<int64> kept, searched;
-};
-
 //! The rules by which corners are found.
 struct CornerRules
 {
     Thresholds thresholds;
     int cellSize;
     bool suppressNear;  //!< whether a corner loses to a better one within SUPPRESS_RADIUS
-    KeptCount* count;   //!< of the image; 0: all corners are listed
+    bool listOthers;    //!< whether those that are not kept are listed, too
 };
 
 //! The corners of a band or a level, each list in raster order.
 struct FoundCorners
 {
-    FoundCorners() : isComplete(true) {}
-    void clear()
-    {
-        kept.clear();
-        suppressed.clear();
-        weak.clear();
-        isComplete = true;
-    }
+    void clear();
     void append(const FoundCorners& next);
 
     std::vector<Corner> kept;
-    //! Those that lost to a better corner nearby, and those below thresholds.ini in cells that have one at thresholds.ini.
-    //! They are listed while KeptCount::looksShort.
-    std::vector<Corner> suppressed, weak;
-    bool isComplete;  //!< whether that was always so
+    std::vector<Corner> suppressed;  //!< those that lost to a better corner nearby
+    std::vector<Corner> weak;        //!< those below thresholds.ini in cells that have one at thresholds.ini
 };
 
 /** The rows on both sides of the border between two bands. Which of their corners are kept can be said only when both
@@ -81,7 +44,7 @@ public:
     //! Prepares the seam above row y.
     void begin(int imageWidth, const Range& columns, int y);
     //! Appends the corners of the seam, once both bands have been searched.
-    void list(bool withOthers, FoundCorners& found, std::vector<Corner>& scratch) const;
+    void list(bool listOthers, FoundCorners& found, std::vector<Corner>& scratch) const;
 
 private:
     friend class BandSearch;
@@ -90,7 +53,7 @@ private:
 };
 
 /** Finds the corners of bands: those of score >= thresholds.ini, and in cells that have none of them those of score
- >= thresholds.min. Cells are squares of side cellSize; the first begins at the corner of the band. Masked corners do
+ >= thresholds.min. Cells are squares of side cellSize; the first is in the upper left of the band. Masked corners do
  not count. With suppressNear, a corner is kept only if there is no better one within SUPPRESS_RADIUS. A corner is better
  if it has a higher score or, with the same score, comes first in raster order. It counts even if it loses to another one
  itself. An object can be used again, and then needs no new memory. */
@@ -107,7 +70,7 @@ public:
     std::vector<Corner> scratch;
 
 private:
-    void take(int end, bool withOthers, FoundCorners& found);
+    void take(int end, bool listOthers, FoundCorners& found);
     void giveFirst(int end, Seam& above);
     void removeFirst(int removed, int cornersLeft);
 

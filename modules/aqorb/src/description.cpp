@@ -14,6 +14,17 @@ namespace aqorb
 namespace stages
 {
 
+void FeatureBatch::begin(size_t count)
+{
+    points.clear();
+    points.reserve(count);
+    keypoints.clear();
+    keypoints.reserve(count);
+    descriptors.clear();
+    outputKeys.clear();
+    outputKeys.reserve(count);
+}
+
 // Finds the directions of features and completes their keypoints.
 static void findKeypoints(const Level& level, const DescriptionRules& rules, size_t begin, size_t end,
                           FeatureBatch& batch)
@@ -52,35 +63,35 @@ void describeFeatures(const Level& level, const DescriptionRules& rules, const R
             findKeypoints(level, rules, size_t(features.start), end, batch);
         return;
     }
-    const int ROWS = 128;  // that are blurred at once
-    const int rows = level.image.rows, reach = rules.tests->reach;
+    const int ROWS = 64;  // that are blurred at once
+    const int reach = rules.tests->reach, margin = rules.tests->margin();
+    const int rowsEnd = level.image.rows + margin;  // of all that can be read
     const std::vector<FeaturePoint>& points = batch.points;
-    scratch.region.begin(level.image.size());
+    scratch.region.begin(level.image.size(), margin);
     for (size_t i = size_t(features.start); i < end; i++)
         scratch.region.addDisc(Point(points[i].x, points[i].y), rules.tests->halfHeights);
 
     BlurredRows blurred;
-    blurred.step = ptrdiff_t(alignSize((size_t(level.image.cols) + BLUR_LEFT) * sizeof(ushort), CACHE_LINE) /
-                             sizeof(ushort));
-    const size_t capacity = size_t(std::min<int64>(int64(ROWS) + 2 * int64(reach) + 1, rows));
+    blurred.step = ptrdiff_t(alignSize(size_t(level.image.cols) + 2 * margin, CACHE_LINE / sizeof(ushort)));
+    const size_t capacity = size_t(std::min<int64>(ROWS + 2 * int64(reach) + 1, rowsEnd + margin));
     if (scratch.blurred.size() < capacity * blurred.step)
     {
         AlignedVector<ushort>().swap(scratch.blurred);  // a vector that grows may get twice as much
         scratch.blurred.resize(capacity * blurred.step);
     }
-    blurred.data = scratch.blurred.data() + BLUR_LEFT;
-    int filled = 0;  // the rows from blurred.top to before it are blurred
+    blurred.data = scratch.blurred.data() + margin;
+    int filled = -margin;  // the rows from blurred.top to before it are blurred
     for (size_t next, i = size_t(features.start); i < end; i = next)
     {
         // The rows that the next features read are kept.
-        const int top = std::max(points[i].y - reach, 0);
+        const int top = std::max(points[i].y - reach, -margin);
         if (top < filled)
-            std::memmove(blurred.data - BLUR_LEFT, blurred.row(top) - BLUR_LEFT,
+            std::memmove(blurred.data - margin, blurred.row(top) - margin,
                          sizeof(ushort) * blurred.step * (filled - top));
         blurred.top = top;
         filled = std::max(filled, top);
-        const int bottom = std::min(std::max(points[i].y + reach + 1, filled + ROWS), rows);
-        for (next = i; next < end && (points[next].y + reach < bottom || bottom == rows);)
+        const int bottom = std::min(std::max(points[i].y + reach + 1, filled + ROWS), rowsEnd);
+        for (next = i; next < end && (points[next].y + reach < bottom || bottom == rowsEnd);)
             next++;
         if (rules.patch)
             findKeypoints(level, rules, i, next, batch);

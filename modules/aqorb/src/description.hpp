@@ -26,7 +26,19 @@ struct FeatureBatch
     std::vector<FeaturePoint> points;  //!< in raster order
     std::vector<KeyPoint> keypoints;   //!< of the points
     std::vector<uchar> descriptors;    //!< of the points, DESCRIPTOR_BYTES each
-    std::vector<unsigned> order;       //!< of the points in the output; equal ones come in raster order
+    std::vector<unsigned> outputKeys;  //!< of the points: by them they come in the output
+
+    //! Starts with none, and with memory for so many.
+    void begin(size_t count);
+};
+
+//! The features of a level.
+struct LevelFeatures
+{
+    FeatureBatch byQuota;  //!< those that were chosen first
+    FeatureBatch filled;   //!< those that were chosen when other levels had too few
+
+    size_t size() const { return byQuota.points.size() + filled.points.size(); }
 };
 
 //! What features are described by.
@@ -42,7 +54,7 @@ struct DescriptionRules
 struct DescriptionScratch
 {
     BlurRegion region;
-    BlurScratch blur;
+    std::vector<uchar> blur;
     AlignedVector<ushort> blurred;
 };
 

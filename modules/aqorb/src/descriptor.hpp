@@ -42,12 +42,15 @@ struct DescriptorTests
     int reach;  //!< how far from the keypoint the descriptor may read
     std::vector<int>
         halfHeights;  //!< of the disc that it may read, by the horizontal distance from the keypoint
-    AlignedVector<PairTests> pairs;  //!< one; empty where there is no kernel for the pattern
+    AlignedVector<PairTests>
+        pairs;  //!< one, for the kernel; empty where WTA_K is not 2 or the reach is too far
+    //! How much margin the blurred rows must have.
+    int margin() const { return blurMargin(pairs.empty() ? 0 : reach); }
 };
 
 /** The 32-byte descriptors at pixels of a level, equal to those of cv::ORB.
  @param image the level
- @param blurred its approximateBlur, at least wherever it lies within tests.reach of a point
+ @param blurred its approximateBlur, at least the discs around the points, as far as tests.margin outside of the level
  @param points where descriptors are taken, and in which direction
  @param count number of points
  @param tests the pattern

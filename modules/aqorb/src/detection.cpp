@@ -17,7 +17,7 @@ namespace stages
 {
 
 LevelDetection::LevelDetection()
-    : level(0), rules(), bandCount(0), depth(0), isOrdered(false), ruleInUse(0), scratchInUse(0)
+    : level(0), rules(), bandCount(0), isOrdered(false), hasOthers(false), listsOthers(false)
 {
 }
 
@@ -26,7 +26,8 @@ int LevelDetection::begin(const Level& level_, const Rect& root_, const Detectio
     level = &level_;
     root = root_;
     rules = rules_;
-    isOrdered = false;
+    isOrdered = hasOthers = false;
+    listsOthers = rules.listOthers;
     found.clear();
     bandCount = std::min(mostBands(root, rules.cellSize), most);
     if (bands.size() < size_t(bandCount))
@@ -46,193 +47,169 @@ int LevelDetection::begin(const Level& level_, const Rect& root_, const Detectio
     return bandCount;
 }
 
-void LevelDetection::searchBand(int index, DetectionScratch& scratch)
+CornerRules LevelDetection::cornerRules(bool listOthers) const
 {
-    const bool hasSeams = rules.rankByHarris;
-    Seam* const above = hasSeams && index > 0 ? &seams[index - 1] : 0;
-    Seam* const below = hasSeams && index < bandCount - 1 ? &seams[index] : 0;
     // Harris responses of neighbours hardly differ. Without suppression a strong corner would be chosen thrice.
-    const CornerRules ofCorners = {rules.thresholds, rules.cellSize, rules.rankByHarris, rules.count};
-    scratch.search.find(*level, bands[index].rect, ofCorners, above, below, cornersOf(index));
+    const CornerRules ofCorners = {rules.thresholds, rules.cellSize, rules.useHarris, listOthers};
+    return ofCorners;
 }
 
-void LevelDetection::order(const OrderRule& rule, DetectionScratch& scratch)
+void LevelDetection::searchBand(int index, DetectionScratch& scratch)
+{
+    const bool hasSeams = rules.useHarris;
+    Seam* const above = hasSeams && index > 0 ? &seams[index - 1] : 0;
+    Seam* const below = hasSeams && index < bandCount - 1 ? &seams[index] : 0;
+    scratch.search.find(*level, bands[index].rect, cornerRules(rules.listOthers), above, below,
+                        cornersOf(index));
+}
+
+void LevelDetection::order(const LevelPlan& plan, DetectionScratch& scratch)
 {
     CV_TRACE_FUNCTION();
     for (int i = 1; i < bandCount; i++)
     {
-        if (rules.rankByHarris)
-            seams[i - 1].list(found.isComplete, found, scratch.search.scratch);
+        if (rules.useHarris)
+            seams[i - 1].list(rules.listOthers, found, scratch.search.scratch);
         found.append(bands[i].corners);
     }
-    if (rule.isRanked)
-    {
-        // Octave suppression passes over some representatives, so more than the quota are put in order.
-        orderByRank(rule, scratch, 2 * size_t(rule.rank.quota));
-    }
-    else
-    {
-        respond(found.kept, scratch.ranked);
-        leafPoints(scratch.ranked, root, rule.depth, scratch.leaves, scratch.points);
-        balanced.begin(scratch.points, rule.depth);
-    }
     isOrdered = true;
+    hasOthers = plan.isRanked && plan.depth > 0 && found.kept.size() > size_t(plan.quota);
+    if (!hasOthers)
+    {
+        inOrder.resize(found.kept.size());
+        respond(found.kept.data(), found.kept.size(), inOrder.data());
+        // A tree of one leaf leaves the choice to the response.
+        if (plan.isRanked && plan.depth == 0)
+            std::sort(inOrder.begin(), inOrder.end(),
+                      [](const CornerResponse& a, const CornerResponse& b)
+                      { return a.response != b.response ? a.response > b.response : InRasterOrder()(a, b); });
+        return;
+    }
+    represent(plan, scratch);
+    findStrengths(scratch);
+    findUsable(plan.depth, scratch);
+    orderRepresentatives(scratch.leavesOfRepresentatives, scratch.strengths, 4, plan.depth, scratch.usable,
+                         plan.rank, scratch.ranking, scratch.order);
+    inOrder.resize(scratch.order.size());
+    for (size_t i = 0; i < inOrder.size(); i++)
+        inOrder[i] = scratch.responses[scratch.order[i]];
 }
 
-void LevelDetection::orderByRank(const OrderRule& rule, DetectionScratch& scratch, size_t enough)
+// Of a leaf the corner with the highest FAST score is the best.
+LeafPoint LevelDetection::pointAt(size_t index, const LeafGrid& leaves) const
 {
-    CV_TRACE_FUNCTION();
-    depth = rule.depth;
-    responses.clear();
-    if (found.kept.size() <= size_t(rule.rank.quota))
-    {
-        respond(found.kept, scratch.ranked);
-        return ranked.beginUnranked(*this, scratch.ranked);
-    }
-    // A tree of one leaf leaves the choice to the response.
-    if (depth == 0)
-        respond(found.kept, responses);
-    ranked.begin(depth, *this, scratch.ranking);
-    numberLeaves(root.size(), depth, scratch.leaves);
-    const unsigned *columns = scratch.leaves.columns.data(), *rows = scratch.leaves.rows.data();
-    RankedSequence::Adder adder(ranked);
-    const std::vector<Corner>& corners = found.kept;
-    for (size_t i = 0; i < corners.size(); i++)
-    {
-        const Corner& corner = corners[i];
-        const unsigned leaf = columns[corner.x - root.x] + rows[corner.y - root.y];
-        adder.add(leaf, depth == 0 ? orderOf(responses[i].response) : orderOfScore(corner.score), i);
-    }
-    ranked.findRepresentatives();
-    if (depth > 0)
-        findStrengths(scratch);
-    scratch.usable.clear();
-    if (!level->mask.empty())
-    {
-        const int side = 1 << depth;
-        for (int row = 0; row < side; row++)
-        {
-            const int y = root.y + int((int64(2 * row + 1) * root.height) >> (depth + 1));
-            for (int column = 0; column < side; column++)
-            {
-                const int x = root.x + int((int64(2 * column + 1) * root.width) >> (depth + 1));
-                scratch.usable.push_back(level->mask.at<uchar>(y, x));
-            }
-        }
-    }
-    ranked.rank(rule.rank, depth == 0 ? 1 : 4, scratch.usable, enough);
+    const Corner& corner = found.kept[index];
+    const LeafPoint point = {leaves.leaf(corner.x, corner.y), corner.score};
+    return point;
+}
+
+// Finds the representatives and their leaves.
+void LevelDetection::represent(const LevelPlan& plan, DetectionScratch& scratch) const
+{
+    scratch.leaves.begin(root, plan.depth);
+    findRepresentatives(
+        found.kept.size(), [&](size_t i) { return pointAt(i, scratch.leaves); }, plan.depth, scratch.ranking,
+        scratch.representatives);
+    scratch.leavesOfRepresentatives.resize(scratch.representatives.size());
+    for (size_t i = 0; i < scratch.representatives.size(); i++)
+        scratch.leavesOfRepresentatives[i] = pointAt(scratch.representatives[i], scratch.leaves).leaf;
 }
 
 // The strength is the fourth power of FAST * sqrt(sqrt(Harris)) * moment, so that no root is needed. A corner whose moment
 // is long has a well-defined direction, and is found again with the same direction.
-void LevelDetection::findStrengths(DetectionScratch& scratch)
+void LevelDetection::findStrengths(DetectionScratch& scratch) const
 {
-    const std::vector<unsigned>& best = ranked.representatives();
-    scratch.corners.resize(best.size());
-    scratch.patches.resize(best.size());
-    scratch.moments.resize(best.size());
-    for (size_t i = 0; i < best.size(); i++)
+    const size_t AT_ONCE = 64, size = scratch.representatives.size();
+    scratch.responses.resize(size);
+    scratch.strengths.resize(size);
+    for (size_t first = 0; first < size; first += AT_ONCE)
     {
-        const Corner& corner = scratch.corners[i] = found.kept[best[i]];
-        const FeaturePoint patch = {corner.x, corner.y, 0};
-        scratch.patches[i] = patch;
+        const size_t some = std::min(size - first, AT_ONCE);
+        Corner corners[AT_ONCE];
+        FeaturePoint patches[AT_ONCE];
+        Moments moments[AT_ONCE];
+        for (size_t i = 0; i < some; i++)
+        {
+            const Corner& corner = corners[i] = found.kept[scratch.representatives[first + i]];
+            const FeaturePoint patch = {corner.x, corner.y, 0};
+            patches[i] = patch;
+        }
+        patchMoments(level->image, *rules.strengthPatch, patches, some, moments);
+        CornerResponse* const responses = &scratch.responses[first];
+        respond(corners, some, responses);
+        for (size_t i = 0; i < some; i++)
+        {
+            const float score = float(corners[i].score), fast = score * score;
+            const float harris = rules.useHarris ? std::max(responses[i].response, 0.f) : 1.f;
+            const int64 m10 = moments[i].m10, m01 = moments[i].m01;
+            const float moment = float(uint64(m10 * m10) + uint64(m01 * m01)) * (1.f / 4294967296.f);
+            scratch.strengths[first + i] = (fast * fast * harris) * (moment * moment);
+        }
     }
-    patchMoments(level->image, *rules.strengthPatch, scratch.patches.data(), best.size(),
-                 scratch.moments.data());
-    respond(scratch.corners, scratch.ranked);
-    for (size_t i = 0; i < best.size(); i++)
-    {
-        const float score = float(scratch.corners[i].score), fast = score * score;
-        const float response = scratch.ranked[i].response;
-        const float harris = rules.rankByHarris ? std::max(response, 0.f) : 1.f;
-        const int64 m10 = scratch.moments[i].m10, m01 = scratch.moments[i].m01;
-        const float moment = float(uint64(m10 * m10) + uint64(m01 * m01)) * (1.f / 4294967296.f);
-        ranked.strength(i) = (fast * fast * harris) * (moment * moment);
-        ranked.response(i) = response;
-    }
 }
 
-LeafPoint LevelDetection::point(size_t index) const
+// By leaf: whether its centre may have a corner.
+void LevelDetection::findUsable(int depth, DetectionScratch& scratch) const
 {
-    const Corner& corner = found.kept[index];
-    const LeafPoint point = {0, responses.empty() ? float(corner.score) : responses[index].response,
-                             float(corner.x), float(corner.y), int(index)};
-    return point;
+    scratch.usable.clear();
+    for (unsigned leaf = 0; !level->mask.empty() && leaf < 1u << (2 * depth); leaf++)
+        scratch.usable.push_back(level->mask.at<uchar>(scratch.leaves.centre(leaf)));
 }
 
-unsigned LevelDetection::leaf(const LeafPoint& point) const
-{
-    return leafColumn(int(((int64(point.x) - root.x) << depth) / root.width)) +
-           leafRow(int(((int64(point.y) - root.y) << depth) / root.height), depth);
-}
-
-float LevelDetection::response(const LeafPoint& point) const
-{
-    if (!responses.empty() || !rules.rankByHarris)
-        return point.response;
-    RankedCorner ofPoint;
-    respond(&found.kept[point.index], 1, &ofPoint);
-    return ofPoint.response;
-}
-
-PointSequence& LevelDetection::sequence(const OrderRule& rule, DetectionScratch& scratch)
+const std::vector<CornerResponse>& LevelDetection::ordered(const LevelPlan& plan, DetectionScratch& scratch)
 {
     if (!isOrdered)
     {
         for (int i = 0; i < bandCount; i++)
             searchBand(i, scratch);
-        order(rule, scratch);
+        order(plan, scratch);
     }
-    if (!rule.isRanked)
-        return balanced;
-    ruleInUse = &rule;
-    scratchInUse = &scratch;
-    return *this;
+    return inOrder;
 }
 
-bool LevelDetection::next(LeafPoint& point, const PointFilter* filter)
+bool LevelDetection::orderOthers(const LevelPlan& plan, DetectionScratch& scratch)
 {
-    if (ranked.next(point, filter))
-        return true;
-    if (!ranked.endsEarly())
+    if (!hasOthers)
         return false;
-    const size_t passed = ranked.passed();
-    orderByRank(*ruleInUse, *scratchInUse, SIZE_MAX);
-    ranked.goOnAfter(passed);
-    return ranked.next(point, filter);
+    hasOthers = false;
+    represent(plan, scratch);
+    scratch.points.clear();
+    for (size_t i = 0; i < found.kept.size(); i++)
+        scratch.points.push_back(pointAt(i, scratch.leaves));
+    stages::orderOthers(scratch.points, scratch.representatives, scratch.ranking, scratch.order);
+    scratch.corners.clear();
+    for (unsigned index : scratch.order)
+        scratch.corners.push_back(found.kept[index]);
+    const size_t before = inOrder.size(), size = scratch.corners.size();
+    inOrder.resize(before + size);
+    respond(scratch.corners.data(), size, inOrder.data() + before);
+    return !scratch.order.empty();
 }
 
-void LevelDetection::list(CornerSet set, DetectionScratch& scratch, std::vector<RankedCorner>& listed)
+void LevelDetection::list(CornerSet set, DetectionScratch& scratch, std::vector<CornerResponse>& listed)
 {
-    if (set != KEPT_CORNERS && !found.isComplete)
+    if (set != KEPT_CORNERS && !listsOthers)
     {
-        // It did not look as if they would be asked for.
         found.clear();
-        const CornerRules everything = {rules.thresholds, rules.cellSize, rules.rankByHarris, 0};
-        scratch.search.find(*level, root, everything, 0, 0, found);
+        scratch.search.find(*level, root, cornerRules(true), 0, 0, found);
+        listsOthers = true;
     }
-    respond(set == KEPT_CORNERS         ? found.kept
-            : set == SUPPRESSED_CORNERS ? found.suppressed
-                                        : found.weak,
-            listed);
+    const std::vector<Corner>& corners = set == KEPT_CORNERS         ? found.kept
+                                         : set == SUPPRESSED_CORNERS ? found.suppressed
+                                                                     : found.weak;
+    listed.resize(corners.size());
+    respond(corners.data(), corners.size(), listed.data());
 }
 
-// The responses of corners.
-void LevelDetection::respond(const Corner* corners, size_t count, RankedCorner* responding) const
+void LevelDetection::respond(const Corner* corners, size_t count, CornerResponse* responses) const
 {
-    if (rules.rankByHarris)
-        return harrisResponses(level->image, corners, count, responding);
+    if (rules.useHarris)
+        return harrisResponses(level->image, corners, count, responses);
     for (size_t i = 0; i < count; i++)
     {
-        const RankedCorner corner = {corners[i].x, corners[i].y, float(corners[i].score)};
-        responding[i] = corner;
+        const CornerResponse corner = {corners[i].x, corners[i].y, float(corners[i].score)};
+        responses[i] = corner;
     }
-}
-
-void LevelDetection::respond(const std::vector<Corner>& corners, std::vector<RankedCorner>& responding) const
-{
-    responding.resize(corners.size());
-    respond(corners.data(), corners.size(), responding.data());
 }
 
 }  // namespace stages

@@ -6,11 +6,10 @@
 #ifndef OPENCV_AQORB_DETECTION_HPP
 #define OPENCV_AQORB_DETECTION_HPP
 
-#include "balanced_sequence.hpp"
 #include "corners.hpp"
 #include "orientation.hpp"
-#include "quadtree.hpp"
-#include "ranked_sequence.hpp"
+#include "plan.hpp"
+#include "ranked_order.hpp"
 #include "types.hpp"
 
 namespace cv
@@ -25,29 +24,29 @@ struct DetectionRules
 {
     Thresholds thresholds;
     int cellSize;
-    bool rankByHarris;  //!< false: corners are ranked by their FAST score, and none is suppressed
-    KeptCount* count;   //!< of the image
-    //! For the strengths of corners in a RankedSequence.
-    const OrientationPatch* strengthPatch;
+    bool useHarris;  //!< false: the response of a corner is its FAST score, and no corner is suppressed
+    bool
+        listOthers;  //!< whether corners that are not kept are listed at once, as they will probably be needed
+    const OrientationPatch* strengthPatch;  //!< for the strengths of corners
 };
 
 //! Work space that a task of the detection needs only while it runs.
 struct DetectionScratch
 {
     BandSearch search;
-    RankedScratch ranking;
-    LeafScratch leaves;
+    LeafGrid leaves;
+    RankScratch ranking;
     std::vector<LeafPoint> points;
+    std::vector<unsigned> representatives, leavesOfRepresentatives, order;
     std::vector<Corner> corners;
-    std::vector<RankedCorner> ranked;
-    std::vector<FeaturePoint> patches;
-    std::vector<Moments> moments;
+    std::vector<CornerResponse> responses;
+    std::vector<float> strengths;
     std::vector<uchar> usable;
 };
 
-/** Finds the corners of one level and puts them into the order of selection. The level is divided into bands, so that
- several tasks can work on it at once. An object can be used again, and then needs no new memory. */
-class LevelDetection : private PointSource, private PointSequence
+/** Finds the corners of one level and puts them in order. The level is divided into bands, so that several tasks can work on
+ it at once. An object can be used again, and then needs no new memory. */
+class LevelDetection
 {
 public:
     LevelDetection();
@@ -61,13 +60,17 @@ public:
     void setThresholds(const Thresholds& thresholds) { rules.thresholds = thresholds; }
     //! Finds the corners of a band. Several bands may be searched at once.
     void searchBand(int index, DetectionScratch& scratch);
-    //! Begins the sequence of all corners, once all bands have been searched.
-    void order(const OrderRule& rule, DetectionScratch& scratch);
-    //! The sequence of the corners. If the level has not been searched yet, it is searched now. The rule, which is that of
-    //! order, and the work space must stay while points are taken, as the level may have to be ranked again.
-    PointSequence& sequence(const OrderRule& rule, DetectionScratch& scratch);
-    //! Lists the corners of a set with their responses. The level must have begun its sequence.
-    void list(CornerSet set, DetectionScratch& scratch, std::vector<RankedCorner>& listed);
+    //! Puts the corners in order, once all bands have been searched.
+    void order(const LevelPlan& plan, DetectionScratch& scratch);
+    /** The corners of the level, with their responses, as FeatureSelector::take needs them. Where there are more than the
+     quota of a level whose order is rankedOrder, they are the representatives alone. If the level has not been searched
+     yet, it is searched now. */
+    const std::vector<CornerResponse>& ordered(const LevelPlan& plan, DetectionScratch& scratch);
+    //! Appends the corners that are not representatives to those that are in order. False: there are none.
+    bool orderOthers(const LevelPlan& plan, DetectionScratch& scratch);
+    //! Lists the corners of a set in raster order, with their responses. The level must have been put in order. Corners that
+    //! were not listed are found by searching the level once more.
+    void list(CornerSet set, DetectionScratch& scratch, std::vector<CornerResponse>& listed);
 
 private:
     // A part of the level whose corners are found independently.
@@ -77,33 +80,24 @@ private:
         FoundCorners corners;  // unused in the first band, whose corners go into `found` at once
     };
     FoundCorners& cornersOf(int band) { return band == 0 ? found : bands[band].corners; }
-    void respond(const Corner* corners, size_t count, RankedCorner* ranked) const;
-    void respond(const std::vector<Corner>& corners, std::vector<RankedCorner>& ranked) const;
-    void orderByRank(const OrderRule& rule, DetectionScratch& scratch, size_t enough);
-    void findStrengths(DetectionScratch& scratch);
-
-    size_t count() const CV_OVERRIDE { return found.kept.size(); }
-    LeafPoint point(size_t index) const CV_OVERRIDE;
-    unsigned leaf(const LeafPoint& point) const CV_OVERRIDE;
-    float response(const LeafPoint& point) const CV_OVERRIDE;
-    void willTake(size_t count) CV_OVERRIDE { ranked.willTake(count); }
-    bool next(LeafPoint& point, const PointFilter* filter) CV_OVERRIDE;
+    CornerRules cornerRules(bool listOthers) const;
+    LeafPoint pointAt(size_t index, const LeafGrid& leaves) const;
+    void represent(const LevelPlan& plan, DetectionScratch& scratch) const;
+    void findStrengths(DetectionScratch& scratch) const;
+    void findUsable(int depth, DetectionScratch& scratch) const;
+    void respond(const Corner* corners, size_t count, CornerResponse* responses) const;
 
     const Level* level;
     Rect root;
     DetectionRules rules;
-    std::vector<Band> bands;              // it never shrinks, so that bands keep their memory
-    std::vector<Seam> seams;              // below each band but the last one
-    int bandCount;                        // of this level
-    FoundCorners found;                   // of all bands, once they are ordered
-    std::vector<RankedCorner> responses;  // of the corners, where the response alone ranks them
-    int depth;                            // of the ranked sequence
-    BalancedSequence balanced;
-    RankedSequence ranked;
+    std::vector<Band> bands;  // it never shrinks, so that bands keep their memory
+    std::vector<Seam> seams;  // below each band but the last one
+    int bandCount;            // of this level
+    FoundCorners found;       // of all bands, once they are in order
+    std::vector<CornerResponse> inOrder;
     bool isOrdered;
-    // The arguments of sequence.
-    const OrderRule* ruleInUse;
-    DetectionScratch* scratchInUse;
+    bool hasOthers;    // whether corners are missing in the order
+    bool listsOthers;  // whether those were found that are not kept
 };
 
 }  // namespace stages

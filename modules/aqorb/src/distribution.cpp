@@ -50,7 +50,7 @@ double distributionOccupancy(const std::vector<KeyPoint>& keypoints, Size imageS
 {
     stages::checkImageSize(imageSize);
     if (grid.width <= 0 || grid.height <= 0 || int64(grid.width) * grid.height > (1 << 24))
-        CV_Error_(Error::StsOutOfRange, ("grid: got %d x %d; both > 0 and at most 2^24 cells are accepted",
+        CV_Error_(Error::StsOutOfRange, ("grid must be positive and have at most 2^24 cells, got %d x %d",
                                          grid.width, grid.height));
     std::vector<uchar> occupied(size_t(grid.width) * grid.height, uchar(0));
     size_t cells = 0;

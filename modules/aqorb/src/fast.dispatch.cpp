@@ -128,196 +128,131 @@ int countCorners(const CornerBlock& block)
     return countBits(block.columns);
 }
 
-class FastScanner::Impl
+void FastScanner::begin(const Level& level, const Rect& region, Thresholds thresholds, ScorePlane& plane_,
+                        CornerBlocks& corners_)
 {
-public:
-    void begin(const Level& level, const Rect& region, Thresholds thresholds, ScorePlane& plane_,
-               CornerBlocks& corners_)
+    plane = &plane_;
+    const Mat& image = level.image;
+    const Rect pixels = fastRegion(image.size(), Rect(Point(), image.size()));
+    int widths[SCAN_WIDTHS];
+    widthsOfScan(widths);
+    int width = 0;
+    while (pixels.width < widths[width])
+        width++;
+    width = widths[width];
+    coverWithBlocks(Range(region.x, region.x + region.width), Range(pixels.x, pixels.x + pixels.width), width,
+                    blocks);
+    const size_t blockCount = blocks.size();
+    growTo(listed, 2 * blockCount);
+    growTo(floors, size_t(image.cols));
+    const size_t rowBytes = rowBytesOf(image.cols);
+    growTo(scores, SCAN_ROWS * rowBytes + SCAN_ALIGNMENT);
+    corners = &corners_;
+    corners->count = corners->cornerCount = 0;
+
+    state.image = image.ptr();
+    state.step = ptrdiff_t(image.step);
+    state.mask = level.mask.empty() ? 0 : level.mask.ptr();
+    state.maskStep = ptrdiff_t(level.mask.step);
+    state.strongThreshold = std::min(std::max(thresholds.ini, 1), 255);  // suppression needs scores > 0
+    state.threshold = std::min(std::max(thresholds.min, 1), state.strongThreshold);
+    state.top = region.y;
+    state.bottom = region.y + region.height;
+    state.scoredTop = std::max(state.top - 1, pixels.y);
+    state.scoredBottom = std::min(state.bottom + 1, pixels.y + pixels.height);
+    state.left = pixels.x;
+    state.right = pixels.x + pixels.width;
+    state.y = state.top - 1;
+    state.blocks = blocks.data();
+    state.blockCount = int(blockCount);
+    state.blockWidth = width;
+    state.scores = alignedRow(scores.data(), blocks[0].x);
+    state.scoreStep = ptrdiff_t(rowBytes);
+    for (int i = 0; i < 2; i++)
     {
-        plane = &plane_;
-        const Mat& image = level.image;
-        const Rect pixels = fastRegion(image.size(), Rect(Point(), image.size()));
-        int widths[SCAN_WIDTHS];
-        widthsOfScan(widths);
-        int width = 0;
-        while (pixels.width < widths[width])
-            width++;
-        width = widths[width];
-        coverWithBlocks(Range(region.x, region.x + region.width), Range(pixels.x, pixels.x + pixels.width),
-                        width, blocks);
-        const size_t blockCount = blocks.size();
-        growTo(listed, 2 * blockCount);
-        growTo(floors, size_t(image.cols));
-        const size_t rowBytes = rowBytesOf(image.cols);
-        growTo(scores, SCAN_ROWS * rowBytes + SCAN_ALIGNMENT);
-        corners = &corners_;
-        corners->count = corners->cornerCount = 0;
-
-        state.image = image.ptr();
-        state.step = ptrdiff_t(image.step);
-        state.mask = level.mask.empty() ? 0 : level.mask.ptr();
-        state.maskStep = ptrdiff_t(level.mask.step);
-        state.strongThreshold = std::min(std::max(thresholds.ini, 1), 255);  // suppression needs scores > 0
-        state.threshold = std::min(std::max(thresholds.min, 1), state.strongThreshold);
-        state.top = region.y;
-        state.bottom = region.y + region.height;
-        state.scoredTop = std::max(state.top - 1, pixels.y);
-        state.scoredBottom = std::min(state.bottom + 1, pixels.y + pixels.height);
-        state.left = pixels.x;
-        state.right = pixels.x + pixels.width;
-        state.y = state.top - 1;
-        state.blocks = blocks.data();
-        state.blockCount = int(blockCount);
-        state.blockWidth = width;
-        state.scores = alignedRow(scores.data(), blocks[0].x);
-        state.scoreStep = ptrdiff_t(rowBytes);
-        for (int i = 0; i < 2; i++)
-        {
-            state.listed[i] = listed.data() + i * blockCount;
-            state.listedCount[i] = 0;
-        }
-        state.planeStep = plane->step();
-        columns = Range(region.x, region.x + region.width);
+        state.listed[i] = listed.data() + i * blockCount;
+        state.listedCount[i] = 0;
     }
-
-    void scan(int end)
-    {
-        end = std::min(end, state.bottom);
-        const size_t rows = size_t(std::max(end - state.y + 1, 0));  // suppression is one row behind
-        state.planeTop = plane->topRow();
-        state.plane = plane->row(state.planeTop);
-        state.foundCount = corners->count;
-        growTo(corners->storage, state.foundCount + rows * blocks.size() + 2);
-        state.found = corners->storage.data();
-        strong.assign(blocks.size(), 0);
-        state.strong = strong.data();
-        std::fill_n(floors.begin() + blocks[0].x, blocks.back().x + state.blockWidth - blocks[0].x,
-                    uchar(255));
-        std::fill_n(floors.begin() + columns.start, columns.size(), uchar(0));
-        continueFastScan(state, end);
-    }
-
-    bool hasStrong(const Range& range) const
-    {
-        const int width = state.blockWidth;
-        const int before = (range.start - blocks[0].x) / width;
-        for (size_t i = size_t(std::max(before, 0)); i < blocks.size() && blocks[i].x < range.end; i++)
-        {
-            if (strong[i] & columnsOf(blocks[i].x, width, range))
-                return true;
-        }
-        return false;
-    }
-
-    void dropWeak(const Range& range)
-    {
-        const Range inside = range & columns;
-        std::fill(floors.begin() + inside.start, floors.begin() + inside.end, uchar(state.strongThreshold));
-    }
-
-    void collect(std::vector<Corner>* dropped)
-    {
-        if (dropped)
-            listDropped(*dropped);
-        corners->cornerCount += dropCornersOfScan(state, corners->count, floors.data());
-        corners->count = state.foundCount;
-    }
-
-private:
-    void listDropped(std::vector<Corner>& dropped) const
-    {
-        for (int i = corners->count; i < state.foundCount; i++)
-        {
-            const CornerBlock& block = state.found[i];
-            const uchar* scoresOfRow = plane->row(block.y);
-            for (uint64 left = block.columns; left; left &= left - 1)
-            {
-                const int x = block.x + trailingZeros(left);
-                const Corner corner = {x, block.y, scoresOfRow[x] - 1};
-                if (scoresOfRow[x] <= floors[x])
-                    dropped.push_back(corner);
-            }
-        }
-    }
-
-    FastScan state;
-    std::vector<ScanBlock> blocks;
-    std::vector<uchar> scores, floors;
-    std::vector<int> listed;
-    std::vector<uint64> strong;
-    ScorePlane* plane;
-    CornerBlocks* corners;
-    Range columns;
-};
-
-FastScanner::FastScanner() : impl(makePtr<Impl>())
-{
-}
-
-void FastScanner::begin(const Level& level, const Rect& region, Thresholds thresholds, ScorePlane& plane,
-                        CornerBlocks& found)
-{
-    impl->begin(level, region, thresholds, plane, found);
+    state.planeStep = plane->step();
+    columns = Range(region.x, region.x + region.width);
 }
 
 void FastScanner::scan(int end)
 {
-    impl->scan(end);
+    end = std::min(end, state.bottom);
+    const size_t rows = size_t(std::max(end - state.y + 1, 0));  // suppression is one row behind
+    state.planeTop = plane->topRow();
+    state.plane = plane->row(state.planeTop);
+    state.foundCount = corners->count;
+    growTo(corners->storage, state.foundCount + rows * blocks.size() + 2);
+    state.found = corners->storage.data();
+    strong.assign(blocks.size(), 0);
+    state.strong = strong.data();
+    std::fill_n(floors.begin() + blocks[0].x, blocks.back().x + state.blockWidth - blocks[0].x, uchar(255));
+    std::fill_n(floors.begin() + columns.start, columns.size(), uchar(0));
+    continueFastScan(state, end);
 }
 
-bool FastScanner::hasStrong(const Range& columns) const
+bool FastScanner::hasStrong(const Range& range) const
 {
-    return impl->hasStrong(columns);
+    const int width = state.blockWidth;
+    const int before = (range.start - blocks[0].x) / width;
+    for (size_t i = size_t(std::max(before, 0)); i < blocks.size() && blocks[i].x < range.end; i++)
+    {
+        if (strong[i] & columnsOf(blocks[i].x, width, range))
+            return true;
+    }
+    return false;
 }
 
-void FastScanner::dropWeak(const Range& columns)
+void FastScanner::dropWeak(const Range& range)
 {
-    impl->dropWeak(columns);
+    const Range inside = range & columns;
+    std::fill(floors.begin() + inside.start, floors.begin() + inside.end, uchar(state.strongThreshold));
 }
 
 void FastScanner::collect(std::vector<Corner>* dropped)
 {
-    impl->collect(dropped);
+    if (dropped)
+        listDropped(*dropped);
+    corners->cornerCount += dropCornersOfScan(state, corners->count, floors.data());
+    corners->count = state.foundCount;
 }
 
-void listCorners(const CornerBlocks& blocks, const ScorePlane& plane, std::vector<Corner>& corners)
+void FastScanner::listDropped(std::vector<Corner>& dropped) const
 {
-    for (int i = 0; i < blocks.count; i++)
+    const size_t before = dropped.size();
+    listCorners(state.found + corners->count, state.found + state.foundCount, *plane, dropped);
+    const auto stays = [&](const Corner& corner) { return corner.score + 1 > floors[corner.x]; };
+    dropped.erase(std::remove_if(dropped.begin() + before, dropped.end(), stays), dropped.end());
+}
+
+void listCorners(const CornerBlock* first, const CornerBlock* last, const ScorePlane& plane,
+                 std::vector<Corner>& corners)
+{
+    for (const CornerBlock* block = first; block < last; block++)
     {
-        const CornerBlock& block = blocks.storage[i];
-        const uchar* scores = plane.row(block.y);
-        for (uint64 columns = block.columns; columns; columns &= columns - 1)
+        const uchar* scores = plane.row(block->y);
+        for (uint64 columns = block->columns; columns; columns &= columns - 1)
         {
-            const int x = block.x + trailingZeros(columns);
-            const Corner corner = {x, block.y, scores[x] - 1};
+            const int x = block->x + trailingZeros(columns);
+            const Corner corner = {x, block->y, scores[x] - 1};
             corners.push_back(corner);
         }
     }
 }
 
-static void neighborCornerScores(const uchar* p, ptrdiff_t step, int lane, int scores[3][3])
+static void neighborCornerScores(const uchar* p, ptrdiff_t step, int scores[3][3])
 {
-    CV_CPU_DISPATCH(neighborScores, (p, step, lane, scores), CV_CPU_DISPATCH_MODES_ALL);
+    CV_CPU_DISPATCH(neighborScores, (p, step, scores), CV_CPU_DISPATCH_MODES_ALL);
 }
 
 void cornerScores3x3(const Mat& image, int x, int y, int scores[3][3])
 {
-    const int READ = 4, LANES = 16;
-    // At the right border the vectors begin further to the left.
-    const int lane = std::max(x - 1 + LANES + RADIUS - image.cols, 0);
-    if (x - lane >= READ && y >= READ && x + READ < image.cols && y + READ < image.rows)
-    {
-        neighborCornerScores(image.ptr(y) + x, ptrdiff_t(image.step), lane, scores);
-        return;
-    }
+    const int READ = 17;  // as far as vectors read
     PatchBuffer buffer;
     const Patch patch = patchAround(image, x, y, READ, buffer);
-    for (int dy = -1; dy <= 1; dy++)
-    {
-        for (int dx = -1; dx <= 1; dx++)
-            scores[dy + 1][dx + 1] =
-                cpu_baseline::scoreOfPixel(patch.center + dy * patch.step + dx, patch.step);
-    }
+    neighborCornerScores(patch.center, patch.step, scores);
 }
 
 }  // namespace stages

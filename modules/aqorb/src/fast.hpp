@@ -26,8 +26,8 @@ struct CornerBlocks
 
 int countCorners(const CornerBlock& block);
 
-/** The scores of corners by pixel, 0 where there is none. The plane holds some rows of a region only, and slides down
- over the region. */
+/** By pixel, the score of a corner plus 1, as cornerScores3x3 counts; 0 where there is none. The plane holds some rows
+ of a region only, and slides down over the region. */
 class ScorePlane
 {
 public:
@@ -61,42 +61,6 @@ private:
 //! The part of a region in which there may be FAST corners: the pixels whose whole circle is inside the image.
 Rect fastRegion(Size imageSize, const Rect& region);
 
-/** Finds the FAST-9/16 corners of a region of a level, with 3x3 non-maximum suppression, from top to bottom and some
- rows at a time. Corners of score >= thresholds.ini are called strong, those below it but >= thresholds.min weak.
- An object can be used again, and then needs no new memory. */
-class FastScanner
-{
-public:
-    FastScanner();
-    /** Starts with the first row of a region.
-     @param region inside fastRegion, not empty
-     @param plane gets the scores of the corners of the rows that it holds, each one more than Corner::score
-     @param found gets the corners. Between two scans the caller may take blocks out. */
-    void begin(const Level& level, const Rect& region, Thresholds thresholds, ScorePlane& plane,
-               CornerBlocks& found);
-    //! Scans the next rows, up to the row before `end`. The plane must hold them.
-    void scan(int end);
-    //! Whether the rows of the last scan have a strong corner in some columns.
-    bool hasStrong(const Range& columns) const;
-    //! Leaves out the weak corners of the last scan in some columns.
-    void dropWeak(const Range& columns);
-    //! Adds the corners of the last scan that were not left out to those found.
-    //! @param dropped gets the others; 0: they are not listed
-    void collect(std::vector<Corner>* dropped);
-
-private:
-    class Impl;
-    Ptr<Impl> impl;
-};
-
-//! Appends the corners of blocks in raster order.
-void listCorners(const CornerBlocks& blocks, const ScorePlane& plane, std::vector<Corner>& corners);
-
-/** The unthresholded FAST scores, -255 to 255, of (x, y) and its neighbours: scores[1 + dy][1 + dx]. A score is the
- largest over the 16 arcs of 9 circle pixels of their least difference to the centre, brighter or darker. That is one
- more than the response of cv::FAST. */
-void cornerScores3x3(const Mat& image, int x, int y, int scores[3][3]);
-
 // ---- for the kernel: plain structs only, see types.hpp ---------------------------------------
 
 //! Neighbouring pixels of a row that are scored together.
@@ -106,8 +70,8 @@ struct ScanBlock
     uint64 wanted;  //!< bit i: whether a corner at x + i is wanted
 };
 
-const int SCAN_ROWS = 4;  // rows of scores that are kept: at least three, and a power of two
-const int SCAN_WIDTHS = 3;
+const int SCAN_ROWS = 4;    // rows of scores that are kept: at least three, and a power of two
+const int SCAN_WIDTHS = 3;  // of blocks that a CPU has: wide vectors, narrow ones, single pixels
 // Bytes to which scores are aligned, so that as few vectors as possible cross the border of a cache line.
 const int SCAN_ALIGNMENT = 64;
 const int SCAN_MARGIN = 64;  // columns around the scores of a row that vectors may touch
@@ -142,6 +106,52 @@ struct FastScan
     CornerBlock* found;  //!< has space for all blocks of the rows to scan, and two more
     int foundCount;
 };
+
+// ---- of the stage -----------------------------------------------------------------------------
+
+/** Finds the FAST-9/16 corners of a region of a level, with 3x3 non-maximum suppression, from top to bottom and some
+ rows at a time. Corners of score >= thresholds.ini are called strong, those below it but >= thresholds.min weak.
+ An object can be used again, and then needs no new memory. */
+class FastScanner
+{
+public:
+    /** Starts with the first row of a region.
+     @param region inside fastRegion, not empty
+     @param plane gets the scores of the corners of the rows that it holds, each one more than Corner::score
+     @param found gets the corners. Between two scans the caller may take blocks out. */
+    void begin(const Level& level, const Rect& region, Thresholds thresholds, ScorePlane& plane,
+               CornerBlocks& found);
+    //! Scans the next rows, up to the row before `end`. The plane must hold them.
+    void scan(int end);
+    //! Whether the rows of the last scan have a strong corner in some columns.
+    bool hasStrong(const Range& columns) const;
+    //! Leaves out the weak corners of the last scan in some columns.
+    void dropWeak(const Range& columns);
+    //! Adds the corners of the last scan that were not left out to those found.
+    //! @param dropped gets the others; 0: they are not listed
+    void collect(std::vector<Corner>* dropped);
+
+private:
+    void listDropped(std::vector<Corner>& dropped) const;
+
+    FastScan state;
+    std::vector<ScanBlock> blocks;
+    std::vector<uchar> scores, floors;
+    std::vector<int> listed;
+    std::vector<uint64> strong;
+    ScorePlane* plane;
+    CornerBlocks* corners;
+    Range columns;
+};
+
+//! Appends the corners of blocks in raster order.
+void listCorners(const CornerBlock* first, const CornerBlock* last, const ScorePlane& plane,
+                 std::vector<Corner>& corners);
+
+/** The unthresholded FAST scores, -255 to 255, of (x, y) and its neighbours: scores[1 + dy][1 + dx]. A score is the
+ largest over the 16 arcs of 9 circle pixels of their least difference to the centre, brighter or darker. That is one
+ more than the response of cv::FAST. */
+void cornerScores3x3(const Mat& image, int x, int y, int scores[3][3]);
 
 }  // namespace stages
 }  // namespace aqorb

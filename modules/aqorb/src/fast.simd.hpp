@@ -31,9 +31,8 @@ void continueScan(FastScan& scan, int end);
  @return number of corners left; scan.foundCount becomes the number of blocks that have any */
 int dropCorners(FastScan& scan, int first, const uchar* floors);
 
-/** The scores of cornerScores3x3 for p and its neighbours.
- @param lane 0 to 13, the lane of the left neighbour in vectors of 16 pixels; 3 pixels around these must be readable */
-void neighborScores(const uchar* p, ptrdiff_t step, int lane, int scores[3][3]);
+//! cornerScores3x3 of p. The 4 pixels around it, and the 17 to its right, must be readable.
+void neighborScores(const uchar* p, ptrdiff_t step, int scores[3][3]);
 
 #ifndef CV_CPU_OPTIMIZATION_DECLARATIONS_ONLY
 
@@ -128,8 +127,9 @@ template <typename Vectors> void suppressRow(FastScan& scan, int y)
         V under = Greatest::of(Greatest::of(Vectors::load(d - 1), Vectors::load(d)), Vectors::load(d + 1));
         if (mask)
             under = Greatest::of(under, Vectors::whereZero(Vectors::load(mask + x)));
-        const uint64 columns = Vectors::storeGreatest(corners + x, score, over, under, Vectors::load(s - 1),
-                                                      Vectors::load(s + 1));
+        const V beside = Greatest::of(Vectors::load(s - 1), Vectors::load(s + 1));
+        const uint64 columns =
+            Vectors::storeGreater(corners + x, score, Greatest::of(Greatest::of(over, under), beside));
         strong[listed[i]] |= columns & Vectors::maskGreater(score, strongest);
         // The plane has got corners in columns that are not wanted, too. dropCorners clears them.
         found->x = x;
@@ -211,30 +211,26 @@ int dropCorners(FastScan& scan, int first, const uchar* floors)
     return dropFromBlocks<Single>(scan, first, floors);
 }
 
-void neighborScores(const uchar* p, ptrdiff_t step, int lane, int scores[3][3])
+void neighborScores(const uchar* p, ptrdiff_t step, int scores[3][3])
 {
-#if CV_SIMD
-    const int WIDTH = 16;
-    for (int row = 0; row < 3; row += ROWS_AT_ONCE)
-    {
-        const uchar* q = p + (row - 1) * step - 1;
-        const Sides<Rows> best = bestArc(Around<Rows>(q - lane, step));
-        uchar bright[CV_SIMD_WIDTH], dark[CV_SIMD_WIDTH];
-        Rows::store(bright, best.bright);
-        Rows::store(dark, best.dark);
-        for (int k = 0; k < ROWS_AT_ONCE; k++, q += step)
-        {
-            for (int i = 0; i < 3; i++)
-                scores[row + k][i] =
-                    Greatest::of(bright[k * WIDTH + lane + i] - q[i], q[i] - dark[k * WIDTH + lane + i]);
-        }
-    }
-#else
-    (void)lane;
     for (int row = 0; row < 3; row++)
+    {
+        const uchar* const q = p + (row - 1) * step - 1;
+#if CV_SIMD
+        const Sides<Narrow> best = bestArc(Around<Narrow>(q, step));
+        uchar bright[16], dark[16];
+        Narrow::store(bright, best.bright);
+        Narrow::store(dark, best.dark);
         for (int i = 0; i < 3; i++)
-            scores[row][i] = scoreOfPixel(p + (row - 1) * step - 1 + i, step);
+            scores[row][i] = Greatest::of(bright[i] - q[i], q[i] - dark[i]);
+#else
+        for (int i = 0; i < 3; i++)
+        {
+            const Sides<Single> best = bestArc(Around<Single>(q + i, step));
+            scores[row][i] = Greatest::of(best.bright - q[i], q[i] - best.dark);
+        }
 #endif
+    }
 }
 
 #endif  // CV_CPU_OPTIMIZATION_DECLARATIONS_ONLY

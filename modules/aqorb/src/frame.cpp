@@ -6,8 +6,6 @@
 #include "precomp.hpp"
 
 #include "frame.hpp"
-#include "input.hpp"
-#include "plan.hpp"
 #include "threshold.hpp"
 
 namespace cv
@@ -32,7 +30,10 @@ Frame::Frame(const Parameters& parameters_, const Tables& tables_, Workspace& wo
       tables(tables_),
       workspace(workspace_),
       levels(workspace_.levels),
+      work(workspace_.work),
       threads(TaskQueue::threadsInUse()),
+      isRanked(parameters_.selectionType == AdaptiveQuadtreeORB::RANKED_SELECTION),
+      levelCount(0),
       areGiven(false),
       withDescriptors(true)
 {
@@ -44,25 +45,33 @@ Frame::~Frame()
     workspace.queue.clear();
 }
 
-void Frame::put(Kind kind, int level, int part)
+void Frame::put(Kind kind, int level, int part, const Range& range)
 {
     // With one thread a level is described while its rows are in the cache. With several, what is to be described is left
     // for when there is nothing else to do.
     const int first = kind == DESCRIBE && threads == 1 ? 0 : int(kind) + 1;
-    const Task task = {kind, level, part};
+    const Task task = {kind, level, part, range};
     workspace.queue.put((first << 20) - level, task);
 }
 
-void Frame::runTasks()
+void Frame::begin(int count)
 {
-    if (workspace.scratches.size() < size_t(threads))
-        workspace.scratches.resize(size_t(threads));
+    levelCount = count;
+    while (work.size() < size_t(levelCount))
+        work.push_back(LevelWork());
+    if (workspace.workers.size() < size_t(threads))
+        workspace.workers.resize(size_t(threads));
+}
+
+void Frame::run()
+{
+    put(MAKE, 0);
     workspace.queue.run(threads, *this);
 }
 
 void Frame::run(const Task& task, int worker)
 {
-    WorkerScratch& scratch = workspace.scratches[worker];
+    WorkerScratch& scratch = workspace.workers[worker];
     switch (task.kind)
     {
     case MEASURE:
@@ -76,7 +85,7 @@ void Frame::run(const Task& task, int worker)
     case SELECT:
         return select(task.level, scratch);
     default:
-        return describe(task.level, task.part, scratch);
+        return describe(task, scratch);
     }
 }
 
@@ -84,50 +93,51 @@ void Frame::detect(bool withDescriptors_)
 {
     withDescriptors = withDescriptors_;
     parameters.checkTogether(parameters.nlevels);
-    workspace.layOutLevels(parameters.nlevels, parameters.firstLevel, parameters.scaleFactor,
-                           shortestSide(parameters));
-    if (workspace.levelCount == 0)
+    begin(levels.layOut(parameters.nlevels, shortestSide(parameters)));
+    if (levelCount == 0)
         return;
-    planLevels();
+    plan();
     put(MEASURE, 0);
-    put(MAKE, 0);
-    runTasks();
+    run();
 }
 
-void Frame::planLevels()
+// Plans the levels, and begins their detection and the selection.
+void Frame::plan()
 {
-    const int count = workspace.levelCount, border = parameters.edgeThreshold;
-    const bool isRanked = parameters.selectionType == AdaptiveQuadtreeORB::RANKED_SELECTION;
+    const int border = parameters.edgeThreshold;
     DetectionRules rules;
     rules.thresholds.ini = rules.thresholds.min = 0;  // to be measured
     rules.cellSize = parameters.cellSize;
-    rules.rankByHarris = parameters.scoreType == ORB::HARRIS_SCORE;
-    rules.count = &workspace.keptCount;
+    rules.useHarris = parameters.scoreType == ORB::HARRIS_SCORE;
     rules.strengthPatch = &tables.strengthPatch;
     workspace.regions.clear();
     double pixels = 0;
-    for (int i = 0; i < count; i++)
+    for (int i = 0; i < levelCount; i++)
     {
-        const Size size = levels[i].level.image.size();
-        workspace.regions.push_back(Size(size.width - 2 * border, size.height - 2 * border));
+        const Size size = levels[i].image.size();
+        const LevelRegion region = {Size(size.width - 2 * border, size.height - 2 * border), levels[i].scale};
+        workspace.regions.push_back(region);
         pixels += double(size.width) * size.height;
     }
     if (isRanked)
-        areaQuotas(parameters.nfeatures, workspace.regions, workspace.areaQuotas);
-    const std::vector<int>& quotas = isRanked ? workspace.areaQuotas : tables.quotas;
-    workspace.keptCount.begin(parameters.nfeatures, pixels);
+        rankedQuotas(parameters.nfeatures, workspace.regions, workspace.rankedQuotas);
+    const std::vector<int>& quotas = isRanked ? workspace.rankedQuotas : tables.quotas;
+    // Where a feature is wanted of so few pixels, corners that the rules pass over will probably be needed.
+    const double FEW_PIXELS = 130;
+    rules.listOthers = pixels < FEW_PIXELS * parameters.nfeatures;
     // Several threads share about four bands each.
     const double pixelsOfBand = threads == 1 ? pixels : pixels / (4 * threads);
-    for (int i = 0; i < count; i++)
+    for (int i = 0; i < levelCount; i++)
     {
-        LevelWork& work = levels[i];
+        LevelWork& ofLevel = work[i];
         // Levels too small for a keypoint leave their quotas to the next finer one.
-        const int added = i < count - 1 ? 0 : std::accumulate(quotas.begin() + count, quotas.end(), 0);
-        work.selection = planLevel(parameters, work.level, quotas[i], added);
-        const int bands = cvCeil(double(work.level.image.total()) / pixelsOfBand);
-        work.bandsLeft = work.detection.begin(work.level, work.selection.order.root, rules, bands);
-        work.inputsOfSearch = 2;
-        work.inputsOfSelection = i == count - 1 ? 1 : 2;
+        const int added =
+            i < levelCount - 1 ? 0 : std::accumulate(quotas.begin() + levelCount, quotas.end(), 0);
+        ofLevel.plan = planLevel(parameters, levels[i], quotas[i], added);
+        const int bands = cvCeil(double(levels[i].image.total()) / pixelsOfBand);
+        ofLevel.bandsLeft = ofLevel.detection.begin(levels[i], ofLevel.plan.root, rules, bands);
+        ofLevel.inputsOfSearch = 2;
+        ofLevel.inputsOfSelection = i == levelCount - 1 ? 1 : 2;
     }
 }
 
@@ -135,15 +145,15 @@ void Frame::planLevels()
 void Frame::measure()
 {
     CV_TRACE_REGION("measure");
-    const Level& input = workspace.input;
+    const Level& input = levels.input();
     const Thresholds thresholds =
         parameters.adaptiveThreshold
             ? adaptiveThresholds(varianceOverMean(input.image, input.mask), parameters.fastThreshold,
                                  parameters.minThresholdRatio)
             : fixedThresholds(parameters.fastThreshold, parameters.minThresholdRatio);
-    for (int i = 0; i < workspace.levelCount; i++)
-        levels[i].detection.setThresholds(thresholds);
-    for (int i = workspace.levelCount - 1; i >= 0; i--)
+    for (int i = 0; i < levelCount; i++)
+        work[i].detection.setThresholds(thresholds);
+    for (int i = levelCount - 1; i >= 0; i--)
         searchWhenReady(i);
 }
 
@@ -151,45 +161,43 @@ void Frame::measure()
 void Frame::make(int level)
 {
     CV_TRACE_REGION("make");
-    workspace.makeLevel(level, parameters.firstLevel);
-    const bool isLast = level == workspace.levelCount - 1;
-    const bool isMasked = !areGiven && !workspace.input.mask.empty();
-    // The next level is made from this mask as it is, so masks are completed at the end.
-    if (!isMasked && !areGiven)
-        planOrder(parameters, Mat(), levels[level].selection);
+    levels.make(level);
+    const bool isLast = level == levelCount - 1, isMasked = !levels.input().mask.empty();
     if (!isLast)
         put(MAKE, level + 1);
-    else if (isMasked)
-        completeMasks();
     if (areGiven)
-        putRanges(level, 0);
-    else if (!isMasked)
-        searchWhenReady(level);
+        return putRanges(level, BY_QUOTA);
+    // The next level is made from this mask as it is, so masks are completed at the end.
+    if (isMasked && isLast)
+        completeMasks();
+    if (isMasked)
+        return;
+    planRanks(parameters, Mat(), work[level].plan);
+    searchWhenReady(level);
 }
 
 // Clears the pixels of masks that have no usable position in the image, and goes on with all levels.
 void Frame::completeMasks()
 {
-    for (int i = 0; i < workspace.levelCount; i++)
+    for (int i = 0; i < levelCount; i++)
     {
-        Level& masked = levels[i].level;
-        if (!masked.isInput)
-            maskPositions(workspace.input.mask, rulesOf(i).position, masked.mask, workspace.maskColumns);
-        planOrder(parameters, masked.mask, levels[i].selection);
+        if (!levels[i].isInput)
+            maskPositions(levels.input().mask, rulesOf(i).position, levels[i].mask, workspace.maskColumns);
+        planRanks(parameters, levels[i].mask, work[i].plan);
     }
-    for (int i = workspace.levelCount - 1; i >= 0; i--)
+    for (int i = levelCount - 1; i >= 0; i--)
         searchWhenReady(i);
 }
 
 void Frame::searchWhenReady(int level)
 {
-    LevelWork& work = levels[level];
-    if (CV_XADD(&work.inputsOfSearch, -1) != 1)
+    LevelWork& ofLevel = work[level];
+    if (CV_XADD(&ofLevel.inputsOfSearch, -1) != 1)
         return;
     // A level without a quota is not searched unless selection asks for its corners.
-    if (work.selection.quota == 0)
+    if (ofLevel.plan.quota == 0)
         return selectWhenReady(level);
-    for (int i = 0, bands = work.bandsLeft; i < bands; i++)
+    for (int i = 0, bands = ofLevel.bandsLeft; i < bands; i++)
         put(SEARCH, level, i);
 }
 
@@ -197,9 +205,8 @@ void Frame::searchWhenReady(int level)
 void Frame::search(int level, int band, WorkerScratch& scratch)
 {
     CV_TRACE_REGION("search");
-    LevelWork& work = levels[level];
-    work.detection.searchBand(band, scratch.detection);
-    if (CV_XADD(&work.bandsLeft, -1) == 1)
+    work[level].detection.searchBand(band, scratch.detection);
+    if (CV_XADD(&work[level].bandsLeft, -1) == 1)
         put(ORDER, level);
 }
 
@@ -207,13 +214,13 @@ void Frame::search(int level, int band, WorkerScratch& scratch)
 void Frame::order(int level, WorkerScratch& scratch)
 {
     CV_TRACE_REGION("order");
-    levels[level].detection.order(levels[level].selection.order, scratch.detection);
+    work[level].detection.order(work[level].plan, scratch.detection);
     selectWhenReady(level);
 }
 
 void Frame::selectWhenReady(int level)
 {
-    if (CV_XADD(&levels[level].inputsOfSelection, -1) == 1)
+    if (CV_XADD(&work[level].inputsOfSelection, -1) == 1)
         put(SELECT, level);
 }
 
@@ -222,170 +229,125 @@ void Frame::select(int level, WorkerScratch& scratch)
 {
     CV_TRACE_REGION("select");
     FeatureSelector& selector = workspace.selector;
-    if (level == workspace.levelCount - 1)
+    if (level == levelCount - 1)
     {
-        selector.begin(
-            workspace.input.image.size(), parameters.octaveSuppressionInUse(),
-            parameters.selectionType == AdaptiveQuadtreeORB::RANKED_SELECTION ? 1 : parameters.nlevels);
-        for (int i = 0; i <= level; i++)
-            selector.addLevel(levels[i].selection);
+        selector.begin(levels.input().image.size(), levelCount, parameters.octaveSuppressionInUse(),
+                       isRanked ? 1 : parameters.nlevels);
     }
-    LevelWork& work = levels[level];
-    if (selector.wantsOf(level) > 0)
-        selector.offer(work.detection.sequence(work.selection.order, scratch.detection));
-    collect(level, 0, scratch);
+    selector.addLevel(level, work[level].plan);  // finer levels may not be planned yet
+    take(level, scratch);
+    collect(level, BY_QUOTA, scratch);
     if (level > 0)
         return selectWhenReady(level - 1);
     fillUp(scratch);
 }
 
-// Chooses more features if the quotas of the levels did not yield as many as are wanted.
+// Takes corners of a level in their order. Those that are not representatives are put in order if they are needed.
+void Frame::take(int level, WorkerScratch& scratch)
+{
+    FeatureSelector& selector = workspace.selector;
+    if (selector.missing() == 0)
+        return;
+    LevelDetection& detection = work[level].detection;
+    selector.take(level, detection.ordered(work[level].plan, scratch.detection));
+    if (selector.missing() > 0 && detection.orderOthers(work[level].plan, scratch.detection))
+        selector.take(level, detection.ordered(work[level].plan, scratch.detection));
+}
+
+// Chooses more features if the quotas of the levels did not yield as many as are wanted: at first along the order of each
+// level, from fine to coarse, then those that the rules passed over.
 void Frame::fillUp(WorkerScratch& scratch)
 {
     CV_TRACE_FUNCTION();
     FeatureSelector& selector = workspace.selector;
-    CornerRequest request;
-    while (selector.wants(request))
+    for (int i = 0; i < levelCount; i++)
+        take(i, scratch);
+    for (CornerSet set : {KEPT_CORNERS, SUPPRESSED_CORNERS, WEAK_CORNERS})
     {
-        LevelWork& work = levels[request.level];
-        LevelDetection& detection = work.detection;
-        if (request.set == SEQUENCE_CORNERS)
+        for (int i = 0; i < levelCount && selector.missing() > 0; i++)
         {
-            selector.offer(detection.sequence(work.selection.order, scratch.detection));
-        }
-        else
-        {
-            detection.list(request.set, scratch.detection, scratch.corners);
-            selector.offer(scratch.corners);
+            work[i].detection.list(set, scratch.detection, scratch.corners);
+            selector.fill(i, scratch.corners);
         }
     }
-    for (int i = 0; i < workspace.levelCount; i++)
-        collect(i, 1, scratch);
+    for (int i = 0; i < levelCount; i++)
+        collect(i, FILLED, scratch);
+}
+
+FeatureBatch& Frame::batchOf(int level, int batch)
+{
+    return batch == BY_QUOTA ? work[level].features.byQuota : work[level].features.filled;
 }
 
 // Makes a batch of the features of a level that have been chosen since the batch before.
-void Frame::collect(int level, int index, WorkerScratch& scratch)
+void Frame::collect(int level, Batch index, WorkerScratch& scratch)
 {
-    LevelWork& work = levels[level];
-    FeatureBatch& batch = work.batches[index];
-    const size_t first = index == 0 ? 0 : work.batches[0].points.size();
+    FeatureBatch& batch = batchOf(level, index);
+    const size_t first = index == BY_QUOTA ? 0 : batchOf(level, BY_QUOTA).points.size();
     workspace.selector.chosen(level, first, scratch.corners);
-    const size_t count = scratch.corners.size();
-    batch.points.resize(count);
-    batch.keypoints.resize(count);
-    batch.order.resize(count);
-    const bool isRanked = parameters.selectionType == AdaptiveQuadtreeORB::RANKED_SELECTION;
-    for (size_t i = 0; i < count; i++)
+    batch.begin(scratch.corners.size());
+    for (const CornerResponse& corner : scratch.corners)
     {
-        const RankedCorner& corner = scratch.corners[i];
         const FeaturePoint point = {corner.x, corner.y, 0};
-        batch.points[i] = point;
-        batch.keypoints[i] =
-            KeyPoint(Point2f(), parameters.patchSize * work.level.scale, -1, corner.response, level);
-        batch.order[i] = isRanked ? ~unsignedOrderOf(corner.response) : 0;
+        batch.points.push_back(point);
+        batch.keypoints.push_back(
+            KeyPoint(Point2f(), parameters.patchSize * levels[level].scale, -1, corner.response, level));
+        batch.outputKeys.push_back(isRanked ? descendingKey(sortKey(corner.response)) : 0);
     }
     putRanges(level, index);
 }
 
-// At least so many features that a task is worth while, and so many tasks that no thread waits long for another one.
-size_t Frame::featuresOfRange() const
+// Divides a batch into ranges with enough features to be worth a task, and so many that no thread waits long for another.
+void Frame::putRanges(int level, Batch index)
 {
-    const size_t LEAST = 64;
-    return threads == 1 ? size_t(INT_MAX) : std::max(size_t(parameters.nfeatures) / (4 * threads), LEAST);
-}
-
-void Frame::putRanges(int level, int index)
-{
-    FeatureBatch& batch = levels[level].batches[index];
+    FeatureBatch& batch = batchOf(level, index);
+    const size_t LEAST = 64, count = batch.points.size();
     if (withDescriptors)
-        batch.descriptors.resize(batch.points.size() * DESCRIPTOR_BYTES);
-    const size_t most = featuresOfRange(), parts = (batch.points.size() + most - 1) / most;
+        batch.descriptors.resize(count * DESCRIPTOR_BYTES);
+    const size_t most =
+        threads == 1 ? size_t(INT_MAX) : std::max(size_t(parameters.nfeatures) / (4 * threads), LEAST);
+    const size_t parts = (count + most - 1) / most;
     for (size_t i = 0; i < parts; i++)
-        put(DESCRIBE, level, int(2 * i) + index);
+        put(DESCRIBE, level, index, Range(int(count * i / parts), int(count * (i + 1) / parts)));
 }
 
 DescriptionRules Frame::rulesOf(int level) const
 {
-    const Level& described = levels[level].level;
-    const PositionMap position = {workspace.input.image.size(), described.image.size(), described.scale,
+    const Level &described = levels[level], &input = levels.input();
+    const PositionMap position = {input.image.size(), described.image.size(), described.scale,
                                   parameters.edgeThreshold, parameters.subPixel};
-    const DescriptionRules rules = {&workspace.input.mask, position, areGiven ? 0 : &tables.patch,
+    const DescriptionRules rules = {&input.mask, position, areGiven ? 0 : &tables.patch,
                                     withDescriptors ? &tables.tests : 0};
     return rules;
 }
 
-// Describes a part of the features of a batch.
-void Frame::describe(int level, int part, WorkerScratch& scratch)
+// Describes features of a batch.
+void Frame::describe(const Task& task, WorkerScratch& scratch)
 {
     CV_TRACE_REGION("describe");
-    FeatureBatch& batch = levels[level].batches[part % 2];
-    const size_t count = batch.points.size(), most = featuresOfRange(), parts = (count + most - 1) / most;
-    const size_t index = size_t(part / 2);
-    describeFeatures(levels[level].level, rulesOf(level),
-                     Range(int(count * index / parts), int(count * (index + 1) / parts)), batch,
+    describeFeatures(levels[task.level], rulesOf(task.level), task.range, batchOf(task.level, task.part),
                      scratch.description);
 }
 
 void Frame::describeGiven(const std::vector<KeyPoint>& given)
 {
     areGiven = true;
-    const Size imageSize = workspace.input.image.size();
-    const int highest = highestOctave(given);
-    parameters.checkTogether(std::max(parameters.nlevels, highest > 0 ? 2 : 1));
-    const Size smallest =
-        levelSize(imageSize, levelScale(highest, parameters.firstLevel, parameters.scaleFactor));
-    if (smallest.width < 1 || smallest.height < 1)
-        CV_Error_(Error::StsOutOfRange,
-                  ("keypoints: got octave %d, whose level would have no pixels; an octave of a "
-                   "level of at least 1 x 1 pixels is accepted (SIFT packs more than the octave "
-                   "into the field: unpack it first)",
-                   highest));
-
-    std::vector<KeyPoint>& inside = workspace.given;
-    describableKeypoints(given, imageSize, parameters.edgeThreshold, inside);
-    workspace.layOutLevels(inside.empty() ? 0 : highestOctave(inside) + 1, parameters.firstLevel,
-                           parameters.scaleFactor, 1);
-    std::vector<GivenFeature>& features = workspace.givenFeatures;
-    features.clear();
-    for (size_t i = 0; i < inside.size(); i++)
+    takeGiven(given, parameters, levels, workspace.given);
+    begin(levels.size());
+    for (int i = 0; i < levelCount; i++)
     {
-        const KeyPoint& keypoint = inside[i];
-        const float inverseScale = 1.f / levels[keypoint.octave].level.scale;
-        const GivenFeature feature = {
-            {cvRound(keypoint.pt.x * inverseScale), cvRound(keypoint.pt.y * inverseScale), keypoint.angle},
-            keypoint.octave,
-            unsigned(i)};
-        features.push_back(feature);
+        batchGiven(workspace.given, i, batchOf(i, BY_QUOTA));
+        batchOf(i, FILLED).begin(0);
     }
-    std::sort(features.begin(), features.end(),
-              [](const GivenFeature& a, const GivenFeature& b)
-              { return a.octave != b.octave ? a.octave < b.octave : InRasterOrder()(a.point, b.point); });
-    size_t next = 0;
-    for (int i = 0; i < workspace.levelCount; i++)
-    {
-        FeatureBatch& batch = levels[i].batches[0];
-        batch.points.clear();
-        batch.keypoints.clear();
-        batch.order.clear();
-        for (; next < features.size() && features[next].octave == i; next++)
-        {
-            batch.points.push_back(features[next].point);
-            batch.keypoints.push_back(inside[features[next].index]);
-            batch.order.push_back(features[next].index);
-        }
-        levels[i].batches[1].points.clear();
-    }
-    if (workspace.levelCount == 0)
-        return;
-    put(MAKE, 0);
-    runTasks();
+    if (levelCount > 0)
+        run();
 }
 
 size_t Frame::count() const
 {
     size_t sum = 0;
-    for (int i = 0; i < workspace.levelCount; i++)
-        sum += levels[i].batches[0].points.size() + levels[i].batches[1].points.size();
+    for (int i = 0; i < levelCount; i++)
+        sum += work[i].features.size();
     return sum;
 }
 
@@ -393,40 +355,11 @@ void Frame::output(std::vector<KeyPoint>& keypoints, Mat& descriptors) const
 {
     CV_TRACE_FUNCTION();
     keypoints.resize(count());
-    int next = 0;
-    for (int level = 0; level < workspace.levelCount; level++)
+    size_t row = 0;
+    for (int i = 0; i < levelCount; i++)
     {
-        const FeatureBatch& first = levels[level].batches[0];
-        const FeatureBatch& second = levels[level].batches[1];
-        // The number of each feature in raster order tells apart those that the order does not.
-        std::vector<unsigned>& rasterOrder = workspace.rasterOrder;
-        rasterOrder.clear();
-        const unsigned inFirst = unsigned(first.points.size()),
-                       count = inFirst + unsigned(second.points.size());
-        for (unsigned i = 0, j = inFirst; i < inFirst || j < count;)
-        {
-            const bool isFirst =
-                j == count || (i < inFirst && InRasterOrder()(first.points[i], second.points[j - inFirst]));
-            rasterOrder.push_back(isFirst ? i++ : j++);
-        }
-        std::vector<uint64>& numbers = workspace.numbers;
-        numbers.resize(count);
-        for (unsigned i = 0; i < count; i++)
-        {
-            const unsigned index = rasterOrder[i];
-            numbers[i] = index < inFirst ? first.order[index] : second.order[index - inFirst];
-        }
-        sortIndices(numbers, workspace.sorting, workspace.places);
-        for (unsigned i = 0; i < count; i++, next++)
-        {
-            const unsigned place = rasterOrder[workspace.places[i]];
-            const FeatureBatch& batch = place < inFirst ? first : second;
-            const size_t index = place < inFirst ? place : place - inFirst;
-            keypoints[next] = batch.keypoints[index];
-            if (!descriptors.empty())
-                std::memcpy(descriptors.ptr(next), &batch.descriptors[index * DESCRIPTOR_BYTES],
-                            DESCRIPTOR_BYTES);
-        }
+        outputFeatures(work[i].features, workspace.output, keypoints.data() + row, int(row), descriptors);
+        row += work[i].features.size();
     }
 }
 

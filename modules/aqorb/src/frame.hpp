@@ -26,16 +26,16 @@ struct Tables
     std::vector<int> quotas;  //!< by level, of BALANCED_SELECTION
 };
 
-/** Finds or describes the features of the input of a workspace. The work is divided into tasks:
+/** Finds or describes the features of an image, whose levels have begun. The work is divided into tasks:
 
  | task | of | when |
  |---|---|---|
- | measure | the image | at once: the thresholds |
+ | measure | the image | at once; it finds the thresholds |
  | make | a level | when the level before is made |
- | search | a band of a level | when the level is made and the thresholds are known |
+ | search | a band of a level | when the thresholds are known and the level is made; with a mask, when all levels are |
  | order | a level | when its bands are searched |
- | select | a level | when it is ordered and features of the next coarser level are selected |
- | describe | some features of a level | when they are selected |
+ | select | a level | when it is in order and features of the next coarser level are selected |
+ | describe | some features of a level | when they are selected, or given and the level is made |
 
  Coarse levels come first, so that their features are described while finer levels are still searched. */
 class Frame : private TaskRunner
@@ -54,9 +54,8 @@ public:
     //! @param descriptors of count() rows; an empty one if they are not wanted
     void output(std::vector<KeyPoint>& keypoints, Mat& descriptors) const;
 
-protected:
-    // In the order of their priority, see put. Protected, because a tool records the tasks.
-    enum Kind
+private:
+    enum Kind  // in the order of their priority; with one thread DESCRIBE comes first
     {
         MEASURE,
         MAKE,
@@ -65,13 +64,17 @@ protected:
         SEARCH,
         DESCRIBE
     };
+    enum Batch
+    {
+        BY_QUOTA,
+        FILLED
+    };
+    void put(Kind kind, int level, int part = 0, const Range& range = Range());
+    void begin(int count);
+    void run();
     void run(const Task& task, int worker) CV_OVERRIDE;
 
-private:
-    void put(Kind kind, int level, int part = 0);
-    void runTasks();
-
-    void planLevels();
+    void plan();
     void measure();
     void make(int level);
     void completeMasks();
@@ -80,18 +83,22 @@ private:
     void order(int level, WorkerScratch& scratch);
     void selectWhenReady(int level);
     void select(int level, WorkerScratch& scratch);
+    void take(int level, WorkerScratch& scratch);
     void fillUp(WorkerScratch& scratch);
-    void collect(int level, int batch, WorkerScratch& scratch);
-    void putRanges(int level, int batch);
-    void describe(int level, int part, WorkerScratch& scratch);
+    void collect(int level, Batch batch, WorkerScratch& scratch);
+    void putRanges(int level, Batch batch);
+    void describe(const Task& task, WorkerScratch& scratch);
+    stages::FeatureBatch& batchOf(int level, int batch);
     stages::DescriptionRules rulesOf(int level) const;
-    size_t featuresOfRange() const;
 
     const Parameters& parameters;
     const Tables& tables;
     Workspace& workspace;
-    std::deque<LevelWork>& levels;
+    stages::Levels& levels;
+    std::deque<LevelWork>& work;
     const int threads;
+    const bool isRanked;
+    int levelCount;
     bool areGiven, withDescriptors;
 };
 

@@ -21,10 +21,10 @@ namespace stages
 static const int RADIUS = 3;  // of the 5x5 block and the Sobel operators around its pixels
 static const int REACH = 6;   // to the right, where vectors read on
 
-static void rankInside(const uchar* image, ptrdiff_t step, const Corner* corners, int count,
-                       RankedCorner* ranked)
+static void respondInside(const uchar* image, ptrdiff_t step, const Corner* corners, int count,
+                          CornerResponse* responses)
 {
-    CV_CPU_DISPATCH(harrisOfCorners, (image, step, corners, count, ranked), CV_CPU_DISPATCH_MODES_ALL);
+    CV_CPU_DISPATCH(harrisOfCorners, (image, step, corners, count, responses), CV_CPU_DISPATCH_MODES_ALL);
 }
 
 // The response of a corner near the border, from a copy of its patch with reflected pixels.
@@ -33,12 +33,12 @@ static float responseAtBorder(const Mat& image, int x, int y)
     PatchBuffer buffer;
     const Patch patch = patchAround(image, x, y, REACH, buffer);
     const Corner center = {0, 0, 0};
-    RankedCorner ranked;
-    rankInside(patch.center, patch.step, &center, 1, &ranked);
-    return ranked.response;
+    CornerResponse found;
+    respondInside(patch.center, patch.step, &center, 1, &found);
+    return found.response;
 }
 
-void harrisResponses(const Mat& image, const Corner* corners, size_t count, RankedCorner* ranked)
+void harrisResponses(const Mat& image, const Corner* corners, size_t count, CornerResponse* responses)
 {
     CV_TRACE_FUNCTION();
     const Rect inside(RADIUS, RADIUS, image.cols - RADIUS - REACH, image.rows - 2 * RADIUS);
@@ -48,12 +48,12 @@ void harrisResponses(const Mat& image, const Corner* corners, size_t count, Rank
         end = i;
         while (end < count && inside.contains(Point(corners[end].x, corners[end].y)))
             end++;
-        rankInside(image.ptr(), ptrdiff_t(image.step), corners + i, int(end - i), ranked + i);
+        respondInside(image.ptr(), ptrdiff_t(image.step), corners + i, int(end - i), responses + i);
         if (end < count)
         {
             const Corner& c = corners[end];
-            const RankedCorner corner = {c.x, c.y, responseAtBorder(image, c.x, c.y)};
-            ranked[end++] = corner;
+            const CornerResponse corner = {c.x, c.y, responseAtBorder(image, c.x, c.y)};
+            responses[end++] = corner;
         }
     }
 }

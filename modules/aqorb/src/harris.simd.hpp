@@ -6,6 +6,8 @@
 #include "harris.hpp"
 #include "simd_compat.hpp"
 
+#include <cstring>
+
 namespace cv
 {
 namespace aqorb
@@ -16,7 +18,7 @@ CV_CPU_OPTIMIZATION_NAMESPACE_BEGIN
 
 //! The harrisResponses of corners. The 3 pixels around each, and the 6 to its right, must be readable.
 void harrisOfCorners(const uchar* image, ptrdiff_t step, const Corner* corners, int count,
-                     RankedCorner* ranked);
+                     CornerResponse* responses);
 
 #ifndef CV_CPU_OPTIMIZATION_DECLARATIONS_ONLY
 
@@ -29,125 +31,69 @@ struct BlockSums
     int xx, yy, xy, unused;
 };
 
-#if CV_AVX512_SKX && CV_SIMD_WIDTH == 64
-#define AQORB_WIDE(name) _mm512_##name
-const int AT_ONCE = 4;
-typedef __m512i WideVector;
-CV_ALWAYS_INLINE WideVector eachBytes(const uchar* const* p, ptrdiff_t offset)
-{
-    __m512i bytes = _mm512_broadcastq_epi64(_mm_loadl_epi64(reinterpret_cast<const __m128i*>(p[0] + offset)));
-    for (int i = 1; i < AT_ONCE; i++)
-        bytes = _mm512_mask_broadcastq_epi64(
-            bytes, __mmask8(3 << (2 * i)), _mm_loadl_epi64(reinterpret_cast<const __m128i*>(p[i] + offset)));
-    return bytes;
-}
-CV_ALWAYS_INLINE WideVector inEach(const __m128i& v)
-{
-    return _mm512_broadcast_i32x4(v);
-}
-CV_ALWAYS_INLINE WideVector both(const WideVector& a, const WideVector& b)
-{
-    return _mm512_and_si512(a, b);
-}
-#elif CV_AVX2 && CV_SIMD_WIDTH == 32
-#define AQORB_WIDE(name) _mm256_##name
-const int AT_ONCE = 2;
-typedef __m256i WideVector;
-CV_ALWAYS_INLINE WideVector eachBytes(const uchar* const* p, ptrdiff_t offset)
-{
-    return _mm256_inserti128_si256(
-        _mm256_castsi128_si256(_mm_loadl_epi64(reinterpret_cast<const __m128i*>(p[0] + offset))),
-        _mm_loadl_epi64(reinterpret_cast<const __m128i*>(p[1] + offset)), 1);
-}
-CV_ALWAYS_INLINE WideVector inEach(const __m128i& v)
-{
-    return _mm256_broadcastsi128_si256(v);
-}
-CV_ALWAYS_INLINE WideVector both(const WideVector& a, const WideVector& b)
-{
-    return _mm256_and_si256(a, b);
-}
-#endif
+#if CV_SIMD
 
-#if defined(AQORB_WIDE) || (CV_SIMD && CV_SIMD_WIDTH == 16)
+const int AT_ONCE = CV_SIMD_WIDTH / 16;  // corners: one in each 128 bits
+
+// Eight pixels for each corner, the first at p + offset.
+CV_ALWAYS_INLINE v_int16 loadEach(const uchar* const* p, ptrdiff_t offset)
+{
+#if CV_SIMD_WIDTH > 16
+    int64 pixels[AT_ONCE];
+    for (int i = 0; i < AT_ONCE; i++)
+        std::memcpy(&pixels[i], p[i] + offset, sizeof(pixels[i]));
+#endif
+#if CV_AVX512_SKX && CV_SIMD_WIDTH == 64
+    return v_int16(_mm512_cvtepu8_epi16(_mm256_set_epi64x(pixels[3], pixels[2], pixels[1], pixels[0])));
+#elif CV_AVX2 && CV_SIMD_WIDTH == 32
+    return v_int16(_mm256_cvtepu8_epi16(_mm_set_epi64x(pixels[1], pixels[0])));
+#elif CV_SIMD_WIDTH > 16
+    return v_reinterpret_as_s16(vx_load_expand(reinterpret_cast<const uchar*>(pixels)));
+#else
+    return v_reinterpret_as_s16(v_load_expand(p[0] + offset));
+#endif
+}
 
 // One row of the window of 7 x 7 pixels around each corner, in eight lanes for each corner. The first five lanes hold
-// the horizontal difference and the horizontal smoothing, the others 0.
+// the horizontal difference and the horizontal smoothing.
 struct WindowRows
 {
     v_int16 difference, smooth;
 };
 
-#ifdef AQORB_WIDE
-// Loads eight pixels for each corner, the first at p + offset.
 CV_ALWAYS_INLINE WindowRows loadRows(const uchar* const* p, ptrdiff_t offset)
 {
-    const WideVector bytes = eachBytes(p, offset);
-    // Pairs of bytes, of which maddubs makes one lane each: left and middle, right and left.
-    const WideVector leftMiddle = AQORB_WIDE(shuffle_epi8)(
-        bytes, inEach(_mm_setr_epi8(0, 1, 1, 2, 2, 3, 3, 4, 4, 5, -1, -1, -1, -1, -1, -1)));
-    const WideVector rightLeft = AQORB_WIDE(shuffle_epi8)(
-        bytes, inEach(_mm_setr_epi8(2, 0, 3, 1, 4, 2, 5, 3, 6, 4, -1, -1, -1, -1, -1, -1)));
-    WindowRows rows;
-    rows.difference = v_int16(AQORB_WIDE(maddubs_epi16)(rightLeft, AQORB_WIDE(set1_epi16)(short(0xff01))));
-    rows.smooth =
-        v_int16(AQORB_WIDE(add_epi16)(AQORB_WIDE(maddubs_epi16)(leftMiddle, AQORB_WIDE(set1_epi16)(0x0201)),
-                                      both(rightLeft, AQORB_WIDE(set1_epi16)(0x00ff))));
+    const v_int16 left = loadEach(p, offset), middle = loadEach(p, offset + 1),
+                  right = loadEach(p, offset + 2);
+    const WindowRows rows = {v_sub(right, left), v_add(v_add(left, right), v_add(middle, middle))};
     return rows;
 }
-
-// Adds up the four lanes of each corner.
-CV_ALWAYS_INLINE void addLanes(const v_int32& xx, const v_int32& yy, const v_int32& xy, BlockSums* sums)
-{
-    const WideVector x = AQORB_WIDE(add_epi32)(AQORB_WIDE(unpacklo_epi32)(xx.val, yy.val),
-                                               AQORB_WIDE(unpackhi_epi32)(xx.val, yy.val));
-    const WideVector y = AQORB_WIDE(add_epi32)(AQORB_WIDE(unpacklo_epi32)(xy.val, xy.val),
-                                               AQORB_WIDE(unpackhi_epi32)(xy.val, xy.val));
-    const WideVector all =
-        AQORB_WIDE(add_epi32)(AQORB_WIDE(unpacklo_epi64)(x, y), AQORB_WIDE(unpackhi_epi64)(x, y));
-    v_store(reinterpret_cast<int*>(sums), v_int32(all));
-}
-#undef AQORB_WIDE
-#else
-const int AT_ONCE = 1;
-CV_ALWAYS_INLINE WindowRows loadRows(const uchar* const* p, ptrdiff_t offset)
-{
-    const uchar* q = p[0] + offset;
-    const v_int16 left = v_reinterpret_as_s16(vx_load_expand(q));
-    const v_int16 middle = v_reinterpret_as_s16(vx_load_expand(q + 1));
-    const v_int16 right = v_reinterpret_as_s16(vx_load_expand(q + 2));
-    const v_int16 inBlock(-1, -1, -1, -1, -1, 0, 0, 0);
-    WindowRows rows;
-    rows.difference = v_and(v_sub(right, left), inBlock);
-    rows.smooth = v_and(v_add(v_add(left, right), v_add(middle, middle)), inBlock);
-    return rows;
-}
-CV_ALWAYS_INLINE void addLanes(const v_int32& xx, const v_int32& yy, const v_int32& xy, BlockSums* sums)
-{
-    sums->xx = v_reduce_sum(xx);
-    sums->yy = v_reduce_sum(yy);
-    sums->xy = v_reduce_sum(xy);
-}
-#endif
 
 void sumBlocks(const uchar* const* centers, ptrdiff_t step, BlockSums* sums)
 {
-    v_int32 xx = vx_setzero_s32(), yy = vx_setzero_s32(), xy = vx_setzero_s32();
+    static const short IN_BLOCK[32] = {-1, -1, -1, -1, -1, 0, 0, 0, -1, -1, -1, -1, -1, 0, 0, 0,
+                                       -1, -1, -1, -1, -1, 0, 0, 0, -1, -1, -1, -1, -1, 0, 0, 0};
+    const v_int16 inBlock = vx_load(IN_BLOCK);
+    v_int32 xx = vx_setzero_s32(), yy = xx, xy = xx;
     const ptrdiff_t first = -3 * step - 3;
     WindowRows above = loadRows(centers, first), rows = loadRows(centers, first + step);
     for (int i = 2; i < 7; i++)
     {
         const WindowRows below = loadRows(centers, first + i * step);
         const v_int16 Ix =
-            v_add(v_add(above.difference, below.difference), v_add(rows.difference, rows.difference));
-        const v_int16 Iy = v_sub(below.smooth, above.smooth);
+            v_and(v_add(v_add(above.difference, below.difference), v_add(rows.difference, rows.difference)),
+                  inBlock);
+        const v_int16 Iy = v_and(v_sub(below.smooth, above.smooth), inBlock);
         xx = v_dotprod_fast(Ix, Ix, xx);
         yy = v_dotprod_fast(Iy, Iy, yy);
         xy = v_dotprod_fast(Ix, Iy, xy);
         above = rows;
         rows = below;
     }
-    addLanes(xx, yy, xy, sums);
+    // Each corner has four lanes of each sum, and gets all sums in four lanes.
+    v_int32 first4, second4, third4, fourth4;
+    v_transpose4x4(xx, yy, xy, vx_setzero_s32(), first4, second4, third4, fourth4);
+    v_store(reinterpret_cast<int*>(sums), v_add(v_add(first4, second4), v_add(third4, fourth4)));
 }
 
 #else
@@ -186,7 +132,7 @@ CV_ALWAYS_INLINE float responseOf(int a, int b, int c)
 }  // namespace
 
 void harrisOfCorners(const uchar* image, ptrdiff_t step, const Corner* corners, int count,
-                     RankedCorner* ranked)
+                     CornerResponse* responses)
 {
     for (int i = 0; i < count; i += AT_ONCE)
     {
@@ -201,9 +147,9 @@ void harrisOfCorners(const uchar* image, ptrdiff_t step, const Corner* corners, 
         sumBlocks(centers, step, sums);
         for (int j = 0; j < AT_ONCE && j <= last; j++)
         {
-            const RankedCorner corner = {corners[i + j].x, corners[i + j].y,
-                                         responseOf(sums[j].xx, sums[j].yy, sums[j].xy)};
-            ranked[i + j] = corner;
+            const CornerResponse corner = {corners[i + j].x, corners[i + j].y,
+                                           responseOf(sums[j].xx, sums[j].yy, sums[j].xy)};
+            responses[i + j] = corner;
         }
     }
 }

@@ -8,6 +8,8 @@
 
 #include <opencv2/core.hpp>
 
+#include <climits>
+#include <limits>
 #include <vector>
 
 namespace cv
@@ -15,19 +17,37 @@ namespace cv
 namespace aqorb
 {
 
+//! A whole number that sorts as the value does. NaN comes before all others, and none is INT_MIN.
+inline int sortKey(float value)
+{
+    Cv32suf bits;
+    bits.f = value + 0.f;  // makes -0 equal to 0
+    return value == value ? bits.i ^ ((bits.i >> 31) & INT_MAX) : INT_MIN + 1;
+}
+//! The value of a key, but a NaN for any NaN, and 0 for -0.
+inline float valueOf(int key)
+{
+    if (key == INT_MIN + 1)
+        return std::numeric_limits<float>::quiet_NaN();
+    Cv32suf bits;
+    bits.i = key ^ ((key >> 31) & INT_MAX);
+    return bits.f;
+}
+//! The number by which the greatest key comes first.
+inline unsigned descendingKey(int key)
+{
+    return unsigned(key) ^ 0x7fffffffu;
+}
+
 //! Work space of sortIndices.
 struct SortScratch
 {
-    std::vector<uint64> items, moved;
+    std::vector<uint64> items;
 };
 
-/** Sorts the indices of numbers by the numbers, and equal ones by themselves. It counts digits, because most comparisons
- would be hard to predict.
- @param least, greatest the range of all numbers but a few */
-void sortIndices(const std::vector<uint64>& numbers, uint64 least, uint64 greatest, SortScratch& scratch,
-                 std::vector<unsigned>& indices);
-//! The same with the range of all numbers.
-void sortIndices(const std::vector<uint64>& numbers, SortScratch& scratch, std::vector<unsigned>& indices);
+//! Sorts the indices of keys by the keys, and equal ones by themselves. It counts digits, because most comparisons would be
+//! hard to predict.
+void sortIndices(const std::vector<uint64>& keys, SortScratch& scratch, std::vector<unsigned>& indices);
 
 }  // namespace aqorb
 }  // namespace cv

@@ -35,14 +35,13 @@ static bool isSequence(const _InputArray& array)
 void checkImage(InputArray input)
 {
     if (isSequence(input))
-        CV_Error_(Error::StsBadArg,
-                  ("image: got a sequence of %d images; a single one is accepted", int(input.total())));
+        CV_Error_(Error::StsBadArg, ("image must be a single one, got a sequence of %d", int(input.total())));
     const int depth = input.depth(), channels = input.channels();
     if (input.dims() > 2 || depth != CV_8U || (channels != 1 && channels != 3 && channels != 4))
-        CV_Error_(Error::StsBadArg,
-                  ("image: got %d dimensions of type %s; a CV_8U image with 1 (grey), 3 (BGR) or 4 "
-                   "(BGRA) channels is accepted",
-                   input.dims(), typeToString(input.type()).c_str()));
+        CV_Error_(
+            Error::StsBadArg,
+            ("image must be CV_8U with 1 (grey), 3 (BGR) or 4 (BGRA) channels, got %d dimensions of type %s",
+             input.dims(), typeToString(input.type()).c_str()));
 }
 
 Mat grayImage(InputArray input, std::vector<uchar>* memory)
@@ -65,8 +64,8 @@ Mat grayImage(InputArray input, std::vector<uchar>* memory)
 void checkPyramidInput(Size imageSize)
 {
     if (std::max(imageSize.width, imageSize.height) > MAX_LEVEL_SIDE)
-        CV_Error_(Error::StsOutOfRange, ("image: got %d x %d pixels; at most %d a side are accepted",
-                                         imageSize.width, imageSize.height, MAX_LEVEL_SIDE));
+        CV_Error_(Error::StsOutOfRange, ("image must have at most %d pixels a side, got %d x %d",
+                                         MAX_LEVEL_SIDE, imageSize.width, imageSize.height));
 }
 
 UMat heldUMat(InputArray input)
@@ -78,7 +77,7 @@ void checkImageSize(Size imageSize)
 {
     if (imageSize.width <= 0 || imageSize.height <= 0)
         CV_Error_(Error::StsOutOfRange,
-                  ("imageSize: got %d x %d; both sides > 0 are accepted", imageSize.width, imageSize.height));
+                  ("imageSize must be positive, got %d x %d", imageSize.width, imageSize.height));
 }
 
 Mat checkedMask(InputArray input, Size imageSize)
@@ -86,66 +85,99 @@ Mat checkedMask(InputArray input, Size imageSize)
     if (input.empty())
         return Mat();
     if (isSequence(input))
-        CV_Error_(Error::StsBadArg,
-                  ("mask: got a sequence of %d masks; a single one is accepted", int(input.total())));
+        CV_Error_(Error::StsBadArg, ("mask must be a single one, got a sequence of %d", int(input.total())));
     if (input.dims() > 2 || input.type() != CV_8UC1 || input.size() != imageSize)
         CV_Error_(Error::StsBadArg,
-                  ("mask: got %d x %d of type %s; CV_8UC1 of the image's size %d x %d is accepted",
-                   input.cols(), input.rows(), typeToString(input.type()).c_str(), imageSize.width,
-                   imageSize.height));
+                  ("mask must be CV_8UC1 of the image's size, %d x %d, got %d x %d of type %s",
+                   imageSize.width, imageSize.height, input.cols(), input.rows(),
+                   typeToString(input.type()).c_str()));
     return input.getMat();
 }
 
-bool shareMemory(const Mat& a, const Mat& b)
+static void checkIsOfMats(const _InputArray& array, const char* name)
 {
-    if (a.empty() || b.empty())
-        return false;
-    const std::less<const uchar*> before = std::less<const uchar*>();
-    const uchar *endOfA = a.ptr(a.rows - 1) + a.cols * a.elemSize(),
-                *endOfB = b.ptr(b.rows - 1) + b.cols * b.elemSize();
-    return before(a.data, endOfB) && before(b.data, endOfA);
-}
-
-void checkLevelsOutput(OutputArrayOfArrays levels)
-{
-    const int kind = levels.kind();
+    const int kind = array.kind();
     if (kind != _InputArray::STD_VECTOR_MAT && kind != _InputArray::STD_ARRAY_MAT &&
         kind != _InputArray::STD_VECTOR_UMAT)
-        CV_Error_(Error::StsBadArg, ("levels: got an output of kind %d; a vector of Mat or UMat is accepted",
-                                     kind >> _InputArray::KIND_SHIFT));
-    // OpenCV leaves the type of images that are put into a vector of them unchecked.
-    if (levels.fixedType() && levels.type() != CV_8UC1)
-        CV_Error_(Error::StsBadArg, ("levels: got an output of fixed type %s; CV_8UC1 is accepted",
-                                     typeToString(levels.type()).c_str()));
+        CV_Error_(Error::StsBadArg, ("%s must be a vector of Mat or UMat", name));
 }
 
-void createLevels(OutputArrayOfArrays levels, int count)
+// The matrices of the input, which may be none. UMats are held for as long as their Mats are used.
+static std::vector<Mat> inputMats(const _InputArray& array, const char* name, std::vector<UMat>& held)
 {
-    const bool isFixed = levels.fixedSize() || levels.kind() == _InputArray::STD_ARRAY_MAT;
-    if (isFixed && levels.total() != size_t(count))
-        CV_Error_(Error::StsBadSize, ("levels: got an output of %d images; the %d of the levels, or an "
-                                      "output that can be resized, is accepted",
-                                      int(levels.total()), count));
-    levels.create(count, 1, CV_8UC1);
+    std::vector<Mat> mats;
+    if (array.kind() == _InputArray::NONE)
+        return mats;
+    checkIsOfMats(array, name);
+    for (int i = 0, count = int(array.total()); i < count; i++)
+    {
+        if (array.isUMatVector())
+            held.push_back(array.getUMat(i));
+        mats.push_back(array.getMat(i));
+    }
+    return mats;
+}
+
+Collection::Collection(InputArrayOfArrays images_, InputArrayOfArrays masks_)
+    : images(inputMats(images_, "images", held)), masks(inputMats(masks_, "masks", held))
+{
+    if (!masks.empty() && masks.size() != images.size())
+        CV_Error_(Error::StsBadArg, ("masks must be one for each image or none, got %d for %d images",
+                                     int(masks.size()), int(images.size())));
+}
+
+void checkMatsOutput(OutputArrayOfArrays output, const char* name)
+{
+    checkIsOfMats(output, name);
+    // OpenCV leaves the type of matrices that are put into a vector of them unchecked.
+    if (output.fixedType() && output.type() != CV_8UC1)
+        CV_Error_(Error::StsBadArg,
+                  ("%s must be of type CV_8UC1, got %s", name, typeToString(output.type()).c_str()));
+}
+
+void giveMats(const std::vector<Mat>& mats, OutputArrayOfArrays output, const char* name)
+{
+    const int count = int(mats.size());
+    const bool isFixed = output.fixedSize() || output.kind() == _InputArray::STD_ARRAY_MAT;
+    if (isFixed && output.total() != mats.size())
+        CV_Error_(Error::StsBadSize, ("%s must have a variable size or that of %d images, got %d images",
+                                      name, count, int(output.total())));
+    output.create(count, 1, CV_8UC1);
+    for (int i = 0; i < count; i++)
+    {
+        if (output.isUMatVector())
+        {
+            // A new UMat, because the caller may share the old one.
+            UMat copy;
+            mats[i].copyTo(copy);
+            output.getUMatRef(i) = copy;
+        }
+        else
+        {
+            output.getMatRef(i) = mats[i];
+        }
+    }
 }
 
 void checkDescriptorsOutput(OutputArray descriptors)
 {
     if (isSequence(descriptors))
-        CV_Error(Error::StsBadArg, "descriptors: got a sequence of outputs; a single one is accepted");
+        CV_Error(Error::StsBadArg, "descriptors must be a single output, got a sequence");
     if (descriptors.fixedType() && descriptors.type() != CV_8UC1)
-        CV_Error_(Error::StsBadArg, ("descriptors: got an output of fixed type %s; CV_8UC1 is accepted",
-                                     typeToString(descriptors.type()).c_str()));
+        CV_Error_(Error::StsBadArg,
+                  ("descriptors must be of type CV_8UC1, got %s", typeToString(descriptors.type()).c_str()));
 }
 
-// Throws if the size of the output is fixed to another one.
+// Throws if the size of the output is fixed to another one, or it cannot have so many rows.
 static void checkDescriptorsSize(OutputArray descriptors, Size size)
 {
+    if (descriptors.kind() == _InputArray::STD_VECTOR && size.height > 1)
+        CV_Error_(Error::StsBadSize,
+                  ("descriptors must be a matrix, got a std::vector for %d keypoints", size.height));
     if (descriptors.fixedSize() && descriptors.size() != size)
         CV_Error_(Error::StsBadSize,
-                  ("descriptors: got an output of fixed size %d x %d; the %d x %d of the keypoints, or an "
-                   "output that can be resized, is accepted",
-                   descriptors.cols(), descriptors.rows(), size.width, size.height));
+                  ("descriptors must have a variable size or that of the keypoints, %d x %d, got %d x %d",
+                   size.width, size.height, descriptors.cols(), descriptors.rows()));
 }
 
 Mat createDescriptors(OutputArray descriptors, int count)
@@ -169,14 +201,15 @@ int highestOctave(const std::vector<KeyPoint>& keypoints)
     {
         const int octave = keypoints[i].octave;
         if (octave < 0)
-            CV_Error_(Error::StsOutOfRange,
-                      ("keypoints: got octave %d; >= 0 is accepted (SIFT packs more than the "
-                       "octave into the field: unpack it first)",
-                       octave));
+            CV_Error_(
+                Error::StsOutOfRange,
+                ("keypoints must have an octave of at least 0, got %d (SIFT packs more than the octave into "
+                 "the field: unpack it first)",
+                 octave));
         // With such an angle the descriptor would read outside of the image.
         if (!std::isfinite(keypoints[i].angle))
             CV_Error_(Error::StsOutOfRange,
-                      ("keypoints: got angle %g; a finite angle is accepted", keypoints[i].angle));
+                      ("keypoints must have a finite angle, got %g", keypoints[i].angle));
         highest = std::max(highest, octave);
     }
     return highest;

@@ -37,15 +37,22 @@ void checkImageSize(Size imageSize);
 //! The mask, or an empty Mat where there is none. Throws for a mask of another size or type.
 Mat checkedMask(InputArray mask, Size imageSize);
 
-//! Whether the memory of two matrices overlaps. The answer may also be yes for two parts of one matrix whose rows
-//! alternate in memory.
-bool shareMemory(const Mat& a, const Mat& b);
+//! The images and masks of a collection. They are mapped to memory here, by the thread that calls.
+struct Collection
+{
+    //! Throws unless there is one mask for each image, or none at all.
+    explicit Collection(InputArrayOfArrays images, InputArrayOfArrays masks = noArray());
+    Mat mask(size_t index) const { return masks.empty() ? Mat() : masks[index]; }
 
-//! Throws unless grey images can be put into the output.
-void checkLevelsOutput(OutputArrayOfArrays levels);
+    std::vector<UMat> held;
+    std::vector<Mat> images, masks;
+};
 
-//! Gives the output this many images. Throws if it has a fixed number of them, and that is another one.
-void createLevels(OutputArrayOfArrays levels, int count);
+//! Throws unless the output can hold several matrices of bytes.
+void checkMatsOutput(OutputArrayOfArrays output, const char* name);
+
+//! Puts the matrices into the output. Throws if it has a fixed number of them, and that is another one.
+void giveMats(const std::vector<Mat>& mats, OutputArrayOfArrays output, const char* name);
 
 //! Throws unless the output is a single one that can hold CV_8UC1. Its size is checked by the two functions below.
 void checkDescriptorsOutput(OutputArray descriptors);

@@ -85,7 +85,7 @@ OrientationPatch::OrientationPatch(const std::vector<int>& halfWidths_, int rowS
     : halfWidths(halfWidths_), rowStep(rowStep_)
 {
     const int radius = int(halfWidths.size()) - 1, LANES = 32;
-    if (radius > PatchWeights::MAX_RADIUS)
+    if (radius > PatchWeights::MAX_RADIUS || !CV_SIMD)
         return;
     weights.resize(1);
     PatchWeights& table = weights[0];
@@ -97,8 +97,8 @@ OrientationPatch::OrientationPatch(const std::vector<int>& halfWidths_, int rowS
         for (int x = 0; x < table.width; x++)
         {
             const bool inPatch = std::abs(x - radius) <= halfWidths[v];
-            table.u[v][x] = schar(inPatch ? x - radius : 0);
-            table.v[v][x] = schar(inPatch ? v : 0);
+            table.u[v][x] = short(inPatch ? x - radius : 0);
+            table.v[v][x] = short(inPatch ? v : 0);
         }
     }
 }

@@ -27,7 +27,7 @@ struct PatchWeights
         MAX_RADIUS = 31,
         MAX_WIDTH = 64
     };
-    schar u[MAX_RADIUS + 1][MAX_WIDTH], v[MAX_RADIUS + 1][MAX_WIDTH];  //!< [|v|][u + radius]
+    short u[MAX_RADIUS + 1][MAX_WIDTH], v[MAX_RADIUS + 1][MAX_WIDTH];  //!< [|v|][u + radius]
     int radius, rowStep;
     int width;  //!< of the patch, filled up with zeros to whole vectors
 };
@@ -40,7 +40,8 @@ struct OrientationPatch
 
     std::vector<int> halfWidths;
     int rowStep;
-    AlignedVector<PatchWeights> weights;  //!< one; empty where the patch is too large for the kernel
+    AlignedVector<PatchWeights>
+        weights;  //!< one; empty where the patch is too large for the kernel, or there are no vectors
 };
 
 struct Moments;

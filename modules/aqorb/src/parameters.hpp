@@ -6,41 +6,87 @@
 #ifndef OPENCV_AQORB_PARAMETERS_HPP
 #define OPENCV_AQORB_PARAMETERS_HPP
 
+#include "parameter_table.hpp"
+
 #include <opencv2/aqorb.hpp>
+
+#include <cfloat>
+#include <cstring>
+#include <limits>
 
 namespace cv
 {
 namespace aqorb
 {
 
-//! The number behind an enumeration. It need not be an enumerator, because a caller in Python can pass any number.
-template <typename Enumeration> int numberOf(const Enumeration& value)
+/** What a parameter is kept as: an enumeration by its number. It need not be an enumerator, because a caller in Python
+ can pass any number, and to read such an enumeration would be undefined behaviour. */
+template <typename T> struct Stored
 {
-    // Reading a value that is not an enumerator would be undefined behaviour, so the bytes are copied.
-    int number = 0;
-    static_assert(sizeof(value) == sizeof(number), "the enumeration must be of the size of an int");
-    std::memcpy(&number, &value, sizeof(number));
-    return number;
+    typedef int Type;
+};
+template <> struct Stored<double>
+{
+    typedef double Type;
+};
+template <> struct Stored<bool>
+{
+    typedef bool Type;
+};
+template <typename T> typename Stored<T>::Type stored(const T& value)
+{
+    typename Stored<T>::Type result;
+    static_assert(sizeof(value) == sizeof(result), "the enumeration must be of the size of an int");
+    std::memcpy(&result, &value, sizeof(result));
+    return result;
 }
 
-//! The parameters of AdaptiveQuadtreeORB, as documented there.
+//! The values of a parameter that are accepted. Infinity and NaN are never accepted.
+struct ValidRange
+{
+    double least, most;
+    String text;  //!< as in "nfeatures must be <text>"
+    bool acceptsMinusOne;
+
+    bool has(double value) const
+    {
+        return (value >= least && value <= most) || (acceptsMinusOne && value == -1);
+    }
+    ValidRange orMinusOne() const { return ValidRange{least, most, text + ", or -1", true}; }
+};
+
+// The ranges of the table.
+inline ValidRange between(double least, double most)
+{
+    return ValidRange{least, most, format("from %g to %g", least, most), false};
+}
+inline ValidRange atLeast(double least)
+{
+    return ValidRange{least, DBL_MAX, format("at least %g", least), false};
+}
+inline ValidRange finiteAtLeast(double least)
+{
+    return ValidRange{least, DBL_MAX, format("finite and at least %g", least), false};
+}
+inline ValidRange positive()
+{
+    return ValidRange{std::numeric_limits<double>::denorm_min(), DBL_MAX, "finite and above 0", false};
+}
+inline ValidRange oneOf(const String& twoNames)
+{
+    return ValidRange{0, 1, twoNames, false};
+}
+inline ValidRange any()
+{
+    return ValidRange{-DBL_MAX, DBL_MAX, String(), false};
+}
+
+//! The parameters of AdaptiveQuadtreeORB, as documented there and listed in parameter_table.hpp.
 struct Parameters
 {
-    Parameters();
-
-    int nfeatures;
-    double scaleFactor;
-    int nlevels, edgeThreshold, firstLevel, WTA_K;
-    int scoreType;  //!< of ORB::ScoreType
-    int patchSize, fastThreshold;
-
-    bool adaptiveThreshold;
-    double minThresholdRatio;
-    int cellSize, maxDepth;
-    int selectionType;  //!< of AdaptiveQuadtreeORB::SelectionType
-    double strengthWeight, rankRadius;
-    double octaveSuppression;
-    bool subPixel;
+#define AQORB_FIELD(property, type, name, key, byDefault, ...) Stored<type>::Type name = byDefault;
+    AQORB_PARAMETERS(AQORB_FIELD)
+#undef AQORB_FIELD
 
     //! The distance that octaveSuppression stands for.
     double octaveSuppressionInUse() const;

@@ -11,8 +11,8 @@ namespace cv
 {
 namespace aqorb
 {
-
-using namespace stages;
+namespace stages
+{
 
 int shortestSide(const Parameters& parameters)
 {
@@ -20,35 +20,115 @@ int shortestSide(const Parameters& parameters)
     return int(std::min(2 * std::max<int64>(parameters.edgeThreshold, FAST_RADIUS) + 1, int64(INT_MAX)));
 }
 
-SelectionLevel planLevel(const Parameters& parameters, const Level& level, int quota, int added)
+// Takes what is too much from the finest levels, which have the most to give up.
+static void takeExcess(int64 excess, std::vector<int>& quotas)
+{
+    for (size_t level = 0; excess > 0; level++)
+    {
+        const int taken = int(std::min<int64>(excess, quotas[level]));
+        quotas[level] -= taken;
+        excess -= taken;
+    }
+}
+
+std::vector<int> levelQuotas(int nfeatures, double scaleFactor, int nlevels)
+{
+    const float factor = float(1.0 / scaleFactor);
+    float desired = factor == 1  // rounded to a float, where scaleFactor is hardly more than 1
+                        ? float(nfeatures) / nlevels
+                        : nfeatures * (1 - factor) / (1 - float(std::pow(double(factor), double(nlevels))));
+    const float LARGEST_INT = 2147483520.f;  // the largest int that a float can hold
+    std::vector<int> quotas(nlevels);
+    int64 sum = 0;
+    for (int level = 0; level < nlevels - 1; level++)
+    {
+        quotas[level] = cvRound(std::min(desired, LARGEST_INT));
+        sum += quotas[level];
+        desired *= factor;
+    }
+    quotas[nlevels - 1] = int(std::max<int64>(nfeatures - sum, 0));
+    // The rounding of cv::ORB can ask for more than nfeatures.
+    takeExcess(sum + quotas[nlevels - 1] - nfeatures, quotas);
+    return quotas;
+}
+
+void rankedQuotas(int nfeatures, const std::vector<LevelRegion>& regions, std::vector<int>& quotas)
+{
+    const auto shareOf = [&](size_t level)
+    {
+        const LevelRegion& region = regions[level];
+        const double scale = region.scale, area = double(region.size.width) * region.size.height;
+        return (level == 0 ? 1.5 : 1.) * area * (scale * std::sqrt(std::sqrt(scale)));
+    };
+    double whole = 0;
+    for (size_t level = 0; level < regions.size(); level++)
+        whole += shareOf(level);
+    quotas.assign(regions.size(), 0);
+    int64 rest = nfeatures;
+    for (size_t level = 1; level < regions.size(); level++)
+    {
+        quotas[level] = cvRound(nfeatures * (shareOf(level) / whole));
+        rest -= quotas[level];
+    }
+    if (!regions.empty())
+        quotas[0] = int(std::max<int64>(rest, 0));
+    takeExcess(-rest, quotas);  // where many levels round up
+}
+
+int quadtreeDepth(int quota)
+{
+    int depth = 0;
+    while (depth < MAX_QUADTREE_DEPTH && (int64(1) << (2 * depth)) < quota)
+        depth++;
+    return depth;
+}
+
+int maxRankedDepth(Size size)
+{
+    const int MAX_RANKED_DEPTH = 12, side = std::min(size.width, size.height);
+    int depth = 0;
+    while (depth < MAX_RANKED_DEPTH && (int64(4) << depth) <= side)
+        depth++;
+    return depth;
+}
+
+int rankedDepth(Size size, double usable, int quota)
+{
+    const double LEAVES_PER_POINT = 9;
+    const int deepest = maxRankedDepth(size);
+    int depth = 0;
+    while (depth < deepest && double(int64(1) << (2 * depth)) * usable < LEAVES_PER_POINT * quota)
+        depth++;
+    return depth;
+}
+
+LevelPlan planLevel(const Parameters& parameters, const Level& level, int quota, int added)
 {
     const int border = parameters.edgeThreshold;
-    SelectionLevel planned;
-    planned.size = level.image.size();
-    planned.scale = level.scale;
-    planned.quota = quota + added;
-    planned.order.root =
-        Rect(border, border, planned.size.width - 2 * border, planned.size.height - 2 * border);
-    planned.order.depth = parameters.maxDepth >= 0 ? parameters.maxDepth : quadtreeDepth(quota);
-    planned.order.isRanked = parameters.selectionType == AdaptiveQuadtreeORB::RANKED_SELECTION;
-    planned.order.rank = RankRule();
-    return planned;
+    LevelPlan plan = LevelPlan();
+    plan.size = level.image.size();
+    plan.scale = level.scale;
+    plan.quota = quota + added;
+    plan.root = Rect(border, border, plan.size.width - 2 * border, plan.size.height - 2 * border);
+    plan.depth = parameters.maxDepth >= 0 ? parameters.maxDepth : quadtreeDepth(quota);
+    plan.isRanked = parameters.selectionType == AdaptiveQuadtreeORB::RANKED_SELECTION;
+    return plan;
 }
 
-void planOrder(const Parameters& parameters, const Mat& mask, SelectionLevel& planned)
+void planRanks(const Parameters& parameters, const Mat& mask, LevelPlan& plan)
 {
-    OrderRule& order = planned.order;
-    if (!order.isRanked)
+    if (!plan.isRanked)
         return;
-    const Size size = order.root.size();
+    const Size size = plan.root.size();
     const double usable =
-        mask.empty() ? 1 : countNonZero(mask(order.root)) / (double(size.width) * size.height);
-    const RankRule rule = {size, usable, std::max(planned.quota, 1), parameters.rankRadius,
+        mask.empty() ? 1 : countNonZero(mask(plan.root)) / (double(size.width) * size.height);
+    const RankRule rule = {size, usable, std::max(plan.quota, 1), parameters.rankRadius,
                            parameters.strengthWeight};
-    order.rank = rule;
-    order.depth = parameters.maxDepth >= 0 ? std::min(parameters.maxDepth, maxRankedDepth(size))
-                                           : rankedDepth(size, usable, rule.quota);
+    plan.rank = rule;
+    plan.depth = parameters.maxDepth >= 0 ? std::min(parameters.maxDepth, maxRankedDepth(size))
+                                          : rankedDepth(size, usable, rule.quota);
 }
 
+}  // namespace stages
 }  // namespace aqorb
 }  // namespace cv

@@ -18,9 +18,9 @@ namespace aqorb
 {
 
 /** Lends objects, each to one user at a time, and keeps them with their memory. So an object that lends its work space
- can serve several threads at once without allocating memory for every image. It does not keep memory for ever: of more
- objects than the machine has CPUs, and of objects that were not lent for KEPT_CALLS loans, it keeps none, and an object
- that served a much larger image than the last KEPT_CALLS ones is replaced. */
+ can serve several threads at once without allocating memory for every image. It does not keep memory for ever: it
+ frees objects beyond the number of CPUs, objects that were not among the last KEPT_CALLS loans, and an object that
+ served a much larger image than the last KEPT_CALLS ones. */
 template <typename T> class Pool
 {
     //! An object, and when it was lent.

@@ -15,15 +15,24 @@ namespace aqorb
 namespace stages
 {
 
+// How far positions stay off the place, about `length` pixels from the first one, where rounding to a pixel changes. A
+// position is rounded to a float, and scaling it back rounds twice: the scale and the product.
+static double safetyMargin(int length)
+{
+    const double FLOAT_ERROR = 1. / (1 << 24);  // at most, relative
+    return std::max(0.01, 3 * FLOAT_ERROR * length);
+}
+
 // Moves a position along one axis to where a keypoint belongs to a pixel of a level.
 static float clampToPixel(double position, int pixel, int imageLength, double scale, int border)
 {
     // cv::ORB::compute drops keypoints near the border. Whether it first rounds positions depends on
     // the version of OpenCV. These positions stay off the border in both cases.
-    const double last = imageLength - border - 0.51;
+    const double last = imageLength - border - 0.5 - safetyMargin(imageLength);
     position = std::max(std::min(position, last), double(border));
     // The descriptor is taken at the pixel that position / scale rounds to. It must be the pixel given.
-    return float(std::max(std::min(position, (pixel + 0.49) * scale), (pixel - 0.49) * scale));
+    const double most = 0.5 - safetyMargin(pixel);
+    return float(std::max(std::min(position, (pixel + most) * scale), (pixel - most) * scale));
 }
 
 Point2f PositionMap::nearest(int x, int y, const Point2d& p) const

@@ -28,76 +28,38 @@ Size levelSize(Size imageSize, float scale)
     const float width = imageSize.width * inverse, height = imageSize.height * inverse;
     const float limit = float(MAX_LEVEL_SIDE);
     if (!(width <= limit && height <= limit))
-        CV_Error_(
-            Error::StsOutOfRange,
-            ("scaleFactor, firstLevel: a level of an image of %d x %d pixels would be %g x %g pixels; at "
-             "most %d a side are accepted",
-             imageSize.width, imageSize.height, width, height, MAX_LEVEL_SIDE));
+        CV_Error_(Error::StsOutOfRange, ("scaleFactor and firstLevel must give levels of at most %d pixels a "
+                                         "side, got %g x %g for an image "
+                                         "of %d x %d",
+                                         MAX_LEVEL_SIDE, width, height, imageSize.width, imageSize.height));
     return Size(cvRound(width), cvRound(height));
 }
 
-// Takes what is too much from the finest levels, which have the most to give up.
-static void takeExcess(int64 excess, std::vector<int>& quotas)
+// The first and the last of the source pixels whose weight is not 0.
+static int firstUsed(const ResizeTaps& taps)
 {
-    for (size_t level = 0; excess > 0; level++)
-    {
-        const int taken = int(std::min<int64>(excess, quotas[level]));
-        quotas[level] -= taken;
-        excess -= taken;
-    }
+    return taps.secondWeight < 256 ? taps.first : taps.second;
 }
-
-std::vector<int> levelQuotas(int nfeatures, double scaleFactor, int nlevels)
+static int lastUsed(const ResizeTaps& taps)
 {
-    const float factor = float(1.0 / scaleFactor);
-    float desired = factor == 1  // rounded to a float, where scaleFactor is hardly more than 1
-                        ? float(nfeatures) / nlevels
-                        : nfeatures * (1 - factor) / (1 - float(std::pow(double(factor), double(nlevels))));
-    const float LARGEST_INT = 2147483520.f;  // the largest int that a float can hold
-    std::vector<int> quotas(nlevels);
-    int64 sum = 0;
-    for (int level = 0; level < nlevels - 1; level++)
-    {
-        quotas[level] = cvRound(std::min(desired, LARGEST_INT));
-        sum += quotas[level];
-        desired *= factor;
-    }
-    quotas[nlevels - 1] = int(std::max<int64>(nfeatures - sum, 0));
-    // The rounding of cv::ORB can ask for more than nfeatures.
-    takeExcess(sum + quotas[nlevels - 1] - nfeatures, quotas);
-    return quotas;
+    return taps.secondWeight > 0 ? taps.second : taps.first;
 }
-
-namespace
-{
-// The two source pixels from which INTER_LINEAR_EXACT makes a pixel.
-struct Taps
-{
-    int first, second;
-    int secondWeight;  // in 1/256
-
-    // The first and the last one whose weight is not 0.
-    int firstUsed() const { return secondWeight < 256 ? first : second; }
-    int lastUsed() const { return secondWeight > 0 ? second : first; }
-};
-}  // namespace
 
 struct ResizeTables
 {
     ResizeTables() : byKernel(false) {}
 
     Size source, destination;
-    bool byKernel;  // whether the kernel can do it; else there are no tables
+    std::vector<ResizeTaps> columnTaps, rowTaps;
+    bool byKernel;  // whether the kernel can do it; else there are no blocks
     AlignedVector<ResizeBlock> blocks;
+    std::vector<int> bases;
     AlignedVector<short> rows;
-    std::vector<int> bases, upper, lower;
-    std::vector<short> lowerWeight;
-    std::vector<Taps> columnTaps, rowTaps;  // work space
-    std::vector<uchar> mask;                // of the level
+    std::vector<uchar> mask;  // of the level
 };
 
 // The taps by destination pixel along one axis, in OpenCV's own arithmetic, as every rounding counts.
-static void linearTaps(int sourceLength, int length, std::vector<Taps>& taps)
+static void linearTaps(int sourceLength, int length, std::vector<ResizeTaps>& taps)
 {
     taps.resize(length);
     const double scale = 1.0 / (double(length) / sourceLength);
@@ -113,7 +75,7 @@ static void linearTaps(int sourceLength, int length, std::vector<Taps>& taps)
 }
 
 // Makes the tables of the horizontal pass. False: pixels of a group come from too many source pixels for the kernel.
-static bool resizeBlocks(int sourceWidth, const Taps* taps, int width, ResizeTables& tables)
+static bool resizeBlocks(int sourceWidth, const ResizeTaps* taps, int width, ResizeTables& tables)
 {
     const int GROUP = ResizeBlock::GROUP, GROUPS = ResizeBlock::GROUPS, BYTES = ResizeBlock::BYTES;
     if (sourceWidth < BYTES)
@@ -121,7 +83,7 @@ static bool resizeBlocks(int sourceWidth, const Taps* taps, int width, ResizeTab
     const int blocks = (width + ResizeBlock::PIXELS - 1) / ResizeBlock::PIXELS;
     tables.blocks.resize(blocks);
     tables.bases.resize(blocks * GROUPS);
-    tables.rows.resize(2 * blocks * ResizeBlock::PIXELS);
+    tables.rows.resize((2 * blocks + 1) * ResizeBlock::PIXELS);
     for (int i = 0; i < blocks * GROUPS; i++)
     {
         ResizeBlock& block = tables.blocks[i / GROUPS];
@@ -130,13 +92,13 @@ static bool resizeBlocks(int sourceWidth, const Taps* taps, int width, ResizeTab
         tables.bases[i] = base;
         for (int j = 0; j < GROUP; j++)
         {
-            const Taps& tap = taps[std::min(i * GROUP + j, width - 1)];
+            const ResizeTaps& tap = taps[std::min(i * GROUP + j, width - 1)];
             if (tap.second - base >= BYTES)
                 return false;
             const int weight = tap.secondWeight;
             const bool isOne = weight == 0 || weight == 256;
-            block.pairs[group][2 * j] = uchar(tap.firstUsed() - base);
-            block.pairs[group][2 * j + 1] = uchar(tap.lastUsed() - base);
+            block.pairs[group][2 * j] = uchar(firstUsed(tap) - base);
+            block.pairs[group][2 * j + 1] = uchar(lastUsed(tap) - base);
             block.weights[group][2 * j] = uchar(isOne ? 255 : 256 - weight);
             block.weights[group][2 * j + 1] = uchar(isOne ? 1 : weight);
         }
@@ -144,9 +106,9 @@ static bool resizeBlocks(int sourceWidth, const Taps* taps, int width, ResizeTab
     return true;
 }
 
-static bool resizeByKernel(const Resize& resize, int begin, int end)
+static bool resizeByKernel(const Resize& resize)
 {
-    CV_CPU_DISPATCH(resizeRows, (resize, begin, end), CV_CPU_DISPATCH_MODES_ALL);
+    CV_CPU_DISPATCH(resizeRows, (resize), CV_CPU_DISPATCH_MODES_ALL);
 }
 
 static void updateTables(ResizeTables& tables, Size source, Size destination)
@@ -154,19 +116,9 @@ static void updateTables(ResizeTables& tables, Size source, Size destination)
     if (tables.source == source && tables.destination == destination)
         return;
     tables.source = tables.destination = Size();  // they stay invalid if memory runs out below
-    std::vector<Taps>&columns = tables.columnTaps, &rows = tables.rowTaps;
-    linearTaps(source.width, destination.width, columns);
-    linearTaps(source.height, destination.height, rows);
-    tables.byKernel = resizeBlocks(source.width, columns.data(), destination.width, tables);
-    tables.upper.resize(rows.size());
-    tables.lower.resize(rows.size());
-    tables.lowerWeight.resize(rows.size());
-    for (size_t y = 0; y < rows.size(); y++)
-    {
-        tables.upper[y] = rows[y].first;
-        tables.lower[y] = rows[y].second;
-        tables.lowerWeight[y] = short(rows[y].secondWeight);
-    }
+    linearTaps(source.width, destination.width, tables.columnTaps);
+    linearTaps(source.height, destination.height, tables.rowTaps);
+    tables.byKernel = resizeBlocks(source.width, tables.columnTaps.data(), destination.width, tables);
     tables.source = source;
     tables.destination = destination;
 }
@@ -183,58 +135,36 @@ static void resizeExact(const Mat& source, Mat& destination, ResizeTables& table
         resize.destination = destination.ptr();
         resize.destinationStep = ptrdiff_t(destination.step);
         resize.width = destination.cols;
+        resize.height = destination.rows;
         resize.blocks = tables.blocks.data();
         resize.bases = tables.bases.data();
-        resize.upper = tables.upper.data();
-        resize.lower = tables.lower.data();
-        resize.lowerWeight = tables.lowerWeight.data();
+        resize.rowTaps = tables.rowTaps.data();
         resize.rows[0] = tables.rows.data();
-        resize.rows[1] = tables.rows.data() + tables.rows.size() / 2;
-        if (resizeByKernel(resize, 0, destination.rows))
+        resize.rows[1] = tables.rows.data() + tables.blocks.size() * ResizeBlock::PIXELS;
+        if (resizeByKernel(resize))
             return;
     }
     cv::resize(source, destination, destination.size(), 0, 0, INTER_LINEAR_EXACT);
 }
 
-// A pixel is usable if all pixels that it is made from are.
+// A pixel is usable if all pixels that it is made from are. The tables must be those of the image of the same size.
 static Mat resizeMask(const Mat& mask, Size size, ResizeTables& tables)
 {
-    std::vector<Taps>&columns = tables.columnTaps, &rows = tables.rowTaps;
-    linearTaps(mask.cols, size.width, columns);
-    linearTaps(mask.rows, size.height, rows);
     if (tables.mask.size() < size_t(size.area()))
         tables.mask.resize(size.area());
     Mat resized(size, CV_8UC1, tables.mask.data());
     for (int y = 0; y < size.height; y++)
     {
-        const uchar* upper = mask.ptr(rows[y].firstUsed());
-        const uchar* lower = mask.ptr(rows[y].lastUsed());
+        const uchar* upper = mask.ptr(firstUsed(tables.rowTaps[y]));
+        const uchar* lower = mask.ptr(lastUsed(tables.rowTaps[y]));
         uchar* out = resized.ptr(y);
         for (int x = 0; x < size.width; x++)
         {
-            const int left = columns[x].firstUsed(), right = columns[x].lastUsed();
+            const int left = firstUsed(tables.columnTaps[x]), right = lastUsed(tables.columnTaps[x]);
             out[x] = upper[left] && upper[right] && lower[left] && lower[right] ? 255 : 0;
         }
     }
     return resized;
-}
-
-void areaQuotas(int nfeatures, const std::vector<Size>& regions, std::vector<int>& quotas)
-{
-    double whole = 0;
-    for (size_t level = 0; level < regions.size(); level++)
-        whole += double(regions[level].width) * regions[level].height;
-    quotas.assign(regions.size(), 0);
-    int64 rest = nfeatures;
-    for (size_t level = 1; level < regions.size(); level++)
-    {
-        const double area = double(regions[level].width) * regions[level].height;
-        quotas[level] = cvRound(nfeatures * area / whole);
-        rest -= quotas[level];
-    }
-    if (!regions.empty())
-        quotas[0] = int(std::max<int64>(rest, 0));
-    takeExcess(-rest, quotas);  // where many levels round up
 }
 
 bool layOutLevel(const Level& input, int index, int firstLevel, double scaleFactor, int minSide, Level& level,

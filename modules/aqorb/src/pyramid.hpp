@@ -25,12 +25,6 @@ const int MAX_LEVEL_SIDE = (1 << 20) - 1;
 //! The size of a level, as cv::ORB computes it; a side may be 0. Throws where a side exceeds MAX_LEVEL_SIDE.
 Size levelSize(Size imageSize, float scale);
 
-//! The number of features of each level by equation (8), rounded as by cv::ORB but at most nfeatures in all.
-std::vector<int> levelQuotas(int nfeatures, double scaleFactor, int nlevels);
-
-//! The number of features of each level in proportion to the area of its region, nfeatures in all.
-void areaQuotas(int nfeatures, const std::vector<Size>& regions, std::vector<int>& quotas);
-
 /** Prepares level `index` of cv::ORB's pyramid. The level `firstLevel` becomes the input image itself, which is not
  copied. Any other level gets its scale and size; fillLevel gives it its pixels. Memory of the same size is used again.
  @param input the image and its mask
@@ -50,6 +44,13 @@ struct ResizeTables;
 void fillLevel(const Level& source, Level& level, Ptr<ResizeTables>& tables);
 
 // ---- for the kernel: plain structs only, see types.hpp ---------------------------------------
+
+//! The two source pixels along one axis from which INTER_LINEAR_EXACT makes a pixel.
+struct ResizeTaps
+{
+    int first, second;
+    int secondWeight;  //!< in 1/256
+};
 
 //! Where neighbouring pixels of a resized row come from: each from two source bytes.
 struct ResizeBlock
@@ -75,12 +76,11 @@ struct Resize
     ptrdiff_t sourceStep;
     uchar* destination;
     ptrdiff_t destinationStep;
-    int width;                  //!< of the destination
+    int width, height;          //!< of the destination
     const ResizeBlock* blocks;  //!< as many as cover the width
     const int* bases;           //!< the first source byte of each group of the blocks
-    const int *upper, *lower;   //!< by destination row: the two source rows
-    const short* lowerWeight;   //!< by destination row, in 1/256
-    short* rows[2];             //!< work space of as many elements each as the blocks have pixels
+    const ResizeTaps* rowTaps;  //!< by destination row
+    short* rows[2];  //!< work space of as many elements each as the blocks have pixels, and of 32 at the end
 };
 
 }  // namespace stages

@@ -6,6 +6,8 @@
 #include "pyramid.hpp"
 #include "simd_compat.hpp"
 
+#include <cstring>
+
 namespace cv
 {
 namespace aqorb
@@ -14,20 +16,19 @@ namespace stages
 {
 CV_CPU_OPTIMIZATION_NAMESPACE_BEGIN
 
-//! Computes the destination rows from `begin` to before `end`. Returns false, and does nothing, if there is no kernel
-//! for this CPU.
-bool resizeRows(const Resize& resize, int begin, int end);
+//! Computes the destination. Returns false, and does nothing, if there is no kernel for this CPU.
+bool resizeRows(const Resize& resize);
 
 #ifndef CV_CPU_OPTIMIZATION_DECLARATIONS_ONLY
 
-#if CV_SSSE3 || CV_NEON
+#if (CV_SSSE3 && CV_SIMD) || CV_NEON
 
 namespace
 {
 
 #if CV_NEON
 
-const int LANES = 8;
+const int LANES = 8, PIXELS = 8;  // of which a group is made, and of which bytes are made
 
 CV_ALWAYS_INLINE uint8x16_t pick(const uint8x16_t& bytes, const uint8x16_t& indices)
 {
@@ -78,11 +79,6 @@ public:
             vmlal_u16(vmull_u16(vget_high_u16(u), upperWeight), vget_high_u16(l), lowerWeight);
         vst1_u8(out, vmovn_u16(vcombine_u16(vrshrn_n_u32(first, 16), vrshrn_n_u32(second, 16))));
     }
-    CV_ALWAYS_INLINE void storeTwo(const short* upper, const short* lower, uchar* out) const
-    {
-        store(upper, lower, out);
-        store(upper + LANES, lower + LANES, out + LANES);
-    }
 
 private:
     uint16x4_t upperWeight, lowerWeight;
@@ -90,58 +86,34 @@ private:
 
 #else
 
-#if CV_AVX512_SKX
+#if CV_SIMD_WIDTH == 64
 #define AQORB_WIDE(name) _mm512_##name
-typedef __m512i Wide;
-CV_ALWAYS_INLINE Wide load(const void* p)
-{
-    return _mm512_loadu_si512(p);
-}
-CV_ALWAYS_INLINE void storeWide(void* p, Wide a)
-{
-    _mm512_storeu_si512(p, a);
-}
-#elif CV_AVX2
+#elif CV_SIMD_WIDTH == 32
 #define AQORB_WIDE(name) _mm256_##name
-typedef __m256i Wide;
-CV_ALWAYS_INLINE Wide load(const void* p)
-{
-    return _mm256_loadu_si256(static_cast<const __m256i*>(p));
-}
-CV_ALWAYS_INLINE void storeWide(void* p, Wide a)
-{
-    _mm256_storeu_si256(static_cast<__m256i*>(p), a);
-}
 #else
 #define AQORB_WIDE(name) _mm_##name
-typedef __m128i Wide;
+#endif
+typedef decltype(v_uint8().val) Wide;
+const int LANES = CV_SIMD_WIDTH / 2, PIXELS = CV_SIMD_WIDTH;
+
 CV_ALWAYS_INLINE Wide load(const void* p)
 {
-    return _mm_loadu_si128(static_cast<const __m128i*>(p));
+    return vx_load(static_cast<const uchar*>(p)).val;
 }
-CV_ALWAYS_INLINE void storeWide(void* p, Wide a)
-{
-    _mm_storeu_si128(static_cast<__m128i*>(p), a);
-}
-#endif
-const int LANES = int(sizeof(Wide) / sizeof(short));
 
 // Loads the source bytes of as many groups as the vector holds, one in each 128 bits.
 CV_ALWAYS_INLINE Wide loadGroups(const uchar* source, const int* base)
 {
-    __m128i groups[sizeof(Wide) / sizeof(__m128i)];
-    for (size_t i = 0; i < sizeof(Wide) / sizeof(__m128i); i++)
-        groups[i] = _mm_loadu_si128(reinterpret_cast<const __m128i*>(source + base[i]));
-#if CV_AVX2
-    const __m256i low = _mm256_inserti128_si256(_mm256_castsi128_si256(groups[0]), groups[1], 1);
-#endif
-#if CV_AVX512_SKX
-    const __m256i high = _mm256_inserti128_si256(_mm256_castsi128_si256(groups[2]), groups[3], 1);
-    return _mm512_inserti64x4(_mm512_castsi256_si512(low), high, 1);
-#elif CV_AVX2
+#if CV_SIMD_WIDTH == 16
+    return load(source + base[0]);
+#else
+    const __m256i low = v256_load_halves(source + base[0], source + base[1]).val;
+#if CV_SIMD_WIDTH == 32
     return low;
 #else
-    return groups[0];
+    const __m256i high = v256_load_halves(source + base[2], source + base[3]).val;
+    return _mm512_inserti64x4(_mm512_castsi256_si512(low), high, 1);
+#endif
 #endif
 }
 
@@ -153,7 +125,7 @@ CV_ALWAYS_INLINE void resizeGroup(const uchar* source, const int* bases, const R
     const Wide bytes = AQORB_WIDE(sub_epi8)(loadGroups(source, bases + group), AQORB_WIDE(set1_epi8)(-128));
     const Wide pairs = AQORB_WIDE(shuffle_epi8)(bytes, load(block.pairs[group]));
     const Wide pixels = AQORB_WIDE(maddubs_epi16)(load(block.weights[group]), pairs);
-    storeWide(out, AQORB_WIDE(add_epi16)(pixels, AQORB_WIDE(set1_epi16)(128)));
+    v_store(out, v_int16(AQORB_WIDE(add_epi16)(pixels, AQORB_WIDE(set1_epi16)(128))));
 }
 
 // The vertical pass.
@@ -166,40 +138,20 @@ public:
     }
     CV_ALWAYS_INLINE void store(const short* upper, const short* lower, uchar* out) const
     {
-        const Wide a = between(upper, lower), bytes = asBytes(a, a);
-#if CV_AVX512_SKX
-        _mm256_storeu_si256(reinterpret_cast<__m256i*>(out), _mm512_castsi512_si256(bytes));
-#elif CV_AVX2
-        _mm_storeu_si128(reinterpret_cast<__m128i*>(out), _mm256_castsi256_si128(bytes));
-#else
-        _mm_storel_epi64(reinterpret_cast<__m128i*>(out), bytes);
-#endif
-    }
-    CV_ALWAYS_INLINE void storeTwo(const short* upper, const short* lower, uchar* out) const
-    {
-        storeWide(out, asBytes(between(upper, lower), between(upper + LANES, lower + LANES)));
+        // Saturated to 8 bits, then offset to unsigned ones.
+        const v_int8 pixels = v_pack(between(upper, lower), between(upper + LANES, lower + LANES));
+        v_store(out, v_xor(v_reinterpret_as_u8(pixels), vx_setall_u8(128)));
     }
 
 private:
     // The pixels less 128, as signed 16-bit numbers.
-    CV_ALWAYS_INLINE Wide between(const short* upper, const short* lower) const
+    CV_ALWAYS_INLINE v_int16 between(const short* upper, const short* lower) const
     {
         const Wide u = load(upper), l = load(lower);
         const Wide first = AQORB_WIDE(madd_epi16)(AQORB_WIDE(unpacklo_epi16)(u, l), weights);
         const Wide second = AQORB_WIDE(madd_epi16)(AQORB_WIDE(unpackhi_epi16)(u, l), weights);
-        return AQORB_WIDE(packs_epi32)(AQORB_WIDE(srai_epi32)(first, 16), AQORB_WIDE(srai_epi32)(second, 16));
-    }
-    // Saturated to 8 bits, then offset to unsigned ones.
-    static CV_ALWAYS_INLINE Wide asBytes(Wide a, Wide b)
-    {
-        const Wide bytes = AQORB_WIDE(add_epi8)(AQORB_WIDE(packs_epi16)(a, b), AQORB_WIDE(set1_epi8)(-128));
-#if CV_AVX512_SKX
-        return _mm512_permutexvar_epi64(_mm512_setr_epi64(0, 2, 4, 6, 1, 3, 5, 7), bytes);
-#elif CV_AVX2
-        return _mm256_permute4x64_epi64(bytes, 0xd8);
-#else
-        return bytes;
-#endif
+        return v_int16(
+            AQORB_WIDE(packs_epi32)(AQORB_WIDE(srai_epi32)(first, 16), AQORB_WIDE(srai_epi32)(second, 16)));
     }
 
     Wide weights;
@@ -221,34 +173,30 @@ void resizeRow(const uchar* source, const Resize& resize, int count, short* out)
 void blendRows(const short* upper, const short* lower, int lowerWeight, int width, uchar* out)
 {
     const Blend blend(lowerWeight);
-    int x = 0;
-    for (; x + 2 * LANES <= width; x += 2 * LANES)
-        blend.storeTwo(upper + x, lower + x, out + x);
-    for (; x + LANES <= width; x += LANES)
-        blend.store(upper + x, lower + x, out + x);
-    if (x < width && x > 0)  // the last vector overlaps the one before
+    if (width < PIXELS)
     {
-        x = width - LANES;
-        blend.store(upper + x, lower + x, out + x);
-    }
-    else if (x < width)
-    {
-        uchar pixels[LANES];
+        uchar pixels[PIXELS];
         blend.store(upper, lower, pixels);
-        for (; x < width; x++)
-            out[x] = pixels[x];
+        std::memcpy(out, pixels, size_t(width));
+        return;
+    }
+    for (int x = 0; x < width; x += PIXELS)
+    {
+        const int first = std::min(x, width - PIXELS);  // the last vector may overlap the one before
+        blend.store(upper + first, lower + first, out + first);
     }
 }
 
 }  // namespace
 
-bool resizeRows(const Resize& resize, int begin, int end)
+bool resizeRows(const Resize& resize)
 {
     const int blocks = (resize.width + ResizeBlock::PIXELS - 1) / ResizeBlock::PIXELS;
     int held[2] = {-1, -1};  // the source rows in resize.rows
-    for (int y = begin; y < end; y++)
+    for (int y = 0; y < resize.height; y++)
     {
-        const int rows[2] = {resize.upper[y], resize.lower[y]};
+        const ResizeTaps& taps = resize.rowTaps[y];
+        const int rows[2] = {taps.first, taps.second};
         for (int i = 0; i < 2; i++)
         {
             const int slot = rows[i] & 1;
@@ -256,7 +204,7 @@ bool resizeRows(const Resize& resize, int begin, int end)
                 resizeRow(resize.source + rows[i] * resize.sourceStep, resize, blocks, resize.rows[slot]);
             held[slot] = rows[i];
         }
-        blendRows(resize.rows[rows[0] & 1], resize.rows[rows[1] & 1], resize.lowerWeight[y], resize.width,
+        blendRows(resize.rows[rows[0] & 1], resize.rows[rows[1] & 1], taps.secondWeight, resize.width,
                   resize.destination + y * resize.destinationStep);
     }
     return true;
@@ -264,7 +212,7 @@ bool resizeRows(const Resize& resize, int begin, int end)
 
 #else
 
-bool resizeRows(const Resize&, int, int)
+bool resizeRows(const Resize&)
 {
     return false;
 }

@@ -6,7 +6,7 @@
 #ifndef OPENCV_AQORB_QUADTREE_HPP
 #define OPENCV_AQORB_QUADTREE_HPP
 
-#include "point_sequence.hpp"
+#include "types.hpp"
 
 namespace cv
 {
@@ -15,27 +15,40 @@ namespace aqorb
 namespace stages
 {
 
-//! Equation (9): the smallest depth D with 4^D >= quota, at most MAX_QUADTREE_DEPTH.
-int quadtreeDepth(int quota);
-
-//! The smallest depth with 12 leaves for each point that the region is to have, but not so deep that leaves become
-//! shorter than 2 pixels.
-int rankedDepth(Size size, double usable, int quota);
-//! The greatest depth that rankedDepth returns for a region.
-int maxRankedDepth(Size size);
-
-//! Morton code of the leaf of a quadtree at (column, row).
-unsigned leafCode(unsigned column, unsigned row);
-
-//! Work space of leafPoints.
-struct LeafScratch
+//! A point that is to be put in order. Points come in the order that breaks ties.
+struct LeafPoint
 {
-    std::vector<unsigned> columns, rows;
+    unsigned leaf;  //!< as LeafGrid numbers it
+    int key;        //!< the greater, the better: a FAST score, or the sortKey of a response
 };
 
-//! Assigns corners, all of them inside the root, to the leaves of a quadtree.
-void leafPoints(const std::vector<RankedCorner>& corners, const Rect& root, int depth, LeafScratch& scratch,
-                std::vector<LeafPoint>& points);
+//! The leaves of a quadtree over a region: 2^depth columns and rows, numbered row by row.
+class LeafGrid
+{
+public:
+    LeafGrid() : depth(0) {}
+    void begin(const Rect& region, int depth);
+    //! The leaf of a pixel of the region.
+    unsigned leaf(int x, int y) const { return columns[x - region.x] + rows[y - region.y]; }
+    //! The pixel in the centre of a leaf.
+    Point centre(unsigned leaf) const;
+    //! The leaf of a position in a region that begins at (0, 0).
+    static unsigned leafAt(const Point2f& position, const Size& region, int depth)
+    {
+        return index(position.x, region.width, depth) | index(position.y, region.height, depth) << depth;
+    }
+
+private:
+    //! Where a position on an axis of so many pixels lies: floor(position * 2^depth / length).
+    static unsigned index(double position, int length, int depth)
+    {
+        return unsigned(position * (1 << depth) / length);
+    }
+
+    Rect region;
+    int depth;
+    std::vector<unsigned> columns, rows;  // by pixel: what it contributes to the number of its leaf
+};
 
 }  // namespace stages
 }  // namespace aqorb

@@ -7,7 +7,7 @@
 
 #include "input.hpp"
 #include "parameters.hpp"
-#include "ranked_sequence.hpp"
+#include "plan.hpp"
 
 #include <opencv2/aqorb.hpp>
 
@@ -22,54 +22,46 @@ void retainUniform(std::vector<KeyPoint>& keypoints, Size imageSize, int npoints
     CV_TRACE_FUNCTION();
     checkImageSize(imageSize);
     if (npoints < 0)
-        CV_Error_(Error::StsOutOfRange, ("npoints: got %d; >= 0 is accepted", npoints));
+        CV_Error_(Error::StsOutOfRange, ("npoints must be at least 0, got %d", npoints));
 
-    // Positions are not bound to pixels, so leaves may be smaller.
-    const Size LARGE(INT_MAX, INT_MAX);
-    const int depth = rankedDepth(LARGE, 1, npoints);
-    const double leaves = double(1 << depth);
-    std::vector<uchar> keep(keypoints.size(), uchar(0));
-    std::vector<LeafPoint> points;
-    points.reserve(keypoints.size());
+    std::vector<unsigned> inside, order;  // keypoints in the image, in the order that breaks ties
     for (size_t i = 0; i < keypoints.size(); i++)
     {
         const Point2f p = keypoints[i].pt;
-        if (!(p.x >= 0 && p.y >= 0 && p.x < imageSize.width && p.y < imageSize.height))
-            continue;
-        const unsigned leaf = leafColumn(int(p.x * leaves / imageSize.width)) +
-                              leafRow(int(p.y * leaves / imageSize.height), depth);
-        const LeafPoint point = {leaf, keypoints[i].response, p.x, p.y, int(i)};
-        points.push_back(point);
+        if (p.x >= 0 && p.y >= 0 && p.x < imageSize.width && p.y < imageSize.height)
+            inside.push_back(unsigned(i));
     }
-    if (points.size() > size_t(npoints))
+    if (inside.size() > size_t(npoints))
     {
-        const Parameters defaults;
-        const RankRule rule = {imageSize, 1, std::max(npoints, 1), defaults.rankRadius,
-                               defaults.strengthWeight};
-        PointList list(points);
-        list.sort();
-        RankedScratch scratch;
-        RankedSequence sequence;
-        sequence.begin(depth, list, scratch);
-        sequence.addAll();
-        sequence.findRepresentatives();
-        sequence.rank(rule, 1, std::vector<uchar>());
-        LeafPoint point;
-        for (int i = 0; i < npoints && sequence.next(point); i++)
-            keep[point.index] = 1;
+        std::sort(inside.begin(), inside.end(),
+                  [&](unsigned a, unsigned b)
+                  {
+                      const Point2f &p = keypoints[a].pt, &q = keypoints[b].pt;
+                      return p.y != q.y ? p.y < q.y : p.x != q.x ? p.x < q.x : a < b;
+                  });
+        // Positions are not bound to pixels, so leaves may be smaller.
+        const int depth = rankedDepth(Size(INT_MAX, INT_MAX), 1, npoints);
+        std::vector<LeafPoint> points;
+        for (unsigned index : inside)
+        {
+            const LeafPoint point = {LeafGrid::leafAt(keypoints[index].pt, imageSize, depth),
+                                     sortKey(keypoints[index].response)};
+            points.push_back(point);
+        }
+        // More even than the defaults of the detector: here all keypoints are of one level.
+        const double RADIUS = 1, WEIGHT = 0.15;
+        const RankRule rule = {imageSize, 1, std::max(npoints, 1), RADIUS, WEIGHT};
+        RankScratch scratch;
+        rankedOrder(points, depth, rule, scratch, order);
+        order.resize(npoints);
+        for (unsigned& index : order)
+            index = inside[index];
+        inside.swap(order);
     }
-    else
-    {
-        for (size_t i = 0; i < points.size(); i++)
-            keep[points[i].index] = 1;
-    }
-    size_t kept = 0;
-    for (size_t i = 0; i < keypoints.size(); i++)
-    {
-        if (keep[i])
-            keypoints[kept++] = keypoints[i];
-    }
-    keypoints.resize(kept);
+    std::sort(inside.begin(), inside.end());
+    for (size_t i = 0; i < inside.size(); i++)
+        keypoints[i] = keypoints[inside[i]];
+    keypoints.resize(inside.size());
 }
 
 }  // namespace aqorb

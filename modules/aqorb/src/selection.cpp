@@ -14,326 +14,172 @@ namespace aqorb
 namespace stages
 {
 
-namespace
+void FeatureSelector::begin(Size imageSize_, int levelCount_, double octaveSuppression_, int reach_)
 {
+    imageSize = imageSize_;
+    levelCount = levelCount_;
+    octaveSuppression = octaveSuppression_;
+    reach = reach_;
+    wanted = 0;
+    while (levels.size() < size_t(levelCount))
+        levels.push_back(LevelState());
+    for (LevelState& level : levels)
+        level.chosen.clear();
+}
 
-// Keypoints in buckets, so that those near a point of the input image are found fast.
-class KeypointGrid
+void FeatureSelector::addLevel(int index, const LevelPlan& plan)
 {
-public:
-    void clear(Size imageSize)
+    LevelState& level = levels[index];
+    level.plan = plan;
+    level.next = 0;
+    level.hasBegun = level.isExhausted = false;
+    wanted += plan.quota;
+}
+
+// The exact position in the image, by pixel centres, so that positions on coarse levels are not shifted against those on
+// fine ones.
+Point2d FeatureSelector::position(int level, const CornerResponse& corner) const
+{
+    const Size size = levels[level].plan.size;
+    return Point2d((corner.x + 0.5) * imageSize.width / size.width - 0.5,
+                   (corner.y + 0.5) * imageSize.height / size.height - 0.5);
+}
+
+// Lists the keypoints of some levels, but not of the level itself, in the blocks of the level in which they are near a
+// pixel. As a rule these blocks are few.
+void FeatureSelector::findOthers(int level, int first, int last)
+{
+    const Size size = levels[level].plan.size;
+    const double radius = octaveSuppression * levels[level].plan.scale;
+    const double toX = double(size.width) / imageSize.width, toY = double(size.height) / imageSize.height;
+    const double reachX = radius * toX + 0.01, reachY = radius * toY + 0.01;  // more than what is rounded
+    blockShift = 3;  // smaller blocks would cost more to clear than they save
+    while (blockShift < 30 && (1 << blockShift) < octaveSuppression)
+        blockShift++;
+    blockColumns = (size.width >> blockShift) + 1;
+    const int blockRows = (size.height >> blockShift) + 1;
+    const auto block = [&](double coordinate, int count)
+    { return int(std::min(std::max(coordinate, 0.) / (1 << blockShift), count - 1.)); };
+    heads.assign(size_t(blockColumns) * blockRows, -1);
+    others.clear();
+    for (int i = std::max(first, 0); octaveSuppression > 0 && i <= std::min(last, levelCount - 1); i++)
     {
-        entries.clear();
-        columns = imageSize.width / SIDE + 1;
-        rows = imageSize.height / SIDE + 1;
-        heads.assign(size_t(columns) * rows, -1);
-    }
-    void insert(Point2d p)
-    {
-        int& head = heads[size_t(row(p.y)) * columns + column(p.x)];
-        const Entry entry = {p, head};
-        head = int(entries.size());
-        entries.push_back(entry);
-    }
-    // Whether a keypoint is strictly nearer than radius.
-    bool isNear(Point2d p, double radius) const
-    {
-        const double squaredRadius = radius * radius;
-        const int top = row(p.y - radius), bottom = row(p.y + radius);
-        const int left = column(p.x - radius), right = column(p.x + radius);
-        for (int r = top; r <= bottom; r++)
+        for (size_t j = 0; i != level && j < levels[i].chosen.size(); j++)
         {
-            for (int c = left; c <= right; c++)
+            const Point2d p = position(i, levels[i].chosen[j]);
+            const double x = (p.x + 0.5) * toX - 0.5, y = (p.y + 0.5) * toY - 0.5;
+            const int right = block(x + reachX, blockColumns), bottom = block(y + reachY, blockRows);
+            for (int row = block(y - reachY, blockRows); row <= bottom; row++)
             {
-                for (int i = heads[size_t(r) * columns + c]; i >= 0; i = entries[i].next)
+                for (int column = block(x - reachX, blockColumns); column <= right; column++)
                 {
-                    const Point2d d = entries[i].position - p;
-                    if (d.x * d.x + d.y * d.y < squaredRadius)
-                        return true;
+                    int& head = heads[size_t(row) * blockColumns + column];
+                    const Other other = {p, head};
+                    head = int(others.size());
+                    others.push_back(other);
                 }
             }
         }
+    }
+}
+
+// Octave suppression.
+bool FeatureSelector::isNearOthers(int level, const CornerResponse& corner) const
+{
+    int i = heads[size_t(corner.y >> blockShift) * blockColumns + (corner.x >> blockShift)];
+    if (i < 0)
         return false;
+    const Point2d p = position(level, corner);
+    const double radius = octaveSuppression * levels[level].plan.scale;
+    for (; i >= 0; i = others[i].next)
+    {
+        const Point2d d = others[i].position - p;
+        if (d.x * d.x + d.y * d.y < radius * radius)
+            return true;
     }
-
-private:
-    struct Entry
-    {
-        Point2d position;
-        int next;
-    };
-    static int bucket(double coordinate, int count)
-    {
-        return int(std::min(std::max(coordinate, 0.) * (1. / SIDE), count - 1.));
-    }
-    int column(double x) const { return bucket(x, columns); }
-    int row(double y) const { return bucket(y, rows); }
-
-    static const int SIDE = 8;  // of a bucket; smaller ones would cost more to clear than they save
-    int columns, rows;
-    std::vector<int> heads;
-    std::vector<Entry> entries;
-};
-
-}  // namespace
-
-class FeatureSelector::Impl
-{
-public:
-    Impl() : octaveSuppression(0), reach(0), levelCount(0), step(0), asked(0), wanted(0), list(points) {}
-
-    void begin(Size imageSize_, double octaveSuppression_, int suppressionReach)
-    {
-        reach = suppressionReach;
-        imageSize = imageSize_;
-        octaveSuppression = octaveSuppression_;
-        levelCount = 0;
-        step = 0;
-        wanted = 0;
-    }
-
-    void addLevel(const SelectionLevel& added)
-    {
-        if (size_t(levelCount) == levels.size())
-            levels.push_back(LevelState());
-        LevelState& level = levels[levelCount++];
-        level.given = added;
-        level.hasBegun = false;
-        level.chosen.clear();
-    }
-
-    int wantsOf(int level)
-    {
-        asked = level;
-        wanted += levels[level].given.quota;
-        return wanted;
-    }
-
-    bool wants(CornerRequest& request)
-    {
-        // What to take from the levels, from fine to coarse, when their quotas have been taken.
-        static const CornerSet PASSES[] = {
-            SEQUENCE_CORNERS,    // as many as are still missing after the finest level
-            KEPT_CORNERS,        // nothing is left of the sequences but what octave suppression passed over
-            SUPPRESSED_CORNERS,  // what other rules passed over
-            WEAK_CORNERS};
-        const int passes = int(sizeof(PASSES) / sizeof(PASSES[0]));
-        if (wanted <= 0 || step == passes * levelCount)
-            return false;
-        asked = request.level = step % levelCount;
-        request.set = PASSES[step / levelCount];
-        step++;
-        return true;
-    }
-
-    void offer(PointSequence& sequence)
-    {
-        LevelState& level = levels[asked];
-        const bool again = level.hasBegun;
-        // A sequence that has begun must get the same answers again, and finer levels have new keypoints.
-        findOthers(again ? asked + 1 : asked - reach, asked + reach, others);
-        if (again)
-            findOthers(asked - reach, asked - 1, finer);
-        const NotSuppressed filter(*this, others), now(*this, finer);
-        level.hasBegun = true;
-        const size_t before = level.chosen.size();
-        sequence.willTake(size_t(wanted));
-        LeafPoint point;
-        while (level.chosen.size() < before + wanted && sequence.next(point, &filter))
-        {
-            // Finer levels may have chosen keypoints since the sequence began.
-            if (again && !now.accepts(point))
-                continue;
-            const RankedCorner corner = {int(point.x), int(point.y), point.response};
-            level.chosen.push_back(corner);
-        }
-        wanted -= int(level.chosen.size() - before);
-    }
-
-    void offer(const std::vector<RankedCorner>& offered)
-    {
-        LevelState& level = levels[asked];
-        chosen(asked, 0, taken);
-        corners.clear();
-        std::set_difference(offered.begin(), offered.end(), taken.begin(), taken.end(),
-                            std::back_inserter(corners), InRasterOrder());
-        if (corners.size() <= size_t(wanted))
-        {
-            level.chosen.insert(level.chosen.end(), corners.begin(), corners.end());
-            wanted -= int(corners.size());
-            return;
-        }
-        PointSequence& filling = order(corners, level.given.order);
-        LeafPoint point;
-        for (; wanted > 0 && filling.next(point); wanted--)
-            level.chosen.push_back(corners[point.index]);
-    }
-
-    size_t count(int level) const { return levels[level].chosen.size(); }
-
-    // Sorts by counting, as a level has many rows with few corners each.
-    void chosen(int index, size_t first, std::vector<RankedCorner>& sorted)
-    {
-        const LevelState& level = levels[index];
-        const int rows = level.given.size.height;
-        rowStarts.assign(size_t(rows) + 1, 0);
-        for (size_t i = first; i < level.chosen.size(); i++)
-            rowStarts[level.chosen[i].y + 1]++;
-        std::partial_sum(rowStarts.begin(), rowStarts.end(), rowStarts.begin());
-        sorted.resize(level.chosen.size() - first);
-        for (size_t i = first; i < level.chosen.size(); i++)
-            sorted[rowStarts[level.chosen[i].y]++] = level.chosen[i];
-        size_t begin = 0;
-        for (int y = 0; y < rows; begin = rowStarts[y++])  // row y now ends there
-        {
-            if (rowStarts[y] - begin > 1)
-                std::sort(sorted.begin() + begin, sorted.begin() + rowStarts[y], InRasterOrder());
-        }
-    }
-
-private:
-    struct LevelState
-    {
-        SelectionLevel given;
-        bool hasBegun;  // whether corners were taken from its sequence
-        std::vector<RankedCorner> chosen;
-    };
-
-    // Octave suppression.
-    class NotSuppressed : public PointFilter
-    {
-    public:
-        NotSuppressed(const Impl& impl_, const KeypointGrid& others_)
-            : impl(impl_),
-              others(others_),
-              radius(impl.octaveSuppression * impl.levels[impl.asked].given.scale)
-        {
-        }
-        bool accepts(const LeafPoint& point) const CV_OVERRIDE
-        {
-            return !(radius > 0 && others.isNear(impl.position(impl.asked, point.x, point.y), radius));
-        }
-
-    private:
-        const Impl& impl;
-        const KeypointGrid& others;
-        double radius;
-    };
-
-    // Puts the keypoints of the levels first .. last into buckets. If the level asked for is among them, it has none yet.
-    void findOthers(int first, int last, KeypointGrid& found) const
-    {
-        if (octaveSuppression == 0)
-            return;  // none will be looked for
-        found.clear(imageSize);
-        for (int i = std::max(first, 0); i <= std::min(last, levelCount - 1); i++)
-        {
-            for (const RankedCorner& corner : levels[i].chosen)
-                found.insert(position(i, float(corner.x), float(corner.y)));
-        }
-    }
-
-    // The exact position in the image, by pixel centres, so that positions on coarse levels are not shifted against
-    // those on fine ones.
-    static double position(int pixel, int levelLength, int imageLength)
-    {
-        return (pixel + 0.5) * imageLength / levelLength - 0.5;
-    }
-    Point2d position(int level, float x, float y) const
-    {
-        const Size size = levels[level].given.size;
-        return Point2d(position(int(x), size.width, imageSize.width),
-                       position(int(y), size.height, imageSize.height));
-    }
-
-    PointSequence& order(const std::vector<RankedCorner>& unordered, const OrderRule& rule)
-    {
-        if (!rule.isRanked)
-        {
-            leafPoints(unordered, rule.root, rule.depth, scratch, points);
-            balanced.begin(points, rule.depth);
-            return balanced;
-        }
-        numberLeaves(rule.root.size(), rule.depth, scratch);
-        points.resize(unordered.size());
-        for (size_t i = 0; i < unordered.size(); i++)
-        {
-            const RankedCorner& corner = unordered[i];
-            const unsigned leaf =
-                scratch.columns[corner.x - rule.root.x] + scratch.rows[corner.y - rule.root.y];
-            const LeafPoint point = {leaf, corner.response, float(corner.x), float(corner.y), int(i)};
-            points[i] = point;
-        }
-        list.sort();
-        ranked.begin(rule.depth, list, rankedScratch);
-        ranked.addAll();
-        ranked.findRepresentatives();
-        ranked.rank(rule.rank, 1, std::vector<uchar>());
-        return ranked;
-    }
-
-    Size imageSize;
-    double octaveSuppression;
-    int reach;                       // of octave suppression, in levels
-    std::vector<LevelState> levels;  // it never shrinks, so that levels keep their memory
-    int levelCount;                  // of this image
-    int step;                        // the next pass and level to ask for, after the finest level
-    int asked;                       // the level of the last request
-    int wanted;                      // features that are still missing
-    KeypointGrid others, finer;
-    BalancedSequence balanced;  // to fill up from
-    RankedSequence ranked;      // to fill up from
-    RankedScratch rankedScratch;
-    std::vector<RankedCorner> corners;  // to fill up from
-    std::vector<RankedCorner> taken;    // what the level has before
-    LeafScratch scratch;
-    std::vector<LeafPoint> points;
-    PointList list;  // of the points
-    std::vector<size_t> rowStarts;
-};
-
-FeatureSelector::FeatureSelector() : impl(makePtr<Impl>())
-{
+    return false;
 }
 
-void FeatureSelector::begin(Size imageSize, double octaveSuppression, int suppressionReach)
+void FeatureSelector::take(int index, const std::vector<CornerResponse>& corners)
 {
-    impl->begin(imageSize, octaveSuppression, suppressionReach);
+    CV_TRACE_FUNCTION();
+    LevelState& level = levels[index];
+    if (level.isExhausted)
+        return;
+    const bool isRanked = level.plan.isRanked, again = level.hasBegun && !isRanked;
+    // A level that goes on does so in the same order, although finer levels have got keypoints.
+    findOthers(index, again ? index + 1 : index - reach, index + reach);
+    if (!isRanked)
+        orderByResponse(index, corners, again ? corners.size() : wanted, true);
+    if (again)
+        findOthers(index, index - reach, index + reach);
+    level.hasBegun = true;
+    for (; wanted > 0 && level.next < (isRanked ? corners.size() : order.size()); level.next++)
+    {
+        const CornerResponse& corner = corners[isRanked ? level.next : order[level.next]];
+        if ((isRanked || again) && isNearOthers(index, corner))
+            continue;
+        level.chosen.push_back(corner);
+        wanted--;
+    }
+    level.isExhausted = !isRanked && wanted > 0;
 }
 
-void FeatureSelector::addLevel(const SelectionLevel& level)
+void FeatureSelector::fill(int index, const std::vector<CornerResponse>& corners)
 {
-    impl->addLevel(level);
+    CV_TRACE_FUNCTION();
+    LevelState& level = levels[index];
+    chosen(index, 0, taken);
+    filling.clear();
+    std::set_difference(corners.begin(), corners.end(), taken.begin(), taken.end(),
+                        std::back_inserter(filling), InRasterOrder());
+    if (filling.size() > size_t(wanted))
+    {
+        orderByResponse(index, filling, wanted, false);
+        taken.assign(filling.begin(), filling.end());
+        for (int i = 0; i < wanted; i++)
+            filling[i] = taken[order[i]];
+        filling.resize(wanted);
+    }
+    level.chosen.insert(level.chosen.end(), filling.begin(), filling.end());
+    wanted -= int(filling.size());
 }
 
-int FeatureSelector::wantsOf(int level)
+// Finds the order of corners of a level by its rule, with their responses for strengths.
+void FeatureSelector::orderByResponse(int index, const std::vector<CornerResponse>& corners, size_t count,
+                                      bool withSuppression)
 {
-    return impl->wantsOf(level);
+    const LevelPlan& plan = levels[index].plan;
+    leaves.begin(plan.root, plan.depth);
+    points.resize(corners.size());
+    unsuppressed.resize(corners.size());
+    size_t size = 0;
+    for (size_t i = 0; i < corners.size(); i++)
+    {
+        const LeafPoint point = {leaves.leaf(corners[i].x, corners[i].y), sortKey(corners[i].response)};
+        points[size] = point;
+        unsuppressed[size] = unsigned(i);
+        size += !withSuppression || !isNearOthers(index, corners[i]);
+    }
+    points.resize(size);
+    if (plan.isRanked)
+        rankedOrder(points, plan.depth, plan.rank, rankScratch, order);
+    else
+        balancedOrder(points, plan.depth, count, balancedScratch, order);
+    for (unsigned& i : order)
+        i = unsuppressed[i];
 }
 
-bool FeatureSelector::wants(CornerRequest& request)
+void FeatureSelector::chosen(int index, size_t first, std::vector<CornerResponse>& corners)
 {
-    return impl->wants(request);
-}
-
-void FeatureSelector::offer(PointSequence& sequence)
-{
-    impl->offer(sequence);
-}
-
-void FeatureSelector::offer(const std::vector<RankedCorner>& corners)
-{
-    impl->offer(corners);
-}
-
-size_t FeatureSelector::count(int level) const
-{
-    return impl->count(level);
-}
-
-void FeatureSelector::chosen(int level, size_t first, std::vector<RankedCorner>& corners)
-{
-    impl->chosen(level, first, corners);
+    const LevelState& level = levels[index];
+    rasterKeys.clear();
+    for (size_t i = first; i < level.chosen.size(); i++)
+        rasterKeys.push_back(uint64(level.chosen[i].y) * level.plan.size.width + level.chosen[i].x);
+    sortIndices(rasterKeys, sorting, order);
+    corners.resize(rasterKeys.size());
+    for (size_t i = 0; i < corners.size(); i++)
+        corners[i] = level.chosen[first + order[i]];
 }
 
 }  // namespace stages

@@ -6,9 +6,9 @@
 #ifndef OPENCV_AQORB_SELECTION_HPP
 #define OPENCV_AQORB_SELECTION_HPP
 
-#include "balanced_sequence.hpp"
-#include "quadtree.hpp"
-#include "ranked_sequence.hpp"
+#include "balanced_order.hpp"
+#include "plan.hpp"
+#include "ranked_order.hpp"
 #include "types.hpp"
 
 namespace cv
@@ -18,66 +18,71 @@ namespace aqorb
 namespace stages
 {
 
-//! What selection must know of a level.
-struct SelectionLevel
-{
-    Size size;        //!< of the level
-    float scale;      //!< of the level
-    int quota;        //!< number of features that the level is to have
-    OrderRule order;  //!< of corners that are not in the level's sequence
-};
-
-//! The corners of a level that selection asks for.
-struct CornerRequest
-{
-    int level;
-    CornerSet set;
-};
-
-/** Chooses the features of all levels. It takes from the sequence of each level, from coarse to fine, as many
- corners as the quota of the level and what coarser levels left over. It passes over corners that are nearer than
- octaveSuppression pixels of their level to a keypoint of another level within reach. If features are still missing then, it
- goes through the levels from fine to coarse: first it continues their sequences, and then it fills up with the corners
- that the rules have passed over.
-
- Selection does not call other stages. It says which corners it needs next, and is then given them:
- @code
-    selector.begin(imageSize, octaveSuppression, reach);
-    // addLevel for each level
-    for (int level = levels - 1; level >= 0; level--)
-        if (selector.wantsOf(level) > 0)
-            selector.offer(sequence);
-    CornerRequest request;
-    while (selector.wants(request))
-        // offer what it wants
- @endcode
- An object can be used again, and then needs no new memory. */
+/** Chooses the features of all levels. Level by level, from coarse to fine, it takes as many corners as the quota of the
+ level and what coarser levels left over. It passes over corners that are nearer than octaveSuppression pixels of their
+ level to a keypoint of another level within reach. An object can be used again, and then needs no new memory. */
 class FeatureSelector
 {
 public:
-    FeatureSelector();
+    FeatureSelector()
+        : octaveSuppression(0), reach(0), levelCount(0), wanted(0), blockShift(0), blockColumns(0)
+    {
+    }
     //! Starts with an image.
-    //! @param suppressionReach a corner is not near keypoints of levels that are further away than so many levels
-    void begin(Size imageSize, double octaveSuppression, int suppressionReach);
-    //! Adds the next level, in the order of the pyramid.
-    void addLevel(const SelectionLevel& level);
-    //! Goes on to a level, from coarse to fine, and returns how many of its corners are wanted. If there are any, its
-    //! sequence must be offered next.
-    int wantsOf(int level);
-    //! After the finest level: which corners must be offered next; false when the selection is complete.
-    bool wants(CornerRequest& request);
-    //! Answers wantsOf, or a request for SEQUENCE_CORNERS. The sequence must be as the previous request left it.
-    void offer(PointSequence& sequence);
-    //! Answers any other request. The corners come in raster order.
-    void offer(const std::vector<RankedCorner>& corners);
-    //! How many corners of a level have been chosen.
-    size_t count(int level) const;
+    //! @param reach a corner is not near keypoints of levels that are further away than so many levels
+    void begin(Size imageSize, int levelCount, double octaveSuppression, int reach);
+    //! Goes on to a level, whose plan is complete, and asks for its quota.
+    void addLevel(int level, const LevelPlan& plan);
+    //! How many of the features that were asked for are missing.
+    int missing() const { return wanted; }
+    /** Takes corners of a level in the order in which they are to be chosen, from the first one that was neither taken nor
+     passed over before.
+     @param corners in this order or, for balancedOrder, in raster order: only here it is known which of them octave
+     suppression passes over, and for the paper's order these do not exist */
+    void take(int level, const std::vector<CornerResponse>& corners);
+    //! Fills up with corners of a level that a rule passed over, given in raster order.
+    void fill(int level, const std::vector<CornerResponse>& corners);
     //! Gives the chosen corners of a level, but the first ones, in raster order.
-    void chosen(int level, size_t first, std::vector<RankedCorner>& corners);
+    void chosen(int level, size_t first, std::vector<CornerResponse>& corners);
 
 private:
-    class Impl;
-    Ptr<Impl> impl;
+    //! A keypoint of another level, and the next one in a block.
+    struct Other
+    {
+        Point2d position;
+        int next;
+    };
+    struct LevelState
+    {
+        LevelPlan plan;
+        size_t next;       // in the order
+        bool hasBegun;     // whether corners were taken
+        bool isExhausted;  // whether balancedOrder has no more of them
+        std::vector<CornerResponse> chosen;
+    };
+    void findOthers(int level, int first, int last);
+    bool isNearOthers(int level, const CornerResponse& corner) const;
+    Point2d position(int level, const CornerResponse& corner) const;
+    void orderByResponse(int level, const std::vector<CornerResponse>& corners, size_t count,
+                         bool withSuppression);
+
+    Size imageSize;
+    double octaveSuppression;
+    int reach;                       // of octave suppression, in levels
+    std::vector<LevelState> levels;  // it never shrinks, so that levels keep their memory
+    int levelCount;                  // of this image
+    int wanted;                      // features that are still missing
+    std::vector<Other> others;
+    std::vector<int> heads;        // by block of a level: the first one that is near its pixels, or -1
+    int blockShift, blockColumns;  // blocks have 2^blockShift columns and rows
+    LeafGrid leaves;
+    BalancedScratch balancedScratch;
+    RankScratch rankScratch;
+    std::vector<LeafPoint> points;
+    std::vector<unsigned> order, unsuppressed;
+    std::vector<CornerResponse> filling, taken;
+    std::vector<uint64> rasterKeys;
+    SortScratch sorting;
 };
 
 }  // namespace stages

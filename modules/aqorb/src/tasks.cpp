@@ -7,6 +7,8 @@
 
 #include "tasks.hpp"
 
+#include <opencv2/aqorb.hpp>
+
 #include <thread>
 
 namespace cv
@@ -14,10 +16,27 @@ namespace cv
 namespace aqorb
 {
 
+static thread_local bool isAlone = false;
+
+AdaptiveQuadtreeORB::SingleThreadScope::SingleThreadScope() : before(isAlone)
+{
+    isAlone = true;
+}
+
+AdaptiveQuadtreeORB::SingleThreadScope::~SingleThreadScope()
+{
+    isAlone = before;
+}
+
+int TaskQueue::threadsAllowed()
+{
+    return isAlone ? 1 : std::max(getNumThreads(), 1);
+}
+
 int TaskQueue::threadsInUse()
 {
     const int MOST = 16;  // more would wait for each other most of the time
-    return std::min(std::max(getNumThreads(), 1), MOST);
+    return std::min(threadsAllowed(), MOST);
 }
 
 void TaskQueue::put(int priority, const Task& task)

@@ -22,6 +22,7 @@ namespace aqorb
 struct Task
 {
     int kind, level, part;
+    Range range;  //!< of what is in the part
 };
 
 //! Does tasks, several at once.
@@ -42,7 +43,9 @@ class TaskQueue
 {
 public:
     TaskQueue() : runner(0), number(0), running(0), waiting(0), workers(0) {}
-    //! How many threads cv::parallel_for_ may use for a frame.
+    //! How many threads a call that this thread begins may use.
+    static int threadsAllowed();
+    //! How many of them cv::parallel_for_ is to use for a frame.
     static int threadsInUse();
     //! Adds a task whose inputs are ready. The one with the smallest number as priority is taken first.
     void put(int priority, const Task& task);

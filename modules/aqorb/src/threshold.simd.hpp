@@ -6,8 +6,6 @@
 #include "simd_compat.hpp"
 #include "threshold.hpp"
 
-#include <cstring>
-
 namespace cv
 {
 namespace aqorb
@@ -24,49 +22,33 @@ void sumRows(const uchar* rows, ptrdiff_t step, int width, int height, uint64& s
 void sumRows(const uchar* rows, ptrdiff_t step, int width, int height, uint64& sum, uint64& squares)
 {
 #if CV_SIMD
-    const int LANES = AQORB_LANES(v_uint8), MOST = 1024;  // so many vectors of squares fit into 32 bits
-    const v_uint8 low = v_reinterpret_as_u8(vx_setall_u16(0x00ff));
-    const v_uint16 one = vx_setall_u16(1);
-    v_uint32 sums = vx_setzero_u32(), squareSums = vx_setzero_u32();
-    int added = 0;
-    uchar counted[2 * CV_SIMD_WIDTH];  // from LANES on: all lanes, from i lanes before: all but the first i
-    std::memset(counted, 0, LANES);
-    std::memset(counted + LANES, 255, LANES);
+    const int LANES = AQORB_LANES(v_uint8);
+    const v_uint8 one = vx_setall_u8(1);
 #endif
     for (int y = 0; y < height; y++)
     {
         const uchar* row = rows + y * step;
-        int x = 0;
-#if CV_SIMD
-        for (; x < width && width >= LANES; x += LANES)
+        for (int x = 0; x < width;)
         {
-            // The last vector overlaps the one before, whose pixels do not count again.
-            const int first = std::min(x, width - LANES);
-            const v_uint8 v = v_and(vx_load(row + first), vx_load(counted + LANES - (x - first)));
-            const v_int16 even = v_reinterpret_as_s16(v_and(v, low));
-            const v_int16 odd = v_reinterpret_as_s16(v_shr<8>(v_reinterpret_as_u16(v)));
-            squareSums =
-                v_add(squareSums, v_reinterpret_as_u32(v_add(v_dotprod(even, even), v_dotprod(odd, odd))));
-            sums = v_add(sums, v_reinterpret_as_u32(v_dotprod(v_add(even, odd), v_reinterpret_as_s16(one))));
-            if (++added == MOST)
+            const int MOST = 1 << 15, end = std::min(width, x + MOST);  // so many squares fit into 32 bits
+#if CV_SIMD
+            v_uint32 sums = vx_setzero_u32(), squareSums = sums;
+            for (; x + LANES <= end; x += LANES)
             {
-                sum += v_reduce_sum(sums);
-                squares += v_reduce_sum(squareSums);
-                sums = squareSums = vx_setzero_u32();
-                added = 0;
+                const v_uint8 v = vx_load(row + x);
+                sums = v_add(sums, v_dotprod_expand_fast(v, one));
+                squareSums = v_add(squareSums, v_dotprod_expand_fast(v, v));
+            }
+            sum += v_reduce_sum(sums);
+            squares += v_reduce_sum(squareSums);
+#endif
+            for (; x < end; x++)
+            {
+                sum += row[x];
+                squares += unsigned(row[x]) * row[x];
             }
         }
-#endif
-        for (; x < width; x++)
-        {
-            sum += row[x];
-            squares += unsigned(row[x]) * row[x];
-        }
     }
-#if CV_SIMD
-    sum += v_reduce_sum(sums);
-    squares += v_reduce_sum(squareSums);
-#endif
 }
 
 #endif  // CV_CPU_OPTIMIZATION_DECLARATIONS_ONLY

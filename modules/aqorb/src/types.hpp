@@ -48,8 +48,8 @@ struct Corner
     int y : 22, score : 10;  // a level has thousands of corners: 8 bytes for each
 };
 
-//! A corner with the response that ranks it.
-struct RankedCorner
+//! A corner with its response: its Harris response or its FAST score.
+struct CornerResponse
 {
     int x, y;
     float response;
@@ -79,8 +79,7 @@ const int SUPPRESS_MARGIN = 16;
 //! The corners of a level by what the rules of the detection say about them.
 enum CornerSet
 {
-    SEQUENCE_CORNERS,    //!< those that pass all rules, in the order in which they are to be chosen
-    KEPT_CORNERS,        //!< the same corners as a list
+    KEPT_CORNERS,        //!< those that pass all rules
     SUPPRESSED_CORNERS,  //!< those that lost to a better corner nearby
     WEAK_CORNERS         //!< those below thresholds.ini in cells that have a corner at thresholds.ini
 };

@@ -7,7 +7,6 @@
 // see doc/reproduction.md.
 
 #include "../../common/csv.hpp"
-#include "../../common/options.hpp"
 #include "../../common/program.hpp"
 #include "claims.hpp"
 #include "subjects.hpp"
@@ -37,20 +36,25 @@ const char* const KEYS =
     "{paperslam      | slam:selection=balanced:octave=0.5 | SlamExtractor with the paper's selection, as it "
     "was }"
     "{dial           | aqorb:strength=1000 | the method at the dial's other end }"
-    "{only           | distinct,uniformity,roll,findobj,heldout,stereo,degraded,cost | what is measured }"
+    "{only           | distinct,uniformity,roll,scale,findobj,heldout,stereo,start,degraded,cost | what is "
+    "measured }"
     "{table          |      | print a row of means for each method instead of claims }"
-    "{short          |      | only distinct,uniformity,roll,findobj, and no homographies }"
+    "{short          |      | only distinct,uniformity,roll,scale,findobj,start, and no homographies }"
     "{n              | 500,1000,2000 | numbers of features }"
     "{seeds          | 15   | random seeds; 0 leaves homographies out }"
     "{sets           | bikes,leuven,bark,trees,ubc,graf | folders in DATASETS }"
-    "{photographs    | bikes,leuven,trees,graf | sets whose first image is rolled }"
+    "{photographs    | bikes,leuven,trees,graf | sets whose first image is rolled, and rolled and scaled }"
     "{object         |      | folder with box.png and box_in_scene.png of OpenCV's samples, for findobj }"
     "{heldout        |      | folder that scripts/held_out.sh made, for heldout }"
-    "{stereo         |      | stereo sequence laid out as KITTI's, for stereo }"
+    "{stereo         |      | stereo sequence laid out as KITTI's, for stereo and start }"
     "{degrade        | dark,gamma,noise,blur,shrunk,enlarged | the ways in which images are made worse }"
     "{runs           | 30   | repeats of a time measurement }"
     "{out            |      | folder to write claims.csv and measured.csv to }"
     "{@datasets      |      | folder of the sets }";
+
+//! In degrees, of the photographs; and those that are scaled, too: one of each third of a quarter turn.
+const std::vector<int> ROLLS = {15, 45, 75, 105, 135, 165, 195, 225, 255, 285, 315, 345},
+                       FEW_ROLLS = {15, 135, 255};
 
 struct Options
 {
@@ -85,7 +89,7 @@ Options readOptions(const cv::CommandLineParser& parser)
                        parser.has("table")};
     if (parser.has("short"))
     {
-        options.only = {"distinct", "uniformity", "roll", "findobj"};
+        options.only = {"distinct", "uniformity", "roll", "scale", "findobj", "start"};
         options.seeds = 0;
     }
     tools::checkRead(parser);
@@ -95,13 +99,14 @@ Options readOptions(const cv::CommandLineParser& parser)
         throw tools::BadArguments{"--n: numbers above 0, separated by commas"};
     if (options.runs < 1 || options.seeds < 0)
         throw tools::BadArguments{"--runs: at least 1; --seeds: at least 0"};
-    static const std::vector<std::string> subjects = {"distinct", "uniformity", "roll",     "findobj",
-                                                      "heldout",  "stereo",     "degraded", "cost"};
+    static const std::vector<std::string> subjects = {"distinct", "uniformity", "roll",   "scale",
+                                                      "findobj",  "heldout",    "stereo", "start",
+                                                      "degraded", "cost"};
     for (const std::string& subject : options.only)
         if (std::find(subjects.begin(), subjects.end(), subject) == subjects.end())
             throw tools::BadArguments{"--only: " + subject +
-                                      " is none of distinct, uniformity, roll, findobj, heldout, "
-                                      "stereo, degraded, cost"};
+                                      " is none of distinct, uniformity, roll, scale, findobj, "
+                                      "heldout, stereo, start, degraded, cost"};
     return options;
 }
 
@@ -171,7 +176,19 @@ Measurements measure(const Options& options)
     if (isAsked(options, "roll"))
         for (const ImageSet& set : readSets(options, options.photographs, cv::IMREAD_GRAYSCALE))
             for (const cv::Ptr<Method>& method : methods)
-                measureRolled(set.name, set.images[0], *method, 1000, results);
+                measureRolled("rolled", set.name, set.images[0], ROLLS, 1, *method, 1000, results);
+    if (isAsked(options, "scale"))
+    {
+        for (const ImageSet& set : sets)
+            for (const int n : options.numbers)
+                for (const cv::Ptr<Method>& method : methods)
+                    measureScaled(set.name, set.images[0], SCALES, *method, n, results);
+        for (const ImageSet& set : readSets(options, options.photographs, cv::IMREAD_GRAYSCALE))
+            for (const double scale : ROLLED_SCALES)
+                for (const cv::Ptr<Method>& method : methods)
+                    measureRolled("rolled, " + subjectOfScale(scale), set.name, set.images[0], FEW_ROLLS,
+                                  scale, *method, 1000, results);
+    }
     if (isAsked(options, "findobj", options.object))
     {
         const cv::Mat object = readGrey(options.object + "/box.png");
@@ -180,7 +197,7 @@ Measurements measure(const Options& options)
         if (std::find(names.begin(), names.end(), options.dial) == names.end())
             all.push_back(makeMethod(options.dial, ""));
         for (const cv::Ptr<Method>& method : all)
-            for (const int n : {250, 500, 1000, 2000})
+            for (const int n : OBJECT_NUMBERS)
                 measureFindObject(object, scene, *method, n, results);
     }
     if (isAsked(options, "heldout", options.heldOut))
@@ -192,13 +209,23 @@ Measurements measure(const Options& options)
     }
     if (isAsked(options, "stereo", options.stereo))
     {
-        const StereoSequence sequence = readStereoSequence(options.stereo);
+        const StereoSequence sequence = readPosedSequence(options.stereo);
         std::vector<std::string> all = names;
         all.push_back(options.paperSlam);
         for (const std::string& name : options.methods)
             all.push_back(slamOf(name));
         for (const std::string& name : unique(all))
             measureStereo(sequence, *makeMethod(name, ""), 1000, std::max(options.seeds, 1), results);
+    }
+    if (isAsked(options, "start", options.stereo))
+    {
+        const StereoSequence sequence = readPosedSequence(options.stereo);
+        std::vector<std::string> all = {options.orb, options.paperSlam};
+        for (const std::string& name : options.methods)
+            all.push_back(slamOf(name));
+        for (const std::string& name : unique(all))
+            for (const int n : options.numbers)
+                measureStart(sequence, *makeMethod(name, ""), n, results);
     }
     if (isAsked(options, "degraded"))
     {
@@ -241,25 +268,29 @@ std::string cell(double value, int digits)
     return std::isnan(value) ? "-" : cv::format("%.*f", digits, value);
 }
 
-//! What each method reaches on the sets at the first n, and on the small object over all its n, as in the claims.
+//! What each method reaches on the sets at the first n, at other scales, and on the small object at each n.
 void printTable(const Options& options, const Measurements& measured)
 {
-    std::printf("| n = %d | u | occupancy | distinct | places | precision | inliers on the object |\n"
-                "|---|---|---|---|---|---|---|\n",
-                options.numbers[0]);
+    const int first = options.numbers[0];
+    std::printf(
+        "| n = %d | u | occupancy | distinct | places | precision | distinct at other scales | inliers on "
+        "the object, n =",
+        first);
+    for (const int n : OBJECT_NUMBERS)
+        std::printf(" %d", n);
+    std::printf(" |\n|---|---|---|---|---|---|---|---|\n");
     std::vector<std::string> names = options.methods;
     names.insert(names.end(), {options.paper, options.orb});
     for (const std::string& name : unique(names))
     {
-        const auto mean = [&](const char* quantity)
-        { return measured.mean("sets", name, options.numbers[0], quantity); };
-        double inliers = 0;
-        for (const int n : {250, 500, 1000, 2000})
-            inliers += measured.mean("object", name, n, "inliers");
-        std::printf("| %s | %s | %s | %s | %s | %s | %s |\n", name.c_str(),
-                    cell(mean("uniformity"), 1).c_str(), cell(mean("occupancy"), 3).c_str(),
-                    cell(mean("distinct"), 1).c_str(), cell(mean("places"), 1).c_str(),
-                    cell(mean("precision"), 3).c_str(), cell(inliers, 0).c_str());
+        const auto mean = [&](const char* quantity) { return measured.mean("sets", name, first, quantity); };
+        std::printf("| %s | %s | %s | %s | %s | %s | %s |", name.c_str(), cell(mean("uniformity"), 1).c_str(),
+                    cell(mean("occupancy"), 3).c_str(), cell(mean("distinct"), 1).c_str(),
+                    cell(mean("places"), 1).c_str(), cell(mean("precision"), 3).c_str(),
+                    cell(distinctAtScales(measured, name, first), 1).c_str());
+        for (const int n : OBJECT_NUMBERS)
+            std::printf(" %s", cell(measured.mean("object", name, n, "inliers"), 0).c_str());
+        std::printf(" |\n");
     }
 }
 

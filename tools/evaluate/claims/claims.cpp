@@ -4,17 +4,20 @@
 // SPDX-License-Identifier: Apache-2.0
 
 #include "claims.hpp"
+#include "subjects.hpp"
 
 #include <opencv2/core.hpp>
 
 #include <cmath>
 #include <limits>
 
+const std::vector<double> SCALES = {0.4, 0.5, 0.6, 0.75, 1.5, 2, 2.5}, ROLLED_SCALES = {0.5, 0.7, 1.4, 2};
+const std::vector<int> OBJECT_NUMBERS = {250, 400, 500, 1000, 2000};
+
 namespace
 {
 
 const double NOTHING = std::numeric_limits<double>::quiet_NaN();
-const int OBJECT_NUMBERS[] = {250, 500, 1000, 2000};
 const int ONE_NUMBER = 1000;  // where only one number of features is measured
 const char* const DEGRADATIONS[] = {"dark", "gamma", "noise", "blur", "shrunk", "enlarged"};
 
@@ -95,6 +98,24 @@ public:
             measured.mean(subject, names.paper, n, quantity, filter) / orb, 3, bound);
     }
 
+    //! Distinct correct matches at one scale, at least as many as with the paper's selection.
+    void scale(double scale, int n)
+    {
+        const std::string subject = subjectOfScale(scale);
+        const double paper = measured.mean(subject, names.paper, n, "distinct") /
+                             measured.mean(subject, names.orb, n, "distinct");
+        const Bound bound = {Bound::AT_LEAST, std::max(1.3, paper), NOTHING};
+        ratio(subject + ": distinct correct matches, times cv::ORB's", subject, n, "distinct", bound);
+    }
+
+    //! The geometric mean of the scales.
+    void scales(int n)
+    {
+        const double orb = distinctAtScales(measured, names.orb, n);
+        add("the geometric mean of the scales", n, distinctAtScales(measured, names.method, n) / orb, 1,
+            distinctAtScales(measured, names.paper, n) / orb, 3, {Bound::AT_LEAST, 1.5, 1.65});
+    }
+
     //! Homographies must not be worse than those of the paper's selection beyond chance.
     void area(const std::string& what, const std::string& subject, int n, bool isAsked)
     {
@@ -113,7 +134,7 @@ public:
     {
         double sum = 0;
         for (const int n : OBJECT_NUMBERS)
-            sum += measured.mean("object", method, n, "inliers");
+            sum += n == 400 ? 0 : measured.mean("object", method, n, "inliers");
         return sum;
     }
 
@@ -132,6 +153,16 @@ public:
         return sums;
     }
 
+    //! Matches of the finest level between frames that are so many apart.
+    void start(const std::string& what, int step, int n)
+    {
+        const Measurements::Filter filter = ofSets({std::to_string(step)});
+        const double paper = measured.mean("start", names.paperSlam, n, "correct", filter);
+        add(what, n, measured.mean("start", slamOf(names.method), n, "correct", filter),
+            measured.mean("start", names.orb, n, "correct", filter), paper, 1,
+            {Bound::AT_LEAST, paper, NOTHING});
+    }
+
     void stereo(const std::string& what, const std::string& method, const std::string& paper,
                 const std::string& quantity)
     {
@@ -142,10 +173,11 @@ public:
         const double error = standardError(differences(here, theirs));
         const double withFrames = standardDeviation(differences(
             stereoErrors(method, quantity + ", resampled"), stereoErrors(paper, quantity + ", resampled")));
-        const Bound bound = {Bound::AT_MOST, ::mean(theirs) + error, NOTHING};
+        // The frames of a short sequence decide more than the seeds.
+        const Bound bound = {Bound::AT_MOST, ::mean(theirs) + 2 * withFrames, NOTHING};
         add(what + ", " + quantity, ONE_NUMBER, ::mean(here), ::mean(stereoErrors(names.orb, quantity)),
             ::mean(theirs), 4, bound,
-            cv::format(" (incl. standard error %.4f; %.4f with the frames)", error, withFrames));
+            cv::format(" (incl. 2 standard errors of %.4f; %.4f of the seeds)", withFrames, error));
         for (int gap = 1; gap <= 3; gap++)
         {
             const Measurements::Filter filter = ofSets({std::to_string(gap)});
@@ -177,6 +209,14 @@ std::string slamOf(const std::string& method)
     return isOne ? "slam" + method.substr(name.size()) : "";
 }
 
+double distinctAtScales(const Measurements& measured, const std::string& method, int n)
+{
+    double sum = 0;
+    for (const double scale : SCALES)
+        sum += std::log(measured.mean(subjectOfScale(scale), method, n, "distinct"));
+    return std::exp(sum / double(SCALES.size()));
+}
+
 std::vector<Claim> judge(const Measurements& measured, const Compared& compared,
                          const std::vector<int>& numbers)
 {
@@ -186,18 +226,18 @@ std::vector<Claim> judge(const Measurements& measured, const Compared& compared,
 
     for (const int n : numbers)
         judge.ratio("distinct correct matches, times cv::ORB's", "sets", n, "distinct",
-                    at(n, Bound::AT_LEAST, {1.38, 1.34, 1.30}, {1.55, 1.50, 1.45}));
+                    at(n, Bound::AT_LEAST, {1.55, 1.50, 1.45}, {1.62, 1.56, 1.49}));
     for (const int n : numbers)
-        judge.ratio("the same on graf", "sets", n, "distinct",
-                    at(n, Bound::AT_LEAST, {NOTHING, 1.1, NOTHING}, none), ofSets({"graf"}));
+        judge.ratio("the same on graf", "sets", n, "distinct", at(n, Bound::AT_LEAST, {1.3, 1.3, 1.3}, none),
+                    ofSets({"graf"}));
     for (const int n : numbers)
         judge.mean("uniformity u of the paper's sets, grey", "sets", n, "uniformity", 2,
-                   at(n, Bound::AT_MOST, {151, NOTHING, NOTHING}, {140, NOTHING, NOTHING}), papersSets);
+                   at(n, Bound::AT_MOST, {150, NOTHING, NOTHING}, {140, NOTHING, NOTHING}), papersSets);
     for (const int n : numbers)
         judge.mean("uniformity u of the paper's sets, in colour", "colour", n, "uniformity", 2,
                    at(n, Bound::AT_MOST, {151, NOTHING, NOTHING}, {140, NOTHING, NOTHING}), papersSets);
     for (const int n : numbers)
-        judge.mean("occupancy", "sets", n, "occupancy", 3, at(n, Bound::AT_LEAST, {.62, .84, NOTHING}, none));
+        judge.mean("occupancy", "sets", n, "occupancy", 3, at(n, Bound::AT_LEAST, {.58, .79, NOTHING}, none));
     for (const int n : numbers)
         judge.mean("places", "sets", n, "places", 1, at(n, Bound::AT_LEAST, {52, 78, 103}, none));
     for (const int n : numbers)
@@ -206,10 +246,29 @@ std::vector<Claim> judge(const Measurements& measured, const Compared& compared,
         judge.area("homography AUC@5", "sets", n, true);
 
     judge.ratio("rolled photographs: distinct correct matches, times cv::ORB's", "rolled", ONE_NUMBER,
-                "distinct", {Bound::AT_LEAST, 1.40, 1.60});
+                "distinct", {Bound::AT_LEAST, 1.50, 1.58});
     judge.mean("rolled photographs: places", "rolled", ONE_NUMBER, "places", 1);
     judge.mean("rolled photographs: precision", "rolled", ONE_NUMBER, "precision", 3);
 
+    for (const double scale : SCALES)
+        for (const int n : numbers)
+            judge.scale(scale, n);
+    for (const int n : numbers)
+        judge.scales(n);
+    for (const double scale : SCALES)
+        for (const int n : numbers)
+            judge.mean(subjectOfScale(scale) + ": precision", subjectOfScale(scale), n, "precision", 3);
+    for (const double scale : ROLLED_SCALES)
+        judge.ratio("rolled, " + subjectOfScale(scale) + ": distinct correct matches, times cv::ORB's",
+                    "rolled, " + subjectOfScale(scale), ONE_NUMBER, "distinct");
+
+    for (const int n : OBJECT_NUMBERS)
+        judge.mean("inliers on a small object", "object", n, "inliers", 0,
+                   {Bound::AT_LEAST,
+                    n == 250   ? 10
+                    : n == 500 ? 12
+                               : NOTHING,
+                    n == 500 ? 15 : NOTHING});
     const double orb = judge.inliers(compared.orb);
     const double here = judge.inliers(compared.method), dial = judge.inliers(compared.dial);
     judge.add("inliers on a small object, times cv::ORB's", 0, here / orb, 1,
@@ -222,6 +281,11 @@ std::vector<Claim> judge(const Measurements& measured, const Compared& compared,
         judge.stereo("stereo odometry with SlamExtractor", slamOf(compared.method), compared.paperSlam,
                      quantity);
     }
+
+    for (const int n : numbers)
+        judge.start("start with one camera: correct matches with the next frame", 1, n);
+    for (const int n : numbers)
+        judge.start("start with one camera: correct matches with the frame a second later", 10, n);
 
     for (const int n : numbers)
         judge.ratio("held-out pairs: distinct correct matches, times cv::ORB's", "held-out", n, "distinct");

@@ -8,6 +8,12 @@
 
 #include "measurements.hpp"
 
+//! Of the images that are scaled: all of them, and those that are rolled, too.
+extern const std::vector<double> SCALES, ROLLED_SCALES;
+
+//! Of features of the object: that of find_obj.py, 400, is not judged.
+extern const std::vector<int> OBJECT_NUMBERS;
+
 //! One line of what is claimed of a method. Texts that have nothing to say are empty.
 struct Claim
 {
@@ -35,6 +41,9 @@ struct Compared
 
 //! The name of the method that is SlamExtractor with the settings of an aqorb; empty if the method is none.
 std::string slamOf(const std::string& method);
+
+//! The geometric mean over the scales of the mean number of distinct correct matches.
+double distinctAtScales(const Measurements& measured, const std::string& method, int n);
 
 //! What is claimed, and whether it holds. What was not measured is left out.
 std::vector<Claim> judge(const Measurements& measured, const Compared& compared,

@@ -15,7 +15,7 @@ void measureFindObject(const cv::Mat& object, const cv::Mat& scene, Method& meth
     const Features a = method.compute(object, n), b = method.compute(scene, n);
     std::vector<std::vector<cv::DMatch>> twoBest;
     if (!a.descriptors.empty() && !b.descriptors.empty())
-        cv::BFMatcher(method.norm()).knnMatch(a.descriptors, b.descriptors, twoBest, 2);
+        opencv_test::makeMatcher(method.norm(), false)->knnMatch(a.descriptors, b.descriptors, twoBest, 2);
     std::vector<cv::Point2f> from, to;
     for (const std::vector<cv::DMatch>& best : twoBest)
     {

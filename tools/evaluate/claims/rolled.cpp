@@ -41,38 +41,75 @@ Matches matchesInCommonPart(const Matches& matches, const cv::Mat& homography, c
     return common;
 }
 
-void measureRolled(const std::string& name, const cv::Mat& image, Method& method, int n,
-                   Measurements& results)
+namespace
 {
-    const int ANGLES = 12;
-    const Features upright = method.compute(image, n);
-    std::vector<RolledImage> rolled;
+
+//! An image that shows a scene again, and where the points of the first one are in it.
+struct View
+{
+    std::string item;
+    cv::Mat image, homography;
+};
+
+void measureViews(const std::string& subject, const cv::Mat& image, const std::vector<View>& views,
+                  Method& method, int n, Measurements& results)
+{
+    const Features first = method.compute(image, n);
     std::vector<Features> features;
-    for (int i = 0; i < ANGLES; i++)
-    {
-        rolled.push_back(rollImage(image, 15 + 30 * i));
-        features.push_back(method.compute(rolled.back().image, n));
-    }
-    const int norm = method.norm();
-    std::vector<Matching> counts(ANGLES);
-    cv::parallel_for_(cv::Range(0, ANGLES),
+    for (const View& view : views)
+        features.push_back(method.compute(view.image, n));
+    const int norm = method.norm(), count = int(views.size());
+    std::vector<Matching> counts(views.size());
+    cv::parallel_for_(cv::Range(0, count),
                       [&](const cv::Range& range)
                       {
                           for (int i = range.start; i < range.end; i++)
                           {
-                              const cv::Mat& homography = rolled[i].homography;
+                              const View& view = views[i];
                               const Matches matches =
-                                  matchesInCommonPart(opencv_test::matchFeatures(upright, features[i], norm),
-                                                      homography, image.size(), image.size());
-                              counts[i] = countMatches(
-                                  matches, opencv_test::correctMatches(matches, homography), image.size());
+                                  matchesInCommonPart(opencv_test::matchFeatures(first, features[i], norm),
+                                                      view.homography, image.size(), view.image.size());
+                              counts[i] =
+                                  countMatches(matches, opencv_test::correctMatches(matches, view.homography),
+                                               image.size());
                           }
                       });
-    for (int i = 0; i < ANGLES; i++)
+    for (size_t i = 0; i < views.size(); i++)
     {
-        const std::string item = name + cv::format("/%d", 15 + 30 * i);
-        results.add({"rolled", item, method.name, n, "distinct", double(counts[i].distinct)});
-        results.add({"rolled", item, method.name, n, "places", double(counts[i].places)});
-        results.add({"rolled", item, method.name, n, "precision", counts[i].precision()});
+        results.add({subject, views[i].item, method.name, n, "distinct", double(counts[i].distinct)});
+        results.add({subject, views[i].item, method.name, n, "places", double(counts[i].places)});
+        results.add({subject, views[i].item, method.name, n, "precision", counts[i].precision()});
+    }
+}
+
+}  // namespace
+
+void measureRolled(const std::string& subject, const std::string& name, const cv::Mat& image,
+                   const std::vector<int>& angles, double scale, Method& method, int n, Measurements& results)
+{
+    const ScaledImage scaled = scaleImage(image, scale);
+    std::vector<View> views;
+    for (const int angle : angles)
+    {
+        const RolledImage rolled = rollImage(scaled.image, angle);
+        views.push_back(
+            {name + cv::format("/%d", angle), rolled.image, rolled.homography * scaled.homography});
+    }
+    measureViews(subject, image, views, method, n, results);
+}
+
+std::string subjectOfScale(double scale)
+{
+    return cv::format("scale %g", scale);
+}
+
+void measureScaled(const std::string& name, const cv::Mat& image, const std::vector<double>& scales,
+                   Method& method, int n, Measurements& results)
+{
+    for (const double scale : scales)
+    {
+        const ScaledImage scaled = scaleImage(image, scale);
+        measureViews(subjectOfScale(scale), image, {{name, scaled.image, scaled.homography}}, method, n,
+                     results);
     }
 }

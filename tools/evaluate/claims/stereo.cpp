@@ -60,7 +60,8 @@ void measureStereo(const StereoSequence& sequence, Method& method, int n, int se
                               for (int i = range.start; i < range.end; i++)
                               {
                                   const StereoFrame &earlier = stereo[i], &later = stereo[i + gap];
-                                  const std::vector<cv::DMatch> matches = matchFrames(earlier, later, norm);
+                                  const std::vector<cv::DMatch> matches =
+                                      matchFrames(earlier, later, *opencv_test::makeMatcher(norm, true));
                                   for (int seed = 1; seed <= seeds; seed++)
                                       errors[seed - 1][i] = errorOf(estimateMotion(
                                           sequence, earlier, i, later, i + gap, matches, seed));

@@ -37,9 +37,18 @@ RolledImage rollImage(const cv::Mat& image, double degrees);
 opencv_test::Matches matchesInCommonPart(const opencv_test::Matches& matches, const cv::Mat& homography,
                                          cv::Size sizeA, cv::Size sizeB);
 
-//! Of an image rolled by 15, 45, ... 345 degrees (NAME/15): distinct, places, precision.
-void measureRolled(const std::string& name, const cv::Mat& image, Method& method, int n,
+/** Of an image rolled about its centre by these degrees (NAME/15): distinct, places, precision.
+ @param scale of the image that is rolled; the other one stays as it is */
+void measureRolled(const std::string& subject, const std::string& name, const cv::Mat& image,
+                   const std::vector<int>& angles, double scale, Method& method, int n,
                    Measurements& results);
+
+//! Of an image and itself at each scale: distinct, places, precision. The subject is that of subjectOfScale.
+void measureScaled(const std::string& name, const cv::Mat& image, const std::vector<double>& scales,
+                   Method& method, int n, Measurements& results);
+
+//! Such as "scale 0.5".
+std::string subjectOfScale(double scale);
 
 //! Of an object in a scene: matches that pass the ratio test of 0.75, and inliers within 5 pixels of a homography.
 void measureFindObject(const cv::Mat& object, const cv::Mat& scene, Method& method, int n,
@@ -53,6 +62,10 @@ void measureHeldOut(const std::vector<ImagePair>& pairs, Method& method, int n, 
  step without motion counts as an infinite error. Also the same of steps drawn at random with replacement, the same
  ones for each method: their spread is what the choice of the frames adds. */
 void measureStereo(const StereoSequence& sequence, Method& method, int n, int seeds, Measurements& results);
+
+/** What a single camera starts from, of each frame with the one after it (1/FRAME) and with the one a second later
+ (10/FRAME): the matches of the finest level, and how many of them are correct. */
+void measureStart(const StereoSequence& sequence, Method& method, int n, Measurements& results);
 
 //! The methods in turns on one thread; of each image the median milliseconds of a method's CPU time.
 void measureCost(const std::vector<ImageSet>& sets, const std::vector<cv::Ptr<Method>>& methods, int n,

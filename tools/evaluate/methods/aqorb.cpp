@@ -3,7 +3,7 @@
 // of this distribution.
 // SPDX-License-Identifier: Apache-2.0
 
-#include "../../common/options.hpp"
+#include "../../common/program.hpp"
 #include "../method.hpp"
 
 #include <opencv2/aqorb.hpp>

@@ -30,9 +30,7 @@ class Figure2 : public Method
 public:
     Features compute(const cv::Mat& image, int n) override
     {
-        cv::Mat gray = image;
-        if (image.channels() > 1)
-            cv::cvtColor(image, gray, cv::COLOR_BGR2GRAY);
+        const cv::Mat gray = grayOf(image);
         const Thresholds thresholds =
             adaptiveThresholds(varianceOverMean(gray, cv::Mat()), FAST_THRESHOLD, MIN_RATIO);
         const std::vector<int> quotas = levelQuotas(n, SCALE_FACTOR, LEVELS);
@@ -48,7 +46,7 @@ public:
             cv::Ptr<ResizeTables> tables;
             if (!level.isInput)
                 fillLevel(isMadeFromInput(i, 0) ? input : levelBefore, level, tables);
-            for (const RankedCorner& corner : choose(level, thresholds, quotas[i]))
+            for (const CornerResponse& corner : choose(level, thresholds, quotas[i]))
             {
                 FeaturePoint point = {corner.x, corner.y, 0};
                 orientations(level.image, circle, &point, 1);
@@ -61,26 +59,25 @@ public:
     }
 
 private:
-    static std::vector<RankedCorner> choose(const Level& level, Thresholds thresholds, int quota)
+    static std::vector<CornerResponse> choose(const Level& level, Thresholds thresholds, int quota)
     {
         const cv::Rect region(EDGE, EDGE, level.image.cols - 2 * EDGE, level.image.rows - 2 * EDGE);
-        KeptCount count;
-        const DetectionRules rules = {thresholds, CELL, true, &count, 0};
-        const OrderRule order = {region, quadtreeDepth(quota), false, RankRule()};
+        const DetectionRules rules = {thresholds, CELL, true, false, 0};
+        LevelPlan plan = LevelPlan();
+        plan.root = region;
+        plan.depth = quadtreeDepth(quota);
         LevelDetection detection;
         DetectionScratch scratch;
         detection.begin(level, region, rules, 1);
-        detection.sequence(order, scratch);
-        std::vector<RankedCorner> ranked;
-        detection.list(KEPT_CORNERS, scratch, ranked);
-        std::stable_sort(ranked.begin(), ranked.end(),
-                         [](const RankedCorner& a, const RankedCorner& b)
+        std::vector<CornerResponse> corners = detection.ordered(plan, scratch);
+        std::stable_sort(corners.begin(), corners.end(),
+                         [](const CornerResponse& a, const CornerResponse& b)
                          { return a.response > b.response; });
 
         const int side = 1 << quadtreeDepth(quota);
         cv::Mat1b taken(side, side, uchar(0));
-        std::vector<RankedCorner> chosen;
-        for (const RankedCorner& corner : ranked)
+        std::vector<CornerResponse> chosen;
+        for (const CornerResponse& corner : corners)
         {
             uchar& leaf = taken((corner.y - region.y) * side / region.height,
                                 (corner.x - region.x) * side / region.width);

@@ -35,7 +35,6 @@ KeyPoints detectInCells(const cv::Mat& level)
     const int columns = std::max(region.width / CELL, 1), rows = std::max(region.height / CELL, 1);
     const int width = (region.width + columns - 1) / columns, height = (region.height + rows - 1) / rows;
     for (int y = region.y; y < region.br().y; y += height)
-    {
         for (int x = region.x; x < region.br().x; x += width)
         {
             const cv::Rect cell =
@@ -49,7 +48,6 @@ KeyPoints detectInCells(const cv::Mat& level)
                 corners.push_back(corner);
             }
         }
-    }
     return corners;
 }
 
@@ -189,11 +187,7 @@ class OrbSlam : public Method
 public:
     Features compute(const cv::Mat& image, int n) override
     {
-        cv::Mat level;
-        if (image.channels() == 1)
-            level = image;
-        else
-            cv::cvtColor(image, level, cv::COLOR_BGR2GRAY);
+        cv::Mat level = grayOf(image);
         const cv::Size size = level.size();
         const std::vector<int> quota = quotas(n);
         Features features;

@@ -24,9 +24,7 @@ public:
 
     Features compute(const cv::Mat& image, int n) override
     {
-        cv::Mat gray = image;
-        if (image.channels() > 1)
-            cv::cvtColor(image, gray, cv::COLOR_BGR2GRAY);
+        cv::Mat gray = grayOf(image);
         // The network takes whole cells: pixels left over at the right and the bottom are cut off.
         gray = gray(cv::Rect(0, 0, gray.cols / CELL * CELL, gray.rows / CELL * CELL));
 

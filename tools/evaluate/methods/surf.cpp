@@ -20,9 +20,7 @@ class Surf : public Method
 public:
     Features compute(const cv::Mat& image, int n) override
     {
-        cv::Mat gray = image;
-        if (image.channels() > 1)
-            cv::cvtColor(image, gray, cv::COLOR_BGR2GRAY);
+        const cv::Mat gray = grayOf(image);
         // The strongest points come first. dlib drops points near the border, so half as many more are asked for.
         std::vector<dlib::surf_point> points = dlib::get_surf_points(dlib::cv_image<uchar>(gray), n + n / 2);
         points.resize(std::min(points.size(), size_t(n)));

@@ -7,6 +7,7 @@
 #define OPENCV_AQORB_HPP
 
 #include <opencv2/aqorb/features.hpp>
+#include <opencv2/aqorb/matching.hpp>
 #include <opencv2/core.hpp>
 
 /**
@@ -27,9 +28,12 @@ Two functions measure how uniformly the keypoints of any detector are distribute
 (retainUniform), and a fourth one computes the FAST threshold that suits the contrast of an image
 (adaptiveFastThreshold).
 
+The class aqorb::HammingMatcher gives the matches of cv::BFMatcher for binary descriptors, many times as fast.
+matchArrays, knnMatchArrays and matchByPosition give them as arrays.
+
 The class aqorb::SlamExtractor, in a header of its own, replaces the feature extractor of ORB-SLAM.
 
-The @ref tutorial_table_of_content_aqorb show how to use the module and how it works.
+The @ref tutorial_table_of_content_aqorb "tutorials" show how to use the module and how it works.
 */
 
 namespace cv
@@ -42,48 +46,69 @@ namespace aqorb
 
 /** @brief ORB detector and descriptor whose keypoints are spread uniformly over the image.
 
-The detector follows @cite Yao2019AQORB, and the descriptor is that of cv::ORB @cite RRKB11. On each
-level of an image pyramid FAST corners are found with a threshold that is taken from the contrast of
-the image. The threshold is lowered in those cells of a square mesh that would stay empty. A quadtree
-gives each small part of the level a representative, its best corner. The representatives are then
-taken in an order that weighs the strength of each against the number of stronger ones around it. This
-order is the module's own; setSelectionType chooses that of the paper instead. A corner near a keypoint
-of a neighbouring level is passed over.
-
 Use it where keypoints must cover the image: for visual odometry and SLAM, stitching, homographies, and
 dark or low-contrast images. Prefer cv::ORB where only the strongest keypoints are wanted, wherever they
 lie, or where the keypoints of earlier runs of cv::ORB must be found again.
 
-The following holds for every image and all parameters:
-- There are never more than nfeatures keypoints, and exactly nfeatures if the image has enough corners.
-- Keypoints come by octave, the lowest first. With RANKED_SELECTION those of a level come by response, the
-  highest first, and equal ones in raster order. With BALANCED_SELECTION those of a level come in raster
-  order. compute keeps this order, so that detect followed by compute gives the keypoints and the rows of
-  descriptors of detectAndCompute in the same order, apart from what compute drops (see firstLevel).
-- With equal edgeThreshold and fastThreshold there are never fewer keypoints than cv::ORB finds, up to
-  nfeatures, for every mask, firstLevel and fastThreshold. The only exception is a pixel of a level that
-  is made of usable and unusable input pixels: no keypoint is found there.
-- The keypoints and descriptors are the same for any number of threads, on any CPU, at every
-  repetition, and for a Mat, a UMat, a region of a larger image, or its clone.
-- The descriptors are those that cv::ORB::compute with the same parameters computes for the keypoints
-  on an x86-64 CPU with FMA. On other CPUs the roundings of cv::ORB differ; those of this class do not.
-- Any non-zero value of a mask means "use this pixel", on every level. A pixel of a level is made of the
-  input pixels that it is interpolated from, and of the one that its keypoint lies on.
-- An output may lie in the memory of the image or of the mask: it is written when both have been read.
+@code{.cpp}
+    Ptr<aqorb::AdaptiveQuadtreeORB> detector = aqorb::AdaptiveQuadtreeORB::create(1000);
+    detector->setStrengthWeight(4);  // prefer strong corners, to find a small object in a large scene
+    detector->detectAndCompute(image, mask, keypoints, descriptors);
+@endcode
+
+### How keypoints are found
+
+The detector follows @cite Yao2019AQORB, and the descriptor is that of cv::ORB @cite RRKB11. On each level of
+an image pyramid keypoints are found in four steps:
+-# FAST corners are found with a threshold that is taken from the contrast of the image. The threshold is
+   lower in those cells of a square mesh that would stay empty.
+-# A quadtree divides the level into leaves. The corner of the highest FAST score represents its leaf,
+   unless three of the eight leaves around have better ones.
+-# The representatives are taken by their *strength*, weighed against their *rank*. The rank of a corner is
+   the number of stronger ones around it. This choice is the module's own; setSelectionType() brings back
+   that of the paper.
+-# A corner near a keypoint of a neighbouring level is passed over.
+
+The strength of a corner is its FAST score, times the fourth root of its Harris response, times the length
+of the moment from which its direction is computed. With ORB::FAST_SCORE the Harris response is left out.
+@ref tutorial_aqorb_algorithm has the formulas.
+
+### What a keypoint holds
+
+field | content
+------|--------
+pt | The position in pixels of the image; (0, 0) is the centre of the first pixel. Each coordinate is at least 0 and less than the width or the height. See setSubPixel().
+size | The diameter of the patch that is described, in pixels of the image: patchSize * scale. The scale of a level is scaleFactor^(octave - firstLevel).
+angle | The direction from the centre of the patch to the centroid of its intensity, in degrees, from 0 to below 360. It grows from the x axis towards the y axis, which points down.
+response | The Harris response or the FAST score, see scoreType of create. The Harris response of cv::ORB is another one, over 7x7 pixels.
+octave | The number of the level, from 0 (the finest) to nlevels - 1.
+class_id | -1
+
+### What you can rely on
+
+- There are never more than nfeatures keypoints, and exactly nfeatures if the image has that many corners.
+- Keypoints come by octave, the lowest first, and those of a level by response, the highest first.
+- The keypoints and descriptors are the same for any number of threads, on any CPU, at every repetition.
+- The descriptor of a keypoint is that of cv::ORB::compute with the same parameters.
+- Any non-zero value of a mask means "use this pixel", on every level.
 - Several threads may use one object at the same time, as long as none of them calls a setter.
 
-Two parameters of create differ from those of cv::ORB: edgeThreshold is 16 by default, and fastThreshold
-scales the adaptive threshold. An invalid parameter raises a cv::Exception that names it and leaves the
-object unchanged. What depends on two parameters is checked when an image is processed. An image has at
-most 2^20 - 1 pixels a side, and so has each level; otherwise an exception names the size of the image. A
-keypoint given to compute may have an octave of nlevels or more, as with cv::ORB. It raises an exception
-if its octave is negative or would be a level without a pixel, or if its angle is not finite. A call that
-raises an exception because of an argument leaves its outputs unchanged.
+@ref tutorial_aqorb_promises says each of these exactly, together with its exceptions, and names the test that
+holds it.
+
+### Errors
+
+An invalid parameter raises a cv::Exception that names it and leaves the object unchanged. What depends on
+two parameters is checked by create and, as setters may come in any order, when an image is processed. An
+image has at most 2^20 - 1 pixels a side, and so has each level; otherwise an exception names the size of the
+image. A keypoint that is given to compute raises an exception if its octave is negative or stands for a level
+without a pixel, or if its angle is not finite. Its octave may be nlevels or more, as with cv::ORB, but then
+it must be below 64. A call that raises an exception because of an argument leaves its outputs unchanged.
  */
 class CV_EXPORTS_W AdaptiveQuadtreeORB : public cv::ORB
 {
 public:
-    //! The rule by which the corners of a level are chosen, see setSelectionType.
+    //! The rule by which the corners of a level are chosen, see setSelectionType().
     enum SelectionType
     {
         RANKED_SELECTION = 0,   //!< by strength and by the number of stronger corners nearby
@@ -91,6 +116,9 @@ public:
     };
 
     /** @brief Creates the detector. The parameters are those of cv::ORB::create, in the same order.
+
+    Two of them differ from those of cv::ORB: edgeThreshold is 16 by default, and fastThreshold scales the
+    adaptive threshold. Each parameter has a setter and a getter, too, which are those of cv::ORB.
 
     @param nfeatures The maximum number of keypoints, >= 0. With 0 the outputs are empty.
     @param scaleFactor Ratio between the sizes of neighbouring pyramid levels, finite and > 0. It must be
@@ -105,14 +133,16 @@ public:
     pixels of the image free as cv::ORB::compute does, drops some of the keypoints that detect found there.
     @param WTA_K Number of points compared for each element of the descriptor: 2, 3 or 4. Match with
     NORM_HAMMING for 2, with NORM_HAMMING2 for 3 and 4 (see defaultNorm).
-    @param scoreType The score that ranks corners and is returned as KeyPoint::response:
-    ORB::HARRIS_SCORE (over 5x5 pixels) or ORB::FAST_SCORE.
+    @param scoreType What is returned as KeyPoint::response: ORB::HARRIS_SCORE (the Harris response over
+    5x5 pixels) or ORB::FAST_SCORE (the highest threshold at which the pixel is a FAST corner). It also
+    decides whether the Harris response is part of a corner's strength. Which corner represents a leaf is
+    decided by the FAST score in either case. With ORB::HARRIS_SCORE a corner gives way to a better one
+    among the 7x7 pixels around it, by FAST score.
     @param patchSize Diameter in pixels, on each level, of the patch from which the orientation and the
     descriptor are computed, 2 to 16384.
     @param fastThreshold Scale of the adaptive FAST threshold. With 20 the threshold is that of equation
     (7) of the paper, with 10 half of it. A lower value means more corners, as in cv::ORB. With
-    setAdaptiveThreshold(false) it is the FAST threshold itself. It is limited to [0, 255], as by
-    cv::FAST.
+    setAdaptiveThreshold(false) it is the FAST threshold itself. It is limited to [0, 255].
      */
     CV_WRAP static Ptr<AdaptiveQuadtreeORB> create(int nfeatures = 500, float scaleFactor = 1.2f,
                                                    int nlevels = 8, int edgeThreshold = 16,
@@ -120,84 +150,113 @@ public:
                                                    ORB::ScoreType scoreType = ORB::HARRIS_SCORE,
                                                    int patchSize = 31, int fastThreshold = 20);
 
-    /** @brief Whether the FAST threshold is taken from the image by equation (7). The default is true, as
-    in the paper. With false it is fastThreshold for every image. */
+    //! @name Properties for everyone
+    //! @{
+
+    /** @brief How much the strength of a corner counts against an even distribution: 0 to 1000, without a
+    unit. The default is 0.05.
+
+    With 0 corners are taken by their rank alone, which gives the most even distribution. A larger value
+    prefers strong corners; raise it to find a small object in a large scene. With 1000 the stronger of two
+    representatives is taken first, unless their strengths differ by less than two per cent. It has no effect
+    with BALANCED_SELECTION. */
+    CV_WRAP virtual void setStrengthWeight(double strengthWeight) = 0;
+    /** @brief How much the strength of a corner counts, see setStrengthWeight(). */
+    CV_WRAP virtual double getStrengthWeight() const = 0;
+
+    /** @brief The distance that a corner keeps from the keypoints of neighbouring levels, in pixels of its
+    own level: finite and >= 0, or -1 for the distance that suits the selection. The default is -1.
+
+    A corner that is strictly nearer than that is taken only if too few corners are left elsewhere. The
+    distance is that between the pixels where the two were detected, mapped to the image by pixel centres.
+    Refined positions (setSubPixel()) can come nearer.
+
+    With RANKED_SELECTION -1 means 2.1 / (1 + StrengthWeight), which is 2 by default, and only the
+    levels next to its own count, so that a corner of the scene can be kept on every second level. With
+    BALANCED_SELECTION -1 means 0.5, and all levels count. With 0 there is no such rule, as in the paper. */
+    CV_WRAP virtual void setOctaveSuppression(double octaveSuppression) = 0;
+    /** @brief The distance between keypoints of neighbouring levels, -1 if that was set; see
+    setOctaveSuppression(). */
+    CV_WRAP virtual double getOctaveSuppression() const = 0;
+
+    /** @brief Whether keypoint positions are refined to a fraction of a pixel and mapped to the image by
+    pixel centres. The default is true.
+
+    With false positions are whole pixels of the level times its scale, as in cv::ORB and in the paper. In
+    either case keypoint k was detected at the pixel cvRound(k.pt / scale) of its level, and direction and
+    descriptor are computed there. */
+    CV_WRAP virtual void setSubPixel(bool subPixel) = 0;
+    /** @brief Whether positions are refined, see setSubPixel(). */
+    CV_WRAP virtual bool getSubPixel() const = 0;
+
+    /** @brief Whether the FAST threshold is taken from the image by equation (7) of the paper. The default is
+    true. With false it is fastThreshold for every image. */
     CV_WRAP virtual void setAdaptiveThreshold(bool adaptiveThreshold) = 0;
+    /** @brief Whether the FAST threshold is taken from the image, see setAdaptiveThreshold(). */
     CV_WRAP virtual bool getAdaptiveThreshold() const = 0;
+
+    //! @}
+    //! @name Properties of the method, for comparisons with the paper and for experiments
+    //! @{
 
     /** @brief How many times lower the FAST threshold is in cells that would otherwise stay empty: finite,
     >= 1. The default is 4, as in the paper. With 1 there is no second threshold. */
     CV_WRAP virtual void setMinThresholdRatio(double minThresholdRatio) = 0;
+    /** @brief How many times lower the threshold is in otherwise empty cells, see setMinThresholdRatio(). */
     CV_WRAP virtual double getMinThresholdRatio() const = 0;
 
     /** @brief Side of the square cells in which the lower threshold may apply, in pixels of the level:
     >= 8. The default is 35. With cells larger than the image there is one threshold for the whole
     level. */
     CV_WRAP virtual void setCellSize(int cellSize) = 0;
+    /** @brief Side of the cells in which the lower threshold may apply, see setCellSize(). */
     CV_WRAP virtual int getCellSize() const = 0;
 
     /** @brief Depth of the quadtree: 0 to 15, or -1 for the depth that suits the number of features. The
-    default is -1. With 0 the corners of a level are ranked by their response alone.
+    default is -1. With 0 the corners of a level are taken by their response alone.
 
-    With RANKED_SELECTION -1 means the smallest depth with at least 12 leaves for each feature that the
+    With RANKED_SELECTION -1 means the smallest depth with at least 9 leaves for each feature that the
     level is to have; leaves on masked pixels do not count. A leaf is never smaller than 2 pixels a side,
     and the tree never deeper than 12, whatever is set. With BALANCED_SELECTION -1 means equation (9) of
     the paper, the smallest depth with at least as many leaves as the level is to have features. */
     CV_WRAP virtual void setMaxDepth(int maxDepth) = 0;
+    /** @brief Depth of the quadtree, -1 if that was set; see setMaxDepth(). */
     CV_WRAP virtual int getMaxDepth() const = 0;
 
     // The type has its full name here, because OpenCV's wrappers for Python and Java do not find it otherwise.
     /** @brief The rule by which the corners of a level are chosen. The default is RANKED_SELECTION.
 
-    - RANKED_SELECTION ranks the best corner of each leaf of the quadtree by the number of stronger ones
-      within a distance (setRankRadius), and weighs that rank against its strength (setStrengthWeight).
-      Distances and strengths hardly depend on how the scene lies in the frame, so nearly the same corners
-      are chosen when the camera turns. Levels share the features in proportion to their areas between the
-      borders.
-    - BALANCED_SELECTION is that of the paper, equations (8) and (9) and Figure 2: the parts of the frame
+    - RANKED_SELECTION counts for the representative of each leaf of the quadtree how many stronger ones are
+      around it (setRankRadius()), and weighs this rank against its strength (setStrengthWeight()). Neither
+      depends much on how the scene lies in the frame, so nearly the same corners are chosen when the camera
+      turns. Levels share the features in proportion to area * scale^1.25, where the area is that between the
+      borders, and the finest level gets half as much again.
+    - BALANCED_SELECTION is the rule of the paper, equations (8) and (9) and Figure 2: the parts of the frame
       take their best corners in turn, and levels share the features in proportion to their lengths. It
-      gives the keypoints of version 0.1 of this module to the byte.
+      gives the keypoints of version 0.1 of this module to the byte. Those of a level come in raster order.
 
     Any other value raises an exception. */
     CV_WRAP virtual void setSelectionType(cv::aqorb::AdaptiveQuadtreeORB::SelectionType selectionType) = 0;
+    /** @brief The rule by which the corners of a level are chosen, see setSelectionType(). */
     CV_WRAP virtual cv::aqorb::AdaptiveQuadtreeORB::SelectionType getSelectionType() const = 0;
 
-    /** @brief How much the strength of a corner counts against an even distribution: 0 to 1000, without a
-    unit. The default is 0.15. With 0 corners are chosen by their rank alone, which gives the most even
-    distribution. A larger value prefers strong corners, and from about 100 on their strength decides
-    alone, nearly as in cv::ORB: raise it to find a small object in a large scene. It has no effect with
-    BALANCED_SELECTION. */
-    CV_WRAP virtual void setStrengthWeight(double strengthWeight) = 0;
-    CV_WRAP virtual double getStrengthWeight() const = 0;
-
     /** @brief Radius of the disc in which the rank of a corner is counted, 0 to 16, in units of the mean
-    distance between the features of the level. That is the square root of the area of the level, less what
-    is masked, over the number of its features. The default is 1. With 0 all best corners of leaves have
-    the same rank, so that their strength decides among them. It has no effect with BALANCED_SELECTION. */
+    distance between the features of the level. The default is 2.25.
+
+    The mean distance is the square root of the area of the level, less what is masked, over the number of
+    its features. With 0 all representatives have the same rank, so that their strength decides among them.
+    It has no effect with BALANCED_SELECTION. */
     CV_WRAP virtual void setRankRadius(double rankRadius) = 0;
+    /** @brief Radius of the disc in which ranks are counted, see setRankRadius(). */
     CV_WRAP virtual double getRankRadius() const = 0;
 
-    /** @brief The distance between keypoints of different levels, in pixels of the finer level: finite and
-    >= 0, or -1 for the distance that suits the selection. That is 1.15 / (1 + StrengthWeight) with
-    RANKED_SELECTION, which is 1 by default, and 0.5 with BALANCED_SELECTION. The default is -1. A corner
-    that is strictly nearer than that to a keypoint of a coarser level is chosen only if too few corners are
-    left elsewhere. With RANKED_SELECTION only the next coarser level counts, so that a corner of the scene
-    can be kept on every second level; with BALANCED_SELECTION all coarser levels count. With 0 there is no
-    such rule, as in the paper. */
-    CV_WRAP virtual void setOctaveSuppression(double octaveSuppression) = 0;
-    CV_WRAP virtual double getOctaveSuppression() const = 0;
-
-    /** @brief Whether keypoint positions are refined to a fraction of a pixel and mapped to the image by
-    pixel centres. The default is true. With false positions are whole pixels of the level times its
-    scale, as in cv::ORB and in the paper. */
-    CV_WRAP virtual void setSubPixel(bool subPixel) = 0;
-    CV_WRAP virtual bool getSubPixel() const = 0;
+    //! @}
 
     /** @brief Computes the image pyramid on which keypoints are detected and described. It is for work that
     needs the pixels around keypoints, such as stereo matching: keypoint k lies on levels[k.octave].
 
-    Level i has the size of the image divided by scaleFactor^(i - firstLevel), rounded, and is equal to
-    that of cv::ORB. Detection keeps no pyramid, so this function computes all of it. In C++
+    Level i has the size of the image divided by scaleFactor^(i - firstLevel), rounded, and its pixels are
+    those of cv::ORB's level. Detection keeps no pyramid, so this function computes all of it. In C++
     detectAndComputeWithPyramid saves computing it twice.
 
     @param image 8-bit image with 1, 3 (BGR) or 4 (BGRA) channels.
@@ -217,28 +276,70 @@ public:
                                              std::vector<KeyPoint>& keypoints, OutputArray descriptors,
                                              OutputArrayOfArrays levels) = 0;
 
+    /** @brief detectAndCompute for the images of a collection, side by side: the results are those of a call for each
+    image, for any number of threads.
+
+    Each of the threads that cv::getNumThreads allows takes one image after the other, which uses them better than
+    threads that share an image do. A collection of one image is processed by all of them. The functions of
+    cv::Feature2D for collections, detect(images, keypoints, masks) and compute(images, keypoints, descriptors), work
+    in the same way, and so do their errors.
+
+    @param images A vector of Mat or UMat. The images may have different sizes and numbers of channels, and each may be
+    empty.
+    @param masks One mask for each image, of which each may be empty, or no masks at all.
+    @param keypoints The keypoints of each image.
+    @param descriptors A vector of Mat or UMat: the descriptors of each image, which is empty where there are no
+    keypoints. With noArray() none are computed.
+
+    An exception names the image, as in "images[3]: mask must be ...". If several images have one, it is that of the
+    first of them. It is thrown when all threads have ended, and the outputs are then unchanged.
+     */
+    CV_WRAP virtual void detectAndComputeBatch(InputArrayOfArrays images, InputArrayOfArrays masks,
+                                               CV_OUT std::vector<std::vector<KeyPoint>>& keypoints,
+                                               OutputArrayOfArrays descriptors) = 0;
+
+    /** @brief As long as an object of this class lives, detectors use no other thread for the calls of the thread that
+    made it.
+
+    It is for programs with threads of their own, each of which processes images. */
+    class CV_EXPORTS SingleThreadScope
+    {
+    public:
+        SingleThreadScope();
+        ~SingleThreadScope();
+
+    private:
+        SingleThreadScope(const SingleThreadScope&);
+        SingleThreadScope& operator=(const SingleThreadScope&);
+
+        const bool before;
+    };
+
     /** @brief Frees the work space that the object keeps between calls. The next call allocates it anew.
 
     The work space takes a few times the memory of the image. Without this function it is kept for as long as
     it is of use. After 64 calls with images of less than half of the largest one's pixels it is made anew for
-    their size. Threads that call the object at the same time have a work space each. As many are kept as the
-    machine has CPUs, and those that 64 calls did without are freed.
+    their size. Threads that call the object at the same time have a work space each. At most as many are kept as
+    the machine has CPUs, and one that was not used in the last 64 calls is freed.
      */
     CV_WRAP virtual void releaseMemory() = 0;
 
+    /** @brief The name that cv::Algorithm writes to a file: "Feature2D.AdaptiveQuadtreeORB". */
     CV_WRAP virtual String getDefaultName() const CV_OVERRIDE;
 };
 
 /** @brief The adaptive FAST threshold of an image: variance over mean of the grey values, equation (7) of
 @cite Yao2019AQORB.
 
-The threshold scales with the contrast. It is some 14 to 48 for photographs, and a tenth of that for the
-same scene at a tenth of the light.
+The threshold scales with the contrast. For most photographs it is between 14 and 48, and for the same scene
+at a tenth of the light a tenth of that.
 
 @param image 8-bit image with 1, 3 (BGR) or 4 (BGRA) channels.
 @param mask Optional CV_8UC1 mask of the size of the image. Only pixels where it is not zero count.
 @return The threshold in grey levels, not rounded. It is 0 for an empty image, for an image or a mask that
 is zero everywhere, and for an image with a single grey value.
+
+An image or a mask of another type or size raises a cv::Exception that names it.
  */
 CV_EXPORTS_W double adaptiveFastThreshold(InputArray image, InputArray mask = noArray());
 
@@ -255,6 +356,8 @@ points: 30 for a jittered grid, 101 for random points, 216 if all points are in 
 @param imageSize Size of the image in which they were found; both sides > 0.
 @return u. It is 0 where sigma is below 1, that is for a distribution as even as whole counts allow, and for
 no keypoints at all.
+
+A size out of its range raises a cv::Exception that names it.
  */
 CV_EXPORTS_W double distributionUniformity(const std::vector<KeyPoint>& keypoints, Size imageSize);
 
@@ -264,6 +367,8 @@ CV_EXPORTS_W double distributionUniformity(const std::vector<KeyPoint>& keypoint
 @param imageSize Size of the image in which they were found; both sides > 0.
 @param grid Number of columns and rows of the grid; both > 0, at most 2^24 cells.
 @return Number of occupied cells divided by the number of cells, 0 to 1.
+
+A size or a grid out of its range raises a cv::Exception that names it.
  */
 CV_EXPORTS_W double distributionOccupancy(const std::vector<KeyPoint>& keypoints, Size imageSize,
                                           Size grid = Size(16, 12));
@@ -272,23 +377,26 @@ CV_EXPORTS_W double distributionOccupancy(const std::vector<KeyPoint>& keypoints
 of AdaptiveQuadtreeORB for the keypoints of any detector.
 
 Use it in place of cv::KeyPointsFilter::retainBest, which keeps the highest responses wherever they lie.
-The rule is that of RANKED_SELECTION with the default StrengthWeight and RankRadius. The quadtree spans the
-whole image and has at least 12 leaves for each keypoint that is kept. The response takes the place of the
-strength, and octaves are ignored. The best keypoint of a leaf represents it, unless at least two of the eight
-leaves around it have better ones. The representatives come in this order:
+The rule is that of RANKED_SELECTION with a StrengthWeight of 0.15 and a RankRadius of 1. The response takes the
+place of the FAST score and of the strength, and octaves are ignored. The quadtree spans the whole image and
+has at least 9 leaves for each keypoint that is kept. The best keypoint of a leaf represents it, unless at
+least three of the eight leaves around it have better ones. The representatives come in this order:
 -# those of infinite response, by their rank;
 -# those of positive response, by (1 + rank) / response^StrengthWeight;
 -# those whose response is zero, negative or NaN, by their rank.
 
-The other keypoints follow, by their place in their leaf and then by response. Whatever compares responses
-takes NaN for the lowest. Of equal responses in a leaf the keypoint of lower y is preferred, then that of
-lower x, then that of lower index. To multiply all responses by a positive constant changes nothing, as long
-as the products are neither rounded nor out of the range of a float.
+The other keypoints follow: the best ones of leaves that no keypoint represents, then the second best ones
+of all leaves, and so on, each time by response. In every comparison NaN counts as the lowest response. Of
+equal responses in a leaf the keypoint of lower y is preferred, then that of lower x, then that of lower
+index. Multiplying all responses by a positive constant changes nothing, as long as the products are
+neither rounded nor out of the range of a float.
 
 @param keypoints In: keypoints of any detector. Out: at most npoints of them, in their input order and
 with all fields unchanged. Those outside the image are dropped, even if there are fewer than npoints.
 @param imageSize Size of the image; both sides > 0.
 @param npoints Number of keypoints to keep, >= 0.
+
+A size or a number out of its range raises a cv::Exception that names it.
  */
 CV_EXPORTS_W void retainUniform(CV_IN_OUT std::vector<KeyPoint>& keypoints, Size imageSize, int npoints);
 

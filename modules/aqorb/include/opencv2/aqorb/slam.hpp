@@ -34,9 +34,9 @@ A SLAM system includes this header in place of the one that declares `ORBextract
 @endcode
 
 It returns a few more keypoints than asked for, as the extractor it replaces does: one more for each level,
-so nfeatures + nlevels if the image has enough corners, and at least nfeatures + 1 wherever it has that many.
-ORB-SLAM2 starts only on a frame with more than 500 keypoints, and so would never start with nFeatures: 500
-and an extractor that keeps to it. AdaptiveQuadtreeORB itself never returns more than it is created for.
+so nfeatures + nlevels, or as many as the image has corners. ORB-SLAM2 starts only on a frame with more than
+500 keypoints. It would never start with nFeatures: 500 and an extractor that keeps to that number, as
+AdaptiveQuadtreeORB itself does.
 
 Three properties of the detector are set to what such systems expect. SubPixel is false, because their
 stereo matching takes a position for a whole pixel of its level times the scale of the level.
@@ -63,13 +63,10 @@ public:
     SlamExtractor(int nfeatures, float scaleFactor, int nlevels, int iniThFAST, int minThFAST)
     {
         if (iniThFAST < 1 || iniThFAST > 254)
-            CV_Error_(Error::StsOutOfRange, ("iniThFAST: got %d; 1 to 254 is accepted", iniThFAST));
+            CV_Error_(Error::StsOutOfRange, ("iniThFAST must be from 1 to 254, got %d", iniThFAST));
         if (minThFAST < 1 || minThFAST > iniThFAST)
-            CV_Error_(Error::StsOutOfRange, ("minThFAST: got %d; 1 to iniThFAST is accepted", minThFAST));
+            CV_Error_(Error::StsOutOfRange, ("minThFAST must be from 1 to iniThFAST, got %d", minThFAST));
         orb = AdaptiveQuadtreeORB::create(withSurplus(nfeatures, nlevels), scaleFactor, nlevels);
-        if (nlevels > 1 && scaleFactor <= 1)
-            CV_Error_(Error::StsOutOfRange,
-                      ("scaleFactor: got %g; > 1 with more than one level is accepted", scaleFactor));
         orb->setFastThreshold(iniThFAST);
         orb->setMinThresholdRatio(double(iniThFAST) / minThFAST);
         setForSlam(*orb);
@@ -87,7 +84,7 @@ public:
 
     @param image 8-bit image with 1, 3 (BGR) or 4 (BGRA) channels. An empty one gives no keypoints.
     @param mask Optional CV_8UC1 mask of the size of the image. Keypoints are found only where it is not zero.
-    @param keypoints Ordered by level, with coordinates in pixels of the image.
+    @param keypoints By level, and within a level by response; coordinates in pixels of the image.
     @param descriptors CV_8UC1, one row of 32 bytes for each keypoint.
      */
     void operator()(InputArray image, InputArray mask, std::vector<KeyPoint>& keypoints,
@@ -103,7 +100,7 @@ public:
     /** @brief The same for two cameras whose images overlap. This is what ORB-SLAM3 calls.
 
     @param image, mask, keypoints, descriptors As above, but keypoints outside of the overlap come first
-    and those inside of it after them. Each part is ordered by level, and in a level by response.
+    and those inside of it after them. Each part comes by level, and within a level by response.
     @param vLappingArea First and last column of the overlap, in pixels of the image.
     @return Number of keypoints outside of the overlap.
      */
@@ -111,8 +108,9 @@ public:
                    OutputArray descriptors, const std::vector<int>& vLappingArea)
     {
         if (vLappingArea.size() != 2)
-            CV_Error_(Error::StsBadSize, ("vLappingArea: got %d numbers; first and last column are accepted",
-                                          int(vLappingArea.size())));
+            CV_Error_(Error::StsBadSize,
+                      ("vLappingArea must be the first and the last column, got %d numbers",
+                       int(vLappingArea.size())));
         const float first = float(vLappingArea[0]), last = float(vLappingArea[1]);
         std::vector<KeyPoint> found;
         (*this)(image, mask, found, descriptors);
@@ -140,13 +138,17 @@ public:
         mvImagePyramid.clear();
     }
 
+    //! Number of pyramid levels.
     int GetLevels() const { return int(scales.size()); }
+    //! Ratio between the sizes of neighbouring levels.
     float GetScaleFactor() const { return float(orb->getScaleFactor()); }
     //! Size of a pixel of each level in pixels of the image: scaleFactor^level.
     std::vector<float> GetScaleFactors() const { return scales; }
+    //! The inverses of GetScaleFactors.
     std::vector<float> GetInverseScaleFactors() const { return inverseScales; }
     //! Squares of the scale factors: the variance of a position on each level if that on level 0 is 1.
     std::vector<float> GetScaleSigmaSquares() const { return sigmaSquares; }
+    //! The inverses of GetScaleSigmaSquares.
     std::vector<float> GetInverseScaleSigmaSquares() const { return inverseSigmaSquares; }
 
     /** @brief The detector, so that its other properties can be set. Its getMaxFeatures() is nfeatures +

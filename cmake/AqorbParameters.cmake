@@ -1,0 +1,22 @@
+# The table of parameters for what cannot include it: for each row the variables <name>_PROPERTY, <name>_TYPE,
+# <name>_ARGUMENT (of the setter, as cv::ORB names it), <name>_DEFAULT and <name>_TEXT, and all names in
+# AQORB_PARAMETER_NAMES.
+set(AQORB_PARAMETER_TABLE "${CMAKE_CURRENT_LIST_DIR}/../modules/aqorb/src/parameter_table.hpp")
+set_property(DIRECTORY APPEND PROPERTY CMAKE_CONFIGURE_DEPENDS "${AQORB_PARAMETER_TABLE}")
+file(READ "${AQORB_PARAMETER_TABLE}" rows)
+string(REPLACE "\\" "" rows "${rows}")
+string(REPLACE "\n" ";" rows "${rows}")
+set(AQORB_PARAMETER_NAMES "")
+foreach(row IN LISTS rows)
+  if(row MATCHES "^    X\\(([^,]+), ([^,]+), ([^,]+), ([^,]+), ([^,]+),")
+    set(name "${CMAKE_MATCH_3}")
+    list(APPEND AQORB_PARAMETER_NAMES "${name}")
+    set(${name}_PROPERTY "${CMAKE_MATCH_1}")
+    set(${name}_TYPE "${CMAKE_MATCH_2}")
+    set(${name}_ARGUMENT "${CMAKE_MATCH_4}")
+    string(REGEX REPLACE "f$" "" ${name}_DEFAULT "${CMAKE_MATCH_5}")
+  elseif(row MATCHES "^      \"(.*)\"\\)")
+    set(${name}_TEXT "${CMAKE_MATCH_1}")
+  endif()
+endforeach()
+set(nfeatures_ARGUMENT maxFeatures)

@@ -1,0 +1,160 @@
+// This file is part of aqorb. Copyright (C) The aqorb developers.
+// It is subject to the license terms in the LICENSE file found in the top-level directory
+// of this distribution.
+// SPDX-License-Identifier: Apache-2.0
+
+#ifndef OPENCV_AQORB_HAMMING_HPP
+#define OPENCV_AQORB_HAMMING_HPP
+
+#include "types.hpp"
+
+#include <cstring>
+
+// Hamming distances of all queries to all trains of a tile. Queries and trains are packed into 64-bit words: a word is
+// as many planes as the kernel wants, and a block holds the trains that a vector of 16-bit distances has lanes for.
+
+namespace cv
+{
+namespace aqorb
+{
+namespace stages
+{
+
+// The functions are static, because a file compiled for one CPU that includes them must keep its own: see types.hpp.
+
+//! A distance and the index at which it is found as one number: of two the smaller one is the nearer descriptor, and of
+//! two that are equally near the one of lower index.
+typedef uint64 DistanceKey;
+const DistanceKey NO_KEY = ~DistanceKey(0);
+
+static inline DistanceKey distanceKey(int distance, int index)
+{
+    return DistanceKey(unsigned(distance)) << 32 | unsigned(index);
+}
+static inline int distanceOf(DistanceKey key)
+{
+    return int(key >> 32);
+}
+static inline int indexOf(DistanceKey key)
+{
+    return int(unsigned(key));
+}
+
+//! Puts a key into a list of the count smallest ones, in ascending order.
+static inline void insertKey(DistanceKey* smallest, int count, DistanceKey key)
+{
+    if (key >= smallest[count - 1])
+        return;
+    int i = count - 1;
+    for (; i > 0 && smallest[i - 1] > key; i--)
+        smallest[i] = smallest[i - 1];
+    smallest[i] = key;
+}
+
+//! The same for lists of one or two, without a branch, which the CPU would often predict wrongly.
+template <int KEPT> static inline void keepKey(DistanceKey* smallest, DistanceKey key)
+{
+    const DistanceKey first = smallest[0], larger = first < key ? key : first;
+    smallest[0] = first < key ? first : key;
+    if (KEPT == 2)
+        smallest[KEPT - 1] = smallest[KEPT - 1] < larger ? smallest[KEPT - 1] : larger;
+}
+
+static inline int bitCount(uint64 v)
+{
+#if defined(__POPCNT__) || defined(__aarch64__) || defined(__wasm__)
+    return __builtin_popcountll(v);
+#else
+    v -= (v >> 1) & 0x5555555555555555u;
+    v = (v & 0x3333333333333333u) + ((v >> 2) & 0x3333333333333333u);
+    v = (v + (v >> 4)) & 0x0f0f0f0f0f0f0f0fu;
+    return int((v * 0x0101010101010101u) >> 56);
+#endif
+}
+
+//! Of two words. PAIRS: pairs of bits count.
+template <bool PAIRS> static inline int wordDistance(uint64 a, uint64 b)
+{
+    const uint64 bits = a ^ b;
+    return bitCount(PAIRS ? (bits | bits >> 1) & 0x5555555555555555u : bits);
+}
+
+//! The nearest one or two descriptors are kept for each query and, if asked for, for each train.
+const int MAX_KEPT = 2;
+
+// ---- for the kernel: plain structs only, see types.hpp ---------------------------------------
+
+//! As HammingKernels::listedDistances.
+template <bool PAIRS>
+static void computeListedDistances(const uchar* query, int bytes, const uchar* rows, size_t step,
+                                   const int* listed, int count, int* distances)
+{
+    const int whole = bytes / 8 * 8;
+    for (int i = 0; i < count; i++)
+    {
+        const uchar* const row = rows + size_t(listed[i]) * step;
+        int distance = 0;
+        for (int j = 0; j < whole; j += 8)
+        {
+            uint64 a, b;
+            std::memcpy(&a, query + j, 8);
+            std::memcpy(&b, row + j, 8);
+            distance += wordDistance<PAIRS>(a, b);
+        }
+        for (int j = whole; j < bytes; j++)
+            distance += wordDistance<PAIRS>(query[j], row[j]);
+        distances[i] = distance;
+    }
+}
+
+//! Queries and trains that are compared in one go.
+struct HammingTile
+{
+    const uint64 *queries, *trains;  //!< packed
+    int queryCount, trainCount;
+    int firstQuery, firstTrain;  //!< the indices of the first ones
+    int words;                   //!< 64-bit words of a descriptor
+    int indexBits;    //!< for nearest: a tile has at most 2^indexBits queries, and blocks of trains
+    ushort* scratch;  //!< for nearest: MAX_KEPT * queryCount * block elements
+};
+
+//! The kernels of a CPU for a norm and a width of descriptors.
+struct HammingKernels
+{
+    int block;                     //!< trains of a block
+    int queryPlanes, trainPlanes;  //!< packed words for each word of a query and of a train
+
+    //! Packs descriptors, row by row.
+    void (*packQueries)(const uchar* rows, size_t step, int count, int bytes, uint64* packed);
+    //! Packs at most a block of descriptors. Missing ones become zeros.
+    void (*packTrains)(const uchar* rows, size_t step, int count, int bytes, uint64* packed);
+
+    /** Puts the descriptors of a tile into lists of the nearest ones. The kernel is chosen by the length of the lists
+     less one, and by whether the nearest queries of the trains are asked for, too.
+     @param ofQueries, ofTrains lists in ascending order of the queries and of the trains of the tile, one after the
+     other */
+    void (*nearest[MAX_KEPT][2])(const HammingTile& tile, DistanceKey* ofQueries, DistanceKey* ofTrains);
+
+    //! Computes distances: a row for each query, whose first element is stride elements after that of the row before. A
+    //! row has an element for each train, and for what fills the last block.
+    void (*distances)(const HammingTile& tile, int* distances, size_t stride);
+
+    //! Computes the distances to some rows of descriptors, which are not packed. Neither is the query.
+    void (*listedDistances)(const uchar* query, int bytes, const uchar* rows, size_t step, const int* listed,
+                            int count, int* distances);
+};
+
+//! The largest number of bits of a descriptor for which nearest can be used.
+const int MAX_KEY_BITS = 1023;
+
+//! The best kernels that this CPU has for descriptors.
+//! @param countPairs whether pairs of bits count, as for NORM_HAMMING2
+const HammingKernels& hammingKernels(bool countPairs, int bytes);
+//! Those that every CPU has, without a vector.
+const HammingKernels& plainHammingKernels(bool countPairs);
+
+}  // namespace stages
+}  // namespace aqorb
+}  // namespace cv
+
+#endif

@@ -1,0 +1,206 @@
+// This file is part of aqorb. Copyright (C) The aqorb developers.
+// It is subject to the license terms in the LICENSE file found in the top-level directory
+// of this distribution.
+// SPDX-License-Identifier: Apache-2.0
+
+#include "precomp.hpp"
+
+#include "hamming_search.hpp"
+#include "match_input.hpp"
+
+#include <opencv2/aqorb/matching.hpp>
+
+namespace cv
+{
+namespace aqorb
+{
+
+using namespace stages;
+
+namespace
+{
+
+typedef std::vector<std::vector<DMatch>> MatchLists;
+
+//! Train descriptors by one index for the whole collection.
+class CollectionIndex
+{
+public:
+    explicit CollectionIndex(const std::vector<Mat>& images) : firsts(1, 0)
+    {
+        for (size_t i = 0; i < images.size(); i++)
+        {
+            if (images[i].rows > INT_MAX - firsts.back())
+                CV_Error_(Error::StsOutOfRange,
+                          ("trainDescriptors must have at most %d rows in all, got %.17g", INT_MAX,
+                           double(firsts.back()) + images[i].rows));
+            firsts.push_back(firsts.back() + images[i].rows);
+        }
+    }
+    int first(size_t image) const { return firsts[image]; }
+    int total() const { return firsts.back(); }
+    DMatch match(int query, DistanceKey key) const
+    {
+        const int index = indexOf(key);
+        if (firsts.size() == 2)
+            return DMatch(query, index, 0, float(distanceOf(key)));
+        const int image = int(std::upper_bound(firsts.begin(), firsts.end(), index) - firsts.begin()) - 1;
+        return DMatch(query, index - firsts[image], image, float(distanceOf(key)));
+    }
+
+private:
+    std::vector<int> firsts;  // of the images, and of one behind the last
+};
+
+//! A mask for each of some images: empty ones where none are given.
+std::vector<Mat> masksOf(InputArrayOfArrays input, size_t images)
+{
+    std::vector<Mat> masks;
+    input.getMatVector(masks);
+    masks.resize(images);
+    return masks;
+}
+
+}  // namespace
+
+HammingMatcher::HammingMatcher(int normType_, bool crossCheck_) : BFMatcher(normType_, crossCheck_)
+{
+    checkHammingNorm(normType_);
+}
+
+Ptr<HammingMatcher> HammingMatcher::create(int normType, bool crossCheck)
+{
+    return makePtr<HammingMatcher>(normType, crossCheck);
+}
+
+Ptr<DescriptorMatcher> HammingMatcher::clone(bool emptyTrainData) const
+{
+    const Ptr<HammingMatcher> copy = create(normType, crossCheck);
+    if (!emptyTrainData)
+    {
+        for (size_t i = 0; i < trainDescCollection.size(); i++)
+            copy->trainDescCollection.push_back(trainDescCollection[i].clone());
+        for (size_t i = 0; i < utrainDescCollection.size(); i++)
+            copy->utrainDescCollection.push_back(utrainDescCollection[i].clone());
+    }
+    return copy;
+}
+
+// Those that were added as UMat join the others, and come behind them, as in cv::BFMatcher.
+void HammingMatcher::gatherTrainDescriptors(InputArray queryDescriptors)
+{
+    for (size_t i = 0; i < utrainDescCollection.size(); i++)
+    {
+        Mat copy;
+        utrainDescCollection[i].copyTo(copy);
+        trainDescCollection.push_back(copy);
+    }
+    utrainDescCollection.clear();
+
+    checkDescriptors("queryDescriptors", queryDescriptors);
+    for (size_t i = 0; i < trainDescCollection.size(); i++)
+        checkTrainDescriptors(format("trainDescriptors of image %d", int(i)).c_str(), trainDescCollection[i],
+                              "queryDescriptors", queryDescriptors);
+}
+
+void HammingMatcher::match(InputArray queryDescriptors, InputArray trainDescriptors,
+                           std::vector<DMatch>& matches, InputArray mask) const
+{
+    // The collection that the other method makes of what it is given has one image, which may be anything.
+    if (!mask.empty() || !trainDescriptors.isMat() || queryDescriptors.empty() || trainDescriptors.empty())
+    {
+        BFMatcher::match(queryDescriptors, trainDescriptors, matches, mask);
+        return;
+    }
+    CV_TRACE_FUNCTION();
+    checkDescriptors("queryDescriptors", queryDescriptors);
+    checkTrainDescriptors("trainDescriptors of image 0", trainDescriptors, "queryDescriptors",
+                          queryDescriptors);
+    const Mat query = queryDescriptors.getMat(), train = trainDescriptors.getMat();
+    std::vector<DistanceKey> nearest(query.rows, NO_KEY), nearestQueries(crossCheck ? train.rows : 0, NO_KEY);
+    nearestDescriptors(query, train, Mat(), normType == NORM_HAMMING2, 0, 1, nearest.data(),
+                       crossCheck ? nearestQueries.data() : 0);
+    matches.clear();
+    matches.reserve(query.rows);
+    for (int i = 0; i < query.rows; i++)
+        if (!crossCheck || indexOf(nearestQueries[indexOf(nearest[i])]) == i)
+            matches.push_back(DMatch(i, indexOf(nearest[i]), 0, float(distanceOf(nearest[i]))));
+}
+
+void HammingMatcher::knnMatchImpl(InputArray queryDescriptors, MatchLists& matches, int k,
+                                  InputArrayOfArrays masks_, bool compactResult)
+{
+    CV_TRACE_FUNCTION();
+    gatherTrainDescriptors(queryDescriptors);
+    const Mat query = queryDescriptors.getMat();
+    const std::vector<Mat>& images = trainDescCollection;
+    const std::vector<Mat> masks = masksOf(masks_, images.size());
+    const bool isMasked =
+        std::any_of(masks.begin(), masks.end(), [](const Mat& mask) { return !mask.empty(); });
+    const CollectionIndex index(images);
+    const int kept = std::min(k, index.total());
+    if (crossCheck && (kept > 1 || images.size() > 1 || isMasked))
+        CV_Error_(
+            Error::StsBadArg,
+            ("with crossCheck k must be 1, with one image of train descriptors and no mask, got k = %d, %d "
+             "images and %s",
+             k, int(images.size()), isMasked ? "a mask" : "no mask"));
+
+    std::vector<DistanceKey> nearest(size_t(query.rows) * kept, NO_KEY),
+        nearestQueries(crossCheck ? index.total() : 0, NO_KEY);
+    for (size_t i = 0; kept > 0 && i < images.size(); i++)
+        nearestDescriptors(query, images[i], masks[i], normType == NORM_HAMMING2, index.first(i), kept,
+                           nearest.data(), crossCheck ? nearestQueries.data() : 0);
+
+    matches.reserve(matches.size() + query.rows);
+    for (int i = 0; i < query.rows; i++)
+    {
+        const DistanceKey* const list = nearest.data() + size_t(i) * kept;
+        int found = 0;
+        while (found < kept && list[found] != NO_KEY)
+            found++;
+        if (found > 0 && crossCheck && indexOf(nearestQueries[indexOf(list[0])]) != i)
+            found = 0;
+        if (found == 0 && compactResult)
+            continue;
+        matches.emplace_back(found);
+        for (int j = 0; j < found; j++)
+            matches.back()[j] = index.match(i, list[j]);
+    }
+}
+
+void HammingMatcher::radiusMatchImpl(InputArray queryDescriptors, MatchLists& matches, float maxDistance,
+                                     InputArrayOfArrays masks_, bool compactResult)
+{
+    CV_TRACE_FUNCTION();
+    gatherTrainDescriptors(queryDescriptors);
+    const Mat query = queryDescriptors.getMat();
+    const std::vector<Mat>& images = trainDescCollection;
+    const std::vector<Mat> masks = masksOf(masks_, images.size());
+    matches.assign(query.rows, std::vector<DMatch>());
+    for (size_t i = 0; i < images.size(); i++)
+    {
+        const Mat& mask = masks[i];
+        allDistances(query, images[i], normType == NORM_HAMMING2,
+                     [&](int row, int firstTrain, const int* distances, int count)
+                     {
+                         for (int j = firstTrain; j < firstTrain + count; j++, distances++)
+                         {
+                             // As for cv::BFMatcher, what the mask excludes is at this distance, which a limit may allow.
+                             const float distance =
+                                 float(mask.empty() || mask.at<uchar>(row, j) ? *distances : INT_MAX);
+                             if (distance <= maxDistance)
+                                 matches[row].push_back(DMatch(row, j, int(i), distance));
+                         }
+                     });
+    }
+    for (size_t i = 0; i < matches.size(); i++)
+        std::stable_sort(matches[i].begin(), matches[i].end());
+    // As cv::BFMatcher does: the empty lists come last and stay.
+    if (compactResult)
+        std::stable_partition(matches.begin(), matches.end(),
+                              [](const std::vector<DMatch>& list) { return !list.empty(); });
+}
+
+}  // namespace aqorb
+}  // namespace cv

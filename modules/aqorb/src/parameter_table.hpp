@@ -1,0 +1,72 @@
+// This file is part of aqorb. Copyright (C) The aqorb developers.
+// It is subject to the license terms in the LICENSE file found in the top-level directory
+// of this distribution.
+// SPDX-License-Identifier: Apache-2.0
+
+#ifndef OPENCV_AQORB_PARAMETER_TABLE_HPP
+#define OPENCV_AQORB_PARAMETER_TABLE_HPP
+
+// All parameters of AdaptiveQuadtreeORB, once. The library's checks, setters, getters, read and write are made from
+// this table, and so are the Python package, the preloaded library's variables, what the page sets, and tests. Each
+// row is
+//
+//   X(property, type, name, key, default, range, text)
+//
+// property  as in set<property> and get<property>
+// type      of the property, named as in namespace cv::aqorb
+// name      as an argument of create and in messages
+// key       in a file
+// range     a ValidRange of parameters.hpp
+// text      what a setter sets and a getter returns, for Python. CMake reads it, too: no quotes and no semicolons in it
+//
+// The rows come in the order in which they are written to a file.
+
+// clang-format off
+
+//! Those of cv::ORB, in the order of create's arguments.
+#define AQORB_PARAMETERS_OF_ORB(X) \
+    X(MaxFeatures, int, nfeatures, nfeatures, 500, atLeast(0), \
+      "the number of keypoints to find") \
+    X(ScaleFactor, double, scaleFactor, scaleFactor, 1.2f, positive(), \
+      "the ratio of the sizes of two neighbouring levels of the pyramid") \
+    X(NLevels, int, nlevels, nlevels, 8, between(1, 65536), \
+      "the number of levels of the pyramid") \
+    X(EdgeThreshold, int, edgeThreshold, edgeThreshold, 16, atLeast(0), \
+      "the width, in pixels of each level, of the border without keypoints") \
+    X(FirstLevel, int, firstLevel, firstLevel, 0, atLeast(0), \
+      "the level of the pyramid that is the image itself, where lower levels are larger") \
+    X(WTA_K, int, WTA_K, wta_k, 2, between(2, 4), \
+      "how many points each element of a descriptor compares, 2, 3 or 4") \
+    X(ScoreType, ORB::ScoreType, scoreType, scoreType, 0, oneOf("HARRIS_SCORE (0) or FAST_SCORE (1)"), \
+      "what a response is, cv2.ORB_HARRIS_SCORE (0) or cv2.ORB_FAST_SCORE (1)") \
+    X(PatchSize, int, patchSize, patchSize, 31, between(2, 16384), \
+      "the side, in pixels of a level, of the patch that a descriptor describes") \
+    X(FastThreshold, int, fastThreshold, fastThreshold, 20, any(), \
+      "the scale of the adaptive FAST threshold, or the threshold itself where it is not adaptive")
+
+#define AQORB_OWN_PARAMETERS(X) \
+    X(AdaptiveThreshold, bool, adaptiveThreshold, adaptiveThreshold, true, any(), \
+      "whether the FAST threshold adapts to the image") \
+    X(MinThresholdRatio, double, minThresholdRatio, minThresholdRatio, 4, finiteAtLeast(1), \
+      "how many times lower the FAST threshold is in cells that would stay empty, at least 1") \
+    X(CellSize, int, cellSize, cellSize, 35, atLeast(8), \
+      "the side, in pixels of a level, of the cells in which the lower threshold may apply, at least 8") \
+    X(MaxDepth, int, maxDepth, maxDepth, -1, between(0, 15).orMinusOne(), \
+      "the depth of the quadtree, 0 to 15, or -1 for one that suits the number of features") \
+    X(SelectionType, AdaptiveQuadtreeORB::SelectionType, selectionType, selectionType, 0, \
+      oneOf("RANKED_SELECTION (0) or BALANCED_SELECTION (1)"), \
+      "the rule by which corners are chosen, RANKED_SELECTION (0) or BALANCED_SELECTION (1), the one of the paper") \
+    X(StrengthWeight, double, strengthWeight, strengthWeight, 0.05, between(0, 1000), \
+      "how much the strength of a corner counts, 0 (an even distribution) to 1000 (strength alone)") \
+    X(RankRadius, double, rankRadius, rankRadius, 2.25, between(0, 16), \
+      "how far around a corner stronger ones are counted, 0 to 16, in mean distances between features") \
+    X(OctaveSuppression, double, octaveSuppression, octaveSuppression, -1, finiteAtLeast(0).orMinusOne(), \
+      "how near keypoints of other levels may be, in pixels, or -1 for a distance that suits the selection") \
+    X(SubPixel, bool, subPixel, subPixel, true, any(), \
+      "whether positions are refined to a fraction of a pixel")
+
+// clang-format on
+
+#define AQORB_PARAMETERS(X) AQORB_PARAMETERS_OF_ORB(X) AQORB_OWN_PARAMETERS(X)
+
+#endif

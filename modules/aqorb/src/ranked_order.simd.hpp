@@ -1,0 +1,86 @@
+// This file is part of aqorb. Copyright (C) The aqorb developers.
+// It is subject to the license terms in the LICENSE file found in the top-level directory
+// of this distribution.
+// SPDX-License-Identifier: Apache-2.0
+
+#include "ranked_order.hpp"
+#include "simd_compat.hpp"
+
+namespace cv
+{
+namespace aqorb
+{
+namespace stages
+{
+CV_CPU_OPTIMIZATION_NAMESPACE_BEGIN
+
+/** Finds which leaves of a row represent their neighbourhood.
+ @param strengths of the leaves of the row; those of the rows above and below are stride elements away */
+void flagRepresentatives(const int* strengths, ptrdiff_t stride, int side, uchar* flags);
+
+/** Counts, for each leaf, the leaves before it within the disc around it.
+ @param grid without any bit; afterwards it has those of all leaves */
+void countBefore(const RankingGrid& grid, const unsigned* leaves, size_t count, int* counts);
+
+#ifndef CV_CPU_OPTIMIZATION_DECLARATIONS_ONLY
+
+namespace
+{
+
+inline int bitCount(uint64 v)
+{
+#if defined(__POPCNT__) || defined(__aarch64__)
+    return __builtin_popcountll(v);
+#else
+    v -= (v >> 1) & 0x5555555555555555u;
+    v = (v & 0x3333333333333333u) + ((v >> 2) & 0x3333333333333333u);
+    v = (v + (v >> 4)) & 0x0f0f0f0f0f0f0f0fu;
+    return int((v * 0x0101010101010101u) >> 56);
+#endif
+}
+
+}  // namespace
+
+// Compilers vectorize this loop.
+void flagRepresentatives(const int* strengths, ptrdiff_t stride, int side, uchar* flags)
+{
+    const int *above = strengths - stride, *below = strengths + stride;
+    for (int i = 0; i < side; i++)
+    {
+        const int own = strengths[i];
+        const int stronger = (above[i - 1] >= own) + (above[i] >= own) + (above[i + 1] >= own) +
+                             (strengths[i - 1] >= own) + (strengths[i + 1] > own) + (below[i - 1] > own) +
+                             (below[i] > own) + (below[i + 1] > own);
+        flags[i] = uchar((own != INT_MIN) & (stronger < 3));
+    }
+}
+
+void countBefore(const RankingGrid& grid, const unsigned* leaves, size_t count, int* counts)
+{
+    const unsigned columns = (1u << grid.depth) - 1;
+    for (size_t i = 0; i < count; i++)
+    {
+        const unsigned column = leaves[i] & columns, row = leaves[i] >> grid.depth;
+        uint64* const word = grid.bits + size_t(row) * grid.stride + (column >> 4);
+        const unsigned shift = column & 15;
+        int sum = 0;
+        for (int j = 0; j < grid.wordCount; j++)
+            sum += bitCount((word[grid.words[j]] >> shift) & grid.masks[j]);
+        counts[i] = sum;
+        // The bit of the leaf lies in two words of its row, and in two of the row before.
+        const unsigned bit = column + unsigned(grid.left);
+        uint64* const own = grid.bits + size_t(row + unsigned(grid.top)) * grid.stride + (bit >> 4) + 1;
+        const uint64 inSecond = uint64(1) << (bit & 15), inFirst = inSecond << 16;
+        own[0] |= inSecond;
+        own[-1] |= inFirst;
+        own[-grid.stride] |= inSecond << 32;
+        own[-grid.stride - 1] |= inFirst << 32;
+    }
+}
+
+#endif  // CV_CPU_OPTIMIZATION_DECLARATIONS_ONLY
+
+CV_CPU_OPTIMIZATION_NAMESPACE_END
+}  // namespace stages
+}  // namespace aqorb
+}  // namespace cv

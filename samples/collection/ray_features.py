@@ -1,0 +1,72 @@
+#!/usr/bin/env python3
+# This file is part of aqorb. Copyright (C) The aqorb developers.
+# It is subject to the license terms in the LICENSE file found in the top-level directory
+# of this distribution.
+# SPDX-License-Identifier: Apache-2.0
+"""Detects the features of all images in a folder, as aqorb extract does, by a pipeline of Ray Data: on this machine, or on
+the cluster whose address is given. The result is a folder of .parquet files with the same rows, in no order. Files that
+are no images are named in the log. Needs aqorb[cli] and ray[data], on each machine of a cluster."""
+
+import argparse
+import io
+import json
+import logging
+import os
+import sys
+
+import ray
+import ray.data
+
+import aqorb
+from aqorb import collection
+
+
+class Extractor:
+    """Holds a detector. An actor of Ray works on a batch of files at a time."""
+
+    def __init__(self, folder, options):
+        self.folder, self.options = folder.split('://')[-1], options
+        self.detector = aqorb.AdaptiveQuadtreeORB_create(options.num_features)
+        aqorb.setNumThreads(1)  # an actor has a processor
+
+    def __call__(self, batch):
+        paths = [os.fsencode(os.path.relpath(path.split('://')[-1], self.folder)) for path in batch['path'].to_pylist()]
+        contents = dict(zip(paths, batch['bytes']))
+        table, failures = collection.extract(
+            paths, lambda path: io.BytesIO(contents[path].as_buffer()), self.detector, self.options.reader,
+            self.options.max_size, not self.options.ignore_orientation)
+        for path, reason in failures:
+            logging.getLogger('ray.data').warning('%s is left out: %s', os.fsdecode(path), reason)
+        metadata = collection.description(self.detector, self.options.reader, self.options.max_size,
+                                          not self.options.ignore_orientation)
+        return table.replace_schema_metadata({'aqorb': json.dumps(metadata)})
+
+
+def main():
+    parser = argparse.ArgumentParser(description=__doc__)
+    parser.add_argument('--address', help='address of a cluster, such as auto or ray://head:10001; this machine by default')
+    parser.add_argument('--out', required=True, metavar='FOLDER', help='new folder for the result')
+    parser.add_argument('--actors', type=int, default=os.cpu_count(), help='one for each processor (%(default)s)')
+    parser.add_argument('--batch', type=int, default=64, help='files that an actor takes at a time (%(default)s)')
+    parser.add_argument('--num-features', type=int, default=1000)
+    parser.add_argument('--max-size', type=int)
+    parser.add_argument('--reader', choices=collection.READERS, default='pillow')
+    parser.add_argument('--ignore-orientation', action='store_true')
+    parser.add_argument('folder', metavar='IMAGES', help='folder or bucket that all machines can read')
+    options = parser.parse_args()
+    if os.path.exists(options.out):
+        sys.exit(f'{options.out} exists')
+    ray.init(options.address)
+    folder = options.folder if '://' in options.folder else os.path.abspath(options.folder)
+    # Reading and writing wait for disks or the network. Without a share for them, actors would take all processors.
+    waiting = {'num_cpus': .25}
+    files = ray.data.read_binary_files(folder, include_paths=True, ray_remote_args=waiting)
+    features = files.map_batches(Extractor, fn_constructor_args=(folder, options), batch_size=options.batch,
+                                 batch_format='pyarrow', zero_copy_batch=True,
+                                 num_cpus=.75, max_restarts=-1, max_task_retries=-1,
+                                 compute=ray.data.ActorPoolStrategy(size=options.actors, max_tasks_in_flight_per_actor=2))
+    features.write_parquet(options.out, ray_remote_args=waiting)
+
+
+if __name__ == '__main__':
+    main()

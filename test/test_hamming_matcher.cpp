@@ -1,0 +1,427 @@
+// This file is part of aqorb. Copyright (C) The aqorb developers.
+// It is subject to the license terms in the LICENSE file found in the top-level directory
+// of this distribution.
+// SPDX-License-Identifier: Apache-2.0
+
+#include "test_precomp.hpp"
+
+#include "backends.hpp"
+#include "reference_matching.hpp"
+
+namespace opencv_test
+{
+namespace
+{
+
+using aqorb::HammingMatcher;
+
+//! Query descriptors, a collection of train descriptors and masks.
+struct Problem
+{
+    Mat query;
+    std::vector<Mat> images, masks;
+    int normType, k;
+    bool crossCheck, compactResult;
+    float radius;
+};
+
+Mat randomMask(RNG& rng, int rows, int columns)
+{
+    Mat all(rows + 1, columns + 3, CV_8UC1);
+    rng.fill(all, RNG::UNIFORM, 0, 256);
+    const int kept = rng.uniform(0, 3);
+    Mat mask = all(Rect(rng.uniform(0, 4), rng.uniform(0, 2), columns, rows));
+    if (kept < 2)
+        mask.setTo(0, mask < (kept == 0 ? 250 : 100));
+    mask.row(rng.uniform(0, rows)).setTo(0);
+    return mask;
+}
+
+// Mostly small ones, because those of the edges of blocks and tiles are among them.
+int randomCount(RNG& rng)
+{
+    return rng.uniform(0, 20) == 0 ? rng.uniform(1, 501) : rng.uniform(1, 80);
+}
+
+Problem randomProblem(RNG& rng)
+{
+    Problem p;
+    const int bytes = rng.uniform(0, 2) ? 32 : rng.uniform(1, 65);
+    p.normType = rng.uniform(0, 3) ? NORM_HAMMING : NORM_HAMMING2;
+    p.query = randomDescriptors(rng, randomCount(rng), bytes);
+    p.crossCheck = rng.uniform(0, 3) == 0;
+    const int count = p.crossCheck || rng.uniform(0, 2) ? 1 : rng.uniform(2, 5);
+    const bool isMasked = !p.crossCheck && rng.uniform(0, 2);
+    p.k = p.crossCheck ? 1 : rng.uniform(1, 8);
+    for (int i = 0; i < count; i++)
+    {
+        // cv::BFMatcher is undefined where an image of several has fewer than k.
+        p.images.push_back(randomDescriptors(rng, randomCount(rng) + (count > 1 ? p.k : 0), bytes));
+        if (isMasked)
+            p.masks.push_back(rng.uniform(0, 3) ? randomMask(rng, p.query.rows, p.images[i].rows) : Mat());
+    }
+    // Descriptors that both sets have.
+    for (int i = rng.uniform(0, 10); i > 0; i--)
+        p.images[0].row(rng.uniform(0, p.images[0].rows)).copyTo(p.query.row(rng.uniform(0, p.query.rows)));
+    p.compactResult = rng.uniform(0, 2) != 0;
+    p.radius = float(rng.uniform(1, bytes * 5));
+    return p;
+}
+
+std::vector<DMatch> matchesOf(DescriptorMatcher& matcher, const Problem& p)
+{
+    std::vector<DMatch> matches;
+    if (p.images.size() == 1)
+        matcher.match(p.query, p.images[0], matches, p.masks.empty() ? Mat() : p.masks[0]);
+    else
+        matcher.match(p.query, matches, p.masks);
+    return matches;
+}
+
+MatchLists neighboursOf(DescriptorMatcher& matcher, const Problem& p)
+{
+    MatchLists matches;
+    if (p.images.size() == 1)
+        matcher.knnMatch(p.query, p.images[0], matches, p.k, p.masks.empty() ? Mat() : p.masks[0],
+                         p.compactResult);
+    else
+        matcher.knnMatch(p.query, matches, p.k, p.masks, p.compactResult);
+    return matches;
+}
+
+//! Equal distances in the order of the images and of their descriptors, as documented.
+MatchLists withinRadiusOf(DescriptorMatcher& matcher, const Problem& p)
+{
+    MatchLists matches;
+    if (p.images.size() == 1)
+        matcher.radiusMatch(p.query, p.images[0], matches, p.radius, p.masks.empty() ? Mat() : p.masks[0],
+                            p.compactResult);
+    else
+        matcher.radiusMatch(p.query, matches, p.radius, p.masks, p.compactResult);
+    return matches;
+}
+
+MatchLists inDocumentedOrder(MatchLists lists)
+{
+    for (std::vector<DMatch>& list : lists)
+        std::sort(list.begin(), list.end(),
+                  [](const DMatch& a, const DMatch& b)
+                  {
+                      if (a.distance != b.distance)
+                          return a.distance < b.distance;
+                      return a.imgIdx != b.imgIdx ? a.imgIdx < b.imgIdx : a.trainIdx < b.trainIdx;
+                  });
+    return lists;
+}
+
+// The cases of one test take their seeds from it, so that ctest runs some at once.
+void compareWithBFMatcher(int seed, int cases)
+{
+    for (int i = 0; i < cases; i++)
+    {
+        RNG rng(uint64(seed) * 10000 + i + 1);
+        const Problem p = randomProblem(rng);
+        const Threads threads(1 + i % 4);
+        BFMatcher expected(p.normType, p.crossCheck);
+        const Ptr<HammingMatcher> matcher = HammingMatcher::create(p.normType, p.crossCheck);
+        if (p.images.size() > 1)
+        {
+            expected.add(p.images);
+            matcher->add(p.images);
+        }
+        SCOPED_TRACE(format("case %d: %d queries of %d bytes, %d images, %s, k %d%s%s", i, p.query.rows,
+                            p.query.cols, int(p.images.size()),
+                            p.normType == NORM_HAMMING ? "HAMMING" : "HAMMING2", p.k,
+                            p.crossCheck ? ", cross check" : "", p.masks.empty() ? "" : ", masks"));
+        const MatchLists best(1, matchesOf(expected, p));
+        ASSERT_TRUE(sameMatches(best, MatchLists(1, matchesOf(*matcher, p))));
+        if (p.images.size() == 1)
+        {
+            MatchLists own(1);  // by the method of the class, which is not virtual
+            matcher->match(p.query, p.images[0], own[0], p.masks.empty() ? Mat() : p.masks[0]);
+            ASSERT_TRUE(sameMatches(best, own));
+        }
+        ASSERT_TRUE(sameMatches(neighboursOf(expected, p), neighboursOf(*matcher, p)));
+        ASSERT_TRUE(sameMatches(inDocumentedOrder(withinRadiusOf(expected, p)), withinRadiusOf(*matcher, p)));
+    }
+}
+
+class Aqorb_HammingMatcher_Random : public ::testing::TestWithParam<int>
+{
+};
+
+TEST_P(Aqorb_HammingMatcher_Random, has_the_matches_of_bfmatcher)
+{
+    compareWithBFMatcher(GetParam(), 700);
+}
+
+INSTANTIATE_TEST_CASE_P(Seeds, Aqorb_HammingMatcher_Random, ::testing::Range(0, 8));
+
+// Several tiles of trains and of queries for every kernel.
+TEST(Aqorb_HammingMatcher, has_the_matches_of_bfmatcher_for_many_descriptors)
+{
+    for (const int bytes : {16, 32, 61, 64})
+    {
+        RNG rng(bytes);
+        Problem p;
+        p.query = randomDescriptors(rng, 700, bytes);
+        p.images.push_back(randomDescriptors(rng, 9000, bytes));
+        p.images[0].rowRange(8000, 8400).copyTo(p.query.rowRange(100, 500));
+        p.images[0].rowRange(8000, 8400).copyTo(p.images[0].rowRange(2000, 2400));
+        p.normType = NORM_HAMMING;
+        p.compactResult = false;
+        for (p.k = 1; p.k <= 3; p.k++)
+        {
+            BFMatcher expected(p.normType);
+            HammingMatcher matcher(p.normType);
+            EXPECT_TRUE(sameMatches(neighboursOf(expected, p), neighboursOf(matcher, p)));
+        }
+        BFMatcher expected(p.normType, true);
+        HammingMatcher matcher(p.normType, true);
+        EXPECT_TRUE(sameMatches(MatchLists(1, matchesOf(expected, p)), MatchLists(1, matchesOf(matcher, p))));
+        std::swap(p.query, p.images[0]);
+        EXPECT_TRUE(sameMatches(MatchLists(1, matchesOf(expected, p)), MatchLists(1, matchesOf(matcher, p))));
+    }
+}
+
+TEST(Aqorb_HammingMatcher, takes_descriptors_of_any_length)
+{
+    for (const int bytes : {65, 100, 127, 128, 129, 300, 600, 4095, 4097, 9000})
+    {
+        RNG rng(bytes);
+        Problem p;
+        p.query = randomDescriptors(rng, 21, bytes);
+        p.images.push_back(randomDescriptors(rng, 37, bytes));
+        Mat(255 - p.query.row(3)).copyTo(p.images[0].row(5));  // all bits differ
+        p.compactResult = false;
+        p.radius = float(4 * bytes);
+        for (const int normType : {NORM_HAMMING, NORM_HAMMING2})
+        {
+            for (p.k = 1; p.k <= 37; p.k += 4)
+            {
+                BFMatcher expected(normType);
+                HammingMatcher matcher(normType);
+                EXPECT_TRUE(sameMatches(neighboursOf(expected, p), neighboursOf(matcher, p))) << bytes;
+            }
+            p.k = 1;
+            BFMatcher expected(normType, true);
+            HammingMatcher matcher(normType, true);
+            EXPECT_TRUE(sameMatches(neighboursOf(expected, p), neighboursOf(matcher, p))) << bytes;
+            EXPECT_TRUE(
+                sameMatches(inDocumentedOrder(withinRadiusOf(expected, p)), withinRadiusOf(matcher, p)));
+        }
+    }
+}
+
+// cv::BFMatcher is undefined there: it reads what it has not written.
+TEST(Aqorb_HammingMatcher, finds_the_nearest_of_images_with_fewer_than_k)
+{
+    for (int seed = 1; seed <= 200; seed++)
+    {
+        RNG rng(seed);
+        const Mat query = randomDescriptors(rng, rng.uniform(1, 20), 32);
+        std::vector<Mat> images, masks;
+        for (int i = rng.uniform(2, 6); i > 0; i--)
+        {
+            images.push_back(randomDescriptors(rng, rng.uniform(1, 5), 32));
+            if (seed % 2)
+                masks.push_back(randomMask(rng, query.rows, images.back().rows));
+        }
+        HammingMatcher matcher;
+        matcher.add(images);
+        for (int k = 1; k <= 8; k++)
+        {
+            MatchLists matches, expected;
+            matcher.knnMatch(query, matches, k, masks);
+            for (int i = 0; i < query.rows; i++)
+            {
+                expected.push_back(referenceMatches(query, i, images, masks, NORM_HAMMING));
+                expected.back().resize(std::min(expected.back().size(), size_t(k)));
+            }
+            EXPECT_TRUE(sameMatches(expected, matches));
+        }
+    }
+}
+
+TEST(Aqorb_HammingMatcher, orders_equal_distances_within_a_radius)
+{
+    const Mat query = Mat::zeros(1, 8, CV_8UC1);
+    HammingMatcher matcher;
+    matcher.add(std::vector<Mat>(3, Mat::zeros(40, 8, CV_8UC1)));
+    MatchLists matches;
+    matcher.radiusMatch(query, matches, 1);
+    ASSERT_EQ(1u, matches.size());
+    ASSERT_EQ(120u, matches[0].size());
+    for (int i = 0; i < 120; i++)
+        EXPECT_EQ(i, matches[0][i].imgIdx * 40 + matches[0][i].trainIdx);
+}
+
+TEST(Aqorb_HammingMatcher, is_used_through_a_pointer_to_its_base)
+{
+    RNG rng(1);
+    const Mat query = randomDescriptors(rng, 50, 32), train = randomDescriptors(rng, 60, 32);
+    const Ptr<BFMatcher> matcher = HammingMatcher::create(NORM_HAMMING, true);
+    EXPECT_TRUE(matcher->isMaskSupported());
+    EXPECT_TRUE(matcher->empty());
+    matcher->add(train);
+    matcher->train();
+    EXPECT_EQ(1u, matcher->getTrainDescriptors().size());
+
+    const Ptr<DescriptorMatcher> copy = matcher->clone(), empty = matcher->clone(true);
+    EXPECT_FALSE(copy.dynamicCast<HammingMatcher>().empty());
+    EXPECT_FALSE(empty.dynamicCast<HammingMatcher>().empty());
+    EXPECT_TRUE(empty->empty());
+    EXPECT_NE(train.data, copy->getTrainDescriptors()[0].data);
+
+    BFMatcher expected(NORM_HAMMING, true);
+    MatchLists matches(3);
+    expected.match(query, train, matches[0]);
+    matcher->match(query, matches[1]);
+    copy->match(query, matches[2]);
+    EXPECT_FALSE(matches[0].empty());
+    EXPECT_TRUE(sameMatches(MatchLists(1, matches[0]), MatchLists(1, matches[1])));
+    EXPECT_TRUE(sameMatches(MatchLists(1, matches[0]), MatchLists(1, matches[2])));
+    matcher->clear();
+    EXPECT_TRUE(matcher->empty());
+}
+
+TEST(Aqorb_HammingMatcher, takes_a_umat)
+{
+    RNG rng(1);
+    const Mat query = randomDescriptors(rng, 50, 32), train = randomDescriptors(rng, 60, 32);
+    UMat uquery, utrain;
+    query.copyTo(uquery);
+    train.copyTo(utrain);
+    HammingMatcher matcher;
+    MatchLists expected(1), matches(3);
+    matcher.match(query, train, expected[0]);
+    matcher.match(uquery, utrain, matches[0]);
+    EXPECT_TRUE(sameMatches(expected, MatchLists(1, matches[0])));
+
+    matcher.add(utrain);
+    const Ptr<DescriptorMatcher> copy = matcher.clone();
+    matcher.match(uquery, matches[1]);
+    copy->match(query, matches[2]);
+    EXPECT_TRUE(sameMatches(expected, MatchLists(1, matches[1])));
+    EXPECT_TRUE(sameMatches(expected, MatchLists(1, matches[2])));
+}
+
+// As cv::BFMatcher does: a result is not emptied by knnMatch.
+TEST(Aqorb_HammingMatcher, adds_to_lists_of_matches)
+{
+    RNG rng(1);
+    const Mat query = randomDescriptors(rng, 5, 32), train = randomDescriptors(rng, 6, 32);
+    MatchLists expected, matches;
+    for (int i = 0; i < 2; i++)
+    {
+        BFMatcher(NORM_HAMMING).knnMatch(query, train, expected, 2);
+        HammingMatcher().knnMatch(query, train, matches, 2);
+    }
+    EXPECT_EQ(10u, matches.size());
+    EXPECT_TRUE(sameMatches(expected, matches));
+}
+
+TEST(Aqorb_HammingMatcher, has_no_match_without_descriptors)
+{
+    HammingMatcher matcher;
+    const Mat some = Mat::zeros(3, 32, CV_8UC1), none(0, 32, CV_8UC1);
+    MatchLists lists;
+    std::vector<DMatch> matches;
+    matcher.match(Mat(), some, matches);
+    EXPECT_TRUE(matches.empty());
+    matcher.match(some, none, matches);
+    EXPECT_TRUE(matches.empty());
+    HammingMatcher(NORM_HAMMING, true).match(some, none, matches);
+    EXPECT_TRUE(matches.empty());
+    matcher.knnMatch(some, none, lists, 2);
+    EXPECT_EQ(3u, lists.size());
+    EXPECT_TRUE(lists[0].empty());
+    matcher.radiusMatch(some, none, lists, 2);
+    EXPECT_EQ(3u, lists.size());
+}
+
+// The message of the exception that a call raises; empty if it raises none.
+template <typename Call> std::string messageOf(Call call)
+{
+    try
+    {
+        call();
+    }
+    catch (const cv::Exception& e)
+    {
+        return e.err;
+    }
+    return std::string();
+}
+
+bool hasAll(const std::string& message, const std::vector<std::string>& parts)
+{
+    return std::all_of(parts.begin(), parts.end(),
+                       [&](const std::string& part) { return message.find(part) != std::string::npos; });
+}
+
+#define AQORB_BAD(call, ...)                                                                           \
+    do                                                                                                 \
+    {                                                                                                  \
+        const std::string message = messageOf([&] { call; });                                          \
+        EXPECT_TRUE(hasAll(message, std::vector<std::string>{__VA_ARGS__, "must", "got"})) << message; \
+    } while (false)
+
+TEST(Aqorb_HammingMatcher, refuses_bad_input)
+{
+    const Mat some = Mat::zeros(3, 32, CV_8UC1), narrow = Mat::zeros(3, 16, CV_8UC1),
+              real = Mat::zeros(3, 32, CV_32FC1), mask = Mat::ones(3, 3, CV_8UC1);
+    HammingMatcher matcher, mutual(NORM_HAMMING, true);
+    std::vector<DMatch> matches;
+    MatchLists lists;
+    AQORB_BAD((void)HammingMatcher(NORM_L2), "normType", "4");
+    AQORB_BAD(HammingMatcher::create(-1), "normType", "-1");
+    AQORB_BAD(matcher.match(real, some, matches), "queryDescriptors", "CV_32FC1");
+    AQORB_BAD(matcher.match(some, real, matches), "trainDescriptors of image 0", "CV_32FC1");
+    AQORB_BAD(matcher.match(some, narrow, matches), "trainDescriptors of image 0", "16", "32");
+    AQORB_BAD(matcher.radiusMatch(some, narrow, lists, 10), "trainDescriptors of image 0", "16", "32");
+    AQORB_BAD(mutual.knnMatch(some, some, lists, 2), "crossCheck", "k = 2");
+    AQORB_BAD(mutual.match(some, some, matches, mask), "crossCheck", "a mask");
+    mutual.add(std::vector<Mat>(2, some));
+    AQORB_BAD(mutual.match(some, matches), "crossCheck", "2 images");
+    EXPECT_THROW(matcher.match(some, some, matches, Mat::ones(2, 3, CV_8UC1)), cv::Exception);
+}
+
+TEST(Aqorb_HammingMatcher, has_the_same_matches_however_threads_run)
+{
+    RNG rng(1);
+    const Mat query = randomDescriptors(rng, 1000, 32), train = randomDescriptors(rng, 4500, 32);
+    std::vector<std::shared_ptr<Backend>> all = backends();
+    all.insert(all.begin(), std::shared_ptr<Backend>());
+    std::vector<MatchLists> results;
+    for (const std::shared_ptr<Backend>& backend : all)
+    {
+        const BackendScope scope(backend);
+        const Threads threads(backend ? 2 : 1);
+        MatchLists lists(1);
+        HammingMatcher(NORM_HAMMING, true).match(query, train, lists[0]);
+        HammingMatcher().knnMatch(query, train, lists, 2);
+        HammingMatcher().knnMatch(query, train, lists, 3);
+        results.push_back(lists);
+        EXPECT_TRUE(sameMatches(results[0], lists));
+    }
+}
+
+TEST(Aqorb_HammingMatcher, is_safe_in_several_threads)
+{
+    RNG rng(1);
+    const Mat query = randomDescriptors(rng, 300, 32), train = randomDescriptors(rng, 300, 32);
+    const HammingMatcher matcher(NORM_HAMMING, true);
+    MatchLists results(8);
+    parallel_for_(Range(0, 8),
+                  [&](const Range& range)
+                  {
+                      for (int i = range.start; i < range.end; i++)
+                          matcher.match(query, train, results[i]);
+                  });
+    for (int i = 1; i < 8; i++)
+        EXPECT_TRUE(sameMatches(MatchLists(1, results[0]), MatchLists(1, results[i])));
+}
+
+}  // namespace
+}  // namespace opencv_test

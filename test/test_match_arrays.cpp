@@ -1,0 +1,281 @@
+// This file is part of aqorb. Copyright (C) The aqorb developers.
+// It is subject to the license terms in the LICENSE file found in the top-level directory
+// of this distribution.
+// SPDX-License-Identifier: Apache-2.0
+
+#include "test_precomp.hpp"
+
+#include "hamming.hpp"
+#include "reference_matching.hpp"
+
+#include <limits>
+
+namespace opencv_test
+{
+namespace
+{
+
+using aqorb::knnMatchArrays;
+using aqorb::matchArrays;
+using aqorb::matchByPosition;
+
+const float ENDLESS = std::numeric_limits<float>::infinity(),
+            NOT_A_NUMBER = std::numeric_limits<float>::quiet_NaN();
+
+ReferenceTests randomTests(RNG& rng)
+{
+    ReferenceTests tests;
+    tests.ratio = rng.uniform(0, 2) ? rng.uniform(0.4, 1.2) : 0;
+    tests.crossCheck = rng.uniform(0, 2) != 0;
+    tests.maxDistance = rng.uniform(0, 2) ? rng.uniform(0, 200) : -1;
+    tests.normType = rng.uniform(0, 3) ? NORM_HAMMING : NORM_HAMMING2;
+    return tests;
+}
+
+::testing::AssertionResult isMatchedAs(const std::vector<DMatch>& expected, const Mat& pairs,
+                                       const Mat& distances)
+{
+    if (expected.empty())
+        return pairs.empty() && distances.empty() ? ::testing::AssertionSuccess()
+                                                  : ::testing::AssertionFailure() << "not empty";
+    if (pairs.type() != CV_32SC1 || pairs.cols != 2 || distances.type() != CV_32SC1 || distances.cols != 1 ||
+        pairs.rows != int(expected.size()) || distances.rows != pairs.rows)
+        return ::testing::AssertionFailure() << pairs.rows << " rows in place of " << expected.size();
+    for (int i = 0; i < pairs.rows; i++)
+        if (pairs.at<int>(i, 0) != expected[i].queryIdx || pairs.at<int>(i, 1) != expected[i].trainIdx ||
+            distances.at<int>(i) != int(expected[i].distance))
+            return ::testing::AssertionFailure() << "row " << i << " differs";
+    return ::testing::AssertionSuccess();
+}
+
+TEST(Aqorb_MatchArrays, applies_the_tests)
+{
+    size_t found = 0;
+    for (int seed = 1; seed <= 600; seed++)
+    {
+        RNG rng(seed);
+        const int bytes = rng.uniform(0, 4) ? 32 : rng.uniform(1, 140);
+        const Mat query = randomDescriptors(rng, rng.uniform(1, 60), bytes);
+        const Mat train = randomDescriptors(rng, rng.uniform(1, 60), bytes);
+        const ReferenceTests tests = randomTests(rng);
+        const std::vector<DMatch> expected =
+            referenceTested(query, train, tests, [](int, int) { return true; });
+        Mat pairs, distances;
+        matchArrays(query, train, pairs, distances, tests.ratio, tests.crossCheck, tests.maxDistance,
+                    tests.normType);
+        ASSERT_TRUE(isMatchedAs(expected, pairs, distances)) << seed;
+        found += expected.size();
+    }
+    EXPECT_GT(found, 1000u);
+}
+
+TEST(Aqorb_MatchArrays, finds_k_nearest)
+{
+    for (int seed = 1; seed <= 300; seed++)
+    {
+        RNG rng(seed);
+        const int bytes = rng.uniform(1, 70), k = rng.uniform(1, 10);
+        const Mat query = randomDescriptors(rng, rng.uniform(1, 60), bytes);
+        const Mat train = randomDescriptors(rng, rng.uniform(1, 60), bytes);
+        Mat indices, distances;
+        knnMatchArrays(query, train, indices, distances, k);
+        ASSERT_EQ(Size(k, query.rows), indices.size());
+        ASSERT_EQ(Size(k, query.rows), distances.size());
+        for (int i = 0; i < query.rows; i++)
+        {
+            const std::vector<DMatch> expected =
+                referenceMatches(query, i, std::vector<Mat>(1, train), std::vector<Mat>(), NORM_HAMMING);
+            for (int j = 0; j < k; j++)
+            {
+                const bool isThere = j < train.rows;
+                ASSERT_EQ(isThere ? expected[j].trainIdx : -1, indices.at<int>(i, j));
+                ASSERT_EQ(isThere ? int(expected[j].distance) : -1, distances.at<int>(i, j));
+            }
+        }
+    }
+}
+
+TEST(Aqorb_MatchArrays, empty_descriptors)
+{
+    const Mat some = Mat::zeros(3, 32, CV_8UC1);
+    Mat pairs = Mat::ones(2, 2, CV_8UC1), distances = pairs.clone();
+    matchArrays(some, Mat(), pairs, distances);
+    EXPECT_TRUE(pairs.empty());
+    EXPECT_TRUE(distances.empty());
+    matchArrays(Mat(), some, pairs, distances);
+    EXPECT_TRUE(pairs.empty());
+    knnMatchArrays(some, Mat(), pairs, distances, 2);
+    EXPECT_TRUE(sameMat(Mat(3, 2, CV_32SC1, Scalar(-1)), pairs));
+    knnMatchArrays(Mat(), some, pairs, distances, 2);
+    EXPECT_TRUE(pairs.empty());
+}
+
+// Positions of which some are equal, some far away and some not finite.
+Point2f randomPosition(RNG& rng, bool isOnLine)
+{
+    const int kind = rng.uniform(0, 40);
+    Point2f p(float(rng.uniform(0, 200)) / 2, isOnLine ? 7 : float(rng.uniform(0, 100)) / 2);
+    if (kind == 0)
+        p *= 1e30f;
+    if (kind == 1)
+        p.x = NOT_A_NUMBER;
+    if (kind == 2)
+        p.y = -ENDLESS;
+    return p;
+}
+
+TEST(Aqorb_MatchByPosition, compares_within_the_window_only)
+{
+    size_t found = 0;
+    for (int seed = 1; seed <= 600; seed++)
+    {
+        RNG rng(seed);
+        const Mat query = randomDescriptors(rng, rng.uniform(1, 80), 32);
+        const Mat train = randomDescriptors(rng, rng.uniform(1, 80), 32);
+        const bool isOnLine = rng.uniform(0, 5) == 0;
+        std::vector<Point2f> predicted;
+        KeyPoints keypoints(train.rows);
+        for (int i = 0; i < query.rows; i++)
+            predicted.push_back(randomPosition(rng, false));
+        for (int i = 0; i < train.rows; i++)
+            keypoints[i].pt = randomPosition(rng, isOnLine);
+        Size2f reach(float(rng.uniform(0, 80)) / 2, float(rng.uniform(0, 40)) / 2);
+        if (rng.uniform(0, 4) == 0)
+            reach.width = ENDLESS;
+        if (rng.uniform(0, 10) == 0)
+            reach.height = FLT_MAX;
+        const ReferenceTests tests = randomTests(rng);
+        const auto isAllowed = [&](int i, int j)
+        {
+            const Point2f a = predicted[i], b = keypoints[j].pt;
+            return std::isfinite(a.x) && std::isfinite(a.y) && std::isfinite(b.x) && std::isfinite(b.y) &&
+                   std::abs(double(a.x) - b.x) <= reach.width && std::abs(double(a.y) - b.y) <= reach.height;
+        };
+        const std::vector<DMatch> expected = referenceTested(query, train, tests, isAllowed);
+        Mat pairs, distances;
+        matchByPosition(query, predicted, train, keypoints, reach, pairs, distances, tests.ratio,
+                        tests.crossCheck, tests.maxDistance, tests.normType);
+        ASSERT_TRUE(isMatchedAs(expected, pairs, distances)) << seed;
+        found += expected.size();
+    }
+    EXPECT_GT(found, 1000u);
+}
+
+TEST(Aqorb_MatchByPosition, equals_matchArrays_without_limit)
+{
+    RNG rng(1);
+    const Mat query = randomDescriptors(rng, 200, 61), train = randomDescriptors(rng, 300, 61);
+    Mat pairs, distances, expectedPairs, expectedDistances;
+    matchByPosition(query, std::vector<Point2f>(200), train, KeyPoints(300), Size2f(ENDLESS, ENDLESS), pairs,
+                    distances, 0.9);
+    matchArrays(query, train, expectedPairs, expectedDistances, 0.9);
+    EXPECT_TRUE(sameMat(expectedPairs, pairs));
+    EXPECT_TRUE(sameMat(expectedDistances, distances));
+}
+
+template <typename Call> std::string messageOf(Call call)
+{
+    try
+    {
+        call();
+    }
+    catch (const cv::Exception& e)
+    {
+        return e.err;
+    }
+    return std::string();
+}
+
+TEST(Aqorb_MatchArrays, refuses_bad_input)
+{
+    const Mat some = Mat::zeros(3, 32, CV_8UC1), narrow = Mat::zeros(3, 16, CV_8UC1),
+              real = Mat::zeros(3, 32, CV_32FC1);
+    const std::vector<Point2f> positions(3);
+    const KeyPoints keypoints(3);
+    Mat a, b;
+#define AQORB_BAD(name, got, call)                                                                        \
+    do                                                                                                    \
+    {                                                                                                     \
+        const std::string message = messageOf([&] { call; });                                             \
+        EXPECT_TRUE(message.find(name) == 0 && message.find("got " got) != std::string::npos) << message; \
+    } while (false)
+    AQORB_BAD("queryDescriptors must", "", matchArrays(real, some, a, b));
+    AQORB_BAD("queryDescriptors must", "", matchArrays(std::vector<Mat>(2, some), some, a, b));
+    AQORB_BAD("trainDescriptors must", "", matchArrays(some, narrow, a, b));
+    AQORB_BAD("ratio must", "-1", matchArrays(some, some, a, b, -1));
+    AQORB_BAD("ratio must", "nan", matchArrays(some, some, a, b, NOT_A_NUMBER));
+    AQORB_BAD("maxDistance must", "-2", matchArrays(some, some, a, b, 0, true, -2));
+    AQORB_BAD("normType must", "4", matchArrays(some, some, a, b, 0, true, -1, NORM_L2));
+    AQORB_BAD("k must", "0", knnMatchArrays(some, some, a, b, 0));
+    AQORB_BAD("trainDescriptors must", "", knnMatchArrays(some, narrow, a, b, 2));
+    AQORB_BAD("predicted must", "2",
+              matchByPosition(some, std::vector<Point2f>(2), some, keypoints, Size2f(1, 1), a, b));
+    AQORB_BAD("trainKeypoints must", "4",
+              matchByPosition(some, positions, some, KeyPoints(4), Size2f(1, 1), a, b));
+    AQORB_BAD("reach must", "-1", matchByPosition(some, positions, some, keypoints, Size2f(-1, 1), a, b));
+    AQORB_BAD("reach must", "1 x nan",
+              matchByPosition(some, positions, some, keypoints, Size2f(1, NOT_A_NUMBER), a, b));
+}
+
+// The kernels of the CPU and those of every CPU, each with the layout that it wants.
+TEST(Aqorb_HammingKernels, equal_the_plain_ones)
+{
+    using namespace aqorb::stages;
+    for (int seed = 1; seed <= 100; seed++)
+    {
+        RNG rng(seed);
+        const bool countPairs = seed % 2 != 0;
+        const int bytes = seed % 3 ? rng.uniform(1, 128) : 32, words = (bytes + 7) / 8;
+        const Mat query = randomDescriptors(rng, rng.uniform(1, 33), bytes);
+        const Mat train = randomDescriptors(rng, rng.uniform(1, 100), bytes);
+        std::vector<DistanceKey> results[2];
+        Mat distances[2];
+        for (int i = 0; i < 2; i++)
+        {
+            const HammingKernels& kernels =
+                i ? plainHammingKernels(countPairs) : hammingKernels(countPairs, bytes);
+            const int blocks = (train.rows + kernels.block - 1) / kernels.block,
+                      blockWords = words * kernels.trainPlanes * kernels.block;
+            std::vector<uint64> queries(size_t(query.rows) * words * kernels.queryPlanes),
+                trains(size_t(blocks) * blockWords);
+            std::vector<ushort> scratch(size_t(MAX_KEPT) * query.rows * kernels.block);
+            kernels.packQueries(query.ptr(), query.step, query.rows, bytes, queries.data());
+            for (int block = 0; block < blocks; block++)
+                kernels.packTrains(train.ptr(block * kernels.block), train.step,
+                                   std::min(kernels.block, train.rows - block * kernels.block), bytes,
+                                   &trains[size_t(block) * blockWords]);
+            const HammingTile tile = {queries.data(), trains.data(), query.rows, train.rows,    1000,
+                                      2000,           words,         6,          scratch.data()};
+            for (int kept = 1; kept <= MAX_KEPT; kept++)
+            {
+                std::vector<DistanceKey> ofQueries(size_t(query.rows) * kept, NO_KEY), again(ofQueries),
+                    ofTrains(size_t(train.rows) * kept, NO_KEY);
+                kernels.nearest[kept - 1][1](tile, ofQueries.data(), ofTrains.data());
+                kernels.nearest[kept - 1][0](tile, again.data(), 0);
+                EXPECT_TRUE(ofQueries == again);
+                results[i].insert(results[i].end(), ofQueries.begin(), ofQueries.end());
+                results[i].insert(results[i].end(), ofTrains.begin(), ofTrains.end());
+            }
+            Mat all(query.rows, blocks * kernels.block, CV_32SC1);
+            kernels.distances(tile, all.ptr<int>(), all.step1());
+            all.colRange(0, train.rows).copyTo(distances[i]);
+            std::vector<int> listed;
+            for (int j = train.rows; j > 0; j--)
+                listed.push_back(j - 1);
+            std::vector<int> reversed(listed.size());
+            kernels.listedDistances(query.ptr(), bytes, train.ptr(), train.step, listed.data(), train.rows,
+                                    reversed.data());
+            for (int j = 0; j < train.rows; j++)
+            {
+                EXPECT_EQ(distances[i].at<int>(0, j), reversed[train.rows - 1 - j]);
+                EXPECT_EQ(referenceDistance(query, 0, train, j, countPairs ? NORM_HAMMING2 : NORM_HAMMING),
+                          distances[i].at<int>(0, j));
+            }
+        }
+        EXPECT_TRUE(results[0] == results[1]) << seed;
+        EXPECT_TRUE(sameMat(distances[0], distances[1])) << seed;
+    }
+}
+
+}  // namespace
+}  // namespace opencv_test

@@ -1,0 +1,265 @@
+// This file is part of aqorb. Copyright (C) The aqorb developers.
+// It is subject to the license terms in the LICENSE file found in the top-level directory
+// of this distribution.
+// SPDX-License-Identifier: Apache-2.0
+
+// Promises of the tutorial "What you can rely on", in its words.
+
+#include "reference.hpp"
+
+#include <set>
+
+namespace opencv_test
+{
+namespace
+{
+
+using reference::Settings;
+
+const AdaptiveQuadtreeORB::SelectionType SELECTIONS[] = {AdaptiveQuadtreeORB::RANKED_SELECTION,
+                                                         AdaptiveQuadtreeORB::BALANCED_SELECTION};
+
+//! The pixel of its level at which a keypoint was detected.
+Point detectedPixel(const KeyPoint& keypoint, const AdaptiveQuadtreeORB& detector)
+{
+    const float scale =
+        reference::levelScale(keypoint.octave, detector.getFirstLevel(), detector.getScaleFactor());
+    return Point(cvRound(keypoint.pt.x / scale), cvRound(keypoint.pt.y / scale));
+}
+
+TEST(Aqorb_Promises, as_many_keypoints_as_fast_finds_corners_on_the_levels)
+{
+    int64 corners = 0;
+    for (int seed = 1; seed <= 200; seed++)
+    {
+        SCOPED_TRACE(seed);
+        RNG rng(seed);
+        Settings s;
+        s.nlevels = rng.uniform(1, 6);
+        s.firstLevel = rng.uniform(0, std::min(s.nlevels, 2));
+        s.scaleFactor = rng.uniform(1.1f, 2.f);
+        s.edgeThreshold = rng.uniform(0, 20);
+        s.scoreType = seed % 2 ? ORB::HARRIS_SCORE : ORB::FAST_SCORE;
+        s.selectionType = SELECTIONS[seed / 2 % 2];
+        s.adaptiveThreshold = false;
+        s.fastThreshold = rng.uniform(1, 60);
+        s.minThresholdRatio = rng.uniform(1., 6.);
+        const Mat image = makeScene(Size(rng.uniform(40, 160), rng.uniform(40, 160)), seed);
+        const Ptr<AdaptiveQuadtreeORB> detector = s.create();
+
+        std::vector<Mat> levels;
+        detector->buildPyramid(image, levels);
+        const int lowest = reference::thresholds(0, false, s.fastThreshold, s.minThresholdRatio).min;
+        int all = 0;
+        KeyPoints keypoints;
+        for (const Mat& level : levels)
+        {
+            const int border = s.edgeThreshold;
+            const Rect inside(border, border, level.cols - 2 * border, level.rows - 2 * border);
+            cv::FAST(level, keypoints, lowest, true);
+            all += int(std::count_if(keypoints.begin(), keypoints.end(),
+                                     [&](const KeyPoint& k) { return inside.contains(k.pt); }));
+        }
+        corners += all;
+        for (int nfeatures : {all / 2, all, all + 1, 1 << 20})
+        {
+            detector->setMaxFeatures(nfeatures);
+            detector->detect(image, keypoints);
+            ASSERT_EQ(std::min(nfeatures, all), int(keypoints.size())) << "nfeatures " << nfeatures;
+        }
+    }
+    EXPECT_GT(corners, 10000);
+}
+
+TEST(Aqorb_Promises, positions_lie_in_the_image)
+{
+    // Where levels are enlarged, a position may lie between the centre of the last pixel and its far side.
+    int beyondTheLastCentre = 0;
+    for (int seed = 1; seed <= 200; seed++)
+    {
+        SCOPED_TRACE(seed);
+        RNG rng(seed);
+        Settings s;
+        s.nfeatures = 5000;
+        s.nlevels = 5;
+        s.firstLevel = rng.uniform(0, 5);
+        s.scaleFactor = rng.uniform(1.1f, 2.f);
+        s.edgeThreshold = rng.uniform(0, 4);
+        s.subPixel = seed % 2 != 0;
+        const Mat image = makeNoise(Size(rng.uniform(8, 60), rng.uniform(8, 60)), seed);
+        KeyPoints keypoints;
+        s.create()->detect(image, keypoints);
+        for (const KeyPoint& k : keypoints)
+        {
+            ASSERT_TRUE(k.pt.x >= 0 && k.pt.x < float(image.cols) && k.pt.y >= 0 &&
+                        k.pt.y < float(image.rows));
+            beyondTheLastCentre += k.pt.x > float(image.cols - 1) || k.pt.y > float(image.rows - 1);
+        }
+    }
+    EXPECT_GT(beyondTheLastCentre, 0);
+}
+
+TEST(Aqorb_Promises, a_level_comes_by_response_and_then_in_raster_order_of_the_detected_pixels)
+{
+    int ties = 0, turned = 0;  // turned: the refined position comes before that of the keypoint before
+    for (int seed = 1; seed <= 20; seed++)
+    {
+        SCOPED_TRACE(seed);
+        const Ptr<AdaptiveQuadtreeORB> detector = AdaptiveQuadtreeORB::create(
+            2000, 1.2f, 4, 16, seed % 2, 2, seed % 4 < 2 ? ORB::FAST_SCORE : ORB::HARRIS_SCORE);
+        for (AdaptiveQuadtreeORB::SelectionType selection : SELECTIONS)
+        {
+            const bool isRanked = selection == AdaptiveQuadtreeORB::RANKED_SELECTION;
+            detector->setSelectionType(selection);
+            KeyPoints keypoints;
+            detector->detect(makeScene(Size(200, 150), seed), keypoints);
+            for (size_t i = 1; i < keypoints.size(); i++)
+            {
+                const KeyPoint &before = keypoints[i - 1], &after = keypoints[i];
+                ASSERT_LE(before.octave, after.octave);
+                if (before.octave < after.octave)
+                    continue;
+                if (isRanked && before.response != after.response)
+                {
+                    ASSERT_GT(before.response, after.response);
+                    continue;
+                }
+                const Point a = detectedPixel(before, *detector), b = detectedPixel(after, *detector);
+                ASSERT_TRUE(a.y < b.y || (a.y == b.y && a.x < b.x));
+                ties += isRanked;
+                turned += after.pt.y < before.pt.y;
+            }
+        }
+    }
+    EXPECT_GT(ties, 100);
+    EXPECT_GT(turned, 100);
+}
+
+TEST(Aqorb_Promises, octave_suppression_keeps_detected_pixels_apart)
+{
+    int nearer = 0;  // refined positions that are
+    const Mat image = makeScene(Size(640, 480));
+    for (AdaptiveQuadtreeORB::SelectionType selection : SELECTIONS)
+        for (double distance : {0.5, 1., 2., 3.})
+        {
+            SCOPED_TRACE(format("selection %d, distance %g", int(selection), distance));
+            const Ptr<AdaptiveQuadtreeORB> detector = AdaptiveQuadtreeORB::create(600);
+            detector->setSelectionType(selection);
+            detector->setOctaveSuppression(distance);
+            KeyPoints keypoints;
+            detector->detect(image, keypoints);
+            std::vector<Mat> levels;
+            detector->buildPyramid(image, levels);
+            const auto position = [&](const KeyPoint& k)
+            {
+                const Point pixel = detectedPixel(k, *detector);
+                const Size size = levels[k.octave].size();
+                return Point2d((pixel.x + 0.5) * image.cols / size.width - 0.5,
+                               (pixel.y + 0.5) * image.rows / size.height - 0.5);
+            };
+            for (const KeyPoint& coarse : keypoints)
+                for (const KeyPoint& fine : keypoints)
+                {
+                    const bool counts = selection == AdaptiveQuadtreeORB::RANKED_SELECTION
+                                            ? fine.octave + 1 == coarse.octave
+                                            : fine.octave < coarse.octave;
+                    if (!counts)
+                        continue;
+                    const double least =
+                        distance * reference::levelScale(fine.octave, 0, detector->getScaleFactor());
+                    ASSERT_GE(cv::norm(position(coarse) - position(fine)), least * (1 - 1e-9));
+                    nearer += cv::norm(coarse.pt - fine.pt) < least;
+                }
+        }
+    EXPECT_GT(nearer, 0);
+}
+
+//! The strength of a corner on level 0, from the documentation's formula.
+double strengthOf(const Mat& image, const Point& pixel)
+{
+    int m10 = 0, m01 = 0;
+    reference::discMoments(image, pixel.x, pixel.y, 31, 3, m10, m01);
+    const double harris = std::max(reference::harrisResponse(image, pixel.x, pixel.y), 0.f);
+    return reference::cornerScore(image, pixel.x, pixel.y) * std::pow(harris, 0.25) *
+           std::sqrt(double(m10) * m10 + double(m01) * m01);
+}
+
+TEST(Aqorb_Promises, at_the_largest_weight_strengths_decide_to_two_per_cent)
+{
+    for (int seed = 1; seed <= 10; seed++)
+    {
+        SCOPED_TRACE(seed);
+        const Mat image = makeScene(Size(320, 240), seed);
+        const Ptr<AdaptiveQuadtreeORB> detector = AdaptiveQuadtreeORB::create(40, 1.2f, 1);
+        detector->setMaxDepth(5);
+        detector->setStrengthWeight(1000);
+        detector->setRankRadius(seed % 2 ? 1 : 16);
+        KeyPoints fewer, more;
+        detector->detect(image, fewer);
+        detector->setMaxFeatures(80);
+        detector->detect(image, more);
+        ASSERT_EQ(40u, fewer.size());
+        ASSERT_EQ(80u, more.size());
+        double weakest = std::numeric_limits<double>::infinity(), strongest = 0;
+        std::set<std::pair<int, int>> taken;
+        for (const KeyPoint& k : fewer)
+        {
+            const Point pixel = detectedPixel(k, *detector);
+            taken.insert({pixel.x, pixel.y});
+            weakest = std::min(weakest, strengthOf(image, pixel));
+        }
+        for (const KeyPoint& k : more)
+        {
+            const Point pixel = detectedPixel(k, *detector);
+            if (!taken.count({pixel.x, pixel.y}))
+                strongest = std::max(strongest, strengthOf(image, pixel));
+        }
+        EXPECT_GE(weakest, 0.98 * strongest);
+    }
+}
+
+TEST(Aqorb_Promises, never_fewer_keypoints_than_orb_for_fast_thresholds_up_to_255)
+{
+    size_t compared = 0;
+    for (int seed = 1; seed <= 8; seed++)
+    {
+        const Mat image = seed % 2 ? makeNoise(Size(120, 100), seed) : makeDots(Size(120, 100), seed);
+        for (int threshold = 0; threshold <= 255; threshold += seed % 2 ? 17 : 5)
+        {
+            KeyPoints ours, theirs;
+            AdaptiveQuadtreeORB::create(5000, 1.2f, 3, 16, 0, 2, ORB::HARRIS_SCORE, 31, threshold)
+                ->detect(image, ours);
+            ORB::create(5000, 1.2f, 3, 16, 0, 2, ORB::HARRIS_SCORE, 31, threshold)->detect(image, theirs);
+            EXPECT_GE(ours.size(), theirs.size()) << "seed " << seed << ", fastThreshold " << threshold;
+            compared += theirs.size();
+        }
+    }
+    EXPECT_GT(compared, 1000u);
+}
+
+TEST(Aqorb_Promises, write_takes_a_file_name_and_save_does_what_it_does_for_orb)
+{
+    const std::string file = tempfile(".yml");
+    const auto saves = [&](const Algorithm& algorithm)
+    {
+        try
+        {
+            algorithm.save(file);
+        }
+        catch (const cv::Exception&)
+        {
+            return false;
+        }
+        return true;
+    };
+    const Ptr<AdaptiveQuadtreeORB> detector = AdaptiveQuadtreeORB::create(77);
+    EXPECT_EQ(saves(*ORB::create()), saves(*detector));
+    detector->write(file);
+    const Ptr<ORB> again = AdaptiveQuadtreeORB::create();
+    again->read(file);
+    std::remove(file.c_str());
+    EXPECT_EQ(77, again->getMaxFeatures());
+}
+
+}  // namespace
+}  // namespace opencv_test

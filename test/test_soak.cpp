@@ -1,0 +1,215 @@
+// This file is part of aqorb. Copyright (C) The aqorb developers.
+// It is subject to the license terms in the LICENSE file found in the top-level directory
+// of this distribution.
+// SPDX-License-Identifier: Apache-2.0
+
+#include "test_precomp.hpp"
+
+#include "allocations.hpp"
+#include "quiet.hpp"
+
+#include <atomic>
+#include <fstream>
+#include <iostream>
+#include <thread>
+
+// The long run: frames of changing sizes through one object from several threads, calls that fail, and memory that runs
+// out. Each output must be what a new object gave, and memory must not grow. AQORB_SOAK_FRAMES makes it as long as
+// doc/reliability.md tells.
+
+namespace opencv_test
+{
+namespace
+{
+
+int frameCount()
+{
+    const char* const frames = std::getenv("AQORB_SOAK_FRAMES");
+    return frames ? std::max(std::atoi(frames), 200) : 2000;
+}
+
+//! An image, for some with a mask, and the features that a new detector finds in it.
+struct Frame
+{
+    explicit Frame(int i)
+    {
+        RNG rng(i + 1);
+        const Size size(rng.uniform(20, 200), rng.uniform(20, 160));
+        image = i % 4 ? makeScene(size, i + 1) : makeNoise(size, i + 1);
+        if (i % 3 == 0)
+            mask = makeScene(size, i + 2) > 100;
+        if (i % 7 == 0)
+            cvtColor(image, image, COLOR_GRAY2BGR);
+        expected = detectAndCompute(*AdaptiveQuadtreeORB::create(200), image, mask);
+    }
+
+    bool isGivenBy(Feature2D& detector) const
+    {
+        Features found = detectAndCompute(detector, image, mask);
+        if (!sameFeatures(found, expected))
+            return false;
+        detector.compute(image, found.keypoints, found.descriptors);
+        return bool(sameFeatures(found, expected));
+    }
+
+    Mat image, mask;
+    Features expected;
+};
+
+std::vector<Frame> makeFrames()
+{
+    std::vector<Frame> frames;
+    for (int i = 0; i < 60; i++)
+        frames.push_back(Frame(i));
+    return frames;
+}
+
+//! Makes a call that must fail. Returns false if it does not.
+bool fails(Feature2D& detector, const Frame& frame, int kind)
+{
+    KeyPoints keypoints;
+    Mat descriptors;
+    try
+    {
+        if (kind == 0)  // before anything is computed
+            detector.detect(Mat(10, 10, CV_32FC1, Scalar(0)), keypoints);
+        else if (kind == 1)  // after the image was checked
+            detector.detect(frame.image, keypoints, Mat(7, 7, CV_8UC1, Scalar(1)));
+        else  // while memory of the detector is in use
+        {
+            keypoints.assign(1, KeyPoint(Point2f(9, 9), 31.f, 0.f, 0.f, 1 << 20));
+            detector.compute(frame.image, keypoints, descriptors);
+        }
+    }
+    catch (const cv::Exception&)
+    {
+        return true;
+    }
+    return false;
+}
+
+struct Memory
+{
+    double used, resident;  //!< MB; resident: of Linux, else 0
+};
+
+Memory memoryNow(const AllocationCounter& counter)
+{
+    long pages = 0, resident = 0;
+    std::ifstream("/proc/self/statm") >> pages >> resident;
+    return {double(counter.bytes()) / (1 << 20), double(resident) * 4096 / (1 << 20)};
+}
+
+TEST(Aqorb_Soak, threads_share_an_object_that_does_not_grow)
+{
+    const int ROUNDS = 20, WARM_UP = 4, THREADS = 4, PER_THREAD = frameCount() / ROUNDS / THREADS;
+    const Quiet quiet;
+    const std::vector<Frame> frames = makeFrames();
+    const AllocationCounter memory;
+    const Ptr<AdaptiveQuadtreeORB> detector = AdaptiveQuadtreeORB::create(200);
+    std::atomic<int> wrong(0), failed(0);
+    // The most in use between rounds. A round may need one more work space than ever.
+    Memory before = {0, 0}, after = {0, 0};
+    for (int round = 0; round < ROUNDS; round++)
+    {
+        std::vector<std::thread> workers;
+        for (int t = 0; t < THREADS; t++)
+        {
+            workers.push_back(std::thread(
+                [&, t]
+                {
+                    RNG rng(1 + round * THREADS + t);
+                    for (int i = 0; i < PER_THREAD; i++)
+                    {
+                        const Frame& frame = frames[size_t(rng.uniform(0, int(frames.size())))];
+                        wrong += !frame.isGivenBy(*detector);
+                        if (i % 10 == 0)
+                        {
+                            wrong += !fails(*detector, frame, rng.uniform(0, 3));
+                            failed++;
+                        }
+                    }
+                }));
+        }
+        for (std::thread& worker : workers)
+            worker.join();
+        const Memory now = memoryNow(memory);
+        Memory& most = round < WARM_UP ? before : after;
+        most = {std::max(most.used, now.used), std::max(most.resident, now.resident)};
+    }
+    std::cout << format("%d frames on %d threads, %d calls that failed as they must, %d wrong outputs\n"
+                        "most memory in the first %d rounds of %d: %.2f MB used, %.2f MB resident; later: "
+                        "%.2f MB, %.2f MB\n",
+                        PER_THREAD * ROUNDS * THREADS, THREADS, int(failed), int(wrong), WARM_UP, ROUNDS,
+                        before.used, before.resident, after.used, after.resident);
+    EXPECT_EQ(0, wrong);
+    EXPECT_LE(after.used, before.used + 2);
+    if (frameCount() >
+        2000)  // short runs are those of sanitizers and emulators, which keep memory of their own
+    {
+        EXPECT_LE(after.resident, before.resident + 8);
+    }
+}
+
+//! Whether OpenCV was built without a library for threads. Its own leave a mutex locked when memory runs out.
+bool threadsAreOpenCVsOwn()
+{
+    const std::string built = getBuildInformation();
+    const size_t begin = built.find("Parallel framework:");
+    return begin != std::string::npos &&
+           built.substr(begin, built.find('\n', begin) - begin).find("pthreads") != std::string::npos;
+}
+
+// An allocation fails, chosen at random among those of a call, in new objects and in one in use.
+TEST(Aqorb_Soak, objects_are_of_use_after_memory_ran_out)
+{
+    const int CALLS = std::max(frameCount() / 10, 60);
+    const Quiet quiet;
+    const std::vector<Frame> frames = makeFrames();
+    for (int threads = 1; threads <= (threadsAreOpenCVsOwn() ? 1 : 2); threads++)
+    {
+        const Threads scope(threads);
+        RNG rng(7);
+        int thrown = 0, wrong = 0;
+        long allocations[] = {1, 1};  // in one call of a new object and of the one in use, as far as is known
+        const Ptr<AdaptiveQuadtreeORB> used = AdaptiveQuadtreeORB::create(200);
+        for (int i = 0; i < CALLS; i++)
+        {
+            const Frame& frame = frames[size_t(rng.uniform(0, int(frames.size())))];
+            const bool isNew = i % 2 == 0;
+            const Ptr<AdaptiveQuadtreeORB> detector = isNew ? AdaptiveQuadtreeORB::create(200) : used;
+            Features found;
+            // Some of the first calls show how many allocations there are to choose from: those of this thread.
+            const long failing = i % 4 < 2 && i < 128 ? 0 : rng.uniform(1, int(allocations[!isNew]) + 1);
+            {
+                const AllocationCounter counter(failing);
+                try
+                {
+                    detector->detectAndCompute(frame.image, frame.mask, found.keypoints, found.descriptors);
+                    if (!failing)
+                        allocations[!isNew] = std::max(allocations[!isNew], counter.thatMayFail());
+                }
+                catch (const std::bad_alloc&)
+                {
+                    thrown++;
+                }
+                catch (const cv::Exception& e)
+                {
+                    thrown++;
+                    wrong += e.code != Error::StsNoMem;
+                }
+            }
+            wrong += !frame.isGivenBy(*detector);
+        }
+        std::cout << format(
+            "%d calls in which an allocation was to fail (of up to %ld in a new object, %ld in "
+            "one in use), OpenCV on %d thread(s): %d raised an exception, %d wrong outputs\n",
+            CALLS, allocations[0], allocations[1], threads, thrown, wrong);
+        EXPECT_EQ(0, wrong);
+        // How many of the calls allocate as often as chosen depends on the sizes of the frames and on the threads.
+        EXPECT_GT(thrown, CALLS / 10);
+    }
+}
+
+}  // namespace
+}  // namespace opencv_test
