@@ -4,7 +4,11 @@
 // SPDX-License-Identifier: Apache-2.0
 
 // cv::ORB::create for programs that are not to be changed: preloaded, this definition comes before OpenCV's.
-// Environment variables set what callers of cv::ORB cannot: see README.md in this folder.
+// batch_distance.cpp does the same for cv::batchDistance. Environment variables set what callers of cv::ORB cannot: see README.md in this folder.
+
+#include "preload.hpp"
+
+#include "parameter_table.hpp"
 
 #include <opencv2/aqorb.hpp>
 
@@ -64,7 +68,7 @@ template <typename T> bool readVariable(const char* name, T& value)
     std::istringstream stream(text);
     stream.imbue(std::locale::classic());  // the program's may have a decimal comma
     if (!(stream >> value) || !(stream >> std::ws).eof())
-        CV_Error_(cv::Error::StsBadArg, ("%s: got \"%s\"; %s is accepted", name, text, accepted(value)));
+        CV_Error_(cv::Error::StsBadArg, ("%s must be %s, got \"%s\"", name, accepted(value), text));
     return true;
 }
 
@@ -74,11 +78,21 @@ bool isOn(const char* name)
     return readVariable(name, on) && on;
 }
 
-template <typename Class, typename T>
-void setFromVariable(AdaptiveQuadtreeORB& orb, const char* name, void (Class::*setter)(T))
+// AQORB_MAX_DEPTH for MaxDepth.
+std::string variableOf(const std::string& property)
 {
+    std::string name = "AQORB";
+    for (const char c : property)
+        name += c >= 'A' && c <= 'Z' ? std::string("_") + c : std::string(1, char(c - 'a' + 'A'));
+    return name;
+}
+
+template <typename Class, typename T>
+void setFromVariable(AdaptiveQuadtreeORB& orb, const char* property, void (Class::*setter)(T))
+{
+    const std::string name = variableOf(property);
     T value = T();
-    if (!readVariable(name, value))
+    if (!readVariable(name.c_str(), value))
         return;
     try
     {
@@ -86,23 +100,17 @@ void setFromVariable(AdaptiveQuadtreeORB& orb, const char* name, void (Class::*s
     }
     catch (const cv::Exception& e)
     {
-        CV_Error_(e.code, ("%s: %s", name, e.err.c_str()));
+        CV_Error_(e.code, ("%s: %s", name.c_str(), e.err.c_str()));
     }
 }
 
+// What callers of cv::ORB cannot set, and the border that they do not know to set.
 void setFromEnvironment(AdaptiveQuadtreeORB& orb)
 {
-    typedef AdaptiveQuadtreeORB Orb;
-    setFromVariable(orb, "AQORB_EDGE_THRESHOLD", &Orb::setEdgeThreshold);
-    setFromVariable(orb, "AQORB_ADAPTIVE_THRESHOLD", &Orb::setAdaptiveThreshold);
-    setFromVariable(orb, "AQORB_MIN_THRESHOLD_RATIO", &Orb::setMinThresholdRatio);
-    setFromVariable(orb, "AQORB_CELL_SIZE", &Orb::setCellSize);
-    setFromVariable(orb, "AQORB_MAX_DEPTH", &Orb::setMaxDepth);
-    setFromVariable(orb, "AQORB_SELECTION_TYPE", &Orb::setSelectionType);
-    setFromVariable(orb, "AQORB_STRENGTH_WEIGHT", &Orb::setStrengthWeight);
-    setFromVariable(orb, "AQORB_RANK_RADIUS", &Orb::setRankRadius);
-    setFromVariable(orb, "AQORB_OCTAVE_SUPPRESSION", &Orb::setOctaveSuppression);
-    setFromVariable(orb, "AQORB_SUB_PIXEL", &Orb::setSubPixel);
+    setFromVariable(orb, "EdgeThreshold", &AdaptiveQuadtreeORB::setEdgeThreshold);
+#define AQORB_SET(property, ...) setFromVariable(orb, #property, &AdaptiveQuadtreeORB::set##property);
+    AQORB_OWN_PARAMETERS(AQORB_SET)
+#undef AQORB_SET
 }
 
 // Once a process, and only where it took place: LD_PRELOAD reaches every program that a shell starts.
@@ -121,17 +129,29 @@ void noticeInterposition(const AdaptiveQuadtreeORB& orb)
 // OpenCV's definition, by the name that both have.
 Create originalCreate()
 {
-    Create create = &cv::ORB::create;
-    Dl_info here;
-    void* symbol = nullptr;
-    if (dladdr(reinterpret_cast<void*>(create), &here) && here.dli_sname)
-        symbol = dlsym(RTLD_NEXT, here.dli_sname);
+    void* const symbol = aqorb_preload::originalOf(reinterpret_cast<void*>(Create(&cv::ORB::create)));
     if (!symbol)
         CV_Error(cv::Error::StsNotImplemented, "AQORB_DISABLE: OpenCV's cv::ORB::create was not found");
     return reinterpret_cast<Create>(symbol);
 }
 
 }  // namespace
+
+namespace aqorb_preload
+{
+
+bool isVariableOn(const char* name)
+{
+    return isOn(name);
+}
+
+void* originalOf(void* own)
+{
+    Dl_info here;
+    return dladdr(own, &here) && here.dli_sname ? dlsym(RTLD_NEXT, here.dli_sname) : nullptr;
+}
+
+}  // namespace aqorb_preload
 
 namespace cv
 {

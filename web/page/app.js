@@ -6,6 +6,7 @@
 
 const LONGEST_SIDE = 1280;               // of a picture, in pixels
 const GRID = { columns: 16, rows: 12 };  // of the occupied cells
+const DISTINCT = 4;                      // pixels between two matches that count as distinct
 const COLOURS = ['#ff8126', '#1fc8e3'];  // of the keypoints of either detector, on pictures of any brightness
 const CAMERA_ERRORS = {
     NotAllowedError: 'The camera was refused. Allow it for this page in the browser, or open a picture instead.',
@@ -84,7 +85,7 @@ function send() {
     wanted = null;
     const properties = {};
     for (const field of element('properties').querySelectorAll('input, select'))
-        properties[field.id] = field.type === 'checkbox' ? Number(field.checked) : Number(field.value);
+        properties[field.id] = field.type === 'checkbox' ? Number(field.checked) : valueOf(field);
     const view = document.querySelector('[name=view]:checked').value;
     const degrees = Number(element('degrees').value);
     sent = { picture, second, view, degrees };
@@ -158,7 +159,8 @@ function openSample() {
     stopCamera();
     showOwn(false);
     say('');
-    request({ sample: element('sample').value, picture: undefined });
+    // A picture of one's own shows something else than a sample, so the second one is simulated again.
+    request({ sample: element('sample').value, picture: undefined, second: null });
 }
 
 // The list of samples says so when none of them is shown.
@@ -350,21 +352,55 @@ function drawMatches(context, pair, scale, at, colour) {
     context.restore();
 }
 
+// Matches. Each is five numbers: x and y in the first picture, those in the second, and whether it is right. The nearest
+// descriptors come first.
+
+// The first of those right matches that lie together in either picture: several keypoints on one corner of the scene say
+// no more about it than one.
+function distinct(matches) {
+    const kept = [];
+    for (let i = 0; i < matches.length; i += 5) {
+        const [x, y, x2, y2, isRight] = matches.subarray(i, i + 5);
+        if (isRight && kept.every(k => Math.hypot(k.x - x, k.y - y) >= DISTINCT &&
+                Math.hypot(k.x2 - x2, k.y2 - y2) >= DISTINCT))
+            kept.push({ x, y, x2, y2 });
+    }
+    return kept.length;
+}
+
+// How many cells of the grid over the first picture hold a right match.
+function places(matches) {
+    const cells = new Set();
+    for (let i = 0; i < matches.length; i += 5) {
+        const [x, y, , , isRight] = matches.subarray(i, i + 5);
+        if (isRight)
+            cells.add(Math.floor(y * GRID.rows / pictures[0].height) * GRID.columns +
+                Math.floor(x * GRID.columns / pictures[0].width));
+    }
+    return cells.size;
+}
+
 // The table
 
 const percent = value => `${(100 * value).toFixed(1)} %`;
 const MEASURES = [
+    { view: 'turn', name: 'Distinct correct matches', best: Math.max, value: found => distinct(found.turned.matches) },
+    { view: 'turn', name: 'Places', note: 'cells with a correct match', best: Math.max,
+        value: found => places(found.turned.matches) },
+    { view: 'turn', name: 'Correct matches in all', value: found => found.turned.correct },
+    { view: 'turn', name: 'Found again', note: 'of those in both frames', best: Math.max,
+        value: found => found.turned.share, text: percent },
+    { view: 'pair', name: 'Distinct matches', note: 'in the homography', best: Math.max,
+        value: found => found.pair.homography ? distinct(found.pair.matches) : null, none: 'none found' },
+    { view: 'pair', name: 'Places', note: 'cells with such a match', best: Math.max,
+        value: found => found.pair.homography ? places(found.pair.matches) : null },
+    { view: 'pair', name: 'Matches in all', note: 'and of these in the homography',
+        value: found => `${found.pair.count}, ${found.pair.agreeing}` },
     { name: 'Keypoints', value: found => found.count },
     { name: 'Uniformity', note: 'less is more uniform', best: Math.min,
         value: found => found.count ? found.uniformity : null, text: value => value.toFixed(1) },
     { name: 'Occupied cells', best: Math.max, value: found => found.occupancy, text: percent },
     { name: 'Time', best: Math.min, value: found => found.time, text: value => `${value.toFixed(1)} ms` },
-    { view: 'turn', name: 'Found again', note: 'of those in both frames', best: Math.max,
-        value: found => found.turned.share, text: percent },
-    { view: 'turn', name: 'Correct matches', best: Math.max, value: found => found.turned.correct },
-    { view: 'pair', name: 'Matches', value: found => found.pair.count },
-    { view: 'pair', name: 'Of these in the homography', best: Math.max,
-        value: found => found.pair.homography ? found.pair.agreeing : null, none: 'none found' },
 ];
 
 function fillTable() {
@@ -390,16 +426,53 @@ function fillTable() {
         return row;
     });
     element('measures').replaceChildren(...rows);
+    element('advice').hidden = shown.view !== 'pair' || shown.found.every(found => found.pair.homography);
 }
 
 // The controls
+
+// A slider stands for a number, or for a place in its list of them.
+function valueOf(field) {
+    return Number(field.dataset.values ? field.dataset.values.split(' ')[field.value] : field.value);
+}
+
+// A slider with a list begins, and begins again, at the number of the list that is nearest to its default.
+function placeSliders() {
+    for (const slider of document.querySelectorAll('[data-values]')) {
+        const distances = slider.dataset.values.split(' ').map(value => Math.abs(value - slider.dataset.default));
+        slider.defaultValue = distances.indexOf(Math.min(...distances));
+    }
+}
 
 function showValues() {
     for (const output of document.querySelectorAll('output')) {
         const slider = element(output.htmlFor);
         const digits = (slider.step.split('.')[1] || '').length;
-        output.textContent = Number(slider.value).toFixed(digits) + (slider.dataset.unit || '');
+        const text = slider.dataset.values ? String(valueOf(slider)) : Number(slider.value).toFixed(digits);
+        output.textContent = text + (slider.dataset.unit || '');
+        slider.setAttribute('aria-valuetext', output.textContent);
     }
+}
+
+// Pictures at three times their size can be moved, both together, in frames that stay as they are.
+function enlarge(isLarge, x = .5, y = .5) {
+    element('large').checked = isLarge;
+    for (const { parentElement: frame } of canvases)
+        frame.style.height = isLarge ? `${frame.clientHeight}px` : '';
+    element('figures').classList.toggle('large', isLarge);
+    draw();
+    for (const { parentElement: frame } of canvases)
+        frame.scrollTo(x * frame.scrollWidth - frame.clientWidth / 2, y * frame.scrollHeight - frame.clientHeight / 2);
+}
+
+function listenToPictures() {
+    element('large').onchange = ({ target }) => enlarge(target.checked);
+    canvases.forEach((canvas, i) => {
+        const frame = canvas.parentElement, other = canvases[1 - i].parentElement;
+        canvas.onclick = event => enlarge(!element('large').checked, event.offsetX / canvas.clientWidth,
+            event.offsetY / canvas.clientHeight);
+        frame.onscroll = () => other.scrollTo(frame.scrollLeft, frame.scrollTop);
+    });
 }
 
 function showView() {
@@ -419,6 +492,7 @@ function listen() {
     element('camera').onclick = toggleCamera;
     element('other').onclick = () => request({ second: null });
     element('views').onchange = () => {
+        enlarge(false);
         showView();
         request();
     };
@@ -431,6 +505,7 @@ function listen() {
     element('properties').onreset = () => setTimeout(element('properties').oninput);
     element('properties').onsubmit = event => event.preventDefault();
     element('cells').onchange = draw;
+    listenToPictures();
     new ResizeObserver(() => canvases[0].clientWidth === drawnWidth || draw()).observe(element('figures'));
 
     const hasFiles = event => event.dataTransfer && event.dataTransfer.types.includes('Files');
@@ -450,6 +525,7 @@ function listen() {
     };
 }
 
+placeSliders();
 showView();
 showValues();
 if (isSupported()) {

@@ -10,6 +10,7 @@
 #include "../../test/scenes.hpp"
 #include "../../tools/fingerprint/lines.hpp"
 #include "homography.hpp"
+#include "parameter_table.hpp"
 
 #include <opencv2/imgproc.hpp>
 
@@ -187,28 +188,27 @@ val turn(double degrees)
         });
 }
 
-//! Sets the properties of both detectors that the page has sliders for. AdaptiveQuadtreeORB keeps its default
-//! edgeThreshold, and cv::ORB its own.
+//! Makes both detectors, with the properties that are given. Those of cv::ORB are for both, but the others have defaults
+//! of their own.
 val setProperties(val properties)
 {
     return guarded(
         [&]
         {
-            const auto number = [&](const char* name) { return properties[name].as<double>(); };
-            const int nfeatures = cvRound(number("nfeatures")), nlevels = cvRound(number("nlevels")),
-                      fastThreshold = cvRound(number("fastThreshold"));
-            const float scaleFactor = float(number("scaleFactor"));
-            const Ptr<AdaptiveQuadtreeORB> ours =
-                AdaptiveQuadtreeORB::create(nfeatures, scaleFactor, nlevels);
-            ours->setFastThreshold(fastThreshold);
-            ours->setSelectionType(AdaptiveQuadtreeORB::SelectionType(cvRound(number("selectionType"))));
-            ours->setStrengthWeight(number("strengthWeight"));
-            ours->setRankRadius(number("rankRadius"));
-            ours->setMinThresholdRatio(number("minThresholdRatio"));
-            ours->setAdaptiveThreshold(number("adaptiveThreshold") != 0);
-            detectors[0] = ORB::create(nfeatures, scaleFactor, nlevels);
-            detectors[0]->setFastThreshold(fastThreshold);
+            const Ptr<AdaptiveQuadtreeORB> ours = AdaptiveQuadtreeORB::create();
+            detectors[0] = ORB::create();
             detectors[1] = ours;
+#define AQORB_SET(orb, property, type, name) \
+    if (properties.hasOwnProperty(#name))    \
+        (orb)->set##property(type(properties[#name].as<double>()));
+#define AQORB_SET_OURS(property, type, name, ...) AQORB_SET(ours, property, type, name)
+#define AQORB_SET_BOTH(property, type, name, ...) \
+    AQORB_SET(ours, property, type, name)         \
+    AQORB_SET(detectors[0], property, type, name)
+            AQORB_PARAMETERS_OF_ORB(AQORB_SET_BOTH)
+            AQORB_OWN_PARAMETERS(AQORB_SET_OURS)
+            for (const Ptr<ORB>& detector : detectors)  // a float, as for create
+                detector->setScaleFactor(float(detector->getScaleFactor()));
             return val::object();
         });
 }
@@ -264,7 +264,7 @@ std::vector<DMatch> matched(int detector)
     const Features &a = pictures[0].features[detector], &b = pictures[1].features[detector];
     std::vector<DMatch> matches;
     if (!a.descriptors.empty() && !b.descriptors.empty())
-        BFMatcher(NORM_HAMMING, true).match(a.descriptors, b.descriptors, matches);
+        aqorb::HammingMatcher(NORM_HAMMING, true).match(a.descriptors, b.descriptors, matches);
     std::stable_sort(matches.begin(), matches.end());
     return matches;
 }
@@ -313,7 +313,7 @@ bool isInside(const Point2f& point, const Size& size)
 /** After turn, what of the features of picture 0 is found again in picture 1.
  @return `stays`: for each keypoint of picture 1 whether it is one of picture 0, that is a mutual nearest neighbour
  within 3 pixels; `share` of those of the keypoints that both pictures show; `correct`, the number of matches of
- descriptors that are right within 3 pixels */
+ descriptors that are right within 3 pixels, and `matches`, these, as match gives them */
 val compareTurned(int detector)
 {
     return guarded(
@@ -359,14 +359,18 @@ val compareTurned(int detector)
                 }
                 share = double(found) / double(std::min(before.size(), after.size()));
             }
-            int correct = 0;
+            std::vector<float> matches;
             for (const DMatch& pair : matched(detector))
-                correct +=
-                    agrees(turned, a.keypoints[pair.queryIdx].pt, b.keypoints[pair.trainIdx].pt, SAME_PLACE);
+            {
+                const Point2f &from = a.keypoints[pair.queryIdx].pt, &to = b.keypoints[pair.trainIdx].pt;
+                if (agrees(turned, from, to, SAME_PLACE))
+                    matches.insert(matches.end(), {from.x, from.y, to.x, to.y, 1.f});
+            }
             val result = val::object();
             result.set("stays", copied(stays));
             result.set("share", share);
-            result.set("correct", correct);
+            result.set("matches", copied(matches));
+            result.set("correct", matches.size() / 5);
             return result;
         });
 }

@@ -97,7 +97,7 @@ async function assertFits(tab) {
     const { wide, inner, name } = await tab.evaluate(() => {
         const inner = document.documentElement.clientWidth;
         const over = [...document.body.querySelectorAll('*')].find(e => e.getBoundingClientRect().right > inner + .5 &&
-            getComputedStyle(e).position !== 'absolute');
+            getComputedStyle(e).position !== 'absolute' && !e.parentElement.closest('.large .frame'));  // which scrolls
         return { wide: document.documentElement.scrollWidth, inner, name: over && over.outerHTML.slice(0, 80) };
     });
     assert.ok(wide <= inner && !name, `${wide} > ${inner} pixels: ${name}`);
@@ -184,7 +184,7 @@ test('sliders change the keypoints, and Defaults changes them back', async () =>
     assert.equal(await tab.locator('output[for=nfeatures]').textContent(), '1500');
     const more = await drawn(tab);
     assert.ok(more !== before);
-    for (const [id, value] of [['strengthWeight', 1.5], ['rankRadius', 3], ['fastThreshold', 55], ['nlevels', 3],
+    for (const [id, value] of [['strengthWeight', 9], ['rankRadius', 3], ['fastThreshold', 55], ['nlevels', 3],
         ['scaleFactor', 1.6], ['minThresholdRatio', 1]]) {
         const last = await drawn(tab);
         await setSlider(tab, id, value);
@@ -269,16 +269,46 @@ test('a turn shows what stays', async () => {
 test('two pictures are matched, simulated or opened', async () => {
     const { tab, problems, close } = await open();
     await choose(tab, 'pair');
-    const simulated = await measured(tab, 'Of these in the homography');
+    const simulated = await measured(tab, 'Distinct matches');
     assert.ok(simulated.every(count => count > 50), `${simulated}`);
     await tab.screenshot({ path: path.join(screenshots, 'desktop-pair.png'), fullPage: true });
     await tab.locator('#second').setInputFiles(images[0]);
-    await tab.waitForFunction(() => document.querySelector('#measures tr:last-child td').textContent === 'none found');
+    const noneFound = () => [...document.querySelectorAll('#measures td')].some(cell => cell.textContent === 'none found');
+    await tab.waitForFunction(noneFound);
     await idle(tab);
+    assert.match(await tab.locator('#advice').textContent(), /Try more features, or a\s+larger strength weight/);
+    assert.ok(await tab.locator('#advice').isVisible());
+    // A sample after two pictures of one's own is matched with the simulated one again.
+    await tab.locator('#file').setInputFiles(images[0]);
+    await idle(tab);
+    await tab.locator('#sample').selectOption('street');
+    await tab.waitForFunction(`!(${noneFound})()`);
+    await idle(tab);
+    assert.deepEqual(await measured(tab, 'Distinct matches'), simulated);
+    await tab.locator('#second').setInputFiles(images[0]);
+    await tab.waitForFunction(noneFound);
     await tab.locator('#other').click();
-    await tab.waitForFunction(() => document.querySelector('#measures tr:last-child td').textContent !== 'none found');
+    await tab.waitForFunction(`!(${noneFound})()`);
     await idle(tab);
-    assert.deepEqual(await measured(tab, 'Of these in the homography'), simulated);
+    assert.deepEqual(await measured(tab, 'Distinct matches'), simulated);
+    assert.ok(await tab.locator('#advice').isHidden());
+    assert.deepEqual(problems, []);
+    await close();
+});
+
+test('a click enlarges both pictures, and another one brings them back', async () => {
+    const { tab, problems, close } = await open();
+    const widths = () => tab.locator('#figures canvas').evaluateAll(all => all.map(canvas => canvas.clientWidth));
+    const [before] = await widths();
+    await tab.locator('#figures canvas').first().click();
+    assert.deepEqual(await widths(), [3 * before, 3 * before]);
+    assert.ok(await tab.locator('#large').isChecked());
+    await tab.locator('.frame').first().evaluate(frame => frame.scrollTo(40, 30));
+    await tab.waitForFunction(() => document.querySelectorAll('.frame')[1].scrollLeft === 40);
+    await assertFits(tab);
+    await tab.screenshot({ path: path.join(screenshots, 'desktop-large.png') });
+    await tab.locator('#large').uncheck();
+    assert.deepEqual(await widths(), [before, before]);
     assert.deepEqual(problems, []);
     await close();
 });

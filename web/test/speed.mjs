@@ -24,10 +24,7 @@ for (const nfeatures of [500, 1000, 2000]) {
     const times = engines.map(() => [[], []]);
     for (const engine of engines) {
         engine.drawSample('street', 960, 640);
-        engine.setProperties({
-            nfeatures, fastThreshold: 20, nlevels: 8, scaleFactor: 1.2, selectionType: 0, strengthWeight: 0.15,
-            rankRadius: 1, minThresholdRatio: 4, adaptiveThreshold: 1,
-        });
+        engine.setProperties({ nfeatures });
     }
     for (let round = -10; round < ROUNDS; round++) {
         engines.forEach((engine, build) => {

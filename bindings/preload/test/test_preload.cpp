@@ -7,6 +7,8 @@
 
 #include <gtest/gtest.h>
 
+#include "parameter_table.hpp"
+
 #include <opencv2/aqorb.hpp>
 #include <opencv2/imgproc.hpp>
 
@@ -97,15 +99,9 @@ TEST(Aqorb_Preload, keeps_the_callers_default_border)
 TEST(Aqorb_Preload, leaves_our_own_defaults)
 {
     const Ptr<AdaptiveQuadtreeORB> orb = ours(ORB::create()), expected = AdaptiveQuadtreeORB::create();
-    EXPECT_EQ(expected->getAdaptiveThreshold(), orb->getAdaptiveThreshold());
-    EXPECT_EQ(expected->getMinThresholdRatio(), orb->getMinThresholdRatio());
-    EXPECT_EQ(expected->getCellSize(), orb->getCellSize());
-    EXPECT_EQ(expected->getMaxDepth(), orb->getMaxDepth());
-    EXPECT_EQ(expected->getSelectionType(), orb->getSelectionType());
-    EXPECT_EQ(expected->getStrengthWeight(), orb->getStrengthWeight());
-    EXPECT_EQ(expected->getRankRadius(), orb->getRankRadius());
-    EXPECT_EQ(expected->getOctaveSuppression(), orb->getOctaveSuppression());
-    EXPECT_EQ(expected->getSubPixel(), orb->getSubPixel());
+#define AQORB_EXPECT(property, ...) EXPECT_EQ(expected->get##property(), orb->get##property());
+    AQORB_OWN_PARAMETERS(AQORB_EXPECT)
+#undef AQORB_EXPECT
 }
 
 TEST(Aqorb_Preload, sets_properties_from_the_environment)
@@ -153,25 +149,25 @@ TEST(Aqorb_Preload, takes_an_empty_variable_for_none)
 
 TEST(Aqorb_Preload, names_the_variable_of_a_bad_value)
 {
-    EXPECT_EQ("AQORB_EDGE_THRESHOLD: got \"sixteen\"; a whole number is accepted",
+    EXPECT_EQ("AQORB_EDGE_THRESHOLD must be a whole number, got \"sixteen\"",
               messageOf("AQORB_EDGE_THRESHOLD", "sixteen"));
-    EXPECT_EQ("AQORB_EDGE_THRESHOLD: got \"16.5\"; a whole number is accepted",
+    EXPECT_EQ("AQORB_EDGE_THRESHOLD must be a whole number, got \"16.5\"",
               messageOf("AQORB_EDGE_THRESHOLD", "16.5"));
-    EXPECT_EQ("AQORB_EDGE_THRESHOLD: got \"99999999999\"; a whole number is accepted",
+    EXPECT_EQ("AQORB_EDGE_THRESHOLD must be a whole number, got \"99999999999\"",
               messageOf("AQORB_EDGE_THRESHOLD", "99999999999"));
-    EXPECT_EQ("AQORB_MIN_THRESHOLD_RATIO: got \"nan\"; a number is accepted",
+    EXPECT_EQ("AQORB_MIN_THRESHOLD_RATIO must be a number, got \"nan\"",
               messageOf("AQORB_MIN_THRESHOLD_RATIO", "nan"));
-    EXPECT_EQ("AQORB_SUB_PIXEL: got \"yes\"; 0 or 1 is accepted", messageOf("AQORB_SUB_PIXEL", "yes"));
-    EXPECT_EQ("AQORB_SELECTION_TYPE: got \"1\"; ranked or balanced is accepted",
+    EXPECT_EQ("AQORB_SUB_PIXEL must be 0 or 1, got \"yes\"", messageOf("AQORB_SUB_PIXEL", "yes"));
+    EXPECT_EQ("AQORB_SELECTION_TYPE must be ranked or balanced, got \"1\"",
               messageOf("AQORB_SELECTION_TYPE", "1"));
-    EXPECT_EQ("AQORB_SELECTION_TYPE: got \"balanced ranked\"; ranked or balanced is accepted",
+    EXPECT_EQ("AQORB_SELECTION_TYPE must be ranked or balanced, got \"balanced ranked\"",
               messageOf("AQORB_SELECTION_TYPE", "balanced ranked"));
-    EXPECT_EQ("AQORB_STRENGTH_WEIGHT: strengthWeight: got 1001; 0 to 1000 is accepted",
+    EXPECT_EQ("AQORB_STRENGTH_WEIGHT: strengthWeight must be from 0 to 1000, got 1001",
               messageOf("AQORB_STRENGTH_WEIGHT", "1001"));
-    EXPECT_EQ("AQORB_RANK_RADIUS: rankRadius: got -1; 0 to 16 is accepted",
+    EXPECT_EQ("AQORB_RANK_RADIUS: rankRadius must be from 0 to 16, got -1",
               messageOf("AQORB_RANK_RADIUS", "-1"));
-    EXPECT_EQ("AQORB_DISABLE: got \"2\"; 0 or 1 is accepted", messageOf("AQORB_DISABLE", "2"));
-    EXPECT_EQ("AQORB_CELL_SIZE: cellSize: got 4; >= 8 is accepted", messageOf("AQORB_CELL_SIZE", "4"));
+    EXPECT_EQ("AQORB_DISABLE must be 0 or 1, got \"2\"", messageOf("AQORB_DISABLE", "2"));
+    EXPECT_EQ("AQORB_CELL_SIZE: cellSize must be at least 8, got 4", messageOf("AQORB_CELL_SIZE", "4"));
 }
 
 TEST(Aqorb_Preload, gives_opencv_detector_where_disabled)

@@ -77,13 +77,6 @@ class Preload(unittest.TestCase):
         self.assertGreater(correct, 0.7 * len(matches))
         self.assertGreater(correct, 200)
 
-    def test_descriptors_of_every_kind(self):
-        image = read('home.jpg')
-        for points in 2, 3, 4:
-            for size in 31, 41:
-                keypoints, descriptors = cv.ORB_create(300, WTA_K=points, patchSize=size).detectAndCompute(image, None)
-                self.assertEqual((300, 32), descriptors.shape)
-
     def test_planes_are_tracked(self):
         image = read('box.png')
         height, width = image.shape
@@ -103,7 +96,7 @@ class Preload(unittest.TestCase):
         off = run(program, AQORB_VERBOSE='1', AQORB_DISABLE='1')
         self.assertEqual(('Feature2D.ORB 31\n', ''), (off.stdout, off.stderr))
         bad = run(program, AQORB_CELL_SIZE='4')
-        self.assertIn('AQORB_CELL_SIZE: cellSize: got 4; >= 8 is accepted', bad.stderr)
+        self.assertIn('AQORB_CELL_SIZE: cellSize must be at least 8, got 4', bad.stderr)
         self.assertNotEqual(0, bad.returncode)
 
     def test_no_notice_where_nothing_was_interposed(self):

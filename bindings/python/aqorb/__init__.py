@@ -10,7 +10,7 @@
 
 The names and signatures are those of cv2.aqorb, which a cv2 has that was built with the module. The detector of this
 package is not derived from cv2.Feature2D, so that functions of cv2 do not take it. They do take its keypoints and
-descriptors. cv2 is imported when the first of its objects is needed; what takes and returns arrays works without.
+descriptors, and computeImageFeatures2 here makes what cv2.detail needs. cv2 is imported when the first of its objects is needed; what takes and returns arrays works without.
 
 Images are numpy arrays of uint8 with any strides. Their shape is (rows, cols) or (rows, cols, channels), with 1 (grey),
 3 (BGR) or 4 (BGRA) channels. File names are str, bytes or paths.
@@ -18,21 +18,43 @@ Images are numpy arrays of uint8 with any strides. Their shape is (rows, cols) o
 A value that is not accepted raises aqorb.error, which is a ValueError and, where there is cv2, a cv2.error. An object
 of a wrong type raises TypeError. Both messages name the parameter.
 
-Some names are not in cv2.aqorb: detectAndComputeArrays returns keypoints as one array of keypoint_dtype, and
+HammingMatcher has the methods and the matches of cv2.BFMatcher for binary descriptors, many times as fast. matchArrays,
+knnMatchArrays and matchByPosition return matches as arrays.
+
+Some names are not in cv2.aqorb, and detectAndComputeBatch, which is for many images, returns arrays here and not
+keypoints of cv2, as a FeatureBatch. detectAndComputeArrays returns keypoints as one array of keypoint_dtype, and
 keypointsToArray and keypointsFromArray convert keypoints. Every function takes such an array for keypoints, and those
 that return keypoints then return an array. setNumThreads and getNumThreads are for the threads that a call uses.
 """
 
 from . import _aqorb
 from ._aqorb import (AdaptiveQuadtreeORB, AdaptiveQuadtreeORB_BALANCED_SELECTION,
-                     AdaptiveQuadtreeORB_RANKED_SELECTION, AdaptiveQuadtreeORB_create, __version__,
-                     adaptiveFastThreshold, distributionOccupancy, distributionUniformity, getNumThreads,
-                     keypoint_dtype, keypointsFromArray, keypointsToArray, retainUniform, setNumThreads)
+                     AdaptiveQuadtreeORB_RANKED_SELECTION, AdaptiveQuadtreeORB_create, HammingMatcher,
+                     HammingMatcher_create, __version__, _build_information, adaptiveFastThreshold, distributionOccupancy,
+                     distributionUniformity, getNumThreads, keypoint_dtype, keypointsFromArray, keypointsToArray,
+                     knnMatchArrays, matchArrays, matchByPosition, retainUniform, setNumThreads)
+from ._feature_batch import FeatureBatch
 
 __all__ = ['AdaptiveQuadtreeORB', 'AdaptiveQuadtreeORB_BALANCED_SELECTION', 'AdaptiveQuadtreeORB_RANKED_SELECTION',
-           'AdaptiveQuadtreeORB_create', 'adaptiveFastThreshold', 'distributionOccupancy', 'distributionUniformity',
-           'error', 'getNumThreads', 'keypoint_dtype', 'keypointsFromArray', 'keypointsToArray', 'retainUniform',
-           'setNumThreads']
+           'AdaptiveQuadtreeORB_create', 'FeatureBatch', 'HammingMatcher', 'HammingMatcher_create',
+           'adaptiveFastThreshold', 'computeImageFeatures2', 'distributionOccupancy', 'distributionUniformity', 'error',
+           'getNumThreads', 'keypoint_dtype', 'keypointsFromArray', 'keypointsToArray', 'knnMatchArrays', 'matchArrays',
+           'matchByPosition', 'retainUniform', 'setNumThreads']
+
+
+def computeImageFeatures2(featuresFinder, image, mask=None):
+    """Returns what cv2.detail.computeImageFeatures2 gives for a cv2.Feature2D: the features of an image for the matchers
+    and estimators of cv2.detail."""
+    import cv2
+    keypoints, descriptors = featuresFinder.detectAndCompute(image, mask)
+    features = cv2.detail.computeImageFeatures2(cv2.ORB_create(1), image)  # the class's constructor is of no use
+    features.keypoints = keypoints
+    features.descriptors = cv2.UMat() if descriptors is None else cv2.UMat(descriptors)
+    return features
+
+
+def _from_text(text):  # for pickle, which takes functions of Python only
+    return _aqorb._from_text(text)
 
 
 def __getattr__(name):

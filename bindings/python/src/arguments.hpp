@@ -11,6 +11,7 @@
 #define AQORB_PYTHON_ARGUMENTS_HPP
 
 #include "images.hpp"
+#include "shared.hpp"
 
 #include <pybind11/pybind11.h>
 
@@ -22,105 +23,77 @@ namespace py = pybind11;
 //! Whether the object is an instance of a class of cv2. If nobody has imported cv2, there are none.
 inline bool isInstance(py::handle object, const char* cv2Class)
 {
-    PyObject* const cv2 = PyDict_GetItemString(PyImport_GetModuleDict(), "cv2");
-    return cv2 && py::hasattr(cv2, cv2Class) && py::isinstance(object, py::handle(cv2).attr(cv2Class));
+    const py::object cv2 = importedModule("cv2");
+    return cv2 && py::hasattr(cv2, cv2Class) && py::isinstance(object, cv2.attr(cv2Class));
 }
-
-// A kind is the name in signatures and, for the first argument, the choice between overloads. The first overload that
-// accepts it is called.
-struct Anything
-{
-    static bool accepts(py::handle) { return true; }
-};
-
-struct ImageKind
-{
-    static constexpr auto name = py::detail::const_name("Optional[numpy.ndarray]");
-    static bool accepts(py::handle object) { return !isSequence(object); }
-};
-
-struct ImagesKind
-{
-    static constexpr auto name = py::detail::const_name("Sequence[Optional[numpy.ndarray]]");
-    static bool accepts(py::handle object) { return isSequence(object); }
-};
-
-struct ArrayKind : Anything
-{
-    static constexpr auto name = py::detail::const_name("numpy.ndarray");
-};
-
-struct OptionalArrayKind : Anything
-{
-    static constexpr auto name = py::detail::const_name("Optional[numpy.ndarray]");
-};
-
-struct MasksKind : Anything
-{
-    static constexpr auto name = py::detail::const_name("Optional[Sequence[Optional[numpy.ndarray]]]");
-};
-
-struct KeyPointsKind : Anything
-{
-    static constexpr auto name = py::detail::const_name("Union[Sequence[cv2.KeyPoint], numpy.ndarray]");
-};
-
-struct KeyPointListsKind : Anything
-{
-    static constexpr auto name =
-        py::detail::const_name("Sequence[Union[Sequence[cv2.KeyPoint], numpy.ndarray]]");
-};
-
-struct KeyPointTupleKind : Anything
-{
-    static constexpr auto name = py::detail::const_name("Tuple[cv2.KeyPoint, ...]");
-};
-
-struct ArrayTupleKind : Anything
-{
-    static constexpr auto name = py::detail::const_name("Tuple[numpy.ndarray, ...]");
-};
-
-struct SizeKind : Anything
-{
-    static constexpr auto name = py::detail::const_name("Tuple[int, int]");
-};
-
-struct FileStorageKind
-{
-    static constexpr auto name = py::detail::const_name("cv2.FileStorage");
-    static bool accepts(py::handle object) { return isInstance(object, "FileStorage"); }
-};
-
-struct FileNodeKind
-{
-    static constexpr auto name = py::detail::const_name("cv2.FileNode");
-    static bool accepts(py::handle object) { return isInstance(object, "FileNode"); }
-};
-
-struct FileNameKind : Anything
-{
-    static constexpr auto name = py::detail::const_name("Union[str, os.PathLike]");
-};
 
 template <typename Kind> struct Object
 {
     py::object object;
 };
 
-typedef Object<ImageKind> ImageObject;
-typedef Object<ImagesKind> ImagesObject;
-typedef Object<ArrayKind> ArrayObject;
-typedef Object<OptionalArrayKind> OptionalArrayObject;
-typedef Object<MasksKind> MasksObject;
-typedef Object<KeyPointsKind> KeyPointsObject;
-typedef Object<KeyPointListsKind> KeyPointListsObject;
-typedef Object<KeyPointTupleKind> KeyPointTupleObject;
-typedef Object<ArrayTupleKind> ArrayTupleObject;
-typedef Object<SizeKind> SizeObject;
-typedef Object<FileStorageKind> FileStorageObject;
-typedef Object<FileNodeKind> FileNodeObject;
-typedef Object<FileNameKind> FileNameObject;
+// A kind is the name in signatures and, for the first argument, the choice between overloads: the first one that accepts
+// it is called.
+#define AQORB_ARGUMENT(Name, text, isAccepted)                     \
+    struct Name##Kind                                              \
+    {                                                              \
+        static constexpr auto name = py::detail::const_name(text); \
+        static bool accepts(py::handle object)                     \
+        {                                                          \
+            (void)object;                                          \
+            return isAccepted;                                     \
+        }                                                          \
+    };                                                             \
+    typedef Object<Name##Kind> Name##Object;
+AQORB_ARGUMENT(Bool, "bool", true)
+AQORB_ARGUMENT(Int, "int", true)
+AQORB_ARGUMENT(Float, "float", true)
+AQORB_ARGUMENT(Image, "Optional[numpy.ndarray]", !isSequence(object))
+AQORB_ARGUMENT(Images, "Sequence[Optional[numpy.ndarray]]", isSequence(object))
+AQORB_ARGUMENT(ImageList, "Sequence[Optional[numpy.ndarray]]", true)
+AQORB_ARGUMENT(FeatureBatch, "FeatureBatch", true)
+AQORB_ARGUMENT(Array, "numpy.ndarray", true)
+AQORB_ARGUMENT(OptionalArray, "Optional[numpy.ndarray]", true)
+AQORB_ARGUMENT(Masks, "Optional[Sequence[Optional[numpy.ndarray]]]", true)
+AQORB_ARGUMENT(KeyPoints, "Union[Sequence[cv2.KeyPoint], numpy.ndarray]", true)
+AQORB_ARGUMENT(KeyPointLists, "Sequence[Union[Sequence[cv2.KeyPoint], numpy.ndarray]]", true)
+AQORB_ARGUMENT(KeyPointTuple, "Tuple[cv2.KeyPoint, ...]", true)
+AQORB_ARGUMENT(ArrayTuple, "Tuple[numpy.ndarray, ...]", true)
+AQORB_ARGUMENT(MatchTuple, "Tuple[cv2.DMatch, ...]", true)
+AQORB_ARGUMENT(MatchLists, "Tuple[Tuple[cv2.DMatch, ...], ...]", true)
+AQORB_ARGUMENT(Size, "Tuple[int, int]", true)
+AQORB_ARGUMENT(OptionalInt, "Optional[int]", true)
+AQORB_ARGUMENT(OptionalFloat, "Optional[float]", true)
+AQORB_ARGUMENT(FloatPair, "Tuple[float, float]", true)
+AQORB_ARGUMENT(FileStorage, "cv2.FileStorage", isInstance(object, "FileStorage"))
+AQORB_ARGUMENT(FileNode, "cv2.FileNode", isInstance(object, "FileNode"))
+AQORB_ARGUMENT(FileName, "Union[str, os.PathLike]", true)
+#undef AQORB_ARGUMENT
+
+//! Whether the object is an int, or converts to one without loss as those of numpy do, and has at most 32 bits.
+bool isInt(py::handle object, int& value);
+
+// The number that is passed as an argument of this name.
+bool toNumber(const BoolObject& object, const char* name);
+int toNumber(const IntObject& object, const char* name);
+double toNumber(const FloatObject& object, const char* name);
+
+//! What Python passes and gets for a property of the type. An enumeration is an int.
+template <typename T> struct InPython
+{
+    typedef IntObject Argument;
+    typedef int Result;
+};
+template <> struct InPython<double>
+{
+    typedef FloatObject Argument;
+    typedef double Result;
+};
+template <> struct InPython<bool>
+{
+    typedef BoolObject Argument;
+    typedef bool Result;
+};
 
 }  // namespace aqorb_python
 

@@ -5,9 +5,14 @@
 
 #include "detector.hpp"
 
-#include "gil.hpp"
+#include "errors.hpp"
 #include "images.hpp"
 #include "keypoints.hpp"
+#include "parameter_table.hpp"
+#include "threads.hpp"
+
+#include <algorithm>
+#include <cstdint>
 
 namespace aqorb_python
 {
@@ -16,30 +21,6 @@ namespace
 {
 
 typedef Detector::Library Library;
-
-cv::Ptr<Library> copyOf(const Library& other)
-{
-    const cv::Ptr<Library> copy = Library::create();
-    copy->setMaxFeatures(other.getMaxFeatures());
-    copy->setScaleFactor(other.getScaleFactor());
-    copy->setNLevels(other.getNLevels());
-    copy->setEdgeThreshold(other.getEdgeThreshold());
-    copy->setFirstLevel(other.getFirstLevel());
-    copy->setWTA_K(other.getWTA_K());
-    copy->setScoreType(other.getScoreType());
-    copy->setPatchSize(other.getPatchSize());
-    copy->setFastThreshold(other.getFastThreshold());
-    copy->setAdaptiveThreshold(other.getAdaptiveThreshold());
-    copy->setMinThresholdRatio(other.getMinThresholdRatio());
-    copy->setCellSize(other.getCellSize());
-    copy->setMaxDepth(other.getMaxDepth());
-    copy->setSelectionType(other.getSelectionType());
-    copy->setStrengthWeight(other.getStrengthWeight());
-    copy->setRankRadius(other.getRankRadius());
-    copy->setOctaveSuppression(other.getOctaveSuppression());
-    copy->setSubPixel(other.getSubPixel());
-    return copy;
-}
 
 KeyPointTupleObject toObject(const std::vector<cv::KeyPoint>& keypoints)
 {
@@ -59,14 +40,94 @@ OptionalArrayObject toObject(const cv::Mat& descriptors)
     return {toArray(descriptors)};
 }
 
+// cv2's optional array for the output. Here the output is returned only.
+void checkOutput(const OptionalArrayObject& descriptors)
+{
+    if (!descriptors.object.is_none())
+        throwTypeError("descriptors", brief(descriptors.object), "None, as the descriptors are returned");
+}
+
+// The mask of an image of a collection.
+cv::Mat maskOf(const std::vector<Pixels>& masks, size_t index)
+{
+    return masks.empty() ? cv::Mat() : masks[index].mat;
+}
+
+//! What is found in an image.
+struct Features
+{
+    Features(const cv::Ptr<Library>& library, const OptionalArrayObject& image,
+             const OptionalArrayObject& mask)
+    {
+        const Pixels pixels = toImage(image.object), maskPixels = toMask(mask.object);
+        withoutGil([&] { library->detectAndCompute(pixels.mat, maskPixels.mat, keypoints, descriptors); });
+    }
+    std::vector<cv::KeyPoint> keypoints;
+    cv::Mat descriptors;
+};
+
+//! The features of a collection in arrays, one for each field.
+class FeatureArrays
+{
+public:
+    //! @param counts the number of features of each image
+    FeatureArrays(const std::vector<size_t>& counts, int descriptorSize)
+        : offsets(py::ssize_t(counts.size() + 1))
+    {
+        size_t sum = 0;
+        std::int64_t* const ends = offsets.mutable_data();
+        for (size_t i = 0; i < counts.size(); sum += counts[i++])
+            ends[i] = std::int64_t(sum);
+        ends[counts.size()] = std::int64_t(sum);
+        for (py::array_t<float>* array : {&x, &y, &size, &angle, &response})
+            *array = py::array_t<float>(py::ssize_t(sum));
+        octave = py::array_t<std::int32_t>(py::ssize_t(sum));
+        descriptors = py::array_t<uchar>({py::ssize_t(sum), py::ssize_t(descriptorSize)});
+        to = {x.mutable_data(),        y.mutable_data(),      size.mutable_data(),       angle.mutable_data(),
+              response.mutable_data(), octave.mutable_data(), descriptors.mutable_data()};
+    }
+    //! Adds the next image. It touches no Python object.
+    void add(const std::vector<cv::KeyPoint>& keypoints, const cv::Mat& rows)
+    {
+        for (const cv::KeyPoint& keypoint : keypoints)
+        {
+            *to.x++ = keypoint.pt.x;
+            *to.y++ = keypoint.pt.y;
+            *to.size++ = keypoint.size;
+            *to.angle++ = keypoint.angle;
+            *to.response++ = keypoint.response;
+            *to.octave++ = keypoint.octave;
+        }
+        to.descriptors = std::copy(rows.data, rows.data + rows.total(), to.descriptors);
+    }
+    py::object toPython() const
+    {
+        return py::module_::import("aqorb").attr("FeatureBatch")(x, y, size, angle, response, octave,
+                                                                 descriptors, offsets);
+    }
+
+private:
+    py::array_t<float> x, y, size, angle, response;
+    py::array_t<std::int32_t> octave;
+    py::array_t<uchar> descriptors;
+    py::array_t<std::int64_t> offsets;
+    struct
+    {
+        float *x, *y, *size, *angle, *response;
+        std::int32_t* octave;
+        uchar* descriptors;
+    } to;  // where the next feature goes
+};
+
 }  // namespace
 
-Library& Detector::change()
+cv::Ptr<Library> Detector::copyOf(const Library& other)
 {
-    // The GIL guards the count: no call begins or ends meanwhile.
-    if (library.use_count() > 1)
-        library = copyOf(*library);
-    return *library;
+    const cv::Ptr<Library> copy = Library::create();
+#define AQORB_COPY(property, ...) copy->set##property(other.get##property());
+    AQORB_PARAMETERS(AQORB_COPY)
+#undef AQORB_COPY
+    return copy;
 }
 
 KeyPointTupleObject detect(const Detector& self, const ImageObject& image, const OptionalArrayObject& mask)
@@ -87,13 +148,8 @@ std::vector<KeyPointTupleObject> detectImages(const Detector& self, const Images
     const std::vector<Pixels> pixels = toImages(images.object),
                               maskPixels = toMasks(masks.object, pixels.size());
     std::vector<std::vector<cv::KeyPoint>> keypoints(pixels.size());
-    withoutGil(
-        [&]
-        {
-            for (size_t i = 0; i < pixels.size(); i++)
-                library->detect(pixels[i].mat, keypoints[i],
-                                maskPixels.empty() ? cv::Mat() : maskPixels[i].mat);
-        });
+    forEachImage(pixels.size(),
+                 [&](size_t i) { library->detect(pixels[i].mat, keypoints[i], maskOf(maskPixels, i)); });
     std::vector<KeyPointTupleObject> result;
     for (size_t i = 0; i < keypoints.size(); i++)
         result.push_back(toObject(keypoints[i]));
@@ -101,8 +157,10 @@ std::vector<KeyPointTupleObject> detectImages(const Detector& self, const Images
 }
 
 std::pair<KeyPointsObject, OptionalArrayObject> compute(const Detector& self, const ImageObject& image,
-                                                        const KeyPointsObject& keypoints)
+                                                        const KeyPointsObject& keypoints,
+                                                        const OptionalArrayObject& output)
 {
+    checkOutput(output);
     const cv::Ptr<Library> library = self.share();
     const Pixels pixels = toImage(image.object);
     KeyPoints computed = toKeyPoints(keypoints.object);
@@ -112,18 +170,16 @@ std::pair<KeyPointsObject, OptionalArrayObject> compute(const Detector& self, co
 }
 
 std::pair<std::vector<KeyPointsObject>, std::vector<OptionalArrayObject>>
-computeImages(const Detector& self, const ImagesObject& images, const KeyPointListsObject& keypoints)
+computeImages(const Detector& self, const ImagesObject& images, const KeyPointListsObject& keypoints,
+              const OptionalArrayObject& output)
 {
+    checkOutput(output);
     const cv::Ptr<Library> library = self.share();
     const std::vector<Pixels> pixels = toImages(images.object);
     std::vector<KeyPoints> computed = toKeyPointLists(keypoints.object, pixels.size());
     std::vector<cv::Mat> descriptors(pixels.size());
-    withoutGil(
-        [&]
-        {
-            for (size_t i = 0; i < pixels.size(); i++)
-                library->compute(pixels[i].mat, computed[i].points, descriptors[i]);
-        });
+    forEachImage(pixels.size(),
+                 [&](size_t i) { library->compute(pixels[i].mat, computed[i].points, descriptors[i]); });
     std::pair<std::vector<KeyPointsObject>, std::vector<OptionalArrayObject>> result;
     for (size_t i = 0; i < pixels.size(); i++)
     {
@@ -134,30 +190,56 @@ computeImages(const Detector& self, const ImagesObject& images, const KeyPointLi
 }
 
 std::pair<KeyPointTupleObject, OptionalArrayObject>
-detectAndCompute(const Detector& self, const OptionalArrayObject& image, const OptionalArrayObject& mask)
+detectAndCompute(const Detector& self, const OptionalArrayObject& image, const OptionalArrayObject& mask,
+                 const OptionalArrayObject& output, const BoolObject& useProvidedKeypoints)
 {
+    checkOutput(output);
+    if (toNumber(useProvidedKeypoints, "useProvidedKeypoints"))
+        CV_Error(cv::Error::StsBadArg,
+                 "useProvidedKeypoints must be False, got True: the method compute takes keypoints");
     importKeyPoint();
-    const cv::Ptr<Library> library = self.share();
-    const Pixels pixels = toImage(image.object), maskPixels = toMask(mask.object);
-    std::vector<cv::KeyPoint> keypoints;
-    cv::Mat descriptors;
-    withoutGil([&] { library->detectAndCompute(pixels.mat, maskPixels.mat, keypoints, descriptors); });
-    return std::make_pair(toObject(keypoints), toObject(descriptors));
+    const Features found(self.share(), image, mask);
+    return std::make_pair(toObject(found.keypoints), toObject(found.descriptors));
 }
 
 std::pair<ArrayObject, ArrayObject> detectAndComputeArrays(const Detector& self,
                                                            const OptionalArrayObject& image,
                                                            const OptionalArrayObject& mask)
 {
-    const cv::Ptr<Library> library = self.share();
-    const Pixels pixels = toImage(image.object), maskPixels = toMask(mask.object);
-    std::vector<cv::KeyPoint> keypoints;
-    cv::Mat descriptors;
-    withoutGil([&] { library->detectAndCompute(pixels.mat, maskPixels.mat, keypoints, descriptors); });
-    if (descriptors.empty())
-        descriptors.create(0, library->descriptorSize(), CV_8UC1);
-    const ArrayObject points = {toArray(std::move(keypoints))}, rows = {toArray(descriptors)};
+    Features found(self.share(), image, mask);
+    if (found.descriptors.empty())
+        found.descriptors.create(0, self.share()->descriptorSize(), CV_8UC1);
+    const ArrayObject points = {toArray(std::move(found.keypoints))}, rows = {toArray(found.descriptors)};
     return std::make_pair(points, rows);
+}
+
+FeatureBatchObject detectAndComputeBatch(const Detector& self, const ImageListObject& images,
+                                         const MasksObject& masks)
+{
+    const cv::Ptr<Library> library = self.share();
+    const std::vector<Pixels> pixels = toImages(images.object),
+                              maskPixels = toMasks(masks.object, pixels.size());
+    std::vector<std::vector<cv::KeyPoint>> keypoints(pixels.size());
+    std::vector<cv::Mat> descriptors(pixels.size());
+    forEachImage(
+        pixels.size(), [&](size_t i)
+        { library->detectAndCompute(pixels[i].mat, maskOf(maskPixels, i), keypoints[i], descriptors[i]); });
+    std::vector<size_t> counts;
+    for (const std::vector<cv::KeyPoint>& ofImage : keypoints)
+        counts.push_back(ofImage.size());
+    FeatureArrays arrays(counts, library->descriptorSize());
+    whileOthersRun(
+        [&]
+        {
+            for (size_t i = 0; i < keypoints.size(); i++)
+            {
+                arrays.add(keypoints[i], descriptors[i]);
+                // Their memory is needed no more, and there may be many images.
+                std::vector<cv::KeyPoint>().swap(keypoints[i]);
+                descriptors[i].release();
+            }
+        });
+    return {arrays.toPython()};
 }
 
 ArrayTupleObject buildPyramid(const Detector& self, const OptionalArrayObject& image)

@@ -5,6 +5,8 @@
 
 #include "errors.hpp"
 
+#include "shared.hpp"
+
 #include <opencv2/core.hpp>
 
 namespace aqorb_python
@@ -13,7 +15,7 @@ namespace aqorb_python
 namespace
 {
 
-PyObject* errorType = nullptr;
+Made<PyObject*> errorType;
 
 // Messages may hold a file name, which need not be UTF-8.
 py::object toText(const std::string& bytes)
@@ -26,7 +28,7 @@ py::object toText(const std::string& bytes)
 
 py::object errorClass()
 {
-    if (!errorType)
+    if (!errorType.get())
     {
         // Without cv2, or with one that does not work, it is a ValueError only.
         py::object cv2Error;
@@ -50,10 +52,9 @@ py::object errorClass()
                                       bases.ptr(), nullptr);
         if (!made)
             throw py::error_already_set();
-        if (!errorType)  // another thread may have made one meanwhile
-            errorType = made;
+        errorType.set(made);
     }
-    return py::reinterpret_borrow<py::object>(errorType);
+    return py::reinterpret_borrow<py::object>(*errorType.get());
 }
 
 void translateErrors()
@@ -68,7 +69,8 @@ void translateErrors()
             }
             catch (const cv::Exception& exception)
             {
-                const py::object type = errorClass(), error = type(toText(exception.what()));
+                // Without OpenCV's version and place in what(), which are the package's own and not cv2's.
+                const py::object type = errorClass(), error = type(toText(exception.err));
                 error.attr("code") = exception.code;
                 error.attr("err") = toText(exception.err);
                 error.attr("file") = toText(exception.file);
@@ -82,7 +84,14 @@ void translateErrors()
 
 void throwTypeError(const std::string& name, const std::string& given, const std::string& accepted)
 {
-    throw py::type_error(name + ": got " + given + "; " + accepted + " is accepted");
+    throw py::type_error(name + " must be " + accepted + ", got " + given);
+}
+
+void rejectArray(const std::string& name, const py::array& array, const char* accepted)
+{
+    const std::string dtype = py::str(array.dtype()), shape = py::str(array.attr("shape"));
+    CV_Error_(cv::Error::StsBadArg, ("%s must be %s, got an array of dtype %s and shape %s", name.c_str(),
+                                     accepted, dtype.c_str(), shape.c_str()));
 }
 
 std::string brief(py::handle object)

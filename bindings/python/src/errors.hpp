@@ -9,7 +9,7 @@
 #ifndef AQORB_PYTHON_ERRORS_HPP
 #define AQORB_PYTHON_ERRORS_HPP
 
-#include <pybind11/pybind11.h>
+#include <pybind11/numpy.h>
 
 #include <string>
 
@@ -25,8 +25,12 @@ py::object errorClass();
 //! Makes OpenCV's exceptions such errors. To be called once, at import.
 void translateErrors();
 
+//! For a number, an object or a sequence that is no such thing.
 [[noreturn]] void throwTypeError(const std::string& name, const std::string& given,
                                  const std::string& accepted);
+
+//! For an array of another dtype or shape.
+[[noreturn]] void rejectArray(const std::string& name, const py::array& array, const char* accepted);
 
 //! What was given, in a few words: a short value as it is, the type of everything else.
 std::string brief(py::handle object);

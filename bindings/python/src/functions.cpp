@@ -3,16 +3,12 @@
 // of this distribution.
 // SPDX-License-Identifier: Apache-2.0
 
-#include "functions.hpp"
+#include "detector.hpp"
 
 #include "errors.hpp"
-#include "gil.hpp"
 #include "images.hpp"
 #include "keypoints.hpp"
-
-#include <opencv2/aqorb.hpp>
-
-#include <climits>
+#include "threads.hpp"
 
 namespace aqorb_python
 {
@@ -27,12 +23,8 @@ cv::Size toSize(const SizeObject& source, const char* name)
     bool isPair = isTuple && py::len(source.object) == 2;
     for (int i = 0; isPair && i < 2; i++)
     {
-        const py::object side =
-            py::reinterpret_steal<py::object>(PyNumber_Index(py::object(source.object[py::int_(i)]).ptr()));
-        const long number = side ? PyLong_AsLong(side.ptr()) : -1;
-        isPair = !PyErr_Occurred() && number >= INT_MIN && number <= INT_MAX;
-        sides[i] = isPair ? int(number) : 0;
-        PyErr_Clear();
+        const py::object side = source.object[py::int_(i)];
+        isPair = isInt(side, sides[i]);
     }
     if (!isPair)
         throwTypeError(name, brief(source.object), "a tuple of two ints");
@@ -41,10 +33,11 @@ cv::Size toSize(const SizeObject& source, const char* name)
 
 }  // namespace
 
-KeyPointsObject retainUniform(const KeyPointsObject& keypoints, const SizeObject& imageSize, int npoints)
+KeyPointsObject retainUniform(const KeyPointsObject& keypoints, const SizeObject& imageSize,
+                              const IntObject& npoints)
 {
     KeyPoints kept = toKeyPoints(keypoints.object);
-    cv::aqorb::retainUniform(kept.points, toSize(imageSize, "imageSize"), npoints);
+    cv::aqorb::retainUniform(kept.points, toSize(imageSize, "imageSize"), toNumber(npoints, "npoints"));
     return {toPython(std::move(kept))};
 }
 

@@ -16,13 +16,6 @@ namespace aqorb_python
 namespace
 {
 
-[[noreturn]] void reject(const std::string& name, const py::array& array, const char* accepted)
-{
-    const std::string dtype = py::str(array.dtype()), shape = py::str(array.attr("shape"));
-    CV_Error_(cv::Error::StsBadArg, ("%s: got an array of dtype %s and shape %s; %s is accepted",
-                                     name.c_str(), dtype.c_str(), shape.c_str(), accepted));
-}
-
 bool isUint8(const py::array& array)
 {
     return array.itemsize() == 1 && array.dtype().kind() == 'u';
@@ -47,11 +40,7 @@ Pixels toPixels(py::array array, int channels)
     if (array.size() == 0)
         return pixels;
     if (!hasStridesOfMat(array, channels))
-    {
-        array = py::array::ensure(array, py::array::c_style);
-        if (!array)
-            throw py::error_already_set();
-    }
+        array = contiguous(array);
     const size_t step = array.shape(0) == 1 ? size_t(cv::Mat::AUTO_STEP) : size_t(array.strides(0));
     pixels.mat = cv::Mat(int(array.shape(0)), int(array.shape(1)), CV_8UC(channels),
                          const_cast<void*>(array.data()), step);
@@ -84,8 +73,9 @@ Pixels toImage(py::handle source, const std::string& name)
     const py::ssize_t dims = array.ndim(), channels = dims == 3 ? array.shape(2) : 1;
     const bool isShape = dims == 2 || (dims == 3 && (channels == 1 || channels == 3 || channels == 4));
     if (!isUint8(array) || !isShape || !isSizeOfMat(array))
-        reject(name, array,
-               "uint8 of shape (rows, cols) or (rows, cols, channels) with 1 (grey), 3 (BGR) or 4 (BGRA)");
+        rejectArray(
+            name, array,
+            "uint8 of shape (rows, cols) or (rows, cols, channels) with 1 (grey), 3 (BGR) or 4 (BGRA)");
     return toPixels(array, int(channels));
 }
 
@@ -98,8 +88,23 @@ Pixels toMask(py::handle source, const std::string& name)
     const py::array array = py::reinterpret_borrow<py::array>(source);
     const bool isShape = array.ndim() == 2 || (array.ndim() == 3 && array.shape(2) == 1);
     if (!(isUint8(array) || array.dtype().kind() == 'b') || !isShape || !isSizeOfMat(array))
-        reject(name, array, "uint8 or bool of the image's shape (rows, cols)");
+        rejectArray(name, array, "uint8 or bool of the image's shape (rows, cols)");
     return toPixels(array, 1);
+}
+
+Pixels toDescriptors(py::handle source, const std::string& name)
+{
+    if (source.is_none())
+        return Pixels();
+    if (!py::isinstance<py::array>(source))
+        throwTypeError(name, brief(source), "a numpy array or None");
+    const py::array array = py::reinterpret_borrow<py::array>(source);
+    if (!isUint8(array) || array.ndim() != 2 || !isSizeOfMat(array))
+        rejectArray(name, array, "uint8 of shape (n, bytes)");
+    Pixels descriptors = toPixels(array, 1);
+    if (array.size() == 0)  // none, of a length that is known
+        descriptors.mat = cv::Mat(int(array.shape(0)), int(array.shape(1)), CV_8UC1);
+    return descriptors;
 }
 
 std::vector<Pixels> toImages(py::handle source)
@@ -118,9 +123,8 @@ std::vector<Pixels> toMasks(py::handle source, size_t images)
         return masks;
     const py::tuple items = itemsOf(source, "masks", "a sequence of numpy arrays or None");
     if (items.size() > 0 && items.size() != images)
-        CV_Error_(cv::Error::StsBadArg,
-                  ("masks: got %d for %d images; one for each image or none is accepted", int(items.size()),
-                   int(images)));
+        CV_Error_(cv::Error::StsBadArg, ("masks must be one for each image or none, got %d for %d images",
+                                         int(items.size()), int(images)));
     for (size_t i = 0; i < items.size(); i++)
         masks.push_back(toMask(items[i], itemName("masks", i)));
     return masks;
@@ -131,6 +135,11 @@ bool isSequence(py::handle object)
     PyObject* const ptr = object.ptr();
     return PySequence_Check(ptr) && !py::isinstance<py::array>(object) && !PyUnicode_Check(ptr) &&
            !PyBytes_Check(ptr) && !PyByteArray_Check(ptr);
+}
+
+py::array contiguous(const py::array& array)
+{
+    return py::module_::import("numpy").attr("ascontiguousarray")(array);
 }
 
 py::object toArray(const cv::Mat& mat)

@@ -37,12 +37,18 @@ Pixels toImage(py::handle source, const std::string& name = "image");
 //! An 8-bit mask of one channel, uint8 or bool.
 Pixels toMask(py::handle source, const std::string& name = "mask");
 
+//! Descriptors: uint8 of shape (n, bytes), or None for none at all.
+Pixels toDescriptors(py::handle source, const std::string& name);
+
 std::vector<Pixels> toImages(py::handle source);
 //! One mask for each of so many images, or none at all (None or an empty sequence).
 std::vector<Pixels> toMasks(py::handle source, size_t images);
 
 //! Whether the object is a sequence of several things: a list or a tuple, but not an array or text.
 bool isSequence(py::handle object);
+
+//! The array, or a copy whose elements lie side by side. Where there is no memory for it, numpy's error says so.
+py::array contiguous(const py::array& array);
 
 //! An array of uint8 with the matrix's elements.
 py::object toArray(const cv::Mat& mat);

@@ -5,10 +5,11 @@
 
 #include "keypoints.hpp"
 
+#include "arguments.hpp"
 #include "errors.hpp"
 #include "images.hpp"
+#include "shared.hpp"
 
-#include <climits>
 #include <cstring>
 #include <memory>
 #include <utility>
@@ -21,23 +22,36 @@ namespace
 
 const char ACCEPTED[] = "a sequence of cv2.KeyPoint or an array of aqorb.keypoint_dtype";
 
-// cv2.KeyPoint, once it is known, and the names of its attributes. Never released, as the interpreter may be gone by
-// then.
+// The fields of a keypoint, which cv2.KeyPoint has as attributes.
+enum Field
+{
+    PT,
+    SIZE,
+    ANGLE,
+    RESPONSE,
+    OCTAVE,
+    CLASS_ID,
+    FIELDS
+};
+const char* const NAMES[FIELDS] = {"pt", "size", "angle", "response", "octave", "class_id"};
+
+// cv2.KeyPoint, once it is known, and the names of its attributes.
 struct KeyPointType
 {
-    PyObject *type, *pt, *size, *angle, *response, *octave, *class_id;
-} keyPoint;
+    PyObject *type, *names[FIELDS];
+};
+Made<KeyPointType> keyPoint;
 
 // Whether the object is a cv2.KeyPoint. If nobody has imported cv2, there are none.
 bool isKeyPoint(py::handle object)
 {
-    if (!keyPoint.type)
+    if (!keyPoint.get())
     {
-        const py::handle cv2 = PyDict_GetItemString(PyImport_GetModuleDict(), "cv2");
+        const py::object cv2 = importedModule("cv2");
         if (cv2 && py::hasattr(cv2, "KeyPoint"))
             importKeyPoint();
     }
-    return keyPoint.type && py::isinstance(object, keyPoint.type);
+    return keyPoint.get() && py::isinstance(object, keyPoint.get()->type);
 }
 
 // The attributes of one item of a sequence of keypoints.
@@ -51,64 +65,47 @@ public:
 
     cv::KeyPoint read() const
     {
-        const cv::Point2f pt = point();
-        return cv::KeyPoint(pt.x, pt.y, real(keyPoint.size), real(keyPoint.angle), real(keyPoint.response),
-                            integer(keyPoint.octave), integer(keyPoint.class_id));
+        const py::object pt = attribute(PT);
+        if (!PyTuple_Check(pt.ptr()) || PyTuple_GET_SIZE(pt.ptr()) != 2)
+            reject(PT, pt, "a tuple (x, y)");
+        return cv::KeyPoint(real(PT, PyTuple_GET_ITEM(pt.ptr(), 0)), real(PT, PyTuple_GET_ITEM(pt.ptr(), 1)),
+                            real(SIZE, attribute(SIZE)), real(ANGLE, attribute(ANGLE)),
+                            real(RESPONSE, attribute(RESPONSE)), integer(OCTAVE), integer(CLASS_ID));
     }
 
 private:
-    py::object attribute(PyObject* name) const
+    py::object attribute(Field field) const
     {
-        PyObject* const value = PyObject_GetAttr(object_, name);
+        PyObject* const value = PyObject_GetAttr(object_, keyPoint.get()->names[field]);
         if (!value)
             throw py::error_already_set();
         return py::reinterpret_steal<py::object>(value);
     }
 
-    cv::Point2f point() const
-    {
-        const py::object pt = attribute(keyPoint.pt);
-        if (!PyTuple_Check(pt.ptr()) || PyTuple_GET_SIZE(pt.ptr()) != 2)
-            reject(keyPoint.pt, pt, "a tuple (x, y)");
-        return cv::Point2f(toFloat(keyPoint.pt, PyTuple_GET_ITEM(pt.ptr(), 0)),
-                           toFloat(keyPoint.pt, PyTuple_GET_ITEM(pt.ptr(), 1)));
-    }
-
-    float real(PyObject* name) const { return toFloat(name, attribute(name)); }
-
-    float toFloat(PyObject* name, py::handle value) const
+    float real(Field field, py::handle value) const
     {
         const double number = PyFloat_AsDouble(value.ptr());
-        if (number == -1 && PyErr_Occurred())
-            rejectAfterError(name, value, "a number");
+        if (PyErr_Occurred())
+        {
+            PyErr_Clear();
+            reject(field, value, "a number");
+        }
         return float(number);
     }
 
-    int integer(PyObject* name) const
+    int integer(Field field) const
     {
-        const py::object value = attribute(name);
-        // Not PyLong_AsLong alone, as that of Python 3.9 takes a float.
-        const py::object index = py::reinterpret_steal<py::object>(PyNumber_Index(value.ptr()));
-        const long number = index ? PyLong_AsLong(index.ptr()) : -1;
-        if (number == -1 && PyErr_Occurred())
-            rejectAfterError(name, value, "an int");
-        if (number < INT_MIN || number > INT_MAX)
-            reject(name, value, "an int of 32 bits");
-        return int(number);
+        const py::object value = attribute(field);
+        int number = 0;
+        if (!isInt(value, number))
+            reject(field, value, "an int of 32 bits");
+        return number;
     }
 
-    [[noreturn]] void rejectAfterError(PyObject* name, py::handle value, const char* accepted) const
+    [[noreturn]] void reject(Field field, py::handle value, const char* accepted) const
     {
-        const py::error_already_set error;
-        if (!error.matches(PyExc_TypeError) && !error.matches(PyExc_OverflowError))
-            throw error;
-        reject(name, value, accepted);
-    }
-
-    [[noreturn]] void reject(PyObject* name, py::handle value, const char* accepted) const
-    {
-        const std::string attribute = py::handle(name).cast<std::string>();
-        throwTypeError(sequence_ + "[" + std::to_string(index_) + "]." + attribute, brief(value), accepted);
+        throwTypeError(sequence_ + "[" + std::to_string(index_) + "]." + NAMES[field], brief(value),
+                       accepted);
     }
 
     PyObject* const object_;
@@ -128,14 +125,8 @@ bool isArrayOfObjects(py::handle source)
 std::vector<cv::KeyPoint> fromArray(const py::array& source, const std::string& name)
 {
     if (source.ndim() != 1 || !source.dtype().equal(keypointDtype()))
-    {
-        const std::string dtype = py::str(source.dtype()), shape = py::str(source.attr("shape"));
-        CV_Error_(cv::Error::StsBadArg, ("%s: got an array of dtype %s and shape %s; %s is accepted",
-                                         name.c_str(), dtype.c_str(), shape.c_str(), ACCEPTED));
-    }
-    const py::array array = py::array::ensure(source, py::array::c_style);
-    if (!array)
-        throw py::error_already_set();
+        rejectArray(name, source, ACCEPTED);
+    const py::array array = contiguous(source);
     std::vector<cv::KeyPoint> points(size_t(array.size()));
     if (!points.empty())
         std::memcpy(static_cast<void*>(points.data()), array.data(), points.size() * sizeof(points[0]));
@@ -160,15 +151,15 @@ std::vector<cv::KeyPoint> fromSequence(py::handle source, const std::string& nam
 
 py::object toPython(const cv::KeyPoint& keypoint)
 {
-    return py::handle(keyPoint.type)(keypoint.pt.x, keypoint.pt.y, keypoint.size, keypoint.angle,
-                                     keypoint.response, keypoint.octave, keypoint.class_id);
+    return py::handle(keyPoint.get()->type)(keypoint.pt.x, keypoint.pt.y, keypoint.size, keypoint.angle,
+                                            keypoint.response, keypoint.octave, keypoint.class_id);
 }
 
 }  // namespace
 
 void importKeyPoint()
 {
-    if (keyPoint.type)
+    if (keyPoint.get())
         return;
     py::object type;
     try
@@ -185,13 +176,10 @@ void importKeyPoint()
                        "opencv-python-headless, or call detectAndComputeArrays, which needs no cv2");
         throw py::error_already_set();
     }
-    keyPoint.pt = PyUnicode_InternFromString("pt");
-    keyPoint.size = PyUnicode_InternFromString("size");
-    keyPoint.angle = PyUnicode_InternFromString("angle");
-    keyPoint.response = PyUnicode_InternFromString("response");
-    keyPoint.octave = PyUnicode_InternFromString("octave");
-    keyPoint.class_id = PyUnicode_InternFromString("class_id");
-    keyPoint.type = type.release().ptr();  // last: another thread sees all of it or nothing
+    KeyPointType made = {type.release().ptr(), {}};
+    for (int field = 0; field < FIELDS; field++)
+        made.names[field] = PyUnicode_InternFromString(NAMES[field]);
+    keyPoint.set(made);
 }
 
 py::dtype keypointDtype()
@@ -202,11 +190,9 @@ py::dtype keypointDtype()
         static_assert(sizeof(cv::KeyPoint) == 5 * sizeof(float) + 2 * sizeof(int),
                       "an item of the array is a KeyPoint");
         py::list fields;
-        fields.append(py::make_tuple("pt", "f4", 2));
-        for (const char* name : {"size", "angle", "response"})
-            fields.append(py::make_tuple(name, "f4"));
-        for (const char* name : {"octave", "class_id"})
-            fields.append(py::make_tuple(name, "i4"));
+        fields.append(py::make_tuple(NAMES[PT], "f4", 2));
+        for (int field = SIZE; field < FIELDS; field++)
+            fields.append(py::make_tuple(NAMES[field], field < OCTAVE ? "f4" : "i4"));
         return py::dtype::from_args(fields).release();
     }();
     return py::reinterpret_borrow<py::dtype>(dtype);
@@ -228,12 +214,12 @@ KeyPoints toKeyPoints(py::handle source, const std::string& name)
 std::vector<KeyPoints> toKeyPointLists(py::handle source, size_t images)
 {
     if (!isSequence(source))
-        throwTypeError("keypoints", brief(source), "with several images a sequence of keypoints for each");
+        throwTypeError("keypoints", brief(source), "a sequence of keypoints for each of several images");
     const py::tuple items(py::reinterpret_borrow<py::object>(source));
     if (items.size() != images)
         CV_Error_(cv::Error::StsBadArg,
-                  ("keypoints: got %d for %d images; one sequence for each image is accepted",
-                   int(items.size()), int(images)));
+                  ("keypoints must be one sequence for each image, got %d for %d images", int(items.size()),
+                   int(images)));
     std::vector<KeyPoints> lists;
     for (size_t i = 0; i < items.size(); i++)
         lists.push_back(toKeyPoints(items[i], "keypoints[" + std::to_string(i) + "]"));

@@ -8,9 +8,9 @@
 
 #include "detector.hpp"
 #include "errors.hpp"
-#include "functions.hpp"
 #include "keypoints.hpp"
-#include "storage.hpp"
+#include "matcher.hpp"
+#include "parameter_table.hpp"
 #include "threads.hpp"
 
 #include <pybind11/stl.h>
@@ -18,6 +18,8 @@
 #include <string>
 
 using namespace aqorb_python;
+using cv::ORB;
+using cv::aqorb::AdaptiveQuadtreeORB;
 using py::arg;
 
 namespace
@@ -26,105 +28,47 @@ namespace
 typedef Detector::Library Library;
 typedef py::class_<Detector> DetectorClass;
 
-// A getter of the library as one of the package.
-template <typename Class, typename T> struct Getter
+// What somebody is told who passes another keyword than those of create.
+[[noreturn]] void refuseKeyword(const std::string& keyword)
 {
-    T (Class::*method)() const;
-    T operator()(const Detector& self) const { return (self.get().*method)(); }
-};
-
-// A setter of the library as one of the package.
-template <typename Class, typename T> struct Setter
-{
-    void (Class::*method)(T);
-    void operator()(Detector& self, T value) const { (self.change().*method)(value); }
-};
-
-template <typename Class, typename T> Getter<Class, T> get(T (Class::*method)() const)
-{
-    return {method};
+    std::string hint;
+    py::list names;
+#define AQORB_NAME(property, type, name, ...) names.append(#name);
+    AQORB_PARAMETERS_OF_ORB(AQORB_NAME)
+#undef AQORB_NAME
+    const py::list near = py::module_::import("difflib").attr("get_close_matches")(keyword, names, 1);
+    if (!near.empty())
+        hint = "; did you mean " + near[0].cast<std::string>() + "?";
+#define AQORB_HINT(property, type, name, ...) \
+    if (keyword == #name)                     \
+        hint = "; call set" #property;
+    AQORB_OWN_PARAMETERS(AQORB_HINT)
+#undef AQORB_HINT
+    throw py::type_error("create has no argument " + keyword + hint);
 }
 
-template <typename Class, typename T> Setter<Class, T> set(void (Class::*method)(T))
+#define AQORB_ARGUMENT(property, type, name, ...) const InPython<type>::Argument &name,
+Detector create(AQORB_PARAMETERS_OF_ORB(AQORB_ARGUMENT) const py::kwargs& others)
 {
-    return {method};
+    if (!others.empty())
+        refuseKeyword(others.begin()->first.cast<std::string>());
+    return Detector(
+        Library::create(toNumber(nfeatures, "nfeatures"), float(toNumber(scaleFactor, "scaleFactor")),
+                        toNumber(nlevels, "nlevels"), toNumber(edgeThreshold, "edgeThreshold"),
+                        toNumber(firstLevel, "firstLevel"), toNumber(WTA_K, "WTA_K"),
+                        cv::ORB::ScoreType(toNumber(scoreType, "scoreType")),
+                        toNumber(patchSize, "patchSize"), toNumber(fastThreshold, "fastThreshold")));
 }
-
-int getScoreType(const Detector& self)
-{
-    return int(self.get().getScoreType());
-}
-
-void setScoreType(Detector& self, int scoreType)
-{
-    self.change().setScoreType(cv::ORB::ScoreType(scoreType));
-}
-
-int getSelectionType(const Detector& self)
-{
-    return int(self.get().getSelectionType());
-}
-
-void setSelectionType(Detector& self, int selectionType)
-{
-    self.change().setSelectionType(Library::SelectionType(selectionType));
-}
-
-std::string getDefaultName(const Detector& self)
-{
-    return self.get().getDefaultName();
-}
-
-Detector create(int nfeatures, float scaleFactor, int nlevels, int edgeThreshold, int firstLevel, int WTA_K,
-                int scoreType, int patchSize, int fastThreshold)
-{
-    return Detector(Library::create(nfeatures, scaleFactor, nlevels, edgeThreshold, firstLevel, WTA_K,
-                                    cv::ORB::ScoreType(scoreType), patchSize, fastThreshold));
-}
-
-// cv2's optional array for the output. Here the output is returned only.
-void checkOutput(const OptionalArrayObject& descriptors)
-{
-    if (!descriptors.object.is_none())
-        throwTypeError("descriptors", brief(descriptors.object), "None, as the descriptors are returned,");
-}
-
-std::pair<KeyPointsObject, OptionalArrayObject> computeAsCv2(const Detector& self, const ImageObject& image,
-                                                             const KeyPointsObject& keypoints,
-                                                             const OptionalArrayObject& descriptors)
-{
-    checkOutput(descriptors);
-    return compute(self, image, keypoints);
-}
-
-std::pair<std::vector<KeyPointsObject>, std::vector<OptionalArrayObject>>
-computeImagesAsCv2(const Detector& self, const ImagesObject& images, const KeyPointListsObject& keypoints,
-                   const OptionalArrayObject& descriptors)
-{
-    checkOutput(descriptors);
-    return computeImages(self, images, keypoints);
-}
-
-std::pair<KeyPointTupleObject, OptionalArrayObject>
-detectAndComputeAsCv2(const Detector& self, const OptionalArrayObject& image, const OptionalArrayObject& mask,
-                      const OptionalArrayObject& descriptors, bool useProvidedKeypoints)
-{
-    checkOutput(descriptors);
-    if (useProvidedKeypoints)
-        CV_Error(cv::Error::StsBadArg,
-                 "useProvidedKeypoints: got True; False is accepted. The method compute "
-                 "takes keypoints");
-    return detectAndCompute(self, image, mask);
-}
+#undef AQORB_ARGUMENT
 
 void addCreate(DetectorClass& detector)
 {
-    detector.def_static(
-        "create", &create, arg("nfeatures") = 500, arg("scaleFactor") = 1.2f, arg("nlevels") = 8,
-        arg("edgeThreshold") = 16, arg("firstLevel") = 0, arg("WTA_K") = 2, arg("scoreType") = 0,
-        arg("patchSize") = 31, arg("fastThreshold") = 20,
+#define AQORB_DEFAULT(property, type, name, key, byDefault, ...) arg(#name) = byDefault,
+    const char* const text =
         "Creates a detector. The parameters are those of cv2.ORB_create, in the same order.\n"
-        "The default of edgeThreshold is 16, and fastThreshold scales the adaptive threshold.");
+        "The default of edgeThreshold is 16, and fastThreshold scales the adaptive threshold.";
+    detector.def_static("create", &create, AQORB_PARAMETERS_OF_ORB(AQORB_DEFAULT) text);
+#undef AQORB_DEFAULT
 }
 
 void addProcessing(DetectorClass& detector)
@@ -136,12 +80,12 @@ void addProcessing(DetectorClass& detector)
             "detect", &detectImages, arg("images"), arg("masks") = py::none(),
             "Does the same for several images and returns a list. There is one mask for each image, or none.")
         .def(
-            "compute", &computeAsCv2, arg("image"), arg("keypoints"), arg("descriptors") = py::none(),
+            "compute", &compute, arg("image"), arg("keypoints"), arg("descriptors") = py::none(),
             "Computes the descriptors of given keypoints. Returns the keypoints that have one, and an array\n"
             "with a row for each, or None if there are none.")
-        .def("compute", &computeImagesAsCv2, arg("images"), arg("keypoints"), arg("descriptors") = py::none(),
+        .def("compute", &computeImages, arg("images"), arg("keypoints"), arg("descriptors") = py::none(),
              "Does the same for several images and returns a list of each.")
-        .def("detectAndCompute", &detectAndComputeAsCv2, arg("image"), arg("mask") = py::none(),
+        .def("detectAndCompute", &detectAndCompute, arg("image"), arg("mask") = py::none(),
              arg("descriptors") = py::none(), arg("useProvidedKeypoints") = false,
              "Returns the keypoints of an image, as a tuple, and their descriptors, as an array with a row "
              "for\n"
@@ -152,114 +96,62 @@ void addProcessing(DetectorClass& detector)
              "keypoint_dtype and an array of descriptors of shape (n, 32), also where n is 0. The field 'pt' "
              "of\n"
              "the first is an array of shape (n, 2).")
+        .def("detectAndComputeBatch", &detectAndComputeBatch, arg("images"), arg("masks") = py::none(),
+             "Returns the features of several images as a FeatureBatch, which has one array for each field. "
+             "They\n"
+             "are those of detectAndComputeArrays for each image. The images are processed side by side, "
+             "each on\n"
+             "one thread. There is one mask for each image, or none. An error names the image, as images[3].")
         .def("buildPyramid", &buildPyramid, arg("image"),
              "Returns the levels of the pyramid in which keypoints are found, as grey images.")
         .def("releaseMemory", &releaseMemory,
              "Frees the work space that the detector keeps between calls. The next call allocates it anew.");
 }
 
+// A default of the table as Python writes it.
+std::string literal(std::string byDefault)
+{
+    if (byDefault == "true")
+        return "True";
+    return byDefault.back() == 'f' ? byDefault.substr(0, byDefault.size() - 1) : byDefault;
+}
+
 void addProperties(DetectorClass& detector)
 {
-    detector
-        .def("setMaxFeatures", set(&Library::setMaxFeatures), arg("maxFeatures"),
-             "Sets the number of keypoints to find; default 500.")
-        .def("getMaxFeatures", get(&Library::getMaxFeatures), "Returns the number of keypoints to find.")
-        .def("setScaleFactor", set(&Library::setScaleFactor), arg("scaleFactor"),
-             "Sets the ratio of the sizes of two neighbouring levels of the pyramid; default 1.2.")
-        .def("getScaleFactor", get(&Library::getScaleFactor),
-             "Returns the ratio of the sizes of two neighbouring levels of the pyramid.")
-        .def("setNLevels", set(&Library::setNLevels), arg("nlevels"),
-             "Sets the number of levels of the pyramid; default 8.")
-        .def("getNLevels", get(&Library::getNLevels), "Returns the number of levels of the pyramid.")
-        .def("setEdgeThreshold", set(&Library::setEdgeThreshold), arg("edgeThreshold"),
-             "Sets the width, in pixels of each level, of the border without keypoints; default 16.")
-        .def("getEdgeThreshold", get(&Library::getEdgeThreshold),
-             "Returns the width, in pixels of each level, of the border without keypoints.")
-        .def("setFirstLevel", set(&Library::setFirstLevel), arg("firstLevel"),
-             "Sets the level of the pyramid that is the image itself; default 0. Lower levels are larger.")
-        .def("getFirstLevel", get(&Library::getFirstLevel),
-             "Returns the level of the pyramid that is the image itself.")
-        .def("setWTA_K", set(&Library::setWTA_K), arg("wta_k"),
-             "Sets how many points each element of a descriptor compares: 2, 3 or 4; default 2.")
-        .def("getWTA_K", get(&Library::getWTA_K),
-             "Returns how many points each element of a descriptor compares.")
-        .def("setScoreType", &setScoreType, arg("scoreType"),
-             "Sets what a response is: cv2.ORB_HARRIS_SCORE, the default, or cv2.ORB_FAST_SCORE.")
-        .def("getScoreType", &getScoreType,
-             "Returns what a response is: cv2.ORB_HARRIS_SCORE or cv2.ORB_FAST_SCORE.")
-        .def("setPatchSize", set(&Library::setPatchSize), arg("patchSize"),
-             "Sets the side, in pixels of a level, of the patch that a descriptor describes; default 31.")
-        .def("getPatchSize", get(&Library::getPatchSize),
-             "Returns the side, in pixels of a level, of the patch that a descriptor describes.")
-        .def("setFastThreshold", set(&Library::setFastThreshold), arg("fastThreshold"),
-             "Sets the scale of the adaptive FAST threshold, or the threshold itself where it is not "
-             "adaptive.\n"
-             "The default, 20, takes equation (7) as it is.")
-        .def("getFastThreshold", get(&Library::getFastThreshold),
-             "Returns the scale of the adaptive FAST threshold, or the threshold itself.")
-        .def("setAdaptiveThreshold", set(&Library::setAdaptiveThreshold), arg("adaptiveThreshold"),
-             "Sets whether the FAST threshold adapts to the image; default True.")
-        .def("getAdaptiveThreshold", get(&Library::getAdaptiveThreshold),
-             "Returns whether the FAST threshold adapts to the image.")
-        .def("setMinThresholdRatio", set(&Library::setMinThresholdRatio), arg("minThresholdRatio"),
-             "Sets how many times lower the FAST threshold is in cells that would stay empty; >= 1, default "
-             "4.")
-        .def("getMinThresholdRatio", get(&Library::getMinThresholdRatio),
-             "Returns how many times lower the FAST threshold is in cells that would stay empty.")
-        .def("setCellSize", set(&Library::setCellSize), arg("cellSize"),
-             "Sets the side, in pixels of a level, of the cells in which the lower threshold may apply; >= "
-             "8,\n"
-             "default 35.")
-        .def("getCellSize", get(&Library::getCellSize),
-             "Returns the side, in pixels of a level, of the cells in which the lower threshold may apply.")
-        .def(
-            "setMaxDepth", set(&Library::setMaxDepth), arg("maxDepth"),
-            "Sets the depth of the quadtree, 0 to 15. The default, -1, is as deep as the number of features\n"
-            "asks for. With 0 corners are chosen by their response alone.")
-        .def("getMaxDepth", get(&Library::getMaxDepth), "Returns the depth of the quadtree, or -1.")
-        .def(
-            "setSelectionType", &setSelectionType, arg("selectionType"),
-            "Sets the rule by which the corners of a level are chosen: "
-            "AdaptiveQuadtreeORB_RANKED_SELECTION,\n"
-            "the default, or AdaptiveQuadtreeORB_BALANCED_SELECTION, the paper's, which gives the keypoints\n"
-            "of version 0.1.")
-        .def("getSelectionType", &getSelectionType,
-             "Returns the rule by which the corners of a level are chosen.")
-        .def("setStrengthWeight", set(&Library::setStrengthWeight), arg("strengthWeight"),
-             "Sets how much the strength of a corner counts against an even distribution, 0 (most even) to\n"
-             "1000 (by strength alone); default 0.15. It has an effect with the ranked selection only.")
-        .def("getStrengthWeight", get(&Library::getStrengthWeight),
-             "Returns how much the strength of a corner counts against an even distribution.")
-        .def(
-            "setRankRadius", set(&Library::setRankRadius), arg("rankRadius"),
-            "Sets how far around a corner stronger ones are counted, 0 to 16, in units of the mean distance\n"
-            "between the features of a level; default 1. It has an effect with the ranked selection only.")
-        .def("getRankRadius", get(&Library::getRankRadius),
-             "Returns how far around a corner stronger ones are counted.")
-        .def("setOctaveSuppression", set(&Library::setOctaveSuppression), arg("octaveSuppression"),
-             "Sets how far a keypoint keeps those of other levels away, in pixels of the finer level. The\n"
-             "default, -1, is 1.15 / (1 + StrengthWeight) with the ranked selection, which is 1 by default, "
-             "and\n"
-             "0.5 with the balanced one.")
-        .def("getOctaveSuppression", get(&Library::getOctaveSuppression),
-             "Returns how far a keypoint keeps those of other levels away, or -1.")
-        .def("setSubPixel", set(&Library::setSubPixel), arg("subPixel"),
-             "Sets whether positions are refined to a fraction of a pixel; default True.")
-        .def("getSubPixel", get(&Library::getSubPixel),
-             "Returns whether positions are refined to a fraction of a pixel.");
+#define AQORB_PROPERTY(property, type, name, key, byDefault, range, text)                           \
+    detector.def(                                                                                   \
+        "set" #property,                                                                            \
+        [](Detector& self, const InPython<type>::Argument& value)                                   \
+        {                                                                                           \
+            const type number = type(toNumber(value, #name));                                       \
+            self.change([=](Library& library) { library.set##property(number); });                  \
+        },                                                                                          \
+                                                                                                    \
+        arg(#name == std::string("nfeatures") ? "maxFeatures" : #key),                              \
+        ("Sets " text ". The default is " + literal(#byDefault) + ".").c_str());                    \
+    detector.def(                                                                                   \
+        "get" #property,                                                                            \
+        [](const Detector& self) { return InPython<type>::Result(self.share()->get##property()); }, \
+        "Returns " text ".");
+    AQORB_PARAMETERS(AQORB_PROPERTY)
+#undef AQORB_PROPERTY
 }
+
+#define AQORB_GETTER(name) [](const Detector& self) { return self.share()->name(); }
 
 // The other methods of cv2.Feature2D.
 void addFeature2D(DetectorClass& detector)
 {
-    detector.def("getDefaultName", &getDefaultName, "Returns the name under which parameters are saved.")
-        .def("descriptorSize", get(&Library::descriptorSize),
+    detector
+        .def("getDefaultName", AQORB_GETTER(getDefaultName),
+             "Returns the name under which parameters are saved.")
+        .def("descriptorSize", AQORB_GETTER(descriptorSize),
              "Returns the number of bytes of a descriptor, 32.")
-        .def("descriptorType", get(&Library::descriptorType),
+        .def("descriptorType", AQORB_GETTER(descriptorType),
              "Returns the type of a descriptor's elements, cv2.CV_8U.")
-        .def("defaultNorm", get(&Library::defaultNorm),
+        .def("defaultNorm", AQORB_GETTER(defaultNorm),
              "Returns the norm to match with: cv2.NORM_HAMMING, or cv2.NORM_HAMMING2 where WTA_K is 3 or 4.")
-        .def("empty", get(&Library::empty), "Returns False, as there are parameters to write.")
+        .def("empty", AQORB_GETTER(empty), "Returns False, as there are parameters to write.")
         .def(
             "clear", [](const Detector&) {}, "Does nothing, as that of cv2.ORB.")
         // The functions for files come last, as they say what is accepted where no other overload is meant.
@@ -271,7 +163,14 @@ void addFeature2D(DetectorClass& detector)
              "Reads the parameters that the map of a cv2.FileNode has. The others keep their values.")
         .def("read", &readFile, arg("fileName"),
              "Reads the parameters that a file has. The others keep their values.")
-        .def(py::pickle(&toText, &fromText));  // for copy, too
+        // For pickle and copy. All protocols take it, so that none makes an object without a detector.
+        .def("__reduce__",
+             [](const Detector& self)
+             {
+                 const py::object fromText = py::module_::import("aqorb").attr("_from_text");
+                 return py::make_tuple(fromText, py::make_tuple(toText(self)));
+             });
+    reinterpret_cast<PyTypeObject*>(detector.ptr())->tp_new = nullptr;
 }
 
 void addFunctions(py::module_& module)
@@ -297,10 +196,26 @@ void addFunctions(py::module_& module)
     module.def("keypointsFromArray", &keypointsFromArray, arg("keypoints"),
                "Returns a tuple of cv2.KeyPoint objects with the values of an array of keypoint_dtype.");
     module.def(
-        "setNumThreads", &setNumThreads, arg("nthreads"),
+        "setNumThreads", [](const IntObject& nthreads) { setNumThreads(toNumber(nthreads, "nthreads")); },
+        arg("nthreads"),
         "Sets the number of threads that a call may use, as cv2.setNumThreads does for cv2. A negative\n"
         "number is the default: the number of processors, or of the variable OPENCV_FOR_THREADS_NUM.");
     module.def("getNumThreads", &getNumThreads, "Returns the number of threads that a call may use.");
+}
+
+// What calls run with.
+std::string buildInformation()
+{
+    std::string kernels = CV_NEON ? "NEON" : CV_SSE2 ? "SSE2" : "plain C++";
+#if defined __GNUC__ && defined __x86_64__  // where cmake/AqorbDispatch.cmake compiles others
+    if (cv::checkHardwareSupport(CV_CPU_AVX512_SKX))
+        kernels = "AVX-512";
+    else if (cv::checkHardwareSupport(CV_CPU_AVX2))
+        kernels = "AVX2";
+#endif
+    const int threads = getNumThreads();
+    return "aqorb " AQORB_VERSION ", OpenCV " + cv::getVersionString() + ", kernels for " + kernels + ", " +
+           std::to_string(threads) + (threads == 1 ? " thread" : " threads");
 }
 
 }  // namespace
@@ -309,13 +224,19 @@ void addFunctions(py::module_& module)
 // the main interpreter's lock.
 #define PyInit__aqorb aqorb_init_in_main_interpreter
 
+#if PYBIND11_VERSION_HEX >= 0x020D0000
+PYBIND11_MODULE(_aqorb, module, py::mod_gil_not_used())  // shared.hpp says what is used in its place
+#else
 PYBIND11_MODULE(_aqorb, module)
+#endif
 {
     module.doc() = "The compiled part of the package aqorb.";
     module.attr("__version__") = AQORB_VERSION;
     module.attr("_has_own_opencv") = prepareThreads();
+    module.def("_build_information", &buildInformation, "What calls run with: versions, kernels, threads.");
     translateErrors();
     module.def("_error", &errorClass);
+    module.def("_from_text", &fromText);
     module.attr("keypoint_dtype") = keypointDtype();
 
     DetectorClass detector(
@@ -333,6 +254,7 @@ PYBIND11_MODULE(_aqorb, module)
     module.attr("AdaptiveQuadtreeORB_create") = detector.attr("create");
     module.attr("AdaptiveQuadtreeORB_RANKED_SELECTION") = int(Library::RANKED_SELECTION);
     module.attr("AdaptiveQuadtreeORB_BALANCED_SELECTION") = int(Library::BALANCED_SELECTION);
+    addMatching(module);
     addFunctions(module);
 }
 

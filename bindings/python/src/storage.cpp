@@ -3,7 +3,7 @@
 // of this distribution.
 // SPDX-License-Identifier: Apache-2.0
 
-#include "storage.hpp"
+#include "detector.hpp"
 
 #include "errors.hpp"
 
@@ -12,6 +12,11 @@ namespace aqorb_python
 
 namespace
 {
+
+std::string messageOf(const py::error_already_set& error)
+{
+    return py::str(error.value());
+}
 
 // The path in the encoding of file names, from whatever open() takes as one.
 std::string toPath(const FileNameObject& fileName, const char* accepted)
@@ -25,32 +30,26 @@ std::string toPath(const FileNameObject& fileName, const char* accepted)
         throwTypeError("fileName", brief(fileName.object), accepted);
     }
     PyObject* bytes = nullptr;
-    if (!PyUnicode_FSConverter(path.ptr(), &bytes))  // a ValueError: the path has a zero in it
-        throw py::error_already_set();
+    if (!PyUnicode_FSConverter(path.ptr(), &bytes))
+    {
+        const py::error_already_set error;  // a ValueError: the path has a zero in it, for example
+        CV_Error_(cv::Error::StsBadArg, ("fileName must be a path of the system, got %s (%s)",
+                                         brief(fileName.object).c_str(), messageOf(error).c_str()));
+    }
     return py::reinterpret_steal<py::bytes>(bytes);
 }
 
-cv::FileStorage open(const std::string& path, int mode, const char* verb)
+[[noreturn]] void failToOpen(const std::string& path, const char* verb, const std::string& reason)
 {
-    std::string reason;
-    try
-    {
-        const cv::FileStorage storage(path, mode);
-        if (storage.isOpened())
-            return storage;
-    }
-    catch (const cv::Exception& exception)
-    {
-        reason = ": " + exception.err;
-    }
-    CV_Error_(cv::Error::StsError, ("fileName: '%s' cannot be %s%s", path.c_str(), verb, reason.c_str()));
+    CV_Error_(cv::Error::StsError, ("fileName must be a file that can be %s, got '%s'%s", verb, path.c_str(),
+                                    reason.empty() ? "" : (" (" + reason + ")").c_str()));
 }
 
 // cv2's storages cannot be had as OpenCV's own objects without linking to cv2, so that the parameters go through a
 // storage in memory.
-cv::FileStorage memoryToWrite()
+cv::FileStorage memoryToWrite(const std::string& name = ".yml")
 {
-    return cv::FileStorage(".yml", cv::FileStorage::WRITE | cv::FileStorage::MEMORY);
+    return cv::FileStorage(name, cv::FileStorage::WRITE | cv::FileStorage::MEMORY);
 }
 
 cv::FileStorage memoryToRead(cv::FileStorage& written)
@@ -62,16 +61,16 @@ cv::FileStorage memoryToRead(cv::FileStorage& written)
 cv::FileStorage parameters(const Detector& detector)
 {
     cv::FileStorage memory = memoryToWrite();
-    detector.get().write(memory);
+    detector.share()->write(memory);
     return memoryToRead(memory);
 }
 
 }  // namespace
 
-std::string toText(const Detector& self)
+std::string toText(const Detector& self, const std::string& name)
 {
-    cv::FileStorage memory = memoryToWrite();
-    self.get().write(memory);
+    cv::FileStorage memory = memoryToWrite(name);
+    self.share()->write(memory);
     return memory.releaseAndGetString();
 }
 
@@ -83,25 +82,51 @@ Detector fromText(const std::string& text)
     return Detector(library);
 }
 
+// By Python, because cv::FileStorage does not tell that a disk is full. The name's end chooses the format.
 void writeFile(const Detector& self, const FileNameObject& fileName)
 {
     const std::string path = toPath(fileName, "a str, a path or a cv2.FileStorage");
-    cv::FileStorage storage = open(path, cv::FileStorage::WRITE, "written");
-    self.get().write(storage);
+    const size_t end = path.size() > 3 ? path.size() - 3 : path.size();
+    const bool isPacked = path.compare(end, std::string::npos, ".gz") == 0;
+    py::object content = py::bytes(toText(self, isPacked ? path.substr(0, end) : path));
+    if (isPacked)
+        content = py::module_::import("gzip").attr("compress")(content);
+    try
+    {
+        const py::object file = py::module_::import("io").attr("open")(py::bytes(path), "wb");
+        file.attr("write")(content);
+        file.attr("close")();
+    }
+    catch (const py::error_already_set& error)
+    {
+        if (!error.matches(PyExc_OSError))
+            throw;
+        failToOpen(path, "written", messageOf(error));
+    }
 }
 
 void readFile(Detector& self, const FileNameObject& fileName)
 {
     const std::string path = toPath(fileName, "a str, a path or a cv2.FileNode");
-    const cv::FileStorage storage = open(path, cv::FileStorage::READ, "read");
-    self.change().read(storage.root());
+    cv::FileStorage storage;
+    try
+    {
+        storage.open(path, cv::FileStorage::READ);
+    }
+    catch (const cv::Exception& exception)
+    {
+        failToOpen(path, "read", exception.err);
+    }
+    if (!storage.isOpened())
+        failToOpen(path, "read", "");
+    self.change([&](Detector::Library& library) { library.read(storage.root()); });
 }
 
 void writeStorage(const Detector& self, const FileStorageObject& storage, const std::string& name)
 {
     if (!storage.object.attr("isOpened")().cast<bool>())
         CV_Error(cv::Error::StsBadArg,
-                 "fs: got a storage that is not open; one that is open to write is accepted");
+                 "fs must be a storage that is open to write, got one that is not open");
     const py::object write = storage.object.attr("write");
     if (!name.empty())
         storage.object.attr("startWriteStruct")(name, int(cv::FileNode::MAP));
@@ -123,9 +148,9 @@ void readNode(Detector& self, const FileNodeObject& node)
 {
     if (!node.object.attr("isMap")().cast<bool>())
         CV_Error_(cv::Error::StsBadArg,
-                  ("fn: got %s; a map of the parameters is accepted",
-                   node.object.attr("isNone")().cast<bool>() ? "a node that does not exist"
-                                                             : "a node that is no map"));
+                  ("fn must be a map of the parameters, got %s", node.object.attr("isNone")().cast<bool>()
+                                                                     ? "a node that does not exist"
+                                                                     : "a node that is no map"));
     const cv::FileStorage known = parameters(self);
     cv::FileStorage memory = memoryToWrite();
     for (const cv::FileNode& parameter : known.root())
@@ -140,7 +165,7 @@ void readNode(Detector& self, const FileNodeObject& node)
             memory.write(key, std::string("no number"));
     }
     const cv::FileStorage given = memoryToRead(memory);
-    self.change().read(given.root());
+    self.change([&](Detector::Library& library) { library.read(given.root()); });
 }
 
 }  // namespace aqorb_python

@@ -5,33 +5,86 @@
 
 #include "threads.hpp"
 
+#include "image_loop.hpp"
+
 #include <pybind11/pybind11.h>
+
+#include <opencv2/aqorb.hpp>
 
 #include <opencv2/core/utility.hpp>
 
+#ifndef _WIN32
 #include <pthread.h>
+#endif
+
+#include <algorithm>
+#include <chrono>
+#include <condition_variable>
+#include <mutex>
+#include <new>
+#include <thread>
+#include <vector>
 
 #ifdef AQORB_BUNDLE_OPENCV
 #include <opencv2/core/parallel/parallel_backend.hpp>
 
-#include <algorithm>
 #include <atomic>
-#include <condition_variable>
 #include <memory>
-#include <mutex>
 #include <system_error>
-#include <thread>
-#include <vector>
 #endif
 
 namespace aqorb_python
 {
 
+namespace py = pybind11;
+
 namespace
 {
 
-// Calls hold it as readers; a fork and a change of the number of threads as writers.
-pthread_rwlock_t calls = PTHREAD_RWLOCK_INITIALIZER;
+// The calls of the library that are under way. A fork and a change of the number of threads wait until there are none, and
+// calls that begin later wait for them.
+class Calls
+{
+public:
+    void begin()
+    {
+        std::unique_lock<std::mutex> lock(mutex);
+        changed.wait(lock, [this] { return stopping == 0; });
+        running++;
+    }
+
+    void end()
+    {
+        std::lock_guard<std::mutex> lock(mutex);
+        if (--running == 0 && stopping > 0)
+            changed.notify_all();
+    }
+
+    void stop()
+    {
+        std::unique_lock<std::mutex> lock(mutex);
+        stopping++;
+        changed.wait(lock, [this] { return running == 0 && !stopped; });
+        stopped = true;
+    }
+
+    void resume()
+    {
+        std::lock_guard<std::mutex> lock(mutex);
+        stopping--;
+        stopped = false;
+        changed.notify_all();
+    }
+
+private:
+    std::mutex mutex;
+    std::condition_variable changed;
+    int running = 0;
+    int stopping = 0;  // how many want that there are no calls; one at a time has it
+    bool stopped = false;
+};
+
+Calls& calls = *new Calls;  // never deleted: threads may wait in it when the process ends
 
 #ifdef AQORB_BUNDLE_OPENCV
 
@@ -222,27 +275,55 @@ void forgetThreads()
 
 void waitForCalls()
 {
-    pthread_rwlock_wrlock(&calls);
+    calls.stop();
+}
+
+void resumeCalls()
+{
+    calls.resume();
+}
+
+// Other Python threads run until the calls have ended.
+void stopCalls()
+{
+    whileOthersRun(&waitForCalls);
+}
+
+std::mutex sharingMutex;
+
+#ifndef _WIN32  // where processes do not fork
+
+void beforeFork()
+{
+    sharingMutex.lock();
 }
 
 void afterForkInParent()
 {
-    pthread_rwlock_unlock(&calls);
+    sharingMutex.unlock();
 }
 
 void afterForkInChild()
 {
-    const pthread_rwlock_t unlocked = PTHREAD_RWLOCK_INITIALIZER;
-    calls = unlocked;
+    sharingMutex.unlock();
+    new (&calls) Calls;  // the parent's may be locked by a thread that is not here
     forgetThreads();
 }
+
+#endif
 
 }  // namespace
 
 bool prepareThreads()
 {
     const bool own = useThreads();
-    pthread_atfork(&waitForCalls, &afterForkInParent, &afterForkInChild);
+#ifndef _WIN32
+    // By Python, because in a handler of the C library the GIL is held. The child's is needed for forks of others, too.
+    py::module_::import("os").attr("register_at_fork")(py::arg("before") = py::cpp_function(&stopCalls),
+                                                       py::arg("after_in_parent") =
+                                                           py::cpp_function(&resumeCalls));
+    pthread_atfork(&beforeFork, &afterForkInParent, &afterForkInChild);
+#endif
     // A daemon thread may be in a call when the interpreter ends. The objects that the library uses are destroyed next.
     Py_AtExit(&waitForCalls);
     return own;
@@ -255,19 +336,88 @@ int getNumThreads()
 
 void setNumThreads(int number)
 {
-    pthread_rwlock_wrlock(&calls);
+    stopCalls();
     cv::setNumThreads(number);
-    pthread_rwlock_unlock(&calls);
+    resumeCalls();
 }
 
-Call::Call()
+std::mutex& sharing()
 {
-    pthread_rwlock_rdlock(&calls);
+    return sharingMutex;
 }
 
-Call::~Call()
+PyThreadState* releaseGil()
 {
-    pthread_rwlock_unlock(&calls);
+    return PyEval_SaveThread();
+}
+
+// At the interpreter's exit Python ends a daemon thread here by unwinding its stack. That would release Python objects
+// without the lock, so such a thread sleeps until the process ends, as Python 3.14 has it.
+void acquireGil(PyThreadState* thread)
+{
+    try
+    {
+        PyEval_RestoreThread(thread);
+    }
+    catch (...)
+    {
+        for (;;)
+            std::this_thread::sleep_for(std::chrono::hours(1));
+    }
+}
+
+CallScope::CallScope()
+{
+    calls.begin();
+}
+
+CallScope::~CallScope()
+{
+    calls.end();
+}
+
+// The threads are not those of cv::parallel_for_: a process that forks between two images, or that changes the number of
+// threads, must not be in the middle of a loop of OpenCV.
+static void runThreads(size_t count, const std::function<void()>& work)
+{
+    std::vector<std::thread> others;
+    try
+    {
+        others.reserve(count - 1);
+        while (others.size() < count - 1)
+            others.emplace_back(work);
+    }
+    catch (const std::exception&)
+    {
+        // As many as the system lets the process have.
+    }
+    work();
+    for (std::thread& other : others)
+        other.join();
+}
+
+void forEachImage(size_t count, const std::function<void(size_t)>& process)
+{
+    cv::aqorb::ImageLoop loop(count);
+    const auto call = [&](size_t i)
+    {
+        const CallScope scope;
+        process(i);
+    };
+    whileOthersRun(
+        [&]
+        {
+            const size_t threads = std::min(size_t(std::max(getNumThreads(), 1)), count);
+            if (threads <= 1)
+                return loop.work(call);
+            runThreads(threads,
+                       [&]
+                       {
+                           const cv::aqorb::AdaptiveQuadtreeORB::SingleThreadScope scope;
+                           loop.work(call);
+                       });
+        });
+    loop.check();
 }
 
 }  // namespace aqorb_python

@@ -5,23 +5,42 @@
 """What the tests of the package share."""
 
 import ctypes
+import sys
 
-import cv2 as cv
 import numpy as np
 import pytest
 
 import aqorb
 
+LINUX = pytest.mark.skipif(not sys.platform.startswith('linux'), reason='looks into /proc, forks, or limits memory')
+
 
 @pytest.fixture(scope='session')
 def image():
     noise = np.random.RandomState(3).randint(0, 256, (60, 80), np.uint8)
-    return cv.resize(noise, (640, 480), interpolation=cv.INTER_NEAREST)
+    return np.repeat(np.repeat(noise, 8, axis=0), 8, axis=1)
 
 
 @pytest.fixture
 def orb():
     return aqorb.AdaptiveQuadtreeORB_create(300)
+
+
+@pytest.fixture
+def unusual():
+    """A detector none of whose properties has its default, and their values by name."""
+    orb = aqorb.AdaptiveQuadtreeORB_create()
+    values = {}
+    for name in [name[3:] for name in dir(orb) if name.startswith('set')]:
+        value = getattr(orb, 'get' + name)()
+        values[name] = (not value if isinstance(value, bool) else
+                        value + 1 if isinstance(value, int) else max(value, 0) + 1 / 3)
+        getattr(orb, 'set' + name)(values[name])
+    return orb, values
+
+
+def values_of(orb, names):
+    return {name: getattr(orb, 'get' + name)() for name in names}
 
 
 def never_freed(item):

@@ -17,6 +17,7 @@ import numpy as np
 import pytest
 
 import aqorb
+from conftest import values_of
 
 
 def storage_of(text):
@@ -71,17 +72,17 @@ def test_file_names_that_are_no_unicode(tmp_path, orb):
 @pytest.mark.parametrize('method', ['write', 'save', 'read'])
 @pytest.mark.parametrize('wrong', [5, None, 2.5, ['orb.yml'], Path(5), np.zeros(3)])
 def test_things_that_are_no_file(orb, method, wrong):
-    with pytest.raises(TypeError, match=r'fileName: got .+; a str.* is accepted') as raised:
+    with pytest.raises(TypeError, match=r'fileName must be a str.*, got .+') as raised:
         getattr(orb, method)(wrong)
     assert '{!r}'.format(wrong) in str(raised.value) or type(wrong).__name__ in str(raised.value)
 
 
 def test_what_is_accepted_instead_of_a_file_name(orb):
-    with pytest.raises(TypeError, match='cv2.FileStorage is accepted'):
+    with pytest.raises(TypeError, match='must be .* or a cv2.FileStorage, got'):
         orb.write(5)
-    with pytest.raises(TypeError, match='cv2.FileNode is accepted'):
+    with pytest.raises(TypeError, match='must be .* or a cv2.FileNode, got'):
         orb.read(5)
-    with pytest.raises(TypeError, match='fileName: got an object of type cv2.FileStorage; .*cv2.FileNode'):
+    with pytest.raises(TypeError, match='fileName must be .*cv2.FileNode, got an object of type cv2.FileStorage'):
         orb.read(storage_of('{}'))
 
 
@@ -90,30 +91,30 @@ def test_files_that_cannot_be_read(tmp_path, orb, content):
     path = tmp_path / 'wrong.json'
     if content is not None:
         path.write_bytes(content)
-    with pytest.raises(aqorb.error, match=r"fileName: '.*wrong\.json' cannot be read") as raised:
+    with pytest.raises(aqorb.error, match=r"fileName must be a file that can be read, got '.*wrong\.json'") as raised:
         orb.read(path)
     assert isinstance(raised.value, cv.error)
-    with pytest.raises(aqorb.error, match=r"fileName: '.*' cannot be written"):
+    with pytest.raises(aqorb.error, match=r"fileName must be a file that can be written, got '.*' \(.*Is a directory"):
         orb.write(tmp_path)
     for call in orb.read, orb.write:
-        with pytest.raises(aqorb.error, match="fileName: '' cannot be"):
+        with pytest.raises(aqorb.error, match="fileName must be a file that can be .*, got ''"):
             call('')
-        with pytest.raises(ValueError):
+        with pytest.raises(aqorb.error, match=r"fileName must be a path of the system, got 'a\\x00b.yml'"):
             call('a\0b.yml')
 
 
 def test_a_parameter_in_a_file_is_wrong(tmp_path, orb):
     path = tmp_path / 'orb.json'
     path.write_text('{"cellSize": 3}')
-    with pytest.raises(aqorb.error, match='cellSize: got 3'):
+    with pytest.raises(aqorb.error, match='cellSize must be at least 8, got 3'):
         orb.read(path)
     assert orb.getCellSize() == 35
 
 
 @pytest.mark.parametrize('text, message', [
-    ('{"a": 1}', 'fn: got a node that does not exist; a map of the parameters is accepted'),
-    ('{"detector": 1}', 'fn: got a node that is no map; a map of the parameters is accepted'),
-    ('{"detector": [1]}', 'fn: got a node that is no map; a map of the parameters is accepted')])
+    ('{"a": 1}', 'fn must be a map of the parameters, got a node that does not exist'),
+    ('{"detector": 1}', 'fn must be a map of the parameters, got a node that is no map'),
+    ('{"detector": [1]}', 'fn must be a map of the parameters, got a node that is no map')])
 def test_nodes_that_hold_no_parameters(orb, text, message):
     storage = storage_of(text)
     with pytest.raises(aqorb.error, match=message):
@@ -126,14 +127,8 @@ def test_unrelated_keys_are_ignored(orb):
     assert orb.getMaxFeatures() == 77
 
 
-def test_every_parameter_survives_a_storage(tmp_path):
-    values = {'MaxFeatures': 77, 'ScaleFactor': 1.3, 'NLevels': 5, 'EdgeThreshold': 9, 'FirstLevel': 1, 'WTA_K': 3,
-              'ScoreType': 1, 'PatchSize': 25, 'FastThreshold': 7, 'AdaptiveThreshold': False,
-              'MinThresholdRatio': 2.7, 'CellSize': 50, 'MaxDepth': 4, 'SelectionType': 1, 'StrengthWeight': 0.3,
-              'RankRadius': 2.5, 'OctaveSuppression': 0.1, 'SubPixel': False}
-    orb = aqorb.AdaptiveQuadtreeORB_create()
-    for name, value in values.items():
-        getattr(orb, 'set' + name)(value)
+def test_every_parameter_survives_a_storage(tmp_path, unusual):
+    orb, values = unusual
     path = tmp_path / 'orb.xml'
     orb.write(path)
     storage = cv.FileStorage('.yml', cv.FILE_STORAGE_WRITE | cv.FILE_STORAGE_MEMORY)
@@ -142,14 +137,31 @@ def test_every_parameter_survives_a_storage(tmp_path):
     for source in path, written.getNode('detector'):
         other = aqorb.AdaptiveQuadtreeORB_create()
         other.read(source)
-        assert {name: getattr(other, 'get' + name)() for name in values} == values
+        assert values_of(other, values) == values
     for copied in copies_of(orb):
-        assert {name: getattr(copied, 'get' + name)() for name in values} == values
+        assert values_of(copied, values) == values
 
 
 def copies_of(orb):
-    pickled = [pickle.loads(pickle.dumps(orb, protocol)) for protocol in range(2, pickle.HIGHEST_PROTOCOL + 1)]
-    return pickled + [copy.copy(orb), copy.deepcopy(orb)]
+    pickled = [pickle.loads(pickle.dumps(orb, protocol)) for protocol in range(pickle.HIGHEST_PROTOCOL + 1)]
+    function, arguments = orb.__reduce__()
+    return pickled + [copy.copy(orb), copy.deepcopy(orb), function(*arguments)]
+
+
+def test_no_object_is_without_a_detector():
+    class Derived(aqorb.AdaptiveQuadtreeORB):
+        pass
+
+    for kind in aqorb.AdaptiveQuadtreeORB, Derived:
+        for make in kind, lambda: kind.__new__(kind), lambda: object.__new__(kind):
+            with pytest.raises(TypeError):
+                make()
+
+
+@pytest.mark.skipif(not os.path.exists('/dev/full'), reason='needs /dev/full')
+def test_a_disk_that_is_full(orb):
+    with pytest.raises(aqorb.error, match="fileName must be a file that can be written, got '/dev/full'.*No space left"):
+        orb.write('/dev/full')
 
 
 def test_copies(orb, image):
@@ -162,7 +174,7 @@ def test_copies(orb, image):
 
 
 def test_storages_that_are_not_open_to_write(orb):
-    with pytest.raises(aqorb.error, match='fs: got a storage that is not open'):
+    with pytest.raises(aqorb.error, match='fs must be a storage that is open to write'):
         orb.write(cv.FileStorage())
     with pytest.raises(cv.error, match='write'):
         orb.write(storage_of('{}'))
@@ -191,7 +203,7 @@ for source in 'orb.yml', 'orb.xml', 'orb.json', node.getNode('detector'):
 try:
     orb.setMinThresholdRatio(0.5)
 except aqorb.error as error:
-    assert 'minThresholdRatio: got 0' in str(error)
+    assert 'minThresholdRatio must be finite and at least 1, got 0' in str(error)
 '''
 
 

@@ -19,7 +19,8 @@ import pytest
 import aqorb
 
 FOLDER = str(pathlib.Path(aqorb.__file__).resolve().parent.parent)
-MYPY = '[mypy]\n[mypy-cv2.*]\nignore_missing_imports = True\n'  # cv2 4.6 has no stubs
+# cv2 4.6 has no stubs, nor have others that the command needs.
+MYPY = '[mypy]\n[mypy-cv2.*,pyarrow.*,PIL.*,tqdm.*,pycolmap.*]\nignore_missing_imports = True\n'
 FIELDS = ('pt', 'size', 'angle', 'response', 'octave', 'class_id')
 
 
@@ -81,11 +82,11 @@ def test_functions_take_arrays(orb, image):
 
 def test_error_is_what_users_catch(orb):
     assert issubclass(aqorb.error, cv.error) and issubclass(aqorb.error, ValueError)
-    with pytest.raises(aqorb.error, match=r'cellSize: got 1; >= 8 is accepted') as raised:
+    with pytest.raises(aqorb.error, match=r'cellSize must be at least 8, got 1') as raised:
         orb.setCellSize(1)
     assert raised.value.code == cv.Error.StsOutOfRange
-    assert raised.value.err == 'cellSize: got 1; >= 8 is accepted'
-    with pytest.raises(ValueError, match=r'image: got an array of dtype float64 and shape \(4, 5\)'):
+    assert str(raised.value) == raised.value.err == 'cellSize must be at least 8, got 1'
+    with pytest.raises(ValueError, match=r'image must be uint8 .*, got an array of dtype float64 and shape \(4, 5\)'):
         orb.detect(np.zeros((4, 5)))
     with pytest.raises(TypeError):
         orb.detect('image.png')
@@ -113,7 +114,7 @@ def functions(scope):
     for node in scope.body:
         if isinstance(node, ast.FunctionDef):
             found.setdefault(node.name, set()).add(signature(node))
-    return found
+    return {name: signatures for name, signatures in found.items() if name[0] != '_'}
 
 
 def signature(function):
@@ -122,7 +123,9 @@ def signature(function):
 
 
 def documented(function):
-    """The signatures that pybind11 writes into the docstring."""
+    """The signatures that pybind11 writes into the docstring, or that of a function of Python."""
+    if inspect.isfunction(function):
+        return {signature(ast.parse(inspect.getsource(function)).body[0])}
     lines = re.findall(r'^(?:\d+\. )?(\w+\(.*\) -> .*)$', function.__doc__, re.MULTILINE)
     return {signature(ast.parse('def {}: ...'.format(line)).body[0]) for line in lines if '*args' not in line}
 
@@ -130,7 +133,8 @@ def documented(function):
 def test_stub_has_the_signatures():
     stub = ast.parse((pathlib.Path(aqorb.__file__).parent / '__init__.pyi').read_text())
     classes = {node.name: functions(node) for node in stub.body if isinstance(node, ast.ClassDef)}
-    scopes = [(aqorb, functions(stub)), (aqorb.AdaptiveQuadtreeORB, classes['AdaptiveQuadtreeORB'])]
+    scopes = [(aqorb, functions(stub)), (aqorb.AdaptiveQuadtreeORB, classes['AdaptiveQuadtreeORB']),
+              (aqorb.HammingMatcher, classes['HammingMatcher'])]
     for scope, stubbed in scopes:
         compiled = {name for name, member in inspect.getmembers(scope, inspect.isroutine) if name[0] != '_'}
         assert set(stubbed) == compiled
@@ -140,6 +144,8 @@ def test_stub_has_the_signatures():
 
 def texts(function):
     """What pybind11 writes into the docstring beside the signatures."""
+    if inspect.isfunction(function):
+        return {' '.join(function.__doc__.split())}
     parts = re.split(r'^(?:\d+\. )?\w+\((.*)\) -> .*$', function.__doc__, flags=re.MULTILINE)
     return {' '.join(text.split()) for arguments, text in zip(parts[1::2], parts[2::2]) if '*args' not in arguments}
 
@@ -171,7 +177,7 @@ def test_stub_is_a_stub_of_the_package(tmp_path):
     config = tmp_path / 'mypy.ini'
     config.write_text(MYPY)
     allowlist = tmp_path / 'allowlist'  # pybind11's metaclass, and its __init__ that raises
-    allowlist.write_text('aqorb.AdaptiveQuadtreeORB\naqorb.AdaptiveQuadtreeORB.__init__\n')
+    allowlist.write_text('aqorb.AdaptiveQuadtreeORB\naqorb.AdaptiveQuadtreeORB.__init__\naqorb.HammingMatcher\n')
     environment = dict(os.environ, MYPYPATH=FOLDER, PYTHONPATH=FOLDER)
     run = subprocess.run([sys.executable, '-m', 'mypy.stubtest', 'aqorb', '--mypy-config-file', str(config),
                           '--allowlist', str(allowlist)], cwd=str(tmp_path), env=environment,
@@ -253,9 +259,25 @@ def test_a_subinterpreter_is_refused(when):
 
 
 def test_everything_is_documented():
-    assert set(aqorb.__all__) == {name for name in dir(aqorb) if name[0] != '_'}
+    modules = {name for name, _ in inspect.getmembers(aqorb, inspect.ismodule)}  # which other tests import
+    assert set(aqorb.__all__) == {name for name in dir(aqorb) if name[0] != '_'} - modules
     for name in aqorb.__all__:
         assert getattr(aqorb, name).__doc__ or name == 'keypoint_dtype', name
+
+
+def test_features_for_the_matchers_of_cv2(orb, image):
+    mask = np.zeros(image.shape, np.uint8)
+    mask[:, 320:] = 1
+    expected = orb.detectAndCompute(image, mask)
+    features = aqorb.computeImageFeatures2(orb, image, mask)
+    assert features.img_size == (640, 480)
+    assert same(features.getKeypoints(), aqorb.keypointsToArray(expected[0]))
+    assert np.array_equal(features.descriptors.get(), expected[1])
+    other = aqorb.computeImageFeatures2(orb, np.roll(image, 9, 1))
+    matches = cv.detail_BestOf2NearestMatcher(False, 0.3).apply2([features, other])
+    assert matches[1].num_inliers > 50
+    nothing = aqorb.computeImageFeatures2(orb, np.zeros((50, 60), np.uint8))
+    assert nothing.img_size == (60, 50) and len(nothing.getKeypoints()) == 0
 
 
 def test_version():
@@ -276,9 +298,9 @@ def test_keywords_of_cv2(orb, image):
     for call in (lambda: orb.detectAndCompute(image, None, expected[1]),
                  lambda: orb.compute(image, expected[0], expected[1]),
                  lambda: orb.compute([image], [expected[0]], [expected[1]])):
-        with pytest.raises(TypeError, match='descriptors: got an object of type .*; None, as the descriptors are'):
+        with pytest.raises(TypeError, match='descriptors must be None, as the descriptors are returned, got an object of type '):
             call()
-    with pytest.raises(aqorb.error, match='useProvidedKeypoints: got True; False is accepted'):
+    with pytest.raises(aqorb.error, match='useProvidedKeypoints must be False, got True'):
         orb.detectAndCompute(image, None, useProvidedKeypoints=True)
     other = aqorb.AdaptiveQuadtreeORB_create(nfeatures=7, scaleFactor=1.5, nlevels=3, edgeThreshold=20, firstLevel=1,
                                              WTA_K=3, scoreType=1, patchSize=25, fastThreshold=9)

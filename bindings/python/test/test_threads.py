@@ -7,7 +7,6 @@ access to memory, and no touch of a Python object without the GIL, goes unseen."
 
 import multiprocessing
 import os
-import resource
 import subprocess
 import sys
 import threading
@@ -18,7 +17,7 @@ import numpy as np
 import pytest
 
 import aqorb
-from conftest import never_freed
+from conftest import LINUX, never_freed, values_of
 
 SECONDS = 0.5
 OWN_THREADS = pytest.mark.skipif(not aqorb._aqorb._has_own_opencv,
@@ -56,9 +55,10 @@ def count_references(objects):
     lambda orb, image, mask: orb.compute([image] * 50, [KEYPOINTS] * 50),
     lambda orb, image, mask: orb.detectAndCompute(image, mask),
     lambda orb, image, mask: orb.detectAndComputeArrays(image[::-1], mask[::-1]),
+    lambda orb, image, mask: orb.detectAndComputeBatch([image, image[::-1]] * 25, [mask, None] * 25),
     lambda orb, image, mask: orb.buildPyramid(image),
     lambda orb, image, mask: aqorb.adaptiveFastThreshold(image, mask)],
-    ids=['detect', 'detect with some masks', 'compute', 'detectAndCompute', 'arrays', 'pyramid', 'threshold'])
+    ids=['detect', 'detect with some masks', 'compute', 'detectAndCompute', 'arrays', 'batch', 'pyramid', 'threshold'])
 def test_threads_keep_references(call):
     # The images are small, so that the calls begin and end often.
     orb = aqorb.AdaptiveQuadtreeORB_create()
@@ -79,6 +79,8 @@ def test_threads_keep_references_when_calls_fail():
     def fail():
         with pytest.raises(aqorb.error, match='mask'):
             orb.detect([image] * 10, [mask] * 9 + [wrong])
+        with pytest.raises(aqorb.error, match=r'images\[8\]: mask'):
+            orb.detectAndComputeBatch([image] * 10, [mask] * 8 + [wrong] * 2)
 
     before = count_references((image, mask, wrong))
     run_together(*[fail] * 4)
@@ -114,23 +116,14 @@ def test_reading_parameters_during_a_call(tmp_path, image):
     run_together(*[lambda: orb.detectAndComputeArrays(image[:120, :160])] * 2, lambda: [orb.read(f) for f in files])
 
 
-def test_a_setter_during_a_call_changes_its_own_property_only(image):
+def test_a_setter_during_a_call_changes_its_own_property_only(unusual, image):
     # A setter goes on with a copy of the detector while another thread uses it.
-    orb = aqorb.AdaptiveQuadtreeORB_create()
-    values = {'MaxFeatures': 77, 'ScaleFactor': 1.3, 'NLevels': 5, 'EdgeThreshold': 9, 'FirstLevel': 1, 'WTA_K': 3,
-              'ScoreType': 1, 'PatchSize': 25, 'FastThreshold': 7, 'AdaptiveThreshold': False,
-              'MinThresholdRatio': 2.7, 'CellSize': 50, 'MaxDepth': 4, 'SelectionType': 1, 'StrengthWeight': 0.3,
-              'RankRadius': 2.5, 'OctaveSuppression': 0.3, 'SubPixel': False}
-    assert set(values) == {name[3:] for name in dir(orb) if name.startswith('set')}
-    for name, value in values.items():
-        assert getattr(orb, 'get' + name)() != value
-        getattr(orb, 'set' + name)(value)
+    orb, values = unusual
 
     def change():
         orb.setCellSize(60)
-        orb.setCellSize(50)
-        for name, value in values.items():
-            assert getattr(orb, 'get' + name)() == value, name
+        orb.setCellSize(values['CellSize'])
+        assert values_of(orb, values) == values
 
     run_together(*[lambda: orb.detectAndComputeArrays(image)] * 2, change)
 
@@ -147,7 +140,7 @@ def test_a_list_that_changes_while_it_is_read(orb, image):
             items.extend(taken)
 
     run_together(lambda: aqorb.keypointsToArray(keypoints), lambda: orb.compute(image, keypoints),
-                 lambda: orb.detect(images), change)
+                 lambda: orb.detect(images), lambda: orb.detectAndComputeBatch(images), change)
 
 
 def test_a_keypoint_that_changes_its_list():
@@ -170,16 +163,17 @@ image = np.random.RandomState(0).randint(0, 256, (480, 640)).astype(np.uint8)
 orb = aqorb.AdaptiveQuadtreeORB_create()
 def run():
     while True:
-        orb.detectAndComputeArrays(image)
+        {}
 for _ in range(3):
     threading.Thread(target=run, daemon=True).start()
 time.sleep(0.2)
 '''
 
 
-def test_the_interpreter_exits_during_a_call():
+@pytest.mark.parametrize('call', ['orb.detectAndComputeArrays(image)', 'orb.detectAndComputeBatch([image] * 20)'])
+def test_the_interpreter_exits_during_a_call(call):
     # With detectAndCompute, cv2.KeyPoint aborts the process here, as cv2's own functions do.
-    run = subprocess.run([sys.executable, '-c', EXIT], stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True,
+    run = subprocess.run([sys.executable, '-c', EXIT.format(call)], stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True,
                          timeout=60)
     assert run.returncode == 0, run.stdout
 
@@ -194,6 +188,7 @@ POINTS = aqorb.keypointsToArray([cv.KeyPoint(999, 999, 31)] * 1000)
     lambda orb, image: orb.compute([image], [POINTS]),
     lambda orb, image: orb.detectAndCompute(image, None),
     lambda orb, image: orb.detectAndComputeArrays(image),
+    lambda orb, image: orb.detectAndComputeBatch([image, image[:99]]),
     lambda orb, image: aqorb.adaptiveFastThreshold(image)])
 def test_the_gil_is_released(orb, call):
     # Within the switch interval another thread runs only if this one lets it. The image is blank, as making a
@@ -262,7 +257,11 @@ def test_setting_the_number_of_threads_during_a_call(orb, image, threads):
     def detect():
         assert np.array_equal(orb.detectAndComputeArrays(image)[1], expected)
 
-    run_together(detect, detect, lambda: [aqorb.setNumThreads(number) for number in (1, 4, 2)])
+    def detect_in_batch():
+        batch = orb.detectAndComputeBatch([image] * 5)
+        assert all(np.array_equal(batch.descriptors[batch.rows(i)], expected) for i in range(5))
+
+    run_together(detect, detect_in_batch, detect_in_batch, lambda: [aqorb.setNumThreads(number) for number in (1, 4, 2)])
 
 
 NUMBER = '''
@@ -276,6 +275,7 @@ print(aqorb.getNumThreads(), len(os.listdir('/proc/self/task')) - before)
 '''
 
 
+@LINUX
 @OWN_THREADS
 @pytest.mark.parametrize('number', [1, 3])
 def test_the_number_of_threads_by_an_environment_variable(number):
@@ -289,6 +289,7 @@ def describe(number):
     return aqorb.AdaptiveQuadtreeORB_create(200).detectAndComputeArrays(image)[1].tobytes()
 
 
+@LINUX
 @OWN_THREADS
 def test_processes_that_are_forked(orb, image, threads):
     aqorb.setNumThreads(3)
@@ -300,8 +301,12 @@ def test_processes_that_are_forked(orb, image, threads):
         while not stop.is_set():
             orb.detectAndComputeArrays(image)
 
+    def detect_in_batches():
+        while not stop.is_set():
+            orb.detectAndComputeBatch([image] * 50)
+
     # The processes begin while other threads are in calls.
-    busy = [threading.Thread(target=detect) for _ in range(2)]
+    busy = [threading.Thread(target=target) for target in (detect, detect, detect_in_batches)]
     for thread in busy:
         thread.start()
     try:
@@ -315,11 +320,97 @@ def test_processes_that_are_forked(orb, image, threads):
     assert [describe(number) for number in range(8)] == expected
 
 
+def fork():
+    child = os.fork()
+    if not child:
+        os._exit(0)
+    return child
+
+
+@pytest.mark.parametrize('wait', [lambda: aqorb.setNumThreads(2), pytest.param(fork, marks=LINUX)],
+                         ids=['setNumThreads', 'fork'])
+def test_who_waits_for_calls_stops_no_thread_of_python(orb, threads, wait):
+    image = np.random.RandomState(0).randint(0, 256, (4000, 4000)).astype(np.uint8)
+
+    def steps_meanwhile():
+        begun, waited = threading.Event(), threading.Event()
+
+        def detect():
+            while not waited.is_set():
+                orb.detectAndComputeArrays(image)
+
+        def begin():
+            begun.set()
+            child = wait()
+            waited.set()
+            if child:
+                os.waitpid(child, 0)
+
+        running = [threading.Thread(target=target) for target in (detect, detect, begin)]
+        for thread in running:
+            thread.start()
+        begun.wait()
+        steps = 0
+        while not waited.is_set():
+            time.sleep(0.001)
+            steps += 1
+        for thread in running:
+            thread.join()
+        return steps
+
+    # A call may end just when somebody begins to wait for it. With the GIL held there are some steps before and after.
+    assert sorted(steps_meanwhile() for _ in range(5))[2] > 12
+
+
+def fork_that_detects():
+    child = os.fork()
+    if not child:
+        os._exit(0 if CHILD.detectAndComputeBatch([SMALL] * 4).offsets[-1] else 1)
+    return child
+
+
+CHILD = aqorb.AdaptiveQuadtreeORB_create()
+SMALL = np.random.RandomState(0).randint(0, 256, (240, 320)).astype(np.uint8)
+
+
+@pytest.mark.parametrize('wait', [lambda: aqorb.setNumThreads(3), fork_that_detects], ids=['setNumThreads', 'fork'])
+@pytest.mark.parametrize('number', [1, 2])
+def test_who_waits_for_calls_waits_for_no_whole_batch(orb, threads, number, wait):
+    images = [np.random.RandomState(0).randint(0, 256, (480, 640)).astype(np.uint8)] * 400
+    aqorb.setNumThreads(number)
+    expected = orb.detectAndComputeArrays(images[0])[1]
+
+    def goes_on_afterwards():
+        begun, ended, batches = threading.Event(), threading.Event(), []
+
+        def detect():
+            begun.set()
+            batches.append(orb.detectAndComputeBatch(images))
+            ended.set()
+
+        thread = threading.Thread(target=detect)
+        thread.start()
+        begun.wait()
+        time.sleep(0.02)
+        child = wait()
+        time.sleep(0.1)  # a batch that is complete by now ends
+        goes_on = not ended.is_set()
+        thread.join()
+        if child:
+            assert os.waitstatus_to_exitcode(os.waitpid(child, 0)[1]) == 0
+        assert np.array_equal(batches[0].descriptors.reshape(400, -1, 32), np.stack([expected] * 400))
+        return goes_on
+
+    # Another program may keep this thread from running for as long as the batch takes.
+    assert any(goes_on_afterwards() for _ in range(4))
+
+
 def count_threads_of_a_child(_):
     describe(0)
     return aqorb.getNumThreads(), threads_of_process()
 
 
+@LINUX
 @OWN_THREADS
 def test_a_forked_process_has_threads_of_its_own(threads):
     aqorb.setNumThreads(3)
@@ -339,11 +430,16 @@ expected = aqorb.AdaptiveQuadtreeORB_create().detectAndComputeArrays(image)[1]
 aqorb.setNumThreads(4)
 resource.setrlimit(resource.RLIMIT_AS, (2 << 30, 2 << 30))
 assert np.array_equal(aqorb.AdaptiveQuadtreeORB_create().detectAndComputeArrays(image)[1], expected)
+batch = aqorb.AdaptiveQuadtreeORB_create().detectAndComputeBatch([image] * 3)
+assert np.array_equal(batch.descriptors, np.concatenate([expected] * 3))
 '''
 
 
+@LINUX
 @OWN_THREADS
 def test_goes_on_where_no_thread_can_be_started():
+    import resource  # which Windows does not have
+
     # A thread's stack would be larger than the memory that the process may have.
     def limit_stack():
         resource.setrlimit(resource.RLIMIT_STACK, (4 << 30, resource.getrlimit(resource.RLIMIT_STACK)[1]))

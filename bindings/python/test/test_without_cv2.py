@@ -5,6 +5,7 @@
 """Tests of the package where cv2 is not installed or does not work, and that cv2 is imported no sooner than it is needed."""
 
 import os
+import re
 import subprocess
 import sys
 
@@ -44,6 +45,8 @@ assert len(aqorb.retainUniform(keypoints, (640, 480), 5)) == 5
 assert aqorb.distributionOccupancy(keypoints, (640, 480)) > .5
 assert aqorb.distributionUniformity(keypoints, (640, 480)) > 0
 assert np.array_equal(aqorb.keypointsToArray(keypoints), keypoints)
+batch = orb.detectAndComputeBatch([image, None, image], [image > 0, None, image > 0])
+assert np.array_equal(batch.keypoints(2), keypoints) and np.array_equal(batch.descriptors[300:], descriptors)
 assert len(orb.buildPyramid(image)) == 8 and aqorb.adaptiveFastThreshold(image) > 0
 assert orb.compute(image, []) == ((), None) and aqorb.keypointsFromArray(keypoints[:0]) == ()
 ''',
@@ -62,7 +65,7 @@ for wrong in [5], [image]:
     try:
         orb.compute(image, wrong)
     except TypeError as error:
-        assert 'keypoints[0]: got' in str(error) and 'a cv2.KeyPoint is accepted' in str(error)
+        assert 'keypoints[0] must be a cv2.KeyPoint, got' in str(error)
     else:
         raise AssertionError('no error')
 ''',
@@ -91,7 +94,7 @@ for call in orb.write, orb.read:
     try:
         call(5)
     except TypeError as error:
-        assert 'fileName: got 5' in str(error)
+        assert 'got 5' in str(error)
     else:
         raise AssertionError('no error')
 '''], ids=['arrays', 'keypoints', 'errors', 'files'])
@@ -129,6 +132,7 @@ for call, expected in ((lambda: orb.detect(image), ImportError), (lambda: orb.co
 @pytest.mark.parametrize('needs', ["orb.detect(image)", "aqorb.error", "from aqorb import error",
                                    "aqorb.keypointsFromArray(np.zeros(1, aqorb.keypoint_dtype))"])
 def test_cv2_is_imported_when_it_is_needed(needs):
+    pytest.importorskip('cv2')
     run(BEGIN.replace("sys.modules['cv2'] = None", '') + '''
 orb.detectAndComputeArrays(image)
 orb.compute(image, orb.detectAndComputeArrays(image)[0])
@@ -138,3 +142,11 @@ assert 'cv2' in sys.modules
 import cv2
 assert issubclass(aqorb.error, cv2.error) and issubclass(aqorb.error, ValueError)
 '''.format(needs))
+
+
+def test_version():
+    program = "import sys, runpy; sys.modules['cv2'] = None; sys.argv = ['aqorb', '--version']; runpy.run_module('aqorb', run_name='__main__')"
+    run = subprocess.run([sys.executable, '-c', program], stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True,
+                         env=dict(os.environ, PYTHONPATH=FOLDER, OPENCV_FOR_THREADS_NUM='1'))
+    assert re.search(r'^aqorb {}, OpenCV \d[\w.-]+, kernels for (plain C\+\+|[A-Z0-9-]+), \d+ threads?$'.format(
+        re.escape(aqorb.__version__)), run.stdout, re.MULTILINE), run.stdout

@@ -1,0 +1,22 @@
+// This file is part of aqorb. Copyright (C) The aqorb developers.
+// It is subject to the license terms in the LICENSE file found in the top-level directory
+// of this distribution.
+// SPDX-License-Identifier: Apache-2.0
+
+#ifndef OPENCV_AQORB_PRELOAD_HPP
+#define OPENCV_AQORB_PRELOAD_HPP
+
+// What the definitions that take the place of OpenCV's have in common.
+
+namespace aqorb_preload
+{
+
+//! Whether an environment variable is 1. Throws if it is anything but 0, 1 or empty.
+bool isVariableOn(const char* name);
+
+//! OpenCV's definition of a function, by the name that both have; null if there is none.
+void* originalOf(void* own);
+
+}  // namespace aqorb_preload
+
+#endif

@@ -1,0 +1,51 @@
+# This file is part of aqorb. Copyright (C) The aqorb developers.
+# It is subject to the license terms in the LICENSE file found in the top-level directory
+# of this distribution.
+# SPDX-License-Identifier: Apache-2.0
+"""What detectAndComputeBatch returns."""
+
+import operator
+import typing
+
+import numpy
+
+from . import keypoint_dtype
+
+
+class FeatureBatch(typing.NamedTuple):
+    """The features of several images: one array for each field, with the features of one image after those of another.
+    Those of image i are at offsets[i] to offsets[i + 1] - 1 in each of the other arrays. The fields are those of
+    keypoint_dtype. All arrays are contiguous: float32, int32 for octave, uint8 of shape (n, 32) for descriptors, and int64
+    for offsets, of which there is one more than there are images."""
+
+    x: numpy.ndarray
+    y: numpy.ndarray
+    size: numpy.ndarray
+    angle: numpy.ndarray
+    response: numpy.ndarray
+    octave: numpy.ndarray
+    descriptors: numpy.ndarray
+    offsets: numpy.ndarray
+
+    def rows(self, image):
+        """Returns the features of an image as a slice of each array but offsets. A negative number counts from the last
+        image."""
+        count = len(self.offsets) - 1
+        index = operator.index(image)
+        if not -count <= index < count:
+            accepted = 'from {} to {}'.format(-count, count - 1) if count else 'one of 0'
+            raise IndexError('image must be {}, got {}'.format(accepted, index))
+        return slice(int(self.offsets[index % count]), int(self.offsets[index % count + 1]))
+
+    def keypoints(self, image=None):
+        """Returns the keypoints of an image, or of all of them, as an array of keypoint_dtype. It is a copy."""
+        rows = slice(None) if image is None else self.rows(image)
+        array = numpy.empty(len(self.x[rows]), keypoint_dtype)
+        array['pt'] = numpy.stack((self.x[rows], self.y[rows]), axis=1)
+        for field in 'size', 'angle', 'response', 'octave':
+            array[field] = getattr(self, field)[rows]
+        array['class_id'] = -1
+        return array
+
+
+FeatureBatch.__module__ = 'aqorb'  # the name by which it is pickled

@@ -1,0 +1,173 @@
+# This file is part of aqorb. Copyright (C) The aqorb developers.
+# It is subject to the license terms in the LICENSE file found in the top-level directory
+# of this distribution.
+# SPDX-License-Identifier: Apache-2.0
+"""Features of many images as tables of pyarrow: what the command aqorb and the sample on a cluster have in common.
+
+A table has a row for each image: its path as bytes; width and height of the upright image in pixels; the lists x, y,
+size, angle, response and octave with an element for each keypoint, as cv2.KeyPoint has them; and descriptors, 32 bytes
+for each keypoint, one after the other. Positions are in pixels of the upright image, also where features were detected
+in a smaller one."""
+
+import collections
+import concurrent.futures
+import itertools
+
+import numpy as np
+import pyarrow as pa
+
+import aqorb
+
+READERS = 'pillow', 'cv2'
+COLUMNS = (('x', 'float32'), ('y', 'float32'), ('size', 'float32'), ('angle', 'float32'), ('response', 'float32'),
+           ('octave', 'int32'))
+SCHEMA = pa.schema([('path', pa.binary()), ('width', pa.int32()), ('height', pa.int32())] +
+                   [(name, pa.list_(pa.from_numpy_dtype(np.dtype(kind)))) for name, kind in COLUMNS] +
+                   [('descriptors', pa.binary())])
+
+
+def description(detector, reader='pillow', max_size=None, orientation=True):
+    """What features depend on besides the images, for the metadata of a file: a dict."""
+    if reader == 'pillow':
+        import PIL
+        decoder = 'Pillow ' + PIL.__version__
+    else:
+        import cv2
+        decoder = 'cv2 ' + cv2.__version__
+    parameters = {name[3:]: getattr(detector, 'get' + name[3:])() for name in dir(detector) if name.startswith('set')}
+    return {'version': aqorb.__version__, 'reader': decoder, 'max size': max_size, 'EXIF orientation': orientation,
+            'parameters': parameters}
+
+
+def read_image(file, reader='pillow', max_size=None, orientation=True):
+    """Decodes a binary file that is open. Returns the grey image, in which neither side is longer than max_size, and
+    the width and height that it had before. It is turned as its EXIF data say unless orientation is False. 16 bits are
+    scaled to 8, and of an animation the first frame is taken. What is no image raises an exception."""
+    if not file.read(1):
+        raise ValueError('the file is empty')
+    file.seek(0)
+    return (read_by_pillow if reader == 'pillow' else read_by_cv2)(file, max_size, orientation)
+
+
+def smaller(size, max_size):
+    """A width and a height, reduced so that neither is greater than max_size."""
+    longer = max(size)
+    if not max_size or longer <= max_size:
+        return size
+    return tuple(max(1, round(side * max_size / longer)) for side in size)
+
+
+def read_by_pillow(file, max_size, orientation):
+    from PIL import Image, ImageOps, UnidentifiedImageError
+    try:
+        image = Image.open(file)
+    except UnidentifiedImageError:
+        raise ValueError('it is no image that Pillow can read') from None
+    size = image.size
+    if image.mode in ('L', 'RGB'):
+        image.draft('L', smaller(size, max_size))  # of a JPEG only the brightness is decoded, not much larger than needed
+    image.load()
+    if image.format == 'TIFF':  # Pillow has turned it
+        size = image.size
+    elif orientation:
+        if image.getexif().get(0x0112, 1) >= 5:
+            size = size[::-1]
+        image = ImageOps.exif_transpose(image)
+    if image.mode.startswith('I'):
+        pixels = np.asarray(image).astype(np.int64)
+        if not 0 <= pixels.min() <= pixels.max() <= 65535:
+            raise ValueError('its pixels have more than 16 bits')
+        image = Image.fromarray(((pixels + 128) // 257).astype(np.uint8))
+    elif image.mode == 'F':
+        raise ValueError('its pixels are floating-point numbers, whose range is not known')
+    grey = image.convert('L')
+    if grey.size != smaller(size, max_size):
+        grey = grey.resize(smaller(size, max_size), Image.BICUBIC, reducing_gap=2)
+    return np.asarray(grey), size
+
+
+def read_by_cv2(file, max_size, orientation):
+    import cv2
+    flags = cv2.IMREAD_GRAYSCALE | (0 if orientation else cv2.IMREAD_IGNORE_ORIENTATION)
+    image = cv2.imdecode(np.frombuffer(file.read(), np.uint8), flags)
+    if image is None:
+        raise ValueError('it is no image that cv2 can read')
+    size = image.shape[::-1]
+    if smaller(size, max_size) != size:
+        image = cv2.resize(image, smaller(size, max_size), interpolation=cv2.INTER_AREA)
+    return image, size
+
+
+def scale_up(features, image, size, scaled):
+    """Changes the features of an image of a batch, which were detected at the width and height scaled, to what they are
+    at size."""
+    rows = features.rows(image)
+    scales = [side / smaller for side, smaller in zip(size, scaled)]
+    for positions, scale in zip((features.x, features.y), scales):  # the centre of the first pixel is 0
+        positions[rows] = (positions[rows] + .5) * scale - .5
+    features.size[rows] *= sum(scales) / 2
+
+
+def to_table(paths, sizes, features):
+    """The table of images of the given widths and heights, and an aqorb.FeatureBatch, which is not copied."""
+    offsets = features.offsets.astype(np.int32)
+    columns = [pa.array(paths, pa.binary())]
+    columns += [pa.array([size[i] for size in sizes], pa.int32()) for i in (0, 1)]
+    for name, _ in COLUMNS:
+        columns.append(pa.ListArray.from_arrays(pa.array(offsets), pa.array(getattr(features, name))))
+    buffers = [None, pa.py_buffer(offsets * np.int32(32)), pa.py_buffer(features.descriptors)]
+    columns.append(pa.Array.from_buffers(pa.binary(), len(paths), buffers))
+    return pa.Table.from_arrays(columns, schema=SCHEMA)
+
+
+def descriptors_of(column):
+    """The descriptors of all rows of a table's column as an array (n, 32)."""
+    return np.frombuffer(b''.join(value.as_buffer() for value in column), np.uint8).reshape(-1, 32)
+
+
+def extract(paths, open_file, detector, reader='pillow', max_size=None, orientation=True, threads=1, progress=None):
+    """Reads images and detects their features, in the given number of threads; meanwhile the next images are decoded.
+    open_file is a function that opens a path's file. Returns a table, in the order of the paths, and a list
+    of those that are not in it, each with the reason. progress is called with the number of images that are done."""
+    def decode(path):
+        try:
+            with open_file(path) as file:
+                return read_image(file, reader, max_size, orientation)
+        except Exception as error:  # decoders raise errors of any kind
+            return getattr(error, 'strerror', None) or str(error) or type(error).__name__
+
+    tables, failures, step = [SCHEMA.empty_table()], [], 4 * threads
+    with concurrent.futures.ThreadPoolExecutor(threads) as pool:
+        decoded = map_ahead(pool, decode, paths, 2 * step)
+        try:
+            while True:
+                results = list(itertools.islice(decoded, step))
+                if not results:
+                    break
+                failures += [(path, result) for path, result in results if isinstance(result, str)]
+                good = [(path, *result) for path, result in results if not isinstance(result, str)]
+                if good:
+                    good_paths, images, sizes = zip(*good)
+                    features = detector.detectAndComputeBatch(images)
+                    for i, (image, size) in enumerate(zip(images, sizes)):
+                        if size != image.shape[::-1]:
+                            scale_up(features, i, size, image.shape[::-1])
+                    tables.append(to_table(good_paths, sizes, features))
+                if progress:
+                    progress(len(results))
+        except BaseException:  # Ctrl-C waits for no image that is not begun
+            pool.shutdown(wait=False, cancel_futures=True)
+            raise
+    return pa.concat_tables(tables).combine_chunks(), failures
+
+
+def map_ahead(pool, function, items, count):
+    """Yields each item with the function's value. So many items are worked on, or done, before they are asked for."""
+    ahead = collections.deque()
+    for item in items:
+        ahead.append((item, pool.submit(function, item)))
+        if len(ahead) > count:
+            item, future = ahead.popleft()
+            yield item, future.result()
+    for item, future in ahead:
+        yield item, future.result()

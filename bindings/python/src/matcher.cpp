@@ -1,0 +1,422 @@
+// This file is part of aqorb. Copyright (C) The aqorb developers.
+// It is subject to the license terms in the LICENSE file found in the top-level directory
+// of this distribution.
+// SPDX-License-Identifier: Apache-2.0
+
+#include "matcher.hpp"
+
+#include "arguments.hpp"
+#include "errors.hpp"
+#include "images.hpp"
+#include "keypoints.hpp"
+#include "shared.hpp"
+
+#include <opencv2/aqorb.hpp>
+
+#include <pybind11/stl.h>
+
+#include <climits>
+#include <string>
+#include <utility>
+#include <vector>
+
+namespace aqorb_python
+{
+
+namespace
+{
+
+using py::arg;
+
+typedef cv::aqorb::HammingMatcher Library;
+typedef std::vector<std::vector<cv::DMatch>> MatchLists;
+
+typedef std::pair<ArrayObject, ArrayObject> Arrays;
+
+// cv2.DMatch, once it is known.
+Made<PyObject*> matchType;
+
+// Called before a call that will return matches begins to work.
+void importMatch()
+{
+    if (matchType.get())
+        return;
+    try
+    {
+        matchType.set(py::object(py::module_::import("cv2").attr("DMatch")).release().ptr());
+    }
+    catch (py::error_already_set& error)
+    {
+        if (!error.matches(PyExc_ImportError) && !error.matches(PyExc_AttributeError))
+            throw;
+        py::raise_from(error, PyExc_ImportError,
+                       "matches are objects of cv2, which cannot be imported: install opencv-python or "
+                       "opencv-python-headless, or call matchArrays or knnMatchArrays, which need no cv2");
+        throw py::error_already_set();
+    }
+}
+
+py::tuple toMatches(const std::vector<cv::DMatch>& matches)
+{
+    py::tuple result(matches.size());
+    for (size_t i = 0; i < matches.size(); i++)
+    {
+        const cv::DMatch& match = matches[i];
+        result[i] =
+            py::handle(*matchType.get())(match.queryIdx, match.trainIdx, match.imgIdx, match.distance);
+    }
+    return result;
+}
+
+MatchListsObject toMatchLists(const MatchLists& lists)
+{
+    py::tuple result(lists.size());
+    for (size_t i = 0; i < lists.size(); i++)
+        result[i] = toMatches(lists[i]);
+    return {result};
+}
+
+// An array of int32 with the elements of a matrix of so many columns; of shape (rows,) for 0 columns.
+ArrayObject toIntegers(const cv::Mat& mat, int columns)
+{
+    std::vector<py::ssize_t> shape(1, mat.rows);
+    if (columns > 0)
+        shape.push_back(columns);
+    py::array_t<int> result(shape);
+    for (int i = 0; i < mat.rows; i++)
+        std::copy(mat.ptr<int>(i), mat.ptr<int>(i) + mat.cols, result.mutable_data() + size_t(i) * mat.cols);
+    return {result};
+}
+
+double toNumber(py::handle source, const char* name)
+{
+    const double number = PyFloat_AsDouble(source.ptr());
+    if (number == -1 && PyErr_Occurred())
+    {
+        PyErr_Clear();
+        throwTypeError(name, brief(source), "a number or None");
+    }
+    return number;
+}
+
+int toDistance(const OptionalIntObject& source)
+{
+    if (source.object.is_none())
+        return -1;
+    const py::object index = py::reinterpret_steal<py::object>(PyNumber_Index(source.object.ptr()));
+    const long number = index ? PyLong_AsLong(index.ptr()) : -1;
+    if (PyErr_Occurred() || number < INT_MIN || number > INT_MAX)
+    {
+        PyErr_Clear();
+        throwTypeError("maxDistance", brief(source.object), "an int or None");
+    }
+    return int(number);
+}
+
+double toRatio(const OptionalFloatObject& source)
+{
+    return source.object.is_none() ? 0 : toNumber(source.object, "ratio");
+}
+
+// The matcher of a Python program, which several of its threads may share.
+class Matcher
+{
+public:
+    Matcher(int normType_, bool crossCheck_) : Matcher(Library::create(normType_, crossCheck_), normType_) {}
+    cv::Ptr<Library> share() const { return library.share(); }
+    //! Calls change(matcher), with a copy if a call is under way.
+    template <typename Change> void change(const Change& change)
+    {
+        library.change([](const Library& other) { return copyOf(other, false); }, change);
+    }
+    int norm() const { return normType; }
+    Matcher clone(bool emptyTrainData) const { return Matcher(copyOf(*share(), emptyTrainData), normType); }
+
+private:
+    Matcher(const cv::Ptr<Library>& library_, int normType_) : library(library_), normType(normType_) {}
+    static cv::Ptr<Library> copyOf(const Library& other, bool emptyTrainData)
+    {
+        return other.clone(emptyTrainData).dynamicCast<Library>();
+    }
+
+    Shared<Library> library;
+    const int normType;
+};
+
+Matcher create(int normType, bool crossCheck)
+{
+    return Matcher(normType, crossCheck);
+}
+
+void add(Matcher& self, const ImagesObject& descriptors)
+{
+    const py::tuple items(descriptors.object);
+    std::vector<cv::Mat> copies;
+    for (size_t i = 0; i < items.size(); i++)
+        copies.push_back(toDescriptors(items[i], "descriptors[" + std::to_string(i) + "]").mat.clone());
+    self.change([&](Library& library) { library.add(copies); });
+}
+
+ArrayTupleObject getTrainDescriptors(const Matcher& self)
+{
+    const cv::Ptr<Library> library = self.share();
+    const std::vector<cv::Mat>& images = library->getTrainDescriptors();
+    py::tuple arrays(images.size());
+    for (size_t i = 0; i < images.size(); i++)
+        arrays[i] = toArray(images[i].clone());
+    return {arrays};
+}
+
+std::vector<cv::Mat> matricesOf(const std::vector<Pixels>& pixels)
+{
+    std::vector<cv::Mat> matrices;
+    for (const Pixels& some : pixels)
+        matrices.push_back(some.mat);
+    return matrices;
+}
+
+MatchTupleObject match(const Matcher& self, const OptionalArrayObject& queryDescriptors,
+                       const ImageObject& trainDescriptors, const OptionalArrayObject& mask)
+{
+    importMatch();
+    const cv::Ptr<Library> library = self.share();
+    const Pixels query = toDescriptors(queryDescriptors.object, "queryDescriptors"),
+                 train = toDescriptors(trainDescriptors.object, "trainDescriptors"),
+                 allowed = toMask(mask.object);
+    std::vector<cv::DMatch> matches;
+    withoutGil([&] { library->match(query.mat, train.mat, matches, allowed.mat); });
+    return {toMatches(matches)};
+}
+
+MatchTupleObject matchCollection(const Matcher& self, const OptionalArrayObject& queryDescriptors,
+                                 const MasksObject& masks)
+{
+    importMatch();
+    const cv::Ptr<Library> library = self.share();
+    const Pixels query = toDescriptors(queryDescriptors.object, "queryDescriptors");
+    const std::vector<Pixels> allowed = toMasks(masks.object, library->getTrainDescriptors().size());
+    std::vector<cv::DMatch> matches;
+    withoutGil([&] { library->match(query.mat, matches, matricesOf(allowed)); });
+    return {toMatches(matches)};
+}
+
+MatchListsObject knnMatch(const Matcher& self, const OptionalArrayObject& queryDescriptors,
+                          const ImageObject& trainDescriptors, int k, const OptionalArrayObject& mask,
+                          bool compactResult)
+{
+    importMatch();
+    const cv::Ptr<Library> library = self.share();
+    const Pixels query = toDescriptors(queryDescriptors.object, "queryDescriptors"),
+                 train = toDescriptors(trainDescriptors.object, "trainDescriptors"),
+                 allowed = toMask(mask.object);
+    MatchLists matches;
+    withoutGil([&] { library->knnMatch(query.mat, train.mat, matches, k, allowed.mat, compactResult); });
+    return toMatchLists(matches);
+}
+
+MatchListsObject knnMatchCollection(const Matcher& self, const OptionalArrayObject& queryDescriptors, int k,
+                                    const MasksObject& masks, bool compactResult)
+{
+    importMatch();
+    const cv::Ptr<Library> library = self.share();
+    const Pixels query = toDescriptors(queryDescriptors.object, "queryDescriptors");
+    const std::vector<Pixels> allowed = toMasks(masks.object, library->getTrainDescriptors().size());
+    MatchLists matches;
+    withoutGil([&] { library->knnMatch(query.mat, matches, k, matricesOf(allowed), compactResult); });
+    return toMatchLists(matches);
+}
+
+MatchListsObject radiusMatch(const Matcher& self, const OptionalArrayObject& queryDescriptors,
+                             const ImageObject& trainDescriptors, float maxDistance,
+                             const OptionalArrayObject& mask, bool compactResult)
+{
+    importMatch();
+    const cv::Ptr<Library> library = self.share();
+    const Pixels query = toDescriptors(queryDescriptors.object, "queryDescriptors"),
+                 train = toDescriptors(trainDescriptors.object, "trainDescriptors"),
+                 allowed = toMask(mask.object);
+    MatchLists matches;
+    withoutGil(
+        [&]
+        { library->radiusMatch(query.mat, train.mat, matches, maxDistance, allowed.mat, compactResult); });
+    return toMatchLists(matches);
+}
+
+MatchListsObject radiusMatchCollection(const Matcher& self, const OptionalArrayObject& queryDescriptors,
+                                       float maxDistance, const MasksObject& masks, bool compactResult)
+{
+    importMatch();
+    const cv::Ptr<Library> library = self.share();
+    const Pixels query = toDescriptors(queryDescriptors.object, "queryDescriptors");
+    const std::vector<Pixels> allowed = toMasks(masks.object, library->getTrainDescriptors().size());
+    MatchLists matches;
+    withoutGil(
+        [&] { library->radiusMatch(query.mat, matches, maxDistance, matricesOf(allowed), compactResult); });
+    return toMatchLists(matches);
+}
+
+Arrays matchArrays(const OptionalArrayObject& queryDescriptors, const OptionalArrayObject& trainDescriptors,
+                   const OptionalFloatObject& ratio, bool crossCheck, const OptionalIntObject& maxDistance,
+                   int normType)
+{
+    const Pixels query = toDescriptors(queryDescriptors.object, "queryDescriptors"),
+                 train = toDescriptors(trainDescriptors.object, "trainDescriptors");
+    const double limit = toRatio(ratio);
+    const int longest = toDistance(maxDistance);
+    cv::Mat pairs, distances;
+    withoutGil(
+        [&] {
+            cv::aqorb::matchArrays(query.mat, train.mat, pairs, distances, limit, crossCheck, longest,
+                                   normType);
+        });
+    return Arrays(toIntegers(pairs, 2), toIntegers(distances, 0));
+}
+
+Arrays knnMatchArrays(const OptionalArrayObject& queryDescriptors,
+                      const OptionalArrayObject& trainDescriptors, int k, int normType)
+{
+    const Pixels query = toDescriptors(queryDescriptors.object, "queryDescriptors"),
+                 train = toDescriptors(trainDescriptors.object, "trainDescriptors");
+    cv::Mat indices, distances;
+    withoutGil([&] { cv::aqorb::knnMatchArrays(query.mat, train.mat, indices, distances, k, normType); });
+    return Arrays(toIntegers(indices, k), toIntegers(distances, k));
+}
+
+// Positions as rows of an array of numbers.
+std::vector<cv::Point2f> toPositions(py::handle source, const char* name)
+{
+    const auto array = py::array_t<float, py::array::c_style | py::array::forcecast>::ensure(source);
+    PyErr_Clear();
+    if (!array || !(array.size() == 0 || (array.ndim() == 2 && array.shape(1) == 2)))
+        throwTypeError(name, brief(source), "an array of numbers of shape (n, 2)");
+    std::vector<cv::Point2f> positions;
+    for (py::ssize_t i = 0; i < array.size(); i += 2)
+        positions.push_back(cv::Point2f(array.data()[i], array.data()[i + 1]));
+    return positions;
+}
+
+cv::Size2f toReach(const FloatPairObject& source)
+{
+    const std::vector<cv::Point2f> pair =
+        toPositions(py::make_tuple(source.object), "reach");  // one row of two numbers
+    return pair.empty() ? cv::Size2f(-1, -1) : cv::Size2f(pair[0].x, pair[0].y);
+}
+
+Arrays matchByPosition(const OptionalArrayObject& queryDescriptors, const ArrayObject& predicted,
+                       const OptionalArrayObject& trainDescriptors, const KeyPointsObject& trainKeypoints,
+                       const FloatPairObject& reach, const OptionalFloatObject& ratio, bool crossCheck,
+                       const OptionalIntObject& maxDistance, int normType)
+{
+    const Pixels query = toDescriptors(queryDescriptors.object, "queryDescriptors"),
+                 train = toDescriptors(trainDescriptors.object, "trainDescriptors");
+    const std::vector<cv::Point2f> positions = toPositions(predicted.object, "predicted");
+    const KeyPoints keypoints = toKeyPoints(trainKeypoints.object, "trainKeypoints");
+    const cv::Size2f window = toReach(reach);
+    const double limit = toRatio(ratio);
+    const int longest = toDistance(maxDistance);
+    cv::Mat pairs, distances;
+    withoutGil(
+        [&]
+        {
+            cv::aqorb::matchByPosition(query.mat, positions, train.mat, keypoints.points, window, pairs,
+                                       distances, limit, crossCheck, longest, normType);
+        });
+    return Arrays(toIntegers(pairs, 2), toIntegers(distances, 0));
+}
+
+Arrays matchArraysByNorm(const Matcher& self, const OptionalArrayObject& queryDescriptors,
+                         const OptionalArrayObject& trainDescriptors, const OptionalFloatObject& ratio,
+                         bool crossCheck, const OptionalIntObject& maxDistance)
+{
+    return matchArrays(queryDescriptors, trainDescriptors, ratio, crossCheck, maxDistance, self.norm());
+}
+
+Arrays knnMatchArraysByNorm(const Matcher& self, const OptionalArrayObject& queryDescriptors,
+                            const OptionalArrayObject& trainDescriptors, int k)
+{
+    return knnMatchArrays(queryDescriptors, trainDescriptors, k, self.norm());
+}
+
+const char MATCH_ARRAYS[] =
+    "Returns matches of two sets of descriptors as an array of pairs of indices, int32 of shape (m, 2), and\n"
+    "an array of their distances, int32 of shape (m,). With a ratio, such as 0.8, a match must be nearer\n"
+    "than ratio times the second nearest descriptor; with crossCheck each must be the nearest of the other,\n"
+    "and pass the ratio both ways; maxDistance is the greatest distance that is kept.";
+const char KNN_MATCH_ARRAYS[] =
+    "Returns the k nearest train descriptors of each query: an array of their indices and one of their\n"
+    "distances, int32 of shape (n, k), with -1 where there are fewer.";
+
+void addMatcher(py::module_& module)
+{
+    py::class_<Matcher> matcher(
+        module, "HammingMatcher",
+        "A brute-force matcher of binary descriptors, with the methods and the matches of cv2.BFMatcher for\n"
+        "NORM_HAMMING and NORM_HAMMING2, many times as fast. Methods that match release the GIL.");
+    matcher.attr("__module__") = "aqorb";
+    matcher
+        .def(py::init(&create), arg("normType") = int(cv::NORM_HAMMING), arg("crossCheck") = false,
+             "Creates a matcher. The parameters are those of cv2.BFMatcher.")
+        .def_static("create", &create, arg("normType") = int(cv::NORM_HAMMING), arg("crossCheck") = false,
+                    "Creates a matcher. The parameters are those of cv2.BFMatcher_create.")
+        .def("match", &match, arg("queryDescriptors"), arg("trainDescriptors"), arg("mask") = py::none(),
+             "Returns the best match of each query descriptor, as a tuple.")
+        .def("match", &matchCollection, arg("queryDescriptors"), arg("masks") = py::none(),
+             "Does the same with the descriptors that were added. There is one mask for each image, or none.")
+        .def("knnMatch", &knnMatch, arg("queryDescriptors"), arg("trainDescriptors"), arg("k"),
+             arg("mask") = py::none(), arg("compactResult") = false,
+             "Returns the k best matches of each query descriptor, a tuple for each. With compactResult\n"
+             "queries without a match are left out.")
+        .def("knnMatch", &knnMatchCollection, arg("queryDescriptors"), arg("k"), arg("masks") = py::none(),
+             arg("compactResult") = false,
+             "Does the same with the descriptors that were added. There is one mask for each image, or none.")
+        .def("radiusMatch", &radiusMatch, arg("queryDescriptors"), arg("trainDescriptors"),
+             arg("maxDistance"), arg("mask") = py::none(), arg("compactResult") = false,
+             "Returns the matches of each query descriptor that are at most so far away, a tuple for each.\n"
+             "With compactResult queries without a match come last.")
+        .def("radiusMatch", &radiusMatchCollection, arg("queryDescriptors"), arg("maxDistance"),
+             arg("masks") = py::none(), arg("compactResult") = false,
+             "Does the same with the descriptors that were added. There is one mask for each image, or none.")
+        .def("matchArrays", &matchArraysByNorm, arg("queryDescriptors"), arg("trainDescriptors"),
+             arg("ratio") = py::none(), arg("crossCheck") = true, arg("maxDistance") = py::none(),
+             MATCH_ARRAYS)
+        .def("knnMatchArrays", &knnMatchArraysByNorm, arg("queryDescriptors"), arg("trainDescriptors"),
+             arg("k"), KNN_MATCH_ARRAYS)
+        .def("add", &add, arg("descriptors"),
+             "Adds descriptors of several images, a sequence of arrays. They are copied.")
+        .def("getTrainDescriptors", &getTrainDescriptors,
+             "Returns the descriptors that were added, as a tuple.")
+        .def(
+            "clear", [](Matcher& self) { self.change([](Library& library) { library.clear(); }); },
+            "Removes the descriptors that were added.")
+        .def(
+            "empty", [](const Matcher& self) { return self.share()->empty(); },
+            "Returns whether no descriptors were added.")
+        .def(
+            "train", [](const Matcher&) {}, "Does nothing, as that of cv2.BFMatcher.")
+        .def(
+            "isMaskSupported", [](const Matcher&) { return true; }, "Returns True.")
+        .def("clone", &Matcher::clone, arg("emptyTrainData") = false,
+             "Returns a copy, with the descriptors that were added unless emptyTrainData is True.");
+    module.attr("HammingMatcher_create") = matcher.attr("create");
+}
+
+}  // namespace
+
+void addMatching(py::module_& module)
+{
+    addMatcher(module);
+    module.def("matchArrays", &matchArrays, arg("queryDescriptors"), arg("trainDescriptors"),
+               arg("ratio") = py::none(), arg("crossCheck") = true, arg("maxDistance") = py::none(),
+               arg("normType") = int(cv::NORM_HAMMING), MATCH_ARRAYS);
+    module.def("knnMatchArrays", &knnMatchArrays, arg("queryDescriptors"), arg("trainDescriptors"), arg("k"),
+               arg("normType") = int(cv::NORM_HAMMING), KNN_MATCH_ARRAYS);
+    module.def(
+        "matchByPosition", &matchByPosition, arg("queryDescriptors"), arg("predicted"),
+        arg("trainDescriptors"), arg("trainKeypoints"), arg("reach"), arg("ratio") = py::none(),
+        arg("crossCheck") = true, arg("maxDistance") = py::none(), arg("normType") = int(cv::NORM_HAMMING),
+        "Does what matchArrays does, where only those train keypoints count that lie around the predicted\n"
+        "position of the query: at most reach[0] pixels away in x and reach[1] in y. The predicted\n"
+        "positions are an array of shape (n, 2). An infinite reach[0] gives a band of rows.");
+}
+
+}  // namespace aqorb_python

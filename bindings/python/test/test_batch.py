@@ -1,0 +1,154 @@
+# This file is part of aqorb. Copyright (C) The aqorb developers.
+# It is subject to the license terms in the LICENSE file found in the top-level directory
+# of this distribution.
+# SPDX-License-Identifier: Apache-2.0
+"""Tests of detectAndComputeBatch. What it does while several threads use the package is tested in test_threads.py."""
+
+import pickle
+import sys
+
+import numpy as np
+import pytest
+
+import aqorb
+
+FIELDS = {'x': np.float32, 'y': np.float32, 'size': np.float32, 'angle': np.float32, 'response': np.float32,
+          'octave': np.int32, 'descriptors': np.uint8, 'offsets': np.int64}
+
+
+@pytest.fixture
+def collection(image):
+    """Images of all kinds that a single call takes, and masks for some of them."""
+    color = np.stack([image, image[::-1], image[:, ::-1]], axis=2)
+    images = [image, color[:300], None, np.zeros((90, 80), np.uint8), image[::2, ::3], image[:5, :5], color[..., :1]]
+    masks = [None, np.arange(640) % 100 < 60 * np.ones((300, 1)), None, None, image[::2, ::3], None, None]
+    return images, masks
+
+
+@pytest.fixture(params=[1, 2, 3, 4])
+def threads(request):
+    number = aqorb.getNumThreads()
+    aqorb.setNumThreads(request.param)
+    yield request.param
+    aqorb.setNumThreads(number)
+
+
+def check(batch, orb, images, masks):
+    assert type(batch) is aqorb.FeatureBatch and batch._fields == tuple(FIELDS)
+    for name, array in zip(batch._fields, batch):
+        assert array.dtype == FIELDS[name] and array.flags.c_contiguous, name
+    assert batch.offsets[0] == 0 and len(batch.offsets) == len(images) + 1
+    assert batch.descriptors.shape == (batch.offsets[-1], 32)
+    assert {len(getattr(batch, name)) for name in batch._fields[:-1]} == {batch.offsets[-1]}
+    for i, (image, mask) in enumerate(zip(images, masks)):
+        keypoints, descriptors = orb.detectAndComputeArrays(image, mask)
+        rows = batch.rows(i)
+        assert (rows.start, rows.stop) == (batch.offsets[i], batch.offsets[i + 1])
+        assert np.array_equal(batch.descriptors[rows], descriptors)
+        assert batch.keypoints(i).dtype == aqorb.keypoint_dtype
+        assert np.array_equal(batch.keypoints(i), keypoints)
+        assert np.array_equal(np.stack([batch.x, batch.y], 1)[rows], keypoints['pt'])
+        for name in 'size', 'angle', 'response', 'octave':
+            assert np.array_equal(getattr(batch, name)[rows], keypoints[name])
+
+
+@pytest.mark.parametrize('count', [0, 1, 2, 7])
+def test_equals_a_call_for_each_image_with_any_number_of_threads(orb, collection, threads, count):
+    images, masks = [items[:count] for items in collection]
+    check(orb.detectAndComputeBatch(images, masks), orb, images, masks)
+    check(orb.detectAndComputeBatch(tuple(images)), orb, images, [None] * count)
+    check(orb.detectAndComputeBatch(images=images, masks=[]), orb, images, [None] * count)
+
+
+def test_an_error_of_detect_names_the_first_image(orb, image, threads):
+    pytest.importorskip('cv2')
+    with pytest.raises(aqorb.error, match=r'^images\[1\]: mask must be'):
+        orb.detect([image] * 4, [None, image[1:], None, image[1:]])
+
+
+def test_detect_and_compute_for_several_images_with_any_number_of_threads(orb, collection, threads):
+    pytest.importorskip('cv2')
+    images, masks = collection
+    batch = orb.detectAndComputeBatch(images, masks)
+    found = orb.detect(images, masks)
+    arrays, descriptors = orb.compute(images, [batch.keypoints(i) for i in range(len(images))])
+    for i in range(len(images)):
+        assert np.array_equal(aqorb.keypointsToArray(found[i]), batch.keypoints(i))
+        assert np.array_equal(arrays[i], batch.keypoints(i))
+        rows = np.empty((0, 32), np.uint8) if descriptors[i] is None else descriptors[i]
+        assert np.array_equal(rows, batch.descriptors[batch.rows(i)])
+
+
+def test_the_rows_of_an_image(orb, image):
+    batch = orb.detectAndComputeBatch([image, image[:200], None])
+    assert batch.rows(-1) == batch.rows(2) == slice(600, 600) and batch.rows(-3) == batch.rows(np.int64(0))
+    assert len(batch.keypoints()) == 600 and np.array_equal(batch.keypoints()[batch.rows(1)], batch.keypoints(1))
+    for wrong in 3, -4:
+        for function in batch.rows, batch.keypoints:
+            with pytest.raises(IndexError, match='image must be from -3 to 2, got {}'.format(wrong)):
+                function(wrong)
+    with pytest.raises(TypeError):
+        batch.rows(1.5)
+    with pytest.raises(IndexError, match='image must be one of 0, got 0'):
+        orb.detectAndComputeBatch([]).rows(0)
+
+
+def test_a_batch_can_be_pickled(orb, image):
+    batch = orb.detectAndComputeBatch([image, image[:300]])
+    again = pickle.loads(pickle.dumps(batch))
+    assert type(again) is aqorb.FeatureBatch and all(map(np.array_equal, batch, again))
+
+
+def test_arrow_takes_the_arrays_without_a_copy(orb, image):
+    arrow = pytest.importorskip('pyarrow')
+    batch = orb.detectAndComputeBatch([image, None, image[:200]])
+    for array in batch[:6] + batch[7:]:
+        assert arrow.array(array).buffers()[1].address == array.ctypes.data
+    rows = arrow.FixedSizeBinaryArray.from_buffers(arrow.binary(32), len(batch.x),
+                                                   [None, arrow.py_buffer(batch.descriptors)])
+    assert rows.buffers()[1].address == batch.descriptors.ctypes.data
+    lists = arrow.LargeListArray.from_arrays(arrow.array(batch.offsets), rows)
+    assert [len(rows) for rows in lists] == [300, 0, 300]
+    assert lists[2][5].as_py() == batch.descriptors[305].tobytes()
+
+
+def test_an_error_names_the_first_image(orb, image, threads):
+    small, wrong = image[:90, :80], np.ones((7, 8), np.uint8)
+    message = r"^images\[2\]: mask must be CV_8UC1 of the image's size, 80 x 90, got 8 x 7 of type CV_8UC1$"
+    masks = [None, None, wrong, None, wrong[1:]]
+    with pytest.raises(aqorb.error, match=message):
+        orb.detectAndComputeBatch([small] * 5, masks)
+    keypoints = orb.detectAndComputeArrays(small)[0][:3]
+    turned = keypoints.copy()
+    turned['angle'] = np.inf
+    with pytest.raises(aqorb.error, match=r'^images\[3\]: keypoints must have a finite angle, got inf$'):
+        orb.compute([small] * 5, [keypoints, keypoints, keypoints, turned, turned])
+    check(orb.detectAndComputeBatch([small] * 3), orb, [small] * 3, [None] * 3)
+
+
+@pytest.mark.parametrize('error, arguments, message', [
+    (TypeError, (None,), 'images must be a sequence of numpy arrays, got None'),
+    (TypeError, (np.zeros((3, 40, 40), np.uint8),),
+     'images must be a sequence of numpy arrays, got an object of type numpy.ndarray'),
+    (TypeError, ('photo.jpg',), "images must be a sequence of numpy arrays, got 'photo.jpg'"),
+    (TypeError, ([np.zeros((40, 40), np.uint8), 'photo.jpg'],), "images[1] must be a numpy array, got 'photo.jpg'"),
+    (TypeError, ([], 5), 'masks must be a sequence of numpy arrays or None, got 5'),
+    (TypeError, ([None], [5]), 'masks[0] must be a numpy array or None, got 5'),
+    (aqorb.error, ([None] * 3, [None] * 2), 'masks must be one for each image or none, got 2 for 3 images'),
+    (aqorb.error, ([None, np.zeros((40, 40))],),
+     'images[1] must be uint8 of shape (rows, cols) or (rows, cols, channels) with 1 (grey), 3 (BGR) or 4 (BGRA), got '
+     'an array of dtype float64 and shape (40, 40)')])
+def test_bad_arguments(orb, error, arguments, message):
+    with pytest.raises(error) as raised:
+        orb.detectAndComputeBatch(*arguments)
+    assert str(raised.value) == message
+
+
+def test_references(orb, image, threads):
+    image, wrong = image[:100, :100].copy(), np.ones((3, 3), np.uint8)
+    before = sys.getrefcount(image), sys.getrefcount(wrong)
+    for _ in range(50):
+        orb.detectAndComputeBatch([image] * 5)
+        with pytest.raises(aqorb.error):
+            orb.detectAndComputeBatch([image] * 5, [wrong] * 5)
+    assert (sys.getrefcount(image), sys.getrefcount(wrong)) == before

@@ -1,0 +1,188 @@
+# This file is part of aqorb. Copyright (C) The aqorb developers.
+# It is subject to the license terms in the LICENSE file found in the top-level directory
+# of this distribution.
+# SPDX-License-Identifier: Apache-2.0
+"""Tests of HammingMatcher and of the functions that return matches as arrays, against cv2.BFMatcher."""
+
+import threading
+
+import cv2 as cv
+import numpy as np
+import pytest
+
+import aqorb
+
+
+def descriptors(seed, rows=200, width=32):
+    """Descriptors of which some are equal, and many are at equal distances."""
+    random = np.random.RandomState(seed)
+    some = random.randint(0, 256, (rows, width)).astype(np.uint8)
+    some[rows // 2:] = some[:rows - rows // 2] ^ (random.randint(0, 40, (rows - rows // 2, width)) == 0)
+    return some
+
+
+def values(matches):
+    return [(m.queryIdx, m.trainIdx, m.imgIdx, m.distance) for m in matches]
+
+
+def lists(matches):
+    return [values(some) for some in matches]
+
+
+@pytest.mark.parametrize('norm', [cv.NORM_HAMMING, cv.NORM_HAMMING2])
+@pytest.mark.parametrize('width', [32, 61])
+def test_has_the_matches_of_bfmatcher(norm, width):
+    query, train = descriptors(1, 150, width), descriptors(2, 170, width)
+    train[20:60] = query[30:70]
+    mask = (np.random.RandomState(3).randint(0, 2, (150, 170)) * 255).astype(np.uint8)
+    for cross in (False, True):
+        ours, theirs = aqorb.HammingMatcher(norm, cross), cv.BFMatcher(norm, cross)
+        assert values(ours.match(query, train)) == values(theirs.match(query, train))
+    ours, theirs = aqorb.HammingMatcher_create(norm), cv.BFMatcher_create(norm)
+    assert values(ours.match(query, train, mask)) == values(theirs.match(query, train, mask))
+    assert lists(ours.knnMatch(query, train, 2)) == lists(theirs.knnMatch(query, train, k=2))
+    assert (lists(ours.knnMatch(query, train, 3, mask, True)) ==
+            lists(theirs.knnMatch(query, train, k=3, mask=mask, compactResult=True)))
+    found = lists(ours.radiusMatch(query, train, 4 * width, mask))
+    expected = lists(theirs.radiusMatch(query, train, 4 * width, mask=mask))
+    assert found == [sorted(some, key=lambda match: (match[3], match[1])) for some in expected]
+    assert isinstance(ours.match(query, train), tuple) and isinstance(ours.match(query, train)[0], cv.DMatch)
+    assert isinstance(ours.knnMatch(query, train, 2)[0], tuple)
+
+
+def test_matches_a_collection():
+    query, images = descriptors(1), [descriptors(2, 90), descriptors(3, 110), descriptors(1)]
+    masks = [np.ones((200, 90), np.uint8), None, np.zeros((200, 200), np.uint8)]
+    ours, theirs = aqorb.HammingMatcher(), cv.BFMatcher(cv.NORM_HAMMING)
+    assert ours.empty()
+    ours.add(images)
+    theirs.add(images)
+    ours.train()
+    assert not ours.empty() and ours.isMaskSupported()
+    assert all(np.array_equal(a, b) for a, b in zip(ours.getTrainDescriptors(), images))
+    assert values(ours.match(query)) == values(theirs.match(query))
+    assert lists(ours.knnMatch(query, 2)) == lists(theirs.knnMatch(query, k=2))
+    assert len({match.imgIdx for match in ours.match(query, masks)}) == 2
+    assert values(ours.clone().match(query)) == values(ours.match(query))
+    assert ours.clone(True).empty()
+    ours.clear()
+    assert ours.empty() and ours.match(query) == ()
+
+
+def mutual(query, train, ratio, cross, limit):
+    """What matchArrays documents."""
+    distances = np.unpackbits(query[:, None] ^ train[None], axis=2).sum(axis=2)
+    found = []
+    for i, row in enumerate(distances):
+        j = int(row.argmin())
+        column, passes = distances[:, j], row[j] <= limit
+        if ratio:
+            passes &= row[j] < ratio * np.partition(row, 1)[1]
+        if cross:
+            passes &= column.argmin() == i
+            if ratio:
+                passes &= row[j] < ratio * np.partition(column, 1)[1]
+        if passes:
+            found.append((i, j, row[j]))
+    return np.array(found, np.int32).reshape(-1, 3)
+
+
+@pytest.mark.parametrize('ratio', [None, 0.8])
+@pytest.mark.parametrize('cross', [False, True])
+@pytest.mark.parametrize('limit', [None, 60])
+def test_match_arrays(ratio, cross, limit):
+    query, train = descriptors(1), descriptors(2, 210)
+    train[100:160] = query[10:70] ^ (np.random.RandomState(5).randint(0, 20, (60, 32)) == 0)
+    expected = mutual(query, train, ratio, cross, 256 if limit is None else limit)
+    assert len(expected) > 20
+    for function in (aqorb.matchArrays, aqorb.HammingMatcher().matchArrays):
+        pairs, distances = function(query, train, ratio=ratio, crossCheck=cross, maxDistance=limit)
+        assert pairs.dtype == distances.dtype == np.int32 and distances.shape == (len(pairs),)
+        assert np.array_equal(pairs, expected[:, :2]) and np.array_equal(distances, expected[:, 2])
+
+
+def test_knn_match_arrays():
+    query, train = descriptors(1), descriptors(2, 5)
+    indices, distances = aqorb.knnMatchArrays(query, train, 7)
+    assert indices.shape == distances.shape == (200, 7) and indices.dtype == distances.dtype == np.int32
+    expected = cv.BFMatcher(cv.NORM_HAMMING).knnMatch(query, train, k=5)
+    assert np.array_equal(indices[:, :5], [[match.trainIdx for match in some] for some in expected])
+    assert np.array_equal(distances[:, :5], [[match.distance for match in some] for some in expected])
+    assert (indices[:, 5:] == -1).all() and (distances[:, 5:] == -1).all()
+
+
+def test_no_descriptors():
+    some, none = descriptors(1), np.zeros((0, 32), np.uint8)
+    for nothing in (None, none):
+        for query, train in ((some, nothing), (nothing, some), (nothing, nothing)):
+            pairs, distances = aqorb.matchArrays(query, train)
+            assert pairs.shape == (0, 2) and distances.shape == (0,)
+        assert aqorb.knnMatchArrays(nothing, some, 2)[0].shape == (0, 2)
+    assert aqorb.HammingMatcher().match(some, none) == ()
+
+
+def test_match_by_position():
+    query, train = descriptors(1), descriptors(2, 210)
+    random = np.random.RandomState(4)
+    predicted, points = random.rand(200, 2) * 100, random.rand(210, 2) * 100
+    keypoints = tuple(cv.KeyPoint(float(x), float(y), 31) for x, y in points)
+    array = aqorb.keypointsToArray(keypoints)
+    away = np.abs(predicted.astype(np.float32)[:, None] - array['pt'][None])
+    allowed = (away[..., 0] <= 20) & (away[..., 1] <= 8)
+    distances = np.where(allowed, np.unpackbits(query[:, None] ^ train[None], axis=2).sum(axis=2), 1000)
+    expected = [(i, row.argmin()) for i, row in enumerate(distances) if row.min() < 1000]
+    for trained in (keypoints, array):
+        pairs, lengths = aqorb.matchByPosition(query, predicted, train, trained, (20, 8), crossCheck=False)
+        assert np.array_equal(pairs, expected) and np.array_equal(lengths, distances[tuple(pairs.T)])
+    everywhere = aqorb.matchByPosition(query, predicted, train, array, (np.inf, np.inf))
+    assert np.array_equal(everywhere[0], aqorb.matchArrays(query, train)[0])
+
+
+@pytest.mark.parametrize('call, name', [
+    (lambda some: aqorb.HammingMatcher(cv.NORM_L2), 'normType'),
+    (lambda some: aqorb.HammingMatcher().match(some.astype(np.float32), some), 'queryDescriptors'),
+    (lambda some: aqorb.HammingMatcher().match(some, some[:, :16]), 'trainDescriptors'),
+    (lambda some: aqorb.HammingMatcher(crossCheck=True).knnMatch(some, some, 2), 'crossCheck'),
+    (lambda some: aqorb.HammingMatcher().add([some, some[0]]), 'descriptors[1]'),
+    (lambda some: aqorb.matchArrays(some, some, ratio=-1), 'ratio'),
+    (lambda some: aqorb.matchArrays(some, some, maxDistance=-2), 'maxDistance'),
+    (lambda some: aqorb.knnMatchArrays(some, some, 0), 'k'),
+    (lambda some: aqorb.matchByPosition(some, some[:, :2], some, (), (1, 1)), 'trainKeypoints'),
+    (lambda some: aqorb.matchByPosition(some, some[:, :2], some, np.zeros(10, aqorb.keypoint_dtype), (1, -1)), 'reach'),
+])
+def test_bad_values(call, name):
+    with pytest.raises(aqorb.error) as error:
+        call(descriptors(1, 10))
+    assert name in str(error.value) and 'must' in str(error.value)
+
+
+@pytest.mark.parametrize('call, name', [
+    (lambda some: aqorb.matchArrays([1], some), 'queryDescriptors'),
+    (lambda some: aqorb.matchArrays(some, some, ratio='a'), 'ratio'),
+    (lambda some: aqorb.matchArrays(some, some, maxDistance=1.5), 'maxDistance'),
+    (lambda some: aqorb.matchByPosition(some, 'a', some, (), (1, 1)), 'predicted'),
+    (lambda some: aqorb.matchByPosition(some, some[:, :2], some, (), 5), 'reach'),
+])
+def test_bad_types(call, name):
+    with pytest.raises(TypeError, match=name):
+        call(descriptors(1, 10))
+
+
+def test_threads_share_a_matcher():
+    matcher, query, train = aqorb.HammingMatcher(), descriptors(1), descriptors(2)
+    matcher.add([train])
+    expected = values(matcher.match(query))
+    results = []
+
+    def work():
+        for _ in range(20):
+            results.append(values(matcher.match(query)) == expected)
+
+    threads = [threading.Thread(target=work) for _ in range(4)]
+    for thread in threads:
+        thread.start()
+    for _ in range(20):
+        matcher.add([np.full((1, 32), 255, np.uint8) ^ query[0]])  # far from all
+    for thread in threads:
+        thread.join()
+    assert len(results) == 80 and len(matcher.getTrainDescriptors()) == 21
