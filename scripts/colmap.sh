@@ -12,8 +12,5 @@ source "$(dirname "$0")/common.sh"
 need wheel
 wheel=$(realpath "$1")
 folder=$(realpath "$2")
-environment=$BUILD/venv/colmap
-"$PYTHON" -m venv --clear "$environment"
-"$environment/bin/pip" install -q --upgrade pip
-"$environment/bin/pip" install -q "opencv-python-headless==$OPENCV_4" pycolmap "$wheel"
-"$environment/bin/python" "$ROOT/samples/colmap/colmap.py" --out="$BUILD/colmap" "${@:3}" "$folder"
+environment "$BUILD/venv/colmap" "opencv-python-headless==$OPENCV_4" "pycolmap==$PYCOLMAP" "$wheel"
+"$BUILD/venv/colmap/bin/python" "$ROOT/samples/colmap/colmap.py" --out="$BUILD/colmap" "${@:3}" "$folder"

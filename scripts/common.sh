@@ -12,6 +12,10 @@ JOBS=$(nproc)
 OPENCV_4=4.14.0.94
 OPENCV_5=5.0.0.93
 
+# What the command aqorb needs. This pyarrow is for the NumPy 1 of Debian 12.
+PYCOLMAP=4.2.1
+COMMAND=(pyarrow==21.0.0 "pycolmap==$PYCOLMAP" tqdm==4.70.1)
+
 # Debian's Python: another one on the PATH may lack numpy.
 PYTHON=/usr/bin/python3
 
@@ -39,7 +43,7 @@ as_root() {
 declare -A PACKAGES=(
     [build]='build-essential cmake ccache libopencv-dev'
     [test]='libgtest-dev pkg-config xvfb xdotool'  # the last two for the sample live
-    [python]='locales mypy pybind11-dev python3-dev python3-numpy python3-opencv python3-pytest xvfb xdotool'
+    [python]='locales mypy pybind11-dev python3-dev python3-numpy python3-opencv python3-pil python3-pytest python3-venv xvfb xdotool'
     [package]='dpkg-dev file gzip libblas-dev libdlib-dev liblapack-dev libsqlite3-dev lintian python3-dev pybind11-dev python3-numpy'
     [doc]='chromium doxygen graphviz libjs-mathjax libopencv-features2d-dev python3 texlive-binaries'
     [evaluate]='libdlib-dev libblas-dev liblapack-dev libsqlite3-dev'  # Debian 13's dlib asks for the others
@@ -61,6 +65,7 @@ declare -A PACKAGES=(
     [count]='dpkg-dev qemu-user g++-aarch64-linux-gnu'  # the static one has no plugins
     [system]='debootstrap util-linux'
     [wheel]='ca-certificates ninja-build python3-dev python3-venv'
+    [workflows]='ca-certificates python3-venv shellcheck'
     [web]='ca-certificates ccache cmake emscripten ninja-build nodejs python3-venv'
 )
 
@@ -187,7 +192,10 @@ configure() {
     (cd "$ROOT" && cmake --preset "$preset" "${@:2}")
 }
 
-build() { cmake --build "$1" --parallel "$JOBS" "${@:2}"; }
+build() {
+    [[ -n $(find "$1" -name '*.o' -print -quit) ]] || echo "Compiling for the first time, which takes some minutes"
+    cmake --build "$1" --parallel "$JOBS" "${@:2}"
+}
 
 # run_tests PRESET [ctest option...]: runs the tests of a preset. Ends with one line of counts: ctest's own summary
 # does not say how many were skipped for want of data.
@@ -222,6 +230,27 @@ mirror() {
         head -n 1
 }
 
+# environment FOLDER PACKAGE...: a clean virtual environment of Debian's Python with these packages. Tools have the
+# versions of scripts/tools.txt.
+environment() {
+    "$PYTHON" -m venv --clear "$1"
+    "$1/bin/pip" install -q --upgrade pip
+    (($# == 1)) || "$1/bin/pip" install -q --constraint "$ROOT/scripts/tools.txt" "${@:2}"
+}
+
+# command_environment NAME [PACKAGE...]: sets PYTHON to one that sees Debian's packages and has besides what the command
+# aqorb needs, and these; made once.
+command_environment() {
+    local folder=$BUILD/venv/$1 requirements=("${COMMAND[@]}" "${@:2}")
+    if [[ $(cat "$folder/requirements" 2>/dev/null) != "${requirements[*]}" ]]; then
+        "$PYTHON" -m venv --clear --system-site-packages "$folder"
+        "$folder/bin/pip" install -q --disable-pip-version-check --only-binary :all: "${requirements[@]}" ||
+            die "could not fetch from the Python package index; is there a network?"
+        echo "${requirements[*]}" >"$folder/requirements"
+    fi
+    PYTHON=$folder/bin/python
+}
+
 # opencv_source: sets OPENCV_SOURCE to OpenCV's source as Debian packages it; fetched once. The system's apt
 # configuration stays as it is: apt gets a source list and folders of our own.
 opencv_source() {
@@ -236,7 +265,10 @@ opencv_source() {
         local apt=("${APT[@]}" "$folder/log"
             -o Dir::Etc::SourceList=/dev/null -o Dir::Etc::SourceParts="$folder/parts"
             -o Dir::State::Lists="$folder/lists" -o Dir::Cache="$folder/apt" -o APT::Sandbox::User="$(id -un)")
-        if ! { "${apt[@]}" update && cd "$folder" && "${apt[@]}" source opencv; } | progress; then
+        if ! { "${apt[@]}" update | progress &&
+            apt-get "${apt[@]:${#APT[@]}+1}" --print-uris source opencv 2>/dev/null |
+            awk '/^'\''/ { bytes += $3 } END { printf "%.0f MB to fetch\n", bytes / 1e6 }' &&
+            cd "$folder" && "${apt[@]}" source opencv | progress; }; then
             { grep -E '^(E|W|Err)' "$folder/log" || true; } | tail -n 5 >&2
             die "could not fetch OpenCV's source package (see $folder/log); is there a network?"
         fi
@@ -257,12 +289,13 @@ opencv_release() {
     local folder=$CACHE/opencv-$release
     if [[ ! -e $folder/complete ]]; then
         need wheel
-        say "Fetching the source of OpenCV $release"
+        say "Fetching the source of OpenCV $release from the Python package index"
         rm -rf "$folder"
         mkdir -p "$folder"
         "$PYTHON" -m venv "$folder/venv"
         echo "opencv-python-headless==$release --hash=sha256:$hash" >"$folder/requirements"
-        "$folder/venv/bin/pip" download --quiet --disable-pip-version-check --no-deps \
+        # pip says how much it fetches.
+        "$folder/venv/bin/pip" download --disable-pip-version-check --no-deps \
             --no-binary opencv-python-headless --require-hashes --requirement "$folder/requirements" \
             --dest "$folder" || die "could not fetch from the Python package index; is there a network?"
         tar -xz -C "$folder" -f "$folder"/*.tar.gz --strip-components=1 --wildcards '*/opencv'
@@ -270,6 +303,12 @@ opencv_release() {
         touch "$folder/complete"
     fi
     OPENCV_SOURCE=$folder/opencv
+}
+
+# size_of_package PACKAGE: how much is fetched for a Debian package, as ", 96 MB"; nothing where that is not known.
+size_of_package() {
+    apt-cache show --no-all-versions "$1" 2>/dev/null |
+        sed -n 's/^Size: \([0-9]*\)$/\1/p' | awk '{ printf ", %.0f MB", $1 / 1e6 }'
 }
 
 # debian_file PACKAGE FOLDER: puts a Debian package's file into a folder without installing it.
@@ -319,7 +358,7 @@ held_out_packages() {
 opencv_samples() {
     local folder=$CACHE/opencv-doc examples=usr/share/doc/opencv-doc/examples/data
     if [[ ! -e $folder/complete ]]; then
-        say "Fetching OpenCV's sample images (the package opencv-doc)"
+        say "Fetching OpenCV's sample images: the package opencv-doc$(size_of_package opencv-doc), not installed"
         rm -rf "$folder"
         mkdir -p "$folder"
         (

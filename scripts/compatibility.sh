@@ -149,10 +149,7 @@ row_plain() {
     fingerprint plain "$BUILD/release/tools/fingerprint/aqorb_fingerprint" --plain
 }
 
-row_qemu64() {
-    need emulation
-    compiled qemu64 qemu-x86_64-static -cpu qemu64,vendor=GenuineIntel
-}
+row_qemu64() { need emulation; compiled qemu64 qemu-x86_64-static -cpu qemu64,vendor=GenuineIntel; }
 
 # cross ROW ARCHITECTURE [EMULATOR]: cross-built with the compiler and the packages of Debian for an architecture, by
 # Debian's name of it. Its programs run under qemu-user with the name of the emulated CPU, or by a given command.
@@ -225,11 +222,7 @@ row_windows() {
         "$BUILD/windows/bin/aqorb_fingerprint.exe"
 }
 
-row_clang() {
-    need clang
-    compiled clang
-}
-
+row_clang() { need clang; compiled clang; }
 row_debug() { compiled debug; }
 row_native() { compiled native; }
 row_hardening() { compiled hardening; }

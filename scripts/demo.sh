@@ -18,6 +18,7 @@ images=()
 for argument; do [[ $argument == -* ]] || images+=("$argument"); done
 if ((${#images[@]} == 0)); then opencv_samples && export OPENCV_SAMPLES_DATA_PATH=$OPENCV_SAMPLES; fi
 mkdir -p "$BUILD/demo"
+export OPENCV_LOG_LEVEL=${OPENCV_LOG_LEVEL:-ERROR}  # else OpenCV warns of each of its pictures that it finds
 
 say "AdaptiveQuadtreeORB beside cv::ORB"
 exec "$BUILD/release/samples/aqorb_demo" --out="$BUILD/demo" "$@"

@@ -40,7 +40,7 @@ export ROOT OUT=$BUILD/doc OPENCV_VERSION VERSION
 opencv=/usr/include/opencv4/opencv2
 OPENCV_VERSION=$(sed -n 's/^#define CV_VERSION_\(MAJOR\|MINOR\|REVISION\) *\([0-9]*\).*/\2/p' \
     "$opencv/core/version.hpp" | paste -sd.)
-VERSION=$(sed -n 's/^project(aqorb VERSION \([0-9.]*\).*/\1/p' "$ROOT/CMakeLists.txt")
+VERSION=$("$ROOT/scripts/version.sh")
 rm -rf "$OUT"
 mkdir -p "$OUT"
 
@@ -74,12 +74,23 @@ page=$BUILD/web/page
 cp "$site/layout.xml" "$OUT/"
 [[ -e $page/aqorb.wasm ]] || sed -i '/url="page\//d' "$OUT/layout.xml"
 doxygen "$OUT/Doxyfile"
-[[ ! -e $page/aqorb.wasm ]] || cp -r "$page" "$OUT/html/page"
+if [[ -e $page/aqorb.wasm ]]; then
+    cp -r "$page" "$OUT/html/page"
+    sed -i 's/<p id="project" hidden>/<p id="project">/' "$OUT/html/page/index.html"
+fi
 rm -f "$OUT"/html/dir_*.html  # nothing leads there
 # The page of the namespace cv lists all of OpenCV.
 sed -i 's/namespacecv\.html/namespacecv_1_1aqorb.html/g' "$OUT"/html/*.html "$OUT"/html/search/*.js
 rm -f "$OUT/html/namespacecv.html"
+# In examples doxygen takes the names of variables and of std::vector's members for those of OpenCV.
+sed -i 's|<a class="code hl_variableRef"[^>]*>\([^<]*\)</a>|\1|g' "$OUT"/html/*.html
 "$PYTHON" -B "$site/signatures.py" insert "$OUT/html"
+"$PYTHON" -B "$site/search.py" "$OUT/html"
+# As texts, which every browser shows.
+(cd "$ROOT" && for sample in samples/*.[ch]pp samples/*.py samples/{colmap,collection}/*.py samples/notebook/*.ipynb; do
+    mkdir -p "$OUT/html/$(dirname "$sample")"
+    cp "$sample" "$OUT/html/$sample.txt"
+done)
 
 # The parts of MathJax that draw formulas as vector graphics.
 mathjax=/usr/share/javascript/mathjax

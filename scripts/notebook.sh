@@ -10,12 +10,9 @@ source "$(dirname "$0")/common.sh"
 need wheel
 opencv_samples
 wheel=$(realpath "$1")
-environment=$BUILD/venv/notebook
-"$PYTHON" -m venv --clear "$environment"
-"$environment/bin/pip" install -q --upgrade pip
-"$environment/bin/pip" install -q ipykernel matplotlib nbconvert "opencv-python-headless==$OPENCV_4" "$wheel"
+environment "$BUILD/venv/notebook" ipykernel matplotlib nbconvert "opencv-python-headless==$OPENCV_4" "${wheel}[cli]"
 mkdir -p "$BUILD/notebook"
-export OPENCV_SAMPLES_DATA_PATH=$OPENCV_SAMPLES PATH=$environment/bin:$PATH
+export OPENCV_SAMPLES_DATA_PATH=$OPENCV_SAMPLES PATH=$BUILD/venv/notebook/bin:$PATH
 jupyter nbconvert --execute --to html --log-level=WARN --output-dir "$BUILD/notebook" \
     "$ROOT/samples/notebook/aqorb.ipynb"
 ls -l "$BUILD/notebook/aqorb.html"

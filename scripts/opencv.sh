@@ -87,7 +87,7 @@ if [[ $release ]]; then mkdir -p "$contrib/modules"; else cp -al "$OPENCV_SOURCE
 cp -rL "$ROOT/modules/aqorb" "$module"
 outside=$(cd "$module" && { grep -rIoE '[[:alnum:]_./-]*\.\./[[:alnum:]_./-]*' . || true; } |
     while IFS=: read -r file path; do
-        [[ $(realpath -m "$(dirname "$file")/$path") == "$module"/* ]] || echo "$file: $path"
+        [[ $(realpath -m "$(dirname "$file")/$path")/ == "$module"/* ]] || echo "$file: $path"
     done)
 [[ -z $outside ]] || die "the module names what lies outside of it: $outside"
 echo "$(find "$module" -type f | wc -l) files, none of which names a path outside of the module"
@@ -142,6 +142,7 @@ fi
 
 say "Java wrapper"
 grep -r 'class AdaptiveQuadtreeORB extends ORB' "$opencv"/modules/java_bindings_generator/gen/java
+grep -r 'class HammingMatcher extends BFMatcher' "$opencv"/modules/java_bindings_generator/gen/java
 
 configure_opencv "$ROOT/modules" || die "OpenCV's configuration failed; see $opencv.log"
 check_configuration "$ROOT/modules/aqorb"

@@ -1,6 +1,8 @@
 #!/usr/bin/env bash
 # Compares the Python package with other ORB detectors that pip installs: cv2.ORB of OpenCV 4 and 5, kornia-rs and
-# scikit-image. All of them find 1000 keypoints in the same images, in one run.
+# scikit-image. All of them find 1000 keypoints in the same images, in one run. With AQORB_TEST_SEQUENCE, a sequence in
+# the layout of KITTI's odometry with its poses, it also compares matchers, those of kornia-rs, faiss and FLANN among
+# them, and the way from two views to their pose.
 #
 #   scripts/peers.sh WHEEL
 #
@@ -18,16 +20,9 @@ data=$OPENCV_TEST_DATA_PATH/cv/detectors_descriptors_evaluation/images_datasets
 folder=$BUILD/peers
 mkdir -p "$folder"
 
-# environment VERSION PACKAGE...: the Python of an environment with this OpenCV.
-environment() {
-    local place=$BUILD/venv/peers$1
-    "$PYTHON" -m venv --clear "$place"
-    "$place/bin/pip" install -q --upgrade pip
-    "$place/bin/pip" install -q "opencv-python-headless==$1" "$wheel" "${@:2}"
-}
 say "Installing"
-environment $OPENCV_4 kornia-rs scikit-image
-environment $OPENCV_5
+environment "$BUILD/venv/peers$OPENCV_4" "opencv-python-headless==$OPENCV_4" "$wheel" kornia-rs scikit-image faiss-cpu
+environment "$BUILD/venv/peers$OPENCV_5" "opencv-python-headless==$OPENCV_5" "$wheel"
 
 methods=(aqorb aqorb-arrays cv2-4 cv2-5 kornia kornia-fewer scikit)
 for method in "${methods[@]}"; do
@@ -44,3 +39,10 @@ done
 say "Table"
 "$BUILD/venv/peers$OPENCV_4/bin/python" "$ROOT/tools/peers/peers.py" report "$data" "$folder" "${methods[@]}" |
     tee "$folder/table.md"
+
+[[ ${AQORB_TEST_SEQUENCE:-} ]] || exit 0
+for table in matchers views; do
+    say "$table, one processor"
+    taskset -c 0 "$BUILD/venv/peers$OPENCV_4/bin/python" "$ROOT/tools/peers/matching.py" "$table" "$AQORB_TEST_SEQUENCE" |
+        tee "$folder/$table.md"
+done

@@ -6,6 +6,9 @@
 # PARTs, all unless named:
 #   setting       the versions and the CPU features in use
 #   program       AdaptiveQuadtreeORB against cv::ORB on photographs, as a program sees it that does other work, too
+#   pairs         two images to a homography: cv::ORB with cv::BFMatcher against ours; needs OPENCV_TEST_DATA_PATH
+#   matching      HammingMatcher against cv::BFMatcher, with and without the newer instructions of the CPU
+#   collection    many images in Python: on one thread, on two, and in two processes
 #   speed         AdaptiveQuadtreeORB against cv::ORB on photographs and drawn scenes
 #   scaling       how the time grows with the size of the image and with the number of features
 #   stages        where the time of a frame goes
@@ -39,7 +42,7 @@ while (($#)); do
         --beside) beside=$(realpath -e "${2:?is the file of a library}") && shift ;;
         --passes) passes=${2:?is the number of passes} && shift ;;
         --threads) threads=${2:?are the numbers of threads} && shift ;;
-        setting | program | speed | scaling | stages | memory | instructions | aarch64) parts+=("$1") ;;
+        setting | program | pairs | matching | collection | speed | scaling | stages | memory | instructions | aarch64) parts+=("$1") ;;
         --) shift && break ;;
         *) die "$1 is neither an option nor a PART; --help lists them" ;;
     esac
@@ -49,18 +52,20 @@ harness_options=("$@")
 [[ $passes =~ ^[1-9][0-9]*$ ]] || die "--passes $passes: at least 1 is accepted"
 [[ ! $doc || ! $smoke ]] || die '--doc: a smoke run measures nothing for a document'
 [[ ! $doc || ! $quick${harness_options[*]} ]] || die '--doc: the tables of the document are of all cases'
-((${#parts[@]})) || parts=(setting program speed scaling stages memory instructions)
+((${#parts[@]})) || parts=(setting program pairs matching collection speed scaling stages memory instructions)
 
 need build report
 
 results=$BUILD/performance
 report=$ROOT/tools/report/report.py
 
-harness='' profiler=''
+harness='' profiler='' matching='' package=''
 for part in "${parts[@]}"; do
     case $part in
         speed | scaling) harness=$BUILD/perf/opencv_perf_aqorb ;;
         aarch64) ;;
+        collection) package=$BUILD/release/bindings/python ;;
+        pairs | matching) matching=$BUILD/release/tools/matching/aqorb_matching ;;
         *) profiler=$BUILD/release/tools/profile/aqorb_profile ;;
     esac
 done
@@ -73,9 +78,15 @@ if [[ $harness ]]; then
         -DCMAKE_CXX_COMPILER_LAUNCHER=ccache -DOPENCV_SOURCE_DIR="$OPENCV_SOURCE"
     build "$BUILD/perf" --target opencv_perf_aqorb
 fi
-if [[ $profiler ]]; then
+if [[ $profiler || $matching ]]; then
     configure "$BUILD/release" -DAQORB_BUILD_PROFILE=ON
-    build "$BUILD/release" --target aqorb_profile
+    build "$BUILD/release" --target ${profiler:+aqorb_profile} ${matching:+aqorb_matching aqorb_preload}
+fi
+
+if [[ $package ]]; then
+    need python
+    configure "$BUILD/release" -DAQORB_BUILD_PYTHON=ON -DPython_EXECUTABLE="$PYTHON"
+    build "$BUILD/release" --target _aqorb
 fi
 
 # run_harness PART THREADS [OPTION ...]: measures a part in each pass with each number of threads.
@@ -100,50 +111,99 @@ run_profiler() {
     "$profiler" "--$1" ${smoke:+--smoke} "${@:2}" >"$results/$1/$1.csv"
 }
 
-count_instructions() {
-    local images=640x480,1920x1080 frames=3
-    need valgrind
-    if [[ $smoke ]]; then
-        images=320x240 frames=1
-    elif [[ ${OPENCV_TEST_DATA_PATH:-} ]]; then
-        images+=,leuven,bark
-    fi
-    say 'Measuring instructions'
-    "$PYTHON" "$ROOT/tools/profile/instructions.py" --images="$images" --frames="$frames" "$profiler" \
-        "$results/instructions" >"$results/instructions/instructions.csv"
+# Instructions that OpenCV and this module leave out: none, AVX-512, and all that not every x86-64 CPU has.
+WITHOUT_AVX512=AVX512-SKX
+BASELINE=SSE3,SSSE3,SSE4.1,SSE4.2,POPCNT,FP16,FMA3,AVX,AVX2,AVX512-SKX
+
+# measure_matching NAME DISABLED [OPTION ...]: makes a CSV.
+measure_matching() {
+    OPENCV_CPU_DISABLE=$2 "$matching" "${@:3}" >"$results/$part/$1.csv" 2>"$results/$part/$1.log"
 }
 
-count_on_aarch64() {
-    local images=640x480,1920x1080 plugin=$results/aarch64/qemu_count.so
-    need count
-    qemu-aarch64 --help | grep -q -e -plugin || die 'aarch64: this qemu-aarch64 has no plugins'
+measure_matchers() {
+    local options=(--repeats=11) pass cpu disabled
+    [[ ! $smoke ]] || options=(--repeats=1 --n=100)
+    say 'Measuring matching'
+    measure_matching frequency '' --frequency
+    measure_matching matchers-best '' --matchers "${options[@]}"
+    measure_matching matchers-avx2 $WITHOUT_AVX512 --matchers "${options[@]}"
+    measure_matching matchers-baseline $BASELINE --matchers "${options[@]}"
+    for pass in 1 2 3; do
+        for cpu in best avx2; do
+            disabled=
+            [[ $cpu == best ]] || disabled=$WITHOUT_AVX512
+            measure_matching "program-$cpu-$pass" "$disabled" --program --bytes=64 --repeats=5 "${options[@]:1}"
+            LD_PRELOAD=$BUILD/release/bindings/preload/libaqorb_preload.so \
+                measure_matching "preloaded-$cpu-$pass" "$disabled" --program --bytes=64 --repeats=5 "${options[@]:1}"
+        done
+    done
+    measure_matching scaling '' --scaling --repeats=31 --n=1000,2000,5000,10000 "${options[@]:1}"
+}
+
+measure_pairs() {
+    local options=('--n=1000,2000' --repeats=11)
+    [[ ! $smoke ]] || options=(--n=100 --repeats=1)
+    say 'Measuring pairs of images'
+    measure_matching pairs-best '' --pairs "${options[@]}"
+    measure_matching pairs-avx2 $WITHOUT_AVX512 --pairs "${options[@]}"
+}
+
+measure_collection() {
+    local options=()
+    [[ ! $smoke ]] || options=(--images=20 --repeats=1)
+    say 'Measuring collections of images'
+    PYTHONPATH=$package PYTHONDONTWRITEBYTECODE=1 "$PYTHON" "$ROOT/tools/profile/collection.py" "${options[@]}" \
+        >"$results/collection/collection.csv"
+}
+
+# run_frames PART PROGRAM FRAMES [OPTION ...]: makes a part's CSV of single frames.
+run_frames() {
+    local frames=$3 images=640x480,1920x1080
     if [[ $smoke ]]; then
-        images=320x240
+        images=320x240 frames=1
+    elif [[ ${OPENCV_TEST_DATA_PATH:-} && $1 == stages ]]; then
+        images+=,bikes,leuven,bark,trees,ubc,640x512.png,1920x1080.png
     elif [[ ${OPENCV_TEST_DATA_PATH:-} ]]; then
         images+=,leuven,bark
     fi
+    say "Measuring $1"
+    "$PYTHON" "$ROOT/tools/profile/frames.py" "$1" "$2" --images="$images" --frames="$frames" --out="$results/$1" \
+        "${@:4}" >"$results/$1/$1.csv"
+}
+
+measure_aarch64() {
+    local plugin=$results/aarch64/qemu_count.so
+    need count
+    qemu-aarch64 --help | grep -q -e -plugin || die 'aarch64: this qemu-aarch64 has no plugins'
     say 'Building for AArch64'
     sysroot arm64
     configure aarch64 -DAQORB_BUILD_PROFILE=ON
     build "$BUILD/aarch64" --target aqorb_profile
     cc -O2 -fPIC -shared "$ROOT/tools/profile/qemu_count.c" -o "$plugin" \
         -DQEMU_PLUGIN_VERSION="$(qemu-aarch64 --version | awk '/version/ { print ($3 + 0 < 9 ? 1 : 2) }')"
-    say 'Measuring instructions on AArch64'
-    "$PYTHON" "$ROOT/tools/profile/emulated.py" --images="$images" "$plugin" "$SYSROOT" \
-        "$BUILD/aarch64/tools/profile/aqorb_profile" >"$results/aarch64/instructions.csv"
+    run_frames aarch64 "$BUILD/aarch64/tools/profile/aqorb_profile" 2 \
+        --plugin="$plugin" --sysroot="$SYSROOT"
 }
 
 for part in "${parts[@]}"; do
+    if [[ $part == pairs && ! ${OPENCV_TEST_DATA_PATH:-} ]]; then
+        say 'Pairs of images are left out: OPENCV_TEST_DATA_PATH is not set'
+        continue
+    fi
     rm -rf "${results:?}/$part"
     mkdir -p "$results/$part"
     case $part in
         speed) run_harness speed "$threads" --gtest_filter='Features_*' ;;
         scaling) run_harness scaling 1 --gtest_filter='Scaling_*' ;;
-        instructions) count_instructions ;;
+        stages) run_frames stages "$profiler" 31 ;;
+        instructions) need valgrind; run_frames instructions "$profiler" 3 ;;
         program) run_profiler program ${quick:+--quick} ${beside:+--beside="$beside"} \
             --passes="$passes" --threads="${threads// /,}" ;;
         memory) run_profiler memory ${beside:+--beside="$beside"} ;;
-        aarch64) count_on_aarch64 ;;
+        aarch64) measure_aarch64 ;;
+        matching) measure_matchers ;;
+        pairs) measure_pairs ;;
+        collection) measure_collection ;;
         *) run_profiler "$part" ;;
     esac
     [[ ! $smoke ]] || say 'SMOKE RUN: it shows that everything runs. Do not quote these numbers.'
@@ -154,6 +214,7 @@ done
 if [[ $doc ]]; then
     say 'Updating the document'
     for part in "${parts[@]}"; do
+        [[ -d $results/$part ]] || continue
         "$PYTHON" "$report" "$part" "$results/$part" --doc "$ROOT/doc/performance.md"
     done
 fi

@@ -7,9 +7,9 @@
 # With --asan it runs only the package's tests, on an extension module with additional checks. AddressSanitizer ends the
 # process at a wrong access to memory. pybind11 ends it if a reference is taken or released without the GIL.
 #
-# Installs the Debian packages it needs. It leaves the package in build/release/bindings/python, where programs find
-# it with PYTHONPATH. Tests that need images of opencv_extra are skipped unless OPENCV_TEST_DATA_PATH names its testdata
-# folder.
+# Installs the Debian packages it needs; pip fetches those of the command aqorb. It leaves the package in
+# build/release/bindings/python, where programs find it with PYTHONPATH. Tests that need images of opencv_extra are skipped
+# unless OPENCV_TEST_DATA_PATH names its testdata folder.
 source "$(dirname "$0")/common.sh"
 
 asan=
@@ -18,7 +18,7 @@ if [[ ${1:-} == --asan ]]; then
     shift
 fi
 
-need build python
+need build test python
 
 if [[ $asan ]]; then
     folder=$BUILD/asan-python
@@ -40,9 +40,11 @@ if [[ $asan ]]; then
 fi
 
 configure release -DAQORB_BUILD_PYTHON=ON -DPython_EXECUTABLE="$PYTHON"
-build "$BUILD/release" --target _aqorb
+build "$BUILD/release" --target _aqorb sample_images
 export PYTHONPATH=$BUILD/release/bindings/python PYTHONDONTWRITEBYTECODE=1
+export AQORB_SAMPLE_IMAGES=$BUILD/release/samples/test/sample_images
 
+command_environment command
 say "Tests"
 AQORB_BINDING=aqorb "$PYTHON" -m pytest -q -p no:cacheprovider "$@" \
     "$ROOT/modules/aqorb/misc/python/test" "$ROOT/bindings/python/test" "$ROOT/samples/test"

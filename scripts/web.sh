@@ -11,7 +11,8 @@
 # opencv_extra's testdata folder, six photographs are compared, too.
 # With --speed both detectors are timed in Node.js, and the module also as compiled without SIMD.
 #
-# Installs the Debian packages it needs. pip fetches OpenCV's source, and npm what drives Chromium.
+# Installs the Debian packages it needs, and says how much that is. pip fetches OpenCV's source, and npm what drives
+# Chromium. To compile OpenCV takes some minutes the first time.
 source "$(dirname "$0")/common.sh"
 
 WEB=$BUILD/web
@@ -21,6 +22,15 @@ export NODE_PATH=/usr/share/nodejs
 
 mode=${1:-}
 [[ $mode =~ ^(|--serve|--test|--speed)$ ]] || die "unknown option $mode; --help says what there is"
+port=${2:-8000}
+if [[ $mode == --serve ]]; then  # before minutes are spent on the page
+    if ! [[ $port =~ ^[0-9]{1,5}$ ]] || ((port < 1 || port > 65535)); then
+        die "PORT is $port; 1 to 65535 is accepted"
+    fi
+    if (exec 3<>"/dev/tcp/127.0.0.1/$port") 2>/dev/null; then
+        die "port $port is in use; name another one: scripts/web.sh --serve $((port < 65535 ? port + 1 : 8000))"
+    fi
+fi
 
 # compile FOLDER FLAGS: the page, and the module with these flags. OpenCV is always compiled with SIMD.
 compile() {
@@ -93,8 +103,8 @@ say "$WEB/page/index.html"
 
 case $mode in
 --serve)
-    echo "http://localhost:${2:-8000}"
-    "$PYTHON" -m http.server --bind 127.0.0.1 --directory "$WEB/page" "${2:-8000}"
+    echo "http://localhost:$port"
+    "$PYTHON" -m http.server --bind 127.0.0.1 --directory "$WEB/page" "$port"
     ;;
 --test)
     tests

