@@ -6,8 +6,8 @@
 
 """Checks the documents and the site that is built from them.
 
-check.py links ROOT SITE          every link of the repository's Markdown files, and of the site, leads somewhere, and
-                                  no page of the site needs the network
+check.py links ROOT SITE          every link of the repository's Markdown files, and of the site, leads somewhere, no
+                                  page of the site needs the network, and the tests behind promises exist
 check.py pages SITE SCREENSHOTS   looks at every page with Chromium, in a wide and in a narrow window: text stands out
                                   from its background, nothing is wider than the window, pictures have a fitting size,
                                   formulas are drawn, nothing fails to load; keeps a screenshot of each
@@ -63,6 +63,20 @@ def check_markdown(root):
     print(f'{len(documents)} Markdown files with {count} links inside of the repository')
 
 
+def check_tests(root):
+    """The tests that the page of promises names exist."""
+    sources = ''.join(read(path) for path in glob.glob(os.path.join(root, 'test', '*.cpp')))
+    tests = {f'{suite}.{name}'
+             for suite, name in re.findall(r'^TEST(?:_P)?\(Aqorb_(\w+), (\w+)\)', sources, re.MULTILINE)}
+    suites = {test.partition('.')[0] for test in tests}
+    path = os.path.join(root, 'modules/aqorb/tutorials/aqorb_promises/aqorb_promises.markdown')
+    named = re.findall(r'`([A-Z]\w+)\.(\w+|\*)`', read(path))
+    for suite, name in named:
+        if suite not in suites if name == '*' else f'{suite}.{name}' not in tests:
+            problems.append(f'{os.path.basename(path)}: there is no test {suite}.{name}')
+    print(f'{len(named)} names of tests behind promises')
+
+
 class Page(html.parser.HTMLParser):
     """The anchors of a page, its links, and what it loads."""
 
@@ -109,7 +123,7 @@ def check_site(site):
     for target in re.findall(r'url:"([^"]+)"', read(os.path.join(site, 'menudata.js'))):
         check(os.path.join(site, 'index.html'), target)
     for path in glob.glob(os.path.join(site, 'search', '*.js')):
-        for target in re.findall(r"'\.\./([^']+)'", read(path)):
+        for target in re.findall(r"""["']\.\./([^"']+)["']""", read(path)):
             check(os.path.join(site, 'index.html'), target)
     print(f'{len(pages)} pages and graphs with {count} links inside of the site')
 
@@ -347,6 +361,7 @@ def check_pages(site, screenshots):
 if __name__ == '__main__':
     if sys.argv[1:2] == ['links'] and len(sys.argv) == 4:
         check_markdown(sys.argv[2])
+        check_tests(sys.argv[2])
         check_site(os.path.abspath(sys.argv[3]))
     elif sys.argv[1:2] == ['pages'] and len(sys.argv) == 4:
         check_pages(*sys.argv[2:])

@@ -7,7 +7,8 @@
 """Prints a Markdown file of the repository as doxygen reads it, for its FILTER_PATTERNS.
 
 The documents are written for readers of the repository. On the site each of them is a page with a name, links between
-documents become references to these pages, and a link to any other file becomes the file's name.
+documents become references to these pages, a link to a sample leads to a copy of it, and a link to any other file
+becomes the file's name.
 """
 
 import os
@@ -64,6 +65,8 @@ def link(match, path):
             text = title(target)
         text = text.replace('`', '')  # which doxygen would show
         return f'[{text}](@ref {f"{name}-{anchor}" if anchor else name})'
+    if target.startswith('samples/') and os.path.isfile(os.path.join(ROOT, target)):
+        return f'<a href="{target}.txt">{text}</a>'  # doc.sh copies them
     if text.strip('`') in (target, os.path.basename(target)):
         return f'`{target}`'
     return f'{text} (`{target}`)'
