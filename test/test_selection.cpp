@@ -19,7 +19,7 @@ typedef std::vector<CornerResponse> Corners;
 //! Levels of which each is half the size of the one before.
 struct Selection : FeatureSelector
 {
-    void begin(const std::vector<int>& quotas, double octaveSuppression, bool isRanked = true)
+    void begin(const std::vector<int>& quotas, double suppression, bool isRanked = true)
     {
         plans.clear();
         for (size_t i = 0; i < quotas.size(); i++)
@@ -34,7 +34,7 @@ struct Selection : FeatureSelector
             plan.rank = rank;
             plans.push_back(plan);
         }
-        FeatureSelector::begin(Size(256, 256), int(plans.size()), octaveSuppression, int(plans.size()));
+        FeatureSelector::begin(Size(256, 256), int(plans.size()), suppression, int(plans.size()));
     }
     void add(int level) { addLevel(level, plans[level]); }
 
