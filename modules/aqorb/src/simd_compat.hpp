@@ -60,7 +60,14 @@ static CV_ALWAYS_INLINE v_int32 roundToEven(const v_float32& a)
 //! A bit for each lane of bytes, set where the sign of the lane is.
 template <typename V> static CV_ALWAYS_INLINE uint64 signBits(const V& a)
 {
-    return uint64(v_signmask(a)) & (~uint64(0) >> (64 - AQORB_LANES(V)));
+    auto bits = v_signmask(a);
+#if CV_AVX512_SKX && defined(__GNUC__) && !defined(__clang__)
+    // GCC 12 may keep a mask that it extends to 64 bits in memory of which it writes only 32. Extended from a general
+    // register, the mask is right.
+    if (AQORB_LANES(V) < 64)
+        __asm__("" : "+r"(bits));
+#endif
+    return uint64(bits) & (~uint64(0) >> (64 - AQORB_LANES(V)));
 }
 #endif
 
