@@ -152,21 +152,30 @@ void HammingMatcher::knnMatchImpl(InputArray queryDescriptors, MatchLists& match
         nearestDescriptors(query, images[i], masks[i], normType == NORM_HAMMING2, index.first(i), kept,
                            nearest.data(), crossCheck ? nearestQueries.data() : 0);
 
-    matches.reserve(matches.size() + query.rows);
-    for (int i = 0; i < query.rows; i++)
-    {
-        const DistanceKey* const list = nearest.data() + size_t(i) * kept;
-        int found = 0;
-        while (found < kept && list[found] != NO_KEY)
-            found++;
-        if (found > 0 && crossCheck && indexOf(nearestQueries[indexOf(list[0])]) != i)
-            found = 0;
-        if (found == 0 && compactResult)
-            continue;
-        matches.emplace_back(found);
-        for (int j = 0; j < found; j++)
-            matches.back()[j] = index.match(i, list[j]);
-    }
+    const size_t before = matches.size();
+    matches.resize(before + query.rows);
+    const double ROWS_OF_TASK = 1000;  // fewer take less time than a thread to wake up
+    parallel_for_(
+        Range(0, query.rows),
+        [&](const Range& rows)
+        {
+            for (int i = rows.start; i < rows.end; i++)
+            {
+                const DistanceKey* const list = nearest.data() + size_t(i) * kept;
+                const int found = int(std::find(list, list + kept, NO_KEY) - list);
+                if (found == 0 || (crossCheck && indexOf(nearestQueries[indexOf(list[0])]) != i))
+                    continue;
+                std::vector<DMatch>& ofQuery = matches[before + i];
+                ofQuery.resize(found);
+                for (int j = 0; j < found; j++)
+                    ofQuery[j] = index.match(i, list[j]);
+            }
+        },
+        query.rows / ROWS_OF_TASK);
+    if (compactResult)
+        matches.erase(std::remove_if(matches.begin() + before, matches.end(),
+                                     [](const std::vector<DMatch>& list) { return list.empty(); }),
+                      matches.end());
 }
 
 void HammingMatcher::radiusMatchImpl(InputArray queryDescriptors, MatchLists& matches, float maxDistance,

@@ -61,12 +61,12 @@ private:
 template <typename Function> void forRows(int rows, int rowsOfTile, const Function& function)
 {
     const int tiles = (rows + rowsOfTile - 1) / rowsOfTile;
-    // More stripes than threads, in case that some threads begin late. They are few, as each has work space.
+    // One part a thread, as each has work space and packs the trains for itself.
     parallel_for_(
         Range(0, tiles),
         [&](const Range& some)
         { function(Range(int(int64(rows) * some.start / tiles), int(int64(rows) * some.end / tiles))); },
-        getNumThreads() > 1 ? 2 * getNumThreads() : 1);
+        getNumThreads());
 }
 
 //! The next at most count rows from i on.
