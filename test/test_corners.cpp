@@ -42,7 +42,7 @@ void findCorners(const Level& level, const Rect& region, const Thresholds& thres
         rows.push_back(rowsOfBand(region, cellSize, bands, i));
         scratch.bands[i].clear();
         if (i > 0)
-            scratch.seams[i].begin(level.image.cols, Range(scanned.x, scanned.x + scanned.width),
+            scratch.seams[i].reset(level.image.cols, Range(scanned.x, scanned.x + scanned.width),
                                    rows[i].start);
     }
     RNG rng(bands);

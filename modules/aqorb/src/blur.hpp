@@ -41,7 +41,7 @@ class BlurRegion
 public:
     //! Starts with no pixels of a level of the given size.
     //! @param margin a blurMargin
-    void begin(Size size, int margin);
+    void reset(Size size, int margin);
     //! Adds the pixels of a disc and possibly some more. Its centre lies in the level or one pixel beside it.
     //! @param halfHeights the greatest vertical distance from the centre, by the horizontal one
     void addDisc(const Point& center, const std::vector<int>& halfHeights);

@@ -71,9 +71,9 @@ void appendBlocks(const CornerBlocks& blocks, int begin, int end, CornerBlocks& 
 
 }  // namespace
 
-void Seam::begin(int imageWidth, const Range& columns, int y)
+void Seam::reset(int imageWidth, const Range& columns, int y)
 {
-    plane.begin(imageWidth, columns, y, ScorePlane::ROWS_ABOVE);
+    plane.reset(imageWidth, columns, y, ScorePlane::ROWS_ABOVE);
     above.count = above.cornerCount = below.count = below.cornerCount = 0;
 }
 
@@ -137,9 +137,9 @@ void BandSearch::find(const Level& level, const Rect& band, const CornerRules& r
     const Point end = band.br();
     const int bottom = scanned.y + scanned.height,
               side = std::min(rules.cellSize, std::max(band.width, band.height));
-    plane.begin(level.image.cols, Range(scanned.x, scanned.x + scanned.width), scanned.y,
+    plane.reset(level.image.cols, Range(scanned.x, scanned.x + scanned.width), scanned.y,
                 std::min(side, scanned.height));
-    scanner.begin(level, scanned, rules.thresholds, plane, blocks);
+    scanner.reset(level, scanned, rules.thresholds, plane, blocks);
     int copied = scanned.y;  // rows before it have been copied to the seam above
     for (int y = band.y; y < end.y; y += side)
     {

@@ -42,7 +42,7 @@ class Seam
 {
 public:
     //! Prepares the seam above row y.
-    void begin(int imageWidth, const Range& columns, int y);
+    void reset(int imageWidth, const Range& columns, int y);
     //! Appends the corners of the seam, once both bands have been searched.
     void list(bool listOthers, FoundCorners& found, std::vector<Corner>& scratch) const;
 

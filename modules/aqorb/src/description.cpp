@@ -14,7 +14,7 @@ namespace aqorb
 namespace stages
 {
 
-void FeatureBatch::begin(size_t count)
+void FeatureBatch::reset(size_t count)
 {
     points.clear();
     points.reserve(count);
@@ -67,7 +67,7 @@ void describeFeatures(const Level& level, const DescriptionRules& rules, const R
     const int reach = rules.tests->reach, margin = rules.tests->margin();
     const int rowsEnd = level.image.rows + margin;  // of all that can be read
     const std::vector<FeaturePoint>& points = batch.points;
-    scratch.region.begin(level.image.size(), margin);
+    scratch.region.reset(level.image.size(), margin);
     for (size_t i = size_t(features.start); i < end; i++)
         scratch.region.addDisc(Point(points[i].x, points[i].y), rules.tests->halfHeights);
 

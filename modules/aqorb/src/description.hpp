@@ -29,7 +29,7 @@ struct FeatureBatch
     std::vector<unsigned> outputKeys;  //!< of the points: by them they come in the output
 
     //! Starts with none, and with memory for so many.
-    void begin(size_t count);
+    void reset(size_t count);
 };
 
 //! The features of a level.

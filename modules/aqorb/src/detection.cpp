@@ -21,7 +21,7 @@ LevelDetection::LevelDetection()
 {
 }
 
-int LevelDetection::begin(const Level& level_, const Rect& root_, const DetectionRules& rules_, int most)
+int LevelDetection::reset(const Level& level_, const Rect& root_, const DetectionRules& rules_, int most)
 {
     level = &level_;
     root = root_;
@@ -42,7 +42,7 @@ int LevelDetection::begin(const Level& level_, const Rect& root_, const Detectio
         bands[i].rect = Rect(root.x, rows.start, root.width, rows.size());
         bands[i].corners.clear();
         if (i > 0)
-            seams[i - 1].begin(size.width, Range(scanned.x, scanned.x + scanned.width), rows.start);
+            seams[i - 1].reset(size.width, Range(scanned.x, scanned.x + scanned.width), rows.start);
     }
     return bandCount;
 }
@@ -106,7 +106,7 @@ LeafPoint LevelDetection::pointAt(size_t index, const LeafGrid& leaves) const
 // Finds the representatives and their leaves.
 void LevelDetection::represent(const LevelPlan& plan, DetectionScratch& scratch) const
 {
-    scratch.leaves.begin(root, plan.depth);
+    scratch.leaves.reset(root, plan.depth);
     findRepresentatives(
         found.kept.size(), [&](size_t i) { return pointAt(i, scratch.leaves); }, plan.depth, scratch.ranking,
         scratch.representatives);

@@ -55,7 +55,7 @@ public:
      @param root the region in which corners are wanted
      @param bands how many bands there are at most
      @return number of bands, at least one */
-    int begin(const Level& level, const Rect& root, const DetectionRules& rules, int bands);
+    int reset(const Level& level, const Rect& root, const DetectionRules& rules, int bands);
     //! Sets the thresholds, before the first band is searched.
     void setThresholds(const Thresholds& thresholds) { rules.thresholds = thresholds; }
     //! Finds the corners of a band. Several bands may be searched at once.

@@ -54,7 +54,7 @@ void Frame::put(Kind kind, int level, int part, const Range& range)
     workspace.queue.put((first << 20) - level, task);
 }
 
-void Frame::begin(int count)
+void Frame::prepareWork(int count)
 {
     levelCount = count;
     while (work.size() < size_t(levelCount))
@@ -93,7 +93,7 @@ void Frame::detect(bool withDescriptors_)
 {
     withDescriptors = withDescriptors_;
     parameters.checkTogether(parameters.nlevels);
-    begin(levels.layOut(parameters.nlevels, shortestSide(parameters)));
+    prepareWork(levels.layOut(parameters.nlevels, shortestSide(parameters)));
     if (levelCount == 0)
         return;
     plan();
@@ -135,7 +135,7 @@ void Frame::plan()
             i < levelCount - 1 ? 0 : std::accumulate(quotas.begin() + levelCount, quotas.end(), 0);
         ofLevel.plan = planLevel(parameters, levels[i], quotas[i], added);
         const int bands = cvCeil(double(levels[i].image.total()) / pixelsOfBand);
-        ofLevel.bandsLeft = ofLevel.detection.begin(levels[i], ofLevel.plan.root, rules, bands);
+        ofLevel.bandsLeft = ofLevel.detection.reset(levels[i], ofLevel.plan.root, rules, bands);
         ofLevel.inputsOfSearch = 2;
         ofLevel.inputsOfSelection = i == levelCount - 1 ? 1 : 2;
     }
@@ -231,7 +231,7 @@ void Frame::select(int level, WorkerScratch& scratch)
     FeatureSelector& selector = workspace.selector;
     if (level == levelCount - 1)
     {
-        selector.begin(levels.input().image.size(), levelCount, parameters.octaveSuppressionInUse(),
+        selector.reset(levels.input().image.size(), levelCount, parameters.octaveSuppressionInUse(),
                        isRanked ? 1 : parameters.nlevels);
     }
     selector.addLevel(level, work[level].plan);  // finer levels may not be planned yet
@@ -285,7 +285,7 @@ void Frame::collect(int level, Batch index, WorkerScratch& scratch)
     FeatureBatch& batch = batchOf(level, index);
     const size_t first = index == BY_QUOTA ? 0 : batchOf(level, BY_QUOTA).points.size();
     workspace.selector.chosen(level, first, scratch.corners);
-    batch.begin(scratch.corners.size());
+    batch.reset(scratch.corners.size());
     for (const CornerResponse& corner : scratch.corners)
     {
         const FeaturePoint point = {corner.x, corner.y, 0};
@@ -333,11 +333,11 @@ void Frame::describeGiven(const std::vector<KeyPoint>& given)
 {
     areGiven = true;
     takeGiven(given, parameters, levels, workspace.given);
-    begin(levels.size());
+    prepareWork(levels.size());
     for (int i = 0; i < levelCount; i++)
     {
         batchGiven(workspace.given, i, batchOf(i, BY_QUOTA));
-        batchOf(i, FILLED).begin(0);
+        batchOf(i, FILLED).reset(0);
     }
     if (levelCount > 0)
         run();

@@ -70,7 +70,7 @@ private:
         FILLED
     };
     void put(Kind kind, int level, int part = 0, const Range& range = Range());
-    void begin(int count);
+    void prepareWork(int count);
     void run();
     void run(const Task& task, int worker) CV_OVERRIDE;
 

@@ -57,7 +57,7 @@ void takeGiven(const std::vector<KeyPoint>& keypoints, const Parameters& paramet
 
 void batchGiven(const GivenScratch& given, int octave, FeatureBatch& batch)
 {
-    batch.begin(0);
+    batch.reset(0);
     const auto isFiner = [](const GivenFeature& feature, int of) { return feature.octave < of; };
     auto next = std::lower_bound(given.features.begin(), given.features.end(), octave, isFiner);
     for (; next != given.features.end() && next->octave == octave; ++next)

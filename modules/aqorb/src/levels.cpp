@@ -14,7 +14,7 @@ namespace aqorb
 namespace stages
 {
 
-void Levels::begin(const Level& input, int firstLevel_, double scaleFactor_, bool giveAway_)
+void Levels::reset(const Level& input, int firstLevel_, double scaleFactor_, bool giveAway_)
 {
     image = input;
     firstLevel = firstLevel_;

@@ -79,7 +79,7 @@ inline int64 logarithm(const LogarithmTable& table, float v)
 
 }  // namespace
 
-void LeafDisc::begin(const Size& cell, int64 squaredRadius, int side)
+void LeafDisc::reset(const Size& cell, int64 squaredRadius, int side)
 {
     const int64 width2 = int64(cell.width) * cell.width, height2 = int64(cell.height) * cell.height;
     halfWidths.clear();
@@ -233,7 +233,7 @@ static void beginDisc(const RankRule& rule, int depth, LeafDisc& disc)
         region = Size(std::max(region.width / 2, 1), std::max(region.height / 2, 1));
     const double squaredRadius = rule.radius * rule.radius * rule.usable * region.width * region.height *
                                  double(int64(1) << (2 * depth)) / rule.quota;
-    disc.begin(region, int64(std::min(squaredRadius, 4e18)), 1 << depth);
+    disc.reset(region, int64(std::min(squaredRadius, 4e18)), 1 << depth);
 }
 
 // What the strength contributes to the logarithm of (1 + rank) / strength^weight, in units of 2^-42. A strength of 0 or

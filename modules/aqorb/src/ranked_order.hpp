@@ -34,7 +34,7 @@ struct LeafDisc
     //! The leaves at offsets (dx, dy) with dx^2 * cell.width^2 + dy^2 * cell.height^2 <= squaredRadius.
     //! @param squaredRadius 0 to 4 * 10^18
     //! @param side of the grid, in leaves
-    void begin(const Size& cell, int64 squaredRadius, int side);
+    void reset(const Size& cell, int64 squaredRadius, int side);
 
     std::vector<int> halfWidths;  //!< by |dy|: the greatest |dx|; both below the side of the grid
     int widest;                   //!< of the half widths

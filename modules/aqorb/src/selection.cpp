@@ -14,7 +14,7 @@ namespace aqorb
 namespace stages
 {
 
-void FeatureSelector::begin(Size imageSize_, int levelCount_, double octaveSuppression_, int reach_)
+void FeatureSelector::reset(Size imageSize_, int levelCount_, double octaveSuppression_, int reach_)
 {
     imageSize = imageSize_;
     levelCount = levelCount_;
@@ -150,7 +150,7 @@ void FeatureSelector::orderByResponse(int index, const std::vector<CornerRespons
                                       bool withSuppression)
 {
     const LevelPlan& plan = levels[index].plan;
-    leaves.begin(plan.root, plan.depth);
+    leaves.reset(plan.root, plan.depth);
     points.resize(corners.size());
     unsuppressed.resize(corners.size());
     size_t size = 0;

@@ -30,7 +30,7 @@ public:
     }
     //! Starts with an image.
     //! @param reach a corner is not near keypoints of levels that are further away than so many levels
-    void begin(Size imageSize, int levelCount, double octaveSuppression, int reach);
+    void reset(Size imageSize, int levelCount, double octaveSuppression, int reach);
     //! Goes on to a level, whose plan is complete, and asks for its quota.
     void addLevel(int level, const LevelPlan& plan);
     //! How many of the features that were asked for are missing.
