@@ -44,7 +44,7 @@ void Levels::make(int index)
     if (entry.level.isInput)
         return;
     const Level& source = isMadeFromInput(index, firstLevel) ? image : entries[index - 1].level;
-    fillLevel(source, entry.level, entry.resizing);
+    fillLevel(source, entry.level, entry.resizing, &entry.mask);
 }
 
 void Levels::release()

@@ -45,6 +45,7 @@ private:
     {
         Level level;
         AlignedVector<uchar> pixels;  // of the level, if they do not become the caller's
+        std::vector<uchar> mask;      // its memory
         Ptr<ResizeTables> resizing;   // to make the level
     };
     Level image;
