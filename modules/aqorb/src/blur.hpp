@@ -60,6 +60,9 @@ private:
     std::vector<uchar> needed;            // by column, by row
 };
 
+//! By how many units of 1/256 at most the approximate blur exceeds the exact one before rounding, or falls short of it.
+const int BLUR_EXCESS = 2, BLUR_SHORTFALL = 10;
+
 /** The blur in fixed point, in units of 1/256. It exceeds the exact one before rounding by at most BLUR_EXCESS, and
  falls short of it by at most BLUR_SHORTFALL. Outside of the level stand the reflected pixels themselves: those cv::ORB
  does not blur.

@@ -19,6 +19,14 @@ namespace aqorb
 namespace stages
 {
 
+//! The corners of a level by what the rules of the detection say about them.
+enum CornerSet
+{
+    KEPT_CORNERS,        //!< those that pass all rules
+    SUPPRESSED_CORNERS,  //!< those that lost to a better corner nearby
+    WEAK_CORNERS         //!< those below thresholds.ini in cells that have a corner at thresholds.ini
+};
+
 //! The rules of the detection, the same for all levels of an image.
 struct DetectionRules
 {

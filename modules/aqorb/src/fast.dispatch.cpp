@@ -125,7 +125,7 @@ void ScorePlane::copyRow(int y, const ScorePlane& other)
 
 int countCorners(const CornerBlock& block)
 {
-    return countBits(block.columns);
+    return bitCount(block.columns);
 }
 
 void FastScanner::reset(const Level& level, const Rect& region, Thresholds thresholds, ScorePlane& plane_,

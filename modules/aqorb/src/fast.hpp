@@ -15,6 +15,18 @@ namespace aqorb
 namespace stages
 {
 
+//! Neighbouring pixels of a row, and which of them are FAST corners.
+struct CornerBlock
+{
+    int x, y;        //!< the first pixel
+    uint64 columns;  //!< bit i: whether pixel x + i is a corner
+};
+
+//! A corner loses to a better one at most this far away in x and in y. The kernel is written for this radius.
+const int SUPPRESS_RADIUS = 3;
+//! The columns beside a region whose scores must be readable, as the kernel of the suppression loads whole vectors.
+const int SUPPRESS_MARGIN = 16;
+
 //! Blocks of corners in raster order: the first `count` elements of `storage`, which is kept for later images.
 struct CornerBlocks
 {

@@ -17,6 +17,9 @@ namespace aqorb
 namespace stages
 {
 
+//! The deepest quadtree has 2^15 leaves along a side.
+const int MAX_QUADTREE_DEPTH = 15;
+
 //! What a level is to contribute: how many features, where, and by which rule they are chosen.
 struct LevelPlan
 {
