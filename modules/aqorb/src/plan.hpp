@@ -35,13 +35,16 @@ struct LevelPlan
 //! The shortest side of a level that can have a keypoint.
 int shortestSide(const Parameters& parameters);
 
+//! Where a level of this size may have keypoints: between the borders.
+Rect keypointRegion(const Parameters& parameters, Size size);
+
 //! The number of features of each level by equation (8), rounded as by cv::ORB but at most nfeatures in all.
 std::vector<int> levelQuotas(int nfeatures, double scaleFactor, int nlevels);
 
-//! Where a level may have keypoints.
+//! What the share of a level depends on.
 struct LevelRegion
 {
-    Size size;    //!< between the borders
+    Size size;    //!< of its keypointRegion
     float scale;  //!< of the level
 };
 
