@@ -68,7 +68,7 @@ TEST(Aqorb_RankKernels, disc_equals_its_definition)
 }
 
 //! Checks the ranks of some leaves in random order, on the kernels for this CPU and on the baseline's.
-void expectRanks(int depth, int count, Size cell, int64 squaredRadius, int seed, RankScratch& scratch)
+void expectRanks(int depth, int count, Size cell, int64 squaredRadius, int seed, RankedScratch& scratch)
 {
     const int side = 1 << depth;
     RNG rng(seed);
@@ -111,7 +111,7 @@ void expectRanks(int depth, int count, Size cell, int64 squaredRadius, int seed,
 
 TEST(Aqorb_RankKernels, ranks_equal_a_count_for_every_depth)
 {
-    RankScratch scratch;  // It is used again, so what one case leaves in it must not matter.
+    RankedScratch scratch;  // It is used again, so what one case leaves in it must not matter.
     for (int depth = 0; depth <= 12; depth++)
         for (int radius : {0, 1, 2, 5})
         {
@@ -125,7 +125,7 @@ TEST(Aqorb_RankKernels, ranks_equal_a_count_for_every_depth)
 
 TEST(Aqorb_RankKernels, ranks_equal_a_count_for_discs_of_all_widths)
 {
-    RankScratch scratch;
+    RankedScratch scratch;
     // Up to 16, 17 and 33 columns the words of a row differ in number. The largest discs cover the grid.
     for (int radius = 0; radius <= 140; radius++)
     {
@@ -138,7 +138,7 @@ TEST(Aqorb_RankKernels, ranks_equal_a_count_for_discs_of_all_widths)
 
 TEST(Aqorb_RankKernels, no_leaves_have_no_ranks)
 {
-    RankScratch scratch;
+    RankedScratch scratch;
     expectRanks(3, 0, Size(1, 1), 4, 1, scratch);
     expectRanks(0, 1, Size(1, 1), 100, 1, scratch);
 }

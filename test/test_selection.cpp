@@ -30,8 +30,8 @@ struct Selection : FeatureSelector
             plan.scale = float(1 << i);
             plan.quota = quotas[i];
             plan.isRanked = isRanked;
-            const RankRule rank = {plan.size, 1, std::max(plan.quota, 1), 1, 0.15};
-            plan.rank = rank;
+            const RankRule rule = {plan.size, 1, std::max(plan.quota, 1), 1, 0.15};
+            plan.rankRule = rule;
             plans.push_back(plan);
         }
         FeatureSelector::reset(Size(256, 256), int(plans.size()), suppression, int(plans.size()));

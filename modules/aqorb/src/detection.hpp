@@ -32,9 +32,8 @@ struct DetectionRules
 {
     Thresholds thresholds;
     int cellSize;
-    bool useHarris;  //!< false: the response of a corner is its FAST score, and no corner is suppressed
-    bool
-        listOthers;  //!< whether corners that are not kept are listed at once, as they will probably be needed
+    bool useHarris;       //!< false: the response of a corner is its FAST score, and no corner is suppressed
+    bool listPassedOver;  //!< whether corners that are not kept are listed before anybody asks for them
     const OrientationPatch* strengthPatch;  //!< for the strengths of corners
 };
 
@@ -43,9 +42,10 @@ struct DetectionScratch
 {
     BandSearch search;
     LeafGrid leaves;
-    RankScratch ranking;
+    RankedScratch ranked;
     std::vector<LeafPoint> points;
-    std::vector<unsigned> representatives, leavesOfRepresentatives, order;
+    Representatives representatives;
+    std::vector<unsigned> order;
     std::vector<Corner> corners;
     std::vector<CornerResponse> responses;
     std::vector<float> strengths;
@@ -88,7 +88,7 @@ private:
         FoundCorners corners;  // unused in the first band, whose corners go into `found` at once
     };
     FoundCorners& cornersOf(int band) { return band == 0 ? found : bands[band].corners; }
-    CornerRules cornerRules(bool listOthers) const;
+    CornerRules cornerRules(bool listPassedOver) const;
     LeafPoint pointAt(size_t index, const LeafGrid& leaves) const;
     void represent(const LevelPlan& plan, DetectionScratch& scratch) const;
     void findStrengths(DetectionScratch& scratch) const;
@@ -104,8 +104,8 @@ private:
     FoundCorners found;       // of all bands, once they are in order
     std::vector<CornerResponse> inOrder;
     bool isOrdered;
-    bool hasOthers;    // whether corners are missing in the order
-    bool listsOthers;  // whether those were found that are not kept
+    bool hasOthers;        // whether corners are missing in the order
+    bool listsPassedOver;  // whether those were found that are not kept
 };
 
 }  // namespace stages

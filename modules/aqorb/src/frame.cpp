@@ -113,7 +113,7 @@ void Frame::plan()
     const std::vector<int>& quotas = isRanked ? workspace.rankedQuotas : tables.quotas;
     // Where a feature is wanted of so few pixels, corners that the rules pass over will probably be needed.
     const double FEW_PIXELS = 130;
-    rules.listOthers = pixels < FEW_PIXELS * parameters.nfeatures;
+    rules.listPassedOver = pixels < FEW_PIXELS * parameters.nfeatures;
     // Several threads share about four bands each.
     const double pixelsOfBand = threads == 1 ? pixels : pixels / (4 * threads);
     for (int i = 0; i < levelCount; i++)
@@ -161,7 +161,7 @@ void Frame::make(int level)
         completeMasks();
     if (isMasked)
         return;
-    planRanks(parameters, Mat(), work[level].plan);
+    completePlan(parameters, Mat(), work[level].plan);
     searchWhenReady(level);
 }
 
@@ -172,7 +172,7 @@ void Frame::completeMasks()
     {
         if (!levels[i].isInput)
             maskPositions(levels.input().mask, rulesOf(i).position, levels[i].mask, workspace.maskColumns);
-        planRanks(parameters, levels[i].mask, work[i].plan);
+        completePlan(parameters, levels[i].mask, work[i].plan);
     }
     for (int i = levelCount - 1; i >= 0; i--)
         searchWhenReady(i);

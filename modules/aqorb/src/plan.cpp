@@ -120,7 +120,7 @@ LevelPlan planLevel(const Parameters& parameters, const Level& level, int quota,
     return plan;
 }
 
-void planRanks(const Parameters& parameters, const Mat& mask, LevelPlan& plan)
+void completePlan(const Parameters& parameters, const Mat& mask, LevelPlan& plan)
 {
     if (!plan.isRanked)
         return;
@@ -129,7 +129,7 @@ void planRanks(const Parameters& parameters, const Mat& mask, LevelPlan& plan)
         mask.empty() ? 1 : countNonZero(mask(plan.root)) / (double(size.width) * size.height);
     const RankRule rule = {size, usable, std::max(plan.quota, 1), parameters.rankRadius,
                            parameters.strengthWeight};
-    plan.rank = rule;
+    plan.rankRule = rule;
     plan.depth = parameters.maxDepth >= 0 ? std::min(parameters.maxDepth, maxRankedDepth(size))
                                           : rankedDepth(size, usable, rule.quota);
 }
