@@ -122,11 +122,6 @@ def test_aqorb_demo_with_a_known_homography(start, tmp_path):
     assert max(map(float, errors.groups())) < 2
 
 
-def test_stereo_odometry(run):
-    output, _ = run('stereo_odometry', 'stereo')
-    assert '3 frames' in output and re.search(r'^frames whose motion was not found +0 +0$', output, re.MULTILINE)
-
-
 def test_all_samples_are_tested():
     assert {path.stem for path in SAMPLES.glob('*.py')} == set(UNREADABLE)
 
@@ -134,8 +129,7 @@ def test_all_samples_are_tested():
 # What each says of a file that is none.
 NO_IMAGE = 'text.png: cannot be read as an image'
 UNREADABLE = {'aqorb_demo': NO_IMAGE, 'fisheye_mask': NO_IMAGE, 'homography': NO_IMAGE, 'live': 'text.png: not ',
-              'panorama': NO_IMAGE, 'retain_uniform': NO_IMAGE,
-              'stereo_odometry': 'text.png: needs calib.txt'}
+              'panorama': NO_IMAGE, 'retain_uniform': NO_IMAGE}
 
 
 @pytest.mark.parametrize('name', UNREADABLE)
