@@ -14,7 +14,6 @@
 #include "../samples/stereo_odometry.hpp"
 #endif
 
-#include <functional>
 #include <iostream>
 
 // What a SLAM system with one camera needs of its keypoints when it starts: start_matches.hpp. If there are too few
