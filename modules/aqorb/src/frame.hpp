@@ -59,6 +59,7 @@ private:
         BY_QUOTA,
         FILLED
     };
+    //! @param part the band that is to be searched, or the list of features of which a range is to be described
     void put(Kind kind, int level, int part = 0, const Range& range = Range());
     void prepareWork(int count);
     void run();
