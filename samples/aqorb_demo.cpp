@@ -74,42 +74,38 @@ Mat estimateHomography(const Features& a, const Features& b, const std::vector<D
     return findHomography(from, to, USAC_MAGSAC, 3, noArray(), 10000, 0.9999);
 }
 
-/** The matches within 3 pixels of the homography, each at least 4 pixels away from every better one in
- both images: several keypoints on one corner of the scene say no more about it than one. */
-std::vector<DMatch> distinctCorrect(const Features& a, const Features& b, const std::vector<DMatch>& matches,
-                                    const Mat& homography)
+//! The matches within 3 pixels of the homography.
+std::vector<DMatch> agreeing(const Features& a, const Features& b, const std::vector<DMatch>& matches,
+                             const Mat& homography)
 {
-    std::vector<DMatch> distinct;
+    std::vector<DMatch> found;
     if (matches.empty() || homography.empty())
-        return distinct;
+        return found;
     std::vector<Point2f> from, to, mapped;
     matchedPoints(a, b, matches, from, to);
     perspectiveTransform(from, mapped, homography);
-    std::vector<size_t> kept;
     for (size_t i = 0; i < matches.size(); i++)
-    {
-        const auto isNear = [&](size_t k) { return norm(from[i] - from[k]) < 4 || norm(to[i] - to[k]) < 4; };
-        if (norm(mapped[i] - to[i]) > 3 || std::any_of(kept.begin(), kept.end(), isNear))
-            continue;
-        kept.push_back(i);
-        distinct.push_back(matches[i]);
-    }
-    return distinct;
+        if (norm(mapped[i] - to[i]) <= 3)
+            found.push_back(matches[i]);
+    return found;
 }
 
-//! How many matches are within 3 pixels of the homography.
-int countCorrect(const Features& a, const Features& b, const std::vector<DMatch>& matches,
-                 const Mat& homography)
+/** Those of the matches that are at least 4 pixels away from every better one in both images: several keypoints on one
+ corner of the scene say no more about it than one. */
+std::vector<DMatch> distinct(const Features& a, const Features& b, const std::vector<DMatch>& matches)
 {
-    if (matches.empty() || homography.empty())
-        return 0;
-    std::vector<Point2f> from, to, mapped;
-    matchedPoints(a, b, matches, from, to);
-    perspectiveTransform(from, mapped, homography);
-    int count = 0;
-    for (size_t i = 0; i < matches.size(); i++)
-        count += norm(mapped[i] - to[i]) <= 3;
-    return count;
+    std::vector<DMatch> kept;
+    for (const DMatch& match : matches)
+    {
+        const auto isNear = [&](const DMatch& better)
+        {
+            return norm(a.keypoints[match.queryIdx].pt - a.keypoints[better.queryIdx].pt) < 4 ||
+                   norm(b.keypoints[match.trainIdx].pt - b.keypoints[better.trainIdx].pt) < 4;
+        };
+        if (std::none_of(kept.begin(), kept.end(), isNear))
+            kept.push_back(match);
+    }
+    return kept;
 }
 
 //! How far apart two homographies map the corners of an image, on average; in pixels.
@@ -329,8 +325,9 @@ void detectAndMatch(const Input& input, Result& result)
     const std::vector<DMatch> matches = matchFeatures(first, second, result.detector->defaultNorm());
     const Mat estimate = estimateHomography(first, second, matches);
     const Mat homography = input.homography.empty() ? estimate : input.homography;
-    result.matches = distinctCorrect(first, second, matches, homography);
-    result.agreeing = countCorrect(first, second, matches, homography);
+    const std::vector<DMatch> right = agreeing(first, second, matches, homography);
+    result.matches = distinct(first, second, right);
+    result.agreeing = int(right.size());
     result.matched = int(matches.size());
     if (!estimate.empty())
         result.homographyError = cornerError(estimate, homography, input.images[0].size());

@@ -96,4 +96,17 @@ std::vector<PointPair> matchToStart(const Features& reference, const Features& l
     return matches;
 }
 
+cv::Matx33d fundamentalMatrix(const cv::Matx33d& camera, const cv::Matx44d& motion)
+{
+    const cv::Vec3d t(motion(0, 3), motion(1, 3), motion(2, 3));
+    const cv::Matx33d cross(0, -t[2], t[1], t[2], 0, -t[0], -t[1], t[0], 0);
+    return camera.inv().t() * cross * motion.get_minor<3, 3>(0, 0) * camera.inv();
+}
+
+bool isOnEpipolarLine(const PointPair& match, const cv::Matx33d& fundamental)
+{
+    const cv::Vec3d line = fundamental * cv::Vec3d(match.from.x, match.from.y, 1);
+    return std::abs(line.dot(cv::Vec3d(match.to.x, match.to.y, 1))) <= 2 * std::hypot(line[0], line[1]);
+}
+
 }  // namespace opencv_test

@@ -27,6 +27,13 @@ Features finestLevel(const Features& features);
  A keypoint of the later frame is in one match only, the nearer one. */
 std::vector<PointPair> matchToStart(const Features& reference, const Features& later);
 
+//! The fundamental matrix between two frames of a camera.
+//! @param motion from coordinates of the first frame to those of the second
+cv::Matx33d fundamentalMatrix(const cv::Matx33d& camera, const cv::Matx44d& motion);
+
+//! Whether a match lies within 2 pixels of the epipolar line of its first point.
+bool isOnEpipolarLine(const PointPair& match, const cv::Matx33d& fundamental);
+
 }  // namespace opencv_test
 
 #endif

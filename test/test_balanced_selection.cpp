@@ -119,17 +119,5 @@ TEST(Aqorb_BalancedSelection, gives_the_bytes_of_version_0_1_for_other_parameter
 }
 
 // The dial and the radius are for the other selection alone.
-TEST(Aqorb_BalancedSelection, does_not_depend_on_strength_weight_and_rank_radius)
-{
-    const Mat image = makeIntegerScene(SIZE, 1);
-    for (double value : {0., 0.5, 16.})
-    {
-        SCOPED_TRACE(value);
-        Settings settings = balancedSettings();
-        settings.strengthWeight = settings.rankRadius = value;
-        expectHash("7a10f274378e2b9b", settings, image);
-    }
-}
-
 }  // namespace
 }  // namespace opencv_test

@@ -198,19 +198,11 @@ TEST(Aqorb_Batch, takes_and_gives_matrices_of_all_kinds)
 }
 
 // The message of the exception that a call raises, empty if it raises none. The outputs are to stay what they are.
-template <typename Call> std::string messageOf(const Call& call)
+template <typename Call> std::string messageOfBatch(const Call& call)
 {
     KeyPointLists keypoints(7, KeyPoints(2, KeyPoint(1, 2, 3)));
     std::vector<Mat> descriptors(1, Mat(5, 5, CV_8U, Scalar(5)));
-    std::string message;
-    try
-    {
-        call(keypoints, descriptors);
-    }
-    catch (const cv::Exception& e)
-    {
-        message = e.err;
-    }
+    const std::string message = opencv_test::messageOf([&] { call(keypoints, descriptors); });
     EXPECT_EQ(7u, keypoints.size());
     for (const KeyPoints& ofImage : keypoints)
         EXPECT_TRUE(sameKeypoints(KeyPoints(2, KeyPoint(1, 2, 3)), ofImage));
@@ -242,17 +234,18 @@ TEST(Aqorb_Batch, an_error_names_the_first_image_with_any_number_of_threads)
             const Threads threads(number);
             const auto batch = [&](InputArrayOfArrays masks)
             {
-                return messageOf(
+                return messageOfBatch(
                     [&](KeyPointLists& keypoints, std::vector<Mat>& descriptors)
                     { detector->detectAndComputeBatch(collection.images, masks, keypoints, descriptors); });
             };
             EXPECT_EQ(ofMask, batch(collection.masks));
             EXPECT_EQ(ofImage, batch(noArray()));
             EXPECT_EQ(ofMask,
-                      messageOf([&](KeyPointLists& keypoints, std::vector<Mat>&)
-                                { detector->detect(collection.images, keypoints, collection.masks); }));
-            EXPECT_EQ(ofImage, messageOf([&](KeyPointLists& keypoints, std::vector<Mat>& descriptors)
-                                         { detector->compute(collection.images, keypoints, descriptors); }));
+                      messageOfBatch([&](KeyPointLists& keypoints, std::vector<Mat>&)
+                                     { detector->detect(collection.images, keypoints, collection.masks); }));
+            EXPECT_EQ(ofImage,
+                      messageOfBatch([&](KeyPointLists& keypoints, std::vector<Mat>& descriptors)
+                                     { detector->compute(collection.images, keypoints, descriptors); }));
         }
     }
     // The detector is as good as before.
@@ -269,7 +262,7 @@ TEST(Aqorb_Batch, bad_collections)
     const Mat& image = images[0];
     const std::string vectors = " must be a vector of Mat or UMat";
 #define AQORB_SAYS(message, ...)                                                        \
-    EXPECT_EQ(message, messageOf(                                                       \
+    EXPECT_EQ(message, messageOfBatch(                                                  \
                            [&](KeyPointLists& keypoints, std::vector<Mat>& descriptors) \
                            {                                                            \
                                (void)descriptors;                                       \

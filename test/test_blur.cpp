@@ -72,7 +72,7 @@ TEST(Aqorb_Blur, is_the_same_for_every_width_and_alignment)
         // Pixels that can be read in place where the image is wide enough.
         const Rect inner(3, 3, width - 6, 3);
         BlurRegion region;
-        region.begin(size, BLUR_MARGIN);
+        region.reset(size, BLUR_MARGIN);
         for (int x = inner.x + 1; x < inner.br().x - 1; x++)
             region.addDisc(Point(x, 4), std::vector<int>(2, 1));
         const Rect compared = inner.width > 2 ? inner : Rect();
@@ -109,7 +109,7 @@ TEST(Aqorb_Blur, of_a_region_equals_that_of_the_image)
             const int off = count > 4 ? std::min(reach + 3, (width - 1) / 2) : 0;
             std::vector<Point> centers;
             const int margin = count % 2 ? BLUR_MARGIN : blurMargin(reach);
-            region.begin(image.size(), margin);
+            region.reset(image.size(), margin);
             for (int i = 0; i < count; i++)
             {
                 centers.push_back(Point(rng.uniform(off, width - off), rng.uniform(off, height - off)));

@@ -28,9 +28,9 @@ struct CornerScratch
 //! Finds the corners of a region that is divided into bands, which are searched in any order, as several threads do.
 void findCorners(const Level& level, const Rect& region, const Thresholds& thresholds, int cellSize,
                  bool suppressNear, FoundCorners& found, CornerScratch& scratch, int bands = 1,
-                 bool listOthers = true)
+                 bool listPassedOver = true)
 {
-    const CornerRules rules = {thresholds, cellSize, suppressNear, listOthers};
+    const CornerRules rules = {thresholds, cellSize, suppressNear, listPassedOver};
     scratch.seams.resize(std::max(scratch.seams.size(), size_t(bands)));
     scratch.bands.resize(std::max(scratch.bands.size(), size_t(bands)));
     const Rect scanned = fastRegion(level.image.size(), region);
@@ -42,7 +42,7 @@ void findCorners(const Level& level, const Rect& region, const Thresholds& thres
         rows.push_back(rowsOfBand(region, cellSize, bands, i));
         scratch.bands[i].clear();
         if (i > 0)
-            scratch.seams[i].begin(level.image.cols, Range(scanned.x, scanned.x + scanned.width),
+            scratch.seams[i].reset(level.image.cols, Range(scanned.x, scanned.x + scanned.width),
                                    rows[i].start);
     }
     RNG rng(bands);
@@ -58,7 +58,7 @@ void findCorners(const Level& level, const Rect& region, const Thresholds& thres
     for (int i = 0; i < bands; i++)
     {
         if (suppressNear && i > 0)
-            scratch.seams[i].list(listOthers, found, scratch.search.scratch);
+            scratch.seams[i].list(listPassedOver, found, scratch.search.scratch);
         found.append(scratch.bands[i]);
     }
 }

@@ -13,20 +13,6 @@ namespace opencv_test
 namespace
 {
 
-// The message of the exception that a call raises; empty if it raises none.
-template <typename Call> std::string messageOf(Call call)
-{
-    try
-    {
-        call();
-    }
-    catch (const cv::Exception& e)
-    {
-        return e.err;
-    }
-    return std::string();
-}
-
 ::testing::AssertionResult names(const std::string& message, const std::string& name,
                                  const std::string& value)
 {

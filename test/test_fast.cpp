@@ -31,10 +31,10 @@ void detectCorners(const Mat& image, const Rect& region, int threshold, std::vec
     level.image = image;
     const Thresholds thresholds = {threshold, threshold};
     ScorePlane plane;
-    plane.begin(image.cols, columnsOf(scanned), scanned.y, scanned.height);
+    plane.reset(image.cols, columnsOf(scanned), scanned.y, scanned.height);
     CornerBlocks blocks;
     FastScanner scanner;
-    scanner.begin(level, scanned, thresholds, plane, blocks);
+    scanner.reset(level, scanned, thresholds, plane, blocks);
     scanner.scan(scanned.y + scanned.height);
     scanner.collect(0);
     listCorners(blocks.storage.data(), blocks.storage.data() + blocks.count, plane, corners);
@@ -110,8 +110,8 @@ TEST(Aqorb_Fast, scan_tells_strong_corners_from_weak_ones)
         std::unique_ptr<WithoutOptimization> baseline(round % 2 ? new WithoutOptimization : 0);
         const int MOST_ROWS = 40;
         const bool slides = round % 4 < 2;
-        plane.begin(size.width, columnsOf(region), region.y, slides ? MOST_ROWS : region.height);
-        scanner.begin(level, region, thresholds, plane, blocks);
+        plane.reset(size.width, columnsOf(region), region.y, slides ? MOST_ROWS : region.height);
+        scanner.reset(level, region, thresholds, plane, blocks);
         for (int top = region.y, end; top < region.br().y; top = end)
         {
             end = std::min(top + rng.uniform(1, MOST_ROWS), region.br().y);

@@ -11,7 +11,6 @@
 
 #include <opencv2/core/utility.hpp>
 
-#include <functional>
 #include <new>
 
 // Whatever cv::parallel_for_ does with the workers of a frame, the bytes are the same.

@@ -340,20 +340,6 @@ TEST(Aqorb_HammingMatcher, has_no_match_without_descriptors)
     EXPECT_EQ(3u, lists.size());
 }
 
-// The message of the exception that a call raises; empty if it raises none.
-template <typename Call> std::string messageOf(Call call)
-{
-    try
-    {
-        call();
-    }
-    catch (const cv::Exception& e)
-    {
-        return e.err;
-    }
-    return std::string();
-}
-
 bool hasAll(const std::string& message, const std::vector<std::string>& parts)
 {
     return std::all_of(parts.begin(), parts.end(),

@@ -173,19 +173,6 @@ TEST(Aqorb_MatchByPosition, equals_matchArrays_without_limit)
     EXPECT_TRUE(sameMat(expectedDistances, distances));
 }
 
-template <typename Call> std::string messageOf(Call call)
-{
-    try
-    {
-        call();
-    }
-    catch (const cv::Exception& e)
-    {
-        return e.err;
-    }
-    return std::string();
-}
-
 TEST(Aqorb_MatchArrays, refuses_bad_input)
 {
     const Mat some = Mat::zeros(3, 32, CV_8UC1), narrow = Mat::zeros(3, 16, CV_8UC1),

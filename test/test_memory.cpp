@@ -11,7 +11,6 @@
 #include <opencv2/core/hal/intrin.hpp>
 
 #include <condition_variable>
-#include <functional>
 #include <memory>
 #include <mutex>
 #include <thread>

@@ -14,7 +14,6 @@
 #include "../samples/stereo_odometry.hpp"
 #endif
 
-#include <functional>
 #include <iostream>
 
 // What a SLAM system with one camera needs of its keypoints when it starts: start_matches.hpp. If there are too few
@@ -207,17 +206,6 @@ TEST(Aqorb_MonocularStart, over_a_drawn_plane)
 
 #ifdef AQORB_HAVE_GEOMETRY
 
-//! Within 2 pixels of the line on which the motion between two frames puts the point.
-bool isOnLine(const StereoSequence& drive, int from, int to, const PointPair& match)
-{
-    const Matx44d motion = drive.poses[to].inv() * drive.poses[from];
-    const Vec3d t(motion(0, 3), motion(1, 3), motion(2, 3));
-    const Matx33d cross(0, -t[2], t[1], t[2], 0, -t[0], -t[1], t[0], 0), back = drive.camera.inv();
-    const Vec3d line =
-        back.t() * cross * motion.get_minor<3, 3>(0, 0) * back * Vec3d(match.from.x, match.from.y, 1);
-    return std::abs(line.dot(Vec3d(match.to.x, match.to.y, 1))) <= 2 * std::hypot(line[0], line[1]);
-}
-
 TEST(Aqorb_MonocularStart, on_a_road)
 {
     if (sequenceFile("").empty())
@@ -234,9 +222,13 @@ TEST(Aqorb_MonocularStart, on_a_road)
     {
         Start starts[METHODS];
         for (int method = 0; method < METHODS; method++)
-            starts[method] = measureStart(extractAll(method, nfeatures, frames),
-                                          [&](int from, int to, const PointPair& match)
-                                          { return isOnLine(drive, from, to, match); });
+            starts[method] =
+                measureStart(extractAll(method, nfeatures, frames),
+                             [&](int from, int to, const PointPair& match)
+                             {
+                                 const Matx44d motion = drive.poses[to].inv() * drive.poses[from];
+                                 return isOnEpipolarLine(match, fundamentalMatrix(drive.camera, motion));
+                             });
         report(format("road, %d features", nfeatures), starts);
         expectBestIsDefault(starts);
         if (nfeatures >= 1000)

@@ -38,6 +38,7 @@ using namespace cv;
 #include <algorithm>
 #include <cmath>
 #include <cstdlib>
+#include <functional>
 #include <string>
 #include <vector>
 
@@ -60,6 +61,9 @@ private:
 };
 
 Features detectAndCompute(Feature2D& detector, InputArray image, InputArray mask = noArray());
+
+//! The message of the exception that a call raises; empty if it raises none.
+std::string messageOf(const std::function<void()>& call);
 
 //! Whether all fields of all keypoints have the same bytes.
 ::testing::AssertionResult sameKeypoints(const KeyPoints& a, const KeyPoints& b);

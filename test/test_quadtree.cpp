@@ -47,7 +47,7 @@ TEST(Aqorb_Quadtree, leaves_divide_a_region_evenly)
     {
         const Rect region(rng.uniform(0, 50), rng.uniform(0, 50), rng.uniform(1, 700), rng.uniform(1, 700));
         const int depth = rng.uniform(0, MAX_QUADTREE_DEPTH + 1);
-        grid.begin(region, depth);
+        grid.reset(region, depth);
         for (int j = 0; j < 50; j++)
         {
             const Point p(rng.uniform(0, region.width), rng.uniform(0, region.height));

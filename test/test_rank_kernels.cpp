@@ -24,14 +24,14 @@ bool isInDisc(int64 dx, int64 dy, Size cell, int64 squaredRadius)
 TEST(Aqorb_RankKernels, disc_by_hand)
 {
     LeafDisc disc;
-    disc.begin(Size(1, 1), 0, 8);
+    disc.reset(Size(1, 1), 0, 8);
     EXPECT_EQ(disc.halfWidths, std::vector<int>(1, 0));
     EXPECT_EQ(disc.total, 1);
-    disc.begin(Size(3, 2), 36, 8);  // 2 leaves wide, 3 high, and (1, 2) is 5 away
+    disc.reset(Size(3, 2), 36, 8);  // 2 leaves wide, 3 high, and (1, 2) is 5 away
     EXPECT_EQ(disc.halfWidths, std::vector<int>({2, 1, 1, 0}));
     EXPECT_EQ(disc.widest, 2);
     EXPECT_EQ(disc.total, 5 + 2 * (3 + 3 + 1));
-    disc.begin(Size(3, 2), 36, 2);  // No leaf of a grid of 2 x 2 is 2 leaves away.
+    disc.reset(Size(3, 2), 36, 2);  // No leaf of a grid of 2 x 2 is 2 leaves away.
     EXPECT_EQ(disc.halfWidths, std::vector<int>({1, 1}));
     EXPECT_EQ(disc.widest, 1);
     EXPECT_EQ(disc.total, 19);
@@ -47,7 +47,7 @@ TEST(Aqorb_RankKernels, disc_equals_its_definition)
         const Size cell(rng.uniform(1, 30), rng.uniform(1, 30));
         const int side = 1 << rng.uniform(0, 8);
         const int64 squaredRadius = rng.uniform(0, 1 << rng.uniform(1, 20));
-        disc.begin(cell, squaredRadius, side);
+        disc.reset(cell, squaredRadius, side);
         int total = 0, widest = 0;
         const int most = cvFloor(std::sqrt(double(squaredRadius))) + 1;
         std::vector<int> halfWidths;
@@ -68,7 +68,7 @@ TEST(Aqorb_RankKernels, disc_equals_its_definition)
 }
 
 //! Checks the ranks of some leaves in random order, on the kernels for this CPU and on the baseline's.
-void expectRanks(int depth, int count, Size cell, int64 squaredRadius, int seed, RankScratch& scratch)
+void expectRanks(int depth, int count, Size cell, int64 squaredRadius, int seed, RankedScratch& scratch)
 {
     const int side = 1 << depth;
     RNG rng(seed);
@@ -99,7 +99,7 @@ void expectRanks(int depth, int count, Size cell, int64 squaredRadius, int seed,
         expected.push_back(rank);
     }
     LeafDisc disc;
-    disc.begin(cell, squaredRadius, side);
+    disc.reset(cell, squaredRadius, side);
     std::vector<int> ranks(leaves.size(), -1);
     leafRanks(leaves.data(), leaves.size(), depth, disc, scratch, ranks.data());
     EXPECT_EQ(ranks, expected);
@@ -111,7 +111,7 @@ void expectRanks(int depth, int count, Size cell, int64 squaredRadius, int seed,
 
 TEST(Aqorb_RankKernels, ranks_equal_a_count_for_every_depth)
 {
-    RankScratch scratch;  // It is used again, so what one case leaves in it must not matter.
+    RankedScratch scratch;  // It is used again, so what one case leaves in it must not matter.
     for (int depth = 0; depth <= 12; depth++)
         for (int radius : {0, 1, 2, 5})
         {
@@ -125,7 +125,7 @@ TEST(Aqorb_RankKernels, ranks_equal_a_count_for_every_depth)
 
 TEST(Aqorb_RankKernels, ranks_equal_a_count_for_discs_of_all_widths)
 {
-    RankScratch scratch;
+    RankedScratch scratch;
     // Up to 16, 17 and 33 columns the words of a row differ in number. The largest discs cover the grid.
     for (int radius = 0; radius <= 140; radius++)
     {
@@ -138,7 +138,7 @@ TEST(Aqorb_RankKernels, ranks_equal_a_count_for_discs_of_all_widths)
 
 TEST(Aqorb_RankKernels, no_leaves_have_no_ranks)
 {
-    RankScratch scratch;
+    RankedScratch scratch;
     expectRanks(3, 0, Size(1, 1), 4, 1, scratch);
     expectRanks(0, 1, Size(1, 1), 100, 1, scratch);
 }

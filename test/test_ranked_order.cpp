@@ -168,31 +168,28 @@ std::vector<int> indicesOf(const std::vector<unsigned>& order, const Scene& scen
 }
 
 //! The order of a scene, step by step.
-std::vector<int> orderOf(const Scene& scene, RankScratch& scratch)
+std::vector<int> orderOf(const Scene& scene, RankedScratch& scratch)
 {
     const std::vector<LeafPoint> points = pointsOf(scene);
-    std::vector<unsigned> representatives, order, others;
+    Representatives representatives;
+    std::vector<unsigned> order, others;
     findRepresentatives(
         points.size(), [&](size_t i) { return points[i]; }, scene.depth, scratch, representatives);
     std::vector<float> strengths;
-    std::vector<unsigned> leaves;
-    for (unsigned index : representatives)
-    {
+    for (unsigned index : representatives.points)
         strengths.push_back(scene.strengths[scene.corners[index].index]);
-        leaves.push_back(points[index].leaf);
-    }
-    orderRepresentatives(leaves, strengths, scene.power, scene.depth, scene.usable, scene.rule, scratch,
-                         order);
+    orderRepresentatives(representatives.leaves, strengths, scene.power, scene.depth, scene.usable,
+                         scene.rule, scratch, order);
     for (unsigned& index : order)
-        index = representatives[index];
-    orderOthers(points, representatives, scratch, others);
+        index = representatives.points[index];
+    orderOthers(points, representatives.points, scratch, others);
     order.insert(order.end(), others.begin(), others.end());
     return indicesOf(order, scene);
 }
 
 TEST(Aqorb_RankedOrder, equals_reference)
 {
-    RankScratch scratch;  // It is used again, so what one scene leaves in it must not matter.
+    RankedScratch scratch;  // It is used again, so what one scene leaves in it must not matter.
     size_t compared = 0;
     for (int seed = 1; seed <= 650; seed++)
     {
@@ -209,7 +206,7 @@ TEST(Aqorb_RankedOrder, equals_reference)
 
 TEST(Aqorb_RankedOrder, points_are_ordered_by_their_keys)
 {
-    RankScratch scratch;
+    RankedScratch scratch;
     for (int seed = 1; seed <= 100; seed++)
     {
         SCOPED_TRACE(seed);

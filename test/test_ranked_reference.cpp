@@ -7,7 +7,7 @@
 
 #include <limits>
 
-// The reference of RANKED_SELECTION decides what is right, so its parts are checked by examples worked out by hand.
+// The reference of RANKED_SELECTION decides what is right, so its order is checked by examples worked out by hand.
 
 namespace opencv_test
 {
@@ -21,101 +21,6 @@ typedef std::vector<int> Ints;
 
 const float INF = std::numeric_limits<float>::infinity();
 const float NOT_A_NUMBER = std::numeric_limits<float>::quiet_NaN();
-
-TEST(Aqorb_RankedReference, logarithm_by_hand)
-{
-    for (int e = -149; e <= 127; e++)  // with denormals
-        ASSERT_EQ(reference::binaryLogarithm(std::ldexp(1.f, e)), int64(e) * (1 << 24)) << e;
-    EXPECT_EQ(reference::binaryLogarithm(1.5f), 9814042);
-    EXPECT_EQ(reference::binaryLogarithm(3.f), 9814042 + (1 << 24));
-    EXPECT_EQ(reference::binaryLogarithm(std::ldexp(3.f, -149)), 9814042 - (int64(148) << 24));
-    EXPECT_EQ(reference::binaryLogarithm(0.1f), -55732706);
-    EXPECT_EQ(reference::binaryLogarithm(100.f), 111465410);
-    EXPECT_EQ(reference::binaryLogarithm(1e10f), 557327051);
-    EXPECT_EQ(reference::binaryLogarithm(1 + std::ldexp(1.f, -23)), 2);
-    EXPECT_EQ(reference::binaryLogarithm(std::numeric_limits<float>::max()), (int64(128) << 24) - 2);
-}
-
-TEST(Aqorb_RankedReference, table_of_logarithms_does_not_depend_on_the_library)
-{
-    // What is rounded down in the table is far enough from whole numbers for any std::log2.
-    for (int i = 1; i < 4096; i++)
-    {
-        const double T = std::log2(1 + i / 4096.) * (1 << 26);
-        ASSERT_GT(std::abs(T - std::floor(T + 0.5)), 1e-5) << i;
-    }
-}
-
-TEST(Aqorb_RankedReference, quotas_by_hand)
-{
-    const std::vector<Size> three = {Size(100, 80), Size(50, 40), Size(25, 20)};
-    const std::vector<float> scales = {1, 2, 4};
-    // Shares of 1.5 * 8000, 2000 * 2.38 and 500 * 5.66 are 61.3 24.3 14.4 %.
-    EXPECT_EQ(reference::rankedQuotas(100, three, scales), Ints({62, 24, 14}));
-    EXPECT_EQ(reference::rankedQuotas(1, three, scales), Ints({1, 0, 0}));
-    EXPECT_EQ(reference::rankedQuotas(0, three, scales), Ints({0, 0, 0}));
-    // .62 of each but the first: one is too many on levels 1 to 5, and is taken from the finest that has one.
-    EXPECT_EQ(reference::rankedQuotas(4, std::vector<Size>(6, Size(10, 10)), std::vector<float>(6, 1.f)),
-              Ints({0, 0, 1, 1, 1, 1}));
-    EXPECT_EQ(reference::rankedQuotas(7, {Size(3, 1)}, {1}), Ints({7}));
-}
-
-TEST(Aqorb_RankedReference, depth_by_hand)
-{
-    const Size large(1 << 14, 1 << 14);
-    EXPECT_EQ(reference::rankedDepth(-1, 1, 1, large), 2);     // 9 <= 16 leaves
-    EXPECT_EQ(reference::rankedDepth(-1, 2, 1, large), 3);     // 18 <= 64
-    EXPECT_EQ(reference::rankedDepth(-1, 7, 1, large), 3);     // 63
-    EXPECT_EQ(reference::rankedDepth(-1, 8, 1, large), 4);     // 72 <= 256
-    EXPECT_EQ(reference::rankedDepth(-1, 64, 1, large), 5);    // 576 <= 1024
-    EXPECT_EQ(reference::rankedDepth(-1, 64, 0.5, large), 6);  // 4096 / 2
-    EXPECT_EQ(reference::rankedDepth(-1, 64, 0.1, large), 7);  // 16384 / 10
-    EXPECT_EQ(reference::rankedDepth(-1, 1, 0, large), 12);
-    EXPECT_EQ(reference::rankedDepth(-1, 2000000, 1, large), 12);
-    EXPECT_EQ(reference::rankedDepth(15, 1, 1, large), 12);
-    EXPECT_EQ(reference::rankedDepth(12, 1, 1, Size(1 << 13, 1 << 14)), 12);
-    EXPECT_EQ(reference::rankedDepth(12, 1, 1, Size((1 << 13) - 1, 1 << 14)), 11);
-    EXPECT_EQ(reference::rankedDepth(3, 500, 1, large), 3);
-    EXPECT_EQ(reference::rankedDepth(0, 500, 1, large), 0);
-    EXPECT_EQ(reference::rankedDepth(-1, 500, 1, Size(100, 4)), 1);  // 2 pixels a side
-    EXPECT_EQ(reference::rankedDepth(-1, 500, 1, Size(3, 100)), 0);
-    EXPECT_EQ(reference::rankedDepth(5, 500, 1, Size(1, 1)), 0);
-}
-
-TEST(Aqorb_RankedReference, base_and_score_by_hand)
-{
-    EXPECT_EQ(reference::cornerBase(10, 2.f, true), 20000.f);
-    EXPECT_EQ(reference::cornerBase(10, -2.f, true), 0.f);
-    EXPECT_EQ(reference::cornerBase(10, 10.f, false), 10000.f);
-    EXPECT_EQ(reference::momentsScore(3.f, 1 << 16, 0), 3.f);         // |m| = 1
-    EXPECT_EQ(reference::momentsScore(3.f, 0, -(1 << 17)), 48.f);     // 2
-    EXPECT_EQ(reference::momentsScore(3.f, 1 << 16, 1 << 16), 12.f);  // sqrt(2)
-    EXPECT_EQ(reference::momentsScore(3.f, 0, 0), 0.f);
-    // -2^31 squared twice is 2^63: |m|^2 = 2^31, and with b = 1 it is squared.
-    EXPECT_EQ(reference::momentsScore(1.f, std::numeric_limits<int>::min(), std::numeric_limits<int>::min()),
-              std::ldexp(1.f, 62));
-}
-
-TEST(Aqorb_RankedReference, moments_of_every_third_row)
-{
-    // One bright pixel at a time: it counts on rows 0, +-3, +-6 .. +-15 of the disc and nowhere else.
-    int counted = 0;
-    for (int v = -17; v <= 17; v++)
-        for (int u = -17; u <= 17; u++)
-        {
-            Mat image = Mat::zeros(41, 41, CV_8UC1);
-            image.at<uchar>(20 + v, 20 + u) = 2;
-            int m10 = 0, m01 = 0, all10 = 0, all01 = 0;
-            reference::discMoments(image, 20, 20, 31, 3, m10, m01);
-            reference::discMoments(image, 20, 20, 31, 1, all10, all01);
-            ASSERT_EQ(m10, v % 3 == 0 ? all10 : 0);
-            ASSERT_EQ(m01, v % 3 == 0 ? all01 : 0);
-            ASSERT_TRUE((m10 == 0 && m01 == 0) || (m10 == 2 * u && m01 == 2 * v));
-            counted += m10 != 0 || m01 != 0;
-        }
-    // Rows 0, 3, 6, 9, 12 and 15 of the disc of radius 15 have 15, 15, 14, 12, 9 and 3 pixels on either side.
-    EXPECT_EQ(counted, 30 + 2 * (31 + 29 + 25 + 19 + 7));
-}
 
 //! Corners in leaves, of which the order is asked.
 class Order
@@ -227,22 +132,6 @@ TEST(Aqorb_RankedReference, disc_reaches_as_far_as_its_radius)
     EXPECT_EQ(order.get(), Ints({3, 1, 0, 2}));
 }
 
-TEST(Aqorb_RankedReference, large_roots_are_halved_together)
-{
-    for (int shift = 0; shift <= 3; shift++)
-    {
-        const RankedRule rule = {Size((1 << 18) << shift, (1 << 16) << shift), 5, 1, 40, 1.3, 0.2, 1 << 16};
-        Order order(rule);
-        RNG rng(3);
-        for (int i = 0; i < 300; i++)
-            order.add(rng.uniform(0, 32), rng.uniform(0, 32), rng.uniform(0.f, 1.f));
-        static Ints expected;
-        if (shift == 0)
-            expected = order.get();
-        EXPECT_EQ(order.get(), expected);
-    }
-}
-
 TEST(Aqorb_RankedReference, strengths_that_are_no_numbers_or_not_positive)
 {
     // With R = 0 every rank is 0. No leaf has a neighbour.
@@ -298,21 +187,6 @@ TEST(Aqorb_RankedReference, the_others_follow_by_their_place_in_the_leaf)
     order.add(3, 0, 1, 5, 5).add(3, 0, 1, 5, 5);                     // of lower index
     order.add(2, 1, NOT_A_NUMBER, 1, 9).add(2, 1, -INF, 2, 9);
     EXPECT_EQ(order.get(), Ints({0, 6, 4, 7, 10, /* second */ 1, 5, 3, 8, 9, /* third */ 2}));
-}
-
-TEST(Aqorb_RankedReference, retain_uniform_by_hand)
-{
-    // For 1 of 16 x 16 pixels there are 4 x 4 leaves.
-    KeyPoints given;
-    given.push_back(KeyPoint(1, 1, 1, -1, 5));
-    given.push_back(KeyPoint(2, 2, 1, -1, 6));
-    given.push_back(KeyPoint(15, 15, 1, -1, 6));
-    given.push_back(KeyPoint(16, 15, 1, -1, 9));  // outside
-    KeyPoints kept = reference::retainUniform(given, Size(16, 16), 1);
-    ASSERT_EQ(kept.size(), 1u);
-    EXPECT_EQ(kept[0].pt, Point2f(2, 2));
-    EXPECT_EQ(reference::retainUniform(given, Size(16, 16), 9).size(), 3u);
-    EXPECT_EQ(reference::retainUniform(given, Size(16, 16), 0).size(), 0u);
 }
 
 }  // namespace

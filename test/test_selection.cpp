@@ -19,7 +19,7 @@ typedef std::vector<CornerResponse> Corners;
 //! Levels of which each is half the size of the one before.
 struct Selection : FeatureSelector
 {
-    void begin(const std::vector<int>& quotas, double suppression, bool isRanked = true)
+    void reset(const std::vector<int>& quotas, double suppression, bool isRanked = true)
     {
         plans.clear();
         for (size_t i = 0; i < quotas.size(); i++)
@@ -30,11 +30,11 @@ struct Selection : FeatureSelector
             plan.scale = float(1 << i);
             plan.quota = quotas[i];
             plan.isRanked = isRanked;
-            const RankRule rank = {plan.size, 1, std::max(plan.quota, 1), 1, 0.15};
-            plan.rank = rank;
+            const RankRule rule = {plan.size, 1, std::max(plan.quota, 1), 1, 0.15};
+            plan.rankRule = rule;
             plans.push_back(plan);
         }
-        FeatureSelector::begin(Size(256, 256), int(plans.size()), suppression, int(plans.size()));
+        FeatureSelector::reset(Size(256, 256), int(plans.size()), suppression, int(plans.size()));
     }
     void add(int level) { addLevel(level, plans[level]); }
 
@@ -68,7 +68,7 @@ std::vector<int> columns(FeatureSelector& selector, int level, size_t first = 0)
 TEST(Aqorb_Selection, takes_the_quotas_and_no_more)
 {
     Selection selector;
-    selector.begin({3, 2}, 0);
+    selector.reset({3, 2}, 0);
     for (int level = 1; level >= 0; level--)  // from coarse to fine
     {
         selector.add(level);
@@ -83,9 +83,9 @@ TEST(Aqorb_Selection, takes_the_quotas_and_no_more)
 TEST(Aqorb_Selection, of_nothing_is_nothing)
 {
     Selection selector;
-    selector.begin({}, 0.5);
+    selector.reset({}, 0.5);
     EXPECT_EQ(selector.missing(), 0);
-    selector.begin({0, 4}, 0.5);
+    selector.reset({0, 4}, 0.5);
     selector.add(1);
     selector.take(1, Corners());
     selector.fill(1, Corners());
@@ -99,7 +99,7 @@ TEST(Aqorb_Selection, goes_on_along_an_order_and_hands_on_what_is_missing)
     Selection selector;
     for (int repeat = 0; repeat < 2; repeat++)  // the second time with the memory of the first
     {
-        selector.begin({2, 3}, 0);
+        selector.reset({2, 3}, 0);
         selector.add(1);
         selector.take(1, line(2, 7, 3));
         EXPECT_EQ(selector.missing(), 1);
@@ -124,7 +124,7 @@ TEST(Aqorb_Selection, passes_over_corners_near_those_of_other_levels)
         {
             SCOPED_TRACE(format("ranked %d, suppression %g", isRanked, octaveSuppression));
             Selection selector;
-            selector.begin({2, 1}, octaveSuppression, isRanked);
+            selector.reset({2, 1}, octaveSuppression, isRanked);
             selector.add(1);
             selector.take(1, Corners(1, coarse));
             selector.add(0);
@@ -141,7 +141,7 @@ TEST(Aqorb_Selection, fills_up_with_no_corner_twice)
     for (bool isRanked : {true, false})
     {
         Selection selector;
-        selector.begin({5}, 0.5, isRanked);
+        selector.reset({5}, 0.5, isRanked);
         selector.add(0);
         const Corners corners = line(2, 9, 5), others = line(9, 4, 5);
         selector.take(0, corners);
@@ -164,7 +164,7 @@ TEST(Aqorb_Selection, near_keypoints_are_found_at_any_radius)
         const double suppressions[] = {0.3, 0.5, 1.5, 2.1, 9, 50, 1e6};
         const double suppression = suppressions[rng.uniform(0, 7)];
         Selection selector;
-        selector.begin({1000, 20}, suppression, round % 2 == 0);
+        selector.reset({1000, 20}, suppression, round % 2 == 0);
         Corners coarse, fine;
         for (int i = 0; i < 20; i++)
         {

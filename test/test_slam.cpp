@@ -372,16 +372,8 @@ TEST(Aqorb_Slam, several_levels_need_a_scale_factor_above_1)
     const float factors[] = {1.f, 0.5f};
     for (float factor : factors)
     {
-        std::string message;
-        try
-        {
-            SlamExtractor(500, factor, 8, 20, 7);
-        }
-        catch (const cv::Exception& e)
-        {
-            message = e.err;
-        }
-        EXPECT_EQ(format("scaleFactor must be above 1 with more than one level, got %g", factor), message);
+        EXPECT_EQ(format("scaleFactor must be above 1 with more than one level, got %g", factor),
+                  messageOf([&] { SlamExtractor(500, factor, 8, 20, 7); }));
         EXPECT_NO_THROW(SlamExtractor(500, factor, 1, 20, 7)) << factor;
     }
 }

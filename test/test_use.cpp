@@ -58,25 +58,6 @@ TEST(Aqorb_Use, with_a_flann_index)
 }
 #endif
 
-TEST(Aqorb_Use, with_several_images)
-{
-    std::vector<Mat> images, descriptors;
-    images.push_back(makeScene(Size(200, 160), 1));
-    images.push_back(makeScene(Size(300, 100), 2));
-    images.push_back(Mat::zeros(50, 50, CV_8UC1));
-    std::vector<KeyPoints> keypoints;
-    const Ptr<Feature2D> detector = AdaptiveQuadtreeORB::create(150);
-    detector->detect(images, keypoints);
-    detector->compute(images, keypoints, descriptors);
-    ASSERT_EQ(3u, keypoints.size());
-    for (size_t i = 0; i < images.size(); i++)
-    {
-        const Features expected = detectAndCompute(*detector, images[i]);
-        const Features found = {keypoints[i], descriptors[i]};
-        EXPECT_TRUE(sameFeatures(expected, found));
-    }
-}
-
 // Matches of an image with itself turned by 90 degrees: pixels are the same.
 void expectMatches(int WTA_K)
 {

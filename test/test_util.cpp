@@ -17,6 +17,19 @@ Features detectAndCompute(Feature2D& detector, InputArray image, InputArray mask
     return features;
 }
 
+std::string messageOf(const std::function<void()>& call)
+{
+    try
+    {
+        call();
+    }
+    catch (const cv::Exception& e)
+    {
+        return e.err;
+    }
+    return std::string();
+}
+
 ::testing::AssertionResult sameKeypoints(const KeyPoints& a, const KeyPoints& b)
 {
     if (a.size() != b.size())

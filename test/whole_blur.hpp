@@ -41,7 +41,7 @@ inline void approximateBlur(const Mat& image, Mat& blurred)
 {
     const int margin = BLUR_MARGIN;
     aqorb::stages::BlurRegion everywhere;
-    everywhere.begin(image.size(), BLUR_MARGIN);
+    everywhere.reset(image.size(), BLUR_MARGIN);
     everywhere.addDisc(Point(), std::vector<int>(image.cols + BLUR_MARGIN + 1, image.rows + BLUR_MARGIN));
     blurred = blurredOf(image.size());
     std::vector<uchar> scratch;

@@ -67,25 +67,6 @@ def test_panorama(run):
     assert abs(width - 900) < 40 and abs(height - 600) < 40
 
 
-@pytest.mark.parametrize('way', ['threads', 'processes'])
-def test_many_images(start, tmp_path, way):
-    pytest.importorskip('aqorb')  # which the module of cv2 does not replace here
-    result = start('many_images', '--by=' + way, '--workers=3', '--nfeatures=300', '--out=' + str(tmp_path),
-                   *['IMAGES/{}.png'.format(name) for name in ('view1', 'view2', 'frame_00')])
-    assert result.returncode == 0, result.stderr
-    assert '3 photographs, 900 features, 3 ' + way in result.stdout
-    for name in 'view1', 'view2', 'frame_00':
-        saved = np.load(str(tmp_path / (name + '.npz')))
-        assert len(saved['keypoints']) == len(saved['descriptors']) == 300
-
-
-def test_many_images_of_which_one_is_none(start):
-    pytest.importorskip('aqorb')
-    result = start('many_images', 'IMAGES/view1.png', 'IMAGES/text.png')
-    assert result.returncode == 1 and 'text.png: cannot be read as an image' in result.stderr
-    assert '1 photographs, 1000 features' in result.stdout
-
-
 @pytest.mark.parametrize('name', ['aqorb_demo', 'fisheye_mask', 'homography', 'retain_uniform'])
 def test_a_sample_image_that_is_missing(start, name):
     result = start(name, OPENCV_SAMPLES_DATA_PATH='')
@@ -141,11 +122,6 @@ def test_aqorb_demo_with_a_known_homography(start, tmp_path):
     assert max(map(float, errors.groups())) < 2
 
 
-def test_stereo_odometry(run):
-    output, _ = run('stereo_odometry', 'stereo')
-    assert '3 frames' in output and re.search(r'^frames whose motion was not found +0 +0$', output, re.MULTILINE)
-
-
 def test_all_samples_are_tested():
     assert {path.stem for path in SAMPLES.glob('*.py')} == set(UNREADABLE)
 
@@ -153,8 +129,7 @@ def test_all_samples_are_tested():
 # What each says of a file that is none.
 NO_IMAGE = 'text.png: cannot be read as an image'
 UNREADABLE = {'aqorb_demo': NO_IMAGE, 'fisheye_mask': NO_IMAGE, 'homography': NO_IMAGE, 'live': 'text.png: not ',
-              'many_images': NO_IMAGE, 'panorama': NO_IMAGE, 'retain_uniform': NO_IMAGE,
-              'stereo_odometry': 'text.png: needs calib.txt'}
+              'panorama': NO_IMAGE, 'retain_uniform': NO_IMAGE}
 
 
 @pytest.mark.parametrize('name', UNREADABLE)

@@ -6,6 +6,7 @@
 // Measures matching, in turns with cv::BFMatcher, and prints CSV; tools/report/report.py makes the tables of
 // doc/performance.md of it, and scripts/performance.sh runs both.
 
+#include "../../test/data_files.hpp"
 #include "../common/csv.hpp"
 #include "../common/program.hpp"
 
@@ -14,7 +15,6 @@
 #include <opencv2/imgcodecs.hpp>
 
 #include <algorithm>
-#include <cstdlib>
 #include <functional>
 #include <iostream>
 
@@ -97,51 +97,68 @@ struct Descriptors
                 train.at<uchar>(order[i], rng.uniform(0, bytes)) ^= uchar(1 << rng.uniform(0, 8));
         }
     }
+    void match(const DescriptorMatcher& matcher) { matcher.match(query, train, matches); }
+    void matchTwo(const DescriptorMatcher& matcher)
+    {
+        lists.clear();
+        matcher.knnMatch(query, train, lists, 2);
+    }
+
     Mat query, train;
     std::vector<Point2f> positions;
     std::vector<KeyPoint> keypoints;
+    // Outputs, which keep their memory.
+    std::vector<DMatch> matches;
+    std::vector<std::vector<DMatch>> lists;
+    Mat pairs, distances;
 };
 
-//! What is measured, by name.
+//! What is measured, and the cells of its rows that say so.
 struct Work
 {
-    std::string task, contender;
+    std::vector<std::string> cells;
     std::function<void()> run;
 };
+
+//! Measures works in turns. Adds a row for each time, which ends with the number of the repeat and the milliseconds.
+void measure(const std::vector<Work>& works, int repeats, tools::CsvTable& table)
+{
+    for (int repeat = 0; repeat < repeats; repeat++)
+    {
+        for (const Work& work : works)
+        {
+            std::vector<std::string> cells = work.cells;
+            cells.insert(cells.begin(), cpuName());
+            cells.push_back(std::to_string(repeat));
+            cells.push_back(tools::csvNumber(milliseconds(work.run)));
+            table.add(cells);
+        }
+    }
+}
 
 tools::CsvTable measureMatchers(const std::vector<int>& numbers, int bytes, int repeats)
 {
     setNumThreads(1);
     tools::CsvTable table({"cpu", "n", "bytes", "task", "contender", "repeat", "ms"});
-    for (const int n : numbers)
+    const BFMatcher cvCross(NORM_HAMMING, true), cvAll(NORM_HAMMING);
+    const HammingMatcher ourCross(NORM_HAMMING, true), ourAll(NORM_HAMMING);
+    for (const int number : numbers)
     {
-        const Descriptors d(n, bytes);
-        const BFMatcher cvCross(NORM_HAMMING, true), cvAll(NORM_HAMMING);
-        const HammingMatcher ourCross(NORM_HAMMING, true), ourAll(NORM_HAMMING);
-        std::vector<DMatch> matches;
-        std::vector<std::vector<DMatch>> lists;
-        Mat pairs, distances;
-        const auto two = [&](const DescriptorMatcher& matcher)
-        {
-            lists.clear();
-            matcher.knnMatch(d.query, d.train, lists, 2);
-        };
-        const std::vector<Work> all = {
-            {"cross check", "cv::BFMatcher", [&] { cvCross.match(d.query, d.train, matches); }},
-            {"cross check", "HammingMatcher", [&] { ourCross.match(d.query, d.train, matches); }},
-            {"cross check", "matchArrays", [&] { aqorb::matchArrays(d.query, d.train, pairs, distances); }},
-            {"cross check", "matchByPosition",
-             [&] {
-                 aqorb::matchByPosition(d.query, d.positions, d.train, d.keypoints, Size2f(20, 20), pairs,
-                                        distances);
-             }},
-            {"knn 2", "cv::BFMatcher", [&] { two(cvAll); }},
-            {"knn 2", "HammingMatcher", [&] { two(ourAll); }},
-        };
-        for (int repeat = 0; repeat < repeats; repeat++)
-            for (const Work& work : all)
-                table.add({cpuName(), std::to_string(n), std::to_string(bytes), work.task, work.contender,
-                           std::to_string(repeat), tools::csvNumber(milliseconds(work.run))});
+        Descriptors d(number, bytes);
+        const std::string n = std::to_string(number), b = std::to_string(bytes);
+        measure({{{n, b, "cross check", "cv::BFMatcher"}, [&] { d.match(cvCross); }},
+                 {{n, b, "cross check", "HammingMatcher"}, [&] { d.match(ourCross); }},
+                 {{n, b, "cross check", "matchArrays"},
+                  [&] { aqorb::matchArrays(d.query, d.train, d.pairs, d.distances); }},
+                 {{n, b, "cross check", "matchByPosition"},
+                  [&]
+                  {
+                      aqorb::matchByPosition(d.query, d.positions, d.train, d.keypoints, Size2f(20, 20),
+                                             d.pairs, d.distances);
+                  }},
+                 {{n, b, "knn 2", "cv::BFMatcher"}, [&] { d.matchTwo(cvAll); }},
+                 {{n, b, "knn 2", "HammingMatcher"}, [&] { d.matchTwo(ourAll); }}},
+                repeats, table);
     }
     return table;
 }
@@ -151,23 +168,14 @@ tools::CsvTable measureProgram(const std::vector<int>& numbers, int bytes, int r
     setNumThreads(1);
     tools::CsvTable table({"cpu", "n", "task", "repeat", "ms"});
     const BFMatcher all(NORM_HAMMING), cross(NORM_HAMMING, true);
-    for (const int n : numbers)
+    for (const int number : numbers)
     {
-        const Descriptors d(n, bytes);
-        std::vector<DMatch> matches;
-        std::vector<std::vector<DMatch>> lists;
-        const std::vector<Work> works = {{"match", "", [&] { all.match(d.query, d.train, matches); }},
-                                         {"cross check", "", [&] { cross.match(d.query, d.train, matches); }},
-                                         {"knn 2", "",
-                                          [&]
-                                          {
-                                              lists.clear();
-                                              all.knnMatch(d.query, d.train, lists, 2);
-                                          }}};
-        for (int repeat = 0; repeat < repeats; repeat++)
-            for (const Work& work : works)
-                table.add({cpuName(), std::to_string(n), work.task, std::to_string(repeat),
-                           tools::csvNumber(milliseconds(work.run))});
+        Descriptors d(number, bytes);
+        const std::string n = std::to_string(number);
+        measure({{{n, "match"}, [&] { d.match(all); }},
+                 {{n, "cross check"}, [&] { d.match(cross); }},
+                 {{n, "knn 2"}, [&] { d.matchTwo(all); }}},
+                repeats, table);
     }
     return table;
 }
@@ -175,46 +183,35 @@ tools::CsvTable measureProgram(const std::vector<int>& numbers, int bytes, int r
 tools::CsvTable measureScaling(const std::vector<int>& numbers, int repeats)
 {
     tools::CsvTable table({"cpu", "n", "task", "threads", "repeat", "ms"});
-    for (const int n : numbers)
+    const HammingMatcher cross(NORM_HAMMING, true), all(NORM_HAMMING);
+    for (const int number : numbers)
     {
-        const Descriptors d(n, 32);
-        const HammingMatcher cross(NORM_HAMMING, true), all(NORM_HAMMING);
-        std::vector<DMatch> matches;
-        std::vector<std::vector<DMatch>> lists;
-        const std::vector<Work> works = {{"cross check", "", [&] { cross.match(d.query, d.train, matches); }},
-                                         {"knn 2", "",
-                                          [&]
-                                          {
-                                              lists.clear();
-                                              all.knnMatch(d.query, d.train, lists, 2);
-                                          }}};
+        Descriptors d(number, 32);
+        const std::string n = std::to_string(number);
         // Not in turns: a new number of threads makes OpenCV start its threads anew.
         for (const int threads : {1, 2})
         {
             setNumThreads(threads);
-            for (const Work& work : works)
-                for (int repeat = 0; repeat < repeats; repeat++)
-                    table.add({cpuName(), std::to_string(n), work.task, std::to_string(threads),
-                               std::to_string(repeat), tools::csvNumber(milliseconds(work.run))});
+            const std::string with = std::to_string(threads);
+            measure({{{n, "cross check", with}, [&] { d.match(cross); }}}, repeats, table);
+            measure({{{n, "knn 2", with}, [&] { d.matchTwo(all); }}}, repeats, table);
         }
     }
     return table;
 }
 
 //! Two images of a set, as grey images.
-std::vector<Mat> readPair(const std::string& name)
+std::vector<Mat> readPair(const std::string& set)
 {
-    const char* const folder = std::getenv("OPENCV_TEST_DATA_PATH");
-    if (!folder)
-        CV_Error(Error::StsObjectNotFound, "OPENCV_TEST_DATA_PATH is not set");
     std::vector<Mat> images;
-    for (const char* file : {"/img1.png", "/img2.png"})
+    for (int index = 1; index <= 2; index++)
     {
-        const std::string path =
-            std::string(folder) + "/cv/detectors_descriptors_evaluation/images_datasets/" + name;
-        images.push_back(imread(path + file, IMREAD_GRAYSCALE));
+        const std::string file = opencv_test::oxfordImage(set, index);
+        if (file.empty())
+            CV_Error(Error::StsObjectNotFound, "OPENCV_TEST_DATA_PATH is not set");
+        images.push_back(imread(file, IMREAD_GRAYSCALE));
         if (images.back().empty())
-            CV_Error(Error::StsObjectNotFound, path + file + " cannot be read");
+            CV_Error(Error::StsObjectNotFound, file + " cannot be read");
     }
     return images;
 }
@@ -250,15 +247,12 @@ tools::CsvTable measurePairs(const std::vector<int>& numbers, int repeats)
         for (const int n : numbers)
         {
             const Ptr<ORB> orb = ORB::create(n), ours = aqorb::AdaptiveQuadtreeORB::create(n);
-            const std::vector<Work> all = {
-                {"", "cv::ORB, cv::BFMatcher", [&] { findHomographyOf(images, *orb, slow); }},
-                {"", "aqorb, cv::BFMatcher", [&] { findHomographyOf(images, *ours, slow); }},
-                {"", "aqorb, HammingMatcher", [&] { findHomographyOf(images, *ours, fast); }},
-            };
-            for (int repeat = 0; repeat < repeats; repeat++)
-                for (const Work& work : all)
-                    table.add({cpuName(), set, std::to_string(n), work.contender, std::to_string(repeat),
-                               tools::csvNumber(milliseconds(work.run))});
+            const std::string number = std::to_string(n);
+            measure(
+                {{{set, number, "cv::ORB, cv::BFMatcher"}, [&] { findHomographyOf(images, *orb, slow); }},
+                 {{set, number, "aqorb, cv::BFMatcher"}, [&] { findHomographyOf(images, *ours, slow); }},
+                 {{set, number, "aqorb, HammingMatcher"}, [&] { findHomographyOf(images, *ours, fast); }}},
+                repeats, table);
         }
     }
     return table;

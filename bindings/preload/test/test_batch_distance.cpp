@@ -150,32 +150,4 @@ TEST(Aqorb_Preload_BatchDistance, gives_opencvs_results)
     EXPECT_LT(thrown, 4500);
 }
 
-TEST(Aqorb_Preload_BatchDistance, bfmatcher_matches_other_descriptors)
-{
-    RNG rng(1);
-    for (const int bytes : {16, 32, 61, 64})
-    {
-        Mat query(300, bytes, CV_8UC1), train(400, bytes, CV_8UC1);
-        rng.fill(query, RNG::UNIFORM, 0, 256);
-        rng.fill(train, RNG::UNIFORM, 0, 256);
-        for (const bool crossCheck : {false, true})
-        {
-            std::vector<DMatch> ours, opencvs;
-            const BFMatcher matcher(NORM_HAMMING, crossCheck);
-            matcher.match(query, train, ours);
-            {
-                const OriginalScope scope;
-                matcher.match(query, train, opencvs);
-            }
-            ASSERT_EQ(opencvs.size(), ours.size());
-            for (size_t i = 0; i < ours.size(); i++)
-            {
-                EXPECT_EQ(opencvs[i].queryIdx, ours[i].queryIdx);
-                EXPECT_EQ(opencvs[i].trainIdx, ours[i].trainIdx);
-                EXPECT_EQ(opencvs[i].distance, ours[i].distance);
-            }
-        }
-    }
-}
-
 }  // namespace

@@ -4,8 +4,6 @@
 # SPDX-License-Identifier: Apache-2.0
 """Tests of HammingMatcher and of the functions that return matches as arrays, against cv2.BFMatcher."""
 
-import threading
-
 import cv2 as cv
 import numpy as np
 import pytest
@@ -166,23 +164,3 @@ def test_bad_values(call, name):
 def test_bad_types(call, name):
     with pytest.raises(TypeError, match=name):
         call(descriptors(1, 10))
-
-
-def test_threads_share_a_matcher():
-    matcher, query, train = aqorb.HammingMatcher(), descriptors(1), descriptors(2)
-    matcher.add([train])
-    expected = values(matcher.match(query))
-    results = []
-
-    def work():
-        for _ in range(20):
-            results.append(values(matcher.match(query)) == expected)
-
-    threads = [threading.Thread(target=work) for _ in range(4)]
-    for thread in threads:
-        thread.start()
-    for _ in range(20):
-        matcher.add([np.full((1, 32), 255, np.uint8) ^ query[0]])  # far from all
-    for thread in threads:
-        thread.join()
-    assert len(results) == 80 and len(matcher.getTrainDescriptors()) == 21

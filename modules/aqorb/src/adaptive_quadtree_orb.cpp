@@ -210,7 +210,7 @@ void AdaptiveQuadtreeORBImpl::buildPyramid(InputArray image_, OutputArrayOfArray
         Level input;
         input.image = grayImage(image_);
         checkPyramidInput(input.image.size());
-        levels.begin(input, parameters.firstLevel, parameters.scaleFactor, true);
+        levels.reset(input, parameters.firstLevel, parameters.scaleFactor, true);
         completeLevels(parameters, levels);
     }
     giveLevels(levels, levels_);
@@ -246,7 +246,7 @@ void AdaptiveQuadtreeORBImpl::process(InputArray image_, InputArray mask_, std::
     if (!useProvidedKeypoints)
         input.mask = checkedMask(mask_, size);
     const LevelsScope scope(workspace.levels);
-    workspace.levels.begin(input, parameters.firstLevel, parameters.scaleFactor, levels != 0);
+    workspace.levels.reset(input, parameters.firstLevel, parameters.scaleFactor, levels != 0);
     Frame frame(parameters, tables, workspace);
     if (useProvidedKeypoints)
         frame.describeGiven(keypoints);

@@ -96,7 +96,7 @@ int blurMargin(int reach)
     return int(alignSize(size_t(reach + RADIUS), BLUR_TILE_WIDTH)) - RADIUS;
 }
 
-void BlurRegion::begin(Size size_, int margin_)
+void BlurRegion::reset(Size size_, int margin_)
 {
     size = size_;
     margin = margin_;

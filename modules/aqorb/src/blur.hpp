@@ -41,7 +41,7 @@ class BlurRegion
 public:
     //! Starts with no pixels of a level of the given size.
     //! @param margin a blurMargin
-    void begin(Size size, int margin);
+    void reset(Size size, int margin);
     //! Adds the pixels of a disc and possibly some more. Its centre lies in the level or one pixel beside it.
     //! @param halfHeights the greatest vertical distance from the centre, by the horizontal one
     void addDisc(const Point& center, const std::vector<int>& halfHeights);
@@ -59,6 +59,9 @@ private:
     int margin, borderTiles, innerTiles;  // tiles on either side, and between
     std::vector<uchar> needed;            // by column, by row
 };
+
+//! By how many units of 1/256 at most the approximate blur exceeds the exact one before rounding, or falls short of it.
+const int BLUR_EXCESS = 2, BLUR_SHORTFALL = 10;
 
 /** The blur in fixed point, in units of 1/256. It exceeds the exact one before rounding by at most BLUR_EXCESS, and
  falls short of it by at most BLUR_SHORTFALL. Outside of the level stand the reflected pixels themselves: those cv::ORB

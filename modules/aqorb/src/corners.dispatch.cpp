@@ -37,7 +37,7 @@ void appendTo(std::vector<Corner>& corners, const Corner* first, const Corner* l
 
 // Appends the corners of the first blocks: those that have no better one nearby, and the others.
 void appendCorners(const CornerBlocks& blocks, int blockCount, int cornerCount, const ScorePlane& plane,
-                   bool listOthers, FoundCorners& found, std::vector<Corner>& scratch)
+                   bool listPassedOver, FoundCorners& found, std::vector<Corner>& scratch)
 {
     if (cornerCount == 0)
         return;
@@ -47,7 +47,7 @@ void appendCorners(const CornerBlocks& blocks, int blockCount, int cornerCount, 
     Corner* const kept = scratch.data();
     const int keptCount = writeKeptCorners(blocks.storage.data(), cornerCount, plane, kept);
     appendTo(found.kept, kept, kept + keptCount);
-    if (!listOthers)
+    if (!listPassedOver)
         return;
     const size_t before = found.suppressed.size();
     listCorners(blocks.storage.data(), blocks.storage.data() + blockCount, plane, found.suppressed);
@@ -57,23 +57,23 @@ void appendCorners(const CornerBlocks& blocks, int blockCount, int cornerCount, 
                            found.suppressed.end());
 }
 
-// Moves the blocks from `begin` to before `end` to the end of others. There must be space for two more, which the kernel
-// reads.
-void appendBlocks(const CornerBlocks& blocks, int begin, int end, CornerBlocks& others)
+// Copies the blocks from `begin` to before `end` to the end of another list. There must be space for two more, which the
+// kernel reads.
+void appendBlocks(const CornerBlocks& blocks, int begin, int end, CornerBlocks& target)
 {
-    others.storage.resize(size_t(others.count + end - begin) + 2);
+    target.storage.resize(size_t(target.count + end - begin) + 2);
     for (int i = begin; i < end; i++)
     {
-        others.storage[others.count++] = blocks.storage[i];
-        others.cornerCount += countCorners(blocks.storage[i]);
+        target.storage[target.count++] = blocks.storage[i];
+        target.cornerCount += countCorners(blocks.storage[i]);
     }
 }
 
 }  // namespace
 
-void Seam::begin(int imageWidth, const Range& columns, int y)
+void Seam::reset(int imageWidth, const Range& columns, int y)
 {
-    plane.begin(imageWidth, columns, y, ScorePlane::ROWS_ABOVE);
+    plane.reset(imageWidth, columns, y, ScorePlane::ROWS_ABOVE);
     above.count = above.cornerCount = below.count = below.cornerCount = 0;
 }
 
@@ -91,20 +91,20 @@ void FoundCorners::append(const FoundCorners& next)
     appendTo(weak, next.weak.data(), next.weak.data() + next.weak.size());
 }
 
-void Seam::list(bool listOthers, FoundCorners& found, std::vector<Corner>& scratch) const
+void Seam::list(bool listPassedOver, FoundCorners& found, std::vector<Corner>& scratch) const
 {
-    appendCorners(above, above.count, above.cornerCount, plane, listOthers, found, scratch);
-    appendCorners(below, below.count, below.cornerCount, plane, listOthers, found, scratch);
+    appendCorners(above, above.count, above.cornerCount, plane, listPassedOver, found, scratch);
+    appendCorners(below, below.count, below.cornerCount, plane, listPassedOver, found, scratch);
 }
 
 // Takes the corners of the rows before `end`. The SUPPRESS_RADIUS rows from there on must have their scores, too, as far as
 // there are any.
-void BandSearch::take(int end, bool listOthers, FoundCorners& found)
+void BandSearch::take(int end, bool listPassedOver, FoundCorners& found)
 {
     int taken = blocks.count, left = 0;  // corners that are not taken yet
     while (taken > 0 && blocks.storage[taken - 1].y >= end)
         left += countCorners(blocks.storage[--taken]);
-    appendCorners(blocks, taken, blocks.cornerCount - left, plane, listOthers, found, scratch);
+    appendCorners(blocks, taken, blocks.cornerCount - left, plane, listPassedOver, found, scratch);
     removeFirst(taken, left);
 }
 
@@ -137,9 +137,9 @@ void BandSearch::find(const Level& level, const Rect& band, const CornerRules& r
     const Point end = band.br();
     const int bottom = scanned.y + scanned.height,
               side = std::min(rules.cellSize, std::max(band.width, band.height));
-    plane.begin(level.image.cols, Range(scanned.x, scanned.x + scanned.width), scanned.y,
+    plane.reset(level.image.cols, Range(scanned.x, scanned.x + scanned.width), scanned.y,
                 std::min(side, scanned.height));
-    scanner.begin(level, scanned, rules.thresholds, plane, blocks);
+    scanner.reset(level, scanned, rules.thresholds, plane, blocks);
     int copied = scanned.y;  // rows before it have been copied to the seam above
     for (int y = band.y; y < end.y; y += side)
     {
@@ -152,7 +152,7 @@ void BandSearch::find(const Level& level, const Rect& band, const CornerRules& r
             if (scanner.hasStrong(cell))
                 scanner.dropWeak(cell);
         }
-        scanner.collect(rules.listOthers ? &found.weak : 0);
+        scanner.collect(rules.listPassedOver ? &found.weak : 0);
         if (!rules.suppressNear)
         {
             listCorners(blocks.storage.data(), blocks.storage.data() + blocks.count, plane, found.kept);
@@ -164,7 +164,7 @@ void BandSearch::find(const Level& level, const Rect& band, const CornerRules& r
                 above->plane.copyRow(copied, plane);
             giveFirst(scanned.y + SUPPRESS_RADIUS, *above);
         }
-        take(scannedEnd - SUPPRESS_RADIUS, rules.listOthers, found);
+        take(scannedEnd - SUPPRESS_RADIUS, rules.listPassedOver, found);
     }
     // With an edgeThreshold below 3 the last band may have fewer than ROWS_ABOVE rows in which a whole circle fits. The
     // missing rows of the seam have no corners.
@@ -179,7 +179,7 @@ void BandSearch::find(const Level& level, const Rect& band, const CornerRules& r
     else
     {
         plane.clearBelow(bottom);
-        take(bottom, rules.listOthers, found);
+        take(bottom, rules.listPassedOver, found);
     }
 }
 

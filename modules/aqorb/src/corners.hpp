@@ -21,8 +21,8 @@ struct CornerRules
 {
     Thresholds thresholds;
     int cellSize;
-    bool suppressNear;  //!< whether a corner loses to a better one within SUPPRESS_RADIUS
-    bool listOthers;    //!< whether those that are not kept are listed, too
+    bool suppressNear;    //!< whether a corner loses to a better one within SUPPRESS_RADIUS
+    bool listPassedOver;  //!< whether those that are not kept are listed, too
 };
 
 //! The corners of a band or a level, each list in raster order.
@@ -42,9 +42,9 @@ class Seam
 {
 public:
     //! Prepares the seam above row y.
-    void begin(int imageWidth, const Range& columns, int y);
+    void reset(int imageWidth, const Range& columns, int y);
     //! Appends the corners of the seam, once both bands have been searched.
-    void list(bool listOthers, FoundCorners& found, std::vector<Corner>& scratch) const;
+    void list(bool listPassedOver, FoundCorners& found, std::vector<Corner>& scratch) const;
 
 private:
     friend class BandSearch;
@@ -70,7 +70,7 @@ public:
     std::vector<Corner> scratch;
 
 private:
-    void take(int end, bool listOthers, FoundCorners& found);
+    void take(int end, bool listPassedOver, FoundCorners& found);
     void giveFirst(int end, Seam& above);
     void removeFirst(int removed, int cornersLeft);
 

@@ -14,7 +14,7 @@ namespace aqorb
 namespace stages
 {
 
-void FeatureBatch::begin(size_t count)
+void FeatureList::reset(size_t count)
 {
     points.clear();
     points.reserve(count);
@@ -27,12 +27,12 @@ void FeatureBatch::begin(size_t count)
 
 // Finds the directions of features and completes their keypoints.
 static void findKeypoints(const Level& level, const DescriptionRules& rules, size_t begin, size_t end,
-                          FeatureBatch& batch)
+                          FeatureList& list)
 {
     CV_TRACE_FUNCTION();
     const Mat &image = level.image, &mask = *rules.imageMask;
     const bool subPixel = rules.position.subPixel;
-    orientations(image, *rules.patch, &batch.points[begin], end - begin);
+    orientations(image, *rules.patch, &list.points[begin], end - begin);
     // Step by step for some features at a time: within a step they do not depend on each other.
     const size_t AT_ONCE = 64;
     for (size_t first = begin; first < end; first += AT_ONCE)
@@ -40,11 +40,11 @@ static void findKeypoints(const Level& level, const DescriptionRules& rules, siz
         const size_t some = std::min(end - first, AT_ONCE);
         Point2d offsets[AT_ONCE];
         for (size_t i = 0; i < some && subPixel; i++)
-            offsets[i] = subPixelOffset(image, batch.points[first + i].x, batch.points[first + i].y);
+            offsets[i] = subPixelOffset(image, list.points[first + i].x, list.points[first + i].y);
         for (size_t i = 0; i < some; i++)
         {
-            const FeaturePoint& point = batch.points[first + i];
-            KeyPoint& keypoint = batch.keypoints[first + i];
+            const FeaturePoint& point = list.points[first + i];
+            KeyPoint& keypoint = list.keypoints[first + i];
             keypoint.pt = rules.position(point.x, point.y, offsets[i].x, offsets[i].y);
             keypoint.angle = point.angle;
             if (subPixel && !mask.empty() && !isUsable(mask, keypoint.pt))
@@ -54,20 +54,20 @@ static void findKeypoints(const Level& level, const DescriptionRules& rules, siz
 }
 
 void describeFeatures(const Level& level, const DescriptionRules& rules, const Range& features,
-                      FeatureBatch& batch, DescriptionScratch& scratch)
+                      FeatureList& list, DescriptionScratch& scratch)
 {
     const size_t end = size_t(features.end);
     if (!rules.tests)
     {
         if (rules.patch)
-            findKeypoints(level, rules, size_t(features.start), end, batch);
+            findKeypoints(level, rules, size_t(features.start), end, list);
         return;
     }
     const int ROWS = 64;  // that are blurred at once
     const int reach = rules.tests->reach, margin = rules.tests->margin();
     const int rowsEnd = level.image.rows + margin;  // of all that can be read
-    const std::vector<FeaturePoint>& points = batch.points;
-    scratch.region.begin(level.image.size(), margin);
+    const std::vector<FeaturePoint>& points = list.points;
+    scratch.region.reset(level.image.size(), margin);
     for (size_t i = size_t(features.start); i < end; i++)
         scratch.region.addDisc(Point(points[i].x, points[i].y), rules.tests->halfHeights);
 
@@ -94,11 +94,11 @@ void describeFeatures(const Level& level, const DescriptionRules& rules, const R
         for (next = i; next < end && (points[next].y + reach < bottom || bottom == rowsEnd);)
             next++;
         if (rules.patch)
-            findKeypoints(level, rules, i, next, batch);
+            findKeypoints(level, rules, i, next, list);
         approximateBlur(level.image, scratch.region, Range(filled, bottom), blurred, scratch.blur);
         filled = bottom;
         computeDescriptors(level.image, blurred, &points[i], next - i, *rules.tests,
-                           &batch.descriptors[i * DESCRIPTOR_BYTES], DESCRIPTOR_BYTES);
+                           &list.descriptors[i * DESCRIPTOR_BYTES], DESCRIPTOR_BYTES);
     }
 }
 

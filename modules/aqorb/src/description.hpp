@@ -20,8 +20,8 @@ namespace aqorb
 namespace stages
 {
 
-//! Features of a level that are described together.
-struct FeatureBatch
+//! Features of a level that were chosen together.
+struct FeatureList
 {
     std::vector<FeaturePoint> points;  //!< in raster order
     std::vector<KeyPoint> keypoints;   //!< of the points
@@ -29,14 +29,14 @@ struct FeatureBatch
     std::vector<unsigned> outputKeys;  //!< of the points: by them they come in the output
 
     //! Starts with none, and with memory for so many.
-    void begin(size_t count);
+    void reset(size_t count);
 };
 
 //! The features of a level.
 struct LevelFeatures
 {
-    FeatureBatch byQuota;  //!< those that were chosen first
-    FeatureBatch filled;   //!< those that were chosen when other levels had too few
+    FeatureList byQuota;  //!< those that were chosen first
+    FeatureList filled;   //!< those that were chosen when other levels had too few
 
     size_t size() const { return byQuota.points.size() + filled.points.size(); }
 };
@@ -58,11 +58,11 @@ struct DescriptionScratch
     AlignedVector<ushort> blurred;
 };
 
-/** Describes some of the features of a batch, so that several tasks can share the batch: finds their directions, their
+/** Describes some of the features of a list, so that several tasks can share it: finds their directions, their
  positions in the image and their descriptors. The rows of the level are read and blurred from top to bottom, some at a
  time. */
 void describeFeatures(const Level& level, const DescriptionRules& rules, const Range& features,
-                      FeatureBatch& batch, DescriptionScratch& scratch);
+                      FeatureList& list, DescriptionScratch& scratch);
 
 }  // namespace stages
 }  // namespace aqorb

@@ -17,17 +17,17 @@ namespace stages
 {
 
 LevelDetection::LevelDetection()
-    : level(0), rules(), bandCount(0), isOrdered(false), hasOthers(false), listsOthers(false)
+    : level(0), rules(), bandCount(0), isOrdered(false), hasOthers(false), listsPassedOver(false)
 {
 }
 
-int LevelDetection::begin(const Level& level_, const Rect& root_, const DetectionRules& rules_, int most)
+int LevelDetection::reset(const Level& level_, const Rect& root_, const DetectionRules& rules_, int most)
 {
     level = &level_;
     root = root_;
     rules = rules_;
     isOrdered = hasOthers = false;
-    listsOthers = rules.listOthers;
+    listsPassedOver = rules.listPassedOver;
     found.clear();
     bandCount = std::min(mostBands(root, rules.cellSize), most);
     if (bands.size() < size_t(bandCount))
@@ -42,15 +42,15 @@ int LevelDetection::begin(const Level& level_, const Rect& root_, const Detectio
         bands[i].rect = Rect(root.x, rows.start, root.width, rows.size());
         bands[i].corners.clear();
         if (i > 0)
-            seams[i - 1].begin(size.width, Range(scanned.x, scanned.x + scanned.width), rows.start);
+            seams[i - 1].reset(size.width, Range(scanned.x, scanned.x + scanned.width), rows.start);
     }
     return bandCount;
 }
 
-CornerRules LevelDetection::cornerRules(bool listOthers) const
+CornerRules LevelDetection::cornerRules(bool listPassedOver) const
 {
     // Harris responses of neighbours hardly differ. Without suppression a strong corner would be chosen thrice.
-    const CornerRules ofCorners = {rules.thresholds, rules.cellSize, rules.useHarris, listOthers};
+    const CornerRules ofCorners = {rules.thresholds, rules.cellSize, rules.useHarris, listPassedOver};
     return ofCorners;
 }
 
@@ -59,7 +59,7 @@ void LevelDetection::searchBand(int index, DetectionScratch& scratch)
     const bool hasSeams = rules.useHarris;
     Seam* const above = hasSeams && index > 0 ? &seams[index - 1] : 0;
     Seam* const below = hasSeams && index < bandCount - 1 ? &seams[index] : 0;
-    scratch.search.find(*level, bands[index].rect, cornerRules(rules.listOthers), above, below,
+    scratch.search.find(*level, bands[index].rect, cornerRules(rules.listPassedOver), above, below,
                         cornersOf(index));
 }
 
@@ -69,7 +69,7 @@ void LevelDetection::order(const LevelPlan& plan, DetectionScratch& scratch)
     for (int i = 1; i < bandCount; i++)
     {
         if (rules.useHarris)
-            seams[i - 1].list(rules.listOthers, found, scratch.search.scratch);
+            seams[i - 1].list(rules.listPassedOver, found, scratch.search.scratch);
         found.append(bands[i].corners);
     }
     isOrdered = true;
@@ -88,8 +88,8 @@ void LevelDetection::order(const LevelPlan& plan, DetectionScratch& scratch)
     represent(plan, scratch);
     findStrengths(scratch);
     findUsable(plan.depth, scratch);
-    orderRepresentatives(scratch.leavesOfRepresentatives, scratch.strengths, 4, plan.depth, scratch.usable,
-                         plan.rank, scratch.ranking, scratch.order);
+    orderRepresentatives(scratch.representatives.leaves, scratch.strengths, 4, plan.depth, scratch.usable,
+                         plan.rankRule, scratch.ranked, scratch.order);
     inOrder.resize(scratch.order.size());
     for (size_t i = 0; i < inOrder.size(); i++)
         inOrder[i] = scratch.responses[scratch.order[i]];
@@ -103,23 +103,20 @@ LeafPoint LevelDetection::pointAt(size_t index, const LeafGrid& leaves) const
     return point;
 }
 
-// Finds the representatives and their leaves.
+// Finds the representatives.
 void LevelDetection::represent(const LevelPlan& plan, DetectionScratch& scratch) const
 {
-    scratch.leaves.begin(root, plan.depth);
+    scratch.leaves.reset(root, plan.depth);
     findRepresentatives(
-        found.kept.size(), [&](size_t i) { return pointAt(i, scratch.leaves); }, plan.depth, scratch.ranking,
+        found.kept.size(), [&](size_t i) { return pointAt(i, scratch.leaves); }, plan.depth, scratch.ranked,
         scratch.representatives);
-    scratch.leavesOfRepresentatives.resize(scratch.representatives.size());
-    for (size_t i = 0; i < scratch.representatives.size(); i++)
-        scratch.leavesOfRepresentatives[i] = pointAt(scratch.representatives[i], scratch.leaves).leaf;
 }
 
 // The strength is the fourth power of FAST * sqrt(sqrt(Harris)) * moment, so that no root is needed. A corner whose moment
 // is long has a well-defined direction, and is found again with the same direction.
 void LevelDetection::findStrengths(DetectionScratch& scratch) const
 {
-    const size_t AT_ONCE = 64, size = scratch.representatives.size();
+    const size_t AT_ONCE = 64, size = scratch.representatives.points.size();
     scratch.responses.resize(size);
     scratch.strengths.resize(size);
     for (size_t first = 0; first < size; first += AT_ONCE)
@@ -130,7 +127,7 @@ void LevelDetection::findStrengths(DetectionScratch& scratch) const
         Moments moments[AT_ONCE];
         for (size_t i = 0; i < some; i++)
         {
-            const Corner& corner = corners[i] = found.kept[scratch.representatives[first + i]];
+            const Corner& corner = corners[i] = found.kept[scratch.representatives.points[first + i]];
             const FeaturePoint patch = {corner.x, corner.y, 0};
             patches[i] = patch;
         }
@@ -176,7 +173,7 @@ bool LevelDetection::orderOthers(const LevelPlan& plan, DetectionScratch& scratc
     scratch.points.clear();
     for (size_t i = 0; i < found.kept.size(); i++)
         scratch.points.push_back(pointAt(i, scratch.leaves));
-    stages::orderOthers(scratch.points, scratch.representatives, scratch.ranking, scratch.order);
+    stages::orderOthers(scratch.points, scratch.representatives.points, scratch.ranked, scratch.order);
     scratch.corners.clear();
     for (unsigned index : scratch.order)
         scratch.corners.push_back(found.kept[index]);
@@ -188,11 +185,11 @@ bool LevelDetection::orderOthers(const LevelPlan& plan, DetectionScratch& scratc
 
 void LevelDetection::list(CornerSet set, DetectionScratch& scratch, std::vector<CornerResponse>& listed)
 {
-    if (set != KEPT_CORNERS && !listsOthers)
+    if (set != KEPT_CORNERS && !listsPassedOver)
     {
         found.clear();
         scratch.search.find(*level, root, cornerRules(true), 0, 0, found);
-        listsOthers = true;
+        listsPassedOver = true;
     }
     const std::vector<Corner>& corners = set == KEPT_CORNERS         ? found.kept
                                          : set == SUPPRESSED_CORNERS ? found.suppressed

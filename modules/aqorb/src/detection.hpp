@@ -19,14 +19,21 @@ namespace aqorb
 namespace stages
 {
 
+//! The corners of a level by what the rules of the detection say about them.
+enum CornerSet
+{
+    KEPT_CORNERS,        //!< those that pass all rules
+    SUPPRESSED_CORNERS,  //!< those that lost to a better corner nearby
+    WEAK_CORNERS         //!< those below thresholds.ini in cells that have a corner at thresholds.ini
+};
+
 //! The rules of the detection, the same for all levels of an image.
 struct DetectionRules
 {
     Thresholds thresholds;
     int cellSize;
-    bool useHarris;  //!< false: the response of a corner is its FAST score, and no corner is suppressed
-    bool
-        listOthers;  //!< whether corners that are not kept are listed at once, as they will probably be needed
+    bool useHarris;       //!< false: the response of a corner is its FAST score, and no corner is suppressed
+    bool listPassedOver;  //!< whether corners that are not kept are listed before anybody asks for them
     const OrientationPatch* strengthPatch;  //!< for the strengths of corners
 };
 
@@ -35,9 +42,10 @@ struct DetectionScratch
 {
     BandSearch search;
     LeafGrid leaves;
-    RankScratch ranking;
+    RankedScratch ranked;
     std::vector<LeafPoint> points;
-    std::vector<unsigned> representatives, leavesOfRepresentatives, order;
+    Representatives representatives;
+    std::vector<unsigned> order;
     std::vector<Corner> corners;
     std::vector<CornerResponse> responses;
     std::vector<float> strengths;
@@ -55,7 +63,7 @@ public:
      @param root the region in which corners are wanted
      @param bands how many bands there are at most
      @return number of bands, at least one */
-    int begin(const Level& level, const Rect& root, const DetectionRules& rules, int bands);
+    int reset(const Level& level, const Rect& root, const DetectionRules& rules, int bands);
     //! Sets the thresholds, before the first band is searched.
     void setThresholds(const Thresholds& thresholds) { rules.thresholds = thresholds; }
     //! Finds the corners of a band. Several bands may be searched at once.
@@ -80,7 +88,7 @@ private:
         FoundCorners corners;  // unused in the first band, whose corners go into `found` at once
     };
     FoundCorners& cornersOf(int band) { return band == 0 ? found : bands[band].corners; }
-    CornerRules cornerRules(bool listOthers) const;
+    CornerRules cornerRules(bool listPassedOver) const;
     LeafPoint pointAt(size_t index, const LeafGrid& leaves) const;
     void represent(const LevelPlan& plan, DetectionScratch& scratch) const;
     void findStrengths(DetectionScratch& scratch) const;
@@ -96,8 +104,8 @@ private:
     FoundCorners found;       // of all bands, once they are in order
     std::vector<CornerResponse> inOrder;
     bool isOrdered;
-    bool hasOthers;    // whether corners are missing in the order
-    bool listsOthers;  // whether those were found that are not kept
+    bool hasOthers;        // whether corners are missing in the order
+    bool listsPassedOver;  // whether those were found that are not kept
 };
 
 }  // namespace stages

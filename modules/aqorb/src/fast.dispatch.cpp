@@ -90,7 +90,7 @@ static size_t rowBytesOf(int imageWidth)
     return alignSize(size_t(imageWidth) + 2 * SCAN_MARGIN, SCAN_ALIGNMENT);
 }
 
-void ScorePlane::begin(int imageWidth, const Range& columns_, int top_, int rows)
+void ScorePlane::reset(int imageWidth, const Range& columns_, int top_, int rows)
 {
     const size_t bytesOfRow = rowBytesOf(imageWidth);
     growTo(bytes, (ROWS_ABOVE + size_t(rows) + SUPPRESS_RADIUS) * bytesOfRow + SCAN_ALIGNMENT);
@@ -125,10 +125,10 @@ void ScorePlane::copyRow(int y, const ScorePlane& other)
 
 int countCorners(const CornerBlock& block)
 {
-    return countBits(block.columns);
+    return bitCount(block.columns);
 }
 
-void FastScanner::begin(const Level& level, const Rect& region, Thresholds thresholds, ScorePlane& plane_,
+void FastScanner::reset(const Level& level, const Rect& region, Thresholds thresholds, ScorePlane& plane_,
                         CornerBlocks& corners_)
 {
     plane = &plane_;

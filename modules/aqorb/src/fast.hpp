@@ -15,6 +15,18 @@ namespace aqorb
 namespace stages
 {
 
+//! Neighbouring pixels of a row, and which of them are FAST corners.
+struct CornerBlock
+{
+    int x, y;        //!< the first pixel
+    uint64 columns;  //!< bit i: whether pixel x + i is a corner
+};
+
+//! A corner loses to a better one at most this far away in x and in y. The kernel is written for this radius.
+const int SUPPRESS_RADIUS = 3;
+//! The columns beside a region whose scores must be readable, as the kernel of the suppression loads whole vectors.
+const int SUPPRESS_MARGIN = 16;
+
 //! Blocks of corners in raster order: the first `count` elements of `storage`, which is kept for later images.
 struct CornerBlocks
 {
@@ -38,7 +50,7 @@ public:
     };
     //! Prepares the plane for so many rows, the first of them `top`, of a region of an image of the given width. The
     //! rows above are 0.
-    void begin(int imageWidth, const Range& columns, int top, int rows);
+    void reset(int imageWidth, const Range& columns, int top, int rows);
     //! Moves the plane down, so that `top` becomes its first row.
     void slideTo(int top);
     //! Clears the SUPPRESS_RADIUS rows from y on, of which the first is at most the one below the plane.
@@ -119,7 +131,7 @@ public:
      @param region inside fastRegion, not empty
      @param plane gets the scores of the corners of the rows that it holds, each one more than Corner::score
      @param found gets the corners. Between two scans the caller may take blocks out. */
-    void begin(const Level& level, const Rect& region, Thresholds thresholds, ScorePlane& plane,
+    void reset(const Level& level, const Rect& region, Thresholds thresholds, ScorePlane& plane,
                CornerBlocks& found);
     //! Scans the next rows, up to the row before `end`. The plane must hold them.
     void scan(int end);

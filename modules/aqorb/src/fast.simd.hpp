@@ -170,7 +170,7 @@ template <typename Vectors> int dropFromBlocks(FastScan& scan, int first, const 
         uchar* scores = scan.plane + (block.y - scan.planeTop) * scan.planeStep + block.x;
         block.columns &=
             Vectors::storeGreater(scores, Vectors::load(scores), Vectors::load(floors + block.x));
-        corners += countBits(block.columns);
+        corners += bitCount(block.columns);
         *left = block;
         left += block.columns != 0;
     }

@@ -15,16 +15,6 @@ namespace aqorb
 
 using namespace stages;
 
-Tables::Tables(const Parameters& parameters)
-    : patch(circularPatch(parameters.patchSize)),
-      strengthPatch(patch.halfWidths, std::max(1, parameters.patchSize / 2 / 5)),
-      tests(descriptorPattern(parameters.patchSize, parameters.WTA_K), parameters.WTA_K)
-{
-    // Other values have no quotas. Detection throws for them.
-    if (parameters.nlevels == 1 || parameters.scaleFactor > 1)
-        quotas = levelQuotas(parameters.nfeatures, parameters.scaleFactor, parameters.nlevels);
-}
-
 Frame::Frame(const Parameters& parameters_, const Tables& tables_, Workspace& workspace_)
     : parameters(parameters_),
       tables(tables_),
@@ -54,7 +44,7 @@ void Frame::put(Kind kind, int level, int part, const Range& range)
     workspace.queue.put((first << 20) - level, task);
 }
 
-void Frame::begin(int count)
+void Frame::prepareWork(int count)
 {
     levelCount = count;
     while (work.size() < size_t(levelCount))
@@ -93,7 +83,7 @@ void Frame::detect(bool withDescriptors_)
 {
     withDescriptors = withDescriptors_;
     parameters.checkTogether(parameters.nlevels);
-    begin(levels.layOut(parameters.nlevels, shortestSide(parameters)));
+    prepareWork(levels.layOut(parameters.nlevels, shortestSide(parameters)));
     if (levelCount == 0)
         return;
     plan();
@@ -104,7 +94,6 @@ void Frame::detect(bool withDescriptors_)
 // Plans the levels, and begins their detection and the selection.
 void Frame::plan()
 {
-    const int border = parameters.edgeThreshold;
     DetectionRules rules;
     rules.thresholds.ini = rules.thresholds.min = 0;  // to be measured
     rules.cellSize = parameters.cellSize;
@@ -115,7 +104,7 @@ void Frame::plan()
     for (int i = 0; i < levelCount; i++)
     {
         const Size size = levels[i].image.size();
-        const LevelRegion region = {Size(size.width - 2 * border, size.height - 2 * border), levels[i].scale};
+        const LevelRegion region = {keypointRegion(parameters, size).size(), levels[i].scale};
         workspace.regions.push_back(region);
         pixels += double(size.width) * size.height;
     }
@@ -124,7 +113,7 @@ void Frame::plan()
     const std::vector<int>& quotas = isRanked ? workspace.rankedQuotas : tables.quotas;
     // Where a feature is wanted of so few pixels, corners that the rules pass over will probably be needed.
     const double FEW_PIXELS = 130;
-    rules.listOthers = pixels < FEW_PIXELS * parameters.nfeatures;
+    rules.listPassedOver = pixels < FEW_PIXELS * parameters.nfeatures;
     // Several threads share about four bands each.
     const double pixelsOfBand = threads == 1 ? pixels : pixels / (4 * threads);
     for (int i = 0; i < levelCount; i++)
@@ -135,7 +124,7 @@ void Frame::plan()
             i < levelCount - 1 ? 0 : std::accumulate(quotas.begin() + levelCount, quotas.end(), 0);
         ofLevel.plan = planLevel(parameters, levels[i], quotas[i], added);
         const int bands = cvCeil(double(levels[i].image.total()) / pixelsOfBand);
-        ofLevel.bandsLeft = ofLevel.detection.begin(levels[i], ofLevel.plan.root, rules, bands);
+        ofLevel.bandsLeft = ofLevel.detection.reset(levels[i], ofLevel.plan.root, rules, bands);
         ofLevel.inputsOfSearch = 2;
         ofLevel.inputsOfSelection = i == levelCount - 1 ? 1 : 2;
     }
@@ -172,7 +161,7 @@ void Frame::make(int level)
         completeMasks();
     if (isMasked)
         return;
-    planRanks(parameters, Mat(), work[level].plan);
+    completePlan(parameters, Mat(), work[level].plan);
     searchWhenReady(level);
 }
 
@@ -183,7 +172,7 @@ void Frame::completeMasks()
     {
         if (!levels[i].isInput)
             maskPositions(levels.input().mask, rulesOf(i).position, levels[i].mask, workspace.maskColumns);
-        planRanks(parameters, levels[i].mask, work[i].plan);
+        completePlan(parameters, levels[i].mask, work[i].plan);
     }
     for (int i = levelCount - 1; i >= 0; i--)
         searchWhenReady(i);
@@ -231,7 +220,7 @@ void Frame::select(int level, WorkerScratch& scratch)
     FeatureSelector& selector = workspace.selector;
     if (level == levelCount - 1)
     {
-        selector.begin(levels.input().image.size(), levelCount, parameters.octaveSuppressionInUse(),
+        selector.reset(levels.input().image.size(), levelCount, parameters.octaveSuppressionInUse(),
                        isRanked ? 1 : parameters.nlevels);
     }
     selector.addLevel(level, work[level].plan);  // finer levels may not be planned yet
@@ -274,41 +263,41 @@ void Frame::fillUp(WorkerScratch& scratch)
         collect(i, FILLED, scratch);
 }
 
-FeatureBatch& Frame::batchOf(int level, int batch)
+FeatureList& Frame::listOf(int level, int choice)
 {
-    return batch == BY_QUOTA ? work[level].features.byQuota : work[level].features.filled;
+    return choice == BY_QUOTA ? work[level].features.byQuota : work[level].features.filled;
 }
 
-// Makes a batch of the features of a level that have been chosen since the batch before.
-void Frame::collect(int level, Batch index, WorkerScratch& scratch)
+// Lists the features of a level that have been chosen since it was listed before.
+void Frame::collect(int level, Choice choice, WorkerScratch& scratch)
 {
-    FeatureBatch& batch = batchOf(level, index);
-    const size_t first = index == BY_QUOTA ? 0 : batchOf(level, BY_QUOTA).points.size();
+    FeatureList& list = listOf(level, choice);
+    const size_t first = choice == BY_QUOTA ? 0 : listOf(level, BY_QUOTA).points.size();
     workspace.selector.chosen(level, first, scratch.corners);
-    batch.begin(scratch.corners.size());
+    list.reset(scratch.corners.size());
     for (const CornerResponse& corner : scratch.corners)
     {
         const FeaturePoint point = {corner.x, corner.y, 0};
-        batch.points.push_back(point);
-        batch.keypoints.push_back(
+        list.points.push_back(point);
+        list.keypoints.push_back(
             KeyPoint(Point2f(), parameters.patchSize * levels[level].scale, -1, corner.response, level));
-        batch.outputKeys.push_back(isRanked ? descendingKey(sortKey(corner.response)) : 0);
+        list.outputKeys.push_back(isRanked ? descendingKey(sortKey(corner.response)) : 0);
     }
-    putRanges(level, index);
+    putRanges(level, choice);
 }
 
-// Divides a batch into ranges with enough features to be worth a task, and so many that no thread waits long for another.
-void Frame::putRanges(int level, Batch index)
+// Divides a list into ranges with enough features to be worth a task, and so many that no thread waits long for another.
+void Frame::putRanges(int level, Choice choice)
 {
-    FeatureBatch& batch = batchOf(level, index);
-    const size_t LEAST = 64, count = batch.points.size();
+    FeatureList& list = listOf(level, choice);
+    const size_t LEAST = 64, count = list.points.size();
     if (withDescriptors)
-        batch.descriptors.resize(count * DESCRIPTOR_BYTES);
+        list.descriptors.resize(count * DESCRIPTOR_BYTES);
     const size_t most =
         threads == 1 ? size_t(INT_MAX) : std::max(size_t(parameters.nfeatures) / (4 * threads), LEAST);
     const size_t parts = (count + most - 1) / most;
     for (size_t i = 0; i < parts; i++)
-        put(DESCRIBE, level, index, Range(int(count * i / parts), int(count * (i + 1) / parts)));
+        put(DESCRIBE, level, choice, Range(int(count * i / parts), int(count * (i + 1) / parts)));
 }
 
 DescriptionRules Frame::rulesOf(int level) const
@@ -321,11 +310,11 @@ DescriptionRules Frame::rulesOf(int level) const
     return rules;
 }
 
-// Describes features of a batch.
+// Describes features of a list.
 void Frame::describe(const Task& task, WorkerScratch& scratch)
 {
     CV_TRACE_REGION("describe");
-    describeFeatures(levels[task.level], rulesOf(task.level), task.range, batchOf(task.level, task.part),
+    describeFeatures(levels[task.level], rulesOf(task.level), task.range, listOf(task.level, task.part),
                      scratch.description);
 }
 
@@ -333,11 +322,11 @@ void Frame::describeGiven(const std::vector<KeyPoint>& given)
 {
     areGiven = true;
     takeGiven(given, parameters, levels, workspace.given);
-    begin(levels.size());
+    prepareWork(levels.size());
     for (int i = 0; i < levelCount; i++)
     {
-        batchGiven(workspace.given, i, batchOf(i, BY_QUOTA));
-        batchOf(i, FILLED).begin(0);
+        listGiven(workspace.given, i, listOf(i, BY_QUOTA));
+        listOf(i, FILLED).reset(0);
     }
     if (levelCount > 0)
         run();

@@ -7,6 +7,7 @@
 #define OPENCV_AQORB_FRAME_HPP
 
 #include "parameters.hpp"
+#include "tables.hpp"
 #include "tasks.hpp"
 #include "workspace.hpp"
 
@@ -14,17 +15,6 @@ namespace cv
 {
 namespace aqorb
 {
-
-//! What follows from the parameters alone.
-struct Tables
-{
-    explicit Tables(const Parameters& parameters);
-
-    stages::OrientationPatch patch;
-    stages::OrientationPatch strengthPatch;  //!< the same with fewer rows
-    stages::DescriptorTests tests;
-    std::vector<int> quotas;  //!< by level, of BALANCED_SELECTION
-};
 
 /** Finds or describes the features of an image, whose levels have begun. The work is divided into tasks:
 
@@ -64,13 +54,14 @@ private:
         SEARCH,
         DESCRIBE
     };
-    enum Batch
+    enum Choice  // when the features of a list were chosen
     {
         BY_QUOTA,
         FILLED
     };
+    //! @param part the band that is to be searched, or the list of features of which a range is to be described
     void put(Kind kind, int level, int part = 0, const Range& range = Range());
-    void begin(int count);
+    void prepareWork(int count);
     void run();
     void run(const Task& task, int worker) CV_OVERRIDE;
 
@@ -85,10 +76,10 @@ private:
     void select(int level, WorkerScratch& scratch);
     void take(int level, WorkerScratch& scratch);
     void fillUp(WorkerScratch& scratch);
-    void collect(int level, Batch batch, WorkerScratch& scratch);
-    void putRanges(int level, Batch batch);
+    void collect(int level, Choice choice, WorkerScratch& scratch);
+    void putRanges(int level, Choice choice);
     void describe(const Task& task, WorkerScratch& scratch);
-    stages::FeatureBatch& batchOf(int level, int batch);
+    stages::FeatureList& listOf(int level, int choice);
     stages::DescriptionRules rulesOf(int level) const;
 
     const Parameters& parameters;

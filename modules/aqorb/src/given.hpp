@@ -38,7 +38,7 @@ void takeGiven(const std::vector<KeyPoint>& keypoints, const Parameters& paramet
                GivenScratch& scratch);
 
 //! The features of one octave. They come in the output as they were given.
-void batchGiven(const GivenScratch& given, int octave, FeatureBatch& batch);
+void listGiven(const GivenScratch& given, int octave, FeatureList& list);
 
 }  // namespace stages
 }  // namespace aqorb

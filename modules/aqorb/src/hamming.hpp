@@ -60,18 +60,6 @@ template <int KEPT> static inline void keepKey(DistanceKey* smallest, DistanceKe
         smallest[KEPT - 1] = smallest[KEPT - 1] < larger ? smallest[KEPT - 1] : larger;
 }
 
-static inline int bitCount(uint64 v)
-{
-#if defined(__POPCNT__) || defined(__aarch64__) || defined(__wasm__)
-    return __builtin_popcountll(v);
-#else
-    v -= (v >> 1) & 0x5555555555555555u;
-    v = (v & 0x3333333333333333u) + ((v >> 2) & 0x3333333333333333u);
-    v = (v + (v >> 4)) & 0x0f0f0f0f0f0f0f0fu;
-    return int((v * 0x0101010101010101u) >> 56);
-#endif
-}
-
 //! Of two words. PAIRS: pairs of bits count.
 template <bool PAIRS> static inline int wordDistance(uint64 a, uint64 b)
 {

@@ -8,8 +8,6 @@
 #include "input.hpp"
 #include "pyramid.hpp"
 
-#include <opencv2/aqorb/features.hpp>
-
 namespace cv
 {
 namespace aqorb
@@ -17,8 +15,7 @@ namespace aqorb
 namespace stages
 {
 
-// Whether the argument is a vector of images, or of vectors, where one matrix is wanted.
-static bool isSequence(const _InputArray& array)
+bool isSequence(const _InputArray& array)
 {
     switch (array.kind())
     {
@@ -94,7 +91,7 @@ Mat checkedMask(InputArray input, Size imageSize)
     return input.getMat();
 }
 
-static void checkIsOfMats(const _InputArray& array, const char* name)
+void checkIsOfMats(const _InputArray& array, const char* name)
 {
     const int kind = array.kind();
     if (kind != _InputArray::STD_VECTOR_MAT && kind != _InputArray::STD_ARRAY_MAT &&
@@ -124,116 +121,6 @@ Collection::Collection(InputArrayOfArrays images_, InputArrayOfArrays masks_)
     if (!masks.empty() && masks.size() != images.size())
         CV_Error_(Error::StsBadArg, ("masks must be one for each image or none, got %d for %d images",
                                      int(masks.size()), int(images.size())));
-}
-
-void checkMatsOutput(OutputArrayOfArrays output, const char* name)
-{
-    checkIsOfMats(output, name);
-    // OpenCV leaves the type of matrices that are put into a vector of them unchecked.
-    if (output.fixedType() && output.type() != CV_8UC1)
-        CV_Error_(Error::StsBadArg,
-                  ("%s must be of type CV_8UC1, got %s", name, typeToString(output.type()).c_str()));
-}
-
-void giveMats(const std::vector<Mat>& mats, OutputArrayOfArrays output, const char* name)
-{
-    const int count = int(mats.size());
-    const bool isFixed = output.fixedSize() || output.kind() == _InputArray::STD_ARRAY_MAT;
-    if (isFixed && output.total() != mats.size())
-        CV_Error_(Error::StsBadSize, ("%s must have a variable size or that of %d images, got %d images",
-                                      name, count, int(output.total())));
-    output.create(count, 1, CV_8UC1);
-    for (int i = 0; i < count; i++)
-    {
-        if (output.isUMatVector())
-        {
-            // A new UMat, because the caller may share the old one.
-            UMat copy;
-            mats[i].copyTo(copy);
-            output.getUMatRef(i) = copy;
-        }
-        else
-        {
-            output.getMatRef(i) = mats[i];
-        }
-    }
-}
-
-void checkDescriptorsOutput(OutputArray descriptors)
-{
-    if (isSequence(descriptors))
-        CV_Error(Error::StsBadArg, "descriptors must be a single output, got a sequence");
-    if (descriptors.fixedType() && descriptors.type() != CV_8UC1)
-        CV_Error_(Error::StsBadArg,
-                  ("descriptors must be of type CV_8UC1, got %s", typeToString(descriptors.type()).c_str()));
-}
-
-// Throws if the size of the output is fixed to another one, or it cannot have so many rows.
-static void checkDescriptorsSize(OutputArray descriptors, Size size)
-{
-    if (descriptors.kind() == _InputArray::STD_VECTOR && size.height > 1)
-        CV_Error_(Error::StsBadSize,
-                  ("descriptors must be a matrix, got a std::vector for %d keypoints", size.height));
-    if (descriptors.fixedSize() && descriptors.size() != size)
-        CV_Error_(Error::StsBadSize,
-                  ("descriptors must have a variable size or that of the keypoints, %d x %d, got %d x %d",
-                   size.width, size.height, descriptors.cols(), descriptors.rows()));
-}
-
-Mat createDescriptors(OutputArray descriptors, int count)
-{
-    checkDescriptorsSize(descriptors, Size(ORB::kBytes, count));
-    descriptors.create(count, ORB::kBytes, CV_8UC1);
-    return descriptors.getMat();
-}
-
-void releaseDescriptors(OutputArray descriptors)
-{
-    checkDescriptorsSize(descriptors, Size());
-    if (!descriptors.fixedSize())
-        descriptors.release();
-}
-
-int highestOctave(const std::vector<KeyPoint>& keypoints)
-{
-    int highest = 0;
-    for (size_t i = 0; i < keypoints.size(); i++)
-    {
-        const int octave = keypoints[i].octave;
-        if (octave < 0)
-            CV_Error_(
-                Error::StsOutOfRange,
-                ("keypoints must have an octave of at least 0, got %d (SIFT packs more than the octave into "
-                 "the field: unpack it first)",
-                 octave));
-        // With such an angle the descriptor would read outside of the image.
-        if (!std::isfinite(keypoints[i].angle))
-            CV_Error_(Error::StsOutOfRange,
-                      ("keypoints must have a finite angle, got %g", keypoints[i].angle));
-        highest = std::max(highest, octave);
-    }
-    return highest;
-}
-
-// Whether a point is inside the image. The image begins half a pixel before the centre of its first pixel and ends a
-// whole pixel behind the centre of its last one. In the last half pixel a point rounds to a pixel beside the image, but
-// cv::ORB describes it there.
-static bool isInside(const Point2f& pt, const Size& size)
-{
-    return pt.x >= -0.5f && pt.y >= -0.5f && pt.x < float(size.width) && pt.y < float(size.height);
-}
-
-void describableKeypoints(const std::vector<KeyPoint>& keypoints, Size imageSize, int edgeThreshold,
-                          std::vector<KeyPoint>& describable)
-{
-    describable.clear();
-    for (size_t i = 0; i < keypoints.size(); i++)
-    {
-        if (isInside(keypoints[i].pt, imageSize))
-            describable.push_back(keypoints[i]);
-    }
-    const int border = std::min(edgeThreshold, std::max(imageSize.width, imageSize.height));
-    KeyPointsFilter::runByImageBorder(describable, imageSize, border);
 }
 
 }  // namespace stages

@@ -48,29 +48,11 @@ struct Collection
     std::vector<Mat> images, masks;
 };
 
-//! Throws unless the output can hold several matrices of bytes.
-void checkMatsOutput(OutputArrayOfArrays output, const char* name);
+//! Whether the argument is a vector of images, or of vectors, where one matrix is wanted.
+bool isSequence(const _InputArray& array);
 
-//! Puts the matrices into the output. Throws if it has a fixed number of them, and that is another one.
-void giveMats(const std::vector<Mat>& mats, OutputArrayOfArrays output, const char* name);
-
-//! Throws unless the output is a single one that can hold CV_8UC1. Its size is checked by the two functions below.
-void checkDescriptorsOutput(OutputArray descriptors);
-
-//! Makes the output a matrix of a row for each keypoint. Throws if its size is fixed to another one.
-Mat createDescriptors(OutputArray descriptors, int count);
-
-//! Empties the output. Throws if its size is fixed to another one.
-void releaseDescriptors(OutputArray descriptors);
-
-//! The highest octave of keypoints that are given to be described; 0 for no keypoints. Throws where an octave is
-//! negative or an angle is not finite.
-int highestOctave(const std::vector<KeyPoint>& keypoints);
-
-//! Of keypoints that are given to be described, those that cv::ORB describes. The others lie outside of the image or
-//! nearer than `edgeThreshold` to its border.
-void describableKeypoints(const std::vector<KeyPoint>& keypoints, Size imageSize, int edgeThreshold,
-                          std::vector<KeyPoint>& describable);
+//! Throws unless the argument is a vector of Mat or UMat.
+void checkIsOfMats(const _InputArray& array, const char* name);
 
 }  // namespace stages
 }  // namespace aqorb

@@ -14,7 +14,7 @@ namespace aqorb
 namespace stages
 {
 
-void Levels::begin(const Level& input, int firstLevel_, double scaleFactor_, bool giveAway_)
+void Levels::reset(const Level& input, int firstLevel_, double scaleFactor_, bool giveAway_)
 {
     image = input;
     firstLevel = firstLevel_;
@@ -44,7 +44,7 @@ void Levels::make(int index)
     if (entry.level.isInput)
         return;
     const Level& source = isMadeFromInput(index, firstLevel) ? image : entries[index - 1].level;
-    fillLevel(source, entry.level, entry.resizing);
+    fillLevel(source, entry.level, entry.resizing, &entry.mask);
 }
 
 void Levels::release()

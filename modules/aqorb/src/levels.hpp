@@ -26,7 +26,7 @@ public:
     /** Starts with an image.
      @param input the image and its mask, of the caller
      @param giveAway whether the levels become the caller's: then they get memory of their own */
-    void begin(const Level& input, int firstLevel, double scaleFactor, bool giveAway);
+    void reset(const Level& input, int firstLevel, double scaleFactor, bool giveAway);
     //! Prepares so many levels, or fewer if a side would be shorter than minSide. Levels that were made stay.
     //! @return how many there are
     int layOut(int count, int minSide);
@@ -45,6 +45,7 @@ private:
     {
         Level level;
         AlignedVector<uchar> pixels;  // of the level, if they do not become the caller's
+        std::vector<uchar> mask;      // its memory
         Ptr<ResizeTables> resizing;   // to make the level
     };
     Level image;

@@ -5,8 +5,8 @@
 
 #include "precomp.hpp"
 
+#include "match_filter.hpp"
 #include "match_input.hpp"
-#include "match_tests.hpp"
 
 #include <opencv2/aqorb/matching.hpp>
 
@@ -25,11 +25,11 @@ bool isFinite(const Point2f& p)
     return std::abs(p.x) <= FLT_MAX && std::abs(p.y) <= FLT_MAX;
 }
 
-//! Finds the keypoints in a window. Cells have about one keypoint each.
-class KeypointGrid
+//! Finds the keypoints in windows of an image, which is divided into cells. These have about one keypoint each.
+class KeypointWindows
 {
 public:
-    explicit KeypointGrid(const std::vector<KeyPoint>& keypoints)
+    explicit KeypointWindows(const std::vector<KeyPoint>& keypoints)
         : x(FLT_MAX, -FLT_MAX), y(x), columns(1), rows(1)
     {
         size_t count = 0;
@@ -154,19 +154,19 @@ void matchByPosition(InputArray queryDescriptors, const std::vector<Point2f>& pr
     if (!(reach.width >= 0 && reach.height >= 0))
         CV_Error_(Error::StsOutOfRange,
                   ("reach must be at least 0 in both directions, got %g x %g", reach.width, reach.height));
-    const MatchTests tests(ratio, crossCheck, maxDistance);
+    const MatchFilter filter(ratio, crossCheck, maxDistance);
 
-    const int kept = tests.kept();
+    const int kept = filter.kept();
     std::vector<DistanceKey> nearest(size_t(query.rows) * kept, NO_KEY),
         nearestQueries(size_t(train.rows) * kept, NO_KEY);
-    const KeypointGrid grid(trainKeypoints);
+    const KeypointWindows windows(trainKeypoints);
     const HammingKernels& kernels = hammingKernels(normType == NORM_HAMMING2, query.cols);
     std::vector<int> found, lengths;
     for (int i = 0; i < query.rows; i++)
     {
         if (!isFinite(predicted[i]))
             continue;
-        grid.findAround(predicted[i], reach, found);
+        windows.findAround(predicted[i], reach, found);
         lengths.resize(found.size());
         kernels.listedDistances(query.ptr(i), query.cols, train.ptr(), train.step, found.data(),
                                 int(found.size()), lengths.data());
@@ -176,7 +176,7 @@ void matchByPosition(InputArray queryDescriptors, const std::vector<Point2f>& pr
             insertKey(&nearestQueries[size_t(found[j]) * kept], kept, distanceKey(lengths[j], i));
         }
     }
-    writeMatches(nearest, nearestQueries, tests, pairs, distances);
+    writeMatches(nearest, nearestQueries, filter, pairs, distances);
 }
 
 }  // namespace aqorb

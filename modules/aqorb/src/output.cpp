@@ -7,6 +7,10 @@
 
 #include "output.hpp"
 
+#include "input.hpp"
+
+#include <opencv2/aqorb/features.hpp>
+
 namespace cv
 {
 namespace aqorb
@@ -17,11 +21,11 @@ namespace stages
 void outputFeatures(const LevelFeatures& features, OutputScratch& scratch, KeyPoint* keypoints, int row,
                     Mat& descriptors)
 {
-    const FeatureBatch &byQuota = features.byQuota, &filled = features.filled;
-    // Features are numbered through both batches. Each is in raster order. Both together are sorted, as std::inplace_merge
+    const FeatureList &byQuota = features.byQuota, &filled = features.filled;
+    // Features are numbered through both lists. Each is in raster order. Both together are sorted, as std::inplace_merge
     // would allocate memory.
     const unsigned quota = unsigned(byQuota.points.size()), count = unsigned(features.size());
-    const auto batchOf = [&](unsigned index) -> const FeatureBatch&
+    const auto listOf = [&](unsigned index) -> const FeatureList&
     { return index < quota ? byQuota : filled; };
     const auto place = [&](unsigned index) { return index < quota ? index : index - quota; };
     std::vector<unsigned>& rasterOrder = scratch.rasterOrder;
@@ -30,20 +34,88 @@ void outputFeatures(const LevelFeatures& features, OutputScratch& scratch, KeyPo
     if (quota < count)
         std::sort(rasterOrder.begin(), rasterOrder.end(),
                   [&](unsigned a, unsigned b)
-                  { return InRasterOrder()(batchOf(a).points[place(a)], batchOf(b).points[place(b)]); });
+                  { return InRasterOrder()(listOf(a).points[place(a)], listOf(b).points[place(b)]); });
     scratch.keys.resize(count);
     for (unsigned i = 0; i < count; i++)
-        scratch.keys[i] = batchOf(rasterOrder[i]).outputKeys[place(rasterOrder[i])];
+        scratch.keys[i] = listOf(rasterOrder[i]).outputKeys[place(rasterOrder[i])];
     sortIndices(scratch.keys, scratch.sorting, scratch.sorted);
     for (unsigned i = 0; i < count; i++, row++)
     {
         const unsigned index = rasterOrder[scratch.sorted[i]];
-        keypoints[i] = batchOf(index).keypoints[place(index)];
+        keypoints[i] = listOf(index).keypoints[place(index)];
         if (!descriptors.empty())
             std::memcpy(descriptors.ptr(row),
-                        &batchOf(index).descriptors[size_t(place(index)) * DESCRIPTOR_BYTES],
+                        &listOf(index).descriptors[size_t(place(index)) * DESCRIPTOR_BYTES],
                         DESCRIPTOR_BYTES);
     }
+}
+
+void checkMatsOutput(OutputArrayOfArrays output, const char* name)
+{
+    checkIsOfMats(output, name);
+    // OpenCV leaves the type of matrices that are put into a vector of them unchecked.
+    if (output.fixedType() && output.type() != CV_8UC1)
+        CV_Error_(Error::StsBadArg,
+                  ("%s must be of type CV_8UC1, got %s", name, typeToString(output.type()).c_str()));
+}
+
+void giveMats(const std::vector<Mat>& mats, OutputArrayOfArrays output, const char* name)
+{
+    const int count = int(mats.size());
+    const bool isFixed = output.fixedSize() || output.kind() == _InputArray::STD_ARRAY_MAT;
+    if (isFixed && output.total() != mats.size())
+        CV_Error_(Error::StsBadSize, ("%s must have a variable size or that of %d images, got %d images",
+                                      name, count, int(output.total())));
+    output.create(count, 1, CV_8UC1);
+    for (int i = 0; i < count; i++)
+    {
+        if (output.isUMatVector())
+        {
+            // A new UMat, because the caller may share the old one.
+            UMat copy;
+            mats[i].copyTo(copy);
+            output.getUMatRef(i) = copy;
+        }
+        else
+        {
+            output.getMatRef(i) = mats[i];
+        }
+    }
+}
+
+void checkDescriptorsOutput(OutputArray descriptors)
+{
+    if (isSequence(descriptors))
+        CV_Error(Error::StsBadArg, "descriptors must be a single output, got a sequence");
+    if (descriptors.fixedType() && descriptors.type() != CV_8UC1)
+        CV_Error_(Error::StsBadArg,
+                  ("descriptors must be of type CV_8UC1, got %s", typeToString(descriptors.type()).c_str()));
+}
+
+// Throws if the size of the output is fixed to another one, or it cannot have so many rows.
+static void checkDescriptorsSize(OutputArray descriptors, Size size)
+{
+    if (descriptors.kind() == _InputArray::STD_VECTOR && size.height > 1)
+        CV_Error_(Error::StsBadSize,
+                  ("descriptors must be a matrix, got a std::vector for %d keypoints", size.height));
+    if (descriptors.fixedSize() && descriptors.size() != size)
+        CV_Error_(Error::StsBadSize,
+                  ("descriptors must have a variable size or that of the keypoints, %d x %d, got %d x %d",
+                   size.width, size.height, descriptors.cols(), descriptors.rows()));
+}
+
+Mat createDescriptors(OutputArray descriptors, int count)
+{
+    checkDescriptorsSize(descriptors, Size(ORB::kBytes, count));
+    descriptors.create(count, ORB::kBytes, CV_8UC1);
+    return descriptors.getMat();
+}
+
+void releaseDescriptors(OutputArray descriptors)
+{
+    checkDescriptorsSize(descriptors, Size());
+    if (!descriptors.fixedSize())
+        descriptors.release();
 }
 
 }  // namespace stages

@@ -30,6 +30,21 @@ struct OutputScratch
 void outputFeatures(const LevelFeatures& features, OutputScratch& scratch, KeyPoint* keypoints, int row,
                     Mat& descriptors);
 
+//! Throws unless the output can hold several matrices of bytes.
+void checkMatsOutput(OutputArrayOfArrays output, const char* name);
+
+//! Puts the matrices into the output. Throws if it has a fixed number of them, and that is another one.
+void giveMats(const std::vector<Mat>& mats, OutputArrayOfArrays output, const char* name);
+
+//! Throws unless the output is a single one that can hold CV_8UC1. Its size is checked by the two functions below.
+void checkDescriptorsOutput(OutputArray descriptors);
+
+//! Makes the output a matrix of a row for each keypoint. Throws if its size is fixed to another one.
+Mat createDescriptors(OutputArray descriptors, int count);
+
+//! Empties the output. Throws if its size is fixed to another one.
+void releaseDescriptors(OutputArray descriptors);
+
 }  // namespace stages
 }  // namespace aqorb
 }  // namespace cv

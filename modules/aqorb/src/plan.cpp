@@ -20,6 +20,12 @@ int shortestSide(const Parameters& parameters)
     return int(std::min(2 * std::max<int64>(parameters.edgeThreshold, FAST_RADIUS) + 1, int64(INT_MAX)));
 }
 
+Rect keypointRegion(const Parameters& parameters, Size size)
+{
+    const int border = parameters.edgeThreshold;
+    return Rect(border, border, size.width - 2 * border, size.height - 2 * border);
+}
+
 // Takes what is too much from the finest levels, which have the most to give up.
 static void takeExcess(int64 excess, std::vector<int>& quotas)
 {
@@ -104,18 +110,17 @@ int rankedDepth(Size size, double usable, int quota)
 
 LevelPlan planLevel(const Parameters& parameters, const Level& level, int quota, int added)
 {
-    const int border = parameters.edgeThreshold;
     LevelPlan plan = LevelPlan();
     plan.size = level.image.size();
     plan.scale = level.scale;
     plan.quota = quota + added;
-    plan.root = Rect(border, border, plan.size.width - 2 * border, plan.size.height - 2 * border);
+    plan.root = keypointRegion(parameters, plan.size);
     plan.depth = parameters.maxDepth >= 0 ? parameters.maxDepth : quadtreeDepth(quota);
     plan.isRanked = parameters.selectionType == AdaptiveQuadtreeORB::RANKED_SELECTION;
     return plan;
 }
 
-void planRanks(const Parameters& parameters, const Mat& mask, LevelPlan& plan)
+void completePlan(const Parameters& parameters, const Mat& mask, LevelPlan& plan)
 {
     if (!plan.isRanked)
         return;
@@ -124,7 +129,7 @@ void planRanks(const Parameters& parameters, const Mat& mask, LevelPlan& plan)
         mask.empty() ? 1 : countNonZero(mask(plan.root)) / (double(size.width) * size.height);
     const RankRule rule = {size, usable, std::max(plan.quota, 1), parameters.rankRadius,
                            parameters.strengthWeight};
-    plan.rank = rule;
+    plan.rankRule = rule;
     plan.depth = parameters.maxDepth >= 0 ? std::min(parameters.maxDepth, maxRankedDepth(size))
                                           : rankedDepth(size, usable, rule.quota);
 }

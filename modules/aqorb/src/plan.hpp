@@ -17,28 +17,34 @@ namespace aqorb
 namespace stages
 {
 
+//! The deepest quadtree has 2^15 leaves along a side.
+const int MAX_QUADTREE_DEPTH = 15;
+
 //! What a level is to contribute: how many features, where, and by which rule they are chosen.
 struct LevelPlan
 {
-    Size size;      //!< of the level
-    float scale;    //!< of the level
-    int quota;      //!< number of features that the level is to have
-    Rect root;      //!< of the quadtree: the region between the borders
-    int depth;      //!< of the quadtree
-    bool isRanked;  //!< true: rankedOrder; false: balancedOrder
-    RankRule rank;  //!< of rankedOrder
+    Size size;          //!< of the level
+    float scale;        //!< of the level
+    int quota;          //!< number of features that the level is to have
+    Rect root;          //!< of the quadtree: the keypointRegion
+    int depth;          //!< of the quadtree
+    bool isRanked;      //!< true: rankedOrder; false: balancedOrder
+    RankRule rankRule;  //!< of rankedOrder
 };
 
 //! The shortest side of a level that can have a keypoint.
 int shortestSide(const Parameters& parameters);
 
+//! Where a level of this size may have keypoints: between the borders.
+Rect keypointRegion(const Parameters& parameters, Size size);
+
 //! The number of features of each level by equation (8), rounded as by cv::ORB but at most nfeatures in all.
 std::vector<int> levelQuotas(int nfeatures, double scaleFactor, int nlevels);
 
-//! Where a level may have keypoints.
+//! What the share of a level depends on.
 struct LevelRegion
 {
-    Size size;    //!< between the borders
+    Size size;    //!< of its keypointRegion
     float scale;  //!< of the level
 };
 
@@ -62,7 +68,7 @@ int maxRankedDepth(Size size);
 LevelPlan planLevel(const Parameters& parameters, const Level& level, int quota, int added);
 
 //! Completes the plan of a level when its mask is known.
-void planRanks(const Parameters& parameters, const Mat& mask, LevelPlan& plan);
+void completePlan(const Parameters& parameters, const Mat& mask, LevelPlan& plan);
 
 }  // namespace stages
 }  // namespace aqorb

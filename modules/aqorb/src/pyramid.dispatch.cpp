@@ -55,7 +55,6 @@ struct ResizeTables
     AlignedVector<ResizeBlock> blocks;
     std::vector<int> bases;
     AlignedVector<short> rows;
-    std::vector<uchar> mask;  // of the level
 };
 
 // The taps by destination pixel along one axis, in OpenCV's own arithmetic, as every rounding counts.
@@ -148,23 +147,19 @@ static void resizeExact(const Mat& source, Mat& destination, ResizeTables& table
 }
 
 // A pixel is usable if all pixels that it is made from are. The tables must be those of the image of the same size.
-static Mat resizeMask(const Mat& mask, Size size, ResizeTables& tables)
+static void resizeMask(const Mat& mask, const ResizeTables& tables, Mat& resized)
 {
-    if (tables.mask.size() < size_t(size.area()))
-        tables.mask.resize(size.area());
-    Mat resized(size, CV_8UC1, tables.mask.data());
-    for (int y = 0; y < size.height; y++)
+    for (int y = 0; y < resized.rows; y++)
     {
         const uchar* upper = mask.ptr(firstUsed(tables.rowTaps[y]));
         const uchar* lower = mask.ptr(lastUsed(tables.rowTaps[y]));
         uchar* out = resized.ptr(y);
-        for (int x = 0; x < size.width; x++)
+        for (int x = 0; x < resized.cols; x++)
         {
             const int left = firstUsed(tables.columnTaps[x]), right = lastUsed(tables.columnTaps[x]);
             out[x] = upper[left] && upper[right] && lower[left] && lower[right] ? 255 : 0;
         }
     }
-    return resized;
 }
 
 bool layOutLevel(const Level& input, int index, int firstLevel, double scaleFactor, int minSide, Level& level,
@@ -205,14 +200,19 @@ bool isMadeFromInput(int index, int firstLevel)
     return index <= firstLevel + 1;
 }
 
-void fillLevel(const Level& source, Level& level, Ptr<ResizeTables>& tables)
+void fillLevel(const Level& source, Level& level, Ptr<ResizeTables>& tables, std::vector<uchar>* maskMemory)
 {
     CV_TRACE_FUNCTION();
     if (!tables)
         tables = makePtr<ResizeTables>();
     resizeExact(source.image, level.image, *tables);
-    if (!source.mask.empty())
-        level.mask = resizeMask(source.mask, level.image.size(), *tables);
+    if (source.mask.empty())
+        return;
+    const Size size = level.image.size();
+    if (maskMemory && maskMemory->size() < size_t(size.area()))
+        maskMemory->resize(size_t(size.area()));
+    level.mask = maskMemory ? Mat(size, CV_8UC1, maskMemory->data()) : Mat(size, CV_8UC1);
+    resizeMask(source.mask, *tables, level.mask);
 }
 
 }  // namespace stages

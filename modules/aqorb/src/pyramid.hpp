@@ -40,8 +40,10 @@ struct ResizeTables;
 
 /** Makes a level by cv::resize with INTER_LINEAR_EXACT, without the overhead that cv::resize has for one channel.
  Where there is a mask, a pixel of the level is usable if all pixels that it is made from are.
- @param tables for this level only. They are made when sizes change and then used again for later images. */
-void fillLevel(const Level& source, Level& level, Ptr<ResizeTables>& tables);
+ @param tables for this level only. They are made when sizes change and then used again for later images.
+ @param maskMemory for the mask; 0: the mask gets memory of its own */
+void fillLevel(const Level& source, Level& level, Ptr<ResizeTables>& tables,
+               std::vector<uchar>* maskMemory = 0);
 
 // ---- for the kernel: plain structs only, see types.hpp ---------------------------------------
 

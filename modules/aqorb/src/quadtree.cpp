@@ -14,7 +14,7 @@ namespace aqorb
 namespace stages
 {
 
-void LeafGrid::begin(const Rect& region_, int depth_)
+void LeafGrid::reset(const Rect& region_, int depth_)
 {
     region = region_;
     depth = depth_;

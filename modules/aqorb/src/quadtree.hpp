@@ -27,7 +27,7 @@ class LeafGrid
 {
 public:
     LeafGrid() : depth(0) {}
-    void begin(const Rect& region, int depth);
+    void reset(const Rect& region, int depth);
     //! The leaf of a pixel of the region.
     unsigned leaf(int x, int y) const { return columns[x - region.x] + rows[y - region.y]; }
     //! The pixel in the centre of a leaf.

@@ -79,7 +79,7 @@ inline int64 logarithm(const LogarithmTable& table, float v)
 
 }  // namespace
 
-void LeafDisc::begin(const Size& cell, int64 squaredRadius, int side)
+void LeafDisc::reset(const Size& cell, int64 squaredRadius, int side)
 {
     const int64 width2 = int64(cell.width) * cell.width, height2 = int64(cell.height) * cell.height;
     halfWidths.clear();
@@ -126,7 +126,7 @@ void representativeLeaves(const std::vector<int>& keys, int side, std::vector<uc
     leaves.resize(count);
 }
 
-void leafRanks(const unsigned* leaves, size_t count, int depth, const LeafDisc& disc, RankScratch& scratch,
+void leafRanks(const unsigned* leaves, size_t count, int depth, const LeafDisc& disc, RankedScratch& scratch,
                int* ranks)
 {
     // The border has one more row above, and each row one more word before, for the bits that are set twice.
@@ -171,7 +171,7 @@ void leafRanks(const unsigned* leaves, size_t count, int depth, const LeafDisc& 
 
 // By row and column: how many leaves of the row before the column are usable. A leaf with a representative counts as
 // usable even if its centre is masked.
-static void countUsable(const std::vector<uchar>& usable, int depth, RankScratch& scratch)
+static void countUsable(const std::vector<uchar>& usable, int depth, RankedScratch& scratch)
 {
     const int side = 1 << depth;
     std::vector<int>& usableBefore = scratch.usableBefore;
@@ -191,7 +191,7 @@ static void countUsable(const std::vector<uchar>& usable, int depth, RankScratch
 
 // Where all leaves are usable, by column and by dy >= 0: the leaves in the rows 0 .. dy of the disc around a leaf of the
 // column that lie in the grid.
-static void countInside(int side, RankScratch& scratch)
+static void countInside(int side, RankedScratch& scratch)
 {
     scratch.inside.clear();
     for (int column = 0; column < side; column++)
@@ -206,7 +206,7 @@ static void countInside(int side, RankScratch& scratch)
 }
 
 // The number of usable leaves of the disc around a leaf.
-static int leavesInside(int column, int row, int side, const RankScratch& scratch)
+static int leavesInside(int column, int row, int side, const RankedScratch& scratch)
 {
     const std::vector<int>& halfWidths = scratch.disc.halfWidths;
     const int reach = int(halfWidths.size()) - 1;
@@ -233,7 +233,7 @@ static void beginDisc(const RankRule& rule, int depth, LeafDisc& disc)
         region = Size(std::max(region.width / 2, 1), std::max(region.height / 2, 1));
     const double squaredRadius = rule.radius * rule.radius * rule.usable * region.width * region.height *
                                  double(int64(1) << (2 * depth)) / rule.quota;
-    disc.begin(region, int64(std::min(squaredRadius, 4e18)), 1 << depth);
+    disc.reset(region, int64(std::min(squaredRadius, 4e18)), 1 << depth);
 }
 
 // What the strength contributes to the logarithm of (1 + rank) / strength^weight, in units of 2^-42. A strength of 0 or
@@ -250,7 +250,7 @@ static int64 strengthPart(const LogarithmTable& table, float strength, int64 exp
 
 void orderRepresentatives(const std::vector<unsigned>& leavesGiven, const std::vector<float>& strengths,
                           int power, int depth, const std::vector<uchar>& usable, const RankRule& rule,
-                          RankScratch& scratch, std::vector<unsigned>& order)
+                          RankedScratch& scratch, std::vector<unsigned>& order)
 {
     CV_TRACE_FUNCTION();
     const int side = 1 << depth;
@@ -286,7 +286,7 @@ void orderRepresentatives(const std::vector<unsigned>& leavesGiven, const std::v
 }
 
 void orderOthers(const std::vector<LeafPoint>& points, const std::vector<unsigned>& representatives,
-                 RankScratch& scratch, std::vector<unsigned>& others)
+                 RankedScratch& scratch, std::vector<unsigned>& others)
 {
     CV_TRACE_FUNCTION();
     const size_t size = points.size();
@@ -309,20 +309,16 @@ void orderOthers(const std::vector<LeafPoint>& points, const std::vector<unsigne
     others.erase(std::remove_if(others.begin(), others.end(), represents), others.end());
 }
 
-void rankedOrder(const std::vector<LeafPoint>& points, int depth, const RankRule& rule, RankScratch& scratch,
-                 std::vector<unsigned>& order)
+void rankedOrder(const std::vector<LeafPoint>& points, int depth, const RankRule& rule,
+                 RankedScratch& scratch, std::vector<unsigned>& order)
 {
-    std::vector<unsigned>& representatives = scratch.representatives;
+    const std::vector<unsigned>& representatives = scratch.representatives.points;
     const auto pointAt = [&](size_t i) { return points[i]; };
-    findRepresentatives(points.size(), pointAt, depth, scratch, representatives);
+    findRepresentatives(points.size(), pointAt, depth, scratch, scratch.representatives);
     scratch.strengths.clear();
-    scratch.leavesOfRepresentatives.clear();
     for (unsigned point : representatives)
-    {
         scratch.strengths.push_back(valueOf(points[point].key));
-        scratch.leavesOfRepresentatives.push_back(points[point].leaf);
-    }
-    orderRepresentatives(scratch.leavesOfRepresentatives, scratch.strengths, 1, depth, std::vector<uchar>(),
+    orderRepresentatives(scratch.representatives.leaves, scratch.strengths, 1, depth, std::vector<uchar>(),
                          rule, scratch, order);
     for (unsigned& index : order)
         index = representatives[index];

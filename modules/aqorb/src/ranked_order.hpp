@@ -34,15 +34,22 @@ struct LeafDisc
     //! The leaves at offsets (dx, dy) with dx^2 * cell.width^2 + dy^2 * cell.height^2 <= squaredRadius.
     //! @param squaredRadius 0 to 4 * 10^18
     //! @param side of the grid, in leaves
-    void begin(const Size& cell, int64 squaredRadius, int side);
+    void reset(const Size& cell, int64 squaredRadius, int side);
 
     std::vector<int> halfWidths;  //!< by |dy|: the greatest |dx|; both below the side of the grid
     int widest;                   //!< of the half widths
     int64 total;                  //!< leaves of the disc, with those that are too far away for any grid
 };
 
+//! The points that represent their leaves, in the order of these.
+struct Representatives
+{
+    std::vector<unsigned> leaves;
+    std::vector<unsigned> points;  //!< their indices
+};
+
 //! Work space of the functions below.
-struct RankScratch
+struct RankedScratch
 {
     std::vector<int> grid;       // by leaf, with a border: the key of its best point
     std::vector<unsigned> best;  // by leaf, with a border: that point
@@ -58,7 +65,8 @@ struct RankScratch
     std::vector<unsigned> sorted;
     SortScratch sorting;
     // Of rankedOrder.
-    std::vector<unsigned> representatives, leavesOfRepresentatives, others;
+    Representatives representatives;
+    std::vector<unsigned> others;
     std::vector<float> strengths;
 };
 
@@ -74,7 +82,7 @@ void representativeLeaves(const std::vector<int>& keys, int side, std::vector<uc
 /** Finds the rank of leaves: the number of leaves before it in the list that lie within the disc around it.
  @param leaves numbers of leaves of a grid of side x side leaves, row by row
  @param depth log2 of side */
-void leafRanks(const unsigned* leaves, size_t count, int depth, const LeafDisc& disc, RankScratch& scratch,
+void leafRanks(const unsigned* leaves, size_t count, int depth, const LeafDisc& disc, RankedScratch& scratch,
                int* ranks);
 
 /*  The order of RANKED_SELECTION depends on the distances between points and on their strengths, and so hardly on how the
@@ -82,11 +90,10 @@ void leafRanks(const unsigned* leaves, size_t count, int depth, const LeafDisc& 
  for the representatives only; rankedOrder does all three. */
 
 /** 1. Each leaf is represented by its best point, unless three of the eight leaves around it have better ones.
- @param pointAt gives the LeafPoint of an index below count, so that a caller need not hold them all
- @param representatives indices of points, in the order of their leaves */
+ @param pointAt gives the LeafPoint of an index below count, so that a caller need not hold them all */
 template <typename PointAt>
-void findRepresentatives(size_t count, const PointAt& pointAt, int depth, RankScratch& scratch,
-                         std::vector<unsigned>& representatives)
+void findRepresentatives(size_t count, const PointAt& pointAt, int depth, RankedScratch& scratch,
+                         Representatives& representatives)
 {
     CV_TRACE_FUNCTION();
     const unsigned side = 1u << depth;
@@ -105,9 +112,10 @@ void findRepresentatives(size_t count, const PointAt& pointAt, int depth, RankSc
         grid[leaf] = isBetter ? point.key : grid[leaf];
         best[leaf] = isBetter ? unsigned(i) : best[leaf];
     }
-    representativeLeaves(scratch.grid, int(side), scratch.flags, representatives);
-    for (unsigned& leaf : representatives)
-        leaf = best[inGrid(leaf)];
+    representativeLeaves(scratch.grid, int(side), scratch.flags, representatives.leaves);
+    representatives.points.clear();
+    for (unsigned leaf : representatives.leaves)
+        representatives.points.push_back(best[inGrid(leaf)]);
 }
 
 /** 2. The representatives come first. The rank of one is the number of stronger ones within a disc around it; where a part
@@ -118,17 +126,17 @@ void findRepresentatives(size_t count, const PointAt& pointAt, int depth, RankSc
  @param order gets indices of the list of representatives */
 void orderRepresentatives(const std::vector<unsigned>& leaves, const std::vector<float>& strengths, int power,
                           int depth, const std::vector<uchar>& usable, const RankRule& rule,
-                          RankScratch& scratch, std::vector<unsigned>& order);
+                          RankedScratch& scratch, std::vector<unsigned>& order);
 
 //! 3. The other points follow by their place in their leaf, then by their keys.
-//! @param representatives in any order
+//! @param representatives indices of points, in any order
 void orderOthers(const std::vector<LeafPoint>& points, const std::vector<unsigned>& representatives,
-                 RankScratch& scratch, std::vector<unsigned>& others);
+                 RankedScratch& scratch, std::vector<unsigned>& others);
 
 //! Puts points in order whose keys are those of their strengths.
 //! @param order gets the indices of the points
-void rankedOrder(const std::vector<LeafPoint>& points, int depth, const RankRule& rule, RankScratch& scratch,
-                 std::vector<unsigned>& order);
+void rankedOrder(const std::vector<LeafPoint>& points, int depth, const RankRule& rule,
+                 RankedScratch& scratch, std::vector<unsigned>& order);
 
 //! For tests: log2(v) in units of 2^-24, for v > 0 and finite, as orderRepresentatives computes it.
 int64 binaryLogarithm(float v);

@@ -4,7 +4,6 @@
 // SPDX-License-Identifier: Apache-2.0
 
 #include "ranked_order.hpp"
-#include "simd_compat.hpp"
 
 namespace cv
 {
@@ -23,23 +22,6 @@ void flagRepresentatives(const int* strengths, ptrdiff_t stride, int side, uchar
 void countBefore(const RankingGrid& grid, const unsigned* leaves, size_t count, int* counts);
 
 #ifndef CV_CPU_OPTIMIZATION_DECLARATIONS_ONLY
-
-namespace
-{
-
-inline int bitCount(uint64 v)
-{
-#if defined(__POPCNT__) || defined(__aarch64__)
-    return __builtin_popcountll(v);
-#else
-    v -= (v >> 1) & 0x5555555555555555u;
-    v = (v & 0x3333333333333333u) + ((v >> 2) & 0x3333333333333333u);
-    v = (v + (v >> 4)) & 0x0f0f0f0f0f0f0f0fu;
-    return int((v * 0x0101010101010101u) >> 56);
-#endif
-}
-
-}  // namespace
 
 // Compilers vectorize this loop.
 void flagRepresentatives(const int* strengths, ptrdiff_t stride, int side, uchar* flags)

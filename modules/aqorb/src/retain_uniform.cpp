@@ -51,7 +51,7 @@ void retainUniform(std::vector<KeyPoint>& keypoints, Size imageSize, int npoints
         // More even than the defaults of the detector: here all keypoints are of one level.
         const double RADIUS = 1, WEIGHT = 0.15;
         const RankRule rule = {imageSize, 1, std::max(npoints, 1), RADIUS, WEIGHT};
-        RankScratch scratch;
+        RankedScratch scratch;
         rankedOrder(points, depth, rule, scratch, order);
         order.resize(npoints);
         for (unsigned& index : order)

@@ -14,7 +14,7 @@ namespace aqorb
 namespace stages
 {
 
-void FeatureSelector::begin(Size imageSize_, int levelCount_, double octaveSuppression_, int reach_)
+void FeatureSelector::reset(Size imageSize_, int levelCount_, double octaveSuppression_, int reach_)
 {
     imageSize = imageSize_;
     levelCount = levelCount_;
@@ -47,7 +47,7 @@ Point2d FeatureSelector::position(int level, const CornerResponse& corner) const
 
 // Lists the keypoints of some levels, but not of the level itself, in the blocks of the level in which they are near a
 // pixel. As a rule these blocks are few.
-void FeatureSelector::findOthers(int level, int first, int last)
+void FeatureSelector::listKeypoints(int level, int first, int last)
 {
     const Size size = levels[level].plan.size;
     const double radius = octaveSuppression * levels[level].plan.scale;
@@ -61,7 +61,7 @@ void FeatureSelector::findOthers(int level, int first, int last)
     const auto block = [&](double coordinate, int count)
     { return int(std::min(std::max(coordinate, 0.) / (1 << blockShift), count - 1.)); };
     heads.assign(size_t(blockColumns) * blockRows, -1);
-    others.clear();
+    keypoints.clear();
     for (int i = std::max(first, 0); octaveSuppression > 0 && i <= std::min(last, levelCount - 1); i++)
     {
         for (size_t j = 0; i != level && j < levels[i].chosen.size(); j++)
@@ -74,9 +74,9 @@ void FeatureSelector::findOthers(int level, int first, int last)
                 for (int column = block(x - reachX, blockColumns); column <= right; column++)
                 {
                     int& head = heads[size_t(row) * blockColumns + column];
-                    const Other other = {p, head};
-                    head = int(others.size());
-                    others.push_back(other);
+                    const ListedKeypoint keypoint = {p, head};
+                    head = int(keypoints.size());
+                    keypoints.push_back(keypoint);
                 }
             }
         }
@@ -84,16 +84,16 @@ void FeatureSelector::findOthers(int level, int first, int last)
 }
 
 // Octave suppression.
-bool FeatureSelector::isNearOthers(int level, const CornerResponse& corner) const
+bool FeatureSelector::isNearKeypoint(int level, const CornerResponse& corner) const
 {
     int i = heads[size_t(corner.y >> blockShift) * blockColumns + (corner.x >> blockShift)];
     if (i < 0)
         return false;
     const Point2d p = position(level, corner);
     const double radius = octaveSuppression * levels[level].plan.scale;
-    for (; i >= 0; i = others[i].next)
+    for (; i >= 0; i = keypoints[i].next)
     {
-        const Point2d d = others[i].position - p;
+        const Point2d d = keypoints[i].position - p;
         if (d.x * d.x + d.y * d.y < radius * radius)
             return true;
     }
@@ -108,16 +108,16 @@ void FeatureSelector::take(int index, const std::vector<CornerResponse>& corners
         return;
     const bool isRanked = level.plan.isRanked, again = level.hasBegun && !isRanked;
     // A level that goes on does so in the same order, although finer levels have got keypoints.
-    findOthers(index, again ? index + 1 : index - reach, index + reach);
+    listKeypoints(index, again ? index + 1 : index - reach, index + reach);
     if (!isRanked)
-        orderByResponse(index, corners, again ? corners.size() : wanted, true);
+        orderByRule(index, corners, again ? corners.size() : wanted, true);
     if (again)
-        findOthers(index, index - reach, index + reach);
+        listKeypoints(index, index - reach, index + reach);
     level.hasBegun = true;
     for (; wanted > 0 && level.next < (isRanked ? corners.size() : order.size()); level.next++)
     {
         const CornerResponse& corner = corners[isRanked ? level.next : order[level.next]];
-        if ((isRanked || again) && isNearOthers(index, corner))
+        if ((isRanked || again) && isNearKeypoint(index, corner))
             continue;
         level.chosen.push_back(corner);
         wanted--;
@@ -135,7 +135,7 @@ void FeatureSelector::fill(int index, const std::vector<CornerResponse>& corners
                         std::back_inserter(filling), InRasterOrder());
     if (filling.size() > size_t(wanted))
     {
-        orderByResponse(index, filling, wanted, false);
+        orderByRule(index, filling, wanted, false);
         taken.assign(filling.begin(), filling.end());
         for (int i = 0; i < wanted; i++)
             filling[i] = taken[order[i]];
@@ -146,11 +146,11 @@ void FeatureSelector::fill(int index, const std::vector<CornerResponse>& corners
 }
 
 // Finds the order of corners of a level by its rule, with their responses for strengths.
-void FeatureSelector::orderByResponse(int index, const std::vector<CornerResponse>& corners, size_t count,
-                                      bool withSuppression)
+void FeatureSelector::orderByRule(int index, const std::vector<CornerResponse>& corners, size_t count,
+                                  bool withSuppression)
 {
     const LevelPlan& plan = levels[index].plan;
-    leaves.begin(plan.root, plan.depth);
+    leaves.reset(plan.root, plan.depth);
     points.resize(corners.size());
     unsuppressed.resize(corners.size());
     size_t size = 0;
@@ -159,11 +159,11 @@ void FeatureSelector::orderByResponse(int index, const std::vector<CornerRespons
         const LeafPoint point = {leaves.leaf(corners[i].x, corners[i].y), sortKey(corners[i].response)};
         points[size] = point;
         unsuppressed[size] = unsigned(i);
-        size += !withSuppression || !isNearOthers(index, corners[i]);
+        size += !withSuppression || !isNearKeypoint(index, corners[i]);
     }
     points.resize(size);
     if (plan.isRanked)
-        rankedOrder(points, plan.depth, plan.rank, rankScratch, order);
+        rankedOrder(points, plan.depth, plan.rankRule, rankedScratch, order);
     else
         balancedOrder(points, plan.depth, count, balancedScratch, order);
     for (unsigned& i : order)

@@ -30,7 +30,7 @@ public:
     }
     //! Starts with an image.
     //! @param reach a corner is not near keypoints of levels that are further away than so many levels
-    void begin(Size imageSize, int levelCount, double octaveSuppression, int reach);
+    void reset(Size imageSize, int levelCount, double octaveSuppression, int reach);
     //! Goes on to a level, whose plan is complete, and asks for its quota.
     void addLevel(int level, const LevelPlan& plan);
     //! How many of the features that were asked for are missing.
@@ -47,7 +47,7 @@ public:
 
 private:
     //! A keypoint of another level, and the next one in a block.
-    struct Other
+    struct ListedKeypoint
     {
         Point2d position;
         int next;
@@ -60,11 +60,11 @@ private:
         bool isExhausted;  // whether balancedOrder has no more of them
         std::vector<CornerResponse> chosen;
     };
-    void findOthers(int level, int first, int last);
-    bool isNearOthers(int level, const CornerResponse& corner) const;
+    void listKeypoints(int level, int first, int last);
+    bool isNearKeypoint(int level, const CornerResponse& corner) const;
     Point2d position(int level, const CornerResponse& corner) const;
-    void orderByResponse(int level, const std::vector<CornerResponse>& corners, size_t count,
-                         bool withSuppression);
+    void orderByRule(int level, const std::vector<CornerResponse>& corners, size_t count,
+                     bool withSuppression);
 
     Size imageSize;
     double octaveSuppression;
@@ -72,12 +72,12 @@ private:
     std::vector<LevelState> levels;  // it never shrinks, so that levels keep their memory
     int levelCount;                  // of this image
     int wanted;                      // features that are still missing
-    std::vector<Other> others;
+    std::vector<ListedKeypoint> keypoints;
     std::vector<int> heads;        // by block of a level: the first one that is near its pixels, or -1
     int blockShift, blockColumns;  // blocks have 2^blockShift columns and rows
     LeafGrid leaves;
     BalancedScratch balancedScratch;
-    RankScratch rankScratch;
+    RankedScratch rankedScratch;
     std::vector<LeafPoint> points;
     std::vector<unsigned> order, unsuppressed;
     std::vector<CornerResponse> filling, taken;

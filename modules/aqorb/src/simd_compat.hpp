@@ -90,18 +90,6 @@ static CV_ALWAYS_INLINE int trailingZeros(uint64 bits)
 #endif
 }
 
-static CV_ALWAYS_INLINE int countBits(uint64 bits)
-{
-#if defined(__GNUC__)
-    return __builtin_popcountll(bits);
-#else
-    int count = 0;
-    for (; bits; bits &= bits - 1)
-        count++;
-    return count;
-#endif
-}
-
 }  // namespace stages
 }  // namespace aqorb
 }  // namespace cv

@@ -64,29 +64,6 @@ struct InRasterOrder
     }
 };
 
-//! Neighbouring pixels of a row, and which of them are FAST corners.
-struct CornerBlock
-{
-    int x, y;        //!< the first pixel
-    uint64 columns;  //!< bit i: whether pixel x + i is a corner
-};
-
-//! A corner loses to a better one at most this far away in x and in y. The kernel is written for this radius.
-const int SUPPRESS_RADIUS = 3;
-//! The columns beside a region whose scores must be readable, as the kernel of the suppression loads whole vectors.
-const int SUPPRESS_MARGIN = 16;
-
-//! The corners of a level by what the rules of the detection say about them.
-enum CornerSet
-{
-    KEPT_CORNERS,        //!< those that pass all rules
-    SUPPRESSED_CORNERS,  //!< those that lost to a better corner nearby
-    WEAK_CORNERS         //!< those below thresholds.ini in cells that have a corner at thresholds.ini
-};
-
-//! The deepest quadtree has 2^15 leaves along a side.
-const int MAX_QUADTREE_DEPTH = 15;
-
 //! The pixel of a level at which a feature is described, and the direction in which.
 struct FeaturePoint
 {
@@ -94,8 +71,18 @@ struct FeaturePoint
     float angle;  //!< degrees
 };
 
-//! By how many units of 1/256 at most the approximate blur exceeds the exact one before rounding, or falls short of it.
-const int BLUR_EXCESS = 2, BLUR_SHORTFALL = 10;
+//! How many bits are set. It is static, because a file compiled for one CPU must keep its own.
+static inline int bitCount(uint64 v)
+{
+#if defined(__POPCNT__) || defined(__aarch64__) || defined(__wasm__)
+    return __builtin_popcountll(v);
+#else
+    v -= (v >> 1) & 0x5555555555555555u;
+    v = (v & 0x3333333333333333u) + ((v >> 2) & 0x3333333333333333u);
+    v = (v + (v >> 4)) & 0x0f0f0f0f0f0f0f0fu;
+    return int((v * 0x0101010101010101u) >> 56);
+#endif
+}
 
 }  // namespace stages
 }  // namespace aqorb

@@ -10,17 +10,29 @@
 
 using opencv_test::Matches;
 
-RolledImage rollImage(const cv::Mat& image, double degrees)
+namespace
+{
+
+//! An image that shows a scene again, and where the points of the first one are in it.
+struct View
+{
+    std::string item;
+    cv::Mat image, homography;
+};
+
+//! An image rolled about its centre, on a canvas of the same size. The corners are filled by reflection.
+View rolledView(const std::string& item, const cv::Mat& image, double degrees)
 {
     const cv::Point2f centre(float(image.cols - 1) / 2, float(image.rows - 1) / 2);
     const cv::Mat turn = cv::getRotationMatrix2D(centre, degrees, 1);
-    RolledImage rolled;
+    View rolled = {item, cv::Mat(), cv::Mat::eye(3, 3, CV_64F)};
     cv::warpAffine(image, rolled.image, turn, image.size(), cv::INTER_LINEAR, cv::BORDER_REFLECT_101);
-    rolled.homography = cv::Mat::eye(3, 3, CV_64F);
     turn.copyTo(rolled.homography.rowRange(0, 2));
     return rolled;
 }
 
+/** Those of the matches that lie, by the known homography, where both images show the scene: not where a canvas was
+ filled. */
 Matches matchesInCommonPart(const Matches& matches, const cv::Mat& homography, cv::Size sizeA, cv::Size sizeB)
 {
     if (matches.from.empty())
@@ -40,16 +52,6 @@ Matches matchesInCommonPart(const Matches& matches, const cv::Mat& homography, c
     }
     return common;
 }
-
-namespace
-{
-
-//! An image that shows a scene again, and where the points of the first one are in it.
-struct View
-{
-    std::string item;
-    cv::Mat image, homography;
-};
 
 void measureViews(const std::string& subject, const cv::Mat& image, const std::vector<View>& views,
                   Method& method, int n, Measurements& results)
@@ -91,9 +93,8 @@ void measureRolled(const std::string& subject, const std::string& name, const cv
     std::vector<View> views;
     for (const int angle : angles)
     {
-        const RolledImage rolled = rollImage(scaled.image, angle);
-        views.push_back(
-            {name + cv::format("/%d", angle), rolled.image, rolled.homography * scaled.homography});
+        views.push_back(rolledView(name + cv::format("/%d", angle), scaled.image, angle));
+        views.back().homography = views.back().homography * scaled.homography;
     }
     measureViews(subject, image, views, method, n, results);
 }

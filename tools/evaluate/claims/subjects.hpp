@@ -23,20 +23,6 @@ void measureSet(const std::string& subject, const ImageSet& set, Method& method,
 void measureUniformity(const std::string& subject, const ImageSet& set, Method& method, int n,
                        Measurements& results);
 
-//! An image that was rolled about its centre, and where the points of the original went.
-struct RolledImage
-{
-    cv::Mat image, homography;
-};
-
-//! Rolls an image on a canvas of the same size. The corners are filled by reflection.
-RolledImage rollImage(const cv::Mat& image, double degrees);
-
-/** Those of the matches that lie, by the known homography, where both images show the scene: not where a canvas was
- filled. */
-opencv_test::Matches matchesInCommonPart(const opencv_test::Matches& matches, const cv::Mat& homography,
-                                         cv::Size sizeA, cv::Size sizeB);
-
 /** Of an image rolled about its centre by these degrees (NAME/15): distinct, places, precision.
  @param scale of the image that is rolled; the other one stays as it is */
 void measureRolled(const std::string& subject, const std::string& name, const cv::Mat& image,

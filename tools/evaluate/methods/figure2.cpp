@@ -68,7 +68,7 @@ private:
         plan.depth = quadtreeDepth(quota);
         LevelDetection detection;
         DetectionScratch scratch;
-        detection.begin(level, region, rules, 1);
+        detection.reset(level, region, rules, 1);
         std::vector<CornerResponse> corners = detection.ordered(plan, scratch);
         std::stable_sort(corners.begin(), corners.end(),
                          [](const CornerResponse& a, const CornerResponse& b)

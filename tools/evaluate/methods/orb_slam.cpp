@@ -5,6 +5,8 @@
 
 #include "../method.hpp"
 
+#include "orientation.hpp"
+
 #include <opencv2/imgproc.hpp>
 
 #include <numeric>
@@ -16,6 +18,8 @@
 
 namespace
 {
+
+namespace stages = cv::aqorb::stages;
 
 typedef std::vector<cv::KeyPoint> KeyPoints;
 
@@ -144,44 +148,6 @@ std::vector<int> quotas(int n)
     return result;
 }
 
-//! Half widths of the rows of ORB's circular patch.
-std::vector<int> circle()
-{
-    const int radius = PATCH_SIZE / 2;
-    std::vector<int> widths(radius + 1);
-    const int diagonal = cvFloor(radius * std::sqrt(0.5) + 1);
-    for (int y = 0; y <= diagonal; y++)
-        widths[y] = cvRound(std::sqrt(double(radius * radius - y * y)));
-    // The other rows mirror them, so that the circle is symmetric.
-    for (int y = radius, x = 0; y >= cvCeil(radius * std::sqrt(0.5)); y--, x++)
-    {
-        while (widths[x] == widths[x + 1])
-            x++;
-        widths[y] = x;
-    }
-    return widths;
-}
-
-//! Direction of the intensity centroid, equations (2) to (4).
-float direction(const cv::Mat& level, cv::Point centre)
-{
-    static const std::vector<int> widths = circle();
-    int m01 = 0, m10 = 0;
-    for (int y = -PATCH_SIZE / 2; y <= PATCH_SIZE / 2; y++)
-    {
-        const uchar* const row = level.ptr(centre.y + y) + centre.x;
-        const int width = widths[std::abs(y)];
-        int sum = 0;
-        for (int x = -width; x <= width; x++)
-        {
-            m10 += x * row[x];
-            sum += row[x];
-        }
-        m01 += y * sum;
-    }
-    return cv::fastAtan2(float(m01), float(m10));
-}
-
 class OrbSlam : public Method
 {
 public:
@@ -205,7 +171,9 @@ public:
             KeyPoints points = distribute(detectInCells(level), level.size(), quota[octave]);
             for (cv::KeyPoint& point : points)
             {
-                point.angle = direction(level, point.pt);
+                stages::FeaturePoint centre = {int(point.pt.x), int(point.pt.y), 0};
+                stages::orientations(level, patch, &centre, 1);
+                point.angle = centre.angle;
                 point.size = float(PATCH_SIZE);
             }
             cv::Mat descriptors;
@@ -223,6 +191,7 @@ public:
     }
 
 private:
+    const stages::OrientationPatch patch{stages::circularPatch(PATCH_SIZE)};
     // cv::ORB's descriptor on one level.
     cv::Ptr<cv::ORB> describe = cv::ORB::create(1, SCALE_FACTOR, 1, BORDER);
 };

@@ -3,8 +3,8 @@
 // of this distribution.
 // SPDX-License-Identifier: Apache-2.0
 
-#ifndef OPENCV_AQORB_MATCH_TESTS_HPP
-#define OPENCV_AQORB_MATCH_TESTS_HPP
+#ifndef OPENCV_AQORB_MATCH_FILTER_HPP
+#define OPENCV_AQORB_MATCH_FILTER_HPP
 
 #include "hamming.hpp"
 
@@ -14,10 +14,10 @@ namespace aqorb
 {
 
 //! The tests that a match must pass, as documented at matchArrays.
-struct MatchTests
+struct MatchFilter
 {
     //! Throws if a value is invalid.
-    MatchTests(double ratio, bool crossCheck, int maxDistance);
+    MatchFilter(double ratio, bool crossCheck, int maxDistance);
 
     //! How many nearest descriptors the tests need.
     int kept() const { return ratio > 0 ? 2 : 1; }
@@ -28,10 +28,10 @@ struct MatchTests
 };
 
 /** Writes the matches that pass the tests.
- @param nearest lists of tests.kept() keys for each query
+ @param nearest lists of filter.kept() keys for each query
  @param nearestQueries the same for each train; used for crossCheck only */
 void writeMatches(const std::vector<stages::DistanceKey>& nearest,
-                  const std::vector<stages::DistanceKey>& nearestQueries, const MatchTests& tests,
+                  const std::vector<stages::DistanceKey>& nearestQueries, const MatchFilter& filter,
                   OutputArray pairs, OutputArray distances);
 
 }  // namespace aqorb

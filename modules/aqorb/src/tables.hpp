@@ -1,0 +1,32 @@
+// This file is part of aqorb. Copyright (C) The aqorb developers.
+// It is subject to the license terms in the LICENSE file found in the top-level directory
+// of this distribution.
+// SPDX-License-Identifier: Apache-2.0
+
+#ifndef OPENCV_AQORB_TABLES_HPP
+#define OPENCV_AQORB_TABLES_HPP
+
+#include "descriptor.hpp"
+#include "orientation.hpp"
+#include "parameters.hpp"
+
+namespace cv
+{
+namespace aqorb
+{
+
+//! What follows from the parameters alone.
+struct Tables
+{
+    explicit Tables(const Parameters& parameters);
+
+    stages::OrientationPatch patch;
+    stages::OrientationPatch strengthPatch;  //!< the same with fewer rows
+    stages::DescriptorTests tests;
+    std::vector<int> quotas;  //!< by level, of BALANCED_SELECTION
+};
+
+}  // namespace aqorb
+}  // namespace cv
+
+#endif
