@@ -20,7 +20,7 @@ const { chromium } = require('playwright-core');
 const [page, native, screenshots, ...images] = process.argv.slice(2).map(name => path.resolve(name));
 const TYPES = {
     '.html': 'text/html', '.js': 'text/javascript', '.css': 'text/css', '.svg': 'image/svg+xml',
-    '.wasm': 'application/wasm', '.txt': 'text/plain',
+    '.wasm': 'application/wasm', '.txt': 'text/plain', '.jpg': 'image/jpeg', '.png': 'image/png',
 };
 const DESKTOP = { width: 1280, height: 900 }, PHONE = { width: 360, height: 740 };
 
@@ -152,11 +152,27 @@ test('a sample is shown at once, by both detectors, without an error', async () 
     await close();
 });
 
+test('the photographs are small, and the page leads to the licence of each', async () => {
+    const { tab, problems, close } = await open();
+    const list = await tab.locator('#sample option:not([hidden])').evaluateAll(all => all.map(e => e.dataset.file || e.value));
+    const folder = path.join(page, 'photographs');
+    const files = fs.readdirSync(folder).filter(name => name.endsWith('.jpg'));
+    assert.deepEqual(files, [...new Set(list)].map(name => `${name}.jpg`).sort());
+    const bytes = files.reduce((sum, name) => sum + fs.statSync(path.join(folder, name)).size, 0);
+    assert.ok(bytes < 400000, `${bytes} bytes`);
+    const licenses = await tab.locator('footer a', { hasText: 'Their licences' }).evaluate(
+        link => fetch(link.href).then(response => response.text()));
+    for (const name of files)
+        assert.match(licenses, new RegExp(`^${name} .*(CC0|public domain),`, 'm'));
+    assert.deepEqual(problems, []);
+    await close();
+});
+
 test('the bytes are those of the native library, of scenes and of pictures that the browser decodes', async () => {
     const { tab, problems, close } = await open();
     for (const image of images) {
         const isFirst = image === images[0];
-        await tab.locator('#sample').selectOption('shapes');  // so that the next picture is another one
+        await tab.locator('#sample').selectOption('brick');  // so that the next picture is another one
         await idle(tab);
         await tab.locator('#file').setInputFiles(image);
         await tab.waitForFunction(() => element('sample').value === '');
@@ -178,6 +194,9 @@ test('the bytes are those of the native library, of scenes and of pictures that 
 test('sliders change the keypoints, and Defaults changes them back', async () => {
     const { tab, problems, close } = await open();
     const before = await drawn(tab);
+    const moved = await tab.evaluate(() => [...document.querySelectorAll('#properties input[type=range]')]
+        .filter(slider => Number(slider.getAttribute('value')) !== Number(slider.value)).map(slider => slider.id));
+    assert.deepEqual(moved, [], 'these cannot stand at their defaults');
     await setSlider(tab, 'nfeatures', 1500);
     await idle(tab);
     assert.equal((await measured(tab, 'Keypoints'))[1], 1500);
@@ -266,10 +285,38 @@ test('a turn shows what stays', async () => {
     await close();
 });
 
+test('it is known which matches of a simulated picture are correct', async () => {
+    const { tab, problems, close } = await open({ viewport: { width: 1440, height: 900 } });
+    await choose(tab, 'pair');
+    const views = [];
+    for (const view of ['side', 'far', 'night']) {
+        await tab.locator('#other').selectOption(view);
+        await idle(tab);
+        for (const name of ['Distinct correct matches', 'Places']) {
+            const [orb, ours] = await measured(tab, name);
+            assert.ok(ours > orb && orb > 10, `${view}: ${name} ${orb}, ${ours}`);
+        }
+        views.push(await drawn(tab));
+        await tab.screenshot({ path: path.join(screenshots, `desktop-pair-${view}.png`) });
+    }
+    assert.equal(new Set(views).size, 3);
+    await tab.locator('#sample').selectOption('camera');
+    await idle(tab);
+    const bottom = await tab.locator('#figures').evaluate(e => e.getBoundingClientRect().bottom);
+    assert.ok(bottom <= 900, `both pairs of square pictures are in sight, to ${bottom}`);
+    await tab.screenshot({ path: path.join(screenshots, 'desktop-pair-camera.png') });
+    await tab.locator('#sample').selectOption('rocket');
+    await idle(tab);
+    assert.equal(await tab.locator('#other').inputValue(), 'night');
+    await tab.screenshot({ path: path.join(screenshots, 'desktop-pair-rocket.png') });
+    assert.deepEqual(problems, []);
+    await close();
+});
+
 test('two pictures are matched, simulated or opened', async () => {
     const { tab, problems, close } = await open();
     await choose(tab, 'pair');
-    const simulated = await measured(tab, 'Distinct matches');
+    const simulated = await measured(tab, 'Distinct correct matches');
     assert.ok(simulated.every(count => count > 50), `${simulated}`);
     await tab.screenshot({ path: path.join(screenshots, 'desktop-pair.png'), fullPage: true });
     await tab.locator('#second').setInputFiles(images[0]);
@@ -281,16 +328,16 @@ test('two pictures are matched, simulated or opened', async () => {
     // A sample after two pictures of one's own is matched with the simulated one again.
     await tab.locator('#file').setInputFiles(images[0]);
     await idle(tab);
-    await tab.locator('#sample').selectOption('street');
+    await tab.locator('#sample').selectOption('coffee');
     await tab.waitForFunction(`!(${noneFound})()`);
     await idle(tab);
-    assert.deepEqual(await measured(tab, 'Distinct matches'), simulated);
+    assert.deepEqual(await measured(tab, 'Distinct correct matches'), simulated);
     await tab.locator('#second').setInputFiles(images[0]);
     await tab.waitForFunction(noneFound);
-    await tab.locator('#other').click();
+    await tab.locator('#other').selectOption('side');
     await tab.waitForFunction(`!(${noneFound})()`);
     await idle(tab);
-    assert.deepEqual(await measured(tab, 'Distinct matches'), simulated);
+    assert.deepEqual(await measured(tab, 'Distinct correct matches'), simulated);
     assert.ok(await tab.locator('#advice').isHidden());
     assert.deepEqual(problems, []);
     await close();
