@@ -26,6 +26,7 @@ let sent = null;    // the job that the worker does
 let openings = 0;   // of pictures that are being fetched or decoded
 let failed = false;
 let asked = [0, 0];         // how often a first and a second picture were asked for: the last one counts
+let addresses = ['', ''];   // of both pictures, where they have one
 let pictures = [];  // canvases of both pictures, as they were last detected in
 let shown = null;   // what was found in them
 let stream = null;  // of the camera
@@ -169,12 +170,13 @@ async function decoded(which, read, sorry) {
     return ticket === asked[which] ? picture : null;
 }
 
-// A picture of the visitor's own.
-async function openOwn(which, read, sorry) {
+// A picture of the visitor's own, with its address if it has one.
+async function openOwn(which, read, sorry, address = '') {
     say('');
     const picture = await decoded(which, read, sorry);
     if (!picture)
-        return;
+        return false;
+    addresses[which] = address;
     showOwn(which, true);
     if (which)
         request({ second: picture });
@@ -182,6 +184,7 @@ async function openOwn(which, read, sorry) {
         stopCamera();
         request({ picture });
     }
+    return true;
 }
 
 function openFile(which, file) {
@@ -191,17 +194,37 @@ function openFile(which, file) {
     }
 }
 
-async function fetched(file) {
-    const response = await fetch(file);
-    if (!response.ok)
-        throw new Error('The sample cannot be fetched. Reload the page to try again.');
-    return response.blob();
+function openAddress(which, address) {
+    return openOwn(which, () => fetched(address),
+        `${address} is not a picture that this browser can read. It should lead to a JPEG, PNG or WebP file.`, address);
 }
 
-async function openSample() {
+// The file at an address. Its server is not told which page asks.
+async function fetched(address) {
+    let url;
+    try {
+        url = new URL(address, location.href);
+    } catch { /* below */ }
+    if (!url || !/^https?:$/.test(url.protocol))
+        throw new Error(`“${address}” is not the address of a picture. It should begin with https://.`);
+    let response, file;
+    try {
+        response = await fetch(url, { referrerPolicy: 'no-referrer' });
+        file = await response.blob();
+    } catch {
+        throw new Error(`${url.host} cannot be reached, or it does not allow other pages to read its pictures. Save the ` +
+            'picture and open the file.');
+    }
+    if (!response.ok)
+        throw new Error(`${url.host} does not have this picture; it answers ${response.status}.`);
+    return file;
+}
+
+async function openSample(sentence = '') {
     stopCamera();
+    addresses[0] = '';
     showOwn(0, false);
-    say('');
+    say(sentence);
     const { value, dataset } = element('sample').selectedOptions[0];
     const picture = await decoded(0, () => fetched(`photographs/${dataset.file || value}.jpg`),
         'The sample cannot be read. Reload the page to try again.');
@@ -231,6 +254,7 @@ function darken(canvas, light) {
 
 function openOther() {
     asked[1]++;
+    addresses[1] = '';
     showOwn(1, false);
     request({ second: element('other').value });
 }
@@ -241,6 +265,7 @@ function showOwn(which, isOwn) {
     element(own).hidden = !isOwn;
     if (isOwn)
         element(list).value = '';
+    element('address').value = addresses[0];
 }
 
 async function toggleCamera() {
@@ -264,6 +289,7 @@ async function toggleCamera() {
         return;
     }
     asked[0]++;
+    addresses[0] = '';
     element('camera').textContent = 'Stop camera';
     element('camera').setAttribute('aria-pressed', 'true');
     showOwn(0, true);
@@ -550,12 +576,16 @@ function valueOf(field) {
     return Number(field.dataset.values ? field.dataset.values.split(' ')[field.value] : field.value);
 }
 
+// The place of a number in the list of a slider, or of the nearest one.
+function placeOf(slider, number) {
+    const distances = slider.dataset.values.split(' ').map(value => Math.abs(value - number));
+    return distances.indexOf(Math.min(...distances));
+}
+
 // A slider with a list begins, and begins again, at the number of the list that is nearest to its default.
 function placeSliders() {
-    for (const slider of document.querySelectorAll('[data-values]')) {
-        const distances = slider.dataset.values.split(' ').map(value => Math.abs(value - slider.dataset.default));
-        slider.defaultValue = distances.indexOf(Math.min(...distances));
-    }
+    for (const slider of document.querySelectorAll('[data-values]'))
+        slider.defaultValue = placeOf(slider, slider.dataset.default);
 }
 
 function showValues() {
@@ -595,6 +625,98 @@ function showView() {
         part.hidden = part.dataset.view !== view;
 }
 
+// The link. What differs from the defaults is after the #, which a browser does not send to a server. The words there are
+// those of the page: sample or picture (an address), second (a simulated one, or an address), view, and the ids of the
+// fields below.
+
+const linkedFields = () => [...element('properties').querySelectorAll('input, select'),
+    ...['degrees', 'cells', 'lines'].map(element)];
+
+function textOf(field) {
+    return String(field.type === 'checkbox' ? Number(field.checked) : valueOf(field));
+}
+
+// Sets a field to the text of a link, or to its default where there is none, or none that it can show.
+function setField(field, text) {
+    const isNumber = text !== null && text.trim() !== '' && Number.isFinite(Number(text));
+    if (field.type === 'checkbox')
+        field.checked = isNumber ? Number(text) !== 0 : field.defaultChecked;
+    else if (field.tagName === 'SELECT')
+        field.value = [...field.options].some(option => option.value === text) ? text : field.options[0].value;
+    else if (!isNumber)
+        field.value = field.defaultValue;
+    else
+        field.value = field.dataset.values ? placeOf(field, Number(text)) : text;
+}
+
+function linkToView() {
+    const link = new URLSearchParams();
+    if (addresses[0])
+        link.set('picture', addresses[0]);
+    else if (element('sample').value)
+        link.set('sample', element('sample').value);
+    const view = document.querySelector('[name=view]:checked');
+    if (!view.defaultChecked)
+        link.set('view', view.value);
+    const second = addresses[1] || element('other').value;
+    if (second && second !== element('other').options[0].value)
+        link.set('second', second);
+    for (const field of linkedFields()) {
+        const text = textOf(field), now = field.type === 'checkbox' ? field.checked : field.value;
+        setField(field, null);
+        if (text !== textOf(field))
+            link.set(field.id, text);
+        field[field.type === 'checkbox' ? 'checked' : 'value'] = now;
+    }
+    return `${location.href.split('#')[0]}#${link}`;
+}
+
+async function copyLink() {
+    const link = linkToView();
+    history.replaceState(null, '', link);
+    const notes = [];
+    try {
+        await navigator.clipboard.writeText(link);
+        notes.push('The link is copied.');
+    } catch {
+        notes.push('This browser does not let the page copy the link. Copy it from the field.');
+    }
+    const isOnDevice = !addresses[0] && !element('sample').value, isSecondOnDevice = !addresses[1] && !element('other').value;
+    if (isOnDevice || isSecondOnDevice) {
+        notes.push(`${isOnDevice ? 'Your picture' : 'Your second picture'} stays on your device and is not in the link. ` +
+            'Whoever opens the link can drop, paste or open it there.');
+    }
+    element('link').value = link;
+    element('link-field').hidden = false;
+    element('copied').textContent = notes.join(' ');
+    element('copied').hidden = false;
+}
+
+// Opens what the address of the page says.
+async function followLink() {
+    const link = new URLSearchParams(location.hash.slice(1));
+    for (const field of linkedFields())
+        setField(field, link.get(field.id));
+    const views = [...document.querySelectorAll('[name=view]')];
+    (views.find(view => view.value === link.get('view')) || views.find(view => view.defaultChecked)).checked = true;
+    showView();
+    showValues();
+    const isListed = (list, name) => name && [...element(list).options].some(option => option.value === name);
+    const sample = link.get('sample'), picture = link.get('picture'), second = link.get('second');
+    setField(element('sample'), isListed('sample', sample) ? sample : null);
+    setField(element('other'), isListed('other', second) ? second : null);
+    openOther();
+    if (!picture)
+        await openSample(sample && !isListed('sample', sample) ? `There is no sample “${sample}” here.` : '');
+    else {
+        const turn = asked[0] + 1;
+        if (!await openAddress(0, picture) && asked[0] === turn)
+            await openSample(element('message').textContent);
+    }
+    if (second && !isListed('other', second))
+        await openAddress(1, second);
+}
+
 function listen() {
     element('sample').onchange = () => openSample();
     ['file', 'second'].forEach((id, which) => {
@@ -603,8 +725,12 @@ function listen() {
             target.value = '';  // so that the same file can be opened again
         };
     });
+    element('address').onchange = ({ target }) => target.value.trim() && openAddress(0, target.value.trim());
     element('camera').onclick = toggleCamera;
     element('other').onchange = openOther;
+    element('copy').onclick = copyLink;
+    element('link').onfocus = ({ target }) => target.select();
+    window.onhashchange = followLink;
     element('views').onchange = () => {
         enlarge(false);
         showView();
@@ -622,10 +748,23 @@ function listen() {
     listenToPictures();
     new ResizeObserver(() => canvases[0].clientWidth === drawnWidth || draw()).observe(element('figures'));
 
-    const hasFiles = event => event.dataTransfer && event.dataTransfer.types.includes('Files');
+    const hasPicture = event => event.dataTransfer &&
+        ['Files', 'text/uri-list'].some(type => event.dataTransfer.types.includes(type));
+    // The file of a drop or of the clipboard, or otherwise the address there.
+    const openGiven = (which, data) => {
+        const address = (data.getData('text/uri-list') || data.getData('text/plain')).trim().split(/\s/)[0];
+        if (data.files.length)
+            openFile(which, data.files[0]);
+        else if (/^https?:/.test(address))
+            openAddress(which, address);
+    };
+    document.onpaste = event => {
+        if (event.target.type !== 'url')
+            openGiven(0, event.clipboardData);
+    };
     document.ondragover = event => {
         event.preventDefault();
-        document.body.classList.toggle('dropping', hasFiles(event));
+        document.body.classList.toggle('dropping', Boolean(hasPicture(event)));
     };
     document.ondragleave = event => {
         if (!event.relatedTarget)
@@ -634,7 +773,7 @@ function listen() {
     document.ondrop = event => {
         event.preventDefault();
         document.body.classList.remove('dropping');
-        openFile(event.target.closest('[data-view=pair]') ? 1 : 0, event.dataTransfer.files[0]);
+        openGiven(event.target.closest('[data-view=pair]') ? 1 : 0, event.dataTransfer);
     };
 }
 
@@ -644,7 +783,7 @@ showValues();
 if (isSupported()) {
     listen();
     startWorker();
-    openSample();
+    followLink();
 } else {
     say('This browser does not run WebAssembly with SIMD and exceptions, which this page needs. A current version of ' +
         'Chrome, Edge, Firefox or Safari does.');
