@@ -47,9 +47,9 @@ compile() {
 # sizes: of what a browser fetches, as files and as most servers send them.
 sizes() {
     local file
-    printf '%-14s %9s %9s\n' file bytes gzip
-    for file in "$WEB"/page/*; do
-        printf '%-14s %9d %9d\n' "$(basename "$file")" "$(stat -c %s "$file")" "$(gzip -9 -c "$file" | wc -c)"
+    printf '%-24s %9s %9s\n' file bytes gzip
+    for file in "$WEB"/page/*.* "$WEB"/page/photographs/*; do
+        printf '%-24s %9d %9d\n' "${file#"$WEB/page/"}" "$(stat -c %s "$file")" "$(gzip -9 -c "$file" | wc -c)"
     done
 }
 

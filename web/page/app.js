@@ -7,6 +7,7 @@
 const LONGEST_SIDE = 1280;               // of a picture, in pixels
 const GRID = { columns: 16, rows: 12 };  // of the occupied cells
 const DISTINCT = 4;                      // pixels between two matches that count as distinct
+const LINES = { least: 30, most: 120, pixels: 8 };  // between two pictures: one in so many pixels of their width
 const COLOURS = ['#ff8126', '#1fc8e3'];  // of the keypoints of either detector, on pictures of any brightness
 const CAMERA_ERRORS = {
     NotAllowedError: 'The camera was refused. Allow it for this page in the browser, or open a picture instead.',
@@ -22,6 +23,10 @@ const NAMES = ['cv::ORB', 'AdaptiveQuadtreeORB'];
 let worker = null;
 let wanted = null;  // pictures that the worker does not have yet; an empty object if it has them, null if all is done
 let sent = null;    // the job that the worker does
+let openings = 0;   // of pictures that are being fetched or decoded
+let failed = false;
+let asked = [0, 0];         // how often a first and a second picture were asked for: the last one counts
+let addresses = ['', ''];   // of both pictures, where they have one
 let pictures = [];  // canvases of both pictures, as they were last detected in
 let shown = null;   // what was found in them
 let stream = null;  // of the camera
@@ -33,8 +38,11 @@ function say(sentence) {
     element('message').hidden = !sentence;
 }
 
-function setState(state) {
-    document.body.dataset.state = state;
+// There is nothing to do before the first picture is here.
+const isWaiting = () => Boolean(wanted && (wanted.picture || pictures[0]));
+
+function setState() {
+    document.body.dataset.state = openings || sent || isWaiting() ? 'busy' : failed ? 'failed' : 'ready';
 }
 
 // The worker
@@ -54,34 +62,36 @@ function startWorker() {
     worker.onmessage = ({ data }) => {
         const job = sent;
         sent = null;
-        if (data.error) {
+        failed = Boolean(data.error);
+        if (failed)
             say(`The detector reports an error: ${data.error}`);
-            setState('failed');
-        } else {
+        else
             receive(data, job);
-            setState('ready');
-        }
         send();
+        setState();
         if (stream)
             requestAnimationFrame(grabFrame);
     };
     worker.onerror = () => {
         say('The detector could not be loaded. Reload the page to try again.');
-        setState('failed');
+        sent = wanted = null;
+        failed = true;
+        setState();
     };
 }
 
-// Asks for what the controls say, in pictures that may be new: sample (a name) or picture (a canvas), and second (a
-// canvas, or null for a simulated one). While the worker is busy nothing is sent, so a slider never leaves a queue.
+// Asks for what the controls say, in pictures that may be new: picture (a canvas), and second (a canvas, or the name of a
+// simulated one). While the worker is busy nothing is sent, so a slider never leaves a queue.
 function request(change = {}) {
     wanted = { ...wanted, ...change };
     send();
+    setState();
 }
 
 function send() {
-    if (!worker || sent || !wanted)
+    if (!worker || sent || !isWaiting())
         return;
-    const { sample, picture, second } = wanted;
+    const { picture, second } = wanted;
     wanted = null;
     const properties = {};
     for (const field of element('properties').querySelectorAll('input, select'))
@@ -89,19 +99,25 @@ function send() {
     const view = document.querySelector('[name=view]:checked').value;
     const degrees = Number(element('degrees').value);
     sent = { picture, second, view, degrees };
-    setState('busy');
-    const message = { sample, view, degrees, properties, runs: stream ? 1 : 3 };
+    const message = { view, degrees, properties, runs: stream ? 1 : 3 };
     if (picture)
         message.pixels = pixelsOf(picture);
-    if (second !== undefined)
-        message.second = second && pixelsOf(second);
+    if (second)
+        message.second = typeof second === 'string' ? second : pixelsOf(second);
     worker.postMessage(message);
 }
 
 function receive(answer, job) {
-    pictures[0] = answer.picture ? canvasOf(answer.picture) : job.picture || pictures[0];
-    pictures[1] = answer.second ? canvasOf(answer.second) : job.second || pictures[1];
+    pictures[0] = job.picture || pictures[0];
+    if (answer.second)
+        pictures[1] = canvasOf(answer.second);
+    else if (job.second && typeof job.second !== 'string')
+        pictures[1] = job.second;
     shown = { found: answer.found, view: job.view, degrees: job.degrees };
+    for (const { turned, pair } of shown.found) {
+        if (turned || pair)
+            (turned || pair).distinct = distinct((turned || pair).matches);
+    }
     draw();
     fillTable();
     element('size').textContent = `Now ${pictures[0].width}×${pictures[0].height} pixels.`;
@@ -131,43 +147,125 @@ function scaled(image, width, height) {
     return canvas;
 }
 
-async function openFile(file, isSecond = false) {
-    if (!file)
-        return;
-    let image;
+// The picture in a file, as a canvas, or null if the browser cannot read it or if another one was asked for meanwhile.
+// `read` returns the file; the sentence for an error is that of the error, or `sorry`.
+async function decoded(which, read, sorry) {
+    const ticket = ++asked[which];
+    openings++;
+    setState();
+    let picture = null, sentence = sorry;
     try {
-        image = await createImageBitmap(file, { colorSpaceConversion: 'none' });
+        const file = await read().catch(error => {
+            sentence = error.message;
+            throw error;
+        });
+        const image = await createImageBitmap(file, { colorSpaceConversion: 'none' });
+        picture = scaled(image, image.width, image.height);
     } catch {
-        say(`“${file.name}” is not a picture that this browser can read. Open a JPEG, PNG or WebP file.`);
-        return;
+        if (ticket === asked[which])
+            say(sentence);
     }
+    openings--;
+    setState();
+    return ticket === asked[which] ? picture : null;
+}
+
+// A picture of the visitor's own, with its address if it has one.
+async function openOwn(which, read, sorry, address = '') {
     say('');
-    const picture = scaled(image, image.width, image.height);
-    if (isSecond)
+    const picture = await decoded(which, read, sorry);
+    if (!picture)
+        return false;
+    addresses[which] = address;
+    showOwn(which, true);
+    if (which)
         request({ second: picture });
-    else
-        openPicture(picture);
+    else {
+        stopCamera();
+        request({ picture });
+    }
+    return true;
 }
 
-function openPicture(picture) {
+function openFile(which, file) {
+    if (file) {
+        openOwn(which, async () => file,
+            `“${file.name}” is not a picture that this browser can read. Open a JPEG, PNG or WebP file.`);
+    }
+}
+
+function openAddress(which, address) {
+    return openOwn(which, () => fetched(address),
+        `${address} is not a picture that this browser can read. It should lead to a JPEG, PNG or WebP file.`, address);
+}
+
+// The file at an address. Its server is not told which page asks.
+async function fetched(address) {
+    let url;
+    try {
+        url = new URL(address, location.href);
+    } catch { /* below */ }
+    if (!url || !/^https?:$/.test(url.protocol))
+        throw new Error(`“${address}” is not the address of a picture. It should begin with https://.`);
+    let response, file;
+    try {
+        response = await fetch(url, { referrerPolicy: 'no-referrer' });
+        file = await response.blob();
+    } catch {
+        throw new Error(`${url.host} cannot be reached, or it does not allow other pages to read its pictures. Save the ` +
+            'picture and open the file.');
+    }
+    if (!response.ok)
+        throw new Error(`${url.host} does not have this picture; it answers ${response.status}.`);
+    return file;
+}
+
+async function openSample(sentence = '') {
     stopCamera();
-    showOwn(true);
-    request({ picture, sample: undefined });
+    addresses[0] = '';
+    showOwn(0, false);
+    say(sentence);
+    const { value, dataset } = element('sample').selectedOptions[0];
+    const picture = await decoded(0, () => fetched(`photographs/${dataset.file || value}.jpg`),
+        'The sample cannot be read. Reload the page to try again.');
+    if (!picture)
+        return;
+    if (dataset.light)
+        darken(picture, Number(dataset.light));
+    const change = { picture };
+    if (!element('other').value) {
+        // A picture of one's own shows something else than a sample, so the second one is simulated again.
+        element('other').selectedIndex = 0;
+        change.second = element('other').value;
+        showOwn(1, false);
+    }
+    request(change);
 }
 
-function openSample() {
-    stopCamera();
-    showOwn(false);
-    say('');
-    // A picture of one's own shows something else than a sample, so the second one is simulated again.
-    request({ sample: element('sample').value, picture: undefined, second: null });
+// Leaves a share of the light, as if the picture were taken in the dark.
+function darken(canvas, light) {
+    const image = pixelsOf(canvas);
+    image.data.forEach((value, i) => {
+        if (i % 4 < 3)
+            image.data[i] = Math.round(value * light);
+    });
+    canvas.getContext('2d').putImageData(image, 0, 0);
 }
 
-// The list of samples says so when none of them is shown.
-function showOwn(isOwn) {
-    element('own').hidden = !isOwn;
+function openOther() {
+    asked[1]++;
+    addresses[1] = '';
+    showOwn(1, false);
+    request({ second: element('other').value });
+}
+
+// A list says so when none of its pictures is shown.
+function showOwn(which, isOwn) {
+    const [list, own] = which ? ['other', 'own-second'] : ['sample', 'own'];
+    element(own).hidden = !isOwn;
     if (isOwn)
-        element('sample').value = '';
+        element(list).value = '';
+    element('address').value = addresses[0];
 }
 
 async function toggleCamera() {
@@ -190,15 +288,17 @@ async function toggleCamera() {
         say(CAMERA_ERRORS[error.name] || `The camera could not be used (${error.name}). Open a picture instead.`);
         return;
     }
+    asked[0]++;
+    addresses[0] = '';
     element('camera').textContent = 'Stop camera';
     element('camera').setAttribute('aria-pressed', 'true');
-    showOwn(true);
+    showOwn(0, true);
     grabFrame();
 }
 
 function grabFrame() {
     if (stream && !sent)
-        request({ picture: scaled(video, video.videoWidth, video.videoHeight), sample: undefined });
+        request({ picture: scaled(video, video.videoWidth, video.videoHeight) });
 }
 
 function stopCamera() {
@@ -214,14 +314,21 @@ function stopCamera() {
 function draw() {
     if (!shown)
         return;
-    element('figures').classList.toggle('wide', shown.view === 'pair');
+    const isPair = shown.view === 'pair';
+    element('figures').classList.toggle('wide', isPair);
+    // On a wide screen both pairs are in sight at once.
+    const widest = isPair && matchMedia('(min-width: 62rem)').matches ?
+        `${Math.max(560, Math.round(.76 * innerHeight * pictures[0].width / pictures[0].height))}px` : '';
+    for (const figure of document.querySelectorAll('#figures figure'))
+        figure.style.maxWidth = widest;
     drawnWidth = canvases[0].clientWidth;
+    const oneIn = isPair ? lineStep() : 0;
     canvases.forEach((canvas, detector) => {
         const width = canvas.clientWidth;
         const stacked = width < 560;
         const [first, second] = pictures;
         let columns = 1, rows = 1;
-        if (shown.view === 'pair')
+        if (isPair)
             [columns, rows] = stacked ? [1, 2] : [2, 1];
         const scale = width / columns / first.width;
         const cell = { width: width / columns, height: first.height * scale };
@@ -231,12 +338,12 @@ function draw() {
         context.scale(canvas.width / width, canvas.width / width);
         const found = shown.found[detector];
         const colour = COLOURS[detector];
-        if (shown.view === 'pair') {
+        if (isPair) {
             const fit = Math.min(cell.width / second.width, cell.height / second.height);
             const at = { x: stacked ? 0 : cell.width, y: stacked ? cell.height : 0, scale: fit };
             context.drawImage(first, 0, 0, cell.width, cell.height);
             context.drawImage(second, at.x, at.y, second.width * fit, second.height * fit);
-            drawMatches(context, found.pair, scale, at, colour);
+            drawMatches(context, found.pair, scale, at, colour, oneIn);
         } else if (shown.view === 'turn') {
             context.save();
             context.translate(cell.width / 2, cell.height / 2);
@@ -306,29 +413,45 @@ function shadeEmptyCells(context, points, picture, scale) {
     }
 }
 
-function drawMatches(context, pair, scale, at, colour) {
-    const lines = new Path2D(), others = [];
+// One in how many distinct matches gets a line: the same for both detectors, so that the one with more matches has more
+// lines, and so many that the lines of the other one can be told apart.
+function lineStep() {
+    const most = Math.max(...shown.found.map(found => found.pair.distinct.length));
+    const room = Math.min(LINES.most, Math.max(LINES.least, Math.round(drawnWidth / LINES.pixels)));
+    const oneIn = Math.max(1, Math.ceil(most / room));
+    element('share').textContent = oneIn > 1 ? `for one in ${oneIn} distinct matches` : 'for each distinct match';
+    return oneIn;
+}
+
+function drawMatches(context, pair, scale, at, colour, oneIn) {
     const { matches, homography } = pair;
+    const others = [];
     for (let i = 0; i < matches.length; i += 5) {
-        const [x, y, x2, y2, agrees] = matches.subarray(i, i + 5);
-        if (agrees) {
+        if (!matches[i + 4])
+            others.push({ x: matches[i], y: matches[i + 1] });
+    }
+    drawSpots(context, others, scale, 'rgb(255 255 255 / 60%)');
+    if (element('lines').checked) {
+        const lines = new Path2D();
+        for (let i = 0; i < pair.distinct.length; i += oneIn) {
+            const { x, y, x2, y2 } = pair.distinct[i];
             lines.moveTo((x + .5) * scale, (y + .5) * scale);
             lines.lineTo(at.x + (x2 + .5) * at.scale, at.y + (y2 + .5) * at.scale);
-        } else {
-            others.push({ x, y });
         }
+        context.strokeStyle = 'rgb(0 0 0 / 25%)';
+        context.lineWidth = 2.5;
+        context.stroke(lines);
+        context.globalAlpha = .65;
+        context.strokeStyle = colour;
+        context.lineWidth = 1;
+        context.stroke(lines);
+        context.globalAlpha = 1;
     }
-    circles(context, others, scale, 1.75);
-    context.fillStyle = 'rgb(255 255 255 / 75%)';
-    context.fill();
-    context.strokeStyle = 'rgb(0 0 0 / 60%)';
-    context.lineWidth = .75;
-    context.stroke();
-    context.globalAlpha = .7;
-    context.strokeStyle = colour;
-    context.lineWidth = 1;
-    context.stroke(lines);
-    context.globalAlpha = 1;
+    drawSpots(context, pair.distinct, scale, colour);
+    context.save();
+    context.translate(at.x, at.y);
+    drawSpots(context, pair.distinct.map(({ x2, y2 }) => ({ x: x2, y: y2 })), at.scale, colour);
+    context.restore();
     if (!homography)
         return;
     const { width, height } = pictures[0];
@@ -352,6 +475,15 @@ function drawMatches(context, pair, scale, at, colour) {
     context.restore();
 }
 
+function drawSpots(context, points, scale, colour) {
+    circles(context, points, scale, drawnWidth < 400 ? 1.25 : 1.75);
+    context.strokeStyle = 'rgb(0 0 0 / 60%)';
+    context.lineWidth = .75;
+    context.stroke();
+    context.fillStyle = colour;
+    context.fill();
+}
+
 // Matches. Each is five numbers: x and y in the first picture, those in the second, and whether it is right. The nearest
 // descriptors come first.
 
@@ -365,7 +497,7 @@ function distinct(matches) {
                 Math.hypot(k.x2 - x2, k.y2 - y2) >= DISTINCT))
             kept.push({ x, y, x2, y2 });
     }
-    return kept.length;
+    return kept;
 }
 
 // How many cells of the grid over the first picture hold a right match.
@@ -384,17 +516,23 @@ function places(matches) {
 
 const percent = value => `${(100 * value).toFixed(1)} %`;
 const MEASURES = [
-    { view: 'turn', name: 'Distinct correct matches', best: Math.max, value: found => distinct(found.turned.matches) },
+    { view: 'turn', name: 'Distinct correct matches', best: Math.max, value: found => found.turned.distinct.length },
     { view: 'turn', name: 'Places', note: 'cells with a correct match', best: Math.max,
         value: found => places(found.turned.matches) },
     { view: 'turn', name: 'Correct matches in all', value: found => found.turned.correct },
     { view: 'turn', name: 'Found again', note: 'of those in both frames', best: Math.max,
         value: found => found.turned.share, text: percent },
-    { view: 'pair', name: 'Distinct matches', note: 'in the homography', best: Math.max,
-        value: found => found.pair.homography ? distinct(found.pair.matches) : null, none: 'none found' },
-    { view: 'pair', name: 'Places', note: 'cells with such a match', best: Math.max,
+    { view: 'pair', known: true, name: 'Distinct correct matches', best: Math.max,
+        value: found => found.pair.distinct.length },
+    { view: 'pair', known: true, name: 'Places', note: 'cells with a correct match', best: Math.max,
+        value: found => places(found.pair.matches) },
+    { view: 'pair', known: true, name: 'Matches in all', note: 'and how many are correct',
+        value: found => `${found.pair.count}, ${found.pair.agreeing}` },
+    { view: 'pair', known: false, name: 'Distinct matches', note: 'in the homography', best: Math.max,
+        value: found => found.pair.homography ? found.pair.distinct.length : null, none: 'none found' },
+    { view: 'pair', known: false, name: 'Places', note: 'cells with such a match', best: Math.max,
         value: found => found.pair.homography ? places(found.pair.matches) : null },
-    { view: 'pair', name: 'Matches in all', note: 'and of these in the homography',
+    { view: 'pair', known: false, name: 'Matches in all', note: 'and how many are in the homography',
         value: found => `${found.pair.count}, ${found.pair.agreeing}` },
     { name: 'Keypoints', value: found => found.count },
     { name: 'Uniformity', note: 'less is more uniform', best: Math.min,
@@ -404,7 +542,9 @@ const MEASURES = [
 ];
 
 function fillTable() {
-    const rows = MEASURES.filter(measure => !measure.view || measure.view === shown.view).map(measure => {
+    const isOf = ({ view, known }) => (!view || view === shown.view) &&
+        (known === undefined || known === shown.found[0].pair.known);
+    const rows = MEASURES.filter(isOf).map(measure => {
         const values = shown.found.map(measure.value);
         const row = document.createElement('tr');
         const head = document.createElement('th');
@@ -436,12 +576,16 @@ function valueOf(field) {
     return Number(field.dataset.values ? field.dataset.values.split(' ')[field.value] : field.value);
 }
 
+// The place of a number in the list of a slider, or of the nearest one.
+function placeOf(slider, number) {
+    const distances = slider.dataset.values.split(' ').map(value => Math.abs(value - number));
+    return distances.indexOf(Math.min(...distances));
+}
+
 // A slider with a list begins, and begins again, at the number of the list that is nearest to its default.
 function placeSliders() {
-    for (const slider of document.querySelectorAll('[data-values]')) {
-        const distances = slider.dataset.values.split(' ').map(value => Math.abs(value - slider.dataset.default));
-        slider.defaultValue = distances.indexOf(Math.min(...distances));
-    }
+    for (const slider of document.querySelectorAll('[data-values]'))
+        slider.defaultValue = placeOf(slider, slider.dataset.default);
 }
 
 function showValues() {
@@ -481,16 +625,112 @@ function showView() {
         part.hidden = part.dataset.view !== view;
 }
 
+// The link. What differs from the defaults is after the #, which a browser does not send to a server. The words there are
+// those of the page: sample or picture (an address), second (a simulated one, or an address), view, and the ids of the
+// fields below.
+
+const linkedFields = () => [...element('properties').querySelectorAll('input, select'),
+    ...['degrees', 'cells', 'lines'].map(element)];
+
+function textOf(field) {
+    return String(field.type === 'checkbox' ? Number(field.checked) : valueOf(field));
+}
+
+// Sets a field to the text of a link, or to its default where there is none, or none that it can show.
+function setField(field, text) {
+    const isNumber = text !== null && text.trim() !== '' && Number.isFinite(Number(text));
+    if (field.type === 'checkbox')
+        field.checked = isNumber ? Number(text) !== 0 : field.defaultChecked;
+    else if (field.tagName === 'SELECT')
+        field.value = [...field.options].some(option => option.value === text) ? text : field.options[0].value;
+    else if (!isNumber)
+        field.value = field.defaultValue;
+    else
+        field.value = field.dataset.values ? placeOf(field, Number(text)) : text;
+}
+
+function linkToView() {
+    const link = new URLSearchParams();
+    if (addresses[0])
+        link.set('picture', addresses[0]);
+    else if (element('sample').value)
+        link.set('sample', element('sample').value);
+    const view = document.querySelector('[name=view]:checked');
+    if (!view.defaultChecked)
+        link.set('view', view.value);
+    const second = addresses[1] || element('other').value;
+    if (second && second !== element('other').options[0].value)
+        link.set('second', second);
+    for (const field of linkedFields()) {
+        const text = textOf(field), now = field.type === 'checkbox' ? field.checked : field.value;
+        setField(field, null);
+        if (text !== textOf(field))
+            link.set(field.id, text);
+        field[field.type === 'checkbox' ? 'checked' : 'value'] = now;
+    }
+    return `${location.href.split('#')[0]}#${link}`;
+}
+
+async function copyLink() {
+    const link = linkToView();
+    history.replaceState(null, '', link);
+    const notes = [];
+    try {
+        await navigator.clipboard.writeText(link);
+        notes.push('The link is copied.');
+    } catch {
+        notes.push('This browser does not let the page copy the link. Copy it from the field.');
+    }
+    const isOnDevice = !addresses[0] && !element('sample').value, isSecondOnDevice = !addresses[1] && !element('other').value;
+    if (isOnDevice || isSecondOnDevice) {
+        notes.push(`${isOnDevice ? 'Your picture' : 'Your second picture'} stays on your device and is not in the link. ` +
+            'Whoever opens the link can drop, paste or open it there.');
+    }
+    element('link').value = link;
+    element('link-field').hidden = false;
+    element('copied').textContent = notes.join(' ');
+    element('copied').hidden = false;
+}
+
+// Opens what the address of the page says.
+async function followLink() {
+    const link = new URLSearchParams(location.hash.slice(1));
+    for (const field of linkedFields())
+        setField(field, link.get(field.id));
+    const views = [...document.querySelectorAll('[name=view]')];
+    (views.find(view => view.value === link.get('view')) || views.find(view => view.defaultChecked)).checked = true;
+    showView();
+    showValues();
+    const isListed = (list, name) => name && [...element(list).options].some(option => option.value === name);
+    const sample = link.get('sample'), picture = link.get('picture'), second = link.get('second');
+    setField(element('sample'), isListed('sample', sample) ? sample : null);
+    setField(element('other'), isListed('other', second) ? second : null);
+    openOther();
+    if (!picture)
+        await openSample(sample && !isListed('sample', sample) ? `There is no sample “${sample}” here.` : '');
+    else {
+        const turn = asked[0] + 1;
+        if (!await openAddress(0, picture) && asked[0] === turn)
+            await openSample(element('message').textContent);
+    }
+    if (second && !isListed('other', second))
+        await openAddress(1, second);
+}
+
 function listen() {
-    element('sample').onchange = openSample;
-    for (const [id, isSecond] of [['file', false], ['second', true]]) {
+    element('sample').onchange = () => openSample();
+    ['file', 'second'].forEach((id, which) => {
         element(id).onchange = ({ target }) => {
-            openFile(target.files[0], isSecond);
+            openFile(which, target.files[0]);
             target.value = '';  // so that the same file can be opened again
         };
-    }
+    });
+    element('address').onchange = ({ target }) => target.value.trim() && openAddress(0, target.value.trim());
     element('camera').onclick = toggleCamera;
-    element('other').onclick = () => request({ second: null });
+    element('other').onchange = openOther;
+    element('copy').onclick = copyLink;
+    element('link').onfocus = ({ target }) => target.select();
+    window.onhashchange = followLink;
     element('views').onchange = () => {
         enlarge(false);
         showView();
@@ -504,14 +744,27 @@ function listen() {
     }
     element('properties').onreset = () => setTimeout(element('properties').oninput);
     element('properties').onsubmit = event => event.preventDefault();
-    element('cells').onchange = draw;
+    element('cells').onchange = element('lines').onchange = draw;
     listenToPictures();
     new ResizeObserver(() => canvases[0].clientWidth === drawnWidth || draw()).observe(element('figures'));
 
-    const hasFiles = event => event.dataTransfer && event.dataTransfer.types.includes('Files');
+    const hasPicture = event => event.dataTransfer &&
+        ['Files', 'text/uri-list'].some(type => event.dataTransfer.types.includes(type));
+    // The file of a drop or of the clipboard, or otherwise the address there.
+    const openGiven = (which, data) => {
+        const address = (data.getData('text/uri-list') || data.getData('text/plain')).trim().split(/\s/)[0];
+        if (data.files.length)
+            openFile(which, data.files[0]);
+        else if (/^https?:/.test(address))
+            openAddress(which, address);
+    };
+    document.onpaste = event => {
+        if (event.target.type !== 'url')
+            openGiven(0, event.clipboardData);
+    };
     document.ondragover = event => {
         event.preventDefault();
-        document.body.classList.toggle('dropping', hasFiles(event));
+        document.body.classList.toggle('dropping', Boolean(hasPicture(event)));
     };
     document.ondragleave = event => {
         if (!event.relatedTarget)
@@ -520,8 +773,7 @@ function listen() {
     document.ondrop = event => {
         event.preventDefault();
         document.body.classList.remove('dropping');
-        const isSecond = Boolean(event.target.closest('[data-view=pair]'));
-        openFile(event.dataTransfer.files[0], isSecond);
+        openGiven(event.target.closest('[data-view=pair]') ? 1 : 0, event.dataTransfer);
     };
 }
 
@@ -531,12 +783,13 @@ showValues();
 if (isSupported()) {
     listen();
     startWorker();
-    openSample();
+    followLink();
 } else {
     say('This browser does not run WebAssembly with SIMD and exceptions, which this page needs. A current version of ' +
         'Chrome, Edge, Firefox or Safari does.');
     element('result').hidden = true;
     for (const control of document.querySelectorAll('input, select, button'))
         control.disabled = true;
-    setState('failed');
+    failed = true;
+    setState();
 }

@@ -4,12 +4,12 @@
 
 // Detects and matches, so that the page stays responsive. The page sends one job at a time:
 //
-//   sample or pixels   the picture, if it is another one than before
-//   second             the second picture's pixels, or null for a simulated one, if it is another one than before
+//   pixels             of the picture, if it is another one than before
+//   second             the second picture's pixels, or the name of a simulated one, if it is another one than before
 //   view               'keypoints', 'turn' or 'pair'; degrees is for 'turn'
 //   properties, runs   of the detectors, and how often they are called
 //
-// The answer holds the pictures that were drawn here, and for each detector what was found.
+// The answer holds the second picture if it was drawn here, and for each detector what was found.
 
 'use strict';
 
@@ -20,7 +20,8 @@ const DETECTORS = [0, 1];  // cv::ORB, AdaptiveQuadtreeORB
 
 let first = [];    // what was found in the picture, for each detector
 let current = '';  // the properties with which it was found, as JSON
-let second = { simulated: true, drawn: false };
+let second = 'side';
+let drawn = false;  // whether the engine has it
 
 function checked(result) {
     if (result.error)
@@ -30,16 +31,15 @@ function checked(result) {
 
 function run(engine, job) {
     const answer = {};
-    if (job.sample)
-        answer.picture = checked(engine.drawSample(job.sample, 960, 640));
-    else if (job.pixels)
+    if (job.pixels) {
         checked(engine.setPicture(0, job.pixels.width, job.pixels.height, job.pixels.data));
-    if (job.sample || job.pixels) {
         first = [];
-        second.drawn = false;
+        drawn = false;
     }
-    if (job.second !== undefined)
-        second = { simulated: !job.second, pixels: job.second, drawn: false };
+    if (job.second) {
+        second = job.second;
+        drawn = false;
+    }
 
     const properties = JSON.stringify(job.properties);
     if (!first.length || properties !== current) {
@@ -51,17 +51,17 @@ function run(engine, job) {
 
     if (job.view === 'turn') {
         checked(engine.turn(job.degrees));
-        second.drawn = false;
+        drawn = false;
         for (const detector of DETECTORS) {
             const turned = checked(engine.detect(1, detector, 1));
             answer.found[detector].turned = { ...checked(engine.compareTurned(detector)), keypoints: turned.keypoints };
         }
     } else if (job.view === 'pair') {
-        if (!second.drawn && second.simulated)
-            answer.second = checked(engine.drawOtherView());
-        else if (!second.drawn)
-            checked(engine.setPicture(1, second.pixels.width, second.pixels.height, second.pixels.data));
-        second.drawn = true;
+        if (!drawn && typeof second === 'string')
+            answer.second = checked(engine.drawOtherView(second));
+        else if (!drawn)
+            checked(engine.setPicture(1, second.width, second.height, second.data));
+        drawn = true;
         for (const detector of DETECTORS) {
             checked(engine.detect(1, detector, 1));
             answer.found[detector].pair = checked(engine.match(detector));

@@ -46,7 +46,8 @@ struct Picture
 
 Picture pictures[2];
 Ptr<ORB> detectors[DETECTORS];
-Matx33d turned;  // from picture 0 to picture 1, after turn
+Matx33d motion;        // from picture 0 to picture 1, where the engine made picture 1
+bool isKnown = false;  // whether it did
 
 //! A copy, as a typed array: a view would end with the next growth of the memory.
 template <typename T> val copied(const std::vector<T>& values)
@@ -117,6 +118,7 @@ val setPicture(int index, int width, int height, val pixels)
             CV_CheckEQ(pixels["length"].as<int>(), width * height * 4, "the length of the pixels");
             Picture& picture = at(index);
             picture = Picture();
+            isKnown = false;
             picture.rgba.create(height, width, CV_8UC4);
             val(emscripten::typed_memory_view(picture.rgba.total() * 4, picture.rgba.data))
                 .call<void>("set", pixels);
@@ -125,7 +127,8 @@ val setPicture(int index, int width, int height, val pixels)
         });
 }
 
-val drawSample(const std::string& name, int width, int height)
+//! Draws picture 0. The page has photographs; these are for programs that cannot decode one.
+val drawScene(const std::string& name, int width, int height)
 {
     return guarded(
         [&]
@@ -137,32 +140,89 @@ val drawSample(const std::string& name, int width, int height)
             else if (name == "shapes")
                 grey = opencv_test::makeScene(size, 3);
             else
-                CV_Error_(Error::StsBadArg, ("There is no sample %s", name.c_str()));
+                CV_Error_(Error::StsBadArg, ("There is no scene %s", name.c_str()));
             if (name == "dusk")
                 grey.convertTo(grey, -1, 0.12, 2);
             setGrey(pictures[0], grey);
+            isKnown = false;
             return shown(pictures[0]);
         });
 }
 
-//! Picture 1 becomes what a camera sees that has moved to the side and a little nearer to the plane of picture 0.
-val drawOtherView()
+//! A turn clockwise about the centre of a picture of one size, which gets to the centre of one of another size.
+Matx33d turnBetween(const Size& from, const Size& to, double degrees)
+{
+    const Point2d centre(.5 * (from.width - 1), .5 * (from.height - 1));
+    Matx33d matrix = Matx33d::eye();
+    getRotationMatrix2D(centre, -degrees, 1).copyTo(Mat(matrix, false).rowRange(0, 2));
+    matrix(0, 2) += .5 * (to.width - from.width);
+    matrix(1, 2) += .5 * (to.height - from.height);
+    return matrix;
+}
+
+//! What a camera in the dark makes of a picture: blurred, with less light, and noisy. It is the same in every run.
+void darken(Mat& rgba)
+{
+    GaussianBlur(rgba, rgba, Size(), 1);
+    Mat light, noise(rgba.size(), CV_16SC3);
+    cvtColor(rgba, light, COLOR_RGBA2RGB);
+    light.convertTo(light, CV_16S, .5);
+    RNG rng(1);
+    rng.fill(noise, RNG::NORMAL, 0, 4);
+    light += noise;
+    light.convertTo(light, CV_8U);
+    cvtColor(light, rgba, COLOR_RGB2RGBA);
+}
+
+/** Picture 1 becomes another view of the plane of picture 0, in a frame of the same size. What picture 0 does not show
+ is masked.
+ @param name "side": from a camera that has moved to the side and a little nearer; "far": from one that is twice as far
+ and rolled; "night": from one that is rolled a little, at night */
+val drawOtherView(const std::string& name)
 {
     return guarded(
-        []
+        [&]
         {
-            const Mat& image = pictures[0].rgba;
-            const float w = float(image.cols), h = float(image.rows);
-            const Point2f from[] = {{0.f, 0.f}, {w, 0.f}, {w, h}, {0.f, h}};
-            const Point2f to[] = {
-                {-.06f * w, .1f * h}, {.92f * w, -.14f * h}, {1.02f * w, 1.04f * h}, {.05f * w, .88f * h}};
-            Mat view;
-            warpPerspective(image, view, getPerspectiveTransform(from, to), image.size(), INTER_LINEAR,
-                            BORDER_CONSTANT, Scalar(90, 90, 90, 255));
-            pictures[1] = Picture();
-            pictures[1].rgba = view;
-            cvtColor(view, pictures[1].grey, COLOR_RGBA2GRAY);
-            return shown(pictures[1]);
+            Mat image = pictures[0].rgba;
+            const Size size = image.size();
+            Matx33d view, shrink = Matx33d::eye();
+            if (name == "side")
+            {
+                const float w = float(size.width), h = float(size.height);
+                const Point2f from[] = {{0.f, 0.f}, {w, 0.f}, {w, h}, {0.f, h}};
+                const Point2f to[] = {{-.06f * w, .1f * h},
+                                      {.92f * w, -.14f * h},
+                                      {1.02f * w, 1.04f * h},
+                                      {.05f * w, .88f * h}};
+                view = Matx33d(getPerspectiveTransform(from, to).ptr<double>());
+            }
+            else if (name == "far")
+            {
+                // Means of four pixels first, as warpPerspective takes no means.
+                const Size half((size.width + 1) / 2, (size.height + 1) / 2);
+                resize(image, image, half, 0, 0, INTER_AREA);
+                const double x = double(half.width) / size.width, y = double(half.height) / size.height;
+                shrink = Matx33d(x, 0, .5 * x - .5, 0, y, .5 * y - .5, 0, 0, 1);
+                view = turnBetween(half, size, 40);
+            }
+            else if (name == "night")
+                view = turnBetween(size, size, 8);
+            else
+                CV_Error_(Error::StsBadArg, ("There is no view %s", name.c_str()));
+
+            Picture& picture = pictures[1];
+            picture = Picture();
+            // Reflected, because an edge of the picture would be one of the scene for a detector.
+            warpPerspective(image, picture.rgba, view, size, INTER_LINEAR, BORDER_REFLECT_101);
+            warpPerspective(Mat(image.size(), CV_8UC1, Scalar(255)), picture.mask, view, size, INTER_NEAREST,
+                            BORDER_CONSTANT, Scalar(0));
+            if (name == "night")
+                darken(picture.rgba);
+            cvtColor(picture.rgba, picture.grey, COLOR_RGBA2GRAY);
+            picture.rgba.setTo(Scalar(90, 90, 90, 255), picture.mask == 0);
+            motion = view * shrink;
+            isKnown = true;
+            return shown(picture);
         });
 }
 
@@ -174,10 +234,9 @@ val turn(double degrees)
         [&]
         {
             const Mat& grey = pictures[0].grey;
-            const Point2f centre(float(grey.cols - 1) / 2, float(grey.rows - 1) / 2);
-            const Mat matrix = getRotationMatrix2D(centre, -degrees, 1);
-            turned = Matx33d::eye();
-            matrix.copyTo(Mat(turned, false).rowRange(0, 2));
+            motion = turnBetween(grey.size(), grey.size(), degrees);
+            isKnown = true;
+            const Mat matrix = Mat(motion, false).rowRange(0, 2);
             Picture& picture = pictures[1];
             picture = Picture();
             // Reflected, because an edge of the picture would be one of the scene for a detector.
@@ -270,8 +329,9 @@ std::vector<DMatch> matched(int detector)
 }
 
 /** Matches the features of the pictures.
- @return `matches`: x and y in picture 0, those in picture 1, and whether the homography agrees; their number, `count`,
- and that of those that agree, `agreeing`; `homography`: nine numbers, or null */
+ @return `homography`, which is found from the matches: nine numbers, or null; `matches`: x and y in picture 0, those in
+ picture 1, and whether the match is right; their number, `count`, and that of the right ones, `agreeing`. They are right
+ by the motion if that is known (`known`), and otherwise by the homography. */
 val match(int detector)
 {
     return guarded(
@@ -290,7 +350,8 @@ val match(int detector)
             int agreeing = 0;
             for (size_t i = 0; i < from.size(); i++)
             {
-                const bool does = found && agrees(homography, from[i], to[i], SAME_PLACE);
+                const bool does =
+                    (isKnown || found) && agrees(isKnown ? motion : homography, from[i], to[i], SAME_PLACE);
                 agreeing += does;
                 matches.insert(matches.end(), {from[i].x, from[i].y, to[i].x, to[i].y, does ? 1.f : 0.f});
             }
@@ -298,6 +359,7 @@ val match(int detector)
             result.set("matches", copied(matches));
             result.set("count", from.size());
             result.set("agreeing", agreeing);
+            result.set("known", isKnown);
             result.set("homography",
                        found ? copied(std::vector<double>(homography.val, homography.val + 9)) : val::null());
             return result;
@@ -327,12 +389,12 @@ val compareTurned(int detector)
                 const Vec3d p = by * Vec3d(point.x, point.y, 1);
                 return Point2f(float(p[0]), float(p[1]));
             };
-            const Matx33d back = turned.inv();
+            const Matx33d back = motion.inv();
             std::vector<Point2f> before, after;  // both in picture 1
             std::vector<size_t> index;
             for (const KeyPoint& keypoint : a.keypoints)
             {
-                const Point2f point = mapped(keypoint.pt, turned);
+                const Point2f point = mapped(keypoint.pt, motion);
                 if (isInside(point, size))
                     before.push_back(point);
             }
@@ -363,7 +425,7 @@ val compareTurned(int detector)
             for (const DMatch& pair : matched(detector))
             {
                 const Point2f &from = a.keypoints[pair.queryIdx].pt, &to = b.keypoints[pair.trainIdx].pt;
-                if (agrees(turned, from, to, SAME_PLACE))
+                if (agrees(motion, from, to, SAME_PLACE))
                     matches.insert(matches.end(), {from.x, from.y, to.x, to.y, 1.f});
             }
             val result = val::object();
@@ -403,7 +465,7 @@ val fingerprint(bool balanced, const std::string& name)
 EMSCRIPTEN_BINDINGS(aqorb)
 {
     emscripten::function("setPicture", &setPicture);
-    emscripten::function("drawSample", &drawSample);
+    emscripten::function("drawScene", &drawScene);
     emscripten::function("drawOtherView", &drawOtherView);
     emscripten::function("turn", &turn);
     emscripten::function("setProperties", &setProperties);

@@ -48,22 +48,24 @@ test('a property out of its range is reported by name, with its value', () => {
     ok(engine.setProperties({}));
 });
 
-test('an unknown sample, picture or detector, and pixels of another length, are reported', () => {
-    assert.match(engine.drawSample('nothing', 10, 10).error, /nothing/);
+test('an unknown scene, view, picture or detector, and pixels of another length, are reported', () => {
+    assert.match(engine.drawScene('nothing', 10, 10).error, /nothing/);
+    ok(engine.drawScene('street', 64, 64));
+    assert.match(engine.drawOtherView('nothing').error, /nothing/);
     assert.ok(engine.detect(2, 0, 1).error);
     assert.ok(engine.detect(0, 2, 1).error);
     assert.ok(engine.setPicture(0, 4, 4, new Uint8ClampedArray(5)).error);
 });
 
-test('the samples have as many features as are asked for, more evenly than with cv::ORB', () => {
+test('the scenes have as many features as are asked for, more evenly than with cv::ORB', () => {
     ok(engine.setProperties({}));
-    for (const sample of ['street', 'dusk', 'shapes']) {
-        const drawn = ok(engine.drawSample(sample, 960, 640));
+    for (const scene of ['street', 'dusk', 'shapes']) {
+        const drawn = ok(engine.drawScene(scene, 960, 640));
         assert.equal(drawn.pixels.length, 960 * 640 * 4);
         const [orb, ours] = detectAll(0);
-        assert.equal(ours.count, 500, sample);
+        assert.equal(ours.count, 500, scene);
         assert.equal(ours.keypoints.length, 4 * 500);
-        assert.ok(ours.occupancy > orb.occupancy, sample);
+        assert.ok(ours.occupancy > orb.occupancy, scene);
     }
 });
 
@@ -74,14 +76,18 @@ test('pictures of any size can be detected in', () => {
             const pixels = new Uint8ClampedArray(width * height * 4).map((_, i) => (i * 2654435761) >>> 13);
             ok(engine.setPicture(0, width, height, pixels));
             detectAll(0);
+            for (const view of ['side', 'far', 'night']) {
+                ok(engine.drawOtherView(view));
+                detectAll(1);
+            }
         }
     }
 });
 
 test('the homography of the simulated view is the one by which it was drawn, within 2 pixels at the corners', () => {
     ok(engine.setProperties({ nfeatures: 1000 }));
-    ok(engine.drawSample('street', 960, 640));
-    ok(engine.drawOtherView());
+    ok(engine.drawScene('street', 960, 640));
+    ok(engine.drawOtherView('side'));
     detectAll(0);
     detectAll(1);
     const corners = [[0, 0], [960, 0], [960, 640], [0, 640]];
@@ -99,9 +105,56 @@ test('the homography of the simulated view is the one by which it was drawn, wit
     }
 });
 
+// Where a point of the first picture, 960x640, is in a view, by the words of its description.
+const mean = ([a, b]) => (a + b) / 2;
+function turned([x, y], degrees, scale) {
+    const [cos, sin] = [Math.cos, Math.sin].map(f => scale * f(degrees * Math.PI / 180));
+    const [dx, dy] = [x - mean([0, 959]), y - mean([0, 639])];
+    return [mean([0, 959]) + cos * dx - sin * dy, mean([0, 639]) + sin * dx + cos * dy];
+}
+
+test('matches with a view that is known are right where they are within 3 pixels of it', () => {
+    ok(engine.setProperties({ nfeatures: 1000 }));
+    ok(engine.drawScene('street', 960, 640));
+    detectAll(0);
+    for (const [view, degrees, scale] of [['far', 40, .5], ['night', 8, 1]]) {
+        ok(engine.drawOtherView(view));
+        detectAll(1);
+        for (const detector of BOTH) {
+            const { known, matches, count, agreeing } = ok(engine.match(detector));
+            assert.equal(known, true);
+            assert.ok(agreeing > 30 && agreeing < count, `${view}, ${detector}: ${agreeing} of ${count}`);
+            for (let i = 0; i < matches.length; i += 5) {
+                const [x, y, x2, y2, isRight] = matches.subarray(i, i + 5);
+                const place = turned([x, y], degrees, scale);
+                const error = Math.hypot(place[0] - x2, place[1] - y2);
+                if (Math.abs(error - 3) > .001)
+                    assert.equal(isRight, error < 3 ? 1 : 0, `${view}: ${error} pixels`);
+            }
+        }
+    }
+});
+
+test('a view is the same whenever it is drawn, and the one at night is darker and noisy', () => {
+    const scene = ok(engine.drawScene('street', 960, 640));
+    const centre = ({ pixels }, [x, y] = [470, 310]) => Array.from({ length: 400 },
+        (_, i) => pixels[4 * ((y + Math.floor(i / 20)) * 960 + x + i % 20)]);
+    const sum = values => values.reduce((a, b) => a + b);
+    for (const view of ['side', 'far', 'night']) {
+        const once = ok(engine.drawOtherView(view)), again = ok(engine.drawOtherView(view));
+        assert.ok(Buffer.from(once.pixels.buffer).equals(Buffer.from(again.pixels.buffer)), view);
+        const light = sum(centre(once)) / sum(centre(scene));
+        assert.ok(view !== 'night' || light > .4 && light < .6, `${light} of the light`);
+    }
+    ok(engine.setPicture(0, 960, 640, new Uint8ClampedArray(960 * 640 * 4).fill(200)));
+    const night = centre(ok(engine.drawOtherView('night')));
+    const deviation = Math.sqrt(sum(night.map(value => (value - sum(night) / 400) ** 2)) / 400);
+    assert.ok(deviation > 3 && deviation < 5, `${deviation}`);
+});
+
 test('pictures of different things have no homography', () => {
     ok(engine.setProperties({}));
-    ok(engine.drawSample('street', 640, 480));
+    ok(engine.drawScene('street', 640, 480));
     const noise = new Uint8ClampedArray(640 * 480 * 4).map((_, i) => ((i >> 5) * 2654435761) >>> 11);
     ok(engine.setPicture(1, 640, 480, noise));
     detectAll(0);
@@ -116,7 +169,7 @@ test('pictures of different things have no homography', () => {
 // Of keypoints of different levels at the same place, one may be the neighbour of the other.
 test('the features of a picture that is not turned stay, and many of one that is', () => {
     ok(engine.setProperties({}));
-    ok(engine.drawSample('street', 960, 640));
+    ok(engine.drawScene('street', 960, 640));
     detectAll(0);
     for (const [degrees, least] of [[0, 0.98], [-90, 0.3], [25, 0.3]]) {
         ok(engine.turn(degrees));

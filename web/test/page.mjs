@@ -20,11 +20,13 @@ const { chromium } = require('playwright-core');
 const [page, native, screenshots, ...images] = process.argv.slice(2).map(name => path.resolve(name));
 const TYPES = {
     '.html': 'text/html', '.js': 'text/javascript', '.css': 'text/css', '.svg': 'image/svg+xml',
-    '.wasm': 'application/wasm', '.txt': 'text/plain',
+    '.wasm': 'application/wasm', '.txt': 'text/plain', '.jpg': 'image/jpeg', '.png': 'image/png',
 };
 const DESKTOP = { width: 1280, height: 900 }, PHONE = { width: 360, height: 740 };
 
 let server, browser, address;
+let elsewhere, other;  // a server of pictures, and its address
+let asked = [];        // what it was asked for
 
 before(async () => {
     fs.mkdirSync(screenshots, { recursive: true });
@@ -39,6 +41,18 @@ before(async () => {
     });
     await new Promise(resolve => server.listen(0, '127.0.0.1', resolve));
     address = `http://127.0.0.1:${server.address().port}/`;
+    elsewhere = http.createServer((request, response) => {
+        asked.push(request);
+        if (request.url === '/none.png') {
+            response.writeHead(404, { 'Access-Control-Allow-Origin': '*' }).end();
+            return;
+        }
+        const allowed = request.url.startsWith('/open') ? { 'Access-Control-Allow-Origin': '*' } : {};
+        response.writeHead(200, { 'Content-Type': 'image/png', ...allowed });
+        response.end(request.url.endsWith('text.png') ? 'no picture' : fs.readFileSync(images[0]));
+    });
+    await new Promise(resolve => elsewhere.listen(0, '127.0.0.1', resolve));
+    other = `http://127.0.0.1:${elsewhere.address().port}`;
     const root = process.getuid() === 0 ? ['--no-sandbox'] : [];
     browser = await chromium.launch({
         executablePath: process.env.CHROMIUM || '/usr/bin/chromium',
@@ -49,10 +63,12 @@ before(async () => {
 after(async () => {
     await browser?.close();
     server?.close();
+    elsewhere?.close();
 });
 
-// The page in a context of its own. What it writes to the console, and what it fails to load, is in `problems`.
-async function open(options = {}, prepare = null) {
+// The page in a context of its own. What it writes to the console, and what it fails to load, is in `problems`. `link` is
+// what follows its address.
+async function open(options = {}, prepare = null, link = '') {
     const context = await browser.newContext({ viewport: DESKTOP, ...options });
     const tab = await context.newPage();
     tab.setDefaultTimeout(120000);
@@ -67,10 +83,12 @@ async function open(options = {}, prepare = null) {
     tab.on('request', request => {
         if (!/^(http:\/\/127\.0\.0\.1|blob:|data:)/.test(request.url()))
             problems.push(`${request.url()} is of the network`);
+        if (request.method() !== 'GET')
+            problems.push(`${request.url()} is sent something`);
     });
     if (prepare)
         await tab.addInitScript(prepare);
-    await tab.goto(address);
+    await tab.goto(address + link);
     await tab.waitForFunction(() => ['ready', 'failed'].includes(document.body.dataset.state));
     return { tab, problems, close: () => context.close() };
 }
@@ -152,11 +170,27 @@ test('a sample is shown at once, by both detectors, without an error', async () 
     await close();
 });
 
+test('the photographs are small, and the page leads to the licence of each', async () => {
+    const { tab, problems, close } = await open();
+    const list = await tab.locator('#sample option:not([hidden])').evaluateAll(all => all.map(e => e.dataset.file || e.value));
+    const folder = path.join(page, 'photographs');
+    const files = fs.readdirSync(folder).filter(name => name.endsWith('.jpg'));
+    assert.deepEqual(files, [...new Set(list)].map(name => `${name}.jpg`).sort());
+    const bytes = files.reduce((sum, name) => sum + fs.statSync(path.join(folder, name)).size, 0);
+    assert.ok(bytes < 400000, `${bytes} bytes`);
+    const licenses = await tab.locator('footer a', { hasText: 'Their licences' }).evaluate(
+        link => fetch(link.href).then(response => response.text()));
+    for (const name of files)
+        assert.match(licenses, new RegExp(`^${name} .*(CC0|public domain),`, 'm'));
+    assert.deepEqual(problems, []);
+    await close();
+});
+
 test('the bytes are those of the native library, of scenes and of pictures that the browser decodes', async () => {
     const { tab, problems, close } = await open();
     for (const image of images) {
         const isFirst = image === images[0];
-        await tab.locator('#sample').selectOption('shapes');  // so that the next picture is another one
+        await tab.locator('#sample').selectOption('brick');  // so that the next picture is another one
         await idle(tab);
         await tab.locator('#file').setInputFiles(image);
         await tab.waitForFunction(() => element('sample').value === '');
@@ -178,6 +212,9 @@ test('the bytes are those of the native library, of scenes and of pictures that 
 test('sliders change the keypoints, and Defaults changes them back', async () => {
     const { tab, problems, close } = await open();
     const before = await drawn(tab);
+    const moved = await tab.evaluate(() => [...document.querySelectorAll('#properties input[type=range]')]
+        .filter(slider => Number(slider.getAttribute('value')) !== Number(slider.value)).map(slider => slider.id));
+    assert.deepEqual(moved, [], 'these cannot stand at their defaults');
     await setSlider(tab, 'nfeatures', 1500);
     await idle(tab);
     assert.equal((await measured(tab, 'Keypoints'))[1], 1500);
@@ -266,10 +303,193 @@ test('a turn shows what stays', async () => {
     await close();
 });
 
+test('a paste opens a picture, or the address of one', async () => {
+    const { tab, problems, close } = await open();
+    const paste = (bytes, text) => tab.evaluate(([bytes, text]) => {
+        const transfer = new DataTransfer();
+        if (bytes)
+            transfer.items.add(new File([Uint8Array.from(atob(bytes), c => c.charCodeAt(0))], 'a.png', { type: 'image/png' }));
+        else
+            transfer.setData('text/plain', text);
+        document.body.dispatchEvent(new ClipboardEvent('paste', { clipboardData: transfer, bubbles: true }));
+    }, [bytes && bytes.toString('base64'), text]);
+    const sample = await drawn(tab);
+    await paste(fs.readFileSync(images[0]));
+    await tab.waitForFunction(() => element('sample').value === '');
+    await idle(tab);
+    const pasted = await drawn(tab);
+    assert.ok(pasted !== sample);
+    await tab.locator('#sample').selectOption('coffee');
+    await idle(tab);
+    assert.ok(await drawn(tab) === sample);
+    await paste(null, 'some words');
+    await idle(tab);
+    assert.ok(await drawn(tab) === sample);
+    await paste(null, `${other}/open/picture.png`);
+    await idle(tab);
+    assert.ok(await drawn(tab) === pasted);
+    assert.equal(await tab.locator('#address').inputValue(), `${other}/open/picture.png`);
+    assert.deepEqual(problems, []);
+    await close();
+});
+
+test('it is known which matches of a simulated picture are correct', async () => {
+    const { tab, problems, close } = await open({ viewport: { width: 1440, height: 900 } });
+    await choose(tab, 'pair');
+    const views = [];
+    for (const view of ['side', 'far', 'night']) {
+        await tab.locator('#other').selectOption(view);
+        await idle(tab);
+        for (const name of ['Distinct correct matches', 'Places']) {
+            const [orb, ours] = await measured(tab, name);
+            assert.ok(ours > orb && orb > 10, `${view}: ${name} ${orb}, ${ours}`);
+        }
+        views.push(await drawn(tab));
+        await tab.screenshot({ path: path.join(screenshots, `desktop-pair-${view}.png`) });
+    }
+    assert.equal(new Set(views).size, 3);
+    await tab.locator('#sample').selectOption('camera');
+    await idle(tab);
+    const bottom = await tab.locator('#figures').evaluate(e => e.getBoundingClientRect().bottom);
+    assert.ok(bottom <= 900, `both pairs of square pictures are in sight, to ${bottom}`);
+    await tab.screenshot({ path: path.join(screenshots, 'desktop-pair-camera.png') });
+    await tab.locator('#sample').selectOption('rocket');
+    await idle(tab);
+    assert.equal(await tab.locator('#other').inputValue(), 'night');
+    await tab.screenshot({ path: path.join(screenshots, 'desktop-pair-rocket.png') });
+    assert.deepEqual(problems, []);
+    await close();
+});
+
+test('lines between two pictures are few enough to be told apart, and can be left out', async () => {
+    const { tab, problems, close } = await open({}, null, '#sample=camera&view=pair&nfeatures=3000');
+    const counts = await tab.evaluate(() => shown.found.map(found => found.pair.distinct.length));
+    const lines = await tab.evaluate(() => shown.found.map(found => Math.ceil(found.pair.distinct.length / lineStep())));
+    assert.ok(Math.max(...counts) > 200 && Math.max(...lines) <= 120 && Math.min(...lines) > 20, `${counts}: ${lines}`);
+    assert.ok(Math.abs(lines[0] / lines[1] - counts[0] / counts[1]) < .1, `${counts}: ${lines}`);
+    assert.match(await tab.locator('#share').textContent(), /^for one in \d+ distinct matches$/);
+    const pixels = () => tab.evaluate(() => {
+        const { width, height } = canvases[1];
+        const context = new OffscreenCanvas(width, height).getContext('2d', { willReadFrequently: true });
+        context.drawImage(canvases[1], 0, 0);
+        window.last = window.now;
+        window.now = context.getImageData(0, 0, width, height).data;
+        return window.last ? window.now.filter((value, i) => i % 4 === 0 && value !== window.last[i]).length * 4 /
+            window.now.length : 1;
+    });
+    await pixels();
+    await tab.screenshot({ path: path.join(screenshots, 'desktop-pair-3000.png') });
+    await tab.locator('#lines').uncheck();
+    const changed = await pixels();
+    assert.ok(changed > .02 && changed < .3, `${changed} of the pixels are of lines`);
+    assert.deepEqual(problems, []);
+    await close();
+});
+
+test('a link opens what was shown, and names only what is not the default', async () => {
+    const { tab, problems, close } = await open({ permissions: ['clipboard-read', 'clipboard-write'] });
+    const copied = async () => {
+        await tab.locator('#copy').click();
+        await tab.waitForSelector('#copied:not([hidden])');
+        const link = await tab.locator('#link').inputValue();
+        assert.equal(await tab.evaluate(() => navigator.clipboard.readText()), link);
+        assert.equal(await tab.evaluate(() => location.href), link);
+        return link;
+    };
+    assert.equal(await copied(), `${address}#sample=coffee`);
+    assert.equal(await tab.locator('#copied').textContent(), 'The link is copied.');
+    await tab.locator('#sample').selectOption('rocket');
+    await choose(tab, 'pair');
+    await tab.locator('#other').selectOption('far');
+    await setSlider(tab, 'nfeatures', 800);
+    await setSlider(tab, 'strengthWeight', 6);
+    await tab.locator('#adaptiveThreshold').uncheck();
+    await tab.locator('#selectionType').selectOption('1');
+    await tab.locator('#lines').uncheck();
+    await idle(tab);
+    const link = await copied();
+    assert.equal(link, `${address}#sample=rocket&view=pair&second=far&nfeatures=800&strengthWeight=0.5&` +
+        'adaptiveThreshold=0&selectionType=1&lines=0');
+    const seen = [await measured(tab, 'Distinct correct matches'), await drawn(tab)];
+    assert.ok((await tab.locator('#nfeatures').inputValue()) === '800');
+    const second = await open({}, null, link.slice(address.length));
+    assert.deepEqual([await measured(second.tab, 'Distinct correct matches'), await drawn(second.tab)], seen);
+    // Another link in the same tab changes back what it does not name.
+    await second.tab.evaluate(() => { location.hash = '#sample=brick&view=turn&degrees=90&nfeatures=nonsense&rankRadius=99'; });
+    await second.tab.waitForFunction(() => element('sample').value === 'brick');
+    await idle(second.tab);
+    assert.equal(await second.tab.locator('#degrees').inputValue(), '90');
+    assert.equal(await second.tab.locator('#nfeatures').inputValue(), '500');
+    assert.equal(await second.tab.locator('#rankRadius').inputValue(), '4');
+    assert.ok(await second.tab.locator('#adaptiveThreshold').isChecked());
+    assert.ok((await measured(second.tab, 'Found again')).every(share => share > 0));
+    await second.tab.evaluate(() => { location.hash = '#sample=nothing'; });
+    await second.tab.waitForSelector('#message:not([hidden])');
+    assert.match(await second.tab.locator('#message').textContent(), /^There is no sample “nothing” here\.$/);
+    assert.deepEqual([...problems, ...second.problems], []);
+    await second.close();
+    await close();
+});
+
+test('a link has the address of a picture that can be read, and not a picture of the device', async () => {
+    const picture = `${other}/open/picture.png`;
+    const { tab, problems, close } = await open({}, null, `#${new URLSearchParams({ picture, second: picture, view: 'pair' })}`);
+    assert.equal(await tab.locator('#sample').inputValue(), '');
+    assert.equal(await tab.locator('#address').inputValue(), picture);
+    assert.equal(await tab.locator('#other').inputValue(), '');
+    const [orb, ours] = await measured(tab, 'Distinct matches');
+    assert.ok(orb > 100 && ours > 100, `${orb} ${ours}`);  // a picture with itself
+    await tab.locator('#copy').click();
+    await tab.waitForSelector('#copied:not([hidden])');
+    assert.doesNotMatch(await tab.locator('#copied').textContent(), /stays on your device/);
+    const link = new URLSearchParams(new URL(await tab.locator('#link').inputValue()).hash.slice(1));
+    assert.deepEqual([...link], [['picture', picture], ['view', 'pair'], ['second', picture]]);
+    assert.ok(asked.length && asked.every(({ method, headers }) => method === 'GET' && !headers.referer && !headers.cookie));
+    await tab.locator('#file').setInputFiles(images[0]);
+    await idle(tab);
+    await tab.locator('#copy').click();
+    await tab.waitForFunction(() => /stays on your device/.test(element('copied').textContent));
+    assert.doesNotMatch(await tab.locator('#link').inputValue(), /sample=|picture=/);
+    await tab.screenshot({ path: path.join(screenshots, 'desktop-link.png'), fullPage: true });
+    assert.deepEqual(problems, []);
+    await close();
+});
+
+test('an address that cannot be read gets a sentence, and the sample is shown', async () => {
+    for (const [picture, sentence] of [
+        [`${other}/closed/picture.png`, /^127\.0\.0\.1:\d+ cannot be reached, or it does not allow .* open the file\.$/],
+        [`${other}/none.png`, /^127\.0\.0\.1:\d+ does not have this picture; it answers 404\.$/],
+        [`${other}/open/text.png`, /text\.png is not a picture that this browser can read/],
+        ['file:///etc/hostname', /^“file:.*” is not the address of a picture\. It should begin with https:\/\/\.$/],
+    ]) {
+        const { tab, problems, close } = await open({}, null, `#${new URLSearchParams({ picture, nfeatures: 800 })}`);
+        assert.match(await tab.locator('#message').textContent(), sentence);
+        assert.equal(await tab.locator('#sample').inputValue(), 'coffee');
+        assert.equal((await measured(tab, 'Keypoints'))[1], 800);
+        await assertFits(tab);
+        assert.deepEqual(problems.filter(problem => !/127\.0\.0\.1.*(picture|none)\.png|Failed to load resource/.test(problem)), []);
+        await close();
+    }
+    const { tab, close } = await open();
+    const before = await drawn(tab);
+    await tab.locator('#address').fill(`${other}/closed/picture.png`);
+    await tab.keyboard.press('Enter');
+    await tab.waitForSelector('#message:not([hidden])');
+    assert.ok(await drawn(tab) === before);
+    await tab.screenshot({ path: path.join(screenshots, 'desktop-refused.png') });
+    await tab.locator('#address').fill(`${other}/open/picture.png`);
+    await tab.keyboard.press('Enter');
+    await tab.waitForFunction(() => element('sample').value === '');
+    await idle(tab);
+    assert.ok(await drawn(tab) !== before);
+    assert.ok(await tab.locator('#message').isHidden());
+    await close();
+});
+
 test('two pictures are matched, simulated or opened', async () => {
     const { tab, problems, close } = await open();
     await choose(tab, 'pair');
-    const simulated = await measured(tab, 'Distinct matches');
+    const simulated = await measured(tab, 'Distinct correct matches');
     assert.ok(simulated.every(count => count > 50), `${simulated}`);
     await tab.screenshot({ path: path.join(screenshots, 'desktop-pair.png'), fullPage: true });
     await tab.locator('#second').setInputFiles(images[0]);
@@ -281,16 +501,16 @@ test('two pictures are matched, simulated or opened', async () => {
     // A sample after two pictures of one's own is matched with the simulated one again.
     await tab.locator('#file').setInputFiles(images[0]);
     await idle(tab);
-    await tab.locator('#sample').selectOption('street');
+    await tab.locator('#sample').selectOption('coffee');
     await tab.waitForFunction(`!(${noneFound})()`);
     await idle(tab);
-    assert.deepEqual(await measured(tab, 'Distinct matches'), simulated);
+    assert.deepEqual(await measured(tab, 'Distinct correct matches'), simulated);
     await tab.locator('#second').setInputFiles(images[0]);
     await tab.waitForFunction(noneFound);
-    await tab.locator('#other').click();
+    await tab.locator('#other').selectOption('side');
     await tab.waitForFunction(`!(${noneFound})()`);
     await idle(tab);
-    assert.deepEqual(await measured(tab, 'Distinct matches'), simulated);
+    assert.deepEqual(await measured(tab, 'Distinct correct matches'), simulated);
     assert.ok(await tab.locator('#advice').isHidden());
     assert.deepEqual(problems, []);
     await close();
@@ -365,6 +585,34 @@ for (const colorScheme of ['light', 'dark']) {
         await close();
     });
 }
+
+test('on a phone the pictures stay in sight above every slider', async () => {
+    const { tab, problems, close } = await open({
+        viewport: { width: 390, height: 844 }, deviceScaleFactor: 2, isMobile: true, hasTouch: true },
+    null, '#sample=camera&view=pair');
+    await assertFits(tab);
+    const sliders = await tab.locator('input[type=range]').evaluateAll(all => all.filter(e => e.offsetParent).map(e => e.id));
+    assert.ok(sliders.length >= 7);
+    for (const id of sliders) {
+        const [top, bottom, slider, isOnTop] = await tab.evaluate(id => {
+            scrollBy(0, element(id).getBoundingClientRect().top - 700);
+            const figures = element('figures').getBoundingClientRect(), { left, top, width, height } = element(id)
+                .getBoundingClientRect();
+            return [figures.top, figures.bottom, top, document.elementFromPoint(left + width / 2, top + height / 2) ===
+                element(id)];
+        }, id);
+        assert.ok(top >= 0 && bottom > 200 && bottom < slider && isOnTop, `${id}: ${top} ${bottom} ${slider} ${isOnTop}`);
+    }
+    await tab.screenshot({ path: path.join(screenshots, 'phone-390-slider.png') });
+    const before = await drawn(tab);
+    await setSlider(tab, 'nfeatures', 1500);
+    await idle(tab);
+    assert.ok(await drawn(tab) !== before);
+    await tab.evaluate(() => scrollTo(0, 0));
+    await tab.screenshot({ path: path.join(screenshots, 'phone-390-pair.png'), fullPage: true });
+    assert.deepEqual(problems, []);
+    await close();
+});
 
 // WCAG's ratio of the luminances of a text and of what is behind it.
 test('text stands out from its background, light and dark', async () => {
@@ -450,7 +698,7 @@ test('the keyboard alone is enough, and the focus is visible', async () => {
             assert.equal(await tab.locator('#nfeatures').inputValue(), '500');
         }
     }
-    for (const id of ['sample', 'file', 'camera', 'keypoints', 'cells', 'nfeatures', 'fastThreshold', 'nlevels',
+    for (const id of ['sample', 'file', 'camera', 'address', 'keypoints', 'copy', 'cells', 'nfeatures', 'fastThreshold', 'nlevels',
         'scaleFactor', 'strengthWeight', 'rankRadius', 'minThresholdRatio', 'adaptiveThreshold', 'selectionType', 'reset'])
         assert.ok(order.includes(id), `${id} is not reached: ${order}`);
     assert.deepEqual(problems, []);

@@ -18,12 +18,12 @@ const engines = await Promise.all(process.argv.slice(2).map(folder => require(pa
 
 const median = values => values.sort((a, b) => a - b)[values.length >> 1];
 
-console.log('median of the times of one call, in ms, on the sample `street`, 960x640 pixels');
+console.log('median of the times of one call, in ms, on the drawn scene `street`, 960x640 pixels');
 console.log('features   cv::ORB   AdaptiveQuadtreeORB without SIMD   with SIMD   cv::ORB / AdaptiveQuadtreeORB');
 for (const nfeatures of [500, 1000, 2000]) {
     const times = engines.map(() => [[], []]);
     for (const engine of engines) {
-        engine.drawSample('street', 960, 640);
+        engine.drawScene('street', 960, 640);
         engine.setProperties({ nfeatures });
     }
     for (let round = -10; round < ROUNDS; round++) {
