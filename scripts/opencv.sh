@@ -148,7 +148,8 @@ PYTHONPATH=$opencv/lib/python3:$OPENCV_SOURCE/modules/python/test \
 generated() {
     local text
     for text in "${@:2}"; do
-        grep -rhF -m 1 -- "$text" "$opencv/modules/$1" || die "OpenCV's generator has not made: $text"
+        grep -rqF -- "$text" "$opencv/modules/$1" || die "OpenCV's generator has not made: $text"
+        echo "$text"
     done
 }
 
@@ -160,7 +161,7 @@ else
     generated java_bindings_generator/gen/java 'class AdaptiveQuadtreeORB extends ORB' \
         'class HammingMatcher extends BFMatcher' 'void retainUniform('
     generated objc_bindings_generator '@interface AdaptiveQuadtreeORB : ORB' \
-        '@interface HammingMatcher : BFMatcher' '+ (HammingMatcher*)createHammingMatcher:(NormTypes)normType;' \
+        '@interface HammingMatcher : BFMatcher' '+ (HammingMatcher*)createHammingMatcher:(NormTypes)normType' \
         '+ (void)retainUniform:'
 fi
 
