@@ -121,8 +121,9 @@ template=$CONTRIB_SOURCE/.github/PULL_REQUEST_TEMPLATE.md
 if [[ -e $template ]]; then
     while IFS= read -r item; do
         grep -qxF -e "- [x] $item" "$text" || die "$text does not say: $item"
-    done < <(sed -n 's/^- \[ \] //p' "$template")
-    echo "It fills in each of the $(grep -c '^- \[ \]' "$template") points of OpenCV's checklist."
+    done < <(sed -n 's/^- \[[ x]\] //p' "$template")
+    echo "It fills in each of the $(grep -c '^- \[[ x]\]' "$template") points of OpenCV's checklist."
 fi
 cp "$text" "$series"
+rm -rf "$GIT_DIR"
 ls "$series"

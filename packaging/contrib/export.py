@@ -31,6 +31,7 @@ EVERYWHERE = [
     (r'build/release/samples/(\w+)', r'bin/example_aqorb_\1'),
     (r'try:\n    import aqorb\nexcept ImportError:.*\n    (from cv2 import aqorb)\n', r'\1\n'),
     (r'(?m)^import aqorb$', 'from cv2 import aqorb'),
+    (r'(?m)^\| Compatibility \|', '| Original author | The aqorb developers |\n| Compatibility |'),  # as in other tutorials
 ]
 
 # For one file: a text, in which white space stands for any, a comment's slashes included, and "[...]" for anything; and
@@ -61,7 +62,7 @@ EDITS = {
     'test/test_soak.cpp': [
         ('AQORB_SOAK_FRAMES makes it as long as doc/reliability.md tells.', 'AQORB_SOAK_FRAMES makes it longer.')],
     'misc/python/test/test_aqorb.py': [
-        ('"""Tests of both Python bindings: [...] where there is one."""\n\nimport os', 'import os'),
+        ('"""Tests of both Python bindings: [...] where there is one."""\n\nimport os', '\nimport os'),
         ('try:\n    from tests_common import NewOpenCVTests\nexcept ImportError: [...]staticmethod(unittest.main)\n',
          'from tests_common import NewOpenCVTests\n\n'),
         ('import unittest\n\n', '\n'),
