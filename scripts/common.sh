@@ -55,6 +55,8 @@ declare -A PACKAGES=(
     [clang]='clang'
     [format]='clang-format clang-tidy shellcheck'
     [opencv]='dpkg-dev ninja-build zlib1g-dev libpng-dev libjpeg-dev python3-dev python3-numpy'
+    [contrib]='dpkg-dev git python3'
+    [java]='ant default-jdk-headless'
     [emulation]='dpkg-dev qemu-user-static'
     [arm64]='g++-aarch64-linux-gnu'
     [armhf]='g++-arm-linux-gnueabihf'
@@ -286,23 +288,37 @@ opencv_release() {
     if [[ $1 == 5 ]]; then
         release=$OPENCV_5 hash=b82f9831daab90b725c7c1ee1b36cb5732c367096ac76d119e64e14eb70d5f3c
     fi
-    local folder=$CACHE/opencv-$release
+    OPENCV_SOURCE=$CACHE/opencv-$release/opencv
+    source_distribution opencv-python-headless "$release" "$hash" "$OPENCV_SOURCE"
+}
+
+# contrib_release: sets CONTRIB_SOURCE to the opencv_contrib of OPENCV_4, which is in the source distribution of
+# opencv-contrib-python-headless; fetched once.
+contrib_release() {
+    CONTRIB_SOURCE=$CACHE/opencv_contrib-$OPENCV_4/opencv_contrib
+    source_distribution opencv-contrib-python-headless "$OPENCV_4" \
+        6cd98a20010c80bf9e6a9cff6189dd2c10bd111fb0aa4d5c6361389514a0ff6c "$CONTRIB_SOURCE"
+}
+
+# source_distribution PACKAGE VERSION SHA256 FOLDER/NAME: puts what the Python package index has of a package's source in
+# its folder NAME there; fetched once.
+source_distribution() {
+    local folder=${4%/*}
     if [[ ! -e $folder/complete ]]; then
         need wheel
-        say "Fetching the source of OpenCV $release from the Python package index"
+        say "Fetching the source of $1 $2 from the Python package index"
         rm -rf "$folder"
         mkdir -p "$folder"
         "$PYTHON" -m venv "$folder/venv"
-        echo "opencv-python-headless==$release --hash=sha256:$hash" >"$folder/requirements"
+        echo "$1==$2 --hash=sha256:$3" >"$folder/requirements"
         # pip says how much it fetches.
         "$folder/venv/bin/pip" download --disable-pip-version-check --no-deps \
-            --no-binary opencv-python-headless --require-hashes --requirement "$folder/requirements" \
+            --no-binary "$1" --require-hashes --requirement "$folder/requirements" \
             --dest "$folder" || die "could not fetch from the Python package index; is there a network?"
-        tar -xz -C "$folder" -f "$folder"/*.tar.gz --strip-components=1 --wildcards '*/opencv'
+        tar -xz -C "$folder" -f "$folder"/*.tar.gz --strip-components=1 --wildcards "*/${4##*/}"
         rm -r "$folder"/*.tar.gz "$folder/venv"
         touch "$folder/complete"
     fi
-    OPENCV_SOURCE=$folder/opencv
 }
 
 # size_of_package PACKAGE: how much is fetched for a Debian package, as ", 96 MB"; nothing where that is not known.

@@ -1,33 +1,38 @@
 #!/usr/bin/env bash
-# Builds a copy of the module inside OpenCV and opencv_contrib, from Debian's source package, by nothing but
-# OpenCV's own build. Runs what that build gives: the accuracy tests, a smoke run of the performance tests, the
-# Python test and, where ant and a JDK are installed, the Java wrappers' compilation. Compares the list of tests
-# with the standalone build's. Then shows that OpenCV's build takes the module from this repository as well,
-# and what it says of a checkout whose symbolic links are text files.
+# Builds the module inside OpenCV and opencv_contrib, from Debian's source package, by nothing but OpenCV's own
+# build. The module is what scripts/contrib.sh would send to opencv_contrib. Runs what that build gives: the accuracy
+# tests, a smoke run of the performance tests, the Python test, and the generators of the other wrappers. Compares the
+# list of tests with the standalone build's. Then shows that OpenCV's build takes the module from this repository as
+# well, and what it says of a checkout whose symbolic links are text files.
 #
-#   scripts/opencv.sh
+#   scripts/opencv.sh [--java]
 #   scripts/opencv.sh --release 4|5
 #
-# With --release the source is that of the newest OpenCV 4, or of OpenCV 5, from the Python package index, without
-# opencv_contrib. The script then ends after the Python test, and leaves OpenCV without the module in build/opencv-4 or
-# build/opencv-5, for scripts/compatibility.sh.
+# --java compiles the Java wrapper, too, and runs its tests. With --release the source is that of the newest OpenCV 4, or
+# of OpenCV 5, from the Python package index, without opencv_contrib. The script then ends after the Python test, and
+# leaves OpenCV without the module in build/opencv-4 or build/opencv-5, for scripts/compatibility.sh.
 #
 # Installs the Debian packages it needs. OPENCV_TEST_DATA_PATH is passed on to the tests.
 source "$(dirname "$0")/common.sh"
 
-release=
+release='' java=''
+if [[ ${1:-} == --java ]]; then
+    java=yes
+    shift
+fi
 if [[ ${1:-} == --release ]]; then
     release=${2:-}
     [[ $release =~ ^[45]$ ]] || die "--release needs 4 or 5"
     shift 2
 fi
+[[ ! $release || ! $java ]] || die "--java takes Debian's source"
 (($# == 0)) || die "unknown option $1; --help says what there is"
 
-need build test opencv
+need build test opencv ${java:+java}
 if [[ $release ]]; then opencv_release "$release"; else opencv_source; fi
 
 # FindJNI does not know where Debian keeps its JDKs.
-if [[ -z ${JAVA_HOME:-} ]] && command -v javac >/dev/null; then
+if [[ $java && -z ${JAVA_HOME:-} ]]; then
     JAVA_HOME=$(dirname "$(dirname "$(readlink -f "$(command -v javac)")")")
     export JAVA_HOME
 fi
@@ -38,7 +43,13 @@ module=$contrib/modules/aqorb
 
 # Nothing that the module and its tests can do without, and nothing that OpenCV would download.
 modules=aqorb,calib3d,flann,stitching,imgcodecs,ts,highgui,videoio,python3
-[[ $release ]] || modules+=,java,java_bindings_generator
+# The first OpenCV that reads misc/js/gen_dict.json is newer than Debian's.
+if [[ $release ]]; then
+    modules+=,js_bindings_generator
+else
+    modules+=,java_bindings_generator,objc_bindings_generator
+fi
+[[ ! $java ]] || modules+=,java
 [[ $release != 5 ]] || modules=${modules/calib3d/geometry}
 options=(
     -DCMAKE_BUILD_TYPE=Release -DENABLE_CCACHE=OFF
@@ -81,16 +92,14 @@ list_tests() {
 }
 
 mkdir -p "$BUILD"
-say "A copy of the module in opencv_contrib"
-rm -rf "$contrib"
-if [[ $release ]]; then mkdir -p "$contrib/modules"; else cp -al "$OPENCV_SOURCE/contrib" "$contrib"; fi
-cp -rL "$ROOT/modules/aqorb" "$module"
-outside=$(cd "$module" && { grep -rIoE '[[:alnum:]_./-]*\.\./[[:alnum:]_./-]*' . || true; } |
-    while IFS=: read -r file path; do
-        [[ $(realpath -m "$(dirname "$file")/$path")/ == "$module"/* ]] || echo "$file: $path"
-    done)
-[[ -z $outside ]] || die "the module names what lies outside of it: $outside"
-echo "$(find "$module" -type f | wc -l) files, none of which names a path outside of the module"
+if [[ $release ]]; then
+    say "The module as in opencv_contrib"
+    rm -rf "$contrib"
+    mkdir -p "$contrib/modules"
+    "$PYTHON" "$ROOT/packaging/contrib/export.py" "$contrib/modules"
+else
+    "$ROOT/scripts/contrib.sh"
+fi
 
 rm -f "$opencv/CMakeCache.txt"
 configure_opencv "$contrib/modules" || {
@@ -99,8 +108,12 @@ configure_opencv "$contrib/modules" || {
 }
 check_configuration "$module"
 targets=(opencv_test_aqorb opencv_perf_aqorb opencv_samples_aqorb opencv_python3)
-[[ $release ]] || targets+=(gen_opencv_java_source)
-if [[ ! $release ]] && grep -q 'Java wrappers: *YES' "$opencv.log"; then targets+=(opencv_java); fi
+if [[ $release ]]; then
+    targets+=(gen_opencv_js_source)
+else
+    targets+=(gen_opencv_java_source gen_opencv_objc_source)
+fi
+[[ ! $java ]] || targets+=(opencv_java opencv_test_java)
 build "$opencv" --target "${targets[@]}" 2>&1 | tee "$opencv.build.log"
 if grep 'aqorb.*warning:' "$opencv.build.log"; then die "warnings in the build inside OpenCV"; fi
 
@@ -128,8 +141,39 @@ say "Samples"
 ls "$opencv"/bin/example_aqorb_*
 
 say "Python test"
-AQORB_BINDING=cv2 PYTHONPATH=$opencv/lib/python3:$OPENCV_SOURCE/modules/python/test \
+PYTHONPATH=$opencv/lib/python3:$OPENCV_SOURCE/modules/python/test \
     "$PYTHON" "$module/misc/python/test/test_aqorb.py" -v
+
+# generated FILE TEXT...: that OpenCV's generators have made these.
+generated() {
+    local text
+    for text in "${@:2}"; do
+        grep -rqF -- "$text" "$opencv/modules/$1" || die "OpenCV's generator has not made: $text"
+        echo "$text"
+    done
+}
+
+say "Other wrappers"
+if [[ $release ]]; then
+    generated js_bindings_generator/gen/bindings.cpp 'function("aqorb_retainUniform"' \
+        '("aqorb_AdaptiveQuadtreeORB")' '("aqorb_HammingMatcher")'
+else
+    generated java_bindings_generator/gen/java 'class AdaptiveQuadtreeORB extends ORB' \
+        'class HammingMatcher extends BFMatcher' 'void retainUniform('
+    generated objc_bindings_generator '@interface AdaptiveQuadtreeORB : ORB' \
+        '@interface HammingMatcher : BFMatcher' '+ (HammingMatcher*)createHammingMatcher:(NormTypes)normType' \
+        '+ (void)retainUniform:'
+fi
+
+if [[ $java ]]; then
+    say "Java tests"
+    # OpenCV's test case warns of a picture that Debian's source does not have.
+    for test in "$module"/misc/java/test/*.java; do
+        OPENCV_LOG_LEVEL=ERROR "$JAVA_HOME/bin/java" -Djava.library.path="$opencv/lib" \
+            -cp "$opencv/java_test/build/classes:$(printf '%s:' "$opencv"/bin/*.jar "$opencv"/java_test/lib/*.jar)" \
+            junit.textui.TestRunner "org.opencv.test.aqorb.$(basename "$test" .java)"
+    done
+fi
 
 # OpenCV itself has been built. What was built of the copy is removed, so that it cannot be taken for the module of this
 # repository.
@@ -140,10 +184,7 @@ if [[ $release ]]; then
     exit
 fi
 
-say "Java wrapper"
-grep -r 'class AdaptiveQuadtreeORB extends ORB' "$opencv"/modules/java_bindings_generator/gen/java
-grep -r 'class HammingMatcher extends BFMatcher' "$opencv"/modules/java_bindings_generator/gen/java
-
+say "The module from this repository"
 configure_opencv "$ROOT/modules" || die "OpenCV's configuration failed; see $opencv.log"
 check_configuration "$ROOT/modules/aqorb"
 build "$opencv" --target opencv_aqorb >"$opencv.build.log" 2>&1 || die "see $opencv.build.log"

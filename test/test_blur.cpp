@@ -145,8 +145,8 @@ TEST(Aqorb_Blur, does_not_blur_reflected_pixels)
         const Mat image = makeNoise(Size(width, 30), width);
         Mat blurred, expected;
         approximateBlur(image, blurred);
-        copyMakeBorder(image, expected, BLUR_MARGIN, BLUR_MARGIN, BLUR_MARGIN, BLUR_MARGIN,
-                       BORDER_REFLECT_101);
+        cv::copyMakeBorder(image, expected, BLUR_MARGIN, BLUR_MARGIN, BLUR_MARGIN, BLUR_MARGIN,
+                           BORDER_REFLECT_101);
         expected.convertTo(expected, CV_16U, 256);
         blurred.copyTo(expected(Rect(Point(BLUR_MARGIN, BLUR_MARGIN), image.size())));
         EXPECT_TRUE(sameMat(withMargin(blurred), expected));

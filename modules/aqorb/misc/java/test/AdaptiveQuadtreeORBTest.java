@@ -1,0 +1,227 @@
+// This file is part of aqorb. Copyright (C) The aqorb developers.
+// It is subject to the license terms in the LICENSE file found in the top-level directory
+// of this distribution.
+// SPDX-License-Identifier: Apache-2.0
+package org.opencv.test.aqorb;
+
+import java.util.ArrayList;
+import java.util.Arrays;
+import java.util.List;
+import java.util.Random;
+
+import org.opencv.aqorb.AdaptiveQuadtreeORB;
+import org.opencv.aqorb.Aqorb;
+import org.opencv.core.Core;
+import org.opencv.core.CvException;
+import org.opencv.core.CvType;
+import org.opencv.core.KeyPoint;
+import org.opencv.core.Mat;
+import org.opencv.core.MatOfKeyPoint;
+import org.opencv.core.Scalar;
+import org.opencv.core.Size;
+import org.opencv.test.OpenCVTestCase;
+import org.opencv.test.OpenCVTestRunner;
+
+public class AdaptiveQuadtreeORBTest extends OpenCVTestCase {
+
+    private static final int ROWS = 240;
+    private static final int COLS = 320;
+
+    AdaptiveQuadtreeORB detector;
+    Mat image;
+
+    // A grey image full of corners: squares of random place, size and brightness.
+    static Mat squares() {
+        Mat squares = new Mat(ROWS, COLS, CvType.CV_8U, new Scalar(128));
+        Random random = new Random(1);
+        for (int i = 0; i < 600; i++) {
+            int side = 5 + random.nextInt(20);
+            int x = random.nextInt(COLS - side), y = random.nextInt(ROWS - side);
+            squares.submat(y, y + side, x, x + side).setTo(new Scalar(random.nextInt(256)));
+        }
+        return squares;
+    }
+
+    @Override
+    protected void setUp() throws Exception {
+        super.setUp();
+        detector = AdaptiveQuadtreeORB.create(200);
+        image = squares();
+    }
+
+    public void testCreate() {
+        assertNotNull(detector);
+        // Its name, because the package of ORB is another one in OpenCV 5.
+        assertEquals("ORB", detector.getClass().getSuperclass().getSimpleName());
+        assertEquals("Feature2D.AdaptiveQuadtreeORB", detector.getDefaultName());
+        assertEquals(200, detector.getMaxFeatures());
+        assertEquals(16, detector.getEdgeThreshold());
+        assertEquals(32, detector.descriptorSize());
+        assertEquals(Core.NORM_HAMMING, detector.defaultNorm());
+        assertFalse(detector.empty());
+    }
+
+    public void testCreateWithAllParameters() {
+        detector = AdaptiveQuadtreeORB.create(300, 1.5f, 4, 20, 1, 3, 1, 35, 15);
+        assertEquals(300, detector.getMaxFeatures());
+        assertEquals(1.5, detector.getScaleFactor());
+        assertEquals(4, detector.getNLevels());
+        assertEquals(20, detector.getEdgeThreshold());
+        assertEquals(1, detector.getFirstLevel());
+        assertEquals(3, detector.getWTA_K());
+        assertEquals(1, detector.getScoreType());
+        assertEquals(35, detector.getPatchSize());
+        assertEquals(15, detector.getFastThreshold());
+        assertEquals(Core.NORM_HAMMING2, detector.defaultNorm());
+    }
+
+    public void testDetectAndCompute() {
+        MatOfKeyPoint keypoints = new MatOfKeyPoint();
+        Mat descriptors = new Mat();
+        detector.detectAndCompute(image, new Mat(), keypoints, descriptors);
+        assertEquals(200, keypoints.toArray().length);
+        assertEquals(new Size(32, 200), descriptors.size());
+        assertEquals(CvType.CV_8U, descriptors.type());
+
+        MatOfKeyPoint detected = new MatOfKeyPoint();
+        Mat computed = new Mat();
+        detector.detect(image, detected);
+        assertListKeyPointEquals(keypoints.toList(), detected.toList(), EPS);
+        detector.compute(image, detected, computed);
+        assertMatEqual(descriptors, computed);
+    }
+
+    public void testDetectWithMask() {
+        Mat mask = new Mat(ROWS, COLS, CvType.CV_8U, new Scalar(0));
+        mask.submat(0, ROWS, 0, COLS / 2).setTo(new Scalar(1));
+        MatOfKeyPoint keypoints = new MatOfKeyPoint();
+        detector.detect(image, keypoints, mask);
+        assertFalse(keypoints.empty());
+        for (KeyPoint keypoint : keypoints.toArray())
+            assertTrue(keypoint.pt.x < COLS / 2);
+    }
+
+    public void testDetectListOfImages() {
+        List<MatOfKeyPoint> keypoints = new ArrayList<MatOfKeyPoint>();
+        detector.detect(Arrays.asList(image, image), keypoints);
+        MatOfKeyPoint expected = new MatOfKeyPoint();
+        detector.detect(image, expected);
+        assertEquals(2, keypoints.size());
+        for (MatOfKeyPoint found : keypoints)
+            assertListKeyPointEquals(expected.toList(), found.toList(), EPS);
+    }
+
+    public void testDetectAndComputeBatch() {
+        Mat flat = new Mat(100, 100, CvType.CV_8U, new Scalar(128));
+        List<MatOfKeyPoint> keypoints = new ArrayList<MatOfKeyPoint>();
+        List<Mat> descriptors = new ArrayList<Mat>();
+        detector.detectAndComputeBatch(Arrays.asList(image, flat, image), new ArrayList<Mat>(), keypoints, descriptors);
+        Mat expected = new Mat();
+        detector.detectAndCompute(image, new Mat(), new MatOfKeyPoint(), expected);
+        assertEquals(3, keypoints.size());
+        assertEquals(3, descriptors.size());
+        assertEquals(0, keypoints.get(1).toArray().length);
+        assertTrue(descriptors.get(1).empty());
+        for (int i = 0; i < 3; i += 2) {
+            assertEquals(200, keypoints.get(i).toArray().length);
+            assertMatEqual(expected, descriptors.get(i));
+        }
+    }
+
+    public void testBuildPyramid() {
+        List<Mat> levels = new ArrayList<Mat>();
+        detector.buildPyramid(image, levels);
+        assertEquals(8, levels.size());
+        assertMatEqual(image, levels.get(0));
+        assertEquals(new Size(Math.round(COLS / 1.2), Math.round(ROWS / 1.2)), levels.get(1).size());
+    }
+
+    public void testProperties() {
+        assertEquals(0.05, detector.getStrengthWeight());
+        assertEquals(-1.0, detector.getOctaveSuppression());
+        assertEquals(2.25, detector.getRankRadius());
+        assertEquals(4.0, detector.getMinThresholdRatio());
+        assertEquals(35, detector.getCellSize());
+        assertEquals(-1, detector.getMaxDepth());
+        assertTrue(detector.getSubPixel());
+        assertTrue(detector.getAdaptiveThreshold());
+        assertEquals(AdaptiveQuadtreeORB.RANKED_SELECTION, detector.getSelectionType());
+        detector.setStrengthWeight(4);
+        detector.setSubPixel(false);
+        detector.setSelectionType(AdaptiveQuadtreeORB.BALANCED_SELECTION);
+        assertEquals(4.0, detector.getStrengthWeight());
+        assertFalse(detector.getSubPixel());
+        assertEquals(AdaptiveQuadtreeORB.BALANCED_SELECTION, detector.getSelectionType());
+    }
+
+    public void testErrors() {
+        try {
+            detector.setCellSize(1);
+            fail("no exception");
+        } catch (CvException exception) {
+            assertTrue(exception.getMessage().contains("cellSize must be "));
+        }
+        assertEquals(35, detector.getCellSize());
+        try {
+            detector.detect(new Mat(ROWS, COLS, CvType.CV_32F), new MatOfKeyPoint());
+            fail("no exception");
+        } catch (CvException exception) {
+            assertTrue(exception.getMessage().contains("image"));
+        }
+    }
+
+    public void testWriteAndRead() {
+        String filename = OpenCVTestRunner.getTempFileName("yml");
+        detector.setCellSize(40);
+        detector.write(filename);
+        AdaptiveQuadtreeORB other = AdaptiveQuadtreeORB.create();
+        other.read(filename);
+        assertEquals(200, other.getMaxFeatures());
+        assertEquals(40, other.getCellSize());
+        new java.io.File(filename).delete();
+    }
+
+    public void testDistribution() {
+        List<KeyPoint> even = new ArrayList<KeyPoint>(), left = new ArrayList<KeyPoint>();
+        for (int y = 5; y < 120; y += 10)
+            for (int x = 5; x < 160; x += 10) {
+                KeyPoint keypoint = new KeyPoint(x, y, 1);
+                even.add(keypoint);
+                if (x < 80)
+                    left.add(keypoint);
+            }
+        MatOfKeyPoint evenMat = new MatOfKeyPoint(), leftMat = new MatOfKeyPoint();
+        evenMat.fromList(even);
+        leftMat.fromList(left);
+        Size size = new Size(160, 120);
+        assertTrue(Aqorb.distributionUniformity(evenMat, size) < Aqorb.distributionUniformity(leftMat, size));
+        assertEquals(1.0, Aqorb.distributionOccupancy(evenMat, size));
+        assertEquals(0.5, Aqorb.distributionOccupancy(leftMat, size));
+        assertEquals(1.0, Aqorb.distributionOccupancy(leftMat, size, new Size(1, 1)));
+    }
+
+    // A strong cluster and three weak points elsewhere: every corner of the image is kept.
+    public void testRetainUniform() {
+        List<KeyPoint> all = new ArrayList<KeyPoint>();
+        for (int i = 0; i < 20; i++)
+            all.add(new KeyPoint(10 + i, 10, 1, -1, 100));
+        all.add(new KeyPoint(90, 10, 1, -1, 1));
+        all.add(new KeyPoint(10, 90, 1, -1, 1));
+        all.add(new KeyPoint(90, 90, 1, -1, 1));
+        MatOfKeyPoint keypoints = new MatOfKeyPoint();
+        keypoints.fromList(all);
+        Aqorb.retainUniform(keypoints, new Size(100, 100), 4);
+        List<KeyPoint> kept = keypoints.toList();
+        assertEquals(4, kept.size());
+        assertListKeyPointEquals(all.subList(20, 23), kept.subList(1, 4), EPS);
+    }
+
+    public void testAdaptiveFastThreshold() {
+        Mat halves = new Mat(10, 10, CvType.CV_8U, new Scalar(90));
+        halves.submat(0, 10, 5, 10).setTo(new Scalar(110));
+        assertEquals(1.0, Aqorb.adaptiveFastThreshold(halves), EPS);  // variance over mean
+        Mat mask = new Mat(10, 10, CvType.CV_8U, new Scalar(0));
+        mask.submat(0, 10, 0, 5).setTo(new Scalar(255));
+        assertEquals(0.0, Aqorb.adaptiveFastThreshold(halves, mask), EPS);
+    }
+}

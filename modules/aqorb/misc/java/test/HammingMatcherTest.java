@@ -1,0 +1,162 @@
+// This file is part of aqorb. Copyright (C) The aqorb developers.
+// It is subject to the license terms in the LICENSE file found in the top-level directory
+// of this distribution.
+// SPDX-License-Identifier: Apache-2.0
+package org.opencv.test.aqorb;
+
+import java.util.ArrayList;
+import java.util.Arrays;
+import java.util.List;
+import java.util.Random;
+
+import org.opencv.aqorb.Aqorb;
+import org.opencv.aqorb.HammingMatcher;
+import org.opencv.core.Core;
+import org.opencv.core.CvException;
+import org.opencv.core.CvType;
+import org.opencv.core.DMatch;
+import org.opencv.core.KeyPoint;
+import org.opencv.core.Mat;
+import org.opencv.core.MatOfDMatch;
+import org.opencv.core.MatOfKeyPoint;
+import org.opencv.core.MatOfPoint2f;
+import org.opencv.core.Point;
+import org.opencv.core.Size;
+import org.opencv.test.OpenCVTestCase;
+
+public class HammingMatcherTest extends OpenCVTestCase {
+
+    private static final int WIDTH = 32;  // bytes of a descriptor
+
+    HammingMatcher matcher;
+    Mat query, train;
+
+    @Override
+    protected void setUp() throws Exception {
+        super.setUp();
+        matcher = HammingMatcher.create(Core.NORM_HAMMING, true);
+        byte[] bytes = new byte[150 * WIDTH];
+        new Random(1).nextBytes(bytes);
+        Mat descriptors = new Mat(150, WIDTH, CvType.CV_8U);
+        descriptors.put(0, 0, bytes);
+        query = descriptors.rowRange(0, 100);
+        train = descriptors.rowRange(50, 150);  // query row 50 + i is train row i
+    }
+
+    private int distance(int queryIdx, int trainIdx) {
+        return (int) Core.norm(query.row(queryIdx), train.row(trainIdx), Core.NORM_HAMMING);
+    }
+
+    // The trainIdx of the least distance, the lower of equal ones.
+    private int nearest(int queryIdx) {
+        int best = 0;
+        for (int i = 1; i < train.rows(); i++)
+            if (distance(queryIdx, i) < distance(queryIdx, best))
+                best = i;
+        return best;
+    }
+
+    public void testCreate() {
+        assertNotNull(matcher);
+        assertEquals("BFMatcher", matcher.getClass().getSuperclass().getSimpleName());
+        assertNotNull(new HammingMatcher(Core.NORM_HAMMING2));
+        assertNotNull(HammingMatcher.create());
+        try {
+            HammingMatcher.create(Core.NORM_L2);
+            fail("no exception");
+        } catch (CvException exception) {
+            assertTrue(exception.getMessage().contains("normType"));
+        }
+    }
+
+    public void testMatch() {
+        matcher = HammingMatcher.create();
+        MatOfDMatch matches = new MatOfDMatch();
+        matcher.match(query, train, matches);
+        List<DMatch> list = matches.toList();
+        assertEquals(100, list.size());
+        for (int i = 0; i < 100; i++) {
+            assertEquals(i, list.get(i).queryIdx);
+            assertEquals(nearest(i), list.get(i).trainIdx);
+            assertEquals(distance(i, nearest(i)), (int) list.get(i).distance);
+        }
+    }
+
+    public void testMatchWithCrossCheck() {
+        MatOfDMatch matches = new MatOfDMatch();
+        matcher.match(query, train, matches);
+        int same = 0;
+        for (DMatch match : matches.toList())
+            if (match.queryIdx == match.trainIdx + 50 && match.distance == 0)
+                same++;
+        assertEquals(50, same);
+        assertTrue(matches.toList().size() < 100);
+    }
+
+    public void testKnnMatch() {
+        List<MatOfDMatch> matches = new ArrayList<MatOfDMatch>();
+        HammingMatcher.create().knnMatch(query, train, matches, 2);
+        assertEquals(100, matches.size());
+        for (int i = 0; i < 100; i++) {
+            DMatch[] pair = matches.get(i).toArray();
+            assertEquals(2, pair.length);
+            assertEquals(nearest(i), pair[0].trainIdx);
+            assertTrue(pair[0].distance <= pair[1].distance);
+        }
+    }
+
+    public void testTrainedMatcherAndItsClone() {
+        matcher.add(Arrays.asList(train));
+        assertTrue(matcher.isMaskSupported());
+        assertEquals(1, matcher.getTrainDescriptors().size());
+        assertTrue(matcher.clone(true).empty());
+        MatOfDMatch matches = new MatOfDMatch(), expected = new MatOfDMatch();
+        matcher.clone().match(query, matches);
+        matcher.match(query, train, expected);
+        assertListDMatchEquals(expected.toList(), matches.toList(), EPS);
+    }
+
+    public void testMatchArrays() {
+        MatOfDMatch expected = new MatOfDMatch();
+        matcher.match(query, train, expected);
+        Mat pairs = new Mat(), distances = new Mat();
+        Aqorb.matchArrays(query, train, pairs, distances);
+        DMatch[] matches = expected.toArray();
+        assertEquals(matches.length, pairs.rows());
+        for (int i = 0; i < matches.length; i++) {
+            assertEquals(matches[i].queryIdx, (int) pairs.get(i, 0)[0]);
+            assertEquals(matches[i].trainIdx, (int) pairs.get(i, 1)[0]);
+            assertEquals((int) matches[i].distance, (int) distances.get(i, 0)[0]);
+        }
+    }
+
+    public void testKnnMatchArrays() {
+        Mat indices = new Mat(), distances = new Mat();
+        Aqorb.knnMatchArrays(query, train, indices, distances, 3);
+        assertEquals(new Size(3, 100), indices.size());
+        assertEquals(new Size(3, 100), distances.size());
+        for (int i = 0; i < 100; i++)
+            assertEquals(nearest(i), (int) indices.get(i, 0)[0]);
+    }
+
+    public void testMatchByPosition() {
+        List<Point> predicted = new ArrayList<Point>();
+        List<KeyPoint> keypoints = new ArrayList<KeyPoint>();
+        for (int i = 0; i < 100; i++) {
+            predicted.add(new Point(10 * (i - 50) + 1, 5));
+            keypoints.add(new KeyPoint(10 * i, 5, 1));
+        }
+        MatOfPoint2f positions = new MatOfPoint2f();
+        positions.fromList(predicted);
+        MatOfKeyPoint trainKeypoints = new MatOfKeyPoint();
+        trainKeypoints.fromList(keypoints);
+        Mat pairs = new Mat(), distances = new Mat();
+        Aqorb.matchByPosition(query, positions, train, trainKeypoints, new Size(2, 2), pairs, distances);
+        assertEquals(50, pairs.rows());
+        for (int i = 0; i < 50; i++) {
+            assertEquals(50 + i, (int) pairs.get(i, 0)[0]);
+            assertEquals(i, (int) pairs.get(i, 1)[0]);
+            assertEquals(0, (int) distances.get(i, 0)[0]);
+        }
+    }
+}
