@@ -22,7 +22,7 @@ ROW = '- **aqorb**: Uniformly distributed ORB features -- An ORB detector whose 
 
 # What the standalone build, the Python package and the project's tests of its samples need.
 LEFT_OUT = ['*/CMakeLists.txt', 'test/exports.cmake', 'src/exports.*', 'tutorials/aqorb_many_images',
-            'samples/many_images.py', 'samples/collection', 'samples/colmap', 'samples/notebook', 'samples/test']
+            'samples/collection', 'samples/colmap', 'samples/notebook', 'samples/test']
 
 # For every file: a regular expression, and what takes its place.
 EVERYWHERE = [
