@@ -12,6 +12,7 @@
 #include <opencv2/imgcodecs.hpp>
 #include <opencv2/imgproc.hpp>
 
+#include <cstdlib>
 #include <functional>
 #include <iostream>
 #include <set>
@@ -33,7 +34,10 @@ const Scalar YELLOW(0, 255, 255), RED(60, 60, 255);
 void writePicture(const String& path, const Mat& picture)
 {
     if (!imwrite(path, picture, {IMWRITE_JPEG_QUALITY, 80}))
-        CV_Error(Error::StsError, path + ": cannot be written; an existing folder is accepted");
+    {
+        std::cerr << path << ": cannot be written; does its folder exist?\n";
+        std::exit(1);
+    }
 }
 
 // One setting of a parameter, and its part of the picture.

@@ -75,5 +75,8 @@ int main(int argc, char** argv)
         circle(pictures[masked], centre, inner, Scalar(0, 255, 0), 1, LINE_AA);
     }
     hconcat(pictures[0], pictures[1], pictures[0]);
-    return !imwrite(out, pictures[0]);
+    if (!imwrite(out, pictures[0]))
+        return 1;
+    std::cout << "Picture: " << out << '\n';
+    return 0;
 }

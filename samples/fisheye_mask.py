@@ -49,7 +49,9 @@ def main():
         print('{} mask: {} keypoints, {} not inside the circle'.format(name, len(keypoints), outside))
         picture = cv.drawKeypoints(image, keypoints, None, (0, 255, 255))
         pictures.append(cv.circle(picture, (x, y), inner, (0, 255, 0), 1, cv.LINE_AA))
-    sys.exit(not cv.imwrite(arguments.out, cv.hconcat(pictures)))
+    if not cv.imwrite(arguments.out, cv.hconcat(pictures)):
+        sys.exit(1)
+    print('Picture:', arguments.out)
 
 
 if __name__ == '__main__':

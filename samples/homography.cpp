@@ -87,5 +87,8 @@ int main(int argc, char** argv)
     drawMatches(image1, keypoints1, image2, keypoints2, matches, picture, Scalar(0, 255, 255),
                 Scalar(0, 255, 255), isInlier, DrawMatchesFlags::NOT_DRAW_SINGLE_POINTS);
     polylines(picture, outline, true, Scalar(0, 255, 0), 2, LINE_AA);
-    return !imwrite(out, picture);
+    if (!imwrite(out, picture))
+        return 1;
+    std::cout << "Picture: " << out << '\n';
+    return 0;
 }

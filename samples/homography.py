@@ -56,7 +56,9 @@ def main():
     picture = cv.drawMatches(image1, keypoints1, image2, keypoints2, matches, None, (0, 255, 255), (0, 255, 255),
                              inliers.ravel().tolist(), cv.DrawMatchesFlags_NOT_DRAW_SINGLE_POINTS)
     cv.polylines(picture, [np.int32(np.round(outline))], True, (0, 255, 0), 2, cv.LINE_AA)
-    sys.exit(not cv.imwrite(arguments.out, picture))
+    if not cv.imwrite(arguments.out, picture):
+        sys.exit(1)
+    print('Picture:', arguments.out)
 
 
 if __name__ == '__main__':

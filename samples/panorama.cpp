@@ -66,5 +66,8 @@ int main(int argc, char** argv)
     }
     std::cout << stitcher->component().size() << " of " << images.size() << " images stitched, "
               << panorama.cols << "x" << panorama.rows << std::endl;
-    return !imwrite(out, panorama);
+    if (!imwrite(out, panorama))
+        return 1;
+    std::cout << "Picture: " << out << '\n';
+    return 0;
 }

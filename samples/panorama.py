@@ -96,7 +96,9 @@ def main():
     except cv.error:  # an assertion, for example where hardly anything matches
         sys.exit('the cameras could not be estimated')
     print('{} of {} images stitched, {}x{}'.format(len(images), len(images), *panorama.shape[1::-1]))
-    sys.exit(not cv.imwrite(arguments.out, panorama))
+    if not cv.imwrite(arguments.out, panorama):
+        sys.exit(1)
+    print('Picture:', arguments.out)
 
 
 if __name__ == '__main__':

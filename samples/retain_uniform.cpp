@@ -68,5 +68,8 @@ int main(int argc, char** argv)
         hconcat(left, right, rows[i]);
     }
     vconcat(rows[0], rows[1], rows[0]);
-    return !imwrite(out, rows[0]);
+    if (!imwrite(out, rows[0]))
+        return 1;
+    std::cout << "Picture: " << out << '\n';
+    return 0;
 }

@@ -43,7 +43,9 @@ def main():
         uniform = aqorb.retainUniform(keypoints, image.shape[1::-1], arguments.npoints)
         rows.append(cv.hconcat([drawn(image, best, name + ', retainBest'),
                                 drawn(image, uniform, name + ', retainUniform')]))
-    sys.exit(not cv.imwrite(arguments.out, cv.vconcat(rows)))
+    if not cv.imwrite(arguments.out, cv.vconcat(rows)):
+        sys.exit(1)
+    print('Picture:', arguments.out)
 
 
 if __name__ == '__main__':

@@ -274,5 +274,8 @@ int main(int argc, char** argv)
         }
     }
     printTable(odometries, sequence);
-    return !imwrite(out, drawAll(odometries, sequence, left));
+    if (!imwrite(out, drawAll(odometries, sequence, left)))
+        return 1;
+    std::cout << "Picture: " << out << '\n';
+    return 0;
 }

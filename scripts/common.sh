@@ -208,6 +208,7 @@ run_tests() {
     rm -f "$results"
     (cd "$ROOT" && ctest --preset "$preset" --parallel "$JOBS" --output-junit "$results" "${@:2}") || status=$?
     [[ $status == 0 || -e $results ]] || return $status
+    [[ ${OPENCV_TEST_DATA_PATH:-} ]] || echo "OPENCV_TEST_DATA_PATH is not set, so tests on photographs are skipped"
     counts "$preset"
     return $status
 }

@@ -16,7 +16,7 @@ import warnings
 
 import aqorb
 
-NEEDS = 'the command needs packages that are not installed with aqorb: pip install "aqorb[cli]"'
+NEEDS = 'the command needs packages that are not installed with aqorb: pip install pillow pyarrow pycolmap tqdm'
 
 
 def main(arguments=None):
@@ -81,7 +81,10 @@ def main(arguments=None):
         sys.exit(130)
     except ImportError as error:
         sys.exit(f'aqorb: {error}; {NEEDS}')
-    except (OSError, ValueError) as error:
+    except OSError as error:
+        has_path = isinstance(error.filename, (bytes, str))
+        sys.exit(f'aqorb: {os.fsdecode(error.filename)}: {error.strerror}' if has_path else f'aqorb: {error}')
+    except ValueError as error:
         sys.exit(f'aqorb: {error}')
 
 
