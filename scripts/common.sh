@@ -230,7 +230,7 @@ codename() { sed -n 's/^VERSION_CODENAME=//p' /etc/os-release; }
 # The mirror that this system has its packages from.
 mirror() {
     apt-get indextargets --format '$(REPO_URI)' 'Identifier: Packages' 'Origin: Debian' "Codename: $(codename)" |
-        head -n 1
+        sed 's#/*$##; q'
 }
 
 # environment FOLDER PACKAGE...: a clean virtual environment of Debian's Python with these packages. Tools have the
