@@ -155,36 +155,49 @@ forget_moved() {
     fi
 }
 
+# own_apt FOLDER ARCHITECTURE LINE...: sets OWN_APT to options of apt-get. With them it has folders of its own, in FOLDER,
+# and these lines as its sources: the system's configuration and its architectures stay as they are.
+own_apt() {
+    mkdir -p "$1"/{parts,lists/partial,apt/archives/partial}
+    printf '%s\n' "${@:3}" >"$1/parts/own.list"
+    touch "$1/status"
+    OWN_APT=(-o APT::Architecture="$2" -o APT::Architectures="$2" -o APT::Sandbox::User="$(id -un)"
+        -o Dir::Etc::SourceList=/dev/null -o Dir::Etc::SourceParts="$1/parts"
+        -o Dir::State::Status="$1/status" -o Dir::State::Lists="$1/lists" -o Dir::Cache="$1/apt")
+}
+
 # sysroot ARCHITECTURE: sets SYSROOT to a folder with Debian's packages of OpenCV and GoogleTest for an architecture, by
 # Debian's name of it, unpacked; fetched once. They are those of this Debian, or of Debian 13, the first that has
-# riscv64. The system's architectures stay as they are: apt gets folders and a source list of our own.
+# riscv64.
 sysroot() {
     local folder=$CACHE/$1 release triplet
     SYSROOT=$folder/root
     [[ ! -e $folder/complete ]] || return 0
     rm -rf "$folder"
-    mkdir -p "$folder"/{parts,lists/partial,apt/archives/partial,root/usr/{bin,lib,sbin}}
+    mkdir -p "$folder"/root/usr/{bin,lib,sbin}
     release=$(codename)
     [[ $1 != riscv64 || $release != bookworm ]] || release=trixie
-    echo "deb [arch=$1] $(mirror) $release main" >"$folder/parts/$1.list"
-    touch "$folder/status"
-    local apt=(apt-get -qq
-        -o APT::Architecture="$1" -o APT::Architectures="$1" -o APT::Sandbox::User="$(id -un)"
-        -o Dir::Etc::SourceList=/dev/null -o Dir::Etc::SourceParts="$folder/parts"
-        -o Dir::State::Status="$folder/status" -o Dir::State::Lists="$folder/lists" -o Dir::Cache="$folder/apt")
-    "${apt[@]}" update
-    "${apt[@]}" install -y --no-install-recommends --download-only libgtest-dev libopencv-dev libstdc++-12-dev
+    own_apt "$folder" "$1" "deb [arch=$1] $(mirror) $release main"
+    apt-get -qq "${OWN_APT[@]}" update
+    apt-get -qq "${OWN_APT[@]}" install -y --no-install-recommends --download-only \
+        libgtest-dev libopencv-dev libstdc++-12-dev
 
-    local directory package
+    local directory
     for directory in bin lib sbin; do ln -s "usr/$directory" "$SYSROOT/$directory"; done
-    for package in "$folder"/apt/archives/*.deb; do
-        dpkg-deb --fsys-tarfile "$package" | tar -x -C "$SYSROOT" --keep-directory-symlink --no-same-owner
-    done
+    unpack "$SYSROOT" "$folder"/apt/archives/*.deb
     # What update-alternatives would choose.
     triplet=$(dpkg-architecture -f -a "$1" -q DEB_HOST_MULTIARCH)
     ln -s blas/libblas.so.3 lapack/liblapack.so.3 "$SYSROOT/usr/lib/$triplet/"
     rm -r "$folder"/{apt,lists,parts,status}
     touch "$folder/complete"
+}
+
+# unpack FOLDER FILE...: unpacks Debian packages into a folder, without installing them.
+unpack() {
+    local package
+    for package in "${@:2}"; do
+        dpkg-deb --fsys-tarfile "$package" | tar -x -C "$1" --keep-directory-symlink --no-same-owner
+    done
 }
 
 # configure PRESET [OPTION...]: by CMakePresets.json; the name may be that of its folder, build/PRESET.
@@ -254,32 +267,49 @@ command_environment() {
     PYTHON=$folder/bin/python
 }
 
-# opencv_source: sets OPENCV_SOURCE to OpenCV's source as Debian packages it; fetched once. The system's apt
-# configuration stays as it is: apt gets a source list and folders of our own.
+# opencv_source: sets OPENCV_SOURCE to OpenCV's source as Debian packages it; fetched once.
 opencv_source() {
-    local folder=$CACHE/opencv-source
+    local folder=$CACHE/opencv-source sources
     if [[ ! -e $folder/complete ]]; then
         need dpkg-dev
         say "Fetching OpenCV's source package"
         rm -rf "$folder"
-        mkdir -p "$folder"/{parts,lists/partial,apt/archives/partial}
-        apt-get indextargets --format 'deb-src $(REPO_URI) $(RELEASE) $(COMPONENT)' \
-            'Identifier: Packages' 'Origin: Debian' | sort -u >"$folder/parts/src.list"
-        local apt=("${APT[@]}" "$folder/log"
-            -o Dir::Etc::SourceList=/dev/null -o Dir::Etc::SourceParts="$folder/parts"
-            -o Dir::State::Lists="$folder/lists" -o Dir::Cache="$folder/apt" -o APT::Sandbox::User="$(id -un)")
+        sources=$(apt-get indextargets --format 'deb-src $(REPO_URI) $(RELEASE) $(COMPONENT)' \
+            'Identifier: Packages' 'Origin: Debian' | sort -u)
+        own_apt "$folder" "$(dpkg --print-architecture)" "$sources"
+        local apt=("${APT[@]}" "$folder/log" "${OWN_APT[@]}")
         if ! { "${apt[@]}" update | progress &&
-            apt-get "${apt[@]:${#APT[@]}+1}" --print-uris source opencv 2>/dev/null |
+            apt-get "${OWN_APT[@]}" --print-uris source opencv 2>/dev/null |
             awk '/^'\''/ { bytes += $3 } END { printf "%.0f MB to fetch\n", bytes / 1e6 }' &&
             cd "$folder" && "${apt[@]}" source opencv | progress; }; then
             { grep -E '^(E|W|Err)' "$folder/log" || true; } | tail -n 5 >&2
             die "could not fetch OpenCV's source package (see $folder/log); is there a network?"
         fi
-        rm -rf "$folder"/{parts,lists,apt} "$folder"/*.tar.* "$folder"/*.dsc
+        rm -rf "$folder"/{parts,lists,apt,status} "$folder"/*.tar.* "$folder"/*.dsc
         touch "$folder/complete"
     fi
     OPENCV_SOURCE=$(echo "$folder"/opencv-*/)
     OPENCV_SOURCE=${OPENCV_SOURCE%/}
+}
+
+# free_threaded_python: sets FREE_THREADED to a CPython 3.14 without its global lock (GIL), of which Debian has no package:
+# it is built of Debian's source of python3.14, once.
+free_threaded_python() {
+    local version=3.14.7 hash=3b48dac8fb59f62eaa67ac83c1eb12bda1b7a08406dd286e252c11a66be27f81
+    local home=$CACHE/python$version-free-threaded folder=$BUILD/python$version archive=python3.14_$version.orig.tar.xz
+    FREE_THREADED=$home/bin/python3.14t
+    [[ ! -x $FREE_THREADED ]] || return 0
+    need build curl libbz2-dev libffi-dev liblzma-dev libssl-dev xz-utils zlib1g-dev
+    say "CPython $version without the GIL"
+    rm -rf "$folder"
+    mkdir -p "$folder"
+    curl -fsSL -o "$folder/$archive" "$(mirror)/pool/main/p/python3.14/$archive" ||
+        die "the mirror has no $archive; another version may be there"
+    echo "$hash  $folder/$archive" | sha256sum --check --quiet
+    tar -xJ -C "$folder" --strip-components=1 -f "$folder/$archive"
+    (cd "$folder" && ./configure -q --disable-gil --prefix="$home" && make -s -j "$JOBS" && make -s install) \
+        >"$folder.log" 2>&1 || die "see $folder.log"
+    rm -rf "$folder"
 }
 
 # opencv_release 4|5: sets OPENCV_SOURCE to the source of OPENCV_4 or OPENCV_5, which is in the source distribution of

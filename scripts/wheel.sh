@@ -1,16 +1,16 @@
 #!/usr/bin/env bash
 # Builds the source distribution and the wheels of the Python package in build/wheels, and checks them.
 #
-#   scripts/wheel.sh [--test | --matrix]
+#   scripts/wheel.sh [--test]
 #   scripts/wheel.sh --here | --sdist
 #
 # The wheels are built on a Debian 11 in a folder of its own, with its compiler and its C library, so that they work on
-# newer systems, too. There is one for each CPython of Debian 11, 12 and 13. This needs root.
+# newer systems, too. There is one for each CPython of Debian 11, 12, 13 and unstable, for x86-64 and, cross-compiled, for
+# ARM64; and one for CPython 3.14 without the GIL. This needs root.
 #
 # With --test each wheel is installed on the Debian whose CPython it is for, in a virtual environment of its own, without
-# cv2 and beside each of pip's opencv-python 4 and 5. Beside cv2 it passes the tests of the package. The results are left
-# as a table in build/wheels/table.md. With --matrix that is done for every combination of CPython, cv2 and NumPy that has wheels, and
-# the table in doc/compatibility.md is written anew.
+# cv2 and beside versions of cv2 from pip. Beside cv2 it passes the tests of the package. ARM64 is emulated, which takes
+# half an hour. The table in doc/compatibility.md is written anew.
 #
 # With --here there is one wheel, for Debian's python3 of this system. It is installed in an environment without cv2,
 # then beside opencv-python, and passes the tests. mypy and pyright check a program of arrays, without cv2. This needs no
@@ -26,26 +26,33 @@ OPENCV_4_OLD=4.8.1.78
 NUMPY_1=1.26.4
 MAX_SIZE=6000000
 
-declare -A RELEASE=([3.9]=bullseye [3.11]=bookworm [3.13]=trixie)
-declare -A DEBIAN=([3.9]=11 [3.11]=12 [3.13]=13)
-VERSIONS=(3.9 3.11 3.13)
+VERSIONS=(3.9 3.11 3.13 3.14 3.15)
+declare -A RELEASE=([3.9]=bullseye [3.11]=bookworm [3.13]=trixie [3.14]=sid [3.14t]=sid [3.15]=sid)
+declare -A DEBIAN=([bullseye]=11 [bookworm]=12 [trixie]=13 [sid]=unstable)
+# What a wheel's tests need, beside Python.
+declare -A LIBRARIES=([bullseye]='python3-venv libglib2.0-0' [bookworm]='python3-venv libglib2.0-0'
+    [trixie]='python3-venv libglib2.0-0t64' [sid]='python3-venv python3.15-venv libglib2.0-0t64')
+declare -A ARCHITECTURE=([x86_64]=amd64 [aarch64]=arm64)
 
 mode=${1:-}
-[[ $mode =~ ^(|--test|--matrix|--here|--sdist)$ ]] || die "unknown option $mode; --help says what there is"
+[[ $mode =~ ^(|--test|--here|--sdist)$ ]] || die "unknown option $mode; --help says what there is"
 
-# debian VERSION: sets SYSTEM to the folder of the Debian whose CPython this is, with what the wheels need; made once.
+# debian RELEASE MACHINE: sets SYSTEM to a folder with that Debian; made once. Packages for another machine are unpacked,
+# as to configure them under an emulator takes minutes, and Python does without.
 debian() {
-    local packages='build-essential ca-certificates ccache cmake ninja-build python3-dev python3-venv
-        libgl1 libglib2.0-0 locales'
-    SYSTEM=$CACHE/wheel-debian${DEBIAN[$1]}
+    local packages="ca-certificates libgl1 locales ${LIBRARIES[$1]}" options=(--variant=minbase)
+    SYSTEM=$CACHE/wheel-$1-$2
     [[ ! -e $SYSTEM.complete ]] || return 0
-    say "A Debian ${DEBIAN[$1]}"
+    say "A Debian ${DEBIAN[$1]} for $2"
     as_root rm -rf "$SYSTEM"
     mkdir -p "$CACHE"
-    [[ $1 != 3.13 ]] || packages=${packages/libglib2.0-0/libglib2.0-0t64}
+    [[ $1 != bullseye || $2 != x86_64 ]] ||
+        packages+=' build-essential ccache cmake g++-aarch64-linux-gnu ninja-build python3-dev'
+    [[ $2 == "$(uname -m)" ]] || options+=(--foreign)
     # shellcheck disable=SC2086 # a list
-    as_root debootstrap --variant=minbase --include="$(echo $packages | tr ' ' ,)" "${RELEASE[$1]}" "$SYSTEM" \
-        "$(mirror)" >"$SYSTEM.log" || die "see $SYSTEM.log"
+    as_root debootstrap "${options[@]}" --arch "${ARCHITECTURE[$2]}" --include="$(echo $packages | tr ' ' ,)" "$1" \
+        "$SYSTEM" "$(mirror)" >"$SYSTEM.log" || die "see $SYSTEM.log"
+    [[ $2 == "$(uname -m)" ]] || unpack "$SYSTEM" "$SYSTEM"/var/cache/apt/archives/*.deb
     as_root rm -rf "$SYSTEM"/var/cache/apt/archives/*.deb
     touch "$SYSTEM.complete"
 }
@@ -61,7 +68,7 @@ inside() {
         mount -t proc proc "$system/proc"
         mount -t tmpfs tmpfs "$system/dev/shm"
         mount --bind "$root" "$system/aqorb"
-        for file in /etc/resolv.conf /etc/hosts /etc/ssl/certs/ca-certificates.crt; do
+        for file in /etc/passwd /etc/resolv.conf /etc/hosts /etc/ssl/certs/ca-certificates.crt; do
             [ ! -e "$file" ] || { [ -e "$system$file" ] || : >"$system$file"; mount --bind "$file" "$system$file"; }
         done
         unset OPENCV_TEST_DATA_PATH
@@ -70,32 +77,50 @@ inside() {
         exec chroot "$system" "$@"' sh "$SYSTEM" "$ROOT" "$@"
 }
 
-# headers VERSION: fetches the headers of a newer Debian's CPython into build/wheels/headers/VERSION.
-headers() {
-    local folder=$WHEELS/headers/$1
-    [[ ! -e $folder/usr ]] || return 0
-    mkdir -p "$folder"
-    debian "$1"
-    inside sh -ec "cd /aqorb/build/wheels/headers/$1 && { apt-get -qq update || true; } &&
-        apt-get -qq -o APT::Sandbox::User=root download libpython$1-dev && dpkg-deb -x ./*.deb . && rm ./*.deb"
+# names VERSION MACHINE: sets TAG to the end of the wheel's name, SUFFIX to that of the extension module's, and
+# INTERPRETER to its CPython inside the Debian.
+names() {
+    local digits=${1/./}
+    TAG=cp${digits%t}-cp$digits-linux_$2
+    SUFFIX=.cpython-$digits-$2-linux-gnu.so
+    INTERPRETER=python$1
+    [[ $1 != *t ]] || INTERPRETER=${FREE_THREADED/"$ROOT"/\/aqorb}
 }
 
-# build_wheel VERSION: on Debian 11. Its own CPython runs the build; the others differ by headers and names only.
-build_wheel() {
-    local tag=cp${1/./} options=()
-    if [[ $1 != "${VERSIONS[0]}" ]]; then
-        headers "$1"
-        local include=/aqorb/build/wheels/headers/$1/usr/include
-        options=(-C "wheel.tags=$tag-$tag-linux_$(uname -m)"
-            -C "cmake.define.AQORB_PYTHON_HEADERS=$include/python$1;$include"
-            -C "cmake.define.AQORB_PYTHON_SUFFIX=.cpython-${1/./}-$(uname -m)-linux-gnu.so")
+# headers VERSION MACHINE: sets HEADERS to the folders of a CPython's headers, fetched once, as the build inside Debian 11
+# sees them.
+headers() {
+    local folder=$WHEELS/headers/$1-$2
+    HEADERS=$folder/usr/include/python$1\;$folder/usr/include
+    if [[ $1 == *t ]]; then
+        HEADERS=${FREE_THREADED%/bin/*}/include/python$1
+    elif [[ ! -e $folder/complete ]]; then
+        rm -rf "$folder"
+        own_apt "$folder" "${ARCHITECTURE[$2]}" "deb $(mirror) ${RELEASE[$1]} main"
+        (cd "$folder" && apt-get -qq "${OWN_APT[@]}" update && apt-get -qq "${OWN_APT[@]}" download "libpython$1-dev" &&
+            unpack . ./*.deb) || die "CPython $1 has no headers"
+        touch "$folder/complete"
     fi
-    debian "${VERSIONS[0]}"
-    say "The wheel for CPython $1"
+    HEADERS=${HEADERS//"$ROOT"/\/aqorb}
+}
+
+# build_wheel VERSION MACHINE: on Debian 11. Its own CPython runs the build; the others differ by headers and names only.
+build_wheel() {
+    local prefix='' options=()
+    names "$1" "$2"
+    headers "$1" "$2"
+    if [[ $2 != x86_64 ]]; then
+        prefix=$2-linux-gnu-
+        options=(-C cmake.define.CMAKE_SYSTEM_NAME=Linux -C cmake.define.CMAKE_SYSTEM_PROCESSOR="$2")
+    fi
+    debian bullseye x86_64
+    say "The wheel for CPython $1, $2"
     inside sh -ec '[ -e /opt/pip ] || { python3 -m venv /opt/pip && /opt/pip/bin/pip install -q --upgrade pip; }
-        cd /aqorb && exec /opt/pip/bin/pip wheel -q --no-deps --wheel-dir build/wheels/made "$@" .' sh \
-        -C build-dir=build/pip/debian11/"$tag" \
-        -C cmake.define.AQORB_OPENCV_BUILD=/aqorb/build/pip/debian11/opencv "${options[@]}"
+        cd /aqorb && export CC=$1gcc CXX=$1g++ && shift &&
+        exec /opt/pip/bin/pip wheel -q --no-deps --wheel-dir build/wheels/made "$@" .' sh \
+        "$prefix" "${options[@]}" -C build-dir=build/pip/debian11/"$TAG" -C wheel.tags="$TAG" \
+        -C cmake.define.AQORB_OPENCV_BUILD=/aqorb/build/pip/debian11/opencv-"$2" \
+        -C cmake.define.AQORB_PYTHON_HEADERS="$HEADERS" -C cmake.define.AQORB_PYTHON_SUFFIX="$SUFFIX"
 }
 
 check_size() {
@@ -115,57 +140,58 @@ run_suite='
     export AQORB_BINDING=aqorb PYTHONDONTWRITEBYTECODE=1
     '
 
-# test_alone VERSION: the wheel and the newest NumPy only; prints one line.
-test_alone() {
-    debian "$1"
-    local log=$WHEELS/test/$1-alone.log
+# in_environment VERSION MACHINE LOG COMMANDS ARGUMENT...: runs commands in a new virtual environment of a CPython, on its
+# Debian. They have the arguments, and the wheel as $wheel. Sets RESULT, NUMPY and DESCRIPTORS to what they say of these.
+in_environment() {
+    names "$1" "$2"
+    debian "${RELEASE[$1]}" "$2"
+    local log=$WHEELS/test/$1-$2-$3.log
     mkdir -p "$WHEELS/test"
-    # shellcheck disable=SC2016
     inside sh -c '
         set -e
-        environment=$(mktemp -d)
-        python3 -m venv "$environment"
+        environment=$(mktemp -d) wheel=$(echo /aqorb/build/wheels/aqorb-*-'"${TAG%-linux*}"'-*_'"$2"'.whl)
+        '"$INTERPRETER"' -m venv "$environment"
         . "$environment/bin/activate"
         pip install -q --upgrade pip
-        pip install -q --only-binary :all: /aqorb/build/wheels/aqorb-*-$1-$1-*.whl
         cd /
-        echo "NUMPY $(python -c "import numpy; print(numpy.__version__)")"
-        echo "RESULT $(python /aqorb/bindings/python/test/without_cv2.py)"
-        rm -rf "$environment"' sh "cp${1/./}" >"$log" 2>&1 || { tail -n 30 "$log" && die "see $log"; }
-    RESULT=$(sed -n 's/^RESULT //p' "$log")
-    NUMPY=$(sed -n 's/^NUMPY //p' "$log")
-    [[ $RESULT == "arrays in, arrays out" ]] || die "see $log"
-    echo "CPython $1, without cv2, NumPy $NUMPY: $RESULT"
-}
-
-# test_beside VERSION PACKAGE==VERSION NUMPY: prints one line, the result of the tests.
-test_beside() {
-    debian "$1"
-    local log=$WHEELS/test/$1-${2/==/-}-numpy-${3#numpy}.log
-    mkdir -p "$WHEELS/test"
-    # shellcheck disable=SC2016
-    inside sh -c '
-        set -e
-        cv2=$1 numpy=$2 tag=$3
-        environment=$(mktemp -d)
-        python3 -m venv "$environment"
-        . "$environment/bin/activate"
-        pip install -q --upgrade pip
-        pip install -q --only-binary :all: "$cv2" "$numpy" pytest 2>&1 || { echo "RESULT no wheels"; exit 0; }
-        python -c "import cv2" 2>&1 || { echo "RESULT import cv2 fails"; exit 0; }
-        pip install -q --no-index /aqorb/build/wheels/aqorb-*-$tag-$tag-*.whl
-        echo "NUMPY $(python -c "import numpy; print(numpy.__version__)")"
-        '"$run_suite"'
-        status=0
-        '"${PYTEST[*]}"' || status=$?
-        echo "DESCRIPTORS $(python bindings_test/compare_descriptors.py)"
-        rm -rf "$environment" "$folder"
-        exit $status' sh "$2" "$3" "cp${1/./}" >"$log" 2>&1 || { tail -n 30 "$log" && die "see $log"; }
+        '"$4"'
+        rm -rf "$environment"' sh "${@:5}" >"$log" 2>&1 || { tail -n 30 "$log" && die "see $log"; }
     RESULT=$(sed -n 's/^RESULT //p' "$log")
     NUMPY=$(sed -n 's/^NUMPY //p' "$log")
     DESCRIPTORS=$(sed -n 's/^DESCRIPTORS //p' "$log")
     [[ $RESULT ]] || RESULT=$(grep -E '^[0-9]+ passed' "$log" | tail -n 1 | sed 's/ in .*//; s/, [0-9]* warnings*//')
-    echo "CPython $1, $2, NumPy ${NUMPY:-$3}: $RESULT${DESCRIPTORS:+; descriptors: $DESCRIPTORS}"
+    [[ $RESULT ]] || die "see $log"
+}
+numpy_version='python -c "import numpy; print(\"NUMPY\", numpy.__version__)"'
+
+# test_alone VERSION MACHINE: the wheel and the newest NumPy only.
+test_alone() {
+    # shellcheck disable=SC2016
+    in_environment "$1" "$2" alone 'pip install -q --only-binary :all: "$wheel"
+        '"$numpy_version"'
+        echo "RESULT $(python /aqorb/bindings/python/test/without_cv2.py)"'
+    row "$1" "$2" none
+}
+
+# test_beside VERSION MACHINE PACKAGE==VERSION NUMPY: the tests of the package beside a cv2.
+test_beside() {
+    # shellcheck disable=SC2016
+    in_environment "$1" "$2" "${3/==/-}" '
+        pip install -q --only-binary :all: "$1" "$2" pytest 2>&1 || { echo "RESULT no wheels"; exit 0; }
+        python -c "import cv2" 2>&1 || { echo "RESULT import cv2 fails"; exit 0; }
+        pip install -q --no-index "$wheel"
+        '"$numpy_version$run_suite"'
+        status=0
+        '"${PYTEST[*]}"' || status=$?
+        echo "DESCRIPTORS $(python bindings_test/compare_descriptors.py)"
+        rm -rf "$folder"
+        [ $status = 0 ]' "$3" "$4"
+    row "$1" "$2" "${3/==/ }"
+}
+
+# row VERSION MACHINE CV2: adds a row to the table.
+row() {
+    echo "| $1 | ${DEBIAN[${RELEASE[$1]}]} | $2 | $3 | ${NUMPY:-none} | $RESULT | $DESCRIPTORS |" | tee -a "$table"
 }
 
 here() {
@@ -213,8 +239,13 @@ if [[ $mode == --sdist ]]; then
     "$tools/bin/twine" check --strict "$WHEELS"/*.tar.gz
     exit
 fi
-need system
-for version in "${VERSIONS[@]}"; do build_wheel "$version"; done
+need system emulation binfmt-support
+free_threaded_python
+for version in "${VERSIONS[@]}"; do
+    build_wheel "$version" x86_64
+    build_wheel "$version" aarch64
+done
+build_wheel 3.14t x86_64
 
 say "auditwheel"
 for wheel in "$WHEELS"/made/*.whl; do
@@ -232,28 +263,20 @@ say "twine"
 say "Tests"
 table=$WHEELS/table.md
 {
-    echo '| CPython | Debian | cv2 | NumPy | tests | descriptors equal to those of cv2.ORB |'
-    echo '|---|---|---|---|---|---|'
+    echo '| CPython | Debian | processor | cv2 | NumPy | tests | descriptors equal to those of cv2.ORB |'
+    echo '|---|---|---|---|---|---|---|'
 } >"$table"
-packages=(opencv-python) releases=("$OPENCV_4" "$OPENCV_5") numpys=(numpy)
-if [[ $mode == --matrix ]]; then
-    packages+=(opencv-contrib-python-headless) releases=("$OPENCV_4_OLD" "${releases[@]}") numpys=("numpy==$NUMPY_1" numpy)
-fi
 for version in "${VERSIONS[@]}"; do
-    test_alone "$version"
-    echo "| $version | ${DEBIAN[$version]} | none | $NUMPY | $RESULT | |" >>"$table"
-    for package in "${packages[@]}"; do
-        for release in "${releases[@]}"; do
-            for numpy in "${numpys[@]}"; do
-                test_beside "$version" "$package==$release" "$numpy"
-                shown=${NUMPY:-${numpy#numpy==}}
-                echo "| $version | ${DEBIAN[$version]} | $package $release | ${shown/numpy/newest} | $RESULT | $DESCRIPTORS |" \
-                    >>"$table"
-            done
-        done
-    done
+    test_alone "$version" x86_64
+    test_beside "$version" x86_64 "opencv-contrib-python-headless==$OPENCV_4_OLD" "numpy==$NUMPY_1"
+    test_beside "$version" x86_64 "opencv-python==$OPENCV_4" numpy
+    test_beside "$version" x86_64 "opencv-python==$OPENCV_5" numpy
 done
-[[ $mode == --matrix ]] || exit 0
+test_alone 3.14t x86_64
+for version in "${VERSIONS[@]}"; do
+    test_alone "$version" aarch64
+    test_beside "$version" aarch64 "opencv-python==$OPENCV_4" numpy
+done
 page=$ROOT/doc/compatibility.md
 [[ $(grep -cE '^<!-- (wheels|end of wheels) -->$' "$page") == 2 ]] || die "$page has no place for the table"
 sed -i -e '/^<!-- wheels -->$/,/^<!-- end of wheels -->$/{//!d}' -e "/^<!-- wheels -->\$/r $table" "$page"

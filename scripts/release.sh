@@ -1,0 +1,30 @@
+#!/usr/bin/env bash
+# Makes every file that a release has, in build/release-files, with their checksums, and publishes nothing: the source
+# distribution and the wheels, the Debian packages, and the site with the page for browsers. What checks such files, and
+# the workflows that make them elsewhere, must have nothing to say.
+#
+#   scripts/release.sh
+#
+# .github/workflows/release.yml does the same for all systems. This takes half an hour and needs root, for the wheels are
+# built on a Debian 11 in a folder of its own. scripts/wheel.sh --test and scripts/package.sh --test use what was made.
+#
+# Installs the Debian packages it needs; go, npm and pip fetch the rest.
+source "$(dirname "$0")/common.sh"
+
+version=$("$ROOT/scripts/version.sh")
+files=$BUILD/release-files
+rm -rf "$files"
+"$ROOT/scripts/workflows.sh"
+"$ROOT/scripts/wheel.sh"
+"$ROOT/scripts/package.sh"
+"$ROOT/scripts/web.sh"
+"$ROOT/scripts/doc.sh"
+
+say "The files of version $version"
+mkdir -p "$files"
+cp "$BUILD"/wheels/aqorb-"$version"{.tar.gz,-*.whl} "$BUILD"/packages/*.deb "$files"
+tar -czf "$files/site.tar.gz" -C "$BUILD/doc/html" .
+"$ROOT/scripts/version.sh" --notes >"$files/notes.md"
+cd "$files"
+sha256sum -- * >SHA256SUMS
+wc -c -- *
