@@ -100,8 +100,8 @@ END
 commit $module/misc <<'END'
 aqorb: tests and settings of the wrappers
 
-Tests of the wrappers for Python and Java, and what the generators of
-those for JavaScript and Objective-C ask for.
+Tests of the wrappers for Python, Java and JavaScript, and what the
+generators of those for JavaScript and Objective-C ask for.
 END
 [[ -z $(git status --porcelain --ignored) ]] || die "the series leaves files out: $(git status --short --ignored)"
 git diff --check pristine HEAD || die "trailing white space, which opencv_contrib's checks reject"

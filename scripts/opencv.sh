@@ -7,17 +7,27 @@
 #
 #   scripts/opencv.sh [--java]
 #   scripts/opencv.sh --release 4|5
+#   scripts/opencv.sh --js
 #
 # --java compiles the Java wrapper, too, and runs its tests. With --release the source is that of the newest OpenCV 4, or
 # of OpenCV 5, from the Python package index, without opencv_contrib. The script then ends after the Python test, and
 # leaves OpenCV without the module in build/opencv-4 or build/opencv-5, for scripts/compatibility.sh.
 #
+# --js builds opencv.js of the newest OpenCV 4 with the module instead, in build/opencv-js/bin, by OpenCV's script for
+# that, runs its tests in Node.js, compares bytes with those of the native library, and prints its size and its speed
+# beside those of the page's own engine, which scripts/web.sh builds. For the latter it has only the functions that the
+# page would call, in build/opencv-js/page.
+#
 # Installs the Debian packages it needs. OPENCV_TEST_DATA_PATH is passed on to the tests.
 source "$(dirname "$0")/common.sh"
 
-release='' java=''
+release='' java='' js=''
 if [[ ${1:-} == --java ]]; then
     java=yes
+    shift
+fi
+if [[ ${1:-} == --js ]]; then
+    js=yes release=4
     shift
 fi
 if [[ ${1:-} == --release ]]; then
@@ -28,7 +38,7 @@ fi
 [[ ! $release || ! $java ]] || die "--java takes Debian's source"
 (($# == 0)) || die "unknown option $1; --help says what there is"
 
-need build test opencv ${java:+java}
+if [[ $js ]]; then need build web python3-pil; else need build test opencv ${java:+java}; fi
 if [[ $release ]]; then opencv_release "$release"; else opencv_source; fi
 
 # FindJNI does not know where Debian keeps its JDKs.
@@ -37,8 +47,10 @@ if [[ $java && -z ${JAVA_HOME:-} ]]; then
     export JAVA_HOME
 fi
 
-opencv=$BUILD/opencv${release:+-$release}
-contrib=$BUILD/opencv_contrib${release:+-$release}
+name=${release:+-$release}
+[[ ! $js ]] || name=-js
+opencv=$BUILD/opencv$name
+contrib=$BUILD/opencv_contrib$name
 module=$contrib/modules/aqorb
 
 # Nothing that the module and its tests can do without, and nothing that OpenCV would download.
@@ -91,6 +103,52 @@ list_tests() {
         awk '/^[^ ]*\.$/ { suite = $1 } /^  [^ ]+$/ && suite { print suite $1 }' | LC_ALL=C sort
 }
 
+# build_js [OPTION...]: opencv.js by OpenCV's own script.
+build_js() {
+    # The checks of the compiler compile and do not link, which takes Emscripten seconds for each. One of them asks for a
+    # linker's option that Emscripten does not have.
+    "$PYTHON" "$OPENCV_SOURCE/platforms/js/build_js.py" "$opencv" --emscripten_dir=/usr/share/emscripten \
+        --build_wasm --simd --disable_single_file --extra_modules="$contrib/modules" -DBUILD_LIST=aqorb,calib3d,js \
+        -DCMAKE_TRY_COMPILE_TARGET_TYPE=STATIC_LIBRARY -DOPENCV_SKIP_LINK_NO_UNDEFINED=ON -DENABLE_CCACHE=OFF \
+        -DCMAKE_C_COMPILER_LAUNCHER=ccache -DCMAKE_CXX_COMPILER_LAUNCHER=ccache "$@" >"$opencv.log" 2>&1 ||
+        die "OpenCV's build failed; see $opencv.log"
+}
+
+# opencv_js: builds, tests and measures opencv.js.
+opencv_js() {
+    local file photograph pictures=()
+    # Debian's emscripten asks its modules of Node.js by name; a Node.js that is not Debian's would not look there.
+    export NODE_PATH=/usr/share/nodejs
+    say "opencv.js with what the page would call, and with all that OpenCV and the module list"
+    build_js --config="$ROOT/web/test/opencv_js.config.py"
+    mkdir -p "$opencv/page"
+    mv "$opencv"/bin/opencv{.js,_js.wasm} "$opencv/page"
+    build_js
+
+    say "The page's own engine, and the native library's fingerprints"
+    "$ROOT/scripts/web.sh" >"$opencv.web.log" 2>&1 || die "see $opencv.web.log"
+    configure release -DAQORB_BUILD_FINGERPRINT=ON >"$opencv.native.log"
+    build "$BUILD/release" --target aqorb_fingerprint >>"$opencv.native.log" || die "see $opencv.native.log"
+    mkdir -p "$opencv/pictures"
+    for photograph in "$ROOT"/web/photographs/*.jpg; do
+        pictures+=("$opencv/pictures/$(basename "$photograph" .jpg).ppm")
+        # Node.js decodes no photographs.
+        "$PYTHON" -c 'import sys, PIL.Image; PIL.Image.open(sys.argv[1]).convert("RGB").save(sys.argv[2])' \
+            "$photograph" "${pictures[-1]}"
+    done
+    "$BUILD/release/tools/fingerprint/aqorb_fingerprint" "${pictures[@]}" >"$opencv/native.txt"
+
+    say "Tests in Node.js"
+    node "$ROOT/web/test/opencv.mjs" "$opencv/bin" "$module" "$opencv/native.txt" "${pictures[@]}"
+
+    say "Size and speed"
+    for file in "$BUILD"/web/page/aqorb.{js,wasm} "$opencv"/{page,bin}/opencv{.js,_js.wasm}; do
+        printf '%-32s %9d bytes, %9d by gzip\n' "${file#"$BUILD/"}" "$(stat -c %s "$file")" \
+            "$(gzip -9 -c "$file" | wc -c)"
+    done
+    node "$ROOT/web/test/opencv_speed.mjs" "$BUILD/web/page" "$opencv/page" "${pictures[@]}"
+}
+
 mkdir -p "$BUILD"
 if [[ $release ]]; then
     say "The module as in opencv_contrib"
@@ -99,6 +157,10 @@ if [[ $release ]]; then
     "$PYTHON" "$ROOT/packaging/contrib/export.py" "$contrib/modules"
 else
     "$ROOT/scripts/contrib.sh"
+fi
+if [[ $js ]]; then
+    opencv_js
+    exit
 fi
 
 rm -f "$opencv/CMakeCache.txt"
