@@ -172,8 +172,7 @@ CV_ALWAYS_INLINE Pixels weightedSum(const Weighed& a, const Weighed& taps)
 
 CV_ALWAYS_INLINE Weighed allTaps(const ushort* taps)
 {
-    const Weighed all = {{allPixels(taps[0]), allPixels(taps[1]), allPixels(taps[2]), allPixels(taps[3])}};
-    return all;
+    return {{allPixels(taps[0]), allPixels(taps[1]), allPixels(taps[2]), allPixels(taps[3])}};
 }
 
 // Blurs a column of lanes from top to bottom, so that the seven rows it needs stay in registers.

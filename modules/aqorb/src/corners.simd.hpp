@@ -30,9 +30,9 @@ namespace
 CV_ALWAYS_INLINE bool isSuppressed(const uchar* p, ptrdiff_t step)
 {
     const int RADIUS = SUPPRESS_RADIUS;
-    const uchar* q = p - RADIUS;
-    // The highest scores of the pixels that come before p in raster order, and after it.
 #if CV_SIMD128
+    // The highest scores of the pixels that come before p in raster order, and after it.
+    const uchar* q = p - RADIUS;
     // Subtractions leave 0 outside of the window, and the next lower score where only a higher one counts.
     const v_uint8x16 ofRow(0, 0, 0, 255, 1, 1, 1, 255, 255, 255, 255, 255, 255, 255, 255, 255);
     const v_uint8x16 ofBefore(0, 0, 0, 0, 0, 0, 0, 255, 255, 255, 255, 255, 255, 255, 255, 255);
@@ -45,19 +45,16 @@ CV_ALWAYS_INLINE bool isSuppressed(const uchar* p, ptrdiff_t step)
     const v_uint8x16 score = v_setall_u8(*p);
     return v_check_any(v_eq(v_min(best, score), score));
 #else
-    int before = 0, after = 0;
-    for (int y = 0; y <= 2 * RADIUS; y++)
+    for (int y = -RADIUS; y <= RADIUS; y++)
     {
-        for (int x = 0; x <= 2 * RADIUS; x++)
+        for (int x = -RADIUS; x <= RADIUS; x++)
         {
-            const int score = q[(y - RADIUS) * step + x];
-            if (y < RADIUS || (y == RADIUS && x < RADIUS))
-                before = score > before ? score : before;
-            else if (y > RADIUS || x > RADIUS)
-                after = score > after ? score : after;
+            const bool isBefore = y < 0 || (y == 0 && x < 0);  // and so better with the same score, too
+            if (p[y * step + x] > *p - isBefore)
+                return true;
         }
     }
-    return before >= *p || after > *p;
+    return false;
 #endif
 }
 
@@ -73,8 +70,7 @@ int writeKept(const CornerBlock* blocks, int cornerCount, const uchar* scores, p
     {
         const int x = blocks->x + trailingZeros(columns), y = blocks->y;
         const uchar* p = scores + (y - top) * step + x;
-        const Corner corner = {x, y, *p - 1};
-        *out = corner;
+        *out = {x, y, *p - 1};
         out += !isSuppressed(p, step);
         columns &= columns - 1;
         const bool wasLast = columns == 0;

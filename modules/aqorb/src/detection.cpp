@@ -99,8 +99,7 @@ void LevelDetection::order(const LevelPlan& plan, DetectionScratch& scratch)
 LeafPoint LevelDetection::pointAt(size_t index, const LeafGrid& leaves) const
 {
     const Corner& corner = found.kept[index];
-    const LeafPoint point = {leaves.leaf(corner.x, corner.y), corner.score};
-    return point;
+    return {leaves.leaf(corner.x, corner.y), corner.score};
 }
 
 // Finds the representatives.
@@ -128,8 +127,7 @@ void LevelDetection::findStrengths(DetectionScratch& scratch) const
         for (size_t i = 0; i < some; i++)
         {
             const Corner& corner = corners[i] = found.kept[scratch.representatives.points[first + i]];
-            const FeaturePoint patch = {corner.x, corner.y, 0};
-            patches[i] = patch;
+            patches[i] = {corner.x, corner.y, 0};
         }
         patchMoments(level->image, *rules.strengthPatch, patches, some, moments);
         CornerResponse* const responses = &scratch.responses[first];
@@ -203,10 +201,7 @@ void LevelDetection::respond(const Corner* corners, size_t count, CornerResponse
     if (rules.useHarris)
         return harrisResponses(level->image, corners, count, responses);
     for (size_t i = 0; i < count; i++)
-    {
-        const CornerResponse corner = {corners[i].x, corners[i].y, float(corners[i].score)};
-        responses[i] = corner;
-    }
+        responses[i] = {corners[i].x, corners[i].y, float(corners[i].score)};
 }
 
 }  // namespace stages

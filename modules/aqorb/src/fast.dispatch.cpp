@@ -51,9 +51,8 @@ void coverWithBlocks(const Range& columns, const Range& pixels, int width, std::
         // The last block may overlap the one before, whose columns are not wanted twice.
         const int first = std::min(x, pixels.end - width);
         next = first + width;
-        const ScanBlock block = {first,
-                                 columnsOf(first, width, Range(std::max(columns.start, x), columns.end))};
-        blocks.push_back(block);
+        const Range wanted(std::max(columns.start, x), columns.end);
+        blocks.push_back({first, columnsOf(first, width, wanted)});
     }
 }
 
@@ -236,8 +235,7 @@ void listCorners(const CornerBlock* first, const CornerBlock* last, const ScoreP
         for (uint64 columns = block->columns; columns; columns &= columns - 1)
         {
             const int x = block->x + trailingZeros(columns);
-            const Corner corner = {x, block->y, scores[x] - 1};
-            corners.push_back(corner);
+            corners.push_back({x, block->y, scores[x] - 1});
         }
     }
 }

@@ -40,8 +40,7 @@ void Frame::put(Kind kind, int level, int part, const Range& range)
     // With one thread a level is described while its rows are in the cache. With several, what is to be described is left
     // for when there is nothing else to do.
     const int first = kind == DESCRIBE && threads == 1 ? 0 : int(kind) + 1;
-    const Task task = {kind, level, part, range};
-    workspace.queue.put((first << 20) - level, task);
+    workspace.queue.put((first << 20) - level, {kind, level, part, range});
 }
 
 void Frame::prepareWork(int count)
@@ -104,8 +103,7 @@ void Frame::plan()
     for (int i = 0; i < levelCount; i++)
     {
         const Size size = levels[i].image.size();
-        const LevelRegion region = {keypointRegion(parameters, size).size(), levels[i].scale};
-        workspace.regions.push_back(region);
+        workspace.regions.push_back({keypointRegion(parameters, size).size(), levels[i].scale});
         pixels += double(size.width) * size.height;
     }
     if (isRanked)
@@ -277,8 +275,7 @@ void Frame::collect(int level, Choice choice, WorkerScratch& scratch)
     list.reset(scratch.corners.size());
     for (const CornerResponse& corner : scratch.corners)
     {
-        const FeaturePoint point = {corner.x, corner.y, 0};
-        list.points.push_back(point);
+        list.points.push_back({corner.x, corner.y, 0});
         list.keypoints.push_back(
             KeyPoint(Point2f(), parameters.patchSize * levels[level].scale, -1, corner.response, level));
         list.outputKeys.push_back(isRanked ? descendingKey(sortKey(corner.response)) : 0);
@@ -305,9 +302,7 @@ DescriptionRules Frame::rulesOf(int level) const
     const Level &described = levels[level], &input = levels.input();
     const PositionMap position = {input.image.size(), described.image.size(), described.scale,
                                   parameters.edgeThreshold, parameters.subPixel};
-    const DescriptionRules rules = {&input.mask, position, areGiven ? 0 : &tables.patch,
-                                    withDescriptors ? &tables.tests : 0};
-    return rules;
+    return {&input.mask, position, areGiven ? 0 : &tables.patch, withDescriptors ? &tables.tests : 0};
 }
 
 // Describes features of a list.

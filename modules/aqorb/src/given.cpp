@@ -86,11 +86,8 @@ void takeGiven(const std::vector<KeyPoint>& keypoints, const Parameters& paramet
     {
         const KeyPoint& keypoint = inside[i];
         const float inverseScale = 1.f / levels[keypoint.octave].scale;
-        const GivenFeature feature = {
-            {cvRound(keypoint.pt.x * inverseScale), cvRound(keypoint.pt.y * inverseScale), keypoint.angle},
-            keypoint.octave,
-            unsigned(i)};
-        features.push_back(feature);
+        const Point2f p = keypoint.pt * inverseScale;
+        features.push_back({{cvRound(p.x), cvRound(p.y), keypoint.angle}, keypoint.octave, unsigned(i)});
     }
     std::sort(features.begin(), features.end(),
               [](const GivenFeature& a, const GivenFeature& b)

@@ -52,8 +52,7 @@ void harrisResponses(const Mat& image, const Corner* corners, size_t count, Corn
         if (end < count)
         {
             const Corner& c = corners[end];
-            const CornerResponse corner = {c.x, c.y, responseAtBorder(image, c.x, c.y)};
-            responses[end++] = corner;
+            responses[end++] = {c.x, c.y, responseAtBorder(image, c.x, c.y)};
         }
     }
 }

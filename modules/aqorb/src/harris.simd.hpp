@@ -65,8 +65,7 @@ CV_ALWAYS_INLINE WindowRows loadRows(const uchar* const* p, ptrdiff_t offset)
 {
     const v_int16 left = loadEach(p, offset), middle = loadEach(p, offset + 1),
                   right = loadEach(p, offset + 2);
-    const WindowRows rows = {v_sub(right, left), v_add(v_add(left, right), v_add(middle, middle))};
-    return rows;
+    return {v_sub(right, left), v_add(v_add(left, right), v_add(middle, middle))};
 }
 
 void sumBlocks(const uchar* const* centers, ptrdiff_t step, BlockSums* sums)
@@ -146,11 +145,8 @@ void harrisOfCorners(const uchar* image, ptrdiff_t step, const Corner* corners, 
         }
         sumBlocks(centers, step, sums);
         for (int j = 0; j < AT_ONCE && j <= last; j++)
-        {
-            const CornerResponse corner = {corners[i + j].x, corners[i + j].y,
-                                           responseOf(sums[j].xx, sums[j].yy, sums[j].xy)};
-            responses[i + j] = corner;
-        }
+            responses[i + j] = {corners[i + j].x, corners[i + j].y,
+                                responseOf(sums[j].xx, sums[j].yy, sums[j].xy)};
     }
 }
 

@@ -62,10 +62,8 @@ public:
         std::vector<int> next(begins.begin(), begins.end() - 1);
         for (size_t i = 0; i < keypoints.size(); i++)
         {
-            if (cells[i] < 0)
-                continue;
-            const Member member = {keypoints[i].pt, int(i)};
-            members[next[cells[i]]++] = member;
+            if (cells[i] >= 0)
+                members[next[cells[i]]++] = {keypoints[i].pt, int(i)};
         }
     }
 

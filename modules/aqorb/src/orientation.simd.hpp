@@ -48,8 +48,7 @@ CV_ALWAYS_INLINE Moments momentsOf(const uchar* center, ptrdiff_t step, const Pa
             m01 = v_dotprod_fast(v_sub(b, a), vx_load(weights.v[v] + x), m01);
         }
     }
-    const Moments moments = {v_reduce_sum(m10), v_reduce_sum(m01)};
-    return moments;
+    return {v_reduce_sum(m10), v_reduce_sum(m01)};
 }
 
 #else

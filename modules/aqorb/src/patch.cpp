@@ -42,15 +42,11 @@ void copyReflected(const Mat& image, const Rect& rect, uchar* out)
 Patch patchAround(const Mat& image, int x, int y, int radius, PatchBuffer& buffer)
 {
     if (x >= radius && y >= radius && x < image.cols - radius && y < image.rows - radius)
-    {
-        const Patch patch = {image.ptr(y) + x, ptrdiff_t(image.step)};
-        return patch;
-    }
+        return {image.ptr(y) + x, ptrdiff_t(image.step)};
     const int side = 2 * radius + 1;
     buffer.allocate(size_t(side) * side);
     copyReflected(image, Rect(x - radius, y - radius, side, side), buffer.data());
-    const Patch patch = {buffer.data() + size_t(radius) * side + radius, side};
-    return patch;
+    return {buffer.data() + size_t(radius) * side + radius, side};
 }
 
 }  // namespace stages

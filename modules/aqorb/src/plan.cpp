@@ -127,11 +127,9 @@ void completePlan(const Parameters& parameters, const Mat& mask, LevelPlan& plan
     const Size size = plan.root.size();
     const double usable =
         mask.empty() ? 1 : countNonZero(mask(plan.root)) / (double(size.width) * size.height);
-    const RankRule rule = {size, usable, std::max(plan.quota, 1), parameters.rankRadius,
-                           parameters.strengthWeight};
-    plan.rankRule = rule;
+    plan.rankRule = {size, usable, std::max(plan.quota, 1), parameters.rankRadius, parameters.strengthWeight};
     plan.depth = parameters.maxDepth >= 0 ? std::min(parameters.maxDepth, maxRankedDepth(size))
-                                          : rankedDepth(size, usable, rule.quota);
+                                          : rankedDepth(size, usable, plan.rankRule.quota);
 }
 
 }  // namespace stages

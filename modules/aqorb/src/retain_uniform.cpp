@@ -43,11 +43,8 @@ void retainUniform(std::vector<KeyPoint>& keypoints, Size imageSize, int npoints
         const int depth = rankedDepth(Size(INT_MAX, INT_MAX), 1, npoints);
         std::vector<LeafPoint> points;
         for (unsigned index : inside)
-        {
-            const LeafPoint point = {LeafGrid::leafAt(keypoints[index].pt, imageSize, depth),
-                                     sortKey(keypoints[index].response)};
-            points.push_back(point);
-        }
+            points.push_back({LeafGrid::leafAt(keypoints[index].pt, imageSize, depth),
+                              sortKey(keypoints[index].response)});
         // More even than the defaults of the detector: here all keypoints are of one level.
         const double RADIUS = 1, WEIGHT = 0.15;
         const RankRule rule = {imageSize, 1, std::max(npoints, 1), RADIUS, WEIGHT};

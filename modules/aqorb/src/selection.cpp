@@ -74,9 +74,8 @@ void FeatureSelector::listKeypoints(int level, int first, int last)
                 for (int column = block(x - reachX, blockColumns); column <= right; column++)
                 {
                     int& head = heads[size_t(row) * blockColumns + column];
-                    const ListedKeypoint keypoint = {p, head};
-                    head = int(keypoints.size());
-                    keypoints.push_back(keypoint);
+                    keypoints.push_back({p, head});
+                    head = int(keypoints.size()) - 1;
                 }
             }
         }
@@ -156,8 +155,7 @@ void FeatureSelector::orderByRule(int index, const std::vector<CornerResponse>& 
     size_t size = 0;
     for (size_t i = 0; i < corners.size(); i++)
     {
-        const LeafPoint point = {leaves.leaf(corners[i].x, corners[i].y), sortKey(corners[i].response)};
-        points[size] = point;
+        points[size] = {leaves.leaf(corners[i].x, corners[i].y), sortKey(corners[i].response)};
         unsuppressed[size] = unsigned(i);
         size += !withSuppression || !isNearKeypoint(index, corners[i]);
     }

@@ -42,8 +42,7 @@ int TaskQueue::threadsInUse()
 void TaskQueue::put(int priority, const Task& task)
 {
     const std::lock_guard<std::mutex> lock(mutex);
-    const Entry entry = {priority, number++, task};
-    ready.push_back(entry);
+    ready.push_back({priority, number++, task});
     std::push_heap(ready.begin(), ready.end());
     if (waiting > 0)
         changed.notify_one();
