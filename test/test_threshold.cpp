@@ -96,29 +96,29 @@ static void expectThresholds(const Thresholds& thresholds, int ini, int min)
 TEST(Aqorb_Threshold, thresholds_of_known_values)
 {
     // As in the paper, iniT is equation (7), and minT is a quarter of it.
-    expectThresholds(adaptiveThresholds(40, 20, 4), 40, 10);
+    expectThresholds(fastThresholds(40, 20, 4), 40, 10);
     // fastThreshold scales both thresholds.
-    expectThresholds(adaptiveThresholds(40, 10, 4), 20, 5);
+    expectThresholds(fastThresholds(40, 10, 4), 20, 5);
     // A threshold is never 0.
-    expectThresholds(adaptiveThresholds(0, 20, 4), 1, 1);
-    expectThresholds(adaptiveThresholds(40, 0, 4), 1, 1);
-    expectThresholds(adaptiveThresholds(40, -5, 4), 1, 1);
+    expectThresholds(fastThresholds(0, 20, 4), 1, 1);
+    expectThresholds(fastThresholds(40, 0, 4), 1, 1);
+    expectThresholds(fastThresholds(40, -5, 4), 1, 1);
     // minT is never stricter than cv::ORB, and iniT never beyond what a corner can score.
-    expectThresholds(adaptiveThresholds(800, 20, 4), 254, 20);
-    expectThresholds(adaptiveThresholds(800, 255, 1), 254, 254);
-    expectThresholds(adaptiveThresholds(1e9, 7, 1), 254, 7);
+    expectThresholds(fastThresholds(800, 20, 4), 254, 20);
+    expectThresholds(fastThresholds(800, 255, 1), 254, 254);
+    expectThresholds(fastThresholds(1e9, 7, 1), 254, 7);
     // minT never exceeds iniT.
-    expectThresholds(adaptiveThresholds(5, 20, 1), 5, 5);
+    expectThresholds(fastThresholds(5, 20, 1), 5, 5);
     // Halves are rounded to even.
-    expectThresholds(adaptiveThresholds(10, 20, 4), 10, 2);
-    expectThresholds(adaptiveThresholds(14, 20, 4), 14, 4);
+    expectThresholds(fastThresholds(10, 20, 4), 10, 2);
+    expectThresholds(fastThresholds(14, 20, 4), 14, 4);
 
-    expectThresholds(fixedThresholds(20, 4), 20, 5);
-    expectThresholds(fixedThresholds(20, 1), 20, 20);
-    expectThresholds(fixedThresholds(0, 4), 1, 1);
-    expectThresholds(fixedThresholds(-1, 4), 1, 1);
-    expectThresholds(fixedThresholds(255, 1), 254, 254);
-    expectThresholds(fixedThresholds(1000, 10), 254, 26);
+    expectThresholds(fastThresholds(NEUTRAL_VALUE, 20, 4), 20, 5);
+    expectThresholds(fastThresholds(NEUTRAL_VALUE, 20, 1), 20, 20);
+    expectThresholds(fastThresholds(NEUTRAL_VALUE, 0, 4), 1, 1);
+    expectThresholds(fastThresholds(NEUTRAL_VALUE, -1, 4), 1, 1);
+    expectThresholds(fastThresholds(NEUTRAL_VALUE, 255, 1), 254, 254);
+    expectThresholds(fastThresholds(NEUTRAL_VALUE, 1000, 10), 254, 26);
 }
 
 TEST(Aqorb_Threshold, thresholds_equal_reference)
@@ -133,10 +133,10 @@ TEST(Aqorb_Threshold, thresholds_equal_reference)
             {
                 SCOPED_TRACE(format("fast %d ratio %g value %g", fast, ratio, value));
                 const Thresholds expected = reference::thresholds(value, true, fast, ratio);
-                expectThresholds(adaptiveThresholds(value, fast, ratio), expected.ini, expected.min);
+                expectThresholds(fastThresholds(value, fast, ratio), expected.ini, expected.min);
             }
             const Thresholds expected = reference::thresholds(0, false, fast, ratio);
-            expectThresholds(fixedThresholds(fast, ratio), expected.ini, expected.min);
+            expectThresholds(fastThresholds(NEUTRAL_VALUE, fast, ratio), expected.ini, expected.min);
         }
 }
 

@@ -133,11 +133,10 @@ void Frame::measure()
 {
     CV_TRACE_REGION("measure");
     const Level& input = levels.input();
+    const double value =
+        parameters.adaptiveThreshold ? varianceOverMean(input.image, input.mask) : NEUTRAL_VALUE;
     const Thresholds thresholds =
-        parameters.adaptiveThreshold
-            ? adaptiveThresholds(varianceOverMean(input.image, input.mask), parameters.fastThreshold,
-                                 parameters.minThresholdRatio)
-            : fixedThresholds(parameters.fastThreshold, parameters.minThresholdRatio);
+        fastThresholds(value, parameters.fastThreshold, parameters.minThresholdRatio);
     for (int i = 0; i < levelCount; i++)
         work[i].detection.setThresholds(thresholds);
     for (int i = levelCount - 1; i >= 0; i--)

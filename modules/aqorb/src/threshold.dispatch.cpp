@@ -56,8 +56,10 @@ double varianceOverMean(const Mat& image, const Mat& mask)
     return double(squares) / double(sum) - double(sum) / double(count);
 }
 
-static Thresholds thresholdsFor(double ini, int fastThreshold, double minRatio)
+Thresholds fastThresholds(double varianceOverMean, int fastThreshold, double minRatio)
 {
+    fastThreshold = std::min(std::max(fastThreshold, 0), 255);
+    const double ini = varianceOverMean * fastThreshold / NEUTRAL_VALUE;
     Thresholds thresholds;
     thresholds.ini = cvRound(std::min(std::max(ini, 1.), 254.));
     // The lower threshold is never stricter than that of cv::ORB. For a night scene with a few lamps equation (7)
@@ -65,23 +67,6 @@ static Thresholds thresholdsFor(double ini, int fastThreshold, double minRatio)
     const double loosest = std::min(std::max(fastThreshold, 1), thresholds.ini);
     thresholds.min = cvRound(std::min(std::max(ini / minRatio, 1.), loosest));
     return thresholds;
-}
-
-static int limitToGrey(int fastThreshold)
-{
-    return std::min(std::max(fastThreshold, 0), 255);
-}
-
-Thresholds adaptiveThresholds(double varianceOverMean, int fastThreshold, double minRatio)
-{
-    const int fast = limitToGrey(fastThreshold);
-    return thresholdsFor(varianceOverMean * fast / 20, fast, minRatio);
-}
-
-Thresholds fixedThresholds(int fastThreshold, double minRatio)
-{
-    const int fast = limitToGrey(fastThreshold);
-    return thresholdsFor(fast, fast, minRatio);
 }
 
 }  // namespace stages

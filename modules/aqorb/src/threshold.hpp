@@ -18,11 +18,11 @@ namespace stages
 //! Equation (7) for a CV_8UC1 image: variance over mean of the unmasked pixels; 0 where the mean is 0.
 double varianceOverMean(const Mat& image, const Mat& mask);
 
-//! iniT and minT from the value of equation (7). A `fastThreshold` of 20 takes the equation as it is.
-Thresholds adaptiveThresholds(double varianceOverMean, int fastThreshold, double minRatio);
+//! The value of equation (7) for which iniT is fastThreshold itself.
+const double NEUTRAL_VALUE = 20;
 
-//! iniT and minT without equation (7): iniT is fastThreshold itself.
-Thresholds fixedThresholds(int fastThreshold, double minRatio);
+//! iniT and minT from the value of equation (7). A `fastThreshold` of 20 takes the equation as it is.
+Thresholds fastThresholds(double varianceOverMean, int fastThreshold, double minRatio);
 
 }  // namespace stages
 }  // namespace aqorb

@@ -32,7 +32,7 @@ public:
     {
         const cv::Mat gray = grayOf(image);
         const Thresholds thresholds =
-            adaptiveThresholds(varianceOverMean(gray, cv::Mat()), FAST_THRESHOLD, MIN_RATIO);
+            fastThresholds(varianceOverMean(gray, cv::Mat()), FAST_THRESHOLD, MIN_RATIO);
         const std::vector<int> quotas = levelQuotas(n, SCALE_FACTOR, LEVELS);
         Level input, level, levelBefore;
         input.image = gray;
