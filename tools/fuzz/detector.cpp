@@ -162,15 +162,14 @@ void Detector::setOrbParameter(FuzzedDataProvider& data)
 void Detector::setOurParameter(FuzzedDataProvider& data)
 {
     int which = data.ConsumeIntegralInRange(0, 8);
-#define AQORB_SET(property, type, name, key, byDefault, range, text)                                      \
-    if (which-- == 0)                                                                                     \
-    {                                                                                                     \
-        const double value =                                                                              \
-            std::is_same<type, double>::value ? real(data, -1, 20) : double(number(data, -1, 100));       \
-        if (!isOrb)                                                                                       \
-            attempt("set" #property, expect(!range.has(value)),                                           \
-                    [&]                                                                                   \
-                    { ours->set##property(static_cast<type>(static_cast<Stored<type>::Type>(value))); }); \
+#define AQORB_SET(property, type, name, key, byDefault, range, text)                                    \
+    if (which-- == 0)                                                                                   \
+    {                                                                                                   \
+        const double value =                                                                            \
+            std::is_same<type, double>::value ? real(data, -1, 20) : double(number(data, -1, 100));     \
+        if (!isOrb)                                                                                     \
+            attempt("set" #property, expect(!range.has(value)),                                         \
+                    [&] { ours->set##property(static_cast<type>(static_cast<Stored<type>>(value))); }); \
     }
     using namespace cv::aqorb;
     AQORB_OWN_PARAMETERS(AQORB_SET)

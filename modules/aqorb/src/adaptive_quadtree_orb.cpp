@@ -121,15 +121,9 @@ Ptr<AdaptiveQuadtreeORB> AdaptiveQuadtreeORB::create(int nfeatures, float scaleF
                                                      int fastThreshold)
 {
     Parameters parameters;
-    parameters.nfeatures = nfeatures;
-    parameters.scaleFactor = scaleFactor;
-    parameters.nlevels = nlevels;
-    parameters.edgeThreshold = edgeThreshold;
-    parameters.firstLevel = firstLevel;
-    parameters.WTA_K = WTA_K;
-    parameters.scoreType = stored(scoreType);
-    parameters.patchSize = patchSize;
-    parameters.fastThreshold = fastThreshold;
+#define AQORB_ARGUMENT(property, type, name, ...) parameters.name = stored<type>(name);
+    AQORB_PARAMETERS_OF_ORB(AQORB_ARGUMENT)
+#undef AQORB_ARGUMENT
     parameters.check();
     parameters.checkTogether(nlevels);
     return makePtr<AdaptiveQuadtreeORBImpl>(parameters);

@@ -13,6 +13,7 @@
 #include <cfloat>
 #include <cstring>
 #include <limits>
+#include <type_traits>
 
 namespace cv
 {
@@ -21,21 +22,10 @@ namespace aqorb
 
 /** What a parameter is kept as: an enumeration by its number. It need not be an enumerator, because a caller in Python
  can pass any number, and to read such an enumeration would be undefined behaviour. */
-template <typename T> struct Stored
+template <typename T> using Stored = typename std::conditional<std::is_enum<T>::value, int, T>::type;
+template <typename T> Stored<T> stored(const T& value)
 {
-    typedef int Type;
-};
-template <> struct Stored<double>
-{
-    typedef double Type;
-};
-template <> struct Stored<bool>
-{
-    typedef bool Type;
-};
-template <typename T> typename Stored<T>::Type stored(const T& value)
-{
-    typename Stored<T>::Type result;
+    Stored<T> result;
     static_assert(sizeof(value) == sizeof(result), "the enumeration must be of the size of an int");
     std::memcpy(&result, &value, sizeof(result));
     return result;
@@ -84,7 +74,7 @@ inline ValidRange any()
 //! The parameters of AdaptiveQuadtreeORB, as documented there and listed in parameter_table.hpp.
 struct Parameters
 {
-#define AQORB_FIELD(property, type, name, key, byDefault, ...) Stored<type>::Type name = byDefault;
+#define AQORB_FIELD(property, type, name, key, byDefault, ...) Stored<type> name = byDefault;
     AQORB_PARAMETERS(AQORB_FIELD)
 #undef AQORB_FIELD
 
