@@ -129,25 +129,6 @@ Ptr<AdaptiveQuadtreeORB> AdaptiveQuadtreeORB::create(int nfeatures, float scaleF
     return makePtr<AdaptiveQuadtreeORBImpl>(parameters);
 }
 
-namespace
-{
-
-//! Forgets the levels at the end of the scope, even if an exception ends it.
-class LevelsScope
-{
-public:
-    explicit LevelsScope(Levels& levels_) : levels(levels_) {}
-    ~LevelsScope() { levels.release(); }
-
-private:
-    LevelsScope(const LevelsScope&);
-    LevelsScope& operator=(const LevelsScope&);
-
-    Levels& levels;
-};
-
-}  // namespace
-
 // Makes the levels of the pyramid that have not been made yet.
 static void completeLevels(const Parameters& parameters, Levels& levels)
 {
@@ -239,7 +220,6 @@ void AdaptiveQuadtreeORBImpl::process(InputArray image_, InputArray mask_, std::
     input.image = grayImage(image_, &workspace.gray);
     if (!useProvidedKeypoints)
         input.mask = checkedMask(mask_, size);
-    const LevelsScope scope(workspace.levels);
     workspace.levels.reset(input, parameters.firstLevel, parameters.scaleFactor, levels != 0);
     Frame frame(parameters, tables, workspace);
     if (useProvidedKeypoints)
@@ -266,11 +246,7 @@ void AdaptiveQuadtreeORBImpl::process(InputArray image_, InputArray mask_, std::
 void AdaptiveQuadtreeORBImpl::detect(InputArrayOfArrays images_,
                                      std::vector<std::vector<KeyPoint>>& keypoints, InputArrayOfArrays masks_)
 {
-    CV_TRACE_FUNCTION();
-    const Collection collection(images_, masks_);
-    std::vector<std::vector<KeyPoint>> found(collection.images.size());
-    forEachImage(found.size(), [&](size_t i) { detect(collection.images[i], found[i], collection.mask(i)); });
-    keypoints.swap(found);
+    detectAndComputeBatch(images_, masks_, keypoints, noArray());
 }
 
 void AdaptiveQuadtreeORBImpl::compute(InputArrayOfArrays images_,
@@ -298,16 +274,20 @@ void AdaptiveQuadtreeORBImpl::detectAndComputeBatch(InputArrayOfArrays images_, 
                                                     OutputArrayOfArrays descriptors_)
 {
     CV_TRACE_FUNCTION();
-    if (!descriptors_.needed())
-        return detect(images_, keypoints, masks_);
-    checkMatsOutput(descriptors_, "descriptors");
+    const bool withDescriptors = descriptors_.needed();
+    if (withDescriptors)
+        checkMatsOutput(descriptors_, "descriptors");
     const Collection collection(images_, masks_);
     std::vector<std::vector<KeyPoint>> found(collection.images.size());
     std::vector<Mat> descriptors(found.size());
-    forEachImage(
-        found.size(), [&](size_t i)
-        { detectAndCompute(collection.images[i], collection.mask(i), found[i], descriptors[i], false); });
-    giveMats(descriptors, descriptors_, "descriptors");
+    forEachImage(found.size(),
+                 [&](size_t i)
+                 {
+                     const _OutputArray ofImage = withDescriptors ? descriptors[i] : _OutputArray();
+                     process(collection.images[i], collection.mask(i), found[i], ofImage, false, 0);
+                 });
+    if (withDescriptors)
+        giveMats(descriptors, descriptors_, "descriptors");
     keypoints.swap(found);
 }
 

@@ -22,10 +22,7 @@ Frame::Frame(const Parameters& parameters_, const Tables& tables_, Workspace& wo
       levels(workspace_.levels),
       work(workspace_.work),
       threads(TaskQueue::threadsInUse()),
-      isRanked(parameters_.selectionType == AdaptiveQuadtreeORB::RANKED_SELECTION),
-      levelCount(0),
-      areGiven(false),
-      withDescriptors(true)
+      isRanked(parameters_.selectionType == AdaptiveQuadtreeORB::RANKED_SELECTION)
 {
 }
 
@@ -33,6 +30,7 @@ Frame::~Frame()
 {
     // An exception may have left tasks in the queue that no worker has seen.
     workspace.queue.clear();
+    levels.release();
 }
 
 void Frame::put(Kind kind, int level, int part, const Range& range)

@@ -32,6 +32,7 @@ class Frame : private TaskRunner
 {
 public:
     Frame(const Parameters& parameters, const Tables& tables, Workspace& workspace);
+    //! Forgets the levels, too.
     ~Frame();
     //! Finds features and, if they are wanted, their descriptors.
     void detect(bool withDescriptors);
@@ -89,8 +90,8 @@ private:
     std::deque<LevelWork>& work;
     const int threads;
     const bool isRanked;
-    int levelCount;
-    bool areGiven, withDescriptors;
+    int levelCount = 0;
+    bool areGiven = false, withDescriptors = true;
 };
 
 }  // namespace aqorb
