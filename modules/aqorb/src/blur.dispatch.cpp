@@ -24,17 +24,31 @@ namespace stages
 
 static const int RADIUS = 3;
 
+// All products are the upper 16 bits of the product of 16-bit factors. The values are scaled up as far as 16 bits
+// allow, and the taps by what is left. The error of approximateBlur against the exact value, in 1/256, has these parts:
+//   the four products of the row pass round down:                             -4
+//   the four products of the column pass, likewise:                           -4
+//   the averages of two rows round up by 0 or 1/2, weighted by their taps:    +0.4
+//   the taps are rounded to 16 bits; their sum, for these taps:               -1.5 or +1.5
+//   the roundings of exactBlur itself:                                        -0.05 or +0.05
+// Hence BLUR_SHORTFALL is 10, and BLUR_EXCESS is 2. To centre the error would take two more additions.
 namespace
 {
+// The weights of the centre and of the pixels 1, 2, 3 off it: for exactBlur, and for approximateBlur.
 struct GaussianTaps
 {
     GaussianTaps()
     {
         const Mat kernel = getGaussianKernel(2 * RADIUS + 1, 2, CV_32F);
         for (int i = 0; i <= RADIUS; i++)
-            tap[i] = kernel.at<float>(RADIUS + i);
+        {
+            exact[i] = kernel.at<float>(RADIUS + i);
+            fixed[0][i] = ushort(cvRound(exact[i] * (i == 0 ? 65536. : 4 * 65536.)));
+            fixed[1][i] = ushort(cvRound(exact[i] * (i == 0 ? 65536. : 2 * 65536.)));
+        }
     }
-    float tap[RADIUS + 1];  // of the centre and of the pixels 1, 2, 3 off it
+    float exact[RADIUS + 1];
+    ushort fixed[2][RADIUS + 1];  // of the rows' pass, of the columns'
 };
 }  // namespace
 
@@ -52,42 +66,15 @@ static uchar exactBlurOf(const uchar* p, ptrdiff_t step, const float* taps)
 uchar exactBlur(const Mat& image, int x, int y)
 {
     const int READ = RADIUS + 1;  // vectors read one pixel more on the right
-    const float* tap = gaussianTaps().tap;
     PatchBuffer buffer;
     const Patch patch = patchAround(image, x, y, READ, buffer);
-    return exactBlurOf(patch.center, patch.step, tap);
+    return exactBlurOf(patch.center, patch.step, gaussianTaps().exact);
 }
-
-// All products are the upper 16 bits of the product of 16-bit factors. The values are scaled up as far as 16 bits
-// allow, and the taps by what is left. The error of approximateBlur against the exact value, in 1/256, has these parts:
-//   the four products of the row pass round down:                             -4
-//   the four products of the column pass, likewise:                           -4
-//   the averages of two rows round up by 0 or 1/2, weighted by their taps:    +0.4
-//   the taps are rounded to 16 bits; their sum, for these taps:               -1.5 or +1.5
-//   the roundings of exactBlur itself:                                        -0.05 or +0.05
-// Hence BLUR_SHORTFALL is 10, and BLUR_EXCESS is 2. To centre the error would take two more additions.
-namespace
-{
-struct FixedTaps
-{
-    FixedTaps()
-    {
-        const float* tap = gaussianTaps().tap;
-        for (int i = 0; i <= RADIUS; i++)
-        {
-            taps[0][i] = ushort(cvRound(tap[i] * (i == 0 ? 65536. : 4 * 65536.)));
-            taps[1][i] = ushort(cvRound(tap[i] * (i == 0 ? 65536. : 2 * 65536.)));
-        }
-    }
-    ushort taps[2][RADIUS + 1];  // of the rows' pass, of the columns'
-};
-}  // namespace
 
 static void blurTileOf(const uchar* source, ptrdiff_t step, int height, ushort* blurred,
                        ptrdiff_t blurredStep)
 {
-    static const FixedTaps fixed;
-    CV_CPU_DISPATCH(blurTile, (source, step, height, fixed.taps, blurred, blurredStep),
+    CV_CPU_DISPATCH(blurTile, (source, step, height, gaussianTaps().fixed, blurred, blurredStep),
                     CV_CPU_DISPATCH_MODES_ALL);
 }
 

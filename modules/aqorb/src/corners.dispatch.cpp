@@ -65,7 +65,7 @@ void appendBlocks(const CornerBlocks& blocks, int begin, int end, CornerBlocks& 
     for (int i = begin; i < end; i++)
     {
         target.storage[target.count++] = blocks.storage[i];
-        target.cornerCount += countCorners(blocks.storage[i]);
+        target.cornerCount += bitCount(blocks.storage[i].columns);
     }
 }
 
@@ -103,7 +103,7 @@ void BandSearch::take(int end, bool listPassedOver, FoundCorners& found)
 {
     int taken = blocks.count, left = 0;  // corners that are not taken yet
     while (taken > 0 && blocks.storage[taken - 1].y >= end)
-        left += countCorners(blocks.storage[--taken]);
+        left += bitCount(blocks.storage[--taken].columns);
     appendCorners(blocks, taken, blocks.cornerCount - left, plane, listPassedOver, found, scratch);
     removeFirst(taken, left);
 }

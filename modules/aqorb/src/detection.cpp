@@ -16,11 +16,6 @@ namespace aqorb
 namespace stages
 {
 
-LevelDetection::LevelDetection()
-    : level(0), rules(), bandCount(0), isOrdered(false), hasOthers(false), listsPassedOver(false)
-{
-}
-
 int LevelDetection::reset(const Level& level_, const Rect& root_, const DetectionRules& rules_, int most)
 {
     level = &level_;

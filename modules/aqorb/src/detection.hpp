@@ -57,7 +57,6 @@ struct DetectionScratch
 class LevelDetection
 {
 public:
-    LevelDetection();
     /** Starts with a level, which must stay where it is.
      @param level its pixels may be filled in until the first band is searched
      @param root the region in which corners are wanted
@@ -95,17 +94,17 @@ private:
     void findUsable(int depth, DetectionScratch& scratch) const;
     void respond(const Corner* corners, size_t count, CornerResponse* responses) const;
 
-    const Level* level;
+    const Level* level = 0;
     Rect root;
-    DetectionRules rules;
+    DetectionRules rules = DetectionRules();
     std::vector<Band> bands;  // it never shrinks, so that bands keep their memory
     std::vector<Seam> seams;  // below each band but the last one
-    int bandCount;            // of this level
+    int bandCount = 0;        // of this level
     FoundCorners found;       // of all bands, once they are in order
     std::vector<CornerResponse> inOrder;
-    bool isOrdered;
-    bool hasOthers;        // whether corners are missing in the order
-    bool listsPassedOver;  // whether those were found that are not kept
+    bool isOrdered = false;
+    bool hasOthers = false;        // whether corners are missing in the order
+    bool listsPassedOver = false;  // whether those were found that are not kept
 };
 
 }  // namespace stages

@@ -122,11 +122,6 @@ void ScorePlane::copyRow(int y, const ScorePlane& other)
     std::copy(from, from + columns.size() + 2 * SUPPRESS_MARGIN, row(y) + columns.start - SUPPRESS_MARGIN);
 }
 
-int countCorners(const CornerBlock& block)
-{
-    return bitCount(block.columns);
-}
-
 void FastScanner::reset(const Level& level, const Rect& region, Thresholds thresholds, ScorePlane& plane_,
                         CornerBlocks& corners_)
 {

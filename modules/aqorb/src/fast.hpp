@@ -30,13 +30,9 @@ const int SUPPRESS_MARGIN = 16;
 //! Blocks of corners in raster order: the first `count` elements of `storage`, which is kept for later images.
 struct CornerBlocks
 {
-    CornerBlocks() : count(0), cornerCount(0) {}
-
     std::vector<CornerBlock> storage;
-    int count, cornerCount;
+    int count = 0, cornerCount = 0;
 };
-
-int countCorners(const CornerBlock& block);
 
 /** By pixel, the score of a corner plus 1, as cornerScores3x3 counts; 0 where there is none. The plane holds some rows
  of a region only, and slides down over the region. */

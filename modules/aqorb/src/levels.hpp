@@ -22,7 +22,6 @@ namespace stages
 class Levels
 {
 public:
-    Levels() : firstLevel(0), scaleFactor(1), giveAway(false), laidOut(0) {}
     /** Starts with an image.
      @param input the image and its mask, of the caller
      @param giveAway whether the levels become the caller's: then they get memory of their own */
@@ -49,10 +48,10 @@ private:
         Ptr<ResizeTables> resizing;   // to make the level
     };
     Level image;
-    int firstLevel;
-    double scaleFactor;
-    bool giveAway;
-    int laidOut;
+    int firstLevel = 0;
+    double scaleFactor = 1;
+    bool giveAway = false;
+    int laidOut = 0;
     std::deque<Entry> entries;  // it never shrinks, so that levels keep their memory, and never moves them
 };
 

@@ -26,12 +26,10 @@ template <typename T> class Pool
     //! An object, and when it was lent.
     struct Entry
     {
-        Entry() : largest(0), smaller(0), loan(0) {}
-
         Ptr<T> object;
-        size_t largest;  // that the object was lent for
-        int smaller;     // loans since one of at least half of that size
-        uint64 loan;     // the last one
+        size_t largest = 0;  // that the object was lent for
+        int smaller = 0;     // loans since one of at least half of that size
+        uint64 loan = 0;     // the last one
     };
 
 public:
@@ -39,8 +37,6 @@ public:
     {
         KEPT_CALLS = 64
     };
-
-    Pool() : lentCount(0), loans(0) {}
 
     //! A loan, which ends with the scope.
     class Lease
@@ -101,8 +97,8 @@ private:
     }
 
     Mutex mutex;
-    size_t lentCount;
-    uint64 loans;
+    size_t lentCount = 0;
+    uint64 loans = 0;
     std::vector<Entry> idle;
 };
 

@@ -47,11 +47,9 @@ static int lastUsed(const ResizeTaps& taps)
 
 struct ResizeTables
 {
-    ResizeTables() : byKernel(false) {}
-
     Size source, destination;
     std::vector<ResizeTaps> columnTaps, rowTaps;
-    bool byKernel;  // whether the kernel can do it; else there are no blocks
+    bool byKernel = false;  // whether the kernel can do it; else there are no blocks
     AlignedVector<ResizeBlock> blocks;
     std::vector<int> bases;
     AlignedVector<short> rows;

@@ -26,12 +26,26 @@ struct LeafPoint
 class LeafGrid
 {
 public:
-    LeafGrid() : depth(0) {}
-    void reset(const Rect& region, int depth);
+    void reset(const Rect& region_, int depth_)
+    {
+        region = region_;
+        depth = depth_;
+        columns.resize(region.width);
+        for (int x = 0; x < region.width; x++)
+            columns[x] = index(x, region.width, depth);
+        rows.resize(region.height);
+        for (int y = 0; y < region.height; y++)
+            rows[y] = index(y, region.height, depth) << depth;
+    }
     //! The leaf of a pixel of the region.
     unsigned leaf(int x, int y) const { return columns[x - region.x] + rows[y - region.y]; }
     //! The pixel in the centre of a leaf.
-    Point centre(unsigned leaf) const;
+    Point centre(unsigned leaf) const
+    {
+        const int64 column = leaf & ((1u << depth) - 1), row = leaf >> depth;
+        return region.tl() + Point(int(((2 * column + 1) * region.width) >> (depth + 1)),
+                                   int(((2 * row + 1) * region.height) >> (depth + 1)));
+    }
     //! The leaf of a position in a region that begins at (0, 0).
     static unsigned leafAt(const Point2f& position, const Size& region, int depth)
     {
@@ -46,7 +60,7 @@ private:
     }
 
     Rect region;
-    int depth;
+    int depth = 0;
     std::vector<unsigned> columns, rows;  // by pixel: what it contributes to the number of its leaf
 };
 

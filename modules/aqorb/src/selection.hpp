@@ -24,10 +24,6 @@ namespace stages
 class FeatureSelector
 {
 public:
-    FeatureSelector()
-        : octaveSuppression(0), reach(0), levelCount(0), wanted(0), blockShift(0), blockColumns(0)
-    {
-    }
     //! Starts with an image.
     //! @param reach a corner is not near keypoints of levels that are further away than so many levels
     void reset(Size imageSize, int levelCount, double octaveSuppression, int reach);
@@ -67,14 +63,14 @@ private:
                      bool withSuppression);
 
     Size imageSize;
-    double octaveSuppression;
-    int reach;                       // of octave suppression, in levels
+    double octaveSuppression = 0;
+    int reach = 0;                   // of octave suppression, in levels
     std::vector<LevelState> levels;  // it never shrinks, so that levels keep their memory
-    int levelCount;                  // of this image
-    int wanted;                      // features that are still missing
+    int levelCount = 0;              // of this image
+    int wanted = 0;                  // features that are still missing
     std::vector<ListedKeypoint> keypoints;
-    std::vector<int> heads;        // by block of a level: the first one that is near its pixels, or -1
-    int blockShift, blockColumns;  // blocks have 2^blockShift columns and rows
+    std::vector<int> heads;  // by block of a level: the first one that is near its pixels, or -1
+    int blockShift = 0, blockColumns = 0;  // blocks have 2^blockShift columns and rows
     LeafGrid leaves;
     BalancedScratch balancedScratch;
     RankedScratch rankedScratch;

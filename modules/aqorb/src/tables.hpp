@@ -8,7 +8,7 @@
 
 #include "descriptor.hpp"
 #include "orientation.hpp"
-#include "parameters.hpp"
+#include "plan.hpp"
 
 namespace cv
 {
@@ -18,7 +18,15 @@ namespace aqorb
 //! What follows from the parameters alone.
 struct Tables
 {
-    explicit Tables(const Parameters& parameters);
+    explicit Tables(const Parameters& parameters)
+        : patch(stages::circularPatch(parameters.patchSize)),
+          strengthPatch(patch.halfWidths, std::max(1, parameters.patchSize / 2 / 5)),
+          tests(stages::descriptorPattern(parameters.patchSize, parameters.WTA_K), parameters.WTA_K)
+    {
+        // Other values have no quotas. Detection throws for them.
+        if (parameters.nlevels == 1 || parameters.scaleFactor > 1)
+            quotas = stages::levelQuotas(parameters.nfeatures, parameters.scaleFactor, parameters.nlevels);
+    }
 
     stages::OrientationPatch patch;
     stages::OrientationPatch strengthPatch;  //!< the same with fewer rows

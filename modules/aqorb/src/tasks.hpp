@@ -42,7 +42,6 @@ public:
 class TaskQueue
 {
 public:
-    TaskQueue() : runner(0), number(0), running(0), waiting(0), workers(0) {}
     //! How many threads a call that this thread begins may use.
     static int threadsAllowed();
     //! How many of them cv::parallel_for_ is to use for a frame.
@@ -70,14 +69,14 @@ private:
     void runNext(std::unique_lock<std::mutex>& lock, int worker);
     void waitForTask(std::unique_lock<std::mutex>& lock);
 
-    TaskRunner* runner;  // of the current run
-    std::mutex mutex;    // guards what follows
+    TaskRunner* runner = 0;  // of the current run
+    std::mutex mutex;        // guards what follows
     std::condition_variable changed;
     std::vector<Entry> ready;  // a heap
-    unsigned number;           // of the next task
-    int running;               // tasks that are being done
-    int waiting;               // workers that wait for a task
-    int workers;               // that have begun
+    unsigned number = 0;       // of the next task
+    int running = 0;           // tasks that are being done
+    int waiting = 0;           // workers that wait for a task
+    int workers = 0;           // that have begun
     std::exception_ptr error;  // the first one
 };
 

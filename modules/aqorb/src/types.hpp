@@ -27,12 +27,10 @@ namespace stages
 //! One level of the pyramid. Its pixels are continued outside of the image by reflection (BORDER_REFLECT_101).
 struct Level
 {
-    Level() : scale(1), isInput(false) {}
-
-    Mat image;     //!< CV_8UC1
-    Mat mask;      //!< CV_8UC1 of the same size, not 0 where a corner may lie; empty: everywhere
-    float scale;   //!< size of a pixel of this level in pixels of the input image
-    bool isInput;  //!< whether the level is the input image itself
+    Mat image;             //!< CV_8UC1
+    Mat mask;              //!< CV_8UC1 of the same size, not 0 where a corner may lie; empty: everywhere
+    float scale = 1;       //!< size of a pixel of this level in pixels of the input image
+    bool isInput = false;  //!< whether the level is the input image itself
 };
 
 //! FAST thresholds of an image: `ini` everywhere, `min` in cells that have no corner at `ini`.

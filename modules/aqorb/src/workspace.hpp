@@ -22,12 +22,10 @@ namespace aqorb
 //! What a frame needs for one level.
 struct LevelWork
 {
-    LevelWork() : bandsLeft(0), inputsOfSearch(0), inputsOfSelection(0) {}
-
     stages::LevelPlan plan;
     stages::LevelDetection detection;
     stages::LevelFeatures features;
-    int bandsLeft, inputsOfSearch, inputsOfSelection;  //!< what tasks still wait for
+    int bandsLeft = 0, inputsOfSearch = 0, inputsOfSelection = 0;  //!< what tasks still wait for
 };
 
 //! Work space of a thread that does tasks.
