@@ -5,6 +5,7 @@
 
 #include "precomp.hpp"
 
+#include "aligned.hpp"
 #include "blur.hpp"
 #include "patch.hpp"
 
@@ -138,8 +139,7 @@ static void blurAtBorder(const Mat& image, const Rect& tile, const BlurredRows& 
                          std::vector<uchar>& scratch)
 {
     const Rect read(tile.x - RADIUS, tile.y - RADIUS, tile.width + 2 * RADIUS, tile.height + 2 * RADIUS);
-    if (scratch.size() < size_t(read.area()))
-        scratch.resize(read.area());
+    growTo(scratch, size_t(read.area()));
     copyReflected(image, read, scratch.data());
     const uchar* source = scratch.data() + RADIUS * read.width + RADIUS;
     blurTileOf(source, read.width, tile.height, blurred.row(tile.y) + tile.x, blurred.step);

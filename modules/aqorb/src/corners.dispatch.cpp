@@ -5,6 +5,7 @@
 
 #include "precomp.hpp"
 
+#include "aligned.hpp"
 #include "corners.hpp"
 
 #include "corners.simd.hpp"
@@ -42,8 +43,7 @@ void appendCorners(const CornerBlocks& blocks, int blockCount, int cornerCount, 
     if (cornerCount == 0)
         return;
     // The kernel writes every corner before it knows whether it is kept.
-    if (scratch.size() < size_t(cornerCount) + 1)
-        scratch.resize(size_t(cornerCount) + 1);
+    growTo(scratch, size_t(cornerCount) + 1);
     Corner* const kept = scratch.data();
     const int keptCount = writeKeptCorners(blocks.storage.data(), cornerCount, plane, kept);
     appendTo(found.kept, kept, kept + keptCount);

@@ -74,11 +74,7 @@ void describeFeatures(const Level& level, const DescriptionRules& rules, const R
     BlurredRows blurred;
     blurred.step = ptrdiff_t(alignSize(size_t(level.image.cols) + 2 * margin, CACHE_LINE / sizeof(ushort)));
     const size_t capacity = size_t(std::min<int64>(ROWS + 2 * int64(reach) + 1, rowsEnd + margin));
-    if (scratch.blurred.size() < capacity * blurred.step)
-    {
-        AlignedVector<ushort>().swap(scratch.blurred);  // a vector that grows may get twice as much
-        scratch.blurred.resize(capacity * blurred.step);
-    }
+    growTo(scratch.blurred, capacity * blurred.step);
     blurred.data = scratch.blurred.data() + margin;
     int filled = -margin;  // the rows from blurred.top to before it are blurred
     for (size_t next, i = size_t(features.start); i < end; i = next)

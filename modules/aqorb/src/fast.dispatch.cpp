@@ -5,6 +5,7 @@
 
 #include "precomp.hpp"
 
+#include "aligned.hpp"
 #include "fast.hpp"
 #include "patch.hpp"
 
@@ -22,17 +23,6 @@ namespace
 {
 
 const int RADIUS = 3;  // of the circle
-
-// Work space never shrinks, so that it is allocated once. It has no more than is needed: without reserve, a vector that
-// grows may get twice as much.
-template <typename T> void growTo(std::vector<T>& elements, size_t count)
-{
-    if (elements.size() < count)
-    {
-        elements.reserve(count);
-        elements.resize(count);
-    }
-}
 
 // Which pixels of a block are in a range of columns, a bit for each.
 uint64 columnsOf(int x, int width, const Range& columns)
@@ -61,9 +51,9 @@ void continueFastScan(FastScan& scan, int end)
     CV_CPU_DISPATCH(continueScan, (scan, end), CV_CPU_DISPATCH_MODES_ALL);
 }
 
-void widthsOfScan(int widths[SCAN_WIDTHS])
+int widthOfBlocks(int columns)
 {
-    CV_CPU_DISPATCH(scanWidths, (widths), CV_CPU_DISPATCH_MODES_ALL);
+    CV_CPU_DISPATCH(blockWidthFor, (columns), CV_CPU_DISPATCH_MODES_ALL);
 }
 
 int dropCornersOfScan(FastScan& scan, int first, const uchar* floors)
@@ -128,12 +118,7 @@ void FastScanner::reset(const Level& level, const Rect& region, Thresholds thres
     plane = &plane_;
     const Mat& image = level.image;
     const Rect pixels = fastRegion(image.size(), Rect(Point(), image.size()));
-    int widths[SCAN_WIDTHS];
-    widthsOfScan(widths);
-    int width = 0;
-    while (pixels.width < widths[width])
-        width++;
-    width = widths[width];
+    const int width = widthOfBlocks(pixels.width);
     coverWithBlocks(Range(region.x, region.x + region.width), Range(pixels.x, pixels.x + pixels.width), width,
                     blocks);
     const size_t blockCount = blocks.size();
@@ -178,7 +163,9 @@ void FastScanner::scan(int end)
     state.planeTop = plane->topRow();
     state.plane = plane->row(state.planeTop);
     state.foundCount = corners->count;
-    growTo(corners->storage, state.foundCount + rows * blocks.size() + 2);
+    const size_t most = state.foundCount + rows * blocks.size() + 2;
+    corners->storage.reserve(most);  // without this, a vector that grows may get twice as much
+    corners->storage.resize(std::max(corners->storage.size(), most));
     state.found = corners->storage.data();
     strong.assign(blocks.size(), 0);
     state.strong = strong.data();

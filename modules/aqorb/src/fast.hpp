@@ -78,8 +78,7 @@ struct ScanBlock
     uint64 wanted;  //!< bit i: whether a corner at x + i is wanted
 };
 
-const int SCAN_ROWS = 4;    // rows of scores that are kept: at least three, and a power of two
-const int SCAN_WIDTHS = 3;  // of blocks that a CPU has: wide vectors, narrow ones, single pixels
+const int SCAN_ROWS = 4;  // rows of scores that are kept: at least three, and a power of two
 // Bytes to which scores are aligned, so that as few vectors as possible cross the border of a cache line.
 const int SCAN_ALIGNMENT = 64;
 const int SCAN_MARGIN = 64;  // columns around the scores of a row that vectors may touch
@@ -100,7 +99,7 @@ struct FastScan
     int y;                    //!< the next row to get scores; beyond bottom, the scan is finished
     const ScanBlock* blocks;  //!< from left to right
     int blockCount;
-    int blockWidth;  //!< one of scanWidths
+    int blockWidth;  //!< by blockWidthFor
     uchar* scores;  //!< SCAN_ROWS rows, by row modulo their number, by column, with SCAN_MARGIN on both sides
     ptrdiff_t scoreStep;
     int* listed[2];  //!< by row modulo 2: the blocks in which there are scores

@@ -19,8 +19,8 @@ namespace stages
 
 CV_CPU_OPTIMIZATION_NAMESPACE_BEGIN
 
-//! How many pixels a block may have, the widest first. The last is 1, for images that are too narrow for the others.
-void scanWidths(int widths[SCAN_WIDTHS]);
+//! How many pixels a block has in images of so many columns with whole circles: a wide vector, a narrow one, or one.
+int blockWidthFor(int columns);
 
 //! Continues a scan up to the row before `end`, which is at most scan.bottom.
 void continueScan(FastScan& scan, int end);
@@ -93,12 +93,6 @@ template <typename Vectors> int scoreRow(const FastScan& scan, int y)
     return count;
 }
 
-template <typename Vectors> void clearRow(const FastScan& scan, int y)
-{
-    for (int i = 0; i < scan.blockCount; i++)
-        Vectors::store(scoresOf(scan, y) + scan.blocks[i].x, Vectors::all(0));
-}
-
 // Finds the corners of a row, whose scores are higher than those of their eight neighbours. The scores go to the plane
 // and the blocks to those found.
 template <typename Vectors> void suppressRow(FastScan& scan, int y)
@@ -145,16 +139,12 @@ template <typename Vectors> void scanRows(FastScan& scan, int end)
     for (; scan.y <= end; scan.y++)
     {
         const int y = scan.y;
-        scoresOf(scan, y)[scan.left - 1] = scoresOf(scan, y)[scan.right] = 0;
-        if (y >= scan.scoredTop && y < scan.scoredBottom)
-        {
-            scan.listedCount[y & 1] = scoreRow<Vectors>(scan, y);
-        }
-        else
-        {
-            clearRow<Vectors>(scan, y);
-            scan.listedCount[y & 1] = 0;
-        }
+        const bool isScored = y >= scan.scoredTop && y < scan.scoredBottom;
+        uchar* const scores = scoresOf(scan, y);
+        scores[scan.left - 1] = scores[scan.right] = 0;
+        if (!isScored)
+            std::memset(scores + scan.left, 0, scan.right - scan.left);
+        scan.listedCount[y & 1] = isScored ? scoreRow<Vectors>(scan, y) : 0;
         if (y > scan.top)
             suppressRow<Vectors>(scan, y - 1);
     }
@@ -180,13 +170,15 @@ template <typename Vectors> int dropFromBlocks(FastScan& scan, int first, const 
 
 }  // namespace
 
-void scanWidths(int widths[SCAN_WIDTHS])
+int blockWidthFor(int columns)
 {
-    widths[0] = widths[1] = widths[2] = 1;
 #if CV_SIMD
-    widths[0] = AQORB_LANES(Wide::V);
-    widths[1] = AQORB_LANES(Narrow::V);
+    if (columns >= AQORB_LANES(Wide::V))
+        return AQORB_LANES(Wide::V);
+    if (columns >= AQORB_LANES(Narrow::V))
+        return AQORB_LANES(Narrow::V);
 #endif
+    return 1;
 }
 
 void continueScan(FastScan& scan, int end)

@@ -75,7 +75,7 @@ template <typename Vector> struct Lanes
     static CV_ALWAYS_INLINE bool anyGreater(const V& a, const V& b)
     {
 #if CV_NEON
-        return anyBit(v_gt(a, b));  // on NEON it takes long to collect a bit of each lane
+        return v_check_any(v_gt(a, b));  // on NEON it takes long to collect a bit of each lane
 #else
         return greaterLanes(a, b) != 0;
 #endif

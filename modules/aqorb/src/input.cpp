@@ -5,6 +5,7 @@
 
 #include "precomp.hpp"
 
+#include "aligned.hpp"
 #include "input.hpp"
 #include "pyramid.hpp"
 
@@ -50,8 +51,7 @@ Mat grayImage(InputArray input, std::vector<uchar>* memory)
     Mat gray;
     if (memory)
     {
-        if (memory->size() < image.total())
-            memory->resize(image.total());
+        growTo(*memory, image.total());
         gray = Mat(image.size(), CV_8UC1, memory->data());
     }
     cvtColor(image, gray, COLOR_BGR2GRAY);

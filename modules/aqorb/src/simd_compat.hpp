@@ -71,14 +71,6 @@ template <typename V> static CV_ALWAYS_INLINE uint64 signBits(const V& a)
 }
 #endif
 
-#if CV_NEON
-//! Whether a bit is set in any lane.
-static CV_ALWAYS_INLINE bool anyBit(const v_uint8x16& a)
-{
-    return vget_lane_u64(vreinterpret_u64_u8(vorr_u8(vget_low_u8(a.val), vget_high_u8(a.val))), 0) != 0;
-}
-#endif
-
 //! Index of the lowest bit that is set. At least one must be.
 static CV_ALWAYS_INLINE int trailingZeros(uint64 bits)
 {
