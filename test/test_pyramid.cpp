@@ -5,8 +5,8 @@
 
 #include "reference.hpp"
 
+#include "levels.hpp"
 #include "plan.hpp"
-#include "pyramid.hpp"
 
 #include <climits>
 #include <numeric>
@@ -26,7 +26,8 @@ void resizeExact(const Mat& source, Mat& resized, Size size)
     from.image = source;
     to.image = resized;
     Ptr<ResizeTables> tables;
-    fillLevel(from, to, tables);
+    std::vector<uchar> noMask;
+    fillLevel(from, to, tables, noMask);
 }
 
 void buildPyramid(const Mat& image, const Mat& mask, int nlevels, int firstLevel, double scaleFactor,
@@ -35,16 +36,14 @@ void buildPyramid(const Mat& image, const Mat& mask, int nlevels, int firstLevel
     Level input;
     input.image = image;
     input.mask = mask;
+    Levels made;
+    made.reset(input, firstLevel, scaleFactor, true);
     levels.clear();
-    for (int i = 0; i < nlevels; i++)
+    for (int i = 0, count = made.layOut(nlevels, minSide); i < count; i++)
     {
-        Level level;
-        if (!layOutLevel(input, i, firstLevel, scaleFactor, minSide, level))
-            break;
-        Ptr<ResizeTables> tables;
-        if (!level.isInput)
-            fillLevel(isMadeFromInput(i, firstLevel) ? input : levels[i - 1], level, tables);
-        levels.push_back(level);
+        made.make(i);
+        levels.push_back(made[i]);
+        levels[i].mask = made[i].mask.clone();  // as its memory stays with the levels
     }
 }
 

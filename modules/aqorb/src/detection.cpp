@@ -22,9 +22,8 @@ int LevelDetection::reset(const Level& level_, const Rect& root_, const Detectio
     root = root_;
     rules = rules_;
     isOrdered = hasOthers = false;
-    listsPassedOver = rules.listPassedOver;
     found.clear();
-    bandCount = std::min(mostBands(root, rules.cellSize), most);
+    bandCount = std::min(mostBands(root, rules.corners.cellSize), most);
     if (bands.size() < size_t(bandCount))
         bands.resize(bandCount);
     if (seams.size() + 1 < size_t(bandCount))
@@ -33,7 +32,7 @@ int LevelDetection::reset(const Level& level_, const Rect& root_, const Detectio
     const Rect scanned = fastRegion(size, root);
     for (int i = 0; i < bandCount; i++)
     {
-        const Range rows = rowsOfBand(root, rules.cellSize, bandCount, i);
+        const Range rows = rowsOfBand(root, rules.corners.cellSize, bandCount, i);
         bands[i].rect = Rect(root.x, rows.start, root.width, rows.size());
         bands[i].corners.clear();
         if (i > 0)
@@ -42,20 +41,12 @@ int LevelDetection::reset(const Level& level_, const Rect& root_, const Detectio
     return bandCount;
 }
 
-CornerRules LevelDetection::cornerRules(bool listPassedOver) const
-{
-    // Harris responses of neighbours hardly differ. Without suppression a strong corner would be chosen thrice.
-    const CornerRules ofCorners = {rules.thresholds, rules.cellSize, rules.useHarris, listPassedOver};
-    return ofCorners;
-}
-
 void LevelDetection::searchBand(int index, DetectionScratch& scratch)
 {
-    const bool hasSeams = rules.useHarris;
+    const bool hasSeams = rules.corners.suppressNear;
     Seam* const above = hasSeams && index > 0 ? &seams[index - 1] : 0;
     Seam* const below = hasSeams && index < bandCount - 1 ? &seams[index] : 0;
-    scratch.search.find(*level, bands[index].rect, cornerRules(rules.listPassedOver), above, below,
-                        cornersOf(index));
+    scratch.search.find(*level, bands[index].rect, rules.corners, above, below, cornersOf(index));
 }
 
 void LevelDetection::order(const LevelPlan& plan, DetectionScratch& scratch)
@@ -63,8 +54,8 @@ void LevelDetection::order(const LevelPlan& plan, DetectionScratch& scratch)
     CV_TRACE_FUNCTION();
     for (int i = 1; i < bandCount; i++)
     {
-        if (rules.useHarris)
-            seams[i - 1].list(rules.listPassedOver, found, scratch.search.scratch);
+        if (rules.corners.suppressNear)
+            seams[i - 1].list(rules.corners.listPassedOver, found, scratch.search.scratch);
         found.append(bands[i].corners);
     }
     isOrdered = true;
@@ -178,11 +169,11 @@ bool LevelDetection::orderOthers(const LevelPlan& plan, DetectionScratch& scratc
 
 void LevelDetection::list(CornerSet set, DetectionScratch& scratch, std::vector<CornerResponse>& listed)
 {
-    if (set != KEPT_CORNERS && !listsPassedOver)
+    if (set != KEPT_CORNERS && !rules.corners.listPassedOver)
     {
         found.clear();
-        scratch.search.find(*level, root, cornerRules(true), 0, 0, found);
-        listsPassedOver = true;
+        rules.corners.listPassedOver = true;
+        scratch.search.find(*level, root, rules.corners, 0, 0, found);
     }
     const std::vector<Corner>& corners = set == KEPT_CORNERS         ? found.kept
                                          : set == SUPPRESSED_CORNERS ? found.suppressed

@@ -30,10 +30,9 @@ enum CornerSet
 //! The rules of the detection, the same for all levels of an image.
 struct DetectionRules
 {
-    Thresholds thresholds;
-    int cellSize;
-    bool useHarris;       //!< false: the response of a corner is its FAST score, and no corner is suppressed
-    bool listPassedOver;  //!< whether corners that are not kept are listed before anybody asks for them
+    //! With listPassedOver if corners that are not kept are listed before anybody asks for them.
+    CornerRules corners;
+    bool useHarris;                         //!< false: the response of a corner is its FAST score
     const OrientationPatch* strengthPatch;  //!< for the strengths of corners
 };
 
@@ -64,7 +63,7 @@ public:
      @return number of bands, at least one */
     int reset(const Level& level, const Rect& root, const DetectionRules& rules, int bands);
     //! Sets the thresholds, before the first band is searched.
-    void setThresholds(const Thresholds& thresholds) { rules.thresholds = thresholds; }
+    void setThresholds(const Thresholds& thresholds) { rules.corners.thresholds = thresholds; }
     //! Finds the corners of a band. Several bands may be searched at once.
     void searchBand(int index, DetectionScratch& scratch);
     //! Puts the corners in order, once all bands have been searched.
@@ -87,7 +86,6 @@ private:
         FoundCorners corners;  // unused in the first band, whose corners go into `found` at once
     };
     FoundCorners& cornersOf(int band) { return band == 0 ? found : bands[band].corners; }
-    CornerRules cornerRules(bool listPassedOver) const;
     LeafPoint pointAt(size_t index, const LeafGrid& leaves) const;
     void represent(const LevelPlan& plan, DetectionScratch& scratch) const;
     void findStrengths(DetectionScratch& scratch) const;
@@ -103,8 +101,7 @@ private:
     FoundCorners found;       // of all bands, once they are in order
     std::vector<CornerResponse> inOrder;
     bool isOrdered = false;
-    bool hasOthers = false;        // whether corners are missing in the order
-    bool listsPassedOver = false;  // whether those were found that are not kept
+    bool hasOthers = false;  // whether corners are missing in the order
 };
 
 }  // namespace stages

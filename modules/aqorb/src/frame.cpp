@@ -92,9 +92,11 @@ void Frame::detect(bool withDescriptors_)
 void Frame::plan()
 {
     DetectionRules rules;
-    rules.thresholds.ini = rules.thresholds.min = 0;  // to be measured
-    rules.cellSize = parameters.cellSize;
+    rules.corners.thresholds.ini = rules.corners.thresholds.min = 0;  // to be measured
+    rules.corners.cellSize = parameters.cellSize;
     rules.useHarris = parameters.scoreType == ORB::HARRIS_SCORE;
+    // Harris responses of neighbours hardly differ. Without suppression a strong corner would be chosen thrice.
+    rules.corners.suppressNear = rules.useHarris;
     rules.strengthPatch = &tables.strengthPatch;
     workspace.regions.clear();
     double pixels = 0;
@@ -109,7 +111,7 @@ void Frame::plan()
     const std::vector<int>& quotas = isRanked ? workspace.rankedQuotas : tables.quotas;
     // Where a feature is wanted of so few pixels, corners that the rules pass over will probably be needed.
     const double FEW_PIXELS = 130;
-    rules.listPassedOver = pixels < FEW_PIXELS * parameters.nfeatures;
+    rules.corners.listPassedOver = pixels < FEW_PIXELS * parameters.nfeatures;
     // Several threads share about four bands each.
     const double pixelsOfBand = threads == 1 ? pixels : pixels / (4 * threads);
     for (int i = 0; i < levelCount; i++)

@@ -27,12 +27,27 @@ int Levels::layOut(int count, int minSide)
 {
     for (; laidOut < count; laidOut++)
     {
+        const float scale = levelScale(laidOut, firstLevel, scaleFactor);
+        const Size size = levelSize(image.image.size(), scale);
+        if (std::min(size.width, size.height) < minSide)
+            break;
         if (size_t(laidOut) == entries.size())
             entries.push_back(Entry());
         Entry& entry = entries[laidOut];
-        if (!layOutLevel(image, laidOut, firstLevel, scaleFactor, minSide, entry.level,
-                         giveAway ? 0 : &entry.pixels))
-            break;
+        Level& level = entry.level;
+        level.isInput = laidOut == firstLevel;
+        level.scale = scale;
+        if (level.isInput)
+        {
+            level.image = image.image;
+            level.mask = image.mask;
+            continue;
+        }
+        // Rows begin where cache lines do, so that vectors cross as few of them as possible.
+        const size_t step = alignSize(size_t(size.width), CACHE_LINE);
+        if (!giveAway)
+            growTo(entry.pixels, step * size.height);
+        level.image = giveAway ? Mat(size, CV_8UC1) : Mat(size, CV_8UC1, entry.pixels.data(), step);
     }
     return laidOut;
 }
@@ -43,8 +58,9 @@ void Levels::make(int index)
     Entry& entry = entries[index];
     if (entry.level.isInput)
         return;
-    const Level& source = isMadeFromInput(index, firstLevel) ? image : entries[index - 1].level;
-    fillLevel(source, entry.level, entry.resizing, &entry.mask);
+    // As cv::ORB does, the first level that is smaller than the image is made of it, too, and so are all larger ones.
+    const Level& source = index <= firstLevel + 1 ? image : entries[index - 1].level;
+    fillLevel(source, entry.level, entry.resizing, entry.mask);
 }
 
 void Levels::release()

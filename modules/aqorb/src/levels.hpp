@@ -6,6 +6,7 @@
 #ifndef OPENCV_AQORB_LEVELS_HPP
 #define OPENCV_AQORB_LEVELS_HPP
 
+#include "aligned.hpp"
 #include "pyramid.hpp"
 #include "types.hpp"
 
@@ -18,7 +19,8 @@ namespace aqorb
 namespace stages
 {
 
-//! The levels of an image, with the memory and the tables by which they are made. It is kept for later images.
+/** The levels of cv::ORB's pyramid of an image, with the memory and the tables by which they are made. It is kept for later
+ images. Level `firstLevel` is the image itself, which is not copied. */
 class Levels
 {
 public:
@@ -29,7 +31,7 @@ public:
     //! Prepares so many levels, or fewer if a side would be shorter than minSide. Levels that were made stay.
     //! @return how many there are
     int layOut(int count, int minSide);
-    //! Makes the pixels of a level from the level before or from the input.
+    //! Makes the pixels and the mask of a level from the level before or from the input.
     void make(int index);
     //! Forgets the images and masks that are the caller's, and those that became the caller's.
     void release();

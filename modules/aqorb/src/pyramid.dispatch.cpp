@@ -5,6 +5,7 @@
 
 #include "precomp.hpp"
 
+#include "aligned.hpp"
 #include "pyramid.hpp"
 
 #include "pyramid.simd.hpp"
@@ -160,45 +161,7 @@ static void resizeMask(const Mat& mask, const ResizeTables& tables, Mat& resized
     }
 }
 
-bool layOutLevel(const Level& input, int index, int firstLevel, double scaleFactor, int minSide, Level& level,
-                 AlignedVector<uchar>* memory)
-{
-    const float scale = levelScale(index, firstLevel, scaleFactor);
-    const Size size = levelSize(input.image.size(), scale);
-    if (std::min(size.width, size.height) < minSide)
-        return false;
-    level.scale = scale;
-    level.isInput = index == firstLevel;
-    level.mask.release();
-    if (level.isInput)
-    {
-        level.image = input.image;
-        level.mask = input.mask;
-    }
-    else if (memory)
-    {
-        // Rows begin where cache lines do, so that vectors cross as few of them as possible.
-        const size_t step = alignSize(size_t(size.width), CACHE_LINE), bytes = step * size.height;
-        if (memory->size() < bytes)
-        {
-            memory->reserve(bytes);
-            memory->resize(bytes);
-        }
-        level.image = Mat(size, CV_8UC1, memory->data(), step);
-    }
-    else
-    {
-        level.image.create(size, CV_8UC1);
-    }
-    return true;
-}
-
-bool isMadeFromInput(int index, int firstLevel)
-{
-    return index <= firstLevel + 1;
-}
-
-void fillLevel(const Level& source, Level& level, Ptr<ResizeTables>& tables, std::vector<uchar>* maskMemory)
+void fillLevel(const Level& source, Level& level, Ptr<ResizeTables>& tables, std::vector<uchar>& maskMemory)
 {
     CV_TRACE_FUNCTION();
     if (!tables)
@@ -207,9 +170,8 @@ void fillLevel(const Level& source, Level& level, Ptr<ResizeTables>& tables, std
     if (source.mask.empty())
         return;
     const Size size = level.image.size();
-    if (maskMemory && maskMemory->size() < size_t(size.area()))
-        maskMemory->resize(size_t(size.area()));
-    level.mask = maskMemory ? Mat(size, CV_8UC1, maskMemory->data()) : Mat(size, CV_8UC1);
+    growTo(maskMemory, size_t(size.area()));
+    level.mask = Mat(size, CV_8UC1, maskMemory.data());
     resizeMask(source.mask, *tables, level.mask);
 }
 

@@ -6,7 +6,6 @@
 #ifndef OPENCV_AQORB_PYRAMID_HPP
 #define OPENCV_AQORB_PYRAMID_HPP
 
-#include "aligned.hpp"
 #include "types.hpp"
 
 namespace cv
@@ -25,25 +24,14 @@ const int MAX_LEVEL_SIDE = (1 << 20) - 1;
 //! The size of a level, as cv::ORB computes it; a side may be 0. Throws where a side exceeds MAX_LEVEL_SIDE.
 Size levelSize(Size imageSize, float scale);
 
-/** Prepares level `index` of cv::ORB's pyramid. The level `firstLevel` becomes the input image itself, which is not
- copied. Any other level gets its scale and size; fillLevel gives it its pixels. Memory of the same size is used again.
- @param input the image and its mask
- @param memory for the pixels; 0: the level gets memory of its own
- @return false where a side of the level would be shorter than minSide; the level is then unchanged */
-bool layOutLevel(const Level& input, int index, int firstLevel, double scaleFactor, int minSide, Level& level,
-                 AlignedVector<uchar>* memory = 0);
-
-//! Whether cv::ORB makes a level from the input image. Otherwise it makes the level from the previous one.
-bool isMadeFromInput(int index, int firstLevel);
-
 struct ResizeTables;
 
-/** Makes a level by cv::resize with INTER_LINEAR_EXACT, without the overhead that cv::resize has for one channel.
+/** Gives a level of known size its pixels by cv::resize with INTER_LINEAR_EXACT, without the overhead that cv::resize has
+ for one channel.
  Where there is a mask, a pixel of the level is usable if all pixels that it is made from are.
  @param tables for this level only. They are made when sizes change and then used again for later images.
- @param maskMemory for the mask; 0: the mask gets memory of its own */
-void fillLevel(const Level& source, Level& level, Ptr<ResizeTables>& tables,
-               std::vector<uchar>* maskMemory = 0);
+ @param maskMemory where the mask is put */
+void fillLevel(const Level& source, Level& level, Ptr<ResizeTables>& tables, std::vector<uchar>& maskMemory);
 
 // ---- for the kernel: plain structs only, see types.hpp ---------------------------------------
 

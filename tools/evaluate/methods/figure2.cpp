@@ -7,7 +7,7 @@
 
 #include "detection.hpp"
 #include "orientation.hpp"
-#include "pyramid.hpp"
+#include "levels.hpp"
 #include "threshold.hpp"
 
 #include <opencv2/aqorb.hpp>
@@ -34,18 +34,15 @@ public:
         const Thresholds thresholds =
             fastThresholds(varianceOverMean(gray, cv::Mat()), FAST_THRESHOLD, MIN_RATIO);
         const std::vector<int> quotas = levelQuotas(n, SCALE_FACTOR, LEVELS);
-        Level input, level, levelBefore;
+        Level input;
         input.image = gray;
+        Levels levels;
+        levels.reset(input, 0, SCALE_FACTOR, false);
         Features features;
-        for (int i = 0; i < LEVELS; i++)
+        for (int i = 0, count = levels.layOut(LEVELS, 2 * EDGE + 1); i < count; i++)
         {
-            levelBefore = level;
-            level = Level();
-            if (!layOutLevel(input, i, 0, SCALE_FACTOR, 2 * EDGE + 1, level))
-                break;
-            cv::Ptr<ResizeTables> tables;
-            if (!level.isInput)
-                fillLevel(isMadeFromInput(i, 0) ? input : levelBefore, level, tables);
+            levels.make(i);
+            const Level& level = levels[i];
             for (const CornerResponse& corner : choose(level, thresholds, quotas[i]))
             {
                 FeaturePoint point = {corner.x, corner.y, 0};
@@ -62,7 +59,7 @@ private:
     static std::vector<CornerResponse> choose(const Level& level, Thresholds thresholds, int quota)
     {
         const cv::Rect region(EDGE, EDGE, level.image.cols - 2 * EDGE, level.image.rows - 2 * EDGE);
-        const DetectionRules rules = {thresholds, CELL, true, false, 0};
+        const DetectionRules rules = {{thresholds, CELL, true, false}, true, 0};
         LevelPlan plan = LevelPlan();
         plan.root = region;
         plan.depth = quadtreeDepth(quota);
