@@ -21,8 +21,8 @@ namespace opencv_test
 namespace reference
 {
 
-using aqorb::stages::Corner;
-using aqorb::stages::Thresholds;
+using aqorb::Corner;
+using aqorb::Thresholds;
 
 //! A point in a leaf of a quadtree, by its Morton code. Ties go to the lower y, then the lower x, then the lower index.
 struct LeafPoint
@@ -169,8 +169,8 @@ void descriptor(const Mat& image, const Mat& blurred, Point center, float angle,
 }  // namespace reference
 
 //! Whether two lists hold the same corners in the same order.
-::testing::AssertionResult sameCorners(const std::vector<aqorb::stages::Corner>& a,
-                                       const std::vector<aqorb::stages::Corner>& b);
+::testing::AssertionResult sameCorners(const std::vector<aqorb::Corner>& a,
+                                       const std::vector<aqorb::Corner>& b);
 
 //! Runs the code on the baseline kernels until it goes out of scope.
 class WithoutOptimization

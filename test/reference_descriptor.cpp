@@ -61,7 +61,7 @@ std::vector<Point> descriptorPattern(int patchSize, int WTA_K)
         // x is drawn before y
         const int x = poolRng.uniform(-patchSize / 2, patchSize / 2 + 1);
         const int y = poolRng.uniform(-patchSize / 2, patchSize / 2 + 1);
-        const signed char* learned = aqorb::stages::LEARNED_POINTS[i];
+        const signed char* learned = aqorb::LEARNED_POINTS[i];
         pool.push_back(patchSize == 31 ? Point(learned[0], learned[1]) : Point(x, y));
     }
     if (WTA_K == 2)

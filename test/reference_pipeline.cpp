@@ -11,8 +11,8 @@
 namespace opencv_test
 {
 
-::testing::AssertionResult sameCorners(const std::vector<aqorb::stages::Corner>& a,
-                                       const std::vector<aqorb::stages::Corner>& b)
+::testing::AssertionResult sameCorners(const std::vector<aqorb::Corner>& a,
+                                       const std::vector<aqorb::Corner>& b)
 {
     for (size_t i = 0; i < std::min(a.size(), b.size()); i++)
     {

@@ -11,7 +11,7 @@ namespace opencv_test
 namespace
 {
 
-using namespace aqorb::stages;
+using namespace aqorb;
 
 // Images that push the roundings to their limits.
 std::vector<Mat> hardImages(Size size, int seed)

@@ -15,7 +15,7 @@ namespace opencv_test
 namespace
 {
 
-using namespace aqorb::stages;
+using namespace aqorb;
 
 // Memory that is used for one image after the other.
 struct CornerScratch

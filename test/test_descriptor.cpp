@@ -13,7 +13,7 @@ namespace opencv_test
 namespace
 {
 
-using namespace aqorb::stages;
+using namespace aqorb;
 
 void computeDescriptors(const Mat& image, const Mat& blurred, const FeaturePoint* points, size_t count,
                         const std::vector<Point>& pattern, int WTA_K, uchar* descriptors, size_t step)

@@ -14,7 +14,7 @@ namespace opencv_test
 namespace
 {
 
-using namespace aqorb::stages;
+using namespace aqorb;
 
 Range columnsOf(const Rect& region)
 {

@@ -12,7 +12,7 @@ namespace opencv_test
 namespace
 {
 
-using namespace aqorb::stages;
+using namespace aqorb;
 
 float harrisResponse(const Mat& image, int x, int y)
 {

@@ -207,7 +207,7 @@ TEST(Aqorb_MatchArrays, refuses_bad_input)
 // The kernels of the CPU and those of every CPU, each with the layout that it wants.
 TEST(Aqorb_HammingKernels, equal_the_plain_ones)
 {
-    using namespace aqorb::stages;
+    using namespace aqorb;
     for (int seed = 1; seed <= 100; seed++)
     {
         RNG rng(seed);

@@ -12,7 +12,7 @@ namespace opencv_test
 namespace
 {
 
-using namespace aqorb::stages;
+using namespace aqorb;
 
 void orientations(const Mat& image, const std::vector<int>& halfWidths, FeaturePoint* points, size_t count)
 {

@@ -12,7 +12,7 @@ namespace opencv_test
 namespace
 {
 
-using namespace aqorb::stages;
+using namespace aqorb;
 
 TEST(Aqorb_Position, offset_equals_reference_at_every_pixel)
 {

@@ -98,7 +98,7 @@ TEST(Aqorb_Properties, quotas_add_up_to_the_number_of_features)
         const int n = rng.uniform(0, 3) ? rng.uniform(0, 3000) : int(rng.next() >> 1);
         const double factor = rng.uniform(1.001, 4.);
         const int nlevels = rng.uniform(1, 40);
-        const std::vector<int> quotas = aqorb::stages::levelQuotas(n, factor, nlevels);
+        const std::vector<int> quotas = aqorb::levelQuotas(n, factor, nlevels);
         ASSERT_EQ(size_t(nlevels), quotas.size());
         ASSERT_EQ(reference::quotas(n, factor, nlevels), quotas) << n << " " << factor << " " << nlevels;
         ASSERT_GE(*std::min_element(quotas.begin(), quotas.end()), 0) << n << " " << factor << " " << nlevels;

@@ -16,7 +16,7 @@ namespace opencv_test
 namespace
 {
 
-using namespace aqorb::stages;
+using namespace aqorb;
 
 // Resizes as levels are resized.
 void resizeExact(const Mat& source, Mat& resized, Size size)

@@ -17,7 +17,7 @@ namespace opencv_test
 namespace
 {
 
-using namespace aqorb::stages;
+using namespace aqorb;
 
 TEST(Aqorb_Quadtree, depth_of_the_papers_example)
 {

@@ -14,7 +14,7 @@ namespace opencv_test
 namespace
 {
 
-using namespace aqorb::stages;
+using namespace aqorb;
 
 bool isInDisc(int64 dx, int64 dy, Size cell, int64 squaredRadius)
 {

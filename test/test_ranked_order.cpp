@@ -17,7 +17,7 @@ namespace opencv_test
 namespace
 {
 
-using namespace aqorb::stages;
+using namespace aqorb;
 
 const float INF = std::numeric_limits<float>::infinity();
 const float NOT_A_NUMBER = std::numeric_limits<float>::quiet_NaN();

@@ -12,7 +12,7 @@ namespace opencv_test
 namespace
 {
 
-using namespace aqorb::stages;
+using namespace aqorb;
 
 typedef std::vector<CornerResponse> Corners;
 

@@ -44,7 +44,7 @@ TEST(Aqorb_SineCosine, are_those_of_the_gnu_c_library)
     for (const float angle : manyAngles())
     {
         float sine, cosine;
-        aqorb::stages::sineAndCosine(angle, sine, cosine);
+        aqorb::sineAndCosine(angle, sine, cosine);
         different += sine != std::sin(angle) || cosine != std::cos(angle);
     }
     EXPECT_EQ(0, different);
@@ -58,7 +58,7 @@ TEST(Aqorb_SineCosine, are_the_same_on_every_system)
     for (const float angle : manyAngles())
     {
         float sine, cosine;
-        aqorb::stages::sineAndCosine(angle, sine, cosine);
+        aqorb::sineAndCosine(angle, sine, cosine);
         // The sign of a zero is of no effect.
         hash = (hash ^ bitsOf(sine + 0.f)) * 0x9e3779b97f4a7c15ULL;
         hash = (hash ^ bitsOf(cosine + 0.f)) * 0x9e3779b97f4a7c15ULL;
@@ -72,14 +72,14 @@ TEST(Aqorb_SineCosine, of_any_number_are_defined)
     for (const float angle : {120.f, -120.f, 1e9f, -3e38f})
     {
         float sine, cosine;
-        aqorb::stages::sineAndCosine(angle, sine, cosine);
+        aqorb::sineAndCosine(angle, sine, cosine);
         EXPECT_NEAR(std::sin(double(angle)), sine, 1e-6) << angle;
         EXPECT_NEAR(std::cos(double(angle)), cosine, 1e-6) << angle;
     }
     for (const float angle : {infinity, -infinity, std::numeric_limits<float>::quiet_NaN()})
     {
         float sine, cosine;
-        aqorb::stages::sineAndCosine(angle, sine, cosine);
+        aqorb::sineAndCosine(angle, sine, cosine);
         EXPECT_TRUE(cvIsNaN(sine) && cvIsNaN(cosine)) << angle;
     }
 }

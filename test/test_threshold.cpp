@@ -12,7 +12,7 @@ namespace opencv_test
 namespace
 {
 
-using namespace aqorb::stages;
+using namespace aqorb;
 
 TEST(Aqorb_Threshold, equation7_of_known_images)
 {

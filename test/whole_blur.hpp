@@ -14,10 +14,10 @@ namespace opencv_test
 const int BLUR_MARGIN = 61;  // wide enough for the patches of the tests, and a blurMargin
 
 //! The rows of a matrix of type CV_16UC1, which is a part of a larger one that has the margin, too.
-inline aqorb::stages::BlurredRows rowsOf(const Mat& blurred)
+inline aqorb::BlurredRows rowsOf(const Mat& blurred)
 {
-    const aqorb::stages::BlurredRows rows = {const_cast<ushort*>(blurred.ptr<ushort>()),
-                                             ptrdiff_t(blurred.step1()), 0};
+    const aqorb::BlurredRows rows = {const_cast<ushort*>(blurred.ptr<ushort>()), ptrdiff_t(blurred.step1()),
+                                     0};
     return rows;
 }
 
@@ -40,13 +40,12 @@ inline Mat blurredOf(Size size, int value = 0)
 inline void approximateBlur(const Mat& image, Mat& blurred)
 {
     const int margin = BLUR_MARGIN;
-    aqorb::stages::BlurRegion everywhere;
+    aqorb::BlurRegion everywhere;
     everywhere.reset(image.size(), BLUR_MARGIN);
     everywhere.addDisc(Point(), std::vector<int>(image.cols + BLUR_MARGIN + 1, image.rows + BLUR_MARGIN));
     blurred = blurredOf(image.size());
     std::vector<uchar> scratch;
-    aqorb::stages::approximateBlur(image, everywhere, Range(-margin, image.rows + margin), rowsOf(blurred),
-                                   scratch);
+    aqorb::approximateBlur(image, everywhere, Range(-margin, image.rows + margin), rowsOf(blurred), scratch);
 }
 
 }  // namespace opencv_test

@@ -96,5 +96,5 @@ def shares_table(head, shares):
 
 
 def short_function(name):
-    """'int cv::aqorb::stages::opt_AVX2::scoreRow<cv::aqorb::...>' without the namespaces and the type it returns."""
-    return re.sub(r'^\w+ ', '', re.sub(r'cv::aqorb::|stages::', '', name))
+    """'int cv::aqorb::opt_AVX2::scoreRow<cv::aqorb::...>' without the namespaces and the type it returns."""
+    return re.sub(r'^\w+ ', '', name.replace('cv::aqorb::', ''))

@@ -18,8 +18,6 @@ namespace cv
 namespace aqorb
 {
 
-using namespace stages;
-
 String AdaptiveQuadtreeORB::getDefaultName() const
 {
     return Feature2D::getDefaultName() + ".AdaptiveQuadtreeORB";

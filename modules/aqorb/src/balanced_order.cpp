@@ -11,8 +11,6 @@ namespace cv
 {
 namespace aqorb
 {
-namespace stages
-{
 
 // Sorts points by their leaves, those of a group side by side. A better point has a lower key, which ends in its index.
 static void groupPoints(const std::vector<LeafPoint>& points, int depth, BalancedScratch& scratch)
@@ -107,6 +105,5 @@ void balancedOrder(const std::vector<LeafPoint>& points, int depth, size_t count
     }
 }
 
-}  // namespace stages
 }  // namespace aqorb
 }  // namespace cv

@@ -13,8 +13,6 @@ namespace cv
 {
 namespace aqorb
 {
-namespace stages
-{
 
 const int GROUP_LEAVES = 16;
 
@@ -48,7 +46,6 @@ struct BalancedScratch
 void balancedOrder(const std::vector<LeafPoint>& points, int depth, size_t count, BalancedScratch& scratch,
                    std::vector<unsigned>& order);
 
-}  // namespace stages
 }  // namespace aqorb
 }  // namespace cv
 

@@ -15,8 +15,6 @@ namespace cv
 namespace aqorb
 {
 
-using namespace stages;
-
 namespace
 {
 

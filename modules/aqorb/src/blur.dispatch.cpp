@@ -16,8 +16,6 @@ namespace cv
 {
 namespace aqorb
 {
-namespace stages
-{
 
 // cv::ORB blurs a level by a Gaussian in float and rounds it to 8 bits at the end, so its value depends on every
 // rounding on the way. exactBlur repeats these roundings one by one. approximateBlur is a fast version in fixed point
@@ -184,6 +182,5 @@ void approximateBlur(const Mat& image, const BlurRegion& region, const Range& ro
     }
 }
 
-}  // namespace stages
 }  // namespace aqorb
 }  // namespace cv

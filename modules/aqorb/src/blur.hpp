@@ -13,8 +13,6 @@ namespace cv
 {
 namespace aqorb
 {
-namespace stages
-{
 
 //! The value of cv::ORB's Gaussian blur (7x7, sigma 2) at a pixel of a level, rounded as with fused multiply-add.
 uchar exactBlur(const Mat& image, int x, int y);
@@ -72,7 +70,6 @@ const int BLUR_EXCESS = 2, BLUR_SHORTFALL = 10;
 void approximateBlur(const Mat& image, const BlurRegion& region, const Range& rows,
                      const BlurredRows& blurred, std::vector<uchar>& scratch);
 
-}  // namespace stages
 }  // namespace aqorb
 }  // namespace cv
 

@@ -15,8 +15,6 @@ namespace cv
 {
 namespace aqorb
 {
-namespace stages
-{
 
 namespace
 {
@@ -202,6 +200,5 @@ Range rowsOfBand(const Rect& region, int cellSize, int bands, int index)
     return Range(top(index), index == bands - 1 ? region.y + region.height : top(index + 1));
 }
 
-}  // namespace stages
 }  // namespace aqorb
 }  // namespace cv

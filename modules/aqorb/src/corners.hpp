@@ -13,8 +13,6 @@ namespace cv
 {
 namespace aqorb
 {
-namespace stages
-{
 
 //! The rules by which corners are found.
 struct CornerRules
@@ -84,7 +82,6 @@ int mostBands(const Rect& region, int cellSize);
 //! The rows of band `index` of so many of a region, at most mostBands.
 Range rowsOfBand(const Rect& region, int cellSize, int bands, int index);
 
-}  // namespace stages
 }  // namespace aqorb
 }  // namespace cv
 

@@ -10,8 +10,6 @@ namespace cv
 {
 namespace aqorb
 {
-namespace stages
-{
 CV_CPU_OPTIMIZATION_NAMESPACE_BEGIN
 
 /** Writes the corners that have no better one within SUPPRESS_RADIUS.
@@ -84,6 +82,5 @@ int writeKept(const CornerBlock* blocks, int cornerCount, const uchar* scores, p
 #endif  // CV_CPU_OPTIMIZATION_DECLARATIONS_ONLY
 
 CV_CPU_OPTIMIZATION_NAMESPACE_END
-}  // namespace stages
 }  // namespace aqorb
 }  // namespace cv

@@ -11,8 +11,6 @@ namespace cv
 {
 namespace aqorb
 {
-namespace stages
-{
 
 void FeatureList::reset(size_t count)
 {
@@ -98,6 +96,5 @@ void describeFeatures(const Level& level, const DescriptionRules& rules, const R
     }
 }
 
-}  // namespace stages
 }  // namespace aqorb
 }  // namespace cv

@@ -17,8 +17,6 @@ namespace cv
 {
 namespace aqorb
 {
-namespace stages
-{
 
 //! Features of a level that were chosen together.
 struct FeatureList
@@ -64,7 +62,6 @@ struct DescriptionScratch
 void describeFeatures(const Level& level, const DescriptionRules& rules, const Range& features,
                       FeatureList& list, DescriptionScratch& scratch);
 
-}  // namespace stages
 }  // namespace aqorb
 }  // namespace cv
 

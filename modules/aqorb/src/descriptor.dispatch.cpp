@@ -17,8 +17,6 @@ namespace cv
 {
 namespace aqorb
 {
-namespace stages
-{
 
 std::vector<Point> descriptorPattern(int patchSize, int WTA_K)
 {
@@ -182,6 +180,5 @@ void computeDescriptors(const Mat& image, const BlurredRows& blurred, const Feat
     }
 }
 
-}  // namespace stages
 }  // namespace aqorb
 }  // namespace cv

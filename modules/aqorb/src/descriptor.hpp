@@ -14,8 +14,6 @@ namespace cv
 {
 namespace aqorb
 {
-namespace stages
-{
 
 //! The points that rBRIEF compares, WTA_K for each test, in the order of the tests, as cv::ORB draws them.
 std::vector<Point> descriptorPattern(int patchSize, int WTA_K);
@@ -59,7 +57,6 @@ struct DescriptorTests
 void computeDescriptors(const Mat& image, const BlurredRows& blurred, const FeaturePoint* points,
                         size_t count, const DescriptorTests& tests, uchar* descriptors, size_t step);
 
-}  // namespace stages
 }  // namespace aqorb
 }  // namespace cv
 

@@ -10,8 +10,6 @@ namespace cv
 {
 namespace aqorb
 {
-namespace stages
-{
 CV_CPU_OPTIMIZATION_NAMESPACE_BEGIN
 
 /** Carries out the tests of a descriptor that the approximate blur decides.
@@ -132,6 +130,5 @@ void comparePairs(const ushort* center, ptrdiff_t step, float a, float b, const 
 #endif  // CV_CPU_OPTIMIZATION_DECLARATIONS_ONLY
 
 CV_CPU_OPTIMIZATION_NAMESPACE_END
-}  // namespace stages
 }  // namespace aqorb
 }  // namespace cv

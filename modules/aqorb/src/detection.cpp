@@ -13,8 +13,6 @@ namespace cv
 {
 namespace aqorb
 {
-namespace stages
-{
 
 int LevelDetection::reset(const Level& level_, const Rect& root_, const DetectionRules& rules_, int most)
 {
@@ -157,7 +155,7 @@ bool LevelDetection::orderOthers(const LevelPlan& plan, DetectionScratch& scratc
     scratch.points.clear();
     for (size_t i = 0; i < found.kept.size(); i++)
         scratch.points.push_back(pointAt(i, scratch.leaves));
-    stages::orderOthers(scratch.points, scratch.representatives.points, scratch.ranked, scratch.order);
+    aqorb::orderOthers(scratch.points, scratch.representatives.points, scratch.ranked, scratch.order);
     scratch.corners.clear();
     for (unsigned index : scratch.order)
         scratch.corners.push_back(found.kept[index]);
@@ -190,6 +188,5 @@ void LevelDetection::respond(const Corner* corners, size_t count, CornerResponse
         responses[i] = {corners[i].x, corners[i].y, float(corners[i].score)};
 }
 
-}  // namespace stages
 }  // namespace aqorb
 }  // namespace cv

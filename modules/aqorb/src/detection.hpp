@@ -16,8 +16,6 @@ namespace cv
 {
 namespace aqorb
 {
-namespace stages
-{
 
 //! The corners of a level by what the rules of the detection say about them.
 enum CornerSet
@@ -104,7 +102,6 @@ private:
     bool hasOthers = false;  // whether corners are missing in the order
 };
 
-}  // namespace stages
 }  // namespace aqorb
 }  // namespace cv
 

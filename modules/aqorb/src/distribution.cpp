@@ -16,7 +16,7 @@ namespace aqorb
 
 double distributionUniformity(const std::vector<KeyPoint>& keypoints, Size imageSize)
 {
-    stages::checkImageSize(imageSize);
+    checkImageSize(imageSize);
     const double W = imageSize.width, H = imageSize.height;
     const int HALVINGS = 5;
     int64 first[HALVINGS] = {0, 0, 0, 0, 0};  // keypoints in the first region of each halving
@@ -48,7 +48,7 @@ double distributionUniformity(const std::vector<KeyPoint>& keypoints, Size image
 
 double distributionOccupancy(const std::vector<KeyPoint>& keypoints, Size imageSize, Size grid)
 {
-    stages::checkImageSize(imageSize);
+    checkImageSize(imageSize);
     if (grid.width <= 0 || grid.height <= 0 || int64(grid.width) * grid.height > (1 << 24))
         CV_Error_(Error::StsOutOfRange, ("grid must be positive and have at most 2^24 cells, got %d x %d",
                                          grid.width, grid.height));

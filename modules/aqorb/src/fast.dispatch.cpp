@@ -16,8 +16,6 @@ namespace cv
 {
 namespace aqorb
 {
-namespace stages
-{
 
 namespace
 {
@@ -235,6 +233,5 @@ void cornerScores3x3(const Mat& image, int x, int y, int scores[3][3])
     neighborCornerScores(patch.center, patch.step, scores);
 }
 
-}  // namespace stages
 }  // namespace aqorb
 }  // namespace cv

@@ -12,8 +12,6 @@ namespace cv
 {
 namespace aqorb
 {
-namespace stages
-{
 
 //! Neighbouring pixels of a row, and which of them are FAST corners.
 struct CornerBlock
@@ -160,7 +158,6 @@ void listCorners(const CornerBlock* first, const CornerBlock* last, const ScoreP
  more than the response of cv::FAST. */
 void cornerScores3x3(const Mat& image, int x, int y, int scores[3][3]);
 
-}  // namespace stages
 }  // namespace aqorb
 }  // namespace cv
 

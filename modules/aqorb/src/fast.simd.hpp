@@ -14,8 +14,6 @@ namespace cv
 {
 namespace aqorb
 {
-namespace stages
-{
 
 CV_CPU_OPTIMIZATION_NAMESPACE_BEGIN
 
@@ -229,6 +227,5 @@ void neighborScores(const uchar* p, ptrdiff_t step, int scores[3][3])
 
 CV_CPU_OPTIMIZATION_NAMESPACE_END
 
-}  // namespace stages
 }  // namespace aqorb
 }  // namespace cv

@@ -15,8 +15,6 @@ namespace cv
 {
 namespace aqorb
 {
-namespace stages
-{
 
 CV_CPU_OPTIMIZATION_NAMESPACE_BEGIN
 
@@ -201,7 +199,6 @@ template <typename Vectors> CV_ALWAYS_INLINE Sides<Vectors> bestArc(const Around
 
 CV_CPU_OPTIMIZATION_NAMESPACE_END
 
-}  // namespace stages
 }  // namespace aqorb
 }  // namespace cv
 

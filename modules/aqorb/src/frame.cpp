@@ -13,8 +13,6 @@ namespace cv
 namespace aqorb
 {
 
-using namespace stages;
-
 Frame::Frame(const Parameters& parameters_, const Tables& tables_, Workspace& workspace_)
     : parameters(parameters_),
       tables(tables_),

@@ -80,13 +80,13 @@ private:
     void collect(int level, Choice choice, WorkerScratch& scratch);
     void putRanges(int level, Choice choice);
     void describe(const Task& task, WorkerScratch& scratch);
-    stages::FeatureList& listOf(int level, int choice);
-    stages::DescriptionRules rulesOf(int level) const;
+    FeatureList& listOf(int level, int choice);
+    DescriptionRules rulesOf(int level) const;
 
     const Parameters& parameters;
     const Tables& tables;
     Workspace& workspace;
-    stages::Levels& levels;
+    Levels& levels;
     std::deque<LevelWork>& work;
     const int threads;
     const bool isRanked;

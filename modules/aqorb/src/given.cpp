@@ -11,8 +11,6 @@ namespace cv
 {
 namespace aqorb
 {
-namespace stages
-{
 
 // Keypoints may come from a detector of more levels, but not make the pyramid as high as they like.
 static const int MOST_LEVELS_GIVEN = 64;
@@ -107,6 +105,5 @@ void listGiven(const GivenScratch& given, int octave, FeatureList& list)
     }
 }
 
-}  // namespace stages
 }  // namespace aqorb
 }  // namespace cv

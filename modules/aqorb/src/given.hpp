@@ -14,8 +14,6 @@ namespace cv
 {
 namespace aqorb
 {
-namespace stages
-{
 
 //! A keypoint that is given to be described.
 struct GivenFeature
@@ -40,7 +38,6 @@ void takeGiven(const std::vector<KeyPoint>& keypoints, const Parameters& paramet
 //! The features of one octave. They come in the output as they were given.
 void listGiven(const GivenScratch& given, int octave, FeatureList& list);
 
-}  // namespace stages
 }  // namespace aqorb
 }  // namespace cv
 

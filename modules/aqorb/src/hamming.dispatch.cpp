@@ -22,8 +22,6 @@ namespace cv
 {
 namespace aqorb
 {
-namespace stages
-{
 
 static const HammingKernels* dispatchedKernels(bool countPairs, int bytes)
 {
@@ -35,6 +33,5 @@ const HammingKernels& hammingKernels(bool countPairs, int bytes)
     return *dispatchedKernels(countPairs, bytes);
 }
 
-}  // namespace stages
 }  // namespace aqorb
 }  // namespace cv

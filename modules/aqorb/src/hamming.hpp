@@ -17,8 +17,6 @@ namespace cv
 {
 namespace aqorb
 {
-namespace stages
-{
 
 // The functions are static, because a file compiled for one CPU that includes them must keep its own: see types.hpp.
 
@@ -141,7 +139,6 @@ const HammingKernels& hammingKernels(bool countPairs, int bytes);
 //! Those that every CPU has, without a vector.
 const HammingKernels& plainHammingKernels(bool countPairs);
 
-}  // namespace stages
 }  // namespace aqorb
 }  // namespace cv
 

@@ -12,8 +12,6 @@ namespace cv
 {
 namespace aqorb
 {
-namespace stages
-{
 CV_CPU_OPTIMIZATION_NAMESPACE_BEGIN
 
 const HammingKernels* kernelsFor(bool countPairs, int bytes);
@@ -216,6 +214,5 @@ const HammingKernels* kernelsFor(bool countPairs, int)
 #endif  // CV_CPU_OPTIMIZATION_DECLARATIONS_ONLY
 
 CV_CPU_OPTIMIZATION_NAMESPACE_END
-}  // namespace stages
 }  // namespace aqorb
 }  // namespace cv

@@ -16,8 +16,6 @@ namespace cv
 {
 namespace aqorb
 {
-namespace stages
-{
 CV_CPU_OPTIMIZATION_NAMESPACE_BEGIN
 
 #if CV_SIMD && (CV_SSE2 || CV_NEON)
@@ -329,7 +327,6 @@ inline v_uint16 blockDistances(const uint64* query, const uint64* block, int wor
 #endif
 
 CV_CPU_OPTIMIZATION_NAMESPACE_END
-}  // namespace stages
 }  // namespace aqorb
 }  // namespace cv
 

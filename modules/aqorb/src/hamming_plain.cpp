@@ -13,8 +13,6 @@ namespace cv
 {
 namespace aqorb
 {
-namespace stages
-{
 namespace
 {
 
@@ -81,6 +79,5 @@ const HammingKernels& plainHammingKernels(bool countPairs)
     return countPairs ? table<true>() : table<false>();
 }
 
-}  // namespace stages
 }  // namespace aqorb
 }  // namespace cv

@@ -12,8 +12,6 @@ namespace cv
 {
 namespace aqorb
 {
-namespace stages
-{
 
 namespace
 {
@@ -180,6 +178,5 @@ void nearestDescriptors(const Mat& query, const Mat& train, const Mat& mask, boo
         allDistances(train, query, countPairs, nearestSink(mask, 0, kept, ofTrains));
 }
 
-}  // namespace stages
 }  // namespace aqorb
 }  // namespace cv

@@ -14,8 +14,6 @@ namespace cv
 {
 namespace aqorb
 {
-namespace stages
-{
 
 /** Takes the distances of a query to count trains, of which the first one has the index firstTrain. It is called by several
  threads at once, but for a query by one at a time, and then in the order of the trains. */
@@ -36,7 +34,6 @@ void allDistances(const Mat& query, const Mat& train, bool countPairs, const Dis
 void nearestDescriptors(const Mat& query, const Mat& train, const Mat& mask, bool countPairs, int firstTrain,
                         int kept, DistanceKey* ofQueries, DistanceKey* ofTrains);
 
-}  // namespace stages
 }  // namespace aqorb
 }  // namespace cv
 

@@ -15,8 +15,6 @@ namespace cv
 {
 namespace aqorb
 {
-namespace stages
-{
 
 static const int RADIUS = 3;  // of the 5x5 block and the Sobel operators around its pixels
 static const int REACH = 6;   // to the right, where vectors read on
@@ -57,6 +55,5 @@ void harrisResponses(const Mat& image, const Corner* corners, size_t count, Corn
     }
 }
 
-}  // namespace stages
 }  // namespace aqorb
 }  // namespace cv

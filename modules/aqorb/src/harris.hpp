@@ -12,14 +12,11 @@ namespace cv
 {
 namespace aqorb
 {
-namespace stages
-{
 
 /** Computes the Harris response of cv::ORB, but over a block of 5x5 instead of 7x7 pixels: det - 0.04 trace^2
  of the sums over the block of the products of the Sobel derivatives. */
 void harrisResponses(const Mat& image, const Corner* corners, size_t count, CornerResponse* responses);
 
-}  // namespace stages
 }  // namespace aqorb
 }  // namespace cv
 

@@ -12,8 +12,6 @@ namespace cv
 {
 namespace aqorb
 {
-namespace stages
-{
 CV_CPU_OPTIMIZATION_NAMESPACE_BEGIN
 
 //! The harrisResponses of corners. The 3 pixels around each, and the 6 to its right, must be readable.
@@ -153,6 +151,5 @@ void harrisOfCorners(const uchar* image, ptrdiff_t step, const Corner* corners, 
 #endif  // CV_CPU_OPTIMIZATION_DECLARATIONS_ONLY
 
 CV_CPU_OPTIMIZATION_NAMESPACE_END
-}  // namespace stages
 }  // namespace aqorb
 }  // namespace cv

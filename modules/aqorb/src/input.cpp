@@ -13,8 +13,6 @@ namespace cv
 {
 namespace aqorb
 {
-namespace stages
-{
 
 bool isSequence(const _InputArray& array)
 {
@@ -123,6 +121,5 @@ Collection::Collection(InputArrayOfArrays images_, InputArrayOfArrays masks_)
                                      int(masks.size()), int(images.size())));
 }
 
-}  // namespace stages
 }  // namespace aqorb
 }  // namespace cv

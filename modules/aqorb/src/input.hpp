@@ -14,8 +14,6 @@ namespace cv
 {
 namespace aqorb
 {
-namespace stages
-{
 
 //! Throws unless the input is an image that can be converted to grey.
 void checkImage(InputArray image);
@@ -54,7 +52,6 @@ bool isSequence(const _InputArray& array);
 //! Throws unless the argument is a vector of Mat or UMat.
 void checkIsOfMats(const _InputArray& array, const char* name);
 
-}  // namespace stages
 }  // namespace aqorb
 }  // namespace cv
 

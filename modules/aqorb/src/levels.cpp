@@ -11,8 +11,6 @@ namespace cv
 {
 namespace aqorb
 {
-namespace stages
-{
 
 void Levels::reset(const Level& input, int firstLevel_, double scaleFactor_, bool giveAway_)
 {
@@ -71,6 +69,5 @@ void Levels::release()
     laidOut = 0;
 }
 
-}  // namespace stages
 }  // namespace aqorb
 }  // namespace cv

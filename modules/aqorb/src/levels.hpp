@@ -16,8 +16,6 @@ namespace cv
 {
 namespace aqorb
 {
-namespace stages
-{
 
 /** The levels of cv::ORB's pyramid of an image, with the memory and the tables by which they are made. It is kept for later
  images. Level `firstLevel` is the image itself, which is not copied. */
@@ -57,7 +55,6 @@ private:
     std::deque<Entry> entries;  // it never shrinks, so that levels keep their memory, and never moves them
 };
 
-}  // namespace stages
 }  // namespace aqorb
 }  // namespace cv
 

@@ -16,8 +16,6 @@ namespace cv
 namespace aqorb
 {
 
-using namespace stages;
-
 void matchArrays(InputArray queryDescriptors, InputArray trainDescriptors, OutputArray pairs,
                  OutputArray distances, double ratio, bool crossCheck, int maxDistance, int normType)
 {

@@ -12,8 +12,6 @@ namespace cv
 namespace aqorb
 {
 
-using namespace stages;
-
 MatchFilter::MatchFilter(double ratio_, bool crossCheck_, int maxDistance_)
     : ratio(ratio_), crossCheck(crossCheck_), maxDistance(maxDistance_)
 {

@@ -30,9 +30,8 @@ struct MatchFilter
 /** Writes the matches that pass the tests.
  @param nearest lists of filter.kept() keys for each query
  @param nearestQueries the same for each train; used for crossCheck only */
-void writeMatches(const std::vector<stages::DistanceKey>& nearest,
-                  const std::vector<stages::DistanceKey>& nearestQueries, const MatchFilter& filter,
-                  OutputArray pairs, OutputArray distances);
+void writeMatches(const std::vector<DistanceKey>& nearest, const std::vector<DistanceKey>& nearestQueries,
+                  const MatchFilter& filter, OutputArray pairs, OutputArray distances);
 
 }  // namespace aqorb
 }  // namespace cv

@@ -10,8 +10,6 @@ namespace cv
 {
 namespace aqorb
 {
-namespace stages
-{
 
 // The 256 pairs of points of rBRIEF for a patch of 31x31 pixels, as x and y. They were learned by Rublee et al., "ORB:
 // an efficient alternative to SIFT or SURF", ICCV 2011, and are published with OpenCV
@@ -85,7 +83,6 @@ static const signed char LEARNED_POINTS[512][2] = {
 };
 // clang-format on
 
-}  // namespace stages
 }  // namespace aqorb
 }  // namespace cv
 

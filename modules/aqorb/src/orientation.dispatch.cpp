@@ -15,8 +15,6 @@ namespace cv
 {
 namespace aqorb
 {
-namespace stages
-{
 
 std::vector<int> circularPatch(int patchSize)
 {
@@ -149,6 +147,5 @@ void orientations(const Mat& image, const OrientationPatch& patch, FeaturePoint*
     }
 }
 
-}  // namespace stages
 }  // namespace aqorb
 }  // namespace cv

@@ -13,8 +13,6 @@ namespace cv
 {
 namespace aqorb
 {
-namespace stages
-{
 
 //! Half widths of the rows 0 .. patchSize/2 of the circular patch, as in cv::ORB.
 std::vector<int> circularPatch(int patchSize);
@@ -71,7 +69,6 @@ struct PatchRegion
     }
 };
 
-}  // namespace stages
 }  // namespace aqorb
 }  // namespace cv
 

@@ -10,8 +10,6 @@ namespace cv
 {
 namespace aqorb
 {
-namespace stages
-{
 CV_CPU_OPTIMIZATION_NAMESPACE_BEGIN
 
 /** The moments of a circular patch around pixels.
@@ -77,6 +75,5 @@ void momentsAround(const uchar* image, ptrdiff_t step, const PatchWeights& weigh
 #endif  // CV_CPU_OPTIMIZATION_DECLARATIONS_ONLY
 
 CV_CPU_OPTIMIZATION_NAMESPACE_END
-}  // namespace stages
 }  // namespace aqorb
 }  // namespace cv

@@ -15,8 +15,6 @@ namespace cv
 {
 namespace aqorb
 {
-namespace stages
-{
 
 void outputFeatures(const LevelFeatures& features, OutputScratch& scratch, KeyPoint* keypoints, int row,
                     Mat& descriptors)
@@ -118,6 +116,5 @@ void releaseDescriptors(OutputArray descriptors)
         descriptors.release();
 }
 
-}  // namespace stages
 }  // namespace aqorb
 }  // namespace cv

@@ -13,8 +13,6 @@ namespace cv
 {
 namespace aqorb
 {
-namespace stages
-{
 
 //! Work space of outputFeatures.
 struct OutputScratch
@@ -45,7 +43,6 @@ Mat createDescriptors(OutputArray descriptors, int count);
 //! Empties the output. Throws if its size is fixed to another one.
 void releaseDescriptors(OutputArray descriptors);
 
-}  // namespace stages
 }  // namespace aqorb
 }  // namespace cv
 

@@ -11,8 +11,6 @@ namespace cv
 {
 namespace aqorb
 {
-namespace stages
-{
 
 void copyReflected(const Mat& image, const Rect& rect, uchar* out)
 {
@@ -49,6 +47,5 @@ Patch patchAround(const Mat& image, int x, int y, int radius, PatchBuffer& buffe
     return {buffer.data() + size_t(radius) * side + radius, side};
 }
 
-}  // namespace stages
 }  // namespace aqorb
 }  // namespace cv

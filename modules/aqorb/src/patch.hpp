@@ -12,8 +12,6 @@ namespace cv
 {
 namespace aqorb
 {
-namespace stages
-{
 
 //! Copies a rectangle, row by row without gaps. Pixels outside of the image are reflected.
 void copyReflected(const Mat& image, const Rect& rect, uchar* out);
@@ -31,7 +29,6 @@ typedef AutoBuffer<uchar, 2048> PatchBuffer;
 //! is copied into the buffer and its pixels outside of the image are reflected.
 Patch patchAround(const Mat& image, int x, int y, int radius, PatchBuffer& buffer);
 
-}  // namespace stages
 }  // namespace aqorb
 }  // namespace cv
 

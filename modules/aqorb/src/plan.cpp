@@ -11,8 +11,6 @@ namespace cv
 {
 namespace aqorb
 {
-namespace stages
-{
 
 int shortestSide(const Parameters& parameters)
 {
@@ -132,6 +130,5 @@ void completePlan(const Parameters& parameters, const Mat& mask, LevelPlan& plan
                                           : rankedDepth(size, usable, plan.rankRule.quota);
 }
 
-}  // namespace stages
 }  // namespace aqorb
 }  // namespace cv

@@ -14,8 +14,6 @@ namespace cv
 {
 namespace aqorb
 {
-namespace stages
-{
 
 //! The deepest quadtree has 2^15 leaves along a side.
 const int MAX_QUADTREE_DEPTH = 15;
@@ -70,7 +68,6 @@ LevelPlan planLevel(const Parameters& parameters, const Level& level, int quota,
 //! Completes the plan of a level when its mask is known.
 void completePlan(const Parameters& parameters, const Mat& mask, LevelPlan& plan);
 
-}  // namespace stages
 }  // namespace aqorb
 }  // namespace cv
 

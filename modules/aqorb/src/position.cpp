@@ -12,8 +12,6 @@ namespace cv
 {
 namespace aqorb
 {
-namespace stages
-{
 
 // How far positions stay off the place, about `length` pixels from the first one, where rounding to a pixel changes. A
 // position is rounded to a float, and scaling it back rounds twice: the scale and the product.
@@ -127,6 +125,5 @@ Point2d subPixelOffset(const Mat& image, int x, int y)
     return Point2d(std::min(std::max(px, -0.5), 0.5), std::min(std::max(py, -0.5), 0.5));
 }
 
-}  // namespace stages
 }  // namespace aqorb
 }  // namespace cv

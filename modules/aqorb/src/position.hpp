@@ -12,8 +12,6 @@ namespace cv
 {
 namespace aqorb
 {
-namespace stages
-{
 
 //! Maps pixels of a level to positions in the input image.
 struct PositionMap
@@ -45,7 +43,6 @@ void maskPositions(const Mat& imageMask, const PositionMap& position, Mat& level
 //! Where the quadratic through the 3x3 FAST scores around (x, y) peaks, relative to (x, y), within +-0.5.
 Point2d subPixelOffset(const Mat& image, int x, int y);
 
-}  // namespace stages
 }  // namespace aqorb
 }  // namespace cv
 

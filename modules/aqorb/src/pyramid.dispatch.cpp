@@ -15,8 +15,6 @@ namespace cv
 {
 namespace aqorb
 {
-namespace stages
-{
 
 float levelScale(int level, int firstLevel, double scaleFactor)
 {
@@ -175,6 +173,5 @@ void fillLevel(const Level& source, Level& level, Ptr<ResizeTables>& tables, std
     resizeMask(source.mask, *tables, level.mask);
 }
 
-}  // namespace stages
 }  // namespace aqorb
 }  // namespace cv

@@ -12,8 +12,6 @@ namespace cv
 {
 namespace aqorb
 {
-namespace stages
-{
 
 //! The size of a pixel of a level in pixels of the input image, as cv::ORB computes it.
 float levelScale(int level, int firstLevel, double scaleFactor);
@@ -73,7 +71,6 @@ struct Resize
     short* rows[2];  //!< work space of as many elements each as the blocks have pixels, and of 32 at the end
 };
 
-}  // namespace stages
 }  // namespace aqorb
 }  // namespace cv
 

@@ -12,8 +12,6 @@ namespace cv
 {
 namespace aqorb
 {
-namespace stages
-{
 
 //! A point that is to be put in order. Points come in the order that breaks ties.
 struct LeafPoint
@@ -64,7 +62,6 @@ private:
     std::vector<unsigned> columns, rows;  // by pixel: what it contributes to the number of its leaf
 };
 
-}  // namespace stages
 }  // namespace aqorb
 }  // namespace cv
 

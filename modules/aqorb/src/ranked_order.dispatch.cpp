@@ -16,8 +16,6 @@ namespace cv
 {
 namespace aqorb
 {
-namespace stages
-{
 
 namespace
 {
@@ -331,6 +329,5 @@ int64 binaryLogarithm(float v)
     return logarithm(logarithmTable(), v);
 }
 
-}  // namespace stages
 }  // namespace aqorb
 }  // namespace cv

@@ -15,8 +15,6 @@ namespace cv
 {
 namespace aqorb
 {
-namespace stages
-{
 
 //! The region over which points are spread, and how.
 struct RankRule
@@ -156,7 +154,6 @@ struct RankingGrid
     int wordCount;
 };
 
-}  // namespace stages
 }  // namespace aqorb
 }  // namespace cv
 

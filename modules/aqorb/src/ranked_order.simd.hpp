@@ -9,8 +9,6 @@ namespace cv
 {
 namespace aqorb
 {
-namespace stages
-{
 CV_CPU_OPTIMIZATION_NAMESPACE_BEGIN
 
 /** Finds which leaves of a row represent their neighbourhood.
@@ -63,6 +61,5 @@ void countBefore(const RankingGrid& grid, const unsigned* leaves, size_t count, 
 #endif  // CV_CPU_OPTIMIZATION_DECLARATIONS_ONLY
 
 CV_CPU_OPTIMIZATION_NAMESPACE_END
-}  // namespace stages
 }  // namespace aqorb
 }  // namespace cv

@@ -18,7 +18,6 @@ namespace aqorb
 
 void retainUniform(std::vector<KeyPoint>& keypoints, Size imageSize, int npoints)
 {
-    using namespace stages;
     CV_TRACE_FUNCTION();
     checkImageSize(imageSize);
     if (npoints < 0)

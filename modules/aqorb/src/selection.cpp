@@ -11,8 +11,6 @@ namespace cv
 {
 namespace aqorb
 {
-namespace stages
-{
 
 void FeatureSelector::reset(Size imageSize_, int levelCount_, double octaveSuppression_, int reach_)
 {
@@ -180,6 +178,5 @@ void FeatureSelector::chosen(int index, size_t first, std::vector<CornerResponse
         corners[i] = level.chosen[first + order[i]];
 }
 
-}  // namespace stages
 }  // namespace aqorb
 }  // namespace cv

@@ -15,8 +15,6 @@ namespace cv
 {
 namespace aqorb
 {
-namespace stages
-{
 
 /** Chooses the features of all levels. Level by level, from coarse to fine, it takes as many corners as the quota of the
  level and what coarser levels left over. It passes over corners that are nearer than octaveSuppression pixels of their
@@ -81,7 +79,6 @@ private:
     SortScratch sorting;
 };
 
-}  // namespace stages
 }  // namespace aqorb
 }  // namespace cv
 

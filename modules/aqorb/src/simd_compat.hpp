@@ -18,8 +18,6 @@ namespace cv
 {
 namespace aqorb
 {
-namespace stages
-{
 
 #if AQORB_VERSION_CODE < 409
 #define AQORB_LANES(V) int(V::nlanes)
@@ -82,7 +80,6 @@ static CV_ALWAYS_INLINE int trailingZeros(uint64 bits)
 #endif
 }
 
-}  // namespace stages
 }  // namespace aqorb
 }  // namespace cv
 

@@ -12,8 +12,6 @@ namespace cv
 {
 namespace aqorb
 {
-namespace stages
-{
 
 /** Sine and cosine of an angle in radians, the same on every system.
 
@@ -45,7 +43,6 @@ inline void sineAndCosine(float angle, float& sine, float& cosine)
     cosine = both[~n & 1] * float(1 - ((n + 1) & 2));
 }
 
-}  // namespace stages
 }  // namespace aqorb
 }  // namespace cv
 

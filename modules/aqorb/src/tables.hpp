@@ -19,18 +19,18 @@ namespace aqorb
 struct Tables
 {
     explicit Tables(const Parameters& parameters)
-        : patch(stages::circularPatch(parameters.patchSize)),
+        : patch(circularPatch(parameters.patchSize)),
           strengthPatch(patch.halfWidths, std::max(1, parameters.patchSize / 2 / 5)),
-          tests(stages::descriptorPattern(parameters.patchSize, parameters.WTA_K), parameters.WTA_K)
+          tests(descriptorPattern(parameters.patchSize, parameters.WTA_K), parameters.WTA_K)
     {
         // Other values have no quotas. Detection throws for them.
         if (parameters.nlevels == 1 || parameters.scaleFactor > 1)
-            quotas = stages::levelQuotas(parameters.nfeatures, parameters.scaleFactor, parameters.nlevels);
+            quotas = levelQuotas(parameters.nfeatures, parameters.scaleFactor, parameters.nlevels);
     }
 
-    stages::OrientationPatch patch;
-    stages::OrientationPatch strengthPatch;  //!< the same with fewer rows
-    stages::DescriptorTests tests;
+    OrientationPatch patch;
+    OrientationPatch strengthPatch;  //!< the same with fewer rows
+    DescriptorTests tests;
     std::vector<int> quotas;  //!< by level, of BALANCED_SELECTION
 };
 

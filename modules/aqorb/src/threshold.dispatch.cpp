@@ -17,8 +17,6 @@ namespace cv
 {
 namespace aqorb
 {
-namespace stages
-{
 
 static void addRows(const Mat& image, uint64& sum, uint64& squares)
 {
@@ -69,14 +67,12 @@ Thresholds fastThresholds(double varianceOverMean, int fastThreshold, double min
     return thresholds;
 }
 
-}  // namespace stages
-
 double adaptiveFastThreshold(InputArray image, InputArray mask)
 {
     if (image.empty())
         return 0;
-    const Mat gray = stages::grayImage(image);
-    return stages::varianceOverMean(gray, stages::checkedMask(mask, gray.size()));
+    const Mat gray = grayImage(image);
+    return varianceOverMean(gray, checkedMask(mask, gray.size()));
 }
 
 }  // namespace aqorb

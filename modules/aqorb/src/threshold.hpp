@@ -12,8 +12,6 @@ namespace cv
 {
 namespace aqorb
 {
-namespace stages
-{
 
 //! Equation (7) for a CV_8UC1 image: variance over mean of the unmasked pixels; 0 where the mean is 0.
 double varianceOverMean(const Mat& image, const Mat& mask);
@@ -24,7 +22,6 @@ const double NEUTRAL_VALUE = 20;
 //! iniT and minT from the value of equation (7). A `fastThreshold` of 20 takes the equation as it is.
 Thresholds fastThresholds(double varianceOverMean, int fastThreshold, double minRatio);
 
-}  // namespace stages
 }  // namespace aqorb
 }  // namespace cv
 

@@ -10,8 +10,6 @@ namespace cv
 {
 namespace aqorb
 {
-namespace stages
-{
 CV_CPU_OPTIMIZATION_NAMESPACE_BEGIN
 
 //! Adds the pixels of rows and their squares.
@@ -54,6 +52,5 @@ void sumRows(const uchar* rows, ptrdiff_t step, int width, int height, uint64& s
 #endif  // CV_CPU_OPTIMIZATION_DECLARATIONS_ONLY
 
 CV_CPU_OPTIMIZATION_NAMESPACE_END
-}  // namespace stages
 }  // namespace aqorb
 }  // namespace cv

@@ -21,8 +21,6 @@ namespace cv
 {
 namespace aqorb
 {
-namespace stages
-{
 
 //! One level of the pyramid. Its pixels are continued outside of the image by reflection (BORDER_REFLECT_101).
 struct Level
@@ -82,7 +80,6 @@ static inline int bitCount(uint64 v)
 #endif
 }
 
-}  // namespace stages
 }  // namespace aqorb
 }  // namespace cv
 

@@ -22,34 +22,34 @@ namespace aqorb
 //! What a frame needs for one level.
 struct LevelWork
 {
-    stages::LevelPlan plan;
-    stages::LevelDetection detection;
-    stages::LevelFeatures features;
+    LevelPlan plan;
+    LevelDetection detection;
+    LevelFeatures features;
     int bandsLeft = 0, inputsOfSearch = 0, inputsOfSelection = 0;  //!< what tasks still wait for
 };
 
 //! Work space of a thread that does tasks.
 struct WorkerScratch
 {
-    stages::DetectionScratch detection;
-    stages::DescriptionScratch description;
-    std::vector<stages::CornerResponse> corners;
+    DetectionScratch detection;
+    DescriptionScratch description;
+    std::vector<CornerResponse> corners;
 };
 
 //! What a call needs beside its outputs. It is kept for later calls.
 struct Workspace
 {
     std::vector<uchar> gray;  //!< the image, where the caller's has colours
-    stages::Levels levels;
+    Levels levels;
     std::deque<LevelWork> work;  //!< of the levels; it never shrinks and never moves them
-    std::vector<stages::LevelRegion> regions;
+    std::vector<LevelRegion> regions;
     std::vector<int> rankedQuotas;  //!< of the levels, for RANKED_SELECTION
-    stages::FeatureSelector selector;
+    FeatureSelector selector;
     TaskQueue queue;
     std::vector<WorkerScratch> workers;
     std::vector<int> maskColumns;  //!< work space of maskPositions
-    stages::GivenScratch given;
-    stages::OutputScratch output;
+    GivenScratch given;
+    OutputScratch output;
 };
 
 }  // namespace aqorb

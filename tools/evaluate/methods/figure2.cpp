@@ -20,7 +20,7 @@
 namespace
 {
 
-using namespace cv::aqorb::stages;
+using namespace cv::aqorb;
 
 const int LEVELS = 8, EDGE = 16, CELL = 35, PATCH_SIZE = 31, FAST_THRESHOLD = 20;
 const double SCALE_FACTOR = 1.2f, MIN_RATIO = 4;

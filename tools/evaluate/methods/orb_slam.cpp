@@ -19,7 +19,7 @@
 namespace
 {
 
-namespace stages = cv::aqorb::stages;
+namespace aqorb = cv::aqorb;
 
 typedef std::vector<cv::KeyPoint> KeyPoints;
 
@@ -171,8 +171,8 @@ public:
             KeyPoints points = distribute(detectInCells(level), level.size(), quota[octave]);
             for (cv::KeyPoint& point : points)
             {
-                stages::FeaturePoint centre = {int(point.pt.x), int(point.pt.y), 0};
-                stages::orientations(level, patch, &centre, 1);
+                aqorb::FeaturePoint centre = {int(point.pt.x), int(point.pt.y), 0};
+                aqorb::orientations(level, patch, &centre, 1);
                 point.angle = centre.angle;
                 point.size = float(PATCH_SIZE);
             }
@@ -191,7 +191,7 @@ public:
     }
 
 private:
-    const stages::OrientationPatch patch{stages::circularPatch(PATCH_SIZE)};
+    const aqorb::OrientationPatch patch{aqorb::circularPatch(PATCH_SIZE)};
     // cv::ORB's descriptor on one level.
     cv::Ptr<cv::ORB> describe = cv::ORB::create(1, SCALE_FACTOR, 1, BORDER);
 };
