@@ -314,9 +314,8 @@ private:
         for (size_t i = 0; i < corners.size(); i++)
         {
             const Corner& c = corners[i];
-            const Candidate candidate = {c.x, c.y, c.score,
-                                         isHarris ? harrisResponse(level.image, c.x, c.y) : (float)c.score};
-            scored.push_back(candidate);
+            scored.push_back(
+                {c.x, c.y, c.score, isHarris ? harrisResponse(level.image, c.x, c.y) : (float)c.score});
         }
         return scored;
     }
@@ -351,9 +350,8 @@ private:
         {
             const int64 column = (int64(of[i].x - level.root.x) << level.depth) / level.root.width;
             const int64 row = (int64(of[i].y - level.root.y) << level.depth) / level.root.height;
-            const LeafPoint point = {leafCode(unsigned(column), unsigned(row)), of[i].response,
-                                     float(of[i].x), float(of[i].y), int(i)};
-            points.push_back(point);
+            points.push_back({leafCode(unsigned(column), unsigned(row)), of[i].response, float(of[i].x),
+                              float(of[i].y), int(i)});
         }
         points = balancedSequence(points, level.depth);
         std::vector<int> order;
@@ -370,9 +368,8 @@ private:
         {
             const int64 column = (int64(of[i].x - level.root.x) << level.depth) / level.root.width;
             const int64 row = (int64(of[i].y - level.root.y) << level.depth) / level.root.height;
-            const LeafCorner corner = {int(column),    int(row),       float(of[i].x),
-                                       float(of[i].y), of[i].response, int(i)};
-            corners.push_back(corner);
+            corners.push_back(
+                {int(column), int(row), float(of[i].x), float(of[i].y), of[i].response, int(i)});
         }
         return corners;
     }

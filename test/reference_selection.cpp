@@ -166,9 +166,9 @@ std::vector<int> rankedSequence(const std::vector<LeafCorner>& corners, const Ra
         for (size_t i = 0; i < leaf->second.size(); i++)
         {
             const bool represents = i == 0 && better < 3;
-            const Placed placed = {
-                leaf->second[i], (int)i, represents, represents ? strengthOf(leaf->second[i]) : 0.f, 0, 0};
-            (represents ? representatives : sequence).push_back(placed);
+            (represents ? representatives : sequence)
+                .push_back({leaf->second[i], (int)i, represents,
+                            represents ? strengthOf(leaf->second[i]) : 0.f, 0, 0});
         }
         if (better < 3)
             represented.insert(leaf->first);
@@ -256,13 +256,8 @@ KeyPoints retainUniform(const KeyPoints& keypoints, Size imageSize, int npoints)
         if (!(p.x >= 0 && p.y >= 0 && p.x < imageSize.width && p.y < imageSize.height))
             continue;
         const double side = 1 << depth;
-        const LeafCorner corner = {int(p.x * side / imageSize.width),
-                                   int(p.y * side / imageSize.height),
-                                   p.x,
-                                   p.y,
-                                   keypoints[i].response,
-                                   (int)i};
-        corners.push_back(corner);
+        corners.push_back({int(p.x * side / imageSize.width), int(p.y * side / imageSize.height), p.x, p.y,
+                           keypoints[i].response, (int)i});
     }
     std::vector<int> order;
     if (npoints > 0)

@@ -151,9 +151,7 @@ private:
 Call smallCall()
 {
     const Size size(100, 140);
-    const Call call = {makeScene(size, 5), makeNoise(size, 3) > 5, 300,
-                       AdaptiveQuadtreeORB::RANKED_SELECTION};
-    return call;
+    return {makeScene(size, 5), makeNoise(size, 3) > 5, 300, AdaptiveQuadtreeORB::RANKED_SELECTION};
 }
 
 //! Whether a call of a detector without memory fails for lack of it. The detector can be used again in any case.

@@ -43,8 +43,7 @@ std::vector<Corner> allPixels(Size size)
     for (int y = 0; y < size.height; y++)
         for (int x = 0; x < size.width; x++)
         {
-            const Corner corner = {x, y, 1};
-            corners.push_back(corner);
+            corners.push_back({x, y, 1});
         }
     return corners;
 }
@@ -83,8 +82,7 @@ TEST(Aqorb_Harris, equals_reference_for_every_width_and_alignment)
                           std::vector<Corner> corners;
                           for (int x = offset % 5; x < width; x += 5)
                           {
-                              const Corner corner = {x, y, 1};
-                              corners.push_back(corner);
+                              corners.push_back({x, y, 1});
                           }
                           std::vector<CornerResponse> found(corners.size());
                           harrisResponses(image, corners.data(), corners.size(), found.data());
@@ -102,8 +100,7 @@ TEST(Aqorb_Harris, equals_reference_in_any_order)
     RNG rng(8);
     for (int i = 0; i < 400; i++)
     {
-        const Corner corner = {rng.uniform(0, noise.cols), rng.uniform(0, noise.rows), 7};
-        corners.push_back(corner);
+        corners.push_back({rng.uniform(0, noise.cols), rng.uniform(0, noise.rows), 7});
     }
     expectAsReference(noise, corners);
     expectAsReference(noise, std::vector<Corner>());

@@ -46,8 +46,7 @@ TEST(Aqorb_Orientation, equals_reference_at_every_pixel)
                     // Near the sides columns are taken more densely than between them.
                     for (int x = 0; x < size.width; x += patchSize < 32 || x % 50 > 40 ? 3 : 7)
                     {
-                        const FeaturePoint point = {x, y, -1};
-                        points.push_back(point);
+                        points.push_back({x, y, -1});
                     }
                 }
                 baselinePoints = points;

@@ -71,10 +71,8 @@ std::vector<reference::LeafPoint> randomPoints(int count, int depth, int respons
     for (int i = 0; i < count; i++)
     {
         const int x = rng.uniform(0, 300), y = rng.uniform(0, 200);
-        const reference::LeafPoint point = {
-            reference::leafCode((unsigned(x) << depth) / 300, (unsigned(y) << depth) / 200),
-            float(rng.uniform(-responses, responses)), float(x), float(y), i};
-        points.push_back(point);
+        points.push_back({reference::leafCode((unsigned(x) << depth) / 300, (unsigned(y) << depth) / 200),
+                          float(rng.uniform(-responses, responses)), float(x), float(y), i});
     }
     return points;
 }
@@ -99,9 +97,8 @@ std::vector<int> balancedIndices(std::vector<reference::LeafPoint> points, int d
     std::vector<LeafPoint> leafPoints;
     for (const reference::LeafPoint& point : points)
     {
-        const LeafPoint leafPoint = {everyOtherBit(point.leaf >> 1) << depth | everyOtherBit(point.leaf),
-                                     aqorb::sortKey(point.response)};
-        leafPoints.push_back(leafPoint);
+        leafPoints.push_back({everyOtherBit(point.leaf >> 1) << depth | everyOtherBit(point.leaf),
+                              aqorb::sortKey(point.response)});
     }
     std::vector<unsigned> order(3, 9u);
     balancedOrder(leafPoints, depth, points.size(), scratch, order);
@@ -144,9 +141,8 @@ TEST(Aqorb_Quadtree, balanced_order_of_all_floats)
         std::vector<reference::LeafPoint> points;
         for (int i = 0; i < 300; i++)
         {
-            const reference::LeafPoint point = {unsigned(i / 10 % (1 << (2 * depth))), responses[i % 10],
-                                                float(i / 50), float(i % 3), i};
-            points.push_back(point);
+            points.push_back(
+                {unsigned(i / 10 % (1 << (2 * depth))), responses[i % 10], float(i / 50), float(i % 3), i});
         }
         expectOrder(points, depth, scratch);
     }

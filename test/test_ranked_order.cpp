@@ -109,13 +109,8 @@ Scene randomScene(int seed, bool isLarge = false)
     for (int i = 0; i < count; i++)
     {
         const Point p(rng.uniform(0, size.width), rng.uniform(0, size.height));
-        const reference::LeafCorner corner = {(p.x << scene.depth) / size.width,
-                                              (p.y << scene.depth) / size.height,
-                                              float(p.x),
-                                              float(p.y),
-                                              randomStrength(rng, kind),
-                                              i};
-        scene.corners.push_back(corner);
+        scene.corners.push_back({(p.x << scene.depth) / size.width, (p.y << scene.depth) / size.height,
+                                 float(p.x), float(p.y), randomStrength(rng, kind), i});
         scene.strengths.push_back(randomStrength(rng, kind));
     }
     std::sort(scene.corners.begin(), scene.corners.end(),
@@ -152,9 +147,7 @@ std::vector<LeafPoint> pointsOf(const Scene& scene)
     std::vector<LeafPoint> points;
     for (const reference::LeafCorner& corner : scene.corners)
     {
-        const LeafPoint point = {unsigned(corner.row << scene.depth | corner.column),
-                                 aqorb::sortKey(corner.base)};
-        points.push_back(point);
+        points.push_back({unsigned(corner.row << scene.depth | corner.column), aqorb::sortKey(corner.base)});
     }
     return points;
 }

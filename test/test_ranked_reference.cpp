@@ -30,8 +30,7 @@ public:
     //! Adds a corner with its place in the leaf, in units that are finer than a leaf.
     Order& add(int column, int row, float strength, float x = 0, float y = 0)
     {
-        const LeafCorner corner = {column, row, x, y, strength, int(corners.size())};
-        corners.push_back(corner);
+        corners.push_back({column, row, x, y, strength, int(corners.size())});
         return *this;
     }
     Order& maskLeaf(int column, int row)
@@ -57,8 +56,7 @@ private:
 //! 4 x 4 leaves, and a disc of a leaf and its four neighbours.
 RankedRule crossRule(double strengthWeight)
 {
-    const RankedRule rule = {Size(100, 100), 2, 1, 16, 1, strengthWeight, 1 << 18};
-    return rule;
+    return {Size(100, 100), 2, 1, 16, 1, strengthWeight, 1 << 18};
 }
 
 TEST(Aqorb_RankedReference, ranks_by_hand)

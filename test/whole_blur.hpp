@@ -16,9 +16,7 @@ const int BLUR_MARGIN = 61;  // wide enough for the patches of the tests, and a 
 //! The rows of a matrix of type CV_16UC1, which is a part of a larger one that has the margin, too.
 inline aqorb::BlurredRows rowsOf(const Mat& blurred)
 {
-    const aqorb::BlurredRows rows = {const_cast<ushort*>(blurred.ptr<ushort>()), ptrdiff_t(blurred.step1()),
-                                     0};
-    return rows;
+    return {const_cast<ushort*>(blurred.ptr<ushort>()), ptrdiff_t(blurred.step1()), 0};
 }
 
 //! The matrix with the margin around it.
