@@ -80,18 +80,18 @@ void LevelDetection::order(const LevelPlan& plan, DetectionScratch& scratch)
 }
 
 // Of a leaf the corner with the highest FAST score is the best.
-LeafPoint LevelDetection::pointAt(size_t index, const LeafGrid& leaves) const
+LeafPoint LevelDetection::pointAt(size_t index) const
 {
     const Corner& corner = found.kept[index];
     return {leaves.leaf(corner.x, corner.y), corner.score};
 }
 
 // Finds the representatives.
-void LevelDetection::represent(const LevelPlan& plan, DetectionScratch& scratch) const
+void LevelDetection::represent(const LevelPlan& plan, DetectionScratch& scratch)
 {
-    scratch.leaves.reset(root, plan.depth);
+    leaves.reset(root, plan.depth);
     findRepresentatives(
-        found.kept.size(), [&](size_t i) { return pointAt(i, scratch.leaves); }, plan.depth, scratch.ranked,
+        found.kept.size(), [&](size_t i) { return pointAt(i); }, plan.depth, scratch.ranked,
         scratch.representatives);
 }
 
@@ -132,7 +132,7 @@ void LevelDetection::findUsable(int depth, DetectionScratch& scratch) const
 {
     scratch.usable.clear();
     for (unsigned leaf = 0; !level->mask.empty() && leaf < 1u << (2 * depth); leaf++)
-        scratch.usable.push_back(level->mask.at<uchar>(scratch.leaves.centre(leaf)));
+        scratch.usable.push_back(level->mask.at<uchar>(leaves.centre(leaf)));
 }
 
 const std::vector<CornerResponse>& LevelDetection::ordered(const LevelPlan& plan, DetectionScratch& scratch)
@@ -154,7 +154,7 @@ bool LevelDetection::orderOthers(const LevelPlan& plan, DetectionScratch& scratc
     represent(plan, scratch);
     scratch.points.clear();
     for (size_t i = 0; i < found.kept.size(); i++)
-        scratch.points.push_back(pointAt(i, scratch.leaves));
+        scratch.points.push_back(pointAt(i));
     aqorb::orderOthers(scratch.points, scratch.representatives.points, scratch.ranked, scratch.order);
     scratch.corners.clear();
     for (unsigned index : scratch.order)

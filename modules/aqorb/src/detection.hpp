@@ -38,7 +38,6 @@ struct DetectionRules
 struct DetectionScratch
 {
     BandSearch search;
-    LeafGrid leaves;
     RankedScratch ranked;
     std::vector<LeafPoint> points;
     Representatives representatives;
@@ -84,8 +83,8 @@ private:
         FoundCorners corners;  // unused in the first band, whose corners go into `found` at once
     };
     FoundCorners& cornersOf(int band) { return band == 0 ? found : bands[band].corners; }
-    LeafPoint pointAt(size_t index, const LeafGrid& leaves) const;
-    void represent(const LevelPlan& plan, DetectionScratch& scratch) const;
+    LeafPoint pointAt(size_t index) const;
+    void represent(const LevelPlan& plan, DetectionScratch& scratch);
     void findStrengths(DetectionScratch& scratch) const;
     void findUsable(int depth, DetectionScratch& scratch) const;
     void respond(const Corner* corners, size_t count, CornerResponse* responses) const;
@@ -97,6 +96,7 @@ private:
     std::vector<Seam> seams;  // below each band but the last one
     int bandCount = 0;        // of this level
     FoundCorners found;       // of all bands, once they are in order
+    LeafGrid leaves;          // kept, as images of the same size have the same
     std::vector<CornerResponse> inOrder;
     bool isOrdered = false;
     bool hasOthers = false;  // whether corners are missing in the order

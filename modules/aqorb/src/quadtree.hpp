@@ -24,16 +24,20 @@ struct LeafPoint
 class LeafGrid
 {
 public:
+    //! The same grid again takes no time.
     void reset(const Rect& region_, int depth_)
     {
-        region = region_;
+        if (region == region_ && depth == depth_)
+            return;
+        region = Rect();  // it stays invalid if memory runs out below
         depth = depth_;
-        columns.resize(region.width);
-        for (int x = 0; x < region.width; x++)
-            columns[x] = index(x, region.width, depth);
-        rows.resize(region.height);
-        for (int y = 0; y < region.height; y++)
-            rows[y] = index(y, region.height, depth) << depth;
+        columns.resize(region_.width);
+        for (int x = 0; x < region_.width; x++)
+            columns[x] = index(x, region_.width, depth);
+        rows.resize(region_.height);
+        for (int y = 0; y < region_.height; y++)
+            rows[y] = index(y, region_.height, depth) << depth;
+        region = region_;
     }
     //! The leaf of a pixel of the region.
     unsigned leaf(int x, int y) const { return columns[x - region.x] + rows[y - region.y]; }
