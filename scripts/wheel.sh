@@ -186,12 +186,13 @@ test_beside() {
         echo "DESCRIPTORS $(python bindings_test/compare_descriptors.py)"
         rm -rf "$folder"
         [ $status = 0 ]' "$3" "$4"
+    NUMPY=${NUMPY:-${4#numpy==}}
     row "$1" "$2" "${3/==/ }"
 }
 
 # row VERSION MACHINE CV2: adds a row to the table.
 row() {
-    echo "| $1 | ${DEBIAN[${RELEASE[$1]}]} | $2 | $3 | ${NUMPY:-none} | $RESULT | $DESCRIPTORS |" | tee -a "$table"
+    echo "| $1 | ${DEBIAN[${RELEASE[$1]}]} | $2 | $3 | $NUMPY | $RESULT | $DESCRIPTORS |" | tee -a "$table"
 }
 
 here() {
