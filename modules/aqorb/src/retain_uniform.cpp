@@ -41,6 +41,7 @@ void retainUniform(std::vector<KeyPoint>& keypoints, Size imageSize, int npoints
         // Positions are not bound to pixels, so leaves may be smaller.
         const int depth = rankedDepth(Size(INT_MAX, INT_MAX), 1, npoints);
         std::vector<LeafPoint> points;
+        points.reserve(inside.size());
         for (unsigned index : inside)
             points.push_back({LeafGrid::leafAt(keypoints[index].pt, imageSize, depth),
                               sortKey(keypoints[index].response)});
