@@ -299,10 +299,10 @@ free_threaded_python() {
     local version=3.14.7 hash=3b48dac8fb59f62eaa67ac83c1eb12bda1b7a08406dd286e252c11a66be27f81
     local home=$CACHE/python$version-free-threaded folder=$BUILD/python$version archive=python3.14_$version.orig.tar.xz
     FREE_THREADED=$home/bin/python3.14t
-    [[ ! -x $FREE_THREADED ]] || return 0
+    [[ ! -e $home/complete ]] || return 0
     need build curl libbz2-dev libffi-dev liblzma-dev libssl-dev xz-utils zlib1g-dev
     say "CPython $version without the GIL"
-    rm -rf "$folder"
+    rm -rf "$folder" "$home"
     mkdir -p "$folder"
     curl -fsSL -o "$folder/$archive" "$(mirror)/pool/main/p/python3.14/$archive" ||
         die "the mirror has no $archive; another version may be there"
@@ -311,6 +311,7 @@ free_threaded_python() {
     (cd "$folder" && ./configure -q --disable-gil --prefix="$home" && make -s -j "$JOBS" && make -s install) \
         >"$folder.log" 2>&1 || die "see $folder.log"
     rm -rf "$folder"
+    touch "$home/complete"
 }
 
 # opencv_release 4|5: sets OPENCV_SOURCE to the source of OPENCV_4 or OPENCV_5, which is in the source distribution of

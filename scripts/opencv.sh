@@ -35,6 +35,7 @@ if [[ ${1:-} == --release ]]; then
     [[ $release =~ ^[45]$ ]] || die "--release needs 4 or 5"
     shift 2
 fi
+[[ ! $js || $release == 4 ]] || die "--js takes OpenCV 4"
 [[ ! $release || ! $java ]] || die "--java takes Debian's source"
 (($# == 0)) || die "unknown option $1; --help says what there is"
 

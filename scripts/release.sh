@@ -1,15 +1,16 @@
 #!/usr/bin/env bash
-# Makes every file that a release has, in build/release-files, with their checksums, and publishes nothing: the source
-# distribution and the wheels, the Debian packages, and the site with the page for browsers. What checks such files, and
-# the workflows that make them elsewhere, must have nothing to say.
+# Makes the files of a release that can be made on Debian, in build/release-files, with their checksums, and publishes
+# nothing: the source distribution and the wheels, the Debian packages, and the site with the page for browsers. What checks
+# such files, and the workflows that make those of all systems, must have nothing to say.
 #
 #   scripts/release.sh
 #
-# .github/workflows/release.yml does the same for all systems. This takes half an hour and needs root, for the wheels are
-# built on a Debian 11 in a folder of its own. scripts/wheel.sh --test and scripts/package.sh --test use what was made.
+# This takes half an hour and needs root, for the wheels are built on a Debian 11 in a folder of its own. scripts/wheel.sh
+# --test and scripts/package.sh --test make these files again and test them.
 #
 # Installs the Debian packages it needs; go, npm and pip fetch the rest.
 source "$(dirname "$0")/common.sh"
+(($# == 0)) || die "unknown option $1; --help says what there is"
 
 version=$("$ROOT/scripts/version.sh")
 files=$BUILD/release-files

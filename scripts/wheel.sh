@@ -115,7 +115,8 @@ build_wheel() {
     fi
     debian bullseye x86_64
     say "The wheel for CPython $1, $2"
-    inside sh -ec '[ -e /opt/pip ] || { python3 -m venv /opt/pip && /opt/pip/bin/pip install -q --upgrade pip; }
+    inside sh -ec '[ -e /opt/pip/complete ] || { python3 -m venv --clear /opt/pip && /opt/pip/bin/pip install -q --upgrade pip &&
+            touch /opt/pip/complete; }
         cd /aqorb && export CC=$1gcc CXX=$1g++ && shift &&
         exec /opt/pip/bin/pip wheel -q --no-deps --wheel-dir build/wheels/made "$@" .' sh \
         "$prefix" "${options[@]}" -C build-dir=build/pip/debian11/"$TAG" -C wheel.tags="$TAG" \
@@ -159,7 +160,8 @@ in_environment() {
     RESULT=$(sed -n 's/^RESULT //p' "$log")
     NUMPY=$(sed -n 's/^NUMPY //p' "$log")
     DESCRIPTORS=$(sed -n 's/^DESCRIPTORS //p' "$log")
-    [[ $RESULT ]] || RESULT=$(grep -E '^[0-9]+ passed' "$log" | tail -n 1 | sed 's/ in .*//; s/, [0-9]* warnings*//')
+    [[ $RESULT ]] ||
+        RESULT=$(sed -nE '/^[0-9]+ passed/{s/ in .*//; s/, [0-9]* warnings*//; p}' "$log" | tail -n 1)
     [[ $RESULT ]] || die "see $log"
 }
 numpy_version='python -c "import numpy; print(\"NUMPY\", numpy.__version__)"'
@@ -170,6 +172,7 @@ test_alone() {
     in_environment "$1" "$2" alone 'pip install -q --only-binary :all: "$wheel"
         '"$numpy_version"'
         echo "RESULT $(python /aqorb/bindings/python/test/without_cv2.py)"'
+    [[ $RESULT == "arrays in, arrays out" ]] || die "see $WHEELS/test/$1-$2-alone.log"
     row "$1" "$2" none
 }
 

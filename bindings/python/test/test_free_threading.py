@@ -16,6 +16,7 @@ import numpy as np
 import pytest
 
 import aqorb
+from conftest import LINUX
 
 SECONDS = float(os.environ.get('AQORB_LOAD_SECONDS', 0.5))
 THREADS = 4
@@ -170,6 +171,7 @@ def fork_and_detect(shared, expected):
 
 # pybind11 guards what it knows of all classes by a mutex. Without the GIL another thread may hold it during a fork, and the
 # child then waits for it forever; doc/installation.md says so.
+@LINUX
 @pytest.mark.skipif(bool(sysconfig.get_config_var('Py_GIL_DISABLED')), reason='a child may wait for a mutex of pybind11')
 def test_forks_during_calls():
     shared = aqorb.AdaptiveQuadtreeORB_create(200)

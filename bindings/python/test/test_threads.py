@@ -373,7 +373,8 @@ CHILD = aqorb.AdaptiveQuadtreeORB_create()
 SMALL = np.random.RandomState(0).randint(0, 256, (240, 320)).astype(np.uint8)
 
 
-@pytest.mark.parametrize('wait', [lambda: aqorb.setNumThreads(3), fork_that_detects], ids=['setNumThreads', 'fork'])
+@pytest.mark.parametrize('wait', [lambda: aqorb.setNumThreads(3), pytest.param(fork_that_detects, marks=LINUX)],
+                         ids=['setNumThreads', 'fork'])
 @pytest.mark.parametrize('number', [1, 2])
 def test_who_waits_for_calls_waits_for_no_whole_batch(orb, threads, number, wait):
     images = [np.random.RandomState(0).randint(0, 256, (480, 640)).astype(np.uint8)] * 400

@@ -218,8 +218,8 @@ void AdaptiveQuadtreeORBImpl::process(InputArray image_, InputArray mask_, std::
     input.image = grayImage(image_, &workspace.gray);
     if (!useProvidedKeypoints)
         input.mask = checkedMask(mask_, size);
-    workspace.levels.reset(input, parameters.firstLevel, parameters.scaleFactor, levels != 0);
     Frame frame(parameters, tables, workspace);
+    workspace.levels.reset(input, parameters.firstLevel, parameters.scaleFactor, levels != 0);
     if (useProvidedKeypoints)
         frame.describeGiven(keypoints);
     else
@@ -239,14 +239,13 @@ void AdaptiveQuadtreeORBImpl::process(InputArray image_, InputArray mask_, std::
     frame.output(keypoints, descriptors);
 }
 
-// The outputs are given at the end, so that an error leaves them unchanged and no image is lost that shares their memory.
-
 void AdaptiveQuadtreeORBImpl::detect(InputArrayOfArrays images_,
                                      std::vector<std::vector<KeyPoint>>& keypoints, InputArrayOfArrays masks_)
 {
     detectAndComputeBatch(images_, masks_, keypoints, noArray());
 }
 
+// The outputs are given at the end, so that an error leaves them unchanged and no image is lost that shares their memory.
 void AdaptiveQuadtreeORBImpl::compute(InputArrayOfArrays images_,
                                       std::vector<std::vector<KeyPoint>>& keypoints,
                                       OutputArrayOfArrays descriptors_)

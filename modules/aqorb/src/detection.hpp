@@ -28,7 +28,8 @@ enum CornerSet
 //! The rules of the detection, the same for all levels of an image.
 struct DetectionRules
 {
-    //! With listPassedOver if corners that are not kept are listed before anybody asks for them.
+    //! Its listPassedOver says whether corners that are not kept are listed from the start. LevelDetection sets it once
+    //! they are listed.
     CornerRules corners;
     bool useHarris;                         //!< false: the response of a corner is its FAST score
     const OrientationPatch* strengthPatch;  //!< for the strengths of corners
@@ -96,7 +97,7 @@ private:
     std::vector<Seam> seams;  // below each band but the last one
     int bandCount = 0;        // of this level
     FoundCorners found;       // of all bands, once they are in order
-    LeafGrid leaves;          // kept, as images of the same size have the same
+    LeafGrid leaves;          // kept, because images of the same size have the same
     std::vector<CornerResponse> inOrder;
     bool isOrdered = false;
     bool hasOthers = false;  // whether corners are missing in the order

@@ -7,7 +7,6 @@
 #define OPENCV_AQORB_FAST_SCORE_HPP
 
 #include "simd_compat.hpp"
-#include "types.hpp"
 
 // The FAST score of pixels, for the kernels in fast.simd.hpp: on vectors of different widths, and on a single pixel.
 
@@ -106,7 +105,6 @@ struct Narrow : Lanes<v_uint8x16>
 template <typename Vectors> struct Sides
 {
     typedef typename Vectors::V V;
-    CV_ALWAYS_INLINE Sides() {}
     CV_ALWAYS_INLINE Sides(V bright_, V dark_)  // by value: with references GCC writes all of them to memory
         : bright(bright_), dark(dark_)
     {
@@ -139,8 +137,8 @@ CV_ALWAYS_INLINE Sides<Vectors> either(const Sides<Vectors>& a, const Sides<Vect
 {
     return Sides<Vectors>(Greatest::of(a.bright, b.bright), Least::of(a.dark, b.dark));
 }
-// The best of the 16 arcs of 9 pixels on the circle of 16 around p. Neighbouring arcs share work. Pair i is pixels 2 i + 1 and 2 i + 2. The arcs that
-// begin at 2 i and at 2 i + 1 have the pairs i to i + 3 in common and differ in their ends, the pixels 2 i and 2 i + 9.
+// The best of the 16 arcs of 9 pixels on the circle of 16 around p. Neighbouring arcs share work. Pair i is pixels
+// 2 i + 1 and 2 i + 2. The arcs that begin at 2 i and at 2 i + 1 have the pairs i to i + 3 in common and differ in their ends, the pixels 2 i and 2 i + 9.
 // Of the four arcs that begin at 4 i to 4 i + 3, all have the pairs 2 i + 1 to 2 i + 3; two of them have pair 2 i and
 // ends 2 i besides, the other two pair 2 i + 4 and ends 2 i + 1. The eight arcs from 8 i on share pair 4 i + 3.
 template <typename Vectors> CV_ALWAYS_INLINE Sides<Vectors> bestArc(const Around<Vectors>& p)

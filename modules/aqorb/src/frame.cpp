@@ -93,7 +93,7 @@ void Frame::plan()
     rules.corners.thresholds.ini = rules.corners.thresholds.min = 0;  // to be measured
     rules.corners.cellSize = parameters.cellSize;
     rules.useHarris = parameters.scoreType == ORB::HARRIS_SCORE;
-    // Harris responses of neighbours hardly differ. Without suppression a strong corner would be chosen thrice.
+    // Harris responses of neighbours hardly differ. Without suppression a strong corner would be chosen three times.
     rules.corners.suppressNear = rules.useHarris;
     rules.strengthPatch = &tables.strengthPatch;
     workspace.regions.clear();
@@ -215,7 +215,7 @@ void Frame::select(int level, WorkerScratch& scratch)
     FeatureSelector& selector = workspace.selector;
     if (level == levelCount - 1)
     {
-        selector.reset(levels.input().image.size(), levelCount, parameters.octaveSuppressionInUse(),
+        selector.reset(levels.input().image.size(), levelCount, suppressionRadius(parameters),
                        isRanked ? 1 : parameters.nlevels);
     }
     selector.addLevel(level, work[level].plan);  // finer levels may not be planned yet

@@ -16,7 +16,7 @@ namespace cv
 namespace aqorb
 {
 
-/** Finds or describes the features of an image, whose levels have begun. The work is divided into tasks:
+/** Finds or describes the features of the image with which the levels were begun. The work is divided into tasks:
 
  | task | of | when |
  |---|---|---|
@@ -32,7 +32,7 @@ class Frame : private TaskRunner
 {
 public:
     Frame(const Parameters& parameters, const Tables& tables, Workspace& workspace);
-    //! Forgets the levels, too.
+    //! Forgets the tasks that are left, and the levels.
     ~Frame();
     //! Finds features and, if they are wanted, their descriptors.
     void detect(bool withDescriptors);

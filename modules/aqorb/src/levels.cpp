@@ -14,11 +14,11 @@ namespace aqorb
 
 void Levels::reset(const Level& input, int firstLevel_, double scaleFactor_, bool giveAway_)
 {
-    image = input;
+    release();
+    inputLevel = input;
     firstLevel = firstLevel_;
     scaleFactor = scaleFactor_;
     giveAway = giveAway_;
-    laidOut = 0;
 }
 
 int Levels::layOut(int count, int minSide)
@@ -26,7 +26,7 @@ int Levels::layOut(int count, int minSide)
     for (; laidOut < count; laidOut++)
     {
         const float scale = levelScale(laidOut, firstLevel, scaleFactor);
-        const Size size = levelSize(image.image.size(), scale);
+        const Size size = levelSize(inputLevel.image.size(), scale);
         if (std::min(size.width, size.height) < minSide)
             break;
         if (size_t(laidOut) == entries.size())
@@ -37,8 +37,8 @@ int Levels::layOut(int count, int minSide)
         level.scale = scale;
         if (level.isInput)
         {
-            level.image = image.image;
-            level.mask = image.mask;
+            level.image = inputLevel.image;
+            level.mask = inputLevel.mask;
             continue;
         }
         // Rows begin where cache lines do, so that vectors cross as few of them as possible.
@@ -57,13 +57,13 @@ void Levels::make(int index)
     if (entry.level.isInput)
         return;
     // As cv::ORB does, the first level that is smaller than the image is made of it, too, and so are all larger ones.
-    const Level& source = index <= firstLevel + 1 ? image : entries[index - 1].level;
+    const Level& source = index <= firstLevel + 1 ? inputLevel : entries[index - 1].level;
     fillLevel(source, entry.level, entry.resizing, entry.mask);
 }
 
 void Levels::release()
 {
-    image = Level();
+    inputLevel = Level();
     for (Entry& entry : entries)
         entry.level = Level();
     laidOut = 0;

@@ -34,7 +34,7 @@ public:
     //! Forgets the images and masks that are the caller's, and those that became the caller's.
     void release();
 
-    const Level& input() const { return image; }
+    const Level& input() const { return inputLevel; }
     int size() const { return laidOut; }
     const Level& operator[](int index) const { return entries[index].level; }
     Level& operator[](int index) { return entries[index].level; }
@@ -47,7 +47,7 @@ private:
         std::vector<uchar> mask;      // its memory
         Ptr<ResizeTables> resizing;   // to make the level
     };
-    Level image;
+    Level inputLevel;
     int firstLevel = 0;
     double scaleFactor = 1;
     bool giveAway = false;

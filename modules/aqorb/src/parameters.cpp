@@ -12,14 +12,6 @@ namespace cv
 namespace aqorb
 {
 
-double Parameters::octaveSuppressionInUse() const
-{
-    if (octaveSuppression >= 0)
-        return octaveSuppression;
-    // Who asks for the strongest corners takes them on every level, as with cv::ORB.
-    return selectionType == AdaptiveQuadtreeORB::BALANCED_SELECTION ? 0.5 : 2.1 / (1 + strengthWeight);
-}
-
 static void reject(const char* name, const String& accepted, double value)
 {
     CV_Error_(Error::StsOutOfRange, ("%s must be %s, got %.17g", name, accepted.c_str(), value));

@@ -78,9 +78,6 @@ struct Parameters
     AQORB_PARAMETERS(AQORB_FIELD)
 #undef AQORB_FIELD
 
-    //! The distance that octaveSuppression stands for.
-    double octaveSuppressionInUse() const;
-
     //! Throws if a value is invalid whatever the others are.
     void check() const;
     //! Throws if values are invalid in combination, for a pyramid of so many levels.

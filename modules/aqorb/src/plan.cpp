@@ -24,6 +24,16 @@ Rect keypointRegion(const Parameters& parameters, Size size)
     return Rect(border, border, size.width - 2 * border, size.height - 2 * border);
 }
 
+double suppressionRadius(const Parameters& parameters)
+{
+    if (parameters.octaveSuppression >= 0)
+        return parameters.octaveSuppression;
+    // Who asks for the strongest corners takes them on every level, as with cv::ORB.
+    return parameters.selectionType == AdaptiveQuadtreeORB::BALANCED_SELECTION
+               ? 0.5
+               : 2.1 / (1 + parameters.strengthWeight);
+}
+
 // Takes what is too much from the finest levels, which have the most to give up.
 static void takeExcess(int64 excess, std::vector<int>& quotas)
 {

@@ -36,6 +36,9 @@ int shortestSide(const Parameters& parameters);
 //! Where a level of this size may have keypoints: between the borders.
 Rect keypointRegion(const Parameters& parameters, Size size);
 
+//! The distance in pixels for which the property OctaveSuppression stands.
+double suppressionRadius(const Parameters& parameters);
+
 //! The number of features of each level by equation (8), rounded as by cv::ORB but at most nfeatures in all.
 std::vector<int> levelQuotas(int nfeatures, double scaleFactor, int nlevels);
 

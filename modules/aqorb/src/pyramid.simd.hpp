@@ -180,7 +180,8 @@ void blendRows(const short* upper, const short* lower, int lowerWeight, int widt
     }
     for (int x = 0; x < width; x += PIXELS)
     {
-        const int first = std::min(x, width - PIXELS);  // the last vector may overlap the one before
+        // The last vector may overlap the one before.
+        const int first = x < width - PIXELS ? x : width - PIXELS;
         blend.store(upper + first, lower + first, out + first);
     }
 }

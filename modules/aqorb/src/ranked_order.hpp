@@ -39,6 +39,9 @@ struct LeafDisc
     int64 total;                  //!< leaves of the disc, with those that are too far away for any grid
 };
 
+//! A leaf has a representative if at most so many of its eight neighbors have a better point.
+const int MOST_BETTER_NEIGHBORS = 2;
+
 //! The points that represent their leaves, in the order of these.
 struct Representatives
 {

@@ -12,8 +12,8 @@ namespace aqorb
 CV_CPU_OPTIMIZATION_NAMESPACE_BEGIN
 
 /** Finds which leaves of a row represent their neighbourhood.
- @param strengths of the leaves of the row; those of the rows above and below are stride elements away */
-void flagRepresentatives(const int* strengths, ptrdiff_t stride, int side, uchar* flags);
+ @param keys of the best points of the leaves of the row; those of the rows above and below are stride elements away */
+void flagRepresentatives(const int* keys, ptrdiff_t stride, int side, uchar* flags);
 
 /** Counts, for each leaf, the leaves before it within the disc around it.
  @param grid without any bit; afterwards it has those of all leaves */
@@ -22,16 +22,16 @@ void countBefore(const RankingGrid& grid, const unsigned* leaves, size_t count, 
 #ifndef CV_CPU_OPTIMIZATION_DECLARATIONS_ONLY
 
 // Compilers vectorize this loop.
-void flagRepresentatives(const int* strengths, ptrdiff_t stride, int side, uchar* flags)
+void flagRepresentatives(const int* keys, ptrdiff_t stride, int side, uchar* flags)
 {
-    const int *above = strengths - stride, *below = strengths + stride;
+    const int *above = keys - stride, *below = keys + stride;
     for (int i = 0; i < side; i++)
     {
-        const int own = strengths[i];
-        const int stronger = (above[i - 1] >= own) + (above[i] >= own) + (above[i + 1] >= own) +
-                             (strengths[i - 1] >= own) + (strengths[i + 1] > own) + (below[i - 1] > own) +
-                             (below[i] > own) + (below[i + 1] > own);
-        flags[i] = uchar((own != INT_MIN) & (stronger < 3));
+        const int own = keys[i];
+        const int better = (above[i - 1] >= own) + (above[i] >= own) + (above[i + 1] >= own) +
+                           (keys[i - 1] >= own) + (keys[i + 1] > own) + (below[i - 1] > own) +
+                           (below[i] > own) + (below[i + 1] > own);
+        flags[i] = uchar((own != INT_MIN) & (better <= MOST_BETTER_NEIGHBORS));
     }
 }
 

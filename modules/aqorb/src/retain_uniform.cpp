@@ -6,7 +6,6 @@
 #include "precomp.hpp"
 
 #include "input.hpp"
-#include "parameters.hpp"
 #include "plan.hpp"
 
 #include <opencv2/aqorb.hpp>

@@ -34,7 +34,6 @@ AQORB_BINARY(v_or, |)
 AQORB_BINARY(v_xor, ^)
 AQORB_BINARY(v_eq, ==)
 AQORB_BINARY(v_gt, >)
-AQORB_BINARY(v_ge, >=)
 #undef AQORB_BINARY
 #else
 #define AQORB_LANES(V) VTraits<V>::vlanes()

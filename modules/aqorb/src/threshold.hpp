@@ -20,7 +20,7 @@ double varianceOverMean(const Mat& image, const Mat& mask);
 const double NEUTRAL_VALUE = 20;
 
 //! iniT and minT from the value of equation (7). A `fastThreshold` of 20 takes the equation as it is.
-Thresholds fastThresholds(double varianceOverMean, int fastThreshold, double minRatio);
+Thresholds fastThresholds(double value, int fastThreshold, double minRatio);
 
 }  // namespace aqorb
 }  // namespace cv

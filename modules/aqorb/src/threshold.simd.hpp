@@ -28,7 +28,8 @@ void sumRows(const uchar* rows, ptrdiff_t step, int width, int height, uint64& s
         const uchar* row = rows + y * step;
         for (int x = 0; x < width;)
         {
-            const int MOST = 1 << 15, end = std::min(width, x + MOST);  // so many squares fit into 32 bits
+            const int MOST = 1 << 15;  // so many squares fit into 32 bits
+            const int end = width < x + MOST ? width : x + MOST;
 #if CV_SIMD
             v_uint32 sums = vx_setzero_u32(), squareSums = sums;
             for (; x + LANES <= end; x += LANES)

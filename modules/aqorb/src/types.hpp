@@ -60,7 +60,7 @@ struct InRasterOrder
     }
 };
 
-//! The pixel of a level at which a feature is described, and the direction in which.
+//! The pixel of a level at which a feature is described, and in which direction.
 struct FeaturePoint
 {
     int x, y;
