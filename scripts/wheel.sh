@@ -10,7 +10,7 @@
 #
 # With --test each wheel is installed on the Debian whose CPython it is for, in a virtual environment of its own, without
 # cv2 and beside versions of cv2 from pip. Beside cv2 it passes the tests of the package. ARM64 is emulated, which takes
-# half an hour. The table in doc/compatibility.md is written anew.
+# an hour. The table in doc/compatibility.md is written anew.
 #
 # With --here there is one wheel, for Debian's python3 of this system. It is installed in an environment without cv2,
 # then beside opencv-python, and passes the tests. mypy and pyright check a program of arrays, without cv2. This needs no
@@ -73,6 +73,7 @@ inside() {
         done
         unset OPENCV_TEST_DATA_PATH
         export CCACHE_DIR=/aqorb/build/ccache CCACHE_BASEDIR=/aqorb CCACHE_NOHASHDIR=1 LC_ALL=C.UTF-8
+        export PIP_NO_COMPILE=1  # what is not imported; under an emulator that takes minutes
         export PATH=/usr/local/sbin:/usr/local/bin:/usr/sbin:/usr/bin:/sbin:/bin
         exec chroot "$system" "$@"' sh "$SYSTEM" "$ROOT" "$@"
 }
