@@ -14,9 +14,7 @@
 # leaves OpenCV without the module in build/opencv-4 or build/opencv-5, for scripts/compatibility.sh.
 #
 # --js builds opencv.js of the newest OpenCV 4 with the module instead, in build/opencv-js/bin, by OpenCV's script for
-# that, runs its tests in Node.js, compares bytes with those of the native library, and prints its size and its speed
-# beside those of the page's own engine, which scripts/web.sh builds. For the latter it has only the functions that the
-# page would call, in build/opencv-js/page.
+# that, runs its tests in Node.js, and compares bytes with those of the native library.
 #
 # Installs the Debian packages it needs. OPENCV_TEST_DATA_PATH is passed on to the tests.
 source "$(dirname "$0")/common.sh"
@@ -104,30 +102,22 @@ list_tests() {
         awk '/^[^ ]*\.$/ { suite = $1 } /^  [^ ]+$/ && suite { print suite $1 }' | LC_ALL=C sort
 }
 
-# build_js [OPTION...]: opencv.js by OpenCV's own script.
-build_js() {
+# opencv_js: builds and tests opencv.js, by OpenCV's own script.
+opencv_js() {
+    local photograph pictures=()
+    # Debian's emscripten asks its modules of Node.js by name; a Node.js that is not Debian's would not look there.
+    export NODE_PATH=/usr/share/nodejs
+    say "opencv.js"
     # The checks of the compiler compile and do not link, which takes Emscripten seconds for each. One of them asks for a
     # linker's option that Emscripten does not have.
     "$PYTHON" "$OPENCV_SOURCE/platforms/js/build_js.py" "$opencv" --emscripten_dir=/usr/share/emscripten \
         --build_wasm --simd --disable_single_file --extra_modules="$contrib/modules" -DBUILD_LIST=aqorb,calib3d,js \
         -DCMAKE_TRY_COMPILE_TARGET_TYPE=STATIC_LIBRARY -DOPENCV_SKIP_LINK_NO_UNDEFINED=ON -DENABLE_CCACHE=OFF \
-        -DCMAKE_C_COMPILER_LAUNCHER=ccache -DCMAKE_CXX_COMPILER_LAUNCHER=ccache "$@" >"$opencv.log" 2>&1 ||
+        -DCMAKE_C_COMPILER_LAUNCHER=ccache -DCMAKE_CXX_COMPILER_LAUNCHER=ccache >"$opencv.log" 2>&1 ||
         die "OpenCV's build failed; see $opencv.log"
-}
+    ls -l "$opencv"/bin/opencv{.js,_js.wasm}
 
-# opencv_js: builds, tests and measures opencv.js.
-opencv_js() {
-    local file photograph pictures=()
-    # Debian's emscripten asks its modules of Node.js by name; a Node.js that is not Debian's would not look there.
-    export NODE_PATH=/usr/share/nodejs
-    say "opencv.js with what the page would call, and with all that OpenCV and the module list"
-    build_js --config="$ROOT/web/test/opencv_js.config.py"
-    mkdir -p "$opencv/page"
-    mv "$opencv"/bin/opencv{.js,_js.wasm} "$opencv/page"
-    build_js
-
-    say "The page's own engine, and the native library's fingerprints"
-    "$ROOT/scripts/web.sh" >"$opencv.web.log" 2>&1 || die "see $opencv.web.log"
+    say "The native library's fingerprints"
     configure release -DAQORB_BUILD_FINGERPRINT=ON >"$opencv.native.log"
     build "$BUILD/release" --target aqorb_fingerprint >>"$opencv.native.log" || die "see $opencv.native.log"
     mkdir -p "$opencv/pictures"
@@ -141,13 +131,6 @@ opencv_js() {
 
     say "Tests in Node.js"
     node "$ROOT/web/test/opencv.mjs" "$opencv/bin" "$module" "$opencv/native.txt" "${pictures[@]}"
-
-    say "Size and speed"
-    for file in "$BUILD"/web/page/aqorb.{js,wasm} "$opencv"/{page,bin}/opencv{.js,_js.wasm}; do
-        printf '%-32s %9d bytes, %9d by gzip\n' "${file#"$BUILD/"}" "$(stat -c %s "$file")" \
-            "$(gzip -9 -c "$file" | wc -c)"
-    done
-    node "$ROOT/web/test/opencv_speed.mjs" "$BUILD/web/page" "$opencv/page" "${pictures[@]}"
 }
 
 mkdir -p "$BUILD"

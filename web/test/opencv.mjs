@@ -10,18 +10,30 @@
 
 import assert from 'node:assert/strict';
 import fs from 'node:fs';
+import { createRequire } from 'node:module';
 import path from 'node:path';
 import test from 'node:test';
 import vm from 'node:vm';
-import { loadOpenCV, readPicture } from './opencv_js.mjs';
 
 const [folder, module, native, ...pictures] = process.argv.slice(2).map(name => path.resolve(name));
-const cv = await loadOpenCV(folder);
+// The file is read here, because emscripten 3.1.6 would fetch it in a Node.js that can fetch.
+globalThis.Module = { wasmBinary: fs.readFileSync(path.join(folder, 'opencv_js.wasm')) };
+const cv = await createRequire(import.meta.url)(path.join(folder, 'opencv.js'));
 const expected = fs.readFileSync(native, 'utf8');
 
 const QUnit = { module() {}, test: (name, run) => test(name, () => run(assert)) };
 const script = path.join(module, 'misc/js/test/test_aqorb.js');
 vm.runInThisContext(`(function (cv, QUnit) {${fs.readFileSync(script, 'utf8')}\n})`, script)(cv, QUnit);
+
+// A colour picture in a PPM file without comments, as the ImageData of a browser.
+function readPicture(name) {
+    const file = fs.readFileSync(name);
+    const [header, width, height] = /^P6\s(\d+)\s(\d+)\s255\s/.exec(file.toString('latin1', 0, 40));
+    const data = new Uint8ClampedArray(4 * width * height).fill(255);
+    for (let i = 0; i < width * height; i++)
+        data.set(file.subarray(header.length + 3 * i, header.length + 3 * i + 3), 4 * i);
+    return { width: Number(width), height: Number(height), data };
+}
 
 // As in test/hash.hpp, of numbers of four bytes and of bytes.
 function hash(...parts) {
