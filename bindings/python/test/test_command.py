@@ -228,7 +228,7 @@ def test_ctrl_c(folder, tmp_path):
     while not os.path.exists(f'{out}.partial/part-000003.parquet') and process.poll() is None:
         time.sleep(.001)
     process.send_signal(signal.SIGINT)
-    _, errors = process.communicate(timeout=60)
+    _, errors = process.communicate(timeout=300)
     assert process.returncode == 130 and 'stopped; the same command goes on' in errors and 'Traceback' not in errors
     run('extract', folder, '--out', out, '--part-size', 1)
     assert len(rows(out)) == 40

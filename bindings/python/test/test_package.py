@@ -254,7 +254,7 @@ def test_a_subinterpreter_is_refused(when):
     if when == 'second' and not aqorb._aqorb._has_own_opencv:
         pytest.skip('Python does not ask a module of pybind11 2 again')
     run = subprocess.run([sys.executable, '-c', SUBINTERPRETER, when], stdout=subprocess.PIPE,
-                         stderr=subprocess.STDOUT, text=True, timeout=60)
+                         stderr=subprocess.STDOUT, text=True, timeout=300)
     assert run.returncode == 0, run.stdout
 
 

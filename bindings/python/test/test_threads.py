@@ -174,7 +174,7 @@ time.sleep(0.2)
 def test_the_interpreter_exits_during_a_call(call):
     # With detectAndCompute, cv2.KeyPoint aborts the process here, as cv2's own functions do.
     run = subprocess.run([sys.executable, '-c', EXIT.format(call)], stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True,
-                         timeout=60)
+                         timeout=300)
     assert run.returncode == 0, run.stdout
 
 
@@ -446,5 +446,5 @@ def test_goes_on_where_no_thread_can_be_started():
         resource.setrlimit(resource.RLIMIT_STACK, (4 << 30, resource.getrlimit(resource.RLIMIT_STACK)[1]))
 
     run = subprocess.run([sys.executable, '-c', WITHOUT_THREADS], preexec_fn=limit_stack, stdout=subprocess.PIPE,
-                         stderr=subprocess.STDOUT, text=True, timeout=60, env=dict(os.environ, OPENBLAS_NUM_THREADS='1'))
+                         stderr=subprocess.STDOUT, text=True, timeout=300, env=dict(os.environ, OPENBLAS_NUM_THREADS='1'))
     assert run.returncode == 0, run.stdout

@@ -28,7 +28,7 @@ orb = aqorb.AdaptiveQuadtreeORB_create(300)
 
 def run(program):
     run = subprocess.run([sys.executable, '-c', program], stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True,
-                         env=dict(os.environ, PYTHONPATH=FOLDER), timeout=120)
+                         env=dict(os.environ, PYTHONPATH=FOLDER), timeout=300)
     assert run.returncode == 0, run.stdout
 
 
