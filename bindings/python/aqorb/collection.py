@@ -19,6 +19,7 @@ import pyarrow as pa
 import aqorb
 
 READERS = 'pillow', 'cv2'
+MAX_SIDE = 2**20 - 1  # of an image that a detector accepts
 COLUMNS = (('x', 'float32'), ('y', 'float32'), ('size', 'float32'), ('angle', 'float32'), ('response', 'float32'),
            ('octave', 'int32'))
 SCHEMA = pa.schema([('path', pa.binary()), ('width', pa.int32()), ('height', pa.int32())] +
@@ -46,7 +47,10 @@ def read_image(file, reader='pillow', max_size=None, orientation=True):
     if not file.read(1):
         raise ValueError('the file is empty')
     file.seek(0)
-    return (read_by_pillow if reader == 'pillow' else read_by_cv2)(file, max_size, orientation)
+    image, size = (read_by_pillow if reader == 'pillow' else read_by_cv2)(file, max_size, orientation)
+    if max(image.shape) > MAX_SIDE:
+        raise ValueError(f'it has more than {MAX_SIDE} pixels a side')
+    return image, size
 
 
 def smaller(size, max_size):
@@ -66,11 +70,14 @@ def read_by_pillow(file, max_size, orientation):
     size = image.size
     if image.mode in ('L', 'RGB'):
         image.draft('L', smaller(size, max_size))  # of a JPEG only the brightness is decoded, not much larger than needed
+    turn = image.getexif().get(0x0112)
     image.load()
-    if image.format == 'TIFF':  # Pillow has turned it
+    if image.format == 'TIFF':  # Pillow turns it
+        if turn in range(2, 9) and not orientation:
+            raise ValueError('its EXIF orientation cannot be ignored, because it is a TIFF')
         size = image.size
     elif orientation:
-        if image.getexif().get(0x0112, 1) >= 5:
+        if turn in (5, 6, 7, 8):
             size = size[::-1]
         image = ImageOps.exif_transpose(image)
     if image.mode.startswith('I'):
@@ -109,7 +116,10 @@ def scale_up(features, image, size, scaled):
 
 
 def to_table(paths, sizes, features):
-    """The table of images of the given widths and heights, and an aqorb.FeatureBatch, which is not copied."""
+    """The table of images of the given widths and heights, and an aqorb.FeatureBatch, which is not copied. It holds at
+    most 2^26 - 1 features, because the offsets of descriptors in a table have 32 bits."""
+    if features.offsets[-1] >= 2**26:
+        raise ValueError(f'a table holds at most {2**26 - 1} features, got {features.offsets[-1]}')
     offsets = features.offsets.astype(np.int32)
     columns = [pa.array(paths, pa.binary())]
     columns += [pa.array([size[i] for size in sizes], pa.int32()) for i in (0, 1)]

@@ -17,6 +17,9 @@
 COLMAP has a type of descriptors for SIFT and for a few others. Those of ORB are written without a type: COLMAP neither
 reads nor matches them, but keeps them, and aqorb match finds them there."""
 
+import itertools
+import os
+
 import numpy as np
 import pycolmap
 
@@ -66,6 +69,11 @@ def write_matches(database, image1, image2, pairs):
 
 
 def write_pairs(path, pairs):
-    """Writes pairs of names of images as pycolmap.verify_matches reads them: two names a line."""
-    with open(path, 'w') as file:
-        file.writelines('{} {}\n'.format(*pair) for pair in pairs)
+    """Writes pairs of names of images, str or bytes, as pycolmap.verify_matches reads them: two names a line. They must
+    have no white space, at which COLMAP parts them."""
+    lines = [[os.fsencode(name) for name in pair] for pair in pairs]
+    for name in itertools.chain(*lines):
+        if len(name.split()) != 1:
+            raise ValueError(f'COLMAP cannot read the name {name!r} in a list of pairs')
+    with open(path, 'wb') as file:
+        file.writelines(b' '.join(pair) + b'\n' for pair in lines)

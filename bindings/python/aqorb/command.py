@@ -11,8 +11,10 @@ import hashlib
 import itertools
 import os
 import re
+import sqlite3
 import sys
 import warnings
+import zipfile
 
 import aqorb
 
@@ -42,7 +44,7 @@ def main(arguments=None):
                      'with two paths a line, with a tab or a space between them')
     two.add_argument('--out', metavar='FILE', help='.parquet, or .db for COLMAP; FEATURES by default if that is a .db')
     two.add_argument('--ratio', type=float, help='keep what is nearer than this times the second nearest')
-    two.add_argument('--max-distance', type=int, metavar='N', help='keep what differs in at most so many bits')
+    two.add_argument('--max-distance', type=at_least(0), metavar='N', help='keep what differs in at most so many bits')
     two.add_argument('--part-size', type=positive, default=4096, metavar='N',
                      help='pairs after which what is done is saved (%(default)s)')
     two.set_defaults(run=match)
@@ -62,7 +64,8 @@ def main(arguments=None):
         command.add_argument('--reader', choices=('pillow', 'cv2'), default='pillow',
                              help='what decodes images (%(default)s)')
         command.add_argument('--ignore-orientation', action='store_true',
-                             help='do not turn images as their EXIF data say; COLMAP does not')
+                             help='do not turn images as their EXIF data say; COLMAP does not. The reader cv2 turns '
+                             'TIFF files all the same')
     for command in one, two:
         command.add_argument('--threads', type=positive, default=len(os.sched_getaffinity(0)) if hasattr(
             os, 'sched_getaffinity') else os.cpu_count(), metavar='N', help='as many as processors by default')
@@ -84,14 +87,19 @@ def main(arguments=None):
     except OSError as error:
         has_path = isinstance(error.filename, (bytes, str))
         sys.exit(f'aqorb: {os.fsdecode(error.filename)}: {error.strerror}' if has_path else f'aqorb: {error}')
-    except ValueError as error:
+    except (ValueError, EOFError, RuntimeError, sqlite3.Error, zipfile.BadZipFile) as error:  # of damaged files, too
         sys.exit(f'aqorb: {error}')
 
 
-def positive(text):
-    if int(text) < 1:
-        raise argparse.ArgumentTypeError(f'{text} is less than 1')
-    return int(text)
+def at_least(least):
+    def number(text):
+        if not least <= int(text) < 2**31:
+            raise argparse.ArgumentTypeError(f'{text} is not from {least} to {2**31 - 1}')
+        return int(text)
+    return number
+
+
+positive = at_least(1)
 
 
 def list_files(folder, recursive, out):
@@ -164,14 +172,16 @@ def pairs_of(text, paths):
     if not os.path.isfile(text):
         raise files.Refused(f'--pairs must be sequential:K, exhaustive or a file, got {text}')
     indices = {path: i for i, path in enumerate(paths)}
-    pairs = []
+    pairs = {}  # by the set of the two, as those in both orders are one
     with open(text, 'rb') as file:
         for number, line in enumerate(file, 1):
             names = line.rstrip(b'\r\n').split(b'\t' if b'\t' in line else b' ')
+            if names == [b'']:
+                continue
             if len(names) != 2 or not all(name in indices for name in names):
                 raise files.Refused(f'{text}, line {number}: must be the paths of two images in the features')
-            pairs.append((indices[names[0]], indices[names[1]]))
-    return iter(pairs), len(pairs)
+            pairs.setdefault(frozenset(names), (indices[names[0]], indices[names[1]]))
+    return iter(pairs.values()), len(pairs)
 
 
 def match(options):

@@ -8,10 +8,12 @@ not grow with the number of images and that what was stopped can go on."""
 import bisect
 import contextlib
 import functools
+import hashlib
 import itertools
 import json
 import os
 import pathlib
+import re
 import shutil
 import sqlite3
 import zipfile
@@ -26,6 +28,7 @@ import aqorb
 from aqorb import collection
 
 SUFFIXES = '.parquet', '.npz', '.db'
+OWN_FILES = r'part-\d{6,}\.parquet|unfinished|joined.*|lock'  # in a folder OUT.partial
 MATCHES = pa.schema([('path1', pa.binary()), ('path2', pa.binary()), ('index1', pa.list_(pa.int32())),
                      ('index2', pa.list_(pa.int32())), ('distance', pa.list_(pa.int32()))])
 
@@ -35,6 +38,10 @@ class Refused(ValueError):
 
 
 def suffix_of(path, accepted=SUFFIXES):
+    try:
+        path.encode()
+    except UnicodeEncodeError:  # pyarrow and pycolmap could not open it
+        raise Refused(f'{path!r} must be a name in UTF-8') from None
     suffix = os.path.splitext(path)[1]
     if suffix not in accepted:
         raise Refused(f'{path} must end with one of {", ".join(accepted)}')
@@ -47,20 +54,45 @@ def write_in_parts(out, items, total, unit, part_size, metadata, overwrite, make
     function that it calls as items are done, and returns a table and a list of failures: pairs of a path and a reason.
     write takes the name of a file, an iterable of all tables, and the metadata. Returns all failures."""
     partial = out + '.partial'
-    mine = json.dumps(metadata)
-    if os.path.exists(out) and not overwrite:
-        if not os.path.isdir(partial) or read_metadata(out) != metadata:
-            raise Refused(f'{out} exists; --overwrite replaces it')
-        shutil.rmtree(partial)  # it was stopped after all else was done
-        return []
+    if os.path.isdir(out):
+        raise Refused(f'{out} is a folder')
+    is_done = os.path.exists(out) and not overwrite  # it was stopped when only the folder was left
+    if is_done and (not os.path.isdir(partial) or read_metadata(out) != metadata):
+        raise Refused(f'{out} exists; --overwrite replaces it')
     os.makedirs(partial, exist_ok=True)
+    foreign = [name for name in os.listdir(partial) if not re.fullmatch(OWN_FILES, name)]
+    if foreign:
+        raise Refused(f'{partial} has files that are not of this command, such as {foreign[0]}')
+    with locked(os.path.join(partial, 'lock')):
+        failures = [] if is_done else join_parts(out, partial, items, total, unit, part_size, metadata, make_table, write)
+    shutil.rmtree(partial)
+    return failures
 
+
+@contextlib.contextmanager
+def locked(name):
+    """Holds a file that no other process can hold at the same time, where the system has such locks."""
+    with open(name, 'w') as file:
+        with contextlib.suppress(ImportError):  # on Windows
+            import fcntl
+            try:
+                fcntl.flock(file, fcntl.LOCK_EX | fcntl.LOCK_NB)
+            except BlockingIOError:
+                raise Refused(f'another process is writing to {os.path.dirname(name)}') from None
+        yield
+
+
+def join_parts(out, partial, items, total, unit, part_size, metadata, make_table, write):
+    """Makes the parts that are not in the folder partial yet, and the file out of all of them."""
     def name_of(part):
         return os.path.join(partial, f'part-{part:06}.parquet')
 
     done = 0
     while os.path.exists(name_of(done)):
-        kept = pq.read_schema(name_of(done)).metadata
+        try:
+            kept = pq.read_schema(name_of(done)).metadata
+        except pa.ArrowException as error:
+            raise Refused(f'{name_of(done)} is damaged: {error}. Remove {partial}') from error
         theirs = dict(json.loads(kept[b'aqorb']), **{'part size': int(kept[b'part_size'])})
         for key, value in dict(metadata, **{'part size': part_size}).items():
             if theirs.get(key) != value:
@@ -76,7 +108,7 @@ def write_in_parts(out, items, total, unit, part_size, metadata, overwrite, make
             table, failures = make_table(chunk, bar.update)
             listed = [(os.fsdecode(path), reason) for path, reason in failures]
             table = table.replace_schema_metadata(
-                {'aqorb': mine, 'part_size': str(part_size), 'failures': json.dumps(listed)})
+                {'aqorb': json.dumps(metadata), 'part_size': str(part_size), 'failures': json.dumps(listed)})
             pq.write_table(table, os.path.join(partial, 'unfinished'))
             os.replace(os.path.join(partial, 'unfinished'), name_of(part))
             done += 1
@@ -88,7 +120,6 @@ def write_in_parts(out, items, total, unit, part_size, metadata, overwrite, make
     write(joined, Parts(parts), metadata)
     failures = [failure for name in parts for failure in json.loads(pq.read_schema(name).metadata[b'failures'])]
     os.replace(joined, out)
-    shutil.rmtree(partial)
     return failures
 
 
@@ -124,8 +155,13 @@ def write_npz(path, tables, metadata):
               'descriptors': (np.uint8, (offsets[-1], 32))}
     shapes.update((name, (kind, (offsets[-1],))) for name, kind in collection.COLUMNS)
     os.makedirs(path + '.arrays', exist_ok=True)
-    arrays = {name: np.lib.format.open_memmap(os.path.join(path + '.arrays', name), 'w+', kind, shape)
-              for name, (kind, shape) in shapes.items()}
+    arrays = {}
+    for name, (kind, shape) in shapes.items():
+        array = os.path.join(path + '.arrays', name)
+        arrays[name] = np.lib.format.open_memmap(array, 'w+', kind, shape)
+        if hasattr(os, 'posix_fallocate'):  # to write to memory without room on the disk would end the process
+            with open(array, 'r+b') as file:
+                os.posix_fallocate(file.fileno(), 0, os.path.getsize(array))
     row = 0
     for table in tables:
         rows = slice(row, row + len(table))
@@ -173,6 +209,10 @@ def write_database(path, tables, metadata):
     os.remove(loose)
 
 
+def read_only(database):
+    return sqlite3.connect(f'{pathlib.Path(database).absolute().as_uri()}?mode=ro', uri=True)
+
+
 def set_metadata(database, name, metadata):
     with contextlib.closing(sqlite3.connect(database)) as connection, connection:
         connection.execute('CREATE TABLE IF NOT EXISTS aqorb (name TEXT PRIMARY KEY, metadata TEXT)')
@@ -189,7 +229,7 @@ def read_metadata(path, name='features'):
         if suffix == '.npz':
             with np.load(path) as file:
                 return json.loads(str(file['metadata']))
-        with contextlib.closing(sqlite3.connect(f'{pathlib.Path(path).absolute().as_uri()}?mode=ro', uri=True)) as file:
+        with contextlib.closing(read_only(path)) as file:
             return json.loads(file.execute('SELECT metadata FROM aqorb WHERE name = ?', (name,)).fetchone()[0])
     except (OSError, ValueError, TypeError, KeyError, pa.ArrowException, sqlite3.Error, zipfile.BadZipFile) as error:
         raise Refused(f'{path} is no file that aqorb has written: {error}') from error
@@ -201,8 +241,12 @@ class Features:
     def __init__(self, path):
         self.path, self.metadata = path, read_metadata(path)
         suffix = suffix_of(path)
+        if suffix != '.db':  # what is made of other features of the same images is refused
+            self.metadata['sha256'] = digest(path)
         if suffix == '.parquet':
             file = pq.ParquetFile(path)
+            if 'descriptors' not in file.schema_arrow.names:
+                raise Refused(f'{path} has no features')
             groups = range(file.num_row_groups)
             starts = [0] + list(itertools.accumulate(file.metadata.row_group(group).num_rows for group in groups))
             self.paths = file.read(['path'])['path'].to_pylist()
@@ -221,15 +265,33 @@ class Features:
                 arrays = dict(file)
             self.paths, offsets = arrays['path'].tolist(), arrays['offsets']
             self.descriptors = lambda image: arrays['descriptors'][offsets[image]:offsets[image + 1]]
-            batch = aqorb.FeatureBatch(*(arrays[name] for name in aqorb.FeatureBatch._fields))
-            self.tables = lambda: [collection.to_table(
-                self.paths, list(zip(arrays['width'].tolist(), arrays['height'].tolist())), batch)]
+            sizes = list(zip(arrays['width'].tolist(), arrays['height'].tolist()))
+
+            def tables(images=1000):
+                for first in range(0, len(self.paths), images):
+                    rows = slice(*offsets[[first, min(first + images, len(self.paths))]])
+                    batch = aqorb.FeatureBatch(**dict({name: arrays[name][rows] for name in aqorb.FeatureBatch._fields},
+                                                      offsets=offsets[first:first + images + 1] - rows.start))
+                    yield collection.to_table(self.paths[first:first + images], sizes[first:first + images], batch)
+            self.tables = tables
         else:
-            import pycolmap
             ids, self.paths = images_of(path)
-            database = pycolmap.Database.open(path)
-            self.descriptors = lambda image: database.read_descriptors(ids[image]).data
+            database = read_only(path)
+
+            def descriptors(image):
+                found = database.execute('SELECT data FROM descriptors WHERE image_id = ?', (ids[image],)).fetchall()
+                return np.frombuffer(b''.join(row[0] or b'' for row in found), np.uint8).reshape(-1, 32)
+            self.descriptors = descriptors
             self.tables = None
+
+
+def digest(path):
+    """The SHA-256 of a file."""
+    state = hashlib.sha256()
+    with open(path, 'rb') as file:
+        for block in iter(lambda: file.read(1 << 20), b''):
+            state.update(block)
+    return state.hexdigest()
 
 
 def write_matches(path, features, pairs, total, metadata, overwrite, match_pairs):
@@ -248,8 +310,11 @@ def write_matches(path, features, pairs, total, metadata, overwrite, match_pairs
         raise Refused(f'a database is matched in place: copy {features.path}, and match the copy')
     database = pycolmap.Database.open(path)
     try:
-        matched = database.num_matched_image_pairs()
-        if matched and read_metadata(path, 'matches') != metadata:
+        try:
+            theirs = read_metadata(path, 'matches')
+        except Refused:
+            theirs = None
+        if database.num_matched_image_pairs() and theirs != metadata:
             if not overwrite:
                 raise Refused(f'{path} has other matches; --overwrite replaces them')
             database.clear_matches()
@@ -270,7 +335,7 @@ def write_matches(path, features, pairs, total, metadata, overwrite, match_pairs
 
 def images_of(database):
     """The numbers of the images in a database, and their names as bytes."""
-    with contextlib.closing(sqlite3.connect(database)) as connection:
+    with contextlib.closing(read_only(database)) as connection:
         connection.text_factory = bytes
         images = connection.execute('SELECT image_id, name FROM images ORDER BY image_id').fetchall()
     return [number for number, _ in images], [name for _, name in images]

@@ -123,14 +123,24 @@ class Matcher
 {
 public:
     Matcher(int normType_, bool crossCheck_) : Matcher(Library::create(normType_, crossCheck_), normType_) {}
-    cv::Ptr<Library> share() const { return library.share(); }
+    cv::Ptr<Library> share() const
+    {
+        const cv::Ptr<Library> shared = library.share();
+        if (!shared)
+            throw py::type_error("HammingMatcher.__init__() was not called");
+        return shared;
+    }
     //! Calls change(matcher), with a copy if a call is under way.
     template <typename Change> void change(const Change& change)
     {
+        share();
         library.change([](const Library& other) { return copyOf(other, false); }, change);
     }
-    int norm() const { return normType; }
+    int norm() const { return share(), normType; }
     Matcher clone(bool emptyTrainData) const { return Matcher(copyOf(*share(), emptyTrainData), normType); }
+
+    // Python's __new__ makes an object without calling __init__. pybind11 gives its methods the memory as it is.
+    static void* operator new(size_t size) { return std::memset(::operator new(size), 0, size); }
 
 private:
     Matcher(const cv::Ptr<Library>& library_, int normType_) : library(library_), normType(normType_) {}
@@ -350,8 +360,9 @@ void addMatcher(py::module_& module)
 {
     py::class_<Matcher> matcher(
         module, "HammingMatcher",
-        "A brute-force matcher of binary descriptors, with the methods and the matches of cv2.BFMatcher for\n"
-        "NORM_HAMMING and NORM_HAMMING2, many times as fast. Methods that match release the GIL.");
+        "A brute-force matcher of binary descriptors, with the methods of cv2.BFMatcher, but for those of\n"
+        "files, and its matches for NORM_HAMMING and NORM_HAMMING2, many times as fast. Methods that match\n"
+        "release the GIL.");
     matcher.attr("__module__") = "aqorb";
     matcher
         .def(py::init(&create), arg("normType") = int(cv::NORM_HAMMING), arg("crossCheck") = false,

@@ -48,6 +48,26 @@ def unusual():
     return orb, values
 
 
+@pytest.fixture(scope='session')
+def folder(tmp_path_factory):
+    """Forty images."""
+    from command_support import Image, noise
+    folder = tmp_path_factory.mktemp('images')
+    for i in range(40):
+        Image.fromarray(noise(i)).save(str(folder / f'{i:02}.png'))
+    return folder
+
+
+@pytest.fixture(scope='session')
+def features(folder, tmp_path_factory):
+    """A file of each kind with the features of those."""
+    from command_support import run
+    out = tmp_path_factory.mktemp('features')
+    for suffix in 'parquet', 'npz', 'db':
+        run('extract', folder, '--out', out / f'features.{suffix}', '--part-size', 7)
+    return out
+
+
 def values_of(orb, names):
     return {name: getattr(orb, 'get' + name)() for name in names}
 

@@ -2,10 +2,8 @@
 # It is subject to the license terms in the LICENSE file found in the top-level directory
 # of this distribution.
 # SPDX-License-Identifier: Apache-2.0
-"""Tests of the command aqorb. The long form, with 10,000 images and Ray, is samples/collection/test_collection.py."""
+"""Tests of aqorb extract. The long form, with 10,000 images and Ray, is samples/collection/test_collection.py."""
 
-import io
-import itertools
 import json
 import os
 import pathlib
@@ -13,7 +11,6 @@ import random
 import re
 import shutil
 import signal
-import sqlite3
 import stat
 import subprocess
 import sys
@@ -23,70 +20,7 @@ import numpy as np
 import pytest
 
 import aqorb
-
-pytest.importorskip('tqdm')
-pycolmap = pytest.importorskip('pycolmap')
-pa = pytest.importorskip('pyarrow')
-pq = pytest.importorskip('pyarrow.parquet')
-PIL = pytest.importorskip('PIL')
-Image = pytest.importorskip('PIL.Image')
-collection = pytest.importorskip('aqorb.collection')
-
-FOLDER = os.path.dirname(os.path.dirname(os.path.abspath(aqorb.__file__)))
-
-
-def command(*arguments, **options):
-    """A finished process of the command."""
-    return subprocess.run([sys.executable, '-m', 'aqorb', *map(str, arguments)], stdout=subprocess.PIPE,
-                          stderr=subprocess.PIPE, env=dict(os.environ, PYTHONPATH=FOLDER), timeout=300,
-                          **dict({'text': True, 'errors': 'surrogateescape'}, **options))
-
-
-def run(*arguments):
-    finished = command(*arguments)
-    assert finished.returncode == 0, finished.stderr
-    return finished
-
-
-def refused(message, *arguments):
-    finished = command(*arguments)
-    assert finished.returncode == 1 and re.search(message, finished.stderr), finished.stderr
-    assert 'Traceback' not in finished.stderr
-
-
-def noise(seed, height=120, width=160):
-    pixels = np.random.RandomState(seed).randint(0, 256, (height // 8, width // 8), np.uint8)
-    return np.repeat(np.repeat(pixels, 8, 0), 8, 1)
-
-
-@pytest.fixture(scope='module')
-def folder(tmp_path_factory):
-    """Forty images."""
-    folder = tmp_path_factory.mktemp('images')
-    for i in range(40):
-        Image.fromarray(noise(i)).save(str(folder / f'{i:02}.png'))
-    return folder
-
-
-@pytest.fixture(scope='module')
-def features(folder, tmp_path_factory):
-    """A file of each kind with the features of those."""
-    out = tmp_path_factory.mktemp('features')
-    for suffix in 'parquet', 'npz', 'db':
-        run('extract', folder, '--out', out / f'features.{suffix}', '--part-size', 7)
-    return out
-
-
-def rows(path):
-    return {row['path']: row for row in pq.read_table(str(path)).to_pylist()}
-
-
-def expected(pixels, features=1000):
-    """The columns of a grey image, by detectAndComputeArrays."""
-    keypoints, descriptors = aqorb.AdaptiveQuadtreeORB_create(features).detectAndComputeArrays(pixels)
-    columns = {name: keypoints[name].tolist() for name in ('size', 'angle', 'response', 'octave')}
-    return dict(columns, x=keypoints['pt'][:, 0].tolist(), y=keypoints['pt'][:, 1].tolist(),
-                descriptors=descriptors.tobytes(), width=pixels.shape[1], height=pixels.shape[0])
+from command_support import FOLDER, PIL, Image, collection, command, encoded, expected, noise, pq, pycolmap, refused, rows, run
 
 
 def test_parquet(folder, features):
@@ -148,6 +82,23 @@ def test_what_is_refused(folder, features, tmp_path):
     refused('is no file that aqorb has written', 'match', tmp_path / 'image.npz', '--pairs', 'exhaustive', '--out', out)
 
 
+def test_numbers_that_are_refused(folder, tmp_path):
+    for option, number in (('--num-features', 0), ('--threads', 2**31), ('--part-size', 2**64), ('--max-size', -1)):
+        finished = command('extract', folder, '--out', tmp_path / 'f.parquet', option, number)
+        assert finished.returncode == 2 and f'{number} is not from 1 to 2147483647' in finished.stderr
+
+
+def test_outputs_that_are_refused(folder, tmp_path):
+    (tmp_path / 'folder.npz').mkdir()
+    refused('folder.npz is a folder', 'extract', folder, '--out', tmp_path / 'folder.npz', '--overwrite')
+    refused('must be a name in UTF-8', 'extract', folder, '--out', f'{tmp_path}/\udcff.parquet')
+    mine = tmp_path / 'f.parquet.partial' / 'mine.txt'
+    mine.parent.mkdir()
+    mine.write_text('precious')
+    refused('files that are not of this command, such as mine.txt', 'extract', folder, '--out', tmp_path / 'f.parquet')
+    assert mine.read_text() == 'precious'
+
+
 def test_needs_no_other_package(tmp_path):
     code = 'import sys; sys.modules.update({!r}); import aqorb; '
     for names in ['pyarrow', 'PIL', 'tqdm', 'pycolmap'], ['tqdm']:
@@ -191,7 +142,7 @@ def test_killed_at_random_moments(folder, features, tmp_path):
 def test_goes_on_where_it_was(folder, features, tmp_path):
     out = tmp_path / 'features.parquet'
     stop(folder, out, 2)
-    kept = {name: os.stat(f'{out}.partial/{name}').st_mtime_ns for name in sorted(os.listdir(f'{out}.partial'))[:3]}
+    kept = {name: os.stat(f'{out}.partial/{name}').st_mtime_ns for name in os.listdir(f'{out}.partial')}
     assert not out.exists() and 'part-000002.parquet' in kept
     for wrong, message in ((['--num-features', '999'], 'parameters'), (['--max-size', '50'], 'max size'),
                            (['--reader', 'cv2'], 'reader'), (['--ignore-orientation'], 'EXIF orientation'),
@@ -209,6 +160,24 @@ def test_goes_on_where_it_was(folder, features, tmp_path):
     finished = run('extract', folder, '--out', out, '--part-size', 7)
     assert not re.search(r'\b0/40', finished.stderr)  # begins with what is done
     assert pq.read_table(str(out)).equals(pq.read_table(str(features / 'features.parquet')))
+
+
+def test_two_at_a_time(folder, tmp_path):
+    fcntl = pytest.importorskip('fcntl')
+    out = tmp_path / 'f.parquet'
+    os.mkdir(f'{out}.partial')
+    with open(f'{out}.partial/lock', 'w') as file:
+        fcntl.flock(file, fcntl.LOCK_EX)
+        refused('another process is writing to .*f.parquet.partial', 'extract', folder, '--out', out)
+    run('extract', folder, '--out', out)
+    assert os.listdir(str(tmp_path)) == ['f.parquet']
+
+
+def test_a_damaged_part(folder, tmp_path):
+    out = tmp_path / 'f.parquet'
+    os.mkdir(f'{out}.partial')
+    open(f'{out}.partial/part-000000.parquet', 'w').close()
+    refused('part-000000.parquet is damaged', 'extract', folder, '--out', out)
 
 
 def test_killed_after_all_was_done(folder, features, tmp_path):
@@ -232,100 +201,6 @@ def test_ctrl_c(folder, tmp_path):
     assert process.returncode == 130 and 'stopped; the same command goes on' in errors and 'Traceback' not in errors
     run('extract', folder, '--out', out, '--part-size', 1)
     assert len(rows(out)) == 40
-
-
-# Images
-
-def encoded(image, kind='PNG', **options):
-    stream = io.BytesIO()
-    image.save(stream, kind, **options)
-    return stream.getvalue()
-
-
-def read(content, **options):
-    return collection.read_image(io.BytesIO(content), **options)
-
-
-def oriented(orientation):
-    exif = Image.Exif()
-    exif[0x0112] = orientation
-    return exif
-
-
-@pytest.mark.parametrize('orientation', range(1, 9))
-def test_orientation(orientation):
-    upright = Image.fromarray(noise(1))
-    # What undoes the turn of each orientation.
-    stored = {2: Image.FLIP_LEFT_RIGHT, 3: Image.ROTATE_180, 4: Image.FLIP_TOP_BOTTOM, 5: Image.TRANSPOSE,
-              6: Image.ROTATE_90, 7: Image.TRANSVERSE, 8: Image.ROTATE_270}
-    turned = upright.transpose(stored[orientation]) if orientation > 1 else upright
-    for kind in 'PNG', 'TIFF':
-        pixels, size = read(encoded(turned, kind, exif=oriented(orientation)))
-        assert np.array_equal(pixels, noise(1)) and size == (160, 120), kind
-    for reader in 'pillow', 'cv2':
-        jpeg = encoded(turned, 'JPEG', quality=95, exif=oriented(orientation))
-        pixels, size = read(jpeg, reader=reader)
-        assert size == (160, 120) and np.abs(pixels.astype(int) - noise(1)).mean() < 5
-        pixels, size = read(jpeg, reader=reader, max_size=40)
-        assert size == (160, 120) and pixels.shape == (30, 40)
-        pixels, size = read(jpeg, reader=reader, orientation=False)
-        assert size == turned.size and pixels.shape == turned.size[::-1]
-
-
-def test_sixteen_bits():
-    wide = noise(2).astype(np.uint16) * 257
-    for kind in 'PNG', 'TIFF', 'PPM':
-        content = encoded(Image.fromarray(wide.astype(np.int32) if kind == 'PPM' else wide), kind)
-        assert np.array_equal(read(content)[0], noise(2)), kind
-    assert np.array_equal(read(encoded(Image.fromarray(wide // 2)))[0], (wide // 2 + 128) // 257)
-    with pytest.raises(ValueError, match='more than 16 bits'):
-        read(encoded(Image.fromarray(wide.astype(np.int32) * 2), 'TIFF'))
-    with pytest.raises(ValueError, match='floating-point'):
-        read(encoded(Image.fromarray(wide.astype(np.float32)), 'TIFF'))
-
-
-@pytest.mark.parametrize('kind', ['GIF', 'PNG', 'TIFF', 'WEBP'])
-def test_of_an_animation_the_first_frame(kind):
-    frames = [Image.fromarray(noise(i)) for i in (3, 4, 5)]
-    options = {'lossless': True} if kind == 'WEBP' else {}
-    content = encoded(frames[0], kind, save_all=True, append_images=frames[1:], **options)
-    assert np.abs(read(content)[0].astype(int) - noise(3)).max() <= 1
-
-
-@pytest.mark.parametrize('mode', ['1', 'L', 'LA', 'P', 'RGB', 'RGBA', 'CMYK'])
-def test_modes(mode):
-    grey = noise(6) // 128 * 255
-    image = Image.fromarray(grey)
-    image = (image.convert('RGB') if mode in ('P', 'CMYK') else image).convert(mode)
-    kind = 'TIFF' if mode == 'CMYK' else 'PNG'
-    assert np.abs(read(encoded(image, kind))[0].astype(int) - grey).max() <= 1
-    if mode in ('L', 'RGB', 'CMYK'):
-        for progressive in False, True:
-            pixels, _ = read(encoded(image, 'JPEG', quality=95, progressive=progressive))
-            assert np.abs(pixels.astype(int) - grey).mean() < 8
-
-
-def test_max_size():
-    image = Image.fromarray(noise(7)).resize((640, 480), Image.NEAREST).convert('RGB')
-    for content in encoded(image), encoded(image, 'JPEG', quality=95):
-        for max_size, shape in ((None, (480, 640)), (640, (480, 640)), (639, (479, 639)), (100, (75, 100)), (1, (1, 1))):
-            pixels, size = read(content, max_size=max_size)
-            assert pixels.shape == shape and size == (640, 480)
-    large, small = (read(encoded(image, kind, **options), max_size=160)[0].astype(int)
-                    for kind, options in (('PNG', {}), ('JPEG', {'quality': 95})))
-    assert np.abs(large - small).mean() < 3
-
-
-def test_positions_are_those_of_the_large_image(tmp_path):
-    (tmp_path / 'images').mkdir()
-    pixels = noise(8, 480, 640)
-    Image.fromarray(pixels).save(str(tmp_path / 'images' / 'a.png'))
-    run('extract', tmp_path / 'images', '--out', tmp_path / 'f.parquet', '--max-size', 320)
-    row = rows(tmp_path / 'f.parquet')[b'a.png']
-    half = expected(read(encoded(Image.fromarray(pixels)), max_size=320)[0])
-    assert (row['width'], row['height']) == (640, 480)
-    assert np.allclose(row['x'], np.float32(half['x']) * 2 + .5) and np.allclose(row['y'], np.float32(half['y']) * 2 + .5)
-    assert np.allclose(row['size'], np.float32(half['size']) * 2) and row['descriptors'] == half['descriptors']
 
 
 def test_files_that_are_left_out(tmp_path):
@@ -449,78 +324,3 @@ def write_crops(photographs, folder, count, size=(320, 240)):
         x, y = chance.randrange(image.width - size[0] + 1), chance.randrange(image.height - size[1] + 1)
         image.crop((x, y, x + size[0], y + size[1])).save(str(folder / f'{i:05}.bmp'))
 
-
-# Matches
-
-def matches_of(path):
-    return {(row['path1'], row['path2']): row for row in pq.read_table(str(path)).to_pylist()}
-
-
-def test_match(features, tmp_path):
-    found = rows(features / 'features.parquet')
-    names = list(found)
-    (tmp_path / 'pairs.txt').write_text('03.png 01.png\n05.png\t05.png\n')
-    near = [(names[i], names[j]) for i in range(40) for j in (i + 1, i + 2) if j < 40]
-    for pairs, expected_pairs in (('sequential:2', near), ('exhaustive', list(itertools.combinations(names, 2))),
-                                  (tmp_path / 'pairs.txt', [(b'03.png', b'01.png'), (b'05.png', b'05.png')])):
-        run('match', features / 'features.parquet', '--pairs', pairs, '--out', tmp_path / 'm.parquet', '--overwrite',
-            '--part-size', 50)
-        matched = matches_of(tmp_path / 'm.parquet')
-        assert list(matched) == expected_pairs
-        for (first, second), row in matched.items():
-            descriptors = [np.frombuffer(found[name]['descriptors'], np.uint8).reshape(-1, 32) for name in (first, second)]
-            expected_matches, distances = aqorb.matchArrays(*descriptors, crossCheck=True)
-            assert (row['index1'], row['index2']) == tuple(expected_matches.T.tolist())
-            assert row['distance'] == distances.tolist()
-    (tmp_path / 'pairs.txt').write_text('03.png 01.png\n03.png\n')
-    for pairs in 'sequential:x', 'sequential:0', 'all':
-        refused('pairs must be sequential:K, exhaustive or a file', 'match', features / 'features.parquet', '--pairs',
-                pairs, '--out', tmp_path / 'x.parquet')
-    refused('ratio must be finite and at least 0, got -1', 'match', features / 'features.parquet', '--pairs', 'exhaustive', '--ratio', -1, '--out',
-            tmp_path / 'x.parquet')
-    refused('pairs.txt, line 2: must be the paths of two images', 'match', features / 'features.parquet', '--pairs',
-            tmp_path / 'pairs.txt', '--out', tmp_path / 'x.parquet')
-
-
-def test_match_options(features, tmp_path):
-    run('match', features / 'features.npz', '--pairs', 'sequential:1', '--out', tmp_path / 'm.parquet', '--ratio', '.9',
-        '--max-distance', 70)
-    found = rows(features / 'features.parquet')
-    descriptors = [np.frombuffer(found[name]['descriptors'], np.uint8).reshape(-1, 32) for name in (b'00.png', b'01.png')]
-    pairs, distances = aqorb.matchArrays(*descriptors, ratio=.9, crossCheck=True, maxDistance=70)
-    assert matches_of(tmp_path / 'm.parquet')[b'00.png', b'01.png']['distance'] == distances.tolist()
-
-
-def test_match_into_a_database(features, tmp_path):
-    run('match', features / 'features.parquet', '--pairs', 'sequential:2', '--out', tmp_path / 'm.parquet')
-    expected_matches = matches_of(tmp_path / 'm.parquet')
-    copied = shutil.copy(str(features / 'features.db'), str(tmp_path / 'copied.db'))
-    run('match', copied, '--pairs', 'sequential:2')
-    for name in 'parquet', 'npz':
-        run('match', features / f'features.{name}', '--pairs', 'sequential:2', '--out', tmp_path / f'{name}.db')
-    for path in copied, str(tmp_path / 'parquet.db'), str(tmp_path / 'npz.db'):
-        database = pycolmap.Database.open(path)
-        ids = {image.name.encode(): image.image_id for image in database.read_all_images()}
-        assert database.num_matched_image_pairs() == len(expected_matches) == 77
-        for (first, second), row in expected_matches.items():
-            pairs = database.read_matches(ids[first], ids[second])
-            assert pairs.tolist() == [list(pair) for pair in zip(row['index1'], row['index2'])]
-        database.delete_matches(ids[b'00.png'], ids[b'01.png'])
-        database.close()
-    run('match', copied, '--pairs', 'sequential:2')  # what is missing is matched
-    refused('has other matches; --overwrite', 'match', copied, '--pairs', 'sequential:3')
-    refused('a database is matched in place', 'match', copied, '--pairs', 'sequential:2', '--out', tmp_path / 'new.db')
-    run('match', copied, '--pairs', 'sequential:1', '--overwrite')
-    with sqlite3.connect(copied) as connection:
-        assert connection.execute('SELECT count(*) FROM matches').fetchone() == (39,)
-
-
-def test_draw(folder, tmp_path):
-    picture = tmp_path / 'matches.png'
-    finished = run('draw', folder / '00.png', folder / '00.png', '--out', picture)
-    count = len(expected(noise(0))['x'])
-    assert re.search(rf'{count} and {count} features', finished.stdout) and Image.open(str(picture)).size == (320, 120)
-    assert int(re.search(r': (\d+) matches', finished.stdout).group(1)) > count / 2
-    refused('exists; --overwrite', 'draw', folder / '00.png', folder / '01.png', '--out', picture)
-    (tmp_path / 'text').write_text('no image')
-    refused('text: it is no image', 'draw', folder / '00.png', tmp_path / 'text', '--out', tmp_path / 'x.png')

@@ -164,3 +164,13 @@ def test_bad_values(call, name):
 def test_bad_types(call, name):
     with pytest.raises(TypeError, match=name):
         call(descriptors(1, 10))
+
+
+def test_an_object_that_was_not_initialised():
+    matcher, some = aqorb.HammingMatcher.__new__(aqorb.HammingMatcher), descriptors(1)
+    for call in (matcher.empty, matcher.clear, matcher.clone, lambda: matcher.add([some]), matcher.getTrainDescriptors,
+                 lambda: matcher.match(some, some), lambda: matcher.knnMatch(some, 1), lambda: matcher.matchArrays(some, some)):
+        with pytest.raises(TypeError, match='__init__'):
+            call()
+    matcher.__init__()
+    assert len(matcher.match(some, some)) == len(some)

@@ -1,0 +1,68 @@
+# This file is part of aqorb. Copyright (C) The aqorb developers.
+# It is subject to the license terms in the LICENSE file found in the top-level directory
+# of this distribution.
+# SPDX-License-Identifier: Apache-2.0
+"""What the tests of the command aqorb share."""
+
+import io
+import os
+import re
+import subprocess
+import sys
+
+import numpy as np
+import pytest
+
+import aqorb
+
+pytest.importorskip('tqdm')
+pycolmap = pytest.importorskip('pycolmap')
+pa = pytest.importorskip('pyarrow')
+pq = pytest.importorskip('pyarrow.parquet')
+PIL = pytest.importorskip('PIL')
+Image = pytest.importorskip('PIL.Image')
+collection = pytest.importorskip('aqorb.collection')
+
+FOLDER = os.path.dirname(os.path.dirname(os.path.abspath(aqorb.__file__)))
+
+
+def command(*arguments, **options):
+    """A finished process of the command."""
+    return subprocess.run([sys.executable, '-m', 'aqorb', *map(str, arguments)], stdout=subprocess.PIPE,
+                          stderr=subprocess.PIPE, env=dict(os.environ, PYTHONPATH=FOLDER), timeout=300,
+                          **dict({'text': True, 'errors': 'surrogateescape'}, **options))
+
+
+def run(*arguments):
+    finished = command(*arguments)
+    assert finished.returncode == 0, finished.stderr
+    return finished
+
+
+def refused(message, *arguments):
+    finished = command(*arguments)
+    assert finished.returncode == 1 and re.search(message, finished.stderr), finished.stderr
+    assert 'Traceback' not in finished.stderr
+
+
+def noise(seed, height=120, width=160):
+    pixels = np.random.RandomState(seed).randint(0, 256, (height // 8, width // 8), np.uint8)
+    return np.repeat(np.repeat(pixels, 8, 0), 8, 1)
+
+
+def rows(path):
+    return {row['path']: row for row in pq.read_table(str(path)).to_pylist()}
+
+
+def expected(pixels, features=1000):
+    """The columns of a grey image, by detectAndComputeArrays."""
+    keypoints, descriptors = aqorb.AdaptiveQuadtreeORB_create(features).detectAndComputeArrays(pixels)
+    columns = {name: keypoints[name].tolist() for name in ('size', 'angle', 'response', 'octave')}
+    return dict(columns, x=keypoints['pt'][:, 0].tolist(), y=keypoints['pt'][:, 1].tolist(),
+                descriptors=descriptors.tobytes(), width=pixels.shape[1], height=pixels.shape[0])
+
+
+def encoded(image, kind='PNG', **options):
+    stream = io.BytesIO()
+    image.save(stream, kind, **options)
+    return stream.getvalue()

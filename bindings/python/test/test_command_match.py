@@ -1,0 +1,167 @@
+# This file is part of aqorb. Copyright (C) The aqorb developers.
+# It is subject to the license terms in the LICENSE file found in the top-level directory
+# of this distribution.
+# SPDX-License-Identifier: Apache-2.0
+"""Tests of aqorb match and aqorb draw."""
+
+import itertools
+import os
+import re
+import shutil
+import sqlite3
+
+import numpy as np
+import pytest
+
+import aqorb
+from command_support import Image, collection, expected, noise, pa, pq, pycolmap, refused, rows, run
+
+
+def matches_of(path):
+    return {(row['path1'], row['path2']): row for row in pq.read_table(str(path)).to_pylist()}
+
+
+def test_match(features, tmp_path):
+    found = rows(features / 'features.parquet')
+    names = list(found)
+    (tmp_path / 'pairs.txt').write_text('03.png 01.png\n05.png\t05.png\n')
+    near = [(names[i], names[j]) for i in range(40) for j in (i + 1, i + 2) if j < 40]
+    for pairs, expected_pairs in (('sequential:2', near), ('exhaustive', list(itertools.combinations(names, 2))),
+                                  (tmp_path / 'pairs.txt', [(b'03.png', b'01.png'), (b'05.png', b'05.png')])):
+        run('match', features / 'features.parquet', '--pairs', pairs, '--out', tmp_path / 'm.parquet', '--overwrite',
+            '--part-size', 50)
+        matched = matches_of(tmp_path / 'm.parquet')
+        assert list(matched) == expected_pairs
+        for (first, second), row in matched.items():
+            descriptors = [np.frombuffer(found[name]['descriptors'], np.uint8).reshape(-1, 32) for name in (first, second)]
+            expected_matches, distances = aqorb.matchArrays(*descriptors, crossCheck=True)
+            assert (row['index1'], row['index2']) == tuple(expected_matches.T.tolist())
+            assert row['distance'] == distances.tolist()
+    (tmp_path / 'pairs.txt').write_text('03.png 01.png\n03.png\n')
+    for pairs in 'sequential:x', 'sequential:0', 'all':
+        refused('pairs must be sequential:K, exhaustive or a file', 'match', features / 'features.parquet', '--pairs',
+                pairs, '--out', tmp_path / 'x.parquet')
+    refused('ratio must be finite and at least 0, got -1', 'match', features / 'features.parquet', '--pairs', 'exhaustive', '--ratio', -1, '--out',
+            tmp_path / 'x.parquet')
+    refused('pairs.txt, line 2: must be the paths of two images', 'match', features / 'features.parquet', '--pairs',
+            tmp_path / 'pairs.txt', '--out', tmp_path / 'x.parquet')
+
+
+def test_match_options(features, tmp_path):
+    run('match', features / 'features.npz', '--pairs', 'sequential:1', '--out', tmp_path / 'm.parquet', '--ratio', '.9',
+        '--max-distance', 70)
+    found = rows(features / 'features.parquet')
+    descriptors = [np.frombuffer(found[name]['descriptors'], np.uint8).reshape(-1, 32) for name in (b'00.png', b'01.png')]
+    pairs, distances = aqorb.matchArrays(*descriptors, ratio=.9, crossCheck=True, maxDistance=70)
+    assert matches_of(tmp_path / 'm.parquet')[b'00.png', b'01.png']['distance'] == distances.tolist()
+
+
+def test_match_into_a_database(features, tmp_path):
+    run('match', features / 'features.parquet', '--pairs', 'sequential:2', '--out', tmp_path / 'm.parquet')
+    expected_matches = matches_of(tmp_path / 'm.parquet')
+    copied = shutil.copy(str(features / 'features.db'), str(tmp_path / 'copied.db'))
+    run('match', copied, '--pairs', 'sequential:2')
+    for name in 'parquet', 'npz':
+        run('match', features / f'features.{name}', '--pairs', 'sequential:2', '--out', tmp_path / f'{name}.db')
+    for path in copied, str(tmp_path / 'parquet.db'), str(tmp_path / 'npz.db'):
+        database = pycolmap.Database.open(path)
+        ids = {image.name.encode(): image.image_id for image in database.read_all_images()}
+        assert database.num_matched_image_pairs() == len(expected_matches) == 77
+        for (first, second), row in expected_matches.items():
+            pairs = database.read_matches(ids[first], ids[second])
+            assert pairs.tolist() == [list(pair) for pair in zip(row['index1'], row['index2'])]
+        database.delete_matches(ids[b'00.png'], ids[b'01.png'])
+        database.close()
+    run('match', copied, '--pairs', 'sequential:2')  # what is missing is matched
+    refused('has other matches; --overwrite', 'match', copied, '--pairs', 'sequential:3')
+    refused('a database is matched in place', 'match', copied, '--pairs', 'sequential:2', '--out', tmp_path / 'new.db')
+    run('match', copied, '--pairs', 'sequential:1', '--overwrite')
+    with sqlite3.connect(copied) as connection:
+        assert connection.execute('SELECT count(*) FROM matches').fetchone() == (39,)
+
+
+def test_what_is_made_of_other_features_is_refused(tmp_path):
+    (tmp_path / 'images').mkdir()
+    out = tmp_path / 'f.parquet'
+    for i in 0, 1:
+        for name in 'a.png', 'b.png':
+            Image.fromarray(noise(i)).save(str(tmp_path / 'images' / name))
+        run('extract', tmp_path / 'images', '--out', out, '--overwrite')
+        if i == 0:
+            run('match', out, '--pairs', 'exhaustive', '--out', tmp_path / 'm.db')
+    refused('m.db has other features; --overwrite', 'match', out, '--pairs', 'exhaustive', '--out', tmp_path / 'm.db')
+    run('match', out, '--pairs', 'exhaustive', '--out', tmp_path / 'm.db', '--overwrite')
+    run('match', out, '--pairs', 'exhaustive', '--out', tmp_path / 'm.db')
+
+
+@pytest.mark.parametrize('suffix', ['parquet', 'db'])
+def test_pairs_that_are_named_twice(features, tmp_path, suffix):
+    (tmp_path / 'pairs.txt').write_text('00.png 01.png\n01.png 00.png\n\n02.png 01.png\n00.png 01.png\n')
+    out = tmp_path / f'm.{suffix}'
+    assert ': 2 pairs' in run('match', features / 'features.parquet', '--pairs', tmp_path / 'pairs.txt', '--out', out).stdout
+    if suffix == 'parquet':
+        assert list(matches_of(out)) == [(b'00.png', b'01.png'), (b'02.png', b'01.png')]
+
+
+def test_features_are_not_changed(features, tmp_path):
+    content = (features / 'features.db').read_bytes()
+    copied = tmp_path / 'f.db'
+    copied.write_bytes(content)
+    os.chmod(str(copied), 0o400)
+    run('match', copied, '--pairs', 'sequential:1', '--out', tmp_path / 'm.parquet')
+    assert copied.read_bytes() == content
+    run('match', features / 'features.parquet', '--pairs', 'sequential:1', '--out', tmp_path / 'n.parquet')
+    assert list(matches_of(tmp_path / 'm.parquet').values()) == list(matches_of(tmp_path / 'n.parquet').values())
+
+
+def test_matches_of_another_program(features, tmp_path):
+    from aqorb import colmap
+    copied = shutil.copy(str(features / 'features.db'), str(tmp_path))
+    database = pycolmap.Database.open(copied)
+    colmap.write_matches(database, 1, 2, [(0, 0)])
+    database.close()
+    refused('features.db has other matches; --overwrite', 'match', copied, '--pairs', 'sequential:1')
+    run('match', copied, '--pairs', 'sequential:1', '--overwrite')
+
+
+def test_files_without_features(features, tmp_path):
+    run('match', features / 'features.parquet', '--pairs', 'sequential:1', '--out', tmp_path / 'm.parquet')
+    refused('m.parquet has no features', 'match', tmp_path / 'm.parquet', '--pairs', 'sequential:1', '--out', tmp_path / 'n.parquet')
+    for suffix in 'parquet', 'npz', 'db':
+        content = (features / f'features.{suffix}').read_bytes()
+        for size in 0, len(content) // 2:
+            (tmp_path / f'cut.{suffix}').write_bytes(content[:size])
+            refused('aqorb: ', 'match', tmp_path / f'cut.{suffix}', '--pairs', 'exhaustive', '--out', tmp_path / 'n.parquet')
+
+
+def test_tables_of_an_npz(features):
+    from aqorb import files
+    whole = pq.read_table(str(features / 'features.parquet'))
+    tables = list(files.Features(str(features / 'features.npz')).tables(7))
+    assert [len(table) for table in tables] == [7] * 5 + [5]
+    assert pa.concat_tables(tables).equals(whole.replace_schema_metadata())
+
+
+def test_a_table_has_room_for_its_descriptors():
+    batch = aqorb.FeatureBatch(*[np.zeros(0)] * 7, np.array([0, 2**26]))
+    with pytest.raises(ValueError, match='at most 67108863 features, got 67108864'):
+        collection.to_table([b'image'], [(1, 1)], batch)
+
+
+def test_lists_of_pairs(tmp_path):
+    from aqorb import colmap
+    colmap.write_pairs(str(tmp_path / 'pairs.txt'), [('a.png', b'b\xff.png')])
+    assert (tmp_path / 'pairs.txt').read_bytes() == b'a.png b\xff.png\n'
+    with pytest.raises(ValueError, match='name b.a b.png'):
+        colmap.write_pairs(str(tmp_path / 'pairs.txt'), [('a b.png', 'c.png')])
+
+
+def test_draw(folder, tmp_path):
+    picture = tmp_path / 'matches.png'
+    finished = run('draw', folder / '00.png', folder / '00.png', '--out', picture)
+    count = len(expected(noise(0))['x'])
+    assert re.search(rf'{count} and {count} features', finished.stdout) and Image.open(str(picture)).size == (320, 120)
+    assert int(re.search(r': (\d+) matches', finished.stdout).group(1)) > count / 2
+    refused('exists; --overwrite', 'draw', folder / '00.png', folder / '01.png', '--out', picture)
+    (tmp_path / 'text').write_text('no image')
+    refused('text: it is no image', 'draw', folder / '00.png', tmp_path / 'text', '--out', tmp_path / 'x.png')
