@@ -4,8 +4,9 @@
 #
 #   scripts/colmap.sh WHEEL FOLDER [option of colmap.py ...]
 #
-# WHEEL is the package's, from scripts/wheel.sh, for Debian's python3. FOLDER has the folder image_l, calib.txt and
-# poses.txt, as the odometry benchmark of KITTI has them. Prints a table, and leaves the reconstructions in build/colmap.
+# WHEEL is the package's, from scripts/wheel.sh, for Debian's python3. FOLDER has the folder image_0 (or image_l),
+# calib.txt and poses.txt, as the odometry benchmark of KITTI has them. Prints a table, and leaves the reconstructions
+# in build/colmap.
 source "$(dirname "$0")/common.sh"
 
 (($# >= 2)) || die "name a wheel and a folder; --help says more"

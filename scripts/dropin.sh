@@ -1,7 +1,7 @@
 #!/usr/bin/env bash
-# Shows that libaqorb_preload.so replaces cv::ORB, and what cv::BFMatcher matches by, in programs that do not know of it. Runs Debian's Python binding,
-# OpenCV's samples and OpenCV's own tests of features2d, each with and without the library. The samples and the tests
-# are built from Debian's source package without a change.
+# Shows that libaqorb_preload.so replaces cv::ORB, and the function by which cv::BFMatcher matches, in programs that do
+# not know of it. Runs Debian's Python binding, OpenCV's samples and OpenCV's own tests of features2d, each with and
+# without the library. The samples and the tests are built from Debian's source package without a change.
 #
 #   scripts/dropin.sh
 #

@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
 # Fetches the pairs of images that no default was tuned on, from Debian's and PyPI's packages and from OpenCV's source,
-# and lays them out in build/held_out for aqorb_evaluate. tools/evaluate/held_out.csv lists them.
+# and lays them out in build/held_out for aqorb_claims. tools/evaluate/held_out.csv lists them.
 #
 #   scripts/held_out.sh [--estimate]
 #

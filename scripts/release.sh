@@ -1,7 +1,7 @@
 #!/usr/bin/env bash
 # Makes the files of a release that can be made on Debian, in build/release-files, with their checksums, and publishes
-# nothing: the source distribution and the wheels, the Debian packages, and the site with the page for browsers. What checks
-# such files, and the workflows that make those of all systems, must have nothing to say.
+# nothing: the source distribution and the wheels, the Debian packages, and the site with the page for browsers. It
+# fails if a check of these files, or of the workflows that make those of all systems, finds anything.
 #
 #   scripts/release.sh
 #

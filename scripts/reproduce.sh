@@ -5,11 +5,11 @@
 #   scripts/reproduce.sh [--doc] DATASETS [OPTION ...]
 #
 # DATASETS holds the folders bikes, leuven, bark, trees, ubc and graf of the Oxford data (img1..6 and
-# homographies), for example opencv_extra's testdata/cv/detectors_descriptors_evaluation/images_datasets.
-# Options go to aqorb_evaluate, for example --odometry=SEQUENCE (KITTI's layout) and --superpoint=MODEL.onnx; its
-# --help lists them; --odometry and --seeds go to aqorb_claims, too. They take precedence over those that this script
-# gives. Installs the Debian packages and fetches the images it needs. Writes to build/reproduction. With --doc it also
-# writes the tables and some of the figures to doc.
+# homographies), for example opencv_extra's testdata/cv/detectors_descriptors_evaluation/images_datasets. Options go to
+# aqorb_evaluate, whose --help lists them, for example --odometry=SEQUENCE (KITTI's layout) and --superpoint=MODEL.onnx.
+# --odometry and --seeds go to aqorb_claims, too. Options that you give take precedence over those of this script.
+# Installs the Debian packages and fetches the images it needs. Writes to build/reproduction. With --doc it also writes
+# the tables and some of the figures to doc.
 source "$(dirname "$0")/common.sh"
 
 doc=

@@ -8,8 +8,8 @@
 usage: colmap.py [--detectors=aqorb,orb,sift] [--features=2000] [--neighbours=5] [--runs=5]
                  [--out=colmap] FOLDER
 
-FOLDER has the images in the folder image_l, the first camera's projection matrix in the first line of calib.txt and, if
-the error is to be measured, the true poses in poses.txt, as the odometry benchmark of KITTI has them.
+FOLDER has the images in the folder image_0 or image_l, the first camera's projection matrix in the first line of
+calib.txt and, if the error is to be measured, the true poses in poses.txt, as the odometry benchmark of KITTI has them.
 
 Features are matched between each image and the next ones, as mutual nearest neighbours: those of ORB by Hamming
 distance, which COLMAP does not know. The keypoints and the matches are written into COLMAP's database. COLMAP verifies
@@ -159,9 +159,11 @@ def main():
     parser.add_argument('--out', default='colmap')
     parser.add_argument('folder')
     options = parser.parse_args()
-    folder = os.path.join(options.folder, 'image_l')
+    folder = os.path.join(options.folder, 'image_0')
     if not os.path.isdir(folder):
-        fail('there is no folder {}'.format(folder))
+        folder = os.path.join(options.folder, 'image_l')
+    if not os.path.isdir(folder):
+        fail('{} has no folder image_0 or image_l'.format(options.folder))
     names = sorted(os.listdir(folder))
     pycolmap.logging.minloglevel = 2
     print('| features | images | points | track length | reprojection error, px | position errors, m |')

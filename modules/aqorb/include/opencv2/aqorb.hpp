@@ -63,7 +63,7 @@ an image pyramid keypoints are found in four steps:
 -# FAST corners are found with a threshold that is taken from the contrast of the image. The threshold is
    lower in those cells of a square mesh that would stay empty.
 -# A quadtree divides the level into leaves. The corner of the highest FAST score represents its leaf,
-   unless three of the eight leaves around have better ones.
+   unless at least three of the eight leaves around it have better ones.
 -# The representatives are taken by their *strength*, weighed against their *rank*. The rank of a corner is
    the number of stronger ones around it. This choice is the module's own; setSelectionType() brings back
    that of the paper.
@@ -279,8 +279,8 @@ public:
     /** @brief detectAndCompute for the images of a collection, side by side: the results are those of a call for each
     image, for any number of threads.
 
-    Each of the threads that cv::getNumThreads allows takes one image after the other, which uses them better than
-    threads that share an image do. A collection of one image is processed by all of them. The functions of
+    Each of the threads that cv::getNumThreads allows takes one image after another. This uses the threads better than
+    sharing each image among them. A collection of one image is processed by all of them. The functions of
     cv::Feature2D for collections, detect(images, keypoints, masks) and compute(images, keypoints, descriptors), work
     in the same way, and so do their errors.
 
@@ -291,15 +291,15 @@ public:
     @param descriptors A vector of Mat or UMat: the descriptors of each image, which is empty where there are no
     keypoints. With noArray() none are computed.
 
-    An exception names the image, as in "images[3]: mask must be ...". If several images have one, it is that of the
-    first of them. It is thrown when all threads have ended, and the outputs are then unchanged.
+    An exception names the image, as in "images[3]: mask must be ...". If several images cause one, that of the first
+    of them is thrown, after all threads have ended. The outputs are then unchanged.
      */
     CV_WRAP virtual void detectAndComputeBatch(InputArrayOfArrays images, InputArrayOfArrays masks,
                                                CV_OUT std::vector<std::vector<KeyPoint>>& keypoints,
                                                OutputArrayOfArrays descriptors) = 0;
 
-    /** @brief As long as an object of this class lives, detectors use no other thread for the calls of the thread that
-    made it.
+    /** @brief While an object of this class exists, detectors process the calls of the thread that made it on that
+    thread alone.
 
     It is for programs with threads of their own, each of which processes images. */
     class CV_EXPORTS SingleThreadScope

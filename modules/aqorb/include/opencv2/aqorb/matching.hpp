@@ -34,7 +34,7 @@ descriptors of any length, for masks, for collections of several images and with
 the same distance the first one is preferred, and of images the one that was added first. The matches are the same for
 any number of threads, on any CPU and at every repetition. Where those of cv::BFMatcher are undefined, they are as
 follows:
-- knnMatch finds the k nearest descriptors of the whole collection, also where an image has fewer than k. There are
+- knnMatch finds the k nearest descriptors of the whole collection, even where an image has fewer than k. There are
   fewer than k matches only if the collection has fewer descriptors that the masks allow.
 - radiusMatch returns matches at the same distance in the order of their images, and of their descriptors in an image.
 - An image may have any number of descriptors.
@@ -45,8 +45,8 @@ lists out, and radiusMatch puts them behind the others. knnMatch appends to the 
 Descriptors are matrices of type CV_8UC1 with a descriptor in each row, all of the same width. Whatever else is passed
 raises a cv::Exception that names it. Matrices of the type UMat are accepted; the work is done by the CPU.
 
-Several threads may use one object at the same time, as long as none of them calls add, clear or train, or a match with
-the collection for the first time after add.
+Several threads may use one object at the same time, as long as none of them calls add, clear or train. After add, one
+match with the collection must have returned before several threads match with it.
  */
 class CV_EXPORTS_W HammingMatcher : public cv::BFMatcher
 {
@@ -154,7 +154,7 @@ CV_EXPORTS_W void matchByPosition(InputArray queryDescriptors, const std::vector
 
 /** @brief cv::batchDistance for the Hamming norms: the same results for the same arguments, many times as fast.
 
-The preloaded library calls it in place of cv::batchDistance. Programs rather use HammingMatcher or knnMatchArrays.
+The preloaded library calls it in place of cv::batchDistance. Programs should use HammingMatcher or knnMatchArrays.
 
 @param src1, src2 CV_8UC1, a descriptor in each row, of the same width, and not empty.
 @param dist CV_32SC1, a row for each row of src1: the K least distances to the rows of src2 in ascending order, of equal
