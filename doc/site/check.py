@@ -41,9 +41,10 @@ def read(path):
 # Links
 
 def check_markdown(root):
-    documents = [path for pattern in ('*.md', '*.markdown') for path in
-                 glob.glob(os.path.join(root, '**', pattern), recursive=True)
-                 if not re.match(r'build|\.', os.path.relpath(path, root))]
+    documents = []
+    for parent, folders, names in os.walk(root):
+        folders[:] = [name for name in folders if not re.match(r'build|\.', name)]  # build may hold whole systems
+        documents += [os.path.join(parent, name) for name in names if name.endswith(('.md', '.markdown'))]
     anchors = {}
     for path in documents:
         text = markdown.FENCE.sub('', read(path))
