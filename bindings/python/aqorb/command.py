@@ -74,6 +74,8 @@ def main(arguments=None):
 
     options = parser.parse_args(arguments)
     warnings.simplefilter('ignore')  # what decoders say of images that they can read
+    if hasattr(sys.stdout, 'reconfigure'):
+        sys.stdout.reconfigure(errors='backslashreplace')  # a name that the terminal cannot show is no failure
     # Arrow's own allocator gives less back, so that memory would grow with the folder.
     os.environ.setdefault('ARROW_DEFAULT_MEMORY_POOL', 'system')
     try:

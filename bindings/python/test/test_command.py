@@ -88,6 +88,11 @@ def test_numbers_that_are_refused(folder, tmp_path):
         assert finished.returncode == 2 and f'{number} is not from 1 to 2147483647' in finished.stderr
 
 
+def test_names_that_the_output_cannot_show(folder, tmp_path, monkeypatch):
+    monkeypatch.setenv('PYTHONIOENCODING', 'ascii')
+    assert r'Zw\xf6lf.parquet: 40 images' in run('extract', folder, '--out', tmp_path / 'Zwölf.parquet').stdout
+
+
 def test_outputs_that_are_refused(folder, tmp_path):
     (tmp_path / 'folder.npz').mkdir()
     refused('folder.npz is a folder', 'extract', folder, '--out', tmp_path / 'folder.npz', '--overwrite')
