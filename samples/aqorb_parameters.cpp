@@ -7,10 +7,14 @@
 
 #include <opencv2/aqorb.hpp>
 #include <opencv2/aqorb/features.hpp>
-#include <opencv2/aqorb/geometry.hpp>
 #include <opencv2/core/utility.hpp>
 #include <opencv2/imgcodecs.hpp>
 #include <opencv2/imgproc.hpp>
+#if CV_VERSION_MAJOR >= 5
+#include <opencv2/geometry.hpp>
+#else
+#include <opencv2/calib3d.hpp>
+#endif
 
 #include <cstdlib>
 #include <functional>

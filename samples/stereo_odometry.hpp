@@ -11,9 +11,13 @@
 #define AQORB_SAMPLES_STEREO_ODOMETRY_HPP
 
 #include <opencv2/aqorb/features.hpp>
-#include <opencv2/aqorb/geometry.hpp>
 #include <opencv2/aqorb/matching.hpp>
 #include <opencv2/core/utils/filesystem.hpp>
+#if CV_VERSION_MAJOR >= 5
+#include <opencv2/geometry.hpp>
+#else
+#include <opencv2/calib3d.hpp>
+#endif
 
 #include <algorithm>
 #include <fstream>

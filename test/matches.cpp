@@ -4,8 +4,8 @@
 // SPDX-License-Identifier: Apache-2.0
 
 #include "matches.hpp"
+#include "geometry.hpp"
 
-#include <opencv2/aqorb/geometry.hpp>
 #include <opencv2/aqorb/matching.hpp>
 
 #ifdef AQORB_HAVE_GEOMETRY

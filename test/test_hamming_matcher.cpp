@@ -5,6 +5,7 @@
 
 #include "test_precomp.hpp"
 
+#include "allocations.hpp"
 #include "backends.hpp"
 #include "reference_matching.hpp"
 
@@ -135,12 +136,6 @@ void compareWithBFMatcher(int seed, int cases)
                             p.crossCheck ? ", cross check" : "", p.masks.empty() ? "" : ", masks"));
         const MatchLists best(1, matchesOf(expected, p));
         ASSERT_TRUE(sameMatches(best, MatchLists(1, matchesOf(*matcher, p))));
-        if (p.images.size() == 1)
-        {
-            MatchLists own(1);  // by the method of the class, which is not virtual
-            matcher->match(p.query, p.images[0], own[0], p.masks.empty() ? Mat() : p.masks[0]);
-            ASSERT_TRUE(sameMatches(best, own));
-        }
         ASSERT_TRUE(sameMatches(neighboursOf(expected, p), neighboursOf(*matcher, p)));
         ASSERT_TRUE(sameMatches(inDocumentedOrder(withinRadiusOf(expected, p)), withinRadiusOf(*matcher, p)));
     }
@@ -323,21 +318,89 @@ TEST(Aqorb_HammingMatcher, adds_to_lists_of_matches)
 
 TEST(Aqorb_HammingMatcher, has_no_match_without_descriptors)
 {
-    HammingMatcher matcher;
-    const Mat some = Mat::zeros(3, 32, CV_8UC1), none(0, 32, CV_8UC1);
+    const Mat some = Mat::zeros(3, 32, CV_8UC1);
     MatchLists lists;
     std::vector<DMatch> matches;
-    matcher.match(Mat(), some, matches);
-    EXPECT_TRUE(matches.empty());
-    matcher.match(some, none, matches);
-    EXPECT_TRUE(matches.empty());
-    HammingMatcher(NORM_HAMMING, true).match(some, none, matches);
-    EXPECT_TRUE(matches.empty());
-    matcher.knnMatch(some, none, lists, 2);
-    EXPECT_EQ(3u, lists.size());
-    EXPECT_TRUE(lists[0].empty());
-    matcher.radiusMatch(some, none, lists, 2);
-    EXPECT_EQ(3u, lists.size());
+    for (const Mat& none : {Mat(), Mat(0, 32, CV_8UC1), Mat(3, 0, CV_8UC1)})
+    {
+        for (const bool crossCheck : {false, true})
+        {
+            HammingMatcher matcher(NORM_HAMMING, crossCheck);
+            for (const Mat& train : {some, none})
+            {
+                matcher.match(none, train, matches);
+                EXPECT_TRUE(matches.empty());
+            }
+            matcher.match(some, none, matches);
+            EXPECT_TRUE(matches.empty());
+            lists.clear();
+            matcher.knnMatch(some, none, lists, 1);
+            EXPECT_TRUE(sameMatches(MatchLists(3), lists));
+            matcher.radiusMatch(some, none, lists, 2);
+            EXPECT_TRUE(sameMatches(MatchLists(3), lists));
+        }
+        HammingMatcher matcher;
+        matcher.add(std::vector<Mat>{none, some, none});
+        lists.clear();
+        matcher.knnMatch(some, lists, 9);
+        ASSERT_EQ(3u, lists.size());
+        EXPECT_EQ(3u, lists[2].size());
+    }
+}
+
+// Behind an empty matrix, a UMat is the second image, and one mask is not for both.
+TEST(Aqorb_HammingMatcher, refuses_a_mask_of_another_image)
+{
+    const Mat some = Mat::zeros(3, 32, CV_8UC1);
+    const std::vector<Mat> mask(1, Mat::zeros(3, 3, CV_8UC1));
+    for (const bool isRadius : {false, true})
+    {
+        HammingMatcher matcher;
+        matcher.add(Mat(0, 32, CV_8UC1));
+        matcher.add(some.getUMat(ACCESS_READ));
+        MatchLists lists;
+        const std::string message = messageOf(
+            [&] {
+                isRadius ? matcher.radiusMatch(some, lists, 9, mask) : matcher.knnMatch(some, lists, 1, mask);
+            });
+        EXPECT_EQ("masks must have 2 elements, one for each image, got 1", message);
+    }
+}
+
+TEST(Aqorb_HammingMatcher, reports_that_memory_ran_out)
+{
+    const Mat query = Mat::zeros(40, 32, CV_8UC1), train = Mat::ones(50, 32, CV_8UC1);
+    const std::vector<Point2f> predicted(40);
+    const KeyPoints keypoints(50);
+    const Threads threads(1);
+    HammingMatcher matcher;
+    matcher.add(train);
+    Mat a, b;
+    MatchLists lists;
+    const std::vector<std::function<void()>> calls = {
+        [&] { matcher.knnMatch(query, lists, 3); }, [&] { matcher.radiusMatch(query, lists, 300); },
+        [&] { aqorb::matchArrays(query, train, a, b); },
+        [&] { aqorb::knnMatchArrays(query, train, a, b, 3); },
+        [&] { aqorb::matchByPosition(query, predicted, train, keypoints, Size2f(1, 1), a, b); }};
+    for (size_t i = 0; i < calls.size(); i++)
+    {
+        long failing = 1;
+        for (bool isDone = false; !isDone; failing++)
+        {
+            const AllocationCounter allocations(failing);
+            isDone = true;
+            try
+            {
+                calls[i]();
+            }
+            catch (const cv::Exception& e)
+            {
+                EXPECT_EQ(int(Error::StsNoMem), e.code);
+                isDone = false;
+            }
+        }
+        EXPECT_GT(failing, 5) << i;
+    }
 }
 
 bool hasAll(const std::string& message, const std::vector<std::string>& parts)

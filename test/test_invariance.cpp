@@ -5,8 +5,6 @@
 
 #include "test_precomp.hpp"
 
-#include "opencv2/aqorb/geometry.hpp"
-
 #include <iostream>
 
 // Features of a scene are found again, in the right orientation and with similar descriptors, after the
@@ -16,6 +14,7 @@
 #include "test_invariance_utils.hpp"
 #include "test_detectors_invariance.impl.hpp"
 #include "test_descriptors_invariance.impl.hpp"
+#include "geometry.hpp"
 #endif
 
 namespace opencv_test

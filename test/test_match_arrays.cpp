@@ -97,17 +97,32 @@ TEST(Aqorb_MatchArrays, finds_k_nearest)
 
 TEST(Aqorb_MatchArrays, empty_descriptors)
 {
-    const Mat some = Mat::zeros(3, 32, CV_8UC1);
-    Mat pairs = Mat::ones(2, 2, CV_8UC1), distances = pairs.clone();
-    matchArrays(some, Mat(), pairs, distances);
-    EXPECT_TRUE(pairs.empty());
-    EXPECT_TRUE(distances.empty());
-    matchArrays(Mat(), some, pairs, distances);
-    EXPECT_TRUE(pairs.empty());
-    knnMatchArrays(some, Mat(), pairs, distances, 2);
-    EXPECT_TRUE(sameMat(Mat(3, 2, CV_32SC1, Scalar(-1)), pairs));
-    knnMatchArrays(Mat(), some, pairs, distances, 2);
-    EXPECT_TRUE(pairs.empty());
+    const Mat some = Mat::zeros(7, 32, CV_8UC1);
+    const std::vector<Mat> none = {Mat(), Mat(0, 32, CV_8UC1), Mat(7, 0, CV_8UC1), Mat(0, 0, CV_8UC1)};
+    for (size_t i = 0; i <= none.size(); i++)
+    {
+        for (size_t j = i < none.size() ? 0 : 1; j <= none.size(); j++)
+        {
+            const Mat query = i < none.size() ? none[i] : some, train = i == none.size()  ? none[j - 1]
+                                                                        : j < none.size() ? none[j]
+                                                                                          : some;
+            SCOPED_TRACE(testing::Message() << query.size() << " queries, " << train.size() << " trains");
+            for (const bool crossCheck : {false, true})
+            {
+                Mat pairs = Mat::ones(2, 2, CV_8UC1), distances = pairs.clone();
+                matchArrays(query, train, pairs, distances, 0.8, crossCheck);
+                EXPECT_TRUE(pairs.empty() && distances.empty());
+                pairs = distances = Mat::ones(2, 2, CV_8UC1);
+                matchByPosition(query, std::vector<Point2f>(query.rows), train, KeyPoints(train.rows),
+                                Size2f(9, ENDLESS), pairs, distances, 0, crossCheck);
+                EXPECT_TRUE(pairs.empty() && distances.empty());
+            }
+            Mat indices, distances;
+            knnMatchArrays(query, train, indices, distances, 2);
+            EXPECT_TRUE(sameMat(Mat(query.empty() ? 0 : 7, 2, CV_32SC1, Scalar(-1)), indices));
+            EXPECT_TRUE(sameMat(indices, distances));
+        }
+    }
 }
 
 // Positions of which some are equal, some far away and some not finite.
@@ -246,18 +261,9 @@ TEST(Aqorb_HammingKernels, equal_the_plain_ones)
             Mat all(query.rows, blocks * kernels.block, CV_32SC1);
             kernels.distances(tile, all.ptr<int>(), all.step1());
             all.colRange(0, train.rows).copyTo(distances[i]);
-            std::vector<int> listed;
-            for (int j = train.rows; j > 0; j--)
-                listed.push_back(j - 1);
-            std::vector<int> reversed(listed.size());
-            kernels.listedDistances(query.ptr(), bytes, train.ptr(), train.step, listed.data(), train.rows,
-                                    reversed.data());
             for (int j = 0; j < train.rows; j++)
-            {
-                EXPECT_EQ(distances[i].at<int>(0, j), reversed[train.rows - 1 - j]);
                 EXPECT_EQ(referenceDistance(query, 0, train, j, countPairs ? NORM_HAMMING2 : NORM_HAMMING),
                           distances[i].at<int>(0, j));
-            }
         }
         EXPECT_TRUE(results[0] == results[1]) << seed;
         EXPECT_TRUE(sameMat(distances[0], distances[1])) << seed;

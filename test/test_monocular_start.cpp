@@ -5,9 +5,9 @@
 
 #include "test_precomp.hpp"
 
+#include "geometry.hpp"
 #include "start_matches.hpp"
 
-#include "opencv2/aqorb/geometry.hpp"
 #include "opencv2/aqorb/slam.hpp"
 
 #ifdef AQORB_HAVE_GEOMETRY

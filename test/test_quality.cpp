@@ -6,8 +6,7 @@
 #include "test_precomp.hpp"
 
 #include "matches.hpp"
-
-#include "opencv2/aqorb/geometry.hpp"
+#include "geometry.hpp"
 
 #include <iostream>
 

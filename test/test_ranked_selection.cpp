@@ -4,8 +4,7 @@
 // SPDX-License-Identifier: Apache-2.0
 
 #include "reference.hpp"
-
-#include "opencv2/aqorb/geometry.hpp"
+#include "geometry.hpp"
 
 // What follows from the rule of RANKED_SELECTION, whatever its numbers are.
 

@@ -7,7 +7,7 @@
 
 #include "preload.hpp"
 
-#include <opencv2/aqorb.hpp>
+#include "match.hpp"
 
 #include <cstdio>
 #include <mutex>
@@ -15,6 +15,8 @@
 namespace
 {
 
+using namespace cv;
+using namespace cv::aqorb;
 using aqorb_preload::isVariableOn;
 
 typedef void (*BatchDistance)(cv::InputArray, cv::InputArray, cv::OutputArray, int, cv::OutputArray, int, int,
@@ -39,6 +41,101 @@ bool isHammingCall(const cv::Mat& src1, const cv::Mat& src2, int dtype, bool has
            K >= 0 && hasIndices == (K > 0) &&
            (mask.empty() || (mask.type() == CV_8UC1 && mask.size() == cv::Size(src2.rows, src1.rows))) &&
            (!crosscheck || (std::min(K, src2.rows) == 1 && update == 0 && mask.empty()));
+}
+
+//! Inserts distances into lists that may hold anything, in the way of cv::batchDistance.
+void insertDistances(const int* distances, const uchar* allowed, int count, int firstIndex, int kept,
+                     int* least, int* indices)
+{
+    for (int i = 0; i < count; i++)
+    {
+        const int distance = distances[i];
+        if (distance >= least[kept - 1] || (allowed && !allowed[i]))
+            continue;
+        int k = kept - 1;
+        for (; k > 0 && least[k - 1] > distance; k--)
+        {
+            least[k] = least[k - 1];
+            indices[k] = indices[k - 1];
+        }
+        least[k] = distance;
+        indices[k] = firstIndex + i;
+    }
+}
+
+void writeLists(const std::vector<DistanceKey>& nearest, Mat& dist, Mat& nidx)
+{
+    for (int i = 0; i < dist.rows; i++)
+    {
+        const DistanceKey* const list = &nearest[size_t(i) * dist.cols];
+        for (int k = 0; k < dist.cols; k++)
+        {
+            dist.at<int>(i, k) = list[k] == NO_KEY ? INT_MAX : distanceOf(list[k]);
+            nidx.at<int>(i, k) = indexOf(list[k]);
+        }
+    }
+}
+
+// As cv::batchDistance does it. The distance of a row of src1 is the least of those rows of src2 whose nearest row it
+// is, even where the index is -1 because the two are not mutually nearest.
+void writeCrossChecked(const std::vector<DistanceKey>& nearest,
+                       const std::vector<DistanceKey>& nearestQueries, Mat& dist, Mat& nidx)
+{
+    dist.setTo(INT_MAX);
+    nidx.setTo(-1);
+    for (size_t i = 0; i < nearestQueries.size(); i++)
+    {
+        int& least = dist.at<int>(indexOf(nearestQueries[i]), 0);
+        least = std::min(least, distanceOf(nearestQueries[i]));
+    }
+    for (int i = 0; i < dist.rows; i++)
+        if (indexOf(nearestQueries[indexOf(nearest[i])]) == i)
+            nidx.at<int>(i, 0) = indexOf(nearest[i]);
+}
+
+// As cv::batchDistance, for a valid call for a Hamming norm.
+void batchHammingDistance(const Mat& query, const Mat& train, OutputArray dist_, OutputArray nidx_,
+                          bool countPairs, int K, const Mat& mask, int update, bool crosscheck)
+{
+    K = std::min(K, train.rows);
+    const Size size(K > 0 ? K : train.rows, query.rows);
+    // The lists of an earlier call stay only where their matrices do.
+    const bool isAdded = update != 0 && dist_.sameSize(nidx_) && dist_.size() == size &&
+                         dist_.type() == CV_32SC1 && nidx_.type() == CV_32SC1;
+    dist_.create(size, CV_32SC1);
+    Mat dist = dist_.getMat(), nidx;
+    if (K > 0)
+    {
+        nidx_.create(size, CV_32SC1);
+        nidx = nidx_.getMat();
+    }
+    if (update != 0 && !isAdded)
+    {
+        dist.setTo(INT_MAX);
+        nidx.setTo(-1);
+    }
+    if (K == 0 || update != 0)
+    {
+        allDistances(query, train, countPairs,
+                     [&](int i, int first, const int* distances, int count)
+                     {
+                         const uchar* const allowed = mask.empty() ? 0 : mask.ptr(i) + first;
+                         if (K > 0)
+                             insertDistances(distances, allowed, count, first + update, K, dist.ptr<int>(i),
+                                             nidx.ptr<int>(i));
+                         for (int j = 0; K == 0 && j < count; j++)
+                             dist.at<int>(i, first + j) = !allowed || allowed[j] ? distances[j] : INT_MAX;
+                     });
+        return;
+    }
+    std::vector<DistanceKey> nearest(size_t(query.rows) * K, NO_KEY),
+        nearestQueries(crosscheck ? size_t(train.rows) : 0, NO_KEY);
+    nearestDescriptors(query, train, mask, countPairs, 0, K, nearest.data(),
+                       crosscheck ? nearestQueries.data() : 0);
+    if (crosscheck)
+        writeCrossChecked(nearest, nearestQueries, dist, nidx);
+    else
+        writeLists(nearest, dist, nidx);
 }
 
 // Once a process, and only where it took place.
@@ -66,7 +163,8 @@ void batchDistance(InputArray src1, InputArray src2, OutputArray dist, int dtype
     }
     if (isVariableOn("AQORB_VERBOSE"))
         noticeInterposition();
-    aqorb::batchHammingDistance(src1, src2, dist, nidx, normType, K, mask, update, crosscheck);
+    batchHammingDistance(src1.getMat(), src2.getMat(), dist, nidx, normType == NORM_HAMMING2, K,
+                         mask.getMat(), update, crosscheck);
 }
 
 }  // namespace cv

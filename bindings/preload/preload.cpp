@@ -4,7 +4,8 @@
 // SPDX-License-Identifier: Apache-2.0
 
 // cv::ORB::create for programs that are not to be changed: preloaded, this definition comes before OpenCV's.
-// batch_distance.cpp does the same for cv::batchDistance. Environment variables set what callers of cv::ORB cannot: see README.md in this folder.
+// batch_distance.cpp does the same for cv::batchDistance. Environment variables set the properties that callers of
+// cv::ORB cannot set: see README.md in this folder.
 
 #include "preload.hpp"
 

@@ -90,9 +90,6 @@ static void callWithAnything(FuzzedDataProvider& data, const Mat& query, const M
     {
         aqorb::matchArrays(query, second, a, b, ratio, data.ConsumeBool(), limit, norm);
         aqorb::knnMatchArrays(query, second, a, b, k < 100 ? k : -k, norm);
-        aqorb::batchHammingDistance(query, second, a, b, norm, k < 100 ? k : -k,
-                                    fuzz::mask(data, Size(second.rows, query.rows), true),
-                                    fuzz::number(data, 0, 9), data.ConsumeBool());
     }
     catch (const cv::Exception& e)
     {

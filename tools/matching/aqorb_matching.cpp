@@ -6,12 +6,12 @@
 // Measures matching, in turns with cv::BFMatcher, and prints CSV; tools/report/report.py makes the tables of
 // doc/performance.md of it, and scripts/performance.sh runs both.
 
+#include "../../test/geometry.hpp"
 #include "../../test/data_files.hpp"
 #include "../common/csv.hpp"
 #include "../common/program.hpp"
 
 #include <opencv2/aqorb.hpp>
-#include <opencv2/aqorb/geometry.hpp>
 #include <opencv2/imgcodecs.hpp>
 
 #include <algorithm>

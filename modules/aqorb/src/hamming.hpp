@@ -6,12 +6,12 @@
 #ifndef OPENCV_AQORB_HAMMING_HPP
 #define OPENCV_AQORB_HAMMING_HPP
 
+// The kernels that compute the Hamming distances of all queries to all trains of a tile, which are packed for them.
+//
+// A kernel chooses the number of planes into which it packs a 64-bit word. A block holds as many trains as a vector of
+// 16-bit distances has lanes.
+
 #include "types.hpp"
-
-#include <cstring>
-
-// Hamming distances of all queries to all trains of a tile. Queries and trains are packed into 64-bit words: a word is
-// as many planes as the kernel wants, and a block holds the trains that a vector of 16-bit distances has lanes for.
 
 namespace cv
 {
@@ -20,8 +20,8 @@ namespace aqorb
 
 // The functions are static, because a file compiled for one CPU that includes them must keep its own: see types.hpp.
 
-//! A distance and the index at which it is found as one number: of two the smaller one is the nearer descriptor, and of
-//! two that are equally near the one of lower index.
+//! A distance and the index at which it is found, as one number. The smaller number is that of the nearer descriptor,
+//! or of the lower index where two descriptors are equally near.
 typedef uint64 DistanceKey;
 const DistanceKey NO_KEY = ~DistanceKey(0);
 
@@ -70,29 +70,6 @@ const int MAX_KEPT = 2;
 
 // ---- for the kernel: plain structs only, see types.hpp ---------------------------------------
 
-//! As HammingKernels::listedDistances.
-template <bool PAIRS>
-static void computeListedDistances(const uchar* query, int bytes, const uchar* rows, size_t step,
-                                   const int* listed, int count, int* distances)
-{
-    const int whole = bytes / 8 * 8;
-    for (int i = 0; i < count; i++)
-    {
-        const uchar* const row = rows + size_t(listed[i]) * step;
-        int distance = 0;
-        for (int j = 0; j < whole; j += 8)
-        {
-            uint64 a, b;
-            std::memcpy(&a, query + j, 8);
-            std::memcpy(&b, row + j, 8);
-            distance += wordDistance<PAIRS>(a, b);
-        }
-        for (int j = whole; j < bytes; j++)
-            distance += wordDistance<PAIRS>(query[j], row[j]);
-        distances[i] = distance;
-    }
-}
-
 //! Queries and trains that are compared in one go.
 struct HammingTile
 {
@@ -115,23 +92,21 @@ struct HammingKernels
     //! Packs at most a block of descriptors. Missing ones become zeros.
     void (*packTrains)(const uchar* rows, size_t step, int count, int bytes, uint64* packed);
 
-    /** Puts the descriptors of a tile into lists of the nearest ones. The kernel is chosen by the length of the lists
-     less one, and by whether the nearest queries of the trains are asked for, too.
+    /** Puts the descriptors of a tile into lists of the nearest ones. nearest[KEPT - 1][BOTH] is the kernel for lists
+     of KEPT descriptors. With BOTH it fills the lists of the trains, too.
      @param ofQueries, ofTrains lists in ascending order of the queries and of the trains of the tile, one after the
      other */
     void (*nearest[MAX_KEPT][2])(const HammingTile& tile, DistanceKey* ofQueries, DistanceKey* ofTrains);
 
-    //! Computes distances: a row for each query, whose first element is stride elements after that of the row before. A
-    //! row has an element for each train, and for what fills the last block.
+    //! Computes distances: a row for each query, stride elements after the row before. A row has an element for each
+    //! train, and for those that fill the last block.
     void (*distances)(const HammingTile& tile, int* distances, size_t stride);
-
-    //! Computes the distances to some rows of descriptors, which are not packed. Neither is the query.
-    void (*listedDistances)(const uchar* query, int bytes, const uchar* rows, size_t step, const int* listed,
-                            int count, int* distances);
 };
 
 //! The largest number of bits of a descriptor for which nearest can be used.
 const int MAX_KEY_BITS = 1023;
+//! The longest descriptors that the kernels take: a sum of 16 bits counts their bits, and a tile stays in the cache.
+const int MAX_PACKED_BYTES = 1024;
 
 //! The best kernels that this CPU has for descriptors.
 //! @param countPairs whether pairs of bits count, as for NORM_HAMMING2

@@ -3,6 +3,8 @@
 // of this distribution.
 // SPDX-License-Identifier: Apache-2.0
 
+// The search for the nearest descriptors, and distances, in vectors of 16-bit numbers.
+
 #include "hamming.hpp"
 #ifndef CV_CPU_OPTIMIZATION_DECLARATIONS_ONLY
 #include "hamming_distance.hpp"
@@ -22,16 +24,6 @@ const HammingKernels* kernelsFor(bool countPairs, int bytes);
 
 namespace
 {
-
-//! The keys of distances with a number. Both the number and the shift are made by the next function.
-inline v_uint16 keysOf(const v_uint16& distances, const v_uint16& numbers, const v_uint16& shift)
-{
-#if CV_AVX_512BITALG
-    return v_uint16(_mm512_shldv_epi16(distances.val, numbers.val, shift.val));
-#else
-    return v_or(v_mul_wrap(distances, shift), numbers);
-#endif
-}
 
 //! Puts 16-bit keys into lists of the KEPT smallest ones of each lane.
 template <int KEPT> inline void insertKeys(v_uint16* smallest, const v_uint16& keys)
@@ -81,23 +73,15 @@ void nearest(const HammingTile& tile, DistanceKey* ofQueries, DistanceKey* ofTra
     const int count = AQORB_LANES(v_uint16), words = WORDS ? WORDS : tile.words;
     const int queryWords = words * Packing<PAIRS>::QUERY_PLANES;
     const int blockWords = words * Packing<PAIRS>::TRAIN_PLANES * 4 * AQORB_LANES(v_uint64);
-#if CV_AVX_512BITALG
-    const int shift = tile.indexBits, one = 1 << (16 - shift);  // numbers from the highest bit on
-#else
-    const int shift = 1 << tile.indexBits, one = 1;
-#endif
-    const v_uint16 shifts = vx_setall_u16(ushort(shift)), ones = vx_setall_u16(ushort(one));
+    const KeyMaker maker(tile.indexBits);
+    const v_uint16 ones = vx_setall_u16(ushort(maker.one));
     for (int i = 0; i < tile.queryCount * KEPT; i++)
         v_store(tile.scratch + i * count, vx_setall_u16(NO_KEY16));
     for (int b = (tile.trainCount - 1) / count; b >= 0; b--)
     {
-        const uint64* block = tile.trains + size_t(b) * blockWords;
-#if CV_AVX_512BITALG
-        uint64 registers[WORDS * 32 + 1];
-        if (WORDS)
-            block = static_cast<uint64*>(std::memcpy(registers, block, WORDS * 32 * sizeof(uint64)));
-#endif
-        const v_uint16 number = vx_setall_u16(ushort(b * one));
+        const Registers<WORDS> registers(tile.trains + size_t(b) * blockWords);
+        const uint64* const block = registers.block();
+        const v_uint16 number = vx_setall_u16(ushort(b * maker.one));
         v_uint16 query = vx_setzero_u16(), best[2] = {vx_setall_u16(NO_KEY16), vx_setall_u16(NO_KEY16)};
         ushort* lanes = tile.scratch;
         for (int i = 0; i < tile.queryCount; i++, lanes += KEPT * count)
@@ -105,12 +89,12 @@ void nearest(const HammingTile& tile, DistanceKey* ofQueries, DistanceKey* ofTra
             const v_uint16 distances =
                 blockDistances<PAIRS, WORDS>(tile.queries + size_t(i) * queryWords, block, words);
             v_uint16 smallest[2] = {vx_load(lanes), vx_load(lanes + (KEPT - 1) * count)};
-            insertKeys<KEPT>(smallest, keysOf(distances, number, shifts));
+            insertKeys<KEPT>(smallest, maker.keys(distances, number));
             for (int k = 0; k < KEPT; k++)
                 v_store(lanes + k * count, smallest[k]);
             if (BOTH)
             {
-                insertKeys<KEPT>(best, keysOf(distances, query, shifts));
+                insertKeys<KEPT>(best, maker.keys(distances, query));
                 query = v_add_wrap(query, ones);
             }
         }
@@ -142,33 +126,21 @@ void nearest(const HammingTile& tile, DistanceKey* ofQueries, DistanceKey* ofTra
         mergeLanes<KEPT>(tile.scratch + size_t(i) * KEPT * count, tile, ofQueries + size_t(i) * KEPT);
 }
 
-//! The most words whose bits a signed number of 16 bits can count, of whole groups.
-const int WORDS_IN_16 = 508;
-
 template <bool PAIRS, int WORDS> void distances(const HammingTile& tile, int* out, size_t stride)
 {
     const int count = AQORB_LANES(v_uint16), words = WORDS ? WORDS : tile.words;
-    const int queryWords = Packing<PAIRS>::QUERY_PLANES,
-              blockWords = Packing<PAIRS>::TRAIN_PLANES * 4 * AQORB_LANES(v_uint64);
+    const int queryWords = words * Packing<PAIRS>::QUERY_PLANES;
+    const int blockWords = words * Packing<PAIRS>::TRAIN_PLANES * 4 * AQORB_LANES(v_uint64);
     for (int first = 0; first < tile.trainCount; first += count)
     {
-        const uint64* const block = tile.trains + size_t(first / count) * words * blockWords;
+        const uint64* const block = tile.trains + size_t(first / count) * blockWords;
         for (int i = 0; i < tile.queryCount; i++)
         {
-            const uint64* const query = tile.queries + size_t(i) * words * queryWords;
-            v_uint32 sums[2] = {vx_setzero_u32(), vx_setzero_u32()};
-            for (int word = 0; word < words; word += WORDS_IN_16)
-            {
-                const int some = words - word < WORDS_IN_16 ? words - word : WORDS_IN_16;
-                v_uint32 low, high;
-                v_expand(blockDistances<PAIRS, WORDS>(query + word * queryWords,
-                                                      block + size_t(word) * blockWords, some),
-                         low, high);
-                sums[0] = v_add(sums[0], low);
-                sums[1] = v_add(sums[1], high);
-            }
-            for (int k = 0; k < 2; k++)
-                v_store(out + i * stride + first + k * count / 2, v_reinterpret_as_s32(sums[k]));
+            v_uint32 low, high;
+            v_expand(blockDistances<PAIRS, WORDS>(tile.queries + size_t(i) * queryWords, block, words), low,
+                     high);
+            v_store(out + i * stride + first, v_reinterpret_as_s32(low));
+            v_store(out + i * stride + first + count / 2, v_reinterpret_as_s32(high));
         }
     }
 }
@@ -183,8 +155,7 @@ template <bool PAIRS, int WORDS> const HammingKernels* table()
         Packing<PAIRS>::packTrains,
         {{nearest<PAIRS, WORDS, 1, false>, nearest<PAIRS, WORDS, 1, true>},
          {nearest<PAIRS, WORDS, 2, false>, nearest<PAIRS, WORDS, 2, true>}},
-        distances<PAIRS, WORDS>,
-        computeListedDistances<PAIRS>};
+        distances<PAIRS, WORDS>};
     return &kernels;
 }
 

@@ -6,11 +6,12 @@
 #ifndef OPENCV_AQORB_HAMMING_DISTANCE_HPP
 #define OPENCV_AQORB_HAMMING_DISTANCE_HPP
 
+// How descriptors are packed and bits are counted on each kind of CPU, for the kernels in hamming.simd.hpp.
+
 #include "hamming.hpp"
 #include "simd_compat.hpp"
 
-// The Hamming distances of a descriptor to those of a block, for the kernels in hamming.simd.hpp: how descriptors are
-// packed, and how bits are counted, on each kind of CPU.
+#include <cstring>
 
 namespace cv
 {
@@ -25,13 +26,39 @@ namespace
 
 #if CV_AVX_512BITALG
 
-/** Queries and trains as planes of 16-bit words, a word of each descriptor of a block in a vector. In a query each of them
- is there twice, as the CPU spreads 32 bits over a vector while it loads them.
+//! Makes the keys of distances with a number, which one instruction shifts in from the highest bit on.
+struct KeyMaker
+{
+    explicit KeyMaker(int indexBits) : shift(vx_setall_u16(ushort(indexBits))), one(1 << (16 - indexBits)) {}
+    v_uint16 keys(const v_uint16& distances, const v_uint16& numbers) const
+    {
+        return v_uint16(_mm512_shldv_epi16(distances.val, numbers.val, shift.val));
+    }
+    const v_uint16 shift;
+    const int one;  //!< the step from a number to the next
+};
 
- Bits of three differences are added like digits, as their xor and, of twice the weight, as their majority, which are two
- vectors to count instead of three. As the xor of differences is the difference of xors, it is packed in place of the
- third word and costs nothing. So a group of four 64-bit words, w0 to w15, is packed as w0, w1, w0^w1^w2, w3, w0^...^w4, and
- so on to w0^...^w14, and w15. */
+//! A copy of a block of known size, which the compiler keeps in registers.
+template <int WORDS> struct Registers
+{
+    explicit Registers(const uint64* block) { std::memcpy(words, block, sizeof(words)); }
+    const uint64* block() const { return words; }
+    uint64 words[WORDS * 32];
+};
+template <> struct Registers<0>
+{
+    explicit Registers(const uint64* block) : words(block) {}
+    const uint64* block() const { return words; }
+    const uint64* words;
+};
+
+/** Packs queries and trains into planes of 16-bit words: a vector has the same word of each descriptor of a block. A
+ query has each word twice, because the CPU spreads 32 bits over a vector while it loads them.
+
+ The bits of three differences are added like digits: their xor, and with twice the weight their majority. That leaves
+ two vectors to count instead of three. The xor of differences is the difference of xors. It is packed in place of the third
+ word, and so costs nothing. A group of 16 words, w0 to w15, is packed as w0, w1, w0^w1^w2, w3, w0^...^w4, and so on to
+ w0^...^w14, and w15. */
 template <bool> struct Packing
 {
     enum
@@ -87,7 +114,7 @@ template <bool> struct Packing
             for (int i = 0; i < 32; i++)
                 packedRows[i] = i < count ? _mm512_cvtepi32_epi16(planesOf(rows + i * step + j, bytes - j))
                                           : _mm256_setzero_si256();
-            // A round puts the elements of the second half between those of the first. Five of them transpose the matrix.
+            // A round puts the elements of the second half between those of the first. Five rounds transpose.
             for (int round = 0; round < 5; round++)
                 for (int i = 0; i < 16; i++)
                     planes[1 - round % 2][i] =
@@ -134,8 +161,28 @@ inline v_uint16 blockDistances(const uint64* packed, const uint64* block, int wo
 
 #else
 
-/** Counts bits in vectors of 64-bit words, one word of as many descriptors as there are lanes. Sums of counts lie in the
- bytes of a word, or in the word itself where the CPU counts the bits of words.
+//! Makes the keys of distances with a number.
+struct KeyMaker
+{
+    explicit KeyMaker(int indexBits) : shift(vx_setall_u16(ushort(1 << indexBits))), one(1) {}
+    v_uint16 keys(const v_uint16& distances, const v_uint16& numbers) const
+    {
+        return v_or(v_mul_wrap(distances, shift), numbers);
+    }
+    const v_uint16 shift;
+    const int one;  //!< the step from a number to the next
+};
+
+//! A block, which stays where it is.
+template <int> struct Registers
+{
+    explicit Registers(const uint64* block) : words(block) {}
+    const uint64* block() const { return words; }
+    const uint64* words;
+};
+
+/** Counts bits in vectors of 64-bit words, one word of as many descriptors as there are lanes. The sums of counts lie
+ in the bytes of a word.
  PAIRS: two bits count as one. */
 template <bool PAIRS> struct BitCounter
 {

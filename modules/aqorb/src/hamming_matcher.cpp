@@ -3,10 +3,11 @@
 // of this distribution.
 // SPDX-License-Identifier: Apache-2.0
 
+// The class HammingMatcher: collections of images, masks and lists of matches, as cv::BFMatcher has them.
+
 #include "precomp.hpp"
 
-#include "hamming_search.hpp"
-#include "match_input.hpp"
+#include "match.hpp"
 
 #include <opencv2/aqorb/matching.hpp>
 
@@ -50,12 +51,24 @@ private:
     std::vector<int> firsts;  // of the images, and of one behind the last
 };
 
-//! A mask for each of some images: empty ones where none are given.
-std::vector<Mat> masksOf(InputArrayOfArrays input, size_t images)
+//! A mask for each image: empty ones where none are given.
+std::vector<Mat> masksOf(InputArrayOfArrays input, int queries, const std::vector<Mat>& images)
 {
     std::vector<Mat> masks;
     input.getMatVector(masks);
-    masks.resize(images);
+    if (!masks.empty() && masks.size() != images.size())
+        CV_Error_(Error::StsUnmatchedSizes, ("masks must have %d elements, one for each image, got %d",
+                                             int(images.size()), int(masks.size())));
+    masks.resize(images.size());
+    for (size_t i = 0; i < images.size(); i++)
+    {
+        const Mat& mask = masks[i];
+        if (!mask.empty() && !images[i].empty() &&
+            (mask.type() != CV_8UC1 || mask.size() != Size(images[i].rows, queries)))
+            CV_Error_(Error::StsBadArg,
+                      ("the mask of image %d must be %d x %d of type CV_8UC1, got %d x %d of type %s", int(i),
+                       images[i].rows, queries, mask.cols, mask.rows, typeToString(mask.type()).c_str()));
+    }
     return masks;
 }
 
@@ -85,7 +98,7 @@ Ptr<DescriptorMatcher> HammingMatcher::clone(bool emptyTrainData) const
 }
 
 // Those that were added as UMat join the others, and come behind them, as in cv::BFMatcher.
-void HammingMatcher::gatherTrainDescriptors(InputArray queryDescriptors)
+std::vector<Mat> HammingMatcher::gatherTrainDescriptors(const Mat& query)
 {
     for (size_t i = 0; i < utrainDescCollection.size(); i++)
     {
@@ -95,44 +108,21 @@ void HammingMatcher::gatherTrainDescriptors(InputArray queryDescriptors)
     }
     utrainDescCollection.clear();
 
-    checkDescriptors("queryDescriptors", queryDescriptors);
+    std::vector<Mat> images;
     for (size_t i = 0; i < trainDescCollection.size(); i++)
-        checkTrainDescriptors(format("trainDescriptors of image %d", int(i)).c_str(), trainDescCollection[i],
-                              "queryDescriptors", queryDescriptors);
-}
-
-void HammingMatcher::match(InputArray queryDescriptors, InputArray trainDescriptors,
-                           std::vector<DMatch>& matches, InputArray mask) const
-{
-    // The collection that the other method makes of what it is given has one image, which may be anything.
-    if (!mask.empty() || !trainDescriptors.isMat() || queryDescriptors.empty() || trainDescriptors.empty())
-    {
-        BFMatcher::match(queryDescriptors, trainDescriptors, matches, mask);
-        return;
-    }
-    CV_TRACE_FUNCTION();
-    checkDescriptors("queryDescriptors", queryDescriptors);
-    checkTrainDescriptors("trainDescriptors of image 0", trainDescriptors, "queryDescriptors",
-                          queryDescriptors);
-    const Mat query = queryDescriptors.getMat(), train = trainDescriptors.getMat();
-    std::vector<DistanceKey> nearest(query.rows, NO_KEY), nearestQueries(crossCheck ? train.rows : 0, NO_KEY);
-    nearestDescriptors(query, train, Mat(), normType == NORM_HAMMING2, 0, 1, nearest.data(),
-                       crossCheck ? nearestQueries.data() : 0);
-    matches.clear();
-    matches.reserve(query.rows);
-    for (int i = 0; i < query.rows; i++)
-        if (!crossCheck || indexOf(nearestQueries[indexOf(nearest[i])]) == i)
-            matches.push_back(DMatch(i, indexOf(nearest[i]), 0, float(distanceOf(nearest[i]))));
+        images.push_back(descriptorsOf(format("trainDescriptors of image %d", int(i)).c_str(),
+                                       trainDescCollection[i], query.cols));
+    return images;
 }
 
 void HammingMatcher::knnMatchImpl(InputArray queryDescriptors, MatchLists& matches, int k,
                                   InputArrayOfArrays masks_, bool compactResult)
+try
 {
     CV_TRACE_FUNCTION();
-    gatherTrainDescriptors(queryDescriptors);
-    const Mat query = queryDescriptors.getMat();
-    const std::vector<Mat>& images = trainDescCollection;
-    const std::vector<Mat> masks = masksOf(masks_, images.size());
+    const Mat query = descriptorsOf("queryDescriptors", queryDescriptors);
+    const std::vector<Mat> images = gatherTrainDescriptors(query);
+    const std::vector<Mat> masks = masksOf(masks_, query.rows, images);
     const bool isMasked =
         std::any_of(masks.begin(), masks.end(), [](const Mat& mask) { return !mask.empty(); });
     const CollectionIndex index(images);
@@ -175,15 +165,19 @@ void HammingMatcher::knnMatchImpl(InputArray queryDescriptors, MatchLists& match
                                      [](const std::vector<DMatch>& list) { return list.empty(); }),
                       matches.end());
 }
+catch (const std::bad_alloc&)
+{
+    throwNoMemory(queryDescriptors);
+}
 
 void HammingMatcher::radiusMatchImpl(InputArray queryDescriptors, MatchLists& matches, float maxDistance,
                                      InputArrayOfArrays masks_, bool compactResult)
+try
 {
     CV_TRACE_FUNCTION();
-    gatherTrainDescriptors(queryDescriptors);
-    const Mat query = queryDescriptors.getMat();
-    const std::vector<Mat>& images = trainDescCollection;
-    const std::vector<Mat> masks = masksOf(masks_, images.size());
+    const Mat query = descriptorsOf("queryDescriptors", queryDescriptors);
+    const std::vector<Mat> images = gatherTrainDescriptors(query);
+    const std::vector<Mat> masks = masksOf(masks_, query.rows, images);
     matches.assign(query.rows, std::vector<DMatch>());
     for (size_t i = 0; i < images.size(); i++)
     {
@@ -193,7 +187,7 @@ void HammingMatcher::radiusMatchImpl(InputArray queryDescriptors, MatchLists& ma
                      {
                          for (int j = firstTrain; j < firstTrain + count; j++, distances++)
                          {
-                             // As for cv::BFMatcher, what the mask excludes is at this distance, which a limit may allow.
+                             // cv::BFMatcher, too, keeps what the mask excludes if the limit is as great.
                              const float distance =
                                  float(mask.empty() || mask.at<uchar>(row, j) ? *distances : INT_MAX);
                              if (distance <= maxDistance)
@@ -207,6 +201,10 @@ void HammingMatcher::radiusMatchImpl(InputArray queryDescriptors, MatchLists& ma
     if (compactResult)
         std::stable_partition(matches.begin(), matches.end(),
                               [](const std::vector<DMatch>& list) { return !list.empty(); });
+}
+catch (const std::bad_alloc&)
+{
+    throwNoMemory(queryDescriptors);
 }
 
 }  // namespace aqorb

@@ -3,10 +3,10 @@
 // of this distribution.
 // SPDX-License-Identifier: Apache-2.0
 
+#include "../../../test/geometry.hpp"
 #include "subjects.hpp"
 
 #include <opencv2/aqorb/features.hpp>
-#include <opencv2/aqorb/geometry.hpp>
 
 // The same as OpenCV's sample find_obj.py with its brute-force matcher.
 void measureFindObject(const cv::Mat& object, const cv::Mat& scene, Method& method, int n,

@@ -3,10 +3,9 @@
 // of this distribution.
 // SPDX-License-Identifier: Apache-2.0
 
+#include "../../../test/geometry.hpp"
 #include "../measures.hpp"
 #include "subjects.hpp"
-
-#include <opencv2/aqorb/geometry.hpp>
 
 using opencv_test::Matches;
 

@@ -21,29 +21,26 @@ namespace aqorb
 
 /** @brief Brute-force matcher of binary descriptors: cv::BFMatcher for the Hamming norms, many times as fast.
 
-It compares every query descriptor with every train descriptor, as cv::BFMatcher does, and can be used wherever a
-pointer to one is expected:
-@code{.cpp}
-    aqorb::HammingMatcher matcher(NORM_HAMMING, true);   // was: BFMatcher matcher(NORM_HAMMING, true)
-    matcher.match(descriptors1, descriptors2, matches);
-@endcode
-A copy into a variable of the type cv::BFMatcher is a cv::BFMatcher again, with its speed.
+It takes the place of `BFMatcher matcher(NORM_HAMMING, true)` as `aqorb::HammingMatcher matcher(NORM_HAMMING, true)`, and
+can be used wherever a pointer to a cv::BFMatcher is expected. A copy into a variable of the type cv::BFMatcher is a
+cv::BFMatcher again, with its speed.
 
 The matches are those of the cv::BFMatcher of the linked OpenCV, with the same distances and in the same order, for
 descriptors of any length, for masks, for collections of several images and with cross check. Of train descriptors at
-the same distance the first one is preferred, and of images the one that was added first. The matches are the same for
-any number of threads, on any CPU and at every repetition. Where those of cv::BFMatcher are undefined, they are as
-follows:
+the same distance the first one is preferred, and of images the one that was added first. Any number of threads and any
+CPU give the same matches. Where those of cv::BFMatcher are undefined:
 - knnMatch finds the k nearest descriptors of the whole collection, even where an image has fewer than k. There are
   fewer than k matches only if the collection has fewer descriptors that the masks allow.
 - radiusMatch returns matches at the same distance in the order of their images, and of their descriptors in an image.
 - An image may have any number of descriptors.
 
 As with cv::BFMatcher, a query without a match has an empty list in the result. With compactResult knnMatch leaves such
-lists out, and radiusMatch puts them behind the others. knnMatch appends to the list of lists that it is given. With cross check k must be 1, and neither masks nor a second image are accepted.
+lists out, and radiusMatch puts them behind the others. knnMatch appends to the list of lists that it is given. With
+cross check k must be 1, and neither masks nor a second image are accepted.
 
-Descriptors are matrices of type CV_8UC1 with a descriptor in each row, all of the same width. Whatever else is passed
-raises a cv::Exception that names it. Matrices of the type UMat are accepted; the work is done by the CPU.
+Descriptors are matrices of type CV_8UC1 with a descriptor in each row, all of the same width. A matrix without rows or
+columns holds no descriptors. Anything else raises a cv::Exception that names it, as does a lack of memory. Matrices of
+type UMat are accepted and come behind the others. More than 1024 bytes take as long as with cv::BFMatcher.
 
 Several threads may use one object at the same time, as long as none of them calls add, clear or train. After add, one
 match with the collection must have returned before several threads match with it.
@@ -55,21 +52,14 @@ public:
 
     @param normType NORM_HAMMING, the number of bits in which two descriptors differ, for ORB, AKAZE, BRISK, BRIEF and
     FREAK; or NORM_HAMMING2, the number of pairs of bits, for ORB with WTA_K 3 or 4. Any other norm raises an exception.
-    @param crossCheck Whether only pairs are returned of which each descriptor is the nearest one of the other.
+    @param crossCheck Whether only pairs are returned in which each descriptor is the nearest one of the other.
      */
     CV_WRAP HammingMatcher(int normType = NORM_HAMMING, bool crossCheck = false);
 
-    //! @brief Creates the matcher, as the constructor does.
+    //! As the constructor.
     CV_WRAP static Ptr<HammingMatcher> create(int normType = NORM_HAMMING, bool crossCheck = false);
 
     CV_NODISCARD_STD virtual Ptr<DescriptorMatcher> clone(bool emptyTrainData = false) const CV_OVERRIDE;
-
-    using cv::BFMatcher::match;
-    //! As cv::BFMatcher::match, but without a list of matches for each query in between, which saves about a tenth of the
-    //! time of 500 descriptors. It is not virtual: a pointer to a base class calls the method of that class, which also
-    //! takes over with a mask.
-    void match(InputArray queryDescriptors, InputArray trainDescriptors, std::vector<DMatch>& matches,
-               InputArray mask = noArray()) const;
 
 protected:
     virtual void knnMatchImpl(InputArray queryDescriptors, std::vector<std::vector<DMatch>>& matches, int k,
@@ -79,7 +69,7 @@ protected:
                                  bool compactResult = false) CV_OVERRIDE;
 
 private:
-    void gatherTrainDescriptors(InputArray queryDescriptors);
+    std::vector<Mat> gatherTrainDescriptors(const Mat& query);
 };
 
 /** @brief Matches two sets of binary descriptors, with the tests that are usually applied to matches, and returns the
@@ -88,14 +78,14 @@ matches as arrays.
 A query descriptor is matched with its nearest train descriptor; of several ones that are equally near, with the first.
 The pair is kept if it passes all tests that are asked for.
 
-@param queryDescriptors, trainDescriptors CV_8UC1, a descriptor in each row, of the same width. If one of them is empty,
-there are no matches.
+@param queryDescriptors, trainDescriptors CV_8UC1, a descriptor in each row, of the same width. If one of them has no
+rows or no columns, there are no matches.
 @param pairs A row of type CV_32SC1 for each match, with the index of the query and that of the train descriptor, in the
 order of the queries. It is empty if there are no matches.
 @param distances A row of type CV_32SC1 with one element for each match: its distance in bits, or pairs of bits.
 @param ratio Finite and >= 0. If it is greater than 0, the distance must be less than ratio times that of the second
 nearest train descriptor, as Lowe proposed. With crossCheck it must also be less than ratio times that of the second
-nearest query descriptor. What has no second nearest passes. With 0 there is no such test.
+nearest query descriptor. A pair passes where there is no second nearest. With 0 there is no such test.
 @param crossCheck Whether the query must be the nearest query of its train descriptor, too; of equally near ones the
 first. The default is true.
 @param maxDistance The greatest distance that is kept, >= 0, or -1 for any. The default is -1.
@@ -123,11 +113,11 @@ CV_EXPORTS_W void knnMatchArrays(InputArray queryDescriptors, InputArray trainDe
                                  OutputArray indices, OutputArray distances, int k,
                                  int normType = NORM_HAMMING);
 
-/** @brief Matches binary descriptors of which the positions are known approximately, as in a video or in a pair of
-rectified images: a query is compared only with the train descriptors around the position at which it is expected.
+/** @brief Matches binary descriptors whose positions are known approximately, as in a video or in a pair of rectified
+images: a query is compared only with the train descriptors around the position at which it is expected.
 
-This is matchArrays where a pair of descriptors counts only if the train keypoint lies within the window of the query. A
-grid finds the keypoints of a window, so that the time grows with the number of pairs that count. An example:
+It does what matchArrays does, for the pairs in which the train keypoint lies within the window of the query. Its time
+grows with the number of keypoints that lie within reach.height of the query's row. An example:
 @code{.cpp}
     // the next frame of a video, in which nothing has moved by more than 20 pixels
     aqorb::matchByPosition(descriptors1, positions1, descriptors2, keypoints2, Size2f(20, 20), pairs, distances);
@@ -138,9 +128,9 @@ grid finds the keypoints of a window, so that the time grows with the number of 
 @endcode
 
 @param queryDescriptors, trainDescriptors as for matchArrays
-@param predicted For each query, as many as queryDescriptors has rows, the position at which it is expected among the train keypoints, in pixels. A query whose
-position is not finite has no match.
-@param trainKeypoints The keypoints of the train descriptors, as many as these have rows. One whose position is not finite has no match.
+@param predicted For each row of queryDescriptors, the position at which it is expected among the train keypoints, in
+pixels. A query whose position is not finite has no match.
+@param trainKeypoints The keypoint of each row of trainDescriptors. One whose position is not finite has no match.
 @param reach How far from its predicted position a keypoint may lie, in pixels: at most reach.width in x, and at most
 reach.height in y. Both >= 0. Infinity is accepted; an infinite width gives a band of rows.
 @param pairs, distances, ratio, crossCheck, maxDistance, normType as for matchArrays
@@ -151,30 +141,6 @@ CV_EXPORTS_W void matchByPosition(InputArray queryDescriptors, const std::vector
                                   InputArray trainDescriptors, const std::vector<KeyPoint>& trainKeypoints,
                                   Size2f reach, OutputArray pairs, OutputArray distances, double ratio = 0,
                                   bool crossCheck = true, int maxDistance = -1, int normType = NORM_HAMMING);
-
-/** @brief cv::batchDistance for the Hamming norms: the same results for the same arguments, many times as fast.
-
-The preloaded library calls it in place of cv::batchDistance. Programs should use HammingMatcher or knnMatchArrays.
-
-@param src1, src2 CV_8UC1, a descriptor in each row, of the same width, and not empty.
-@param dist CV_32SC1, a row for each row of src1: the K least distances to the rows of src2 in ascending order, of equal
-ones those of lower index first, or for K = 0 the distances to all rows of src2. Where K is greater than the number of
-rows of src2 there are only as many columns.
-@param nidx For K > 0 the indices of the rows of src2 plus update, CV_32SC1 of the size of dist; not needed for K = 0.
-@param normType NORM_HAMMING or NORM_HAMMING2.
-@param K >= 0
-@param mask Empty, or CV_8UC1 with a row for each row of src1 and a column for each row of src2. Pairs for which it is 0
-do not count; for K = 0 their distance is INT_MAX. Where there are fewer than K the distance is INT_MAX and the index -1.
-@param update If it is not 0, the rows of src2 are added to the lists that dist and nidx hold.
-@param crosscheck Whether the index is to be -1 where a row of src1 is not the nearest one of its nearest row. K must be
-1 then, update 0 and the mask empty. As with cv::batchDistance, dist then has for each row of src1 the least distance of
-the rows of src2 whose nearest row it is, also where the index is -1, and INT_MAX where there is none.
-
-Errors are as those of matchArrays.
- */
-CV_EXPORTS void batchHammingDistance(InputArray src1, InputArray src2, OutputArray dist, OutputArray nidx,
-                                     int normType, int K = 0, InputArray mask = noArray(), int update = 0,
-                                     bool crosscheck = false);
 
 //! @}
 

@@ -3,15 +3,49 @@
 // of this distribution.
 // SPDX-License-Identifier: Apache-2.0
 
+// Checks descriptors, and searches the nearest ones in tiles that stay in the cache.
+
 #include "precomp.hpp"
 
 #include "aligned.hpp"
-#include "hamming_search.hpp"
+#include "match.hpp"
+
+#include <opencv2/core/hal/hal.hpp>
 
 namespace cv
 {
 namespace aqorb
 {
+
+void checkHammingNorm(int normType)
+{
+    if (normType != NORM_HAMMING && normType != NORM_HAMMING2)
+        CV_Error_(Error::StsBadArg, ("normType must be NORM_HAMMING (%d) or NORM_HAMMING2 (%d), got %d; "
+                                     "cv::BFMatcher has other norms",
+                                     int(NORM_HAMMING), int(NORM_HAMMING2), normType));
+}
+
+Mat descriptorsOf(const char* name, InputArray descriptors, int width)
+{
+    if (descriptors.isMatVector() || descriptors.isUMatVector())
+        CV_Error_(Error::StsBadArg,
+                  ("%s must be a single matrix, got a sequence of %d", name, int(descriptors.total())));
+    if (descriptors.dims() > 2 || (descriptors.type() != CV_8UC1 && !descriptors.empty()))
+        CV_Error_(Error::StsBadArg, ("%s must be rows of type CV_8UC1, got %d dimensions of type %s", name,
+                                     descriptors.dims(), typeToString(descriptors.type()).c_str()));
+    if (descriptors.empty())
+        return Mat();
+    if (width != 0 && descriptors.cols() != width)
+        CV_Error_(Error::StsUnmatchedSizes, ("%s must have %d bytes a row, as queryDescriptors, got %d", name,
+                                             width, descriptors.cols()));
+    return descriptors.getMat();
+}
+
+void throwNoMemory(InputArray queryDescriptors)
+{
+    CV_Error_(Error::StsNoMem, ("The memory does not suffice to match %d queryDescriptors of %d bytes",
+                                queryDescriptors.rows(), queryDescriptors.cols()));
+}
 
 namespace
 {
@@ -88,7 +122,7 @@ template <int KEPT> void mergeLists(const std::vector<DistanceKey>& lists, Dista
             keepKey<KEPT>(merged + i, lists[i + k]);
 }
 
-//! What keeps the nearest trains of each query that the mask allows.
+//! Keeps the nearest trains of each query that the mask allows.
 DistanceSink nearestSink(const Mat& mask, int firstIndex, int kept, DistanceKey* nearest)
 {
     return [=](int query, int firstTrain, const int* distances, int count)
@@ -103,27 +137,48 @@ DistanceSink nearestSink(const Mat& mask, int firstIndex, int kept, DistanceKey*
 
 }  // namespace
 
+//! The distances of long descriptors, of which there are few: packed, they would take more time and memory.
+static void distancesOfLong(const Mat& query, const Mat& train, bool countPairs, const DistanceSink& sink)
+{
+    parallel_for_(Range(0, query.rows),
+                  [&](const Range& rows)
+                  {
+                      for (int i = rows.start; i < rows.end; i++)
+                      {
+                          for (int j = 0; j < train.rows; j++)
+                          {
+                              const int distance = hal::normHamming(query.ptr(i), train.ptr(j), query.cols,
+                                                                    countPairs ? 2 : 1);
+                              sink(i, j, &distance, 1);
+                          }
+                      }
+                  });
+}
+
 void allDistances(const Mat& query, const Mat& train, bool countPairs, const DistanceSink& sink)
 {
     CV_TRACE_FUNCTION();
-    const int QUERIES = 8, TRAINS = 1024, BYTES = 1 << 21;
+    if (query.cols > MAX_PACKED_BYTES)
+    {
+        distancesOfLong(query, train, countPairs, sink);
+        return;
+    }
+    const int QUERIES = 8, TRAINS = 1024;
     const HammingKernels& kernels = hammingKernels(countPairs, query.cols);
-    const int step =
-        std::max(std::min(TRAINS, BYTES / std::max(query.cols, 1)) / kernels.block, 1) * kernels.block;
     forRows(query.rows, QUERIES,
             [&](const Range& rows)
             {
                 PackedTile packed(kernels, query, train);
-                AlignedVector<int> distances(size_t(QUERIES) * step);
-                for (int first = 0; first < train.rows; first += step)
+                AlignedVector<int> distances(size_t(QUERIES) * TRAINS);
+                for (int first = 0; first < train.rows; first += TRAINS)
                 {
-                    packed.packTrains(nextRows(first, step, Range(0, train.rows)), 0);
+                    packed.packTrains(nextRows(first, TRAINS, Range(0, train.rows)), 0);
                     for (int i = rows.start; i < rows.end; i += QUERIES)
                     {
                         packed.packQueries(nextRows(i, QUERIES, rows));
-                        kernels.distances(packed.tile, distances.data(), step);
+                        kernels.distances(packed.tile, distances.data(), TRAINS);
                         for (int j = 0; j < packed.tile.queryCount; j++)
-                            sink(i + j, first, &distances[size_t(j) * step], packed.tile.trainCount);
+                            sink(i + j, first, &distances[size_t(j) * TRAINS], packed.tile.trainCount);
                     }
                 }
             });
@@ -134,7 +189,7 @@ static void nearestInTiles(const Mat& query, const Mat& train, bool countPairs, 
                            DistanceKey* ofQueries, DistanceKey* ofTrains)
 {
     const HammingKernels& kernels = hammingKernels(countPairs, query.cols);
-    // What a key of 16 bits has beside the distance. More queries at once than that would need more of the cache.
+    // The bits of a key of 16 bits that the distance leaves. More queries at once would need more of the cache.
     const int indexBits = std::min(16 - bitsFor(8 * query.cols), 7);
     const int queriesOfTile = 1 << indexBits, step = kernels.block << indexBits;
     Mutex mutex;
@@ -168,6 +223,8 @@ void nearestDescriptors(const Mat& query, const Mat& train, const Mat& mask, boo
                         int kept, DistanceKey* ofQueries, DistanceKey* ofTrains)
 {
     CV_TRACE_FUNCTION();
+    if (query.empty() || train.empty())
+        return;
     if (mask.empty() && kept <= MAX_KEPT && query.cols <= MAX_KEY_BITS / 8)
     {
         nearestInTiles(query, train, countPairs, firstTrain, kept, ofQueries, ofTrains);

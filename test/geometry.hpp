@@ -3,12 +3,11 @@
 // of this distribution.
 // SPDX-License-Identifier: Apache-2.0
 
-#ifndef OPENCV_AQORB_GEOMETRY_HPP
-#define OPENCV_AQORB_GEOMETRY_HPP
+#ifndef OPENCV_AQORB_TEST_GEOMETRY_HPP
+#define OPENCV_AQORB_TEST_GEOMETRY_HPP
 
-// Homographies, poses and affine maps, for programs that are to be compiled with OpenCV 4 and 5. OpenCV 5 has moved them
-// from the modules calib3d and imgproc to the module geometry. AQORB_HAVE_GEOMETRY is defined unless OpenCV was built
-// without calib3d.
+// Homographies, poses and affine maps for tests and tools. OpenCV 5 has moved them from the modules calib3d and imgproc to
+// the module geometry. AQORB_HAVE_GEOMETRY is defined unless OpenCV was built without calib3d.
 
 #include <opencv2/core/version.hpp>
 #include <opencv2/imgproc.hpp>
