@@ -21,9 +21,9 @@ namespace aqorb
 
 /** @brief Brute-force matcher of binary descriptors: cv::BFMatcher for the Hamming norms, many times as fast.
 
-It takes the place of `BFMatcher matcher(NORM_HAMMING, true)` as `aqorb::HammingMatcher matcher(NORM_HAMMING, true)`, and
-can be used wherever a pointer to a cv::BFMatcher is expected. A copy into a variable of the type cv::BFMatcher is a
-cv::BFMatcher again, with its speed.
+`aqorb::HammingMatcher matcher(NORM_HAMMING, true)` takes the place of `BFMatcher matcher(NORM_HAMMING, true)`, also
+where a pointer to a cv::BFMatcher is expected. A copy into a variable of the type cv::BFMatcher is a cv::BFMatcher
+again, with its speed.
 
 The matches are those of the cv::BFMatcher of the linked OpenCV, with the same distances and in the same order, for
 descriptors of any length, for masks, for collections of several images and with cross check. Of train descriptors at
