@@ -176,18 +176,6 @@ TEST(Aqorb_MatchByPosition, compares_within_the_window_only)
     EXPECT_GT(found, 1000u);
 }
 
-TEST(Aqorb_MatchByPosition, equals_matchArrays_without_limit)
-{
-    RNG rng(1);
-    const Mat query = randomDescriptors(rng, 200, 61), train = randomDescriptors(rng, 300, 61);
-    Mat pairs, distances, expectedPairs, expectedDistances;
-    matchByPosition(query, std::vector<Point2f>(200), train, KeyPoints(300), Size2f(ENDLESS, ENDLESS), pairs,
-                    distances, 0.9);
-    matchArrays(query, train, expectedPairs, expectedDistances, 0.9);
-    EXPECT_TRUE(sameMat(expectedPairs, pairs));
-    EXPECT_TRUE(sameMat(expectedDistances, distances));
-}
-
 TEST(Aqorb_MatchArrays, refuses_bad_input)
 {
     const Mat some = Mat::zeros(3, 32, CV_8UC1), narrow = Mat::zeros(3, 16, CV_8UC1),

@@ -79,8 +79,10 @@ void nearest(const HammingTile& tile, DistanceKey* ofQueries, DistanceKey* ofTra
         v_store(tile.scratch + i * count, vx_setall_u16(NO_KEY16));
     for (int b = (tile.trainCount - 1) / count; b >= 0; b--)
     {
-        const Registers<WORDS> registers(tile.trains + size_t(b) * blockWords);
-        const uint64* const block = registers.block();
+        const uint64* block = tile.trains + size_t(b) * blockWords;
+        uint64 registers[WORDS * 32 + 1];
+        if (Packing<PAIRS>::IN_REGISTERS && WORDS)
+            block = static_cast<uint64*>(std::memcpy(registers, block, WORDS * 32 * sizeof(uint64)));
         const v_uint16 number = vx_setall_u16(ushort(b * maker.one));
         v_uint16 query = vx_setzero_u16(), best[2] = {vx_setall_u16(NO_KEY16), vx_setall_u16(NO_KEY16)};
         ushort* lanes = tile.scratch;

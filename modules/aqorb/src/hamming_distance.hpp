@@ -38,20 +38,6 @@ struct KeyMaker
     const int one;  //!< the step from a number to the next
 };
 
-//! A copy of a block of known size, which the compiler keeps in registers.
-template <int WORDS> struct Registers
-{
-    explicit Registers(const uint64* block) { std::memcpy(words, block, sizeof(words)); }
-    const uint64* block() const { return words; }
-    uint64 words[WORDS * 32];
-};
-template <> struct Registers<0>
-{
-    explicit Registers(const uint64* block) : words(block) {}
-    const uint64* block() const { return words; }
-    const uint64* words;
-};
-
 /** Packs queries and trains into planes of 16-bit words: a vector has the same word of each descriptor of a block. A
  query has each word twice, because the CPU spreads 32 bits over a vector while it loads them.
 
@@ -65,6 +51,7 @@ template <bool> struct Packing
     {
         QUERY_PLANES = 2,
         TRAIN_PLANES = 1,
+        IN_REGISTERS = 1,  // a block of known size fits there
         GROUP = 16
     };
 
@@ -171,14 +158,6 @@ struct KeyMaker
     }
     const v_uint16 shift;
     const int one;  //!< the step from a number to the next
-};
-
-//! A block, which stays where it is.
-template <int> struct Registers
-{
-    explicit Registers(const uint64* block) : words(block) {}
-    const uint64* block() const { return words; }
-    const uint64* words;
 };
 
 /** Counts bits in vectors of 64-bit words, one word of as many descriptors as there are lanes. The sums of counts lie
@@ -304,7 +283,8 @@ template <bool PAIRS> struct Packing
     {
         PLANES = 1 + BitCounter<PAIRS>::NIBBLES,
         QUERY_PLANES = PLANES,
-        TRAIN_PLANES = PLANES
+        TRAIN_PLANES = PLANES,
+        IN_REGISTERS = 0
     };
 
     static int block() { return AQORB_LANES(v_uint16); }

@@ -128,10 +128,10 @@ DistanceSink nearestSink(const Mat& mask, int firstIndex, int kept, DistanceKey*
     return [=](int query, int firstTrain, const int* distances, int count)
     {
         const uchar* const allowed = mask.empty() ? 0 : mask.ptr(query) + firstTrain;
+        DistanceKey* const list = nearest + size_t(query) * kept;
         for (int i = 0; i < count; i++)
             if (!allowed || allowed[i])
-                insertKey(nearest + size_t(query) * kept, kept,
-                          distanceKey(distances[i], firstIndex + firstTrain + i));
+                insertKey(list, kept, distanceKey(distances[i], firstIndex + firstTrain + i));
     };
 }
 
