@@ -3,7 +3,7 @@
 // of this distribution.
 // SPDX-License-Identifier: Apache-2.0
 
-// A panorama by cv::Stitcher, which takes any Feature2D for its features.
+// A panorama by cv::Stitcher, which takes any Feature2D for its features, and any matcher for their descriptors.
 
 #include <opencv2/aqorb.hpp>
 #include <opencv2/core/utility.hpp>
@@ -11,8 +11,48 @@
 #include <opencv2/stitching.hpp>
 
 #include <iostream>
+#include <set>
 
 using namespace cv;
+
+//! Finds the matches of two images that pass the ratio test in one direction at least, as OpenCV's own matcher does.
+class HammingPairs : public detail::FeaturesMatcher
+{
+public:
+    explicit HammingPairs(float matchConf) : FeaturesMatcher(true), ratio(1 - matchConf) {}
+
+private:
+    void match(const detail::ImageFeatures& first, const detail::ImageFeatures& second,
+               detail::MatchesInfo& info) CV_OVERRIDE
+    {
+        std::set<std::pair<int, int>> found;
+        info.matches.clear();
+        for (const bool isBack : {false, true})
+        {
+            Mat pairs, distances;
+            aqorb::matchArrays((isBack ? second : first).descriptors, (isBack ? first : second).descriptors,
+                               pairs, distances, ratio, false);
+            for (int i = 0; i < pairs.rows; i++)
+            {
+                const int query = pairs.at<int>(i, isBack), train = pairs.at<int>(i, !isBack);
+                if (found.insert(std::make_pair(query, train)).second)
+                    info.matches.push_back(DMatch(query, train, float(distances.at<int>(i))));
+            }
+        }
+    }
+
+    const double ratio;
+};
+
+//! BestOf2NearestMatcher, which estimates a homography from the matches, with HammingPairs for the matches.
+class HammingFeaturesMatcher : public detail::BestOf2NearestMatcher
+{
+public:
+    explicit HammingFeaturesMatcher(float matchConf = 0.3f) : BestOf2NearestMatcher(false, matchConf)
+    {
+        impl_ = makePtr<HammingPairs>(matchConf);
+    }
+};
 
 static const char* const KEYS =
     "{help      |              | print this text }"
@@ -49,6 +89,8 @@ int main(int argc, char** argv)
     const Ptr<Stitcher> stitcher =
         Stitcher::create(parser.has("scans") ? Stitcher::SCANS : Stitcher::PANORAMA);
     stitcher->setFeaturesFinder(detector);
+    if (!parser.has("scans"))  // these are matched under an affine map
+        stitcher->setFeaturesMatcher(makePtr<HammingFeaturesMatcher>());
     Mat panorama;
     Stitcher::Status status = Stitcher::ERR_HOMOGRAPHY_EST_FAIL;
     try
