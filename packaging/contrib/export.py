@@ -39,9 +39,6 @@ EVERYWHERE = [
 EDITS = {
     'README.md': [
         ('\n\nThe `CMakeLists.txt` files in [...]OpenCV\'s build does not read them.', '')],
-    'include/opencv2/aqorb/matching.hpp': [
-        ('The preloaded library calls it in place of cv::batchDistance. Programs should use HammingMatcher',
-         'Programs should use HammingMatcher')],
     'src/parameter_table.hpp': [
         (', and so are the Python package, the preloaded library\'s variables, what the page sets, and tests. Each row is',
          ', and so are tests. Each row is')],
