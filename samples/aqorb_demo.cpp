@@ -294,7 +294,7 @@ Mat readImage(const String& name)
     const Mat image = imread(samples::findFile(name, false), IMREAD_GRAYSCALE);
     if (image.empty())
         CV_Error(Error::StsObjectNotFound, name + ": cannot be read as an image (OpenCV's: export "
-                                                  "OPENCV_SAMPLES_DATA_PATH=$(scripts/sample_images.sh))");
+                                                  "OPENCV_SAMPLES_DATA_PATH=$(scripts/demo.sh --images))");
     return image;
 }
 

@@ -67,7 +67,7 @@ def read_image(name):
     image = cv.imread(cv.samples.findFile(name, False), cv.IMREAD_GRAYSCALE)
     if image is None:
         sys.exit(name + ': cannot be read as an image'
-                 " (OpenCV's: export OPENCV_SAMPLES_DATA_PATH=$(scripts/sample_images.sh))")
+                 " (OpenCV's: export OPENCV_SAMPLES_DATA_PATH=$(scripts/demo.sh --images))")
     return image
 
 

@@ -31,7 +31,7 @@ def main():
     image = cv.imread(cv.samples.findFile(arguments.image, False), cv.IMREAD_GRAYSCALE)
     if image is None:
         sys.exit(arguments.image + ': cannot be read as an image'
-                 " (OpenCV's: export OPENCV_SAMPLES_DATA_PATH=$(scripts/sample_images.sh))")
+                 " (OpenCV's: export OPENCV_SAMPLES_DATA_PATH=$(scripts/demo.sh --images))")
     height, width = image.shape
     x = width // 2 if arguments.x < 0 else arguments.x
     y = height // 2 if arguments.y < 0 else arguments.y

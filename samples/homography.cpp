@@ -46,7 +46,7 @@ int main(int argc, char** argv)
     {
         std::cerr << (image1.empty() ? file1 : file2)
                   << ": cannot be read as an image (OpenCV's: export "
-                     "OPENCV_SAMPLES_DATA_PATH=$(scripts/sample_images.sh))\n";
+                     "OPENCV_SAMPLES_DATA_PATH=$(scripts/demo.sh --images))\n";
         return 1;
     }
 

@@ -29,7 +29,7 @@ def main():
                       for name in (arguments.image1, arguments.image2)]
     if image1 is None or image2 is None:
         sys.exit((arguments.image1 if image1 is None else arguments.image2) + ': cannot be read as an image'
-                 " (OpenCV's: export OPENCV_SAMPLES_DATA_PATH=$(scripts/sample_images.sh))")
+                 " (OpenCV's: export OPENCV_SAMPLES_DATA_PATH=$(scripts/demo.sh --images))")
 
     orb = aqorb.AdaptiveQuadtreeORB_create(arguments.nfeatures)
     keypoints1, descriptors1 = orb.detectAndCompute(image1, None)

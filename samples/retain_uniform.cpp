@@ -48,7 +48,7 @@ int main(int argc, char** argv)
     {
         std::cerr << file
                   << ": cannot be read as an image (OpenCV's: export "
-                     "OPENCV_SAMPLES_DATA_PATH=$(scripts/sample_images.sh))\n";
+                     "OPENCV_SAMPLES_DATA_PATH=$(scripts/demo.sh --images))\n";
         return 1;
     }
 

@@ -33,7 +33,7 @@ def main():
     image = cv.imread(cv.samples.findFile(arguments.image, False), cv.IMREAD_GRAYSCALE)
     if image is None:
         sys.exit(arguments.image + ': cannot be read as an image'
-                 " (OpenCV's: export OPENCV_SAMPLES_DATA_PATH=$(scripts/sample_images.sh))")
+                 " (OpenCV's: export OPENCV_SAMPLES_DATA_PATH=$(scripts/demo.sh --images))")
 
     print('{:24} {:>9} {:>10} {:>11}'.format('', 'keypoints', 'uniformity', 'occupied'))
     rows = []

@@ -1,4 +1,5 @@
-# What the scripts share; sourced by them, from the repository's folder.
+# What the scripts share: the packages that each kind of work needs, what is fetched, configuring, building and testing,
+# and --help, which prints the comment at the head of a script. The scripts source it; it does nothing by itself.
 # shellcheck shell=bash disable=SC2034
 
 set -euo pipefail
@@ -29,7 +30,6 @@ die() {
     exit 1
 }
 
-# The comment at the head of a script is its help.
 if [[ ${1:-} == --help || ${1:-} == -h ]]; then
     sed -n '2,/^[^#]/s/^# \{0,1\}//p' "$0"
     exit
@@ -83,64 +83,24 @@ need() {
     ((!${#absent[@]})) || install_packages "${absent[@]}"
 }
 
-# ${APT[@]} LOG ARGUMENT...: apt-get with its output in a log, and its progress as records on standard output. If
-# the network does not answer, apt-get soon fails. A shell opens descriptor 3, because sudo does not pass it on.
-APT=(env LC_ALL=C DEBIAN_FRONTEND=noninteractive sh -c 'log=$1; shift
-    exec apt-get -o APT::Status-Fd=3 -o Dpkg::Use-Pty=0 -o APT::Update::Error-Mode=any \
-        -o Acquire::Retries=1 -o Acquire::http::Timeout=30 -o DPkg::Lock::Timeout=120 \
-        -o APT::Install-Recommends=false "$@" 3>&1 >>"$log" 2>&1' sh)
+# apt-get, which gives up soon if the network does not answer.
+APT=(env DEBIAN_FRONTEND=noninteractive apt-get -o APT::Update::Error-Mode=any -o Acquire::Retries=1
+    -o Acquire::http::Timeout=30 -o DPkg::Lock::Timeout=120)
 
-# can_be_root: whether as_root will work.
-can_be_root() {
-    ((EUID == 0)) || { command -v sudo >/dev/null && { sudo -n true 2>/dev/null || [[ -t 0 ]]; }; }
-}
-
-# install_packages PACKAGE...: says how much is fetched, and shows progress. The log is build/install.log.
+# install_packages PACKAGE...: apt-get says how much that is, and shows its progress.
 install_packages() {
-    local by_hand="apt-get update && apt-get install --no-install-recommends $*" log=$BUILD/install.log
-    can_be_root || die "only root can install the missing packages. As root, run
+    local install=(install -y --no-install-recommends "$@")
+    local by_hand="apt-get update && apt-get install --no-install-recommends $*"
+    if ((EUID != 0)) && { ! command -v sudo >/dev/null || { ! sudo -n true 2>/dev/null && [[ ! -t 0 ]]; }; }; then
+        die "only root can install the missing packages. As root, run
   $by_hand"
-    say "Installing $*"
-    mkdir -p "$BUILD"
-    : >"$log"
-    # The package lists may be absent or older than the mirror.
-    if ! { amount "$@" && as_root "${APT[@]}" "$log" install -y "$@" | progress; }; then
-        echo "The lists of packages may be missing or out of date: fetching them"
-        if ! { as_root "${APT[@]}" "$log" update | progress && amount "$@" &&
-            as_root "${APT[@]}" "$log" install -y "$@" | progress; }; then
-            { grep -E '^(E|W|Err|dpkg: error)' "$log" || true; } | tail -n 5 >&2
-            die "could not install the packages (see $log). Without a network, do later, as root:
-  $by_hand"
-        fi
     fi
-}
-
-# amount PACKAGE...: how much an installation fetches and needs; fails where the lists do not have the packages.
-amount() {
-    LC_ALL=C apt-get install --print-uris -y --no-install-recommends "$@" 2>>"$BUILD/install.log" | sed -n \
-        -e 's/^[0-9]* upgraded, \([0-9]*\) newly installed.*/\1 packages/p' \
-        -e 's/^Need to get \(.*\) of archives\./\1 to fetch/p' \
-        -e 's/^After this operation, \(.*\) of additional disk space will be used\./\1 on disk/p' |
-        paste -sd , | sed 's/,/, /g'
-}
-
-# Shows apt-get's records of progress as one line for fetching and one for installing, which grow.
-progress() {
-    local line phase="" tens shown=""
-    while IFS= read -r line; do
-        [[ $line =~ ^(dl|pm)status:.*:([0-9]+)(\.[0-9]*)?: ]] || continue
-        tens=$((BASH_REMATCH[2] / 10 * 10))
-        if [[ ${BASH_REMATCH[1]} != "$phase" ]]; then
-            [[ ! $phase ]] || echo
-            phase=${BASH_REMATCH[1]} shown=-1
-            if [[ $phase == dl ]]; then printf '  fetching  '; else printf '  installing'; fi
-        fi
-        if ((tens > shown)); then
-            printf ' %d%%' "$tens"
-            shown=$tens
-        fi
-    done
-    [[ ! $phase ]] || echo
+    say "Installing $*"
+    # The lists of packages may be absent or older than the mirror.
+    as_root "${APT[@]}" "${install[@]}" ||
+        { say "Fetching the lists of packages" && as_root "${APT[@]}" update && as_root "${APT[@]}" "${install[@]}"; } ||
+        die "could not install the packages. Without a network, do later, as root:
+  $by_hand"
 }
 
 # forget_moved FOLDER SOURCE: CMake refuses to configure a folder again that was configured under another name, for
@@ -201,16 +161,58 @@ unpack() {
     done
 }
 
-# configure PRESET [OPTION...]: by CMakePresets.json; the name may be that of its folder, build/PRESET.
-configure() {
-    local preset=${1##*/}
-    forget_moved "$BUILD/$preset" "$ROOT"
-    (cd "$ROOT" && cmake --preset "$preset" "${@:2}")
+# debian RELEASE PACKAGE...: sets SYSTEM to a folder with that Debian and these packages; made once. Needs root.
+debian() {
+    SYSTEM=$CACHE/$1
+    [[ $(cat "$SYSTEM.packages" 2>/dev/null) != "${*:2}" ]] || return 0
+    need system
+    say "Debian's release $1 in a folder of its own"
+    as_root rm -rf "$SYSTEM"
+    mkdir -p "$CACHE"
+    as_root debootstrap --variant=minbase --include="$(tr ' ' , <<<"${*:2}")" "$1" "$SYSTEM" "$(mirror)" \
+        >"$SYSTEM.log" || die "see $SYSTEM.log"
+    as_root rm -rf "$SYSTEM"/var/cache/apt/archives/*.deb
+    echo "${*:2}" >"$SYSTEM.packages"
 }
 
+# inside COMMAND...: runs a command there, in a mount namespace that ends with it. The repository is /aqorb, and its build
+# folder the one that INSIDE_BUILD names, if it does. The network and the test data are this system's.
+inside() {
+    as_root mkdir -p "$SYSTEM/aqorb" "$SYSTEM/data"
+    # shellcheck disable=SC2016
+    as_root unshare --mount sh -ec '
+        system=$1 root=$2 build=$3 data=$4
+        shift 4
+        mount -t proc proc "$system/proc"
+        mount -t tmpfs tmpfs "$system/dev/shm"
+        mount --bind "$root" "$system/aqorb"
+        mount --bind "$build" "$system/aqorb/build"
+        for file in /etc/passwd /etc/resolv.conf /etc/hosts /etc/ssl/certs/ca-certificates.crt; do
+            [ ! -e "$file" ] || { [ -e "$system$file" ] || : >"$system$file"; mount --bind "$file" "$system$file"; }
+        done
+        unset OPENCV_TEST_DATA_PATH AQORB_TEST_SEQUENCE
+        if [ -n "$data" ]; then
+            mount --bind "$data" "$system/data"
+            export OPENCV_TEST_DATA_PATH=/data
+        fi
+        export CCACHE_DIR=/aqorb/build/ccache CCACHE_BASEDIR=/aqorb CCACHE_NOHASHDIR=1 LC_ALL=C.UTF-8
+        export PATH=/usr/local/sbin:/usr/local/bin:/usr/sbin:/usr/bin:/sbin:/bin
+        exec chroot "$system" "$@"' sh "$SYSTEM" "$ROOT" "${INSIDE_BUILD:-$BUILD}" "${OPENCV_TEST_DATA_PATH:-}" "$@"
+}
+
+# configure PRESET [OPTION...]: by CMakePresets.json. What CMake prints is shown if it fails.
+configure() {
+    local preset=${1##*/} log=$BUILD/${1##*/}.configure.log
+    forget_moved "$BUILD/$preset" "$ROOT"
+    mkdir -p "$BUILD"
+    (cd "$ROOT" && cmake --preset "$preset" "${@:2}") >"$log" 2>&1 || { cat "$log" && die "CMake failed, see $log"; }
+    grep -A 4 'CMake Warning\|left out' "$log" || true
+}
+
+# build FOLDER [OPTION...]: says what is compiled, and not what is there.
 build() {
     [[ -n $(find "$1" -name '*.o' -print -quit) ]] || echo "Compiling for the first time, which takes some minutes"
-    cmake --build "$1" --parallel "$JOBS" "${@:2}"
+    cmake --build "$1" --parallel "$JOBS" "${@:2}" | sed -u '/Built target\|Consolidate compiler\|no work to do/d'
 }
 
 # run_tests PRESET [ctest option...]: runs the tests of a preset. Ends with one line of counts: ctest's own summary
@@ -278,40 +280,13 @@ opencv_source() {
         sources=$(apt-get indextargets --format 'deb-src $(REPO_URI) $(RELEASE) $(COMPONENT)' \
             'Identifier: Packages' 'Origin: Debian' | sort -u)
         own_apt "$folder" "$(dpkg --print-architecture)" "$sources"
-        local apt=("${APT[@]}" "$folder/log" "${OWN_APT[@]}")
-        if ! { "${apt[@]}" update | progress &&
-            apt-get "${OWN_APT[@]}" --print-uris source opencv 2>/dev/null |
-            awk '/^'\''/ { bytes += $3 } END { printf "%.0f MB to fetch\n", bytes / 1e6 }' &&
-            cd "$folder" && "${apt[@]}" source opencv | progress; }; then
-            { grep -E '^(E|W|Err)' "$folder/log" || true; } | tail -n 5 >&2
-            die "could not fetch OpenCV's source package (see $folder/log); is there a network?"
-        fi
+        (cd "$folder" && "${APT[@]}" "${OWN_APT[@]}" update && "${APT[@]}" "${OWN_APT[@]}" source opencv) ||
+            die "could not fetch OpenCV's source package; is there a network?"
         rm -rf "$folder"/{parts,lists,apt,status} "$folder"/*.tar.* "$folder"/*.dsc
         touch "$folder/complete"
     fi
     OPENCV_SOURCE=$(echo "$folder"/opencv-*/)
     OPENCV_SOURCE=${OPENCV_SOURCE%/}
-}
-
-# free_threaded_python: sets FREE_THREADED to a CPython 3.14 without its global lock (GIL), of which Debian has no package:
-# it is built of Debian's source of python3.14, once.
-free_threaded_python() {
-    local version=3.14.7 hash=3b48dac8fb59f62eaa67ac83c1eb12bda1b7a08406dd286e252c11a66be27f81
-    local home=$CACHE/python$version-free-threaded folder=$BUILD/python$version archive=python3.14_$version.orig.tar.xz
-    FREE_THREADED=$home/bin/python3.14t
-    [[ ! -e $home/complete ]] || return 0
-    need build curl libbz2-dev libffi-dev liblzma-dev libssl-dev xz-utils zlib1g-dev
-    say "CPython $version without the GIL"
-    rm -rf "$folder" "$home"
-    mkdir -p "$folder"
-    curl -fsSL -o "$folder/$archive" "$(mirror)/pool/main/p/python3.14/$archive" ||
-        die "the mirror has no $archive; another version may be there"
-    echo "$hash  $folder/$archive" | sha256sum --check --quiet
-    tar -xJ -C "$folder" --strip-components=1 -f "$folder/$archive"
-    (cd "$folder" && ./configure -q --disable-gil --prefix="$home" && make -s -j "$JOBS" && make -s install) \
-        >"$folder.log" 2>&1 || die "see $folder.log"
-    rm -rf "$folder"
-    touch "$home/complete"
 }
 
 # opencv_release 4|5: sets OPENCV_SOURCE to the source of OPENCV_4 or OPENCV_5, which is in the source distribution of
@@ -354,21 +329,10 @@ source_distribution() {
     fi
 }
 
-# size_of_package PACKAGE: how much is fetched for a Debian package, as ", 96 MB"; nothing where that is not known.
-size_of_package() {
-    apt-cache show --no-all-versions "$1" 2>/dev/null |
-        sed -n 's/^Size: \([0-9]*\)$/\1/p' | awk '{ printf ", %.0f MB", $1 / 1e6 }'
-}
-
 # debian_file PACKAGE FOLDER: puts a Debian package's file into a folder without installing it.
 debian_file() {
-    (
-        cd "$2"
-        "${APT[@]}" "$2/log" download "$1" | progress || {
-            can_be_root || die "the lists of packages are missing. As root, run apt-get update"
-            as_root "${APT[@]}" "$2/log" update | progress && "${APT[@]}" "$2/log" download "$1" | progress
-        } || die "could not fetch the package $1 (see $2/log); is there a network?"
-    )
+    (cd "$2" && { "${APT[@]}" download "$1" || { as_root "${APT[@]}" update && "${APT[@]}" download "$1"; }; }) ||
+        die "could not fetch the package $1; is there a network?"
 }
 
 # held_out_packages: sets HELD_OUT_SOURCES to a folder with the packages of tools/evaluate/held_out.csv, unpacked and
@@ -407,7 +371,7 @@ held_out_packages() {
 opencv_samples() {
     local folder=$CACHE/opencv-doc examples=usr/share/doc/opencv-doc/examples/data
     if [[ ! -e $folder/complete ]]; then
-        say "Fetching OpenCV's sample images: the package opencv-doc$(size_of_package opencv-doc), not installed"
+        say "Fetching OpenCV's sample images: the package opencv-doc, 96 MB, which is not installed"
         rm -rf "$folder"
         mkdir -p "$folder"
         (

@@ -22,8 +22,6 @@
 #   windows     cross-built with MinGW-w64 against OpenCV 4, which it builds first, under wine
 #   clang       clang++
 #   debug       g++ -O0 with the assertions of the standard library
-#   native      g++ -O3 -march=native
-#   hardening   all of Debian's hardening flags
 #
 # Installs the Debian packages it needs. Tests that need images of opencv_extra are skipped unless
 # OPENCV_TEST_DATA_PATH names its testdata folder.
@@ -36,38 +34,6 @@ if [[ -n ${OPENCV_TEST_DATA_PATH:-} ]]; then
     images=({bark,bikes,graf,leuven,trees,ubc}/img1.png)
 fi
 photographs=cv/detectors_descriptors_evaluation/images_datasets
-
-# debian13_system: sets SYSTEM to the folder of a Debian 13 with what the tests need; made once.
-debian13_system() {
-    SYSTEM=$CACHE/debian13
-    [[ ! -e $SYSTEM.complete ]] || return 0
-    as_root rm -rf "$SYSTEM"
-    mkdir -p "$CACHE"
-    as_root debootstrap --variant=minbase --include="$(tr ' ' , <<<"${PACKAGES[build]} ${PACKAGES[test]}")" \
-        trixie "$SYSTEM" "$(mirror)"
-    as_root rm -rf "$SYSTEM"/var/cache/apt/archives/*.deb
-    touch "$SYSTEM.complete"
-}
-
-# inside_debian13 COMMAND...: runs a shell command there, in a mount namespace that ends with it: the repository is
-# /aqorb, with a build folder of its own, the test data is /data.
-inside_debian13() {
-    mkdir -p "$FOLDER/debian13"
-    as_root mkdir -p "$SYSTEM/aqorb" "$SYSTEM/data"
-    # shellcheck disable=SC2016
-    as_root unshare --mount sh -ec '
-        system=$1 root=$2 build=$3 data=$4
-        shift 4
-        mount -t proc proc "$system/proc"
-        mount --bind "$root" "$system/aqorb"
-        mount --bind "$build" "$system/aqorb/build"
-        if [ -n "$data" ]; then
-            mount --bind "$data" "$system/data"
-            export OPENCV_TEST_DATA_PATH=/data
-        fi
-        export CCACHE_DIR=/aqorb/build/ccache
-        exec chroot "$system" "$@"' sh "$SYSTEM" "$ROOT" "$FOLDER/debian13" "${OPENCV_TEST_DATA_PATH:-}" "$@"
-}
 
 # built PRESET [TEST-PRESET]: builds, and runs the tests unless they are left out.
 built() {
@@ -113,9 +79,11 @@ row_debian12() {
 }
 
 row_debian13() {
-    need system
-    debian13_system
-    inside_debian13 bash -ec 'source /aqorb/scripts/common.sh
+    # shellcheck disable=SC2086 # lists
+    debian trixie ${PACKAGES[build]} ${PACKAGES[test]}
+    export INSIDE_BUILD=$FOLDER/debian13
+    mkdir -p "$INSIDE_BUILD"
+    inside bash -ec 'source /aqorb/scripts/common.sh
         configure release -DAQORB_BUILD_FINGERPRINT=ON -DAQORB_WERROR=ON
         if [[ $1 ]]; then
             build /aqorb/build/release --target aqorb_fingerprint
@@ -124,7 +92,7 @@ row_debian13() {
             run_tests release
         fi' bash "$bytes_only"
     # shellcheck disable=SC2016
-    fingerprint debian13 inside_debian13 sh -ec \
+    fingerprint debian13 inside sh -ec \
         'if [ "$OPENCV_TEST_DATA_PATH" ]; then cd "/data/$0"; fi
         exec /aqorb/build/release/tools/fingerprint/aqorb_fingerprint "$@"' "$photographs"
 }
@@ -224,8 +192,6 @@ row_windows() {
 
 row_clang() { need clang; compiled clang; }
 row_debug() { compiled debug; }
-row_native() { compiled native; }
-row_hardening() { compiled hardening; }
 
 bytes_only=
 if [[ ${1:-} == --bytes ]]; then
@@ -234,7 +200,7 @@ if [[ ${1:-} == --bytes ]]; then
 fi
 rows=("$@")
 ((${#rows[@]})) || rows=(debian12 debian13 opencv4 opencv5 avx2 sse4 sse2 plain qemu64
-    aarch64 armhf i386 riscv64 s390x windows clang debug native hardening)
+    aarch64 armhf i386 riscv64 s390x windows clang debug)
 for row in "${rows[@]}"; do
     declare -F "row_$row" >/dev/null || die "no such row: $row"
 done

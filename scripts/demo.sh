@@ -2,15 +2,28 @@
 # Builds the module and shows what it does beside cv::ORB: a table and two pictures for each pair of images.
 #
 #   scripts/demo.sh [IMAGE ...]
-#   scripts/demo.sh --help
+#   scripts/demo.sh --images
 #
 # Installs the Debian packages it needs. Without images it takes three pairs of OpenCV's samples (the Debian
 # package opencv-doc, fetched, not installed): one where all of the scene is in both images, one with a small object,
 # and one from two sides. The pictures go to build/demo.
+#
+# With --images it only fetches these samples and prints their folder, for the other samples and the notebook:
+#
+#   export OPENCV_SAMPLES_DATA_PATH=$(scripts/demo.sh --images)
+#
+# Elsewhere than on Debian, name the folder samples/data of OpenCV's source in this variable.
 source "$(dirname "$0")/common.sh"
 
-need build
+if [[ ${1:-} == --images ]]; then
+    command -v apt-get >/dev/null ||
+        die "this is not Debian. Take the folder samples/data of OpenCV's source, and name it in OPENCV_SAMPLES_DATA_PATH"
+    opencv_samples >&2
+    echo "$OPENCV_SAMPLES"
+    exit
+fi
 
+need build
 configure release -DAQORB_BUILD_SAMPLES=ON
 build "$BUILD/release" --target aqorb_demo
 

@@ -40,7 +40,7 @@ export ROOT OUT=$BUILD/doc OPENCV_VERSION VERSION
 opencv=/usr/include/opencv4/opencv2
 OPENCV_VERSION=$(sed -n 's/^#define CV_VERSION_\(MAJOR\|MINOR\|REVISION\) *\([0-9]*\).*/\2/p' \
     "$opencv/core/version.hpp" | paste -sd.)
-VERSION=$("$ROOT/scripts/version.sh")
+VERSION=$("$ROOT/scripts/release.sh" --version)
 rm -rf "$OUT"
 mkdir -p "$OUT"
 

@@ -1,53 +1,121 @@
 #!/usr/bin/env bash
-# Builds the Python package, runs its tests, those of the Python samples, and the demo.
+# Builds the Python package, and runs its tests and those of the Python samples.
 #
 #   scripts/python.sh [pytest option ...]
 #   scripts/python.sh --asan [pytest option ...]
+#   scripts/python.sh --offline
+#   scripts/python.sh --notebook
+#   scripts/python.sh --collection [pytest option ...]
+#   scripts/python.sh --rates [option of tools/collection/rates.py ...]
 #
-# With --asan it runs only the package's tests, on an extension module with additional checks. AddressSanitizer ends the
-# process at a wrong access to memory. pybind11 ends it if a reference is taken or released without the GIL.
+# The package is left in build/release/bindings/python, where programs find it with PYTHONPATH. Tests that need images of
+# opencv_extra are skipped unless OPENCV_TEST_DATA_PATH names its testdata folder.
 #
-# Installs the Debian packages it needs; pip fetches those of the command aqorb. It leaves the package in
-# build/release/bindings/python, where programs find it with PYTHONPATH. Tests that need images of opencv_extra are skipped
-# unless OPENCV_TEST_DATA_PATH names its testdata folder.
+# With --asan the package's tests run on an extension module with additional checks. AddressSanitizer ends the process at
+# a wrong access to memory. pybind11 ends it if a reference is taken or released without the GIL.
+#
+# With --offline the package is installed as packagers do it: from its source distribution, unpacked where there is no
+# git, against the installed OpenCV, with the network cut off.
+#
+# With --notebook it runs the notebook of the samples, and leaves it with its pictures in build/notebook/aqorb.html.
+#
+# With --collection it tests collections of images in their long form. 500 photographs of opencv_extra go through the
+# command aqorb, the function and the sample on Ray, a worker of Ray is killed, and 10,000 small images go through the
+# command. pip fetches Ray, 250 MB. With --rates it prints the tables of the tutorial "Many images".
+#
+# Installs the Debian packages it needs; pip fetches those of the command aqorb, and the tools.
 source "$(dirname "$0")/common.sh"
 
-asan=
-if [[ ${1:-} == --asan ]]; then
-    asan=1
-    shift
-fi
+tests=("$ROOT/modules/aqorb/misc/python/test" "$ROOT/bindings/python/test")
+pytest=(env PYTHONDONTWRITEBYTECODE=1 AQORB_BINDING=aqorb)
 
-need build test python
-
-if [[ $asan ]]; then
-    folder=$BUILD/asan-python
+asan() {
+    local libraries
+    need build test python
     configure asan-python -DPython_EXECUTABLE="$PYTHON"
-    build "$folder" --target _aqorb
-
+    build "$BUILD/asan-python" --target _aqorb
     say "Tests with AddressSanitizer"
     # Python itself is not instrumented: the sanitizer must be loaded first, with the library whose exceptions it
     # intercepts, and see every object as a block of its own. What Python keeps until it exits is not a leak. mypy does
     # not load the module.
     libraries=$(c++ -print-file-name=libasan.so):$(c++ -print-file-name=libstdc++.so.6)
-    LD_PRELOAD=$libraries ASAN_OPTIONS=detect_leaks=0 PYTHONMALLOC=malloc PYTHONPATH=$folder/bindings/python \
-        PYTHONDONTWRITEBYTECODE=1 AQORB_BINDING=aqorb "$PYTHON" -X faulthandler -m pytest -q -p no:cacheprovider \
+    "${pytest[@]}" LD_PRELOAD="$libraries" ASAN_OPTIONS=detect_leaks=0 PYTHONMALLOC=malloc \
+        PYTHONPATH="$BUILD/asan-python/bindings/python" "$PYTHON" -X faulthandler -m pytest -q -p no:cacheprovider \
         --capture=sys `# else the report of the sanitizer is lost` \
         --deselect "$ROOT/bindings/python/test/test_package.py::test_stub_is_a_stub_of_the_package" \
-        --deselect "$ROOT/bindings/python/test/test_package.py::test_programs_are_typed" "$@" \
-        "$ROOT/modules/aqorb/misc/python/test" "$ROOT/bindings/python/test"
+        --deselect "$ROOT/bindings/python/test/test_package.py::test_programs_are_typed" "$@" "${tests[@]}"
+}
+
+offline() {
+    local isolate=(unshare --net) tools=$BUILD/venv/offline folder
+    need build wheel util-linux
+    ((EUID == 0)) || isolate+=(--user --map-root-user)
+    "${isolate[@]}" true || die "the network cannot be cut off here"
+    environment "$tools" build numpy pybind11 scikit-build-core
+    folder=$(mktemp -d)
+    export CCACHE_BASEDIR=$folder
+    say "The source distribution"
+    (cd "$ROOT" && "${isolate[@]}" "$tools/bin/python" -m build --sdist --no-isolation --outdir "$folder" . \
+        >"$folder/log" 2>&1) || { tail -n 30 "$folder/log" && die "it was not built"; }
+    tar -xz -C "$folder" -f "$folder"/aqorb-*.tar.gz --strip-components=1 --one-top-level=source
+    say "pip install, without a network"
+    (cd "$folder" && "${isolate[@]}" "$tools/bin/pip" install -v --no-build-isolation --no-deps \
+        -C cmake.define.AQORB_BUNDLE_OPENCV=OFF ./source >"$folder/log" 2>&1) || { tail -n 30 "$folder/log" && die "it was not installed"; }
+    cd "$folder"
+    "$tools/bin/python" -m aqorb --version
+    "$tools/bin/python" "$ROOT/bindings/python/test/without_cv2.py"
+    rm -rf "$folder"
+}
+
+package() {
+    need build test python
+    configure release -DAQORB_BUILD_PYTHON=ON -DPython_EXECUTABLE="$PYTHON"
+    build "$BUILD/release" --target _aqorb sample_images
+    export PYTHONPATH=$BUILD/release/bindings/python
+}
+
+notebook() {
+    package
+    opencv_samples
+    command_environment notebook ipykernel matplotlib nbconvert
+    say "The notebook"
+    OPENCV_SAMPLES_DATA_PATH=$OPENCV_SAMPLES "$PYTHON" -m nbconvert --execute --to html --log-level=WARN \
+        --output-dir "$BUILD/notebook" "$ROOT/samples/notebook/aqorb.ipynb"
+    ls -l "$BUILD/notebook/aqorb.html"
+}
+
+photographs() {
+    export AQORB_PHOTOGRAPHS=${OPENCV_TEST_DATA_PATH:-}/cv/detectors_descriptors_evaluation/images_datasets
+    [[ -d $AQORB_PHOTOGRAPHS ]] || die "OPENCV_TEST_DATA_PATH must name the folder testdata of opencv_extra"
+    package
+}
+
+collection() {
+    photographs
+    command_environment ray 'ray[data]==2.60.0' 'pandas<2.3' 'numpy<2'
+    say "Tests of collections"
+    "${pytest[@]}" "$PYTHON" -m pytest -q -s -p no:cacheprovider "$@" "$ROOT/samples/collection"
+}
+
+rates() {
+    photographs
+    command_environment command
+    say "Rates"
+    "$PYTHON" "$ROOT/tools/collection/rates.py" --out="$BUILD/rates" "$@" "$AQORB_PHOTOGRAPHS"
+}
+
+case ${1:-} in
+--asan | --offline | --notebook | --collection | --rates)
+    "${1#--}" "${@:2}"
     exit
-fi
+    ;;
+esac
 
-configure release -DAQORB_BUILD_PYTHON=ON -DPython_EXECUTABLE="$PYTHON"
-build "$BUILD/release" --target _aqorb sample_images
-export PYTHONPATH=$BUILD/release/bindings/python PYTHONDONTWRITEBYTECODE=1
-export AQORB_SAMPLE_IMAGES=$BUILD/release/samples/test/sample_images
-
+package
 command_environment command
 say "Tests"
-AQORB_BINDING=aqorb "$PYTHON" -m pytest -q -p no:cacheprovider "$@" \
-    "$ROOT/modules/aqorb/misc/python/test" "$ROOT/bindings/python/test" "$ROOT/samples/test"
+"${pytest[@]}" AQORB_SAMPLE_IMAGES="$BUILD/release/samples/test/sample_images" "$PYTHON" -m pytest -q \
+    -p no:cacheprovider "$@" "${tests[@]}" "$ROOT/samples/test"
 
 say "The installed package"
 prefix=$BUILD/prefix-python
@@ -56,8 +124,3 @@ for component in runtime python; do
     cmake --install "$BUILD/release" --component "$component" --prefix "$prefix" >/dev/null
 done
 PYTHONPATH=$(echo "$prefix"/lib/python3*/*-packages) "$PYTHON" -c 'import aqorb; print(aqorb.__file__)'
-
-say "Demo"
-opencv_samples
-mkdir -p "$BUILD/demo-python"
-OPENCV_SAMPLES_DATA_PATH=$OPENCV_SAMPLES "$PYTHON" "$ROOT/samples/aqorb_demo.py" --out="$BUILD/demo-python"

@@ -4,28 +4,108 @@
 # fails if a check of these files, or of the workflows that make those of all systems, finds anything.
 #
 #   scripts/release.sh
+#   scripts/release.sh --check
+#   scripts/release.sh --workflows | --version | --tag TAG | --notes
 #
-# This takes half an hour and needs root, for the wheels are built on a Debian 11 in a folder of its own. scripts/wheel.sh
-# --test and scripts/package.sh --test make these files again and test them.
+# This takes half an hour and needs root, for the wheels are built on a Debian 11 in a folder of its own.
+#
+# With --check it runs what .ci/run leaves out because it hardly changes or takes long: the tests of wheels and packages on
+# fresh systems, other CPUs, compilers and versions of OpenCV, other programs with the preloaded library, and the wrappers
+# for Java and JavaScript. This takes hours.
+#
+# With --workflows it checks what no build runs: the workflows, by actionlint and zizmor, which wheels cibuildwheel would
+# build, and that all files say the same version. With --version it prints the version, after that last check. --tag also
+# fails unless TAG is v<version> and CHANGELOG.md says when that version was released. --notes prints what CHANGELOG.md
+# says of the version.
 #
 # Installs the Debian packages it needs; go, npm and pip fetch the rest.
 source "$(dirname "$0")/common.sh"
-(($# == 0)) || die "unknown option $1; --help says what there is"
+cd "$ROOT"
 
-version=$("$ROOT/scripts/version.sh")
-files=$BUILD/release-files
-rm -rf "$files"
-"$ROOT/scripts/workflows.sh"
-"$ROOT/scripts/wheel.sh"
-"$ROOT/scripts/package.sh"
-"$ROOT/scripts/web.sh"
-"$ROOT/scripts/doc.sh"
+ACTIONLINT=v1.7.7  # the last one that Debian 12's Go compiles
 
-say "The files of version $version"
-mkdir -p "$files"
-cp "$BUILD"/wheels/aqorb-"$version"{.tar.gz,-*.whl} "$BUILD"/packages/*.deb "$files"
-tar -czf "$files/site.tar.gz" -C "$BUILD/doc/html" .
-"$ROOT/scripts/version.sh" --notes >"$files/notes.md"
-cd "$files"
-sha256sum -- * >SHA256SUMS
-wc -c -- *
+# check_version: sets VERSION to what CMakeLists.txt says, and fails where another file says another one.
+check_version() {
+    local file name
+    VERSION=$(sed -n 's/^project(aqorb VERSION \([0-9.]*\).*/\1/p' CMakeLists.txt)
+    heading=$(grep -m 1 '^## \[' CHANGELOG.md)
+    [[ $heading == "## [$VERSION] - "* ]] || die "CMakeLists.txt says $VERSION, CHANGELOG.md $heading"
+    grep -qE "^ *version: ${VERSION//./\\.}\$" CITATION.cff || die "CMakeLists.txt says $VERSION, and CITATION.cff another"
+    # The library's name, of Debian's package and on macOS.
+    git grep -oE 'libaqorb\.?[0-9]+\.[0-9]+' -- doc scripts README.md | while IFS=: read -r file name; do
+        [[ $name =~ ^libaqorb\.?"${VERSION%.*}"$ ]] || die "CMakeLists.txt says $VERSION, and $file $name"
+    done
+}
+
+workflows() {
+    local tools=$BUILD/venv/workflows actionlint=$CACHE/actionlint-$ACTIONLINT expected printed system processors
+    need workflows
+    command -v go >/dev/null || need golang-go
+    if ! cmp -s scripts/tools.txt "$tools/tools.txt"; then
+        environment "$tools" cibuildwheel zizmor
+        cp scripts/tools.txt "$tools/"
+    fi
+    [[ -e $actionlint/actionlint ]] ||
+        GOBIN=$actionlint GOFLAGS=-modcacherw go install "github.com/rhysd/actionlint/cmd/actionlint@$ACTIONLINT" ||
+        die "go could not fetch actionlint; is there a network?"
+    say "actionlint, zizmor"
+    "$actionlint/actionlint" .github/workflows/*.yml
+    "$tools/bin/zizmor" --offline --quiet .github
+
+    say "The wheels that cibuildwheel would build"
+    expected=$(for system in {manylinux,musllinux}_{x86_64,aarch64} macosx_{x86_64,arm64} win_amd64; do
+        printf "%s-$system\n" cp3{9,10,11,12,13,14,14t,15,15t}
+    done | sort)
+    printed=$(while read -r system processors; do
+        "$tools/bin/cibuildwheel" --print-build-identifiers --platform "$system" --archs "$processors"
+    done <<<'linux x86_64,aarch64
+macos x86_64,arm64
+windows AMD64' | sort)
+    diff <(echo "$expected") <(echo "$printed") || die "cibuildwheel would build other wheels than expected"
+    echo "$(wc -l <<<"$printed") wheels of version $VERSION"
+}
+
+check() {
+    scripts/wheel.sh --test
+    scripts/package.sh --test
+    scripts/package.sh --conan
+    scripts/compatibility.sh
+    scripts/dropin.sh
+    scripts/python.sh --asan
+    scripts/opencv.sh --java
+    scripts/opencv.sh --js
+    scripts/contrib.sh --release 4
+    [[ ! ${OPENCV_TEST_DATA_PATH:-} ]] || scripts/python.sh --collection
+}
+
+files() {
+    local files=$BUILD/release-files
+    workflows
+    scripts/wheel.sh
+    scripts/package.sh
+    scripts/web.sh
+    scripts/doc.sh
+    say "The files of version $VERSION"
+    rm -rf "$files"
+    mkdir -p "$files"
+    cp "$BUILD"/wheels/aqorb-"$VERSION"{.tar.gz,-*.whl} "$BUILD"/packages/*.deb "$files"
+    tar -czf "$files/site.tar.gz" -C "$BUILD/doc/html" .
+    scripts/release.sh --notes >"$files/notes.md"
+    cd "$files"
+    sha256sum -- * >SHA256SUMS
+    wc -c -- *
+}
+
+check_version
+case ${1:-} in
+'') files ;;
+--check) check ;;
+--workflows) workflows ;;
+--version) echo "$VERSION" ;;
+--tag)
+    [[ ${2:-} == "v$VERSION" ]] || die "the tag is ${2:-not given}, and CMakeLists.txt says $VERSION"
+    [[ $heading =~ \ -\ [0-9]{4}-[0-9]{2}-[0-9]{2}$ ]] || die "CHANGELOG.md has no date of this version: $heading"
+    ;;
+--notes) sed -n "/^## \[$VERSION\]/,/^## \[/{/^## \[/!p}" CHANGELOG.md ;;
+*) die "unknown option $1; --help says what there is" ;;
+esac

@@ -2,7 +2,7 @@
 # It is subject to the license terms in the LICENSE file found in the top-level directory
 # of this distribution.
 # SPDX-License-Identifier: Apache-2.0
-"""Recipe of Conan 2 for the library in C++, against the OpenCV of the system: scripts/conan.sh."""
+"""Recipe of Conan 2 for the library in C++, against the OpenCV of the system: scripts/package.sh --conan."""
 
 import os
 import re

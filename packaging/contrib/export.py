@@ -26,7 +26,7 @@ LEFT_OUT = ['*/CMakeLists.txt', 'test/exports.cmake', 'src/exports.*', 'tutorial
 
 # For every file: a regular expression, and what takes its place.
 EVERYWHERE = [
-    (r'\$\(scripts/sample_images\.sh\)', '<opencv>/samples/data'),
+    (r'\$\(scripts/demo\.sh --images\)', '<opencv>/samples/data'),
     (r'build/release/test/aqorb_test', 'bin/opencv_test_aqorb'),
     (r'build/release/samples/(\w+)', r'bin/example_aqorb_\1'),
     (r'try:\n    import aqorb\nexcept ImportError:.*\n    (from cv2 import aqorb)\n', r'\1\n'),

@@ -72,7 +72,7 @@ def test_a_sample_image_that_is_missing(start, name):
     result = start(name, OPENCV_SAMPLES_DATA_PATH='')
     if result.returncode == 0:
         pytest.skip('OpenCV finds its samples')
-    assert '=$(scripts/sample_images.sh)' in result.stderr
+    assert '=$(scripts/demo.sh --images)' in result.stderr
 
 
 def test_retain_uniform(run):

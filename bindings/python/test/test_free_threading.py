@@ -3,7 +3,7 @@
 # of this distribution.
 # SPDX-License-Identifier: Apache-2.0
 """Tests under load that need no cv2, so that they also run in a Python without a global lock (GIL), for which there may be
-none. scripts/free_threaded.sh runs them there."""
+none. The wheels workflow runs them there."""
 
 import os
 import pickle
