@@ -153,17 +153,6 @@ TEST(Aqorb_Blur, does_not_blur_reflected_pixels)
     }
 }
 
-TEST(Aqorb_Blur, approximation_stays_within_its_bounds_on_flat_images)
-{
-    for (int grey = 0; grey <= 255; grey++)
-    {
-        const Mat flat(9, 40, CV_8UC1, Scalar(grey));
-        Mat blurred;
-        approximateBlur(flat, blurred);
-        expectWithinBounds(flat, blurred, reference::blur(flat));
-    }
-}
-
 TEST(Aqorb_Blur, approximation_stays_within_its_bounds_on_the_worst_patches)
 {
     // Around a single bright pixel every product of a tap is rounded alone.
@@ -197,17 +186,6 @@ TEST(Aqorb_Blur, exact_blur_equals_fused_multiply_add)
                 }
         }
     }
-}
-
-TEST(Aqorb_Blur, takes_parts_of_larger_images)
-{
-    const Mat part = makeNoise(Size(90, 70))(Rect(11, 5, 51, 40));
-    Mat blurred, ofClone;
-    approximateBlur(part, blurred);
-    approximateBlur(part.clone(), ofClone);
-    EXPECT_TRUE(sameMat(withMargin(blurred), withMargin(ofClone)));
-    EXPECT_EQ(exactBlur(part, 0, 0), exactBlur(part.clone(), 0, 0));
-    EXPECT_EQ(exactBlur(part, 50, 39), exactBlur(part.clone(), 50, 39));
 }
 
 TEST(Aqorb_Blur, is_opencv_gaussian_within_a_rounding)

@@ -51,17 +51,6 @@ TEST(Aqorb_Contracts, the_default_of_octave_suppression_follows_the_selection)
     EXPECT_FALSE(sameFeatures(features(balanced, 0.6), features(balanced, -1)));
 }
 
-TEST(Aqorb_Contracts, weight_and_radius_have_no_effect_with_the_balanced_selection)
-{
-    const Mat image = makeScene(Size(320, 240));
-    const Ptr<AdaptiveQuadtreeORB> detector = AdaptiveQuadtreeORB::create(300);
-    detector->setSelectionType(AdaptiveQuadtreeORB::BALANCED_SELECTION);
-    const Features expected = detectAndCompute(*detector, image);
-    detector->setStrengthWeight(1000);
-    detector->setRankRadius(16);
-    EXPECT_TRUE(sameFeatures(expected, detectAndCompute(*detector, image)));
-}
-
 TEST(Aqorb_Contracts, is_an_orb)
 {
     const Ptr<ORB> orb = AdaptiveQuadtreeORB::create(1000);
@@ -175,18 +164,6 @@ TEST(Aqorb_Contracts, night_and_half_black_images)
     EXPECT_EQ(500u, keypoints.size());
     for (const KeyPoint& keypoint : keypoints)
         EXPECT_GT(keypoint.pt.x, 310);
-}
-
-TEST(Aqorb_Contracts, keypoints_cover_the_image)
-{
-    const Mat image = makeScene(Size(640, 480), 7);
-    KeyPoints ours, ofORB;
-    AdaptiveQuadtreeORB::create(500)->detect(image, ours);
-    ORB::create(500)->detect(image, ofORB);
-    EXPECT_LT(aqorb::distributionUniformity(ours, image.size()),
-              aqorb::distributionUniformity(ofORB, image.size()));
-    EXPECT_GT(aqorb::distributionOccupancy(ours, image.size()),
-              aqorb::distributionOccupancy(ofORB, image.size()));
 }
 
 }  // namespace

@@ -116,17 +116,6 @@ TEST(Aqorb_Corners, equal_reference)
             }
 }
 
-TEST(Aqorb_Corners, equal_reference_for_every_width_and_any_workspace)
-{
-    FoundCorners found;  // What one image leaves in it must not show in the next, smaller or larger.
-    for (int width = MAX_WIDTH; width >= 1; width--)
-    {
-        SCOPED_TRACE(width);
-        const Mat noise = makeNoise(Size(width, 31), width);
-        expectAsReference(levelOf(noise), Rect(Point(), noise.size()), 150, 30, 9, true, found);
-    }
-}
-
 struct Dot
 {
     Point place;

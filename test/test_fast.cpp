@@ -170,17 +170,6 @@ TEST(Aqorb_Fast, equals_brute_force_for_every_width)
     }
 }
 
-TEST(Aqorb_Fast, equals_brute_force_for_every_threshold)
-{
-    const Mat scene = makeScene(Size(83, 61)), noise = makeNoise(Size(70, 40));
-    for (int threshold = 1; threshold <= 255; threshold += threshold < 30 || threshold > 250 ? 1 : 11)
-    {
-        SCOPED_TRACE(threshold);
-        expectSameEverywhere(scene, Rect(Point(), scene.size()), threshold);
-        expectSameEverywhere(noise, Rect(Point(), noise.size()), threshold);
-    }
-}
-
 TEST(Aqorb_Fast, equals_brute_force_for_every_width_alignment_and_threshold)
 {
     for (int width = 1; width <= MAX_WIDTH; width++)

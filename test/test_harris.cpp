@@ -120,17 +120,5 @@ TEST(Aqorb_Harris, holds_the_largest_derivatives)
         expectAsReference(image, allPixels(image.size()));
 }
 
-TEST(Aqorb_Harris, ranks_corners_above_edges_and_flat_places)
-{
-    Mat image(60, 60, CV_8UC1, Scalar(40));
-    image(Rect(30, 30, 30, 30)).setTo(180);
-    EXPECT_GT(harrisResponse(image, 30, 30), 0);
-    EXPECT_LT(harrisResponse(image, 30, 45), 0);
-    EXPECT_EQ(harrisResponse(image, 10, 10), 0);
-    // The block is 5 x 5 and the operator 3 x 3, so the response sees the corner from 3 pixels away, but not from 4.
-    EXPECT_NE(harrisResponse(image, 27, 27), 0);
-    EXPECT_EQ(harrisResponse(image, 26, 26), 0);
-}
-
 }  // namespace
 }  // namespace opencv_test

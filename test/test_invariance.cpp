@@ -190,42 +190,6 @@ TEST(Aqorb_Invariance, scale)
     EXPECT_GT(matchesOfRanked, matchesOfBalanced);
 }
 
-TEST(Aqorb_Invariance, descriptors_of_turned_keypoints)
-{
-    // The descriptor alone: the keypoints are turned with the scene, not found again.
-    const Ptr<Feature2D> detector = AdaptiveQuadtreeORB::create();
-    const Mat scene = smoothScene(Size(480, 360), 7);
-    Mat inner = Mat::zeros(scene.size(), CV_8UC1);
-    inner(Rect(48, 48, scene.cols - 96, scene.rows - 96)).setTo(Scalar(255));
-    const Features features = detectAndCompute(*detector, scene, inner);
-    ASSERT_GE(features.keypoints.size(), 100u);
-    for (int angle = 0; angle < 360; angle += 15)
-    {
-        SCOPED_TRACE(angle);
-        const Moved moved = moveScene(scene, angle, 1);
-        Features turned;
-        for (size_t i = 0; i < features.keypoints.size(); i++)
-        {
-            KeyPoint keypoint = features.keypoints[i];
-            keypoint.pt = mapped(moved.map, keypoint.pt);
-            keypoint.angle = float(std::fmod(keypoint.angle + angle, 360.));
-            turned.keypoints.push_back(keypoint);
-        }
-        detector->compute(moved.image, turned.keypoints, turned.descriptors);
-        ASSERT_EQ(features.keypoints.size(), turned.keypoints.size());
-        std::vector<DMatch> matches;
-        BFMatcher(detector->defaultNorm()).match(features.descriptors, turned.descriptors, matches);
-        int correct = 0;
-        for (const DMatch& match : matches)
-        {
-            // A neighbour that sees the same is as good.
-            const KeyPoint &from = turned.keypoints[match.queryIdx], &to = turned.keypoints[match.trainIdx];
-            correct += cv::norm(from.pt - to.pt) <= 0.15 * std::max(from.size, to.size);
-        }
-        EXPECT_GE(correct, 0.95 * double(features.keypoints.size())) << "of " << features.keypoints.size();
-    }
-}
-
 #if defined(__OPENCV_TESTS) && defined(AQORB_FEATURES2D_TESTS)
 
 // OpenCV's own tests. Without its images there is nothing to instantiate.

@@ -143,37 +143,6 @@ octaveSuppression: 5.0000000000000000e-01
 subPixel: 0
 )";
 
-TEST(Aqorb_IO, reads_a_file_of_version_0_1)
-{
-    FileStorage fs(FILE_OF_VERSION_0_1, FileStorage::READ | FileStorage::MEMORY);
-    const Ptr<AdaptiveQuadtreeORB> detector = AdaptiveQuadtreeORB::create();
-    detector->read(fs.root());
-    EXPECT_EQ(321, detector->getMaxFeatures());
-    EXPECT_EQ(1.25, detector->getScaleFactor());
-    EXPECT_EQ(5, detector->getNLevels());
-    EXPECT_EQ(2.75, detector->getMinThresholdRatio());
-    EXPECT_EQ(51, detector->getCellSize());
-    EXPECT_EQ(6, detector->getMaxDepth());
-    EXPECT_EQ(0.5, detector->getOctaveSuppression());
-    EXPECT_FALSE(detector->getSubPixel());
-    EXPECT_EQ(AdaptiveQuadtreeORB::RANKED_SELECTION, detector->getSelectionType());
-    EXPECT_EQ(0.05, detector->getStrengthWeight());
-    EXPECT_EQ(2.25, detector->getRankRadius());
-
-    // One line brings back what version 0.1 did with the file, before or after it is read.
-    const Ptr<AdaptiveQuadtreeORB> balanced = AdaptiveQuadtreeORB::create();
-    balanced->setSelectionType(AdaptiveQuadtreeORB::BALANCED_SELECTION);
-    balanced->setStrengthWeight(3);
-    balanced->setRankRadius(2);
-    balanced->read(fs.root());
-    EXPECT_EQ(AdaptiveQuadtreeORB::BALANCED_SELECTION, balanced->getSelectionType());
-    EXPECT_EQ(3, balanced->getStrengthWeight());
-    EXPECT_EQ(2, balanced->getRankRadius());
-    detector->setSelectionType(AdaptiveQuadtreeORB::BALANCED_SELECTION);
-    const Mat image = makeScene(Size(200, 150));
-    EXPECT_TRUE(sameFeatures(detectAndCompute(*detector, image), detectAndCompute(*balanced, image)));
-}
-
 TEST(Aqorb_IO, a_bad_value_throws_and_changes_nothing)
 {
     const char* bad[][2] = {{"nfeatures", "-1"},

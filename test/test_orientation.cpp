@@ -19,13 +19,6 @@ void orientations(const Mat& image, const std::vector<int>& halfWidths, FeatureP
     orientations(image, OrientationPatch(halfWidths), points, count);
 }
 
-float orientation(const Mat& image, int x, int y, const std::vector<int>& halfWidths)
-{
-    FeaturePoint point = {x, y, -1};
-    orientations(image, halfWidths, &point, 1);
-    return point.angle;
-}
-
 TEST(Aqorb_Orientation, equals_reference_at_every_pixel)
 {
     const int patches[] = {2, 3, 8, 21, 31, 32, 47, 63, 64, 90};
@@ -118,21 +111,6 @@ TEST(Aqorb_Orientation, patch_of_31_pixels_is_that_of_orb)
 {
     const int expected[] = {15, 15, 15, 15, 14, 14, 14, 13, 13, 12, 11, 10, 9, 8, 6, 3};
     EXPECT_EQ(circularPatch(31), std::vector<int>(expected, expected + 16));
-}
-
-TEST(Aqorb_Orientation, points_to_the_bright_side)
-{
-    const std::vector<int> halfWidths = circularPatch(31);
-    Mat image(61, 61, CV_8UC1);
-    for (int degrees = 0; degrees < 360; degrees += 15)
-    {
-        const double c = std::cos(degrees * CV_PI / 180), s = std::sin(degrees * CV_PI / 180);
-        for (int y = 0; y < 61; y++)
-            for (int x = 0; x < 61; x++)
-                image.at<uchar>(y, x) = uchar(cvRound(128 + 2 * ((x - 30) * c + (y - 30) * s)));
-        const double difference = orientation(image, 30, 30, halfWidths) - degrees;
-        EXPECT_LT(std::abs(difference - 360 * cvRound(difference / 360)), 1) << degrees;
-    }
 }
 
 TEST(Aqorb_Orientation, holds_the_largest_moments)

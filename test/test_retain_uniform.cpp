@@ -132,69 +132,6 @@ TEST(Aqorb_RetainUniform, equals_reference_for_every_image_size)
     }
 }
 
-// A positive factor moves all logarithms alike. A power of two does so exactly. With other factors the rounding of
-// responses could decide between equals, of which there are none here.
-TEST(Aqorb_RetainUniform, a_factor_of_the_responses_changes_nothing)
-{
-    const Size size(640, 481);
-    for (int seed = 1; seed <= 20; seed++)
-    {
-        SCOPED_TRACE(seed);
-        KeyPoints given = randomKeypoints(700, size, seed);
-        RNG rng(seed);
-        for (KeyPoint& keypoint : given)
-            keypoint.response = rng.uniform(-0.1f, 5.f);
-        const float factors[] = {1 / 1024.f, 0.25f, 2.f,   65536.f, std::ldexp(1.f, 100),
-                                 3.f,        0.7f,  1e-9f, 255.f};
-        for (int n : {1, 10, 100, 300, 600})
-        {
-            KeyPoints expected = given;
-            aqorb::retainUniform(expected, size, n);
-            for (float factor : factors)
-            {
-                KeyPoints multiplied = given;
-                for (KeyPoint& keypoint : multiplied)
-                    keypoint.response *= factor;
-                aqorb::retainUniform(multiplied, size, n);
-                ASSERT_EQ(multiplied.size(), expected.size());
-                for (size_t i = 0; i < expected.size(); i++)
-                    ASSERT_EQ(multiplied[i].class_id, expected[i].class_id) << n << " " << factor;
-            }
-        }
-    }
-}
-
-// Far apart from each other, so that only the responses decide: +inf first; then the positive ones; then those that
-// are not, with zero before the negative ones; and NaN last.
-TEST(Aqorb_RetainUniform, odd_responses_have_a_place_in_the_order)
-{
-    const float nan = std::numeric_limits<float>::quiet_NaN(), inf = std::numeric_limits<float>::infinity();
-    const float inOrder[] = {inf, FLT_MAX, 2.f, 1.f, 1e-45f, 0.f, -1e-45f, -1.f, -FLT_MAX, -inf, nan};
-    const int count = 11;
-    for (int n = 1; n < count; n++)
-    {
-        // All in one leaf, in any order.
-        KeyPoints keypoints;
-        for (int i = 0; i < count; i++)
-            keypoints.push_back(KeyPoint(float(i * 7 % count), 5, 1, -1, inOrder[i], 0, i));
-        aqorb::retainUniform(keypoints, Size(100000, 100000), n);
-        ASSERT_EQ(int(keypoints.size()), n);
-        for (int i = 0; i < n; i++)
-            EXPECT_EQ(keypoints[i].class_id, i) << n;
-    }
-    // Two of them far away from each other.
-    for (int better = 0; better < count; better++)
-        for (int worse = better + 1; worse < count; worse++)
-            for (int swapped = 0; swapped < 2; swapped++)
-            {
-                KeyPoints keypoints(1, KeyPoint(5, 5, 1, -1, inOrder[swapped ? better : worse]));
-                keypoints.push_back(KeyPoint(95, 95, 1, -1, inOrder[swapped ? worse : better]));
-                const KeyPoint expected = keypoints[swapped ? 0 : 1];
-                aqorb::retainUniform(keypoints, Size(100, 100), 1);
-                EXPECT_TRUE(sameKeypoints(keypoints, KeyPoints(1, expected))) << better << " " << worse;
-            }
-}
-
 TEST(Aqorb_RetainUniform, drops_what_lies_outside)
 {
     const float nan = std::numeric_limits<float>::quiet_NaN();

@@ -79,14 +79,6 @@ TEST(Aqorb_Threshold, equation7_does_not_overflow)
     EXPECT_EQ(varianceOverMean(wide, Mat()), reference::varianceOverMean(wide, Mat()));
 }
 
-TEST(Aqorb_Threshold, scales_with_light)
-{
-    const Mat scene = makeScene(Size(320, 240));
-    const double bright = varianceOverMean(scene, Mat());
-    EXPECT_GT(bright, 5);
-    EXPECT_NEAR(varianceOverMean(scene * 0.5, Mat()), bright / 2, bright / 50);
-}
-
 static void expectThresholds(const Thresholds& thresholds, int ini, int min)
 {
     EXPECT_EQ(thresholds.ini, ini);
