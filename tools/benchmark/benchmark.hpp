@@ -1,0 +1,77 @@
+// This file is part of aqorb. Copyright (C) The aqorb developers.
+// It is subject to the license terms in the LICENSE file found in the top-level directory
+// of this distribution.
+// SPDX-License-Identifier: Apache-2.0
+
+#ifndef AQORB_BENCHMARK_HPP
+#define AQORB_BENCHMARK_HPP
+
+#include "../../test/features.hpp"
+
+#include <opencv2/features2d.hpp>
+
+#include <functional>
+#include <string>
+#include <vector>
+
+using opencv_test::Features;
+
+struct Image
+{
+    //! @param spec WIDTHxHEIGHT draws a scene; others are a photograph of opencv_extra by its short name, or a file.
+    explicit Image(const std::string& spec);
+
+    std::string name;  //!< with the size
+    cv::Mat pixels;
+};
+
+//! A kind of detector that is measured beside others.
+struct Contender
+{
+    std::string name;
+    std::function<cv::Ptr<cv::Feature2D>(int nfeatures)> create;  //!< with default parameters otherwise
+};
+
+Contender orb();
+Contender aqorbHere();
+/** AdaptiveQuadtreeORB of another build.
+ @param library file of that build's shared library. It is never unloaded.
+ Throws cv::Exception where this is not such a library. */
+Contender aqorbOf(const std::string& library);
+
+//! What the subcommands have in common.
+struct Settings
+{
+    std::vector<std::string> images;
+    std::vector<int> numbers;  //!< of features or descriptors
+    std::vector<int> threads;  //!< numbers of them
+    int turns;                 //!< how often each is measured
+    bool cold;                 //!< touch other memory before each call
+    std::string beside;        //!< library of another build; empty: none
+};
+
+//! Milliseconds that detectAndCompute takes. Outputs are kept from frame to frame, as programs do.
+double timeFrame(cv::Feature2D& detector, const cv::Mat& image, Features& features);
+
+//! Milliseconds that some work takes.
+double milliseconds(const std::function<void()>& work);
+
+//! The best instructions that OpenCV and this module use here.
+std::string cpuName();
+
+double geometricMean(const std::vector<double>& ratios);
+
+/** The median ratio of the times of two works, measured in turns of which every other one begins with the second.
+ @param medians the median times of both, if wanted */
+double medianRatio(const std::function<double()>& first, const std::function<double()>& second, int turns,
+                   double* medians = NULL);
+
+// Each prints its tables.
+void measureSpeed(const Settings& settings, const Contender& other);
+void measureFrames(const Settings& settings, const std::vector<Contender>& contenders);
+void measureMemory(const Settings& settings, const std::vector<Contender>& contenders);
+void measurePairs(const Settings& settings);
+void measureMatching(const Settings& settings);
+void measureProgram(const Settings& settings);
+
+#endif
