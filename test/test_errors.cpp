@@ -5,6 +5,8 @@
 
 #include "test_precomp.hpp"
 
+#include "allocations.hpp"
+
 #include <array>
 #include <limits>
 
@@ -155,6 +157,70 @@ TEST(Aqorb_Errors, parameters_that_do_not_go_together)
     EXPECT_NO_THROW(detector->detect(image, keypoints));
     detector = AdaptiveQuadtreeORB::create(500, 3.f, 60, 16, 50);
     EXPECT_TRUE(names(messageOf([&] { detector->detect(image, keypoints); }), "firstLevel", "200 x 150"));
+}
+
+// The first one's finest level has more pixels than an int can count.
+TEST(Aqorb_Errors, levels_that_need_too_much_memory)
+{
+    struct
+    {
+        Size size;
+        double scaleFactor;
+        int nlevels, firstLevel;
+    } const cases[] = {{Size(257, 256), 2, 9, 8}, {Size(64, 64), 16, 7, 3}, {Size(100, 1), 8, 7, 4}};
+    for (const auto& c : cases)
+    {
+        SCOPED_TRACE(c.scaleFactor);
+        const Mat image = makeScene(c.size), mask(c.size, CV_8UC1, Scalar(1));
+        const auto detector = AdaptiveQuadtreeORB::create(500, 1.2f, c.nlevels, 0, c.firstLevel);
+        detector->setScaleFactor(c.scaleFactor);
+        KeyPoints keypoints(1, KeyPoint(Point2f(20, 0), 31.f));
+        std::vector<Mat> levels;
+        Mat descriptors;
+        const std::function<void()> calls[] = {
+            [&] { detector->detect(image, keypoints); },
+            [&] { detector->detect(image, keypoints, mask); },
+            [&] { detector->compute(image, keypoints, descriptors); },
+            [&] { detector->buildPyramid(image, levels); },
+        };
+        for (const auto& call : calls)
+        {
+            const std::string message = messageOf(call);
+            EXPECT_TRUE(names(message, "scaleFactor and firstLevel", "pixels")) << message;
+        }
+    }
+}
+
+TEST(Aqorb_Errors, levels_for_which_memory_runs_out)
+{
+    const Mat image = makeScene(Size(200, 150)), mask(image.size(), CV_8UC1, Scalar(1));
+    detectAndCompute(*AdaptiveQuadtreeORB::create(), image);  // OpenCV allocates memory for threads
+    int named = 0;
+    for (long failing = 1; failing <= 60; failing++)
+    {
+        const auto detector = AdaptiveQuadtreeORB::create(500, 2, 2, 16, 1);
+        std::vector<Mat> levels;
+        KeyPoints keypoints;
+        const std::function<void()> calls[] = {
+            [&] { detector->detect(image, keypoints, mask); },
+            [&] { detector->buildPyramid(image, levels); },
+        };
+        for (const auto& call : calls)
+        {
+            std::string message;
+            try
+            {
+                const AllocationCounter allocations(failing);
+                call();
+            }
+            catch (const std::exception& thrown)
+            {
+                message = thrown.what();
+            }
+            named += message.find("scaleFactor and firstLevel must") != std::string::npos;
+        }
+    }
+    EXPECT_GE(named, 3);  // pixels and mask of the first call, and pixels of the second one
 }
 
 TEST(Aqorb_Errors, bad_images_and_masks)

@@ -212,7 +212,7 @@ void AdaptiveQuadtreeORBImpl::process(InputArray image_, InputArray mask_, std::
     checkImage(image_);
     const Size size = image_.size();
     checkPyramidInput(size);
-    const Pool<Workspace>::Lease lease(workspaces, size_t(size.area()));
+    const Pool<Workspace>::Lease lease(workspaces, size_t(size.width) * size.height);
     Workspace& workspace = *lease;
     Level input;
     input.image = grayImage(image_, &workspace.gray);

@@ -137,7 +137,7 @@ static void blurAtBorder(const Mat& image, const Rect& tile, const BlurredRows& 
                          std::vector<uchar>& scratch)
 {
     const Rect read(tile.x - RADIUS, tile.y - RADIUS, tile.width + 2 * RADIUS, tile.height + 2 * RADIUS);
-    growTo(scratch, size_t(read.area()));
+    growTo(scratch, size_t(read.width) * read.height);
     copyReflected(image, read, scratch.data());
     const uchar* source = scratch.data() + RADIUS * read.width + RADIUS;
     blurTileOf(source, read.width, tile.height, blurred.row(tile.y) + tile.x, blurred.step);

@@ -21,8 +21,27 @@ void Levels::reset(const Level& input, int firstLevel_, double scaleFactor_, boo
     giveAway = giveAway_;
 }
 
+// Throws for levels that are larger than the image and, all in all, larger than anybody means: a few wrong digits would
+// otherwise ask for more memory than there is.
+void Levels::checkEnlarged(double pixels) const
+{
+    const double MOST = 1 << 30;
+    if (pixels > MOST)
+        rejectMemory(pixels);
+}
+
+void Levels::rejectMemory(double pixels) const
+{
+    CV_Error_(Error::StsNoMem,
+              ("scaleFactor and firstLevel must give levels for which there is memory, with at most 2^30 "
+               "pixels in those larger than the image, got %g and %d, which give %.0f pixels for an image of "
+               "%d x %d",
+               scaleFactor, firstLevel, pixels, inputLevel.image.cols, inputLevel.image.rows));
+}
+
 int Levels::layOut(int count, int minSide)
 {
+    double pixels = 0, enlarged = 0;
     for (; laidOut < count; laidOut++)
     {
         const float scale = levelScale(laidOut, firstLevel, scaleFactor);
@@ -41,13 +60,35 @@ int Levels::layOut(int count, int minSide)
             level.mask = inputLevel.mask;
             continue;
         }
-        // Rows begin where cache lines do, so that vectors cross as few of them as possible.
-        const size_t step = alignSize(size_t(size.width), CACHE_LINE);
-        if (!giveAway)
-            growTo(entry.pixels, step * size.height);
-        level.image = giveAway ? Mat(size, CV_8UC1) : Mat(size, CV_8UC1, entry.pixels.data(), step);
+        pixels += double(size.width) * size.height;
+        if (laidOut < firstLevel)
+            checkEnlarged(enlarged += double(size.width) * size.height);
+        try
+        {
+            allocate(size, entry);
+        }
+        catch (const std::exception&)
+        {
+            rejectMemory(pixels);
+        }
     }
     return laidOut;
+}
+
+void Levels::allocate(Size size, Entry& entry) const
+{
+    const size_t rows = size_t(size.height);
+    if (!inputLevel.mask.empty())
+        growTo(entry.mask, size.width * rows);
+    if (giveAway)
+    {
+        entry.level.image = Mat(size, CV_8UC1);
+        return;
+    }
+    // Rows begin where cache lines do, so that vectors cross as few of them as possible.
+    const size_t step = alignSize(size_t(size.width), CACHE_LINE);
+    growTo(entry.pixels, step * rows);
+    entry.level.image = Mat(size, CV_8UC1, entry.pixels.data(), step);
 }
 
 void Levels::make(int index)

@@ -44,9 +44,13 @@ private:
     {
         Level level;
         AlignedVector<uchar> pixels;  // of the level, if they do not become the caller's
-        std::vector<uchar> mask;      // its memory
+        std::vector<uchar> mask;      // its memory, if the image has a mask
         Ptr<ResizeTables> resizing;   // to make the level
     };
+    void allocate(Size size, Entry& entry) const;
+    void checkEnlarged(double pixels) const;
+    void rejectMemory(double pixels) const;
+
     Level inputLevel;
     int firstLevel = 0;
     double scaleFactor = 1;

@@ -128,13 +128,21 @@ LevelPlan planLevel(const Parameters& parameters, const Level& level, int quota,
     return plan;
 }
 
+// The share of the region that the mask does not exclude. Rows are counted one by one, because countNonZero counts by int.
+static double usableShare(const Mat& mask, const Rect& region)
+{
+    double usable = 0;
+    for (int y = region.y; y < region.y + region.height; y++)
+        usable += countNonZero(mask.row(y).colRange(region.x, region.x + region.width));
+    return usable / (double(region.width) * region.height);
+}
+
 void completePlan(const Parameters& parameters, const Mat& mask, LevelPlan& plan)
 {
     if (!plan.isRanked)
         return;
     const Size size = plan.root.size();
-    const double usable =
-        mask.empty() ? 1 : countNonZero(mask(plan.root)) / (double(size.width) * size.height);
+    const double usable = mask.empty() ? 1 : usableShare(mask, plan.root);
     plan.rankRule = {size, usable, std::max(plan.quota, 1), parameters.rankRadius, parameters.strengthWeight};
     plan.depth = parameters.maxDepth >= 0 ? std::min(parameters.maxDepth, maxRankedDepth(size))
                                           : rankedDepth(size, usable, plan.rankRule.quota);

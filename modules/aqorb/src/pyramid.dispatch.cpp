@@ -168,7 +168,7 @@ void fillLevel(const Level& source, Level& level, Ptr<ResizeTables>& tables, std
     if (source.mask.empty())
         return;
     const Size size = level.image.size();
-    growTo(maskMemory, size_t(size.area()));
+    growTo(maskMemory, size_t(size.width) * size.height);
     level.mask = Mat(size, CV_8UC1, maskMemory.data());
     resizeMask(source.mask, *tables, level.mask);
 }
