@@ -64,39 +64,6 @@ EDITS = {
          'from tests_common import NewOpenCVTests\n\n'),
         ('import unittest\n\n', '\n'),
         ('if os.environ.get(\'AQORB_BINDING\'[...]\nelse:\n    import aqorb\n\n\n', 'aqorb = cv.aqorb\n\n\n')],
-    'tutorials/table_of_content_aqorb.markdown': [
-        ('- @subpage tutorial_aqorb_many_images\n\n[...]\n\n-', '-')],
-    'tutorials/aqorb_replace_orb/aqorb_replace_orb.markdown': [
-        ('The rest of the program stays the same. The project\'s document [...]In C++ the result is a cv::ORB and a cv::Feature2D.',
-         'The rest of the program stays the same.\n\nThe result is a cv::ORB and a cv::Feature2D.'),
-        ('In Python the object of the package [...]and they take it.',
-         'In Python it is a `cv2.ORB`, which `cv2.BOWImgDescriptorExtractor`, `cv2.AffineFeature_create` and\n'
-         '`cv2.detail.computeImageFeatures2` take.'),
-        ('default parameters, `scripts/demo.sh` prints with', 'default parameters, it prints with')],
-    'tutorials/aqorb_algorithm/aqorb_algorithm.markdown': [
-        (' The project\'s document `doc/compatibility.md` lists the versions and CPUs on which cv::ORB itself gives other bits.',
-         ''),
-        ('\nThe project\'s document `doc/selection.md` has the rule with all its numbers, and what was tried and rejected.',
-         '')],
-    'tutorials/aqorb_parameters/aqorb_parameters.markdown': [
-        ('This command measures what the dial does. [...]is the folder of OpenCV\'s sample images. All columns',
-         'This table shows what the dial does, on six sets of photographs. All columns')],
-    'tutorials/aqorb_match/aqorb_match.markdown': [
-        (' (`doc/performance.md`)', ''),
-        ('points1, points2 = array1[\'pt\'][pairs[:, 0]], array2[\'pt\'][pairs[:, 1]]  # arrays of detectAndComputeArrays',
-         'points1 = cv2.KeyPoint_convert(keypoints1)[pairs[:, 0]]\n'
-         'points2 = cv2.KeyPoint_convert(keypoints2)[pairs[:, 1]]'),
-        ('positions = keypoints1[\'pt\'] # of the frame before, an array',
-         'positions = cv2.KeyPoint_convert(keypoints1)  # of the frame before, an array'),
-        ('- A program that you cannot change gets the fast matcher[...]`cv::Stitcher` matches by FLANN',
-         '- `cv::Stitcher` matches by FLANN')],
-    'tutorials/aqorb_recipes/aqorb_recipes.markdown': [
-        ('@next_tutorial{tutorial_aqorb_many_images}', '@next_tutorial{tutorial_aqorb_slam}'),
-        ('Two hundred photographs\n-----------------------\n[...]In C++ it fills vectors. If threads',
-         'Many photographs\n----------------\n\n'
-         'Where the photographs are in memory, one call of `detectAndComputeBatch` computes the features of all of them, each on\n'
-         'one thread. If threads'),
-        ('(cv::setNumThreads, in Python `aqorb.setNumThreads`)', '(cv::setNumThreads)')],
     'tutorials/aqorb_slam/aqorb_slam.markdown': [
         ('@prev_tutorial{tutorial_aqorb_many_images}', '@prev_tutorial{tutorial_aqorb_recipes}'),
         (' The project itself does not build these systems; @ref tutorial_aqorb_slam_orbslam2 was measured outside of it.',
@@ -106,12 +73,6 @@ EDITS = {
         ('tests of matches, and `doc/performance.md` has the times.', 'tests of matches.'),
         ('**The figures of this section were measured outside this project**, and no command of it prints them.',
          '**No program of this module prints the figures of this section.**')],
-    'tutorials/aqorb_promises/aqorb_promises.markdown': [
-        (' The project\'s document `doc/compatibility.md` lists the CPUs.', ''),
-        ('CHANGELOG says so when it does.', 'OpenCV\'s change log says so when it does.')],
-    'tutorials/aqorb_faq/aqorb_faq.markdown': [
-        ('Yes. The package `aqorb` has [...]`cv2.aqorb.AdaptiveQuadtreeORB_create`. (',
-         'Yes, `cv2.aqorb.AdaptiveQuadtreeORB_create`. (')],
 }
 
 # Names of what only this project has; paths are found by looking whether there is such a file.
