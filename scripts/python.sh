@@ -27,7 +27,7 @@
 source "$(dirname "$0")/common.sh"
 
 tests=("$ROOT/modules/aqorb/misc/python/test" "$ROOT/bindings/python/test")
-pytest=(env PYTHONDONTWRITEBYTECODE=1 AQORB_BINDING=aqorb)
+pytest=(env PYTHONDONTWRITEBYTECODE=1)
 
 asan() {
     local libraries
@@ -77,9 +77,10 @@ package() {
 notebook() {
     package
     opencv_samples
-    command_environment notebook ipykernel matplotlib nbconvert
-    say "The notebook"
-    OPENCV_SAMPLES_DATA_PATH=$OPENCV_SAMPLES "$PYTHON" -m nbconvert --execute --to html --log-level=WARN \
+    say "The notebook, beside opencv-python-headless $OPENCV_4"
+    environment "$BUILD/venv/notebook" ipykernel matplotlib nbconvert "opencv-python-headless==$OPENCV_4" pillow \
+        "${COMMAND[@]}"
+    PATH=$BUILD/venv/notebook/bin:$PATH OPENCV_SAMPLES_DATA_PATH=$OPENCV_SAMPLES jupyter nbconvert --execute --to html --log-level=WARN \
         --output-dir "$BUILD/notebook" "$ROOT/samples/notebook/aqorb.ipynb"
     ls -l "$BUILD/notebook/aqorb.html"
 }

@@ -87,7 +87,7 @@ copy_tests='
     cp "$root/modules/aqorb/misc/python/test/test_aqorb.py" "$folder"
     cp -r "$root/bindings/python/test" "$folder/bindings_test"
     cd "$folder"
-    export AQORB_BINDING=aqorb PYTHONDONTWRITEBYTECODE=1
+    export PYTHONDONTWRITEBYTECODE=1
     '
 
 # in_environment VERSION CV2 COMMANDS ARGUMENT...: runs commands in a new virtual environment of a CPython, on its Debian.
