@@ -137,7 +137,8 @@ here() {
     say "The wheel for $("$PYTHON" --version)"
     environment "$tools"
     rm -rf "$WHEELS/here"
-    (cd "$ROOT" && "$tools/bin/pip" wheel -q --no-deps "${BUNDLE[@]}" --wheel-dir "$WHEELS/here" .)
+    (cd "$ROOT" && "$tools/bin/pip" wheel -q --no-deps "${BUNDLE[@]}" -C build-dir=build/pip/bundled \
+        --wheel-dir "$WHEELS/here" .)
     check_size "$WHEELS"/here/*.whl
     say "Without cv2"
     environment "$tools" mypy pyright pytest "$WHEELS"/here/*.whl
