@@ -63,9 +63,13 @@ if(NOT source)
   endif()
 endif()
 
+set(modules core,imgproc,features2d,features)
+if(EMSCRIPTEN)
+  string(APPEND modules ",flann,calib3d")  # the page estimates homographies
+endif()
 set(options
   -DCMAKE_BUILD_TYPE=Release -DCMAKE_POSITION_INDEPENDENT_CODE=ON
-  -DBUILD_SHARED_LIBS=OFF -DBUILD_LIST=core,imgproc,features2d,features -DBUILD_ZLIB=ON
+  -DBUILD_SHARED_LIBS=OFF -DBUILD_LIST=${modules} -DBUILD_ZLIB=ON
   -DBUILD_TESTS=OFF -DBUILD_PERF_TESTS=OFF -DBUILD_EXAMPLES=OFF -DBUILD_opencv_apps=OFF -DBUILD_JAVA=OFF
   -DBUILD_opencv_python3=OFF
   -DENABLE_CCACHE=OFF -DOPENCV_DOWNLOAD_TRIES_LIST= -DOPENCV_GENERATE_PKGCONFIG=OFF)

@@ -129,8 +129,8 @@ Found find(const Method& method, const std::vector<Mat>& images, int estimator)
     return found;
 }
 
-/** Chooses the matches within 3 pixels of the homography, and of these the distinct ones: at least 4 pixels away from every
- better one in both images. Several keypoints on one corner of the scene say no more about it than one. */
+/** Chooses the matches within 3 pixels of the homography, and of these the distinct ones: at least 4 pixels away from
+ every better one in both images. Several keypoints on one corner of the scene say no more about it than one. */
 void choose(Found& found, const Mat& homography)
 {
     std::vector<Point2f> mapped;
@@ -167,10 +167,9 @@ double busySeconds()
 {
     std::ifstream file("/proc/stat");  // Linux: in hundredths of a second
     String name;
-    double user, nice, system, idle, waiting, interrupts, softInterrupts, stolen;
-    if (file >> name >> user >> nice >> system >> idle >> waiting >> interrupts >> softInterrupts >> stolen)
-        return 0.01 * (user + nice + system + interrupts + softInterrupts + stolen);
-    return 0;
+    double user = 0, nice = 0, system = 0, idle, waiting, interrupts = 0, softInterrupts = 0;
+    file >> name >> user >> nice >> system >> idle >> waiting >> interrupts >> softInterrupts;
+    return 0.01 * (user + nice + system + interrupts + softInterrupts);
 }
 
 //! The median, and in brackets the quartiles.
@@ -208,8 +207,7 @@ void printTimes(const std::vector<Method>& methods, const std::vector<Mat>& imag
                             getNumberOfCPUs());
 }
 
-const Scalar YELLOW(0, 255, 255);
-const int PANEL = 640;  // pixels, the width of an image in the pictures
+const double PANEL = 640;  // pixels, the width of an image in the pictures
 
 Mat panel(const Mat& image, double scale, double brightness)
 {
@@ -224,7 +222,7 @@ void drawCircle(Mat& picture, const Point2f& position, double scale)
 {
     const int BITS = 4;  // of the fraction
     const Point2d half(0.5, 0.5), centre = (Point2d(position) + half) * scale - half;
-    circle(picture, Point(centre * (1 << BITS)), 3 << BITS, YELLOW, 1, LINE_AA, BITS);
+    circle(picture, Point(centre * (1 << BITS)), 3 << BITS, Scalar(0, 255, 255), 1, LINE_AA, BITS);
 }
 
 Mat captioned(const Mat& picture, const String& text)
@@ -237,7 +235,7 @@ Mat captioned(const Mat& picture, const String& text)
 
 Mat keypointPicture(const Mat& image, const std::vector<KeyPoint>& keypoints)
 {
-    const double scale = double(PANEL) / image.cols;
+    const double scale = PANEL / image.cols;
     Mat picture = panel(image, scale, 1);
     for (const KeyPoint& keypoint : keypoints)
         drawCircle(picture, keypoint.pt, scale);
@@ -247,7 +245,7 @@ Mat keypointPicture(const Mat& image, const std::vector<KeyPoint>& keypoints)
 //! Two images side by side, darker, with a line for each match.
 Mat matchPicture(const std::vector<Mat>& images, const Matches& matches)
 {
-    const double scale = double(PANEL) / std::max(images[0].cols, images[1].cols);
+    const double scale = PANEL / std::max(images[0].cols, images[1].cols);
     const Mat left = panel(images[0], scale, 0.6), right = panel(images[1], scale, 0.6);
     Mat picture(std::max(left.rows, right.rows), left.cols + right.cols, CV_8UC3, Scalar::all(255));
     left.copyTo(picture(Rect(Point(0, 0), left.size())));
@@ -258,7 +256,8 @@ Mat matchPicture(const std::vector<Mat>& images, const Matches& matches)
     Mat lines = picture.clone();
     const Point shift(left.cols, 0);
     for (size_t i = 0; i < count; i += step)
-        line(lines, matches.from[i].pt * scale, Point(matches.to[i].pt * scale) + shift, YELLOW, 1, LINE_AA);
+        line(lines, matches.from[i].pt * scale, Point(matches.to[i].pt * scale) + shift, Scalar(0, 255, 255),
+             1, LINE_AA);
     addWeighted(lines, 0.4, picture, 0.6, 0, picture);
     for (size_t i = 0; i < count; i++)
     {

@@ -43,8 +43,8 @@ private:
     const double ratio;
 };
 
-//! BestOf2NearestMatcher, which estimates a homography from the matches, or AffineBestOf2NearestMatcher, which estimates
-//! an affine map, with HammingPairs for the matches.
+//! BestOf2NearestMatcher, which estimates a homography from the matches, or AffineBestOf2NearestMatcher, which
+//! estimates an affine map, with HammingPairs for the matches.
 template <typename Estimator> class HammingFeaturesMatcher : public Estimator
 {
 public:
