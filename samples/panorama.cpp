@@ -5,11 +5,12 @@
 
 // A panorama by cv::Stitcher, which takes any Feature2D for its features, and any matcher for their descriptors.
 
-#include "sample.hpp"
-
 #include <opencv2/aqorb.hpp>
+#include <opencv2/core/utility.hpp>
+#include <opencv2/imgcodecs.hpp>
 #include <opencv2/stitching.hpp>
 
+#include <iostream>
 #include <set>
 
 using namespace cv;
@@ -43,19 +44,15 @@ private:
     const double ratio;
 };
 
-//! BestOf2NearestMatcher, which estimates a homography from the matches, or AffineBestOf2NearestMatcher, which
-//! estimates an affine map, with HammingPairs for the matches.
-template <typename Estimator> class HammingFeaturesMatcher : public Estimator
+//! BestOf2NearestMatcher, which estimates a homography from the matches, with HammingPairs for the matches.
+class HammingFeaturesMatcher : public detail::BestOf2NearestMatcher
 {
 public:
-    explicit HammingFeaturesMatcher(float matchConf = 0.3f)
+    explicit HammingFeaturesMatcher(float matchConf = 0.3f) : BestOf2NearestMatcher(false, matchConf)
     {
-        this->impl_ = makePtr<HammingPairs>(matchConf);
+        impl_ = makePtr<HammingPairs>(matchConf);
     }
 };
-
-static const char* const ABOUT = "Stitches two or more overlapping photographs to a panorama:\n"
-                                 "  panorama --out=hills.jpg left.jpg middle.jpg right.jpg";
 
 static const char* const KEYS =
     "{help      |              | print this text }"
@@ -63,47 +60,56 @@ static const char* const KEYS =
     "{scans     |              | the images are views of a plane, not of a turning camera }"
     "{out       | panorama.jpg | picture to write }";
 
-static int panorama(int argc, char** argv)
+int main(int argc, char** argv)
 {
-    const CommandLineParser parser = parseOptions(argc, argv, KEYS, ABOUT);
+    CommandLineParser parser(argc, argv, KEYS);
+    parser.about("Stitches two or more overlapping photographs to a panorama:\n"
+                 "  panorama --out=hills.jpg left.jpg middle.jpg right.jpg");
     std::vector<Mat> images;
-    for (const String& file : fileArguments(argc, argv))
-        images.push_back(readImage(file, IMREAD_COLOR));
-    if (images.size() < 2)
-        CV_Error(Error::StsBadArg, "two images or more are needed; --help says how to name them");
-
-    const Ptr<aqorb::AdaptiveQuadtreeORB> detector =
-        aqorb::AdaptiveQuadtreeORB::create(option<int>(parser, "nfeatures"));
-    const bool isPlane = parser.has("scans");
-    const Ptr<Stitcher> stitcher = Stitcher::create(isPlane ? Stitcher::SCANS : Stitcher::PANORAMA);
-    if (isPlane)
+    for (int i = 1; i < argc; i++)
     {
-        detector->setStrengthWeight(1);  // joins more scans than the default does
-        stitcher->setFeaturesMatcher(makePtr<HammingFeaturesMatcher<detail::AffineBestOf2NearestMatcher>>());
+        if (argv[i][0] == '-')
+            continue;
+        images.push_back(imread(argv[i]));
+        if (images.back().empty())
+        {
+            std::cerr << argv[i] << ": cannot be read as an image\n";
+            return 1;
+        }
     }
-    else
-        stitcher->setFeaturesMatcher(makePtr<HammingFeaturesMatcher<detail::BestOf2NearestMatcher>>());
+    const Ptr<ORB> detector = aqorb::AdaptiveQuadtreeORB::create(parser.get<int>("nfeatures"));
+    const String out = parser.get<String>("out");
+    if (parser.has("help") || !parser.check() || images.size() < 2)
+    {
+        parser.printErrors();
+        parser.printMessage();
+        return !parser.has("help");
+    }
+
+    const Ptr<Stitcher> stitcher =
+        Stitcher::create(parser.has("scans") ? Stitcher::SCANS : Stitcher::PANORAMA);
     stitcher->setFeaturesFinder(detector);
-    Mat picture;
+    if (!parser.has("scans"))  // these are matched under an affine map
+        stitcher->setFeaturesMatcher(makePtr<HammingFeaturesMatcher>());
+    Mat panorama;
     Stitcher::Status status = Stitcher::ERR_HOMOGRAPHY_EST_FAIL;
     try
     {
-        status = stitcher->stitch(images, picture);
+        status = stitcher->stitch(images, panorama);
     }
     catch (const cv::Exception&)  // an assertion, for example where hardly anything matches
     {
     }
     if (status != Stitcher::OK)
-        CV_Error(Error::StsNoConv, status == Stitcher::ERR_NEED_MORE_IMGS
-                                       ? "the images do not overlap enough"
-                                       : "the cameras could not be estimated");
+    {
+        std::cerr << (status == Stitcher::ERR_NEED_MORE_IMGS ? "the images do not overlap enough\n"
+                                                             : "the cameras could not be estimated\n");
+        return 1;
+    }
     std::cout << stitcher->component().size() << " of " << images.size() << " images stitched, "
-              << picture.cols << "x" << picture.rows << std::endl;
-    writePicture(option<String>(parser, "out"), picture);
+              << panorama.cols << "x" << panorama.rows << std::endl;
+    if (!imwrite(out, panorama))
+        return 1;
+    std::cout << "Picture: " << out << '\n';
     return 0;
-}
-
-int main(int argc, char** argv)
-{
-    return runSample(panorama, argc, argv);
 }

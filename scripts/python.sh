@@ -17,8 +17,7 @@
 # With --offline the package is installed as packagers do it: from its source distribution, unpacked where there is no
 # git, against the installed OpenCV, with the network cut off.
 #
-# With --notebook it installs the package by pip beside a cv2 of pip, runs the notebook of the samples there, and leaves it
-# with its pictures in build/notebook/aqorb.html.
+# With --notebook it runs the notebook of the samples, and leaves it with its pictures in build/notebook/aqorb.html.
 #
 # With --collection it tests collections of images in their long form. 500 photographs of opencv_extra go through the
 # command aqorb, the function and the sample on Ray, a worker of Ray is killed, and 10,000 small images go through the
@@ -28,7 +27,7 @@
 source "$(dirname "$0")/common.sh"
 
 tests=("$ROOT/modules/aqorb/misc/python/test" "$ROOT/bindings/python/test")
-pytest=(env PYTHONDONTWRITEBYTECODE=1)
+pytest=(env PYTHONDONTWRITEBYTECODE=1 AQORB_BINDING=aqorb)
 
 asan() {
     local libraries
@@ -76,12 +75,11 @@ package() {
 }
 
 notebook() {
-    need build wheel
+    package
     opencv_samples
-    say "The notebook, beside opencv-python-headless $OPENCV_4"
-    environment "$BUILD/venv/notebook" ipykernel matplotlib nbconvert "opencv-python-headless==$OPENCV_4" "${ROOT}[cli]"
-    "$BUILD/venv/notebook/bin/python" -m aqorb --version
-    PATH=$BUILD/venv/notebook/bin:$PATH OPENCV_SAMPLES_DATA_PATH=$OPENCV_SAMPLES jupyter nbconvert --execute --to html --log-level=WARN \
+    command_environment notebook ipykernel matplotlib nbconvert
+    say "The notebook"
+    OPENCV_SAMPLES_DATA_PATH=$OPENCV_SAMPLES "$PYTHON" -m nbconvert --execute --to html --log-level=WARN \
         --output-dir "$BUILD/notebook" "$ROOT/samples/notebook/aqorb.ipynb"
     ls -l "$BUILD/notebook/aqorb.html"
 }

@@ -11,7 +11,7 @@
 #include <limits>
 #include <numeric>
 
-// Each test repeats a failure that fuzzing has found.
+// Each test repeats a failure that fuzzing has found; see doc/reliability.md.
 
 namespace opencv_test
 {

@@ -97,7 +97,7 @@ bool pyramidHasKernel()
     return CV_NEON || (is64Bit && checkHardwareSupport(CPU_SSE4_1));
 }
 
-//! Those whose times are compared.
+//! Those for which doc/performance.md sets aims.
 std::vector<Mat> referencePhotographs()
 {
     std::vector<Mat> photographs;

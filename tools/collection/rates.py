@@ -111,6 +111,7 @@ def main():
             for way in WAYS:
                 found[way].append(run(way, folder, result))
         (out / 'nothing').mkdir(exist_ok=True)
+        (out / 'nothing' / 'no image').touch()
         started = run('aqorb extract', out / 'nothing', out / f'{suffix}-nothing')[1]
         size_of = os.path.getsize(str(out / f'{suffix}-0.parquet')) / number
         for way, times in found.items():

@@ -27,6 +27,7 @@ keypointsToArray and keypointsFromArray convert keypoints. Every function takes 
 that return keypoints then return an array. setNumThreads and getNumThreads are for the threads that a call uses.
 """
 
+from . import _stop  # noqa: F401 # first
 from . import _aqorb
 from ._aqorb import (AdaptiveQuadtreeORB, AdaptiveQuadtreeORB_BALANCED_SELECTION,
                      AdaptiveQuadtreeORB_RANKED_SELECTION, AdaptiveQuadtreeORB_create, HammingMatcher,

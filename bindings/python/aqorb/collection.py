@@ -11,7 +11,6 @@ in a smaller one."""
 
 import collections
 import concurrent.futures
-import itertools
 
 import numpy as np
 import pyarrow as pa
@@ -19,6 +18,10 @@ import pyarrow as pa
 import aqorb
 
 READERS = 'pillow', 'cv2'
+# What Pillow may read, where it can. It hands others to programs: an EPS to Ghostscript, which runs what is in it.
+FORMATS = 'PNG', 'JPEG', 'MPO', 'TIFF', 'WEBP', 'BMP', 'PPM', 'GIF', 'JPEG2000', 'SUN', 'HEIF', 'AVIF'
+# By EXIF's number of an orientation, Pillow's of what makes it upright.
+TURNS = {2: 0, 3: 3, 4: 1, 5: 5, 6: 4, 7: 6, 8: 2}
 MAX_SIDE = 2**20 - 1  # of an image that a detector accepts
 COLUMNS = (('x', 'float32'), ('y', 'float32'), ('size', 'float32'), ('angle', 'float32'), ('response', 'float32'),
            ('octave', 'int32'))
@@ -62,11 +65,12 @@ def smaller(size, max_size):
 
 
 def read_by_pillow(file, max_size, orientation):
-    from PIL import Image, ImageOps, UnidentifiedImageError
+    from PIL import Image, UnidentifiedImageError
+    Image.init()
     try:
-        image = Image.open(file)
+        image = Image.open(file, formats=[name for name in FORMATS if name in Image.OPEN])
     except UnidentifiedImageError:
-        raise ValueError('it is no image that Pillow can read') from None
+        raise ValueError('it is no image, or of a format that is not read') from None
     size = image.size
     if image.mode in ('L', 'RGB'):
         image.draft('L', smaller(size, max_size))  # of a JPEG only the brightness is decoded, not much larger than needed
@@ -76,18 +80,19 @@ def read_by_pillow(file, max_size, orientation):
         if turn in range(2, 9) and not orientation:
             raise ValueError('its EXIF orientation cannot be ignored, because it is a TIFF')
         size = image.size
-    elif orientation:
-        if turn in (5, 6, 7, 8):
-            size = size[::-1]
-        image = ImageOps.exif_transpose(image)
+    is_turned = orientation and image.format != 'TIFF' and turn in TURNS
     if image.mode.startswith('I'):
-        pixels = np.asarray(image).astype(np.int64)
+        pixels = np.asarray(image)
         if not 0 <= pixels.min() <= pixels.max() <= 65535:
             raise ValueError('its pixels have more than 16 bits')
-        image = Image.fromarray(((pixels + 128) // 257).astype(np.uint8))
+        image = Image.fromarray(((pixels.astype(np.uint32) + 128) // 257).astype(np.uint8))
     elif image.mode == 'F':
         raise ValueError('its pixels are floating-point numbers, whose range is not known')
     grey = image.convert('L')
+    del image  # it may be large
+    if is_turned:
+        grey = grey.transpose(TURNS[turn])
+        size = size[::-1] if turn >= 5 else size
     if grey.size != smaller(size, max_size):
         grey = grey.resize(smaller(size, max_size), Image.BICUBIC, reducing_gap=2)
     return np.asarray(grey), size
@@ -105,14 +110,12 @@ def read_by_cv2(file, max_size, orientation):
     return image, size
 
 
-def scale_up(features, image, size, scaled):
-    """Changes the features of an image of a batch, which were detected at the width and height scaled, to what they are
-    at size."""
-    rows = features.rows(image)
+def scale_up(features, size, scaled):
+    """Changes the features of an image, which were detected at the width and height scaled, to what they are at size."""
     scales = [side / smaller for side, smaller in zip(size, scaled)]
     for positions, scale in zip((features.x, features.y), scales):  # the centre of the first pixel is 0
-        positions[rows] = (positions[rows] + .5) * scale - .5
-    features.size[rows] *= sum(scales) / 2
+        positions[:] = (positions + .5) * scale - .5
+    features.size[:] *= sum(scales) / 2
 
 
 def to_table(paths, sizes, features):
@@ -136,38 +139,29 @@ def descriptors_of(column):
 
 
 def extract(paths, open_file, detector, reader='pillow', max_size=None, orientation=True, threads=1, progress=None):
-    """Reads images and detects their features, in the given number of threads; meanwhile the next images are decoded.
+    """Reads images and detects their features, in the given number of threads, each of which has one image at a time.
     open_file is a function that opens a path's file. Returns a table, in the order of the paths, and a list
     of those that are not in it, each with the reason. progress is called with the number of images that are done."""
-    def decode(path):
+    def features_of(path):
         try:
             with open_file(path) as file:
-                return read_image(file, reader, max_size, orientation)
+                image, size = read_image(file, reader, max_size, orientation)
         except Exception as error:  # decoders raise errors of any kind
             return getattr(error, 'strerror', None) or str(error) or type(error).__name__
+        features = detector.detectAndComputeBatch([image])
+        if size != image.shape[::-1]:
+            scale_up(features, size, image.shape[::-1])
+        return to_table([path], [size], features)
 
-    tables, failures, step = [SCHEMA.empty_table()], [], 4 * threads
+    tables, failures = [SCHEMA.empty_table()], []
     with concurrent.futures.ThreadPoolExecutor(threads) as pool:
-        decoded = map_ahead(pool, decode, paths, 2 * step)
-        try:
-            while True:
-                results = list(itertools.islice(decoded, step))
-                if not results:
-                    break
-                failures += [(path, result) for path, result in results if isinstance(result, str)]
-                good = [(path, *result) for path, result in results if not isinstance(result, str)]
-                if good:
-                    good_paths, images, sizes = zip(*good)
-                    features = detector.detectAndComputeBatch(images)
-                    for i, (image, size) in enumerate(zip(images, sizes)):
-                        if size != image.shape[::-1]:
-                            scale_up(features, i, size, image.shape[::-1])
-                    tables.append(to_table(good_paths, sizes, features))
-                if progress:
-                    progress(len(results))
-        except BaseException:  # Ctrl-C waits for no image that is not begun
-            pool.shutdown(wait=False, cancel_futures=True)
-            raise
+        for path, result in map_ahead(pool, features_of, paths, 2 * threads):
+            if isinstance(result, str):
+                failures.append((path, result))
+            else:
+                tables.append(result)
+            if progress:
+                progress(1)
     return pa.concat_tables(tables).combine_chunks(), failures
 
 

@@ -2,15 +2,16 @@
 # It is subject to the license terms in the LICENSE file found in the top-level directory
 # of this distribution.
 # SPDX-License-Identifier: Apache-2.0
-"""Features and matches in a database of COLMAP, by pycolmap.
+"""Features and matches in a database of COLMAP. It is written by Python's sqlite3 alone: two SQLite libraries in a process
+that have the same file open destroy it, so close the database before pycolmap opens it.
 
-    import pycolmap
     from aqorb import colmap
-    database = pycolmap.Database.open('scene.db')
-    first = colmap.write_image(database, 'first.jpg', camera_id, keypoints1)
-    second = colmap.write_image(database, 'second.jpg', camera_id, keypoints2)
+    database = colmap.create('scene.db')
+    camera = colmap.write_camera(database, width, height)
+    first = colmap.write_image(database, 'first.jpg', camera, keypoints1)
+    second = colmap.write_image(database, 'second.jpg', camera, keypoints2)
     colmap.write_matches(database, first, second, aqorb.matchArrays(descriptors1, descriptors2)[0])
-    database.close()
+    colmap.close(database)
     colmap.write_pairs('pairs.txt', [('first.jpg', 'second.jpg')])
     pycolmap.verify_matches('scene.db', 'pairs.txt')
 
@@ -19,53 +20,103 @@ reads nor matches them, but keeps them, and aqorb match finds them there."""
 
 import itertools
 import os
+import sqlite3
+import subprocess
+import sys
 
 import numpy as np
-import pycolmap
+
+MODELS = 'SIMPLE_PINHOLE', 'PINHOLE', 'SIMPLE_RADIAL', 'RADIAL', 'OPENCV'  # in the order of COLMAP's numbers
+NO_TYPE = -1  # of descriptors
+MAX_IMAGES = 2**31 - 1
 
 
-def write_camera(database, width, height, focal_length=None):
-    """Writes a camera of the model SIMPLE_RADIAL and a rig of this camera alone. Returns the camera's number. Without a
-    focal length in pixels it is COLMAP's first guess, 1.2 times the longer side, which COLMAP refines."""
-    camera = pycolmap.Camera.create_from_model_name(
-        pycolmap.Camera().camera_id, 'SIMPLE_RADIAL', focal_length or 1.2 * max(width, height), width, height)
-    camera.has_prior_focal_length = focal_length is not None
-    return add_camera(database, camera)
+def create(path):
+    """Makes a new database and returns it, a sqlite3.Connection. pycolmap makes the tables, in another process, because
+    it ends its process where a disk is full."""
+    program = 'import sys, pycolmap; pycolmap.Database.open(sys.argv[1]).close()'
+    made = subprocess.run([sys.executable, '-c', program, path], stdin=subprocess.DEVNULL, stdout=subprocess.DEVNULL,
+                          stderr=subprocess.PIPE)
+    if made.returncode:
+        lines = made.stderr.decode(errors='replace').strip().splitlines()
+        raise OSError(f'pycolmap could not make a database: {lines[-1] if lines else "it was ended"}')
+    return open_alone(path)
 
 
-def add_camera(database, camera):
-    """Writes a pycolmap.Camera and a rig of this camera alone. Returns the camera's number."""
-    camera.camera_id = database.write_camera(camera)
-    rig = pycolmap.Rig()
-    rig.add_ref_sensor(camera.sensor_id)
-    database.write_rig(rig)
-    return camera.camera_id
+def open_alone(path):
+    """Opens a database that nobody else knows yet, nor goes on with if the process ends before it is closed."""
+    database = sqlite3.connect(path)
+    database.execute('PRAGMA journal_mode = DELETE')  # not COLMAP's, which leaves a second file
+    database.execute('PRAGMA journal_mode = OFF')
+    database.execute('PRAGMA synchronous = OFF')
+    return database
 
 
-def write_image(database, name, camera_id, keypoints, descriptors=None):
+def close(database):
+    """Writes what is not written yet, and closes the database."""
+    database.commit()
+    database.close()
+
+
+def write_camera(database, width, height, focal_length=None, model='SIMPLE_RADIAL', params=None):
+    """Writes a camera and a rig of this camera alone. Returns the camera's number. The parameters are those of COLMAP's
+    model. Without them it is a SIMPLE_RADIAL of the given focal length in pixels. Without that, too, it is COLMAP's first
+    guess, 1.2 times the longer side, which COLMAP refines."""
+    known = focal_length is not None or params is not None
+    if params is None:
+        params = focal_length or 1.2 * max(width, height), width / 2, height / 2, 0
+    camera = database.execute('INSERT INTO cameras(model, width, height, params, prior_focal_length) VALUES (?, ?, ?, ?, ?)',
+                              (MODELS.index(model), width, height, np.array(params, '<f8').tobytes(), known)).lastrowid
+    database.execute('INSERT INTO rigs(ref_sensor_id, ref_sensor_type) VALUES (?, 0)', (camera,))
+    return camera
+
+
+def write_image(database, name, camera, keypoints, descriptors=None):
     """Writes an image of that name, str or bytes, and its keypoints, an array of aqorb.keypoint_dtype or rows of x, y
     and whatever else COLMAP has in a keypoint. Returns the image's number."""
-    image = pycolmap.Image(name=name, camera_id=camera_id)
-    image.image_id = database.write_image(image)
-    frame = pycolmap.Frame(rig_id=database.read_rig_with_sensor(database.read_camera(camera_id).sensor_id).rig_id)
-    frame.add_data_id(image.data_id)
-    database.write_frame(frame)
+    image = database.execute('INSERT INTO images(name, camera_id) VALUES (CAST(? AS TEXT), ?)',
+                             (os.fsencode(name), camera)).lastrowid
+    frame = database.execute('INSERT INTO frames(rig_id) SELECT rig_id FROM rigs '
+                             'WHERE ref_sensor_id = ? AND ref_sensor_type = 0', (camera,)).lastrowid
+    database.execute('INSERT INTO frame_data VALUES (?, ?, ?, 0)', (frame, image, camera))
     if keypoints.dtype.names:
         keypoints = np.column_stack([keypoints['pt'], keypoints['size'] / 2, np.radians(keypoints['angle'])])
     # The centre of the first pixel is (0.5, 0.5) for COLMAP, (0, 0) for OpenCV.
-    rows = np.array(keypoints, np.float32)
+    rows = np.array(keypoints, '<f4')
     rows[:, :2] += .5
-    database.write_keypoints(image.image_id, rows)
+    database.execute('INSERT INTO keypoints VALUES (?, ?, ?, ?)', (image, *rows.shape, rows.tobytes()))
     if descriptors is not None:
-        kind = pycolmap.FeatureExtractorType.UNDEFINED
-        database.write_descriptors(image.image_id, pycolmap.FeatureDescriptors(type=kind, data=descriptors))
-    return image.image_id
+        database.execute('INSERT INTO descriptors(image_id, type, rows, cols, data) VALUES (?, ?, ?, ?, ?)',
+                         (image, NO_TYPE, *descriptors.shape, descriptors.tobytes()))
+    return image
+
+
+def blob_of(image1, image2, pairs):
+    """The number of a pair of images, and the columns rows, cols and data of pairs of keypoints."""
+    pairs = np.asarray(pairs, '<u4').reshape(-1, 2)
+    if image1 > image2:
+        image1, image2, pairs = image2, image1, pairs[:, ::-1]
+    return MAX_IMAGES * image1 + image2, len(pairs), 2, pairs.tobytes()
 
 
 def write_matches(database, image1, image2, pairs):
     """Writes the matches of two images, given by their numbers: rows of two indices of keypoints, as aqorb.matchArrays
     returns them. COLMAP is yet to verify them: pycolmap.verify_matches."""
-    database.write_matches(image1, image2, np.asarray(pairs, np.uint32).reshape(-1, 2))
+    database.execute('INSERT INTO matches VALUES (?, ?, ?, ?)', blob_of(image1, image2, pairs))
+
+
+def write_two_view_geometry(database, image1, image2, pairs, F):
+    """Writes the matches of two images that agree with the fundamental matrix F, for which x2^T F x1 = 0 in pixels of
+    OpenCV. COLMAP takes them as verified, of cameras that are not calibrated."""
+    shift = np.array([[1, 0, -.5], [0, 1, -.5], [0, 0, 1]])  # from COLMAP's pixels
+    F = shift.T @ np.asarray(F, float) @ shift
+    if image1 > image2:
+        F = F.T
+    none, uncalibrated = np.zeros((3, 3)).tobytes(), 3
+    database.execute('INSERT INTO two_view_geometries(pair_id, rows, cols, data, config, F, E, H, qvec, tvec) '
+                     'VALUES (?, ?, ?, ?, ?, ?, ?, ?, ?, ?)',
+                     (*blob_of(image1, image2, pairs), uncalibrated, np.ascontiguousarray(F, '<f8').tobytes(), none, none,
+                      np.array([1., 0, 0, 0]).tobytes(), np.zeros(3).tobytes()))
 
 
 def write_pairs(path, pairs):

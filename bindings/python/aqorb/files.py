@@ -2,8 +2,9 @@
 # It is subject to the license terms in the LICENSE file found in the top-level directory
 # of this distribution.
 # SPDX-License-Identifier: Apache-2.0
-"""Files of features: .parquet, .npz, and .db, a database of COLMAP. They are written part by part, so that memory does
-not grow with the number of images and that what was stopped can go on."""
+"""Files of features and of matches: .parquet, and .db, a database of COLMAP. They are made part by part, so that memory
+does not grow with the number of images and that what was stopped can go on. A file gets its name when it is complete, so
+that whoever is stopped at any moment leaves the old file or the new one. What is read is checked."""
 
 import bisect
 import contextlib
@@ -16,7 +17,6 @@ import pathlib
 import re
 import shutil
 import sqlite3
-import zipfile
 
 import numpy as np
 import pyarrow as pa
@@ -24,10 +24,9 @@ import pyarrow.compute as pc
 import pyarrow.parquet as pq
 from tqdm import tqdm
 
-import aqorb
-from aqorb import collection
+from aqorb import _stop, collection, colmap
 
-SUFFIXES = '.parquet', '.npz', '.db'
+SUFFIXES = '.parquet', '.db'
 OWN_FILES = r'part-\d{6,}\.parquet|unfinished|joined.*|lock'  # in a folder OUT.partial
 MATCHES = pa.schema([('path1', pa.binary()), ('path2', pa.binary()), ('index1', pa.list_(pa.int32())),
                      ('index2', pa.list_(pa.int32())), ('distance', pa.list_(pa.int32()))])
@@ -37,49 +36,84 @@ class Refused(ValueError):
     """What a command does not do, in a sentence."""
 
 
-def suffix_of(path, accepted=SUFFIXES):
+def suffix_of(path):
     try:
         path.encode()
-    except UnicodeEncodeError:  # pyarrow and pycolmap could not open it
+    except UnicodeEncodeError:  # pyarrow and sqlite3 could not open it
         raise Refused(f'{path!r} must be a name in UTF-8') from None
     suffix = os.path.splitext(path)[1]
-    if suffix not in accepted:
-        raise Refused(f'{path} must end with one of {", ".join(accepted)}')
+    if suffix == '.npz':
+        raise Refused(f'{path}: .npz is neither written nor read. pyarrow.parquet.read_table reads a .parquet, and its '
+                      'columns are arrays of NumPy by to_numpy()')
+    if suffix not in SUFFIXES:
+        raise Refused(f'{path} must end with .parquet or .db')
     return suffix
 
 
-def write_in_parts(out, items, total, unit, part_size, metadata, overwrite, make_table, write):
+@contextlib.contextmanager
+def reading(path):
+    """Says in a sentence what is wrong with a file that is read meanwhile."""
+    try:
+        yield
+    except (Refused, FileNotFoundError, PermissionError):
+        raise
+    except Exception as error:  # what pyarrow and sqlite3 say of a file with anything in it has many types
+        raise Refused(f'{path} is damaged, or no file that aqorb has written: {brief(error)}') from error
+
+
+def brief(error):
+    return ' '.join(str(error).split()) or type(error).__name__
+
+
+def write_in_parts(out, items, total, unit, part_size, metadata, overwrite, make_table, write, name='features',
+                   in_place=False):
     """Makes tables of part_size items each, puts them together and writes them to out. Each is saved in the folder
     OUT.partial when it is done, and is found there if the same call was stopped. make_table takes a list of items and a
     function that it calls as items are done, and returns a table and a list of failures: pairs of a path and a reason.
-    write takes the name of a file, an iterable of all tables, and the metadata. Returns all failures."""
+    write takes the name of a file, an iterable of all tables, the metadata, and the database that out is, if it is one.
+    The name is that of the metadata in a database. If matches are written in place, only matches are in their way.
+    Returns all failures."""
     partial = out + '.partial'
     if os.path.isdir(out):
         raise Refused(f'{out} is a folder')
-    is_done = os.path.exists(out) and not overwrite  # it was stopped when only the folder was left
-    if is_done and (not os.path.isdir(partial) or read_metadata(out) != metadata):
-        raise Refused(f'{out} exists; --overwrite replaces it')
-    os.makedirs(partial, exist_ok=True)
-    foreign = [name for name in os.listdir(partial) if not re.fullmatch(OWN_FILES, name)]
-    if foreign:
-        raise Refused(f'{partial} has files that are not of this command, such as {foreign[0]}')
-    with locked(os.path.join(partial, 'lock')):
-        failures = [] if is_done else join_parts(out, partial, items, total, unit, part_size, metadata, make_table, write)
-    shutil.rmtree(partial)
-    return failures
+    with locked(partial) as was_begun:
+        theirs = None
+        if os.path.exists(out) and not overwrite:
+            theirs = read_matches_metadata(out) if in_place else read_metadata(out, name) if was_begun else {}
+        if theirs is None:
+            return join_parts(out, partial, items, total, unit, part_size, metadata, make_table, write)
+        if not was_begun or theirs != metadata:
+            raise Refused(f'{out} has matches; --overwrite replaces them' if in_place else
+                          f'{out} exists; --overwrite replaces it')
+        return []  # it was stopped when only the folder was left
 
 
 @contextlib.contextmanager
-def locked(name):
-    """Holds a file that no other process can hold at the same time, where the system has such locks."""
-    with open(name, 'w') as file:
+def locked(folder):
+    """Makes a folder that no other process has at the same time, where the system has such locks. It is removed at the end,
+    but kept if what is done meanwhile fails. Returns whether it was there."""
+    was_there = os.path.isdir(folder)
+    lock = os.path.join(folder, 'lock')
+    os.makedirs(folder, exist_ok=True)
+    foreign = [name for name in os.listdir(folder) if not re.fullmatch(OWN_FILES, name)]
+    if foreign:
+        raise Refused(f'{folder} has files that are not of this command, such as {foreign[0]}')
+    with contextlib.ExitStack() as stack:
         with contextlib.suppress(ImportError):  # on Windows
             import fcntl
             try:
+                file = stack.enter_context(open(lock, 'w'))
                 fcntl.flock(file, fcntl.LOCK_EX | fcntl.LOCK_NB)
-            except BlockingIOError:
-                raise Refused(f'another process is writing to {os.path.dirname(name)}') from None
-        yield
+                if not os.path.samestat(os.fstat(file.fileno()), os.stat(lock)):
+                    raise FileNotFoundError
+            except (BlockingIOError, FileNotFoundError):  # the latter has just removed it
+                raise Refused(f'another process is writing to {folder}') from None
+        try:
+            yield was_there
+        finally:
+            if not set(os.listdir(folder)) - {'lock', 'joined'}:
+                shutil.rmtree(folder)
+        shutil.rmtree(folder, ignore_errors=True)
 
 
 def join_parts(out, partial, items, total, unit, part_size, metadata, make_table, write):
@@ -87,14 +121,14 @@ def join_parts(out, partial, items, total, unit, part_size, metadata, make_table
     def name_of(part):
         return os.path.join(partial, f'part-{part:06}.parquet')
 
-    done = 0
+    done, failures = 0, []
+    begun = dict(metadata, **{'part size': part_size})
     while os.path.exists(name_of(done)):
-        try:
+        with reading(name_of(done)):
             kept = pq.read_schema(name_of(done)).metadata
-        except pa.ArrowException as error:
-            raise Refused(f'{name_of(done)} is damaged: {error}. Remove {partial}') from error
-        theirs = dict(json.loads(kept[b'aqorb']), **{'part size': int(kept[b'part_size'])})
-        for key, value in dict(metadata, **{'part size': part_size}).items():
+            theirs = dict(json.loads(kept[b'aqorb']), **{'part size': int(kept[b'part_size'])})
+            failures += [(path, reason) for path, reason in json.loads(kept[b'failures'])]
+        for key, value in begun.items():
             if theirs.get(key) != value:
                 raise Refused(f'{partial} was begun with another value of "{key}": {theirs.get(key)}, not {value}. '
                               'Go on with that, or remove it')
@@ -105,21 +139,26 @@ def join_parts(out, partial, items, total, unit, part_size, metadata, make_table
             chunk = list(itertools.islice(items, part_size))
             if not chunk:
                 break
-            table, failures = make_table(chunk, bar.update)
-            listed = [(os.fsdecode(path), reason) for path, reason in failures]
+            table, failed = make_table(chunk, bar.update)
+            failed = [(os.fsdecode(path), reason) for path, reason in failed]
             table = table.replace_schema_metadata(
-                {'aqorb': json.dumps(metadata), 'part_size': str(part_size), 'failures': json.dumps(listed)})
-            pq.write_table(table, os.path.join(partial, 'unfinished'))
-            os.replace(os.path.join(partial, 'unfinished'), name_of(part))
+                {'aqorb': json.dumps(metadata), 'part_size': str(part_size), 'failures': json.dumps(failed)})
+            unfinished = os.path.join(partial, 'unfinished')
+            pq.write_table(table, unfinished, write_page_checksum=True)
+            os.replace(unfinished, name_of(part))
+            failures += failed
             done += 1
 
-    parts = [name_of(part) for part in range(done)]
     joined = os.path.join(partial, 'joined')
-    if os.path.exists(joined):
-        os.remove(joined)
-    write(joined, Parts(parts), metadata)
-    failures = [failure for name in parts for failure in json.loads(pq.read_schema(name).metadata[b'failures'])]
-    os.replace(joined, out)
+    for name in os.listdir(partial):
+        if name.startswith('joined'):
+            os.remove(os.path.join(partial, name))
+    with held(out) as database:
+        write(joined, Parts([name_of(part) for part in range(done)]), metadata, database)
+        with open(joined, 'rb+') as file:
+            os.fsync(file.fileno())
+        _stop.finish()
+        os.replace(joined, out)
     return failures
 
 
@@ -130,162 +169,126 @@ class Parts:
         self.names = names
 
     def __iter__(self):
-        return (pq.read_table(name) for name in self.names)
+        for name in self.names:
+            with reading(name):
+                table = pq.read_table(name, page_checksum_verification=True)
+            yield table
 
 
-def write_parquet(path, tables, metadata, schema=collection.SCHEMA):
+@contextlib.contextmanager
+def held(path):
+    """Opens a database, if the path is one, so that nobody else has it open, and there is no other file that belongs to
+    it: a file that takes its place would be changed by that."""
+    if not path.endswith('.db') or not os.path.exists(path):
+        for name in path + '-wal', path + '-journal':
+            if os.path.exists(name):
+                raise Refused(f'{name} is left of another database: remove it')
+        yield None
+        return
+    with contextlib.closing(sqlite3.connect(path, timeout=1)) as database:
+        try:
+            for command in ('PRAGMA locking_mode = EXCLUSIVE', 'PRAGMA journal_mode = DELETE', 'BEGIN EXCLUSIVE', 'COMMIT'):
+                database.execute(command).fetchall()
+        except sqlite3.Error as error:
+            raise Refused(f'{path} cannot be replaced: {error}') from error
+        yield database
+
+
+def write_parquet(path, tables, metadata, database=None, schema=collection.SCHEMA):
     # Most columns are numbers of which hardly two are the same.
     repeated = [name + '.list.element' for name in ('size', 'octave') if name in schema.names]
     with pq.ParquetWriter(path, schema.with_metadata({'aqorb': json.dumps(metadata)}),
-                          use_dictionary=repeated) as writer:
+                          use_dictionary=repeated, write_page_checksum=True) as writer:
         for table in tables:
             writer.write_table(table.cast(schema), row_group_size=max(1, len(table)))
 
 
-def write_npz(path, tables, metadata):
-    """Arrays of all features, those of image i from offsets[i] to offsets[i + 1], and of all images. They are collected
-    in files, as they may be greater than the memory."""
-    counts = [(len(table), max(map(len, table['path'].to_pylist()), default=1), pc.list_value_length(table['x']))
-              for table in tables]
-    images = sum(rows for rows, _, _ in counts)
-    offsets = np.zeros(images + 1, np.int64)
-    offsets[1:] = np.concatenate([lengths for _, _, lengths in counts] or [[]]).cumsum()
-    shapes = {'path': (f'S{max([longest for _, longest, _ in counts], default=1)}', (images,)),
-              'width': (np.int32, (images,)), 'height': (np.int32, (images,)),
-              'descriptors': (np.uint8, (offsets[-1], 32))}
-    shapes.update((name, (kind, (offsets[-1],))) for name, kind in collection.COLUMNS)
-    os.makedirs(path + '.arrays', exist_ok=True)
-    arrays = {}
-    for name, (kind, shape) in shapes.items():
-        array = os.path.join(path + '.arrays', name)
-        arrays[name] = np.lib.format.open_memmap(array, 'w+', kind, shape)
-        if hasattr(os, 'posix_fallocate'):  # to write to memory without room on the disk would end the process
-            with open(array, 'r+b') as file:
-                os.posix_fallocate(file.fileno(), 0, os.path.getsize(array))
-    row = 0
-    for table in tables:
-        rows = slice(row, row + len(table))
-        features = slice(offsets[rows.start], offsets[rows.stop])
-        arrays['path'][rows] = table['path'].to_pylist()
-        for name in 'width', 'height':
-            arrays[name][rows] = table[name]
-        for name, _ in collection.COLUMNS:
-            arrays[name][features] = values_of(table[name])
-        arrays['descriptors'][features] = collection.descriptors_of(table['descriptors'])
-        row = rows.stop
-    with open(path, 'wb') as file:
-        np.savez(file, offsets=offsets, metadata=json.dumps(metadata), **arrays)
-
-
-def values_of(column):
-    """The elements of a column of lists, as an array."""
-    return column.combine_chunks().flatten().to_numpy()
-
-
-def write_database(path, tables, metadata):
-    """A new database of COLMAP. Images of the same size have a camera in common. The metadata is in a table aqorb."""
-    import pycolmap
-    from aqorb import colmap
-    loose = path + '.loose'
-    for name in path, loose, loose + '-wal', loose + '-shm':  # of a call that was killed
-        if os.path.exists(name):
-            os.remove(name)
-    database = pycolmap.Database.open(loose)
-    cameras = {}
-    for table in tables:
-        with pycolmap.DatabaseTransaction(database):
+def write_database(path, tables, metadata, database=None):
+    """A new database of COLMAP. Images of the same size have a camera in common. A table aqorb has the metadata, and a
+    digest of the features."""
+    with colmap_errors(path), contextlib.closing(colmap.create(path)) as made:
+        cameras = {}
+        for table in tables:
             for row in range(len(table)):
                 name, width, height = (table[column][row].as_py() for column in ('path', 'width', 'height'))
                 if (width, height) not in cameras:
-                    cameras[width, height] = colmap.write_camera(database, width, height)
+                    cameras[width, height] = colmap.write_camera(made, width, height)
                 x, y, size, angle = (table[column][row].values.to_numpy() for column in ('x', 'y', 'size', 'angle'))
-                colmap.write_image(database, name, cameras[width, height],
+                colmap.write_image(made, name, cameras[width, height],
                                    np.column_stack([x, y, size / 2, np.radians(angle)]),
                                    collection.descriptors_of(table['descriptors'].slice(row, 1)))
-    database.close()
-    set_metadata(loose, 'features', metadata)
-    with contextlib.closing(sqlite3.connect(loose)) as connection:
-        connection.execute('VACUUM INTO ?', (path,))  # the same bytes for the same content
-    os.remove(loose)
+        made.execute('CREATE TABLE aqorb (name TEXT PRIMARY KEY, metadata TEXT)')
+        set_metadata(made, 'features', metadata)
+        set_metadata(made, 'sha256', digest_of(made))
+        made.commit()
 
 
-def read_only(database):
-    return sqlite3.connect(f'{pathlib.Path(database).absolute().as_uri()}?mode=ro', uri=True)
+def write_matches(path, tables, metadata, database, features):
+    """A database of COLMAP with features, and the matches in the tables. It is a copy of the database, if there is one."""
+    with colmap_errors(path):
+        if suffix_of(features.path) == '.parquet':
+            write_database(path, features.tables(), features.metadata)
+        else:
+            is_held = database and os.path.samefile(features.path, database.execute('PRAGMA database_list').fetchone()[2])
+            with contextlib.nullcontext(database) if is_held else read_only(features.path) as source:
+                if digest_of(source) != features.metadata['sha256']:
+                    raise Refused(f'{features.path} was changed while it was matched')
+                source.execute('VACUUM INTO ?', (path,))
+        with contextlib.closing(colmap.open_alone(path)) as made:
+            made.execute('DELETE FROM matches')
+            made.execute('DELETE FROM two_view_geometries')
+            numbers = dict(made.execute('SELECT CAST(name AS BLOB), image_id FROM images').fetchall())
+            for table in tables:
+                for row in range(len(table)):
+                    first, second = (numbers[table[name][row].as_py()] for name in ('path1', 'path2'))
+                    pairs = np.column_stack([table[name][row].values.to_numpy() for name in ('index1', 'index2')])
+                    colmap.write_matches(made, first, second, pairs)
+            set_metadata(made, 'matches', metadata)
+            made.commit()
+
+
+@contextlib.contextmanager
+def colmap_errors(path):
+    try:
+        yield
+    except sqlite3.Error as error:
+        raise Refused(f'{path} cannot be written: {error}') from error
 
 
 def set_metadata(database, name, metadata):
-    with contextlib.closing(sqlite3.connect(database)) as connection, connection:
-        connection.execute('CREATE TABLE IF NOT EXISTS aqorb (name TEXT PRIMARY KEY, metadata TEXT)')
-        connection.execute('REPLACE INTO aqorb VALUES (?, ?)', (name, json.dumps(metadata)))
+    database.execute('REPLACE INTO aqorb VALUES (?, ?)', (name, json.dumps(metadata)))
 
 
-def read_metadata(path, name='features'):
-    """The metadata of a file that a command of this package has written. In a database features and matches have each
-    their own."""
-    try:
-        suffix = suffix_of(path)
-        if suffix == '.parquet':
-            return json.loads(pq.read_schema(path).metadata[b'aqorb'])
-        if suffix == '.npz':
-            with np.load(path) as file:
-                return json.loads(str(file['metadata']))
-        with contextlib.closing(read_only(path)) as file:
-            return json.loads(file.execute('SELECT metadata FROM aqorb WHERE name = ?', (name,)).fetchone()[0])
-    except (OSError, ValueError, TypeError, KeyError, pa.ArrowException, sqlite3.Error, zipfile.BadZipFile) as error:
-        raise Refused(f'{path} is no file that aqorb has written: {error}') from error
+def get_metadata(database, name):
+    row = database.execute('SELECT metadata FROM aqorb WHERE name = ?', (name,)).fetchone()
+    return json.loads(row[0]) if row else None
 
 
-class Features:
-    """The features in a file, of which those in memory are few unless it is an .npz."""
-
-    def __init__(self, path):
-        self.path, self.metadata = path, read_metadata(path)
-        suffix = suffix_of(path)
-        if suffix != '.db':  # what is made of other features of the same images is refused
-            self.metadata['sha256'] = digest(path)
-        if suffix == '.parquet':
-            file = pq.ParquetFile(path)
-            if 'descriptors' not in file.schema_arrow.names:
-                raise Refused(f'{path} has no features')
-            groups = range(file.num_row_groups)
-            starts = [0] + list(itertools.accumulate(file.metadata.row_group(group).num_rows for group in groups))
-            self.paths = file.read(['path'])['path'].to_pylist()
-
-            @functools.lru_cache(8)
-            def read_group(group):
-                return file.read_row_group(group, ['descriptors'])['descriptors']
-
-            def descriptors(image):
-                group = bisect.bisect_right(starts, image) - 1
-                return collection.descriptors_of(read_group(group).slice(image - starts[group], 1))
-            self.descriptors = descriptors
-            self.tables = lambda: (file.read_row_group(group) for group in groups)
-        elif suffix == '.npz':
-            with np.load(path) as file:
-                arrays = dict(file)
-            self.paths, offsets = arrays['path'].tolist(), arrays['offsets']
-            self.descriptors = lambda image: arrays['descriptors'][offsets[image]:offsets[image + 1]]
-            sizes = list(zip(arrays['width'].tolist(), arrays['height'].tolist()))
-
-            def tables(images=1000):
-                for first in range(0, len(self.paths), images):
-                    rows = slice(*offsets[[first, min(first + images, len(self.paths))]])
-                    batch = aqorb.FeatureBatch(**dict({name: arrays[name][rows] for name in aqorb.FeatureBatch._fields},
-                                                      offsets=offsets[first:first + images + 1] - rows.start))
-                    yield collection.to_table(self.paths[first:first + images], sizes[first:first + images], batch)
-            self.tables = tables
-        else:
-            ids, self.paths = images_of(path)
-            database = read_only(path)
-
-            def descriptors(image):
-                found = database.execute('SELECT data FROM descriptors WHERE image_id = ?', (ids[image],)).fetchall()
-                return np.frombuffer(b''.join(row[0] or b'' for row in found), np.uint8).reshape(-1, 32)
-            self.descriptors = descriptors
-            self.tables = None
+def rows_of(database, number=None):
+    """Yields the number of each image, or of one, its name, its keypoints and its descriptors."""
+    rows = database.execute(
+        'SELECT images.image_id, CAST(name AS BLOB), k.rows, k.cols, k.data, d.rows, d.cols, d.data FROM images '
+        'LEFT JOIN keypoints AS k USING (image_id) LEFT JOIN descriptors AS d USING (image_id) '
+        'WHERE ?1 IS NULL OR images.image_id = ?1 ORDER BY images.image_id', (number,))
+    for found, name, count, columns, keypoints, described, width, descriptors in rows:
+        if not isinstance(keypoints, bytes) or not isinstance(descriptors, bytes) or width != 32 or columns < 2 or \
+                not count == described == len(keypoints) / 4 / columns == len(descriptors) / 32:
+            raise ValueError(f'{os.fsdecode(name)} has not a descriptor of 32 bytes for each keypoint')
+        yield (found, name, np.frombuffer(keypoints, '<f4').reshape(count, columns),
+               np.frombuffer(descriptors, np.uint8).reshape(count, 32))
 
 
-def digest(path):
+def digest_of(database):
+    """The SHA-256 of all features in a database."""
+    state = hashlib.sha256()
+    for number, name, keypoints, descriptors in rows_of(database):
+        state.update(b'%d %s %d %d' % (number, name, *keypoints.shape))
+        state.update(keypoints.tobytes())
+        state.update(descriptors.tobytes())
+    return state.hexdigest()
+
+
+def digest_of_file(path):
     """The SHA-256 of a file."""
     state = hashlib.sha256()
     with open(path, 'rb') as file:
@@ -294,48 +297,136 @@ def digest(path):
     return state.hexdigest()
 
 
-def write_matches(path, features, pairs, total, metadata, overwrite, match_pairs):
-    """Writes the matches of pairs of images into a database of COLMAP, made of the features unless it is their file.
-    What is there already is not matched again."""
-    import pycolmap
-    from aqorb import colmap
-    if features.tables:
-        if os.path.exists(path) and not overwrite:
-            if read_metadata(path) != features.metadata:
-                raise Refused(f'{path} has other features; --overwrite replaces it')
+@contextlib.contextmanager
+def read_only(path):
+    """Opens a database to read it. One that COLMAP has opened would be left with two more files if it were opened read-only."""
+    with contextlib.closing(sqlite3.connect(f'{pathlib.Path(path).absolute().as_uri()}?mode=rw', uri=True)) as database:
+        yield database
+
+
+def read_metadata(path, name='features'):
+    """The metadata of a file that a command of this package has written. In a database features and matches have each
+    their own."""
+    suffix = suffix_of(path)
+    with open(path, 'rb'), reading(path):  # what cannot be opened says so itself
+        if suffix == '.parquet':
+            metadata = json.loads((pq.read_schema(path).metadata or {}).get(b'aqorb', 'null'))
         else:
-            write_database(path + '.partial', features.tables(), features.metadata)
-            os.replace(path + '.partial', path)
-    elif not os.path.exists(path) or not os.path.samefile(path, features.path):
-        raise Refused(f'a database is matched in place: copy {features.path}, and match the copy')
-    database = pycolmap.Database.open(path)
-    try:
-        try:
-            theirs = read_metadata(path, 'matches')
-        except Refused:
-            theirs = None
-        if database.num_matched_image_pairs() and theirs != metadata:
-            if not overwrite:
-                raise Refused(f'{path} has other matches; --overwrite replaces them')
-            database.clear_matches()
-            database.clear_two_view_geometries()
-        set_metadata(path, 'matches', metadata)
-        ids = dict(zip(*reversed(images_of(path))))
-        ids = [ids[name] for name in features.paths]
-        with tqdm(total=total, unit='pair', smoothing=.05) as bar:
-            for chunk in iter(lambda: list(itertools.islice(pairs, 1000)), []):
-                absent = [(i, j) for i, j in chunk if not database.exists_matches(ids[i], ids[j])]
-                with pycolmap.DatabaseTransaction(database):
-                    for (i, j), found, _ in match_pairs(absent):
-                        colmap.write_matches(database, ids[i], ids[j], found)
-                bar.update(len(chunk))
-    finally:
-        database.close()
+            with read_only(path) as database:
+                metadata = get_metadata(database, name)
+        if not isinstance(metadata, dict):
+            raise ValueError(f'it does not say how its {name} were made')
+    return metadata
 
 
-def images_of(database):
-    """The numbers of the images in a database, and their names as bytes."""
-    with contextlib.closing(read_only(database)) as connection:
-        connection.text_factory = bytes
-        images = connection.execute('SELECT image_id, name FROM images ORDER BY image_id').fetchall()
-    return [number for number, _ in images], [name for _, name in images]
+def read_matches_metadata(path):
+    """The metadata of the matches in a database, an empty one if they are of another program, or None without matches."""
+    with open(path, 'rb'), reading(path), read_only(path) as database:
+        if database.execute("SELECT name FROM sqlite_master WHERE name = 'aqorb'").fetchone():
+            metadata = get_metadata(database, 'matches')
+            if metadata is not None:
+                return metadata
+        return {} if database.execute('SELECT pair_id FROM matches').fetchone() else None
+
+
+def count_matches(path):
+    """How many matches a file has."""
+    with reading(path):
+        if suffix_of(path) == '.parquet':
+            file = pq.ParquetFile(path)
+            groups = (file.read_row_group(group, ['index1'])['index1'] for group in range(file.num_row_groups))
+            return sum(pc.sum(pc.list_value_length(column)).as_py() or 0 for column in groups)
+        with read_only(path) as database:
+            return database.execute('SELECT ifnull(sum(rows), 0) FROM matches').fetchone()[0]
+
+
+class Features:
+    """The features in a file, which is opened and checked: the paths of the images, as bytes, and the metadata, with a
+    digest, so that what is made of other features of the same images is refused. Those of few images are in memory."""
+
+    def __init__(self, path):
+        self.path, self.metadata = path, read_metadata(path)
+        with reading(path):
+            if suffix_of(path) == '.parquet':
+                self._open_parquet()
+            else:
+                self._open_database()
+            if len(set(self.paths)) < len(self.paths):
+                raise ValueError('it has an image twice')
+
+    def descriptors(self, image):
+        """Of an image, given by its index in paths: an array (n, 32)."""
+        with reading(self.path):
+            return self._read(image)[1]
+
+    def positions(self, image):
+        """Of the keypoints of an image, in the same order: an array (n, 2)."""
+        with reading(self.path):
+            return self._read(image)[0]
+
+    @contextlib.contextmanager
+    def opened(self):
+        """Meanwhile images are read faster from a database. Nobody can replace it."""
+        if suffix_of(self.path) == '.parquet':
+            yield
+        else:
+            with read_only(self.path) as self._database:
+                yield
+            self._database = None
+
+    def tables(self):
+        """All features of a .parquet, in tables as those of aqorb.collection."""
+        for group in range(self._file.num_row_groups):
+            with reading(self.path):
+                table = self._read_group(group)
+            yield table
+
+    def _open_parquet(self):
+        self.metadata['sha256'] = digest_of_file(self.path)
+        self._file = pq.ParquetFile(self.path, page_checksum_verification=True)
+        if not self._file.schema_arrow.remove_metadata().equals(collection.SCHEMA):
+            raise Refused(f'{self.path} has no features, or other columns than aqorb writes')
+        self.paths = self._file.read(['path'])['path'].to_pylist()
+        groups = [self._file.metadata.row_group(group).num_rows for group in range(self._file.num_row_groups)]
+        starts = [0, *itertools.accumulate(groups)]
+        if None in self.paths or len(self.paths) != starts[-1]:
+            raise ValueError('an image has no path')
+        read_group = functools.lru_cache(8)(lambda group: self._read_group(group, ['x', 'y', 'descriptors']))
+
+        def read(image):
+            group = bisect.bisect_right(starts, image) - 1
+            row = read_group(group).slice(image - starts[group], 1)
+            return (np.column_stack([row[name].combine_chunks().flatten().to_numpy() for name in ('x', 'y')]),
+                    collection.descriptors_of(row['descriptors']))
+        self._read = read
+
+    def _read_group(self, group, columns=None):
+        table = self._file.read_row_group(group, columns)
+        counts = np.asarray(pc.list_value_length(table['x']))
+        for name in table.schema.names:
+            column = table[name].combine_chunks()
+            is_list = pa.types.is_list(column.type)
+            if column.null_count or (is_list and column.flatten().null_count):
+                raise ValueError(f'{name} is missing')
+            if is_list and not np.array_equal(pc.list_value_length(column), counts):
+                raise ValueError(f'there are not as many of {name} as of x')
+            if name == 'descriptors' and not np.array_equal(pc.binary_length(column), counts * 32):
+                raise ValueError('there are not 32 bytes of descriptors for each keypoint')
+            if name in ('width', 'height') and len(column) and pc.min(column).as_py() < 1:
+                raise ValueError(f'{name} is less than 1')
+        return table
+
+    def _open_database(self):
+        self._database = None
+        with read_only(self.path) as database:
+            self.metadata['sha256'] = get_metadata(database, 'sha256')
+            if digest_of(database) != self.metadata['sha256']:
+                raise ValueError('its features are not those that were written')
+            numbers, self.paths = list(zip(*database.execute(
+                'SELECT image_id, CAST(name AS BLOB) FROM images ORDER BY image_id'))) or ((), ())
+
+        def read(image):
+            with contextlib.nullcontext(self._database) if self._database else read_only(self.path) as database:
+                (_, _, keypoints, descriptors), = rows_of(database, numbers[image])
+            return keypoints[:, :2] - np.float32(.5), descriptors
+        self._read = read

@@ -63,7 +63,7 @@ def features(folder, tmp_path_factory):
     """A file of each kind with the features of those."""
     from command_support import run
     out = tmp_path_factory.mktemp('features')
-    for suffix in 'parquet', 'npz', 'db':
+    for suffix in 'parquet', 'db':
         run('extract', folder, '--out', out / f'features.{suffix}', '--part-size', 7)
     return out
 
