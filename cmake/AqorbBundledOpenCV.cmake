@@ -19,11 +19,7 @@ set(prefix "${AQORB_OPENCV_BUILD}/prefix")
 # run(<what> <command>...): with its output in a log.
 function(aqorb_run what)
   set(log "${AQORB_OPENCV_BUILD}/${what}.log")
-  set(takes "")
-  if(what STREQUAL "fetch" OR what STREQUAL "build")
-    set(takes ", which takes some minutes; see ${log}")
-  endif()
-  message(STATUS "OpenCV, static: ${what}${takes}")
+  message(STATUS "OpenCV, static: ${what}; see ${log}")
   execute_process(COMMAND ${ARGN} OUTPUT_FILE "${log}" ERROR_FILE "${log}" RESULT_VARIABLE failed)
   if(failed)
     file(STRINGS "${log}" lines)
@@ -67,9 +63,13 @@ if(NOT source)
   endif()
 endif()
 
+set(modules core,imgproc,features2d,features)
+if(EMSCRIPTEN)
+  string(APPEND modules ",flann,calib3d")  # the page estimates homographies
+endif()
 set(options
   -DCMAKE_BUILD_TYPE=Release -DCMAKE_POSITION_INDEPENDENT_CODE=ON
-  -DBUILD_SHARED_LIBS=OFF -DBUILD_LIST=core,imgproc,features2d,features -DBUILD_ZLIB=ON
+  -DBUILD_SHARED_LIBS=OFF -DBUILD_LIST=${modules} -DBUILD_ZLIB=ON
   -DBUILD_TESTS=OFF -DBUILD_PERF_TESTS=OFF -DBUILD_EXAMPLES=OFF -DBUILD_opencv_apps=OFF -DBUILD_JAVA=OFF
   -DBUILD_opencv_python3=OFF
   -DENABLE_CCACHE=OFF -DOPENCV_DOWNLOAD_TRIES_LIST= -DOPENCV_GENERATE_PKGCONFIG=OFF)
@@ -117,7 +117,14 @@ if(NOT present STREQUAL made)
   aqorb_run(configure "${CMAKE_COMMAND}" -S "${source}" -B "${build}" -G "${CMAKE_GENERATOR}"
     "-DCMAKE_MAKE_PROGRAM=${CMAKE_MAKE_PROGRAM}" "-DCMAKE_CXX_COMPILER=${CMAKE_CXX_COMPILER}"
     "-DCMAKE_INSTALL_PREFIX=${prefix}" ${options})
-  aqorb_run(build "${CMAKE_COMMAND}" --build "${build}" --config Release --parallel ${cores} --target install)
+  # Not into a log: pip -v shows the counts of what is compiled.
+  message(STATUS "OpenCV, static: build")
+  execute_process(COMMAND "${CMAKE_COMMAND}" --build "${build}" --config Release --parallel ${cores}
+    RESULT_VARIABLE failed)
+  if(failed)
+    message(FATAL_ERROR "OpenCV was not built; the reason stands above")
+  endif()
+  aqorb_run(install "${CMAKE_COMMAND}" --build "${build}" --config Release --target install)
   file(REMOVE_RECURSE "${build}")
   file(WRITE "${stamp}" "${made}")
 endif()

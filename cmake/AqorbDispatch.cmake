@@ -56,7 +56,7 @@ function(aqorb_add_dispatched_file target name)
     set(features ${ARGN})
   endif()
 
-  set(src "${CMAKE_CURRENT_SOURCE_DIR}/src")
+  set(src "${aqorb_module}/src")
   set(generated "${CMAKE_CURRENT_BINARY_DIR}/dispatch")
   set(modes BASELINE)
   set(declarations "#define CV_CPU_SIMD_FILENAME \"${src}/${name}.simd.hpp\"\n")

@@ -5,7 +5,7 @@
 
 // cv::ORB and AdaptiveQuadtreeORB side by side, both with their default parameters. The detector is
 // the last parameter, so that the two of a case run one right after the other and see the same load of
-// the machine; tools/report/speed.py takes the ratio of each such pair.
+// the machine.
 
 #include "perf_precomp.hpp"
 #include "perf_scene.hpp"

@@ -3,12 +3,11 @@
 // of this distribution.
 // SPDX-License-Identifier: Apache-2.0
 
-// Shows AdaptiveQuadtreeORB beside cv::ORB: where their keypoints lie and how well these match.
+// Shows AdaptiveQuadtreeORB beside cv::ORB: where their keypoints lie, how well these match, and how fast.
+
+#include "sample.hpp"
 
 #include <opencv2/aqorb.hpp>
-#include <opencv2/aqorb/features.hpp>
-#include <opencv2/core/utility.hpp>
-#include <opencv2/imgcodecs.hpp>
 #include <opencv2/imgproc.hpp>
 #if CV_VERSION_MAJOR >= 5
 #include <opencv2/geometry.hpp>
@@ -17,7 +16,8 @@
 #endif
 
 #include <algorithm>
-#include <iostream>
+#include <ctime>
+#include <fstream>
 
 using namespace cv;
 
@@ -25,222 +25,14 @@ namespace
 {
 
 const char* const ABOUT =
-    "Compares cv::aqorb::AdaptiveQuadtreeORB with cv::ORB: prints a table and writes the pictures\n"
-    "aqorb_keypoints.jpg and, for two images, aqorb_matches.jpg. More than two images are taken one\n"
-    "by one (aqorb_keypoints1.jpg, ...). Without images it takes three pairs of OpenCV's samples: one\n"
-    "where all of the scene is in both images, one with a small object, and one from two sides:\n"
+    "Compares cv::aqorb::AdaptiveQuadtreeORB with cv::ORB on one image or two, by a table and by pictures:\n"
+    "aqorb_keypoints.jpg and, for two images, aqorb_matches.jpg. Without images it takes three pairs of\n"
+    "OpenCV's samples: with all of the scene in both images, with a small object, and from two sides:\n"
     "  aqorb_demo --nfeatures=500 --out=pictures photograph1.jpg photograph2.jpg";
 
-const char* const KEYS = "{help       |      | print this text }"
-                         "{homography |      | XML, YAML or JSON file with the 3x3 homography from image 1 "
-                         "to image 2; without it those "
-                         "matches are counted that agree with the homography estimated from them }"
-                         "{nfeatures  | 1000 | number of keypoints to ask for }"
-                         "{out        | .    | existing folder for the pictures }";
-
-const Scalar YELLOW(0, 255, 255);
-
-//! The features of one image.
-struct Features
-{
-    std::vector<KeyPoint> keypoints;
-    Mat descriptors;
-};
-
-//! Mutual nearest neighbours, those of BFMatcher(normType, true), the best first.
-std::vector<DMatch> matchFeatures(const Features& a, const Features& b, int normType)
-{
-    std::vector<DMatch> matches;
-    if (!a.descriptors.empty() && !b.descriptors.empty())
-        aqorb::HammingMatcher(normType, true).match(a.descriptors, b.descriptors, matches);
-    std::stable_sort(matches.begin(), matches.end());
-    return matches;
-}
-
-//! The positions of matches in both images.
-void matchedPoints(const Features& a, const Features& b, const std::vector<DMatch>& matches,
-                   std::vector<Point2f>& from, std::vector<Point2f>& to)
-{
-    for (const DMatch& match : matches)
-    {
-        from.push_back(a.keypoints[match.queryIdx].pt);
-        to.push_back(b.keypoints[match.trainIdx].pt);
-    }
-}
-
-//! The homography from the first image to the second; empty where the matches give none.
-Mat estimateHomography(const Features& a, const Features& b, const std::vector<DMatch>& matches)
-{
-    std::vector<Point2f> from, to;
-    matchedPoints(a, b, matches, from, to);
-    if (matches.size() < 4)
-        return Mat();
-    return findHomography(from, to, USAC_MAGSAC, 3, noArray(), 10000, 0.9999);
-}
-
-//! The matches within 3 pixels of the homography.
-std::vector<DMatch> agreeing(const Features& a, const Features& b, const std::vector<DMatch>& matches,
-                             const Mat& homography)
-{
-    std::vector<DMatch> found;
-    if (matches.empty() || homography.empty())
-        return found;
-    std::vector<Point2f> from, to, mapped;
-    matchedPoints(a, b, matches, from, to);
-    perspectiveTransform(from, mapped, homography);
-    for (size_t i = 0; i < matches.size(); i++)
-        if (norm(mapped[i] - to[i]) <= 3)
-            found.push_back(matches[i]);
-    return found;
-}
-
-/** Those of the matches that are at least 4 pixels away from every better one in both images: several keypoints on one
- corner of the scene say no more about it than one. */
-std::vector<DMatch> distinct(const Features& a, const Features& b, const std::vector<DMatch>& matches)
-{
-    std::vector<DMatch> kept;
-    for (const DMatch& match : matches)
-    {
-        const auto isNear = [&](const DMatch& better)
-        {
-            return norm(a.keypoints[match.queryIdx].pt - a.keypoints[better.queryIdx].pt) < 4 ||
-                   norm(b.keypoints[match.trainIdx].pt - b.keypoints[better.trainIdx].pt) < 4;
-        };
-        if (std::none_of(kept.begin(), kept.end(), isNear))
-            kept.push_back(match);
-    }
-    return kept;
-}
-
-//! How far apart two homographies map the corners of an image, on average; in pixels.
-double cornerError(const Mat& a, const Mat& b, Size size)
-{
-    const float right = float(size.width - 1), bottom = float(size.height - 1);
-    const std::vector<Point2f> corners = {{0, 0}, {right, 0}, {right, bottom}, {0, bottom}};
-    std::vector<Point2f> cornersA, cornersB;
-    perspectiveTransform(corners, cornersA, a);
-    perspectiveTransform(corners, cornersB, b);
-    double sum = 0;
-    for (size_t i = 0; i < corners.size(); i++)
-        sum += norm(cornersA[i] - cornersB[i]);
-    return sum / corners.size();
-}
-
-//! Median times of detectAndCompute in ms. The detectors take turns, so that other load slows all of them.
-std::vector<double> medianTimes(const std::vector<Ptr<ORB>>& detectors, const Mat& image, int repeats = 31)
-{
-    std::vector<std::vector<double>> times(detectors.size());
-    for (int i = 0; i < repeats * int(detectors.size()); i++)
-    {
-        const size_t turn = i % detectors.size();
-        Features features;
-        const int64 start = getTickCount();
-        detectors[turn]->detectAndCompute(image, noArray(), features.keypoints, features.descriptors);
-        times[turn].push_back(1e3 * (getTickCount() - start) / getTickFrequency());
-    }
-    std::vector<double> medians;
-    for (std::vector<double>& all : times)
-    {
-        std::sort(all.begin(), all.end());
-        medians.push_back(all[all.size() / 2]);
-    }
-    return medians;
-}
-
-//! How much larger circles and letters are than on a picture of 800x640 pixels; at least 1.
-double drawingScale(Size size)
-{
-    return std::max(1., std::sqrt(double(size.width) * size.height / (800 * 640)));
-}
-
-int lineWidth(Size size)
-{
-    return cvRound(drawingScale(size));
-}
-
-//! By which factor a small image is enlarged, so that circles and a caption find room on it.
-int enlargement(Size size)
-{
-    const int WIDTH = 400;
-    return std::max(1, (WIDTH + size.width - 1) / size.width);
-}
-
-//! The image in colour, enlarged.
-Mat canvas(const Mat& image, int factor)
-{
-    Mat picture;
-    resize(image, picture, Size(), factor, factor, INTER_NEAREST);
-    if (picture.channels() == 1)
-        cvtColor(picture, picture, COLOR_GRAY2BGR);
-    return picture;
-}
-
-//! Where a position lies on the enlarged image. The centre of a pixel has whole numbers on both.
-Point2f enlarged(const Point2f& position, int factor)
-{
-    const Point2f half(0.5f, 0.5f);
-    return (position + half) * factor - half;
-}
-
-//! A circle at a fraction of a pixel.
-void drawCircle(Mat& picture, const Point2f& centre, double radius, int width)
-{
-    const int BITS = 4;  // of the fraction
-    circle(picture, Point(centre * (1 << BITS)), cvRound(radius * (1 << BITS)), YELLOW, width, LINE_AA, BITS);
-}
-
-//! The image with a circle at each keypoint.
-Mat keypointPicture(const Mat& image, const std::vector<KeyPoint>& keypoints)
-{
-    const int factor = enlargement(image.size());
-    Mat picture = canvas(image, factor);
-    for (const KeyPoint& keypoint : keypoints)
-        drawCircle(picture, enlarged(keypoint.pt, factor), 3 * drawingScale(picture.size()),
-                   lineWidth(picture.size()));
-    return picture;
-}
-
-/** Two images side by side, darker, with a line for each match. */
-Mat matchPicture(const Mat& image1, const std::vector<KeyPoint>& keypoints1, const Mat& image2,
-                 const std::vector<KeyPoint>& keypoints2, const std::vector<DMatch>& matches)
-{
-    const int factor = std::min(enlargement(image1.size()), enlargement(image2.size()));
-    const Mat left = canvas(image1 * 0.6, factor), right = canvas(image2 * 0.6, factor);
-    Mat picture(std::max(left.rows, right.rows), left.cols + right.cols, CV_8UC3, Scalar::all(255));
-    left.copyTo(picture(Rect(Point(0, 0), left.size())));
-    right.copyTo(picture(Rect(Point(left.cols, 0), right.size())));
-
-    const Size size(std::max(left.cols, right.cols), picture.rows);
-    const Point2f shift(float(left.cols), 0);
-    // Hundreds of lines would hide the images. So they are translucent, and of many matches only some have one. All have
-    // circles at their ends.
-    const size_t LINES = 100, step = (matches.size() + LINES - 1) / LINES;
-    Mat lines = picture.clone();
-    for (size_t i = 0; i < matches.size(); i += step)
-        line(lines, enlarged(keypoints1[matches[i].queryIdx].pt, factor),
-             enlarged(keypoints2[matches[i].trainIdx].pt, factor) + shift, YELLOW, lineWidth(size), LINE_AA);
-    addWeighted(lines, 0.4, picture, 0.6, 0, picture);
-    for (const DMatch& match : matches)
-        for (const Point2f& end : {enlarged(keypoints1[match.queryIdx].pt, factor),
-                                   enlarged(keypoints2[match.trainIdx].pt, factor) + shift})
-            drawCircle(picture, end, 3 * drawingScale(size), lineWidth(size));
-    return picture;
-}
-
-//! The picture with a line of text above it, in letters that fit its width.
-Mat captioned(const Mat& picture, const String& text)
-{
-    const int font = FONT_HERSHEY_SIMPLEX;
-    const double largest = 0.75 * drawingScale(picture.size());
-    const int width = getTextSize(text, font, 1, 1, nullptr).width;
-    const double scale = std::min(largest, 0.94 * picture.cols / width);
-    const int height = cvRound(48 * largest), thickness = std::max(1, cvRound(1.3 * scale));
-    Mat result;
-    copyMakeBorder(picture, result, height, 0, 0, 0, BORDER_CONSTANT, Scalar::all(255));
-    putText(result, text, Point(cvRound(0.02 * picture.cols), height - cvRound(15 * largest)), font, scale,
-            Scalar::all(0), thickness, LINE_AA);
-    return result;
-}
+const char* const KEYS = "{help      |      | print this text }"
+                         "{nfeatures | 1000 | number of keypoints to ask for }"
+                         "{out       | .    | existing folder for the pictures }";
 
 // What the program shows without images.
 const struct
@@ -250,246 +42,312 @@ const struct
 } PAIRS[] = {
     {"rubberwhale1.png", "rubberwhale2.png", "",
      "1. AdaptiveQuadtreeORB wins: two frames of a video, with something to see everywhere.\n"
-     "How to read it: cv::ORB's keypoints crowd where the contrast is highest, several on one corner;\n"
-     "AdaptiveQuadtreeORB's cover the image. So more of them match at distinct places, and these\n"
-     "places fill more of the image's cells."},
+     "How to read it: cv::ORB's keypoints crowd where the contrast is highest, several on one corner; those "
+     "of\n"
+     "AdaptiveQuadtreeORB cover the image. So more of them match at distinct places, in more cells."},
     {"box.png", "box_in_scene.png", "",
      "2. cv::ORB has more matches in all: a small box, and the same box among other things.\n"
      "How to read it: only the box is in both images. AdaptiveQuadtreeORB spreads its keypoints over\n"
-     "the whole scene, so fewer of them lie on the box. If you look for a small object, see StrengthWeight\n"
-     "in the tutorial."},
+     "the whole scene, so fewer of them lie on the box. As few matches are right, most of the time goes "
+     "into\n"
+     "RANSAC. If you look for a small object, see StrengthWeight in the tutorial on the parameters."},
     {"graf1.png", "graf3.png", "H1to3p.xml",
      "3. AdaptiveQuadtreeORB wins: a painted wall from two sides, with a known homography between them.\n"
-     "How to read it: AdaptiveQuadtreeORB has more correct matches, on more places of the wall. The error\n"
-     "says by how many pixels the homography is off that is estimated from each detector's matches."}};
+     "How to read it: AdaptiveQuadtreeORB has more distinct correct matches, on more places of the wall."}};
 
 const char* const LEGEND =
-    "Matches are mutual nearest neighbours. Consistent: within 3 pixels of the homography estimated\n"
-    "from the detector's matches; correct: of the known one. Distinct: at least 4 pixels from every\n"
-    "better one in both images. cv::ORB often has more in all, because it finds a strong corner on\n"
-    "several levels and each of these counts. FAST threshold: cv::ORB's is fixed, AdaptiveQuadtreeORB's\n"
-    "follows the contrast of the image.\n";
+    "Matches are mutual nearest neighbours. Consistent: within 3 pixels of the homography estimated from "
+    "the\n"
+    "detector's matches; correct: of the known one. Distinct: at least 4 pixels from every better one in "
+    "both\n"
+    "images. cv::ORB often has more in all, because it finds a strong corner on several levels and each of\n"
+    "these counts.\n"
+    "Time: from the images in memory to their homography (RANSAC), by cv::ORB and cv::BFMatcher and by\n"
+    "AdaptiveQuadtreeORB and HammingMatcher, in turns: median (quartiles). With one image: to its features.\n"
+    "A second thread gains most with large images, and little where other programs use the processors.\n";
 
-struct Input
-{
-    std::vector<Mat> images;  // one or two, grey
-    Mat homography;           // empty where it is not known
-    String folder, suffix;    // of the pictures, and of their names
-    int nfeatures;
-};
-
-struct Result
+struct Method
 {
     const char* name;
     Ptr<ORB> detector;
-    std::vector<Features> features;  // of each image
-    std::vector<DMatch> matches;     // distinct, and in agreement with the homography
-    int agreeing, matched;           // matches in agreement with it, whether distinct or not; all matches
-    double homographyError;          // in pixels; negative: there is none
+    Ptr<DescriptorMatcher> matcher;  // with cross check
 };
 
-// The file, or one of OpenCV's samples in OPENCV_SAMPLES_DATA_PATH.
-Mat readImage(const String& name)
+//! Matched keypoints of two images: from[i] and to[i] belong together.
+struct Matches
 {
-    const Mat image = imread(samples::findFile(name, false), IMREAD_GRAYSCALE);
-    if (image.empty())
-        CV_Error(Error::StsObjectNotFound, name + ": cannot be read as an image (OpenCV's: export "
-                                                  "OPENCV_SAMPLES_DATA_PATH=$(scripts/demo.sh --images))");
-    return image;
-}
-
-// The first matrix in the file, whatever its name.
-Mat readHomography(const String& name)
-{
-    Mat homography;
-    FileStorage(samples::findFile(name), FileStorage::READ).getFirstTopLevelNode() >> homography;
-    if (homography.size() != Size(3, 3) || homography.channels() != 1)
-        CV_Error(Error::StsParseError, name + ": has no 3x3 matrix");
-    homography.convertTo(homography, CV_64F);
-    return homography;
-}
-
-void writePicture(const String& path, const Mat& picture)
-{
-    if (!imwrite(path, picture, {IMWRITE_JPEG_QUALITY, 85}))
-        CV_Error(Error::StsError, path + ": cannot be written; an existing folder is accepted");
-    std::cout << "Picture: " << path << std::endl;
-}
-
-void detectAndMatch(const Input& input, Result& result)
-{
-    result.features.resize(input.images.size());
-    for (size_t i = 0; i < input.images.size(); i++)
-        result.detector->detectAndCompute(input.images[i], noArray(), result.features[i].keypoints,
-                                          result.features[i].descriptors);
-    if (input.images.size() < 2)
-        return;
-    const Features& first = result.features[0];
-    const Features& second = result.features[1];
-    const std::vector<DMatch> matches = matchFeatures(first, second, result.detector->defaultNorm());
-    const Mat estimate = estimateHomography(first, second, matches);
-    const Mat homography = input.homography.empty() ? estimate : input.homography;
-    const std::vector<DMatch> right = agreeing(first, second, matches, homography);
-    result.matches = distinct(first, second, right);
-    result.agreeing = int(right.size());
-    result.matched = int(matches.size());
-    if (!estimate.empty())
-        result.homographyError = cornerError(estimate, homography, input.images[0].size());
-}
-
-// The FAST threshold that a detector takes for an image: AdaptiveQuadtreeORB's is equation (7), limited.
-int fastThreshold(const Ptr<ORB>& detector, const Mat& image)
-{
-    if (!detector.dynamicCast<aqorb::AdaptiveQuadtreeORB>())
-        return detector->getFastThreshold();
-    return std::min(std::max(cvRound(aqorb::adaptiveFastThreshold(image)), 1), 254);
-}
-
-String reference(const Input& input)
-{
-    return input.homography.empty() ? "consistent" : "correct";
-}
-
-String occupied(const std::vector<KeyPoint>& keypoints, Size size)
-{
-    return format("%.0f %%", 100 * aqorb::distributionOccupancy(keypoints, size, Size(16, 12)));
-}
-
-// A detector's part of the table: label and value of each row. What is said of each image is said in one row.
-std::vector<std::pair<String, String>> column(const Input& input, const Result& result, double milliseconds,
-                                              double orbMilliseconds)
-{
-    String counts, thresholds, uniformity, cells;
-    for (size_t i = 0; i < input.images.size(); i++)
+    void add(const KeyPoint& a, const KeyPoint& b)
     {
-        const std::vector<KeyPoint>& keypoints = result.features[i].keypoints;
-        const Size size = input.images[i].size();
-        const String comma = i > 0 ? ", " : "";
-        counts += comma + format("%d", int(keypoints.size()));
-        thresholds += comma + format("%d", fastThreshold(result.detector, input.images[i]));
-        uniformity += comma + format("%.1f", aqorb::distributionUniformity(keypoints, size));
-        cells += comma + occupied(keypoints, size);
+        from.push_back(a);
+        to.push_back(b);
     }
-    std::vector<std::pair<String, String>> rows = {
-        {input.images.size() == 2 ? "image 1, image 2" : "", result.name},
-        {"keypoints", counts},
-        {"FAST threshold", thresholds},
-        {"uniformity (less is more uniform)", uniformity},
-        {"occupied cells of a 16x12 grid", cells}};
-    if (input.images.size() == 2)
-    {
-        std::vector<KeyPoint> matched;
-        for (const DMatch& match : result.matches)
-            matched.push_back(result.features[0].keypoints[match.queryIdx]);
-        rows.push_back({"distinct " + reference(input) + " matches", format("%d", int(matched.size()))});
-        rows.push_back({"  cells of image 1 that hold one", occupied(matched, input.images[0].size())});
-        rows.push_back(
-            {reference(input) + " matches in all", format("%d of %d", result.agreeing, result.matched)});
-    }
-    if (!input.homography.empty())
-        rows.push_back({"error of the estimated homography",
-                        result.homographyError < 0 ? "none" : format("%.2f px", result.homographyError)});
-    rows.push_back({"time for image 1", format("%.2f ms", milliseconds)});
-    rows.push_back({"  as a share of cv::ORB's", format("%.2f", milliseconds / orbMilliseconds)});
-    return rows;
+
+    std::vector<KeyPoint> from, to;
+};
+
+//! What a method finds.
+struct Found
+{
+    std::vector<KeyPoint> keypoints[2];  // of each image
+    Matches matches;                     // the best first
+    Matches right, distinct;  // those that agree with the homography, and the distinct ones of these
+    Mat homography;           // estimated from the matches; empty: there is none
+    double milliseconds;
+};
+
+//! The homography by a method of findHomography; empty where the matches give none.
+Mat estimateHomography(const Matches& matches, int method)
+{
+    std::vector<Point2f> from, to;
+    KeyPoint::convert(matches.from, from);
+    KeyPoint::convert(matches.to, to);
+    if (from.size() < 4)
+        return Mat();
+    // RANSAC as most programs call it, to be timed. More patience, to see what the matches are worth.
+    return method == RANSAC ? findHomography(from, to, RANSAC)
+                            : findHomography(from, to, method, 3, noArray(), 10000, 0.9999);
 }
 
-void printTable(const Input& input, const std::vector<Result>& results, const std::vector<double>& times)
+//! From one or two images to keypoints, matches and the homography.
+Found find(const Method& method, const std::vector<Mat>& images, int estimator)
 {
-    const auto orb = column(input, results[0], times[0], times[0]);
-    const auto ours = column(input, results[1], times[1], times[0]);
-    for (size_t i = 0; i < orb.size(); i++)
-        std::cout << format("%-34s %13s %20s\n%s", orb[i].first.c_str(), orb[i].second.c_str(),
-                            ours[i].second.c_str(), i > 0 ? "" : (String(69, '-') + "\n").c_str());
+    Found found;
+    Mat descriptors[2];
+    TickMeter time;
+    time.start();
+    for (size_t i = 0; i < images.size(); i++)
+        method.detector->detectAndCompute(images[i], noArray(), found.keypoints[i], descriptors[i]);
+    std::vector<DMatch> matches;
+    if (!descriptors[0].empty() && !descriptors[1].empty())
+        method.matcher->match(descriptors[0], descriptors[1], matches);
+    std::stable_sort(matches.begin(), matches.end());
+    for (const DMatch& match : matches)
+        found.matches.add(found.keypoints[0][match.queryIdx], found.keypoints[1][match.trainIdx]);
+    found.homography = estimateHomography(found.matches, estimator);
+    time.stop();
+    found.milliseconds = time.getTimeMilli();
+    return found;
 }
 
-void savePictures(const Input& input, const std::vector<Result>& results)
+/** Chooses the matches within 3 pixels of the homography, and of these the distinct ones: at least 4 pixels away from
+ every better one in both images. Several keypoints on one corner of the scene say no more about it than one. */
+void choose(Found& found, const Mat& homography)
 {
-    std::vector<Mat> keypoints, matches;
-    for (const Result& result : results)
-    {
-        const int count = int(result.features[0].keypoints.size());
-        keypoints.push_back(captioned(keypointPicture(input.images[0], result.features[0].keypoints),
-                                      format("%s: %d keypoints", result.name, count)));
-        if (input.images.size() == 2)
-            matches.push_back(
-                captioned(matchPicture(input.images[0], result.features[0].keypoints, input.images[1],
-                                       result.features[1].keypoints, result.matches),
-                          format("%s: %d distinct %s matches", result.name, int(result.matches.size()),
-                                 reference(input).c_str())));
-    }
-    Mat picture;
-    hconcat(keypoints, picture);
-    writePicture(input.folder + "/aqorb_keypoints" + input.suffix + ".jpg", picture);
-    if (matches.empty())
-        return;
-    vconcat(matches, picture);
-    writePicture(input.folder + "/aqorb_matches" + input.suffix + ".jpg", picture);
-}
-
-void compare(const CommandLineParser& parser, const std::vector<String>& files, const String& homography,
-             const String& suffix)
-{
-    Input input;
-    for (const String& file : files)
-        input.images.push_back(readImage(file));
+    std::vector<Point2f> mapped;
+    KeyPoint::convert(found.matches.from, mapped);
     if (!homography.empty())
-        input.homography = readHomography(homography);
-    input.folder = parser.get<String>("out");
-    input.suffix = suffix;
-    input.nfeatures = parser.get<int>("nfeatures");
+        perspectiveTransform(mapped, mapped, homography);
+    for (size_t i = 0; i < mapped.size() && !homography.empty(); i++)
+    {
+        const KeyPoint &from = found.matches.from[i], &to = found.matches.to[i];
+        if (norm(mapped[i] - to.pt) > 3)
+            continue;
+        found.right.add(from, to);
+        bool isDistinct = true;
+        for (size_t j = 0; j < found.distinct.from.size(); j++)
+            isDistinct &=
+                norm(from.pt - found.distinct.from[j].pt) >= 4 && norm(to.pt - found.distinct.to[j].pt) >= 4;
+        if (isDistinct)
+            found.distinct.add(from, to);
+    }
+}
 
-    std::vector<Result> results = {
-        {"cv::ORB", ORB::create(input.nfeatures), {}, {}, 0, 0, -1},
-        {"AdaptiveQuadtreeORB", aqorb::AdaptiveQuadtreeORB::create(input.nfeatures), {}, {}, 0, 0, -1}};
-    for (Result& result : results)
-        detectAndMatch(input, result);
-    printTable(input, results, medianTimes({results[0].detector, results[1].detector}, input.images[0]));
-    savePictures(input, results);
+String occupied(const std::vector<KeyPoint>& keypoints, const Mat& image)
+{
+    return format("%.0f %%", 100 * aqorb::distributionOccupancy(keypoints, image.size(), Size(16, 12)));
+}
+
+void printRow(const String& label, const String& orb, const String& ours)
+{
+    std::cout << format("%-34s %16s %22s\n", label.c_str(), orb.c_str(), ours.c_str());
+}
+
+//! The seconds that all processors together have worked since the system began; 0 where that is not known.
+double busySeconds()
+{
+    std::ifstream file("/proc/stat");  // Linux: in hundredths of a second
+    String name;
+    double user = 0, nice = 0, system = 0, idle, waiting, interrupts = 0, softInterrupts = 0;
+    file >> name >> user >> nice >> system >> idle >> waiting >> interrupts >> softInterrupts;
+    return 0.01 * (user + nice + system + interrupts + softInterrupts);
+}
+
+//! The median, and in brackets the quartiles.
+String spread(std::vector<double> values, const char* number)
+{
+    std::sort(values.begin(), values.end());
+    const auto at = [&](double share)
+    { return format(number, values[size_t(share * double(values.size() - 1))]); };
+    return at(0.5) + " (" + at(0.25) + "-" + at(0.75) + ")";
+}
+
+//! Measures both methods in turns, so that other work slows both of them.
+void printTimes(const std::vector<Method>& methods, const std::vector<Mat>& images, int threads)
+{
+    setNumThreads(threads);
+    std::vector<double> times[2], gains;
+    TickMeter time;
+    const double busyBefore = busySeconds();
+    const std::clock_t ownBefore = std::clock();
+    for (int turn = 0; turn < 8 || (turn < 101 && time.getTimeSec() < 2); turn++)
+    {
+        time.start();
+        for (int i = 0; i < 2; i++)
+            times[i].push_back(find(methods[i], images, RANSAC).milliseconds);
+        time.stop();
+        gains.push_back(times[0].back() / times[1].back());
+    }
+    const double own = double(std::clock() - ownBefore) / CLOCKS_PER_SEC;
+    const double others = (busySeconds() - busyBefore - own) / time.getTimeSec();
+    printRow(format("time in ms, %d thread%s", threads, threads > 1 ? "s" : ""), spread(times[0], "%.2f"),
+             spread(times[1], "%.2f"));
+    printRow("  times as fast", "1", spread(gains, "%.1f"));
+    if (others > 0.15)
+        std::cout << format("  The machine is busy: other programs use %.1f of its %d processors.\n", others,
+                            getNumberOfCPUs());
+}
+
+const double PANEL = 640;  // pixels, the width of an image in the pictures
+
+Mat panel(const Mat& image, double scale, double brightness)
+{
+    Mat picture;
+    resize(image * brightness, picture, Size(), scale, scale, scale < 1 ? INTER_AREA : INTER_LINEAR);
+    cvtColor(picture, picture, COLOR_GRAY2BGR);
+    return picture;
+}
+
+//! A circle at a position of an image that was scaled.
+void drawCircle(Mat& picture, const Point2f& position, double scale)
+{
+    const int BITS = 4;  // of the fraction
+    const Point2d half(0.5, 0.5), centre = (Point2d(position) + half) * scale - half;
+    circle(picture, Point(centre * (1 << BITS)), 3 << BITS, Scalar(0, 255, 255), 1, LINE_AA, BITS);
+}
+
+Mat captioned(const Mat& picture, const String& text)
+{
+    Mat result;
+    copyMakeBorder(picture, result, 34, 0, 0, 8, BORDER_CONSTANT, Scalar::all(255));
+    putText(result, text, Point(8, 23), FONT_HERSHEY_SIMPLEX, 0.65, Scalar::all(0), 1, LINE_AA);
+    return result;
+}
+
+Mat keypointPicture(const Mat& image, const std::vector<KeyPoint>& keypoints)
+{
+    const double scale = PANEL / image.cols;
+    Mat picture = panel(image, scale, 1);
+    for (const KeyPoint& keypoint : keypoints)
+        drawCircle(picture, keypoint.pt, scale);
+    return picture;
+}
+
+//! Two images side by side, darker, with a line for each match.
+Mat matchPicture(const std::vector<Mat>& images, const Matches& matches)
+{
+    const double scale = PANEL / std::max(images[0].cols, images[1].cols);
+    const Mat left = panel(images[0], scale, 0.6), right = panel(images[1], scale, 0.6);
+    Mat picture(std::max(left.rows, right.rows), left.cols + right.cols, CV_8UC3, Scalar::all(255));
+    left.copyTo(picture(Rect(Point(0, 0), left.size())));
+    Mat rightPart = picture(Rect(Point(left.cols, 0), right.size()));
+    right.copyTo(rightPart);
+    // Hundreds of lines would hide the images. So they are translucent, and of many matches only some have one.
+    const size_t LINES = 100, count = matches.from.size(), step = count / LINES + 1;
+    Mat lines = picture.clone();
+    const Point shift(left.cols, 0);
+    for (size_t i = 0; i < count; i += step)
+        line(lines, matches.from[i].pt * scale, Point(matches.to[i].pt * scale) + shift, Scalar(0, 255, 255),
+             1, LINE_AA);
+    addWeighted(lines, 0.4, picture, 0.6, 0, picture);
+    for (size_t i = 0; i < count; i++)
+    {
+        drawCircle(picture, matches.from[i].pt, scale);
+        drawCircle(rightPart, matches.to[i].pt, scale);
+    }
+    return picture;
+}
+
+//! Compares on one image or two. The homography between two may be known. The names of the pictures end with `number`.
+void compare(const std::vector<Mat>& images, const Mat& known, const CommandLineParser& parser,
+             const String& number)
+{
+    const int nfeatures = option<int>(parser, "nfeatures"), threads = getNumThreads();
+    const bool isPair = images.size() == 2;
+    const std::vector<Method> methods = {
+        {"cv::ORB", ORB::create(nfeatures), makePtr<BFMatcher>(NORM_HAMMING, true)},
+        {"AdaptiveQuadtreeORB", aqorb::AdaptiveQuadtreeORB::create(nfeatures),
+         makePtr<aqorb::HammingMatcher>(NORM_HAMMING, true)}};
+    const String kind = known.empty() ? "consistent" : "correct";
+    std::vector<String> labels, texts[2];  // of the table's rows
+    Mat keypoints[2], matches[2], picture;
+    for (int i = 0; i < 2; i++)
+    {
+        Found found = find(methods[i], images, USAC_MAGSAC);
+        choose(found, known.empty() ? found.homography : known);
+        String counts, uniformity, cells;
+        for (size_t j = 0; j < images.size(); j++)
+        {
+            const String comma = j > 0 ? ", " : "";
+            counts += comma + format("%d", int(found.keypoints[j].size()));
+            uniformity +=
+                comma + format("%.1f", aqorb::distributionUniformity(found.keypoints[j], images[j].size()));
+            cells += comma + occupied(found.keypoints[j], images[j]);
+        }
+        const String name = methods[i].name, distinct = "distinct " + kind + " matches";
+        labels = {"", "keypoints", "uniformity (less is more uniform)", "occupied cells of a 16x12 grid"};
+        texts[i] = {name, counts, uniformity, cells};
+        keypoints[i] =
+            captioned(keypointPicture(images[0], found.keypoints[0]), name + ": keypoints of image 1");
+        if (!isPair)
+            continue;
+        const int count = int(found.distinct.from.size()), right = int(found.right.from.size());
+        labels.insert(labels.end(), {distinct, "  cells of image 1 that hold one", kind + " matches in all"});
+        texts[i].insert(texts[i].end(), {format("%d", count), occupied(found.distinct.from, images[0]),
+                                         format("%d of %d", right, int(found.matches.from.size()))});
+        matches[i] =
+            captioned(matchPicture(images, found.distinct), name + ": " + texts[i][4] + " " + distinct);
+    }
+    for (size_t i = 0; i < labels.size(); i++)
+        printRow(labels[i], texts[0][i], texts[1][i]);
+    printTimes(methods, images, 1);
+    if (threads > 1)
+        printTimes(methods, images, threads);
+
+    hconcat(keypoints, 2, picture);
+    writePicture(option<String>(parser, "out") + "/aqorb_keypoints" + number + ".jpg", picture);
+    if (!isPair)
+        return;
+    vconcat(matches, 2, picture);
+    writePicture(option<String>(parser, "out") + "/aqorb_matches" + number + ".jpg", picture);
+}
+
+int demo(int argc, char** argv)
+{
+    const CommandLineParser parser = parseOptions(argc, argv, KEYS, ABOUT);
+    std::vector<Mat> images;
+    for (const String& file : fileArguments(argc, argv))
+        images.push_back(readImage(file));
+    if (images.size() > 2)
+        CV_Error(Error::StsBadArg, "one image or two are accepted");
+    if (!images.empty())
+        compare(images, Mat(), parser, "");
+    for (int i = 0; i < 3 && images.empty(); i++)
+    {
+        std::cout << PAIRS[i].text << "\n" << PAIRS[i].image1 << ", " << PAIRS[i].image2 << "\n\n";
+        Mat homography;
+        if (*PAIRS[i].homography)
+            FileStorage(samples::findFile(PAIRS[i].homography), FileStorage::READ)["H13"] >> homography;
+        compare({readImage(PAIRS[i].image1), readImage(PAIRS[i].image2)}, homography, parser,
+                format("%d", i + 1));
+        std::cout << std::endl;
+    }
+    std::cout << LEGEND;
+    return 0;
 }
 
 }  // namespace
 
 int main(int argc, char** argv)
 {
-    CommandLineParser parser(argc, argv, KEYS);
-    parser.about(ABOUT);
-    std::vector<String> files;
-    for (int i = 1; i < argc; i++)
-        if (argv[i][0] != '-')
-            files.push_back(argv[i]);
-    if (parser.has("help"))
-    {
-        parser.printMessage();
-        return 0;
-    }
-
-    int number = 0;
-    try
-    {
-        if (files.empty())
-            for (const auto& pair : PAIRS)
-            {
-                std::cout << pair.text << "\n" << pair.image1 << ", " << pair.image2 << "\n\n";
-                compare(parser, {pair.image1, pair.image2}, pair.homography, format("%d", ++number));
-                std::cout << std::endl;
-            }
-        else if (files.size() <= 2)
-            compare(parser, files, parser.get<String>("homography"), "");
-        else
-            for (const String& file : files)
-            {
-                std::cout << file << std::endl;
-                compare(parser, {file}, "", format("%d", ++number));
-                std::cout << std::endl;
-            }
-    }
-    catch (const cv::Exception& exception)
-    {
-        std::cerr << exception.err << std::endl;
-        return 1;
-    }
-    std::cout << LEGEND << "Time: detectAndCompute, median of calls that take turns, " << getNumThreads()
-              << " thread(s).\n";
-    return 0;
+    return runSample(demo, argc, argv);
 }

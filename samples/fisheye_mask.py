@@ -7,15 +7,11 @@
 with one. Without an image it takes graf1.png of OpenCV's samples."""
 
 import argparse
-import sys
 
 import cv2 as cv
 import numpy as np
 
-try:
-    import aqorb
-except ImportError:  # a cv2 that was built with the module
-    from cv2 import aqorb
+from sample import aqorb, read_image, write_picture
 
 
 def main():
@@ -28,10 +24,7 @@ def main():
     parser.add_argument('--out', default='fisheye_mask.jpg', help='picture to write')
     parser.add_argument('image', nargs='?', default='graf1.png', help="file, or one of OpenCV's samples")
     arguments = parser.parse_args()
-    image = cv.imread(cv.samples.findFile(arguments.image, False), cv.IMREAD_GRAYSCALE)
-    if image is None:
-        sys.exit(arguments.image + ': cannot be read as an image'
-                 " (OpenCV's: export OPENCV_SAMPLES_DATA_PATH=$(scripts/demo.sh --images))")
+    image = read_image(arguments.image)
     height, width = image.shape
     x = width // 2 if arguments.x < 0 else arguments.x
     y = height // 2 if arguments.y < 0 else arguments.y
@@ -49,9 +42,7 @@ def main():
         print('{} mask: {} keypoints, {} not inside the circle'.format(name, len(keypoints), outside))
         picture = cv.drawKeypoints(image, keypoints, None, (0, 255, 255))
         pictures.append(cv.circle(picture, (x, y), inner, (0, 255, 0), 1, cv.LINE_AA))
-    if not cv.imwrite(arguments.out, cv.hconcat(pictures)):
-        sys.exit(1)
-    print('Picture:', arguments.out)
+    write_picture(arguments.out, cv.hconcat(pictures))
 
 
 if __name__ == '__main__':

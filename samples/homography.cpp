@@ -5,9 +5,9 @@
 
 // Matches two images of a plane and draws where the first lies in the second.
 
+#include "sample.hpp"
+
 #include <opencv2/aqorb.hpp>
-#include <opencv2/core/utility.hpp>
-#include <opencv2/imgcodecs.hpp>
 #include <opencv2/imgproc.hpp>
 #if CV_VERSION_MAJOR >= 5
 #include <opencv2/geometry.hpp>
@@ -15,9 +15,11 @@
 #include <opencv2/calib3d.hpp>
 #endif
 
-#include <iostream>
-
 using namespace cv;
+
+static const char* const ABOUT = "Matches two images of a plane, estimates the homography between them, and "
+                                 "draws where the first image lies\n"
+                                 "in the second.";
 
 static const char* const KEYS =
     "{help      |                | print this text }"
@@ -26,29 +28,12 @@ static const char* const KEYS =
     "{@image1   | graf1.png      | file, or one of OpenCV's samples in OPENCV_SAMPLES_DATA_PATH }"
     "{@image2   | graf3.png      | the same plane from another side }";
 
-int main(int argc, char** argv)
+static int homographySample(int argc, char** argv)
 {
-    CommandLineParser parser(argc, argv, KEYS);
-    parser.about("Matches two images of a plane, estimates the homography between them, and draws where the\n"
-                 "first image lies in the second.");
-    const String file1 = parser.get<String>("@image1"), file2 = parser.get<String>("@image2");
-    const String out = parser.get<String>("out");
-    const Ptr<ORB> orb = aqorb::AdaptiveQuadtreeORB::create(parser.get<int>("nfeatures"));
-    if (parser.has("help") || !parser.check())
-    {
-        parser.printErrors();
-        parser.printMessage();
-        return !parser.check();
-    }
-    const Mat image1 = imread(samples::findFile(file1, false), IMREAD_GRAYSCALE);
-    const Mat image2 = imread(samples::findFile(file2, false), IMREAD_GRAYSCALE);
-    if (image1.empty() || image2.empty())
-    {
-        std::cerr << (image1.empty() ? file1 : file2)
-                  << ": cannot be read as an image (OpenCV's: export "
-                     "OPENCV_SAMPLES_DATA_PATH=$(scripts/demo.sh --images))\n";
-        return 1;
-    }
+    const CommandLineParser parser = parseOptions(argc, argv, KEYS, ABOUT);
+    const Ptr<ORB> orb = aqorb::AdaptiveQuadtreeORB::create(option<int>(parser, "nfeatures"));
+    const Mat image1 = readImage(option<String>(parser, "@image1"));
+    const Mat image2 = readImage(option<String>(parser, "@image2"));
 
     std::vector<KeyPoint> keypoints1, keypoints2;
     Mat descriptors1, descriptors2;
@@ -70,10 +55,7 @@ int main(int argc, char** argv)
     if (matches.size() >= 4)
         homography = findHomography(points1, points2, USAC_MAGSAC, 3, isInlier, 10000, 0.9999);
     if (homography.empty())
-    {
-        std::cerr << "no homography was found among " << matches.size() << " matches\n";
-        return 1;
-    }
+        CV_Error_(Error::StsNoConv, ("no homography was found among %d matches", int(matches.size())));
     std::cout << "Keypoints: " << keypoints1.size() << ", " << keypoints2.size()
               << "\nMatches: " << matches.size()
               << ", of which agree with the homography: " << countNonZero(isInlier) << "\nHomography:\n"
@@ -91,8 +73,11 @@ int main(int argc, char** argv)
     drawMatches(image1, keypoints1, image2, keypoints2, matches, picture, Scalar(0, 255, 255),
                 Scalar(0, 255, 255), isInlier, DrawMatchesFlags::NOT_DRAW_SINGLE_POINTS);
     polylines(picture, outline, true, Scalar(0, 255, 0), 2, LINE_AA);
-    if (!imwrite(out, picture))
-        return 1;
-    std::cout << "Picture: " << out << '\n';
+    writePicture(option<String>(parser, "out"), picture);
     return 0;
+}
+
+int main(int argc, char** argv)
+{
+    return runSample(homographySample, argc, argv);
 }

@@ -12,10 +12,7 @@ import sys
 import cv2 as cv
 import numpy as np
 
-try:
-    import aqorb
-except ImportError:  # a cv2 that was built with the module
-    from cv2 import aqorb
+from sample import aqorb, read_image, write_picture
 
 
 def main():
@@ -25,11 +22,7 @@ def main():
     parser.add_argument('image1', nargs='?', default='graf1.png', help="file, or one of OpenCV's samples")
     parser.add_argument('image2', nargs='?', default='graf3.png', help='the same plane from another side')
     arguments = parser.parse_args()
-    image1, image2 = [cv.imread(cv.samples.findFile(name, False), cv.IMREAD_GRAYSCALE)
-                      for name in (arguments.image1, arguments.image2)]
-    if image1 is None or image2 is None:
-        sys.exit((arguments.image1 if image1 is None else arguments.image2) + ': cannot be read as an image'
-                 " (OpenCV's: export OPENCV_SAMPLES_DATA_PATH=$(scripts/demo.sh --images))")
+    image1, image2 = read_image(arguments.image1), read_image(arguments.image2)
 
     orb = aqorb.AdaptiveQuadtreeORB_create(arguments.nfeatures)
     keypoints1, descriptors1 = orb.detectAndCompute(image1, None)
@@ -56,9 +49,7 @@ def main():
     picture = cv.drawMatches(image1, keypoints1, image2, keypoints2, matches, None, (0, 255, 255), (0, 255, 255),
                              inliers.ravel().tolist(), cv.DrawMatchesFlags_NOT_DRAW_SINGLE_POINTS)
     cv.polylines(picture, [np.int32(np.round(outline))], True, (0, 255, 0), 2, cv.LINE_AA)
-    if not cv.imwrite(arguments.out, picture):
-        sys.exit(1)
-    print('Picture:', arguments.out)
+    write_picture(arguments.out, picture)
 
 
 if __name__ == '__main__':

@@ -6,17 +6,18 @@
 // Shows the keypoints in the images of a camera or a video, with a slider for the threshold. If there is no display,
 // the same numbers are printed.
 
+#include "sample.hpp"
+
 #include <opencv2/aqorb.hpp>
-#include <opencv2/core/utility.hpp>
 #include <opencv2/highgui.hpp>
-#include <opencv2/imgcodecs.hpp>
 #include <opencv2/imgproc.hpp>
 #include <opencv2/videoio.hpp>
 
-#include <cstdlib>
-#include <iostream>
-
 using namespace cv;
+
+static const char* const ABOUT = "Shows the keypoints of AdaptiveQuadtreeORB in the images of a camera or of "
+                                 "a video, with a slider for its\n"
+                                 "threshold. The space bar changes to cv::ORB and back, Esc ends.";
 
 static const char* const KEYS =
     "{help      |      | print this text }"
@@ -45,120 +46,80 @@ static bool hasDisplay()
 #endif
 }
 
-// Opens a camera or a file. Returns the milliseconds from one image to the next, 0 for a camera.
-static double openSource(const String& source, VideoCapture& capture)
+// Opens a camera or a file.
+static void openSource(const String& source, VideoCapture& capture)
 {
-    const bool isCamera = source.find_first_not_of("0123456789") == String::npos && source.size() < 6;
-    if (isCamera)
-        capture.open(std::atoi(source.c_str()));
-    else
+    if (source.find_first_not_of("0123456789") == String::npos && source.size() < 6)
     {
-        const String sample = samples::findFile(source, false, true);  // a file, or one of OpenCV's samples
-        capture.open(sample.empty() ? source : sample);
+        if (!capture.open(std::atoi(source.c_str())))
+            CV_Error(Error::StsObjectNotFound,
+                     source + ": there is no such camera; the name of a video is accepted, too");
+        return;
     }
-    if (!capture.isOpened() && isCamera)
-        std::cerr << source << ": there is no such camera; the name of a video is accepted, too\n";
-    else if (!capture.isOpened())
-        std::cerr << source << ": not a video, nor a pattern of images, that OpenCV can read\n";
-    const double fps = capture.get(CAP_PROP_FPS);
-    return isCamera ? 0 : 1000 / (fps > 1 && fps < 1000 ? fps : 25);  // images have no rate
+    const String sample = samples::findFile(source, false, true);  // a file, or one of OpenCV's samples
+    if (sample.empty() && source.find('%') == String::npos)
+        CV_Error(Error::StsObjectNotFound, source + ": there is no such file");
+    if (!capture.open(sample.empty() ? source : sample))
+        CV_Error(Error::StsParseError,
+                 source + ": not a video, nor a pattern of images, that OpenCV can read");
 }
 
-// Waits for a key, for at most this many milliseconds or, if they are 0, without end. Returns Esc if the window is
-// closed.
-static int waitForKey(double milliseconds)
+static int live(int argc, char** argv)
 {
-    const int ESC = 27;
-    const int PART = 50;  // ms; closing the window reports no key, so it is looked at this often
-    const int64 start = getTickCount();
-    for (;;)
-    {
-        const double passed = 1000 * (getTickCount() - start) / getTickFrequency();
-        const double rest = milliseconds > 0 ? milliseconds - passed : PART;
-        const int key = waitKey(std::max(1, std::min(cvRound(rest), PART)));
-        if (getWindowProperty(WINDOW, WND_PROP_VISIBLE) < 1)
-            return ESC;
-        if (key >= 0 || (milliseconds > 0 && rest <= PART))
-            return key;
-    }
-}
-
-int main(int argc, char** argv)
-{
-    CommandLineParser parser(argc, argv, KEYS);
-    parser.about(
-        "Shows the keypoints of AdaptiveQuadtreeORB in the images of a camera or of a video, with a\n"
-        "slider for its threshold. The space bar changes to cv::ORB and back, Esc ends; the last image\n"
-        "of a video stays until a key is pressed.");
-    const String source = parser.get<String>("@source"), out = parser.get<String>("out");
-    const int nfeatures = parser.get<int>("nfeatures"), frames = parser.get<int>("frames");
-    int threshold = parser.get<int>("threshold");
+    const CommandLineParser parser = parseOptions(argc, argv, KEYS, ABOUT);
+    const String source = option<String>(parser, "@source"), out = option<String>(parser, "out");
+    const int nfeatures = option<int>(parser, "nfeatures"), frames = option<int>(parser, "frames");
+    int threshold = option<int>(parser, "threshold");
     const bool window = !parser.has("headless") && hasDisplay();
-    if (parser.has("help") || !parser.check())
-    {
-        parser.printErrors();
-        parser.printMessage();
-        return !parser.check();
-    }
     VideoCapture capture;
-    const double interval = openSource(source, capture);
-    if (!capture.isOpened())
-        return 1;
-
+    openSource(source, capture);
     const Ptr<ORB> ours = aqorb::AdaptiveQuadtreeORB::create(nfeatures), orb = ORB::create(nfeatures);
-    bool usesOrb = false, ended = false;
     if (window)
     {
         namedWindow(WINDOW);
         createTrackbar("FastThreshold", WINDOW, nullptr, 100);
         setTrackbarPos("FastThreshold", WINDOW, threshold);
     }
+    bool usesOrb = false;
     Mat frame, picture;
     int count = 0;
-    for (; !ended && (frames == 0 || count < frames); count++)
+    for (; (frames == 0 || count < frames) && capture.read(frame); count++)
     {
-        const int64 begin = getTickCount();
-        if (!capture.read(frame))
-            break;
         if (window)
             threshold = getTrackbarPos("FastThreshold", WINDOW);
         const Ptr<ORB>& detector = usesOrb ? orb : ours;
         detector->setFastThreshold(threshold);
         std::vector<KeyPoint> keypoints;
         Mat descriptors;
-        const int64 start = getTickCount();
+        TickMeter time;
+        time.start();
         detector->detectAndCompute(frame, noArray(), keypoints, descriptors);
-        const double milliseconds = 1000 * double(getTickCount() - start) / getTickFrequency();
-        const String text = format("%s, threshold %d: %d keypoints in %.0f %% of the cells, %.1f ms",
-                                   usesOrb ? "ORB" : "AdaptiveQuadtreeORB", threshold, int(keypoints.size()),
-                                   100 * aqorb::distributionOccupancy(keypoints, frame.size()), milliseconds);
-        if (!window)
-            std::cout << text << std::endl;
-        if (!window && out.empty())
-            continue;
+        time.stop();
+        const String text =
+            format("%s, threshold %d: %d keypoints in %.0f %% of the cells, %.1f ms",
+                   usesOrb ? "ORB" : "AdaptiveQuadtreeORB", threshold, int(keypoints.size()),
+                   100 * aqorb::distributionOccupancy(keypoints, frame.size()), time.getTimeMilli());
         drawKeypoints(frame, keypoints, picture, Scalar(0, 255, 255));
         putText(picture, text, Point(8, 20), FONT_HERSHEY_SIMPLEX, 0.5, Scalar(0, 255, 0), 1, LINE_AA);
         if (!window)
+        {
+            std::cout << text << std::endl;
             continue;
+        }
         imshow(WINDOW, picture);
-        const double passed = 1000 * (getTickCount() - begin) / getTickFrequency();
-        const int key = waitForKey(std::max(1., interval - passed));
-        ended = key == 27;
+        const int key = waitKey(30), ESC = 27;
+        if (key == ESC || getWindowProperty(WINDOW, WND_PROP_VISIBLE) < 1)
+            break;
         usesOrb ^= key == ' ';
     }
-    if (count == 0)
-    {
-        std::cerr << source << ": not one image can be read from it\n";
-        return 1;
-    }
-    if (!out.empty() && !imwrite(out, picture))
-        return 1;
-    if (window && !ended && interval > 0)
-    {
-        const String text = "The end of " + source + ": any key closes the window";
-        std::cout << text << std::endl;
-        setWindowTitle(WINDOW, text);
-        waitForKey(0);
-    }
+    if (picture.empty())
+        CV_Error(Error::StsParseError, source + ": not one image can be read from it");
+    if (!out.empty())
+        writePicture(out, picture);
     return 0;
+}
+
+int main(int argc, char** argv)
+{
+    return runSample(live, argc, argv);
 }

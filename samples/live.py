@@ -5,7 +5,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """Shows the keypoints of AdaptiveQuadtreeORB in the images of a camera or of a video, with a slider for its
 threshold. SOURCE is the number of a camera (without it: 0), a video, or a pattern of images such as frame_%02d.png.
-The space bar changes to cv.ORB and back, Esc ends; the last image of a video stays until a key is pressed."""
+The space bar changes to cv.ORB and back, Esc ends."""
 
 import argparse
 import os
@@ -14,10 +14,7 @@ import time
 
 import cv2 as cv
 
-try:
-    import aqorb
-except ImportError:  # a cv2 that was built with the module
-    from cv2 import aqorb
+from sample import aqorb, write_picture
 
 WINDOW = 'aqorb (space: cv.ORB and back; Esc: end)'
 ESC = 27
@@ -42,37 +39,23 @@ def has_display():
 
 
 def open_source(source):
-    """A camera or a file, and the milliseconds from one image to the next, 0 for a camera."""
-    is_camera = source.isdecimal() and len(source) < 6
-    # a file, or one of OpenCV's samples
-    capture = cv.VideoCapture(int(source) if is_camera else cv.samples.findFile(source, False, True) or source)
-    if not capture.isOpened() and is_camera:
-        sys.exit(source + ': there is no such camera; the name of a video is accepted, too')
+    if source.isdecimal() and len(source) < 6:
+        capture = cv.VideoCapture(int(source))
+        if not capture.isOpened():
+            sys.exit(source + ': there is no such camera; the name of a video is accepted, too')
+        return capture
+    sample = cv.samples.findFile(source, False, True)  # a file, or one of OpenCV's samples
+    if not sample and '%' not in source:
+        sys.exit(source + ': there is no such file')
+    capture = cv.VideoCapture(sample or source)
     if not capture.isOpened():
         sys.exit(source + ': not a video, nor a pattern of images, that OpenCV can read')
-    fps = capture.get(cv.CAP_PROP_FPS)
-    return capture, 0 if is_camera else 1000 / (fps if 1 < fps < 1000 else 25)  # images have no rate
-
-
-def wait_for_key(milliseconds):
-    """Waits for a key, for at most this many milliseconds or, if they are 0, without end. Returns Esc if the window is
-    closed."""
-    part = 50  # ms; closing the window reports no key, so it is looked at this often
-    start = time.perf_counter()
-    while True:
-        rest = milliseconds - 1000 * (time.perf_counter() - start) if milliseconds > 0 else part
-        key = cv.waitKey(max(1, min(round(rest), part)))
-        if cv.getWindowProperty(WINDOW, cv.WND_PROP_VISIBLE) < 1:
-            return ESC
-        if key >= 0 or (milliseconds > 0 and rest <= part):
-            return key
+    return capture
 
 
 def main():
     arguments = parse_arguments()
-    source = arguments.source
-    capture, interval = open_source(source)
-
+    capture = open_source(arguments.source)
     detectors = [('AdaptiveQuadtreeORB', aqorb.AdaptiveQuadtreeORB_create(arguments.nfeatures)),
                  ('ORB', cv.ORB_create(arguments.nfeatures))]
     window = has_display() and not arguments.headless
@@ -81,9 +64,8 @@ def main():
         cv.namedWindow(WINDOW)
         cv.createTrackbar('FastThreshold', WINDOW, threshold, 100, lambda value: None)
     picture = None
-    count = key = 0
-    while key != ESC and (arguments.frames == 0 or count < arguments.frames):
-        begin = time.perf_counter()
+    count = 0
+    while arguments.frames == 0 or count < arguments.frames:
         found, frame = capture.read()
         if not found:
             break
@@ -98,27 +80,21 @@ def main():
         occupied = 100 * aqorb.distributionOccupancy(keypoints, frame.shape[1::-1])
         text = '{}, threshold {}: {} keypoints in {:.0f} % of the cells, {:.1f} ms'.format(
             name, threshold, len(keypoints), occupied, milliseconds)
-        if not window:
-            print(text)
-        if not window and not arguments.out:
-            continue
         picture = cv.drawKeypoints(frame, keypoints, None, (0, 255, 255))
         cv.putText(picture, text, (8, 20), cv.FONT_HERSHEY_SIMPLEX, 0.5, (0, 255, 0), 1, cv.LINE_AA)
         if not window:
+            print(text)
             continue
         cv.imshow(WINDOW, picture)
-        key = wait_for_key(max(1, interval - 1000 * (time.perf_counter() - begin)))
+        key = cv.waitKey(30)
+        if key == ESC or cv.getWindowProperty(WINDOW, cv.WND_PROP_VISIBLE) < 1:
+            break
         if key == ord(' '):
             detectors.reverse()
-    if count == 0:
-        sys.exit(source + ': not one image can be read from it')
-    if arguments.out and not cv.imwrite(arguments.out, picture):
-        sys.exit(1)
-    if window and key != ESC and interval > 0:
-        text = 'The end of {}: any key closes the window'.format(source)
-        print(text, flush=True)
-        cv.setWindowTitle(WINDOW, text)
-        wait_for_key(0)
+    if picture is None:
+        sys.exit(arguments.source + ': not one image can be read from it')
+    if arguments.out:
+        write_picture(arguments.out, picture)
 
 
 if __name__ == '__main__':

@@ -5,12 +5,11 @@
 
 // A panorama by cv::Stitcher, which takes any Feature2D for its features, and any matcher for their descriptors.
 
+#include "sample.hpp"
+
 #include <opencv2/aqorb.hpp>
-#include <opencv2/core/utility.hpp>
-#include <opencv2/imgcodecs.hpp>
 #include <opencv2/stitching.hpp>
 
-#include <iostream>
 #include <set>
 
 using namespace cv;
@@ -44,15 +43,19 @@ private:
     const double ratio;
 };
 
-//! BestOf2NearestMatcher, which estimates a homography from the matches, with HammingPairs for the matches.
-class HammingFeaturesMatcher : public detail::BestOf2NearestMatcher
+//! BestOf2NearestMatcher, which estimates a homography from the matches, or AffineBestOf2NearestMatcher, which
+//! estimates an affine map, with HammingPairs for the matches.
+template <typename Estimator> class HammingFeaturesMatcher : public Estimator
 {
 public:
-    explicit HammingFeaturesMatcher(float matchConf = 0.3f) : BestOf2NearestMatcher(false, matchConf)
+    explicit HammingFeaturesMatcher(float matchConf = 0.3f)
     {
-        impl_ = makePtr<HammingPairs>(matchConf);
+        this->impl_ = makePtr<HammingPairs>(matchConf);
     }
 };
+
+static const char* const ABOUT = "Stitches two or more overlapping photographs to a panorama:\n"
+                                 "  panorama --out=hills.jpg left.jpg middle.jpg right.jpg";
 
 static const char* const KEYS =
     "{help      |              | print this text }"
@@ -60,56 +63,47 @@ static const char* const KEYS =
     "{scans     |              | the images are views of a plane, not of a turning camera }"
     "{out       | panorama.jpg | picture to write }";
 
-int main(int argc, char** argv)
+static int panorama(int argc, char** argv)
 {
-    CommandLineParser parser(argc, argv, KEYS);
-    parser.about("Stitches two or more overlapping photographs to a panorama:\n"
-                 "  panorama --out=hills.jpg left.jpg middle.jpg right.jpg");
+    const CommandLineParser parser = parseOptions(argc, argv, KEYS, ABOUT);
     std::vector<Mat> images;
-    for (int i = 1; i < argc; i++)
-    {
-        if (argv[i][0] == '-')
-            continue;
-        images.push_back(imread(argv[i]));
-        if (images.back().empty())
-        {
-            std::cerr << argv[i] << ": cannot be read as an image\n";
-            return 1;
-        }
-    }
-    const Ptr<ORB> detector = aqorb::AdaptiveQuadtreeORB::create(parser.get<int>("nfeatures"));
-    const String out = parser.get<String>("out");
-    if (parser.has("help") || !parser.check() || images.size() < 2)
-    {
-        parser.printErrors();
-        parser.printMessage();
-        return !parser.has("help");
-    }
+    for (const String& file : fileArguments(argc, argv))
+        images.push_back(readImage(file, IMREAD_COLOR));
+    if (images.size() < 2)
+        CV_Error(Error::StsBadArg, "two images or more are needed; --help says how to name them");
 
-    const Ptr<Stitcher> stitcher =
-        Stitcher::create(parser.has("scans") ? Stitcher::SCANS : Stitcher::PANORAMA);
+    const Ptr<aqorb::AdaptiveQuadtreeORB> detector =
+        aqorb::AdaptiveQuadtreeORB::create(option<int>(parser, "nfeatures"));
+    const bool isPlane = parser.has("scans");
+    const Ptr<Stitcher> stitcher = Stitcher::create(isPlane ? Stitcher::SCANS : Stitcher::PANORAMA);
+    if (isPlane)
+    {
+        detector->setStrengthWeight(1);  // joins more scans than the default does
+        stitcher->setFeaturesMatcher(makePtr<HammingFeaturesMatcher<detail::AffineBestOf2NearestMatcher>>());
+    }
+    else
+        stitcher->setFeaturesMatcher(makePtr<HammingFeaturesMatcher<detail::BestOf2NearestMatcher>>());
     stitcher->setFeaturesFinder(detector);
-    if (!parser.has("scans"))  // these are matched under an affine map
-        stitcher->setFeaturesMatcher(makePtr<HammingFeaturesMatcher>());
-    Mat panorama;
+    Mat picture;
     Stitcher::Status status = Stitcher::ERR_HOMOGRAPHY_EST_FAIL;
     try
     {
-        status = stitcher->stitch(images, panorama);
+        status = stitcher->stitch(images, picture);
     }
     catch (const cv::Exception&)  // an assertion, for example where hardly anything matches
     {
     }
     if (status != Stitcher::OK)
-    {
-        std::cerr << (status == Stitcher::ERR_NEED_MORE_IMGS ? "the images do not overlap enough\n"
-                                                             : "the cameras could not be estimated\n");
-        return 1;
-    }
+        CV_Error(Error::StsNoConv, status == Stitcher::ERR_NEED_MORE_IMGS
+                                       ? "the images do not overlap enough"
+                                       : "the cameras could not be estimated");
     std::cout << stitcher->component().size() << " of " << images.size() << " images stitched, "
-              << panorama.cols << "x" << panorama.rows << std::endl;
-    if (!imwrite(out, panorama))
-        return 1;
-    std::cout << "Picture: " << out << '\n';
+              << picture.cols << "x" << picture.rows << std::endl;
+    writePicture(option<String>(parser, "out"), picture);
     return 0;
+}
+
+int main(int argc, char** argv)
+{
+    return runSample(panorama, argc, argv);
 }

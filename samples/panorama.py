@@ -13,16 +13,11 @@ import sys
 import cv2 as cv
 import numpy as np
 
-try:
-    import aqorb
-except ImportError:  # a cv2 that was built with the module
-    from cv2 import aqorb
+from sample import aqorb, read_image, write_picture
 
 
 def read(name, megapixels=1):
-    image = cv.imread(name)
-    if image is None:
-        sys.exit(name + ': cannot be read as an image')
+    image = read_image(name, cv.IMREAD_COLOR)
     scale = min(1, (megapixels * 1e6 / image[..., 0].size) ** 0.5)
     return cv.resize(image, None, fx=scale, fy=scale, interpolation=cv.INTER_AREA)
 
@@ -68,16 +63,12 @@ def compose(images, cameras):
         warped.append(picture)
         masks.append(warper.warp(everywhere, K, camera.R, cv.INTER_NEAREST, cv.BORDER_CONSTANT)[1])
 
-    gains = cv.detail.ExposureCompensator_createDefault(cv.detail.ExposureCompensator_GAIN_BLOCKS)
-    gains.feed(corners, warped, masks)
     seams = cv.detail.SeamFinder_createDefault(cv.detail.SeamFinder_VORONOI_SEAM)
     seam_masks = seams.find([picture.astype(np.float32) for picture in warped], corners, masks)
-
     blender = cv.detail_MultiBandBlender()
     blender.prepare(cv.detail.resultRoi(corners=corners, sizes=[picture.shape[1::-1] for picture in warped]))
-    for i, picture in enumerate(warped):
-        picture = gains.apply(i, corners[i], picture, masks[i])
-        blender.feed(picture.astype(np.int16), seam_masks[i], corners[i])
+    for picture, mask, corner in zip(warped, seam_masks, corners):
+        blender.feed(picture.astype(np.int16), mask, corner)
     panorama, _ = blender.blend(None, None)
     return cv.convertScaleAbs(np.maximum(panorama, 0))
 
@@ -88,6 +79,8 @@ def main():
     parser.add_argument('--out', default='panorama.jpg', help='picture to write')
     parser.add_argument('images', nargs='+', metavar='IMAGE', help='two or more, as left.jpg middle.jpg right.jpg')
     arguments = parser.parse_args()
+    if len(arguments.images) < 2:
+        parser.error('two images or more are needed')
     images = [read(name) for name in arguments.images]
     detector = aqorb.AdaptiveQuadtreeORB_create(arguments.nfeatures)
     try:
@@ -96,9 +89,7 @@ def main():
     except cv.error:  # an assertion, for example where hardly anything matches
         sys.exit('the cameras could not be estimated')
     print('{} of {} images stitched, {}x{}'.format(len(images), len(images), *panorama.shape[1::-1]))
-    if not cv.imwrite(arguments.out, panorama):
-        sys.exit(1)
-    print('Picture:', arguments.out)
+    write_picture(arguments.out, panorama)
 
 
 if __name__ == '__main__':

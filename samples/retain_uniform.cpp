@@ -5,13 +5,16 @@
 
 // Thins out the keypoints of other detectors: the best by response, and the best spread.
 
-#include <opencv2/aqorb.hpp>
-#include <opencv2/core/utility.hpp>
-#include <opencv2/imgcodecs.hpp>
+#include "sample.hpp"
 
-#include <iostream>
+#include <opencv2/aqorb.hpp>
 
 using namespace cv;
+
+static const char* const ABOUT =
+    "Keeps some keypoints of SIFT and of FAST: by cv::KeyPointsFilter::retainBest, which goes by the "
+    "response\n"
+    "alone (left), and by cv::aqorb::retainUniform, which spreads them over the image.";
 
 static const char* const KEYS =
     "{help    |                    | print this text }"
@@ -29,28 +32,11 @@ static Mat drawn(const Mat& image, const std::vector<KeyPoint>& keypoints, const
     return picture;
 }
 
-int main(int argc, char** argv)
+static int retainUniformSample(int argc, char** argv)
 {
-    CommandLineParser parser(argc, argv, KEYS);
-    parser.about(
-        "Keeps some keypoints of SIFT and of FAST: by cv::KeyPointsFilter::retainBest, which goes by the\n"
-        "response alone (left), and by cv::aqorb::retainUniform, which spreads them over the image.");
-    const int npoints = parser.get<int>("npoints");
-    const String file = parser.get<String>("@image"), out = parser.get<String>("out");
-    if (parser.has("help") || !parser.check())
-    {
-        parser.printErrors();
-        parser.printMessage();
-        return !parser.check();
-    }
-    const Mat image = imread(samples::findFile(file, false), IMREAD_GRAYSCALE);
-    if (image.empty())
-    {
-        std::cerr << file
-                  << ": cannot be read as an image (OpenCV's: export "
-                     "OPENCV_SAMPLES_DATA_PATH=$(scripts/demo.sh --images))\n";
-        return 1;
-    }
+    const CommandLineParser parser = parseOptions(argc, argv, KEYS, ABOUT);
+    const int npoints = option<int>(parser, "npoints");
+    const Mat image = readImage(option<String>(parser, "@image"));
 
     const std::pair<String, Ptr<Feature2D>> detectors[] = {{"SIFT", SIFT::create()},
                                                            {"FAST", FastFeatureDetector::create()}};
@@ -68,8 +54,11 @@ int main(int argc, char** argv)
         hconcat(left, right, rows[i]);
     }
     vconcat(rows[0], rows[1], rows[0]);
-    if (!imwrite(out, rows[0]))
-        return 1;
-    std::cout << "Picture: " << out << '\n';
+    writePicture(option<String>(parser, "out"), rows[0]);
     return 0;
+}
+
+int main(int argc, char** argv)
+{
+    return runSample(retainUniformSample, argc, argv);
 }

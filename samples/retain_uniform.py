@@ -7,14 +7,10 @@
 retainUniform, which spreads them over the image. Without an image it takes graf1.png of OpenCV's samples."""
 
 import argparse
-import sys
 
 import cv2 as cv
 
-try:
-    import aqorb
-except ImportError:  # a cv2 that was built with the module
-    from cv2 import aqorb
+from sample import aqorb, read_image, write_picture
 
 
 def drawn(image, keypoints, name):
@@ -30,10 +26,7 @@ def main():
     parser.add_argument('--out', default='retain_uniform.jpg', help='picture to write')
     parser.add_argument('image', nargs='?', default='graf1.png', help="file, or one of OpenCV's samples")
     arguments = parser.parse_args()
-    image = cv.imread(cv.samples.findFile(arguments.image, False), cv.IMREAD_GRAYSCALE)
-    if image is None:
-        sys.exit(arguments.image + ': cannot be read as an image'
-                 " (OpenCV's: export OPENCV_SAMPLES_DATA_PATH=$(scripts/demo.sh --images))")
+    image = read_image(arguments.image)
 
     print('{:24} {:>9} {:>10} {:>11}'.format('', 'keypoints', 'uniformity', 'occupied'))
     rows = []
@@ -43,9 +36,7 @@ def main():
         uniform = aqorb.retainUniform(keypoints, image.shape[1::-1], arguments.npoints)
         rows.append(cv.hconcat([drawn(image, best, name + ', retainBest'),
                                 drawn(image, uniform, name + ', retainUniform')]))
-    if not cv.imwrite(arguments.out, cv.vconcat(rows)):
-        sys.exit(1)
-    print('Picture:', arguments.out)
+    write_picture(arguments.out, cv.vconcat(rows))
 
 
 if __name__ == '__main__':

@@ -6,26 +6,27 @@
 // The path of a stereo camera from the features of AdaptiveQuadtreeORB, and from those of cv::ORB.
 
 #include "stereo_odometry.hpp"
+#include "sample.hpp"
 
 #include <opencv2/aqorb.hpp>
-#include <opencv2/core/utility.hpp>
-#include <opencv2/highgui.hpp>
-#include <opencv2/imgcodecs.hpp>
 #include <opencv2/imgproc.hpp>
-
-#include <iostream>
 
 using namespace cv;
 
 namespace
 {
 
-const char* const KEYS =
-    "{help      |                     | print this text }"
-    "{nfeatures | 1000                | number of keypoints to ask for }"
-    "{show      |                     | show the picture in a window, too, frame by frame }"
-    "{out       | stereo_odometry.jpg | picture to write }"
-    "{@folder   |                     | a sequence as KITTI's }";
+const char* const ABOUT =
+    "Stereo visual odometry with cv::aqorb::AdaptiveQuadtreeORB and with cv::ORB, on a folder laid out as "
+    "KITTI's\n"
+    "odometry sequences: calib.txt, image_0 and image_1 (or image_l and image_r) and, for the errors, "
+    "poses.txt.\n"
+    "Prints a table, and writes the paths and the features tracked into the last frame to a picture.";
+
+const char* const KEYS = "{help      |                     | print this text }"
+                         "{nfeatures | 1000                | number of keypoints to ask for }"
+                         "{out       | stereo_odometry.jpg | picture to write }"
+                         "{@folder   |                     | a sequence as KITTI's }";
 
 struct Odometry
 {
@@ -84,31 +85,18 @@ double pathLength(const std::vector<Matx44d>& poses, size_t first, size_t last)
     return length;
 }
 
-struct Errors
+//! The error of the motion over `step` frames, in per cent of the path.
+double translationError(const std::vector<Matx44d>& poses, const std::vector<Matx44d>& truth, size_t step)
 {
-    double translation;  // of the motion over `step` frames, per cent of the path
-    double rotation;     // of the same motion, degrees per 100 m
-    double end;          // of the last position, per cent of the path
-};
-
-Errors errorsOf(const std::vector<Matx44d>& poses, const std::vector<Matx44d>& truth, size_t step)
-{
-    Errors errors = {0, 0, 0};
-    double metres, degrees;
-    int count = 0;
-    for (size_t i = 0; i + step < poses.size(); i++, count++)
+    double sum = 0, metres, degrees;
+    size_t count = 0;
+    for (; count + step < poses.size(); count++)
     {
-        const double length = std::max(pathLength(truth, i, i + step), 1e-6);
-        motionError(poses[i].inv() * poses[i + step], truth[i].inv() * truth[i + step], metres, degrees);
-        errors.translation += 100 * metres / length;
-        errors.rotation += 100 * degrees / length;
+        motionError(poses[count].inv() * poses[count + step], truth[count].inv() * truth[count + step],
+                    metres, degrees);
+        sum += 100 * metres / std::max(pathLength(truth, count, count + step), 1e-6);
     }
-    errors.translation /= std::max(count, 1);
-    errors.rotation /= std::max(count, 1);
-    const size_t last = poses.size() - 1;
-    motionError(poses[last], truth[0].inv() * truth[last], metres, degrees);
-    errors.end = 100 * metres / std::max(pathLength(truth, 0, last), 1e-6);
-    return errors;
+    return sum / std::max(double(count), 1.);
 }
 
 void printTable(const std::vector<Odometry>& odometries, const StereoSequence& sequence)
@@ -131,12 +119,9 @@ void printTable(const std::vector<Odometry>& odometries, const StereoSequence& s
     if (sequence.poses.empty())
         return;
     std::printf("  by poses.txt: %.2f m\n", pathLength(sequence.poses, 0, orb.poses.size() - 1));
-    const Errors errorsOrb = errorsOf(orb.poses, sequence.poses, STEP);
-    const Errors errorsOurs = errorsOf(ours.poses, sequence.poses, STEP);
-    row("translation error over 10 frames, of the path", "%.2f %%", errorsOrb.translation,
-        errorsOurs.translation);
-    row("rotation error over 10 frames, degrees/100 m", "%.2f", errorsOrb.rotation, errorsOurs.rotation);
-    row("error of the last position, of the path", "%.2f %%", errorsOrb.end, errorsOurs.end);
+    row("translation error over 10 frames, of the path", "%.2f %%",
+        translationError(orb.poses, sequence.poses, STEP),
+        translationError(ours.poses, sequence.poses, STEP));
 }
 
 // The left image with the tracked features: a line from where each was in the frame before.
@@ -158,39 +143,31 @@ Mat trackPicture(const Odometry& odometry, const Mat& left)
 // The paths from above: x to the right, z (ahead) to the top.
 Mat pathPicture(const std::vector<std::vector<Matx44d>>& paths, const std::vector<Scalar>& colours, Size size)
 {
-    std::vector<std::vector<Point2d>> lines;
-    Point2d low(-5, -5), high(5, 5);
+    std::vector<Mat> lines;
+    std::vector<Point2f> all;
     for (const std::vector<Matx44d>& path : paths)
     {
-        lines.push_back({});
+        std::vector<Point2f> line;
         for (const Matx44d& pose : path)
-        {
-            const Point2d p(pose(0, 3), pose(2, 3));
-            low = Point2d(std::min(low.x, p.x), std::min(low.y, p.y));
-            high = Point2d(std::max(high.x, p.x), std::max(high.y, p.y));
-            lines.back().push_back(p);
-        }
+            line.push_back(Point2f(float(pose(0, 3)), float(-pose(2, 3))));
+        lines.push_back(Mat(line, true));
+        all.insert(all.end(), line.begin(), line.end());
     }
-    const double margin = 20;
+    const Rect box = boundingRect(all);  // in metres
+    const Scalar centre(box.x + box.width / 2., box.y + box.height / 2.);
     const double scale =
-        std::min((size.width - 2 * margin) / (high.x - low.x), (size.height - 4 * margin) / (high.y - low.y));
-    const Point2d centre = 0.5 * (low + high);
+        std::min((size.width - 60.) / (box.width + 10), (size.height - 60.) / (box.height + 10));
     Mat picture(size, CV_8UC3, Scalar::all(255));
     for (size_t i = 0; i < lines.size(); i++)
     {
-        std::vector<Point> pixels;
-        for (const Point2d& p : lines[i])
-            pixels.push_back(Point(cvRound(size.width * 0.5 + (p.x - centre.x) * scale),
-                                   cvRound(size.height * 0.5 - (p.y - centre.y) * scale)));
+        Mat pixels = (lines[i] - centre) * scale + Scalar(size.width / 2, size.height / 2);
+        pixels.convertTo(pixels, CV_32S);
         polylines(picture, pixels, false, colours[i], 2, LINE_AA);
     }
-    const int metres = 10, length = cvRound(metres * scale);
     const Point start(10, size.height - 10);
-    line(picture, start, start + Point(length, 0), Scalar::all(0), 2);
-    putText(picture, format("%d m", metres), start - Point(0, 8), FONT_HERSHEY_SIMPLEX, 0.5, Scalar::all(0),
+    line(picture, start, start + Point(cvRound(10 * scale), 0), Scalar::all(0), 2);
+    putText(picture, "10 m; grey: poses.txt", start - Point(0, 8), FONT_HERSHEY_SIMPLEX, 0.5, Scalar::all(0),
             1, LINE_AA);
-    putText(picture, "Paths from above; grey: poses.txt", Point(start.x, cvRound(margin)),
-            FONT_HERSHEY_SIMPLEX, 0.5, Scalar::all(0), 1, LINE_AA);
     return picture;
 }
 
@@ -220,62 +197,36 @@ Mat drawAll(const std::vector<Odometry>& odometries, const StereoSequence& seque
     return picture;
 }
 
-}  // namespace
-
-int main(int argc, char** argv)
+int stereoOdometry(int argc, char** argv)
 {
-    CommandLineParser parser(argc, argv, KEYS);
-    parser.about(
-        "Stereo visual odometry with cv::aqorb::AdaptiveQuadtreeORB and with cv::ORB, on a folder laid out "
-        "as\n"
-        "KITTI's odometry sequences: calib.txt, image_0 and image_1 (or image_l and image_r) and, for the\n"
-        "errors, poses.txt. Prints a table and writes the paths and the features tracked into the last\n"
-        "frame to a picture.");
-    const String folder = parser.get<String>("@folder"), out = parser.get<String>("out");
-    const int nfeatures = parser.get<int>("nfeatures");
-    const bool show = parser.has("show");
-    if (parser.has("help") || !parser.check() || folder.empty())
-    {
-        parser.printErrors();
-        parser.printMessage();
-        return !parser.has("help");
-    }
-
-    StereoSequence sequence;
-    try
-    {
-        sequence = readStereoSequence(folder);
-    }
-    catch (const cv::Exception& exception)
-    {
-        std::cerr << exception.err << std::endl;
-        return 1;
-    }
+    const CommandLineParser parser = parseOptions(argc, argv, KEYS, ABOUT);
+    const String folder = option<String>(parser, "@folder");
+    const int nfeatures = option<int>(parser, "nfeatures");
+    if (folder.empty())
+        CV_Error(Error::StsBadArg, "the folder of a sequence is needed; --help says what it has");
+    const StereoSequence sequence = readStereoSequence(folder);
     std::vector<Odometry> odometries = {
         Odometry("cv::ORB", ORB::create(nfeatures), Scalar(60, 60, 230)),
         Odometry("AdaptiveQuadtreeORB", aqorb::AdaptiveQuadtreeORB::create(nfeatures), Scalar(40, 200, 40))};
     Mat left;
     for (size_t i = 0; i < sequence.left.size(); i++)
     {
-        left = imread(sequence.left[i], IMREAD_GRAYSCALE);
-        const Mat right = imread(sequence.right[i], IMREAD_GRAYSCALE);
-        if (left.empty() || left.size() != right.size())
-        {
-            std::cerr << sequence.left[i] << ": not a pair of images of one size\n";
-            return 1;
-        }
+        left = readImage(sequence.left[i]);
+        const Mat right = readImage(sequence.right[i]);
+        if (left.size() != right.size())
+            CV_Error(Error::StsUnmatchedSizes,
+                     sequence.left[i] + ": the image of the right camera has another size");
         for (Odometry& odometry : odometries)
             track(odometry, left, right, sequence);
-        if (show)
-        {
-            imshow("stereo odometry (Esc: stop)", drawAll(odometries, sequence, left));
-            if (waitKey(30) == 27)
-                break;
-        }
     }
     printTable(odometries, sequence);
-    if (!imwrite(out, drawAll(odometries, sequence, left)))
-        return 1;
-    std::cout << "Picture: " << out << '\n';
+    writePicture(option<String>(parser, "out"), drawAll(odometries, sequence, left));
     return 0;
+}
+
+}  // namespace
+
+int main(int argc, char** argv)
+{
+    return runSample(stereoOdometry, argc, argv);
 }

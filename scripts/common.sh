@@ -42,8 +42,8 @@ as_root() {
 # The Debian packages that each kind of work needs; this is the only list of them.
 declare -A PACKAGES=(
     [build]='build-essential cmake ccache libopencv-dev'
-    [test]='libgtest-dev pkg-config xvfb xdotool'  # the last two for the sample live
-    [python]='locales mypy pybind11-dev python3-dev python3-numpy python3-opencv python3-pil python3-pytest python3-venv xvfb xdotool'
+    [test]='libgtest-dev pkg-config'
+    [python]='locales mypy pybind11-dev python3-dev python3-numpy python3-opencv python3-pil python3-pytest python3-venv'
     [package]='dpkg-dev file gzip libblas-dev libdlib-dev liblapack-dev libsqlite3-dev lintian python3-dev pybind11-dev python3-numpy'
     [doc]='chromium doxygen graphviz libjs-mathjax libopencv-features2d-dev python3 texlive-binaries'
     [evaluate]='libdlib-dev libblas-dev liblapack-dev libsqlite3-dev'  # Debian 13's dlib asks for the others

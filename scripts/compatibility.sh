@@ -4,7 +4,7 @@
 #
 #   scripts/compatibility.sh [--bytes] [ROW ...]
 #
-# Ends with one line for each row of the table in doc/compatibility.md; all rows by default. With --bytes the tests
+# Ends with one line for each row of the table in doc/reliability.md; all rows by default. With --bytes the tests
 # are left out. The rows are presets of CMakePresets.json, except debian12, debian13 and plain, which use the preset
 # release. The builds are in build, the logs in build/compatibility.
 #

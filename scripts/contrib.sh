@@ -1,34 +1,48 @@
 #!/usr/bin/env bash
 # Makes the series of patches that would add the module to opencv_contrib, and the text of its pull request, in
-# build/contrib. The files are real ones, have OpenCV's licence header, and name nothing outside of the module;
-# packaging/contrib/export.py says what differs from this repository. Applies the series to a pristine copy of
-# opencv_contrib and compares; the tree that results is build/opencv_contrib.
+# build/contrib. Applies the series to a pristine copy of opencv_contrib and compares; the tree that results is
+# build/opencv_contrib.
 #
-#   scripts/contrib.sh [--release 4] [--build]
+#   scripts/contrib.sh [--release 4]
+#   scripts/contrib.sh --copy FOLDER
 #
 # The tree is that of Debian's source package of OpenCV, or, with --release 4, that of the newest OpenCV 4 from the
-# Python package index. --build builds Debian's OpenCV with it and runs what that build gives, by scripts/opencv.sh: the
-# tests, performance tests, one sample each, the samples, and the tests of the Python and of the Java wrapper.
+# Python package index. scripts/opencv.sh builds OpenCV with it and runs what that build gives.
+#
+# With --copy it only puts the module into a folder modules, as opencv_contrib would have it: links become files, the
+# licence's header is OpenCV's, and what the build against an installed OpenCV and the Python package need is left out.
 #
 # Installs the Debian packages it needs.
 source "$(dirname "$0")/common.sh"
 
-release='' and_build=''
-while (($#)); do
-    case $1 in
-    --build) and_build=yes ;;
-    --release)
-        [[ ${2:-} == 4 ]] || die "--release needs 4"
-        release=4
-        shift
-        ;;
-    *) die "unknown option $1; --help says what there is" ;;
-    esac
-    shift
-done
-[[ ! $release || ! $and_build ]] || die "--build takes Debian's source; scripts/opencv.sh --release builds the newest ones"
-# That script calls this one.
-if [[ $and_build ]]; then exec "$ROOT/scripts/opencv.sh" --java; fi
+# copy_module FOLDER: puts the module there.
+copy_module() {
+    local module=$1/aqorb
+    rm -rf "$module"
+    cp -rL "$ROOT/modules/aqorb" "$module"
+    find "$module" -name __pycache__ -prune -exec rm -r {} +
+    rm -r "$module"/{test,samples}/CMakeLists.txt "$module/test/exports.cmake" \
+        "$module"/samples/{collection,colmap,notebook,test}
+    grep -rlIZ 'This file is part of aqorb' "$module" | xargs -0 sed -i \
+        -e 's/This file is part of aqorb\. .*/This file is part of OpenCV project./' \
+        -e 's|of this distribution\.$|of this distribution and at http://opencv.org/license.html.|' \
+        -e '/SPDX-License-Identifier/d'
+    if grep -rnI "part of aqorb\|SPDX" "$module"; then die "a file has another header than those of opencv_contrib"; fi
+}
+
+release=
+case ${1:-} in
+'') ;;
+--copy)
+    copy_module "${2:?is a folder}"
+    exit
+    ;;
+--release)
+    [[ ${2:-} == 4 ]] || die "--release needs 4"
+    release=4
+    ;;
+*) die "unknown option $1; --help says what there is" ;;
+esac
 
 need contrib
 if [[ $release ]]; then
@@ -70,9 +84,12 @@ git add --force .
 git commit --quiet --message 'opencv_contrib'
 git tag pristine
 
-"$PYTHON" "$ROOT/packaging/contrib/export.py" modules
-links=$(find modules/aqorb -type l)
-[[ -z $links ]] || die "the module has links: $links"
+copy_module modules
+# Its row in the list of modules, before the first one whose name comes later.
+row='- **aqorb**: Uniformly distributed ORB features -- An ORB detector whose keypoints cover the whole image, functions that thin out the keypoints of any detector uniformly or measure how they lie, and a fast matcher of binary descriptors.'
+awk -v row="$row" '/^- \*\*/ && !done && substr($0, 5) > "aqorb" { print row "\n"; done = 1 } { print }' \
+    modules/README.md >"$series/README.md"
+mv "$series/README.md" modules/README.md
 
 module=modules/aqorb
 commit modules/README.md $module/{CMakeLists.txt,README.md,doc,include,src} <<'END'

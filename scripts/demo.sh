@@ -1,12 +1,12 @@
 #!/usr/bin/env bash
 # Builds the module and shows what it does beside cv::ORB: a table and two pictures for each pair of images.
 #
-#   scripts/demo.sh [IMAGE ...]
+#   scripts/demo.sh [--nfeatures=N] [--out=FOLDER] [IMAGE [IMAGE]]
 #   scripts/demo.sh --images
 #
 # Installs the Debian packages it needs. Without images it takes three pairs of OpenCV's samples (the Debian
 # package opencv-doc, fetched, not installed): one where all of the scene is in both images, one with a small object,
-# and one from two sides. The pictures go to build/demo.
+# and one from two sides. N is 1000 unless given. The pictures go to build/demo or to FOLDER, which must exist.
 #
 # With --images it only fetches these samples and prints their folder, for the other samples and the notebook:
 #
@@ -23,14 +23,22 @@ if [[ ${1:-} == --images ]]; then
     exit
 fi
 
-need build
-configure release -DAQORB_BUILD_SAMPLES=ON
-build "$BUILD/release" --target aqorb_demo
-
 images=()
-for argument; do [[ $argument == -* ]] || images+=("$argument"); done
-if ((${#images[@]} == 0)); then opencv_samples && export OPENCV_SAMPLES_DATA_PATH=$OPENCV_SAMPLES; fi
+for argument; do
+    case $argument in
+    --nfeatures=* | --out=*) ;;
+    -*) die "there is no option $argument; --help lists those that there are" ;;
+    *) images+=("$argument") ;;
+    esac
+done
+((${#images[@]} <= 2)) || die "one image or two are accepted"
+
+need build
 mkdir -p "$BUILD/demo"
+configure release -DAQORB_BUILD_SAMPLES=ON >"$BUILD/demo/configure.log" 2>&1 || die "see $BUILD/demo/configure.log"
+build "$BUILD/release" --target aqorb_demo | sed -u '/Built target\|Consolidate compiler\|no work to do/d'
+
+if ((${#images[@]} == 0)); then opencv_samples && export OPENCV_SAMPLES_DATA_PATH=$OPENCV_SAMPLES; fi
 export OPENCV_LOG_LEVEL=${OPENCV_LOG_LEVEL:-ERROR}  # else OpenCV warns of each of its pictures that it finds
 
 say "AdaptiveQuadtreeORB beside cv::ORB"

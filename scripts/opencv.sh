@@ -138,7 +138,7 @@ if [[ $release ]]; then
     say "The module as in opencv_contrib"
     rm -rf "$contrib"
     mkdir -p "$contrib/modules"
-    "$PYTHON" "$ROOT/packaging/contrib/export.py" "$contrib/modules"
+    "$ROOT/scripts/contrib.sh" --copy "$contrib/modules"
 else
     "$ROOT/scripts/contrib.sh"
 fi

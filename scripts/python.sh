@@ -17,7 +17,8 @@
 # With --offline the package is installed as packagers do it: from its source distribution, unpacked where there is no
 # git, against the installed OpenCV, with the network cut off.
 #
-# With --notebook it runs the notebook of the samples, and leaves it with its pictures in build/notebook/aqorb.html.
+# With --notebook it installs the package by pip beside a cv2 of pip, runs the notebook of the samples there, and leaves it
+# with its pictures in build/notebook/aqorb.html.
 #
 # With --collection it tests collections of images in their long form. 500 photographs of opencv_extra go through the
 # command aqorb, the function and the sample on Ray, a worker of Ray is killed, and 10,000 small images go through the
@@ -27,7 +28,7 @@
 source "$(dirname "$0")/common.sh"
 
 tests=("$ROOT/modules/aqorb/misc/python/test" "$ROOT/bindings/python/test")
-pytest=(env PYTHONDONTWRITEBYTECODE=1 AQORB_BINDING=aqorb)
+pytest=(env PYTHONDONTWRITEBYTECODE=1)
 
 asan() {
     local libraries
@@ -75,11 +76,12 @@ package() {
 }
 
 notebook() {
-    package
+    need build wheel
     opencv_samples
-    command_environment notebook ipykernel matplotlib nbconvert
-    say "The notebook"
-    OPENCV_SAMPLES_DATA_PATH=$OPENCV_SAMPLES "$PYTHON" -m nbconvert --execute --to html --log-level=WARN \
+    say "The notebook, beside opencv-python-headless $OPENCV_4"
+    environment "$BUILD/venv/notebook" ipykernel matplotlib nbconvert "opencv-python-headless==$OPENCV_4" "${ROOT}[cli]"
+    "$BUILD/venv/notebook/bin/python" -m aqorb --version
+    PATH=$BUILD/venv/notebook/bin:$PATH OPENCV_SAMPLES_DATA_PATH=$OPENCV_SAMPLES jupyter nbconvert --execute --to html --log-level=WARN \
         --output-dir "$BUILD/notebook" "$ROOT/samples/notebook/aqorb.ipynb"
     ls -l "$BUILD/notebook/aqorb.html"
 }

@@ -87,7 +87,7 @@ copy_tests='
     cp "$root/modules/aqorb/misc/python/test/test_aqorb.py" "$folder"
     cp -r "$root/bindings/python/test" "$folder/bindings_test"
     cd "$folder"
-    export AQORB_BINDING=aqorb PYTHONDONTWRITEBYTECODE=1
+    export PYTHONDONTWRITEBYTECODE=1
     '
 
 # in_environment VERSION CV2 COMMANDS ARGUMENT...: runs commands in a new virtual environment of a CPython, on its Debian.
@@ -137,7 +137,8 @@ here() {
     say "The wheel for $("$PYTHON" --version)"
     environment "$tools"
     rm -rf "$WHEELS/here"
-    (cd "$ROOT" && "$tools/bin/pip" wheel -q --no-deps "${BUNDLE[@]}" --wheel-dir "$WHEELS/here" .)
+    (cd "$ROOT" && "$tools/bin/pip" wheel -q --no-deps "${BUNDLE[@]}" -C build-dir=build/pip/bundled \
+        --wheel-dir "$WHEELS/here" .)
     check_size "$WHEELS"/here/*.whl
     say "Without cv2"
     environment "$tools" mypy pyright pytest "$WHEELS"/here/*.whl

@@ -146,7 +146,7 @@ public:
     {
         std::shared_ptr<Backend> before;
 #if defined(__SANITIZE_THREAD__)
-        before = std::make_shared<NewThreads>();  // see tools/tsan
+        before = std::make_shared<NewThreads>();  // which it sees
 #endif
         parallel::setParallelForBackend(before, false);
     }

@@ -11,7 +11,7 @@
 #include <opencv2/aqorb/features.hpp>
 
 // How well the features of two images of a plane match. This needs OpenCV's module calib3d, or geometry in OpenCV
-// 5, but neither test framework, so that tools/evaluate uses it, too.
+// 5, but no test framework, so that programs can include it, too.
 
 namespace opencv_test
 {

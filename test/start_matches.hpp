@@ -9,7 +9,7 @@
 #include "features.hpp"
 
 // How a SLAM system with one camera matches frames before it knows anything of the scene. Written from the description
-// in the paper of ORB-SLAM. tools/evaluate uses it, too.
+// in the paper of ORB-SLAM. Programs can include it, too.
 
 namespace opencv_test
 {

@@ -11,7 +11,7 @@
 #include <limits>
 #include <numeric>
 
-// Each test repeats a failure that fuzzing has found; see doc/reliability.md.
+// Each test repeats a failure that fuzzing has found.
 
 namespace opencv_test
 {

@@ -97,7 +97,7 @@ bool pyramidHasKernel()
     return CV_NEON || (is64Bit && checkHardwareSupport(CPU_SSE4_1));
 }
 
-//! Those for which doc/performance.md sets aims.
+//! Those whose times are compared.
 std::vector<Mat> referencePhotographs()
 {
     std::vector<Mat> photographs;

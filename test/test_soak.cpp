@@ -14,8 +14,8 @@
 #include <thread>
 
 // The long run: frames of changing sizes through one object from several threads, calls that fail, and memory that runs
-// out. Each output must be what a new object gave, and memory must not grow. AQORB_SOAK_FRAMES makes it as long as
-// doc/reliability.md tells.
+// out. Each output must be what a new object gave, and memory must not grow. AQORB_SOAK_FRAMES makes it
+// longer.
 
 namespace opencv_test
 {

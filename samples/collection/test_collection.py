@@ -81,7 +81,7 @@ def test_ray(photographs, table, tmp_path):
 
 def test_the_function_for_spark(photographs, table):
     page = HERE.parent.parent / 'modules/aqorb/tutorials/aqorb_many_images/aqorb_many_images.markdown'
-    code = page.read_text().split('mapInArrow`:\n@code{.py}\n')[1].split('# Spark begins here.')[0]
+    code = page.read_text().split('mapInArrow`:\n\n```python\n')[1].split('# Spark begins here.')[0]
     names = {}
     exec(code, names)
     files = pa.table({'path': [path.decode() for path in table['path'].to_pylist()] + ['no image.txt']})

@@ -15,8 +15,7 @@ Features are matched between each image and the next ones, as mutual nearest nei
 distance, which COLMAP does not know. The keypoints and the matches are written into COLMAP's database. COLMAP verifies
 them and reconstructs the camera's poses and the points. The latter depends on chance, so that it is done several times,
 with the seeds 0 to --runs - 1. The table has the medians, and the position errors from the least to the greatest.
-The reconstructions are left in the folder --out, and a picture points.jpg. It shows where in the middle image the
-points lie that the first run of each detector reconstructed. Needs pycolmap.
+The reconstructions are left in the folder --out. Needs pycolmap.
 """
 
 import argparse
@@ -137,19 +136,6 @@ def table_row(name, found, names, options):
         '' if None in errors else ', '.join('{:.3f}'.format(error) for error in sorted(errors)))
 
 
-def draw_points(path, name, found):
-    """The image with the keypoints of which there is a point."""
-    picture = cv.imread(path)
-    for image in found.images.values():
-        if image.name == os.path.basename(path):
-            points = np.array([point.xy for point in image.points2D if point.has_point3D()]).reshape(-1, 2)
-            for x, y in points - .5:
-                cv.circle(picture, (int(round(x)), int(round(y))), 3, (0, 220, 255), -1, cv.LINE_AA)
-            cv.putText(picture, '{}: {} points'.format(name, len(points)), (10, 28), cv.FONT_HERSHEY_SIMPLEX, .8,
-                       (255, 255, 255), 2, cv.LINE_AA)
-    return picture
-
-
 def main():
     parser = argparse.ArgumentParser(usage=__doc__.split('usage: ')[1].split('\n\n')[0], add_help=True)
     parser.add_argument('--detectors', default='aqorb,orb,sift')
@@ -168,14 +154,8 @@ def main():
     pycolmap.logging.minloglevel = 2
     print('| features | images | points | track length | reprojection error, px | position errors, m |')
     print('|---|---|---|---|---|---|')
-    pictures = []
     for name in options.detectors.split(','):
-        found = reconstruct(folder, names, name, options)
-        print(table_row(name, found, names, options), flush=True)
-        if found:
-            pictures.append(draw_points(os.path.join(folder, names[len(names) // 2]), name, found[0]))
-    if pictures:
-        cv.imwrite(os.path.join(options.out, 'points.jpg'), np.vstack(pictures), [cv.IMWRITE_JPEG_QUALITY, 80])
+        print(table_row(name, reconstruct(folder, names, name, options), names, options), flush=True)
 
 
 if __name__ == '__main__':

@@ -9,9 +9,9 @@
 #include "../../perf/perf_scene.hpp"
 #include "../../test/scenes.hpp"
 #include "../../tools/fingerprint/lines.hpp"
-#include "homography.hpp"
 #include "parameter_table.hpp"
 
+#include <opencv2/calib3d.hpp>
 #include <opencv2/imgproc.hpp>
 
 #include <emscripten/bind.h>
@@ -328,10 +328,18 @@ std::vector<DMatch> matched(int detector)
     return matches;
 }
 
+//! Whether a homography maps one point to within 3 pixels of the other.
+bool agrees(const Matx33d& homography, const Point2f& from, const Point2f& to)
+{
+    const Vec3d mapped = homography * Vec3d(from.x, from.y, 1);
+    return mapped[2] > 0 &&
+           norm(Point2d(mapped[0] / mapped[2] - to.x, mapped[1] / mapped[2] - to.y)) <= SAME_PLACE;
+}
+
 /** Matches the features of the pictures.
- @return `homography`, which is found from the matches: nine numbers, or null; `matches`: x and y in picture 0, those in
- picture 1, and whether the match is right; their number, `count`, and that of the right ones, `agreeing`. They are right
- by the motion if that is known (`known`), and otherwise by the homography. */
+ @return `homography`, which is found from the matches: nine numbers, or null where fewer than ten agree; `matches`: x and
+ y in picture 0, those in picture 1, and whether the match is right; their number, `count`, and that of the right ones,
+ `agreeing`. They are right by the motion if that is known (`known`), and otherwise by the homography. */
 val match(int detector)
 {
     return guarded(
@@ -344,24 +352,34 @@ val match(int detector)
                 from.push_back(pictures[0].features[detector].keypoints[pair.queryIdx].pt);
                 to.push_back(pictures[1].features[detector].keypoints[pair.trainIdx].pt);
             }
+            const int FEWEST = 10;
             Matx33d homography;
-            const bool found = findHomography(from, to, homography);
+            if (int(from.size()) >= FEWEST)
+            {
+                const Mat estimate = findHomography(from, to, RANSAC, SAME_PLACE);
+                if (!estimate.empty())
+                    homography = estimate;
+            }
+            int inliers = 0, agreeing = 0;
+            for (size_t i = 0; i < from.size(); i++)
+                inliers += agrees(homography, from[i], to[i]);
+            if (inliers < FEWEST)
+                homography = Matx33d();  // with which nothing agrees
             std::vector<float> matches;
-            int agreeing = 0;
             for (size_t i = 0; i < from.size(); i++)
             {
-                const bool does =
-                    (isKnown || found) && agrees(isKnown ? motion : homography, from[i], to[i], SAME_PLACE);
-                agreeing += does;
-                matches.insert(matches.end(), {from[i].x, from[i].y, to[i].x, to[i].y, does ? 1.f : 0.f});
+                const bool isRight = agrees(isKnown ? motion : homography, from[i], to[i]);
+                agreeing += isRight;
+                matches.insert(matches.end(), {from[i].x, from[i].y, to[i].x, to[i].y, isRight ? 1.f : 0.f});
             }
             val result = val::object();
             result.set("matches", copied(matches));
             result.set("count", from.size());
             result.set("agreeing", agreeing);
             result.set("known", isKnown);
-            result.set("homography",
-                       found ? copied(std::vector<double>(homography.val, homography.val + 9)) : val::null());
+            result.set("homography", inliers >= FEWEST
+                                         ? copied(std::vector<double>(homography.val, homography.val + 9))
+                                         : val::null());
             return result;
         });
 }
@@ -425,7 +443,7 @@ val compareTurned(int detector)
             for (const DMatch& pair : matched(detector))
             {
                 const Point2f &from = a.keypoints[pair.queryIdx].pt, &to = b.keypoints[pair.trainIdx].pt;
-                if (agrees(motion, from, to, SAME_PLACE))
+                if (agrees(motion, from, to))
                     matches.insert(matches.end(), {from.x, from.y, to.x, to.y, 1.f});
             }
             val result = val::object();

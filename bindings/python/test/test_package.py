@@ -2,7 +2,7 @@
 # It is subject to the license terms in the LICENSE file found in the top-level directory
 # of this distribution.
 # SPDX-License-Identifier: Apache-2.0
-"""Tests of what the package aqorb has beyond cv2.aqorb; modules/aqorb/misc/python/test has those of both."""
+"""Tests of what the package aqorb has beyond cv2.aqorb, whose tests in modules/aqorb/misc/python/test hold for it, too."""
 
 import ast
 import inspect

@@ -6,9 +6,8 @@
 #ifndef OPENCV_AQORB_PARAMETER_TABLE_HPP
 #define OPENCV_AQORB_PARAMETER_TABLE_HPP
 
-// All parameters of AdaptiveQuadtreeORB, once. The library's checks, setters, getters, read and write are made from
-// this table, and so are the Python package, the preloaded library's variables, what the page sets, and tests. Each
-// row is
+// All parameters of AdaptiveQuadtreeORB, once. The checks, setters, getters, read and write are made from this table,
+// and so are tests and what the project builds on the module. Each row is
 //
 //   X(property, type, name, key, default, range, text)
 //

@@ -23,7 +23,7 @@
 #include <vector>
 
 #if defined(_MSC_VER) && !defined(__clang__)
-#pragma fp_contract(off)  // as cmake/AqorbTarget.cmake asks other compilers for
+#pragma fp_contract(off)  // as the build asks other compilers for
 #endif
 
 #endif

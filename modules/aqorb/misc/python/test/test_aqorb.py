@@ -4,27 +4,16 @@
 # It is subject to the license terms in the LICENSE file found in the top-level directory
 # of this distribution.
 # SPDX-License-Identifier: Apache-2.0
-"""Tests of both Python bindings: cv2.aqorb, which a cv2 has that was built with the module, and the package aqorb.
-AQORB_BINDING names the one to test, cv2 or aqorb; by default it is cv2.aqorb where there is one."""
 
 import os
 import tempfile
-import unittest
 
 import numpy as np
 import cv2 as cv
 
-try:
-    from tests_common import NewOpenCVTests
-except ImportError:  # outside of OpenCV's source tree
+from tests_common import NewOpenCVTests
 
-    class NewOpenCVTests(unittest.TestCase):
-        bootstrap = staticmethod(unittest.main)
-
-if os.environ.get('AQORB_BINDING', 'cv2' if hasattr(cv, 'aqorb') else 'aqorb') == 'cv2':
-    aqorb = cv.aqorb
-else:
-    import aqorb
+aqorb = cv.aqorb
 
 
 def squares(rows=480, cols=640):
@@ -40,12 +29,14 @@ def squares(rows=480, cols=640):
 
 class aqorb_test(NewOpenCVTests):
 
+    def test_is_a_cv_orb(self):
+        orb = aqorb.AdaptiveQuadtreeORB_create()
+        self.assertIsInstance(orb, cv.ORB)
+        self.assertIsInstance(orb, cv.Feature2D)
+
     def test_is_an_orb(self):
         orb = aqorb.AdaptiveQuadtreeORB_create(700)
         self.assertIsInstance(orb, aqorb.AdaptiveQuadtreeORB)
-        if aqorb is getattr(cv, 'aqorb', None):
-            self.assertIsInstance(orb, cv.ORB)
-            self.assertIsInstance(orb, cv.Feature2D)
         self.assertEqual(orb.getDefaultName(), 'Feature2D.AdaptiveQuadtreeORB')
         self.assertEqual(orb.getMaxFeatures(), 700)
         self.assertEqual(orb.descriptorSize(), 32)

@@ -1,0 +1,110 @@
+// This file is part of aqorb. Copyright (C) The aqorb developers.
+// It is subject to the license terms in the LICENSE file found in the top-level directory
+// of this distribution.
+// SPDX-License-Identifier: Apache-2.0
+
+// What the samples share: arguments, files, and a sentence for each that is wrong.
+
+#ifndef AQORB_SAMPLES_SAMPLE_HPP
+#define AQORB_SAMPLES_SAMPLE_HPP
+
+#include <opencv2/core/utility.hpp>
+#include <opencv2/core/utils/filesystem.hpp>
+#include <opencv2/imgcodecs.hpp>
+
+#include <cstdlib>
+#include <iostream>
+#include <vector>
+
+//! Parses the options. Where they ask for help or are wrong, the program says so and ends.
+inline cv::CommandLineParser parseOptions(int argc, char** argv, const cv::String& keys,
+                                          const cv::String& about)
+{
+    cv::CommandLineParser parser(argc, argv, keys);
+    parser.about(about);
+    if (parser.has("help"))
+    {
+        parser.printMessage();
+        std::exit(0);
+    }
+    for (int i = 1; i < argc; i++)  // CommandLineParser passes over options that it does not know
+    {
+        const cv::String argument = argv[i];
+        cv::String name = argument.substr(0, argument.find('='));
+        name.erase(0, name.find_first_not_of('-'));
+        if (argument[0] == '-' && keys.find("{" + name + " ") == cv::String::npos)
+        {
+            std::cerr << argument << ": there is no such option; --help lists those that there are\n";
+            std::exit(1);
+        }
+    }
+    return parser;
+}
+
+//! The value of an option. Where it cannot be read as one, the program says so and ends.
+template <typename T> T option(const cv::CommandLineParser& parser, const char* name)
+{
+    const T value = parser.get<T>(name);
+    if (!parser.check())
+    {
+        parser.printErrors();
+        std::exit(1);
+    }
+    return value;
+}
+
+//! The arguments that are no options.
+inline std::vector<cv::String> fileArguments(int argc, char** argv)
+{
+    std::vector<cv::String> files;
+    for (int i = 1; i < argc; i++)
+        if (argv[i][0] != '-')
+            files.push_back(argv[i]);
+    return files;
+}
+
+//! Reads a file, or one of OpenCV's samples in the folder that OPENCV_SAMPLES_DATA_PATH names.
+inline cv::Mat readImage(const cv::String& name, int flags = cv::IMREAD_GRAYSCALE)
+{
+    const cv::String file = cv::samples::findFile(name, false, true);
+    if (file.empty())
+        CV_Error(cv::Error::StsObjectNotFound,
+                 name + ": there is no such file (OpenCV's sample images: "
+                        "export OPENCV_SAMPLES_DATA_PATH=$(scripts/demo.sh --images))");
+    const cv::Mat image = cv::imread(file, flags);
+    if (image.empty())
+        CV_Error(cv::Error::StsParseError, name + ": cannot be read as an image");
+    return image;
+}
+
+inline void writePicture(const cv::String& file, const cv::Mat& picture)
+{
+    bool isWritten = false;
+    try
+    {
+        isWritten = cv::imwrite(file, picture);
+    }
+    catch (const cv::Exception&)  // the name has no ending of an image
+    {
+    }
+    if (!isWritten)
+        CV_Error(cv::Error::StsError,
+                 file + ": cannot be written; a name such as picture.jpg in an existing folder is accepted");
+    std::cout << "Picture: " << file << std::endl;
+}
+
+//! Runs a sample. An exception becomes a sentence and the exit code 1.
+inline int runSample(int (*sample)(int argc, char** argv), int argc, char** argv)
+{
+    try
+    {
+        return sample(argc, argv);
+    }
+    catch (const cv::Exception& exception)
+    {
+        std::cerr << exception.err << std::endl;
+        return 1;
+    }
+}
+
+#endif

@@ -1,0 +1,36 @@
+# This file is part of aqorb. Copyright (C) The aqorb developers.
+# It is subject to the license terms in the LICENSE file found in the top-level directory
+# of this distribution.
+# SPDX-License-Identifier: Apache-2.0
+"""What the samples share: the module, files, and a sentence for each file that is wrong."""
+
+import sys
+
+import cv2 as cv
+
+try:
+    import aqorb
+except ImportError:  # a cv2 that was built with the module
+    from cv2 import aqorb
+
+
+def read_image(name, flags=cv.IMREAD_GRAYSCALE):
+    """Reads a file, or one of OpenCV's samples in the folder that OPENCV_SAMPLES_DATA_PATH names."""
+    file = cv.samples.findFile(name, False, True)
+    if not file:
+        sys.exit(name + ": there is no such file (OpenCV's sample images: "
+                 'export OPENCV_SAMPLES_DATA_PATH=$(scripts/demo.sh --images))')
+    image = cv.imread(file, flags)
+    if image is None:
+        sys.exit(name + ': cannot be read as an image')
+    return image
+
+
+def write_picture(file, picture):
+    try:
+        written = cv.imwrite(file, picture)
+    except cv.error:  # the name has no ending of an image
+        written = False
+    if not written:
+        sys.exit(file + ': cannot be written; a name such as picture.jpg in an existing folder is accepted')
+    print('Picture:', file)
