@@ -5,7 +5,6 @@
 
 #include "test_precomp.hpp"
 
-#include "hamming.hpp"
 #include "reference_matching.hpp"
 
 #include <limits>
@@ -205,57 +204,6 @@ TEST(Aqorb_MatchArrays, refuses_bad_input)
     AQORB_BAD("reach must", "-1", matchByPosition(some, positions, some, keypoints, Size2f(-1, 1), a, b));
     AQORB_BAD("reach must", "1 x nan",
               matchByPosition(some, positions, some, keypoints, Size2f(1, NOT_A_NUMBER), a, b));
-}
-
-// The kernels of the CPU and those of every CPU, each with the layout that it wants.
-TEST(Aqorb_HammingKernels, equal_the_plain_ones)
-{
-    using namespace aqorb;
-    for (int seed = 1; seed <= 100; seed++)
-    {
-        RNG rng(seed);
-        const bool countPairs = seed % 2 != 0;
-        const int bytes = seed % 3 ? rng.uniform(1, 128) : 32, words = (bytes + 7) / 8;
-        const Mat query = randomDescriptors(rng, rng.uniform(1, 33), bytes);
-        const Mat train = randomDescriptors(rng, rng.uniform(1, 100), bytes);
-        std::vector<DistanceKey> results[2];
-        Mat distances[2];
-        for (int i = 0; i < 2; i++)
-        {
-            const HammingKernels& kernels =
-                i ? plainHammingKernels(countPairs) : hammingKernels(countPairs, bytes);
-            const int blocks = (train.rows + kernels.block - 1) / kernels.block,
-                      blockWords = words * kernels.trainPlanes * kernels.block;
-            std::vector<uint64> queries(size_t(query.rows) * words * kernels.queryPlanes),
-                trains(size_t(blocks) * blockWords);
-            std::vector<ushort> scratch(size_t(MAX_KEPT) * query.rows * kernels.block);
-            kernels.packQueries(query.ptr(), query.step, query.rows, bytes, queries.data());
-            for (int block = 0; block < blocks; block++)
-                kernels.packTrains(train.ptr(block * kernels.block), train.step,
-                                   std::min(kernels.block, train.rows - block * kernels.block), bytes,
-                                   &trains[size_t(block) * blockWords]);
-            const HammingTile tile = {queries.data(), trains.data(), query.rows, train.rows,    1000,
-                                      2000,           words,         6,          scratch.data()};
-            for (int kept = 1; kept <= MAX_KEPT; kept++)
-            {
-                std::vector<DistanceKey> ofQueries(size_t(query.rows) * kept, NO_KEY), again(ofQueries),
-                    ofTrains(size_t(train.rows) * kept, NO_KEY);
-                kernels.nearest[kept - 1][1](tile, ofQueries.data(), ofTrains.data());
-                kernels.nearest[kept - 1][0](tile, again.data(), 0);
-                EXPECT_TRUE(ofQueries == again);
-                results[i].insert(results[i].end(), ofQueries.begin(), ofQueries.end());
-                results[i].insert(results[i].end(), ofTrains.begin(), ofTrains.end());
-            }
-            Mat all(query.rows, blocks * kernels.block, CV_32SC1);
-            kernels.distances(tile, all.ptr<int>(), all.step1());
-            all.colRange(0, train.rows).copyTo(distances[i]);
-            for (int j = 0; j < train.rows; j++)
-                EXPECT_EQ(referenceDistance(query, 0, train, j, countPairs ? NORM_HAMMING2 : NORM_HAMMING),
-                          distances[i].at<int>(0, j));
-        }
-        EXPECT_TRUE(results[0] == results[1]) << seed;
-        EXPECT_TRUE(sameMat(distances[0], distances[1])) << seed;
-    }
 }
 
 }  // namespace

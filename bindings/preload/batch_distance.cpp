@@ -7,7 +7,7 @@
 
 #include "preload.hpp"
 
-#include "match.hpp"
+#include "hamming.hpp"
 
 #include <cstdio>
 #include <mutex>

@@ -6,19 +6,40 @@
 #ifndef OPENCV_AQORB_HAMMING_HPP
 #define OPENCV_AQORB_HAMMING_HPP
 
-// The kernels that compute the Hamming distances of all queries to all trains of a tile, which are packed for them.
-//
-// A kernel chooses the number of planes into which it packs a 64-bit word. A block holds as many trains as a vector of
-// 16-bit distances has lanes.
+// The steps that all matchers share: descriptors are checked, and the nearest ones are searched by kernels for this
+// CPU.
 
 #include "types.hpp"
+
+#include <functional>
 
 namespace cv
 {
 namespace aqorb
 {
 
-// The functions are static, because a file compiled for one CPU that includes them must keep its own: see types.hpp.
+//! Throws unless the norm is one of the two Hamming norms.
+void checkHammingNorm(int normType);
+
+/** Checks descriptors and returns them. All matchers call it, so that they agree on when there are none: a matrix
+ without rows or columns is returned as an empty one.
+ @param width the number of columns that they must have; any for 0 */
+Mat descriptorsOf(const char* name, InputArray descriptors, int width = 0);
+
+//! Reports that memory ran out as OpenCV does. To be called where std::bad_alloc is caught.
+void throwNoMemory(InputArray queryDescriptors);
+
+/** Takes the distances of a query to count trains, the first of which has the index firstTrain. Several threads call it
+ at once. For one query it is called by one thread at a time, in the order of the trains. */
+typedef std::function<void(int query, int firstTrain, const int* distances, int count)> DistanceSink;
+
+/** Computes the Hamming distances of all queries to all trains, in parallel.
+ @param query, train CV_8UC1 matrices of the same width, a descriptor in each row
+ @param countPairs whether pairs of bits count, as for NORM_HAMMING2 */
+void allDistances(const Mat& query, const Mat& train, bool countPairs, const DistanceSink& sink);
+
+// The functions below are static, because a file compiled for one CPU that includes them must keep its own: see
+// types.hpp.
 
 //! A distance and the index at which it is found, as one number. The smaller number is that of the nearer descriptor,
 //! or of the lower index where two descriptors are equally near.
@@ -58,17 +79,17 @@ template <int KEPT> static inline void keepKey(DistanceKey* smallest, DistanceKe
         smallest[KEPT - 1] = smallest[KEPT - 1] < larger ? smallest[KEPT - 1] : larger;
 }
 
-//! Of two words. PAIRS: pairs of bits count.
-template <bool PAIRS> static inline int wordDistance(uint64 a, uint64 b)
-{
-    const uint64 bits = a ^ b;
-    return bitCount(PAIRS ? (bits | bits >> 1) & 0x5555555555555555u : bits);
-}
+/** Finds the nearest descriptors. Lists of one or two without a mask have kernels of their own.
+ @param mask empty, or CV_8UC1 with a row for each query; trains for which it is 0 are left out
+ @param firstTrain the index that the first train is to have
+ @param kept the length of each list
+ @param ofQueries lists in ascending order, of one query after the other, with NO_KEY for no descriptor. The trains are
+ added to these lists.
+ @param ofTrains lists of the nearest queries of each train, likewise; or null */
+void nearestDescriptors(const Mat& query, const Mat& train, const Mat& mask, bool countPairs, int firstTrain,
+                        int kept, DistanceKey* ofQueries, DistanceKey* ofTrains);
 
-//! The nearest one or two descriptors are kept for each query and, if asked for, for each train.
-const int MAX_KEPT = 2;
-
-// ---- for the kernel: plain structs only, see types.hpp ---------------------------------------
+// ---- for the kernels: plain structs only, see types.hpp ---------------------------------------
 
 //! Queries and trains that are compared in one go.
 struct HammingTile
@@ -77,42 +98,31 @@ struct HammingTile
     int queryCount, trainCount;
     int firstQuery, firstTrain;  //!< the indices of the first ones
     int words;                   //!< 64-bit words of a descriptor
-    int indexBits;    //!< for nearest: a tile has at most 2^indexBits queries, and blocks of trains
-    ushort* scratch;  //!< for nearest: MAX_KEPT * queryCount * block elements
+    ushort* scratch;             //!< for nearest: 2 * queryCount * block elements
 };
 
-//! The kernels of a CPU for a norm and a width of descriptors.
+//! The kernels of a CPU for a width of descriptors.
 struct HammingKernels
 {
-    int block;                     //!< trains of a block
-    int queryPlanes, trainPlanes;  //!< packed words for each word of a query and of a train
-
-    //! Packs descriptors, row by row.
-    void (*packQueries)(const uchar* rows, size_t step, int count, int bytes, uint64* packed);
-    //! Packs at most a block of descriptors. Missing ones become zeros.
-    void (*packTrains)(const uchar* rows, size_t step, int count, int bytes, uint64* packed);
+    //! Trains lie in blocks: a word of all of them, then the next word. Within a block each has a lane.
+    int block;
+    int (*laneOf)(int train);
+    int planes;     //!< packed words for each word: itself, or the low and the high halves of its bytes
+    int indexBits;  //!< for nearest: a tile has at most 2^indexBits queries, and blocks of trains
 
     /** Puts the descriptors of a tile into lists of the nearest ones. nearest[KEPT - 1][BOTH] is the kernel for lists
      of KEPT descriptors. With BOTH it fills the lists of the trains, too.
      @param ofQueries, ofTrains lists in ascending order of the queries and of the trains of the tile, one after the
      other */
-    void (*nearest[MAX_KEPT][2])(const HammingTile& tile, DistanceKey* ofQueries, DistanceKey* ofTrains);
+    void (*nearest[2][2])(const HammingTile& tile, DistanceKey* ofQueries, DistanceKey* ofTrains);
 
     //! Computes distances: a row for each query, stride elements after the row before. A row has an element for each
     //! train, and for those that fill the last block.
     void (*distances)(const HammingTile& tile, int* distances, size_t stride);
 };
 
-//! The largest number of bits of a descriptor for which nearest can be used.
-const int MAX_KEY_BITS = 1023;
-//! The longest descriptors that the kernels take: a sum of 16 bits counts their bits, and a tile stays in the cache.
-const int MAX_PACKED_BYTES = 1024;
-
-//! The best kernels that this CPU has for descriptors.
-//! @param countPairs whether pairs of bits count, as for NORM_HAMMING2
-const HammingKernels& hammingKernels(bool countPairs, int bytes);
-//! Those that every CPU has, without a vector.
-const HammingKernels& plainHammingKernels(bool countPairs);
+//! The best kernels of this CPU for descriptors of so many words; null if it has no vectors.
+const HammingKernels* hammingKernels(int words);
 
 }  // namespace aqorb
 }  // namespace cv

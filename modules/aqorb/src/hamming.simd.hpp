@@ -6,9 +6,9 @@
 // The search for the nearest descriptors, and distances, in vectors of 16-bit numbers.
 
 #include "hamming.hpp"
-#ifndef CV_CPU_OPTIMIZATION_DECLARATIONS_ONLY
-#include "hamming_distance.hpp"
-#endif
+#include "simd_compat.hpp"
+
+#include <cstring>
 
 namespace cv
 {
@@ -16,7 +16,7 @@ namespace aqorb
 {
 CV_CPU_OPTIMIZATION_NAMESPACE_BEGIN
 
-const HammingKernels* kernelsFor(bool countPairs, int bytes);
+const HammingKernels* kernelsFor(int words);
 
 #ifndef CV_CPU_OPTIMIZATION_DECLARATIONS_ONLY
 
@@ -25,12 +25,33 @@ const HammingKernels* kernelsFor(bool countPairs, int bytes);
 namespace
 {
 
-//! Puts 16-bit keys into lists of the KEPT smallest ones of each lane.
-template <int KEPT> inline void insertKeys(v_uint16* smallest, const v_uint16& keys)
+//! The words whose bits are counted before the counts overflow.
+const int WORDS_AT_ONCE = 31;
+
+//! The distances of a query to the trains of a block. WORDS: of a descriptor, or 0 for the number that is given.
+template <int WORDS>
+CV_ALWAYS_INLINE v_uint16 blockDistances(const uint64* query, const uint64* block, int words)
 {
-    if (KEPT == 2)
-        smallest[KEPT - 1] = v_min(smallest[KEPT - 1], v_max(smallest[0], keys));
-    smallest[0] = v_min(smallest[0], keys);
+    v_uint16 distances = vx_setzero_u16();
+    for (int left = WORDS ? WORDS : words; left > 0; left -= WORDS_AT_ONCE)
+    {
+        const int planes = BIT_PLANES * (WORDS ? WORDS : left < WORDS_AT_ONCE ? left : WORDS_AT_ONCE);
+        v_uint8 counts[4] = {vx_setzero_u8(), vx_setzero_u8(), vx_setzero_u8(), vx_setzero_u8()};
+        for (int i = 0; i < planes; i++, query++, block += 4 * AQORB_LANES(v_uint64))
+        {
+            const v_uint64 own = vx_setall_u64(*query);
+            for (int j = 0; j < 4; j++)
+                counts[j] = addBits(counts[j], v_xor(own, vx_load(block + j * AQORB_LANES(v_uint64))));
+        }
+        distances = WORDS ? bitsOfWords(counts) : v_add_wrap(distances, bitsOfWords(counts));
+    }
+    return distances;
+}
+
+//! Where in a block the words of a train lie, in the order of bitsOfWords.
+int laneOf(int train)
+{
+    return train % 8 / 2 * AQORB_LANES(v_uint64) + train / 8 * 2 + train % 2;
 }
 
 //! Of 16 bits, in a vector.
@@ -39,147 +60,143 @@ const int MAX_LANES = 32;
 //! A key of 16 bits is a distance and, in the lower bits, a number. This one stands for none.
 const ushort NO_KEY16 = 0xffff;
 
-//! The key of a train of the tile from that of a block and the lane, which is the lowest one that is set.
-inline DistanceKey keyOfLane(int key, uint64 lanes, const HammingTile& tile)
+//! The bits of the number. More queries at once would need more of the cache.
+template <int WORDS> struct IndexBits
 {
-    const int block = key & ((1 << tile.indexBits) - 1);
-    const int train = tile.firstTrain + block * AQORB_LANES(v_uint16) + trailingZeros(lanes);
-    return key == NO_KEY16 ? NO_KEY : distanceKey(key >> tile.indexBits, train);
+    enum
+    {
+        VALUE = WORDS ? 7 : 6
+    };
+};
+
+//! Puts 16-bit keys into lists of the KEPT smallest ones of each lane.
+template <int KEPT> CV_ALWAYS_INLINE void insertKeys(v_uint16* smallest, const v_uint16& keys)
+{
+    if (KEPT == 2)
+        smallest[KEPT - 1] = v_min(smallest[KEPT - 1], v_max(smallest[0], keys));
+    smallest[0] = v_min(smallest[0], keys);
+}
+
+//! Makes a key of that of 16 bits. The number becomes the index first + step * number.
+template <int BITS> CV_ALWAYS_INLINE DistanceKey wideKey(int key, int first, int step)
+{
+    return key == NO_KEY16 ? NO_KEY : distanceKey(key >> BITS, first + step * (key & ((1 << BITS) - 1)));
 }
 
 //! Puts the smallest keys of a query, which are those of its lanes, into its list.
-template <int KEPT> inline void mergeLanes(const ushort* lanes, const HammingTile& tile, DistanceKey* list)
+template <int KEPT, int BITS> void mergeLanes(const ushort* lanes, int firstTrain, DistanceKey* list)
 {
+    const int LANES = AQORB_LANES(v_uint16);
     v_uint16 keys = vx_load(lanes);
     int smallest = v_reduce_min(keys);
     v_uint16 same = v_eq(keys, vx_setall_u16(ushort(smallest)));
     uint64 where = signBits(same);
-    keepKey<KEPT>(list, keyOfLane(smallest, where, tile));
+    keepKey<KEPT>(list, wideKey<BITS>(smallest, firstTrain + trailingZeros(where), LANES));
     if (KEPT == 1)
         return;
     where &= where - 1;
     if (!where)
     {
-        keys = v_select(same, vx_load(lanes + (KEPT - 1) * AQORB_LANES(v_uint16)), keys);
+        keys = v_select(same, vx_load(lanes + (KEPT - 1) * LANES), keys);
         smallest = v_reduce_min(keys);
         where = signBits(v_eq(keys, vx_setall_u16(ushort(smallest))));
     }
-    keepKey<KEPT>(list, keyOfLane(smallest, where, tile));
+    keepKey<KEPT>(list, wideKey<BITS>(smallest, firstTrain + trailingZeros(where), LANES));
 }
 
-template <bool PAIRS, int WORDS, int KEPT, bool BOTH>
+template <int WORDS, int KEPT, bool BOTH>
 void nearest(const HammingTile& tile, DistanceKey* ofQueries, DistanceKey* ofTrains)
 {
-    const int count = AQORB_LANES(v_uint16), words = WORDS ? WORDS : tile.words;
-    const int queryWords = words * Packing<PAIRS>::QUERY_PLANES;
-    const int blockWords = words * Packing<PAIRS>::TRAIN_PLANES * 4 * AQORB_LANES(v_uint64);
-    const KeyMaker maker(tile.indexBits);
-    const v_uint16 ones = vx_setall_u16(ushort(maker.one));
-    for (int i = 0; i < tile.queryCount * KEPT; i++)
-        v_store(tile.scratch + i * count, vx_setall_u16(NO_KEY16));
-    for (int b = (tile.trainCount - 1) / count; b >= 0; b--)
+    const int LANES = AQORB_LANES(v_uint16), BITS = IndexBits<WORDS>::VALUE, planes = tile.words * BIT_PLANES;
+    const int lists = tile.queryCount * KEPT;
+    for (int i = 0; i < lists; i++)
+        v_store(tile.scratch + i * LANES, vx_setall_u16(NO_KEY16));
+    for (int b = (tile.trainCount - 1) / LANES; b >= 0; b--)
     {
-        const uint64* block = tile.trains + size_t(b) * blockWords;
-        uint64 registers[WORDS * 32 + 1];
-        if (Packing<PAIRS>::IN_REGISTERS && WORDS)
-            block = static_cast<uint64*>(std::memcpy(registers, block, WORDS * 32 * sizeof(uint64)));
-        const v_uint16 number = vx_setall_u16(ushort(b * maker.one));
+        const uint64* block = tile.trains + size_t(b) * planes * LANES;
+        CV_DECL_ALIGNED(64) uint64 copy[WORDS * MAX_LANES + 1];
+        if (WORDS &&
+            BIT_PLANES == 1)  // compilers keep it in registers, because nothing else is written to it
+            block = static_cast<uint64*>(std::memcpy(copy, block, WORDS * LANES * sizeof(uint64)));
+        const v_uint16 number = vx_setall_u16(ushort(b));
         v_uint16 query = vx_setzero_u16(), best[2] = {vx_setall_u16(NO_KEY16), vx_setall_u16(NO_KEY16)};
         ushort* lanes = tile.scratch;
-        for (int i = 0; i < tile.queryCount; i++, lanes += KEPT * count)
+        for (int i = 0; i < tile.queryCount; i++, lanes += KEPT * LANES)
         {
             const v_uint16 distances =
-                blockDistances<PAIRS, WORDS>(tile.queries + size_t(i) * queryWords, block, words);
-            v_uint16 smallest[2] = {vx_load(lanes), vx_load(lanes + (KEPT - 1) * count)};
-            insertKeys<KEPT>(smallest, maker.keys(distances, number));
+                v_shl<BITS>(blockDistances<WORDS>(tile.queries + size_t(i) * planes, block, tile.words));
+            v_uint16 smallest[2] = {vx_load(lanes), vx_load(lanes + (KEPT - 1) * LANES)};
+            insertKeys<KEPT>(smallest, v_or(distances, number));
             for (int k = 0; k < KEPT; k++)
-                v_store(lanes + k * count, smallest[k]);
+                v_store(lanes + k * LANES, smallest[k]);
             if (BOTH)
             {
-                insertKeys<KEPT>(best, maker.keys(distances, query));
-                query = v_add_wrap(query, ones);
+                insertKeys<KEPT>(best, v_or(distances, query));
+                query = v_add_wrap(query, vx_setall_u16(1));
             }
         }
         // The last block comes first. What fills it has no keys.
-        const int left = tile.trainCount - b * count, filled = left < count ? left : count;
+        const int left = tile.trainCount - b * LANES, filled = left < LANES ? left : LANES;
         ushort fill[MAX_LANES];
-        for (int i = 0; i < count; i++)
+        for (int i = 0; i < LANES; i++)
             fill[i] = i < filled ? 0 : NO_KEY16;
-        for (int i = filled < count ? 0 : tile.queryCount * KEPT; i < tile.queryCount * KEPT; i++)
-            v_store(tile.scratch + i * count, v_or(vx_load(tile.scratch + i * count), vx_load(fill)));
+        for (int i = filled < LANES ? 0 : lists; i < lists; i++)
+            v_store(tile.scratch + i * LANES, v_or(vx_load(tile.scratch + i * LANES), vx_load(fill)));
         if (BOTH)
         {
             ushort keys[2][MAX_LANES];
             for (int k = 0; k < KEPT; k++)
                 v_store(keys[k], best[k]);
-            DistanceKey* list = ofTrains + size_t(b) * count * KEPT;
+            DistanceKey* list = ofTrains + size_t(b) * LANES * KEPT;
             for (int i = 0; i < filled; i++, list += KEPT)
-            {
                 for (int k = 0; k < KEPT; k++)
-                {
-                    const int key = keys[k][i], query16 = key & ((1 << tile.indexBits) - 1);
-                    const DistanceKey all = distanceKey(key >> tile.indexBits, tile.firstQuery + query16);
-                    keepKey<KEPT>(list, key == NO_KEY16 ? NO_KEY : all);
-                }
-            }
+                    keepKey<KEPT>(list, wideKey<BITS>(keys[k][i], tile.firstQuery, 1));
         }
     }
     for (int i = 0; i < tile.queryCount; i++)
-        mergeLanes<KEPT>(tile.scratch + size_t(i) * KEPT * count, tile, ofQueries + size_t(i) * KEPT);
+        mergeLanes<KEPT, BITS>(tile.scratch + i * KEPT * LANES, tile.firstTrain, ofQueries + i * KEPT);
 }
 
-template <bool PAIRS, int WORDS> void distances(const HammingTile& tile, int* out, size_t stride)
+template <int WORDS> void distances(const HammingTile& tile, int* out, size_t stride)
 {
-    const int count = AQORB_LANES(v_uint16), words = WORDS ? WORDS : tile.words;
-    const int queryWords = words * Packing<PAIRS>::QUERY_PLANES;
-    const int blockWords = words * Packing<PAIRS>::TRAIN_PLANES * 4 * AQORB_LANES(v_uint64);
-    for (int first = 0; first < tile.trainCount; first += count)
+    const int LANES = AQORB_LANES(v_uint16), planes = tile.words * BIT_PLANES;
+    for (int first = 0; first < tile.trainCount; first += LANES)
     {
-        const uint64* const block = tile.trains + size_t(first / count) * blockWords;
+        const uint64* const block = tile.trains + size_t(first) * planes;
         for (int i = 0; i < tile.queryCount; i++)
         {
             v_uint32 low, high;
-            v_expand(blockDistances<PAIRS, WORDS>(tile.queries + size_t(i) * queryWords, block, words), low,
-                     high);
+            v_expand(blockDistances<WORDS>(tile.queries + size_t(i) * planes, block, tile.words), low, high);
             v_store(out + i * stride + first, v_reinterpret_as_s32(low));
-            v_store(out + i * stride + first + count / 2, v_reinterpret_as_s32(high));
+            v_store(out + i * stride + first + LANES / 2, v_reinterpret_as_s32(high));
         }
     }
 }
 
-template <bool PAIRS, int WORDS> const HammingKernels* table()
+template <int WORDS> const HammingKernels* table()
 {
-    static const HammingKernels kernels = {
-        AQORB_LANES(v_uint16),
-        Packing<PAIRS>::QUERY_PLANES,
-        Packing<PAIRS>::TRAIN_PLANES,
-        Packing<PAIRS>::packQueries,
-        Packing<PAIRS>::packTrains,
-        {{nearest<PAIRS, WORDS, 1, false>, nearest<PAIRS, WORDS, 1, true>},
-         {nearest<PAIRS, WORDS, 2, false>, nearest<PAIRS, WORDS, 2, true>}},
-        distances<PAIRS, WORDS>};
+    static const HammingKernels kernels = {AQORB_LANES(v_uint16),
+                                           laneOf,
+                                           BIT_PLANES,
+                                           IndexBits<WORDS>::VALUE,
+                                           {{nearest<WORDS, 1, false>, nearest<WORDS, 1, true>},
+                                            {nearest<WORDS, 2, false>, nearest<WORDS, 2, true>}},
+                                           distances<WORDS>};
     return &kernels;
 }
 
 }  // namespace
 
-const HammingKernels* kernelsFor(bool countPairs, int bytes)
+const HammingKernels* kernelsFor(int words)
 {
-#if CV_AVX_512BITALG
-    if (countPairs)
-        return &plainHammingKernels(true);
-#else
-    if (countPairs)
-        return table<true, 0>();
-#endif
-    return bytes > 24 && bytes <= 32 ? table<false, 4>() : table<false, 0>();
+    return words == 4 ? table<4>() : table<0>();
 }
 
 #else
 
-const HammingKernels* kernelsFor(bool countPairs, int)
+const HammingKernels* kernelsFor(int)
 {
-    return &plainHammingKernels(countPairs);
+    return 0;
 }
 
 #endif

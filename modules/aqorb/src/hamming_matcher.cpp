@@ -7,7 +7,7 @@
 
 #include "precomp.hpp"
 
-#include "match.hpp"
+#include "hamming.hpp"
 
 #include <opencv2/aqorb/matching.hpp>
 
