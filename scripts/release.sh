@@ -32,7 +32,7 @@ check_version() {
     [[ $heading == "## [$VERSION] - "* ]] || die "CMakeLists.txt says $VERSION, CHANGELOG.md $heading"
     grep -qE "^ *version: ${VERSION//./\\.}\$" CITATION.cff || die "CMakeLists.txt says $VERSION, and CITATION.cff another"
     # The library's name, of Debian's package and on macOS.
-    git grep -oE 'libaqorb\.?[0-9]+\.[0-9]+' -- doc scripts README.md | while IFS=: read -r file name; do
+    grep -roIE 'libaqorb\.?[0-9]+\.[0-9]+' doc scripts README.md | while IFS=: read -r file name; do
         [[ $name =~ ^libaqorb\.?"${VERSION%.*}"$ ]] || die "CMakeLists.txt says $VERSION, and $file $name"
     done
 }
