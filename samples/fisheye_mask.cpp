@@ -18,9 +18,8 @@ static const char* const ABOUT =
 
 static const char* const KEYS =
     "{help      |                  | print this text }"
-    "{x         | -1               | centre of the lens's circle, in pixels; -1: centre of the image }"
-    "{y         | -1               | the same, from the top }"
-    "{radius    | -1               | radius of the circle; -1: up to the nearest side of the image }"
+    "{radius    | -1               | radius of the lens's circle, in pixels; -1: up to the nearest side of "
+    "the image }"
     "{margin    | 8                | pixels to keep away from the circle's rim }"
     "{nfeatures | 1000             | number of keypoints to ask for }"
     "{out       | fisheye_mask.jpg | picture to write }"
@@ -30,15 +29,10 @@ static int fisheyeMask(int argc, char** argv)
 {
     const CommandLineParser parser = parseOptions(argc, argv, KEYS, ABOUT);
     const Mat image = readImage(option<String>(parser, "@image"));
-    Point centre(option<int>(parser, "x"), option<int>(parser, "y"));
-    if (centre.x < 0)
-        centre.x = image.cols / 2;
-    if (centre.y < 0)
-        centre.y = image.rows / 2;
+    const Point centre(image.cols / 2, image.rows / 2);
     int radius = option<int>(parser, "radius");
     if (radius < 0)
-        radius =
-            std::min(std::min(centre.x, image.cols - centre.x), std::min(centre.y, image.rows - centre.y));
+        radius = std::min(centre.x, centre.y);
     const int inner = std::max(radius - option<int>(parser, "margin"), 0);
 
     // Keypoints may lie where the mask is not zero. The detector scales the mask for its pyramid.

@@ -16,8 +16,6 @@ from sample import aqorb, read_image, write_picture
 
 def main():
     parser = argparse.ArgumentParser(description=__doc__)
-    parser.add_argument('--x', type=int, default=-1, help="centre of the lens's circle; -1: centre of the image")
-    parser.add_argument('--y', type=int, default=-1, help='the same, from the top')
     parser.add_argument('--radius', type=int, default=-1, help='of the circle; -1: up to the nearest side of the image')
     parser.add_argument('--margin', type=int, default=8, help="pixels to keep away from the circle's rim")
     parser.add_argument('--nfeatures', type=int, default=1000)
@@ -25,10 +23,8 @@ def main():
     parser.add_argument('image', nargs='?', default='graf1.png', help="file, or one of OpenCV's samples")
     arguments = parser.parse_args()
     image = read_image(arguments.image)
-    height, width = image.shape
-    x = width // 2 if arguments.x < 0 else arguments.x
-    y = height // 2 if arguments.y < 0 else arguments.y
-    radius = min(x, width - x, y, height - y) if arguments.radius < 0 else arguments.radius
+    y, x = image.shape[0] // 2, image.shape[1] // 2
+    radius = min(x, y) if arguments.radius < 0 else arguments.radius
     inner = max(radius - arguments.margin, 0)
 
     # Keypoints may lie where the mask is not zero. The detector scales the mask for its pyramid.

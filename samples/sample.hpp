@@ -14,7 +14,6 @@
 
 #include <cstdlib>
 #include <iostream>
-#include <vector>
 
 //! Parses the options. Where they ask for help or are wrong, the program says so and ends.
 inline cv::CommandLineParser parseOptions(int argc, char** argv, const cv::String& keys,
@@ -79,15 +78,7 @@ inline cv::Mat readImage(const cv::String& name, int flags = cv::IMREAD_GRAYSCAL
 
 inline void writePicture(const cv::String& file, const cv::Mat& picture)
 {
-    bool isWritten = false;
-    try
-    {
-        isWritten = cv::imwrite(file, picture);
-    }
-    catch (const cv::Exception&)  // the name has no ending of an image
-    {
-    }
-    if (!isWritten)
+    if (!cv::haveImageWriter(file) || !cv::imwrite(file, picture))
         CV_Error(cv::Error::StsError,
                  file + ": cannot be written; a name such as picture.jpg in an existing folder is accepted");
     std::cout << "Picture: " << file << std::endl;

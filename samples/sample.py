@@ -27,10 +27,6 @@ def read_image(name, flags=cv.IMREAD_GRAYSCALE):
 
 
 def write_picture(file, picture):
-    try:
-        written = cv.imwrite(file, picture)
-    except cv.error:  # the name has no ending of an image
-        written = False
-    if not written:
+    if not cv.haveImageWriter(file) or not cv.imwrite(file, picture):
         sys.exit(file + ': cannot be written; a name such as picture.jpg in an existing folder is accepted')
     print('Picture:', file)

@@ -39,9 +39,8 @@ struct Odometry
     Ptr<ORB> detector;
     Scalar colour;
     StereoFrame frame;
-    StereoMotion motion;         // to the last frame
-    std::vector<Matx44d> poses;  // of the left camera, from the first frame's on
-    int lost = 0;                // frames whose motion was not found; they repeat the last motion
+    StereoMotion motion;                            // to the last frame
+    std::vector<Matx44d> poses;                     // of the left camera, from the first frame's on
     double keypoints = 0, depths = 0, inliers = 0;  // sums over the frames
 };
 
@@ -68,8 +67,7 @@ void track(Odometry& odometry, const Mat& left, const Mat& right, const StereoSe
             estimateMotion(odometry.frame, frame,
                            matchFrames(odometry.frame, frame, aqorb::HammingMatcher(norm, true)), sequence);
         if (!odometry.motion.found)
-            odometry.motion.motion = before;
-        odometry.lost += !odometry.motion.found;
+            odometry.motion.motion = before;  // the camera goes on as it did
         odometry.inliers += odometry.motion.inliers;
         odometry.poses.push_back(odometry.poses.back() * odometry.motion.motion);
     }
@@ -113,7 +111,6 @@ void printTable(const std::vector<Odometry>& odometries, const StereoSequence& s
     row("keypoints of the left image, mean", "%.0f", orb.keypoints / frames, ours.keypoints / frames);
     row("  of these with a depth", "%.0f", orb.depths / frames, ours.depths / frames);
     row("inliers of the motion, mean", "%.0f", orb.inliers / motions, ours.inliers / motions);
-    row("frames whose motion was not found", "%.0f", orb.lost, ours.lost);
     row("length of the path", "%.2f m", pathLength(orb.poses, 0, orb.poses.size() - 1),
         pathLength(ours.poses, 0, ours.poses.size() - 1));
     if (sequence.poses.empty())

@@ -62,11 +62,6 @@ def test_retain_uniform(images):
     assert occupied[1] > occupied[0] and occupied[3] > occupied[2]
 
 
-def test_live(images):
-    output, picture = run(images, 'live frame_%02d.png --headless --frames=3 --threshold=10')
-    assert output.count('AdaptiveQuadtreeORB, threshold 10: 1000 keypoints') == 3 and picture.shape[1] == 640
-
-
 def test_fisheye_mask(images):
     output, _ = run(images, 'fisheye_mask fisheye.png --radius=290')
     assert int(re.search(r'Without mask: \d+ keypoints, (\d+) not', output).group(1)) > 0
@@ -77,9 +72,6 @@ def test_fisheye_mask(images):
     ('homography no.png view1.png', 'no.png: there is no such file'),
     ('homography text.png view1.png', 'text.png: cannot be read as an image'),
     ('homography view1.png view2.png --out=missing/picture.png', 'cannot be written'),
-    ('homography 32x32.png view1.png', 'no homography was found among '),
-    ('live no.mp4', 'no.mp4: there is no such file'),
-    ('live text.png', 'text.png: not '),
     ('panorama view1.png 32x32.png', 'the ')])
 def test_sentence(images, command, text):
     result = start(images, command)
