@@ -61,12 +61,10 @@ debian_package(development libaqorb-dev libdevel "${exactly}, libopencv-dev"
   "This package contains the headers, the CMake package and the pkg-config file.")
 
 debian_package(tools aqorb-tools utils "${exactly}" "ORB features spread uniformly over the image - programs"
-  "This package contains aqorb_demo, which compares the features with those of\ncv::ORB on images, and aqorb_evaluate, which measures detectors on data sets.")
-install(TARGETS aqorb_demo aqorb_evaluate RUNTIME DESTINATION "${CMAKE_INSTALL_BINDIR}" COMPONENT tools)
-foreach(program IN ITEMS aqorb_demo aqorb_evaluate)
-  compressed("${files}/${program}.1")
-  install(FILES "${made}/${program}.1.gz" DESTINATION share/man/man1 COMPONENT tools)
-endforeach()
+  "This package contains aqorb_demo, which compares the features with those of\ncv::ORB on images.")
+install(TARGETS aqorb_demo RUNTIME DESTINATION "${CMAKE_INSTALL_BINDIR}" COMPONENT tools)
+compressed("${files}/aqorb_demo.1")
+install(FILES "${made}/aqorb_demo.1.gz" DESTINATION share/man/man1 COMPONENT tools)
 
 debian_package(preload aqorb-preload utils "${exactly}"
   "ORB features spread uniformly over the image - in place of cv::ORB"

@@ -6,7 +6,7 @@
 #   scripts/python.sh --offline
 #   scripts/python.sh --notebook
 #   scripts/python.sh --collection [pytest option ...]
-#   scripts/python.sh --rates [option of tools/collection/rates.py ...]
+#   scripts/python.sh --rates [option of tools/benchmark/rates.py ...]
 #
 # The package is left in build/release/bindings/python, where programs find it with PYTHONPATH. Tests that need images of
 # opencv_extra are skipped unless OPENCV_TEST_DATA_PATH names its testdata folder.
@@ -103,7 +103,7 @@ rates() {
     photographs
     command_environment command
     say "Rates"
-    "$PYTHON" "$ROOT/tools/collection/rates.py" --out="$BUILD/rates" "$@" "$AQORB_PHOTOGRAPHS"
+    "$PYTHON" "$ROOT/tools/benchmark/rates.py" --out="$BUILD/rates" "$@" "$AQORB_PHOTOGRAPHS"
 }
 
 case ${1:-} in

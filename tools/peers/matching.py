@@ -4,7 +4,7 @@
 # of this distribution.
 # SPDX-License-Identifier: Apache-2.0
 """Compares matchers of binary descriptors, and libraries that estimate the motion between two views, in turns.
-scripts/peers.sh runs it.
+scripts/measure.sh peers runs it.
 
 matching.py matchers SEQUENCE   the time of mutual nearest neighbours, by the matchers that pip installs
 matching.py views SEQUENCE      the time of the stages from two views to their relative pose, and its error

@@ -3,7 +3,7 @@
 # It is subject to the license terms in the LICENSE file found in the top-level directory
 # of this distribution.
 # SPDX-License-Identifier: Apache-2.0
-"""Compares ORB detectors that pip installs, on the same images. scripts/peers.sh runs it.
+"""Compares ORB detectors that pip installs, on the same images. scripts/measure.sh peers runs it.
 
 peers.py features METHOD DATA FOLDER   the features of all images, in FOLDER/METHOD.npz
 peers.py time METHOD DATA FOLDER       the time on one image after the other, in FOLDER/METHOD-THREADS.txt

@@ -1,0 +1,128 @@
+#!/usr/bin/env bash
+# Measures what the documents' tables show, and prints them in Markdown, to be pasted.
+#
+#   scripts/measure.sh speed [--smoke]        frames beside cv::ORB, pairs of images, matching, memory (doc/performance.md)
+#   scripts/measure.sh harness [OPTION ...]   the performance tests of perf/ in OpenCV's harness, which has the OPTIONs
+#   scripts/measure.sh paper [OPTION ...]     the paper's tables and Figures 3 to 8 (doc/reproduction.md)
+#   scripts/measure.sh claims [OPTION ...]    what is claimed of the selection (doc/reproduction.md)
+#   scripts/measure.sh heldout                fetches the pairs of images that nothing was tuned on, to build/held_out
+#   scripts/measure.sh peers WHEEL            other ORB detectors that pip installs (doc/peers.md)
+#   scripts/measure.sh colmap WHEEL FOLDER    a reconstruction by COLMAP; FOLDER is a sequence in KITTI's layout
+#
+# OPENCV_TEST_DATA_PATH names the folder testdata of opencv_extra; speed and harness draw scenes without it. paper and
+# claims pass OPTIONs on to tools/evaluate/aqorb_evaluate.py, whose --help lists them. AQORB_TEST_SEQUENCE, a sequence in
+# KITTI's layout with its poses, adds the start with one camera to claims, and to peers the way from two views to a pose.
+#
+# speed calls aqorb_benchmark with AVX-512 and without it. Which of its commands measures a single table is said by
+# build/release/tools/benchmark/aqorb_benchmark --help. With --smoke it shows in a short time that all runs; the numbers
+# mean nothing. WHEEL is the package's, from scripts/wheel.sh, for Debian's python3.
+#
+# Installs the Debian packages, and fetches the images and Python packages, that it needs. paper leaves the figures in
+# build/paper.
+source "$(dirname "$0")/common.sh"
+
+datasets=${OPENCV_TEST_DATA_PATH:-}/cv/detectors_descriptors_evaluation/images_datasets
+
+photographs() { [[ -d $datasets ]] || die 'OPENCV_TEST_DATA_PATH must name the folder testdata of opencv_extra'; }
+
+speed() {
+    local benchmark=$BUILD/release/tools/benchmark/aqorb_benchmark few=() images=() command disabled
+    if [[ ${1:-} == --smoke ]]; then
+        few=(--turns=1 --n=100)
+        images=(320x240)
+    fi
+    need build
+    configure release -DAQORB_BUILD_BENCHMARK=ON
+    build "$BUILD/release" --target aqorb_benchmark aqorb_preload
+    for disabled in '' AVX512-SKX; do
+        say "Frames, pairs and matching${disabled:+, without $disabled}"
+        export OPENCV_CPU_DISABLE=$disabled
+        "$benchmark" speed "${few[@]}" "${images[@]}"
+        [[ ! ${OPENCV_TEST_DATA_PATH:-} ]] || "$benchmark" pair --threads=1 "${few[@]}"
+        "$benchmark" matching "${few[@]}"
+        "$benchmark" program --threads=1 "${few[@]}"
+        LD_PRELOAD=$BUILD/release/bindings/preload/libaqorb_preload.so "$benchmark" program --threads=1 "${few[@]}"
+    done
+    unset OPENCV_CPU_DISABLE
+    say 'Other memory between frames, a busy processor, and memory'
+    "$benchmark" speed --cold "${few[@]}" "${images[@]}"
+    for command in frames memory; do "$benchmark" $command "${few[@]}" "${images[@]}"; done
+}
+
+harness() {
+    need build
+    opencv_source
+    forget_moved "$BUILD/perf" "$ROOT/tools/opencv_ts"
+    cmake -S "$ROOT/tools/opencv_ts" -B "$BUILD/perf" -DCMAKE_BUILD_TYPE=Release -DCMAKE_CXX_COMPILER_LAUNCHER=ccache \
+        -DOPENCV_SOURCE_DIR="$OPENCV_SOURCE"
+    build "$BUILD/perf" --target opencv_perf_aqorb
+    # It reports absent records of earlier runs as errors.
+    "$BUILD/perf/opencv_perf_aqorb" "$@"
+}
+
+evaluate() {
+    photographs
+    need build python report
+    configure release -DAQORB_BUILD_PYTHON=ON -DPython_EXECUTABLE="$PYTHON"
+    build "$BUILD/release" --target _aqorb
+    PYTHONPATH=$BUILD/release/bindings/python PYTHONDONTWRITEBYTECODE=1 \
+        "$PYTHON" "$ROOT/tools/evaluate/aqorb_evaluate.py" "$1" "${@:2}"
+}
+
+paper() { evaluate paper "$datasets" --out="$BUILD/paper" "$@"; }
+
+claims() {
+    local data=(--object="$OPENCV_TEST_DATA_PATH/cv/shared")
+    [[ ! ${AQORB_TEST_SEQUENCE:-} ]] || data+=(--sequence="$AQORB_TEST_SEQUENCE")
+    [[ ! -d $BUILD/held_out ]] || data+=(--heldout="$BUILD/held_out")
+    evaluate claims "$datasets" "${data[@]}" "$@"
+}
+
+heldout() {
+    need python3 python3-pip
+    opencv_source
+    held_out_packages
+    evaluate held-out "$HELD_OUT_SOURCES" "$BUILD/held_out"
+}
+
+peers() {
+    local wheel folder=$BUILD/peers version python method processors table
+    local methods=(aqorb aqorb-arrays cv2-4 cv2-5 kornia kornia-fewer scikit)
+    (($# == 1)) || die "peers: name one wheel; --help says more"
+    photographs
+    need wheel util-linux
+    wheel=$(realpath "$1")
+    mkdir -p "$folder"
+    environment "$BUILD/venv/peers$OPENCV_4" "opencv-python-headless==$OPENCV_4" "$wheel" kornia-rs scikit-image faiss-cpu
+    environment "$BUILD/venv/peers$OPENCV_5" "opencv-python-headless==$OPENCV_5" "$wheel"
+    for method in "${methods[@]}"; do
+        say "$method"
+        version=$OPENCV_4
+        [[ $method != cv2-5 ]] || version=$OPENCV_5
+        python=$BUILD/venv/peers$version/bin/python
+        "$python" "$ROOT/tools/peers/peers.py" features "$method" "$datasets" "$folder"
+        for processors in 0 0,1; do  # a detector has as many threads
+            taskset -c "$processors" "$python" "$ROOT/tools/peers/peers.py" time "$method" "$datasets" "$folder"
+        done
+    done
+    python=$BUILD/venv/peers$OPENCV_4/bin/python
+    say "Table"
+    "$python" "$ROOT/tools/peers/peers.py" report "$datasets" "$folder" "${methods[@]}"
+    [[ ${AQORB_TEST_SEQUENCE:-} ]] || return 0
+    for table in matchers views; do
+        say "$table, one processor"
+        taskset -c 0 "$python" "$ROOT/tools/peers/matching.py" "$table" "$AQORB_TEST_SEQUENCE"
+    done
+}
+
+colmap() {
+    (($# >= 2)) || die "colmap: name a wheel and a folder; --help says more"
+    need wheel
+    environment "$BUILD/venv/colmap" "opencv-python-headless==$OPENCV_4" "pycolmap==$PYCOLMAP" "$(realpath "$1")"
+    "$BUILD/venv/colmap/bin/python" "$ROOT/samples/colmap/colmap.py" --out="$BUILD/colmap" "${@:3}" "$(realpath "$2")"
+}
+
+case ${1:-} in
+speed | harness | paper | claims | heldout | peers | colmap) "$@" ;;
+*) die "'${1:-}' is none of speed, harness, paper, claims, heldout, peers, colmap; --help says more" ;;
+esac

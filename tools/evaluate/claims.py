@@ -1,0 +1,283 @@
+# This file is part of aqorb. Copyright (C) The aqorb developers.
+# It is subject to the license terms in the LICENSE file found in the top-level directory
+# of this distribution.
+# SPDX-License-Identifier: Apache-2.0
+"""What is claimed of the default selection, beside cv::ORB and the paper's selection, and whether it holds."""
+
+import collections
+import concurrent.futures
+import math
+import os
+
+import cv2
+import numpy as np
+
+import images
+import measures
+from methods import Method
+
+SCALES = [.4, .5, .6, .75, 1.5, 2, 2.5]
+ROLLED_SCALES = [.5, .7, 1.4, 2]
+ROLLS = range(15, 360, 30)  # degrees
+FEW_ROLLS = [15, 135, 255]  # one of each third of a quarter turn
+ROLLED_SETS = ['bikes', 'leuven', 'trees', 'graf']
+OBJECT_NUMBERS = [250, 400, 500, 1000, 2000]  # that of find_obj.py, 400, is not judged
+SUBJECTS = ['distinct', 'roll', 'scale', 'object', 'start', 'heldout', 'degraded']
+
+
+def parallel(function, *arguments):
+    with concurrent.futures.ThreadPoolExecutor() as pool:
+        return list(pool.map(function, *arguments))
+
+
+class Measurements:
+    """All that was measured: the values of a quantity by subject, method and number of features, and their items."""
+
+    def __init__(self):
+        self.rows = collections.defaultdict(list)
+
+    def add(self, subject, item, method, n, **quantities):
+        for quantity, value in quantities.items():
+            self.rows[subject, method, n, quantity].append((item, value))
+
+    def values(self, subject, method, n, quantity, items=None):
+        """In the order in which they were measured, the same for all methods."""
+        rows = self.rows.get((subject, method, n, quantity), [])
+        return np.array([value for item, value in rows if items is None or item in items])
+
+    def mean(self, *which, **more):
+        values = self.values(*which, **more)
+        return values.mean() if len(values) else math.nan
+
+    def at_scales(self, method, n):
+        """The geometric mean over the scales of the mean number of distinct correct matches."""
+        return math.exp(np.mean([math.log(self.mean('scale {:g}'.format(scale), method, n, 'distinct'))
+                                 for scale in SCALES]))
+
+
+def measure_pairs(subject, items, first, others, method, n, agree, seeds, results):
+    """Of pairs of images with their features, what their matches are worth. agree(i, first, second) gives the matches
+    that count, which are correct, and the homography, of which area_under_curve is measured, or None."""
+    def measure(i):
+        (image, a), (_, b) = first[i], others[i]
+        points = measures.matched(a, b, method.norm)
+        keep, correct, homography = agree(i, *points)
+        points = [each[keep] for each in points]
+        found = measures.counts(*points, correct[keep], image)
+        if seeds and homography is not None:
+            found['auc5'] = measures.area_under_curve(*points, homography, image, seeds)
+        return found
+
+    for item, found in zip(items, parallel(measure, range(len(items)))):
+        results.add(subject, item, method.name, n, **found)
+
+
+def measure_set(subject, name, pictures, homographies, method, n, seeds, results):
+    features = [(image, method.compute(image, n)) for image in pictures]
+    for image, found in features:
+        results.add(subject, name, method.name, n, uniformity=measures.uniformity(found, image),
+                    occupancy=measures.occupancy(found, image))
+
+    def agree(i, first, second):
+        return slice(None), measures.agree_with_homography(first, second, homographies[i + 1]), homographies[i + 1]
+    measure_pairs(subject, [name] * 5, features[:1] * 5, features[1:], method, n, agree, seeds, results)
+
+
+def measure_views(subject, name, image, views, method, n, results):
+    """Of an image and views of it, given with their homographies."""
+    first = image, method.compute(image, n)
+    others = [(view, method.compute(view, n)) for view, _ in views]
+
+    def agree(i, *points):
+        view, homography = views[i]
+        return (measures.in_common_part(*points, homography, image, view),
+                measures.agree_with_homography(*points, homography), None)
+    measure_pairs(subject, [name] * len(views), [first] * len(views), others, method, n, agree, 0, results)
+
+
+def measure_held_out(pairs, method, n, seeds, results):
+    features = [[(pair[i], method.compute(pair[i], n)) for pair in pairs] for i in (1, 2)]
+
+    def agree(i, *points):
+        homography, fundamental = pairs[i][3:]
+        if homography is None:
+            return slice(None), measures.agree_with_fundamental(*points, fundamental), None
+        return slice(None), measures.agree_with_homography(*points, homography), homography
+    measure_pairs('held-out', [pair[0] for pair in pairs], *features, method, n, agree, seeds, results)
+
+
+def measure_start(frames, camera, poses, method, n, results):
+    features = [method.compute(frame, n) for frame in frames]
+    for step in (1, 10):
+        def correct(i, step=step):
+            motion = np.linalg.inv(poses[i + step]) @ poses[i]
+            return measures.correct_starts(*measures.start_matches(features[i], features[i + step]), camera, motion)
+        for found in parallel(correct, range(len(frames) - step)):
+            results.add('start', step, method.name, n, correct=found)
+
+
+def slam_of(name):
+    return 'slam' + name[len('aqorb'):] if name.split(':')[0] == 'aqorb' else None
+
+
+def measure(options):
+    results = Measurements()
+    methods = [Method(name) for name in dict.fromkeys([options.orb, options.paper] + options.methods)]
+    sets = {name: images.read_set(options.datasets, name) for name in images.SETS}
+    cases = [(method, n) for n in options.n for method in methods]
+    if 'distinct' in options.only:
+        for name, (pictures, homographies) in sets.items():
+            for method, n in cases:
+                measure_set('sets', name, pictures, homographies, method, n, options.seeds, results)
+        for name in images.PAPER_SETS:
+            for image in images.read_set(options.datasets, name, cv2.IMREAD_COLOR)[0]:
+                for method in methods:
+                    results.add('colour', name, method.name, 500,
+                                uniformity=measures.uniformity(method.compute(image, 500), image))
+    if 'roll' in options.only:
+        for name in ROLLED_SETS:
+            views = [images.rolled(sets[name][0][0], angle) for angle in ROLLS]
+            for method in methods:
+                measure_views('rolled', name, sets[name][0][0], views, method, 1000, results)
+    if 'scale' in options.only:
+        for name, (pictures, _) in sets.items():
+            for scale in SCALES:
+                for method, n in cases:
+                    measure_views('scale {:g}'.format(scale), name, pictures[0], [images.scaled(pictures[0], scale)],
+                                  method, n, results)
+    if 'roll' in options.only and 'scale' in options.only:
+        for name in ROLLED_SETS:
+            for scale in ROLLED_SCALES:
+                image, matrix = images.scaled(sets[name][0][0], scale)
+                turned = [images.rolled(image, angle) for angle in FEW_ROLLS]
+                for method in methods:
+                    measure_views('rolled, scale {:g}'.format(scale), name, sets[name][0][0],
+                                  [(view, turn @ matrix) for view, turn in turned], method, 1000, results)
+    if 'object' in options.only:
+        scene = [images.read_image(os.path.join(options.object, name)) for name in ('box', 'box_in_scene')]
+        for method in methods + [Method(options.dial)] * (options.dial not in options.methods):
+            for n in OBJECT_NUMBERS:
+                features = [method.compute(image, n) for image in scene]
+                results.add('object', 'box', method.name, n, inliers=measures.inliers_on_object(*features, method.norm))
+    if 'start' in options.only:
+        sequence = images.read_sequence(options.sequence)
+        for name in dict.fromkeys([options.orb] + [slam_of(name) for name in [options.paper_slam] + options.methods]):
+            for n in options.n if name else ():
+                measure_start(*sequence, Method(name), n, results)
+    if 'heldout' in options.only:
+        pairs = images.read_pairs(options.heldout)
+        for method, n in cases:
+            measure_held_out(pairs, method, n, options.seeds, results)
+    if 'degraded' in options.only:
+        for how in images.DEGRADATIONS:
+            for name, each in sets.items():
+                for method in methods:
+                    measure_set(how, name, *images.degrade(*each, how), method, 1000, 0, results)
+    return results
+
+
+class Judge:
+    """Makes the rows of the claims of a method. A row has a bound that is asked for, or only tells."""
+
+    def __init__(self, measured, options, method):
+        self.measured, self.method = measured, method
+        self.orb, self.paper, self.paper_slam = options.orb, options.paper, slam_of(options.paper_slam)
+        self.rows, self.failed = [], []
+
+    def add(self, what, n, here, orb, paper, digits, at_least=None, at_most=None, note=''):
+        if math.isnan(here):
+            return
+        holds = ''
+        if at_least is not None or at_most is not None:
+            holds = 'yes' if (at_least is None or here >= at_least) and (at_most is None or here <= at_most) else 'no'
+        asked = ('at least {:.{}f}'.format(at_least, digits) if at_least is not None else
+                 'at most {:.{}f}'.format(at_most, digits) if at_most is not None else '')
+        numbers = ['' if math.isnan(value) else '{:.{}f}'.format(value, digits) for value in (here, orb, paper)]
+        self.rows.append([what, str(n or '')] + numbers + [asked + note, holds])
+        if holds == 'no':
+            self.failed.append(what)
+
+    def mean(self, what, subject, n, quantity, digits, **bound):
+        values = [self.measured.mean(subject, name, n, quantity, items=bound.get('items'))
+                  for name in (self.method, self.orb, self.paper)]
+        bound.pop('items', None)
+        self.add(what, n, *values, digits, **bound)
+
+    def ratio(self, what, subject, n, quantity, at_least=None, items=None):
+        here, orb, paper = (self.measured.mean(subject, name, n, quantity, items=items)
+                            for name in (self.method, self.orb, self.paper))
+        self.add(what, n, here / orb, 1, paper / orb, 3, at_least=at_least)
+
+    def area(self, what, subject, n, is_asked):
+        """Homographies must not be worse than those of the paper's selection beyond chance."""
+        here, paper = (self.measured.values(subject, name, n, 'auc5') for name in (self.method, self.paper))
+        if not len(here):
+            return
+        error = (here - paper).std(ddof=1) / math.sqrt(len(here))
+        self.add(what, n, here.mean(), self.measured.mean(subject, self.orb, n, 'auc5'), paper.mean(), 3,
+                 at_least=paper.mean() - 2 * error if is_asked else None, note=' (standard error {:.3f})'.format(error))
+
+    def inliers(self, method):
+        return sum(self.measured.mean('object', method, n, 'inliers') for n in OBJECT_NUMBERS if n != 400)
+
+
+def judge(measured, options, method):
+    """The Judge with all claims of a method; what was not measured is left out."""
+    judging = Judge(measured, options, method)
+    times = ": distinct correct matches, times cv::ORB's"
+    for n in options.n:
+        judging.ratio('distinct correct matches, times cv::ORB\'s', 'sets', n, 'distinct',
+                      {500: 1.55, 1000: 1.5, 2000: 1.45}.get(n))
+    for n in options.n:
+        judging.ratio('the same on graf', 'sets', n, 'distinct', 1.3, items=['graf'])
+    for n in options.n:
+        judging.mean("uniformity u of the paper's sets, grey", 'sets', n, 'uniformity', 2,
+                     at_most={500: 150}.get(n), items=images.PAPER_SETS)
+    judging.mean("uniformity u of the paper's sets, in colour", 'colour', 500, 'uniformity', 2, at_most=151)
+    for quantity, digits, asked in (('occupancy', 3, {500: .58, 1000: .79}),
+                                    ('places', 1, {500: 52, 1000: 78, 2000: 103}), ('precision', 3, {})):
+        for n in options.n:
+            judging.mean(quantity, 'sets', n, quantity, digits, at_least=asked.get(n))
+    for n in options.n:
+        judging.area('homography AUC@5', 'sets', n, True)
+    judging.ratio('rolled' + times, 'rolled', 1000, 'distinct', 1.5)
+    judging.mean('rolled: precision', 'rolled', 1000, 'precision', 3)
+    for scale in SCALES if 'scale' in options.only else ():
+        subject = 'scale {:g}'.format(scale)
+        for n in options.n:
+            paper, orb = (measured.mean(subject, name, n, 'distinct') for name in (options.paper, options.orb))
+            judging.ratio(subject + times, subject, n, 'distinct', max(1.3, paper / orb))
+    for n in options.n if 'scale' in options.only else ():
+        here, orb, paper = (measured.at_scales(name, n) for name in (method, options.orb, options.paper))
+        judging.add('the geometric mean of the scales', n, here / orb, 1, paper / orb, 3, at_least=1.5)
+    for scale in ROLLED_SCALES:
+        subject = 'rolled, scale {:g}'.format(scale)
+        judging.ratio(subject + times, subject, 1000, 'distinct')
+    for n in OBJECT_NUMBERS:
+        judging.mean('inliers on a small object', 'object', n, 'inliers', 0, at_least={250: 10, 500: 12}.get(n))
+    here, orb, paper, dial = (judging.inliers(name) for name in (method, options.orb, options.paper, options.dial))
+    judging.add("inliers on a small object, times cv::ORB's", 0, here / orb, 1, paper / orb, 3, at_least=.9)
+    judging.add("the same at the dial's other end", 0, dial / orb, 1, math.nan, 3, at_least=1)
+    for step, words in ((1, 'the next frame'), (10, 'the frame a second later')):
+        for n in options.n:
+            here, orb, paper = (measured.mean('start', name, n, 'correct', items=[step])
+                                for name in (slam_of(method), options.orb, slam_of(options.paper_slam)))
+            judging.add('start with one camera: correct matches with ' + words, n, here, orb, paper, 1, at_least=paper)
+    for n in options.n:
+        judging.ratio('held-out pairs' + times, 'held-out', n, 'distinct')
+        judging.mean('held-out pairs: precision', 'held-out', n, 'precision', 3)
+        judging.area('held-out pairs: homography AUC@5', 'held-out', n, False)
+    for how in images.DEGRADATIONS:
+        judging.ratio(how + times, how, 1000, 'distinct')
+        judging.mean(how + ': places', how, 1000, 'places', 1)
+    return judging
+
+
+def dial_rows(measured, options):
+    """What each method reaches on the sets at the first n, at other scales, and on the small object at each n."""
+    n = options.n[0]
+    for name in options.methods + [options.paper, options.orb]:
+        means = ['{:.{}f}'.format(measured.mean('sets', name, n, quantity), digits) for quantity, digits in
+                 (('uniformity', 1), ('occupancy', 3), ('distinct', 1), ('places', 1), ('precision', 3))]
+        inliers = [str(int(measured.mean('object', name, each, 'inliers'))) for each in OBJECT_NUMBERS]
+        yield [name] + means + ['{:.1f}'.format(measured.at_scales(name, n)), ' '.join(inliers)]

@@ -1,0 +1,95 @@
+# This file is part of aqorb. Copyright (C) The aqorb developers.
+# It is subject to the license terms in the LICENSE file found in the top-level directory
+# of this distribution.
+# SPDX-License-Identifier: Apache-2.0
+"""The images that methods are compared on."""
+
+import glob
+import os
+
+import cv2
+import numpy as np
+
+PAPER_SETS = ['bikes', 'leuven', 'bark', 'trees', 'ubc']
+SETS = PAPER_SETS + ['graf']
+DEGRADATIONS = ['dark', 'gamma', 'noise', 'blur', 'shrunk', 'enlarged']
+
+
+def read_image(stem, flags=cv2.IMREAD_GRAYSCALE):
+    for file in sorted(glob.glob(stem + '.*')):
+        image = cv2.imread(file, flags)
+        if image is not None:
+            return image
+    raise FileNotFoundError(stem + ': no such image')
+
+
+def read_matrix(stem):
+    """A homography or a fundamental matrix; None where there is none."""
+    if os.path.exists(stem + '.xml'):
+        storage = cv2.FileStorage(stem + '.xml', cv2.FILE_STORAGE_READ)
+        return storage.getFirstTopLevelNode().mat()
+    return np.loadtxt(stem).reshape(3, 3) if os.path.exists(stem) else None
+
+
+def read_set(folder, name, flags=cv2.IMREAD_GRAYSCALE):
+    """The six images of a set, and the homographies from the first one to each."""
+    path = os.path.join(folder, name)
+    homographies = [np.eye(3)] + [read_matrix('{}/H1to{}p'.format(path, i)) for i in range(2, 7)]
+    if any(homography is None for homography in homographies):
+        raise FileNotFoundError(path + ': needs H1to2p to H1to6p')
+    return [read_image('{}/img{}'.format(path, i), flags) for i in range(1, 7)], homographies
+
+
+def read_pairs(folder):
+    """[(name, image, image, homography or None, fundamental matrix or None)] of a folder that held-out laid out."""
+    names = sorted(name for name in os.listdir(folder) if os.path.isdir(os.path.join(folder, name)))
+    return [(name, read_image(os.path.join(folder, name, 'img1')), read_image(os.path.join(folder, name, 'img2')),
+             read_matrix(os.path.join(folder, name, 'H1to2p')), read_matrix(os.path.join(folder, name, 'F1to2p')))
+            for name in names]
+
+
+def scaled(image, scale):
+    """The resized image, and the homography to it. Coordinates count from the middle of a pixel."""
+    how = cv2.INTER_AREA if scale < 1 else cv2.INTER_CUBIC
+    shift = (scale - 1) / 2
+    return (cv2.resize(image, None, fx=scale, fy=scale, interpolation=how),
+            np.array([[scale, 0, shift], [0, scale, shift], [0, 0, 1]]))
+
+
+def rolled(image, degrees):
+    """The image rolled about its centre on a canvas of its size, filled by reflection, and the homography to it."""
+    height, width = image.shape[:2]
+    turn = cv2.getRotationMatrix2D(((width - 1) / 2, (height - 1) / 2), degrees, 1)
+    return (cv2.warpAffine(image, turn, (width, height), borderMode=cv2.BORDER_REFLECT_101),
+            np.vstack([turn, [0, 0, 1]]))
+
+
+def degrade(images, homographies, how):
+    """The set made worse; of shrunk and enlarged ones the first image stays as it is."""
+    if how == 'dark':
+        return [cv2.convertScaleAbs(image, alpha=.12) for image in images], homographies
+    if how == 'gamma':
+        table = np.round(255 * (np.arange(256) / 255) ** 2.5).astype(np.uint8)
+        return [cv2.LUT(image, table) for image in images], homographies
+    if how == 'noise':
+        noisy = []
+        for i, image in enumerate(images):
+            cv2.setRNGSeed(i + 1)
+            noise = cv2.randn(np.zeros(image.shape, np.int16), (0,) * 4, (15,) * 4)
+            noisy.append(cv2.add(image, noise, dtype=cv2.CV_8U))
+        return noisy, homographies
+    if how == 'blur':
+        return [cv2.GaussianBlur(image, (0, 0), 2) for image in images], homographies
+    changed = [scaled(image, {'shrunk': .7, 'enlarged': 1.4}[how]) for image in images[1:]]
+    return (images[:1] + [image for image, _ in changed],
+            homographies[:1] + [matrix @ homography for (_, matrix), homography in zip(changed, homographies[1:])])
+
+
+def read_sequence(folder):
+    """The left images of a sequence in KITTI's layout, the camera's matrix, and the poses of the frames in the world."""
+    files = sorted(glob.glob(os.path.join(folder, 'image_[0l]/*')))
+    images = [cv2.imread(file, cv2.IMREAD_GRAYSCALE) for file in files]
+    with open(os.path.join(folder, 'calib.txt'), encoding='utf-8') as file:
+        camera = np.array(file.readline().split()[-12:], float).reshape(3, 4)[:, :3]
+    poses = [np.vstack([pose.reshape(3, 4), [0, 0, 0, 1]]) for pose in np.loadtxt(os.path.join(folder, 'poses.txt'))]
+    return images, camera, poses
