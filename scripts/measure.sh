@@ -1,7 +1,7 @@
 #!/usr/bin/env bash
 # Measures what the documents' tables show, and prints them in Markdown, to be pasted.
 #
-#   scripts/measure.sh speed [--smoke]        frames beside cv::ORB, pairs of images, matching, memory (doc/performance.md)
+#   scripts/measure.sh speed [--smoke]        frames beside cv::ORB, pairs, matching, memory (doc/performance.md)
 #   scripts/measure.sh harness [OPTION ...]   the performance tests of perf/ in OpenCV's harness, which has the OPTIONs
 #   scripts/measure.sh paper [OPTION ...]     the paper's tables and Figures 3 to 8 (doc/reproduction.md)
 #   scripts/measure.sh claims [OPTION ...]    what is claimed of the selection (doc/reproduction.md)
@@ -10,8 +10,8 @@
 #   scripts/measure.sh colmap WHEEL FOLDER    a reconstruction by COLMAP; FOLDER is a sequence in KITTI's layout
 #
 # OPENCV_TEST_DATA_PATH names the folder testdata of opencv_extra; speed and harness draw scenes without it. paper and
-# claims pass OPTIONs on to tools/evaluate/aqorb_evaluate.py, whose --help lists them. AQORB_TEST_SEQUENCE, a sequence in
-# KITTI's layout with its poses, adds the start with one camera to claims, and to peers the way from two views to a pose.
+# claims pass OPTIONs on to tools/evaluate/aqorb_evaluate.py, whose --help lists them. AQORB_TEST_SEQUENCE, a sequence
+# in KITTI's layout with its poses, adds the start with one camera to claims, and two views and their pose to peers.
 #
 # speed calls aqorb_benchmark with AVX-512 and without it. Which of its commands measures a single table is said by
 # build/release/tools/benchmark/aqorb_benchmark --help. With --smoke it shows in a short time that all runs; the numbers

@@ -86,7 +86,7 @@ def degrade(images, homographies, how):
 
 
 def read_sequence(folder):
-    """The left images of a sequence in KITTI's layout, the camera's matrix, and the poses of the frames in the world."""
+    """The left images of a sequence in KITTI's layout, the camera's matrix, and the poses of the frames."""
     files = sorted(glob.glob(os.path.join(folder, 'image_[0l]/*')))
     images = [cv2.imread(file, cv2.IMREAD_GRAYSCALE) for file in files]
     with open(os.path.join(folder, 'calib.txt'), encoding='utf-8') as file:
