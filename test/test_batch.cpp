@@ -153,9 +153,9 @@ TEST(Aqorb_Batch, threads_have_an_image_each_and_share_a_single_one)
     }
     backend->calls = 0;
     {
-        const AdaptiveQuadtreeORB::SingleThreadScope alone;
+        const aqorb::SingleThreadScope alone;
         {
-            const AdaptiveQuadtreeORB::SingleThreadScope inner;
+            const aqorb::SingleThreadScope inner;
         }
         detector->detectAndComputeBatch(images, noArray(), keypoints, descriptors);
         detectAndCompute(*detector, images[0]);

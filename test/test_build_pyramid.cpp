@@ -30,44 +30,6 @@ TEST(Aqorb_BuildPyramid, is_what_detection_uses)
         }
 }
 
-// One call gives what two give, also where the outputs take the memory of the image, and for levels that are too small
-// for a keypoint.
-TEST(Aqorb_BuildPyramid, detect_and_compute_with_pyramid_gives_both)
-{
-    const Mat scene = makeScene(Size(311, 157)), mask = makeScene(scene.size(), 2) > 90;
-    for (int firstLevel : {0, 2})
-    {
-        SCOPED_TRACE(firstLevel);
-        const Ptr<AdaptiveQuadtreeORB> detector = AdaptiveQuadtreeORB::create(300, 1.5f, 8, 16, firstLevel);
-        for (int repeat = 0; repeat < 2; repeat++)
-        {
-            const Mat image = scene.clone();
-            std::vector<Mat> expectedLevels, levels;
-            detector->buildPyramid(image, expectedLevels);
-            const Features expected = detectAndCompute(*detector, image, mask);
-            ASSERT_FALSE(expected.keypoints.empty());
-            Features features;
-            features.descriptors = image(Rect(0, 0, 32, int(expected.keypoints.size()) % 150 + 1));
-            levels.assign(3, image);
-            detector->detectAndComputeWithPyramid(image, mask, features.keypoints, features.descriptors,
-                                                  levels);
-            EXPECT_TRUE(sameFeatures(expected, features));
-            ASSERT_EQ(expectedLevels.size(), levels.size());
-            for (size_t i = 0; i < levels.size(); i++)
-                EXPECT_TRUE(sameMat(expectedLevels[i], levels[i])) << i;
-        }
-    }
-    const Ptr<AdaptiveQuadtreeORB> detector = AdaptiveQuadtreeORB::create();
-    Features features;
-    std::vector<Mat> levels(2, scene);
-    detector->detectAndComputeWithPyramid(Mat(), Mat(), features.keypoints, features.descriptors, levels);
-    EXPECT_TRUE(levels.empty());
-    Mat one;
-    EXPECT_THROW(
-        detector->detectAndComputeWithPyramid(scene, Mat(), features.keypoints, features.descriptors, one),
-        cv::Exception);
-}
-
 // A level given as an image has the features that it has as a level.
 TEST(Aqorb_BuildPyramid, holds_the_levels_of_orb)
 {

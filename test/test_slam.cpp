@@ -140,7 +140,7 @@ TEST(Aqorb_Slam, what_differs_from_the_detectors_defaults)
 
     const Ptr<AdaptiveQuadtreeORB> other = AdaptiveQuadtreeORB::create();
     EXPECT_EQ(other->getSelectionType(), detector.getSelectionType());
-    EXPECT_EQ(other->getStrengthWeight(), detector.getStrengthWeight());
+    EXPECT_EQ(0.15, detector.getStrengthWeight());
     EXPECT_EQ(other->getRankRadius(), detector.getRankRadius());
     EXPECT_EQ(other->getMaxDepth(), detector.getMaxDepth());
     EXPECT_EQ(other->getCellSize(), detector.getCellSize());

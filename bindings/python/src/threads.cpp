@@ -413,7 +413,7 @@ void forEachImage(size_t count, const std::function<void(size_t)>& process)
             runThreads(threads,
                        [&]
                        {
-                           const cv::aqorb::AdaptiveQuadtreeORB::SingleThreadScope scope;
+                           const cv::aqorb::SingleThreadScope scope;
                            loop.work(call);
                        });
         });

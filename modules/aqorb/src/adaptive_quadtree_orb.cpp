@@ -163,7 +163,7 @@ template <typename Process> static void forEachImage(size_t count, const Process
             Range(0, threads),
             [&](const Range&)
             {
-                const AdaptiveQuadtreeORB::SingleThreadScope scope;
+                const SingleThreadScope scope;
                 loop.work(process);
             },
             threads);

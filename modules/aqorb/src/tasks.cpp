@@ -18,12 +18,12 @@ namespace aqorb
 
 static thread_local bool isAlone = false;
 
-AdaptiveQuadtreeORB::SingleThreadScope::SingleThreadScope() : before(isAlone)
+SingleThreadScope::SingleThreadScope() : before(isAlone)
 {
     isAlone = true;
 }
 
-AdaptiveQuadtreeORB::SingleThreadScope::~SingleThreadScope()
+SingleThreadScope::~SingleThreadScope()
 {
     isAlone = before;
 }

@@ -13,25 +13,17 @@
 /**
 @defgroup aqorb Uniformly distributed ORB features
 
-ORB features that are spread uniformly over the image. They are found with an adaptive FAST threshold
-and a quadtree after @cite Yao2019AQORB. The class cv::aqorb::AdaptiveQuadtreeORB is
-derived from cv::ORB: it takes the same parameters, computes the same descriptors, and can be used
-wherever a cv::ORB or a cv::Feature2D is expected.
+ORB features that are spread uniformly over the image. They are found with an adaptive FAST threshold and a quadtree
+after @cite Yao2019AQORB. The class cv::aqorb::AdaptiveQuadtreeORB is derived from cv::ORB: it takes the same
+parameters, computes the same descriptors, and can be used wherever a cv::ORB or a cv::Feature2D is expected.
 
-@code{.cpp}
-    Ptr<ORB> orb = aqorb::AdaptiveQuadtreeORB::create(1000);   // was: ORB::create(1000)
-    orb->detectAndCompute(image, noArray(), keypoints, descriptors);
-@endcode
-
-Two functions measure how uniformly the keypoints of any detector are distributed
-(distributionUniformity, distributionOccupancy). A third one thins out keypoints uniformly
-(retainUniform), and a fourth one computes the FAST threshold that suits the contrast of an image
-(adaptiveFastThreshold).
+Two functions measure how uniformly the keypoints of any detector are distributed (distributionUniformity,
+distributionOccupancy). A third one thins out keypoints uniformly (retainUniform), and a fourth one computes the FAST
+threshold that suits the contrast of an image (adaptiveFastThreshold).
 
 The class aqorb::HammingMatcher gives the matches of cv::BFMatcher for binary descriptors, many times as fast.
-matchArrays, knnMatchArrays and matchByPosition give them as arrays.
-
-The class aqorb::SlamExtractor, in a header of its own, replaces the feature extractor of ORB-SLAM.
+matchArrays, knnMatchArrays and matchByPosition give them as arrays. The class aqorb::SlamExtractor, in a header of its
+own, replaces the feature extractor of ORB-SLAM.
 
 The @ref tutorial_table_of_content_aqorb "tutorials" show how to use the module and how it works.
 */
@@ -46,43 +38,36 @@ namespace aqorb
 
 /** @brief ORB detector and descriptor whose keypoints are spread uniformly over the image.
 
-Use it where keypoints must cover the image: for visual odometry and SLAM, stitching, homographies, and
-dark or low-contrast images. Prefer cv::ORB where only the strongest keypoints are wanted, wherever they
-lie, or where the keypoints of earlier runs of cv::ORB must be found again.
+Use it where keypoints must cover the image: for visual odometry and SLAM, stitching, homographies, and dark or
+low-contrast images. Prefer cv::ORB where only the strongest keypoints are wanted, wherever they lie, or where the
+keypoints of earlier runs of cv::ORB must be found again.
 
 @code{.cpp}
-    Ptr<aqorb::AdaptiveQuadtreeORB> detector = aqorb::AdaptiveQuadtreeORB::create(1000);
+    Ptr<aqorb::AdaptiveQuadtreeORB> detector = aqorb::AdaptiveQuadtreeORB::create(1000);  // was: ORB::create(1000)
     detector->setStrengthWeight(4);  // prefer strong corners, to find a small object in a large scene
     detector->detectAndCompute(image, mask, keypoints, descriptors);
 @endcode
 
 ### How keypoints are found
 
-The detector follows @cite Yao2019AQORB, and the descriptor is that of cv::ORB @cite RRKB11. On each level of
-an image pyramid keypoints are found in four steps:
--# FAST corners are found with a threshold that is taken from the contrast of the image. The threshold is
-   lower in those cells of a square mesh that would stay empty.
--# A quadtree divides the level into leaves. The corner of the highest FAST score represents its leaf,
-   unless at least three of the eight leaves around it have better ones.
--# The representatives are taken by their *strength*, weighed against their *rank*. The rank of a corner is
-   the number of stronger ones around it. This choice is the module's own; setSelectionType() brings back
-   that of the paper.
--# A corner near a keypoint of a neighbouring level is passed over.
-
-The strength of a corner is its FAST score, times the fourth root of its Harris response, times the length
-of the moment from which its direction is computed. With ORB::FAST_SCORE the Harris response is left out.
-@ref tutorial_aqorb_algorithm has the formulas.
+The detector follows @cite Yao2019AQORB, and the descriptor is that of cv::ORB @cite RRKB11. FAST corners are found on
+each level of an image pyramid. A quadtree divides the level into leaves. The corner of the highest FAST score
+represents its leaf, unless at least three of the eight leaves around it have better ones. The representatives are taken
+by their *strength*, weighed against their *rank*, the number of stronger ones around them. The strength of a corner is
+its FAST score, times the fourth root of its Harris response, times the length of the moment from which its direction is
+computed. With ORB::FAST_SCORE the Harris response is left out. @ref tutorial_aqorb_algorithm has the formulas.
 
 ### What a keypoint holds
 
-field | content
-------|--------
-pt | The position in pixels of the image; (0, 0) is the centre of the first pixel. Each coordinate is at least 0 and less than the width or the height. See setSubPixel().
-size | The diameter of the patch that is described, in pixels of the image: patchSize * scale. The scale of a level is scaleFactor^(octave - firstLevel).
-angle | The direction from the centre of the patch to the centroid of its intensity, in degrees, from 0 to below 360. It grows from the x axis towards the y axis, which points down.
-response | The Harris response or the FAST score, see scoreType of create. The Harris response of cv::ORB is another one, over 7x7 pixels.
-octave | The number of the level, from 0 (the finest) to nlevels - 1.
-class_id | -1
+- pt: the position in pixels of the image; (0, 0) is the centre of the first pixel. Each coordinate is at least 0 and
+  less than the width or the height. See setSubPixel().
+- size: the diameter of the patch that is described, in pixels of the image: patchSize * scale. The scale of a level is
+  scaleFactor^(octave - firstLevel).
+- angle: the direction from the centre of the patch to the centroid of its intensity, in degrees, from 0 to below 360.
+  It grows from the x axis towards the y axis, which points down.
+- response: the Harris response or the FAST score, see scoreType of create. The Harris response of cv::ORB is another
+  one, over 7x7 pixels.
+- octave: the number of the level, from 0 (the finest) to nlevels - 1. class_id is -1.
 
 ### What you can rely on
 
@@ -93,18 +78,16 @@ class_id | -1
 - Any non-zero value of a mask means "use this pixel", on every level.
 - Several threads may use one object at the same time, as long as none of them calls a setter.
 
-@ref tutorial_aqorb_promises says each of these exactly, together with its exceptions, and names the test that
-holds it.
+@ref tutorial_aqorb_promises says each of these exactly, together with its exceptions, and names the test that holds it.
 
 ### Errors
 
-An invalid parameter raises a cv::Exception that names it and leaves the object unchanged. What depends on
-two parameters is checked by create and, as setters may come in any order, when an image is processed. An
-image has at most 2^20 - 1 pixels a side, and so has each level; otherwise an exception names the size of the
-image. A keypoint that is given to compute raises an exception if its octave is negative or stands for a level
-without a pixel, or if its angle is not finite. Its octave may be nlevels or more, as with cv::ORB, but then
-it must be below 64. A call that raises an exception because of an argument leaves its outputs unchanged.
- */
+An invalid parameter raises a cv::Exception that names it and leaves the object unchanged. What depends on two
+parameters is checked by create and, as setters may come in any order, when an image is processed. An image has at most
+2^20 - 1 pixels a side, and so has each level; otherwise an exception names the size of the image. A keypoint that is
+given to compute raises an exception if its octave is negative or stands for a level without a pixel, or if its angle is
+not finite. Its octave may be nlevels or more, as with cv::ORB, but then it must be below 64. A call that raises an
+exception because of an argument leaves its outputs unchanged. */
 class CV_EXPORTS_W AdaptiveQuadtreeORB : public cv::ORB
 {
 public:
@@ -112,177 +95,142 @@ public:
     enum SelectionType
     {
         RANKED_SELECTION = 0,   //!< by strength and by the number of stronger corners nearby
-        BALANCED_SELECTION = 1  //!< as in the paper, and as in version 0.1 of this module
+        BALANCED_SELECTION = 1  //!< as in the paper
     };
 
     /** @brief Creates the detector. The parameters are those of cv::ORB::create, in the same order.
 
-    Two of them differ from those of cv::ORB: edgeThreshold is 16 by default, and fastThreshold scales the
-    adaptive threshold. Each parameter has a setter and a getter, too, which are those of cv::ORB.
+    Two of them differ from those of cv::ORB: edgeThreshold is 16 by default, and fastThreshold scales the adaptive
+    threshold. Each parameter has a setter and a getter, too, which are those of cv::ORB.
 
     @param nfeatures The maximum number of keypoints, >= 0. With 0 the outputs are empty.
-    @param scaleFactor Ratio between the sizes of neighbouring pyramid levels, finite and > 0. It must be
-    > 1 if there is more than one level.
+    @param scaleFactor Ratio between the sizes of neighbouring pyramid levels, finite and > 0. It must be > 1 if there
+    is more than one level.
     @param nlevels Number of pyramid levels, 1 to 65536. Levels too small for a keypoint are skipped.
-    @param edgeThreshold Width in pixels, on each level, of the border without keypoints, >= 0. The
-    default 16 is the smallest value that keeps the orientation patch of the default patchSize inside
-    the image. The value 31 of cv::ORB costs uniformity, because on small levels most of the image is
-    within the border.
-    @param firstLevel The level that is the input image, 0 <= firstLevel < nlevels. Levels before it are
-    enlarged. Their border is narrower in pixels of the image, so that compute, which keeps edgeThreshold
-    pixels of the image free as cv::ORB::compute does, drops some of the keypoints that detect found there.
-    @param WTA_K Number of points compared for each element of the descriptor: 2, 3 or 4. Match with
-    NORM_HAMMING for 2, with NORM_HAMMING2 for 3 and 4 (see defaultNorm).
-    @param scoreType What is returned as KeyPoint::response: ORB::HARRIS_SCORE (the Harris response over
-    5x5 pixels) or ORB::FAST_SCORE (the highest threshold at which the pixel is a FAST corner). It also
-    decides whether the Harris response is part of a corner's strength. Which corner represents a leaf is
-    decided by the FAST score in either case. With ORB::HARRIS_SCORE a corner gives way to a better one
-    among the 7x7 pixels around it, by FAST score.
-    @param patchSize Diameter in pixels, on each level, of the patch from which the orientation and the
-    descriptor are computed, 2 to 16384.
-    @param fastThreshold Scale of the adaptive FAST threshold. With 20 the threshold is that of equation
-    (7) of the paper, with 10 half of it. A lower value means more corners, as in cv::ORB. With
-    setAdaptiveThreshold(false) it is the FAST threshold itself. It is limited to [0, 255].
-     */
+    @param edgeThreshold Width in pixels, on each level, of the border without keypoints, >= 0. The default 16 is the
+    smallest value that keeps the orientation patch of the default patchSize inside the image. The value 31 of cv::ORB
+    costs uniformity, because on small levels most of the image is within the border.
+    @param firstLevel The level that is the input image, 0 <= firstLevel < nlevels. Levels before it are enlarged. Their
+    border is narrower in pixels of the image, so that compute, which keeps edgeThreshold pixels of the image free as
+    cv::ORB::compute does, drops some of the keypoints that detect found there.
+    @param WTA_K Number of points compared for each element of the descriptor: 2, 3 or 4. Match with NORM_HAMMING for 2,
+    with NORM_HAMMING2 for 3 and 4 (see defaultNorm).
+    @param scoreType What is returned as KeyPoint::response: ORB::HARRIS_SCORE (the Harris response over 5x5 pixels) or
+    ORB::FAST_SCORE (the highest threshold at which the pixel is a FAST corner). It also decides whether the Harris
+    response is part of a corner's strength. Which corner represents a leaf is decided by the FAST score in either case.
+    With ORB::HARRIS_SCORE a corner gives way to a better one among the 7x7 pixels around it, by FAST score.
+    @param patchSize Diameter in pixels, on each level, of the patch from which the orientation and the descriptor are
+    computed, 2 to 16384.
+    @param fastThreshold Scale of the adaptive FAST threshold. With 20 the threshold is that of equation (7) of the
+    paper, with 10 half of it. A lower value means more corners, as in cv::ORB. With setAdaptiveThreshold(false) it is
+    the FAST threshold itself. It is limited to [0, 255]. */
     CV_WRAP static Ptr<AdaptiveQuadtreeORB> create(int nfeatures = 500, float scaleFactor = 1.2f,
                                                    int nlevels = 8, int edgeThreshold = 16,
                                                    int firstLevel = 0, int WTA_K = 2,
                                                    ORB::ScoreType scoreType = ORB::HARRIS_SCORE,
                                                    int patchSize = 31, int fastThreshold = 20);
 
-    //! @name Properties for everyone
+    //! @name Properties
     //! @{
 
-    /** @brief How much the strength of a corner counts against an even distribution: 0 to 1000, without a
-    unit. The default is 0.05.
+    /** @brief How much the strength of a corner counts against an even distribution: 0 to 1000, without a unit. The
+    default is 0.05.
 
-    With 0 corners are taken by their rank alone, which gives the most even distribution. A larger value
-    prefers strong corners; raise it to find a small object in a large scene. With 1000 the stronger of two
-    representatives is taken first, unless their strengths differ by less than two per cent. It has no effect
-    with BALANCED_SELECTION. */
+    With 0 corners are taken by their rank alone, which gives the most even distribution. A larger value prefers strong
+    corners; raise it to find a small object in a large scene. With 1000 the stronger of two representatives is taken
+    first, unless their strengths differ by less than two per cent. It has no effect with BALANCED_SELECTION. */
     CV_WRAP virtual void setStrengthWeight(double strengthWeight) = 0;
-    /** @brief How much the strength of a corner counts, see setStrengthWeight(). */
-    CV_WRAP virtual double getStrengthWeight() const = 0;
+    CV_WRAP virtual double getStrengthWeight() const = 0;  //!< see setStrengthWeight()
 
-    /** @brief The distance that a corner keeps from the keypoints of neighbouring levels, in pixels of its
-    own level: finite and >= 0, or -1 for the distance that suits the selection. The default is -1.
+    /** @brief The distance that a corner keeps from the keypoints of neighbouring levels, in pixels of its own level:
+    finite and >= 0. With -1, the default, it is the distance that suits the selection, see setSelectionType().
 
-    A corner that is strictly nearer than that is taken only if too few corners are left elsewhere. The
-    distance is that between the pixels where the two were detected, mapped to the image by pixel centres.
-    Refined positions (setSubPixel()) can come nearer.
-
-    With RANKED_SELECTION -1 means 2.1 / (1 + StrengthWeight), which is 2 by default, and only the
-    levels next to its own count, so that a corner of the scene can be kept on every second level. With
-    BALANCED_SELECTION -1 means 0.5, and all levels count. With 0 there is no such rule, as in the paper. */
+    A corner that is strictly nearer than that is taken only if too few corners are left elsewhere. The distance is that
+    between the pixels where the two were detected, mapped to the image by pixel centres. Refined positions
+    (setSubPixel()) can come nearer. With 0 there is no such rule, as in the paper. */
     CV_WRAP virtual void setOctaveSuppression(double octaveSuppression) = 0;
-    /** @brief The distance between keypoints of neighbouring levels, -1 if that was set; see
-    setOctaveSuppression(). */
-    CV_WRAP virtual double getOctaveSuppression() const = 0;
+    CV_WRAP virtual double getOctaveSuppression() const = 0;  //!< see setOctaveSuppression()
 
-    /** @brief Whether keypoint positions are refined to a fraction of a pixel and mapped to the image by
-    pixel centres. The default is true.
+    /** @brief Whether keypoint positions are refined to a fraction of a pixel and mapped to the image by pixel centres.
+    The default is true.
 
-    With false positions are whole pixels of the level times its scale, as in cv::ORB and in the paper. In
-    either case keypoint k was detected at the pixel cvRound(k.pt / scale) of its level, and direction and
-    descriptor are computed there. */
+    With false positions are whole pixels of the level times its scale, as in cv::ORB and in the paper. In either case
+    keypoint k was detected at the pixel cvRound(k.pt / scale) of its level, and direction and descriptor are computed
+    there. */
     CV_WRAP virtual void setSubPixel(bool subPixel) = 0;
-    /** @brief Whether positions are refined, see setSubPixel(). */
-    CV_WRAP virtual bool getSubPixel() const = 0;
+    CV_WRAP virtual bool getSubPixel() const = 0;  //!< see setSubPixel()
 
-    /** @brief Whether the FAST threshold is taken from the image by equation (7) of the paper. The default is
-    true. With false it is fastThreshold for every image. */
+    /** @brief Whether the FAST threshold is taken from the image by equation (7) of the paper. The default is true.
+    With false it is fastThreshold for every image. */
     CV_WRAP virtual void setAdaptiveThreshold(bool adaptiveThreshold) = 0;
-    /** @brief Whether the FAST threshold is taken from the image, see setAdaptiveThreshold(). */
-    CV_WRAP virtual bool getAdaptiveThreshold() const = 0;
+    CV_WRAP virtual bool getAdaptiveThreshold() const = 0;  //!< see setAdaptiveThreshold()
 
-    //! @}
-    //! @name Properties of the method, for comparisons with the paper and for experiments
-    //! @{
-
-    /** @brief How many times lower the FAST threshold is in cells that would otherwise stay empty: finite,
-    >= 1. The default is 4, as in the paper. With 1 there is no second threshold. */
+    /** @brief How many times lower the FAST threshold is in cells that would otherwise stay empty: finite, >= 1. The
+    default is 4, as in the paper. With 1 there is no second threshold. */
     CV_WRAP virtual void setMinThresholdRatio(double minThresholdRatio) = 0;
-    /** @brief How many times lower the threshold is in otherwise empty cells, see setMinThresholdRatio(). */
-    CV_WRAP virtual double getMinThresholdRatio() const = 0;
+    CV_WRAP virtual double getMinThresholdRatio() const = 0;  //!< see setMinThresholdRatio()
 
-    /** @brief Side of the square cells in which the lower threshold may apply, in pixels of the level:
-    >= 8. The default is 35. With cells larger than the image there is one threshold for the whole
-    level. */
+    /** @brief Side of the square cells in which the lower threshold may apply, in pixels of the level: >= 8. The
+    default is 35. With cells larger than the image there is one threshold for the whole level. */
     CV_WRAP virtual void setCellSize(int cellSize) = 0;
-    /** @brief Side of the cells in which the lower threshold may apply, see setCellSize(). */
-    CV_WRAP virtual int getCellSize() const = 0;
+    CV_WRAP virtual int getCellSize() const = 0;  //!< see setCellSize()
 
-    /** @brief Depth of the quadtree: 0 to 15, or -1 for the depth that suits the number of features. The
-    default is -1. With 0 the corners of a level are taken by their response alone.
-
-    With RANKED_SELECTION -1 means the smallest depth with at least 9 leaves for each feature that the
-    level is to have; leaves on masked pixels do not count. A leaf is never smaller than 2 pixels a side,
-    and the tree never deeper than 12, whatever is set. With BALANCED_SELECTION -1 means equation (9) of
-    the paper, the smallest depth with at least as many leaves as the level is to have features. */
+    /** @brief Depth of the quadtree: 0 to 15. With -1, the default, it is the depth that suits the selection, see
+    setSelectionType(). With 0 the corners of a level are taken by their response alone. With RANKED_SELECTION a leaf is
+    never smaller than 2 pixels a side, and the tree never deeper than 12, whatever is set. */
     CV_WRAP virtual void setMaxDepth(int maxDepth) = 0;
-    /** @brief Depth of the quadtree, -1 if that was set; see setMaxDepth(). */
-    CV_WRAP virtual int getMaxDepth() const = 0;
+    CV_WRAP virtual int getMaxDepth() const = 0;  //!< see setMaxDepth()
 
     // The type has its full name here, because OpenCV's wrappers for Python and Java do not find it otherwise.
     /** @brief The rule by which the corners of a level are chosen. The default is RANKED_SELECTION.
 
-    - RANKED_SELECTION counts for the representative of each leaf of the quadtree how many stronger ones are
-      around it (setRankRadius()), and weighs this rank against its strength (setStrengthWeight()). Neither
-      depends much on how the scene lies in the frame, so nearly the same corners are chosen when the camera
-      turns. Levels share the features in proportion to area * scale^1.25, where the area is that between the
-      borders, and the finest level gets half as much again.
-    - BALANCED_SELECTION is the rule of the paper, equations (8) and (9) and Figure 2: the parts of the frame
-      take their best corners in turn, and levels share the features in proportion to their lengths. It
-      gives the keypoints of version 0.1 of this module to the byte. Those of a level come in raster order.
+    - RANKED_SELECTION counts for the representative of each leaf of the quadtree how many stronger ones are around it
+      (setRankRadius()), and weighs this rank against its strength (setStrengthWeight()). Neither depends much on how
+      the scene lies in the frame, so nearly the same corners are chosen when the camera turns. Levels share the
+      features in proportion to area * scale^1.25, where the area is that between the borders, and the finest level gets
+      half as much again. The tree has the smallest depth with at least 9 leaves for each feature that the level is to
+      have; leaves on masked pixels do not count. A corner keeps 2.1 / (1 + StrengthWeight) pixels from the keypoints of
+      the levels next to its own, so that a corner of the scene can be kept on every second level.
+    - BALANCED_SELECTION is the rule of the paper, equations (8) and (9) and Figure 2: the parts of the frame take their
+      best corners in turn, and levels share the features in proportion to their lengths. The tree has the smallest
+      depth with at least as many leaves as the level is to have features. A corner keeps 0.5 pixels from the keypoints
+      of all levels. The keypoints of a level come in raster order.
 
     Any other value raises an exception. */
     CV_WRAP virtual void setSelectionType(cv::aqorb::AdaptiveQuadtreeORB::SelectionType selectionType) = 0;
-    /** @brief The rule by which the corners of a level are chosen, see setSelectionType(). */
+    //! See setSelectionType().
     CV_WRAP virtual cv::aqorb::AdaptiveQuadtreeORB::SelectionType getSelectionType() const = 0;
 
-    /** @brief Radius of the disc in which the rank of a corner is counted, 0 to 16, in units of the mean
-    distance between the features of the level. The default is 2.25.
+    /** @brief Radius of the disc in which the rank of a corner is counted, 0 to 16, in units of the mean distance
+    between the features of the level. The default is 2.25.
 
-    The mean distance is the square root of the area of the level, less what is masked, over the number of
-    its features. With 0 all representatives have the same rank, so that their strength decides among them.
-    It has no effect with BALANCED_SELECTION. */
+    The mean distance is the square root of the area of the level, less what is masked, over the number of its features.
+    With 0 all representatives have the same rank, so that their strength decides among them. It has no effect with
+    BALANCED_SELECTION. */
     CV_WRAP virtual void setRankRadius(double rankRadius) = 0;
-    /** @brief Radius of the disc in which ranks are counted, see setRankRadius(). */
-    CV_WRAP virtual double getRankRadius() const = 0;
+    CV_WRAP virtual double getRankRadius() const = 0;  //!< see setRankRadius()
 
     //! @}
 
-    /** @brief Computes the image pyramid on which keypoints are detected and described. It is for work that
-    needs the pixels around keypoints, such as stereo matching: keypoint k lies on levels[k.octave].
+    /** @brief Computes the image pyramid on which keypoints are detected and described. It is for work that needs the
+    pixels around keypoints, such as stereo matching: keypoint k lies on levels[k.octave].
 
-    Level i has the size of the image divided by scaleFactor^(i - firstLevel), rounded, and its pixels are
-    those of cv::ORB's level. Detection keeps no pyramid, so this function computes all of it. In C++
-    detectAndComputeWithPyramid saves computing it twice.
+    Level i has the size of the image divided by scaleFactor^(i - firstLevel), rounded, and its pixels are those of
+    cv::ORB's level. Detection keeps no pyramid, so this function computes all of it.
 
     @param image 8-bit image with 1, 3 (BGR) or 4 (BGRA) channels.
-    @param levels A vector of Mat or UMat: one CV_8UC1 image for each level, which shares no memory with
-    the input. The vector may hold the input itself. There are nlevels images, or as many as have at
-    least one pixel. It is empty for an empty image.
-     */
+    @param levels A vector of Mat or UMat: one CV_8UC1 image for each level, which shares no memory with the input. The
+    vector may hold the input itself. There are nlevels images, or as many as have at least one pixel. It is empty for
+    an empty image. */
     CV_WRAP virtual void buildPyramid(InputArray image, OutputArrayOfArrays levels) const = 0;
-
-    /** @brief detectAndCompute and buildPyramid in one call, which computes the pyramid once. The results are
-    those of the two calls.
-
-    @param image, mask, keypoints, descriptors as for detectAndCompute
-    @param levels as for buildPyramid
-     */
-    virtual void detectAndComputeWithPyramid(InputArray image, InputArray mask,
-                                             std::vector<KeyPoint>& keypoints, OutputArray descriptors,
-                                             OutputArrayOfArrays levels) = 0;
 
     /** @brief detectAndCompute for the images of a collection, side by side: the results are those of a call for each
     image, for any number of threads.
 
     Each of the threads that cv::getNumThreads allows takes one image after another. This uses the threads better than
-    sharing each image among them. A collection of one image is processed by all of them. The functions of
-    cv::Feature2D for collections, detect(images, keypoints, masks) and compute(images, keypoints, descriptors), work
-    in the same way, and so do their errors.
+    sharing each image among them. A collection of one image is processed by all of them. The functions of cv::Feature2D
+    for collections, detect(images, keypoints, masks) and compute(images, keypoints, descriptors), work in the same way,
+    and so do their errors.
 
     @param images A vector of Mat or UMat. The images may have different sizes and numbers of channels, and each may be
     empty.
@@ -291,74 +239,71 @@ public:
     @param descriptors A vector of Mat or UMat: the descriptors of each image, which is empty where there are no
     keypoints. With noArray() none are computed.
 
-    An exception names the image, as in "images[3]: mask must be ...". If several images cause one, that of the first
-    of them is thrown, after all threads have ended. The outputs are then unchanged.
-     */
+    An exception names the image, as in "images[3]: mask must be ...". If several images cause one, that of the first of
+    them is thrown, after all threads have ended. The outputs are then unchanged. */
     CV_WRAP virtual void detectAndComputeBatch(InputArrayOfArrays images, InputArrayOfArrays masks,
                                                CV_OUT std::vector<std::vector<KeyPoint>>& keypoints,
                                                OutputArrayOfArrays descriptors) = 0;
 
-    /** @brief While an object of this class exists, detectors process the calls of the thread that made it on that
-    thread alone.
-
-    It is for programs with threads of their own, each of which processes images. */
-    class CV_EXPORTS SingleThreadScope
-    {
-    public:
-        SingleThreadScope();
-        ~SingleThreadScope();
-
-    private:
-        SingleThreadScope(const SingleThreadScope&);
-        SingleThreadScope& operator=(const SingleThreadScope&);
-
-        const bool before;
-    };
-
     /** @brief Frees the work space that the object keeps between calls. The next call allocates it anew.
 
-    The work space takes a few times the memory of the image. Without this function it is kept for as long as
-    it is of use. After 64 calls with images of less than half of the largest one's pixels it is made anew for
-    their size. Threads that call the object at the same time have a work space each. At most as many are kept as
-    the machine has CPUs, and one that was not used in the last 64 calls is freed.
-     */
+    It takes a few times the memory of the image. Threads that call the object at the same time have a work space each.
+    At most as many are kept as the machine has CPUs. */
     CV_WRAP virtual void releaseMemory() = 0;
 
     /** @brief The name that cv::Algorithm writes to a file: "Feature2D.AdaptiveQuadtreeORB". */
     CV_WRAP virtual String getDefaultName() const CV_OVERRIDE;
+
+private:
+    friend class SlamExtractor;
+    // detectAndCompute and buildPyramid in one call, which computes the pyramid once.
+    virtual void detectAndComputeWithPyramid(InputArray image, InputArray mask,
+                                             std::vector<KeyPoint>& keypoints, OutputArray descriptors,
+                                             OutputArrayOfArrays levels) = 0;
+};
+
+/** @brief While an object of this class exists, detectors process the calls of the thread that made it on that thread
+alone. It is for programs with threads of their own, each of which processes images. */
+class CV_EXPORTS SingleThreadScope
+{
+public:
+    SingleThreadScope();
+    ~SingleThreadScope();
+    SingleThreadScope(const SingleThreadScope&) = delete;
+
+private:
+    const bool before;
 };
 
 /** @brief The adaptive FAST threshold of an image: variance over mean of the grey values, equation (7) of
 @cite Yao2019AQORB.
 
-The threshold scales with the contrast. For most photographs it is between 14 and 48, and for the same scene
-at a tenth of the light a tenth of that.
+The threshold scales with the contrast. For most photographs it is between 14 and 48, and for the same scene at a tenth
+of the light a tenth of that.
 
 @param image 8-bit image with 1, 3 (BGR) or 4 (BGRA) channels.
 @param mask Optional CV_8UC1 mask of the size of the image. Only pixels where it is not zero count.
-@return The threshold in grey levels, not rounded. It is 0 for an empty image, for an image or a mask that
-is zero everywhere, and for an image with a single grey value.
+@return The threshold in grey levels, not rounded. It is 0 for an empty image, for an image or a mask that is zero
+everywhere, and for an image with a single grey value.
 
-An image or a mask of another type or size raises a cv::Exception that names it.
- */
+An image or a mask of another type or size raises a cv::Exception that names it. */
 CV_EXPORTS_W double adaptiveFastThreshold(InputArray image, InputArray mask = noArray());
 
 /** @brief How uniformly keypoints are distributed: the measure u of Zu and Zhao @cite Zu2010Uniformity by which
 @cite Yao2019AQORB compares detectors. A smaller value is more uniform.
 
-The image is halved in five ways: left and right, top and bottom, along each diagonal, and into centre and
-periphery. If sigma is the population standard deviation of the ten counts, u = 101 * log10(sigma). The
-measure only sees the balance between halves; distributionOccupancy looks at smaller parts. Where
-keypoints cluster it grows with their number, so compare equal numbers of keypoints. Some values for 500
-points: 30 for a jittered grid, 101 for random points, 216 if all points are in one half.
+The image is halved in five ways: left and right, top and bottom, along each diagonal, and into centre and periphery. If
+sigma is the population standard deviation of the ten counts, u = 101 * log10(sigma). The measure only sees the balance
+between halves; distributionOccupancy looks at smaller parts. Where keypoints cluster it grows with their number, so
+compare equal numbers of keypoints. Some values for 500 points: 30 for a jittered grid, 101 for random points, 216 if
+all points are in one half.
 
 @param keypoints Keypoints of any detector. Those whose position is not finite do not count.
 @param imageSize Size of the image in which they were found; both sides > 0.
-@return u. It is 0 where sigma is below 1, that is for a distribution as even as whole counts allow, and for
-no keypoints at all.
+@return u. It is 0 where sigma is below 1, that is for a distribution as even as whole counts allow, and for no
+keypoints at all.
 
-A size out of its range raises a cv::Exception that names it.
- */
+A size out of its range raises a cv::Exception that names it. */
 CV_EXPORTS_W double distributionUniformity(const std::vector<KeyPoint>& keypoints, Size imageSize);
 
 /** @brief The share of the cells of a grid over the image that contain at least one keypoint.
@@ -368,36 +313,33 @@ CV_EXPORTS_W double distributionUniformity(const std::vector<KeyPoint>& keypoint
 @param grid Number of columns and rows of the grid; both > 0, at most 2^24 cells.
 @return Number of occupied cells divided by the number of cells, 0 to 1.
 
-A size or a grid out of its range raises a cv::Exception that names it.
- */
+A size or a grid out of its range raises a cv::Exception that names it. */
 CV_EXPORTS_W double distributionOccupancy(const std::vector<KeyPoint>& keypoints, Size imageSize,
                                           Size grid = Size(16, 12));
 
-/** @brief Keeps npoints keypoints that are spread over the image, and prefers high responses: the selection
-of AdaptiveQuadtreeORB for the keypoints of any detector.
+/** @brief Keeps npoints keypoints that are spread over the image, and prefers high responses: the selection of
+AdaptiveQuadtreeORB for the keypoints of any detector.
 
-Use it in place of cv::KeyPointsFilter::retainBest, which keeps the highest responses wherever they lie.
-The rule is that of RANKED_SELECTION with a StrengthWeight of 0.15 and a RankRadius of 1. The response takes the
-place of the FAST score and of the strength, and octaves are ignored. The quadtree spans the whole image and
-has at least 9 leaves for each keypoint that is kept. The best keypoint of a leaf represents it, unless at
-least three of the eight leaves around it have better ones. The representatives come in this order:
+Use it in place of cv::KeyPointsFilter::retainBest, which keeps the highest responses wherever they lie. The rule is
+that of RANKED_SELECTION with a StrengthWeight of 0.15 and a RankRadius of 1. The response takes the place of the FAST
+score and of the strength, and octaves are ignored. The quadtree spans the whole image and has at least 9 leaves for
+each keypoint that is kept. The best keypoint of a leaf represents it, unless at least three of the eight leaves around
+it have better ones. The representatives come in this order:
 -# those of infinite response, by their rank;
 -# those of positive response, by (1 + rank) / response^StrengthWeight;
 -# those whose response is zero, negative or NaN, by their rank.
 
-The other keypoints follow: the best ones of leaves that no keypoint represents, then the second best ones
-of all leaves, and so on, each time by response. In every comparison NaN counts as the lowest response. Of
-equal responses in a leaf the keypoint of lower y is preferred, then that of lower x, then that of lower
-index. Multiplying all responses by a positive constant changes nothing, as long as the products are
-neither rounded nor out of the range of a float.
+The other keypoints follow: the best ones of leaves that no keypoint represents, then the second best ones of all
+leaves, and so on, each time by response. In every comparison NaN counts as the lowest response. Of equal responses in a
+leaf the keypoint of lower y is preferred, then that of lower x, then that of lower index. Multiplying all responses by
+a positive constant changes nothing, as long as the products are neither rounded nor out of the range of a float.
 
-@param keypoints In: keypoints of any detector. Out: at most npoints of them, in their input order and
-with all fields unchanged. Those outside the image are dropped, even if there are fewer than npoints.
+@param keypoints In: keypoints of any detector. Out: at most npoints of them, in their input order and with all fields
+unchanged. Those outside the image are dropped, even if there are fewer than npoints.
 @param imageSize Size of the image; both sides > 0.
 @param npoints Number of keypoints to keep, >= 0.
 
-A size or a number out of its range raises a cv::Exception that names it.
- */
+A size or a number out of its range raises a cv::Exception that names it. */
 CV_EXPORTS_W void retainUniform(CV_IN_OUT std::vector<KeyPoint>& keypoints, Size imageSize, int npoints);
 
 //! @}

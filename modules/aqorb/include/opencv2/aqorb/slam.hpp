@@ -11,7 +11,6 @@
 #include <algorithm>
 #include <climits>
 #include <cmath>
-#include <vector>
 
 namespace cv
 {
@@ -21,8 +20,8 @@ namespace aqorb
 //! @addtogroup aqorb
 //! @{
 
-/** @brief AdaptiveQuadtreeORB with the interface by which ORB-SLAM2 and ORB-SLAM3 call their feature
-extractor; see @ref tutorial_aqorb_slam.
+/** @brief AdaptiveQuadtreeORB with the interface by which ORB-SLAM2 and ORB-SLAM3 call their feature extractor; see
+@ref tutorial_aqorb_slam.
 
 A SLAM system includes this header in place of the one that declares `ORBextractor`, and writes
 @code{.cpp}
@@ -33,29 +32,30 @@ A SLAM system includes this header in place of the one that declares `ORBextract
     }
 @endcode
 
-It returns a few more keypoints than asked for, as the extractor it replaces does: one more for each level,
-so nfeatures + nlevels, or as many as the image has corners. ORB-SLAM2 starts only on a frame with more than
-500 keypoints. It would never start with nFeatures: 500 and an extractor that keeps to that number, as
-AdaptiveQuadtreeORB itself does.
+It returns one keypoint more for each level than asked for, so nfeatures + nlevels, or as many as the image has corners.
+ORB-SLAM2 starts only on a frame with more than 500 keypoints: with nFeatures: 500 and an extractor that keeps to that
+number, as AdaptiveQuadtreeORB itself does, it would never start.
 
-Three properties of the detector are set to what such systems expect. SubPixel is false, because their
-stereo matching takes a position for a whole pixel of its level times the scale of the level.
-AdaptiveThreshold is false, so that the FAST thresholds are those given. OctaveSuppression is 0, because a
-single camera is initialised with keypoints of the finest level only, and the best of these are where a
-coarser level has one, too. All can be changed through detector().
+Four properties of the detector are set to what such systems need. SubPixel is false, because their stereo matching
+takes a position for a whole pixel of its level times the scale of the level. AdaptiveThreshold is false, so that the
+FAST thresholds are those given. OctaveSuppression is 0, because a single camera is initialised with keypoints of the
+finest level only, and the best of these are where a coarser level has one, too. StrengthWeight is 0.15, because
+stronger corners are found again in more frames; it makes the distribution a little less even. All can be changed
+through detector().
 
-An object keeps the pyramid of its last image, so it can be used by one thread at a time. Create one object
-for each camera.
+It works on the thread that calls it alone, because SLAM systems call it from threads of their own: to wait for another
+thread on a core that has other work takes longer than the work that it would do.
+
+An object keeps the pyramid of its last image, so it can be used by one thread at a time. Create one object for each
+camera.
  */
 class SlamExtractor
 {
 public:
     /** @brief Creates the extractor. Invalid values raise a cv::Exception.
 
-    @param nfeatures The number of keypoints asked for, >= 0. There can be up to nlevels more. With 0 there
-    are none.
-    @param scaleFactor Ratio between the sizes of neighbouring levels, finite, and > 1 if there are
-    several levels.
+    @param nfeatures The number of keypoints asked for, >= 0. There can be up to nlevels more. With 0 there are none.
+    @param scaleFactor Ratio between the sizes of neighbouring levels, finite, and > 1 if there are several levels.
     @param nlevels Number of pyramid levels, 1 to 65536.
     @param iniThFAST FAST threshold, 1 to 254.
     @param minThFAST FAST threshold in cells that would otherwise stay empty, 1 to iniThFAST.
@@ -92,6 +92,7 @@ public:
     {
         // The pyramid goes to a vector of its own, because the image may be a level of the last pyramid.
         std::vector<Mat> pyramid;
+        const SingleThreadScope alone;
         orb->detectAndComputeWithPyramid(image, mask, keypoints, descriptors, pyramid);
         pyramid.resize(scales.size());
         mvImagePyramid.swap(pyramid);
@@ -99,8 +100,8 @@ public:
 
     /** @brief The same for two cameras whose images overlap. This is what ORB-SLAM3 calls.
 
-    @param image, mask, keypoints, descriptors As above, but keypoints outside of the overlap come first
-    and those inside of it after them. Each part comes by level, and within a level by response.
+    @param image, mask, keypoints, descriptors As above, but keypoints outside of the overlap come first and those
+    inside of it after them. Each part comes by level, and within a level by response.
     @param vLappingArea First and last column of the overlap, in pixels of the image.
     @return Number of keypoints outside of the overlap.
      */
@@ -151,12 +152,12 @@ public:
     //! The inverses of GetScaleSigmaSquares.
     std::vector<float> GetInverseScaleSigmaSquares() const { return inverseSigmaSquares; }
 
-    /** @brief The detector, so that its other properties can be set. Its getMaxFeatures() is nfeatures +
-    nlevels. Its number of levels and its scale factor must not be changed, and its firstLevel must stay 0. */
+    /** @brief The detector, so that its other properties can be set. Its getMaxFeatures() is nfeatures + nlevels. Its
+    number of levels and its scale factor must not be changed, and its firstLevel must stay 0. */
     const Ptr<AdaptiveQuadtreeORB>& detector() const { return orb; }
 
-    /** @brief The levels of the last image: GetLevels() images of size round(size / scale), without a border.
-    A level that would have no pixel is empty. */
+    /** @brief The levels of the last image: GetLevels() images of size round(size / scale), without a border. A level
+    that would have no pixel is empty. */
     std::vector<Mat> mvImagePyramid;
 
 private:
@@ -168,16 +169,13 @@ private:
         return nfeatures < INT_MAX - nlevels ? nfeatures + nlevels : INT_MAX;
     }
 
-    //! All that differs from the detector's own defaults, apart from the arguments of the constructor.
+    //! All that differs from the detector's own defaults, apart from the arguments of the constructor; see above.
     static void setForSlam(AdaptiveQuadtreeORB& orb)
     {
-        // The thresholds are those of the settings file.
         orb.setAdaptiveThreshold(false);
-        // Stereo matching by patches starts at a whole pixel of the level.
         orb.setSubPixel(false);
-        // Two frames of a single camera are first matched by keypoints of the finest level. Octave suppression
-        // would leave out those of its corners that a coarser level has, too, which are found again best.
         orb.setOctaveSuppression(0);
+        orb.setStrengthWeight(0.15);
     }
 
     Ptr<AdaptiveQuadtreeORB> orb;
