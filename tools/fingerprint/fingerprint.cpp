@@ -9,8 +9,8 @@
 //
 // There is one line for each scene or image and each set of parameters. The hashes of the image and of the pyramid
 // show whether a difference came with the input or is one of the detector. --plain calls
-// cv::setUseOptimized(false). --balanced sets BALANCED_SELECTION, which gives the lines that version 0.1 printed. The
-// CPU features that OpenCV uses are printed to standard error.
+// cv::setUseOptimized(false). --balanced sets BALANCED_SELECTION. The CPU features that OpenCV uses are printed to
+// standard error.
 
 #include "lines.hpp"
 
