@@ -1,15 +1,14 @@
 #!/usr/bin/env bash
 # Builds the page that compares both detectors in a browser: build/web/page, which any web server can offer as it is.
 #
-#   scripts/web.sh [--serve [PORT] | --test | --speed]
+#   scripts/web.sh [--serve [PORT] | --test]
 #
-# The module and OpenCV's core, imgproc and features2d are compiled to WebAssembly with SIMD, for one thread.
+# The module and the parts of OpenCV that it needs are compiled to WebAssembly with SIMD, for one thread.
 #
 # With --serve the page is offered on this machine, at http://localhost:8000 or another PORT, until Ctrl-C.
 # With --test the results are compared with those of the native library, in Node.js and in headless Chromium, and the
 # page is used there as people would. The screenshots are in build/web/screenshots. If OPENCV_TEST_DATA_PATH names
 # opencv_extra's testdata folder, six photographs are compared, too.
-# With --speed both detectors are timed in Node.js, and the module also as compiled without SIMD.
 #
 # Installs the Debian packages it needs, and says how much that is. pip fetches OpenCV's source, and npm what drives
 # Chromium. To compile OpenCV takes some minutes the first time.
@@ -21,7 +20,7 @@ TOOLCHAIN=/usr/share/emscripten/cmake/Modules/Platform/Emscripten.cmake
 export NODE_PATH=/usr/share/nodejs
 
 mode=${1:-}
-[[ $mode =~ ^(|--serve|--test|--speed)$ ]] || die "unknown option $mode; --help says what there is"
+[[ $mode =~ ^(|--serve|--test)$ ]] || die "unknown option $mode; --help says what there is"
 port=${2:-8000}
 if [[ $mode == --serve ]]; then  # before minutes are spent on the page
     if ! [[ $port =~ ^[0-9]{1,5}$ ]] || ((port < 1 || port > 65535)); then
@@ -32,16 +31,13 @@ if [[ $mode == --serve ]]; then  # before minutes are spent on the page
     fi
 fi
 
-# compile FOLDER FLAGS: the page, and the module with these flags. OpenCV is always compiled with SIMD.
 compile() {
-    local opencv=(-DAQORB_BUNDLE_OPENCV=ON -DAQORB_OPENCV_SOURCE="$OPENCV_SOURCE" -DAQORB_OPENCV_BUILD="$WEB/opencv")
-    [[ $1 == "$WEB" ]] ||
-        opencv=(-DOpenCV_DIR="$(dirname "$(find "$WEB/opencv/prefix" -name OpenCVConfig.cmake)")")
-    forget_moved "$1" "$ROOT"
-    cmake -S "$ROOT" -B "$1" -G Ninja -DCMAKE_TOOLCHAIN_FILE="$TOOLCHAIN" -DCMAKE_BUILD_TYPE=Release \
-        -DCMAKE_CXX_FLAGS="-fwasm-exceptions $2" -DBUILD_SHARED_LIBS=OFF -DAQORB_WERROR=ON "${opencv[@]}" \
+    forget_moved "$WEB" "$ROOT"
+    cmake -S "$ROOT" -B "$WEB" -G Ninja -DCMAKE_TOOLCHAIN_FILE="$TOOLCHAIN" -DCMAKE_BUILD_TYPE=Release \
+        -DCMAKE_CXX_FLAGS="-fwasm-exceptions -msimd128" -DBUILD_SHARED_LIBS=OFF -DAQORB_WERROR=ON \
+        -DAQORB_BUNDLE_OPENCV=ON -DAQORB_OPENCV_SOURCE="$OPENCV_SOURCE" -DAQORB_OPENCV_BUILD="$WEB/opencv" \
         -DAQORB_BUILD_TESTS=OFF -DAQORB_BUILD_SAMPLES=OFF -DAQORB_BUILD_PRELOAD=OFF -DAQORB_INSTALL=OFF
-    build "$1"
+    build "$WEB"
 }
 
 # sizes: of what a browser fetches, as files and as most servers send them.
@@ -97,7 +93,7 @@ tests() {
 need web
 opencv_release 4
 say "The page"
-compile "$WEB" -msimd128
+compile
 sizes
 say "$WEB/page/index.html"
 
@@ -108,11 +104,5 @@ case $mode in
     ;;
 --test)
     tests
-    ;;
---speed)
-    say "The module without SIMD"
-    compile "$BUILD/web-plain" ""
-    say "Times"
-    node "$ROOT/web/test/speed.mjs" "$WEB/page" "$BUILD/web-plain/page"
     ;;
 esac

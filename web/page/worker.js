@@ -6,7 +6,7 @@
 //
 //   pixels             of the picture, if it is another one than before
 //   second             the second picture's pixels, or the name of a simulated one, if it is another one than before
-//   view               'keypoints', 'turn' or 'pair'; degrees is for 'turn'
+//   view               'keypoints' or 'pair'
 //   properties, runs   of the detectors, and how often they are called
 //
 // The answer holds the second picture if it was drawn here, and for each detector what was found.
@@ -49,14 +49,7 @@ function run(engine, job) {
     }
     answer.found = first.map(found => ({ ...found }));
 
-    if (job.view === 'turn') {
-        checked(engine.turn(job.degrees));
-        drawn = false;
-        for (const detector of DETECTORS) {
-            const turned = checked(engine.detect(1, detector, 1));
-            answer.found[detector].turned = { ...checked(engine.compareTurned(detector)), keypoints: turned.keypoints };
-        }
-    } else if (job.view === 'pair') {
+    if (job.view === 'pair') {
         if (!drawn && typeof second === 'string')
             answer.second = checked(engine.drawOtherView(second));
         else if (!drawn)

@@ -89,13 +89,6 @@ void checkDetector(int detector)
     CV_CheckLT(detector, DETECTORS, "there are the detectors 0 and 1");
 }
 
-void setGrey(Picture& picture, const Mat& grey)
-{
-    picture = Picture();
-    picture.grey = grey;
-    cvtColor(grey, picture.rgba, COLOR_GRAY2RGBA);
-}
-
 //! The picture's size and, as RGBA, its pixels.
 val shown(const Picture& picture)
 {
@@ -127,25 +120,17 @@ val setPicture(int index, int width, int height, val pixels)
         });
 }
 
-//! Draws picture 0. The page has photographs; these are for programs that cannot decode one.
-val drawScene(const std::string& name, int width, int height)
+//! Draws a street as picture 0. The page has photographs; this is for programs that cannot decode one.
+val drawScene(int width, int height)
 {
     return guarded(
         [&]
         {
-            const Size size(width, height);
-            Mat grey;
-            if (name == "street" || name == "dusk")
-                grey = opencv_test::makeStreetScene(size);
-            else if (name == "shapes")
-                grey = opencv_test::makeScene(size, 3);
-            else
-                CV_Error_(Error::StsBadArg, ("There is no scene %s", name.c_str()));
-            if (name == "dusk")
-                grey.convertTo(grey, -1, 0.12, 2);
-            setGrey(pictures[0], grey);
+            Picture& picture = pictures[0] = Picture();
+            picture.grey = opencv_test::makeStreetScene(Size(width, height));
+            cvtColor(picture.grey, picture.rgba, COLOR_GRAY2RGBA);
             isKnown = false;
-            return shown(pictures[0]);
+            return shown(picture);
         });
 }
 
@@ -223,27 +208,6 @@ val drawOtherView(const std::string& name)
             motion = view * shrink;
             isKnown = true;
             return shown(picture);
-        });
-}
-
-//! Picture 1 becomes picture 0 turned clockwise about its centre, in the same frame. What the frame did not show before
-//! is masked.
-val turn(double degrees)
-{
-    return guarded(
-        [&]
-        {
-            const Mat& grey = pictures[0].grey;
-            motion = turnBetween(grey.size(), grey.size(), degrees);
-            isKnown = true;
-            const Mat matrix = Mat(motion, false).rowRange(0, 2);
-            Picture& picture = pictures[1];
-            picture = Picture();
-            // Reflected, because an edge of the picture would be one of the scene for a detector.
-            warpAffine(grey, picture.grey, matrix, grey.size(), INTER_LINEAR, BORDER_REFLECT_101);
-            warpAffine(Mat(grey.size(), CV_8UC1, Scalar(255)), picture.mask, matrix, grey.size(),
-                       INTER_NEAREST, BORDER_CONSTANT, Scalar(0));
-            return val::object();
         });
 }
 
@@ -356,7 +320,7 @@ val match(int detector)
             Matx33d homography;
             if (int(from.size()) >= FEWEST)
             {
-                const Mat estimate = findHomography(from, to, RANSAC, SAME_PLACE);
+                const Mat estimate = findHomography(from, to, USAC_MAGSAC, SAME_PLACE);
                 if (!estimate.empty())
                     homography = estimate;
             }
@@ -380,77 +344,6 @@ val match(int detector)
             result.set("homography", inliers >= FEWEST
                                          ? copied(std::vector<double>(homography.val, homography.val + 9))
                                          : val::null());
-            return result;
-        });
-}
-
-bool isInside(const Point2f& point, const Size& size)
-{
-    return point.x >= 0 && point.y >= 0 && point.x <= float(size.width - 1) &&
-           point.y <= float(size.height - 1);
-}
-
-/** After turn, what of the features of picture 0 is found again in picture 1.
- @return `stays`: for each keypoint of picture 1 whether it is one of picture 0, that is a mutual nearest neighbour
- within 3 pixels; `share` of those of the keypoints that both pictures show; `correct`, the number of matches of
- descriptors that are right within 3 pixels, and `matches`, these, as match gives them */
-val compareTurned(int detector)
-{
-    return guarded(
-        [&]
-        {
-            checkDetector(detector);
-            const Features &a = pictures[0].features[detector], &b = pictures[1].features[detector];
-            const Size size = pictures[0].grey.size();
-            const auto mapped = [](const Point2f& point, const Matx33d& by)
-            {
-                const Vec3d p = by * Vec3d(point.x, point.y, 1);
-                return Point2f(float(p[0]), float(p[1]));
-            };
-            const Matx33d back = motion.inv();
-            std::vector<Point2f> before, after;  // both in picture 1
-            std::vector<size_t> index;
-            for (const KeyPoint& keypoint : a.keypoints)
-            {
-                const Point2f point = mapped(keypoint.pt, motion);
-                if (isInside(point, size))
-                    before.push_back(point);
-            }
-            for (size_t i = 0; i < b.keypoints.size(); i++)
-            {
-                if (!isInside(mapped(b.keypoints[i].pt, back), size))
-                    continue;
-                after.push_back(b.keypoints[i].pt);
-                index.push_back(i);
-            }
-            std::vector<uchar> stays(b.keypoints.size(), 0);
-            double share = 0;
-            if (!before.empty() && !after.empty())
-            {
-                std::vector<DMatch> pairs;
-                BFMatcher(NORM_L2, true).match(Mat(before).reshape(1), Mat(after).reshape(1), pairs);
-                size_t found = 0;
-                for (const DMatch& pair : pairs)
-                {
-                    if (pair.distance > SAME_PLACE)
-                        continue;
-                    found++;
-                    stays[index[pair.trainIdx]] = 1;
-                }
-                share = double(found) / double(std::min(before.size(), after.size()));
-            }
-            std::vector<float> matches;
-            for (const DMatch& pair : matched(detector))
-            {
-                const Point2f &from = a.keypoints[pair.queryIdx].pt, &to = b.keypoints[pair.trainIdx].pt;
-                if (agrees(motion, from, to))
-                    matches.insert(matches.end(), {from.x, from.y, to.x, to.y, 1.f});
-            }
-            val result = val::object();
-            result.set("stays", copied(stays));
-            result.set("share", share);
-            result.set("matches", copied(matches));
-            result.set("correct", matches.size() / 5);
             return result;
         });
 }
@@ -485,10 +378,8 @@ EMSCRIPTEN_BINDINGS(aqorb)
     emscripten::function("setPicture", &setPicture);
     emscripten::function("drawScene", &drawScene);
     emscripten::function("drawOtherView", &drawOtherView);
-    emscripten::function("turn", &turn);
     emscripten::function("setProperties", &setProperties);
     emscripten::function("detect", &detect);
     emscripten::function("match", &match);
-    emscripten::function("compareTurned", &compareTurned);
     emscripten::function("fingerprint", &fingerprint);
 }
