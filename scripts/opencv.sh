@@ -2,8 +2,7 @@
 # Builds the module inside OpenCV and opencv_contrib, from Debian's source package, by nothing but OpenCV's own
 # build. The module is what scripts/contrib.sh would send to opencv_contrib. Runs what that build gives: the accuracy
 # tests, a smoke run of the performance tests, the Python test, and the generators of the other wrappers. Compares the
-# list of tests with the standalone build's. Then shows that OpenCV's build takes the module from this repository as
-# well, and what it says of a checkout whose symbolic links are text files.
+# list of tests with the standalone build's. Then shows that OpenCV's build takes the module from this repository as well.
 #
 #   scripts/opencv.sh [--java]
 #   scripts/opencv.sh --release 4|5
@@ -241,21 +240,5 @@ ls "$opencv/lib/libopencv_aqorb.so"
 configure_opencv "$ROOT" || die "OpenCV's configuration failed; see $opencv.log"
 check_configuration "$ROOT/modules/aqorb"
 echo "OpenCV finds the module."
-
-say "A checkout whose links are text files"
-checkout=$BUILD/checkout
-rm -rf "$checkout"
-mkdir "$checkout"
-cp -r "$ROOT"/{CMakeLists.txt,LICENSE,README.md,bindings,cmake,modules,perf,samples,test,tools} "$checkout"
-for folder in perf samples test; do
-    rm "$checkout/modules/aqorb/$folder"
-    echo "../../$folder" >"$checkout/modules/aqorb/$folder"
-done
-cmake -S "$checkout" -B "$checkout/build" >"$checkout.log" || die "the standalone build needs a link; see $checkout.log"
-echo "The standalone build is configured without the links."
-if configure_opencv "$checkout/modules"; then die "OpenCV's configuration accepts a text file as a folder"; fi
-sed -n '/^CMake Error/,/^$/p' "$opencv.log"
-tr -s ' \n' ' ' <"$opencv.log" | grep -q 'aqorb/test is not a folder\. .* core\.symlinks' ||
-    die "OpenCV's configuration does not say what is wrong; see $opencv.log"
 
 say "Built inside opencv_contrib and from this repository"

@@ -10,8 +10,8 @@
 # This takes half an hour and needs root, for the wheels are built on a Debian 11 in a folder of its own.
 #
 # With --check it runs what .ci/run leaves out because it hardly changes or takes long: the tests of wheels and packages on
-# fresh systems, other CPUs, compilers and versions of OpenCV, other programs with the preloaded library, and the wrappers
-# for Java and JavaScript. This takes hours.
+# fresh systems, the page in a browser, other CPUs, compilers and versions of OpenCV, other programs with the preloaded
+# library, and the wrappers for Java and JavaScript. This takes hours.
 #
 # With --workflows it checks what no build runs: the workflows, by actionlint and zizmor, which wheels cibuildwheel would
 # build, and that all files say the same version. With --version it prints the version, after that last check. --tag also
@@ -66,15 +66,19 @@ windows AMD64' | sort)
 }
 
 check() {
+    workflows
     scripts/wheel.sh --test
+    scripts/python.sh --offline
+    scripts/python.sh --asan
     scripts/package.sh --test
     scripts/package.sh --conan
+    scripts/web.sh --test
     scripts/compatibility.sh
     scripts/dropin.sh
-    scripts/python.sh --asan
     scripts/opencv.sh --java
     scripts/opencv.sh --js
     scripts/contrib.sh --release 4
+    scripts/measure.sh speed --smoke
     [[ ! ${OPENCV_TEST_DATA_PATH:-} ]] || scripts/python.sh --collection
 }
 
