@@ -158,45 +158,6 @@ unpack() {
     done
 }
 
-# debian RELEASE PACKAGE...: sets SYSTEM to a folder with that Debian and these packages; made once. Needs root.
-debian() {
-    SYSTEM=$CACHE/$1
-    [[ $(cat "$SYSTEM.packages" 2>/dev/null) != "${*:2}" ]] || return 0
-    need system
-    say "Debian's release $1 in a folder of its own"
-    as_root rm -rf "$SYSTEM"
-    mkdir -p "$CACHE"
-    as_root debootstrap --variant=minbase --include="$(tr ' ' , <<<"${*:2}")" "$1" "$SYSTEM" "$(mirror)" \
-        >"$SYSTEM.log" || die "see $SYSTEM.log"
-    as_root rm -rf "$SYSTEM"/var/cache/apt/archives/*.deb
-    echo "${*:2}" >"$SYSTEM.packages"
-}
-
-# inside COMMAND...: runs a command there, in a mount namespace that ends with it. The repository is /aqorb, and its build
-# folder the one that INSIDE_BUILD names, if it does. The network and the test data are this system's.
-inside() {
-    as_root mkdir -p "$SYSTEM/aqorb" "$SYSTEM/data"
-    # shellcheck disable=SC2016
-    as_root unshare --mount sh -ec '
-        system=$1 root=$2 build=$3 data=$4
-        shift 4
-        mount -t proc proc "$system/proc"
-        mount -t tmpfs tmpfs "$system/dev/shm"
-        mount --bind "$root" "$system/aqorb"
-        mount --bind "$build" "$system/aqorb/build"
-        for file in /etc/passwd /etc/resolv.conf /etc/hosts /etc/ssl/certs/ca-certificates.crt; do
-            [ ! -e "$file" ] || { [ -e "$system$file" ] || : >"$system$file"; mount --bind "$file" "$system$file"; }
-        done
-        unset OPENCV_TEST_DATA_PATH AQORB_TEST_SEQUENCE
-        if [ -n "$data" ]; then
-            mount --bind "$data" "$system/data"
-            export OPENCV_TEST_DATA_PATH=/data
-        fi
-        export CCACHE_DIR=/aqorb/build/ccache CCACHE_BASEDIR=/aqorb CCACHE_NOHASHDIR=1 LC_ALL=C.UTF-8
-        export PATH=/usr/local/sbin:/usr/local/bin:/usr/sbin:/usr/bin:/sbin:/bin
-        exec chroot "$system" "$@"' sh "$SYSTEM" "$ROOT" "${INSIDE_BUILD:-$BUILD}" "${OPENCV_TEST_DATA_PATH:-}" "$@"
-}
-
 # configure PRESET [OPTION...]: by CMakePresets.json. What CMake prints is shown if it fails.
 configure() {
     local preset=${1##*/} log=$BUILD/${1##*/}.configure.log

@@ -78,11 +78,37 @@ row_debian12() {
     fingerprint debian12 "$BUILD/release/tools/fingerprint/aqorb_fingerprint"
 }
 
+# inside COMMAND...: runs a command on a Debian 13 in a folder of its own, in a mount namespace that ends with it. The
+# repository is /aqorb, with a build folder of its own, and the test data is /data.
+inside() {
+    # shellcheck disable=SC2016
+    as_root unshare --mount sh -ec '
+        system=$1 root=$2 build=$3 data=$4
+        shift 4
+        mount -t proc proc "$system/proc"
+        mount --bind "$root" "$system/aqorb"
+        mount --bind "$build" "$system/aqorb/build"
+        unset OPENCV_TEST_DATA_PATH AQORB_TEST_SEQUENCE
+        if [ -n "$data" ]; then
+            mount --bind "$data" "$system/data"
+            export OPENCV_TEST_DATA_PATH=/data
+        fi
+        export CCACHE_DIR=/aqorb/build/ccache
+        exec chroot "$system" "$@"' sh "$CACHE/debian13" "$ROOT" "$FOLDER/debian13" "${OPENCV_TEST_DATA_PATH:-}" "$@"
+}
+
 row_debian13() {
-    # shellcheck disable=SC2086 # lists
-    debian trixie ${PACKAGES[build]} ${PACKAGES[test]}
-    export INSIDE_BUILD=$FOLDER/debian13
-    mkdir -p "$INSIDE_BUILD"
+    local system=$CACHE/debian13
+    need system
+    if [[ ! -e $system.complete ]]; then
+        as_root rm -rf "$system"
+        mkdir -p "$CACHE"
+        as_root debootstrap --variant=minbase --include="$(tr ' ' , <<<"${PACKAGES[build]} ${PACKAGES[test]}")" \
+            trixie "$system" "$(mirror)"
+        as_root mkdir "$system/aqorb" "$system/data"
+        touch "$system.complete"
+    fi
+    mkdir -p "$FOLDER/debian13"
     inside bash -ec 'source /aqorb/scripts/common.sh
         configure release -DAQORB_BUILD_FINGERPRINT=ON -DAQORB_WERROR=ON
         if [[ $1 ]]; then
