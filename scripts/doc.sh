@@ -37,9 +37,9 @@ if [[ ${1:-} == --opencv ]]; then
     exit
 fi
 
-export ROOT OUT=$BUILD/doc THEME=/usr/share/doxygen-awesome-css VERSION
+export THEME=/usr/share/doxygen-awesome-css VERSION
 VERSION=$("$ROOT/scripts/release.sh" --version)
-site=$ROOT/doc/site page=$BUILD/web/page
+site=$ROOT/doc/site OUT=$BUILD/doc page=$BUILD/web/page
 cd "$ROOT"
 find . -name 'build*' -prune -o -path ./.git -prune -o \( -name '*.md' -o -name '*.markdown' \) -print0 |
     sort -z | xargs -0 "$PYTHON" -B "$site/check.py"
