@@ -48,4 +48,13 @@ class FeatureBatch(typing.NamedTuple):
         return array
 
 
+def join(keypoints, descriptors):
+    """A FeatureBatch of the keypoints of each image, as arrays of keypoint_dtype, and descriptors as arrays of rows."""
+    offsets = numpy.cumsum([0] + [len(some) for some in keypoints], dtype=numpy.int64)
+    points = numpy.concatenate([numpy.empty(0, keypoint_dtype)] + keypoints)
+    columns = [points['pt'][:, 0], points['pt'][:, 1]] + [points[name] for name in FeatureBatch._fields[2:6]]
+    rows = numpy.concatenate([numpy.empty((0, 32), numpy.uint8)] + descriptors)
+    return FeatureBatch(*map(numpy.ascontiguousarray, columns), rows, offsets)
+
+
 FeatureBatch.__module__ = 'aqorb'  # the name by which it is pickled

@@ -11,9 +11,6 @@
 #include "parameter_table.hpp"
 #include "threads.hpp"
 
-#include <algorithm>
-#include <cstdint>
-
 namespace aqorb_python
 {
 
@@ -47,12 +44,6 @@ void checkOutput(const OptionalArrayObject& descriptors)
         throwTypeError("descriptors", brief(descriptors.object), "None, as the descriptors are returned");
 }
 
-// The mask of an image of a collection.
-cv::Mat maskOf(const std::vector<Pixels>& masks, size_t index)
-{
-    return masks.empty() ? cv::Mat() : masks[index].mat;
-}
-
 //! What is found in an image.
 struct Features
 {
@@ -64,59 +55,6 @@ struct Features
     }
     std::vector<cv::KeyPoint> keypoints;
     cv::Mat descriptors;
-};
-
-//! The features of a collection in arrays, one for each field.
-class FeatureArrays
-{
-public:
-    //! @param counts the number of features of each image
-    FeatureArrays(const std::vector<size_t>& counts, int descriptorSize)
-        : offsets(py::ssize_t(counts.size() + 1))
-    {
-        size_t sum = 0;
-        std::int64_t* const ends = offsets.mutable_data();
-        for (size_t i = 0; i < counts.size(); sum += counts[i++])
-            ends[i] = std::int64_t(sum);
-        ends[counts.size()] = std::int64_t(sum);
-        for (py::array_t<float>* array : {&x, &y, &size, &angle, &response})
-            *array = py::array_t<float>(py::ssize_t(sum));
-        octave = py::array_t<std::int32_t>(py::ssize_t(sum));
-        descriptors = py::array_t<uchar>({py::ssize_t(sum), py::ssize_t(descriptorSize)});
-        to = {x.mutable_data(),        y.mutable_data(),      size.mutable_data(),       angle.mutable_data(),
-              response.mutable_data(), octave.mutable_data(), descriptors.mutable_data()};
-    }
-    //! Adds the next image. It touches no Python object.
-    void add(const std::vector<cv::KeyPoint>& keypoints, const cv::Mat& rows)
-    {
-        for (const cv::KeyPoint& keypoint : keypoints)
-        {
-            *to.x++ = keypoint.pt.x;
-            *to.y++ = keypoint.pt.y;
-            *to.size++ = keypoint.size;
-            *to.angle++ = keypoint.angle;
-            *to.response++ = keypoint.response;
-            *to.octave++ = keypoint.octave;
-        }
-        to.descriptors = std::copy(rows.data, rows.data + rows.total(), to.descriptors);
-    }
-    py::object toPython() const
-    {
-        return py::module_::import("aqorb").attr("FeatureBatch")(x, y, size, angle, response, octave,
-                                                                 descriptors, offsets);
-    }
-
-private:
-    py::array_t<float> x, y, size, angle, response;
-    py::array_t<std::int32_t> octave;
-    py::array_t<uchar> descriptors;
-    py::array_t<std::int64_t> offsets;
-    struct
-    {
-        float *x, *y, *size, *angle, *response;
-        std::int32_t* octave;
-        uchar* descriptors;
-    } to;  // where the next feature goes
 };
 
 }  // namespace
@@ -147,9 +85,8 @@ std::vector<KeyPointTupleObject> detectImages(const Detector& self, const Images
     const cv::Ptr<Library> library = self.share();
     const std::vector<Pixels> pixels = toImages(images.object),
                               maskPixels = toMasks(masks.object, pixels.size());
-    std::vector<std::vector<cv::KeyPoint>> keypoints(pixels.size());
-    forEachImage(pixels.size(),
-                 [&](size_t i) { library->detect(pixels[i].mat, keypoints[i], maskOf(maskPixels, i)); });
+    std::vector<std::vector<cv::KeyPoint>> keypoints;
+    withoutGil([&] { library->detect(matricesOf(pixels), keypoints, matricesOf(maskPixels)); });
     std::vector<KeyPointTupleObject> result;
     for (size_t i = 0; i < keypoints.size(); i++)
         result.push_back(toObject(keypoints[i]));
@@ -177,12 +114,15 @@ computeImages(const Detector& self, const ImagesObject& images, const KeyPointLi
     const cv::Ptr<Library> library = self.share();
     const std::vector<Pixels> pixels = toImages(images.object);
     std::vector<KeyPoints> computed = toKeyPointLists(keypoints.object, pixels.size());
-    std::vector<cv::Mat> descriptors(pixels.size());
-    forEachImage(pixels.size(),
-                 [&](size_t i) { library->compute(pixels[i].mat, computed[i].points, descriptors[i]); });
+    std::vector<std::vector<cv::KeyPoint>> points;
+    for (KeyPoints& ofImage : computed)
+        points.push_back(std::move(ofImage.points));
+    std::vector<cv::Mat> descriptors;
+    withoutGil([&] { library->compute(matricesOf(pixels), points, descriptors); });
     std::pair<std::vector<KeyPointsObject>, std::vector<OptionalArrayObject>> result;
     for (size_t i = 0; i < pixels.size(); i++)
     {
+        computed[i].points = std::move(points[i]);
         result.first.push_back(toObject(std::move(computed[i])));
         result.second.push_back(toObject(descriptors[i]));
     }
@@ -219,27 +159,21 @@ FeatureBatchObject detectAndComputeBatch(const Detector& self, const ImageListOb
     const cv::Ptr<Library> library = self.share();
     const std::vector<Pixels> pixels = toImages(images.object),
                               maskPixels = toMasks(masks.object, pixels.size());
-    std::vector<std::vector<cv::KeyPoint>> keypoints(pixels.size());
-    std::vector<cv::Mat> descriptors(pixels.size());
-    forEachImage(
-        pixels.size(), [&](size_t i)
-        { library->detectAndCompute(pixels[i].mat, maskOf(maskPixels, i), keypoints[i], descriptors[i]); });
-    std::vector<size_t> counts;
-    for (const std::vector<cv::KeyPoint>& ofImage : keypoints)
-        counts.push_back(ofImage.size());
-    FeatureArrays arrays(counts, library->descriptorSize());
-    whileOthersRun(
-        [&]
-        {
-            for (size_t i = 0; i < keypoints.size(); i++)
-            {
-                arrays.add(keypoints[i], descriptors[i]);
-                // Their memory is needed no more, and there may be many images.
-                std::vector<cv::KeyPoint>().swap(keypoints[i]);
-                descriptors[i].release();
-            }
+    std::vector<std::vector<cv::KeyPoint>> keypoints;
+    std::vector<cv::Mat> descriptors;
+    withoutGil(
+        [&] {
+            library->detectAndComputeBatch(matricesOf(pixels), matricesOf(maskPixels), keypoints,
+                                           descriptors);
         });
-    return {arrays.toPython()};
+    py::list points, rows;
+    for (size_t i = 0; i < keypoints.size(); i++)
+    {
+        points.append(toArray(std::move(keypoints[i])));
+        if (!descriptors[i].empty())
+            rows.append(toArray(descriptors[i]));
+    }
+    return {py::module_::import("aqorb._feature_batch").attr("join")(points, rows)};
 }
 
 ArrayTupleObject buildPyramid(const Detector& self, const OptionalArrayObject& image)

@@ -116,6 +116,14 @@ std::vector<Pixels> toImages(py::handle source)
     return images;
 }
 
+std::vector<cv::Mat> matricesOf(const std::vector<Pixels>& pixels)
+{
+    std::vector<cv::Mat> matrices;
+    for (const Pixels& some : pixels)
+        matrices.push_back(some.mat);
+    return matrices;
+}
+
 std::vector<Pixels> toMasks(py::handle source, size_t images)
 {
     std::vector<Pixels> masks;

@@ -41,6 +41,7 @@ Pixels toMask(py::handle source, const std::string& name = "mask");
 Pixels toDescriptors(py::handle source, const std::string& name);
 
 std::vector<Pixels> toImages(py::handle source);
+std::vector<cv::Mat> matricesOf(const std::vector<Pixels>& pixels);
 //! One mask for each of so many images, or none at all (None or an empty sequence).
 std::vector<Pixels> toMasks(py::handle source, size_t images);
 

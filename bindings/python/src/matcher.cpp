@@ -177,14 +177,6 @@ ArrayTupleObject getTrainDescriptors(const Matcher& self)
     return {arrays};
 }
 
-std::vector<cv::Mat> matricesOf(const std::vector<Pixels>& pixels)
-{
-    std::vector<cv::Mat> matrices;
-    for (const Pixels& some : pixels)
-        matrices.push_back(some.mat);
-    return matrices;
-}
-
 MatchTupleObject match(const Matcher& self, const OptionalArrayObject& queryDescriptors,
                        const ImageObject& trainDescriptors, const OptionalArrayObject& mask)
 {

@@ -196,11 +196,11 @@ void addFunctions(py::module_& module)
     module.def("keypointsFromArray", &keypointsFromArray, arg("keypoints"),
                "Returns a tuple of cv2.KeyPoint objects with the values of an array of keypoint_dtype.");
     module.def(
-        "setNumThreads", [](const IntObject& nthreads) { setNumThreads(toNumber(nthreads, "nthreads")); },
+        "setNumThreads", [](const IntObject& nthreads) { cv::setNumThreads(toNumber(nthreads, "nthreads")); },
         arg("nthreads"),
         "Sets the number of threads that a call may use, as cv2.setNumThreads does for cv2. A negative\n"
         "number is the default: the number of processors, or of the variable OPENCV_FOR_THREADS_NUM.");
-    module.def("getNumThreads", &getNumThreads, "Returns the number of threads that a call may use.");
+    module.def("getNumThreads", &cv::getNumThreads, "Returns the number of threads that a call may use.");
 }
 
 // What calls run with.
@@ -213,7 +213,7 @@ std::string buildInformation()
     else if (cv::checkHardwareSupport(CV_CPU_AVX2))
         kernels = "AVX2";
 #endif
-    const int threads = getNumThreads();
+    const int threads = cv::getNumThreads();
     return "aqorb " AQORB_VERSION ", OpenCV " + cv::getVersionString() + ", kernels for " + kernels + ", " +
            std::to_string(threads) + (threads == 1 ? " thread" : " threads");
 }
@@ -232,11 +232,12 @@ PYBIND11_MODULE(_aqorb, module)
 {
     module.doc() = "The compiled part of the package aqorb.";
     module.attr("__version__") = AQORB_VERSION;
-    module.attr("_has_own_opencv") = prepareThreads();
+    prepareThreads();
     module.def("_build_information", &buildInformation, "What calls run with: versions, kernels, threads.");
     translateErrors();
     module.def("_error", &errorClass);
     module.def("_from_text", &fromText);
+    module.def("_brief", &brief);
     module.attr("keypoint_dtype") = keypointDtype();
 
     DetectorClass detector(
