@@ -53,10 +53,6 @@ const std::string IMAGES[] = {
                                      "scene_2560x1440", "scene_3840x2160"),                                 \
                      testing::Values(250, 500, 1000, 2000, 4000, 8000), Detector::all())
 
-//! Very many features.
-#define DOTS_PARAMS \
-    testing::Combine(testing::Values("dots_1920x1080"), testing::Values(100000), Detector::all())
-
 Ptr<Feature2D> createDetector(Detector detector, int nfeatures)
 {
     if (detector == AQORB)
@@ -74,8 +70,6 @@ Mat loadImage(const std::string& name)
         Size size;
         if (sscanf(name.c_str(), "scene_%dx%d", &size.width, &size.height) == 2)
             last = makeStreetScene(size);
-        else if (sscanf(name.c_str(), "dots_%dx%d", &size.width, &size.height) == 2)
-            last = makeDotGrid(size);
         else
             last = imread(cvtest::findDataFile(name, false), IMREAD_GRAYSCALE);
         lastName = name;
@@ -175,11 +169,6 @@ PERF_TEST_P(Features, stream, FEATURES_PARAMS)
 }
 
 PERF_TEST_P(Scaling, detectAndCompute, SCALING_PARAMS)
-{
-    detectAndCompute();
-}
-
-PERF_TEST_P(Scaling, dots, DOTS_PARAMS)
 {
     detectAndCompute();
 }

@@ -6,9 +6,9 @@
 // How long a frame takes beside another detector.
 
 #include "benchmark.hpp"
+#include "table.hpp"
 
 #include "../../perf/perf_stream.hpp"
-#include "../common/markdown.hpp"
 
 #include <opencv2/core/utility.hpp>
 
@@ -21,7 +21,6 @@
 #include <unistd.h>
 
 using namespace cv;
-using tools::cell;
 
 namespace
 {
@@ -85,8 +84,8 @@ void measureSpeed(const Settings& settings, const Contender& other)
     const Contender ours = aqorbHere();
     const std::string ratio = "time of " + other.name + " / time of " + ours.name;
     std::cout << cpuName() << (settings.cold ? ", cold" : "") << "\n\n";
-    tools::MarkdownTable cases({"image", "n", "threads", other.name + ", ms", ours.name + ", ms", ratio});
-    tools::MarkdownTable means({"threads", ratio + ", geometric mean", "lowest", "highest"});
+    Table cases({"image", "n", "threads", other.name + ", ms", ours.name + ", ms", ratio});
+    Table means({"threads", ratio + ", geometric mean", "lowest", "highest"});
     for (const int threads : settings.threads)
     {
         setNumThreads(threads);
@@ -114,8 +113,7 @@ void measureSpeed(const Settings& settings, const Contender& other)
 void measureFrames(const Settings& settings, const std::vector<Contender>& contenders)
 {
     std::cout << cpuName() << "\n\n";
-    tools::MarkdownTable table(
-        {"one processor", "image", "n", "threads", "detector", "median, ms", "90th percentile, ms"});
+    Table table({"one processor", "image", "n", "threads", "detector", "median, ms", "90th percentile, ms"});
     for (const bool isBusy : {false, true})
     {
         Ptr<BusyProcess> busy;
