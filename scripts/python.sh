@@ -43,8 +43,7 @@ asan() {
     "${pytest[@]}" LD_PRELOAD="$libraries" ASAN_OPTIONS=detect_leaks=0 PYTHONMALLOC=malloc \
         PYTHONPATH="$BUILD/asan-python/bindings/python" "$PYTHON" -X faulthandler -m pytest -q -p no:cacheprovider \
         --capture=sys `# else the report of the sanitizer is lost` \
-        --deselect "$ROOT/bindings/python/test/test_package.py::test_stub_is_a_stub_of_the_package" \
-        --deselect "$ROOT/bindings/python/test/test_package.py::test_programs_are_typed" "$@" "${tests[@]}"
+        --deselect "$ROOT/bindings/python/test/test_package.py::test_stub_is_a_stub_of_the_package" "$@" "${tests[@]}"
 }
 
 offline() {
