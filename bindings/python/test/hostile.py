@@ -2,8 +2,8 @@
 # It is subject to the license terms in the LICENSE file found in the top-level directory
 # of this distribution.
 # SPDX-License-Identifier: Apache-2.0
-"""Does to the command aqorb what a day of bad luck does, and counts what comes of it: flips bytes in its files, gives it files
-that no command has made, and kills it while it writes. Prints a table, and fails if anything went wrong.
+"""Does to the command aqorb what a day of bad luck does, and counts what comes of it: flips bits in its files, gives it
+files that no command has made, and kills it while it writes. Prints a table, and fails if anything went wrong.
 
     python hostile.py [--flips=1000] [--kills=50]
 
@@ -138,7 +138,7 @@ def state(folder):
 
 
 def kills(folder, database, count, chance):
-    """Kills a command that matches in place: every second time when the database itself changes, else when any file does."""
+    """Kills a command that matches in place, every second time when the database itself changes, else when any file does."""
     found, path = collections.Counter(), os.path.join(folder, 'killed.db')
     call = [sys.executable, '-m', 'aqorb', 'match', path, '--pairs', 'exhaustive', '--part-size', '500']
     with contextlib.closing(sqlite3.connect(database)) as connection:
@@ -181,7 +181,8 @@ def main():
             pixels = np.random.RandomState(i).randint(0, 256, (15, 20), np.uint8)
             Image.fromarray(np.kron(pixels, np.ones((8, 8), np.uint8))).save(os.path.join(images, f'{i:02}.png'))
         aqorb, match = [sys.executable, '-m', 'aqorb'], ['--pairs', 'sequential:1', '--out', out]
-        for call in ['extract', images, '--out', features], ['extract', images, '--out', database], ['match', features, *match]:
+        for call in (['extract', images, '--out', features], ['extract', images, '--out', database],
+                     ['match', features, *match]):
             subprocess.run(aqorb + call, check=True, **SILENT)
         matches, table = matches_in(out), matches_in(features)
         remove(out)
@@ -191,10 +192,10 @@ def main():
             time.sleep(.0005)
         process.kill()
         process.wait()
-        found = {'bytes flipped in a part': flips(options.flips, chance, part, part, extract, again, table)}
+        found = {'bits flipped in a part': flips(options.flips, chance, part, part, extract, again, table)}
         for path in features, database:
             damaged = os.path.join(folder, 'damaged' + os.path.splitext(path)[1])
-            found['bytes flipped in a ' + os.path.splitext(path)[1]] = flips(
+            found['bits flipped in a ' + os.path.splitext(path)[1]] = flips(
                 options.flips, chance, path, damaged, ['match', damaged, *match], out, matches)
         found['files that no command has made'] = odd_files(folder, features, database, out, matches)
         found['kills while a .db is matched'] = kills(os.path.join(folder, 'out'), database, options.kills, chance)

@@ -5,7 +5,6 @@
 """Tests of detectAndComputeBatch. What it does while several threads use the package is tested in test_threads.py."""
 
 import pickle
-import sys
 
 import numpy as np
 import pytest

@@ -19,7 +19,7 @@ import numpy as np
 import pytest
 
 import aqorb
-from command_support import FOLDER, PIL, Image, collection, command, encoded, expected, noise, pq, pycolmap, refused, rows, run
+from command_support import FOLDER, PIL, Image, command, encoded, expected, noise, pq, pycolmap, refused, rows, run
 
 
 def test_parquet(folder, features):

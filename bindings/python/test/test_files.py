@@ -8,9 +8,6 @@ import copy
 import os
 import pathlib
 import pickle
-import shutil
-import subprocess
-import sys
 
 import cv2 as cv
 import numpy as np
