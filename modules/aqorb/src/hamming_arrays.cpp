@@ -8,6 +8,7 @@
 #include "precomp.hpp"
 
 #include "hamming.hpp"
+#include "simd_compat.hpp"
 
 #include <opencv2/aqorb/matching.hpp>
 

@@ -4,6 +4,7 @@
 // SPDX-License-Identifier: Apache-2.0
 
 #include "ranked_order.hpp"
+#include "simd_compat.hpp"
 
 namespace cv
 {
