@@ -9,7 +9,6 @@
 
 #include "perf_precomp.hpp"
 #include "perf_scene.hpp"
-#include "perf_stream.hpp"
 
 namespace opencv_test
 {
@@ -140,32 +139,6 @@ PERF_TEST_P(Features, compute, FEATURES_PARAMS)
 PERF_TEST_P(Features, detectAndCompute, FEATURES_PARAMS)
 {
     detectAndCompute();
-}
-
-// As a program sees it: each frame is another one, and there is other work between them, which is not timed.
-PERF_TEST_P(Features, stream, FEATURES_PARAMS)
-{
-    const Mat image = loadImage(get<0>(GetParam()));
-    ASSERT_FALSE(image.empty());
-    const std::vector<Mat> frames = panFrames(image);
-    OtherMemory memory(STREAM_WORK);
-    Ptr<Feature2D> detector = createDetector(get<2>(GetParam()), get<1>(GetParam()));
-    std::vector<KeyPoint> keypoints;
-    Mat descriptors;
-    detector->detectAndCompute(frames.back(), noArray(), keypoints, descriptors);
-
-    for (size_t i = 0; next(); i++)
-    {
-        memory.touch();
-        startTimer();
-        detector->detectAndCompute(frames[i % frames.size()], noArray(), keypoints, descriptors);
-        stopTimer();
-    }
-
-    EXPECT_GT(keypoints.size(), 20u);
-    EXPECT_EQ((int)keypoints.size(), descriptors.rows);
-    recordCase(image, keypoints.size());
-    SANITY_CHECK_NOTHING();
 }
 
 PERF_TEST_P(Scaling, detectAndCompute, SCALING_PARAMS)
