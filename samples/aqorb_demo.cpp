@@ -203,9 +203,8 @@ void printTimes(const std::vector<Method>& methods, const std::vector<Mat>& imag
              spread(times[1], "%.2f"));
     printRow("  times as fast", "1", spread(gains, "%.1f"));
     if (others > 0.15)
-        std::cout << format(
-            "  The machine is busy: other programs use %.1f of its %d processors. Repeat this later.\n",
-            others, getNumberOfCPUs());
+        std::cout << format("  Busy: other programs use %.1f of %d processors. Repeat this later.\n", others,
+                            getNumberOfCPUs());
 }
 
 const double PANEL = 640;  // pixels, the width of an image in the pictures
