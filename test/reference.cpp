@@ -181,8 +181,8 @@ std::vector<Corner> fastCorners(const Mat& image, const Rect& region, int thresh
     return corners;
 }
 
-Corners findCorners(const Mat& image, const Mat& mask, const Rect& region, Thresholds t, int cellSize,
-                    bool suppressNear)
+std::vector<Corner> findCorners(const Mat& image, const Mat& mask, const Rect& region, Thresholds t,
+                                int cellSize, bool suppressNear)
 {
     std::vector<Corner> all, usable;
     all = fastCorners(image, region, t.min);
@@ -192,8 +192,7 @@ Corners findCorners(const Mat& image, const Mat& mask, const Rect& region, Thres
             usable.push_back(all[i]);
     }
 
-    Corners result;
-    std::vector<Corner> candidates;
+    std::vector<Corner> result, candidates;
     for (size_t i = 0; i < usable.size(); i++)
     {
         const Corner& a = usable[i];
@@ -204,7 +203,8 @@ Corners findCorners(const Mat& image, const Mat& mask, const Rect& region, Thres
             cellIsFull |= b.score >= t.ini && (a.x - region.x) / cellSize == (b.x - region.x) / cellSize &&
                           (a.y - region.y) / cellSize == (b.y - region.y) / cellSize;
         }
-        (a.score >= t.ini || !cellIsFull ? candidates : result.weak).push_back(a);
+        if (a.score >= t.ini || !cellIsFull)
+            candidates.push_back(a);
     }
     for (size_t i = 0; i < candidates.size(); i++)
     {
@@ -217,7 +217,8 @@ Corners findCorners(const Mat& image, const Mat& mask, const Rect& region, Thres
             falls |= std::abs(a.x - b.x) <= 3 && std::abs(a.y - b.y) <= 3 &&
                      (b.score > a.score || (b.score == a.score && isBefore));
         }
-        (falls ? result.suppressed : result.kept).push_back(a);
+        if (!falls)
+            result.push_back(a);
     }
     return result;
 }

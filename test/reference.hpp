@@ -72,13 +72,9 @@ Mat resizeMask(const Mat& mask, Size size);
 int cornerScore(const Mat& image, int x, int y);
 std::vector<Corner> fastCorners(const Mat& image, const Rect& region, int threshold);
 
-//! Corners of a level by what the rules make of them.
-struct Corners
-{
-    std::vector<Corner> kept, suppressed, weak;
-};
-Corners findCorners(const Mat& image, const Mat& mask, const Rect& region, Thresholds thresholds,
-                    int cellSize, bool suppressNear);
+//! The corners of a level that pass the rules.
+std::vector<Corner> findCorners(const Mat& image, const Mat& mask, const Rect& region, Thresholds thresholds,
+                                int cellSize, bool suppressNear);
 
 float harrisResponse(const Mat& image, int x, int y);
 
@@ -90,9 +86,8 @@ std::vector<LeafPoint> balancedSequence(const std::vector<LeafPoint>& points, in
 
 // The rule of RANKED_SELECTION.
 
-/** log2(v) in units of 2^-24, v > 0 and finite. v = 2^e * (1 + f / 2^23). With T(i), i = 0..4096, log2(1 + i / 4096)
- in units of 2^-26, rounded down, it is e plus what lies linearly between T(f / 2048) and the next, rounded down. */
-int64 binaryLogarithm(float v);
+//! log2(v) for v > 0 and finite, in units of 2^-23: for v = 2^e * (1 + f) it is e + f, and 127 more.
+double binaryLogarithm(float v);
 //! Quotas of as many levels, in proportion to area * scale^1.25, level 0 half as much again. It takes what the others leave by rounding.
 std::vector<int> rankedQuotas(int nfeatures, const std::vector<Size>& regions,
                               const std::vector<float>& scales);
@@ -121,8 +116,8 @@ struct RankedRule
     int depth;
     double usable;  //!< share of the root
     int quota;      //!< at least 1
-    double rankRadius, strengthWeight;
-    int rankWeight;  //!< 2^18 for strengths that are fourth powers, 2^16 for plain ones
+    double rankRadius;
+    double exponent;  //!< of the strengths
 };
 
 /** The indices of corners in the order in which they are chosen.
@@ -131,10 +126,6 @@ struct RankedRule
 std::vector<int> rankedSequence(const std::vector<LeafCorner>& corners, const RankedRule& rule,
                                 const std::function<bool(int column, int row)>& isUnmasked,
                                 const std::function<float(const LeafCorner&)>& strengthOf);
-//! The same without a mask and with the base for strength: the rule of retainUniform, by which also those corners of a
-//! level are ordered that other rules passed over.
-std::vector<int> responseSequence(const std::vector<LeafCorner>& corners, Size root, int depth, double usable,
-                                  int quota, double rankRadius, double strengthWeight);
 KeyPoints retainUniform(const KeyPoints& keypoints, Size imageSize, int npoints);
 
 Point2f position(int x, int y, Point2d d, Size imageSize, Size levelSize, float scale, int border,

@@ -179,8 +179,8 @@ struct PyramidLevel
     int depth;
     double usableShare;  // of the pixels of the root
     Rect root;
-    Corners corners;
-    std::vector<Candidate> candidates, passedOver, chosen;
+    std::vector<Corner> corners;
+    std::vector<Candidate> candidates, chosen;
     std::vector<int> sequence;  // of candidates
     size_t next;                // of the sequence
     bool begun;
@@ -275,6 +275,7 @@ private:
             else
                 level.depth = s.maxDepth >= 0 ? s.maxDepth : quadtreeDepth(level.quota);
             level.corners = findCorners(level.image, level.usable, level.root, t, s.cellSize, isHarris);
+            lowest = t.min;
             level.begun = false;
             level.next = 0;
             levels.push_back(level);
@@ -402,19 +403,9 @@ private:
             const Candidate& candidate = of[corner.index];
             return momentsScore(cornerBase(candidate.score, candidate.response, isHarris), m10, m01);
         };
-        const RankedRule rule = {
-            level.root.size(), level.depth, level.usableShare, level.ownQuota, s.rankRadius,
-            s.strengthWeight,  1 << 18};
+        const RankedRule rule = {level.root.size(), level.depth,  level.usableShare,
+                                 level.ownQuota,    s.rankRadius, s.strengthWeight / 4};
         return rankedSequence(corners, rule, unmaskedLeaves(level), strengthOf);
-    }
-
-    // The order of those that some rule passed over.
-    std::vector<int> orderOfPassedOver(const PyramidLevel& level, const std::vector<Candidate>& of) const
-    {
-        if (!isRanked)
-            return balancedOrder(level, of);
-        return responseSequence(leafCorners(level, of), level.root.size(), level.depth, level.usableShare,
-                                level.ownQuota, s.rankRadius, s.strengthWeight);
     }
 
     // Takes up to `wanted` more of a level's sequence; returns how many are still wanted.
@@ -426,11 +417,8 @@ private:
         if (!level.begun)
         {
             level.begun = true;
-            const std::vector<Candidate> all = score(level, level.corners.kept);
-            // A ranked sequence is of all corners, so that those which are passed over do not change the ranks.
-            for (size_t i = 0; i < all.size(); i++)
-                (!isRanked && isNearOther(index, all[i]) ? level.passedOver : level.candidates)
-                    .push_back(all[i]);
+            // The sequence is of all corners, so that those which are passed over do not change the ranks.
+            level.candidates = score(level, level.corners);
             level.sequence =
                 isRanked ? rankedOrder(level, level.candidates) : balancedOrder(level, level.candidates);
         }
@@ -438,26 +426,34 @@ private:
         {
             const Candidate& corner = level.candidates[level.sequence[level.next]];
             if (isNearOther(index, corner))
-            {
-                level.passedOver.push_back(corner);
-            }
-            else
-            {
-                level.chosen.push_back(corner);
-                wanted--;
-            }
+                continue;
+            level.chosen.push_back(corner);
+            wanted--;
         }
         return wanted;
     }
 
-    int fill(PyramidLevel& level, const std::vector<Candidate>& from, int wanted) const
+    // The corners of the highest responses of those that FAST finds without any other rule.
+    void fillUp(int wanted)
     {
-        if (wanted == 0)
-            return 0;
-        const std::vector<int> sequence = orderOfPassedOver(level, from);
-        for (size_t i = 0; i < sequence.size() && wanted > 0; i++, wanted--)
-            level.chosen.push_back(from[sequence[i]]);
-        return wanted;
+        std::vector<std::pair<size_t, Candidate>> candidates;
+        for (size_t i = 0; i < levels.size(); i++)
+        {
+            const PyramidLevel& level = levels[i];
+            const Thresholds t = {lowest, lowest};
+            for (const Candidate& c :
+                 score(level, findCorners(level.image, level.usable, level.root, t, s.cellSize, false)))
+            {
+                const auto isSame = [&](const Candidate& d) { return c.x == d.x && c.y == d.y; };
+                if (std::find_if(level.chosen.begin(), level.chosen.end(), isSame) == level.chosen.end())
+                    candidates.push_back(std::make_pair(i, c));
+            }
+        }
+        std::stable_sort(candidates.begin(), candidates.end(),
+                         [](const std::pair<size_t, Candidate>& a, const std::pair<size_t, Candidate>& b)
+                         { return hasHigherResponse(a.second, b.second); });
+        for (int i = 0; i < std::min(wanted, (int)candidates.size()); i++)
+            levels[candidates[i].first].chosen.push_back(candidates[i].second);
     }
 
     void select()
@@ -467,12 +463,7 @@ private:
             wanted = choose(i, wanted + levels[i].quota);
         for (size_t i = 0; i < levels.size(); i++)
             wanted = choose(i, wanted);
-        for (size_t i = 0; i < levels.size(); i++)
-            wanted = fill(levels[i], levels[i].passedOver, wanted);
-        for (size_t i = 0; i < levels.size(); i++)
-            wanted = fill(levels[i], score(levels[i], levels[i].corners.suppressed), wanted);
-        for (size_t i = 0; i < levels.size(); i++)
-            wanted = fill(levels[i], score(levels[i], levels[i].corners.weak), wanted);
+        fillUp(wanted);
     }
 
     void describe(int octave, Features& features)
@@ -505,6 +496,7 @@ private:
     }
 
     const Mat gray, mask;
+    int lowest = 0;  // of the two thresholds
     const Settings s;
     const bool isHarris, isRanked;
     std::vector<PyramidLevel> levels;

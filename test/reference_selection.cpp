@@ -7,6 +7,7 @@
 
 #include <numeric>
 
+#include <cfloat>
 #include <limits>
 #include <map>
 #include <set>
@@ -16,22 +17,11 @@ namespace opencv_test
 namespace reference
 {
 
-int64 binaryLogarithm(float v)
+double binaryLogarithm(float v)
 {
-    // v = 2^e * (1 + f / 2^23), also where v is denormal.
     int e = 0;
-    const double significand = std::frexp((double)v, &e) * 2;
-    e--;
-    const int64 f = (int64)((significand - 1) * (1 << 23));
-    struct Table
-    {
-        int64 operator()(int64 i) const
-        {
-            return (int64)std::floor(std::log2(1 + (double)i / 4096) * (1 << 26));
-        }
-    } T;
-    const int64 i = f / 2048, t = f % 2048;
-    return e * ((int64)1 << 24) + (T(i) * 2048 + (T(i + 1) - T(i)) * t) / 8192;
+    const double f = std::frexp((double)v, &e) * 2 - 1;  // v = 2^(e - 1) * (1 + f)
+    return v < FLT_MIN ? std::ldexp((double)v, 149) : ((e - 1 + 127) + f) * (1 << 23);
 }
 
 std::vector<int> rankedQuotas(int nfeatures, const std::vector<Size>& regions,
@@ -195,7 +185,7 @@ std::vector<int> rankedSequence(const std::vector<LeafCorner>& corners, const Ra
         total += (2 * width + 1) * (dy == 0 ? 1 : 2);
     }
 
-    const int64 P = cvRound(rule.strengthWeight * 65536), side = (int64)1 << rule.depth;
+    const int64 side = (int64)1 << rule.depth;
     for (size_t i = 0; i < representatives.size(); i++)
     {
         Placed& a = representatives[i];
@@ -220,14 +210,14 @@ std::vector<int> rankedSequence(const std::vector<LeafCorner>& corners, const Ra
                     inside++;
             }
         }
-        a.key = (binaryLogarithm((float)(inside + stronger * total)) - binaryLogarithm((float)inside)) *
-                rule.rankWeight;
-        if (rule.strengthWeight > 0)
+        double key = binaryLogarithm((float)(1 + stronger * (double)total / inside));
+        if (rule.exponent > 0)
         {
             a.part = a.strength == std::numeric_limits<float>::infinity() ? 0 : a.strength > 0 ? 1 : 2;
             if (a.part == 1)
-                a.key -= P * binaryLogarithm(a.strength);
+                key -= rule.exponent * binaryLogarithm(a.strength);
         }
+        a.key = (int64)(key * 65536);
         sequence.push_back(a);
     }
 
@@ -236,14 +226,6 @@ std::vector<int> rankedSequence(const std::vector<LeafCorner>& corners, const Ra
     for (size_t i = 0; i < sequence.size(); i++)
         indices.push_back(sequence[i].corner.index);
     return indices;
-}
-
-std::vector<int> responseSequence(const std::vector<LeafCorner>& corners, Size root, int depth, double usable,
-                                  int quota, double rankRadius, double strengthWeight)
-{
-    const RankedRule rule = {root, depth, usable, quota, rankRadius, strengthWeight, 1 << 16};
-    return rankedSequence(
-        corners, rule, [](int, int) { return true; }, [](const LeafCorner& corner) { return corner.base; });
 }
 
 KeyPoints retainUniform(const KeyPoints& keypoints, Size imageSize, int npoints)
@@ -261,7 +243,9 @@ KeyPoints retainUniform(const KeyPoints& keypoints, Size imageSize, int npoints)
     }
     std::vector<int> order;
     if (npoints > 0)
-        order = responseSequence(corners, imageSize, depth, 1, npoints, 1, 0.15);
+        order = rankedSequence(
+            corners, {imageSize, depth, 1, npoints, 1, 0.15}, [](int, int) { return true; },
+            [](const LeafCorner& corner) { return corner.base; });
     order.resize(std::min(order.size(), (size_t)npoints));
     std::sort(order.begin(), order.end());
     KeyPoints kept;

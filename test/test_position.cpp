@@ -144,8 +144,7 @@ TEST(Aqorb_Position, a_masked_pixel_has_no_usable_position)
             const PositionMap map = {image, size, scale, 3, subPixel != 0};
             Mat levelMask = makeNoise(size, level + 2) > 60;
             const Mat before = levelMask.clone();
-            std::vector<int> columns;
-            maskPositions(mask, map, levelMask, columns);
+            maskPositions(mask, map, levelMask);
             for (int y = 3; y < size.height - 3; y++)
                 for (int x = 3; x < size.width - 3; x++)
                 {

@@ -5,7 +5,7 @@
 
 #include "reference.hpp"
 
-#include "plan.hpp"
+#include "selection.hpp"
 #include "pyramid.hpp"
 
 #include <numeric>

@@ -5,8 +5,8 @@
 
 #include "reference.hpp"
 
-#include "levels.hpp"
-#include "plan.hpp"
+#include "pyramid.hpp"
+#include "selection.hpp"
 
 #include <climits>
 #include <numeric>
@@ -18,56 +18,42 @@ namespace
 
 using namespace aqorb;
 
-// Resizes as levels are resized.
-void resizeExact(const Mat& source, Mat& resized, Size size)
-{
-    resized.create(size, CV_8UC1);
-    Level from, to;
-    from.image = source;
-    to.image = resized;
-    Ptr<ResizeTables> tables;
-    std::vector<uchar> noMask;
-    fillLevel(from, to, tables, noMask);
-}
-
-void buildPyramid(const Mat& image, const Mat& mask, int nlevels, int firstLevel, double scaleFactor,
-                  int minSide, std::vector<Level>& levels)
+//! The levels of a pyramid, with memory of their own.
+std::vector<Level> buildPyramid(const Mat& image, const Mat& mask, const PyramidRule& rule)
 {
     Level input;
     input.image = image;
     input.mask = mask;
-    Levels made;
-    made.reset(input, firstLevel, scaleFactor, true);
-    levels.clear();
-    for (int i = 0, count = made.layOut(nlevels, minSide); i < count; i++)
+    static PyramidSpace space;  // Images of all sizes share it.
+    std::vector<Level> levels = makePyramid(input, rule, space);
+    for (Level& level : levels)
     {
-        made.make(i);
-        levels.push_back(made[i]);
-        levels[i].mask = made[i].mask.clone();  // as its memory stays with the levels
+        level.image = level.image.clone();
+        level.mask = level.mask.clone();
     }
+    return levels;
 }
 
 TEST(Aqorb_Pyramid, quotas_of_the_paper)
 {
     // 500 features on 8 levels: equation (8) gives 108.6 for the first and 30.3 for the last.
-    const std::vector<int> quotas = levelQuotas(500, 1.2f, 8);
+    const std::vector<int> quotas = balancedQuotas(500, 1.2f, 8);
     // cv::ORB's last level takes what rounding leaves, here 31.
     const int expected[] = {109, 90, 75, 63, 52, 44, 36, 31};
     EXPECT_EQ(quotas, std::vector<int>(expected, expected + 8));
-    EXPECT_EQ(levelQuotas(500, 1.f, 1), std::vector<int>(1, 500));
+    EXPECT_EQ(balancedQuotas(500, 1.f, 1), std::vector<int>(1, 500));
 }
 
 TEST(Aqorb_Pyramid, quotas_take_rounding_from_the_finest_level)
 {
     // cv::ORB's rounding asks for 8 features where 7 are wanted.
-    const std::vector<int> quotas = levelQuotas(7, 1.2f, 8);
+    const std::vector<int> quotas = balancedQuotas(7, 1.2f, 8);
     const int expected[] = {1, 1, 1, 1, 1, 1, 1, 0};
     EXPECT_EQ(quotas, std::vector<int>(expected, expected + 8));
 }
 
 TEST(Aqorb_Pyramid, quotas_of_the_ranked_selection_add_up_and_equal_reference)
 {
-    std::vector<int> quotas;  // What it holds before must not matter.
     RNG rng(15);
     for (int nlevels = 1; nlevels <= 12; nlevels++)
         for (int n = 0; n <= 5000; n += n < 60 ? 1 : 617)
@@ -75,23 +61,20 @@ TEST(Aqorb_Pyramid, quotas_of_the_ranked_selection_add_up_and_equal_reference)
             SCOPED_TRACE(format("levels %d, features %d", nlevels, n));
             std::vector<Size> sizes;
             std::vector<float> scales;
-            std::vector<LevelRegion> regions;
             const bool equal = rng.uniform(0, 4) == 0;
             for (int i = 0; i < nlevels; i++)
             {
                 sizes.push_back(equal ? Size(9, 9) : Size(rng.uniform(1, 2000), rng.uniform(1, 2000)));
                 scales.push_back(equal ? 1.f : rng.uniform(0.1f, 10.f));
-                regions.push_back({sizes[i], scales[i]});
             }
-            rankedQuotas(n, regions, quotas);
+            const std::vector<int> quotas = rankedQuotas(n, sizes, scales);
             ASSERT_EQ(quotas, reference::rankedQuotas(n, sizes, scales));
             ASSERT_GE(*std::min_element(quotas.begin(), quotas.end()), 0);
             ASSERT_EQ(std::accumulate(quotas.begin(), quotas.end(), 0), n);
         }
-    rankedQuotas(500, std::vector<LevelRegion>(), quotas);
-    EXPECT_TRUE(quotas.empty());
+    EXPECT_TRUE(rankedQuotas(500, std::vector<Size>(), std::vector<float>()).empty());
     // 1.5 * 64 against 3 * 16^1.25
-    rankedQuotas(INT_MAX, {{Size(8, 8), 1.f}, {Size(3, 1), 16.f}}, quotas);
+    const std::vector<int> quotas = rankedQuotas(INT_MAX, {Size(8, 8), Size(3, 1)}, {1.f, 16.f});
     EXPECT_NEAR(quotas[0], quotas[1], 200);
     EXPECT_EQ(int64(quotas[0]) + quotas[1], INT_MAX);
 }
@@ -113,7 +96,9 @@ static void expectResizedAsOpenCV(const Mat& source, Size size)
 {
     Mat expected, resized;
     cv::resize(source, expected, size, 0, 0, INTER_LINEAR_EXACT);
-    resizeExact(source, resized, size);
+    resized.create(size, CV_8UC1);
+    Ptr<ResizeTables> tables;
+    resizeExact(source, resized, tables);
     EXPECT_TRUE(sameMat(resized, expected));
 }
 
@@ -156,7 +141,8 @@ TEST(Aqorb_Pyramid, resize_equals_opencv_for_every_width_and_alignment)
                           Mat resized =
                               atOffset(Mat::zeros(level.size(), CV_8UC1), (7 * offset + width) % 64);
                           const uchar* before = resized.data;
-                          resizeExact(image, resized, level.size());
+                          Ptr<ResizeTables> tables;
+                          resizeExact(image, resized, tables);
                           EXPECT_TRUE(sameMat(resized, level));
                           EXPECT_EQ(resized.data, before);
                           EXPECT_TRUE(isAround(resized, 255));
@@ -168,11 +154,6 @@ TEST(Aqorb_Pyramid, resize_takes_regions)
 {
     const Mat noise = makeNoise(Size(200, 150));
     expectResizedAsOpenCV(noise(Rect(13, 7, 151, 101)), Size(126, 84));
-    // The output may be a matrix of another size and type.
-    Mat expected, resized(30, 30, CV_32FC3, Scalar::all(1));
-    cv::resize(noise, expected, Size(167, 125), 0, 0, INTER_LINEAR_EXACT);
-    resizeExact(noise, resized, Size(167, 125));
-    EXPECT_TRUE(sameMat(resized, expected));
 }
 
 TEST(Aqorb_Pyramid, a_masked_pixel_masks_all_that_are_made_of_it)
@@ -187,8 +168,7 @@ TEST(Aqorb_Pyramid, a_masked_pixel_masks_all_that_are_made_of_it)
     for (float factor : factors)
         for (int firstLevel = 0; firstLevel <= 2; firstLevel++)
         {
-            std::vector<Level> levels;
-            buildPyramid(image, mask, 5, firstLevel, factor, 5, levels);
+            const std::vector<Level> levels = buildPyramid(image, mask, {firstLevel, factor, 5, 5});
             for (int i = 0; i < int(levels.size()); i++)
             {
                 SCOPED_TRACE(format("factor %g, first level %d, level %d", factor, firstLevel, i));

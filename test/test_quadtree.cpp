@@ -5,9 +5,7 @@
 
 #include "reference.hpp"
 
-#include "balanced_order.hpp"
-#include "plan.hpp"
-#include "quadtree.hpp"
+#include "selection.hpp"
 
 #include <climits>
 #include <limits>
@@ -23,31 +21,30 @@ TEST(Aqorb_Quadtree, depth_of_the_papers_example)
 {
     // 500 features on 8 levels: 109 on the first, 30 on the last. The paper's text says 5 for the first,
     // which its equation (9) does not give.
-    EXPECT_EQ(quadtreeDepth(109), 4);
-    EXPECT_EQ(quadtreeDepth(30), 3);
+    EXPECT_EQ(balancedDepth(109), 4);
+    EXPECT_EQ(balancedDepth(30), 3);
 }
 
 TEST(Aqorb_Quadtree, depth_is_the_smallest_with_enough_leaves)
 {
-    EXPECT_EQ(quadtreeDepth(0), 0);
-    EXPECT_EQ(quadtreeDepth(1), 0);
-    EXPECT_EQ(quadtreeDepth(INT_MAX), 15);
+    EXPECT_EQ(balancedDepth(0), 0);
+    EXPECT_EQ(balancedDepth(1), 0);
+    EXPECT_EQ(balancedDepth(INT_MAX), 15);
     for (int depth = 0; depth < 15; depth++)
     {
-        EXPECT_EQ(quadtreeDepth(1 << (2 * depth)), depth);
-        EXPECT_EQ(quadtreeDepth((1 << (2 * depth)) + 1), depth + 1);
+        EXPECT_EQ(balancedDepth(1 << (2 * depth)), depth);
+        EXPECT_EQ(balancedDepth((1 << (2 * depth)) + 1), depth + 1);
     }
 }
 
 TEST(Aqorb_Quadtree, leaves_divide_a_region_evenly)
 {
-    LeafGrid grid;
     RNG rng(1);
     for (int i = 0; i < 300; i++)
     {
         const Rect region(rng.uniform(0, 50), rng.uniform(0, 50), rng.uniform(1, 700), rng.uniform(1, 700));
-        const int depth = rng.uniform(0, MAX_QUADTREE_DEPTH + 1);
-        grid.reset(region, depth);
+        const int depth = rng.uniform(0, 16);
+        const LeafGrid grid(region, depth);
         for (int j = 0; j < 50; j++)
         {
             const Point p(rng.uniform(0, region.width), rng.uniform(0, region.height));
@@ -55,7 +52,6 @@ TEST(Aqorb_Quadtree, leaves_divide_a_region_evenly)
                            row = unsigned((int64(p.y) << depth) / region.height);
             const unsigned leaf = row << depth | column;
             ASSERT_EQ(grid.leaf(region.x + p.x, region.y + p.y), leaf) << region << depth << p;
-            ASSERT_EQ(LeafGrid::leafAt(Point2f(p), region.size(), depth), leaf);
             // The centre of a leaf that has pixels lies in it, or at its border where it has only one column or row.
             const Point centre = grid.centre(leaf) - region.tl();
             ASSERT_LE(std::abs(((2 * column + 1) * double(region.width) / (2 << depth)) - centre.x), 1);
@@ -87,8 +83,7 @@ unsigned everyOtherBit(unsigned code)
 }
 
 //! The indices of points in balancedOrder.
-std::vector<int> balancedIndices(std::vector<reference::LeafPoint> points, int depth,
-                                 BalancedScratch& scratch)
+std::vector<int> balancedIndices(std::vector<reference::LeafPoint> points, int depth)
 {
     std::sort(points.begin(), points.end(),
               [](const reference::LeafPoint& a, const reference::LeafPoint& b) {
@@ -100,32 +95,29 @@ std::vector<int> balancedIndices(std::vector<reference::LeafPoint> points, int d
         leafPoints.push_back({everyOtherBit(point.leaf >> 1) << depth | everyOtherBit(point.leaf),
                               aqorb::sortKey(point.response)});
     }
-    std::vector<unsigned> order(3, 9u);
-    balancedOrder(leafPoints, depth, points.size(), scratch, order);
     std::vector<int> indices;
-    for (unsigned index : order)
+    for (unsigned index : balancedOrder(leafPoints, depth))
         indices.push_back(points[index].index);
     return indices;
 }
 
-void expectOrder(const std::vector<reference::LeafPoint>& points, int depth, BalancedScratch& scratch)
+void expectOrder(const std::vector<reference::LeafPoint>& points, int depth)
 {
     std::vector<int> expected;
     for (const reference::LeafPoint& point : reference::balancedSequence(points, depth))
         expected.push_back(point.index);
-    EXPECT_EQ(balancedIndices(points, depth, scratch), expected);
+    EXPECT_EQ(balancedIndices(points, depth), expected);
 }
 
 TEST(Aqorb_Quadtree, balanced_order_equals_its_definition)
 {
     const int counts[] = {0, 1, 2, 7, 60, 500, 3000};
-    BalancedScratch scratch;  // It is used again and again, so what one case leaves in it must not matter.
     for (int count : counts)
         for (int depth = 0; depth <= 15; depth++)
         {
             SCOPED_TRACE(format("%d points, depth %d", count, depth));
-            expectOrder(randomPoints(count, depth, 1000000, depth), depth, scratch);
-            expectOrder(randomPoints(count, depth, 3, depth), depth, scratch);  // many ties
+            expectOrder(randomPoints(count, depth, 1000000, depth), depth);
+            expectOrder(randomPoints(count, depth, 3, depth), depth);  // many ties
         }
 }
 
@@ -134,7 +126,6 @@ TEST(Aqorb_Quadtree, balanced_order_of_all_floats)
     const float inf = std::numeric_limits<float>::infinity();
     const float nan = std::numeric_limits<float>::quiet_NaN();
     const float responses[] = {nan, -inf, -1.f, -1e-42f, -0.f, 0.f, 1e-42f, 2.f, inf, -nan};
-    BalancedScratch scratch;
     for (int depth = 0; depth <= 3; depth++)
     {
         SCOPED_TRACE(depth);
@@ -144,7 +135,7 @@ TEST(Aqorb_Quadtree, balanced_order_of_all_floats)
             points.push_back(
                 {unsigned(i / 10 % (1 << (2 * depth))), responses[i % 10], float(i / 50), float(i % 3), i});
         }
-        expectOrder(points, depth, scratch);
+        expectOrder(points, depth);
     }
 }
 
@@ -154,8 +145,7 @@ TEST(Aqorb_Quadtree, balanced_order_by_hand)
     const reference::LeafPoint given[] = {{0, 9, 0, 0, 0},  {0, 8, 0, 0, 1},  {1, 5, 0, 0, 2},
                                           {16, 7, 0, 0, 3}, {16, 1, 0, 0, 4}, {0, 7.5f, 0, 0, 5}};
     // The groups' lists are 0 2 1 5 and 3 4; taken in turn by response: 0 3, 2 4, 1, 5.
-    BalancedScratch scratch;
-    EXPECT_EQ(balancedIndices(std::vector<reference::LeafPoint>(given, given + 6), 3, scratch),
+    EXPECT_EQ(balancedIndices(std::vector<reference::LeafPoint>(given, given + 6), 3),
               std::vector<int>({0, 3, 2, 4, 1, 5}));
 }
 

@@ -5,7 +5,7 @@
 
 #include "reference.hpp"
 
-#include "plan.hpp"
+#include "selection.hpp"
 
 #include <cfloat>
 #include <climits>
@@ -21,40 +21,6 @@ using namespace aqorb;
 
 const float INF = std::numeric_limits<float>::infinity();
 const float NOT_A_NUMBER = std::numeric_limits<float>::quiet_NaN();
-
-TEST(Aqorb_RankedOrder, logarithm_equals_reference)
-{
-    for (int e = -149; e <= 127; e++)
-        ASSERT_EQ(binaryLogarithm(std::ldexp(1.f, e)), int64(e) * (1 << 24)) << e;
-    RNG rng(1);
-    for (int i = 0; i < 200000; i++)
-    {
-        Cv32suf bits;
-        bits.u = unsigned(rng.uniform(1, 0x7f800000));  // any number > 0, denormals as well
-        ASSERT_EQ(binaryLogarithm(bits.f), reference::binaryLogarithm(bits.f)) << bits.f;
-    }
-    EXPECT_EQ(binaryLogarithm(FLT_MAX), reference::binaryLogarithm(FLT_MAX));
-    EXPECT_EQ(binaryLogarithm(FLT_MIN), int64(-126) * (1 << 24));
-}
-
-TEST(Aqorb_RankedOrder, logarithm_grows_and_is_exact_to_7_digits)
-{
-    // All numbers from 1 to 2: the table has 2^12 steps of 2^11 numbers.
-    int64 before = 0;
-    for (unsigned fraction = 0; fraction <= 1u << 23; fraction++)
-    {
-        Cv32suf bits;
-        bits.u = 0x3f800000 + fraction;
-        const int64 logarithm = binaryLogarithm(bits.f);
-        ASSERT_GE(logarithm, before) << bits.f;
-        if (fraction % 97 == 0)
-        {
-            ASSERT_NEAR(std::ldexp(double(logarithm), -24), std::log2(double(bits.f)), 1.5e-7) << bits.f;
-        }
-        before = logarithm;
-    }
-    EXPECT_EQ(before, 1 << 24);
-}
 
 TEST(Aqorb_RankedOrder, depth_equals_reference)
 {
@@ -75,7 +41,6 @@ TEST(Aqorb_RankedOrder, depth_equals_reference)
 struct Scene
 {
     RankRule rule;
-    int depth, power;
     std::vector<reference::LeafCorner> corners;  // in the order that breaks ties; their bases are their keys
     std::vector<float> strengths;                // by index
     std::vector<uchar> usable;
@@ -99,18 +64,19 @@ Scene randomScene(int seed, bool isLarge = false)
     Scene scene;
     const int shortest = isLarge ? 200 : 1;
     const Size size(rng.uniform(shortest, 300), rng.uniform(shortest, 300));
-    const RankRule rule = {size, 1, rng.uniform(1, 1 << rng.uniform(1, 9)),
-                           seed % 3 ? rng.uniform(0., 3.) : rng.uniform(0., 16.),
-                           seed % 4 ? rng.uniform(0., 2.) : rng.uniform(0, 2) * 1000.};
-    scene.rule = rule;
-    scene.depth = rng.uniform(isLarge ? 5 : 0, isLarge ? 7 : maxRankedDepth(size) + 1);
-    scene.power = rng.uniform(0, 2) ? 4 : 1;
+    const int depth = rng.uniform(isLarge ? 5 : 0, isLarge ? 7 : maxRankedDepth(size) + 1);
+    scene.rule = {size,
+                  depth,
+                  1,
+                  rng.uniform(1, 1 << rng.uniform(1, 9)),
+                  seed % 3 ? rng.uniform(0., 3.) : rng.uniform(0., 16.),
+                  seed % 4 ? rng.uniform(0., 2.) : rng.uniform(0, 2) * 1000.};
     const int count = (isLarge ? 4000 : 0) + rng.uniform(0, 1 << rng.uniform(1, 11));
     for (int i = 0; i < count; i++)
     {
         const Point p(rng.uniform(0, size.width), rng.uniform(0, size.height));
-        scene.corners.push_back({(p.x << scene.depth) / size.width, (p.y << scene.depth) / size.height,
-                                 float(p.x), float(p.y), randomStrength(rng, kind), i});
+        scene.corners.push_back({(p.x << depth) / size.width, (p.y << depth) / size.height, float(p.x),
+                                 float(p.y), randomStrength(rng, kind), i});
         scene.strengths.push_back(randomStrength(rng, kind));
     }
     std::sort(scene.corners.begin(), scene.corners.end(),
@@ -120,7 +86,7 @@ Scene randomScene(int seed, bool isLarge = false)
     if (rng.uniform(0, 2))
     {
         scene.rule.usable = rng.uniform(0., 1.);
-        for (int i = 0; i < 1 << (2 * scene.depth); i++)
+        for (int i = 0; i < 1 << (2 * depth); i++)
             scene.usable.push_back(uchar(rng.uniform(0, 3) ? rng.uniform(1, 256) : 0));
     }
     return scene;
@@ -128,61 +94,42 @@ Scene randomScene(int seed, bool isLarge = false)
 
 std::vector<int> expectedOrder(const Scene& scene)
 {
-    const reference::RankedRule rule = {scene.rule.size,
-                                        scene.depth,
-                                        scene.rule.usable,
-                                        scene.rule.quota,
-                                        scene.rule.radius,
-                                        scene.rule.strengthWeight,
-                                        scene.power == 4 ? 1 << 18 : 1 << 16};
+    const RankRule& rule = scene.rule;
     return reference::rankedSequence(
-        scene.corners, rule,
+        scene.corners, {rule.region, rule.depth, rule.usable, rule.quota, rule.radius, rule.exponent},
         [&](int column, int row)
-        { return scene.usable.empty() || scene.usable[(size_t(row) << scene.depth) + column]; },
+        { return scene.usable.empty() || scene.usable[(size_t(row) << rule.depth) + column]; },
         [&](const reference::LeafCorner& corner) { return scene.strengths[corner.index]; });
 }
 
-std::vector<LeafPoint> pointsOf(const Scene& scene)
+//! The order of a scene, step by step.
+std::vector<int> orderOf(const Scene& scene)
 {
+    static OrderScratch scratch;  // Scenes of all sizes share it.
     std::vector<LeafPoint> points;
     for (const reference::LeafCorner& corner : scene.corners)
+        points.push_back(
+            {unsigned(corner.row << scene.rule.depth | corner.column), aqorb::sortKey(corner.base)});
+    const std::vector<unsigned> representatives = findRepresentatives(points, scene.rule.depth, scratch);
+    std::vector<unsigned> leaves, order;
+    std::vector<float> strengths;
+    for (unsigned index : representatives)
     {
-        points.push_back({unsigned(corner.row << scene.depth | corner.column), aqorb::sortKey(corner.base)});
+        leaves.push_back(points[index].leaf);
+        strengths.push_back(scene.strengths[scene.corners[index].index]);
     }
-    return points;
-}
-
-std::vector<int> indicesOf(const std::vector<unsigned>& order, const Scene& scene)
-{
+    for (unsigned index : orderRepresentatives(leaves, strengths, scene.rule, scene.usable))
+        order.push_back(representatives[index]);
+    const std::vector<unsigned> others = orderOthers(points, representatives);
+    order.insert(order.end(), others.begin(), others.end());
     std::vector<int> indices;
     for (unsigned index : order)
         indices.push_back(scene.corners[index].index);
     return indices;
 }
 
-//! The order of a scene, step by step.
-std::vector<int> orderOf(const Scene& scene, RankedScratch& scratch)
-{
-    const std::vector<LeafPoint> points = pointsOf(scene);
-    Representatives representatives;
-    std::vector<unsigned> order, others;
-    findRepresentatives(
-        points.size(), [&](size_t i) { return points[i]; }, scene.depth, scratch, representatives);
-    std::vector<float> strengths;
-    for (unsigned index : representatives.points)
-        strengths.push_back(scene.strengths[scene.corners[index].index]);
-    orderRepresentatives(representatives.leaves, strengths, scene.power, scene.depth, scene.usable,
-                         scene.rule, scratch, order);
-    for (unsigned& index : order)
-        index = representatives.points[index];
-    orderOthers(points, representatives.points, scratch, others);
-    order.insert(order.end(), others.begin(), others.end());
-    return indicesOf(order, scene);
-}
-
 TEST(Aqorb_RankedOrder, equals_reference)
 {
-    RankedScratch scratch;  // It is used again, so what one scene leaves in it must not matter.
     size_t compared = 0;
     for (int seed = 1; seed <= 650; seed++)
     {
@@ -191,27 +138,10 @@ TEST(Aqorb_RankedOrder, equals_reference)
         const std::unique_ptr<WithoutOptimization> baseline(seed % 4 ? 0 : new WithoutOptimization);
         const Scene scene = randomScene(seed, seed > 600);
         const std::vector<int> expected = expectedOrder(scene);
-        ASSERT_EQ(orderOf(scene, scratch), expected);
+        ASSERT_EQ(orderOf(scene), expected);
         compared += expected.size();
     }
     EXPECT_GT(compared, 200000u);
-}
-
-TEST(Aqorb_RankedOrder, points_are_ordered_by_their_keys)
-{
-    RankedScratch scratch;
-    for (int seed = 1; seed <= 100; seed++)
-    {
-        SCOPED_TRACE(seed);
-        Scene scene = randomScene(seed);
-        scene.power = 1;
-        scene.usable.clear();
-        for (const reference::LeafCorner& corner : scene.corners)
-            scene.strengths[corner.index] = corner.base;
-        std::vector<unsigned> order(3, 9u);
-        rankedOrder(pointsOf(scene), scene.depth, scene.rule, scratch, order);
-        ASSERT_EQ(indicesOf(order, scene), expectedOrder(scene));
-    }
 }
 
 }  // namespace

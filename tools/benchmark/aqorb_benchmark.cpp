@@ -7,13 +7,14 @@
 
 #include "benchmark.hpp"
 
+#include "../common/program.hpp"
+
 #include <opencv2/core/utility.hpp>
 
 #include <algorithm>
 #include <cstdlib>
-#include <iostream>
-#include <sstream>
-#include <stdexcept>
+
+using tools::splitList;
 
 namespace
 {
@@ -47,68 +48,39 @@ const char* const KEYS = "{help h usage ? |      | print this text }"
                          "{@command       |      | what to measure }"
                          "{@rest          |      | images }";
 
-//! Thrown where arguments are not accepted.
-struct BadArguments : std::runtime_error
-{
-    explicit BadArguments(const std::string& message) : std::runtime_error(message + "; see --help") {}
-};
-
-std::vector<std::string> splitList(const std::string& list)
-{
-    std::vector<std::string> parts;
-    std::istringstream stream(list);
-    for (std::string part; std::getline(stream, part, ',');)
-        parts.push_back(part);
-    return parts;
-}
-
-//! Whole numbers above 0.
-std::vector<int> splitNumbers(const std::string& list)
-{
-    std::vector<int> numbers;
-    for (const std::string& number : splitList(list))
-    {
-        numbers.push_back(std::atoi(number.c_str()));
-        if (numbers.back() < 1)
-            throw BadArguments("'" + number + "': a number above 0 is accepted");
-    }
-    return numbers;
-}
-
-//! The arguments that are no options. cv::CommandLineParser passes over options that it does not know.
+//! The arguments that are no options, from the second on.
 std::vector<std::string> positional(int argc, const char* const* argv)
 {
     std::vector<std::string> found;
     for (int i = 1; i < argc; i++)
-    {
-        const std::string argument = argv[i], name = argument.substr(0, argument.find('='));
-        if (argument[0] != '-')
-            found.push_back(argument);
-        else if (name != "--n" && name != "--threads" && name != "--turns" && name != "--cold" &&
-                 name != "--with")
-            throw BadArguments(argument + ": unknown option");
-    }
+        if (argv[i][0] != '-')
+            found.push_back(argv[i]);
+    if (!found.empty())
+        found.erase(found.begin());
     return found;
 }
 
-void run(const cv::CommandLineParser& parser, std::vector<std::string> images)
+int run(const cv::CommandLineParser& parser, std::vector<std::string> images)
 {
-    const std::string command = images.empty() ? "" : images[0], numbers = parser.get<cv::String>("n");
-    images.erase(images.begin(), images.begin() + !images.empty());
+    const std::string command = parser.get<cv::String>("@command"), numbers = parser.get<cv::String>("n");
     const bool isSingle = command == "frames" || command == "memory";
     Settings settings;
-    settings.numbers = splitNumbers(!numbers.empty()        ? numbers
-                                    : isSingle              ? "1000"
-                                    : command == "matching" ? "500,1000,2000,5000"
-                                                            : "500,1000,2000");
-    settings.threads = splitNumbers(parser.get<cv::String>("threads"));
-    settings.turns = splitNumbers(parser.get<cv::String>("turns")).at(0);
+    settings.numbers = tools::splitNumbers(!numbers.empty()        ? numbers
+                                           : isSingle              ? "1000"
+                                           : command == "matching" ? "500,1000,2000,5000"
+                                                                   : "500,1000,2000");
+    settings.threads = tools::splitNumbers(parser.get<cv::String>("threads"));
+    settings.turns = parser.get<int>("turns");
     settings.cold = parser.has("cold");
     settings.beside = parser.get<cv::String>("with");
+    tools::checkRead(parser);
+    for (const std::vector<int>& values : {settings.numbers, settings.threads, {settings.turns}})
+        if (values.empty() || *std::min_element(values.begin(), values.end()) < 1)
+            throw tools::BadArguments{"--n, --threads, --turns: numbers above 0"};
     if (command == "beside")
     {
         if (images.empty())
-            throw BadArguments("beside which LIBRARY?");
+            throw tools::BadArguments{"beside which LIBRARY? see --help"};
         settings.beside = images[0];
         images.erase(images.begin());
     }
@@ -136,41 +108,23 @@ void run(const cv::CommandLineParser& parser, std::vector<std::string> images)
              (images.size() == 2 || (images.empty() && std::getenv("OPENCV_TEST_DATA_PATH"))))
         measurePairs(settings);
     else if (command == "pair")
-        throw BadArguments("pair: name two images, or set OPENCV_TEST_DATA_PATH");
+        throw tools::BadArguments{"pair: name two images, or set OPENCV_TEST_DATA_PATH"};
     else if (command == "matching")
         measureMatching(settings);
     else if (command == "program")
         measureProgram(settings);
     else
-        throw BadArguments("'" + command + "': speed, beside, frames, memory, pair, matching or program");
+        throw tools::BadArguments{"'" + command +
+                                  "': speed, beside, frames, memory, pair, matching or program; see "
+                                  "--help"};
+    return 0;
 }
 
 }  // namespace
 
 int main(int argc, char** argv)
 {
-    try
-    {
-        cv::CommandLineParser parser(argc, argv, KEYS);
-        parser.about(ABOUT);
-        if (parser.has("help"))
-            parser.printMessage();
-        else
-            run(parser, positional(argc, argv));
-        return 0;
-    }
-    catch (const BadArguments& bad)
-    {
-        std::cerr << "aqorb_benchmark: " << bad.what() << std::endl;
-        return 1;
-    }
-    catch (const cv::Exception& error)
-    {
-        std::cerr << "aqorb_benchmark: " << error.err << std::endl;
-    }
-    catch (const std::exception& error)
-    {
-        std::cerr << "aqorb_benchmark: " << error.what() << std::endl;
-    }
-    return 2;
+    return tools::runProgram("aqorb_benchmark", ABOUT, KEYS, argc, argv,
+                             [argc, argv](const cv::CommandLineParser& parser)
+                             { return run(parser, positional(argc, argv)); });
 }

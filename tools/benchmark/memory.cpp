@@ -6,7 +6,8 @@
 // The heap in use is counted by standing in for malloc and its kin, which glibc provides for.
 
 #include "benchmark.hpp"
-#include "table.hpp"
+
+#include "../common/markdown.hpp"
 
 #include <opencv2/core/utility.hpp>
 
@@ -127,7 +128,7 @@ Memory measure(const Contender& contender, const Image& image, int nfeatures)
 
 void measureMemory(const Settings& settings, const std::vector<Contender>& contenders)
 {
-    Table table({"image", "n", "threads", "detector", "first frame", "later frames", "kept"});
+    tools::MarkdownTable table({"image", "n", "threads", "detector", "first frame", "later frames", "kept"});
     isCounting = true;
     for (const std::string& spec : settings.images)
     {
@@ -145,8 +146,9 @@ void measureMemory(const Settings& settings, const std::vector<Contender>& conte
                 {
                     const Memory memory = measure(contender, image, n);
                     table.add({image.name, std::to_string(n), std::to_string(threads), contender.name,
-                               cell(double(memory.first) / pixels), cell(double(memory.later) / pixels),
-                               cell(double(memory.kept) / pixels)});
+                               tools::cell(double(memory.first) / pixels),
+                               tools::cell(double(memory.later) / pixels),
+                               tools::cell(double(memory.kept) / pixels)});
                 }
             }
         }

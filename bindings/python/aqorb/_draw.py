@@ -51,5 +51,4 @@ def run(options):
             canvas.ellipse((x - 3, y - 3, x + 3, y + 3), outline=colour)
     _stop.finish()
     picture.save(options.out)
-    matches = command.count_of(len(pairs), 'match', 'es')
-    print(f'{options.out}: {matches} of {len(keypoints1)} and {len(keypoints2)} features')
+    print(f'{options.out}: {command.count_of(len(pairs), "match", "es")} of {len(keypoints1)} and {len(keypoints2)} features')

@@ -17,14 +17,13 @@ from aqorb import command
 
 def add(commands):
     parser = commands.add_parser('match', help='match the features of pairs of images',
-                                 description='Matches descriptors that are the nearest of each other. If it is '
-                                 'stopped, the same command goes on where it was.')
+                                 description='Matches descriptors that are the nearest of each other. If it is stopped, '
+                                 'the same command goes on where it was.')
     parser.add_argument('features', metavar='FEATURES', help='file of aqorb extract')
     parser.add_argument('--pairs', required=True,
-                        help='sequential:K, each image with the next K in the order of their paths; exhaustive; or a '
-                        'file with two paths a line, with a tab or a space between them')
-    parser.add_argument('--out', metavar='FILE',
-                        help='.parquet, or .db for COLMAP; FEATURES by default if that is a .db')
+                        help='sequential:K, each image with the next K in the order of their paths; exhaustive; or a file '
+                        'with two paths a line, with a tab or a space between them')
+    parser.add_argument('--out', metavar='FILE', help='.parquet, or .db for COLMAP; FEATURES by default if that is a .db')
     parser.add_argument('--ratio', type=float, help='keep what is nearer than this times the second nearest')
     parser.add_argument('--max-distance', type=command.at_least(0), metavar='N',
                         help='keep what differs in at most so many bits')

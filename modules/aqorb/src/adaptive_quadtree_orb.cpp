@@ -5,11 +5,15 @@
 
 #include "precomp.hpp"
 
-#include "frame.hpp"
+#include "given.hpp"
 #include "image_loop.hpp"
 #include "input.hpp"
+#include "output.hpp"
 #include "parameters.hpp"
-#include "pool.hpp"
+#include "selection.hpp"
+#include "tables.hpp"
+#include "threshold.hpp"
+#include "workspace.hpp"
 
 #include <opencv2/aqorb.hpp>
 
@@ -94,6 +98,12 @@ public:
 private:
     void process(InputArray image, InputArray mask, std::vector<KeyPoint>& keypoints, OutputArray descriptors,
                  bool useProvidedKeypoints, const _OutputArray* levels);
+    std::vector<FeatureList> detect(const Level& input, const std::vector<Level>& levels,
+                                    Workspace& space) const;
+    PositionMap positionsOf(Size imageSize, const Level& level) const
+    {
+        return {imageSize, level.image.size(), level.scale, parameters.edgeThreshold, parameters.subPixel};
+    }
     template <typename T> void set(T Parameters::*field, T value)
     {
         Parameters changed = parameters;
@@ -110,7 +120,7 @@ private:
 
     Parameters parameters;
     Tables tables;
-    Pool<Workspace> workspaces;
+    Workspaces workspaces;
 };
 
 Ptr<AdaptiveQuadtreeORB> AdaptiveQuadtreeORB::create(int nfeatures, float scaleFactor, int nlevels,
@@ -127,48 +137,31 @@ Ptr<AdaptiveQuadtreeORB> AdaptiveQuadtreeORB::create(int nfeatures, float scaleF
     return makePtr<AdaptiveQuadtreeORBImpl>(parameters);
 }
 
-// Makes the levels of the pyramid that have not been made yet.
-static void completeLevels(const Parameters& parameters, Levels& levels)
+static thread_local bool isAlone = false;
+
+SingleThreadScope::SingleThreadScope() : before(isAlone)
 {
-    for (int i = levels.size(), count = levels.layOut(parameters.nlevels, 1); i < count; i++)
-        levels.make(i);
-    // The caller's pixels may lie in the memory of a level that is given up when the levels are given.
-    if (parameters.firstLevel < levels.size())
-    {
-        Mat& input = levels[parameters.firstLevel].image;
-        input = input.clone();
-    }
+    isAlone = true;
 }
 
-static void giveLevels(const Levels& levels, const _OutputArray& output)
+SingleThreadScope::~SingleThreadScope()
 {
-    std::vector<Mat> images(size_t(levels.size()));
-    for (int i = 0; i < levels.size(); i++)
-        images[i] = levels[i].image;
-    giveMats(images, output, "levels");
+    isAlone = before;
 }
 
-// Processes the images of a collection side by side, each on one thread, or a single one on all of them.
-template <typename Process> static void forEachImage(size_t count, const Process& process)
+int threadsAllowed()
 {
-    ImageLoop loop(count);
-    const int threads = int(std::min(size_t(TaskQueue::threadsAllowed()), count));
-    if (threads <= 1)
-    {
-        loop.work(process);
-    }
-    else
-    {
-        parallel_for_(
-            Range(0, threads),
-            [&](const Range&)
-            {
-                const SingleThreadScope scope;
-                loop.work(process);
-            },
-            threads);
-    }
-    loop.check();
+    const int MOST = 16;  // more would wait for each other most of the time
+    return isAlone ? 1 : std::min(std::max(getNumThreads(), 1), MOST);
+}
+
+// Copies of the levels of an image's pyramid, of which one may be the image itself.
+static std::vector<Mat> copiesOf(const std::vector<Level>& levels)
+{
+    std::vector<Mat> images;
+    for (const Level& level : levels)
+        images.push_back(level.image.clone());
+    return images;
 }
 
 void AdaptiveQuadtreeORBImpl::buildPyramid(InputArray image_, OutputArrayOfArrays levels_) const
@@ -176,22 +169,76 @@ void AdaptiveQuadtreeORBImpl::buildPyramid(InputArray image_, OutputArrayOfArray
     CV_TRACE_FUNCTION();
     checkMatsOutput(levels_, "levels");
     const UMat held = heldUMat(image_);
-    Levels levels;
+    PyramidSpace space;
+    std::vector<Level> levels;
     if (!image_.empty())
     {
         parameters.checkTogether(parameters.nlevels);
         Level input;
         input.image = grayImage(image_);
         checkPyramidInput(input.image.size());
-        levels.reset(input, parameters.firstLevel, parameters.scaleFactor, true);
-        completeLevels(parameters, levels);
+        levels =
+            makePyramid(input, {parameters.firstLevel, parameters.scaleFactor, parameters.nlevels, 1}, space);
     }
-    giveLevels(levels, levels_);
+    giveMats(copiesOf(levels), levels_, "levels");
+}
+
+// The features of an image, from its pyramid to what is to be described.
+std::vector<FeatureList> AdaptiveQuadtreeORBImpl::detect(const Level& input, const std::vector<Level>& levels,
+                                                         Workspace& space) const
+{
+    // Thresholds.
+    const double contrast =
+        parameters.adaptiveThreshold ? varianceOverMean(input.image, input.mask) : NEUTRAL_VALUE;
+    CornerRules rules;
+    rules.thresholds = fastThresholds(contrast, parameters.fastThreshold, parameters.minThresholdRatio);
+    rules.cellSize = parameters.cellSize;
+    // Harris responses of neighbours hardly differ. Without suppression a strong corner would be chosen three times.
+    rules.suppressNear = parameters.scoreType == ORB::HARRIS_SCORE;
+
+    // The corners of each level.
+    const std::vector<LevelPlan> plans = planLevels(parameters, levels);
+    std::vector<Rect> regions;
+    for (const LevelPlan& plan : plans)
+        regions.push_back(plan.root);
+    const std::vector<std::vector<Corner>>& corners = findCorners(levels, regions, rules, space.corners);
+
+    // Their order.
+    space.orders.resize(std::max(space.orders.size(), size_t(threadsAllowed())));
+    std::vector<LevelOrder> orders(levels.size());
+    forEach(levels.size(),
+            [&](size_t i, int thread)
+            {
+                orders[i] = orderCorners(parameters, levels[i], plans[i], tables.strengthPatch, corners[i],
+                                         space.orders[thread]);
+            });
+
+    // Selection over all levels.
+    Selected selected =
+        selectAcrossLevels(parameters, input.image.size(), levels, plans, corners, orders, space.marks);
+    size_t count = 0;
+    for (const std::vector<CornerResponse>& ofLevel : selected)
+        count += ofLevel.size();
+    if (!levels.empty() && count < size_t(parameters.nfeatures))
+    {
+        // Corners have run out: one search without the rules fills up.
+        const CornerRules none = {{rules.thresholds.min, rules.thresholds.min}, rules.cellSize, false};
+        findCorners(levels, regions, none, space.corners);
+        std::vector<std::vector<CornerResponse>> all(levels.size());
+        forEach(levels.size(), [&](size_t i, int)
+                { all[i] = responsesOf(levels[i].image, corners[i], rules.suppressNear); });
+        fillUp(all, size_t(parameters.nfeatures) - count, selected);
+    }
+
+    std::vector<FeatureList> features(levels.size());
+    for (size_t i = 0; i < levels.size(); i++)
+        features[i] = listFeatures(parameters, levels[i], int(i), selected[i]);
+    return features;
 }
 
 void AdaptiveQuadtreeORBImpl::process(InputArray image_, InputArray mask_, std::vector<KeyPoint>& keypoints,
                                       OutputArray descriptors_, bool useProvidedKeypoints,
-                                      const _OutputArray* levels)
+                                      const _OutputArray* levels_)
 {
     const bool withDescriptors = descriptors_.needed();
     if (useProvidedKeypoints && !withDescriptors)
@@ -202,41 +249,100 @@ void AdaptiveQuadtreeORBImpl::process(InputArray image_, InputArray mask_, std::
     {
         if (withDescriptors)
             releaseDescriptors(descriptors_);
-        if (levels)
-            giveMats(std::vector<Mat>(), *levels, "levels");
+        if (levels_)
+            giveMats(std::vector<Mat>(), *levels_, "levels");
         keypoints.clear();
         return;
     }
 
+    // Input.
     const UMat heldImage = heldUMat(image_), heldMask = heldUMat(mask_);
     checkImage(image_);
     const Size size = image_.size();
     checkPyramidInput(size);
-    const Pool<Workspace>::Lease lease(workspaces, size_t(size.width) * size.height);
-    Workspace& workspace = *lease;
+    const Workspaces::Loan loan(workspaces);
+    Workspace& space = *loan;
+    space.descriptions.resize(std::max(space.descriptions.size(), size_t(threadsAllowed())));
     Level input;
-    input.image = grayImage(image_, &workspace.gray);
+    input.image = grayImage(image_, &space.gray);
     if (!useProvidedKeypoints)
         input.mask = checkedMask(mask_, size);
-    Frame frame(parameters, tables, workspace);
-    workspace.levels.reset(input, parameters.firstLevel, parameters.scaleFactor, levels != 0);
+    std::vector<FeatureList> features;
     if (useProvidedKeypoints)
-        frame.describeGiven(keypoints);
+        features = takeGiven(keypoints, parameters, size);
     else
-        frame.detect(withDescriptors);
-    const size_t count = frame.count();
-    if (levels)
-        completeLevels(parameters, workspace.levels);
+        parameters.checkTogether(parameters.nlevels);
 
-    // The outputs are written when the image has been read, because they may share its memory.
+    // Pyramid.
+    const int shortest = useProvidedKeypoints ? 1 : parameters.shortestSide();
+    const PyramidRule rule = {parameters.firstLevel, parameters.scaleFactor,
+                              useProvidedKeypoints ? int(features.size()) : parameters.nlevels,
+                              levels_ ? 1 : shortest};
+    const std::vector<Level> pyramid = makePyramid(input, rule, space.pyramid);
+    std::vector<Level> levels;  // in which there can be keypoints
+    for (const Level& level : pyramid)
+    {
+        if (std::min(level.image.cols, level.image.rows) < shortest)
+            break;
+        levels.push_back(level);
+    }
+    for (Level& level : levels)
+    {
+        if (!level.isInput && !input.mask.empty())
+            maskPositions(input.mask, positionsOf(size, level), level.mask);
+    }
+
+    // From the thresholds to the selection.
+    if (!useProvidedKeypoints)
+        features = detect(input, levels, space);
+
+    // Description.
+    const std::vector<FeatureRange> ranges = divideIntoRanges(features, threadsAllowed());
+    for (FeatureList& list : features)
+        list.descriptors.resize(withDescriptors ? list.points.size() * DESCRIPTOR_BYTES : 0);
+    forEach(ranges.size(),
+            [&](size_t i, int thread)
+            {
+                const Level& level = levels[ranges[i].level];
+                const DescriptionRules by = {&input.mask, positionsOf(size, level),
+                                             useProvidedKeypoints ? 0 : &tables.patch,
+                                             withDescriptors ? &tables.tests : 0};
+                describeFeatures(level, by, ranges[i].features, features[ranges[i].level],
+                                 space.descriptions[thread]);
+            });
+
+    // Output. It is written when the image has been read, because it may share its memory.
+    size_t count = 0;
+    for (const FeatureList& list : features)
+        count += list.points.size();
+    std::vector<Mat> given;
     Mat descriptors;
+    if (levels_)
+        given = copiesOf(pyramid);
     if (withDescriptors && count > 0)
         descriptors = createDescriptors(descriptors_, int(count));
     else if (withDescriptors)
         releaseDescriptors(descriptors_);
-    if (levels)
-        giveLevels(workspace.levels, *levels);
-    frame.output(keypoints, descriptors);
+    if (levels_)
+        giveMats(given, *levels_, "levels");
+    outputFeatures(features, keypoints, descriptors);
+}
+
+// Processes the images of a collection side by side, each on one thread, or a single one on all of them.
+template <typename Process> static void forEachImage(size_t count, const Process& process)
+{
+    ImageLoop loop(count);
+    const int threads = int(std::min(size_t(threadsAllowed()), count));
+    const auto run = [&](const Range&)
+    {
+        const SingleThreadScope scope;
+        loop.work(process);
+    };
+    if (threads <= 1)
+        loop.work(process);
+    else
+        parallel_for_(Range(0, threads), run, threads);
+    loop.check();
 }
 
 void AdaptiveQuadtreeORBImpl::detect(InputArrayOfArrays images_,

@@ -60,6 +60,11 @@ template <typename Vector> void growTo(Vector& elements, size_t count)
         elements.resize(count);
     }
 }
+template <typename Vector> typename Vector::value_type* grown(Vector& elements, size_t count)
+{
+    growTo(elements, count);
+    return elements.data();
+}
 
 }  // namespace aqorb
 }  // namespace cv

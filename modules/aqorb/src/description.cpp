@@ -12,15 +12,21 @@ namespace cv
 namespace aqorb
 {
 
-void FeatureList::reset(size_t count)
+std::vector<FeatureRange> divideIntoRanges(const std::vector<FeatureList>& features, int threads)
 {
-    points.clear();
-    points.reserve(count);
-    keypoints.clear();
-    keypoints.reserve(count);
-    descriptors.clear();
-    outputKeys.clear();
-    outputKeys.reserve(count);
+    const size_t LEAST = 64;
+    size_t all = 0;
+    for (const FeatureList& list : features)
+        all += list.points.size();
+    const size_t most = threads == 1 ? all + 1 : std::max(all / (4 * threads), LEAST);
+    std::vector<FeatureRange> ranges;
+    for (size_t level = 0; level < features.size(); level++)
+    {
+        const size_t count = features[level].points.size(), parts = (count + most - 1) / most;
+        for (size_t i = 0; i < parts; i++)
+            ranges.push_back({int(level), Range(int(count * i / parts), int(count * (i + 1) / parts))});
+    }
+    return ranges;
 }
 
 // Finds the directions of features and completes their keypoints.

@@ -18,26 +18,23 @@ namespace cv
 namespace aqorb
 {
 
-//! Features of a level that were chosen together.
+//! Features of a level.
 struct FeatureList
 {
     std::vector<FeaturePoint> points;  //!< in raster order
     std::vector<KeyPoint> keypoints;   //!< of the points
-    std::vector<uchar> descriptors;    //!< of the points, DESCRIPTOR_BYTES each
-    std::vector<unsigned> outputKeys;  //!< of the points: by them they come in the output
-
-    //! Starts with none, and with memory for so many.
-    void reset(size_t count);
+    std::vector<uchar> descriptors;    //!< of the points, DESCRIPTOR_BYTES each; empty if they are not wanted
+    std::vector<uint64> outputKeys;    //!< of the points: by them they come in the output
 };
 
-//! The features of a level.
-struct LevelFeatures
+//! Features of a level that are described together.
+struct FeatureRange
 {
-    FeatureList byQuota;  //!< those that were chosen first
-    FeatureList filled;   //!< those that were chosen when other levels had too few
-
-    size_t size() const { return byQuota.points.size() + filled.points.size(); }
+    int level;
+    Range features;
 };
+//! Divides features into ranges that are worth a thread's time, and so many that no thread waits long for another.
+std::vector<FeatureRange> divideIntoRanges(const std::vector<FeatureList>& features, int threads);
 
 //! What features are described by.
 struct DescriptionRules
@@ -56,7 +53,7 @@ struct DescriptionScratch
     AlignedVector<ushort> blurred;
 };
 
-/** Describes some of the features of a list, so that several tasks can share it: finds their directions, their
+/** Describes some of the features of a list, so that several threads can share it: finds their directions, their
  positions in the image and their descriptors. The rows of the level are read and blurred from top to bottom, some at a
  time. */
 void describeFeatures(const Level& level, const DescriptionRules& rules, const Range& features,

@@ -104,12 +104,6 @@ void ScorePlane::clearBelow(int y)
     std::fill_n(row(y) - SCAN_MARGIN, size_t(SUPPRESS_RADIUS * rowBytes), uchar(0));
 }
 
-void ScorePlane::copyRow(int y, const ScorePlane& other)
-{
-    const uchar* from = other.row(y) + columns.start - SUPPRESS_MARGIN;
-    std::copy(from, from + columns.size() + 2 * SUPPRESS_MARGIN, row(y) + columns.start - SUPPRESS_MARGIN);
-}
-
 void FastScanner::reset(const Level& level, const Rect& region, Thresholds thresholds, ScorePlane& plane_,
                         CornerBlocks& corners_)
 {
@@ -190,20 +184,10 @@ void FastScanner::dropWeak(const Range& range)
     std::fill(floors.begin() + inside.start, floors.begin() + inside.end, uchar(state.strongThreshold));
 }
 
-void FastScanner::collect(std::vector<Corner>* dropped)
+void FastScanner::collect()
 {
-    if (dropped)
-        listDropped(*dropped);
     corners->cornerCount += dropCornersOfScan(state, corners->count, floors.data());
     corners->count = state.foundCount;
-}
-
-void FastScanner::listDropped(std::vector<Corner>& dropped) const
-{
-    const size_t before = dropped.size();
-    listCorners(state.found + corners->count, state.found + state.foundCount, *plane, dropped);
-    const auto stays = [&](const Corner& corner) { return corner.score + 1 > floors[corner.x]; };
-    dropped.erase(std::remove_if(dropped.begin() + before, dropped.end(), stays), dropped.end());
 }
 
 void listCorners(const CornerBlock* first, const CornerBlock* last, const ScorePlane& plane,

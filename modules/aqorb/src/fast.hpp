@@ -49,8 +49,6 @@ public:
     void slideTo(int top);
     //! Clears the SUPPRESS_RADIUS rows from y on, of which the first is at most the one below the plane.
     void clearBelow(int y);
-    //! Copies a row of another plane of the same columns.
-    void copyRow(int y, const ScorePlane& other);
     //! The scores of a row by column of the image. SUPPRESS_MARGIN columns beside the region are readable, too.
     uchar* row(int y) { return bytes.data() + first + (y - top) * rowBytes; }
     const uchar* row(int y) const { return bytes.data() + first + (y - top) * rowBytes; }
@@ -133,12 +131,9 @@ public:
     //! Leaves out the weak corners of the last scan in some columns.
     void dropWeak(const Range& columns);
     //! Adds the corners of the last scan that were not left out to those found.
-    //! @param dropped gets the others; 0: they are not listed
-    void collect(std::vector<Corner>* dropped);
+    void collect();
 
 private:
-    void listDropped(std::vector<Corner>& dropped) const;
-
     FastScan state;
     std::vector<ScanBlock> blocks;
     std::vector<uchar> scores, floors;

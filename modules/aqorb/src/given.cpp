@@ -7,6 +7,8 @@
 
 #include "given.hpp"
 
+#include "pyramid.hpp"
+
 namespace cv
 {
 namespace aqorb
@@ -45,28 +47,14 @@ static bool isInside(const Point2f& pt, const Size& size)
     return pt.x >= -0.5f && pt.y >= -0.5f && pt.x < float(size.width) && pt.y < float(size.height);
 }
 
-// The keypoints that cv::ORB describes. The others lie outside of the image or nearer than `edgeThreshold` to its border.
-static void describableKeypoints(const std::vector<KeyPoint>& keypoints, Size imageSize, int edgeThreshold,
-                                 std::vector<KeyPoint>& describable)
+std::vector<FeatureList> takeGiven(const std::vector<KeyPoint>& keypoints, const Parameters& parameters,
+                                   Size imageSize)
 {
-    describable.clear();
-    for (size_t i = 0; i < keypoints.size(); i++)
-    {
-        if (isInside(keypoints[i].pt, imageSize))
-            describable.push_back(keypoints[i]);
-    }
-    const int border = std::min(edgeThreshold, std::max(imageSize.width, imageSize.height));
-    KeyPointsFilter::runByImageBorder(describable, imageSize, border);
-}
-
-void takeGiven(const std::vector<KeyPoint>& keypoints, const Parameters& parameters, Levels& levels,
-               GivenScratch& scratch)
-{
-    const Size imageSize = levels.input().image.size();
     const int highest = highestOctave(keypoints);
     parameters.checkTogether(std::max(parameters.nlevels, highest > 0 ? 2 : 1));
-    const Size smallest =
-        levelSize(imageSize, levelScale(highest, parameters.firstLevel, parameters.scaleFactor));
+    const auto scaleOf = [&](int octave)
+    { return levelScale(octave, parameters.firstLevel, parameters.scaleFactor); };
+    const Size smallest = levelSize(imageSize, scaleOf(highest));
     const int most = std::max(parameters.nlevels, MOST_LEVELS_GIVEN);
     if (highest >= most || smallest.width < 1 || smallest.height < 1)
         CV_Error_(
@@ -75,34 +63,34 @@ void takeGiven(const std::vector<KeyPoint>& keypoints, const Parameters& paramet
              "than the octave into the field: unpack it first)",
              most, highest));
 
-    std::vector<KeyPoint>& inside = scratch.keypoints;
-    describableKeypoints(keypoints, imageSize, parameters.edgeThreshold, inside);
-    levels.layOut(inside.empty() ? 0 : highestOctave(inside) + 1, 1);
-    std::vector<GivenFeature>& features = scratch.features;
-    features.clear();
-    for (size_t i = 0; i < inside.size(); i++)
+    // Those that cv::ORB describes. The others lie outside of the image or nearer than edgeThreshold to its border.
+    std::vector<KeyPoint> inside;
+    for (const KeyPoint& keypoint : keypoints)
     {
-        const KeyPoint& keypoint = inside[i];
-        const float inverseScale = 1.f / levels[keypoint.octave].scale;
-        const Point2f p = keypoint.pt * inverseScale;
-        features.push_back({{cvRound(p.x), cvRound(p.y), keypoint.angle}, keypoint.octave, unsigned(i)});
+        if (isInside(keypoint.pt, imageSize))
+            inside.push_back(keypoint);
     }
-    std::sort(features.begin(), features.end(),
-              [](const GivenFeature& a, const GivenFeature& b)
-              { return a.octave != b.octave ? a.octave < b.octave : InRasterOrder()(a.point, b.point); });
-}
-
-void listGiven(const GivenScratch& given, int octave, FeatureList& list)
-{
-    list.reset(0);
-    const auto isFiner = [](const GivenFeature& feature, int of) { return feature.octave < of; };
-    auto next = std::lower_bound(given.features.begin(), given.features.end(), octave, isFiner);
-    for (; next != given.features.end() && next->octave == octave; ++next)
+    const int border = std::min(parameters.edgeThreshold, std::max(imageSize.width, imageSize.height));
+    KeyPointsFilter::runByImageBorder(inside, imageSize, border);
+    std::vector<FeatureList> features(inside.empty() ? 0 : size_t(highestOctave(inside)) + 1);
+    std::vector<unsigned> order(inside.size());
+    std::iota(order.begin(), order.end(), 0u);
+    const auto pointOf = [&](const KeyPoint& keypoint)
     {
-        list.points.push_back(next->point);
-        list.keypoints.push_back(given.keypoints[next->index]);
-        list.outputKeys.push_back(next->index);
+        const Point2f p = keypoint.pt * (1.f / scaleOf(keypoint.octave));
+        return FeaturePoint{cvRound(p.x), cvRound(p.y), keypoint.angle};
+    };
+    std::stable_sort(order.begin(), order.end(),
+                     [&](unsigned a, unsigned b)
+                     { return InRasterOrder()(pointOf(inside[a]), pointOf(inside[b])); });
+    for (unsigned index : order)
+    {
+        FeatureList& list = features[size_t(inside[index].octave)];
+        list.points.push_back(pointOf(inside[index]));
+        list.keypoints.push_back(inside[index]);
+        list.outputKeys.push_back(index);
     }
+    return features;
 }
 
 }  // namespace aqorb

@@ -20,7 +20,7 @@ const HammingKernels* kernelsFor(int words);
 
 #ifndef CV_CPU_OPTIMIZATION_DECLARATIONS_ONLY
 
-#ifdef AQORB_COUNTS_BITS
+#if CV_SIMD && (CV_SSE2 || CV_NEON)
 
 namespace
 {

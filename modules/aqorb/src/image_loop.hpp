@@ -7,7 +7,9 @@
 #define OPENCV_AQORB_IMAGE_LOOP_HPP
 
 #include <opencv2/core.hpp>
+#include <opencv2/core/utility.hpp>
 
+#include <algorithm>
 #include <atomic>
 #include <exception>
 #include <mutex>
@@ -16,6 +18,9 @@ namespace cv
 {
 namespace aqorb
 {
+
+//! How many threads a call that this thread begins may use.
+int threadsAllowed();
 
 /** Goes over the images of a collection. Several threads may do so at once, each of which takes the next image. They take
  images in their order and end what they have begun, so the first image that fails is always the same. */
@@ -45,13 +50,19 @@ public:
         }
     }
 
+    //! Throws the error of the first one that has failed, as it is.
+    void rethrow() const
+    {
+        if (error)
+            std::rethrow_exception(error);
+    }
+
     //! Throws the error of the first image that has failed, when all threads have ended. OpenCV's errors get its index.
     void check() const
     {
         try
         {
-            if (error)
-                std::rethrow_exception(error);
+            rethrow();
         }
         catch (const Exception& thrown)
         {
@@ -65,6 +76,25 @@ private:
     std::mutex mutex;
     std::exception_ptr error;
 };
+
+/** Calls work(i, thread) for every i below count, on as many threads as the caller may use. Each of them takes the next i until
+ none is left, and has a number of its own. When all have ended, the error of the lowest i is thrown. */
+template <typename Work> void forEach(size_t count, const Work& work)
+{
+    const int threads = int(std::min(size_t(threadsAllowed()), count));
+    ImageLoop loop(count);
+    std::atomic<int> next(0);
+    const auto run = [&](const Range&)
+    {
+        const int thread = next++;
+        loop.work([&](size_t i) { work(i, thread); });
+    };
+    if (threads <= 1)
+        run(Range());
+    else
+        parallel_for_(Range(0, threads), run, threads);
+    loop.rethrow();
+}
 
 }  // namespace aqorb
 }  // namespace cv

@@ -21,16 +21,16 @@ struct ByKey
 };
 }  // namespace
 
-void sortIndices(const std::vector<uint64>& keys, SortScratch& scratch, std::vector<unsigned>& indices)
+std::vector<unsigned> sortIndices(const std::vector<uint64>& keys)
 {
     const size_t FEW = 128, size = keys.size();
     const ByKey byKey = {keys.data()};
-    indices.resize(size);
+    std::vector<unsigned> indices(size);
     if (size <= FEW)
     {
         std::iota(indices.begin(), indices.end(), 0u);
         std::sort(indices.begin(), indices.end(), byKey);
-        return;
+        return indices;
     }
     const auto range = std::minmax_element(keys.begin(), keys.end());
     const uint64 least = *range.first, greatest = *range.second;
@@ -51,13 +51,13 @@ void sortIndices(const std::vector<uint64>& keys, SortScratch& scratch, std::vec
     }
     for (unsigned* of : {starts[0], starts[1]})
         std::partial_sum(of, of + digits, of);
-    scratch.items.resize(size);
+    std::vector<uint64> items(size);
     for (size_t i = 0; i < size; i++)
-        scratch.items[starts[0][digitsOf(i) & (digits - 1)]++] = uint64(digitsOf(i)) << 32 | i;
-    for (uint64 item : scratch.items)
+        items[starts[0][digitsOf(i) & (digits - 1)]++] = uint64(digitsOf(i)) << 32 | i;
+    for (uint64 item : items)
         indices[starts[1][item >> (32 + digitBits)]++] = unsigned(item);
     if (shift == 0)
-        return;  // the digits are the whole keys
+        return indices;  // the digits are the whole keys
     for (size_t i = 1, begin = 0; i <= size; i++)
     {
         if (i < size && digitsOf(indices[i]) == digitsOf(indices[begin]))
@@ -66,6 +66,7 @@ void sortIndices(const std::vector<uint64>& keys, SortScratch& scratch, std::vec
             std::sort(indices.begin() + begin, indices.begin() + i, byKey);
         begin = i;
     }
+    return indices;
 }
 
 }  // namespace aqorb

@@ -39,15 +39,9 @@ inline unsigned descendingKey(int key)
     return unsigned(key) ^ 0x7fffffffu;
 }
 
-//! Work space of sortIndices.
-struct SortScratch
-{
-    std::vector<uint64> items;
-};
-
-//! Sorts the indices of keys by the keys, and equal ones by themselves. It counts digits, because most comparisons would be
-//! hard to predict.
-void sortIndices(const std::vector<uint64>& keys, SortScratch& scratch, std::vector<unsigned>& indices);
+//! The indices of keys by the keys, and equal ones by themselves. It counts digits, because most comparisons would be hard to
+//! predict.
+std::vector<unsigned> sortIndices(const std::vector<uint64>& keys);
 
 }  // namespace aqorb
 }  // namespace cv

@@ -16,35 +16,20 @@ namespace cv
 namespace aqorb
 {
 
-void outputFeatures(const LevelFeatures& features, OutputScratch& scratch, KeyPoint* keypoints, int row,
+void outputFeatures(const std::vector<FeatureList>& features, std::vector<KeyPoint>& keypoints,
                     Mat& descriptors)
 {
-    const FeatureList &byQuota = features.byQuota, &filled = features.filled;
-    // Features are numbered through both lists. Each is in raster order. Both together are sorted, as std::inplace_merge
-    // would allocate memory.
-    const unsigned quota = unsigned(byQuota.points.size()), count = unsigned(features.size());
-    const auto listOf = [&](unsigned index) -> const FeatureList&
-    { return index < quota ? byQuota : filled; };
-    const auto place = [&](unsigned index) { return index < quota ? index : index - quota; };
-    std::vector<unsigned>& rasterOrder = scratch.rasterOrder;
-    rasterOrder.resize(count);
-    std::iota(rasterOrder.begin(), rasterOrder.end(), 0u);
-    if (quota < count)
-        std::sort(rasterOrder.begin(), rasterOrder.end(),
-                  [&](unsigned a, unsigned b)
-                  { return InRasterOrder()(listOf(a).points[place(a)], listOf(b).points[place(b)]); });
-    scratch.keys.resize(count);
-    for (unsigned i = 0; i < count; i++)
-        scratch.keys[i] = listOf(rasterOrder[i]).outputKeys[place(rasterOrder[i])];
-    sortIndices(scratch.keys, scratch.sorting, scratch.sorted);
-    for (unsigned i = 0; i < count; i++, row++)
+    CV_TRACE_FUNCTION();
+    keypoints.clear();
+    for (const FeatureList& ofLevel : features)
     {
-        const unsigned index = rasterOrder[scratch.sorted[i]];
-        keypoints[i] = listOf(index).keypoints[place(index)];
-        if (!descriptors.empty())
-            std::memcpy(descriptors.ptr(row),
-                        &listOf(index).descriptors[size_t(place(index)) * DESCRIPTOR_BYTES],
-                        DESCRIPTOR_BYTES);
+        for (unsigned i : sortIndices(ofLevel.outputKeys))
+        {
+            if (!descriptors.empty())
+                std::memcpy(descriptors.ptr(int(keypoints.size())),
+                            &ofLevel.descriptors[size_t(i) * DESCRIPTOR_BYTES], DESCRIPTOR_BYTES);
+            keypoints.push_back(ofLevel.keypoints[i]);
+        }
     }
 }
 

@@ -14,18 +14,9 @@ namespace cv
 namespace aqorb
 {
 
-//! Work space of outputFeatures.
-struct OutputScratch
-{
-    std::vector<unsigned> rasterOrder, sorted;
-    std::vector<uint64> keys;
-    SortScratch sorting;
-};
-
-/** Gives the features of a level, by their output keys and, where these are equal, in raster order.
- @param keypoints space for all features of the level
- @param descriptors rows for all of them, from `row` on; empty: they are not wanted */
-void outputFeatures(const LevelFeatures& features, OutputScratch& scratch, KeyPoint* keypoints, int row,
+//! Gives the features of all levels: by level, and those of a level by their output keys and then in raster order.
+//! @param descriptors a row for each feature; empty: they are not wanted
+void outputFeatures(const std::vector<FeatureList>& features, std::vector<KeyPoint>& keypoints,
                     Mat& descriptors);
 
 //! Throws unless the output can hold several matrices of bytes.

@@ -38,6 +38,26 @@ void Parameters::checkTogether(int levelsInUse) const
         reject("firstLevel", format("below nlevels, which is %d", nlevels), firstLevel);
 }
 
+int Parameters::shortestSide() const
+{
+    const int FAST_RADIUS = 3;
+    return int(std::min(2 * std::max<int64>(edgeThreshold, FAST_RADIUS) + 1, int64(INT_MAX)));
+}
+
+Rect Parameters::keypointRegion(Size size) const
+{
+    const int border = edgeThreshold;
+    return Rect(border, border, size.width - 2 * border, size.height - 2 * border);
+}
+
+double Parameters::octaveDistance() const
+{
+    if (octaveSuppression >= 0)
+        return octaveSuppression;
+    // Who asks for the strongest corners takes them on every level, as with cv::ORB.
+    return selectionType == AdaptiveQuadtreeORB::BALANCED_SELECTION ? 0.5 : 2.1 / (1 + strengthWeight);
+}
+
 void Parameters::write(FileStorage& fs) const
 {
     // FileStorage has no bool.

@@ -83,6 +83,13 @@ struct Parameters
     //! Throws if values are invalid in combination, for a pyramid of so many levels.
     void checkTogether(int levelsInUse) const;
 
+    //! The shortest side of a level that can have a keypoint.
+    int shortestSide() const;
+    //! Where a level of this size may have keypoints: between the borders.
+    Rect keypointRegion(Size size) const;
+    //! The distance in pixels for which octaveSuppression stands.
+    double octaveDistance() const;
+
     void write(FileStorage& fs) const;
     //! A parameter whose key is missing keeps its value. Throws for an invalid value and then changes nothing.
     void read(const FileNode& node);

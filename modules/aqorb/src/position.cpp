@@ -88,10 +88,9 @@ bool usablePosition(const Mat& imageMask, const PositionMap& position, int x, in
     return least < std::numeric_limits<double>::infinity();
 }
 
-void maskPositions(const Mat& imageMask, const PositionMap& position, Mat& levelMask,
-                   std::vector<int>& columns)
+void maskPositions(const Mat& imageMask, const PositionMap& position, Mat& levelMask)
 {
-    columns.resize(levelMask.cols);
+    std::vector<int> columns(levelMask.cols);
     for (int x = 0; x < levelMask.cols; x++)
         columns[x] = nearestPixel(position(x, 0).x, imageMask.cols);
     Point2f anywhere;

@@ -36,9 +36,7 @@ bool isUsable(const Mat& imageMask, const Point2f& position);
 bool usablePosition(const Mat& imageMask, const PositionMap& position, int x, int y, Point2f& found);
 
 //! Clears the pixels of a level's mask that have no usable position in the input image.
-//! @param columns work space
-void maskPositions(const Mat& imageMask, const PositionMap& position, Mat& levelMask,
-                   std::vector<int>& columns);
+void maskPositions(const Mat& imageMask, const PositionMap& position, Mat& levelMask);
 
 //! Where the quadratic through the 3x3 FAST scores around (x, y) peaks, relative to (x, y), within +-0.5.
 Point2d subPixelOffset(const Mat& image, int x, int y);

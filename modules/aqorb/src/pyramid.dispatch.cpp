@@ -119,9 +119,12 @@ static void updateTables(ResizeTables& tables, Size source, Size destination)
     tables.destination = destination;
 }
 
-static void resizeExact(const Mat& source, Mat& destination, ResizeTables& tables)
+void resizeExact(const Mat& source, Mat& destination, Ptr<ResizeTables>& kept)
 {
     CV_TRACE_FUNCTION();
+    if (!kept)
+        kept = makePtr<ResizeTables>();
+    ResizeTables& tables = *kept;
     updateTables(tables, source.size(), destination.size());
     if (tables.byKernel)
     {
@@ -159,18 +162,75 @@ static void resizeMask(const Mat& mask, const ResizeTables& tables, Mat& resized
     }
 }
 
-void fillLevel(const Level& source, Level& level, Ptr<ResizeTables>& tables, std::vector<uchar>& maskMemory)
+static void rejectMemory(const Size& imageSize, const PyramidRule& rule, double pixels)
+{
+    CV_Error_(Error::StsNoMem,
+              ("scaleFactor and firstLevel must give levels for which there is memory, with at most 2^30 "
+               "pixels in those larger than the image, got %g and %d, which give %.0f pixels for an image of "
+               "%d x %d",
+               rule.scaleFactor, rule.firstLevel, pixels, imageSize.width, imageSize.height));
+}
+
+// The levels without their pixels.
+static std::vector<Level> layOut(const Level& input, const PyramidRule& rule, PyramidSpace& space)
+{
+    const Size imageSize = input.image.size();
+    const double MOST_ENLARGED = 1 << 30;  // a few wrong digits would ask for more memory than there is
+    double pixels = 0;
+    std::vector<Level> levels;
+    for (int i = 0; i < rule.levels; i++)
+    {
+        Level level;
+        level.scale = levelScale(i, rule.firstLevel, rule.scaleFactor);
+        const Size size = levelSize(imageSize, level.scale);
+        if (std::min(size.width, size.height) < rule.shortestSide)
+            break;
+        if (space.ofLevels.size() <= size_t(i))
+            space.ofLevels.resize(size_t(i) + 1);
+        level.isInput = i == rule.firstLevel;
+        if (level.isInput)
+        {
+            level.image = input.image;
+            level.mask = input.mask;
+        }
+        pixels += level.isInput ? 0 : double(size.width) * size.height;
+        if (i < rule.firstLevel && pixels > MOST_ENLARGED)
+            rejectMemory(imageSize, rule, pixels);
+        try
+        {
+            // Rows begin where cache lines do, so that vectors cross as few of them as possible.
+            const size_t step = alignSize(size_t(size.width), CACHE_LINE), rows = size_t(size.height);
+            PyramidSpace::OfLevel& of = space.ofLevels[i];
+            if (!level.isInput)
+                level.image = Mat(size, CV_8UC1, grown(of.pixels, step * rows), step);
+            if (!level.isInput && !input.mask.empty())
+                level.mask = Mat(size, CV_8UC1, grown(of.mask, step * rows), step);
+        }
+        catch (const std::exception&)
+        {
+            rejectMemory(imageSize, rule, pixels);
+        }
+        levels.push_back(level);
+    }
+    return levels;
+}
+
+std::vector<Level> makePyramid(const Level& input, const PyramidRule& rule, PyramidSpace& space)
 {
     CV_TRACE_FUNCTION();
-    if (!tables)
-        tables = makePtr<ResizeTables>();
-    resizeExact(source.image, level.image, *tables);
-    if (source.mask.empty())
-        return;
-    const Size size = level.image.size();
-    growTo(maskMemory, size_t(size.width) * size.height);
-    level.mask = Mat(size, CV_8UC1, maskMemory.data());
-    resizeMask(source.mask, *tables, level.mask);
+    std::vector<Level> levels = layOut(input, rule, space);
+    for (int i = 0; i < int(levels.size()); i++)
+    {
+        if (levels[i].isInput)
+            continue;
+        // As cv::ORB does, the first level that is smaller than the image is made of it, too, and so are all larger ones.
+        const Level& source = i <= rule.firstLevel + 1 ? input : levels[i - 1];
+        Ptr<ResizeTables>& tables = space.ofLevels[i].resizing;
+        resizeExact(source.image, levels[i].image, tables);
+        if (!source.mask.empty())
+            resizeMask(source.mask, *tables, levels[i].mask);
+    }
+    return levels;
 }
 
 }  // namespace aqorb

@@ -6,6 +6,7 @@
 #ifndef OPENCV_AQORB_PYRAMID_HPP
 #define OPENCV_AQORB_PYRAMID_HPP
 
+#include "aligned.hpp"
 #include "types.hpp"
 
 namespace cv
@@ -24,12 +25,35 @@ Size levelSize(Size imageSize, float scale);
 
 struct ResizeTables;
 
-/** Gives a level of known size its pixels by cv::resize with INTER_LINEAR_EXACT, without the overhead that cv::resize has
- for one channel.
- Where there is a mask, a pixel of the level is usable if all pixels that it is made from are.
- @param tables for this level only. They are made when sizes change and then used again for later images.
- @param maskMemory where the mask is put */
-void fillLevel(const Level& source, Level& level, Ptr<ResizeTables>& tables, std::vector<uchar>& maskMemory);
+//! Resizes an image by cv::resize with INTER_LINEAR_EXACT, without the overhead that cv::resize has for one channel.
+//! @param tables made when sizes change, and used again for later images
+void resizeExact(const Mat& source, Mat& destination, Ptr<ResizeTables>& tables);
+
+//! The memory of a pyramid and the tables by which it is made. It is kept for later images.
+struct PyramidSpace
+{
+    struct OfLevel
+    {
+        AlignedVector<uchar> pixels, mask;
+        Ptr<ResizeTables> resizing;
+    };
+    std::vector<OfLevel> ofLevels;
+};
+
+//! What the levels of a pyramid are like.
+struct PyramidRule
+{
+    int firstLevel;      //!< the level that is the image itself
+    double scaleFactor;  //!< between levels
+    int levels;          //!< at most
+    int shortestSide;    //!< of a level; before the first that is shorter the pyramid ends
+};
+
+/** Makes the levels of cv::ORB's pyramid of an image by cv::resize with INTER_LINEAR_EXACT. Where there is a mask, a pixel of
+ a level is usable if all pixels that it is made from are. Throws where there is not enough memory for the levels.
+ @param input the image and its mask; they are not copied
+ @return the levels, whose pixels lie in the space */
+std::vector<Level> makePyramid(const Level& input, const PyramidRule& rule, PyramidSpace& space);
 
 // ---- for the kernel: plain structs only, see types.hpp ---------------------------------------
 

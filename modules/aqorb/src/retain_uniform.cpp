@@ -6,7 +6,7 @@
 #include "precomp.hpp"
 
 #include "input.hpp"
-#include "plan.hpp"
+#include "selection.hpp"
 
 #include <opencv2/aqorb.hpp>
 
@@ -40,15 +40,29 @@ void retainUniform(std::vector<KeyPoint>& keypoints, Size imageSize, int npoints
         // Positions are not bound to pixels, so leaves may be smaller.
         const int depth = rankedDepth(Size(INT_MAX, INT_MAX), 1, npoints);
         std::vector<LeafPoint> points;
-        points.reserve(inside.size());
+        OrderScratch scratch;
         for (unsigned index : inside)
-            points.push_back({LeafGrid::leafAt(keypoints[index].pt, imageSize, depth),
+        {
+            const Point2f p = keypoints[index].pt;
+            points.push_back({LeafGrid::index(p.x, imageSize.width, depth) |
+                                  LeafGrid::index(p.y, imageSize.height, depth) << depth,
                               sortKey(keypoints[index].response)});
+        }
+        const std::vector<unsigned> representatives = findRepresentatives(points, depth, scratch);
+        std::vector<unsigned> leaves;
+        std::vector<float> strengths;
+        for (unsigned index : representatives)
+        {
+            leaves.push_back(points[index].leaf);
+            strengths.push_back(keypoints[inside[index]].response);
+        }
         // More even than the defaults of the detector: here all keypoints are of one level.
         const double RADIUS = 1, WEIGHT = 0.15;
-        const RankRule rule = {imageSize, 1, std::max(npoints, 1), RADIUS, WEIGHT};
-        RankedScratch scratch;
-        rankedOrder(points, depth, rule, scratch, order);
+        const RankRule rule = {imageSize, depth, 1, std::max(npoints, 1), RADIUS, WEIGHT};
+        for (unsigned index : orderRepresentatives(leaves, strengths, rule, std::vector<uchar>()))
+            order.push_back(representatives[index]);
+        const std::vector<unsigned> others = orderOthers(points, representatives);
+        order.insert(order.end(), others.begin(), others.end());
         order.resize(npoints);
         for (unsigned& index : order)
             index = inside[index];

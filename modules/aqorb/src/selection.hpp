@@ -6,78 +6,195 @@
 #ifndef OPENCV_AQORB_SELECTION_HPP
 #define OPENCV_AQORB_SELECTION_HPP
 
-#include "balanced_order.hpp"
-#include "plan.hpp"
-#include "ranked_order.hpp"
+#include "description.hpp"
+#include "index_sort.hpp"
+#include "orientation.hpp"
+#include "parameters.hpp"
 #include "types.hpp"
+
+// The rule by which corners become keypoints, in the order of doc/selection.md: quotas, tree, representatives, strength,
+// rank, order, across levels, what to do when corners run out, order of output.
 
 namespace cv
 {
 namespace aqorb
 {
 
-/** Chooses the features of all levels. Level by level, from coarse to fine, it takes as many corners as the quota of the
- level and what coarser levels left over. It passes over corners that are nearer than octaveSuppression pixels of their
- level to a keypoint of another level within reach. An object can be used again, and then needs no new memory. */
-class FeatureSelector
+// ---- 1. quotas --------------------------------------------------------------------------------
+
+//! The number of features of each level, nfeatures in all: in proportion to area * scale^1.25, and half as much again for
+//! the finest level.
+std::vector<int> rankedQuotas(int nfeatures, const std::vector<Size>& regions,
+                              const std::vector<float>& scales);
+//! Takes what is too much from the finest levels, which have the most to give up.
+void takeExcess(int64 excess, std::vector<int>& quotas);
+
+// ---- 2. tree ----------------------------------------------------------------------------------
+
+//! The smallest depth with 9 usable leaves for each of `quota` points, at most maxRankedDepth.
+//! @param usable the share of the region that no mask excludes
+int rankedDepth(Size region, double usable, int quota);
+//! The greatest depth, at most 12, at which leaves are at least 2 pixels a side.
+int maxRankedDepth(Size region);
+
+//! The leaves of a quadtree over a region: 2^depth columns and rows, numbered row by row.
+class LeafGrid
 {
 public:
-    //! Starts with an image.
-    //! @param reach a corner is not near keypoints of levels that are further away than so many levels
-    void reset(Size imageSize, int levelCount, double octaveSuppression, int reach);
-    //! Goes on to a level, whose plan is complete, and asks for its quota.
-    void addLevel(int level, const LevelPlan& plan);
-    //! How many of the features that were asked for are missing.
-    int missing() const { return wanted; }
-    /** Takes corners of a level in the order in which they are to be chosen, from the first one that was neither taken nor
-     passed over before.
-     @param corners in this order or, for balancedOrder, in raster order: only here it is known which of them octave
-     suppression passes over, and for the paper's order these do not exist */
-    void take(int level, const std::vector<CornerResponse>& corners);
-    //! Fills up with corners of a level that a rule passed over, given in raster order.
-    void fill(int level, const std::vector<CornerResponse>& corners);
-    //! Gives the chosen corners of a level, but the first ones, in raster order.
-    void chosen(int level, size_t first, std::vector<CornerResponse>& corners);
+    LeafGrid(const Rect& region, int depth);
+    //! The leaf of a pixel of the region.
+    unsigned leaf(int x, int y) const { return columns[x - region.x] + rows[y - region.y]; }
+    //! The pixel in the centre of a leaf.
+    Point centre(unsigned leaf) const;
+    //! Where a position on an axis of so many pixels lies: floor(position * 2^depth / length).
+    static unsigned index(double position, int length, int depth)
+    {
+        return unsigned(position * (1 << depth) / length);
+    }
 
 private:
-    //! A keypoint of another level, and the next one in a block.
-    struct ListedKeypoint
-    {
-        Point2d position;
-        int next;
-    };
-    struct LevelState
-    {
-        LevelPlan plan;
-        size_t next;       // in the order
-        bool hasBegun;     // whether corners were taken
-        bool isExhausted;  // whether balancedOrder has no more of them
-        std::vector<CornerResponse> chosen;
-    };
-    void listKeypoints(int level, int first, int last);
-    bool isNearKeypoint(int level, const CornerResponse& corner) const;
-    Point2d position(int level, const CornerResponse& corner) const;
-    void orderByRule(int level, const std::vector<CornerResponse>& corners, size_t count,
-                     bool withSuppression);
-
-    Size imageSize;
-    double octaveSuppression = 0;
-    int reach = 0;                   // of octave suppression, in levels
-    std::vector<LevelState> levels;  // it never shrinks, so that levels keep their memory
-    int levelCount = 0;              // of this image
-    int wanted = 0;                  // features that are still missing
-    std::vector<ListedKeypoint> keypoints;
-    std::vector<int> heads;  // by block of a level: the first one that is near its pixels, or -1
-    int blockShift = 0, blockColumns = 0;  // blocks have 2^blockShift columns and rows
-    LeafGrid leaves;
-    BalancedScratch balancedScratch;
-    RankedScratch rankedScratch;
-    std::vector<LeafPoint> points;
-    std::vector<unsigned> order, unsuppressed;
-    std::vector<CornerResponse> filling, taken;
-    std::vector<uint64> rasterKeys;
-    SortScratch sorting;
+    Rect region;
+    int depth;
+    std::vector<unsigned> columns, rows;  // by pixel: what it contributes to the number of its leaf
 };
+
+//! What a level is to contribute.
+struct LevelPlan
+{
+    Rect root;      //!< of the quadtree: the region in which keypoints may be
+    int quota;      //!< number of features
+    double usable;  //!< the share of the root that no mask excludes
+    int depth;      //!< of the quadtree
+};
+std::vector<LevelPlan> planLevels(const Parameters& parameters, const std::vector<Level>& levels);
+
+// ---- 3. representatives -----------------------------------------------------------------------
+
+//! A point that is to be put in order. Points come in the order that breaks ties.
+struct LeafPoint
+{
+    unsigned leaf;  //!< as LeafGrid numbers it
+    int key;        //!< the greater, the better: a FAST score, or the sortKey of a response
+};
+
+//! The large buffers of an order.
+struct OrderScratch
+{
+    std::vector<LeafPoint> points;
+    std::vector<int> grid;       // by leaf, with a border: the key of its best point
+    std::vector<unsigned> best;  // by leaf, with a border: that point
+};
+
+//! A leaf has a representative if at most so many of its eight neighbours have a better point.
+const int MOST_BETTER_NEIGHBORS = 2;
+
+/** The best points of leaves, but of those leaves only of whose eight neighbours at most two have a better one. Of equally
+ good points the first one is better.
+ @return their indices, in the order of the leaves */
+std::vector<unsigned> findRepresentatives(const std::vector<LeafPoint>& points, int depth,
+                                          OrderScratch& scratch);
+
+// ---- 4. strength ------------------------------------------------------------------------------
+
+//! Corners of a level with their responses: Harris responses or FAST scores.
+std::vector<CornerResponse> responsesOf(const Mat& image, const std::vector<Corner>& corners, bool useHarris);
+//! The fourth powers of FAST * sqrt(sqrt(Harris)) * moment, so that no root is needed.
+std::vector<float> strengthsOf(const Mat& image, const std::vector<Corner>& corners,
+                               const std::vector<CornerResponse>& responses, bool useHarris,
+                               const OrientationPatch& patch);
+
+// ---- 5. rank, 6. order ------------------------------------------------------------------------
+
+//! The region over which points are spread, and how.
+struct RankRule
+{
+    Size region;      //!< in pixels
+    int depth;        //!< of the quadtree
+    double usable;    //!< the share of the region in which points may lie
+    int quota;        //!< the number of points that the region is to have, > 0
+    double radius;    //!< of the disc in which stronger points count, in units of sqrt(usable area / quota)
+    double exponent;  //!< of the strengths
+};
+
+/** The order of representatives: by (1 + rank) / strength^exponent. The rank is the number of stronger ones within a disc
+ of leaves. Where a part of the disc lies outside of the region, or is masked, the rank is scaled up.
+ @param leaves, strengths of the representatives; equally strong ones come by their leaves
+ @param usable by leaf: whether points may lie there; empty: everywhere
+ @return indices of the list of representatives */
+std::vector<unsigned> orderRepresentatives(const std::vector<unsigned>& leaves,
+                                           const std::vector<float>& strengths, const RankRule& rule,
+                                           const std::vector<uchar>& usable);
+//! For the kernel: a grid of bits with a border, those of leaves that have come. Each word holds 64 bits of a row, and the
+//! next one begins STEP bits later, so that a word holds any STEP bits from its first half on.
+struct RankGrid
+{
+    enum
+    {
+        STEP = 32
+    };
+    uint64* bits;
+    int depth;            //!< leaves have 2^depth columns
+    int stride;           //!< words of a row
+    int left, top;        //!< width of the border, in bits and rows
+    const int* words;     //!< the disc: offsets from the word before that of the upper left of the disc
+    const uint64* masks;  //!< the disc: which bits of each of these words count
+    int wordCount;
+
+    //! Sets the bit of a leaf, which lies in two words.
+    void set(unsigned leaf) const
+    {
+        const unsigned bit = (leaf & ((1u << depth) - 1)) + unsigned(left);
+        uint64* const own = bits + size_t((leaf >> depth) + unsigned(top)) * stride + bit / STEP + 1;
+        own[0] |= uint64(1) << (bit % STEP);
+        own[-1] |= uint64(1) << (bit % STEP + STEP);
+    }
+};
+
+//! The order of the points that are no representatives: by their place in their leaf, then by their keys.
+std::vector<unsigned> orderOthers(const std::vector<LeafPoint>& points,
+                                  const std::vector<unsigned>& representatives);
+
+//! The corners of a level in the order in which they are to be taken.
+struct LevelOrder
+{
+    std::vector<CornerResponse> corners;  //!< at first the representatives
+    std::vector<unsigned> taken;          //!< their indices, in any order
+};
+LevelOrder orderCorners(const Parameters& parameters, const Level& level, const LevelPlan& plan,
+                        const OrientationPatch& patch, const std::vector<Corner>& corners,
+                        OrderScratch& scratch);
+//! Appends the corners that are no representatives.
+void appendOthers(const Parameters& parameters, const Level& level, const LevelPlan& plan,
+                  const std::vector<Corner>& corners, LevelOrder& order);
+
+//! The paper's quotas, by equation (8): those of cv::ORB, at most nfeatures in all.
+std::vector<int> balancedQuotas(int nfeatures, double scaleFactor, int nlevels);
+//! The paper's depth, by equation (9): the smallest D with 4^D >= quota, at most 15.
+int balancedDepth(int quota);
+//! The paper's order, by Figure 2: it is balanced over the tree first, and then takes the highest responses.
+std::vector<unsigned> balancedOrder(const std::vector<LeafPoint>& points, int depth);
+
+// ---- 7. across levels, 8. when corners run out -------------------------------------------------
+
+//! The corners that become keypoints, by level.
+typedef std::vector<std::vector<CornerResponse>> Selected;
+
+/** Takes as many corners of each level as its quota and what coarser levels left over, from coarse to fine, and then as many
+ as are missing, from fine to coarse. It passes over corners near a keypoint of another level.
+ @param marks work space */
+Selected selectAcrossLevels(const Parameters& parameters, Size imageSize, const std::vector<Level>& levels,
+                            const std::vector<LevelPlan>& plans,
+                            const std::vector<std::vector<Corner>>& corners, std::vector<LevelOrder>& orders,
+                            std::vector<uchar>& marks);
+//! Adds so many of the corners that are not selected yet, those of the highest responses.
+void fillUp(const std::vector<std::vector<CornerResponse>>& corners, size_t missing, Selected& selected);
+
+// ---- 9. order of output -----------------------------------------------------------------------
+
+//! The features of a level for the description, in raster order. In the output they come by response, the highest first;
+//! with BALANCED_SELECTION they come in raster order.
+FeatureList listFeatures(const Parameters& parameters, const Level& level, int octave,
+                         const std::vector<CornerResponse>& selected);
 
 }  // namespace aqorb
 }  // namespace cv

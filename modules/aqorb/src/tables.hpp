@@ -8,7 +8,7 @@
 
 #include "descriptor.hpp"
 #include "orientation.hpp"
-#include "plan.hpp"
+#include "parameters.hpp"
 
 namespace cv
 {
@@ -23,15 +23,11 @@ struct Tables
           strengthPatch(patch.halfWidths, std::max(1, parameters.patchSize / 2 / 5)),
           tests(descriptorPattern(parameters.patchSize, parameters.WTA_K), parameters.WTA_K)
     {
-        // Other values have no quotas. Detection throws for them.
-        if (parameters.nlevels == 1 || parameters.scaleFactor > 1)
-            quotas = levelQuotas(parameters.nfeatures, parameters.scaleFactor, parameters.nlevels);
     }
 
     OrientationPatch patch;
     OrientationPatch strengthPatch;  //!< the same with fewer rows
     DescriptorTests tests;
-    std::vector<int> quotas;  //!< by level, of BALANCED_SELECTION
 };
 
 }  // namespace aqorb

@@ -6,50 +6,75 @@
 #ifndef OPENCV_AQORB_WORKSPACE_HPP
 #define OPENCV_AQORB_WORKSPACE_HPP
 
+#include "corners.hpp"
 #include "description.hpp"
-#include "detection.hpp"
-#include "given.hpp"
-#include "levels.hpp"
-#include "output.hpp"
+#include "pyramid.hpp"
 #include "selection.hpp"
-#include "tasks.hpp"
 
 namespace cv
 {
 namespace aqorb
 {
 
-//! What a frame needs for one level.
-struct LevelWork
-{
-    LevelPlan plan;
-    LevelDetection detection;
-    LevelFeatures features;
-    int bandsLeft = 0, inputsOfSearch = 0, inputsOfSelection = 0;  //!< what tasks still wait for
-};
-
-//! Work space of a thread that does tasks.
-struct WorkerScratch
-{
-    DetectionScratch detection;
-    DescriptionScratch description;
-    std::vector<CornerResponse> corners;
-};
-
-//! What a call needs beside its outputs. It is kept for later calls.
+//! The large buffers of a call. They are kept for later calls.
 struct Workspace
 {
     std::vector<uchar> gray;  //!< the image, where the caller's has colours
-    Levels levels;
-    std::deque<LevelWork> work;  //!< of the levels; it never shrinks and never moves them
-    std::vector<LevelRegion> regions;
-    std::vector<int> rankedQuotas;  //!< of the levels, for RANKED_SELECTION
-    FeatureSelector selector;
-    TaskQueue queue;
-    std::vector<WorkerScratch> workers;
-    std::vector<int> maskColumns;  //!< work space of maskPositions
-    GivenScratch given;
-    OutputScratch output;
+    PyramidSpace pyramid;
+    CornerSpace corners;
+    std::vector<OrderScratch> orders;              //!< of each thread
+    std::vector<uchar> marks;                      //!< of selectAcrossLevels
+    std::vector<DescriptionScratch> descriptions;  //!< of each thread
+};
+
+//! The work spaces of an object. A call borrows one, so that several threads can use the object at once.
+class Workspaces
+{
+public:
+    class Loan
+    {
+    public:
+        explicit Loan(Workspaces& lender_) : lender(lender_), lent(lender.take()) {}
+        ~Loan() { lender.give(lent); }
+        Workspace& operator*() const { return *lent; }
+
+    private:
+        Loan(const Loan&);
+        Loan& operator=(const Loan&);
+
+        Workspaces& lender;
+        const Ptr<Workspace> lent;
+    };
+    //! Frees those that are not lent.
+    void clear()
+    {
+        const AutoLock lock(mutex);
+        idle.clear();
+    }
+
+private:
+    Ptr<Workspace> take()
+    {
+        const AutoLock lock(mutex);
+        idle.reserve(idle.size() + lentCount + 1);  // so that giving back cannot fail
+        const Ptr<Workspace> taken = idle.empty() ? makePtr<Workspace>() : idle.back();
+        if (!idle.empty())
+            idle.pop_back();
+        lentCount++;
+        return taken;
+    }
+    // As many are kept as there are CPUs.
+    void give(const Ptr<Workspace>& lent)
+    {
+        const AutoLock lock(mutex);
+        lentCount--;
+        if (idle.size() < size_t(std::max(getNumberOfCPUs(), 1)))
+            idle.push_back(lent);
+    }
+
+    Mutex mutex;
+    size_t lentCount = 0;
+    std::vector<Ptr<Workspace>> idle;
 };
 
 }  // namespace aqorb

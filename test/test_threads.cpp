@@ -63,7 +63,7 @@ bool gives(AdaptiveQuadtreeORB& detector, const Call& call, const Features& expe
     return sameFeatures(expected, found) && sameFeatures(expected, computed);
 }
 
-TEST(Aqorb_Tasks, threads_1_to_16_of_any_backend_give_the_same_bytes)
+TEST(Aqorb_Threads, threads_1_to_16_of_any_backend_give_the_same_bytes)
 {
     for (const Call& call : calls())
     {
@@ -84,7 +84,7 @@ TEST(Aqorb_Tasks, threads_1_to_16_of_any_backend_give_the_same_bytes)
 }
 
 // Above there are so many corners that those that the rules pass over do not seem to be needed, below there are none.
-TEST(Aqorb_Tasks, threads_find_again_what_did_not_seem_to_be_needed)
+TEST(Aqorb_Threads, threads_find_again_what_did_not_seem_to_be_needed)
 {
     Mat image = makeScene(Size(160, 400), 7);
     image.rowRange(60, 400).setTo(90);
@@ -102,7 +102,7 @@ TEST(Aqorb_Tasks, threads_find_again_what_did_not_seem_to_be_needed)
     }
 }
 
-TEST(Aqorb_Tasks, threads_of_the_caller_give_the_same_bytes)
+TEST(Aqorb_Threads, threads_of_the_caller_give_the_same_bytes)
 {
     const int CALLERS = 12;
     const Call call = calls()[0];
@@ -177,7 +177,7 @@ bool failsForMemory(const Call& call, const Features& expected,
     return hasFailed;
 }
 
-TEST(Aqorb_Tasks, threads_end_when_memory_runs_out)
+TEST(Aqorb_Threads, threads_end_when_memory_runs_out)
 {
     const Call call = smallCall();
     const Features expected = expectedOf(call);
@@ -195,7 +195,7 @@ TEST(Aqorb_Tasks, threads_end_when_memory_runs_out)
 }
 
 // The first tasks are in the queue before the first worker begins.
-TEST(Aqorb_Tasks, of_a_frame_that_lacked_memory_are_not_left_for_the_next)
+TEST(Aqorb_Threads, of_a_frame_that_lacked_memory_are_not_left_for_the_next)
 {
     const Call call = smallCall();
     const Features expected = expectedOf(call);

@@ -3,8 +3,9 @@
 // of this distribution.
 // SPDX-License-Identifier: Apache-2.0
 
-#include "ranked_order.hpp"
-#include "simd_compat.hpp"
+// The kernels of the selection: which leaves have representatives, and their ranks.
+
+#include "selection.hpp"
 
 namespace cv
 {
@@ -16,9 +17,8 @@ CV_CPU_OPTIMIZATION_NAMESPACE_BEGIN
  @param keys of the best points of the leaves of the row; those of the rows above and below are stride elements away */
 void flagRepresentatives(const int* keys, ptrdiff_t stride, int side, uchar* flags);
 
-/** Counts, for each leaf, the leaves before it within the disc around it.
- @param grid without any bit; afterwards it has those of all leaves */
-void countBefore(const RankingGrid& grid, const unsigned* leaves, size_t count, int* counts);
+//! Counts the leaves that are set within the disc around each leaf. With `setsEach` each one is set before the next.
+void countInDiscs(const RankGrid& grid, const unsigned* leaves, size_t count, bool setsEach, int* counts);
 
 #ifndef CV_CPU_OPTIMIZATION_DECLARATIONS_ONLY
 
@@ -36,26 +36,23 @@ void flagRepresentatives(const int* keys, ptrdiff_t stride, int side, uchar* fla
     }
 }
 
-void countBefore(const RankingGrid& grid, const unsigned* leaves, size_t count, int* counts)
+void countInDiscs(const RankGrid& grid, const unsigned* leaves, size_t count, bool setsEach, int* counts)
 {
-    const unsigned columns = (1u << grid.depth) - 1;
+    const unsigned columns = (1u << grid.depth) - 1, STEP = RankGrid::STEP;
     for (size_t i = 0; i < count; i++)
     {
         const unsigned column = leaves[i] & columns, row = leaves[i] >> grid.depth;
-        uint64* const word = grid.bits + size_t(row) * grid.stride + (column >> 4);
-        const unsigned shift = column & 15;
+        const uint64* const word = grid.bits + size_t(row) * grid.stride + column / STEP;
         int sum = 0;
         for (int j = 0; j < grid.wordCount; j++)
-            sum += bitCount((word[grid.words[j]] >> shift) & grid.masks[j]);
+            sum += bitCount((word[grid.words[j]] >> (column % STEP)) & grid.masks[j]);
         counts[i] = sum;
-        // The bit of the leaf lies in two words of its row, and in two of the row before.
-        const unsigned bit = column + unsigned(grid.left);
-        uint64* const own = grid.bits + size_t(row + unsigned(grid.top)) * grid.stride + (bit >> 4) + 1;
-        const uint64 inSecond = uint64(1) << (bit & 15), inFirst = inSecond << 16;
-        own[0] |= inSecond;
-        own[-1] |= inFirst;
-        own[-grid.stride] |= inSecond << 32;
-        own[-grid.stride - 1] |= inFirst << 32;
+        if (!setsEach)
+            continue;
+        const unsigned bit = column + unsigned(grid.left);  // it lies in two words
+        uint64* const own = grid.bits + size_t(row + unsigned(grid.top)) * grid.stride + bit / STEP + 1;
+        own[0] |= uint64(1) << (bit % STEP);
+        own[-1] |= uint64(1) << (bit % STEP + STEP);
     }
 }
 

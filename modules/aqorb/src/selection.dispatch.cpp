@@ -1,0 +1,659 @@
+// This file is part of aqorb. Copyright (C) The aqorb developers.
+// It is subject to the license terms in the LICENSE file found in the top-level directory
+// of this distribution.
+// SPDX-License-Identifier: Apache-2.0
+
+// The rule by which corners become keypoints, in the order of doc/selection.md.
+
+#include "precomp.hpp"
+
+#include "selection.hpp"
+
+#include "harris.hpp"
+
+#include "selection.simd.hpp"
+#include "selection.simd_declarations.hpp"
+
+namespace cv
+{
+namespace aqorb
+{
+
+// ---- 1. quotas --------------------------------------------------------------------------------
+
+void takeExcess(int64 excess, std::vector<int>& quotas)
+{
+    for (size_t level = 0; excess > 0; level++)
+    {
+        const int taken = int(std::min<int64>(excess, quotas[level]));
+        quotas[level] -= taken;
+        excess -= taken;
+    }
+}
+
+std::vector<int> rankedQuotas(int nfeatures, const std::vector<Size>& regions,
+                              const std::vector<float>& scales)
+{
+    std::vector<double> shares;
+    for (size_t level = 0; level < regions.size(); level++)
+    {
+        const double scale = scales[level], area = double(regions[level].width) * regions[level].height;
+        shares.push_back((level == 0 ? 1.5 : 1.) * area * (scale * std::sqrt(std::sqrt(scale))));
+    }
+    const double whole = std::accumulate(shares.begin(), shares.end(), 0.);
+    std::vector<int> quotas(regions.size());
+    int64 rest = nfeatures;
+    for (size_t level = 1; level < regions.size(); level++)
+    {
+        quotas[level] = cvRound(nfeatures * (shares[level] / whole));
+        rest -= quotas[level];
+    }
+    if (!quotas.empty())
+        quotas[0] = int(std::max<int64>(rest, 0));
+    takeExcess(-rest, quotas);  // where many levels round up
+    return quotas;
+}
+
+// ---- 2. tree ----------------------------------------------------------------------------------
+
+int maxRankedDepth(Size region)
+{
+    const int MAX_RANKED_DEPTH = 12, side = std::min(region.width, region.height);
+    int depth = 0;
+    while (depth < MAX_RANKED_DEPTH && (int64(4) << depth) <= side)
+        depth++;
+    return depth;
+}
+
+int rankedDepth(Size region, double usable, int quota)
+{
+    const double LEAVES_PER_POINT = 9;
+    const int deepest = maxRankedDepth(region);
+    int depth = 0;
+    while (depth < deepest && double(int64(1) << (2 * depth)) * usable < LEAVES_PER_POINT * quota)
+        depth++;
+    return depth;
+}
+
+LeafGrid::LeafGrid(const Rect& region_, int depth_) : region(region_), depth(depth_)
+{
+    for (int x = 0; x < region.width; x++)
+        columns.push_back(index(x, region.width, depth));
+    for (int y = 0; y < region.height; y++)
+        rows.push_back(index(y, region.height, depth) << depth);
+}
+
+Point LeafGrid::centre(unsigned leaf) const
+{
+    const int64 column = leaf & ((1u << depth) - 1), row = leaf >> depth;
+    return region.tl() + Point(int(((2 * column + 1) * region.width) >> (depth + 1)),
+                               int(((2 * row + 1) * region.height) >> (depth + 1)));
+}
+
+// The share of the region that the mask does not exclude. Rows are counted one by one, because countNonZero counts by int.
+static double usableShare(const Mat& mask, const Rect& region)
+{
+    double usable = 0;
+    for (int y = region.y; y < region.y + region.height && !mask.empty(); y++)
+        usable += countNonZero(mask.row(y).colRange(region.x, region.x + region.width));
+    return mask.empty() ? 1 : usable / (double(region.width) * region.height);
+}
+
+std::vector<LevelPlan> planLevels(const Parameters& parameters, const std::vector<Level>& levels)
+{
+    const bool isRanked = parameters.selectionType == AdaptiveQuadtreeORB::RANKED_SELECTION;
+    std::vector<Size> regions;
+    std::vector<float> scales;
+    for (const Level& level : levels)
+    {
+        regions.push_back(parameters.keypointRegion(level.image.size()).size());
+        scales.push_back(level.scale);
+    }
+    const std::vector<int> quotas =
+        isRanked ? rankedQuotas(parameters.nfeatures, regions, scales)
+                 : balancedQuotas(parameters.nfeatures, parameters.scaleFactor, parameters.nlevels);
+    std::vector<LevelPlan> plans;
+    for (size_t i = 0; i < levels.size(); i++)
+    {
+        LevelPlan plan;
+        plan.root = parameters.keypointRegion(levels[i].image.size());
+        plan.usable = usableShare(levels[i].mask, plan.root);
+        plan.quota = quotas[i];
+        const int most = isRanked ? maxRankedDepth(regions[i]) : 15;
+        plan.depth = parameters.maxDepth >= 0 ? std::min(parameters.maxDepth, most)
+                     : isRanked               ? rankedDepth(regions[i], plan.usable, std::max(quotas[i], 1))
+                                              : balancedDepth(quotas[i]);
+        plans.push_back(plan);
+    }
+    // Levels too small for a keypoint leave their quotas to the next finer one.
+    if (!plans.empty())
+        plans.back().quota = std::accumulate(quotas.begin() + plans.size() - 1, quotas.end(), 0);
+    return plans;
+}
+
+// ---- 3. representatives -----------------------------------------------------------------------
+
+static void flagRow(const int* keys, ptrdiff_t stride, int side, uchar* flags)
+{
+    CV_CPU_DISPATCH(flagRepresentatives, (keys, stride, side, flags), CV_CPU_DISPATCH_MODES_ALL);
+}
+
+std::vector<unsigned> findRepresentatives(const std::vector<LeafPoint>& points, int depth,
+                                          OrderScratch& scratch)
+{
+    const unsigned side = 1u << depth, stride = side + 2;  // the grid has a border of one leaf
+    const auto inGrid = [=](unsigned leaf) { return leaf + 2 * (leaf >> depth) + stride + 1; };
+    scratch.grid.assign(size_t(stride) * stride, INT_MIN);
+    scratch.best.resize(scratch.grid.size());
+    int* const grid = scratch.grid.data();
+    unsigned* const best = scratch.best.data();
+    for (size_t i = 0; i < points.size(); i++)
+    {
+        // Without branches, which would be hard to predict. Of equal points the first one stays.
+        const unsigned leaf = inGrid(points[i].leaf);
+        const bool isBetter = points[i].key > grid[leaf];
+        grid[leaf] = isBetter ? points[i].key : grid[leaf];
+        best[leaf] = isBetter ? unsigned(i) : best[leaf];
+    }
+    std::vector<uchar> flags(side);
+    std::vector<unsigned> representatives(points.size() + 1);
+    size_t count = 0;
+    for (unsigned row = 0; row < side; row++)
+    {
+        const unsigned first = inGrid(row << depth);
+        flagRow(&grid[first], ptrdiff_t(stride), int(side), flags.data());
+        for (unsigned column = 0; column < side; column++)
+        {
+            representatives[count] = best[first + column];
+            count += flags[column];
+        }
+    }
+    representatives.resize(count);
+    return representatives;
+}
+
+// ---- 4. strength ------------------------------------------------------------------------------
+
+std::vector<CornerResponse> responsesOf(const Mat& image, const std::vector<Corner>& corners, bool useHarris)
+{
+    std::vector<CornerResponse> responses(corners.size());
+    if (useHarris)
+        harrisResponses(image, corners.data(), corners.size(), responses.data());
+    for (size_t i = 0; i < corners.size() && !useHarris; i++)
+        responses[i] = {corners[i].x, corners[i].y, float(corners[i].score)};
+    return responses;
+}
+
+// A corner whose moment is long has a well-defined direction, and is found again with the same direction.
+std::vector<float> strengthsOf(const Mat& image, const std::vector<Corner>& corners,
+                               const std::vector<CornerResponse>& responses, bool useHarris,
+                               const OrientationPatch& patch)
+{
+    std::vector<FeaturePoint> points(corners.size());
+    for (size_t i = 0; i < points.size(); i++)
+        points[i] = {corners[i].x, corners[i].y, 0};
+    std::vector<Moments> moments(points.size());
+    patchMoments(image, patch, points.data(), points.size(), moments.data());
+    std::vector<float> strengths(points.size());
+    for (size_t i = 0; i < points.size(); i++)
+    {
+        const float score = float(corners[i].score), fast = score * score;
+        const float harris = useHarris ? std::max(responses[i].response, 0.f) : 1.f;
+        const int64 m10 = moments[i].m10, m01 = moments[i].m01;
+        const float moment = float(uint64(m10 * m10) + uint64(m01 * m01)) * (1.f / 4294967296.f);
+        strengths[i] = (fast * fast * harris) * (moment * moment);
+    }
+    return strengths;
+}
+
+// ---- 5. rank ----------------------------------------------------------------------------------
+
+static void countLeaves(const RankGrid& grid, const unsigned* leaves, size_t count, bool setsEach,
+                        int* counts)
+{
+    CV_CPU_DISPATCH(countInDiscs, (grid, leaves, count, setsEach, counts), CV_CPU_DISPATCH_MODES_ALL);
+}
+
+namespace
+{
+
+// Counts leaves in discs: those at offsets (dx, dy) with dx^2 width^2 + dy^2 height^2 <= squared, if cells are of width x
+// height.
+class DiscCounter
+{
+public:
+    explicit DiscCounter(const RankRule& rule);
+    // Sets the leaves that count.
+    void setUsable(const std::vector<uchar>& usable, const std::vector<unsigned>& leaves);
+    // How many leaves that are set lie in the disc around each of these. With `setsEach` each one is then set itself.
+    std::vector<int> count(const std::vector<unsigned>& leaves, bool setsEach);
+    // Whether the whole disc around a leaf lies in the grid.
+    bool isWhole(unsigned leaf) const
+    {
+        const int column = int(leaf) & (side - 1), row = int(leaf >> grid.depth);
+        return std::min(column, side - 1 - column) >= grid.left && std::min(row, side - 1 - row) >= grid.top;
+    }
+    int64 total = 0;  // leaves of the disc, with those that are too far away for any grid
+
+private:
+    const int side;
+    std::vector<uint64> bits, masks;
+    std::vector<int> words;
+    RankGrid grid;
+};
+
+DiscCounter::DiscCounter(const RankRule& rule) : side(1 << rule.depth), grid(RankGrid())
+{
+    Size cell = rule.region;
+    while (std::max(cell.width, cell.height) > 1 << 18)  // so that squares fit
+        cell = Size(std::max(cell.width / 2, 1), std::max(cell.height / 2, 1));
+    const double area = rule.usable * cell.width * cell.height * double(int64(side) * side) / rule.quota;
+    const int64 squared = int64(std::min(rule.radius * rule.radius * area, 4e18));
+    const int64 width2 = int64(cell.width) * cell.width, height2 = int64(cell.height) * cell.height;
+    std::vector<int> halfWidths;  // by |dy|: the greatest |dx|; both below the side of the grid
+    int64 dx = int64(std::sqrt(double(squared))) / cell.width + 1;  // not too small
+    for (int64 dy = 0; dy * dy * height2 <= squared; dy++)
+    {
+        while (dx * dx * width2 + dy * dy * height2 > squared)
+            dx--;
+        if (dy < side)
+            halfWidths.push_back(int(std::min<int64>(dx, side - 1)));
+        total += (2 * dx + 1) * (dy > 0 ? 2 : 1);
+    }
+    const int step = RankGrid::STEP;
+    grid.depth = rule.depth;
+    grid.left = halfWidths[0];
+    grid.top = int(halfWidths.size()) - 1;
+    grid.stride = (side + 2 * grid.left) / step + 2;
+    for (int y = 0; y <= 2 * grid.top; y++)
+    {
+        const int halfWidth = halfWidths[std::abs(y - grid.top)], end = grid.left + halfWidth + 1;
+        for (int first = 0; first < end; first += step)
+        {
+            const int begin = std::max(grid.left - halfWidth - first, 0), last = std::min(end - first, step);
+            if (begin >= last)
+                continue;
+            words.push_back(y * grid.stride + first / step + 1);
+            masks.push_back((~uint64(0) >> (64 - (last - begin))) << begin);
+        }
+    }
+    bits.resize(size_t(grid.stride) * (side + 2 * grid.top));
+    grid.bits = bits.data();
+    grid.words = words.data();
+    grid.masks = masks.data();
+    grid.wordCount = int(words.size());
+}
+
+void DiscCounter::setUsable(const std::vector<uchar>& usable, const std::vector<unsigned>& leaves)
+{
+    const unsigned count = unsigned(usable.empty() ? side : side * side);
+    for (unsigned leaf = 0; leaf < count; leaf++)
+    {
+        if (usable.empty() || usable[leaf])
+            grid.set(leaf);
+    }
+    uint64* const first = grid.bits + size_t(grid.top) * grid.stride;
+    for (int row = 1; row < side && usable.empty(); row++)
+        std::copy(first, first + grid.stride, first + size_t(row) * grid.stride);
+    // A leaf with a representative counts even if its centre is masked.
+    for (unsigned leaf : leaves)
+        grid.set(leaf);
+}
+
+std::vector<int> DiscCounter::count(const std::vector<unsigned>& leaves, bool setsEach)
+{
+    std::vector<int> counts(leaves.size());
+    countLeaves(grid, leaves.data(), leaves.size(), setsEach, counts.data());
+    return counts;
+}
+
+}  // namespace
+
+// By how much ranks are to be scaled up: the leaves of the disc over those of them that lie inside and are not masked.
+static std::vector<double> sharesOf(const std::vector<unsigned>& leaves, const RankRule& rule,
+                                    const std::vector<uchar>& usable)
+{
+    DiscCounter counter(rule);
+    counter.setUsable(usable, leaves);
+    std::vector<unsigned> cut;  // leaves whose discs are not whole
+    for (unsigned leaf : leaves)
+    {
+        if (!usable.empty() || !counter.isWhole(leaf))
+            cut.push_back(leaf);
+    }
+    const std::vector<int> inside = counter.count(cut, false);
+    std::vector<double> shares(leaves.size(), 1.);
+    for (size_t i = 0, j = 0; i < leaves.size(); i++)
+    {
+        if (j < cut.size() && cut[j] == leaves[i])
+            shares[i] = double(counter.total) / inside[j++];
+    }
+    return shares;
+}
+
+// ---- 6. order ---------------------------------------------------------------------------------
+
+// The logarithm of a positive number, in units of 2^-23 and with an error of a sixteenth at most: its exponent, and its
+// significand as the fraction. It is monotonic, and the same on every CPU.
+static double binaryLogarithm(float v)
+{
+    Cv32suf bits;
+    bits.f = v;
+    return double(bits.i);
+}
+
+// The logarithm of (1 + rank) / strength^exponent. A strength of 0 or infinity exceeds what any other one and any rank
+// contribute.
+static int64 placeOf(double rank, float strength, double exponent)
+{
+    const double BEYOND_RANKS = 1 << 28;
+    double key = binaryLogarithm(float(1 + rank));
+    if (exponent > 0 && strength > 0)
+        key -= exponent * binaryLogarithm(strength) + (cvIsInf(strength) ? BEYOND_RANKS : 0);
+    else if (exponent > 0)
+        key += BEYOND_RANKS;
+    return int64(key * (1 << 16));
+}
+
+std::vector<unsigned> orderRepresentatives(const std::vector<unsigned>& leavesGiven,
+                                           const std::vector<float>& strengths, const RankRule& rule,
+                                           const std::vector<uchar>& usable)
+{
+    CV_TRACE_FUNCTION();
+    std::vector<uint64> keys(strengths.size());
+    for (size_t i = 0; i < keys.size(); i++)
+        keys[i] = descendingKey(sortKey(strengths[i]));
+    const std::vector<unsigned> byStrength = sortIndices(keys);
+    std::vector<unsigned> leaves(byStrength.size());
+    for (size_t i = 0; i < leaves.size(); i++)
+        leaves[i] = leavesGiven[byStrength[i]];
+    const std::vector<int> ranks = DiscCounter(rule).count(leaves, true);
+    const std::vector<double> shares = sharesOf(leaves, rule, usable);
+    for (size_t i = 0; i < keys.size(); i++)
+    {
+        const int64 place = placeOf(ranks[i] * shares[i], strengths[byStrength[i]], rule.exponent);
+        keys[i] = uint64(place) ^ uint64(1) << 63;  // without a sign, in the same order
+    }
+    std::vector<unsigned> order = sortIndices(keys);
+    for (unsigned& index : order)
+        index = byStrength[index];
+    return order;
+}
+
+std::vector<unsigned> orderOthers(const std::vector<LeafPoint>& points,
+                                  const std::vector<unsigned>& representatives)
+{
+    CV_TRACE_FUNCTION();
+    std::vector<uint64> keys;
+    for (const LeafPoint& point : points)
+        keys.push_back(uint64(point.leaf) << 32 | descendingKey(point.key));
+    const std::vector<unsigned> byLeaf = sortIndices(keys);
+    for (size_t i = 0, place = 0; i < byLeaf.size(); i++)
+    {
+        const LeafPoint& point = points[byLeaf[i]];
+        place = i > 0 && points[byLeaf[i - 1]].leaf == point.leaf ? place + 1 : 0;
+        keys[byLeaf[i]] = uint64(place) << 32 | descendingKey(point.key);
+    }
+    std::vector<uchar> represents(points.size());
+    for (unsigned point : representatives)
+        represents[point] = 1;
+    std::vector<unsigned> others = sortIndices(keys);
+    others.erase(
+        std::remove_if(others.begin(), others.end(), [&](unsigned point) { return represents[point] != 0; }),
+        others.end());
+    return others;
+}
+
+// The points of corners: of a leaf the corner of the highest FAST score is the best.
+static void findLeaves(const LevelPlan& plan, const std::vector<Corner>& corners,
+                       std::vector<LeafPoint>& points)
+{
+    const LeafGrid leaves(plan.root, plan.depth);
+    points.resize(corners.size());
+    for (size_t i = 0; i < corners.size(); i++)
+        points[i] = {leaves.leaf(corners[i].x, corners[i].y), corners[i].score};
+}
+
+// By leaf: whether its centre may have a corner; empty: they all may.
+static std::vector<uchar> usableLeaves(const Mat& mask, const LevelPlan& plan)
+{
+    const LeafGrid leaves(plan.root, plan.depth);
+    std::vector<uchar> usable;
+    for (unsigned leaf = 0; !mask.empty() && leaf < 1u << (2 * plan.depth); leaf++)
+        usable.push_back(mask.at<uchar>(leaves.centre(leaf)));
+    return usable;
+}
+
+LevelOrder orderCorners(const Parameters& parameters, const Level& level, const LevelPlan& plan,
+                        const OrientationPatch& patch, const std::vector<Corner>& corners,
+                        OrderScratch& scratch)
+{
+    CV_TRACE_FUNCTION();
+    const bool useHarris = parameters.scoreType == ORB::HARRIS_SCORE;
+    const bool isRanked = parameters.selectionType == AdaptiveQuadtreeORB::RANKED_SELECTION;
+    LevelOrder order;
+    // The paper chooses by the response, and so does a tree of one leaf.
+    if (!isRanked || plan.depth == 0)
+    {
+        const std::vector<CornerResponse> responses = responsesOf(level.image, corners, useHarris);
+        findLeaves(plan, corners, scratch.points);
+        for (size_t i = 0; i < corners.size(); i++)
+            scratch.points[i].key = sortKey(responses[i].response);
+        order.taken = isRanked ? orderOthers(scratch.points, std::vector<unsigned>())
+                               : balancedOrder(scratch.points, plan.depth);
+        for (unsigned index : order.taken)
+            order.corners.push_back(responses[index]);
+        return order;
+    }
+    findLeaves(plan, corners, scratch.points);
+    order.taken = findRepresentatives(scratch.points, plan.depth, scratch);
+    std::vector<Corner> representatives(order.taken.size());
+    std::vector<unsigned> leaves(order.taken.size());
+    for (size_t i = 0; i < leaves.size(); i++)
+    {
+        representatives[i] = corners[order.taken[i]];
+        leaves[i] = scratch.points[order.taken[i]].leaf;
+    }
+    const std::vector<CornerResponse> responses = responsesOf(level.image, representatives, useHarris);
+    const RankRule rule = {plan.root.size(),      plan.depth,
+                           plan.usable,           std::max(plan.quota, 1),
+                           parameters.rankRadius, parameters.strengthWeight / 4};
+    for (unsigned index :
+         orderRepresentatives(leaves, strengthsOf(level.image, representatives, responses, useHarris, patch),
+                              rule, usableLeaves(level.mask, plan)))
+        order.corners.push_back(responses[index]);
+    return order;
+}
+
+void appendOthers(const Parameters& parameters, const Level& level, const LevelPlan& plan,
+                  const std::vector<Corner>& corners, LevelOrder& order)
+{
+    std::vector<LeafPoint> points;
+    findLeaves(plan, corners, points);
+    std::vector<Corner> others;
+    for (unsigned index : orderOthers(points, order.taken))
+    {
+        others.push_back(corners[index]);
+        order.taken.push_back(index);
+    }
+    const std::vector<CornerResponse> responses =
+        responsesOf(level.image, others, parameters.scoreType == ORB::HARRIS_SCORE);
+    order.corners.insert(order.corners.end(), responses.begin(), responses.end());
+}
+
+// ---- 7. across levels -------------------------------------------------------------------------
+
+namespace
+{
+
+class Selector
+{
+public:
+    Selector(const Parameters& parameters_, Size imageSize_, const std::vector<Level>& levels_,
+             std::vector<uchar>& marks_)
+        : selected(levels_.size()),
+          parameters(parameters_),
+          imageSize(imageSize_),
+          levels(levels_),
+          next(levels_.size()),
+          marks(marks_)
+    {
+    }
+    //! Takes corners of a level from where it stopped before. Returns how many are still wanted.
+    int take(int level, int wanted, const LevelOrder& order);
+    Selected selected;
+
+private:
+    void markNear(int level);
+
+    const Parameters& parameters;
+    const Size imageSize;
+    const std::vector<Level>& levels;
+    std::vector<size_t> next;   // by level: the corner of its order that is to be looked at next
+    std::vector<uchar>& marks;  // a bit by pixel of a level: whether it is near a keypoint of another level
+};
+
+// The exact positions in the image of the pixels of a level along one axis: by pixel centres, so that positions on coarse
+// levels are not shifted against those on fine ones.
+std::vector<double> exactPositions(int imageLength, int length)
+{
+    std::vector<double> positions(length);
+    for (int i = 0; i < length; i++)
+        positions[i] = (i + 0.5) * imageLength / length - 0.5;
+    return positions;
+}
+
+// Marks the pixels of a level that are near keypoints of other levels: with RANKED_SELECTION of its neighbours.
+void Selector::markNear(int level)
+{
+    const bool isRanked = parameters.selectionType == AdaptiveQuadtreeORB::RANKED_SELECTION;
+    const int reach = isRanked ? 1 : int(levels.size()), count = int(levels.size());
+    const Size size = levels[level].image.size();
+    const double radius = parameters.octaveDistance() * levels[level].scale;
+    const double toX = double(size.width) / imageSize.width, toY = double(size.height) / imageSize.height;
+    const std::vector<double> xs = exactPositions(imageSize.width, size.width),
+                              ys = exactPositions(imageSize.height, size.height);
+    marks.assign(size_t(size.width) * size.height / 8 + 1, uchar(0));
+    for (int i = std::max(level - reach, 0); radius > 0 && i <= std::min(level + reach, count - 1); i++)
+    {
+        const Size other = levels[i].image.size();
+        for (size_t j = 0; i != level && j < selected[i].size(); j++)
+        {
+            const double x = (selected[i][j].x + 0.5) * imageSize.width / other.width - 0.5,
+                         y = (selected[i][j].y + 0.5) * imageSize.height / other.height - 0.5;
+            const int left = int(std::max((x - radius + 0.5) * toX - 1, 0.)),
+                      top = int(std::max((y - radius + 0.5) * toY - 1, 0.));
+            const int right = int(std::min((x + radius + 0.5) * toX, size.width - 1.)),
+                      bottom = int(std::min((y + radius + 0.5) * toY, size.height - 1.));
+            for (int row = top; row <= bottom; row++)
+            {
+                const double dy2 = (ys[row] - y) * (ys[row] - y);
+                for (int column = left; column <= right; column++)
+                {
+                    const size_t pixel = size_t(row) * size.width + column;
+                    const int isNear = (xs[column] - x) * (xs[column] - x) + dy2 < radius * radius;
+                    marks[pixel / 8] = uchar(marks[pixel / 8] | isNear << (pixel % 8));
+                }
+            }
+        }
+    }
+}
+
+int Selector::take(int level, int wanted, const LevelOrder& order)
+{
+    const int width = levels[level].image.cols;
+    if (wanted > 0)
+        markNear(level);
+    for (size_t& i = next[level]; wanted > 0 && i < order.corners.size(); i++)
+    {
+        const CornerResponse& corner = order.corners[i];
+        const size_t pixel = size_t(corner.y) * width + corner.x;
+        if (marks[pixel / 8] >> (pixel % 8) & 1)
+            continue;
+        selected[level].push_back(corner);
+        wanted--;
+    }
+    return wanted;
+}
+
+}  // namespace
+
+Selected selectAcrossLevels(const Parameters& parameters, Size imageSize, const std::vector<Level>& levels,
+                            const std::vector<LevelPlan>& plans,
+                            const std::vector<std::vector<Corner>>& corners, std::vector<LevelOrder>& orders,
+                            std::vector<uchar>& marks)
+{
+    CV_TRACE_FUNCTION();
+    const int count = int(levels.size());
+    Selector selector(parameters, imageSize, levels, marks);
+    int wanted = 0;
+    const auto take = [&](int level)
+    {
+        wanted = selector.take(level, wanted, orders[level]);
+        // The corners that are no representatives are put in order when they are needed, which is seldom.
+        if (wanted == 0 || orders[level].taken.size() == corners[level].size())
+            return;
+        appendOthers(parameters, levels[level], plans[level], corners[level], orders[level]);
+        wanted = selector.take(level, wanted, orders[level]);
+    };
+    for (int i = count - 1; i >= 0; i--)
+    {
+        wanted += plans[i].quota;
+        take(i);
+    }
+    for (int i = 0; i < count; i++)
+        take(i);
+    return std::move(selector.selected);
+}
+
+// ---- 8. when corners run out ------------------------------------------------------------------
+
+void fillUp(const std::vector<std::vector<CornerResponse>>& corners, size_t missing, Selected& selected)
+{
+    CV_TRACE_FUNCTION();
+    struct Candidate
+    {
+        size_t level;
+        CornerResponse corner;
+    };
+    std::vector<Candidate> candidates;
+    for (size_t i = 0; i < corners.size(); i++)
+    {
+        std::vector<CornerResponse> taken(selected[i]), left;
+        std::sort(taken.begin(), taken.end(), InRasterOrder());
+        std::set_difference(corners[i].begin(), corners[i].end(), taken.begin(), taken.end(),
+                            std::back_inserter(left), InRasterOrder());
+        for (const CornerResponse& corner : left)
+            candidates.push_back({i, corner});
+    }
+    // Of equal responses that of the finer level comes first, and then raster order.
+    std::stable_sort(candidates.begin(), candidates.end(),
+                     [](const Candidate& a, const Candidate& b)
+                     { return a.corner.response > b.corner.response; });
+    for (size_t i = 0; i < std::min(missing, candidates.size()); i++)
+        selected[candidates[i].level].push_back(candidates[i].corner);
+}
+
+// ---- 9. order of output -----------------------------------------------------------------------
+
+FeatureList listFeatures(const Parameters& parameters, const Level& level, int octave,
+                         const std::vector<CornerResponse>& selected)
+{
+    const bool isRanked = parameters.selectionType == AdaptiveQuadtreeORB::RANKED_SELECTION;
+    std::vector<uint64> rasterKeys;
+    for (const CornerResponse& corner : selected)
+        rasterKeys.push_back(uint64(corner.y) * level.image.cols + corner.x);
+    FeatureList list;
+    for (unsigned i : sortIndices(rasterKeys))
+    {
+        const CornerResponse& corner = selected[i];
+        list.points.push_back({corner.x, corner.y, 0});
+        list.keypoints.push_back(
+            KeyPoint(Point2f(), parameters.patchSize * level.scale, -1, corner.response, octave));
+        list.outputKeys.push_back(isRanked ? descendingKey(sortKey(corner.response)) : 0);
+    }
+    return list;
+}
+
+}  // namespace aqorb
+}  // namespace cv
