@@ -57,6 +57,26 @@ py::object errorClass()
     return py::reinterpret_borrow<py::object>(*errorType.get());
 }
 
+py::object classOfCv2(const char* name, const std::string& instead)
+{
+    try
+    {
+        return py::module_::import("cv2").attr(name);
+    }
+    catch (py::error_already_set& error)
+    {
+        // A folder cv2 that is left of an old installation can be imported, and has no names.
+        if (!error.matches(PyExc_ImportError) && !error.matches(PyExc_AttributeError))
+            throw;
+        const std::string message =
+            "objects of cv2 are returned, which cannot be imported: install opencv-python or "
+            "opencv-python-headless, or call " +
+            instead;
+        py::raise_from(error, PyExc_ImportError, message.c_str());
+        throw py::error_already_set();
+    }
+}
+
 void translateErrors()
 {
     py::register_local_exception_translator(

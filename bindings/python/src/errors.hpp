@@ -22,6 +22,9 @@ namespace py = pybind11;
 //! asked for.
 py::object errorClass();
 
+//! A class of cv2, or an ImportError that says what to call instead.
+py::object classOfCv2(const char* name, const std::string& instead);
+
 //! Makes OpenCV's exceptions such errors. To be called once, at import.
 void translateErrors();
 

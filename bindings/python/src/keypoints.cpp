@@ -161,21 +161,7 @@ void importKeyPoint()
 {
     if (keyPoint.get())
         return;
-    py::object type;
-    try
-    {
-        type = py::module_::import("cv2").attr("KeyPoint");
-    }
-    catch (py::error_already_set& error)
-    {
-        // A folder cv2 that is left of an old installation can be imported, and has no names.
-        if (!error.matches(PyExc_ImportError) && !error.matches(PyExc_AttributeError))
-            throw;
-        py::raise_from(error, PyExc_ImportError,
-                       "keypoints are objects of cv2, which cannot be imported: install opencv-python or "
-                       "opencv-python-headless, or call detectAndComputeArrays, which needs no cv2");
-        throw py::error_already_set();
-    }
+    py::object type = classOfCv2("KeyPoint", "detectAndComputeArrays, which needs no cv2");
     KeyPointType made = {type.release().ptr(), {}};
     for (int field = 0; field < FIELDS; field++)
         made.names[field] = PyUnicode_InternFromString(NAMES[field]);

@@ -15,7 +15,6 @@
 
 #include <pybind11/stl.h>
 
-#include <climits>
 #include <string>
 #include <utility>
 #include <vector>
@@ -39,21 +38,9 @@ Made<PyObject*> matchType;
 // Called before a call that will return matches begins to work.
 void importMatch()
 {
-    if (matchType.get())
-        return;
-    try
-    {
-        matchType.set(py::object(py::module_::import("cv2").attr("DMatch")).release().ptr());
-    }
-    catch (py::error_already_set& error)
-    {
-        if (!error.matches(PyExc_ImportError) && !error.matches(PyExc_AttributeError))
-            throw;
-        py::raise_from(error, PyExc_ImportError,
-                       "matches are objects of cv2, which cannot be imported: install opencv-python or "
-                       "opencv-python-headless, or call matchArrays or knnMatchArrays, which need no cv2");
-        throw py::error_already_set();
-    }
+    if (!matchType.get())
+        matchType.set(
+            classOfCv2("DMatch", "matchArrays or knnMatchArrays, which need no cv2").release().ptr());
 }
 
 py::tuple toMatches(const std::vector<cv::DMatch>& matches)
@@ -88,34 +75,14 @@ ArrayObject toIntegers(const cv::Mat& mat, int columns)
     return {result};
 }
 
-double toNumber(py::handle source, const char* name)
-{
-    const double number = PyFloat_AsDouble(source.ptr());
-    if (number == -1 && PyErr_Occurred())
-    {
-        PyErr_Clear();
-        throwTypeError(name, brief(source), "a number or None");
-    }
-    return number;
-}
-
 int toDistance(const OptionalIntObject& source)
 {
-    if (source.object.is_none())
-        return -1;
-    const py::object index = py::reinterpret_steal<py::object>(PyNumber_Index(source.object.ptr()));
-    const long number = index ? PyLong_AsLong(index.ptr()) : -1;
-    if (PyErr_Occurred() || number < INT_MIN || number > INT_MAX)
-    {
-        PyErr_Clear();
-        throwTypeError("maxDistance", brief(source.object), "an int or None");
-    }
-    return int(number);
+    return source.object.is_none() ? -1 : toNumber(IntObject{source.object}, "maxDistance");
 }
 
 double toRatio(const OptionalFloatObject& source)
 {
-    return source.object.is_none() ? 0 : toNumber(source.object, "ratio");
+    return source.object.is_none() ? 0 : toNumber(FloatObject{source.object}, "ratio");
 }
 
 // The matcher of a Python program, which several of its threads may share.
