@@ -22,33 +22,46 @@ def add(commands):
 
 
 def run(options):
-    import numpy as np
-    from PIL import Image, ImageDraw
-    from aqorb import collection, files
+    from aqorb import files
     if os.path.exists(options.out) and not options.overwrite:
         raise files.Refused(f'{options.out} exists; --overwrite replaces it')
     detector = aqorb.AdaptiveQuadtreeORB_create(options.num_features)
-    images = []
-    for path in options.images:
-        try:
-            with command.open_file('', path) as file:
-                images.append(collection.read_image(file, options.reader, options.max_size,
-                                                    not options.ignore_orientation)[0])
-        except Exception as error:  # decoders raise errors of any kind
-            raise files.Refused(f'{path}: {error}') from error
-    (keypoints1, descriptors1), (keypoints2, descriptors2) = map(detector.detectAndComputeArrays, images)
+    how = options.reader, options.max_size, not options.ignore_orientation
+    images = [read(path, *how) for path in options.images]
+    (keypoints1, descriptors1), (keypoints2, descriptors2) = [detector.detectAndComputeArrays(image) for image, _ in images]
     pairs, _ = aqorb.matchArrays(descriptors1, descriptors2, options.ratio)
-    width = images[0].shape[1]
-    picture = Image.new('RGB', (width + images[1].shape[1], max(len(image) for image in images)))
-    for image, left in zip(images, (0, width)):
+    ends = keypoints1['pt'][pairs[:, 0]], keypoints2['pt'][pairs[:, 1]]
+    save(options.out, [(image, image.shape[::-1]) for image, _ in images], ends)
+    print(f'{options.out}: {command.count_of(len(pairs), "match", "es")} of {len(keypoints1)} and {len(keypoints2)} features')
+
+
+def read(path, reader='pillow', max_size=None, orientation=True):
+    """An image, reduced, and the width and height that it had before."""
+    from aqorb import collection, files
+    try:
+        with command.open_file(b'', os.fsencode(path)) as file:
+            return collection.read_image(file, reader, max_size, orientation)
+    except Exception as error:  # decoders raise errors of any kind
+        raise files.Refused(f'{os.fsdecode(path)}: {error}') from error
+
+
+def save(out, images, ends):
+    """Draws two images side by side, with a line for each row of ends: the positions in both, in pixels of the sizes that
+    come with the images."""
+    import numpy as np
+    from PIL import Image, ImageDraw
+    (first, _), (second, _) = images
+    width = first.shape[1]
+    picture = Image.new('RGB', (width + second.shape[1], max(len(first), len(second))))
+    for (image, _), left in zip(images, (0, width)):
         picture.paste(Image.fromarray(image), (left, 0))
     canvas = ImageDraw.Draw(picture)
-    ends = np.hstack([keypoints1['pt'][pairs[:, 0]], keypoints2['pt'][pairs[:, 1]] + [width, 0]])
-    for i, line in enumerate(ends):
-        colour = f'hsl({360 * i // len(ends)}, 90%, 60%)'
+    scaled = [points * np.divide(image.shape[::-1], size) for points, (image, size) in zip(ends, images)]
+    lines = np.hstack([scaled[0], scaled[1] + [width, 0]])
+    for i, line in enumerate(lines):
+        colour = f'hsl({360 * i // len(lines)}, 90%, 60%)'
         canvas.line(line.tolist(), colour)
         for x, y in line.reshape(2, 2):
             canvas.ellipse((x - 3, y - 3, x + 3, y + 3), outline=colour)
     _stop.finish()
-    picture.save(options.out)
-    print(f'{options.out}: {command.count_of(len(pairs), "match", "es")} of {len(keypoints1)} and {len(keypoints2)} features')
+    picture.save(out)

@@ -14,7 +14,8 @@ import warnings
 import aqorb
 from aqorb import _stop
 
-NEEDS = 'the command needs packages that are not installed with aqorb: pip install pillow pyarrow pycolmap tqdm'
+NEEDS = ('the command needs packages that are not installed with aqorb: pip install pillow pyarrow pycolmap scipy '
+         'tqdm')
 
 
 def main(arguments=None):
@@ -28,11 +29,11 @@ def main(arguments=None):
     os.environ.setdefault('ARROW_DEFAULT_MEMORY_POOL', 'system')
     warnings.simplefilter('ignore')  # what decoders say of images that they can read
 
-    from aqorb import _draw, _extract, _match
+    from aqorb import _draw, _extract, _match, _places
     parser = argparse.ArgumentParser(prog='aqorb', description=__doc__.split('. ')[0])
     parser.add_argument('--version', action='version', version=aqorb._build_information())
     commands = parser.add_subparsers(required=True, metavar='COMMAND')
-    for module in _extract, _match, _draw:
+    for module in _extract, _match, _places, _draw:
         module.add(commands)
     options = parser.parse_args(arguments)
     try:

@@ -30,6 +30,8 @@ SUFFIXES = '.parquet', '.db'
 OWN_FILES = r'part-\d{6,}\.parquet|unfinished|joined.*|lock'  # in a folder OUT.partial
 MATCHES = pa.schema([('path1', pa.binary()), ('path2', pa.binary()), ('index1', pa.list_(pa.int32())),
                      ('index2', pa.list_(pa.int32())), ('distance', pa.list_(pa.int32()))])
+VERIFIED = pa.schema([*MATCHES, ('inliers', pa.list_(pa.int32())), ('fundamental', pa.list_(pa.float64()))])
+MIN_INLIERS = 15  # of a two-view geometry, for COLMAP
 
 
 class Refused(ValueError):
@@ -243,6 +245,10 @@ def write_matches(path, tables, metadata, database, features):
                     first, second = (numbers[table[name][row].as_py()] for name in ('path1', 'path2'))
                     pairs = np.column_stack([table[name][row].values.to_numpy() for name in ('index1', 'index2')])
                     colmap.write_matches(made, first, second, pairs)
+                    inliers = table['inliers'][row].values.to_numpy() if 'inliers' in table.schema.names else ()
+                    if len(inliers) >= MIN_INLIERS:
+                        colmap.write_two_view_geometry(made, first, second, pairs[inliers],
+                                                       table['fundamental'][row].values.to_numpy().reshape(3, 3))
             set_metadata(made, 'matches', metadata)
             made.commit()
 
@@ -363,6 +369,24 @@ class Features:
         """Of the keypoints of an image, in the same order: an array (n, 2)."""
         with reading(self.path):
             return self._read(image)[0]
+
+    def keypoints(self, image):
+        """The positions and the descriptors of an image."""
+        with reading(self.path):
+            return self._read(image)
+
+    def images(self):
+        """Yields the path of each image, its descriptors, and its responses, or None from a database, which has none."""
+        with reading(self.path):
+            if suffix_of(self.path) == '.db':
+                with read_only(self.path) as database:
+                    for _, name, _, descriptors in rows_of(database):
+                        yield name, descriptors, None
+                return
+            for group in range(self._file.num_row_groups):
+                table = self._read_group(group, ['path', 'x', 'response', 'descriptors'])
+                for path, response, descriptors in zip(table['path'], table['response'], table['descriptors']):
+                    yield path.as_py(), collection.descriptors_of([descriptors]), response.values.to_numpy()
 
     @contextlib.contextmanager
     def opened(self):

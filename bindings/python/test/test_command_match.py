@@ -39,7 +39,7 @@ def test_match(features, tmp_path):
             assert row['distance'] == distances.tolist()
     (tmp_path / 'pairs.txt').write_text('03.png 01.png\n03.png\n')
     for pairs in 'sequential:x', 'sequential:0', 'all':
-        refused('pairs must be sequential:K, exhaustive or a file', 'match', features / 'features.parquet', '--pairs',
+        refused('pairs must be sequential:K, retrieval:K, .* exhaustive or a file', 'match', features / 'features.parquet', '--pairs',
                 pairs, '--out', tmp_path / 'x.parquet')
     refused('ratio must be finite and at least 0, got -1', 'match', features / 'features.parquet', '--pairs', 'exhaustive', '--ratio', -1, '--out',
             tmp_path / 'x.parquet')
