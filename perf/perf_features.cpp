@@ -9,7 +9,6 @@
 
 #include "perf_precomp.hpp"
 #include "perf_scene.hpp"
-#include "perf_stream.hpp"
 
 namespace opencv_test
 {
@@ -53,10 +52,6 @@ const std::string IMAGES[] = {
                                      "scene_2560x1440", "scene_3840x2160"),                                 \
                      testing::Values(250, 500, 1000, 2000, 4000, 8000), Detector::all())
 
-//! Very many features.
-#define DOTS_PARAMS \
-    testing::Combine(testing::Values("dots_1920x1080"), testing::Values(100000), Detector::all())
-
 Ptr<Feature2D> createDetector(Detector detector, int nfeatures)
 {
     if (detector == AQORB)
@@ -74,8 +69,6 @@ Mat loadImage(const std::string& name)
         Size size;
         if (sscanf(name.c_str(), "scene_%dx%d", &size.width, &size.height) == 2)
             last = makeStreetScene(size);
-        else if (sscanf(name.c_str(), "dots_%dx%d", &size.width, &size.height) == 2)
-            last = makeDotGrid(size);
         else
             last = imread(cvtest::findDataFile(name, false), IMREAD_GRAYSCALE);
         lastName = name;
@@ -148,38 +141,7 @@ PERF_TEST_P(Features, detectAndCompute, FEATURES_PARAMS)
     detectAndCompute();
 }
 
-// As a program sees it: each frame is another one, and there is other work between them, which is not timed.
-PERF_TEST_P(Features, stream, FEATURES_PARAMS)
-{
-    const Mat image = loadImage(get<0>(GetParam()));
-    ASSERT_FALSE(image.empty());
-    const std::vector<Mat> frames = panFrames(image);
-    OtherMemory memory(STREAM_WORK);
-    Ptr<Feature2D> detector = createDetector(get<2>(GetParam()), get<1>(GetParam()));
-    std::vector<KeyPoint> keypoints;
-    Mat descriptors;
-    detector->detectAndCompute(frames.back(), noArray(), keypoints, descriptors);
-
-    for (size_t i = 0; next(); i++)
-    {
-        memory.touch();
-        startTimer();
-        detector->detectAndCompute(frames[i % frames.size()], noArray(), keypoints, descriptors);
-        stopTimer();
-    }
-
-    EXPECT_GT(keypoints.size(), 20u);
-    EXPECT_EQ((int)keypoints.size(), descriptors.rows);
-    recordCase(image, keypoints.size());
-    SANITY_CHECK_NOTHING();
-}
-
 PERF_TEST_P(Scaling, detectAndCompute, SCALING_PARAMS)
-{
-    detectAndCompute();
-}
-
-PERF_TEST_P(Scaling, dots, DOTS_PARAMS)
 {
     detectAndCompute();
 }

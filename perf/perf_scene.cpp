@@ -89,18 +89,4 @@ Mat makeStreetScene(const Size& size)
     return scene;
 }
 
-Mat makeDotGrid(const Size& size)
-{
-    Mat grid = Mat::zeros(size, CV_8UC1);
-    for (int y = 0; y < size.height; y++)
-    {
-        for (int x = 0; x < size.width; x++)
-        {
-            if (x % 6 >= 3 && y % 6 >= 3)
-                grid.at<uchar>(y, x) = 255;
-        }
-    }
-    return grid;
-}
-
 }  // namespace opencv_test

@@ -16,9 +16,6 @@ namespace opencv_test
  not. It has about as many FAST corners as a photograph of a street of the same size, spread as unevenly. */
 cv::Mat makeStreetScene(const cv::Size& size);
 
-//! White dots of 3x3 pixels on black, 6 pixels apart: hardly an image has more features.
-cv::Mat makeDotGrid(const cv::Size& size);
-
 }  // namespace opencv_test
 
 #endif

@@ -203,7 +203,7 @@ void printTimes(const std::vector<Method>& methods, const std::vector<Mat>& imag
              spread(times[1], "%.2f"));
     printRow("  times as fast", "1", spread(gains, "%.1f"));
     if (others > 0.15)
-        std::cout << format("  The machine is busy: other programs use %.1f of its %d processors.\n", others,
+        std::cout << format("  Busy: other programs use %.1f of %d processors. Repeat this later.\n", others,
                             getNumberOfCPUs());
 }
 
@@ -304,8 +304,8 @@ void compare(const std::vector<Mat>& images, const Mat& known, const CommandLine
         labels.insert(labels.end(), {distinct, "  cells of image 1 that hold one", kind + " matches in all"});
         texts[i].insert(texts[i].end(), {format("%d", count), occupied(found.distinct.from, images[0]),
                                          format("%d of %d", right, int(found.matches.from.size()))});
-        matches[i] =
-            captioned(matchPicture(images, found.distinct), name + ": " + texts[i][4] + " " + distinct);
+        matches[i] = captioned(matchPicture(images, found.distinct),
+                               format("%s: %d %s", methods[i].name, count, distinct.c_str()));
     }
     for (size_t i = 0; i < labels.size(); i++)
         printRow(labels[i], texts[0][i], texts[1][i]);

@@ -157,7 +157,7 @@ Mat pathPicture(const std::vector<std::vector<Matx44d>>& paths, const std::vecto
     Mat picture(size, CV_8UC3, Scalar::all(255));
     for (size_t i = 0; i < lines.size(); i++)
     {
-        Mat pixels = (lines[i] - centre) * scale + Scalar(size.width / 2, size.height / 2);
+        Mat pixels = (lines[i] - centre) * scale + Scalar(size.width / 2., size.height / 2.);
         pixels.convertTo(pixels, CV_32S);
         polylines(picture, pixels, false, colours[i], 2, LINE_AA);
     }

@@ -1,6 +1,6 @@
+# shellcheck shell=bash disable=SC2034
 # What the scripts share: the packages that each kind of work needs, what is fetched, configuring, building and testing,
 # and --help, which prints the comment at the head of a script. The scripts source it; it does nothing by itself.
-# shellcheck shell=bash disable=SC2034
 
 set -euo pipefail
 

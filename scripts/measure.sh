@@ -61,7 +61,6 @@ harness() {
 }
 
 evaluate() {
-    photographs
     need build python report
     configure release -DAQORB_BUILD_PYTHON=ON -DPython_EXECUTABLE="$PYTHON"
     build "$BUILD/release" --target _aqorb
@@ -69,9 +68,13 @@ evaluate() {
         "$PYTHON" "$ROOT/tools/evaluate/aqorb_evaluate.py" "$1" "${@:2}"
 }
 
-paper() { evaluate paper "$datasets" --out="$BUILD/paper" "$@"; }
+paper() {
+    photographs
+    evaluate paper "$datasets" --out="$BUILD/paper" "$@"
+}
 
 claims() {
+    photographs
     local data=(--object="$OPENCV_TEST_DATA_PATH/cv/shared")
     [[ ! ${AQORB_TEST_SEQUENCE:-} ]] || data+=(--sequence="$AQORB_TEST_SEQUENCE")
     [[ ! -d $BUILD/held_out ]] || data+=(--heldout="$BUILD/held_out")

@@ -70,6 +70,7 @@ check() {
     scripts/wheel.sh --test
     scripts/python.sh --offline
     scripts/python.sh --asan
+    scripts/python.sh --hostile
     scripts/package.sh --test
     scripts/package.sh --conan
     scripts/web.sh --test

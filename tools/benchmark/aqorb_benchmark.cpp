@@ -7,14 +7,13 @@
 
 #include "benchmark.hpp"
 
-#include "../common/program.hpp"
-
 #include <opencv2/core/utility.hpp>
 
 #include <algorithm>
 #include <cstdlib>
-
-using tools::splitList;
+#include <iostream>
+#include <sstream>
+#include <stdexcept>
 
 namespace
 {
@@ -48,39 +47,68 @@ const char* const KEYS = "{help h usage ? |      | print this text }"
                          "{@command       |      | what to measure }"
                          "{@rest          |      | images }";
 
-//! The arguments that are no options, from the second on.
+//! Thrown where arguments are not accepted.
+struct BadArguments : std::runtime_error
+{
+    explicit BadArguments(const std::string& message) : std::runtime_error(message + "; see --help") {}
+};
+
+std::vector<std::string> splitList(const std::string& list)
+{
+    std::vector<std::string> parts;
+    std::istringstream stream(list);
+    for (std::string part; std::getline(stream, part, ',');)
+        parts.push_back(part);
+    return parts;
+}
+
+//! Whole numbers above 0.
+std::vector<int> splitNumbers(const std::string& list)
+{
+    std::vector<int> numbers;
+    for (const std::string& number : splitList(list))
+    {
+        numbers.push_back(std::atoi(number.c_str()));
+        if (numbers.back() < 1)
+            throw BadArguments("'" + number + "': a number above 0 is accepted");
+    }
+    return numbers;
+}
+
+//! The arguments that are no options. cv::CommandLineParser passes over options that it does not know.
 std::vector<std::string> positional(int argc, const char* const* argv)
 {
     std::vector<std::string> found;
     for (int i = 1; i < argc; i++)
-        if (argv[i][0] != '-')
-            found.push_back(argv[i]);
-    if (!found.empty())
-        found.erase(found.begin());
+    {
+        const std::string argument = argv[i], name = argument.substr(0, argument.find('='));
+        if (argument[0] != '-')
+            found.push_back(argument);
+        else if (name != "--n" && name != "--threads" && name != "--turns" && name != "--cold" &&
+                 name != "--with")
+            throw BadArguments(argument + ": unknown option");
+    }
     return found;
 }
 
-int run(const cv::CommandLineParser& parser, std::vector<std::string> images)
+void run(const cv::CommandLineParser& parser, std::vector<std::string> images)
 {
-    const std::string command = parser.get<cv::String>("@command"), numbers = parser.get<cv::String>("n");
+    const std::string command = images.empty() ? "" : images[0], numbers = parser.get<cv::String>("n");
+    images.erase(images.begin(), images.begin() + !images.empty());
     const bool isSingle = command == "frames" || command == "memory";
     Settings settings;
-    settings.numbers = tools::splitNumbers(!numbers.empty()        ? numbers
-                                           : isSingle              ? "1000"
-                                           : command == "matching" ? "500,1000,2000,5000"
-                                                                   : "500,1000,2000");
-    settings.threads = tools::splitNumbers(parser.get<cv::String>("threads"));
-    settings.turns = parser.get<int>("turns");
+    settings.numbers = splitNumbers(!numbers.empty()        ? numbers
+                                    : isSingle              ? "1000"
+                                    : command == "matching" ? "500,1000,2000,5000"
+                                                            : "500,1000,2000");
+    settings.threads = splitNumbers(parser.get<cv::String>("threads"));
+    settings.turns = splitNumbers(parser.get<cv::String>("turns")).at(0);
     settings.cold = parser.has("cold");
     settings.beside = parser.get<cv::String>("with");
-    tools::checkRead(parser);
-    for (const std::vector<int>& values : {settings.numbers, settings.threads, {settings.turns}})
-        if (values.empty() || *std::min_element(values.begin(), values.end()) < 1)
-            throw tools::BadArguments{"--n, --threads, --turns: numbers above 0"};
     if (command == "beside")
     {
         if (images.empty())
-            throw tools::BadArguments{"beside which LIBRARY? see --help"};
+            throw BadArguments("beside which LIBRARY?");
         settings.beside = images[0];
         images.erase(images.begin());
     }
@@ -108,23 +136,41 @@ int run(const cv::CommandLineParser& parser, std::vector<std::string> images)
              (images.size() == 2 || (images.empty() && std::getenv("OPENCV_TEST_DATA_PATH"))))
         measurePairs(settings);
     else if (command == "pair")
-        throw tools::BadArguments{"pair: name two images, or set OPENCV_TEST_DATA_PATH"};
+        throw BadArguments("pair: name two images, or set OPENCV_TEST_DATA_PATH");
     else if (command == "matching")
         measureMatching(settings);
     else if (command == "program")
         measureProgram(settings);
     else
-        throw tools::BadArguments{"'" + command +
-                                  "': speed, beside, frames, memory, pair, matching or program; see "
-                                  "--help"};
-    return 0;
+        throw BadArguments("'" + command + "': speed, beside, frames, memory, pair, matching or program");
 }
 
 }  // namespace
 
 int main(int argc, char** argv)
 {
-    return tools::runProgram("aqorb_benchmark", ABOUT, KEYS, argc, argv,
-                             [argc, argv](const cv::CommandLineParser& parser)
-                             { return run(parser, positional(argc, argv)); });
+    try
+    {
+        cv::CommandLineParser parser(argc, argv, KEYS);
+        parser.about(ABOUT);
+        if (parser.has("help"))
+            parser.printMessage();
+        else
+            run(parser, positional(argc, argv));
+        return 0;
+    }
+    catch (const BadArguments& bad)
+    {
+        std::cerr << "aqorb_benchmark: " << bad.what() << std::endl;
+        return 1;
+    }
+    catch (const cv::Exception& error)
+    {
+        std::cerr << "aqorb_benchmark: " << error.err << std::endl;
+    }
+    catch (const std::exception& error)
+    {
+        std::cerr << "aqorb_benchmark: " << error.what() << std::endl;
+    }
+    return 2;
 }

@@ -59,6 +59,9 @@ double milliseconds(const std::function<void()>& work);
 //! The best instructions that OpenCV and this module use here.
 std::string cpuName();
 
+//! Of an even number of values the mean of the middle two.
+double median(std::vector<double> values);
+
 double geometricMean(const std::vector<double>& ratios);
 
 /** The median ratio of the times of two works, measured in turns of which every other one begins with the second.

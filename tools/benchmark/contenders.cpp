@@ -7,7 +7,6 @@
 
 #include "../../perf/perf_scene.hpp"
 #include "../../test/data_files.hpp"
-#include "../common/median.hpp"
 
 #include <opencv2/aqorb.hpp>
 #include <opencv2/core/utility.hpp>
@@ -125,6 +124,13 @@ std::string cpuName()
     return checkHardwareSupport(CV_CPU_NEON) ? "NEON" : "baseline";
 }
 
+double median(std::vector<double> values)
+{
+    std::sort(values.begin(), values.end());
+    const size_t half = values.size() / 2;
+    return values.size() % 2 ? values[half] : (values[half - 1] + values[half]) / 2;
+}
+
 double geometricMean(const std::vector<double>& ratios)
 {
     double sum = 0;
@@ -149,6 +155,6 @@ double medianRatio(const std::function<double()>& first, const std::function<dou
         ratios.push_back(times[0].back() / times[1].back());
     }
     for (int i = 0; medians && i < 2; i++)
-        medians[i] = tools::median(times[i]);
-    return tools::median(ratios);
+        medians[i] = median(times[i]);
+    return median(ratios);
 }

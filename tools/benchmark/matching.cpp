@@ -6,11 +6,10 @@
 // How long matching takes beside cv::BFMatcher, alone and in the whole work for two images.
 
 #include "benchmark.hpp"
+#include "table.hpp"
 
 #include "../../test/data_files.hpp"
 #include "../../test/geometry.hpp"
-#include "../common/markdown.hpp"
-#include "../common/median.hpp"
 
 #include <opencv2/aqorb.hpp>
 #include <opencv2/core/utility.hpp>
@@ -20,7 +19,6 @@
 
 using namespace cv;
 using aqorb::HammingMatcher;
-using tools::cell;
 
 namespace
 {
@@ -95,8 +93,8 @@ void measurePairs(const Settings& settings)
         pairs.push_back({Image(settings.images[0]), Image(settings.images[1])});
 
     std::cout << cpuName() << "\n\n";
-    tools::MarkdownTable table({"pair", "n", "threads", "cv::ORB and cv::BFMatcher, ms",
-                                "aqorb and HammingMatcher, ms", "times as fast", "with cv::BFMatcher"});
+    Table table({"pair", "n", "threads", "cv::ORB and cv::BFMatcher, ms", "aqorb and HammingMatcher, ms",
+                 "times as fast", "with cv::BFMatcher"});
     for (const int threads : settings.threads)
     {
         setNumThreads(threads);
@@ -131,8 +129,7 @@ void measureMatching(const Settings& settings)
     const BFMatcher theirCross(NORM_HAMMING, true), theirs(NORM_HAMMING);
     const HammingMatcher ourCross(NORM_HAMMING, true), ours(NORM_HAMMING);
     std::cout << cpuName() << "\n\n";
-    tools::MarkdownTable table(
-        {"", "n", "threads", "cv::BFMatcher, ms", "HammingMatcher, ms", "times as fast"});
+    Table table({"", "n", "threads", "cv::BFMatcher, ms", "HammingMatcher, ms", "times as fast"});
     for (const int threads : settings.threads)
     {
         setNumThreads(threads);
@@ -162,8 +159,7 @@ void measureProgram(const Settings& settings)
 {
     const BFMatcher cross(NORM_HAMMING, true), all(NORM_HAMMING);
     std::cout << cpuName() << "\n\n";
-    tools::MarkdownTable table(
-        {"cv::BFMatcher", "n", "threads", "match, ms", "cross check, ms", "two nearest, ms"});
+    Table table({"cv::BFMatcher", "n", "threads", "match, ms", "cross check, ms", "two nearest, ms"});
     for (const int threads : settings.threads)
     {
         setNumThreads(threads);
@@ -177,9 +173,8 @@ void measureProgram(const Settings& settings)
                 times[1].push_back(d.timeCrossCheck(cross));
                 times[2].push_back(d.timeTwoNearest(all));
             }
-            table.add({"64 bytes", std::to_string(n), std::to_string(threads),
-                       cell(tools::median(times[0]), 3), cell(tools::median(times[1]), 3),
-                       cell(tools::median(times[2]), 3)});
+            table.add({"64 bytes", std::to_string(n), std::to_string(threads), cell(median(times[0]), 3),
+                       cell(median(times[1]), 3), cell(median(times[2]), 3)});
         }
     }
     std::cout << table.text() << std::flush;

@@ -6,8 +6,7 @@
 // The heap in use is counted by standing in for malloc and its kin, which glibc provides for.
 
 #include "benchmark.hpp"
-
-#include "../common/markdown.hpp"
+#include "table.hpp"
 
 #include <opencv2/core/utility.hpp>
 
@@ -128,7 +127,7 @@ Memory measure(const Contender& contender, const Image& image, int nfeatures)
 
 void measureMemory(const Settings& settings, const std::vector<Contender>& contenders)
 {
-    tools::MarkdownTable table({"image", "n", "threads", "detector", "first frame", "later frames", "kept"});
+    Table table({"image", "n", "threads", "detector", "first frame", "later frames", "kept"});
     isCounting = true;
     for (const std::string& spec : settings.images)
     {
@@ -146,9 +145,8 @@ void measureMemory(const Settings& settings, const std::vector<Contender>& conte
                 {
                     const Memory memory = measure(contender, image, n);
                     table.add({image.name, std::to_string(n), std::to_string(threads), contender.name,
-                               tools::cell(double(memory.first) / pixels),
-                               tools::cell(double(memory.later) / pixels),
-                               tools::cell(double(memory.kept) / pixels)});
+                               cell(double(memory.first) / pixels), cell(double(memory.later) / pixels),
+                               cell(double(memory.kept) / pixels)});
                 }
             }
         }

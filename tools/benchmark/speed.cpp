@@ -6,9 +6,7 @@
 // How long a frame takes beside another detector.
 
 #include "benchmark.hpp"
-
-#include "../../perf/perf_stream.hpp"
-#include "../common/markdown.hpp"
+#include "table.hpp"
 
 #include <opencv2/core/utility.hpp>
 
@@ -21,10 +19,17 @@
 #include <unistd.h>
 
 using namespace cv;
-using tools::cell;
 
 namespace
 {
+
+//! Reads and writes 64 MB, which drives what the detector used out of the caches.
+void touchOtherMemory()
+{
+    static std::vector<uint64> words((64 << 20) / sizeof(uint64));
+    for (size_t i = 0; i < words.size(); i += 8)  // each cache line
+        words[i]++;
+}
 
 //! Calls a detector on one image again and again.
 class Runner
@@ -37,9 +42,8 @@ public:
 
     double operator()()
     {
-        static opencv_test::OtherMemory memory(64);  // megabytes
         if (cold)
-            memory.touch();
+            touchOtherMemory();
         return timeFrame(*detector, image, features);
     }
 
@@ -85,8 +89,8 @@ void measureSpeed(const Settings& settings, const Contender& other)
     const Contender ours = aqorbHere();
     const std::string ratio = "time of " + other.name + " / time of " + ours.name;
     std::cout << cpuName() << (settings.cold ? ", cold" : "") << "\n\n";
-    tools::MarkdownTable cases({"image", "n", "threads", other.name + ", ms", ours.name + ", ms", ratio});
-    tools::MarkdownTable means({"threads", ratio + ", geometric mean", "lowest", "highest"});
+    Table cases({"image", "n", "threads", other.name + ", ms", ours.name + ", ms", ratio});
+    Table means({"threads", ratio + ", geometric mean", "lowest", "highest"});
     for (const int threads : settings.threads)
     {
         setNumThreads(threads);
@@ -114,8 +118,7 @@ void measureSpeed(const Settings& settings, const Contender& other)
 void measureFrames(const Settings& settings, const std::vector<Contender>& contenders)
 {
     std::cout << cpuName() << "\n\n";
-    tools::MarkdownTable table(
-        {"one processor", "image", "n", "threads", "detector", "median, ms", "90th percentile, ms"});
+    Table table({"one processor", "image", "n", "threads", "detector", "median, ms", "90th percentile, ms"});
     for (const bool isBusy : {false, true})
     {
         Ptr<BusyProcess> busy;

@@ -4,6 +4,8 @@
 # SPDX-License-Identifier: Apache-2.0
 """What is measured of the features of one image or two."""
 
+from typing import NamedTuple
+
 import aqorb
 import cv2
 import numpy as np
@@ -12,6 +14,11 @@ GRID = 16, 12
 CORRECT = 3  # pixels of the second image
 DISTINCT = 4  # pixels
 NO_HOMOGRAPHY = 1e6
+
+
+class Features(NamedTuple):
+    keypoints: np.ndarray  # of aqorb.keypoint_dtype
+    descriptors: np.ndarray
 
 
 def size_of(image):

@@ -5,11 +5,12 @@
 """The detectors that are compared, by name."""
 
 import math
-from typing import NamedTuple
 
 import aqorb
 import cv2
 import numpy as np
+
+from measures import Features
 
 # The paper's column C. Where the paper states no value, as for cells and border, the default stays.
 PAPER = 'aqorb:selection=balanced:octave=0:subpixel=0'
@@ -26,11 +27,6 @@ WORDS = {'balanced': aqorb.AdaptiveQuadtreeORB_BALANCED_SELECTION,
          'ranked': aqorb.AdaptiveQuadtreeORB_RANKED_SELECTION, 'fast': cv2.ORB_FAST_SCORE}
 # SlamExtractor with the thresholds of ORB-SLAM's example settings; opencv2/aqorb/slam.hpp sets the same.
 SLAM = 'fast=20:ratio={}:threshold=0:subpixel=0:octave=0'.format(20 / 7)
-
-
-class Features(NamedTuple):
-    keypoints: np.ndarray  # of aqorb.keypoint_dtype
-    descriptors: np.ndarray
 
 
 def number(text):
@@ -90,8 +86,8 @@ class Method:
 
 class OrbSlam:
     """The keypoint distribution of ORB_SLAM (Mur-Artal et al. 2015), the paper's column B, written from its
-    description: FAST with threshold 20 in cells, and with threshold 7 in those that stay empty. Then a quadtree is split
-    until it has as many nodes as the level is to have keypoints. The paper names no thresholds; these are usual."""
+    description: FAST with threshold 20 in cells, and with threshold 7 in those that stay empty. Then a quadtree is
+    split until it has as many nodes as the level is to have keypoints. The paper names no thresholds; these are usual."""
 
     LEVELS, SCALE, PATCH, BORDER, CELL, OVERLAP = 8, 1.2, 31, 16, 30, 3
 

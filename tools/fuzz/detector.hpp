@@ -6,12 +6,11 @@
 #ifndef OPENCV_AQORB_FUZZ_DETECTOR_HPP
 #define OPENCV_AQORB_FUZZ_DETECTOR_HPP
 
-#include "calls.hpp"
-
 #include <fuzzer/FuzzedDataProvider.h>
 #include <opencv2/aqorb.hpp>
 
 #include <functional>
+#include <string>
 
 namespace fuzz
 {
@@ -19,11 +18,10 @@ namespace fuzz
 //! Thrown when something other than the documentation says has happened.
 struct Problem
 {
-    Outcome outcome;
     std::string text;
 };
 
-//! Throws a Problem, BAD_OUTPUT, unless the condition holds.
+//! Throws a Problem unless the condition holds.
 void require(bool condition, const std::string& what);
 
 //! All parameters of cv::ORB as they were set, since its getters cannot return an invalid score type.
@@ -34,8 +32,8 @@ struct OrbParameters
     int nlevels = 8, edgeThreshold = 16, firstLevel = 0, WTA_K = 2, scoreType = cv::ORB::HARRIS_SCORE;
     int patchSize = 31, fastThreshold = 20;
 
-    //! Whether a value is bad by itself. @param limits also counts values that only AdaptiveQuadtreeORB rejects
-    bool isBad(bool limits) const;
+    //! Whether a value is bad by itself.
+    bool isBad() const;
     //! Whether values contradict each other.
     bool clash() const;
 
@@ -56,12 +54,9 @@ inline Expectation expect(bool bad)
     return bad ? BAD : GOOD;
 }
 
-//! AdaptiveQuadtreeORB or cv::ORB.
 class Detector
 {
 public:
-    explicit Detector(bool ofOrb) : isOrb(ofOrb) {}
-
     //! Calls a function. Returns false if it rejected its arguments, and throws a Problem if it should not have.
     bool attempt(const char* name, Expectation expected, const std::function<void()>& function);
 
@@ -71,11 +66,8 @@ public:
     void setOurParameter(FuzzedDataProvider& data);
     void readStorage(FuzzedDataProvider& data);
 
-    const bool isOrb;
-    cv::Ptr<cv::aqorb::AdaptiveQuadtreeORB> ours;  //!< empty for cv::ORB
-    cv::Ptr<cv::ORB> orb;                          //!< the same, or cv::ORB; empty before create
-    OrbParameters parameters;                      //!< what the getters must return
-    int rejections = 0;                            //!< calls that rejected a bad argument as they should
+    cv::Ptr<cv::aqorb::AdaptiveQuadtreeORB> orb;  //!< empty before create
+    OrbParameters parameters;                     //!< what the getters must return
 
 private:
     void make(const OrbParameters& p);

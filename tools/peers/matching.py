@@ -13,7 +13,6 @@ SEQUENCE is a folder in the layout of KITTI's odometry, with poses.txt. Prints a
 the processors that the process may use.
 """
 
-import glob
 import os
 import sys
 import time
@@ -23,6 +22,9 @@ import cv2
 import faiss
 import kornia_rs
 import numpy as np
+
+sys.path.insert(0, os.path.join(os.path.dirname(os.path.abspath(__file__)), '..', 'evaluate'))
+import images  # noqa: E402 (after its folder is named)
 
 REPEATS = 11
 VIEWS = range(0, 45, 5)  # each with the next but one
@@ -87,19 +89,14 @@ MATCHERS = {'`cv2.BFMatcher`': by_bfmatcher, '`aqorb.HammingMatcher`': by_hammin
             '`cv2.FlannBasedMatcher` with LSH, both ways': by_flann}
 
 
-def read(sequence, index):
-    files = sorted(glob.glob(os.path.join(sequence, 'image_[0l]', '*.png')))
-    image = cv2.imread(files[index], cv2.IMREAD_GRAYSCALE) if index < len(files) else None
-    return image if image is not None else sys.exit('matching.py: not enough images in ' + sequence)
-
-
 def matchers(sequence):
     print('| matcher | ' + ' | '.join('n = {0}, ms | pairs of `cv2.BFMatcher`'.format(n) for n in (1000, 2000)) + ' |')
     print('|---|' + '---:|' * 4)
     cells = {name: [] for name in MATCHERS}
+    frames = images.read_sequence(sequence)[0]
     for n in 1000, 2000:
         orb = aqorb.AdaptiveQuadtreeORB_create(n)
-        query, train = [orb.detectAndComputeArrays(read(sequence, i))[1] for i in (0, 2)]
+        query, train = [orb.detectAndComputeArrays(frames[i])[1] for i in (0, 2)]
         times, results = median_times([lambda f=f: f(query, train) for f in MATCHERS.values()])
         expected = {tuple(pair) for pair in results[0].tolist()}
         for name, ms, pairs in zip(MATCHERS, times, results):
@@ -148,15 +145,14 @@ def angle(cosine):
 
 
 def views(sequence):
-    with open(os.path.join(sequence, 'calib.txt')) as file:
-        camera = np.ascontiguousarray(np.array(file.readline().split()[-12:], float).reshape(3, 4)[:, :3])
-    poses = [np.vstack([row.reshape(3, 4), [0, 0, 0, 1]]) for row in np.loadtxt(os.path.join(sequence, 'poses.txt'))]
+    frames, camera, poses = images.read_sequence(sequence)
+    camera = np.ascontiguousarray(camera)
     rows = {name: [] for name in LIBRARIES}
     for first in VIEWS:
-        images = [read(sequence, i) for i in (first, first + 2)]
+        pair = [frames[first], frames[first + 2]]
         true = np.linalg.inv(poses[first + 2]) @ poses[first]
         stages = list(LIBRARIES.values())
-        detecting, found = median_times([lambda s=s: [s[0](image) for image in images] for s in stages])
+        detecting, found = median_times([lambda s=s: [s[0](image) for image in pair] for s in stages])
         matching, pairs = median_times([lambda s=s, f=f: s[1](f[0][1], f[1][1]) for s, f in zip(stages, found)])
         points = [(np.float32(f[0][0])[p[:, 0]], np.float32(f[1][0])[p[:, 1]]) for f, p in zip(found, pairs)]
         posing, estimates = median_times([lambda s=s, p=p: s[2](p[0], p[1], camera) for s, p in zip(stages, points)])

@@ -7,18 +7,21 @@
 
 peers.py features METHOD DATA FOLDER   the features of all images, in FOLDER/METHOD.npz
 peers.py time METHOD DATA FOLDER       the time on one image after the other, in FOLDER/METHOD-THREADS.txt
-peers.py report DATA FOLDER METHOD...  prints a table of the methods, and draws FOLDER/peers.jpg
+peers.py report DATA FOLDER METHOD...  prints a table of the methods
 
-DATA is the folder images_datasets of opencv_extra's testdata.
+DATA is the folder images_datasets of opencv_extra's testdata. The measures are those of tools/evaluate.
 """
 
 import os
-import re
 import sys
 import time
 
-SETS = 'bark', 'bikes', 'graf', 'leuven', 'trees', 'ubc'
-IMAGES = 6
+import cv2
+import numpy as np
+
+sys.path.insert(0, os.path.join(os.path.dirname(os.path.abspath(__file__)), '..', 'evaluate'))
+import images  # noqa: E402 (after its folder is named)
+
 COUNT = 1000
 KORNIA_COUNT = 640  # asked for so many, kornia-rs finds about 1000 in the mean over these images
 SEEDS = 7
@@ -27,7 +30,6 @@ SEEDS = 7
 def detector(method):
     """Two functions: from a grey image to what the detector returns, and from that to the positions, as an array of
     shape (n, 2), and the descriptors. The time of the first one is measured."""
-    import numpy as np
     if method == 'aqorb-arrays':
         import aqorb
         return (aqorb.AdaptiveQuadtreeORB_create(COUNT).detectAndComputeArrays,
@@ -37,7 +39,6 @@ def detector(method):
             import aqorb
             orb = aqorb.AdaptiveQuadtreeORB_create(COUNT)
         else:
-            import cv2
             orb = cv2.ORB_create(COUNT)
         return (lambda image: orb.detectAndCompute(image, None),
                 lambda found: (np.array([k.pt for k in found[0]], np.float32), found[1]))
@@ -67,156 +68,61 @@ def version(method):
                     'kornia-fewer': ', asked for {}'.format(KORNIA_COUNT)}.get(method, '')
 
 
-def read(data, name, index):
-    import cv2
-    image = cv2.imread(os.path.join(data, name, 'img{}.png'.format(index)), cv2.IMREAD_GRAYSCALE)
-    if image is None:
-        sys.exit('peers.py: no images in ' + data)
-    return image
-
-
 def features(method, data, folder):
-    import numpy as np
     detect, converted = detector(method)
     found = {'version': version(method)}
-    for name in SETS:
-        for i in range(1, IMAGES + 1):
-            points, descriptors = converted(detect(read(data, name, i)))
+    for name in images.SETS:
+        for i, image in enumerate(images.read_set(data, name)[0]):
+            points, descriptors = converted(detect(image))
             found['{}{}points'.format(name, i)] = points
             found['{}{}descriptors'.format(name, i)] = descriptors
     np.savez(os.path.join(folder, method + '.npz'), **found)
 
 
 def measure_time(method, data, folder):
-    """The sum over the first images of the sets of the median time of a call, in milliseconds. The number of threads is
-    that of the processors that the process may use."""
+    """The mean over the first images of the sets of the median time of a call, in ms. The number of threads is that of
+    the processors that the process may use."""
     detect = detector(method)[0]
-    total = 0
-    for name in SETS:
-        image = read(data, name, 1)
+    medians = []
+    for name in images.SETS:
+        image = images.read_set(data, name)[0][0]
         times = []
         end = time.perf_counter() + 2
         while len(times) < 5 or (time.perf_counter() < end and len(times) < 200):
             start = time.perf_counter()
             detect(image)
             times.append(time.perf_counter() - start)
-        total += 1000 * sorted(times)[len(times) // 2]
+        medians.append(1000 * np.median(times))
     threads = len(os.sched_getaffinity(0))
     with open(os.path.join(folder, '{}-{}.txt'.format(method, threads)), 'w') as file:
-        file.write('{:.3f}\n'.format(total / len(SETS)))
-
-
-def homography(data, name, index):
-    """That from the first image of a set to another one."""
-    import numpy as np
-    with open(os.path.join(data, name, 'H1to{}p.xml'.format(index))) as file:
-        numbers = re.search(r'<data>(.*?)</data>', file.read(), re.DOTALL).group(1).split()
-    return np.array(numbers, float).reshape(3, 3)
-
-
-def mapped(points, matrix):
-    import cv2
-    return cv2.perspectiveTransform(points.reshape(-1, 1, 2), matrix).reshape(-1, 2)
-
-
-def match(found, name, i):
-    """Positions of the mutual nearest neighbours, the best first."""
-    import cv2
-    import numpy as np
-    a, b = name + '1', name + str(i)
-    matches = cv2.BFMatcher(cv2.NORM_HAMMING, True).match(found[a + 'descriptors'], found[b + 'descriptors'])
-    matches = sorted(matches, key=lambda m: m.distance)
-    return (np.float32([found[a + 'points'][m.queryIdx] for m in matches]).reshape(-1, 2),
-            np.float32([found[b + 'points'][m.trainIdx] for m in matches]).reshape(-1, 2))
-
-
-def distinct(source, target, matrix):
-    """Indices of the matches within 3 pixels of the homography, 4 pixels away from every better one in both images."""
-    import numpy as np
-    kept = []
-    if len(source) == 0:
-        return kept
-    for i in np.nonzero(np.linalg.norm(mapped(source, matrix) - target, axis=1) <= 3)[0]:
-        if not kept or (np.linalg.norm(source[kept] - source[i], axis=1).min() >= 4 and
-                        np.linalg.norm(target[kept] - target[i], axis=1).min() >= 4):
-            kept.append(i)
-    return kept
-
-
-def corner_error(source, target, matrix, size, seed):
-    """The mean distance between the corners of the first image mapped by the estimated and by the known homography."""
-    import cv2
-    import numpy as np
-    if len(source) < 4:
-        return np.inf
-    params = cv2.UsacParams()
-    params.score, params.sampler = cv2.SCORE_METHOD_MAGSAC, cv2.SAMPLING_UNIFORM
-    params.loMethod, params.loIterations = cv2.LOCAL_OPTIM_SIGMA, 10
-    params.maxIterations, params.confidence, params.threshold = 5000, 0.9999, 3
-    params.randomGeneratorState = seed
-    estimate = cv2.findHomography(source, target, params)[0]
-    if estimate is None:
-        return np.inf
-    right, bottom = size[0] - 1, size[1] - 1
-    corners = np.float32([(0, 0), (right, 0), (right, bottom), (0, bottom)])
-    error = np.linalg.norm(mapped(corners, estimate) - mapped(corners, matrix), axis=1).mean()
-    return error if np.isfinite(error) else np.inf
+        file.write('{:.3f}\n'.format(np.mean(medians)))
 
 
 def row(method, data, folder):
     """A method's line of the table."""
     import aqorb
-    import numpy as np
+    import measures
     found = np.load(os.path.join(folder, method + '.npz'))
-    counts, uniformity, matches, places, scores = [], [], [], [], []
-    for name in SETS:
-        size = read(data, name, 1).shape[::-1]
-        for i in range(1, IMAGES + 1):
-            points = found['{}{}points'.format(name, i)]
-            keypoints = np.zeros(len(points), aqorb.keypoint_dtype)
-            keypoints['pt'] = points
-            counts.append(len(points))
-            uniformity.append(aqorb.distributionUniformity(keypoints, read(data, name, i).shape[::-1]))
-            if i == 1:
-                continue
-            matrix = homography(data, name, i)
-            source, target = match(found, name, i)
-            kept = distinct(source, target, matrix)
-            matches.append(len(kept))
-            places.append(len({(int(x * 16 / size[0]), int(y * 12 / size[1])) for x, y in source[kept]}))
-            scores += [max(0, 1 - corner_error(source, target, matrix, size, 7919 * seed) / 5)
-                       for seed in range(1, SEEDS + 1)]
+    of_images, of_pairs = [], []
+    for name in images.SETS:
+        pictures, homographies = images.read_set(data, name)
+        features_of = []
+        for i, image in enumerate(pictures):
+            keypoints = np.zeros(len(found['{}{}points'.format(name, i)]), aqorb.keypoint_dtype)
+            keypoints['pt'] = found['{}{}points'.format(name, i)]
+            features_of.append(measures.Features(keypoints, found['{}{}descriptors'.format(name, i)]))
+            of_images.append((len(keypoints), measures.uniformity(features_of[-1], image)))
+        for other, homography in zip(features_of[1:], homographies[1:]):
+            points = measures.matched(features_of[0], other, cv2.NORM_HAMMING)
+            counts = measures.counts(*points, measures.agree_with_homography(*points, homography), pictures[0])
+            of_pairs.append((counts['distinct'], counts['places'],
+                             measures.area_under_curve(*points, homography, pictures[0], SEEDS)))
     times = []
     for threads in 1, 2:
         with open(os.path.join(folder, '{}-{}.txt'.format(method, threads))) as file:
             times.append(float(file.read()))
     return '| {} | {:.2f} | {:.2f} | {:.0f} | {:.1f} | {:.1f} | {:.1f} | {:.3f} |'.format(
-        found['version'], *times, np.mean(counts), np.mean(uniformity), np.mean(matches), np.mean(places),
-        np.mean(scores))
-
-
-def draw(data, folder, methods):
-    """The keypoints of each method on one image, if no picture has the same yet."""
-    import cv2
-    import numpy as np
-    pictures, drawn = [], []
-    for method in [m for m in methods if m != 'kornia-fewer']:
-        found = np.load(os.path.join(folder, method + '.npz'))
-        if any(np.array_equal(found['leuven1points'], points) for points in drawn):
-            continue
-        drawn.append(found['leuven1points'])
-        picture = cv2.cvtColor(read(data, 'leuven', 1), cv2.COLOR_GRAY2BGR) // 2 + 64
-        for x, y in found['leuven1points']:
-            cv2.circle(picture, (int(round(float(x))), int(round(float(y)))), 3, (0, 220, 255), -1, cv2.LINE_AA)
-        picture = cv2.resize(picture, None, fx=0.6, fy=0.6, interpolation=cv2.INTER_AREA)
-        cv2.rectangle(picture, (0, 0), (picture.shape[1], 26), (40, 40, 40), -1)
-        title = str(found['version']).replace('`', '').replace(', detectAndCompute', '')
-        cv2.putText(picture, title, (8, 19), cv2.FONT_HERSHEY_SIMPLEX, 0.55, (255, 255, 255), 1, cv2.LINE_AA)
-        pictures.append(picture)
-    while len(pictures) % 2:
-        pictures.append(np.full_like(pictures[0], 255))
-    rows = [np.hstack(pictures[i:i + 2]) for i in range(0, len(pictures), 2)]
-    cv2.imwrite(os.path.join(folder, 'peers.jpg'), np.vstack(rows), [cv2.IMWRITE_JPEG_QUALITY, 85])
+        found['version'], *times, *np.mean(of_images, 0), *np.mean(of_pairs, 0))
 
 
 def report(data, folder, *methods):
@@ -224,7 +130,6 @@ def report(data, folder, *methods):
     print('|---|---|---|---|---|---|---|---|')
     for method in methods:
         print(row(method, data, folder))
-    draw(data, folder, methods)
 
 
 if __name__ == '__main__':

@@ -292,8 +292,8 @@ function draw() {
             context.drawImage(second, at.x, at.y, second.width * fit, second.height * fit);
             drawMatches(context, found.pair, scale, at, COLOURS[detector], oneIn);
         } else {
-            circles(context, pointsOf(found.keypoints), scale, 2.75);
-            strokeTwice(context, [], 'rgb(0 0 0 / 55%)', 1.25, COLOURS[detector]);
+            circles(context, pointsOf(found.keypoints), scale, width < 300 ? 1.5 : 2.75);
+            strokeTwice(context, [], 'rgb(0 0 0 / 55%)', width < 300 ? .75 : 1.25, COLOURS[detector]);
         }
     });
 }
@@ -400,7 +400,7 @@ const places = pair => new Set(matchesOf(pair.matches).filter(match => match.isR
 // For each row: whether it is of a pair, its name, what it is, whether more or less is better, and the value. A value
 // of null is none.
 const MEASURES = [
-    [true, 'Distinct matches', 'correct ones', Math.max,
+    [true, 'Distinct correct matches', '', Math.max,
         ({ pair }) => pair.known || pair.homography ? pair.distinct.length : null],
     [true, 'Places', 'cells with a correct match', Math.max,
         ({ pair }) => pair.known || pair.homography ? places(pair) : null],

@@ -243,7 +243,7 @@ test('it is known which matches of a simulated picture are correct', async () =>
     for (const view of ['side', 'far', 'night']) {
         await tab.locator('#other').selectOption(view);
         await idle(tab);
-        for (const name of ['Distinct matches', 'Places']) {
+        for (const name of ['Distinct correct matches', 'Places']) {
             const [orb, ours] = await measured(tab, name);
             assert.ok(ours > orb && orb > 10, `${view}: ${name} ${orb}, ${ours}`);
         }
@@ -257,16 +257,16 @@ test('it is known which matches of a simulated picture are correct', async () =>
 
 test('pictures of different things have no homography, and a sample is matched with the simulated one again', async () => {
     const { tab, close } = await open({}, null, '#view=pair');
-    const simulated = await measured(tab, 'Distinct matches');
+    const simulated = await measured(tab, 'Distinct correct matches');
     await openFile(tab, 'second', 'other', images[0]);
     assert.match(await tab.locator('#measures').textContent(), /none found/);
     assert.match(await tab.locator('#advice').textContent(), /Try more features, or a\s+larger strength weight/);
     await openFile(tab, 'file', 'sample', images[0]);
-    assert.ok((await measured(tab, 'Distinct matches')).every(count => count > 100));  // a picture with itself
+    assert.ok((await measured(tab, 'Distinct correct matches')).every(count => count > 100));  // a picture with itself
     await tab.locator('#sample').selectOption('coffee');
     await tab.waitForFunction(() => element('other').value === 'side');
     await idle(tab);
-    assert.deepEqual(await measured(tab, 'Distinct matches'), simulated);
+    assert.deepEqual(await measured(tab, 'Distinct correct matches'), simulated);
     assert.ok(await tab.locator('#advice').isHidden());
     await close();
 });

@@ -16,8 +16,8 @@ from aqorb import command
 
 def add(commands):
     parser = commands.add_parser('extract', help='detect the features of all images in a folder',
-                                 description='Detects the features of all images in a folder. If it is stopped, the same '
-                                 'command goes on where it was. Files that are no images are listed at the end.')
+                                 description='Detects the features of all images in a folder. If it is stopped, the '
+                                 'same command goes on where it was. Files that are no images are listed at the end.')
     parser.add_argument('folder', metavar='FOLDER')
     parser.add_argument('--out', required=True, metavar='FILE', help='.parquet, or .db for COLMAP')
     parser.add_argument('--recursive', action='store_true', help='with the folders in the folder')
@@ -59,8 +59,8 @@ def run(options):
         raise ImportError("No module named 'pycolmap'")
     paths, unlisted = list_files(options.folder, options.recursive, options.out)
     if not paths:
-        raise files.Refused(f'{options.folder} has no files' + ('' if options.recursive else '; --recursive looks into the '
-                                                                'folders in it'))
+        hint = '' if options.recursive else '; --recursive looks into the folders in it'
+        raise files.Refused(f'{options.folder} has no files{hint}')
     detector = aqorb.AdaptiveQuadtreeORB_create(options.num_features)
     how = {'reader': options.reader, 'max_size': options.max_size, 'orientation': not options.ignore_orientation}
     metadata = dict(collection.description(detector, **how),

@@ -22,8 +22,8 @@ RETRIEVAL = r'retrieval:([1-9][0-9]*)(?:\+sequential:([1-9][0-9]*))?'
 
 def add(commands):
     parser = commands.add_parser('match', help='match the features of pairs of images',
-                                 description='Matches descriptors that are the nearest of each other. If it is stopped, '
-                                 'the same command goes on where it was.')
+                                 description='Matches descriptors that are the nearest of each other. If it is '
+                                 'stopped, the same command goes on where it was.')
     parser.add_argument('features', metavar='FEATURES', help='file of aqorb extract')
     parser.add_argument('--pairs', required=True,
                         help='sequential:K, each image with the next K in the order of their paths; retrieval:K, with the '

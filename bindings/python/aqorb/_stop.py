@@ -10,7 +10,7 @@ import sys
 
 
 def stop(*_):
-    """A process that is killed leaves nothing that the same command does not go on with, so this ends it at any moment."""
+    """Ends the process at any moment: what it leaves is what the same command goes on with."""
     os.write(2, b'\naqorb: stopped; the same command goes on\n')
     os._exit(130)
 

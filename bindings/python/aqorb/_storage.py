@@ -2,8 +2,8 @@
 # It is subject to the license terms in the LICENSE file found in the top-level directory
 # of this distribution.
 # SPDX-License-Identifier: Apache-2.0
-"""A detector's parameters in files and in cv2's storages. They come as the text that OpenCV writes, as the storages of cv2
-are not those of the OpenCV that the package has."""
+"""A detector's parameters in files and in cv2's storages. They come as the text that OpenCV writes, as the storages of
+cv2 are not those of the OpenCV that the package has."""
 
 import gzip
 import os

@@ -2,8 +2,8 @@
 # It is subject to the license terms in the LICENSE file found in the top-level directory
 # of this distribution.
 # SPDX-License-Identifier: Apache-2.0
-"""Features and matches in a database of COLMAP. It is written by Python's sqlite3 alone: two SQLite libraries in a process
-that have the same file open destroy it, so close the database before pycolmap opens it.
+"""Features and matches in a database of COLMAP. It is written by Python's sqlite3 alone: two SQLite libraries in a
+process that have the same file open destroy it, so close the database before pycolmap opens it.
 
     from aqorb import colmap
     database = colmap.create('scene.db')
@@ -60,13 +60,14 @@ def close(database):
 
 def write_camera(database, width, height, focal_length=None, model='SIMPLE_RADIAL', params=None):
     """Writes a camera and a rig of this camera alone. Returns the camera's number. The parameters are those of COLMAP's
-    model. Without them it is a SIMPLE_RADIAL of the given focal length in pixels. Without that, too, it is COLMAP's first
-    guess, 1.2 times the longer side, which COLMAP refines."""
+    model. Without them it is a SIMPLE_RADIAL of the given focal length in pixels. Without that, too, it is COLMAP's
+    first guess, 1.2 times the longer side, which COLMAP refines."""
     known = focal_length is not None or params is not None
     if params is None:
         params = focal_length or 1.2 * max(width, height), width / 2, height / 2, 0
-    camera = database.execute('INSERT INTO cameras(model, width, height, params, prior_focal_length) VALUES (?, ?, ?, ?, ?)',
-                              (MODELS.index(model), width, height, np.array(params, '<f8').tobytes(), known)).lastrowid
+    camera = database.execute('INSERT INTO cameras(model, width, height, params, prior_focal_length) '
+                              'VALUES (?, ?, ?, ?, ?)', (MODELS.index(model), width, height,
+                                                         np.array(params, '<f8').tobytes(), known)).lastrowid
     database.execute('INSERT INTO rigs(ref_sensor_id, ref_sensor_type) VALUES (?, 0)', (camera,))
     return camera
 
@@ -115,7 +116,7 @@ def write_two_view_geometry(database, image1, image2, pairs, F):
     none, uncalibrated = np.zeros((3, 3)).tobytes(), 3
     database.execute('INSERT INTO two_view_geometries(pair_id, rows, cols, data, config, F, E, H, qvec, tvec) '
                      'VALUES (?, ?, ?, ?, ?, ?, ?, ?, ?, ?)',
-                     (*blob_of(image1, image2, pairs), uncalibrated, np.ascontiguousarray(F, '<f8').tobytes(), none, none,
+                     (*blob_of(image1, image2, pairs), uncalibrated, np.array(F, '<f8').tobytes(), none, none,
                       np.array([1., 0, 0, 0]).tobytes(), np.zeros(3).tobytes()))
 
 

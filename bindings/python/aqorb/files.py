@@ -3,8 +3,8 @@
 # of this distribution.
 # SPDX-License-Identifier: Apache-2.0
 """Files of features and of matches: .parquet, and .db, a database of COLMAP. They are made part by part, so that memory
-does not grow with the number of images and that what was stopped can go on. A file gets its name when it is complete, so
-that whoever is stopped at any moment leaves the old file or the new one. What is read is checked."""
+does not grow with the number of images and that what was stopped can go on. A file gets its name when it is complete,
+so that whoever is stopped at any moment leaves the old file or the new one. What is read is checked."""
 
 import bisect
 import contextlib
@@ -92,8 +92,8 @@ def write_in_parts(out, items, total, unit, part_size, metadata, overwrite, make
 
 @contextlib.contextmanager
 def locked(folder):
-    """Makes a folder that no other process has at the same time, where the system has such locks. It is removed at the end,
-    but kept if what is done meanwhile fails. Returns whether it was there."""
+    """Makes a folder that no other process has at the same time, where the system has such locks. It is removed at the
+    end, but kept if what is done meanwhile fails. Returns whether it was there."""
     was_there = os.path.isdir(folder)
     lock = os.path.join(folder, 'lock')
     os.makedirs(folder, exist_ok=True)
@@ -189,7 +189,8 @@ def held(path):
         return
     with contextlib.closing(sqlite3.connect(path, timeout=1)) as database:
         try:
-            for command in ('PRAGMA locking_mode = EXCLUSIVE', 'PRAGMA journal_mode = DELETE', 'BEGIN EXCLUSIVE', 'COMMIT'):
+            for command in ('PRAGMA locking_mode = EXCLUSIVE', 'PRAGMA journal_mode = DELETE', 'BEGIN EXCLUSIVE',
+                            'COMMIT'):
                 database.execute(command).fetchall()
         except sqlite3.Error as error:
             raise Refused(f'{path} cannot be replaced: {error}') from error
@@ -226,12 +227,13 @@ def write_database(path, tables, metadata, database=None):
 
 
 def write_matches(path, tables, metadata, database, features):
-    """A database of COLMAP with features, and the matches in the tables. It is a copy of the database, if there is one."""
+    """A database of COLMAP with features, and the matches in the tables. If the features are in one, it is a copy."""
     with colmap_errors(path):
         if suffix_of(features.path) == '.parquet':
             write_database(path, features.tables(), features.metadata)
         else:
-            is_held = database and os.path.samefile(features.path, database.execute('PRAGMA database_list').fetchone()[2])
+            is_held = database and os.path.samefile(features.path,
+                                                    database.execute('PRAGMA database_list').fetchone()[2])
             with contextlib.nullcontext(database) if is_held else read_only(features.path) as source:
                 if digest_of(source) != features.metadata['sha256']:
                     raise Refused(f'{features.path} was changed while it was matched')
@@ -305,7 +307,7 @@ def digest_of_file(path):
 
 @contextlib.contextmanager
 def read_only(path):
-    """Opens a database to read it. One that COLMAP has opened would be left with two more files if it were opened read-only."""
+    """Opens a database to read it. If it were opened read-only, one of COLMAP's would be left with two more files."""
     with contextlib.closing(sqlite3.connect(f'{pathlib.Path(path).absolute().as_uri()}?mode=rw', uri=True)) as database:
         yield database
 
@@ -326,7 +328,7 @@ def read_metadata(path, name='features'):
 
 
 def read_matches_metadata(path):
-    """The metadata of the matches in a database, an empty one if they are of another program, or None without matches."""
+    """The metadata of the matches in a database, {} if they are of another program, or None without matches."""
     with open(path, 'rb'), reading(path), read_only(path) as database:
         if database.execute("SELECT name FROM sqlite_master WHERE name = 'aqorb'").fetchone():
             metadata = get_metadata(database, 'matches')

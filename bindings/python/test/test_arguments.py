@@ -5,17 +5,14 @@
 """Tests of what the package accepts as an argument, and of what it says about the rest."""
 
 import collections
-import os
 import re
-import subprocess
-import sys
 
 import cv2 as cv
 import numpy as np
 import pytest
 
 import aqorb
-from conftest import LINUX, never_freed
+from conftest import never_freed
 
 KEYPOINT = cv.KeyPoint(100, 100, 31)
 SEQUENCE = 'keypoints must be a sequence of cv2.KeyPoint or an array of aqorb.keypoint_dtype, got '
@@ -261,38 +258,6 @@ def test_numbers(orb):
             orb.setOctaveSuppression(wrong)
     with pytest.raises(aqorb.error, match='scoreType must be .*, got 7'):
         orb.setScoreType(7)
-
-
-def test_releasing_memory_changes_no_result(orb, image):
-    expected, _ = orb.detectAndComputeArrays(image)
-    orb.releaseMemory()
-    again, _ = orb.detectAndComputeArrays(image)
-    assert (expected == again).all()
-
-
-MEMORY = '''
-import numpy as np
-import aqorb
-
-def resident():
-    with open('/proc/self/statm') as file:
-        return int(file.read().split()[1]) * 4096
-
-image = np.random.RandomState(0).randint(0, 256, (3000, 4000)).astype(np.uint8)
-orb = aqorb.AdaptiveQuadtreeORB_create()
-orb.detectAndComputeArrays(image)
-before = resident()
-orb.releaseMemory()
-print(before - resident())
-'''
-
-
-@LINUX
-def test_memory_is_given_back():
-    # The C library gives a large block back to the system at once.
-    run = subprocess.run([sys.executable, '-c', MEMORY], stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True,
-                         env=dict(os.environ, MALLOC_MMAP_THRESHOLD_='65536'), timeout=300)
-    assert run.returncode == 0 and int(run.stdout) > 12000000, run.stdout
 
 
 def test_what_is_returned_can_be_changed(orb, image):

@@ -5,7 +5,6 @@
 """Tests of detectAndComputeBatch. What it does while several threads use the package is tested in test_threads.py."""
 
 import pickle
-import sys
 
 import numpy as np
 import pytest
@@ -142,13 +141,3 @@ def test_bad_arguments(orb, error, arguments, message):
     with pytest.raises(error) as raised:
         orb.detectAndComputeBatch(*arguments)
     assert str(raised.value) == message
-
-
-def test_references(orb, image, threads):
-    image, wrong = image[:100, :100].copy(), np.ones((3, 3), np.uint8)
-    before = sys.getrefcount(image), sys.getrefcount(wrong)
-    for _ in range(50):
-        orb.detectAndComputeBatch([image] * 5)
-        with pytest.raises(aqorb.error):
-            orb.detectAndComputeBatch([image] * 5, [wrong] * 5)
-    assert (sys.getrefcount(image), sys.getrefcount(wrong)) == before

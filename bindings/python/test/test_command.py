@@ -10,7 +10,6 @@ import pathlib
 import random
 import re
 import shutil
-import signal
 import stat
 import subprocess
 import sys
@@ -20,7 +19,7 @@ import numpy as np
 import pytest
 
 import aqorb
-from command_support import FOLDER, PIL, Image, collection, command, encoded, expected, noise, pq, pycolmap, refused, rows, run
+from command_support import FOLDER, PIL, Image, command, encoded, expected, noise, pq, pycolmap, refused, rows, run
 
 
 def test_parquet(folder, features):
@@ -182,22 +181,6 @@ def test_killed_after_all_was_done(folder, features, tmp_path):
     assert os.listdir(str(tmp_path)) == ['features.parquet']
 
 
-@pytest.mark.skipif(os.name == 'nt', reason='signals of Unix')
-def test_ctrl_c(folder, tmp_path):
-    out = tmp_path / 'features.parquet'
-    process = subprocess.Popen([sys.executable, '-m', 'aqorb', 'extract', str(folder), '--out', str(out), '--part-size',
-                                '1'], stderr=subprocess.PIPE, text=True, env=dict(os.environ, PYTHONPATH=FOLDER),
-                               # A shell without job control has what it starts in the background ignore Ctrl-C.
-                               preexec_fn=lambda: signal.signal(signal.SIGINT, signal.SIG_DFL))
-    while not os.path.exists(f'{out}.partial/part-000003.parquet') and process.poll() is None:
-        time.sleep(.001)
-    process.send_signal(signal.SIGINT)
-    _, errors = process.communicate(timeout=300)
-    assert process.returncode == 130 and 'stopped; the same command goes on' in errors and 'Traceback' not in errors
-    run('extract', folder, '--out', out, '--part-size', 1)
-    assert len(rows(out)) == 40
-
-
 def test_files_that_are_left_out(tmp_path):
     images = tmp_path / 'images'
     (images / 'deeper').mkdir(parents=True)
@@ -293,31 +276,3 @@ def test_the_reader_cv2(folder, tmp_path):
     assert rows(tmp_path / 'f.parquet')[b'05.png'] == dict(expected(noise(5)), path=b'05.png')
     metadata = json.loads(pq.read_schema(str(tmp_path / 'f.parquet')).metadata[b'aqorb'])
     assert metadata['reader'] == 'cv2 ' + cv2.__version__
-
-
-def test_five_hundred_photographs(tmp_path):
-    if 'OPENCV_TEST_DATA_PATH' not in os.environ:
-        pytest.skip('needs OPENCV_TEST_DATA_PATH')
-    photographs = sorted(pathlib.Path(os.environ['OPENCV_TEST_DATA_PATH']).glob(
-        'cv/detectors_descriptors_evaluation/images_datasets/*/*.png'))
-    (tmp_path / 'images').mkdir()
-    write_crops(photographs, tmp_path / 'images', 500)
-    run('extract', tmp_path / 'images', '--out', tmp_path / 'f.parquet')
-    table = pq.read_table(str(tmp_path / 'f.parquet'))
-    images = [np.asarray(Image.open(str(tmp_path / 'images' / os.fsdecode(path))).convert('L'))
-              for path in table['path'].to_pylist()]
-    found = aqorb.AdaptiveQuadtreeORB_create(1000).detectAndComputeBatch(images)
-    assert len(images) == 500
-    for name in 'x', 'y', 'size', 'angle', 'response', 'octave':
-        assert np.array_equal(table[name].combine_chunks().flatten(), getattr(found, name))
-    assert b''.join(table['descriptors'].to_pylist()) == found.descriptors.tobytes()
-
-
-def write_crops(photographs, folder, count, size=(320, 240)):
-    chance = random.Random(0)
-    opened = [Image.open(str(path)).convert('RGB') for path in photographs]
-    for i in range(count):
-        image = opened[i % len(opened)]
-        x, y = chance.randrange(image.width - size[0] + 1), chance.randrange(image.height - size[1] + 1)
-        image.crop((x, y, x + size[0], y + size[1])).save(str(folder / f'{i:05}.bmp'))
-

@@ -10,7 +10,6 @@ import random
 import resource
 import shutil
 import signal
-import sqlite3
 import subprocess
 import sys
 import time
@@ -57,15 +56,13 @@ def test_a_flipped_part(features, tmp_path):
 
 def test_files_that_no_command_has_made(features, tmp_path):
     good = pq.read_table(str(features / 'features.parquet'))
-    for name, table in hostile.crafted(good):
+    for table in hostile.crafted(good):
         pq.write_table(table, str(tmp_path / 'odd.parquet'))
         with pytest.raises(files.Refused, match=r'odd\.parquet (is damaged|has no features)'):
             content_of(tmp_path / 'odd.parquet')
             list(files.Features(str(tmp_path / 'odd.parquet')).tables())  # reads the other columns, too
     for statement in hostile.DATABASES:
-        with sqlite3.connect(shutil.copy(str(features / 'features.db'), str(tmp_path / 'odd.db'))) as database:
-            database.execute(statement)
-        database.close()
+        hostile.change(shutil.copy(str(features / 'features.db'), str(tmp_path / 'odd.db')), statement)
         with pytest.raises(files.Refused, match=r'odd\.db is damaged, or no file that aqorb'):
             content_of(tmp_path / 'odd.db')
 
@@ -174,10 +171,9 @@ def test_outputs_that_cannot_be_written(folder, tmp_path, stream):
     assert finished.returncode == (1 if 'full' in stream else 0) and (tmp_path / 'f.parquet').exists()
 
 
-@pytest.mark.parametrize('locale', ['C', 'C.UTF-8', 'en_US.ISO-8859-1'])
-@pytest.mark.parametrize('name', ['with space', 'a?b#c%20', "it's", 'new\nline', 'Zwölf', '-dash'])
-def test_odd_paths(features, tmp_path, monkeypatch, name, locale):
-    monkeypatch.setenv('LC_ALL', locale)
+@pytest.mark.parametrize('name', ["it's a?b#c%20", 'new\nline', 'Zwölf', '-dash'])
+def test_odd_paths(features, tmp_path, monkeypatch, name):
+    monkeypatch.setenv('LC_ALL', 'C')
     (tmp_path / name).mkdir()
     shutil.copy(str(features / 'features.db'), str(tmp_path / name / f'{name}.db'))
     monkeypatch.chdir(str(tmp_path / name))

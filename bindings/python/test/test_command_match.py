@@ -14,7 +14,7 @@ import numpy as np
 import pytest
 
 import aqorb
-from command_support import Image, collection, expected, noise, pa, pq, pycolmap, refused, rows, run
+from command_support import Image, collection, expected, noise, pq, pycolmap, refused, rows, run
 
 
 def matches_of(path):

@@ -8,9 +8,6 @@ import copy
 import os
 import pathlib
 import pickle
-import shutil
-import subprocess
-import sys
 
 import cv2 as cv
 import numpy as np
@@ -178,42 +175,3 @@ def test_storages_that_are_not_open_to_write(orb):
         orb.write(cv.FileStorage())
     with pytest.raises(cv.error, match='write'):
         orb.write(storage_of('{}'))
-
-
-COMMAS = '''
-import locale, re
-import cv2 as cv
-import aqorb
-locale.setlocale(locale.LC_ALL, 'de_DE.UTF-8')
-assert locale.str(1.5) == '1,5'
-orb = aqorb.AdaptiveQuadtreeORB_create(scaleFactor=1.3)
-orb.setOctaveSuppression(0.1)
-for suffix in 'yml', 'xml', 'json':
-    orb.write('orb.' + suffix)
-    text = open('orb.' + suffix).read()
-    assert not re.search('[0-9],[0-9]', text), text
-storage = cv.FileStorage('storage.yml', cv.FILE_STORAGE_WRITE)
-orb.write(storage, 'detector')
-storage.release()
-node = cv.FileStorage('storage.yml', cv.FILE_STORAGE_READ)
-for source in 'orb.yml', 'orb.xml', 'orb.json', node.getNode('detector'):
-    other = aqorb.AdaptiveQuadtreeORB_create()
-    other.read(source)
-    assert other.getOctaveSuppression() == 0.1 and other.getScaleFactor() == orb.getScaleFactor()
-try:
-    orb.setMinThresholdRatio(0.5)
-except aqorb.error as error:
-    assert 'minThresholdRatio must be finite and at least 1, got 0' in str(error)
-'''
-
-
-def test_a_language_with_decimal_commas(tmp_path):
-    # German is made here, as it need not be installed.
-    if not shutil.which('localedef') or not os.path.exists('/usr/share/i18n/locales/de_DE'):
-        pytest.skip('needs localedef and the sources of locales')
-    subprocess.run(['localedef', '--no-archive', '-i', 'de_DE', '-f', 'UTF-8', str(tmp_path / 'de_DE.UTF-8')],
-                   check=True)
-    run = subprocess.run([sys.executable, '-c', COMMAS], cwd=str(tmp_path), text=True,
-                         env=dict(os.environ, LOCPATH=str(tmp_path), LC_ALL='de_DE.UTF-8'),
-                         stdout=subprocess.PIPE, stderr=subprocess.STDOUT)
-    assert run.returncode == 0, run.stdout

@@ -185,45 +185,6 @@ def test_stub_is_a_stub_of_the_package(tmp_path):
     assert run.returncode == 0, run.stdout
 
 
-PROGRAM = '''
-import pathlib
-from typing import List, Optional, Tuple
-import numpy
-import aqorb
-
-image = numpy.zeros((48, 64), numpy.uint8)
-orb = aqorb.AdaptiveQuadtreeORB_create(300)
-array, rows = orb.detectAndComputeArrays(image, image > 5)
-computed, descriptors = orb.compute(image, array)
-if descriptors is not None:
-    print(descriptors.shape, computed['pt'])
-several = orb.detect([image, None], [image, None]) + orb.detect((image,), None)
-lists, _ = orb.compute([image], [array])
-orb.write(pathlib.Path('orb.yml'))
-orb.read('orb.yml')
-orb.save(b'orb.yml')
-occupancy: float = aqorb.distributionOccupancy(array, (64, 48), [4, 3])
-kept = aqorb.retainUniform(array, image.shape[1::-1], 5)['pt']
-orb.detect('image.png')  # wrong
-orb.setCellSize('35')  # wrong
-orb.setCellsize(35)  # wrong
-aqorb.retainUniform(array, 640, 5)  # wrong
-aqorb.nothing  # wrong
-'''
-
-
-def test_programs_are_typed(tmp_path):
-    pytest.importorskip('mypy')
-    (tmp_path / 'mypy.ini').write_text(MYPY)
-    (tmp_path / 'program.py').write_text(PROGRAM)
-    run = subprocess.run([sys.executable, '-m', 'mypy', 'program.py'], cwd=str(tmp_path),
-                         env=dict(os.environ, MYPYPATH=FOLDER), stdout=subprocess.PIPE, stderr=subprocess.STDOUT,
-                         text=True)
-    found = {int(number) for number in re.findall(r'^program.py:([0-9]+): error', run.stdout, re.MULTILINE)}
-    wrong = {i for i, line in enumerate(PROGRAM.split('\n'), 1) if line.endswith('# wrong')}
-    assert found == wrong, run.stdout
-
-
 SUBINTERPRETER = '''
 import sys
 try:

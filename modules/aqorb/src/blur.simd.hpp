@@ -6,9 +6,6 @@
 #include "blur.hpp"
 #include "simd_compat.hpp"
 
-#include <cmath>
-#include <cstring>
-
 namespace cv
 {
 namespace aqorb
@@ -26,35 +23,6 @@ void blurTile(const uchar* source, ptrdiff_t step, int height, const ushort taps
               ptrdiff_t blurredStep);
 
 #ifndef CV_CPU_OPTIMIZATION_DECLARATIONS_ONLY
-
-namespace
-{
-
-// a * b + c, rounded once. The C library's function for this is slow where the processor has no such instruction, and in
-// that of MinGW it rounds twice.
-CV_ALWAYS_INLINE float multiplyAdd(float a, float b, float c)
-{
-#if defined(FP_FAST_FMAF) || defined(__FMA__) || defined(__ARM_FEATURE_FMA)
-    return std::fma(a, b, c);
-#else
-    // The product of two floats is exact in a double. If the sum is not, its last bit is made odd on the side of what was
-    // cut off, and then stands for it: the double has more than two bits more than twice those of a float, so it cannot
-    // be taken for a number midway between two floats, nor for a float.
-    const double product = double(a) * b, sum = product + c;
-    const double added = sum - product, error = (product - (sum - added)) + (c - added);
-    if (error == 0)
-        return float(sum);
-    int64 bits;
-    std::memcpy(&bits, &sum, sizeof(bits));
-    if (bits % 2 == 0)
-        bits += (error > 0) == (sum > 0) ? 1 : -1;
-    double odd;
-    std::memcpy(&odd, &bits, sizeof(odd));
-    return float(odd);
-#endif
-}
-
-}  // namespace
 
 uchar exactBlurAt(const uchar* p, ptrdiff_t step, const float* taps)
 {
@@ -130,36 +98,9 @@ CV_ALWAYS_INLINE Weighed loadRow(const uchar* p)
     return row;
 }
 
-CV_ALWAYS_INLINE Pixels average(const Pixels& a, const Pixels& b)  // rounded up
-{
-#if CV_AVX512_SKX && CV_SIMD_WIDTH == 64
-    return Pixels(_mm512_avg_epu16(a.val, b.val));
-#elif CV_AVX2 && CV_SIMD_WIDTH == 32
-    return Pixels(_mm256_avg_epu16(a.val, b.val));
-#elif CV_SSE2
-    return Pixels(_mm_avg_epu16(a.val, b.val));
-#elif CV_NEON
-    return Pixels(vrhaddq_u16(a.val, b.val));
-#elif CV_SIMD
-    return v_sub(v_or(a, b), v_shr<1>(v_xor(a, b)));
-#else
-    return (a + b + 1) >> 1;
-#endif
-}
-
 CV_ALWAYS_INLINE Pixels weightedSum(const Weighed& a, const Weighed& taps)
 {
-#if CV_NEON
-    // NEON adds products of 32 bits in the instruction that multiplies. The sum is rounded down once, so the error is
-    // smaller than that of products of 16 bits, and the bounds hold all the more.
-    uint32x4_t low = vdupq_n_u32(0), high = low;
-    for (int i = 0; i < 4; i++)
-    {
-        low = vmlal_u16(low, vget_low_u16(a.of[i].val), vget_low_u16(taps.of[i].val));
-        high = vmlal_u16(high, vget_high_u16(a.of[i].val), vget_high_u16(taps.of[i].val));
-    }
-    return Pixels(vcombine_u16(vshrn_n_u32(low, 16), vshrn_n_u32(high, 16)));
-#elif CV_SIMD
+#if CV_SIMD
     return v_add_wrap(v_add_wrap(v_mul_hi(a.of[0], taps.of[0]), v_mul_hi(a.of[1], taps.of[1])),
                       v_add_wrap(v_mul_hi(a.of[2], taps.of[2]), v_mul_hi(a.of[3], taps.of[3])));
 #else

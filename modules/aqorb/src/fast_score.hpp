@@ -49,19 +49,6 @@ struct Single
     static CV_ALWAYS_INLINE V whereZero(V a) { return a == 0 ? 255 : 0; }
 };
 #if CV_SIMD
-// The lanes in which a is greater than b.
-template <typename V> CV_ALWAYS_INLINE uint64 greaterLanes(const V& a, const V& b)
-{
-    return signBits(v_gt(a, b));
-}
-#if CV_AVX512_SKX && CV_SIMD_WIDTH == 64
-// Comparisons give masks here. The generic code makes vectors of them, and then masks again.
-CV_ALWAYS_INLINE uint64 greaterLanes(const v_uint8& a, const v_uint8& b)
-{
-    return _mm512_cmpgt_epu8_mask(a.val, b.val);
-}
-#endif
-
 template <typename Vector> struct Lanes
 {
     typedef Vector V;
@@ -69,24 +56,14 @@ template <typename Vector> struct Lanes
     // The difference where it is positive, else 0.
     static CV_ALWAYS_INLINE V above(const V& a, const V& b) { return v_sub(a, b); }
     static CV_ALWAYS_INLINE uint64 maskGreater(const V& a, const V& b) { return greaterLanes(a, b); }
-    static CV_ALWAYS_INLINE bool anyGreater(const V& a, const V& b)
-    {
-#if CV_NEON
-        return v_check_any(v_gt(a, b));  // on NEON it takes long to collect a bit of each lane
-#else
-        return greaterLanes(a, b) != 0;
-#endif
-    }
+    static CV_ALWAYS_INLINE bool anyGreater(const V& a, const V& b) { return anyLaneGreater(a, b); }
     // Stores a where it is greater than b, else 0. Returns the lanes in which it is greater.
     static CV_ALWAYS_INLINE uint64 storeGreater(uchar* p, const V& a, const V& b)
     {
         v_store(p, v_and(a, v_gt(a, b)));
         return greaterLanes(a, b);
     }
-    static CV_ALWAYS_INLINE V whereZero(const V& a)
-    {
-        return v_eq(a, v_xor(a, a));
-    }
+    static CV_ALWAYS_INLINE V whereZero(const V& a) { return v_eq(a, v_xor(a, a)); }
 };
 // The widest vectors, and narrow ones for images into which these do not fit.
 struct Wide : Lanes<v_uint8>

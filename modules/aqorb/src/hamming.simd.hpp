@@ -20,7 +20,7 @@ const HammingKernels* kernelsFor(int words);
 
 #ifndef CV_CPU_OPTIMIZATION_DECLARATIONS_ONLY
 
-#if CV_SIMD && (CV_SSE2 || CV_NEON)
+#ifdef AQORB_COUNTS_BITS
 
 namespace
 {

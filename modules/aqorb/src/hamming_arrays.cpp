@@ -8,9 +8,9 @@
 #include "precomp.hpp"
 
 #include "hamming.hpp"
+#include "simd_compat.hpp"
 
 #include <opencv2/aqorb/matching.hpp>
-#include <opencv2/core/hal/hal.hpp>
 
 namespace cv
 {
@@ -131,6 +131,21 @@ void findAround(const Point2f& center, const Size2f& reach, const std::vector<Tr
     found.resize(count);
 }
 
+//! The distance of two descriptors. To call cv::hal::normHamming takes longer than to count the bits of so few.
+int distanceBetween(const uchar* a, const uchar* b, int bytes, bool countPairs)
+{
+    int distance = 0;
+    for (int i = 0; i < bytes; i += 8)
+    {
+        uint64 words[2] = {0, 0};
+        for (int j = 0; j < 2; j++)
+            std::memcpy(&words[j], (j ? b : a) + i, bytes - i < 8 ? size_t(bytes - i) : 8);
+        const uint64 bits = words[0] ^ words[1];
+        distance += bitCount(countPairs ? (bits | bits >> 1) & 0x5555555555555555u : bits);
+    }
+    return distance;
+}
+
 void checkCount(const char* name, size_t count, const char* descriptors, int rows)
 {
     if (count != size_t(rows))
@@ -225,7 +240,7 @@ try
         for (const int j : found)
         {
             const int distance =
-                hal::normHamming(query.ptr(i), train.ptr(j), query.cols, normType == NORM_HAMMING2 ? 2 : 1);
+                distanceBetween(query.ptr(i), train.ptr(j), query.cols, normType == NORM_HAMMING2);
             insertKey(&ofQueries[size_t(i) * kept], kept, distanceKey(distance, j));
             insertKey(&ofTrains[size_t(j) * kept], kept, distanceKey(distance, i));
         }

@@ -6,8 +6,6 @@
 #include "harris.hpp"
 #include "simd_compat.hpp"
 
-#include <cstring>
-
 namespace cv
 {
 namespace aqorb
@@ -33,25 +31,6 @@ struct BlockSums
 
 const int AT_ONCE = CV_SIMD_WIDTH / 16;  // corners: one in each 128 bits
 
-// Eight pixels for each corner, the first at p + offset.
-CV_ALWAYS_INLINE v_int16 loadEach(const uchar* const* p, ptrdiff_t offset)
-{
-#if CV_SIMD_WIDTH > 16
-    int64 pixels[AT_ONCE];
-    for (int i = 0; i < AT_ONCE; i++)
-        std::memcpy(&pixels[i], p[i] + offset, sizeof(pixels[i]));
-#endif
-#if CV_AVX512_SKX && CV_SIMD_WIDTH == 64
-    return v_int16(_mm512_cvtepu8_epi16(_mm256_set_epi64x(pixels[3], pixels[2], pixels[1], pixels[0])));
-#elif CV_AVX2 && CV_SIMD_WIDTH == 32
-    return v_int16(_mm256_cvtepu8_epi16(_mm_set_epi64x(pixels[1], pixels[0])));
-#elif CV_SIMD_WIDTH > 16
-    return v_reinterpret_as_s16(vx_load_expand(reinterpret_cast<const uchar*>(pixels)));
-#else
-    return v_reinterpret_as_s16(v_load_expand(p[0] + offset));
-#endif
-}
-
 // One row of the window of 7 x 7 pixels around each corner, in eight lanes for each corner. The first five lanes hold
 // the horizontal difference and the horizontal smoothing.
 struct WindowRows
@@ -61,8 +40,8 @@ struct WindowRows
 
 CV_ALWAYS_INLINE WindowRows loadRows(const uchar* const* p, ptrdiff_t offset)
 {
-    const v_int16 left = loadEach(p, offset), middle = loadEach(p, offset + 1),
-                  right = loadEach(p, offset + 2);
+    const v_int16 left = expandEach(p, offset), middle = expandEach(p, offset + 1),
+                  right = expandEach(p, offset + 2);
     return {v_sub(right, left), v_add(v_add(left, right), v_add(middle, middle))};
 }
 

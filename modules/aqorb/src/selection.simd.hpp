@@ -6,6 +6,7 @@
 // The kernels of the selection: which leaves have representatives, and their ranks.
 
 #include "selection.hpp"
+#include "simd_compat.hpp"
 
 namespace cv
 {

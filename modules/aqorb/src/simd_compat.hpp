@@ -9,8 +9,15 @@
 #include <opencv2/core/hal/intrin.hpp>
 #include <opencv2/core/version.hpp>
 
+#include <cmath>
+#include <cstring>
+
+// What differs between CPUs and between versions of OpenCV, for the kernels: operations on bytes and bits for which the
+// universal intrinsics have no function or a slow one, each with one meaning on every CPU.
+//
 // The kernels call the universal intrinsics by the function names that OpenCV has had since 4.9. Older versions have
-// operators only; for these the functions are added here.
+// operators only; for these the functions are added here. All functions are static, because a file compiled for one CPU
+// must keep its own: see types.hpp.
 
 #define AQORB_VERSION_CODE (CV_VERSION_MAJOR * 100 + CV_VERSION_MINOR)
 
@@ -37,6 +44,71 @@ AQORB_BINARY(v_gt, >)
 #undef AQORB_BINARY
 #else
 #define AQORB_LANES(V) VTraits<V>::vlanes()
+#endif
+
+//! How many bits are set.
+static CV_ALWAYS_INLINE int bitCount(uint64 v)
+{
+#if defined(__POPCNT__) || defined(__aarch64__) || defined(__wasm__)
+    return __builtin_popcountll(v);
+#else
+    v -= (v >> 1) & 0x5555555555555555u;
+    v = (v & 0x3333333333333333u) + ((v >> 2) & 0x3333333333333333u);
+    v = (v + (v >> 4)) & 0x0f0f0f0f0f0f0f0fu;
+    return int((v * 0x0101010101010101u) >> 56);
+#endif
+}
+
+//! Index of the lowest bit that is set. At least one must be.
+static CV_ALWAYS_INLINE int trailingZeros(uint64 bits)
+{
+#if defined(__GNUC__)
+    return __builtin_ctzll(bits);
+#else
+    const unsigned low = unsigned(bits);
+    return int(low ? trailingZeros32(low) : 32 + trailingZeros32(unsigned(bits >> 32)));
+#endif
+}
+
+//! a * b + c, rounded once. The C library's function for this is slow where the processor has no such instruction, and in
+// that of MinGW it rounds twice.
+static CV_ALWAYS_INLINE float multiplyAdd(float a, float b, float c)
+{
+#if defined(FP_FAST_FMAF) || defined(__FMA__) || defined(__ARM_FEATURE_FMA)
+    return std::fma(a, b, c);
+#else
+    // The product of two floats is exact in a double. If the sum is not, its last bit is made odd on the side of what was
+    // cut off, and then stands for it: the double has more than two bits more than twice those of a float, so it cannot
+    // be taken for a number midway between two floats, nor for a float.
+    const double product = double(a) * b, sum = product + c;
+    const double added = sum - product, error = (product - (sum - added)) + (c - added);
+    if (error == 0)
+        return float(sum);
+    int64 bits;
+    std::memcpy(&bits, &sum, sizeof(bits));
+    if (bits % 2 == 0)
+        bits += (error > 0) == (sum > 0) ? 1 : -1;
+    double odd;
+    std::memcpy(&odd, &bits, sizeof(odd));
+    return float(odd);
+#endif
+}
+
+//! The average of two numbers, rounded up.
+static CV_ALWAYS_INLINE unsigned average(unsigned a, unsigned b)
+{
+    return (a + b + 1) >> 1;
+}
+
+#if CV_SSE2
+//! The instruction of Intel's for the widest vectors.
+#if CV_SIMD_WIDTH == 64
+#define AQORB_WIDE(name) _mm512_##name
+#elif CV_SIMD_WIDTH == 32
+#define AQORB_WIDE(name) _mm256_##name
+#else
+#define AQORB_WIDE(name) _mm_##name
+#endif
 #endif
 
 #if CV_SIMD
@@ -68,18 +140,129 @@ template <typename V> static CV_ALWAYS_INLINE uint64 signBits(const V& a)
     return uint64(bits) & (~uint64(0) >> (64 - AQORB_LANES(V)));
 }
 
-#if CV_SSE2
-//! The instruction of Intel's for the widest vectors.
-#if CV_SIMD_WIDTH == 64
-#define AQORB_WIDE(name) _mm512_##name
-#elif CV_SIMD_WIDTH == 32
-#define AQORB_WIDE(name) _mm256_##name
-#else
-#define AQORB_WIDE(name) _mm_##name
+//! The lanes in which a is greater than b.
+template <typename V> static CV_ALWAYS_INLINE uint64 greaterLanes(const V& a, const V& b)
+{
+    return signBits(v_gt(a, b));
+}
+#if CV_AVX512_SKX && CV_SIMD_WIDTH == 64
+// Comparisons give masks here. The generic code makes vectors of them, and then masks again.
+static CV_ALWAYS_INLINE uint64 greaterLanes(const v_uint8& a, const v_uint8& b)
+{
+    return _mm512_cmpgt_epu8_mask(a.val, b.val);
+}
 #endif
+
+//! Whether a is greater than b in any lane.
+template <typename V> static CV_ALWAYS_INLINE bool anyLaneGreater(const V& a, const V& b)
+{
+#if CV_NEON
+    return v_check_any(v_gt(a, b));  // on NEON it takes long to collect a bit of each lane
+#else
+    return greaterLanes(a, b) != 0;
+#endif
+}
+
+static CV_ALWAYS_INLINE v_uint16 average(const v_uint16& a, const v_uint16& b)
+{
+#if CV_SSE2
+    return v_uint16(AQORB_WIDE(avg_epu16)(a.val, b.val));
+#elif CV_NEON
+    return v_uint16(vrhaddq_u16(a.val, b.val));
+#else
+    return v_sub(v_or(a, b), v_shr<1>(v_xor(a, b)));
+#endif
+}
+
+//! Eight bytes at p[i] + offset for each 128 bits, as 16-bit numbers.
+static CV_ALWAYS_INLINE v_int16 expandEach(const uchar* const* p, ptrdiff_t offset)
+{
+    int64 bytes[CV_SIMD_WIDTH / 16];
+    for (int i = 0; i < CV_SIMD_WIDTH / 16; i++)
+        std::memcpy(&bytes[i], p[i] + offset, sizeof(bytes[i]));
+#if CV_AVX512_SKX && CV_SIMD_WIDTH == 64
+    return v_int16(_mm512_cvtepu8_epi16(_mm256_set_epi64x(bytes[3], bytes[2], bytes[1], bytes[0])));
+#elif CV_AVX2 && CV_SIMD_WIDTH == 32
+    return v_int16(_mm256_cvtepu8_epi16(_mm_set_epi64x(bytes[1], bytes[0])));
+#else
+    return v_reinterpret_as_s16(vx_load_expand(reinterpret_cast<const uchar*>(bytes)));
+#endif
+}
+
+#if CV_NEON
+//! The sums of neighbours, of a and then of b.
+static CV_ALWAYS_INLINE uint16x8_t addPairs(const uint16x8_t& a, const uint16x8_t& b)
+{
+#if defined(__aarch64__) || defined(_M_ARM64)
+    return vpaddq_u16(a, b);
+#else
+    return vcombine_u16(vpadd_u16(vget_low_u16(a), vget_high_u16(a)),
+                        vpadd_u16(vget_low_u16(b), vget_high_u16(b)));
+#endif
+}
+#endif
+
+#if CV_SSSE3 || CV_NEON
+#define AQORB_PICKS_BYTES
+//! Sixteen bytes at p + offsets[i] for each 128 bits.
+static CV_ALWAYS_INLINE v_uint8 loadEach(const uchar* p, const int* offsets)
+{
+#if CV_SIMD_WIDTH == 16
+    return v_load(p + offsets[0]);
+#elif CV_SIMD_WIDTH == 32
+    return v256_load_halves(p + offsets[0], p + offsets[1]);
+#else
+    const __m512i low = _mm512_castsi256_si512(v256_load_halves(p + offsets[0], p + offsets[1]).val);
+    return v_uint8(_mm512_inserti64x4(low, v256_load_halves(p + offsets[2], p + offsets[3]).val, 1));
+#endif
+}
+
+//! Picks bytes by index, in each 128 bits.
+static CV_ALWAYS_INLINE v_uint8 pick(const v_uint8& bytes, const v_uint8& indices)
+{
+#if CV_SSSE3
+    return v_uint8(AQORB_WIDE(shuffle_epi8)(bytes.val, indices.val));
+#elif defined(__aarch64__) || defined(_M_ARM64)
+    return v_uint8(vqtbl1q_u8(bytes.val, indices.val));
+#else
+    const uint8x8x2_t halves = {{vget_low_u8(bytes.val), vget_high_u8(bytes.val)}};
+    return v_uint8(
+        vcombine_u8(vtbl2_u8(halves, vget_low_u8(indices.val)), vtbl2_u8(halves, vget_high_u8(indices.val))));
+#endif
+}
+
+//! Weighs neighbouring bytes by weights that add up to 256. The sums are less 2^15, so that they fit.
+static CV_ALWAYS_INLINE v_int16 weighPairs(const v_uint8& bytes, const v_uint8& weights)
+{
+#if CV_NEON
+    const uint16x8_t low = vmull_u8(vget_low_u8(bytes.val), vget_low_u8(weights.val)),
+                     high = vmull_u8(vget_high_u8(bytes.val), vget_high_u8(weights.val));
+    return v_reinterpret_as_s16(v_xor(v_uint16(addPairs(low, high)), vx_setall_u16(1 << 15)));
+#else
+    return v_int16(AQORB_WIDE(maddubs_epi16)(weights.val, v_xor(bytes, vx_setall_u8(128)).val));
+#endif
+}
+
+//! The upper 16 of the 32 bits of a * (256 - weight) + b * weight.
+static CV_ALWAYS_INLINE v_int16 blendHigh(const v_int16& a, const v_int16& b, int weight)
+{
+#if CV_NEON
+    const int16x4_t ofA = vdup_n_s16(short(256 - weight)), ofB = vdup_n_s16(short(weight));
+    const int32x4_t low = vmlal_s16(vmull_s16(vget_low_s16(a.val), ofA), vget_low_s16(b.val), ofB);
+    const int32x4_t high = vmlal_s16(vmull_s16(vget_high_s16(a.val), ofA), vget_high_s16(b.val), ofB);
+    return v_int16(vcombine_s16(vshrn_n_s32(low, 16), vshrn_n_s32(high, 16)));
+#else
+    const auto weights = AQORB_WIDE(set1_epi32)((weight << 16) | (256 - weight));
+    const auto low = AQORB_WIDE(madd_epi16)(AQORB_WIDE(unpacklo_epi16)(a.val, b.val), weights);
+    const auto high = AQORB_WIDE(madd_epi16)(AQORB_WIDE(unpackhi_epi16)(a.val, b.val), weights);
+    return v_int16(
+        AQORB_WIDE(packs_epi32)(AQORB_WIDE(srai_epi32)(low, 16), AQORB_WIDE(srai_epi32)(high, 16)));
+#endif
+}
 #endif
 
 #if CV_SSE2 || CV_NEON
+#define AQORB_COUNTS_BITS
 // Counting the bits of 64-bit words: a vector has the same word of several descriptors. Where a table counts the bits
 // of half a byte, the two halves are separate words, so that the difference of two is an index of the table.
 #if CV_SSSE3 && !CV_AVX_512BITALG
@@ -97,7 +280,7 @@ static CV_ALWAYS_INLINE v_uint8 addBits(const v_uint8& sums, const v_uint64& wor
     static const uchar COUNTS[64] = {0, 1, 1, 2, 1, 2, 2, 3, 1, 2, 2, 3, 2, 3, 3, 4, 0, 1, 1, 2, 1, 2,
                                      2, 3, 1, 2, 2, 3, 2, 3, 3, 4, 0, 1, 1, 2, 1, 2, 2, 3, 1, 2, 2, 3,
                                      2, 3, 3, 4, 0, 1, 1, 2, 1, 2, 2, 3, 1, 2, 2, 3, 2, 3, 3, 4};
-    v_uint8 result = v_add_wrap(sums, v_uint8(AQORB_WIDE(shuffle_epi8)(vx_load(COUNTS).val, words.val)));
+    v_uint8 result = v_add_wrap(sums, pick(vx_load(COUNTS), v_reinterpret_as_u8(words)));
 #if defined(__GNUC__) && defined(__x86_64__)
     __asm__(""
             : "+v"(result.val));  // otherwise GCC adds in an order that needs more registers than there are
@@ -107,19 +290,6 @@ static CV_ALWAYS_INLINE v_uint8 addBits(const v_uint8& sums, const v_uint64& wor
     return v_add_wrap(sums, v_popcount(v_reinterpret_as_u8(words)));
 #endif
 }
-
-#if CV_NEON
-//! The sums of neighbours, of a and then of b.
-static CV_ALWAYS_INLINE uint16x8_t addPairs(const uint16x8_t& a, const uint16x8_t& b)
-{
-#if defined(__aarch64__) || defined(_M_ARM64)
-    return vpaddq_u16(a, b);
-#else
-    return vcombine_u16(vpadd_u16(vget_low_u16(a), vget_high_u16(a)),
-                        vpadd_u16(vget_low_u16(b), vget_high_u16(b)));
-#endif
-}
-#endif
 
 //! The bits of the words of four vectors. In each 128 bits come those of the first vector, then those of the others.
 static CV_ALWAYS_INLINE v_uint16 bitsOfWords(const v_uint8* sums)
@@ -142,17 +312,6 @@ static CV_ALWAYS_INLINE v_uint16 bitsOfWords(const v_uint8* sums)
 }
 #endif
 #endif
-
-//! Index of the lowest bit that is set. At least one must be.
-static CV_ALWAYS_INLINE int trailingZeros(uint64 bits)
-{
-#if defined(__GNUC__)
-    return __builtin_ctzll(bits);
-#else
-    const unsigned low = unsigned(bits);
-    return int(low ? trailingZeros32(low) : 32 + trailingZeros32(unsigned(bits >> 32)));
-#endif
-}
 
 }  // namespace aqorb
 }  // namespace cv

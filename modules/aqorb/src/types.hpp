@@ -67,19 +67,6 @@ struct FeaturePoint
     float angle;  //!< degrees
 };
 
-//! How many bits are set. It is static, because a file compiled for one CPU must keep its own.
-static inline int bitCount(uint64 v)
-{
-#if defined(__POPCNT__) || defined(__aarch64__) || defined(__wasm__)
-    return __builtin_popcountll(v);
-#else
-    v -= (v >> 1) & 0x5555555555555555u;
-    v = (v & 0x3333333333333333u) + ((v >> 2) & 0x3333333333333333u);
-    v = (v + (v >> 4)) & 0x0f0f0f0f0f0f0f0fu;
-    return int((v * 0x0101010101010101u) >> 56);
-#endif
-}
-
 }  // namespace aqorb
 }  // namespace cv
 

@@ -110,9 +110,9 @@ public:
     @param edgeThreshold Width in pixels, on each level, of the border without keypoints, >= 0. The default 16 is the
     smallest value that keeps the orientation patch of the default patchSize inside the image. The value 31 of cv::ORB
     costs uniformity, because on small levels most of the image is within the border.
-    @param firstLevel The level that is the input image, 0 <= firstLevel < nlevels. Levels before it are enlarged. Their
-    border is narrower in pixels of the image, so that compute, which keeps edgeThreshold pixels of the image free as
-    cv::ORB::compute does, drops some of the keypoints that detect found there.
+    @param firstLevel The level that is the input image, 0 <= firstLevel < nlevels. Levels before it are enlarged,
+    so that their border is fewer than edgeThreshold pixels of the image wide. As compute keeps edgeThreshold pixels of
+    the image free, like cv::ORB::compute, it drops some of the keypoints that detect finds on these levels.
     @param WTA_K Number of points compared for each element of the descriptor: 2, 3 or 4. Match with NORM_HAMMING for 2,
     with NORM_HAMMING2 for 3 and 4 (see defaultNorm).
     @param scoreType What is returned as KeyPoint::response: ORB::HARRIS_SCORE (the Harris response over 5x5 pixels) or
@@ -234,7 +234,7 @@ public:
 
     @param images A vector of Mat or UMat. The images may have different sizes and numbers of channels, and each may be
     empty.
-    @param masks One mask for each image, of which each may be empty, or no masks at all.
+    @param masks One mask for each image, each of which may be empty; or no masks at all.
     @param keypoints The keypoints of each image.
     @param descriptors A vector of Mat or UMat: the descriptors of each image, which is empty where there are no
     keypoints. With noArray() none are computed.

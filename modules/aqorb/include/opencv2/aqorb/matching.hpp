@@ -28,7 +28,7 @@ again, with its speed.
 The matches are those of the cv::BFMatcher of the linked OpenCV, with the same distances and in the same order, for
 descriptors of any length, for masks, for collections of several images and with cross check. Of train descriptors at
 the same distance the first one is preferred, and of images the one that was added first. Any number of threads and any
-CPU give the same matches. Where those of cv::BFMatcher are undefined:
+CPU give the same matches. Three cases are defined where cv::BFMatcher leaves them open:
 - knnMatch finds the k nearest descriptors of the whole collection, even where an image has fewer than k. There are
   fewer than k matches only if the collection has fewer descriptors that the masks allow.
 - radiusMatch returns matches at the same distance in the order of their images, and of their descriptors in an image.

@@ -3,13 +3,12 @@
 // of this distribution.
 // SPDX-License-Identifier: Apache-2.0
 
+// The FAST thresholds of an image, by equation (7) of the paper.
+
 #include "precomp.hpp"
 
 #include "input.hpp"
 #include "threshold.hpp"
-
-#include "threshold.simd.hpp"
-#include "threshold.simd_declarations.hpp"
 
 #include <opencv2/aqorb.hpp>
 
@@ -18,40 +17,21 @@ namespace cv
 namespace aqorb
 {
 
-static void addRows(const Mat& image, uint64& sum, uint64& squares)
-{
-    CV_CPU_DISPATCH(sumRows, (image.ptr(), ptrdiff_t(image.step), image.cols, image.rows, sum, squares),
-                    CV_CPU_DISPATCH_MODES_ALL);
-}
-
 double varianceOverMean(const Mat& image, const Mat& mask)
 {
     CV_TRACE_FUNCTION();
+    Mat used = image;
+    if (!mask.empty())
+    {
+        used = Mat(image.size(), CV_8UC1, Scalar(0));
+        image.copyTo(used, mask);
+    }
     // The sums are whole numbers, so they are the same for any order of summation.
-    uint64 sum = 0, squares = 0, count = 0;
-    if (mask.empty())
-    {
-        addRows(image, sum, squares);
-        count = uint64(image.total());
-    }
-    for (int y = 0; y < image.rows && !mask.empty(); y++)
-    {
-        const uchar* row = image.ptr(y);
-        const uchar* use = mask.ptr(y);
-        for (int x = 0; x < image.cols; x++)
-        {
-            if (use[x])
-            {
-                sum += row[x];
-                squares += unsigned(row[x]) * row[x];
-                count++;
-            }
-        }
-    }
+    const double sum = cv::sum(used)[0], count = mask.empty() ? double(image.total()) : countNonZero(mask);
     if (sum == 0)
         return 0;
     // This is (squares/n - (sum/n)^2) / (sum/n).
-    return double(squares) / double(sum) - double(sum) / double(count);
+    return used.dot(used) / sum - sum / count;
 }
 
 Thresholds fastThresholds(double value, int fastThreshold, double minRatio)

@@ -3,23 +3,20 @@
 // of this distribution.
 // SPDX-License-Identifier: Apache-2.0
 
-#ifndef AQORB_TOOLS_MARKDOWN_HPP
-#define AQORB_TOOLS_MARKDOWN_HPP
+#ifndef AQORB_BENCHMARK_TABLE_HPP
+#define AQORB_BENCHMARK_TABLE_HPP
 
 #include <opencv2/core.hpp>
 
 #include <string>
 #include <vector>
 
-namespace tools
-{
-
-//! A table that a tool prints, to be pasted into a document.
-class MarkdownTable
+//! A table in Markdown, to be pasted into a document.
+class Table
 {
 public:
     //! The first column is set as text, the others as numbers.
-    explicit MarkdownTable(const std::vector<std::string>& columns) : rows(1, columns) {}
+    explicit Table(const std::vector<std::string>& columns) : rows(1, columns) {}
 
     //! Adds a row of as many cells as there are columns.
     void add(const std::vector<std::string>& cells)
@@ -27,8 +24,6 @@ public:
         CV_CheckEQ(cells.size(), rows[0].size(), "a row has as many cells as the table has columns");
         rows.push_back(cells);
     }
-
-    bool empty() const { return rows.size() == 1; }
 
     std::string text() const
     {
@@ -54,7 +49,5 @@ inline std::string cell(double value, int digits = 2)
 {
     return cvIsNaN(value) ? std::string() : cv::format("%.*f", digits, value);
 }
-
-}  // namespace tools
 
 #endif
