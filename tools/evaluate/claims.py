@@ -193,7 +193,7 @@ class Judge:
         asked = ('at least {:.{}f}'.format(at_least, digits) if at_least is not None else
                  'at most {:.{}f}'.format(at_most, digits) if at_most is not None else '')
         numbers = ['' if math.isnan(value) else '{:.{}f}'.format(value, digits) for value in (here, orb, paper)]
-        self.rows.append([what, str(n or '')] + numbers + [asked + note, holds])
+        self.rows.append([what, str(n or '')] + numbers + [(asked + note).strip(), holds])
         if holds == 'no':
             self.failed.append(what)
 
