@@ -5,7 +5,7 @@
 
 #include "reference.hpp"
 
-#include "orientation.hpp"
+#include "measures.hpp"
 
 namespace opencv_test
 {

@@ -5,7 +5,7 @@
 
 #include "test_precomp.hpp"
 
-#include "sine_cosine.hpp"
+#include "descriptor.hpp"
 
 #include <cmath>
 #include <limits>

@@ -9,7 +9,7 @@
 #include "aligned.hpp"
 #include "blur.hpp"
 #include "descriptor.hpp"
-#include "orientation.hpp"
+#include "measures.hpp"
 #include "position.hpp"
 #include "types.hpp"
 

@@ -8,7 +8,6 @@
 #include "blur.hpp"
 #include "descriptor.hpp"
 #include "orb_pattern.hpp"
-#include "sine_cosine.hpp"
 
 #include "descriptor.simd.hpp"
 #include "descriptor.simd_declarations.hpp"

@@ -9,7 +9,7 @@
 
 #include "selection.hpp"
 
-#include "harris.hpp"
+#include "measures.hpp"
 
 #include "selection.simd.hpp"
 #include "selection.simd_declarations.hpp"

@@ -8,7 +8,7 @@
 
 #include "description.hpp"
 #include "index_sort.hpp"
-#include "orientation.hpp"
+#include "measures.hpp"
 #include "parameters.hpp"
 #include "types.hpp"
 

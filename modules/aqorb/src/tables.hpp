@@ -7,7 +7,7 @@
 #define OPENCV_AQORB_TABLES_HPP
 
 #include "descriptor.hpp"
-#include "orientation.hpp"
+#include "measures.hpp"
 #include "parameters.hpp"
 
 namespace cv

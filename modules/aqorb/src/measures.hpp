@@ -3,8 +3,10 @@
 // of this distribution.
 // SPDX-License-Identifier: Apache-2.0
 
-#ifndef OPENCV_AQORB_ORIENTATION_HPP
-#define OPENCV_AQORB_ORIENTATION_HPP
+#ifndef OPENCV_AQORB_MEASURES_HPP
+#define OPENCV_AQORB_MEASURES_HPP
+
+// What is measured around a pixel of a level: the Harris response, and the moments that give the direction.
 
 #include "aligned.hpp"
 #include "types.hpp"
@@ -13,6 +15,10 @@ namespace cv
 {
 namespace aqorb
 {
+
+/** Computes the Harris response of cv::ORB, but over a block of 5x5 instead of 7x7 pixels: det - 0.04 trace^2
+ of the sums over the block of the products of the Sobel derivatives. */
+void harrisResponses(const Mat& image, const Corner* corners, size_t count, CornerResponse* responses);
 
 //! Half widths of the rows 0 .. patchSize/2 of the circular patch, as in cv::ORB.
 std::vector<int> circularPatch(int patchSize);

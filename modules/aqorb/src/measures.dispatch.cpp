@@ -3,18 +3,64 @@
 // of this distribution.
 // SPDX-License-Identifier: Apache-2.0
 
+// Harris responses, and directions from the moments of circular patches.
+
 #include "precomp.hpp"
 
-#include "orientation.hpp"
+#include "measures.hpp"
 #include "patch.hpp"
 
-#include "orientation.simd.hpp"
-#include "orientation.simd_declarations.hpp"
+#include "measures.simd.hpp"
+#include "measures.simd_declarations.hpp"
 
 namespace cv
 {
 namespace aqorb
 {
+
+// ---- Harris responses -------------------------------------------------------------------------
+
+static const int HARRIS_RADIUS = 3;  // of the 5x5 block and the Sobel operators around its pixels
+static const int HARRIS_REACH = 6;   // to the right, where vectors read on
+
+static void respondInside(const uchar* image, ptrdiff_t step, const Corner* corners, int count,
+                          CornerResponse* responses)
+{
+    CV_CPU_DISPATCH(harrisOfCorners, (image, step, corners, count, responses), CV_CPU_DISPATCH_MODES_ALL);
+}
+
+// The response of a corner near the border, from a copy of its patch with reflected pixels.
+static float responseAtBorder(const Mat& image, int x, int y)
+{
+    PatchBuffer buffer;
+    const Patch patch = patchAround(image, x, y, HARRIS_REACH, buffer);
+    const Corner center = {0, 0, 0};
+    CornerResponse found;
+    respondInside(patch.center, patch.step, &center, 1, &found);
+    return found.response;
+}
+
+void harrisResponses(const Mat& image, const Corner* corners, size_t count, CornerResponse* responses)
+{
+    CV_TRACE_FUNCTION();
+    const Rect inside(HARRIS_RADIUS, HARRIS_RADIUS, image.cols - HARRIS_RADIUS - HARRIS_REACH,
+                      image.rows - 2 * HARRIS_RADIUS);
+    size_t end;
+    for (size_t i = 0; i < count; i = end)
+    {
+        end = i;
+        while (end < count && inside.contains(Point(corners[end].x, corners[end].y)))
+            end++;
+        respondInside(image.ptr(), ptrdiff_t(image.step), corners + i, int(end - i), responses + i);
+        if (end < count)
+        {
+            const Corner& c = corners[end];
+            responses[end++] = {c.x, c.y, responseAtBorder(image, c.x, c.y)};
+        }
+    }
+}
+
+// ---- moments and directions --------------------------------------------------------------------
 
 std::vector<int> circularPatch(int patchSize)
 {
