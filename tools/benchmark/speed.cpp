@@ -64,6 +64,8 @@ public:
             CV_Error(Error::StsError, "fork failed");
         if (process > 0)
             return;
+        const sched_param ordinary = {};  // not the priority of this program
+        sched_setscheduler(0, SCHED_OTHER, &ordinary);
         cpu_set_t first;
         CPU_ZERO(&first);
         CPU_SET(0, &first);
