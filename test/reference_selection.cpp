@@ -177,15 +177,13 @@ std::vector<int> rankedSequence(const std::vector<LeafCorner>& corners, const Ra
     int64 most = 0;  // |dx|
     while ((most + 1) * (most + 1) * W * W <= reach)
         most++;
-    int64 total = 0;
-    for (int64 dy = 0, width = most; dy * dy * H * H <= reach; dy++)
-    {
-        while (width * width * W * W + dy * dy * H * H > reach)
-            width--;
-        total += (2 * width + 1) * (dy == 0 ? 1 : 2);
-    }
-
+    int64 highest = 0;  // |dy|
+    while ((highest + 1) * (highest + 1) * H * H <= reach)
+        highest++;
     const int64 side = (int64)1 << rule.depth;
+    most = std::min(most, side - 1);
+    highest = std::min(highest, side - 1);
+    const int64 total = (2 * most + 1) * (2 * highest + 1);  // leaves of the square around the disc
     for (size_t i = 0; i < representatives.size(); i++)
     {
         Placed& a = representatives[i];
@@ -198,19 +196,11 @@ std::vector<int> rankedSequence(const std::vector<LeafCorner>& corners, const Ra
             if (dx * dx * W * W + dy * dy * H * H <= reach && isStronger(b, a))
                 stronger++;
         }
-        for (int64 y = 0; y < side; y++)
-        {
-            if ((y - row) * (y - row) * H * H > reach)
-                continue;
+        for (int64 y = std::max(row - highest, (int64)0); y <= std::min(row + highest, side - 1); y++)
             for (int64 x = std::max(column - most, (int64)0); x <= std::min(column + most, side - 1); x++)
-            {
-                const int64 dx = x - column, dy = y - row;
-                if (dx * dx * W * W + dy * dy * H * H <= reach &&
-                    (isUnmasked((int)x, (int)y) || represented.count(std::make_pair((int)y, (int)x)) != 0))
-                    inside++;
-            }
-        }
-        double key = binaryLogarithm((float)(1 + stronger * (double)total / inside));
+                inside +=
+                    isUnmasked((int)x, (int)y) || represented.count(std::make_pair((int)y, (int)x)) != 0;
+        double key = binaryLogarithm((float)(1 + stronger * ((double)total / inside)));
         if (rule.exponent > 0)
         {
             a.part = a.strength == std::numeric_limits<float>::infinity() ? 0 : a.strength > 0 ? 1 : 2;

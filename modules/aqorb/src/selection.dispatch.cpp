@@ -208,125 +208,96 @@ std::vector<float> strengthsOf(const Mat& image, const std::vector<Corner>& corn
 
 // ---- 5. rank ----------------------------------------------------------------------------------
 
-static void countLeaves(const RankGrid& grid, const unsigned* leaves, size_t count, bool setsEach,
-                        int* counts)
+// A disc of leaves: those at offsets (dx, dy) with dx^2 width^2 + dy^2 height^2 <= squared, if cells are of width x height.
+struct LeafDisc
 {
-    CV_CPU_DISPATCH(countInDiscs, (grid, leaves, count, setsEach, counts), CV_CPU_DISPATCH_MODES_ALL);
-}
-
-namespace
-{
-
-// Counts leaves in discs: those at offsets (dx, dy) with dx^2 width^2 + dy^2 height^2 <= squared, if cells are of width x
-// height.
-class DiscCounter
-{
-public:
-    explicit DiscCounter(const RankRule& rule);
-    // Sets the leaves that count.
-    void setUsable(const std::vector<uchar>& usable, const std::vector<unsigned>& leaves);
-    // How many leaves that are set lie in the disc around each of these. With `setsEach` each one is then set itself.
-    std::vector<int> count(const std::vector<unsigned>& leaves, bool setsEach);
-    // Whether the whole disc around a leaf lies in the grid.
-    bool isWhole(unsigned leaf) const
+    explicit LeafDisc(const RankRule& rule)
     {
-        const int column = int(leaf) & (side - 1), row = int(leaf >> grid.depth);
-        return std::min(column, side - 1 - column) >= grid.left && std::min(row, side - 1 - row) >= grid.top;
-    }
-    int64 total = 0;  // leaves of the disc, with those that are too far away for any grid
-
-private:
-    const int side;
-    std::vector<uint64> bits, masks;
-    std::vector<int> words;
-    RankGrid grid;
-};
-
-DiscCounter::DiscCounter(const RankRule& rule) : side(1 << rule.depth), grid(RankGrid())
-{
-    Size cell = rule.region;
-    while (std::max(cell.width, cell.height) > 1 << 18)  // so that squares fit
-        cell = Size(std::max(cell.width / 2, 1), std::max(cell.height / 2, 1));
-    const double area = rule.usable * cell.width * cell.height * double(int64(side) * side) / rule.quota;
-    const int64 squared = int64(std::min(rule.radius * rule.radius * area, 4e18));
-    const int64 width2 = int64(cell.width) * cell.width, height2 = int64(cell.height) * cell.height;
-    std::vector<int> halfWidths;  // by |dy|: the greatest |dx|; both below the side of the grid
-    int64 dx = int64(std::sqrt(double(squared))) / cell.width + 1;  // not too small
-    for (int64 dy = 0; dy * dy * height2 <= squared; dy++)
-    {
-        while (dx * dx * width2 + dy * dy * height2 > squared)
-            dx--;
-        if (dy < side)
-            halfWidths.push_back(int(std::min<int64>(dx, side - 1)));
-        total += (2 * dx + 1) * (dy > 0 ? 2 : 1);
-    }
-    const int step = RankGrid::STEP;
-    grid.depth = rule.depth;
-    grid.left = halfWidths[0];
-    grid.top = int(halfWidths.size()) - 1;
-    grid.stride = (side + 2 * grid.left) / step + 2;
-    for (int y = 0; y <= 2 * grid.top; y++)
-    {
-        const int halfWidth = halfWidths[std::abs(y - grid.top)], end = grid.left + halfWidth + 1;
-        for (int first = 0; first < end; first += step)
+        Size cell = rule.region;
+        while (std::max(cell.width, cell.height) > 1 << 18)  // so that squares fit
+            cell = Size(std::max(cell.width / 2, 1), std::max(cell.height / 2, 1));
+        const double leaves = double(int64(1) << (2 * rule.depth));
+        const double area = rule.usable * cell.width * cell.height * leaves / rule.quota;
+        const int64 squared = int64(std::min(rule.radius * rule.radius * area, 4e18));
+        const int64 width2 = int64(cell.width) * cell.width, height2 = int64(cell.height) * cell.height;
+        int64 dx = int64(std::sqrt(double(squared))) / cell.width + 1;  // not too small
+        for (int64 dy = 0; dy < int64(1) << rule.depth && dy * dy * height2 <= squared; dy++)
         {
-            const int begin = std::max(grid.left - halfWidth - first, 0), last = std::min(end - first, step);
-            if (begin >= last)
-                continue;
-            words.push_back(y * grid.stride + first / step + 1);
-            masks.push_back((~uint64(0) >> (64 - (last - begin))) << begin);
+            while (dx * dx * width2 + dy * dy * height2 > squared)
+                dx--;
+            halfWidths.push_back(int(std::min<int64>(dx, (1 << rule.depth) - 1)));
         }
     }
-    bits.resize(size_t(grid.stride) * (side + 2 * grid.top));
+    int width() const { return halfWidths[0]; }
+    int height() const { return int(halfWidths.size()) - 1; }
+
+    std::vector<int> halfWidths;  // by |dy|: the greatest |dx|; both below the side of the grid
+};
+
+static void countLeaves(const RankGrid& grid, const unsigned* leaves, size_t count, int* counts)
+{
+    CV_CPU_DISPATCH(countBefore, (grid, leaves, count, counts), CV_CPU_DISPATCH_MODES_ALL);
+}
+
+// How many leaves before each one in the list lie within the disc around it.
+static std::vector<int> countStronger(const std::vector<unsigned>& leaves, const LeafDisc& disc, int depth)
+{
+    const int side = 1 << depth, step = RankGrid::STEP, columns = 2 * disc.width() + 1,
+              rows = 2 * disc.height() + 1;
+    RankGrid grid = RankGrid();
+    grid.depth = depth;
+    grid.left = disc.width();
+    grid.top = disc.height() + 1;
+    grid.stride = (side + columns) / step + 2;
+    std::vector<uint64> bits(size_t(grid.stride) * (side + rows)), masks;
+    std::vector<int> words, counts(leaves.size());
+    for (int y = 0; y < rows; y += 2)
+    {
+        for (int first = 0; first < columns; first += step)
+        {
+            uint64 mask = 0;
+            for (int bit = 0; bit < 2 * step; bit++)
+            {
+                const int dx = first + bit % step - disc.width(), dy = y + bit / step - disc.height();
+                if (dy <= disc.height() && std::abs(dx) <= disc.halfWidths[std::abs(dy)])
+                    mask |= uint64(1) << (bit % step + bit / step * 32);
+            }
+            words.push_back((y + 1) * grid.stride + first / step + 1);
+            masks.push_back(mask);
+        }
+    }
     grid.bits = bits.data();
     grid.words = words.data();
     grid.masks = masks.data();
     grid.wordCount = int(words.size());
-}
-
-void DiscCounter::setUsable(const std::vector<uchar>& usable, const std::vector<unsigned>& leaves)
-{
-    const unsigned count = unsigned(usable.empty() ? side : side * side);
-    for (unsigned leaf = 0; leaf < count; leaf++)
-    {
-        if (usable.empty() || usable[leaf])
-            grid.set(leaf);
-    }
-    uint64* const first = grid.bits + size_t(grid.top) * grid.stride;
-    for (int row = 1; row < side && usable.empty(); row++)
-        std::copy(first, first + grid.stride, first + size_t(row) * grid.stride);
-    // A leaf with a representative counts even if its centre is masked.
-    for (unsigned leaf : leaves)
-        grid.set(leaf);
-}
-
-std::vector<int> DiscCounter::count(const std::vector<unsigned>& leaves, bool setsEach)
-{
-    std::vector<int> counts(leaves.size());
-    countLeaves(grid, leaves.data(), leaves.size(), setsEach, counts.data());
+    countLeaves(grid, leaves.data(), leaves.size(), counts.data());
     return counts;
 }
 
-}  // namespace
-
-// By how much ranks are to be scaled up: the leaves of the disc over those of them that lie inside and are not masked.
-static std::vector<double> sharesOf(const std::vector<unsigned>& leaves, const RankRule& rule,
-                                    const std::vector<uchar>& usable)
+// By how much ranks are scaled up: the leaves of the square around the disc over those of them that lie inside of the level
+// and are not masked. A leaf with a representative counts even if its centre is masked.
+static std::vector<double> sharesOf(const std::vector<unsigned>& leaves, const LeafDisc& disc, int depth,
+                                    std::vector<uchar> usable)
 {
-    DiscCounter counter(rule);
-    counter.setUsable(usable, leaves);
-    std::vector<unsigned> cut;  // leaves whose discs are not whole
-    for (unsigned leaf : leaves)
+    const int side = 1 << depth;
+    for (size_t i = 0; i < leaves.size() && !usable.empty(); i++)
+        usable[leaves[i]] = 1;
+    Mat1i sums(side + 1, side + 1, 0);  // of the usable leaves above and on the left
+    for (int row = 0; row < side; row++)
+        for (int column = 0, sum = 0; column < side; column++)
+        {
+            sum += usable.empty() || usable[size_t(row) * side + column];
+            sums(row + 1, column + 1) = sums(row, column + 1) + sum;
+        }
+    const double whole = (2. * disc.width() + 1) * (2. * disc.height() + 1);
+    std::vector<double> shares(leaves.size());
+    for (size_t i = 0; i < leaves.size(); i++)
     {
-        if (!usable.empty() || !counter.isWhole(leaf))
-            cut.push_back(leaf);
-    }
-    const std::vector<int> inside = counter.count(cut, false);
-    std::vector<double> shares(leaves.size(), 1.);
-    for (size_t i = 0, j = 0; i < leaves.size(); i++)
-    {
-        if (j < cut.size() && cut[j] == leaves[i])
-            shares[i] = double(counter.total) / inside[j++];
+        const int column = int(leaves[i]) & (side - 1), row = int(leaves[i] >> depth);
+        const int left = std::max(column - disc.width(), 0),
+                  right = std::min(column + disc.width() + 1, side);
+        const int top = std::max(row - disc.height(), 0), bottom = std::min(row + disc.height() + 1, side);
+        shares[i] = whole / (sums(bottom, right) - sums(bottom, left) - sums(top, right) + sums(top, left));
     }
     return shares;
 }
@@ -367,8 +338,9 @@ std::vector<unsigned> orderRepresentatives(const std::vector<unsigned>& leavesGi
     std::vector<unsigned> leaves(byStrength.size());
     for (size_t i = 0; i < leaves.size(); i++)
         leaves[i] = leavesGiven[byStrength[i]];
-    const std::vector<int> ranks = DiscCounter(rule).count(leaves, true);
-    const std::vector<double> shares = sharesOf(leaves, rule, usable);
+    const LeafDisc disc(rule);
+    const std::vector<int> ranks = countStronger(leaves, disc, rule.depth);
+    const std::vector<double> shares = sharesOf(leaves, disc, rule.depth, usable);
     for (size_t i = 0; i < keys.size(); i++)
     {
         const int64 place = placeOf(ranks[i] * shares[i], strengths[byStrength[i]], rule.exponent);

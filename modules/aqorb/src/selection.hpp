@@ -117,20 +117,20 @@ struct RankRule
 };
 
 /** The order of representatives: by (1 + rank) / strength^exponent. The rank is the number of stronger ones within a disc
- of leaves. Where a part of the disc lies outside of the region, or is masked, the rank is scaled up.
+ of leaves. Where a part of the square around the disc lies outside of the region, or is masked, the rank is scaled up.
  @param leaves, strengths of the representatives; equally strong ones come by their leaves
  @param usable by leaf: whether points may lie there; empty: everywhere
  @return indices of the list of representatives */
 std::vector<unsigned> orderRepresentatives(const std::vector<unsigned>& leaves,
                                            const std::vector<float>& strengths, const RankRule& rule,
                                            const std::vector<uchar>& usable);
-//! For the kernel: a grid of bits with a border, those of leaves that have come. Each word holds 64 bits of a row, and the
-//! next one begins STEP bits later, so that a word holds any STEP bits from its first half on.
+//! For the kernel: a grid of bits with a border, those of leaves that have come. Each word holds 32 bits of a row and, in its
+//! upper half, those of the next row. The next word begins STEP bits later.
 struct RankGrid
 {
     enum
     {
-        STEP = 32
+        STEP = 16
     };
     uint64* bits;
     int depth;            //!< leaves have 2^depth columns
@@ -139,15 +139,6 @@ struct RankGrid
     const int* words;     //!< the disc: offsets from the word before that of the upper left of the disc
     const uint64* masks;  //!< the disc: which bits of each of these words count
     int wordCount;
-
-    //! Sets the bit of a leaf, which lies in two words.
-    void set(unsigned leaf) const
-    {
-        const unsigned bit = (leaf & ((1u << depth) - 1)) + unsigned(left);
-        uint64* const own = bits + size_t((leaf >> depth) + unsigned(top)) * stride + bit / STEP + 1;
-        own[0] |= uint64(1) << (bit % STEP);
-        own[-1] |= uint64(1) << (bit % STEP + STEP);
-    }
 };
 
 //! The order of the points that are no representatives: by their place in their leaf, then by their keys.

@@ -18,8 +18,9 @@ CV_CPU_OPTIMIZATION_NAMESPACE_BEGIN
  @param keys of the best points of the leaves of the row; those of the rows above and below are stride elements away */
 void flagRepresentatives(const int* keys, ptrdiff_t stride, int side, uchar* flags);
 
-//! Counts the leaves that are set within the disc around each leaf. With `setsEach` each one is set before the next.
-void countInDiscs(const RankGrid& grid, const unsigned* leaves, size_t count, bool setsEach, int* counts);
+/** Counts, for each leaf, the leaves before it within the disc around it.
+ @param grid without any bit; afterwards it has those of all leaves */
+void countBefore(const RankGrid& grid, const unsigned* leaves, size_t count, int* counts);
 
 #ifndef CV_CPU_OPTIMIZATION_DECLARATIONS_ONLY
 
@@ -37,7 +38,7 @@ void flagRepresentatives(const int* keys, ptrdiff_t stride, int side, uchar* fla
     }
 }
 
-void countInDiscs(const RankGrid& grid, const unsigned* leaves, size_t count, bool setsEach, int* counts)
+void countBefore(const RankGrid& grid, const unsigned* leaves, size_t count, int* counts)
 {
     const unsigned columns = (1u << grid.depth) - 1, STEP = RankGrid::STEP;
     for (size_t i = 0; i < count; i++)
@@ -48,12 +49,14 @@ void countInDiscs(const RankGrid& grid, const unsigned* leaves, size_t count, bo
         for (int j = 0; j < grid.wordCount; j++)
             sum += bitCount((word[grid.words[j]] >> (column % STEP)) & grid.masks[j]);
         counts[i] = sum;
-        if (!setsEach)
-            continue;
-        const unsigned bit = column + unsigned(grid.left);  // it lies in two words
+        // The bit of the leaf lies in two words of its row, and in two of the row before.
+        const unsigned bit = column + unsigned(grid.left);
         uint64* const own = grid.bits + size_t(row + unsigned(grid.top)) * grid.stride + bit / STEP + 1;
-        own[0] |= uint64(1) << (bit % STEP);
-        own[-1] |= uint64(1) << (bit % STEP + STEP);
+        const uint64 inSecond = uint64(1) << (bit % STEP), inFirst = inSecond << STEP;
+        own[0] |= inSecond;
+        own[-1] |= inFirst;
+        own[-grid.stride] |= inSecond << 32;
+        own[-grid.stride - 1] |= inFirst << 32;
     }
 }
 
