@@ -68,39 +68,6 @@ TEST(Aqorb_Aliasing, the_mask_as_the_output)
     EXPECT_TRUE(sameFeatures(expected, Features{keypoints, part}));
 }
 
-TEST(Aqorb_Aliasing, a_part_of_the_image_as_the_output)
-{
-    const Mat scene = makeNoise(Size(160, 800), 3);
-    const Ptr<AdaptiveQuadtreeORB> detector = AdaptiveQuadtreeORB::create(600);
-    const Features expected = detectAndCompute(*detector, scene);
-    ASSERT_EQ(600, expected.descriptors.rows);
-    const Point corners[] = {Point(0, 0), Point(64, 100), Point(128, 200)};
-    for (const Point& corner : corners)
-    {
-        Mat image = scene.clone();
-        Mat part = image(Rect(corner, Size(BYTES, 600)));
-        KeyPoints keypoints;
-        detector->detectAndCompute(image, noArray(), keypoints, part);
-        EXPECT_TRUE(sameFeatures(expected, Features{keypoints, part}));
-        EXPECT_TRUE(sameMat(expected.descriptors, image(Rect(corner, Size(BYTES, 600)))));
-    }
-}
-
-TEST(Aqorb_Aliasing, an_output_beside_the_image_in_one_matrix)
-{
-    const Mat scene = makeScene(Size(160, 100), 3);
-    const Ptr<AdaptiveQuadtreeORB> detector = AdaptiveQuadtreeORB::create(100);
-    const Features expected = detectAndCompute(*detector, scene);
-    ASSERT_EQ(100, expected.descriptors.rows);
-    Mat whole(100, 160 + BYTES, CV_8UC1);
-    Mat image = whole.colRange(0, 160), output = whole.colRange(160, 160 + BYTES);
-    scene.copyTo(image);
-    KeyPoints keypoints;
-    detector->detectAndCompute(image, noArray(), keypoints, output);
-    EXPECT_TRUE(sameFeatures(expected, Features{keypoints, whole.colRange(160, 160 + BYTES)}));
-    EXPECT_TRUE(sameMat(scene, image));
-}
-
 TEST(Aqorb_Aliasing, outputs_of_umat)
 {
     const Column column;

@@ -120,29 +120,6 @@ TEST(Aqorb_IO, a_missing_key_keeps_its_value)
     EXPECT_EQ(77, detector->getCellSize());
 }
 
-// What version 0.1 wrote for create(321, 1.25f, 5) and some properties. It had neither SelectionType nor what depends
-// on it.
-const char* const FILE_OF_VERSION_0_1 = R"(%YAML:1.0
----
-format: 3
-name: "Feature2D.AdaptiveQuadtreeORB"
-nfeatures: 321
-scaleFactor: 1.2500000000000000e+00
-nlevels: 5
-edgeThreshold: 16
-firstLevel: 0
-wta_k: 2
-scoreType: 0
-patchSize: 31
-fastThreshold: 20
-adaptiveThreshold: 1
-minThresholdRatio: 2.7500000000000000e+00
-cellSize: 51
-maxDepth: 6
-octaveSuppression: 5.0000000000000000e-01
-subPixel: 0
-)";
-
 TEST(Aqorb_IO, a_bad_value_throws_and_changes_nothing)
 {
     const char* bad[][2] = {{"nfeatures", "-1"},
@@ -226,16 +203,6 @@ TEST(Aqorb_IO, what_was_read_is_what_is_used)
     const Features expected = detectAndCompute(*unusual(), image);
     EXPECT_FALSE(expected.keypoints.empty());
     EXPECT_TRUE(sameFeatures(expected, detectAndCompute(*target, image)));
-}
-
-TEST(Aqorb_IO, overloads_of_feature2d_stay_visible)
-{
-    const std::string file = tempfile(".yml");
-    const Ptr<AdaptiveQuadtreeORB> detector = unusual(), target = AdaptiveQuadtreeORB::create();
-    detector->write(file);
-    target->read(file);
-    std::remove(file.c_str());
-    EXPECT_EQ(written(*detector), written(*target));
 }
 
 }  // namespace

@@ -130,26 +130,6 @@ KeyPoints arbitraryKeypoints(RNG& rng, Size imageSize, int octaves, int count)
     return keypoints;
 }
 
-TEST(Aqorb_OpenCVOrb, descriptors_equal_for_one_level)
-{
-    AQORB_NEEDS_FMA_BLUR();
-    const Mat scene = makeScene(Size(320, 240), 2);
-    Settings p = orbDefaults();
-    p.scaleFactor = 1;  // legal with one level
-    p.nlevels = 1;
-    try
-    {
-        p.createOrb();
-    }
-    catch (const cv::Exception&)  // not for the cv::ORB of OpenCV 4.14
-    {
-        EXPECT_NO_THROW(p.create());
-        return;
-    }
-    expectDescriptorsOfOrb(p, scene);
-    expectSameCompute(p, scene, orbKeypoints(p, scene));
-}
-
 TEST(Aqorb_OpenCVOrb, descriptors_equal_for_random_parameters)
 {
     AQORB_NEEDS_FMA_BLUR();
