@@ -20,7 +20,7 @@ import aqorb
 
 FOLDER = str(pathlib.Path(aqorb.__file__).resolve().parent.parent)
 # cv2 4.6 has no stubs, nor have others that the command needs.
-MYPY = '[mypy]\n[mypy-cv2.*,pyarrow.*,PIL.*,tqdm.*,pycolmap.*]\nignore_missing_imports = True\n'
+MYPY = '[mypy]\n[mypy-cv2.*,pyarrow.*,PIL.*,tqdm.*,pycolmap.*,scipy.*]\nignore_missing_imports = True\n'
 FIELDS = ('pt', 'size', 'angle', 'response', 'octave', 'class_id')
 
 
