@@ -30,7 +30,7 @@ say "The source distribution"
 "$tools/bin/twine" check --strict "$WHEELS"/*.tar.gz
 [[ $mode != --sdist ]] || exit 0
 
-say "The wheel for $("$PYTHON" --version)"
+say "The wheel for $("$PYTHON" --version); the first time OpenCV is compiled, some 13 minutes of processor time"
 (cd "$ROOT" && "$tools/bin/pip" wheel -q --no-deps -C cmake.define.AQORB_BUNDLE_OPENCV=ON \
     -C build-dir=build/pip/bundled --wheel-dir "$WHEELS/made" .)
 env PATH="$tools/bin:$PATH" auditwheel repair --wheel-dir "$WHEELS" "$WHEELS"/made/*.whl >"$WHEELS/repair.log" 2>&1 ||
