@@ -125,6 +125,18 @@ def cpu_seconds(pid):
     return (int(fields[11]) + int(fields[12])) / os.sysconf('SC_CLK_TCK')
 
 
+def test_ray_places(table, tmp_path):
+    pq.write_table(table, str(tmp_path / 'features.parquet'))
+    how = '--min-gap', '3', '--ratio', '.8', '--seed', '2'
+    subprocess.run([sys.executable, '-m', 'aqorb', 'match', str(tmp_path / 'features.parquet'), '--pairs', 'retrieval:4',
+                    '--out', str(tmp_path / 'matches.parquet'), *how], check=True)
+    subprocess.run([sys.executable, str(HERE / 'ray_places.py'), str(tmp_path / 'features.parquet'), '--retrieval', '4',
+                    '--batch', '70', '--out', str(tmp_path / 'out'), *how], check=True)
+    order = [('path1', 'ascending'), ('path2', 'ascending')]
+    command, pipeline = (pq.read_table(str(tmp_path / name)).sort_by(order) for name in ('matches.parquet', 'out'))
+    assert len(command) > 1000 and pipeline.equals(command)
+
+
 def test_ten_thousand_small_images(tmp_path):
     memory = {}
     for count in 1000, 10000:

@@ -37,7 +37,6 @@ def add(commands):
                         help='pairs after which what is done is saved (%(default)s)')
     parser.add_argument('--verify', action=argparse.BooleanOptionalAction,
                         help='find the matches that agree on a fundamental matrix; by default of pairs by retrieval alone')
-    _places.add_min_gap(parser)
     _places.add_word_options(parser)
     command.add_overwrite(parser)
     parser.set_defaults(run=run)
@@ -117,12 +116,11 @@ def run(options):
     aqorb.setNumThreads(1)  # the pairs are what is divided among threads
 
     def match_pair(both):
-        (positions1, descriptors1), (positions2, descriptors2) = both
+        if is_verified:
+            return places.match(*both, options.ratio, options.max_distance)
+        (_, descriptors1), (_, descriptors2) = both
         matches, distances = aqorb.matchArrays(descriptors1, descriptors2, options.ratio, True, options.max_distance)
-        if not is_verified:
-            return matches[:, 0], matches[:, 1], distances
-        inliers, F = places.verify(positions1[matches[:, 0]], positions2[matches[:, 1]])
-        return matches[:, 0], matches[:, 1], distances, inliers, () if F is None else F.ravel()
+        return matches[:, 0], matches[:, 1], distances
 
     if options.pairs == 'exhaustive':
         announce(features, total, match_pair, options.threads)

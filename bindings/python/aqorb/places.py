@@ -5,25 +5,25 @@
 """Which images show the same place: a bag of words over ORB's descriptors, on NumPy and scipy.sparse.
 
     words = places.words([places.draw(images)])          # images: pairs of a path, as bytes, and descriptors
-    counts = places.count([places.words_of(descriptors, words) for _, descriptors in images], len(words))
-    weights = places.weigh(counts, places.rarity(counts))
-    for first, indices, similarities in places.similar(weights, weights, 5):
-        ...                                              # of images first, first + 1, ...: the most similar ones
+    counts = places.count(places.look_up(images, words), len(words))
+    pairs, weights = places.similar_pairs(counts, 5)     # each image with the five most similar ones
     inliers, F = places.verify(points1, points2)         # of two images: the matches that agree on a geometry
 
-Words are descriptors of the collection itself, drawn at random. The word of a feature is the nearest one. An image has a
-vector with an element for each word: the square root of how often the image has it, times the logarithm of how rare it
-is. The similarity of two images is the cosine of their vectors.
+Words are descriptors of the collection itself, drawn at random. The word of a feature is the nearest one. An image has
+a vector with an element for each word: the square root of how often the image has it, times the logarithm of how rare
+it is. The similarity of two images is the cosine of their vectors.
 
 What is drawn depends on the seed and on the path of each image, but not on the order of images. A collection can
 therefore be drawn from in parts, on several machines."""
 
+import concurrent.futures
 import hashlib
 
 import numpy as np
 import scipy.sparse
 
 import aqorb
+from aqorb import collection
 
 WORDS = 65536
 STRONGEST = 500  # features of an image that are looked up: they are found again more often than the others
@@ -33,7 +33,7 @@ BLOCK = 2**22  # elements of the matrix of similarities that are in memory at a 
 
 
 def strongest(descriptors, response=None, count=STRONGEST):
-    """The descriptors of the keypoints with the greatest responses, in their order. Without responses it is all of them."""
+    """The descriptors of the keypoints with the greatest responses, in their order; without responses all of them."""
     if response is None or len(response) <= count:
         return descriptors
     return descriptors[np.sort(np.argsort(-np.asarray(response), kind='stable')[:count])]
@@ -92,9 +92,17 @@ def words_of(descriptors, words):
     return found.astype(np.int32), counts.astype(np.int32)
 
 
+def look_up(images, words, threads=1):
+    """Yields what words_of gives for each image. images are pairs of a path and descriptors."""
+    with concurrent.futures.ThreadPoolExecutor(threads) as pool:
+        for _, found in collection.map_ahead(pool, lambda image: words_of(image[1], words), images, 4 * threads):
+            yield found
+
+
 def count(images, number):
     """The matrix of what words_of gave for each image: how often it has each word, of which there are that many."""
-    if not len(images):
+    images = list(images)
+    if not images:
         raise ValueError('there are no images whose words could be counted')
     indices, counts = zip(*images)
     offsets = np.cumsum([0, *map(len, indices)])
@@ -118,14 +126,14 @@ def weigh(counts, rarity):
     return weights
 
 
-def similar(queries, collection, number, min_gap=0, first=0):
-    """Yields for blocks of rows of queries the index of the first one, and two arrays with a row for each: the indices of
-    the most similar rows of the collection, that many, best first, and their similarities. With min_gap the query i is
-    row first + i of the collection, and rows that are nearer than that, or itself, have the similarity -1."""
-    if not 1 <= number <= collection.shape[0]:
-        raise ValueError(f'similar images must be from 1 to {collection.shape[0]}, the number of images, got {number}')
-    columns = collection.T.tocsr()
-    step = max(1, BLOCK // collection.shape[0])
+def similar(queries, collected, number, min_gap=0, first=0):
+    """Yields for blocks of rows of queries the index of the first one, and two arrays with a row for each: the indices
+    of the most similar rows collected, that many, best first, and their similarities. With min_gap the query i is row
+    first + i of those collected, and rows that are nearer than that, or itself, have the similarity -1."""
+    if not 1 <= number <= collected.shape[0]:
+        raise ValueError(f'similar images must be from 1 to {collected.shape[0]}, the number of images, got {number}')
+    columns = collected.T.tocsr()
+    step = max(1, BLOCK // collected.shape[0])
     for start in range(0, queries.shape[0], step):
         table = (queries[start:start + step] @ columns).toarray()
         for i, row in enumerate(table, first + start):
@@ -148,6 +156,24 @@ def pairs(blocks, number):
     return np.column_stack(np.divmod(np.unique(np.concatenate(codes)), max(1, number)))
 
 
+def similar_pairs(counts, number, min_gap=1, sequential=0, progress=None):
+    """The pairs of each image of a collection with that many similar ones, and with so many that follow it: rows of two
+    indices in ascending order, each pair once. Returns the vectors, too. Neither grows with the square of the
+    collection. progress is called with the number of images that are done."""
+    total = counts.shape[0]
+    weights = weigh(counts, rarity(counts))
+
+    def blocks():
+        for block in similar(weights, weights, number, min_gap):
+            yield block
+            if progress:
+                progress(len(block[1]))
+
+    following = [np.column_stack([np.arange(total - i), np.arange(i, total)])
+                 for i in range(1, min(sequential + 1, total))]
+    return np.unique(np.concatenate([pairs(blocks(), total), *following]), axis=0), weights
+
+
 def similarities(weights, pairs, step=4096):
     """The similarity of the two images of each pair."""
     parts = [weights[part[:, 0]].multiply(weights[part[:, 1]]).sum(1) for part in
@@ -168,3 +194,55 @@ def verify(points1, points2, max_error=4.):
     if found is None:
         return np.zeros(0, np.int32), None
     return np.flatnonzero(found['inlier_mask']).astype(np.int32), found['F']
+
+
+def match(first, second, ratio=None, max_distance=None):
+    """The verified matches of two images, of each of which the positions and the descriptors are given: what a row of the
+    file of aqorb match has: the indices of matches in both images, their distances, the indices of those that are
+    inliers, and the elements of the fundamental matrix."""
+    matches, distances = aqorb.matchArrays(first[1], second[1], ratio, True, max_distance)
+    inliers, F = verify(first[0][matches[:, 0]], second[0][matches[:, 1]])
+    return matches[:, 0], matches[:, 1], distances, inliers, () if F is None else F.ravel()
+
+
+def extract_alike(paths, open_file, metadata, threads=1):
+    """The features of images, made as those of a file of which the metadata is given: what aqorb.collection.extract
+    returns. An image without features is among those that are not in the table."""
+    detector = aqorb.AdaptiveQuadtreeORB_create()
+    for name, value in metadata['parameters'].items():
+        getattr(detector, 'set' + name)(value)
+    reader = 'cv2' if metadata['reader'].startswith('cv2') else 'pillow'
+    table, failures = collection.extract(paths, open_file, detector, reader, metadata['max size'],
+                                         metadata['EXIF orientation'], threads)
+    kept = [len(row) > 0 for row in table['x']]
+    failures += [(path.as_py(), 'it has no features') for path, is_kept in zip(table['path'], kept) if not is_kept]
+    return table.filter(kept), failures
+
+
+def search(queries, features, words, counts, number, ratio=.8, threads=1):
+    """Yields for each row of a table of features a list of that many images of an aqorb.files.Features, those that show
+    the same place first: the most similar ones, in the order of their inliers. An element is how many inliers and how
+    many matches there are, the index of the image, and the positions of the inliers in both. counts is of the words of
+    the features."""
+    weight = rarity(counts)
+    asked = weigh(count(look_up(images_of(queries), words, threads), len(words)), weight)
+
+    def compare(item):
+        image, query, other = item
+        index1, index2, _, inliers, _ = match(query, other, ratio)
+        return len(inliers), len(index1), image, query[0][index1[inliers]], other[0][index2[inliers]]
+
+    def candidates():
+        for start, indices, _ in similar(asked, weigh(counts, weight), number):
+            for query, images in enumerate(indices, start):
+                row = queries.slice(query, 1)
+                positions = np.column_stack([row[name].combine_chunks().flatten().to_numpy() for name in ('x', 'y')])
+                keypoints = positions, collection.descriptors_of(row['descriptors'])
+                for image in images:
+                    yield image, keypoints, features.keypoints(image)
+
+    with features.opened(), concurrent.futures.ThreadPoolExecutor(threads) as pool:
+        compared = (found for _, found in collection.map_ahead(pool, compare, candidates(), 4 * threads))
+        for _ in range(len(queries)):
+            # Stable: of images with as many inliers the more similar one comes first.
+            yield sorted([next(compared) for _ in range(number)], key=lambda one: -one[0])

@@ -100,8 +100,8 @@ def test_a_loop_is_among_the_pairs(features, tmp_path):
     found = {tuple(int(name[:2]) for name in line) for line in lines(tmp_path / 'p.txt')}
     assert all(j - i >= 4 for i, j in found)
     assert {(i, COUNT - 1 - i) for i in range(10)} <= found
-    run('pairs', features / 'features.parquet', '--retrieval', 1, '--min-gap', 4, '--sequential', 2, '--scores', '--out',
-        tmp_path / 's.txt')
+    run('pairs', features / 'features.parquet', '--retrieval', 1, '--min-gap', 4, '--sequential', 2, '--scores',
+        '--out', tmp_path / 's.txt')
     joined = {tuple(int(name[:2]) for name in line[:2]): float(line[2]) for line in lines(tmp_path / 's.txt')}
     assert set(joined) == found | {(i, i + k) for k in (1, 2) for i in range(COUNT - k)}
     assert all(0 <= score <= 1 for score in joined.values()) and joined[0, COUNT - 1] > .3
@@ -123,7 +123,8 @@ def test_matches_are_verified(features, tmp_path):
     assert np.median(np.abs(points[0] - points[1])[inliers]) < 1  # they show the same place
 
     run('match', features / 'features.parquet', '--pairs', 'retrieval:2', '--out', tmp_path / 'm.db')
-    run('match', features / 'features.parquet', '--pairs', 'retrieval:2', '--no-verify', '--out', tmp_path / 'n.parquet')
+    run('match', features / 'features.parquet', '--pairs', 'retrieval:2', '--no-verify', '--out',
+        tmp_path / 'n.parquet')
     assert 'inliers' not in pq.read_schema(str(tmp_path / 'n.parquet')).names
     database = pycolmap.Database.open(str(tmp_path / 'm.db'))
     assert database.num_matched_image_pairs() == pq.read_metadata(str(tmp_path / 'n.parquet')).num_rows
@@ -158,8 +159,8 @@ def test_search(features, folder, tmp_path):
     shutil.copy(str(folder / '05.png'), str(tmp_path / 'new.png'))
     (tmp_path / 'text').write_text('no image')
     Image.fromarray(np.full((280, 320), 90, np.uint8)).save(str(tmp_path / 'grey.png'))
-    finished = run('search', features / 'features.parquet', tmp_path / 'new.png', tmp_path / 'text', tmp_path / 'grey.png',
-                   '--top', 2, '--draw', tmp_path / 'best.jpg', '--folder', folder)
+    finished = run('search', features / 'features.parquet', tmp_path / 'new.png', tmp_path / 'text',
+                   tmp_path / 'grey.png', '--top', 2, '--draw', tmp_path / 'best.jpg', '--folder', folder)
     found = [line.split('\t') for line in finished.stdout.splitlines()]
     assert found[0] == ['photograph', 'image', 'matches', 'inliers']
     assert [row[:2] for row in found[1:]] == [[str(tmp_path / 'new.png'), name] for name in ('05.png', '18.png')]
