@@ -180,5 +180,5 @@ def run_search(options):
             best, _, image, *ends = found[0]
             pair = photograph, os.path.join(os.fsencode(options.folder), features.paths[image])
     if options.draw:
-        images = [_draw.read(path, 'pillow', 800, features.metadata['EXIF orientation']) for path in pair]
+        images = [_draw.read(path, 'pillow', 640, features.metadata['EXIF orientation']) for path in pair]
         _draw.save(options.draw, images, ends)

@@ -113,11 +113,10 @@ def write_two_view_geometry(database, image1, image2, pairs, F):
     F = shift.T @ np.asarray(F, float) @ shift
     if image1 > image2:
         F = F.T
-    none, uncalibrated = np.zeros((3, 3)).tobytes(), 3
-    database.execute('INSERT INTO two_view_geometries(pair_id, rows, cols, data, config, F, E, H, qvec, tvec) '
-                     'VALUES (?, ?, ?, ?, ?, ?, ?, ?, ?, ?)',
-                     (*blob_of(image1, image2, pairs), uncalibrated, np.array(F, '<f8').tobytes(), none, none,
-                      np.array([1., 0, 0, 0]).tobytes(), np.zeros(3).tobytes()))
+    uncalibrated = 3
+    # NULL where nothing is known: of an E or a pose of zeros COLMAP would make use.
+    database.execute('INSERT INTO two_view_geometries(pair_id, rows, cols, data, config, F) VALUES (?, ?, ?, ?, ?, ?)',
+                     (*blob_of(image1, image2, pairs), uncalibrated, np.ascontiguousarray(F, '<f8').tobytes()))
 
 
 def write_pairs(path, pairs):

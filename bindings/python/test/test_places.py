@@ -128,9 +128,11 @@ def test_matches_are_verified(features, tmp_path):
     assert 'inliers' not in pq.read_schema(str(tmp_path / 'n.parquet')).names
     database = pycolmap.Database.open(str(tmp_path / 'm.db'))
     assert database.num_matched_image_pairs() == pq.read_metadata(str(tmp_path / 'n.parquet')).num_rows
-    assert np.array_equal(database.read_two_view_geometry(1, 24).inlier_matches,
-                          np.column_stack([same['index1'], same['index2']])[inliers])
+    geometry = database.read_two_view_geometry(1, 24)
     database.close()
+    assert np.array_equal(geometry.inlier_matches, np.column_stack([same['index1'], same['index2']])[inliers])
+    # COLMAP would begin with what the geometry says of the pose.
+    assert geometry.E is None and geometry.H is None and geometry.cam2_from_cam1 is None
     with sqlite3.connect(str(tmp_path / 'm.db')) as connection:
         assert connection.execute('SELECT min(rows) FROM two_view_geometries').fetchone()[0] >= 15
 
