@@ -95,7 +95,7 @@ install_packages() {
     say "Installing $*"
     # The lists of packages may be absent or older than the mirror.
     as_root "${APT[@]}" "${install[@]}" ||
-        { say "Fetching the lists of packages" && as_root "${APT[@]}" update && as_root "${APT[@]}" "${install[@]}"; } ||
+        { as_root "${APT[@]}" update && as_root "${APT[@]}" "${install[@]}"; } ||
         die "could not install the packages. Without a network, do later, as root:
   $by_hand"
 }

@@ -86,7 +86,9 @@ git tag pristine
 
 copy_module modules
 # Its row in the list of modules, before the first one whose name comes later.
-row='- **aqorb**: Uniformly distributed ORB features -- An ORB detector whose keypoints cover the whole image, functions that thin out the keypoints of any detector uniformly or measure how they lie, and a fast matcher of binary descriptors.'
+row='- **aqorb**: Uniformly distributed ORB features -- An ORB detector whose keypoints cover the whole image, '
+row+='functions that thin out the keypoints of any detector uniformly or measure how they lie, and a fast matcher of '
+row+='binary descriptors.'
 awk -v row="$row" '/^- \*\*/ && !done && substr($0, 5) > "aqorb" { print row "\n"; done = 1 } { print }' \
     modules/README.md >"$series/README.md"
 mv "$series/README.md" modules/README.md

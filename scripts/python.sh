@@ -63,7 +63,8 @@ offline() {
     tar -xz -C "$folder" -f "$folder"/aqorb-*.tar.gz --strip-components=1 --one-top-level=source
     say "pip install, without a network"
     (cd "$folder" && "${isolate[@]}" "$tools/bin/pip" install -v --no-build-isolation --no-deps \
-        -C cmake.define.AQORB_BUNDLE_OPENCV=OFF ./source >"$folder/log" 2>&1) || { tail -n 30 "$folder/log" && die "it was not installed"; }
+        -C cmake.define.AQORB_BUNDLE_OPENCV=OFF ./source >"$folder/log" 2>&1) ||
+        { tail -n 30 "$folder/log" && die "it was not installed"; }
     cd "$folder"
     "$tools/bin/python" -m aqorb --version
     "$tools/bin/python" "$ROOT/bindings/python/test/without_cv2.py"
@@ -83,7 +84,8 @@ notebook() {
     say "The notebook, beside opencv-python-headless $OPENCV_4"
     environment "$BUILD/venv/notebook" ipykernel matplotlib nbconvert "opencv-python-headless==$OPENCV_4" "${ROOT}[cli]"
     "$BUILD/venv/notebook/bin/python" -m aqorb --version
-    PATH=$BUILD/venv/notebook/bin:$PATH OPENCV_SAMPLES_DATA_PATH=$OPENCV_SAMPLES jupyter nbconvert --execute --to html --log-level=WARN \
+    PATH=$BUILD/venv/notebook/bin:$PATH OPENCV_SAMPLES_DATA_PATH=$OPENCV_SAMPLES \
+        jupyter nbconvert --execute --to html --log-level=WARN \
         --output-dir "$BUILD/notebook" "$ROOT/samples/notebook/aqorb.ipynb"
     ls -l "$BUILD/notebook/aqorb.html"
 }

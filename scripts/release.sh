@@ -30,7 +30,8 @@ check_version() {
     VERSION=$(sed -n 's/^project(aqorb VERSION \([0-9.]*\).*/\1/p' CMakeLists.txt)
     heading=$(grep -m 1 '^## \[' CHANGELOG.md)
     [[ $heading == "## [$VERSION] - "* ]] || die "CMakeLists.txt says $VERSION, CHANGELOG.md $heading"
-    grep -qE "^ *version: ${VERSION//./\\.}\$" CITATION.cff || die "CMakeLists.txt says $VERSION, and CITATION.cff another"
+    grep -qE "^ *version: ${VERSION//./\\.}\$" CITATION.cff ||
+        die "CMakeLists.txt says $VERSION, and CITATION.cff another version"
     # The library's name, of Debian's package and on macOS.
     grep -roIE 'libaqorb\.?[0-9]+\.[0-9]+' doc scripts README.md | while IFS=: read -r file name; do
         [[ $name =~ ^libaqorb\.?"${VERSION%.*}"$ ]] || die "CMakeLists.txt says $VERSION, and $file $name"

@@ -59,11 +59,12 @@ environment "$BUILD/venv/wheel" mypy pyright "$wheel"
 
 # test_beside PACKAGE==VERSION NUMPY: the tests of the package beside a cv2.
 test_beside() {
-    local python=$BUILD/venv/wheel/bin/python log=$WHEELS/$1.log
+    local python=$BUILD/venv/wheel/bin/python log=$WHEELS/$1.log numpy
     say "Beside $1, with the command"
     environment "$BUILD/venv/wheel" pytest "$1" "$2" "${wheel}[cli]"
     env PATH="${python%/*}:$PATH" "$python" -m pytest -q -p no:cacheprovider test_aqorb.py bindings_test | tee "$log"
-    table+=("| $1 | $("$python" -c 'import numpy; print(numpy.__version__)') | $(tail -n 1 "$log" | sed 's/ in .*//') | $(
+    numpy=$("$python" -c 'import numpy; print(numpy.__version__)')
+    table+=("| $1 | $numpy | $(tail -n 1 "$log" | sed 's/ in .*//') | $(
         "$python" bindings_test/compare_descriptors.py) |")
 }
 

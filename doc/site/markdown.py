@@ -54,7 +54,8 @@ def link(match, path):
 
 def prose(text, path):
     if path.endswith('.md'):
-        text = re.sub(r'^(##+) (.*)$', lambda m: f'{m[1]} {m[2]} {{#{page(path)}-{slug(m[2])}}}', text, flags=re.MULTILINE)
+        text = re.sub(r'^(##+) (.*)$', lambda m: f'{m[1]} {m[2]} {{#{page(path)}-{slug(m[2])}}}', text,
+                      flags=re.MULTILINE)
     text = LINK.sub(lambda match: link(match, path), text)
     text = re.sub(r'<!--!(.*?)-->', r'\1', text, flags=re.DOTALL)  # commands that only newer versions of doxygen read
     # An apostrophe would end the code for doxygen, which takes two more marks as a sign that it does not.

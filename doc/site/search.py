@@ -16,8 +16,8 @@ import sys
 from pathlib import Path
 
 HEADING = re.compile(r'<h[1-4]><a class="anchor" id="([^"]+)"></a>\s*(.*?)</h[1-4]>', re.DOTALL)
-MEMBER = re.compile(r'<a id="(\w+)" name="\w+"></a>\s*<h2 class="memtitle">.*?</a></span>(.*?)</h2>(.*?)<div class="memdoc">',
-                    re.DOTALL)
+MEMBER = re.compile(r'<a id="(\w+)" name="\w+"></a>\s*<h2 class="memtitle">.*?</a></span>(.*?)</h2>'
+                    r'(.*?)<div class="memdoc">', re.DOTALL)
 
 
 def plain(markup):
@@ -39,7 +39,8 @@ site = Path(sys.argv[1])
 added = {}
 for path in sorted(site.glob('*.html')):
     for label, anchor, place in entries(path):
-        for word in re.findall(r'\w{3,}', label) + re.findall(r'[A-Z]?[a-z]{2,}|[A-Z]{3,}', label):  # and parts of names
+        # Words, and parts of names.
+        for word in re.findall(r'\w{3,}', label) + re.findall(r'[A-Z]?[a-z]{2,}|[A-Z]{3,}', label):
             shown = html.escape(label).replace("'", '&#39;'), f'../{path.name}#{anchor}', html.escape(place)
             added.setdefault(word.lower(), {})[shown] = None
 # Doxygen's script finds the file of a word by the place of its first letter in this list.
