@@ -15,13 +15,11 @@
 #   avx2, sse4, sse2
 #               the same build with the features of newer x86-64 CPUs disabled
 #   plain       the same build with cv::setUseOptimized(false); bytes only
-#   qemu64      the same build on an x86-64 CPU without SSSE3, emulated
 #   aarch64, armhf, riscv64, s390x
 #               cross-built, on an emulated CPU; armhf with NEON, s390x big-endian
 #   i386        cross-built for SSE2, on this CPU
 #   windows     cross-built with MinGW-w64 against OpenCV 4, which it builds first, under wine
 #   clang       clang++
-#   debug       g++ -O0 with the assertions of the standard library
 #
 # Installs the Debian packages it needs. Tests that need images of opencv_extra are skipped unless
 # OPENCV_TEST_DATA_PATH names its testdata folder.
@@ -143,8 +141,6 @@ row_plain() {
     fingerprint plain "$BUILD/release/tools/fingerprint/aqorb_fingerprint" --plain
 }
 
-row_qemu64() { need emulation; compiled qemu64 qemu-x86_64-static -cpu qemu64,vendor=GenuineIntel; }
-
 # cross ROW ARCHITECTURE [EMULATOR]: cross-built with the compiler and the packages of Debian for an architecture, by
 # Debian's name of it. Its programs run under qemu-user with the name of the emulated CPU, or by a given command.
 cross() {
@@ -217,7 +213,6 @@ row_windows() {
 }
 
 row_clang() { need clang; compiled clang; }
-row_debug() { compiled debug; }
 
 bytes_only=
 if [[ ${1:-} == --bytes ]]; then
@@ -225,8 +220,8 @@ if [[ ${1:-} == --bytes ]]; then
     shift
 fi
 rows=("$@")
-((${#rows[@]})) || rows=(debian12 debian13 opencv4 opencv5 avx2 sse4 sse2 plain qemu64
-    aarch64 armhf i386 riscv64 s390x windows clang debug)
+((${#rows[@]})) || rows=(debian12 debian13 opencv4 opencv5 avx2 sse4 sse2 plain
+    aarch64 armhf i386 riscv64 s390x windows clang)
 for row in "${rows[@]}"; do
     declare -F "row_$row" >/dev/null || die "no such row: $row"
 done
