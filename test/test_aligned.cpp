@@ -5,7 +5,7 @@
 
 #include "test_precomp.hpp"
 
-#include "aligned.hpp"
+#include "types.hpp"
 
 namespace opencv_test
 {

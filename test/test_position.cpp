@@ -5,7 +5,7 @@
 
 #include "reference.hpp"
 
-#include "position.hpp"
+#include "description.hpp"
 
 namespace opencv_test
 {

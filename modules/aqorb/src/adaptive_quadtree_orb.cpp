@@ -5,13 +5,12 @@
 
 #include "precomp.hpp"
 
-#include "given.hpp"
-#include "image_loop.hpp"
 #include "input.hpp"
+#include "image_loop.hpp"
 #include "output.hpp"
 #include "parameters.hpp"
 #include "selection.hpp"
-#include "tables.hpp"
+#include "description.hpp"
 #include "threshold.hpp"
 #include "workspace.hpp"
 

@@ -5,7 +5,7 @@
 
 #include "precomp.hpp"
 
-#include "aligned.hpp"
+#include "types.hpp"
 #include "blur.hpp"
 #include "patch.hpp"
 

@@ -7,10 +7,127 @@
 
 #include "description.hpp"
 
+#include "fast.hpp"
+
 namespace cv
 {
 namespace aqorb
 {
+
+// ---- positions --------------------------------------------------------------------------------
+
+// How far positions stay off the place, about `length` pixels from the first one, where rounding to a pixel changes. A
+// position is rounded to a float, and scaling it back rounds twice: the scale and the product.
+static double safetyMargin(int length)
+{
+    const double FLOAT_ERROR = 1. / (1 << 24);  // at most, relative
+    return std::max(0.01, 3 * FLOAT_ERROR * length);
+}
+
+// Moves a position along one axis to where a keypoint belongs to a pixel of a level.
+static float clampToPixel(double position, int pixel, int imageLength, double scale, int border)
+{
+    // cv::ORB::compute drops keypoints near the border. Whether it first rounds positions depends on
+    // the version of OpenCV. These positions stay off the border in both cases.
+    const double last = imageLength - border - 0.5 - safetyMargin(imageLength);
+    position = std::max(std::min(position, last), double(border));
+    // The descriptor is taken at the pixel that position / scale rounds to. It must be the pixel given.
+    const double most = 0.5 - safetyMargin(pixel);
+    return float(std::max(std::min(position, (pixel + most) * scale), (pixel - most) * scale));
+}
+
+Point2f PositionMap::nearest(int x, int y, const Point2d& p) const
+{
+    return Point2f(clampToPixel(p.x, x, imageSize.width, scale, border),
+                   clampToPixel(p.y, y, imageSize.height, scale, border));
+}
+
+Point2f PositionMap::operator()(int x, int y, double dx, double dy) const
+{
+    if (!subPixel)
+        return Point2f(float(x) * scale, float(y) * scale);
+    return nearest(x, y,
+                   Point2d((x + dx + 0.5) * imageSize.width / levelSize.width - 0.5,
+                           (y + dy + 0.5) * imageSize.height / levelSize.height - 0.5));
+}
+
+static int nearestPixel(float position, int length)
+{
+    return std::min(std::max(cvRound(position), 0), length - 1);
+}
+
+bool isUsable(const Mat& imageMask, const Point2f& position)
+{
+    return imageMask.at<uchar>(nearestPixel(position.y, imageMask.rows),
+                               nearestPixel(position.x, imageMask.cols)) != 0;
+}
+
+bool usablePosition(const Mat& imageMask, const PositionMap& position, int x, int y, Point2f& found)
+{
+    const Point2f center = position(x, y);
+    if (isUsable(imageMask, center))
+    {
+        found = center;
+        return true;
+    }
+    if (!position.subPixel)
+        return false;
+    const Point2f first = position.nearest(x, y, Point2d(0, 0));
+    const Point2f last = position.nearest(x, y, Point2d(imageMask.cols - 1, imageMask.rows - 1));
+    double least = std::numeric_limits<double>::infinity();
+    for (int row = cvFloor(first.y); row <= cvCeil(last.y); row++)
+    {
+        for (int column = cvFloor(first.x); column <= cvCeil(last.x); column++)
+        {
+            const Point2f candidate = position.nearest(x, y, Point2d(column, row));
+            const double dx = candidate.x - center.x, dy = candidate.y - center.y;
+            if (dx * dx + dy * dy < least && isUsable(imageMask, candidate))
+            {
+                least = dx * dx + dy * dy;
+                found = candidate;
+            }
+        }
+    }
+    return least < std::numeric_limits<double>::infinity();
+}
+
+void maskPositions(const Mat& imageMask, const PositionMap& position, Mat& levelMask)
+{
+    std::vector<int> columns(levelMask.cols);
+    for (int x = 0; x < levelMask.cols; x++)
+        columns[x] = nearestPixel(position(x, 0).x, imageMask.cols);
+    Point2f anywhere;
+    for (int y = 0; y < levelMask.rows; y++)
+    {
+        const uchar* use = imageMask.ptr(nearestPixel(position(0, y).y, imageMask.rows));
+        uchar* out = levelMask.ptr(y);
+        for (int x = 0; x < levelMask.cols; x++)
+        {
+            if (out[x] && !use[columns[x]] && !usablePosition(imageMask, position, x, y, anywhere))
+                out[x] = 0;
+        }
+    }
+}
+
+Point2d subPixelOffset(const Mat& image, int x, int y)
+{
+    int s[3][3];
+    cornerScores3x3(image, x, y, s);
+
+    // Derivatives by central differences. As whole numbers they are twice the gradient and four times dxy.
+    const int gx2 = s[1][2] - s[1][0], gy2 = s[2][1] - s[0][1];
+    const int dxx = s[1][2] - 2 * s[1][1] + s[1][0], dyy = s[2][1] - 2 * s[1][1] + s[0][1];
+    const int dxy4 = s[2][2] - s[2][0] - s[0][2] + s[0][0];
+    const int determinant16 = 16 * dxx * dyy - dxy4 * dxy4;
+    if (dxx >= 0 || determinant16 <= 0)  // no peak
+        return Point2d(0, 0);
+    // The peak is at minus the inverse of the Hessian times the gradient.
+    const double px = 2. * (dxy4 * gy2 - 4 * dyy * gx2) / determinant16;
+    const double py = 2. * (dxy4 * gx2 - 4 * dxx * gy2) / determinant16;
+    return Point2d(std::min(std::max(px, -0.5), 0.5), std::min(std::max(py, -0.5), 0.5));
+}
+
+// ---- features ---------------------------------------------------------------------------------
 
 std::vector<FeatureRange> divideIntoRanges(const std::vector<FeatureList>& features, int threads)
 {

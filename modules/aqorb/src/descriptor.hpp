@@ -6,9 +6,8 @@
 #ifndef OPENCV_AQORB_DESCRIPTOR_HPP
 #define OPENCV_AQORB_DESCRIPTOR_HPP
 
-#include "aligned.hpp"
-#include "blur.hpp"
 #include "types.hpp"
+#include "blur.hpp"
 
 #include <cmath>
 

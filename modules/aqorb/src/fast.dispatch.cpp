@@ -5,7 +5,7 @@
 
 #include "precomp.hpp"
 
-#include "aligned.hpp"
+#include "types.hpp"
 #include "fast.hpp"
 #include "patch.hpp"
 
@@ -215,6 +215,12 @@ void cornerScores3x3(const Mat& image, int x, int y, int scores[3][3])
     PatchBuffer buffer;
     const Patch patch = patchAround(image, x, y, READ, buffer);
     neighborCornerScores(patch.center, patch.step, scores);
+}
+
+int writeKeptCorners(const CornerBlock* first, int cornerCount, const ScorePlane& plane, Corner* kept)
+{
+    const uchar* scores = plane.row(first->y);
+    CV_CPU_DISPATCH(writeKept, (first, cornerCount, scores, plane.step(), kept), CV_CPU_DISPATCH_MODES_ALL);
 }
 
 }  // namespace aqorb

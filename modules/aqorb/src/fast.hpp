@@ -148,6 +148,12 @@ private:
 void listCorners(const CornerBlock* first, const CornerBlock* last, const ScorePlane& plane,
                  std::vector<Corner>& corners);
 
+/** Writes the corners that have no better one within SUPPRESS_RADIUS.
+ @param first the blocks of the corners, and two more that are readable
+ @param kept has space for all corners and one more
+ @return number of corners kept */
+int writeKeptCorners(const CornerBlock* first, int cornerCount, const ScorePlane& plane, Corner* kept);
+
 /** The unthresholded FAST scores, -255 to 255, of (x, y) and its neighbours: scores[1 + dy][1 + dx]. A score is the
  largest over the 16 arcs of 9 circle pixels of their least difference to the centre, brighter or darker. That is one
  more than the response of cv::FAST. */

@@ -7,7 +7,7 @@
 
 #include "precomp.hpp"
 
-#include "aligned.hpp"
+#include "types.hpp"
 #include "hamming.hpp"
 
 #include "hamming.simd.hpp"

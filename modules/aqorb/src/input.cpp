@@ -5,7 +5,7 @@
 
 #include "precomp.hpp"
 
-#include "aligned.hpp"
+#include "types.hpp"
 #include "input.hpp"
 #include "pyramid.hpp"
 
@@ -119,6 +119,85 @@ Collection::Collection(InputArrayOfArrays images_, InputArrayOfArrays masks_)
     if (!masks.empty() && masks.size() != images.size())
         CV_Error_(Error::StsBadArg, ("masks must be one for each image or none, got %d for %d images",
                                      int(masks.size()), int(images.size())));
+}
+
+// Keypoints may come from a detector of more levels, but not make the pyramid as high as they like.
+static const int MOST_LEVELS_GIVEN = 64;
+
+// The highest octave of the keypoints; 0 for none. Throws where an octave is negative or an angle is not finite.
+static int highestOctave(const std::vector<KeyPoint>& keypoints)
+{
+    int highest = 0;
+    for (size_t i = 0; i < keypoints.size(); i++)
+    {
+        const int octave = keypoints[i].octave;
+        if (octave < 0)
+            CV_Error_(
+                Error::StsOutOfRange,
+                ("keypoints must have an octave of at least 0, got %d (SIFT packs more than the octave into "
+                 "the field: unpack it first)",
+                 octave));
+        // With such an angle the descriptor would read outside of the image.
+        if (!std::isfinite(keypoints[i].angle))
+            CV_Error_(Error::StsOutOfRange,
+                      ("keypoints must have a finite angle, got %g", keypoints[i].angle));
+        highest = std::max(highest, octave);
+    }
+    return highest;
+}
+
+// Whether a point is inside the image. The image begins half a pixel before the centre of its first pixel and ends a
+// whole pixel behind the centre of its last one. In the last half pixel a point rounds to a pixel beside the image, but
+// cv::ORB describes it there.
+static bool isInside(const Point2f& pt, const Size& size)
+{
+    return pt.x >= -0.5f && pt.y >= -0.5f && pt.x < float(size.width) && pt.y < float(size.height);
+}
+
+std::vector<FeatureList> takeGiven(const std::vector<KeyPoint>& keypoints, const Parameters& parameters,
+                                   Size imageSize)
+{
+    const int highest = highestOctave(keypoints);
+    parameters.checkTogether(std::max(parameters.nlevels, highest > 0 ? 2 : 1));
+    const auto scaleOf = [&](int octave)
+    { return levelScale(octave, parameters.firstLevel, parameters.scaleFactor); };
+    const Size smallest = levelSize(imageSize, scaleOf(highest));
+    const int most = std::max(parameters.nlevels, MOST_LEVELS_GIVEN);
+    if (highest >= most || smallest.width < 1 || smallest.height < 1)
+        CV_Error_(
+            Error::StsOutOfRange,
+            ("keypoints must have octaves below %d whose levels have pixels, got octave %d (SIFT packs more "
+             "than the octave into the field: unpack it first)",
+             most, highest));
+
+    // Those that cv::ORB describes. The others lie outside of the image or nearer than edgeThreshold to its border.
+    std::vector<KeyPoint> inside;
+    for (const KeyPoint& keypoint : keypoints)
+    {
+        if (isInside(keypoint.pt, imageSize))
+            inside.push_back(keypoint);
+    }
+    const int border = std::min(parameters.edgeThreshold, std::max(imageSize.width, imageSize.height));
+    KeyPointsFilter::runByImageBorder(inside, imageSize, border);
+    std::vector<FeatureList> features(inside.empty() ? 0 : size_t(highestOctave(inside)) + 1);
+    std::vector<unsigned> order(inside.size());
+    std::iota(order.begin(), order.end(), 0u);
+    const auto pointOf = [&](const KeyPoint& keypoint)
+    {
+        const Point2f p = keypoint.pt * (1.f / scaleOf(keypoint.octave));
+        return FeaturePoint{cvRound(p.x), cvRound(p.y), keypoint.angle};
+    };
+    std::stable_sort(order.begin(), order.end(),
+                     [&](unsigned a, unsigned b)
+                     { return InRasterOrder()(pointOf(inside[a]), pointOf(inside[b])); });
+    for (unsigned index : order)
+    {
+        FeatureList& list = features[size_t(inside[index].octave)];
+        list.points.push_back(pointOf(inside[index]));
+        list.keypoints.push_back(inside[index]);
+        list.outputKeys.push_back(index);
+    }
+    return features;
 }
 
 }  // namespace aqorb

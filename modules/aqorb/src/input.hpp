@@ -6,6 +6,9 @@
 #ifndef OPENCV_AQORB_INPUT_HPP
 #define OPENCV_AQORB_INPUT_HPP
 
+#include "description.hpp"
+#include "parameters.hpp"
+
 #include <opencv2/core.hpp>
 
 #include <vector>
@@ -51,6 +54,12 @@ bool isSequence(const _InputArray& array);
 
 //! Throws unless the argument is a vector of Mat or UMat.
 void checkIsOfMats(const _InputArray& array, const char* name);
+
+/** The keypoints that cv::ORB::compute describes of those that are given to it, and the pixels at which it does so: a list
+ for each level, up to their highest octave. Throws where an octave is negative or has no pixels, or an angle is not
+ finite. */
+std::vector<FeatureList> takeGiven(const std::vector<KeyPoint>& keypoints, const Parameters& parameters,
+                                   Size imageSize);
 
 }  // namespace aqorb
 }  // namespace cv

@@ -193,5 +193,17 @@ void orientations(const Mat& image, const OrientationPatch& patch, FeaturePoint*
     }
 }
 
+// ---- leaves of the quadtree -------------------------------------------------------------------
+
+void flagRepresentativesOfRow(const int* keys, ptrdiff_t stride, int side, uchar* flags)
+{
+    CV_CPU_DISPATCH(flagRepresentatives, (keys, stride, side, flags), CV_CPU_DISPATCH_MODES_ALL);
+}
+
+void countLeavesBefore(const RankGrid& grid, const unsigned* leaves, size_t count, int* counts)
+{
+    CV_CPU_DISPATCH(countBefore, (grid, leaves, count, counts), CV_CPU_DISPATCH_MODES_ALL);
+}
+
 }  // namespace aqorb
 }  // namespace cv

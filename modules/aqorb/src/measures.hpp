@@ -6,9 +6,9 @@
 #ifndef OPENCV_AQORB_MEASURES_HPP
 #define OPENCV_AQORB_MEASURES_HPP
 
-// What is measured around a pixel of a level: the Harris response, and the moments that give the direction.
+// What is measured around a pixel of a level, the Harris response and the moments that give the direction, and around a leaf
+// of the quadtree, its better neighbours.
 
-#include "aligned.hpp"
 #include "types.hpp"
 
 namespace cv
@@ -57,6 +57,17 @@ void orientations(const Mat& image, const OrientationPatch& patch, FeaturePoint*
 void patchMoments(const Mat& image, const OrientationPatch& patch, const FeaturePoint* points, size_t count,
                   Moments* moments);
 
+//! A leaf has a representative if at most so many of its eight neighbours have a better point.
+const int MOST_BETTER_NEIGHBORS = 2;
+
+//! Finds which leaves of a row have a representative.
+//! @param keys of the best points of the leaves; INT_MIN: none. Those of the rows above and below are stride elements away.
+void flagRepresentativesOfRow(const int* keys, ptrdiff_t stride, int side, uchar* flags);
+
+struct RankGrid;
+//! Counts, for each leaf, the leaves before it within the disc around it.
+void countLeavesBefore(const RankGrid& grid, const unsigned* leaves, size_t count, int* counts);
+
 // ---- for the kernel: plain structs only, see types.hpp ---------------------------------------
 
 //! The moments m10 and m01 of the patch around a pixel.
@@ -73,6 +84,23 @@ struct PatchRegion
     {
         return left <= p.x && p.x < right && top <= p.y && p.y < bottom;
     }
+};
+
+//! A grid of bits with a border, those of leaves that have come. Each word holds 32 bits of a row and, in its
+//! upper half, those of the next row. The next word begins STEP bits later.
+struct RankGrid
+{
+    enum
+    {
+        STEP = 16
+    };
+    uint64* bits;
+    int depth;            //!< leaves have 2^depth columns
+    int stride;           //!< words of a row
+    int left, top;        //!< width of the border, in bits and rows
+    const int* words;     //!< the disc: offsets from the word before that of the upper left of the disc
+    const uint64* masks;  //!< the disc: which bits of each of these words count
+    int wordCount;
 };
 
 }  // namespace aqorb

@@ -5,7 +5,7 @@
 
 #include "precomp.hpp"
 
-#include "aligned.hpp"
+#include "types.hpp"
 #include "pyramid.hpp"
 
 #include "pyramid.simd.hpp"

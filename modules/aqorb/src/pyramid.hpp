@@ -6,7 +6,6 @@
 #ifndef OPENCV_AQORB_PYRAMID_HPP
 #define OPENCV_AQORB_PYRAMID_HPP
 
-#include "aligned.hpp"
 #include "types.hpp"
 
 namespace cv

@@ -85,9 +85,6 @@ struct OrderScratch
     std::vector<unsigned> best;  // by leaf, with a border: that point
 };
 
-//! A leaf has a representative if at most so many of its eight neighbours have a better point.
-const int MOST_BETTER_NEIGHBORS = 2;
-
 /** The best points of leaves, but of those leaves only of whose eight neighbours at most two have a better one. Of equally
  good points the first one is better.
  @return their indices, in the order of the leaves */
@@ -124,23 +121,6 @@ struct RankRule
 std::vector<unsigned> orderRepresentatives(const std::vector<unsigned>& leaves,
                                            const std::vector<float>& strengths, const RankRule& rule,
                                            const std::vector<uchar>& usable);
-//! For the kernel: a grid of bits with a border, those of leaves that have come. Each word holds 32 bits of a row and, in its
-//! upper half, those of the next row. The next word begins STEP bits later.
-struct RankGrid
-{
-    enum
-    {
-        STEP = 16
-    };
-    uint64* bits;
-    int depth;            //!< leaves have 2^depth columns
-    int stride;           //!< words of a row
-    int left, top;        //!< width of the border, in bits and rows
-    const int* words;     //!< the disc: offsets from the word before that of the upper left of the disc
-    const uint64* masks;  //!< the disc: which bits of each of these words count
-    int wordCount;
-};
-
 //! The order of the points that are no representatives: by their place in their leaf, then by their keys.
 std::vector<unsigned> orderOthers(const std::vector<LeafPoint>& points,
                                   const std::vector<unsigned>& representatives);

@@ -5,12 +5,9 @@
 
 #include "precomp.hpp"
 
-#include "aligned.hpp"
 #include "corners.hpp"
 #include "image_loop.hpp"
-
-#include "corners.simd.hpp"
-#include "corners.simd_declarations.hpp"
+#include "simd_compat.hpp"
 
 namespace cv
 {
@@ -19,12 +16,6 @@ namespace aqorb
 
 namespace
 {
-
-int writeKeptCorners(const CornerBlock* first, int cornerCount, const ScorePlane& plane, Corner* kept)
-{
-    const uchar* scores = plane.row(first->y);
-    CV_CPU_DISPATCH(writeKept, (first, cornerCount, scores, plane.step(), kept), CV_CPU_DISPATCH_MODES_ALL);
-}
 
 // Lists the corners of the rows before `end`, and takes their blocks out. The SUPPRESS_RADIUS rows from there on must have
 // their scores, too, as far as there are any.
