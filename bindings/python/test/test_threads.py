@@ -262,7 +262,8 @@ def test_the_number_of_threads(shared, threads):
                  lambda: shared.detectAndComputeBatch(IMAGES), lambda: [aqorb.setNumThreads(n) for n in (1, 4, 2)])
 
 
-def describe(number):
+def describe(number, threads=3):
+    aqorb.setNumThreads(threads)  # of which a child has one nevertheless
     image = np.random.RandomState(number).randint(0, 256, (240, 320)).astype(np.uint8)
     batch = aqorb.AdaptiveQuadtreeORB_create(200).detectAndComputeBatch([image] * 3)
     return batch.descriptors.tobytes(), aqorb.getNumThreads(), len(os.listdir('/proc/self/task'))
@@ -273,6 +274,12 @@ def test_processes_that_are_forked(threads):
     # The loops of OpenCV have threads, which the children have not.
     aqorb.setNumThreads(3)
     expected = [describe(number)[0] for number in range(8)]
+    children = [multiprocessing.get_context('fork').Process(target=describe, args=(0, number)) for number in (1, 2)]
+    for child in children:
+        child.start()
+    for child in children:
+        child.join(60)
+        assert child.exitcode == 0
     with multiprocessing.get_context('fork').Pool(3) as pool:
         found = pool.map_async(describe, range(8)).get(60)
         assert [descriptors for descriptors, _, _ in found] == expected
