@@ -50,7 +50,8 @@ std::vector<int> rankedQuotas(int nfeatures, const std::vector<Size>& regions,
     return quotas;
 }
 
-// The share of the region that the mask does not exclude. Rows are counted one by one, because countNonZero counts by int.
+// The share of the region that the mask does not exclude. Rows are counted one by one, because countNonZero counts by
+// int.
 static double usableShare(const Mat& mask, const Rect& region)
 {
     double usable = 0;
@@ -123,8 +124,8 @@ private:
     std::vector<uchar>& marks;  // a bit by pixel of a level: whether it is near a keypoint of another level
 };
 
-// The exact positions in the image of the pixels of a level along one axis: by pixel centres, so that positions on coarse
-// levels are not shifted against those on fine ones.
+// The exact positions in the image of the pixels of a level along one axis: by pixel centres, so that positions on
+// coarse levels are not shifted against those on fine ones.
 std::vector<double> exactPositions(int imageLength, int length)
 {
     std::vector<double> positions(length);

@@ -3,6 +3,8 @@
 // of this distribution.
 // SPDX-License-Identifier: Apache-2.0
 
+// The class AdaptiveQuadtreeORB, and the path of an image through the stages.
+
 #include "precomp.hpp"
 
 #include "input.hpp"
@@ -350,7 +352,8 @@ void AdaptiveQuadtreeORBImpl::detect(InputArrayOfArrays images_,
     detectAndComputeBatch(images_, masks_, keypoints, noArray());
 }
 
-// The outputs are given at the end, so that an error leaves them unchanged and no image is lost that shares their memory.
+// The outputs are given at the end, so that an error leaves them unchanged and no image is lost that shares their
+// memory.
 void AdaptiveQuadtreeORBImpl::compute(InputArrayOfArrays images_,
                                       std::vector<std::vector<KeyPoint>>& keypoints,
                                       OutputArrayOfArrays descriptors_)

@@ -53,9 +53,9 @@ static std::vector<unsigned> placesInSets(const std::vector<uint64>& keys)
     return places;
 }
 
-// Leaves are grouped by their ancestor two levels up. A group offers the best point of each of its leaves, then the second
-// best of each, and so on, each time by response. The order takes the first offer of every group by response, then the second
-// of every group, and so on.
+// Leaves are grouped by their ancestor two levels up. A group offers the best point of each of its leaves, then the
+// second best of each, and so on, each time by response. The order takes the first offer of every group by response,
+// then the second of every group, and so on.
 std::vector<unsigned> balancedOrder(const std::vector<LeafPoint>& points, int depth)
 {
     CV_TRACE_FUNCTION();

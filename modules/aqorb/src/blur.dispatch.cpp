@@ -3,6 +3,8 @@
 // of this distribution.
 // SPDX-License-Identifier: Apache-2.0
 
+// Blurs the parts of a level that descriptors read.
+
 #include "precomp.hpp"
 
 #include "types.hpp"

@@ -3,6 +3,8 @@
 // of this distribution.
 // SPDX-License-Identifier: Apache-2.0
 
+// The Gaussian blur whose pixels descriptors compare: exactly as cv::ORB's, and fast with a bound on the error.
+
 #ifndef OPENCV_AQORB_BLUR_HPP
 #define OPENCV_AQORB_BLUR_HPP
 

@@ -3,6 +3,8 @@
 // of this distribution.
 // SPDX-License-Identifier: Apache-2.0
 
+// The exact blur of a pixel, and the approximate blur of columns of vectors.
+
 #include "blur.hpp"
 #include "simd_compat.hpp"
 

@@ -3,6 +3,8 @@
 // of this distribution.
 // SPDX-License-Identifier: Apache-2.0
 
+// Searches bands of all levels side by side, and applies the mesh of cells and the suppression to them.
+
 #include "precomp.hpp"
 
 #include "corners.hpp"
@@ -17,8 +19,8 @@ namespace aqorb
 namespace
 {
 
-// Lists the corners of the rows before `end`, and takes their blocks out. The SUPPRESS_RADIUS rows from there on must have
-// their scores, too, as far as there are any.
+// Lists the corners of the rows before `end`, and takes their blocks out. The SUPPRESS_RADIUS rows from there on must
+// have their scores, too, as far as there are any.
 void listBefore(int end, bool suppressNear, CornerScratch& scratch, std::vector<Corner>& found)
 {
     CornerBlocks& blocks = scratch.blocks;

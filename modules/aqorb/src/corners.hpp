@@ -3,6 +3,8 @@
 // of this distribution.
 // SPDX-License-Identifier: Apache-2.0
 
+// The corners of all levels: FAST by two thresholds in a mesh of cells, without those near a better one.
+
 #ifndef OPENCV_AQORB_CORNERS_HPP
 #define OPENCV_AQORB_CORNERS_HPP
 
@@ -31,10 +33,11 @@ struct CornerScratch
     std::vector<Corner> kept;
 };
 
-/** Finds corners: those of score >= thresholds.ini, and in cells that have none of them those of score >= thresholds.min.
- Cells are squares of side cellSize; the first is in the upper left of the region. Masked corners do not count. With
- suppressNear, a corner is kept only if there is no better one within SUPPRESS_RADIUS. A corner is better if it has a higher
- score or, with the same score, comes first in raster order. It counts even if it loses to another one itself.
+/** Finds corners: those of score >= thresholds.ini, and in cells that have none of them those of score >=
+ thresholds.min. Cells are squares of side cellSize; the first is in the upper left of the region. Masked corners do not
+ count. With suppressNear, a corner is kept only if there is no better one within SUPPRESS_RADIUS. A corner is better if
+ it has a higher score or, with the same score, comes first in raster order. It counts even if it loses to another one
+ itself.
  @param rows of the region, from the first row of a cell to the last row of another one
  @param found gets the corners of these rows, in raster order */
 void searchBand(const Level& level, const Rect& region, const Range& rows, const CornerRules& rules,

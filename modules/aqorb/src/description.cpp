@@ -3,6 +3,8 @@
 // of this distribution.
 // SPDX-License-Identifier: Apache-2.0
 
+// Positions in the image, and the description of features from the top of a level to its bottom.
+
 #include "precomp.hpp"
 
 #include "description.hpp"

@@ -3,6 +3,8 @@
 // of this distribution.
 // SPDX-License-Identifier: Apache-2.0
 
+// The positions, directions and descriptors of selected corners.
+
 #ifndef OPENCV_AQORB_DESCRIPTION_HPP
 #define OPENCV_AQORB_DESCRIPTION_HPP
 

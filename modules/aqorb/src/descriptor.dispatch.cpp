@@ -3,6 +3,8 @@
 // of this distribution.
 // SPDX-License-Identifier: Apache-2.0
 
+// The patterns of cv::ORB, and descriptors for any of them.
+
 #include "precomp.hpp"
 
 #include "blur.hpp"

@@ -3,6 +3,8 @@
 // of this distribution.
 // SPDX-License-Identifier: Apache-2.0
 
+// The descriptors of cv::ORB, from the approximate blur where that decides, else from the exact one.
+
 #ifndef OPENCV_AQORB_DESCRIPTOR_HPP
 #define OPENCV_AQORB_DESCRIPTOR_HPP
 
@@ -19,9 +21,9 @@ namespace aqorb
 /** Sine and cosine of an angle in radians, the same on every system.
 
  C libraries differ in the last bit of these functions, and so does cv::ORB. These are, to the bit, those of the GNU C
- library up to version 2.41, which has them from Arm's Optimized Routines: polynomials in double, rounded to float at the
- end. They are not always the floats nearest to the exact values. From 120 on they are the C library's; directions are
- below 2 pi. */
+ library up to version 2.41, which has them from Arm's Optimized Routines: polynomials in double, rounded to float at
+ the end. They are not always the floats nearest to the exact values. From 120 on they are the C library's; directions
+ are below 2 pi. */
 inline void sineAndCosine(float angle, float& sine, float& cosine)
 {
     if (!(std::abs(angle) < 120.f))  // NaN, too

@@ -3,6 +3,8 @@
 // of this distribution.
 // SPDX-License-Identifier: Apache-2.0
 
+// The 256 tests of a descriptor that the approximate blur decides.
+
 #include "descriptor.hpp"
 #include "simd_compat.hpp"
 

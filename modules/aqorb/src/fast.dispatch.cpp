@@ -3,6 +3,8 @@
 // of this distribution.
 // SPDX-License-Identifier: Apache-2.0
 
+// Prepares the scan of a level, and scores single pixels.
+
 #include "precomp.hpp"
 
 #include "types.hpp"

@@ -3,6 +3,8 @@
 // of this distribution.
 // SPDX-License-Identifier: Apache-2.0
 
+// FAST-9/16 corners after non-maximum suppression, found in one pass over the rows of a level.
+
 #ifndef OPENCV_AQORB_FAST_HPP
 #define OPENCV_AQORB_FAST_HPP
 

@@ -3,6 +3,8 @@
 // of this distribution.
 // SPDX-License-Identifier: Apache-2.0
 
+// The scan: scores of the rows, the corners among them, and those without a better one nearby.
+
 #include "fast.hpp"
 #ifndef CV_CPU_OPTIMIZATION_DECLARATIONS_ONLY
 #include "fast_score.hpp"

@@ -115,14 +115,15 @@ CV_ALWAYS_INLINE Sides<Vectors> either(const Sides<Vectors>& a, const Sides<Vect
     return Sides<Vectors>(Greatest::of(a.bright, b.bright), Least::of(a.dark, b.dark));
 }
 // The best of the 16 arcs of 9 pixels on the circle of 16 around p. Neighbouring arcs share work. Pair i is pixels
-// 2 i + 1 and 2 i + 2. The arcs that begin at 2 i and at 2 i + 1 have the pairs i to i + 3 in common and differ in their ends, the pixels 2 i and 2 i + 9.
-// Of the four arcs that begin at 4 i to 4 i + 3, all have the pairs 2 i + 1 to 2 i + 3; two of them have pair 2 i and
-// ends 2 i besides, the other two pair 2 i + 4 and ends 2 i + 1. The eight arcs from 8 i on share pair 4 i + 3.
+// 2 i + 1 and 2 i + 2. The arcs that begin at 2 i and at 2 i + 1 have the pairs i to i + 3 in common and differ in
+// their ends, the pixels 2 i and 2 i + 9. Of the four arcs that begin at 4 i to 4 i + 3, all have the pairs 2 i + 1 to
+// 2 i + 3; two of them have pair 2 i and ends 2 i besides, the other two pair 2 i + 4 and ends 2 i + 1. The eight arcs
+// from 8 i on share pair 4 i + 3.
 template <typename Vectors> CV_ALWAYS_INLINE Sides<Vectors> bestArc(const Around<Vectors>& p)
 {
     typedef Sides<Vectors> S;
-    // They are ordered by hand so that as few vectors as possible are needed at a time: with 16 registers compilers would
-    // otherwise spend more time on saving and restoring them than on the work itself.
+    // They are ordered by hand so that as few vectors as possible are needed at a time: with 16 registers compilers
+    // would otherwise spend more time on saving and restoring them than on the work itself.
     const S x2 = p.at(2, 2), x11 = p.at(-3, -1), x8 = p.at(0, -3), x1 = p.at(1, 3);
     const S ends1 = either(x2, x11);
     const S ends4 = either(x8, x1);

@@ -3,6 +3,8 @@
 // of this distribution.
 // SPDX-License-Identifier: Apache-2.0
 
+// Loops over threads, and over the images of a collection.
+
 #ifndef OPENCV_AQORB_IMAGE_LOOP_HPP
 #define OPENCV_AQORB_IMAGE_LOOP_HPP
 
@@ -22,8 +24,8 @@ namespace aqorb
 //! How many threads a call that this thread begins may use.
 int threadsAllowed();
 
-/** Goes over the images of a collection. Several threads may do so at once, each of which takes the next image. They take
- images in their order and end what they have begun, so the first image that fails is always the same. */
+/** Goes over the images of a collection. Several threads may do so at once, each of which takes the next image. They
+ take images in their order and end what they have begun, so the first image that fails is always the same. */
 class ImageLoop
 {
 public:
@@ -77,8 +79,8 @@ private:
     std::exception_ptr error;
 };
 
-/** Calls work(i, thread) for every i below count, on as many threads as the caller may use. Each of them takes the next i until
- none is left, and has a number of its own. When all have ended, the error of the lowest i is thrown. */
+/** Calls work(i, thread) for every i below count, on as many threads as the caller may use. Each of them takes the next
+ i until none is left, and has a number of its own. When all have ended, the error of the lowest i is thrown. */
 template <typename Work> void forEach(size_t count, const Work& work)
 {
     const int threads = int(std::min(size_t(threadsAllowed()), count));

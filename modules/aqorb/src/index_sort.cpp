@@ -3,6 +3,8 @@
 // of this distribution.
 // SPDX-License-Identifier: Apache-2.0
 
+// Sorts by counting digits.
+
 #include "precomp.hpp"
 
 #include "index_sort.hpp"

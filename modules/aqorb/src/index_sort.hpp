@@ -3,6 +3,8 @@
 // of this distribution.
 // SPDX-License-Identifier: Apache-2.0
 
+// Sorts indices by keys.
+
 #ifndef OPENCV_AQORB_INDEX_SORT_HPP
 #define OPENCV_AQORB_INDEX_SORT_HPP
 
@@ -39,8 +41,8 @@ inline unsigned descendingKey(int key)
     return unsigned(key) ^ 0x7fffffffu;
 }
 
-//! The indices of keys by the keys, and equal ones by themselves. It counts digits, because most comparisons would be hard to
-//! predict.
+//! The indices of keys by the keys, and equal ones by themselves. It counts digits, because most comparisons would be
+//! hard to predict.
 std::vector<unsigned> sortIndices(const std::vector<uint64>& keys);
 
 }  // namespace aqorb

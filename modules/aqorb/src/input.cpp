@@ -3,6 +3,8 @@
 // of this distribution.
 // SPDX-License-Identifier: Apache-2.0
 
+// Checks and converts what callers give, and reflects pixels beyond the border.
+
 #include "precomp.hpp"
 
 #include "types.hpp"

@@ -3,6 +3,8 @@
 // of this distribution.
 // SPDX-License-Identifier: Apache-2.0
 
+// What callers give: images, masks and keypoints, their checks, and pixels reflected beyond the border.
+
 #ifndef OPENCV_AQORB_INPUT_HPP
 #define OPENCV_AQORB_INPUT_HPP
 
@@ -55,9 +57,9 @@ bool isSequence(const _InputArray& array);
 //! Throws unless the argument is a vector of Mat or UMat.
 void checkIsOfMats(const _InputArray& array, const char* name);
 
-/** The keypoints that cv::ORB::compute describes of those that are given to it, and the pixels at which it does so: a list
- for each level, up to their highest octave. Throws where an octave is negative or has no pixels, or an angle is not
- finite. */
+/** The keypoints that cv::ORB::compute describes of those that are given to it, and the pixels at which it does so: a
+ list for each level, up to their highest octave. Throws where an octave is negative or has no pixels, or an angle is
+ not finite. */
 std::vector<FeatureList> takeGiven(const std::vector<KeyPoint>& keypoints, const Parameters& parameters,
                                    Size imageSize);
 

@@ -6,8 +6,8 @@
 #ifndef OPENCV_AQORB_MEASURES_HPP
 #define OPENCV_AQORB_MEASURES_HPP
 
-// What is measured around a pixel of a level, the Harris response and the moments that give the direction, and around a leaf
-// of the quadtree, its better neighbours.
+// What is measured around a pixel of a level, the Harris response and the moments that give the direction, and around a
+// leaf of the quadtree, its better neighbours.
 
 #include "types.hpp"
 
@@ -61,7 +61,8 @@ void patchMoments(const Mat& image, const OrientationPatch& patch, const Feature
 const int MOST_BETTER_NEIGHBORS = 2;
 
 //! Finds which leaves of a row have a representative.
-//! @param keys of the best points of the leaves; INT_MIN: none. Those of the rows above and below are stride elements away.
+//! @param keys of the best points of the leaves; INT_MIN: none. Those of the rows above and below are stride elements
+//! away.
 void flagRepresentativesOfRow(const int* keys, ptrdiff_t stride, int side, uchar* flags);
 
 struct RankGrid;

@@ -3,6 +3,8 @@
 // of this distribution.
 // SPDX-License-Identifier: Apache-2.0
 
+// Puts features in the order of the output, and writes them.
+
 #include "precomp.hpp"
 
 #include "output.hpp"

@@ -3,6 +3,8 @@
 // of this distribution.
 // SPDX-License-Identifier: Apache-2.0
 
+// The keypoints and descriptors that callers get.
+
 #ifndef OPENCV_AQORB_OUTPUT_HPP
 #define OPENCV_AQORB_OUTPUT_HPP
 

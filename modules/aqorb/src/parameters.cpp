@@ -3,6 +3,8 @@
 // of this distribution.
 // SPDX-License-Identifier: Apache-2.0
 
+// Checks, writes and reads parameters.
+
 #include "precomp.hpp"
 
 #include "parameters.hpp"

@@ -3,6 +3,8 @@
 // of this distribution.
 // SPDX-License-Identifier: Apache-2.0
 
+// Copies pixels, and reflects those beyond the border.
+
 #include "precomp.hpp"
 
 #include "patch.hpp"

@@ -3,6 +3,8 @@
 // of this distribution.
 // SPDX-License-Identifier: Apache-2.0
 
+// The pixels around a pixel, reflected beyond the border.
+
 #ifndef OPENCV_AQORB_PATCH_HPP
 #define OPENCV_AQORB_PATCH_HPP
 

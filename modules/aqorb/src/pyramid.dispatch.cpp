@@ -3,6 +3,8 @@
 // of this distribution.
 // SPDX-License-Identifier: Apache-2.0
 
+// Resizes each level from the one before, as cv::resize with INTER_LINEAR_EXACT does.
+
 #include "precomp.hpp"
 
 #include "types.hpp"
@@ -223,7 +225,8 @@ std::vector<Level> makePyramid(const Level& input, const PyramidRule& rule, Pyra
     {
         if (levels[i].isInput)
             continue;
-        // As cv::ORB does, the first level that is smaller than the image is made of it, too, and so are all larger ones.
+        // As cv::ORB does, the first level that is smaller than the image is made of it, too, and so are all larger
+        // ones.
         const Level& source = i <= rule.firstLevel + 1 ? input : levels[i - 1];
         Ptr<ResizeTables>& tables = space.ofLevels[i].resizing;
         resizeExact(source.image, levels[i].image, tables);

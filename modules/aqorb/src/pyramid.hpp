@@ -3,6 +3,8 @@
 // of this distribution.
 // SPDX-License-Identifier: Apache-2.0
 
+// The pyramid: cv::ORB's levels, and their masks.
+
 #ifndef OPENCV_AQORB_PYRAMID_HPP
 #define OPENCV_AQORB_PYRAMID_HPP
 
@@ -48,8 +50,9 @@ struct PyramidRule
     int shortestSide;    //!< of a level; before the first that is shorter the pyramid ends
 };
 
-/** Makes the levels of cv::ORB's pyramid of an image by cv::resize with INTER_LINEAR_EXACT. Where there is a mask, a pixel of
- a level is usable if all pixels that it is made from are. Throws where there is not enough memory for the levels.
+/** Makes the levels of cv::ORB's pyramid of an image by cv::resize with INTER_LINEAR_EXACT. Where there is a mask, a
+ pixel of a level is usable if all pixels that it is made from are. Throws where there is not enough memory for the
+ levels.
  @param input the image and its mask; they are not copied
  @return the levels, whose pixels lie in the space */
 std::vector<Level> makePyramid(const Level& input, const PyramidRule& rule, PyramidSpace& space);
@@ -75,8 +78,8 @@ struct ResizeBlock
     };
     //! For each pixel the indices of its two bytes among those of its group.
     uchar pairs[GROUPS][2 * GROUP];
-    //! For each pixel the weights of its two bytes in 1/256, which add up to 256. A pixel that comes from one byte alone
-    //! has it twice, with the weights 255 and 1, as 256 would not fit.
+    //! For each pixel the weights of its two bytes in 1/256, which add up to 256. A pixel that comes from one byte
+    //! alone has it twice, with the weights 255 and 1, as 256 would not fit.
     uchar weights[GROUPS][2 * GROUP];
 };
 

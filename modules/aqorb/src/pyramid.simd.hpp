@@ -3,6 +3,8 @@
 // of this distribution.
 // SPDX-License-Identifier: Apache-2.0
 
+// The horizontal and the vertical pass of the resize.
+
 #include "pyramid.hpp"
 #include "simd_compat.hpp"
 

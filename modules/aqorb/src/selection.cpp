@@ -122,7 +122,8 @@ std::vector<float> strengthsOf(const Mat& image, const std::vector<Corner>& corn
 
 // ---- 5. rank ----------------------------------------------------------------------------------
 
-// A disc of leaves: those at offsets (dx, dy) with dx^2 width^2 + dy^2 height^2 <= squared, if cells are of width x height.
+// A disc of leaves: those at offsets (dx, dy) with dx^2 width^2 + dy^2 height^2 <= squared, if cells are of width x
+// height.
 struct LeafDisc
 {
     explicit LeafDisc(const RankRule& rule)
@@ -183,8 +184,8 @@ static std::vector<int> countStronger(const std::vector<unsigned>& leaves, const
     return counts;
 }
 
-// By how much ranks are scaled up: the leaves of the square around the disc over those of them that lie inside of the level
-// and are not masked. A leaf with a representative counts even if its centre is masked.
+// By how much ranks are scaled up: the leaves of the square around the disc over those of them that lie inside of the
+// level and are not masked. A leaf with a representative counts even if its centre is masked.
 static std::vector<double> sharesOf(const std::vector<unsigned>& leaves, const LeafDisc& disc, int depth,
                                     std::vector<uchar> usable)
 {

@@ -12,8 +12,8 @@
 #include "parameters.hpp"
 #include "types.hpp"
 
-// The rule by which corners become keypoints, in the order of doc/selection.md: quotas, tree, representatives, strength,
-// rank, order, across levels, what to do when corners run out, order of output.
+// The rule by which corners become keypoints, in the order of doc/selection.md: quotas, tree, representatives,
+// strength, rank, order, across levels, what to do when corners run out, order of output.
 
 namespace cv
 {
@@ -22,8 +22,8 @@ namespace aqorb
 
 // ---- 1. quotas --------------------------------------------------------------------------------
 
-//! The number of features of each level, nfeatures in all: in proportion to area * scale^1.25, and half as much again for
-//! the finest level.
+//! The number of features of each level, nfeatures in all: in proportion to area * scale^1.25, and half as much again
+//! for the finest level.
 std::vector<int> rankedQuotas(int nfeatures, const std::vector<Size>& regions,
                               const std::vector<float>& scales);
 //! Takes what is too much from the finest levels, which have the most to give up.
@@ -85,8 +85,8 @@ struct OrderScratch
     std::vector<unsigned> best;  // by leaf, with a border: that point
 };
 
-/** The best points of leaves, but of those leaves only of whose eight neighbours at most two have a better one. Of equally
- good points the first one is better.
+/** The best points of leaves, but of those leaves only of whose eight neighbours at most two have a better one. Of
+ equally good points the first one is better.
  @return their indices, in the order of the leaves */
 std::vector<unsigned> findRepresentatives(const std::vector<LeafPoint>& points, int depth,
                                           OrderScratch& scratch);
@@ -113,8 +113,9 @@ struct RankRule
     double exponent;  //!< of the strengths
 };
 
-/** The order of representatives: by (1 + rank) / strength^exponent. The rank is the number of stronger ones within a disc
- of leaves. Where a part of the square around the disc lies outside of the region, or is masked, the rank is scaled up.
+/** The order of representatives: by (1 + rank) / strength^exponent. The rank is the number of stronger ones within a
+ disc of leaves. Where a part of the square around the disc lies outside of the region, or is masked, the rank is scaled
+ up.
  @param leaves, strengths of the representatives; equally strong ones come by their leaves
  @param usable by leaf: whether points may lie there; empty: everywhere
  @return indices of the list of representatives */
@@ -150,8 +151,8 @@ std::vector<unsigned> balancedOrder(const std::vector<LeafPoint>& points, int de
 //! The corners that become keypoints, by level.
 typedef std::vector<std::vector<CornerResponse>> Selected;
 
-/** Takes as many corners of each level as its quota and what coarser levels left over, from coarse to fine, and then as many
- as are missing, from fine to coarse. It passes over corners near a keypoint of another level.
+/** Takes as many corners of each level as its quota and what coarser levels left over, from coarse to fine, and then as
+ many as are missing, from fine to coarse. It passes over corners near a keypoint of another level.
  @param marks work space */
 Selected selectAcrossLevels(const Parameters& parameters, Size imageSize, const std::vector<Level>& levels,
                             const std::vector<LevelPlan>& plans,
@@ -162,8 +163,8 @@ void fillUp(const std::vector<std::vector<CornerResponse>>& corners, size_t miss
 
 // ---- 9. order of output -----------------------------------------------------------------------
 
-//! The features of a level for the description, in raster order. In the output they come by response, the highest first;
-//! with BALANCED_SELECTION they come in raster order.
+//! The features of a level for the description, in raster order. In the output they come by response, the highest
+//! first; with BALANCED_SELECTION they come in raster order.
 FeatureList listFeatures(const Parameters& parameters, const Level& level, int octave,
                          const std::vector<CornerResponse>& selected);
 

@@ -70,16 +70,17 @@ static CV_ALWAYS_INLINE int trailingZeros(uint64 bits)
 #endif
 }
 
-//! a * b + c, rounded once. The C library's function for this is slow where the processor has no such instruction, and in
+//! a * b + c, rounded once. The C library's function for this is slow where the processor has no such instruction, and
+//! in
 // that of MinGW it rounds twice.
 static CV_ALWAYS_INLINE float multiplyAdd(float a, float b, float c)
 {
 #if defined(FP_FAST_FMAF) || defined(__FMA__) || defined(__ARM_FEATURE_FMA)
     return std::fma(a, b, c);
 #else
-    // The product of two floats is exact in a double. If the sum is not, its last bit is made odd on the side of what was
-    // cut off, and then stands for it: the double has more than two bits more than twice those of a float, so it cannot
-    // be taken for a number midway between two floats, nor for a float.
+    // The product of two floats is exact in a double. If the sum is not, its last bit is made odd on the side of what
+    // was cut off, and then stands for it: the double has more than two bits more than twice those of a float, so it
+    // cannot be taken for a number midway between two floats, nor for a float.
     const double product = double(a) * b, sum = product + c;
     const double added = sum - product, error = (product - (sum - added)) + (c - added);
     if (error == 0)

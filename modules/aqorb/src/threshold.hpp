@@ -3,6 +3,8 @@
 // of this distribution.
 // SPDX-License-Identifier: Apache-2.0
 
+// The FAST thresholds of an image, by equation (7) of the paper.
+
 #ifndef OPENCV_AQORB_THRESHOLD_HPP
 #define OPENCV_AQORB_THRESHOLD_HPP
 
