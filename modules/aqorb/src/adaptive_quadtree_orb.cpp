@@ -156,7 +156,7 @@ int threadsAllowed()
     return isAlone ? 1 : std::min(std::max(getNumThreads(), 1), MOST);
 }
 
-// Copies of the levels of an image's pyramid, of which one may be the image itself.
+// Copies of the levels of an image's pyramid, one of which may be the image itself.
 static std::vector<Mat> copiesOf(const std::vector<Level>& levels)
 {
     std::vector<Mat> images;
@@ -184,7 +184,7 @@ void AdaptiveQuadtreeORBImpl::buildPyramid(InputArray image_, OutputArrayOfArray
     giveMats(copiesOf(levels), levels_, "levels");
 }
 
-// The features of an image, from its pyramid to what is to be described.
+// From the pyramid of an image to the features that are to be described.
 std::vector<FeatureList> AdaptiveQuadtreeORBImpl::detect(const Level& input, const std::vector<Level>& levels,
                                                          Workspace& space) const
 {

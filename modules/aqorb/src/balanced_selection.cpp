@@ -43,7 +43,7 @@ int balancedDepth(int quota)
     return depth;
 }
 
-// The indices of keys by them, and for each one its place among those of its set: the upper 32 bits of the keys.
+// Sorts the indices of keys, and counts the place of each among the keys with the same upper 32 bits, its set.
 static std::vector<unsigned> placesInSets(const std::vector<uint64>& keys)
 {
     const std::vector<unsigned> order = sortIndices(keys);

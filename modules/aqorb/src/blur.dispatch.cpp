@@ -26,7 +26,7 @@ namespace aqorb
 static const int RADIUS = 3;
 
 // All products are the upper 16 bits of the product of 16-bit factors. The values are scaled up as far as 16 bits
-// allow, and the taps by what is left. The error of approximateBlur against the exact value, in 1/256, has these parts:
+// allow, and the taps by the remaining bits. The error of approximateBlur, in units of 1/256, has these parts:
 //   the four products of the row pass round down:                             -4
 //   the four products of the column pass, likewise:                           -4
 //   the averages of two rows round up by 0 or 1/2, weighted by their taps:    +0.4

@@ -49,7 +49,7 @@ struct Band
     int level;
     Range rows;
 };
-//! Divides the regions of levels into bands of whole cells, so many that threads can share them.
+//! Divides the regions of levels into bands of whole cells, enough of them for all threads.
 std::vector<Band> divideIntoBands(const std::vector<Rect>& regions, int cellSize, int threads);
 
 //! The memory of findCorners, which is kept for later images.

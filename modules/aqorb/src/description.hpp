@@ -76,10 +76,10 @@ struct FeatureRange
     int level;
     Range features;
 };
-//! Divides features into ranges that are worth a thread's time, and so many that no thread waits long for another.
+//! Divides features into ranges: large enough to be worth a thread's time, small enough that no thread waits long.
 std::vector<FeatureRange> divideIntoRanges(const std::vector<FeatureList>& features, int threads);
 
-//! What features are described by.
+//! The data by which features are described.
 struct DescriptionRules
 {
     const Mat* imageMask;           //!< of the input image; may be empty

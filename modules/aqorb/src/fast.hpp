@@ -49,7 +49,7 @@ public:
     void reset(int imageWidth, const Range& columns, int top, int rows);
     //! Moves the plane down, so that `top` becomes its first row.
     void slideTo(int top);
-    //! Clears the SUPPRESS_RADIUS rows from y on, of which the first is at most the one below the plane.
+    //! Clears the SUPPRESS_RADIUS rows from y on. Row y is at most the one below the plane.
     void clearBelow(int y);
     //! The scores of a row by column of the image. SUPPRESS_MARGIN columns beside the region are readable, too.
     uchar* row(int y) { return bytes.data() + first + (y - top) * rowBytes; }

@@ -78,7 +78,7 @@ struct Narrow : Lanes<v_uint8x16>
 };
 #endif
 
-// What counts of a set of pixels if it is to be brighter than the centre, and if it is to be darker.
+// The pixel that decides about a set: the darkest if the set is to be brighter than the centre, else the brightest.
 template <typename Vectors> struct Sides
 {
     typedef typename Vectors::V V;

@@ -15,7 +15,7 @@
 
 #include <opencv2/core/hal/hal.hpp>
 
-// Whoever disables AVX512-SKX by OPENCV_CPU_DISABLE means what builds on it, too.
+// If AVX512-SKX is disabled by OPENCV_CPU_DISABLE, so are the instructions that build on it.
 #if CV_TRY_AVX512_ICL && !CV_CPU_FORCE_AVX512_ICL
 #undef CV_CPU_HAS_SUPPORT_AVX512_ICL
 #define CV_CPU_HAS_SUPPORT_AVX512_ICL \
@@ -164,7 +164,7 @@ Range nextRows(int i, int count, int end)
     return Range(i, std::min(i + count, end));
 }
 
-//! The distances one by one. Long descriptors, of which there are few, would take more time and memory if packed.
+//! The distances one by one. Long descriptors are rare, and would take more time and memory if packed.
 void distancesOneByOne(const Mat& query, const Mat& train, bool countPairs, const DistanceSink& sink)
 {
     parallel_for_(Range(0, query.rows),

@@ -97,7 +97,7 @@ Ptr<DescriptorMatcher> HammingMatcher::clone(bool emptyTrainData) const
     return copy;
 }
 
-// Those that were added as UMat join the others, and come behind them, as in cv::BFMatcher.
+// Descriptors that were added as UMat come behind the others, as in cv::BFMatcher.
 std::vector<Mat> HammingMatcher::gatherTrainDescriptors(const Mat& query)
 {
     for (size_t i = 0; i < utrainDescCollection.size(); i++)

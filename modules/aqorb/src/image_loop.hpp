@@ -24,8 +24,8 @@ namespace aqorb
 //! How many threads a call that this thread begins may use.
 int threadsAllowed();
 
-/** Goes over the images of a collection. Several threads may do so at once, each of which takes the next image. They
- take images in their order and end what they have begun, so the first image that fails is always the same. */
+/** Goes over the images of a collection. Several threads may do so at once: each takes the next image in order, and
+ ends it when it has begun it, so the first image that fails is always the same. */
 class ImageLoop
 {
 public:

@@ -35,14 +35,14 @@ inline float valueOf(int key)
     bits.i = key ^ ((key >> 31) & INT_MAX);
     return bits.f;
 }
-//! The number by which the greatest key comes first.
+//! A number that is the smaller the greater the key is, so that the greatest key comes first.
 inline unsigned descendingKey(int key)
 {
     return unsigned(key) ^ 0x7fffffffu;
 }
 
-//! The indices of keys by the keys, and equal ones by themselves. It counts digits, because most comparisons would be
-//! hard to predict.
+//! The indices of keys, sorted by the keys, and those of equal keys by index. It counts digits, because most
+//! comparisons would be hard to predict.
 std::vector<unsigned> sortIndices(const std::vector<uint64>& keys);
 
 }  // namespace aqorb

@@ -123,7 +123,7 @@ Collection::Collection(InputArrayOfArrays images_, InputArrayOfArrays masks_)
                                      int(masks.size()), int(images.size())));
 }
 
-// Keypoints may come from a detector of more levels, but not make the pyramid as high as they like.
+// Keypoints may come from a detector with more levels, but they must not make the pyramid arbitrarily high.
 static const int MOST_LEVELS_GIVEN = 64;
 
 // The highest octave of the keypoints; 0 for none. Throws where an octave is negative or an angle is not finite.
@@ -172,7 +172,8 @@ std::vector<FeatureList> takeGiven(const std::vector<KeyPoint>& keypoints, const
              "than the octave into the field: unpack it first)",
              most, highest));
 
-    // Those that cv::ORB describes. The others lie outside of the image or nearer than edgeThreshold to its border.
+    // The keypoints that cv::ORB describes. The others lie outside of the image or nearer than edgeThreshold to its
+    // border.
     std::vector<KeyPoint> inside;
     for (const KeyPoint& keypoint : keypoints)
     {

@@ -57,9 +57,8 @@ bool isSequence(const _InputArray& array);
 //! Throws unless the argument is a vector of Mat or UMat.
 void checkIsOfMats(const _InputArray& array, const char* name);
 
-/** The keypoints that cv::ORB::compute describes of those that are given to it, and the pixels at which it does so: a
- list for each level, up to their highest octave. Throws where an octave is negative or has no pixels, or an angle is
- not finite. */
+/** The given keypoints that cv::ORB::compute describes, and the pixels at which it describes them: a list for each
+ level, up to their highest octave. Throws where an octave is negative or has no pixels, or an angle is not finite. */
 std::vector<FeatureList> takeGiven(const std::vector<KeyPoint>& keypoints, const Parameters& parameters,
                                    Size imageSize);
 

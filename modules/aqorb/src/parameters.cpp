@@ -56,7 +56,7 @@ double Parameters::octaveDistance() const
 {
     if (octaveSuppression >= 0)
         return octaveSuppression;
-    // Who asks for the strongest corners takes them on every level, as with cv::ORB.
+    // A user who asks for the strongest corners gets them on every level, as from cv::ORB.
     return selectionType == AdaptiveQuadtreeORB::BALANCED_SELECTION ? 0.5 : 2.1 / (1 + strengthWeight);
 }
 

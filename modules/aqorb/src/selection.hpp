@@ -26,7 +26,7 @@ namespace aqorb
 //! for the finest level.
 std::vector<int> rankedQuotas(int nfeatures, const std::vector<Size>& regions,
                               const std::vector<float>& scales);
-//! Takes what is too much from the finest levels, which have the most to give up.
+//! Takes the excess from the finest levels, which have the most features.
 void takeExcess(int64 excess, std::vector<int>& quotas);
 
 // ---- 2. tree ----------------------------------------------------------------------------------
@@ -143,7 +143,7 @@ void appendOthers(const Parameters& parameters, const Level& level, const LevelP
 std::vector<int> balancedQuotas(int nfeatures, double scaleFactor, int nlevels);
 //! The paper's depth, by equation (9): the smallest D with 4^D >= quota, at most 15.
 int balancedDepth(int quota);
-//! The paper's order, by Figure 2: it is balanced over the tree first, and then takes the highest responses.
+//! The paper's order, by Figure 2: balanced over the tree, and within a part by response.
 std::vector<unsigned> balancedOrder(const std::vector<LeafPoint>& points, int depth);
 
 // ---- 7. across levels, 8. when corners run out -------------------------------------------------

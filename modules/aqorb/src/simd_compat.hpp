@@ -78,9 +78,10 @@ static CV_ALWAYS_INLINE float multiplyAdd(float a, float b, float c)
 #if defined(FP_FAST_FMAF) || defined(__FMA__) || defined(__ARM_FEATURE_FMA)
     return std::fma(a, b, c);
 #else
-    // The product of two floats is exact in a double. If the sum is not, its last bit is made odd on the side of what
-    // was cut off, and then stands for it: the double has more than two bits more than twice those of a float, so it
-    // cannot be taken for a number midway between two floats, nor for a float.
+    // The product of two floats is exact in a double. If the sum is not, it is rounded to odd: of the two doubles on
+    // either side of the exact sum it becomes the one with an odd last bit. As a double has more than two bits more
+    // than twice those of a float, it is then neither a float nor midway between two floats, and rounds as the exact
+    // sum would.
     const double product = double(a) * b, sum = product + c;
     const double added = sum - product, error = (product - (sum - added)) + (c - added);
     if (error == 0)
