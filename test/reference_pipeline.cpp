@@ -417,8 +417,12 @@ private:
         if (!level.begun)
         {
             level.begun = true;
-            // The sequence is of all corners, so that those which are passed over do not change the ranks.
-            level.candidates = score(level, level.corners);
+            // A ranked sequence is of all corners, so that those which are passed over do not change the ranks.
+            for (const Candidate& candidate : score(level, level.corners))
+            {
+                if (isRanked || !isNearOther(index, candidate))
+                    level.candidates.push_back(candidate);
+            }
             level.sequence =
                 isRanked ? rankedOrder(level, level.candidates) : balancedOrder(level, level.candidates);
         }

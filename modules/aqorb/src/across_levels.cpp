@@ -112,10 +112,17 @@ public:
     }
     //! Takes corners of a level from where it stopped before. Returns how many are still wanted.
     int take(int level, int wanted, const LevelOrder& order);
+    //! Leaves out the corners near keypoints of other levels.
+    void dropNear(int level, std::vector<CornerResponse>& corners);
     Selected selected;
 
 private:
     void markNear(int level);
+    bool isMarked(int level, const CornerResponse& corner) const
+    {
+        const size_t pixel = size_t(corner.y) * levels[level].image.cols + corner.x;
+        return (marks[pixel / 8] >> (pixel % 8) & 1) != 0;
+    }
 
     const Parameters& parameters;
     const Size imageSize;
@@ -170,16 +177,21 @@ void Selector::markNear(int level)
     }
 }
 
+void Selector::dropNear(int level, std::vector<CornerResponse>& corners)
+{
+    markNear(level);
+    const auto isNear = [&](const CornerResponse& corner) { return isMarked(level, corner); };
+    corners.erase(std::remove_if(corners.begin(), corners.end(), isNear), corners.end());
+}
+
 int Selector::take(int level, int wanted, const LevelOrder& order)
 {
-    const int width = levels[level].image.cols;
     if (wanted > 0)
         markNear(level);
     for (size_t& i = next[level]; wanted > 0 && i < order.corners.size(); i++)
     {
         const CornerResponse& corner = order.corners[i];
-        const size_t pixel = size_t(corner.y) * width + corner.x;
-        if (marks[pixel / 8] >> (pixel % 8) & 1)
+        if (isMarked(level, corner))
             continue;
         selected[level].push_back(corner);
         wanted--;
@@ -198,8 +210,17 @@ Selected selectAcrossLevels(const Parameters& parameters, Size imageSize, const 
     const int count = int(levels.size());
     Selector selector(parameters, imageSize, levels, marks);
     int wanted = 0;
+    std::vector<uchar> hasBegun(levels.size());
     const auto take = [&](int level)
     {
+        // For the paper's order a corner near a keypoint of another level does not exist.
+        if (wanted > 0 && !hasBegun[level] &&
+            parameters.selectionType == AdaptiveQuadtreeORB::BALANCED_SELECTION)
+        {
+            selector.dropNear(level, orders[level].corners);
+            balance(plans[level], orders[level].corners);
+            hasBegun[level] = 1;
+        }
         wanted = selector.take(level, wanted, orders[level]);
         // The corners that are no representatives are put in order when they are needed, which is seldom.
         if (wanted == 0 || orders[level].taken.size() == corners[level].size())

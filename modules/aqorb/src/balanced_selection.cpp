@@ -78,5 +78,17 @@ std::vector<unsigned> balancedOrder(const std::vector<LeafPoint>& points, int de
     return sortIndices(keys);
 }
 
+void balance(const LevelPlan& plan, std::vector<CornerResponse>& corners)
+{
+    const LeafGrid leaves(plan.root, plan.depth);
+    std::vector<LeafPoint> points;
+    for (const CornerResponse& corner : corners)
+        points.push_back({leaves.leaf(corner.x, corner.y), sortKey(corner.response)});
+    std::vector<CornerResponse> ordered;
+    for (unsigned index : balancedOrder(points, plan.depth))
+        ordered.push_back(corners[index]);
+    corners.swap(ordered);
+}
+
 }  // namespace aqorb
 }  // namespace cv

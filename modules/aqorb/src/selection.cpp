@@ -314,17 +314,16 @@ LevelOrder orderCorners(const Parameters& parameters, const Level& level, const 
     const bool useHarris = parameters.scoreType == ORB::HARRIS_SCORE;
     const bool isRanked = parameters.selectionType == AdaptiveQuadtreeORB::RANKED_SELECTION;
     LevelOrder order;
-    // The paper chooses by the response, and so does a tree of one leaf.
     if (!isRanked || plan.depth == 0)
     {
-        const std::vector<CornerResponse> responses = responsesOf(level.image, corners, useHarris);
-        findLeaves(plan, corners, scratch.points);
-        for (size_t i = 0; i < corners.size(); i++)
-            scratch.points[i].key = sortKey(responses[i].response);
-        order.taken = isRanked ? orderOthers(scratch.points, std::vector<unsigned>())
-                               : balancedOrder(scratch.points, plan.depth);
-        for (unsigned index : order.taken)
-            order.corners.push_back(responses[index]);
+        // The paper chooses by the response, and so does a tree of one leaf.
+        order.corners = responsesOf(level.image, corners, useHarris);
+        order.taken.resize(corners.size());
+        std::iota(order.taken.begin(), order.taken.end(), 0u);
+        if (isRanked)
+            std::stable_sort(order.corners.begin(), order.corners.end(),
+                             [](const CornerResponse& a, const CornerResponse& b)
+                             { return a.response > b.response; });
         return order;
     }
     findLeaves(plan, corners, scratch.points);

@@ -129,8 +129,9 @@ std::vector<unsigned> orderOthers(const std::vector<LeafPoint>& points,
 //! The corners of a level in the order in which they are to be taken.
 struct LevelOrder
 {
-    std::vector<CornerResponse> corners;  //!< at first the representatives
-    std::vector<unsigned> taken;          //!< their indices, in any order
+    std::vector<CornerResponse>
+        corners;  //!< at first the representatives; with BALANCED_SELECTION all, in raster order
+    std::vector<unsigned> taken;  //!< their indices, in any order
 };
 LevelOrder orderCorners(const Parameters& parameters, const Level& level, const LevelPlan& plan,
                         const OrientationPatch& patch, const std::vector<Corner>& corners,
@@ -145,6 +146,8 @@ std::vector<int> balancedQuotas(int nfeatures, double scaleFactor, int nlevels);
 int balancedDepth(int quota);
 //! The paper's order, by Figure 2: balanced over the tree, and within a part by response.
 std::vector<unsigned> balancedOrder(const std::vector<LeafPoint>& points, int depth);
+//! Puts corners of a level, which come in raster order, into this order.
+void balance(const LevelPlan& plan, std::vector<CornerResponse>& corners);
 
 // ---- 7. across levels, 8. when corners run out -------------------------------------------------
 
