@@ -13,7 +13,7 @@
 # leaves OpenCV without the module in build/opencv-4 or build/opencv-5, for scripts/compatibility.sh.
 #
 # --js builds opencv.js of the newest OpenCV 4 with the module instead, in build/opencv-js/bin, by OpenCV's script for
-# that, runs its tests in Node.js, and compares bytes with those of the native library.
+# that, and runs its tests in Node.js.
 #
 # Installs the Debian packages it needs. OPENCV_TEST_DATA_PATH is passed on to the tests.
 source "$(dirname "$0")/common.sh"
@@ -30,7 +30,7 @@ case ${1:-} in
 *) die "unknown option $1; --help says what there is" ;;
 esac
 
-if [[ $js ]]; then need build web python3-pil; else need build test opencv ${java:+java}; fi
+if [[ $js ]]; then need build web; else need build test opencv ${java:+java}; fi
 if [[ $release ]]; then opencv_release "$release"; else opencv_source; fi
 
 # FindJNI does not know where Debian keeps its JDKs.
@@ -97,7 +97,6 @@ list_tests() {
 
 # opencv_js: builds and tests opencv.js, by OpenCV's own script.
 opencv_js() {
-    local photograph pictures=()
     # Debian's emscripten asks its modules of Node.js by name; a Node.js that is not Debian's would not look there.
     export NODE_PATH=/usr/share/nodejs
     say "opencv.js"
@@ -110,20 +109,8 @@ opencv_js() {
         die "OpenCV's build failed; see $opencv.log"
     ls -l "$opencv"/bin/opencv{.js,_js.wasm}
 
-    say "The native library's fingerprints"
-    configure release -DAQORB_BUILD_FINGERPRINT=ON >"$opencv.native.log"
-    build "$BUILD/release" --target aqorb_fingerprint >>"$opencv.native.log" || die "see $opencv.native.log"
-    mkdir -p "$opencv/pictures"
-    for photograph in "$ROOT"/web/photographs/*.jpg; do
-        pictures+=("$opencv/pictures/$(basename "$photograph" .jpg).ppm")
-        # Node.js decodes no photographs.
-        "$PYTHON" -c 'import sys, PIL.Image; PIL.Image.open(sys.argv[1]).convert("RGB").save(sys.argv[2])' \
-            "$photograph" "${pictures[-1]}"
-    done
-    "$BUILD/release/tools/fingerprint/aqorb_fingerprint" "${pictures[@]}" >"$opencv/native.txt"
-
     say "Tests in Node.js"
-    node "$ROOT/web/test/opencv.mjs" "$opencv/bin" "$module" "$opencv/native.txt" "${pictures[@]}"
+    node "$ROOT/web/test/opencv.mjs" "$opencv/bin" "$module"
 }
 
 mkdir -p "$BUILD"
