@@ -10,20 +10,15 @@
 
 #include <string>
 
-// Where the files of opencv_extra and of a sequence are. This needs neither test framework, so that tools/ uses it, too.
+// Where the files of opencv_extra are. This needs neither test framework, so that tools/ uses it, too.
 
 namespace opencv_test
 {
 
 //! Path of a file of opencv_extra's testdata; empty where OPENCV_TEST_DATA_PATH is not set.
 std::string dataFile(const std::string& name);
-/** Path of a file of a sequence in the layout of KITTI's odometry (see samples/stereo_odometry.hpp); empty
- where AQORB_TEST_SEQUENCE is not set. */
-std::string sequenceFile(const std::string& name);
 //! Path of image `index` (1 to 6) of an Oxford set: bikes, leuven, bark, trees, ubc or graf.
 std::string oxfordImage(const std::string& set, int index);
-//! Homography of an Oxford set from image 1 to image `index` (2 to 6).
-cv::Mat oxfordHomography(const std::string& set, int index);
 
 }  // namespace opencv_test
 

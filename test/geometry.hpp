@@ -7,7 +7,7 @@
 #define OPENCV_AQORB_TEST_GEOMETRY_HPP
 
 // Homographies, poses and affine maps for tests and tools. OpenCV 5 has moved them from the modules calib3d and imgproc to
-// the module geometry. AQORB_HAVE_GEOMETRY is defined unless OpenCV was built without calib3d.
+// the module geometry.
 
 #include <opencv2/core/version.hpp>
 #include <opencv2/imgproc.hpp>
@@ -15,10 +15,8 @@
 
 #if CV_VERSION_MAJOR >= 5
 #include <opencv2/geometry.hpp>
-#define AQORB_HAVE_GEOMETRY
 #elif defined(HAVE_OPENCV_CALIB3D)
 #include <opencv2/calib3d.hpp>
-#define AQORB_HAVE_GEOMETRY
 #endif
 
 #endif

@@ -32,7 +32,6 @@ using namespace cv;
 #include "opencv2/imgproc.hpp"
 
 #include "data_files.hpp"
-#include "features.hpp"
 #include "scenes.hpp"
 
 #include <algorithm>
@@ -48,6 +47,13 @@ namespace opencv_test
 using aqorb::AdaptiveQuadtreeORB;
 
 typedef std::vector<KeyPoint> KeyPoints;
+
+//! What detectAndCompute gives for one image.
+struct Features
+{
+    KeyPoints keypoints;
+    Mat descriptors;
+};
 
 //! Sets the number of OpenCV's threads until it goes out of scope.
 class Threads

@@ -4,7 +4,6 @@
 // SPDX-License-Identifier: Apache-2.0
 
 #include "reference.hpp"
-#include "geometry.hpp"
 
 // What follows from the rule of RANKED_SELECTION, whatever its numbers are.
 

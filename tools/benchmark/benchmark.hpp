@@ -6,15 +6,18 @@
 #ifndef AQORB_BENCHMARK_HPP
 #define AQORB_BENCHMARK_HPP
 
-#include "../../test/features.hpp"
-
 #include <opencv2/features2d.hpp>
 
 #include <functional>
 #include <string>
 #include <vector>
 
-using opencv_test::Features;
+//! What detectAndCompute gives for one image.
+struct Features
+{
+    std::vector<cv::KeyPoint> keypoints;
+    cv::Mat descriptors;
+};
 
 struct Image
 {
