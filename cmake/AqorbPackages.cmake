@@ -23,7 +23,12 @@ set(CPACK_INSTALL_DEFAULT_DIRECTORY_PERMISSIONS
   OWNER_READ OWNER_WRITE OWNER_EXECUTE GROUP_READ GROUP_EXECUTE WORLD_READ WORLD_EXECUTE)
 
 string(TIMESTAMP date "%a, %d %b %Y %H:%M:%S +0000" UTC)  # that of SOURCE_DATE_EPOCH, if set
-configure_file("${files}/changelog.in" "${made}/changelog" @ONLY)
+file(WRITE "${made}/changelog" "aqorb (${PROJECT_VERSION}) unstable; urgency=medium
+
+  * Packages made from the source tree by scripts/package.sh.
+
+ -- ${AQORB_PACKAGE_CONTACT}  ${date}
+")
 find_program(GZIP_PROGRAM gzip REQUIRED)
 
 # compressed(<file>): a file as Debian has its documentation, gzip -9n, in the folder of what was made.
@@ -54,7 +59,8 @@ endfunction()
 debian_package(runtime "libaqorb${soversion}" libs "" "ORB features spread uniformly over the image - library"
   "This package contains the shared library.")
 file(WRITE "${made}/shlibs" "libaqorb ${soversion} libaqorb${soversion} (>= ${PROJECT_VERSION})\n")
-set(CPACK_DEBIAN_RUNTIME_PACKAGE_CONTROL_EXTRA "${files}/triggers;${made}/shlibs")
+file(WRITE "${made}/triggers" "activate-noawait ldconfig\n")  # the library is new in the linker's cache
+set(CPACK_DEBIAN_RUNTIME_PACKAGE_CONTROL_EXTRA "${made}/triggers;${made}/shlibs")
 
 debian_package(development libaqorb-dev libdevel "${exactly}, libopencv-dev"
   "ORB features spread uniformly over the image - development files"
@@ -69,8 +75,10 @@ install(FILES "${made}/aqorb_demo.1.gz" DESTINATION share/man/man1 COMPONENT too
 debian_package(preload aqorb-preload utils "${exactly}"
   "ORB features spread uniformly over the image - in place of cv::ORB"
   "This package contains libaqorb_preload.so: programs that are started with its\nname in LD_PRELOAD get these features from cv::ORB::create.")
-install(FILES "${files}/aqorb-preload.lintian-overrides" DESTINATION share/lintian/overrides COMPONENT preload
-  RENAME aqorb-preload)
+# Programs are not linked to it: LD_PRELOAD loads it, by its name alone, from the folder of libraries.
+file(WRITE "${made}/aqorb-preload"
+  "aqorb-preload: sharedobject-in-library-directory-missing-soname [usr/lib/*/libaqorb_preload.so]\n")
+install(FILES "${made}/aqorb-preload" DESTINATION share/lintian/overrides COMPONENT preload)
 
 # The extension module is compiled for one version of Python.
 find_package(Python 3.8 REQUIRED COMPONENTS Interpreter)

@@ -14,7 +14,9 @@
 #include "test_invariance_utils.hpp"
 #include "test_detectors_invariance.impl.hpp"
 #include "test_descriptors_invariance.impl.hpp"
-#include "geometry.hpp"
+#if CV_VERSION_MAJOR >= 5
+#include <opencv2/geometry.hpp>
+#endif
 #endif
 
 namespace opencv_test

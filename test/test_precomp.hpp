@@ -31,7 +31,6 @@ using namespace cv;
 #include "opencv2/imgcodecs.hpp"
 #include "opencv2/imgproc.hpp"
 
-#include "data_files.hpp"
 #include "scenes.hpp"
 
 #include <algorithm>
@@ -83,6 +82,10 @@ Mat atOffset(const Mat& image, int offset);
 //! Whether the elements around a part of a larger matrix all have the value.
 bool isAround(const Mat& part, int value);
 
+//! Path of a file of opencv_extra's testdata; empty where OPENCV_TEST_DATA_PATH is not set.
+std::string dataFile(const std::string& name);
+//! Path of image `index` (1 to 6) of an Oxford set: bikes, leuven, bark, trees, ubc or graf.
+std::string oxfordImage(const std::string& set, int index);
 //! Grey photographs of all kinds; needs opencv_extra's images.
 std::vector<Mat> photographs();
 

@@ -6,7 +6,9 @@
 #include "test_precomp.hpp"
 
 #include "allocations.hpp"
-#include "quiet.hpp"
+
+#include <opencv2/core/utility.hpp>
+#include <opencv2/core/utils/logger.hpp>
 
 #include <atomic>
 #include <fstream>
@@ -21,6 +23,24 @@ namespace opencv_test
 {
 namespace
 {
+
+//! Keeps OpenCV from printing the messages of exceptions until it goes out of scope, where thousands are expected.
+class Quiet
+{
+public:
+    Quiet() : before(utils::logging::setLogLevel(utils::logging::LOG_LEVEL_SILENT))
+    {
+        redirectError([](int, const char*, const char*, const char*, int, void*) { return 0; });
+    }
+    ~Quiet()
+    {
+        redirectError(0);
+        utils::logging::setLogLevel(before);
+    }
+
+private:
+    const utils::logging::LogLevel before;
+};
 
 int frameCount()
 {

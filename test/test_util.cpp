@@ -30,6 +30,18 @@ std::string messageOf(const std::function<void()>& call)
     return std::string();
 }
 
+std::string dataFile(const std::string& name)
+{
+    const char* const folder = std::getenv("OPENCV_TEST_DATA_PATH");
+    return folder && *folder ? std::string(folder) + "/" + name : std::string();
+}
+
+std::string oxfordImage(const std::string& set, int index)
+{
+    return dataFile(
+        format("cv/detectors_descriptors_evaluation/images_datasets/%s/img%d.png", set.c_str(), index));
+}
+
 ::testing::AssertionResult sameKeypoints(const KeyPoints& a, const KeyPoints& b)
 {
     if (a.size() != b.size())

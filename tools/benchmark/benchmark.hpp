@@ -28,6 +28,9 @@ struct Image
     cv::Mat pixels;
 };
 
+//! Path of an image of a set of opencv_extra, such as bikes; OPENCV_TEST_DATA_PATH names its folder.
+std::string imageOfSet(const std::string& set, int index);
+
 //! A kind of detector that is measured beside others.
 struct Contender
 {

@@ -6,7 +6,6 @@
 #include "benchmark.hpp"
 
 #include "../../perf/perf_scene.hpp"
-#include "../../test/data_files.hpp"
 
 #include <opencv2/aqorb.hpp>
 #include <opencv2/core/utility.hpp>
@@ -14,6 +13,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdlib>
 #include <iterator>
 
 #include <dlfcn.h>
@@ -21,16 +21,29 @@
 using namespace cv;
 using aqorb::AdaptiveQuadtreeORB;
 
+static std::string testData()
+{
+    const char* const folder = std::getenv("OPENCV_TEST_DATA_PATH");
+    return folder ? folder : "";
+}
+
+std::string imageOfSet(const std::string& set, int index)
+{
+    return testData() + "/cv/detectors_descriptors_evaluation/images_datasets/" + set + "/img" +
+           std::to_string(index) + ".png";
+}
+
 //! The path of a photograph of opencv_extra; of others, the name itself.
 static std::string pathOf(const std::string& photograph)
 {
     const std::string sets[] = {"bikes", "leuven", "bark", "trees", "ubc"};
-    std::string path;
+    if (testData().empty())
+        return photograph;
     if (std::count(std::begin(sets), std::end(sets), photograph))
-        path = opencv_test::oxfordImage(photograph, 1);
-    else if (photograph == "640x512.png" || photograph == "1920x1080.png")
-        path = opencv_test::dataFile("perf/" + photograph);
-    return path.empty() ? photograph : path;
+        return imageOfSet(photograph, 1);
+    if (photograph == "640x512.png" || photograph == "1920x1080.png")
+        return testData() + "/perf/" + photograph;
+    return photograph;
 }
 
 Image::Image(const std::string& spec)

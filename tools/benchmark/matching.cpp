@@ -8,11 +8,13 @@
 #include "benchmark.hpp"
 #include "table.hpp"
 
-#include "../../test/data_files.hpp"
-#include "../../test/geometry.hpp"
-
 #include <opencv2/aqorb.hpp>
 #include <opencv2/core/utility.hpp>
+#if CV_VERSION_MAJOR >= 5
+#include <opencv2/geometry.hpp>
+#else
+#include <opencv2/calib3d.hpp>
+#endif
 
 #include <algorithm>
 #include <iostream>
@@ -86,7 +88,7 @@ void measurePairs(const Settings& settings)
     if (settings.images.empty())
         for (const char* set : {"bikes", "leuven", "bark", "trees", "ubc"})
         {
-            pairs.push_back({Image(set), Image(opencv_test::oxfordImage(set, 2))});
+            pairs.push_back({Image(set), Image(imageOfSet(set, 2))});
             pairs.back().first.name = set;
         }
     else

@@ -8,10 +8,9 @@
 #include "detector.hpp"
 #include "generate.hpp"
 
-#include "../../test/quiet.hpp"
-
 #include <opencv2/core/ocl.hpp>
 #include <opencv2/core/utility.hpp>
+#include <opencv2/core/utils/logger.hpp>
 
 #include <cmath>
 #include <cstdio>
@@ -268,13 +267,14 @@ extern "C" int LLVMFuzzerInitialize(int*, char***)
 {
     setNumThreads(1);
     ocl::setUseOpenCL(false);
+    // Exceptions are expected here, and their messages would flood the log.
+    utils::logging::setLogLevel(utils::logging::LOG_LEVEL_SILENT);
+    redirectError([](int, const char*, const char*, const char*, int, void*) { return 0; });
     return 0;
 }
 
 extern "C" int LLVMFuzzerTestOneInput(const uint8_t* bytes, size_t size)
 {
-    // Exceptions are expected here, and their messages would flood the log.
-    static const opencv_test::Quiet quiet;
     try
     {
         Caller(bytes, size).run();
