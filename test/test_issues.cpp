@@ -175,23 +175,6 @@ TEST(Aqorb_Issues, opencv_10555_keypoints_of_sift)
     EXPECT_FALSE(keypoints.empty());
 }
 
-TEST(Aqorb_Issues, opencv_contrib_4185_retain_uniform)
-{
-    // Thins out another detector's keypoints so that they cover the image.
-    const Mat scene = makeScene(Size(640, 480));
-    KeyPoints all;
-    FAST(scene, all, 10);
-    ASSERT_GT(all.size(), 1000u);
-    KeyPoints uniform = all, best = all;
-    aqorb::retainUniform(uniform, scene.size(), 300);
-    KeyPointsFilter::retainBest(best, 300);
-    EXPECT_EQ(300u, uniform.size());
-    EXPECT_LT(aqorb::distributionUniformity(uniform, scene.size()),
-              aqorb::distributionUniformity(best, scene.size()));
-    EXPECT_GT(aqorb::distributionOccupancy(uniform, scene.size()),
-              1.5 * aqorb::distributionOccupancy(best, scene.size()));
-}
-
 TEST(Aqorb_Issues, opencv_24690_4281_detected_keypoints_are_not_dropped)
 {
     const Mat scene = makeScene(Size(320, 240));

@@ -39,28 +39,6 @@ TEST(Aqorb_Memory, allocations_are_counted_and_fail_on_request)
     EXPECT_NO_THROW(Mat(10, 10, CV_8UC1));
 }
 
-TEST(Aqorb_Memory, bytes_are_counted)
-{
-    AQORB_NEEDS_BYTES();
-    const int MOST = 1000;  // of what the C library adds
-    // No vectors, because clang leaves out the memory of those that nobody uses.
-    void* const first = ::operator new(10000);
-    Mat before(100, 100, CV_8UC1);
-    AllocationCounter allocations;
-    {
-        void* const second = ::operator new(50000);
-        const Mat matrix(100, 1000, CV_8UC1);
-        EXPECT_NEAR(double(allocations.bytes()), 150000, MOST);
-        ::operator delete(second);
-    }
-    EXPECT_EQ(allocations.bytes(), 0);
-    EXPECT_NEAR(double(allocations.peakBytes()), 150000, MOST);
-    allocations.beginPeak();
-    EXPECT_EQ(allocations.peakBytes(), 0);
-    ::operator delete(first);
-    EXPECT_NEAR(double(allocations.bytes()), -10000, MOST);
-}
-
 // cv::BFMatcher needs 400 MB for the distances alone.
 TEST(Aqorb_Memory, matching_needs_no_matrix_of_distances)
 {
