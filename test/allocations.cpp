@@ -18,7 +18,7 @@
 namespace
 {
 
-std::atomic<long> newCalls(0), matrices(0), mayHaveFailed(0), countdown(0);
+std::atomic<long> newCalls(0), matrices(0), countdown(0);
 std::atomic<long long> inUse(0), peak(0);  // bytes, of the whole program
 long long inUseBefore = 0;
 
@@ -57,10 +57,7 @@ thread_local bool mayFail = false;
 //! Whether this is the allocation that is to fail.
 bool isToFail()
 {
-    if (!mayFail)
-        return false;
-    mayHaveFailed++;
-    return countdown > 0 && --countdown == 0;
+    return mayFail && countdown > 0 && --countdown == 0;
 }
 
 class CountingMatAllocator : public cv::MatAllocator
@@ -120,7 +117,6 @@ AllocationCounter::AllocationCounter(long failing)
     cv::Mat::setDefaultAllocator(matAllocator());
     newCalls = 0;
     matrices = 0;
-    mayHaveFailed = 0;
     inUseBefore = inUse;
     beginPeak();
     letThreadFail();
@@ -147,11 +143,6 @@ long AllocationCounter::ofNew() const
 long AllocationCounter::ofMatrices() const
 {
     return matrices;
-}
-
-long AllocationCounter::thatMayFail() const
-{
-    return mayHaveFailed;
 }
 
 bool AllocationCounter::countsBytes()

@@ -28,8 +28,6 @@ public:
     //! Allocations of a matrix's data.
     long ofMatrices() const;
     long total() const { return ofNew() + ofMatrices(); }
-    //! Of the total, those of threads whose allocations may fail.
-    long thatMayFail() const;
 
     //! Whether bytes are counted here: the C library must tell the size of a block.
     static bool countsBytes();

@@ -148,25 +148,6 @@ TEST(Aqorb_Fast, scan_tells_strong_corners_from_weak_ones)
     }
 }
 
-TEST(Aqorb_Fast, equals_brute_force_for_every_width)
-{
-    const int thresholds[] = {1, 2, 20, 90, 200, 254};
-    for (int width = 1; width <= MAX_WIDTH; width++)
-    {
-        const Size size(width, 9 + width % 9);
-        const Mat noise = makeNoise(size, width);
-        Mat smooth;
-        blur(noise, smooth, Size(3, 3));
-        const Mat images[] = {noise, noise > 128, noise > 230, noise < 230, smooth};
-        for (int i = 0; i < 5; i++)
-        {
-            const int threshold = thresholds[(width + i) % 6];
-            SCOPED_TRACE(format("width %d, image %d, threshold %d", width, i, threshold));
-            expectSameEverywhere(images[i], Rect(Point(), size), threshold);
-        }
-    }
-}
-
 TEST(Aqorb_Fast, equals_brute_force_for_every_width_alignment_and_threshold)
 {
     for (int width = 1; width <= MAX_WIDTH; width++)

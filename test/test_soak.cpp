@@ -15,9 +15,8 @@
 #include <iostream>
 #include <thread>
 
-// The long run: frames of changing sizes through one object from several threads, calls that fail, and memory that runs
-// out. Each output must be what a new object gave, and memory must not grow. AQORB_SOAK_FRAMES makes it
-// longer.
+// The long run: frames of changing sizes through one object from several threads, and calls that fail. Each output must be
+// what a new object gave, and memory must not grow. AQORB_SOAK_FRAMES makes it longer.
 
 namespace opencv_test
 {
@@ -168,66 +167,6 @@ TEST(Aqorb_Soak, threads_share_an_object_that_does_not_grow)
         2000)  // short runs are those of sanitizers and emulators, which keep memory of their own
     {
         EXPECT_LE(after.resident, before.resident + 8);
-    }
-}
-
-//! Whether OpenCV was built without a library for threads. Its own leave a mutex locked when memory runs out.
-bool threadsAreOpenCVsOwn()
-{
-    const std::string built = getBuildInformation();
-    const size_t begin = built.find("Parallel framework:");
-    return begin != std::string::npos &&
-           built.substr(begin, built.find('\n', begin) - begin).find("pthreads") != std::string::npos;
-}
-
-// An allocation fails, chosen at random among those of a call, in new objects and in one in use.
-TEST(Aqorb_Soak, objects_are_of_use_after_memory_ran_out)
-{
-    const int CALLS = std::max(frameCount() / 10, 60);
-    const Quiet quiet;
-    const std::vector<Frame> frames = makeFrames();
-    for (int threads = 1; threads <= (threadsAreOpenCVsOwn() ? 1 : 2); threads++)
-    {
-        const Threads scope(threads);
-        RNG rng(7);
-        int thrown = 0, wrong = 0;
-        long allocations[] = {1, 1};  // in one call of a new object and of the one in use, as far as is known
-        const Ptr<AdaptiveQuadtreeORB> used = AdaptiveQuadtreeORB::create(200);
-        for (int i = 0; i < CALLS; i++)
-        {
-            const Frame& frame = frames[size_t(rng.uniform(0, int(frames.size())))];
-            const bool isNew = i % 2 == 0;
-            const Ptr<AdaptiveQuadtreeORB> detector = isNew ? AdaptiveQuadtreeORB::create(200) : used;
-            Features found;
-            // Some of the first calls show how many allocations there are to choose from: those of this thread.
-            const long failing = i % 4 < 2 && i < 128 ? 0 : rng.uniform(1, int(allocations[!isNew]) + 1);
-            {
-                const AllocationCounter counter(failing);
-                try
-                {
-                    detector->detectAndCompute(frame.image, frame.mask, found.keypoints, found.descriptors);
-                    if (!failing)
-                        allocations[!isNew] = std::max(allocations[!isNew], counter.thatMayFail());
-                }
-                catch (const std::bad_alloc&)
-                {
-                    thrown++;
-                }
-                catch (const cv::Exception& e)
-                {
-                    thrown++;
-                    wrong += e.code != Error::StsNoMem;
-                }
-            }
-            wrong += !frame.isGivenBy(*detector);
-        }
-        std::cout << format(
-            "%d calls in which an allocation was to fail (of up to %ld in a new object, %ld in "
-            "one in use), OpenCV on %d thread(s): %d raised an exception, %d wrong outputs\n",
-            CALLS, allocations[0], allocations[1], threads, thrown, wrong);
-        EXPECT_EQ(0, wrong);
-        // How many of the calls allocate as often as chosen depends on the sizes of the frames and on the threads.
-        EXPECT_GT(thrown, CALLS / 10);
     }
 }
 
