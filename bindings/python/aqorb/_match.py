@@ -128,10 +128,13 @@ def run(options):
     def make_table(chunk, progress):
         found = []
         with features.opened(), concurrent.futures.ThreadPoolExecutor(options.threads) as pool:
-            described = ((features.keypoints(i), features.keypoints(j)) for i, j in chunk)
-            for _, columns in collection.map_ahead(pool, match_pair, described, 4 * options.threads):
-                found.append(columns)
-                progress(1)
+            for part in (chunk[first:first + 1024] for first in range(0, len(chunk), 1024)):
+                # In the order of the file, of which reading a single image reads many.
+                read = {image: features.keypoints(image) for image in sorted(set(itertools.chain(*part)))}
+                described = ((read[i], read[j]) for i, j in part)
+                for _, columns in collection.map_ahead(pool, match_pair, described, 4 * options.threads):
+                    found.append(columns)
+                    progress(1)
         columns = [[features.paths[pair[i]] for pair in chunk] for i in (0, 1)] + list(zip(*found))
         columns = [pa.array(column, field.type) for column, field in zip(columns, schema)]
         return pa.Table.from_arrays(columns, schema=schema), []

@@ -29,6 +29,7 @@ WORDS = 65536
 STRONGEST = 500  # features of an image that are looked up: they are found again more often than the others
 FEATURES_OF_A_WORD = 4  # at least, on average: a word that is a feature of one image alone connects nothing
 CHUNK = 256  # images that are drawn from at a time
+QUERIES = 32  # for which the candidates are read at a time
 BLOCK = 2**22  # elements of the matrix of similarities that are in memory at a time
 
 
@@ -235,11 +236,14 @@ def search(queries, features, words, counts, number, ratio=.8, threads=1):
     def candidates():
         for start, indices, _ in similar(asked, weigh(counts, weight), number):
             for query, images in enumerate(indices, start):
+                if (query - start) % QUERIES == 0:  # in the order of the file, of which reading an image reads many
+                    read = {image: features.keypoints(image)
+                            for image in np.unique(indices[query - start:query - start + QUERIES])}
                 row = queries.slice(query, 1)
                 positions = np.column_stack([row[name].combine_chunks().flatten().to_numpy() for name in ('x', 'y')])
                 keypoints = positions, collection.descriptors_of(row['descriptors'])
                 for image in images:
-                    yield image, keypoints, features.keypoints(image)
+                    yield image, keypoints, read[image]
 
     with features.opened(), concurrent.futures.ThreadPoolExecutor(threads) as pool:
         compared = (found for _, found in collection.map_ahead(pool, compare, candidates(), 4 * threads))
