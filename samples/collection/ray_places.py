@@ -3,9 +3,9 @@
 # It is subject to the license terms in the LICENSE file found in the top-level directory
 # of this distribution.
 # SPDX-License-Identifier: Apache-2.0
-"""Matches each image with the most similar ones, as aqorb match --pairs retrieval:K does, by a pipeline of Ray Data. The
-features are those of ray_features.py or of aqorb extract, .parquet files. The result is a folder of .parquet files with
-the same rows, in no order. Needs aqorb[cli] and ray[data], on each machine of a cluster."""
+"""Matches each image with the most similar ones, as aqorb match --pairs retrieval:K does, by a pipeline of Ray Data.
+The features are those of ray_features.py or of aqorb extract, .parquet files. The result is a folder of .parquet files
+with the same rows, in no order. Needs aqorb[cli] and ray[data], on each machine of a cluster."""
 
 import argparse
 import os
@@ -68,7 +68,7 @@ def match(batch, features, ratio):
 
 def main():
     parser = argparse.ArgumentParser(description=__doc__)
-    parser.add_argument('--address', help='address of a cluster, such as auto or ray://head:10001; this machine by default')
+    parser.add_argument('--address', help='of a cluster, such as auto or ray://head:10001; this machine by default')
     parser.add_argument('--out', required=True, metavar='FOLDER', help='new folder for the result')
     parser.add_argument('--retrieval', type=int, default=20, metavar='K', help='most similar images (%(default)s)')
     parser.add_argument('--min-gap', type=int, default=1)
@@ -97,8 +97,8 @@ def main():
               for first in range(0, len(paths), options.batch)]
     pairs = np.unique(np.concatenate(ray.get(blocks)), axis=0)
     columns = [pa.array([paths[i] for i in side], pa.binary()) for side in pairs.T]
-    matches = ray.data.from_arrow(pa.table(columns, ['path1', 'path2'])).repartition(max(1, len(pairs) // options.batch))
-    matches.map_batches(match, fn_args=(folder, options.ratio), **how).write_parquet(options.out)
+    named = ray.data.from_arrow(pa.table(columns, ['path1', 'path2'])).repartition(max(1, len(pairs) // options.batch))
+    named.map_batches(match, fn_args=(folder, options.ratio), **how).write_parquet(options.out)
 
 
 if __name__ == '__main__':

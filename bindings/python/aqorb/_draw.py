@@ -28,7 +28,8 @@ def run(options):
     detector = aqorb.AdaptiveQuadtreeORB_create(options.num_features)
     how = options.reader, options.max_size, not options.ignore_orientation
     images = [read(path, *how) for path in options.images]
-    (keypoints1, descriptors1), (keypoints2, descriptors2) = [detector.detectAndComputeArrays(image) for image, _ in images]
+    (keypoints1, descriptors1), (keypoints2, descriptors2) = [
+        detector.detectAndComputeArrays(image) for image, _ in images]
     pairs, _ = aqorb.matchArrays(descriptors1, descriptors2, options.ratio)
     ends = keypoints1['pt'][pairs[:, 0]], keypoints2['pt'][pairs[:, 1]]
     save(options.out, [(image, image.shape[::-1]) for image, _ in images], ends)
@@ -46,8 +47,8 @@ def read(path, reader='pillow', max_size=None, orientation=True):
 
 
 def save(out, images, ends):
-    """Draws two images side by side, with a line for each row of ends: the positions in both, in pixels of the sizes that
-    come with the images."""
+    """Draws two images side by side, with a line for each row of ends: the positions in both, in pixels of the sizes
+    that come with the images."""
     import numpy as np
     from PIL import Image, ImageDraw
     (first, _), (second, _) = images

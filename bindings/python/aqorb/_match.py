@@ -26,9 +26,9 @@ def add(commands):
                                  'stopped, the same command goes on where it was.')
     parser.add_argument('features', metavar='FEATURES', help='file of aqorb extract')
     parser.add_argument('--pairs', required=True,
-                        help='sequential:K, each image with the next K in the order of their paths; retrieval:K, with the '
-                        'K most similar ones; retrieval:K+sequential:K; exhaustive; or a file with two paths a line, with a '
-                        'tab or a space between them')
+                        help='sequential:K, each image with the next K in the order of their paths; retrieval:K, with '
+                        'the K most similar ones; retrieval:K+sequential:K; exhaustive; or a file with two paths a line, '
+                        'with a tab or a space between them')
     parser.add_argument('--out', metavar='FILE', help='.parquet, or .db for COLMAP; FEATURES by default if that is a .db')
     parser.add_argument('--ratio', type=float, help='keep what is nearer than this times the second nearest')
     parser.add_argument('--max-distance', type=command.at_least(0), metavar='N',
@@ -79,9 +79,9 @@ def announce(features, total, match_pair, threads, sample=32):
         match_pair(one)
     minutes = (time.perf_counter() - begin) / max(1, len(both)) * total / threads / 60
     words = f'{minutes:.0f} minutes' if minutes < 120 else f'{minutes / 60:.0f} hours'
-    print(f'{command.count_of(total, "pair")}: about {words if minutes >= 1 else "a minute"}' + (
-        f'. For {count} images, --pairs retrieval:20 takes less: each with the 20 most similar ones' if count > 2000 else ''),
-        file=sys.stderr)
+    print(f'{command.count_of(total, "pair")}: about {words if minutes >= 1 else "a minute"}', file=sys.stderr)
+    if count > 2000:
+        print(f'For {count} images --pairs retrieval:20 takes less: each with the 20 most similar ones', file=sys.stderr)
 
 
 def run(options):

@@ -198,9 +198,9 @@ def verify(points1, points2, max_error=4.):
 
 
 def match(first, second, ratio=None, max_distance=None):
-    """The verified matches of two images, of each of which the positions and the descriptors are given: what a row of the
-    file of aqorb match has: the indices of matches in both images, their distances, the indices of those that are
-    inliers, and the elements of the fundamental matrix."""
+    """The verified matches of two images, of each of which the positions and the descriptors are given, as a row of the
+    file of aqorb match has them: the indices of matches in both images, their distances, the indices of the inliers
+    among them, and the elements of the fundamental matrix."""
     matches, distances = aqorb.matchArrays(first[1], second[1], ratio, True, max_distance)
     inliers, F = verify(first[0][matches[:, 0]], second[0][matches[:, 1]])
     return matches[:, 0], matches[:, 1], distances, inliers, () if F is None else F.ravel()
