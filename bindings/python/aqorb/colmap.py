@@ -31,16 +31,31 @@ NO_TYPE = -1  # of descriptors
 MAX_IMAGES = 2**31 - 1
 
 
+# Prints the tables of an empty database. It never sees the database that is wanted: as another process it may outlive the
+# one that asks, and what goes on with that one's work must not be disturbed.
+PRINT_TABLES = """
+import os, sqlite3, tempfile, pycolmap
+with tempfile.TemporaryDirectory() as folder:
+    path = os.path.join(folder, 'empty.db')
+    pycolmap.Database.open(path).close()
+    database = sqlite3.connect(path)
+    print(*database.iterdump(), sep='\\n')
+    print(f'PRAGMA user_version = {database.execute("PRAGMA user_version").fetchone()[0]};')
+    database.close()
+"""
+
+
 def create(path):
-    """Makes a new database and returns it, a sqlite3.Connection. pycolmap makes the tables, in another process, because
-    it ends its process where a disk is full."""
-    program = 'import sys, pycolmap; pycolmap.Database.open(sys.argv[1]).close()'
-    made = subprocess.run([sys.executable, '-c', program, path], stdin=subprocess.DEVNULL, stdout=subprocess.DEVNULL,
+    """Makes a new database and returns it, a sqlite3.Connection. Its tables are those of pycolmap, which makes them in
+    another process, because it ends its process where a disk is full."""
+    made = subprocess.run([sys.executable, '-c', PRINT_TABLES], stdin=subprocess.DEVNULL, stdout=subprocess.PIPE,
                           stderr=subprocess.PIPE)
     if made.returncode:
         lines = made.stderr.decode(errors='replace').strip().splitlines()
         raise OSError(f'pycolmap could not make a database: {lines[-1] if lines else "it was ended"}')
-    return open_alone(path)
+    database = open_alone(path)
+    database.executescript(made.stdout.decode())
+    return database
 
 
 def open_alone(path):

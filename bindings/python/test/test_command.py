@@ -19,6 +19,7 @@ import numpy as np
 import pytest
 
 import aqorb
+from aqorb import colmap
 from command_support import FOLDER, PIL, Image, command, encoded, expected, noise, pq, pycolmap, refused, rows, run
 
 
@@ -116,6 +117,15 @@ def stop(folder, out, part, after=0):
     process.communicate()
 
 
+def test_what_makes_the_tables_does_not_see_the_database(tmp_path, monkeypatch):
+    # It outlives a process that is killed, and would write to the file of the process that goes on.
+    commands = []
+    monkeypatch.setattr(colmap.subprocess, 'run', lambda command, run=subprocess.run, **options:
+                        commands.append(command) or run(command, **options))
+    colmap.close(colmap.create(str(tmp_path / 'a.db')))
+    assert str(tmp_path) not in str(commands) and os.listdir(str(tmp_path)) == ['a.db']
+
+
 def test_killed_at_random_moments(folder, features, tmp_path):
     seed = random.randrange(1 << 32)
     chance, begun = random.Random(seed), 0
@@ -123,7 +133,7 @@ def test_killed_at_random_moments(folder, features, tmp_path):
         name = 'features.' + ('parquet', 'db')[i % 2]
         out = tmp_path / name
         part = chance.choice([None, 0, 1, 2, 3, 4, 5])
-        stop(folder, out, part, chance.uniform(0, 1 if part is None else .05))
+        stop(folder, out, part, chance.uniform(0, 1 if part is None else .5))
         begun += os.path.exists(f'{out}.partial')
         if not out.exists() or os.path.exists(f'{out}.partial'):
             run('extract', folder, '--out', out, '--part-size', 7)

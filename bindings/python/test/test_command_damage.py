@@ -139,7 +139,7 @@ def test_memory_does_not_grow_with_large_images(tmp_path):
     process = subprocess.Popen([sys.executable, '-m', 'aqorb', 'extract', str(tmp_path / 'images'), '--threads', '2', '--out',
                                 str(tmp_path / 'f.parquet')], stderr=subprocess.DEVNULL, env=ENVIRONMENT)
     _, status, usage = os.wait4(process.pid, 0)
-    assert status == 0 and usage.ru_maxrss < 600e3  # each thread has an image of colours, 90 MB, and a grey one, 30 MB
+    assert status == 0 and usage.ru_maxrss < 750e3  # 1.1 GB if all images were held; a thread has one
 
 
 @pytest.mark.skipif(os.name == 'nt', reason='signals of Unix')
