@@ -70,7 +70,6 @@ public:
     }
 
     void buildPyramid(InputArray image, OutputArrayOfArrays levels) const CV_OVERRIDE;
-
     void detectAndCompute(InputArray image, InputArray mask, std::vector<KeyPoint>& keypoints,
                           OutputArray descriptors, bool useProvidedKeypoints) CV_OVERRIDE
     {
@@ -99,7 +98,7 @@ public:
 private:
     void process(InputArray image, InputArray mask, std::vector<KeyPoint>& keypoints, OutputArray descriptors,
                  bool useProvidedKeypoints, const _OutputArray* levels);
-    std::vector<FeatureList> detect(const Level& input, const std::vector<Level>& levels,
+    std::vector<FeatureList> detect(const Level& input, const std::vector<Level>& levels, int threads,
                                     Workspace& space) const;
     PositionMap positionsOf(Size imageSize, const Level& level) const
     {
@@ -186,7 +185,7 @@ void AdaptiveQuadtreeORBImpl::buildPyramid(InputArray image_, OutputArrayOfArray
 
 // From the pyramid of an image to the features that are to be described.
 std::vector<FeatureList> AdaptiveQuadtreeORBImpl::detect(const Level& input, const std::vector<Level>& levels,
-                                                         Workspace& space) const
+                                                         int threads, Workspace& space) const
 {
     // Thresholds.
     const double contrast =
@@ -202,12 +201,13 @@ std::vector<FeatureList> AdaptiveQuadtreeORBImpl::detect(const Level& input, con
     std::vector<Rect> regions;
     for (const LevelPlan& plan : plans)
         regions.push_back(plan.root);
-    const std::vector<std::vector<Corner>>& corners = findCorners(levels, regions, rules, space.corners);
+    const std::vector<std::vector<Corner>>& corners =
+        findCorners(levels, regions, rules, threads, space.corners);
 
     // Their order.
-    space.orders.resize(std::max(space.orders.size(), size_t(threadsAllowed())));
+    space.orders.resize(std::max(space.orders.size(), size_t(threads)));
     std::vector<LevelOrder> orders(levels.size());
-    forEach(levels.size(),
+    forEach(levels.size(), threads,
             [&](size_t i, int thread)
             {
                 orders[i] = orderCorners(parameters, levels[i], plans[i], tables.strengthPatch, corners[i],
@@ -224,9 +224,10 @@ std::vector<FeatureList> AdaptiveQuadtreeORBImpl::detect(const Level& input, con
     {
         // Corners have run out: one search without the rules fills up.
         const CornerRules none = {{rules.thresholds.min, rules.thresholds.min}, rules.cellSize, false};
-        findCorners(levels, regions, none, space.corners);
+        findCorners(levels, regions, none, threads, space.corners);
         std::vector<std::vector<CornerResponse>> all(levels.size());
-        forEach(levels.size(), [&](size_t i, int)
+        forEach(levels.size(), threads,
+                [&](size_t i, int)
                 { all[i] = responsesOf(levels[i].image, corners[i], rules.suppressNear); });
         fillUp(all, size_t(parameters.nfeatures) - count, selected);
     }
@@ -263,7 +264,8 @@ void AdaptiveQuadtreeORBImpl::process(InputArray image_, InputArray mask_, std::
     checkPyramidInput(size);
     const Workspaces::Loan loan(workspaces);
     Workspace& space = *loan;
-    space.descriptions.resize(std::max(space.descriptions.size(), size_t(threadsAllowed())));
+    const int threads = threadsAllowed();  // once, because it may change meanwhile
+    space.descriptions.resize(std::max(space.descriptions.size(), size_t(threads)));
     Level input;
     input.image = grayImage(image_, &space.gray);
     if (!useProvidedKeypoints)
@@ -295,13 +297,13 @@ void AdaptiveQuadtreeORBImpl::process(InputArray image_, InputArray mask_, std::
 
     // From the thresholds to the selection.
     if (!useProvidedKeypoints)
-        features = detect(input, levels, space);
+        features = detect(input, levels, threads, space);
 
     // Description.
-    const std::vector<FeatureRange> ranges = divideIntoRanges(features, threadsAllowed());
+    const std::vector<FeatureRange> ranges = divideIntoRanges(features, threads);
     for (FeatureList& list : features)
         list.descriptors.resize(withDescriptors ? list.points.size() * DESCRIPTOR_BYTES : 0);
-    forEach(ranges.size(),
+    forEach(ranges.size(), threads,
             [&](size_t i, int thread)
             {
                 const Level& level = levels[ranges[i].level];
@@ -316,10 +318,8 @@ void AdaptiveQuadtreeORBImpl::process(InputArray image_, InputArray mask_, std::
     size_t count = 0;
     for (const FeatureList& list : features)
         count += list.points.size();
-    std::vector<Mat> given;
+    const std::vector<Mat> given = copiesOf(levels_ ? pyramid : std::vector<Level>());
     Mat descriptors;
-    if (levels_)
-        given = copiesOf(pyramid);
     if (withDescriptors && count > 0)
         descriptors = createDescriptors(descriptors_, int(count));
     else if (withDescriptors)

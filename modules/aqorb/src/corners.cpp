@@ -115,15 +115,14 @@ std::vector<Band> divideIntoBands(const std::vector<Rect>& regions, int cellSize
 
 const std::vector<std::vector<Corner>>& findCorners(const std::vector<Level>& levels,
                                                     const std::vector<Rect>& regions,
-                                                    const CornerRules& rules, CornerSpace& space)
+                                                    const CornerRules& rules, int threads, CornerSpace& space)
 {
     CV_TRACE_FUNCTION();
-    const int threads = threadsAllowed();
     const std::vector<Band> bands = divideIntoBands(regions, rules.cellSize, threads);
     space.threads.resize(std::max(space.threads.size(), size_t(threads)));
     space.bands.resize(std::max(space.bands.size(), bands.size()));
     space.levels.resize(levels.size());
-    forEach(bands.size(),
+    forEach(bands.size(), threads,
             [&](size_t i, int thread)
             {
                 const int level = bands[i].level;

@@ -62,7 +62,8 @@ struct CornerSpace
 //! @return by level, in raster order; it lies in the space
 const std::vector<std::vector<Corner>>& findCorners(const std::vector<Level>& levels,
                                                     const std::vector<Rect>& regions,
-                                                    const CornerRules& rules, CornerSpace& space);
+                                                    const CornerRules& rules, int threads,
+                                                    CornerSpace& space);
 
 }  // namespace aqorb
 }  // namespace cv

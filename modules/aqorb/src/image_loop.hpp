@@ -79,11 +79,11 @@ private:
     std::exception_ptr error;
 };
 
-/** Calls work(i, thread) for every i below count, on as many threads as the caller may use. Each of them takes the next
+/** Calls work(i, thread) for every i below count, on at most so many threads. Each of them takes the next
  i until none is left, and has a number of its own. When all have ended, the error of the lowest i is thrown. */
-template <typename Work> void forEach(size_t count, const Work& work)
+template <typename Work> void forEach(size_t count, int most, const Work& work)
 {
-    const int threads = int(std::min(size_t(threadsAllowed()), count));
+    const int threads = int(std::min(size_t(most), count));
     ImageLoop loop(count);
     std::atomic<int> next(0);
     const auto run = [&](const Range&)

@@ -3,6 +3,8 @@
 // of this distribution.
 // SPDX-License-Identifier: Apache-2.0
 
+// The rule by which corners become keypoints, declared in the order of doc/selection.md.
+
 #ifndef OPENCV_AQORB_SELECTION_HPP
 #define OPENCV_AQORB_SELECTION_HPP
 
@@ -11,9 +13,6 @@
 #include "measures.hpp"
 #include "parameters.hpp"
 #include "types.hpp"
-
-// The rule by which corners become keypoints, in the order of doc/selection.md: quotas, tree, representatives,
-// strength, rank, order, across levels, what to do when corners run out, order of output.
 
 namespace cv
 {
