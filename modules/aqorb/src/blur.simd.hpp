@@ -76,7 +76,7 @@ CV_ALWAYS_INLINE void storePixels(ushort* p, const Pixels& a)
 #endif
 }
 
-// What the taps weigh: a pixel, and the pairs of pixels 1, 2 and 3 off it.
+// The operands of the taps: a pixel, and the sums of the pairs of pixels 1, 2 and 3 off it.
 struct Weighed
 {
     Pixels of[4];

@@ -6,8 +6,8 @@
 #ifndef OPENCV_AQORB_MEASURES_HPP
 #define OPENCV_AQORB_MEASURES_HPP
 
-// What is measured around a pixel of a level, the Harris response and the moments that give the direction, and around a
-// leaf of the quadtree, its better neighbours.
+// Measures of the surroundings: of a pixel of a level the Harris response and the moments that give its direction, and
+// of a leaf of the quadtree its better neighbours.
 
 #include "types.hpp"
 
@@ -87,8 +87,8 @@ struct PatchRegion
     }
 };
 
-//! A grid of bits with a border, those of leaves that have come. Each word holds 32 bits of a row and, in its
-//! upper half, those of the next row. The next word begins STEP bits later.
+//! A grid with a border and a bit for each leaf, which is set when the leaf's turn has come. Each word holds 32 bits of
+//! a row and, in its upper half, those of the next row. The next word begins STEP bits later.
 struct RankGrid
 {
     enum

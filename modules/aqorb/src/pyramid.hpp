@@ -41,7 +41,7 @@ struct PyramidSpace
     std::vector<OfLevel> ofLevels;
 };
 
-//! What the levels of a pyramid are like.
+//! The rule by which the levels of a pyramid are made.
 struct PyramidRule
 {
     int firstLevel;      //!< the level that is the image itself

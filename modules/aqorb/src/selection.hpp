@@ -84,8 +84,8 @@ struct OrderScratch
     std::vector<unsigned> best;  // by leaf, with a border: that point
 };
 
-/** The best points of leaves, but of those leaves only of whose eight neighbours at most two have a better one. Of
- equally good points the first one is better.
+/** The best point of each leaf, unless more than two of the leaf's eight neighbours have a better one. Of equally good
+ points the first one is better.
  @return their indices, in the order of the leaves */
 std::vector<unsigned> findRepresentatives(const std::vector<LeafPoint>& points, int depth,
                                           OrderScratch& scratch);
