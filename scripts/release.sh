@@ -13,10 +13,9 @@
 # fresh systems, the page in a browser, other CPUs, compilers and versions of OpenCV, other programs with the preloaded
 # library, and the wrappers for Java and JavaScript. This takes hours.
 #
-# With --workflows it checks what no build runs: the workflows, by actionlint and zizmor, which wheels cibuildwheel would
-# build, and that all files say the same version. With --version it prints the version, after that last check. --tag also
-# fails unless TAG is v<version> and CHANGELOG.md says when that version was released. --notes prints what CHANGELOG.md
-# says of the version.
+# With --workflows it checks what no build runs: the workflows, by actionlint and zizmor, and that all files say the same
+# version. With --version it prints the version, after that last check. --tag also fails unless TAG is v<version> and
+# CHANGELOG.md says when that version was released. --notes prints what CHANGELOG.md says of the version.
 #
 # Installs the Debian packages it needs; go, npm and pip fetch the rest.
 source "$(dirname "$0")/common.sh"
@@ -39,11 +38,11 @@ check_version() {
 }
 
 workflows() {
-    local tools=$BUILD/venv/workflows actionlint=$CACHE/actionlint-$ACTIONLINT expected printed system processors
+    local tools=$BUILD/venv/workflows actionlint=$CACHE/actionlint-$ACTIONLINT
     need workflows
     command -v go >/dev/null || need golang-go
     if ! cmp -s scripts/tools.txt "$tools/tools.txt"; then
-        environment "$tools" cibuildwheel zizmor
+        environment "$tools" zizmor
         cp scripts/tools.txt "$tools/"
     fi
     [[ -e $actionlint/actionlint ]] ||
@@ -52,18 +51,6 @@ workflows() {
     say "actionlint, zizmor"
     "$actionlint/actionlint" .github/workflows/*.yml
     "$tools/bin/zizmor" --offline --quiet .github
-
-    say "The wheels that cibuildwheel would build"
-    expected=$(for system in {manylinux,musllinux}_{x86_64,aarch64} macosx_{x86_64,arm64} win_amd64; do
-        printf "%s-$system\n" cp3{9,10,11,12,13,14,14t,15,15t}
-    done | sort)
-    printed=$(while read -r system processors; do
-        "$tools/bin/cibuildwheel" --print-build-identifiers --platform "$system" --archs "$processors"
-    done <<<'linux x86_64,aarch64
-macos x86_64,arm64
-windows AMD64' | sort)
-    diff <(echo "$expected") <(echo "$printed") || die "cibuildwheel would build other wheels than expected"
-    echo "$(wc -l <<<"$printed") wheels of version $VERSION"
 }
 
 check() {

@@ -13,7 +13,6 @@ its folder samples/data.
 import os
 import subprocess
 import sys
-import tempfile
 import unittest
 
 import cv2 as cv
@@ -50,19 +49,6 @@ class Preload(unittest.TestCase):
         for create in cv.ORB_create, cv.ORB.create:
             self.assertEqual('Feature2D.AdaptiveQuadtreeORB', create().getDefaultName())
         self.assertEqual('Feature2D.AKAZE', cv.AKAZE_create().getDefaultName())
-
-    def test_parameters_survive_write_and_read(self):
-        with tempfile.TemporaryDirectory() as folder:
-            path = os.path.join(folder, 'orb.yml')
-            cv.ORB_create(321, 1.5, 5, 24, 1, 3, cv.ORB_FAST_SCORE, 25, 11).write(path)
-            with open(path) as file:
-                self.assertIn('Feature2D.AdaptiveQuadtreeORB', file.read())
-            orb = cv.ORB_create()
-            orb.read(path)
-        self.assertEqual((321, 1.5, 5, 24, 1, 3, cv.ORB_FAST_SCORE, 25, 11),
-                         (orb.getMaxFeatures(), orb.getScaleFactor(), orb.getNLevels(), orb.getEdgeThreshold(),
-                          orb.getFirstLevel(), orb.getWTA_K(), orb.getScoreType(), orb.getPatchSize(),
-                          orb.getFastThreshold()))
 
     def test_matches_a_known_motion(self):
         image = read('home.jpg')

@@ -91,26 +91,6 @@ public class AdaptiveQuadtreeORBTest extends OpenCVTestCase {
         assertMatEqual(descriptors, computed);
     }
 
-    public void testDetectWithMask() {
-        Mat mask = new Mat(ROWS, COLS, CvType.CV_8U, new Scalar(0));
-        mask.submat(0, ROWS, 0, COLS / 2).setTo(new Scalar(1));
-        MatOfKeyPoint keypoints = new MatOfKeyPoint();
-        detector.detect(image, keypoints, mask);
-        assertFalse(keypoints.empty());
-        for (KeyPoint keypoint : keypoints.toArray())
-            assertTrue(keypoint.pt.x < COLS / 2);
-    }
-
-    public void testDetectListOfImages() {
-        List<MatOfKeyPoint> keypoints = new ArrayList<MatOfKeyPoint>();
-        detector.detect(Arrays.asList(image, image), keypoints);
-        MatOfKeyPoint expected = new MatOfKeyPoint();
-        detector.detect(image, expected);
-        assertEquals(2, keypoints.size());
-        for (MatOfKeyPoint found : keypoints)
-            assertListKeyPointEquals(expected.toList(), found.toList(), EPS);
-    }
-
     public void testDetectAndComputeBatch() {
         Mat flat = new Mat(100, 100, CvType.CV_8U, new Scalar(128));
         List<MatOfKeyPoint> keypoints = new ArrayList<MatOfKeyPoint>();
