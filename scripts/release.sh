@@ -49,7 +49,8 @@ workflows() {
         GOBIN=$actionlint GOFLAGS=-modcacherw go install "github.com/rhysd/actionlint/cmd/actionlint@$ACTIONLINT" ||
         die "go could not fetch actionlint; is there a network?"
     say "actionlint, zizmor"
-    "$actionlint/actionlint" .github/workflows/*.yml
+    # It does not know this runner yet.
+    "$actionlint/actionlint" -ignore 'label "macos-15-intel" is unknown' .github/workflows/*.yml
     "$tools/bin/zizmor" --offline --quiet .github
 }
 

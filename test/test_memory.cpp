@@ -6,6 +6,7 @@
 #include "test_precomp.hpp"
 
 #include "allocations.hpp"
+#include "types.hpp"
 
 #include <opencv2/core/hal/intrin.hpp>
 
@@ -263,6 +264,20 @@ TEST(Aqorb_Memory, threads_of_one_call_each_do_not_leave_a_work_space_each)
     }
     // As many work spaces are kept as there are CPUs.
     EXPECT_LE(allocations.bytes(), ofOne * std::max(getNumberOfCPUs(), 1) + ofOne / 2);
+}
+
+TEST(Aqorb_Memory, vectors_begin_at_a_cache_line)
+{
+    for (size_t size = 1; size < 300; size++)
+    {
+        aqorb::AlignedVector<uchar> elements(size, uchar(1));
+        elements.push_back(2);
+        EXPECT_EQ(size_t(0), size_t(elements.data()) % aqorb::CACHE_LINE) << size << " elements";
+        EXPECT_EQ(1, elements[size - 1]);
+        EXPECT_EQ(2, elements[size]);
+    }
+    aqorb::LineAllocator<int> allocator;
+    EXPECT_THROW(allocator.allocate(~size_t(0) / sizeof(int)), std::bad_alloc);
 }
 
 }  // namespace
