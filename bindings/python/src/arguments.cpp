@@ -9,7 +9,6 @@
 
 #include <pybind11/numpy.h>
 
-#include <climits>
 #include <cstring>
 
 namespace aqorb_python
@@ -17,12 +16,11 @@ namespace aqorb_python
 
 bool isInt(py::handle object, int& value)
 {
-    const py::object index = py::reinterpret_steal<py::object>(PyNumber_Index(object.ptr()));
-    const long number = index ? PyLong_AsLong(index.ptr()) : -1;
-    const bool isOne = !PyErr_Occurred() && number >= INT_MIN && number <= INT_MAX;
-    PyErr_Clear();
-    value = isOne ? int(number) : 0;
-    return isOne;
+    py::detail::make_caster<int> number;
+    if (!number.load(object, false))
+        return false;
+    value = number;
+    return true;
 }
 
 int toNumber(const IntObject& object, const char* name)

@@ -3,12 +3,18 @@
 // of this distribution.
 // SPDX-License-Identifier: Apache-2.0
 
-#include "detector.hpp"
+// The functions of the module that need no detector.
 
+#include "arguments.hpp"
 #include "errors.hpp"
 #include "images.hpp"
 #include "keypoints.hpp"
+#include "module.hpp"
 #include "threads.hpp"
+
+#include <opencv2/aqorb.hpp>
+
+#include <utility>
 
 namespace aqorb_python
 {
@@ -16,22 +22,16 @@ namespace aqorb_python
 namespace
 {
 
+using py::arg;
+
 cv::Size toSize(const SizeObject& source, const char* name)
 {
-    int sides[2] = {0, 0};
-    const bool isTuple = isSequence(source.object) || py::isinstance<py::array>(source.object);
-    bool isPair = isTuple && py::len(source.object) == 2;
-    for (int i = 0; isPair && i < 2; i++)
-    {
-        const py::object side = source.object[py::int_(i)];
-        isPair = isInt(side, sides[i]);
-    }
-    if (!isPair)
+    py::detail::make_caster<std::pair<int, int>> pair;
+    if (!pair.load(source.object, false))
         throwTypeError(name, brief(source.object), "a tuple of two ints");
-    return cv::Size(sides[0], sides[1]);
+    const auto sides = py::detail::cast_op<std::pair<int, int>>(pair);
+    return cv::Size(sides.first, sides.second);
 }
-
-}  // namespace
 
 KeyPointsObject retainUniform(const KeyPointsObject& keypoints, const SizeObject& imageSize,
                               const IntObject& npoints)
@@ -70,6 +70,38 @@ ArrayObject keypointsToArray(const KeyPointsObject& keypoints)
 KeyPointTupleObject keypointsFromArray(const KeyPointsObject& keypoints)
 {
     return {toTuple(toKeyPoints(keypoints.object).points)};
+}
+
+}  // namespace
+
+void addFunctions(py::module_& module)
+{
+    module.def(
+        "adaptiveFastThreshold", &adaptiveFastThreshold, arg("image"), arg("mask") = py::none(),
+        "Returns the adaptive FAST threshold of an image, equation (7): the variance of its grey values\n"
+        "divided by their mean.");
+    module.def(
+        "distributionUniformity", &distributionUniformity, arg("keypoints"), arg("imageSize"),
+        "Returns how uniformly the keypoints of any detector are distributed over an image of (width,\n"
+        "height). A lower value is more uniform. Compare equal numbers of keypoints only.");
+    module.def(
+        "distributionOccupancy", &distributionOccupancy, arg("keypoints"), arg("imageSize"),
+        arg("grid") = py::make_tuple(16, 12),
+        "Returns the share of the cells of a grid of (columns, rows) that hold at least one keypoint.");
+    module.def(
+        "retainUniform", &retainUniform, arg("keypoints"), arg("imageSize"), arg("npoints"),
+        "Returns the npoints keypoints, of any detector, that are spread best over the image. It prefers\n"
+        "high responses, and keeps the order of the keypoints.");
+    module.def("keypointsToArray", &keypointsToArray, arg("keypoints"),
+               "Returns an array of keypoint_dtype with the values of cv2.KeyPoint objects.");
+    module.def("keypointsFromArray", &keypointsFromArray, arg("keypoints"),
+               "Returns a tuple of cv2.KeyPoint objects with the values of an array of keypoint_dtype.");
+    module.def(
+        "setNumThreads", [](const IntObject& nthreads) { cv::setNumThreads(toNumber(nthreads, "nthreads")); },
+        arg("nthreads"),
+        "Sets the number of threads that a call may use, as cv2.setNumThreads does for cv2. A negative\n"
+        "number is the default: the number of processors, or of the variable OPENCV_FOR_THREADS_NUM.");
+    module.def("getNumThreads", &cv::getNumThreads, "Returns the number of threads that a call may use.");
 }
 
 }  // namespace aqorb_python

@@ -10,6 +10,8 @@
 #include "images.hpp"
 #include "shared.hpp"
 
+#include <pybind11/stl.h>
+
 #include <cstring>
 #include <memory>
 #include <utility>
@@ -54,64 +56,16 @@ bool isKeyPoint(py::handle object)
     return keyPoint.get() && py::isinstance(object, keyPoint.get()->type);
 }
 
-// The attributes of one item of a sequence of keypoints.
-class Item
+cv::KeyPoint toKeyPoint(py::handle object)
 {
-public:
-    Item(PyObject* object, const std::string& sequence, size_t index)
-        : object_(object), sequence_(sequence), index_(index)
-    {
-    }
-
-    cv::KeyPoint read() const
-    {
-        const py::object pt = attribute(PT);
-        if (!PyTuple_Check(pt.ptr()) || PyTuple_GET_SIZE(pt.ptr()) != 2)
-            reject(PT, pt, "a tuple (x, y)");
-        return cv::KeyPoint(real(PT, PyTuple_GET_ITEM(pt.ptr(), 0)), real(PT, PyTuple_GET_ITEM(pt.ptr(), 1)),
-                            real(SIZE, attribute(SIZE)), real(ANGLE, attribute(ANGLE)),
-                            real(RESPONSE, attribute(RESPONSE)), integer(OCTAVE), integer(CLASS_ID));
-    }
-
-private:
-    py::object attribute(Field field) const
-    {
-        PyObject* const value = PyObject_GetAttr(object_, keyPoint.get()->names[field]);
-        if (!value)
-            throw py::error_already_set();
-        return py::reinterpret_steal<py::object>(value);
-    }
-
-    float real(Field field, py::handle value) const
-    {
-        const double number = PyFloat_AsDouble(value.ptr());
-        if (PyErr_Occurred())
-        {
-            PyErr_Clear();
-            reject(field, value, "a number");
-        }
-        return float(number);
-    }
-
-    int integer(Field field) const
-    {
-        const py::object value = attribute(field);
-        int number = 0;
-        if (!isInt(value, number))
-            reject(field, value, "an int of 32 bits");
-        return number;
-    }
-
-    [[noreturn]] void reject(Field field, py::handle value, const char* accepted) const
-    {
-        throwTypeError(sequence_ + "[" + std::to_string(index_) + "]." + NAMES[field], brief(value),
-                       accepted);
-    }
-
-    PyObject* const object_;
-    const std::string& sequence_;
-    const size_t index_;
-};
+    py::object values[FIELDS];
+    for (int field = 0; field < FIELDS; field++)
+        values[field] = object.attr(py::handle(keyPoint.get()->names[field]));
+    const auto pt = values[PT].cast<std::pair<float, float>>();
+    return cv::KeyPoint(pt.first, pt.second, values[SIZE].cast<float>(), values[ANGLE].cast<float>(),
+                        values[RESPONSE].cast<float>(), values[OCTAVE].cast<int>(),
+                        values[CLASS_ID].cast<int>());
+}
 
 // Such an array is a sequence for cv2, too.
 bool isArrayOfObjects(py::handle source)
@@ -144,7 +98,7 @@ std::vector<cv::KeyPoint> fromSequence(py::handle source, const std::string& nam
         PyObject* const item = PyTuple_GET_ITEM(items.ptr(), py::ssize_t(i));
         if (!isKeyPoint(item))
             throwTypeError(name + "[" + std::to_string(i) + "]", brief(item), "a cv2.KeyPoint");
-        points.push_back(Item(item, name, i).read());
+        points.push_back(toKeyPoint(item));
     }
     return points;
 }

@@ -3,12 +3,11 @@
 // of this distribution.
 // SPDX-License-Identifier: Apache-2.0
 
-#include "matcher.hpp"
-
 #include "arguments.hpp"
 #include "errors.hpp"
 #include "images.hpp"
 #include "keypoints.hpp"
+#include "module.hpp"
 #include "shared.hpp"
 
 #include <opencv2/aqorb.hpp>
@@ -89,7 +88,7 @@ double toRatio(const OptionalFloatObject& source)
 class Matcher
 {
 public:
-    Matcher(int normType_, bool crossCheck_) : Matcher(Library::create(normType_, crossCheck_), normType_) {}
+    explicit Matcher(const cv::Ptr<Library>& library_) : library(library_) {}
     cv::Ptr<Library> share() const
     {
         const cv::Ptr<Library> shared = library.share();
@@ -103,26 +102,23 @@ public:
         share();
         library.change([](const Library& other) { return copyOf(other, false); }, change);
     }
-    int norm() const { return share(), normType; }
-    Matcher clone(bool emptyTrainData) const { return Matcher(copyOf(*share(), emptyTrainData), normType); }
+    Matcher clone(bool emptyTrainData) const { return Matcher(copyOf(*share(), emptyTrainData)); }
 
     // Python's __new__ makes an object without calling __init__. pybind11 gives its methods the memory as it is.
     static void* operator new(size_t size) { return std::memset(::operator new(size), 0, size); }
 
 private:
-    Matcher(const cv::Ptr<Library>& library_, int normType_) : library(library_), normType(normType_) {}
     static cv::Ptr<Library> copyOf(const Library& other, bool emptyTrainData)
     {
         return other.clone(emptyTrainData).dynamicCast<Library>();
     }
 
     Shared<Library> library;
-    const int normType;
 };
 
 Matcher create(int normType, bool crossCheck)
 {
-    return Matcher(normType, crossCheck);
+    return Matcher(Library::create(normType, crossCheck));
 }
 
 void add(Matcher& self, const ImagesObject& descriptors)
@@ -293,28 +289,6 @@ Arrays matchByPosition(const OptionalArrayObject& queryDescriptors, const ArrayO
     return Arrays(toIntegers(pairs, 2), toIntegers(distances, 0));
 }
 
-Arrays matchArraysByNorm(const Matcher& self, const OptionalArrayObject& queryDescriptors,
-                         const OptionalArrayObject& trainDescriptors, const OptionalFloatObject& ratio,
-                         bool crossCheck, const OptionalIntObject& maxDistance)
-{
-    return matchArrays(queryDescriptors, trainDescriptors, ratio, crossCheck, maxDistance, self.norm());
-}
-
-Arrays knnMatchArraysByNorm(const Matcher& self, const OptionalArrayObject& queryDescriptors,
-                            const OptionalArrayObject& trainDescriptors, int k)
-{
-    return knnMatchArrays(queryDescriptors, trainDescriptors, k, self.norm());
-}
-
-const char MATCH_ARRAYS[] =
-    "Returns matches of two sets of descriptors as an array of pairs of indices, int32 of shape (m, 2), and\n"
-    "an array of their distances, int32 of shape (m,). With a ratio, such as 0.8, a match must be nearer\n"
-    "than ratio times the second nearest descriptor; with crossCheck each must be the nearest of the other,\n"
-    "and pass the ratio both ways; maxDistance is the greatest distance that is kept.";
-const char KNN_MATCH_ARRAYS[] =
-    "Returns the k nearest train descriptors of each query: an array of their indices and one of their\n"
-    "distances, int32 of shape (n, k), with -1 where there are fewer.";
-
 void addMatcher(py::module_& module)
 {
     py::class_<Matcher> matcher(
@@ -346,11 +320,6 @@ void addMatcher(py::module_& module)
         .def("radiusMatch", &radiusMatchCollection, arg("queryDescriptors"), arg("maxDistance"),
              arg("masks") = py::none(), arg("compactResult") = false,
              "Does the same with the descriptors that were added. There is one mask for each image, or none.")
-        .def("matchArrays", &matchArraysByNorm, arg("queryDescriptors"), arg("trainDescriptors"),
-             arg("ratio") = py::none(), arg("crossCheck") = true, arg("maxDistance") = py::none(),
-             MATCH_ARRAYS)
-        .def("knnMatchArrays", &knnMatchArraysByNorm, arg("queryDescriptors"), arg("trainDescriptors"),
-             arg("k"), KNN_MATCH_ARRAYS)
         .def("add", &add, arg("descriptors"),
              "Adds descriptors of several images, a sequence of arrays. They are copied.")
         .def("getTrainDescriptors", &getTrainDescriptors,
@@ -377,9 +346,17 @@ void addMatching(py::module_& module)
     addMatcher(module);
     module.def("matchArrays", &matchArrays, arg("queryDescriptors"), arg("trainDescriptors"),
                arg("ratio") = py::none(), arg("crossCheck") = true, arg("maxDistance") = py::none(),
-               arg("normType") = int(cv::NORM_HAMMING), MATCH_ARRAYS);
-    module.def("knnMatchArrays", &knnMatchArrays, arg("queryDescriptors"), arg("trainDescriptors"), arg("k"),
-               arg("normType") = int(cv::NORM_HAMMING), KNN_MATCH_ARRAYS);
+               arg("normType") = int(cv::NORM_HAMMING),
+               "Returns matches of two sets of descriptors as an array of pairs of indices, int32 of shape\n"
+               "(m, 2), and an array of their distances, int32 of shape (m,). With a ratio, such as 0.8, a\n"
+               "match must be nearer than ratio times the second nearest descriptor; with crossCheck each\n"
+               "must be the nearest of the other, and pass the ratio both ways; maxDistance is the greatest\n"
+               "distance that is kept.");
+    module.def(
+        "knnMatchArrays", &knnMatchArrays, arg("queryDescriptors"), arg("trainDescriptors"), arg("k"),
+        arg("normType") = int(cv::NORM_HAMMING),
+        "Returns the k nearest train descriptors of each query: an array of their indices and one of their\n"
+        "distances, int32 of shape (n, k), with -1 where there are fewer.");
     module.def(
         "matchByPosition", &matchByPosition, arg("queryDescriptors"), arg("predicted"),
         arg("trainDescriptors"), arg("trainKeypoints"), arg("reach"), arg("ratio") = py::none(),

@@ -4,7 +4,6 @@
 # SPDX-License-Identifier: Apache-2.0
 """What the tests of the package share."""
 
-import ctypes
 import os
 
 import numpy as np
@@ -70,10 +69,3 @@ def features(folder, tmp_path_factory):
 
 def values_of(orb, names):
     return {name: getattr(orb, 'get' + name)() for name in names}
-
-
-def never_freed(item):
-    """The item itself, with a reference that nobody releases: cv2 corrupts memory when it frees an object of a class
-    that is derived from cv2.KeyPoint."""
-    ctypes.pythonapi.Py_IncRef(ctypes.py_object(item))
-    return item

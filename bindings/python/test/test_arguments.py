@@ -12,7 +12,6 @@ import numpy as np
 import pytest
 
 import aqorb
-from conftest import never_freed
 
 KEYPOINT = cv.KeyPoint(100, 100, 31)
 SEQUENCE = 'keypoints must be a sequence of cv2.KeyPoint or an array of aqorb.keypoint_dtype, got '
@@ -27,16 +26,12 @@ def message_of(error, call):
 
 @pytest.mark.parametrize('wrong, message', [
     (None, SEQUENCE + 'None'),
-    (5, SEQUENCE + '5'),
     ('xy', SEQUENCE + "'xy'"),
     ('x' * 99, SEQUENCE + 'an object of type str'),
     ('\udcff', SEQUENCE + r"'\udcff'"),
     ({}, SEQUENCE + 'an object of type dict'),
-    (iter([KEYPOINT]), SEQUENCE + 'an object of type list_iterator'),
     (KEYPOINT, SEQUENCE + 'an object of type cv2.KeyPoint'),
-    ([1, 2], 'keypoints[0] must be a cv2.KeyPoint, got 1'),
     ([KEYPOINT, None], 'keypoints[1] must be a cv2.KeyPoint, got None'),
-    ([[KEYPOINT]], 'keypoints[0] must be a cv2.KeyPoint, got an object of type list'),
     (np.array([KEYPOINT, 5]), 'keypoints[1] must be a cv2.KeyPoint, got 5')])
 def test_things_that_are_no_keypoints(orb, image, wrong, message):
     calls = [lambda: orb.compute(image, wrong), lambda: aqorb.retainUniform(wrong, (640, 480), 5),
@@ -49,12 +44,6 @@ def test_things_that_are_no_keypoints(orb, image, wrong, message):
     assert message_of(TypeError, lambda: orb.compute([image], [wrong])) == of_list
 
 
-def test_a_number_that_python_does_not_write():
-    # Python refuses to convert so many digits.
-    message = message_of(TypeError, lambda: aqorb.keypointsToArray(10 ** 5000))
-    assert message == SEQUENCE + 'an object of type int'
-
-
 @pytest.mark.parametrize('wrong', [
     np.zeros((5, 7), np.float32), np.zeros(5), np.zeros((1, 1), aqorb.keypoint_dtype), np.array(KEYPOINT, object),
     np.zeros(2, aqorb.keypoint_dtype.newbyteorder())])
@@ -64,45 +53,7 @@ def test_arrays_that_are_no_keypoints(orb, image, wrong):
         orb.compute(image, wrong)
 
 
-@pytest.mark.parametrize('attributes, message', [
-    ({'pt': (1.,)}, 'keypoints[1].pt must be a tuple (x, y), got (1.0,)'),
-    ({'pt': (1., 2., 3.)}, 'keypoints[1].pt must be a tuple (x, y), got (1.0, 2.0, 3.0)'),
-    ({'pt': None}, 'keypoints[1].pt must be a tuple (x, y), got None'),
-    ({'pt': (1., 'y')}, "keypoints[1].pt must be a number, got 'y'"),
-    ({'angle': 'left'}, "keypoints[1].angle must be a number, got 'left'"),
-    ({'octave': 1.5}, 'keypoints[1].octave must be an int of 32 bits, got 1.5'),
-    ({'octave': 2 ** 31}, 'keypoints[1].octave must be an int of 32 bits, got 2147483648'),
-    ({'class_id': -2 ** 99}, 'keypoints[1].class_id must be an int of 32 bits, got -633825300114114700748351602688')])
-def test_keypoints_of_a_derived_class(attributes, message):
-    derived = type('Derived', (cv.KeyPoint,), attributes)
-    keypoints = [KEYPOINT, never_freed(derived())]
-    assert message_of(TypeError, lambda: aqorb.keypointsToArray(keypoints)) == message
-
-
-def test_an_error_of_a_keypoint_is_raised():
-
-    class Failing(cv.KeyPoint):
-        @property
-        def size(self):
-            raise KeyError('size of it')
-
-    with pytest.raises(KeyError, match='size of it'):
-        aqorb.keypointsToArray([never_freed(Failing())])
-
-
-class Sequence(collections.abc.Sequence):
-
-    def __init__(self, items):
-        self.items = items
-
-    def __len__(self):
-        return len(self.items)
-
-    def __getitem__(self, index):
-        return self.items[index]
-
-
-@pytest.mark.parametrize('kind', [list, tuple, np.array, Sequence, collections.deque,
+@pytest.mark.parametrize('kind', [list, tuple, np.array, collections.deque,
                                   lambda keypoints: np.array(keypoints * 2, object)[::2][:len(keypoints)]])
 def test_keypoints_of_any_sequence(orb, image, kind):
     keypoints = orb.detect(image)[:1] * 20
@@ -165,19 +116,6 @@ def test_arrays_that_are_no_image(orb, image, wrong):
         orb.detect(np.asarray(wrong))
     with pytest.raises(aqorb.error, match=r'^images\[1\]' + given):
         orb.detect([image, np.asarray(wrong)])
-
-
-def test_images_and_masks_of_derived_classes(orb, image):
-
-    class Derived(np.ndarray):
-        pass
-
-    mask = np.zeros(image.shape, np.uint8)
-    mask[:240] = 1
-    expected = orb.detectAndCompute(image, mask)[1]
-    for kind in Derived, np.matrix, np.memmap:
-        assert np.array_equal(orb.detectAndCompute(image.view(kind), mask.view(kind))[1], expected)
-    assert np.array_equal(orb.detectAndCompute(np.ma.masked_array(image), mask)[1], expected)
 
 
 def test_arrays_that_are_read_only(orb, image):
@@ -250,9 +188,7 @@ def test_numbers(orb):
         assert message_of(TypeError, lambda: orb.setSubPixel(wrong)).startswith('subPixel must be a bool, got ')
     create = aqorb.AdaptiveQuadtreeORB_create
     assert message_of(TypeError, lambda: create('500')) == "nfeatures must be an int of 32 bits, got '500'"
-    for keyword, hint in (('nFeatures', 'did you mean nfeatures?'), ('rankRadius', 'call setRankRadius')):
-        assert message_of(TypeError, lambda: create(**{keyword: 5})) == 'create has no argument {}; {}'.format(keyword, hint)
-    assert message_of(TypeError, lambda: create(x=5)) == 'create has no argument x'
+    assert 'nfeatures: int' in message_of(TypeError, lambda: create(nFeatures=5))
     for wrong in float('nan'), float('inf'), -2:
         with pytest.raises(aqorb.error, match='octaveSuppression must be finite and at least 0, or -1, got'):
             orb.setOctaveSuppression(wrong)

@@ -59,12 +59,6 @@ def test_equals_a_call_for_each_image_with_any_number_of_threads(orb, collection
     check(orb.detectAndComputeBatch(images=images, masks=[]), orb, images, [None] * count)
 
 
-def test_an_error_of_detect_names_the_first_image(orb, image, threads):
-    pytest.importorskip('cv2')
-    with pytest.raises(aqorb.error, match=r'^images\[1\]: mask must be'):
-        orb.detect([image] * 4, [None, image[1:], None, image[1:]])
-
-
 def test_detect_and_compute_for_several_images_with_any_number_of_threads(orb, collection, threads):
     pytest.importorskip('cv2')
     images, masks = collection
@@ -123,21 +117,3 @@ def test_an_error_names_the_first_image(orb, image, threads):
     with pytest.raises(aqorb.error, match=r'^images\[3\]: keypoints must have a finite angle, got inf$'):
         orb.compute([small] * 5, [keypoints, keypoints, keypoints, turned, turned])
     check(orb.detectAndComputeBatch([small] * 3), orb, [small] * 3, [None] * 3)
-
-
-@pytest.mark.parametrize('error, arguments, message', [
-    (TypeError, (None,), 'images must be a sequence of numpy arrays, got None'),
-    (TypeError, (np.zeros((3, 40, 40), np.uint8),),
-     'images must be a sequence of numpy arrays, got an object of type numpy.ndarray'),
-    (TypeError, ('photo.jpg',), "images must be a sequence of numpy arrays, got 'photo.jpg'"),
-    (TypeError, ([np.zeros((40, 40), np.uint8), 'photo.jpg'],), "images[1] must be a numpy array, got 'photo.jpg'"),
-    (TypeError, ([], 5), 'masks must be a sequence of numpy arrays or None, got 5'),
-    (TypeError, ([None], [5]), 'masks[0] must be a numpy array or None, got 5'),
-    (aqorb.error, ([None] * 3, [None] * 2), 'masks must be one for each image or none, got 2 for 3 images'),
-    (aqorb.error, ([None, np.zeros((40, 40))],),
-     'images[1] must be uint8 of shape (rows, cols) or (rows, cols, channels) with 1 (grey), 3 (BGR) or 4 (BGRA), got '
-     'an array of dtype float64 and shape (40, 40)')])
-def test_bad_arguments(orb, error, arguments, message):
-    with pytest.raises(error) as raised:
-        orb.detectAndComputeBatch(*arguments)
-    assert str(raised.value) == message

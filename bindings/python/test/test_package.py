@@ -108,13 +108,13 @@ def test_strides_that_no_mat_has(orb, image, shape, strides):
     assert np.array_equal(orb.detectAndComputeArrays(view)[1], orb.detectAndComputeArrays(view.copy())[1])
 
 
-def functions(scope):
-    """The public functions of a stub's module or class: name -> the signatures of its overloads."""
+def stubbed(scope):
+    """The signatures and docstrings of a stub's module or class by name: those of the overloads of a function."""
     found = {}
     for node in scope.body:
         if isinstance(node, ast.FunctionDef):
-            found.setdefault(node.name, set()).add(signature(node))
-    return {name: signatures for name, signatures in found.items() if name[0] != '_'}
+            found.setdefault(node.name, set()).add((signature(node), words(ast.get_docstring(node))))
+    return {name: overloads for name, overloads in found.items() if name[0] != '_'}
 
 
 def signature(function):
@@ -122,54 +122,28 @@ def signature(function):
     return tuple(argument.arg for argument in function.args.args), len(function.args.defaults)
 
 
-def documented(function):
-    """The signatures that pybind11 writes into the docstring, or that of a function of Python."""
+def words(text):
+    return ' '.join((text or '').split())
+
+
+def compiled(function):
+    """What pybind11 writes into the docstring of a function for each of its overloads, or what one of Python has."""
     if inspect.isfunction(function):
-        return {signature(ast.parse(inspect.getsource(function)).body[0])}
-    lines = re.findall(r'^(?:\d+\. )?(\w+\(.*\) -> .*)$', function.__doc__, re.MULTILINE)
-    return {signature(ast.parse('def {}: ...'.format(line)).body[0]) for line in lines if '*args' not in line}
+        return {(signature(ast.parse(inspect.getsource(function)).body[0]), words(function.__doc__))}
+    parts = re.split(r'^(?:\d+\. )?(\w+\(.*\)) -> .*$', function.__doc__, flags=re.MULTILINE)
+    return {(signature(ast.parse(f'def {head}: ...').body[0]), words(text))
+            for head, text in zip(parts[1::2], parts[2::2]) if '*args' not in head}
 
 
-def test_stub_has_the_signatures():
-    stub = ast.parse((pathlib.Path(aqorb.__file__).parent / '__init__.pyi').read_text())
-    classes = {node.name: functions(node) for node in stub.body if isinstance(node, ast.ClassDef)}
-    scopes = [(aqorb, functions(stub)), (aqorb.AdaptiveQuadtreeORB, classes['AdaptiveQuadtreeORB']),
-              (aqorb.HammingMatcher, classes['HammingMatcher'])]
-    for scope, stubbed in scopes:
-        compiled = {name for name, member in inspect.getmembers(scope, inspect.isroutine) if name[0] != '_'}
-        assert set(stubbed) == compiled
-        for name, signatures in stubbed.items():
-            assert signatures == documented(getattr(scope, name)), name
-
-
-def texts(function):
-    """What pybind11 writes into the docstring beside the signatures."""
-    if inspect.isfunction(function):
-        return {' '.join(function.__doc__.split())}
-    parts = re.split(r'^(?:\d+\. )?\w+\((.*)\) -> .*$', function.__doc__, flags=re.MULTILINE)
-    return {' '.join(text.split()) for arguments, text in zip(parts[1::2], parts[2::2]) if '*args' not in arguments}
-
-
-def test_stub_has_the_docstrings():
+def test_stub_has_the_signatures_and_docstrings():
     # Editors show those of the stub, because they do not load a compiled module.
     stub = ast.parse((pathlib.Path(aqorb.__file__).parent / '__init__.pyi').read_text())
-    checked = []
-
-    def check(scope, nodes):
-        stubbed = {}
-        for node in nodes:
-            if isinstance(node, (ast.FunctionDef, ast.ClassDef)):
-                stubbed.setdefault(node.name, set()).add(' '.join((ast.get_docstring(node) or '').split()))
-            if isinstance(node, ast.ClassDef):
-                check(getattr(scope, node.name), node.body)
-        for name, found in stubbed.items():
-            member = getattr(scope, name)
-            expected = {' '.join(member.__doc__.split())} if inspect.isclass(member) else texts(member)
-            assert found == expected and all(found), name
-            checked.append(name)
-
-    check(aqorb, stub.body)
-    assert {'AdaptiveQuadtreeORB', 'compute', 'error', 'getSubPixel', 'retainUniform'} <= set(checked)
+    for scope in [stub] + [node for node in stub.body if isinstance(node, ast.ClassDef)]:
+        member = aqorb if scope is stub else getattr(aqorb, scope.name)
+        assert scope is stub or words(ast.get_docstring(scope)) == words(member.__doc__)
+        if scope is stub or scope.name in ('AdaptiveQuadtreeORB', 'HammingMatcher'):
+            names = {name for name, _ in inspect.getmembers(member, inspect.isroutine) if name[0] != '_'}
+            assert stubbed(scope) == {name: compiled(getattr(member, name)) for name in names}
 
 
 def test_stub_is_a_stub_of_the_package(tmp_path):
@@ -234,13 +208,6 @@ def test_features_for_the_matchers_of_cv2(orb, image):
     assert matches[1].num_inliers > 50
     nothing = aqorb.computeImageFeatures2(orb, np.zeros((50, 60), np.uint8))
     assert nothing.img_size == (60, 50) and len(nothing.getKeypoints()) == 0
-
-
-def test_version():
-    cmake = pathlib.Path(__file__).parents[3] / 'CMakeLists.txt'
-    if not cmake.exists():
-        pytest.skip('not in the repository')
-    assert aqorb.__version__ == re.search(r'project\(aqorb VERSION (\S+)', cmake.read_text()).group(1)
 
 
 def test_keywords_of_cv2(orb, image):

@@ -3,18 +3,19 @@
 // of this distribution.
 // SPDX-License-Identifier: Apache-2.0
 
-// The matcher, and the functions that match, with arrays in place of objects.
+// What the module is put together from: names, signatures and docstrings.
 
-#ifndef AQORB_PYTHON_MATCHER_HPP
-#define AQORB_PYTHON_MATCHER_HPP
+#ifndef AQORB_PYTHON_MODULE_HPP
+#define AQORB_PYTHON_MODULE_HPP
 
 #include <pybind11/pybind11.h>
 
 namespace aqorb_python
 {
 
-//! Adds the class HammingMatcher and the functions that match to the module.
+void addDetector(pybind11::module_& module);
 void addMatching(pybind11::module_& module);
+void addFunctions(pybind11::module_& module);
 
 }  // namespace aqorb_python
 
