@@ -70,7 +70,7 @@ log=$BUILD/system.log
 as_root debootstrap --variant=minbase "$(codename)" "$system" "$(mirror)" >"$log" || die "see $log"
 as_root mkdir "$system/packages"
 as_root cp "$packages"/*.deb "$ROOT"/tools/consumer/{CMakeLists.txt,main.cpp} \
-    "$ROOT/bindings/python/test/test_installed.py" "$system/packages"
+    "$ROOT/bindings/python/test/without_cv2.py" "$system/packages"
 
 say "Installing"
 quietly=(env DEBIAN_FRONTEND=noninteractive apt-get install -y -qq --no-install-recommends)
@@ -81,7 +81,7 @@ inside sh -ec 'cmake -S /packages -B /packages/build >/dev/null && cmake --build
 say "A program by pkg-config"
 inside sh -ec 'cd /packages && g++ -std=c++11 main.cpp -o consumer $(pkg-config --cflags --libs aqorb) && ./consumer'
 say "Python"
-inside python3 /packages/test_installed.py
+inside python3 /packages/without_cv2.py
 say "Programs"
 inside sh -ec 'cd /packages && aqorb_demo --help >/dev/null && aqorb_demo noise.png'
 say "Python, cv2 unchanged"

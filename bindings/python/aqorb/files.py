@@ -44,9 +44,6 @@ def suffix_of(path):
     except UnicodeEncodeError:  # pyarrow and sqlite3 could not open it
         raise Refused(f'{path!r} must be a name in UTF-8') from None
     suffix = os.path.splitext(path)[1]
-    if suffix == '.npz':
-        raise Refused(f'{path}: .npz is neither written nor read. pyarrow.parquet.read_table reads a .parquet, and its '
-                      'columns are arrays of NumPy by to_numpy()')
     if suffix not in SUFFIXES:
         raise Refused(f'{path} must end with .parquet or .db')
     return suffix
@@ -156,7 +153,7 @@ def join_parts(out, partial, items, total, unit, part_size, metadata, make_table
         if name.startswith('joined'):
             os.remove(os.path.join(partial, name))
     with held(out) as database:
-        write(joined, Parts([name_of(part) for part in range(done)]), metadata, database)
+        write(joined, tables_in(map(name_of, range(done))), metadata, database)
         with open(joined, 'rb+') as file:
             os.fsync(file.fileno())
         _stop.finish()
@@ -164,17 +161,12 @@ def join_parts(out, partial, items, total, unit, part_size, metadata, make_table
     return failures
 
 
-class Parts:
-    """The tables in files, one after the other, any number of times."""
-
-    def __init__(self, names):
-        self.names = names
-
-    def __iter__(self):
-        for name in self.names:
-            with reading(name):
-                table = pq.read_table(name, page_checksum_verification=True)
-            yield table
+def tables_in(names):
+    """Yields the table in each file."""
+    for name in names:
+        with reading(name):
+            table = pq.read_table(name, page_checksum_verification=True)
+        yield table
 
 
 @contextlib.contextmanager
@@ -362,18 +354,8 @@ class Features:
             if len(set(self.paths)) < len(self.paths):
                 raise ValueError('it has an image twice')
 
-    def descriptors(self, image):
-        """Of an image, given by its index in paths: an array (n, 32)."""
-        with reading(self.path):
-            return self._read(image)[1]
-
-    def positions(self, image):
-        """Of the keypoints of an image, in the same order: an array (n, 2)."""
-        with reading(self.path):
-            return self._read(image)[0]
-
     def keypoints(self, image):
-        """The positions and the descriptors of an image."""
+        """The positions and the descriptors of an image, given by its index in paths: arrays (n, 2) and (n, 32)."""
         with reading(self.path):
             return self._read(image)
 

@@ -15,8 +15,8 @@ import argparse
 import collections
 import contextlib
 import glob
-import hashlib
 import os
+import pathlib
 import random
 import shutil
 import signal
@@ -54,7 +54,7 @@ def outcome(arguments, out, expected):
             signal.alarm(60)
             try:
                 command.main(arguments)
-                os._exit(0 if matches_in(out) == expected else 12)
+                os._exit(0 if rows_in(out) == expected else 12)
             except BaseException as ended:
                 os._exit(10 if isinstance(ended, SystemExit) and isinstance(ended.code, str) else 11)
         status = os.waitpid(child, 0)[1]
@@ -66,9 +66,8 @@ def outcome(arguments, out, expected):
     return TRACEBACK if is_traceback else {0: SAME, 10: SENTENCE, 12: OTHER}.get(os.WEXITSTATUS(status), TRACEBACK)
 
 
-def matches_in(path):
-    table = pq.read_table(path, use_threads=False)
-    return hashlib.sha256(repr(table.to_pylist()).encode()).hexdigest()
+def rows_in(path):
+    return pq.read_table(path, use_threads=False).to_pylist()
 
 
 def flip(content, chance):
@@ -78,13 +77,10 @@ def flip(content, chance):
 
 
 def flips(count, chance, source, damaged, arguments, out, expected):
-    found = collections.Counter()
-    with open(source, 'rb') as file:
-        content = file.read()
+    found, content = collections.Counter(), pathlib.Path(source).read_bytes()
     for _ in range(count):
         os.makedirs(os.path.dirname(damaged), exist_ok=True)
-        with open(damaged, 'wb') as file:
-            file.write(flip(content, chance))
+        pathlib.Path(damaged).write_bytes(flip(content, chance))
         found[outcome(arguments, out, expected)] += 1
     return found
 
@@ -113,22 +109,17 @@ DATABASES = (
     "UPDATE aqorb SET metadata = '[]'", "UPDATE aqorb SET metadata = '{'", 'DROP TABLE aqorb')
 
 
-def odd_files(folder, features, database, out, expected):
-    found, match = collections.Counter(), ['--pairs', 'sequential:1', '--out', out]
+def odd_files(folder, features, database):
+    """Yields the paths of files that no command has made, each of which lasts until the next one."""
     for table in crafted(pq.read_table(features, use_threads=False)):
         path = os.path.join(folder, 'odd.parquet')
         pq.write_table(table, path)
-        found[outcome(['match', path, *match], out, expected)] += 1
+        yield path
     for statement in DATABASES:
         path = shutil.copy(database, os.path.join(folder, 'odd.db'))
-        change(path, statement)
-        found[outcome(['match', path, *match], out, expected)] += 1
-    return found
-
-
-def change(path, statement):
-    with contextlib.closing(sqlite3.connect(path)) as database, database:
-        database.execute(statement)
+        with contextlib.closing(sqlite3.connect(path)) as connection, connection:
+            connection.execute(statement)
+        yield path
 
 
 def state(folder):
@@ -137,12 +128,18 @@ def state(folder):
         return [(name, os.stat(name).st_mtime_ns) for name in sorted(glob.glob(folder + '/**', recursive=True))]
 
 
+def features_in(path):
+    """The features in a database, or None if it is damaged."""
+    with contextlib.suppress(sqlite3.Error), contextlib.closing(sqlite3.connect(path)) as connection:
+        if connection.execute('PRAGMA integrity_check').fetchone() == ('ok',):
+            return connection.execute(FEATURES).fetchall()
+
+
 def kills(folder, database, count, chance):
     """Kills a command that matches in place, every second time when the database itself changes, else when any file does."""
     found, path = collections.Counter(), os.path.join(folder, 'killed.db')
     call = [sys.executable, '-m', 'aqorb', 'match', path, '--pairs', 'exhaustive', '--part-size', '500']
-    with contextlib.closing(sqlite3.connect(database)) as connection:
-        whole = connection.execute(FEATURES).fetchall()
+    whole = features_in(database)
     for number in range(count):
         remove(path)
         shutil.copy(database, path)
@@ -154,12 +151,7 @@ def kills(folder, database, count, chance):
         time.sleep(chance.choice((0, .0005, .002)))  # in the middle
         process.kill()
         process.wait()
-        with contextlib.closing(sqlite3.connect(path)) as connection:
-            try:
-                intact = (connection.execute('PRAGMA integrity_check').fetchone() == ('ok',) and
-                          connection.execute(FEATURES).fetchall() == whole)
-            except sqlite3.Error:
-                intact = False
+        intact = features_in(path) == whole
         again = subprocess.run(call, stdout=subprocess.DEVNULL, stderr=subprocess.PIPE, text=True)
         intact = intact and (again.returncode == 0 or 'has matches' in again.stderr)
         found['whole, and goes on' if intact else 'DESTROYED'] += 1
@@ -173,10 +165,10 @@ def main():
     options = parser.parse_args()
     chance = random.Random(0)
     with tempfile.TemporaryDirectory() as folder:
-        images, features, database = (os.path.join(folder, name) for name in ('images', 'f.parquet', 'f.db'))
-        out, again = (os.path.join(folder, name, name + '.parquet') for name in ('out', 'again'))
-        for place in images, os.path.dirname(out), os.path.dirname(again):
-            os.mkdir(place)
+        images, killed, features, database, out, again = (os.path.join(folder, name) for name in (
+            'images', 'killed', 'f.parquet', 'f.db', 'out.parquet', 'again.parquet'))
+        os.mkdir(images)
+        os.mkdir(killed)
         for i in range(80):
             pixels = np.random.RandomState(i).randint(0, 256, (15, 20), np.uint8)
             Image.fromarray(np.kron(pixels, np.ones((8, 8), np.uint8))).save(os.path.join(images, f'{i:02}.png'))
@@ -184,7 +176,7 @@ def main():
         for call in (['extract', images, '--out', features], ['extract', images, '--out', database],
                      ['match', features, *match]):
             subprocess.run(aqorb + call, check=True, **SILENT)
-        matches, table = matches_in(out), matches_in(features)
+        matches, table = rows_in(out), rows_in(features)
         remove(out)
         extract, part = ['extract', images, '--out', again, '--part-size', '4'], again + '.partial/part-000000.parquet'
         process = subprocess.Popen(aqorb + extract, **SILENT)
@@ -197,8 +189,9 @@ def main():
             damaged = os.path.join(folder, 'damaged' + os.path.splitext(path)[1])
             found['bits flipped in a ' + os.path.splitext(path)[1]] = flips(
                 options.flips, chance, path, damaged, ['match', damaged, *match], out, matches)
-        found['files that no command has made'] = odd_files(folder, features, database, out, matches)
-        found['kills while a .db is matched'] = kills(os.path.join(folder, 'out'), database, options.kills, chance)
+        found['files that no command has made'] = collections.Counter(
+            outcome(['match', path, *match], out, matches) for path in odd_files(folder, features, database))
+        found['kills while a .db is matched'] = kills(killed, database, options.kills, chance)
     print('| what was done | times | what came of it |\n|---|---|---|')
     for what, counts in found.items():
         listed = ', '.join(f'{name}: {number}' for name, number in counts.most_common())

@@ -117,7 +117,7 @@ def test_matches_are_verified(features, tmp_path):
     assert len(rows) == len(table) and {(b'%02d.png' % i, b'%02d.png' % (i + 1)) for i in range(COUNT - 1)} <= set(rows)
     same = rows[b'00.png', b'23.png']
     read = files.Features(str(features / 'features.parquet'))
-    points = [read.positions(image)[same[name]] for image, name in ((0, 'index1'), (23, 'index2'))]
+    points = [read.keypoints(image)[0][same[name]] for image, name in ((0, 'index1'), (23, 'index2'))]
     inliers, F = places.verify(*points)
     assert len(inliers) > 100 and same['inliers'] == inliers.tolist() and np.array_equal(same['fundamental'], F.ravel())
     assert np.median(np.abs(points[0] - points[1])[inliers]) < 1  # they show the same place
@@ -166,7 +166,7 @@ def test_search(features, folder, tmp_path):
     found = [line.split('\t') for line in finished.stdout.splitlines()]
     assert found[0] == ['photograph', 'image', 'matches', 'inliers']
     assert [row[:2] for row in found[1:]] == [[str(tmp_path / 'new.png'), name] for name in ('05.png', '18.png')]
-    count = len(files.Features(str(features / 'features.parquet')).descriptors(5))
+    count = len(files.Features(str(features / 'features.parquet')).keypoints(5)[0])
     assert found[1][2:] == [str(count)] * 2 and 100 < int(found[2][3]) <= int(found[2][2]) < count
     assert Image.open(str(tmp_path / 'best.jpg')).size == (640, 280)
     assert 'text is not searched for: it is no image' in finished.stderr
