@@ -1,8 +1,8 @@
 #!/usr/bin/env bash
 # Builds the module inside OpenCV and opencv_contrib, from Debian's source package, by nothing but OpenCV's own
 # build. The module is what scripts/contrib.sh would send to opencv_contrib. Runs what that build gives: the accuracy
-# tests, a smoke run of the performance tests, the Python test, and the generators of the other wrappers. Compares the
-# list of tests with the standalone build's. Then shows that OpenCV's build finds the module in this repository as well.
+# tests, a smoke run of the performance tests, the Python test, and the generators of the other wrappers. Then shows that
+# OpenCV's build finds the module in this repository as well.
 #
 #   scripts/opencv.sh [--java]
 #   scripts/opencv.sh --release 4|5
@@ -88,13 +88,6 @@ check_configuration() {
     ninja -C "$opencv" -t query "${programs[@]}" >/dev/null || die "a program is not built inside OpenCV"
 }
 
-# list_tests PROGRAM: the full names of its tests. What is not indented and has no full stop at the end is
-# what OpenCV's test program says of itself.
-list_tests() {
-    "$1" --gtest_list_tests | sed 's/ *#.*//' |
-        awk '/^[^ ]*\.$/ { suite = $1 } /^  [^ ]+$/ && suite { print suite $1 }' | LC_ALL=C sort
-}
-
 # opencv_js: builds and tests opencv.js, by OpenCV's own script.
 opencv_js() {
     # Debian's emscripten asks its modules of Node.js by name; a Node.js that is not Debian's would not look there.
@@ -145,19 +138,6 @@ if grep 'aqorb.*warning:' "$opencv.build.log"; then die "warnings in the build i
 
 say "Accuracy tests"
 (cd "$opencv" && bin/opencv_test_aqorb)
-
-if [[ ! $release ]]; then  # the standalone build's tests are listed with Debian's OpenCV
-    say "Tests that only one of the two builds has"
-    configure "$BUILD/release" -DAQORB_BUILD_TESTS=ON >"$opencv.standalone.log"
-    build "$BUILD/release" --target aqorb_test >>"$opencv.standalone.log"
-    list_tests "$opencv/bin/opencv_test_aqorb" >"$opencv.tests"
-    list_tests "$BUILD/release/test/aqorb_test" >"$opencv.standalone.tests"
-    LC_ALL=C comm -23 "$opencv.tests" "$opencv.standalone.tests" | sed 's/^/only inside OpenCV: /'
-    LC_ALL=C comm -13 "$opencv.tests" "$opencv.standalone.tests" | sed 's/^/only in the standalone build: /'
-    echo "$(wc -l <"$opencv.tests") tests inside OpenCV, $(wc -l <"$opencv.standalone.tests") in the standalone build"
-    [[ -s $opencv.standalone.tests ]] || die "the standalone build has no tests"
-    [[ -z $(LC_ALL=C comm -13 "$opencv.tests" "$opencv.standalone.tests") ]] || die "tests are missing inside OpenCV"
-fi
 
 say "Performance tests, one sample each"
 (cd "$opencv" && bin/opencv_perf_aqorb --perf_min_samples=1 --perf_force_samples=1)
