@@ -5,7 +5,6 @@
 
 #include "keypoints.hpp"
 
-#include "arguments.hpp"
 #include "errors.hpp"
 #include "images.hpp"
 #include "shared.hpp"

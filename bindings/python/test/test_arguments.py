@@ -133,12 +133,7 @@ def test_arrays_that_are_read_only(orb, image):
 
 
 def test_masks_of_several_images(orb, image):
-    mask = np.zeros(image.shape, np.uint8)
-    mask[:, :320] = 255
-    everywhere, left = len(orb.detect(image)), orb.detect(image, mask)
-    for masks in [mask, None], (mask, None):
-        found = orb.detect([image, image], masks)
-        assert [k.pt for k in found[0]] == [k.pt for k in left] and len(found[1]) == everywhere
+    mask, everywhere = np.zeros(image.shape, np.uint8), len(orb.detect(image))
     for masks in None, [], (), [None, None]:
         assert [len(found) for found in orb.detect([image, image], masks)] == [everywhere] * 2
     with pytest.raises(aqorb.error, match='masks must be one for each image or none, got 1 for 2 images'):
@@ -189,11 +184,6 @@ def test_numbers(orb):
     create = aqorb.AdaptiveQuadtreeORB_create
     assert message_of(TypeError, lambda: create('500')) == "nfeatures must be an int of 32 bits, got '500'"
     assert 'nfeatures: int' in message_of(TypeError, lambda: create(nFeatures=5))
-    for wrong in float('nan'), float('inf'), -2:
-        with pytest.raises(aqorb.error, match='octaveSuppression must be finite and at least 0, or -1, got'):
-            orb.setOctaveSuppression(wrong)
-    with pytest.raises(aqorb.error, match='scoreType must be .*, got 7'):
-        orb.setScoreType(7)
 
 
 def test_what_is_returned_can_be_changed(orb, image):
