@@ -95,9 +95,16 @@ std::vector<cv::KeyPoint> fromSequence(py::handle source, const std::string& nam
     for (size_t i = 0; i < items.size(); i++)
     {
         PyObject* const item = PyTuple_GET_ITEM(items.ptr(), py::ssize_t(i));
-        if (!isKeyPoint(item))
+        try
+        {
+            if (!isKeyPoint(item))
+                throw py::cast_error();
+            points.push_back(toKeyPoint(item));
+        }
+        catch (const py::cast_error&)  // also of an attribute, which a derived class may have changed
+        {
             throwTypeError(name + "[" + std::to_string(i) + "]", brief(item), "a cv2.KeyPoint");
-        points.push_back(toKeyPoint(item));
+        }
     }
     return points;
 }
