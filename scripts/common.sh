@@ -289,7 +289,9 @@ source_distribution() {
 
 # debian_file PACKAGE FOLDER: puts a Debian package's file into a folder without installing it.
 debian_file() {
-    (cd "$2" && { "${APT[@]}" download "$1" || { as_root "${APT[@]}" update && "${APT[@]}" download "$1"; }; }) ||
+    # Without a sandbox, for whose user root's folders are closed.
+    local download=("${APT[@]}" -o APT::Sandbox::User="$(id -un)" download "$1")
+    (cd "$2" && { "${download[@]}" || { as_root "${APT[@]}" update && "${download[@]}"; }; }) ||
         die "could not fetch the package $1; is there a network?"
 }
 
@@ -329,7 +331,7 @@ held_out_packages() {
 opencv_samples() {
     local folder=$CACHE/opencv-doc examples=usr/share/doc/opencv-doc/examples/data
     if [[ ! -e $folder/complete ]]; then
-        say "Fetching OpenCV's sample images: the package opencv-doc, 96 MB, which is not installed"
+        say "Fetching OpenCV's sample images: the package opencv-doc, 100 MB, which is not installed"
         rm -rf "$folder"
         mkdir -p "$folder"
         (
