@@ -65,6 +65,21 @@ TEST(Aqorb_Issues, opencv_16197_first_level)
     expectValid(features, Size(72, 72));
 }
 
+TEST(Aqorb_Issues, keypoint_beside_an_enlarged_level)
+{
+    // Half a pixel of the image is 64 pixels of level 0. A disc around such a pixel lies outside of all memory.
+    const int firstLevel = 7;
+    const Ptr<ORB> orb = AdaptiveQuadtreeORB::create(500, 2.f, firstLevel + 1, 0, firstLevel);
+    std::vector<KeyPoint> keypoints;
+    for (int octave = 0; octave <= firstLevel; octave++)
+        keypoints.push_back(KeyPoint(-0.5f, -0.5f, 31.f, 45.f, 0.f, octave));
+    Mat descriptors;
+    orb->compute(makeScene(Size(32, 32)), keypoints, descriptors);
+    ASSERT_EQ(2u, keypoints.size());
+    EXPECT_EQ(firstLevel - 1, keypoints[0].octave);
+    EXPECT_EQ(2, descriptors.rows);
+}
+
 TEST(Aqorb_Issues, opencv_python_537_large_image)
 {
     // OpenCV's test takes 25000 x 25000; what overflowed were offsets in a row and in the buffer. Here the

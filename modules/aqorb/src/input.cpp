@@ -3,7 +3,7 @@
 // of this distribution.
 // SPDX-License-Identifier: Apache-2.0
 
-// Checks and converts what callers give, and reflects pixels beyond the border.
+// Checks the images, masks and keypoints that callers give, and converts images to grey.
 
 #include "precomp.hpp"
 
@@ -172,12 +172,21 @@ std::vector<FeatureList> takeGiven(const std::vector<KeyPoint>& keypoints, const
              "than the octave into the field: unpack it first)",
              most, highest));
 
+    const auto pointOf = [&](const KeyPoint& keypoint)
+    {
+        const Point2f p = keypoint.pt * (1.f / scaleOf(keypoint.octave));
+        return FeaturePoint{cvRound(p.x), cvRound(p.y), keypoint.angle};
+    };
     // The keypoints that cv::ORB describes. The others lie outside of the image or nearer than edgeThreshold to its
-    // border.
+    // border. On an enlarged level the first half pixel of the image is many pixels wide. cv::ORB reads any memory for
+    // a keypoint that lies there, so those more than a pixel beside the level are left out.
     std::vector<KeyPoint> inside;
     for (const KeyPoint& keypoint : keypoints)
     {
-        if (isInside(keypoint.pt, imageSize))
+        if (!isInside(keypoint.pt, imageSize))
+            continue;
+        const FeaturePoint point = pointOf(keypoint);
+        if (point.x >= -1 && point.y >= -1)
             inside.push_back(keypoint);
     }
     const int border = std::min(parameters.edgeThreshold, std::max(imageSize.width, imageSize.height));
@@ -185,11 +194,6 @@ std::vector<FeatureList> takeGiven(const std::vector<KeyPoint>& keypoints, const
     std::vector<FeatureList> features(inside.empty() ? 0 : size_t(highestOctave(inside)) + 1);
     std::vector<unsigned> order(inside.size());
     std::iota(order.begin(), order.end(), 0u);
-    const auto pointOf = [&](const KeyPoint& keypoint)
-    {
-        const Point2f p = keypoint.pt * (1.f / scaleOf(keypoint.octave));
-        return FeaturePoint{cvRound(p.x), cvRound(p.y), keypoint.angle};
-    };
     std::stable_sort(order.begin(), order.end(),
                      [&](unsigned a, unsigned b)
                      { return InRasterOrder()(pointOf(inside[a]), pointOf(inside[b])); });

@@ -3,7 +3,7 @@
 // of this distribution.
 // SPDX-License-Identifier: Apache-2.0
 
-// What callers give: images, masks and keypoints, their checks, and pixels reflected beyond the border.
+// The images, masks and keypoints that callers give, and their checks.
 
 #ifndef OPENCV_AQORB_INPUT_HPP
 #define OPENCV_AQORB_INPUT_HPP
@@ -40,7 +40,7 @@ void checkImageSize(Size imageSize);
 //! The mask, or an empty Mat where there is none. Throws for a mask of another size or type.
 Mat checkedMask(InputArray mask, Size imageSize);
 
-//! The images and masks of a collection. They are mapped to memory here, by the thread that calls.
+//! The images and masks of a collection. A UMat among them is mapped to memory by the thread that makes this object.
 struct Collection
 {
     //! Throws unless there is one mask for each image, or none at all.
