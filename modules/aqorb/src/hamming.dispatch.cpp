@@ -146,7 +146,7 @@ private:
     AlignedVector<uint64> trains, queries;
 };
 
-//! Calls a function for ranges of rows that are divided into tiles of at most a number of rows, in parallel.
+//! Divides rows among the threads, in multiples of about a tile, and calls the function for the rows of each.
 template <typename Function> void forRows(int rows, int rowsOfTile, const Function& function)
 {
     const int tiles = (rows + rowsOfTile - 1) / rowsOfTile;
@@ -213,9 +213,9 @@ void nearestInTiles(const HammingKernels& kernels, const Mat& query, const Mat& 
                     for (int i = rows.start; i < rows.end; i += queriesOfTile)
                     {
                         packed.packQueries(nextRows(i, queriesOfTile, rows.end));
-                        kernels.nearest[kept - 1][ofTrains != 0](packed.tile,
-                                                                 &queryKeys[size_t(i - rows.start) * kept],
-                                                                 trainKeys.data() + size_t(first) * kept);
+                        kernels.nearest[kept - 1][ofTrains != 0](
+                            packed.tile, &queryKeys[size_t(i - rows.start) * kept],
+                            ofTrains ? &trainKeys[size_t(first) * kept] : 0);
                     }
                 }
                 add(queryKeys, isDoubled, ofQueries + size_t(rows.start) * kept);
