@@ -195,9 +195,9 @@ void orientations(const Mat& image, const OrientationPatch& patch, FeaturePoint*
 
 // ---- leaves of the quadtree -------------------------------------------------------------------
 
-void flagRepresentativesOfRow(const int* keys, ptrdiff_t stride, int side, uchar* flags)
+void countBetterNeighbors(const int* keys, ptrdiff_t stride, int side, uchar* counts)
 {
-    CV_CPU_DISPATCH(flagRepresentatives, (keys, stride, side, flags), CV_CPU_DISPATCH_MODES_ALL);
+    CV_CPU_DISPATCH(countBetter, (keys, stride, side, counts), CV_CPU_DISPATCH_MODES_ALL);
 }
 
 void countLeavesBefore(const RankGrid& grid, const unsigned* leaves, size_t count, int* counts)

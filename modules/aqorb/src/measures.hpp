@@ -57,13 +57,11 @@ void orientations(const Mat& image, const OrientationPatch& patch, FeaturePoint*
 void patchMoments(const Mat& image, const OrientationPatch& patch, const FeaturePoint* points, size_t count,
                   Moments* moments);
 
-//! A leaf has a representative if at most so many of its eight neighbours have a better point.
-const int MOST_BETTER_NEIGHBORS = 2;
-
-//! Finds which leaves of a row have a representative.
-//! @param keys of the best points of the leaves; INT_MIN: none. Those of the rows above and below are stride elements
-//! away.
-void flagRepresentativesOfRow(const int* keys, ptrdiff_t stride, int side, uchar* flags);
+/** Counts, for each leaf of a row, those of its eight neighbours whose best point is better. Of equally good points that
+ of the neighbour above, or on the left in the same row, is better.
+ @param keys of the best points of the leaves, the greater, the better; those of the rows above and below are stride
+ elements away */
+void countBetterNeighbors(const int* keys, ptrdiff_t stride, int side, uchar* counts);
 
 struct RankGrid;
 //! Counts, for each leaf, the leaves before it within the disc around it.

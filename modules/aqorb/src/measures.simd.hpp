@@ -24,9 +24,8 @@ void harrisOfCorners(const uchar* image, ptrdiff_t step, const Corner* corners, 
 void momentsAround(const uchar* image, ptrdiff_t step, const PatchWeights& weights, const PatchRegion& inside,
                    const FeaturePoint* points, size_t count, Moments* moments);
 
-/** Finds which leaves of a row represent their neighbourhood.
- @param keys of the best points of the leaves of the row; those of the rows above and below are stride elements away */
-void flagRepresentatives(const int* keys, ptrdiff_t stride, int side, uchar* flags);
+//! As countBetterNeighbors.
+void countBetter(const int* keys, ptrdiff_t stride, int side, uchar* counts);
 
 /** Counts, for each leaf, the leaves before it within the disc around it.
  @param grid without any bit; afterwards it has those of all leaves */
@@ -196,16 +195,15 @@ void momentsAround(const uchar* image, ptrdiff_t step, const PatchWeights& weigh
 }
 
 // Compilers vectorize this loop.
-void flagRepresentatives(const int* keys, ptrdiff_t stride, int side, uchar* flags)
+void countBetter(const int* keys, ptrdiff_t stride, int side, uchar* counts)
 {
     const int *above = keys - stride, *below = keys + stride;
     for (int i = 0; i < side; i++)
     {
         const int own = keys[i];
-        const int better = (above[i - 1] >= own) + (above[i] >= own) + (above[i + 1] >= own) +
-                           (keys[i - 1] >= own) + (keys[i + 1] > own) + (below[i - 1] > own) +
-                           (below[i] > own) + (below[i + 1] > own);
-        flags[i] = uchar((own != INT_MIN) & (better <= MOST_BETTER_NEIGHBORS));
+        counts[i] =
+            uchar((above[i - 1] >= own) + (above[i] >= own) + (above[i + 1] >= own) + (keys[i - 1] >= own) +
+                  (keys[i + 1] > own) + (below[i - 1] > own) + (below[i] > own) + (below[i + 1] > own));
     }
 }
 

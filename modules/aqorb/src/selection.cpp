@@ -69,17 +69,18 @@ std::vector<unsigned> findRepresentatives(const std::vector<LeafPoint>& points, 
         grid[leaf] = isBetter ? points[i].key : grid[leaf];
         best[leaf] = isBetter ? unsigned(i) : best[leaf];
     }
-    std::vector<uchar> flags(side);
+    const int MOST_BETTER = 2;  // neighbours
+    std::vector<uchar> better(side);
     std::vector<unsigned> representatives(points.size() + 1);
     size_t count = 0;
     for (unsigned row = 0; row < side; row++)
     {
         const unsigned first = inGrid(row << depth);
-        flagRepresentativesOfRow(&grid[first], ptrdiff_t(stride), int(side), flags.data());
+        countBetterNeighbors(&grid[first], ptrdiff_t(stride), int(side), better.data());
         for (unsigned column = 0; column < side; column++)
         {
             representatives[count] = best[first + column];
-            count += flags[column];
+            count += (grid[first + column] != INT_MIN) & (better[column] <= MOST_BETTER);
         }
     }
     representatives.resize(count);
