@@ -86,7 +86,7 @@ std::vector<LevelPlan> planLevels(const Parameters& parameters, const std::vecto
                                               : balancedDepth(quotas[i]);
         plans.push_back(plan);
     }
-    // Levels too small for a keypoint leave their quotas to the next finer one.
+    // The paper's quotas include those of levels too small for a keypoint, which go to the last level that is not.
     if (!plans.empty())
         plans.back().quota = std::accumulate(quotas.begin() + plans.size() - 1, quotas.end(), 0);
     return plans;
@@ -223,7 +223,7 @@ Selected selectAcrossLevels(const Parameters& parameters, Size imageSize, const 
         }
         wanted = selector.take(level, wanted, orders[level]);
         // The corners that are no representatives are put in order when they are needed, which is seldom.
-        if (wanted == 0 || orders[level].taken.size() == corners[level].size())
+        if (wanted == 0 || orders[level].indices.size() == corners[level].size())
             return;
         appendOthers(parameters, levels[level], plans[level], corners[level], orders[level]);
         wanted = selector.take(level, wanted, orders[level]);

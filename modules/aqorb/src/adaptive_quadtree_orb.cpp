@@ -98,8 +98,8 @@ public:
 private:
     void process(InputArray image, InputArray mask, std::vector<KeyPoint>& keypoints, OutputArray descriptors,
                  bool useProvidedKeypoints, const _OutputArray* levels);
-    std::vector<FeatureList> detect(const Level& input, const std::vector<Level>& levels, int threads,
-                                    Workspace& space) const;
+    std::vector<FeatureList> findFeatures(const Level& input, const std::vector<Level>& levels, int threads,
+                                          Workspace& space) const;
     PositionMap positionsOf(Size imageSize, const Level& level) const
     {
         return {imageSize, level.image.size(), level.scale, parameters.edgeThreshold, parameters.subPixel};
@@ -184,8 +184,9 @@ void AdaptiveQuadtreeORBImpl::buildPyramid(InputArray image_, OutputArrayOfArray
 }
 
 // From the pyramid of an image to the features that are to be described.
-std::vector<FeatureList> AdaptiveQuadtreeORBImpl::detect(const Level& input, const std::vector<Level>& levels,
-                                                         int threads, Workspace& space) const
+std::vector<FeatureList> AdaptiveQuadtreeORBImpl::findFeatures(const Level& input,
+                                                               const std::vector<Level>& levels, int threads,
+                                                               Workspace& space) const
 {
     // Thresholds.
     const double contrast =
@@ -223,13 +224,14 @@ std::vector<FeatureList> AdaptiveQuadtreeORBImpl::detect(const Level& input, con
     if (!levels.empty() && count < size_t(parameters.nfeatures))
     {
         // Corners have run out: one search without the rules fills up.
-        const CornerRules none = {{rules.thresholds.min, rules.thresholds.min}, rules.cellSize, false};
-        findCorners(levels, regions, none, threads, space.corners);
-        std::vector<std::vector<CornerResponse>> all(levels.size());
+        const CornerRules noRules = {{rules.thresholds.min, rules.thresholds.min}, rules.cellSize, false};
+        const std::vector<std::vector<Corner>>& all =
+            findCorners(levels, regions, noRules, threads, space.corners);
+        std::vector<std::vector<CornerResponse>> responses(levels.size());
         forEach(levels.size(), threads,
                 [&](size_t i, int)
-                { all[i] = responsesOf(levels[i].image, corners[i], rules.suppressNear); });
-        fillUp(all, size_t(parameters.nfeatures) - count, selected);
+                { responses[i] = responsesOf(levels[i].image, all[i], rules.suppressNear); });
+        fillUp(responses, size_t(parameters.nfeatures) - count, selected);
     }
 
     std::vector<FeatureList> features(levels.size());
@@ -280,9 +282,9 @@ void AdaptiveQuadtreeORBImpl::process(InputArray image_, InputArray mask_, std::
     const int shortest = useProvidedKeypoints ? 1 : parameters.shortestSide();
     const PyramidRule rule = {parameters.firstLevel, parameters.scaleFactor,
                               useProvidedKeypoints ? int(features.size()) : parameters.nlevels,
-                              levels_ ? 1 : shortest};
+                              levels_ ? 1 : shortest};  // the caller gets those without keypoints, too
     const std::vector<Level> pyramid = makePyramid(input, rule, space.pyramid);
-    std::vector<Level> levels;  // in which there can be keypoints
+    std::vector<Level> levels;  // those in which there can be keypoints
     for (const Level& level : pyramid)
     {
         if (std::min(level.image.cols, level.image.rows) < shortest)
@@ -297,7 +299,7 @@ void AdaptiveQuadtreeORBImpl::process(InputArray image_, InputArray mask_, std::
 
     // From the thresholds to the selection.
     if (!useProvidedKeypoints)
-        features = detect(input, levels, threads, space);
+        features = findFeatures(input, levels, threads, space);
 
     // Description.
     const std::vector<FeatureRange> ranges = divideIntoRanges(features, threads);

@@ -24,8 +24,9 @@ namespace aqorb
 //! How many threads a call that this thread begins may use.
 int threadsAllowed();
 
-/** Goes over the images of a collection. Several threads may do so at once: each takes the next image in order, and
- ends it when it has begun it, so the first image that fails is always the same. */
+/** Goes over the images of a collection, or over other pieces of work, with several threads. Each thread takes the next
+ image in order and completes it, so every image before one that fails is processed, too, and the error that counts is
+ always that of the first image that fails. */
 class ImageLoop
 {
 public:
@@ -52,14 +53,14 @@ public:
         }
     }
 
-    //! Throws the error of the first one that has failed, as it is.
+    //! Throws the error of the first image that has failed, as it is. To be called when all threads have ended.
     void rethrow() const
     {
         if (error)
             std::rethrow_exception(error);
     }
 
-    //! Throws the error of the first image that has failed, when all threads have ended. OpenCV's errors get its index.
+    //! The same, but an error of OpenCV's gets the index of the image.
     void check() const
     {
         try

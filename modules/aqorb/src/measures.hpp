@@ -57,8 +57,8 @@ void orientations(const Mat& image, const OrientationPatch& patch, FeaturePoint*
 void patchMoments(const Mat& image, const OrientationPatch& patch, const FeaturePoint* points, size_t count,
                   Moments* moments);
 
-/** Counts, for each leaf of a row, those of its eight neighbours whose best point is better. Of equally good points that
- of the neighbour above, or on the left in the same row, is better.
+/** Counts, for each leaf of a row, those of its eight neighbours whose best point is better. Of equally good points the
+ upper one is better, and in the same row the left one.
  @param keys of the best points of the leaves, the greater, the better; those of the rows above and below are stride
  elements away */
 void countBetterNeighbors(const int* keys, ptrdiff_t stride, int side, uchar* counts);

@@ -47,7 +47,7 @@ struct PyramidRule
     int firstLevel;      //!< the level that is the image itself
     double scaleFactor;  //!< between levels
     int levels;          //!< at most
-    int shortestSide;    //!< of a level; before the first that is shorter the pyramid ends
+    int shortestSide;    //!< of a level; the pyramid ends before the first level with a shorter one
 };
 
 /** Makes the levels of cv::ORB's pyramid of an image by cv::resize with INTER_LINEAR_EXACT. Where there is a mask, a

@@ -123,20 +123,20 @@ std::vector<float> strengthsOf(const Mat& image, const std::vector<Corner>& corn
 
 // ---- 5. rank ----------------------------------------------------------------------------------
 
-// A disc of leaves: those at offsets (dx, dy) with dx^2 width^2 + dy^2 height^2 <= squared, if cells are of width x
-// height.
+// A disc of leaves: those at offsets (dx, dy) with dx^2 width^2 + dy^2 height^2 <= squared, where a leaf is of width x
+// height. The unit is 2^-depth pixels, in which a leaf is as large as the region is in pixels.
 struct LeafDisc
 {
     explicit LeafDisc(const RankRule& rule)
     {
-        Size cell = rule.region;
-        while (std::max(cell.width, cell.height) > 1 << 18)  // so that squares fit
-            cell = Size(std::max(cell.width / 2, 1), std::max(cell.height / 2, 1));
+        Size leaf = rule.region;
+        while (std::max(leaf.width, leaf.height) > 1 << 18)  // so that squares fit
+            leaf = Size(std::max(leaf.width / 2, 1), std::max(leaf.height / 2, 1));
         const double leaves = double(int64(1) << (2 * rule.depth));
-        const double area = rule.usable * cell.width * cell.height * leaves / rule.quota;
+        const double area = rule.usable * leaf.width * leaf.height * leaves / rule.quota;
         const int64 squared = int64(std::min(rule.radius * rule.radius * area, 4e18));
-        const int64 width2 = int64(cell.width) * cell.width, height2 = int64(cell.height) * cell.height;
-        int64 dx = int64(std::sqrt(double(squared))) / cell.width + 1;  // not too small
+        const int64 width2 = int64(leaf.width) * leaf.width, height2 = int64(leaf.height) * leaf.height;
+        int64 dx = int64(std::sqrt(double(squared))) / leaf.width + 1;  // not too small
         for (int64 dy = 0; dy < int64(1) << rule.depth && dy * dy * height2 <= squared; dy++)
         {
             while (dx * dx * width2 + dy * dy * height2 > squared)
@@ -186,9 +186,9 @@ static std::vector<int> countStronger(const std::vector<unsigned>& leaves, const
 }
 
 // By how much ranks are scaled up: the leaves of the square around the disc over those of them that lie inside of the
-// level and are not masked. A leaf with a representative counts even if its centre is masked.
-static std::vector<double> sharesOf(const std::vector<unsigned>& leaves, const LeafDisc& disc, int depth,
-                                    std::vector<uchar> usable)
+// region and are not masked. A leaf with a representative counts even if its centre is masked.
+static std::vector<double> inverseSharesOf(const std::vector<unsigned>& leaves, const LeafDisc& disc,
+                                           int depth, std::vector<uchar> usable)
 {
     const int side = 1 << depth;
     for (size_t i = 0; i < leaves.size() && !usable.empty(); i++)
@@ -201,22 +201,22 @@ static std::vector<double> sharesOf(const std::vector<unsigned>& leaves, const L
             sums(row + 1, column + 1) = sums(row, column + 1) + sum;
         }
     const double whole = (2. * disc.width() + 1) * (2. * disc.height() + 1);
-    std::vector<double> shares(leaves.size());
+    std::vector<double> inverses(leaves.size());
     for (size_t i = 0; i < leaves.size(); i++)
     {
         const int column = int(leaves[i]) & (side - 1), row = int(leaves[i] >> depth);
         const int left = std::max(column - disc.width(), 0),
                   right = std::min(column + disc.width() + 1, side);
         const int top = std::max(row - disc.height(), 0), bottom = std::min(row + disc.height() + 1, side);
-        shares[i] = whole / (sums(bottom, right) - sums(bottom, left) - sums(top, right) + sums(top, left));
+        inverses[i] = whole / (sums(bottom, right) - sums(bottom, left) - sums(top, right) + sums(top, left));
     }
-    return shares;
+    return inverses;
 }
 
 // ---- 6. order ---------------------------------------------------------------------------------
 
-// The logarithm of a positive number, in units of 2^-23 and with an error of a sixteenth at most: its exponent, and its
-// significand as the fraction. It is monotonic, and the same on every CPU.
+// The binary logarithm of a positive number, in units of 2^-23 and with an error below .09: the exponent of the float,
+// and its significand as the fraction. It is monotonic, and the same on every CPU.
 static double binaryLogarithm(float v)
 {
     Cv32suf bits;
@@ -251,10 +251,10 @@ std::vector<unsigned> orderRepresentatives(const std::vector<unsigned>& leavesGi
         leaves[i] = leavesGiven[byStrength[i]];
     const LeafDisc disc(rule);
     const std::vector<int> ranks = countStronger(leaves, disc, rule.depth);
-    const std::vector<double> shares = sharesOf(leaves, disc, rule.depth, usable);
+    const std::vector<double> inverseShares = inverseSharesOf(leaves, disc, rule.depth, usable);
     for (size_t i = 0; i < keys.size(); i++)
     {
-        const int64 place = placeOf(ranks[i] * shares[i], strengths[byStrength[i]], rule.exponent);
+        const int64 place = placeOf(ranks[i] * inverseShares[i], strengths[byStrength[i]], rule.exponent);
         keys[i] = uint64(place) ^ uint64(1) << 63;  // without a sign, in the same order
     }
     std::vector<unsigned> order = sortIndices(keys);
@@ -319,8 +319,8 @@ LevelOrder orderCorners(const Parameters& parameters, const Level& level, const 
     {
         // The paper chooses by the response, and so does a tree of one leaf.
         order.corners = responsesOf(level.image, corners, useHarris);
-        order.taken.resize(corners.size());
-        std::iota(order.taken.begin(), order.taken.end(), 0u);
+        order.indices.resize(corners.size());
+        std::iota(order.indices.begin(), order.indices.end(), 0u);
         if (isRanked)
             std::stable_sort(order.corners.begin(), order.corners.end(),
                              [](const CornerResponse& a, const CornerResponse& b)
@@ -328,13 +328,13 @@ LevelOrder orderCorners(const Parameters& parameters, const Level& level, const 
         return order;
     }
     findLeaves(plan, corners, scratch.points);
-    order.taken = findRepresentatives(scratch.points, plan.depth, scratch);
-    std::vector<Corner> representatives(order.taken.size());
-    std::vector<unsigned> leaves(order.taken.size());
+    order.indices = findRepresentatives(scratch.points, plan.depth, scratch);
+    std::vector<Corner> representatives(order.indices.size());
+    std::vector<unsigned> leaves(order.indices.size());
     for (size_t i = 0; i < leaves.size(); i++)
     {
-        representatives[i] = corners[order.taken[i]];
-        leaves[i] = scratch.points[order.taken[i]].leaf;
+        representatives[i] = corners[order.indices[i]];
+        leaves[i] = scratch.points[order.indices[i]].leaf;
     }
     const std::vector<CornerResponse> responses = responsesOf(level.image, representatives, useHarris);
     const RankRule rule = {plan.root.size(),      plan.depth,
@@ -353,10 +353,10 @@ void appendOthers(const Parameters& parameters, const Level& level, const LevelP
     std::vector<LeafPoint> points;
     findLeaves(plan, corners, points);
     std::vector<Corner> others;
-    for (unsigned index : orderOthers(points, order.taken))
+    for (unsigned index : orderOthers(points, order.indices))
     {
         others.push_back(corners[index]);
-        order.taken.push_back(index);
+        order.indices.push_back(index);
     }
     const std::vector<CornerResponse> responses =
         responsesOf(level.image, others, parameters.scoreType == ORB::HARRIS_SCORE);

@@ -128,9 +128,10 @@ std::vector<unsigned> orderOthers(const std::vector<LeafPoint>& points,
 //! The corners of a level in the order in which they are to be taken.
 struct LevelOrder
 {
-    std::vector<CornerResponse>
-        corners;  //!< at first the representatives; with BALANCED_SELECTION all, in raster order
-    std::vector<unsigned> taken;  //!< their indices, in any order
+    //! At first the representatives; with BALANCED_SELECTION all, in raster order.
+    std::vector<CornerResponse> corners;
+    //! Which of the level's corners these are, in any order.
+    std::vector<unsigned> indices;
 };
 LevelOrder orderCorners(const Parameters& parameters, const Level& level, const LevelPlan& plan,
                         const OrientationPatch& patch, const std::vector<Corner>& corners,
@@ -139,13 +140,15 @@ LevelOrder orderCorners(const Parameters& parameters, const Level& level, const 
 void appendOthers(const Parameters& parameters, const Level& level, const LevelPlan& plan,
                   const std::vector<Corner>& corners, LevelOrder& order);
 
+// ---- the paper's selection --------------------------------------------------------------------
+
 //! The paper's quotas, by equation (8): those of cv::ORB, at most nfeatures in all.
 std::vector<int> balancedQuotas(int nfeatures, double scaleFactor, int nlevels);
 //! The paper's depth, by equation (9): the smallest D with 4^D >= quota, at most 15.
 int balancedDepth(int quota);
 //! The paper's order, by Figure 2: balanced over the tree, and within a part by response.
 std::vector<unsigned> balancedOrder(const std::vector<LeafPoint>& points, int depth);
-//! Puts corners of a level, which come in raster order, into this order.
+//! Puts the corners of a level, which come in raster order, into the paper's order.
 void balance(const LevelPlan& plan, std::vector<CornerResponse>& corners);
 
 // ---- 7. across levels, 8. when corners run out -------------------------------------------------

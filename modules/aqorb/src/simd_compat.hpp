@@ -71,8 +71,7 @@ static CV_ALWAYS_INLINE int trailingZeros(uint64 bits)
 }
 
 //! a * b + c, rounded once. The C library's function for this is slow where the processor has no such instruction, and
-//! in
-// that of MinGW it rounds twice.
+//! that of MinGW rounds twice.
 static CV_ALWAYS_INLINE float multiplyAdd(float a, float b, float c)
 {
 #if defined(FP_FAST_FMAF) || defined(__FMA__) || defined(__ARM_FEATURE_FMA)

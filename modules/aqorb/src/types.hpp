@@ -102,8 +102,8 @@ template <typename T, typename U> bool operator!=(const LineAllocator<T>&, const
 //! A vector whose elements begin at a cache line.
 template <typename T> using AlignedVector = std::vector<T, LineAllocator<T>>;
 
-//! Gives work space at least so many elements, of any values. It never shrinks, so that it is soon allocated for good.
-//! It is freed before it grows, and has no more than is needed: a vector that grows by itself may get twice as much.
+//! Makes a buffer at least so long. If it grows, its elements are lost, because the old memory is freed first. It gets
+//! no more than is needed, where a vector may double its memory. It never shrinks, so later images need no new memory.
 template <typename Vector> void growTo(Vector& elements, size_t count)
 {
     if (elements.size() < count)
