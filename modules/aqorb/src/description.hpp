@@ -61,15 +61,6 @@ struct Tables
     DescriptorTests tests;
 };
 
-//! Features of a level.
-struct FeatureList
-{
-    std::vector<FeaturePoint> points;  //!< in raster order
-    std::vector<KeyPoint> keypoints;   //!< of the points
-    std::vector<uchar> descriptors;    //!< of the points, DESCRIPTOR_BYTES each; empty if they are not wanted
-    std::vector<uint64> outputKeys;    //!< of the points: by them they come in the output
-};
-
 //! Features of a level that are described together.
 struct FeatureRange
 {

@@ -8,8 +8,8 @@
 #ifndef OPENCV_AQORB_INPUT_HPP
 #define OPENCV_AQORB_INPUT_HPP
 
-#include "description.hpp"
 #include "parameters.hpp"
+#include "types.hpp"
 
 #include <opencv2/core.hpp>
 

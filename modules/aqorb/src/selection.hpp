@@ -8,7 +8,6 @@
 #ifndef OPENCV_AQORB_SELECTION_HPP
 #define OPENCV_AQORB_SELECTION_HPP
 
-#include "description.hpp"
 #include "index_sort.hpp"
 #include "measures.hpp"
 #include "parameters.hpp"

@@ -68,6 +68,15 @@ struct FeaturePoint
     float angle;  //!< degrees
 };
 
+//! Features of a level.
+struct FeatureList
+{
+    std::vector<FeaturePoint> points;  //!< in raster order
+    std::vector<KeyPoint> keypoints;   //!< of the points
+    std::vector<uchar> descriptors;    //!< of the points, DESCRIPTOR_BYTES each; empty if they are not wanted
+    std::vector<uint64> outputKeys;    //!< of the points: features come in the output by ascending keys
+};
+
 //! Bytes of a cache line. The widest vectors are as long, so one that does not begin at a line lies across two.
 const int CACHE_LINE = 64;
 
