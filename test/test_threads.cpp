@@ -83,6 +83,25 @@ TEST(Aqorb_Threads, threads_1_to_16_of_any_backend_give_the_same_bytes)
     }
 }
 
+//! Has more threads each time that it is asked for their number, as if the program called cv::setNumThreads meanwhile.
+class MoreThreads : public NewThreads
+{
+public:
+    MoreThreads() : asked(0) {}
+    int getNumThreads() const CV_OVERRIDE { return std::min(int(++asked), 16); }
+
+private:
+    mutable std::atomic<int> asked;
+};
+
+TEST(Aqorb_Threads, threads_may_grow_in_number_during_a_call)
+{
+    const Call call = calls()[0];
+    const Features expected = expectedOf(call);
+    const BackendScope scope(std::make_shared<MoreThreads>());
+    EXPECT_TRUE(gives(*detectorOf(call), call, expected));
+}
+
 // Above there are so many corners that those that the rules pass over do not seem to be needed, below there are none.
 TEST(Aqorb_Threads, threads_find_again_what_did_not_seem_to_be_needed)
 {
