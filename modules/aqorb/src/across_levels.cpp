@@ -141,13 +141,24 @@ std::vector<double> exactPositions(int imageLength, int length)
     return positions;
 }
 
+// The distance in pixels for which octaveSuppression stands.
+double octaveDistance(const Parameters& parameters)
+{
+    if (parameters.octaveSuppression >= 0)
+        return parameters.octaveSuppression;
+    // A user who asks for the strongest corners gets them on every level, as from cv::ORB.
+    return parameters.selectionType == AdaptiveQuadtreeORB::BALANCED_SELECTION
+               ? 0.5
+               : 2.1 / (1 + parameters.strengthWeight);
+}
+
 // Marks the pixels of a level that are near keypoints of other levels: with RANKED_SELECTION of its neighbours.
 void Selector::markNear(int level)
 {
     const bool isRanked = parameters.selectionType == AdaptiveQuadtreeORB::RANKED_SELECTION;
     const int reach = isRanked ? 1 : int(levels.size()), count = int(levels.size());
     const Size size = levels[level].image.size();
-    const double radius = parameters.octaveDistance() * levels[level].scale;
+    const double radius = octaveDistance(parameters) * levels[level].scale;
     const double toX = double(size.width) / imageSize.width, toY = double(size.height) / imageSize.height;
     const std::vector<double> xs = exactPositions(imageSize.width, size.width),
                               ys = exactPositions(imageSize.height, size.height);

@@ -202,8 +202,7 @@ std::vector<FeatureList> AdaptiveQuadtreeORBImpl::findFeatures(const Level& inpu
     std::vector<Rect> regions;
     for (const LevelPlan& plan : plans)
         regions.push_back(plan.root);
-    const std::vector<std::vector<Corner>>& corners =
-        findCorners(levels, regions, rules, threads, space.corners);
+    const auto& corners = findCorners(levels, regions, rules, threads, space.corners);
 
     // Their order.
     space.orders.resize(std::max(space.orders.size(), size_t(threads)));
@@ -225,8 +224,7 @@ std::vector<FeatureList> AdaptiveQuadtreeORBImpl::findFeatures(const Level& inpu
     {
         // Corners have run out: one search without the rules fills up.
         const CornerRules noRules = {{rules.thresholds.min, rules.thresholds.min}, rules.cellSize, false};
-        const std::vector<std::vector<Corner>>& all =
-            findCorners(levels, regions, noRules, threads, space.corners);
+        const auto& all = findCorners(levels, regions, noRules, threads, space.corners);
         std::vector<std::vector<CornerResponse>> responses(levels.size());
         forEach(levels.size(), threads,
                 [&](size_t i, int)

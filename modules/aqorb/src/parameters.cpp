@@ -52,14 +52,6 @@ Rect Parameters::keypointRegion(Size size) const
     return Rect(border, border, size.width - 2 * border, size.height - 2 * border);
 }
 
-double Parameters::octaveDistance() const
-{
-    if (octaveSuppression >= 0)
-        return octaveSuppression;
-    // A user who asks for the strongest corners gets them on every level, as from cv::ORB.
-    return selectionType == AdaptiveQuadtreeORB::BALANCED_SELECTION ? 0.5 : 2.1 / (1 + strengthWeight);
-}
-
 void Parameters::write(FileStorage& fs) const
 {
     // FileStorage has no bool.

@@ -89,8 +89,6 @@ struct Parameters
     int shortestSide() const;
     //! Where a level of this size may have keypoints: between the borders.
     Rect keypointRegion(Size size) const;
-    //! The distance in pixels for which octaveSuppression stands.
-    double octaveDistance() const;
 
     void write(FileStorage& fs) const;
     //! A parameter whose key is missing keeps its value. Throws for an invalid value and then changes nothing.
