@@ -217,7 +217,7 @@ def extract_alike(paths, open_file, metadata, threads=1):
                                          metadata['EXIF orientation'], threads)
     kept = [len(row) > 0 for row in table['x']]
     failures += [(path.as_py(), 'it has no features') for path, is_kept in zip(table['path'], kept) if not is_kept]
-    return table.filter(kept), failures
+    return table.filter(np.array(kept, bool)), failures  # a list that is empty has no type
 
 
 def search(queries, features, words, counts, number, ratio=.8, threads=1):
