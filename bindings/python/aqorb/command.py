@@ -35,10 +35,12 @@ def main(arguments=None):
     commands = parser.add_subparsers(required=True, metavar='COMMAND')
     for module in _extract, _match, _places, _draw:
         module.add(commands)
-    options = parser.parse_args(arguments)
     try:
-        options.run(options)
-        sys.stdout.flush()
+        try:
+            options = parser.parse_args(arguments)
+            options.run(options)
+        finally:
+            sys.stdout.flush()
     except ImportError as error:
         sys.exit(f'aqorb: {error}; {NEEDS}')
     except OSError as error:

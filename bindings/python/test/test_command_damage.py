@@ -165,6 +165,15 @@ def test_outputs_that_cannot_be_written(folder, tmp_path, stream):
     assert finished.returncode == (1 if 'full' in stream else 0) and (tmp_path / 'f.parquet').exists()
 
 
+@pytest.mark.parametrize('unbuffered', ['', '1'])
+@pytest.mark.skipif(not os.path.exists('/dev/full'), reason='needs /dev/full')
+def test_help_that_cannot_be_written(unbuffered):
+    with open('/dev/full', 'w') as full:
+        finished = subprocess.run([sys.executable, '-m', 'aqorb', '--help'], stdout=full, stderr=subprocess.PIPE,
+                                  text=True, env={**ENVIRONMENT, 'PYTHONUNBUFFERED': unbuffered})
+    assert (finished.returncode, finished.stderr) == (1, 'aqorb: [Errno 28] No space left on device\n')
+
+
 @pytest.mark.parametrize('name', ["it's a?b#c%20", 'new\nline', 'Zwölf', '-dash'])
 def test_odd_paths(features, tmp_path, monkeypatch, name):
     monkeypatch.setenv('LC_ALL', 'C')

@@ -166,7 +166,8 @@ public:
     CV_WRAP virtual bool getAdaptiveThreshold() const = 0;  //!< see setAdaptiveThreshold()
 
     /** @brief How many times lower the FAST threshold is in cells that would otherwise stay empty: finite, >= 1. The
-    default is 4, as in the paper. With 1 there is no second threshold. */
+    default is 4, as in the paper. The lower threshold is never above fastThreshold, so that with 1 there is no second
+    one unless the first is above fastThreshold. */
     CV_WRAP virtual void setMinThresholdRatio(double minThresholdRatio) = 0;
     CV_WRAP virtual double getMinThresholdRatio() const = 0;  //!< see setMinThresholdRatio()
 
