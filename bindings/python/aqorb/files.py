@@ -156,8 +156,10 @@ def join_parts(out, partial, items, total, unit, part_size, metadata, make_table
         write(joined, tables_in(map(name_of, range(done))), metadata, database)
         with open(joined, 'rb+') as file:
             os.fsync(file.fileno())
+        if os.path.exists(out):
+            shutil.copymode(out, joined)
         _stop.finish()
-        os.replace(joined, out)
+        os.replace(joined, os.path.realpath(out))
     return failures
 
 

@@ -120,6 +120,17 @@ def test_matches_of_another_program(features, tmp_path):
     run('match', copied, '--pairs', 'sequential:1', '--overwrite')
 
 
+@pytest.mark.skipif(os.name == 'nt', reason='needs symbolic links and permissions')
+def test_a_database_keeps_its_permissions_and_its_place(features, tmp_path):
+    copied, link = tmp_path / 'features.db', tmp_path / 'link.db'
+    shutil.copy(str(features / 'features.db'), str(copied))
+    copied.chmod(0o600)
+    link.symlink_to(copied)
+    run('match', link, '--pairs', 'sequential:1')
+    assert link.is_symlink() and copied.stat().st_mode & 0o777 == 0o600
+    refused('features.db has matches', 'match', copied, '--pairs', 'sequential:1')
+
+
 def test_files_without_features(features, tmp_path):
     run('match', features / 'features.parquet', '--pairs', 'sequential:1', '--out', tmp_path / 'm.parquet')
     refused('m.parquet has no features', 'match', tmp_path / 'm.parquet', '--pairs', 'sequential:1', '--out', tmp_path / 'n.parquet')
