@@ -25,7 +25,7 @@ std::vector<Level> buildPyramid(const Mat& image, const Mat& mask, const Pyramid
     input.image = image;
     input.mask = mask;
     static PyramidSpace space;  // Images of all sizes share it.
-    std::vector<Level> levels = makePyramid(input, rule, space);
+    std::vector<Level> levels = makePyramid(input, rule, 2, space);
     for (Level& level : levels)
     {
         level.image = level.image.clone();

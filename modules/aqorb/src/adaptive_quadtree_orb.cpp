@@ -177,8 +177,8 @@ void AdaptiveQuadtreeORBImpl::buildPyramid(InputArray image_, OutputArrayOfArray
         Level input;
         input.image = grayImage(image_);
         checkPyramidInput(input.image.size());
-        levels =
-            makePyramid(input, {parameters.firstLevel, parameters.scaleFactor, parameters.nlevels, 1}, space);
+        const PyramidRule rule = {parameters.firstLevel, parameters.scaleFactor, parameters.nlevels, 1};
+        levels = makePyramid(input, rule, threadsAllowed(), space);
     }
     giveMats(copiesOf(levels), levels_, "levels");
 }
@@ -281,7 +281,7 @@ void AdaptiveQuadtreeORBImpl::process(InputArray image_, InputArray mask_, std::
     const PyramidRule rule = {parameters.firstLevel, parameters.scaleFactor,
                               useProvidedKeypoints ? int(features.size()) : parameters.nlevels,
                               levels_ ? 1 : shortest};  // the caller gets those without keypoints, too
-    const std::vector<Level> pyramid = makePyramid(input, rule, space.pyramid);
+    const std::vector<Level> pyramid = makePyramid(input, rule, threads, space.pyramid);
     std::vector<Level> levels;  // those in which there can be keypoints
     for (const Level& level : pyramid)
     {

@@ -7,8 +7,9 @@
 
 #include "precomp.hpp"
 
-#include "types.hpp"
+#include "image_loop.hpp"
 #include "pyramid.hpp"
+#include "types.hpp"
 
 #include "pyramid.simd.hpp"
 #include "pyramid.simd_declarations.hpp"
@@ -81,7 +82,6 @@ static bool resizeBlocks(int sourceWidth, const ResizeTaps* taps, int width, Res
     const int blocks = (width + ResizeBlock::PIXELS - 1) / ResizeBlock::PIXELS;
     tables.blocks.resize(blocks);
     tables.bases.resize(blocks * GROUPS);
-    tables.rows.resize((2 * blocks + 1) * ResizeBlock::PIXELS);
     for (int i = 0; i < blocks * GROUPS; i++)
     {
         ResizeBlock& block = tables.blocks[i / GROUPS];
@@ -121,31 +121,45 @@ static void updateTables(ResizeTables& tables, Size source, Size destination)
     tables.destination = destination;
 }
 
-void resizeExact(const Mat& source, Mat& destination, Ptr<ResizeTables>& kept)
+void resizeExact(const Mat& source, Mat& destination, Ptr<ResizeTables>& kept, int threads)
 {
     CV_TRACE_FUNCTION();
     if (!kept)
         kept = makePtr<ResizeTables>();
     ResizeTables& tables = *kept;
     updateTables(tables, source.size(), destination.size());
-    if (tables.byKernel)
+    // Each thread makes some rows. Memory that another one has read is slow to write, so that even few are worth it.
+    const int LEAST_ROWS = 64;
+    const int bands = std::max(std::min(threads, destination.rows / LEAST_ROWS), 1);
+    std::atomic<bool> byKernel(tables.byKernel);
+    if (byKernel)
     {
-        Resize resize;
-        resize.source = source.ptr();
-        resize.sourceStep = ptrdiff_t(source.step);
-        resize.destination = destination.ptr();
-        resize.destinationStep = ptrdiff_t(destination.step);
-        resize.width = destination.cols;
-        resize.height = destination.rows;
-        resize.blocks = tables.blocks.data();
-        resize.bases = tables.bases.data();
-        resize.rowTaps = tables.rowTaps.data();
-        resize.rows[0] = tables.rows.data();
-        resize.rows[1] = tables.rows.data() + tables.blocks.size() * ResizeBlock::PIXELS;
-        if (resizeByKernel(resize))
-            return;
+        const size_t pixels = tables.blocks.size() * ResizeBlock::PIXELS;
+        const size_t ofBand = 2 * pixels + ResizeBlock::PIXELS;
+        short* const rows = grown(tables.rows, bands * ofBand);
+        forEach(size_t(bands), threads,
+                [&](size_t i, int)
+                {
+                    const int top = int(i * destination.rows / bands),
+                              end = int((i + 1) * destination.rows / bands);
+                    Resize resize;
+                    resize.source = source.ptr();
+                    resize.sourceStep = ptrdiff_t(source.step);
+                    resize.destination = destination.ptr(top);
+                    resize.destinationStep = ptrdiff_t(destination.step);
+                    resize.width = destination.cols;
+                    resize.height = end - top;
+                    resize.blocks = tables.blocks.data();
+                    resize.bases = tables.bases.data();
+                    resize.rowTaps = &tables.rowTaps[top];
+                    resize.rows[0] = rows + i * ofBand;
+                    resize.rows[1] = resize.rows[0] + pixels;
+                    if (!resizeByKernel(resize))
+                        byKernel = false;
+                });
     }
-    cv::resize(source, destination, destination.size(), 0, 0, INTER_LINEAR_EXACT);
+    if (!byKernel)
+        cv::resize(source, destination, destination.size(), 0, 0, INTER_LINEAR_EXACT);
 }
 
 // A pixel is usable if all pixels that it is made from are. The tables must be those of the image of the same size.
@@ -217,7 +231,7 @@ static std::vector<Level> layOut(const Level& input, const PyramidRule& rule, Py
     return levels;
 }
 
-std::vector<Level> makePyramid(const Level& input, const PyramidRule& rule, PyramidSpace& space)
+std::vector<Level> makePyramid(const Level& input, const PyramidRule& rule, int threads, PyramidSpace& space)
 {
     CV_TRACE_FUNCTION();
     std::vector<Level> levels = layOut(input, rule, space);
@@ -229,7 +243,7 @@ std::vector<Level> makePyramid(const Level& input, const PyramidRule& rule, Pyra
         // ones.
         const Level& source = i <= rule.firstLevel + 1 ? input : levels[i - 1];
         Ptr<ResizeTables>& tables = space.ofLevels[i].resizing;
-        resizeExact(source.image, levels[i].image, tables);
+        resizeExact(source.image, levels[i].image, tables, threads);
         if (!source.mask.empty())
             resizeMask(source.mask, *tables, levels[i].mask);
     }

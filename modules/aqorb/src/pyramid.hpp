@@ -28,7 +28,7 @@ struct ResizeTables;
 
 //! Resizes an image by cv::resize with INTER_LINEAR_EXACT, without the overhead that cv::resize has for one channel.
 //! @param tables made when sizes change, and used again for later images
-void resizeExact(const Mat& source, Mat& destination, Ptr<ResizeTables>& tables);
+void resizeExact(const Mat& source, Mat& destination, Ptr<ResizeTables>& tables, int threads = 1);
 
 //! The memory of a pyramid and the tables by which it is made. It is kept for later images.
 struct PyramidSpace
@@ -55,7 +55,7 @@ struct PyramidRule
  levels.
  @param input the image and its mask; they are not copied
  @return the levels, whose pixels lie in the space */
-std::vector<Level> makePyramid(const Level& input, const PyramidRule& rule, PyramidSpace& space);
+std::vector<Level> makePyramid(const Level& input, const PyramidRule& rule, int threads, PyramidSpace& space);
 
 // ---- for the kernel: plain structs only, see types.hpp ---------------------------------------
 
