@@ -241,6 +241,7 @@ std::vector<FeatureList> AdaptiveQuadtreeORBImpl::findFeatures(const Level& inpu
 void AdaptiveQuadtreeORBImpl::process(InputArray image_, InputArray mask_, std::vector<KeyPoint>& keypoints,
                                       OutputArray descriptors_, bool useProvidedKeypoints,
                                       const _OutputArray* levels_)
+try
 {
     const bool withDescriptors = descriptors_.needed();
     if (useProvidedKeypoints && !withDescriptors)
@@ -327,6 +328,12 @@ void AdaptiveQuadtreeORBImpl::process(InputArray image_, InputArray mask_, std::
     if (levels_)
         giveMats(given, *levels_, "levels");
     outputFeatures(features, keypoints, descriptors);
+}
+catch (const std::bad_alloc&)
+{
+    CV_Error_(Error::StsNoMem,
+              ("The memory does not suffice for an image of %d x %d, with scaleFactor %g and firstLevel %d",
+               image_.cols(), image_.rows(), parameters.scaleFactor, parameters.firstLevel));
 }
 
 // Processes the images of a collection side by side, each on one thread, or a single one on all of them.
