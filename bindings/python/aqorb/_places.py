@@ -159,6 +159,9 @@ def run_search(options):
     if options.draw and os.path.exists(options.draw) and not options.overwrite:
         raise files.Refused(f'{options.draw} exists; --overwrite replaces it')
     features = files.Features(options.features)
+    if options.draw and not any(os.path.isfile(os.path.join(os.fsencode(options.folder), path))
+                                for path in features.paths):
+        raise files.Refused(f'--folder must be where the images of {options.features} are, got {options.folder!r}')
     with files.reading(options.features):
         queries, failures = places.extract_alike(
             [os.fsencode(path) for path in options.photographs], functools.partial(command.open_file, b''),

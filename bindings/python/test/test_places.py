@@ -180,6 +180,8 @@ def test_refusals(features, folder, tmp_path):
     parquet, photograph, out = features / 'features.parquet', folder / '00.png', tmp_path / 'p.txt'
     refused('grey.png is not searched for: it has no features', 'search', parquet, tmp_path / 'grey.png')
     refused('nothing.png is not searched for: it is no regular file', 'search', parquet, tmp_path / 'nothing.png')
+    refused("--folder must be where the images of .* are, got '/dev'", 'search', parquet, photograph, '--draw',
+            tmp_path / 'drawn.jpg', '--folder', '/dev')
     refused('must be at most 24, .* got 25', 'search', parquet, photograph, '--retrieval', 25)
     refused('must be at most 23, .* got 24', 'pairs', parquet, '--retrieval', 24, '--out', out)
     refused('must be at most 23, .* got 24', 'match', parquet, '--pairs', 'retrieval:24', '--out',
