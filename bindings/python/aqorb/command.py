@@ -95,5 +95,5 @@ def count_of(number, noun, plural='s'):
 def open_file(folder, path):
     path = os.path.join(folder, path)
     if not os.path.isfile(path):
-        raise ValueError('it is no regular file')
+        raise ValueError('it is no regular file' if os.path.exists(path) else 'there is no such file')
     return open(path, 'rb')

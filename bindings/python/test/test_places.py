@@ -179,7 +179,7 @@ def test_refusals(features, folder, tmp_path):
     Image.fromarray(np.full((280, 320), 90, np.uint8)).save(str(tmp_path / 'grey.png'))
     parquet, photograph, out = features / 'features.parquet', folder / '00.png', tmp_path / 'p.txt'
     refused('grey.png is not searched for: it has no features', 'search', parquet, tmp_path / 'grey.png')
-    refused('nothing.png is not searched for: it is no regular file', 'search', parquet, tmp_path / 'nothing.png')
+    refused('nothing.png is not searched for: there is no such file', 'search', parquet, tmp_path / 'nothing.png')
     refused("--folder must be where the images of .* are, got '/dev'", 'search', parquet, photograph, '--draw',
             tmp_path / 'drawn.jpg', '--folder', '/dev')
     refused('must be at most 24, .* got 25', 'search', parquet, photograph, '--retrieval', 25)
