@@ -61,7 +61,6 @@ declare -A PACKAGES=(
     [i386]='g++-i686-linux-gnu'
     [riscv64]='g++-riscv64-linux-gnu'
     [s390x]='g++-s390x-linux-gnu'
-    [windows]='g++-mingw-w64-x86-64-posix googletest ninja-build wine64'
     [system]='debootstrap util-linux'
     [wheel]='ca-certificates ninja-build python3-dev python3-venv'
     [workflows]='ca-certificates python3-venv shellcheck'

@@ -18,7 +18,6 @@
 #   aarch64, armhf, riscv64, s390x
 #               cross-built, on an emulated CPU; armhf with NEON, s390x big-endian
 #   i386        cross-built for SSE2, on this CPU
-#   windows     cross-built with MinGW-w64 against OpenCV 4, which it builds first, under wine
 #   clang       clang++
 #
 # Installs the Debian packages it needs. Tests that need images of opencv_extra are skipped unless
@@ -51,7 +50,7 @@ fingerprint() {
     mkdir -p "$FOLDER/bytes"
     (
         if ((${#images[@]})); then cd "$OPENCV_TEST_DATA_PATH/$photographs"; fi
-        "$@" "${images[@]}" | tr -d '\r' >"$FOLDER/bytes/$row.new"
+        "$@" "${images[@]}" >"$FOLDER/bytes/$row.new"
     ) 2> >(tee "$FOLDER/bytes/$row.features" >&2)
     if grep 'unknown CPU feature' "$FOLDER/bytes/$row.features"; then return 1; fi
     mv "$FOLDER/bytes/$row.new" "$FOLDER/bytes/$row"
@@ -157,60 +156,19 @@ row_aarch64() { cross aarch64 arm64 aarch64; }
 row_armhf() { cross armhf armhf arm; }
 row_i386() { cross i386 i386; }
 row_riscv64() {
-    # The linker of Debian 12 crashes on the GoogleTest of Debian 13.
     need emulation riscv64
     sysroot riscv64
-    googletest "$SYSROOT/usr" debian-cross -DAQORB_ARCHITECTURE=riscv64 -DAQORB_SYSROOT="$SYSROOT" \
-        -DCMAKE_INSTALL_LIBDIR=lib/riscv64-linux-gnu
+    # The linker of Debian 12 crashes on the GoogleTest of Debian 13.
+    local folder=$SYSROOT/usr/src/build-googletest
+    if [[ ! -e $folder/install_manifest.txt ]]; then
+        cmake -S /usr/src/googletest -B "$folder" -DCMAKE_TOOLCHAIN_FILE="$ROOT/cmake/debian-cross.cmake" \
+            -DAQORB_ARCHITECTURE=riscv64 -DAQORB_SYSROOT="$SYSROOT" -DCMAKE_INSTALL_LIBDIR=lib/riscv64-linux-gnu \
+            -DCMAKE_BUILD_TYPE=Release -DCMAKE_INSTALL_PREFIX="$SYSROOT/usr" -DBUILD_GMOCK=OFF
+        cmake --build "$folder" --parallel "$JOBS" --target install
+    fi
     cross riscv64 riscv64 riscv64
 }
 row_s390x() { cross s390x s390x s390x; }
-
-# googletest PREFIX TOOLCHAIN [OPTION ...]: builds GoogleTest for another machine, and installs it in PREFIX.
-googletest() {
-    local folder=$1/src/build-googletest
-    [[ ! -e $folder/install_manifest.txt ]] || return 0
-    cmake -S /usr/src/googletest -B "$folder" -DCMAKE_TOOLCHAIN_FILE="$ROOT/cmake/$2.cmake" \
-        -DCMAKE_BUILD_TYPE=Release -DCMAKE_INSTALL_PREFIX="$1" -DBUILD_GMOCK=OFF "${@:3}"
-    cmake --build "$folder" --parallel "$JOBS" --target install
-}
-
-# windows_opencv: builds OpenCV and GoogleTest for Windows in build/opencv-windows, and puts the compiler's own DLLs
-# beside them.
-windows_opencv() {
-    local prefix=$BUILD/opencv-windows dll feature options=() triplet=x86_64-w64-mingw32
-    [[ ! -e $prefix/complete ]] || return 0
-    opencv_release 4
-    for feature in 1394 ADE DSHOW EIGEN FFMPEG FLATBUFFERS GSTREAMER IPP ITT JASPER LAPACK MSMF OBSENSOR OPENCL OPENEXR \
-        OPENJPEG PROTOBUF QUIRC TIFF WEBP; do
-        options+=("-DWITH_$feature=OFF")
-    done
-    cmake -S "$OPENCV_SOURCE" -B "$prefix/build" -G Ninja \
-        -DCMAKE_TOOLCHAIN_FILE="$ROOT/cmake/mingw-w64.cmake" -DAQORB_WINDOWS="$prefix" \
-        -DCMAKE_BUILD_TYPE=Release -DCMAKE_INSTALL_PREFIX="$prefix" -DENABLE_CCACHE=OFF \
-        -DCMAKE_C_COMPILER_LAUNCHER=ccache -DCMAKE_CXX_COMPILER_LAUNCHER=ccache \
-        -DBUILD_LIST=core,imgproc,features2d,flann,calib3d,imgcodecs,stitching,highgui,videoio \
-        -DCPU_BASELINE=SSE2 -DCPU_DISPATCH=SSE4_1,AVX2 -DBUILD_ZLIB=ON -DBUILD_PNG=ON -DBUILD_JPEG=ON \
-        -DBUILD_TESTS=OFF -DBUILD_PERF_TESTS=OFF -DBUILD_EXAMPLES=OFF -DBUILD_opencv_apps=OFF -DBUILD_JAVA=OFF \
-        -DBUILD_opencv_python3=OFF -DOPENCV_DOWNLOAD_TRIES_LIST= -DOPENCV_GENERATE_PKGCONFIG=OFF "${options[@]}"
-    cmake --build "$prefix/build" --parallel "$JOBS" --target install
-    googletest "$prefix" mingw-w64 -DAQORB_WINDOWS="$prefix"
-    mkdir -p "$prefix/bin"
-    for dll in libstdc++-6.dll libgcc_s_seh-1.dll libwinpthread-1.dll; do
-        cp "$("$triplet-g++-posix" -print-file-name="$dll")" "$prefix/bin"
-    done
-    rm -r "$prefix/build"
-    touch "$prefix/complete"
-}
-
-row_windows() {
-    local prefix=$BUILD/opencv-windows
-    need windows
-    windows_opencv
-    built windows
-    fingerprint windows env WINEDEBUG=-all WINEPREFIX="$prefix/wine" WINEPATH="Z:$prefix/bin" /usr/lib/wine/wine64 \
-        "$BUILD/windows/bin/aqorb_fingerprint.exe"
-}
 
 row_clang() { need clang; compiled clang; }
 
@@ -221,7 +179,7 @@ if [[ ${1:-} == --bytes ]]; then
 fi
 rows=("$@")
 ((${#rows[@]})) || rows=(debian12 debian13 opencv4 opencv5 avx2 sse4 sse2 plain
-    aarch64 armhf i386 riscv64 s390x windows clang)
+    aarch64 armhf i386 riscv64 s390x clang)
 for row in "${rows[@]}"; do
     declare -F "row_$row" >/dev/null || die "no such row: $row"
 done
@@ -243,15 +201,15 @@ equal_lines() {
     comm -12 <(sed "${2:-}" "$FOLDER/bytes/debian12" | sort) <(sed "${2:-}" "$FOLDER/bytes/$1" | sort) | wc -l
 }
 
-# verdict ROW: the counts of its tests, and how many of its lines of hashes are those of the ordinary build. On i386 and
-# Windows distributionUniformity may have another last bit, as the C library's logarithm has.
+# verdict ROW: the counts of its tests, and how many of its lines of hashes are those of the ordinary build. On i386
+# distributionUniformity may have another last bit, as the C library's logarithm has.
 verdict() {
     local counts total equal
     counts=$(grep '^[0-9]* passed, ' "$FOLDER/$1.log" | tail -n 1)
     total=$(wc -l <"$FOLDER/bytes/debian12")
     equal=$(equal_lines "$1")
     printf '%s; bytes: %s of %s equal' "${counts:-no tests}" "$equal" "$total"
-    if ((equal < total)) && [[ $1 == i386 || $1 == windows ]]; then
+    if ((equal < total)) && [[ $1 == i386 ]]; then
         equal=$(equal_lines "$1" 's/ measures [0-9a-f]*//')
         printf ', %s without the measures' "$equal"
     fi
