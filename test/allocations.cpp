@@ -18,7 +18,7 @@
 namespace
 {
 
-std::atomic<long> newCalls(0), matrices(0), countdown(0);
+std::atomic<long> matrices(0), countdown(0);
 std::atomic<long long> inUse(0), peak(0);  // bytes, of the whole program
 long long inUseBefore = 0;
 
@@ -115,7 +115,6 @@ AllocationCounter::AllocationCounter(long failing)
     CV_Assert(!before);
     before = cv::Mat::getDefaultAllocator();
     cv::Mat::setDefaultAllocator(matAllocator());
-    newCalls = 0;
     matrices = 0;
     inUseBefore = inUse;
     beginPeak();
@@ -133,11 +132,6 @@ AllocationCounter::~AllocationCounter()
     countdown = 0;
     cv::Mat::setDefaultAllocator(before);
     before = 0;
-}
-
-long AllocationCounter::ofNew() const
-{
-    return newCalls;
 }
 
 long AllocationCounter::ofMatrices() const
@@ -175,12 +169,8 @@ void AllocationCounter::beginPeak()
 
 void* operator new(std::size_t size, const std::nothrow_t&) noexcept
 {
-    if (!isMatrix)
-    {
-        newCalls++;
-        if (isToFail())
-            return 0;
-    }
+    if (!isMatrix && isToFail())
+        return 0;
     void* const memory = std::malloc(size > 0 ? size : 1);
     if (memory)
         addBytes(sizeOf(memory));

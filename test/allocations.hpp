@@ -23,11 +23,8 @@ public:
     ~AllocationCounter();
     static void letThreadFail();
 
-    //! Calls of operator new, except those for a matrix.
-    long ofNew() const;
     //! Allocations of a matrix's data.
     long ofMatrices() const;
-    long total() const { return ofNew() + ofMatrices(); }
 
     //! Whether bytes are counted here: the C library must tell the size of a block.
     static bool countsBytes();

@@ -74,21 +74,6 @@ TEST(Aqorb_Pipeline, equals_reference_for_every_number_of_features)
     }
 }
 
-TEST(Aqorb_Pipeline, equals_reference_for_few_features)
-{
-    for (int n = 0; n <= 9; n++)
-    {
-        Settings settings;
-        settings.nfeatures = n;
-        settings.nlevels = n % 2 ? 8 : 2;
-        settings.edgeThreshold = 5;
-        expectAsReference(settings, makeScene(Size(97, 81), n));
-        settings.maxDepth = 5;
-        settings.rankRadius = 16;
-        expectAsReference(settings, makeScene(Size(97, 81), n));
-    }
-}
-
 TEST(Aqorb_Pipeline, equals_reference_for_every_strength_weight_and_rank_radius)
 {
     const double weights[] = {0, 1e-3, 0.15, 2, 1000}, radii[] = {0, 0.5, 1, 3, 16};

@@ -125,11 +125,6 @@ TEST(Aqorb_Slam, keypoints_are_the_detectors_at_the_given_thresholds)
     }
 }
 
-int countOf(SlamExtractor& extractor, const Mat& image, const Mat& mask = Mat())
-{
-    return int(extract(extractor, image, mask).keypoints.size());
-}
-
 TEST(Aqorb_Slam, what_differs_from_the_detectors_defaults)
 {
     const SlamExtractor extractor(500, 1.2f, 8, 20, 7);
@@ -181,30 +176,6 @@ TEST(Aqorb_Slam, one_keypoint_more_a_level_than_asked_for)
             EXPECT_EQ(nfeatures + nlevels, found.descriptors.rows);
             for (size_t i = 1; i < found.keypoints.size(); i++)
                 ASSERT_LE(found.keypoints[i - 1].octave, found.keypoints[i].octave) << i;
-        }
-}
-
-// Wherever the image has one more corner than asked for, it is returned.
-TEST(Aqorb_Slam, one_keypoint_more_wherever_the_image_has_it)
-{
-    Mat mask = Mat::zeros(240, 320, CV_8UC1);
-    mask(Rect(40, 60, 90, 70)).setTo(1);
-    const Mat images[] = {makeScene(Size(320, 240)), makeScene(Size(320, 240), 2) * 0.2,
-                          makeDots(Size(320, 240))};
-    for (const Mat& image : images)
-        for (const Mat& usable : {Mat(), mask})
-        {
-            SlamExtractor unlimited(100000, 1.2f, 8, 20, 7);
-            const int all = countOf(unlimited, image, usable);
-            ASSERT_GT(all, 12);
-            for (int fewer = -1; fewer <= 10; fewer++)
-            {
-                SlamExtractor extractor(all - fewer, 1.2f, 8, 20, 7);
-                const int least = fewer > 0 ? all - fewer + 1 : all;
-                const int count = countOf(extractor, image, usable);
-                EXPECT_GE(count, least) << all << " corners, " << fewer << " fewer asked for";
-                EXPECT_LE(count, std::min(all, all - fewer + 8)) << all;
-            }
         }
 }
 
@@ -276,19 +247,6 @@ TEST(Aqorb_Slam, keypoints_are_parted_by_the_overlap)
     }
 }
 
-TEST(Aqorb_Slam, both_ends_of_the_overlap_belong_to_it)
-{
-    SlamExtractor extractor(100, 1.2f, 1, 20, 7);
-    const Mat image = makeScene(Size(300, 200));
-    const int column = int(extract(extractor, image).keypoints[0].pt.x);
-    Features found;
-    const int outside =
-        extractor(image, noArray(), found.keypoints, found.descriptors, std::vector<int>(2, column));
-    EXPECT_LT(outside, 101);
-    for (int i = 0; i < 101; i++)
-        EXPECT_EQ(i >= outside, found.keypoints[i].pt.x == column);
-}
-
 TEST(Aqorb_Slam, the_pyramid_is_the_detectors)
 {
     SlamExtractor extractor(500, 1.2f, 8, 20, 7);
@@ -323,16 +281,6 @@ TEST(Aqorb_Slam, memory_can_be_given_back)
     EXPECT_TRUE(sameKeypoints(expected, keypoints));
 }
 
-TEST(Aqorb_Slam, a_level_without_pixels_is_empty)
-{
-    SlamExtractor extractor(500, 2, 8, 20, 7);
-    extract(extractor, makeScene(Size(100, 60)));
-    ASSERT_EQ(8u, extractor.mvImagePyramid.size());
-    EXPECT_EQ(Size(3, 2), extractor.mvImagePyramid[5].size());
-    EXPECT_EQ(Size(2, 1), extractor.mvImagePyramid[6].size());
-    EXPECT_TRUE(extractor.mvImagePyramid[7].empty());
-}
-
 TEST(Aqorb_Slam, an_empty_image_clears_all)
 {
     SlamExtractor extractor(500, 1.2f, 8, 20, 7);
@@ -355,27 +303,6 @@ TEST(Aqorb_Slam, a_mask_is_heeded)
     EXPECT_FALSE(features.keypoints.empty());
     for (const KeyPoint& keypoint : features.keypoints)
         EXPECT_LT(cvRound(keypoint.pt.x), 160);
-}
-
-TEST(Aqorb_Slam, descriptors_need_not_be_asked_for)
-{
-    SlamExtractor extractor(500, 1.2f, 8, 20, 7);
-    KeyPoints keypoints;
-    const int outside =
-        extractor(makeScene(Size(320, 240)), noArray(), keypoints, noArray(), std::vector<int>(2, 0));
-    EXPECT_EQ(508, outside);
-    EXPECT_EQ(508u, keypoints.size());
-}
-
-TEST(Aqorb_Slam, several_levels_need_a_scale_factor_above_1)
-{
-    const float factors[] = {1.f, 0.5f};
-    for (float factor : factors)
-    {
-        EXPECT_EQ(format("scaleFactor must be above 1 with more than one level, got %g", factor),
-                  messageOf([&] { SlamExtractor(500, factor, 8, 20, 7); }));
-        EXPECT_NO_THROW(SlamExtractor(500, factor, 1, 20, 7)) << factor;
-    }
 }
 
 TEST(Aqorb_Slam, bad_arguments)

@@ -161,25 +161,6 @@ public class AdaptiveQuadtreeORBTest extends OpenCVTestCase {
         new java.io.File(filename).delete();
     }
 
-    public void testDistribution() {
-        List<KeyPoint> even = new ArrayList<KeyPoint>(), left = new ArrayList<KeyPoint>();
-        for (int y = 5; y < 120; y += 10)
-            for (int x = 5; x < 160; x += 10) {
-                KeyPoint keypoint = new KeyPoint(x, y, 1);
-                even.add(keypoint);
-                if (x < 80)
-                    left.add(keypoint);
-            }
-        MatOfKeyPoint evenMat = new MatOfKeyPoint(), leftMat = new MatOfKeyPoint();
-        evenMat.fromList(even);
-        leftMat.fromList(left);
-        Size size = new Size(160, 120);
-        assertTrue(Aqorb.distributionUniformity(evenMat, size) < Aqorb.distributionUniformity(leftMat, size));
-        assertEquals(1.0, Aqorb.distributionOccupancy(evenMat, size));
-        assertEquals(0.5, Aqorb.distributionOccupancy(leftMat, size));
-        assertEquals(1.0, Aqorb.distributionOccupancy(leftMat, size, new Size(1, 1)));
-    }
-
     // A strong cluster and three weak points elsewhere: every corner of the image is kept.
     public void testRetainUniform() {
         List<KeyPoint> all = new ArrayList<KeyPoint>();
@@ -194,14 +175,5 @@ public class AdaptiveQuadtreeORBTest extends OpenCVTestCase {
         List<KeyPoint> kept = keypoints.toList();
         assertEquals(4, kept.size());
         assertListKeyPointEquals(all.subList(20, 23), kept.subList(1, 4), EPS);
-    }
-
-    public void testAdaptiveFastThreshold() {
-        Mat halves = new Mat(10, 10, CvType.CV_8U, new Scalar(90));
-        halves.submat(0, 10, 5, 10).setTo(new Scalar(110));
-        assertEquals(1.0, Aqorb.adaptiveFastThreshold(halves), EPS);  // variance over mean
-        Mat mask = new Mat(10, 10, CvType.CV_8U, new Scalar(0));
-        mask.submat(0, 10, 0, 5).setTo(new Scalar(255));
-        assertEquals(0.0, Aqorb.adaptiveFastThreshold(halves, mask), EPS);
     }
 }

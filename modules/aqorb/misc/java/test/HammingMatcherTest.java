@@ -82,17 +82,6 @@ public class HammingMatcherTest extends OpenCVTestCase {
         }
     }
 
-    public void testMatchWithCrossCheck() {
-        MatOfDMatch matches = new MatOfDMatch();
-        matcher.match(query, train, matches);
-        int same = 0;
-        for (DMatch match : matches.toList())
-            if (match.queryIdx == match.trainIdx + 50 && match.distance == 0)
-                same++;
-        assertEquals(50, same);
-        assertTrue(matches.toList().size() < 100);
-    }
-
     public void testKnnMatch() {
         List<MatOfDMatch> matches = new ArrayList<MatOfDMatch>();
         HammingMatcher.create().knnMatch(query, train, matches, 2);
@@ -128,15 +117,6 @@ public class HammingMatcherTest extends OpenCVTestCase {
             assertEquals(matches[i].trainIdx, (int) pairs.get(i, 1)[0]);
             assertEquals((int) matches[i].distance, (int) distances.get(i, 0)[0]);
         }
-    }
-
-    public void testKnnMatchArrays() {
-        Mat indices = new Mat(), distances = new Mat();
-        Aqorb.knnMatchArrays(query, train, indices, distances, 3);
-        assertEquals(new Size(3, 100), indices.size());
-        assertEquals(new Size(3, 100), distances.size());
-        for (int i = 0; i < 100; i++)
-            assertEquals(nearest(i), (int) indices.get(i, 0)[0]);
     }
 
     public void testMatchByPosition() {
