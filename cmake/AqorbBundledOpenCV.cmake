@@ -2,8 +2,8 @@
 # package that depends on no installed OpenCV, and for WebAssembly. Sets OpenCV_DIR.
 #
 # What is left out: GUI and codecs, because images come as arrays; TBB, LAPACK, IPP and OpenCL, because the module's
-# own kernels do the work and call none of them; OpenCV's threads, because bindings/python/src/threads.cpp has some that
-# survive a fork. The kernels of OpenCV that remain (conversion to grey, scaling) are dispatched up to AVX2.
+# own kernels do the work and call none of them. The threads are those of OpenCV's own pool; WebAssembly has none. The
+# kernels of OpenCV that remain (conversion to grey, scaling) are dispatched up to AVX2.
 
 set(AQORB_OPENCV_RELEASE 4.14.0.94)
 set(sha256 4afa2ea1214453648be88259f035712454faa9039b686de7753569ba8eec1577)

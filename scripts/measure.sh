@@ -11,7 +11,7 @@
 #
 # OPENCV_TEST_DATA_PATH names the folder testdata of opencv_extra; speed and harness draw scenes without it. paper and
 # claims pass OPTIONs on to tools/evaluate/aqorb_evaluate.py, whose --help lists them. AQORB_TEST_SEQUENCE, a sequence
-# in KITTI's layout with its poses, adds the start with one camera to claims, and two views and their pose to peers.
+# in KITTI's layout with its poses, adds the start with one camera to claims.
 #
 # speed calls aqorb_benchmark with AVX-512 and without it. Which of its commands measures a single table is said by
 # build/release/tools/benchmark/aqorb_benchmark --help. With --smoke it shows in a short time that all runs; the numbers
@@ -89,14 +89,14 @@ heldout() {
 }
 
 peers() {
-    local wheel folder=$BUILD/peers version python method processors table
+    local wheel folder=$BUILD/peers version python method processors
     local methods=(aqorb aqorb-arrays cv2-4 cv2-5 kornia kornia-fewer scikit)
     (($# == 1)) || die "peers: name one wheel; --help says more"
     photographs
     need wheel util-linux
     wheel=$(realpath "$1")
     mkdir -p "$folder"
-    environment "$BUILD/venv/peers$OPENCV_4" "opencv-python-headless==$OPENCV_4" "$wheel" kornia-rs scikit-image faiss-cpu
+    environment "$BUILD/venv/peers$OPENCV_4" "opencv-python-headless==$OPENCV_4" "$wheel" kornia-rs scikit-image
     environment "$BUILD/venv/peers$OPENCV_5" "opencv-python-headless==$OPENCV_5" "$wheel"
     for method in "${methods[@]}"; do
         say "$method"
@@ -111,11 +111,6 @@ peers() {
     python=$BUILD/venv/peers$OPENCV_4/bin/python
     say "Table"
     "$python" "$ROOT/tools/peers/peers.py" report "$datasets" "$folder" "${methods[@]}"
-    [[ ${AQORB_TEST_SEQUENCE:-} ]] || return 0
-    for table in matchers views; do
-        say "$table, one processor"
-        taskset -c 0 "$python" "$ROOT/tools/peers/matching.py" "$table" "$AQORB_TEST_SEQUENCE"
-    done
 }
 
 colmap() {
