@@ -1,6 +1,5 @@
 # Debian's cross compiler for AQORB_ARCHITECTURE, which is Debian's name of it, with the packages unpacked in
-# AQORB_SYSROOT. Programs run under qemu-user, and those of i386 on an x86-64 CPU itself. CMakePresets.json and
-# scripts/compatibility.sh use it.
+# AQORB_SYSROOT. Programs run under qemu-user. CMakePresets.json and scripts/compatibility.sh use it.
 set(CMAKE_SYSTEM_NAME Linux)
 list(APPEND CMAKE_TRY_COMPILE_PLATFORM_VARIABLES AQORB_ARCHITECTURE AQORB_SYSROOT)
 
@@ -11,24 +10,17 @@ elseif(AQORB_ARCHITECTURE STREQUAL "armhf")
   set(CMAKE_SYSTEM_PROCESSOR arm)
   set(CMAKE_LIBRARY_ARCHITECTURE arm-linux-gnueabihf)
   string(APPEND CMAKE_CXX_FLAGS_INIT " -mfpu=neon")  # which Debian does not take for granted
-elseif(AQORB_ARCHITECTURE STREQUAL "i386")
-  set(CMAKE_SYSTEM_PROCESSOR i686)
-  set(CMAKE_LIBRARY_ARCHITECTURE i386-linux-gnu)
-  set(compiler i686-linux-gnu)
 elseif(AQORB_ARCHITECTURE MATCHES "^(riscv64|s390x)$")
   set(CMAKE_SYSTEM_PROCESSOR ${AQORB_ARCHITECTURE})
   set(CMAKE_LIBRARY_ARCHITECTURE ${AQORB_ARCHITECTURE}-linux-gnu)
   # The packages may be of a newer Debian than the compiler, and so need a newer C library than the one it brings along.
   set(CMAKE_EXE_LINKER_FLAGS_INIT -Wl,--allow-shlib-undefined)
 else()
-  message(FATAL_ERROR "AQORB_ARCHITECTURE is \"${AQORB_ARCHITECTURE}\"; arm64, armhf, i386, riscv64 or s390x is accepted")
+  message(FATAL_ERROR "AQORB_ARCHITECTURE is \"${AQORB_ARCHITECTURE}\"; arm64, armhf, riscv64 or s390x is accepted")
 endif()
 
-if(NOT DEFINED compiler)
-  set(compiler ${CMAKE_LIBRARY_ARCHITECTURE})
-endif()
-set(CMAKE_C_COMPILER ${compiler}-gcc)
-set(CMAKE_CXX_COMPILER ${compiler}-g++)
+set(CMAKE_C_COMPILER ${CMAKE_LIBRARY_ARCHITECTURE}-gcc)
+set(CMAKE_CXX_COMPILER ${CMAKE_LIBRARY_ARCHITECTURE}-g++)
 
 set(CMAKE_SYSROOT "${AQORB_SYSROOT}")
 set(CMAKE_FIND_ROOT_PATH_MODE_PROGRAM NEVER)
@@ -36,10 +28,5 @@ set(CMAKE_FIND_ROOT_PATH_MODE_LIBRARY ONLY)
 set(CMAKE_FIND_ROOT_PATH_MODE_INCLUDE ONLY)
 set(CMAKE_FIND_ROOT_PATH_MODE_PACKAGE ONLY)
 
-if(AQORB_ARCHITECTURE STREQUAL "i386")
-  set(CMAKE_CROSSCOMPILING_EMULATOR "${AQORB_SYSROOT}/lib/i386-linux-gnu/ld-linux.so.2"
-    --library-path "${AQORB_SYSROOT}/lib/i386-linux-gnu:${AQORB_SYSROOT}/lib")
-else()
-  # Not by the option -L, which cmake -P would take for its own where a test is a script.
-  set(CMAKE_CROSSCOMPILING_EMULATOR env "QEMU_LD_PREFIX=${AQORB_SYSROOT}" qemu-${CMAKE_SYSTEM_PROCESSOR}-static)
-endif()
+# Not by the option -L, which cmake -P would take for its own where a test is a script.
+set(CMAKE_CROSSCOMPILING_EMULATOR env "QEMU_LD_PREFIX=${AQORB_SYSROOT}" qemu-${CMAKE_SYSTEM_PROCESSOR}-static)

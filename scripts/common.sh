@@ -58,7 +58,6 @@ declare -A PACKAGES=(
     [emulation]='dpkg-dev qemu-user-static'
     [arm64]='g++-aarch64-linux-gnu'
     [armhf]='g++-arm-linux-gnueabihf'
-    [i386]='g++-i686-linux-gnu'
     [riscv64]='g++-riscv64-linux-gnu'
     [s390x]='g++-s390x-linux-gnu'
     [system]='debootstrap util-linux'

@@ -17,7 +17,6 @@
 #   plain       the same build with cv::setUseOptimized(false); bytes only
 #   aarch64, armhf, riscv64, s390x
 #               cross-built, on an emulated CPU; armhf with NEON, s390x big-endian
-#   i386        cross-built for SSE2, on this CPU
 #   clang       clang++
 #
 # Installs the Debian packages it needs. Tests that need images of opencv_extra are skipped unless
@@ -145,16 +144,11 @@ row_plain() {
 cross() {
     need emulation "$2"
     sysroot "$2"
-    if [[ $2 == i386 ]]; then
-        compiled "$1" "$SYSROOT/lib/i386-linux-gnu/ld-linux.so.2" --library-path "$SYSROOT/lib/i386-linux-gnu:$SYSROOT/lib"
-    else
-        compiled "$1" "qemu-$3-static" -L "$SYSROOT"
-    fi
+    compiled "$1" "qemu-$3-static" -L "$SYSROOT"
 }
 
 row_aarch64() { cross aarch64 arm64 aarch64; }
 row_armhf() { cross armhf armhf arm; }
-row_i386() { cross i386 i386; }
 row_riscv64() {
     need emulation riscv64
     sysroot riscv64
@@ -179,7 +173,7 @@ if [[ ${1:-} == --bytes ]]; then
 fi
 rows=("$@")
 ((${#rows[@]})) || rows=(debian12 debian13 opencv4 opencv5 avx2 sse4 sse2 plain
-    aarch64 armhf i386 riscv64 s390x clang)
+    aarch64 armhf riscv64 s390x clang)
 for row in "${rows[@]}"; do
     declare -F "row_$row" >/dev/null || die "no such row: $row"
 done
@@ -196,23 +190,13 @@ start() {
     "row_$1" >"$FOLDER/$1.log" 2>&1 &
 }
 
-# equal_lines ROW [SED-COMMAND]: how many of its lines of hashes are those of the ordinary build.
-equal_lines() {
-    comm -12 <(sed "${2:-}" "$FOLDER/bytes/debian12" | sort) <(sed "${2:-}" "$FOLDER/bytes/$1" | sort) | wc -l
-}
-
-# verdict ROW: the counts of its tests, and how many of its lines of hashes are those of the ordinary build. On i386
-# distributionUniformity may have another last bit, as the C library's logarithm has.
+# verdict ROW: the counts of its tests, and how many of its lines of hashes are those of the ordinary build.
 verdict() {
     local counts total equal
     counts=$(grep '^[0-9]* passed, ' "$FOLDER/$1.log" | tail -n 1)
     total=$(wc -l <"$FOLDER/bytes/debian12")
-    equal=$(equal_lines "$1")
+    equal=$(comm -12 <(sort "$FOLDER/bytes/debian12") <(sort "$FOLDER/bytes/$1") | wc -l)
     printf '%s; bytes: %s of %s equal' "${counts:-no tests}" "$equal" "$total"
-    if ((equal < total)) && [[ $1 == i386 ]]; then
-        equal=$(equal_lines "$1" 's/ measures [0-9a-f]*//')
-        printf ', %s without the measures' "$equal"
-    fi
     echo "; $SECONDS s"
     ((equal == total && total > 0))
 }

@@ -6,23 +6,18 @@
 #
 #   scripts/opencv.sh [--java]
 #   scripts/opencv.sh --release 4|5
-#   scripts/opencv.sh --js
 #
 # --java compiles the Java wrapper, too, and runs its tests. With --release the source is that of the newest OpenCV 4, or
 # of OpenCV 5, from the Python package index, without opencv_contrib. The script then ends after the Python test, and
 # leaves OpenCV without the module in build/opencv-4 or build/opencv-5, for scripts/compatibility.sh.
 #
-# --js builds opencv.js of the newest OpenCV 4 with the module instead, in build/opencv-js/bin, by OpenCV's script for
-# that, and runs its tests in Node.js.
-#
 # Installs the Debian packages it needs. OPENCV_TEST_DATA_PATH is passed on to the tests.
 source "$(dirname "$0")/common.sh"
 
-release='' java='' js=''
+release='' java=''
 case ${1:-} in
 '') ;;
 --java) java=yes ;;
---js) js=yes release=4 ;;
 --release)
     release=${2:-}
     [[ $release =~ ^[45]$ ]] || die "--release needs 4 or 5"
@@ -30,7 +25,7 @@ case ${1:-} in
 *) die "unknown option $1; --help says what there is" ;;
 esac
 
-if [[ $js ]]; then need build web; else need build test opencv ${java:+java}; fi
+need build test opencv ${java:+java}
 if [[ $release ]]; then opencv_release "$release"; else opencv_source; fi
 
 # FindJNI does not know where Debian keeps its JDKs.
@@ -40,7 +35,6 @@ if [[ $java && -z ${JAVA_HOME:-} ]]; then
 fi
 
 name=${release:+-$release}
-[[ ! $js ]] || name=-js
 opencv=$BUILD/opencv$name
 contrib=$BUILD/opencv_contrib$name
 module=$contrib/modules/aqorb
@@ -88,24 +82,6 @@ check_configuration() {
     ninja -C "$opencv" -t query "${programs[@]}" >/dev/null || die "a program is not built inside OpenCV"
 }
 
-# opencv_js: builds and tests opencv.js, by OpenCV's own script.
-opencv_js() {
-    # Debian's emscripten asks its modules of Node.js by name; a Node.js that is not Debian's would not look there.
-    export NODE_PATH=/usr/share/nodejs
-    say "opencv.js"
-    # The checks of the compiler compile and do not link, which takes Emscripten seconds for each. One of them asks for a
-    # linker's option that Emscripten does not have.
-    "$PYTHON" "$OPENCV_SOURCE/platforms/js/build_js.py" "$opencv" --emscripten_dir=/usr/share/emscripten \
-        --build_wasm --simd --disable_single_file --extra_modules="$contrib/modules" -DBUILD_LIST=aqorb,calib3d,js \
-        -DCMAKE_TRY_COMPILE_TARGET_TYPE=STATIC_LIBRARY -DOPENCV_SKIP_LINK_NO_UNDEFINED=ON -DENABLE_CCACHE=OFF \
-        -DCMAKE_C_COMPILER_LAUNCHER=ccache -DCMAKE_CXX_COMPILER_LAUNCHER=ccache >"$opencv.log" 2>&1 ||
-        die "OpenCV's build failed; see $opencv.log"
-    ls -l "$opencv"/bin/opencv{.js,_js.wasm}
-
-    say "Tests in Node.js"
-    node "$ROOT/web/test/opencv.mjs" "$opencv/bin" "$module"
-}
-
 mkdir -p "$BUILD"
 if [[ $release ]]; then
     say "The module as in opencv_contrib"
@@ -114,10 +90,6 @@ if [[ $release ]]; then
     "$ROOT/scripts/contrib.sh" --copy "$contrib/modules"
 else
     "$ROOT/scripts/contrib.sh"
-fi
-if [[ $js ]]; then
-    opencv_js
-    exit
 fi
 
 rm -f "$opencv/CMakeCache.txt"

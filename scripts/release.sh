@@ -66,7 +66,6 @@ check() {
     scripts/compatibility.sh
     scripts/dropin.sh
     scripts/opencv.sh --java
-    scripts/opencv.sh --js
     scripts/contrib.sh --release 4
     scripts/measure.sh speed --smoke
     [[ ! ${OPENCV_TEST_DATA_PATH:-} ]] || scripts/python.sh --collection

@@ -98,14 +98,6 @@ def test_files_that_cannot_be_read(tmp_path, orb, content):
             call('a\0b.yml')
 
 
-def test_a_parameter_in_a_file_is_wrong(tmp_path, orb):
-    path = tmp_path / 'orb.json'
-    path.write_text('{"cellSize": 3}')
-    with pytest.raises(aqorb.error, match='cellSize must be at least 8, got 3'):
-        orb.read(path)
-    assert orb.getCellSize() == 35
-
-
 @pytest.mark.parametrize('text, message', [
     ('{"a": 1}', 'fn must be a map of the parameters, got a node that does not exist'),
     ('{"detector": 1}', 'fn must be a map of the parameters, got a node that is no map'),
@@ -114,12 +106,6 @@ def test_nodes_that_hold_no_parameters(orb, text, message):
     storage = storage_of(text)
     with pytest.raises(aqorb.error, match=message):
         orb.read(storage.getNode('detector'))
-
-
-def test_unrelated_keys_are_ignored(orb):
-    storage = storage_of('{"x.y": 5, "nfeatures": 77, "other": {"nfeatures": 3}, "list": [1], "text": "a\\nb"}')
-    orb.read(storage.root())
-    assert orb.getMaxFeatures() == 77
 
 
 def test_every_parameter_survives_a_storage(tmp_path, unusual):
