@@ -101,7 +101,7 @@ static CV_ALWAYS_INLINE unsigned average(unsigned a, unsigned b)
     return (a + b + 1) >> 1;
 }
 
-#if CV_SSE2
+#if CV_SSE2 || CV_SSSE3  // Emscripten has those of SSSE3 where they are asked for
 //! The instruction of Intel's for the widest vectors.
 #if CV_SIMD_WIDTH == 64
 #define AQORB_WIDE(name) _mm512_##name
