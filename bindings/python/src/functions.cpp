@@ -97,10 +97,12 @@ void addFunctions(py::module_& module)
     module.def("keypointsFromArray", &keypointsFromArray, arg("keypoints"),
                "Returns a tuple of cv2.KeyPoint objects with the values of an array of keypoint_dtype.");
     module.def(
-        "setNumThreads", [](const IntObject& nthreads) { cv::setNumThreads(toNumber(nthreads, "nthreads")); },
+        "setNumThreads", [](const IntObject& nthreads) { setNumThreads(toNumber(nthreads, "nthreads")); },
         arg("nthreads"),
         "Sets the number of threads that a call may use, as cv2.setNumThreads does for cv2. A negative\n"
-        "number is the default: the number of processors, or of the variable OPENCV_FOR_THREADS_NUM.");
+        "number is the default: the number of processors, or of the variable OPENCV_FOR_THREADS_NUM. It "
+        "waits for the\n"
+        "calls that are under way.");
     module.def("getNumThreads", &cv::getNumThreads, "Returns the number of threads that a call may use.");
 }
 

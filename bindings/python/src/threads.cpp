@@ -39,28 +39,34 @@ public:
     const char* getName() const override { return "aqorb"; }
 };
 
-// Neither is ever destroyed: threads may call until the process ends.
+// None is ever destroyed: threads may call until the process ends.
 const std::shared_ptr<OneThread>& oneThread = *new std::shared_ptr<OneThread>(new OneThread);
 std::mutex& sharingMutex = *new std::mutex;
+std::mutex& beginningMutex = *new std::mutex;  // while it is held no call begins
 
 std::atomic<int> calls(0);  // that are under way
+std::atomic<bool> isChild(false);
 
 #ifndef _WIN32  // where processes do not fork
 
 void beforeFork()
 {
+    beginningMutex.lock();
     sharingMutex.lock();
 }
 
 void afterForkInParent()
 {
     sharingMutex.unlock();
+    beginningMutex.unlock();
 }
 
 void afterForkInChild()
 {
     sharingMutex.unlock();
+    beginningMutex.unlock();
     calls = 0;
+    isChild = true;
     cv::parallel::setParallelForBackend(oneThread, false);
 }
 
@@ -93,9 +99,23 @@ std::mutex& sharing()
     return sharingMutex;
 }
 
+// OpenCV ends its threads and makes new ones, and a loop that runs on them would crash. A child has none of them, and
+// what they held when it was forked is held for ever.
+void setNumThreads(int count)
+{
+    if (isChild)
+        return;
+    const std::lock_guard<std::mutex> lock(beginningMutex);
+    waitForCalls();
+    cv::setNumThreads(count);
+}
+
 PyThreadState* releaseGil()
 {
-    calls++;
+    {
+        const std::lock_guard<std::mutex> lock(beginningMutex);
+        calls++;
+    }
     return PyEval_SaveThread();
 }
 

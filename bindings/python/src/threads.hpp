@@ -22,6 +22,9 @@ void prepareThreads();
 //! A lock for what is done in no time and without Python. The process does not fork while it is held.
 std::mutex& sharing();
 
+//! cv::setNumThreads, when the calls that are under way have ended. In a child process it does nothing.
+void setNumThreads(int count);
+
 // Other Python threads run between the two. Meanwhile this one must not touch a Python object, not even copy or release
 // one. The interpreter does not end before a call that it has let go.
 PyThreadState* releaseGil();
