@@ -1,4 +1,4 @@
-# Installs the build, moves what was installed, and writes the project of README.md to a folder.
+# Installs the build, moves what was installed, and writes the project and the program of README.md to a folder.
 cmake_minimum_required(VERSION 3.16)
 file(REMOVE_RECURSE "${INSTALLED}" "${MOVED}" "${EXAMPLE}")
 execute_process(COMMAND "${CMAKE_COMMAND}" --install "${BUILD}" --prefix "${INSTALLED}" RESULT_VARIABLE failed)
@@ -13,5 +13,7 @@ string(REGEX MATCH "```cmake\n([^`]*find_package\\(aqorb[^`]*)```" block "${text
 if(NOT block)
   message(FATAL_ERROR "${README} shows no project that calls find_package(aqorb)")
 endif()
-file(WRITE "${EXAMPLE}/CMakeLists.txt" "${CMAKE_MATCH_1}enable_testing()\nadd_test(NAME example COMMAND example)\n")
-configure_file("${MAIN}" "${EXAMPLE}/main.cpp" COPYONLY)
+file(WRITE "${EXAMPLE}/CMakeLists.txt" "${CMAKE_MATCH_1}enable_testing()\nadd_test(NAME match COMMAND match)\n"
+  "set_tests_properties(match PROPERTIES PASS_REGULAR_EXPRESSION \"usage: match\")\n")
+string(REGEX MATCH "```cpp\n([^`]*)```" block "${text}")
+file(WRITE "${EXAMPLE}/match.cpp" "${CMAKE_MATCH_1}")
