@@ -155,15 +155,6 @@ int threadsAllowed()
     return isAlone ? 1 : std::min(std::max(getNumThreads(), 1), MOST);
 }
 
-// Copies of the levels of an image's pyramid, one of which may be the image itself.
-static std::vector<Mat> copiesOf(const std::vector<Level>& levels)
-{
-    std::vector<Mat> images;
-    for (const Level& level : levels)
-        images.push_back(level.image.clone());
-    return images;
-}
-
 void AdaptiveQuadtreeORBImpl::buildPyramid(InputArray image_, OutputArrayOfArrays levels_) const
 {
     CV_TRACE_FUNCTION();

@@ -250,5 +250,13 @@ std::vector<Level> makePyramid(const Level& input, const PyramidRule& rule, int 
     return levels;
 }
 
+std::vector<Mat> copiesOf(const std::vector<Level>& levels)
+{
+    std::vector<Mat> images;
+    for (const Level& level : levels)
+        images.push_back(level.image.clone());
+    return images;
+}
+
 }  // namespace aqorb
 }  // namespace cv

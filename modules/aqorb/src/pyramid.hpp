@@ -57,6 +57,9 @@ struct PyramidRule
  @return the levels, whose pixels lie in the space */
 std::vector<Level> makePyramid(const Level& input, const PyramidRule& rule, int threads, PyramidSpace& space);
 
+//! Copies of the levels, of which one may be the image itself.
+std::vector<Mat> copiesOf(const std::vector<Level>& levels);
+
 // ---- for the kernel: plain structs only, see types.hpp ---------------------------------------
 
 //! The two source pixels along one axis from which INTER_LINEAR_EXACT makes a pixel.

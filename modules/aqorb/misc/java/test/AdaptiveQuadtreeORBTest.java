@@ -108,14 +108,6 @@ public class AdaptiveQuadtreeORBTest extends OpenCVTestCase {
         }
     }
 
-    public void testBuildPyramid() {
-        List<Mat> levels = new ArrayList<Mat>();
-        detector.buildPyramid(image, levels);
-        assertEquals(8, levels.size());
-        assertMatEqual(image, levels.get(0));
-        assertEquals(new Size(Math.round(COLS / 1.2), Math.round(ROWS / 1.2)), levels.get(1).size());
-    }
-
     public void testProperties() {
         assertEquals(0.05, detector.getStrengthWeight());
         assertEquals(-1.0, detector.getOctaveSuppression());

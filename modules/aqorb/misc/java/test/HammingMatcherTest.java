@@ -94,17 +94,6 @@ public class HammingMatcherTest extends OpenCVTestCase {
         }
     }
 
-    public void testTrainedMatcherAndItsClone() {
-        matcher.add(Arrays.asList(train));
-        assertTrue(matcher.isMaskSupported());
-        assertEquals(1, matcher.getTrainDescriptors().size());
-        assertTrue(matcher.clone(true).empty());
-        MatOfDMatch matches = new MatOfDMatch(), expected = new MatOfDMatch();
-        matcher.clone().match(query, matches);
-        matcher.match(query, train, expected);
-        assertListDMatchEquals(expected.toList(), matches.toList(), EPS);
-    }
-
     public void testMatchArrays() {
         MatOfDMatch expected = new MatOfDMatch();
         matcher.match(query, train, expected);
