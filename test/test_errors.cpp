@@ -193,8 +193,7 @@ TEST(Aqorb_Errors, levels_that_need_too_much_memory)
 
 TEST(Aqorb_Errors, levels_for_which_memory_runs_out)
 {
-    const Threads oneThread(
-        1);  // those of OpenCV itself wait for ever where it has no memory to start a loop
+    const Threads oneThread(1);  // OpenCV's own wait for ever if memory runs out while a loop begins
     const Mat image = makeScene(Size(200, 150)), mask(image.size(), CV_8UC1, Scalar(1));
     detectAndCompute(*AdaptiveQuadtreeORB::create(), image);  // OpenCV allocates memory for threads
     int named = 0;
