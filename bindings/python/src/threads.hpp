@@ -3,7 +3,8 @@
 // of this distribution.
 // SPDX-License-Identifier: Apache-2.0
 
-// Processing without the global interpreter lock (GIL), in OpenCV's threads, and what a fork of the process does to them.
+// Processing without the global interpreter lock (GIL), in OpenCV's threads, and what a fork of the process does to
+// them.
 
 #ifndef AQORB_PYTHON_THREADS_HPP
 #define AQORB_PYTHON_THREADS_HPP
@@ -16,7 +17,8 @@
 namespace aqorb_python
 {
 
-//! To be called once, at import. A child process that is forked later works on one thread, as those of OpenCV stay behind.
+//! To be called once, at import. A child process that is forked later works on one thread, as those of OpenCV stay
+//! behind.
 void prepareThreads();
 
 //! A lock for what is done in no time and without Python. The process does not fork while it is held.
