@@ -182,8 +182,9 @@ std::vector<Corner> fastCorners(const Mat& image, const Rect& region, int thresh
 }
 
 std::vector<Corner> findCorners(const Mat& image, const Mat& mask, const Rect& region, Thresholds t,
-                                int cellSize, bool suppressNear)
+                                bool suppressNear)
 {
+    const int CELL = 35;
     std::vector<Corner> all, usable;
     all = fastCorners(image, region, t.min);
     for (size_t i = 0; i < all.size(); i++)
@@ -200,8 +201,8 @@ std::vector<Corner> findCorners(const Mat& image, const Mat& mask, const Rect& r
         for (size_t j = 0; j < usable.size(); j++)
         {
             const Corner& b = usable[j];
-            cellIsFull |= b.score >= t.ini && (a.x - region.x) / cellSize == (b.x - region.x) / cellSize &&
-                          (a.y - region.y) / cellSize == (b.y - region.y) / cellSize;
+            cellIsFull |= b.score >= t.ini && (a.x - region.x) / CELL == (b.x - region.x) / CELL &&
+                          (a.y - region.y) / CELL == (b.y - region.y) / CELL;
         }
         if (a.score >= t.ini || !cellIsFull)
             candidates.push_back(a);

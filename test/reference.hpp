@@ -74,7 +74,7 @@ std::vector<Corner> fastCorners(const Mat& image, const Rect& region, int thresh
 
 //! The corners of a level that pass the rules.
 std::vector<Corner> findCorners(const Mat& image, const Mat& mask, const Rect& region, Thresholds thresholds,
-                                int cellSize, bool suppressNear);
+                                bool suppressNear);
 
 float harrisResponse(const Mat& image, int x, int y);
 

@@ -72,7 +72,6 @@ Settings randomSettings(RNG& rng)
     s.fastThreshold = rng.uniform(0, 40);
     s.adaptiveThreshold = rng.uniform(0, 2) != 0;
     s.minThresholdRatio = rng.uniform(0, 3) ? rng.uniform(1., 8.) : 1;
-    s.cellSize = rng.uniform(8, 60);
     s.maxDepth = rng.uniform(-1, 7);
     s.selectionType =
         rng.uniform(0, 4) ? AdaptiveQuadtreeORB::RANKED_SELECTION : AdaptiveQuadtreeORB::BALANCED_SELECTION;
@@ -274,7 +273,7 @@ private:
                 level.depth = rankedDepth(s.maxDepth, level.ownQuota, level.usableShare, level.root.size());
             else
                 level.depth = s.maxDepth >= 0 ? s.maxDepth : quadtreeDepth(level.quota);
-            level.corners = findCorners(level.image, level.usable, level.root, t, s.cellSize, isHarris);
+            level.corners = findCorners(level.image, level.usable, level.root, t, isHarris);
             lowest = t.min;
             level.begun = false;
             level.next = 0;
@@ -446,7 +445,7 @@ private:
             const PyramidLevel& level = levels[i];
             const Thresholds t = {lowest, lowest};
             for (const Candidate& c :
-                 score(level, findCorners(level.image, level.usable, level.root, t, s.cellSize, false)))
+                 score(level, findCorners(level.image, level.usable, level.root, t, false)))
             {
                 const auto isSame = [&](const Candidate& d) { return c.x == d.x && c.y == d.y; };
                 if (std::find_if(level.chosen.begin(), level.chosen.end(), isSame) == level.chosen.end())

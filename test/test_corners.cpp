@@ -8,8 +8,6 @@
 #include "corners.hpp"
 #include "fast.hpp"
 
-#include <climits>
-
 namespace opencv_test
 {
 namespace
@@ -19,12 +17,12 @@ using namespace aqorb;
 
 //! Finds the corners of a region that is divided into bands.
 std::vector<Corner> findCorners(const Level& level, const Rect& region, const Thresholds& thresholds,
-                                int cellSize, bool suppressNear, int threads = 1)
+                                bool suppressNear, int threads = 1)
 {
     static CornerScratch scratch;  // Images of all sizes share it.
-    const CornerRules rules = {thresholds, cellSize, suppressNear};
+    const CornerRules rules = {thresholds, suppressNear};
     std::vector<Corner> found, ofBand(3);
-    for (const Band& band : divideIntoBands(std::vector<Rect>(1, region), cellSize, threads))
+    for (const Band& band : divideIntoBands(std::vector<Rect>(1, region), threads))
     {
         searchBand(level, region, band.rows, rules, scratch, ofBand);
         found.insert(found.end(), ofBand.begin(), ofBand.end());
@@ -42,19 +40,18 @@ Level levelOf(const Mat& image, const Mat& mask = Mat())
     return level;
 }
 
-void expectAsReference(const Level& level, const Rect& region, int ini, int min, int cellSize,
-                       bool suppressNear, int threads = 1)
+void expectAsReference(const Level& level, const Rect& region, int ini, int min, bool suppressNear,
+                       int threads = 1)
 {
     const Thresholds thresholds = {ini, min};
     const std::vector<Corner> expected =
-        reference::findCorners(level.image, level.mask, region, thresholds, cellSize, suppressNear);
+        reference::findCorners(level.image, level.mask, region, thresholds, suppressNear);
     for (int optimized = 1; optimized >= 0; optimized--)
     {
         SCOPED_TRACE(optimized);
         const bool before = useOptimized();
         setUseOptimized(optimized && before);
-        EXPECT_TRUE(
-            sameCorners(findCorners(level, region, thresholds, cellSize, suppressNear, threads), expected));
+        EXPECT_TRUE(sameCorners(findCorners(level, region, thresholds, suppressNear, threads), expected));
         setUseOptimized(before);
     }
 }
@@ -66,16 +63,14 @@ TEST(Aqorb_Corners, equal_reference)
     blur(makeNoise(size, 3), smooth, Size(3, 3));
     const Mat images[] = {makeScene(size, 2), makeNoise(size), makeNoise(size, 2) > 220, smooth};
     const int thresholds[][2] = {{1, 1}, {20, 5}, {60, 60}, {120, 10}, {254, 20}, {254, 1}};
-    const int cells[] = {8, 13, 35, 1000};
     for (int i = 0; i < 4; i++)
         for (int j = 0; j < 6; j++)
-            for (int k = 0; k < 4; k++)
+            for (int border = 0; border < 12; border += 3)
             {
-                SCOPED_TRACE(format("image %d, thresholds %d, cells %d", i, j, cells[k]));
-                const int border = (i + j + k) % 12;
+                SCOPED_TRACE(format("image %d, thresholds %d, border %d", i, j, border));
                 const Rect region(border, border, size.width - 2 * border, size.height - 2 * border);
-                const bool suppressNear = (j + k) % 3 != 0;
-                expectAsReference(levelOf(images[i]), region, thresholds[j][0], thresholds[j][1], cells[k],
+                const bool suppressNear = (j + border / 3) % 3 != 0;
+                expectAsReference(levelOf(images[i]), region, thresholds[j][0], thresholds[j][1],
                                   suppressNear);
             }
 }
@@ -88,13 +83,12 @@ struct Dot
 
 // A bright dot is a corner of score contrast - 1.
 std::vector<Corner> cornersOfDots(const std::vector<Dot>& dots, const Rect& region,
-                                  const Thresholds& thresholds, int cellSize, bool suppressNear,
-                                  const Mat& mask = Mat())
+                                  const Thresholds& thresholds, bool suppressNear, const Mat& mask = Mat())
 {
     Mat image(80, 80, CV_8UC1, Scalar(20));
     for (const Dot& dot : dots)
         image.at<uchar>(dot.place) = uchar(20 + dot.contrast);
-    return findCorners(levelOf(image, mask), region, thresholds, cellSize, suppressNear);
+    return findCorners(levelOf(image, mask), region, thresholds, suppressNear);
 }
 
 TEST(Aqorb_Corners, a_weak_corner_counts_only_in_a_cell_without_strong_ones)
@@ -102,7 +96,7 @@ TEST(Aqorb_Corners, a_weak_corner_counts_only_in_a_cell_without_strong_ones)
     const std::vector<Dot> dots = {{Point(15, 15), 101}, {Point(25, 25), 31}, {Point(60, 20), 31}};
     const Thresholds thresholds = {100, 10};
     const Rect region(10, 10, 60, 60);
-    std::vector<Corner> corners = cornersOfDots(dots, region, thresholds, 30, false);
+    std::vector<Corner> corners = cornersOfDots(dots, region, thresholds, false);
     ASSERT_EQ(corners.size(), 2u);  // cells begin at the region's corner: (25, 25) is in the first
     EXPECT_EQ(corners[0].score, 100);
     EXPECT_EQ(corners[1].x, 60);
@@ -111,7 +105,7 @@ TEST(Aqorb_Corners, a_weak_corner_counts_only_in_a_cell_without_strong_ones)
     // A corner that the mask takes away does not make its cell full.
     Mat mask(80, 80, CV_8UC1, Scalar(255));
     mask.at<uchar>(15, 15) = 0;
-    corners = cornersOfDots(dots, region, thresholds, 30, false, mask);
+    corners = cornersOfDots(dots, region, thresholds, false, mask);
     EXPECT_EQ(corners.size(), 2u);
 }
 
@@ -126,7 +120,7 @@ TEST(Aqorb_Corners, a_corner_falls_even_to_one_that_falls)
                                                        {Point(60, 64), 60},
                                                        {Point(20, 20), 60},
                                                        {Point(17, 23), 60}},
-                                                      Rect(5, 5, 70, 70), {10, 10}, 35, true);
+                                                      Rect(5, 5, 70, 70), {10, 10}, true);
     ASSERT_EQ(corners.size(), 4u);
     EXPECT_EQ(corners[0].x, 20);
     EXPECT_EQ(corners[1].x, 46);
@@ -141,7 +135,7 @@ TEST(Aqorb_Corners, of_several_bands_equal_reference)
     int divided = 0;
     for (int i = 0; i < 160; i++)
     {
-        const int border = rng.uniform(0, i % 4 ? 32 : 3), cellSize = rng.uniform(8, 101);
+        const int border = rng.uniform(0, i % 4 ? 32 : 3);
         const Size size(2 * border + rng.uniform(1, 60), 2 * border + rng.uniform(1, 700));
         const Rect region(border, border, size.width - 2 * border, size.height - 2 * border);
         const int min = rng.uniform(5, 60), ini = min + rng.uniform(0, 60);
@@ -151,10 +145,10 @@ TEST(Aqorb_Corners, of_several_bands_equal_reference)
         if (i % 3 == 0)
             mask = makeNoise(size, -i) > rng.uniform(0, 256);
         const int threads = rng.uniform(1, 9);
-        SCOPED_TRACE(format("%d: %d x %d, border %d, cells %d, thresholds %d and %d, %d threads", i,
-                            size.width, size.height, border, cellSize, ini, min, threads));
-        expectAsReference(levelOf(noise, mask), region, ini, min, cellSize, i % 5 != 0, threads);
-        divided += divideIntoBands(std::vector<Rect>(1, region), cellSize, threads).size() > 2;
+        SCOPED_TRACE(format("%d: %d x %d, border %d, thresholds %d and %d, %d threads", i, size.width,
+                            size.height, border, ini, min, threads));
+        expectAsReference(levelOf(noise, mask), region, ini, min, i % 5 != 0, threads);
+        divided += divideIntoBands(std::vector<Rect>(1, region), threads).size() > 2;
         if (HasFailure())
             return;
     }
@@ -171,14 +165,14 @@ TEST(Aqorb_Corners, bands_are_of_whole_cells)
         for (int j = 0; j < 3; j++)
             regions.push_back(
                 Rect(rng.uniform(0, 40), rng.uniform(0, 40), rng.uniform(1, 2000), rng.uniform(1, 3000)));
-        const int cellSize = i % 10 ? rng.uniform(8, 200) : INT_MAX, threads = rng.uniform(1, 17);
+        const int threads = rng.uniform(1, 17);
         std::vector<int> ends;
         for (const Rect& region : regions)
             ends.push_back(region.y);
-        for (const Band& band : divideIntoBands(regions, cellSize, threads))
+        for (const Band& band : divideIntoBands(regions, threads))
         {
             ASSERT_EQ(band.rows.start, ends[band.level]);
-            ASSERT_EQ((band.rows.start - regions[band.level].y) % cellSize, 0);
+            ASSERT_EQ((band.rows.start - regions[band.level].y) % CELL_SIZE, 0);
             ASSERT_GT(band.rows.size(), 0);
             ends[band.level] = band.rows.end;
         }

@@ -89,7 +89,6 @@ TEST(Aqorb_Errors, bad_values_of_setters_leave_the_object_unchanged)
     AQORB_BAD("patchSize", "16385", setPatchSize(16385));
     AQORB_BAD("minThresholdRatio", "0.5", setMinThresholdRatio(0.5));
     AQORB_BAD("minThresholdRatio", "nan", setMinThresholdRatio(NOT_A_NUMBER));
-    AQORB_BAD("cellSize", "7", setCellSize(7));
     AQORB_BAD("maxDepth", "-2", setMaxDepth(-2));
     AQORB_BAD("maxDepth", "16", setMaxDepth(16));
     AQORB_BAD("selectionType", "2", setSelectionType(static_cast<AdaptiveQuadtreeORB::SelectionType>(2)));
@@ -124,8 +123,6 @@ TEST(Aqorb_Errors, the_ends_of_what_is_accepted_are_accepted)
     EXPECT_NO_THROW(detector->setFastThreshold(INT_MIN));
     EXPECT_NO_THROW(detector->setFastThreshold(INT_MAX));
     EXPECT_NO_THROW(detector->setMinThresholdRatio(1));
-    EXPECT_NO_THROW(detector->setCellSize(8));
-    EXPECT_NO_THROW(detector->setCellSize(INT_MAX));
     EXPECT_NO_THROW(detector->setMaxDepth(-1));
     EXPECT_NO_THROW(detector->setMaxDepth(0));
     EXPECT_NO_THROW(detector->setMaxDepth(15));
@@ -474,24 +471,6 @@ TEST(Aqorb_Errors, extreme_parameters_work)
     KeyPoints given(1, KeyPoint(Point2f(50, 50), 31, 12));
     AdaptiveQuadtreeORB::create(2, 1.2f, 8, INT_MAX)->compute(image, given, descriptors);
     EXPECT_TRUE(given.empty());
-}
-
-TEST(Aqorb_Errors, a_cell_larger_than_the_image_is_one_cell)
-{
-    // However large it is: its far side must not be computed beyond what an int holds.
-    const Mat image = makeScene(Size(120, 90));
-    const Ptr<AdaptiveQuadtreeORB> detector = AdaptiveQuadtreeORB::create(50);
-    detector->setCellSize(120);
-    const Features expected = detectAndCompute(*detector, image);
-    EXPECT_EQ(50u, expected.keypoints.size());
-    const int sizes[] = {121, 1 << 20, INT_MAX - 100, INT_MAX};
-    for (int size : sizes)
-    {
-        detector->setCellSize(size);
-        Features found;
-        EXPECT_NO_THROW(found = detectAndCompute(*detector, image)) << size;
-        EXPECT_TRUE(sameFeatures(expected, found)) << size;
-    }
 }
 
 TEST(Aqorb_Errors, fast_threshold_is_limited_as_by_fast)

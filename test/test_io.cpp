@@ -75,16 +75,18 @@ TEST(Aqorb_IO, keys_are_those_of_orb_in_newer_opencv_then_ours)
     FileStorage fs(written(*unusual()), FileStorage::READ | FileStorage::MEMORY);
     const FileNode node = fs["detector"];
     EXPECT_EQ("Feature2D.AdaptiveQuadtreeORB", (std::string)node["name"]);
-    const char* keys[] = {
-        "nfeatures", "scaleFactor",   "nlevels",        "edgeThreshold",     "firstLevel",        "wta_k",
-        "scoreType", "patchSize",     "fastThreshold",  "adaptiveThreshold", "minThresholdRatio", "cellSize",
-        "maxDepth",  "selectionType", "strengthWeight", "rankRadius",        "octaveSuppression", "subPixel"};
+    const char* keys[] = {"nfeatures",         "scaleFactor",       "nlevels",
+                          "edgeThreshold",     "firstLevel",        "wta_k",
+                          "scoreType",         "patchSize",         "fastThreshold",
+                          "adaptiveThreshold", "minThresholdRatio", "maxDepth",
+                          "selectionType",     "strengthWeight",    "rankRadius",
+                          "octaveSuppression", "subPixel"};
     for (const char* key : keys)
         EXPECT_FALSE(node[key].empty()) << key;
     EXPECT_EQ(3, (int)node["format"]);  // as every Algorithm of OpenCV 4
     EXPECT_EQ(501, (int)node["nfeatures"]);
     EXPECT_EQ(3, (int)node["wta_k"]);
-    EXPECT_EQ(36, (int)node["cellSize"]);
+    EXPECT_EQ(32, (int)node["patchSize"]);
     const std::string text = written(*unusual());
     size_t position = 0;
     for (const char* key : keys)
@@ -112,12 +114,12 @@ TEST(Aqorb_IO, every_format_of_file_storage_serves)
 TEST(Aqorb_IO, a_missing_key_keeps_its_value)
 {
     const Ptr<AdaptiveQuadtreeORB> detector = unusual();
-    readFrom(*detector, withValue("cellSize", "77"));
-    EXPECT_EQ(77, detector->getCellSize());
+    readFrom(*detector, withValue("patchSize", "77"));
+    EXPECT_EQ(77, detector->getPatchSize());
     EXPECT_EQ(501, detector->getMaxFeatures());
     EXPECT_FALSE(detector->getSubPixel());
-    readFrom(*detector, "%YAML:1.0\n---\nother: 1\n");
-    EXPECT_EQ(77, detector->getCellSize());
+    readFrom(*detector, withValue("cellSize", "3"));  // of version 0.3
+    EXPECT_EQ(77, detector->getPatchSize());
 }
 
 TEST(Aqorb_IO, a_bad_value_throws_and_changes_nothing)
@@ -135,7 +137,6 @@ TEST(Aqorb_IO, a_bad_value_throws_and_changes_nothing)
                             {"scoreType", "2"},
                             {"patchSize", "1"},
                             {"minThresholdRatio", "0.9"},
-                            {"cellSize", "3"},
                             {"maxDepth", "16"},
                             {"selectionType", "2"},
                             {"selectionType", "0.5"},

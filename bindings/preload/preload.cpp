@@ -79,7 +79,7 @@ bool isOn(const char* name)
     return readVariable(name, on) && on;
 }
 
-// AQORB_MAX_DEPTH for MaxDepth.
+// AQORB_SUB_PIXEL for SubPixel.
 std::string variableOf(const std::string& property)
 {
     std::string name = "AQORB";

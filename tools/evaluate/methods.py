@@ -19,10 +19,9 @@ TITLES = {'orb': 'cv::ORB (A)', 'orb_slam': "ORB_SLAM's quadtree (B)", PAPER: "t
           'superpoint': 'SuperPoint'}
 
 # What NAME=VALUE in the name of a method sets.
-SETTINGS = {'cell': 'CellSize', 'depth': 'MaxDepth', 'edge': 'EdgeThreshold', 'fast': 'FastThreshold',
-            'octave': 'OctaveSuppression', 'radius': 'RankRadius', 'ratio': 'MinThresholdRatio', 'score': 'ScoreType',
-            'selection': 'SelectionType', 'strength': 'StrengthWeight', 'subpixel': 'SubPixel',
-            'threshold': 'AdaptiveThreshold'}
+SETTINGS = {'depth': 'MaxDepth', 'edge': 'EdgeThreshold', 'fast': 'FastThreshold', 'octave': 'OctaveSuppression',
+            'radius': 'RankRadius', 'ratio': 'MinThresholdRatio', 'score': 'ScoreType', 'selection': 'SelectionType',
+            'strength': 'StrengthWeight', 'subpixel': 'SubPixel', 'threshold': 'AdaptiveThreshold'}
 WORDS = {'balanced': aqorb.AdaptiveQuadtreeORB_BALANCED_SELECTION,
          'ranked': aqorb.AdaptiveQuadtreeORB_RANKED_SELECTION, 'fast': cv2.ORB_FAST_SCORE}
 # SlamExtractor with the thresholds of ORB-SLAM's example settings; opencv2/aqorb/slam.hpp sets the same.

@@ -85,8 +85,6 @@ Ptr<AdaptiveQuadtreeORB> makeDetector(RNG& rng, AdaptiveQuadtreeORB::SelectionTy
                                     score, patchSize, fastThreshold);
     detector->setAdaptiveThreshold(rng.uniform(0, 3) != 0);
     detector->setMinThresholdRatio(rng.uniform(1., 6.));
-    detector->setCellSize(rng.uniform(8, 80));
-    detector->setMaxDepth(rng.uniform(-1, 7));
     detector->setOctaveSuppression(rng.uniform(0., 3.));
     detector->setSubPixel(rng.uniform(0, 4) != 0);
     detector->setSelectionType(selection);

@@ -46,7 +46,7 @@ static reference::Settings settingsFrom(FuzzedDataProvider& data)
     s.fastThreshold = data.ConsumeIntegralInRange(0, 80);
     s.adaptiveThreshold = data.ConsumeBool();
     s.minThresholdRatio = data.ConsumeFloatingPointInRange(1., 8.);
-    s.cellSize = data.ConsumeIntegralInRange(8, 80);
+    data.ConsumeIntegral<uint8_t>();  // a property that is gone: older inputs keep their meaning
     s.maxDepth = data.ConsumeIntegralInRange(-1, 15);
     s.octaveSuppression = data.ConsumeBool() ? data.ConsumeFloatingPointInRange(0., 8.) : -1;
     s.subPixel = data.ConsumeBool();

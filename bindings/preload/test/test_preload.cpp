@@ -107,15 +107,14 @@ TEST(Aqorb_Preload, leaves_our_own_defaults)
 TEST(Aqorb_Preload, sets_properties_from_the_environment)
 {
     const Variable edge("AQORB_EDGE_THRESHOLD", "16"), adaptive("AQORB_ADAPTIVE_THRESHOLD", "0"),
-        ratio("AQORB_MIN_THRESHOLD_RATIO", "2.5"), cell("AQORB_CELL_SIZE", "50"),
-        depth("AQORB_MAX_DEPTH", "-1"), selection("AQORB_SELECTION_TYPE", " balanced"),
-        weight("AQORB_STRENGTH_WEIGHT", "0.3"), radius("AQORB_RANK_RADIUS", "2.5"),
-        octave("AQORB_OCTAVE_SUPPRESSION", " 0.25 "), subPixel("AQORB_SUB_PIXEL", "0");
+        ratio("AQORB_MIN_THRESHOLD_RATIO", "2.5"), depth("AQORB_MAX_DEPTH", "-1"),
+        selection("AQORB_SELECTION_TYPE", " balanced"), weight("AQORB_STRENGTH_WEIGHT", "0.3"),
+        radius("AQORB_RANK_RADIUS", "2.5"), octave("AQORB_OCTAVE_SUPPRESSION", " 0.25 "),
+        subPixel("AQORB_SUB_PIXEL", "0");
     const Ptr<AdaptiveQuadtreeORB> orb = ours(ORB::create(100, 1.2f, 8, 40));
     EXPECT_EQ(16, orb->getEdgeThreshold());
     EXPECT_FALSE(orb->getAdaptiveThreshold());
     EXPECT_EQ(2.5, orb->getMinThresholdRatio());
-    EXPECT_EQ(50, orb->getCellSize());
     EXPECT_EQ(-1, orb->getMaxDepth());
     EXPECT_EQ(AdaptiveQuadtreeORB::BALANCED_SELECTION, orb->getSelectionType());
     EXPECT_EQ(0.3, orb->getStrengthWeight());
@@ -167,7 +166,6 @@ TEST(Aqorb_Preload, names_the_variable_of_a_bad_value)
     EXPECT_EQ("AQORB_RANK_RADIUS: rankRadius must be from 0 to 16, got -1",
               messageOf("AQORB_RANK_RADIUS", "-1"));
     EXPECT_EQ("AQORB_DISABLE must be 0 or 1, got \"2\"", messageOf("AQORB_DISABLE", "2"));
-    EXPECT_EQ("AQORB_CELL_SIZE: cellSize must be at least 8, got 4", messageOf("AQORB_CELL_SIZE", "4"));
 }
 
 TEST(Aqorb_Preload, gives_opencv_detector_where_disabled)

@@ -81,8 +81,8 @@ class Preload(unittest.TestCase):
         self.assertEqual(('Feature2D.AdaptiveQuadtreeORB 16\n', NOTICE % 16), (ours.stdout, ours.stderr))
         off = run(program, AQORB_VERBOSE='1', AQORB_DISABLE='1')
         self.assertEqual(('Feature2D.ORB 31\n', ''), (off.stdout, off.stderr))
-        bad = run(program, AQORB_CELL_SIZE='4')
-        self.assertIn('AQORB_CELL_SIZE: cellSize must be at least 8, got 4', bad.stderr)
+        bad = run(program, AQORB_RANK_RADIUS='-1')
+        self.assertIn('AQORB_RANK_RADIUS: rankRadius must be from 0 to 16, got -1', bad.stderr)
         self.assertNotEqual(0, bad.returncode)
 
     def test_no_notice_where_nothing_was_interposed(self):

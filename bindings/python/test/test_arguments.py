@@ -180,12 +180,12 @@ def test_sizes(wrong, given):
 
 
 def test_numbers(orb):
-    orb.setCellSize(np.int64(50))
+    orb.setPatchSize(np.int64(50))
     orb.setOctaveSuppression(np.float32(0.5))
     orb.setSubPixel(np.bool_(False))
-    assert (orb.getCellSize(), orb.getOctaveSuppression(), orb.getSubPixel()) == (50, 0.5, False)
+    assert (orb.getPatchSize(), orb.getOctaveSuppression(), orb.getSubPixel()) == (50, 0.5, False)
     for wrong in '50', 50.5, None, 2 ** 31, [50], np.float32(50), np.array([50]):
-        assert message_of(TypeError, lambda: orb.setCellSize(wrong)).startswith('cellSize must be an int of 32 bits, got ')
+        assert message_of(TypeError, lambda: orb.setPatchSize(wrong)).startswith('patchSize must be an int of 32 bits, got ')
     for wrong in '1', None, [1.5], np.array([1.5]):
         assert message_of(TypeError, lambda: orb.setRankRadius(wrong)).startswith('rankRadius must be a float, got ')
     for wrong in 'yes', 1.5, None, [1], np.array([1, 2]):

@@ -82,10 +82,10 @@ def test_functions_take_arrays(orb, image):
 
 def test_error_is_what_users_catch(orb):
     assert issubclass(aqorb.error, cv.error) and issubclass(aqorb.error, ValueError)
-    with pytest.raises(aqorb.error, match=r'cellSize must be at least 8, got 1') as raised:
-        orb.setCellSize(1)
+    with pytest.raises(aqorb.error, match=r'patchSize must be from 2 to 16384, got 1') as raised:
+        orb.setPatchSize(1)
     assert raised.value.code == cv.Error.StsOutOfRange
-    assert str(raised.value) == raised.value.err == 'cellSize must be at least 8, got 1'
+    assert str(raised.value) == raised.value.err == 'patchSize must be from 2 to 16384, got 1'
     with pytest.raises(ValueError, match=r'image must be uint8 .*, got an array of dtype float64 and shape \(4, 5\)'):
         orb.detect(np.zeros((4, 5)))
     with pytest.raises(TypeError):

@@ -119,20 +119,20 @@ def test_threads_call_one_detector_and_many(shared, threads, number):
 def test_setters_and_files_during_calls(tmp_path, shared):
     # A call keeps the parameters that it began with, so that its result is that of one of the settings.
     expected = set()
-    for cell_size in 20, 35:
+    for patch_size in 20, 31:
         for depth in 2, -1:
-            shared.setCellSize(cell_size)
+            shared.setPatchSize(patch_size)
             shared.setMaxDepth(depth)
             expected.add(bytes_of(shared, IMAGES[0]))
-            shared.write(str(tmp_path / '{}{}.yml'.format(cell_size, depth)))
+            shared.write(str(tmp_path / '{}{}.yml'.format(patch_size, depth)))
     files = [str(path) for path in tmp_path.iterdir()]
 
     def detect():
         assert bytes_of(shared, IMAGES[0]) in expected
 
     def change():
-        for cell_size, depth in (20, -1), (35, 2):
-            shared.setCellSize(cell_size)
+        for patch_size, depth in (20, -1), (31, 2):
+            shared.setPatchSize(patch_size)
             shared.setMaxDepth(depth)
 
     def copy():
@@ -147,8 +147,8 @@ def test_a_setter_during_a_call_changes_its_own_property_only(unusual):
     orb, values = unusual
 
     def change():
-        orb.setCellSize(60)
-        orb.setCellSize(values['CellSize'])
+        orb.setPatchSize(60)
+        orb.setPatchSize(values['PatchSize'])
         assert values_of(orb, values) == values
 
     run_together(*[lambda: orb.detectAndComputeArrays(IMAGES[0])] * 2, change)

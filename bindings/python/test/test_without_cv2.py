@@ -56,9 +56,9 @@ for wrong in [5], [image]:
     '''
 import pickle
 try:
-    orb.setCellSize(1)
+    orb.setPatchSize(1)
 except ValueError as error:
-    assert type(error) is aqorb.error and 'cellSize' in error.err and error.code == -211
+    assert type(error) is aqorb.error and 'patchSize' in error.err and error.code == -211
     assert type(pickle.loads(pickle.dumps(error))) is aqorb.error
 else:
     raise AssertionError('no error')
@@ -107,7 +107,7 @@ keypoints, descriptors = orb.detectAndComputeArrays(image)
 assert np.array_equal(orb.compute(image, keypoints)[1], descriptors)
 assert aqorb.error.__bases__ == (ValueError,)
 for call, expected in ((lambda: orb.detect(image), ImportError), (lambda: orb.compute(image, [5]), TypeError),
-                       (lambda: orb.write(5), TypeError), (lambda: orb.setCellSize(1), ValueError)):
+                       (lambda: orb.write(5), TypeError), (lambda: orb.setPatchSize(1), ValueError)):
     try:
         call()
     except expected as error:

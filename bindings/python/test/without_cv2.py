@@ -22,7 +22,7 @@ assert occupancy == 1
 pairs, distances = aqorb.matchArrays(descriptors, descriptors, crossCheck=True)
 assert pairs.shape == (300, 2) and not distances.any()
 try:
-    orb.setCellSize(1)
+    orb.setPatchSize(1)
 except aqorb.error as wrong:
     assert isinstance(wrong, ValueError)
 try:

@@ -184,7 +184,6 @@ std::vector<FeatureList> AdaptiveQuadtreeORBImpl::findFeatures(const Level& inpu
         parameters.adaptiveThreshold ? varianceOverMean(input.image, input.mask) : NEUTRAL_VALUE;
     CornerRules rules;
     rules.thresholds = fastThresholds(contrast, parameters.fastThreshold, parameters.minThresholdRatio);
-    rules.cellSize = parameters.cellSize;
     // Harris responses of neighbours hardly differ. Without suppression a strong corner would be chosen three times.
     rules.suppressNear = parameters.scoreType == ORB::HARRIS_SCORE;
 
@@ -214,7 +213,7 @@ std::vector<FeatureList> AdaptiveQuadtreeORBImpl::findFeatures(const Level& inpu
     if (!levels.empty() && count < size_t(parameters.nfeatures))
     {
         // Corners have run out: one search without the rules fills up.
-        const CornerRules noRules = {{rules.thresholds.min, rules.thresholds.min}, rules.cellSize, false};
+        const CornerRules noRules = {{rules.thresholds.min, rules.thresholds.min}, false};
         const auto& all = findCorners(levels, regions, noRules, threads, space.corners);
         std::vector<std::vector<CornerResponse>> responses(levels.size());
         forEach(levels.size(), threads,

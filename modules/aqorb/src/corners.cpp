@@ -56,9 +56,8 @@ void searchBand(const Level& level, const Rect& region, const Range& rows, const
     CV_TRACE_FUNCTION();
     found.clear();
     // Whether a corner is kept depends on corners in the next rows, and these on their cells.
-    const int side = std::min(rules.cellSize, std::max(region.width, region.height));
-    const int above = rules.suppressNear ? std::min(side, rows.start - region.y) : 0;
-    const int below = rules.suppressNear ? std::min(side, region.br().y - rows.end) : 0;
+    const int above = rules.suppressNear ? std::min(CELL_SIZE, rows.start - region.y) : 0;
+    const int below = rules.suppressNear ? std::min(CELL_SIZE, region.br().y - rows.end) : 0;
     const Rect band(region.x, rows.start - above, region.width, rows.size() + above + below);
     const Rect scanned = fastRegion(level.image.size(), band);
     if (scanned.empty())
@@ -66,16 +65,16 @@ void searchBand(const Level& level, const Rect& region, const Range& rows, const
     const Point end = band.br();
     const int bottom = scanned.y + scanned.height;
     scratch.plane.reset(level.image.cols, Range(scanned.x, scanned.x + scanned.width), scanned.y,
-                        std::min(side, scanned.height));
+                        std::min(CELL_SIZE, scanned.height));
     scratch.scanner.reset(level, scanned, rules.thresholds, scratch.plane, scratch.blocks);
-    for (int y = band.y; y < end.y; y += side)
+    for (int y = band.y; y < end.y; y += CELL_SIZE)
     {
-        const int scannedEnd = std::min(y + side, bottom);
+        const int scannedEnd = std::min(y + CELL_SIZE, bottom);
         scratch.plane.slideTo(std::min(y, bottom));
         scratch.scanner.scan(scannedEnd);
-        for (int x = band.x; x < end.x; x += side)
+        for (int x = band.x; x < end.x; x += CELL_SIZE)
         {
-            const Range cell(x, std::min(x + side, end.x));
+            const Range cell(x, std::min(x + CELL_SIZE, end.x));
             if (scratch.scanner.hasStrong(cell))
                 scratch.scanner.dropWeak(cell);
         }
@@ -90,7 +89,7 @@ void searchBand(const Level& level, const Rect& region, const Range& rows, const
         found.erase(std::remove_if(found.begin(), found.end(), isOutside), found.end());
 }
 
-std::vector<Band> divideIntoBands(const std::vector<Rect>& regions, int cellSize, int threads)
+std::vector<Band> divideIntoBands(const std::vector<Rect>& regions, int threads)
 {
     double pixels = 0;
     for (const Rect& region : regions)
@@ -100,12 +99,12 @@ std::vector<Band> divideIntoBands(const std::vector<Rect>& regions, int cellSize
     {
         // Rows of cells at the borders between bands are searched twice, so there are no more bands than threads need.
         const Rect& region = regions[i];
-        const int64 cells = (int64(region.height) + cellSize - 1) / cellSize;
+        const int64 cells = (int64(region.height) + CELL_SIZE - 1) / CELL_SIZE;
         const double share = double(region.width) * region.height * threads / pixels;
         const int64 count = std::max<int64>(std::min(int64(cvCeil(share)), cells / 2), 1);
         for (int64 j = 0; j < count; j++)
         {
-            const int64 top = cells * j / count * cellSize, end = cells * (j + 1) / count * cellSize;
+            const int64 top = cells * j / count * CELL_SIZE, end = cells * (j + 1) / count * CELL_SIZE;
             bands.push_back(
                 {int(i), Range(region.y + int(top), region.y + int(std::min<int64>(end, region.height)))});
         }
@@ -118,7 +117,7 @@ const std::vector<std::vector<Corner>>& findCorners(const std::vector<Level>& le
                                                     const CornerRules& rules, int threads, CornerSpace& space)
 {
     CV_TRACE_FUNCTION();
-    const std::vector<Band> bands = divideIntoBands(regions, rules.cellSize, threads);
+    const std::vector<Band> bands = divideIntoBands(regions, threads);
     space.threads.resize(std::max(space.threads.size(), size_t(threads)));
     space.bands.resize(std::max(space.bands.size(), bands.size()));
     space.levels.resize(levels.size());

@@ -16,11 +16,13 @@ namespace cv
 namespace aqorb
 {
 
+//! The side of the cells in pixels of the level. The paper states none.
+const int CELL_SIZE = 35;
+
 //! The rules by which corners are found.
 struct CornerRules
 {
     Thresholds thresholds;
-    int cellSize;
     bool suppressNear;  //!< whether a corner loses to a better one within SUPPRESS_RADIUS
 };
 
@@ -34,7 +36,7 @@ struct CornerScratch
 };
 
 /** Finds corners: those of score >= thresholds.ini, and in cells that have none of them those of score >=
- thresholds.min. Cells are squares of side cellSize; the first is in the upper left of the region. Masked corners do not
+ thresholds.min. Cells are squares of side CELL_SIZE; the first is in the upper left of the region. Masked corners do not
  count. With suppressNear, a corner is kept only if there is no better one within SUPPRESS_RADIUS. A corner is better if
  it has a higher score or, with the same score, comes first in raster order. It counts even if it loses to another one
  itself.
@@ -50,7 +52,7 @@ struct Band
     Range rows;
 };
 //! Divides the regions of levels into bands of whole cells, enough of them for all threads.
-std::vector<Band> divideIntoBands(const std::vector<Rect>& regions, int cellSize, int threads);
+std::vector<Band> divideIntoBands(const std::vector<Rect>& regions, int threads);
 
 //! The memory of findCorners, which is kept for later images.
 struct CornerSpace

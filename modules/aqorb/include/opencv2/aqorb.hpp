@@ -166,15 +166,10 @@ public:
     CV_WRAP virtual bool getAdaptiveThreshold() const = 0;  //!< see setAdaptiveThreshold()
 
     /** @brief How many times lower the FAST threshold is in cells that would otherwise stay empty: finite, >= 1. The
-    default is 4, as in the paper. The lower threshold is never above fastThreshold, so that with 1 there is no second
-    one unless the first is above fastThreshold. */
+    default is 4, as in the paper. Cells are squares of 35 pixels of the level. The lower threshold is never above
+    fastThreshold, so that with 1 there is no second one unless the first is above fastThreshold. */
     CV_WRAP virtual void setMinThresholdRatio(double minThresholdRatio) = 0;
     CV_WRAP virtual double getMinThresholdRatio() const = 0;  //!< see setMinThresholdRatio()
-
-    /** @brief Side of the square cells in which the lower threshold may apply, in pixels of the level: >= 8. The
-    default is 35. With cells larger than the image there is one threshold for the whole level. */
-    CV_WRAP virtual void setCellSize(int cellSize) = 0;
-    CV_WRAP virtual int getCellSize() const = 0;  //!< see setCellSize()
 
     /** @brief Depth of the quadtree: 0 to 15. With -1, the default, it is the depth that suits the selection, see
     setSelectionType(). With 0 the corners of a level are taken by their response alone. With RANKED_SELECTION a leaf is

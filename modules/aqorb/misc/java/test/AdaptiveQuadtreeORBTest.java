@@ -113,7 +113,6 @@ public class AdaptiveQuadtreeORBTest extends OpenCVTestCase {
         assertEquals(-1.0, detector.getOctaveSuppression());
         assertEquals(2.25, detector.getRankRadius());
         assertEquals(4.0, detector.getMinThresholdRatio());
-        assertEquals(35, detector.getCellSize());
         assertEquals(-1, detector.getMaxDepth());
         assertTrue(detector.getSubPixel());
         assertTrue(detector.getAdaptiveThreshold());
@@ -128,12 +127,12 @@ public class AdaptiveQuadtreeORBTest extends OpenCVTestCase {
 
     public void testErrors() {
         try {
-            detector.setCellSize(1);
+            detector.setPatchSize(1);
             fail("no exception");
         } catch (CvException exception) {
-            assertTrue(exception.getMessage().contains("cellSize must be "));
+            assertTrue(exception.getMessage().contains("patchSize must be "));
         }
-        assertEquals(35, detector.getCellSize());
+        assertEquals(31, detector.getPatchSize());
         try {
             detector.detect(new Mat(ROWS, COLS, CvType.CV_32F), new MatOfKeyPoint());
             fail("no exception");
@@ -144,12 +143,12 @@ public class AdaptiveQuadtreeORBTest extends OpenCVTestCase {
 
     public void testWriteAndRead() {
         String filename = OpenCVTestRunner.getTempFileName("yml");
-        detector.setCellSize(40);
+        detector.setPatchSize(40);
         detector.write(filename);
         AdaptiveQuadtreeORB other = AdaptiveQuadtreeORB.create();
         other.read(filename);
         assertEquals(200, other.getMaxFeatures());
-        assertEquals(40, other.getCellSize());
+        assertEquals(40, other.getPatchSize());
         new java.io.File(filename).delete();
     }
 

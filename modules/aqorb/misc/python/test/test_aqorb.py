@@ -142,7 +142,7 @@ class aqorb_test(NewOpenCVTests):
             with self.assertRaisesRegex(cv.error, 'mask'):
                 orb.detectAndCompute(image, bad)
         for call in (lambda: orb.detect('image'), lambda: orb.detect(5), lambda: orb.compute(image, [5]),
-                     lambda: orb.setCellSize('35'), lambda: orb.setCellSize(35.5),
+                     lambda: orb.setPatchSize('31'), lambda: orb.setPatchSize(31.5),
                      lambda: aqorb.AdaptiveQuadtreeORB_create(features=5),
                      lambda: aqorb.retainUniform([1], (10, 10), 1)):
             self.assertRaises((cv.error, TypeError), call)
@@ -161,7 +161,7 @@ class aqorb_test(NewOpenCVTests):
 
     def test_properties(self):
         orb = aqorb.AdaptiveQuadtreeORB_create()
-        for name, default in (('CellSize', 35), ('SelectionType', aqorb.AdaptiveQuadtreeORB_RANKED_SELECTION),
+        for name, default in (('PatchSize', 31), ('SelectionType', aqorb.AdaptiveQuadtreeORB_RANKED_SELECTION),
                               ('SubPixel', True), ('EdgeThreshold', 16), ('StrengthWeight', 0.05)):
             self.assertEqual(getattr(orb, 'get' + name)(), default, name)
         for name in [name[3:] for name in dir(orb) if name.startswith('set')]:
@@ -170,12 +170,12 @@ class aqorb_test(NewOpenCVTests):
             other = not default if isinstance(default, bool) else max(default, 0) + 1
             set_(other)
             self.assertEqual(get(), other, name)
-        for name, setter, bad in (('cellSize', orb.setCellSize, 1), ('selectionType', orb.setSelectionType, 2),
+        for name, setter, bad in (('patchSize', orb.setPatchSize, 1), ('selectionType', orb.setSelectionType, 2),
                                   ('strengthWeight', orb.setStrengthWeight, 1001),
                                   ('rankRadius', orb.setRankRadius, -0.5)):
             with self.assertRaisesRegex(cv.error, name + ' must be '):
                 setter(bad)
-        self.assertEqual(orb.getCellSize(), 36)
+        self.assertEqual(orb.getPatchSize(), 32)
         self.assertEqual(orb.getSelectionType(), aqorb.AdaptiveQuadtreeORB_BALANCED_SELECTION)
 
     def test_write_and_read(self):
@@ -211,11 +211,11 @@ class aqorb_test(NewOpenCVTests):
 
     def test_read_checks(self):
         orb = aqorb.AdaptiveQuadtreeORB_create()
-        for text in '{"cellSize": 3}', '{"cellSize": "large"}', '{"cellSize": 35.5}', '{"cellSize": [35]}':
+        for text in '{"patchSize": 1}', '{"patchSize": "large"}', '{"patchSize": 35.5}', '{"patchSize": [35]}':
             storage = cv.FileStorage(text, cv.FILE_STORAGE_READ | cv.FILE_STORAGE_MEMORY)
-            with self.assertRaisesRegex(cv.error, 'cellSize'):
+            with self.assertRaisesRegex(cv.error, 'patchSize'):
                 orb.read(storage.root())
-        self.assertEqual(orb.getCellSize(), 35)
+        self.assertEqual(orb.getPatchSize(), 31)
 
     def test_adaptive_fast_threshold(self):
         image = np.full((10, 10), 90, np.uint8)
