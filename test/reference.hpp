@@ -94,7 +94,7 @@ std::vector<int> rankedQuotas(int nfeatures, const std::vector<Size>& regions,
 //! The smallest depth, but at most `most`, with 9 leaves for each feature, where the usable share counts alone.
 int depthForQuota(int quota, double usable, int most);
 //! The depth of a level's tree. Leaves are at least 2 pixels a side.
-int rankedDepth(int maxDepth, int quota, double usable, Size root);
+int rankedDepth(int quota, double usable, Size root);
 //! What a corner is scored by besides its moments.
 float cornerBase(int fastScore, float response, bool isHarris);
 //! Base times the fourth power of the length of the moment, in units of 2^16.

@@ -72,7 +72,6 @@ Settings randomSettings(RNG& rng)
     s.fastThreshold = rng.uniform(0, 40);
     s.adaptiveThreshold = rng.uniform(0, 2) != 0;
     s.minThresholdRatio = rng.uniform(0, 3) ? rng.uniform(1., 8.) : 1;
-    s.maxDepth = rng.uniform(-1, 7);
     s.selectionType =
         rng.uniform(0, 4) ? AdaptiveQuadtreeORB::RANKED_SELECTION : AdaptiveQuadtreeORB::BALANCED_SELECTION;
     const double weights[] = {0, 0.15, rng.uniform(0., 1.), 1000}, radii[] = {0, 1, rng.uniform(0., 4.), 16};
@@ -269,10 +268,8 @@ private:
             level.usableShare = mask.empty() ? 1.
                                              : (double)countNonZero(level.usable(level.root)) /
                                                    ((double)level.root.width * level.root.height);
-            if (isRanked)
-                level.depth = rankedDepth(s.maxDepth, level.ownQuota, level.usableShare, level.root.size());
-            else
-                level.depth = s.maxDepth >= 0 ? s.maxDepth : quadtreeDepth(level.quota);
+            level.depth = isRanked ? rankedDepth(level.ownQuota, level.usableShare, level.root.size())
+                                   : quadtreeDepth(level.quota);
             level.corners = findCorners(level.image, level.usable, level.root, t, isHarris);
             lowest = t.min;
             level.begun = false;

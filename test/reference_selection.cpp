@@ -56,9 +56,9 @@ int depthForQuota(int quota, double usable, int most)
     return depth;
 }
 
-int rankedDepth(int maxDepth, int quota, double usable, Size root)
+int rankedDepth(int quota, double usable, Size root)
 {
-    int depth = maxDepth >= 0 ? std::min(maxDepth, 12) : depthForQuota(quota, usable, 12);
+    int depth = depthForQuota(quota, usable, 12);
     while (depth > 0 && (2 << depth) > std::min(root.width, root.height))
         depth--;
     return depth;

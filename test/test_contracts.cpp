@@ -24,7 +24,6 @@ TEST(Aqorb_Contracts, defaults)
     EXPECT_EQ(20, detector->getFastThreshold());
     EXPECT_TRUE(detector->getAdaptiveThreshold());
     EXPECT_EQ(4, detector->getMinThresholdRatio());
-    EXPECT_EQ(-1, detector->getMaxDepth());
     EXPECT_EQ(AdaptiveQuadtreeORB::RANKED_SELECTION, detector->getSelectionType());
     EXPECT_EQ(0.05, detector->getStrengthWeight());
     EXPECT_EQ(2.25, detector->getRankRadius());

@@ -39,7 +39,6 @@ TEST(Aqorb_Errors, are_said_as_a_person_would)
               messageOf([&] { detector->setScaleFactor(ENDLESS); }));
     EXPECT_EQ("scoreType must be HARRIS_SCORE (0) or FAST_SCORE (1), got 2",
               messageOf([&] { detector->setScoreType(static_cast<ORB::ScoreType>(2)); }));
-    EXPECT_EQ("maxDepth must be from 0 to 15, or -1, got 16", messageOf([&] { detector->setMaxDepth(16); }));
     EXPECT_EQ("octaveSuppression must be finite and at least 0, or -1, got -0.5",
               messageOf([&] { detector->setOctaveSuppression(-0.5); }));
 }
@@ -89,8 +88,6 @@ TEST(Aqorb_Errors, bad_values_of_setters_leave_the_object_unchanged)
     AQORB_BAD("patchSize", "16385", setPatchSize(16385));
     AQORB_BAD("minThresholdRatio", "0.5", setMinThresholdRatio(0.5));
     AQORB_BAD("minThresholdRatio", "nan", setMinThresholdRatio(NOT_A_NUMBER));
-    AQORB_BAD("maxDepth", "-2", setMaxDepth(-2));
-    AQORB_BAD("maxDepth", "16", setMaxDepth(16));
     AQORB_BAD("selectionType", "2", setSelectionType(static_cast<AdaptiveQuadtreeORB::SelectionType>(2)));
     AQORB_BAD("selectionType", "-1", setSelectionType(static_cast<AdaptiveQuadtreeORB::SelectionType>(-1)));
     AQORB_BAD("strengthWeight", "-0.125", setStrengthWeight(-0.125));
@@ -123,9 +120,6 @@ TEST(Aqorb_Errors, the_ends_of_what_is_accepted_are_accepted)
     EXPECT_NO_THROW(detector->setFastThreshold(INT_MIN));
     EXPECT_NO_THROW(detector->setFastThreshold(INT_MAX));
     EXPECT_NO_THROW(detector->setMinThresholdRatio(1));
-    EXPECT_NO_THROW(detector->setMaxDepth(-1));
-    EXPECT_NO_THROW(detector->setMaxDepth(0));
-    EXPECT_NO_THROW(detector->setMaxDepth(15));
     EXPECT_NO_THROW(detector->setSelectionType(AdaptiveQuadtreeORB::RANKED_SELECTION));
     EXPECT_NO_THROW(detector->setSelectionType(AdaptiveQuadtreeORB::BALANCED_SELECTION));
     EXPECT_NO_THROW(detector->setStrengthWeight(0));

@@ -24,14 +24,6 @@ namespace
 const char* const TSUKUBA = "features2d/tsukuba.png";
 const char* const BIKES = "detectors_descriptors_evaluation/images_datasets/bikes/img1.png";
 
-Ptr<AdaptiveQuadtreeORB> withoutSelection()
-{
-    const Ptr<AdaptiveQuadtreeORB> detector = AdaptiveQuadtreeORB::create();
-    detector->setMaxDepth(0);
-    detector->setOctaveSuppression(0);
-    return detector;
-}
-
 // The tests of OpenCV 4.6 take a detector, those of 4.14 and 5 a function that makes one.
 struct Made
 {
@@ -60,9 +52,6 @@ std::vector<String_FeatureDetector_DescriptorExtractor_Float_t> descriptorCase(c
     return cases;
 }
 
-// What is detected, before it is chosen from: cv::ORB's thresholds.
-INSTANTIATE_TEST_CASE_P(Aqorb_without_selection, DetectorRotationInvariance,
-                        testing::ValuesIn(detectorCase(TSUKUBA, withoutSelection(), 0.5f, 0.76f)));
 // The choice depends on where the corners lie in the quadtree, which does not turn with the scene, and the
 // turned image of this test is half empty: lower thresholds than cv::ORB's 0.5 and 0.76.
 INSTANTIATE_TEST_CASE_P(Aqorb, DetectorRotationInvariance,

@@ -78,9 +78,9 @@ TEST(Aqorb_IO, keys_are_those_of_orb_in_newer_opencv_then_ours)
     const char* keys[] = {"nfeatures",         "scaleFactor",       "nlevels",
                           "edgeThreshold",     "firstLevel",        "wta_k",
                           "scoreType",         "patchSize",         "fastThreshold",
-                          "adaptiveThreshold", "minThresholdRatio", "maxDepth",
-                          "selectionType",     "strengthWeight",    "rankRadius",
-                          "octaveSuppression", "subPixel"};
+                          "adaptiveThreshold", "minThresholdRatio", "selectionType",
+                          "strengthWeight",    "rankRadius",        "octaveSuppression",
+                          "subPixel"};
     for (const char* key : keys)
         EXPECT_FALSE(node[key].empty()) << key;
     EXPECT_EQ(3, (int)node["format"]);  // as every Algorithm of OpenCV 4
@@ -137,7 +137,6 @@ TEST(Aqorb_IO, a_bad_value_throws_and_changes_nothing)
                             {"scoreType", "2"},
                             {"patchSize", "1"},
                             {"minThresholdRatio", "0.9"},
-                            {"maxDepth", "16"},
                             {"selectionType", "2"},
                             {"selectionType", "0.5"},
                             {"selectionType", "balanced"},

@@ -191,7 +191,6 @@ TEST(Aqorb_Promises, at_the_largest_weight_strengths_decide_to_two_per_cent)
         SCOPED_TRACE(seed);
         const Mat image = makeScene(Size(320, 240), seed);
         const Ptr<AdaptiveQuadtreeORB> detector = AdaptiveQuadtreeORB::create(40, 1.2f, 1);
-        detector->setMaxDepth(5);
         detector->setStrengthWeight(1000);
         detector->setRankRadius(seed % 2 ? 1 : 16);
         KeyPoints fewer, more;

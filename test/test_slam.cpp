@@ -137,7 +137,6 @@ TEST(Aqorb_Slam, what_differs_from_the_detectors_defaults)
     EXPECT_EQ(other->getSelectionType(), detector.getSelectionType());
     EXPECT_EQ(0.15, detector.getStrengthWeight());
     EXPECT_EQ(other->getRankRadius(), detector.getRankRadius());
-    EXPECT_EQ(other->getMaxDepth(), detector.getMaxDepth());
     EXPECT_EQ(other->getEdgeThreshold(), detector.getEdgeThreshold());
     EXPECT_EQ(other->getScoreType(), detector.getScoreType());
 }

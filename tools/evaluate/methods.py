@@ -19,8 +19,8 @@ TITLES = {'orb': 'cv::ORB (A)', 'orb_slam': "ORB_SLAM's quadtree (B)", PAPER: "t
           'superpoint': 'SuperPoint'}
 
 # What NAME=VALUE in the name of a method sets.
-SETTINGS = {'depth': 'MaxDepth', 'edge': 'EdgeThreshold', 'fast': 'FastThreshold', 'octave': 'OctaveSuppression',
-            'radius': 'RankRadius', 'ratio': 'MinThresholdRatio', 'score': 'ScoreType', 'selection': 'SelectionType',
+SETTINGS = {'edge': 'EdgeThreshold', 'fast': 'FastThreshold', 'octave': 'OctaveSuppression', 'radius': 'RankRadius',
+            'ratio': 'MinThresholdRatio', 'score': 'ScoreType', 'selection': 'SelectionType',
             'strength': 'StrengthWeight', 'subpixel': 'SubPixel', 'threshold': 'AdaptiveThreshold'}
 WORDS = {'balanced': aqorb.AdaptiveQuadtreeORB_BALANCED_SELECTION,
          'ranked': aqorb.AdaptiveQuadtreeORB_RANKED_SELECTION, 'fast': cv2.ORB_FAST_SCORE}

@@ -46,8 +46,7 @@ static reference::Settings settingsFrom(FuzzedDataProvider& data)
     s.fastThreshold = data.ConsumeIntegralInRange(0, 80);
     s.adaptiveThreshold = data.ConsumeBool();
     s.minThresholdRatio = data.ConsumeFloatingPointInRange(1., 8.);
-    data.ConsumeIntegral<uint8_t>();  // a property that is gone: older inputs keep their meaning
-    s.maxDepth = data.ConsumeIntegralInRange(-1, 15);
+    data.ConsumeIntegral<uint16_t>();  // two properties that are gone: older inputs keep their meaning
     s.octaveSuppression = data.ConsumeBool() ? data.ConsumeFloatingPointInRange(0., 8.) : -1;
     s.subPixel = data.ConsumeBool();
     return s;

@@ -107,23 +107,20 @@ TEST(Aqorb_Preload, leaves_our_own_defaults)
 TEST(Aqorb_Preload, sets_properties_from_the_environment)
 {
     const Variable edge("AQORB_EDGE_THRESHOLD", "16"), adaptive("AQORB_ADAPTIVE_THRESHOLD", "0"),
-        ratio("AQORB_MIN_THRESHOLD_RATIO", "2.5"), depth("AQORB_MAX_DEPTH", "-1"),
-        selection("AQORB_SELECTION_TYPE", " balanced"), weight("AQORB_STRENGTH_WEIGHT", "0.3"),
-        radius("AQORB_RANK_RADIUS", "2.5"), octave("AQORB_OCTAVE_SUPPRESSION", " 0.25 "),
-        subPixel("AQORB_SUB_PIXEL", "0");
+        ratio("AQORB_MIN_THRESHOLD_RATIO", "2.5"), selection("AQORB_SELECTION_TYPE", " balanced"),
+        weight("AQORB_STRENGTH_WEIGHT", "0.3"), radius("AQORB_RANK_RADIUS", "2.5"),
+        octave("AQORB_OCTAVE_SUPPRESSION", " 0.25 "), subPixel("AQORB_SUB_PIXEL", "0");
     const Ptr<AdaptiveQuadtreeORB> orb = ours(ORB::create(100, 1.2f, 8, 40));
     EXPECT_EQ(16, orb->getEdgeThreshold());
     EXPECT_FALSE(orb->getAdaptiveThreshold());
     EXPECT_EQ(2.5, orb->getMinThresholdRatio());
-    EXPECT_EQ(-1, orb->getMaxDepth());
     EXPECT_EQ(AdaptiveQuadtreeORB::BALANCED_SELECTION, orb->getSelectionType());
     EXPECT_EQ(0.3, orb->getStrengthWeight());
     EXPECT_EQ(2.5, orb->getRankRadius());
     EXPECT_EQ(0.25, orb->getOctaveSuppression());
     EXPECT_FALSE(orb->getSubPixel());
 
-    const Variable otherDepth("AQORB_MAX_DEPTH", "3"), otherSelection("AQORB_SELECTION_TYPE", "ranked");
-    EXPECT_EQ(3, ours(ORB::create())->getMaxDepth());
+    const Variable otherSelection("AQORB_SELECTION_TYPE", "ranked");
     EXPECT_EQ(AdaptiveQuadtreeORB::RANKED_SELECTION, ours(ORB::create())->getSelectionType());
 }
 

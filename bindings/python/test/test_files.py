@@ -22,14 +22,14 @@ def storage_of(text):
 
 
 def test_files(tmp_path, orb):
-    orb.setMaxDepth(3)
+    orb.setRankRadius(3)
     for suffix in 'yml', 'xml', 'json':
         for write in orb.write, orb.save:
             path = str(tmp_path / ('orb.' + suffix))
             write(path)
             other = aqorb.AdaptiveQuadtreeORB_create()
             other.read(path)
-            assert (other.getMaxFeatures(), other.getMaxDepth()) == (300, 3)
+            assert (other.getMaxFeatures(), other.getRankRadius()) == (300, 3)
             os.remove(path)
     for call in orb.write, orb.read:
         with pytest.raises(aqorb.error, match='no/such/folder'):

@@ -120,20 +120,20 @@ def test_setters_and_files_during_calls(tmp_path, shared):
     # A call keeps the parameters that it began with, so that its result is that of one of the settings.
     expected = set()
     for patch_size in 20, 31:
-        for depth in 2, -1:
+        for radius in 1, 3:
             shared.setPatchSize(patch_size)
-            shared.setMaxDepth(depth)
+            shared.setRankRadius(radius)
             expected.add(bytes_of(shared, IMAGES[0]))
-            shared.write(str(tmp_path / '{}{}.yml'.format(patch_size, depth)))
+            shared.write(str(tmp_path / '{}{}.yml'.format(patch_size, radius)))
     files = [str(path) for path in tmp_path.iterdir()]
 
     def detect():
         assert bytes_of(shared, IMAGES[0]) in expected
 
     def change():
-        for patch_size, depth in (20, -1), (31, 2):
+        for patch_size, radius in (20, 3), (31, 1):
             shared.setPatchSize(patch_size)
-            shared.setMaxDepth(depth)
+            shared.setRankRadius(radius)
 
     def copy():
         assert bytes_of(pickle.loads(pickle.dumps(shared)), IMAGES[0]) in expected

@@ -80,10 +80,8 @@ std::vector<LevelPlan> planLevels(const Parameters& parameters, const std::vecto
         plan.root = parameters.keypointRegion(levels[i].image.size());
         plan.usable = usableShare(levels[i].mask, plan.root);
         plan.quota = quotas[i];
-        const int most = isRanked ? maxRankedDepth(regions[i]) : 15;
-        plan.depth = parameters.maxDepth >= 0 ? std::min(parameters.maxDepth, most)
-                     : isRanked               ? rankedDepth(regions[i], plan.usable, std::max(quotas[i], 1))
-                                              : balancedDepth(quotas[i]);
+        plan.depth = isRanked ? rankedDepth(regions[i], plan.usable, std::max(quotas[i], 1))
+                              : balancedDepth(quotas[i]);
         plans.push_back(plan);
     }
     // The paper's quotas include those of levels too small for a keypoint, which go to the last level that is not.

@@ -48,8 +48,6 @@
       "whether the FAST threshold adapts to the image") \
     X(MinThresholdRatio, double, minThresholdRatio, minThresholdRatio, 4, finiteAtLeast(1), \
       "how many times lower the FAST threshold is in cells that would stay empty, at least 1") \
-    X(MaxDepth, int, maxDepth, maxDepth, -1, between(0, 15).orMinusOne(), \
-      "the depth of the quadtree, 0 to 15, or -1 for one that suits the number of features") \
     X(SelectionType, AdaptiveQuadtreeORB::SelectionType, selectionType, selectionType, 0, \
       oneOf("RANKED_SELECTION (0) or BALANCED_SELECTION (1)"), \
       "the rule by which corners are chosen, RANKED_SELECTION (0) or BALANCED_SELECTION (1), the one of the paper") \

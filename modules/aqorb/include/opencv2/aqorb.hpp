@@ -171,12 +171,6 @@ public:
     CV_WRAP virtual void setMinThresholdRatio(double minThresholdRatio) = 0;
     CV_WRAP virtual double getMinThresholdRatio() const = 0;  //!< see setMinThresholdRatio()
 
-    /** @brief Depth of the quadtree: 0 to 15. With -1, the default, it is the depth that suits the selection, see
-    setSelectionType(). With 0 the corners of a level are taken by their response alone. With RANKED_SELECTION a leaf is
-    never smaller than 2 pixels a side, and the tree never deeper than 12, whatever is set. */
-    CV_WRAP virtual void setMaxDepth(int maxDepth) = 0;
-    CV_WRAP virtual int getMaxDepth() const = 0;  //!< see setMaxDepth()
-
     // The type has its full name here, because OpenCV's wrappers for Python and Java do not find it otherwise.
     /** @brief The rule by which the corners of a level are chosen. The default is RANKED_SELECTION.
 

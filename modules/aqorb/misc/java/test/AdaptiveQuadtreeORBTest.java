@@ -113,7 +113,6 @@ public class AdaptiveQuadtreeORBTest extends OpenCVTestCase {
         assertEquals(-1.0, detector.getOctaveSuppression());
         assertEquals(2.25, detector.getRankRadius());
         assertEquals(4.0, detector.getMinThresholdRatio());
-        assertEquals(-1, detector.getMaxDepth());
         assertTrue(detector.getSubPixel());
         assertTrue(detector.getAdaptiveThreshold());
         assertEquals(AdaptiveQuadtreeORB.RANKED_SELECTION, detector.getSelectionType());
