@@ -357,7 +357,7 @@ private:
         return order;
     }
 
-    // With the response as their base.
+    // With the FAST score as their base.
     static std::vector<LeafCorner> leafCorners(const PyramidLevel& level, const std::vector<Candidate>& of)
     {
         std::vector<LeafCorner> corners;
@@ -366,7 +366,7 @@ private:
             const int64 column = (int64(of[i].x - level.root.x) << level.depth) / level.root.width;
             const int64 row = (int64(of[i].y - level.root.y) << level.depth) / level.root.height;
             corners.push_back(
-                {int(column), int(row), float(of[i].x), float(of[i].y), of[i].response, int(i)});
+                {int(column), int(row), float(of[i].x), float(of[i].y), float(of[i].score), int(i)});
         }
         return corners;
     }
@@ -385,14 +385,10 @@ private:
     // The order of the corners that passed all rules.
     std::vector<int> rankedOrder(const PyramidLevel& level, const std::vector<Candidate>& of) const
     {
-        std::vector<LeafCorner> corners = leafCorners(level, of);
-        for (size_t i = 0; i < of.size() && level.depth > 0; i++)
-            corners[i].base = (float)of[i].score;
+        const std::vector<LeafCorner> corners = leafCorners(level, of);
         const int radius = s.patchSize / 2;
         const auto strengthOf = [&](const LeafCorner& corner)
         {
-            if (level.depth == 0)
-                return corner.base;
             int m10 = 0, m01 = 0;
             discMoments(level.image, (int)corner.x, (int)corner.y, s.patchSize, std::max(1, radius / 5), m10,
                         m01);

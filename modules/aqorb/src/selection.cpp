@@ -313,18 +313,12 @@ LevelOrder orderCorners(const Parameters& parameters, const Level& level, const 
 {
     CV_TRACE_FUNCTION();
     const bool useHarris = parameters.scoreType == ORB::HARRIS_SCORE;
-    const bool isRanked = parameters.selectionType == AdaptiveQuadtreeORB::RANKED_SELECTION;
     LevelOrder order;
-    if (!isRanked || plan.depth == 0)
+    if (parameters.selectionType == AdaptiveQuadtreeORB::BALANCED_SELECTION)
     {
-        // The paper chooses by the response, and so does a tree of one leaf.
         order.corners = responsesOf(level.image, corners, useHarris);
         order.indices.resize(corners.size());
         std::iota(order.indices.begin(), order.indices.end(), 0u);
-        if (isRanked)
-            std::stable_sort(order.corners.begin(), order.corners.end(),
-                             [](const CornerResponse& a, const CornerResponse& b)
-                             { return a.response > b.response; });
         return order;
     }
     findLeaves(plan, corners, scratch.points);
