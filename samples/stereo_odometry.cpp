@@ -3,13 +3,23 @@
 // of this distribution.
 // SPDX-License-Identifier: Apache-2.0
 
-// The path of a stereo camera from the features of AdaptiveQuadtreeORB, and from those of cv::ORB.
+// Stereo visual odometry from frame to frame, on sequences in KITTI's layout. It shows what a detector's features are
+// worth for this. Points of a rectified pair are matched along the rows, and then with those of the frame before. The
+// motion is the one under which the points of one frame project onto their matches in the next (PnP).
 
-#include "stereo_odometry.hpp"
 #include "sample.hpp"
 
 #include <opencv2/aqorb.hpp>
+#include <opencv2/core/affine.hpp>
 #include <opencv2/imgproc.hpp>
+#if CV_VERSION_MAJOR >= 5
+#include <opencv2/geometry.hpp>
+#else
+#include <opencv2/calib3d.hpp>
+#endif
+
+#include <fstream>
+#include <sstream>
 
 using namespace cv;
 
@@ -17,17 +27,34 @@ namespace
 {
 
 const char* const ABOUT =
-    "Stereo visual odometry with cv::aqorb::AdaptiveQuadtreeORB and with cv::ORB, on a folder laid out as "
-    "KITTI's\n"
-    "odometry sequences: calib.txt, image_0 and image_1 (or image_l and image_r) and, for the errors, "
-    "poses.txt.\n"
-    "Prints a table, and writes the paths and the features tracked into the last frame to a picture.";
+    "Stereo visual odometry with cv::aqorb::AdaptiveQuadtreeORB and with cv::ORB, on a folder laid out\n"
+    "as KITTI's odometry sequences: calib.txt, image_0 and image_1 (or image_l and image_r) and, for the\n"
+    "errors, poses.txt. Prints a table, and writes the paths and the features tracked into the last frame\n"
+    "to a picture.";
 
 const char* const KEYS = "{help      |                     | print this text }"
                          "{nfeatures | 1000                | number of keypoints to ask for }"
                          "{out       | stereo_odometry.jpg | picture to write }"
                          "{@folder   |                     | a sequence as KITTI's }";
 
+//! A sequence of rectified image pairs.
+struct Sequence
+{
+    std::vector<String> left, right;  // files
+    std::vector<Affine3d> poses;      // from the left camera to the world; empty where they are not known
+    Matx33d camera;
+    double baseline;  // in metres
+};
+
+//! Features of the left image for which the right one gives a depth.
+struct Frame
+{
+    std::vector<KeyPoint> keypoints;
+    Mat descriptors;
+    std::vector<Point3d> points;  // in coordinates of the left camera, metres
+};
+
+//! The path of a camera by one detector.
 struct Odometry
 {
     Odometry(const char* name_, const Ptr<ORB>& detector_, const Scalar& colour_)
@@ -38,66 +65,167 @@ struct Odometry
     const char* name;
     Ptr<ORB> detector;
     Scalar colour;
-    StereoFrame frame;
-    StereoMotion motion;                            // to the last frame
-    std::vector<Matx44d> poses;                     // of the left camera, from the first frame's on
+    Frame frame;                                    // the last one
+    std::vector<Point2f> from, to;                  // the inliers of the motion to it, in both left images
+    Affine3d motion;                                // from its coordinates to those of the frame before
+    std::vector<Affine3d> poses;                    // of the left camera, from the first frame's on
     double keypoints = 0, depths = 0, inliers = 0;  // sums over the frames
 };
 
-void track(Odometry& odometry, const Mat& left, const Mat& right, const StereoSequence& sequence)
+//! The matrices of 3x4 numbers in a file, a line for each, with or without a label such as "P0:".
+std::vector<Matx34d> readMatrices(const String& file)
 {
+    std::vector<Matx34d> matrices;
+    std::ifstream lines(file);
+    for (std::string line; std::getline(lines, line);)
+    {
+        std::istringstream numbers(line.substr(line.find(':') + 1));  // npos + 1 is 0
+        Matx34d matrix;
+        int count = 0;
+        while (count < 12 && numbers >> matrix.val[count])
+            count++;
+        if (count == 12)
+            matrices.push_back(matrix);
+    }
+    return matrices;
+}
+
+std::vector<String> imagesOf(const String& folder)
+{
+    std::vector<String> files;
+    if (utils::fs::isDirectory(folder))
+        glob(folder + "/*.png", files);
+    return files;
+}
+
+/** Reads calib.txt (P0 and P1), the folders of images (image_0 and image_1 as KITTI's, or image_l and image_r) and,
+ where it is there, poses.txt. */
+Sequence readSequence(const String& folder)
+{
+    Sequence sequence;
+    const std::vector<Matx34d> projections = readMatrices(folder + "/calib.txt");
+    for (const Matx34d& pose : readMatrices(folder + "/poses.txt"))
+        sequence.poses.push_back(Affine3d(pose.get_minor<3, 3>(0, 0), Vec3d(pose.col(3).val)));
+    const bool isKitti = !utils::fs::exists(folder + "/image_l");
+    sequence.left = imagesOf(folder + (isKitti ? "/image_0" : "/image_l"));
+    sequence.right = imagesOf(folder + (isKitti ? "/image_1" : "/image_r"));
+    if (projections.size() < 2 || sequence.left.empty() || sequence.right.size() != sequence.left.size())
+        CV_Error(Error::StsObjectNotFound, folder + ": needs calib.txt and as many images of both cameras");
+    if (!sequence.poses.empty() && sequence.poses.size() < sequence.left.size())
+        CV_Error(Error::StsObjectNotFound, folder + ": poses.txt has fewer poses than there are images");
+    sequence.camera = projections[0].get_minor<3, 3>(0, 0);
+    sequence.baseline = (projections[0](0, 3) - projections[1](0, 3)) / projections[0](0, 0);
+    return sequence;
+}
+
+/** The features of the left image that match one of the right image best, and the other way round, among those within
+ some rows and at most MAX_DISPARITY pixels further left. */
+Frame stereoFrame(Odometry& odometry, const Mat& left, const Mat& right, const Sequence& sequence)
+{
+    const float ROWS = 3, MIN_DISPARITY = 0.5f, MAX_DISPARITY = 200;
     std::vector<KeyPoint> keypointsLeft, keypointsRight;
-    Mat descriptorsLeft, descriptorsRight;
+    Mat descriptorsLeft, descriptorsRight, pairs, distances;
     odometry.detector->detectAndCompute(left, noArray(), keypointsLeft, descriptorsLeft);
     odometry.detector->detectAndCompute(right, noArray(), keypointsRight, descriptorsRight);
-    const int norm = odometry.detector->defaultNorm();
-    const StereoFrame frame =
-        stereoFrame(keypointsLeft, descriptorsLeft, keypointsRight, descriptorsRight, norm, sequence);
+    std::vector<Point2f> predicted;
+    for (const KeyPoint& keypoint : keypointsLeft)
+        predicted.push_back(keypoint.pt - Point2f((MIN_DISPARITY + MAX_DISPARITY) / 2, 0));
+    const Size2f reach((MAX_DISPARITY - MIN_DISPARITY) / 2, ROWS);
+    aqorb::matchByPosition(descriptorsLeft, predicted, descriptorsRight, keypointsRight, reach, pairs,
+                           distances, 0, true, -1, odometry.detector->defaultNorm());
     odometry.keypoints += double(keypointsLeft.size());
-    odometry.depths += double(frame.keypoints.size());
-    if (odometry.poses.empty())
+    odometry.depths += pairs.rows;
+
+    Frame frame;
+    const Matx33d& k = sequence.camera;
+    for (int i = 0; i < pairs.rows; i++)
     {
-        odometry.poses.push_back(Matx44d::eye());
+        const int index = pairs.at<int>(i, 0);
+        const Point2f p = keypointsLeft[index].pt;
+        const double depth = k(0, 0) * sequence.baseline / (p.x - keypointsRight[pairs.at<int>(i, 1)].pt.x);
+        frame.keypoints.push_back(keypointsLeft[index]);
+        frame.descriptors.push_back(descriptorsLeft.row(index));
+        frame.points.emplace_back((p.x - k(0, 2)) * depth / k(0, 0), (p.y - k(1, 2)) * depth / k(1, 1),
+                                  depth);
     }
+    return frame;
+}
+
+/** The motion from the last frame to the next one: PnP with RANSAC, refined on the inliers. With too few matches the
+ camera goes on as it did. */
+void estimateMotion(Odometry& odometry, const Frame& next, const Matx33d& camera)
+{
+    const float THRESHOLD = 2;  // pixels
+    const Frame& last = odometry.frame;
+    std::vector<DMatch> matches;  // mutual nearest neighbours, those of BFMatcher(norm, true)
+    if (!last.descriptors.empty() && !next.descriptors.empty())
+        aqorb::HammingMatcher(odometry.detector->defaultNorm(), true)
+            .match(last.descriptors, next.descriptors, matches);
+    std::vector<Point3d> points, inlierPoints;
+    std::vector<Point2d> pixels, inlierPixels;
+    for (const DMatch& match : matches)
+    {
+        points.push_back(last.points[match.queryIdx]);
+        pixels.push_back(next.keypoints[match.trainIdx].pt);
+    }
+    odometry.from.clear();
+    odometry.to.clear();
+    Vec3d rotation, translation;
+    std::vector<int> inliers;
+    if (matches.size() < 6 ||
+        !solvePnPRansac(points, pixels, camera, noArray(), rotation, translation, false, 1000, THRESHOLD,
+                        0.9999, inliers, SOLVEPNP_P3P) ||
+        inliers.size() < 6)
+        return;
+    for (int i : inliers)
+    {
+        inlierPoints.push_back(points[i]);
+        inlierPixels.push_back(pixels[i]);
+        odometry.from.push_back(last.keypoints[matches[i].queryIdx].pt);
+        odometry.to.push_back(next.keypoints[matches[i].trainIdx].pt);
+    }
+    solvePnPRefineLM(inlierPoints, inlierPixels, camera, noArray(), rotation, translation);
+    odometry.motion = Affine3d(rotation, translation).inv();
+}
+
+void track(Odometry& odometry, const Mat& left, const Mat& right, const Sequence& sequence)
+{
+    const Frame frame = stereoFrame(odometry, left, right, sequence);
+    if (odometry.poses.empty())
+        odometry.poses.push_back(Affine3d());
     else
     {
-        const Matx44d before = odometry.motion.motion;
-        // The matches of BFMatcher(norm, true).
-        odometry.motion =
-            estimateMotion(odometry.frame, frame,
-                           matchFrames(odometry.frame, frame, aqorb::HammingMatcher(norm, true)), sequence);
-        if (!odometry.motion.found)
-            odometry.motion.motion = before;  // the camera goes on as it did
-        odometry.inliers += odometry.motion.inliers;
-        odometry.poses.push_back(odometry.poses.back() * odometry.motion.motion);
+        estimateMotion(odometry, frame, sequence.camera);
+        odometry.inliers += double(odometry.to.size());
+        odometry.poses.push_back(odometry.poses.back() * odometry.motion);
     }
     odometry.frame = frame;
 }
 
-double pathLength(const std::vector<Matx44d>& poses, size_t first, size_t last)
+double pathLength(const std::vector<Affine3d>& poses, size_t first, size_t last)
 {
     double length = 0;
     for (size_t i = first; i < last; i++)
-        length += norm(Vec3d(poses[i + 1](0, 3) - poses[i](0, 3), poses[i + 1](1, 3) - poses[i](1, 3),
-                             poses[i + 1](2, 3) - poses[i](2, 3)));
+        length += norm(poses[i + 1].translation() - poses[i].translation());
     return length;
 }
 
 //! The error of the motion over `step` frames, in per cent of the path.
-double translationError(const std::vector<Matx44d>& poses, const std::vector<Matx44d>& truth, size_t step)
+double translationError(const std::vector<Affine3d>& poses, const std::vector<Affine3d>& truth, size_t step)
 {
-    double sum = 0, metres, degrees;
+    double sum = 0;
     size_t count = 0;
     for (; count + step < poses.size(); count++)
     {
-        motionError(poses[count].inv() * poses[count + step], truth[count].inv() * truth[count + step],
-                    metres, degrees);
-        sum += 100 * metres / std::max(pathLength(truth, count, count + step), 1e-6);
+        const Affine3d motion = poses[count].inv() * poses[count + step];
+        const Affine3d trueMotion = truth[count].inv() * truth[count + step];
+        sum += 100 * norm((trueMotion.inv() * motion).translation()) /
+               std::max(pathLength(truth, count, count + step), 1e-6);
     }
     return sum / std::max(double(count), 1.);
 }
 
-void printTable(const std::vector<Odometry>& odometries, const StereoSequence& sequence)
+void printTable(const std::vector<Odometry>& odometries, const Sequence& sequence)
 {
     const double frames = double(odometries[0].poses.size()), motions = std::max(frames - 1, 1.);
     const size_t STEP = 10;
@@ -126,38 +254,39 @@ Mat trackPicture(const Odometry& odometry, const Mat& left)
 {
     Mat picture;
     cvtColor(left, picture, COLOR_GRAY2BGR);
-    for (size_t i = 0; i < odometry.motion.to.size(); i++)
+    for (size_t i = 0; i < odometry.to.size(); i++)
     {
-        line(picture, odometry.motion.from[i], odometry.motion.to[i], odometry.colour, 1, LINE_AA);
-        circle(picture, odometry.motion.to[i], 2, odometry.colour, FILLED, LINE_AA);
+        line(picture, odometry.from[i], odometry.to[i], odometry.colour, 1, LINE_AA);
+        circle(picture, odometry.to[i], 2, odometry.colour, FILLED, LINE_AA);
     }
     copyMakeBorder(picture, picture, 40, 0, 0, 0, BORDER_CONSTANT, Scalar::all(255));
-    putText(picture, format("%s: %d inliers", odometry.name, odometry.motion.inliers), Point(12, 28),
+    putText(picture, format("%s: %d inliers", odometry.name, int(odometry.to.size())), Point(12, 28),
             FONT_HERSHEY_SIMPLEX, 0.75, odometry.colour, 1, LINE_AA);
     return picture;
 }
 
-// The paths from above: x to the right, z (ahead) to the top.
-Mat pathPicture(const std::vector<std::vector<Matx44d>>& paths, const std::vector<Scalar>& colours, Size size)
+//! Paths from above: those of the detectors in their colours and, below them, the true one in grey.
+Mat pathPicture(const std::vector<Odometry>& odometries, const std::vector<Affine3d>& truth, Size size)
 {
-    std::vector<Mat> lines;
-    std::vector<Point2f> all;
-    for (const std::vector<Matx44d>& path : paths)
-    {
-        std::vector<Point2f> line;
-        for (const Matx44d& pose : path)
-            line.push_back(Point2f(float(pose(0, 3)), float(-pose(2, 3))));
-        lines.push_back(Mat(line, true));
-        all.insert(all.end(), line.begin(), line.end());
-    }
+    const Scalar colours[] = {Scalar::all(160), odometries[0].colour, odometries[1].colour};
+    std::vector<Affine3d> paths[] = {{}, odometries[0].poses, odometries[1].poses};
+    for (size_t i = 0; i < truth.size() && i < paths[1].size(); i++)
+        paths[0].push_back(truth[0].inv() * truth[i]);
+    std::vector<Point2f> lines[3], all;
+    for (int i = 0; i < 3; i++)
+        for (const Affine3d& pose : paths[i])
+        {
+            lines[i].push_back(Point2f(float(pose.translation()[0]), float(-pose.translation()[2])));
+            all.push_back(lines[i].back());
+        }
     const Rect box = boundingRect(all);  // in metres
     const Scalar centre(box.x + box.width / 2., box.y + box.height / 2.);
     const double scale =
         std::min((size.width - 60.) / (box.width + 10), (size.height - 60.) / (box.height + 10));
     Mat picture(size, CV_8UC3, Scalar::all(255));
-    for (size_t i = 0; i < lines.size(); i++)
+    for (int i = truth.empty() ? 1 : 0; i < 3; i++)
     {
-        Mat pixels = (lines[i] - centre) * scale + Scalar(size.width / 2., size.height / 2.);
+        Mat pixels = (Mat(lines[i]) - centre) * scale + Scalar(size.width / 2., size.height / 2.);
         pixels.convertTo(pixels, CV_32S);
         polylines(picture, pixels, false, colours[i], 2, LINE_AA);
     }
@@ -168,32 +297,6 @@ Mat pathPicture(const std::vector<std::vector<Matx44d>>& paths, const std::vecto
     return picture;
 }
 
-Mat drawAll(const std::vector<Odometry>& odometries, const StereoSequence& sequence, const Mat& left)
-{
-    std::vector<std::vector<Matx44d>> paths;
-    std::vector<Scalar> colours;
-    if (!sequence.poses.empty())
-    {
-        paths.push_back({});
-        for (size_t i = 0; i < odometries[0].poses.size(); i++)
-            paths[0].push_back(sequence.poses[0].inv() * sequence.poses[i]);
-        colours.push_back(Scalar::all(160));
-    }
-    Mat tracks, picture;
-    for (const Odometry& odometry : odometries)
-    {
-        paths.push_back(odometry.poses);
-        colours.push_back(odometry.colour);
-        const Mat one = trackPicture(odometry, left);
-        if (tracks.empty())
-            tracks = one;
-        else
-            vconcat(tracks, one, tracks);
-    }
-    hconcat(tracks, pathPicture(paths, colours, Size(tracks.rows / 2, tracks.rows)), picture);
-    return picture;
-}
-
 int stereoOdometry(int argc, char** argv)
 {
     const CommandLineParser parser = parseOptions(argc, argv, KEYS, ABOUT);
@@ -201,7 +304,7 @@ int stereoOdometry(int argc, char** argv)
     const int nfeatures = option<int>(parser, "nfeatures");
     if (folder.empty())
         CV_Error(Error::StsBadArg, "the folder of a sequence is needed; --help says what it has");
-    const StereoSequence sequence = readStereoSequence(folder);
+    const Sequence sequence = readSequence(folder);
     std::vector<Odometry> odometries = {
         Odometry("cv::ORB", ORB::create(nfeatures), Scalar(60, 60, 230)),
         Odometry("AdaptiveQuadtreeORB", aqorb::AdaptiveQuadtreeORB::create(nfeatures), Scalar(40, 200, 40))};
@@ -217,7 +320,10 @@ int stereoOdometry(int argc, char** argv)
             track(odometry, left, right, sequence);
     }
     printTable(odometries, sequence);
-    writePicture(option<String>(parser, "out"), drawAll(odometries, sequence, left));
+    Mat picture;
+    vconcat(trackPicture(odometries[0], left), trackPicture(odometries[1], left), picture);
+    hconcat(picture, pathPicture(odometries, sequence.poses, Size(picture.rows / 2, picture.rows)), picture);
+    writePicture(option<String>(parser, "out"), picture);
     return 0;
 }
 
