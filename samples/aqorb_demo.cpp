@@ -37,31 +37,26 @@ const char* const KEYS = "{help      |      | print this text }"
 // What the program shows without images.
 const struct
 {
-    const char *image1, *image2, *homography;
-    const char* text;
+    const char *image1, *image2, *homography, *text;
 } PAIRS[] = {
     {"rubberwhale1.png", "rubberwhale2.png", "",
      "1. AdaptiveQuadtreeORB wins: two frames of a video, with something to see everywhere.\n"
-     "How to read it: cv::ORB's keypoints crowd where the contrast is highest, several on one corner; those "
-     "of\n"
-     "AdaptiveQuadtreeORB cover the image. So more of them match at distinct places, in more cells."},
+     "How to read it: cv::ORB's keypoints crowd where the contrast is highest, several on one corner. Those\n"
+     "of AdaptiveQuadtreeORB cover the image. So more of them match at distinct places, in more cells."},
     {"box.png", "box_in_scene.png", "",
      "2. cv::ORB has more matches in all: a small box, and the same box among other things.\n"
-     "How to read it: only the box is in both images. AdaptiveQuadtreeORB spreads its keypoints over\n"
-     "the whole scene, so fewer of them lie on the box. As few matches are right, most of the time goes "
-     "into\n"
+     "How to read it: only the box is in both images. AdaptiveQuadtreeORB spreads its keypoints over the\n"
+     "whole scene, so fewer of them lie on the box. As few matches are right, most of the time goes into\n"
      "RANSAC. If you look for a small object, see StrengthWeight in the tutorial on the parameters."},
     {"graf1.png", "graf3.png", "H1to3p.xml",
      "3. AdaptiveQuadtreeORB wins: a painted wall from two sides, with a known homography between them.\n"
      "How to read it: AdaptiveQuadtreeORB has more distinct correct matches, on more places of the wall."}};
 
 const char* const LEGEND =
-    "Matches are mutual nearest neighbours. Consistent: within 3 pixels of the homography estimated from "
-    "the\n"
-    "detector's matches; correct: of the known one. Distinct: at least 4 pixels from every better one in "
-    "both\n"
-    "images. cv::ORB often has more in all, because it finds a strong corner on several levels and each of\n"
-    "these counts.\n"
+    "Matches are mutual nearest neighbours. Consistent: within 3 pixels of the homography estimated from\n"
+    "the detector's matches; correct: of the known one. Distinct: at least 4 pixels from every better one\n"
+    "in both images. cv::ORB often has more in all, because it finds a strong corner on several levels and\n"
+    "each of these counts.\n"
     "Time: from the images in memory to their homography (RANSAC), by cv::ORB and cv::BFMatcher and by\n"
     "AdaptiveQuadtreeORB and HammingMatcher, in turns: median (quartiles). With one image: to its features.\n"
     "A second thread gains most with large images, and little where other programs use the processors.\n";
@@ -326,7 +321,12 @@ int demo(int argc, char** argv)
     const CommandLineParser parser = parseOptions(argc, argv, KEYS, ABOUT);
     std::vector<Mat> images;
     for (const String& file : fileArguments(argc, argv))
+    {
         images.push_back(readImage(file));
+        if (std::min(images.back().cols, images.back().rows) < 32)
+            CV_Error(Error::StsBadSize, file + format(" has %dx%d pixels; 32x32 or more are accepted",
+                                                      images.back().cols, images.back().rows));
+    }
     if (images.size() > 2)
         CV_Error(Error::StsBadArg, "one image or two are accepted");
     if (!images.empty())

@@ -18,8 +18,7 @@ static const char* const ABOUT =
 
 static const char* const KEYS =
     "{help      |                  | print this text }"
-    "{radius    | -1               | radius of the lens's circle, in pixels; -1: up to the nearest side of "
-    "the image }"
+    "{radius    | -1               | radius of the lens's circle; -1: up to the nearest side of the image }"
     "{margin    | 8                | pixels to keep away from the circle's rim }"
     "{nfeatures | 1000             | number of keypoints to ask for }"
     "{out       | fisheye_mask.jpg | picture to write }"

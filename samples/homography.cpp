@@ -17,9 +17,9 @@
 
 using namespace cv;
 
-static const char* const ABOUT = "Matches two images of a plane, estimates the homography between them, and "
-                                 "draws where the first image lies\n"
-                                 "in the second.";
+static const char* const ABOUT =
+    "Matches two images of a plane, estimates the homography between them, and draws where the first image\n"
+    "lies in the second.";
 
 static const char* const KEYS =
     "{help      |                | print this text }"
@@ -66,9 +66,8 @@ static int homographySample(int argc, char** argv)
     std::vector<Point2f> mapped;
     perspectiveTransform(corners, mapped, homography);
     std::vector<Point> outline;
-    for (const Point2f& corner : mapped)
-        outline.push_back(corner +
-                          Point2f(float(image1.cols), 0));  // the second image stands right of the first
+    for (const Point2f& corner : mapped)  // the second image stands right of the first
+        outline.push_back(corner + Point2f(float(image1.cols), 0));
     Mat picture;
     drawMatches(image1, keypoints1, image2, keypoints2, matches, picture, Scalar(0, 255, 255),
                 Scalar(0, 255, 255), isInlier, DrawMatchesFlags::NOT_DRAW_SINGLE_POINTS);

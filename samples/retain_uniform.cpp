@@ -12,9 +12,8 @@
 using namespace cv;
 
 static const char* const ABOUT =
-    "Keeps some keypoints of SIFT and of FAST: by cv::KeyPointsFilter::retainBest, which goes by the "
-    "response\n"
-    "alone (left), and by cv::aqorb::retainUniform, which spreads them over the image.";
+    "Keeps some keypoints of SIFT and of FAST: by cv::KeyPointsFilter::retainBest, which goes by the\n"
+    "response alone (left), and by cv::aqorb::retainUniform, which spreads them over the image.";
 
 static const char* const KEYS =
     "{help    |                    | print this text }"

@@ -84,5 +84,6 @@ int main(int argc, char** argv)
 
     std::ofstream(folder + "text.png") << "no image";
     save(folder + "32x32.png", scene(Rect(0, 0, 32, 32)));
+    save(folder + "1x1.png", scene(Rect(0, 0, 1, 1)));
     return 0;
 }
