@@ -15,17 +15,15 @@
 
 using namespace cv;
 
-static const char* const ABOUT = "Shows the keypoints of AdaptiveQuadtreeORB in the images of a camera or of "
-                                 "a video, with a slider for its\n"
-                                 "threshold. The space bar changes to cv::ORB and back, Esc ends.";
+static const char* const ABOUT =
+    "Shows the keypoints of AdaptiveQuadtreeORB in the images of a camera or of a video, with a slider for\n"
+    "its threshold. The space bar changes to cv::ORB and back, Esc ends.";
 
 static const char* const KEYS =
     "{help      |      | print this text }"
     "{nfeatures | 1000 | number of keypoints to ask for }"
     "{threshold | 20   | FastThreshold to begin with: 20 is the adaptive threshold as it is }"
-    "{frames    | 0    | number of images to stop after; 0: at the end }"
     "{headless  |      | print instead of opening a window, as where there is no display }"
-    "{out       |      | picture to write the last image to }"
     "{@source   | 0    | number of a camera, a video, or a pattern of images such as frame_%02d.png }";
 
 static const char* const WINDOW = "aqorb (space: cv::ORB and back; Esc: end)";
@@ -34,13 +32,7 @@ static bool hasDisplay()
 {
 #if defined __unix__ && !defined __APPLE__
     // Some of OpenCV's window systems end the program if there is no display.
-    for (const char* variable : {"DISPLAY", "WAYLAND_DISPLAY"})
-    {
-        const char* value = std::getenv(variable);
-        if (value && *value)
-            return true;
-    }
-    return false;
+    return std::getenv("DISPLAY") || std::getenv("WAYLAND_DISPLAY");
 #else
     return true;
 #endif
@@ -67,8 +59,8 @@ static void openSource(const String& source, VideoCapture& capture)
 static int live(int argc, char** argv)
 {
     const CommandLineParser parser = parseOptions(argc, argv, KEYS, ABOUT);
-    const String source = option<String>(parser, "@source"), out = option<String>(parser, "out");
-    const int nfeatures = option<int>(parser, "nfeatures"), frames = option<int>(parser, "frames");
+    const String source = option<String>(parser, "@source");
+    const int nfeatures = option<int>(parser, "nfeatures");
     int threshold = option<int>(parser, "threshold");
     const bool window = !parser.has("headless") && hasDisplay();
     VideoCapture capture;
@@ -82,8 +74,7 @@ static int live(int argc, char** argv)
     }
     bool usesOrb = false;
     Mat frame, picture;
-    int count = 0;
-    for (; (frames == 0 || count < frames) && capture.read(frame); count++)
+    while (capture.read(frame))
     {
         if (window)
             threshold = getTrackbarPos("FastThreshold", WINDOW);
@@ -114,8 +105,6 @@ static int live(int argc, char** argv)
     }
     if (picture.empty())
         CV_Error(Error::StsParseError, source + ": not one image can be read from it");
-    if (!out.empty())
-        writePicture(out, picture);
     return 0;
 }
 

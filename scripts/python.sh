@@ -98,7 +98,7 @@ photographs() {
 
 collection() {
     photographs
-    command_environment ray 'ray[data]==2.60.0' 'pandas<2.3' 'numpy<2'
+    command_environment ray 'ray[data]==2.60.0' 'pandas<2.3' 'numpy<2' psutil
     say "Tests of collections"
     "${pytest[@]}" "$PYTHON" -m pytest -q -s -p no:cacheprovider "$@" "$ROOT/samples/collection"
 }

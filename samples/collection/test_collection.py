@@ -2,10 +2,11 @@
 # It is subject to the license terms in the LICENSE file found in the top-level directory
 # of this distribution.
 # SPDX-License-Identifier: Apache-2.0
-"""The long form of the tests of collections, which scripts/python.sh --collection runs: 500 photographs by the command, the function
-and Ray, with and without a worker that is killed, and 10,000 small images. The photographs are crops of those in the
-folder that AQORB_PHOTOGRAPHS names."""
+"""The long form of the tests of collections, which scripts/python.sh --collection runs: 500 photographs by the command,
+the function and Ray, with and without a worker that is killed, and 10,000 small images. The photographs are crops of
+those in the folder that AQORB_PHOTOGRAPHS names."""
 
+import contextlib
 import os
 import pathlib
 import random
@@ -15,6 +16,7 @@ import sys
 import time
 
 import numpy as np
+import psutil
 import pyarrow as pa
 import pyarrow.parquet as pq
 import pytest
@@ -90,39 +92,26 @@ def test_the_function_for_spark(photographs, table):
     assert found.combine_chunks().equals(table)
 
 
-def workers(ancestor):
-    """The processes of the actors that a process has started."""
-    lines = subprocess.run(['ps', '-eo', 'pid=,ppid=,args='], stdout=subprocess.PIPE, text=True, check=True).stdout
-    rows = [line.split(None, 2) for line in lines.splitlines()]
-    family, size = {str(ancestor)}, 0
-    while len(family) > size:
-        size = len(family)
-        family |= {pid for pid, parent, _ in rows if parent in family}
-    return [int(pid) for pid, _, arguments in rows if pid in family and re.match(r'ray::.*Extractor', arguments)]
+def actor_at_work(process):
+    """An actor of a process, or None. Its process has another name while it waits."""
+    with contextlib.suppress(psutil.NoSuchProcess):  # one ended meanwhile
+        for actor in psutil.Process(process.pid).children(recursive=True):
+            if re.match('ray::.*Extractor', ' '.join(actor.cmdline())) and actor.cpu_times().user > 1:
+                return actor
 
 
 def test_ray_with_a_worker_that_is_killed(photographs, table, tmp_path):
     process = start_ray(photographs, tmp_path / 'out')
     killed = None
     while process.poll() is None and not killed:
-        # One that is at work: an actor has another name while it waits.
-        at_work = [pid for pid in workers(process.pid) if cpu_seconds(pid) > 1]
-        if at_work:
-            time.sleep(.2)
-            os.kill(at_work[0], 9)
-            killed = at_work[0]
         time.sleep(.02)
+        killed = actor_at_work(process)
+    time.sleep(.2)
+    if killed:
+        killed.kill()
     output, _ = process.communicate(timeout=600)
     assert killed and process.returncode == 0, output
     assert sorted_table(tmp_path / 'out').equals(table)
-
-
-def cpu_seconds(pid):
-    try:
-        fields = pathlib.Path(f'/proc/{pid}/stat').read_text().rsplit(')', 1)[1].split()
-    except OSError:
-        return 0
-    return (int(fields[11]) + int(fields[12])) / os.sysconf('SC_CLK_TCK')
 
 
 def test_ray_places(table, tmp_path):
