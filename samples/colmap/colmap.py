@@ -89,11 +89,9 @@ def position_error(reconstruction, folder, names):
             found.append(image.projection_center())
             true.append(poses[names.index(image.name)][:, 3])
     found, true = np.array(found), np.array(true)
-    a, b = found - found.mean(0), true - true.mean(0)
-    u, values, v = np.linalg.svd(b.T @ a)
-    sign = np.diag([1, 1, np.linalg.det(u @ v)])
-    scale = np.trace(np.diag(values) @ sign) / (a ** 2).sum()
-    return np.sqrt(((b - scale * a @ (u @ sign @ v).T) ** 2).sum(1).mean())
+    transform, scale = cv.estimateAffine3D(found, true, force_rotation=True)
+    difference = true - scale * found @ transform[:, :3].T - transform[:, 3]
+    return np.sqrt((difference ** 2).sum(1).mean())
 
 
 def reconstruct(folder, names, name, options):
