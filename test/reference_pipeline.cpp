@@ -181,7 +181,6 @@ struct PyramidLevel
     std::vector<Candidate> candidates, chosen;
     std::vector<int> sequence;  // of candidates
     size_t next;                // of the sequence
-    bool begun;
 };
 
 bool inRasterOrder(const Candidate& a, const Candidate& b)
@@ -272,7 +271,9 @@ private:
                                    : quadtreeDepth(level.quota);
             level.corners = findCorners(level.image, level.usable, level.root, t, isHarris);
             lowest = t.min;
-            level.begun = false;
+            level.candidates = score(level, level.corners);
+            level.sequence =
+                isRanked ? rankedOrder(level, level.candidates) : balancedOrder(level, level.candidates);
             level.next = 0;
             levels.push_back(level);
         }
@@ -406,18 +407,6 @@ private:
         PyramidLevel& level = levels[index];
         if (wanted == 0)
             return 0;
-        if (!level.begun)
-        {
-            level.begun = true;
-            // A ranked sequence is of all corners, so that those which are passed over do not change the ranks.
-            for (const Candidate& candidate : score(level, level.corners))
-            {
-                if (isRanked || !isNearOther(index, candidate))
-                    level.candidates.push_back(candidate);
-            }
-            level.sequence =
-                isRanked ? rankedOrder(level, level.candidates) : balancedOrder(level, level.candidates);
-        }
         for (; wanted > 0 && level.next < level.sequence.size(); level.next++)
         {
             const Candidate& corner = level.candidates[level.sequence[level.next]];
@@ -429,7 +418,7 @@ private:
         return wanted;
     }
 
-    // The corners of the highest responses of those that FAST finds without any other rule.
+    // The corners of the highest response * scale of those that FAST finds without any other rule.
     void fillUp(int wanted)
     {
         std::vector<std::pair<size_t, Candidate>> candidates;
@@ -446,8 +435,10 @@ private:
             }
         }
         std::stable_sort(candidates.begin(), candidates.end(),
-                         [](const std::pair<size_t, Candidate>& a, const std::pair<size_t, Candidate>& b)
-                         { return hasHigherResponse(a.second, b.second); });
+                         [&](const std::pair<size_t, Candidate>& a, const std::pair<size_t, Candidate>& b) {
+                             return a.second.response * levels[a.first].scale >
+                                    b.second.response * levels[b.first].scale;
+                         });
         for (int i = 0; i < std::min(wanted, (int)candidates.size()); i++)
             levels[candidates[i].first].chosen.push_back(candidates[i].second);
     }

@@ -21,30 +21,26 @@ double binaryLogarithm(float v)
 {
     int e = 0;
     const double f = std::frexp((double)v, &e) * 2 - 1;  // v = 2^(e - 1) * (1 + f)
+    if (cvIsInf(v))
+        return 255. * (1 << 23);
     return v < FLT_MIN ? std::ldexp((double)v, 149) : ((e - 1 + 127) + f) * (1 << 23);
 }
 
 std::vector<int> rankedQuotas(int nfeatures, const std::vector<Size>& regions,
                               const std::vector<float>& scales)
 {
-    std::vector<double> shares;
-    for (size_t level = 0; level < regions.size(); level++)
-        shares.push_back((double)regions[level].width * regions[level].height *
-                         (scales[level] * std::sqrt(std::sqrt((double)scales[level]))));
-    shares[0] *= 1.5;
-    const double whole = std::accumulate(shares.begin(), shares.end(), 0.);
-    std::vector<int> result(1);
-    for (size_t level = 1; level < regions.size(); level++)
-        result.push_back(cvRound(nfeatures * (shares[level] / whole)));
-    int64 sum = std::accumulate(result.begin(), result.end(), (int64)0);
-    result[0] = (int)std::max(nfeatures - sum, (int64)0);
-    sum += result[0];
-    for (int level = 0; sum > nfeatures; sum--)
+    const auto upTo = [&](size_t finest)  // the sum of the shares of a level and of the coarser ones
     {
-        while (result[level] == 0)
-            level++;
-        result[level]--;
-    }
+        double sum = 0;
+        for (size_t level = regions.size(); level-- > finest;)
+            sum += (level == 0 ? 1.5 : 1.) * ((double)regions[level].width * regions[level].height) *
+                   (scales[level] * std::sqrt(std::sqrt((double)scales[level])));
+        return sum;
+    };
+    std::vector<int> result;
+    for (size_t level = 0; level < regions.size(); level++)
+        result.push_back(cvRound(nfeatures * (upTo(level) / upTo(0))) -
+                         cvRound(nfeatures * (upTo(level + 1) / upTo(0))));
     return result;
 }
 
@@ -94,14 +90,11 @@ static bool isBetterBase(const LeafCorner& a, const LeafCorner& b)
 namespace
 {
 
-// A corner with all that its place in the sequence depends on.
+// A representative with all that its place in the sequence depends on.
 struct Placed
 {
     LeafCorner corner;
-    int place;  // in the leaf
-    bool isRepresentative;
-    float strength;  // the rest is for representatives only
-    int part;        // of the sequence of representatives: 0 is infinite, 2 is not positive
+    float strength;
     int64 key;
 };
 
@@ -114,12 +107,8 @@ bool isStronger(const Placed& a, const Placed& b)
 
 bool comesBefore(const Placed& a, const Placed& b)
 {
-    if (a.isRepresentative != b.isRepresentative)
-        return a.isRepresentative;
-    if (!a.isRepresentative)
-        return a.place != b.place ? a.place < b.place : isBetterBase(a.corner, b.corner);
-    if (a.part != b.part)
-        return a.part < b.part;
+    if ((a.strength > 0) != (b.strength > 0))
+        return a.strength > 0;
     return a.key != b.key ? a.key < b.key : isStronger(a, b);
 }
 
@@ -129,15 +118,17 @@ std::vector<int> rankedSequence(const std::vector<LeafCorner>& corners, const Ra
                                 const std::function<bool(int column, int row)>& isUnmasked,
                                 const std::function<float(const LeafCorner&)>& strengthOf)
 {
-    typedef std::map<std::pair<int, int>, std::vector<LeafCorner>> Leaves;
+    typedef std::map<std::pair<int, int>, LeafCorner> Leaves;
     Leaves leaves;
-    for (size_t i = 0; i < corners.size(); i++)
-        leaves[std::make_pair(corners[i].row, corners[i].column)].push_back(corners[i]);
-    for (Leaves::iterator leaf = leaves.begin(); leaf != leaves.end(); ++leaf)
-        std::sort(leaf->second.begin(), leaf->second.end(), isBetterBase);
+    for (const LeafCorner& corner : corners)
+    {
+        LeafCorner& best = leaves.insert({{corner.row, corner.column}, corner}).first->second;
+        if (isBetterBase(corner, best))
+            best = corner;
+    }
 
     // The best of a leaf represents it, unless three or more of the 8 leaves around have a better one.
-    std::vector<Placed> representatives, sequence;
+    std::vector<Placed> representatives;
     std::set<std::pair<int, int>> represented;
     for (Leaves::iterator leaf = leaves.begin(); leaf != leaves.end(); ++leaf)
     {
@@ -149,72 +140,48 @@ std::vector<int> rankedSequence(const std::vector<LeafCorner>& corners, const Ra
                     leaves.find(std::make_pair(leaf->first.first + dy, leaf->first.second + dx));
                 if (other == leaves.end() || other == leaf)
                     continue;
-                const float base = leaf->second[0].base, otherBase = other->second[0].base;
+                const float base = leaf->second.base, otherBase = other->second.base;
                 const bool isEqual = !isHigher(base, otherBase) && !isHigher(otherBase, base);
                 better += isHigher(otherBase, base) || (isEqual && other->first < leaf->first);
             }
-        for (size_t i = 0; i < leaf->second.size(); i++)
-        {
-            const bool represents = i == 0 && better < 3;
-            (represents ? representatives : sequence)
-                .push_back({leaf->second[i], (int)i, represents,
-                            represents ? strengthOf(leaf->second[i]) : 0.f, 0, 0});
-        }
-        if (better < 3)
-            represented.insert(leaf->first);
+        if (better >= 3)
+            continue;
+        representatives.push_back({leaf->second, strengthOf(leaf->second), 0});
+        represented.insert(leaf->first);
     }
 
-    // Leaves that are (dx, dy) away are in the disc if dx^2 W^2 + dy^2 H^2 <= reach.
-    int64 W = rule.root.width, H = rule.root.height;
-    while (std::max(W, H) > 1 << 18)
-    {
-        W = std::max<int64>(W / 2, 1);
-        H = std::max<int64>(H / 2, 1);
-    }
-    const double R = rule.rankRadius;
-    const int64 reach = (int64)std::floor(R * R * rule.usable * (double)W * (double)H *
-                                          std::pow(4., rule.depth) / rule.quota);
-    int64 most = 0;  // |dx|
-    while ((most + 1) * (most + 1) * W * W <= reach)
+    // Leaves that are (dx, dy) away are in the disc if their centres are within the radius.
+    const int side = 1 << rule.depth;
+    const double W = (double)rule.root.width / side, H = (double)rule.root.height / side;
+    const double reach =
+        rule.rankRadius * rule.rankRadius * rule.usable * rule.root.width * rule.root.height / rule.quota;
+    const auto isInDisc = [&](int dx, int dy) { return dx * dx * (W * W) + dy * dy * (H * H) <= reach; };
+    int most = 0, highest = 0;  // |dx|, |dy|
+    while (most < side - 1 && isInDisc(most + 1, 0))
         most++;
-    int64 highest = 0;  // |dy|
-    while ((highest + 1) * (highest + 1) * H * H <= reach)
+    while (highest < side - 1 && isInDisc(0, highest + 1))
         highest++;
-    const int64 side = (int64)1 << rule.depth;
-    most = std::min(most, side - 1);
-    highest = std::min(highest, side - 1);
-    const int64 total = (2 * most + 1) * (2 * highest + 1);  // leaves of the square around the disc
+    const int64 total = ((int64)2 * most + 1) * (2 * highest + 1);  // leaves of the square around the disc
     for (size_t i = 0; i < representatives.size(); i++)
     {
         Placed& a = representatives[i];
-        const int64 column = a.corner.column, row = a.corner.row;
+        const int column = a.corner.column, row = a.corner.row;
         int64 stronger = 0, inside = 0;
-        for (size_t j = 0; j < representatives.size(); j++)
-        {
-            const Placed& b = representatives[j];
-            const int64 dx = b.corner.column - column, dy = b.corner.row - row;
-            if (dx * dx * W * W + dy * dy * H * H <= reach && isStronger(b, a))
-                stronger++;
-        }
-        for (int64 y = std::max(row - highest, (int64)0); y <= std::min(row + highest, side - 1); y++)
-            for (int64 x = std::max(column - most, (int64)0); x <= std::min(column + most, side - 1); x++)
-                inside +=
-                    isUnmasked((int)x, (int)y) || represented.count(std::make_pair((int)y, (int)x)) != 0;
+        for (const Placed& b : representatives)
+            stronger += isInDisc(b.corner.column - column, b.corner.row - row) && isStronger(b, a);
+        for (int y = std::max(row - highest, 0); y <= std::min(row + highest, side - 1); y++)
+            for (int x = std::max(column - most, 0); x <= std::min(column + most, side - 1); x++)
+                inside += isUnmasked(x, y) || represented.count(std::make_pair(y, x)) != 0;
         double key = binaryLogarithm((float)(1 + stronger * ((double)total / inside)));
-        if (rule.exponent > 0)
-        {
-            a.part = a.strength == std::numeric_limits<float>::infinity() ? 0 : a.strength > 0 ? 1 : 2;
-            if (a.part == 1)
-                key -= rule.exponent * binaryLogarithm(a.strength);
-        }
+        if (a.strength > 0)
+            key -= rule.exponent * binaryLogarithm(a.strength);
         a.key = (int64)(key * 65536);
-        sequence.push_back(a);
     }
 
-    std::sort(sequence.begin(), sequence.end(), comesBefore);
+    std::sort(representatives.begin(), representatives.end(), comesBefore);
     std::vector<int> indices;
-    for (size_t i = 0; i < sequence.size(); i++)
-        indices.push_back(sequence[i].corner.index);
+    for (const Placed& placed : representatives)
+        indices.push_back(placed.corner.index);
     return indices;
 }
 
@@ -236,6 +203,12 @@ KeyPoints retainUniform(const KeyPoints& keypoints, Size imageSize, int npoints)
         order = rankedSequence(
             corners, {imageSize, depth, 1, npoints, 1, 0.15}, [](int, int) { return true; },
             [](const LeafCorner& corner) { return corner.base; });
+    // The others follow by response.
+    const std::set<int> representatives(order.begin(), order.end());
+    std::sort(corners.begin(), corners.end(), isBetterBase);
+    for (const LeafCorner& corner : corners)
+        if (representatives.count(corner.index) == 0)
+            order.push_back(corner.index);
     order.resize(std::min(order.size(), (size_t)npoints));
     std::sort(order.begin(), order.end());
     KeyPoints kept;

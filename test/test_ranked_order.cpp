@@ -32,9 +32,8 @@ TEST(Aqorb_RankedOrder, depth_equals_reference)
         const double usable = i % 3 ? rng.uniform(0., 1.) : i % 2;
         ASSERT_EQ(rankedDepth(size, usable, quota), reference::rankedDepth(quota, usable, size))
             << size << usable << quota;
-        ASSERT_EQ(maxRankedDepth(size), reference::rankedDepth(INT_MAX, 1, size)) << size;
     }
-    EXPECT_EQ(maxRankedDepth(Size(INT_MAX, INT_MAX)), 12);
+    EXPECT_EQ(rankedDepth(Size(INT_MAX, INT_MAX), 1, INT_MAX), 12);
 }
 
 //! Points over a region, and the strengths of the representatives among them by their indices.
@@ -64,7 +63,7 @@ Scene randomScene(int seed, bool isLarge = false)
     Scene scene;
     const int shortest = isLarge ? 200 : 1;
     const Size size(rng.uniform(shortest, 300), rng.uniform(shortest, 300));
-    const int depth = rng.uniform(isLarge ? 5 : 0, isLarge ? 7 : maxRankedDepth(size) + 1);
+    const int depth = rng.uniform(isLarge ? 5 : 0, isLarge ? 7 : rankedDepth(size, 1, INT_MAX) + 1);
     scene.rule = {size,
                   depth,
                   1,
@@ -105,12 +104,11 @@ std::vector<int> expectedOrder(const Scene& scene)
 //! The order of a scene, step by step.
 std::vector<int> orderOf(const Scene& scene)
 {
-    static OrderScratch scratch;  // Scenes of all sizes share it.
     std::vector<LeafPoint> points;
     for (const reference::LeafCorner& corner : scene.corners)
         points.push_back(
             {unsigned(corner.row << scene.rule.depth | corner.column), aqorb::sortKey(corner.base)});
-    const std::vector<unsigned> representatives = findRepresentatives(points, scene.rule.depth, scratch);
+    const std::vector<unsigned> representatives = findRepresentatives(points, scene.rule.depth);
     std::vector<unsigned> leaves, order;
     std::vector<float> strengths;
     for (unsigned index : representatives)
@@ -120,8 +118,6 @@ std::vector<int> orderOf(const Scene& scene)
     }
     for (unsigned index : orderRepresentatives(leaves, strengths, scene.rule, scene.usable))
         order.push_back(representatives[index]);
-    const std::vector<unsigned> others = orderOthers(points, representatives);
-    order.insert(order.end(), others.begin(), others.end());
     std::vector<int> indices;
     for (unsigned index : order)
         indices.push_back(scene.corners[index].index);
@@ -141,7 +137,7 @@ TEST(Aqorb_RankedOrder, equals_reference)
         ASSERT_EQ(orderOf(scene), expected);
         compared += expected.size();
     }
-    EXPECT_GT(compared, 200000u);
+    EXPECT_GT(compared, 50000u);
 }
 
 }  // namespace

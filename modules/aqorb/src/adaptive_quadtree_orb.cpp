@@ -195,18 +195,13 @@ std::vector<FeatureList> AdaptiveQuadtreeORBImpl::findFeatures(const Level& inpu
     const auto& corners = findCorners(levels, regions, rules, threads, space.corners);
 
     // Their order.
-    space.orders.resize(std::max(space.orders.size(), size_t(threads)));
-    std::vector<LevelOrder> orders(levels.size());
+    CornersOfLevels orders(levels.size());
     forEach(levels.size(), threads,
-            [&](size_t i, int thread)
-            {
-                orders[i] = orderCorners(parameters, levels[i], plans[i], tables.strengthPatch, corners[i],
-                                         space.orders[thread]);
-            });
+            [&](size_t i, int)
+            { orders[i] = orderCorners(parameters, levels[i], plans[i], tables.strengthPatch, corners[i]); });
 
     // Selection over all levels.
-    Selected selected =
-        selectAcrossLevels(parameters, input.image.size(), levels, plans, corners, orders, space.marks);
+    CornersOfLevels selected = selectAcrossLevels(parameters, input.image.size(), levels, plans, orders);
     size_t count = 0;
     for (const std::vector<CornerResponse>& ofLevel : selected)
         count += ofLevel.size();
@@ -215,11 +210,11 @@ std::vector<FeatureList> AdaptiveQuadtreeORBImpl::findFeatures(const Level& inpu
         // Corners have run out: one search without the rules fills up.
         const CornerRules noRules = {{rules.thresholds.min, rules.thresholds.min}, false};
         const auto& all = findCorners(levels, regions, noRules, threads, space.corners);
-        std::vector<std::vector<CornerResponse>> responses(levels.size());
+        CornersOfLevels responses(levels.size());
         forEach(levels.size(), threads,
                 [&](size_t i, int)
                 { responses[i] = responsesOf(levels[i].image, all[i], rules.suppressNear); });
-        fillUp(responses, size_t(parameters.nfeatures) - count, selected);
+        fillUp(levels, responses, size_t(parameters.nfeatures) - count, selected);
     }
 
     std::vector<FeatureList> features(levels.size());

@@ -14,6 +14,17 @@ namespace cv
 namespace aqorb
 {
 
+// Takes the excess from the finest levels, which have the most features.
+static void takeExcess(int64 excess, std::vector<int>& quotas)
+{
+    for (size_t level = 0; excess > 0; level++)
+    {
+        const int taken = int(std::min<int64>(excess, quotas[level]));
+        quotas[level] -= taken;
+        excess -= taken;
+    }
+}
+
 std::vector<int> balancedQuotas(int nfeatures, double scaleFactor, int nlevels)
 {
     const float factor = float(1.0 / scaleFactor);
@@ -78,7 +89,7 @@ std::vector<unsigned> balancedOrder(const std::vector<LeafPoint>& points, int de
     return sortIndices(keys);
 }
 
-void balance(const LevelPlan& plan, std::vector<CornerResponse>& corners)
+std::vector<CornerResponse> balancedCorners(const LevelPlan& plan, const std::vector<CornerResponse>& corners)
 {
     const LeafGrid leaves(plan.root, plan.depth);
     std::vector<LeafPoint> points;
@@ -87,7 +98,7 @@ void balance(const LevelPlan& plan, std::vector<CornerResponse>& corners)
     std::vector<CornerResponse> ordered;
     for (unsigned index : balancedOrder(points, plan.depth))
         ordered.push_back(corners[index]);
-    corners.swap(ordered);
+    return ordered;
 }
 
 }  // namespace aqorb

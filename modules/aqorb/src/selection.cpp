@@ -3,7 +3,8 @@
 // of this distribution.
 // SPDX-License-Identifier: Apache-2.0
 
-// The rule by which corners become keypoints, in the order of doc/selection.md: its points 2 to 6, within a level.
+// The rule by which corners become keypoints, in the order of doc/selection.md: its points 1 to 6, up to
+// the order in which a level offers its corners.
 
 #include "precomp.hpp"
 
@@ -14,23 +15,80 @@ namespace cv
 namespace aqorb
 {
 
-// ---- 2. tree ----------------------------------------------------------------------------------
+// ---- 1. quotas --------------------------------------------------------------------------------
 
-int maxRankedDepth(Size region)
+std::vector<int> rankedQuotas(int nfeatures, const std::vector<Size>& regions,
+                              const std::vector<float>& scales)
 {
-    const int MAX_RANKED_DEPTH = 12, side = std::min(region.width, region.height);
-    int depth = 0;
-    while (depth < MAX_RANKED_DEPTH && (int64(4) << depth) <= side)
-        depth++;
-    return depth;
+    std::vector<double> sums(regions.size());  // of the shares of a level and of the coarser ones
+    double sum = 0;
+    for (size_t level = regions.size(); level-- > 0;)
+    {
+        const double scale = scales[level], area = double(regions[level].width) * regions[level].height;
+        sum += (level == 0 ? 1.5 : 1.) * area * (scale * std::sqrt(std::sqrt(scale)));
+        sums[level] = sum;
+    }
+    std::vector<int> quotas(regions.size());
+    int given = 0;
+    for (size_t level = regions.size(); level-- > 0;)
+    {
+        // The sums are rounded, so that the quotas add up.
+        const int upToLevel = cvRound(nfeatures * (sums[level] / sum));
+        quotas[level] = upToLevel - given;
+        given = upToLevel;
+    }
+    return quotas;
 }
+
+// The share of the region that the mask does not exclude. Rows are counted one by one, because countNonZero counts by
+// int.
+static double usableShare(const Mat& mask, const Rect& region)
+{
+    double usable = 0;
+    for (int y = region.y; y < region.y + region.height && !mask.empty(); y++)
+        usable += countNonZero(mask.row(y).colRange(region.x, region.x + region.width));
+    return mask.empty() ? 1 : usable / (double(region.width) * region.height);
+}
+
+std::vector<LevelPlan> planLevels(const Parameters& parameters, const std::vector<Level>& levels)
+{
+    const bool isRanked = parameters.selectionType == AdaptiveQuadtreeORB::RANKED_SELECTION;
+    std::vector<Size> regions;
+    std::vector<float> scales;
+    for (const Level& level : levels)
+    {
+        regions.push_back(parameters.keypointRegion(level.image.size()).size());
+        scales.push_back(level.scale);
+    }
+    const std::vector<int> quotas =
+        isRanked ? rankedQuotas(parameters.nfeatures, regions, scales)
+                 : balancedQuotas(parameters.nfeatures, parameters.scaleFactor, parameters.nlevels);
+    std::vector<LevelPlan> plans;
+    for (size_t i = 0; i < levels.size(); i++)
+    {
+        LevelPlan plan;
+        plan.root = parameters.keypointRegion(levels[i].image.size());
+        plan.usable = usableShare(levels[i].mask, plan.root);
+        plan.quota = quotas[i];
+        plan.depth = isRanked ? rankedDepth(regions[i], plan.usable, std::max(quotas[i], 1))
+                              : balancedDepth(quotas[i]);
+        plans.push_back(plan);
+    }
+    // The paper's quotas include those of levels too small for a keypoint, which go to the last level that is not.
+    if (!plans.empty())
+        plans.back().quota = std::accumulate(quotas.begin() + plans.size() - 1, quotas.end(), 0);
+    return plans;
+}
+
+// ---- 2. tree ----------------------------------------------------------------------------------
 
 int rankedDepth(Size region, double usable, int quota)
 {
     const double LEAVES_PER_POINT = 9;
-    const int deepest = maxRankedDepth(region);
+    const int DEEPEST = 12;
     int depth = 0;
-    while (depth < deepest && double(int64(1) << (2 * depth)) * usable < LEAVES_PER_POINT * quota)
+    while (depth < DEEPEST && int64(4) << depth <= std::min(region.width, region.height) &&
+           double(int64(1) << (2 * depth)) * usable < LEAVES_PER_POINT * quota)
         depth++;
     return depth;
 }
@@ -52,15 +110,12 @@ Point LeafGrid::centre(unsigned leaf) const
 
 // ---- 3. representatives -----------------------------------------------------------------------
 
-std::vector<unsigned> findRepresentatives(const std::vector<LeafPoint>& points, int depth,
-                                          OrderScratch& scratch)
+std::vector<unsigned> findRepresentatives(const std::vector<LeafPoint>& points, int depth)
 {
     const unsigned side = 1u << depth, stride = side + 2;  // the grid has a border of one leaf
     const auto inGrid = [=](unsigned leaf) { return leaf + 2 * (leaf >> depth) + stride + 1; };
-    scratch.grid.assign(size_t(stride) * stride, INT_MIN);
-    scratch.best.resize(scratch.grid.size());
-    int* const grid = scratch.grid.data();
-    unsigned* const best = scratch.best.data();
+    std::vector<int> grid(size_t(stride) * stride, INT_MIN);  // the key of the best point of a leaf
+    std::vector<unsigned> best(grid.size());                  // that point
     for (size_t i = 0; i < points.size(); i++)
     {
         // Without branches, which would be hard to predict. Of equal points the first one stays.
@@ -123,25 +178,21 @@ std::vector<float> strengthsOf(const Mat& image, const std::vector<Corner>& corn
 
 // ---- 5. rank ----------------------------------------------------------------------------------
 
-// A disc of leaves: those at offsets (dx, dy) with dx^2 width^2 + dy^2 height^2 <= squared, where a leaf is of width x
-// height. The unit is 2^-depth pixels, in which a leaf is as large as the region is in pixels.
+// A disc of leaves: those at offsets (dx, dy) whose centres are within the radius.
 struct LeafDisc
 {
     explicit LeafDisc(const RankRule& rule)
     {
-        Size leaf = rule.region;
-        while (std::max(leaf.width, leaf.height) > 1 << 18)  // so that squares fit
-            leaf = Size(std::max(leaf.width / 2, 1), std::max(leaf.height / 2, 1));
-        const double leaves = double(int64(1) << (2 * rule.depth));
-        const double area = rule.usable * leaf.width * leaf.height * leaves / rule.quota;
-        const int64 squared = int64(std::min(rule.radius * rule.radius * area, 4e18));
-        const int64 width2 = int64(leaf.width) * leaf.width, height2 = int64(leaf.height) * leaf.height;
-        int64 dx = int64(std::sqrt(double(squared))) / leaf.width + 1;  // not too small
-        for (int64 dy = 0; dy < int64(1) << rule.depth && dy * dy * height2 <= squared; dy++)
+        const int side = 1 << rule.depth;
+        const double width = double(rule.region.width) / side, height = double(rule.region.height) / side;
+        const double squared =
+            rule.radius * rule.radius * rule.usable * rule.region.width * rule.region.height / rule.quota;
+        int dx = side - 1;
+        for (int dy = 0; dy < side && dy * dy * (height * height) <= squared; dy++)
         {
-            while (dx * dx * width2 + dy * dy * height2 > squared)
+            while (dx * dx * (width * width) + dy * dy * (height * height) > squared)
                 dx--;
-            halfWidths.push_back(int(std::min<int64>(dx, (1 << rule.depth) - 1)));
+            halfWidths.push_back(dx);
         }
     }
     int width() const { return halfWidths[0]; }
@@ -188,18 +239,16 @@ static std::vector<int> countStronger(const std::vector<unsigned>& leaves, const
 // By how much ranks are scaled up: the leaves of the square around the disc over those of them that lie inside of the
 // region and are not masked. A leaf with a representative counts even if its centre is masked.
 static std::vector<double> inverseSharesOf(const std::vector<unsigned>& leaves, const LeafDisc& disc,
-                                           int depth, std::vector<uchar> usable)
+                                           int depth, const std::vector<uchar>& usable)
 {
     const int side = 1 << depth;
-    for (size_t i = 0; i < leaves.size() && !usable.empty(); i++)
-        usable[leaves[i]] = 1;
-    Mat1i sums(side + 1, side + 1, 0);  // of the usable leaves above and on the left
-    for (int row = 0; row < side; row++)
-        for (int column = 0, sum = 0; column < side; column++)
-        {
-            sum += usable.empty() || usable[size_t(row) * side + column];
-            sums(row + 1, column + 1) = sums(row, column + 1) + sum;
-        }
+    Mat1b counted(side, side, 1);
+    for (size_t leaf = 0; leaf < usable.size(); leaf++)
+        counted(int(leaf)) = usable[leaf] != 0;
+    for (unsigned leaf : leaves)
+        counted(int(leaf)) = 1;
+    Mat1i sums;  // of the leaves above and on the left
+    integral(counted, sums, CV_32S);
     const double whole = (2. * disc.width() + 1) * (2. * disc.height() + 1);
     std::vector<double> inverses(leaves.size());
     for (size_t i = 0; i < leaves.size(); i++)
@@ -224,16 +273,12 @@ static double binaryLogarithm(float v)
     return double(bits.i);
 }
 
-// The logarithm of (1 + rank) / strength^exponent. A strength of 0 or infinity exceeds what any other one and any rank
-// contribute.
+// The logarithm of (1 + rank) / strength^exponent. What has no strength comes last.
 static int64 placeOf(double rank, float strength, double exponent)
 {
-    const double BEYOND_RANKS = 1 << 28;
+    const double BEYOND_RANKS = 1 << 29;
     double key = binaryLogarithm(float(1 + rank));
-    if (exponent > 0 && strength > 0)
-        key -= exponent * binaryLogarithm(strength) + (cvIsInf(strength) ? BEYOND_RANKS : 0);
-    else if (exponent > 0)
-        key += BEYOND_RANKS;
+    key += strength > 0 ? -exponent * binaryLogarithm(strength) : BEYOND_RANKS;
     return int64(key * (1 << 16));
 }
 
@@ -263,40 +308,6 @@ std::vector<unsigned> orderRepresentatives(const std::vector<unsigned>& leavesGi
     return order;
 }
 
-std::vector<unsigned> orderOthers(const std::vector<LeafPoint>& points,
-                                  const std::vector<unsigned>& representatives)
-{
-    CV_TRACE_FUNCTION();
-    std::vector<uint64> keys;
-    for (const LeafPoint& point : points)
-        keys.push_back(uint64(point.leaf) << 32 | descendingKey(point.key));
-    const std::vector<unsigned> byLeaf = sortIndices(keys);
-    for (size_t i = 0, place = 0; i < byLeaf.size(); i++)
-    {
-        const LeafPoint& point = points[byLeaf[i]];
-        place = i > 0 && points[byLeaf[i - 1]].leaf == point.leaf ? place + 1 : 0;
-        keys[byLeaf[i]] = uint64(place) << 32 | descendingKey(point.key);
-    }
-    std::vector<uchar> represents(points.size());
-    for (unsigned point : representatives)
-        represents[point] = 1;
-    std::vector<unsigned> others = sortIndices(keys);
-    others.erase(
-        std::remove_if(others.begin(), others.end(), [&](unsigned point) { return represents[point] != 0; }),
-        others.end());
-    return others;
-}
-
-// The points of corners: of a leaf the corner of the highest FAST score is the best.
-static void findLeaves(const LevelPlan& plan, const std::vector<Corner>& corners,
-                       std::vector<LeafPoint>& points)
-{
-    const LeafGrid leaves(plan.root, plan.depth);
-    points.resize(corners.size());
-    for (size_t i = 0; i < corners.size(); i++)
-        points[i] = {leaves.leaf(corners[i].x, corners[i].y), corners[i].score};
-}
-
 // By leaf: whether its centre may have a corner; empty: they all may.
 static std::vector<uchar> usableLeaves(const Mat& mask, const LevelPlan& plan)
 {
@@ -307,54 +318,35 @@ static std::vector<uchar> usableLeaves(const Mat& mask, const LevelPlan& plan)
     return usable;
 }
 
-LevelOrder orderCorners(const Parameters& parameters, const Level& level, const LevelPlan& plan,
-                        const OrientationPatch& patch, const std::vector<Corner>& corners,
-                        OrderScratch& scratch)
+std::vector<CornerResponse> orderCorners(const Parameters& parameters, const Level& level,
+                                         const LevelPlan& plan, const OrientationPatch& patch,
+                                         const std::vector<Corner>& corners)
 {
     CV_TRACE_FUNCTION();
     const bool useHarris = parameters.scoreType == ORB::HARRIS_SCORE;
-    LevelOrder order;
     if (parameters.selectionType == AdaptiveQuadtreeORB::BALANCED_SELECTION)
+        return balancedCorners(plan, responsesOf(level.image, corners, useHarris));
+    const LeafGrid grid(plan.root, plan.depth);
+    std::vector<LeafPoint> points(corners.size());
+    for (size_t i = 0; i < corners.size(); i++)
+        points[i] = {grid.leaf(corners[i].x, corners[i].y), corners[i].score};
+    std::vector<Corner> representatives;
+    std::vector<unsigned> leaves;
+    for (unsigned index : findRepresentatives(points, plan.depth))
     {
-        order.corners = responsesOf(level.image, corners, useHarris);
-        order.indices.resize(corners.size());
-        std::iota(order.indices.begin(), order.indices.end(), 0u);
-        return order;
-    }
-    findLeaves(plan, corners, scratch.points);
-    order.indices = findRepresentatives(scratch.points, plan.depth, scratch);
-    std::vector<Corner> representatives(order.indices.size());
-    std::vector<unsigned> leaves(order.indices.size());
-    for (size_t i = 0; i < leaves.size(); i++)
-    {
-        representatives[i] = corners[order.indices[i]];
-        leaves[i] = scratch.points[order.indices[i]].leaf;
+        representatives.push_back(corners[index]);
+        leaves.push_back(points[index].leaf);
     }
     const std::vector<CornerResponse> responses = responsesOf(level.image, representatives, useHarris);
     const RankRule rule = {plan.root.size(),      plan.depth,
                            plan.usable,           std::max(plan.quota, 1),
                            parameters.rankRadius, parameters.strengthWeight / 4};
+    std::vector<CornerResponse> ordered;
     for (unsigned index :
          orderRepresentatives(leaves, strengthsOf(level.image, representatives, responses, useHarris, patch),
                               rule, usableLeaves(level.mask, plan)))
-        order.corners.push_back(responses[index]);
-    return order;
-}
-
-void appendOthers(const Parameters& parameters, const Level& level, const LevelPlan& plan,
-                  const std::vector<Corner>& corners, LevelOrder& order)
-{
-    std::vector<LeafPoint> points;
-    findLeaves(plan, corners, points);
-    std::vector<Corner> others;
-    for (unsigned index : orderOthers(points, order.indices))
-    {
-        others.push_back(corners[index]);
-        order.indices.push_back(index);
-    }
-    const std::vector<CornerResponse> responses =
-        responsesOf(level.image, others, parameters.scoreType == ORB::HARRIS_SCORE);
-    order.corners.insert(order.corners.end(), responses.begin(), responses.end());
+        ordered.push_back(responses[index]);
+    return ordered;
 }
 
 }  // namespace aqorb

@@ -24,16 +24,23 @@ namespace aqorb
 //! for the finest level.
 std::vector<int> rankedQuotas(int nfeatures, const std::vector<Size>& regions,
                               const std::vector<float>& scales);
-//! Takes the excess from the finest levels, which have the most features.
-void takeExcess(int64 excess, std::vector<int>& quotas);
+
+//! What a level is to contribute.
+struct LevelPlan
+{
+    Rect root;      //!< of the quadtree: the region in which keypoints may be
+    int quota;      //!< number of features
+    double usable;  //!< the share of the root that no mask excludes
+    int depth;      //!< of the quadtree
+};
+std::vector<LevelPlan> planLevels(const Parameters& parameters, const std::vector<Level>& levels);
 
 // ---- 2. tree ----------------------------------------------------------------------------------
 
-//! The smallest depth with 9 usable leaves for each of `quota` points, at most maxRankedDepth.
+//! The smallest depth with 9 usable leaves for each of `quota` points, but at most 12, and so that leaves are at least 2
+//! pixels a side.
 //! @param usable the share of the region that no mask excludes
 int rankedDepth(Size region, double usable, int quota);
-//! The greatest depth, at most 12, at which leaves are at least 2 pixels a side.
-int maxRankedDepth(Size region);
 
 //! The leaves of a quadtree over a region: 2^depth columns and rows, numbered row by row.
 class LeafGrid
@@ -56,16 +63,6 @@ private:
     std::vector<unsigned> columns, rows;  // by pixel: what it contributes to the number of its leaf
 };
 
-//! What a level is to contribute.
-struct LevelPlan
-{
-    Rect root;      //!< of the quadtree: the region in which keypoints may be
-    int quota;      //!< number of features
-    double usable;  //!< the share of the root that no mask excludes
-    int depth;      //!< of the quadtree
-};
-std::vector<LevelPlan> planLevels(const Parameters& parameters, const std::vector<Level>& levels);
-
 // ---- 3. representatives -----------------------------------------------------------------------
 
 //! A point that is to be put in order. Points come in the order that breaks ties.
@@ -75,19 +72,10 @@ struct LeafPoint
     int key;        //!< the greater, the better: a FAST score, or the sortKey of a response
 };
 
-//! The large buffers of an order.
-struct OrderScratch
-{
-    std::vector<LeafPoint> points;
-    std::vector<int> grid;       // by leaf, with a border: the key of its best point
-    std::vector<unsigned> best;  // by leaf, with a border: that point
-};
-
 /** The best point of each leaf, unless more than two of the leaf's eight neighbours have a better one. Of equally good
  points the first one is better.
  @return their indices, in the order of the leaves */
-std::vector<unsigned> findRepresentatives(const std::vector<LeafPoint>& points, int depth,
-                                          OrderScratch& scratch);
+std::vector<unsigned> findRepresentatives(const std::vector<LeafPoint>& points, int depth);
 
 // ---- 4. strength ------------------------------------------------------------------------------
 
@@ -120,24 +108,11 @@ struct RankRule
 std::vector<unsigned> orderRepresentatives(const std::vector<unsigned>& leaves,
                                            const std::vector<float>& strengths, const RankRule& rule,
                                            const std::vector<uchar>& usable);
-//! The order of the points that are no representatives: by their place in their leaf, then by their keys.
-std::vector<unsigned> orderOthers(const std::vector<LeafPoint>& points,
-                                  const std::vector<unsigned>& representatives);
 
-//! The corners of a level in the order in which they are to be taken.
-struct LevelOrder
-{
-    //! At first the representatives; with BALANCED_SELECTION all, in raster order.
-    std::vector<CornerResponse> corners;
-    //! Which of the level's corners these are, in any order.
-    std::vector<unsigned> indices;
-};
-LevelOrder orderCorners(const Parameters& parameters, const Level& level, const LevelPlan& plan,
-                        const OrientationPatch& patch, const std::vector<Corner>& corners,
-                        OrderScratch& scratch);
-//! Appends the corners that are no representatives.
-void appendOthers(const Parameters& parameters, const Level& level, const LevelPlan& plan,
-                  const std::vector<Corner>& corners, LevelOrder& order);
+//! The corners of a level that may become keypoints, in the order in which they are to be taken.
+std::vector<CornerResponse> orderCorners(const Parameters& parameters, const Level& level,
+                                         const LevelPlan& plan, const OrientationPatch& patch,
+                                         const std::vector<Corner>& corners);
 
 // ---- the paper's selection --------------------------------------------------------------------
 
@@ -147,23 +122,24 @@ std::vector<int> balancedQuotas(int nfeatures, double scaleFactor, int nlevels);
 int balancedDepth(int quota);
 //! The paper's order, by Figure 2: balanced over the tree, and within a part by response.
 std::vector<unsigned> balancedOrder(const std::vector<LeafPoint>& points, int depth);
-//! Puts the corners of a level, which come in raster order, into the paper's order.
-void balance(const LevelPlan& plan, std::vector<CornerResponse>& corners);
+//! The corners of a level, which come in raster order, in the paper's order.
+std::vector<CornerResponse> balancedCorners(const LevelPlan& plan,
+                                            const std::vector<CornerResponse>& corners);
 
 // ---- 7. across levels, 8. when corners run out -------------------------------------------------
 
-//! The corners that become keypoints, by level.
-typedef std::vector<std::vector<CornerResponse>> Selected;
+//! Corners by level.
+typedef std::vector<std::vector<CornerResponse>> CornersOfLevels;
 
-/** Takes as many corners of each level as its quota and what coarser levels left over, from coarse to fine, and then as
- many as are missing, from fine to coarse. It passes over corners near a keypoint of another level.
- @param marks work space */
-Selected selectAcrossLevels(const Parameters& parameters, Size imageSize, const std::vector<Level>& levels,
-                            const std::vector<LevelPlan>& plans,
-                            const std::vector<std::vector<Corner>>& corners, std::vector<LevelOrder>& orders,
-                            std::vector<uchar>& marks);
-//! Adds so many of the corners that are not selected yet, those of the highest responses.
-void fillUp(const std::vector<std::vector<CornerResponse>>& corners, size_t missing, Selected& selected);
+/** The corners that become keypoints: as many of each level as its quota and what coarser levels left over, from coarse
+ to fine, and then as many as are missing, from fine to coarse. It passes over corners near a keypoint of another
+ level. */
+CornersOfLevels selectAcrossLevels(const Parameters& parameters, Size imageSize,
+                                   const std::vector<Level>& levels, const std::vector<LevelPlan>& plans,
+                                   const CornersOfLevels& orders);
+//! Adds so many of the corners that are not selected yet, those of the highest response times scale.
+void fillUp(const std::vector<Level>& levels, const CornersOfLevels& corners, size_t missing,
+            CornersOfLevels& selected);
 
 // ---- 9. order of output -----------------------------------------------------------------------
 

@@ -96,7 +96,6 @@ void retainUniform(std::vector<KeyPoint>& keypoints, Size imageSize, int npoints
         // Positions are not bound to pixels, so leaves may be smaller.
         const int depth = rankedDepth(Size(INT_MAX, INT_MAX), 1, npoints);
         std::vector<LeafPoint> points;
-        OrderScratch scratch;
         for (unsigned index : inside)
         {
             const Point2f p = keypoints[index].pt;
@@ -104,7 +103,7 @@ void retainUniform(std::vector<KeyPoint>& keypoints, Size imageSize, int npoints
                                   LeafGrid::index(p.y, imageSize.height, depth) << depth,
                               sortKey(keypoints[index].response)});
         }
-        const std::vector<unsigned> representatives = findRepresentatives(points, depth, scratch);
+        const std::vector<unsigned> representatives = findRepresentatives(points, depth);
         std::vector<unsigned> leaves;
         std::vector<float> strengths;
         for (unsigned index : representatives)
@@ -115,13 +114,22 @@ void retainUniform(std::vector<KeyPoint>& keypoints, Size imageSize, int npoints
         // More even than the defaults of the detector: here all keypoints are of one level.
         const double RADIUS = 1, WEIGHT = 0.15;
         const RankRule rule = {imageSize, depth, 1, std::max(npoints, 1), RADIUS, WEIGHT};
+        std::vector<uchar> isListed(keypoints.size());
         for (unsigned index : orderRepresentatives(leaves, strengths, rule, std::vector<uchar>()))
-            order.push_back(representatives[index]);
-        const std::vector<unsigned> others = orderOthers(points, representatives);
-        order.insert(order.end(), others.begin(), others.end());
+        {
+            order.push_back(inside[representatives[index]]);
+            isListed[order.back()] = 1;
+        }
+        // When representatives run out, the others follow by response.
+        std::stable_sort(inside.begin(), inside.end(),
+                         [&](unsigned a, unsigned b)
+                         { return sortKey(keypoints[a].response) > sortKey(keypoints[b].response); });
+        for (unsigned index : inside)
+        {
+            if (!isListed[index])
+                order.push_back(index);
+        }
         order.resize(npoints);
-        for (unsigned& index : order)
-            index = inside[index];
         inside.swap(order);
     }
     std::sort(inside.begin(), inside.end());

@@ -24,8 +24,6 @@ struct Workspace
     std::vector<uchar> gray;  //!< the image, where the caller's has colours
     PyramidSpace pyramid;
     CornerSpace corners;
-    std::vector<OrderScratch> orders;              //!< of each thread
-    std::vector<uchar> marks;                      //!< of selectAcrossLevels
     std::vector<DescriptionScratch> descriptions;  //!< of each thread
 };
 

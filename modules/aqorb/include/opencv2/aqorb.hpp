@@ -314,13 +314,9 @@ Use it in place of cv::KeyPointsFilter::retainBest, which keeps the highest resp
 that of RANKED_SELECTION with a StrengthWeight of 0.15 and a RankRadius of 1. The response takes the place of the FAST
 score and of the strength, and octaves are ignored. The quadtree spans the whole image and has at least 9 leaves for
 each keypoint that is kept. The best keypoint of a leaf represents it, unless at least three of the eight leaves around
-it have better ones. The representatives come in this order:
--# those of infinite response, by their rank;
--# those of positive response, by (1 + rank) / response^StrengthWeight;
--# those whose response is zero, negative or NaN, by their rank.
-
-The other keypoints follow: the best ones of leaves that no keypoint represents, then the second best ones of all
-leaves, and so on, each time by response. In every comparison NaN counts as the lowest response. Of equal responses in a
+it have better ones. The representatives come by (1 + rank) / response^StrengthWeight, where infinity counts as 2^128.
+Those whose response is zero, negative or NaN come after them, by their rank. The other keypoints follow by response. In
+every comparison NaN counts as the lowest response. Of equal responses in a
 leaf the keypoint of lower y is preferred, then that of lower x, then that of lower index. Multiplying all responses by
 a positive constant changes nothing, as long as the products are neither rounded nor out of the range of a float.
 
