@@ -60,7 +60,8 @@ def _from_text(text):  # for pickle, which takes functions of Python only
 
 def __getattr__(name):
     if name == 'error':  # its base is a class of cv2
-        return _aqorb._error()
+        from ._cv2 import error
+        return error
     raise AttributeError("module 'aqorb' has no attribute {!r}".format(name))
 
 

@@ -5,37 +5,39 @@
 """A detector's parameters in files and in cv2's storages. They come as the text that OpenCV writes, as the storages of
 cv2 are not those of the OpenCV that the package has."""
 
+import contextlib
 import gzip
 import os
+import reprlib
 
 import aqorb
 
 
-def path_of(file_name, accepted):
-    """The path in the encoding of file names, from whatever open() takes as one."""
+@contextlib.contextmanager
+def opened(file_name, mode, accepted):
+    """Opens whatever open() takes as the name of a file. Its end chooses the format, also before .gz."""
     try:
         path = os.fsencode(file_name)
     except TypeError:
-        raise TypeError(f'fileName must be a str, a path or a cv2.{accepted}, got '
-                        f'{aqorb._aqorb._brief(file_name)}') from None
-    if b'\0' in path:
-        raise aqorb.error(f'fileName must be a path of the system, got {file_name!r}')
-    return path
-
-
-def text_name(path):
-    """The end of the name chooses the format."""
-    return os.path.basename(path[:-3] if path.endswith(b'.gz') else path)
-
-
-def save(path, text):
-    """By Python, because cv::FileStorage does not tell that a disk is full."""
+        raise TypeError(f'fileName must be a str, a path or a cv2.{accepted}, got {reprlib.repr(file_name)}') from None
+    is_packed = path.endswith(b'.gz')
     try:
-        with open(path, 'wb') as file:
-            file.write(gzip.compress(text) if path.endswith(b'.gz') else text)
-    except OSError as error:
-        shown = path.decode(errors='backslashreplace')
-        raise aqorb.error(f"fileName must be a file that can be written, got '{shown}' ({error})") from None
+        with (gzip.open if is_packed else open)(path, mode) as file:
+            yield file, os.path.basename(path[:-3] if is_packed else path)
+    except (OSError, EOFError, ValueError) as error:
+        done = 'written' if mode == 'wb' else 'read'
+        raise aqorb.error(f'fileName must be a file that can be {done}, got {os.fsdecode(path)!r} ({error})') from None
+
+
+def save(file_name, text_of):
+    """By Python, because cv::FileStorage does not tell that a disk is full."""
+    with opened(file_name, 'wb', 'FileStorage') as (file, name):
+        file.write(text_of(name))
+
+
+def load(file_name, read):
+    with opened(file_name, 'rb', 'FileNode') as (file, _):
+        read(file.read())
 
 
 def root_of(text):

@@ -15,16 +15,18 @@
 
 #include <pybind11/pybind11.h>
 
+#include <type_traits>
+
 namespace aqorb_python
 {
 
 namespace py = pybind11;
 
-//! Whether the object is an instance of a class of cv2. If nobody has imported cv2, there are none.
+//! Whether the object is an instance of a class of cv2.
 inline bool isInstance(py::handle object, const char* cv2Class)
 {
-    const py::object cv2 = importedModule("cv2");
-    return cv2 && py::hasattr(cv2, cv2Class) && py::isinstance(object, cv2.attr(cv2Class));
+    const py::object type = knownClass(cv2Class);
+    return type && py::isinstance(object, type);
 }
 
 template <typename Kind> struct Object
@@ -45,9 +47,6 @@ template <typename Kind> struct Object
         }                                                          \
     };                                                             \
     typedef Object<Name##Kind> Name##Object;
-AQORB_ARGUMENT(Bool, "bool", true)
-AQORB_ARGUMENT(Int, "int", true)
-AQORB_ARGUMENT(Float, "float", true)
 AQORB_ARGUMENT(Image, "Optional[numpy.ndarray]", !isSequence(object))
 AQORB_ARGUMENT(Images, "Sequence[Optional[numpy.ndarray]]", isSequence(object))
 AQORB_ARGUMENT(ImageList, "Sequence[Optional[numpy.ndarray]]", true)
@@ -61,39 +60,22 @@ AQORB_ARGUMENT(KeyPointTuple, "Tuple[cv2.KeyPoint, ...]", true)
 AQORB_ARGUMENT(ArrayTuple, "Tuple[numpy.ndarray, ...]", true)
 AQORB_ARGUMENT(MatchTuple, "Tuple[cv2.DMatch, ...]", true)
 AQORB_ARGUMENT(MatchLists, "Tuple[Tuple[cv2.DMatch, ...], ...]", true)
-AQORB_ARGUMENT(Size, "Tuple[int, int]", true)
 AQORB_ARGUMENT(OptionalInt, "Optional[int]", true)
 AQORB_ARGUMENT(OptionalFloat, "Optional[float]", true)
-AQORB_ARGUMENT(FloatPair, "Tuple[float, float]", true)
 AQORB_ARGUMENT(FileStorage, "cv2.FileStorage", isInstance(object, "FileStorage"))
 AQORB_ARGUMENT(FileNode, "cv2.FileNode", isInstance(object, "FileNode"))
 AQORB_ARGUMENT(FileName, "Union[str, os.PathLike]", true)
 #undef AQORB_ARGUMENT
 
-//! Whether the object is an int, or converts to one without loss as those of numpy do, and has at most 32 bits.
-bool isInt(py::handle object, int& value);
-
-// The number that is passed as an argument of this name.
-bool toNumber(const BoolObject& object, const char* name);
-int toNumber(const IntObject& object, const char* name);
-double toNumber(const FloatObject& object, const char* name);
-
 //! What Python passes and gets for a property of the type. An enumeration is an int.
-template <typename T> struct InPython
+template <typename T> using InPython = typename std::conditional<std::is_enum<T>::value, int, T>::type;
+
+//! The name of a number, which is taken as it is: pybind11 would make an int of whatever converts to one.
+template <typename T> py::arg numberOf(const char* name)
 {
-    typedef IntObject Argument;
-    typedef int Result;
-};
-template <> struct InPython<double>
-{
-    typedef FloatObject Argument;
-    typedef double Result;
-};
-template <> struct InPython<bool>
-{
-    typedef BoolObject Argument;
-    typedef bool Result;
-};
+    py::arg argument(name);
+    return argument.noconvert(std::is_same<InPython<T>, int>::value);
+}
 
 }  // namespace aqorb_python
 

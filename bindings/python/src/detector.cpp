@@ -100,7 +100,7 @@ struct Features
 
 KeyPointTupleObject detect(const Detector& self, const ImageObject& image, const OptionalArrayObject& mask)
 {
-    importKeyPoint();
+    keyPointClass();
     const cv::Ptr<Library> library = self.share();
     const Pixels pixels = toImage(image.object), maskPixels = toMask(mask.object);
     std::vector<cv::KeyPoint> keypoints;
@@ -111,7 +111,7 @@ KeyPointTupleObject detect(const Detector& self, const ImageObject& image, const
 std::vector<KeyPointTupleObject> detectImages(const Detector& self, const ImagesObject& images,
                                               const MasksObject& masks)
 {
-    importKeyPoint();
+    keyPointClass();
     const cv::Ptr<Library> library = self.share();
     const std::vector<Pixels> pixels = toImages(images.object),
                               maskPixels = toMasks(masks.object, pixels.size());
@@ -161,13 +161,13 @@ computeImages(const Detector& self, const ImagesObject& images, const KeyPointLi
 
 std::pair<KeyPointTupleObject, OptionalArrayObject>
 detectAndCompute(const Detector& self, const OptionalArrayObject& image, const OptionalArrayObject& mask,
-                 const OptionalArrayObject& output, const BoolObject& useProvidedKeypoints)
+                 const OptionalArrayObject& output, bool useProvidedKeypoints)
 {
     checkOutput(output);
-    if (toNumber(useProvidedKeypoints, "useProvidedKeypoints"))
+    if (useProvidedKeypoints)
         CV_Error(cv::Error::StsBadArg,
                  "useProvidedKeypoints must be False, got True: the method compute takes keypoints");
-    importKeyPoint();
+    keyPointClass();
     const Features found(self.share(), image, mask);
     return std::make_pair(toObject(found.keypoints), toObject(found.descriptors));
 }
@@ -254,27 +254,15 @@ Detector fromText(const std::string& text)
 
 void writeFile(const Detector& self, const FileNameObject& fileName)
 {
-    const py::object path = inPython("path_of")(fileName.object, "FileStorage");
-    inPython("save")(path, py::bytes(toText(self, inPython("text_name")(path).cast<std::string>())));
+    const py::cpp_function textOf([&](const std::string& name) { return py::bytes(toText(self, name)); });
+    inPython("save")(fileName.object, textOf);
 }
 
 void readFile(Detector& self, const FileNameObject& fileName)
 {
-    const std::string path = inPython("path_of")(fileName.object, "FileNode").cast<std::string>();
-    std::string reason;
-    cv::FileStorage storage;
-    try
-    {
-        storage.open(path, cv::FileStorage::READ);
-    }
-    catch (const cv::Exception& exception)
-    {
-        reason = " (" + exception.err + ")";
-    }
-    if (!storage.isOpened())
-        CV_Error_(cv::Error::StsError,
-                  ("fileName must be a file that can be read, got '%s'%s", path.c_str(), reason.c_str()));
-    self.change([&](Library& library) { library.read(storage.root()); });
+    const py::cpp_function read([&](const std::string& text)
+                                { self.change([&](Library& library) { readText(library, text); }); });
+    inPython("load")(fileName.object, read);
 }
 
 void writeStorage(const Detector& self, const FileStorageObject& storage, const std::string& name)
@@ -288,21 +276,16 @@ void readNode(Detector& self, const FileNodeObject& node)
     self.change([&](Library& library) { readText(library, given); });
 }
 
-Detector create(const IntObject& nfeatures, const FloatObject& scaleFactor, const IntObject& nlevels,
-                const IntObject& edgeThreshold, const IntObject& firstLevel, const IntObject& WTA_K,
-                const IntObject& scoreType, const IntObject& patchSize, const IntObject& fastThreshold)
+Detector create(int nfeatures, double scaleFactor, int nlevels, int edgeThreshold, int firstLevel, int WTA_K,
+                int scoreType, int patchSize, int fastThreshold)
 {
-    return Detector(
-        Library::create(toNumber(nfeatures, "nfeatures"), float(toNumber(scaleFactor, "scaleFactor")),
-                        toNumber(nlevels, "nlevels"), toNumber(edgeThreshold, "edgeThreshold"),
-                        toNumber(firstLevel, "firstLevel"), toNumber(WTA_K, "WTA_K"),
-                        cv::ORB::ScoreType(toNumber(scoreType, "scoreType")),
-                        toNumber(patchSize, "patchSize"), toNumber(fastThreshold, "fastThreshold")));
+    return Detector(Library::create(nfeatures, float(scaleFactor), nlevels, edgeThreshold, firstLevel, WTA_K,
+                                    cv::ORB::ScoreType(scoreType), patchSize, fastThreshold));
 }
 
 void addCreate(DetectorClass& detector)
 {
-#define AQORB_DEFAULT(property, type, name, key, byDefault, ...) arg(#name) = byDefault,
+#define AQORB_DEFAULT(property, type, name, key, byDefault, ...) numberOf<type>(#name) = byDefault,
     const char* const text =
         "Creates a detector. The parameters are those of cv2.ORB_create, in the same order.\n"
         "The default of edgeThreshold is 16, and fastThreshold scales the adaptive threshold.";
@@ -355,20 +338,15 @@ std::string literal(std::string byDefault)
 
 void addProperties(DetectorClass& detector)
 {
-#define AQORB_PROPERTY(property, type, name, key, byDefault, range, text)                           \
-    detector.def(                                                                                   \
-        "set" #property,                                                                            \
-        [](Detector& self, const InPython<type>::Argument& value)                                   \
-        {                                                                                           \
-            const type number = type(toNumber(value, #name));                                       \
-            self.change([=](Library& library) { library.set##property(number); });                  \
-        },                                                                                          \
-                                                                                                    \
-        arg(#name == std::string("nfeatures") ? "maxFeatures" : #key),                              \
-        ("Sets " text ". The default is " + literal(#byDefault) + ".").c_str());                    \
-    detector.def(                                                                                   \
-        "get" #property,                                                                            \
-        [](const Detector& self) { return InPython<type>::Result(self.share()->get##property()); }, \
+#define AQORB_PROPERTY(property, type, name, key, byDefault, range, text)                                    \
+    detector.def(                                                                                            \
+        "set" #property,                                                                                     \
+        [](Detector& self, InPython<type> value)                                                             \
+        { self.change([=](Library& library) { library.set##property(type(value)); }); },                     \
+        numberOf<type>(#name == std::string("nfeatures") ? "maxFeatures" : #key),                            \
+        ("Sets " text ". The default is " + literal(#byDefault) + ".").c_str());                             \
+    detector.def(                                                                                            \
+        "get" #property, [](const Detector& self) { return InPython<type>(self.share()->get##property()); }, \
         "Returns " text ".");
     AQORB_PARAMETERS(AQORB_PROPERTY)
 #undef AQORB_PROPERTY

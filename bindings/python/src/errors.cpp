@@ -5,8 +5,6 @@
 
 #include "errors.hpp"
 
-#include "shared.hpp"
-
 #include <opencv2/core.hpp>
 
 namespace aqorb_python
@@ -14,8 +12,6 @@ namespace aqorb_python
 
 namespace
 {
-
-Made<PyObject*> errorType;
 
 // Messages may hold a file name, which need not be UTF-8.
 py::object toText(const std::string& bytes)
@@ -26,55 +22,9 @@ py::object toText(const std::string& bytes)
 
 }  // namespace
 
-py::object errorClass()
+py::object classOfCv2(const char* name, const char* instead)
 {
-    if (!errorType.get())
-    {
-        // Without cv2, or with one that does not work, it is a ValueError only.
-        py::object cv2Error;
-        try
-        {
-            cv2Error = py::module_::import("cv2").attr("error");
-        }
-        catch (const py::error_already_set& error)
-        {
-            if (!error.matches(PyExc_Exception))
-                throw;
-        }
-        const py::handle valueError(PyExc_ValueError);
-        py::tuple bases = py::make_tuple(valueError);
-        if (cv2Error)
-            bases = py::make_tuple(cv2Error, valueError);
-        PyObject* const made =
-            PyErr_NewExceptionWithDoc("aqorb.error",
-                                      "The value of an argument is not accepted. The message names the "
-                                      "argument. It is a ValueError and, where there is cv2, a cv2.error.",
-                                      bases.ptr(), nullptr);
-        if (!made)
-            throw py::error_already_set();
-        errorType.set(made);
-    }
-    return py::reinterpret_borrow<py::object>(*errorType.get());
-}
-
-py::object classOfCv2(const char* name, const std::string& instead)
-{
-    try
-    {
-        return py::module_::import("cv2").attr(name);
-    }
-    catch (py::error_already_set& error)
-    {
-        // A folder cv2 that is left of an old installation can be imported, and has no names.
-        if (!error.matches(PyExc_ImportError) && !error.matches(PyExc_AttributeError))
-            throw;
-        const std::string message =
-            "objects of cv2 are returned, which cannot be imported: install opencv-python or "
-            "opencv-python-headless, or call " +
-            instead;
-        py::raise_from(error, PyExc_ImportError, message.c_str());
-        throw py::error_already_set();
-    }
+    return py::module_::import("aqorb._cv2").attr("named")(name, instead);
 }
 
 void translateErrors()
@@ -90,7 +40,8 @@ void translateErrors()
             catch (const cv::Exception& exception)
             {
                 // Without OpenCV's version and place in what(), which are the package's own and not cv2's.
-                const py::object type = errorClass(), error = type(toText(exception.err));
+                const py::object type = py::module_::import("aqorb._cv2").attr("error");
+                const py::object error = type(toText(exception.err));
                 error.attr("code") = exception.code;
                 error.attr("err") = toText(exception.err);
                 error.attr("file") = toText(exception.file);
@@ -116,17 +67,7 @@ void rejectArray(const std::string& name, const py::array& array, const char* ac
 
 std::string brief(py::handle object)
 {
-    const py::ssize_t MAX_LENGTH = 60;
-    PyObject* const ptr = object.ptr();
-    if (object.is_none() || PyLong_Check(ptr) || PyFloat_Check(ptr) || PyUnicode_Check(ptr) ||
-        PyBytes_Check(ptr) || PyTuple_Check(ptr))
-    {
-        const py::object text = py::reinterpret_steal<py::object>(PyObject_Repr(ptr));
-        if (text && PyUnicode_GetLength(text.ptr()) <= MAX_LENGTH)
-            return text.cast<std::string>();
-        PyErr_Clear();  // the repr of an int of thousands of digits
-    }
-    return "an object of type " + std::string(Py_TYPE(ptr)->tp_name);
+    return py::str(py::module_::import("reprlib").attr("repr")(object));
 }
 
 }  // namespace aqorb_python

@@ -18,12 +18,8 @@ namespace aqorb_python
 
 namespace py = pybind11;
 
-//! aqorb.error: a cv2.error, with its attributes, and a ValueError. Made, and cv2 imported for it, when it is first
-//! asked for.
-py::object errorClass();
-
 //! A class of cv2, or an ImportError that says what to call instead.
-py::object classOfCv2(const char* name, const std::string& instead);
+py::object classOfCv2(const char* name, const char* instead);
 
 //! Makes OpenCV's exceptions such errors. To be called once, at import.
 void translateErrors();
@@ -35,7 +31,7 @@ void translateErrors();
 //! For an array of another dtype or shape.
 [[noreturn]] void rejectArray(const std::string& name, const py::array& array, const char* accepted);
 
-//! What was given, in a few words: a short value as it is, the type of everything else.
+//! What was given, shortened.
 std::string brief(py::handle object);
 
 }  // namespace aqorb_python

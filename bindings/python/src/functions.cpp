@@ -6,7 +6,6 @@
 // The functions of the module that need no detector.
 
 #include "arguments.hpp"
-#include "errors.hpp"
 #include "images.hpp"
 #include "keypoints.hpp"
 #include "module.hpp"
@@ -24,34 +23,29 @@ namespace
 
 using py::arg;
 
-cv::Size toSize(const SizeObject& source, const char* name)
+typedef std::pair<int, int> Size;
+
+cv::Size toSize(const Size& size)
 {
-    py::detail::make_caster<std::pair<int, int>> pair;
-    if (!pair.load(source.object, false))
-        throwTypeError(name, brief(source.object), "a tuple of two ints");
-    const auto sides = py::detail::cast_op<std::pair<int, int>>(pair);
-    return cv::Size(sides.first, sides.second);
+    return cv::Size(size.first, size.second);
 }
 
-KeyPointsObject retainUniform(const KeyPointsObject& keypoints, const SizeObject& imageSize,
-                              const IntObject& npoints)
+KeyPointsObject retainUniform(const KeyPointsObject& keypoints, const Size& imageSize, int npoints)
 {
     KeyPoints kept = toKeyPoints(keypoints.object);
-    cv::aqorb::retainUniform(kept.points, toSize(imageSize, "imageSize"), toNumber(npoints, "npoints"));
+    cv::aqorb::retainUniform(kept.points, toSize(imageSize), npoints);
     return {toPython(std::move(kept))};
 }
 
-double distributionUniformity(const KeyPointsObject& keypoints, const SizeObject& imageSize)
+double distributionUniformity(const KeyPointsObject& keypoints, const Size& imageSize)
 {
-    return cv::aqorb::distributionUniformity(toKeyPoints(keypoints.object).points,
-                                             toSize(imageSize, "imageSize"));
+    return cv::aqorb::distributionUniformity(toKeyPoints(keypoints.object).points, toSize(imageSize));
 }
 
-double distributionOccupancy(const KeyPointsObject& keypoints, const SizeObject& imageSize,
-                             const SizeObject& grid)
+double distributionOccupancy(const KeyPointsObject& keypoints, const Size& imageSize, const Size& grid)
 {
-    return cv::aqorb::distributionOccupancy(toKeyPoints(keypoints.object).points,
-                                            toSize(imageSize, "imageSize"), toSize(grid, "grid"));
+    return cv::aqorb::distributionOccupancy(toKeyPoints(keypoints.object).points, toSize(imageSize),
+                                            toSize(grid));
 }
 
 double adaptiveFastThreshold(const OptionalArrayObject& image, const OptionalArrayObject& mask)
@@ -86,10 +80,10 @@ void addFunctions(py::module_& module)
         "height). A lower value is more uniform. Compare equal numbers of keypoints only.");
     module.def(
         "distributionOccupancy", &distributionOccupancy, arg("keypoints"), arg("imageSize"),
-        arg("grid") = py::make_tuple(16, 12),
+        arg("grid") = Size(16, 12),
         "Returns the share of the cells of a grid of (columns, rows) that hold at least one keypoint.");
     module.def(
-        "retainUniform", &retainUniform, arg("keypoints"), arg("imageSize"), arg("npoints"),
+        "retainUniform", &retainUniform, arg("keypoints"), arg("imageSize"), numberOf<int>("npoints"),
         "Returns the npoints keypoints, of any detector, that are spread best over the image. It prefers\n"
         "high responses, and keeps the order of the keypoints.");
     module.def("keypointsToArray", &keypointsToArray, arg("keypoints"),
@@ -97,8 +91,7 @@ void addFunctions(py::module_& module)
     module.def("keypointsFromArray", &keypointsFromArray, arg("keypoints"),
                "Returns a tuple of cv2.KeyPoint objects with the values of an array of keypoint_dtype.");
     module.def(
-        "setNumThreads", [](const IntObject& nthreads) { setNumThreads(toNumber(nthreads, "nthreads")); },
-        arg("nthreads"),
+        "setNumThreads", &aqorb_python::setNumThreads, numberOf<int>("nthreads"),
         "Sets the number of threads that a call may use, as cv2.setNumThreads does for cv2. A negative\n"
         "number is the default: the number of processors, or of the variable OPENCV_FOR_THREADS_NUM. It "
         "waits for the\n"

@@ -36,30 +36,24 @@ enum Field
 };
 const char* const NAMES[FIELDS] = {"pt", "size", "angle", "response", "octave", "class_id"};
 
-// cv2.KeyPoint, once it is known, and the names of its attributes.
-struct KeyPointType
+// Made once, and never released: the interpreter may be gone by then.
+py::handle nameOf(Field field)
 {
-    PyObject *type, *names[FIELDS];
-};
-Made<KeyPointType> keyPoint;
-
-// Whether the object is a cv2.KeyPoint. If nobody has imported cv2, there are none.
-bool isKeyPoint(py::handle object)
-{
-    if (!keyPoint.get())
+    static const std::vector<PyObject*> names = []
     {
-        const py::object cv2 = importedModule("cv2");
-        if (cv2 && py::hasattr(cv2, "KeyPoint"))
-            importKeyPoint();
-    }
-    return keyPoint.get() && py::isinstance(object, keyPoint.get()->type);
+        std::vector<PyObject*> interned;
+        for (const char* name : NAMES)
+            interned.push_back(PyUnicode_InternFromString(name));
+        return interned;
+    }();
+    return names[field];
 }
 
 cv::KeyPoint toKeyPoint(py::handle object)
 {
     py::object values[FIELDS];
     for (int field = 0; field < FIELDS; field++)
-        values[field] = object.attr(py::handle(keyPoint.get()->names[field]));
+        values[field] = object.attr(nameOf(Field(field)));
     const auto pt = values[PT].cast<std::pair<float, float>>();
     return cv::KeyPoint(pt.first, pt.second, values[SIZE].cast<float>(), values[ANGLE].cast<float>(),
                         values[RESPONSE].cast<float>(), values[OCTAVE].cast<int>(),
@@ -90,6 +84,7 @@ std::vector<cv::KeyPoint> fromSequence(py::handle source, const std::string& nam
 {
     // A snapshot: another thread, or an attribute of an item, may change a list while it is read.
     const py::tuple items(py::reinterpret_borrow<py::object>(source));
+    const py::object type = knownClass("KeyPoint");
     std::vector<cv::KeyPoint> points;
     points.reserve(items.size());
     for (size_t i = 0; i < items.size(); i++)
@@ -97,7 +92,7 @@ std::vector<cv::KeyPoint> fromSequence(py::handle source, const std::string& nam
         PyObject* const item = PyTuple_GET_ITEM(items.ptr(), py::ssize_t(i));
         try
         {
-            if (!isKeyPoint(item))
+            if (!type || !py::isinstance(item, type))
                 throw py::cast_error();
             points.push_back(toKeyPoint(item));
         }
@@ -109,23 +104,11 @@ std::vector<cv::KeyPoint> fromSequence(py::handle source, const std::string& nam
     return points;
 }
 
-py::object toPython(const cv::KeyPoint& keypoint)
-{
-    return py::handle(keyPoint.get()->type)(keypoint.pt.x, keypoint.pt.y, keypoint.size, keypoint.angle,
-                                            keypoint.response, keypoint.octave, keypoint.class_id);
-}
-
 }  // namespace
 
-void importKeyPoint()
+py::object keyPointClass()
 {
-    if (keyPoint.get())
-        return;
-    py::object type = classOfCv2("KeyPoint", "detectAndComputeArrays, which needs no cv2");
-    KeyPointType made = {type.release().ptr(), {}};
-    for (int field = 0; field < FIELDS; field++)
-        made.names[field] = PyUnicode_InternFromString(NAMES[field]);
-    keyPoint.set(made);
+    return classOfCv2("KeyPoint", "detectAndComputeArrays, which needs no cv2");
 }
 
 py::dtype keypointDtype()
@@ -179,11 +162,14 @@ py::object toPython(KeyPoints&& keypoints)
 
 py::object toTuple(const std::vector<cv::KeyPoint>& keypoints)
 {
-    if (!keypoints.empty())
-        importKeyPoint();
+    const py::object type = keypoints.empty() ? py::none() : keyPointClass();
     py::tuple result(keypoints.size());
     for (size_t i = 0; i < keypoints.size(); i++)
-        PyTuple_SET_ITEM(result.ptr(), py::ssize_t(i), toPython(keypoints[i]).release().ptr());
+    {
+        const cv::KeyPoint& keypoint = keypoints[i];
+        result[i] = type(keypoint.pt.x, keypoint.pt.y, keypoint.size, keypoint.angle, keypoint.response,
+                         keypoint.octave, keypoint.class_id);
+    }
     return py::object(std::move(result));
 }
 

@@ -28,8 +28,8 @@ struct KeyPoints
     bool isArray = false;
 };
 
-//! Imports cv2 for its KeyPoint, the first time. Called before a call that will return some begins to work.
-void importKeyPoint();
+//! cv2.KeyPoint. Called before a call that will return some begins to work, so that it fails at once without cv2.
+py::object keyPointClass();
 
 //! cv::KeyPoint's members as the fields of an array.
 py::dtype keypointDtype();

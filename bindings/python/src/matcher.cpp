@@ -31,35 +31,23 @@ typedef std::vector<std::vector<cv::DMatch>> MatchLists;
 
 typedef std::pair<ArrayObject, ArrayObject> Arrays;
 
-// cv2.DMatch, once it is known.
-Made<PyObject*> matchType;
-
-// Called before a call that will return matches begins to work.
-void importMatch()
+py::object matchClass()
 {
-    if (!matchType.get())
-        matchType.set(
-            classOfCv2("DMatch", "matchArrays or knnMatchArrays, which need no cv2").release().ptr());
+    return classOfCv2("DMatch", "matchArrays or knnMatchArrays, which need no cv2");
 }
 
-py::tuple toMatches(const std::vector<cv::DMatch>& matches)
+py::object toPython(const py::object& type, const cv::DMatch& match)
+{
+    return type(match.queryIdx, match.trainIdx, match.imgIdx, match.distance);
+}
+
+// Matches, or a tuple of them for each query.
+template <typename T> py::object toPython(const py::object& type, const std::vector<T>& matches)
 {
     py::tuple result(matches.size());
     for (size_t i = 0; i < matches.size(); i++)
-    {
-        const cv::DMatch& match = matches[i];
-        result[i] =
-            py::handle(*matchType.get())(match.queryIdx, match.trainIdx, match.imgIdx, match.distance);
-    }
-    return result;
-}
-
-MatchListsObject toMatchLists(const MatchLists& lists)
-{
-    py::tuple result(lists.size());
-    for (size_t i = 0; i < lists.size(); i++)
-        result[i] = toMatches(lists[i]);
-    return {result};
+        result[i] = toPython(type, matches[i]);
+    return py::object(std::move(result));
 }
 
 // An array of int32 with the elements of a matrix of so many columns; of shape (rows,) for 0 columns.
@@ -74,14 +62,25 @@ ArrayObject toIntegers(const cv::Mat& mat, int columns)
     return {result};
 }
 
-int toDistance(const OptionalIntObject& source)
+// The number, or the default for None.
+template <typename T> T toNumber(py::handle source, T byDefault, const char* name, const char* accepted)
 {
-    return source.object.is_none() ? -1 : toNumber(IntObject{source.object}, "maxDistance");
+    py::detail::make_caster<T> number;
+    if (source.is_none())
+        return byDefault;
+    if (!number.load(source, std::is_floating_point<T>::value))
+        throwTypeError(name, brief(source), accepted);
+    return number;
 }
 
-double toRatio(const OptionalFloatObject& source)
+double toRatio(const OptionalFloatObject& ratio)
 {
-    return source.object.is_none() ? 0 : toNumber(FloatObject{source.object}, "ratio");
+    return toNumber(ratio.object, 0., "ratio", "a float or None");
+}
+
+int toDistance(const OptionalIntObject& distance)
+{
+    return toNumber(distance.object, -1, "maxDistance", "an int or None");
 }
 
 // The matcher of a Python program, which several of its threads may share.
@@ -143,59 +142,59 @@ ArrayTupleObject getTrainDescriptors(const Matcher& self)
 MatchTupleObject match(const Matcher& self, const OptionalArrayObject& queryDescriptors,
                        const ImageObject& trainDescriptors, const OptionalArrayObject& mask)
 {
-    importMatch();
+    const py::object type = matchClass();
     const cv::Ptr<Library> library = self.share();
     const Pixels query = toDescriptors(queryDescriptors.object, "queryDescriptors"),
                  train = toDescriptors(trainDescriptors.object, "trainDescriptors"),
                  allowed = toMask(mask.object);
     std::vector<cv::DMatch> matches;
     withoutGil([&] { library->match(query.mat, train.mat, matches, allowed.mat); });
-    return {toMatches(matches)};
+    return {toPython(type, matches)};
 }
 
 MatchTupleObject matchCollection(const Matcher& self, const OptionalArrayObject& queryDescriptors,
                                  const MasksObject& masks)
 {
-    importMatch();
+    const py::object type = matchClass();
     const cv::Ptr<Library> library = self.share();
     const Pixels query = toDescriptors(queryDescriptors.object, "queryDescriptors");
     const std::vector<Pixels> allowed = toMasks(masks.object, library->getTrainDescriptors().size());
     std::vector<cv::DMatch> matches;
     withoutGil([&] { library->match(query.mat, matches, matricesOf(allowed)); });
-    return {toMatches(matches)};
+    return {toPython(type, matches)};
 }
 
 MatchListsObject knnMatch(const Matcher& self, const OptionalArrayObject& queryDescriptors,
                           const ImageObject& trainDescriptors, int k, const OptionalArrayObject& mask,
                           bool compactResult)
 {
-    importMatch();
+    const py::object type = matchClass();
     const cv::Ptr<Library> library = self.share();
     const Pixels query = toDescriptors(queryDescriptors.object, "queryDescriptors"),
                  train = toDescriptors(trainDescriptors.object, "trainDescriptors"),
                  allowed = toMask(mask.object);
     MatchLists matches;
     withoutGil([&] { library->knnMatch(query.mat, train.mat, matches, k, allowed.mat, compactResult); });
-    return toMatchLists(matches);
+    return {toPython(type, matches)};
 }
 
 MatchListsObject knnMatchCollection(const Matcher& self, const OptionalArrayObject& queryDescriptors, int k,
                                     const MasksObject& masks, bool compactResult)
 {
-    importMatch();
+    const py::object type = matchClass();
     const cv::Ptr<Library> library = self.share();
     const Pixels query = toDescriptors(queryDescriptors.object, "queryDescriptors");
     const std::vector<Pixels> allowed = toMasks(masks.object, library->getTrainDescriptors().size());
     MatchLists matches;
     withoutGil([&] { library->knnMatch(query.mat, matches, k, matricesOf(allowed), compactResult); });
-    return toMatchLists(matches);
+    return {toPython(type, matches)};
 }
 
 MatchListsObject radiusMatch(const Matcher& self, const OptionalArrayObject& queryDescriptors,
                              const ImageObject& trainDescriptors, float maxDistance,
                              const OptionalArrayObject& mask, bool compactResult)
 {
-    importMatch();
+    const py::object type = matchClass();
     const cv::Ptr<Library> library = self.share();
     const Pixels query = toDescriptors(queryDescriptors.object, "queryDescriptors"),
                  train = toDescriptors(trainDescriptors.object, "trainDescriptors"),
@@ -204,20 +203,20 @@ MatchListsObject radiusMatch(const Matcher& self, const OptionalArrayObject& que
     withoutGil(
         [&]
         { library->radiusMatch(query.mat, train.mat, matches, maxDistance, allowed.mat, compactResult); });
-    return toMatchLists(matches);
+    return {toPython(type, matches)};
 }
 
 MatchListsObject radiusMatchCollection(const Matcher& self, const OptionalArrayObject& queryDescriptors,
                                        float maxDistance, const MasksObject& masks, bool compactResult)
 {
-    importMatch();
+    const py::object type = matchClass();
     const cv::Ptr<Library> library = self.share();
     const Pixels query = toDescriptors(queryDescriptors.object, "queryDescriptors");
     const std::vector<Pixels> allowed = toMasks(masks.object, library->getTrainDescriptors().size());
     MatchLists matches;
     withoutGil(
         [&] { library->radiusMatch(query.mat, matches, maxDistance, matricesOf(allowed), compactResult); });
-    return toMatchLists(matches);
+    return {toPython(type, matches)};
 }
 
 Arrays matchArrays(const OptionalArrayObject& queryDescriptors, const OptionalArrayObject& trainDescriptors,
@@ -260,23 +259,16 @@ std::vector<cv::Point2f> toPositions(py::handle source, const char* name)
     return positions;
 }
 
-cv::Size2f toReach(const FloatPairObject& source)
-{
-    const std::vector<cv::Point2f> pair =
-        toPositions(py::make_tuple(source.object), "reach");  // one row of two numbers
-    return pair.empty() ? cv::Size2f(-1, -1) : cv::Size2f(pair[0].x, pair[0].y);
-}
-
 Arrays matchByPosition(const OptionalArrayObject& queryDescriptors, const ArrayObject& predicted,
                        const OptionalArrayObject& trainDescriptors, const KeyPointsObject& trainKeypoints,
-                       const FloatPairObject& reach, const OptionalFloatObject& ratio, bool crossCheck,
-                       const OptionalIntObject& maxDistance, int normType)
+                       const std::pair<float, float>& reach, const OptionalFloatObject& ratio,
+                       bool crossCheck, const OptionalIntObject& maxDistance, int normType)
 {
     const Pixels query = toDescriptors(queryDescriptors.object, "queryDescriptors"),
                  train = toDescriptors(trainDescriptors.object, "trainDescriptors");
     const std::vector<cv::Point2f> positions = toPositions(predicted.object, "predicted");
     const KeyPoints keypoints = toKeyPoints(trainKeypoints.object, "trainKeypoints");
-    const cv::Size2f window = toReach(reach);
+    const cv::Size2f window(reach.first, reach.second);
     const double limit = toRatio(ratio);
     const int longest = toDistance(maxDistance);
     cv::Mat pairs, distances;

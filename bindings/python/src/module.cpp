@@ -53,8 +53,6 @@ PYBIND11_MODULE(_aqorb, module)
     prepareThreads();
     module.def("_build_information", &buildInformation, "What calls run with: versions, kernels, threads.");
     translateErrors();
-    module.def("_error", &errorClass);
-    module.def("_brief", &brief);
     module.attr("keypoint_dtype") = keypointDtype();
 
     addDetector(module);

@@ -50,33 +50,14 @@ private:
     cv::Ptr<T> object;
 };
 
-/** A value that is made when it is first needed, and never released: the interpreter may be gone by then. Of several
- threads that make one at the same time, all get the first one. */
-template <typename T> class Made
+//! A class of cv2, or nothing if nobody has imported cv2: then there are no such objects.
+inline pybind11::object knownClass(const char* name)
 {
-public:
-    //! The value, or 0.
-    const T* get() const { return value.load(std::memory_order_acquire); }
-    const T& set(const T& made)
-    {
-        const T* const mine = new T(made);
-        const T* first = nullptr;
-        if (value.compare_exchange_strong(first, mine, std::memory_order_acq_rel))
-            return *mine;
-        delete mine;
-        return *first;
-    }
-
-private:
-    std::atomic<const T*> value{nullptr};
-};
-
-//! A module that has been imported, or nothing.
-inline pybind11::object importedModule(const char* name)
-{
-    PyObject* const found = PyImport_GetModule(pybind11::str(name).ptr());
+    PyObject* const cv2 = PyImport_GetModule(pybind11::str("cv2").ptr());
     PyErr_Clear();
-    return pybind11::reinterpret_steal<pybind11::object>(found);
+    return cv2 ? pybind11::getattr(pybind11::reinterpret_steal<pybind11::object>(cv2), name,
+                                   pybind11::handle())
+               : pybind11::object();
 }
 
 }  // namespace aqorb_python

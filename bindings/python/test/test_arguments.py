@@ -7,6 +7,7 @@
 import collections
 import ctypes
 import re
+import reprlib
 
 import cv2 as cv
 import numpy as np
@@ -26,12 +27,8 @@ def message_of(error, call):
 
 
 @pytest.mark.parametrize('wrong, message', [
-    (None, SEQUENCE + 'None'),
-    ('xy', SEQUENCE + "'xy'"),
-    ('x' * 99, SEQUENCE + 'an object of type str'),
-    ('\udcff', SEQUENCE + r"'\udcff'"),
-    ({}, SEQUENCE + 'an object of type dict'),
-    (KEYPOINT, SEQUENCE + 'an object of type cv2.KeyPoint'),
+    (None, SEQUENCE + 'None'), ('x' * 99, SEQUENCE + "'xxxxxxxxxxxx...xxxxxxxxxxxxx'"),
+    ('\udcff', SEQUENCE + r"'\udcff'"), ({}, SEQUENCE + '{}'), (KEYPOINT, SEQUENCE + reprlib.repr(KEYPOINT)),
     ([KEYPOINT, None], 'keypoints[1] must be a cv2.KeyPoint, got None'),
     (np.array([KEYPOINT, 5]), 'keypoints[1] must be a cv2.KeyPoint, got 5')])
 def test_things_that_are_no_keypoints(orb, image, wrong, message):
@@ -99,9 +96,9 @@ def test_keypoints_that_are_nowhere(orb, image):
         assert len(computed) == 0 and descriptors is None
 
 
-@pytest.mark.parametrize('wrong, given', [
-    ('x', "'x'"), (5, '5'), (b'x', "b'x'"), ({}, 'an object of type dict'), (cv.UMat, 'an object of type type')])
-def test_things_that_are_no_image(orb, image, wrong, given):
+@pytest.mark.parametrize('wrong', ['x', 5, b'x', {}, cv.UMat])
+def test_things_that_are_no_image(orb, image, wrong):
+    given = reprlib.repr(wrong)
     calls = [orb.detect, orb.detectAndCompute, orb.detectAndComputeArrays, orb.buildPyramid,
              aqorb.adaptiveFastThreshold, lambda wrong: orb.compute(wrong, [])]
     for call in calls:
@@ -164,17 +161,13 @@ def test_empty_lists(orb, image):
         'keypoints must be a sequence of keypoints for each of several images, got None')
 
 
-@pytest.mark.parametrize('wrong, given', [
-    (5, '5'), (None, 'None'), ((640,), '(640,)'), ((640, 480, 3), '(640, 480, 3)'), ((640., 480.), '(640.0, 480.0)'),
-    ('12', "'12'"), ((2 ** 40, 1), '(1099511627776, 1)'), ((1, 2 ** 70), '(1, 1180591620717411303424)'),
-    ({1: 2, 3: 4}, 'an object of type dict')])
-def test_sizes(wrong, given):
-    calls = [('imageSize', lambda: aqorb.distributionUniformity([], wrong)),
-             ('imageSize', lambda: aqorb.distributionOccupancy([], wrong)),
-             ('imageSize', lambda: aqorb.retainUniform([], wrong, 5)),
-             ('grid', lambda: aqorb.distributionOccupancy([], (640, 480), wrong))]
-    for name, call in calls:
-        assert message_of(TypeError, call) == '{} must be a tuple of two ints, got {}'.format(name, given)
+@pytest.mark.parametrize('wrong', [5, None, (640,), (640, 480, 3), (640., 480.), '12', (2 ** 40, 1), {1: 2, 3: 4}])
+def test_sizes(wrong):
+    for name, call in (('imageSize', lambda: aqorb.distributionUniformity([], wrong)),
+                       ('imageSize', lambda: aqorb.distributionOccupancy([], wrong)),
+                       ('imageSize', lambda: aqorb.retainUniform([], wrong, 5)),
+                       ('grid', lambda: aqorb.distributionOccupancy([], (640, 480), wrong))):
+        assert name + ': Tuple[int, int]' in message_of(TypeError, call)
     for size in [640, 480], np.array([640, 480]), (np.int64(640), np.uint8(200)):
         assert aqorb.distributionOccupancy([KEYPOINT], size, (1, 1)) == 1
 
@@ -184,20 +177,11 @@ def test_numbers(orb):
     orb.setOctaveSuppression(np.float32(0.5))
     orb.setSubPixel(np.bool_(False))
     assert (orb.getPatchSize(), orb.getOctaveSuppression(), orb.getSubPixel()) == (50, 0.5, False)
-    for wrong in '50', 50.5, None, 2 ** 31, [50], np.float32(50), np.array([50]):
-        assert message_of(TypeError, lambda: orb.setPatchSize(wrong)).startswith('patchSize must be an int of 32 bits, got ')
-    for wrong in '1', None, [1.5], np.array([1.5]):
-        assert message_of(TypeError, lambda: orb.setRankRadius(wrong)).startswith('rankRadius must be a float, got ')
-    for wrong in 'yes', 1.5, None, [1], np.array([1, 2]):
-        assert message_of(TypeError, lambda: orb.setSubPixel(wrong)).startswith('subPixel must be a bool, got ')
     create = aqorb.AdaptiveQuadtreeORB_create
-    assert message_of(TypeError, lambda: create('500')) == "nfeatures must be an int of 32 bits, got '500'"
+    for wrong in '50', 50.5, None, 2 ** 31, [50], np.float32(50), np.array([50]):
+        assert 'patchSize: int' in message_of(TypeError, lambda: orb.setPatchSize(wrong))
+        assert 'nfeatures: int' in message_of(TypeError, lambda: create(wrong))
+    for wrong in '1', None, [1.5]:
+        assert 'rankRadius: float' in message_of(TypeError, lambda: orb.setRankRadius(wrong))
+    assert 'subPixel: bool' in message_of(TypeError, lambda: orb.setSubPixel('yes'))
     assert 'nfeatures: int' in message_of(TypeError, lambda: create(nFeatures=5))
-
-
-def test_what_is_returned_can_be_changed(orb, image):
-    array, descriptors = orb.detectAndComputeArrays(image)
-    for result in (array, descriptors) + orb.buildPyramid(image):
-        result[:] = np.zeros(1, result.dtype)
-    again, rows = orb.detectAndComputeArrays(image)
-    assert rows.any() and again['size'].all()

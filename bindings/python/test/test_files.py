@@ -8,6 +8,7 @@ import copy
 import os
 import pathlib
 import pickle
+import reprlib
 
 import cv2 as cv
 import numpy as np
@@ -71,13 +72,13 @@ def test_file_names_that_are_no_unicode(tmp_path, orb):
 def test_things_that_are_no_file(orb, method, wrong):
     with pytest.raises(TypeError, match=r'fileName must be a str.*, got .+') as raised:
         getattr(orb, method)(wrong)
-    assert '{!r}'.format(wrong) in str(raised.value) or type(wrong).__name__ in str(raised.value)
+    assert reprlib.repr(wrong) in str(raised.value)
 
 
 def test_what_is_accepted_instead_of_a_file_name(orb):
     with pytest.raises(TypeError, match='must be .* or a cv2.FileStorage, got'):
         orb.write(5)
-    with pytest.raises(TypeError, match='fileName must be .*cv2.FileNode, got an object of type cv2.FileStorage'):
+    with pytest.raises(TypeError, match='fileName must be .*cv2.FileNode, got < cv2.FileSto'):
         orb.read(storage_of('{}'))
 
 
@@ -94,7 +95,7 @@ def test_files_that_cannot_be_read(tmp_path, orb, content):
     for call in orb.read, orb.write:
         with pytest.raises(aqorb.error, match="fileName must be a file that can be .*, got ''"):
             call('')
-        with pytest.raises(aqorb.error, match=r"fileName must be a path of the system, got 'a\\x00b.yml'"):
+        with pytest.raises(aqorb.error, match=r"got 'a\\x00b.yml' \(embedded null byte"):
             call('a\0b.yml')
 
 

@@ -1,0 +1,26 @@
+# This file is part of aqorb. Copyright (C) The aqorb developers.
+# It is subject to the license terms in the LICENSE file found in the top-level directory
+# of this distribution.
+# SPDX-License-Identifier: Apache-2.0
+"""What the package takes from cv2, which is imported with this module."""
+
+import importlib
+
+bases = [ValueError]
+try:
+    import cv2
+    bases.insert(0, cv2.error)
+except Exception:  # there is no cv2, or one that does not work
+    pass
+
+error = type('error', tuple(bases), {'__module__': 'aqorb', '__doc__': """The value of an argument is not accepted. The
+message names the argument. It is a ValueError and, where there is cv2, a cv2.error."""})
+
+
+def named(name, instead):
+    """A class of cv2."""
+    try:
+        return getattr(importlib.import_module('cv2'), name)
+    except (ImportError, AttributeError) as reason:  # a folder cv2 that is left of an old installation has no names
+        raise ImportError('objects of cv2 are returned, which cannot be imported: install opencv-python or '
+                          'opencv-python-headless, or call ' + instead) from reason
