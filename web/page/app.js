@@ -299,7 +299,7 @@ function draw() {
 }
 
 const pointsOf = numbers =>
-    Array.from({ length: numbers.length / 4 }, (_, i) => ({ x: numbers[4 * i], y: numbers[4 * i + 1] }));
+    Array.from({ length: numbers.length / 2 }, (_, i) => ({ x: numbers[2 * i], y: numbers[2 * i + 1] }));
 
 function circles(context, points, scale, radius) {
     context.beginPath();

@@ -28,9 +28,8 @@ using emscripten::val;
 namespace
 {
 
-const int DETECTORS = 2;  // 0: cv::ORB, 1: AdaptiveQuadtreeORB
-const double SAME_PLACE =
-    3;  // pixels between two keypoints that count as one found again, as in tools/evaluate
+const int DETECTORS = 2;      // 0: cv::ORB, 1: AdaptiveQuadtreeORB
+const double SAME_PLACE = 3;  // pixels between keypoints that count as one found again, as in tools/evaluate
 
 struct Features
 {
@@ -76,28 +75,15 @@ template <typename Function> val guarded(Function function)
     return result;
 }
 
-Picture& at(int index)
-{
-    CV_CheckGE(index, 0, "there are the pictures 0 and 1");
-    CV_CheckLE(index, 1, "there are the pictures 0 and 1");
-    return pictures[index];
-}
-
-void checkDetector(int detector)
-{
-    CV_CheckGE(detector, 0, "there are the detectors 0 and 1");
-    CV_CheckLT(detector, DETECTORS, "there are the detectors 0 and 1");
-}
-
 //! The picture's size and, as RGBA, its pixels.
 val shown(const Picture& picture)
 {
     val result = val::object();
     result.set("width", picture.rgba.cols);
     result.set("height", picture.rgba.rows);
-    const Mat pixels = picture.rgba.isContinuous() ? picture.rgba : picture.rgba.clone();
-    result.set("pixels",
-               val(emscripten::typed_memory_view(pixels.total() * 4, pixels.data)).call<val>("slice"));
+    result.set(
+        "pixels",
+        val(emscripten::typed_memory_view(picture.rgba.total() * 4, picture.rgba.data)).call<val>("slice"));
     return result;
 }
 
@@ -109,8 +95,7 @@ val setPicture(int index, int width, int height, val pixels)
             CV_CheckGT(width, 0, "a picture has pixels");
             CV_CheckGT(height, 0, "a picture has pixels");
             CV_CheckEQ(pixels["length"].as<int>(), width * height * 4, "the length of the pixels");
-            Picture& picture = at(index);
-            picture = Picture();
+            Picture& picture = pictures[index] = Picture();
             isKnown = false;
             picture.rgba.create(height, width, CV_8UC4);
             val(emscripten::typed_memory_view(picture.rgba.total() * 4, picture.rgba.data))
@@ -195,8 +180,7 @@ val drawOtherView(const std::string& name)
             else
                 CV_Error_(Error::StsBadArg, ("There is no view %s", name.c_str()));
 
-            Picture& picture = pictures[1];
-            picture = Picture();
+            Picture& picture = pictures[1] = Picture();
             // Reflected, because an edge of the picture would be one of the scene for a detector.
             warpPerspective(image, picture.rgba, view, size, INTER_LINEAR, BORDER_REFLECT_101);
             warpPerspective(Mat(image.size(), CV_8UC1, Scalar(255)), picture.mask, view, size, INTER_NEAREST,
@@ -253,8 +237,7 @@ val detect(int index, int detector, int runs)
     return guarded(
         [&]
         {
-            checkDetector(detector);
-            Picture& picture = at(index);
+            Picture& picture = pictures[index];
             Features& features = picture.features[detector];
             detectors[0]->setNLevels(
                 levelsOf(picture.grey.size(), detectors[1]->getNLevels(), detectors[1]->getScaleFactor()));
@@ -269,8 +252,7 @@ val detect(int index, int detector, int runs)
             }
             std::vector<float> keypoints;
             for (const KeyPoint& keypoint : features.keypoints)
-                keypoints.insert(keypoints.end(),
-                                 {keypoint.pt.x, keypoint.pt.y, keypoint.size, keypoint.angle});
+                keypoints.insert(keypoints.end(), {keypoint.pt.x, keypoint.pt.y});
             val result = val::object();
             result.set("keypoints", copied(keypoints));
             result.set("count", features.keypoints.size());
@@ -309,7 +291,6 @@ val match(int detector)
     return guarded(
         [&]
         {
-            checkDetector(detector);
             std::vector<Point2f> from, to;
             for (const DMatch& pair : matched(detector))
             {

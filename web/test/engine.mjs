@@ -85,11 +85,10 @@ test('the homography of the simulated view is the one by which it was drawn, wit
 });
 
 // Where a point of the first picture, 960x640, is in a view, by the words of its description.
-const mean = ([a, b]) => (a + b) / 2;
 function turned([x, y], degrees, scale) {
     const [cos, sin] = [Math.cos, Math.sin].map(f => scale * f(degrees * Math.PI / 180));
-    const [dx, dy] = [x - mean([0, 959]), y - mean([0, 639])];
-    return [mean([0, 959]) + cos * dx - sin * dy, mean([0, 639]) + sin * dx + cos * dy];
+    const [dx, dy] = [x - 959 / 2, y - 639 / 2];
+    return [959 / 2 + cos * dx - sin * dy, 639 / 2 + sin * dx + cos * dy];
 }
 
 test('matches with a view that is known are right where they are within 3 pixels of it', () => {
