@@ -33,12 +33,11 @@ class Extractor:
         paths = [os.fsencode(os.path.relpath(path.split('://')[-1], self.folder)) for path in batch['path'].to_pylist()]
         contents = dict(zip(paths, batch['bytes']))
         table, failures = collection.extract(
-            paths, lambda path: io.BytesIO(contents[path].as_buffer()), self.detector, self.options.reader,
-            self.options.max_size, not self.options.ignore_orientation)
+            paths, lambda path: io.BytesIO(contents[path].as_buffer()), self.detector, self.options.max_size,
+            not self.options.ignore_orientation)
         for path, reason in failures:
             logging.getLogger('ray.data').warning('%s is left out: %s', os.fsdecode(path), reason)
-        metadata = collection.description(self.detector, self.options.reader, self.options.max_size,
-                                          not self.options.ignore_orientation)
+        metadata = collection.description(self.detector, self.options.max_size, not self.options.ignore_orientation)
         return table.replace_schema_metadata({'aqorb': json.dumps(metadata)})
 
 
@@ -50,7 +49,6 @@ def main():
     parser.add_argument('--batch', type=int, default=64, help='files that an actor takes at a time (%(default)s)')
     parser.add_argument('--num-features', type=int, default=1000)
     parser.add_argument('--max-size', type=int)
-    parser.add_argument('--reader', choices=collection.READERS, default='pillow')
     parser.add_argument('--ignore-orientation', action='store_true')
     parser.add_argument('folder', metavar='IMAGES', help='folder or bucket that all machines can read')
     options = parser.parse_args()

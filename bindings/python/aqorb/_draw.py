@@ -26,8 +26,7 @@ def run(options):
     if os.path.exists(options.out) and not options.overwrite:
         raise files.Refused(f'{options.out} exists; --overwrite replaces it')
     detector = aqorb.AdaptiveQuadtreeORB_create(options.num_features)
-    how = options.reader, options.max_size, not options.ignore_orientation
-    images = [read(path, *how) for path in options.images]
+    images = [read(path, options.max_size, not options.ignore_orientation) for path in options.images]
     (keypoints1, descriptors1), (keypoints2, descriptors2) = [
         detector.detectAndComputeArrays(image) for image, _ in images]
     pairs, _ = aqorb.matchArrays(descriptors1, descriptors2, options.ratio)
@@ -36,12 +35,12 @@ def run(options):
     print(f'{options.out}: {command.count_of(len(pairs), "match", "es")} of {len(keypoints1)} and {len(keypoints2)} features')
 
 
-def read(path, reader='pillow', max_size=None, orientation=True):
+def read(path, max_size, orientation):
     """An image, reduced, and the width and height that it had before."""
     from aqorb import collection, files
     try:
         with command.open_file(b'', os.fsencode(path)) as file:
-            return collection.read_image(file, reader, max_size, orientation)
+            return collection.read_image(file, max_size, orientation)
     except Exception as error:  # decoders raise errors of any kind
         raise files.Refused(f'{os.fsdecode(path)}: {error}') from error
 

@@ -62,7 +62,7 @@ def run(options):
         hint = '' if options.recursive else '; --recursive looks into the folders in it'
         raise files.Refused(f'{options.folder} has no files{hint}')
     detector = aqorb.AdaptiveQuadtreeORB_create(options.num_features)
-    how = {'reader': options.reader, 'max_size': options.max_size, 'orientation': not options.ignore_orientation}
+    how = {'max_size': options.max_size, 'orientation': not options.ignore_orientation}
     metadata = dict(collection.description(detector, **how),
                     files=hashlib.sha256(b'\0'.join(paths)).hexdigest())
     aqorb.setNumThreads(1)  # the images are what is divided among threads
@@ -78,4 +78,4 @@ def run(options):
     if failures:
         print(f'{command.count_of(len(failures), "file")} left out:', file=sys.stderr)
         for path, reason in failures:
-            print(f'  {path}: {reason}', file=sys.stderr)
+            print(f'  {command.shown(path)}: {reason}', file=sys.stderr)

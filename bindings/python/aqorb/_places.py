@@ -167,7 +167,7 @@ def run_search(options):
             [os.fsencode(path) for path in options.photographs], functools.partial(command.open_file, b''),
             features.metadata, options.threads)
     for path, reason in failures:
-        print(f'aqorb: {os.fsdecode(path)} is not searched for: {reason}', file=sys.stderr)
+        print(f'aqorb: {command.shown(path)} is not searched for: {reason}', file=sys.stderr)
     if not len(queries):
         sys.exit(1)
     number = options.retrieval or min(20, len(features.paths))
@@ -178,10 +178,10 @@ def run_search(options):
     for photograph, found in zip(queries['path'].to_pylist(), places.search(
             queries, features, words, counts, number, options.ratio, options.threads)):
         for inliers, matches, image, *_ in found[:options.top]:
-            print(f'{os.fsdecode(photograph)}\t{os.fsdecode(features.paths[image])}\t{matches}\t{inliers}')
+            print(command.shown(photograph), command.shown(features.paths[image]), matches, inliers, sep='\t')
         if found[0][0] > best:
             best, _, image, *ends = found[0]
             pair = photograph, os.path.join(os.fsencode(options.folder), features.paths[image])
     if options.draw:
-        images = [_draw.read(path, 'pillow', 640, features.metadata['EXIF orientation']) for path in pair]
+        images = [_draw.read(path, 640, features.metadata['EXIF orientation']) for path in pair]
         _draw.save(options.draw, images, ends)

@@ -17,7 +17,6 @@ import pyarrow as pa
 
 import aqorb
 
-READERS = 'pillow', 'cv2'
 # What Pillow may read, where it can. It hands others to programs: an EPS to Ghostscript, which runs what is in it.
 FORMATS = 'PNG', 'JPEG', 'MPO', 'TIFF', 'WEBP', 'BMP', 'PPM', 'GIF', 'JPEG2000', 'SUN', 'HEIF', 'AVIF'
 # By EXIF's number of an orientation, Pillow's of what makes it upright.
@@ -30,30 +29,12 @@ SCHEMA = pa.schema([('path', pa.binary()), ('width', pa.int32()), ('height', pa.
                    [('descriptors', pa.binary())])
 
 
-def description(detector, reader='pillow', max_size=None, orientation=True):
+def description(detector, max_size=None, orientation=True):
     """What features depend on besides the images, for the metadata of a file: a dict."""
-    if reader == 'pillow':
-        import PIL
-        decoder = 'Pillow ' + PIL.__version__
-    else:
-        import cv2
-        decoder = 'cv2 ' + cv2.__version__
+    import PIL
     parameters = {name[3:]: getattr(detector, 'get' + name[3:])() for name in dir(detector) if name.startswith('set')}
-    return {'version': aqorb.__version__, 'reader': decoder, 'max size': max_size, 'EXIF orientation': orientation,
-            'parameters': parameters}
-
-
-def read_image(file, reader='pillow', max_size=None, orientation=True):
-    """Decodes a binary file that is open. Returns the grey image, in which neither side is longer than max_size, and
-    the width and height that it had before. It is turned as its EXIF data say unless orientation is False. 16 bits are
-    scaled to 8, and of an animation the first frame is taken. What is no image raises an exception."""
-    if not file.read(1):
-        raise ValueError('the file is empty')
-    file.seek(0)
-    image, size = (read_by_pillow if reader == 'pillow' else read_by_cv2)(file, max_size, orientation)
-    if max(image.shape) > MAX_SIDE:
-        raise ValueError(f'it has more than {MAX_SIDE} pixels a side')
-    return image, size
+    return {'version': aqorb.__version__, 'reader': 'Pillow ' + PIL.__version__, 'max size': max_size,
+            'EXIF orientation': orientation, 'parameters': parameters}
 
 
 def smaller(size, max_size):
@@ -64,8 +45,14 @@ def smaller(size, max_size):
     return tuple(max(1, round(side * max_size / longer)) for side in size)
 
 
-def read_by_pillow(file, max_size, orientation):
+def read_image(file, max_size=None, orientation=True):
+    """Decodes a binary file that is open. Returns the grey image, in which neither side is longer than max_size, and
+    the width and height that it had before. It is turned as its EXIF data say unless orientation is False. 16 bits are
+    scaled to 8, and of an animation the first frame is taken. What is no image raises an exception."""
     from PIL import Image, UnidentifiedImageError
+    if not file.read(1):
+        raise ValueError('the file is empty')
+    file.seek(0)
     Image.init()
     try:
         image = Image.open(file, formats=[name for name in FORMATS if name in Image.OPEN])
@@ -95,19 +82,9 @@ def read_by_pillow(file, max_size, orientation):
         size = size[::-1] if turn >= 5 else size
     if grey.size != smaller(size, max_size):
         grey = grey.resize(smaller(size, max_size), Image.BICUBIC, reducing_gap=2)
+    if max(grey.size) > MAX_SIDE:
+        raise ValueError(f'it has more than {MAX_SIDE} pixels a side')
     return np.asarray(grey), size
-
-
-def read_by_cv2(file, max_size, orientation):
-    import cv2
-    flags = cv2.IMREAD_GRAYSCALE | (0 if orientation else cv2.IMREAD_IGNORE_ORIENTATION)
-    image = cv2.imdecode(np.frombuffer(file.read(), np.uint8), flags)
-    if image is None:
-        raise ValueError('it is no image that cv2 can read')
-    size = image.shape[::-1]
-    if smaller(size, max_size) != size:
-        image = cv2.resize(image, smaller(size, max_size), interpolation=cv2.INTER_AREA)
-    return image, size
 
 
 def scale_up(features, size, scaled):
@@ -138,14 +115,14 @@ def descriptors_of(column):
     return np.frombuffer(b''.join(value.as_buffer() for value in column), np.uint8).reshape(-1, 32)
 
 
-def extract(paths, open_file, detector, reader='pillow', max_size=None, orientation=True, threads=1, progress=None):
+def extract(paths, open_file, detector, max_size=None, orientation=True, threads=1, progress=None):
     """Reads images and detects their features, in the given number of threads, each of which has one image at a time.
     open_file is a function that opens a path's file. Returns a table, in the order of the paths, and a list
     of those that are not in it, each with the reason. progress is called with the number of images that are done."""
     def features_of(path):
         try:
             with open_file(path) as file:
-                image, size = read_image(file, reader, max_size, orientation)
+                image, size = read_image(file, max_size, orientation)
         except Exception as error:  # decoders raise errors of any kind
             return getattr(error, 'strerror', None) or str(error) or type(error).__name__
         features = detector.detectAndComputeBatch([image])

@@ -72,11 +72,8 @@ def add_image_options(parser):
     parser.add_argument('--num-features', type=positive, default=1000, metavar='N',
                         help='features of an image, at most (%(default)s)')
     parser.add_argument('--max-size', type=positive, metavar='PIXELS', help='reduce images whose longer side is longer')
-    parser.add_argument('--reader', choices=('pillow', 'cv2'), default='pillow',
-                        help='what decodes images (%(default)s)')
     parser.add_argument('--ignore-orientation', action='store_true',
-                        help='do not turn images as their EXIF data say; COLMAP does not. The reader cv2 turns TIFF '
-                        'files all the same')
+                        help='do not turn images as their EXIF data say; COLMAP does not')
 
 
 def add_threads(parser):
@@ -90,6 +87,11 @@ def add_overwrite(parser):
 
 def count_of(number, noun, plural='s'):
     return f'{number} {noun}{"" if number == 1 else plural}'
+
+
+def shown(path):
+    """A path on one line, and in one column."""
+    return os.fsdecode(path).translate({ord(character): repr(character)[1:-1] for character in '\t\n\r'})
 
 
 def open_file(folder, path):

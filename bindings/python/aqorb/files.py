@@ -54,7 +54,7 @@ def reading(path):
     """Says in a sentence what is wrong with a file that is read meanwhile."""
     try:
         yield
-    except (Refused, FileNotFoundError, PermissionError):
+    except (Refused, FileNotFoundError, IsADirectoryError, PermissionError):
         raise
     except Exception as error:  # what pyarrow and sqlite3 say of a file with anything in it has many types
         raise Refused(f'{path} is damaged, or no file that aqorb has written: {brief(error)}') from error
@@ -75,6 +75,8 @@ def write_in_parts(out, items, total, unit, part_size, metadata, overwrite, make
     partial = out + '.partial'
     if os.path.isdir(out):
         raise Refused(f'{out} is a folder')
+    if os.path.exists(out) and not os.stat(out).st_mode & 0o222:
+        raise Refused(f'{out} is write-protected')
     with locked(partial) as was_begun:
         theirs = None
         if os.path.exists(out) and not overwrite:

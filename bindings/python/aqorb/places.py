@@ -212,8 +212,7 @@ def extract_alike(paths, open_file, metadata, threads=1):
     detector = aqorb.AdaptiveQuadtreeORB_create()
     for name, value in metadata['parameters'].items():
         getattr(detector, 'set' + name)(value)
-    reader = 'cv2' if metadata['reader'].startswith('cv2') else 'pillow'
-    table, failures = collection.extract(paths, open_file, detector, reader, metadata['max size'],
+    table, failures = collection.extract(paths, open_file, detector, metadata['max size'],
                                          metadata['EXIF orientation'], threads)
     kept = [len(row) > 0 for row in table['x']]
     failures += [(path.as_py(), 'it has no features') for path, is_kept in zip(table['path'], kept) if not is_kept]

@@ -146,7 +146,7 @@ def test_goes_on_where_it_was(folder, features, tmp_path):
     kept = {name: os.stat(f'{out}.partial/{name}').st_mtime_ns for name in os.listdir(f'{out}.partial')}
     assert not out.exists() and 'part-000002.parquet' in kept
     for wrong, message in ((['--num-features', '999'], 'parameters'), (['--max-size', '50'], 'max size'),
-                           (['--reader', 'cv2'], 'reader'), (['--ignore-orientation'], 'EXIF orientation'),
+                           (['--ignore-orientation'], 'EXIF orientation'),
                            (['--part-size', '8'], 'part size')):
         refused(f'partial was begun with another value of "{message}"', 'extract', folder, '--out', out, '--part-size', 7,
                 *wrong)
@@ -255,11 +255,3 @@ def test_a_folder_without_images(tmp_path):
         assert f'{suffix}: 0 images' in run('extract', tmp_path / 'images', '--out', tmp_path / f'f.{suffix}').stdout
         assert ': 0 matches of 0 pairs' in run('match', tmp_path / f'f.{suffix}', '--pairs', 'exhaustive', '--out',
                                                tmp_path / f'{suffix}.parquet').stdout
-
-
-def test_the_reader_cv2(folder, tmp_path):
-    run('extract', folder, '--out', tmp_path / 'f.parquet', '--reader', 'cv2')
-    import cv2
-    assert rows(tmp_path / 'f.parquet')[b'05.png'] == dict(expected(noise(5)), path=b'05.png')
-    metadata = json.loads(pq.read_schema(str(tmp_path / 'f.parquet')).metadata[b'aqorb'])
-    assert metadata['reader'] == 'cv2 ' + cv2.__version__

@@ -33,14 +33,13 @@ def test_orientation(orientation):
     for kind in 'PNG', 'TIFF':
         pixels, size = read(encoded(turned, kind, exif=oriented(orientation)))
         assert np.array_equal(pixels, noise(1)) and size == (160, 120), kind
-    for reader in 'pillow', 'cv2':
-        jpeg = encoded(turned, 'JPEG', quality=95, exif=oriented(orientation))
-        pixels, size = read(jpeg, reader=reader)
-        assert size == (160, 120) and np.abs(pixels.astype(int) - noise(1)).mean() < 5
-        pixels, size = read(jpeg, reader=reader, max_size=40)
-        assert size == (160, 120) and pixels.shape == (30, 40)
-        pixels, size = read(jpeg, reader=reader, orientation=False)
-        assert size == turned.size and pixels.shape == turned.size[::-1]
+    jpeg = encoded(turned, 'JPEG', quality=95, exif=oriented(orientation))
+    pixels, size = read(jpeg)
+    assert size == (160, 120) and np.abs(pixels.astype(int) - noise(1)).mean() < 5
+    pixels, size = read(jpeg, max_size=40)
+    assert size == (160, 120) and pixels.shape == (30, 40)
+    pixels, size = read(jpeg, orientation=False)
+    assert size == turned.size and pixels.shape == turned.size[::-1]
 
 
 def test_orientations_that_do_not_exist():

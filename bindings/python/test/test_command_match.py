@@ -124,8 +124,10 @@ def test_matches_of_another_program(features, tmp_path):
 def test_a_database_keeps_its_permissions_and_its_place(features, tmp_path):
     copied, link = tmp_path / 'features.db', tmp_path / 'link.db'
     shutil.copy(str(features / 'features.db'), str(copied))
-    copied.chmod(0o600)
     link.symlink_to(copied)
+    copied.chmod(0o400)
+    refused('link.db is write-protected', 'match', link, '--pairs', 'sequential:1')
+    copied.chmod(0o600)
     run('match', link, '--pairs', 'sequential:1')
     assert link.is_symlink() and copied.stat().st_mode & 0o777 == 0o600
     refused('features.db has matches', 'match', copied, '--pairs', 'sequential:1')

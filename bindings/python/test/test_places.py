@@ -158,20 +158,20 @@ def test_pairs_that_are_killed_go_on(features, tmp_path):
 
 
 def test_search(features, folder, tmp_path):
-    shutil.copy(str(folder / '05.png'), str(tmp_path / 'new.png'))
+    shutil.copy(str(folder / '05.png'), str(tmp_path / 'new\n.png'))
     (tmp_path / 'text').write_text('no image')
     Image.fromarray(np.full((280, 320), 90, np.uint8)).save(str(tmp_path / 'grey.png'))
-    finished = run('search', features / 'features.parquet', tmp_path / 'new.png', tmp_path / 'text',
+    finished = run('search', features / 'features.parquet', tmp_path / 'new\n.png', tmp_path / 'text',
                    tmp_path / 'grey.png', '--top', 2, '--draw', tmp_path / 'best.jpg', '--folder', folder)
     found = [line.split('\t') for line in finished.stdout.splitlines()]
     assert found[0] == ['photograph', 'image', 'matches', 'inliers']
-    assert [row[:2] for row in found[1:]] == [[str(tmp_path / 'new.png'), name] for name in ('05.png', '18.png')]
+    assert [row[:2] for row in found[1:]] == [[f'{tmp_path}/new\\n.png', name] for name in ('05.png', '18.png')]
     count = len(files.Features(str(features / 'features.parquet')).keypoints(5)[0])
     assert found[1][2:] == [str(count)] * 2 and 100 < int(found[2][3]) <= int(found[2][2]) < count
     assert Image.open(str(tmp_path / 'best.jpg')).size == (640, 280)
     assert 'text is not searched for: it is no image' in finished.stderr
     assert 'grey.png is not searched for: it has no features' in finished.stderr
-    finished = run('search', features / 'features.db', tmp_path / 'new.png', '--top', 1)
+    finished = run('search', features / 'features.db', tmp_path / 'new\n.png', '--top', 1)
     assert finished.stdout.splitlines()[1].split('\t')[1] == '05.png'
 
 
@@ -192,6 +192,7 @@ def test_refusals(features, folder, tmp_path):
         refused('a vocabulary must be descriptors of 32 bytes', 'search', parquet, photograph, '--vocabulary',
                 tmp_path / 'words.npy')
     (tmp_path / 'words.npy').write_bytes(b'no words')
+    refused(f'{tmp_path}: Is a directory', 'search', parquet, photograph, '--vocabulary', tmp_path)
     refused('words.npy is damaged', 'search', parquet, photograph, '--vocabulary', tmp_path / 'words.npy')
     (tmp_path / 'pairs.txt').write_text('00.png other.png .5\n')
     refused('pairs.txt, line 1: must be the paths', 'match', parquet, '--pairs', tmp_path / 'pairs.txt', '--out',
