@@ -90,16 +90,9 @@ std::vector<cv::KeyPoint> fromSequence(py::handle source, const std::string& nam
     for (size_t i = 0; i < items.size(); i++)
     {
         PyObject* const item = PyTuple_GET_ITEM(items.ptr(), py::ssize_t(i));
-        try
-        {
-            if (!type || !py::isinstance(item, type))
-                throw py::cast_error();
-            points.push_back(toKeyPoint(item));
-        }
-        catch (const py::cast_error&)  // also of an attribute, which a derived class may have changed
-        {
+        if (!type || !py::isinstance(item, type))
             throwTypeError(name + "[" + std::to_string(i) + "]", brief(item), "a cv2.KeyPoint");
-        }
+        points.push_back(toKeyPoint(item));
     }
     return points;
 }

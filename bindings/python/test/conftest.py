@@ -35,6 +35,14 @@ def orb():
 
 
 @pytest.fixture
+def threads():
+    """The number of threads, which is set back afterwards."""
+    number = aqorb.getNumThreads()
+    yield number
+    aqorb.setNumThreads(number)
+
+
+@pytest.fixture
 def unusual():
     """A detector none of whose properties has its default, and their values by name."""
     orb = aqorb.AdaptiveQuadtreeORB_create()

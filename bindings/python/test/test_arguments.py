@@ -5,7 +5,6 @@
 """Tests of what the package accepts as an argument, and of what it says about the rest."""
 
 import collections
-import ctypes
 import re
 import reprlib
 
@@ -49,14 +48,6 @@ def test_arrays_that_are_no_keypoints(orb, image, wrong):
     message = SEQUENCE + r'an array of dtype .* and shape \(.*\)'
     with pytest.raises(aqorb.error, match=message):
         orb.compute(image, wrong)
-
-
-def test_keypoints_whose_attributes_are_no_numbers():
-    # Never released, as cv2 corrupts memory when it frees an object of a derived class.
-    derived = type('Derived', (cv.KeyPoint,), {'angle': 'left'})()
-    ctypes.pythonapi.Py_IncRef(ctypes.py_object(derived))
-    assert message_of(TypeError, lambda: aqorb.keypointsToArray([KEYPOINT, derived])).startswith(
-        'keypoints[1] must be a cv2.KeyPoint, got ')
 
 
 @pytest.mark.parametrize('kind', [list, tuple, np.array, collections.deque,

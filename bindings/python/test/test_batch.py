@@ -24,12 +24,9 @@ def collection(image):
     return images, masks
 
 
-@pytest.fixture(params=[1, 2, 3, 4])
-def threads(request):
-    number = aqorb.getNumThreads()
+@pytest.fixture(params=[1, 2, 3, 4], autouse=True)
+def any_number_of_threads(request, threads):
     aqorb.setNumThreads(request.param)
-    yield request.param
-    aqorb.setNumThreads(number)
 
 
 def check(batch, orb, images, masks):
@@ -52,14 +49,14 @@ def check(batch, orb, images, masks):
 
 
 @pytest.mark.parametrize('count', [0, 1, 2, 7])
-def test_equals_a_call_for_each_image_with_any_number_of_threads(orb, collection, threads, count):
+def test_equals_a_call_for_each_image(orb, collection, count):
     images, masks = [items[:count] for items in collection]
     check(orb.detectAndComputeBatch(images, masks), orb, images, masks)
     check(orb.detectAndComputeBatch(tuple(images)), orb, images, [None] * count)
     check(orb.detectAndComputeBatch(images=images, masks=[]), orb, images, [None] * count)
 
 
-def test_detect_and_compute_for_several_images_with_any_number_of_threads(orb, collection, threads):
+def test_detect_and_compute_for_several_images(orb, collection):
     pytest.importorskip('cv2')
     images, masks = collection
     batch = orb.detectAndComputeBatch(images, masks)
@@ -105,7 +102,7 @@ def test_arrow_takes_the_arrays_without_a_copy(orb, image):
     assert lists[2][5].as_py() == batch.descriptors[305].tobytes()
 
 
-def test_an_error_names_the_first_image(orb, image, threads):
+def test_an_error_names_the_first_image(orb, image):
     small, wrong = image[:90, :80], np.ones((7, 8), np.uint8)
     message = r"^images\[2\]: mask must be CV_8UC1 of the image's size, 80 x 90, got 8 x 7 of type CV_8UC1$"
     masks = [None, None, wrong, None, wrong[1:]]

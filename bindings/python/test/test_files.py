@@ -22,32 +22,7 @@ def storage_of(text):
     return cv.FileStorage(text, cv.FILE_STORAGE_READ | cv.FILE_STORAGE_MEMORY)
 
 
-def test_files(tmp_path, orb):
-    orb.setRankRadius(3)
-    for suffix in 'yml', 'xml', 'json':
-        for write in orb.write, orb.save:
-            path = str(tmp_path / ('orb.' + suffix))
-            write(path)
-            other = aqorb.AdaptiveQuadtreeORB_create()
-            other.read(path)
-            assert (other.getMaxFeatures(), other.getRankRadius()) == (300, 3)
-            os.remove(path)
-    for call in orb.write, orb.read:
-        with pytest.raises(aqorb.error, match='no/such/folder'):
-            call('no/such/folder/orb.yml')
-
-
-class Path:
-    """A path that is no str, as any library may have one."""
-
-    def __init__(self, path):
-        self.path = path
-
-    def __fspath__(self):
-        return self.path
-
-
-@pytest.mark.parametrize('kind', [str, pathlib.Path, os.fsencode, Path])
+@pytest.mark.parametrize('kind', [str, pathlib.Path, os.fsencode])
 @pytest.mark.parametrize('name', [
     'plain.yml', 'with some spaces.xml', 'zwölf Boxkämpfer.json', '日本.yml', 'packed.yml.gz'])
 def test_file_names(tmp_path, orb, kind, name):
@@ -61,25 +36,18 @@ def test_file_names(tmp_path, orb, kind, name):
 
 def test_file_names_that_are_no_unicode(tmp_path, orb):
     path = os.path.join(os.fsencode(str(tmp_path)), b'\xff.yml')
-    orb.write(path)
+    orb.save(path)
     orb.read(os.fsdecode(path))
     with pytest.raises(aqorb.error, match='no folder'):
         orb.read(os.fsdecode(b'no folder/\xff.yml'))
 
 
-@pytest.mark.parametrize('method', ['write', 'save', 'read'])
-@pytest.mark.parametrize('wrong', [5, None, 2.5, ['orb.yml'], Path(5), np.zeros(3)])
-def test_things_that_are_no_file(orb, method, wrong):
-    with pytest.raises(TypeError, match=r'fileName must be a str.*, got .+') as raised:
-        getattr(orb, method)(wrong)
-    assert reprlib.repr(wrong) in str(raised.value)
-
-
-def test_what_is_accepted_instead_of_a_file_name(orb):
-    with pytest.raises(TypeError, match='must be .* or a cv2.FileStorage, got'):
-        orb.write(5)
-    with pytest.raises(TypeError, match='fileName must be .*cv2.FileNode, got < cv2.FileSto'):
-        orb.read(storage_of('{}'))
+@pytest.mark.parametrize('wrong', [5, None, ['orb.yml'], storage_of('{}').root, np.zeros(3)])
+def test_things_that_are_no_file(orb, wrong):
+    for call, accepted in (orb.write, 'FileStorage'), (orb.save, 'FileStorage'), (orb.read, 'FileNode'):
+        with pytest.raises(TypeError) as raised:
+            call(wrong)
+        assert str(raised.value) == f'fileName must be a str, a path or a cv2.{accepted}, got {reprlib.repr(wrong)}'
 
 
 @pytest.mark.parametrize('content', [None, b'', b'no storage', b'{"nfeatures": '])
@@ -120,14 +88,11 @@ def test_every_parameter_survives_a_storage(tmp_path, unusual):
         other = aqorb.AdaptiveQuadtreeORB_create()
         other.read(source)
         assert values_of(other, values) == values
-    for copied in copies_of(orb):
-        assert values_of(copied, values) == values
-
-
-def copies_of(orb):
     pickled = [pickle.loads(pickle.dumps(orb, protocol)) for protocol in range(pickle.HIGHEST_PROTOCOL + 1)]
-    function, arguments = orb.__reduce__()
-    return pickled + [copy.copy(orb), copy.deepcopy(orb), function(*arguments)]
+    for copied in pickled + [copy.copy(orb), copy.deepcopy(orb)]:
+        assert type(copied) is aqorb.AdaptiveQuadtreeORB and values_of(copied, values) == values
+        copied.setMaxFeatures(5)
+        assert values_of(orb, values) == values
 
 
 def test_no_object_is_without_a_detector():
@@ -144,15 +109,6 @@ def test_no_object_is_without_a_detector():
 def test_a_disk_that_is_full(orb):
     with pytest.raises(aqorb.error, match="fileName must be a file that can be written, got '/dev/full'.*No space left"):
         orb.write('/dev/full')
-
-
-def test_copies(orb, image):
-    expected = orb.detectAndComputeArrays(image)[1]
-    for copied in copies_of(orb):
-        assert type(copied) is aqorb.AdaptiveQuadtreeORB
-        assert np.array_equal(copied.detectAndComputeArrays(image)[1], expected)
-        copied.setMaxFeatures(5)
-        assert orb.getMaxFeatures() == 300
 
 
 def test_storages_that_are_not_open_to_write(orb):

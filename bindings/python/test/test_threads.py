@@ -55,19 +55,6 @@ def bytes_of(orb, image):
     return b''.join(array.tobytes() for array in orb.detectAndComputeArrays(image))
 
 
-@pytest.fixture
-def shared():
-    return aqorb.AdaptiveQuadtreeORB_create(200)
-
-
-@pytest.fixture
-def threads():
-    """The number of threads, which is set back afterwards."""
-    number = aqorb.getNumThreads()
-    yield number
-    aqorb.setNumThreads(number)
-
-
 @pytest.mark.skipif(not sysconfig.get_config_var('Py_GIL_DISABLED'), reason='this Python has a GIL')
 def test_the_module_does_not_bring_back_the_gil():
     assert not sys._is_gil_enabled()
@@ -96,50 +83,50 @@ def test_threads_keep_references(call, orb):
 
 
 @pytest.mark.parametrize('number', [1, 3])
-def test_threads_call_one_detector_and_many(shared, threads, number):
-    expected = [bytes_of(shared, image) for image in IMAGES]
+def test_threads_call_one_detector_and_many(orb, threads, number):
+    expected = [bytes_of(orb, image) for image in IMAGES]
     aqorb.setNumThreads(number)
 
     def with_its_own():
-        orb = aqorb.AdaptiveQuadtreeORB_create(200)
-        assert [bytes_of(orb, image) for image in IMAGES] == expected
-        orb.releaseMemory()
+        own = aqorb.AdaptiveQuadtreeORB_create(300)
+        assert [bytes_of(own, image) for image in IMAGES] == expected
+        own.releaseMemory()
 
     def in_batches():
-        batch = shared.detectAndComputeBatch(IMAGES)
+        batch = orb.detectAndComputeBatch(IMAGES)
         found = [batch.keypoints(i).tobytes() + batch.descriptors[batch.rows(i)].tobytes() for i in range(len(IMAGES))]
         assert found == expected
 
     def one_by_one():
-        assert [bytes_of(shared, image) for image in IMAGES] == expected
+        assert [bytes_of(orb, image) for image in IMAGES] == expected
 
     run_together(*[one_by_one, with_its_own, in_batches] * 2)
 
 
-def test_setters_and_files_during_calls(tmp_path, shared):
+def test_setters_and_files_during_calls(tmp_path, orb):
     # A call keeps the parameters that it began with, so that its result is that of one of the settings.
     expected = set()
     for patch_size in 20, 31:
         for radius in 1, 3:
-            shared.setPatchSize(patch_size)
-            shared.setRankRadius(radius)
-            expected.add(bytes_of(shared, IMAGES[0]))
-            shared.write(str(tmp_path / '{}{}.yml'.format(patch_size, radius)))
+            orb.setPatchSize(patch_size)
+            orb.setRankRadius(radius)
+            expected.add(bytes_of(orb, IMAGES[0]))
+            orb.write(str(tmp_path / '{}{}.yml'.format(patch_size, radius)))
     files = [str(path) for path in tmp_path.iterdir()]
 
     def detect():
-        assert bytes_of(shared, IMAGES[0]) in expected
+        assert bytes_of(orb, IMAGES[0]) in expected
 
     def change():
         for patch_size, radius in (20, 3), (31, 1):
-            shared.setPatchSize(patch_size)
-            shared.setRankRadius(radius)
+            orb.setPatchSize(patch_size)
+            orb.setRankRadius(radius)
 
     def copy():
-        assert bytes_of(pickle.loads(pickle.dumps(shared)), IMAGES[0]) in expected
+        assert bytes_of(pickle.loads(pickle.dumps(orb)), IMAGES[0]) in expected
 
-    run_together(detect, detect, change, change, lambda: [shared.read(file) for file in files], copy)
-    assert shared.getMaxFeatures() == 200
+    run_together(detect, detect, change, change, lambda: [orb.read(file) for file in files], copy)
+    assert orb.getMaxFeatures() == 300
 
 
 def test_a_setter_during_a_call_changes_its_own_property_only(unusual):
@@ -154,9 +141,9 @@ def test_a_setter_during_a_call_changes_its_own_property_only(unusual):
     run_together(*[lambda: orb.detectAndComputeArrays(IMAGES[0])] * 2, change)
 
 
-def test_threads_share_a_matcher(shared):
+def test_threads_share_a_matcher(orb):
     pytest.importorskip('cv2')
-    descriptors = [shared.detectAndComputeArrays(image)[1] for image in IMAGES]
+    descriptors = [orb.detectAndComputeArrays(image)[1] for image in IMAGES]
     matcher = aqorb.HammingMatcher_create()
 
     def found():
@@ -176,7 +163,7 @@ def test_threads_share_a_matcher(shared):
     run_together(match, match, change, change)
 
 
-def test_a_list_that_changes_while_it_is_read(shared):
+def test_a_list_that_changes_while_it_is_read(orb):
     images, lists = list(IMAGES), [KEYPOINTS] * 6
 
     def change():
@@ -187,11 +174,11 @@ def test_a_list_that_changes_while_it_is_read(shared):
 
     def compute():
         try:
-            shared.compute(images, lists)
+            orb.compute(images, lists)
         except aqorb.error as error:  # the two are read one after the other
             assert 'one sequence for each image' in str(error)
 
-    run_together(lambda: shared.detectAndComputeBatch(images), compute, change)
+    run_together(lambda: orb.detectAndComputeBatch(images), compute, change)
 
 
 EXIT = '''
@@ -240,18 +227,18 @@ def test_the_gil_is_released(orb, call):
     assert released
 
 
-def test_the_number_of_threads(shared, threads):
-    expected = bytes_of(shared, IMAGES[0])
+def test_the_number_of_threads(orb, threads):
+    expected = bytes_of(orb, IMAGES[0])
     for number in 1, 2, 5, 3, 1:
         aqorb.setNumThreads(number)
-        assert aqorb.getNumThreads() == number and bytes_of(shared, IMAGES[0]) == expected
+        assert aqorb.getNumThreads() == number and bytes_of(orb, IMAGES[0]) == expected
     aqorb.setNumThreads(-1)
     assert aqorb.getNumThreads() == threads >= 1
     for wrong in '2', 2.5, None:
         with pytest.raises(TypeError, match='nthreads'):
             aqorb.setNumThreads(wrong)
-    run_together(lambda: bytes_of(shared, IMAGES[0]) == expected or pytest.fail('other features'),
-                 lambda: shared.detectAndComputeBatch(IMAGES), lambda: [aqorb.setNumThreads(n) for n in (1, 4, 2)])
+    run_together(lambda: bytes_of(orb, IMAGES[0]) == expected or pytest.fail('other features'),
+                 lambda: orb.detectAndComputeBatch(IMAGES), lambda: [aqorb.setNumThreads(n) for n in (1, 4, 2)])
 
 
 def describe(number, threads=3):
