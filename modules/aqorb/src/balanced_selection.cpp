@@ -91,10 +91,11 @@ std::vector<unsigned> balancedOrder(const std::vector<LeafPoint>& points, int de
 
 std::vector<CornerResponse> balancedCorners(const LevelPlan& plan, const std::vector<CornerResponse>& corners)
 {
-    const LeafGrid leaves(plan.root, plan.depth);
     std::vector<LeafPoint> points;
     for (const CornerResponse& corner : corners)
-        points.push_back({leaves.leaf(corner.x, corner.y), sortKey(corner.response)});
+        points.push_back(
+            {leafOf(corner.x - plan.root.x, corner.y - plan.root.y, plan.root.size(), plan.depth),
+             sortKey(corner.response)});
     std::vector<CornerResponse> ordered;
     for (unsigned index : balancedOrder(points, plan.depth))
         ordered.push_back(corners[index]);

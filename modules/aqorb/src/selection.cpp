@@ -93,21 +93,6 @@ int rankedDepth(Size region, double usable, int quota)
     return depth;
 }
 
-LeafGrid::LeafGrid(const Rect& region_, int depth_) : region(region_), depth(depth_)
-{
-    for (int x = 0; x < region.width; x++)
-        columns.push_back(index(x, region.width, depth));
-    for (int y = 0; y < region.height; y++)
-        rows.push_back(index(y, region.height, depth) << depth);
-}
-
-Point LeafGrid::centre(unsigned leaf) const
-{
-    const int64 column = leaf & ((1u << depth) - 1), row = leaf >> depth;
-    return region.tl() + Point(int(((2 * column + 1) * region.width) >> (depth + 1)),
-                               int(((2 * row + 1) * region.height) >> (depth + 1)));
-}
-
 // ---- 3. representatives -----------------------------------------------------------------------
 
 std::vector<unsigned> findRepresentatives(const std::vector<LeafPoint>& points, int depth)
@@ -311,10 +296,14 @@ std::vector<unsigned> orderRepresentatives(const std::vector<unsigned>& leavesGi
 // By leaf: whether its centre may have a corner; empty: they all may.
 static std::vector<uchar> usableLeaves(const Mat& mask, const LevelPlan& plan)
 {
-    const LeafGrid leaves(plan.root, plan.depth);
     std::vector<uchar> usable;
     for (unsigned leaf = 0; !mask.empty() && leaf < 1u << (2 * plan.depth); leaf++)
-        usable.push_back(mask.at<uchar>(leaves.centre(leaf)));
+    {
+        const int64 column = leaf & ((1u << plan.depth) - 1), row = leaf >> plan.depth;
+        usable.push_back(
+            mask.at<uchar>(plan.root.y + int((2 * row + 1) * plan.root.height >> (plan.depth + 1)),
+                           plan.root.x + int((2 * column + 1) * plan.root.width >> (plan.depth + 1))));
+    }
     return usable;
 }
 
@@ -326,10 +315,11 @@ std::vector<CornerResponse> orderCorners(const Parameters& parameters, const Lev
     const bool useHarris = parameters.scoreType == ORB::HARRIS_SCORE;
     if (parameters.selectionType == AdaptiveQuadtreeORB::BALANCED_SELECTION)
         return balancedCorners(plan, responsesOf(level.image, corners, useHarris));
-    const LeafGrid grid(plan.root, plan.depth);
     std::vector<LeafPoint> points(corners.size());
     for (size_t i = 0; i < corners.size(); i++)
-        points[i] = {grid.leaf(corners[i].x, corners[i].y), corners[i].score};
+        points[i] = {
+            leafOf(corners[i].x - plan.root.x, corners[i].y - plan.root.y, plan.root.size(), plan.depth),
+            corners[i].score};
     std::vector<Corner> representatives;
     std::vector<unsigned> leaves;
     for (unsigned index : findRepresentatives(points, plan.depth))

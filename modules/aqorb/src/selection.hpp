@@ -42,33 +42,19 @@ std::vector<LevelPlan> planLevels(const Parameters& parameters, const std::vecto
 //! @param usable the share of the region that no mask excludes
 int rankedDepth(Size region, double usable, int quota);
 
-//! The leaves of a quadtree over a region: 2^depth columns and rows, numbered row by row.
-class LeafGrid
+//! The leaf of a position in a region: leaves have 2^depth columns and rows, and are numbered row by row.
+inline unsigned leafOf(double x, double y, Size region, int depth)
 {
-public:
-    LeafGrid(const Rect& region, int depth);
-    //! The leaf of a pixel of the region.
-    unsigned leaf(int x, int y) const { return columns[x - region.x] + rows[y - region.y]; }
-    //! The pixel in the centre of a leaf.
-    Point centre(unsigned leaf) const;
-    //! Where a position on an axis of so many pixels lies: floor(position * 2^depth / length).
-    static unsigned index(double position, int length, int depth)
-    {
-        return unsigned(position * (1 << depth) / length);
-    }
-
-private:
-    Rect region;
-    int depth;
-    std::vector<unsigned> columns, rows;  // by pixel: what it contributes to the number of its leaf
-};
+    const double side = 1 << depth;
+    return unsigned(x * side / region.width) | unsigned(y * side / region.height) << depth;
+}
 
 // ---- 3. representatives -----------------------------------------------------------------------
 
 //! A point that is to be put in order. Points come in the order that breaks ties.
 struct LeafPoint
 {
-    unsigned leaf;  //!< as LeafGrid numbers it
+    unsigned leaf;  //!< see leafOf
     int key;        //!< the greater, the better: a FAST score, or the sortKey of a response
 };
 

@@ -99,9 +99,7 @@ void retainUniform(std::vector<KeyPoint>& keypoints, Size imageSize, int npoints
         for (unsigned index : inside)
         {
             const Point2f p = keypoints[index].pt;
-            points.push_back({LeafGrid::index(p.x, imageSize.width, depth) |
-                                  LeafGrid::index(p.y, imageSize.height, depth) << depth,
-                              sortKey(keypoints[index].response)});
+            points.push_back({leafOf(p.x, p.y, imageSize, depth), sortKey(keypoints[index].response)});
         }
         const std::vector<unsigned> representatives = findRepresentatives(points, depth);
         std::vector<unsigned> leaves;
