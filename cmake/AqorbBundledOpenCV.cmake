@@ -50,9 +50,6 @@ if(NOT source)
     aqorb_run(fetch "${Python_EXECUTABLE}" -m pip download --no-deps --no-binary opencv-python-headless
       --dest "${AQORB_OPENCV_BUILD}" "opencv-python-headless==${AQORB_OPENCV_RELEASE}")
     set(archive "${AQORB_OPENCV_BUILD}/${folder}.tar.gz")
-    if(NOT EXISTS "${archive}")  # an older name of the same
-      set(archive "${AQORB_OPENCV_BUILD}/opencv-python-headless-${AQORB_OPENCV_RELEASE}.tar.gz")
-    endif()
     file(SHA256 "${archive}" found)
     if(NOT found STREQUAL sha256)
       message(FATAL_ERROR "${archive} is not what was expected: its SHA256 is ${found} instead of ${sha256}")

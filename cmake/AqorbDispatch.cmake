@@ -21,27 +21,10 @@ if(CMAKE_CXX_COMPILER_ID STREQUAL "GNU")
   # GCC 12 warns of its own avx512fintrin.h.
   list(APPEND AQORB_AVX512_SKX_FLAGS -Wno-uninitialized -Wno-maybe-uninitialized)
 endif()
-if(MINGW AND CMAKE_CXX_COMPILER_ID STREQUAL "GNU")
-  # GCC aligns the stack of 64-bit Windows to 16 bytes, but moves wider vectors to it as if it were aligned to theirs.
-  list(APPEND AQORB_AVX2_FLAGS -Wa,-muse-unaligned-vector-move)
-  list(APPEND AQORB_AVX512_SKX_FLAGS -Wa,-muse-unaligned-vector-move)
-endif()
 set(AQORB_AVX512_SKX_FEATURES ${AQORB_AVX2_FEATURES} AVX_512F AVX512_COMMON AVX512_SKX)
 set(AQORB_AVX512_ICL_FLAGS ${AQORB_AVX512_SKX_FLAGS}
   -mavx512ifma -mavx512vbmi -mavx512vbmi2 -mavx512vnni -mavx512bitalg -mavx512vpopcntdq)
 set(AQORB_AVX512_ICL_FEATURES ${AQORB_AVX512_SKX_FEATURES} AVX512_ICL)
-
-# aqorb_write(<file> <content>): leaves a file as it is that has the content. (file(CONFIGURE) is newer than CMake 3.16,
-# and that of 3.18 loses the ends of lines.)
-function(aqorb_write file content)
-  set(present "")
-  if(EXISTS "${file}")
-    file(READ "${file}" present)
-  endif()
-  if(NOT present STREQUAL content)
-    file(WRITE "${file}" "${content}")
-  endif()
-endfunction()
 
 # aqorb_add_dispatched_file(<target> <name> [<CPU feature>...])
 function(aqorb_add_dispatched_file target name)
@@ -50,9 +33,9 @@ function(aqorb_add_dispatched_file target name)
   if(APPLE AND CMAKE_OSX_ARCHITECTURES)
     set(processor "${CMAKE_OSX_ARCHITECTURES}")  # of one file for two processors only the baseline
   endif()
-  # OpenCV's intrinsics for AVX2 cannot be compiled for 32 bits.
+  # OpenCV's intrinsics for AVX2 cannot be compiled for 32 bits, and GCC aligns the stack of Windows for SSE2 alone.
   if(processor MATCHES "^(x86_64|AMD64)$" AND CMAKE_SIZEOF_VOID_P EQUAL 8
-      AND CMAKE_CXX_COMPILER_ID MATCHES "GNU|Clang" AND NOT MSVC)
+      AND CMAKE_CXX_COMPILER_ID MATCHES "GNU|Clang" AND NOT WIN32)
     set(features ${ARGN})
   endif()
 
@@ -65,11 +48,13 @@ function(aqorb_add_dispatched_file target name)
   foreach(feature IN LISTS features)
     string(TOLOWER "${feature}" suffix)
     set(file "${generated}/${name}.${suffix}.cpp")
-    aqorb_write("${file}" "#include \"${src}/precomp.hpp\"\n#include \"${src}/${name}.simd.hpp\"\n")
+    file(GENERATE OUTPUT "${file}"
+      CONTENT "#include \"${src}/precomp.hpp\"\n#include \"${src}/${name}.simd.hpp\"\n")
     target_sources(${target} PRIVATE "${file}")
 
     list(TRANSFORM AQORB_${feature}_FEATURES REPLACE "(.+)" "CV_CPU_COMPILE_\\1=1" OUTPUT_VARIABLE defines)
     set_source_files_properties("${file}" PROPERTIES
+      GENERATED ON
       COMPILE_OPTIONS "${AQORB_${feature}_FLAGS}"
       COMPILE_DEFINITIONS "__OPENCV_BUILD=1;CV_CPU_DISPATCH_MODE=${feature};${defines}"
       INCLUDE_DIRECTORIES "${AQORB_DISPATCH_DIR};${src}")
@@ -82,7 +67,7 @@ function(aqorb_add_dispatched_file target name)
 
   list(JOIN modes ", " modes)
   string(APPEND declarations "#define CV_CPU_DISPATCH_MODES_ALL ${modes}\n#undef CV_CPU_SIMD_FILENAME\n")
-  aqorb_write("${generated}/${name}.simd_declarations.hpp" "${declarations}")
+  file(GENERATE OUTPUT "${generated}/${name}.simd_declarations.hpp" CONTENT "${declarations}")
 
   set(options "")
   if(EMSCRIPTEN AND "SSE4_1" IN_LIST ARGN AND CMAKE_CXX_FLAGS MATCHES "-msimd128")

@@ -44,23 +44,14 @@ declare -A PACKAGES=(
     [build]='build-essential cmake ccache libopencv-dev'
     [test]='libgtest-dev pkg-config'
     [python]='locales mypy pybind11-dev python3-dev python3-numpy python3-opencv python3-pil python3-pytest python3-venv'
-    [package]='dpkg-dev file gzip lintian python3-dev pybind11-dev python3-numpy'
+    [package]='dpkg-dev file lintian python3-dev pybind11-dev python3-numpy'
     [doc]='cmark-gfm doxygen doxygen-awesome-css graphviz python3 texlive-binaries'
-    [report]='python3-matplotlib'
     [soak]='libgtest-dev valgrind'
-    [tsan]='util-linux'
     [fuzz]='clang libclang-rt-dev llvm libgtest-dev'
-    [clang]='clang'
     [format]='clang-format clang-tidy shellcheck'
     [opencv]='dpkg-dev ninja-build zlib1g-dev libpng-dev libjpeg-dev python3-dev python3-numpy'
-    [contrib]='dpkg-dev git python3'
     [java]='ant default-jdk-headless'
     [emulation]='dpkg-dev qemu-user-static'
-    [arm64]='g++-aarch64-linux-gnu'
-    [armhf]='g++-arm-linux-gnueabihf'
-    [riscv64]='g++-riscv64-linux-gnu'
-    [s390x]='g++-s390x-linux-gnu'
-    [system]='debootstrap util-linux'
     [wheel]='ca-certificates ninja-build python3-dev python3-venv'
     [workflows]='ca-certificates python3-venv shellcheck'
     [web]='ca-certificates ccache cmake emscripten ninja-build nodejs python3-venv'
@@ -121,11 +112,14 @@ own_apt() {
         -o Dir::State::Status="$1/status" -o Dir::State::Lists="$1/lists" -o Dir::Cache="$1/apt")
 }
 
-# sysroot ARCHITECTURE: sets SYSROOT to a folder with Debian's packages of OpenCV and GoogleTest for an architecture, by
-# Debian's name of it, unpacked; fetched once. They are those of this Debian, or of Debian 13, the first that has
-# riscv64.
+# sysroot ARCHITECTURE: installs the cross compiler and the emulator for an architecture, by Debian's name of it, and
+# sets SYSROOT to a folder with the packages of OpenCV and GoogleTest for it, unpacked; fetched once. They are those of
+# this Debian, or of Debian 13, the first that has riscv64.
 sysroot() {
-    local folder=$CACHE/$1 release triplet
+    local folder=$CACHE/$1 release triplet directory package
+    need emulation
+    triplet=$(dpkg-architecture -f -a "$1" -q DEB_HOST_MULTIARCH)
+    need "g++-$triplet"
     SYSROOT=$folder/root
     [[ ! -e $folder/complete ]] || return 0
     rm -rf "$folder"
@@ -137,28 +131,19 @@ sysroot() {
     apt-get -qq "${OWN_APT[@]}" install -y --no-install-recommends --download-only \
         libgtest-dev libopencv-dev libstdc++-12-dev
 
-    local directory
     for directory in bin lib sbin; do ln -s "usr/$directory" "$SYSROOT/$directory"; done
-    unpack "$SYSROOT" "$folder"/apt/archives/*.deb
+    for package in "$folder"/apt/archives/*.deb; do
+        dpkg-deb --fsys-tarfile "$package" | tar -x -C "$SYSROOT" --keep-directory-symlink --no-same-owner
+    done
     # What update-alternatives would choose.
-    triplet=$(dpkg-architecture -f -a "$1" -q DEB_HOST_MULTIARCH)
     ln -s blas/libblas.so.3 lapack/liblapack.so.3 "$SYSROOT/usr/lib/$triplet/"
     rm -r "$folder"/{apt,lists,parts,status}
     touch "$folder/complete"
 }
 
-# unpack FOLDER FILE...: unpacks Debian packages into a folder, without installing them.
-unpack() {
-    local package root=()
-    [[ -w $1 ]] || root=(as_root)
-    for package in "${@:2}"; do
-        dpkg-deb --fsys-tarfile "$package" | "${root[@]}" tar -x -C "$1" --keep-directory-symlink --no-same-owner
-    done
-}
-
 # configure PRESET [OPTION...]: by CMakePresets.json. What CMake prints is shown if it fails.
 configure() {
-    local preset=${1##*/} log=$BUILD/${1##*/}.configure.log
+    local preset=$1 log=$BUILD/$1.configure.log
     forget_moved "$BUILD/$preset" "$ROOT"
     mkdir -p "$BUILD"
     (cd "$ROOT" && cmake --preset "$preset" "${@:2}") >"$log" 2>&1 || { cat "$log" && die "CMake failed, see $log"; }
@@ -174,8 +159,7 @@ build() {
 # run_tests PRESET [ctest option...]: runs the tests of a preset. Ends with one line of counts: ctest's own summary
 # does not say how many were skipped for want of data.
 run_tests() {
-    local preset=${1##*/} status=0
-    local results=$BUILD/tests/$preset.xml
+    local preset=$1 results=$BUILD/tests/$1.xml status=0
     mkdir -p "$BUILD/tests"
     rm -f "$results"
     (cd "$ROOT" && ctest --preset "$preset" --parallel "$JOBS" --output-junit "$results" "${@:2}") || status=$?
@@ -187,7 +171,7 @@ run_tests() {
 
 # counts PRESET: what run_tests found, as "N passed, N failed, N skipped".
 counts() {
-    local total failures skipped results=$BUILD/tests/${1##*/}.xml
+    local total failures skipped results=$BUILD/tests/$1.xml
     total=$(junit tests "$results")
     failures=$(junit failures "$results")
     skipped=$(junit skipped "$results")

@@ -95,7 +95,7 @@ inside() {
 
 row_debian13() {
     local system=$CACHE/debian13
-    need system
+    need debootstrap
     if [[ ! -e $system.complete ]]; then
         as_root rm -rf "$system"
         mkdir -p "$CACHE"
@@ -142,7 +142,6 @@ row_plain() {
 # cross ROW ARCHITECTURE [EMULATOR]: cross-built with the compiler and the packages of Debian for an architecture, by
 # Debian's name of it. Its programs run under qemu-user with the name of the emulated CPU, or by a given command.
 cross() {
-    need emulation "$2"
     sysroot "$2"
     compiled "$1" "qemu-$3-static" -L "$SYSROOT"
 }
@@ -150,7 +149,6 @@ cross() {
 row_aarch64() { cross aarch64 arm64 aarch64; }
 row_armhf() { cross armhf armhf arm; }
 row_riscv64() {
-    need emulation riscv64
     sysroot riscv64
     # The linker of Debian 12 crashes on the GoogleTest of Debian 13.
     local folder=$SYSROOT/usr/src/build-googletest

@@ -44,7 +44,7 @@ case ${1:-} in
 *) die "unknown option $1; --help says what there is" ;;
 esac
 
-need contrib
+need git
 if [[ $release ]]; then
     contrib_release
 else

@@ -36,7 +36,7 @@ done
 need build
 mkdir -p "$BUILD/demo"
 configure release -DAQORB_BUILD_SAMPLES=ON >"$BUILD/demo/configure.log" 2>&1 || die "see $BUILD/demo/configure.log"
-build "$BUILD/release" --target aqorb_demo | sed -u '/Built target\|Consolidate compiler\|no work to do/d'
+build "$BUILD/release" --target aqorb_demo
 
 if ((${#images[@]} == 0)); then opencv_samples && export OPENCV_SAMPLES_DATA_PATH=$OPENCV_SAMPLES; fi
 export OPENCV_LOG_LEVEL=${OPENCV_LOG_LEVEL:-ERROR}  # else OpenCV warns of each of its pictures that it finds

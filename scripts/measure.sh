@@ -61,7 +61,7 @@ harness() {
 }
 
 evaluate() {
-    need build python report
+    need build python python3-matplotlib
     configure release -DAQORB_BUILD_PYTHON=ON -DPython_EXECUTABLE="$PYTHON"
     build "$BUILD/release" --target _aqorb
     PYTHONPATH=$BUILD/release/bindings/python PYTHONDONTWRITEBYTECODE=1 \
@@ -93,7 +93,7 @@ peers() {
     local methods=(aqorb aqorb-arrays cv2-4 cv2-5 kornia kornia-fewer scikit)
     (($# == 1)) || die "peers: name one wheel; --help says more"
     photographs
-    need wheel util-linux
+    need wheel
     wheel=$(realpath "$1")
     mkdir -p "$folder"
     environment "$BUILD/venv/peers$OPENCV_4" "opencv-python-headless==$OPENCV_4" "$wheel" kornia-rs scikit-image

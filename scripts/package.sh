@@ -60,7 +60,7 @@ lintian --allow-root --fail-on error,warning --suppress-tags initial-upload-clos
 echo "no errors, no warnings"
 [[ $test ]] || exit 0
 
-need system
+need debootstrap
 system=$BUILD/system
 inside() { as_root chroot "$system" env -i PATH=/usr/sbin:/usr/bin:/sbin:/bin LC_ALL=C.UTF-8 "$@"; }
 say "A fresh system"

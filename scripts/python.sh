@@ -51,7 +51,7 @@ asan() {
 
 offline() {
     local isolate=(unshare --net) tools=$BUILD/venv/offline folder
-    need build wheel util-linux
+    need build wheel
     ((EUID == 0)) || isolate+=(--user --map-root-user)
     "${isolate[@]}" true || die "the network cannot be cut off here"
     environment "$tools" build numpy pybind11 scikit-build-core

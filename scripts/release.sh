@@ -1,17 +1,15 @@
 #!/usr/bin/env bash
 # Makes the files of a release that can be made on Debian, in build/release-files, with their checksums, and publishes
-# nothing: the source distribution and the wheels, the Debian packages, and the site with the page for browsers. It
-# fails if a check of these files, or of the workflows that make those of all systems, finds anything.
+# nothing: the source distribution and the wheel for this system, the Debian packages, and the site with the page for
+# browsers. It fails if a check of these files, or of the workflows that make those of all systems, finds anything.
 #
 #   scripts/release.sh
 #   scripts/release.sh --check
 #   scripts/release.sh --workflows | --version | --tag TAG | --notes
 #
-# This takes half an hour and needs root, for the wheels are built on a Debian 11 in a folder of its own.
-#
-# With --check it runs what .ci/run leaves out because it hardly changes or takes long: the tests of wheels and packages on
-# fresh systems, the page in a browser, other CPUs, compilers and versions of OpenCV, other programs with the preloaded
-# library, and the wrappers for Java and JavaScript. This takes hours.
+# With --check it runs what .ci/run leaves out because it hardly changes or takes long: the tests of the wheel beside other
+# cv2, of the packages on a fresh system, which needs root, of the page in a browser, of other CPUs, compilers and versions
+# of OpenCV, of other programs with the preloaded library, and of the wrapper for Java. This takes hours.
 #
 # With --workflows it checks what no build runs: the workflows, by actionlint and zizmor, and that all files say the same
 # version. With --version it prints the version, after that last check. --tag also fails unless TAG is v<version> and

@@ -322,20 +322,10 @@ bool usablePosition(const Mat& mask, int x, int y, Size levelSize, float scale, 
     return least < DBL_MAX;
 }
 
-float multiplyAdd(float a, float b, float c)
-{
-#if defined(__MINGW32__)
-    return float((long double)a * b + c);
-#else
-    return std::fma(a, b, c);
-#endif
-}
-
 float arctangent(float y, float x, bool fused)
 {
     // As in mathfuncs_core.simd.hpp.
-    const auto sumOf = [fused](float a, float b, float c)
-    { return fused ? multiplyAdd(a, b, c) : a * b + c; };
+    const auto sumOf = [fused](float a, float b, float c) { return fused ? std::fma(a, b, c) : a * b + c; };
     const float degrees = (float)(180 / CV_PI);
     const float p[] = {-0.04432655554792128f * degrees, 0.1555786518463281f * degrees,
                        -0.3258083974640975f * degrees, 0.9997878412794807f * degrees};

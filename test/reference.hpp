@@ -136,9 +136,6 @@ bool usablePosition(const Mat& mask, int x, int y, Size levelSize, float scale, 
                     Point2f& found);
 Point2d subPixelOffset(const Mat& image, int x, int y);
 
-/** a * b + c, rounded once. MinGW's std::fma rounds twice; there the 64 bits of a long double hold the exact sum, as all
- numbers here are between 2^-8 and 2^9, or products of them with the taps of a Gaussian kernel. */
-float multiplyAdd(float a, float b, float c);
 //! cv::fastAtan2 with or without fused multiply-add.
 float arctangent(float y, float x, bool fused = false);
 /** Whether OpenCV was compiled with fused multiply-add, as for AArch64. Its angles then differ from ours in the last

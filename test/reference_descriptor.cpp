@@ -22,7 +22,7 @@ Mat blur(const Mat& image)
         {
             float sum = k[-3] * pixel(image, x - 3, y);
             for (int i = -2; i <= 3; i++)
-                sum = multiplyAdd(k[i], (float)pixel(image, x + i, y), sum);
+                sum = std::fma(k[i], (float)pixel(image, x + i, y), sum);
             rows.at<float>(y, x) = sum;
         }
     for (int y = 0; y < image.rows; y++)
@@ -35,7 +35,7 @@ Mat blur(const Mat& image)
                     rows.at<float>(borderInterpolate(y - i, image.rows, BORDER_REFLECT_101), x);
                 const float below =
                     rows.at<float>(borderInterpolate(y + i, image.rows, BORDER_REFLECT_101), x);
-                sum = multiplyAdd(k[i], below + above, sum);
+                sum = std::fma(k[i], below + above, sum);
             }
             result.at<float>(y, x) = sum;
         }
