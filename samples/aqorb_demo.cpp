@@ -50,7 +50,7 @@ const struct
      "RANSAC. If you look for a small object, see StrengthWeight in the tutorial on the parameters."},
     {"graf1.png", "graf3.png", "H1to3p.xml",
      "3. AdaptiveQuadtreeORB wins: a painted wall from two sides, with a known homography between them.\n"
-     "How to read it: AdaptiveQuadtreeORB has more distinct correct matches, on more places of the wall."}};
+     "How to read it: AdaptiveQuadtreeORB has more distinct correct matches, in more places on the wall."}};
 
 const char* const LEGEND =
     "Matches are mutual nearest neighbours. Consistent: within 3 pixels of the homography estimated from\n"
