@@ -8,7 +8,7 @@
 #include "precomp.hpp"
 
 #include "input.hpp"
-#include "image_loop.hpp"
+#include "for_each.hpp"
 #include "output.hpp"
 #include "parameters.hpp"
 #include "selection.hpp"
@@ -321,21 +321,24 @@ catch (const std::bad_alloc&)
                image_.cols(), image_.rows(), parameters.scaleFactor, parameters.firstLevel));
 }
 
-// Processes the images of a collection side by side, each on one thread, or a single one on all of them.
+// Processes the images of a collection side by side, each on one thread, or a single one on all of them. An error of
+// OpenCV's gets the index of its image.
 template <typename Process> static void forEachImage(size_t count, const Process& process)
 {
-    ImageLoop loop(count);
-    const int threads = int(std::min(size_t(threadsAllowed()), count));
-    const auto run = [&](const Range&)
+    const auto processOne = [&](size_t i, int)
     {
-        const SingleThreadScope scope;
-        loop.work(process);
+        const std::unique_ptr<SingleThreadScope> alone(count > 1 ? new SingleThreadScope : 0);
+        try
+        {
+            process(i);
+        }
+        catch (const Exception& thrown)
+        {
+            throw Exception(thrown.code, format("images[%d]: %s", int(i), thrown.err.c_str()), thrown.func,
+                            thrown.file, thrown.line);
+        }
     };
-    if (threads <= 1)
-        loop.work(process);
-    else
-        parallel_for_(Range(0, threads), run, threads);
-    loop.check();
+    forEach(count, threadsAllowed(), processOne);
 }
 
 void AdaptiveQuadtreeORBImpl::detect(InputArrayOfArrays images_,

@@ -8,7 +8,7 @@
 #include "precomp.hpp"
 
 #include "corners.hpp"
-#include "image_loop.hpp"
+#include "for_each.hpp"
 #include "simd_compat.hpp"
 
 namespace cv

@@ -46,21 +46,6 @@ void maskPositions(const Mat& imageMask, const PositionMap& position, Mat& level
 //! Where the quadratic through the 3x3 FAST scores around (x, y) peaks, relative to (x, y), within +-0.5.
 Point2d subPixelOffset(const Mat& image, int x, int y);
 
-//! What follows from the parameters alone.
-struct Tables
-{
-    explicit Tables(const Parameters& parameters)
-        : patch(circularPatch(parameters.patchSize)),
-          strengthPatch(patch.halfWidths, std::max(1, parameters.patchSize / 2 / 5)),
-          tests(descriptorPattern(parameters.patchSize, parameters.WTA_K), parameters.WTA_K)
-    {
-    }
-
-    OrientationPatch patch;
-    OrientationPatch strengthPatch;  //!< the same with fewer rows
-    DescriptorTests tests;
-};
-
 //! Features of a level that are described together.
 struct FeatureRange
 {

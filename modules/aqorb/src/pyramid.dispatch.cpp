@@ -7,7 +7,7 @@
 
 #include "precomp.hpp"
 
-#include "image_loop.hpp"
+#include "for_each.hpp"
 #include "pyramid.hpp"
 #include "types.hpp"
 

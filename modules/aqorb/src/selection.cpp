@@ -139,6 +139,11 @@ std::vector<CornerResponse> responsesOf(const Mat& image, const std::vector<Corn
     return responses;
 }
 
+OrientationPatch patchForStrength(int patchSize)
+{
+    return OrientationPatch(circularPatch(patchSize), std::max(1, patchSize / 2 / 5));
+}
+
 // A corner whose moment is long has a well-defined direction, and is found again with the same direction.
 std::vector<float> strengthsOf(const Mat& image, const std::vector<Corner>& corners,
                                const std::vector<CornerResponse>& responses, bool useHarris,

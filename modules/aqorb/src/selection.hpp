@@ -67,6 +67,8 @@ std::vector<unsigned> findRepresentatives(const std::vector<LeafPoint>& points, 
 
 //! Corners of a level with their responses: Harris responses or FAST scores.
 std::vector<CornerResponse> responsesOf(const Mat& image, const std::vector<Corner>& corners, bool useHarris);
+//! The patch of the moments: every third row of the default patch.
+OrientationPatch patchForStrength(int patchSize);
 //! The fourth powers of FAST * sqrt(sqrt(Harris)) * moment, so that no root is needed.
 std::vector<float> strengthsOf(const Mat& image, const std::vector<Corner>& corners,
                                const std::vector<CornerResponse>& responses, bool useHarris,

@@ -3,7 +3,7 @@
 // of this distribution.
 // SPDX-License-Identifier: Apache-2.0
 
-// The memory that is kept between calls, and how calls borrow it.
+// What an object keeps between calls: the tables of its parameters, and memory, which calls borrow.
 
 #ifndef OPENCV_AQORB_WORKSPACE_HPP
 #define OPENCV_AQORB_WORKSPACE_HPP
@@ -17,6 +17,20 @@ namespace cv
 {
 namespace aqorb
 {
+
+//! What follows from the parameters alone.
+struct Tables
+{
+    explicit Tables(const Parameters& parameters)
+        : patch(circularPatch(parameters.patchSize)),
+          strengthPatch(patchForStrength(parameters.patchSize)),
+          tests(descriptorPattern(parameters.patchSize, parameters.WTA_K), parameters.WTA_K)
+    {
+    }
+
+    OrientationPatch patch, strengthPatch;
+    DescriptorTests tests;
+};
 
 //! The large buffers of a call. They are kept for later calls.
 struct Workspace

@@ -1,0 +1,68 @@
+// This file is part of aqorb. Copyright (C) The aqorb developers.
+// It is subject to the license terms in the LICENSE file found in the top-level directory
+// of this distribution.
+// SPDX-License-Identifier: Apache-2.0
+
+// How threads share the work of a stage, or the images of a collection.
+
+#ifndef OPENCV_AQORB_FOR_EACH_HPP
+#define OPENCV_AQORB_FOR_EACH_HPP
+
+#include <opencv2/core.hpp>
+#include <opencv2/core/utility.hpp>
+
+#include <algorithm>
+#include <atomic>
+#include <exception>
+#include <mutex>
+
+namespace cv
+{
+namespace aqorb
+{
+
+//! How many threads a call that this thread begins may use.
+int threadsAllowed();
+
+/** Calls work(i, thread) for every i below count, on at most so many threads. Each of them takes the next i until none is
+ left, and has a number of its own. After an error no further i is begun. All before one that fails are completed, so
+ the error that is thrown in the end is always that of the lowest i that fails. */
+template <typename Work> void forEach(size_t count, int most, const Work& work)
+{
+    std::atomic<size_t> next(0), end(count);
+    std::atomic<int> nextThread(0);
+    std::mutex mutex;
+    std::exception_ptr error;
+    const auto run = [&](const Range&)
+    {
+        const int thread = nextThread++;
+        for (size_t i = next++; i < end; i = next++)
+        {
+            try
+            {
+                work(i, thread);
+            }
+            catch (...)
+            {
+                const std::lock_guard<std::mutex> lock(mutex);
+                if (i < end)
+                {
+                    end = i;
+                    error = std::current_exception();
+                }
+            }
+        }
+    };
+    const int threads = int(std::min(size_t(most), count));
+    if (threads <= 1)
+        run(Range());
+    else
+        parallel_for_(Range(0, threads), run, threads);
+    if (error)
+        std::rethrow_exception(error);
+}
+
+}  // namespace aqorb
+}  // namespace cv
+
+#endif
