@@ -30,12 +30,8 @@ class FeatureBatch(typing.NamedTuple):
     def rows(self, image):
         """Returns the features of an image as a slice of each array but offsets. A negative number counts from the last
         image."""
-        count = len(self.offsets) - 1
-        index = operator.index(image)
-        if not -count <= index < count:
-            accepted = 'from {} to {}'.format(-count, count - 1) if count else 'one of 0'
-            raise IndexError('image must be {}, got {}'.format(accepted, index))
-        return slice(int(self.offsets[index % count]), int(self.offsets[index % count + 1]))
+        index = range(len(self.offsets) - 1)[operator.index(image)]
+        return slice(int(self.offsets[index]), int(self.offsets[index + 1]))
 
     def keypoints(self, image=None):
         """Returns the keypoints of an image, or of all of them, as an array of keypoint_dtype. It is a copy."""

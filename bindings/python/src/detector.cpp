@@ -60,16 +60,6 @@ private:
 
 typedef py::class_<Detector> DetectorClass;
 
-KeyPointTupleObject toObject(const std::vector<cv::KeyPoint>& keypoints)
-{
-    return {toTuple(keypoints)};
-}
-
-KeyPointsObject toObject(KeyPoints&& keypoints)
-{
-    return {toPython(std::move(keypoints))};
-}
-
 // None where there are no rows, as in cv2.
 OptionalArrayObject toObject(const cv::Mat& descriptors)
 {
@@ -105,7 +95,7 @@ KeyPointTupleObject detect(const Detector& self, const ImageObject& image, const
     const Pixels pixels = toImage(image.object), maskPixels = toMask(mask.object);
     std::vector<cv::KeyPoint> keypoints;
     withoutGil([&] { library->detect(pixels.mat, keypoints, maskPixels.mat); });
-    return toObject(keypoints);
+    return {toTuple(keypoints)};
 }
 
 std::vector<KeyPointTupleObject> detectImages(const Detector& self, const ImagesObject& images,
@@ -119,7 +109,7 @@ std::vector<KeyPointTupleObject> detectImages(const Detector& self, const Images
     withoutGil([&] { library->detect(matricesOf(pixels), keypoints, matricesOf(maskPixels)); });
     std::vector<KeyPointTupleObject> result;
     for (size_t i = 0; i < keypoints.size(); i++)
-        result.push_back(toObject(keypoints[i]));
+        result.push_back({toTuple(keypoints[i])});
     return result;
 }
 
@@ -133,7 +123,7 @@ std::pair<KeyPointsObject, OptionalArrayObject> compute(const Detector& self, co
     KeyPoints computed = toKeyPoints(keypoints.object);
     cv::Mat descriptors;
     withoutGil([&] { library->compute(pixels.mat, computed.points, descriptors); });
-    return std::make_pair(toObject(std::move(computed)), toObject(descriptors));
+    return {KeyPointsObject{toPython(std::move(computed))}, toObject(descriptors)};
 }
 
 std::pair<std::vector<KeyPointsObject>, std::vector<OptionalArrayObject>>
@@ -153,7 +143,7 @@ computeImages(const Detector& self, const ImagesObject& images, const KeyPointLi
     for (size_t i = 0; i < pixels.size(); i++)
     {
         computed[i].points = std::move(points[i]);
-        result.first.push_back(toObject(std::move(computed[i])));
+        result.first.push_back({toPython(std::move(computed[i]))});
         result.second.push_back(toObject(descriptors[i]));
     }
     return result;
@@ -169,7 +159,7 @@ detectAndCompute(const Detector& self, const OptionalArrayObject& image, const O
                  "useProvidedKeypoints must be False, got True: the method compute takes keypoints");
     keyPointClass();
     const Features found(self.share(), image, mask);
-    return std::make_pair(toObject(found.keypoints), toObject(found.descriptors));
+    return {KeyPointTupleObject{toTuple(found.keypoints)}, toObject(found.descriptors)};
 }
 
 std::pair<ArrayObject, ArrayObject> detectAndComputeArrays(const Detector& self,

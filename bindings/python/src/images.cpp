@@ -150,13 +150,12 @@ py::array contiguous(const py::array& array)
     return py::module_::import("numpy").attr("ascontiguousarray")(array);
 }
 
-py::object toArray(const cv::Mat& mat)
+py::object toArray(const cv::Mat& mat, const py::dtype& type)
 {
     std::unique_ptr<cv::Mat> kept(new cv::Mat(mat));
     const py::capsule owner(kept.get(), [](void* pointer) { delete static_cast<cv::Mat*>(pointer); });
     kept.release();
-    return py::array(py::dtype::of<uchar>(), {mat.rows, mat.cols}, {mat.step[0], mat.step[1]}, mat.data,
-                     owner);
+    return py::array(type, {mat.rows, mat.cols}, {mat.step[0], mat.step[1]}, mat.data, owner);
 }
 
 }  // namespace aqorb_python

@@ -51,8 +51,8 @@ bool isSequence(py::handle object);
 //! The array, or a copy whose elements lie side by side. Where there is no memory for it, numpy's error says so.
 py::array contiguous(const py::array& array);
 
-//! An array of uint8 with the matrix's elements.
-py::object toArray(const cv::Mat& mat);
+//! An array with the matrix's elements, which have that type.
+py::object toArray(const cv::Mat& mat, const py::dtype& type = py::dtype::of<uchar>());
 
 }  // namespace aqorb_python
 

@@ -23,41 +23,19 @@ namespace
 
 const char ACCEPTED[] = "a sequence of cv2.KeyPoint or an array of aqorb.keypoint_dtype";
 
-// The fields of a keypoint, which cv2.KeyPoint has as attributes.
-enum Field
+// The attributes of a cv2.KeyPoint, as objects, which are looked up faster.
+struct Names
 {
-    PT,
-    SIZE,
-    ANGLE,
-    RESPONSE,
-    OCTAVE,
-    CLASS_ID,
-    FIELDS
+    const py::str pt{"pt"}, size{"size"}, angle{"angle"}, response{"response"}, octave{"octave"},
+        classId{"class_id"};
 };
-const char* const NAMES[FIELDS] = {"pt", "size", "angle", "response", "octave", "class_id"};
 
-// Made once, and never released: the interpreter may be gone by then.
-py::handle nameOf(Field field)
+cv::KeyPoint toKeyPoint(py::handle object, const Names& names)
 {
-    static const std::vector<PyObject*> names = []
-    {
-        std::vector<PyObject*> interned;
-        for (const char* name : NAMES)
-            interned.push_back(PyUnicode_InternFromString(name));
-        return interned;
-    }();
-    return names[field];
-}
-
-cv::KeyPoint toKeyPoint(py::handle object)
-{
-    py::object values[FIELDS];
-    for (int field = 0; field < FIELDS; field++)
-        values[field] = object.attr(nameOf(Field(field)));
-    const auto pt = values[PT].cast<std::pair<float, float>>();
-    return cv::KeyPoint(pt.first, pt.second, values[SIZE].cast<float>(), values[ANGLE].cast<float>(),
-                        values[RESPONSE].cast<float>(), values[OCTAVE].cast<int>(),
-                        values[CLASS_ID].cast<int>());
+    const auto pt = object.attr(names.pt).cast<std::pair<float, float>>();
+    return cv::KeyPoint(pt.first, pt.second, object.attr(names.size).cast<float>(),
+                        object.attr(names.angle).cast<float>(), object.attr(names.response).cast<float>(),
+                        object.attr(names.octave).cast<int>(), object.attr(names.classId).cast<int>());
 }
 
 // Such an array is a sequence for cv2, too.
@@ -85,6 +63,7 @@ std::vector<cv::KeyPoint> fromSequence(py::handle source, const std::string& nam
     // A snapshot: another thread, or an attribute of an item, may change a list while it is read.
     const py::tuple items(py::reinterpret_borrow<py::object>(source));
     const py::object type = knownClass("KeyPoint");
+    const Names names;
     std::vector<cv::KeyPoint> points;
     points.reserve(items.size());
     for (size_t i = 0; i < items.size(); i++)
@@ -92,7 +71,7 @@ std::vector<cv::KeyPoint> fromSequence(py::handle source, const std::string& nam
         PyObject* const item = PyTuple_GET_ITEM(items.ptr(), py::ssize_t(i));
         if (!type || !py::isinstance(item, type))
             throwTypeError(name + "[" + std::to_string(i) + "]", brief(item), "a cv2.KeyPoint");
-        points.push_back(toKeyPoint(item));
+        points.push_back(toKeyPoint(item, names));
     }
     return points;
 }
@@ -112,9 +91,11 @@ py::dtype keypointDtype()
         static_assert(sizeof(cv::KeyPoint) == 5 * sizeof(float) + 2 * sizeof(int),
                       "an item of the array is a KeyPoint");
         py::list fields;
-        fields.append(py::make_tuple(NAMES[PT], "f4", 2));
-        for (int field = SIZE; field < FIELDS; field++)
-            fields.append(py::make_tuple(NAMES[field], field < OCTAVE ? "f4" : "i4"));
+        fields.append(py::make_tuple("pt", "f4", 2));
+        for (const char* name : {"size", "angle", "response"})
+            fields.append(py::make_tuple(name, "f4"));
+        for (const char* name : {"octave", "class_id"})
+            fields.append(py::make_tuple(name, "i4"));
         return py::dtype::from_args(fields).release();
     }();
     return py::reinterpret_borrow<py::dtype>(dtype);

@@ -50,16 +50,10 @@ template <typename T> py::object toPython(const py::object& type, const std::vec
     return py::object(std::move(result));
 }
 
-// An array of int32 with the elements of a matrix of so many columns; of shape (rows,) for 0 columns.
+// An array of int32 with the elements of a matrix, also of one without rows.
 ArrayObject toIntegers(const cv::Mat& mat, int columns)
 {
-    std::vector<py::ssize_t> shape(1, mat.rows);
-    if (columns > 0)
-        shape.push_back(columns);
-    py::array_t<int> result(shape);
-    for (int i = 0; i < mat.rows; i++)
-        std::copy(mat.ptr<int>(i), mat.ptr<int>(i) + mat.cols, result.mutable_data() + size_t(i) * mat.cols);
-    return {result};
+    return {toArray(mat, py::dtype::of<int>()).attr("reshape")(-1, columns)};
 }
 
 // The number, or the default for None.
@@ -219,6 +213,11 @@ MatchListsObject radiusMatchCollection(const Matcher& self, const OptionalArrayO
     return {toPython(type, matches)};
 }
 
+Arrays toArrays(const cv::Mat& pairs, const cv::Mat& distances)
+{
+    return Arrays(toIntegers(pairs, 2), {toIntegers(distances, 1).object.attr("ravel")()});
+}
+
 Arrays matchArrays(const OptionalArrayObject& queryDescriptors, const OptionalArrayObject& trainDescriptors,
                    const OptionalFloatObject& ratio, bool crossCheck, const OptionalIntObject& maxDistance,
                    int normType)
@@ -233,7 +232,7 @@ Arrays matchArrays(const OptionalArrayObject& queryDescriptors, const OptionalAr
             cv::aqorb::matchArrays(query.mat, train.mat, pairs, distances, limit, crossCheck, longest,
                                    normType);
         });
-    return Arrays(toIntegers(pairs, 2), toIntegers(distances, 0));
+    return toArrays(pairs, distances);
 }
 
 Arrays knnMatchArrays(const OptionalArrayObject& queryDescriptors,
@@ -246,27 +245,24 @@ Arrays knnMatchArrays(const OptionalArrayObject& queryDescriptors,
     return Arrays(toIntegers(indices, k), toIntegers(distances, k));
 }
 
-// Positions as rows of an array of numbers.
-std::vector<cv::Point2f> toPositions(py::handle source, const char* name)
+typedef py::array_t<float, py::array::c_style | py::array::forcecast> Floats;
+
+std::vector<cv::Point2f> toPositions(const Floats& array)
 {
-    const auto array = py::array_t<float, py::array::c_style | py::array::forcecast>::ensure(source);
-    PyErr_Clear();
-    if (!array || !(array.size() == 0 || (array.ndim() == 2 && array.shape(1) == 2)))
-        throwTypeError(name, brief(source), "an array of numbers of shape (n, 2)");
-    std::vector<cv::Point2f> positions;
-    for (py::ssize_t i = 0; i < array.size(); i += 2)
-        positions.push_back(cv::Point2f(array.data()[i], array.data()[i + 1]));
-    return positions;
+    if (array.size() > 0 && (array.ndim() != 2 || array.shape(1) != 2))
+        rejectArray("predicted", array, "an array of numbers of shape (n, 2)");
+    const cv::Point2f* const first = reinterpret_cast<const cv::Point2f*>(array.data());
+    return std::vector<cv::Point2f>(first, first + array.size() / 2);
 }
 
-Arrays matchByPosition(const OptionalArrayObject& queryDescriptors, const ArrayObject& predicted,
+Arrays matchByPosition(const OptionalArrayObject& queryDescriptors, const Floats& predicted,
                        const OptionalArrayObject& trainDescriptors, const KeyPointsObject& trainKeypoints,
                        const std::pair<float, float>& reach, const OptionalFloatObject& ratio,
                        bool crossCheck, const OptionalIntObject& maxDistance, int normType)
 {
     const Pixels query = toDescriptors(queryDescriptors.object, "queryDescriptors"),
                  train = toDescriptors(trainDescriptors.object, "trainDescriptors");
-    const std::vector<cv::Point2f> positions = toPositions(predicted.object, "predicted");
+    const std::vector<cv::Point2f> positions = toPositions(predicted);
     const KeyPoints keypoints = toKeyPoints(trainKeypoints.object, "trainKeypoints");
     const cv::Size2f window(reach.first, reach.second);
     const double limit = toRatio(ratio);
@@ -278,7 +274,7 @@ Arrays matchByPosition(const OptionalArrayObject& queryDescriptors, const ArrayO
             cv::aqorb::matchByPosition(query.mat, positions, train.mat, keypoints.points, window, pairs,
                                        distances, limit, crossCheck, longest, normType);
         });
-    return Arrays(toIntegers(pairs, 2), toIntegers(distances, 0));
+    return toArrays(pairs, distances);
 }
 
 void addMatcher(py::module_& module)

@@ -72,16 +72,11 @@ void afterForkInChild()
 
 #endif
 
-void sleep(std::chrono::milliseconds time)
-{
-    std::this_thread::sleep_for(time);
-}
-
 // A daemon thread may be in a call when the interpreter ends. The objects that the library uses are destroyed next.
 void waitForCalls()
 {
     while (calls > 0)
-        sleep(std::chrono::milliseconds(1));
+        std::this_thread::sleep_for(std::chrono::milliseconds(1));
 }
 
 }  // namespace
@@ -131,7 +126,7 @@ void acquireGil(PyThreadState* thread)
     catch (...)
     {
         for (;;)
-            sleep(std::chrono::hours(1));
+            std::this_thread::sleep_for(std::chrono::hours(1));
     }
 }
 

