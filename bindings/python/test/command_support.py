@@ -5,7 +5,6 @@
 """What the tests of the command aqorb share."""
 
 import io
-import os
 import re
 import subprocess
 import sys
@@ -23,14 +22,21 @@ PIL = pytest.importorskip('PIL')
 Image = pytest.importorskip('PIL.Image')
 collection = pytest.importorskip('aqorb.collection')
 
-FOLDER = os.path.dirname(os.path.dirname(os.path.abspath(aqorb.__file__)))
+TEXT = {'stdout': subprocess.PIPE, 'stderr': subprocess.PIPE, 'text': True, 'errors': 'surrogateescape'}
+
+
+def call_of(*arguments):
+    return [sys.executable, '-m', 'aqorb', *map(str, arguments)]
+
+
+def start(*arguments, **options):
+    """A process of the command."""
+    return subprocess.Popen(call_of(*arguments), **{**TEXT, **options})
 
 
 def command(*arguments, **options):
     """A finished process of the command."""
-    return subprocess.run([sys.executable, '-m', 'aqorb', *map(str, arguments)], stdout=subprocess.PIPE,
-                          stderr=subprocess.PIPE, env=dict(os.environ, PYTHONPATH=FOLDER), timeout=300,
-                          **dict({'text': True, 'errors': 'surrogateescape'}, **options))
+    return subprocess.run(call_of(*arguments), timeout=300, **{**TEXT, **options})
 
 
 def run(*arguments):

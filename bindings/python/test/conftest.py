@@ -12,6 +12,10 @@ import pytest
 import aqorb
 
 
+FOLDER = os.path.dirname(os.path.dirname(os.path.abspath(aqorb.__file__)))
+os.environ['PYTHONPATH'] = FOLDER  # for the processes that tests start
+
+
 def shows_threads():
     """Whether this is Linux, with a /proc that tells of this process. An emulator's does not."""
     try:

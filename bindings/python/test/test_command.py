@@ -18,7 +18,7 @@ import pytest
 
 import aqorb
 from aqorb import _extract, colmap
-from command_support import FOLDER, PIL, Image, command, encoded, expected, noise, pq, pycolmap, refused, rows, run
+from command_support import PIL, Image, command, encoded, expected, noise, pq, pycolmap, refused, rows, run, start
 
 
 def test_parquet(folder, features):
@@ -96,17 +96,15 @@ def test_needs_no_other_package(tmp_path):
     for names in ['pyarrow', 'PIL', 'tqdm', 'pycolmap'], ['tqdm']:
         blocked = code.format(dict.fromkeys(names))
         run = subprocess.run([sys.executable, '-c', blocked + 'from aqorb.command import main; main()', 'extract',
-                              str(tmp_path), '--out', str(tmp_path / 'x.parquet')], stdout=subprocess.PIPE,
-                             stderr=subprocess.PIPE, text=True, env=dict(os.environ, PYTHONPATH=FOLDER))
+                              str(tmp_path), '--out', str(tmp_path / 'x.parquet')], stderr=subprocess.PIPE, text=True)
         assert run.returncode == 1 and 'pip install pillow pyarrow' in run.stderr and 'Traceback' not in run.stderr
 
 
 # Going on
 
-def stop(folder, out, part, after=0):
+def kill(folder, out, part, after=0):
     """Starts an extraction, and kills it so many seconds after a part is done, or after its start if that is None."""
-    process = subprocess.Popen([sys.executable, '-m', 'aqorb', 'extract', str(folder), '--out', str(out), '--part-size',
-                                '7'], stderr=subprocess.PIPE, env=dict(os.environ, PYTHONPATH=FOLDER))
+    process = start('extract', folder, '--out', out, '--part-size', 7)
     while part is not None and not os.path.exists(f'{out}.partial/part-{part:06}.parquet') and process.poll() is None:
         time.sleep(.001)
     time.sleep(after)
@@ -130,7 +128,7 @@ def test_killed_at_random_moments(folder, features, tmp_path):
         name = 'features.' + ('parquet', 'db')[i % 2]
         out = tmp_path / name
         part = chance.choice([None, 0, 1, 2, 3, 4, 5])
-        stop(folder, out, part, chance.uniform(0, 1 if part is None else .5))
+        kill(folder, out, part, chance.uniform(0, 1 if part is None else .5))
         begun += os.path.exists(f'{out}.partial')
         if not out.exists() or os.path.exists(f'{out}.partial'):
             run('extract', folder, '--out', out, '--part-size', 7)
@@ -142,7 +140,7 @@ def test_killed_at_random_moments(folder, features, tmp_path):
 
 def test_goes_on_where_it_was(folder, features, tmp_path):
     out = tmp_path / 'features.parquet'
-    stop(folder, out, 2)
+    kill(folder, out, 2)
     kept = {name: os.stat(f'{out}.partial/{name}').st_mtime_ns for name in os.listdir(f'{out}.partial')}
     assert not out.exists() and 'part-000002.parquet' in kept
     for wrong, message in ((['--num-features', '999'], 'parameters'), (['--max-size', '50'], 'max size'),
@@ -229,7 +227,7 @@ def test_what_is_left_out_is_listed_after_a_stop(folder, tmp_path):
     images = shutil.copytree(str(folder), str(tmp_path / 'images'))
     (tmp_path / 'images' / '00 is no image.png').write_bytes(b'no image')
     out = tmp_path / 'features.parquet'
-    stop(images, out, 2)
+    kill(images, out, 2)
     assert '00 is no image.png: it is no image' in run('extract', images, '--out', out, '--part-size', 7).stderr
 
 

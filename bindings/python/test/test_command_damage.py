@@ -11,18 +11,16 @@ import resource
 import shutil
 import signal
 import subprocess
-import sys
 import time
 
 import numpy as np
 import pytest
 
 import hostile
-from command_support import FOLDER, Image, collection, command, encoded, noise, pq, pycolmap, refused, run
+from command_support import Image, call_of, collection, command, encoded, noise, pq, pycolmap, refused, run, start
 from conftest import LINUX
 
 files = pytest.importorskip('aqorb.files')
-ENVIRONMENT = dict(os.environ, PYTHONPATH=FOLDER)
 
 
 def content_of(path):
@@ -68,8 +66,7 @@ def test_kills_while_a_database_is_matched(features, tmp_path):
 
 def test_two_at_a_time_on_a_database(features, tmp_path):
     path = shutil.copy(str(features / 'features.db'), str(tmp_path))
-    calls = [subprocess.Popen([sys.executable, '-m', 'aqorb', 'match', path, '--pairs', 'exhaustive'], text=True,
-                              stderr=subprocess.PIPE, env=ENVIRONMENT) for _ in range(3)]
+    calls = [start('match', path, '--pairs', 'exhaustive') for _ in range(3)]
     errors = [call.communicate()[1] for call in calls]
     assert sum(call.returncode == 0 for call in calls) == 1 and not any('Traceback' in error for error in errors)
     assert all('another process is writing' in error or 'has matches' in error
@@ -130,22 +127,20 @@ def test_memory_does_not_grow_with_large_images(tmp_path):
     Image.new('RGB', (6000, 5000)).save(str(tmp_path / 'images' / '0.png'), compress_level=1)
     for i in range(1, 12):
         os.symlink('0.png', str(tmp_path / 'images' / f'{i}.png'))
-    process = subprocess.Popen([sys.executable, '-m', 'aqorb', 'extract', str(tmp_path / 'images'), '--threads', '2', '--out',
-                                str(tmp_path / 'f.parquet')], stderr=subprocess.DEVNULL, env=ENVIRONMENT)
+    process = start('extract', tmp_path / 'images', '--threads', 2, '--out', tmp_path / 'f.parquet')
     _, status, usage = os.wait4(process.pid, 0)
     assert status == 0 and usage.ru_maxrss < 750e3  # 1.1 GB if all images were held; a thread has one
 
 
 @pytest.mark.skipif(os.name == 'nt', reason='signals of Unix')
-def test_ctrl_c_at_any_moment(folder, tmp_path):
+def test_ctrl_c_at_any_moment(folder, tmp_path, monkeypatch):
+    monkeypatch.setenv('PYTHONPROFILEIMPORTTIME', '1')
     codes = set()
     for i in range(12):
         out = tmp_path / f'{i}.parquet'
-        process = subprocess.Popen([sys.executable, '-m', 'aqorb', 'extract', str(folder), '--out', str(out), '--part-size',
-                                    '1'], stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True,
-                                   env=dict(ENVIRONMENT, PYTHONPROFILEIMPORTTIME='1'),
-                                   # A shell without job control has what it starts in the background ignore Ctrl-C.
-                                   preexec_fn=lambda: signal.signal(signal.SIGINT, signal.SIG_DFL))
+        # A shell without job control has what it starts in the background ignore Ctrl-C.
+        process = start('extract', folder, '--out', out, '--part-size', 1,
+                        preexec_fn=lambda: signal.signal(signal.SIGINT, signal.SIG_DFL))
         assert any('aqorb._stop' in line for line in process.stderr)  # the first module of the package
         time.sleep(.08 * i)
         process.send_signal(signal.SIGINT)
@@ -158,20 +153,16 @@ def test_ctrl_c_at_any_moment(folder, tmp_path):
 
 
 @pytest.mark.parametrize('stream', ['>&-', '>/dev/full', '2>&-', '>&- 2>&-', '| true'])
-def test_outputs_that_cannot_be_written(folder, tmp_path, stream):
-    finished = subprocess.run(['sh', '-c', f'"$@" {stream}', 'sh', sys.executable, '-m', 'aqorb', 'extract', str(folder),
-                               '--out', str(tmp_path / 'f.parquet')], stderr=subprocess.PIPE, text=True, env=ENVIRONMENT)
+def test_outputs_that_cannot_be_written(folder, tmp_path, stream, monkeypatch):
+    extract = call_of('extract', folder, '--out', tmp_path / 'f.parquet')
+    finished = subprocess.run(['sh', '-c', f'"$@" {stream}', 'sh', *extract], stderr=subprocess.PIPE, text=True)
     assert 'Traceback' not in finished.stderr and 'ignored' not in finished.stderr
     assert finished.returncode == (1 if 'full' in stream else 0) and (tmp_path / 'f.parquet').exists()
-
-
-@pytest.mark.parametrize('unbuffered', ['', '1'])
-@pytest.mark.skipif(not os.path.exists('/dev/full'), reason='needs /dev/full')
-def test_help_that_cannot_be_written(unbuffered):
-    with open('/dev/full', 'w') as full:
-        finished = subprocess.run([sys.executable, '-m', 'aqorb', '--help'], stdout=full, stderr=subprocess.PIPE,
-                                  text=True, env={**ENVIRONMENT, 'PYTHONUNBUFFERED': unbuffered})
-    assert (finished.returncode, finished.stderr) == (1, 'aqorb: [Errno 28] No space left on device\n')
+    for unbuffered in '', '1':
+        monkeypatch.setenv('PYTHONUNBUFFERED', unbuffered)
+        finished = subprocess.run(['sh', '-c', f'"$@" {stream}', 'sh', *call_of('--help')], stderr=subprocess.PIPE,
+                                  text=True)
+        assert 'Traceback' not in finished.stderr and ('No space left' in finished.stderr) == ('full' in stream)
 
 
 @pytest.mark.parametrize('name', ["it's a?b#c%20", 'new\nline', 'Zwölf', '-dash'])
@@ -183,11 +174,3 @@ def test_odd_paths(features, tmp_path, monkeypatch, name):
     assert '39 pairs' in run('match', '--pairs', 'sequential:1', '--', f'{name}.db').stdout
     assert '39 pairs' in run('match', '--pairs', 'sequential:1', f'--out={name}.parquet', '--', f'{name}.db').stdout
     assert sorted(os.listdir('.')) == sorted([f'{name}.db', f'{name}.parquet'])
-
-
-def test_one_is_not_many(tmp_path):
-    (tmp_path / 'images').mkdir()
-    Image.fromarray(noise(1)).save(str(tmp_path / 'images' / '1.png'))
-    (tmp_path / 'images' / 'text').write_text('no image')
-    finished = run('extract', tmp_path / 'images', '--out', tmp_path / 'f.parquet')
-    assert 'f.parquet: 1 image\n' in finished.stdout and '\n1 file left out:\n' in finished.stderr

@@ -114,7 +114,9 @@ def test_positions_are_those_of_the_large_image(tmp_path):
     (tmp_path / 'images').mkdir()
     pixels = noise(8, 480, 640)
     Image.fromarray(pixels).save(str(tmp_path / 'images' / 'a.png'))
-    run('extract', tmp_path / 'images', '--out', tmp_path / 'f.parquet', '--max-size', 320)
+    (tmp_path / 'images' / 'text').write_text('no image')
+    finished = run('extract', tmp_path / 'images', '--out', tmp_path / 'f.parquet', '--max-size', 320)
+    assert 'f.parquet: 1 image\n' in finished.stdout and '\n1 file left out:\n' in finished.stderr
     row = rows(tmp_path / 'f.parquet')[b'a.png']
     half = expected(read(encoded(Image.fromarray(pixels)), max_size=320)[0])
     assert (row['width'], row['height']) == (640, 480)

@@ -6,7 +6,6 @@
 
 import ast
 import inspect
-import os
 import pathlib
 import re
 import subprocess
@@ -17,8 +16,8 @@ import numpy as np
 import pytest
 
 import aqorb
+from conftest import FOLDER
 
-FOLDER = str(pathlib.Path(aqorb.__file__).resolve().parent.parent)
 # cv2 4.6 has no stubs, nor have others that the command needs.
 MYPY = '[mypy]\n[mypy-cv2.*,pyarrow.*,PIL.*,tqdm.*,pycolmap.*,scipy.*]\nignore_missing_imports = True\n'
 FIELDS = ('pt', 'size', 'angle', 'response', 'octave', 'class_id')
@@ -139,16 +138,16 @@ def test_stub_has_the_signatures_and_docstrings():
             assert stubbed(scope) == {name: compiled(getattr(member, name)) for name in names}
 
 
-def test_stub_is_a_stub_of_the_package(tmp_path):
+def test_stub_is_a_stub_of_the_package(tmp_path, monkeypatch):
     pytest.importorskip('mypy')
+    monkeypatch.setenv('MYPYPATH', FOLDER)
     config = tmp_path / 'mypy.ini'
     config.write_text(MYPY)
     allowlist = tmp_path / 'allowlist'  # pybind11's metaclass, and its __init__ that raises
     allowlist.write_text('aqorb.AdaptiveQuadtreeORB\naqorb.AdaptiveQuadtreeORB.__init__\naqorb.HammingMatcher\n')
-    environment = dict(os.environ, MYPYPATH=FOLDER, PYTHONPATH=FOLDER)
     run = subprocess.run([sys.executable, '-m', 'mypy.stubtest', 'aqorb', '--mypy-config-file', str(config),
-                          '--allowlist', str(allowlist)], cwd=str(tmp_path), env=environment,
-                         stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True)
+                          '--allowlist', str(allowlist)], cwd=str(tmp_path), stdout=subprocess.PIPE,
+                         stderr=subprocess.STDOUT, text=True)
     assert run.returncode == 0, run.stdout
 
 
@@ -160,8 +159,7 @@ interpreters.run_string(interpreters.create(), 'import aqorb')
 
 def test_a_subinterpreter_is_refused():
     pytest.importorskip('_xxsubinterpreters')  # later Pythons refuse by themselves
-    run = subprocess.run([sys.executable, '-c', SUBINTERPRETER], stderr=subprocess.PIPE, text=True, timeout=60,
-                         env=dict(os.environ, PYTHONPATH=FOLDER))
+    run = subprocess.run([sys.executable, '-c', SUBINTERPRETER], stderr=subprocess.PIPE, text=True, timeout=60)
     assert 'in Python\'s main interpreter only, and this is a subinterpreter' in run.stderr
 
 

@@ -7,15 +7,13 @@
 import os
 import shutil
 import sqlite3
-import subprocess
-import sys
 import time
 
 import numpy as np
 import pytest
 
 pytest.importorskip('scipy')
-from command_support import FOLDER, Image, noise, pq, pycolmap, refused, run  # noqa: E402
+from command_support import Image, noise, pq, pycolmap, refused, run, start  # noqa: E402
 from aqorb import files, places  # noqa: E402
 
 COUNT = 24  # images of the clip, which returns to where it began: image i shows what image COUNT - 1 - i shows
@@ -141,8 +139,7 @@ def test_pairs_that_are_killed_go_on(features, tmp_path):
     arguments = ['pairs', features / 'features.parquet', '--retrieval', 3, '--part-size', 1]
     run(*arguments, '--out', tmp_path / 'whole.txt')
     out = tmp_path / 'p.txt'
-    process = subprocess.Popen([sys.executable, '-m', 'aqorb', *map(str, arguments), '--out', str(out)],
-                               env=dict(os.environ, PYTHONPATH=FOLDER), stderr=subprocess.DEVNULL)
+    process = start(*arguments, '--out', out)
     part = tmp_path / 'p.txt.partial' / 'part-000002.parquet'
     while process.poll() is None and not part.exists():
         time.sleep(.001)

@@ -13,8 +13,6 @@ import pytest
 
 import aqorb
 
-FOLDER = os.path.dirname(os.path.dirname(os.path.abspath(aqorb.__file__)))
-
 # cv2 cannot be imported here.
 BEGIN = '''
 import sys
@@ -28,8 +26,9 @@ orb = aqorb.AdaptiveQuadtreeORB_create(300)
 
 def run(program):
     run = subprocess.run([sys.executable, '-c', program], stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True,
-                         env=dict(os.environ, PYTHONPATH=FOLDER), timeout=300)
+                         timeout=300)
     assert run.returncode == 0, run.stdout
+    return run.stdout
 
 
 @pytest.mark.parametrize('body', [
@@ -133,8 +132,7 @@ assert issubclass(aqorb.error, cv2.error) and issubclass(aqorb.error, ValueError
 
 
 def test_version():
-    program = "import sys, runpy; sys.modules['cv2'] = None; sys.argv = ['aqorb', '--version']; runpy.run_module('aqorb', run_name='__main__')"
-    run = subprocess.run([sys.executable, '-c', program], stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True,
-                         env=dict(os.environ, PYTHONPATH=FOLDER, OPENCV_FOR_THREADS_NUM='1'))
+    output = run("import sys, runpy; sys.modules['cv2'] = None; sys.argv = ['aqorb', '--version']; "
+                 "runpy.run_module('aqorb', run_name='__main__')")
     assert re.search(r'^aqorb {}, OpenCV \d[\w.-]+, kernels for (plain C\+\+|[A-Z0-9-]+), \d+ threads?$'.format(
-        re.escape(aqorb.__version__)), run.stdout, re.MULTILINE), run.stdout
+        re.escape(aqorb.__version__)), output, re.MULTILINE), output
