@@ -119,7 +119,7 @@ CornersOfLevels selectAcrossLevels(const Parameters& parameters, Size imageSize,
     return selected;
 }
 
-// ---- 8. when corners run out ------------------------------------------------------------------
+// ---- 8. when representatives run out ----------------------------------------------------------
 
 void fillUp(const std::vector<Level>& levels, const CornersOfLevels& corners, size_t missing,
             CornersOfLevels& selected)

@@ -207,7 +207,7 @@ std::vector<FeatureList> AdaptiveQuadtreeORBImpl::findFeatures(const Level& inpu
         count += ofLevel.size();
     if (!levels.empty() && count < size_t(parameters.nfeatures))
     {
-        // Corners have run out: one search without the rules fills up.
+        // Representatives have run out: one search without the rules fills up.
         const CornerRules noRules = {{rules.thresholds.min, rules.thresholds.min}, false};
         const auto& all = findCorners(levels, regions, noRules, threads, space.corners);
         CornersOfLevels responses(levels.size());

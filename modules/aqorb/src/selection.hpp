@@ -114,7 +114,7 @@ std::vector<unsigned> balancedOrder(const std::vector<LeafPoint>& points, int de
 std::vector<CornerResponse> balancedCorners(const LevelPlan& plan,
                                             const std::vector<CornerResponse>& corners);
 
-// ---- 7. across levels, 8. when corners run out -------------------------------------------------
+// ---- 7. across levels, 8. when representatives run out -----------------------------------------
 
 //! Corners by level.
 typedef std::vector<std::vector<CornerResponse>> CornersOfLevels;
