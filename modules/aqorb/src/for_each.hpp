@@ -24,9 +24,9 @@ namespace aqorb
 //! How many threads a call that this thread begins may use.
 int threadsAllowed();
 
-/** Calls work(i, thread) for every i below count, on at most so many threads. Each of them takes the next i until none is
- left, and has a number of its own. After an error no further i is begun. All before one that fails are completed, so
- the error that is thrown in the end is always that of the lowest i that fails. */
+/** Calls work(i, thread) for every i below count, on at most so many threads. Each of them takes the next i until none
+ is left, and has a number of its own. After an error no further i is begun. All before one that fails are completed,
+ so the error that is thrown in the end is always that of the lowest i that fails. */
 template <typename Work> void forEach(size_t count, int most, const Work& work)
 {
     std::atomic<size_t> next(0), end(count);

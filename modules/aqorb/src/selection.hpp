@@ -37,8 +37,8 @@ std::vector<LevelPlan> planLevels(const Parameters& parameters, const std::vecto
 
 // ---- 2. tree ----------------------------------------------------------------------------------
 
-//! The smallest depth with 9 usable leaves for each of `quota` points, but at most 12, and so that leaves are at least 2
-//! pixels a side.
+//! The smallest depth with 9 usable leaves for each of `quota` points, but at most 12, and so that leaves are at least
+//! 2 pixels a side.
 //! @param usable the share of the region that no mask excludes
 int rankedDepth(Size region, double usable, int quota);
 
