@@ -21,7 +21,6 @@ import aqorb
 FORMATS = 'PNG', 'JPEG', 'MPO', 'TIFF', 'WEBP', 'BMP', 'PPM', 'GIF', 'JPEG2000', 'SUN', 'HEIF', 'AVIF'
 # By EXIF's number of an orientation, Pillow's of what makes it upright.
 TURNS = {2: 0, 3: 3, 4: 1, 5: 5, 6: 4, 7: 6, 8: 2}
-MAX_SIDE = 2**20 - 1  # of an image that a detector accepts
 COLUMNS = (('x', 'float32'), ('y', 'float32'), ('size', 'float32'), ('angle', 'float32'), ('response', 'float32'),
            ('octave', 'int32'))
 SCHEMA = pa.schema([('path', pa.binary()), ('width', pa.int32()), ('height', pa.int32())] +
@@ -82,8 +81,6 @@ def read_image(file, max_size=None, orientation=True):
         size = size[::-1] if turn >= 5 else size
     if grey.size != smaller(size, max_size):
         grey = grey.resize(smaller(size, max_size), Image.BICUBIC, reducing_gap=2)
-    if max(grey.size) > MAX_SIDE:
-        raise ValueError(f'it has more than {MAX_SIDE} pixels a side')
     return np.asarray(grey), size
 
 
@@ -123,9 +120,9 @@ def extract(paths, open_file, detector, max_size=None, orientation=True, threads
         try:
             with open_file(path) as file:
                 image, size = read_image(file, max_size, orientation)
+            features = detector.detectAndComputeBatch([image])
         except Exception as error:  # decoders raise errors of any kind
             return getattr(error, 'strerror', None) or str(error) or type(error).__name__
-        features = detector.detectAndComputeBatch([image])
         if size != image.shape[::-1]:
             scale_up(features, size, image.shape[::-1])
         return to_table([path], [size], features)

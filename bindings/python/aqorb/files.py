@@ -205,7 +205,7 @@ def write_parquet(path, tables, metadata, database=None, schema=collection.SCHEM
 def write_database(path, tables, metadata, database=None):
     """A new database of COLMAP. Images of the same size have a camera in common. A table aqorb has the metadata, and a
     digest of the features."""
-    with colmap_errors(path), contextlib.closing(colmap.create(path)) as made:
+    with contextlib.closing(colmap.create(path)) as made:
         cameras = {}
         for table in tables:
             for row in range(len(table)):
@@ -224,39 +224,30 @@ def write_database(path, tables, metadata, database=None):
 
 def write_matches(path, tables, metadata, database, features):
     """A database of COLMAP with features, and the matches in the tables. If the features are in one, it is a copy."""
-    with colmap_errors(path):
-        if suffix_of(features.path) == '.parquet':
-            write_database(path, features.tables(), features.metadata)
-        else:
-            is_held = database and os.path.samefile(features.path,
-                                                    database.execute('PRAGMA database_list').fetchone()[2])
-            with contextlib.nullcontext(database) if is_held else read_only(features.path) as source:
-                if digest_of(source) != features.metadata['sha256']:
-                    raise Refused(f'{features.path} was changed while it was matched')
-                source.execute('VACUUM INTO ?', (path,))
-        with contextlib.closing(colmap.open_alone(path)) as made:
-            made.execute('DELETE FROM matches')
-            made.execute('DELETE FROM two_view_geometries')
-            numbers = dict(made.execute('SELECT CAST(name AS BLOB), image_id FROM images').fetchall())
-            for table in tables:
-                for row in range(len(table)):
-                    first, second = (numbers[table[name][row].as_py()] for name in ('path1', 'path2'))
-                    pairs = np.column_stack([table[name][row].values.to_numpy() for name in ('index1', 'index2')])
-                    colmap.write_matches(made, first, second, pairs)
-                    inliers = table['inliers'][row].values.to_numpy() if 'inliers' in table.schema.names else ()
-                    if len(inliers) >= MIN_INLIERS:
-                        colmap.write_two_view_geometry(made, first, second, pairs[inliers],
-                                                       table['fundamental'][row].values.to_numpy().reshape(3, 3))
-            set_metadata(made, 'matches', metadata)
-            made.commit()
-
-
-@contextlib.contextmanager
-def colmap_errors(path):
-    try:
-        yield
-    except sqlite3.Error as error:
-        raise Refused(f'{path} cannot be written: {error}') from error
+    if suffix_of(features.path) == '.parquet':
+        write_database(path, features.tables(), features.metadata)
+    else:
+        is_held = database and os.path.samefile(features.path,
+                                                database.execute('PRAGMA database_list').fetchone()[2])
+        with contextlib.nullcontext(database) if is_held else read_only(features.path) as source:
+            if digest_of(source) != features.metadata['sha256']:
+                raise Refused(f'{features.path} was changed while it was matched')
+            source.execute('VACUUM INTO ?', (path,))
+    with contextlib.closing(colmap.open_alone(path)) as made:
+        made.execute('DELETE FROM matches')
+        made.execute('DELETE FROM two_view_geometries')
+        numbers = dict(made.execute('SELECT CAST(name AS BLOB), image_id FROM images').fetchall())
+        for table in tables:
+            for row in range(len(table)):
+                first, second = (numbers[table[name][row].as_py()] for name in ('path1', 'path2'))
+                pairs = np.column_stack([table[name][row].values.to_numpy() for name in ('index1', 'index2')])
+                colmap.write_matches(made, first, second, pairs)
+                inliers = table['inliers'][row].values.to_numpy() if 'inliers' in table.schema.names else ()
+                if len(inliers) >= MIN_INLIERS:
+                    colmap.write_two_view_geometry(made, first, second, pairs[inliers],
+                                                   table['fundamental'][row].values.to_numpy().reshape(3, 3))
+        set_metadata(made, 'matches', metadata)
+        made.commit()
 
 
 def set_metadata(database, name, metadata):

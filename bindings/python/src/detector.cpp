@@ -25,16 +25,13 @@
 namespace aqorb_python
 {
 
-namespace
-{
-
 using cv::ORB;
 using cv::aqorb::AdaptiveQuadtreeORB;
 using py::arg;
 
 typedef AdaptiveQuadtreeORB Library;
 
-cv::Ptr<Library> copyOf(const Library& other)
+template <> cv::Ptr<Library> copyOf(const Library& other)
 {
     const cv::Ptr<Library> copy = Library::create();
 #define AQORB_COPY(property, ...) copy->set##property(other.get##property());
@@ -43,21 +40,10 @@ cv::Ptr<Library> copyOf(const Library& other)
     return copy;
 }
 
-//! The library's detector, which several threads of Python may share.
-class Detector
+namespace
 {
-public:
-    explicit Detector(const cv::Ptr<Library>& library_) : library(library_) {}
 
-    //! For calls, which keep the parameters that they begin with.
-    cv::Ptr<Library> share() const { return library.share(); }
-    //! For setters: calls change(detector), with a copy if a call is under way.
-    template <typename Change> void change(const Change& change) { library.change(&copyOf, change); }
-
-private:
-    Shared<Library> library;
-};
-
+typedef Shared<Library> Detector;
 typedef py::class_<Detector> DetectorClass;
 
 // None where there are no rows, as in cv2.

@@ -21,12 +21,19 @@
 namespace aqorb_python
 {
 
-namespace
-{
-
 using py::arg;
 
 typedef cv::aqorb::HammingMatcher Library;
+
+template <> cv::Ptr<Library> copyOf(const Library& other)
+{
+    return other.clone(false).dynamicCast<Library>();
+}
+
+namespace
+{
+
+typedef Shared<Library> Matcher;
 typedef std::vector<std::vector<cv::DMatch>> MatchLists;
 
 typedef std::pair<ArrayObject, ArrayObject> Arrays;
@@ -76,38 +83,6 @@ int toDistance(const OptionalIntObject& distance)
 {
     return toNumber(distance.object, -1, "maxDistance", "an int or None");
 }
-
-// The matcher of a Python program, which several of its threads may share.
-class Matcher
-{
-public:
-    explicit Matcher(const cv::Ptr<Library>& library_) : library(library_) {}
-    cv::Ptr<Library> share() const
-    {
-        const cv::Ptr<Library> shared = library.share();
-        if (!shared)
-            throw py::type_error("HammingMatcher.__init__() was not called");
-        return shared;
-    }
-    //! Calls change(matcher), with a copy if a call is under way.
-    template <typename Change> void change(const Change& change)
-    {
-        share();
-        library.change([](const Library& other) { return copyOf(other, false); }, change);
-    }
-    Matcher clone(bool emptyTrainData) const { return Matcher(copyOf(*share(), emptyTrainData)); }
-
-    // Python's __new__ makes an object without calling __init__. pybind11 gives its methods the memory as it is.
-    static void* operator new(size_t size) { return std::memset(::operator new(size), 0, size); }
-
-private:
-    static cv::Ptr<Library> copyOf(const Library& other, bool emptyTrainData)
-    {
-        return other.clone(emptyTrainData).dynamicCast<Library>();
-    }
-
-    Shared<Library> library;
-};
 
 Matcher create(int normType, bool crossCheck)
 {
@@ -322,8 +297,12 @@ void addMatcher(py::module_& module)
             "train", [](const Matcher&) {}, "Does nothing, as that of cv2.BFMatcher.")
         .def(
             "isMaskSupported", [](const Matcher&) { return true; }, "Returns True.")
-        .def("clone", &Matcher::clone, arg("emptyTrainData") = false,
-             "Returns a copy, with the descriptors that were added unless emptyTrainData is True.");
+        .def(
+            "clone",
+            [](const Matcher& self, bool emptyTrainData)
+            { return Matcher(self.share()->clone(emptyTrainData).dynamicCast<Library>()); },
+            arg("emptyTrainData") = false,
+            "Returns a copy, with the descriptors that were added unless emptyTrainData is True.");
     module.attr("HammingMatcher_create") = matcher.attr("create");
 }
 

@@ -15,10 +15,14 @@
 #include <pybind11/pybind11.h>
 
 #include <atomic>
+#include <cstring>
 #include <mutex>
 
 namespace aqorb_python
 {
+
+//! A copy of an object of the library.
+template <typename T> cv::Ptr<T> copyOf(const T& object);
 
 /** An object of the library, which must not be changed while another thread calls it. Calls share it, and a change
  meanwhile goes to a copy, so that no later change reaches a call. */
@@ -31,18 +35,24 @@ public:
     cv::Ptr<T> share() const
     {
         const std::lock_guard<std::mutex> lock(sharing());
+        if (!object)
+            throw pybind11::type_error("__init__() was not called");
         return object;
     }
-    //! Calls change(object), with the copy that copy(object) returns if others share the object.
-    template <typename Copy, typename Change> void change(const Copy& copy, const Change& change)
+    //! Calls change(object), with a copy if a call is under way.
+    template <typename Change> void change(const Change& change)
     {
+        share();  // or an exception
         const std::lock_guard<std::mutex> lock(sharing());
         if (object.use_count() > 1)
-            object = copy(*object);
+            object = copyOf(*object);
         else
             std::atomic_thread_fence(std::memory_order_acquire);  // after what the last call did
         change(*object);
     }
+
+    // Python's __new__ makes an object without calling __init__. pybind11 gives its methods the memory as it is.
+    static void* operator new(size_t size) { return std::memset(::operator new(size), 0, size); }
 
 private:
     Shared& operator=(const Shared&) = delete;

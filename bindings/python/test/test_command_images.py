@@ -9,7 +9,6 @@ import io
 import numpy as np
 import pytest
 
-import aqorb
 from command_support import Image, collection, encoded, expected, noise, rows, run
 
 
@@ -57,13 +56,11 @@ def test_a_turned_tiff_is_no_image_that_is_not_to_be_turned():
         read(encoded(Image.fromarray(noise(1)), 'TIFF', exif=oriented(6)), orientation=False)
 
 
-def test_images_that_are_too_wide():
-    accepted = collection.MAX_SIDE
-    aqorb.AdaptiveQuadtreeORB_create().detectAndComputeArrays(np.zeros((1, accepted), np.uint8))
-    assert read(encoded(Image.new('L', (accepted, 1))))[1] == (accepted, 1)
-    with pytest.raises(ValueError, match=f'more than {accepted} pixels'):
-        read(encoded(Image.new('L', (1, accepted + 1))))
-    assert read(encoded(Image.new('L', (2, accepted + 1))), max_size=1000)[1] == (2, accepted + 1)
+def test_images_that_are_too_wide(orb):
+    contents = {name: encoded(Image.new('L', (width, 1))) for name, width in ((b'widest', 2**20 - 1), (b'wider', 2**20))}
+    for max_size, count in (None, 1), (1000, 2):
+        table, failures = collection.extract(contents, lambda path: io.BytesIO(contents[path]), orb, max_size)
+        assert len(table) == count and all('at most 1048575 pixels a side' in reason for _, reason in failures)
 
 
 def test_sixteen_bits():
