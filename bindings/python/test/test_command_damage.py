@@ -16,9 +16,10 @@ import time
 import numpy as np
 import pytest
 
-import hostile
 from command_support import Image, call_of, collection, command, encoded, noise, pq, pycolmap, refused, run, start
 from conftest import LINUX
+
+import hostile  # needs what command_support skips without
 
 files = pytest.importorskip('aqorb.files')
 
