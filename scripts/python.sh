@@ -40,13 +40,13 @@ asan() {
     build "$BUILD/asan-python" --target _aqorb
     say "Tests with AddressSanitizer"
     # Python itself is not instrumented: the sanitizer must be loaded first, with the library whose exceptions it
-    # intercepts, and see every object as a block of its own. What Python keeps until it exits is not a leak. mypy does
-    # not load the module.
+    # intercepts, and see every object as a block of its own. What Python keeps until it exits is not a leak, and
+    # memory that is refused is a MemoryError. mypy does not load the module.
     libraries=$(c++ -print-file-name=libasan.so):$(c++ -print-file-name=libstdc++.so.6)
-    "${pytest[@]}" LD_PRELOAD="$libraries" ASAN_OPTIONS=detect_leaks=0 PYTHONMALLOC=malloc \
+    "${pytest[@]}" LD_PRELOAD="$libraries" ASAN_OPTIONS=detect_leaks=0:allocator_may_return_null=1 PYTHONMALLOC=malloc \
         PYTHONPATH="$BUILD/asan-python/bindings/python" "$PYTHON" -X faulthandler -m pytest -q -p no:cacheprovider \
         --capture=sys `# else the report of the sanitizer is lost` \
-        --deselect "$ROOT/bindings/python/test/test_package.py::test_stub_is_a_stub_of_the_package" "$@" "${tests[@]}"
+        --deselect bindings/python/test/test_package.py::test_stub_is_a_stub_of_the_package "$@" "${tests[@]}"
 }
 
 offline() {
