@@ -78,19 +78,6 @@ def test_match_into_a_database(features, tmp_path):
         assert connection.execute('SELECT count(*) FROM matches').fetchone() == (39,)
 
 
-def test_what_is_made_of_other_features_is_refused(tmp_path):
-    (tmp_path / 'images').mkdir()
-    out = tmp_path / 'f.parquet'
-    for i in 0, 1:
-        for name in 'a.png', 'b.png':
-            Image.fromarray(noise(i)).save(str(tmp_path / 'images' / name))
-        run('extract', tmp_path / 'images', '--out', out, '--overwrite')
-        if i == 0:
-            run('match', out, '--pairs', 'exhaustive', '--out', tmp_path / 'm.db')
-    refused('m.db exists; --overwrite', 'match', out, '--pairs', 'exhaustive', '--out', tmp_path / 'm.db')
-    run('match', out, '--pairs', 'exhaustive', '--out', tmp_path / 'm.db', '--overwrite')
-
-
 @pytest.mark.parametrize('suffix', ['parquet', 'db'])
 def test_pairs_that_are_named_twice(features, tmp_path, suffix):
     (tmp_path / 'pairs.txt').write_text('00.png 01.png\n01.png 00.png\n\n02.png 01.png\n00.png 01.png\n')
