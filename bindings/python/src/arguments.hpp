@@ -10,8 +10,8 @@
 #ifndef AQORB_PYTHON_ARGUMENTS_HPP
 #define AQORB_PYTHON_ARGUMENTS_HPP
 
+#include "errors.hpp"
 #include "images.hpp"
-#include "shared.hpp"
 
 #include <pybind11/pybind11.h>
 

@@ -11,7 +11,6 @@
 #include "keypoints.hpp"
 #include "module.hpp"
 #include "parameter_table.hpp"
-#include "shared.hpp"
 #include "threads.hpp"
 
 #include <opencv2/aqorb.hpp>

@@ -27,6 +27,13 @@ py::object classOfCv2(const char* name, const char* instead)
     return py::module_::import("aqorb._cv2").attr("named")(name, instead);
 }
 
+py::object knownClass(const char* name)
+{
+    const auto cv2 = py::reinterpret_steal<py::object>(PyImport_GetModule(py::str("cv2").ptr()));
+    PyErr_Clear();
+    return cv2 ? py::getattr(cv2, name, py::handle()) : py::object();
+}
+
 void translateErrors()
 {
     py::register_local_exception_translator(

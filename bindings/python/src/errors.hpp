@@ -21,6 +21,9 @@ namespace py = pybind11;
 //! A class of cv2, or an ImportError that says what to call instead.
 py::object classOfCv2(const char* name, const char* instead);
 
+//! A class of cv2, or nothing if nobody has imported cv2: then there are no such objects.
+py::object knownClass(const char* name);
+
 //! Makes OpenCV's exceptions such errors. To be called once, at import.
 void translateErrors();
 

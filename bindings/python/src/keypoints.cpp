@@ -7,7 +7,6 @@
 
 #include "errors.hpp"
 #include "images.hpp"
-#include "shared.hpp"
 
 #include <pybind11/stl.h>
 

@@ -8,7 +8,7 @@
 #include "images.hpp"
 #include "keypoints.hpp"
 #include "module.hpp"
-#include "shared.hpp"
+#include "threads.hpp"
 
 #include <opencv2/aqorb.hpp>
 

@@ -3,23 +3,72 @@
 // of this distribution.
 // SPDX-License-Identifier: Apache-2.0
 
-// The extension module aqorb._aqorb. The names are those of cv2.aqorb, which a cv2 has that was built with the module,
+// The extension module aqorb._aqorb, and its functions that need no detector. The names are those of cv2.aqorb, which a cv2 has that was built with the module,
 // and a few more for numpy.
 
 #include "module.hpp"
 
+#include "arguments.hpp"
 #include "errors.hpp"
+#include "images.hpp"
 #include "keypoints.hpp"
 #include "threads.hpp"
 
+#include <opencv2/aqorb.hpp>
 #include <opencv2/core/utility.hpp>
 
 #include <string>
+#include <utility>
 
 using namespace aqorb_python;
 
 namespace
 {
+
+using py::arg;
+
+typedef std::pair<int, int> Size;
+
+cv::Size toSize(const Size& size)
+{
+    return cv::Size(size.first, size.second);
+}
+
+KeyPointsObject retainUniform(const KeyPointsObject& keypoints, const Size& imageSize, int npoints)
+{
+    KeyPoints kept = toKeyPoints(keypoints.object);
+    cv::aqorb::retainUniform(kept.points, toSize(imageSize), npoints);
+    return {toPython(std::move(kept))};
+}
+
+double distributionUniformity(const KeyPointsObject& keypoints, const Size& imageSize)
+{
+    return cv::aqorb::distributionUniformity(toKeyPoints(keypoints.object).points, toSize(imageSize));
+}
+
+double distributionOccupancy(const KeyPointsObject& keypoints, const Size& imageSize, const Size& grid)
+{
+    return cv::aqorb::distributionOccupancy(toKeyPoints(keypoints.object).points, toSize(imageSize),
+                                            toSize(grid));
+}
+
+double adaptiveFastThreshold(const OptionalArrayObject& image, const OptionalArrayObject& mask)
+{
+    const Pixels pixels = toImage(image.object), maskPixels = toMask(mask.object);
+    double threshold = 0;
+    withoutGil([&] { threshold = cv::aqorb::adaptiveFastThreshold(pixels.mat, maskPixels.mat); });
+    return threshold;
+}
+
+ArrayObject keypointsToArray(const KeyPointsObject& keypoints)
+{
+    return {toArray(std::move(toKeyPoints(keypoints.object).points))};
+}
+
+KeyPointTupleObject keypointsFromArray(const KeyPointsObject& keypoints)
+{
+    return {toTuple(toKeyPoints(keypoints.object).points)};
+}
 
 // What calls run with.
 std::string buildInformation()
@@ -36,6 +85,37 @@ std::string buildInformation()
            std::to_string(threads) + (threads == 1 ? " thread" : " threads");
 }
 
+void addFunctions(py::module_& module)
+{
+    module.def(
+        "adaptiveFastThreshold", &adaptiveFastThreshold, arg("image"), arg("mask") = py::none(),
+        "Returns the adaptive FAST threshold of an image, equation (7): the variance of its grey values\n"
+        "divided by their mean.");
+    module.def(
+        "distributionUniformity", &distributionUniformity, arg("keypoints"), arg("imageSize"),
+        "Returns how uniformly the keypoints of any detector are distributed over an image of (width,\n"
+        "height). A lower value is more uniform. Compare equal numbers of keypoints only.");
+    module.def(
+        "distributionOccupancy", &distributionOccupancy, arg("keypoints"), arg("imageSize"),
+        arg("grid") = Size(16, 12),
+        "Returns the share of the cells of a grid of (columns, rows) that hold at least one keypoint.");
+    module.def(
+        "retainUniform", &retainUniform, arg("keypoints"), arg("imageSize"), numberOf<int>("npoints"),
+        "Returns the npoints keypoints, of any detector, that are spread best over the image. It prefers\n"
+        "high responses, and keeps the order of the keypoints.");
+    module.def("keypointsToArray", &keypointsToArray, arg("keypoints"),
+               "Returns an array of keypoint_dtype with the values of cv2.KeyPoint objects.");
+    module.def("keypointsFromArray", &keypointsFromArray, arg("keypoints"),
+               "Returns a tuple of cv2.KeyPoint objects with the values of an array of keypoint_dtype.");
+    module.def(
+        "setNumThreads", &aqorb_python::setNumThreads, numberOf<int>("nthreads"),
+        "Sets the number of threads that a call may use, as cv2.setNumThreads does for cv2. A negative\n"
+        "number is the default: the number of processors, or of the variable OPENCV_FOR_THREADS_NUM. It "
+        "waits for the\n"
+        "calls that are under way.");
+    module.def("getNumThreads", &cv::getNumThreads, "Returns the number of threads that a call may use.");
+}
+
 }  // namespace
 
 // pybind11's function that begins to make the module, under another name: in a subinterpreter it would wait for ever for
@@ -43,7 +123,7 @@ std::string buildInformation()
 #define PyInit__aqorb aqorb_init_in_main_interpreter
 
 #if PYBIND11_VERSION_HEX >= 0x020D0000
-PYBIND11_MODULE(_aqorb, module, py::mod_gil_not_used())  // shared.hpp says what is used in its place
+PYBIND11_MODULE(_aqorb, module, py::mod_gil_not_used())  // threads.hpp says what is used in its place
 #else
 PYBIND11_MODULE(_aqorb, module)
 #endif

@@ -15,7 +15,6 @@ namespace aqorb_python
 
 void addDetector(pybind11::module_& module);
 void addMatching(pybind11::module_& module);
-void addFunctions(pybind11::module_& module);
 
 }  // namespace aqorb_python
 

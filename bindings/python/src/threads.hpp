@@ -3,14 +3,18 @@
 // of this distribution.
 // SPDX-License-Identifier: Apache-2.0
 
-// Processing without the global interpreter lock (GIL), in OpenCV's threads, and what a fork of the process does to
-// them.
+// Processing without the global interpreter lock (GIL), in OpenCV's threads, what a fork of the process does to them, and
+// what several threads of Python share.
 
 #ifndef AQORB_PYTHON_THREADS_HPP
 #define AQORB_PYTHON_THREADS_HPP
 
+#include <opencv2/core.hpp>
+
 #include <pybind11/pybind11.h>
 
+#include <atomic>
+#include <cstring>
 #include <exception>
 #include <mutex>
 
@@ -49,6 +53,45 @@ template <typename Process> void withoutGil(const Process& process)
     if (exception)
         std::rethrow_exception(exception);
 }
+
+//! A copy of an object of the library.
+template <typename T> cv::Ptr<T> copyOf(const T& object);
+
+/** An object of the library, which must not be changed while another thread calls it. Calls share it, and a change
+ meanwhile goes to a copy, so that no later change reaches a call. */
+template <typename T> class Shared
+{
+public:
+    explicit Shared(const cv::Ptr<T>& object_) : object(object_) {}
+    Shared(const Shared& other) : object(other.share()) {}
+
+    cv::Ptr<T> share() const
+    {
+        const std::lock_guard<std::mutex> lock(sharing());
+        if (!object)
+            throw pybind11::type_error("__init__() was not called");
+        return object;
+    }
+    //! Calls change(object), with a copy if a call is under way.
+    template <typename Change> void change(const Change& change)
+    {
+        share();  // or an exception
+        const std::lock_guard<std::mutex> lock(sharing());
+        if (object.use_count() > 1)
+            object = copyOf(*object);
+        else
+            std::atomic_thread_fence(std::memory_order_acquire);  // after what the last call did
+        change(*object);
+    }
+
+    // Python's __new__ makes an object without calling __init__. pybind11 gives its methods the memory as it is.
+    static void* operator new(size_t size) { return std::memset(::operator new(size), 0, size); }
+
+private:
+    Shared& operator=(const Shared&) = delete;
+
+    cv::Ptr<T> object;
+};
 
 }  // namespace aqorb_python
 

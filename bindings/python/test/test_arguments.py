@@ -79,14 +79,6 @@ def test_arrays_that_no_memory_can_hold(orb):
         aqorb.keypointsToArray(np.broadcast_to(np.zeros(1, aqorb.keypoint_dtype), (10 ** 12,)))
 
 
-def test_keypoints_that_are_nowhere(orb, image):
-    strange = [np.nan, np.inf, -np.inf, 1e30, -1e30]
-    keypoints = [cv.KeyPoint(x, y, 31) for x in strange for y in strange + [50]]
-    for given in keypoints, aqorb.keypointsToArray(keypoints):
-        computed, descriptors = orb.compute(image, given)
-        assert len(computed) == 0 and descriptors is None
-
-
 @pytest.mark.parametrize('wrong', ['x', 5, b'x', {}, cv.UMat])
 def test_things_that_are_no_image(orb, image, wrong):
     given = reprlib.repr(wrong)

@@ -56,19 +56,6 @@ def test_equals_a_call_for_each_image(orb, collection, count):
     check(orb.detectAndComputeBatch(images=images, masks=[]), orb, images, [None] * count)
 
 
-def test_detect_and_compute_for_several_images(orb, collection):
-    pytest.importorskip('cv2')
-    images, masks = collection
-    batch = orb.detectAndComputeBatch(images, masks)
-    found = orb.detect(images, masks)
-    arrays, descriptors = orb.compute(images, [batch.keypoints(i) for i in range(len(images))])
-    for i in range(len(images)):
-        assert np.array_equal(aqorb.keypointsToArray(found[i]), batch.keypoints(i))
-        assert np.array_equal(arrays[i], batch.keypoints(i))
-        rows = np.empty((0, 32), np.uint8) if descriptors[i] is None else descriptors[i]
-        assert np.array_equal(rows, batch.descriptors[batch.rows(i)])
-
-
 def test_the_rows_of_an_image(orb, image):
     batch = orb.detectAndComputeBatch([image, image[:200], None])
     assert batch.rows(-1) == batch.rows(2) == slice(600, 600) and batch.rows(-3) == batch.rows(np.int64(0))
@@ -98,17 +85,3 @@ def test_arrow_takes_the_arrays_without_a_copy(orb, image):
     lists = arrow.LargeListArray.from_arrays(arrow.array(batch.offsets), rows)
     assert [len(rows) for rows in lists] == [300, 0, 300]
     assert lists[2][5].as_py() == batch.descriptors[305].tobytes()
-
-
-def test_an_error_names_the_first_image(orb, image):
-    small, wrong = image[:90, :80], np.ones((7, 8), np.uint8)
-    message = r"^images\[2\]: mask must be CV_8UC1 of the image's size, 80 x 90, got 8 x 7 of type CV_8UC1$"
-    masks = [None, None, wrong, None, wrong[1:]]
-    with pytest.raises(aqorb.error, match=message):
-        orb.detectAndComputeBatch([small] * 5, masks)
-    keypoints = orb.detectAndComputeArrays(small)[0][:3]
-    turned = keypoints.copy()
-    turned['angle'] = np.inf
-    with pytest.raises(aqorb.error, match=r'^images\[3\]: keypoints must have a finite angle, got inf$'):
-        orb.compute([small] * 5, [keypoints, keypoints, keypoints, turned, turned])
-    check(orb.detectAndComputeBatch([small] * 3), orb, [small] * 3, [None] * 3)
