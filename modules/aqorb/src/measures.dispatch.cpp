@@ -18,6 +18,23 @@ namespace cv
 namespace aqorb
 {
 
+// Calls ofRun(first, number) for points that follow one another inside of a region, and ofOther(index) for the others.
+template <typename P, typename OfRun, typename OfOther>
+static void forEachRun(const P* points, size_t count, const Rect& region, const OfRun& ofRun,
+                       const OfOther& ofOther)
+{
+    for (size_t first = 0, end; first < count; first = end)
+    {
+        end = first;
+        while (end < count && region.contains(Point(points[end].x, points[end].y)))
+            end++;
+        if (end > first)
+            ofRun(first, int(end - first));
+        else
+            ofOther(end++);
+    }
+}
+
 // ---- Harris responses -------------------------------------------------------------------------
 
 static const int HARRIS_RADIUS = 3;  // of the 5x5 block and the Sobel operators around its pixels
@@ -45,19 +62,15 @@ void harrisResponses(const Mat& image, const Corner* corners, size_t count, Corn
     CV_TRACE_FUNCTION();
     const Rect inside(HARRIS_RADIUS, HARRIS_RADIUS, image.cols - HARRIS_RADIUS - HARRIS_REACH,
                       image.rows - 2 * HARRIS_RADIUS);
-    size_t end;
-    for (size_t i = 0; i < count; i = end)
-    {
-        end = i;
-        while (end < count && inside.contains(Point(corners[end].x, corners[end].y)))
-            end++;
-        respondInside(image.ptr(), ptrdiff_t(image.step), corners + i, int(end - i), responses + i);
-        if (end < count)
+    forEachRun(
+        corners, count, inside,
+        [&](size_t first, int number)
+        { respondInside(image.ptr(), ptrdiff_t(image.step), corners + first, number, responses + first); },
+        [&](size_t i)
         {
-            const Corner& c = corners[end];
-            responses[end++] = {c.x, c.y, responseAtBorder(image, c.x, c.y)};
-        }
-    }
+            const Corner& c = corners[i];
+            responses[i] = {c.x, c.y, responseAtBorder(image, c.x, c.y)};
+        });
 }
 
 // ---- moments and directions --------------------------------------------------------------------
@@ -100,7 +113,7 @@ static CV_ALWAYS_INLINE float directionOf(int m10, int m01)
 }
 
 // The moments of a patch of any size at any place, without the kernel.
-static void plainMoments(const Mat& image, int x, int y, const OrientationPatch& weights, int& m10, int& m01)
+static Moments plainMoments(const Mat& image, int x, int y, const OrientationPatch& weights)
 {
     const int radius = int(weights.halfWidths.size()) - 1;
     PatchBuffer buffer;
@@ -121,8 +134,7 @@ static void plainMoments(const Mat& image, int x, int y, const OrientationPatch&
         }
         sum01 += unsigned(v) * sum;
     }
-    m10 = int(sum10);
-    m01 = int(sum01);
+    return {int(sum10), int(sum01)};
 }
 
 OrientationPatch::OrientationPatch(const std::vector<int>& halfWidths_, int rowStep_)
@@ -147,50 +159,36 @@ OrientationPatch::OrientationPatch(const std::vector<int>& halfWidths_, int rowS
     }
 }
 
-static void kernelMoments(const Mat& image, const PatchWeights& weights, const PatchRegion& inside,
-                          const FeaturePoint* points, size_t count, Moments* moments)
+static void momentsInside(const Mat& image, const PatchWeights& weights, const FeaturePoint* points,
+                          int count, Moments* moments)
 {
-    CV_CPU_DISPATCH(momentsAround,
-                    (image.ptr(), ptrdiff_t(image.step), weights, inside, points, count, moments),
+    CV_CPU_DISPATCH(momentsAround, (image.ptr(), ptrdiff_t(image.step), weights, points, count, moments),
                     CV_CPU_DISPATCH_MODES_ALL);
 }
 
 void patchMoments(const Mat& image, const OrientationPatch& patch, const FeaturePoint* points, size_t count,
                   Moments* moments)
 {
-    PatchRegion inside = {0, 0, 0, 0};
+    Rect inside;  // of the kernel: none where there are no weights
     if (!patch.weights.empty())
     {
-        const PatchWeights& weights = patch.weights[0];
-        inside.left = inside.top = weights.radius;
-        inside.right = image.cols - weights.width + weights.radius;
-        inside.bottom = image.rows - weights.radius;
-        kernelMoments(image, weights, inside, points, count, moments);
+        const int radius = patch.weights[0].radius;
+        inside = Rect(radius, radius, image.cols - patch.weights[0].width, image.rows - 2 * radius);
     }
-    for (size_t i = 0; i < count; i++)
-    {
-        if (!inside.contains(points[i]))
-            plainMoments(image, points[i].x, points[i].y, patch, moments[i].m10, moments[i].m01);
-    }
+    forEachRun(
+        points, count, inside,
+        [&](size_t first, int number)
+        { momentsInside(image, patch.weights[0], points + first, number, moments + first); },
+        [&](size_t i) { moments[i] = plainMoments(image, points[i].x, points[i].y, patch); });
 }
 
 void orientations(const Mat& image, const OrientationPatch& patch, FeaturePoint* points, size_t count)
 {
     CV_TRACE_FUNCTION();
-    // The directions do not depend on each other. In a loop after that of the moments, compilers can compute several at
-    // once.
-    const size_t AT_ONCE = 64;
-    for (size_t first = 0; first < count; first += AT_ONCE)
-    {
-        const size_t some = std::min(count - first, AT_ONCE);
-        Moments moments[AT_ONCE];
-        float angles[AT_ONCE];
-        patchMoments(image, patch, points + first, some, moments);
-        for (size_t i = 0; i < some; i++)
-            angles[i] = directionOf(moments[i].m10, moments[i].m01);
-        for (size_t i = 0; i < some; i++)
-            points[first + i].angle = angles[i];
-    }
+    std::vector<Moments> moments(count);
+    patchMoments(image, patch, points, count, moments.data());
+    for (size_t i = 0; i < count; i++)
+        points[i].angle = directionOf(moments[i].m10, moments[i].m01);
 }
 
 // ---- leaves of the quadtree -------------------------------------------------------------------

@@ -75,16 +75,6 @@ struct Moments
     int m10, m01;
 };
 
-//! The pixels from (left, top) on, up to but not including (right, bottom).
-struct PatchRegion
-{
-    int left, top, right, bottom;
-    bool contains(const FeaturePoint& p) const
-    {
-        return left <= p.x && p.x < right && top <= p.y && p.y < bottom;
-    }
-};
-
 //! A grid with a border and a bit for each leaf, which is set when the leaf's turn has come. Each word holds 32 bits of
 //! a row and, in its upper half, those of the next row. The next word begins STEP bits later.
 struct RankGrid

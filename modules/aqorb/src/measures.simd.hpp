@@ -18,11 +18,10 @@ CV_CPU_OPTIMIZATION_NAMESPACE_BEGIN
 void harrisOfCorners(const uchar* image, ptrdiff_t step, const Corner* corners, int count,
                      CornerResponse* responses);
 
-/** The moments of a circular patch around pixels.
- @param inside the pixels around which all of the patch can be read: weights.radius pixels around them, and
- weights.width - weights.radius to their right. The moments around other pixels are left as they are. */
-void momentsAround(const uchar* image, ptrdiff_t step, const PatchWeights& weights, const PatchRegion& inside,
-                   const FeaturePoint* points, size_t count, Moments* moments);
+//! The moments of a circular patch around pixels. The weights.radius pixels around each, and the weights.width -
+//! weights.radius to its right, must be readable.
+void momentsAround(const uchar* image, ptrdiff_t step, const PatchWeights& weights,
+                   const FeaturePoint* points, int count, Moments* moments);
 
 //! As countBetterNeighbors.
 void countBetter(const int* keys, ptrdiff_t stride, int side, uchar* counts);
@@ -183,15 +182,11 @@ inline Moments momentsOf(const uchar*, ptrdiff_t, const PatchWeights&)
 
 }  // namespace
 
-void momentsAround(const uchar* image, ptrdiff_t step, const PatchWeights& weights, const PatchRegion& inside,
-                   const FeaturePoint* points, size_t count, Moments* moments)
+void momentsAround(const uchar* image, ptrdiff_t step, const PatchWeights& weights,
+                   const FeaturePoint* points, int count, Moments* moments)
 {
-    for (size_t i = 0; i < count; i++)
-    {
-        const FeaturePoint& p = points[i];
-        if (inside.left <= p.x && p.x < inside.right && inside.top <= p.y && p.y < inside.bottom)
-            moments[i] = momentsOf(image + p.y * step + p.x, step, weights);
-    }
+    for (int i = 0; i < count; i++)
+        moments[i] = momentsOf(image + points[i].y * step + points[i].x, step, weights);
 }
 
 // Compilers vectorize this loop.
