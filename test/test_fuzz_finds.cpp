@@ -68,11 +68,17 @@ TEST(Aqorb_FuzzFinds, angles_that_are_not_finite)
             EXPECT_THROW(detector->compute(image, keypoints, descriptors), cv::Exception) << angle;
             EXPECT_EQ(2u, keypoints.size());
         }
-        // Any finite angle is accepted.
-        KeyPoints keypoints(1, KeyPoint(Point2f(60, 45), 31.f, -1e30f));
-        Mat descriptors;
-        EXPECT_NO_THROW(detector->compute(image, keypoints, descriptors));
-        EXPECT_EQ(1, descriptors.rows);
+        // Any finite angle is accepted, whole turns or not.
+        for (float angle : {360.f * 1000, -1e30f})
+        {
+            KeyPoints keypoints = {KeyPoint(Point2f(60, 45), 31.f, 0.f),
+                                   KeyPoint(Point2f(60, 45), 31.f, angle)};
+            Mat descriptors;
+            EXPECT_NO_THROW(detector->compute(image, keypoints, descriptors));
+            ASSERT_EQ(2, descriptors.rows);
+            EXPECT_EQ(angle, keypoints[1].angle);
+            EXPECT_EQ(angle > 0, sameMat(descriptors.row(0), descriptors.row(1)));
+        }
     }
 }
 

@@ -8,7 +8,6 @@
 #include "descriptor.hpp"
 
 #include <cmath>
-#include <limits>
 
 namespace opencv_test
 {
@@ -64,24 +63,6 @@ TEST(Aqorb_SineCosine, are_the_same_on_every_system)
         hash = (hash ^ bitsOf(cosine + 0.f)) * 0x9e3779b97f4a7c15ULL;
     }
     EXPECT_EQ(uint64(0xb64e51f6095d960), hash);
-}
-
-TEST(Aqorb_SineCosine, of_any_number_are_defined)
-{
-    const float infinity = std::numeric_limits<float>::infinity();
-    for (const float angle : {120.f, -120.f, 1e9f, -3e38f})
-    {
-        float sine, cosine;
-        aqorb::sineAndCosine(angle, sine, cosine);
-        EXPECT_NEAR(std::sin(double(angle)), sine, 1e-6) << angle;
-        EXPECT_NEAR(std::cos(double(angle)), cosine, 1e-6) << angle;
-    }
-    for (const float angle : {infinity, -infinity, std::numeric_limits<float>::quiet_NaN()})
-    {
-        float sine, cosine;
-        aqorb::sineAndCosine(angle, sine, cosine);
-        EXPECT_TRUE(cvIsNaN(sine) && cvIsNaN(cosine)) << angle;
-    }
 }
 
 }  // namespace

@@ -18,20 +18,13 @@ namespace cv
 namespace aqorb
 {
 
-/** Sine and cosine of an angle in radians, the same on every system.
+/** Sine and cosine of an angle of at most 120 radians, the same on every system.
 
  C libraries differ in the last bit of these functions, and so does cv::ORB. These are, to the bit, those of the GNU C
  library up to version 2.41, which has them from Arm's Optimized Routines: polynomials in double, rounded to float at
- the end. They are not always the floats nearest to the exact values. From 120 on they are the C library's; directions
- are below 2 pi. */
+ the end. They are not always the floats nearest to the exact values. */
 inline void sineAndCosine(float angle, float& sine, float& cosine)
 {
-    if (!(std::abs(angle) < 120.f))  // NaN, too
-    {
-        sine = std::sin(angle);
-        cosine = std::cos(angle);
-        return;
-    }
     // The angle is n quarters of a turn plus x, which is at most an eighth of a turn.
     const double QUARTER = 1.5707963267948966, QUARTERS_PER_RADIAN = 0.6366197723675814;
     const int BITS = 24, HALF = 1 << (BITS - 1);

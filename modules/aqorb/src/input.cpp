@@ -148,14 +148,6 @@ static int highestOctave(const std::vector<KeyPoint>& keypoints)
     return highest;
 }
 
-// Whether a point is inside the image. The image begins half a pixel before the centre of its first pixel and ends a
-// whole pixel behind the centre of its last one. In the last half pixel a point rounds to a pixel beside the image, but
-// cv::ORB describes it there.
-static bool isInside(const Point2f& pt, const Size& size)
-{
-    return pt.x >= -0.5f && pt.y >= -0.5f && pt.x < float(size.width) && pt.y < float(size.height);
-}
-
 std::vector<FeatureList> takeGiven(const std::vector<KeyPoint>& keypoints, const Parameters& parameters,
                                    Size imageSize)
 {
@@ -175,20 +167,19 @@ std::vector<FeatureList> takeGiven(const std::vector<KeyPoint>& keypoints, const
     const auto pointOf = [&](const KeyPoint& keypoint)
     {
         const Point2f p = keypoint.pt * (1.f / scaleOf(keypoint.octave));
-        return FeaturePoint{cvRound(p.x), cvRound(p.y), keypoint.angle};
+        // sineAndCosine takes angles up to 120 radians, which are more than 19 turns.
+        return FeaturePoint{cvRound(p.x), cvRound(p.y), std::fmod(keypoint.angle, 19 * 360.f)};
     };
-    // The keypoints that cv::ORB describes. The others lie outside of the image or nearer than edgeThreshold to its
-    // border. On an enlarged level the first half pixel of the image is many pixels wide. cv::ORB reads any memory for
-    // a keypoint that lies there, so those more than a pixel beside the level are left out.
+    // The image begins half a pixel before the centre of its first pixel and ends a whole pixel behind the centre of
+    // its last one. In the last half pixel a point rounds to a pixel beside the image, but cv::ORB describes it there.
+    // On an enlarged level the first half pixel of the image is many pixels wide. cv::ORB reads any memory for a
+    // keypoint that lies there, so those more than a pixel beside the level are left out.
+    const Rect2f area(-0.5f, -0.5f, float(imageSize.width) + 0.5f, float(imageSize.height) + 0.5f);
+    const auto isReadable = [&](const KeyPoint& keypoint)
+    { return area.contains(keypoint.pt) && pointOf(keypoint).x >= -1 && pointOf(keypoint).y >= -1; };
     std::vector<KeyPoint> inside;
-    for (const KeyPoint& keypoint : keypoints)
-    {
-        if (!isInside(keypoint.pt, imageSize))
-            continue;
-        const FeaturePoint point = pointOf(keypoint);
-        if (point.x >= -1 && point.y >= -1)
-            inside.push_back(keypoint);
-    }
+    std::copy_if(keypoints.begin(), keypoints.end(), std::back_inserter(inside), isReadable);
+    // Those near the border are left out by OpenCV itself, as its versions differ in whether they round positions.
     const int border = std::min(parameters.edgeThreshold, std::max(imageSize.width, imageSize.height));
     KeyPointsFilter::runByImageBorder(inside, imageSize, border);
     std::vector<FeatureList> features(inside.empty() ? 0 : size_t(highestOctave(inside)) + 1);
