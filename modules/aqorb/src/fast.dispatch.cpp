@@ -22,8 +22,6 @@ namespace aqorb
 namespace
 {
 
-const int RADIUS = 3;  // of the circle
-
 // Which pixels of a block are in a range of columns, a bit for each.
 uint64 columnsOf(int x, int width, const Range& columns)
 {
@@ -46,9 +44,9 @@ void coverWithBlocks(const Range& columns, const Range& pixels, int width, std::
     }
 }
 
-void continueFastScan(FastScan& scan, int end)
+void continueFastScan(const ScanArea& area, ScanScores& kept, ScanCorners& corners, int end)
 {
-    CV_CPU_DISPATCH(continueScan, (scan, end), CV_CPU_DISPATCH_MODES_ALL);
+    CV_CPU_DISPATCH(continueScan, (area, kept, corners, end), CV_CPU_DISPATCH_MODES_ALL);
 }
 
 int widthOfBlocks(int columns)
@@ -56,16 +54,17 @@ int widthOfBlocks(int columns)
     CV_CPU_DISPATCH(blockWidthFor, (columns), CV_CPU_DISPATCH_MODES_ALL);
 }
 
-int dropCornersOfScan(FastScan& scan, int first, const uchar* floors)
+int dropCornersOfScan(ScanCorners& corners, int blockWidth, int first, const uchar* floors)
 {
-    CV_CPU_DISPATCH(dropCorners, (scan, first, floors), CV_CPU_DISPATCH_MODES_ALL);
+    CV_CPU_DISPATCH(dropCorners, (corners, blockWidth, first, floors), CV_CPU_DISPATCH_MODES_ALL);
 }
 
 }  // namespace
 
 Rect fastRegion(Size imageSize, const Rect& region)
 {
-    return region & Rect(RADIUS, RADIUS, imageSize.width - 2 * RADIUS, imageSize.height - 2 * RADIUS);
+    return region & Rect(FAST_RADIUS, FAST_RADIUS, imageSize.width - 2 * FAST_RADIUS,
+                         imageSize.height - 2 * FAST_RADIUS);
 }
 
 // Where column 0 of the first row in a buffer is, if the given column is to be aligned.
@@ -87,7 +86,7 @@ void ScorePlane::reset(int imageWidth, const Range& columns_, int top_, int rows
     top = top_;
     rowBytes = ptrdiff_t(bytesOfRow);
     // As a rule the first block of a scan begins one column before the region.
-    first = alignedRow(bytes.data() + ROWS_ABOVE * bytesOfRow, std::max(columns.start - 1, RADIUS)) -
+    first = alignedRow(bytes.data() + ROWS_ABOVE * bytesOfRow, std::max(columns.start - 1, FAST_RADIUS)) -
             bytes.data();
     std::fill_n(row(top) - SCAN_MARGIN - ROWS_ABOVE * rowBytes, ROWS_ABOVE * bytesOfRow, uchar(0));
 }
@@ -123,54 +122,52 @@ void FastScanner::reset(const Level& level, const Rect& region, Thresholds thres
     corners = &corners_;
     corners->count = corners->cornerCount = 0;
 
-    state.image = image.ptr();
-    state.step = ptrdiff_t(image.step);
-    state.mask = level.mask.empty() ? 0 : level.mask.ptr();
-    state.maskStep = ptrdiff_t(level.mask.step);
-    state.strongThreshold = std::min(std::max(thresholds.ini, 1), 255);  // suppression needs scores > 0
-    state.threshold = std::min(std::max(thresholds.min, 1), state.strongThreshold);
-    state.top = region.y;
-    state.bottom = region.y + region.height;
-    state.scoredTop = std::max(state.top - 1, pixels.y);
-    state.scoredBottom = std::min(state.bottom + 1, pixels.y + pixels.height);
-    state.left = pixels.x;
-    state.right = pixels.x + pixels.width;
-    state.y = state.top - 1;
-    state.blocks = blocks.data();
-    state.blockCount = int(blockCount);
-    state.blockWidth = width;
-    state.scores = alignedRow(scores.data(), blocks[0].x);
-    state.scoreStep = ptrdiff_t(rowBytes);
+    area.image = image.ptr();
+    area.step = ptrdiff_t(image.step);
+    area.width = image.cols;
+    area.height = image.rows;
+    area.mask = level.mask.empty() ? 0 : level.mask.ptr();
+    area.maskStep = ptrdiff_t(level.mask.step);
+    area.top = region.y;
+    area.bottom = region.y + region.height;
+    area.blocks = blocks.data();
+    area.blockCount = int(blockCount);
+    area.blockWidth = width;
+    area.strongThreshold = std::min(std::max(thresholds.ini, 1), 255);  // suppression needs scores > 0
+    area.threshold = std::min(std::max(thresholds.min, 1), area.strongThreshold);
+    kept.nextRow = area.top - 1;
+    kept.rows = alignedRow(scores.data(), blocks[0].x);
+    kept.step = ptrdiff_t(rowBytes);
     for (int i = 0; i < 2; i++)
     {
-        state.listed[i] = listed.data() + i * blockCount;
-        state.listedCount[i] = 0;
+        kept.listed[i] = listed.data() + i * blockCount;
+        kept.listedCount[i] = 0;
     }
-    state.planeStep = plane->step();
+    out.planeStep = plane->step();
     columns = Range(region.x, region.x + region.width);
 }
 
 void FastScanner::scan(int end)
 {
-    end = std::min(end, state.bottom);
-    const size_t rows = size_t(std::max(end - state.y + 1, 0));  // suppression is one row behind
-    state.planeTop = plane->topRow();
-    state.plane = plane->row(state.planeTop);
-    state.foundCount = corners->count;
-    const size_t most = state.foundCount + rows * blocks.size() + 2;
+    end = std::min(end, area.bottom);
+    const size_t rows = size_t(std::max(end - kept.nextRow + 1, 0));  // suppression is one row behind
+    out.planeTop = plane->topRow();
+    out.plane = plane->row(out.planeTop);
+    out.foundCount = corners->count;
+    const size_t most = out.foundCount + rows * blocks.size() + 2;
     corners->storage.reserve(most);  // without this, a vector that grows may get twice as much
     corners->storage.resize(std::max(corners->storage.size(), most));
-    state.found = corners->storage.data();
+    out.found = corners->storage.data();
     strong.assign(blocks.size(), 0);
-    state.strong = strong.data();
-    std::fill_n(floors.begin() + blocks[0].x, blocks.back().x + state.blockWidth - blocks[0].x, uchar(255));
+    out.strong = strong.data();
+    std::fill_n(floors.begin() + blocks[0].x, blocks.back().x + area.blockWidth - blocks[0].x, uchar(255));
     std::fill_n(floors.begin() + columns.start, columns.size(), uchar(0));
-    continueFastScan(state, end);
+    continueFastScan(area, kept, out, end);
 }
 
 bool FastScanner::hasStrong(const Range& range) const
 {
-    const int width = state.blockWidth;
+    const int width = area.blockWidth;
     const int before = (range.start - blocks[0].x) / width;
     for (size_t i = size_t(std::max(before, 0)); i < blocks.size() && blocks[i].x < range.end; i++)
     {
@@ -183,13 +180,13 @@ bool FastScanner::hasStrong(const Range& range) const
 void FastScanner::dropWeak(const Range& range)
 {
     const Range inside = range & columns;
-    std::fill(floors.begin() + inside.start, floors.begin() + inside.end, uchar(state.strongThreshold));
+    std::fill(floors.begin() + inside.start, floors.begin() + inside.end, uchar(area.strongThreshold));
 }
 
 void FastScanner::collect()
 {
-    corners->cornerCount += dropCornersOfScan(state, corners->count, floors.data());
-    corners->count = state.foundCount;
+    corners->cornerCount += dropCornersOfScan(out, area.blockWidth, corners->count, floors.data());
+    corners->count = out.foundCount;
 }
 
 void listCorners(const CornerBlock* first, const CornerBlock* last, const ScorePlane& plane,

@@ -22,6 +22,7 @@ struct CornerBlock
     uint64 columns;  //!< bit i: whether pixel x + i is a corner
 };
 
+const int FAST_RADIUS = 3;  // of the circle
 //! A corner loses to a better one at most this far away in x and in y. The kernel is written for this radius.
 const int SUPPRESS_RADIUS = 3;
 //! The columns beside a region whose scores must be readable, as the kernel of the suppression loads whole vectors.
@@ -81,27 +82,35 @@ const int SCAN_ROWS = 4;  // rows of scores that are kept: at least three, and a
 const int SCAN_ALIGNMENT = 64;
 const int SCAN_MARGIN = 64;  // columns around the scores of a row that vectors may touch
 
-//! A scan of rows for FAST corners. A row is suppressed as soon as the row below it has scores.
-struct FastScan
+//! What is scanned, and for which corners.
+struct ScanArea
 {
     const uchar* image;
     ptrdiff_t step;
+    int width, height;  //!< of the image
     const uchar* mask;  //!< of usable pixels; 0: all are usable
     ptrdiff_t maskStep;
+    int top, bottom;          //!< the rows in which corners are wanted
+    const ScanBlock* blocks;  //!< of each row, from left to right
+    int blockCount;
+    int blockWidth;       //!< by blockWidthFor
     int threshold;        //!< of all corners
     int strongThreshold;  //!< >= threshold
-    int top, bottom;      //!< the rows in which corners are wanted
-    int scoredTop,
-        scoredBottom;         //!< the rows that get scores: one more above and below, where the circle fits
-    int left, right;          //!< the columns where the circle fits
-    int y;                    //!< the next row to get scores; beyond bottom, the scan is finished
-    const ScanBlock* blocks;  //!< from left to right
-    int blockCount;
-    int blockWidth;  //!< by blockWidthFor
-    uchar* scores;  //!< SCAN_ROWS rows, by row modulo their number, by column, with SCAN_MARGIN on both sides
-    ptrdiff_t scoreStep;
+};
+
+//! The scores that suppression still needs: it finds the corners of a row as soon as the row below it has scores, too.
+struct ScanScores
+{
+    int nextRow;  //!< to get scores
+    uchar* rows;  //!< SCAN_ROWS rows, by row modulo their number, by column, with SCAN_MARGIN on both sides
+    ptrdiff_t step;
     int* listed[2];  //!< by row modulo 2: the blocks in which there are scores
     int listedCount[2];
+};
+
+//! What a scan finds.
+struct ScanCorners
+{
     //! The scores of corners, from row planeTop on, by column. Scores in columns that are not wanted mean nothing until
     //! dropCorners clears them.
     uchar* plane;
@@ -136,7 +145,9 @@ public:
     void collect();
 
 private:
-    FastScan state;
+    ScanArea area;
+    ScanScores kept;
+    ScanCorners out;
     std::vector<ScanBlock> blocks;
     std::vector<uchar> scores, floors;
     std::vector<int> listed;

@@ -22,14 +22,14 @@ CV_CPU_OPTIMIZATION_NAMESPACE_BEGIN
 //! How many pixels a block has in images of so many columns with whole circles: a wide vector, a narrow one, or one.
 int blockWidthFor(int columns);
 
-//! Continues a scan up to the row before `end`, which is at most scan.bottom.
-void continueScan(FastScan& scan, int end);
+//! Continues a scan up to the row before `end`, which is at most area.bottom.
+void continueScan(const ScanArea& area, ScanScores& kept, ScanCorners& corners, int end);
 
 /** Removes corners whose scores are too low from the blocks found and from the plane.
  @param first block to look at
  @param floors by column: the highest score that is too low
- @return number of corners left; scan.foundCount becomes the number of blocks that have any */
-int dropCorners(FastScan& scan, int first, const uchar* floors);
+ @return number of corners left; corners.foundCount becomes the number of blocks that have any */
+int dropCorners(ScanCorners& corners, int blockWidth, int first, const uchar* floors);
 
 //! cornerScores3x3 of p. The 4 pixels around it, and the 17 to its right, must be readable.
 void neighborScores(const uchar* p, ptrdiff_t step, int scores[3][3]);
@@ -46,27 +46,27 @@ int writeKept(const CornerBlock* blocks, int cornerCount, const uchar* scores, p
 namespace
 {
 
-CV_ALWAYS_INLINE uchar* scoresOf(const FastScan& scan, int y)
+CV_ALWAYS_INLINE uchar* scoresOf(const ScanScores& kept, int y)
 {
-    return scan.scores + (y & (SCAN_ROWS - 1)) * scan.scoreStep;
+    return kept.rows + (y & (SCAN_ROWS - 1)) * kept.step;
 }
 
 // Scores the blocks of a row: the FAST score, 1 to 255, where it exceeds the threshold, else 0. Lists the blocks that
 // have a score and returns their number.
-template <typename Vectors> int scoreRow(const FastScan& scan, int y)
+template <typename Vectors> int scoreRow(const ScanArea& area, const ScanScores& kept, int y)
 {
     typedef typename Vectors::V V;
-    const uchar* row = scan.image + y * scan.step;
-    const ptrdiff_t step = scan.step;
-    uchar* scores = scoresOf(scan, y);
-    int* list = scan.listed[y & 1];
-    const V zero = Vectors::all(0), limit = Vectors::all(scan.threshold);
+    const uchar* row = area.image + y * area.step;
+    const ptrdiff_t step = area.step;
+    uchar* scores = scoresOf(kept, y);
+    int* list = kept.listed[y & 1];
+    const V zero = Vectors::all(0), limit = Vectors::all(area.threshold);
     int possible = 0, count = 0;
     // Every arc contains one end of each axis of the circle, and these four pixels rule out most blocks. Where most
     // blocks of the row above have a corner the test is skipped, as it would cost more than it saves.
-    const bool skipTest = 4 * scan.listedCount[(y - 1) & 1] > 3 * scan.blockCount;
-    const ScanBlock* const blocks = scan.blocks;
-    const int blockCount = scan.blockCount;
+    const bool skipTest = 4 * kept.listedCount[(y - 1) & 1] > 3 * area.blockCount;
+    const ScanBlock* const blocks = area.blocks;
+    const int blockCount = area.blockCount;
     for (int i = 0; i < blockCount; i++)
     {
         list[possible] = i;
@@ -102,21 +102,22 @@ template <typename Vectors> int scoreRow(const FastScan& scan, int y)
 
 // Finds the corners of a row, whose scores are higher than those of their eight neighbours. The scores go to the plane
 // and the blocks to those found.
-template <typename Vectors> void suppressRow(FastScan& scan, int y)
+template <typename Vectors>
+void suppressRow(const ScanArea& area, const ScanScores& kept, ScanCorners& out, int y)
 {
     typedef typename Vectors::V V;
-    const uchar *scores = scoresOf(scan, y), *above = scoresOf(scan, y - 1), *below = scoresOf(scan, y + 1);
-    uchar* corners = scan.plane + (y - scan.planeTop) * scan.planeStep;
-    const int end = scan.blocks[scan.blockCount - 1].x + scan.blockWidth;
-    std::memset(corners + scan.blocks[0].x - SUPPRESS_MARGIN, 0,
-                end - scan.blocks[0].x + 2 * SUPPRESS_MARGIN);
-    const int* const listed = scan.listed[y & 1];
-    const int listedCount = scan.listedCount[y & 1];
-    const ScanBlock* const blocks = scan.blocks;
-    uint64* const strong = scan.strong;
-    const uchar* const mask = scan.mask ? scan.mask + y * scan.maskStep : 0;
-    const V strongest = Vectors::all(scan.strongThreshold);
-    CornerBlock* found = scan.found + scan.foundCount;
+    const uchar *scores = scoresOf(kept, y), *above = scoresOf(kept, y - 1), *below = scoresOf(kept, y + 1);
+    uchar* corners = out.plane + (y - out.planeTop) * out.planeStep;
+    const int end = area.blocks[area.blockCount - 1].x + area.blockWidth;
+    std::memset(corners + area.blocks[0].x - SUPPRESS_MARGIN, 0,
+                end - area.blocks[0].x + 2 * SUPPRESS_MARGIN);
+    const int* const listed = kept.listed[y & 1];
+    const int listedCount = kept.listedCount[y & 1];
+    const ScanBlock* const blocks = area.blocks;
+    uint64* const strong = out.strong;
+    const uchar* const mask = area.mask ? area.mask + y * area.maskStep : 0;
+    const V strongest = Vectors::all(area.strongThreshold);
+    CornerBlock* found = out.found + out.foundCount;
     for (int i = 0; i < listedCount; i++)
     {
         const ScanBlock& block = blocks[listed[i]];
@@ -138,40 +139,43 @@ template <typename Vectors> void suppressRow(FastScan& scan, int y)
         found->columns = columns & block.wanted;
         found += columns != 0;
     }
-    scan.foundCount = int(found - scan.found);
+    out.foundCount = int(found - out.found);
 }
 
-template <typename Vectors> void scanRows(FastScan& scan, int end)
+template <typename Vectors>
+void scanRows(const ScanArea& area, ScanScores& kept, ScanCorners& corners, int end)
 {
-    for (; scan.y <= end; scan.y++)
+    // The columns and rows where the circle fits.
+    const int left = FAST_RADIUS, right = area.width - FAST_RADIUS, bottom = area.height - FAST_RADIUS;
+    for (; kept.nextRow <= end; kept.nextRow++)
     {
-        const int y = scan.y;
-        const bool isScored = y >= scan.scoredTop && y < scan.scoredBottom;
-        uchar* const scores = scoresOf(scan, y);
-        scores[scan.left - 1] = scores[scan.right] = 0;
+        const int y = kept.nextRow;
+        const bool isScored = y >= FAST_RADIUS && y < bottom;
+        uchar* const scores = scoresOf(kept, y);
+        scores[left - 1] = scores[right] = 0;
         if (!isScored)
-            std::memset(scores + scan.left, 0, scan.right - scan.left);
-        scan.listedCount[y & 1] = isScored ? scoreRow<Vectors>(scan, y) : 0;
-        if (y > scan.top)
-            suppressRow<Vectors>(scan, y - 1);
+            std::memset(scores + left, 0, right - left);
+        kept.listedCount[y & 1] = isScored ? scoreRow<Vectors>(area, kept, y) : 0;
+        if (y > area.top)
+            suppressRow<Vectors>(area, kept, corners, y - 1);
     }
 }
 
-template <typename Vectors> int dropFromBlocks(FastScan& scan, int first, const uchar* floors)
+template <typename Vectors> int dropFromBlocks(ScanCorners& out, int first, const uchar* floors)
 {
-    CornerBlock* left = scan.found + first;
+    CornerBlock* left = out.found + first;
     int corners = 0;
-    for (int i = first; i < scan.foundCount; i++)
+    for (int i = first; i < out.foundCount; i++)
     {
-        CornerBlock block = scan.found[i];
-        uchar* scores = scan.plane + (block.y - scan.planeTop) * scan.planeStep + block.x;
+        CornerBlock block = out.found[i];
+        uchar* scores = out.plane + (block.y - out.planeTop) * out.planeStep + block.x;
         block.columns &=
             Vectors::storeGreater(scores, Vectors::load(scores), Vectors::load(floors + block.x));
         corners += bitCount(block.columns);
         *left = block;
         left += block.columns != 0;
     }
-    scan.foundCount = int(left - scan.found);
+    out.foundCount = int(left - out.found);
     return corners;
 }
 
@@ -188,26 +192,26 @@ int blockWidthFor(int columns)
     return 1;
 }
 
-void continueScan(FastScan& scan, int end)
+void continueScan(const ScanArea& area, ScanScores& kept, ScanCorners& corners, int end)
 {
 #if CV_SIMD
-    if (scan.blockWidth == AQORB_LANES(Wide::V))
-        return scanRows<Wide>(scan, end);
-    if (scan.blockWidth == AQORB_LANES(Narrow::V))
-        return scanRows<Narrow>(scan, end);
+    if (area.blockWidth == AQORB_LANES(Wide::V))
+        return scanRows<Wide>(area, kept, corners, end);
+    if (area.blockWidth == AQORB_LANES(Narrow::V))
+        return scanRows<Narrow>(area, kept, corners, end);
 #endif
-    scanRows<Single>(scan, end);
+    scanRows<Single>(area, kept, corners, end);
 }
 
-int dropCorners(FastScan& scan, int first, const uchar* floors)
+int dropCorners(ScanCorners& corners, int blockWidth, int first, const uchar* floors)
 {
 #if CV_SIMD
-    if (scan.blockWidth == AQORB_LANES(Wide::V))
-        return dropFromBlocks<Wide>(scan, first, floors);
-    if (scan.blockWidth == AQORB_LANES(Narrow::V))
-        return dropFromBlocks<Narrow>(scan, first, floors);
+    if (blockWidth == AQORB_LANES(Wide::V))
+        return dropFromBlocks<Wide>(corners, first, floors);
+    if (blockWidth == AQORB_LANES(Narrow::V))
+        return dropFromBlocks<Narrow>(corners, first, floors);
 #endif
-    return dropFromBlocks<Single>(scan, first, floors);
+    return dropFromBlocks<Single>(corners, first, floors);
 }
 
 void neighborScores(const uchar* p, ptrdiff_t step, int scores[3][3])

@@ -114,16 +114,20 @@ CV_ALWAYS_INLINE Sides<Vectors> either(const Sides<Vectors>& a, const Sides<Vect
 {
     return Sides<Vectors>(Greatest::of(a.bright, b.bright), Least::of(a.dark, b.dark));
 }
-// The best of the 16 arcs of 9 pixels on the circle of 16 around p. Neighbouring arcs share work. Pair i is pixels
-// 2 i + 1 and 2 i + 2. The arcs that begin at 2 i and at 2 i + 1 have the pairs i to i + 3 in common and differ in
-// their ends, the pixels 2 i and 2 i + 9. Of the four arcs that begin at 4 i to 4 i + 3, all have the pairs 2 i + 1 to
-// 2 i + 3; two of them have pair 2 i and ends 2 i besides, the other two pair 2 i + 4 and ends 2 i + 1. The eight arcs
-// from 8 i on share pair 4 i + 3.
+// The best of the 16 arcs of 9 pixels on the circle of 16 around p. Neighbouring arcs share work. With & for both, | for
+// either, and numbers that go round the circle, let
+//   pair(i) = pixel(2 i + 1) & pixel(2 i + 2)
+//   ends(i) = pixel(2 i) | pixel(2 i + 9)
+//   rest(i) = pair(2 i) & ends(2 i) | pair(2 i + 4) & ends(2 i + 1)
+// Of the two arcs that begin at 2 i and 2 i + 1, the better one is pair(i) & pair(i + 1) & pair(i + 2) & pair(i + 3) &
+// ends(i). So of the four arcs from 4 i on, the best one is
+//   four(i) = pair(2 i + 1) & pair(2 i + 2) & pair(2 i + 3) & rest(i).
+// The eight arcs from 8 i on have pair(4 i + 3) in common: four0 to four3 leave it out, and eight0 and eight1 add it.
 template <typename Vectors> CV_ALWAYS_INLINE Sides<Vectors> bestArc(const Around<Vectors>& p)
 {
     typedef Sides<Vectors> S;
-    // They are ordered by hand so that as few vectors as possible are needed at a time: with 16 registers compilers
-    // would otherwise spend more time on saving and restoring them than on the work itself.
+    // The order is made by hand so that few vectors are needed at a time. With 16 registers (AVX2) compilers would save
+    // and restore more of them if the formulas stood here one after the other.
     const S x2 = p.at(2, 2), x11 = p.at(-3, -1), x8 = p.at(0, -3), x1 = p.at(1, 3);
     const S ends1 = either(x2, x11);
     const S ends4 = either(x8, x1);
