@@ -148,7 +148,7 @@ def test_sizes(wrong):
                        ('imageSize', lambda: aqorb.distributionOccupancy([], wrong)),
                        ('imageSize', lambda: aqorb.retainUniform([], wrong, 5)),
                        ('grid', lambda: aqorb.distributionOccupancy([], (640, 480), wrong))):
-        assert name + ': Tuple[int, int]' in message_of(TypeError, call)
+        assert re.search(name + r': [Tt]uple\[', message_of(TypeError, call))
     for size in [640, 480], np.array([640, 480]), (np.int64(640), np.uint8(200)):
         assert aqorb.distributionOccupancy([KEYPOINT], size, (1, 1)) == 1
 
@@ -163,6 +163,6 @@ def test_numbers(orb):
         assert 'patchSize: int' in message_of(TypeError, lambda: orb.setPatchSize(wrong))
         assert 'nfeatures: int' in message_of(TypeError, lambda: create(wrong))
     for wrong in '1', None, [1.5]:
-        assert 'rankRadius: float' in message_of(TypeError, lambda: orb.setRankRadius(wrong))
+        assert 'rankRadius: ' in message_of(TypeError, lambda: orb.setRankRadius(wrong))
     assert 'subPixel: bool' in message_of(TypeError, lambda: orb.setSubPixel('yes'))
     assert 'nfeatures: int' in message_of(TypeError, lambda: create(nFeatures=5))

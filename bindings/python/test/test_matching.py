@@ -122,8 +122,8 @@ def test_no_descriptors(nothing):
     (TypeError, 'queryDescriptors must', lambda some: aqorb.matchArrays([1], some)),
     (TypeError, 'ratio must', lambda some: aqorb.matchArrays(some, some, ratio='a')),
     (TypeError, 'maxDistance must', lambda some: aqorb.matchArrays(some, some, maxDistance=1.5)),
-    (TypeError, 'predicted: numpy.ndarray', lambda some: aqorb.matchByPosition(some, 'a', some, (), (1, 1))),
-    (TypeError, 'reach: Tuple', lambda some: aqorb.matchByPosition(some, some[:, :2], some, (), 5))])
+    (TypeError, 'predicted: ', lambda some: aqorb.matchByPosition(some, 'a', some, (), (1, 1))),
+    (TypeError, 'reach: [Tt]uple', lambda some: aqorb.matchByPosition(some, some[:, :2], some, (), 5))])
 def test_bad_arguments(error, message, call):
     with pytest.raises(error, match=message):
         call(descriptors(1, 10))
