@@ -40,18 +40,13 @@ def load(file_name, read):
         read(file.read())
 
 
-def root_of(text):
-    import cv2
-    storage = cv2.FileStorage(text, cv2.FILE_STORAGE_READ | cv2.FILE_STORAGE_MEMORY)
-    return storage, storage.root()  # the node is of no use without the storage
-
-
 def write(text, storage, name):
     if not storage.isOpened():
         raise aqorb.error('fs must be a storage that is open to write, got one that is not open')
-    source, root = root_of(text)
+    import cv2
+    source = cv2.FileStorage(text, cv2.FILE_STORAGE_READ | cv2.FILE_STORAGE_MEMORY)
+    root = source.root()  # of no use without the storage
     if name:
-        import cv2
         storage.startWriteStruct(name, cv2.FileNode_MAP)
     for key in root.keys():
         node = root.getNode(key)
@@ -60,18 +55,16 @@ def write(text, storage, name):
         storage.endWriteStruct()
 
 
-def read(text, node):
-    """The parameters that a node has, of those in the text, as such a text."""
+def read(node):
+    """The parameters that a node has, as a text."""
     if not node.isMap():
         raise aqorb.error('fn must be a map of the parameters, got a node that ' +
                           ('does not exist' if node.isNone() else 'is no map'))
     import cv2
     given = cv2.FileStorage('.yml', cv2.FILE_STORAGE_WRITE | cv2.FILE_STORAGE_MEMORY)
-    source, root = root_of(text)
-    for key in root.keys():
+    for key in node.keys():
         value = node.getNode(key)
-        if value.isInt() or value.isReal():
-            given.write(key, value.real())
-        elif not root.getNode(key).isString() and not value.isNone():
-            given.write(key, 'no number')  # for the library to say which parameter should have been one
+        is_number = value.isInt() or value.isReal()
+        # What is no number the library refuses, if it is a parameter's.
+        given.write(key, value.real() if is_number else value.string() if value.isString() else 'no number')
     return given.releaseAndGetString()

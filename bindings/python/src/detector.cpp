@@ -247,7 +247,7 @@ void writeStorage(const Detector& self, const FileStorageObject& storage, const 
 
 void readNode(Detector& self, const FileNodeObject& node)
 {
-    const std::string given = inPython("read")(toText(self), node.object).cast<std::string>();
+    const std::string given = inPython("read")(node.object).cast<std::string>();
     self.change([&](Library& library) { readText(library, given); });
 }
 
