@@ -163,13 +163,6 @@ def test_a_subinterpreter_is_refused():
     assert 'in Python\'s main interpreter only, and this is a subinterpreter' in run.stderr
 
 
-def test_everything_is_documented():
-    modules = {name for name, _ in inspect.getmembers(aqorb, inspect.ismodule)}  # which other tests import
-    assert set(aqorb.__all__) == {name for name in dir(aqorb) if name[0] != '_'} - modules
-    for name in aqorb.__all__:
-        assert getattr(aqorb, name).__doc__ or name == 'keypoint_dtype', name
-
-
 def test_features_for_the_matchers_of_cv2(orb, image):
     mask = np.zeros(image.shape, np.uint8)
     mask[:, 320:] = 1
