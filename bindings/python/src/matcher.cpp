@@ -74,16 +74,6 @@ template <typename T> T toNumber(py::handle source, T byDefault, const char* nam
     return number;
 }
 
-double toRatio(const OptionalFloatObject& ratio)
-{
-    return toNumber(ratio.object, 0., "ratio", "a float or None");
-}
-
-int toDistance(const OptionalIntObject& distance)
-{
-    return toNumber(distance.object, -1, "maxDistance", "an int or None");
-}
-
 Matcher create(int normType, bool crossCheck)
 {
     return Matcher(Library::create(normType, crossCheck));
@@ -199,8 +189,8 @@ Arrays matchArrays(const OptionalArrayObject& queryDescriptors, const OptionalAr
 {
     const Pixels query = toDescriptors(queryDescriptors.object, "queryDescriptors"),
                  train = toDescriptors(trainDescriptors.object, "trainDescriptors");
-    const double limit = toRatio(ratio);
-    const int longest = toDistance(maxDistance);
+    const double limit = toNumber(ratio.object, 0., "ratio", "a float or None");
+    const int longest = toNumber(maxDistance.object, -1, "maxDistance", "an int or None");
     cv::Mat pairs, distances;
     withoutGil(
         [&] {
@@ -240,8 +230,8 @@ Arrays matchByPosition(const OptionalArrayObject& queryDescriptors, const Floats
     const std::vector<cv::Point2f> positions = toPositions(predicted);
     const KeyPoints keypoints = toKeyPoints(trainKeypoints.object, "trainKeypoints");
     const cv::Size2f window(reach.first, reach.second);
-    const double limit = toRatio(ratio);
-    const int longest = toDistance(maxDistance);
+    const double limit = toNumber(ratio.object, 0., "ratio", "a float or None");
+    const int longest = toNumber(maxDistance.object, -1, "maxDistance", "an int or None");
     cv::Mat pairs, distances;
     withoutGil(
         [&]
