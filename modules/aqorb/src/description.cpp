@@ -156,23 +156,15 @@ static void findKeypoints(const Level& level, const DescriptionRules& rules, siz
     const Mat &image = level.image, &mask = *rules.imageMask;
     const bool subPixel = rules.position.subPixel;
     orientations(image, *rules.patch, &list.points[begin], end - begin);
-    // Step by step for some features at a time: within a step they do not depend on each other.
-    const size_t AT_ONCE = 64;
-    for (size_t first = begin; first < end; first += AT_ONCE)
+    for (size_t i = begin; i < end; i++)
     {
-        const size_t some = std::min(end - first, AT_ONCE);
-        Point2d offsets[AT_ONCE];
-        for (size_t i = 0; i < some && subPixel; i++)
-            offsets[i] = subPixelOffset(image, list.points[first + i].x, list.points[first + i].y);
-        for (size_t i = 0; i < some; i++)
-        {
-            const FeaturePoint& point = list.points[first + i];
-            KeyPoint& keypoint = list.keypoints[first + i];
-            keypoint.pt = rules.position(point.x, point.y, offsets[i].x, offsets[i].y);
-            keypoint.angle = point.angle;
-            if (subPixel && !mask.empty() && !isUsable(mask, keypoint.pt))
-                usablePosition(mask, rules.position, point.x, point.y, keypoint.pt);
-        }
+        const FeaturePoint& point = list.points[i];
+        KeyPoint& keypoint = list.keypoints[i];
+        const Point2d offset = subPixel ? subPixelOffset(image, point.x, point.y) : Point2d();
+        keypoint.pt = rules.position(point.x, point.y, offset.x, offset.y);
+        keypoint.angle = point.angle;
+        if (subPixel && !mask.empty() && !isUsable(mask, keypoint.pt))
+            usablePosition(mask, rules.position, point.x, point.y, keypoint.pt);
     }
 }
 
@@ -180,13 +172,11 @@ void describeFeatures(const Level& level, const DescriptionRules& rules, const R
                       FeatureList& list, DescriptionScratch& scratch)
 {
     const size_t end = size_t(features.end);
+    if (rules.patch)
+        findKeypoints(level, rules, size_t(features.start), end, list);
     if (!rules.tests)
-    {
-        if (rules.patch)
-            findKeypoints(level, rules, size_t(features.start), end, list);
         return;
-    }
-    const int ROWS = 64;  // that are blurred at once
+    const int ROWS = 128;  // that are blurred at once; more would be faster, and take more memory
     const int reach = rules.tests->reach, margin = rules.tests->margin();
     const int rowsEnd = level.image.rows + margin;  // of all that can be read
     const std::vector<FeaturePoint>& points = list.points;
@@ -212,8 +202,6 @@ void describeFeatures(const Level& level, const DescriptionRules& rules, const R
         const int bottom = std::min(std::max(points[i].y + reach + 1, filled + ROWS), rowsEnd);
         for (next = i; next < end && (points[next].y + reach < bottom || bottom == rowsEnd);)
             next++;
-        if (rules.patch)
-            findKeypoints(level, rules, i, next, list);
         approximateBlur(level.image, scratch.region, Range(filled, bottom), blurred, scratch.blur);
         filled = bottom;
         computeDescriptors(level.image, blurred, &points[i], next - i, *rules.tests,

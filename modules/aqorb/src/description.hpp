@@ -73,8 +73,8 @@ struct DescriptionScratch
 };
 
 /** Describes some of the features of a list, so that several threads can share it: finds their directions, their
- positions in the image and their descriptors. The rows of the level are read and blurred from top to bottom, some at a
- time. */
+ positions in the image and their descriptors. For the descriptors, rows of the level are blurred from top to bottom,
+ some at a time. */
 void describeFeatures(const Level& level, const DescriptionRules& rules, const Range& features,
                       FeatureList& list, DescriptionScratch& scratch);
 
