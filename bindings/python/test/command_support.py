@@ -9,10 +9,10 @@ import re
 import subprocess
 import sys
 
-import numpy as np
 import pytest
 
 import aqorb
+from conftest import noise  # noqa: F401 # for those that import this
 
 pytest.importorskip('tqdm')
 pycolmap = pytest.importorskip('pycolmap')
@@ -49,11 +49,6 @@ def refused(message, *arguments):
     finished = command(*arguments)
     assert finished.returncode == 1 and re.search(message, finished.stderr), finished.stderr
     assert 'Traceback' not in finished.stderr
-
-
-def noise(seed, height=120, width=160):
-    pixels = np.random.RandomState(seed).randint(0, 256, (height // 8, width // 8), np.uint8)
-    return np.repeat(np.repeat(pixels, 8, 0), 8, 1)
 
 
 def rows(path):

@@ -20,10 +20,14 @@ os.environ['PYTHONPATH'] = FOLDER  # for the processes that tests start
 LINUX = pytest.mark.skipif(not glob.glob('/proc/self/task/*'), reason='looks into /proc, forks, or limits memory')
 
 
+def noise(seed, height=120, width=160):
+    pixels = np.random.RandomState(seed).randint(0, 256, (height // 8, width // 8), np.uint8)
+    return np.repeat(np.repeat(pixels, 8, 0), 8, 1)
+
+
 @pytest.fixture(scope='session')
 def image():
-    noise = np.random.RandomState(3).randint(0, 256, (60, 80), np.uint8)
-    return np.repeat(np.repeat(noise, 8, axis=0), 8, axis=1)
+    return noise(3, 480, 640)
 
 
 @pytest.fixture
@@ -55,7 +59,7 @@ def unusual():
 @pytest.fixture(scope='session')
 def folder(tmp_path_factory):
     """Forty images."""
-    from command_support import Image, noise
+    from command_support import Image
     folder = tmp_path_factory.mktemp('images')
     for i in range(40):
         Image.fromarray(noise(i)).save(str(folder / f'{i:02}.png'))

@@ -19,11 +19,10 @@ import numpy as np
 import pytest
 
 import aqorb
-from conftest import LINUX, values_of
+from conftest import LINUX, noise, values_of
 
 SECONDS = float(os.environ.get('AQORB_LOAD_SECONDS', 0.5))
-random = np.random.RandomState(5)
-IMAGES = [np.repeat(np.repeat(random.randint(0, 256, (12 + i, 16), np.uint8), 8, 0), 8, 1) for i in range(6)]
+IMAGES = [noise(i, 96 + 8 * i, 128) for i in range(6)]
 KEYPOINTS = np.zeros(3, aqorb.keypoint_dtype)
 KEYPOINTS['pt'], KEYPOINTS['size'] = 20, 31
 
