@@ -75,13 +75,13 @@ struct Moments
     int m10, m01;
 };
 
-//! A grid with a border and a bit for each leaf, which is set when the leaf's turn has come. Each word holds 32 bits of
-//! a row and, in its upper half, those of the next row. The next word begins STEP bits later.
+//! A grid with a border and a bit for each leaf, which is set when the leaf's turn has come. The words of a row begin
+//! STEP bits apart and have twice as many, so that the STEP bits from any leaf on lie in one of them.
 struct RankGrid
 {
     enum
     {
-        STEP = 16
+        STEP = 32
     };
     uint64* bits;
     int depth;            //!< leaves have 2^depth columns

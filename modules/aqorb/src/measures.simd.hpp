@@ -213,14 +213,11 @@ void countBefore(const RankGrid& grid, const unsigned* leaves, size_t count, int
         for (int j = 0; j < grid.wordCount; j++)
             sum += bitCount((word[grid.words[j]] >> (column % STEP)) & grid.masks[j]);
         counts[i] = sum;
-        // The bit of the leaf lies in two words of its row, and in two of the row before.
+        // The bit of the leaf lies in two words.
         const unsigned bit = column + unsigned(grid.left);
         uint64* const own = grid.bits + size_t(row + unsigned(grid.top)) * grid.stride + bit / STEP + 1;
-        const uint64 inSecond = uint64(1) << (bit % STEP), inFirst = inSecond << STEP;
-        own[0] |= inSecond;
-        own[-1] |= inFirst;
-        own[-grid.stride] |= inSecond << 32;
-        own[-grid.stride - 1] |= inFirst << 32;
+        own[0] |= uint64(1) << (bit % STEP);
+        own[-1] |= uint64(1) << (bit % STEP + STEP);
     }
 }
 

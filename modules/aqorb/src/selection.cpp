@@ -199,22 +199,22 @@ static std::vector<int> countStronger(const std::vector<unsigned>& leaves, const
     RankGrid grid = RankGrid();
     grid.depth = depth;
     grid.left = disc.width();
-    grid.top = disc.height() + 1;
+    grid.top = disc.height();
     grid.stride = (side + columns) / step + 2;
     std::vector<uint64> bits(size_t(grid.stride) * (side + rows)), masks;
     std::vector<int> words, counts(leaves.size());
-    for (int y = 0; y < rows; y += 2)
+    for (int y = 0; y < rows; y++)
     {
         for (int first = 0; first < columns; first += step)
         {
             uint64 mask = 0;
-            for (int bit = 0; bit < 2 * step; bit++)
+            for (int bit = 0; bit < step; bit++)
             {
-                const int dx = first + bit % step - disc.width(), dy = y + bit / step - disc.height();
-                if (dy <= disc.height() && std::abs(dx) <= disc.halfWidths[std::abs(dy)])
-                    mask |= uint64(1) << (bit % step + bit / step * 32);
+                const int dx = first + bit - disc.width(), dy = y - disc.height();
+                if (std::abs(dx) <= disc.halfWidths[std::abs(dy)])
+                    mask |= uint64(1) << bit;
             }
-            words.push_back((y + 1) * grid.stride + first / step + 1);
+            words.push_back(y * grid.stride + first / step + 1);
             masks.push_back(mask);
         }
     }
