@@ -4,7 +4,6 @@
 # SPDX-License-Identifier: Apache-2.0
 """What detectAndComputeBatch returns."""
 
-import operator
 import typing
 
 import numpy
@@ -30,7 +29,7 @@ class FeatureBatch(typing.NamedTuple):
     def rows(self, image):
         """Returns the features of an image as a slice of each array but offsets. A negative number counts from the last
         image."""
-        index = range(len(self.offsets) - 1)[operator.index(image)]
+        index = range(len(self.offsets) - 1)[image]
         return slice(int(self.offsets[index]), int(self.offsets[index + 1]))
 
     def keypoints(self, image=None):
