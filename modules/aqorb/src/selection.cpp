@@ -120,7 +120,7 @@ std::vector<unsigned> findRepresentatives(const std::vector<LeafPoint>& points, 
         for (unsigned column = 0; column < side; column++)
         {
             representatives[count] = best[first + column];
-            count += (grid[first + column] != INT_MIN) & (better[column] <= MOST_BETTER);
+            count += int(grid[first + column] != INT_MIN) & (better[column] <= MOST_BETTER);
         }
     }
     representatives.resize(count);
