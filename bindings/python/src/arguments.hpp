@@ -11,7 +11,7 @@
 #define AQORB_PYTHON_ARGUMENTS_HPP
 
 #include "errors.hpp"
-#include "images.hpp"
+#include "arrays.hpp"
 
 #include <pybind11/pybind11.h>
 

@@ -7,8 +7,7 @@
 
 #include "arguments.hpp"
 #include "errors.hpp"
-#include "images.hpp"
-#include "keypoints.hpp"
+#include "arrays.hpp"
 #include "module.hpp"
 #include "parameter_table.hpp"
 #include "threads.hpp"

@@ -5,8 +5,7 @@
 
 #include "arguments.hpp"
 #include "errors.hpp"
-#include "images.hpp"
-#include "keypoints.hpp"
+#include "arrays.hpp"
 #include "module.hpp"
 #include "threads.hpp"
 

@@ -10,8 +10,7 @@
 
 #include "arguments.hpp"
 #include "errors.hpp"
-#include "images.hpp"
-#include "keypoints.hpp"
+#include "arrays.hpp"
 #include "threads.hpp"
 
 #include <opencv2/aqorb.hpp>

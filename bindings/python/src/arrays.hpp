@@ -3,10 +3,11 @@
 // of this distribution.
 // SPDX-License-Identifier: Apache-2.0
 
-// Images and masks as numpy arrays, and OpenCV's matrices as such.
+// Images, masks, descriptors and keypoints as objects of Python. The module is not linked to cv2, so that it reads and
+// makes cv2's keypoints by their attributes.
 
-#ifndef AQORB_PYTHON_IMAGES_HPP
-#define AQORB_PYTHON_IMAGES_HPP
+#ifndef AQORB_PYTHON_ARRAYS_HPP
+#define AQORB_PYTHON_ARRAYS_HPP
 
 #include <opencv2/core.hpp>
 
@@ -48,11 +49,30 @@ std::vector<Pixels> toMasks(py::handle source, size_t images);
 //! Whether the object is a sequence of several things: a list or a tuple, but not an array or text.
 bool isSequence(py::handle object);
 
-//! The array, or a copy whose elements lie side by side. Where there is no memory for it, numpy's error says so.
-py::array contiguous(const py::array& array);
-
 //! An array with the matrix's elements, which have that type.
 py::object toArray(const cv::Mat& mat, const py::dtype& type = py::dtype::of<uchar>());
+
+//! The keypoints of a call, which go back to Python as what they were: objects or an array.
+struct KeyPoints
+{
+    std::vector<cv::KeyPoint> points;
+    bool isArray = false;
+};
+
+//! cv2.KeyPoint. Called before a call that will return some begins to work, so that it fails at once without cv2.
+py::object keyPointClass();
+
+//! cv::KeyPoint's members as the fields of an array.
+py::dtype keypointDtype();
+
+//! From a sequence of cv2.KeyPoint or an array of keypointDtype(). Messages use the name.
+KeyPoints toKeyPoints(py::handle source, const std::string& name = "keypoints");
+//! One sequence or array of keypoints for each of so many images.
+std::vector<KeyPoints> toKeyPointLists(py::handle source, size_t images);
+
+py::object toPython(KeyPoints&& keypoints);
+py::object toTuple(const std::vector<cv::KeyPoint>& keypoints);
+py::object toArray(std::vector<cv::KeyPoint>&& keypoints);
 
 }  // namespace aqorb_python
 
