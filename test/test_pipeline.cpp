@@ -147,13 +147,13 @@ TEST(Aqorb_Pipeline, equals_reference_for_every_threshold)
 TEST(Aqorb_Pipeline, equals_reference_for_every_own_parameter)
 {
     const ORB::ScoreType scores[] = {ORB::HARRIS_SCORE, ORB::FAST_SCORE};
-    const double radii[] = {-1, 0, 0.6, 3, 40};
+    const double radii[] = {-1, 0, 0.6, 3, 40, DBL_MAX};  // the last one is infinite in pixels of the image
     for (ORB::ScoreType score : scores)
     {
         Settings settings;
         settings.scoreType = score;
         settings.nfeatures = 200;
-        std::vector<Settings> changed(6, settings);
+        std::vector<Settings> changed(7, settings);
         size_t i = 0;
         for (double radius : radii)
             changed[i++].octaveSuppression = radius;

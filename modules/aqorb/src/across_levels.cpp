@@ -42,8 +42,9 @@ namespace
 class PointGrid
 {
 public:
+    // No two points are as far apart as the limit of the radius, which keeps it finite.
     PointGrid(Size image, double radius_)
-        : radius(radius_),
+        : radius(std::min(radius_, double(image.width) + image.height)),
           side(std::max(radius, 16.)),
           columns(indexOf(image.width) + 1),
           latest(size_t(columns) * (indexOf(image.height) + 1), -1)
@@ -97,9 +98,10 @@ CornersOfLevels selectAcrossLevels(const Parameters& parameters, Size imageSize,
     const auto take = [&](int level)
     {
         PointGrid others(imageSize, octaveDistance(parameters) * levels[level].scale);
-        for (int i = std::max(level - reach, 0); i <= std::min(level + reach, count - 1) && wanted > 0; i++)
-            for (size_t j = 0; j < selected[i].size() && i != level; j++)
-                others.add(positionInImage(selected[i][j], levels[i].image.size(), imageSize));
+        for (int i = std::max(level - reach, 0); i <= std::min(level + reach, count - 1); i++)
+            if (i != level)
+                for (const CornerResponse& other : selected[i])
+                    others.add(positionInImage(other, levels[i].image.size(), imageSize));
         for (size_t& i = next[level]; wanted > 0 && i < orders[level].size(); i++)
         {
             const CornerResponse& corner = orders[level][i];
@@ -114,7 +116,7 @@ CornersOfLevels selectAcrossLevels(const Parameters& parameters, Size imageSize,
         wanted += plans[i].quota;
         take(i);
     }
-    for (int i = 0; i < count; i++)
+    for (int i = 0; i < count && wanted > 0; i++)
         take(i);
     return selected;
 }
