@@ -194,7 +194,8 @@ public:
     /** @brief Radius of the disc in which the rank of a corner is counted, 0 to 16, in units of the mean distance
     between the features of the level. The default is 2.25.
 
-    The mean distance is the square root of the area of the level, less what is masked, over the number of its features.
+    The mean distance is the square root of the area of the level between the borders, less what is masked, over the
+    number of its features.
     With 0 all representatives have the same rank, so that their strength decides among them. It has no effect with
     BALANCED_SELECTION. */
     CV_WRAP virtual void setRankRadius(double rankRadius) = 0;
@@ -316,9 +317,9 @@ score and of the strength, and octaves are ignored. The quadtree spans the whole
 each keypoint that is kept. The best keypoint of a leaf represents it, unless at least three of the eight leaves around
 it have better ones. The representatives come by (1 + rank) / response^StrengthWeight, where infinity counts as 2^128.
 Those whose response is zero, negative or NaN come after them, by their rank. The other keypoints follow by response. In
-every comparison NaN counts as the lowest response. Of equal responses in a
-leaf the keypoint of lower y is preferred, then that of lower x, then that of lower index. Multiplying all responses by
-a positive constant changes nothing, as long as the products are neither rounded nor out of the range of a float.
+every comparison NaN counts as the lowest response. Of equal responses in a leaf the keypoint of lower y is preferred,
+then that of lower x, then that of lower index. Multiplying all responses by a positive constant changes nothing, as
+long as the products are neither rounded nor out of the range of a float.
 
 @param keypoints In: keypoints of any detector. Out: at most npoints of them, in their input order and with all fields
 unchanged. Those outside the image are dropped, even if there are fewer than npoints.
