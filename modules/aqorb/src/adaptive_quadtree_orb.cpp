@@ -83,7 +83,7 @@ public:
         checkMatsOutput(levels, "levels");
         process(image, mask, keypoints, descriptors, false, &levels);
     }
-    // Of Feature2D. Those for one image are its own.
+    // For collections. Those for one image are Feature2D's.
     using Feature2D::compute;
     using Feature2D::detect;
     void detect(InputArrayOfArrays images, std::vector<std::vector<KeyPoint>>& keypoints,
@@ -205,7 +205,7 @@ std::vector<FeatureList> AdaptiveQuadtreeORBImpl::findFeatures(const Level& inpu
     size_t count = 0;
     for (const std::vector<CornerResponse>& ofLevel : selected)
         count += ofLevel.size();
-    if (!levels.empty() && count < size_t(parameters.nfeatures))
+    if (count < size_t(parameters.nfeatures))
     {
         // Representatives have run out: one search without the rules fills up.
         const CornerRules noRules = {{rules.thresholds.min, rules.thresholds.min}, false};
@@ -236,7 +236,7 @@ try
     if (image_.empty())
     {
         if (withDescriptors)
-            releaseDescriptors(descriptors_);
+            createDescriptors(descriptors_, 0);
         if (levels_)
             giveMats(std::vector<Mat>(), *levels_, "levels");
         keypoints.clear();
@@ -274,11 +274,8 @@ try
         if (std::min(level.image.cols, level.image.rows) < shortest)
             break;
         levels.push_back(level);
-    }
-    for (Level& level : levels)
-    {
         if (!level.isInput && !input.mask.empty())
-            maskPositions(input.mask, positionsOf(size, level), level.mask);
+            maskPositions(input.mask, positionsOf(size, level), levels.back().mask);
     }
 
     // From the thresholds to the selection.
@@ -305,11 +302,7 @@ try
     for (const FeatureList& list : features)
         count += list.points.size();
     const std::vector<Mat> given = copiesOf(levels_ ? pyramid : std::vector<Level>());
-    Mat descriptors;
-    if (withDescriptors && count > 0)
-        descriptors = createDescriptors(descriptors_, int(count));
-    else if (withDescriptors)
-        releaseDescriptors(descriptors_);
+    Mat descriptors = withDescriptors ? createDescriptors(descriptors_, int(count)) : Mat();
     if (levels_)
         giveMats(given, *levels_, "levels");
     outputFeatures(features, keypoints, descriptors);

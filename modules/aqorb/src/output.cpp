@@ -7,9 +7,10 @@
 
 #include "precomp.hpp"
 
-#include "output.hpp"
-
+#include "descriptor.hpp"
+#include "index_sort.hpp"
 #include "input.hpp"
+#include "output.hpp"
 
 #include <opencv2/aqorb/features.hpp>
 
@@ -77,9 +78,9 @@ void checkDescriptorsOutput(OutputArray descriptors)
                   ("descriptors must be of type CV_8UC1, got %s", typeToString(descriptors.type()).c_str()));
 }
 
-// Throws if the size of the output is fixed to another one, or it cannot have so many rows.
-static void checkDescriptorsSize(OutputArray descriptors, Size size)
+Mat createDescriptors(OutputArray descriptors, int count)
 {
+    const Size size = count > 0 ? Size(ORB::kBytes, count) : Size();
     if (descriptors.kind() == _InputArray::STD_VECTOR && size.height > 1)
         CV_Error_(Error::StsBadSize,
                   ("descriptors must be a matrix, got a std::vector for %d keypoints", size.height));
@@ -87,20 +88,11 @@ static void checkDescriptorsSize(OutputArray descriptors, Size size)
         CV_Error_(Error::StsBadSize,
                   ("descriptors must have a variable size or that of the keypoints, %d x %d, got %d x %d",
                    size.width, size.height, descriptors.cols(), descriptors.rows()));
-}
-
-Mat createDescriptors(OutputArray descriptors, int count)
-{
-    checkDescriptorsSize(descriptors, Size(ORB::kBytes, count));
-    descriptors.create(count, ORB::kBytes, CV_8UC1);
-    return descriptors.getMat();
-}
-
-void releaseDescriptors(OutputArray descriptors)
-{
-    checkDescriptorsSize(descriptors, Size());
-    if (!descriptors.fixedSize())
+    if (count > 0)
+        descriptors.create(size, CV_8UC1);
+    else if (!descriptors.fixedSize())
         descriptors.release();
+    return descriptors.getMat();
 }
 
 }  // namespace aqorb

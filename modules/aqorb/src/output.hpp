@@ -8,8 +8,7 @@
 #ifndef OPENCV_AQORB_OUTPUT_HPP
 #define OPENCV_AQORB_OUTPUT_HPP
 
-#include "description.hpp"
-#include "index_sort.hpp"
+#include "types.hpp"
 
 namespace cv
 {
@@ -27,14 +26,12 @@ void checkMatsOutput(OutputArrayOfArrays output, const char* name);
 //! Puts the matrices into the output. Throws if the output is fixed to another number of them.
 void giveMats(const std::vector<Mat>& mats, OutputArrayOfArrays output, const char* name);
 
-//! Throws unless the output is a single one that can hold CV_8UC1. Its size is checked by the two functions below.
+//! Throws unless the output is a single one that can hold CV_8UC1. Its size is checked by the function below.
 void checkDescriptorsOutput(OutputArray descriptors);
 
-//! Makes the output a matrix of a row for each keypoint. Throws if its size is fixed to another one.
+//! Makes the output a matrix of a row for each keypoint, which is empty for none. Throws if its size is fixed to another
+//! one.
 Mat createDescriptors(OutputArray descriptors, int count);
-
-//! Empties the output. Throws if its size is fixed to another one.
-void releaseDescriptors(OutputArray descriptors);
 
 }  // namespace aqorb
 }  // namespace cv

@@ -49,13 +49,11 @@ public:
     {
     public:
         explicit Loan(Workspaces& lender_) : lender(lender_), lent(lender.take()) {}
+        Loan(const Loan&) = delete;
         ~Loan() { lender.give(lent); }
         Workspace& operator*() const { return *lent; }
 
     private:
-        Loan(const Loan&);
-        Loan& operator=(const Loan&);
-
         Workspaces& lender;
         const Ptr<Workspace> lent;
     };
