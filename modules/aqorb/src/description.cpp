@@ -18,8 +18,8 @@ namespace aqorb
 
 // ---- positions --------------------------------------------------------------------------------
 
-// How far positions stay off the place, about `length` pixels from the first one, where rounding to a pixel changes. A
-// position is rounded to a float, and scaling it back rounds twice: the scale and the product.
+// How far positions about `length` pixels from the first pixel stay off the places between two pixels, where rounding
+// changes. A position is rounded to a float, and scaling it back rounds twice: the scale and the product.
 static double safetyMargin(int length)
 {
     const double FLOAT_ERROR = 1. / (1 << 24);  // at most, relative

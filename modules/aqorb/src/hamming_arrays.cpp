@@ -89,7 +89,7 @@ void writeMatches(const Keys& ofQueries, const Keys& ofTrains, const MatchFilter
 
 bool isFinite(const Point2f& p)
 {
-    return std::abs(p.x) <= FLT_MAX && std::abs(p.y) <= FLT_MAX;
+    return std::isfinite(p.x) && std::isfinite(p.y);
 }
 
 //! A train keypoint with its index.

@@ -11,7 +11,6 @@
 #include <opencv2/core.hpp>
 
 #include <climits>
-#include <limits>
 #include <vector>
 
 namespace cv
@@ -25,15 +24,6 @@ inline int sortKey(float value)
     Cv32suf bits;
     bits.f = value + 0.f;  // makes -0 equal to 0
     return value == value ? bits.i ^ ((bits.i >> 31) & INT_MAX) : INT_MIN + 1;
-}
-//! The value of a key, but a NaN for any NaN, and 0 for -0.
-inline float valueOf(int key)
-{
-    if (key == INT_MIN + 1)
-        return std::numeric_limits<float>::quiet_NaN();
-    Cv32suf bits;
-    bits.i = key ^ ((key >> 31) & INT_MAX);
-    return bits.f;
 }
 //! A number that is the smaller the greater the key is, so that the greatest key comes first.
 inline unsigned descendingKey(int key)

@@ -44,35 +44,35 @@ std::vector<int> rankedQuotas(int nfeatures, const std::vector<Size>& regions,
 // int.
 static double usableShare(const Mat& mask, const Rect& region)
 {
+    if (mask.empty())
+        return 1;
     double usable = 0;
-    for (int y = region.y; y < region.y + region.height && !mask.empty(); y++)
+    for (int y = region.y; y < region.y + region.height; y++)
         usable += countNonZero(mask.row(y).colRange(region.x, region.x + region.width));
-    return mask.empty() ? 1 : usable / (double(region.width) * region.height);
+    return usable / (double(region.width) * region.height);
 }
 
 std::vector<LevelPlan> planLevels(const Parameters& parameters, const std::vector<Level>& levels)
 {
     const bool isRanked = parameters.selectionType == AdaptiveQuadtreeORB::RANKED_SELECTION;
+    std::vector<LevelPlan> plans;
     std::vector<Size> regions;
     std::vector<float> scales;
     for (const Level& level : levels)
     {
-        regions.push_back(parameters.keypointRegion(level.image.size()).size());
+        const Rect root = parameters.keypointRegion(level.image.size());
+        plans.push_back({root, 0, usableShare(level.mask, root), 0});
+        regions.push_back(root.size());
         scales.push_back(level.scale);
     }
     const std::vector<int> quotas =
         isRanked ? rankedQuotas(parameters.nfeatures, regions, scales)
                  : balancedQuotas(parameters.nfeatures, parameters.scaleFactor, parameters.nlevels);
-    std::vector<LevelPlan> plans;
-    for (size_t i = 0; i < levels.size(); i++)
+    for (size_t i = 0; i < plans.size(); i++)
     {
-        LevelPlan plan;
-        plan.root = parameters.keypointRegion(levels[i].image.size());
-        plan.usable = usableShare(levels[i].mask, plan.root);
-        plan.quota = quotas[i];
-        plan.depth = isRanked ? rankedDepth(regions[i], plan.usable, std::max(quotas[i], 1))
-                              : balancedDepth(quotas[i]);
-        plans.push_back(plan);
+        plans[i].quota = quotas[i];
+        plans[i].depth = isRanked ? rankedDepth(regions[i], plans[i].usable, std::max(quotas[i], 1))
+                                  : balancedDepth(quotas[i]);
     }
     // The paper's quotas include those of levels too small for a keypoint, which go to the last level that is not.
     if (!plans.empty())
@@ -134,8 +134,9 @@ std::vector<CornerResponse> responsesOf(const Mat& image, const std::vector<Corn
     std::vector<CornerResponse> responses(corners.size());
     if (useHarris)
         harrisResponses(image, corners.data(), corners.size(), responses.data());
-    for (size_t i = 0; i < corners.size() && !useHarris; i++)
-        responses[i] = {corners[i].x, corners[i].y, float(corners[i].score)};
+    else
+        for (size_t i = 0; i < corners.size(); i++)
+            responses[i] = {corners[i].x, corners[i].y, float(corners[i].score)};
     return responses;
 }
 
@@ -254,8 +255,9 @@ static std::vector<double> inverseSharesOf(const std::vector<unsigned>& leaves, 
 
 // ---- 6. order ---------------------------------------------------------------------------------
 
-// The binary logarithm of a positive number, in units of 2^-23 and with an error below .09: the exponent of the float,
-// and its significand as the fraction. It is monotonic, and the same on every CPU.
+// 127 more than the binary logarithm of a positive number, in units of 2^-23 and with an error below .09: the exponent
+// of the float as it is stored, and its significand as the fraction. It is positive, monotonic, and the same on every
+// CPU.
 static double binaryLogarithm(float v)
 {
     Cv32suf bits;
@@ -302,7 +304,9 @@ std::vector<unsigned> orderRepresentatives(const std::vector<unsigned>& leavesGi
 static std::vector<uchar> usableLeaves(const Mat& mask, const LevelPlan& plan)
 {
     std::vector<uchar> usable;
-    for (unsigned leaf = 0; !mask.empty() && leaf < 1u << (2 * plan.depth); leaf++)
+    if (mask.empty())
+        return usable;
+    for (unsigned leaf = 0; leaf < 1u << (2 * plan.depth); leaf++)
     {
         const int64 column = leaf & ((1u << plan.depth) - 1), row = leaf >> plan.depth;
         usable.push_back(

@@ -59,7 +59,7 @@ struct LeafPoint
 };
 
 /** The best point of each leaf, unless more than two of the leaf's eight neighbours have a better one. Of equally good
- points the first one is better.
+ points of a leaf the first one is better, and of those of two leaves that of the first leaf.
  @return their indices, in the order of the leaves */
 std::vector<unsigned> findRepresentatives(const std::vector<LeafPoint>& points, int depth);
 

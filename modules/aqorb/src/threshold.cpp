@@ -42,8 +42,8 @@ Thresholds fastThresholds(double value, int fastThreshold, double minRatio)
     thresholds.ini = cvRound(std::min(std::max(ini, 1.), 254.));
     // The lower threshold is never stricter than that of cv::ORB. For a night scene with a few lamps equation (7)
     // gives hundreds, and corners off the lamps would be lost.
-    const double loosest = std::min(std::max(fastThreshold, 1), thresholds.ini);
-    thresholds.min = cvRound(std::min(std::max(ini / minRatio, 1.), loosest));
+    const double strictest = std::min(std::max(fastThreshold, 1), thresholds.ini);
+    thresholds.min = cvRound(std::min(std::max(ini / minRatio, 1.), strictest));
     return thresholds;
 }
 

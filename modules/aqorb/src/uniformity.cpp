@@ -22,12 +22,12 @@ double distributionUniformity(const std::vector<KeyPoint>& keypoints, Size image
     checkImageSize(imageSize);
     const double W = imageSize.width, H = imageSize.height;
     const int HALVINGS = 5;
-    int64 first[HALVINGS] = {0, 0, 0, 0, 0};  // keypoints in the first region of each halving
+    int64 first[HALVINGS] = {};  // keypoints in the first region of each halving
     int64 count = 0;
     for (size_t i = 0; i < keypoints.size(); i++)
     {
         const double x = keypoints[i].pt.x, y = keypoints[i].pt.y;
-        if (cvIsNaN(x) || cvIsInf(x) || cvIsNaN(y) || cvIsInf(y))
+        if (!std::isfinite(x) || !std::isfinite(y))
             continue;
         count++;
         first[0] += x <= W / 2;
@@ -43,9 +43,9 @@ double distributionUniformity(const std::vector<KeyPoint>& keypoints, Size image
     for (int i = 0; i < HALVINGS; i++)
     {
         const double deviation = first[i] - count / 2.;
-        squares += 2 * deviation * deviation;
+        squares += deviation * deviation;
     }
-    const double sigma = std::sqrt(squares / (2 * HALVINGS));
+    const double sigma = std::sqrt(squares / HALVINGS);
     return 101 * std::log10(std::max(sigma, 1.));
 }
 
