@@ -24,14 +24,6 @@ namespace reference
 using aqorb::Corner;
 using aqorb::Thresholds;
 
-//! A point in a leaf of a quadtree, by its Morton code. Ties go to the lower y, then the lower x, then the lower index.
-struct LeafPoint
-{
-    unsigned leaf;
-    float response, x, y;
-    int index;
-};
-
 //! All parameters of AdaptiveQuadtreeORB with its defaults.
 struct Settings
 {
@@ -79,16 +71,25 @@ std::vector<Corner> findCorners(const Mat& image, const Mat& mask, const Rect& r
 float harrisResponse(const Mat& image, int x, int y);
 
 int quadtreeDepth(int quota);
-//! Morton code by single bits.
-unsigned leafCode(unsigned column, unsigned row);
-//! The whole balanced sequence, from its definition.
-std::vector<LeafPoint> balancedSequence(const std::vector<LeafPoint>& points, int depth);
+
+//! A corner in its leaf. Of equal bases the lower y comes first, then the lower x, then the lower index.
+struct LeafCorner
+{
+    int column, row;
+    float x, y;
+    float base;
+    int index;
+};
+bool isBetterBase(const LeafCorner& a, const LeafCorner& b);
+
+//! The indices of corners in the whole balanced sequence, from its definition. Their bases are their responses.
+std::vector<int> balancedSequence(const std::vector<LeafCorner>& corners);
 
 // The rule of RANKED_SELECTION.
 
 //! log2(v) for v > 0 and finite, in units of 2^-23: for v = 2^e * (1 + f) it is e + f, and 127 more.
 double binaryLogarithm(float v);
-//! Quotas of as many levels, in proportion to area * scale^1.25, level 0 half as much again. It takes what the others leave by rounding.
+//! Quotas of as many levels, in proportion to area * scale^1.25, level 0 half as much again.
 std::vector<int> rankedQuotas(int nfeatures, const std::vector<Size>& regions,
                               const std::vector<float>& scales);
 //! The smallest depth, but at most `most`, with 9 leaves for each feature, where the usable share counts alone.
@@ -99,15 +100,6 @@ int rankedDepth(int quota, double usable, Size root);
 float cornerBase(int fastScore, float response, bool isHarris);
 //! Base times the fourth power of the length of the moment, in units of 2^16.
 float momentsScore(float base, int64 m10, int64 m01);
-
-//! A corner in its leaf. Of equal bases the lower y comes first, then the lower x, then the lower index.
-struct LeafCorner
-{
-    int column, row;
-    float x, y;
-    float base;
-    int index;
-};
 
 //! What the order of corners depends on besides them and the mask.
 struct RankedRule

@@ -98,61 +98,43 @@ int quadtreeDepth(int quota)
     return depth;
 }
 
-unsigned leafCode(unsigned column, unsigned row)
+std::vector<int> balancedSequence(const std::vector<LeafCorner>& corners)
 {
-    unsigned code = 0;
-    for (int bit = 0; bit < 16; bit++)
-        code |= (column >> bit & 1) << (2 * bit) | (row >> bit & 1) << (2 * bit + 1);
-    return code;
-}
-
-static bool ranksBefore(const LeafPoint& a, const LeafPoint& b)
-{
-    if (cvIsNaN(a.response) != cvIsNaN(b.response))
-        return cvIsNaN(b.response) != 0;
-    if (!cvIsNaN(a.response) && a.response != b.response)
-        return a.response > b.response;
-    if (a.y != b.y)
-        return a.y < b.y;
-    return a.x != b.x ? a.x < b.x : a.index < b.index;
-}
-
-std::vector<LeafPoint> balancedSequence(const std::vector<LeafPoint>& points, int depth)
-{
-    typedef std::vector<LeafPoint> Points;
-    std::map<unsigned, Points> leaves;
-    for (size_t i = 0; i < points.size(); i++)
-        leaves[points[i].leaf].push_back(points[i]);
+    typedef std::vector<LeafCorner> Corners;
+    typedef std::pair<int, int> Place;
+    std::map<Place, Corners> leaves;
+    for (const LeafCorner& corner : corners)
+        leaves[Place(corner.row, corner.column)].push_back(corner);
 
     // A group's list: the best of each of its leaves, then the second best of each, ...
-    std::map<unsigned, std::vector<Points>> roundsOfGroup;
-    for (std::map<unsigned, Points>::iterator leaf = leaves.begin(); leaf != leaves.end(); ++leaf)
+    std::map<Place, std::vector<Corners>> roundsOfGroup;
+    for (auto& leaf : leaves)
     {
-        std::sort(leaf->second.begin(), leaf->second.end(), ranksBefore);
-        std::vector<Points>& rounds = roundsOfGroup[leaf->first >> (2 * std::min(depth, 2))];
-        rounds.resize(std::max(rounds.size(), leaf->second.size()));
-        for (size_t i = 0; i < leaf->second.size(); i++)
-            rounds[i].push_back(leaf->second[i]);
+        Corners& ofLeaf = leaf.second;
+        std::sort(ofLeaf.begin(), ofLeaf.end(), isBetterBase);
+        std::vector<Corners>& rounds = roundsOfGroup[Place(leaf.first.first / 4, leaf.first.second / 4)];
+        rounds.resize(std::max(rounds.size(), ofLeaf.size()));
+        for (size_t i = 0; i < ofLeaf.size(); i++)
+            rounds[i].push_back(ofLeaf[i]);
     }
     // The sequence: the first of every group, then the second of every group, ...
-    std::vector<Points> roundsOfAll(points.size());
-    for (std::map<unsigned, std::vector<Points>>::iterator group = roundsOfGroup.begin();
-         group != roundsOfGroup.end(); ++group)
+    std::vector<Corners> roundsOfAll(corners.size());
+    for (auto& group : roundsOfGroup)
     {
         size_t place = 0;
-        for (size_t i = 0; i < group->second.size(); i++)
+        for (Corners& round : group.second)
         {
-            Points& round = group->second[i];
-            std::sort(round.begin(), round.end(), ranksBefore);
-            for (size_t j = 0; j < round.size(); j++)
-                roundsOfAll[place++].push_back(round[j]);
+            std::sort(round.begin(), round.end(), isBetterBase);
+            for (const LeafCorner& corner : round)
+                roundsOfAll[place++].push_back(corner);
         }
     }
-    Points sequence;
-    for (size_t i = 0; i < roundsOfAll.size(); i++)
+    std::vector<int> sequence;
+    for (Corners& round : roundsOfAll)
     {
-        std::sort(roundsOfAll[i].begin(), roundsOfAll[i].end(), ranksBefore);
-        sequence.insert(sequence.end(), roundsOfAll[i].begin(), roundsOfAll[i].end());
+        std::sort(round.begin(), round.end(), isBetterBase);
+        for (const LeafCorner& corner : round)
+            sequence.push_back(corner.index);
     }
     return sequence;
 }
@@ -343,19 +325,10 @@ private:
 
     static std::vector<int> balancedOrder(const PyramidLevel& level, const std::vector<Candidate>& of)
     {
-        std::vector<LeafPoint> points;
-        for (size_t i = 0; i < of.size(); i++)
-        {
-            const int64 column = (int64(of[i].x - level.root.x) << level.depth) / level.root.width;
-            const int64 row = (int64(of[i].y - level.root.y) << level.depth) / level.root.height;
-            points.push_back({leafCode(unsigned(column), unsigned(row)), of[i].response, float(of[i].x),
-                              float(of[i].y), int(i)});
-        }
-        points = balancedSequence(points, level.depth);
-        std::vector<int> order;
-        for (size_t i = 0; i < points.size(); i++)
-            order.push_back(points[i].index);
-        return order;
+        std::vector<LeafCorner> corners = leafCorners(level, of);
+        for (LeafCorner& corner : corners)
+            corner.base = of[corner.index].response;
+        return balancedSequence(corners);
     }
 
     // With the FAST score as their base.

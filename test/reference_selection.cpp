@@ -78,7 +78,7 @@ static bool isHigher(float a, float b)
     return cvIsNaN(a) ? false : cvIsNaN(b) ? true : a > b;
 }
 
-static bool isBetterBase(const LeafCorner& a, const LeafCorner& b)
+bool isBetterBase(const LeafCorner& a, const LeafCorner& b)
 {
     if (isHigher(a.base, b.base) || isHigher(b.base, a.base))
         return isHigher(a.base, b.base);

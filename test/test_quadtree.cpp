@@ -54,53 +54,38 @@ TEST(Aqorb_Quadtree, leaves_divide_a_region_evenly)
     }
 }
 
-std::vector<reference::LeafPoint> randomPoints(int count, int depth, int responses, int seed)
+std::vector<reference::LeafCorner> randomCorners(int count, int depth, int responses, int seed)
 {
     RNG rng(seed);
-    std::vector<reference::LeafPoint> points;
+    std::vector<reference::LeafCorner> corners;
     for (int i = 0; i < count; i++)
     {
         const int x = rng.uniform(0, 300), y = rng.uniform(0, 200);
-        points.push_back({reference::leafCode((unsigned(x) << depth) / 300, (unsigned(y) << depth) / 200),
-                          float(rng.uniform(-responses, responses)), float(x), float(y), i});
+        corners.push_back({(x << depth) / 300, (y << depth) / 200, float(x), float(y),
+                           float(rng.uniform(-responses, responses)), i});
     }
-    return points;
+    return corners;
 }
 
-//! Every other bit of a Morton code.
-unsigned everyOtherBit(unsigned code)
+//! The indices of corners in balancedOrder.
+std::vector<int> balancedIndices(std::vector<reference::LeafCorner> corners, int depth)
 {
-    unsigned bits = 0;
-    for (int i = 0; i < 16; i++)
-        bits |= (code >> (2 * i) & 1) << i;
-    return bits;
-}
-
-//! The indices of points in balancedOrder.
-std::vector<int> balancedIndices(std::vector<reference::LeafPoint> points, int depth)
-{
-    std::sort(points.begin(), points.end(),
-              [](const reference::LeafPoint& a, const reference::LeafPoint& b) {
+    std::sort(corners.begin(), corners.end(),
+              [](const reference::LeafCorner& a, const reference::LeafCorner& b) {
                   return a.y != b.y ? a.y < b.y : a.x != b.x ? a.x < b.x : a.index < b.index;
               });
-    std::vector<LeafPoint> leafPoints;
-    for (const reference::LeafPoint& point : points)
-    {
-        leafPoints.push_back({everyOtherBit(point.leaf >> 1) << depth | everyOtherBit(point.leaf),
-                              aqorb::sortKey(point.response)});
-    }
+    std::vector<LeafPoint> points;
+    for (const reference::LeafCorner& corner : corners)
+        points.push_back({unsigned(corner.row << depth | corner.column), aqorb::sortKey(corner.base)});
     std::vector<int> indices;
-    for (unsigned index : balancedOrder(leafPoints, depth))
-        indices.push_back(points[index].index);
+    for (unsigned index : balancedOrder(points, depth))
+        indices.push_back(corners[index].index);
     return indices;
 }
 
-void expectOrder(const std::vector<reference::LeafPoint>& points, int depth)
+void expectOrder(const std::vector<reference::LeafCorner>& corners, int depth)
 {
-    std::vector<int> expected;
-    for (const reference::LeafPoint& point : reference::balancedSequence(points, depth))
-        expected.push_back(point.index);
-    EXPECT_EQ(balancedIndices(points, depth), expected);
+    EXPECT_EQ(balancedIndices(corners, depth), reference::balancedSequence(corners));
 }
 
 TEST(Aqorb_Quadtree, balanced_order_equals_its_definition)
@@ -110,8 +95,8 @@ TEST(Aqorb_Quadtree, balanced_order_equals_its_definition)
         for (int depth = 0; depth <= 15; depth++)
         {
             SCOPED_TRACE(format("%d points, depth %d", count, depth));
-            expectOrder(randomPoints(count, depth, 1000000, depth), depth);
-            expectOrder(randomPoints(count, depth, 3, depth), depth);  // many ties
+            expectOrder(randomCorners(count, depth, 1000000, depth), depth);
+            expectOrder(randomCorners(count, depth, 3, depth), depth);  // many ties
         }
 }
 
@@ -123,24 +108,24 @@ TEST(Aqorb_Quadtree, balanced_order_of_all_floats)
     for (int depth = 0; depth <= 3; depth++)
     {
         SCOPED_TRACE(depth);
-        std::vector<reference::LeafPoint> points;
+        std::vector<reference::LeafCorner> corners;
         for (int i = 0; i < 300; i++)
         {
-            points.push_back(
-                {unsigned(i / 10 % (1 << (2 * depth))), responses[i % 10], float(i / 50), float(i % 3), i});
+            const int leaf = i / 10 % (1 << (2 * depth)), side = 1 << depth;
+            corners.push_back({leaf % side, leaf / side, float(i / 50), float(i % 3), responses[i % 10], i});
         }
-        expectOrder(points, depth);
+        expectOrder(corners, depth);
     }
 }
 
 TEST(Aqorb_Quadtree, balanced_order_by_hand)
 {
-    // Depth 3: leaves 0 and 1 are in the first group of 16 leaves, 16 in the second.
-    const reference::LeafPoint given[] = {{0, 9, 0, 0, 0},  {0, 8, 0, 0, 1},  {1, 5, 0, 0, 2},
-                                          {16, 7, 0, 0, 3}, {16, 1, 0, 0, 4}, {0, 7.5f, 0, 0, 5}};
+    // Depth 3: columns 0 and 1 are in the first group of 16 leaves, 4 in the second.
+    const std::vector<reference::LeafCorner> given = {{0, 0, 0, 0, 9, 0}, {0, 0, 0, 0, 8, 1},
+                                                      {1, 0, 0, 0, 5, 2}, {4, 0, 0, 0, 7, 3},
+                                                      {4, 0, 0, 0, 1, 4}, {0, 0, 0, 0, 7.5f, 5}};
     // The groups' lists are 0 2 1 5 and 3 4; taken in turn by response: 0 3, 2 4, 1, 5.
-    EXPECT_EQ(balancedIndices(std::vector<reference::LeafPoint>(given, given + 6), 3),
-              std::vector<int>({0, 3, 2, 4, 1, 5}));
+    EXPECT_EQ(balancedIndices(given, 3), std::vector<int>({0, 3, 2, 4, 1, 5}));
 }
 
 }  // namespace
