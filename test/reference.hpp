@@ -8,8 +8,7 @@
 
 #include "test_precomp.hpp"
 
-#include "parameter_table.hpp"
-#include "types.hpp"
+#include "selection.hpp"
 
 #include <functional>
 
@@ -22,6 +21,7 @@ namespace reference
 {
 
 using aqorb::Corner;
+using aqorb::RankRule;
 using aqorb::Thresholds;
 
 //! All parameters of AdaptiveQuadtreeORB with its defaults.
@@ -101,21 +101,10 @@ float cornerBase(int fastScore, float response, bool isHarris);
 //! Base times the fourth power of the length of the moment, in units of 2^16.
 float momentsScore(float base, int64 m10, int64 m01);
 
-//! What the order of corners depends on besides them and the mask.
-struct RankedRule
-{
-    Size root;
-    int depth;
-    double usable;  //!< share of the root
-    int quota;      //!< at least 1
-    double rankRadius;
-    double exponent;  //!< of the strengths
-};
-
 /** The indices of corners in the order in which they are chosen.
  @param isUnmasked whether the mask allows a corner in the centre of a leaf
  @param strengthOf asked of the best corners of leaves that are representatives */
-std::vector<int> rankedSequence(const std::vector<LeafCorner>& corners, const RankedRule& rule,
+std::vector<int> rankedSequence(const std::vector<LeafCorner>& corners, const RankRule& rule,
                                 const std::function<bool(int column, int row)>& isUnmasked,
                                 const std::function<float(const LeafCorner&)>& strengthOf);
 KeyPoints retainUniform(const KeyPoints& keypoints, Size imageSize, int npoints);

@@ -369,8 +369,8 @@ private:
             const Candidate& candidate = of[corner.index];
             return momentsScore(cornerBase(candidate.score, candidate.response, isHarris), m10, m01);
         };
-        const RankedRule rule = {level.root.size(), level.depth,  level.usableShare,
-                                 level.ownQuota,    s.rankRadius, s.strengthWeight / 4};
+        const RankRule rule = {level.root.size(), level.depth,  level.usableShare,
+                               level.ownQuota,    s.rankRadius, s.strengthWeight / 4};
         return rankedSequence(corners, rule, unmaskedLeaves(level), strengthOf);
     }
 

@@ -114,7 +114,7 @@ bool comesBefore(const Placed& a, const Placed& b)
 
 }  // namespace
 
-std::vector<int> rankedSequence(const std::vector<LeafCorner>& corners, const RankedRule& rule,
+std::vector<int> rankedSequence(const std::vector<LeafCorner>& corners, const RankRule& rule,
                                 const std::function<bool(int column, int row)>& isUnmasked,
                                 const std::function<float(const LeafCorner&)>& strengthOf)
 {
@@ -152,9 +152,9 @@ std::vector<int> rankedSequence(const std::vector<LeafCorner>& corners, const Ra
 
     // Leaves that are (dx, dy) away are in the disc if their centres are within the radius.
     const int side = 1 << rule.depth;
-    const double W = (double)rule.root.width / side, H = (double)rule.root.height / side;
+    const double W = (double)rule.region.width / side, H = (double)rule.region.height / side;
     const double reach =
-        rule.rankRadius * rule.rankRadius * rule.usable * rule.root.width * rule.root.height / rule.quota;
+        rule.radius * rule.radius * rule.usable * rule.region.width * rule.region.height / rule.quota;
     const auto isInDisc = [&](int dx, int dy) { return dx * dx * (W * W) + dy * dy * (H * H) <= reach; };
     int most = 0, highest = 0;  // |dx|, |dy|
     while (most < side - 1 && isInDisc(most + 1, 0))

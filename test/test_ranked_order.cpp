@@ -93,11 +93,10 @@ Scene randomScene(int seed, bool isLarge = false)
 
 std::vector<int> expectedOrder(const Scene& scene)
 {
-    const RankRule& rule = scene.rule;
     return reference::rankedSequence(
-        scene.corners, {rule.region, rule.depth, rule.usable, rule.quota, rule.radius, rule.exponent},
+        scene.corners, scene.rule,
         [&](int column, int row)
-        { return scene.usable.empty() || scene.usable[(size_t(row) << rule.depth) + column]; },
+        { return scene.usable.empty() || scene.usable[(size_t(row) << scene.rule.depth) + column]; },
         [&](const reference::LeafCorner& corner) { return scene.strengths[corner.index]; });
 }
 
