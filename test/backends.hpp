@@ -30,14 +30,13 @@ namespace opencv_test
 class Backend : public parallel::ParallelForAPI
 {
 public:
-    Backend() : threads(2) {}
     int getThreadNum() const CV_OVERRIDE { return 0; }
     int getNumThreads() const CV_OVERRIDE { return threads; }
     int setNumThreads(int count) CV_OVERRIDE { return threads.exchange(std::max(count, 1)); }
     const char* getName() const CV_OVERRIDE { return "test"; }
 
 private:
-    std::atomic<int> threads;
+    std::atomic<int> threads{2};
 };
 
 //! Runs one stripe after the other.
@@ -150,21 +149,13 @@ public:
 #endif
         parallel::setParallelForBackend(before, false);
     }
-
-private:
-    BackendScope(const BackendScope&);
-    BackendScope& operator=(const BackendScope&);
+    BackendScope(const BackendScope&) = delete;
 };
 
 inline std::vector<std::shared_ptr<Backend>> backends()
 {
-    std::vector<std::shared_ptr<Backend>> all;
-    all.push_back(std::make_shared<InTurns>());
-    all.push_back(std::make_shared<InTurns>(true));
-    all.push_back(std::make_shared<AtOnce>());
-    all.push_back(std::make_shared<NewThreads>());
-    all.push_back(std::make_shared<NewThreads>(300));
-    return all;
+    return {std::make_shared<InTurns>(), std::make_shared<InTurns>(true), std::make_shared<AtOnce>(),
+            std::make_shared<NewThreads>(), std::make_shared<NewThreads>(300)};
 }
 
 }  // namespace opencv_test

@@ -147,10 +147,9 @@ class WithoutOptimization
 public:
     WithoutOptimization() : before(useOptimized()) { setUseOptimized(false); }
     ~WithoutOptimization() { setUseOptimized(before); }
+    WithoutOptimization(const WithoutOptimization&) = delete;
 
 private:
-    WithoutOptimization(const WithoutOptimization&);
-    WithoutOptimization& operator=(const WithoutOptimization&);
     const bool before;
 };
 

@@ -89,8 +89,8 @@ std::string oxfordImage(const std::string& set, int index);
 //! Grey photographs of all kinds; needs opencv_extra's images.
 std::vector<Mat> photographs();
 
-//! Whether the installed cv::ORB blurs as with fused multiply-add on this CPU, as this module does. Else descriptors may
-//! differ.
+//! Whether the installed cv::ORB blurs as with fused multiply-add on this CPU, as this module does. Else descriptors
+//! may differ.
 bool orbBlursWithFMA();
 
 }  // namespace opencv_test

@@ -15,8 +15,8 @@
 #include <iostream>
 #include <thread>
 
-// The long run: frames of changing sizes through one object from several threads, and calls that fail. Each output must be
-// what a new object gave, and memory must not grow. AQORB_SOAK_FRAMES makes it longer.
+// The long run: frames of changing sizes through one object from several threads, and calls that fail. Each output must
+// be what a new object gave, and memory must not grow. AQORB_SOAK_FRAMES makes it longer.
 
 namespace opencv_test
 {

@@ -3,9 +3,9 @@
 # It is subject to the license terms in the LICENSE file found in the top-level directory
 # of this distribution.
 # SPDX-License-Identifier: Apache-2.0
-"""Detects the features of all images in a folder, as aqorb extract does, by a pipeline of Ray Data: on this machine, or on
-the cluster whose address is given. The result is a folder of .parquet files with the same rows, in no order. Files that
-are no images are named in the log. Needs aqorb[cli] and ray[data], on each machine of a cluster."""
+"""Detects the features of all images in a folder, as aqorb extract does, by a pipeline of Ray Data: on this machine,
+or on the cluster whose address is given. The result is a folder of .parquet files with the same rows, in no order.
+Files that are no images are named in the log. Needs aqorb[cli] and ray[data], on each machine of a cluster."""
 
 import argparse
 import io

@@ -13,8 +13,8 @@
 #include <cstdio>
 #include <cstdlib>
 
-// Compares the matcher and the functions that match with the plain reference of the tests, on the best kernels of the CPU
-// and on the baseline ones, with one thread and with two; and calls them with bad arguments, which must be named.
+// Compares the matcher and the functions that match with the plain reference of the tests, on the best kernels of the
+// CPU and on the baseline ones, with one thread and with two; and calls them with bad arguments, which must be named.
 
 using namespace opencv_test;
 

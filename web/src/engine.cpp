@@ -195,8 +195,8 @@ val drawOtherView(const std::string& name)
         });
 }
 
-//! Makes both detectors, with the properties that are given. Those of cv::ORB are for both, but the others have defaults
-//! of their own.
+//! Makes both detectors, with the properties that are given. Those of cv::ORB are for both, but the others have
+//! defaults of their own.
 val setProperties(val properties)
 {
     return guarded(
@@ -283,9 +283,9 @@ bool agrees(const Matx33d& homography, const Point2f& from, const Point2f& to)
 }
 
 /** Matches the features of the pictures.
- @return `homography`, which is found from the matches: nine numbers, or null where fewer than ten agree; `matches`: x and
- y in picture 0, those in picture 1, and whether the match is right; their number, `count`, and that of the right ones,
- `agreeing`. They are right by the motion if that is known (`known`), and otherwise by the homography. */
+ @return `homography`, which is found from the matches: nine numbers, or null where fewer than ten agree; `matches`: x
+ and y in picture 0, those in picture 1, and whether the match is right; their number, `count`, and that of the right
+ ones, `agreeing`. They are right by the motion if that is known (`known`), and otherwise by the homography. */
 val match(int detector)
 {
     return guarded(

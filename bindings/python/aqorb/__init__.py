@@ -10,7 +10,8 @@
 
 The names and signatures are those of cv2.aqorb, which a cv2 has that was built with the module. The detector of this
 package is not derived from cv2.Feature2D, so that functions of cv2 do not take it. They do take its keypoints and
-descriptors, and computeImageFeatures2 here makes what cv2.detail needs. cv2 is imported when the first of its objects is needed; what takes and returns arrays works without.
+descriptors, and computeImageFeatures2 here makes what cv2.detail needs. cv2 is imported when the first of its objects
+is needed; what takes and returns arrays works without.
 
 Images are numpy arrays of uint8 with any strides. Their shape is (rows, cols) or (rows, cols, channels), with 1 (grey),
 3 (BGR) or 4 (BGRA) channels. File names are str, bytes or paths.
@@ -44,8 +45,8 @@ __all__ = ['AdaptiveQuadtreeORB', 'AdaptiveQuadtreeORB_BALANCED_SELECTION', 'Ada
 
 
 def computeImageFeatures2(featuresFinder, image, mask=None):
-    """Returns what cv2.detail.computeImageFeatures2 gives for a cv2.Feature2D: the features of an image for the matchers
-    and estimators of cv2.detail."""
+    """Returns what cv2.detail.computeImageFeatures2 gives for a cv2.Feature2D: the features of an image for the
+    matchers and estimators of cv2.detail."""
     import cv2
     keypoints, descriptors = featuresFinder.detectAndCompute(image, mask)
     features = cv2.detail.computeImageFeatures2(cv2.ORB_create(1), image)  # the class's constructor is of no use

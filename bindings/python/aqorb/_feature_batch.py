@@ -14,8 +14,8 @@ from . import keypoint_dtype
 class FeatureBatch(typing.NamedTuple):
     """The features of several images: one array for each field, with the features of one image after those of another.
     Those of image i are at offsets[i] to offsets[i + 1] - 1 in each of the other arrays. The fields are those of
-    keypoint_dtype. All arrays are contiguous: float32, int32 for octave, uint8 of shape (n, 32) for descriptors, and int64
-    for offsets, which has one element more than there are images."""
+    keypoint_dtype. All arrays are contiguous: float32, int32 for octave, uint8 of shape (n, 32) for descriptors, and
+    int64 for offsets, which has one element more than there are images."""
 
     x: numpy.ndarray
     y: numpy.ndarray

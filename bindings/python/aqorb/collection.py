@@ -85,7 +85,7 @@ def read_image(file, max_size=None, orientation=True):
 
 
 def scale_up(features, size, scaled):
-    """Changes the features of an image, which were detected at the width and height scaled, to what they are at size."""
+    """Changes features of an image, which were detected at the width and height scaled, to what they are at size."""
     scales = [side / smaller for side, smaller in zip(size, scaled)]
     for positions, scale in zip((features.x, features.y), scales):  # the centre of the first pixel is 0
         positions[:] = (positions + .5) * scale - .5

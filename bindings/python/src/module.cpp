@@ -3,8 +3,8 @@
 // of this distribution.
 // SPDX-License-Identifier: Apache-2.0
 
-// The extension module aqorb._aqorb, and its functions that need no detector. The names are those of cv2.aqorb, which a cv2 has that was built with the module,
-// and a few more for numpy.
+// The extension module aqorb._aqorb, and its functions that need no detector. The names are those of cv2.aqorb, which a
+// cv2 has that was built with the module, and a few more for numpy.
 
 #include "module.hpp"
 
@@ -117,8 +117,8 @@ void addFunctions(py::module_& module)
 
 }  // namespace
 
-// pybind11's function that begins to make the module, under another name: in a subinterpreter it would wait for ever for
-// the main interpreter's lock.
+// pybind11's function that begins to make the module, under another name: in a subinterpreter it would wait for ever
+// for the main interpreter's lock.
 #define PyInit__aqorb aqorb_init_in_main_interpreter
 
 #if PYBIND11_VERSION_HEX >= 0x020D0000

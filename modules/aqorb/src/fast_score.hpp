@@ -114,8 +114,8 @@ CV_ALWAYS_INLINE Sides<Vectors> either(const Sides<Vectors>& a, const Sides<Vect
 {
     return Sides<Vectors>(Greatest::of(a.bright, b.bright), Least::of(a.dark, b.dark));
 }
-// The best of the 16 arcs of 9 pixels on the circle of 16 around p. Neighbouring arcs share work. With & for both, | for
-// either, and numbers that go round the circle, let
+// The best of the 16 arcs of 9 pixels on the circle of 16 around p. Neighbouring arcs share work. With & for both, |
+// for either, and numbers that go round the circle, let
 //   pair(i) = pixel(2 i + 1) & pixel(2 i + 2)
 //   ends(i) = pixel(2 i) | pixel(2 i + 9)
 //   rest(i) = pair(2 i) & ends(2 i) | pair(2 i + 4) & ends(2 i + 1)

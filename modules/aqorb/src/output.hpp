@@ -29,8 +29,7 @@ void giveMats(const std::vector<Mat>& mats, OutputArrayOfArrays output, const ch
 //! Throws unless the output is a single one that can hold CV_8UC1. Its size is checked by the function below.
 void checkDescriptorsOutput(OutputArray descriptors);
 
-//! Makes the output a matrix of a row for each keypoint, which is empty for none. Throws if its size is fixed to another
-//! one.
+//! Makes the output a matrix of a row for each keypoint, empty for none. Throws if its size is fixed to another one.
 Mat createDescriptors(OutputArray descriptors, int count);
 
 }  // namespace aqorb
