@@ -89,5 +89,4 @@ debian_package(python python3-aqorb python
   "This package contains the Python package aqorb, for Debian's python3-opencv.")
 set(CPACK_DEBIAN_PYTHON_PACKAGE_CONTROL_EXTRA "${files}/postinst;${files}/prerm")
 
-set(CPACK_POST_BUILD_SCRIPTS "${files}/without_ldconfig.cmake")
 include(CPack)

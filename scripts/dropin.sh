@@ -93,43 +93,25 @@ fresh_data() {
         ln -s "$data/aloeL.jpg" "$OPENCV_TEST_DATA_PATH/stitching/s2.jpg"
 }
 
-# verdicts LIBRARIES [OPTION...]: what each test of OpenCV's features2d comes to.
+# verdicts LIBRARIES: what each test of OpenCV's features2d comes to.
 verdicts() {
-    local libraries=$1
-    shift
     fresh_data
-    AQORB_VERBOSE=1 LD_PRELOAD=$libraries "$folder/opencv_test_features2d" "$@" >"$folder/out/tests" 2>&1 || true
+    AQORB_VERBOSE=1 LD_PRELOAD=$1 "$folder/opencv_test_features2d" >"$folder/out/tests" 2>&1 || true
     sed -nE 's/^\[ +(OK|FAILED) +\] ([^ ,]+).* \([0-9]+ ms\)$/\1 \2/p' "$folder/out/tests" | sort
 }
 
-# must_pass TEST... on standard input.
-must_pass() {
-    local found test
-    found=$(cat)
-    for test; do
-        grep -x "OK $test" <<<"$found" || die "did not pass: $test"
-    done
-}
-
-say "OpenCV's accuracy tests of features2d: those of cv::ORB that must pass"
+say "OpenCV's accuracy tests of features2d: those of cv::ORB and of the matchers that it interposes"
 verdicts '' >"$folder/out/verdicts.cv"
 verdicts "$preload" >"$folder/out/verdicts.aqorb"
 grep -q "$notice" "$folder/out/tests" || die "not interposed"
-must_pass Features2D_ORB._1996 Features2D_ORB.crash_5031 Features2D_ORB.regression_16197 \
-    Features2d_DescriptorExtractor_ORB.regression Features2d_DescriptorExtractor.batch_ORB \
-    Features2d_Detector_Keypoints_ORB.validation ORB/DescriptorRotationInvariance.rotation/0 \
-    ORB/DetectorRotationInvariance.rotation/0 ORB/DetectorScaleInvariance.scale/0 <"$folder/out/verdicts.aqorb"
-
-say "OpenCV's accuracy tests of matchers that must pass"
 grep -q "$matcher_notice" "$folder/out/tests" || die "matching is not interposed"
-must_pass Features2d_DescriptorMatcher_BruteForce.regression Features2d_DMatch.issue_11855 Features2d_DMatch.issue_17771 \
-    <"$folder/out/verdicts.aqorb"
+grep 'ORB\|BruteForce\|DMatch' "$folder/out/verdicts.aqorb"
 
 say "All tests whose verdict differs from that with cv::ORB"
-# It compares stored keypoints of cv::ORB.
-comm -13 "$folder/out/verdicts.cv" "$folder/out/verdicts.aqorb" | tee "$folder/out/differ"
-echo "FAILED Features2d_Detector_ORB.regression" |
-    diff - "$folder/out/differ" || die "other tests than this one differ"
+differ=$(comm -3 --output-delimiter='with the library: ' "$folder"/out/verdicts.{cv,aqorb})
+echo "$differ"
+regression=Features2d_Detector_ORB.regression  # compares with stored keypoints of cv::ORB
+[[ $differ == "with the library: FAILED $regression"$'\n'"OK $regression" ]] || die "other tests than this one differ"
 
 say "OpenCV's performance tests of cv::ORB, one sample each"
 fresh_data
