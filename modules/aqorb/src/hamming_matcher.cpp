@@ -136,7 +136,7 @@ try
 
     std::vector<DistanceKey> nearest(size_t(query.rows) * kept, NO_KEY),
         nearestQueries(crossCheck ? index.total() : 0, NO_KEY);
-    for (size_t i = 0; kept > 0 && i < images.size(); i++)
+    for (size_t i = 0; i < images.size(); i++)
         nearestDescriptors(query, images[i], masks[i], normType == NORM_HAMMING2, index.first(i), kept,
                            nearest.data(), crossCheck ? nearestQueries.data() : 0);
 
