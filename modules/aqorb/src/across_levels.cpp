@@ -92,8 +92,7 @@ CornersOfLevels selectAcrossLevels(const Parameters& parameters, Size imageSize,
     const int count = int(levels.size());
     const int reach = parameters.selectionType == AdaptiveQuadtreeORB::RANKED_SELECTION ? 1 : count;
     CornersOfLevels selected(levels.size());
-    std::vector<size_t> next(
-        levels.size());  // by level: the corner of its order that is to be looked at next
+    std::vector<size_t> next(levels.size());  // by level: which corner of its order comes next
     int wanted = 0;
     const auto take = [&](int level)
     {
