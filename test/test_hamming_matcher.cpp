@@ -138,7 +138,7 @@ TEST_P(Aqorb_HammingMatcher_Random, has_the_matches_of_bfmatcher)
     compareWithBFMatcher(GetParam(), 700);
 }
 
-INSTANTIATE_TEST_CASE_P(Seeds, Aqorb_HammingMatcher_Random, ::testing::Range(0, 8));
+INSTANTIATE_TEST_SUITE_P(Seeds, Aqorb_HammingMatcher_Random, ::testing::Range(0, 8));
 
 // Several tiles of trains and of queries for every kernel.
 TEST(Aqorb_HammingMatcher, has_the_matches_of_bfmatcher_for_many_descriptors)

@@ -14,6 +14,9 @@
 #include "opencv2/ts.hpp"
 // Leaves a test that cannot run here; it counts as skipped.
 #define AQORB_SKIP(reason) throw cvtest::SkipTestException(reason)
+#ifndef INSTANTIATE_TEST_SUITE_P  // the GoogleTest of OpenCV's ts is older
+#define INSTANTIATE_TEST_SUITE_P INSTANTIATE_TEST_CASE_P
+#endif
 
 #else
 
