@@ -36,6 +36,7 @@ namespace aqorb
 AQORB_BINARY(v_add, +)
 AQORB_BINARY(v_sub, -)
 AQORB_BINARY(v_mul, *)
+AQORB_BINARY(v_div, /)
 AQORB_BINARY(v_and, &)
 AQORB_BINARY(v_or, |)
 AQORB_BINARY(v_xor, ^)

@@ -8,6 +8,7 @@
 
 #include <opencv2/aqorb/features.hpp>
 #include <opencv2/aqorb/matching.hpp>
+#include <opencv2/aqorb/refinement.hpp>
 #include <opencv2/core.hpp>
 
 /**
