@@ -8,7 +8,6 @@
 #include "sample.hpp"
 
 #include <opencv2/aqorb.hpp>
-#include <opencv2/imgproc.hpp>
 #if CV_VERSION_MAJOR >= 5
 #include <opencv2/geometry.hpp>
 #else
@@ -220,14 +219,6 @@ void drawCircle(Mat& picture, const Point2f& position, double scale)
     circle(picture, Point(centre * (1 << BITS)), 3 << BITS, Scalar(0, 255, 255), 1, LINE_AA, BITS);
 }
 
-Mat captioned(const Mat& picture, const String& text)
-{
-    Mat result;
-    copyMakeBorder(picture, result, 34, 0, 0, 8, BORDER_CONSTANT, Scalar::all(255));
-    putText(result, text, Point(8, 23), FONT_HERSHEY_SIMPLEX, 0.65, Scalar::all(0), 1, LINE_AA);
-    return result;
-}
-
 Mat keypointPicture(const Mat& image, const std::vector<KeyPoint>& keypoints)
 {
     const double scale = PANEL / image.cols;
@@ -319,6 +310,9 @@ void compare(const std::vector<Mat>& images, const Mat& known, const CommandLine
 int demo(int argc, char** argv)
 {
     const CommandLineParser parser = parseOptions(argc, argv, KEYS, ABOUT);
+    const String out = option<String>(parser, "out");
+    if (!utils::fs::isDirectory(out))
+        CV_Error(Error::StsObjectNotFound, out + ": cannot be written to; an existing folder is accepted");
     std::vector<Mat> images;
     for (const String& file : fileArguments(argc, argv))
     {

@@ -8,7 +8,6 @@
 #include "sample.hpp"
 
 #include <opencv2/aqorb.hpp>
-#include <opencv2/imgproc.hpp>
 
 using namespace cv;
 
@@ -27,6 +26,7 @@ static const char* const KEYS =
 static int fisheyeMask(int argc, char** argv)
 {
     const CommandLineParser parser = parseOptions(argc, argv, KEYS, ABOUT);
+    const String out = pictureOption(parser);
     const Mat image = readImage(option<String>(parser, "@image"));
     const Point centre(image.cols / 2, image.rows / 2);
     int radius = option<int>(parser, "radius");
@@ -53,7 +53,7 @@ static int fisheyeMask(int argc, char** argv)
         circle(pictures[masked], centre, inner, Scalar(0, 255, 0), 1, LINE_AA);
     }
     hconcat(pictures[0], pictures[1], pictures[0]);
-    writePicture(option<String>(parser, "out"), pictures[0]);
+    writePicture(out, pictures[0]);
     return 0;
 }
 

@@ -11,7 +11,7 @@ import argparse
 import cv2 as cv
 import numpy as np
 
-from sample import aqorb, read_image, write_picture
+from sample import aqorb, picture_option, read_image, write_picture
 
 
 def main():
@@ -19,7 +19,7 @@ def main():
     parser.add_argument('--radius', type=int, default=-1, help='of the circle; -1: up to the nearest side of the image')
     parser.add_argument('--margin', type=int, default=8, help="pixels to keep away from the circle's rim")
     parser.add_argument('--nfeatures', type=int, default=1000)
-    parser.add_argument('--out', default='fisheye_mask.jpg', help='picture to write')
+    parser.add_argument('--out', type=picture_option, default='fisheye_mask.jpg', help='picture to write')
     parser.add_argument('image', nargs='?', default='graf1.png', help="file, or one of OpenCV's samples")
     arguments = parser.parse_args()
     image = read_image(arguments.image)

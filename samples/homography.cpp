@@ -8,7 +8,6 @@
 #include "sample.hpp"
 
 #include <opencv2/aqorb.hpp>
-#include <opencv2/imgproc.hpp>
 #if CV_VERSION_MAJOR >= 5
 #include <opencv2/geometry.hpp>
 #else
@@ -31,6 +30,7 @@ static const char* const KEYS =
 static int homographySample(int argc, char** argv)
 {
     const CommandLineParser parser = parseOptions(argc, argv, KEYS, ABOUT);
+    const String out = pictureOption(parser);
     const Ptr<ORB> orb = aqorb::AdaptiveQuadtreeORB::create(option<int>(parser, "nfeatures"));
     const Mat image1 = readImage(option<String>(parser, "@image1"));
     const Mat image2 = readImage(option<String>(parser, "@image2"));
@@ -72,7 +72,7 @@ static int homographySample(int argc, char** argv)
     drawMatches(image1, keypoints1, image2, keypoints2, matches, picture, Scalar(0, 255, 255),
                 Scalar(0, 255, 255), isInlier, DrawMatchesFlags::NOT_DRAW_SINGLE_POINTS);
     polylines(picture, outline, true, Scalar(0, 255, 0), 2, LINE_AA);
-    writePicture(option<String>(parser, "out"), picture);
+    writePicture(out, picture);
     return 0;
 }
 

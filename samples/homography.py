@@ -12,13 +12,13 @@ import sys
 import cv2 as cv
 import numpy as np
 
-from sample import aqorb, read_image, write_picture
+from sample import aqorb, picture_option, read_image, write_picture
 
 
 def main():
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument('--nfeatures', type=int, default=1000)
-    parser.add_argument('--out', default='homography.jpg', help='picture to write')
+    parser.add_argument('--out', type=picture_option, default='homography.jpg', help='picture to write')
     parser.add_argument('image1', nargs='?', default='graf1.png', help="file, or one of OpenCV's samples")
     parser.add_argument('image2', nargs='?', default='graf3.png', help='the same plane from another side')
     arguments = parser.parse_args()

@@ -10,7 +10,6 @@
 
 #include <opencv2/aqorb.hpp>
 #include <opencv2/highgui.hpp>
-#include <opencv2/imgproc.hpp>
 #include <opencv2/videoio.hpp>
 
 using namespace cv;

@@ -66,6 +66,7 @@ static const char* const KEYS =
 static int panorama(int argc, char** argv)
 {
     const CommandLineParser parser = parseOptions(argc, argv, KEYS, ABOUT);
+    const String out = pictureOption(parser);
     std::vector<Mat> images;
     for (const String& file : fileArguments(argc, argv))
         images.push_back(readImage(file, IMREAD_COLOR));
@@ -93,13 +94,19 @@ static int panorama(int argc, char** argv)
     catch (const cv::Exception&)  // an assertion, for example where hardly anything matches
     {
     }
+    size_t smallest = images[0].total();
+    for (const Mat& image : images)
+        smallest = std::min(smallest, image.total());
+    if (status == Stitcher::OK &&
+        picture.total() < smallest)  // impossible cameras fold the images to less than one
+        status = Stitcher::ERR_CAMERA_PARAMS_ADJUST_FAIL;
     if (status != Stitcher::OK)
         CV_Error(Error::StsNoConv, status == Stitcher::ERR_NEED_MORE_IMGS
                                        ? "the images do not overlap enough"
                                        : "the cameras could not be estimated");
     std::cout << stitcher->component().size() << " of " << images.size() << " images stitched, "
               << picture.cols << "x" << picture.rows << std::endl;
-    writePicture(option<String>(parser, "out"), picture);
+    writePicture(out, picture);
     return 0;
 }
 

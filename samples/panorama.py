@@ -13,7 +13,7 @@ import sys
 import cv2 as cv
 import numpy as np
 
-from sample import aqorb, read_image, write_picture
+from sample import aqorb, picture_option, read_image, write_picture
 
 
 def read(name, megapixels=1):
@@ -76,17 +76,19 @@ def compose(images, cameras):
 def main():
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument('--nfeatures', type=int, default=1500)
-    parser.add_argument('--out', default='panorama.jpg', help='picture to write')
+    parser.add_argument('--out', type=picture_option, default='panorama.jpg', help='picture to write')
     parser.add_argument('images', nargs='+', metavar='IMAGE', help='two or more, as left.jpg middle.jpg right.jpg')
     arguments = parser.parse_args()
     if len(arguments.images) < 2:
         parser.error('two images or more are needed')
     images = [read(name) for name in arguments.images]
     detector = aqorb.AdaptiveQuadtreeORB_create(arguments.nfeatures)
+    features = [image_features(detector, image) for image in images]
     try:
-        cameras = estimate_cameras([image_features(detector, image) for image in images])
-        panorama = compose(images, cameras)
+        panorama = compose(images, estimate_cameras(features))
     except cv.error:  # an assertion, for example where hardly anything matches
+        panorama = np.empty((0, 0, 3), np.uint8)
+    if panorama.size < min(image.size for image in images):  # impossible cameras fold the images to less than one
         sys.exit('the cameras could not be estimated')
     print('{} of {} images stitched, {}x{}'.format(len(images), len(images), *panorama.shape[1::-1]))
     write_picture(arguments.out, panorama)

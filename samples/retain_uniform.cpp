@@ -28,12 +28,13 @@ static Mat drawn(const Mat& image, const std::vector<KeyPoint>& keypoints, const
                         100 * aqorb::distributionOccupancy(keypoints, image.size()));
     Mat picture;
     drawKeypoints(image, keypoints, picture, Scalar(0, 255, 255));
-    return picture;
+    return captioned(picture, name);
 }
 
 static int retainUniformSample(int argc, char** argv)
 {
     const CommandLineParser parser = parseOptions(argc, argv, KEYS, ABOUT);
+    const String out = pictureOption(parser);
     const int npoints = option<int>(parser, "npoints");
     const Mat image = readImage(option<String>(parser, "@image"));
 
@@ -53,7 +54,7 @@ static int retainUniformSample(int argc, char** argv)
         hconcat(left, right, rows[i]);
     }
     vconcat(rows[0], rows[1], rows[0]);
-    writePicture(option<String>(parser, "out"), rows[0]);
+    writePicture(out, rows[0]);
     return 0;
 }
 

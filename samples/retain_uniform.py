@@ -10,20 +10,22 @@ import argparse
 
 import cv2 as cv
 
-from sample import aqorb, read_image, write_picture
+from sample import aqorb, picture_option, read_image, write_picture
 
 
 def drawn(image, keypoints, name):
     size = image.shape[1::-1]
     print('{:24} {:9} {:10.1f} {:9.0f} %'.format(name, len(keypoints), aqorb.distributionUniformity(keypoints, size),
                                                  100 * aqorb.distributionOccupancy(keypoints, size)))
-    return cv.drawKeypoints(image, keypoints, None, (0, 255, 255))
+    picture = cv.drawKeypoints(image, keypoints, None, (0, 255, 255))
+    picture = cv.copyMakeBorder(picture, 34, 0, 0, 8, cv.BORDER_CONSTANT, value=(255, 255, 255))
+    return cv.putText(picture, name, (8, 23), cv.FONT_HERSHEY_SIMPLEX, 0.65, (0, 0, 0), 1, cv.LINE_AA)
 
 
 def main():
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument('--npoints', type=int, default=500, help='number of keypoints to keep')
-    parser.add_argument('--out', default='retain_uniform.jpg', help='picture to write')
+    parser.add_argument('--out', type=picture_option, default='retain_uniform.jpg', help='picture to write')
     parser.add_argument('image', nargs='?', default='graf1.png', help="file, or one of OpenCV's samples")
     arguments = parser.parse_args()
     image = read_image(arguments.image)

@@ -11,6 +11,7 @@
 #include <opencv2/core/utility.hpp>
 #include <opencv2/core/utils/filesystem.hpp>
 #include <opencv2/imgcodecs.hpp>
+#include <opencv2/imgproc.hpp>
 
 #include <cstdlib>
 #include <iostream>
@@ -76,11 +77,36 @@ inline cv::Mat readImage(const cv::String& name, int flags = cv::IMREAD_GRAYSCAL
     return image;
 }
 
-inline void writePicture(const cv::String& file, const cv::Mat& picture)
+inline void checkWritable(const cv::String& file, bool isWritable)
 {
-    if (!cv::haveImageWriter(file) || !cv::imwrite(file, picture))
+    if (!isWritable)
         CV_Error(cv::Error::StsError,
                  file + ": cannot be written; a name such as picture.jpg in an existing folder is accepted");
+}
+
+//! The picture to write: the option "out". A name that cannot be written is refused here, before any work is done.
+inline cv::String pictureOption(const cv::CommandLineParser& parser)
+{
+    const cv::String file = option<cv::String>(parser, "out");
+    const size_t nameAt = file.find_last_of("/\\") + 1;  // npos + 1 is 0
+    checkWritable(file, cv::haveImageWriter(file) &&
+                            (nameAt == 0 || cv::utils::fs::isDirectory(file.substr(0, nameAt))));
+    return file;
+}
+
+//! A picture under a line of text.
+inline cv::Mat captioned(const cv::Mat& picture, const cv::String& text,
+                         const cv::Scalar& colour = cv::Scalar::all(0))
+{
+    cv::Mat result;
+    cv::copyMakeBorder(picture, result, 34, 0, 0, 8, cv::BORDER_CONSTANT, cv::Scalar::all(255));
+    cv::putText(result, text, cv::Point(8, 23), cv::FONT_HERSHEY_SIMPLEX, 0.65, colour, 1, cv::LINE_AA);
+    return result;
+}
+
+inline void writePicture(const cv::String& file, const cv::Mat& picture)
+{
+    checkWritable(file, cv::imwrite(file, picture));
     std::cout << "Picture: " << file << std::endl;
 }
 

@@ -4,6 +4,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """What the samples share: the module, files, and a sentence for each file that is wrong."""
 
+import os
 import sys
 
 import cv2 as cv
@@ -26,7 +27,17 @@ def read_image(name, flags=cv.IMREAD_GRAYSCALE):
     return image
 
 
-def write_picture(file, picture):
-    if not cv.haveImageWriter(file) or not cv.imwrite(file, picture):
+def check_writable(file, is_writable):
+    if not is_writable:
         sys.exit(file + ': cannot be written; a name such as picture.jpg in an existing folder is accepted')
+
+
+def picture_option(file):
+    """The type of --out: a name that cannot be written is refused before any work is done."""
+    check_writable(file, cv.haveImageWriter(file) and os.path.isdir(os.path.dirname(file) or '.'))
+    return file
+
+
+def write_picture(file, picture):
+    check_writable(file, cv.imwrite(file, picture))
     print('Picture:', file)

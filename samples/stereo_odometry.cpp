@@ -11,7 +11,6 @@
 
 #include <opencv2/aqorb.hpp>
 #include <opencv2/core/affine.hpp>
-#include <opencv2/imgproc.hpp>
 #if CV_VERSION_MAJOR >= 5
 #include <opencv2/geometry.hpp>
 #else
@@ -259,10 +258,8 @@ Mat trackPicture(const Odometry& odometry, const Mat& left)
         line(picture, odometry.from[i], odometry.to[i], odometry.colour, 1, LINE_AA);
         circle(picture, odometry.to[i], 2, odometry.colour, FILLED, LINE_AA);
     }
-    copyMakeBorder(picture, picture, 40, 0, 0, 0, BORDER_CONSTANT, Scalar::all(255));
-    putText(picture, format("%s: %d inliers", odometry.name, int(odometry.to.size())), Point(12, 28),
-            FONT_HERSHEY_SIMPLEX, 0.75, odometry.colour, 1, LINE_AA);
-    return picture;
+    return captioned(picture, format("%s: %d inliers", odometry.name, int(odometry.to.size())),
+                     odometry.colour);
 }
 
 //! Paths from above: those of the detectors in their colours and, below them, the true one in grey.
@@ -300,6 +297,7 @@ Mat pathPicture(const std::vector<Odometry>& odometries, const std::vector<Affin
 int stereoOdometry(int argc, char** argv)
 {
     const CommandLineParser parser = parseOptions(argc, argv, KEYS, ABOUT);
+    const String out = pictureOption(parser);
     const String folder = option<String>(parser, "@folder");
     const int nfeatures = option<int>(parser, "nfeatures");
     if (folder.empty())
@@ -323,7 +321,7 @@ int stereoOdometry(int argc, char** argv)
     Mat picture;
     vconcat(trackPicture(odometries[0], left), trackPicture(odometries[1], left), picture);
     hconcat(picture, pathPicture(odometries, sequence.poses, Size(picture.rows / 2, picture.rows)), picture);
-    writePicture(option<String>(parser, "out"), picture);
+    writePicture(out, picture);
     return 0;
 }
 

@@ -55,6 +55,16 @@ def test_panorama(images):
     assert abs(picture.shape[1] - 900) < 40 and abs(picture.shape[0] - 600) < 40
 
 
+def test_panorama_of_impossible_cameras(images, monkeypatch):
+    """OpenCV 5.0 finds some for two views of a wall, and folds both to a picture of 279x80."""
+    monkeypatch.syspath_prepend(str(SAMPLES))
+    import panorama
+    monkeypatch.setattr(panorama, 'compose', lambda images, cameras: np.zeros((80, 279, 3), np.uint8))
+    monkeypatch.setattr(sys, 'argv', ['panorama', *[str(images / 'part{}.png'.format(i)) for i in (1, 2, 3)]])
+    with pytest.raises(SystemExit, match='the cameras could not be estimated'):
+        panorama.main()
+
+
 def test_retain_uniform(images):
     output, _ = run(images, 'retain_uniform view1.png --npoints=300')
     rows = re.findall(r'^\w+, (\w+) +(\d+) +[\d.]+ +(\d+) %', output, re.MULTILINE)
@@ -71,7 +81,9 @@ def test_fisheye_mask(images):
 @pytest.mark.parametrize('command, text', [
     ('homography no.png view1.png', 'no.png: there is no such file'),
     ('homography text.png view1.png', 'text.png: cannot be read as an image'),
-    ('homography view1.png view2.png --out=missing/picture.png', 'cannot be written'),
+    *[(name + ' no.png no.png --out=missing/picture.png', 'cannot be written')  # before all else
+      for name in ('homography', 'panorama')],
+    *[(name + ' no.png --out=missing/picture.png', 'cannot be written') for name in ('retain_uniform', 'fisheye_mask')],
     ('panorama view1.png 32x32.png', 'the ')])
 def test_sentence(images, command, text):
     result = start(images, command)
