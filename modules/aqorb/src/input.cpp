@@ -30,16 +30,17 @@ bool isSequence(const _InputArray& array)
     }
 }
 
-void checkImage(InputArray input)
+void checkImage(InputArray input, const char* name)
 {
     if (isSequence(input))
-        CV_Error_(Error::StsBadArg, ("image must be a single one, got a sequence of %d", int(input.total())));
+        CV_Error_(Error::StsBadArg,
+                  ("%s must be a single one, got a sequence of %d", name, int(input.total())));
     const int depth = input.depth(), channels = input.channels();
     if (input.dims() > 2 || depth != CV_8U || (channels != 1 && channels != 3 && channels != 4))
         CV_Error_(
             Error::StsBadArg,
-            ("image must be CV_8U with 1 (grey), 3 (BGR) or 4 (BGRA) channels, got %d dimensions of type %s",
-             input.dims(), typeToString(input.type()).c_str()));
+            ("%s must be CV_8U with 1 (grey), 3 (BGR) or 4 (BGRA) channels, got %d dimensions of type %s",
+             name, input.dims(), typeToString(input.type()).c_str()));
 }
 
 Mat grayImage(InputArray input, std::vector<uchar>* memory)

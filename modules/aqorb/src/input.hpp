@@ -21,7 +21,8 @@ namespace aqorb
 {
 
 //! Throws unless the input is an image that can be converted to grey.
-void checkImage(InputArray image);
+//! @param name of the argument
+void checkImage(InputArray image, const char* name = "image");
 
 //! The grey image: the input itself, or its conversion as cv::ORB converts it. Throws for any other type of image.
 //! @param memory for the conversion; 0: the conversion gets memory of its own

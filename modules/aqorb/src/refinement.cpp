@@ -28,7 +28,7 @@ struct Halves
     void build(const Mat& image, int count)
     {
         images.assign(1, image.step > size_t(MAX_PATCH_STEP) ? image.clone() : image);
-        while (int(images.size()) < count)
+        while (int(images.size()) < count && std::min(images.back().cols, images.back().rows) > 1)
         {
             const Mat& last = images.back();
             const Size size(last.cols / 2, last.rows / 2);
@@ -41,6 +41,8 @@ struct Halves
     // The place of a position in pixels of the image. False where there is none.
     bool find(const Point2f& position, int level, PatchPlace& place) const
     {
+        if (size_t(level) >= images.size())
+            return false;
         const Mat& image = images[size_t(level)];
         const double size = 1 << level;
         const double x = (position.x + 0.5) / size - 0.5, y = (position.y + 0.5) / size - 0.5;
@@ -106,9 +108,14 @@ Sampling samplingOf(const KeyPoint& first, const KeyPoint& second, float scaleFa
 }
 
 // The grey image; empty for an input without pixels.
-Mat grayOf(InputArray image)
+Mat grayOf(InputArray image, const char* name, bool isNeeded)
 {
-    return image.empty() ? Mat() : grayImage(image);
+    if (image.empty() && isNeeded)
+        CV_Error_(Error::StsBadArg, ("%s must have pixels, as there are matches", name));
+    if (image.empty())
+        return Mat();
+    checkImage(image, name);
+    return grayImage(image);
 }
 
 void checkMatches(const std::vector<DMatch>& matches, size_t count1, size_t count2)
@@ -138,12 +145,8 @@ void refineMatches(InputArray image1, const std::vector<KeyPoint>& keypoints1, I
         CV_Error_(Error::StsOutOfRange, ("scaleFactor must be finite and > 0, got %g", scaleFactor));
     checkMatches(matches, keypoints1.size(), keypoints2.size());
     const UMat held1 = heldUMat(image1), held2 = heldUMat(image2);
-    const Mat grays[] = {grayOf(image1), grayOf(image2)};
-    for (int i = 0; i < 2; i++)
-    {
-        if (!matches.empty() && grays[i].empty())
-            CV_Error_(Error::StsBadArg, ("image%d must have pixels, as there are matches", i + 1));
-    }
+    const Mat grays[] = {grayOf(image1, "image1", !matches.empty()),
+                         grayOf(image2, "image2", !matches.empty())};
 
     std::vector<Sampling> samplings;
     int levels[] = {1, 1};
