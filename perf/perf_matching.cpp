@@ -7,6 +7,7 @@
 // right after the other and see the same load of the machine.
 
 #include "perf_precomp.hpp"
+#include "perf_scene.hpp"
 
 namespace opencv_test
 {
@@ -89,6 +90,29 @@ PERF_TEST_P(Matching, radiusMatch, MATCHING_PARAMS)
     TEST_CYCLE() matcher->radiusMatch(query, train, matches, 64);
 
     EXPECT_EQ(query.rows, (int)matches.size());
+    SANITY_CHECK_NOTHING();
+}
+
+typedef perf::TestBaseWithParam<int> Refinement;
+
+PERF_TEST_P(Refinement, refineMatches, testing::Values(500, 1000, 2000))
+{
+    const Mat image = makeStreetScene(Size(640, 480));
+    const Mat part = image(Rect(1, 1, 639, 479));
+    std::vector<KeyPoint> keypoints;
+    aqorb::AdaptiveQuadtreeORB::create(GetParam())->detect(image, keypoints);
+    std::vector<DMatch> all, matches;
+    for (int i = 0; i < (int)keypoints.size(); i++)
+        all.push_back(DMatch(i, i, 0));
+    std::vector<Point2f> points1, points2;
+
+    TEST_CYCLE()
+    {
+        matches = all;
+        aqorb::refineMatches(image, keypoints, part, keypoints, matches, points1, points2);
+    }
+
+    EXPECT_GT(matches.size(), all.size() / 2);
     SANITY_CHECK_NOTHING();
 }
 

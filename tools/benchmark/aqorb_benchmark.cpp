@@ -27,6 +27,7 @@ const char* const ABOUT =
     "  memory [IMAGE ...]         the heap in use during a frame and between frames, in bytes for each "
     "pixel\n"
     "  pair [IMAGE1 IMAGE2]       from two images to a homography, beside cv::ORB with cv::BFMatcher\n"
+    "  refinement [IMAGE1 IMAGE2] refineMatches beside cv::calcOpticalFlowPyrLK with the same window\n"
     "  matching                   HammingMatcher beside cv::BFMatcher, descriptors of 32 bytes\n"
     "  program                    cv::BFMatcher alone, for LD_PRELOAD\n"
     "An IMAGE is a file, WIDTHxHEIGHT for a drawn scene, or a photograph of opencv_extra whose folder "
@@ -112,7 +113,8 @@ void run(const cv::CommandLineParser& parser, std::vector<std::string> images)
         settings.beside = images[0];
         images.erase(images.begin());
     }
-    if (images.empty() && command != "pair")
+    const bool isOfPairs = command == "pair" || command == "refinement";
+    if (images.empty() && !isOfPairs)
         images = splitList(std::getenv("OPENCV_TEST_DATA_PATH")
                                ? "bikes,leuven,bark,trees,ubc,640x512.png,1920x1080.png"
                                : "640x480,1920x1080");
@@ -132,17 +134,19 @@ void run(const cv::CommandLineParser& parser, std::vector<std::string> images)
     }
     else if (command == "memory")
         measureMemory(settings, contenders);
-    else if (command == "pair" &&
-             (images.size() == 2 || (images.empty() && std::getenv("OPENCV_TEST_DATA_PATH"))))
-        measurePairs(settings);
+    else if (isOfPairs && images.size() != 2 && (!images.empty() || !std::getenv("OPENCV_TEST_DATA_PATH")))
+        throw BadArguments(command + ": name two images, or set OPENCV_TEST_DATA_PATH");
     else if (command == "pair")
-        throw BadArguments("pair: name two images, or set OPENCV_TEST_DATA_PATH");
+        measurePairs(settings);
+    else if (command == "refinement")
+        measureRefinement(settings);
     else if (command == "matching")
         measureMatching(settings);
     else if (command == "program")
         measureProgram(settings);
     else
-        throw BadArguments("'" + command + "': speed, beside, frames, memory, pair, matching or program");
+        throw BadArguments("'" + command +
+                           "': speed, beside, frames, memory, pair, refinement, matching or program");
 }
 
 }  // namespace

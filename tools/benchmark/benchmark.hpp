@@ -62,6 +62,9 @@ double timeFrame(cv::Feature2D& detector, const cv::Mat& image, Features& featur
 //! Milliseconds that some work takes.
 double milliseconds(const std::function<void()>& work);
 
+//! Reads and writes 64 MB, which drives what is measured out of the caches.
+void touchOtherMemory();
+
 //! The best instructions that OpenCV and this module use here.
 std::string cpuName();
 
@@ -81,6 +84,7 @@ void measureFrames(const Settings& settings, const std::vector<Contender>& conte
 void measureMemory(const Settings& settings, const std::vector<Contender>& contenders);
 void measurePairs(const Settings& settings);
 void measureMatching(const Settings& settings);
+void measureRefinement(const Settings& settings);
 void measureProgram(const Settings& settings);
 
 #endif

@@ -3,7 +3,8 @@
 // of this distribution.
 // SPDX-License-Identifier: Apache-2.0
 
-// How long matching takes beside cv::BFMatcher, alone and in the whole work for two images.
+// How long matching takes beside cv::BFMatcher, alone and in the whole work for two images, and refinement beside
+// cv::calcOpticalFlowPyrLK.
 
 #include "benchmark.hpp"
 #include "table.hpp"
@@ -15,6 +16,7 @@
 #else
 #include <opencv2/calib3d.hpp>
 #endif
+#include <opencv2/video/tracking.hpp>
 
 #include <algorithm>
 #include <iostream>
@@ -59,23 +61,65 @@ struct Descriptors
     std::vector<std::vector<DMatch>> lists;
 };
 
-//! The whole work for two images: features, matches and the homography.
-void findHomographyOf(const Mat& first, const Mat& second, Feature2D& detector,
-                      const DescriptorMatcher& matcher)
+//! Two images, with the features and the cross-checked matches of them.
+struct Pair
 {
-    Features features[2];
-    detector.detectAndCompute(first, noArray(), features[0].keypoints, features[0].descriptors);
-    detector.detectAndCompute(second, noArray(), features[1].keypoints, features[1].descriptors);
-    std::vector<DMatch> matches;
-    matcher.match(features[0].descriptors, features[1].descriptors, matches);
-    std::vector<Point2f> from, to;
-    for (const DMatch& match : matches)
+    Pair(const std::string& first, const std::string& second) : images{Image(first), Image(second)} {}
+    void match(Feature2D& detector, const DescriptorMatcher& matcher)
     {
-        from.push_back(features[0].keypoints[match.queryIdx].pt);
-        to.push_back(features[1].keypoints[match.trainIdx].pt);
+        for (int i = 0; i < 2; i++)
+            detector.detectAndCompute(images[i].pixels, noArray(), features[i].keypoints,
+                                      features[i].descriptors);
+        matcher.match(features[0].descriptors, features[1].descriptors, matches);
     }
-    if (matches.size() >= 4)
-        findHomography(from, to, RANSAC);
+    //! The positions of the matches.
+    void locate()
+    {
+        from.clear();
+        to.clear();
+        for (const DMatch& match : matches)
+        {
+            from.push_back(features[0].keypoints[match.queryIdx].pt);
+            to.push_back(features[1].keypoints[match.trainIdx].pt);
+        }
+    }
+    void refine()
+    {
+        aqorb::refineMatches(images[0].pixels, features[0].keypoints, images[1].pixels, features[1].keypoints,
+                             matches, from, to);
+    }
+    //! Milliseconds of the whole work for two images: features, matches and the homography.
+    double timeHomography(Feature2D& detector, const DescriptorMatcher& matcher, bool isRefined)
+    {
+        return milliseconds(
+            [&]
+            {
+                match(detector, matcher);
+                isRefined ? refine() : locate();
+                if (matches.size() >= 4)
+                    findHomography(from, to, RANSAC, isRefined ? 1 : 3);
+            });
+    }
+
+    Image images[2];
+    Features features[2];
+    std::vector<DMatch> matches;
+    std::vector<Point2f> from, to;
+};
+
+std::vector<Pair> pairsOf(const Settings& settings)
+{
+    std::vector<Pair> pairs;
+    if (!settings.images.empty())
+        pairs.push_back(Pair(settings.images[0], settings.images[1]));
+    for (const char* set : {"bikes", "leuven", "bark", "trees", "ubc"})
+    {
+        if (!settings.images.empty())
+            break;
+        pairs.push_back(Pair(set, imageOfSet(set, 2)));
+        pairs.back().images[0].name = set;
+    }
+    return pairs;
 }
 
 }  // namespace
@@ -84,43 +128,95 @@ void measurePairs(const Settings& settings)
 {
     const BFMatcher slow(NORM_HAMMING, true);
     const HammingMatcher fast(NORM_HAMMING, true);
-    std::vector<std::pair<Image, Image>> pairs;
-    if (settings.images.empty())
-        for (const char* set : {"bikes", "leuven", "bark", "trees", "ubc"})
-        {
-            pairs.push_back({Image(set), Image(imageOfSet(set, 2))});
-            pairs.back().first.name = set;
-        }
-    else
-        pairs.push_back({Image(settings.images[0]), Image(settings.images[1])});
-
+    std::vector<Pair> pairs = pairsOf(settings);
     std::cout << cpuName() << "\n\n";
     Table table({"pair", "n", "threads", "cv::ORB and cv::BFMatcher, ms", "aqorb and HammingMatcher, ms",
-                 "times as fast", "with cv::BFMatcher"});
+                 "times as fast", "with cv::BFMatcher", "refined"});
     for (const int threads : settings.threads)
     {
         setNumThreads(threads);
         for (const int n : settings.numbers)
         {
             const Ptr<Feature2D> theirs = orb().create(n), ours = aqorbHere().create(n);
-            std::vector<double> gains, gainsOfDetector;
-            for (const auto& pair : pairs)
+            std::vector<double> gains, gainsOfDetector, gainsRefined;
+            for (Pair& pair : pairs)
             {
-                const auto time = [&](Feature2D& detector, const DescriptorMatcher& matcher) {
-                    return milliseconds(
-                        [&] { findHomographyOf(pair.first.pixels, pair.second.pixels, detector, matcher); });
+                const auto time = [&](Feature2D& detector, const DescriptorMatcher& matcher, bool isRefined)
+                {
+                    if (settings.cold)
+                        touchOtherMemory();
+                    return pair.timeHomography(detector, matcher, isRefined);
                 };
+                const auto timeTheirs = [&] { return time(*theirs, slow, false); };
                 double ms[2];
-                gains.push_back(medianRatio([&] { return time(*theirs, slow); },
-                                            [&] { return time(*ours, fast); }, settings.turns, ms));
-                gainsOfDetector.push_back(medianRatio([&] { return time(*theirs, slow); },
-                                                      [&] { return time(*ours, slow); }, settings.turns));
-                table.add({pair.first.name, std::to_string(n), std::to_string(threads), cell(ms[0]),
-                           cell(ms[1]), cell(gains.back(), 1), cell(gainsOfDetector.back(), 1)});
+                gains.push_back(medianRatio(
+                    timeTheirs, [&] { return time(*ours, fast, false); }, settings.turns, ms));
+                gainsOfDetector.push_back(medianRatio(
+                    timeTheirs, [&] { return time(*ours, slow, false); }, settings.turns));
+                gainsRefined.push_back(medianRatio(
+                    timeTheirs, [&] { return time(*ours, fast, true); }, settings.turns));
+                table.add({pair.images[0].name, std::to_string(n), std::to_string(threads), cell(ms[0]),
+                           cell(ms[1]), cell(gains.back(), 1), cell(gainsOfDetector.back(), 1),
+                           cell(gainsRefined.back(), 1)});
             }
             if (pairs.size() > 1)
                 table.add({"geometric mean", std::to_string(n), std::to_string(threads), "", "",
-                           cell(geometricMean(gains), 1), cell(geometricMean(gainsOfDetector), 1)});
+                           cell(geometricMean(gains), 1), cell(geometricMean(gainsOfDetector), 1),
+                           cell(geometricMean(gainsRefined), 1)});
+        }
+    }
+    std::cout << table.text() << std::flush;
+}
+
+void measureRefinement(const Settings& settings)
+{
+    std::vector<Pair> pairs = pairsOf(settings);
+    std::cout << cpuName() << "\n\n";
+    Table table({"pair", "n", "threads", "matches", "cv::calcOpticalFlowPyrLK, us a match",
+                 "refineMatches, us a match", "times as fast"});
+    for (const int threads : settings.threads)
+    {
+        setNumThreads(threads);
+        for (const int n : settings.numbers)
+        {
+            std::vector<double> gains;
+            for (Pair& pair : pairs)
+            {
+                pair.match(*aqorbHere().create(n), HammingMatcher(NORM_HAMMING, true));
+                pair.locate();
+                const std::vector<DMatch> matches = pair.matches;
+                const std::vector<Point2f> start = pair.to, from = pair.from;
+                const auto timeTheirs = [&]
+                {
+                    touchOtherMemory();
+                    pair.to = start;
+                    std::vector<uchar> status;
+                    std::vector<float> errors;
+                    return milliseconds(
+                        [&]
+                        {
+                            calcOpticalFlowPyrLK(pair.images[0].pixels, pair.images[1].pixels, from, pair.to,
+                                                 status, errors, Size(13, 13), 0,
+                                                 TermCriteria(TermCriteria::COUNT, 4, 0),
+                                                 OPTFLOW_USE_INITIAL_FLOW);
+                        });
+                };
+                const auto timeOurs = [&]
+                {
+                    touchOtherMemory();
+                    pair.matches = matches;
+                    return milliseconds([&] { pair.refine(); });
+                };
+                double ms[2];
+                gains.push_back(medianRatio(timeTheirs, timeOurs, settings.turns, ms));
+                const double count = double(std::max(matches.size(), size_t(1)));
+                table.add({pair.images[0].name, std::to_string(n), std::to_string(threads),
+                           std::to_string(matches.size()), cell(1000 * ms[0] / count),
+                           cell(1000 * ms[1] / count), cell(gains.back(), 1)});
+            }
+            if (pairs.size() > 1)
+                table.add({"geometric mean", std::to_string(n), std::to_string(threads), "", "", "",
+                           cell(geometricMean(gains), 1)});
         }
     }
     std::cout << table.text() << std::flush;

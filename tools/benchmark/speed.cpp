@@ -20,16 +20,15 @@
 
 using namespace cv;
 
-namespace
-{
-
-//! Reads and writes 64 MB, which drives what the detector used out of the caches.
 void touchOtherMemory()
 {
     static std::vector<uint64> words((64 << 20) / sizeof(uint64));
     for (size_t i = 0; i < words.size(); i += 8)  // each cache line
         words[i]++;
 }
+
+namespace
+{
 
 //! Calls a detector on one image again and again.
 class Runner

@@ -102,6 +102,28 @@ Ptr<AdaptiveQuadtreeORB> makeDefault(int nfeatures, AdaptiveQuadtreeORB::Selecti
     return detector;
 }
 
+//! The positions that refineMatches gives for keypoints that are a little off in a part of the image.
+std::string hashOfRefined(const Mat& image, const std::vector<KeyPoint>& keypoints)
+{
+    const Mat part = image(Rect(1, 1, image.cols - 1, image.rows - 1));
+    std::vector<KeyPoint> moved = keypoints;
+    std::vector<DMatch> matches;
+    for (KeyPoint& keypoint : moved)
+    {
+        keypoint.pt += Point2f(-0.25f, -1.5f);
+        keypoint.angle += 4;
+        keypoint.size *= 1.125f;
+        const int i = int(matches.size());
+        matches.push_back(DMatch(i, i, 0));
+    }
+    std::vector<Point2f> points1, points2;
+    aqorb::refineMatches(image, keypoints, part, moved, matches, points1, points2, -1);
+    Hash hash;
+    for (const Point2f& point : points2)
+        hash.addNumbers(&point.x, 2);
+    return hash.text();
+}
+
 std::string line(const std::string& name, const Mat& image, const Mat& mask, AdaptiveQuadtreeORB& detector)
 {
     std::vector<Mat> levels;
@@ -122,7 +144,8 @@ std::string line(const std::string& name, const Mat& image, const Mat& mask, Ada
 
     return name + " image " + hashOf(image) + " pyramid " + pyramid.text() + " measures " +
            hashOfMeasures.text() + " keypoints " + std::to_string(keypoints.size()) + " " +
-           hashOf(keypoints) + " descriptors " + hashOf(descriptors) + "\n";
+           hashOf(keypoints) + " descriptors " + hashOf(descriptors) + " refined " +
+           hashOfRefined(image, keypoints) + "\n";
 }
 
 }  // namespace

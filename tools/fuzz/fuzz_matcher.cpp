@@ -12,9 +12,11 @@
 
 #include <cstdio>
 #include <cstdlib>
+#include <cstring>
 
 // Compares the matcher and the functions that match with the plain reference of the tests, on the best kernels of the
 // CPU and on the baseline ones, with one thread and with two; and calls them with bad arguments, which must be named.
+// Refined positions are compared between kernels.
 
 using namespace opencv_test;
 
@@ -97,6 +99,49 @@ static void callWithAnything(FuzzedDataProvider& data, const Mat& query, const M
     }
 }
 
+// Refines matches of any keypoints in any images: some fields are any number, and some indices are beyond the end.
+static void refineAnything(FuzzedDataProvider& data)
+{
+    Mat images[2];
+    std::vector<KeyPoint> keypoints[2];
+    for (int i = 0; i < 2; i++)
+    {
+        images[i] = fuzz::image(data, 80, true);
+        const auto any = [&](double high) { return float(fuzz::real(data, -1, high)); };
+        for (int count = data.ConsumeIntegralInRange(0, 40); count > 0; count--)
+            keypoints[i].push_back(KeyPoint(Point2f(any(80), any(80)), any(60), any(360)));
+    }
+    std::vector<DMatch> matches;
+    for (int count = data.ConsumeIntegralInRange(0, 60); count > 0; count--)
+        matches.push_back(DMatch(fuzz::number(data, 0, 5), fuzz::number(data, 0, 5), 0));
+    const float correlation = float(fuzz::real(data, -1, 1)), factor = float(fuzz::real(data, 0, 7));
+    std::vector<Point2f> expected;
+    for (int run = 0; run < 2; run++)
+    {
+        setUseOptimized(run == 0);
+        setNumThreads(1 + run);
+        std::vector<DMatch> left = matches;
+        std::vector<Point2f> points[2];
+        try
+        {
+            aqorb::refineMatches(images[0], keypoints[0], images[1], keypoints[1], left, points[0], points[1],
+                                 correlation, factor);
+            require(points[0].size() == left.size() && points[1].size() == left.size(),
+                    "a position for each match");
+            const size_t bytes = points[1].size() * sizeof(Point2f);
+            require(run == 0 || (expected.size() == points[1].size() &&
+                                 std::memcmp(expected.data(), points[1].data(), bytes) == 0),
+                    "the same positions on all kernels");
+        }
+        catch (const cv::Exception& e)
+        {
+            require(e.err.find("must") != std::string::npos, e.what());
+            require(left.size() == matches.size() && points[0].empty() && points[1].empty(), "outputs stay");
+        }
+        expected = points[1];
+    }
+}
+
 extern "C" int LLVMFuzzerInitialize(int*, char***)
 {
     cv::ocl::setUseOpenCL(false);
@@ -141,5 +186,6 @@ extern "C" int LLVMFuzzerTestOneInput(const uint8_t* bytes, size_t size)
     }
     setUseOptimized(true);
     callWithAnything(data, query, images[0]);
+    refineAnything(data);
     return 0;
 }
