@@ -107,21 +107,14 @@ ReferenceAlignment referenceAlignment(const Mat& image1, const KeyPoint& keypoin
     const Matx22d start = spacing2 * Matx22d(std::cos(turn), -std::sin(turn), std::sin(turn), std::cos(turn));
     Matx22d map = start;
     Vec2d center(center2.x, center2.y);
-    for (int step = 0;; step++)
+    double norm2 = 0, correlation = 0;
+    for (int step = 0; step < 3; step++)
     {
         if (!samplesOf(view2, center, map, RADIUS, patch))
             return notAligned;
         patch -= mean(patch)[0];
-        const double norm2 = norm(patch);
-        if (step == 4)
-        {
-            const double area = std::abs(determinant(map) / determinant(start));
-            const double shift = norm(center - Vec2d(center2.x, center2.y)) / spacing2;
-            const bool isAligned =
-                norm2 * norm2 >= 4 * SIDE * SIDE && area < 4 && area > 0.25 && shift < RADIUS;
-            const ReferenceAlignment found = {true, view2.inImage(center), base.dot(patch) / (norm1 * norm2)};
-            return isAligned ? found : notAligned;
-        }
+        norm2 = norm(patch);
+        correlation = base.dot(patch) / (norm1 * norm2);
         Mat_<double> change;
         const Mat_<double> difference = patch * (norm1 / norm2) - base;
         if (norm2 == 0 ||
@@ -130,6 +123,12 @@ ReferenceAlignment referenceAlignment(const Mat& image1, const KeyPoint& keypoin
         map = map * Matx22d(1 + change(0), change(1), change(3), 1 + change(4)).inv();
         center -= map * Vec2d(change(2), change(5));
     }
+    const double area = std::abs(determinant(map) / determinant(start));
+    const double shift = norm(center - Vec2d(center2.x, center2.y)) / spacing2;
+    if (!samplesOf(view2, center, map, RADIUS, patch) || norm2 * norm2 < 4 * SIDE * SIDE || area > 4 ||
+        area < 0.25 || shift > RADIUS)
+        return notAligned;
+    return {true, view2.inImage(center), correlation};
 }
 
 }  // namespace opencv_test

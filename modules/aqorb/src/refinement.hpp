@@ -49,11 +49,11 @@ struct PatchPair
 struct Alignment
 {
     float x, y;
-    float correlation;  //!< of the aligned patches; NOT_ALIGNED: x and y have no meaning
+    float correlation;  //!< of the patches before the last step; NOT_ALIGNED: x and y have no meaning
 };
 
-/** Aligns patches by four inverse compositional steps (Baker and Matthews 2004). Each step solves for the affine map, the gain and the bias that
- bring the second patch closest to the first one. */
+/** Aligns patches by three inverse compositional steps (Baker and Matthews 2004). Each step solves for the affine map,
+ the gain and the bias that bring the second patch closest to the first one. */
 void alignPatches(const PatchPair* pairs, int count, Alignment* alignments);
 
 }  // namespace aqorb

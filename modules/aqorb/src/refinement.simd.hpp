@@ -96,32 +96,30 @@ const int SIDE = 2 * PATCH_RADIUS + 1, WIDE = SIDE + 2;
 const float SAMPLES = SIDE * SIDE;
 const int UNKNOWNS = 6;  // of the affine map: the factors of u and v and the shift, in x and then in y
 
-// The first patch of each lane, with one more sample on each side, and the normal equations of its alignment. The
-// derivative by an unknown is dx or dy, times u, v or 1.
+// The first patch of each lane, and the normal equations of its alignment. The derivative by an unknown is dx or dy,
+// times u, v or 1.
 struct Template
 {
-    const float* at(int u, int v) const
-    {
-        return samples + ((v + PATCH_RADIUS + 1) * WIDE + u + PATCH_RADIUS + 1) * LANES;
-    }
-    // Central differences.
-    static Floats dx(const float* p) { return v_mul(all(0.5f), v_sub(load(p + LANES), load(p - LANES))); }
-    static Floats dy(const float* p)
-    {
-        return v_mul(all(0.5f), v_sub(load(p + WIDE * LANES), load(p - WIDE * LANES)));
-    }
+    // A sample less the mean, and what follows it by LANES each: dx and dy, which are twice the derivatives.
+    const float* at(int u, int v) const { return samples[(v + PATCH_RADIUS) * SIDE + u + PATCH_RADIUS][0]; }
 
     void sample(const Places& places, const AffineMap& map)
     {
+        CV_DECL_ALIGNED(CACHE_LINE) float wide[WIDE * WIDE * LANES];  // with one more sample on each side
         for (int v = 0; v < WIDE; v++)
-            sampleRow<PATCH_RADIUS + 1>(places, map, v - PATCH_RADIUS - 1, samples + v * WIDE * LANES);
+            sampleRow<PATCH_RADIUS + 1>(places, map, v - PATCH_RADIUS - 1, wide + v * WIDE * LANES);
+        const auto inner = [&](int i) { return wide + ((i / SIDE + 1) * WIDE + i % SIDE + 1) * LANES; };
         Floats sum = all(0);
-        for (int v = -PATCH_RADIUS; v <= PATCH_RADIUS; v++)
-            for (int u = -PATCH_RADIUS; u <= PATCH_RADIUS; u++)
-                sum = v_add(sum, load(at(u, v)));
+        for (int i = 0; i < SIDE * SIDE; i++)
+            sum = v_add(sum, load(inner(i)));
         mean = v_mul(sum, all(1 / SAMPLES));
-        for (int i = 0; i < WIDE * WIDE * LANES; i += LANES)
-            v_store(samples + i, v_sub(load(samples + i), mean));
+        for (int i = 0; i < SIDE * SIDE; i++)
+        {
+            const float* const p = inner(i);
+            v_store(samples[i][0], v_sub(load(p), mean));
+            v_store(samples[i][1], v_sub(load(p + LANES), load(p - LANES)));
+            v_store(samples[i][2], v_sub(load(p + WIDE * LANES), load(p - WIDE * LANES)));
+        }
     }
 
     // Makes the normal equations, from which gain and bias are eliminated.
@@ -142,7 +140,7 @@ struct Template
             for (int u = -PATCH_RADIUS; u <= PATCH_RADIUS; u++)
             {
                 const float* const p = at(u, v);
-                const Floats t = load(p), x = dx(p), y = dy(p);
+                const Floats t = load(p), x = load(p + LANES), y = load(p + 2 * LANES);
                 const Floats products[] = {v_mul(x, x), v_mul(x, y), v_mul(y, y), x,
                                            y,           v_mul(x, t), v_mul(y, t)};
                 squares = plus(squares, t, t);
@@ -213,12 +211,12 @@ struct Template
         }
     }
 
-    float samples[WIDE * WIDE * LANES];  // less the mean
-    Floats mean, squares;                // squares: the sum of those of the samples
-    Floats gradients[UNKNOWNS];          // the sums of the derivatives
-    Floats withSample[UNKNOWNS];         // the sums of the derivatives times the samples
-    Floats lower[UNKNOWNS][UNKNOWNS];    // L, below the diagonal
-    Floats inverses[UNKNOWNS];           // of the elements of D
+    CV_DECL_ALIGNED(CACHE_LINE) float samples[SIDE * SIDE][3][LANES];
+    Floats mean, squares;              // squares: the sum of those of the samples
+    Floats gradients[UNKNOWNS];        // the sums of the derivatives
+    Floats withSample[UNKNOWNS];       // the sums of the derivatives times the samples
+    Floats lower[UNKNOWNS][UNKNOWNS];  // L, below the diagonal
+    Floats inverses[UNKNOWNS];         // of the elements of D
 };
 
 // Sums over the second patch.
@@ -241,7 +239,7 @@ struct PatchSums
                 sum = v_add(sum, s);
                 squares = plus(squares, s, s);
                 withSample = plus(withSample, s, load(p));
-                const Floats byX = v_mul(s, first.dx(p)), byY = v_mul(s, first.dy(p));
+                const Floats byX = v_mul(s, load(p + LANES)), byY = v_mul(s, load(p + 2 * LANES));
                 x = v_add(x, byX);
                 y = v_add(y, byY);
                 xu = plus(xu, byX, all(float(u)));
@@ -258,7 +256,9 @@ struct PatchSums
     // The right side of the normal equations, with the patch scaled to the norm of the first one.
     void eliminate(const Template& first)
     {
-        const Floats scale = v_sqrt(v_div(first.squares, squares)), gain = v_div(withSample, first.squares);
+        // Twice, as the derivatives are.
+        const Floats scale = v_mul(all(2), v_sqrt(v_div(first.squares, squares)));
+        const Floats gain = v_div(withSample, first.squares);
         for (int i = 0; i < UNKNOWNS; i++)
         {
             const Floats rest = minus(minus(right[i], first.gradients[i], mean), first.withSample[i], gain);
@@ -289,7 +289,7 @@ CV_ALWAYS_INLINE AffineMap composeInverse(const AffineMap& map, const Floats* ch
 // Aligns the patches of LANES matches. Lanes that cannot be aligned go on with the pixels at the origin.
 void alignLanes(const PatchPair* const* pairs, Alignment* alignments)
 {
-    const int STEPS = 4;
+    const int STEPS = 3;
     Places places[2];
     CV_DECL_ALIGNED(CACHE_LINE) float spacings[LANES], maps[4][LANES];
     for (int lane = 0; lane < LANES; lane++)
@@ -322,17 +322,16 @@ void alignLanes(const PatchPair* const* pairs, Alignment* alignments)
                              load(maps[1]),     load(maps[2]),     load(maps[3])};
     map = start;
     PatchSums second;
-    for (int step = 0; step <= STEPS; step++)
+    for (int step = 0; step < STEPS; step++)
     {
         isAligned = v_and(isAligned, isInside(map, places[1], PATCH_RADIUS));
         map.keep(isAligned);
         second.add(first, places[1], map);
-        if (step == STEPS)
-            break;
         second.eliminate(first);
         first.solve(second.right);
         map = composeInverse(map, second.right);
     }
+    isAligned = v_and(isAligned, isInside(map, places[1], PATCH_RADIUS));
 
     const Floats x = v_sub(map.x, start.x), y = v_sub(map.y, start.y);
     const Floats before = v_abs(start.determinant()), after = v_abs(map.determinant());
