@@ -63,9 +63,10 @@ struct Halves
     Point2f positionOf(const PatchPlace& place, int level, const Alignment& alignment) const
     {
         const ptrdiff_t offset = place.origin - images[size_t(level)].ptr();
-        const double size = 1 << level, left = double(offset % place.step), top = double(offset / place.step);
-        return Point2f(float((left + alignment.x + 0.5) * size - 0.5),
-                       float((top + alignment.y + 0.5) * size - 0.5));
+        const ptrdiff_t left = offset % place.step, top = offset / place.step;
+        const double size = 1 << level;
+        return Point2f(float((double(left) + alignment.x + 0.5) * size - 0.5),
+                       float((double(top) + alignment.y + 0.5) * size - 0.5));
     }
 
     std::vector<Mat> images;

@@ -22,6 +22,7 @@ import org.opencv.core.MatOfKeyPoint;
 import org.opencv.core.MatOfPoint2f;
 import org.opencv.core.Point;
 import org.opencv.core.Size;
+import org.opencv.imgproc.Imgproc;
 import org.opencv.test.OpenCVTestCase;
 
 public class HammingMatcherTest extends OpenCVTestCase {
@@ -126,6 +127,25 @@ public class HammingMatcherTest extends OpenCVTestCase {
             assertEquals(50 + i, (int) pairs.get(i, 0)[0]);
             assertEquals(i, (int) pairs.get(i, 1)[0]);
             assertEquals(0, (int) distances.get(i, 0)[0]);
+        }
+    }
+
+    public void testRefineMatches() {
+        Mat image = new Mat(200, 200, CvType.CV_8UC1);
+        Core.randu(image, 0, 256);
+        Imgproc.GaussianBlur(image, image, new Size(9, 9), 2);
+        Core.normalize(image, image, 0, 255, Core.NORM_MINMAX);
+        // The second image begins three columns later, and its keypoints are a pixel off.
+        Mat part = image.colRange(3, 200);
+        MatOfKeyPoint keypoints1 = new MatOfKeyPoint(new KeyPoint(100, 90, 31, 10), new KeyPoint(60, 120, 31, 20));
+        MatOfKeyPoint keypoints2 = new MatOfKeyPoint(new KeyPoint(98, 90, 31, 10), new KeyPoint(57, 121, 31, 20));
+        MatOfDMatch matches = new MatOfDMatch(new DMatch(0, 0, 0), new DMatch(1, 1, 0), new DMatch(0, 1, 0));
+        MatOfPoint2f points1 = new MatOfPoint2f(), points2 = new MatOfPoint2f();
+        Aqorb.refineMatches(image, keypoints1, part, keypoints2, matches, points1, points2);
+        assertEquals(2, matches.rows());
+        for (int i = 0; i < 2; i++) {
+            assertEquals(points1.toArray()[i].x - 3, points2.toArray()[i].x, 0.1);
+            assertEquals(points1.toArray()[i].y, points2.toArray()[i].y, 0.1);
         }
     }
 }

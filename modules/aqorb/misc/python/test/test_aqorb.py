@@ -254,6 +254,17 @@ class aqorb_test(NewOpenCVTests):
         pairs, distances = aqorb.matchArrays(query, train)
         self.assertEqual(np.column_stack([pairs, np.ravel(distances)]).tolist(), [list(m) for m in expected])
 
+    def test_refine_matches(self):
+        image = cv.GaussianBlur(squares(), (0, 0), 1.5)
+        keypoints1 = aqorb.AdaptiveQuadtreeORB_create(500).detect(image)
+        # The second image begins three columns later, and its keypoints are a pixel off.
+        keypoints2 = [cv.KeyPoint(k.pt[0] - 2, k.pt[1], k.size, k.angle) for k in keypoints1]
+        matches = [cv.DMatch(i, i, 0) for i in range(len(keypoints1))]
+        matches, points1, points2 = aqorb.refineMatches(image, keypoints1, image[:, 3:], keypoints2, matches)
+        self.assertGreater(len(matches), 400)
+        error = np.float32(points1).reshape(-1, 2) - (3, 0) - np.float32(points2).reshape(-1, 2)
+        self.assertLess(np.median(np.abs(error)), 0.05)
+
 
 if __name__ == '__main__':
     NewOpenCVTests.bootstrap()
