@@ -125,57 +125,36 @@ struct Template
     // Makes the normal equations, from which gain and bias are eliminated.
     void prepare()
     {
-        // dx dx, dx dy, dy dy, dx, dy, and the last two times the sample
-        const int PRODUCTS = 7, GRADIENT = 3, WITH_SAMPLE = 5;
-        const int BY_1 = 0, BY_U = 1, BY_V = 2, BY_UU = 3, BY_UV = 4, BY_VV = 5, FACTORS = 6;
-        Floats sums[PRODUCTS][FACTORS];
-        for (auto& ofProduct : sums)
-            clear(ofProduct);
         squares = all(0);
+        clear(gradients);
+        clear(withSample);
+        for (auto& row : lower)
+            clear(row);
         for (int v = -PATCH_RADIUS; v <= PATCH_RADIUS; v++)
         {
-            Floats row[PRODUCTS][3];  // times 1, u, u u
-            for (auto& ofProduct : row)
-                clear(ofProduct);
             for (int u = -PATCH_RADIUS; u <= PATCH_RADIUS; u++)
             {
                 const float* const p = at(u, v);
                 const Floats t = load(p), x = load(p + LANES), y = load(p + 2 * LANES);
-                const Floats products[] = {v_mul(x, x), v_mul(x, y), v_mul(y, y), x,
-                                           y,           v_mul(x, t), v_mul(y, t)};
+                const Floats byU = all(float(u)), byV = all(float(v));
+                const Floats derivatives[] = {v_mul(x, byU), v_mul(x, byV), x,
+                                              v_mul(y, byU), v_mul(y, byV), y};
                 squares = plus(squares, t, t);
-                for (int i = 0; i < PRODUCTS; i++)
+                for (int i = 0; i < UNKNOWNS; i++)
                 {
-                    const Floats byU = v_mul(products[i], all(float(u)));
-                    row[i][0] = v_add(row[i][0], products[i]);
-                    row[i][1] = v_add(row[i][1], byU);
-                    row[i][2] = plus(row[i][2], byU, all(float(u)));
+                    gradients[i] = v_add(gradients[i], derivatives[i]);
+                    withSample[i] = plus(withSample[i], derivatives[i], t);
+                    for (int j = 0; j <= i; j++)
+                        lower[i][j] = plus(lower[i][j], derivatives[i], derivatives[j]);
                 }
             }
-            for (int i = 0; i < PRODUCTS; i++)
-            {
-                Floats* const of = sums[i];
-                of[BY_1] = v_add(of[BY_1], row[i][0]);
-                of[BY_U] = v_add(of[BY_U], row[i][1]);
-                of[BY_V] = plus(of[BY_V], row[i][0], all(float(v)));
-                of[BY_UU] = v_add(of[BY_UU], row[i][2]);
-                of[BY_UV] = plus(of[BY_UV], row[i][1], all(float(v)));
-                of[BY_VV] = plus(of[BY_VV], row[i][0], all(float(v * v)));
-            }
         }
-        static const int FACTOR[] = {BY_U, BY_V, BY_1};
-        static const int BOTH[3][3] = {{BY_UU, BY_UV, BY_U}, {BY_UV, BY_VV, BY_V}, {BY_U, BY_V, BY_1}};
         for (int i = 0; i < UNKNOWNS; i++)
         {
-            gradients[i] = sums[GRADIENT + i / 3][FACTOR[i % 3]];
-            withSample[i] = sums[WITH_SAMPLE + i / 3][FACTOR[i % 3]];
+            const Floats byBias = v_mul(gradients[i], all(1 / SAMPLES)),
+                         byGain = v_div(withSample[i], squares);
             for (int j = 0; j <= i; j++)
-            {
-                const Floats byBias = v_mul(gradients[i], gradients[j]),
-                             byGain = v_mul(withSample[i], withSample[j]);
-                lower[i][j] = v_sub(minus(sums[i / 3 + j / 3][BOTH[i % 3][j % 3]], byBias, all(1 / SAMPLES)),
-                                    v_div(byGain, squares));
-            }
+                lower[i][j] = minus(minus(lower[i][j], byBias, gradients[j]), byGain, withSample[j]);
         }
         decompose();
     }
