@@ -196,6 +196,7 @@ TEST(Aqorb_MatchArrays, refuses_bad_input)
     AQORB_BAD("maxDistance must", "-2", matchArrays(some, some, a, b, 0, true, -2));
     AQORB_BAD("normType must", "4", matchArrays(some, some, a, b, 0, true, -1, NORM_L2));
     AQORB_BAD("k must", "0", knnMatchArrays(some, some, a, b, 0));
+    AQORB_BAD("k must", "2147483647", knnMatchArrays(some, some, a, b, INT_MAX));
     AQORB_BAD("trainDescriptors must", "", knnMatchArrays(some, narrow, a, b, 2));
     AQORB_BAD("predicted must", "2",
               matchByPosition(some, std::vector<Point2f>(2), some, keypoints, Size2f(1, 1), a, b));
@@ -204,6 +205,27 @@ TEST(Aqorb_MatchArrays, refuses_bad_input)
     AQORB_BAD("reach must", "-1", matchByPosition(some, positions, some, keypoints, Size2f(-1, 1), a, b));
     AQORB_BAD("reach must", "1 x nan",
               matchByPosition(some, positions, some, keypoints, Size2f(1, NOT_A_NUMBER), a, b));
+}
+
+TEST(Aqorb_MatchArrays, change_no_output_if_the_other_one_is_refused)
+{
+    const Mat some = Mat::eye(3, 32, CV_8UC1), before = Mat::ones(5, 5, CV_8UC1);
+    const std::vector<Point2f> positions(3);
+    const KeyPoints keypoints(3);
+    std::vector<Vec2i> pairsOfNumbers(1);
+    const Mat fixed(7, 7, CV_32SC1);
+    for (const bool isFixed : {false, true})
+    {
+        const OutputArray refused = isFixed ? OutputArray(fixed) : OutputArray(pairsOfNumbers);
+        Mat kept = before.clone();
+        AQORB_BAD("distances must", "", matchArrays(some, some, kept, refused));
+        AQORB_BAD("distances must", "", knnMatchArrays(some, some, kept, refused, 2));
+        AQORB_BAD("distances must", "",
+                  matchByPosition(some, positions, some, keypoints, Size2f(1, 1), kept, refused));
+        AQORB_BAD("pairs must", "", matchArrays(some, some, refused, kept));
+        AQORB_BAD("indices must", "", knnMatchArrays(some, some, refused, kept, 2));
+        EXPECT_TRUE(sameMat(before, kept));
+    }
 }
 
 }  // namespace

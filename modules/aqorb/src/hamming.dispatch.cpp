@@ -35,19 +35,20 @@ void checkHammingNorm(int normType)
                                      int(NORM_HAMMING), int(NORM_HAMMING2), normType));
 }
 
-Mat descriptorsOf(const char* name, InputArray descriptors, int width)
+Mat descriptorsOf(const char* name, InputArray descriptors, int width, int image)
 {
+    const auto fail = [&](int code, const std::string& fault)
+    { CV_Error(code, name + (image < 0 ? "" : format(" of image %d", image)) + " must " + fault); };
     if (descriptors.isMatVector() || descriptors.isUMatVector())
-        CV_Error_(Error::StsBadArg,
-                  ("%s must be a single matrix, got a sequence of %d", name, int(descriptors.total())));
+        fail(Error::StsBadArg, format("be a single matrix, got a sequence of %d", int(descriptors.total())));
     if (descriptors.dims() > 2 || (descriptors.type() != CV_8UC1 && !descriptors.empty()))
-        CV_Error_(Error::StsBadArg, ("%s must be rows of type CV_8UC1, got %d dimensions of type %s", name,
-                                     descriptors.dims(), typeToString(descriptors.type()).c_str()));
+        fail(Error::StsBadArg, format("be rows of type CV_8UC1, got %d dimensions of type %s",
+                                      descriptors.dims(), typeToString(descriptors.type()).c_str()));
     if (descriptors.empty())
         return Mat();
     if (width != 0 && descriptors.cols() != width)
-        CV_Error_(Error::StsUnmatchedSizes, ("%s must have %d bytes a row, as queryDescriptors, got %d", name,
-                                             width, descriptors.cols()));
+        fail(Error::StsUnmatchedSizes,
+             format("have %d bytes a row, as queryDescriptors, got %d", width, descriptors.cols()));
     return descriptors.getMat();
 }
 
@@ -69,6 +70,8 @@ namespace
 const int MAX_PACKED_BYTES = 1024;
 //! The longest ones whose distances fit into a key of 16 bits.
 const int MAX_KEY_BYTES = 127;
+//! The size of a tile of distances.
+const int QUERIES = 8, TRAINS = 1024;
 
 /** Descriptors whose Hamming distances are twice the numbers of pairs of bits that differ: each pair becomes three
  bits, 000, 101, 011 or 110. */
@@ -87,17 +90,48 @@ Mat withThirdBits(const Mat& descriptors)
     return result;
 }
 
+//! Whether there are kernels for these descriptors.
+bool isPacked(const Mat& descriptors)
+{
+    return hammingKernels(0) && descriptors.cols <= MAX_PACKED_BYTES;
+}
+
 //! A tile, and the packed descriptors that it points to. Each thread has its own: it packs the trains in less time than
 //! it takes to get them from the cache of another core.
 class PackedTile
 {
 public:
-    PackedTile(const HammingKernels& kernels_, const Mat& query_, const Mat& train_)
-        : tile(), kernels(kernels_), query(query_), train(train_)
+    //! @param mask empty, or with a row for each query
+    PackedTile(const HammingKernels& kernels_, const Mat& query_, const Mat& train_, const Mat& mask_)
+        : tile(), kernels(kernels_), query(query_), train(train_), mask(mask_)
     {
         tile.words = wordsOf(query);
     }
     static int wordsOf(const Mat& descriptors) { return (descriptors.cols + 7) / 8; }
+
+    //! Packs tiles and calls the function for each, with the index of its first query and that of its first train.
+    template <typename Function>
+    void forEach(const Range& rows, int queriesOfTile, int trainsOfTile, int firstIndex,
+                 const Function& function)
+    {
+        for (int first = 0; first < train.rows; first += trainsOfTile)
+        {
+            packTrains(nextRows(first, trainsOfTile, train.rows), firstIndex);
+            for (int i = rows.start; i < rows.end; i += queriesOfTile)
+            {
+                packQueries(nextRows(i, queriesOfTile, rows.end));
+                if (!mask.empty())
+                    packMask(i, first);
+                function(i, first);
+            }
+        }
+    }
+
+    HammingTile tile;
+
+private:
+    //! The next at most count rows from i on.
+    static Range nextRows(int i, int count, int end) { return Range(i, std::min(i + count, end)); }
 
     void packTrains(const Range& rows, int firstTrain)
     {
@@ -120,10 +154,16 @@ public:
         tile.queryCount = rows.size();
         tile.firstQuery = rows.start;
     }
+    void packMask(int firstQuery, int firstTrain)
+    {
+        tile.allowedStride = alignSize(size_t(tile.trainCount), kernels.block);
+        allowed.assign(tile.allowedStride * tile.queryCount, 0);
+        for (int i = 0; i < tile.queryCount; i++)
+            std::memcpy(&allowed[i * tile.allowedStride], mask.ptr(firstQuery + i) + firstTrain,
+                        size_t(tile.trainCount));
+        tile.allowed = allowed.data();
+    }
 
-    HammingTile tile;
-
-private:
     //! Writes the planes of a descriptor, which are stride words apart.
     void pack(const Mat& descriptors, int row, uint64* packed, int stride) const
     {
@@ -142,8 +182,9 @@ private:
     }
 
     const HammingKernels& kernels;
-    const Mat &query, &train;
+    const Mat &query, &train, &mask;
     AlignedVector<uint64> trains, queries;
+    AlignedVector<uchar> allowed;
 };
 
 //! Divides rows among the threads, in multiples of about a tile, and calls the function for the rows of each.
@@ -158,14 +199,10 @@ template <typename Function> void forRows(int rows, int rowsOfTile, const Functi
         getNumThreads());
 }
 
-//! The next at most count rows from i on.
-Range nextRows(int i, int count, int end)
-{
-    return Range(i, std::min(i + count, end));
-}
-
-//! The distances one by one. Long descriptors are rare, and would take more time and memory if packed.
-void distancesOneByOne(const Mat& query, const Mat& train, bool countPairs, const DistanceSink& sink)
+//! The distances that the mask allows, one by one. Long descriptors are rare, and would take more time and memory if
+//! packed.
+void distancesOneByOne(const Mat& query, const Mat& train, const Mat& mask, bool countPairs,
+                       const DistanceSink& sink)
 {
     parallel_for_(Range(0, query.rows),
                   [&](const Range& rows)
@@ -174,6 +211,8 @@ void distancesOneByOne(const Mat& query, const Mat& train, bool countPairs, cons
                       {
                           for (int j = 0; j < train.rows; j++)
                           {
+                              if (!mask.empty() && !mask.at<uchar>(i, j))
+                                  continue;
                               const int distance = hal::normHamming(query.ptr(i), train.ptr(j), query.cols,
                                                                     countPairs ? 2 : 1);
                               sink(i, j, &distance, 1);
@@ -193,8 +232,8 @@ template <int KEPT> void addKeys(const std::vector<DistanceKey>& keys, bool isDo
 }
 
 //! Few neighbours, of descriptors that are not too long, by the kernels for them.
-void nearestInTiles(const HammingKernels& kernels, const Mat& query, const Mat& train, bool isDoubled,
-                    int firstTrain, int kept, DistanceKey* ofQueries, DistanceKey* ofTrains)
+void nearestInTiles(const HammingKernels& kernels, const Mat& query, const Mat& train, const Mat& mask,
+                    bool isDoubled, int firstTrain, int kept, DistanceKey* ofQueries, DistanceKey* ofTrains)
 {
     const int queriesOfTile = 1 << kernels.indexBits, trainsOfTile = kernels.block << kernels.indexBits;
     const auto add = kept == 1 ? addKeys<1> : addKeys<2>;
@@ -202,75 +241,133 @@ void nearestInTiles(const HammingKernels& kernels, const Mat& query, const Mat& 
     forRows(query.rows, queriesOfTile,
             [&](const Range& rows)
             {
-                PackedTile packed(kernels, query, train);
+                PackedTile packed(kernels, query, train, mask);
                 AlignedVector<ushort> scratch(size_t(queriesOfTile) * kept * kernels.block);
                 packed.tile.scratch = scratch.data();
                 std::vector<DistanceKey> queryKeys(size_t(rows.size()) * kept, NO_KEY),
                     trainKeys(ofTrains ? size_t(train.rows) * kept : 0, NO_KEY);
-                for (int first = 0; first < train.rows; first += trainsOfTile)
-                {
-                    packed.packTrains(nextRows(first, trainsOfTile, train.rows), firstTrain);
-                    for (int i = rows.start; i < rows.end; i += queriesOfTile)
-                    {
-                        packed.packQueries(nextRows(i, queriesOfTile, rows.end));
-                        kernels.nearest[kept - 1][ofTrains != 0](
-                            packed.tile, &queryKeys[size_t(i - rows.start) * kept],
-                            ofTrains ? &trainKeys[size_t(first) * kept] : 0);
-                    }
-                }
+                const auto nearest = kernels.nearest[kept - 1][ofTrains != 0][!mask.empty()];
+                packed.forEach(rows, queriesOfTile, trainsOfTile, firstTrain,
+                               [&](int i, int first)
+                               {
+                                   nearest(packed.tile, &queryKeys[size_t(i - rows.start) * kept],
+                                           ofTrains ? &trainKeys[size_t(first) * kept] : 0);
+                               });
                 add(queryKeys, isDoubled, ofQueries + size_t(rows.start) * kept);
                 const AutoLock lock(mutex);
                 add(trainKeys, isDoubled, ofTrains);
             });
 }
 
-//! Keeps the nearest trains of each query that the mask allows.
-DistanceSink nearestSink(const Mat& mask, int firstIndex, int kept, DistanceKey* nearest)
+//! Puts the least of a row of distances into a list. As distances are small numbers, they are counted, which takes
+//! the same time for a list of any length.
+class LeastDistances
 {
-    return [=](int query, int firstTrain, const int* distances, int count)
+public:
+    LeastDistances(const HammingKernels& kernels_, int bits, int rowLength)
+        : kernels(kernels_), found(rowLength), counts(bits + 2)
     {
-        const uchar* const allowed = mask.empty() ? 0 : mask.ptr(query) + firstTrain;
-        DistanceKey* const list = nearest + size_t(query) * kept;
-        for (int i = 0; i < count; i++)
-            if (!allowed || allowed[i])
-                insertKey(list, kept, distanceKey(distances[i], firstIndex + firstTrain + i));
-    };
+    }
+
+    //! @param row trainCount distances and those of what fills the last block, which are overwritten
+    //! @param isDoubled whether they are twice those of the list
+    void addTo(DistanceKey* list, int kept, ushort* row, const HammingTile& tile, bool isDoubled)
+    {
+        const int count = int(alignSize(size_t(tile.trainCount), kernels.block));
+        std::fill(row + tile.trainCount, row + count, ushort(0x7fff));
+        const DistanceKey last = list[kept - 1];
+        const int limit = last == NO_KEY ? int(counts.size()) - 1 : distanceOf(last) << isDoubled;
+        const int size = kernels.leastDistances(row, count, limit, kept, found.data());
+        if (size == 0)
+            return;
+
+        int low = limit, high = 0;
+        for (int i = 0; i < size; i++)
+        {
+            const int distance = row[found[i]];
+            low = std::min(low, distance);
+            high = std::max(high, distance);
+            counts[distance + 1]++;
+        }
+        std::partial_sum(&counts[low], &counts[high + 1], &counts[low]);
+        keys.resize(size);
+        for (int i = 0; i < size; i++)
+            keys[counts[row[found[i]]]++] =
+                distanceKey(row[found[i]] >> isDoubled, tile.firstTrain + found[i]);
+        std::fill(&counts[low], &counts[high + 1] + 1, 0);
+
+        const DistanceKey* const end = std::lower_bound(list, list + kept, NO_KEY);
+        merged.resize(size_t(end - list) + size);
+        std::merge(static_cast<const DistanceKey*>(list), end, keys.begin(), keys.end(), merged.begin());
+        std::copy_n(merged.begin(), std::min(merged.size(), size_t(kept)), list);
+    }
+
+private:
+    const HammingKernels& kernels;
+    std::vector<int> found, counts;
+    std::vector<DistanceKey> keys, merged;
+};
+
+//! Calls the function for the distances of each query to the trains of each tile, with the tile and a work space.
+template <typename WorkSpace, typename Function>
+void forDistances(const Mat& query, const Mat& train, const Mat& mask, int firstTrain,
+                  const WorkSpace& workSpace, const Function& function)
+{
+    const HammingKernels& kernels = *hammingKernels(PackedTile::wordsOf(query));
+    forRows(query.rows, QUERIES,
+            [&](const Range& rows)
+            {
+                PackedTile packed(kernels, query, train, mask);
+                AlignedVector<ushort> distances(size_t(QUERIES) * TRAINS);
+                WorkSpace own = workSpace;
+                packed.forEach(rows, QUERIES, TRAINS, firstTrain,
+                               [&](int i, int first)
+                               {
+                                   kernels.distances(packed.tile, distances.data(), TRAINS);
+                                   for (int j = 0; j < packed.tile.queryCount; j++)
+                                       function(own, i + j, first, &distances[size_t(j) * TRAINS],
+                                                packed.tile);
+                               });
+            });
+}
+
+//! The nearest descriptors of the queries only.
+void nearestOfQueries(const Mat& query, const Mat& train, const Mat& mask, bool countPairs, int firstTrain,
+                      int kept, DistanceKey* nearest)
+{
+    if (!isPacked(query))
+    {
+        distancesOneByOne(
+            query, train, mask, countPairs,
+            [=](int i, int j, const int* distance, int)
+            { insertKey(nearest + size_t(i) * kept, kept, distanceKey(*distance, firstTrain + j)); });
+        return;
+    }
+    const Mat q = countPairs ? withThirdBits(query) : query, t = countPairs ? withThirdBits(train) : train;
+    const LeastDistances least(*hammingKernels(0), 8 * q.cols, TRAINS);
+    forDistances(q, t, mask, firstTrain, least,
+                 [&](LeastDistances& own, int i, int, ushort* row, const HammingTile& tile)
+                 { own.addTo(nearest + size_t(i) * kept, kept, row, tile, countPairs); });
 }
 
 }  // namespace
 
-void allDistances(const Mat& query_, const Mat& train_, bool countPairs, const DistanceSink& sink)
+void allDistances(const Mat& query, const Mat& train, bool countPairs, const DistanceSink& sink)
 {
     CV_TRACE_FUNCTION();
-    const HammingKernels* const kernels = hammingKernels(0);
-    if (!kernels || query_.cols > MAX_PACKED_BYTES)
+    if (!isPacked(query))
     {
-        distancesOneByOne(query_, train_, countPairs, sink);
+        distancesOneByOne(query, train, Mat(), countPairs, sink);
         return;
     }
-    const Mat query = countPairs ? withThirdBits(query_) : query_,
-              train = countPairs ? withThirdBits(train_) : train_;
-    const int QUERIES = 8, TRAINS = 1024;
-    forRows(query.rows, QUERIES,
-            [&](const Range& rows)
-            {
-                PackedTile packed(*kernels, query, train);
-                AlignedVector<int> distances(size_t(QUERIES) * TRAINS);
-                for (int first = 0; first < train.rows; first += TRAINS)
-                {
-                    packed.packTrains(nextRows(first, TRAINS, train.rows), 0);
-                    for (int i = rows.start; i < rows.end; i += QUERIES)
-                    {
-                        packed.packQueries(nextRows(i, QUERIES, rows.end));
-                        hammingKernels(packed.tile.words)->distances(packed.tile, distances.data(), TRAINS);
-                        if (countPairs)
-                            std::transform(distances.begin(), distances.end(), distances.begin(),
-                                           [](int distance) { return distance / 2; });
-                        for (int j = 0; j < packed.tile.queryCount; j++)
-                            sink(i + j, first, &distances[size_t(j) * TRAINS], packed.tile.trainCount);
-                    }
-                }
-            });
+    const Mat q = countPairs ? withThirdBits(query) : query, t = countPairs ? withThirdBits(train) : train;
+    forDistances(q, t, Mat(), 0, std::vector<int>(TRAINS),
+                 [&](std::vector<int>& own, int i, int first, const ushort* row, const HammingTile& tile)
+                 {
+                     std::transform(row, row + tile.trainCount, own.begin(),
+                                    [=](ushort distance) { return distance >> int(countPairs); });
+                     sink(i, first, own.data(), tile.trainCount);
+                 });
 }
 
 void nearestDescriptors(const Mat& query, const Mat& train, const Mat& mask, bool countPairs, int firstTrain,
@@ -279,17 +376,17 @@ void nearestDescriptors(const Mat& query, const Mat& train, const Mat& mask, boo
     CV_TRACE_FUNCTION();
     if (query.empty() || train.empty())
         return;
-    if (mask.empty() && kept <= 2 && query.cols <= MAX_KEY_BYTES && hammingKernels(0))
+    if (kept <= 2 && query.cols <= MAX_KEY_BYTES && isPacked(query))
     {
         const Mat q = countPairs ? withThirdBits(query) : query,
                   t = countPairs ? withThirdBits(train) : train;
-        nearestInTiles(*hammingKernels(PackedTile::wordsOf(q)), q, t, countPairs, firstTrain, kept, ofQueries,
-                       ofTrains);
+        nearestInTiles(*hammingKernels(PackedTile::wordsOf(q)), q, t, mask, countPairs, firstTrain, kept,
+                       ofQueries, ofTrains);
         return;
     }
-    allDistances(query, train, countPairs, nearestSink(mask, firstTrain, kept, ofQueries));
-    if (ofTrains)  // never with a mask
-        allDistances(train, query, countPairs, nearestSink(mask, 0, kept, ofTrains));
+    nearestOfQueries(query, train, mask, countPairs, firstTrain, kept, ofQueries);
+    if (ofTrains)
+        nearestOfQueries(train, query, mask.empty() ? mask : Mat(mask.t()), countPairs, 0, kept, ofTrains);
 }
 
 }  // namespace aqorb

@@ -23,8 +23,9 @@ void checkHammingNorm(int normType);
 
 /** Checks descriptors and returns them. All matchers call it, so that they agree on when there are none: a matrix
  without rows or columns is returned as an empty one.
- @param width the number of columns that they must have; any for 0 */
-Mat descriptorsOf(const char* name, InputArray descriptors, int width = 0);
+ @param width the number of columns that they must have; any for 0
+ @param image the image that errors name with them; none for -1 */
+Mat descriptorsOf(const char* name, InputArray descriptors, int width = 0, int image = -1);
 
 //! Reports that memory ran out as OpenCV does. To be called where std::bad_alloc is caught.
 void throwNoMemory(InputArray queryDescriptors);
@@ -79,9 +80,9 @@ template <int KEPT> static inline void keepKey(DistanceKey* smallest, DistanceKe
         smallest[KEPT - 1] = smallest[KEPT - 1] < larger ? smallest[KEPT - 1] : larger;
 }
 
-/** Finds the nearest descriptors. Lists of one or two without a mask have kernels of their own.
- @param mask empty, or CV_8UC1 with a row for each query; trains for which it is 0 are left out
- @param firstTrain the index that the first train is to have
+/** Finds the nearest descriptors. Lists of one or two have kernels of their own.
+ @param mask empty, or CV_8UC1 with a row for each query; pairs for which it is 0 are left out
+ @param firstTrain the index that the first train is to have, above those in the lists
  @param kept the length of each list
  @param ofQueries lists in ascending order, of one query after the other, with NO_KEY for no descriptor. The trains are
  added to these lists.
@@ -99,6 +100,10 @@ struct HammingTile
     int firstQuery, firstTrain;  //!< the indices of the first ones
     int words;                   //!< 64-bit words of a descriptor
     ushort* scratch;             //!< for nearest: 2 * queryCount * block elements
+    //! A row for each query, allowedStride bytes after the row before: 0 for a train that is left out, and for what
+    //! fills the last block. Null: none is left out.
+    const uchar* allowed;
+    size_t allowedStride;
 };
 
 //! The kernels of a CPU for a width of descriptors.
@@ -110,15 +115,21 @@ struct HammingKernels
     int planes;     //!< packed words for each word: itself, or the low and the high halves of its bytes
     int indexBits;  //!< for nearest: a tile has at most 2^indexBits queries, and blocks of trains
 
-    /** Puts the descriptors of a tile into lists of the nearest ones. nearest[KEPT - 1][BOTH] is the kernel for lists
-     of KEPT descriptors. With BOTH it fills the lists of the trains, too.
+    /** Puts the descriptors of a tile into lists of the nearest ones. nearest[KEPT - 1][BOTH][MASKED] is the kernel for
+     lists of KEPT descriptors. With BOTH it fills the lists of the trains, too. MASKED: tile.allowed is not null.
      @param ofQueries, ofTrains lists in ascending order of the queries and of the trains of the tile, one after the
      other */
-    void (*nearest[2][2])(const HammingTile& tile, DistanceKey* ofQueries, DistanceKey* ofTrains);
+    void (*nearest[2][2][2])(const HammingTile& tile, DistanceKey* ofQueries, DistanceKey* ofTrains);
 
     //! Computes distances: a row for each query, stride elements after the row before. A row has an element for each
-    //! train, and for those that fill the last block.
-    void (*distances)(const HammingTile& tile, int* distances, size_t stride);
+    //! train, and for those that fill the last block. It is 0x7fff for a train that is left out.
+    void (*distances)(const HammingTile& tile, ushort* distances, size_t stride);
+
+    /** Finds the least distances of a row, and returns how many: those below the limit, at most kept, and of equal ones
+     the first.
+     @param count a multiple of block, at most 2^15
+     @param found their indices in ascending order */
+    int (*leastDistances)(const ushort* distances, int count, int limit, int kept, int* found);
 };
 
 //! The best kernels of this CPU for descriptors of so many words; null if it has no vectors.

@@ -69,6 +69,24 @@ template <int WORDS> struct IndexBits
     };
 };
 
+//! Whether a query may have any train of a block, by its row of the mask.
+CV_ALWAYS_INLINE bool anyAllowed(const uchar* allowed)
+{
+    uint64 any = 0, some;
+    for (int i = 0; i < AQORB_LANES(v_uint16); i += 8)
+    {
+        std::memcpy(&some, allowed + i, 8);
+        any |= some;
+    }
+    return any != 0;
+}
+
+//! All bits of the lanes of the trains of a block that a query may not have.
+CV_ALWAYS_INLINE v_uint16 excludedLanes(const uchar* allowed)
+{
+    return v_eq(vx_load_expand(allowed), vx_setzero_u16());
+}
+
 //! Puts 16-bit keys into lists of the KEPT smallest ones of each lane.
 template <int KEPT> CV_ALWAYS_INLINE void insertKeys(v_uint16* smallest, const v_uint16& keys)
 {
@@ -104,7 +122,7 @@ template <int KEPT, int BITS> void mergeLanes(const ushort* lanes, int firstTrai
     keepKey<KEPT>(list, wideKey<BITS>(smallest, firstTrain + trailingZeros(where), LANES));
 }
 
-template <int WORDS, int KEPT, bool BOTH>
+template <int WORDS, int KEPT, bool BOTH, bool MASKED>
 void nearest(const HammingTile& tile, DistanceKey* ofQueries, DistanceKey* ofTrains)
 {
     const int LANES = AQORB_LANES(v_uint16), BITS = IndexBits<WORDS>::VALUE, planes = tile.words * BIT_PLANES;
@@ -123,17 +141,22 @@ void nearest(const HammingTile& tile, DistanceKey* ofQueries, DistanceKey* ofTra
         ushort* lanes = tile.scratch;
         for (int i = 0; i < tile.queryCount; i++, lanes += KEPT * LANES)
         {
-            const v_uint16 distances =
+            const v_uint16 ofQuery = query;
+            if (BOTH)
+                query = v_add_wrap(query, vx_setall_u16(1));
+            const uchar* const allowed = MASKED ? tile.allowed + i * tile.allowedStride + b * LANES : 0;
+            if (MASKED && !anyAllowed(allowed))
+                continue;
+            v_uint16 distances =
                 v_shl<BITS>(blockDistances<WORDS>(tile.queries + size_t(i) * planes, block, tile.words));
+            if (MASKED)
+                distances = v_or(distances, excludedLanes(allowed));
             v_uint16 smallest[2] = {vx_load(lanes), vx_load(lanes + (KEPT - 1) * LANES)};
             insertKeys<KEPT>(smallest, v_or(distances, number));
             for (int k = 0; k < KEPT; k++)
                 v_store(lanes + k * LANES, smallest[k]);
             if (BOTH)
-            {
-                insertKeys<KEPT>(best, v_or(distances, query));
-                query = v_add_wrap(query, vx_setall_u16(1));
-            }
+                insertKeys<KEPT>(best, v_or(distances, ofQuery));
         }
         // The last block comes first. What fills it has no keys.
         const int left = tile.trainCount - b * LANES, filled = left < LANES ? left : LANES;
@@ -157,7 +180,7 @@ void nearest(const HammingTile& tile, DistanceKey* ofQueries, DistanceKey* ofTra
         mergeLanes<KEPT, BITS>(tile.scratch + i * KEPT * LANES, tile.firstTrain, ofQueries + i * KEPT);
 }
 
-template <int WORDS> void distances(const HammingTile& tile, int* out, size_t stride)
+template <int WORDS> void distances(const HammingTile& tile, ushort* out, size_t stride)
 {
     const int LANES = AQORB_LANES(v_uint16), planes = tile.words * BIT_PLANES;
     for (int first = 0; first < tile.trainCount; first += LANES)
@@ -165,23 +188,76 @@ template <int WORDS> void distances(const HammingTile& tile, int* out, size_t st
         const uint64* const block = tile.trains + size_t(first) * planes;
         for (int i = 0; i < tile.queryCount; i++)
         {
-            v_uint32 low, high;
-            v_expand(blockDistances<WORDS>(tile.queries + size_t(i) * planes, block, tile.words), low, high);
-            v_store(out + i * stride + first, v_reinterpret_as_s32(low));
-            v_store(out + i * stride + first + LANES / 2, v_reinterpret_as_s32(high));
+            v_uint16 excluded = vx_setzero_u16();
+            if (tile.allowed)
+                excluded = v_shr<1>(excludedLanes(tile.allowed + i * tile.allowedStride + first));
+            v_store(
+                out + i * stride + first,
+                v_or(blockDistances<WORDS>(tile.queries + size_t(i) * planes, block, tile.words), excluded));
         }
     }
 }
 
+//! How many of the distances are below a limit.
+int countBelow(const ushort* distances, int count, int limit)
+{
+    const v_int16 bound = vx_setall_s16(short(limit));
+    v_int16 below = vx_setzero_s16();
+    for (int i = 0; i < count; i += AQORB_LANES(v_int16))
+        below = v_sub(below, v_gt(bound, v_reinterpret_as_s16(vx_load(distances + i))));
+    return int(v_reduce_sum(below));
+}
+
+int leastDistances(const ushort* distances, int count, int limit, int kept, int* found)
+{
+    // Of those at the distance `least`, so many are found as `kept` leaves. It is sought between two bounds.
+    int least = limit, equal = 0;
+    if (countBelow(distances, count, limit) > kept)
+    {
+        least = 0;
+        equal = kept;
+        for (int above = limit; above - least > 1;)
+        {
+            const int middle = (least + above) / 2, below = countBelow(distances, count, middle);
+            if (below <= kept)
+            {
+                least = middle;
+                equal = kept - below;
+            }
+            else
+            {
+                above = middle;
+            }
+        }
+    }
+    int* next = found;
+    const v_int16 bound = vx_setall_s16(short(least + (equal > 0)));
+    for (int first = 0; first < count; first += AQORB_LANES(v_int16))
+    {
+        uint64 lanes = greaterLanes(bound, v_reinterpret_as_s16(vx_load(distances + first)));
+        for (; lanes; lanes &= lanes - 1)
+        {
+            const int i = first + trailingZeros(lanes);
+            if (distances[i] < least || equal-- > 0)
+                *next++ = i;
+        }
+    }
+    return int(next - found);
+}
+
 template <int WORDS> const HammingKernels* table()
 {
-    static const HammingKernels kernels = {AQORB_LANES(v_uint16),
-                                           laneOf,
-                                           BIT_PLANES,
-                                           IndexBits<WORDS>::VALUE,
-                                           {{nearest<WORDS, 1, false>, nearest<WORDS, 1, true>},
-                                            {nearest<WORDS, 2, false>, nearest<WORDS, 2, true>}},
-                                           distances<WORDS>};
+    static const HammingKernels kernels = {
+        AQORB_LANES(v_uint16),
+        laneOf,
+        BIT_PLANES,
+        IndexBits<WORDS>::VALUE,
+        {{{nearest<WORDS, 1, false, false>, nearest<WORDS, 1, false, true>},
+          {nearest<WORDS, 1, true, false>, nearest<WORDS, 1, true, true>}},
+         {{nearest<WORDS, 2, false, false>, nearest<WORDS, 2, false, true>},
+          {nearest<WORDS, 2, true, false>, nearest<WORDS, 2, true, true>}}},
+        distances<WORDS>,
+        leastDistances};
     return &kernels;
 }
 

@@ -8,7 +8,6 @@
 #include "precomp.hpp"
 
 #include "hamming.hpp"
-#include "simd_compat.hpp"
 
 #include <opencv2/aqorb/matching.hpp>
 
@@ -61,6 +60,32 @@ struct MatchFilter
     const int maxDistance;
 };
 
+//! Throws unless an output can take a matrix of this size, empty for none.
+void checkOutput(const char* name, OutputArray output, const Size& size)
+{
+    const _InputArray::KindFlag kind = output.kind();
+    const bool isMatrix = kind == _InputArray::MAT || kind == _InputArray::UMAT || kind == _InputArray::MATX,
+               isVector = kind == _InputArray::STD_VECTOR && (size.width == 1 || size.height == 1);
+    const bool fits = size.empty() ? !output.fixedSize()
+                                   : (isMatrix || isVector) &&
+                                         !(output.fixedType() && CV_MAT_CN(output.type()) != 1) &&
+                                         !(output.fixedSize() && output.size() != size);
+    if (!fits)
+        CV_Error_(Error::StsBadArg,
+                  ("%s must be an output for %d x %d numbers in one channel, got another one", name,
+                   size.height, size.width));
+}
+
+//! Writes two matrices of the same number of rows. Neither output is changed unless both can take theirs.
+void writeBoth(const Mat& first, const char* firstName, OutputArray firstOutput, const Mat& distances,
+               OutputArray distancesOutput)
+{
+    checkOutput(firstName, firstOutput, first.size());
+    checkOutput("distances", distancesOutput, distances.size());
+    first.copyTo(firstOutput);
+    distances.copyTo(distancesOutput);
+}
+
 //! Writes the matches that pass the tests.
 //! @param ofQueries, ofTrains lists of filter.kept() keys; those of the trains are used for crossCheck only
 void writeMatches(const Keys& ofQueries, const Keys& ofTrains, const MatchFilter& filter, OutputArray pairs,
@@ -78,13 +103,9 @@ void writeMatches(const Keys& ofQueries, const Keys& ofTrains, const MatchFilter
         lengths.push_back(distanceOf(ofQuery[0]));
     }
     if (found.empty())
-    {
-        pairs.release();
-        distances.release();
-        return;
-    }
-    Mat(int(found.size()), 2, CV_32SC1, found.data()).copyTo(pairs);
-    Mat(int(lengths.size()), 1, CV_32SC1, lengths.data()).copyTo(distances);
+        writeBoth(Mat(), "pairs", pairs, Mat(), distances);
+    else
+        writeBoth(Mat(found).reshape(1), "pairs", pairs, Mat(lengths), distances);
 }
 
 bool isFinite(const Point2f& p)
@@ -92,58 +113,84 @@ bool isFinite(const Point2f& p)
     return std::isfinite(p.x) && std::isfinite(p.y);
 }
 
-//! A train keypoint with its index.
-struct Train
+//! The indices of the positions that are finite, from the top of the image to the bottom.
+std::vector<int> sortedByRow(const std::vector<Point2f>& positions)
 {
-    Point2f pt;
-    int index;
+    std::vector<int> order;
+    for (size_t i = 0; i < positions.size(); i++)
+        if (isFinite(positions[i]))
+            order.push_back(int(i));
+    std::sort(order.begin(), order.end(), [&](int a, int b) { return positions[a].y < positions[b].y; });
+    return order;
+}
+
+//! The least float that is not below a number.
+float roundedUp(double number)
+{
+    const float nearest = float(number);
+    return nearest < number ? std::nextafter(nearest, std::numeric_limits<float>::infinity()) : nearest;
+}
+
+//! The positions that are at most as far as the reach from a center.
+struct Window
+{
+    Window(const Point2f& center, const Size2f& reach)
+        : left(roundedUp(double(center.x) - reach.width)),
+          right(-roundedUp(-double(center.x) - reach.width)),
+          top(roundedUp(double(center.y) - reach.height)),
+          bottom(-roundedUp(-double(center.y) - reach.height))
+    {
+    }
+
+    float left, right, top, bottom;
 };
 
-//! The keypoints whose position is finite, from the top of the image to the bottom.
-std::vector<Train> sortedByRow(const std::vector<KeyPoint>& keypoints)
+//! The descriptors and positions of some indices, in ascending order so that the first of equally near ones stays first.
+struct Subset
 {
-    std::vector<Train> trains;
-    for (size_t i = 0; i < keypoints.size(); i++)
-        if (isFinite(keypoints[i].pt))
-            trains.push_back({keypoints[i].pt, int(i)});
-    std::sort(trains.begin(), trains.end(), [](const Train& a, const Train& b) { return a.pt.y < b.pt.y; });
-    return trains;
+    Subset(std::vector<int>::const_iterator begin, std::vector<int>::const_iterator end, const Mat& all,
+           const std::vector<Point2f>& positions)
+        : indices(begin, end), descriptors(int(end - begin), all.cols, CV_8UC1)
+    {
+        std::sort(indices.begin(), indices.end());
+        for (size_t i = 0; i < indices.size(); i++)
+        {
+            std::memcpy(descriptors.ptr(int(i)), all.ptr(indices[i]), size_t(all.cols));
+            x.push_back(positions[indices[i]].x);
+            y.push_back(positions[indices[i]].y);
+        }
+    }
+
+    std::vector<int> indices;
+    Mat descriptors;
+    std::vector<float> x, y;
+};
+
+//! Whether positions lie in a window, in a function of its own that compilers turn into vectors.
+void testWindow(const float* x, const float* y, int count, const Window window, uchar* isWithin)
+{
+    const float left = window.left, right = window.right, top = window.top, bottom = window.bottom;
+    for (int i = 0; i < count; i++)
+        isWithin[i] = uchar((x[i] >= left) & (x[i] <= right) & (y[i] >= top) & (y[i] <= bottom));
 }
 
-//! Finds the trains of a window.
-void findAround(const Point2f& center, const Size2f& reach, const std::vector<Train>& trains,
-                std::vector<int>& found)
+//! Which trains lie within the windows of the queries, as nearestDescriptors takes it.
+Mat maskOf(const Subset& queries, const Subset& trains, const Size2f& reach)
 {
-    const auto begin = std::partition_point(trains.begin(), trains.end(),
-                                            [&](const Train& train)
-                                            { return double(train.pt.y) - center.y < -reach.height; });
-    const auto end = std::partition_point(begin, trains.end(),
-                                          [&](const Train& train)
-                                          { return double(train.pt.y) - center.y <= reach.height; });
-    found.resize(size_t(end - begin));
-    size_t count = 0;
-    for (auto train = begin; train != end; ++train)
-    {
-        // Without a branch, which the CPU would often predict wrongly.
-        found[count] = train->index;
-        count += std::abs(double(train->pt.x) - center.x) <= reach.width;
-    }
-    found.resize(count);
+    Mat mask(queries.descriptors.rows, trains.descriptors.rows, CV_8UC1);
+    for (int i = 0; i < mask.rows; i++)
+        testWindow(trains.x.data(), trains.y.data(), mask.cols,
+                   Window(Point2f(queries.x[i], queries.y[i]), reach), mask.ptr(i));
+    return mask;
 }
 
-//! The distance of two descriptors. To call cv::hal::normHamming takes longer than to count the bits of so few.
-int distanceBetween(const uchar* a, const uchar* b, int bytes, bool countPairs)
+//! Puts the keys of a subset into the lists of all descriptors.
+void addKeys(const Keys& keys, int kept, const Subset& own, const Subset& others, Keys& lists)
 {
-    int distance = 0;
-    for (int i = 0; i < bytes; i += 8)
-    {
-        uint64 words[2] = {0, 0};
-        for (int j = 0; j < 2; j++)
-            std::memcpy(&words[j], (j ? b : a) + i, bytes - i < 8 ? size_t(bytes - i) : 8);
-        const uint64 bits = words[0] ^ words[1];
-        distance += bitCount(countPairs ? (bits | bits >> 1) & 0x5555555555555555u : bits);
-    }
-    return distance;
+    for (size_t i = 0; i < keys.size(); i++)
+        if (keys[i] != NO_KEY)
+            insertKey(&lists[size_t(own.indices[i / kept]) * kept], kept,
+                      distanceKey(distanceOf(keys[i]), others.indices[indexOf(keys[i])]));
 }
 
 void checkCount(const char* name, size_t count, const char* descriptors, int rows)
@@ -187,8 +234,9 @@ try
 {
     CV_TRACE_FUNCTION();
     checkHammingNorm(normType);
-    if (k <= 0)
-        CV_Error_(Error::StsOutOfRange, ("k must be above 0, got %d", k));
+    const int MAX_K = INT_MAX / int(sizeof(int));  // cv::Mat counts the bytes of a row as an int
+    if (k <= 0 || k > MAX_K)
+        CV_Error_(Error::StsOutOfRange, ("k must be from 1 to %d, got %d", MAX_K, k));
     const Mat query = descriptorsOf("queryDescriptors", queryDescriptors),
               train = trainsFor(query, trainDescriptors);
     const int kept = std::min(k, train.rows);
@@ -203,8 +251,7 @@ try
             lengths.at<int>(i, j) = distanceOf(nearest[size_t(i) * kept + j]);
         }
     }
-    found.copyTo(indices);
-    lengths.copyTo(distances);
+    writeBoth(found, "indices", indices, lengths, distances);
 }
 catch (const std::bad_alloc&)
 {
@@ -229,21 +276,35 @@ try
     const MatchFilter filter(ratio, crossCheck, maxDistance);
 
     const int kept = filter.kept();
-    Keys ofQueries(size_t(query.rows) * kept, NO_KEY), ofTrains(size_t(train.rows) * kept, NO_KEY);
-    const std::vector<Train> trains = train.empty() ? std::vector<Train>() : sortedByRow(trainKeypoints);
-    std::vector<int> found;
-    for (int i = 0; i < query.rows; i++)
+    Keys ofQueries(size_t(query.rows) * kept, NO_KEY),
+        ofTrains(crossCheck ? size_t(train.rows) * kept : 0, NO_KEY);
+    std::vector<Point2f> positions;
+    for (int i = 0; i < train.rows; i++)
+        positions.push_back(trainKeypoints[i].pt);
+    const std::vector<int> queryOrder = sortedByRow(predicted), trainOrder = sortedByRow(positions);
+    // Queries of about the same row are compared at once with all trains that one of them may have.
+    const int LEAST_ROWS = 64, MOST_ROWS = 512;
+    for (auto first = queryOrder.begin(); !train.empty() && first != queryOrder.end();)
     {
-        if (!isFinite(predicted[i]))
-            continue;
-        findAround(predicted[i], reach, trains, found);
-        for (const int j : found)
-        {
-            const int distance =
-                distanceBetween(query.ptr(i), train.ptr(j), query.cols, normType == NORM_HAMMING2);
-            insertKey(&ofQueries[size_t(i) * kept], kept, distanceKey(distance, j));
-            insertKey(&ofTrains[size_t(j) * kept], kept, distanceKey(distance, i));
-        }
+        auto last = first;
+        while (last != queryOrder.end() && last - first < MOST_ROWS &&
+               (last - first < LEAST_ROWS || predicted[*last].y - predicted[*first].y <= reach.height))
+            ++last;
+        const float top = Window(predicted[*first], reach).top,
+                    bottom = Window(predicted[*(last - 1)], reach).bottom;
+        const auto begin = std::partition_point(trainOrder.begin(), trainOrder.end(),
+                                                [&](int i) { return positions[i].y < top; });
+        const auto end =
+            std::partition_point(begin, trainOrder.end(), [&](int i) { return positions[i].y <= bottom; });
+        const Subset queries(first, last, query, predicted), trains(begin, end, train, positions);
+        first = last;
+        Keys nearest(queries.indices.size() * kept, NO_KEY),
+            nearestQueries(crossCheck ? trains.indices.size() * kept : 0, NO_KEY);
+        nearestDescriptors(queries.descriptors, trains.descriptors, maskOf(queries, trains, reach),
+                           normType == NORM_HAMMING2, 0, kept, nearest.data(),
+                           crossCheck ? nearestQueries.data() : 0);
+        addKeys(nearest, kept, queries, trains, ofQueries);
+        addKeys(nearestQueries, kept, trains, queries, ofTrains);
     }
     writeMatches(ofQueries, ofTrains, filter, pairs, distances);
 }

@@ -72,6 +72,41 @@ std::vector<Mat> masksOf(InputArrayOfArrays input, int queries, const std::vecto
     return masks;
 }
 
+//! Calls the function with the train descriptors, the mask and the index of each image. Images of few descriptors are
+//! joined, because each search takes some time of its own.
+template <typename Function>
+void forImages(const Mat& query, const std::vector<Mat>& images, const std::vector<Mat>& masks,
+               const Function& function)
+{
+    const int MOST_JOINED = 4096;
+    for (size_t first = 0, next; !query.empty() && first < images.size(); first = next)
+    {
+        int rows = images[first].rows;
+        for (next = first + 1; next < images.size() && rows + images[next].rows <= MOST_JOINED; next++)
+            rows += images[next].rows;
+        if (next == first + 1 || rows == 0)
+        {
+            function(images[first], masks[first], first);
+            continue;
+        }
+        Mat joined(rows, query.cols, CV_8UC1), mask;
+        if (std::any_of(&masks[first], &masks[first] + (next - first),
+                        [](const Mat& m) { return !m.empty(); }))
+            mask = Mat(query.rows, rows, CV_8UC1, Scalar(255));
+        Range range(0, 0);
+        for (size_t i = first; i < next; i++)
+        {
+            range = Range(range.end, range.end + images[i].rows);
+            if (images[i].empty())
+                continue;
+            images[i].copyTo(joined.rowRange(range));
+            if (!masks[i].empty())
+                masks[i].copyTo(mask.colRange(range));
+        }
+        function(joined, mask, first);
+    }
+}
+
 }  // namespace
 
 HammingMatcher::HammingMatcher(int normType_, bool crossCheck_) : BFMatcher(normType_, crossCheck_)
@@ -110,8 +145,7 @@ std::vector<Mat> HammingMatcher::gatherTrainDescriptors(const Mat& query)
 
     std::vector<Mat> images;
     for (size_t i = 0; i < trainDescCollection.size(); i++)
-        images.push_back(descriptorsOf(format("trainDescriptors of image %d", int(i)).c_str(),
-                                       trainDescCollection[i], query.cols));
+        images.push_back(descriptorsOf("trainDescriptors", trainDescCollection[i], query.cols, int(i)));
     return images;
 }
 
@@ -136,9 +170,12 @@ try
 
     std::vector<DistanceKey> nearest(size_t(query.rows) * kept, NO_KEY),
         nearestQueries(crossCheck ? index.total() : 0, NO_KEY);
-    for (size_t i = 0; i < images.size(); i++)
-        nearestDescriptors(query, images[i], masks[i], normType == NORM_HAMMING2, index.first(i), kept,
-                           nearest.data(), crossCheck ? nearestQueries.data() : 0);
+    forImages(query, images, masks,
+              [&](const Mat& train, const Mat& mask, size_t first)
+              {
+                  nearestDescriptors(query, train, mask, normType == NORM_HAMMING2, index.first(first), kept,
+                                     nearest.data(), crossCheck ? nearestQueries.data() : 0);
+              });
 
     const size_t before = matches.size();
     matches.resize(before + query.rows);
@@ -179,22 +216,24 @@ try
     const std::vector<Mat> images = gatherTrainDescriptors(query);
     const std::vector<Mat> masks = masksOf(masks_, query.rows, images);
     matches.assign(query.rows, std::vector<DMatch>());
-    for (size_t i = 0; i < images.size(); i++)
-    {
-        const Mat& mask = masks[i];
-        allDistances(query, images[i], normType == NORM_HAMMING2,
-                     [&](int row, int firstTrain, const int* distances, int count)
-                     {
-                         for (int j = firstTrain; j < firstTrain + count; j++, distances++)
-                         {
-                             // cv::BFMatcher, too, keeps what the mask excludes if the limit is as great.
-                             const float distance =
-                                 float(mask.empty() || mask.at<uchar>(row, j) ? *distances : INT_MAX);
-                             if (distance <= maxDistance)
-                                 matches[row].push_back(DMatch(row, j, int(i), distance));
-                         }
-                     });
-    }
+    const CollectionIndex index(images);
+    forImages(query, images, masks,
+              [&](const Mat& train, const Mat& mask, size_t first)
+              {
+                  allDistances(query, train, normType == NORM_HAMMING2,
+                               [&](int row, int firstTrain, const int* distances, int count)
+                               {
+                                   for (int j = firstTrain; j < firstTrain + count; j++, distances++)
+                                   {
+                                       // cv::BFMatcher, too, keeps what the mask excludes if the limit is as great.
+                                       const int distance =
+                                           mask.empty() || mask.at<uchar>(row, j) ? *distances : INT_MAX;
+                                       if (float(distance) <= maxDistance)
+                                           matches[row].push_back(index.match(
+                                               row, distanceKey(distance, index.first(first) + j)));
+                                   }
+                               });
+              });
     for (size_t i = 0; i < matches.size(); i++)
         std::stable_sort(matches[i].begin(), matches[i].end());
     // As cv::BFMatcher does: the empty lists come last and stay.
