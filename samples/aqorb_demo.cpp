@@ -39,32 +39,37 @@ const struct
     const char *image1, *image2, *homography, *text;
 } PAIRS[] = {
     {"rubberwhale1.png", "rubberwhale2.png", "",
-     "1. AdaptiveQuadtreeORB wins: two frames of a video, with something to see everywhere.\n"
-     "How to read it: cv::ORB's keypoints crowd where the contrast is highest, several on one corner. Those\n"
-     "of AdaptiveQuadtreeORB cover the image. So more of them match at distinct places, in more cells."},
+     "1. AdaptiveQuadtreeORB wins: two frames of a video, with something to see everywhere."},
     {"box.png", "box_in_scene.png", "",
      "2. cv::ORB has more matches in all: a small box, and the same box among other things.\n"
-     "How to read it: only the box is in both images. AdaptiveQuadtreeORB spreads its keypoints over the\n"
-     "whole scene, so fewer of them lie on the box. As few matches are right, most of the time goes into\n"
-     "RANSAC. If you look for a small object, see StrengthWeight in the tutorial on the parameters."},
+     "AdaptiveQuadtreeORB spreads its keypoints over the whole scene, so fewer of them lie on the box. If "
+     "you\n"
+     "look for a small object, see StrengthWeight in the tutorial on the parameters."},
     {"graf1.png", "graf3.png", "H1to3p.xml",
-     "3. AdaptiveQuadtreeORB wins: a painted wall from two sides, with a known homography between them.\n"
-     "How to read it: AdaptiveQuadtreeORB has more distinct correct matches, in more places on the wall."}};
+     "3. AdaptiveQuadtreeORB wins: a painted wall from two sides, with a known homography between them."}};
 
 const char* const LEGEND =
-    "Matches are mutual nearest neighbours. Consistent: within 3 pixels of the homography estimated from\n"
-    "the detector's matches; correct: of the known one. Distinct: at least 4 pixels from every better one\n"
-    "in both images. cv::ORB often has more in all, because it finds a strong corner on several levels and\n"
-    "each of these counts.\n"
-    "Time: from the images in memory to their homography (RANSAC), by cv::ORB and cv::BFMatcher and by\n"
+    "How to read it: cv::ORB's keypoints crowd where the contrast is highest, several on one corner. Those "
+    "of\n"
+    "AdaptiveQuadtreeORB cover the image. So more of them match at distinct places, in more cells. The last\n"
+    "column adds refineMatches, which moves a match to where both images show the same spot, and leaves it\n"
+    "out where they show none. In the picture of the matches, red is what it left out.\n"
+    "Matches are mutual nearest neighbours. Correct: within 3 pixels of the known homography. Consistent:\n"
+    "within 3 pixels of the homography estimated from the detector's matches or, in a scene in depth, of "
+    "the\n"
+    "epipolar line. Distinct: at least 4 pixels from every better one in both images. cv::ORB often has "
+    "more\n"
+    "in all, because it finds a strong corner on several levels and each of these counts.\n"
+    "Time: from the images in memory to their geometry (RANSAC), by cv::ORB and cv::BFMatcher and by\n"
     "AdaptiveQuadtreeORB and HammingMatcher, in turns: median (quartiles). With one image: to its features.\n"
-    "A second thread gains most with large images, and little where other programs use the processors.\n";
+    "Where few matches are right, RANSAC takes most of it. A second thread gains most with large images.\n\n";
 
 struct Method
 {
     const char* name;
     Ptr<ORB> detector;
     Ptr<DescriptorMatcher> matcher;  // with cross check
+    bool refines;
 };
 
 //! Matched keypoints of two images: from[i] and to[i] belong together.
@@ -84,26 +89,48 @@ struct Found
 {
     std::vector<KeyPoint> keypoints[2];  // of each image
     Matches matches;                     // the best first
-    Matches right, distinct;  // those that agree with the homography, and the distinct ones of these
-    Mat homography;           // estimated from the matches; empty: there is none
-    double milliseconds;
+    Matches leftOut;                     // by refineMatches
+    Matches right, distinct;             // those that agree with the geometry, and the distinct ones of these
+    double error = 0;                    // in pixels, the median of those that agree
+    double milliseconds = 0;
 };
 
-//! The homography by a method of findHomography; empty where the matches give none.
-Mat estimateHomography(const Matches& matches, int method)
+//! The geometry of two images: a homography or, of a scene in depth, a fundamental matrix.
+struct Geometry
+{
+    Matx33d matrix;
+    bool isEpipolar, isFound;
+};
+
+//! How far a match is from where the homography maps it, or from its epipolar line, in pixels of the second image.
+double errorOf(const Geometry& geometry, const Point2f& from, const Point2f& to)
+{
+    const Vec3d v = geometry.matrix * Vec3d(from.x, from.y, 1);
+    return geometry.isEpipolar ? std::abs(v[0] * to.x + v[1] * to.y + v[2]) / std::hypot(v[0], v[1])
+                               : norm(Point2d(v[0] / v[2] - to.x, v[1] / v[2] - to.y));
+}
+
+//! By RANSAC as most programs call it, to be timed; or with more patience, to see what the matches are worth.
+Geometry estimate(const Matches& matches, bool isEpipolar, bool isTimed, double threshold)
 {
     std::vector<Point2f> from, to;
     KeyPoint::convert(matches.from, from);
     KeyPoint::convert(matches.to, to);
-    if (from.size() < 4)
-        return Mat();
-    // RANSAC as most programs call it, to be timed. More patience, to see what the matches are worth.
-    return method == RANSAC ? findHomography(from, to, RANSAC)
-                            : findHomography(from, to, method, 3, noArray(), 10000, 0.9999);
+    Mat matrix;
+    if (from.size() < 8)
+        return {Matx33d(), isEpipolar, false};
+    if (isEpipolar)
+        matrix = isTimed ? findFundamentalMat(from, to, RANSAC, threshold)
+                         : findFundamentalMat(from, to, USAC_MAGSAC, threshold, 0.9999, 10000);
+    else
+        matrix = isTimed ? findHomography(from, to, RANSAC, threshold)
+                         : findHomography(from, to, USAC_MAGSAC, threshold, noArray(), 10000, 0.9999);
+    const bool isFound = matrix.size() == Size(3, 3);
+    return {isFound ? Matx33d(matrix.ptr<double>()) : Matx33d(), isEpipolar, isFound};
 }
 
-//! From one or two images to keypoints, matches and the homography.
-Found find(const Method& method, const std::vector<Mat>& images, int estimator)
+//! From one or two images to keypoints, matches and, by RANSAC, their geometry.
+Found find(const Method& method, const std::vector<Mat>& images, bool isEpipolar)
 {
     Found found;
     Mat descriptors[2];
@@ -115,27 +142,38 @@ Found find(const Method& method, const std::vector<Mat>& images, int estimator)
     if (!descriptors[0].empty() && !descriptors[1].empty())
         method.matcher->match(descriptors[0], descriptors[1], matches);
     std::stable_sort(matches.begin(), matches.end());
-    for (const DMatch& match : matches)
-        found.matches.add(found.keypoints[0][match.queryIdx], found.keypoints[1][match.trainIdx]);
-    found.homography = estimateHomography(found.matches, estimator);
+    std::vector<DMatch> kept = matches;
+    std::vector<Point2f> from, to;
+    if (method.refines)
+        aqorb::refineMatches(images[0], found.keypoints[0], images[1], found.keypoints[1], kept, from, to);
+    for (size_t i = 0, next = 0; i < matches.size(); i++)
+    {
+        KeyPoint a = found.keypoints[0][matches[i].queryIdx], b = found.keypoints[1][matches[i].trainIdx];
+        const bool isKept = next < kept.size() && kept[next].queryIdx == matches[i].queryIdx;
+        if (isKept && method.refines)
+            b.pt = to[next];
+        (isKept ? found.matches : found.leftOut).add(a, b);
+        next += isKept;
+    }
+    if (images.size() == 2)
+        estimate(found.matches, isEpipolar, true, method.refines ? 1 : 3);
     time.stop();
     found.milliseconds = time.getTimeMilli();
     return found;
 }
 
-/** Chooses the matches within 3 pixels of the homography, and of these the distinct ones: at least 4 pixels away from
+/** Chooses the matches within 3 pixels of the geometry, and of these the distinct ones: at least 4 pixels away from
  every better one in both images. Several keypoints on one corner of the scene say no more about it than one. */
-void choose(Found& found, const Mat& homography)
+void choose(Found& found, const Geometry& geometry)
 {
-    std::vector<Point2f> mapped;
-    KeyPoint::convert(found.matches.from, mapped);
-    if (!homography.empty())
-        perspectiveTransform(mapped, mapped, homography);
-    for (size_t i = 0; i < mapped.size() && !homography.empty(); i++)
+    std::vector<double> errors;
+    for (size_t i = 0; i < found.matches.from.size() && geometry.isFound; i++)
     {
         const KeyPoint &from = found.matches.from[i], &to = found.matches.to[i];
-        if (norm(mapped[i] - to.pt) > 3)
+        const double error = errorOf(geometry, from.pt, to.pt);
+        if (!(error <= 3))
             continue;
+        errors.push_back(error);
         found.right.add(from, to);
         bool isDistinct = true;
         for (size_t j = 0; j < found.distinct.from.size(); j++)
@@ -144,6 +182,31 @@ void choose(Found& found, const Mat& homography)
         if (isDistinct)
             found.distinct.add(from, to);
     }
+    std::sort(errors.begin(), errors.end());
+    found.error = errors.empty() ? 0 : errors[errors.size() / 2];
+}
+
+/** Judges what was found by the known homography. If it is not known, by the one that is estimated from the matches of
+ each method or, if that explains half as many matches again, by a fundamental matrix.
+ @return whether it was that */
+bool judge(std::vector<Found>& found, const Mat& known)
+{
+    std::vector<Geometry> geometries[2];
+    int agreeing[2] = {0, 0};
+    for (int isEpipolar = 0; isEpipolar < 2; isEpipolar++)
+        for (const Found& one : found)
+        {
+            const Geometry geometry = known.empty()
+                                          ? estimate(one.matches, isEpipolar > 0, false, isEpipolar ? 1 : 3)
+                                          : Geometry{Matx33d(known.ptr<double>()), false, true};
+            geometries[isEpipolar].push_back(geometry);
+            for (size_t i = 0; i < one.matches.from.size() && geometry.isFound; i++)
+                agreeing[isEpipolar] += errorOf(geometry, one.matches.from[i].pt, one.matches.to[i].pt) <= 3;
+        }
+    const bool isEpipolar = agreeing[1] > 1.5 * agreeing[0];
+    for (size_t i = 0; i < found.size(); i++)
+        choose(found[i], geometries[isEpipolar][i]);
+    return isEpipolar;
 }
 
 String occupied(const std::vector<KeyPoint>& keypoints, const Mat& image)
@@ -151,9 +214,13 @@ String occupied(const std::vector<KeyPoint>& keypoints, const Mat& image)
     return format("%.0f %%", 100 * aqorb::distributionOccupancy(keypoints, image.size(), Size(16, 12)));
 }
 
-void printRow(const String& label, const String& orb, const String& ours)
+//! A row of the table: its label, and a text for each method.
+void printRow(const String& label, const std::vector<String>& texts)
 {
-    std::cout << format("%-34s %16s %22s\n", label.c_str(), orb.c_str(), ours.c_str());
+    std::cout << format("%-34s", label.c_str());
+    for (const String& text : texts)
+        std::cout << format(" %21s", text.c_str());
+    std::cout << "\n";
 }
 
 //! The seconds that all processors together have worked since the system began; 0 where that is not known.
@@ -175,30 +242,36 @@ String spread(std::vector<double> values, const char* number)
     return at(0.5) + " (" + at(0.25) + "-" + at(0.75) + ")";
 }
 
-//! Measures both methods in turns, so that other work slows both of them.
-void printTimes(const std::vector<Method>& methods, const std::vector<Mat>& images, int threads)
+/** Measures the methods in turns, so that other work slows all of them.
+ @return how many processors other programs used */
+double printTimes(const std::vector<Method>& methods, const std::vector<Mat>& images, bool isEpipolar,
+                  int threads)
 {
     setNumThreads(threads);
-    std::vector<double> times[2], gains;
+    std::vector<std::vector<double>> times(methods.size()), gains(methods.size());
     TickMeter time;
     const double busyBefore = busySeconds();
     const std::clock_t ownBefore = std::clock();
     for (int turn = 0; turn < 8 || (turn < 101 && time.getTimeSec() < 2); turn++)
     {
         time.start();
-        for (int i = 0; i < 2; i++)
-            times[i].push_back(find(methods[i], images, RANSAC).milliseconds);
+        for (size_t i = 0; i < methods.size(); i++)
+        {
+            times[i].push_back(find(methods[i], images, isEpipolar).milliseconds);
+            gains[i].push_back(times[0].back() / times[i].back());
+        }
         time.stop();
-        gains.push_back(times[0].back() / times[1].back());
     }
     const double own = double(std::clock() - ownBefore) / CLOCKS_PER_SEC;
-    const double others = (busySeconds() - busyBefore - own) / time.getTimeSec();
-    printRow(format("time in ms, %d thread%s", threads, threads > 1 ? "s" : ""), spread(times[0], "%.2f"),
-             spread(times[1], "%.2f"));
-    printRow("  times as fast", "1", spread(gains, "%.1f"));
-    if (others > 0.15)
-        std::cout << format("  Busy: other programs use %.1f of %d processors. Repeat this later.\n", others,
-                            getNumberOfCPUs());
+    std::vector<String> texts[2];
+    for (size_t i = 0; i < methods.size(); i++)
+    {
+        texts[0].push_back(spread(times[i], "%.2f"));
+        texts[1].push_back(i > 0 ? spread(gains[i], "%.1f") : "1");
+    }
+    printRow(format("time in ms, %d thread%s", threads, threads > 1 ? "s" : ""), texts[0]);
+    printRow("  times as fast", texts[1]);
+    return (busySeconds() - busyBefore - own) / time.getTimeSec();
 }
 
 const double PANEL = 640;  // pixels, the width of an image in the pictures
@@ -212,11 +285,12 @@ Mat panel(const Mat& image, double scale, double brightness)
 }
 
 //! A circle at a position of an image that was scaled.
-void drawCircle(Mat& picture, const Point2f& position, double scale)
+void drawCircle(Mat& picture, const Point2f& position, double scale,
+                const Scalar& colour = Scalar(0, 255, 255))
 {
     const int BITS = 4;  // of the fraction
     const Point2d half(0.5, 0.5), centre = (Point2d(position) + half) * scale - half;
-    circle(picture, Point(centre * (1 << BITS)), 3 << BITS, Scalar(0, 255, 255), 1, LINE_AA, BITS);
+    circle(picture, Point(centre * (1 << BITS)), 3 << BITS, colour, 1, LINE_AA, BITS);
 }
 
 Mat keypointPicture(const Mat& image, const std::vector<KeyPoint>& keypoints)
@@ -228,8 +302,8 @@ Mat keypointPicture(const Mat& image, const std::vector<KeyPoint>& keypoints)
     return picture;
 }
 
-//! Two images side by side, darker, with a line for each match.
-Mat matchPicture(const std::vector<Mat>& images, const Matches& matches)
+//! Two images side by side, darker, with a line for each match, and with what was left out.
+Mat matchPicture(const std::vector<Mat>& images, const Matches& matches, const Matches& leftOut)
 {
     const double scale = PANEL / std::max(images[0].cols, images[1].cols);
     const Mat left = panel(images[0], scale, 0.6), right = panel(images[1], scale, 0.6);
@@ -245,6 +319,11 @@ Mat matchPicture(const std::vector<Mat>& images, const Matches& matches)
         line(lines, matches.from[i].pt * scale, Point(matches.to[i].pt * scale) + shift, Scalar(0, 255, 255),
              1, LINE_AA);
     addWeighted(lines, 0.4, picture, 0.6, 0, picture);
+    for (size_t i = 0; i < leftOut.from.size(); i++)
+    {
+        drawCircle(picture, leftOut.from[i].pt, scale, Scalar(60, 60, 255));
+        drawCircle(rightPart, leftOut.to[i].pt, scale, Scalar(60, 60, 255));
+    }
     for (size_t i = 0; i < count; i++)
     {
         drawCircle(picture, matches.from[i].pt, scale);
@@ -253,58 +332,81 @@ Mat matchPicture(const std::vector<Mat>& images, const Matches& matches)
     return picture;
 }
 
-//! Compares on one image or two. The homography between two may be known. The names of the pictures end with `number`.
-void compare(const std::vector<Mat>& images, const Mat& known, const CommandLineParser& parser,
-             const String& number)
+/** Compares on one image or two. The homography between two may be known. The names of the pictures end with `number`.
+ @return how many processors other programs used meanwhile */
+double compare(const std::vector<Mat>& images, const Mat& known, const CommandLineParser& parser,
+               const String& number)
 {
     const int nfeatures = option<int>(parser, "nfeatures"), threads = getNumThreads();
     const bool isPair = images.size() == 2;
-    const std::vector<Method> methods = {
-        {"cv::ORB", ORB::create(nfeatures), makePtr<BFMatcher>(NORM_HAMMING, true)},
-        {"AdaptiveQuadtreeORB", aqorb::AdaptiveQuadtreeORB::create(nfeatures),
-         makePtr<aqorb::HammingMatcher>(NORM_HAMMING, true)}};
-    const String kind = known.empty() ? "consistent" : "correct";
-    std::vector<String> labels, texts[2];  // of the table's rows
-    Mat keypoints[2], matches[2], picture;
-    for (int i = 0; i < 2; i++)
+    const Ptr<ORB> ours = aqorb::AdaptiveQuadtreeORB::create(nfeatures);
+    const Ptr<DescriptorMatcher> matcher = makePtr<aqorb::HammingMatcher>(NORM_HAMMING, true);
+    std::vector<Method> methods = {
+        {"cv::ORB", ORB::create(nfeatures), makePtr<BFMatcher>(NORM_HAMMING, true), false},
+        {"AdaptiveQuadtreeORB", ours, matcher, false}};
+    if (isPair)
+        methods.push_back({"with refineMatches", ours, matcher, true});
+    std::vector<Found> found;
+    for (const Method& method : methods)
+        found.push_back(find(method, images, false));
+    const bool isEpipolar = isPair && judge(found, known);
+    if (isEpipolar)
+        std::cout << "A scene in depth: the epipolar geometry explains more matches than a homography.\n";
+    const String kind = known.empty() ? "consistent" : "correct", distinct = "distinct " + kind + " matches";
+    std::vector<String> labels = {"", "keypoints", "uniformity (less is more uniform)",
+                                  "occupied cells of a 16x12 grid"};
+    if (isPair)
+        labels.insert(labels.end(), {distinct, "  cells of image 1 that hold one", kind + " matches in all",
+                                     "  their median error in pixels"});
+    std::vector<std::vector<String>> rows(labels.size());
+    std::vector<Mat> keypoints, matches;
+    for (size_t i = 0; i < methods.size(); i++)
     {
-        Found found = find(methods[i], images, USAC_MAGSAC);
-        choose(found, known.empty() ? found.homography : known);
+        const Found& one = found[i];
         String counts, uniformity, cells;
         for (size_t j = 0; j < images.size(); j++)
         {
             const String comma = j > 0 ? ", " : "";
-            counts += comma + format("%d", int(found.keypoints[j].size()));
+            counts += comma + format("%d", int(one.keypoints[j].size()));
             uniformity +=
-                comma + format("%.1f", aqorb::distributionUniformity(found.keypoints[j], images[j].size()));
-            cells += comma + occupied(found.keypoints[j], images[j]);
+                comma + format("%.1f", aqorb::distributionUniformity(one.keypoints[j], images[j].size()));
+            cells += comma + occupied(one.keypoints[j], images[j]);
         }
-        const String name = methods[i].name, distinct = "distinct " + kind + " matches";
-        labels = {"", "keypoints", "uniformity (less is more uniform)", "occupied cells of a 16x12 grid"};
-        texts[i] = {name, counts, uniformity, cells};
-        keypoints[i] =
-            captioned(keypointPicture(images[0], found.keypoints[0]), name + ": keypoints of image 1");
-        if (!isPair)
-            continue;
-        const int count = int(found.distinct.from.size()), right = int(found.right.from.size());
-        labels.insert(labels.end(), {distinct, "  cells of image 1 that hold one", kind + " matches in all"});
-        texts[i].insert(texts[i].end(), {format("%d", count), occupied(found.distinct.from, images[0]),
-                                         format("%d of %d", right, int(found.matches.from.size()))});
-        matches[i] = captioned(matchPicture(images, found.distinct),
-                               format("%s: %d %s", methods[i].name, count, distinct.c_str()));
+        const String name = methods[i].name;
+        std::vector<String> texts = {name, counts, uniformity, cells};
+        if (!methods[i].refines)
+            keypoints.push_back(
+                captioned(keypointPicture(images[0], one.keypoints[0]), name + ": keypoints of image 1"));
+        if (isPair)
+        {
+            const int right = int(one.right.from.size()), all = int(one.matches.from.size());
+            const int count = int(one.distinct.from.size()), leftOut = int(one.leftOut.from.size());
+            texts.insert(texts.end(),
+                         {format("%d", count), occupied(one.distinct.from, images[0]),
+                          format("%d of %d", right, all), right ? format("%.2f", one.error) : "-"});
+            matches.push_back(
+                captioned(matchPicture(images, one.distinct, one.leftOut),
+                          format("%s: %d %s, median error %.2f pixels", methods[i].name, count,
+                                 distinct.c_str(), one.error) +
+                              (methods[i].refines ? format(", %d left out", leftOut) : String())));
+        }
+        for (size_t j = 0; j < rows.size(); j++)
+            rows[j].push_back(texts[j]);
     }
-    for (size_t i = 0; i < labels.size(); i++)
-        printRow(labels[i], texts[0][i], texts[1][i]);
-    printTimes(methods, images, 1);
+    for (size_t i = 0; i < rows.size(); i++)
+        printRow(labels[i], rows[i]);
+    double others = printTimes(methods, images, isEpipolar, 1);
     if (threads > 1)
-        printTimes(methods, images, threads);
+        others = std::max(others, printTimes(methods, images, isEpipolar, threads));
 
-    hconcat(keypoints, 2, picture);
+    Mat picture;
+    hconcat(keypoints, picture);
     writePicture(option<String>(parser, "out") + "/aqorb_keypoints" + number + ".jpg", picture);
     if (!isPair)
-        return;
-    vconcat(matches, 2, picture);
+        return others;
+    vconcat(matches, picture);
     writePicture(option<String>(parser, "out") + "/aqorb_matches" + number + ".jpg", picture);
+    return others;
 }
 
 int demo(int argc, char** argv)
@@ -323,19 +425,24 @@ int demo(int argc, char** argv)
     }
     if (images.size() > 2)
         CV_Error(Error::StsBadArg, "one image or two are accepted");
+    std::cout << LEGEND;
+    double others = 0;
     if (!images.empty())
-        compare(images, Mat(), parser, "");
+        others = compare(images, Mat(), parser, "");
     for (int i = 0; i < 3 && images.empty(); i++)
     {
         std::cout << PAIRS[i].text << "\n" << PAIRS[i].image1 << ", " << PAIRS[i].image2 << "\n\n";
         Mat homography;
         if (*PAIRS[i].homography)
             FileStorage(samples::findFile(PAIRS[i].homography), FileStorage::READ)["H13"] >> homography;
-        compare({readImage(PAIRS[i].image1), readImage(PAIRS[i].image2)}, homography, parser,
-                format("%d", i + 1));
+        others = std::max(others, compare({readImage(PAIRS[i].image1), readImage(PAIRS[i].image2)},
+                                          homography, parser, format("%d", i + 1)));
         std::cout << std::endl;
     }
-    std::cout << LEGEND;
+    if (others > 0.15)
+        std::cout << format(
+            "Busy: other programs used up to %.1f of %d processors. Repeat this later for times.\n", others,
+            getNumberOfCPUs());
     return 0;
 }
 

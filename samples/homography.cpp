@@ -44,20 +44,17 @@ static int homographySample(int argc, char** argv)
     if (!descriptors1.empty() && !descriptors2.empty())
         aqorb::HammingMatcher(orb->defaultNorm(), true).match(descriptors1, descriptors2, matches);
 
-    std::vector<Point2f> points1, points2;
-    for (const DMatch& match : matches)
-    {
-        points1.push_back(keypoints1[match.queryIdx].pt);
-        points2.push_back(keypoints2[match.trainIdx].pt);
-    }
+    const size_t all = matches.size();
+    std::vector<Point2f> points1, points2;  // exact enough for a threshold of one pixel
+    aqorb::refineMatches(image1, keypoints1, image2, keypoints2, matches, points1, points2);
     Mat homography;
     std::vector<char> isInlier;
     if (matches.size() >= 4)
-        homography = findHomography(points1, points2, USAC_MAGSAC, 3, isInlier, 10000, 0.9999);
+        homography = findHomography(points1, points2, USAC_MAGSAC, 1, isInlier, 10000, 0.9999);
     if (homography.empty())
         CV_Error_(Error::StsNoConv, ("no homography was found among %d matches", int(matches.size())));
-    std::cout << "Keypoints: " << keypoints1.size() << ", " << keypoints2.size()
-              << "\nMatches: " << matches.size()
+    std::cout << "Keypoints: " << keypoints1.size() << ", " << keypoints2.size() << "\nMatches: " << all
+              << ", of which can be refined: " << matches.size()
               << ", of which agree with the homography: " << countNonZero(isInlier) << "\nHomography:\n"
               << homography << std::endl;
 

@@ -4,7 +4,7 @@
 // SPDX-License-Identifier: Apache-2.0
 
 // Stereo visual odometry from frame to frame, on sequences in KITTI's layout. It shows what a detector's features are
-// worth for this. Points of a rectified pair are matched along the rows, and then with those of the frame before. The
+// worth for this, and what refineMatches adds. Points of a rectified pair are matched along the rows, and then with those of the frame before. The
 // motion is the one under which the points of one frame project onto their matches in the next (PnP).
 
 #include "sample.hpp"
@@ -18,6 +18,7 @@
 #endif
 
 #include <fstream>
+#include <functional>
 #include <sstream>
 
 using namespace cv;
@@ -26,10 +27,10 @@ namespace
 {
 
 const char* const ABOUT =
-    "Stereo visual odometry with cv::aqorb::AdaptiveQuadtreeORB and with cv::ORB, on a folder laid out\n"
-    "as KITTI's odometry sequences: calib.txt, image_0 and image_1 (or image_l and image_r) and, for the\n"
-    "errors, poses.txt. Prints a table, and writes the paths and the features tracked into the last frame\n"
-    "to a picture.";
+    "Stereo visual odometry with cv::ORB, with cv::aqorb::AdaptiveQuadtreeORB, and with this and\n"
+    "cv::aqorb::refineMatches, on a folder laid out as KITTI's odometry sequences: calib.txt, image_0 and\n"
+    "image_1 (or image_l and image_r) and, for the errors, poses.txt. Prints a table, and writes the paths\n"
+    "and the features tracked into the last frame to a picture.";
 
 const char* const KEYS = "{help      |                     | print this text }"
                          "{nfeatures | 1000                | number of keypoints to ask for }"
@@ -48,6 +49,7 @@ struct Sequence
 //! Features of the left image for which the right one gives a depth.
 struct Frame
 {
+    Mat image;
     std::vector<KeyPoint> keypoints;
     Mat descriptors;
     std::vector<Point3d> points;  // in coordinates of the left camera, metres
@@ -56,14 +58,15 @@ struct Frame
 //! The path of a camera by one detector.
 struct Odometry
 {
-    Odometry(const char* name_, const Ptr<ORB>& detector_, const Scalar& colour_)
-        : name(name_), detector(detector_), colour(colour_)
+    Odometry(const char* name_, const Ptr<ORB>& detector_, const Scalar& colour_, bool refines_ = false)
+        : name(name_), detector(detector_), colour(colour_), refines(refines_)
     {
     }
 
     const char* name;
     Ptr<ORB> detector;
     Scalar colour;
+    bool refines;                                   // the positions of the matches
     Frame frame;                                    // the last one
     std::vector<Point2f> from, to;                  // the inliers of the motion to it, in both left images
     Affine3d motion;                                // from its coordinates to those of the frame before
@@ -117,6 +120,20 @@ Sequence readSequence(const String& folder)
     return sequence;
 }
 
+//! The positions of matches, refined or as they are.
+void positions(bool refines, const Mat& image1, const std::vector<KeyPoint>& keypoints1, const Mat& image2,
+               const std::vector<KeyPoint>& keypoints2, std::vector<DMatch>& matches,
+               std::vector<Point2f>& points1, std::vector<Point2f>& points2)
+{
+    if (refines)
+        return aqorb::refineMatches(image1, keypoints1, image2, keypoints2, matches, points1, points2);
+    for (const DMatch& match : matches)
+    {
+        points1.push_back(keypoints1[match.queryIdx].pt);
+        points2.push_back(keypoints2[match.trainIdx].pt);
+    }
+}
+
 /** The features of the left image that match one of the right image best, and the other way round, among those within
  some rows and at most MAX_DISPARITY pixels further left. */
 Frame stereoFrame(Odometry& odometry, const Mat& left, const Mat& right, const Sequence& sequence)
@@ -133,20 +150,29 @@ Frame stereoFrame(Odometry& odometry, const Mat& left, const Mat& right, const S
     aqorb::matchByPosition(descriptorsLeft, predicted, descriptorsRight, keypointsRight, reach, pairs,
                            distances, 0, true, -1, odometry.detector->defaultNorm());
     odometry.keypoints += double(keypointsLeft.size());
-    odometry.depths += pairs.rows;
+
+    std::vector<DMatch> matches;
+    for (int i = 0; i < pairs.rows; i++)
+        matches.emplace_back(pairs.at<int>(i, 0), pairs.at<int>(i, 1), 0.f);
+    std::vector<Point2f> pointsLeft, pointsRight;
+    positions(odometry.refines, left, keypointsLeft, right, keypointsRight, matches, pointsLeft, pointsRight);
 
     Frame frame;
+    frame.image = left;
     const Matx33d& k = sequence.camera;
-    for (int i = 0; i < pairs.rows; i++)
+    for (size_t i = 0; i < matches.size(); i++)
     {
-        const int index = pairs.at<int>(i, 0);
-        const Point2f p = keypointsLeft[index].pt;
-        const double depth = k(0, 0) * sequence.baseline / (p.x - keypointsRight[pairs.at<int>(i, 1)].pt.x);
+        const int index = matches[i].queryIdx;
+        const Point2f p = pointsLeft[i], disparity = p - pointsRight[i];
+        if (disparity.x < MIN_DISPARITY)
+            continue;
+        const double depth = k(0, 0) * sequence.baseline / disparity.x;
         frame.keypoints.push_back(keypointsLeft[index]);
         frame.descriptors.push_back(descriptorsLeft.row(index));
         frame.points.emplace_back((p.x - k(0, 2)) * depth / k(0, 0), (p.y - k(1, 2)) * depth / k(1, 1),
                                   depth);
     }
+    odometry.depths += double(frame.points.size());
     return frame;
 }
 
@@ -154,19 +180,19 @@ Frame stereoFrame(Odometry& odometry, const Mat& left, const Mat& right, const S
  camera goes on as it did. */
 void estimateMotion(Odometry& odometry, const Frame& next, const Matx33d& camera)
 {
-    const float THRESHOLD = 2;  // pixels
+    const float THRESHOLD = odometry.refines ? 0.5f : 1.5f;  // pixels; 1.5 is the best for cv::ORB
     const Frame& last = odometry.frame;
     std::vector<DMatch> matches;  // mutual nearest neighbours, those of BFMatcher(norm, true)
     if (!last.descriptors.empty() && !next.descriptors.empty())
         aqorb::HammingMatcher(odometry.detector->defaultNorm(), true)
             .match(last.descriptors, next.descriptors, matches);
+    std::vector<Point2f> from, to;
+    positions(odometry.refines, last.image, last.keypoints, next.image, next.keypoints, matches, from, to);
+    const std::vector<Point2d> pixels(to.begin(), to.end());
+    std::vector<Point2d> inlierPixels;
     std::vector<Point3d> points, inlierPoints;
-    std::vector<Point2d> pixels, inlierPixels;
     for (const DMatch& match : matches)
-    {
         points.push_back(last.points[match.queryIdx]);
-        pixels.push_back(next.keypoints[match.trainIdx].pt);
-    }
     odometry.from.clear();
     odometry.to.clear();
     Vec3d rotation, translation;
@@ -180,8 +206,8 @@ void estimateMotion(Odometry& odometry, const Frame& next, const Matx33d& camera
     {
         inlierPoints.push_back(points[i]);
         inlierPixels.push_back(pixels[i]);
-        odometry.from.push_back(last.keypoints[matches[i].queryIdx].pt);
-        odometry.to.push_back(next.keypoints[matches[i].trainIdx].pt);
+        odometry.from.push_back(from[i]);
+        odometry.to.push_back(to[i]);
     }
     solvePnPRefineLM(inlierPoints, inlierPixels, camera, noArray(), rotation, translation);
     odometry.motion = Affine3d(rotation, translation).inv();
@@ -228,24 +254,26 @@ void printTable(const std::vector<Odometry>& odometries, const Sequence& sequenc
 {
     const double frames = double(odometries[0].poses.size()), motions = std::max(frames - 1, 1.);
     const size_t STEP = 10;
-    const auto row = [&](const char* label, const char* format, double orb, double ours)
+    const auto row = [&](const String& label, std::function<String(const Odometry&)> text)
     {
-        std::printf("%-45s %10s %20s\n", label, cv::format(format, orb).c_str(),
-                    cv::format(format, ours).c_str());
+        std::printf("%-45s", label.c_str());
+        for (const Odometry& odometry : odometries)
+            std::printf(" %19s", text(odometry).c_str());
+        std::printf("\n");
     };
-    const Odometry &orb = odometries[0], &ours = odometries[1];
-    std::printf("%-45s %10s %20s\n", cv::format("%d frames", int(frames)).c_str(), orb.name, ours.name);
-    row("keypoints of the left image, mean", "%.0f", orb.keypoints / frames, ours.keypoints / frames);
-    row("  of these with a depth", "%.0f", orb.depths / frames, ours.depths / frames);
-    row("inliers of the motion, mean", "%.0f", orb.inliers / motions, ours.inliers / motions);
-    row("length of the path", "%.2f m", pathLength(orb.poses, 0, orb.poses.size() - 1),
-        pathLength(ours.poses, 0, ours.poses.size() - 1));
+    row(format("%d frames", int(frames)), [](const Odometry& o) { return String(o.name); });
+    row("keypoints of the left image, mean",
+        [&](const Odometry& o) { return format("%.0f", o.keypoints / frames); });
+    row("  of these with a depth", [&](const Odometry& o) { return format("%.0f", o.depths / frames); });
+    row("inliers of the motion, mean",
+        [&](const Odometry& o) { return format("%.0f", o.inliers / motions); });
+    row("length of the path",
+        [](const Odometry& o) { return format("%.2f m", pathLength(o.poses, 0, o.poses.size() - 1)); });
     if (sequence.poses.empty())
         return;
-    std::printf("  by poses.txt: %.2f m\n", pathLength(sequence.poses, 0, orb.poses.size() - 1));
-    row("translation error over 10 frames, of the path", "%.2f %%",
-        translationError(orb.poses, sequence.poses, STEP),
-        translationError(ours.poses, sequence.poses, STEP));
+    std::printf("  by poses.txt: %.2f m\n", pathLength(sequence.poses, 0, odometries[0].poses.size() - 1));
+    row("translation error over 10 frames, of the path", [&](const Odometry& o)
+        { return format("%.2f %%", translationError(o.poses, sequence.poses, STEP)); });
 }
 
 // The left image with the tracked features: a line from where each was in the frame before.
@@ -265,23 +293,28 @@ Mat trackPicture(const Odometry& odometry, const Mat& left)
 //! Paths from above: those of the detectors in their colours and, below them, the true one in grey.
 Mat pathPicture(const std::vector<Odometry>& odometries, const std::vector<Affine3d>& truth, Size size)
 {
-    const Scalar colours[] = {Scalar::all(160), odometries[0].colour, odometries[1].colour};
-    std::vector<Affine3d> paths[] = {{}, odometries[0].poses, odometries[1].poses};
-    for (size_t i = 0; i < truth.size() && i < paths[1].size(); i++)
-        paths[0].push_back(truth[0].inv() * truth[i]);
-    std::vector<Point2f> lines[3], all;
-    for (int i = 0; i < 3; i++)
-        for (const Affine3d& pose : paths[i])
-        {
-            lines[i].push_back(Point2f(float(pose.translation()[0]), float(-pose.translation()[2])));
-            all.push_back(lines[i].back());
-        }
+    std::vector<std::vector<Point2f>> lines(1);
+    std::vector<Scalar> colours = {Scalar::all(160)};
+    const auto add = [&](const Affine3d& pose)
+    { lines.back().push_back(Point2f(float(pose.translation()[0]), float(-pose.translation()[2]))); };
+    for (size_t i = 0; i < truth.size() && i < odometries[0].poses.size(); i++)
+        add(truth[0].inv() * truth[i]);
+    for (const Odometry& odometry : odometries)
+    {
+        lines.emplace_back();
+        colours.push_back(odometry.colour);
+        for (const Affine3d& pose : odometry.poses)
+            add(pose);
+    }
+    std::vector<Point2f> all;
+    for (const std::vector<Point2f>& points : lines)
+        all.insert(all.end(), points.begin(), points.end());
     const Rect box = boundingRect(all);  // in metres
     const Scalar centre(box.x + box.width / 2., box.y + box.height / 2.);
     const double scale =
         std::min((size.width - 60.) / (box.width + 10), (size.height - 60.) / (box.height + 10));
     Mat picture(size, CV_8UC3, Scalar::all(255));
-    for (int i = truth.empty() ? 1 : 0; i < 3; i++)
+    for (size_t i = truth.empty() ? 1 : 0; i < lines.size(); i++)
     {
         Mat pixels = (Mat(lines[i]) - centre) * scale + Scalar(size.width / 2., size.height / 2.);
         pixels.convertTo(pixels, CV_32S);
@@ -305,7 +338,9 @@ int stereoOdometry(int argc, char** argv)
     const Sequence sequence = readSequence(folder);
     std::vector<Odometry> odometries = {
         Odometry("cv::ORB", ORB::create(nfeatures), Scalar(60, 60, 230)),
-        Odometry("AdaptiveQuadtreeORB", aqorb::AdaptiveQuadtreeORB::create(nfeatures), Scalar(40, 200, 40))};
+        Odometry("AdaptiveQuadtreeORB", aqorb::AdaptiveQuadtreeORB::create(nfeatures), Scalar(40, 200, 40)),
+        Odometry("with refineMatches", aqorb::AdaptiveQuadtreeORB::create(nfeatures), Scalar(220, 120, 0),
+                 true)};
     Mat left;
     for (size_t i = 0; i < sequence.left.size(); i++)
     {
@@ -319,7 +354,10 @@ int stereoOdometry(int argc, char** argv)
     }
     printTable(odometries, sequence);
     Mat picture;
-    vconcat(trackPicture(odometries[0], left), trackPicture(odometries[1], left), picture);
+    std::vector<Mat> tracks;
+    for (const Odometry& odometry : odometries)
+        tracks.push_back(trackPicture(odometry, left));
+    vconcat(tracks, picture);
     hconcat(picture, pathPicture(odometries, sequence.poses, Size(picture.rows / 2, picture.rows)), picture);
     writePicture(out, picture);
     return 0;

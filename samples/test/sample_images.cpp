@@ -65,6 +65,9 @@ int main(int argc, char** argv)
     Mat view;
     warpPerspective(scene, view, homography, scene.size());
     save(folder + "view2.png", view);
+    Mat depth = scene.clone();  // the right half is nearer to a camera that moved to the right
+    scene.colRange(scene.cols / 2 + 40, scene.cols).copyTo(depth.colRange(scene.cols / 2, scene.cols - 40));
+    save(folder + "depth.png", depth);
 
     // Without noise OpenCV's matcher takes the parts for one and the same image, and drops the pair.
     RNG rng(2);
