@@ -19,8 +19,8 @@ namespace aqorb
 //! @addtogroup aqorb
 //! @{
 
-/** @brief Brute-force matcher of binary descriptors: cv::BFMatcher for the Hamming norms, at least 8 times as fast with
-AVX2 for sets of 1000 and more descriptors of 32 bytes, for any k.
+/** @brief Brute-force matcher of binary descriptors: cv::BFMatcher for the Hamming norms, at least 6 times as fast with
+one thread, AVX2, any k and two sets of 1000 descriptors of 32 bytes. A mask that allows few pairs gains less.
 
 `aqorb::HammingMatcher matcher(NORM_HAMMING, true)` takes the place of `BFMatcher matcher(NORM_HAMMING, true)`, also
 where a pointer to a cv::BFMatcher is expected. A copy into a variable of the type cv::BFMatcher is a cv::BFMatcher
