@@ -21,6 +21,7 @@ namespace reference
 {
 
 using aqorb::Corner;
+using aqorb::LeafGrid;
 using aqorb::RankRule;
 using aqorb::Thresholds;
 
@@ -92,10 +93,11 @@ double binaryLogarithm(float v);
 //! Quotas of as many levels, in proportion to area * scale^1.25, level 0 half as much again.
 std::vector<int> rankedQuotas(int nfeatures, const std::vector<Size>& regions,
                               const std::vector<float>& scales);
-//! The smallest depth, but at most `most`, with 9 leaves for each feature, where the usable share counts alone.
-int depthForQuota(int quota, double usable, int most);
-//! The depth of a level's tree. Leaves are at least 2 pixels a side.
-int rankedDepth(int quota, double usable, Size root);
+//! The smallest depth, but at most `most`, at which so many trees have 9 leaves for each feature, where the usable share
+//! counts alone.
+int depthForQuota(int quota, double usable, int most, int trees = 1);
+//! The leaves of a level's tree or, in a narrow one, of its trees side by side. They are at least 2 pixels a side.
+LeafGrid rankedGrid(int quota, double usable, Size root);
 //! What a corner is scored by besides its moments.
 float cornerBase(int fastScore, float response, bool isHarris);
 //! Base times the fourth power of the length of the moment, in units of 2^16.

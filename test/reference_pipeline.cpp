@@ -156,7 +156,7 @@ struct PyramidLevel
     float scale;
     int quota;     // with that of levels that are too small
     int ownQuota;  // without that, but at least 1
-    int depth;
+    LeafGrid grid;
     double usableShare;  // of the pixels of the root
     Rect root;
     std::vector<Corner> corners;
@@ -249,8 +249,9 @@ private:
             level.usableShare = mask.empty() ? 1.
                                              : (double)countNonZero(level.usable(level.root)) /
                                                    ((double)level.root.width * level.root.height);
-            level.depth = isRanked ? rankedDepth(level.ownQuota, level.usableShare, level.root.size())
-                                   : quadtreeDepth(level.quota);
+            const int side = 1 << quadtreeDepth(level.quota);
+            level.grid = isRanked ? rankedGrid(level.ownQuota, level.usableShare, level.root.size())
+                                  : LeafGrid{side, side, 0};
             level.corners = findCorners(level.image, level.usable, level.root, t, isHarris);
             lowest = t.min;
             level.candidates = score(level, level.corners);
@@ -337,8 +338,8 @@ private:
         std::vector<LeafCorner> corners;
         for (size_t i = 0; i < of.size(); i++)
         {
-            const int64 column = (int64(of[i].x - level.root.x) << level.depth) / level.root.width;
-            const int64 row = (int64(of[i].y - level.root.y) << level.depth) / level.root.height;
+            const int64 column = int64(of[i].x - level.root.x) * level.grid.columns / level.root.width;
+            const int64 row = int64(of[i].y - level.root.y) * level.grid.rows / level.root.height;
             corners.push_back(
                 {int(column), int(row), float(of[i].x), float(of[i].y), float(of[i].score), int(i)});
         }
@@ -350,8 +351,8 @@ private:
         return [&level](int column, int row)
         {
             const Rect& root = level.root;
-            const int64 x = root.x + (((int64)2 * column + 1) * root.width >> (level.depth + 1));
-            const int64 y = root.y + (((int64)2 * row + 1) * root.height >> (level.depth + 1));
+            const int64 x = root.x + ((int64)2 * column + 1) * root.width / (2 * level.grid.columns);
+            const int64 y = root.y + ((int64)2 * row + 1) * root.height / (2 * level.grid.rows);
             return level.usable.empty() || level.usable.at<uchar>((int)y, (int)x) != 0;
         };
     }
@@ -369,7 +370,7 @@ private:
             const Candidate& candidate = of[corner.index];
             return momentsScore(cornerBase(candidate.score, candidate.response, isHarris), m10, m01);
         };
-        const RankRule rule = {level.root.size(), level.depth,  level.usableShare,
+        const RankRule rule = {level.root.size(), level.grid,   level.usableShare,
                                level.ownQuota,    s.rankRadius, s.strengthWeight / 4};
         return rankedSequence(corners, rule, unmaskedLeaves(level), strengthOf);
     }
@@ -391,7 +392,8 @@ private:
         return wanted;
     }
 
-    // The corners of the highest response * scale of those that FAST finds without any other rule.
+    // The corners of the highest response * scale of those that FAST finds without any other rule, but first those that
+    // keep their distance from keypoints of other levels.
     void fillUp(int wanted)
     {
         std::vector<std::pair<size_t, Candidate>> candidates;
@@ -412,8 +414,19 @@ private:
                              return a.second.response * levels[a.first].scale >
                                     b.second.response * levels[b.first].scale;
                          });
-        for (int i = 0; i < std::min(wanted, (int)candidates.size()); i++)
-            levels[candidates[i].first].chosen.push_back(candidates[i].second);
+        for (bool keepDistance : {true, false})
+            for (size_t i = 0; i < candidates.size() && wanted > 0;)
+            {
+                const std::pair<size_t, Candidate> c = candidates[i];
+                if (keepDistance && isNearOther(c.first, c.second))
+                {
+                    i++;
+                    continue;
+                }
+                levels[c.first].chosen.push_back(c.second);
+                candidates.erase(candidates.begin() + (ptrdiff_t)i);
+                wanted--;
+            }
     }
 
     void select()

@@ -44,20 +44,29 @@ std::vector<int> rankedQuotas(int nfeatures, const std::vector<Size>& regions,
     return result;
 }
 
-int depthForQuota(int quota, double usable, int most)
+int depthForQuota(int quota, double usable, int most, int trees)
 {
     int depth = 0;
-    while (depth < most && std::pow(4., depth) * usable < 9. * quota)
+    while (depth < most && trees * std::pow(4., depth) * usable < 9. * quota)
         depth++;
     return depth;
 }
 
-int rankedDepth(int quota, double usable, Size root)
+LeafGrid rankedGrid(int quota, double usable, Size root)
 {
-    int depth = depthForQuota(quota, usable, 12);
-    while (depth > 0 && (2 << depth) > std::min(root.width, root.height))
-        depth--;
-    return depth;
+    const int shorter = std::min(root.width, root.height), longer = std::max(root.width, root.height);
+    int depth = depthForQuota(quota, usable, 12), trees = 1;
+    if (depth > 0 && 2 << depth > shorter)
+    {
+        trees = std::max(longer / std::max(shorter, 2), 1);
+        depth = depthForQuota(quota, usable, 12, trees);
+        while (depth > 0 && (2 << depth > shorter || trees * std::pow(4., depth) > std::pow(4., 12)))
+            depth--;
+    }
+    LeafGrid grid = {1 << depth, 1 << depth, 0};
+    (root.width > root.height ? grid.columns : grid.rows) *= trees;
+    grid.columnBits = cvCeil(std::log2((double)grid.columns));
+    return grid;
 }
 
 float cornerBase(int fastScore, float response, bool isHarris)
@@ -151,15 +160,16 @@ std::vector<int> rankedSequence(const std::vector<LeafCorner>& corners, const Ra
     }
 
     // Leaves that are (dx, dy) away are in the disc if their centres are within the radius.
-    const int side = 1 << rule.depth;
-    const double W = (double)rule.region.width / side, H = (double)rule.region.height / side;
+    const int columns = rule.grid.columns, rows = rule.grid.rows;
+    const double W = (double)rule.region.width / columns, H = (double)rule.region.height / rows;
     const double reach =
         rule.radius * rule.radius * rule.usable * rule.region.width * rule.region.height / rule.quota;
-    const auto isInDisc = [&](int dx, int dy) { return dx * dx * (W * W) + dy * dy * (H * H) <= reach; };
+    const auto isInDisc = [&](double dx, double dy)
+    { return dx * dx * (W * W) + dy * dy * (H * H) <= reach; };
     int most = 0, highest = 0;  // |dx|, |dy|
-    while (most < side - 1 && isInDisc(most + 1, 0))
+    while (most < columns - 1 && isInDisc(most + 1, 0))
         most++;
-    while (highest < side - 1 && isInDisc(0, highest + 1))
+    while (highest < rows - 1 && isInDisc(0, highest + 1))
         highest++;
     const int64 total = ((int64)2 * most + 1) * (2 * highest + 1);  // leaves of the square around the disc
     for (size_t i = 0; i < representatives.size(); i++)
@@ -169,8 +179,8 @@ std::vector<int> rankedSequence(const std::vector<LeafCorner>& corners, const Ra
         int64 stronger = 0, inside = 0;
         for (const Placed& b : representatives)
             stronger += isInDisc(b.corner.column - column, b.corner.row - row) && isStronger(b, a);
-        for (int y = std::max(row - highest, 0); y <= std::min(row + highest, side - 1); y++)
-            for (int x = std::max(column - most, 0); x <= std::min(column + most, side - 1); x++)
+        for (int y = std::max(row - highest, 0); y <= std::min(row + highest, rows - 1); y++)
+            for (int x = std::max(column - most, 0); x <= std::min(column + most, columns - 1); x++)
                 inside += isUnmasked(x, y) || represented.count(std::make_pair(y, x)) != 0;
         double key = binaryLogarithm((float)(1 + stronger * ((double)total / inside)));
         if (a.strength > 0)
@@ -198,11 +208,22 @@ KeyPoints retainUniform(const KeyPoints& keypoints, Size imageSize, int npoints)
         corners.push_back({int(p.x * side / imageSize.width), int(p.y * side / imageSize.height), p.x, p.y,
                            keypoints[i].response, (int)i});
     }
+    double highest = 0;
+    for (const LeafCorner& corner : corners)
+        if (!cvIsInf(corner.base) && corner.base > highest)
+            highest = corner.base;
+    const auto strengthOf = [=](const LeafCorner& corner)
+    {
+        if (!(corner.base > 0) || cvIsInf(corner.base))
+            return corner.base;
+        const float ratio = (float)(corner.base / highest * std::pow(2., 127));
+        return ratio > 0 ? ratio : std::numeric_limits<float>::denorm_min();
+    };
     std::vector<int> order;
     if (npoints > 0)
         order = rankedSequence(
-            corners, {imageSize, depth, 1, npoints, 1, 0.15}, [](int, int) { return true; },
-            [](const LeafCorner& corner) { return corner.base; });
+            corners, {imageSize, {1 << depth, 1 << depth, depth}, 1, npoints, 1, 0.15},
+            [](int, int) { return true; }, strengthOf);
     // The others follow by response.
     const std::set<int> representatives(order.begin(), order.end());
     std::sort(corners.begin(), corners.end(), isBetterBase);

@@ -138,16 +138,21 @@ TEST(Aqorb_Promises, a_level_comes_by_response_and_then_in_raster_order_of_the_d
 TEST(Aqorb_Promises, octave_suppression_keeps_detected_pixels_apart)
 {
     int nearer = 0;  // refined positions that are
-    const Mat image = makeScene(Size(640, 480));
+    // In the noise representatives run out, but corners that keep their distance do not.
+    const Mat scene = makeScene(Size(640, 480)), noise = makeNoise(Size(411, 196));
     for (AdaptiveQuadtreeORB::SelectionType selection : SELECTIONS)
-        for (double distance : {0.5, 1., 2., 3.})
+        for (double distance : {0.5, 1., 2., 3., -2.})
         {
-            SCOPED_TRACE(format("selection %d, distance %g", int(selection), distance));
-            const Ptr<AdaptiveQuadtreeORB> detector = AdaptiveQuadtreeORB::create(600);
+            const Mat& image = distance < 0 ? noise : scene;
+            const int nfeatures = distance < 0 ? 2468 : 600;
+            distance = std::abs(distance);
+            SCOPED_TRACE(format("selection %d, distance %g, %d", int(selection), distance, nfeatures));
+            const Ptr<AdaptiveQuadtreeORB> detector = AdaptiveQuadtreeORB::create(nfeatures);
             detector->setSelectionType(selection);
             detector->setOctaveSuppression(distance);
             KeyPoints keypoints;
             detector->detect(image, keypoints);
+            ASSERT_EQ(keypoints.size(), size_t(nfeatures));
             std::vector<Mat> levels;
             detector->buildPyramid(image, levels);
             const auto position = [&](const KeyPoint& k)

@@ -43,13 +43,17 @@ TEST(Aqorb_Quadtree, leaves_divide_a_region_evenly)
     for (int i = 0; i < 300; i++)
     {
         const Size region(rng.uniform(1, 700), rng.uniform(1, 700));
-        const int depth = rng.uniform(0, 16);
+        const int depth = rng.uniform(0, 16), trees = depth > 10 ? 1 : rng.uniform(1, 100);
+        const LeafGrid grid = leafGrid(region, trees, depth);
+        const int columns = (region.width > region.height ? trees : 1) << depth,
+                  rows = (region.width > region.height ? 1 : trees) << depth;
+        ASSERT_EQ(Size(grid.columns, grid.rows), Size(columns, rows));
         for (int j = 0; j < 50; j++)
         {
             const int x = rng.uniform(0, region.width), y = rng.uniform(0, region.height);
-            const unsigned column = unsigned((int64(x) << depth) / region.width),
-                           row = unsigned((int64(y) << depth) / region.height);
-            ASSERT_EQ(leafOf(x, y, region, depth), row << depth | column) << region << depth;
+            const unsigned leaf = leafOf(x, y, region, grid);
+            ASSERT_EQ(grid.columnOf(leaf), int64(x) * columns / region.width) << region << depth;
+            ASSERT_EQ(grid.rowOf(leaf), int64(y) * rows / region.height) << region << depth;
         }
     }
 }

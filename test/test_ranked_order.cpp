@@ -22,7 +22,7 @@ using namespace aqorb;
 const float INF = std::numeric_limits<float>::infinity();
 const float NOT_A_NUMBER = std::numeric_limits<float>::quiet_NaN();
 
-TEST(Aqorb_RankedOrder, depth_equals_reference)
+TEST(Aqorb_RankedOrder, leaves_equal_reference)
 {
     RNG rng(1);
     for (int i = 0; i < 20000; i++)
@@ -30,10 +30,13 @@ TEST(Aqorb_RankedOrder, depth_equals_reference)
         const Size size(rng.uniform(1, 1 << rng.uniform(1, 15)), rng.uniform(1, 1 << rng.uniform(1, 15)));
         const int quota = rng.uniform(1, 1 << rng.uniform(1, 24));
         const double usable = i % 3 ? rng.uniform(0., 1.) : i % 2;
-        ASSERT_EQ(rankedDepth(size, usable, quota), reference::rankedDepth(quota, usable, size))
-            << size << usable << quota;
+        const LeafGrid grid = rankedGrid(size, usable, quota),
+                       expected = reference::rankedGrid(quota, usable, size);
+        ASSERT_EQ(Size(grid.columns, grid.rows), Size(expected.columns, expected.rows))
+            << size << usable << " " << quota;
+        ASSERT_EQ(grid.columnBits, expected.columnBits);
     }
-    EXPECT_EQ(rankedDepth(Size(INT_MAX, INT_MAX), 1, INT_MAX), 12);
+    EXPECT_EQ(rankedGrid(Size(INT_MAX, INT_MAX), 1, INT_MAX).columns, 1 << 12);
 }
 
 //! Points over a region, and the strengths of the representatives among them by their indices.
@@ -63,9 +66,11 @@ Scene randomScene(int seed, bool isLarge = false)
     Scene scene;
     const int shortest = isLarge ? 200 : 1;
     const Size size(rng.uniform(shortest, 300), rng.uniform(shortest, 300));
-    const int depth = rng.uniform(isLarge ? 5 : 0, isLarge ? 7 : rankedDepth(size, 1, INT_MAX) + 1);
+    // Some scenes have several trees side by side.
+    const int depth = rng.uniform(isLarge ? 5 : 0, isLarge ? 7 : 8);
+    const LeafGrid grid = leafGrid(size, isLarge || rng.uniform(0, 2) ? 1 : rng.uniform(2, 12), depth);
     scene.rule = {size,
-                  depth,
+                  grid,
                   1,
                   rng.uniform(1, 1 << rng.uniform(1, 9)),
                   seed % 3 ? rng.uniform(0., 3.) : rng.uniform(0., 16.),
@@ -74,7 +79,7 @@ Scene randomScene(int seed, bool isLarge = false)
     for (int i = 0; i < count; i++)
     {
         const Point p(rng.uniform(0, size.width), rng.uniform(0, size.height));
-        scene.corners.push_back({(p.x << depth) / size.width, (p.y << depth) / size.height, float(p.x),
+        scene.corners.push_back({p.x * grid.columns / size.width, p.y * grid.rows / size.height, float(p.x),
                                  float(p.y), randomStrength(rng, kind), i});
         scene.strengths.push_back(randomStrength(rng, kind));
     }
@@ -85,7 +90,7 @@ Scene randomScene(int seed, bool isLarge = false)
     if (rng.uniform(0, 2))
     {
         scene.rule.usable = rng.uniform(0., 1.);
-        for (int i = 0; i < 1 << (2 * depth); i++)
+        for (size_t i = 0; i < grid.numbers(); i++)
             scene.usable.push_back(uchar(rng.uniform(0, 3) ? rng.uniform(1, 256) : 0));
     }
     return scene;
@@ -96,7 +101,7 @@ std::vector<int> expectedOrder(const Scene& scene)
     return reference::rankedSequence(
         scene.corners, scene.rule,
         [&](int column, int row)
-        { return scene.usable.empty() || scene.usable[(size_t(row) << scene.rule.depth) + column]; },
+        { return scene.usable.empty() || scene.usable[scene.rule.grid.numberOf(column, row)]; },
         [&](const reference::LeafCorner& corner) { return scene.strengths[corner.index]; });
 }
 
@@ -105,9 +110,8 @@ std::vector<int> orderOf(const Scene& scene)
 {
     std::vector<LeafPoint> points;
     for (const reference::LeafCorner& corner : scene.corners)
-        points.push_back(
-            {unsigned(corner.row << scene.rule.depth | corner.column), aqorb::sortKey(corner.base)});
-    const std::vector<unsigned> representatives = findRepresentatives(points, scene.rule.depth);
+        points.push_back({scene.rule.grid.numberOf(corner.column, corner.row), aqorb::sortKey(corner.base)});
+    const std::vector<unsigned> representatives = findRepresentatives(points, scene.rule.grid);
     std::vector<unsigned> leaves, order;
     std::vector<float> strengths;
     for (unsigned index : representatives)

@@ -33,6 +33,30 @@ int common(const KeyPoints& a, const KeyPoints& b)
     return count;
 }
 
+// Leaves of one tree are limited by the shorter side. There were too few of them, and the strongest corners filled up.
+TEST(Aqorb_RankedSelection, narrow_images_are_covered)
+{
+    const Size sizes[] = {Size(1024, 128), Size(1024, 64), Size(4096, 64), Size(32768, 40), Size(64, 1024)};
+    for (const Size& size : sizes)
+    {
+        SCOPED_TRACE(format("%d x %d", size.width, size.height));
+        const bool isWide = size.width > size.height;
+        Mat image = makeNoise(size, 7);
+        Mat weaker = isWide ? image.colRange(0, size.width / 2) : image.rowRange(0, size.height / 2);
+        weaker = weaker / 2 + 64;
+        Settings settings;
+        for (int n : {300, 500, 1000})
+        {
+            settings.nfeatures = n;
+            const KeyPoints keypoints = detect(settings, image);
+            ASSERT_EQ(keypoints.size(), size_t(n));
+            const auto isInWeaker = [&](const KeyPoint& k)
+            { return isWide ? k.pt.x < size.width / 2 : k.pt.y < size.height / 2; };
+            EXPECT_GE(std::count_if(keypoints.begin(), keypoints.end(), isInWeaker), n * 3 / 10) << n;
+        }
+    }
+}
+
 TEST(Aqorb_RankedSelection, the_weight_leads_from_evenness_to_strength)
 {
     const double weights[] = {0, 1, 4, 1000};

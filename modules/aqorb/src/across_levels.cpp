@@ -42,10 +42,8 @@ namespace
 class PointGrid
 {
 public:
-    // No two points are as far apart as the limit of the radius, which keeps it finite.
-    PointGrid(Size image, double radius_)
-        : radius(std::min(radius_, double(image.width) + image.height)),
-          side(std::max(radius, 16.)),
+    PointGrid(Size image, double side_)
+        : side(std::max(side_, 16.)),
           columns(indexOf(image.width) + 1),
           latest(size_t(columns) * (indexOf(image.height) + 1), -1)
     {
@@ -58,8 +56,10 @@ public:
         ofCell = int(points.size()) - 1;
     }
     //! Whether a point is nearer than the radius.
-    bool isNear(const Point2d& p) const
+    bool isNear(const Point2d& p, double radius) const
     {
+        if (points.empty() || radius == 0)
+            return false;
         const int right = std::min(indexOf(p.x + radius), columns - 1),
                   bottom = std::min(indexOf(p.y + radius), int(latest.size()) / columns - 1);
         for (int row = indexOf(p.y - radius); row <= bottom; row++)
@@ -76,10 +76,52 @@ public:
 private:
     int indexOf(double position) const { return int(std::max(position, 0.) / side); }
 
-    const double radius, side;  // of a cell
+    const double side;  // of a cell
     const int columns;
     std::vector<Point2d> points;
     std::vector<int> latest, before;  // the last point of a cell, and the one before a point; -1: none
+};
+
+// Knows which corners are far enough from those that were selected on other levels.
+class OctaveSuppression
+{
+public:
+    OctaveSuppression(const Parameters& parameters, Size imageSize_, const std::vector<Level>& levels_)
+        : imageSize(imageSize_),
+          levels(levels_),
+          count(int(levels.size())),
+          reach(parameters.selectionType == AdaptiveQuadtreeORB::RANKED_SELECTION ? 1 : count)
+    {
+        // No two points are as far apart as the limit, which keeps the distance finite.
+        const double limit = double(imageSize.width) + imageSize.height;
+        for (const Level& level : levels)
+        {
+            distances.push_back(std::min(octaveDistance(parameters) * level.scale, limit));
+            selected.push_back(PointGrid(imageSize, distances.back()));
+        }
+    }
+    void add(int level, const CornerResponse& corner) { selected[level].add(positionOf(level, corner)); }
+    //! Whether a corner keeps its distance, which is counted in pixels of its own level.
+    bool allows(int level, const CornerResponse& corner) const
+    {
+        const Point2d p = positionOf(level, corner);
+        for (int i = std::max(level - reach, 0); i <= std::min(level + reach, count - 1); i++)
+            if (i != level && selected[i].isNear(p, distances[level]))
+                return false;
+        return true;
+    }
+
+private:
+    Point2d positionOf(int level, const CornerResponse& corner) const
+    {
+        return positionInImage(corner, levels[level].image.size(), imageSize);
+    }
+
+    const Size imageSize;
+    const std::vector<Level>& levels;
+    const int count, reach;  // of levels
+    std::vector<double> distances;
+    std::vector<PointGrid> selected;
 };
 
 }  // namespace
@@ -90,22 +132,18 @@ CornersOfLevels selectAcrossLevels(const Parameters& parameters, Size imageSize,
 {
     CV_TRACE_FUNCTION();
     const int count = int(levels.size());
-    const int reach = parameters.selectionType == AdaptiveQuadtreeORB::RANKED_SELECTION ? 1 : count;
+    OctaveSuppression suppression(parameters, imageSize, levels);
     CornersOfLevels selected(levels.size());
     std::vector<size_t> next(levels.size());  // by level: which corner of its order comes next
     int wanted = 0;
     const auto take = [&](int level)
     {
-        PointGrid others(imageSize, octaveDistance(parameters) * levels[level].scale);
-        for (int i = std::max(level - reach, 0); i <= std::min(level + reach, count - 1); i++)
-            if (i != level)
-                for (const CornerResponse& other : selected[i])
-                    others.add(positionInImage(other, levels[i].image.size(), imageSize));
         for (size_t& i = next[level]; wanted > 0 && i < orders[level].size(); i++)
         {
             const CornerResponse& corner = orders[level][i];
-            if (others.isNear(positionInImage(corner, levels[level].image.size(), imageSize)))
+            if (!suppression.allows(level, corner))
                 continue;
+            suppression.add(level, corner);
             selected[level].push_back(corner);
             wanted--;
         }
@@ -122,34 +160,48 @@ CornersOfLevels selectAcrossLevels(const Parameters& parameters, Size imageSize,
 
 // ---- 8. when representatives run out ----------------------------------------------------------
 
-void fillUp(const std::vector<Level>& levels, const CornersOfLevels& corners, size_t missing,
-            CornersOfLevels& selected)
+void fillUp(const Parameters& parameters, Size imageSize, const std::vector<Level>& levels,
+            const CornersOfLevels& corners, size_t missing, CornersOfLevels& selected)
 {
     CV_TRACE_FUNCTION();
     struct Candidate
     {
-        size_t level;
+        int level;
         CornerResponse corner;
+        bool isTaken;
     };
+    OctaveSuppression suppression(parameters, imageSize, levels);
     std::vector<Candidate> candidates;
     std::vector<uint64> keys;
-    for (size_t i = 0; i < corners.size(); i++)
+    for (int i = 0; i < int(corners.size()); i++)
     {
+        for (const CornerResponse& corner : selected[i])
+            suppression.add(i, corner);
         std::vector<CornerResponse> taken(selected[i]), left;
         std::sort(taken.begin(), taken.end(), InRasterOrder());
         std::set_difference(corners[i].begin(), corners[i].end(), taken.begin(), taken.end(),
                             std::back_inserter(left), InRasterOrder());
         for (const CornerResponse& corner : left)
         {
-            candidates.push_back({i, corner});
+            candidates.push_back({i, corner, false});
             keys.push_back(descendingKey(sortKey(corner.response * levels[i].scale)));
         }
     }
     // Of equal ones that of the finer level comes first, and then raster order.
-    std::vector<unsigned> order = sortIndices(keys);
-    order.resize(std::min(missing, order.size()));
-    for (unsigned index : order)
-        selected[candidates[index].level].push_back(candidates[index].corner);
+    const std::vector<unsigned> order = sortIndices(keys);
+    for (const bool withSuppression : {true, false})
+    {
+        for (size_t i = 0; i < order.size() && missing > 0; i++)
+        {
+            Candidate& candidate = candidates[order[i]];
+            if (withSuppression ? !suppression.allows(candidate.level, candidate.corner) : candidate.isTaken)
+                continue;
+            candidate.isTaken = true;
+            suppression.add(candidate.level, candidate.corner);
+            selected[candidate.level].push_back(candidate.corner);
+            missing--;
+        }
+    }
 }
 
 // ---- 9. order of output -----------------------------------------------------------------------

@@ -137,22 +137,25 @@ Ptr<AdaptiveQuadtreeORB> AdaptiveQuadtreeORB::create(int nfeatures, float scaleF
     return makePtr<AdaptiveQuadtreeORBImpl>(parameters);
 }
 
-static thread_local bool isAlone = false;
-
-SingleThreadScope::SingleThreadScope() : before(isAlone)
+// Has an owner for each scope of this thread, and one more. So scopes may end in any order, and on any thread.
+static const std::shared_ptr<void>& scopesOfThread()
 {
-    isAlone = true;
+    static thread_local const std::shared_ptr<void> scopes = std::make_shared<char>();
+    return scopes;
+}
+
+SingleThreadScope::SingleThreadScope() : scopes(scopesOfThread())
+{
 }
 
 SingleThreadScope::~SingleThreadScope()
 {
-    isAlone = before;
 }
 
 int threadsAllowed()
 {
     const int MOST = 16;  // more would wait for each other most of the time
-    return isAlone ? 1 : std::min(std::max(getNumThreads(), 1), MOST);
+    return scopesOfThread().use_count() > 1 ? 1 : std::min(std::max(getNumThreads(), 1), MOST);
 }
 
 void AdaptiveQuadtreeORBImpl::buildPyramid(InputArray image_, OutputArrayOfArrays levels_) const
@@ -191,7 +194,7 @@ std::vector<FeatureList> AdaptiveQuadtreeORBImpl::findFeatures(const Level& inpu
     const std::vector<LevelPlan> plans = planLevels(parameters, levels);
     std::vector<Rect> regions;
     for (const LevelPlan& plan : plans)
-        regions.push_back(plan.root);
+        regions.push_back(plan.region);
     const auto& corners = findCorners(levels, regions, rules, threads, space.corners);
 
     // Their order.
@@ -214,7 +217,8 @@ std::vector<FeatureList> AdaptiveQuadtreeORBImpl::findFeatures(const Level& inpu
         forEach(levels.size(), threads,
                 [&](size_t i, int)
                 { responses[i] = responsesOf(levels[i].image, all[i], rules.suppressNear); });
-        fillUp(levels, responses, size_t(parameters.nfeatures) - count, selected);
+        fillUp(parameters, input.image.size(), levels, responses, size_t(parameters.nfeatures) - count,
+               selected);
     }
 
     std::vector<FeatureList> features(levels.size());

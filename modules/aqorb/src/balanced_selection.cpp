@@ -94,10 +94,10 @@ std::vector<CornerResponse> balancedCorners(const LevelPlan& plan, const std::ve
     std::vector<LeafPoint> points;
     for (const CornerResponse& corner : corners)
         points.push_back(
-            {leafOf(corner.x - plan.root.x, corner.y - plan.root.y, plan.root.size(), plan.depth),
+            {leafOf(corner.x - plan.region.x, corner.y - plan.region.y, plan.region.size(), plan.grid),
              sortKey(corner.response)});
     std::vector<CornerResponse> ordered;
-    for (unsigned index : balancedOrder(points, plan.depth))
+    for (unsigned index : balancedOrder(points, plan.grid.columnBits))
         ordered.push_back(corners[index]);
     return ordered;
 }

@@ -84,7 +84,7 @@ struct RankGrid
         STEP = 32
     };
     uint64* bits;
-    int depth;            //!< leaves have 2^depth columns
+    int columnBits;       //!< of the numbers of leaves, see LeafGrid
     int stride;           //!< words of a row
     int left, top;        //!< width of the border, in bits and rows
     const int* words;     //!< the disc: offsets from the word before that of the upper left of the disc

@@ -204,10 +204,10 @@ void countBetter(const int* keys, ptrdiff_t stride, int side, uchar* counts)
 
 void countBefore(const RankGrid& grid, const unsigned* leaves, size_t count, int* counts)
 {
-    const unsigned columns = (1u << grid.depth) - 1, STEP = RankGrid::STEP;
+    const unsigned columns = (1u << grid.columnBits) - 1, STEP = RankGrid::STEP;
     for (size_t i = 0; i < count; i++)
     {
-        const unsigned column = leaves[i] & columns, row = leaves[i] >> grid.depth;
+        const unsigned column = leaves[i] & columns, row = leaves[i] >> grid.columnBits;
         const uint64* const word = grid.bits + size_t(row) * grid.stride + column / STEP;
         int sum = 0;
         for (int j = 0; j < grid.wordCount; j++)

@@ -60,9 +60,9 @@ std::vector<LevelPlan> planLevels(const Parameters& parameters, const std::vecto
     std::vector<float> scales;
     for (const Level& level : levels)
     {
-        const Rect root = parameters.keypointRegion(level.image.size());
-        plans.push_back({root, 0, usableShare(level.mask, root), 0});
-        regions.push_back(root.size());
+        const Rect region = parameters.keypointRegion(level.image.size());
+        plans.push_back({region, 0, usableShare(level.mask, region), LeafGrid()});
+        regions.push_back(region.size());
         scales.push_back(level.scale);
     }
     const std::vector<int> quotas =
@@ -71,8 +71,8 @@ std::vector<LevelPlan> planLevels(const Parameters& parameters, const std::vecto
     for (size_t i = 0; i < plans.size(); i++)
     {
         plans[i].quota = quotas[i];
-        plans[i].depth = isRanked ? rankedDepth(regions[i], plans[i].usable, std::max(quotas[i], 1))
-                                  : balancedDepth(quotas[i]);
+        plans[i].grid = isRanked ? rankedGrid(regions[i], plans[i].usable, std::max(quotas[i], 1))
+                                 : leafGrid(regions[i], 1, balancedDepth(quotas[i]));
     }
     // The paper's quotas include those of levels too small for a keypoint, which go to the last level that is not.
     if (!plans.empty())
@@ -82,25 +82,46 @@ std::vector<LevelPlan> planLevels(const Parameters& parameters, const std::vecto
 
 // ---- 2. tree ----------------------------------------------------------------------------------
 
-int rankedDepth(Size region, double usable, int quota)
+LeafGrid leafGrid(Size region, int trees, int depth)
+{
+    const bool isWide = region.width > region.height;
+    LeafGrid grid = {(isWide ? trees : 1) << depth, (isWide ? 1 : trees) << depth, 0};
+    while (1 << grid.columnBits < grid.columns)
+        grid.columnBits++;
+    return grid;
+}
+
+LeafGrid rankedGrid(Size region, double usable, int quota)
 {
     const double LEAVES_PER_POINT = 9;
-    const int DEEPEST = 12;
-    int depth = 0;
-    while (depth < DEEPEST && int64(4) << depth <= std::min(region.width, region.height) &&
-           double(int64(1) << (2 * depth)) * usable < LEAVES_PER_POINT * quota)
-        depth++;
-    return depth;
+    const int MOST_LEAVES = 1 << 24;
+    const int shorter = std::min(region.width, region.height), longer = std::max(region.width, region.height);
+    const auto hasEnough = [&](int trees, int depth)
+    { return trees * double(int64(1) << (2 * depth)) * usable >= LEAVES_PER_POINT * quota; };
+    const auto depthOf = [&](int trees)
+    {
+        int depth = 0;
+        while (int64(4) << depth <= shorter && int64(trees) << (2 * depth + 2) <= MOST_LEAVES &&
+               !hasEnough(trees, depth))
+            depth++;
+        return depth;
+    };
+    const int depth = depthOf(1);
+    if (hasEnough(1, depth) || int64(4) << depth <= shorter)
+        return leafGrid(region, 1, depth);
+    const int trees = std::max(longer / std::max(shorter, 2), 1);
+    return leafGrid(region, trees, depthOf(trees));
 }
 
 // ---- 3. representatives -----------------------------------------------------------------------
 
-std::vector<unsigned> findRepresentatives(const std::vector<LeafPoint>& points, int depth)
+std::vector<unsigned> findRepresentatives(const std::vector<LeafPoint>& points, const LeafGrid& leaves)
 {
-    const unsigned side = 1u << depth, stride = side + 2;  // the grid has a border of one leaf
-    const auto inGrid = [=](unsigned leaf) { return leaf + 2 * (leaf >> depth) + stride + 1; };
-    std::vector<int> grid(size_t(stride) * stride, INT_MIN);  // the key of the best point of a leaf
-    std::vector<unsigned> best(grid.size());                  // that point
+    const int columnBits = leaves.columnBits;
+    const unsigned stride = (1u << columnBits) + 2;  // the grid has a border of one leaf
+    const auto inGrid = [=](unsigned leaf) { return leaf + 2 * (leaf >> columnBits) + stride + 1; };
+    std::vector<int> grid(stride * size_t(leaves.rows + 2), INT_MIN);  // the key of the best point of a leaf
+    std::vector<unsigned> best(grid.size());                           // that point
     for (size_t i = 0; i < points.size(); i++)
     {
         // Without branches, which would be hard to predict. Of equal points the first one stays.
@@ -110,14 +131,14 @@ std::vector<unsigned> findRepresentatives(const std::vector<LeafPoint>& points, 
         best[leaf] = isBetter ? unsigned(i) : best[leaf];
     }
     const int MOST_BETTER = 2;  // neighbours
-    std::vector<uchar> better(side);
+    std::vector<uchar> better(leaves.columns);
     std::vector<unsigned> representatives(points.size() + 1);
     size_t count = 0;
-    for (unsigned row = 0; row < side; row++)
+    for (unsigned row = 0; row < unsigned(leaves.rows); row++)
     {
-        const unsigned first = inGrid(row << depth);
-        countBetterNeighbors(&grid[first], ptrdiff_t(stride), int(side), better.data());
-        for (unsigned column = 0; column < side; column++)
+        const unsigned first = inGrid(row << columnBits);
+        countBetterNeighbors(&grid[first], ptrdiff_t(stride), leaves.columns, better.data());
+        for (unsigned column = 0; column < unsigned(leaves.columns); column++)
         {
             representatives[count] = best[first + column];
             count += int(grid[first + column] != INT_MIN) & (better[column] <= MOST_BETTER);
@@ -174,14 +195,15 @@ struct LeafDisc
 {
     explicit LeafDisc(const RankRule& rule)
     {
-        const int side = 1 << rule.depth;
-        const double width = double(rule.region.width) / side, height = double(rule.region.height) / side;
+        const double width = double(rule.region.width) / rule.grid.columns,
+                     height = double(rule.region.height) / rule.grid.rows;
         const double squared =
             rule.radius * rule.radius * rule.usable * rule.region.width * rule.region.height / rule.quota;
-        int dx = side - 1;
-        for (int dy = 0; dy < side && dy * dy * (height * height) <= squared; dy++)
+        const auto product = [](int d, double length) { return double(d) * d * (length * length); };
+        int dx = rule.grid.columns - 1;
+        for (int dy = 0; dy < rule.grid.rows && product(dy, height) <= squared; dy++)
         {
-            while (dx * dx * (width * width) + dy * dy * (height * height) > squared)
+            while (product(dx, width) + product(dy, height) > squared)
                 dx--;
             halfWidths.push_back(dx);
         }
@@ -189,20 +211,20 @@ struct LeafDisc
     int width() const { return halfWidths[0]; }
     int height() const { return int(halfWidths.size()) - 1; }
 
-    std::vector<int> halfWidths;  // by |dy|: the greatest |dx|; both below the side of the grid
+    std::vector<int> halfWidths;  // by |dy|: the greatest |dx|; both below those of the grid
 };
 
 // How many leaves before each one in the list lie within the disc around it.
-static std::vector<int> countStronger(const std::vector<unsigned>& leaves, const LeafDisc& disc, int depth)
+static std::vector<int> countStronger(const std::vector<unsigned>& leaves, const LeafDisc& disc,
+                                      const LeafGrid& of)
 {
-    const int side = 1 << depth, step = RankGrid::STEP, columns = 2 * disc.width() + 1,
-              rows = 2 * disc.height() + 1;
+    const int step = RankGrid::STEP, columns = 2 * disc.width() + 1, rows = 2 * disc.height() + 1;
     RankGrid grid = RankGrid();
-    grid.depth = depth;
+    grid.columnBits = of.columnBits;
     grid.left = disc.width();
     grid.top = disc.height();
-    grid.stride = (side + columns) / step + 2;
-    std::vector<uint64> bits(size_t(grid.stride) * (side + rows)), masks;
+    grid.stride = (of.columns + columns) / step + 2;
+    std::vector<uint64> bits(size_t(grid.stride) * (of.rows + rows)), masks;
     std::vector<int> words, counts(leaves.size());
     for (int y = 0; y < rows; y++)
     {
@@ -230,24 +252,25 @@ static std::vector<int> countStronger(const std::vector<unsigned>& leaves, const
 // By how much ranks are scaled up: the leaves of the square around the disc over those of them that lie inside of the
 // region and are not masked. A leaf with a representative counts even if its centre is masked.
 static std::vector<double> inverseSharesOf(const std::vector<unsigned>& leaves, const LeafDisc& disc,
-                                           int depth, const std::vector<uchar>& usable)
+                                           const LeafGrid& grid, const std::vector<uchar>& usable)
 {
-    const int side = 1 << depth;
-    Mat1b counted(side, side, 1);
-    for (size_t leaf = 0; leaf < usable.size(); leaf++)
-        counted(int(leaf)) = usable[leaf] != 0;
+    Mat1b counted(grid.rows, grid.columns, 1);
+    for (int row = 0; row < grid.rows && !usable.empty(); row++)
+        for (int column = 0; column < grid.columns; column++)
+            counted(row, column) = usable[grid.numberOf(column, row)] != 0;
     for (unsigned leaf : leaves)
-        counted(int(leaf)) = 1;
+        counted(grid.rowOf(leaf), grid.columnOf(leaf)) = 1;
     Mat1i sums;  // of the leaves above and on the left
     integral(counted, sums, CV_32S);
     const double whole = (2. * disc.width() + 1) * (2. * disc.height() + 1);
     std::vector<double> inverses(leaves.size());
     for (size_t i = 0; i < leaves.size(); i++)
     {
-        const int column = int(leaves[i]) & (side - 1), row = int(leaves[i] >> depth);
+        const int column = grid.columnOf(leaves[i]), row = grid.rowOf(leaves[i]);
         const int left = std::max(column - disc.width(), 0),
-                  right = std::min(column + disc.width() + 1, side);
-        const int top = std::max(row - disc.height(), 0), bottom = std::min(row + disc.height() + 1, side);
+                  right = std::min(column + disc.width() + 1, grid.columns);
+        const int top = std::max(row - disc.height(), 0),
+                  bottom = std::min(row + disc.height() + 1, grid.rows);
         inverses[i] = whole / (sums(bottom, right) - sums(bottom, left) - sums(top, right) + sums(top, left));
     }
     return inverses;
@@ -287,8 +310,8 @@ std::vector<unsigned> orderRepresentatives(const std::vector<unsigned>& leavesGi
     for (size_t i = 0; i < leaves.size(); i++)
         leaves[i] = leavesGiven[byStrength[i]];
     const LeafDisc disc(rule);
-    const std::vector<int> ranks = countStronger(leaves, disc, rule.depth);
-    const std::vector<double> inverseShares = inverseSharesOf(leaves, disc, rule.depth, usable);
+    const std::vector<int> ranks = countStronger(leaves, disc, rule.grid);
+    const std::vector<double> inverseShares = inverseSharesOf(leaves, disc, rule.grid, usable);
     for (size_t i = 0; i < keys.size(); i++)
     {
         const int64 place = placeOf(ranks[i] * inverseShares[i], strengths[byStrength[i]], rule.exponent);
@@ -303,15 +326,15 @@ std::vector<unsigned> orderRepresentatives(const std::vector<unsigned>& leavesGi
 // By leaf: whether its centre may have a corner; empty: they all may.
 static std::vector<uchar> usableLeaves(const Mat& mask, const LevelPlan& plan)
 {
-    std::vector<uchar> usable;
-    if (mask.empty())
-        return usable;
-    for (unsigned leaf = 0; leaf < 1u << (2 * plan.depth); leaf++)
+    std::vector<uchar> usable(mask.empty() ? 0 : plan.grid.numbers());
+    const auto centerOf = [](int index, int count, int length)
+    { return int((2 * int64(index) + 1) * length / (2 * count)); };
+    for (int row = 0; row < plan.grid.rows && !mask.empty(); row++)
     {
-        const int64 column = leaf & ((1u << plan.depth) - 1), row = leaf >> plan.depth;
-        usable.push_back(
-            mask.at<uchar>(plan.root.y + int((2 * row + 1) * plan.root.height >> (plan.depth + 1)),
-                           plan.root.x + int((2 * column + 1) * plan.root.width >> (plan.depth + 1))));
+        const uchar* const use = mask.ptr(plan.region.y + centerOf(row, plan.grid.rows, plan.region.height));
+        for (int column = 0; column < plan.grid.columns; column++)
+            usable[plan.grid.numberOf(column, row)] =
+                use[plan.region.x + centerOf(column, plan.grid.columns, plan.region.width)];
     }
     return usable;
 }
@@ -327,17 +350,17 @@ std::vector<CornerResponse> orderCorners(const Parameters& parameters, const Lev
     std::vector<LeafPoint> points(corners.size());
     for (size_t i = 0; i < corners.size(); i++)
         points[i] = {
-            leafOf(corners[i].x - plan.root.x, corners[i].y - plan.root.y, plan.root.size(), plan.depth),
+            leafOf(corners[i].x - plan.region.x, corners[i].y - plan.region.y, plan.region.size(), plan.grid),
             corners[i].score};
     std::vector<Corner> representatives;
     std::vector<unsigned> leaves;
-    for (unsigned index : findRepresentatives(points, plan.depth))
+    for (unsigned index : findRepresentatives(points, plan.grid))
     {
         representatives.push_back(corners[index]);
         leaves.push_back(points[index].leaf);
     }
     const std::vector<CornerResponse> responses = responsesOf(level.image, representatives, useHarris);
-    const RankRule rule = {plan.root.size(),      plan.depth,
+    const RankRule rule = {plan.region.size(),    plan.grid,
                            plan.usable,           std::max(plan.quota, 1),
                            parameters.rankRadius, parameters.strengthWeight / 4};
     std::vector<CornerResponse> ordered;

@@ -25,28 +25,43 @@ namespace aqorb
 std::vector<int> rankedQuotas(int nfeatures, const std::vector<Size>& regions,
                               const std::vector<float>& scales);
 
+//! The leaves of a quadtree: columns and rows of equal parts of a region.
+struct LeafGrid
+{
+    int columns, rows;
+    int columnBits;  //!< of a number
+
+    unsigned numberOf(int column, int row) const { return unsigned(column) | unsigned(row) << columnBits; }
+    int columnOf(unsigned leaf) const { return int(leaf & ((1u << columnBits) - 1)); }
+    int rowOf(unsigned leaf) const { return int(leaf >> columnBits); }
+    //! More than all numbers of leaves.
+    size_t numbers() const { return size_t(rows) << columnBits; }
+};
+
 //! What a level is to contribute.
 struct LevelPlan
 {
-    Rect root;      //!< of the quadtree: the region in which keypoints may be
+    Rect region;    //!< in which keypoints may be
     int quota;      //!< number of features
-    double usable;  //!< the share of the root that no mask excludes
-    int depth;      //!< of the quadtree
+    double usable;  //!< the share of the region that no mask excludes
+    LeafGrid grid;  //!< the leaves of the quadtree
 };
 std::vector<LevelPlan> planLevels(const Parameters& parameters, const std::vector<Level>& levels);
 
 // ---- 2. tree ----------------------------------------------------------------------------------
 
-//! The smallest depth with 9 usable leaves for each of `quota` points, but at most 12, and so that leaves are at least
-//! 2 pixels a side.
-//! @param usable the share of the region that no mask excludes
-int rankedDepth(Size region, double usable, int quota);
+//! The leaves of so many trees side by side along the longer side of the region, each with 2^depth columns and rows.
+LeafGrid leafGrid(Size region, int trees, int depth);
 
-//! The leaf of a position in a region: leaves have 2^depth columns and rows, and are numbered row by row.
-inline unsigned leafOf(double x, double y, Size region, int depth)
+//! The tree of the smallest depth with 9 usable leaves for each of `quota` points. Where its leaves would be shorter
+//! than 2 pixels, there are longer side / shorter side (rounded down) trees. There are at most 2^24 leaves.
+//! @param usable the share of the region that no mask excludes
+LeafGrid rankedGrid(Size region, double usable, int quota);
+
+//! The leaf of a position in a region.
+inline unsigned leafOf(double x, double y, Size region, const LeafGrid& grid)
 {
-    const double side = 1 << depth;
-    return unsigned(x * side / region.width) | unsigned(y * side / region.height) << depth;
+    return grid.numberOf(int(x * grid.columns / region.width), int(y * grid.rows / region.height));
 }
 
 // ---- 3. representatives -----------------------------------------------------------------------
@@ -61,7 +76,7 @@ struct LeafPoint
 /** The best point of each leaf, unless more than two of the leaf's eight neighbours have a better one. Of equally good
  points of a leaf the first one is better, and of those of two leaves that of the first leaf.
  @return their indices, in the order of the leaves */
-std::vector<unsigned> findRepresentatives(const std::vector<LeafPoint>& points, int depth);
+std::vector<unsigned> findRepresentatives(const std::vector<LeafPoint>& points, const LeafGrid& grid);
 
 // ---- 4. strength ------------------------------------------------------------------------------
 
@@ -80,7 +95,7 @@ std::vector<float> strengthsOf(const Mat& image, const std::vector<Corner>& corn
 struct RankRule
 {
     Size region;      //!< in pixels
-    int depth;        //!< of the quadtree
+    LeafGrid grid;    //!< the leaves of the quadtree
     double usable;    //!< the share of the region in which points may lie
     int quota;        //!< the number of points that the region is to have, > 0
     double radius;    //!< of the disc in which stronger points count, in units of sqrt(usable area / quota)
@@ -125,9 +140,10 @@ typedef std::vector<std::vector<CornerResponse>> CornersOfLevels;
 CornersOfLevels selectAcrossLevels(const Parameters& parameters, Size imageSize,
                                    const std::vector<Level>& levels, const std::vector<LevelPlan>& plans,
                                    const CornersOfLevels& orders);
-//! Adds so many of the corners that are not selected yet, those of the highest response times scale.
-void fillUp(const std::vector<Level>& levels, const CornersOfLevels& corners, size_t missing,
-            CornersOfLevels& selected);
+//! Adds so many of the corners that are not selected yet, those of the highest response times scale: first those that
+//! keep the distance from keypoints of other levels, then others.
+void fillUp(const Parameters& parameters, Size imageSize, const std::vector<Level>& levels,
+            const CornersOfLevels& corners, size_t missing, CornersOfLevels& selected);
 
 // ---- 9. order of output -----------------------------------------------------------------------
 

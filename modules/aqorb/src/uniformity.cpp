@@ -94,24 +94,33 @@ void retainUniform(std::vector<KeyPoint>& keypoints, Size imageSize, int npoints
                       return p.y != q.y ? p.y < q.y : p.x != q.x ? p.x < q.x : a < b;
                   });
         // Positions are not bound to pixels, so leaves may be smaller.
-        const int depth = rankedDepth(Size(INT_MAX, INT_MAX), 1, npoints);
+        const LeafGrid grid = rankedGrid(Size(INT_MAX, INT_MAX), 1, npoints);
         std::vector<LeafPoint> points;
         for (unsigned index : inside)
         {
             const Point2f p = keypoints[index].pt;
-            points.push_back({leafOf(p.x, p.y, imageSize, depth), sortKey(keypoints[index].response)});
+            points.push_back({leafOf(p.x, p.y, imageSize, grid), sortKey(keypoints[index].response)});
         }
-        const std::vector<unsigned> representatives = findRepresentatives(points, depth);
+        const std::vector<unsigned> representatives = findRepresentatives(points, grid);
         std::vector<unsigned> leaves;
         std::vector<float> strengths;
+        const float LEAST = std::numeric_limits<float>::denorm_min();
+        // Responses are taken in units of the highest one, so that a constant factor changes nothing.
+        double highest = 0;
+        for (unsigned index : inside)
+            if (std::isfinite(keypoints[index].response))
+                highest = std::max(highest, double(keypoints[index].response));
         for (unsigned index : representatives)
         {
+            const float response = keypoints[inside[index]].response;
             leaves.push_back(points[index].leaf);
-            strengths.push_back(keypoints[inside[index]].response);
+            strengths.push_back(response > 0 && std::isfinite(response)
+                                    ? std::max(float(std::ldexp(response / highest, 127)), LEAST)
+                                    : response);
         }
         // More even than the defaults of the detector: here all keypoints are of one level.
         const double RADIUS = 1, WEIGHT = 0.15;
-        const RankRule rule = {imageSize, depth, 1, std::max(npoints, 1), RADIUS, WEIGHT};
+        const RankRule rule = {imageSize, grid, 1, std::max(npoints, 1), RADIUS, WEIGHT};
         std::vector<uchar> isListed(keypoints.size());
         for (unsigned index : orderRepresentatives(leaves, strengths, rule, std::vector<uchar>()))
         {

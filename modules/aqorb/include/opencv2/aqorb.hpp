@@ -11,6 +11,8 @@
 #include <opencv2/aqorb/refinement.hpp>
 #include <opencv2/core.hpp>
 
+#include <memory>
+
 /**
 @defgroup aqorb Uniformly distributed ORB features
 
@@ -137,17 +139,21 @@ public:
     /** @brief How much the strength of a corner counts against an even distribution: 0 to 1000, without a unit. The
     default is 0.05.
 
-    With 0 corners are taken by their rank alone, which gives the most even distribution. A larger value prefers strong
-    corners; raise it to find a small object in a large scene. With 1000 the stronger of two representatives is taken
-    first, unless their strengths differ by less than two per cent. It has no effect with BALANCED_SELECTION. */
+    The representatives of a level come by (1 + rank) / strength^StrengthWeight, the lowest first. With 0 corners are
+    taken by their rank alone, which gives the most even distribution. A larger value prefers strong corners; raise it
+    to find a small object in a large scene. With 1000 a rank of a million makes up for 2 per cent of strength at most,
+    so that of two representatives the stronger comes first, unless it is stronger by less than that. It has no effect
+    with BALANCED_SELECTION. */
     CV_WRAP virtual void setStrengthWeight(double strengthWeight) = 0;
     CV_WRAP virtual double getStrengthWeight() const = 0;  //!< see setStrengthWeight()
 
-    /** @brief The distance that a corner keeps from the keypoints of neighbouring levels, in pixels of its own level:
-    finite and >= 0. With -1, the default, it is the distance that suits the selection, see setSelectionType().
+    /** @brief The distance that a corner keeps from the keypoints of neighbouring levels that were taken before it, in
+    pixels of its own level: finite and >= 0. With -1, the default, it is the distance that suits the selection, see
+    setSelectionType().
 
-    A corner that is strictly nearer than that is taken only if too few corners are left elsewhere. The distance is that
-    between the pixels where the two were detected, mapped to the image by pixel centres. Refined positions
+    Coarse levels choose first. So two keypoints of neighbouring levels are at least so many pixels of the finer one
+    apart. A corner that is strictly nearer is taken only when no corner is left that keeps the distance. The distance
+    is that between the pixels where the two were detected, mapped to the image by pixel centres. Refined positions
     (setSubPixel()) can come nearer. With 0 there is no such rule, as in the paper. */
     CV_WRAP virtual void setOctaveSuppression(double octaveSuppression) = 0;
     CV_WRAP virtual double getOctaveSuppression() const = 0;  //!< see setOctaveSuppression()
@@ -180,8 +186,10 @@ public:
       the scene lies in the frame, so nearly the same corners are chosen when the camera turns. Levels share the
       features in proportion to area * scale^1.25, where the area is that between the borders, and the finest level gets
       half as much again. The tree has the smallest depth with at least 9 leaves for each feature that the level is to
-      have; leaves on masked pixels do not count. A corner keeps 2.1 / (1 + StrengthWeight) pixels from the keypoints of
-      the levels next to its own, so that a corner of the scene can be kept on every second level.
+      have; leaves on masked pixels do not count. No leaf is shorter than 2 pixels: where one tree would need such
+      leaves, a level at least twice as long as wide has several trees in a row. There are at most 2^24 leaves. A corner
+      keeps 2.1 / (1 + StrengthWeight) pixels from the keypoints of the levels next to its own, so that a corner of the
+      scene can be kept on every second level.
     - BALANCED_SELECTION is the rule of the paper, equations (8) and (9) and Figure 2: the parts of the frame take their
       best corners in turn, and levels share the features in proportion to their lengths. The tree has the smallest
       depth with at least as many leaves as the level is to have features. A corner keeps 0.5 pixels from the keypoints
@@ -207,8 +215,9 @@ public:
     /** @brief Computes the image pyramid on which keypoints are detected and described. It is for work that needs the
     pixels around keypoints, such as stereo matching: keypoint k lies on levels[k.octave].
 
-    Level i has the size of the image divided by scaleFactor^(i - firstLevel), rounded, and its pixels are those of
-    cv::ORB's level. Detection keeps no pyramid, so this function computes all of it.
+    The pixels of level i are those of cv::ORB's level. It has cvRound(width * (1.f / scale)) columns, and rows in the
+    same way, where scale is scaleFactor^(i - firstLevel) as a float, all products are floats, and cvRound rounds halves
+    to even. Detection keeps no pyramid, so this function computes all of it.
 
     @param image 8-bit image with 1, 3 (BGR) or 4 (BGRA) channels.
     @param levels A vector of Mat or UMat: one CV_8UC1 image for each level, which shares no memory with the input. The
@@ -255,7 +264,9 @@ private:
 };
 
 /** @brief While an object of this class exists, detectors process the calls of the thread that made it on that thread
-alone. It is for programs with threads of their own, each of which processes images. */
+alone. It is for programs with threads of their own, each of which processes images.
+
+There may be several at a time. They may end in any order, and on any thread. */
 class CV_EXPORTS SingleThreadScope
 {
 public:
@@ -264,7 +275,7 @@ public:
     SingleThreadScope(const SingleThreadScope&) = delete;
 
 private:
-    const bool before;
+    const std::shared_ptr<void> scopes;  // of the thread that made it
 };
 
 /** @brief The adaptive FAST threshold of an image: variance over mean of the grey values, equation (7) of
@@ -315,12 +326,13 @@ AdaptiveQuadtreeORB for the keypoints of any detector.
 Use it in place of cv::KeyPointsFilter::retainBest, which keeps the highest responses wherever they lie. The rule is
 that of RANKED_SELECTION with a StrengthWeight of 0.15 and a RankRadius of 1. The response takes the place of the FAST
 score and of the strength, and octaves are ignored. The quadtree spans the whole image and has at least 9 leaves for
-each keypoint that is kept. The best keypoint of a leaf represents it, unless at least three of the eight leaves around
-it have better ones. The representatives come by (1 + rank) / response^StrengthWeight, where infinity counts as 2^128.
-Those whose response is zero, negative or NaN come after them, by their rank. The other keypoints follow by response. In
-every comparison NaN counts as the lowest response. Of equal responses in a leaf the keypoint of lower y is preferred,
-then that of lower x, then that of lower index. Multiplying all responses by a positive constant changes nothing, as
-long as the products are neither rounded nor out of the range of a float.
+each keypoint that is kept, but at most 2^24. The best keypoint of a leaf represents it, unless at least three of the
+eight leaves around it have better ones. The representatives come by (1 + rank) / response^StrengthWeight, where
+infinity counts as twice the highest finite response. Those whose response is zero, negative or NaN come after them, by
+their rank. The other keypoints follow by response. In every comparison NaN counts as the lowest response. Of equal
+responses in a leaf the keypoint of lower y is preferred, then that of lower x, then that of lower index. Only ratios of
+responses count, so multiplying all of them by a positive constant changes nothing, as long as the products are neither
+rounded nor out of the range of a float.
 
 @param keypoints In: keypoints of any detector. Out: at most npoints of them, in their input order and with all fields
 unchanged. Those outside the image are dropped, even if there are fewer than npoints.

@@ -47,7 +47,8 @@ It works on the thread that calls it alone, because SLAM systems call it from th
 thread on a core that has other work takes longer than the work that it would do.
 
 An object keeps the pyramid of its last image, so it can be used by one thread at a time. Create one object for each
-camera.
+camera. A copy of an object shares its detector(), so that a property set through one is set for both. It has a vector
+of levels of its own.
  */
 class SlamExtractor
 {
