@@ -268,11 +268,12 @@ Point2d subPixelOffset(const Mat& image, int x, int y)
 
 static float nearestCoordinate(int x, double p, int imageLength, float scale, int border)
 {
-    p = std::min(p, imageLength - border - 0.51);
-    p = std::max(p, (double)border);
-    p = std::min(p, (x + 0.49) * scale);
-    p = std::max(p, (x - 0.49) * scale);
-    return (float)p;
+    const double low = (x - 0.49) * scale, high = (x + 0.49) * scale, last = imageLength - border - 0.51;
+    if (low <= last)  // else no position of the pixel is that far inside
+        p = std::min(p, last);
+    if (high >= border)
+        p = std::max(p, (double)border);
+    return (float)clamp(p, low, high);
 }
 
 static float coordinate(int x, double d, int imageLength, int levelLength, float scale, int border)

@@ -5,6 +5,8 @@
 
 #include "backends.hpp"
 
+#include <opencv2/aqorb/slam.hpp>
+
 #include <array>
 
 // Functions for a collection of images give what a call for each image gives.
@@ -166,6 +168,55 @@ TEST(Aqorb_Batch, threads_have_an_image_each_and_share_a_single_one)
     detector->detectAndComputeBatch(std::vector<Mat>(1, images[0]), noArray(), keypoints, descriptors);
     EXPECT_GT(backend->calls, 1);
     EXPECT_EQ(4, backend->most);
+}
+
+// cv::cvtColor and cv::resize used to share the work.
+TEST(Aqorb_Batch, a_thread_alone_stays_alone_for_colours_and_large_steps_of_the_pyramid)
+{
+    const std::shared_ptr<Counting> backend = std::make_shared<Counting>();
+    const BackendScope scope(backend);
+    const Threads threads(4);
+    Mat image;
+    cvtColor(makeScene(Size(900, 700)), image, COLOR_GRAY2BGR);
+    backend->calls = 0;
+    const Ptr<AdaptiveQuadtreeORB> detector = AdaptiveQuadtreeORB::create(100, 3.f, 4);
+    aqorb::SlamExtractor extractor(100, 3.f, 4, 20, 7);
+    KeyPoints keypoints;
+    Mat descriptors;
+    std::vector<Mat> levels;
+    {
+        const aqorb::SingleThreadScope alone;
+        detector->buildPyramid(image, levels);
+        detectAndCompute(*detector, image);
+        detector->compute(image, keypoints, descriptors);
+    }
+    extractor(image, Mat(), keypoints, descriptors);
+    EXPECT_EQ(0, backend->calls);
+    detectAndCompute(*detector, image);
+    EXPECT_GT(backend->calls, 0);
+}
+
+TEST(Aqorb_Batch, scopes_of_a_thread_end_in_any_order_and_on_any_thread)
+{
+    const std::shared_ptr<Counting> backend = std::make_shared<Counting>();
+    const BackendScope scope(backend);
+    const Threads threads(4);
+    const Ptr<AdaptiveQuadtreeORB> detector = AdaptiveQuadtreeORB::create(100);
+    const Mat image = makeScene(Size(300, 200));
+    const auto isAlone = [&]()
+    {
+        backend->calls = 0;
+        detectAndCompute(*detector, image);
+        return backend->calls == 0;
+    };
+    typedef std::unique_ptr<aqorb::SingleThreadScope> Scope;
+    Scope first(new aqorb::SingleThreadScope), second(new aqorb::SingleThreadScope);
+    first.reset();
+    EXPECT_TRUE(isAlone());
+    std::thread([&] { second.reset(); }).join();
+    EXPECT_FALSE(isAlone());
+    std::thread([&] { first.reset(new aqorb::SingleThreadScope); }).join();
+    EXPECT_FALSE(isAlone());
 }
 
 TEST(Aqorb_Batch, takes_and_gives_matrices_of_all_kinds)

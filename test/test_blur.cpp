@@ -50,9 +50,15 @@ TEST(Aqorb_Blur, approximation_stays_within_its_bounds_for_every_width)
             Mat blurred, baselineBlurred;
             approximateBlur(images[i], blurred);
             expectWithinBounds(images[i], blurred, reference::blur(images[i]));
+            Mat exact, exactTimes256;
+            reference::roundedBlur(images[i]).convertTo(exactTimes256, CV_16U, 256);
+            approximateBlur(images[i], exact, true);
+            EXPECT_TRUE(sameMat(exact, exactTimes256));
             WithoutOptimization baseline;
             approximateBlur(images[i], baselineBlurred);
             EXPECT_TRUE(sameMat(withMargin(blurred), withMargin(baselineBlurred)));
+            approximateBlur(images[i], exact, true);
+            EXPECT_TRUE(sameMat(exact, exactTimes256));
         }
     }
 }

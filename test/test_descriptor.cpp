@@ -49,6 +49,33 @@ void expectAsReference(const Mat& image, const std::vector<FeaturePoint>& points
     }
 }
 
+// Of dither nearly all pixels are needed exactly, so that they are all blurred exactly after the first few points.
+TEST(Aqorb_Descriptor, of_dither_equals_reference)
+{
+    const Mat noise = makeNoise(Size(300, 420));
+    for (const Mat& image : {Mat((noise & 1) + 100), Mat(noise > 127)})
+        for (int WTA_K = 2; WTA_K <= 4; WTA_K++)
+            for (int threads = 1; threads <= 2; threads++)
+            {
+                SCOPED_TRACE(format("WTA_K %d, %d threads", WTA_K, threads));
+                const Threads scope(threads);
+                RNG rng(WTA_K);
+                KeyPoints keypoints;
+                for (int i = 0; i < 300; i++)
+                    keypoints.push_back(KeyPoint(float(rng.uniform(16, 284)), float(rng.uniform(16, 404)), 31,
+                                                 rng.uniform(0.f, 360.f)));
+                const Ptr<AdaptiveQuadtreeORB> detector = AdaptiveQuadtreeORB::create();
+                detector->setWTA_K(WTA_K);
+                Mat descriptors, expected(int(keypoints.size()), 32, CV_8UC1);
+                detector->compute(image, keypoints, descriptors);
+                const Mat blurred = reference::roundedBlur(image);
+                for (int i = 0; i < expected.rows; i++)
+                    reference::descriptor(image, blurred, keypoints[i].pt, keypoints[i].angle,
+                                          descriptorPattern(31, WTA_K), WTA_K, expected.ptr(i));
+                EXPECT_TRUE(sameMat(descriptors, expected));
+            }
+}
+
 std::vector<FeaturePoint> randomPoints(Size size, int count, int seed)
 {
     RNG rng(seed);

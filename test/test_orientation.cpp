@@ -21,7 +21,7 @@ void orientations(const Mat& image, const std::vector<int>& halfWidths, FeatureP
 
 TEST(Aqorb_Orientation, equals_reference_at_every_pixel)
 {
-    const int patches[] = {2, 3, 8, 21, 31, 32, 47, 63, 64, 90};
+    const int patches[] = {2, 3, 8, 21, 31, 32, 47, 63, 64, 90, 700};
     const Size sizes[] = {Size(96, 71), Size(40, 33), Size(12, 9), Size(1, 4)};
     for (int patchSize : patches)
     {

@@ -131,6 +131,52 @@ TEST(Aqorb_Position, stays_inside_the_border)
         }
 }
 
+// They moved towards a border of the image that no position of the pixel reaches, by almost a pixel of the level.
+TEST(Aqorb_Position, on_enlarged_levels_is_by_pixel_centres_at_the_sides_too)
+{
+    const Size image(197, 153);
+    const int border = 16;
+    for (float factor : {1.2f, 1.5f, 2.f})
+        for (int level = -3; level < 0; level++)
+        {
+            const float scale = reference::levelScale(level, 0, factor);
+            const Size size = reference::levelSize(image, scale);
+            const PositionMap map = {image, size, scale, border, true};
+            for (int x = border; x < size.width - border; x++)
+                for (double d : {-0.2, 0., 0.2})
+                {
+                    const double exact = (x + d + 0.5) * image.width / size.width - 0.5;
+                    if (std::abs(exact - border) < 1 || std::abs(exact - (image.width - border - 0.5)) < 1)
+                        continue;  // there the border can be reached
+                    const double nearest = std::max(std::min(exact, (x + 0.49) * scale), (x - 0.49) * scale);
+                    ASSERT_NEAR(map(x, 50, d, 0).x, nearest, 1e-4) << factor << " " << level << " " << x;
+                }
+        }
+}
+
+// A pixel of an enlarged level is made of at most four pixels of the image, and its keypoint lies on one of them.
+TEST(Aqorb_Position, a_usable_pixel_of_an_enlarged_level_has_a_usable_position)
+{
+    RNG rng(3);
+    for (int i = 0; i < 60; i++)
+    {
+        const Size image(rng.uniform(30, 100), rng.uniform(30, 100));
+        const Mat mask = makeNoise(image, i) > 60;
+        const float scale = reference::levelScale(-rng.uniform(1, 3), 0, rng.uniform(1.05f, 2.f));
+        const Size size = reference::levelSize(image, scale);
+        const int border = rng.uniform(0, 30);
+        const PositionMap map = {image, size, scale, border, true};
+        Mat levelMask = reference::resizeMask(mask, size);
+        const Mat before = levelMask.clone();
+        maskPositions(mask, map, levelMask);
+        const Rect region(border, border, size.width - 2 * border, size.height - 2 * border);
+        if (region.width > 0 && region.height > 0)
+        {
+            EXPECT_TRUE(sameMat(levelMask(region) != 0, before(region) != 0)) << scale << size << border;
+        }
+    }
+}
+
 TEST(Aqorb_Position, a_masked_pixel_has_no_usable_position)
 {
     const Size image(90, 70);

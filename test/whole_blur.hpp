@@ -35,7 +35,7 @@ inline Mat blurredOf(Size size, int value = 0)
 }
 
 //! The approximate blur of a whole image, of which the module blurs parts only, and of the margin around it.
-inline void approximateBlur(const Mat& image, Mat& blurred)
+inline void approximateBlur(const Mat& image, Mat& blurred, bool isExact = false)
 {
     const int margin = BLUR_MARGIN;
     aqorb::BlurRegion everywhere;
@@ -43,7 +43,8 @@ inline void approximateBlur(const Mat& image, Mat& blurred)
     everywhere.addDisc(Point(), std::vector<int>(image.cols + BLUR_MARGIN + 1, image.rows + BLUR_MARGIN));
     blurred = blurredOf(image.size());
     std::vector<uchar> scratch;
-    aqorb::approximateBlur(image, everywhere, Range(-margin, image.rows + margin), rowsOf(blurred), scratch);
+    aqorb::approximateBlur(image, everywhere, Range(-margin, image.rows + margin), rowsOf(blurred), scratch,
+                           isExact);
 }
 
 }  // namespace opencv_test

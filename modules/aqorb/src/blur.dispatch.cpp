@@ -72,11 +72,24 @@ uchar exactBlur(const Mat& image, int x, int y)
     return exactBlurOf(patch.center, patch.step, gaussianTaps().exact);
 }
 
-static void blurTileOf(const uchar* source, ptrdiff_t step, int height, ushort* blurred,
-                       ptrdiff_t blurredStep)
+static void exactTileOf(const uchar* source, ptrdiff_t step, int height, ushort* blurred,
+                        ptrdiff_t blurredStep)
+{
+    CV_CPU_DISPATCH(exactTile, (source, step, height, gaussianTaps().exact, blurred, blurredStep),
+                    CV_CPU_DISPATCH_MODES_ALL);
+}
+
+static void approximateTileOf(const uchar* source, ptrdiff_t step, int height, ushort* blurred,
+                              ptrdiff_t blurredStep)
 {
     CV_CPU_DISPATCH(blurTile, (source, step, height, gaussianTaps().fixed, blurred, blurredStep),
                     CV_CPU_DISPATCH_MODES_ALL);
+}
+
+static void blurTileOf(const uchar* source, ptrdiff_t step, int height, ushort* blurred,
+                       ptrdiff_t blurredStep, bool isExact)
+{
+    (isExact ? exactTileOf : approximateTileOf)(source, step, height, blurred, blurredStep);
 }
 
 int blurMargin(int reach)
@@ -136,13 +149,13 @@ void BlurRegion::addDisc(const Point& center, const std::vector<int>& halfHeight
 
 // Blurs a tile of the border.
 static void blurAtBorder(const Mat& image, const Rect& tile, const BlurredRows& blurred,
-                         std::vector<uchar>& scratch)
+                         std::vector<uchar>& scratch, bool isExact)
 {
     const Rect read(tile.x - RADIUS, tile.y - RADIUS, tile.width + 2 * RADIUS, tile.height + 2 * RADIUS);
     growTo(scratch, size_t(read.width) * read.height);
     copyReflected(image, read, scratch.data());
     const uchar* source = scratch.data() + RADIUS * read.width + RADIUS;
-    blurTileOf(source, read.width, tile.height, blurred.row(tile.y) + tile.x, blurred.step);
+    blurTileOf(source, read.width, tile.height, blurred.row(tile.y) + tile.x, blurred.step, isExact);
     // Columns of the tile that lie in the level.
     const int left = std::max(-tile.x, 0), right = std::max(std::min(image.cols - tile.x, tile.width), left);
     for (int y = tile.y; y < tile.y + tile.height; y++, source += read.width)
@@ -157,7 +170,7 @@ static void blurAtBorder(const Mat& image, const Rect& tile, const BlurredRows& 
 }
 
 void approximateBlur(const Mat& image, const BlurRegion& region, const Range& rows,
-                     const BlurredRows& blurred, std::vector<uchar>& scratch)
+                     const BlurredRows& blurred, std::vector<uchar>& scratch, bool isExact)
 {
     CV_TRACE_FUNCTION();
     const Rect inner(RADIUS, RADIUS, image.cols - 2 * RADIUS, image.rows - 2 * RADIUS);
@@ -177,9 +190,9 @@ void approximateBlur(const Mat& image, const BlurRegion& region, const Range& ro
             const Rect tile(x, y, BLUR_TILE_WIDTH, end - y);
             if ((tile & inner) == tile)
                 blurTileOf(image.ptr(y) + x, ptrdiff_t(image.step), tile.height, blurred.row(y) + x,
-                           blurred.step);
+                           blurred.step, isExact);
             else
-                blurAtBorder(image, tile, blurred, scratch);
+                blurAtBorder(image, tile, blurred, scratch, isExact);
         }
     }
 }

@@ -67,9 +67,10 @@ const int BLUR_EXCESS = 2, BLUR_SHORTFALL = 10;
  does not blur.
  @param rows to blur; may begin and end in the margin
  @param blurred gets the pixels of the region; others of these rows get any value
- @param scratch work space */
+ @param scratch work space
+ @param isExact gives exactBlur times 256, which is within these bounds, too */
 void approximateBlur(const Mat& image, const BlurRegion& region, const Range& rows,
-                     const BlurredRows& blurred, std::vector<uchar>& scratch);
+                     const BlurredRows& blurred, std::vector<uchar>& scratch, bool isExact = false);
 
 }  // namespace aqorb
 }  // namespace cv

@@ -14,6 +14,12 @@ namespace aqorb
 {
 CV_CPU_OPTIMIZATION_NAMESPACE_BEGIN
 
+/** The exact blur of a tile of BLUR_TILE_WIDTH columns, times 256.
+ @param source as for blurTile
+ @param taps those of the centre and of the pixels 1, 2 and 3 off it */
+void exactTile(const uchar* source, ptrdiff_t step, int height, const float* taps, ushort* blurred,
+               ptrdiff_t blurredStep);
+
 //! exactBlur at p, around which 4 pixels must be readable. The taps are those of the centre and of the pixels 1, 2 and
 //! 3 off it.
 uchar exactBlurAt(const uchar* p, ptrdiff_t step, const float* taps);
@@ -26,25 +32,61 @@ void blurTile(const uchar* source, ptrdiff_t step, int height, const ushort taps
 
 #ifndef CV_CPU_OPTIMIZATION_DECLARATIONS_ONLY
 
+namespace
+{
+
+CV_ALWAYS_INLINE float exactRow(const uchar* q, const float* taps)
+{
+    float sum = taps[3] * q[-3];
+    sum = multiplyAdd(taps[2], float(q[-2]), sum);
+    sum = multiplyAdd(taps[1], float(q[-1]), sum);
+    sum = multiplyAdd(taps[0], float(q[0]), sum);
+    sum = multiplyAdd(taps[1], float(q[1]), sum);
+    sum = multiplyAdd(taps[2], float(q[2]), sum);
+    return multiplyAdd(taps[3], float(q[3]), sum);
+}
+
+// Of seven rows `stride` elements apart, rounded.
+CV_ALWAYS_INLINE int exactColumn(const float* rows, int stride, const float* taps)
+{
+    const float* const r = rows + 3 * stride;
+    float sum = taps[0] * r[0];
+    sum = multiplyAdd(r[stride] + r[-stride], taps[1], sum);
+    sum = multiplyAdd(r[2 * stride] + r[-2 * stride], taps[2], sum);
+    sum = multiplyAdd(r[3 * stride] + r[-3 * stride], taps[3], sum);
+    // As cvRound, but compilers vectorize it: in this range floats are whole numbers. The taps add up to 1, so the sum
+    // needs no saturation.
+    const float WHOLE = 12582912.f;  // 1.5 * 2^23
+    return int((sum + WHOLE) - WHOLE);
+}
+
+}  // namespace
+
+void exactTile(const uchar* source, ptrdiff_t step, int height, const float* taps, ushort* blurred,
+               ptrdiff_t blurredStep)
+{
+    const int WIDTH = BLUR_TILE_WIDTH, ROWS = 32;  // at once
+    CV_DECL_ALIGNED(CACHE_LINE) float rows[(ROWS + 6) * WIDTH];
+    const float t[] = {taps[0], taps[1], taps[2], taps[3]};
+    for (int top = 0; top < height; top += ROWS)
+    {
+        const int count = height - top < ROWS ? height - top : ROWS;
+        for (int y = 0; y < count + 6; y++)
+            for (int x = 0; x < WIDTH; x++)
+                rows[y * WIDTH + x] = exactRow(source + (top + y - 3) * step + x, t);
+        for (int y = 0; y < count; y++)
+            for (int x = 0; x < WIDTH; x++)
+                blurred[(top + y) * blurredStep + x] =
+                    ushort(exactColumn(rows + y * WIDTH + x, WIDTH, t) << 8);
+    }
+}
+
 uchar exactBlurAt(const uchar* p, ptrdiff_t step, const float* taps)
 {
     float rows[8];
     for (int i = 0; i < 7; i++)
-    {
-        const uchar* q = p + (i - 3) * step;
-        float sum = taps[3] * q[-3];
-        sum = multiplyAdd(taps[2], float(q[-2]), sum);
-        sum = multiplyAdd(taps[1], float(q[-1]), sum);
-        sum = multiplyAdd(taps[0], float(q[0]), sum);
-        sum = multiplyAdd(taps[1], float(q[1]), sum);
-        sum = multiplyAdd(taps[2], float(q[2]), sum);
-        rows[i] = multiplyAdd(taps[3], float(q[3]), sum);
-    }
-    float sum = taps[0] * rows[3];
-    sum = multiplyAdd(rows[4] + rows[2], taps[1], sum);
-    sum = multiplyAdd(rows[5] + rows[1], taps[2], sum);
-    sum = multiplyAdd(rows[6] + rows[0], taps[3], sum);
-    return uchar(cvRound(sum));  // the taps add up to 1, so the sum needs no saturation
+        rows[i] = exactRow(p + (i - 3) * step, taps);
+    return uchar(exactColumn(rows, 1, taps));
 }
 
 namespace

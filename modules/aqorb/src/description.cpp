@@ -29,13 +29,18 @@ static double safetyMargin(int length)
 // Moves a position along one axis to where a keypoint belongs to a pixel of a level.
 static float clampToPixel(double position, int pixel, int imageLength, double scale, int border)
 {
-    // cv::ORB::compute drops keypoints near the border. Whether it first rounds positions depends on
-    // the version of OpenCV. These positions stay off the border in both cases.
-    const double last = imageLength - border - 0.5 - safetyMargin(imageLength);
-    position = std::max(std::min(position, last), double(border));
     // The descriptor is taken at the pixel that position / scale rounds to. It must be the pixel given.
-    const double most = 0.5 - safetyMargin(pixel);
-    return float(std::max(std::min(position, (pixel + most) * scale), (pixel - most) * scale));
+    const double most = 0.5 - safetyMargin(pixel), low = (pixel - most) * scale,
+                 high = (pixel + most) * scale;
+    // cv::ORB::compute drops keypoints near the border. Whether it first rounds positions depends on
+    // the version of OpenCV. These positions stay off the border in both cases, unless the whole pixel lies in it, as
+    // pixels of an enlarged level can.
+    const double last = imageLength - border - 0.5 - safetyMargin(imageLength);
+    if (low <= last)
+        position = std::min(position, last);
+    if (high >= border)
+        position = std::max(position, double(border));
+    return float(std::max(std::min(position, high), low));
 }
 
 Point2f PositionMap::nearest(int x, int y, const Point2d& p) const
@@ -103,10 +108,19 @@ void maskPositions(const Mat& imageMask, const PositionMap& position, Mat& level
     {
         const uchar* use = imageMask.ptr(nearestPixel(position(0, y).y, imageMask.rows));
         uchar* out = levelMask.ptr(y);
-        for (int x = 0; x < levelMask.cols; x++)
+        if (!std::memchr(use, 0, size_t(imageMask.cols)))
+            continue;
+        for (int begin = 0, end; begin < levelMask.cols; begin = end)
         {
-            if (out[x] && !use[columns[x]] && !usablePosition(imageMask, position, x, y, anywhere))
-                out[x] = 0;
+            // Hardly any pixel needs a closer look.
+            const int AT_ONCE = 64;
+            end = std::min(begin + AT_ONCE, levelMask.cols);
+            int masked = 0;
+            for (int x = begin; x < end; x++)
+                masked |= out[x] & (use[columns[x]] ? 0 : 255);
+            for (int x = begin; x < end && masked; x++)
+                if (out[x] && !use[columns[x]] && !usablePosition(imageMask, position, x, y, anywhere))
+                    out[x] = 0;
         }
     }
 }
@@ -190,7 +204,8 @@ void describeFeatures(const Level& level, const DescriptionRules& rules, const R
     growTo(scratch.blurred, capacity * blurred.step);
     blurred.data = scratch.blurred.data() + margin;
     int filled = -margin;  // the rows from blurred.top to before it are blurred
-    for (size_t next, i = size_t(features.start); i < end; i = next)
+    bool isExact = false;
+    for (size_t next, i = size_t(features.start); i < end;)
     {
         // The rows that the next features read are kept.
         const int top = std::max(points[i].y - reach, -margin);
@@ -202,10 +217,15 @@ void describeFeatures(const Level& level, const DescriptionRules& rules, const R
         const int bottom = std::min(std::max(points[i].y + reach + 1, filled + ROWS), rowsEnd);
         for (next = i; next < end && (points[next].y + reach < bottom || bottom == rowsEnd);)
             next++;
-        approximateBlur(level.image, scratch.region, Range(filled, bottom), blurred, scratch.blur);
+        approximateBlur(level.image, scratch.region, Range(filled, bottom), blurred, scratch.blur, isExact);
         filled = bottom;
-        computeDescriptors(level.image, blurred, &points[i], next - i, *rules.tests,
-                           &list.descriptors[i * DESCRIPTOR_BYTES], DESCRIPTOR_BYTES);
+        i += computeDescriptors(level.image, blurred, &points[i], next - i, *rules.tests,
+                                &list.descriptors[i * DESCRIPTOR_BYTES], DESCRIPTOR_BYTES, !isExact);
+        if (i < next)
+        {
+            isExact = true;
+            filled = -margin;
+        }
     }
 }
 

@@ -18,7 +18,10 @@ namespace cv
 namespace aqorb
 {
 
-/** Sine and cosine of an angle of at most 120 radians, the same on every system.
+//! How many quarters of a turn the angle of at least 120 radians is, modulo 4, in units of 2^-62.
+uint64 quartersOf(float angle);
+
+/** Sine and cosine of an angle, the same on every system.
 
  C libraries differ in the last bit of these functions, and so does cv::ORB. These are, to the bit, those of the GNU C
  library up to version 2.41, which has them from Arm's Optimized Routines: polynomials in double, rounded to float at
@@ -27,9 +30,22 @@ inline void sineAndCosine(float angle, float& sine, float& cosine)
 {
     // The angle is n quarters of a turn plus x, which is at most an eighth of a turn.
     const double QUARTER = 1.5707963267948966, QUARTERS_PER_RADIAN = 0.6366197723675814;
-    const int BITS = 24, HALF = 1 << (BITS - 1);
-    const int n = (int(angle * (QUARTERS_PER_RADIAN * (1 << BITS))) + HALF) >> BITS;
-    const double x = angle - n * QUARTER, x2 = x * x, x3 = x2 * x, x4 = x2 * x2;
+    int n;
+    double x;
+    if (std::abs(angle) < 120)
+    {
+        const int BITS = 24, HALF = 1 << (BITS - 1);
+        n = (int(angle * (QUARTERS_PER_RADIAN * (1 << BITS))) + HALF) >> BITS;
+        x = angle - n * QUARTER;
+    }
+    else
+    {
+        const int BITS = 62;
+        const uint64 quarters = quartersOf(angle), HALF = uint64(1) << (BITS - 1);
+        n = int((quarters + HALF) >> BITS);
+        x = double(int64(quarters - (uint64(n) << BITS))) * (QUARTER / (uint64(1) << BITS));
+    }
+    const double x2 = x * x, x3 = x2 * x, x4 = x2 * x2;
     const double lowSine = x + x3 * -0.16666654943701084;
     const double highSine = 0.008332178146138854 + x2 * -0.00019517298981385725;
     const double lowCosine = 1 + x2 * -0.49999999725108224 + x4 * 0.041666623324344516;
@@ -79,9 +95,12 @@ struct DescriptorTests
  @param count number of points
  @param tests the pattern
  @param descriptors gets one descriptor a row
- @param step bytes from one row to the next */
-void computeDescriptors(const Mat& image, const BlurredRows& blurred, const FeaturePoint* points,
-                        size_t count, const DescriptorTests& tests, uchar* descriptors, size_t step);
+ @param step bytes from one row to the next
+ @param mayStop stops before a point if so many pixels are needed exactly that it is faster to blur them all exactly
+ @return the number of points with a descriptor */
+size_t computeDescriptors(const Mat& image, const BlurredRows& blurred, const FeaturePoint* points,
+                          size_t count, const DescriptorTests& tests, uchar* descriptors, size_t step,
+                          bool mayStop = false);
 
 }  // namespace aqorb
 }  // namespace cv

@@ -7,6 +7,7 @@
 
 #include "precomp.hpp"
 
+#include "for_each.hpp"
 #include "types.hpp"
 #include "input.hpp"
 #include "pyramid.hpp"
@@ -55,7 +56,17 @@ Mat grayImage(InputArray input, std::vector<uchar>* memory)
         growTo(*memory, image.total());
         gray = Mat(image.size(), CV_8UC1, memory->data());
     }
-    cvtColor(image, gray, COLOR_BGR2GRAY);
+    // cv::cvtColor uses no other threads for so few pixels, or for a single row.
+    const int PIXELS = 1 << 16;
+    const int rows = std::max(PIXELS / image.cols, 1), parts = (image.rows + rows - 1) / rows;
+    gray.create(image.size(), CV_8UC1);
+    forEach(size_t(parts), threadsAllowed(),
+            [&](size_t i, int)
+            {
+                const Range part(int(i) * rows, std::min((int(i) + 1) * rows, image.rows));
+                Mat grayPart = gray.rowRange(part);
+                cvtColor(image.rowRange(part), grayPart, COLOR_BGR2GRAY);
+            });
     return gray;
 }
 
@@ -89,7 +100,11 @@ Mat checkedMask(InputArray input, Size imageSize)
                   ("mask must be CV_8UC1 of the image's size, %d x %d, got %d x %d of type %s",
                    imageSize.width, imageSize.height, input.cols(), input.rows(),
                    typeToString(input.type()).c_str()));
-    return input.getMat();
+    const Mat mask = input.getMat();
+    for (int y = 0; y < mask.rows; y++)
+        if (countNonZero(mask.row(y)) < mask.cols)
+            return mask;
+    return Mat();
 }
 
 void checkIsOfMats(const _InputArray& array, const char* name)
@@ -168,8 +183,7 @@ std::vector<FeatureList> takeGiven(const std::vector<KeyPoint>& keypoints, const
     const auto pointOf = [&](const KeyPoint& keypoint)
     {
         const Point2f p = keypoint.pt * (1.f / scaleOf(keypoint.octave));
-        // sineAndCosine takes angles up to 120 radians, which are more than 19 turns.
-        return FeaturePoint{cvRound(p.x), cvRound(p.y), std::fmod(keypoint.angle, 19 * 360.f)};
+        return FeaturePoint{cvRound(p.x), cvRound(p.y), keypoint.angle};
     };
     // The image begins half a pixel before the centre of its first pixel and ends a whole pixel behind the centre of
     // its last one. In the last half pixel a point rounds to a pixel beside the image, but cv::ORB describes it there.

@@ -116,15 +116,17 @@ static CV_ALWAYS_INLINE float directionOf(int m10, int m01)
 static Moments plainMoments(const Mat& image, int x, int y, const OrientationPatch& weights)
 {
     const int radius = int(weights.halfWidths.size()) - 1;
-    PatchBuffer buffer;
-    const Patch patch = patchAround(image, x, y, radius, buffer);
+    const bool isInside = x >= radius && y >= radius && x < image.cols - radius && y < image.rows - radius;
+    PatchBuffer buffer(size_t(2 * radius + 1));  // one row: the whole of a large patch would take much time
 
     // The sums are unsigned, because the moments of very large patches wrap around, as those of cv::ORB do.
     unsigned sum01 = 0, sum10 = 0;
     const int last = radius - radius % weights.rowStep;
     for (int v = -last; v <= last; v += weights.rowStep)
     {
-        const uchar* row = patch.center + v * patch.step;
+        if (!isInside)
+            copyReflected(image, Rect(x - radius, y + v, 2 * radius + 1, 1), buffer.data());
+        const uchar* const row = isInside ? image.ptr(y + v) + x : buffer.data() + radius;
         const int halfWidth = weights.halfWidths[std::abs(v)];
         unsigned sum = 0;
         for (int u = -halfWidth; u <= halfWidth; u++)

@@ -14,28 +14,33 @@ namespace cv
 namespace aqorb
 {
 
+// Copies the pixels from x on of a row. Those beyond its ends are reflected, so that they repeat.
+static void copyRow(const uchar* row, int length, int x, int width, uchar* out)
+{
+    if (length == 1)
+    {
+        std::fill_n(out, width, row[0]);
+        return;
+    }
+    const int period = 2 * (length - 1);
+    for (int run; width > 0; x += run, width -= run, out += run)
+    {
+        const int rest = x % period, begin = rest < 0 ? rest + period : rest;
+        run = std::min(width, (begin < length ? length : period) - begin);
+        if (begin < length)
+            std::copy(row + begin, row + begin + run, out);
+        else
+            std::reverse_copy(row + period - begin - run + 1, row + period - begin + 1, out);
+    }
+}
+
 void copyReflected(const Mat& image, const Rect& rect, uchar* out)
 {
-    const Range inside(std::max(rect.x, 0), std::min(rect.x + rect.width, image.cols));
-    const int left = std::min(std::max(inside.start - rect.x, 0), rect.width),
-              right = std::max(inside.end - rect.x, left);
-    AutoBuffer<int, 256> columns(rect.width);
-    for (int x = 0; x < rect.width; x++)
+    for (int y = rect.y; y < rect.y + rect.height; y++, out += rect.width)
     {
-        if (x < left || x >= right)
-            columns[x] = borderInterpolate(rect.x + x, image.cols, BORDER_REFLECT_101);
-    }
-    for (int y = 0; y < rect.height; y++, out += rect.width)
-    {
-        const bool isInside = rect.y + y >= 0 && rect.y + y < image.rows;
-        const uchar* row =
-            image.ptr(isInside ? rect.y + y : borderInterpolate(rect.y + y, image.rows, BORDER_REFLECT_101));
-        for (int x = 0; x < left; x++)
-            out[x] = row[columns[x]];
-        if (left < right)
-            std::copy(row + rect.x + left, row + rect.x + right, out + left);
-        for (int x = right; x < rect.width; x++)
-            out[x] = row[columns[x]];
+        const bool isInside = y >= 0 && y < image.rows;
+        copyRow(image.ptr(isInside ? y : borderInterpolate(y, image.rows, BORDER_REFLECT_101)), image.cols,
+                rect.x, rect.width, out);
     }
 }
 

@@ -109,6 +109,26 @@ static bool resizeByKernel(const Resize& resize)
     CV_CPU_DISPATCH(resizeRows, (resize), CV_CPU_DISPATCH_MODES_ALL);
 }
 
+// Without the kernel. cv::resize would be as good, but uses other threads whatever a SingleThreadScope says.
+static void resizePlainly(const Mat& source, const ResizeTables& tables, const Range& rows, Mat& destination)
+{
+    for (int y = rows.start; y < rows.end; y++)
+    {
+        const ResizeTaps& row = tables.rowTaps[y];
+        const uchar *upper = source.ptr(row.first), *lower = source.ptr(row.second);
+        uchar* const out = destination.ptr(y);
+        for (int x = 0; x < destination.cols; x++)
+        {
+            const ResizeTaps& column = tables.columnTaps[x];
+            const auto between = [&](const uchar* p) {
+                return p[column.first] * (256 - column.secondWeight) + p[column.second] * column.secondWeight;
+            };
+            const int sum = between(upper) * (256 - row.secondWeight) + between(lower) * row.secondWeight;
+            out[x] = uchar((sum + (1 << 15)) >> 16);
+        }
+    }
+}
+
 static void updateTables(ResizeTables& tables, Size source, Size destination)
 {
     if (tables.source == source && tables.destination == destination)
@@ -131,50 +151,58 @@ void resizeExact(const Mat& source, Mat& destination, Ptr<ResizeTables>& kept, i
     // Each thread makes some rows. Memory that another one has read is slow to write, so that even few are worth it.
     const int LEAST_ROWS = 64;
     const int bands = std::max(std::min(threads, destination.rows / LEAST_ROWS), 1);
-    std::atomic<bool> byKernel(tables.byKernel);
-    if (byKernel)
-    {
-        const size_t pixels = tables.blocks.size() * ResizeBlock::PIXELS;
-        const size_t ofBand = 2 * pixels + ResizeBlock::PIXELS;
-        short* const rows = grown(tables.rows, bands * ofBand);
-        forEach(size_t(bands), threads,
-                [&](size_t i, int)
-                {
-                    const int top = int(i * destination.rows / bands),
-                              end = int((i + 1) * destination.rows / bands);
-                    Resize resize;
-                    resize.source = source.ptr();
-                    resize.sourceStep = ptrdiff_t(source.step);
-                    resize.destination = destination.ptr(top);
-                    resize.destinationStep = ptrdiff_t(destination.step);
-                    resize.width = destination.cols;
-                    resize.height = end - top;
-                    resize.blocks = tables.blocks.data();
-                    resize.bases = tables.bases.data();
-                    resize.rowTaps = &tables.rowTaps[top];
-                    resize.rows[0] = rows + i * ofBand;
-                    resize.rows[1] = resize.rows[0] + pixels;
-                    if (!resizeByKernel(resize))
-                        byKernel = false;
-                });
-    }
-    if (!byKernel)
-        cv::resize(source, destination, destination.size(), 0, 0, INTER_LINEAR_EXACT);
+    const size_t pixels = tables.byKernel ? tables.blocks.size() * ResizeBlock::PIXELS : 0;
+    const size_t ofBand = 2 * pixels + ResizeBlock::PIXELS;
+    short* const rows = grown(tables.rows, bands * ofBand);
+    forEach(size_t(bands), threads,
+            [&](size_t i, int)
+            {
+                const int top = int(i * destination.rows / bands),
+                          end = int((i + 1) * destination.rows / bands);
+                Resize resize;
+                resize.source = source.ptr();
+                resize.sourceStep = ptrdiff_t(source.step);
+                resize.destination = destination.ptr(top);
+                resize.destinationStep = ptrdiff_t(destination.step);
+                resize.width = destination.cols;
+                resize.height = end - top;
+                resize.blocks = tables.blocks.data();
+                resize.bases = tables.bases.data();
+                resize.rowTaps = &tables.rowTaps[top];
+                resize.rows[0] = rows + i * ofBand;
+                resize.rows[1] = resize.rows[0] + pixels;
+                if (!tables.byKernel || !resizeByKernel(resize))
+                    resizePlainly(source, tables, Range(top, end), destination);
+            });
 }
 
 // A pixel is usable if all pixels that it is made from are. The tables must be those of the image of the same size.
 static void resizeMask(const Mat& mask, const ResizeTables& tables, Mat& resized)
 {
+    std::vector<int> left, right;
+    for (const ResizeTaps& taps : tables.columnTaps)
+    {
+        left.push_back(firstUsed(taps));
+        right.push_back(lastUsed(taps));
+    }
+    const int *const lefts = left.data(), *const rights = right.data();
+    std::vector<uchar> bothRows(mask.cols);  // whether the pixels of the two rows are usable
+    uchar* const both = bothRows.data();
+    const int sourceWidth = mask.cols, width = resized.cols;
     for (int y = 0; y < resized.rows; y++)
     {
         const uchar* upper = mask.ptr(firstUsed(tables.rowTaps[y]));
         const uchar* lower = mask.ptr(lastUsed(tables.rowTaps[y]));
+        for (int x = 0; x < sourceWidth; x++)
+            both[x] = (upper[x] != 0) & (lower[x] != 0) ? 255 : 0;
         uchar* out = resized.ptr(y);
-        for (int x = 0; x < resized.cols; x++)
-        {
-            const int left = firstUsed(tables.columnTaps[x]), right = lastUsed(tables.columnTaps[x]);
-            out[x] = upper[left] && upper[right] && lower[left] && lower[right] ? 255 : 0;
-        }
+        if (!std::memchr(both, 0, bothRows.size()))
+            std::memset(out, 255, size_t(width));
+        else if (!std::memchr(both, 255, bothRows.size()))
+            std::memset(out, 0, size_t(width));
+        else
+            for (int x = 0; x < width; x++)
+                out[x] = both[lefts[x]] & both[rights[x]];
     }
 }
 
