@@ -64,6 +64,7 @@ evaluate() {
     need build python python3-matplotlib
     configure release -DAQORB_BUILD_PYTHON=ON -DPython_EXECUTABLE="$PYTHON"
     build "$BUILD/release" --target _aqorb
+    say "Measuring; the first row may take a minute, all of them hours" >&2
     PYTHONPATH=$BUILD/release/bindings/python PYTHONDONTWRITEBYTECODE=1 \
         "$PYTHON" "$ROOT/tools/evaluate/aqorb_evaluate.py" "$1" "${@:2}"
 }

@@ -21,7 +21,7 @@ if [[ ${1:-} == --conan ]]; then
     rm -rf "$BUILD/conan"
     "$tools/bin/conan" profile detect >/dev/null 2>&1
     for shared in False True; do
-        say "The Conan package, shared=$shared"
+        say "The Conan package, shared=$shared: a minute or two"
         log=$BUILD/conan/$shared.log
         "$tools/bin/conan" create "$ROOT/packaging/conan" --no-remote --options "&:shared=$shared" >"$log" 2>&1 ||
             { tail -n 30 "$log" && die "see $log"; }
@@ -43,6 +43,7 @@ export CXXFLAGS LDFLAGS
 # The date of the packages' changelog.
 SOURCE_DATE_EPOCH=${SOURCE_DATE_EPOCH:-$(stat -c %Y "$ROOT/CHANGELOG.md")}
 export SOURCE_DATE_EPOCH
+say "The packages: some minutes the first time"
 configure package -DPython_EXECUTABLE="$PYTHON" "$@"
 (cd "$ROOT" && cmake --build --preset package --parallel "$JOBS")
 rm -rf "$packages"

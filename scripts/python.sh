@@ -19,7 +19,7 @@
 # git, against the installed OpenCV, with the network cut off.
 #
 # With --notebook it installs the package by pip beside a cv2 of pip, runs the notebook of the samples there, and leaves it
-# with its pictures in build/notebook/aqorb.html.
+# with its pictures in build/notebook/aqorb.ipynb, from where it is copied to the samples when it changes.
 #
 # With --collection it tests collections of images in their long form. 500 photographs of opencv_extra go through the
 # command aqorb, the function and the sample on Ray, a worker of Ray is killed, and 10,000 small images go through the
@@ -81,13 +81,13 @@ package() {
 notebook() {
     need build wheel
     opencv_samples
-    say "The notebook, beside opencv-python-headless $OPENCV_4"
+    say "The notebook, beside opencv-python-headless $OPENCV_4: some 3 minutes, most of them without a word"
     environment "$BUILD/venv/notebook" ipykernel matplotlib nbconvert "opencv-python-headless==$OPENCV_4" "${ROOT}[cli]"
     "$BUILD/venv/notebook/bin/python" -m aqorb --version
     PATH=$BUILD/venv/notebook/bin:$PATH OPENCV_SAMPLES_DATA_PATH=$OPENCV_SAMPLES \
-        jupyter nbconvert --execute --to html --log-level=WARN \
+        jupyter nbconvert --execute --to notebook --log-level=WARN \
         --output-dir "$BUILD/notebook" "$ROOT/samples/notebook/aqorb.ipynb"
-    ls -l "$BUILD/notebook/aqorb.html"
+    ls -l "$BUILD/notebook/aqorb.ipynb"
 }
 
 photographs() {
