@@ -213,6 +213,62 @@ TEST(Aqorb_Slam, positions_are_pixels_of_the_level_times_its_scale)
     }
 }
 
+// The mean error of disparities, in pixels, on drawn pairs of a known one. As stereo matching in SLAM does, the sum of
+// squared differences is minimised around the right keypoint's pixel of the left one's level, and a parabola refines
+// it; the disparity counts from the left keypoint's position.
+double meanDisparityError(bool subPixel)
+{
+    const int RADIUS = 5;
+    SlamExtractor left(1000, 1.2f, 8, 20, 7), right(1000, 1.2f, 8, 20, 7);
+    left.detector()->setSubPixel(subPixel);
+    right.detector()->setSubPixel(subPixel);
+    const Mat scene = makeScene(Size(1300, 900));
+    double sum = 0;
+    int count = 0;
+    for (int twice : {16, 17, 21, 40})  // the disparity, in pixels of the scene, which is reduced to a half
+    {
+        Mat images[2], pairs, distances;
+        for (int i = 0; i < 2; i++)
+            resize(scene(Rect(i * twice, 0, 1200, 900)), images[i], Size(), 0.5, 0.5, INTER_AREA);
+        const Features a = extract(left, images[0]), b = extract(right, images[1]);
+        std::vector<Point2f> expected;
+        for (const KeyPoint& keypoint : a.keypoints)
+            expected.push_back(keypoint.pt - Point2f(twice / 2.f, 0));
+        aqorb::matchByPosition(a.descriptors, expected, b.descriptors, b.keypoints, Size2f(4, 2), pairs,
+                               distances);
+        for (int i = 0; i < pairs.rows; i++)
+        {
+            const KeyPoint &from = a.keypoints[pairs.at<int>(i, 0)], &to = b.keypoints[pairs.at<int>(i, 1)];
+            const float scale = left.GetScaleFactors()[from.octave];
+            const Mat &level = left.mvImagePyramid[from.octave], &other = right.mvImagePyramid[from.octave];
+            const int y = cvRound(from.pt.y / scale), x = cvRound(from.pt.x / scale);
+            const Rect patch(x - RADIUS, y - RADIUS, 2 * RADIUS + 1, 2 * RADIUS + 1);
+            const Rect row =
+                Rect(cvRound(to.pt.x / scale) - 2 * RADIUS, patch.y, 4 * RADIUS + 1, patch.height);
+            if ((row & Rect(Point(), other.size())) != row)
+                continue;
+            Mat differences;
+            matchTemplate(other(row), level(patch), differences, TM_SQDIFF);
+            Point best;
+            minMaxLoc(differences, nullptr, nullptr, &best);
+            if (best.x == 0 || best.x == 2 * RADIUS)
+                continue;
+            const float* d = differences.ptr<float>() + best.x;
+            const double offset = (d[-1] - d[1]) / (2. * (d[-1] + d[1] - 2 * d[0]));
+            sum += from.pt.x - scale * (row.x + RADIUS + best.x + offset) - twice / 2.;
+            count++;
+        }
+    }
+    EXPECT_GT(count, 2000);
+    return sum / count;
+}
+
+TEST(Aqorb_Slam, disparities_are_too_large_with_sub_pixel_positions)
+{
+    EXPECT_NEAR(0, meanDisparityError(false), 0.05);
+    EXPECT_NEAR(0.3, meanDisparityError(true), 0.1);
+}
+
 TEST(Aqorb_Slam, keypoints_are_parted_by_the_overlap)
 {
     const Mat image = makeScene(Size(400, 300));

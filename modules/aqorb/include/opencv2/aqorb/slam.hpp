@@ -37,8 +37,9 @@ ORB-SLAM2 starts only on a frame with more than 500 keypoints: with nFeatures: 5
 number, as AdaptiveQuadtreeORB itself does, it would never start.
 
 Four properties of the detector are set to what such systems need. SubPixel is false, because their stereo matching
-takes a position for a whole pixel of its level times the scale of the level. AdaptiveThreshold is false, so that the
-FAST thresholds are those given. OctaveSuppression is 0, because a single camera is initialised with keypoints of the
+subtracts a whole pixel of the level times its scale from the position of the left keypoint: were this position mapped
+by pixel centres, disparities would be too large by (scale - 1) / 2 pixels. AdaptiveThreshold is false, so that the FAST
+thresholds are those given. OctaveSuppression is 0, because a single camera is initialised with keypoints of the
 finest level only, and the best of these are where a coarser level has one, too. StrengthWeight is 0.15, because
 stronger corners are found again in more frames; it makes the distribution a little less even. All can be changed
 through detector().
