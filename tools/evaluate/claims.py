@@ -7,7 +7,6 @@
 import collections
 import concurrent.futures
 import math
-import os
 
 import cv2
 import numpy as np
@@ -154,11 +153,12 @@ def measure(options):
                     measure_views('rolled, scale {:g}'.format(scale), name, sets[name][0][0],
                                   [(view, turn @ matrix) for view, turn in turned], method, 1000, results)
     if 'object' in options.only:
-        scene = [images.read_image(os.path.join(options.object, name)) for name in ('box', 'box_in_scene')]
+        objects = images.small_objects(options.object, sets)
         for method in methods + [Method(options.dial)] * (options.dial not in options.methods):
             for n in OBJECT_NUMBERS:
-                features = [method.compute(image, n) for image in scene]
-                results.add('object', 'box', method.name, n, inliers=measures.inliers_on_object(*features, method.norm))
+                for name, *pair in objects:
+                    found = measures.inliers_on_object(*[method.compute(image, n) for image in pair], method.norm)
+                    results.add('object' if name == 'box' else 'drawn object', name, method.name, n, **found)
     if 'start' in options.only:
         sequence = images.read_sequence(options.sequence)
         for name in dict.fromkeys([options.orb] + [slam_of(name) for name in [options.paper_slam] + options.methods]):
@@ -255,6 +255,9 @@ def judge(measured, options, method):
         judging.ratio(subject + times, subject, 1000, 'distinct')
     for n in OBJECT_NUMBERS:
         judging.mean('inliers on a small object', 'object', n, 'inliers', 0, at_least={250: 10, 500: 12}.get(n))
+    for subject, words in (('object', 'a small object'), ('drawn object', 'three that are drawn into photographs')):
+        for n in OBJECT_NUMBERS:
+            judging.mean('distinct inliers on ' + words, subject, n, 'distinct', 1)
     here, orb, paper, dial = (judging.inliers(name) for name in (method, options.orb, options.paper, options.dial))
     judging.add("inliers on a small object, times cv::ORB's", 0, here / orb, 1, paper / orb, 3, at_least=.9)
     judging.add("the same at the dial's other end", 0, dial / orb, 1, math.nan, 3, at_least=1)

@@ -64,7 +64,29 @@ def rolled(image, degrees):
             np.vstack([turn, [0, 0, 1]]))
 
 
-def degrade(images, homographies, how):
+def with_object(scene, part, scale, place, degrees):
+    """A photograph with a small, turned copy of another image in it, whose right side is a little further away."""
+    height, width = part.shape
+    turn = cv2.getRotationMatrix2D((0, 0), degrees, scale)[:, :2]
+    corners = np.array([[0, 0], [width, .06 * height], [width, .94 * height], [0, height]]) @ turn.T + place
+    matrix = cv2.getPerspectiveTransform(np.float32([[0, 0], [width, 0], [width, height], [0, height]]),
+                                         np.float32(corners))
+    size, scene = scene.shape[::-1], scene.copy()
+    inside = cv2.warpPerspective(np.full(part.shape, 255, np.uint8), matrix, size) > 127
+    scene[inside] = cv2.warpPerspective(cv2.GaussianBlur(part, (0, 0), .5 / scale), matrix, size)[inside]
+    return degrade([scene], None, 'noise', 2)[0][0]
+
+
+def small_objects(folder, sets):
+    """[(name, object, scene)]: box.png in box_in_scene.png, and three that are drawn into photographs of sets."""
+    box, scene = (read_image(os.path.join(folder, name)) for name in ('box', 'box_in_scene'))
+    wall, parked = sets['graf'][0][0][100:420, 150:550], sets['ubc'][0][0][100:400, 100:500]
+    return [('box', box, scene), ('trees', box, with_object(sets['trees'][0][0], box, .6, (430, 380), 17)),
+            ('leuven', wall, with_object(sets['leuven'][0][0], wall, .55, (360, 220), -11)),
+            ('bark', parked, with_object(sets['bark'][0][0], parked, .5, (300, 200), 14))]
+
+
+def degrade(images, homographies, how, deviation=15):
     """The set made worse; of shrunk and enlarged ones the first image stays as it is."""
     if how == 'dark':
         return [cv2.convertScaleAbs(image, alpha=.12) for image in images], homographies
@@ -75,7 +97,7 @@ def degrade(images, homographies, how):
         noisy = []
         for i, image in enumerate(images):
             cv2.setRNGSeed(i + 1)
-            noise = cv2.randn(np.zeros(image.shape, np.int16), (0,) * 4, (15,) * 4)
+            noise = cv2.randn(np.zeros(image.shape, np.int16), (0,) * 4, (deviation,) * 4)
             noisy.append(cv2.add(image, noise, dtype=cv2.CV_8U))
         return noisy, homographies
     if how == 'blur':

@@ -92,14 +92,14 @@ def counts(first, second, correct, image):
             'precision': correct.mean() if len(correct) else 0}
 
 
-def homography_error(first, second, homography, image, seed):
+def homography_error(first, second, homography, image, seed, threshold=3):
     """The mean distance of the first image's corners under the estimated homography from where they belong."""
     parameters = cv2.UsacParams()
     parameters.score = cv2.SCORE_METHOD_MAGSAC
     parameters.sampler = cv2.SAMPLING_UNIFORM
     parameters.loMethod = cv2.LOCAL_OPTIM_SIGMA
     parameters.loIterations, parameters.maxIterations = 10, 5000
-    parameters.confidence, parameters.threshold = .9999, 3
+    parameters.confidence, parameters.threshold = .9999, threshold
     parameters.randomGeneratorState = seed
     estimate = cv2.findHomography(first, second, parameters)[0] if len(first) >= 4 else None
     if estimate is None:
@@ -117,17 +117,22 @@ def area_under_curve(first, second, homography, image, seeds, limit=5):
 
 
 def inliers_on_object(a, b, norm):
-    """As OpenCV's sample find_obj.py with its brute-force matcher."""
+    """The inliers of OpenCV's sample find_obj.py with its brute-force matcher, and how many of them are distinct."""
+    none = {'inliers': 0, 'distinct': 0}
     if not len(a.keypoints) or len(b.keypoints) < 2:
-        return 0
+        return none
     two_best = cv2.BFMatcher(norm).knnMatch(a.descriptors, b.descriptors, 2)
-    good = [best for best, second in two_best if best.distance < .75 * second.distance]
+    good = sorted([best for best, second in two_best if best.distance < .75 * second.distance],
+                  key=lambda match: match.distance)
     if len(good) < 4:
-        return 0
+        return none
     first = a.keypoints['pt'][[match.queryIdx for match in good]]
     second = b.keypoints['pt'][[match.trainIdx for match in good]]
     mask = cv2.findHomography(first, second, cv2.RANSAC, 5)[1]
-    return 0 if mask is None else int(mask.sum())
+    if mask is None:
+        return none
+    inliers = mask.ravel() > 0
+    return {'inliers': int(inliers.sum()), 'distinct': distinct(first[inliers], second[inliers])}
 
 
 def start_matches(a, b):
