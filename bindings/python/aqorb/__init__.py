@@ -18,6 +18,7 @@ Images are numpy arrays of uint8 with any strides. Their shape is (rows, cols) o
 
 A value that is not accepted raises aqorb.error, which is a ValueError and, where there is cv2, a cv2.error. An object
 of a wrong type raises TypeError. Both messages name the parameter.
+Where there is not enough memory, the error is a MemoryError.
 
 HammingMatcher has the methods and the matches of cv2.BFMatcher for binary descriptors, many times as fast. matchArrays,
 knnMatchArrays and matchByPosition return matches as arrays.
@@ -29,12 +30,13 @@ that return keypoints then return an array. setNumThreads and getNumThreads are 
 """
 
 from . import _stop  # noqa: F401 # first
-from . import _aqorb
+import functools as _functools
+import types as _types
 from ._aqorb import (AdaptiveQuadtreeORB, AdaptiveQuadtreeORB_BALANCED_SELECTION,
                      AdaptiveQuadtreeORB_RANKED_SELECTION, AdaptiveQuadtreeORB_create, HammingMatcher,
-                     HammingMatcher_create, __version__, _build_information, adaptiveFastThreshold, distributionOccupancy,
-                     distributionUniformity, getNumThreads, keypoint_dtype, keypointsFromArray, keypointsToArray,
-                     knnMatchArrays, matchArrays, matchByPosition, retainUniform, setNumThreads)
+                     HammingMatcher_create, __version__, _build_information, _from_text, adaptiveFastThreshold,
+                     distributionOccupancy, distributionUniformity, getNumThreads, keypoint_dtype, keypointsFromArray,
+                     keypointsToArray, knnMatchArrays, matchArrays, matchByPosition, retainUniform, setNumThreads)
 from ._feature_batch import FeatureBatch
 
 __all__ = ['AdaptiveQuadtreeORB', 'AdaptiveQuadtreeORB_BALANCED_SELECTION', 'AdaptiveQuadtreeORB_RANKED_SELECTION',
@@ -48,15 +50,35 @@ def computeImageFeatures2(featuresFinder, image, mask=None):
     """Returns what cv2.detail.computeImageFeatures2 gives for a cv2.Feature2D: the features of an image for the
     matchers and estimators of cv2.detail."""
     import cv2
+    import numpy
     keypoints, descriptors = featuresFinder.detectAndCompute(image, mask)
-    features = cv2.detail.computeImageFeatures2(cv2.ORB_create(1), image)  # the class's constructor is of no use
+    # An object to be filled, as the class's constructor is of no use.
+    features = cv2.detail.computeImageFeatures2(cv2.ORB_create(1), numpy.zeros((32, 32), numpy.uint8))
+    features.img_size = (0, 0) if image is None else image.shape[1::-1]
     features.keypoints = keypoints
     features.descriptors = cv2.UMat() if descriptors is None else cv2.UMat(descriptors)
     return features
 
 
-def _from_text(text):  # for pickle, which takes functions of Python only
-    return _aqorb._from_text(text)
+def _of_python(compiled, name):
+    """A function that pickle takes, which does not take those of pybind11."""
+    @_functools.wraps(compiled)
+    def function(*arguments, **named):
+        return compiled(*arguments, **named)
+    function.__module__, function.__name__, function.__qualname__ = __name__, name.split('.')[-1], name
+    return function
+
+
+def _matcher(kind, settings, descriptors):
+    matcher = kind(*settings)
+    matcher.add(descriptors)
+    return matcher
+
+
+globals().update((_name, _of_python(_value, _name)) for _name, _value in list(globals().items())
+                 if isinstance(_value, _types.BuiltinFunctionType))
+AdaptiveQuadtreeORB.create = staticmethod(_of_python(AdaptiveQuadtreeORB.create, 'AdaptiveQuadtreeORB.create'))
+HammingMatcher.create = staticmethod(_of_python(HammingMatcher.create, 'HammingMatcher.create'))
 
 
 def __getattr__(name):

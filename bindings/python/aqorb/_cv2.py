@@ -6,7 +6,7 @@
 
 import importlib
 
-bases = [ValueError]
+bases: list = [ValueError]
 try:
     import cv2
     bases.insert(0, cv2.error)
@@ -15,6 +15,7 @@ except Exception:  # there is no cv2, or one that does not work
 
 error = type('error', tuple(bases), {'__module__': 'aqorb', '__doc__': """The value of an argument is not accepted. The
 message names the argument. It is a ValueError and, where there is cv2, a cv2.error."""})
+memory_error = type('memory_error', (error, MemoryError), {'__module__': 'aqorb._cv2'})
 
 
 def named(name, instead):

@@ -29,6 +29,14 @@ inline bool isInstance(py::handle object, const char* cv2Class)
     return type && py::isinstance(object, type);
 }
 
+//! Whether the object is an integer, also one of numpy's. pybind11 would make one of whatever converts to it.
+inline bool isInteger(py::handle object)
+{
+    const auto integer = py::reinterpret_steal<py::object>(PyNumber_Index(object.ptr()));
+    PyErr_Clear();
+    return bool(integer);
+}
+
 template <typename Kind> struct Object
 {
     py::object object;
@@ -60,6 +68,7 @@ AQORB_ARGUMENT(KeyPointTuple, "Tuple[cv2.KeyPoint, ...]", true)
 AQORB_ARGUMENT(ArrayTuple, "Tuple[numpy.ndarray, ...]", true)
 AQORB_ARGUMENT(MatchTuple, "Tuple[cv2.DMatch, ...]", true)
 AQORB_ARGUMENT(MatchLists, "Tuple[Tuple[cv2.DMatch, ...], ...]", true)
+AQORB_ARGUMENT(Int, "int", isInteger(object))
 AQORB_ARGUMENT(OptionalInt, "Optional[int]", true)
 AQORB_ARGUMENT(OptionalFloat, "Optional[float]", true)
 AQORB_ARGUMENT(FileStorage, "cv2.FileStorage", isInstance(object, "FileStorage"))
@@ -70,11 +79,15 @@ AQORB_ARGUMENT(FileName, "Union[str, os.PathLike]", true)
 //! What Python passes and gets for a property of the type. An enumeration is an int.
 template <typename T> using InPython = typename std::conditional<std::is_enum<T>::value, int, T>::type;
 
-//! The name of a number, which is taken as it is: pybind11 would make an int of whatever converts to one.
-template <typename T> py::arg numberOf(const char* name)
+//! What its setter takes.
+template <typename T>
+using Given = typename std::conditional<std::is_same<InPython<T>, int>::value, IntObject, T>::type;
+
+//! The value of a number. Messages use the name.
+int valueOf(const IntObject& number, const std::string& name);
+template <typename T> T valueOf(T number, const std::string&)
 {
-    py::arg argument(name);
-    return argument.noconvert(std::is_same<InPython<T>, int>::value);
+    return number;
 }
 
 }  // namespace aqorb_python

@@ -5,6 +5,7 @@
 
 #include "arrays.hpp"
 
+#include "arguments.hpp"
 #include "errors.hpp"
 
 #include <pybind11/stl.h>
@@ -127,6 +128,17 @@ std::vector<cv::KeyPoint> fromSequence(py::handle source, const std::string& nam
 }
 
 }  // namespace
+
+int valueOf(const IntObject& number, const std::string& name)
+{
+    const auto integer = py::reinterpret_steal<py::int_>(PyNumber_Index(number.object.ptr()));
+    int overflow = 0;
+    const long long value = PyLong_AsLongLongAndOverflow(integer.ptr(), &overflow);
+    if (overflow || value < INT_MIN || value > INT_MAX)
+        CV_Error_(cv::Error::StsOutOfRange,
+                  ("%s must be an int of 32 bits, got %s", name.c_str(), brief(integer).c_str()));
+    return int(value);
+}
 
 Pixels toImage(py::handle source, const std::string& name)
 {

@@ -250,16 +250,20 @@ void readNode(Detector& self, const FileNodeObject& node)
     self.change([&](Library& library) { readText(library, given); });
 }
 
-Detector create(int nfeatures, double scaleFactor, int nlevels, int edgeThreshold, int firstLevel, int WTA_K,
-                int scoreType, int patchSize, int fastThreshold)
+Detector create(const IntObject& nfeatures, double scaleFactor, const IntObject& nlevels,
+                const IntObject& edgeThreshold, const IntObject& firstLevel, const IntObject& WTA_K,
+                const IntObject& scoreType, const IntObject& patchSize, const IntObject& fastThreshold)
 {
-    return Detector(Library::create(nfeatures, float(scaleFactor), nlevels, edgeThreshold, firstLevel, WTA_K,
-                                    cv::ORB::ScoreType(scoreType), patchSize, fastThreshold));
+    return Detector(
+        Library::create(valueOf(nfeatures, "nfeatures"), float(scaleFactor), valueOf(nlevels, "nlevels"),
+                        valueOf(edgeThreshold, "edgeThreshold"), valueOf(firstLevel, "firstLevel"),
+                        valueOf(WTA_K, "WTA_K"), ORB::ScoreType(valueOf(scoreType, "scoreType")),
+                        valueOf(patchSize, "patchSize"), valueOf(fastThreshold, "fastThreshold")));
 }
 
 void addCreate(DetectorClass& detector)
 {
-#define AQORB_DEFAULT(property, type, name, key, byDefault, ...) numberOf<type>(#name) = byDefault,
+#define AQORB_DEFAULT(property, type, name, key, byDefault, ...) arg(#name) = byDefault,
     const char* const text =
         "Creates a detector. The parameters are those of cv2.ORB_create, in the same order.\n"
         "The default of edgeThreshold is 16, and fastThreshold scales the adaptive threshold.";
@@ -315,9 +319,12 @@ void addProperties(DetectorClass& detector)
 #define AQORB_PROPERTY(property, type, name, key, byDefault, range, text)                                    \
     detector.def(                                                                                            \
         "set" #property,                                                                                     \
-        [](Detector& self, InPython<type> value)                                                             \
-        { self.change([=](Library& library) { library.set##property(type(value)); }); },                     \
-        numberOf<type>(#name == std::string("nfeatures") ? "maxFeatures" : #key),                            \
+        [](Detector& self, const Given<type>& given)                                                         \
+        {                                                                                                    \
+            const InPython<type> value = valueOf(given, #name);                                              \
+            self.change([=](Library& library) { library.set##property(type(value)); });                      \
+        },                                                                                                   \
+        arg(#name == std::string("nfeatures") ? "maxFeatures" : #key),                                       \
         ("Sets " text ". The default is " + literal(#byDefault) + ".").c_str());                             \
     detector.def(                                                                                            \
         "get" #property, [](const Detector& self) { return InPython<type>(self.share()->get##property()); }, \

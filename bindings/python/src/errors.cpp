@@ -47,7 +47,9 @@ void translateErrors()
             catch (const cv::Exception& exception)
             {
                 // Without OpenCV's version and place in what(), which are the package's own and not cv2's.
-                const py::object type = py::module_::import("aqorb._cv2").attr("error");
+                const py::object type =
+                    py::module_::import("aqorb._cv2")
+                        .attr(exception.code == cv::Error::StsNoMem ? "memory_error" : "error");
                 const py::object error = type(toText(exception.err));
                 error.attr("code") = exception.code;
                 error.attr("err") = toText(exception.err);

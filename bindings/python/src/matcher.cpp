@@ -73,10 +73,19 @@ template <typename T> T toNumber(py::handle source, T byDefault, const char* nam
     return number;
 }
 
-Matcher create(int normType, bool crossCheck)
+Matcher create(const IntObject& normType, bool crossCheck)
 {
-    return Matcher(Library::create(normType, crossCheck));
+    return Matcher(Library::create(valueOf(normType, "normType"), crossCheck));
 }
+
+// cv::BFMatcher has no getters.
+struct Settings : Library
+{
+    static py::tuple of(const Library& matcher)
+    {
+        return py::make_tuple(matcher.*&Settings::normType, matcher.*&Settings::crossCheck);
+    }
+};
 
 void add(Matcher& self, const ImagesObject& descriptors)
 {
@@ -123,28 +132,32 @@ MatchTupleObject matchCollection(const Matcher& self, const OptionalArrayObject&
 }
 
 MatchListsObject knnMatch(const Matcher& self, const OptionalArrayObject& queryDescriptors,
-                          const ImageObject& trainDescriptors, int k, const OptionalArrayObject& mask,
-                          bool compactResult)
+                          const ImageObject& trainDescriptors, const IntObject& k,
+                          const OptionalArrayObject& mask, bool compactResult)
 {
     const py::object type = matchClass();
     const cv::Ptr<Library> library = self.share();
     const Pixels query = toDescriptors(queryDescriptors.object, "queryDescriptors"),
                  train = toDescriptors(trainDescriptors.object, "trainDescriptors"),
                  allowed = toMask(mask.object);
+    const int neighbours = valueOf(k, "k");
     MatchLists matches;
-    withoutGil([&] { library->knnMatch(query.mat, train.mat, matches, k, allowed.mat, compactResult); });
+    withoutGil([&]
+               { library->knnMatch(query.mat, train.mat, matches, neighbours, allowed.mat, compactResult); });
     return {toPython(type, matches)};
 }
 
-MatchListsObject knnMatchCollection(const Matcher& self, const OptionalArrayObject& queryDescriptors, int k,
-                                    const MasksObject& masks, bool compactResult)
+MatchListsObject knnMatchCollection(const Matcher& self, const OptionalArrayObject& queryDescriptors,
+                                    const IntObject& k, const MasksObject& masks, bool compactResult)
 {
     const py::object type = matchClass();
     const cv::Ptr<Library> library = self.share();
     const Pixels query = toDescriptors(queryDescriptors.object, "queryDescriptors");
     const std::vector<Pixels> allowed = toMasks(masks.object, library->getTrainDescriptors().size());
+    const int neighbours = valueOf(k, "k");
     MatchLists matches;
-    withoutGil([&] { library->knnMatch(query.mat, matches, k, matricesOf(allowed), compactResult); });
+    withoutGil([&]
+               { library->knnMatch(query.mat, matches, neighbours, matricesOf(allowed), compactResult); });
     return {toPython(type, matches)};
 }
 
@@ -184,37 +197,42 @@ Arrays toArrays(const cv::Mat& pairs, const cv::Mat& distances)
 
 Arrays matchArrays(const OptionalArrayObject& queryDescriptors, const OptionalArrayObject& trainDescriptors,
                    const OptionalFloatObject& ratio, bool crossCheck, const OptionalIntObject& maxDistance,
-                   int normType)
+                   const IntObject& normType)
 {
     const Pixels query = toDescriptors(queryDescriptors.object, "queryDescriptors"),
                  train = toDescriptors(trainDescriptors.object, "trainDescriptors");
     const double limit = toNumber(ratio.object, 0., "ratio", "a float or None");
     const int longest = toNumber(maxDistance.object, -1, "maxDistance", "an int or None");
+    const int norm = valueOf(normType, "normType");
     cv::Mat pairs, distances;
     withoutGil(
         [&] {
-            cv::aqorb::matchArrays(query.mat, train.mat, pairs, distances, limit, crossCheck, longest,
-                                   normType);
+            cv::aqorb::matchArrays(query.mat, train.mat, pairs, distances, limit, crossCheck, longest, norm);
         });
     return toArrays(pairs, distances);
 }
 
 Arrays knnMatchArrays(const OptionalArrayObject& queryDescriptors,
-                      const OptionalArrayObject& trainDescriptors, int k, int normType)
+                      const OptionalArrayObject& trainDescriptors, const IntObject& k,
+                      const IntObject& normType)
 {
     const Pixels query = toDescriptors(queryDescriptors.object, "queryDescriptors"),
                  train = toDescriptors(trainDescriptors.object, "trainDescriptors");
+    const int neighbours = valueOf(k, "k"), norm = valueOf(normType, "normType");
     cv::Mat indices, distances;
-    withoutGil([&] { cv::aqorb::knnMatchArrays(query.mat, train.mat, indices, distances, k, normType); });
-    return Arrays(toIntegers(indices, k), toIntegers(distances, k));
+    withoutGil([&]
+               { cv::aqorb::knnMatchArrays(query.mat, train.mat, indices, distances, neighbours, norm); });
+    return Arrays(toIntegers(indices, neighbours), toIntegers(distances, neighbours));
 }
 
 typedef py::array_t<float, py::array::c_style | py::array::forcecast> Floats;
 
 std::vector<cv::Point2f> toPositions(const Floats& array)
 {
-    if (array.size() > 0 && (array.ndim() != 2 || array.shape(1) != 2))
-        rejectArray("predicted", array, "an array of numbers of shape (n, 2)");
+    const py::ssize_t dims = array.ndim();
+    const bool isShape = (dims == 2 || (dims == 3 && array.shape(1) == 1)) && array.shape(dims - 1) == 2;
+    if (array.size() > 0 && !isShape)
+        rejectArray("predicted", array, "an array of numbers of shape (n, 2) or, as of cv2, (n, 1, 2)");
     const cv::Point2f* const first = reinterpret_cast<const cv::Point2f*>(array.data());
     return std::vector<cv::Point2f>(first, first + array.size() / 2);
 }
@@ -222,7 +240,7 @@ std::vector<cv::Point2f> toPositions(const Floats& array)
 Arrays matchByPosition(const OptionalArrayObject& queryDescriptors, const Floats& predicted,
                        const OptionalArrayObject& trainDescriptors, const KeyPointsObject& trainKeypoints,
                        const std::pair<float, float>& reach, const OptionalFloatObject& ratio,
-                       bool crossCheck, const OptionalIntObject& maxDistance, int normType)
+                       bool crossCheck, const OptionalIntObject& maxDistance, const IntObject& normType)
 {
     const Pixels query = toDescriptors(queryDescriptors.object, "queryDescriptors"),
                  train = toDescriptors(trainDescriptors.object, "trainDescriptors");
@@ -231,12 +249,13 @@ Arrays matchByPosition(const OptionalArrayObject& queryDescriptors, const Floats
     const cv::Size2f window(reach.first, reach.second);
     const double limit = toNumber(ratio.object, 0., "ratio", "a float or None");
     const int longest = toNumber(maxDistance.object, -1, "maxDistance", "an int or None");
+    const int norm = valueOf(normType, "normType");
     cv::Mat pairs, distances;
     withoutGil(
         [&]
         {
             cv::aqorb::matchByPosition(query.mat, positions, train.mat, keypoints.points, window, pairs,
-                                       distances, limit, crossCheck, longest, normType);
+                                       distances, limit, crossCheck, longest, norm);
         });
     return toArrays(pairs, distances);
 }
@@ -291,7 +310,17 @@ void addMatcher(py::module_& module)
             [](const Matcher& self, bool emptyTrainData)
             { return Matcher(self.share()->clone(emptyTrainData).dynamicCast<Library>()); },
             arg("emptyTrainData") = false,
-            "Returns a copy, with the descriptors that were added unless emptyTrainData is True.");
+            "Returns a copy, with the descriptors that were added unless emptyTrainData is True.")
+        // For pickle and copy, in all protocols.
+        .def("__reduce__",
+             [](const py::object& self)
+             {
+                 const Matcher& object = self.cast<const Matcher&>();
+                 const py::tuple arguments =
+                     py::make_tuple(self.attr("__class__"), Settings::of(*object.share()),
+                                    getTrainDescriptors(object).object);
+                 return py::make_tuple(py::module_::import("aqorb").attr("_matcher"), arguments);
+             });
     module.attr("HammingMatcher_create") = matcher.attr("create");
 }
 
@@ -319,7 +348,7 @@ void addMatching(py::module_& module)
         arg("crossCheck") = true, arg("maxDistance") = py::none(), arg("normType") = int(cv::NORM_HAMMING),
         "Does what matchArrays does, where only those train keypoints count that lie around the predicted\n"
         "position of the query: at most reach[0] pixels away in x and reach[1] in y. The predicted\n"
-        "positions are an array of shape (n, 2). An infinite reach[0] gives a band of rows.");
+        "positions are an array of shape (n, 2) or (n, 1, 2). An infinite reach[0] gives a band of rows.");
 }
 
 }  // namespace aqorb_python

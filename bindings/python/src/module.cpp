@@ -33,10 +33,11 @@ cv::Size toSize(const Size& size)
     return cv::Size(size.first, size.second);
 }
 
-KeyPointsObject retainUniform(const KeyPointsObject& keypoints, const Size& imageSize, int npoints)
+KeyPointsObject retainUniform(const KeyPointsObject& keypoints, const Size& imageSize,
+                              const IntObject& npoints)
 {
     KeyPoints kept = toKeyPoints(keypoints.object);
-    cv::aqorb::retainUniform(kept.points, toSize(imageSize), npoints);
+    cv::aqorb::retainUniform(kept.points, toSize(imageSize), valueOf(npoints, "npoints"));
     return {toPython(std::move(kept))};
 }
 
@@ -91,15 +92,15 @@ void addFunctions(py::module_& module)
         "Returns the adaptive FAST threshold of an image, equation (7): the variance of its grey values\n"
         "divided by their mean.");
     module.def(
-        "distributionUniformity", &distributionUniformity, arg("keypoints"), arg("imageSize"),
+        "distributionUniformity", &distributionUniformity, arg("keypoints"), arg("imageSize").noconvert(),
         "Returns how uniformly the keypoints of any detector are distributed over an image of (width,\n"
         "height). A lower value is more uniform. Compare equal numbers of keypoints only.");
     module.def(
-        "distributionOccupancy", &distributionOccupancy, arg("keypoints"), arg("imageSize"),
-        arg("grid") = Size(16, 12),
+        "distributionOccupancy", &distributionOccupancy, arg("keypoints"), arg("imageSize").noconvert(),
+        arg("grid").noconvert() = Size(16, 12),
         "Returns the share of the cells of a grid of (columns, rows) that hold at least one keypoint.");
     module.def(
-        "retainUniform", &retainUniform, arg("keypoints"), arg("imageSize"), numberOf<int>("npoints"),
+        "retainUniform", &retainUniform, arg("keypoints"), arg("imageSize").noconvert(), arg("npoints"),
         "Returns the npoints keypoints, of any detector, that are spread best over the image. It prefers\n"
         "high responses, and keeps the order of the keypoints.");
     module.def("keypointsToArray", &keypointsToArray, arg("keypoints"),
@@ -107,11 +108,12 @@ void addFunctions(py::module_& module)
     module.def("keypointsFromArray", &keypointsFromArray, arg("keypoints"),
                "Returns a tuple of cv2.KeyPoint objects with the values of an array of keypoint_dtype.");
     module.def(
-        "setNumThreads", &aqorb_python::setNumThreads, numberOf<int>("nthreads"),
-        "Sets the number of threads that a call may use, as cv2.setNumThreads does for cv2. A negative\n"
-        "number is the default: the number of processors, or of the variable OPENCV_FOR_THREADS_NUM. It "
-        "waits for the\n"
-        "calls that are under way.");
+        "setNumThreads",
+        [](const IntObject& nthreads) { aqorb_python::setNumThreads(valueOf(nthreads, "nthreads")); },
+        arg("nthreads"),
+        "Sets the number of threads that a call may use, at most 8192, as cv2.setNumThreads does for cv2. A\n"
+        "negative number is the default: the number of processors, or of the variable\n"
+        "OPENCV_FOR_THREADS_NUM. It waits for the calls that are under way.");
     module.def("getNumThreads", &cv::getNumThreads, "Returns the number of threads that a call may use.");
 }
 

@@ -98,6 +98,9 @@ std::mutex& sharing()
 // what they held when it was forked is held for ever.
 void setNumThreads(int count)
 {
+    const int MOST = 8192;  // Linux has no more processors, and TBB crashes from 65,536 threads on
+    if (count > MOST)
+        CV_Error_(cv::Error::StsOutOfRange, ("nthreads must be at most %d, got %d", MOST, count));
     if (isChild)
         return;
     const std::lock_guard<std::mutex> lock(beginningMutex);

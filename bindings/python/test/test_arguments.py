@@ -7,12 +7,15 @@
 import collections
 import re
 import reprlib
+import subprocess
+import sys
 
 import cv2 as cv
 import numpy as np
 import pytest
 
 import aqorb
+from conftest import LINUX
 
 KEYPOINT = cv.KeyPoint(100, 100, 31)
 SEQUENCE = 'keypoints must be a sequence of cv2.KeyPoint or an array of aqorb.keypoint_dtype, got '
@@ -134,7 +137,7 @@ def test_empty_lists(orb, image):
         'keypoints must be a sequence of keypoints for each of several images, got None')
 
 
-@pytest.mark.parametrize('wrong', [5, None, (640,), (640, 480, 3), (640., 480.), '12', (2 ** 40, 1), {1: 2, 3: 4}])
+@pytest.mark.parametrize('wrong', [5, None, (640,), (640, 480, 3), (640., 480.), '12', (2 ** 40, 1), {1: 2, 3: 4}, (np.float32(640), 480)])
 def test_sizes(wrong):
     for name, call in (('imageSize', lambda: aqorb.distributionUniformity([], wrong)),
                        ('imageSize', lambda: aqorb.distributionOccupancy([], wrong)),
@@ -151,10 +154,53 @@ def test_numbers(orb):
     orb.setSubPixel(np.bool_(False))
     assert (orb.getPatchSize(), orb.getOctaveSuppression(), orb.getSubPixel()) == (50, 0.5, False)
     create = aqorb.AdaptiveQuadtreeORB_create
-    for wrong in '50', 50.5, None, 2 ** 31, [50], np.float32(50), np.array([50]):
+    for wrong in '50', 50.5, None, [50], np.float32(50), np.array([50]):
         assert 'patchSize: int' in message_of(TypeError, lambda: orb.setPatchSize(wrong))
         assert 'nfeatures: int' in message_of(TypeError, lambda: create(wrong))
     for wrong in '1', None, [1.5]:
         assert 'rankRadius: ' in message_of(TypeError, lambda: orb.setRankRadius(wrong))
     assert 'subPixel: bool' in message_of(TypeError, lambda: orb.setSubPixel('yes'))
     assert 'nfeatures: int' in message_of(TypeError, lambda: create(nFeatures=5))
+
+
+ROWS = np.zeros((5, 32), np.uint8)
+PARAMETERS = ('nfeatures', 'nlevels', 'edgeThreshold', 'firstLevel', 'WTA_K', 'scoreType', 'patchSize', 'fastThreshold')
+MATCHER = aqorb.HammingMatcher()
+
+
+@pytest.mark.parametrize('name, call', [
+    *[(name, lambda number, name=name: aqorb.AdaptiveQuadtreeORB_create(**{name: number})) for name in PARAMETERS],
+    ('selectionType', aqorb.AdaptiveQuadtreeORB_create().setSelectionType),
+    ('npoints', lambda number: aqorb.retainUniform([], (640, 480), number)),
+    ('normType', aqorb.HammingMatcher), ('normType', lambda number: aqorb.matchArrays(ROWS, ROWS, normType=number)),
+    ('k', lambda number: aqorb.knnMatchArrays(ROWS, ROWS, number)), ('k', lambda number: MATCHER.knnMatch(ROWS, number)),
+    ('k', lambda number: MATCHER.knnMatch(ROWS, ROWS, number)), ('nthreads', aqorb.setNumThreads)])
+def test_integers(name, call):
+    for wrong in 2 ** 31, 2 ** 64, -2 ** 31 - 1:
+        assert message_of(aqorb.error, lambda: call(wrong)) == f'{name} must be an int of 32 bits, got {wrong}'
+    for wrong in np.float32(2.9), np.float64(3), 3.:
+        assert f'{name}: int' in message_of(TypeError, lambda: call(wrong))
+
+
+LACK = '''
+import resource
+import numpy as np
+import aqorb
+image, rows = np.zeros((8000, 8000), np.uint8), np.zeros((20000, 32), np.uint8)
+orb = aqorb.AdaptiveQuadtreeORB_create()
+for call in lambda: orb.detectAndComputeArrays(image), lambda: aqorb.knnMatchArrays(rows, rows[:9], 10000):
+    used = int(open('/proc/self/statm').read().split()[0]) * resource.getpagesize()
+    resource.setrlimit(resource.RLIMIT_AS, (used + 2 ** 25, -1))
+    try:
+        call()
+    except MemoryError as error:
+        assert isinstance(error, aqorb.error) and error.code == -4, error
+    else:
+        raise AssertionError('there was enough')
+'''
+
+
+@LINUX
+def test_lack_of_memory():
+    run = subprocess.run([sys.executable, '-c', LACK], stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True)
+    assert run.returncode == 0, run.stdout

@@ -4,6 +4,8 @@
 # SPDX-License-Identifier: Apache-2.0
 """Tests of HammingMatcher and of the functions that return matches as arrays, against cv2.BFMatcher."""
 
+import pickle
+
 import cv2 as cv
 import numpy as np
 import pytest
@@ -88,6 +90,8 @@ def test_match_by_position():
         pairs, distances = aqorb.matchByPosition(query, predicted, query[::-1], trained[::-1], (20, 8))
         assert len(pairs) > 100 and (pairs.sum(1) == 199).all() and not distances.any()
         assert not len(aqorb.matchByPosition(query[:1], predicted[:1], query[:1], trained[:1], (8, 20))[0])
+    of_cv2 = aqorb.matchByPosition(query, predicted[:, None], query[::-1], keypoints[::-1], (20, 8))
+    assert np.array_equal(of_cv2[0], pairs)
     everywhere = aqorb.matchByPosition(query, predicted, query, keypoints, (np.inf, np.inf))
     assert np.array_equal(everywhere[0], aqorb.matchArrays(query, query)[0])
 
@@ -122,6 +126,7 @@ def test_no_descriptors(nothing):
     (TypeError, 'queryDescriptors must', lambda some: aqorb.matchArrays([1], some)),
     (TypeError, 'ratio must', lambda some: aqorb.matchArrays(some, some, ratio='a')),
     (TypeError, 'maxDistance must', lambda some: aqorb.matchArrays(some, some, maxDistance=1.5)),
+    (aqorb.error, 'predicted must', lambda some: aqorb.matchByPosition(some, some[:, None], some, (), (1, 1))),
     (TypeError, 'predicted: ', lambda some: aqorb.matchByPosition(some, 'a', some, (), (1, 1))),
     (TypeError, 'reach: [Tt]uple', lambda some: aqorb.matchByPosition(some, some[:, :2], some, (), 5))])
 def test_bad_arguments(error, message, call):
@@ -131,7 +136,7 @@ def test_bad_arguments(error, message, call):
 
 def test_an_object_that_was_not_initialised():
     matcher, some = aqorb.HammingMatcher.__new__(aqorb.HammingMatcher), descriptors(1)
-    for call in (matcher.empty, matcher.clear, matcher.clone, lambda: matcher.add([some]), matcher.getTrainDescriptors,
+    for call in (matcher.empty, matcher.clear, matcher.clone, lambda: pickle.dumps(matcher, 0), lambda: matcher.add([some]), matcher.getTrainDescriptors,
                  lambda: matcher.match(some, some), lambda: matcher.knnMatch(some, 1)):
         with pytest.raises(TypeError, match='__init__'):
             call()

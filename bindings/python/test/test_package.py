@@ -5,8 +5,11 @@
 """Tests of what the package aqorb has beyond cv2.aqorb, whose tests in modules/aqorb/misc/python/test hold for it, too."""
 
 import ast
+import copy
+import functools
 import inspect
 import pathlib
+import pickle
 import re
 import subprocess
 import sys
@@ -120,6 +123,7 @@ def words(text):
 
 def compiled(function):
     """What pybind11 writes into the docstring of a function for each of its overloads, or what one of Python has."""
+    function = inspect.unwrap(function)
     if inspect.isfunction(function):
         return {(signature(ast.parse(inspect.getsource(function)).body[0]), words(function.__doc__))}
     parts = re.split(r'^(?:\d+\. )?(\w+\(.*\)) -> .*$', function.__doc__, flags=re.MULTILINE)
@@ -138,17 +142,73 @@ def test_stub_has_the_signatures_and_docstrings():
             assert stubbed(scope) == {name: compiled(getattr(member, name)) for name in names}
 
 
-def test_stub_is_a_stub_of_the_package(tmp_path, monkeypatch):
+@pytest.fixture
+def mypy(tmp_path, monkeypatch):
+    """Runs one of its modules, with its option for the configuration and others."""
     pytest.importorskip('mypy')
-    monkeypatch.setenv('MYPYPATH', FOLDER)
-    config = tmp_path / 'mypy.ini'
-    config.write_text(MYPY)
+    if 'site-packages' not in FOLDER:
+        monkeypatch.setenv('MYPYPATH', FOLDER)
+    (tmp_path / 'mypy.ini').write_text(MYPY)
+
+    def run(module, config, *options):
+        return subprocess.run([sys.executable, '-m', module, config, 'mypy.ini', *options], cwd=str(tmp_path),
+                              stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True)
+    return run
+
+
+def test_stub_is_a_stub_of_the_package(tmp_path, mypy):
     allowlist = tmp_path / 'allowlist'  # pybind11's metaclass, and its __init__ that raises
     allowlist.write_text('aqorb.AdaptiveQuadtreeORB\naqorb.AdaptiveQuadtreeORB.__init__\naqorb.HammingMatcher\n')
-    run = subprocess.run([sys.executable, '-m', 'mypy.stubtest', 'aqorb', '--mypy-config-file', str(config),
-                          '--allowlist', str(allowlist)], cwd=str(tmp_path), stdout=subprocess.PIPE,
-                         stderr=subprocess.STDOUT, text=True)
+    run = mypy('mypy.stubtest', '--mypy-config-file', 'aqorb', '--allowlist', 'allowlist')
     assert run.returncode == 0, run.stdout
+
+
+def test_stub_accepts_the_programs_of_the_documents(tmp_path, mypy):
+    root = pathlib.Path(__file__).resolve().parents[3]
+    if not (pathlib.Path(cv.__file__).parent / '__init__.pyi').exists() or not (root / 'README.md').exists():
+        pytest.skip('cv2 has no annotations, or there are no documents')
+    text = '\n'.join(path.read_text() for path in [*root.glob('*.md'), root / 'bindings/python/README.md',
+                                                   *root.glob('modules/aqorb/tutorials/*/*.markdown')])
+    programs = [program for program in re.findall(r'^```python\n(.*?)^```', text, re.MULTILINE | re.DOTALL)
+                if re.search('^(import|from) aqorb', program, re.MULTILINE)]
+    assert len(programs) >= 7
+    for i, program in enumerate(programs):
+        (tmp_path / f'program{i}.py').write_text(program)
+    run = mypy('mypy', '--config-file', '--check-untyped-defs', *[f'program{i}.py' for i in range(len(programs))])
+    # cv2's own annotations lack a function and refuse None for a picture. Spark has its variable in its programs.
+    errors = [line for line in run.stdout.splitlines()
+              if ': error: ' in line and not re.search('"(ORB_create|drawMatches|spark)"', line)]
+    assert not errors and 'checked' in run.stdout, run.stdout
+
+
+def copies_of(thing):
+    return [pickle.loads(pickle.dumps(thing, protocol)) for protocol in range(pickle.HIGHEST_PROTOCOL + 1)] + [
+        copy.copy(thing), copy.deepcopy(thing)]
+
+
+def test_what_the_module_has_is_pickled_and_copied():
+    for thing in [getattr(aqorb, name) for name in aqorb.__all__] + [aqorb.HammingMatcher.create]:
+        assert all(other is thing or (type(other) is type(thing) and other == thing) for other in copies_of(thing))
+    for other in copies_of(functools.partial(aqorb.AdaptiveQuadtreeORB_create, 77)):
+        assert other().getMaxFeatures() == 77
+
+
+def test_objects_and_methods_are_pickled_and_copied_or_refused(orb, image):
+    batch, matcher = orb.detectAndComputeBatch([image]), aqorb.HammingMatcher(cv.NORM_HAMMING2, True)
+    matcher.add([batch.descriptors])
+    for other in copies_of(matcher):
+        assert [values.tobytes() for values in other.getTrainDescriptors()] == [batch.descriptors.tobytes()]
+        with pytest.raises(cv.error, match='(?i)crossCheck|knn'):
+            other.knnMatch(batch.descriptors, batch.descriptors, 2)
+        assert [m.distance for m in other.match(~batch.descriptors[:1], batch.descriptors[:1])] == [128]
+    for other in copies_of(batch) + copies_of(orb.detectAndComputeBatch)[:1]:
+        assert np.array_equal((other if isinstance(other, tuple) else other([image])).descriptors, batch.descriptors)
+    for owner in orb, matcher, batch, aqorb.AdaptiveQuadtreeORB, aqorb.HammingMatcher, aqorb:
+        for _, member in inspect.getmembers(owner):
+            try:
+                copies_of(member)
+            except (TypeError, pickle.PicklingError):
+                pass
 
 
 SUBINTERPRETER = '''
@@ -176,6 +236,9 @@ def test_features_for_the_matchers_of_cv2(orb, image):
     assert matches[1].num_inliers > 50
     nothing = aqorb.computeImageFeatures2(orb, np.zeros((50, 60), np.uint8))
     assert nothing.img_size == (60, 50) and len(nothing.getKeypoints()) == 0
+    for shape in (1, 64), (64, 1), (1, 1), (40, 60, 3):
+        assert aqorb.computeImageFeatures2(orb, np.zeros(shape, np.uint8)).img_size == shape[1::-1]
+    assert aqorb.computeImageFeatures2(orb, None).img_size == (0, 0)
 
 
 def test_keywords_of_cv2(orb, image):

@@ -233,6 +233,10 @@ def test_the_number_of_threads(orb, threads):
         assert aqorb.getNumThreads() == number and bytes_of(orb, IMAGES[0]) == expected
     aqorb.setNumThreads(-1)
     assert aqorb.getNumThreads() == threads >= 1
+    with pytest.raises(aqorb.error, match='nthreads must be at most 8192, got 1000000'):
+        aqorb.setNumThreads(10 ** 6)
+    aqorb.setNumThreads(8192)
+    assert bytes_of(orb, IMAGES[0]) == expected
     for wrong in '2', 2.5, None:
         with pytest.raises(TypeError, match='nthreads'):
             aqorb.setNumThreads(wrong)
