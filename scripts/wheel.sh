@@ -57,18 +57,20 @@ environment "$BUILD/venv/wheel" mypy pyright "$wheel"
 "$BUILD/venv/wheel/bin/mypy" --strict --cache-dir /dev/null bindings_test/without_cv2.py
 "$BUILD/venv/wheel/bin/pyright" --pythonpath "$BUILD/venv/wheel/bin/python" bindings_test/without_cv2.py
 
-# test_beside PACKAGE==VERSION NUMPY: the tests of the package beside a cv2.
+# test_beside PACKAGE==VERSION NUMPY [PACKAGE]: the tests of the package beside a cv2, with another package installed.
 test_beside() {
     local python=$BUILD/venv/wheel/bin/python log=$WHEELS/$1.log numpy
     say "Beside $1, with the command"
-    environment "$BUILD/venv/wheel" pytest "$1" "$2" "${wheel}[cli]"
+    environment "$BUILD/venv/wheel" pytest "${@:1:2}" "${wheel}[cli]" "${@:3}"
     env PATH="${python%/*}:$PATH" "$python" -m pytest -q -p no:cacheprovider test_aqorb.py bindings_test | tee "$log"
     numpy=$("$python" -c 'import numpy; print(numpy.__version__)')
     table+=("| $1 | $numpy | $(tail -n 1 "$log" | sed 's/ in .*//') |")
 }
 
 table=()
-test_beside "opencv-python-headless==$OPENCV_4" numpy
+test_beside "opencv-python-headless==$OPENCV_4" numpy mypy
+say "The programs of the documents, and the annotations"
+"$BUILD/venv/wheel/bin/python" -m pytest -q -p no:cacheprovider -k stub_accepts "$ROOT/bindings/python/test/test_package.py"
 [[ $mode ]] || exit 0
 test_beside "opencv-contrib-python-headless==$OPENCV_4_OLD" "numpy==$NUMPY_1"
 test_beside "opencv-python-headless==$OPENCV_5" numpy
