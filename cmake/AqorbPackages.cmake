@@ -86,7 +86,8 @@ math(EXPR next_python "${Python_VERSION_MINOR} + 1")
 debian_package(python python3-aqorb python
   "${exactly}, python3 (>= ${Python_VERSION_MAJOR}.${Python_VERSION_MINOR}~), python3 (<< ${Python_VERSION_MAJOR}.${next_python}), python3-numpy, python3-opencv"
   "ORB features spread uniformly over the image - Python package"
-  "This package contains the Python package aqorb, for Debian's python3-opencv.")
+  "This package contains the Python package aqorb, for Debian's python3-opencv,\nand the command python3 -m aqorb. Its draw needs python3-pil. The others also\nneed pyarrow, which Debian does not have.")
+set(CPACK_DEBIAN_PYTHON_PACKAGE_RECOMMENDS python3-pil)
 set(CPACK_DEBIAN_PYTHON_PACKAGE_CONTROL_EXTRA "${files}/postinst;${files}/prerm")
 
 include(CPack)

@@ -77,7 +77,7 @@ as_root cp "$packages"/*.deb "$ROOT"/tools/consumer/{CMakeLists.txt,main.cpp} \
 
 say "Installing"
 quietly=(env DEBIAN_FRONTEND=noninteractive apt-get install -y -qq --no-install-recommends)
-inside "${quietly[@]}" cmake g++ make pkg-config >>"$log" 2>&1 || die "see $log"
+inside "${quietly[@]}" cmake g++ make pkg-config python3-pil >>"$log" 2>&1 || die "see $log"
 inside sh -c "${quietly[*]} /packages/*.deb" >>"$log" 2>&1 || die "see $log"
 say "A project of CMake"
 inside sh -ec 'cmake -S /packages -B /packages/build >/dev/null && cmake --build /packages/build >/dev/null && /packages/build/consumer'
@@ -87,6 +87,7 @@ say "Python"
 inside python3 /packages/without_cv2.py
 say "Programs"
 inside sh -ec 'cd /packages && aqorb_demo --help >/dev/null && aqorb_demo noise.png'
+inside python3 -m aqorb draw /packages/noise.png /packages/noise.png --out /packages/matches.png
 say "Python, cv2 unchanged"
 inside sh -ec 'LD_PRELOAD=libaqorb_preload.so python3 -c "import cv2; print(cv2.ORB_create().getDefaultName())"' |
     tee "$BUILD/preload.txt"
