@@ -194,7 +194,7 @@ static void resizeMask(const Mat& mask, const ResizeTables& tables, Mat& resized
         const uchar* upper = mask.ptr(firstUsed(tables.rowTaps[y]));
         const uchar* lower = mask.ptr(lastUsed(tables.rowTaps[y]));
         for (int x = 0; x < sourceWidth; x++)
-            both[x] = (upper[x] != 0) & (lower[x] != 0) ? 255 : 0;
+            both[x] = std::min(upper[x], lower[x]) > 0 ? 255 : 0;
         uchar* out = resized.ptr(y);
         if (!std::memchr(both, 0, bothRows.size()))
             std::memset(out, 255, size_t(width));
