@@ -122,8 +122,7 @@ def inliers_on_object(a, b, norm):
     if not len(a.keypoints) or len(b.keypoints) < 2:
         return none
     two_best = cv2.BFMatcher(norm).knnMatch(a.descriptors, b.descriptors, 2)
-    good = sorted([best for best, second in two_best if best.distance < .75 * second.distance],
-                  key=lambda match: match.distance)
+    good = [best for best, second in two_best if best.distance < .75 * second.distance]
     if len(good) < 4:
         return none
     first = a.keypoints['pt'][[match.queryIdx for match in good]]
@@ -131,8 +130,8 @@ def inliers_on_object(a, b, norm):
     mask = cv2.findHomography(first, second, cv2.RANSAC, 5)[1]
     if mask is None:
         return none
-    inliers = mask.ravel() > 0
-    return {'inliers': int(inliers.sum()), 'distinct': distinct(first[inliers], second[inliers])}
+    inliers = sorted(np.flatnonzero(mask), key=lambda i: good[i].distance)
+    return {'inliers': len(inliers), 'distinct': distinct(first[inliers], second[inliers])}
 
 
 def start_matches(a, b):
