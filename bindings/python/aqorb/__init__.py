@@ -21,7 +21,8 @@ of a wrong type raises TypeError. Both messages name the parameter.
 Where there is not enough memory, the error is a MemoryError.
 
 HammingMatcher has the methods and the matches of cv2.BFMatcher for binary descriptors, many times as fast. matchArrays,
-knnMatchArrays and matchByPosition return matches as arrays.
+knnMatchArrays and matchByPosition return matches as arrays. refineMatches and refineMatchArrays move the positions of
+matches to where both images show the same spot.
 
 Some names are not in cv2.aqorb, and detectAndComputeBatch, which is for many images, returns arrays here and not
 keypoints of cv2, as a FeatureBatch. detectAndComputeArrays returns keypoints as one array of keypoint_dtype, and
@@ -36,14 +37,15 @@ from ._aqorb import (AdaptiveQuadtreeORB, AdaptiveQuadtreeORB_BALANCED_SELECTION
                      AdaptiveQuadtreeORB_RANKED_SELECTION, AdaptiveQuadtreeORB_create, HammingMatcher,
                      HammingMatcher_create, __version__, _build_information, _from_text, adaptiveFastThreshold,
                      distributionOccupancy, distributionUniformity, getNumThreads, keypoint_dtype, keypointsFromArray,
-                     keypointsToArray, knnMatchArrays, matchArrays, matchByPosition, retainUniform, setNumThreads)
+                     keypointsToArray, knnMatchArrays, matchArrays, matchByPosition, refineMatchArrays, refineMatches,
+                     retainUniform, setNumThreads)
 from ._feature_batch import FeatureBatch
 
 __all__ = ['AdaptiveQuadtreeORB', 'AdaptiveQuadtreeORB_BALANCED_SELECTION', 'AdaptiveQuadtreeORB_RANKED_SELECTION',
            'AdaptiveQuadtreeORB_create', 'FeatureBatch', 'HammingMatcher', 'HammingMatcher_create',
            'adaptiveFastThreshold', 'computeImageFeatures2', 'distributionOccupancy', 'distributionUniformity', 'error',
            'getNumThreads', 'keypoint_dtype', 'keypointsFromArray', 'keypointsToArray', 'knnMatchArrays', 'matchArrays',
-           'matchByPosition', 'retainUniform', 'setNumThreads']
+           'matchByPosition', 'refineMatchArrays', 'refineMatches', 'retainUniform', 'setNumThreads']
 
 
 def computeImageFeatures2(featuresFinder, image, mask=None):

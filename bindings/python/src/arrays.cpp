@@ -59,19 +59,6 @@ Pixels toPixels(py::array array, int channels)
     return pixels;
 }
 
-// A snapshot: another thread may change a list while it is read.
-py::tuple itemsOf(py::handle source, const std::string& name, const char* accepted)
-{
-    if (!isSequence(source))
-        throwTypeError(name, brief(source), accepted);
-    return py::tuple(py::reinterpret_borrow<py::object>(source));
-}
-
-std::string itemName(const std::string& sequence, size_t index)
-{
-    return sequence + "[" + std::to_string(index) + "]";
-}
-
 const char ACCEPTED[] = "a sequence of cv2.KeyPoint or an array of aqorb.keypoint_dtype";
 
 // The attributes of a cv2.KeyPoint, as objects, which are looked up faster.
@@ -128,6 +115,18 @@ std::vector<cv::KeyPoint> fromSequence(py::handle source, const std::string& nam
 }
 
 }  // namespace
+
+py::tuple itemsOf(py::handle source, const std::string& name, const char* accepted)
+{
+    if (!isSequence(source) && !isArrayOfObjects(source))
+        throwTypeError(name, brief(source), accepted);
+    return py::tuple(py::reinterpret_borrow<py::object>(source));
+}
+
+std::string itemName(const std::string& sequence, size_t index)
+{
+    return sequence + "[" + std::to_string(index) + "]";
+}
 
 int valueOf(const IntObject& number, const std::string& name)
 {

@@ -49,6 +49,10 @@ std::vector<Pixels> toMasks(py::handle source, size_t images);
 //! Whether the object is a sequence of several things: a list or a tuple, but not an array or text.
 bool isSequence(py::handle object);
 
+//! Its items, or those of an array of objects. It is a snapshot: another thread may change a list while it is read.
+py::tuple itemsOf(py::handle source, const std::string& name, const char* accepted);
+std::string itemName(const std::string& sequence, size_t index);
+
 //! An array with the matrix's elements, which have that type.
 py::object toArray(const cv::Mat& mat, const py::dtype& type = py::dtype::of<uchar>());
 

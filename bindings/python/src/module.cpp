@@ -138,6 +138,7 @@ PYBIND11_MODULE(_aqorb, module)
 
     addDetector(module);
     addMatching(module);
+    addRefinement(module);
     addFunctions(module);
 }
 

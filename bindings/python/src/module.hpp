@@ -15,6 +15,7 @@ namespace aqorb_python
 
 void addDetector(pybind11::module_& module);
 void addMatching(pybind11::module_& module);
+void addRefinement(pybind11::module_& module);
 
 }  // namespace aqorb_python
 

@@ -1,0 +1,112 @@
+# This file is part of aqorb. Copyright (C) The aqorb developers.
+# It is subject to the license terms in the LICENSE file found in the top-level directory
+# of this distribution.
+# SPDX-License-Identifier: Apache-2.0
+"""Tests of refineMatches and refineMatchArrays as functions of Python. Those of the module test their positions."""
+
+import pickle
+import threading
+
+import cv2 as cv
+import numpy as np
+import pytest
+
+import aqorb
+
+SHIFT = 3.4
+
+
+@pytest.fixture(scope='module')
+def pair():
+    """Two images, of which the second shows everything further right, with their features and matches."""
+    y, x = np.mgrid[:240, :320].astype(np.float32)
+    waves = [(.31, .12), (.07, .41), (-.23, .29), (.53, -.11), (-.17, -.37), (.6, .5)]
+
+    def image(x):
+        return np.uint8(128 + 18 * sum(np.sin(a * x + b * y + i) for i, (a, b) in enumerate(waves)))
+    images = image(x), image(x - SHIFT)
+    orb = aqorb.AdaptiveQuadtreeORB_create(300)
+    (points1, rows1), (points2, rows2) = [orb.detectAndComputeArrays(some) for some in images]
+    return images[0], points1, images[1], points2, aqorb.matchArrays(rows1, rows2)[0]
+
+
+def matches_of(pairs):
+    return tuple(cv.DMatch(int(query), int(train), 7, 2.5) for query, train in pairs)
+
+
+def test_positions_are_refined(pair):
+    image1, keypoints1, image2, keypoints2, pairs = pair
+    left, points1, points2 = aqorb.refineMatchArrays(*pair)
+    assert left.dtype == np.int32 and points1.dtype == points2.dtype == np.float32
+    assert points1.shape == points2.shape == left.shape and len(left) > 50
+    assert set(map(tuple, left)) <= set(map(tuple, pairs)) and (np.diff(left[:, 0]) > 0).all()
+    assert np.array_equal(points1, keypoints1['pt'][left[:, 0]])
+    errors = np.abs(points2 - points1 - [SHIFT, 0]).max(1)
+    before = np.abs(keypoints2['pt'][left[:, 1]] - points1 - [SHIFT, 0]).max(1)
+    assert np.median(errors) < .05 < np.median(before)
+    every, _, points = aqorb.refineMatchArrays(*pair, minCorrelation=-1)
+    assert np.array_equal(every, pairs) and len(points) == len(pairs)
+
+
+def test_objects_of_cv2_give_the_same(pair):
+    image1, keypoints1, image2, keypoints2, pairs = pair
+    expected = aqorb.refineMatchArrays(*pair)
+    objects1, objects2 = map(aqorb.keypointsFromArray, (keypoints1, keypoints2))
+    given = matches_of(pairs)
+    for matches in given, list(given), np.array(given):
+        left, points1, points2 = aqorb.refineMatches(image1, objects1, image2, keypoints2, matches)
+        assert type(left) is tuple and type(left[0]) is cv.DMatch
+        assert [(m.queryIdx, m.trainIdx, m.imgIdx, m.distance) for m in left] == [
+            (query, train, 7, 2.5) for query, train in expected[0]]
+        assert np.array_equal(points1, expected[1]) and np.array_equal(points2, expected[2])
+    homography, inliers = cv.findHomography(points1, points2, cv.RANSAC, .5)
+    assert inliers.sum() > 50 and abs(homography[0, 2] - SHIFT) < .1
+    reversed_types = aqorb.refineMatchArrays(image1, keypoints1, image2, objects2, pairs.astype(np.uint64))
+    assert np.array_equal(reversed_types[2], expected[2])
+
+
+def test_no_matches(pair):
+    image1, keypoints1, image2, keypoints2, pairs = pair
+    for found in (aqorb.refineMatchArrays(None, keypoints1, None, keypoints2, pairs[:0]),
+                  aqorb.refineMatches(image1, (), image2, (), ())):
+        assert len(found[0]) == 0 and found[1].shape == found[2].shape == (0, 2) and found[2].dtype == np.float32
+
+
+@pytest.mark.parametrize('error, message, changes', [
+    (TypeError, 'image1 must be a numpy array', {'image1': 'x'}),
+    (aqorb.error, 'image2 must be uint8', {'image2': np.zeros((40, 40))}),
+    (aqorb.error, 'image2 must have pixels', {'image2': None}),
+    (TypeError, 'keypoints1 must be', {'keypoints1': 5}),
+    (TypeError, r'keypoints2\[0\] must be a cv2.KeyPoint', {'keypoints2': [5]}),
+    (TypeError, 'pairs must be an array of integers', {'pairs': 5}),
+    (aqorb.error, 'pairs must be an array of integers', {'pairs': np.zeros((3, 2))}),
+    (aqorb.error, 'pairs must be an array of integers', {'pairs': np.zeros((2, 3), int)}),
+    (aqorb.error, r'pairs\[1\] must be indices', {'pairs': np.array([[0, 0], [0, 2 ** 40]])}),
+    (aqorb.error, r'pairs\[0\] must be indices', {'pairs': np.array([[-1, 0]])}),
+    (TypeError, 'matches must be a sequence of cv2.DMatch, got 5', {'matches': 5}),
+    (TypeError, r'matches\[1\] must be a cv2.DMatch, got None', {'matches': [cv.DMatch(0, 0, 1), None]}),
+    (aqorb.error, r'matches\[0\] must', {'matches': [cv.DMatch(0, 9999, 1)]}),
+    (aqorb.error, 'minCorrelation must', {'minCorrelation': 2}), (TypeError, 'scaleFactor: ', {'scaleFactor': 'x'}),
+    (aqorb.error, 'scaleFactor must', {'scaleFactor': np.nan})])
+def test_bad_arguments(pair, error, message, changes):
+    given = dict(zip(('image1', 'keypoints1', 'image2', 'keypoints2', 'pairs'), pair))
+    if 'matches' in changes:
+        del given['pairs']
+    with pytest.raises(error, match=message):
+        (aqorb.refineMatches if 'matches' in changes else aqorb.refineMatchArrays)(**{**given, **changes})
+
+
+def test_threads_and_pickle(pair, threads):
+    expected = [part.tobytes() for part in aqorb.refineMatchArrays(*pair)]
+    refine, found = pickle.loads(pickle.dumps(aqorb.refineMatchArrays)), []
+
+    def repeat():
+        found.extend([part.tobytes() for part in refine(*pair)] == expected for _ in range(20))
+    for number in 1, 3:
+        aqorb.setNumThreads(number)
+        running = [threading.Thread(target=repeat) for _ in range(3)]
+        for thread in running:
+            thread.start()
+        for thread in running:
+            thread.join()
+    assert found == [True] * 120 and pickle.loads(pickle.dumps(aqorb.refineMatches)) is aqorb.refineMatches
