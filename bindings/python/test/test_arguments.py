@@ -137,7 +137,8 @@ def test_empty_lists(orb, image):
         'keypoints must be a sequence of keypoints for each of several images, got None')
 
 
-@pytest.mark.parametrize('wrong', [5, None, (640,), (640, 480, 3), (640., 480.), '12', (2 ** 40, 1), {1: 2, 3: 4}, (np.float32(640), 480)])
+@pytest.mark.parametrize('wrong', [5, None, (640,), (640, 480, 3), (640., 480.), '12', (2 ** 40, 1), {1: 2, 3: 4},
+                                   (np.float32(640), 480)])
 def test_sizes(wrong):
     for name, call in (('imageSize', lambda: aqorb.distributionUniformity([], wrong)),
                        ('imageSize', lambda: aqorb.distributionOccupancy([], wrong)),
@@ -173,8 +174,9 @@ MATCHER = aqorb.HammingMatcher()
     ('selectionType', aqorb.AdaptiveQuadtreeORB_create().setSelectionType),
     ('npoints', lambda number: aqorb.retainUniform([], (640, 480), number)),
     ('normType', aqorb.HammingMatcher), ('normType', lambda number: aqorb.matchArrays(ROWS, ROWS, normType=number)),
-    ('k', lambda number: aqorb.knnMatchArrays(ROWS, ROWS, number)), ('k', lambda number: MATCHER.knnMatch(ROWS, number)),
-    ('k', lambda number: MATCHER.knnMatch(ROWS, ROWS, number)), ('nthreads', aqorb.setNumThreads)])
+    ('k', lambda number: aqorb.knnMatchArrays(ROWS, ROWS, number)),
+    ('k', lambda number: MATCHER.knnMatch(ROWS, number)), ('k', lambda number: MATCHER.knnMatch(ROWS, ROWS, number)),
+    ('nthreads', aqorb.setNumThreads)])
 def test_integers(name, call):
     for wrong in 2 ** 31, 2 ** 64, -2 ** 31 - 1:
         assert message_of(aqorb.error, lambda: call(wrong)) == f'{name} must be an int of 32 bits, got {wrong}'
