@@ -31,16 +31,18 @@ def main():
     matches = []  # mutual nearest neighbours, those of cv.BFMatcher(orb.defaultNorm(), crossCheck=True)
     if descriptors1 is not None and descriptors2 is not None:
         matches = aqorb.HammingMatcher(orb.defaultNorm(), crossCheck=True).match(descriptors1, descriptors2)
+    count = len(matches)
+    # Points that are exact enough for a threshold of one pixel.
+    matches, points1, points2 = aqorb.refineMatches(image1, keypoints1, image2, keypoints2, matches)
     homography = None
     if len(matches) >= 4:
-        points1 = np.float32([keypoints1[m.queryIdx].pt for m in matches])
-        points2 = np.float32([keypoints2[m.trainIdx].pt for m in matches])
-        homography, inliers = cv.findHomography(points1, points2, cv.USAC_MAGSAC, 3, maxIters=10000,
+        homography, inliers = cv.findHomography(points1, points2, cv.USAC_MAGSAC, 1, maxIters=10000,
                                                 confidence=0.9999)
     if homography is None:
         sys.exit('no homography was found among {} matches'.format(len(matches)))
     print('Keypoints: {}, {}'.format(len(keypoints1), len(keypoints2)))
-    print('Matches: {}, of which agree with the homography: {}'.format(len(matches), inliers.sum()))
+    print('Matches: {}, of which can be refined: {}, of which agree with the homography: {}'.format(
+        count, len(matches), inliers.sum()))
     print('Homography:', homography, sep='\n')
 
     height, width = image1.shape
