@@ -5,17 +5,19 @@
 #   scripts/measure.sh harness [OPTION ...]   the performance tests of perf/ in OpenCV's harness, which has the OPTIONs
 #   scripts/measure.sh paper [OPTION ...]     the paper's tables and Figures 3 to 8 (doc/reproduction.md)
 #   scripts/measure.sh claims [OPTION ...]    what is claimed of the selection (doc/reproduction.md)
+#   scripts/measure.sh refinement [OPTION ...]  what refineMatches gives (doc/reproduction.md)
 #   scripts/measure.sh heldout                fetches the pairs of images that nothing was tuned on, to build/held_out
 #   scripts/measure.sh peers WHEEL            other ORB detectors that pip installs (doc/peers.md)
 #   scripts/measure.sh colmap WHEEL FOLDER    a reconstruction by COLMAP; FOLDER is a sequence in KITTI's layout
 #
-# OPENCV_TEST_DATA_PATH names the folder testdata of opencv_extra; speed and harness draw scenes without it. paper and
-# claims pass OPTIONs on to tools/evaluate/aqorb_evaluate.py, whose --help lists them. AQORB_TEST_SEQUENCE, a sequence
-# in KITTI's layout with its poses, adds the start with one camera to claims.
+# OPENCV_TEST_DATA_PATH names the folder testdata of opencv_extra; speed and harness draw scenes without it. paper,
+# claims and refinement pass OPTIONs on to tools/evaluate/aqorb_evaluate.py, whose --help lists them.
+# AQORB_TEST_SEQUENCE, a sequence in KITTI's layout with its poses, adds the start with one camera to claims, and
+# relative poses to refinement.
 #
-# speed calls aqorb_benchmark with AVX-512 and without it. Which of its commands measures a single table is said by
-# build/release/tools/benchmark/aqorb_benchmark --help. With --smoke it shows in a short time that all runs; the numbers
-# mean nothing. WHEEL is the package's, from scripts/wheel.sh, for Debian's python3.
+# speed calls aqorb_benchmark, on x86-64 with AVX-512 and without it. Which of its commands measures a single table is
+# said by build/release/tools/benchmark/aqorb_benchmark --help. With --smoke it shows in a short time that all runs; the
+# numbers mean nothing. WHEEL is the package's, from scripts/wheel.sh, for Debian's python3.
 #
 # Installs the Debian packages, and fetches the images and Python packages, that it needs. paper leaves the figures in
 # build/paper.
@@ -26,7 +28,8 @@ datasets=${OPENCV_TEST_DATA_PATH:-}/cv/detectors_descriptors_evaluation/images_d
 photographs() { [[ -d $datasets ]] || die 'OPENCV_TEST_DATA_PATH must name the folder testdata of opencv_extra'; }
 
 speed() {
-    local benchmark=$BUILD/release/tools/benchmark/aqorb_benchmark few=() images=() command disabled
+    local benchmark=$BUILD/release/tools/benchmark/aqorb_benchmark few=() images=() command disabled sets=('')
+    [[ $(uname -m) != x86_64 ]] || sets+=(AVX512-SKX)
     if [[ ${1:-} == --smoke ]]; then
         few=(--turns=1 --n=100)
         images=(320x240)
@@ -34,7 +37,7 @@ speed() {
     need build
     configure release -DAQORB_BUILD_BENCHMARK=ON
     build "$BUILD/release" --target aqorb_benchmark aqorb_preload
-    for disabled in '' AVX512-SKX; do
+    for disabled in "${sets[@]}"; do
         say "Frames, pairs and matching${disabled:+, without $disabled}"
         export OPENCV_CPU_DISABLE=$disabled
         "$benchmark" speed "${few[@]}" "${images[@]}"
@@ -82,6 +85,11 @@ claims() {
     evaluate claims "$datasets" "${data[@]}" "$@"
 }
 
+refinement() {
+    photographs
+    evaluate refinement "$datasets" ${AQORB_TEST_SEQUENCE:+--sequence="$AQORB_TEST_SEQUENCE"} "$@"
+}
+
 heldout() {
     need python3 python3-pip
     opencv_source
@@ -122,6 +130,6 @@ colmap() {
 }
 
 case ${1:-} in
-speed | harness | paper | claims | heldout | peers | colmap) "$@" ;;
-*) die "'${1:-}' is none of speed, harness, paper, claims, heldout, peers, colmap; --help says more" ;;
+speed | harness | paper | claims | refinement | heldout | peers | colmap) "$@" ;;
+*) die "'${1:-}' is none of speed, harness, paper, claims, refinement, heldout, peers, colmap; --help says more" ;;
 esac

@@ -21,6 +21,7 @@ import cv2
 import claims
 import held_out
 import paper
+import refinement
 from methods import PAPER
 
 
@@ -69,6 +70,12 @@ def measure_claims(options):
     return not failed
 
 
+def measure_refinement(options):
+    for title, head, rows in refinement.tables(options):
+        print_table(title, head, rows)
+    return True
+
+
 def main():
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     commands = parser.add_subparsers(dest='command', required=True)
@@ -103,6 +110,12 @@ def main():
     command.add_argument('--object', help="folder with box.png and box_in_scene.png of OpenCV's samples")
     command.add_argument('--sequence', help='stereo sequence laid out as KITTI\'s, for the start with one camera')
     command.add_argument('--heldout', help='folder that held-out laid out')
+
+    command = commands.add_parser('refinement', help='what refineMatches gives')
+    command.set_defaults(run=measure_refinement)
+    command.add_argument('datasets', metavar='DATASETS')
+    command.add_argument('--n', type=list_of(int), default=[1000], help='numbers of features')
+    command.add_argument('--sequence', help="sequence laid out as KITTI's, for relative poses")
 
     command = commands.add_parser('held-out', help='lay out the pairs of images that nothing was tuned on')
     command.set_defaults(run=held_out.lay_out_all)
