@@ -49,10 +49,10 @@ struct Descriptors
     {
         return milliseconds([&] { matcher.match(query, train, matches); });
     }
-    double timeTwoNearest(const DescriptorMatcher& matcher)
+    double timeNearest(const DescriptorMatcher& matcher, int k, const Mat& mask = Mat())
     {
         lists.clear();
-        return milliseconds([&] { matcher.knnMatch(query, train, lists, 2); });
+        return milliseconds([&] { matcher.knnMatch(query, train, lists, k, mask); });
     }
 
     Mat query, train;
@@ -226,28 +226,35 @@ void measureMatching(const Settings& settings)
 {
     const BFMatcher theirCross(NORM_HAMMING, true), theirs(NORM_HAMMING);
     const HammingMatcher ourCross(NORM_HAMMING, true), ours(NORM_HAMMING);
+    const struct Task
+    {
+        const char* name;
+        int k;  // 0 for a cross check
+        bool isMasked;
+    } tasks[] = {{"cross check", 0, false},   {"two nearest", 2, false},    {"10 nearest", 10, false},
+                 {"100 nearest", 100, false}, {"nearest, masked", 1, true}, {"10 nearest, masked", 10, true}};
     std::cout << cpuName() << "\n\n";
     Table table({"", "n", "threads", "cv::BFMatcher, ms", "HammingMatcher, ms", "times as fast"});
     for (const int threads : settings.threads)
     {
         setNumThreads(threads);
-        for (const bool crossCheck : {true, false})
+        for (const Task& task : tasks)
         {
-            const std::string task = crossCheck ? "cross check" : "two nearest";
             std::vector<double> gains;
             for (const int n : settings.numbers)
             {
                 Descriptors d(n, 32);
+                const Mat mask = task.isMasked ? Mat(n, n, CV_8UC1, Scalar(255)) : Mat();
                 const auto time = [&](const DescriptorMatcher& cross, const DescriptorMatcher& all)
-                { return crossCheck ? d.timeCrossCheck(cross) : d.timeTwoNearest(all); };
+                { return task.k == 0 ? d.timeCrossCheck(cross) : d.timeNearest(all, task.k, mask); };
                 double ms[2];
                 gains.push_back(medianRatio([&] { return time(theirCross, theirs); },
                                             [&] { return time(ourCross, ours); }, settings.turns, ms));
-                table.add({task, std::to_string(n), std::to_string(threads), cell(ms[0], 3), cell(ms[1], 3),
-                           cell(gains.back(), 1)});
+                table.add({task.name, std::to_string(n), std::to_string(threads), cell(ms[0], 3),
+                           cell(ms[1], 3), cell(gains.back(), 1)});
             }
-            table.add(
-                {task, "geometric mean", std::to_string(threads), "", "", cell(geometricMean(gains), 1)});
+            table.add({task.name, "geometric mean", std::to_string(threads), "", "",
+                       cell(geometricMean(gains), 1)});
         }
     }
     std::cout << table.text() << std::flush;
@@ -269,7 +276,7 @@ void measureProgram(const Settings& settings)
             {
                 times[0].push_back(d.timeCrossCheck(all));
                 times[1].push_back(d.timeCrossCheck(cross));
-                times[2].push_back(d.timeTwoNearest(all));
+                times[2].push_back(d.timeNearest(all, 2));
             }
             table.add({"64 bytes", std::to_string(n), std::to_string(threads), cell(median(times[0]), 3),
                        cell(median(times[1]), 3), cell(median(times[2]), 3)});
