@@ -100,7 +100,8 @@ Add module aqorb: ORB features spread uniformly over the image
 AdaptiveQuadtreeORB is a cv::ORB whose keypoints cover the whole image
 instead of clustering where the contrast is highest. retainUniform thins
 out the keypoints of any detector in the same way (#4185), and
-HammingMatcher gives the matches of cv::BFMatcher many times as fast.
+HammingMatcher gives the matches of cv::BFMatcher at least 6 times as
+fast with AVX2.
 END
 commit $module/{test,perf} <<'END'
 aqorb: accuracy and performance tests
