@@ -88,7 +88,7 @@ ReferenceAlignment referenceAlignment(const Mat& image1, const KeyPoint& keypoin
         return notAligned;
     const Mat_<double> inner = wide(Rect(1, 1, SIDE, SIDE));
     const Mat_<double> base = inner - mean(inner)[0];
-    const double norm1 = norm(base);
+    const double norm1 = cv::norm(base);
     if (norm1 * norm1 < 4 * SIDE * SIDE)
         return notAligned;
     Mat_<double> derivatives(SIDE * SIDE, 8);
@@ -113,7 +113,7 @@ ReferenceAlignment referenceAlignment(const Mat& image1, const KeyPoint& keypoin
         if (!samplesOf(view2, center, map, RADIUS, patch))
             return notAligned;
         patch -= mean(patch)[0];
-        norm2 = norm(patch);
+        norm2 = cv::norm(patch);
         correlation = base.dot(patch) / (norm1 * norm2);
         Mat_<double> change;
         const Mat_<double> difference = patch * (norm1 / norm2) - base;
@@ -124,7 +124,7 @@ ReferenceAlignment referenceAlignment(const Mat& image1, const KeyPoint& keypoin
         center -= map * Vec2d(change(2), change(5));
     }
     const double area = std::abs(determinant(map) / determinant(start));
-    const double shift = norm(center - Vec2d(center2.x, center2.y)) / spacing2;
+    const double shift = cv::norm(center - Vec2d(center2.x, center2.y)) / spacing2;
     if (!samplesOf(view2, center, map, RADIUS, patch) || norm2 * norm2 < 4 * SIDE * SIDE || area > 4 ||
         area < 0.25 || shift > RADIUS)
         return notAligned;

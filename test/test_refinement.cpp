@@ -215,7 +215,8 @@ TEST(Aqorb_Refinement, equals_the_plain_definition)
             ASSERT_EQ(first.pt, all.points1[i]);
             const Point2d moved = Point2d(all.points2[i]) - expected.position;
             // Rounding decides on limits, and where a patch hardly has texture.
-            otherwise += isKept != (expected.isAligned && expected.correlation >= 0.8) || norm(moved) > 0.01;
+            otherwise +=
+                isKept != (expected.isAligned && expected.correlation >= 0.8) || cv::norm(moved) > 0.01;
             aligned += isKept;
             if (isKept)
             {
@@ -250,8 +251,8 @@ TEST(Aqorb_Refinement, improves_matches_of_a_photograph)
         perspectiveTransform(refined.points1, seen, view);
         std::vector<double> right;
         for (size_t i = 0; i < seen.size(); i++)
-            if (norm(seen[i] - refined.points2[i]) < 3)
-                right.push_back(norm(seen[i] - refined.points2[i]));
+            if (cv::norm(seen[i] - refined.points2[i]) < 3)
+                right.push_back(cv::norm(seen[i] - refined.points2[i]));
         wrong = double(seen.size() - right.size()) / seen.size();
         std::sort(right.begin(), right.end());
         return right[right.size() / 2];
