@@ -19,12 +19,12 @@ using namespace aqorb;
 std::vector<Corner> findCorners(const Level& level, const Rect& region, const Thresholds& thresholds,
                                 bool suppressNear, int threads = 1)
 {
-    static CornerScratch scratch;  // Images of all sizes share it.
+    static FastScanner scanner;  // Images of all sizes share it.
     const CornerRules rules = {thresholds, suppressNear};
     std::vector<Corner> found, ofBand(3);
     for (const Band& band : divideIntoBands(std::vector<Rect>(1, region), threads))
     {
-        searchBand(level, region, band.rows, rules, scratch, ofBand);
+        searchBand(level, region, band.rows, rules, scanner, ofBand);
         found.insert(found.end(), ofBand.begin(), ofBand.end());
     }
     return found;

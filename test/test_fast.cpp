@@ -16,11 +16,6 @@ namespace
 
 using namespace aqorb;
 
-Range columnsOf(const Rect& region)
-{
-    return Range(region.x, region.x + region.width);
-}
-
 // Appends the corners of score >= threshold whose centres lie in the region, in raster order.
 void detectCorners(const Mat& image, const Rect& region, int threshold, std::vector<Corner>& corners)
 {
@@ -30,14 +25,10 @@ void detectCorners(const Mat& image, const Rect& region, int threshold, std::vec
     Level level;
     level.image = image;
     const Thresholds thresholds = {threshold, threshold};
-    ScorePlane plane;
-    plane.reset(image.cols, columnsOf(scanned), scanned.y, scanned.height);
-    CornerBlocks blocks;
     FastScanner scanner;
-    scanner.reset(level, scanned, thresholds, plane, blocks);
-    scanner.scan(scanned.y + scanned.height);
-    scanner.collect();
-    listCorners(blocks.storage.data(), blocks.storage.data() + blocks.count, plane, corners);
+    scanner.begin(level, scanned, thresholds, scanned.height);
+    scanner.scan(scanned.br().y, std::vector<Range>());
+    scanner.append(false, corners);
 }
 
 int cornerScore(const Mat& image, int x, int y)
@@ -82,14 +73,12 @@ void expectSameEverywhere(const Mat& image, const Rect& region, int threshold)
     EXPECT_TRUE(sameCorners(corners(image, region, threshold), expected));
 }
 
-// Scans for corners at the low threshold, some rows at a time, and drops the weak ones of some columns. The plane holds
-// all rows, or those of one scan, from which the corners are then taken.
-TEST(Aqorb_Fast, scan_tells_strong_corners_from_weak_ones)
+// Scans for corners at the low threshold, some rows at a time, each with a cell of its own.
+TEST(Aqorb_Fast, scan_drops_the_weak_corners_of_cells_with_strong_ones)
 {
     RNG rng(7);
     FastScanner scanner;  // Images of all sizes share it.
-    ScorePlane plane;
-    CornerBlocks blocks;
+    int withStrong = 0, withoutStrong = 0;
     for (int round = 0; round < 300; round++)
     {
         const Size size(rng.uniform(7, 300), rng.uniform(7, 60));
@@ -108,44 +97,31 @@ TEST(Aqorb_Fast, scan_tells_strong_corners_from_weak_ones)
         std::vector<Corner> expected, found;
         const std::vector<Corner> all = reference::fastCorners(level.image, region, thresholds.min);
         std::unique_ptr<WithoutOptimization> baseline(round % 2 ? new WithoutOptimization : 0);
-        const int MOST_ROWS = 40;
-        const bool slides = round % 4 < 2;
-        plane.reset(size.width, columnsOf(region), region.y, slides ? MOST_ROWS : region.height);
-        scanner.reset(level, region, thresholds, plane, blocks);
+        const int MAX_ROWS = 40;
+        scanner.begin(level, region, thresholds, MAX_ROWS);
         for (int top = region.y, end; top < region.br().y; top = end)
         {
-            end = std::min(top + rng.uniform(1, MOST_ROWS), region.br().y);
-            const Range columns(region.x + rng.uniform(0, region.width), region.br().x - rng.uniform(0, 9));
-            if (slides)
-                plane.slideTo(top);
-            scanner.scan(end);
-            bool strong = false;
+            end = std::min(top + rng.uniform(1, MAX_ROWS), region.br().y);
+            const Range cell(region.x + rng.uniform(0, region.width), region.br().x - rng.uniform(0, 9));
+            std::vector<Corner> ofRows;
             for (const Corner& corner : all)
-            {
-                if (corner.y < top || corner.y >= end ||
-                    (!level.mask.empty() && !level.mask.at<uchar>(corner.y, corner.x)))
-                    continue;
-                const bool isStrong = corner.score >= thresholds.ini;
-                const bool inColumns = corner.x >= columns.start && corner.x < columns.end;
-                strong |= isStrong && inColumns;
-                if (isStrong || !inColumns)
-                    expected.push_back(corner);
-            }
-            ASSERT_EQ(scanner.hasStrong(columns), strong) << round;
-            scanner.dropWeak(columns);
-            scanner.collect();
-            if (slides)
-            {
-                const size_t before = found.size();
-                listCorners(blocks.storage.data(), blocks.storage.data() + blocks.count, plane, found);
-                ASSERT_EQ(size_t(blocks.cornerCount), found.size() - before) << round;
-                blocks.count = blocks.cornerCount = 0;
-            }
+                if (corner.y >= top && corner.y < end &&
+                    (level.mask.empty() || level.mask.at<uchar>(corner.y, corner.x)))
+                    ofRows.push_back(corner);
+            const auto isInCell = [&](const Corner& c) { return c.x >= cell.start && c.x < cell.end; };
+            const auto isStrong = [&](const Corner& c) { return c.score >= thresholds.ini; };
+            const bool hasStrong = std::any_of(ofRows.begin(), ofRows.end(),
+                                               [&](const Corner& c) { return isInCell(c) && isStrong(c); });
+            std::copy_if(ofRows.begin(), ofRows.end(), std::back_inserter(expected),
+                         [&](const Corner& c) { return isStrong(c) || !isInCell(c) || !hasStrong; });
+            scanner.scan(end, std::vector<Range>(1, cell));
+            scanner.append(false, found);
+            (hasStrong ? withStrong : withoutStrong)++;
         }
-        listCorners(blocks.storage.data(), blocks.storage.data() + blocks.count, plane, found);
         ASSERT_TRUE(sameCorners(found, expected)) << round;
-        ASSERT_EQ(size_t(blocks.cornerCount), slides ? 0 : found.size()) << round;
     }
+    EXPECT_GT(withStrong, 100);
+    EXPECT_GT(withoutStrong, 100);
 }
 
 TEST(Aqorb_Fast, equals_brute_force_for_every_width_alignment_and_threshold)

@@ -105,12 +105,12 @@ TEST(Aqorb_Threshold, thresholds_of_known_values)
     expectThresholds(fastThresholds(10, 20, 4), 10, 2);
     expectThresholds(fastThresholds(14, 20, 4), 14, 4);
 
-    expectThresholds(fastThresholds(NEUTRAL_VALUE, 20, 4), 20, 5);
-    expectThresholds(fastThresholds(NEUTRAL_VALUE, 20, 1), 20, 20);
-    expectThresholds(fastThresholds(NEUTRAL_VALUE, 0, 4), 1, 1);
-    expectThresholds(fastThresholds(NEUTRAL_VALUE, -1, 4), 1, 1);
-    expectThresholds(fastThresholds(NEUTRAL_VALUE, 255, 1), 254, 254);
-    expectThresholds(fastThresholds(NEUTRAL_VALUE, 1000, 10), 254, 26);
+    expectThresholds(fastThresholds(NEUTRAL_CONTRAST, 20, 4), 20, 5);
+    expectThresholds(fastThresholds(NEUTRAL_CONTRAST, 20, 1), 20, 20);
+    expectThresholds(fastThresholds(NEUTRAL_CONTRAST, 0, 4), 1, 1);
+    expectThresholds(fastThresholds(NEUTRAL_CONTRAST, -1, 4), 1, 1);
+    expectThresholds(fastThresholds(NEUTRAL_CONTRAST, 255, 1), 254, 254);
+    expectThresholds(fastThresholds(NEUTRAL_CONTRAST, 1000, 10), 254, 26);
 }
 
 TEST(Aqorb_Threshold, thresholds_equal_reference)
@@ -128,7 +128,7 @@ TEST(Aqorb_Threshold, thresholds_equal_reference)
                 expectThresholds(fastThresholds(value, fast, ratio), expected.ini, expected.min);
             }
             const Thresholds expected = reference::thresholds(0, false, fast, ratio);
-            expectThresholds(fastThresholds(NEUTRAL_VALUE, fast, ratio), expected.ini, expected.min);
+            expectThresholds(fastThresholds(NEUTRAL_CONTRAST, fast, ratio), expected.ini, expected.min);
         }
 }
 

@@ -32,7 +32,7 @@ String AdaptiveQuadtreeORB::getDefaultName() const
 #define AQORB_PROPERTY(property, type, name, ...) \
     void set##property(type value) CV_OVERRIDE    \
     {                                             \
-        set(&Parameters::name, stored(value));    \
+        set(&Parameters::name, toStored(value));  \
     }                                             \
     type get##property() const CV_OVERRIDE        \
     {                                             \
@@ -129,7 +129,7 @@ Ptr<AdaptiveQuadtreeORB> AdaptiveQuadtreeORB::create(int nfeatures, float scaleF
                                                      int fastThreshold)
 {
     Parameters parameters;
-#define AQORB_ARGUMENT(property, type, name, ...) parameters.name = stored<type>(name);
+#define AQORB_ARGUMENT(property, type, name, ...) parameters.name = toStored<type>(name);
     AQORB_PARAMETERS_OF_ORB(AQORB_ARGUMENT)
 #undef AQORB_ARGUMENT
     parameters.check();
@@ -162,7 +162,7 @@ void AdaptiveQuadtreeORBImpl::buildPyramid(InputArray image_, OutputArrayOfArray
 {
     CV_TRACE_FUNCTION();
     checkMatsOutput(levels_, "levels");
-    const UMat held = heldUMat(image_);
+    const UMat held = retainUMat(image_);
     PyramidSpace space;
     std::vector<Level> levels;
     if (!image_.empty())
@@ -174,7 +174,7 @@ void AdaptiveQuadtreeORBImpl::buildPyramid(InputArray image_, OutputArrayOfArray
         const PyramidRule rule = {parameters.firstLevel, parameters.scaleFactor, parameters.nlevels, 1};
         levels = makePyramid(input, rule, threadsAllowed(), space);
     }
-    giveMats(copiesOf(levels), levels_, "levels");
+    assignMats(copiesOf(levels), levels_, "levels");
 }
 
 // From the pyramid of an image to the features that are to be described.
@@ -184,7 +184,7 @@ std::vector<FeatureList> AdaptiveQuadtreeORBImpl::findFeatures(const Level& inpu
 {
     // Thresholds.
     const double contrast =
-        parameters.adaptiveThreshold ? varianceOverMean(input.image, input.mask) : NEUTRAL_VALUE;
+        parameters.adaptiveThreshold ? varianceOverMean(input.image, input.mask) : NEUTRAL_CONTRAST;
     CornerRules rules;
     rules.thresholds = fastThresholds(contrast, parameters.fastThreshold, parameters.minThresholdRatio);
     // Harris responses of neighbours hardly differ. Without suppression a strong corner would be chosen three times.
@@ -242,13 +242,13 @@ try
         if (withDescriptors)
             createDescriptors(descriptors_, 0);
         if (levels_)
-            giveMats(std::vector<Mat>(), *levels_, "levels");
+            assignMats(std::vector<Mat>(), *levels_, "levels");
         keypoints.clear();
         return;
     }
 
     // Input.
-    const UMat heldImage = heldUMat(image_), heldMask = heldUMat(mask_);
+    const UMat heldImage = retainUMat(image_), heldMask = retainUMat(mask_);
     checkImage(image_);
     const Size size = image_.size();
     checkPyramidInput(size);
@@ -289,7 +289,7 @@ try
     // Description.
     const std::vector<FeatureRange> ranges = divideIntoRanges(features, threads);
     for (FeatureList& list : features)
-        list.descriptors.resize(withDescriptors ? list.points.size() * DESCRIPTOR_BYTES : 0);
+        list.descriptors.resize(withDescriptors ? list.points.size() * ORB::kBytes : 0);
     forEach(ranges.size(), threads,
             [&](size_t i, int thread)
             {
@@ -308,7 +308,7 @@ try
     const std::vector<Mat> given = copiesOf(levels_ ? pyramid : std::vector<Level>());
     Mat descriptors = withDescriptors ? createDescriptors(descriptors_, int(count)) : Mat();
     if (levels_)
-        giveMats(given, *levels_, "levels");
+        assignMats(given, *levels_, "levels");
     outputFeatures(features, keypoints, descriptors);
 }
 catch (const std::bad_alloc&)
@@ -362,7 +362,7 @@ void AdaptiveQuadtreeORBImpl::compute(InputArrayOfArrays images_,
     std::vector<Mat> descriptors(described.size());
     forEachImage(described.size(),
                  [&](size_t i) { compute(collection.images[i], described[i], descriptors[i]); });
-    giveMats(descriptors, descriptors_, "descriptors");
+    assignMats(descriptors, descriptors_, "descriptors");
     keypoints.swap(described);
 }
 
@@ -384,7 +384,7 @@ void AdaptiveQuadtreeORBImpl::detectAndComputeBatch(InputArrayOfArrays images_, 
                      process(collection.images[i], collection.mask(i), found[i], ofImage, false, 0);
                  });
     if (withDescriptors)
-        giveMats(descriptors, descriptors_, "descriptors");
+        assignMats(descriptors, descriptors_, "descriptors");
     keypoints.swap(found);
 }
 

@@ -9,49 +9,14 @@
 
 #include "corners.hpp"
 #include "for_each.hpp"
-#include "simd_compat.hpp"
 
 namespace cv
 {
 namespace aqorb
 {
 
-namespace
-{
-
-// Lists the corners of the rows before `end`, and takes their blocks out. The SUPPRESS_RADIUS rows from there on must
-// have their scores, too, as far as there are any.
-void listBefore(int end, bool suppressNear, CornerScratch& scratch, std::vector<Corner>& found)
-{
-    CornerBlocks& blocks = scratch.blocks;
-    int taken = blocks.count, left = 0;  // corners that are not listed yet
-    while (taken > 0 && blocks.storage[taken - 1].y >= end)
-        left += bitCount(blocks.storage[--taken].columns);
-    const int corners = blocks.cornerCount - left;
-    if (!suppressNear)
-    {
-        listCorners(blocks.storage.data(), blocks.storage.data() + taken, scratch.plane, found);
-    }
-    else if (corners > 0)
-    {
-        // The kernel writes every corner before it knows whether it is kept.
-        growTo(scratch.kept, size_t(corners) + 1);
-        const int kept = writeKeptCorners(blocks.storage.data(), corners, scratch.plane, scratch.kept.data());
-        // Lists of corners are long and stay, so they grow by little more than they need.
-        const size_t size = found.size() + size_t(kept);
-        if (size > found.capacity())
-            found.reserve(size + size / 8);
-        found.insert(found.end(), scratch.kept.data(), scratch.kept.data() + kept);
-    }
-    std::copy(blocks.storage.begin() + taken, blocks.storage.begin() + blocks.count, blocks.storage.begin());
-    blocks.count -= taken;
-    blocks.cornerCount = left;
-}
-
-}  // namespace
-
 void searchBand(const Level& level, const Rect& region, const Range& rows, const CornerRules& rules,
-                CornerScratch& scratch, std::vector<Corner>& found)
+                FastScanner& scanner, std::vector<Corner>& found)
 {
     CV_TRACE_FUNCTION();
     found.clear();
@@ -62,27 +27,15 @@ void searchBand(const Level& level, const Rect& region, const Range& rows, const
     const Rect scanned = fastRegion(level.image.size(), band);
     if (scanned.empty())
         return;
-    const Point end = band.br();
-    const int bottom = scanned.y + scanned.height;
-    scratch.plane.reset(level.image.cols, Range(scanned.x, scanned.x + scanned.width), scanned.y,
-                        std::min(CELL_SIZE, scanned.height));
-    scratch.scanner.reset(level, scanned, rules.thresholds, scratch.plane, scratch.blocks);
-    for (int y = band.y; y < end.y; y += CELL_SIZE)
+    std::vector<Range> cells;  // of a row
+    for (int x = band.x; x < band.br().x; x += CELL_SIZE)
+        cells.push_back(Range(x, std::min(x + CELL_SIZE, band.br().x)));
+    scanner.begin(level, scanned, rules.thresholds, CELL_SIZE);
+    for (int y = band.y; y < scanned.br().y; y += CELL_SIZE)
     {
-        const int scannedEnd = std::min(y + CELL_SIZE, bottom);
-        scratch.plane.slideTo(std::min(y, bottom));
-        scratch.scanner.scan(scannedEnd);
-        for (int x = band.x; x < end.x; x += CELL_SIZE)
-        {
-            const Range cell(x, std::min(x + CELL_SIZE, end.x));
-            if (scratch.scanner.hasStrong(cell))
-                scratch.scanner.dropWeak(cell);
-        }
-        scratch.scanner.collect();
-        listBefore(scannedEnd - SUPPRESS_RADIUS, rules.suppressNear, scratch, found);
+        scanner.scan(y + CELL_SIZE, cells);
+        scanner.append(rules.suppressNear, found);
     }
-    scratch.plane.clearBelow(bottom);
-    listBefore(bottom, rules.suppressNear, scratch, found);
     const auto isOutside = [&](const Corner& corner)
     { return corner.y < rows.start || corner.y >= rows.end; };
     if (above + below > 0)
@@ -118,7 +71,7 @@ const std::vector<std::vector<Corner>>& findCorners(const std::vector<Level>& le
 {
     CV_TRACE_FUNCTION();
     const std::vector<Band> bands = divideIntoBands(regions, threads);
-    space.threads.resize(std::max(space.threads.size(), size_t(threads)));
+    space.scanners.resize(std::max(space.scanners.size(), size_t(threads)));
     space.bands.resize(std::max(space.bands.size(), bands.size()));
     space.levels.resize(levels.size());
     forEach(bands.size(), threads,
@@ -126,7 +79,7 @@ const std::vector<std::vector<Corner>>& findCorners(const std::vector<Level>& le
             {
                 const int level = bands[i].level;
                 const bool isFirst = bands[i].rows.start == regions[level].y;
-                searchBand(levels[level], regions[level], bands[i].rows, rules, space.threads[thread],
+                searchBand(levels[level], regions[level], bands[i].rows, rules, space.scanners[thread],
                            isFirst ? space.levels[level] : space.bands[i]);
             });
     for (size_t i = 0; i < bands.size(); i++)

@@ -26,15 +26,6 @@ struct CornerRules
     bool suppressNear;  //!< whether a corner loses to a better one within SUPPRESS_RADIUS
 };
 
-//! Work space of searchBand, which one thread uses at a time.
-struct CornerScratch
-{
-    FastScanner scanner;
-    ScorePlane plane;
-    CornerBlocks blocks;  // of rows whose corners were not listed yet
-    std::vector<Corner> kept;
-};
-
 /** Finds corners: those of score >= thresholds.ini, and in cells that have none of them those of score >=
  thresholds.min. Cells are squares of side CELL_SIZE; the first is in the upper left of the region. Masked corners do
  not count. With suppressNear, a corner is kept only if there is no better one within SUPPRESS_RADIUS. A corner is
@@ -43,7 +34,7 @@ struct CornerScratch
  @param rows of the region, from the first row of a cell to the last row of another one
  @param found gets the corners of these rows, in raster order */
 void searchBand(const Level& level, const Rect& region, const Range& rows, const CornerRules& rules,
-                CornerScratch& scratch, std::vector<Corner>& found);
+                FastScanner& scanner, std::vector<Corner>& found);
 
 //! Rows of a level that are searched together.
 struct Band
@@ -57,7 +48,7 @@ std::vector<Band> divideIntoBands(const std::vector<Rect>& regions, int threads)
 //! The memory of findCorners, which is kept for later images.
 struct CornerSpace
 {
-    std::vector<CornerScratch> threads;
+    std::vector<FastScanner> scanners;  //!< of each thread
     std::vector<std::vector<Corner>> bands, levels;
 };
 //! Finds the corners of all levels, as searchBand does.

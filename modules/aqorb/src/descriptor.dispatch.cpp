@@ -127,7 +127,7 @@ static void computePlainly(const BlurredLevel& level, const std::vector<Point>& 
 {
     const int bitsOfTest = WTA_K == 2 ? 1 : 2;
     const Point* p = &pattern[0];
-    for (int i = 0; i < DESCRIPTOR_BYTES; i++)
+    for (int i = 0; i < ORB::kBytes; i++)
     {
         int byte = 0;
         for (int bit = 0; bit < 8; bit += bitsOfTest, p += WTA_K)
@@ -142,9 +142,10 @@ static void computePlainly(const BlurredLevel& level, const std::vector<Point>& 
 }
 
 static void decidePairs(const ushort* center, ptrdiff_t step, float a, float b, const PairTests& tests,
-                        uchar* descriptor, uint64* open)
+                        uchar* descriptor, uint64* undecided)
 {
-    CV_CPU_DISPATCH(comparePairs, (center, step, a, b, tests, descriptor, open), CV_CPU_DISPATCH_MODES_ALL);
+    CV_CPU_DISPATCH(comparePairs, (center, step, a, b, tests, descriptor, undecided),
+                    CV_CPU_DISPATCH_MODES_ALL);
 }
 
 // How far from the keypoint the descriptor may read, in any direction.
@@ -195,12 +196,12 @@ size_t computeDescriptors(const Mat& image, const BlurredRows& blurred, const Fe
             computePlainly(level, tests.pattern, tests.WTA_K, descriptors);
             continue;
         }
-        uint64 open[PairTests::COUNT / 64];
+        uint64 undecided[PairTests::COUNT / 64];
         decidePairs(blurred.row(keypoint.y) + keypoint.x, blurred.step, cosine, sine, tests.pairs[0],
-                    descriptors, open);
+                    descriptors, undecided);
         for (int first = 0; first < PairTests::COUNT; first += 64)
         {
-            for (uint64 left = open[first / 64]; left; left &= left - 1)
+            for (uint64 left = undecided[first / 64]; left; left &= left - 1)
             {
                 const int test = first + trailingZeros(left);
                 const Point* const p = &tests.pattern[2 * test];

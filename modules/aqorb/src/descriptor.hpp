@@ -11,6 +11,8 @@
 #include "types.hpp"
 #include "blur.hpp"
 
+#include <opencv2/aqorb/features.hpp>
+
 #include <cmath>
 
 namespace cv
@@ -70,7 +72,7 @@ struct PairTests
     float x[2][COUNT], y[2][COUNT];  //!< [point of the pair][test]
 };
 
-const int DESCRIPTOR_BYTES = 32;
+const int DESCRIPTOR_BYTES = ORB::kBytes;
 
 //! A pattern, prepared for any number of descriptors.
 struct DescriptorTests

@@ -18,10 +18,10 @@ CV_CPU_OPTIMIZATION_NAMESPACE_BEGIN
  @param center the pixel of the keypoint in the approximate blur; all rotated points around it must be readable
  @param step from one row to the next, in elements
  @param a, b cosine and sine of the direction
- @param descriptor 32 bytes; the bits of the open tests become 0
- @param open gets a bit for each test: 1 where the bound of the blur leaves it open */
+ @param descriptor 32 bytes; the bits of undecided tests become 0
+ @param undecided gets a bit for each test: 1 where the bound of the blur does not decide it */
 void comparePairs(const ushort* center, ptrdiff_t step, float a, float b, const PairTests& tests,
-                  uchar* descriptor, uint64 open[PairTests::COUNT / 64]);
+                  uchar* descriptor, uint64 undecided[PairTests::COUNT / 64]);
 
 #ifndef CV_CPU_OPTIMIZATION_DECLARATIONS_ONLY
 
@@ -84,7 +84,7 @@ void fetchPairs(const ushort* center, ptrdiff_t step, float a, float b, const Pa
 }  // namespace
 
 void comparePairs(const ushort* center, ptrdiff_t step, float a, float b, const PairTests& tests,
-                  uchar* descriptor, uint64 open[PairTests::COUNT / 64])
+                  uchar* descriptor, uint64 undecided[PairTests::COUNT / 64])
 {
     const int COUNT = PairTests::COUNT;
     // The exact value lies between the roundings of the approximate one minus and plus its bounds.
@@ -93,7 +93,7 @@ void comparePairs(const ushort* center, ptrdiff_t step, float a, float b, const 
     const ushort *first = values, *second = values + COUNT;
     fetchPairs(center, step, a, b, tests, values);
     for (int k = 0; k < COUNT / 64; k++)
-        open[k] = 0;
+        undecided[k] = 0;
     int i = 0;
 #if CV_SIMD
     const v_uint16 down = vx_setall_u16(DOWN), up = vx_setall_u16(UP);
@@ -113,7 +113,7 @@ void comparePairs(const ushort* center, ptrdiff_t step, float a, float b, const 
         const uint64 less = signBits(isSure);
         for (int j = 0; j < 2 * LANES / 8; j++)
             descriptor[i / 8 + j] = uchar(less >> (8 * j));
-        open[i / 64] |= (uint64(signBits(isPossible)) & ~less) << (i % 64);
+        undecided[i / 64] |= (uint64(signBits(isPossible)) & ~less) << (i % 64);
     }
 #endif
     for (; i < COUNT; i++)
@@ -125,7 +125,7 @@ void comparePairs(const ushort* center, ptrdiff_t step, float a, float b, const 
         if (sure)
             descriptor[i / 8] |= uchar(1 << (i % 8));
         else if (possible)
-            open[i / 64] |= uint64(1) << (i % 64);
+            undecided[i / 64] |= uint64(1) << (i % 64);
     }
 }
 

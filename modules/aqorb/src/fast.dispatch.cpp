@@ -54,9 +54,9 @@ int widthOfBlocks(int columns)
     CV_CPU_DISPATCH(blockWidthFor, (columns), CV_CPU_DISPATCH_MODES_ALL);
 }
 
-int dropCornersOfScan(ScanCorners& corners, int blockWidth, int first, const uchar* floors)
+int dropCornersOfScan(ScanCorners& corners, int blockWidth, int first, const uchar* dropped)
 {
-    CV_CPU_DISPATCH(dropCorners, (corners, blockWidth, first, floors), CV_CPU_DISPATCH_MODES_ALL);
+    CV_CPU_DISPATCH(dropCorners, (corners, blockWidth, first, dropped), CV_CPU_DISPATCH_MODES_ALL);
 }
 
 }  // namespace
@@ -78,15 +78,14 @@ static size_t rowBytesOf(int imageWidth)
     return alignSize(size_t(imageWidth) + 2 * SCAN_MARGIN, SCAN_ALIGNMENT);
 }
 
-void ScorePlane::reset(int imageWidth, const Range& columns_, int top_, int rows)
+void ScorePlane::reset(int imageWidth, const Rect& region, int rows)
 {
     const size_t bytesOfRow = rowBytesOf(imageWidth);
     growTo(bytes, (ROWS_ABOVE + size_t(rows) + SUPPRESS_RADIUS) * bytesOfRow + SCAN_ALIGNMENT);
-    columns = columns_;
-    top = top_;
+    top = region.y;
     rowBytes = ptrdiff_t(bytesOfRow);
     // As a rule the first block of a scan begins one column before the region.
-    first = alignedRow(bytes.data() + ROWS_ABOVE * bytesOfRow, std::max(columns.start - 1, FAST_RADIUS)) -
+    first = alignedRow(bytes.data() + ROWS_ABOVE * bytesOfRow, std::max(region.x - 1, FAST_RADIUS)) -
             bytes.data();
     std::fill_n(row(top) - SCAN_MARGIN - ROWS_ABOVE * rowBytes, ROWS_ABOVE * bytesOfRow, uchar(0));
 }
@@ -105,22 +104,20 @@ void ScorePlane::clearBelow(int y)
     std::fill_n(row(y) - SCAN_MARGIN, size_t(SUPPRESS_RADIUS * rowBytes), uchar(0));
 }
 
-void FastScanner::reset(const Level& level, const Rect& region, Thresholds thresholds, ScorePlane& plane_,
-                        CornerBlocks& corners_)
+void FastScanner::begin(const Level& level, const Rect& region, Thresholds thresholds, int rows)
 {
-    plane = &plane_;
     const Mat& image = level.image;
     const Rect pixels = fastRegion(image.size(), Rect(Point(), image.size()));
     const int width = widthOfBlocks(pixels.width);
-    coverWithBlocks(Range(region.x, region.x + region.width), Range(pixels.x, pixels.x + pixels.width), width,
-                    blocks);
+    columns = Range(region.x, region.x + region.width);
+    coverWithBlocks(columns, Range(pixels.x, pixels.x + pixels.width), width, blocks);
     const size_t blockCount = blocks.size();
     growTo(listed, 2 * blockCount);
-    growTo(floors, size_t(image.cols));
+    growTo(dropped, size_t(image.cols));
     const size_t rowBytes = rowBytesOf(image.cols);
     growTo(scores, SCAN_ROWS * rowBytes + SCAN_ALIGNMENT);
-    corners = &corners_;
-    corners->count = corners->cornerCount = 0;
+    plane.reset(image.cols, region, std::min(rows, region.height));
+    foundCount = cornerCount = 0;
 
     area.image = image.ptr();
     area.step = ptrdiff_t(image.step);
@@ -143,28 +140,40 @@ void FastScanner::reset(const Level& level, const Rect& region, Thresholds thres
         kept.listed[i] = listed.data() + i * blockCount;
         kept.listedCount[i] = 0;
     }
-    out.planeStep = plane->step();
-    columns = Range(region.x, region.x + region.width);
+    out.planeStep = plane.step();
 }
 
-void FastScanner::scan(int end)
+void FastScanner::scan(int end, const std::vector<Range>& cells)
 {
     end = std::min(end, area.bottom);
-    const size_t rows = size_t(std::max(end - kept.nextRow + 1, 0));  // suppression is one row behind
-    out.planeTop = plane->topRow();
-    out.plane = plane->row(out.planeTop);
-    out.foundCount = corners->count;
-    const size_t most = out.foundCount + rows * blocks.size() + 2;
-    corners->storage.reserve(most);  // without this, a vector that grows may get twice as much
-    corners->storage.resize(std::max(corners->storage.size(), most));
-    out.found = corners->storage.data();
+    const size_t rows = size_t(end - kept.nextRow + 1);  // suppression is one row behind
+    plane.slideTo(kept.nextRow - 1);
+    out.planeTop = plane.topRow();
+    out.plane = plane.row(out.planeTop);
+    out.foundCount = foundCount;
+    const size_t maxCount = foundCount + rows * blocks.size() + 2;
+    found.reserve(maxCount);  // without this, a vector that grows may get twice as much
+    found.resize(std::max(found.size(), maxCount));
+    out.found = found.data();
     strong.assign(blocks.size(), 0);
     out.strong = strong.data();
-    std::fill_n(floors.begin() + blocks[0].x, blocks.back().x + area.blockWidth - blocks[0].x, uchar(255));
-    std::fill_n(floors.begin() + columns.start, columns.size(), uchar(0));
     continueFastScan(area, kept, out, end);
+
+    // By column, the highest score that is dropped.
+    std::fill_n(dropped.begin() + blocks[0].x, blocks.back().x + area.blockWidth - blocks[0].x, uchar(255));
+    std::fill_n(dropped.begin() + columns.start, columns.size(), uchar(0));
+    for (const Range& cell : cells)
+    {
+        const Range inside = cell & columns;
+        if (hasStrong(cell))
+            std::fill(dropped.begin() + inside.start, dropped.begin() + inside.end,
+                      uchar(area.strongThreshold));
+    }
+    cornerCount += dropCornersOfScan(out, area.blockWidth, foundCount, dropped.data());
+    foundCount = out.foundCount;
 }
 
+// Whether the rows of the last scan have a strong corner in some columns.
 bool FastScanner::hasStrong(const Range& range) const
 {
     const int width = area.blockWidth;
@@ -177,20 +186,8 @@ bool FastScanner::hasStrong(const Range& range) const
     return false;
 }
 
-void FastScanner::dropWeak(const Range& range)
-{
-    const Range inside = range & columns;
-    std::fill(floors.begin() + inside.start, floors.begin() + inside.end, uchar(area.strongThreshold));
-}
-
-void FastScanner::collect()
-{
-    corners->cornerCount += dropCornersOfScan(out, area.blockWidth, corners->count, floors.data());
-    corners->count = out.foundCount;
-}
-
-void listCorners(const CornerBlock* first, const CornerBlock* last, const ScorePlane& plane,
-                 std::vector<Corner>& corners)
+static void appendAll(const CornerBlock* first, const CornerBlock* last, ScorePlane& plane,
+                      std::vector<Corner>& corners)
 {
     for (const CornerBlock* block = first; block < last; block++)
     {
@@ -201,6 +198,45 @@ void listCorners(const CornerBlock* first, const CornerBlock* last, const ScoreP
             corners.push_back({x, block->y, scores[x] - 1});
         }
     }
+}
+
+// Writes the corners that have no better one within SUPPRESS_RADIUS, and returns their number.
+static int writeUnsuppressed(const CornerBlock* first, int cornerCount, const uchar* scores, ptrdiff_t step,
+                             Corner* corners)
+{
+    CV_CPU_DISPATCH(writeKept, (first, cornerCount, scores, step, corners), CV_CPU_DISPATCH_MODES_ALL);
+}
+
+void FastScanner::append(bool suppressNear, std::vector<Corner>& corners)
+{
+    int end = kept.nextRow - 1;
+    if (end == area.bottom)
+        plane.clearBelow(end);
+    else
+        end -= SUPPRESS_RADIUS;
+    int taken = foundCount, left = 0;  // blocks that are taken, and corners that are left for later
+    while (taken > 0 && found[taken - 1].y >= end)
+        left += bitCount(found[--taken].columns);
+    const int count = cornerCount - left;
+    if (!suppressNear)
+    {
+        appendAll(found.data(), found.data() + taken, plane, corners);
+    }
+    else if (count > 0)
+    {
+        // The kernel writes every corner before it knows whether it is suppressed.
+        growTo(unsuppressed, size_t(count) + 1);
+        const int written =
+            writeUnsuppressed(found.data(), count, plane.row(found[0].y), plane.step(), unsuppressed.data());
+        // Lists of corners are long and stay, so they grow by little more than they need.
+        const size_t size = corners.size() + size_t(written);
+        if (size > corners.capacity())
+            corners.reserve(size + size / 8);
+        corners.insert(corners.end(), unsuppressed.data(), unsuppressed.data() + written);
+    }
+    std::copy(found.begin() + taken, found.begin() + foundCount, found.begin());
+    foundCount -= taken;
+    cornerCount = left;
 }
 
 static void neighborCornerScores(const uchar* p, ptrdiff_t step, int scores[3][3])
@@ -214,12 +250,6 @@ void cornerScores3x3(const Mat& image, int x, int y, int scores[3][3])
     PatchBuffer buffer;
     const Patch patch = patchAround(image, x, y, READ, buffer);
     neighborCornerScores(patch.center, patch.step, scores);
-}
-
-int writeKeptCorners(const CornerBlock* first, int cornerCount, const ScorePlane& plane, Corner* kept)
-{
-    const uchar* scores = plane.row(first->y);
-    CV_CPU_DISPATCH(writeKept, (first, cornerCount, scores, plane.step(), kept), CV_CPU_DISPATCH_MODES_ALL);
 }
 
 }  // namespace aqorb

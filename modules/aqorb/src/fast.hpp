@@ -15,60 +15,23 @@ namespace cv
 namespace aqorb
 {
 
-//! Neighbouring pixels of a row, and which of them are FAST corners.
-struct CornerBlock
-{
-    int x, y;        //!< the first pixel
-    uint64 columns;  //!< bit i: whether pixel x + i is a corner
-};
-
 const int FAST_RADIUS = 3;  // of the circle
 //! A corner loses to a better one at most this far away in x and in y. The kernel is written for this radius.
 const int SUPPRESS_RADIUS = 3;
 //! The columns beside a region whose scores must be readable, as the kernel of the suppression loads whole vectors.
 const int SUPPRESS_MARGIN = 16;
 
-//! Blocks of corners in raster order: the first `count` elements of `storage`, which is kept for later images.
-struct CornerBlocks
-{
-    std::vector<CornerBlock> storage;
-    int count = 0, cornerCount = 0;
-};
-
-/** By pixel, the score of a corner plus 1, as cornerScores3x3 counts; 0 where there is none. The plane holds some rows
- of a region only, and slides down over the region. */
-class ScorePlane
-{
-public:
-    //! How many rows above the plane's first one are kept.
-    enum
-    {
-        ROWS_ABOVE = 2 * SUPPRESS_RADIUS
-    };
-    //! Prepares the plane for so many rows, the first of them `top`, of a region of an image of the given width. The
-    //! rows above are 0.
-    void reset(int imageWidth, const Range& columns, int top, int rows);
-    //! Moves the plane down, so that `top` becomes its first row.
-    void slideTo(int top);
-    //! Clears the SUPPRESS_RADIUS rows from y on. Row y is at most the one below the plane.
-    void clearBelow(int y);
-    //! The scores of a row by column of the image. SUPPRESS_MARGIN columns beside the region are readable, too.
-    uchar* row(int y) { return bytes.data() + first + (y - top) * rowBytes; }
-    const uchar* row(int y) const { return bytes.data() + first + (y - top) * rowBytes; }
-    ptrdiff_t step() const { return rowBytes; }
-    int topRow() const { return top; }
-
-private:
-    std::vector<uchar> bytes;
-    Range columns;
-    ptrdiff_t first, rowBytes;
-    int top;
-};
-
 //! The part of a region in which there may be FAST corners: the pixels whose whole circle is inside the image.
 Rect fastRegion(Size imageSize, const Rect& region);
 
 // ---- for the kernel: plain structs only, see types.hpp ---------------------------------------
+
+//! Neighbouring pixels of a row, and which of them are FAST corners.
+struct CornerBlock
+{
+    int x, y;        //!< the first pixel
+    uint64 columns;  //!< bit i: whether pixel x + i is a corner
+};
 
 //! Neighbouring pixels of a row that are scored together.
 struct ScanBlock
@@ -123,6 +86,33 @@ struct ScanCorners
 
 // ---- of the stage -----------------------------------------------------------------------------
 
+/** By pixel, the score of a corner plus 1, as cornerScores3x3 counts; 0 where there is none. The plane holds some rows
+ of a region only, and slides down over the region. */
+class ScorePlane
+{
+public:
+    //! How many rows above the plane's first one are kept.
+    enum
+    {
+        ROWS_ABOVE = 2 * SUPPRESS_RADIUS
+    };
+    //! Prepares the plane for so many rows of a region of an image of the given width. The rows above are 0.
+    void reset(int imageWidth, const Rect& region, int rows);
+    //! Moves the plane down, so that `top` becomes its first row.
+    void slideTo(int top);
+    //! Clears the SUPPRESS_RADIUS rows from y on. Row y is at most the one below the plane.
+    void clearBelow(int y);
+    //! The scores of a row by column of the image. SUPPRESS_MARGIN columns beside the region are readable, too.
+    uchar* row(int y) { return bytes.data() + first + (y - top) * rowBytes; }
+    ptrdiff_t step() const { return rowBytes; }
+    int topRow() const { return top; }
+
+private:
+    std::vector<uchar> bytes;
+    ptrdiff_t first, rowBytes;
+    int top;
+};
+
 /** Finds the FAST-9/16 corners of a region of a level, with 3x3 non-maximum suppression, from top to bottom and some
  rows at a time. Corners of score >= thresholds.ini are called strong, those below it but >= thresholds.min weak.
  An object can be used again, and then needs no new memory. */
@@ -131,41 +121,32 @@ class FastScanner
 public:
     /** Starts with the first row of a region.
      @param region inside fastRegion, not empty
-     @param plane gets the scores of the corners of the rows that it holds, each one more than Corner::score
-     @param found gets the corners. Between two scans the caller may take blocks out. */
-    void reset(const Level& level, const Rect& region, Thresholds thresholds, ScorePlane& plane,
-               CornerBlocks& found);
-    //! Scans the next rows, up to the row before `end`. The plane must hold them.
-    void scan(int end);
-    //! Whether the rows of the last scan have a strong corner in some columns.
-    bool hasStrong(const Range& columns) const;
-    //! Leaves out the weak corners of the last scan in some columns.
-    void dropWeak(const Range& columns);
-    //! Adds the corners of the last scan that were not left out to those found.
-    void collect();
+     @param rows that are scanned at a time, at most */
+    void begin(const Level& level, const Rect& region, Thresholds thresholds, int rows);
+    //! Scans the next rows, up to the row before `end`. A cell is a range of columns of these rows. Weak corners count
+    //! only outside of the cells, and in cells without a strong one.
+    void scan(int end, const std::vector<Range>& cells);
+    /** Appends corners in raster order: those of the rows scanned that were not appended before. SUPPRESS_RADIUS rows
+     are held back until the region ends.
+     @param suppressNear leaves out corners that have a better one within SUPPRESS_RADIUS */
+    void append(bool suppressNear, std::vector<Corner>& corners);
 
 private:
+    bool hasStrong(const Range& columns) const;
+
     ScanArea area;
     ScanScores kept;
     ScanCorners out;
+    Range columns;
+    ScorePlane plane;
     std::vector<ScanBlock> blocks;
-    std::vector<uchar> scores, floors;
+    std::vector<uchar> scores, dropped;
     std::vector<int> listed;
     std::vector<uint64> strong;
-    ScorePlane* plane;
-    CornerBlocks* corners;
-    Range columns;
+    std::vector<CornerBlock> found;    // with corners that were not appended yet, in raster order
+    int foundCount, cornerCount;       // elements of `found` in use, and their corners
+    std::vector<Corner> unsuppressed;  // work space of append
 };
-
-//! Appends the corners of blocks in raster order.
-void listCorners(const CornerBlock* first, const CornerBlock* last, const ScorePlane& plane,
-                 std::vector<Corner>& corners);
-
-/** Writes the corners that have no better one within SUPPRESS_RADIUS.
- @param first the blocks of the corners, and two more that are readable
- @param kept has space for all corners and one more
- @return number of corners kept */
-int writeKeptCorners(const CornerBlock* first, int cornerCount, const ScorePlane& plane, Corner* kept);
 
 /** The unthresholded FAST scores, -255 to 255, of (x, y) and its neighbours: scores[1 + dy][1 + dx]. A score is the
  largest over the 16 arcs of 9 circle pixels of their least difference to the centre, brighter or darker. That is one

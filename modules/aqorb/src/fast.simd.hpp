@@ -27,9 +27,9 @@ void continueScan(const ScanArea& area, ScanScores& kept, ScanCorners& corners, 
 
 /** Removes corners whose scores are too low from the blocks found and from the plane.
  @param first block to look at
- @param floors by column: the highest score that is too low
+ @param dropped by column: the highest score that is too low
  @return number of corners left; corners.foundCount becomes the number of blocks that have any */
-int dropCorners(ScanCorners& corners, int blockWidth, int first, const uchar* floors);
+int dropCorners(ScanCorners& corners, int blockWidth, int first, const uchar* dropped);
 
 //! cornerScores3x3 of p. The 4 pixels around it, and the 17 to its right, must be readable.
 void neighborScores(const uchar* p, ptrdiff_t step, int scores[3][3]);
@@ -82,9 +82,9 @@ template <typename Vectors> int scoreRow(const ScanArea& area, const ScanScores&
         Vectors::store(
             scores + x,
             zero);  // stored here, because compilers would load the pixels again after a store further up
-        const V bright = Least::of(Greatest::of(up, down), Greatest::of(left, right));
-        const V dark = Greatest::of(Least::of(up, down), Least::of(left, right));
-        const V bound = Greatest::of(Vectors::above(bright, v), Vectors::above(v, dark));
+        const V bright = Min::of(Max::of(up, down), Max::of(left, right));
+        const V dark = Max::of(Min::of(up, down), Min::of(left, right));
+        const V bound = Max::of(Vectors::above(bright, v), Vectors::above(v, dark));
         possible += Vectors::anyGreater(bound, limit);
     }
     for (int i = 0; i < possible; i++)
@@ -93,7 +93,7 @@ template <typename Vectors> int scoreRow(const ScanArea& area, const ScanScores&
         const uchar* p = row + x;
         const Sides<Vectors> best = bestArc(Around<Vectors>(p, step));
         const V v = Vectors::load(p);
-        const V score = Greatest::of(Vectors::above(best.bright, v), Vectors::above(v, best.dark));
+        const V score = Max::of(Vectors::above(best.bright, v), Vectors::above(v, best.dark));
         list[count] = list[i];
         count += Vectors::storeGreater(scores + x, score, limit) != 0;
     }
@@ -124,14 +124,13 @@ void suppressRow(const ScanArea& area, const ScanScores& kept, ScanCorners& out,
         const int x = block.x;
         const uchar *s = scores + x, *u = above + x, *d = below + x;
         const V score = Vectors::load(s);
-        const V over =
-            Greatest::of(Greatest::of(Vectors::load(u - 1), Vectors::load(u)), Vectors::load(u + 1));
-        V under = Greatest::of(Greatest::of(Vectors::load(d - 1), Vectors::load(d)), Vectors::load(d + 1));
+        const V over = Max::of(Max::of(Vectors::load(u - 1), Vectors::load(u)), Vectors::load(u + 1));
+        V under = Max::of(Max::of(Vectors::load(d - 1), Vectors::load(d)), Vectors::load(d + 1));
         if (mask)
-            under = Greatest::of(under, Vectors::whereZero(Vectors::load(mask + x)));
-        const V beside = Greatest::of(Vectors::load(s - 1), Vectors::load(s + 1));
+            under = Max::of(under, Vectors::whereZero(Vectors::load(mask + x)));
+        const V beside = Max::of(Vectors::load(s - 1), Vectors::load(s + 1));
         const uint64 columns =
-            Vectors::storeGreater(corners + x, score, Greatest::of(Greatest::of(over, under), beside));
+            Vectors::storeGreater(corners + x, score, Max::of(Max::of(over, under), beside));
         strong[listed[i]] |= columns & Vectors::maskGreater(score, strongest);
         // The plane has got corners in columns that are not wanted, too. dropCorners clears them.
         found->x = x;
@@ -161,7 +160,7 @@ void scanRows(const ScanArea& area, ScanScores& kept, ScanCorners& corners, int 
     }
 }
 
-template <typename Vectors> int dropFromBlocks(ScanCorners& out, int first, const uchar* floors)
+template <typename Vectors> int dropFromBlocks(ScanCorners& out, int first, const uchar* dropped)
 {
     CornerBlock* left = out.found + first;
     int corners = 0;
@@ -170,7 +169,7 @@ template <typename Vectors> int dropFromBlocks(ScanCorners& out, int first, cons
         CornerBlock block = out.found[i];
         uchar* scores = out.plane + (block.y - out.planeTop) * out.planeStep + block.x;
         block.columns &=
-            Vectors::storeGreater(scores, Vectors::load(scores), Vectors::load(floors + block.x));
+            Vectors::storeGreater(scores, Vectors::load(scores), Vectors::load(dropped + block.x));
         corners += bitCount(block.columns);
         *left = block;
         left += block.columns != 0;
@@ -203,15 +202,15 @@ void continueScan(const ScanArea& area, ScanScores& kept, ScanCorners& corners, 
     scanRows<Single>(area, kept, corners, end);
 }
 
-int dropCorners(ScanCorners& corners, int blockWidth, int first, const uchar* floors)
+int dropCorners(ScanCorners& corners, int blockWidth, int first, const uchar* dropped)
 {
 #if CV_SIMD
     if (blockWidth == AQORB_LANES(Wide::V))
-        return dropFromBlocks<Wide>(corners, first, floors);
+        return dropFromBlocks<Wide>(corners, first, dropped);
     if (blockWidth == AQORB_LANES(Narrow::V))
-        return dropFromBlocks<Narrow>(corners, first, floors);
+        return dropFromBlocks<Narrow>(corners, first, dropped);
 #endif
-    return dropFromBlocks<Single>(corners, first, floors);
+    return dropFromBlocks<Single>(corners, first, dropped);
 }
 
 void neighborScores(const uchar* p, ptrdiff_t step, int scores[3][3])
@@ -225,12 +224,12 @@ void neighborScores(const uchar* p, ptrdiff_t step, int scores[3][3])
         Narrow::store(bright, best.bright);
         Narrow::store(dark, best.dark);
         for (int i = 0; i < 3; i++)
-            scores[row][i] = Greatest::of(bright[i] - q[i], q[i] - dark[i]);
+            scores[row][i] = Max::of(bright[i] - q[i], q[i] - dark[i]);
 #else
         for (int i = 0; i < 3; i++)
         {
             const Sides<Single> best = bestArc(Around<Single>(q + i, step));
-            scores[row][i] = Greatest::of(best.bright - q[i], q[i] - best.dark);
+            scores[row][i] = Max::of(best.bright - q[i], q[i] - best.dark);
         }
 #endif
     }

@@ -20,12 +20,12 @@ CV_CPU_OPTIMIZATION_NAMESPACE_BEGIN
 namespace
 {
 
-struct Least
+struct Min
 {
     template <typename V> static CV_ALWAYS_INLINE V of(const V& a, const V& b) { return v_min(a, b); }
     static CV_ALWAYS_INLINE int of(int a, int b) { return a < b ? a : b; }
 };
-struct Greatest
+struct Max
 {
     template <typename V> static CV_ALWAYS_INLINE V of(const V& a, const V& b) { return v_max(a, b); }
     static CV_ALWAYS_INLINE int of(int a, int b) { return a > b ? a : b; }
@@ -106,13 +106,13 @@ template <typename Vectors> struct Around
 template <typename Vectors>
 CV_ALWAYS_INLINE Sides<Vectors> both(const Sides<Vectors>& a, const Sides<Vectors>& b)
 {
-    return Sides<Vectors>(Least::of(a.bright, b.bright), Greatest::of(a.dark, b.dark));
+    return Sides<Vectors>(Min::of(a.bright, b.bright), Max::of(a.dark, b.dark));
 }
 // The better one of two sets.
 template <typename Vectors>
 CV_ALWAYS_INLINE Sides<Vectors> either(const Sides<Vectors>& a, const Sides<Vectors>& b)
 {
-    return Sides<Vectors>(Greatest::of(a.bright, b.bright), Least::of(a.dark, b.dark));
+    return Sides<Vectors>(Max::of(a.bright, b.bright), Min::of(a.dark, b.dark));
 }
 // The best of the 16 arcs of 9 pixels on the circle of 16 around p. Neighbouring arcs share work. With & for both, |
 // for either, and numbers that go round the circle, let

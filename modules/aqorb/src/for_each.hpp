@@ -27,7 +27,7 @@ int threadsAllowed();
 /** Calls work(i, thread) for every i below count, on at most so many threads. Each of them takes the next i until none
  is left, and has a number of its own. After an error no further i is begun. All before one that fails are completed,
  so the error that is thrown in the end is always that of the lowest i that fails. */
-template <typename Work> void forEach(size_t count, int most, const Work& work)
+template <typename Work> void forEach(size_t count, int maxThreads, const Work& work)
 {
     std::atomic<size_t> next(0), end(count);
     std::atomic<int> nextThread(0);
@@ -53,7 +53,7 @@ template <typename Work> void forEach(size_t count, int most, const Work& work)
             }
         }
     };
-    const int threads = int(std::min(size_t(most), count));
+    const int threads = int(std::min(size_t(maxThreads), count));
     if (threads <= 1)
         run(Range());
     else

@@ -38,12 +38,12 @@ std::vector<unsigned> sortIndices(const std::vector<uint64>& keys)
     const uint64 least = *range.first, greatest = *range.second;
     // Two digits of the upper bits of the range leave few indices to compare. Fewer keys need shorter digits, whose
     // counts are sooner added up.
-    const int MOST_BITS = 11, digitBits = size < 1024 ? 8 : MOST_BITS, digits = 1 << digitBits;
+    const int MAX_BITS = 11, digitBits = size < 1024 ? 8 : MAX_BITS, digits = 1 << digitBits;
     int shift = 0;
     while ((greatest - least) >> shift >= uint64(digits) * digits)
         shift++;
     const auto digitsOf = [&](size_t i) { return unsigned((keys[i] - least) >> shift); };
-    unsigned starts[2][(1 << MOST_BITS) + 1];
+    unsigned starts[2][(1 << MAX_BITS) + 1];
     for (unsigned* of : {starts[0], starts[1]})
         std::fill_n(of, digits + 1, 0u);
     for (size_t i = 0; i < size; i++)

@@ -77,7 +77,7 @@ void checkPyramidInput(Size imageSize)
                                          MAX_LEVEL_SIDE, imageSize.width, imageSize.height));
 }
 
-UMat heldUMat(InputArray input)
+UMat retainUMat(InputArray input)
 {
     return input.isUMat() ? input.getUMat() : UMat();
 }

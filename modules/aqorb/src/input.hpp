@@ -33,7 +33,7 @@ void checkPyramidInput(Size imageSize);
 
 //! A second header of the input if it is a UMat, else an empty one. The caller keeps it for as long as it uses the
 //! UMat's Mat, so that nothing frees the UMat meanwhile.
-UMat heldUMat(InputArray input);
+UMat retainUMat(InputArray input);
 
 //! Throws unless both sides are > 0.
 void checkImageSize(Size imageSize);

@@ -24,14 +24,14 @@ void outputFeatures(const std::vector<FeatureList>& features, std::vector<KeyPoi
 {
     CV_TRACE_FUNCTION();
     keypoints.clear();
-    for (const FeatureList& ofLevel : features)
+    for (const FeatureList& level : features)
     {
-        for (unsigned i : sortIndices(ofLevel.outputKeys))
+        for (unsigned i : sortIndices(level.outputKeys))
         {
             if (!descriptors.empty())
                 std::memcpy(descriptors.ptr(int(keypoints.size())),
-                            &ofLevel.descriptors[size_t(i) * DESCRIPTOR_BYTES], DESCRIPTOR_BYTES);
-            keypoints.push_back(ofLevel.keypoints[i]);
+                            &level.descriptors[size_t(i) * ORB::kBytes], ORB::kBytes);
+            keypoints.push_back(level.keypoints[i]);
         }
     }
 }
@@ -45,7 +45,7 @@ void checkMatsOutput(OutputArrayOfArrays output, const char* name)
                   ("%s must be of type CV_8UC1, got %s", name, typeToString(output.type()).c_str()));
 }
 
-void giveMats(const std::vector<Mat>& mats, OutputArrayOfArrays output, const char* name)
+void assignMats(const std::vector<Mat>& mats, OutputArrayOfArrays output, const char* name)
 {
     const int count = int(mats.size());
     const bool isFixed = output.fixedSize() || output.kind() == _InputArray::STD_ARRAY_MAT;

@@ -24,7 +24,7 @@ void outputFeatures(const std::vector<FeatureList>& features, std::vector<KeyPoi
 void checkMatsOutput(OutputArrayOfArrays output, const char* name);
 
 //! Puts the matrices into the output. Throws if the output is fixed to another number of them.
-void giveMats(const std::vector<Mat>& mats, OutputArrayOfArrays output, const char* name);
+void assignMats(const std::vector<Mat>& mats, OutputArrayOfArrays output, const char* name);
 
 //! Throws unless the output is a single one that can hold CV_8UC1. Its size is checked by the function below.
 void checkDescriptorsOutput(OutputArray descriptors);

@@ -25,7 +25,7 @@ namespace aqorb
 /** What a parameter is kept as: an enumeration by its number. It need not be an enumerator, because a caller in Python
  can pass any number, and to read such an enumeration would be undefined behaviour. */
 template <typename T> using Stored = typename std::conditional<std::is_enum<T>::value, int, T>::type;
-template <typename T> Stored<T> stored(const T& value)
+template <typename T> Stored<T> toStored(const T& value)
 {
     Stored<T> result;
     static_assert(sizeof(value) == sizeof(result), "the enumeration must be of the size of an int");
@@ -36,29 +36,29 @@ template <typename T> Stored<T> stored(const T& value)
 //! The values of a parameter that are accepted. Infinity and NaN are never accepted.
 struct ValidRange
 {
-    double least, most;
+    double min, max;
     String text;  //!< as in "nfeatures must be <text>"
     bool acceptsMinusOne;
 
     bool has(double value) const
     {
-        return (value >= least && value <= most) || (acceptsMinusOne && value == -1);
+        return (value >= min && value <= max) || (acceptsMinusOne && value == -1);
     }
-    ValidRange orMinusOne() const { return ValidRange{least, most, text + ", or -1", true}; }
+    ValidRange orMinusOne() const { return ValidRange{min, max, text + ", or -1", true}; }
 };
 
 // The ranges of the table.
-inline ValidRange between(double least, double most)
+inline ValidRange between(double min, double max)
 {
-    return ValidRange{least, most, format("from %g to %g", least, most), false};
+    return ValidRange{min, max, format("from %g to %g", min, max), false};
 }
-inline ValidRange atLeast(double least)
+inline ValidRange atLeast(double min)
 {
-    return ValidRange{least, DBL_MAX, format("at least %g", least), false};
+    return ValidRange{min, DBL_MAX, format("at least %g", min), false};
 }
-inline ValidRange finiteAtLeast(double least)
+inline ValidRange finiteAtLeast(double min)
 {
-    return ValidRange{least, DBL_MAX, format("finite and at least %g", least), false};
+    return ValidRange{min, DBL_MAX, format("finite and at least %g", min), false};
 }
 inline ValidRange positive()
 {

@@ -81,20 +81,20 @@ struct Sampling
     bool isDefined;      // whether keypoints have sizes and angles by which they can be sampled
 };
 
-const int MOST_HALVES = 5;
+const int MAX_HALVES = 5;
 
 // Samples are one to two pixels of their level apart.
 int levelOf(double spacing)
 {
     int level = 0;
-    while (level < MOST_HALVES - 1 && spacing >= (2 << level))
+    while (level < MAX_HALVES - 1 && spacing >= (2 << level))
         level++;
     return level;
 }
 
 Sampling samplingOf(const KeyPoint& first, const KeyPoint& second, float scaleFactor)
 {
-    const double ORB_SIZE = 31, MIN_SPACING = 0.7, MAX_SPACING = PATCH_AREA << MOST_HALVES;
+    const double ORB_SIZE = 31, MIN_SPACING = 0.7, MAX_SPACING = PATCH_AREA << MAX_HALVES;
     const double pixel = first.size / ORB_SIZE * scaleFactor;  // of the keypoint's pyramid level
     Sampling sampling;
     sampling.spacings[0] = std::max(MIN_SPACING, pixel / 2);
@@ -145,7 +145,7 @@ void refineMatches(InputArray image1, const std::vector<KeyPoint>& keypoints1, I
     if (!(scaleFactor > 0) || !std::isfinite(scaleFactor))
         CV_Error_(Error::StsOutOfRange, ("scaleFactor must be finite and > 0, got %g", scaleFactor));
     checkMatches(matches, keypoints1.size(), keypoints2.size());
-    const UMat held1 = heldUMat(image1), held2 = heldUMat(image2);
+    const UMat held1 = retainUMat(image1), held2 = retainUMat(image2);
     const Mat grays[] = {grayOf(image1, "image1", !matches.empty()),
                          grayOf(image2, "image2", !matches.empty())};
 

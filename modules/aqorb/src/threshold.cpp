@@ -37,7 +37,7 @@ double varianceOverMean(const Mat& image, const Mat& mask)
 Thresholds fastThresholds(double value, int fastThreshold, double minRatio)
 {
     fastThreshold = std::min(std::max(fastThreshold, 0), 255);
-    const double ini = value * fastThreshold / NEUTRAL_VALUE;
+    const double ini = value * fastThreshold / NEUTRAL_CONTRAST;
     Thresholds thresholds;
     thresholds.ini = cvRound(std::min(std::max(ini, 1.), 254.));
     // The lower threshold is never stricter than that of cv::ORB. For a night scene with a few lamps equation (7)

@@ -19,7 +19,7 @@ namespace aqorb
 double varianceOverMean(const Mat& image, const Mat& mask);
 
 //! The value of equation (7) for which iniT is fastThreshold itself.
-const double NEUTRAL_VALUE = 20;
+const double NEUTRAL_CONTRAST = 20;
 
 //! iniT and minT from the value of equation (7). A `fastThreshold` of 20 takes the equation as it is.
 Thresholds fastThresholds(double value, int fastThreshold, double minRatio);
