@@ -22,14 +22,8 @@ def read(name, megapixels=1):
     return cv.resize(image, None, fx=scale, fy=scale, interpolation=cv.INTER_AREA)
 
 
-def image_features(detector, image):
-    """What cv.detail.computeImageFeatures2 gives for a cv.Feature2D."""
-    keypoints, descriptors = detector.detectAndCompute(image, None)
-    if descriptors is None:
-        sys.exit('the images do not overlap enough')
-    features = cv.detail.computeImageFeatures2(cv.ORB_create(1), image)  # the class's constructor is of no use
-    features.keypoints, features.descriptors = keypoints, cv.UMat(descriptors)
-    return features
+# The function of the package takes its own detectors, too. In OpenCV's build they are like any other.
+compute_image_features = getattr(aqorb, 'computeImageFeatures2', cv.detail.computeImageFeatures2)
 
 
 def estimate_cameras(features):
@@ -83,7 +77,7 @@ def main():
         parser.error('two images or more are needed')
     images = [read(name) for name in arguments.images]
     detector = aqorb.AdaptiveQuadtreeORB_create(arguments.nfeatures)
-    features = [image_features(detector, image) for image in images]
+    features = [compute_image_features(detector, image) for image in images]
     try:
         panorama = compose(images, estimate_cameras(features))
     except cv.error:  # an assertion, for example where hardly anything matches

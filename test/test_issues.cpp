@@ -97,8 +97,6 @@ TEST(Aqorb_Issues, opencv_python_537_large_image)
     expectValid(features, image.size());
 }
 
-// ---- modules/features2d/test/test_keypoints.cpp ----------------------------------------------
-
 // ---- what users reported ---------------------------------------------------------------------
 
 TEST(Aqorb_Issues, opencv_4517_dark_image)

@@ -102,8 +102,8 @@ TEST(Aqorb_Threads, threads_may_grow_in_number_during_a_call)
     EXPECT_TRUE(gives(*detectorOf(call), call, expected));
 }
 
-// Above there are so many corners that those that the rules pass over do not seem to be needed, below there are none.
-TEST(Aqorb_Threads, threads_find_again_what_did_not_seem_to_be_needed)
+// All corners are in the upper part of the image, so that some bands have too few and others none.
+TEST(Aqorb_Threads, threads_give_the_same_bytes_when_representatives_run_out)
 {
     Mat image = makeScene(Size(160, 400), 7);
     image.rowRange(60, 400).setTo(90);

@@ -74,14 +74,7 @@ public:
                           OutputArray descriptors, bool useProvidedKeypoints) CV_OVERRIDE
     {
         CV_TRACE_FUNCTION();
-        process(image, mask, keypoints, descriptors, useProvidedKeypoints, 0);
-    }
-    void detectAndComputeWithPyramid(InputArray image, InputArray mask, std::vector<KeyPoint>& keypoints,
-                                     OutputArray descriptors, OutputArrayOfArrays levels) CV_OVERRIDE
-    {
-        CV_TRACE_FUNCTION();
-        checkMatsOutput(levels, "levels");
-        process(image, mask, keypoints, descriptors, false, &levels);
+        process(image, mask, keypoints, descriptors, useProvidedKeypoints);
     }
     // For collections. Those for one image are Feature2D's.
     using Feature2D::compute;
@@ -97,7 +90,7 @@ public:
 
 private:
     void process(InputArray image, InputArray mask, std::vector<KeyPoint>& keypoints, OutputArray descriptors,
-                 bool useProvidedKeypoints, const _OutputArray* levels);
+                 bool useProvidedKeypoints);
     std::vector<FeatureList> findFeatures(const Level& input, const std::vector<Level>& levels, int threads,
                                           Workspace& space) const;
     PositionMap positionsOf(Size imageSize, const Level& level) const
@@ -228,8 +221,7 @@ std::vector<FeatureList> AdaptiveQuadtreeORBImpl::findFeatures(const Level& inpu
 }
 
 void AdaptiveQuadtreeORBImpl::process(InputArray image_, InputArray mask_, std::vector<KeyPoint>& keypoints,
-                                      OutputArray descriptors_, bool useProvidedKeypoints,
-                                      const _OutputArray* levels_)
+                                      OutputArray descriptors_, bool useProvidedKeypoints)
 try
 {
     const bool withDescriptors = descriptors_.needed();
@@ -241,8 +233,6 @@ try
     {
         if (withDescriptors)
             createDescriptors(descriptors_, 0);
-        if (levels_)
-            assignMats(std::vector<Mat>(), *levels_, "levels");
         keypoints.clear();
         return;
     }
@@ -269,18 +259,11 @@ try
     // Pyramid.
     const int shortest = useProvidedKeypoints ? 1 : parameters.shortestSide();
     const PyramidRule rule = {parameters.firstLevel, parameters.scaleFactor,
-                              useProvidedKeypoints ? int(features.size()) : parameters.nlevels,
-                              levels_ ? 1 : shortest};  // the caller gets those without keypoints, too
-    const std::vector<Level> pyramid = makePyramid(input, rule, threads, space.pyramid);
-    std::vector<Level> levels;  // those in which there can be keypoints
-    for (const Level& level : pyramid)
-    {
-        if (std::min(level.image.cols, level.image.rows) < shortest)
-            break;
-        levels.push_back(level);
+                              useProvidedKeypoints ? int(features.size()) : parameters.nlevels, shortest};
+    std::vector<Level> levels = makePyramid(input, rule, threads, space.pyramid);
+    for (Level& level : levels)
         if (!level.isInput && !input.mask.empty())
-            maskPositions(input.mask, positionsOf(size, level), levels.back().mask);
-    }
+            maskPositions(input.mask, positionsOf(size, level), level.mask);
 
     // From the thresholds to the selection.
     if (!useProvidedKeypoints)
@@ -305,10 +288,7 @@ try
     size_t count = 0;
     for (const FeatureList& list : features)
         count += list.points.size();
-    const std::vector<Mat> given = copiesOf(levels_ ? pyramid : std::vector<Level>());
     Mat descriptors = withDescriptors ? createDescriptors(descriptors_, int(count)) : Mat();
-    if (levels_)
-        assignMats(given, *levels_, "levels");
     outputFeatures(features, keypoints, descriptors);
 }
 catch (const std::bad_alloc&)
@@ -381,7 +361,7 @@ void AdaptiveQuadtreeORBImpl::detectAndComputeBatch(InputArrayOfArrays images_, 
                  [&](size_t i)
                  {
                      const _OutputArray ofImage = withDescriptors ? descriptors[i] : _OutputArray();
-                     process(collection.images[i], collection.mask(i), found[i], ofImage, false, 0);
+                     process(collection.images[i], collection.mask(i), found[i], ofImage, false);
                  });
     if (withDescriptors)
         assignMats(descriptors, descriptors_, "descriptors");

@@ -254,13 +254,6 @@ public:
 
     /** @brief The name that cv::Algorithm writes to a file: "Feature2D.AdaptiveQuadtreeORB". */
     CV_WRAP virtual String getDefaultName() const CV_OVERRIDE;
-
-private:
-    friend class SlamExtractor;
-    // detectAndCompute and buildPyramid in one call, which computes the pyramid once.
-    virtual void detectAndComputeWithPyramid(InputArray image, InputArray mask,
-                                             std::vector<KeyPoint>& keypoints, OutputArray descriptors,
-                                             OutputArrayOfArrays levels) = 0;
 };
 
 /** @brief While an object of this class exists, detectors process the calls of the thread that made it on that thread

@@ -95,7 +95,8 @@ public:
         // The pyramid goes to a vector of its own, because the image may be a level of the last pyramid.
         std::vector<Mat> pyramid;
         const SingleThreadScope alone;
-        orb->detectAndComputeWithPyramid(image, mask, keypoints, descriptors, pyramid);
+        orb->buildPyramid(image, pyramid);
+        orb->detectAndCompute(image, mask, keypoints, descriptors);
         pyramid.resize(scales.size());
         mvImagePyramid.swap(pyramid);
     }
