@@ -159,7 +159,6 @@ struct PyramidLevel
     LeafGrid grid;
     double usableShare;  // of the pixels of the root
     Rect root;
-    std::vector<Corner> corners;
     std::vector<Candidate> candidates, chosen;
     std::vector<int> sequence;  // of candidates
     size_t next;                // of the sequence
@@ -223,8 +222,8 @@ private:
         // A ranked selection distributes the features over these, the paper's over all.
         const std::vector<int> quotaOfLevel = isRanked ? rankedQuotas(s.nfeatures, regions, scales)
                                                        : quotas(s.nfeatures, scaleFactor, s.nlevels);
-        const Thresholds t = thresholds(varianceOverMean(gray, mask), s.adaptiveThreshold, s.fastThreshold,
-                                        s.minThresholdRatio);
+        both = thresholds(varianceOverMean(gray, mask), s.adaptiveThreshold, s.fastThreshold,
+                          s.minThresholdRatio);
         for (int i = 0; i < count; i++)
         {
             PyramidLevel level;
@@ -252,12 +251,6 @@ private:
             const int side = 1 << quadtreeDepth(level.quota);
             level.grid = isRanked ? rankedGrid(level.ownQuota, level.usableShare, level.root.size())
                                   : LeafGrid{side, side, 0};
-            level.corners = findCorners(level.image, level.usable, level.root, t, isHarris);
-            lowest = t.min;
-            level.candidates = score(level, level.corners);
-            level.sequence =
-                isRanked ? rankedOrder(level, level.candidates) : balancedOrder(level, level.candidates);
-            level.next = 0;
             levels.push_back(level);
         }
         levels.back().quota = std::accumulate(quotaOfLevel.begin() + count - 1, quotaOfLevel.end(), 0);
@@ -400,7 +393,7 @@ private:
         for (size_t i = 0; i < levels.size(); i++)
         {
             const PyramidLevel& level = levels[i];
-            const Thresholds t = {lowest, lowest};
+            const Thresholds t = {both.min, both.min};
             for (const Candidate& c :
                  score(level, findCorners(level.image, level.usable, level.root, t, false)))
             {
@@ -429,14 +422,29 @@ private:
             }
     }
 
-    void select()
+    // Selects from the corners of two thresholds; returns how many are still wanted.
+    int selectWith(const Thresholds& t)
     {
+        for (PyramidLevel& level : levels)
+        {
+            level.candidates = score(level, findCorners(level.image, level.usable, level.root, t, isHarris));
+            level.sequence =
+                isRanked ? rankedOrder(level, level.candidates) : balancedOrder(level, level.candidates);
+            level.next = 0;
+            level.chosen.clear();
+        }
         int wanted = 0;
         for (size_t i = levels.size(); i-- > 0;)
             wanted = choose(i, wanted + levels[i].quota);
         for (size_t i = 0; i < levels.size(); i++)
             wanted = choose(i, wanted);
-        fillUp(wanted);
+        return wanted;
+    }
+
+    void select()
+    {
+        if (selectWith(both) > 0)
+            fillUp(selectWith({both.min, both.min}));
     }
 
     void describe(int octave, Features& features)
@@ -469,7 +477,7 @@ private:
     }
 
     const Mat gray, mask;
-    int lowest = 0;  // of the two thresholds
+    Thresholds both = Thresholds();
     const Settings s;
     const bool isHarris, isRanked;
     std::vector<PyramidLevel> levels;

@@ -5,7 +5,7 @@
 
 #include "reference.hpp"
 
-#include "description.hpp"
+#include "keypoints.hpp"
 
 namespace opencv_test
 {

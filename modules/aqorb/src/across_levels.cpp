@@ -7,6 +7,8 @@
 
 #include "precomp.hpp"
 
+#include "for_each.hpp"
+#include "position.hpp"
 #include "selection.hpp"
 
 namespace cv
@@ -15,25 +17,6 @@ namespace aqorb
 {
 
 // ---- 7. across levels -------------------------------------------------------------------------
-
-// The distance in pixels for which octaveSuppression stands.
-static double octaveDistance(const Parameters& parameters)
-{
-    if (parameters.octaveSuppression >= 0)
-        return parameters.octaveSuppression;
-    // A user who asks for the strongest corners gets them on every level, as from cv::ORB.
-    return parameters.selectionType == AdaptiveQuadtreeORB::BALANCED_SELECTION
-               ? 0.5
-               : 2.1 / (1 + parameters.strengthWeight);
-}
-
-// Where the pixel of a corner is in the image: by pixel centres, so that positions on coarse levels are not shifted
-// against those on fine ones.
-static Point2d positionInImage(const CornerResponse& corner, Size level, Size image)
-{
-    return Point2d((corner.x + 0.5) * image.width / level.width - 0.5,
-                   (corner.y + 0.5) * image.height / level.height - 0.5);
-}
 
 namespace
 {
@@ -50,10 +33,10 @@ public:
     }
     void add(const Point2d& p)
     {
-        int& ofCell = latest[size_t(indexOf(p.y)) * columns + indexOf(p.x)];
+        int& cell = latest[size_t(indexOf(p.y)) * columns + indexOf(p.x)];
         points.push_back(p);
-        before.push_back(ofCell);
-        ofCell = int(points.size()) - 1;
+        before.push_back(cell);
+        cell = int(points.size()) - 1;
     }
     //! Whether a point is nearer than the radius.
     bool isNear(const Point2d& p, double radius) const
@@ -86,17 +69,14 @@ private:
 class OctaveSuppression
 {
 public:
-    OctaveSuppression(const Parameters& parameters, Size imageSize_, const std::vector<Level>& levels_)
-        : imageSize(imageSize_),
-          levels(levels_),
-          count(int(levels.size())),
-          reach(parameters.selectionType == AdaptiveQuadtreeORB::RANKED_SELECTION ? 1 : count)
+    OctaveSuppression(const SelectionPlan& plan, Size imageSize_, const std::vector<Level>& levels_)
+        : imageSize(imageSize_), levels(levels_), reach(plan.octaveReach)
     {
         // No two points are as far apart as the limit, which keeps the distance finite.
         const double limit = double(imageSize.width) + imageSize.height;
         for (const Level& level : levels)
         {
-            distances.push_back(std::min(octaveDistance(parameters) * level.scale, limit));
+            distances.push_back(std::min(plan.octaveDistance * level.scale, limit));
             selected.push_back(PointGrid(imageSize, distances.back()));
         }
     }
@@ -105,7 +85,8 @@ public:
     bool allows(int level, const CornerResponse& corner) const
     {
         const Point2d p = positionOf(level, corner);
-        for (int i = std::max(level - reach, 0); i <= std::min(level + reach, count - 1); i++)
+        const int last = std::min(level + reach, int(levels.size()) - 1);
+        for (int i = std::max(level - reach, 0); i <= last; i++)
             if (i != level && selected[i].isNear(p, distances[level]))
                 return false;
         return true;
@@ -114,33 +95,35 @@ public:
 private:
     Point2d positionOf(int level, const CornerResponse& corner) const
     {
-        return positionInImage(corner, levels[level].image.size(), imageSize);
+        return scaleByCenters(corner.x, corner.y, levels[level].image.size(), imageSize);
     }
 
     const Size imageSize;
     const std::vector<Level>& levels;
-    const int count, reach;  // of levels
+    const int reach;  // in levels
     std::vector<double> distances;
     std::vector<PointGrid> selected;
 };
 
 }  // namespace
 
-CornersOfLevels selectAcrossLevels(const Parameters& parameters, Size imageSize,
-                                   const std::vector<Level>& levels, const std::vector<LevelPlan>& plans,
-                                   const CornersOfLevels& orders)
+// Corners by level.
+typedef std::vector<std::vector<CornerResponse>> CornersOfLevels;
+
+static CornersOfLevels selectAcrossLevels(const SelectionPlan& plan, Size imageSize,
+                                          const std::vector<Level>& levels, const CornersOfLevels& ordered)
 {
     CV_TRACE_FUNCTION();
     const int count = int(levels.size());
-    OctaveSuppression suppression(parameters, imageSize, levels);
+    OctaveSuppression suppression(plan, imageSize, levels);
     CornersOfLevels selected(levels.size());
     std::vector<size_t> next(levels.size());  // by level: which corner of its order comes next
     int wanted = 0;
     const auto take = [&](int level)
     {
-        for (size_t& i = next[level]; wanted > 0 && i < orders[level].size(); i++)
+        for (size_t& i = next[level]; wanted > 0 && i < ordered[level].size(); i++)
         {
-            const CornerResponse& corner = orders[level][i];
+            const CornerResponse& corner = ordered[level][i];
             if (!suppression.allows(level, corner))
                 continue;
             suppression.add(level, corner);
@@ -150,7 +133,7 @@ CornersOfLevels selectAcrossLevels(const Parameters& parameters, Size imageSize,
     };
     for (int i = count - 1; i >= 0; i--)
     {
-        wanted += plans[i].quota;
+        wanted += plan.levels[i].quota;
         take(i);
     }
     for (int i = 0; i < count && wanted > 0; i++)
@@ -160,8 +143,10 @@ CornersOfLevels selectAcrossLevels(const Parameters& parameters, Size imageSize,
 
 // ---- 8. when representatives run out ----------------------------------------------------------
 
-void fillUp(const Parameters& parameters, Size imageSize, const std::vector<Level>& levels,
-            const CornersOfLevels& corners, size_t missing, CornersOfLevels& selected)
+// Adds so many of the corners that are not selected yet, those of the highest response times scale, first those that
+// keep their distance from keypoints of other levels.
+static void fillUp(const SelectionPlan& plan, Size imageSize, const std::vector<Level>& levels,
+                   const CornersOfLevels& corners, size_t missing, CornersOfLevels& selected)
 {
     CV_TRACE_FUNCTION();
     struct Candidate
@@ -170,7 +155,7 @@ void fillUp(const Parameters& parameters, Size imageSize, const std::vector<Leve
         CornerResponse corner;
         bool isTaken;
     };
-    OctaveSuppression suppression(parameters, imageSize, levels);
+    OctaveSuppression suppression(plan, imageSize, levels);
     std::vector<Candidate> candidates;
     std::vector<uint64> keys;
     for (int i = 0; i < int(corners.size()); i++)
@@ -204,12 +189,61 @@ void fillUp(const Parameters& parameters, Size imageSize, const std::vector<Leve
     }
 }
 
+template <typename C> static size_t countCorners(const std::vector<std::vector<C>>& corners)
+{
+    size_t count = 0;
+    for (const std::vector<C>& level : corners)
+        count += level.size();
+    return count;
+}
+
+// The corners of all levels that become keypoints.
+static CornersOfLevels selectCorners(const Parameters& parameters, const OrientationPatch& patch,
+                                     const SelectionPlan& plan, Size imageSize,
+                                     const std::vector<Level>& levels, const Thresholds& thresholds,
+                                     int threads, CornerSpace& space)
+{
+    std::vector<Rect> regions;
+    for (const LevelPlan& level : plan.levels)
+        regions.push_back(level.region);
+    // Harris responses of neighbours hardly differ. Without suppression a strong corner would be chosen three times.
+    const bool suppressNear = plan.useHarris;
+    const Thresholds lower = {thresholds.min, thresholds.min};
+    const size_t wanted = size_t(parameters.nfeatures);
+    CornersOfLevels selected(levels.size());
+    // When representatives run out, the lower threshold gives more of them.
+    const int last = thresholds.ini > thresholds.min ? 1 : 0;
+    for (int pass = 0; pass <= last; pass++)
+    {
+        const std::vector<std::vector<Corner>>& corners =
+            findCorners(levels, regions, {pass == 0 ? thresholds : lower, suppressNear}, threads, space);
+        if (pass < last && countCorners(corners) < wanted)
+            continue;
+        CornersOfLevels ordered(levels.size());
+        forEach(levels.size(), threads,
+                [&](size_t i, int) {
+                    ordered[i] = orderCorners(parameters, plan, plan.levels[i], levels[i], patch, corners[i]);
+                });
+        selected = selectAcrossLevels(plan, imageSize, levels, ordered);
+        if (countCorners(selected) == wanted)
+            return selected;
+    }
+    // When these run out, too, all other corners fill up.
+    const std::vector<std::vector<Corner>>& all =
+        findCorners(levels, regions, {lower, false}, threads, space);
+    CornersOfLevels responses(levels.size());
+    forEach(levels.size(), threads,
+            [&](size_t i, int) { responses[i] = responsesOf(levels[i].image, all[i], plan.useHarris); });
+    fillUp(plan, imageSize, levels, responses, wanted - countCorners(selected), selected);
+    return selected;
+}
+
 // ---- 9. order of output -----------------------------------------------------------------------
 
-FeatureList listFeatures(const Parameters& parameters, const Level& level, int octave,
-                         const std::vector<CornerResponse>& selected)
+// The features of a level in raster order. The keys of the paper's selection leave this order as it is.
+static FeatureList listFeatures(const Parameters& parameters, const SelectionPlan& plan, const Level& level,
+                                int octave, const std::vector<CornerResponse>& selected)
 {
-    const bool isRanked = parameters.selectionType == AdaptiveQuadtreeORB::RANKED_SELECTION;
     std::vector<uint64> rasterKeys;
     for (const CornerResponse& corner : selected)
         rasterKeys.push_back(uint64(corner.y) * level.image.cols + corner.x);
@@ -220,9 +254,39 @@ FeatureList listFeatures(const Parameters& parameters, const Level& level, int o
         list.points.push_back({corner.x, corner.y, 0});
         list.keypoints.push_back(
             KeyPoint(Point2f(), parameters.patchSize * level.scale, -1, corner.response, octave));
-        list.outputKeys.push_back(isRanked ? descendingKey(sortKey(corner.response)) : 0);
+        list.outputKeys.push_back(plan.isRanked ? descendingKey(sortKey(corner.response)) : 0);
     }
     return list;
+}
+
+std::vector<FeatureList> selectFeatures(const Parameters& parameters, const OrientationPatch& patch,
+                                        Size imageSize, const std::vector<Level>& levels,
+                                        const Thresholds& thresholds, int threads, CornerSpace& space)
+{
+    const SelectionPlan plan = planSelection(parameters, levels);
+    const CornersOfLevels selected =
+        selectCorners(parameters, patch, plan, imageSize, levels, thresholds, threads, space);
+    std::vector<FeatureList> features(levels.size());
+    for (size_t i = 0; i < levels.size(); i++)
+        features[i] = listFeatures(parameters, plan, levels[i], int(i), selected[i]);
+    return features;
+}
+
+void outputFeatures(const std::vector<FeatureList>& features, std::vector<KeyPoint>& keypoints,
+                    Mat& descriptors)
+{
+    CV_TRACE_FUNCTION();
+    keypoints.clear();
+    for (const FeatureList& level : features)
+    {
+        for (unsigned i : sortIndices(level.outputKeys))
+        {
+            if (!descriptors.empty())
+                std::memcpy(descriptors.ptr(int(keypoints.size())),
+                            &level.descriptors[size_t(i) * ORB::kBytes], ORB::kBytes);
+            keypoints.push_back(level.keypoints[i]);
+        }
+    }
 }
 
 }  // namespace aqorb

@@ -7,12 +7,10 @@
 
 #include "precomp.hpp"
 
-#include "input.hpp"
+#include "arguments.hpp"
 #include "for_each.hpp"
-#include "output.hpp"
 #include "parameters.hpp"
 #include "selection.hpp"
-#include "description.hpp"
 #include "threshold.hpp"
 #include "workspace.hpp"
 
@@ -91,8 +89,6 @@ public:
 private:
     void process(InputArray image, InputArray mask, std::vector<KeyPoint>& keypoints, OutputArray descriptors,
                  bool useProvidedKeypoints);
-    std::vector<FeatureList> findFeatures(const Level& input, const std::vector<Level>& levels, int threads,
-                                          Workspace& space) const;
     PositionMap positionsOf(Size imageSize, const Level& level) const
     {
         return {imageSize, level.image.size(), level.scale, parameters.edgeThreshold, parameters.subPixel};
@@ -106,9 +102,9 @@ private:
     }
     void use(const Parameters& changed)
     {
-        Tables ofChanged(changed);
+        Tables newTables(changed);
         parameters = changed;
-        std::swap(tables, ofChanged);
+        std::swap(tables, newTables);
     }
 
     Parameters parameters;
@@ -147,8 +143,7 @@ SingleThreadScope::~SingleThreadScope()
 
 int threadsAllowed()
 {
-    const int MOST = 16;  // more would wait for each other most of the time
-    return scopesOfThread().use_count() > 1 ? 1 : std::min(std::max(getNumThreads(), 1), MOST);
+    return scopesOfThread().use_count() > 1 ? 1 : std::max(getNumThreads(), 1);
 }
 
 void AdaptiveQuadtreeORBImpl::buildPyramid(InputArray image_, OutputArrayOfArrays levels_) const
@@ -165,59 +160,9 @@ void AdaptiveQuadtreeORBImpl::buildPyramid(InputArray image_, OutputArrayOfArray
         input.image = grayImage(image_);
         checkPyramidInput(input.image.size());
         const PyramidRule rule = {parameters.firstLevel, parameters.scaleFactor, parameters.nlevels, 1};
-        levels = makePyramid(input, rule, threadsAllowed(), space);
+        levels = makePyramid(input, rule, threadsOfStage(), space);
     }
     assignMats(copiesOf(levels), levels_, "levels");
-}
-
-// From the pyramid of an image to the features that are to be described.
-std::vector<FeatureList> AdaptiveQuadtreeORBImpl::findFeatures(const Level& input,
-                                                               const std::vector<Level>& levels, int threads,
-                                                               Workspace& space) const
-{
-    // Thresholds.
-    const double contrast =
-        parameters.adaptiveThreshold ? varianceOverMean(input.image, input.mask) : NEUTRAL_CONTRAST;
-    CornerRules rules;
-    rules.thresholds = fastThresholds(contrast, parameters.fastThreshold, parameters.minThresholdRatio);
-    // Harris responses of neighbours hardly differ. Without suppression a strong corner would be chosen three times.
-    rules.suppressNear = parameters.scoreType == ORB::HARRIS_SCORE;
-
-    // The corners of each level.
-    const std::vector<LevelPlan> plans = planLevels(parameters, levels);
-    std::vector<Rect> regions;
-    for (const LevelPlan& plan : plans)
-        regions.push_back(plan.region);
-    const auto& corners = findCorners(levels, regions, rules, threads, space.corners);
-
-    // Their order.
-    CornersOfLevels orders(levels.size());
-    forEach(levels.size(), threads,
-            [&](size_t i, int)
-            { orders[i] = orderCorners(parameters, levels[i], plans[i], tables.strengthPatch, corners[i]); });
-
-    // Selection over all levels.
-    CornersOfLevels selected = selectAcrossLevels(parameters, input.image.size(), levels, plans, orders);
-    size_t count = 0;
-    for (const std::vector<CornerResponse>& ofLevel : selected)
-        count += ofLevel.size();
-    if (count < size_t(parameters.nfeatures))
-    {
-        // Representatives have run out: one search without the rules fills up.
-        const CornerRules noRules = {{rules.thresholds.min, rules.thresholds.min}, false};
-        const auto& all = findCorners(levels, regions, noRules, threads, space.corners);
-        CornersOfLevels responses(levels.size());
-        forEach(levels.size(), threads,
-                [&](size_t i, int)
-                { responses[i] = responsesOf(levels[i].image, all[i], rules.suppressNear); });
-        fillUp(parameters, input.image.size(), levels, responses, size_t(parameters.nfeatures) - count,
-               selected);
-    }
-
-    std::vector<FeatureList> features(levels.size());
-    for (size_t i = 0; i < levels.size(); i++)
-        features[i] = listFeatures(parameters, levels[i], int(i), selected[i]);
-    return features;
 }
 
 void AdaptiveQuadtreeORBImpl::process(InputArray image_, InputArray mask_, std::vector<KeyPoint>& keypoints,
@@ -244,7 +189,7 @@ try
     checkPyramidInput(size);
     const Workspaces::Loan loan(workspaces);
     Workspace& space = *loan;
-    const int threads = threadsAllowed();  // once, because it may change meanwhile
+    const int threads = threadsOfStage();  // once, because it may change meanwhile
     space.descriptions.resize(std::max(space.descriptions.size(), size_t(threads)));
     Level input;
     input.image = grayImage(image_, &space.gray);
@@ -252,7 +197,7 @@ try
         input.mask = checkedMask(mask_, size);
     std::vector<FeatureList> features;
     if (useProvidedKeypoints)
-        features = takeGiven(keypoints, parameters, size);
+        features = groupGivenKeypoints(keypoints, parameters, size);
     else
         parameters.checkTogether(parameters.nlevels);
 
@@ -265,9 +210,16 @@ try
         if (!level.isInput && !input.mask.empty())
             maskPositions(input.mask, positionsOf(size, level), level.mask);
 
-    // From the thresholds to the selection.
+    // Thresholds, corners and selection.
     if (!useProvidedKeypoints)
-        features = findFeatures(input, levels, threads, space);
+    {
+        const double contrast =
+            parameters.adaptiveThreshold ? varianceOverMean(input.image, input.mask) : NEUTRAL_CONTRAST;
+        const Thresholds thresholds =
+            fastThresholds(contrast, parameters.fastThreshold, parameters.minThresholdRatio);
+        features = selectFeatures(parameters, tables.strengthPatch, size, levels, thresholds, threads,
+                                  space.corners);
+    }
 
     // Description.
     const std::vector<FeatureRange> ranges = divideIntoRanges(features, threads);
@@ -277,10 +229,10 @@ try
             [&](size_t i, int thread)
             {
                 const Level& level = levels[ranges[i].level];
-                const DescriptionRules by = {&input.mask, positionsOf(size, level),
-                                             useProvidedKeypoints ? 0 : &tables.patch,
-                                             withDescriptors ? &tables.tests : 0};
-                describeFeatures(level, by, ranges[i].features, features[ranges[i].level],
+                const DescriptionRules rules = {&input.mask, positionsOf(size, level),
+                                                useProvidedKeypoints ? 0 : &tables.patch,
+                                                withDescriptors ? &tables.tests : 0};
+                describeFeatures(level, rules, ranges[i].features, features[ranges[i].level],
                                  space.descriptions[thread]);
             });
 

@@ -47,9 +47,9 @@ std::vector<int> balancedQuotas(int nfeatures, double scaleFactor, int nlevels)
 
 int balancedDepth(int quota)
 {
-    const int MOST = 15;
+    const int MAX_DEPTH = 15;
     int depth = 0;
-    while (depth < MOST && (int64(1) << (2 * depth)) < quota)
+    while (depth < MAX_DEPTH && (int64(1) << (2 * depth)) < quota)
         depth++;
     return depth;
 }

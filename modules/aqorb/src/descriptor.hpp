@@ -72,8 +72,6 @@ struct PairTests
     float x[2][COUNT], y[2][COUNT];  //!< [point of the pair][test]
 };
 
-const int DESCRIPTOR_BYTES = ORB::kBytes;
-
 //! A pattern, prepared for any number of descriptors.
 struct DescriptorTests
 {

@@ -23,6 +23,11 @@ namespace aqorb
 
 //! How many threads a call that this thread begins may use.
 int threadsAllowed();
+//! How many threads share a stage: more would wait for each other most of the time.
+inline int threadsOfStage()
+{
+    return std::min(threadsAllowed(), 16);
+}
 
 /** Calls work(i, thread) for every i below count, on at most so many threads. Each of them takes the next i until none
  is left, and has a number of its own. After an error no further i is begun. All before one that fails are completed,

@@ -283,12 +283,12 @@ try
         positions.push_back(trainKeypoints[i].pt);
     const std::vector<int> queryOrder = sortedByRow(predicted), trainOrder = sortedByRow(positions);
     // Queries of about the same row are compared at once with all trains that one of them may have.
-    const int LEAST_ROWS = 64, MOST_ROWS = 512;
+    const int MIN_ROWS = 64, MOST_ROWS = 512;
     for (auto first = queryOrder.begin(); !train.empty() && first != queryOrder.end();)
     {
         auto last = first;
         while (last != queryOrder.end() && last - first < MOST_ROWS &&
-               (last - first < LEAST_ROWS || predicted[*last].y - predicted[*first].y <= reach.height))
+               (last - first < MIN_ROWS || predicted[*last].y - predicted[*first].y <= reach.height))
             ++last;
         const float top = Window(predicted[*first], reach).top,
                     bottom = Window(predicted[*(last - 1)], reach).bottom;

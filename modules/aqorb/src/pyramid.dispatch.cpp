@@ -149,11 +149,11 @@ void resizeExact(const Mat& source, Mat& destination, Ptr<ResizeTables>& kept, i
     ResizeTables& tables = *kept;
     updateTables(tables, source.size(), destination.size());
     // Each thread makes some rows. Memory that another one has read is slow to write, so that even few are worth it.
-    const int LEAST_ROWS = 64;
-    const int bands = std::max(std::min(threads, destination.rows / LEAST_ROWS), 1);
+    const int MIN_ROWS = 64;
+    const int bands = std::max(std::min(threads, destination.rows / MIN_ROWS), 1);
     const size_t pixels = tables.byKernel ? tables.blocks.size() * ResizeBlock::PIXELS : 0;
     const size_t ofBand = 2 * pixels + ResizeBlock::PIXELS;
-    short* const rows = grown(tables.rows, bands * ofBand);
+    short* const rows = growTo(tables.rows, bands * ofBand);
     forEach(size_t(bands), threads,
             [&](size_t i, int)
             {
@@ -219,7 +219,7 @@ static void rejectMemory(const Size& imageSize, const PyramidRule& rule, double 
 static std::vector<Level> layOut(const Level& input, const PyramidRule& rule, PyramidSpace& space)
 {
     const Size imageSize = input.image.size();
-    const double MOST_ENLARGED = 1 << 30;  // a few wrong digits would ask for more memory than there is
+    const double MAX_ENLARGED_PIXELS = 1 << 30;  // a few wrong digits would ask for more memory than there is
     double pixels = 0;
     std::vector<Level> levels;
     for (int i = 0; i < rule.levels; i++)
@@ -238,7 +238,7 @@ static std::vector<Level> layOut(const Level& input, const PyramidRule& rule, Py
             level.mask = input.mask;
         }
         pixels += level.isInput ? 0 : double(size.width) * size.height;
-        if (i < rule.firstLevel && pixels > MOST_ENLARGED)
+        if (i < rule.firstLevel && pixels > MAX_ENLARGED_PIXELS)
             rejectMemory(imageSize, rule, pixels);
         try
         {
@@ -246,9 +246,9 @@ static std::vector<Level> layOut(const Level& input, const PyramidRule& rule, Py
             const size_t step = alignSize(size_t(size.width), CACHE_LINE), rows = size_t(size.height);
             PyramidSpace::OfLevel& of = space.ofLevels[i];
             if (!level.isInput)
-                level.image = Mat(size, CV_8UC1, grown(of.pixels, step * rows), step);
+                level.image = Mat(size, CV_8UC1, growTo(of.pixels, step * rows), step);
             if (!level.isInput && !input.mask.empty())
-                level.mask = Mat(size, CV_8UC1, grown(of.mask, step * rows), step);
+                level.mask = Mat(size, CV_8UC1, growTo(of.mask, step * rows), step);
         }
         catch (const std::exception&)
         {

@@ -9,7 +9,7 @@
 
 #include "descriptor.hpp"
 #include "for_each.hpp"
-#include "input.hpp"
+#include "arguments.hpp"
 #include "refinement.hpp"
 
 #include <opencv2/aqorb/refinement.hpp>

@@ -8,8 +8,9 @@
 #ifndef OPENCV_AQORB_SELECTION_HPP
 #define OPENCV_AQORB_SELECTION_HPP
 
+#include "corners.hpp"
 #include "index_sort.hpp"
-#include "measures.hpp"
+#include "harris_orientation.hpp"
 #include "parameters.hpp"
 #include "types.hpp"
 
@@ -38,7 +39,7 @@ struct LeafGrid
     size_t numbers() const { return size_t(rows) << columnBits; }
 };
 
-//! What a level is to contribute.
+//! The share of a level in the selection.
 struct LevelPlan
 {
     Rect region;    //!< in which keypoints may be
@@ -46,7 +47,17 @@ struct LevelPlan
     double usable;  //!< the share of the region that no mask excludes
     LeafGrid grid;  //!< the leaves of the quadtree
 };
-std::vector<LevelPlan> planLevels(const Parameters& parameters, const std::vector<Level>& levels);
+//! The selection that the parameters ask for, for the levels of an image.
+struct SelectionPlan
+{
+    bool isRanked;   //!< else it is the paper's
+    bool useHarris;  //!< in responses and strengths; else the FAST score
+    std::vector<LevelPlan> levels;
+    double
+        octaveDistance;  //!< that a corner keeps from keypoints of other levels, in pixels of its own level
+    int octaveReach;     //!< the number of levels on either side whose keypoints count
+};
+SelectionPlan planSelection(const Parameters& parameters, const std::vector<Level>& levels);
 
 // ---- 2. tree ----------------------------------------------------------------------------------
 
@@ -113,9 +124,9 @@ std::vector<unsigned> orderRepresentatives(const std::vector<unsigned>& leaves,
                                            const std::vector<uchar>& usable);
 
 //! The corners of a level that may become keypoints, in the order in which they are to be taken.
-std::vector<CornerResponse> orderCorners(const Parameters& parameters, const Level& level,
-                                         const LevelPlan& plan, const OrientationPatch& patch,
-                                         const std::vector<Corner>& corners);
+std::vector<CornerResponse> orderCorners(const Parameters& parameters, const SelectionPlan& plan,
+                                         const LevelPlan& levelPlan, const Level& level,
+                                         const OrientationPatch& patch, const std::vector<Corner>& corners);
 
 // ---- the paper's selection --------------------------------------------------------------------
 
@@ -129,28 +140,40 @@ std::vector<unsigned> balancedOrder(const std::vector<LeafPoint>& points, int de
 std::vector<CornerResponse> balancedCorners(const LevelPlan& plan,
                                             const std::vector<CornerResponse>& corners);
 
-// ---- 7. across levels, 8. when representatives run out -----------------------------------------
+// ---- 7. across levels, 8. when representatives run out, 9. order of output -----------------------
 
-//! Corners by level.
-typedef std::vector<std::vector<CornerResponse>> CornersOfLevels;
+/** Finds corners and selects those that become keypoints: as many of each level as its quota and what coarser levels
+ left over, from coarse to fine, and then as many as are missing, from fine to coarse. It passes over corners near a
+ keypoint of another level. When they run out, it searches again with fewer rules.
+ @param patch for strengths
+ @return for each level its features in raster order, with output keys */
+std::vector<FeatureList> selectFeatures(const Parameters& parameters, const OrientationPatch& patch,
+                                        Size imageSize, const std::vector<Level>& levels,
+                                        const Thresholds& thresholds, int threads, CornerSpace& space);
+//! Puts the features of all levels in the order of the output: by level, and those of a level by their output keys and
+//! then in raster order.
+//! @param descriptors a row for each feature; empty: they are not wanted
+void outputFeatures(const std::vector<FeatureList>& features, std::vector<KeyPoint>& keypoints,
+                    Mat& descriptors);
 
-/** The corners that become keypoints: as many of each level as its quota and what coarser levels left over, from coarse
- to fine, and then as many as are missing, from fine to coarse. It passes over corners near a keypoint of another
- level. */
-CornersOfLevels selectAcrossLevels(const Parameters& parameters, Size imageSize,
-                                   const std::vector<Level>& levels, const std::vector<LevelPlan>& plans,
-                                   const CornersOfLevels& orders);
-//! Adds so many of the corners that are not selected yet, those of the highest response times scale: first those that
-//! keep the distance from keypoints of other levels, then others.
-void fillUp(const Parameters& parameters, Size imageSize, const std::vector<Level>& levels,
-            const CornersOfLevels& corners, size_t missing, CornersOfLevels& selected);
+// ---- for the kernel: plain structs only, see types.hpp ---------------------------------------
 
-// ---- 9. order of output -----------------------------------------------------------------------
-
-//! The features of a level for the description, in raster order. In the output they come by response, the highest
-//! first; with BALANCED_SELECTION they come in raster order.
-FeatureList listFeatures(const Parameters& parameters, const Level& level, int octave,
-                         const std::vector<CornerResponse>& selected);
+//! A grid with a border and a bit for each leaf, which is set when the leaf's turn has come. The words of a row begin
+//! STEP bits apart and have twice as many, so that the STEP bits from any leaf on lie in one of them.
+struct RankGrid
+{
+    enum
+    {
+        STEP = 32
+    };
+    uint64* bits;
+    int columnBits;       //!< of the numbers of leaves, see LeafGrid
+    int stride;           //!< words of a row
+    int left, top;        //!< width of the border, in bits and rows
+    const int* words;     //!< the disc: offsets from the word before that of the upper left of the disc
+    const uint64* masks;  //!< the disc: which bits of each of these words count
+    int wordCount;
+};
 
 }  // namespace aqorb
 }  // namespace cv

@@ -7,7 +7,7 @@
 
 #include "precomp.hpp"
 
-#include "input.hpp"
+#include "arguments.hpp"
 #include "threshold.hpp"
 
 #include <opencv2/aqorb.hpp>

@@ -73,7 +73,7 @@ struct FeatureList
 {
     std::vector<FeaturePoint> points;  //!< in raster order
     std::vector<KeyPoint> keypoints;   //!< of the points
-    std::vector<uchar> descriptors;    //!< of the points, DESCRIPTOR_BYTES each; empty if they are not wanted
+    std::vector<uchar> descriptors;    //!< of the points, ORB::kBytes each; empty if they are not wanted
     std::vector<uint64> outputKeys;    //!< of the points: features come in the output by ascending keys
 };
 
@@ -113,17 +113,14 @@ template <typename T> using AlignedVector = std::vector<T, LineAllocator<T>>;
 
 //! Makes a buffer at least so long. If it grows, its elements are lost, because the old memory is freed first. It gets
 //! no more than is needed, where a vector may double its memory. It never shrinks, so later images need no new memory.
-template <typename Vector> void growTo(Vector& elements, size_t count)
+//! @return the first element
+template <typename Vector> typename Vector::value_type* growTo(Vector& elements, size_t count)
 {
     if (elements.size() < count)
     {
         Vector().swap(elements);
         elements.resize(count);
     }
-}
-template <typename Vector> typename Vector::value_type* grown(Vector& elements, size_t count)
-{
-    growTo(elements, count);
     return elements.data();
 }
 

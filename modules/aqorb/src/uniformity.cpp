@@ -7,7 +7,7 @@
 
 #include "precomp.hpp"
 
-#include "input.hpp"
+#include "arguments.hpp"
 #include "selection.hpp"
 
 #include <opencv2/aqorb.hpp>

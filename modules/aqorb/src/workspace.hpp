@@ -9,7 +9,7 @@
 #define OPENCV_AQORB_WORKSPACE_HPP
 
 #include "corners.hpp"
-#include "description.hpp"
+#include "keypoints.hpp"
 #include "pyramid.hpp"
 #include "selection.hpp"
 

@@ -7,11 +7,11 @@
 
 #include "precomp.hpp"
 
-#include "measures.hpp"
+#include "harris_orientation.hpp"
 #include "patch.hpp"
 
-#include "measures.simd.hpp"
-#include "measures.simd_declarations.hpp"
+#include "harris_orientation.simd.hpp"
+#include "harris_orientation.simd_declarations.hpp"
 
 namespace cv
 {
@@ -191,18 +191,6 @@ void orientations(const Mat& image, const OrientationPatch& patch, FeaturePoint*
     patchMoments(image, patch, points, count, moments.data());
     for (size_t i = 0; i < count; i++)
         points[i].angle = directionOf(moments[i].m10, moments[i].m01);
-}
-
-// ---- leaves of the quadtree -------------------------------------------------------------------
-
-void countBetterNeighbors(const int* keys, ptrdiff_t stride, int side, uchar* counts)
-{
-    CV_CPU_DISPATCH(countBetter, (keys, stride, side, counts), CV_CPU_DISPATCH_MODES_ALL);
-}
-
-void countLeavesBefore(const RankGrid& grid, const unsigned* leaves, size_t count, int* counts)
-{
-    CV_CPU_DISPATCH(countBefore, (grid, leaves, count, counts), CV_CPU_DISPATCH_MODES_ALL);
 }
 
 }  // namespace aqorb

@@ -3,13 +3,13 @@
 // of this distribution.
 // SPDX-License-Identifier: Apache-2.0
 
-// Checks the images, masks and keypoints that callers give, and converts images to grey.
+// Checks the images, masks, keypoints and outputs that callers give, and converts images to grey.
 
 #include "precomp.hpp"
 
 #include "for_each.hpp"
 #include "types.hpp"
-#include "input.hpp"
+#include "arguments.hpp"
 #include "pyramid.hpp"
 
 namespace cv
@@ -60,7 +60,7 @@ Mat grayImage(InputArray input, std::vector<uchar>* memory)
     const int PIXELS = 1 << 16;
     const int rows = std::max(PIXELS / image.cols, 1), parts = (image.rows + rows - 1) / rows;
     gray.create(image.size(), CV_8UC1);
-    forEach(size_t(parts), threadsAllowed(),
+    forEach(size_t(parts), threadsOfStage(),
             [&](size_t i, int)
             {
                 const Range part(int(i) * rows, std::min((int(i) + 1) * rows, image.rows));
@@ -140,7 +140,7 @@ Collection::Collection(InputArrayOfArrays images_, InputArrayOfArrays masks_)
 }
 
 // Keypoints may come from a detector with more levels, but they must not make the pyramid arbitrarily high.
-static const int MOST_LEVELS_GIVEN = 64;
+static const int MAX_GIVEN_LEVELS = 64;
 
 // The highest octave of the keypoints; 0 for none. Throws where an octave is negative or an angle is not finite.
 static int highestOctave(const std::vector<KeyPoint>& keypoints)
@@ -164,15 +164,15 @@ static int highestOctave(const std::vector<KeyPoint>& keypoints)
     return highest;
 }
 
-std::vector<FeatureList> takeGiven(const std::vector<KeyPoint>& keypoints, const Parameters& parameters,
-                                   Size imageSize)
+std::vector<FeatureList> groupGivenKeypoints(const std::vector<KeyPoint>& keypoints,
+                                             const Parameters& parameters, Size imageSize)
 {
     const int highest = highestOctave(keypoints);
     parameters.checkTogether(std::max(parameters.nlevels, highest > 0 ? 2 : 1));
     const auto scaleOf = [&](int octave)
     { return levelScale(octave, parameters.firstLevel, parameters.scaleFactor); };
     const Size smallest = levelSize(imageSize, scaleOf(highest));
-    const int most = std::max(parameters.nlevels, MOST_LEVELS_GIVEN);
+    const int most = std::max(parameters.nlevels, MAX_GIVEN_LEVELS);
     if (highest >= most || smallest.width < 1 || smallest.height < 1)
         CV_Error_(
             Error::StsOutOfRange,
@@ -211,6 +211,65 @@ std::vector<FeatureList> takeGiven(const std::vector<KeyPoint>& keypoints, const
         list.outputKeys.push_back(index);
     }
     return features;
+}
+
+void checkMatsOutput(OutputArrayOfArrays output, const char* name)
+{
+    checkIsOfMats(output, name);
+    // OpenCV leaves the type of matrices that are put into a vector of them unchecked.
+    if (output.fixedType() && output.type() != CV_8UC1)
+        CV_Error_(Error::StsBadArg,
+                  ("%s must be of type CV_8UC1, got %s", name, typeToString(output.type()).c_str()));
+}
+
+void assignMats(const std::vector<Mat>& mats, OutputArrayOfArrays output, const char* name)
+{
+    const int count = int(mats.size());
+    const bool isFixed = output.fixedSize() || output.kind() == _InputArray::STD_ARRAY_MAT;
+    if (isFixed && output.total() != mats.size())
+        CV_Error_(Error::StsBadSize, ("%s must have a variable size or that of %d images, got %d images",
+                                      name, count, int(output.total())));
+    output.create(count, 1, CV_8UC1);
+    for (int i = 0; i < count; i++)
+    {
+        if (output.isUMatVector())
+        {
+            // A new UMat, because the caller may share the old one.
+            UMat copy;
+            mats[i].copyTo(copy);
+            output.getUMatRef(i) = copy;
+        }
+        else
+        {
+            output.getMatRef(i) = mats[i];
+        }
+    }
+}
+
+void checkDescriptorsOutput(OutputArray descriptors)
+{
+    if (isSequence(descriptors))
+        CV_Error(Error::StsBadArg, "descriptors must be a single output, got a sequence");
+    if (descriptors.fixedType() && descriptors.type() != CV_8UC1)
+        CV_Error_(Error::StsBadArg,
+                  ("descriptors must be of type CV_8UC1, got %s", typeToString(descriptors.type()).c_str()));
+}
+
+Mat createDescriptors(OutputArray descriptors, int count)
+{
+    const Size size = count > 0 ? Size(ORB::kBytes, count) : Size();
+    if (descriptors.kind() == _InputArray::STD_VECTOR && size.height > 1)
+        CV_Error_(Error::StsBadSize,
+                  ("descriptors must be a matrix, got a std::vector for %d keypoints", size.height));
+    if (descriptors.fixedSize() && descriptors.size() != size)
+        CV_Error_(Error::StsBadSize,
+                  ("descriptors must have a variable size or that of the keypoints, %d x %d, got %d x %d",
+                   size.width, size.height, descriptors.cols(), descriptors.rows()));
+    if (count > 0)
+        descriptors.create(size, CV_8UC1);
+    else if (!descriptors.fixedSize())
+        descriptors.release();
+    return descriptors.getMat();
 }
 
 }  // namespace aqorb

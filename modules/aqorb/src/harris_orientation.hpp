@@ -3,11 +3,10 @@
 // of this distribution.
 // SPDX-License-Identifier: Apache-2.0
 
-#ifndef OPENCV_AQORB_MEASURES_HPP
-#define OPENCV_AQORB_MEASURES_HPP
+#ifndef OPENCV_AQORB_HARRIS_ORIENTATION_HPP
+#define OPENCV_AQORB_HARRIS_ORIENTATION_HPP
 
-// Measures of the surroundings: of a pixel of a level the Harris response and the moments that give its direction, and
-// of a leaf of the quadtree its better neighbours.
+// Of pixels of a level the Harris response, and the moments that give the direction.
 
 #include "types.hpp"
 
@@ -57,39 +56,12 @@ void orientations(const Mat& image, const OrientationPatch& patch, FeaturePoint*
 void patchMoments(const Mat& image, const OrientationPatch& patch, const FeaturePoint* points, size_t count,
                   Moments* moments);
 
-/** Counts, for each leaf of a row, those of its eight neighbours whose best point is better. Of equally good points the
- upper one is better, and in the same row the left one.
- @param keys of the best points of the leaves, the greater, the better; those of the rows above and below are stride
- elements away */
-void countBetterNeighbors(const int* keys, ptrdiff_t stride, int side, uchar* counts);
-
-struct RankGrid;
-//! Counts, for each leaf, the leaves before it within the disc around it.
-void countLeavesBefore(const RankGrid& grid, const unsigned* leaves, size_t count, int* counts);
-
 // ---- for the kernel: plain structs only, see types.hpp ---------------------------------------
 
 //! The moments m10 and m01 of the patch around a pixel.
 struct Moments
 {
     int m10, m01;
-};
-
-//! A grid with a border and a bit for each leaf, which is set when the leaf's turn has come. The words of a row begin
-//! STEP bits apart and have twice as many, so that the STEP bits from any leaf on lie in one of them.
-struct RankGrid
-{
-    enum
-    {
-        STEP = 32
-    };
-    uint64* bits;
-    int columnBits;       //!< of the numbers of leaves, see LeafGrid
-    int stride;           //!< words of a row
-    int left, top;        //!< width of the border, in bits and rows
-    const int* words;     //!< the disc: offsets from the word before that of the upper left of the disc
-    const uint64* masks;  //!< the disc: which bits of each of these words count
-    int wordCount;
 };
 
 }  // namespace aqorb

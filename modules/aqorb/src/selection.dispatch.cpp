@@ -10,6 +10,9 @@
 
 #include "selection.hpp"
 
+#include "selection.simd.hpp"
+#include "selection.simd_declarations.hpp"
+
 namespace cv
 {
 namespace aqorb
@@ -52,32 +55,39 @@ static double usableShare(const Mat& mask, const Rect& region)
     return usable / (double(region.width) * region.height);
 }
 
-std::vector<LevelPlan> planLevels(const Parameters& parameters, const std::vector<Level>& levels)
+SelectionPlan planSelection(const Parameters& parameters, const std::vector<Level>& levels)
 {
-    const bool isRanked = parameters.selectionType == AdaptiveQuadtreeORB::RANKED_SELECTION;
-    std::vector<LevelPlan> plans;
+    SelectionPlan plan = SelectionPlan();
+    plan.isRanked = parameters.selectionType == AdaptiveQuadtreeORB::RANKED_SELECTION;
+    plan.useHarris = parameters.scoreType == ORB::HARRIS_SCORE;
+    plan.octaveReach = plan.isRanked ? 1 : int(levels.size());
+    // A user who asks for the strongest corners gets them on every level, as from cv::ORB.
+    plan.octaveDistance = parameters.octaveSuppression >= 0 ? parameters.octaveSuppression
+                          : plan.isRanked                   ? 2.1 / (1 + parameters.strengthWeight)
+                                                            : 0.5;
     std::vector<Size> regions;
     std::vector<float> scales;
     for (const Level& level : levels)
     {
         const Rect region = parameters.keypointRegion(level.image.size());
-        plans.push_back({region, 0, usableShare(level.mask, region), LeafGrid()});
+        plan.levels.push_back({region, 0, usableShare(level.mask, region), LeafGrid()});
         regions.push_back(region.size());
         scales.push_back(level.scale);
     }
     const std::vector<int> quotas =
-        isRanked ? rankedQuotas(parameters.nfeatures, regions, scales)
-                 : balancedQuotas(parameters.nfeatures, parameters.scaleFactor, parameters.nlevels);
-    for (size_t i = 0; i < plans.size(); i++)
+        plan.isRanked ? rankedQuotas(parameters.nfeatures, regions, scales)
+                      : balancedQuotas(parameters.nfeatures, parameters.scaleFactor, parameters.nlevels);
+    for (size_t i = 0; i < levels.size(); i++)
     {
-        plans[i].quota = quotas[i];
-        plans[i].grid = isRanked ? rankedGrid(regions[i], plans[i].usable, std::max(quotas[i], 1))
-                                 : leafGrid(regions[i], 1, balancedDepth(quotas[i]));
+        LevelPlan& level = plan.levels[i];
+        level.quota = quotas[i];
+        level.grid = plan.isRanked ? rankedGrid(regions[i], level.usable, std::max(quotas[i], 1))
+                                   : leafGrid(regions[i], 1, balancedDepth(quotas[i]));
     }
     // The paper's quotas include those of levels too small for a keypoint, which go to the last level that is not.
-    if (!plans.empty())
-        plans.back().quota = std::accumulate(quotas.begin() + plans.size() - 1, quotas.end(), 0);
-    return plans;
+    if (!levels.empty())
+        plan.levels.back().quota = std::accumulate(quotas.begin() + levels.size() - 1, quotas.end(), 0);
+    return plan;
 }
 
 // ---- 2. tree ----------------------------------------------------------------------------------
@@ -94,14 +104,14 @@ LeafGrid leafGrid(Size region, int trees, int depth)
 LeafGrid rankedGrid(Size region, double usable, int quota)
 {
     const double LEAVES_PER_POINT = 9;
-    const int MOST_LEAVES = 1 << 24;
+    const int MAX_LEAVES = 1 << 24;
     const int shorter = std::min(region.width, region.height), longer = std::max(region.width, region.height);
     const auto hasEnough = [&](int trees, int depth)
     { return trees * double(int64(1) << (2 * depth)) * usable >= LEAVES_PER_POINT * quota; };
     const auto depthOf = [&](int trees)
     {
         int depth = 0;
-        while (int64(4) << depth <= shorter && int64(trees) << (2 * depth + 2) <= MOST_LEAVES &&
+        while (int64(4) << depth <= shorter && int64(trees) << (2 * depth + 2) <= MAX_LEAVES &&
                !hasEnough(trees, depth))
             depth++;
         return depth;
@@ -114,6 +124,11 @@ LeafGrid rankedGrid(Size region, double usable, int quota)
 }
 
 // ---- 3. representatives -----------------------------------------------------------------------
+
+static void countBetterNeighbors(const int* keys, ptrdiff_t stride, int count, uchar* counts)
+{
+    CV_CPU_DISPATCH(countBetter, (keys, stride, count, counts), CV_CPU_DISPATCH_MODES_ALL);
+}
 
 std::vector<unsigned> findRepresentatives(const std::vector<LeafPoint>& points, const LeafGrid& leaves)
 {
@@ -130,7 +145,7 @@ std::vector<unsigned> findRepresentatives(const std::vector<LeafPoint>& points, 
         grid[leaf] = isBetter ? points[i].key : grid[leaf];
         best[leaf] = isBetter ? unsigned(i) : best[leaf];
     }
-    const int MOST_BETTER = 2;  // neighbours
+    const int MIN_BETTER = 3;  // neighbours that displace a representative
     std::vector<uchar> better(leaves.columns);
     std::vector<unsigned> representatives(points.size() + 1);
     size_t count = 0;
@@ -141,7 +156,7 @@ std::vector<unsigned> findRepresentatives(const std::vector<LeafPoint>& points, 
         for (unsigned column = 0; column < unsigned(leaves.columns); column++)
         {
             representatives[count] = best[first + column];
-            count += int(grid[first + column] != INT_MIN) & (better[column] <= MOST_BETTER);
+            count += int(grid[first + column] != INT_MIN) & (better[column] < MIN_BETTER);
         }
     }
     representatives.resize(count);
@@ -163,7 +178,8 @@ std::vector<CornerResponse> responsesOf(const Mat& image, const std::vector<Corn
 
 OrientationPatch patchForStrength(int patchSize)
 {
-    return OrientationPatch(circularPatch(patchSize), std::max(1, patchSize / 2 / 5));
+    const int ROWS_ABOVE = 5;  // and below the middle; more give no better order
+    return OrientationPatch(circularPatch(patchSize), std::max(1, patchSize / 2 / ROWS_ABOVE));
 }
 
 // A corner whose moment is long has a well-defined direction, and is found again with the same direction.
@@ -176,13 +192,15 @@ std::vector<float> strengthsOf(const Mat& image, const std::vector<Corner>& corn
         points[i] = {corners[i].x, corners[i].y, 0};
     std::vector<Moments> moments(points.size());
     patchMoments(image, patch, points.data(), points.size(), moments.data());
+    const float UNIT =
+        1.f / 4294967296.f;  // 2^-32 keeps the product of all powers within the range of a float
     std::vector<float> strengths(points.size());
     for (size_t i = 0; i < points.size(); i++)
     {
         const float score = float(corners[i].score), fast = score * score;
         const float harris = useHarris ? std::max(responses[i].response, 0.f) : 1.f;
         const int64 m10 = moments[i].m10, m01 = moments[i].m01;
-        const float moment = float(uint64(m10 * m10) + uint64(m01 * m01)) * (1.f / 4294967296.f);
+        const float moment = float(uint64(m10 * m10) + uint64(m01 * m01)) * UNIT;
         strengths[i] = (fast * fast * harris) * (moment * moment);
     }
     return strengths;
@@ -213,6 +231,11 @@ struct LeafDisc
 
     std::vector<int> halfWidths;  // by |dy|: the greatest |dx|; both below those of the grid
 };
+
+static void countLeavesBefore(const RankGrid& grid, const unsigned* leaves, size_t count, int* counts)
+{
+    CV_CPU_DISPATCH(countBefore, (grid, leaves, count, counts), CV_CPU_DISPATCH_MODES_ALL);
+}
 
 // How many leaves before each one in the list lie within the disc around it.
 static std::vector<int> countStronger(const std::vector<unsigned>& leaves, const LeafDisc& disc,
@@ -289,7 +312,7 @@ static double binaryLogarithm(float v)
 }
 
 // The logarithm of (1 + rank) / strength^exponent. What has no strength comes last.
-static int64 placeOf(double rank, float strength, double exponent)
+static int64 orderKey(double rank, float strength, double exponent)
 {
     const double BEYOND_RANKS = 1 << 29;
     double key = binaryLogarithm(float(1 + rank));
@@ -314,7 +337,7 @@ std::vector<unsigned> orderRepresentatives(const std::vector<unsigned>& leavesGi
     const std::vector<double> inverseShares = inverseSharesOf(leaves, disc, rule.grid, usable);
     for (size_t i = 0; i < keys.size(); i++)
     {
-        const int64 place = placeOf(ranks[i] * inverseShares[i], strengths[byStrength[i]], rule.exponent);
+        const int64 place = orderKey(ranks[i] * inverseShares[i], strengths[byStrength[i]], rule.exponent);
         keys[i] = uint64(place) ^ uint64(1) << 63;  // without a sign, in the same order
     }
     std::vector<unsigned> order = sortIndices(keys);
@@ -339,34 +362,33 @@ static std::vector<uchar> usableLeaves(const Mat& mask, const LevelPlan& plan)
     return usable;
 }
 
-std::vector<CornerResponse> orderCorners(const Parameters& parameters, const Level& level,
-                                         const LevelPlan& plan, const OrientationPatch& patch,
-                                         const std::vector<Corner>& corners)
+std::vector<CornerResponse> orderCorners(const Parameters& parameters, const SelectionPlan& plan,
+                                         const LevelPlan& levelPlan, const Level& level,
+                                         const OrientationPatch& patch, const std::vector<Corner>& corners)
 {
     CV_TRACE_FUNCTION();
-    const bool useHarris = parameters.scoreType == ORB::HARRIS_SCORE;
-    if (parameters.selectionType == AdaptiveQuadtreeORB::BALANCED_SELECTION)
-        return balancedCorners(plan, responsesOf(level.image, corners, useHarris));
+    if (!plan.isRanked)
+        return balancedCorners(levelPlan, responsesOf(level.image, corners, plan.useHarris));
     std::vector<LeafPoint> points(corners.size());
     for (size_t i = 0; i < corners.size(); i++)
-        points[i] = {
-            leafOf(corners[i].x - plan.region.x, corners[i].y - plan.region.y, plan.region.size(), plan.grid),
-            corners[i].score};
+        points[i] = {leafOf(corners[i].x - levelPlan.region.x, corners[i].y - levelPlan.region.y,
+                            levelPlan.region.size(), levelPlan.grid),
+                     corners[i].score};
     std::vector<Corner> representatives;
     std::vector<unsigned> leaves;
-    for (unsigned index : findRepresentatives(points, plan.grid))
+    for (unsigned index : findRepresentatives(points, levelPlan.grid))
     {
         representatives.push_back(corners[index]);
         leaves.push_back(points[index].leaf);
     }
-    const std::vector<CornerResponse> responses = responsesOf(level.image, representatives, useHarris);
-    const RankRule rule = {plan.region.size(),    plan.grid,
-                           plan.usable,           std::max(plan.quota, 1),
-                           parameters.rankRadius, parameters.strengthWeight / 4};
+    const std::vector<CornerResponse> responses = responsesOf(level.image, representatives, plan.useHarris);
+    const RankRule rule = {levelPlan.region.size(), levelPlan.grid,
+                           levelPlan.usable,        std::max(levelPlan.quota, 1),
+                           parameters.rankRadius,   parameters.strengthWeight / 4};
     std::vector<CornerResponse> ordered;
-    for (unsigned index :
-         orderRepresentatives(leaves, strengthsOf(level.image, representatives, responses, useHarris, patch),
-                              rule, usableLeaves(level.mask, plan)))
+    for (unsigned index : orderRepresentatives(
+             leaves, strengthsOf(level.image, representatives, responses, plan.useHarris, patch), rule,
+             usableLeaves(level.mask, levelPlan)))
         ordered.push_back(responses[index]);
     return ordered;
 }

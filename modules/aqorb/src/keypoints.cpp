@@ -3,11 +3,11 @@
 // of this distribution.
 // SPDX-License-Identifier: Apache-2.0
 
-// Positions in the image, and the description of features from the top of a level to its bottom.
+// Turns selected corners into keypoints with descriptors, from the top of a level to its bottom.
 
 #include "precomp.hpp"
 
-#include "description.hpp"
+#include "keypoints.hpp"
 
 #include "fast.hpp"
 
@@ -15,115 +15,6 @@ namespace cv
 {
 namespace aqorb
 {
-
-// ---- positions --------------------------------------------------------------------------------
-
-// How far positions about `length` pixels from the first pixel stay off the places between two pixels, where rounding
-// changes. A position is rounded to a float, and scaling it back rounds twice: the scale and the product.
-static double safetyMargin(int length)
-{
-    const double FLOAT_ERROR = 1. / (1 << 24);  // at most, relative
-    return std::max(0.01, 3 * FLOAT_ERROR * length);
-}
-
-// Moves a position along one axis to where a keypoint belongs to a pixel of a level.
-static float clampToPixel(double position, int pixel, int imageLength, double scale, int border)
-{
-    // The descriptor is taken at the pixel that position / scale rounds to. It must be the pixel given.
-    const double most = 0.5 - safetyMargin(pixel), low = (pixel - most) * scale,
-                 high = (pixel + most) * scale;
-    // cv::ORB::compute drops keypoints near the border. Whether it first rounds positions depends on
-    // the version of OpenCV. These positions stay off the border in both cases, unless the whole pixel lies in it, as
-    // pixels of an enlarged level can.
-    const double last = imageLength - border - 0.5 - safetyMargin(imageLength);
-    if (low <= last)
-        position = std::min(position, last);
-    if (high >= border)
-        position = std::max(position, double(border));
-    return float(std::max(std::min(position, high), low));
-}
-
-Point2f PositionMap::nearest(int x, int y, const Point2d& p) const
-{
-    return Point2f(clampToPixel(p.x, x, imageSize.width, scale, border),
-                   clampToPixel(p.y, y, imageSize.height, scale, border));
-}
-
-Point2f PositionMap::operator()(int x, int y, double dx, double dy) const
-{
-    if (!subPixel)
-        return Point2f(float(x) * scale, float(y) * scale);
-    return nearest(x, y,
-                   Point2d((x + dx + 0.5) * imageSize.width / levelSize.width - 0.5,
-                           (y + dy + 0.5) * imageSize.height / levelSize.height - 0.5));
-}
-
-static int nearestPixel(float position, int length)
-{
-    return std::min(std::max(cvRound(position), 0), length - 1);
-}
-
-bool isUsable(const Mat& imageMask, const Point2f& position)
-{
-    return imageMask.at<uchar>(nearestPixel(position.y, imageMask.rows),
-                               nearestPixel(position.x, imageMask.cols)) != 0;
-}
-
-bool usablePosition(const Mat& imageMask, const PositionMap& position, int x, int y, Point2f& found)
-{
-    const Point2f center = position(x, y);
-    if (isUsable(imageMask, center))
-    {
-        found = center;
-        return true;
-    }
-    if (!position.subPixel)
-        return false;
-    const Point2f first = position.nearest(x, y, Point2d(0, 0));
-    const Point2f last = position.nearest(x, y, Point2d(imageMask.cols - 1, imageMask.rows - 1));
-    double least = std::numeric_limits<double>::infinity();
-    for (int row = cvFloor(first.y); row <= cvCeil(last.y); row++)
-    {
-        for (int column = cvFloor(first.x); column <= cvCeil(last.x); column++)
-        {
-            const Point2f candidate = position.nearest(x, y, Point2d(column, row));
-            const double dx = candidate.x - center.x, dy = candidate.y - center.y;
-            if (dx * dx + dy * dy < least && isUsable(imageMask, candidate))
-            {
-                least = dx * dx + dy * dy;
-                found = candidate;
-            }
-        }
-    }
-    return least < std::numeric_limits<double>::infinity();
-}
-
-void maskPositions(const Mat& imageMask, const PositionMap& position, Mat& levelMask)
-{
-    std::vector<int> columns(levelMask.cols);
-    for (int x = 0; x < levelMask.cols; x++)
-        columns[x] = nearestPixel(position(x, 0).x, imageMask.cols);
-    Point2f anywhere;
-    for (int y = 0; y < levelMask.rows; y++)
-    {
-        const uchar* use = imageMask.ptr(nearestPixel(position(0, y).y, imageMask.rows));
-        uchar* out = levelMask.ptr(y);
-        if (!std::memchr(use, 0, size_t(imageMask.cols)))
-            continue;
-        for (int begin = 0, end; begin < levelMask.cols; begin = end)
-        {
-            // Hardly any pixel needs a closer look.
-            const int AT_ONCE = 64;
-            end = std::min(begin + AT_ONCE, levelMask.cols);
-            int masked = 0;
-            for (int x = begin; x < end; x++)
-                masked |= out[x] & (use[columns[x]] ? 0 : 255);
-            for (int x = begin; x < end && masked; x++)
-                if (out[x] && !use[columns[x]] && !usablePosition(imageMask, position, x, y, anywhere))
-                    out[x] = 0;
-        }
-    }
-}
 
 Point2d subPixelOffset(const Mat& image, int x, int y)
 {
@@ -143,15 +34,13 @@ Point2d subPixelOffset(const Mat& image, int x, int y)
     return Point2d(std::min(std::max(px, -0.5), 0.5), std::min(std::max(py, -0.5), 0.5));
 }
 
-// ---- features ---------------------------------------------------------------------------------
-
 std::vector<FeatureRange> divideIntoRanges(const std::vector<FeatureList>& features, int threads)
 {
-    const size_t LEAST = 64;
+    const size_t MIN_FEATURES = 64;
     size_t all = 0;
     for (const FeatureList& list : features)
         all += list.points.size();
-    const size_t most = threads == 1 ? all + 1 : std::max(all / (4 * threads), LEAST);
+    const size_t most = threads == 1 ? all + 1 : std::max(all / (4 * threads), MIN_FEATURES);
     std::vector<FeatureRange> ranges;
     for (size_t level = 0; level < features.size(); level++)
     {
@@ -220,7 +109,7 @@ void describeFeatures(const Level& level, const DescriptionRules& rules, const R
         approximateBlur(level.image, scratch.region, Range(filled, bottom), blurred, scratch.blur, isExact);
         filled = bottom;
         i += computeDescriptors(level.image, blurred, &points[i], next - i, *rules.tests,
-                                &list.descriptors[i * DESCRIPTOR_BYTES], DESCRIPTOR_BYTES, !isExact);
+                                &list.descriptors[i * ORB::kBytes], ORB::kBytes, !isExact);
         if (i < next)
         {
             isExact = true;

@@ -5,7 +5,7 @@
 
 // The Harris responses of several corners at once, and the moments of circular patches.
 
-#include "measures.hpp"
+#include "harris_orientation.hpp"
 #include "simd_compat.hpp"
 
 namespace cv
@@ -22,13 +22,6 @@ void harrisOfCorners(const uchar* image, ptrdiff_t step, const Corner* corners, 
 //! weights.radius to its right, must be readable.
 void momentsAround(const uchar* image, ptrdiff_t step, const PatchWeights& weights,
                    const FeaturePoint* points, int count, Moments* moments);
-
-//! As countBetterNeighbors.
-void countBetter(const int* keys, ptrdiff_t stride, int side, uchar* counts);
-
-/** Counts, for each leaf, the leaves before it within the disc around it.
- @param grid without any bit; afterwards it has those of all leaves */
-void countBefore(const RankGrid& grid, const unsigned* leaves, size_t count, int* counts);
 
 #ifndef CV_CPU_OPTIMIZATION_DECLARATIONS_ONLY
 
@@ -187,38 +180,6 @@ void momentsAround(const uchar* image, ptrdiff_t step, const PatchWeights& weigh
 {
     for (int i = 0; i < count; i++)
         moments[i] = momentsOf(image + points[i].y * step + points[i].x, step, weights);
-}
-
-// Compilers vectorize this loop.
-void countBetter(const int* keys, ptrdiff_t stride, int side, uchar* counts)
-{
-    const int *above = keys - stride, *below = keys + stride;
-    for (int i = 0; i < side; i++)
-    {
-        const int own = keys[i];
-        counts[i] =
-            uchar((above[i - 1] >= own) + (above[i] >= own) + (above[i + 1] >= own) + (keys[i - 1] >= own) +
-                  (keys[i + 1] > own) + (below[i - 1] > own) + (below[i] > own) + (below[i + 1] > own));
-    }
-}
-
-void countBefore(const RankGrid& grid, const unsigned* leaves, size_t count, int* counts)
-{
-    const unsigned columns = (1u << grid.columnBits) - 1, STEP = RankGrid::STEP;
-    for (size_t i = 0; i < count; i++)
-    {
-        const unsigned column = leaves[i] & columns, row = leaves[i] >> grid.columnBits;
-        const uint64* const word = grid.bits + size_t(row) * grid.stride + column / STEP;
-        int sum = 0;
-        for (int j = 0; j < grid.wordCount; j++)
-            sum += bitCount((word[grid.words[j]] >> (column % STEP)) & grid.masks[j]);
-        counts[i] = sum;
-        // The bit of the leaf lies in two words.
-        const unsigned bit = column + unsigned(grid.left);
-        uint64* const own = grid.bits + size_t(row + unsigned(grid.top)) * grid.stride + bit / STEP + 1;
-        own[0] |= uint64(1) << (bit % STEP);
-        own[-1] |= uint64(1) << (bit % STEP + STEP);
-    }
 }
 
 #endif  // CV_CPU_OPTIMIZATION_DECLARATIONS_ONLY

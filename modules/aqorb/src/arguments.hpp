@@ -3,10 +3,10 @@
 // of this distribution.
 // SPDX-License-Identifier: Apache-2.0
 
-// The images, masks and keypoints that callers give, and their checks.
+// The images, masks and keypoints that callers give, the outputs that they get, and the checks of both.
 
-#ifndef OPENCV_AQORB_INPUT_HPP
-#define OPENCV_AQORB_INPUT_HPP
+#ifndef OPENCV_AQORB_ARGUMENTS_HPP
+#define OPENCV_AQORB_ARGUMENTS_HPP
 
 #include "parameters.hpp"
 #include "types.hpp"
@@ -60,8 +60,20 @@ void checkIsOfMats(const _InputArray& array, const char* name);
 
 /** The given keypoints that cv::ORB::compute describes, and the pixels at which it describes them: a list for each
  level, up to their highest octave. Throws where an octave is negative or has no pixels, or an angle is not finite. */
-std::vector<FeatureList> takeGiven(const std::vector<KeyPoint>& keypoints, const Parameters& parameters,
-                                   Size imageSize);
+std::vector<FeatureList> groupGivenKeypoints(const std::vector<KeyPoint>& keypoints,
+                                             const Parameters& parameters, Size imageSize);
+
+//! Throws unless the output can hold several matrices of bytes.
+void checkMatsOutput(OutputArrayOfArrays output, const char* name);
+
+//! Puts the matrices into the output. Throws if the output is fixed to another number of them.
+void assignMats(const std::vector<Mat>& mats, OutputArrayOfArrays output, const char* name);
+
+//! Throws unless the output is a single one that can hold CV_8UC1. Its size is checked by the function below.
+void checkDescriptorsOutput(OutputArray descriptors);
+
+//! Makes the output a matrix of a row for each keypoint, empty for none. Throws if its size is fixed to another one.
+Mat createDescriptors(OutputArray descriptors, int count);
 
 }  // namespace aqorb
 }  // namespace cv
