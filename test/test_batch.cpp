@@ -170,6 +170,22 @@ TEST(Aqorb_Batch, threads_have_an_image_each_and_share_a_single_one)
     EXPECT_EQ(4, backend->most);
 }
 
+TEST(Aqorb_Batch, uses_all_threads_that_are_allowed_but_a_stage_at_most_16)
+{
+    const std::shared_ptr<Counting> backend = std::make_shared<Counting>();
+    const BackendScope scope(backend);
+    const Threads threads(40);
+    const Ptr<AdaptiveQuadtreeORB> detector = AdaptiveQuadtreeORB::create(50);
+    KeyPointLists keypoints;
+    for (const int images : {30, 1})
+    {
+        backend->most = 0;
+        detector->detectAndComputeBatch(std::vector<Mat>(images, makeScene(Size(320, 300))), noArray(),
+                                        keypoints, noArray());
+        EXPECT_EQ(images == 1 ? 16 : 30, backend->most);
+    }
+}
+
 // cv::cvtColor and cv::resize used to share the work.
 TEST(Aqorb_Batch, a_thread_alone_stays_alone_for_colours_and_large_steps_of_the_pyramid)
 {
