@@ -4,41 +4,48 @@
 # of this distribution.
 # SPDX-License-Identifier: Apache-2.0
 """Detects the features of all images in a folder, as aqorb extract does, by a pipeline of Ray Data: on this machine,
-or on the cluster whose address is given. The result is a folder of .parquet files with the same rows, in no order.
-Files that are no images are named in the log. Needs aqorb[cli] and ray[data], on each machine of a cluster."""
+or on the cluster whose address is given. The result is a folder of parts, as aqorb extract writes them, with the same
+rows. Files that are no images are named in the log. Needs aqorb[cli] and ray[data], on each machine of a cluster."""
 
 import argparse
+import functools
 import io
-import json
 import logging
 import os
 import sys
 
+import pyarrow as pa
 import ray
 import ray.data
 
 import aqorb
-from aqorb import collection
+from aqorb.collection import images, store
 
 
 class Extractor:
     """Holds a detector. An actor of Ray works on a batch of files at a time."""
 
     def __init__(self, folder, options):
-        self.folder, self.options = folder.split('://')[-1], options
+        self.folder = folder
+        self.how = images.Reading(options.max_size, not options.ignore_orientation)
         self.detector = aqorb.AdaptiveQuadtreeORB_create(options.num_features)
         aqorb.setNumThreads(1)  # an actor has a processor
 
     def __call__(self, batch):
-        paths = [os.fsencode(os.path.relpath(path.split('://')[-1], self.folder)) for path in batch['path'].to_pylist()]
-        contents = dict(zip(paths, batch['bytes']))
-        table, failures = collection.extract(
-            paths, lambda path: io.BytesIO(contents[path].as_buffer()), self.detector, self.options.max_size,
-            not self.options.ignore_orientation)
-        for path, reason in failures:
-            logging.getLogger('ray.data').warning('%s is left out: %s', os.fsdecode(path), reason)
-        metadata = collection.description(self.detector, self.options.max_size, not self.options.ignore_orientation)
-        return table.replace_schema_metadata({'aqorb': json.dumps(metadata)})
+        files = []
+        for path, content in zip(batch['path'].to_pylist(), batch['bytes']):
+            # Ray does not say the time of a file: where all machines have the folder, the file does.
+            time = os.stat(path).st_mtime_ns if os.path.exists(path) else None
+            name = store.name_of(path.split('://')[-1], self.folder.split('://')[-1])
+            files.append(store.File(name, functools.partial(io.BytesIO, content.as_buffer()), self.folder,
+                                    len(content.as_buffer()), time))
+        rows = [store.FEATURES.empty_table()]
+        for file, row, note in store.extract(files, self.detector, self.how):
+            if row is None:
+                logging.getLogger('ray.data').warning('%s is left out: %s', file.name, note)
+            else:
+                rows.append(row)
+        return pa.concat_tables(rows)
 
 
 def main():

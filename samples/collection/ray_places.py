@@ -4,8 +4,8 @@
 # of this distribution.
 # SPDX-License-Identifier: Apache-2.0
 """Matches each image with the most similar ones, as aqorb match --pairs retrieval:K does, by a pipeline of Ray Data.
-The features are those of ray_features.py or of aqorb extract, .parquet files. The result is a folder of .parquet files
-with the same rows, in no order. Needs aqorb[cli] and ray[data], on each machine of a cluster."""
+The features are those of ray_features.py or of aqorb extract. The result is a folder of parts, as aqorb match writes
+them, with the same rows. Needs aqorb[cli] and ray[data], on each machine of a cluster."""
 
 import argparse
 import os
@@ -13,12 +13,11 @@ import sys
 
 import numpy as np
 import pyarrow as pa
-import pyarrow.dataset
 import ray
 import ray.data
 
 import aqorb
-from aqorb import collection, files, places
+from aqorb.collection import places, store
 
 
 def draw(batch, count, seed):
@@ -35,7 +34,7 @@ def merge(draws, count):
         descriptors = np.concatenate([descriptors, np.frombuffer(row['descriptors'], np.uint8).reshape(-1, 32)])
         order = np.argsort(keys, kind='stable')[:count]
         keys, descriptors, total = keys[order], descriptors[order], total + row['total']
-    return places.words([(keys, descriptors, total)], count)
+    return places.choose_words([(keys, descriptors, total)], count)
 
 
 def look_up(batch, words):
@@ -44,26 +43,24 @@ def look_up(batch, words):
     words = ray.get(words)
     images = list(places.images_of(batch))
     found = list(zip(*(places.words_of(descriptors, words) for _, descriptors in images)))
-    return pa.table({'path': [path for path, _ in images], 'words': found[0], 'counts': found[1]})
+    return pa.table({'name': [name for name, _ in images], 'words': found[0], 'counts': found[1]})
 
 
 @ray.remote
 def similar(weights, first, rows, number, min_gap):
     """The pairs of the images first to first + rows - 1."""
     blocks = places.similar(weights[first:first + rows], weights, number, min_gap, first)
-    return places.pairs(((first + start, *found) for start, *found in blocks), weights.shape[0])
+    return places.pairs_of(((first + start, *found) for start, *found in blocks), weights.shape[0])
 
 
-def match(batch, features, ratio):
-    """The verified matches of a batch of pairs of paths, whose features are read from the files."""
+def match(batch, folder, ratio):
+    """The verified matches of a batch of pairs of names, whose features are read from the parts."""
     aqorb.setNumThreads(1)
-    paths = batch['path1'].to_pylist(), batch['path2'].to_pylist()
-    is_needed = pa.dataset.field('path').isin(pa.array({*paths[0], *paths[1]}, pa.binary()))
-    table = pa.dataset.dataset(features).to_table(['path', 'x', 'y', 'descriptors'], filter=is_needed)
-    read = {row['path']: (np.float32([row['x'], row['y']]).T,
-                          np.frombuffer(row['descriptors'], np.uint8).reshape(-1, 32)) for row in table.to_pylist()}
-    matched = zip(*(places.match(read[first], read[second], ratio) for first, second in zip(*paths)))
-    return pa.table([*paths, *map(list, matched)], schema=files.VERIFIED)
+    features = store.Features(folder)
+    pairs = np.array([[features.index[name] for name in batch[side].to_pylist()] for side in ('name1', 'name2')]).T
+    read = {image: features.keypoints(image) for image in np.unique(pairs)}
+    found = [places.match(read[first], read[second], ratio) for first, second in pairs]
+    return store.to_matches(features, pairs, found, {'ratio': ratio, 'max_distance': None, 'verified': True})
 
 
 def main():
@@ -76,28 +73,28 @@ def main():
     parser.add_argument('--seed', type=int, default=0)
     parser.add_argument('--ratio', type=float)
     parser.add_argument('--batch', type=int, default=4096, help='images or pairs of a task (%(default)s)')
-    parser.add_argument('features', metavar='FEATURES', help='.parquet file, or folder that all machines can read')
+    parser.add_argument('features', metavar='FEATURES', help='folder that all machines can read')
     options = parser.parse_args()
     if os.path.exists(options.out):
         sys.exit(f'{options.out} exists')
     ray.init(options.address)
     how = {'batch_size': options.batch, 'batch_format': 'pyarrow'}
-    folder = options.features if '://' in options.features else os.path.abspath(options.features)
-    features = ray.data.read_parquet(folder, columns=['path', 'response', 'descriptors'])
+    folder = os.path.abspath(options.features)
+    features = ray.data.read_parquet(folder, columns=['name', 'response', 'descriptors'])
 
     draws = features.map_batches(draw, fn_args=(options.words, options.seed), **how)
     words = merge(draws.iter_rows(), options.words)
     looked_up = features.map_batches(look_up, fn_args=(ray.put(words),), **how)
-    rows = sorted(((row['path'], row['words'], row['counts']) for row in looked_up.iter_rows()), key=lambda row: row[0])
-    paths = [row[0] for row in rows]
-    counts = places.count([row[1:] for row in rows], len(words))
-    weights = ray.put(places.weigh(counts, places.rarity(counts)))
+    rows = sorted(((row['name'], row['words'], row['counts']) for row in looked_up.iter_rows()), key=lambda row: row[0])
+    names = [row[0] for row in rows]
+    counts = places.count_matrix([row[1:] for row in rows], len(words))
+    weights = ray.put(places.weigh(counts, places.rarity_of(counts)))
 
     blocks = [similar.remote(weights, first, options.batch, options.retrieval, options.min_gap)
-              for first in range(0, len(paths), options.batch)]
+              for first in range(0, len(names), options.batch)]
     pairs = np.unique(np.concatenate(ray.get(blocks)), axis=0)
-    columns = [pa.array([paths[i] for i in side], pa.binary()) for side in pairs.T]
-    named = ray.data.from_arrow(pa.table(columns, ['path1', 'path2'])).repartition(max(1, len(pairs) // options.batch))
+    columns = [pa.array([names[i] for i in side]) for side in pairs.T]
+    named = ray.data.from_arrow(pa.table(columns, ['name1', 'name2'])).repartition(max(1, len(pairs) // options.batch))
     named.map_batches(match, fn_args=(folder, options.ratio), **how).write_parquet(options.out)
 
 

@@ -19,6 +19,7 @@ import numpy as np
 import psutil
 import pyarrow as pa
 import pyarrow.parquet as pq
+import pycolmap
 import pytest
 from PIL import Image
 
@@ -45,9 +46,14 @@ def photographs(tmp_path_factory):
 @pytest.fixture(scope='module')
 def table(photographs, tmp_path_factory):
     """What the command gives."""
-    out = tmp_path_factory.mktemp('command') / 'features.parquet'
-    subprocess.run([sys.executable, '-m', 'aqorb', 'extract', str(photographs), '--out', str(out)], check=True)
-    return pq.read_table(str(out))
+    out = tmp_path_factory.mktemp('command') / 'features'
+    run('extract', photographs, '--out', out)
+    return sorted_table(out)
+
+
+def run(*arguments):
+    call = [sys.executable, '-m', 'aqorb', *map(str, arguments)]
+    return subprocess.run(call, check=True, stdout=subprocess.PIPE, text=True).stdout
 
 
 def start_ray(photographs, out):
@@ -56,13 +62,13 @@ def start_ray(photographs, out):
 
 
 def sorted_table(folder):
-    return pq.read_table(str(folder)).sort_by('path')
+    return pq.read_table(str(folder)).sort_by('name').combine_chunks()
 
 
 def test_the_function(photographs, table):
     images = []
-    for path in table['path'].to_pylist():
-        image = Image.open(str(photographs / os.fsdecode(path)))
+    for name in table['name'].to_pylist():
+        image = Image.open(str(photographs / name))
         image.draft('L', image.size)
         images.append(np.asarray(image))
     features = aqorb.AdaptiveQuadtreeORB_create(1000).detectAndComputeBatch(images)
@@ -86,10 +92,12 @@ def test_the_function_for_spark(photographs, table):
     code = page.read_text().split('mapInArrow`:\n\n```python\n')[1].split('# Spark begins here.')[0]
     names = {}
     exec(code, names)
-    files = pa.table({'path': [path.decode() for path in table['path'].to_pylist()] + ['no image.txt']})
-    files = files.append_column('content', [[(photographs / path).read_bytes() for path in files['path'].to_pylist()]])
+    paths = [str(photographs / name) for name in table['name'].to_pylist() + ['no image.txt']]
+    files = pa.table({'path': paths, 'content': [pathlib.Path(path).read_bytes() for path in paths]})
     found = pa.Table.from_batches(names['extract'](iter(files.to_batches(max_chunksize=50))))
-    assert found.combine_chunks().equals(table)
+    for name in 'name', *LISTS, 'descriptors', 'digest', 'file_size':
+        assert found[name].combine_chunks().equals(table[name].combine_chunks()) or name == 'name'
+    assert [os.path.basename(name) for name in found['name'].to_pylist()] == table['name'].to_pylist()
 
 
 def actor_at_work(process):
@@ -114,22 +122,53 @@ def test_ray_with_a_worker_that_is_killed(photographs, table, tmp_path):
     assert sorted_table(tmp_path / 'out').equals(table)
 
 
-def test_ray_places(table, tmp_path):
-    pq.write_table(table, str(tmp_path / 'features.parquet'))
+def test_ray_places(photographs, table, tmp_path):
+    start_ray(photographs, tmp_path / 'features').communicate(timeout=600)
+    assert '0 of them new' in run('extract', photographs, '--out', tmp_path / 'features')
     how = '--min-gap', '3', '--ratio', '.8', '--seed', '2'
-    subprocess.run([sys.executable, '-m', 'aqorb', 'match', str(tmp_path / 'features.parquet'), '--pairs', 'retrieval:4',
-                    '--out', str(tmp_path / 'matches.parquet'), *how], check=True)
-    subprocess.run([sys.executable, str(HERE / 'ray_places.py'), str(tmp_path / 'features.parquet'), '--retrieval', '4',
+    run('match', tmp_path / 'features', '--pairs', 'retrieval:4', '--out', tmp_path / 'matches', *how)
+    subprocess.run([sys.executable, str(HERE / 'ray_places.py'), str(tmp_path / 'features'), '--retrieval', '4',
                     '--batch', '70', '--out', str(tmp_path / 'out'), *how], check=True)
-    order = [('path1', 'ascending'), ('path2', 'ascending')]
-    command, pipeline = (pq.read_table(str(tmp_path / name)).sort_by(order) for name in ('matches.parquet', 'out'))
+    order = [('name1', 'ascending'), ('name2', 'ascending')]
+    command, pipeline = (pq.read_table(str(tmp_path / name)).sort_by(order) for name in ('matches', 'out'))
     assert len(command) > 1000 and pipeline.equals(command)
+    again = run('match', tmp_path / 'features', '--pairs', 'retrieval:4', '--out', tmp_path / 'out', *how)
+    assert ' 0 of them new' in again
+    assert '00003.jpg\t' in run('search', tmp_path / 'features', photographs / '00003.jpg')
+
+
+def test_phones(tmp_path):
+    """A drive, half of it by a phone that is turned, is mapped and undistorted by COLMAP."""
+    images = tmp_path / 'images'
+    images.mkdir()
+    frames = sorted(pathlib.Path(os.environ['AQORB_TEST_SEQUENCE'], 'image_0').glob('*'))[:24]
+    for i, path in enumerate(frames):
+        exif = Image.Exif()
+        # The focal length of KITTI's camera, 707 pixels, on film of the same diagonal.
+        exif[0x8769] = exif._ifds[0x8769] = {0xa405: round(707.09 * 43.267 / np.hypot(1226, 370))}
+        exif[0x0112] = 6 if i % 2 else 1
+        image = Image.open(str(path)).convert('RGB')
+        (image.transpose(Image.ROTATE_90) if i % 2 else image).save(str(images / f'{i:02}.jpg'), quality=95, exif=exif)
+    database, model, dense = (str(tmp_path / name) for name in ('x.db', 'model', 'dense'))
+    run('extract', images, '--out', tmp_path / 'f', '--num-features', 2000)
+    run('match', tmp_path / 'f', '--pairs', 'sequential:4', '--out', tmp_path / 'm')
+    run('colmap', tmp_path / 'f', tmp_path / 'm', '--images', images, '--database', database)
+    pycolmap.geometric_verification(database)
+    options = pycolmap.IncrementalPipelineOptions(ba_refine_focal_length=False, ba_refine_extra_params=False)
+    options.mapper.init_max_forward_motion, options.mapper.init_min_tri_angle = 1, 4
+    os.makedirs(model)
+    found = pycolmap.incremental_mapping(database, str(images), model, options)
+    largest = max(found, key=lambda number: found[number].num_reg_images())
+    assert found[largest].num_reg_images() == len(frames)
+    pycolmap.undistort_images(dense, os.path.join(model, str(largest)), str(images))
+    assert len(os.listdir(os.path.join(dense, 'images'))) == len(frames)
+    print(found[largest].summary())
 
 
 def test_ten_thousand_small_images(tmp_path):
     memory = {}
     for count in 1000, 10000:
-        folder, out = tmp_path / str(count), tmp_path / f'{count}.parquet'
+        folder, out = tmp_path / str(count), tmp_path / f'{count}-features'
         folder.mkdir()
         for i in range(count):
             pixels = np.random.RandomState(i).randint(0, 256, (12, 16), np.uint8)
@@ -138,7 +177,7 @@ def test_ten_thousand_small_images(tmp_path):
         _, status, usage = os.wait4(process.pid, 0)
         assert status == 0
         memory[count] = usage.ru_maxrss
-        found = pq.read_table(str(out), columns=['path', 'x'])
-        assert found['path'].to_pylist() == [b'%05d.bmp' % i for i in range(count)]
+        found = pq.read_table(str(out), columns=['name'])
+        assert found['name'].to_pylist() == [f'{i:05}.bmp' for i in range(count)]
     print(f'memory: {memory} KiB')
     assert memory[10000] < memory[1000] + 30000  # 10,000 files have some 100 MB of features

@@ -28,7 +28,7 @@ import numpy as np
 import pycolmap
 
 import aqorb
-from aqorb import colmap
+from aqorb.collection import colmap
 
 
 def fail(message):
@@ -49,19 +49,19 @@ def make_detector(name, features):
 def read_camera(folder, size):
     with open(os.path.join(folder, 'calib.txt')) as file:
         projection = np.array(file.readline().split()[-12:], float).reshape(3, 4)
-    return {'model': 'PINHOLE', 'width': size[0], 'height': size[1],
-            'params': [projection[0, 0], projection[1, 1], projection[0, 2] + .5, projection[1, 2] + .5]}
+    return pycolmap.Camera(model='PINHOLE', width=size[0], height=size[1], has_prior_focal_length=True, params=[
+        projection[0, 0], projection[1, 1], projection[0, 2] + .5, projection[1, 2] + .5])
 
 
 def fill_database(path, folder, names, name, features, neighbours):
-    """Detects, matches and writes into a new database. Returns the pairs of images that were matched."""
+    """Detects, matches and writes into a new database."""
     detector, norm = make_detector(name, features)
     images = [cv.imread(os.path.join(folder, file), cv.IMREAD_GRAYSCALE) for file in names]
     if any(image is None for image in images):
         fail('not all files in {} are images'.format(folder))
     found = [detector.detectAndCompute(image, None) for image in images]
-    database = colmap.create(path)
-    camera = colmap.write_camera(database, **read_camera(os.path.dirname(folder), images[0].shape[::-1]))
+    database = pycolmap.Database.open(path)
+    camera = colmap.write_camera(database, read_camera(os.path.dirname(folder), images[0].shape[::-1]))
     ids = [colmap.write_image(database, file, camera, aqorb.keypointsToArray(keypoints))
            for file, (keypoints, _) in zip(names, found)]
     pairs = [(i, j) for i in range(len(names)) for j in range(i + 1, min(i + 1 + neighbours, len(names)))]
@@ -71,9 +71,8 @@ def fill_database(path, folder, names, name, features, neighbours):
         else:
             matches = cv.BFMatcher(norm, crossCheck=True).match(found[i][1], found[j][1])
             matches = [(m.queryIdx, m.trainIdx) for m in matches]
-        colmap.write_matches(database, ids[i], ids[j], matches)
-    colmap.close(database)
-    return [(names[i], names[j]) for i, j in pairs]
+        database.write_matches(ids[i], ids[j], np.array(matches, np.uint32).reshape(-1, 2))
+    database.close()
 
 
 def position_error(reconstruction, folder, names):
@@ -99,10 +98,10 @@ def reconstruct(folder, names, name, options):
     out = os.path.join(options.out, name)
     shutil.rmtree(out, ignore_errors=True)
     os.makedirs(out)
-    database, pairs = os.path.join(out, 'database.db'), os.path.join(out, 'pairs.txt')
-    colmap.write_pairs(pairs, fill_database(database, folder, names, name, options.features, options.neighbours))
+    database = os.path.join(out, 'database.db')
+    fill_database(database, folder, names, name, options.features, options.neighbours)
     pycolmap.set_random_seed(0)
-    pycolmap.verify_matches(database, pairs)
+    pycolmap.geometric_verification(database)
     pipeline = pycolmap.IncrementalPipelineOptions(ba_refine_focal_length=False, ba_refine_extra_params=False,
                                                    multiple_models=False, num_threads=2)
     # A camera that looks ahead as it drives has no pair of images that COLMAP would begin with otherwise.

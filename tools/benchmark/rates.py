@@ -10,6 +10,7 @@ cost. The images are made of the photographs in the given folder. Needs aqorb[cl
 import argparse
 import os
 import pathlib
+import shutil
 import statistics
 import subprocess
 import sys
@@ -19,13 +20,13 @@ import numpy as np
 from PIL import Image
 
 import aqorb
-from aqorb import collection
+from aqorb.collection.images import Reading, read_image
 
 # name: size, suffix, options of Pillow
 KINDS = {'PNG 1000 x 700': ((1000, 700), 'png', {}), 'JPEG 1920 x 1080': ((1920, 1080), 'jpg', {'quality': 90})}
 
 WAYS = {
-    'aqorb extract': 'from aqorb.command import main; main(["extract", folder, "--out", out + ".parquet", '
+    'aqorb extract': 'from aqorb.cli.main import main; main(["extract", folder, "--out", out, '
                      '"--num-features", "1000"])',
     'loop of cv2.ORB': '''
 import os, cv2
@@ -78,7 +79,7 @@ def milliseconds(function, items):
 
 def read(path, **options):
     with open(path, 'rb') as file:
-        return collection.read_image(file, **options)
+        return read_image(file, Reading(**options))
 
 
 def read_colours(path):
@@ -105,15 +106,15 @@ def main():
         found = {way: [] for way in WAYS}
         for i in range(options.passes):
             result = out / f'{suffix}-{i}'
-            for name in 'parquet', 'db':
-                for file in result, out / f'{suffix}-nothing':
-                    file.with_suffix('.' + name).unlink(missing_ok=True)
+            for made in result, out / f'{suffix}-nothing':
+                shutil.rmtree(str(made), ignore_errors=True)
+            result.with_suffix('.db').unlink(missing_ok=True)
             for way in WAYS:
                 found[way].append(run(way, folder, result))
         (out / 'nothing').mkdir(exist_ok=True)
-        (out / 'nothing' / 'no image').touch()
+        Image.new('L', (8, 8)).save(str(out / 'nothing' / 'black.png'))
         started = run('aqorb extract', out / 'nothing', out / f'{suffix}-nothing')[1]
-        size_of = os.path.getsize(str(out / f'{suffix}-0.parquet')) / number
+        size_of = sum(part.stat().st_size for part in (out / f'{suffix}-0').iterdir()) / number
         for way, times in found.items():
             count = number // SHARE.get(way, 1)
             wall, busy = (statistics.median(column) / count for column in zip(*times))

@@ -30,7 +30,6 @@ keypointsToArray and keypointsFromArray convert keypoints. Every function takes 
 that return keypoints then return an array. setNumThreads and getNumThreads are for the threads that a call uses.
 """
 
-from . import _stop  # noqa: F401 # first
 import functools as _functools
 import types as _types
 from ._aqorb import (AdaptiveQuadtreeORB, AdaptiveQuadtreeORB_BALANCED_SELECTION,

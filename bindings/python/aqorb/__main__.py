@@ -2,7 +2,7 @@
 # It is subject to the license terms in the LICENSE file found in the top-level directory
 # of this distribution.
 # SPDX-License-Identifier: Apache-2.0
-from aqorb.command import main
+from aqorb.cli.main import main
 
 if __name__ == '__main__':
     main()

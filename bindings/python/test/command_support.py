@@ -4,7 +4,9 @@
 # SPDX-License-Identifier: Apache-2.0
 """What the tests of the command aqorb share."""
 
+import contextlib
 import io
+import os
 import re
 import subprocess
 import sys
@@ -12,15 +14,15 @@ import sys
 import pytest
 
 import aqorb
+from aqorb.cli.main import main
 from conftest import noise  # noqa: F401 # for those that import this
 
-pytest.importorskip('tqdm')
 pycolmap = pytest.importorskip('pycolmap')
 pa = pytest.importorskip('pyarrow')
 pq = pytest.importorskip('pyarrow.parquet')
 PIL = pytest.importorskip('PIL')
 Image = pytest.importorskip('PIL.Image')
-collection = pytest.importorskip('aqorb.collection')
+store = pytest.importorskip('aqorb.collection.store')
 
 TEXT = {'stdout': subprocess.PIPE, 'stderr': subprocess.PIPE, 'text': True, 'errors': 'surrogateescape'}
 
@@ -35,8 +37,21 @@ def start(*arguments, **options):
 
 
 def command(*arguments, **options):
-    """A finished process of the command."""
-    return subprocess.run(call_of(*arguments), timeout=300, **{**TEXT, **options})
+    """What a call of the command gives: of a process of its own if it has options, else of this one."""
+    if options:
+        return subprocess.run(call_of(*arguments), timeout=300, **{**TEXT, **options})
+    output, errors, threads = io.StringIO(), io.StringIO(), aqorb.getNumThreads()
+    with contextlib.redirect_stdout(output), contextlib.redirect_stderr(errors):
+        try:
+            main(list(map(str, arguments)))
+        except SystemExit as ended:
+            code = ended.code or 0
+            if isinstance(code, str):
+                print(code, file=errors)
+                code = 1
+        finally:
+            aqorb.setNumThreads(threads)
+    return subprocess.CompletedProcess(arguments, code, output.getvalue(), errors.getvalue())
 
 
 def run(*arguments):
@@ -52,7 +67,16 @@ def refused(message, *arguments):
 
 
 def rows(path):
-    return {row['path']: row for row in pq.read_table(str(path)).to_pylist()}
+    """The rows of a folder of features by name."""
+    return {row['name']: row for row in pq.read_table(str(path)).to_pylist()}
+
+
+def matches_of(path):
+    return {(row['name1'], row['name2']): row for row in pq.read_table(str(path)).to_pylist()}
+
+
+def parts_of(path):
+    return {name: os.stat(path / name).st_mtime_ns for name in os.listdir(path)}
 
 
 def expected(pixels, features=1000):

@@ -68,11 +68,10 @@ def folder(tmp_path_factory):
 
 @pytest.fixture(scope='session')
 def features(folder, tmp_path_factory):
-    """A file of each kind with the features of those."""
+    """A folder with the features of those."""
     from command_support import run
-    out = tmp_path_factory.mktemp('features')
-    for suffix in 'parquet', 'db':
-        run('extract', folder, '--out', out / f'features.{suffix}', '--part-size', 7)
+    out = tmp_path_factory.mktemp('features') / 'features'
+    run('extract', folder, '--out', out, '--part-size', 7)
     return out
 
 

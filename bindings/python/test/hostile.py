@@ -2,24 +2,20 @@
 # It is subject to the license terms in the LICENSE file found in the top-level directory
 # of this distribution.
 # SPDX-License-Identifier: Apache-2.0
-"""Does to the command aqorb what a day of bad luck does, and counts what comes of it: flips bits in its files, gives it
-files that no command has made, and kills it while it writes. Prints a table, and fails if anything went wrong.
+"""Does to the command aqorb what a day of bad luck does, and counts what comes of it: flips bits in its parts, gives it
+parts that no command has made, and kills it. Prints a table, and fails if anything went wrong.
 
     python hostile.py [--flips=1000] [--kills=50]
 
-Each flipped file is matched by a process of its own. That may end in a sentence or in the matches of the undamaged
-file. A database that was killed must be whole, with all its features, and the same command must end as if nothing had
-been. Needs aqorb[cli], and takes some five minutes."""
+A part with a flipped bit may end in a sentence or in the rows of the undamaged one. What was killed must end with the
+same rows as if nothing had been, when the same command is called again. Needs aqorb[cli], and takes some five minutes."""
 
 import argparse
 import collections
-import contextlib
-import glob
 import os
 import pathlib
 import random
 import shutil
-import signal
 import sqlite3
 import subprocess
 import sys
@@ -31,166 +27,118 @@ import pyarrow as pa
 import pyarrow.parquet as pq
 from PIL import Image
 
-from aqorb import command
+from aqorb.collection import Refused, store
 
-SILENT = {'stdout': subprocess.DEVNULL, 'stderr': subprocess.DEVNULL}
-OUTCOMES = {0: 'the same matches', 10: 'a sentence', 12: 'OTHER MATCHES'}
-FEATURES = ('SELECT name, keypoints.data, descriptors.data, cameras.params FROM images JOIN keypoints USING (image_id) '
-            'JOIN descriptors USING (image_id) JOIN cameras USING (camera_id) ORDER BY image_id')
+AQORB = [sys.executable, '-m', 'aqorb']
+TABLES = 'images', 'cameras', 'keypoints', 'descriptors', 'matches', 'two_view_geometries', 'frame_data', 'rigs'
 
 
-def remove(path):
-    for name in glob.glob(path + '*'):
-        shutil.rmtree(name) if os.path.isdir(name) else os.remove(name)
+def content_of(path):
+    """What a store or a database has, in an order that does not depend on parts."""
+    if os.path.isfile(path):
+        database = sqlite3.connect(path)
+        found = [sorted(database.execute('SELECT * FROM ' + table), key=repr) for table in TABLES]
+        database.close()
+        return found
+    return sorted(map(repr, pq.read_table(str(path)).to_pylist()))
 
 
-def outcome(arguments, out, expected):
-    """What becomes of a call of the command, in a fork of this process."""
-    with tempfile.TemporaryFile('w+', encoding='utf-8', errors='replace') as output:
-        child = os.fork()
-        if not child:
-            os.dup2(output.fileno(), 1)
-            os.dup2(output.fileno(), 2)
-            signal.alarm(60)
-            try:
-                command.main(arguments)
-                os._exit(0 if rows_in(out) == expected else 12)
-            except BaseException as ended:
-                os._exit(10 if isinstance(ended, SystemExit) and isinstance(ended.code, str) else 11)
-        code = os.waitstatus_to_exitcode(os.waitpid(child, 0)[1])
-        output.seek(0)
-        is_traceback = 'Traceback' in output.read()
-    remove(out)
-    return 'A TRACEBACK' if is_traceback else OUTCOMES.get(code, f'EXIT CODE {code}')
+def read(path):
+    """What the command reads of a folder of features."""
+    found = store.Features(str(path), ['name', 'x', 'y', 'response', 'descriptors'])
+    found.parameters()
+    return [(name, *map(bytes, found.keypoints(image))) for image, name in enumerate(found.images)]
 
 
-def rows_in(path):
-    return pq.read_table(path, use_threads=False).to_pylist()
-
-
-def flip(content, chance):
-    damaged = bytearray(content)
-    damaged[chance.randrange(len(damaged))] ^= 1 << chance.randrange(8)
-    return bytes(damaged)
-
-
-def flips(count, chance, source, damaged, arguments, out, expected):
-    found, content = collections.Counter(), pathlib.Path(source).read_bytes()
+def flips(count, chance, folder, damaged):
+    """What comes of bits that are flipped in the parts of a folder."""
+    found, whole = collections.Counter(), read(folder)
     for _ in range(count):
-        os.makedirs(os.path.dirname(damaged), exist_ok=True)
-        pathlib.Path(damaged).write_bytes(flip(content, chance))
-        found[outcome(arguments, out, expected)] += 1
+        shutil.rmtree(damaged, ignore_errors=True)
+        shutil.copytree(folder, damaged)
+        part = pathlib.Path(damaged, chance.choice(sorted(os.listdir(damaged))))
+        content = bytearray(part.read_bytes())
+        content[chance.randrange(len(content))] ^= 1 << chance.randrange(8)
+        part.write_bytes(content)
+        found[outcome(damaged, whole)] += 1
     return found
 
 
+def outcome(folder, whole=None):
+    try:
+        return 'the same rows' if read(folder) == whole else 'OTHER ROWS'
+    except Refused as error:
+        return 'a sentence' if str(folder) in str(error) and '\n' not in str(error) else 'NO SENTENCE'
+
+
 def crafted(table):
-    """Tables that no command has made, of features that a command has."""
+    """Parts that no command has made, of features that a command has."""
     columns, count = table.to_pydict(), len(table)
     for name, values, kind in (
             ('descriptors', [None] * count, pa.binary()), ('descriptors', [b'short'] * count, pa.binary()),
             ('descriptors', [value + bytes(32) for value in columns['descriptors']], pa.binary()),
             ('x', [[None]] * count, pa.list_(pa.float32())), ('x', columns['x'], pa.list_(pa.float64())),
-            ('path', [None] * count, pa.binary()), ('path', [b'twice'] * count, pa.binary()),
-            ('octave', [[0]] * count, pa.list_(pa.int32()))):
+            ('y', [[0]] * count, pa.list_(pa.float32())), ('width', [0] * count, pa.int32()),
+            ('name', [None] * count, pa.string()), ('parameters', ['{'] * count, pa.string()),
+            ('parameters', ['5'] * count, pa.string())):
         yield table.set_column(table.schema.get_field_index(name), name, pa.array(values, kind))
-    yield from (table.drop_columns(['y']), table.select(['path']), table.replace_schema_metadata({}))
-    for wrong in '[]', 'null', '5', '"text"', 'NaN', b'\xff{':
-        yield table.replace_schema_metadata({'aqorb': wrong})
+    yield from (table.drop_columns(['y']), table.select(['name']), pa.table({'a': [1]}))
 
 
-DATABASES = (
-    "UPDATE descriptors SET data = 'text'", 'UPDATE descriptors SET data = NULL', 'DELETE FROM descriptors',
-    'UPDATE descriptors SET rows = rows + 1', 'UPDATE keypoints SET rows = 1e13', "UPDATE keypoints SET cols = 'x'",
-    'DROP TABLE keypoints', 'DROP TABLE images', 'DELETE FROM aqorb', 'UPDATE aqorb SET metadata = NULL',
-    "UPDATE aqorb SET metadata = '[]'", "UPDATE aqorb SET metadata = '{'", 'DROP TABLE aqorb')
+def odd_parts(table, folder):
+    found = collections.Counter()
+    for made in crafted(table):
+        os.makedirs(folder, exist_ok=True)
+        pq.write_table(made, os.path.join(folder, 'odd.parquet'))
+        found[outcome(folder)] += 1
+    return found
 
 
-def odd_files(folder, features, database):
-    """Yields the paths of files that no command has made, each of which lasts until the next one."""
-    for table in crafted(pq.read_table(features, use_threads=False)):
-        path = os.path.join(folder, 'odd.parquet')
-        pq.write_table(table, path)
-        yield path
-    for statement in DATABASES:
-        path = shutil.copy(database, os.path.join(folder, 'odd.db'))
-        with contextlib.closing(sqlite3.connect(path)) as connection, connection:
-            connection.execute(statement)
-        yield path
-
-
-def state(folder):
-    """What tells that a file in a folder has changed."""
-    with contextlib.suppress(OSError):
-        return [(name, os.stat(name).st_mtime_ns) for name in sorted(glob.glob(folder + '/**', recursive=True))]
-
-
-def features_in(path):
-    """The features in a database, or None if it is damaged."""
-    with contextlib.suppress(sqlite3.Error), contextlib.closing(sqlite3.connect(path)) as connection:
-        if connection.execute('PRAGMA integrity_check').fetchone() == ('ok',):
-            return connection.execute(FEATURES).fetchall()
-
-
-def kills(folder, database, count, chance):
-    """Kills a command that matches in place, every second time when the database itself changes, else when any file does."""
-    found, path = collections.Counter(), os.path.join(folder, 'killed.db')
-    call = [sys.executable, '-m', 'aqorb', 'match', path, '--pairs', 'exhaustive', '--part-size', '500']
-    whole = features_in(database)
+def kills(count, chance, folder, images):
+    """Kills each of three commands at random moments, in turns, and calls it again until it ends."""
+    found, whole, seconds = collections.Counter(), {}, {}
+    features, matches, database = (os.path.join(folder, name) for name in ('features', 'matches', 'x.db'))
+    calls = {features: ['extract', images, '--out', features, '--part-size', '3'],
+             matches: ['match', features, '--pairs', 'exhaustive', '--part-size', '50', '--out', matches],
+             database: ['colmap', features, matches, '--images', images, '--database', database]}
+    for out, call in calls.items():
+        begin = time.perf_counter()
+        subprocess.run([*AQORB, *call, '--quiet'], check=True)
+        seconds[out], whole[out] = time.perf_counter() - begin, content_of(out)
     for number in range(count):
-        remove(path)
-        shutil.copy(database, path)
-        watched, changes = (path, 1) if number % 2 else (folder, chance.randrange(1, 60))
-        before = state(watched)
-        with subprocess.Popen(call, **SILENT) as process:
-            while process.poll() is None and changes > 0:
-                now = state(watched)
-                changes, before = changes - (now != before), now
-            time.sleep(chance.choice((0, .0005, .002)))  # in the middle
-            process.kill()
-        intact = features_in(path) == whole
-        again = subprocess.run(call, stdout=subprocess.DEVNULL, stderr=subprocess.PIPE, text=True)
-        intact = intact and (again.returncode == 0 or 'has matches' in again.stderr)
-        found['whole, and goes on' if intact else 'DESTROYED'] += 1
+        out, call = list(calls.items())[number % 3]
+        shutil.rmtree(out) if os.path.isdir(out) else os.remove(out)
+        process = subprocess.Popen([*AQORB, *call, '--quiet'])
+        time.sleep(chance.uniform(.3, 1) * seconds[out])
+        process.kill()
+        process.wait()
+        was_there = os.path.exists(out)
+        if out != database or not was_there:  # a database appears when it is complete
+            subprocess.run([*AQORB, *call, '--quiet'], check=True)
+        found['the same rows' if content_of(out) == whole[out] else 'OTHER ROWS'] += 1
+        found['(in the middle)'] += was_there and out != database
     return found
 
 
 def main():
     parser = argparse.ArgumentParser(description=__doc__.split('\n')[0])
-    parser.add_argument('--flips', type=int, default=1000, help='of each kind of file (%(default)s)')
+    parser.add_argument('--flips', type=int, default=1000)
     parser.add_argument('--kills', type=int, default=50)
     options = parser.parse_args()
     chance = random.Random(0)
     with tempfile.TemporaryDirectory() as folder:
-        images, killed, features, database, out, again = (os.path.join(folder, name) for name in (
-            'images', 'killed', 'f.parquet', 'f.db', 'out.parquet', 'again.parquet'))
+        images, features = os.path.join(folder, 'images'), os.path.join(folder, 'f')
         os.mkdir(images)
-        os.mkdir(killed)
         for i in range(80):
             pixels = np.random.RandomState(i).randint(0, 256, (15, 20), np.uint8)
             Image.fromarray(np.kron(pixels, np.ones((8, 8), np.uint8))).save(os.path.join(images, f'{i:02}.png'))
-        aqorb, match = [sys.executable, '-m', 'aqorb'], ['--pairs', 'sequential:1', '--out', out]
-        for call in (['extract', images, '--out', features], ['extract', images, '--out', database],
-                     ['match', features, *match]):
-            subprocess.run(aqorb + call, check=True, **SILENT)
-        matches, table = rows_in(out), rows_in(features)
-        remove(out)
-        extract, part = ['extract', images, '--out', again, '--part-size', '4'], again + '.partial/part-000000.parquet'
-        with subprocess.Popen(aqorb + extract, **SILENT) as process:
-            while not os.path.exists(part):
-                time.sleep(.0005)
-            process.kill()
-        found = {'bits flipped in a part': flips(options.flips, chance, part, part, extract, again, table)}
-        for path in features, database:
-            damaged = os.path.join(folder, 'damaged' + os.path.splitext(path)[1])
-            found['bits flipped in a ' + os.path.splitext(path)[1]] = flips(
-                options.flips, chance, path, damaged, ['match', damaged, *match], out, matches)
-        found['files that no command has made'] = collections.Counter(
-            outcome(['match', path, *match], out, matches) for path in odd_files(folder, features, database))
-        found['kills while a .db is matched'] = kills(killed, database, options.kills, chance)
-    print('| what was done | times | what came of it |\n|---|---|---|')
+        subprocess.run([*AQORB, 'extract', images, '--out', features, '--part-size', '30', '--quiet'], check=True)
+        found = {'bits flipped in a part': flips(options.flips, chance, features, os.path.join(folder, 'damaged')),
+                 'parts that no command has made': odd_parts(pq.read_table(features), os.path.join(folder, 'odd')),
+                 'kills of extract, match and colmap': kills(options.kills, chance, folder, images)}
+    print('| what was done | what came of it |\n|---|---|')
     for what, counts in found.items():
-        listed = ', '.join(f'{name}: {number}' for name, number in counts.most_common())
-        print(f'| {what} | {sum(counts.values())} | {listed} |')
+        print(f'| {what} | {", ".join(f"{name}: {number}" for name, number in counts.most_common())} |')
     sys.exit(any(name.isupper() for counts in found.values() for name in counts))
 
 

@@ -1,0 +1,78 @@
+# This file is part of aqorb. Copyright (C) The aqorb developers.
+# It is subject to the license terms in the LICENSE file found in the top-level directory
+# of this distribution.
+# SPDX-License-Identifier: Apache-2.0
+"""aqorb draw: a picture of the matches of two images."""
+
+import os
+
+import aqorb
+from aqorb.cli import options
+from aqorb.collection import Refused, images
+
+
+def add(commands):
+    parser = options.add_command(commands, 'draw', run, 'draw the matches of two images',
+                                 'Matches two images by a ratio test, refines the positions, and draws what was found.')
+    parser.add_argument('first', metavar='A')
+    parser.add_argument('second', metavar='B')
+    parser.add_argument('--out', default='matches.png', metavar='FILE', help='%(default)s by default')
+    parser.add_argument('--ratio', type=float, default=.8, help='%(default)s by default')
+    parser.add_argument('--overwrite', action='store_true', help='replace a file that exists')
+    options.add_reading(parser)
+
+
+def run(given):
+    options.new_file(given.out, given.overwrite, suffixes())
+    detector = aqorb.AdaptiveQuadtreeORB_create(given.num_features)
+    pictures = [read(path, options.reading_of(given)) for path in (given.first, given.second)]
+    (keypoints1, descriptors1), (keypoints2, descriptors2) = [
+        detector.detectAndComputeArrays(picture.pixels) for picture in pictures]
+    pairs, _ = aqorb.matchArrays(descriptors1, descriptors2, given.ratio)
+    pairs, *ends = aqorb.refineMatchArrays(pictures[0].pixels, keypoints1, pictures[1].pixels, keypoints2, pairs)
+    save(given.out, [picture._replace(size=picture.pixels.shape[::-1]) for picture in pictures], ends)
+    options.say(given, f'{given.out}: {options.count_of(len(pairs), "match", "es")} of {len(keypoints1)} and '
+                f'{len(keypoints2)} features')
+    return int(not len(pairs))
+
+
+def suffixes():
+    """Those of pictures that can be written."""
+    from PIL import Image
+    Image.init()
+    return [suffix for suffix in ('.png', '.jpg', '.jpeg', '.webp', '.tif', '.tiff', '.bmp')
+            if Image.EXTENSION.get(suffix) in Image.SAVE]
+
+
+def read(path, how):
+    """A picture of an image."""
+    try:
+        with images.open_file(path) as file:
+            return images.read_image(file, how)
+    except ImportError:
+        raise
+    except Exception as error:  # decoders raise errors of any kind
+        raise Refused(f'{options.shown(path)}: {error}') from error
+
+
+def save(out, pictures, ends):
+    """Draws two pictures side by side, with a line for each row of ends: the positions in both, in pixels of the
+    pictures' sizes."""
+    import numpy as np
+    from PIL import Image, ImageDraw
+    width = pictures[0].pixels.shape[1]
+    heights = [len(picture.pixels) for picture in pictures]
+    drawn = Image.new('RGB', (width + pictures[1].pixels.shape[1], max(heights)))
+    for picture, left in zip(pictures, (0, width)):
+        drawn.paste(Image.fromarray(picture.pixels), (left, 0))
+    canvas = ImageDraw.Draw(drawn)
+    scaled = [points * np.divide(picture.pixels.shape[::-1], picture.size) for points, picture in zip(ends, pictures)]
+    lines = np.hstack([scaled[0], scaled[1] + [width, 0]])
+    for i, line in enumerate(lines):
+        colour = f'hsl({360 * i // len(lines)}, 90%, 60%)'
+        canvas.line(line.tolist(), colour)
+        for x, y in line.reshape(2, 2):
+            canvas.ellipse((x - 3, y - 3, x + 3, y + 3), outline=colour)
+    unfinished = f'{os.path.splitext(out)[0]}.unfinished{os.path.splitext(out)[1]}'
+    drawn.save(unfinished)
+    os.replace(unfinished, out)

@@ -1,0 +1,32 @@
+# This file is part of aqorb. Copyright (C) The aqorb developers.
+# It is subject to the license terms in the LICENSE file found in the top-level directory
+# of this distribution.
+# SPDX-License-Identifier: Apache-2.0
+"""Collections of images: what the command aqorb, the samples for clusters, and programs have in common.
+
+images finds and decodes files, store keeps features and matches in folders of Parquet parts, places finds the images
+that show the same place, and colmap writes a database of COLMAP. Each needs packages that aqorb itself does not need:
+Pillow; pyarrow, too; scipy and pycolmap, too; pycolmap."""
+
+import collections
+
+
+class Refused(ValueError):
+    """What is not done, in a sentence for the user."""
+
+
+def map_ahead(pool, function, items, count):
+    """Yields each item with the function's value. So many items are worked on, or done, before they are asked for."""
+    ahead = collections.deque()
+    try:
+        for item in items:
+            ahead.append((item, pool.submit(function, item)))
+            if len(ahead) > count:
+                item, future = ahead.popleft()
+                yield item, future.result()
+        while ahead:
+            item, future = ahead.popleft()
+            yield item, future.result()
+    finally:  # whoever is stopped does not wait for them
+        for _, future in ahead:
+            future.cancel()
