@@ -137,6 +137,7 @@ def test_ray_places(photographs, table, tmp_path):
     assert '00003.jpg\t' in run('search', tmp_path / 'features', photographs / '00003.jpg')
 
 
+@pytest.mark.skipif('AQORB_TEST_SEQUENCE' not in os.environ, reason='AQORB_TEST_SEQUENCE is not set')
 def test_phones(tmp_path):
     """A drive, half of it by a phone that is turned, is mapped and undistorted by COLMAP."""
     images = tmp_path / 'images'
