@@ -172,7 +172,7 @@ static void fillUp(const SelectionPlan& plan, Size imageSize, const std::vector<
             keys.push_back(descendingKey(sortKey(corner.response * levels[i].scale)));
         }
     }
-    // Of equal ones that of the finer level comes first, and then raster order.
+    // Ties go to the finer level, then to the first in raster order.
     const std::vector<unsigned> order = sortIndices(keys);
     for (const bool withSuppression : {true, false})
     {

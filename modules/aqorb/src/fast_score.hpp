@@ -78,7 +78,8 @@ struct Narrow : Lanes<v_uint8x16>
 };
 #endif
 
-// The pixel that decides about a set: the darkest if the set is to be brighter than the centre, else the brightest.
+// The deciding pixels of a set: its darkest one, for sets brighter than the centre, and its brightest one, for darker
+// sets.
 template <typename Vectors> struct Sides
 {
     typedef typename Vectors::V V;
@@ -102,7 +103,7 @@ template <typename Vectors> struct Around
     ptrdiff_t step;
 };
 
-// All pixels of two sets: the brighter they are, the greater is the least of them.
+// The union of two sets.
 template <typename Vectors>
 CV_ALWAYS_INLINE Sides<Vectors> both(const Sides<Vectors>& a, const Sides<Vectors>& b)
 {

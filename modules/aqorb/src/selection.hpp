@@ -158,8 +158,8 @@ void outputFeatures(const std::vector<FeatureList>& features, std::vector<KeyPoi
 
 // ---- for the kernel: plain structs only, see types.hpp ---------------------------------------
 
-//! A grid with a border and a bit for each leaf, which is set when the leaf's turn has come. The words of a row begin
-//! STEP bits apart and have twice as many, so that the STEP bits from any leaf on lie in one of them.
+//! A grid with a border and a bit for each leaf. A bit is set when the leaf has been counted. The words of a row begin
+//! STEP bits apart and hold twice as many bits, so that the STEP bits from any leaf on lie in one word.
 struct RankGrid
 {
     enum

@@ -85,10 +85,10 @@ computed. With ORB::FAST_SCORE the Harris response is left out. @ref tutorial_aq
 
 ### Errors
 
-An invalid parameter raises a cv::Exception that names it and leaves the object unchanged. What depends on two
-parameters is checked by create and, as setters may come in any order, when an image is processed. An image has at most
-2^20 - 1 pixels a side, and so has each level; otherwise an exception names the size of the image. A keypoint that is
-given to compute raises an exception if its octave is negative or stands for a level without a pixel, or if its angle is
+An invalid parameter raises a cv::Exception that names it and leaves the object unchanged. create checks combinations of
+parameters, and each call checks them again, as setters may come in any order. An image has at most 2^20 - 1 pixels a
+side, and so has each level; otherwise an exception names the size of the image. A keypoint that is given to compute
+raises an exception if its octave is negative or stands for a level without a pixel, or if its angle is
 not finite. Its octave may be nlevels or more, as with cv::ORB, but then it must be below 64. A call that raises an
 exception because of an argument leaves its outputs unchanged. */
 class CV_EXPORTS_W AdaptiveQuadtreeORB : public cv::ORB
