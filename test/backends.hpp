@@ -8,10 +8,7 @@
 
 #include "test_precomp.hpp"
 
-#include "allocations.hpp"
-
 #include <opencv2/core/parallel/parallel_backend.hpp>
-#include <opencv2/core/utils/trace.hpp>
 
 #include <atomic>
 #include <chrono>
@@ -83,13 +80,6 @@ public:
         const auto work = [&](int thread)
         {
             {
-                // OpenCV allocates memory when a thread uses these for the first time, and ends the program if there
-                // is none.
-                CV_TRACE_REGION("thread");
-                theRNG();
-            }
-            AllocationCounter::letThreadFail();
-            {
                 std::unique_lock<std::mutex> lock(mutex);
                 ready++;
                 changed.notify_all();
@@ -114,7 +104,6 @@ public:
             std::unique_lock<std::mutex> lock(mutex);
             changed.wait(lock, [&] { return ready == others.size(); });
         }
-        allStarted();
         {
             const std::lock_guard<std::mutex> lock(mutex);
             hasBegun = true;
@@ -122,14 +111,11 @@ public:
         changed.notify_all();
         for (std::thread& other : others)
             other.join();
-        allEnded();
         if (error)
             std::rethrow_exception(error);
     }
 
 private:
-    virtual void allStarted() {}
-    virtual void allEnded() {}
     const int delay;
 };
 

@@ -5,7 +5,6 @@
 
 #include "test_precomp.hpp"
 
-#include "allocations.hpp"
 #include "backends.hpp"
 #include "reference_matching.hpp"
 
@@ -299,42 +298,6 @@ TEST(Aqorb_HammingMatcher, refuses_a_mask_of_another_image)
                 isRadius ? matcher.radiusMatch(some, lists, 9, mask) : matcher.knnMatch(some, lists, 1, mask);
             });
         EXPECT_EQ("masks must have 2 elements, one for each image, got 1", message);
-    }
-}
-
-TEST(Aqorb_HammingMatcher, reports_that_memory_ran_out)
-{
-    const Mat query = Mat::zeros(40, 32, CV_8UC1), train = Mat::ones(50, 32, CV_8UC1);
-    const std::vector<Point2f> predicted(40);
-    const KeyPoints keypoints(50);
-    const Threads threads(1);
-    HammingMatcher matcher;
-    matcher.add(train);
-    Mat a, b;
-    MatchLists lists;
-    const std::vector<std::function<void()>> calls = {
-        [&] { matcher.knnMatch(query, lists, 3); }, [&] { matcher.radiusMatch(query, lists, 300); },
-        [&] { aqorb::matchArrays(query, train, a, b); },
-        [&] { aqorb::knnMatchArrays(query, train, a, b, 3); },
-        [&] { aqorb::matchByPosition(query, predicted, train, keypoints, Size2f(1, 1), a, b); }};
-    for (size_t i = 0; i < calls.size(); i++)
-    {
-        long failing = 1;
-        for (bool isDone = false; !isDone; failing++)
-        {
-            const AllocationCounter allocations(failing);
-            isDone = true;
-            try
-            {
-                calls[i]();
-            }
-            catch (const cv::Exception& e)
-            {
-                EXPECT_EQ(int(Error::StsNoMem), e.code);
-                isDone = false;
-            }
-        }
-        EXPECT_GT(failing, 5) << i;
     }
 }
 

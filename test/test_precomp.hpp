@@ -73,6 +73,11 @@ Features detectAndCompute(Feature2D& detector, InputArray image, InputArray mask
 //! The message of the exception that a call raises; empty if it raises none.
 std::string messageOf(const std::function<void()>& call);
 
+//! The bytes of the heap in use, of the GNU C library; 0 elsewhere.
+long long heapInUse();
+//! Whether they are known. Sanitizers, for example, have a heap of their own.
+bool isHeapKnown();
+
 //! Whether all fields of all keypoints have the same bytes.
 ::testing::AssertionResult sameKeypoints(const KeyPoints& a, const KeyPoints& b);
 //! Whether two matrices have the same size, type and bytes; both may be empty.

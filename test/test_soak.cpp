@@ -5,8 +5,6 @@
 
 #include "test_precomp.hpp"
 
-#include "allocations.hpp"
-
 #include <opencv2/core/utility.hpp>
 #include <opencv2/core/utils/logger.hpp>
 
@@ -112,11 +110,11 @@ struct Memory
     double used, resident;  //!< MB; resident: of Linux, else 0
 };
 
-Memory memoryNow(const AllocationCounter& counter)
+Memory memoryNow()
 {
     long pages = 0, resident = 0;
     std::ifstream("/proc/self/statm") >> pages >> resident;
-    return {double(counter.bytes()) / (1 << 20), double(resident) * 4096 / (1 << 20)};
+    return {double(heapInUse()) / (1 << 20), double(resident) * 4096 / (1 << 20)};
 }
 
 TEST(Aqorb_Soak, threads_share_an_object_that_does_not_grow)
@@ -124,7 +122,6 @@ TEST(Aqorb_Soak, threads_share_an_object_that_does_not_grow)
     const int ROUNDS = 20, WARM_UP = 4, THREADS = 4, PER_THREAD = frameCount() / ROUNDS / THREADS;
     const Quiet quiet;
     const std::vector<Frame> frames = makeFrames();
-    const AllocationCounter memory;
     const Ptr<AdaptiveQuadtreeORB> detector = AdaptiveQuadtreeORB::create(200);
     std::atomic<int> wrong(0), failed(0);
     // The most in use between rounds. A round may need one more work space than ever.
@@ -152,7 +149,7 @@ TEST(Aqorb_Soak, threads_share_an_object_that_does_not_grow)
         }
         for (std::thread& worker : workers)
             worker.join();
-        const Memory now = memoryNow(memory);
+        const Memory now = memoryNow();
         Memory& most = round < WARM_UP ? before : after;
         most = {std::max(most.used, now.used), std::max(most.resident, now.resident)};
     }

@@ -5,13 +5,10 @@
 
 #include "test_precomp.hpp"
 
-#include "allocations.hpp"
 #include "backends.hpp"
 #include "reference.hpp"
 
 #include <opencv2/core/utility.hpp>
-
-#include <new>
 
 // Whatever cv::parallel_for_ does with the workers of a frame, the bytes are the same.
 
@@ -149,86 +146,6 @@ TEST(Aqorb_Threads, threads_of_the_caller_give_the_same_bytes)
         for (std::thread& caller : callers)
             caller.join();
         EXPECT_EQ(std::vector<int>(CALLERS, 0), failed);
-    }
-}
-
-//! Lets an allocation of memory fail after all threads have started.
-class FailingThreads : public NewThreads
-{
-public:
-    explicit FailingThreads(int failing_) : failing(failing_) {}
-
-private:
-    void allStarted() CV_OVERRIDE { counter.reset(new AllocationCounter(failing)); }
-    void allEnded() CV_OVERRIDE { counter.reset(); }
-
-    const int failing;
-    std::unique_ptr<AllocationCounter> counter;
-};
-
-//! Of few pixels, but with all kinds of tasks.
-Call smallCall()
-{
-    const Size size(100, 140);
-    return {makeScene(size, 5), makeNoise(size, 3) > 5, 300, AdaptiveQuadtreeORB::RANKED_SELECTION};
-}
-
-//! Whether a call of a detector without memory fails for lack of it. The detector can be used again in any case.
-bool failsForMemory(const Call& call, const Features& expected,
-                    const std::function<Features(AdaptiveQuadtreeORB&)>& failing)
-{
-    const Ptr<AdaptiveQuadtreeORB> detector = detectorOf(call);
-    bool hasFailed = false;
-    try
-    {
-        EXPECT_TRUE(sameFeatures(expected, failing(*detector)));
-    }
-    catch (const cv::Exception& error)
-    {
-        hasFailed = true;
-        EXPECT_EQ(error.code, int(Error::StsNoMem));
-    }
-    EXPECT_TRUE(gives(*detector, call, expected)) << "after a call that failed";
-    return hasFailed;
-}
-
-TEST(Aqorb_Threads, threads_end_when_memory_runs_out)
-{
-    const Call call = smallCall();
-    const Features expected = expectedOf(call);
-    Threads threads(3);
-    int failing = 1, failures = 0;
-    const auto detect = [&](AdaptiveQuadtreeORB& detector)
-    {
-        const BackendScope scope(std::make_shared<FailingThreads>(failing));
-        setNumThreads(3);
-        return detectAndCompute(detector, call.image, call.mask);
-    };
-    for (; failsForMemory(call, expected, detect) && !HasFailure(); failures++)
-        failing += 1 + failing / 16;
-    EXPECT_GT(failures, 20);
-}
-
-// The first tasks are in the queue before the first worker begins.
-TEST(Aqorb_Threads, of_a_frame_that_lacked_memory_are_not_left_for_the_next)
-{
-    const Call call = smallCall();
-    const Features expected = expectedOf(call);
-    for (int count = 1; count <= 3; count += 2)
-    {
-        SCOPED_TRACE(count);
-        Threads threads(count);
-        int failing = 1, failures = 0;
-        const auto detect = [&](AdaptiveQuadtreeORB& detector)
-        {
-            const BackendScope scope(std::make_shared<InTurns>());
-            setNumThreads(count);
-            const AllocationCounter allocations(failing);
-            return detectAndCompute(detector, call.image, call.mask);
-        };
-        for (; failsForMemory(call, expected, detect) && !HasFailure(); failures++)
-            failing += 1 + failing / 32;
-        EXPECT_GT(failures, 50);
     }
 }
 

@@ -7,6 +7,10 @@
 
 #include <cstring>
 
+#if defined(__GLIBC__)
+#include <malloc.h>
+#endif
+
 namespace opencv_test
 {
 
@@ -28,6 +32,24 @@ std::string messageOf(const std::function<void()>& call)
         return e.err;
     }
     return std::string();
+}
+
+long long heapInUse()
+{
+#if defined(__GLIBC__)
+#if __GLIBC_PREREQ(2, 33)
+    const struct mallinfo2 heap = mallinfo2();
+    return (long long)(heap.uordblks + heap.hblkhd);
+#endif
+#endif
+    return 0;
+}
+
+bool isHeapKnown()
+{
+    const long long before = heapInUse();
+    const Mat matrix(1000, 1000, CV_8UC1);
+    return heapInUse() > before;
 }
 
 std::string dataFile(const std::string& name)
