@@ -73,57 +73,6 @@ void expectSameEverywhere(const Mat& image, const Rect& region, int threshold)
     EXPECT_TRUE(sameCorners(corners(image, region, threshold), expected));
 }
 
-// Scans for corners at the low threshold, some rows at a time, each with a cell of its own.
-TEST(Aqorb_Fast, scan_drops_the_weak_corners_of_cells_with_strong_ones)
-{
-    RNG rng(7);
-    FastScanner scanner;  // Images of all sizes share it.
-    int withStrong = 0, withoutStrong = 0;
-    for (int round = 0; round < 300; round++)
-    {
-        const Size size(rng.uniform(7, 300), rng.uniform(7, 60));
-        Level level;
-        blur(makeNoise(size, round), level.image, Size(3, 3));
-        if (round % 3 == 0)
-            level.mask = makeNoise(size, -round) > 60;
-        const Rect region =
-            fastRegion(size, Rect(rng.uniform(0, 60), rng.uniform(0, 10), size.width, size.height) &
-                                 Rect(Point(), size));
-        if (region.empty())
-            continue;
-        Thresholds thresholds;
-        thresholds.min = 9;
-        thresholds.ini = thresholds.min + rng.uniform(0, 20);
-        std::vector<Corner> expected, found;
-        const std::vector<Corner> all = reference::fastCorners(level.image, region, thresholds.min);
-        std::unique_ptr<WithoutOptimization> baseline(round % 2 ? new WithoutOptimization : 0);
-        const int MAX_ROWS = 40;
-        scanner.begin(level, region, thresholds, MAX_ROWS);
-        for (int top = region.y, end; top < region.br().y; top = end)
-        {
-            end = std::min(top + rng.uniform(1, MAX_ROWS), region.br().y);
-            const Range cell(region.x + rng.uniform(0, region.width), region.br().x - rng.uniform(0, 9));
-            std::vector<Corner> ofRows;
-            for (const Corner& corner : all)
-                if (corner.y >= top && corner.y < end &&
-                    (level.mask.empty() || level.mask.at<uchar>(corner.y, corner.x)))
-                    ofRows.push_back(corner);
-            const auto isInCell = [&](const Corner& c) { return c.x >= cell.start && c.x < cell.end; };
-            const auto isStrong = [&](const Corner& c) { return c.score >= thresholds.ini; };
-            const bool hasStrong = std::any_of(ofRows.begin(), ofRows.end(),
-                                               [&](const Corner& c) { return isInCell(c) && isStrong(c); });
-            std::copy_if(ofRows.begin(), ofRows.end(), std::back_inserter(expected),
-                         [&](const Corner& c) { return isStrong(c) || !isInCell(c) || !hasStrong; });
-            scanner.scan(end, std::vector<Range>(1, cell));
-            scanner.append(false, found);
-            (hasStrong ? withStrong : withoutStrong)++;
-        }
-        ASSERT_TRUE(sameCorners(found, expected)) << round;
-    }
-    EXPECT_GT(withStrong, 100);
-    EXPECT_GT(withoutStrong, 20);
-}
-
 TEST(Aqorb_Fast, equals_brute_force_for_every_width_alignment_and_threshold)
 {
     for (int width = 1; width <= MAX_WIDTH; width++)
@@ -207,31 +156,6 @@ TEST(Aqorb_Fast, scores_of_neighbours_equal_brute_force_everywhere)
                         ASSERT_EQ(scores[dy + 1][dx + 1], baselineScores[dy + 1][dx + 1]);
                     }
                 }
-    }
-}
-
-TEST(Aqorb_Fast, scores_of_neighbours_equal_brute_force_for_every_width_and_alignment)
-{
-    const int y = 5;
-    for (int width = 1; width <= MAX_WIDTH; width++)
-    {
-        SCOPED_TRACE(format("width %d", width));
-        const Mat dots = makeDots(Size(width, 11), width);
-        Mat_<int> expected(3, width + 2);
-        for (int x = -1; x <= width; x++)
-            for (int dy = -1; dy <= 1; dy++)
-                expected(1 + dy, 1 + x) = reference::cornerScore(dots, x, y + dy);
-        atEveryOffset(dots,
-                      [&](const Mat& image, int offset)
-                      {
-                          for (int x = offset % 8; x < width; x += 8)
-                          {
-                              int scores[3][3];
-                              cornerScores3x3(image, x, y, scores);
-                              EXPECT_TRUE(sameMat(Mat(3, 3, CV_32SC1, scores), expected.colRange(x, x + 3)))
-                                  << x;
-                          }
-                      });
     }
 }
 

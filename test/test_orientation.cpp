@@ -60,32 +60,6 @@ TEST(Aqorb_Orientation, equals_reference_at_every_pixel)
     }
 }
 
-TEST(Aqorb_Orientation, equals_reference_for_every_width_and_alignment)
-{
-    const int patches[] = {8, 31, 63}, y = 32;
-    for (int width = 1; width <= MAX_WIDTH; width++)
-    {
-        SCOPED_TRACE(format("width %d", width));
-        const Size size(width, 65);
-        const Mat noise = width % 2 ? makeNoise(size, width) : makeNoise(size, width) > 128;
-        const int patchSize = patches[width % 3];
-        const OrientationPatch patch(circularPatch(patchSize));
-        std::vector<float> expected;
-        for (int x = 0; x < width; x++)
-            expected.push_back(reference::orientation(noise, x, y, patchSize));
-        atEveryOffset(noise,
-                      [&](const Mat& image, int offset)
-                      {
-                          for (int x = offset % 16; x < width; x += 16)
-                          {
-                              FeaturePoint point = {x, y, -1};
-                              orientations(image, patch, &point, 1);
-                              EXPECT_EQ(point.angle, expected[x]) << x;
-                          }
-                      });
-    }
-}
-
 TEST(Aqorb_Orientation, reference_is_fast_atan2)
 {
     const bool fused = reference::opencvFusesMultiplyAdd();
@@ -103,35 +77,6 @@ TEST(Aqorb_Orientation, patch_of_31_pixels_is_that_of_orb)
 {
     const int expected[] = {15, 15, 15, 15, 14, 14, 14, 13, 13, 12, 11, 10, 9, 8, 6, 3};
     EXPECT_EQ(circularPatch(31), std::vector<int>(expected, expected + 16));
-}
-
-TEST(Aqorb_Orientation, holds_the_largest_moments)
-{
-    const int patches[] = {31, 63}, center = 40;
-    Mat step(81, 81, CV_8UC1, Scalar(0)), quarter;
-    step.colRange(center, 81).setTo(255);
-    quarter = step.clone();
-    quarter.rowRange(0, center).setTo(0);
-    const Mat images[] = {step, ~step, step.t(), ~step.t(), quarter, ~quarter};
-    for (int patchSize : patches)
-        for (const Mat& image : images)
-        {
-            FeaturePoint point = {center, center, -1}, baselinePoint = point;
-            orientations(image, circularPatch(patchSize), &point, 1);
-            EXPECT_EQ(point.angle, reference::orientation(image, center, center, patchSize));
-            WithoutOptimization baseline;
-            orientations(image, circularPatch(patchSize), &baselinePoint, 1);
-            EXPECT_EQ(point.angle, baselinePoint.angle);
-        }
-}
-
-TEST(Aqorb_Orientation, of_a_flat_patch_is_zero)
-{
-    const Mat flat(40, 70, CV_8UC1, Scalar(255));
-    FeaturePoint point = {20, 20, 33};
-    orientations(flat, circularPatch(31), &point, 1);
-    EXPECT_EQ(point.angle, 0);
-    orientations(flat, circularPatch(31), &point, 0);  // There is nothing to do.
 }
 
 }  // namespace

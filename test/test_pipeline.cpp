@@ -296,6 +296,17 @@ TEST(Aqorb_Pipeline, equals_reference_in_colour)
     expectAsReference(Settings(), bgra);
 }
 
+// The largest derivatives and moments that there are.
+TEST(Aqorb_Pipeline, equals_reference_at_the_largest_contrast)
+{
+    Mat squares(SMALL_IMAGE, CV_8UC1, Scalar(0));
+    for (int i = 0; i < 12; i++)
+        rectangle(squares, Rect(15 + 45 * (i % 3), 12 + 26 * (i / 3), 33, 19), Scalar(255), -1);
+    expectAsReference(Settings(), squares);
+    expectAsReference(Settings(), ~squares);
+    expectAsReference(Settings(), makeNoise(SMALL_IMAGE) > 128);
+}
+
 TEST(Aqorb_Pipeline, equals_reference_in_the_dark_and_without_corners)
 {
     for (int grey : {0, 77})

@@ -53,19 +53,6 @@ TEST(Aqorb_Threshold, equation7_equals_reference_for_every_width)
     }
 }
 
-TEST(Aqorb_Threshold, equation7_equals_reference_for_every_width_and_alignment)
-{
-    for (int width = 1; width <= MAX_WIDTH; width++)
-    {
-        SCOPED_TRACE(format("width %d", width));
-        const Size size(width, 3);
-        const Mat noise = width % 2 ? makeNoise(size, width) : makeNoise(size, width) > 128;
-        const double expected = reference::varianceOverMean(noise, Mat());
-        atEveryOffset(noise,
-                      [&](const Mat& image, int) { EXPECT_EQ(varianceOverMean(image, Mat()), expected); });
-    }
-}
-
 TEST(Aqorb_Threshold, equation7_does_not_overflow)
 {
     // More than 2^32 in the sum of squares, and rows longer than any block of the kernel.
