@@ -3,20 +3,21 @@
 // of this distribution.
 // SPDX-License-Identifier: Apache-2.0
 
-// Makes any call with any arguments. Whatever happens that is not documented is a find.
+// Makes any call with any arguments: it gives a valid result, or an exception that says what must be and leaves the
+// outputs as they were.
 
-#include "detector.hpp"
 #include "generate.hpp"
+
+#include "parameters.hpp"
 
 #include <opencv2/core/ocl.hpp>
 #include <opencv2/core/utility.hpp>
 #include <opencv2/core/utils/logger.hpp>
 
 #include <cmath>
-#include <cstdio>
-#include <cstdlib>
 
 using namespace cv;
+using namespace cv::aqorb;
 
 namespace
 {
@@ -28,14 +29,28 @@ typedef std::vector<KeyPoint> KeyPoints;
 const double MAX_PYRAMID_PIXELS = 4e5;
 const double MAX_PATCH_PIXELS = 2e7;
 
+//! Whether a call accepts its arguments. It must say what it does not accept.
+template <typename Call> bool accepts(const Call& call)
+{
+    try
+    {
+        call();
+    }
+    catch (const cv::Exception& e)
+    {
+        require(e.err.find(" must ") != std::string::npos, e.what());
+        return false;
+    }
+    return true;
+}
+
 class Caller
 {
 public:
-    Caller(const uint8_t* bytes, size_t size) : data(bytes, size) {}
+    Caller(const uint8_t* bytes, size_t size) : data(bytes, size), detector(AdaptiveQuadtreeORB::create()) {}
 
     void run()
     {
-        detector.create(data);
         picture = image(data, 64, true);
         for (int calls = 0; calls < 20 && data.remaining_bytes() > 0; calls++)
             callOne();
@@ -45,12 +60,10 @@ private:
     void callOne()
     {
         const int which = data.ConsumeIntegralInRange(0, 15);
-        if (which < 2)
-            detector.setOrbParameter(data);
-        else if (which < 4)
-            detector.setOurParameter(data);
+        if (which < 4)
+            setParameter();
         else if (which == 4)
-            detector.readStorage(data);
+            readStorage();
         else if (which == 5)
             buildPyramid();
         else if (which == 6)
@@ -58,52 +71,81 @@ private:
         else if (which < 9)
             picture = image(data, data.ConsumeBool() ? 64 : 300, true);
         else if (which == 9)
-            area = mask(data, picture.dims > 2 ? Size() : picture.size(), true);
+            area = mask(data, pictureSize(), true);
         else if (which < 12)
             compute();
         else
             detect();
     }
 
-    bool isPicture() const
-    {
-        return picture.dims <= 2 && picture.depth() == CV_8U &&
-               (picture.channels() == 1 || picture.channels() == 3 || picture.channels() == 4);
-    }
     Size pictureSize() const { return picture.dims > 2 ? Size() : picture.size(); }
 
-    //! Whether the levels 0 .. count - 1 have few enough pixels, or so many that this is an error.
-    bool isAffordable(int count, size_t keypoints) const
+    //! Whether the first levels have few enough pixels.
+    bool isAffordable(int levels, size_t keypoints) const
     {
-        const OrbParameters& p = detector.parameters;
-        if (p.isBad())
-            return false;
-        if (std::min(double(keypoints), MAX_PYRAMID_PIXELS) * p.patchSize * p.patchSize > MAX_PATCH_PIXELS)
-            return false;
-        if (p.clash() || (count > 0 && p.hasTooLargeLevel(pictureSize(), 0)))
-            return true;
+        const double patchSize = detector->getPatchSize();
         double pixels = 0;
-        for (int i = 0; i < count && pixels <= MAX_PYRAMID_PIXELS; i++)
+        for (int i = 0; i < levels && pixels <= MAX_PYRAMID_PIXELS; i++)
         {
-            const double levelPixels = pictureSize().area() / p.scale(i) / p.scale(i);
-            if (levelPixels < 0.25)
+            const double scale = std::pow(detector->getScaleFactor(), double(i - detector->getFirstLevel()));
+            const double ofLevel = pictureSize().area() / scale / scale;
+            if (ofLevel < 0.25)
                 break;
-            pixels += levelPixels;
+            pixels += ofLevel;
         }
-        return pixels <= MAX_PYRAMID_PIXELS;
+        return pixels <= MAX_PYRAMID_PIXELS &&
+               std::min(double(keypoints), MAX_PYRAMID_PIXELS) * patchSize * patchSize <= MAX_PATCH_PIXELS;
+    }
+
+    void setParameter()
+    {
+        int which = data.ConsumeIntegralInRange(0, 15);
+#define AQORB_SET(property, type, name, key, byDefault, range, text)                                        \
+    if (which-- == 0)                                                                                       \
+    {                                                                                                       \
+        const double value =                                                                                \
+            std::is_same<type, double>::value ? real(data, -1, 20) : double(number(data, -1, 100));         \
+        const auto before = toStored(detector->get##property());                                            \
+        const auto wanted = static_cast<Stored<type>>(value);                                               \
+        const bool isSet = accepts([&] { detector->set##property(static_cast<type>(wanted)); });            \
+        require(isSet == range.has(wanted), "set" #property " has another range");                          \
+        require(toStored(detector->get##property()) == (isSet ? wanted : before), "set" #property " sets"); \
+    }
+        AQORB_PARAMETERS(AQORB_SET)
+#undef AQORB_SET
+    }
+
+    //! Reads a storage with values of any kind.
+    void readStorage()
+    {
+        const char* const values[] = {"text", "[ 1, 2. ]", "{ a: 1 }", "-1", "1.5", ".Nan", "-.Inf", "1e300"};
+        std::string text = "%YAML:1.0\n---\n";
+        const auto add = [&](const char* key)
+        {
+            const int kind = data.ConsumeIntegralInRange(0, 3);
+            if (kind == 1)
+                text += format("%s: %d\n", key, number(data, 0, 30));
+            else if (kind == 2)
+                text += format("%s: %s\n", key, data.PickValueInArray(values));
+        };
+#define AQORB_ADD(property, type, name, key, ...) add(#key);
+        AQORB_PARAMETERS(AQORB_ADD)
+#undef AQORB_ADD
+        FileStorage in(text, FileStorage::READ | FileStorage::MEMORY);
+        accepts([&] { detector->read(in.root()); });
+#define AQORB_CHECK(property, type, name, key, byDefault, range, text) \
+    require(range.has(double(toStored(detector->get##property()))), "read left a bad " #name);
+        AQORB_PARAMETERS(AQORB_CHECK)
+#undef AQORB_CHECK
     }
 
     void buildPyramid()
     {
-        if (!isAffordable(detector.parameters.nlevels, 0))
-            return;
-        const bool bad = !isPicture() || detector.parameters.clash() ||
-                         detector.parameters.hasTooLargeLevel(picture.size(), 0);
         std::vector<Mat> levels(3);
-        if (!detector.attempt("buildPyramid", expect(!picture.empty() && bad),
-                              [&] { detector.orb->buildPyramid(picture, levels); }))
+        if (!isAffordable(detector->getNLevels(), 0) ||
+            !accepts([&] { detector->buildPyramid(picture, levels); }))
             return;
-        require(int(levels.size()) <= detector.parameters.nlevels && levels.empty() == picture.empty(),
+        require(int(levels.size()) <= detector->getNLevels() && levels.empty() == picture.empty(),
                 "buildPyramid gave a wrong number of levels");
         for (const Mat& level : levels)
             require(level.type() == CV_8UC1 && !level.empty(), "buildPyramid gave a bad level");
@@ -114,147 +156,94 @@ private:
         const Size size(number(data, 1, 400), number(data, 1, 400));
         const Size grid(number(data, 1, 40), number(data, 1, 40));
         const int npoints = number(data, 0, 20);
-        KeyPoints given = keypoints(data, Size(100, 100));
-        const bool badSize = size.width <= 0 || size.height <= 0;
-        const bool badGrid =
-            grid.width <= 0 || grid.height <= 0 || int64(grid.width) * grid.height > (1 << 24);
+        KeyPoints kept = keypoints(data, Size(100, 100));
         double u = 0, share = 0, threshold = 0;
-        detector.attempt("distributionUniformity", expect(badSize),
-                         [&] { u = aqorb::distributionUniformity(given, size); });
+        accepts([&] { u = distributionUniformity(kept, size); });
         require(std::isfinite(u) && u >= 0, "distributionUniformity gave no number");
-        detector.attempt("distributionOccupancy", expect(badSize || badGrid),
-                         [&] { share = aqorb::distributionOccupancy(given, size, grid); });
+        accepts([&] { share = distributionOccupancy(kept, size, grid); });
         require(share >= 0 && share <= 1, "distributionOccupancy gave no share");
-
-        KeyPoints kept = given;
-        if (detector.attempt("retainUniform", expect(badSize || npoints < 0),
-                             [&] { aqorb::retainUniform(kept, size, npoints); }))
-        {
-            require(int(kept.size()) <= npoints, "retainUniform kept too many");
-            int before = INT_MAX;  // keypoints() numbers them in descending order by class_id
-            for (const KeyPoint& k : kept)
-            {
-                require(k.class_id < before && k.pt.x >= 0 && k.pt.y >= 0 && k.pt.x < float(size.width) &&
-                            k.pt.y < float(size.height),
-                        "retainUniform kept a wrong point, or in another order");
-                before = k.class_id;
-            }
-        }
-        const bool bad =
-            !isPicture() ||
-            (!area.empty() && (area.dims > 2 || area.type() != CV_8UC1 || area.size() != picture.size()));
-        detector.attempt("adaptiveFastThreshold", picture.empty() ? UNKNOWN : expect(bad),
-                         [&] { threshold = aqorb::adaptiveFastThreshold(picture, area); });
+        accepts([&] { threshold = adaptiveFastThreshold(picture, area); });
         require(std::isfinite(threshold) && threshold >= 0, "adaptiveFastThreshold gave no number");
+        if (!accepts([&] { retainUniform(kept, size, npoints); }))
+            return;
+        require(int(kept.size()) <= npoints, "retainUniform kept too many");
+        for (size_t i = 0; i < kept.size(); i++)  // keypoints() numbers them in descending order by class_id
+            require((i == 0 || kept[i].class_id < kept[i - 1].class_id) &&
+                        Rect2f(Point2f(), Size2f(size)).contains(kept[i].pt),
+                    "retainUniform kept a wrong point, or in another order");
     }
 
     void detect()
     {
-        const int kind = data.ConsumeIntegralInRange(0, 3);
-        const OrbParameters& p = detector.parameters;
-        const size_t corners = std::min<size_t>(std::max(p.nfeatures, 0), pictureSize().area() / 4);
-        if (!isAffordable(p.nlevels, corners))
+        const size_t corners = std::min(detector->getMaxFeatures(), pictureSize().area() / 4);
+        if (!isAffordable(detector->getNLevels(), corners))
             return;
-        const bool badMask =
-            !area.empty() && (area.dims > 2 || area.type() != CV_8UC1 || area.size() != pictureSize());
-        const bool bad =
-            p.isBad() || p.clash() || !isPicture() || badMask || p.hasTooLargeLevel(pictureSize(), 0);
-        // The call must replace these outputs.
+        // The call must replace these outputs, or leave them.
         KeyPoints found(3, KeyPoint(Point2f(-7, -7), 1.f, -1.f, 0.f, -1));
         Mat descriptors(2, 5, CV_16SC1, Scalar(3));
-        const bool withDescriptors = kind < 2;
+        const bool isOfUMat = data.ConsumeBool();
         const auto call = [&]
         {
-            if (kind == 0)
-            {
-                detector.orb->detectAndCompute(picture, area, found, descriptors);
-            }
-            else if (kind == 1)
-            {
-                UMat output;
-                detector.orb->detectAndCompute(picture.getUMat(ACCESS_READ), area, found, output);
-                output.copyTo(descriptors);
-            }
+            UMat output;
+            if (isOfUMat)
+                detector->detectAndCompute(picture.getUMat(ACCESS_READ), area, found, output);
             else
-            {
-                detector.orb->detect(picture, found, area);
-            }
+                detector->detectAndCompute(picture, area, found, descriptors);
+            if (isOfUMat)
+                output.copyTo(descriptors);
         };
-        if (!detector.attempt("detect", picture.empty() ? UNKNOWN : expect(bad), call))
+        if (!accepts(call))
         {
-            require(found.size() == 3 && found[0].pt.x == -7, "a failed call changed its output");
+            require(found.size() == 3 && found[0].pt.x == -7 && descriptors.cols == 5, "outputs changed");
             return;
         }
-        if (picture.empty())
-        {
-            require(found.empty() && (!withDescriptors || descriptors.empty()),
-                    "stale outputs for an empty image");
-            return;
-        }
-        require(int64(found.size()) <= p.nfeatures, "detect gave more keypoints than nfeatures");
+        require(int(found.size()) <= (picture.empty() ? 0 : detector->getMaxFeatures()),
+                "too many keypoints");
         for (const KeyPoint& k : found)
         {
-            requireInside(k);
             require(std::isfinite(k.size) && std::isfinite(k.angle) && std::isfinite(k.response),
                     "detect gave a keypoint of which a field is not finite");
-            require(k.octave >= 0 && k.octave < p.nlevels, "detect gave an octave that is no level");
-            require(area.empty() || area.at<uchar>(cvRound(k.pt.y), cvRound(k.pt.x)) != 0,
-                    "detect gave a keypoint on a masked pixel");
+            require(k.octave >= 0 && k.octave < detector->getNLevels(), "an octave that is no level");
+            require(area.empty() || area.at<uchar>(cvRound(k.pt.y), cvRound(k.pt.x)) != 0, "a masked pixel");
         }
-        if (withDescriptors)
-            requireDescriptors(found, descriptors);
+        requireOutputs(found, descriptors);
     }
 
     void compute()
     {
-        const OrbParameters& p = detector.parameters;
         const KeyPoints given = keypoints(data, pictureSize());
-        int maxOctave = 0, minOctave = 0;
-        bool badAngle = false;
+        int maxOctave = 0;
         for (const KeyPoint& k : given)
-        {
             maxOctave = std::max(maxOctave, k.octave);
-            minOctave = std::min(minOctave, k.octave);
-            badAngle |= !std::isfinite(k.angle);
-        }
         if (!isAffordable(std::min(maxOctave, 65536) + 1, given.size()))
             return;
-        const double scale = p.scale(maxOctave);
-        const Size size = pictureSize();
-        const bool isTooSmall = !(cvRound(size.width / scale) >= 1 && cvRound(size.height / scale) >= 1);
-        bool bad = p.isBad() || p.clash() || !isPicture() || minOctave < 0 ||
-                   (maxOctave > 0 && p.scaleFactor <= 1) || isTooSmall || badAngle;
-        // Whether a level is too large need not be noticed if no keypoint is left on it.
-        const bool mayBeBad = p.hasTooLargeLevel(size, 0);
         KeyPoints found = given;
         Mat descriptors(2, 5, CV_16SC1, Scalar(3));
-        const Expectation expected = picture.empty() || (mayBeBad && !bad) ? UNKNOWN : expect(bad);
-        if (!detector.attempt("compute", expected,
-                              [&] { detector.orb->compute(picture, found, descriptors); }) ||
-            picture.empty())
+        if (!accepts([&] { detector->compute(picture, found, descriptors); }))
+        {
+            require(found.size() == given.size() && descriptors.cols == 5, "outputs changed");
             return;
+        }
         require(found.size() <= given.size(), "compute gave more keypoints than there were");
-        for (const KeyPoint& k : found)
-            requireInside(k);
-        requireDescriptors(found, descriptors);
+        requireOutputs(found, descriptors);
     }
 
-    void requireInside(const KeyPoint& k) const
+    void requireOutputs(const KeyPoints& found, const Mat& descriptors) const
     {
+        if (picture.empty())
+            return;
         // A position counts by the pixel it lies on, as in cv::ORB's compute.
-        require(std::isfinite(k.pt.x) && std::isfinite(k.pt.y) && k.pt.x >= -0.5f && k.pt.y >= -0.5f &&
-                    k.pt.x <= float(picture.cols) - 0.5f && k.pt.y <= float(picture.rows) - 0.5f,
-                "a keypoint lies off the image");
-    }
-    static void requireDescriptors(const KeyPoints& found, const Mat& descriptors)
-    {
+        for (const KeyPoint& k : found)
+            require(k.pt.x >= -0.5f && k.pt.y >= -0.5f && k.pt.x <= float(picture.cols) - 0.5f &&
+                        k.pt.y <= float(picture.rows) - 0.5f,
+                    "a keypoint lies off the image");
         require(descriptors.rows == int(found.size()) &&
                     (found.empty() || (descriptors.cols == 32 && descriptors.type() == CV_8UC1)),
                 "descriptors and keypoints do not match");
     }
 
     FuzzedDataProvider data;
-    Detector detector;
+    Ptr<AdaptiveQuadtreeORB> detector;
     Mat picture, area;
 };
 
@@ -275,14 +264,6 @@ extern "C" int LLVMFuzzerInitialize(int*, char***)
 
 extern "C" int LLVMFuzzerTestOneInput(const uint8_t* bytes, size_t size)
 {
-    try
-    {
-        Caller(bytes, size).run();
-    }
-    catch (const Problem& problem)
-    {
-        std::fprintf(stderr, "find: %s\n", problem.text.c_str());
-        std::abort();
-    }
+    Caller(bytes, size).run();
     return 0;
 }

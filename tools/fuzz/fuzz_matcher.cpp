@@ -10,8 +10,6 @@
 #include <opencv2/core/ocl.hpp>
 #include <opencv2/core/utility.hpp>
 
-#include <cstdio>
-#include <cstdlib>
 #include <cstring>
 
 // Compares the matcher and the functions that match with the plain reference of the tests, on the best kernels of the
@@ -19,18 +17,10 @@
 // Refined positions are compared between kernels.
 
 using namespace opencv_test;
+using fuzz::require;
 
 extern "C" int LLVMFuzzerInitialize(int*, char***);
 extern "C" int LLVMFuzzerTestOneInput(const uint8_t* bytes, size_t size);
-
-static void require(bool isRight, const char* what)
-{
-    if (!isRight)
-    {
-        std::fprintf(stderr, "find: %s\n", what);
-        std::abort();
-    }
-}
 
 static void compareNeighbours(const Mat& query, const std::vector<Mat>& images, const std::vector<Mat>& masks,
                               int normType, int k)

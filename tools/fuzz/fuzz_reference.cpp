@@ -10,9 +10,6 @@
 #include <opencv2/core/ocl.hpp>
 #include <opencv2/core/utility.hpp>
 
-#include <cstdio>
-#include <cstdlib>
-
 // Compares the detector with the plain reference of the tests, byte for byte: on the best kernels of the CPU and
 // on the baseline ones, with one thread and with two. Its descriptors are compared with those of cv::ORB as well.
 
@@ -23,11 +20,7 @@ extern "C" int LLVMFuzzerTestOneInput(const uint8_t* bytes, size_t size);
 
 static void requireSame(const char* what, const ::testing::AssertionResult& result)
 {
-    if (!result)
-    {
-        std::fprintf(stderr, "find: %s: %s\n", what, result.message());
-        std::abort();
-    }
+    fuzz::require(bool(result), std::string(what) + ": " + result.message());
 }
 
 // Only good parameters are drawn here; fuzz_api draws bad ones as well.

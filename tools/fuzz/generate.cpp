@@ -8,12 +8,23 @@
 #include <opencv2/imgproc.hpp>
 
 #include <climits>
+#include <cstdio>
+#include <cstdlib>
 #include <limits>
 
 using namespace cv;
 
 namespace fuzz
 {
+
+void require(bool condition, const std::string& what)
+{
+    if (!condition)
+    {
+        std::fprintf(stderr, "find: %s\n", what.c_str());
+        std::abort();
+    }
+}
 
 int number(FuzzedDataProvider& data, int low, int high)
 {

@@ -9,12 +9,16 @@
 #include <fuzzer/FuzzedDataProvider.h>
 #include <opencv2/core.hpp>
 
+#include <string>
 #include <vector>
 
 // The arguments that the fuzz targets make of libFuzzer's bytes.
 
 namespace fuzz
 {
+
+//! Ends the program with a find unless the condition holds.
+void require(bool condition, const std::string& what);
 
 //! A number, mostly within [low, high]; at times any number, or one at which arithmetic is prone to fail.
 int number(FuzzedDataProvider& data, int low, int high);
