@@ -28,7 +28,7 @@ datasets=${OPENCV_TEST_DATA_PATH:-}/cv/detectors_descriptors_evaluation/images_d
 photographs() { [[ -d $datasets ]] || die 'OPENCV_TEST_DATA_PATH must name the folder testdata of opencv_extra'; }
 
 speed() {
-    local benchmark=$BUILD/release/tools/benchmark/aqorb_benchmark few=() images=() command disabled sets=('')
+    local benchmark=$BUILD/release/tools/benchmark/aqorb_benchmark few=() images=() disabled sets=('')
     [[ $(uname -m) != x86_64 ]] || sets+=(AVX512-SKX)
     if [[ ${1:-} == --smoke ]]; then
         few=(--turns=1 --n=100)
@@ -47,9 +47,9 @@ speed() {
         LD_PRELOAD=$BUILD/release/bindings/preload/libaqorb_preload.so "$benchmark" program --threads=1 "${few[@]}"
     done
     unset OPENCV_CPU_DISABLE
-    say 'Other memory between frames, a busy processor, and memory'
+    say 'Other memory between frames, and memory'
     "$benchmark" speed --cold "${few[@]}" "${images[@]}"
-    for command in frames memory; do "$benchmark" $command "${few[@]}" "${images[@]}"; done
+    "$benchmark" memory "${few[@]}" "${images[@]}"
 }
 
 harness() {

@@ -22,8 +22,6 @@ const char* const ABOUT =
     "Measures speed and memory with default parameters, in turns with others, and prints Markdown.\n"
     "  speed [IMAGE ...]          frames beside cv::ORB\n"
     "  beside LIBRARY [IMAGE ...] frames beside another build, named by its libaqorb.so\n"
-    "  frames [IMAGE ...]         median and 90th percentile, with idle processors and with one of them "
-    "busy\n"
     "  memory [IMAGE ...]         the heap in use during a frame and between frames, in bytes for each "
     "pixel\n"
     "  pair [IMAGE1 IMAGE2]       from two images to a homography, beside cv::ORB with cv::BFMatcher\n"
@@ -39,12 +37,12 @@ const char* const ABOUT =
 
 const char* const KEYS = "{help h usage ? |      | print this text }"
                          "{n              |      | numbers of features or descriptors; 500,1000,2000 unless "
-                         "named, frames and memory "
-                         "1000, matching also 5000 }"
+                         "named, memory 1000, "
+                         "matching also 5000 }"
                          "{threads        | 1,2  | numbers of threads }"
-                         "{turns          | 31   | how often each is measured; frames ten times as often }"
+                         "{turns          | 31   | how often each is measured }"
                          "{cold           |      | touch 64 MB of other memory before each frame }"
-                         "{with           |      | libaqorb.so of another build for frames and memory, too }"
+                         "{with           |      | libaqorb.so of another build for memory, too }"
                          "{@command       |      | what to measure }"
                          "{@rest          |      | images }";
 
@@ -96,10 +94,9 @@ void run(const cv::CommandLineParser& parser, std::vector<std::string> images)
 {
     const std::string command = images.empty() ? "" : images[0], numbers = parser.get<cv::String>("n");
     images.erase(images.begin(), images.begin() + !images.empty());
-    const bool isSingle = command == "frames" || command == "memory";
     Settings settings;
     settings.numbers = splitNumbers(!numbers.empty()        ? numbers
-                                    : isSingle              ? "1000"
+                                    : command == "memory"   ? "1000"
                                     : command == "matching" ? "500,1000,2000,5000"
                                                             : "500,1000,2000");
     settings.threads = splitNumbers(parser.get<cv::String>("threads"));
@@ -127,11 +124,6 @@ void run(const cv::CommandLineParser& parser, std::vector<std::string> images)
         measureSpeed(settings, contenders[0]);
     else if (command == "beside")
         measureSpeed(settings, contenders[2]);
-    else if (command == "frames")
-    {
-        settings.turns *= 10;
-        measureFrames(settings, contenders);
-    }
     else if (command == "memory")
         measureMemory(settings, contenders);
     else if (isOfPairs && images.size() != 2 && (!images.empty() || !std::getenv("OPENCV_TEST_DATA_PATH")))
@@ -145,8 +137,7 @@ void run(const cv::CommandLineParser& parser, std::vector<std::string> images)
     else if (command == "program")
         measureProgram(settings);
     else
-        throw BadArguments("'" + command +
-                           "': speed, beside, frames, memory, pair, refinement, matching or program");
+        throw BadArguments("'" + command + "': speed, beside, memory, pair, refinement, matching or program");
 }
 
 }  // namespace

@@ -80,7 +80,6 @@ double medianRatio(const std::function<double()>& first, const std::function<dou
 
 // Each prints its tables.
 void measureSpeed(const Settings& settings, const Contender& other);
-void measureFrames(const Settings& settings, const std::vector<Contender>& contenders);
 void measureMemory(const Settings& settings, const std::vector<Contender>& contenders);
 void measurePairs(const Settings& settings);
 void measureMatching(const Settings& settings);

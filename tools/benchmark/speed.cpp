@@ -13,11 +13,6 @@
 #include <algorithm>
 #include <iostream>
 
-#include <sched.h>
-#include <signal.h>
-#include <sys/wait.h>
-#include <unistd.h>
-
 using namespace cv;
 
 void touchOtherMemory()
@@ -53,36 +48,6 @@ private:
     Features features;
 };
 
-//! A process that keeps the first processor busy while it exists.
-class BusyProcess
-{
-public:
-    BusyProcess() : process(fork())
-    {
-        if (process < 0)
-            CV_Error(Error::StsError, "fork failed");
-        if (process > 0)
-            return;
-        const sched_param ordinary = {};  // not the priority of this program
-        sched_setscheduler(0, SCHED_OTHER, &ordinary);
-        cpu_set_t first;
-        CPU_ZERO(&first);
-        CPU_SET(0, &first);
-        sched_setaffinity(0, sizeof(first), &first);
-        while (getppid() != 1)
-            ;
-        _exit(0);
-    }
-    ~BusyProcess()
-    {
-        kill(process, SIGKILL);
-        waitpid(process, NULL, 0);
-    }
-
-private:
-    const pid_t process;
-};
-
 }  // namespace
 
 void measureSpeed(const Settings& settings, const Contender& other)
@@ -114,49 +79,4 @@ void measureSpeed(const Settings& settings, const Contender& other)
                    cell(*std::max_element(ratios.begin(), ratios.end()))});
     }
     std::cout << cases.text() << "\n" << means.text() << std::flush;
-}
-
-void measureFrames(const Settings& settings, const std::vector<Contender>& contenders)
-{
-    std::cout << cpuName() << "\n\n";
-    Table table({"one processor", "image", "n", "threads", "detector", "median, ms", "90th percentile, ms"});
-    for (const bool isBusy : {false, true})
-    {
-        Ptr<BusyProcess> busy;
-        if (isBusy)
-            busy = makePtr<BusyProcess>();
-        for (const int threads : settings.threads)
-        {
-            setNumThreads(threads);
-            for (const std::string& spec : settings.images)
-            {
-                const Image image(spec);
-                for (const int n : settings.numbers)
-                {
-                    std::vector<Runner> runners;
-                    std::vector<std::vector<double>> times(contenders.size());
-                    for (const Contender& contender : contenders)
-                        runners.push_back(Runner(contender, n, image.pixels, settings.cold));
-                    for (int turn = -3; turn < settings.turns; turn++)
-                    {
-                        for (size_t i = 0; i < runners.size(); i++)
-                        {
-                            const double ms = runners[i]();
-                            if (turn >= 0)
-                                times[i].push_back(ms);
-                        }
-                    }
-                    for (size_t i = 0; i < runners.size(); i++)
-                    {
-                        std::sort(times[i].begin(), times[i].end());
-                        table.add({isBusy ? "busy" : "idle", image.name, std::to_string(n),
-                                   std::to_string(threads), contenders[i].name,
-                                   cell(times[i][times[i].size() / 2]),
-                                   cell(times[i][times[i].size() * 9 / 10])});
-                    }
-                }
-            }
-        }
-    }
-    std::cout << table.text() << std::flush;
 }
