@@ -24,9 +24,9 @@ Two functions measure how uniformly the keypoints of any detector are distribute
 distributionOccupancy). A third one thins out keypoints uniformly (retainUniform), and a fourth one computes the FAST
 threshold that suits the contrast of an image (adaptiveFastThreshold).
 
-The class aqorb::HammingMatcher gives the matches of cv::BFMatcher for binary descriptors, many times as fast.
-matchArrays, knnMatchArrays and matchByPosition give them as arrays. The class aqorb::SlamExtractor, in a header of its
-own, replaces the feature extractor of ORB-SLAM.
+The class aqorb::HammingMatcher gives the matches of cv::BFMatcher for binary descriptors, at least 6 times as fast with
+AVX2. matchArrays, knnMatchArrays and matchByPosition give them as arrays. The class aqorb::SlamExtractor, in a header of
+its own, replaces the feature extractor of ORB-SLAM.
 
 The @ref tutorial_table_of_content_aqorb "tutorials" show how to use the module and how it works.
 */
