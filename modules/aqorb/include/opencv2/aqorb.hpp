@@ -25,8 +25,8 @@ distributionOccupancy). A third one thins out keypoints uniformly (retainUniform
 threshold that suits the contrast of an image (adaptiveFastThreshold).
 
 The class aqorb::HammingMatcher gives the matches of cv::BFMatcher for binary descriptors, at least 6 times as fast with
-AVX2. matchArrays, knnMatchArrays and matchByPosition give them as arrays. The class aqorb::SlamExtractor, in a header of
-its own, replaces the feature extractor of ORB-SLAM.
+AVX2. matchArrays, knnMatchArrays and matchByPosition give them as arrays. The class aqorb::SlamExtractor, in a header
+of its own, replaces the feature extractor of ORB-SLAM.
 
 The @ref tutorial_table_of_content_aqorb "tutorials" show how to use the module and how it works.
 */
