@@ -1,5 +1,5 @@
 #!/usr/bin/env bash
-# Builds the Debian packages libaqorb0.4, libaqorb-dev, aqorb-tools, aqorb-preload and python3-aqorb in
+# Builds the Debian packages libaqorb0.5, libaqorb-dev, aqorb-tools, aqorb-preload and python3-aqorb in
 # build/packages, and has lintian check them.
 #
 #   scripts/package.sh [--test] [CMake option...]

@@ -422,12 +422,12 @@ private:
             }
     }
 
-    // Selects from the corners of two thresholds; returns how many are still wanted.
-    int selectWith(const Thresholds& t)
+    void select()
     {
         for (PyramidLevel& level : levels)
         {
-            level.candidates = score(level, findCorners(level.image, level.usable, level.root, t, isHarris));
+            level.candidates =
+                score(level, findCorners(level.image, level.usable, level.root, both, isHarris));
             level.sequence =
                 isRanked ? rankedOrder(level, level.candidates) : balancedOrder(level, level.candidates);
             level.next = 0;
@@ -438,13 +438,7 @@ private:
             wanted = choose(i, wanted + levels[i].quota);
         for (size_t i = 0; i < levels.size(); i++)
             wanted = choose(i, wanted);
-        return wanted;
-    }
-
-    void select()
-    {
-        if (selectWith(both) > 0)
-            fillUp(selectWith({both.min, both.min}));
+        fillUp(wanted);
     }
 
     void describe(int octave, Features& features)

@@ -88,30 +88,5 @@ TEST(Aqorb_RankedSelection, the_weight_leads_from_evenness_to_strength)
     EXPECT_GE(strong[3], 0.95 * SCENES * n);
 }
 
-// SLAM systems ask for twice to five times their features until they start.
-TEST(Aqorb_RankedSelection, levels_keep_their_shares_when_representatives_run_out)
-{
-    AQORB_NEEDS_DATA();
-    Settings settings;
-    settings.nfeatures = 4000;
-    for (const std::string set : {"bikes", "graf", "ubc"})
-    {
-        Mat image;
-        resize(imread(oxfordImage(set, 1), IMREAD_GRAYSCALE), image, Size(640, 480), 0, 0, INTER_AREA);
-        std::vector<Size> regions;
-        std::vector<float> scales;
-        for (int i = 0; i < settings.nlevels; i++)
-        {
-            scales.push_back(reference::levelScale(i, 0, settings.scaleFactor));
-            regions.push_back(reference::levelSize(image.size(), scales[i]) - Size(32, 32));
-        }
-        std::vector<int> found(8), quotas = reference::rankedQuotas(settings.nfeatures, regions, scales);
-        for (const KeyPoint& keypoint : detect(settings, image))
-            found[keypoint.octave]++;
-        for (int i = 0; i < settings.nlevels; i++)
-            EXPECT_NEAR(found[i], quotas[i], quotas[i] / 5.) << set << " " << i;
-    }
-}
-
 }  // namespace
 }  // namespace opencv_test

@@ -189,10 +189,10 @@ static void fillUp(const SelectionPlan& plan, Size imageSize, const std::vector<
     }
 }
 
-template <typename C> static size_t countCorners(const std::vector<std::vector<C>>& corners)
+static size_t countCorners(const CornersOfLevels& corners)
 {
     size_t count = 0;
-    for (const std::vector<C>& level : corners)
+    for (const std::vector<CornerResponse>& level : corners)
         count += level.size();
     return count;
 }
@@ -208,33 +208,25 @@ static CornersOfLevels selectCorners(const Parameters& parameters, const Orienta
         regions.push_back(level.region);
     // Harris responses of neighbours hardly differ. Without suppression a strong corner would be chosen three times.
     const bool suppressNear = plan.useHarris;
+    const std::vector<std::vector<Corner>>& corners =
+        findCorners(levels, regions, {thresholds, suppressNear}, threads, space);
+    CornersOfLevels ordered(levels.size());
+    forEach(levels.size(), threads,
+            [&](size_t i, int)
+            { ordered[i] = orderCorners(parameters, plan, plan.levels[i], levels[i], patch, corners[i]); });
+    CornersOfLevels selected = selectAcrossLevels(plan, imageSize, levels, ordered);
+    const size_t wanted = size_t(parameters.nfeatures), count = countCorners(selected);
+    if (count == wanted)
+        return selected;
+
+    // Representatives have run out. All other corners fill up.
     const Thresholds lower = {thresholds.min, thresholds.min};
-    const size_t wanted = size_t(parameters.nfeatures);
-    CornersOfLevels selected(levels.size());
-    // When representatives run out, the lower threshold gives more of them.
-    const int last = thresholds.ini > thresholds.min ? 1 : 0;
-    for (int pass = 0; pass <= last; pass++)
-    {
-        const std::vector<std::vector<Corner>>& corners =
-            findCorners(levels, regions, {pass == 0 ? thresholds : lower, suppressNear}, threads, space);
-        if (pass < last && countCorners(corners) < wanted)
-            continue;
-        CornersOfLevels ordered(levels.size());
-        forEach(levels.size(), threads,
-                [&](size_t i, int) {
-                    ordered[i] = orderCorners(parameters, plan, plan.levels[i], levels[i], patch, corners[i]);
-                });
-        selected = selectAcrossLevels(plan, imageSize, levels, ordered);
-        if (countCorners(selected) == wanted)
-            return selected;
-    }
-    // When these run out, too, all other corners fill up.
     const std::vector<std::vector<Corner>>& all =
         findCorners(levels, regions, {lower, false}, threads, space);
     CornersOfLevels responses(levels.size());
     forEach(levels.size(), threads,
             [&](size_t i, int) { responses[i] = responsesOf(levels[i].image, all[i], plan.useHarris); });
-    fillUp(plan, imageSize, levels, responses, wanted - countCorners(selected), selected);
+    fillUp(plan, imageSize, levels, responses, wanted - count, selected);
     return selected;
 }
 
