@@ -150,27 +150,4 @@ TEST(Aqorb_Preload_BatchDistance, gives_opencvs_results)
     EXPECT_LT(thrown, 4500);
 }
 
-// OpenCV's reads memory that nobody has written.
-TEST(Aqorb_Preload_BatchDistance, updates_empty_lists)
-{
-    Call call = {Mat::eye(50, 32, CV_8UC1),
-                 Mat::eye(20, 32, CV_8UC1),
-                 Mat(),
-                 Mat(),
-                 Mat(),
-                 -1,
-                 NORM_HAMMING,
-                 2,
-                 0,
-                 false,
-                 true};
-    const Outcome expected = run(call);
-    call.update = 1 << 18;
-    for (int i = 0; i < 3; i++)
-        delete[] new int[100]();  // what the next matrix may find in its memory
-    const Outcome updated = run(call);
-    EXPECT_TRUE(sameMat(expected.dist, updated.dist));
-    EXPECT_TRUE(sameMat(expected.nidx + call.update, updated.nidx));
-}
-
 }  // namespace

@@ -91,11 +91,6 @@ TEST(Aqorb_Preload, gives_our_detector_with_the_callers_parameters)
     EXPECT_EQ(11, orb->getFastThreshold());
 }
 
-TEST(Aqorb_Preload, keeps_the_callers_default_border)
-{
-    EXPECT_EQ(31, ORB::create()->getEdgeThreshold());
-}
-
 TEST(Aqorb_Preload, leaves_our_own_defaults)
 {
     const Ptr<AdaptiveQuadtreeORB> orb = ours(ORB::create()), expected = AdaptiveQuadtreeORB::create();

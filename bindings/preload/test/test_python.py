@@ -11,7 +11,6 @@ its folder samples/data.
 '''
 
 import os
-import subprocess
 import sys
 import unittest
 
@@ -21,29 +20,12 @@ import numpy as np
 sys.path.insert(0, os.environ['OPENCV_SAMPLES'])
 import plane_tracker  # noqa: E402  OpenCV's own, unchanged
 
-NOTICE = 'aqorb: cv::ORB::create gives AdaptiveQuadtreeORB (edgeThreshold %d)\n'
-
 
 def read(name):
     return cv.imread(cv.samples.findFile(name), cv.IMREAD_GRAYSCALE)
 
 
-def run(program, **variables):
-    '''Output and errors of a Python program of its own process.'''
-    return subprocess.run([sys.executable, '-c', program], env={**os.environ, **variables},
-                          capture_output=True, text=True)
-
-
 class Preload(unittest.TestCase):
-
-    def test_gives_our_detector_with_the_callers_parameters(self):
-        orb = cv.ORB_create(nfeatures=321, scaleFactor=1.5, nlevels=5, edgeThreshold=24, firstLevel=1, WTA_K=3,
-                            scoreType=cv.ORB_FAST_SCORE, patchSize=25, fastThreshold=11)
-        self.assertEqual('Feature2D.AdaptiveQuadtreeORB', orb.getDefaultName())
-        self.assertEqual((321, 1.5, 5, 24, 1, 3, cv.ORB_FAST_SCORE, 25, 11),
-                         (orb.getMaxFeatures(), orb.getScaleFactor(), orb.getNLevels(), orb.getEdgeThreshold(),
-                          orb.getFirstLevel(), orb.getWTA_K(), orb.getScoreType(), orb.getPatchSize(),
-                          orb.getFastThreshold()))
 
     def test_every_way_to_create_is_reached(self):
         for create in cv.ORB_create, cv.ORB.create:
@@ -74,19 +56,6 @@ class Preload(unittest.TestCase):
         corners = np.float32([[[0, 0], [width, 0], [width, height], [0, height]]])
         expected = cv.perspectiveTransform(corners, angle)[0]
         self.assertLess(np.abs(tracked[0].quad - expected).max(), 5)
-
-    def test_environment(self):
-        program = 'import cv2; o = cv2.ORB_create(); print(o.getDefaultName(), o.getEdgeThreshold())'
-        ours = run(program, AQORB_VERBOSE='1', AQORB_EDGE_THRESHOLD='16')
-        self.assertEqual(('Feature2D.AdaptiveQuadtreeORB 16\n', NOTICE % 16), (ours.stdout, ours.stderr))
-        off = run(program, AQORB_VERBOSE='1', AQORB_DISABLE='1')
-        self.assertEqual(('Feature2D.ORB 31\n', ''), (off.stdout, off.stderr))
-        bad = run(program, AQORB_RANK_RADIUS='-1')
-        self.assertIn('AQORB_RANK_RADIUS: rankRadius must be from 0 to 16, got -1', bad.stderr)
-        self.assertNotEqual(0, bad.returncode)
-
-    def test_no_notice_where_nothing_was_interposed(self):
-        self.assertEqual('', run('import cv2; cv2.AKAZE_create()', AQORB_VERBOSE='1').stderr)
 
 
 if __name__ == '__main__':
