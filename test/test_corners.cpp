@@ -155,31 +155,5 @@ TEST(Aqorb_Corners, of_several_bands_equal_reference)
     EXPECT_GT(divided, 50);
 }
 
-// Each row of a region is in one band, and bands begin with rows of cells.
-TEST(Aqorb_Corners, bands_are_of_whole_cells)
-{
-    RNG rng(3);
-    for (int i = 0; i < 2000; i++)
-    {
-        std::vector<Rect> regions;
-        for (int j = 0; j < 3; j++)
-            regions.push_back(
-                Rect(rng.uniform(0, 40), rng.uniform(0, 40), rng.uniform(1, 2000), rng.uniform(1, 3000)));
-        const int threads = rng.uniform(1, 17);
-        std::vector<int> ends;
-        for (const Rect& region : regions)
-            ends.push_back(region.y);
-        for (const Band& band : divideIntoBands(regions, threads))
-        {
-            ASSERT_EQ(band.rows.start, ends[band.level]);
-            ASSERT_EQ((band.rows.start - regions[band.level].y) % CELL_SIZE, 0);
-            ASSERT_GT(band.rows.size(), 0);
-            ends[band.level] = band.rows.end;
-        }
-        for (int j = 0; j < 3; j++)
-            ASSERT_EQ(ends[j], regions[j].br().y);
-    }
-}
-
 }  // namespace
 }  // namespace opencv_test

@@ -132,31 +132,6 @@ TEST(Aqorb_RetainUniform, equals_reference_for_every_image_size)
     }
 }
 
-TEST(Aqorb_RetainUniform, only_ratios_of_responses_count)
-{
-    const Size size(640, 480);
-    for (int seed = 1; seed <= 200; seed++)
-    {
-        SCOPED_TRACE(seed);
-        RNG rng(seed);
-        KeyPoints keypoints = randomKeypoints(500, size, seed);
-        for (KeyPoint& keypoint : keypoints)
-            keypoint.response = float(rng.uniform(-10, 5000));  // so that products are exact
-        KeyPoints expected = keypoints;
-        aqorb::retainUniform(expected, size, 100);
-        for (float factor : {3.f, 0.25f, 1000.f})
-        {
-            KeyPoints multiplied = keypoints;
-            for (KeyPoint& keypoint : multiplied)
-                keypoint.response *= factor;
-            aqorb::retainUniform(multiplied, size, 100);
-            for (KeyPoint& keypoint : multiplied)
-                keypoint.response = keypoints[keypoint.class_id].response;
-            ASSERT_TRUE(sameKeypoints(multiplied, expected)) << factor;
-        }
-    }
-}
-
 TEST(Aqorb_RetainUniform, drops_what_lies_outside)
 {
     const float nan = std::numeric_limits<float>::quiet_NaN();
