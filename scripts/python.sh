@@ -7,7 +7,6 @@
 #   scripts/python.sh --notebook
 #   scripts/python.sh --collection [pytest option ...]
 #   scripts/python.sh --hostile [--flips=1000] [--kills=50]
-#   scripts/python.sh --rates [option of tools/benchmark/rates.py ...]
 #
 # The package is left in build/release/bindings/python, where programs find it with PYTHONPATH. Tests that need images of
 # opencv_extra are skipped unless OPENCV_TEST_DATA_PATH names its testdata folder.
@@ -23,7 +22,7 @@
 #
 # With --collection it tests collections of images in their long form. 500 photographs of opencv_extra go through the
 # command aqorb, the function and the sample on Ray, a worker of Ray is killed, and 10,000 small images go through the
-# command. pip fetches Ray, 250 MB. With --rates it prints the tables of the tutorial "Many images".
+# command. pip fetches Ray, 250 MB.
 #
 # With --hostile the command aqorb is given damaged files and is killed while it writes, and a table says what came of it.
 #
@@ -110,15 +109,8 @@ hostile() {
     "$PYTHON" "$ROOT/bindings/python/test/hostile.py" "$@"
 }
 
-rates() {
-    photographs
-    command_environment command
-    say "Rates"
-    "$PYTHON" "$ROOT/tools/benchmark/rates.py" --out="$BUILD/rates" "$@" "$AQORB_PHOTOGRAPHS"
-}
-
 case ${1:-} in
---asan | --offline | --notebook | --collection | --hostile | --rates)
+--asan | --offline | --notebook | --collection | --hostile)
     "${1#--}" "${@:2}"
     exit
     ;;
