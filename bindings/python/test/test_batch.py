@@ -4,7 +4,6 @@
 # SPDX-License-Identifier: Apache-2.0
 """Tests of detectAndComputeBatch. What it does while several threads use the package is tested in test_threads.py."""
 
-import pickle
 
 import numpy as np
 import pytest
@@ -66,12 +65,6 @@ def test_the_rows_of_an_image(orb, image):
                 function(wrong)
     with pytest.raises(TypeError):
         batch.rows(1.5)
-
-
-def test_a_batch_can_be_pickled(orb, image):
-    batch = orb.detectAndComputeBatch([image, image[:300]])
-    again = pickle.loads(pickle.dumps(batch))
-    assert type(again) is aqorb.FeatureBatch and all(map(np.array_equal, batch, again))
 
 
 def test_arrow_takes_the_arrays_without_a_copy(orb, image):

@@ -9,15 +9,13 @@ import os
 import re
 import shutil
 import sqlite3
-import subprocess
 
 import numpy as np
 import pytest
 
 import aqorb
-from aqorb.collection import colmap
-from command_support import (Image, call_of, command, expected, matches_of, noise, parts_of, pq, pycolmap, refused,
-                             rows, run, store)
+from command_support import (Image, command, expected, matches_of, noise, parts_of, pq, pycolmap, refused, rows, run,
+                             store)
 
 
 PLACE = {0x8769: {0xa405: 28}, 0x8825: {1: 'N', 2: (47., 30., 0.), 3: 'E', 4: (8., 15., 0.), 6: 400.}}  # and a focal length
@@ -197,17 +195,6 @@ def test_append(phone, tmp_path):
     refused('COLMAP read none of the images', *call[:3], '--images', tmp_path, '--database', tmp_path / 'none.db')
 
 
-def test_turns():
-    size, upright = (30, 20), np.arange(600).reshape(20, 30)
-    for orientation, turn in {1: None, 2: 0, 3: 3, 4: 1, 5: 5, 6: 2, 7: 6, 8: 4}.items():
-        stored = np.asarray(Image.fromarray(upright.astype(np.int32)) if turn is None else
-                            Image.fromarray(upright.astype(np.int32)).transpose(turn))
-        matrix, shift = colmap.turn_of(orientation, size)
-        for x, y in itertools.product(range(30), range(20)):
-            u, v = np.array(matrix @ [x, y] + shift, int)
-            assert stored[v, u] == upright[y, x], orientation
-
-
 # Pictures
 
 def test_draw(folder, tmp_path):
@@ -220,12 +207,6 @@ def test_draw(folder, tmp_path):
     refused('x.txt must end with .png', 'draw', 'absent.png', 'absent.png', '--out', tmp_path / 'x.txt')
     (tmp_path / 'text').write_text('no image')
     refused('text: it is no image', 'draw', folder / '00.png', tmp_path / 'text', '--out', tmp_path / 'x.png')
-
-
-def test_head_ends_quietly(folder, features):
-    finished = subprocess.run(['sh', '-c', '"$@" | head -1', 'sh', *call_of('search', features, *[folder / '00.png'] * 3)],
-                              stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
-    assert finished.stdout == 'photograph\timage\tmatches\tinliers\n' and finished.stderr == ''
 
 
 def test_an_image_has_room_for_its_descriptors():

@@ -43,14 +43,6 @@ def test_arrays_equal_objects(orb, image):
     assert array.flags.writeable and rows.flags.writeable
 
 
-def test_arrays_outlive_the_detector(image):
-    array, rows = aqorb.AdaptiveQuadtreeORB_create(300).detectAndComputeArrays(image)
-    copies = array.copy(), rows.copy()
-    for _ in range(5):
-        aqorb.AdaptiveQuadtreeORB_create(300).detectAndComputeArrays(255 - image)
-    assert np.array_equal(array, copies[0]) and np.array_equal(rows, copies[1])
-
-
 def test_conversion_of_keypoints():
     keypoints = [cv.KeyPoint(1.5, 2.25, 3, 4, 5, 6, 7), cv.KeyPoint(-1, 1e6, 0)]
     array = aqorb.keypointsToArray(keypoints)

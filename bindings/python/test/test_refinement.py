@@ -4,8 +4,6 @@
 # SPDX-License-Identifier: Apache-2.0
 """Tests of refineMatches and refineMatchArrays as functions of Python. Those of the module test their positions."""
 
-import pickle
-import threading
 
 import cv2 as cv
 import numpy as np
@@ -94,19 +92,3 @@ def test_bad_arguments(pair, error, message, changes):
         del given['pairs']
     with pytest.raises(error, match=message):
         (aqorb.refineMatches if 'matches' in changes else aqorb.refineMatchArrays)(**{**given, **changes})
-
-
-def test_threads_and_pickle(pair, threads):
-    expected = [part.tobytes() for part in aqorb.refineMatchArrays(*pair)]
-    refine, found = pickle.loads(pickle.dumps(aqorb.refineMatchArrays)), []
-
-    def repeat():
-        found.extend([part.tobytes() for part in refine(*pair)] == expected for _ in range(20))
-    for number in 1, 3:
-        aqorb.setNumThreads(number)
-        running = [threading.Thread(target=repeat) for _ in range(3)]
-        for thread in running:
-            thread.start()
-        for thread in running:
-            thread.join()
-    assert found == [True] * 120 and pickle.loads(pickle.dumps(aqorb.refineMatches)) is aqorb.refineMatches
