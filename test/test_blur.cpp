@@ -63,40 +63,6 @@ TEST(Aqorb_Blur, approximation_stays_within_its_bounds_for_every_width)
     }
 }
 
-TEST(Aqorb_Blur, is_the_same_for_every_width_and_alignment)
-{
-    std::vector<uchar> scratch;
-    for (int width = 1; width <= MAX_WIDTH; width++)
-    {
-        SCOPED_TRACE(format("width %d", width));
-        const Size size(width, 9);
-        const Mat noise = width % 2 ? makeNoise(size, width) : makeNoise(size, width) > 127;
-        const Mat exact = reference::roundedBlur(noise);
-        Mat expected;
-        approximateBlur(noise, expected);
-        expectWithinBounds(noise, expected, reference::blur(noise));
-        // Pixels that can be read in place where the image is wide enough.
-        const Rect inner(3, 3, width - 6, 3);
-        BlurRegion region;
-        region.reset(size, BLUR_MARGIN);
-        for (int x = inner.x + 1; x < inner.br().x - 1; x++)
-            region.addDisc(Point(x, 4), std::vector<int>(2, 1));
-        const Rect compared = inner.width > 2 ? inner : Rect();
-        atEveryOffset(noise,
-                      [&](const Mat& image, int offset)
-                      {
-                          const Mat all = atOffset(Mat::zeros(withMargin(expected).size(), CV_16UC1),
-                                                   (6 * offset + 2 * width) % 64);
-                          const Mat blurred = all(Rect(Point(BLUR_MARGIN, BLUR_MARGIN), size));
-                          approximateBlur(image, region, Range(0, size.height), rowsOf(blurred), scratch);
-                          EXPECT_TRUE(sameMat(blurred(compared), expected(compared)));
-                          EXPECT_TRUE(isAround(all, 65535));
-                          for (int x = offset % 8; x < width; x += 8)
-                              EXPECT_EQ(exactBlur(image, x, 4), exact.at<uchar>(4, x)) << x;
-                      });
-    }
-}
-
 TEST(Aqorb_Blur, of_a_region_equals_that_of_the_image)
 {
     RNG rng(3);

@@ -138,42 +138,6 @@ TEST(Aqorb_Descriptor, equals_reference_at_borders)
     }
 }
 
-TEST(Aqorb_Descriptor, equals_reference_for_every_width_and_alignment)
-{
-    const DescriptorTests tests(descriptorPattern(31, 2), 2);
-    for (int width = 1; width <= MAX_WIDTH; width++)
-    {
-        SCOPED_TRACE(format("width %d", width));
-        const Size size(width, 43);
-        const Mat noise = makeNoise(size, width), exactlyBlurred = reference::roundedBlur(noise);
-        std::vector<FeaturePoint> points;
-        Mat expected(width, 32, CV_8UC1), blurred;
-        for (int x = 0; x < width; x++)
-        {
-            const FeaturePoint point = {x, 21, float(x * 37 % 360)};
-            points.push_back(point);
-            reference::descriptor(noise, exactlyBlurred, Point(x, 21), point.angle, tests.pattern, 2,
-                                  expected.ptr(x));
-        }
-        approximateBlur(noise, blurred);
-        atEveryOffset(noise,
-                      [&](const Mat& image, int offset)
-                      {
-                          const Mat copyWithMargin =
-                              atOffset(withMargin(blurred), (6 * offset + 2 * width) % 64);
-                          const Mat blurredCopy = copyWithMargin(Rect(Point(BLUR_MARGIN, BLUR_MARGIN), size));
-                          // as many as lie side by side, at another place for each offset
-                          const int first = offset * 3 % width, count = std::min(3, width - first);
-                          Mat descriptors =
-                              atOffset(Mat::zeros(count, 32, CV_8UC1), (7 * offset + width) % 64);
-                          computeDescriptors(image, rowsOf(blurredCopy), &points[first], size_t(count), tests,
-                                             descriptors.ptr(), descriptors.step);
-                          EXPECT_TRUE(sameMat(descriptors, expected.rowRange(first, first + count)));
-                          EXPECT_TRUE(isAround(descriptors, 255));
-                      });
-    }
-}
-
 TEST(Aqorb_Descriptor, equals_reference_where_the_approximation_cannot_tell)
 {
     // Slopes so flat that neighbours differ by less than the bound of the approximate blur.
