@@ -83,32 +83,3 @@ test('the homography of the simulated view is the one by which it was drawn, wit
         });
     }
 });
-
-// Where a point of the first picture, 960x640, is in a view, by the words of its description.
-function turned([x, y], degrees, scale) {
-    const [cos, sin] = [Math.cos, Math.sin].map(f => scale * f(degrees * Math.PI / 180));
-    const [dx, dy] = [x - 959 / 2, y - 639 / 2];
-    return [959 / 2 + cos * dx - sin * dy, 639 / 2 + sin * dx + cos * dy];
-}
-
-test('matches with a view that is known are right where they are within 3 pixels of it', () => {
-    ok(engine.setProperties({ nfeatures: 1000 }));
-    ok(engine.drawScene(960, 640));
-    detectAll(0);
-    for (const [view, degrees, scale] of [['far', 40, .5], ['night', 8, 1]]) {
-        ok(engine.drawOtherView(view));
-        detectAll(1);
-        for (const detector of BOTH) {
-            const { known, matches, count, agreeing } = ok(engine.match(detector));
-            assert.equal(known, true);
-            assert.ok(agreeing > 30 && agreeing < count, `${view}, ${detector}: ${agreeing} of ${count}`);
-            for (let i = 0; i < matches.length; i += 5) {
-                const [x, y, x2, y2, isRight] = matches.subarray(i, i + 5);
-                const place = turned([x, y], degrees, scale);
-                const error = Math.hypot(place[0] - x2, place[1] - y2);
-                if (Math.abs(error - 3) > .001)
-                    assert.equal(isRight, error < 3 ? 1 : 0, `${view}: ${error} pixels`);
-            }
-        }
-    }
-});
