@@ -89,14 +89,10 @@ notebook() {
     ls -l "$BUILD/notebook/aqorb.ipynb"
 }
 
-photographs() {
+collection() {
     export AQORB_PHOTOGRAPHS=${OPENCV_TEST_DATA_PATH:-}/cv/detectors_descriptors_evaluation/images_datasets
     [[ -d $AQORB_PHOTOGRAPHS ]] || die "OPENCV_TEST_DATA_PATH must name the folder testdata of opencv_extra"
     package
-}
-
-collection() {
-    photographs
     command_environment ray 'ray[data]==2.60.0' 'pandas<2.3' 'numpy<2' psutil
     say "Tests of collections"
     "${pytest[@]}" "$PYTHON" -m pytest -q -s -p no:cacheprovider "$@" "$ROOT/samples/collection"

@@ -196,19 +196,6 @@ class aqorb_test(NewOpenCVTests):
         for name in [name for name in dir(orb) if name.startswith('get')]:
             self.assertEqual(getattr(other, name)(), getattr(orb, name)(), name)
 
-    def test_write_into_a_storage(self):
-        orb = aqorb.AdaptiveQuadtreeORB_create(123, 1.5)
-        orb.setOctaveSuppression(0.1)
-        storage = cv.FileStorage('.yml', cv.FILE_STORAGE_WRITE | cv.FILE_STORAGE_MEMORY)
-        orb.write(storage, 'detector')
-        text = storage.releaseAndGetString()
-        storage = cv.FileStorage(text, cv.FILE_STORAGE_READ | cv.FILE_STORAGE_MEMORY)
-        other = aqorb.AdaptiveQuadtreeORB_create()
-        other.read(storage.getNode('detector'))
-        self.assertEqual(other.getMaxFeatures(), 123)
-        self.assertEqual(other.getScaleFactor(), 1.5)
-        self.assertEqual(other.getOctaveSuppression(), 0.1)
-
     def test_read_checks(self):
         orb = aqorb.AdaptiveQuadtreeORB_create()
         for text in '{"patchSize": 1}', '{"patchSize": "large"}', '{"patchSize": 35.5}', '{"patchSize": [35]}':
