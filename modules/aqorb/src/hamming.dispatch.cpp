@@ -73,10 +73,12 @@ const int MAX_KEY_BYTES = 127;
 //! The size of a tile of distances.
 const int QUERIES = 8, TRAINS = 1024;
 
-/** Descriptors whose Hamming distances are twice the numbers of pairs of bits that differ: each pair becomes three
- bits, 000, 101, 011 or 110. */
-Mat withThirdBits(const Mat& descriptors)
+/** If pairs of bits count, descriptors whose Hamming distances are twice the numbers of pairs that differ: each pair
+ becomes three bits, 000, 101, 011 or 110. */
+Mat withThirdBits(const Mat& descriptors, bool countPairs)
 {
+    if (!countPairs)
+        return descriptors;
     const int bytes = descriptors.cols;
     Mat result(descriptors.rows, bytes + (bytes + 1) / 2, CV_8UC1, Scalar(0));
     for (int i = 0; i < descriptors.rows; i++)
@@ -259,67 +261,59 @@ void nearestInTiles(const HammingKernels& kernels, const Mat& query, const Mat& 
             });
 }
 
-//! Puts the least of a row of distances into a list. As distances are small numbers, they are counted, which takes
-//! the same time for a list of any length.
-class LeastDistances
+//! What each thread that goes through distances has of its own.
+struct WorkSpace
 {
-public:
-    LeastDistances(const HammingKernels& kernels_, int bits, int rowLength)
-        : kernels(kernels_), found(rowLength), counts(bits + 2)
-    {
-    }
-
-    //! @param row trainCount distances and those of what fills the last block, which are overwritten
-    //! @param isDoubled whether they are twice those of the list
-    void addTo(DistanceKey* list, int kept, ushort* row, const HammingTile& tile, bool isDoubled)
-    {
-        const int count = int(alignSize(size_t(tile.trainCount), kernels.block));
-        std::fill(row + tile.trainCount, row + count, ushort(0x7fff));
-        const DistanceKey last = list[kept - 1];
-        const int limit = last == NO_KEY ? int(counts.size()) - 1 : distanceOf(last) << isDoubled;
-        const int size = kernels.leastDistances(row, count, limit, kept, found.data());
-        if (size == 0)
-            return;
-
-        int low = limit, high = 0;
-        for (int i = 0; i < size; i++)
-        {
-            const int distance = row[found[i]];
-            low = std::min(low, distance);
-            high = std::max(high, distance);
-            counts[distance + 1]++;
-        }
-        std::partial_sum(&counts[low], &counts[high + 1], &counts[low]);
-        keys.resize(size);
-        for (int i = 0; i < size; i++)
-            keys[counts[row[found[i]]]++] =
-                distanceKey(row[found[i]] >> isDoubled, tile.firstTrain + found[i]);
-        std::fill(&counts[low], &counts[high + 1] + 1, 0);
-
-        const DistanceKey* const end = std::lower_bound(list, list + kept, NO_KEY);
-        merged.resize(size_t(end - list) + size);
-        std::merge(static_cast<const DistanceKey*>(list), end, keys.begin(), keys.end(), merged.begin());
-        std::copy_n(merged.begin(), std::min(merged.size(), size_t(kept)), list);
-    }
-
-private:
-    const HammingKernels& kernels;
-    std::vector<int> found, counts;
-    std::vector<DistanceKey> keys, merged;
+    std::vector<int> numbers;  // of the length of a row
+    std::vector<int> counts;
+    std::vector<DistanceKey> keys;
 };
 
-//! Calls the function for the distances of each query to the trains of each tile, with the tile and a work space.
-template <typename WorkSpace, typename Function>
-void forDistances(const Mat& query, const Mat& train, const Mat& mask, int firstTrain,
-                  const WorkSpace& workSpace, const Function& function)
+//! Puts the least distances of a row into a list.
+//! @param row trainCount distances and those of what fills the last block, which are overwritten
+//! @param isDoubled whether they are twice those of the list
+void addLeast(const HammingKernels& kernels, ushort* row, const HammingTile& tile, bool isDoubled,
+              WorkSpace& own, DistanceKey* list, int kept)
 {
-    const HammingKernels& kernels = *hammingKernels(PackedTile::wordsOf(query));
+    const int count = int(alignSize(size_t(tile.trainCount), kernels.block));
+    std::fill(row + tile.trainCount, row + count, ushort(0x7fff));
+    const DistanceKey last = list[kept - 1];
+    const int limit = last == NO_KEY ? 64 * tile.words + 1 : distanceOf(last) << isDoubled;
+    const int found = kernels.leastDistances(row, count, limit, kept, own.numbers.data());
+    if (found == 0)
+        return;
+    // As distances are small numbers, the keys are sorted by counting. This takes as long for a list of any length.
+    own.counts.assign(size_t(limit) + 1, 0);
+    for (int i = 0; i < found; i++)
+        own.counts[row[own.numbers[i]] + 1]++;
+    std::partial_sum(own.counts.begin(), own.counts.end(), own.counts.begin());
+    const ptrdiff_t before = std::lower_bound(list, list + kept, NO_KEY) - list;
+    own.keys.assign(list, list + before);
+    own.keys.resize(size_t(before + found));
+    for (int i = 0; i < found; i++)
+    {
+        const int distance = row[own.numbers[i]];
+        own.keys[size_t(before + own.counts[distance]++)] =
+            distanceKey(distance >> isDoubled, tile.firstTrain + own.numbers[i]);
+    }
+    std::inplace_merge(own.keys.begin(), own.keys.begin() + before, own.keys.end());
+    std::copy_n(own.keys.begin(), std::min(own.keys.size(), size_t(kept)), list);
+}
+
+//! Calls the function for the distances of each query to the trains of each tile, with the tile and a work space.
+template <typename Function>
+void forDistances(const Mat& query, const Mat& train, const Mat& mask, bool countPairs, int firstTrain,
+                  const Function& function)
+{
+    const Mat q = withThirdBits(query, countPairs), t = withThirdBits(train, countPairs);
+    const HammingKernels& kernels = *hammingKernels(PackedTile::wordsOf(q));
     forRows(query.rows, QUERIES,
             [&](const Range& rows)
             {
-                PackedTile packed(kernels, query, train, mask);
+                PackedTile packed(kernels, q, t, mask);
                 AlignedVector<ushort> distances(size_t(QUERIES) * TRAINS);
-                WorkSpace own = workSpace;
+                WorkSpace own;
+                own.numbers.resize(TRAINS);
                 packed.forEach(rows, QUERIES, TRAINS, firstTrain,
                                [&](int i, int first)
                                {
@@ -343,11 +337,10 @@ void nearestOfQueries(const Mat& query, const Mat& train, const Mat& mask, bool 
             { insertKey(nearest + size_t(i) * kept, kept, distanceKey(*distance, firstTrain + j)); });
         return;
     }
-    const Mat q = countPairs ? withThirdBits(query) : query, t = countPairs ? withThirdBits(train) : train;
-    const LeastDistances least(*hammingKernels(0), 8 * q.cols, TRAINS);
-    forDistances(q, t, mask, firstTrain, least,
-                 [&](LeastDistances& own, int i, int, ushort* row, const HammingTile& tile)
-                 { own.addTo(nearest + size_t(i) * kept, kept, row, tile, countPairs); });
+    const HammingKernels& kernels = *hammingKernels(0);
+    forDistances(query, train, mask, countPairs, firstTrain,
+                 [&](WorkSpace& own, int i, int, ushort* row, const HammingTile& tile)
+                 { addLeast(kernels, row, tile, countPairs, own, nearest + size_t(i) * kept, kept); });
 }
 
 }  // namespace
@@ -360,13 +353,12 @@ void allDistances(const Mat& query, const Mat& train, bool countPairs, const Dis
         distancesOneByOne(query, train, Mat(), countPairs, sink);
         return;
     }
-    const Mat q = countPairs ? withThirdBits(query) : query, t = countPairs ? withThirdBits(train) : train;
-    forDistances(q, t, Mat(), 0, std::vector<int>(TRAINS),
-                 [&](std::vector<int>& own, int i, int first, const ushort* row, const HammingTile& tile)
+    forDistances(query, train, Mat(), countPairs, 0,
+                 [&](WorkSpace& own, int i, int first, const ushort* row, const HammingTile& tile)
                  {
-                     std::transform(row, row + tile.trainCount, own.begin(),
+                     std::transform(row, row + tile.trainCount, own.numbers.begin(),
                                     [=](ushort distance) { return distance >> int(countPairs); });
-                     sink(i, first, own.data(), tile.trainCount);
+                     sink(i, first, own.numbers.data(), tile.trainCount);
                  });
 }
 
@@ -378,8 +370,7 @@ void nearestDescriptors(const Mat& query, const Mat& train, const Mat& mask, boo
         return;
     if (kept <= 2 && query.cols <= MAX_KEY_BYTES && isPacked(query))
     {
-        const Mat q = countPairs ? withThirdBits(query) : query,
-                  t = countPairs ? withThirdBits(train) : train;
+        const Mat q = withThirdBits(query, countPairs), t = withThirdBits(train, countPairs);
         nearestInTiles(*hammingKernels(PackedTile::wordsOf(q)), q, t, mask, countPairs, firstTrain, kept,
                        ofQueries, ofTrains);
         return;

@@ -125,8 +125,8 @@ struct HammingKernels
     //! train, and for those that fill the last block. It is 0x7fff for a train that is left out.
     void (*distances)(const HammingTile& tile, ushort* distances, size_t stride);
 
-    /** Finds the least distances of a row, and returns how many: those below the limit, at most kept, and of equal ones
-     the first.
+    /** Finds the distances of a row that are below a limit, or so many of the least ones that at least kept are among
+     them, and returns how many.
      @param count a multiple of block, at most 2^15
      @param found their indices in ascending order */
     int (*leastDistances)(const ushort* distances, int count, int limit, int kept, int* found);

@@ -69,18 +69,6 @@ template <int WORDS> struct IndexBits
     };
 };
 
-//! Whether a query may have any train of a block, by its row of the mask.
-CV_ALWAYS_INLINE bool anyAllowed(const uchar* allowed)
-{
-    uint64 any = 0, some;
-    for (int i = 0; i < AQORB_LANES(v_uint16); i += 8)
-    {
-        std::memcpy(&some, allowed + i, 8);
-        any |= some;
-    }
-    return any != 0;
-}
-
 //! All bits of the lanes of the trains of a block that a query may not have.
 CV_ALWAYS_INLINE v_uint16 excludedLanes(const uchar* allowed)
 {
@@ -145,12 +133,13 @@ void nearest(const HammingTile& tile, DistanceKey* ofQueries, DistanceKey* ofTra
             if (BOTH)
                 query = v_add_wrap(query, vx_setall_u16(1));
             const uchar* const allowed = MASKED ? tile.allowed + i * tile.allowedStride + b * LANES : 0;
-            if (MASKED && !anyAllowed(allowed))
+            const v_uint16 excluded = MASKED ? excludedLanes(allowed) : vx_setzero_u16();
+            if (MASKED && v_check_all(excluded))
                 continue;
             v_uint16 distances =
                 v_shl<BITS>(blockDistances<WORDS>(tile.queries + size_t(i) * planes, block, tile.words));
             if (MASKED)
-                distances = v_or(distances, excludedLanes(allowed));
+                distances = v_or(distances, excluded);
             v_uint16 smallest[2] = {vx_load(lanes), vx_load(lanes + (KEPT - 1) * LANES)};
             insertKeys<KEPT>(smallest, v_or(distances, number));
             for (int k = 0; k < KEPT; k++)
@@ -210,37 +199,27 @@ int countBelow(const ushort* distances, int count, int limit)
 
 int leastDistances(const ushort* distances, int count, int limit, int kept, int* found)
 {
-    // Of those at the distance `least`, so many are found as `kept` leaves. It is sought between two bounds.
-    int least = limit, equal = 0;
-    if (countBelow(distances, count, limit) > kept)
+    // A lower limit that leaves enough of them, and hardly more, is sought between two bounds.
+    for (int least = 0, below = countBelow(distances, count, limit); below / 2 > kept && limit - least > 1;)
     {
-        least = 0;
-        equal = kept;
-        for (int above = limit; above - least > 1;)
+        const int middle = (least + limit) / 2, belowMiddle = countBelow(distances, count, middle);
+        if (belowMiddle < kept)
         {
-            const int middle = (least + above) / 2, below = countBelow(distances, count, middle);
-            if (below <= kept)
-            {
-                least = middle;
-                equal = kept - below;
-            }
-            else
-            {
-                above = middle;
-            }
+            least = middle;
+        }
+        else
+        {
+            limit = middle;
+            below = belowMiddle;
         }
     }
     int* next = found;
-    const v_int16 bound = vx_setall_s16(short(least + (equal > 0)));
+    const v_int16 bound = vx_setall_s16(short(limit));
     for (int first = 0; first < count; first += AQORB_LANES(v_int16))
     {
         uint64 lanes = greaterLanes(bound, v_reinterpret_as_s16(vx_load(distances + first)));
         for (; lanes; lanes &= lanes - 1)
-        {
-            const int i = first + trailingZeros(lanes);
-            if (distances[i] < least || equal-- > 0)
-                *next++ = i;
-        }
+            *next++ = first + trailingZeros(lanes);
     }
     return int(next - found);
 }

@@ -108,17 +108,12 @@ void writeMatches(const Keys& ofQueries, const Keys& ofTrains, const MatchFilter
         writeBoth(Mat(found).reshape(1), "pairs", pairs, Mat(lengths), distances);
 }
 
-bool isFinite(const Point2f& p)
-{
-    return std::isfinite(p.x) && std::isfinite(p.y);
-}
-
 //! The indices of the positions that are finite, from the top of the image to the bottom.
 std::vector<int> sortedByRow(const std::vector<Point2f>& positions)
 {
     std::vector<int> order;
     for (size_t i = 0; i < positions.size(); i++)
-        if (isFinite(positions[i]))
+        if (std::isfinite(positions[i].x) && std::isfinite(positions[i].y))
             order.push_back(int(i));
     std::sort(order.begin(), order.end(), [&](int a, int b) { return positions[a].y < positions[b].y; });
     return order;
@@ -166,22 +161,29 @@ struct Subset
     std::vector<float> x, y;
 };
 
-//! Whether positions lie in a window, in a function of its own that compilers turn into vectors.
-void testWindow(const float* x, const float* y, int count, const Window window, uchar* isWithin)
+//! Whether positions lie in a window, in a function of its own that compilers turn into vectors. Returns whether all do.
+bool testWindow(const float* x, const float* y, int count, const Window window, uchar* isWithin)
 {
+    uchar all = 1;
     const float left = window.left, right = window.right, top = window.top, bottom = window.bottom;
     for (int i = 0; i < count; i++)
+    {
         isWithin[i] = uchar((x[i] >= left) & (x[i] <= right) & (y[i] >= top) & (y[i] <= bottom));
+        all &= isWithin[i];
+    }
+    return all != 0;
 }
 
-//! Which trains lie within the windows of the queries, as nearestDescriptors takes it.
+//! Which trains lie within the windows of the queries, as nearestDescriptors takes it. Empty where all do.
 Mat maskOf(const Subset& queries, const Subset& trains, const Size2f& reach)
 {
     Mat mask(queries.descriptors.rows, trains.descriptors.rows, CV_8UC1);
+    bool hasAll = true;
     for (int i = 0; i < mask.rows; i++)
-        testWindow(trains.x.data(), trains.y.data(), mask.cols,
-                   Window(Point2f(queries.x[i], queries.y[i]), reach), mask.ptr(i));
-    return mask;
+        if (!testWindow(trains.x.data(), trains.y.data(), mask.cols,
+                        Window(Point2f(queries.x[i], queries.y[i]), reach), mask.ptr(i)))
+            hasAll = false;
+    return hasAll ? Mat() : mask;
 }
 
 //! Puts the keys of a subset into the lists of all descriptors.

@@ -84,24 +84,22 @@ void forImages(const Mat& query, const std::vector<Mat>& images, const std::vect
         int rows = images[first].rows;
         for (next = first + 1; next < images.size() && rows + images[next].rows <= MOST_JOINED; next++)
             rows += images[next].rows;
-        if (next == first + 1 || rows == 0)
+        if (next == first + 1)
         {
             function(images[first], masks[first], first);
             continue;
         }
         Mat joined(rows, query.cols, CV_8UC1), mask;
-        if (std::any_of(&masks[first], &masks[first] + (next - first),
-                        [](const Mat& m) { return !m.empty(); }))
-            mask = Mat(query.rows, rows, CV_8UC1, Scalar(255));
-        Range range(0, 0);
-        for (size_t i = first; i < next; i++)
+        for (size_t i = first, row = 0; i < next; i++)
         {
-            range = Range(range.end, range.end + images[i].rows);
-            if (images[i].empty())
-                continue;
-            images[i].copyTo(joined.rowRange(range));
-            if (!masks[i].empty())
-                masks[i].copyTo(mask.colRange(range));
+            if (!masks[i].empty() && !images[i].empty())
+            {
+                if (mask.empty())
+                    mask = Mat(query.rows, rows, CV_8UC1, Scalar(255));
+                masks[i].copyTo(mask.colRange(int(row), int(row) + images[i].rows));
+            }
+            for (int j = 0; j < images[i].rows; j++, row++)
+                std::memcpy(joined.ptr(int(row)), images[i].ptr(j), size_t(query.cols));
         }
         function(joined, mask, first);
     }
@@ -144,6 +142,7 @@ std::vector<Mat> HammingMatcher::gatherTrainDescriptors(const Mat& query)
     utrainDescCollection.clear();
 
     std::vector<Mat> images;
+    images.reserve(trainDescCollection.size());
     for (size_t i = 0; i < trainDescCollection.size(); i++)
         images.push_back(descriptorsOf("trainDescriptors", trainDescCollection[i], query.cols, int(i)));
     return images;
