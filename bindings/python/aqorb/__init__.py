@@ -20,7 +20,7 @@ A value that is not accepted raises aqorb.error, which is a ValueError and, wher
 of a wrong type raises TypeError. Both messages name the parameter.
 Where there is not enough memory, the error is a MemoryError.
 
-HammingMatcher has the methods and the matches of cv2.BFMatcher for binary descriptors, many times as fast. matchArrays,
+HammingMatcher has the methods and the matches of cv2.BFMatcher for binary descriptors, but faster. matchArrays,
 knnMatchArrays and matchByPosition return matches as arrays. refineMatches and refineMatchArrays move the positions of
 matches to where both images show the same spot.
 

@@ -265,7 +265,7 @@ void addMatcher(py::module_& module)
     py::class_<Matcher> matcher(
         module, "HammingMatcher",
         "A brute-force matcher of binary descriptors, with the methods of cv2.BFMatcher, but for those of\n"
-        "files, and its matches for NORM_HAMMING and NORM_HAMMING2, many times as fast. Methods that match\n"
+        "files, and its matches for NORM_HAMMING and NORM_HAMMING2, but faster. Methods that match\n"
         "release the GIL.");
     matcher.attr("__module__") = "aqorb";
     matcher
