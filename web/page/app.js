@@ -40,7 +40,9 @@ function say(sentence) {
 const isWaiting = () => Boolean(wanted && (wanted.picture || pictures[0]));
 
 function setState() {
-    document.body.dataset.state = openings || sent || isWaiting() ? 'busy' : failed ? 'failed' : 'ready';
+    const state = openings || sent || isWaiting() ? 'busy' : failed ? 'failed' : 'ready';
+    document.body.dataset.state = state;
+    element('loading').hidden = Boolean(shown) || state !== 'busy';
 }
 
 // The worker
@@ -95,7 +97,7 @@ function send() {
     for (const field of element('properties').querySelectorAll('input, select'))
         properties[field.id] = field.type === 'checkbox' ? Number(field.checked) : valueOf(field);
     sent = { picture, second, view: viewOf() };
-    const message = { view: sent.view, properties, runs: stream ? 1 : 3 };
+    const message = { view: sent.view, properties, runs: stream ? 1 : 3, refines: element('refine').checked };
     if (picture)
         message.pixels = pixelsOf(picture);
     if (second)
@@ -405,6 +407,8 @@ const MEASURES = [
     [true, 'Places', 'cells with a correct match', Math.max,
         ({ pair }) => pair.known || pair.homography ? places(pair) : null],
     [true, 'Matches in all', 'and how many are correct', null, ({ pair }) => `${pair.count}, ${pair.agreeing}`],
+    [true, 'Error', 'pixels, median of the correct ones', Math.min, ({ pair }) => pair.agreeing ? pair.medianError : null,
+        value => value.toFixed(2)],
     [false, 'Keypoints', '', null, found => found.count],
     [false, 'Uniformity', 'less is more uniform', Math.min, found => found.count ? found.uniformity : null,
         value => value.toFixed(1)],
@@ -473,7 +477,7 @@ function enlarge(isLarge, x = .5, y = .5) {
 // The link. What differs from the defaults is after the #, which a browser does not send to a server: sample, second,
 // view, and the ids of the fields below.
 
-const linkedFields = () => [...element('properties').querySelectorAll('input, select'), element('lines')];
+const linkedFields = () => [...element('properties').querySelectorAll('input, select'), element('refine'), element('lines')];
 
 // Sets a field to the text of a link, or to its default where there is none, or none that it can show.
 function setField(field, text) {
@@ -549,6 +553,7 @@ function listen() {
     element('properties').onreset = () => setTimeout(element('properties').oninput);
     element('properties').onsubmit = event => event.preventDefault();
     element('lines').onchange = draw;
+    element('refine').onchange = () => request();
     element('large').onchange = ({ target }) => enlarge(target.checked);
     canvases.forEach((canvas, i) => {
         const frame = canvas.parentElement, other = canvases[1 - i].parentElement;

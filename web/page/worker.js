@@ -8,6 +8,7 @@
 //   second             the second picture's pixels, or the name of a simulated one, if it is another one than before
 //   view               'keypoints' or 'pair'
 //   properties, runs   of the detectors, and how often they are called
+//   refines            whether the matches are refined
 //
 // The answer holds the second picture if it was drawn here, and for each detector what was found.
 
@@ -57,7 +58,7 @@ function run(engine, job) {
         drawn = true;
         for (const detector of DETECTORS) {
             checked(engine.detect(1, detector, 1));
-            answer.found[detector].pair = checked(engine.match(detector));
+            answer.found[detector].pair = checked(engine.match(detector, job.refines));
         }
     }
     return answer;

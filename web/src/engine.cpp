@@ -18,6 +18,7 @@
 #include <emscripten/emscripten.h>
 
 #include <algorithm>
+#include <cmath>
 #include <string>
 #include <vector>
 
@@ -165,6 +166,7 @@ val drawOtherView(const std::string& name)
                                       {1.02f * w, 1.04f * h},
                                       {.05f * w, .88f * h}};
                 view = Matx33d(getPerspectiveTransform(from, to).ptr<double>());
+                view = view * (1 / view(2, 2));  // errorOf takes points in front, and the sign may be either
             }
             else if (name == "far")
             {
@@ -274,28 +276,35 @@ std::vector<DMatch> matched(int detector)
     return matches;
 }
 
-//! Whether a homography maps one point to within 3 pixels of the other.
-bool agrees(const Matx33d& homography, const Point2f& from, const Point2f& to)
+//! The distance of one point from where a homography maps the other; infinite for one behind the camera.
+double errorOf(const Matx33d& homography, const Point2f& from, const Point2f& to)
 {
     const Vec3d mapped = homography * Vec3d(from.x, from.y, 1);
-    return mapped[2] > 0 &&
-           norm(Point2d(mapped[0] / mapped[2] - to.x, mapped[1] / mapped[2] - to.y)) <= SAME_PLACE;
+    return mapped[2] > 0 ? norm(Point2d(mapped[0] / mapped[2] - to.x, mapped[1] / mapped[2] - to.y))
+                         : INFINITY;
 }
 
 /** Matches the features of the pictures.
+ @param refines whether refineMatches moves the matches to where both pictures show the same, and leaves some out
  @return `homography`, which is found from the matches: nine numbers, or null where fewer than ten agree; `matches`: x
  and y in picture 0, those in picture 1, and whether the match is right; their number, `count`, and that of the right
- ones, `agreeing`. They are right by the motion if that is known (`known`), and otherwise by the homography. */
-val match(int detector)
+ ones, `agreeing`, with `medianError` in pixels. They are right by the motion if that is known (`known`), and otherwise
+ by the homography. */
+val match(int detector, bool refines)
 {
     return guarded(
         [&]
         {
             std::vector<Point2f> from, to;
-            for (const DMatch& pair : matched(detector))
+            std::vector<DMatch> pairs = matched(detector);
+            const std::vector<KeyPoint>&first = pictures[0].features[detector].keypoints,
+                  &second = pictures[1].features[detector].keypoints;
+            if (refines)
+                aqorb::refineMatches(pictures[0].grey, first, pictures[1].grey, second, pairs, from, to);
+            for (size_t i = 0; i < pairs.size() && !refines; i++)
             {
-                from.push_back(pictures[0].features[detector].keypoints[pair.queryIdx].pt);
-                to.push_back(pictures[1].features[detector].keypoints[pair.trainIdx].pt);
+                from.push_back(first[pairs[i].queryIdx].pt);
+                to.push_back(second[pairs[i].trainIdx].pt);
             }
             const int FEWEST = 10;
             Matx33d homography;
@@ -305,22 +314,26 @@ val match(int detector)
                 if (!estimate.empty())
                     homography = estimate;
             }
-            int inliers = 0, agreeing = 0;
+            int inliers = 0;
             for (size_t i = 0; i < from.size(); i++)
-                inliers += agrees(homography, from[i], to[i]);
+                inliers += errorOf(homography, from[i], to[i]) <= SAME_PLACE;
             if (inliers < FEWEST)
                 homography = Matx33d();  // with which nothing agrees
-            std::vector<float> matches;
+            std::vector<float> matches, errors;
             for (size_t i = 0; i < from.size(); i++)
             {
-                const bool isRight = agrees(isKnown ? motion : homography, from[i], to[i]);
-                agreeing += isRight;
+                const double error = errorOf(isKnown ? motion : homography, from[i], to[i]);
+                const bool isRight = error <= SAME_PLACE;
+                if (isRight)
+                    errors.push_back(float(error));
                 matches.insert(matches.end(), {from[i].x, from[i].y, to[i].x, to[i].y, isRight ? 1.f : 0.f});
             }
             val result = val::object();
             result.set("matches", copied(matches));
             result.set("count", from.size());
-            result.set("agreeing", agreeing);
+            std::sort(errors.begin(), errors.end());
+            result.set("agreeing", errors.size());
+            result.set("medianError", errors.empty() ? 0.f : errors[errors.size() / 2]);
             result.set("known", isKnown);
             result.set("homography", inliers >= FEWEST
                                          ? copied(std::vector<double>(homography.val, homography.val + 9))

@@ -25,15 +25,18 @@ const TYPES = {
 const DESKTOP = { width: 1280, height: 900 }, PHONE = { width: 360, height: 740 };
 
 let server, browser, address;
+let held = null;  // a promise for which aqorb.wasm waits
 
 before(async () => {
     fs.mkdirSync(screenshots, { recursive: true });
-    server = http.createServer((request, response) => {
+    server = http.createServer(async (request, response) => {
         const file = path.join(page, new URL(request.url, 'http://x').pathname.replace(/\/$/, '/index.html'));
         if (!file.startsWith(page) || !fs.existsSync(file)) {
             response.writeHead(404).end();
             return;
         }
+        if (file.endsWith('.wasm'))
+            await held;
         response.writeHead(200, { 'Content-Type': TYPES[path.extname(file)] });
         fs.createReadStream(file).pipe(response);
     });
@@ -168,6 +171,21 @@ test('each sample is shown at once by both detectors, and has its licence', asyn
     await close();
 });
 
+test('the page says that it loads while it loads', async () => {
+    let release;
+    held = new Promise(resolve => { release = resolve; });
+    const tab = await browser.newPage({ viewport: DESKTOP });
+    await tab.goto(address);
+    assert.match(await tab.locator('#loading:visible').textContent(), /^Loading the detectors/);
+    await tab.waitForTimeout(300);
+    assert.ok(await tab.locator('#loading').isVisible());
+    await shoot(tab, 'loading');
+    release();
+    await idle(tab);
+    assert.ok(await tab.locator('#loading').isHidden());
+    await tab.close();
+});
+
 test('the bytes are those of the native library, of scenes and of pictures that the browser decodes', async () => {
     const { tab, close } = await open();
     for (const image of images) {
@@ -249,6 +267,12 @@ test('it is known which matches of a simulated picture are correct', async () =>
         }
         await shoot(tab, `pair-${view}`);
     }
+    const [coarse] = await measured(tab, 'Error');
+    await tab.locator('#refine').check();
+    await idle(tab);
+    const [exact] = await measured(tab, 'Error');
+    assert.ok(exact < coarse, `${exact}, ${coarse} pixels`);
+    await shoot(tab, 'pair-refined');
     const before = await drawn(tab);
     await tab.locator('#lines').uncheck();
     assert.ok(await drawn(tab) !== before);
