@@ -217,8 +217,12 @@ def answer(**found):
     os._exit('error' in found)
 
 
-if __name__ == '__main__':
+def _main():
     try:
         _export(*json.loads(sys.argv[1]))
     except Exception as error:  # of pycolmap, of any kind
         answer(error=str(error))
+
+
+if __name__ == '__main__':
+    _main()

@@ -29,7 +29,7 @@ the positions of the matches:
     Mat H = findHomography(points1, points2, RANSAC, 1);  // half a pixel to one is enough now
 @endcode
 
-It is least squares matching @cite Gruen1985LSM: the patch around the keypoint of image 1 is aligned with the patch
+It is the least squares matching of @cite Gruen1985LSM . The patch around the keypoint of image 1 is aligned with that
 around its match in image 2. An affine map of the patch, a gain and a bias are estimated, starting from the sizes and
 the angles of the two keypoints. Only the position in image 2 moves, so that a keypoint of image 1 has the same position
 in the matches with all other images.
