@@ -100,7 +100,7 @@ Mat checkedMask(InputArray input, Size imageSize)
                   ("mask must be CV_8UC1 of the image's size, %d x %d, got %d x %d of type %s",
                    imageSize.width, imageSize.height, input.cols(), input.rows(),
                    typeToString(input.type()).c_str()));
-    const Mat mask = input.getMat();
+    Mat mask = input.getMat();
     for (int y = 0; y < mask.rows; y++)
         if (countNonZero(mask.row(y)) < mask.cols)
             return mask;
