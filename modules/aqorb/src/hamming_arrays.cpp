@@ -286,7 +286,7 @@ try
     const std::vector<int> queryOrder = sortedByRow(predicted), trainOrder = sortedByRow(positions);
     // Queries of about the same row are compared at once with all trains that one of them may have.
     const int MIN_ROWS = 64, MOST_ROWS = 512;
-    for (auto first = queryOrder.begin(); !train.empty() && first != queryOrder.end();)
+    for (auto first = queryOrder.begin(); !query.empty() && !train.empty() && first != queryOrder.end();)
     {
         auto last = first;
         while (last != queryOrder.end() && last - first < MOST_ROWS &&
