@@ -102,17 +102,14 @@ void maskPositions(const Mat& imageMask, const PositionMap& position, Mat& level
     {
         const uchar* use = imageMask.ptr(nearestPixel(position(0, y).y, imageMask.rows));
         uchar* out = levelMask.ptr(y);
-        if (!std::memchr(use, 0, size_t(imageMask.cols)))
-            continue;
         for (int begin = 0, end; begin < levelMask.cols; begin = end)
         {
-            // Hardly any pixel needs a closer look.
+            // Most runs of pixels have no masked one.
             const int AT_ONCE = 64;
             end = std::min(begin + AT_ONCE, levelMask.cols);
-            int masked = 0;
+            if (!std::memchr(use + columns[begin], 0, size_t(columns[end - 1] + 1 - columns[begin])))
+                continue;
             for (int x = begin; x < end; x++)
-                masked |= out[x] & (use[columns[x]] ? 0 : 255);
-            for (int x = begin; x < end && masked; x++)
                 if (out[x] && !use[columns[x]] && !usablePosition(imageMask, position, x, y, anywhere))
                     out[x] = 0;
         }

@@ -188,7 +188,7 @@ static void resizeMask(const Mat& mask, const ResizeTables& tables, Mat& resized
     const int *const lefts = left.data(), *const rights = right.data();
     std::vector<uchar> bothRows(mask.cols);  // whether the pixels of the two rows are usable
     uchar* const both = bothRows.data();
-    const int sourceWidth = mask.cols, width = resized.cols;
+    const int sourceWidth = mask.cols, width = resized.cols, AT_ONCE = 64;
     for (int y = 0; y < resized.rows; y++)
     {
         const uchar* upper = mask.ptr(firstUsed(tables.rowTaps[y]));
@@ -196,13 +196,20 @@ static void resizeMask(const Mat& mask, const ResizeTables& tables, Mat& resized
         for (int x = 0; x < sourceWidth; x++)
             both[x] = std::min(upper[x], lower[x]) > 0 ? 255 : 0;
         uchar* out = resized.ptr(y);
-        if (!std::memchr(both, 0, bothRows.size()))
-            std::memset(out, 255, size_t(width));
-        else if (!std::memchr(both, 255, bothRows.size()))
-            std::memset(out, 0, size_t(width));
-        else
-            for (int x = 0; x < width; x++)
-                out[x] = both[lefts[x]] & both[rights[x]];
+        // Most runs of pixels are usable or masked as a whole.
+        for (int begin = 0, end; begin < width; begin = end)
+        {
+            end = std::min(begin + AT_ONCE, width);
+            const uchar* const used = both + lefts[begin];
+            const size_t count = size_t(rights[end - 1] + 1 - lefts[begin]);
+            if (!std::memchr(used, 0, count))
+                std::memset(out + begin, 255, size_t(end - begin));
+            else if (!std::memchr(used, 255, count))
+                std::memset(out + begin, 0, size_t(end - begin));
+            else
+                for (int x = begin; x < end; x++)
+                    out[x] = both[lefts[x]] & both[rights[x]];
+        }
     }
 }
 
