@@ -385,8 +385,8 @@ private:
         return wanted;
     }
 
-    // The corners of the highest response * scale of those that FAST finds without any other rule, but first those that
-    // keep their distance from keypoints of other levels.
+    // The corners of the highest response * scale of those that FAST finds without any other rule: first those of levels
+    // below their quota that keep their distance from keypoints of other levels, then all that keep it, then the others.
     void fillUp(int wanted)
     {
         std::vector<std::pair<size_t, Candidate>> candidates;
@@ -407,16 +407,18 @@ private:
                              return a.second.response * levels[a.first].scale >
                                     b.second.response * levels[b.first].scale;
                          });
-        for (bool keepDistance : {true, false})
+        for (int rules = 2; rules >= 0; rules--)
             for (size_t i = 0; i < candidates.size() && wanted > 0;)
             {
                 const std::pair<size_t, Candidate> c = candidates[i];
-                if (keepDistance && isNearOther(c.first, c.second))
+                PyramidLevel& level = levels[c.first];
+                if ((rules == 2 && int(level.chosen.size()) >= level.quota) ||
+                    (rules >= 1 && isNearOther(c.first, c.second)))
                 {
                     i++;
                     continue;
                 }
-                levels[c.first].chosen.push_back(c.second);
+                level.chosen.push_back(c.second);
                 candidates.erase(candidates.begin() + (ptrdiff_t)i);
                 wanted--;
             }

@@ -143,8 +143,8 @@ static CornersOfLevels selectAcrossLevels(const SelectionPlan& plan, Size imageS
 
 // ---- 8. when representatives run out ----------------------------------------------------------
 
-// Adds so many of the corners that are not selected yet, those of the highest response times scale, first those that
-// keep their distance from keypoints of other levels.
+// Adds as many of the other corners as are missing, those of the highest response times scale. Levels below their quota
+// come first, and before the last corners those that keep their distance from keypoints of other levels.
 static void fillUp(const SelectionPlan& plan, Size imageSize, const std::vector<Level>& levels,
                    const CornersOfLevels& corners, size_t missing, CornersOfLevels& selected)
 {
@@ -174,16 +174,23 @@ static void fillUp(const SelectionPlan& plan, Size imageSize, const std::vector<
     }
     // Ties go to the finer level, then to the first in raster order.
     const std::vector<unsigned> order = sortIndices(keys);
-    for (const bool withSuppression : {true, false})
+    struct Rules
+    {
+        bool quota, distance;
+    };
+    for (const Rules& rules : {Rules{true, true}, Rules{false, true}, Rules{false, false}})
     {
         for (size_t i = 0; i < order.size() && missing > 0; i++)
         {
             Candidate& candidate = candidates[order[i]];
-            if (withSuppression ? !suppression.allows(candidate.level, candidate.corner) : candidate.isTaken)
+            const int level = candidate.level;
+            if (candidate.isTaken ||
+                (rules.quota && selected[level].size() >= size_t(plan.levels[level].quota)) ||
+                (rules.distance && !suppression.allows(level, candidate.corner)))
                 continue;
             candidate.isTaken = true;
-            suppression.add(candidate.level, candidate.corner);
-            selected[candidate.level].push_back(candidate.corner);
+            suppression.add(level, candidate.corner);
+            selected[level].push_back(candidate.corner);
             missing--;
         }
     }
