@@ -1,7 +1,7 @@
 #!/usr/bin/env bash
 # Measures what the documents' tables show, and prints them in Markdown, to be pasted.
 #
-#   scripts/measure.sh speed [--smoke]        frames beside cv::ORB, pairs, matching, memory (doc/performance.md)
+#   scripts/measure.sh speed [--smoke]        frames beside cv::ORB, pairs, matching (doc/performance.md)
 #   scripts/measure.sh harness [OPTION ...]   the performance tests of perf/ in OpenCV's harness, which has the OPTIONs
 #   scripts/measure.sh paper [OPTION ...]     the paper's tables and Figures 3 to 8 (doc/reproduction.md)
 #   scripts/measure.sh claims [OPTION ...]    what is claimed of the selection (doc/reproduction.md)
@@ -47,9 +47,8 @@ speed() {
         LD_PRELOAD=$BUILD/release/bindings/preload/libaqorb_preload.so "$benchmark" program --threads=1 "${few[@]}"
     done
     unset OPENCV_CPU_DISABLE
-    say 'Other memory between frames, and memory'
+    say 'Other memory between frames'
     "$benchmark" speed --cold "${few[@]}" "${images[@]}"
-    "$benchmark" memory "${few[@]}" "${images[@]}"
 }
 
 harness() {

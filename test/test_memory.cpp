@@ -84,7 +84,7 @@ TEST(Aqorb_Memory, the_image_and_the_mask_are_not_kept)
     EXPECT_EQ(1, noPixel.u->refcount);
 }
 
-//! What a detector keeps between calls. `aqorb_benchmark memory` measures the peaks.
+//! What a detector keeps between calls.
 void expectSmallWorkSpace(const Mat& image)
 {
     for (int count = 1; count <= 2; count++)

@@ -19,11 +19,9 @@ namespace
 {
 
 const char* const ABOUT =
-    "Measures speed and memory with default parameters, in turns with others, and prints Markdown.\n"
+    "Measures speed with default parameters, in turns with others, and prints Markdown.\n"
     "  speed [IMAGE ...]          frames beside cv::ORB\n"
     "  beside LIBRARY [IMAGE ...] frames beside another build, named by its libaqorb.so\n"
-    "  memory [IMAGE ...]         the heap in use during a frame and between frames, in bytes for each "
-    "pixel\n"
     "  pair [IMAGE1 IMAGE2]       from two images to a homography, beside cv::ORB with cv::BFMatcher\n"
     "  refinement [IMAGE1 IMAGE2] refineMatches beside cv::calcOpticalFlowPyrLK with the same window\n"
     "  matching                   HammingMatcher beside cv::BFMatcher, descriptors of 32 bytes\n"
@@ -37,12 +35,10 @@ const char* const ABOUT =
 
 const char* const KEYS = "{help h usage ? |      | print this text }"
                          "{n              |      | numbers of features or descriptors; 500,1000,2000 unless "
-                         "named, memory 1000, "
-                         "matching also 5000 }"
+                         "named, matching also 5000 }"
                          "{threads        | 1,2  | numbers of threads }"
                          "{turns          | 31   | how often each is measured }"
                          "{cold           |      | touch 64 MB of other memory before each frame }"
-                         "{with           |      | libaqorb.so of another build for memory, too }"
                          "{@command       |      | what to measure }"
                          "{@rest          |      | images }";
 
@@ -83,8 +79,7 @@ std::vector<std::string> positional(int argc, const char* const* argv)
         const std::string argument = argv[i], name = argument.substr(0, argument.find('='));
         if (argument[0] != '-')
             found.push_back(argument);
-        else if (name != "--n" && name != "--threads" && name != "--turns" && name != "--cold" &&
-                 name != "--with")
+        else if (name != "--n" && name != "--threads" && name != "--turns" && name != "--cold")
             throw BadArguments(argument + ": unknown option");
     }
     return found;
@@ -96,18 +91,17 @@ void run(const cv::CommandLineParser& parser, std::vector<std::string> images)
     images.erase(images.begin(), images.begin() + !images.empty());
     Settings settings;
     settings.numbers = splitNumbers(!numbers.empty()        ? numbers
-                                    : command == "memory"   ? "1000"
                                     : command == "matching" ? "500,1000,2000,5000"
                                                             : "500,1000,2000");
     settings.threads = splitNumbers(parser.get<cv::String>("threads"));
     settings.turns = splitNumbers(parser.get<cv::String>("turns")).at(0);
     settings.cold = parser.has("cold");
-    settings.beside = parser.get<cv::String>("with");
+    Contender other = orb();
     if (command == "beside")
     {
         if (images.empty())
             throw BadArguments("beside which LIBRARY?");
-        settings.beside = images[0];
+        other = aqorbOf(images[0]);
         images.erase(images.begin());
     }
     const bool isOfPairs = command == "pair" || command == "refinement";
@@ -116,16 +110,9 @@ void run(const cv::CommandLineParser& parser, std::vector<std::string> images)
                                ? "bikes,leuven,bark,trees,ubc,640x512.png,1920x1080.png"
                                : "640x480,1920x1080");
     settings.images = images;
-    std::vector<Contender> contenders = {orb(), aqorbHere()};
-    if (!settings.beside.empty())
-        contenders.push_back(aqorbOf(settings.beside));
 
-    if (command == "speed")
-        measureSpeed(settings, contenders[0]);
-    else if (command == "beside")
-        measureSpeed(settings, contenders[2]);
-    else if (command == "memory")
-        measureMemory(settings, contenders);
+    if (command == "speed" || command == "beside")
+        measureSpeed(settings, other);
     else if (isOfPairs && images.size() != 2 && (!images.empty() || !std::getenv("OPENCV_TEST_DATA_PATH")))
         throw BadArguments(command + ": name two images, or set OPENCV_TEST_DATA_PATH");
     else if (command == "pair")
@@ -137,7 +124,7 @@ void run(const cv::CommandLineParser& parser, std::vector<std::string> images)
     else if (command == "program")
         measureProgram(settings);
     else
-        throw BadArguments("'" + command + "': speed, beside, memory, pair, refinement, matching or program");
+        throw BadArguments("'" + command + "': speed, beside, pair, refinement, matching or program");
 }
 
 }  // namespace

@@ -53,7 +53,6 @@ struct Settings
     std::vector<int> threads;  //!< numbers of them
     int turns;                 //!< how often each is measured
     bool cold;                 //!< touch other memory before each call
-    std::string beside;        //!< library of another build; empty: none
 };
 
 //! Milliseconds that detectAndCompute takes. Outputs are kept from frame to frame, as programs do.
@@ -80,7 +79,6 @@ double medianRatio(const std::function<double()>& first, const std::function<dou
 
 // Each prints its tables.
 void measureSpeed(const Settings& settings, const Contender& other);
-void measureMemory(const Settings& settings, const std::vector<Contender>& contenders);
 void measurePairs(const Settings& settings);
 void measureMatching(const Settings& settings);
 void measureRefinement(const Settings& settings);
