@@ -181,7 +181,7 @@ size_t computeDescriptors(const Mat& image, const BlurredRows& blurred, const Fe
                           bool mayStop)
 {
     CV_TRACE_FUNCTION();
-    const int64 MOST_EXACT = 500, MOST_EXACT_OF_POINT = 50;  // photographs have a tenth as many
+    const int64 MOST_EXACT = 500, MOST_EXACT_OF_POINT = 50;  // photographs need one a point, and at most six
     int64 exactCount = 0;
     for (size_t i = 0; i < count; i++, descriptors += step)
     {
