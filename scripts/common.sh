@@ -14,8 +14,7 @@ OPENCV_4=4.14.0.94
 OPENCV_5=5.0.0.93
 
 # What the command aqorb needs. This pyarrow is for the NumPy 1 of Debian 12.
-PYCOLMAP=4.2.1
-COMMAND=(pillow-heif==0.13.1 pyarrow==21.0.0 "pycolmap==$PYCOLMAP" scipy==1.13.1 tqdm==4.70.1)
+COMMAND=(pillow-heif==0.13.1 pyarrow==21.0.0 pycolmap==4.2.1 scipy==1.13.1 tqdm==4.70.1)
 
 # Debian's Python: another one on the PATH may lack numpy.
 PYTHON=/usr/bin/python3

@@ -8,7 +8,6 @@
 #   scripts/measure.sh refinement [OPTION ...]  what refineMatches gives (doc/reproduction.md)
 #   scripts/measure.sh heldout                fetches the pairs of images that nothing was tuned on, to build/held_out
 #   scripts/measure.sh peers WHEEL            other ORB detectors that pip installs (doc/peers.md)
-#   scripts/measure.sh colmap WHEEL FOLDER    a reconstruction by COLMAP; FOLDER is a sequence in KITTI's layout
 #
 # OPENCV_TEST_DATA_PATH names the folder testdata of opencv_extra; speed and harness draw scenes without it. paper,
 # claims and refinement pass OPTIONs on to tools/evaluate/aqorb_evaluate.py, whose --help lists them.
@@ -121,14 +120,7 @@ peers() {
     "$python" "$ROOT/tools/peers/peers.py" report "$datasets" "$folder" "${methods[@]}"
 }
 
-colmap() {
-    (($# >= 2)) || die "colmap: name a wheel and a folder; --help says more"
-    need wheel
-    environment "$BUILD/venv/colmap" "opencv-python-headless==$OPENCV_4" "pycolmap==$PYCOLMAP" "$(realpath "$1")"
-    "$BUILD/venv/colmap/bin/python" "$ROOT/samples/colmap/colmap.py" --out="$BUILD/colmap" "${@:3}" "$(realpath "$2")"
-}
-
 case ${1:-} in
-speed | harness | paper | claims | refinement | heldout | peers | colmap) "$@" ;;
-*) die "'${1:-}' is none of speed, harness, paper, claims, refinement, heldout, peers, colmap; --help says more" ;;
+speed | harness | paper | claims | refinement | heldout | peers) "$@" ;;
+*) die "'${1:-}' is none of speed, harness, paper, claims, refinement, heldout, peers; --help says more" ;;
 esac

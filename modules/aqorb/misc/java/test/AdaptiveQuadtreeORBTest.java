@@ -61,7 +61,7 @@ public class AdaptiveQuadtreeORBTest extends OpenCVTestCase {
         assertFalse(detector.empty());
     }
 
-    public void testCreateWithAllParameters() {
+    public void testParameters() {
         detector = AdaptiveQuadtreeORB.create(300, 1.5f, 4, 20, 1, 3, 1, 35, 15);
         assertEquals(300, detector.getMaxFeatures());
         assertEquals(1.5, detector.getScaleFactor());
@@ -73,6 +73,12 @@ public class AdaptiveQuadtreeORBTest extends OpenCVTestCase {
         assertEquals(35, detector.getPatchSize());
         assertEquals(15, detector.getFastThreshold());
         assertEquals(Core.NORM_HAMMING2, detector.defaultNorm());
+        detector.setStrengthWeight(4);
+        detector.setSubPixel(false);
+        detector.setSelectionType(AdaptiveQuadtreeORB.BALANCED_SELECTION);
+        assertEquals(4.0, detector.getStrengthWeight());
+        assertFalse(detector.getSubPixel());
+        assertEquals(AdaptiveQuadtreeORB.BALANCED_SELECTION, detector.getSelectionType());
     }
 
     public void testDetectAndCompute() {
@@ -106,22 +112,6 @@ public class AdaptiveQuadtreeORBTest extends OpenCVTestCase {
             assertEquals(200, keypoints.get(i).toArray().length);
             assertMatEqual(expected, descriptors.get(i));
         }
-    }
-
-    public void testProperties() {
-        assertEquals(0.05, detector.getStrengthWeight());
-        assertEquals(-1.0, detector.getOctaveSuppression());
-        assertEquals(2.25, detector.getRankRadius());
-        assertEquals(4.0, detector.getMinThresholdRatio());
-        assertTrue(detector.getSubPixel());
-        assertTrue(detector.getAdaptiveThreshold());
-        assertEquals(AdaptiveQuadtreeORB.RANKED_SELECTION, detector.getSelectionType());
-        detector.setStrengthWeight(4);
-        detector.setSubPixel(false);
-        detector.setSelectionType(AdaptiveQuadtreeORB.BALANCED_SELECTION);
-        assertEquals(4.0, detector.getStrengthWeight());
-        assertFalse(detector.getSubPixel());
-        assertEquals(AdaptiveQuadtreeORB.BALANCED_SELECTION, detector.getSelectionType());
     }
 
     public void testErrors() {

