@@ -65,7 +65,8 @@ public class HammingMatcherTest extends OpenCVTestCase {
         assertEquals(100, matches.rows());
         assertEquals(100, lists.size());
         for (int i = 0; i < 100; i++) {
-            DMatch match = matches.toArray()[i], pair[] = lists.get(i).toArray();
+            DMatch match = matches.toArray()[i];
+            DMatch[] pair = lists.get(i).toArray();
             assertEquals(i, match.queryIdx);
             assertEquals(match.trainIdx, pair[0].trainIdx);
             assertTrue(pair[0].distance <= pair[1].distance);
