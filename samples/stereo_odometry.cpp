@@ -4,8 +4,9 @@
 // SPDX-License-Identifier: Apache-2.0
 
 // Stereo visual odometry from frame to frame, on sequences in KITTI's layout. It shows what a detector's features are
-// worth for this, and what refineMatches adds. Points of a rectified pair are matched along the rows, and then with those of the frame before. The
-// motion is the one under which the points of one frame project onto their matches in the next (PnP).
+// worth for this, and what refineMatches adds. Points of a rectified pair are matched along the rows, and then with
+// those of the frame before. The motion is the one under which the points of one frame project onto their matches in the
+// next (PnP).
 
 #include "sample.hpp"
 

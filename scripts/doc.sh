@@ -51,7 +51,6 @@ cp "$site/Doxyfile" "$site/layout.xml" "$OUT/"
 if [[ $(doxygen -g -) == *HTML_COLORSTYLE\ * ]]; then echo 'HTML_COLORSTYLE = LIGHT' >>"$OUT/Doxyfile"; fi
 [[ -e $page/aqorb.wasm ]] || sed -i '/url="page\//d' "$OUT/layout.xml"
 doxygen "$OUT/Doxyfile"
-"$PYTHON" -B "$site/search.py" "$OUT/html"
 if [[ -e $page/aqorb.wasm ]]; then
     cp -r "$page" "$OUT/html/page"
     sed -i 's/<p id="project" hidden>/<p id="project">/' "$OUT/html/page/index.html"

@@ -3,32 +3,12 @@
 # build/packages, and has lintian check them.
 #
 #   scripts/package.sh [--test] [CMake option...]
-#   scripts/package.sh --conan
 #
 # With --test they are installed on a fresh system of the same release, in a folder of its own. Programs of each
 # kind are built and run there. Then the packages are removed, and so is the folder. This needs root.
-# With --conan it builds the Conan package of the library instead, static and shared, with the recipe in packaging/conan,
-# and a program with each. Conan's cache is build/conan.
 # -DAQORB_PACKAGE_CONTACT='NAME <ADDRESS>' names the maintainer. Use it if you give the packages to others.
-# Installs the Debian packages it needs; pip fetches Conan.
+# Installs the Debian packages it needs.
 source "$(dirname "$0")/common.sh"
-
-if [[ ${1:-} == --conan ]]; then
-    need build wheel
-    tools=$BUILD/venv/conan
-    environment "$tools" conan
-    export CONAN_HOME=$BUILD/conan/home CCACHE_BASEDIR=$BUILD/conan
-    rm -rf "$BUILD/conan"
-    "$tools/bin/conan" profile detect >/dev/null 2>&1
-    for shared in False True; do
-        say "The Conan package, shared=$shared: a minute or two"
-        log=$BUILD/conan/$shared.log
-        "$tools/bin/conan" create "$ROOT/packaging/conan" --no-remote --options "&:shared=$shared" >"$log" 2>&1 ||
-            { tail -n 30 "$log" && die "see $log"; }
-        grep -A 3 'Running test()' "$log"
-    done
-    exit
-fi
 
 test=
 if [[ ${1:-} == --test ]]; then test=yes && shift; fi

@@ -59,7 +59,6 @@ check() {
     scripts/python.sh --asan
     scripts/python.sh --hostile
     scripts/package.sh --test
-    scripts/package.sh --conan
     scripts/web.sh --test
     scripts/compatibility.sh
     scripts/dropin.sh

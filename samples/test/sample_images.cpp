@@ -80,8 +80,6 @@ int main(int argc, char** argv)
         part.convertTo(part, CV_8U);
         save(folder + format("part%d.png", i + 1), part);
     }
-    for (int i = 0; i < 4; i++)
-        save(folder + format("frame_%02d.png", i), scene(Rect(20 * i, 10 * i, 640, 480)));
     save(folder + "fisheye.png", fisheyeView(scene));
     saveStereo(folder + "stereo", scene);
 
