@@ -51,16 +51,7 @@ TEST(Aqorb_Contracts, the_default_of_octave_suppression_follows_the_selection)
 
 TEST(Aqorb_Contracts, is_an_orb)
 {
-    const Ptr<ORB> orb = AdaptiveQuadtreeORB::create(1000);
-    orb->setMaxFeatures(77);
-    orb->setScaleFactor(1.5);
-    orb->setNLevels(3);
-    orb->setEdgeThreshold(20);
-    orb->setFirstLevel(1);
-    orb->setWTA_K(4);
-    orb->setScoreType(ORB::FAST_SCORE);
-    orb->setPatchSize(25);
-    orb->setFastThreshold(9);
+    const Ptr<ORB> orb = AdaptiveQuadtreeORB::create(77, 1.5f, 3, 20, 1, 4, ORB::FAST_SCORE, 25, 9);
     EXPECT_EQ(77, orb->getMaxFeatures());
     EXPECT_EQ(1.5, orb->getScaleFactor());
     EXPECT_EQ(3, orb->getNLevels());
@@ -70,7 +61,6 @@ TEST(Aqorb_Contracts, is_an_orb)
     EXPECT_EQ(ORB::FAST_SCORE, orb->getScoreType());
     EXPECT_EQ(25, orb->getPatchSize());
     EXPECT_EQ(9, orb->getFastThreshold());
-
     EXPECT_EQ(32, orb->descriptorSize());
     EXPECT_EQ(CV_8U, orb->descriptorType());
     EXPECT_EQ((int)NORM_HAMMING2, orb->defaultNorm());

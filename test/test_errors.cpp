@@ -53,18 +53,12 @@ TEST(Aqorb_Errors, bad_parameters_of_create)
     EXPECT_TRUE(names(messageOf([] { AdaptiveQuadtreeORB::call; }), name, value))
     AQORB_BAD("nfeatures", "-1", create(-1));
     AQORB_BAD("scaleFactor", "0", create(500, 0.f));
-    AQORB_BAD("scaleFactor", "-2", create(500, -2.f));
     AQORB_BAD("scaleFactor", "nan", create(500, NOT_A_NUMBER));
-    AQORB_BAD("scaleFactor", "inf", create(500, ENDLESS));
-    AQORB_BAD("nlevels", "0", create(500, 1.2f, 0));
     AQORB_BAD("nlevels", "2147483647", create(500, 1.2f, INT_MAX));
     AQORB_BAD("edgeThreshold", "-3", create(500, 1.2f, 8, -3));
     AQORB_BAD("firstLevel", "-1", create(500, 1.2f, 8, 16, -1));
-    AQORB_BAD("WTA_K", "1", create(500, 1.2f, 8, 16, 0, 1));
     AQORB_BAD("WTA_K", "5", create(500, 1.2f, 8, 16, 0, 5));
     AQORB_BAD("scoreType", "7", create(500, 1.2f, 8, 16, 0, 2, static_cast<ORB::ScoreType>(7)));
-    AQORB_BAD("patchSize", "1", create(500, 1.2f, 8, 16, 0, 2, ORB::HARRIS_SCORE, 1));
-    AQORB_BAD("patchSize", "16385", create(500, 1.2f, 8, 16, 0, 2, ORB::HARRIS_SCORE, 16385));
     AQORB_BAD("patchSize", "2147483647", create(500, 1.2f, 8, 16, 0, 2, ORB::HARRIS_SCORE, INT_MAX));
 #undef AQORB_BAD
 }

@@ -72,18 +72,12 @@ def test_retain_uniform(images):
     assert occupied[1] > occupied[0] and occupied[3] > occupied[2]
 
 
-def test_fisheye_mask(images):
-    output, _ = run(images, 'fisheye_mask fisheye.png --radius=290')
-    assert int(re.search(r'Without mask: \d+ keypoints, (\d+) not', output).group(1)) > 0
-    assert 'With mask: 1000 keypoints, 0 not inside' in output
-
-
 @pytest.mark.parametrize('command, text', [
     ('homography no.png view1.png', 'no.png: there is no such file'),
     ('homography text.png view1.png', 'text.png: cannot be read as an image'),
     *[(name + ' no.png no.png --out=missing/picture.png', 'cannot be written')  # before all else
       for name in ('homography', 'panorama')],
-    *[(name + ' no.png --out=missing/picture.png', 'cannot be written') for name in ('retain_uniform', 'fisheye_mask')],
+    ('retain_uniform no.png --out=missing/picture.png', 'cannot be written'),
     ('panorama view1.png 32x32.png', 'the ')])
 def test_sentence(images, command, text):
     result = start(images, command)
