@@ -35,7 +35,7 @@ WORDS = 65536
 STRONGEST = 500  # features of an image that are looked up: they are found again more often than the others
 FEATURES_OF_A_WORD = 4  # at least, on average: a word that is a feature of one image alone connects nothing
 CHUNK = 256  # images that are drawn from at a time
-QUERIES = 32  # for which the candidates are read at a time
+QUERIES = 32  # few; the candidates of as many are read at a time
 BLOCK = 2**22  # elements of the matrix of similarities that are in memory at a time
 GROWTH = 4  # times as many images as words were drawn from: then they are drawn anew
 
@@ -119,10 +119,8 @@ def rarity_of(counts):
 
 def weigh(counts, rarity):
     """The vectors of images, of length 1, as rows of a sparse matrix."""
-    weights = counts.copy()
+    weights, lengths = counts.copy(), np.sqrt(counts @ rarity.astype(float)**2)
     weights.data = np.sqrt(weights.data) * rarity[weights.indices]
-    lengths = np.sqrt(np.bincount(np.repeat(np.arange(weights.shape[0]), np.diff(weights.indptr)),
-                                  weights.data.astype(float)**2, weights.shape[0]))
     weights.data /= np.repeat(np.maximum(lengths, 1e-9), np.diff(weights.indptr)).astype(np.float32)
     return weights
 
@@ -133,10 +131,12 @@ def similar(queries, collected, number, min_gap=0, first=0):
     first + i of those collected, and rows that are nearer than that, or itself, have the similarity -1."""
     if not 1 <= number <= collected.shape[0]:
         raise ValueError(f'similar images must be from 1 to {collected.shape[0]}, the number of images, got {number}')
-    columns = collected.T.tocsr()
+    few = queries.shape[0] <= QUERIES  # then it takes longer to transpose all that is collected
+    columns = None if few else collected.T.tocsr()
     step = max(1, BLOCK // collected.shape[0])
     for start in range(0, queries.shape[0], step):
-        table = (queries[start:start + step] @ columns).toarray()
+        part = queries[start:start + step]
+        table = (collected @ part.T.toarray()).T if few else (part @ columns).toarray()
         for i, row in enumerate(table, first + start):
             if min_gap:
                 row[max(0, i - min_gap + 1):i + min_gap] = -1
