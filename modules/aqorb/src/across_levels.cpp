@@ -143,8 +143,8 @@ static CornersOfLevels selectAcrossLevels(const SelectionPlan& plan, Size imageS
 
 // ---- 8. when representatives run out ----------------------------------------------------------
 
-// Adds as many of the other corners as are missing, those of the highest response times scale. Levels below their quota
-// come first, and before the last corners those that keep their distance from keypoints of other levels.
+// Adds as many of the other corners as are missing, the highest response times scale first. Levels below their quota
+// come first. Corners that keep no distance from keypoints of other levels come last.
 static void fillUp(const SelectionPlan& plan, Size imageSize, const std::vector<Level>& levels,
                    const CornersOfLevels& corners, size_t missing, CornersOfLevels& selected)
 {

@@ -16,7 +16,7 @@ CV_CPU_OPTIMIZATION_NAMESPACE_BEGIN
 
 /** The exact blur of a tile of BLUR_TILE_WIDTH columns, times 256.
  @param source as for blurTile
- @param taps those of the centre and of the pixels 1, 2 and 3 off it */
+ @param taps of the centre, and of the pixels 1, 2 and 3 off it */
 void exactTile(const uchar* source, ptrdiff_t step, int height, const float* taps, ushort* blurred,
                ptrdiff_t blurredStep);
 

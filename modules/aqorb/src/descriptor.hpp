@@ -25,9 +25,9 @@ uint64 quartersOf(float angle);
 
 /** Sine and cosine of an angle, the same on every system.
 
- C libraries differ in the last bit of these functions, and so does cv::ORB. These are, to the bit, those of the GNU C
- library up to version 2.41, which has them from Arm's Optimized Routines: polynomials in double, rounded to float at
- the end. They are not always the floats nearest to the exact values. */
+ C libraries differ in the last bit of these functions, and so does cv::ORB. These equal, to the bit, the functions of
+ the GNU C library up to version 2.41, taken from Arm's Optimized Routines: polynomials in double, rounded to float at the end. They are
+ not always the floats nearest to the exact values. */
 inline void sineAndCosine(float angle, float& sine, float& cosine)
 {
     // The angle is n quarters of a turn plus x, which is at most an eighth of a turn.
@@ -96,7 +96,7 @@ struct DescriptorTests
  @param tests the pattern
  @param descriptors gets one descriptor a row
  @param step bytes from one row to the next
- @param mayStop stops before a point if so many pixels are needed exactly that it is faster to blur them all exactly
+ @param mayStop stops before a point once blurring all pixels exactly is faster than the many that are needed
  @return the number of points with a descriptor */
 size_t computeDescriptors(const Mat& image, const BlurredRows& blurred, const FeaturePoint* points,
                           size_t count, const DescriptorTests& tests, uchar* descriptors, size_t step,

@@ -96,7 +96,7 @@ public:
     {
         ROWS_ABOVE = 2 * SUPPRESS_RADIUS
     };
-    //! Prepares the plane for so many rows of a region of an image of the given width. The rows above are 0.
+    //! Prepares the plane for `rows` rows of a region of an image imageWidth wide. The rows above are 0.
     void reset(int imageWidth, const Rect& region, int rows);
     //! Moves the plane down, so that `top` becomes its first row.
     void slideTo(int top);
@@ -126,8 +126,8 @@ public:
     //! Scans the next rows, up to the row before `end`. A cell is a range of columns of these rows. Weak corners count
     //! only outside of the cells, and in cells without a strong one.
     void scan(int end, const std::vector<Range>& cells);
-    /** Appends corners in raster order: those of the rows scanned that were not appended before. SUPPRESS_RADIUS rows
-     are held back until the region ends.
+    /** Appends the corners of the scanned rows, in raster order and each once. It holds SUPPRESS_RADIUS rows back until
+     the region ends.
      @param suppressNear leaves out corners that have a better one within SUPPRESS_RADIUS */
     void append(bool suppressNear, std::vector<Corner>& corners);
 

@@ -19,7 +19,7 @@ namespace aqorb
 
 CV_CPU_OPTIMIZATION_NAMESPACE_BEGIN
 
-//! How many pixels a block has in images of so many columns with whole circles: a wide vector, a narrow one, or one.
+//! The pixels of a block, for images with `columns` columns of whole circles: a wide vector, a narrow one, or one.
 int blockWidthFor(int columns);
 
 //! Continues a scan up to the row before `end`, which is at most area.bottom.

@@ -29,9 +29,9 @@ inline int threadsOfStage()
     return std::min(threadsAllowed(), 16);
 }
 
-/** Calls work(i, thread) for every i below count, on at most so many threads. Each of them takes the next i until none
- is left, and has a number of its own. After an error no further i is begun. All before one that fails are completed,
- so the error that is thrown in the end is always that of the lowest i that fails. */
+/** Calls work(i, thread) for every i below count, on at most maxThreads threads. Each thread has a number of its own,
+ and takes the next i until none is left. After an error no thread begins another i. All calls before a failing one are
+ completed, so the error of the lowest failing i is always the one thrown. */
 template <typename Work> void forEach(size_t count, int maxThreads, const Work& work)
 {
     std::atomic<size_t> next(0), end(count);

@@ -270,8 +270,8 @@ struct WorkSpace
 };
 
 //! Puts the least distances of a row into a list.
-//! @param row trainCount distances and those of what fills the last block, which are overwritten
-//! @param isDoubled whether they are twice those of the list
+//! @param row trainCount distances; the rest of the last block is overwritten
+//! @param isDoubled whether they are twice the distances of the list
 void addLeast(const HammingKernels& kernels, ushort* row, const HammingTile& tile, bool isDoubled,
               WorkSpace& own, DistanceKey* list, int kept)
 {

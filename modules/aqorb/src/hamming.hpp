@@ -30,8 +30,8 @@ Mat descriptorsOf(const char* name, InputArray descriptors, int width = 0, int i
 //! Reports that memory ran out as OpenCV does. To be called where std::bad_alloc is caught.
 void throwNoMemory(InputArray queryDescriptors);
 
-/** Takes the distances of a query to count trains, the first of which has the index firstTrain. Several threads call it
- at once. For one query it is called by one thread at a time, in the order of the trains. */
+/** Takes the distances of a query to `count` trains, from the index firstTrain on. Several threads call it at once, but
+ only one at a time for the same query, in the order of the trains. */
 typedef std::function<void(int query, int firstTrain, const int* distances, int count)> DistanceSink;
 
 /** Computes the Hamming distances of all queries to all trains, in parallel.
@@ -42,8 +42,7 @@ void allDistances(const Mat& query, const Mat& train, bool countPairs, const Dis
 // The functions below are static, because a file compiled for one CPU that includes them must keep its own: see
 // types.hpp.
 
-//! A distance and the index at which it is found, as one number. The smaller number is that of the nearer descriptor,
-//! or of the lower index where two descriptors are equally near.
+//! A distance and its index as one number. The nearer descriptor has the smaller number; ties go to the lower index.
 typedef uint64 DistanceKey;
 const DistanceKey NO_KEY = ~DistanceKey(0);
 
@@ -125,8 +124,8 @@ struct HammingKernels
     //! train, and for those that fill the last block. It is 0x7fff for a train that is left out.
     void (*distances)(const HammingTile& tile, ushort* distances, size_t stride);
 
-    /** Finds the distances of a row that are below a limit, or so many of the least ones that at least kept are among
-     them, and returns how many.
+    /** Finds the distances of a row below a limit, or only the least of them, but no fewer than kept. Returns their
+     number.
      @param count a multiple of block, at most 2^15
      @param found their indices in ascending order */
     int (*leastDistances)(const ushort* distances, int count, int limit, int kept, int* found);

@@ -83,7 +83,7 @@ template <int KEPT> CV_ALWAYS_INLINE void insertKeys(v_uint16* smallest, const v
     smallest[0] = v_min(smallest[0], keys);
 }
 
-//! Makes a key of that of 16 bits. The number becomes the index first + step * number.
+//! Widens a key of 16 bits. Its number becomes the index first + step * number.
 template <int BITS> CV_ALWAYS_INLINE DistanceKey wideKey(int key, int first, int step)
 {
     return key == NO_KEY16 ? NO_KEY : distanceKey(key >> BITS, first + step * (key & ((1 << BITS) - 1)));

@@ -140,7 +140,7 @@ struct Window
     float left, right, top, bottom;
 };
 
-//! The descriptors and positions of some indices, in ascending order so that the first of equally near ones stays first.
+//! The descriptors and positions of some indices, in ascending order so that ties go to the lower index.
 struct Subset
 {
     Subset(std::vector<int>::const_iterator begin, std::vector<int>::const_iterator end, const Mat& all,
@@ -161,7 +161,7 @@ struct Subset
     std::vector<float> x, y;
 };
 
-//! Whether positions lie in a window, in a function of its own that compilers turn into vectors. Returns whether all do.
+//! Tests whether positions lie in a window, in a loop that compilers turn into vectors. Returns whether all do.
 bool testWindow(const float* x, const float* y, int count, const Window window, uchar* isWithin)
 {
     uchar all = 1;

@@ -31,8 +31,8 @@ inline unsigned descendingKey(int key)
     return unsigned(key) ^ 0x7fffffffu;
 }
 
-//! The indices of keys, sorted by the keys, and those of equal keys by index. It counts digits, because most
-//! comparisons would be hard to predict.
+//! The indices of keys in ascending order of the keys. Ties go to the lower index. It counts digits, because the CPU
+//! could predict few comparisons.
 std::vector<unsigned> sortIndices(const std::vector<uint64>& keys);
 
 }  // namespace aqorb

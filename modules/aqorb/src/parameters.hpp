@@ -82,7 +82,7 @@ struct Parameters
 
     //! Throws if a value is invalid whatever the others are.
     void check() const;
-    //! Throws if values are invalid in combination, for a pyramid of so many levels.
+    //! Throws if values are invalid in combination, for a pyramid of levelsInUse levels.
     void checkTogether(int levelsInUse) const;
 
     //! The shortest side of a level that can have a keypoint.

@@ -39,8 +39,8 @@ struct PositionMap
 //! Whether a position rounds to a pixel that is not 0 in the mask of the input image.
 bool isUsable(const Mat& imageMask, const Point2f& position);
 
-/** Finds a usable position for pixel (x, y) of a level: that of its centre if it is usable, else, with subPixel, the
- nearest centre of a usable pixel of the input image at which a keypoint still belongs to the pixel of the level.
+/** Finds a usable position for pixel (x, y) of a level: its centre, if that is usable. Otherwise, with subPixel, it is
+ the nearest centre of a usable pixel of the input image at which a keypoint still belongs to the pixel of the level.
  @return false, and `found` unchanged, where there is none */
 bool usablePosition(const Mat& imageMask, const PositionMap& position, int x, int y, Point2f& found);
 

@@ -176,7 +176,7 @@ void resizeExact(const Mat& source, Mat& destination, Ptr<ResizeTables>& kept, i
             });
 }
 
-// A pixel is usable if all pixels that it is made from are. The tables must be those of the image of the same size.
+// A pixel is usable if all the pixels it is made from are usable. The tables are the image's.
 static void resizeMask(const Mat& mask, const ResizeTables& tables, Mat& resized)
 {
     std::vector<int> left, right;

@@ -57,7 +57,7 @@ struct PyramidRule
  @return the levels, whose pixels lie in the space */
 std::vector<Level> makePyramid(const Level& input, const PyramidRule& rule, int threads, PyramidSpace& space);
 
-//! Copies of the levels, of which one may be the image itself.
+//! Copies of the levels. One level may be the image itself.
 std::vector<Mat> copiesOf(const std::vector<Level>& levels);
 
 // ---- for the kernel: plain structs only, see types.hpp ---------------------------------------

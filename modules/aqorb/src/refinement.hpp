@@ -45,7 +45,7 @@ struct PatchPair
     float map[4];
 };
 
-//! Where the second patch shows what the first one shows in its centre.
+//! The place in the second image that shows the centre of the first patch.
 struct Alignment
 {
     float x, y;

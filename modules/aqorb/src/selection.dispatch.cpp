@@ -84,7 +84,7 @@ SelectionPlan planSelection(const Parameters& parameters, const std::vector<Leve
         level.grid = plan.isRanked ? rankedGrid(regions[i], level.usable, std::max(quotas[i], 1))
                                    : leafGrid(regions[i], 1, balancedDepth(quotas[i]));
     }
-    // The paper's quotas include those of levels too small for a keypoint, which go to the last level that is not.
+    // The paper gives levels that are too small for a keypoint a quota, too. It goes to the last level that is used.
     if (!levels.empty())
         plan.levels.back().quota = std::accumulate(quotas.begin() + levels.size() - 1, quotas.end(), 0);
     return plan;
@@ -272,7 +272,7 @@ static std::vector<int> countStronger(const std::vector<unsigned>& leaves, const
     return counts;
 }
 
-// By how much ranks are scaled up: the leaves of the square around the disc over those of them that lie inside of the
+// The factor that scales ranks up: the leaves of the square around the disc, over the leaves of it that lie in the
 // region and are not masked. A leaf with a representative counts even if its centre is masked.
 static std::vector<double> inverseSharesOf(const std::vector<unsigned>& leaves, const LeafDisc& disc,
                                            const LeafGrid& grid, const std::vector<uchar>& usable)

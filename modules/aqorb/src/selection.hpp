@@ -61,7 +61,7 @@ SelectionPlan planSelection(const Parameters& parameters, const std::vector<Leve
 
 // ---- 2. tree ----------------------------------------------------------------------------------
 
-//! The leaves of so many trees side by side along the longer side of the region, each with 2^depth columns and rows.
+//! The leaves of several trees side by side along the longer side of the region. Each has 2^depth columns and rows.
 LeafGrid leafGrid(Size region, int trees, int depth);
 
 //! The tree of the smallest depth with 9 usable leaves for each of `quota` points. Where its leaves would be shorter
@@ -85,7 +85,7 @@ struct LeafPoint
 };
 
 /** The best point of each leaf, unless more than two of the leaf's eight neighbours have a better one. Of equally good
- points of a leaf the first one is better, and of those of two leaves that of the first leaf.
+ points of a leaf the first one is better. Between two leaves, ties go to the first leaf.
  @return their indices, in the order of the leaves */
 std::vector<unsigned> findRepresentatives(const std::vector<LeafPoint>& points, const LeafGrid& grid);
 
@@ -150,8 +150,7 @@ std::vector<CornerResponse> balancedCorners(const LevelPlan& plan,
 std::vector<FeatureList> selectFeatures(const Parameters& parameters, const OrientationPatch& patch,
                                         Size imageSize, const std::vector<Level>& levels,
                                         const Thresholds& thresholds, int threads, CornerSpace& space);
-//! Puts the features of all levels in the order of the output: by level, and those of a level by their output keys and
-//! then in raster order.
+//! Puts the features of all levels in the order of the output: by level, then by output key, then in raster order.
 //! @param descriptors a row for each feature; empty: they are not wanted
 void outputFeatures(const std::vector<FeatureList>& features, std::vector<KeyPoint>& keypoints,
                     Mat& descriptors);
@@ -170,7 +169,7 @@ struct RankGrid
     int columnBits;       //!< of the numbers of leaves, see LeafGrid
     int stride;           //!< words of a row
     int left, top;        //!< width of the border, in bits and rows
-    const int* words;     //!< the disc: offsets from the word before that of the upper left of the disc
+    const int* words;     //!< the disc: offsets from the word before its upper left one
     const uint64* masks;  //!< the disc: which bits of each of these words count
     int wordCount;
 };

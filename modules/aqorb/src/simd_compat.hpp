@@ -71,8 +71,8 @@ static CV_ALWAYS_INLINE int trailingZeros(uint64 bits)
 #endif
 }
 
-//! a * b + c, rounded once. The C library's function for this is slow where the processor has no such instruction, and
-//! that of MinGW rounds twice.
+//! a * b + c, rounded once. The C library's function is slow on processors without such an instruction, and MinGW's
+//! rounds twice.
 static CV_ALWAYS_INLINE float multiplyAdd(float a, float b, float c)
 {
 #if defined(FP_FAST_FMAF) || defined(__FMA__) || defined(__ARM_FEATURE_FMA)
@@ -134,7 +134,7 @@ template <typename V> static CV_ALWAYS_INLINE uint64 signBits(const V& a)
 {
     auto bits = v_signmask(a);
 #if CV_AVX512_SKX && defined(__GNUC__) && !defined(__clang__)
-    // GCC 12 may keep a mask that it extends to 64 bits in memory of which it writes only 32. Extended from a general
+    // GCC 12 may extend a mask of 32 bits to 64 in memory, without writing the other 32. Extended from a general
     // register, the mask is right.
     if (AQORB_LANES(V) < 64)
         __asm__("" : "+r"(bits));
@@ -293,7 +293,7 @@ static CV_ALWAYS_INLINE v_uint8 addBits(const v_uint8& sums, const v_uint64& wor
 #endif
 }
 
-//! The bits of the words of four vectors. In each 128 bits come those of the first vector, then those of the others.
+//! Counts the bits in the words of four vectors. In each 128 bits, the counts of the first vector come first.
 static CV_ALWAYS_INLINE v_uint16 bitsOfWords(const v_uint8* sums)
 {
 #if CV_NEON

@@ -68,8 +68,8 @@ computed. With ORB::FAST_SCORE the Harris response is left out. @ref tutorial_aq
   scaleFactor^(octave - firstLevel).
 - angle: the direction from the centre of the patch to the centroid of its intensity, in degrees, from 0 to below 360.
   It grows from the x axis towards the y axis, which points down.
-- response: the Harris response or the FAST score, see scoreType of create. The Harris response of cv::ORB is another
-  one, over 7x7 pixels.
+- response: the Harris response or the FAST score, see scoreType of create. cv::ORB's Harris response differs, as it
+  covers 7x7 pixels.
 - octave: the number of the level, from 0 (the finest) to nlevels - 1. class_id is -1.
 
 ### What you can rely on
@@ -104,7 +104,7 @@ public:
     /** @brief Creates the detector. The parameters are those of cv::ORB::create, in the same order.
 
     Two of them differ from those of cv::ORB: edgeThreshold is 16 by default, and fastThreshold scales the adaptive
-    threshold. Each parameter has a setter and a getter, too, which are those of cv::ORB.
+    threshold. Each parameter also has the setter and the getter of cv::ORB.
 
     @param nfeatures The maximum number of keypoints, >= 0. With 0 the outputs are empty.
     @param scaleFactor Ratio between the sizes of neighbouring pyramid levels, finite and > 0. It must be > 1 if there
@@ -151,7 +151,7 @@ public:
     pixels of its own level: finite and >= 0. With -1, the default, it is the distance that suits the selection, see
     setSelectionType().
 
-    Coarse levels choose first. So two keypoints of neighbouring levels are at least so many pixels of the finer one
+    Coarse levels choose first. So two keypoints of neighbouring levels lie at least that many pixels of the finer level
     apart. A corner that is strictly nearer is taken only when no corner is left that keeps the distance. The distance
     is that between the pixels where the two were detected, mapped to the image by pixel centres. Refined positions
     (setSubPixel()) can come nearer. With 0 there is no such rule, as in the paper. */

@@ -40,12 +40,12 @@ Four properties of the detector are set to what such systems need. SubPixel is f
 subtracts a whole pixel of the level times its scale from the position of the left keypoint: were this position mapped
 by pixel centres, disparities would be too large by (scale - 1) / 2 pixels. AdaptiveThreshold is false, so that the FAST
 thresholds are those given. OctaveSuppression is 0, because a single camera is initialised with keypoints of the
-finest level only, and the best of these are where a coarser level has one, too. StrengthWeight is 0.15, because
-stronger corners are found again in more frames; it makes the distribution a little less even. All can be changed
-through detector().
+finest level only, and the best of these lie where a coarser level has one, too. StrengthWeight is 0.15, because
+stronger corners are found again in more frames. It makes the distribution a little less even. detector() gives access
+to all of them.
 
-It works on the thread that calls it alone, because SLAM systems call it from threads of their own: to wait for another
-thread on a core that has other work takes longer than the work that it would do.
+It works on the calling thread alone, because SLAM systems call it from threads of their own. On a busy core, waiting
+for another thread takes longer than the work that this thread would do.
 
 An object keeps the pyramid of its last image, so it can be used by one thread at a time. Create one object for each
 camera. A copy of an object shares its detector(), so that a property set through one is set for both. It has a vector
