@@ -26,10 +26,10 @@ struct CornerRules
     bool suppressNear;  //!< whether a corner loses to a better one within SUPPRESS_RADIUS
 };
 
-/** Finds corners of score >= thresholds.ini and, in cells without one, corners of score >= thresholds.min.
- Cells are squares of side CELL_SIZE; the first is in the upper left of the region. Masked corners do not count. With suppressNear, a corner is kept only if there is no better one within SUPPRESS_RADIUS. A corner is
- better if it has a higher score or, with the same score, comes first in raster order. It counts even if it loses to
- another one itself.
+/** Finds corners of score >= thresholds.ini and, in cells without one, corners of score >= thresholds.min. Cells are
+ squares of side CELL_SIZE; the first is in the upper left of the region. Masked corners do not count. With
+ suppressNear, a corner is kept only if there is no better one within SUPPRESS_RADIUS. A corner is better if it has a
+ higher score or, with the same score, comes first in raster order. It counts even if it loses to another one itself.
  @param rows of the region, from the first row of a cell to the last row of another one
  @param found gets the corners of these rows, in raster order */
 void searchBand(const Level& level, const Rect& region, const Range& rows, const CornerRules& rules,

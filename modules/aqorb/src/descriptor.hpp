@@ -26,8 +26,8 @@ uint64 quartersOf(float angle);
 /** Sine and cosine of an angle, the same on every system.
 
  C libraries differ in the last bit of these functions, and so does cv::ORB. These equal, to the bit, the functions of
- the GNU C library up to version 2.41, taken from Arm's Optimized Routines: polynomials in double, rounded to float at the end. They are
- not always the floats nearest to the exact values. */
+ the GNU C library up to version 2.41, taken from Arm's Optimized Routines: polynomials in double, rounded to float at
+ the end. They are not always the floats nearest to the exact values. */
 inline void sineAndCosine(float angle, float& sine, float& cosine)
 {
     // The angle is n quarters of a turn plus x, which is at most an eighth of a turn.
