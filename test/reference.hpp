@@ -73,18 +73,18 @@ float harrisResponse(const Mat& image, int x, int y);
 
 int quadtreeDepth(int quota);
 
-//! A corner in its leaf. Of equal bases the lower y comes first, then the lower x, then the lower index.
+//! A corner in its leaf. Of equal keys the lower y comes first, then the lower x, then the lower index.
 struct LeafCorner
 {
     int column, row;
     float x, y;
-    float base;
+    float key;
     int index;
 };
-bool isBetterBase(const LeafCorner& a, const LeafCorner& b);
+bool isBetter(const LeafCorner& a, const LeafCorner& b);
 
-//! The indices of corners in the whole balanced sequence, from its definition. Their bases are their responses.
-std::vector<int> balancedSequence(const std::vector<LeafCorner>& corners);
+//! The indices of corners in the whole balanced order, from its definition. Their keys are their responses.
+std::vector<int> balancedOrder(const std::vector<LeafCorner>& corners);
 
 // The rule of RANKED_SELECTION.
 
@@ -106,9 +106,9 @@ float momentsScore(float base, int64 m10, int64 m01);
 /** The indices of corners in the order in which they are chosen.
  @param isUnmasked whether the mask allows a corner in the centre of a leaf
  @param strengthOf asked of the best corners of leaves that are representatives */
-std::vector<int> rankedSequence(const std::vector<LeafCorner>& corners, const RankRule& rule,
-                                const std::function<bool(int column, int row)>& isUnmasked,
-                                const std::function<float(const LeafCorner&)>& strengthOf);
+std::vector<int> rankedOrder(const std::vector<LeafCorner>& corners, const RankRule& rule,
+                             const std::function<bool(int column, int row)>& isUnmasked,
+                             const std::function<float(const LeafCorner&)>& strengthOf);
 KeyPoints retainUniform(const KeyPoints& keypoints, Size imageSize, int npoints);
 
 Point2f position(int x, int y, Point2d d, Size imageSize, Size levelSize, float scale, int border,

@@ -98,7 +98,7 @@ int quadtreeDepth(int quota)
     return depth;
 }
 
-std::vector<int> balancedSequence(const std::vector<LeafCorner>& corners)
+std::vector<int> balancedOrder(const std::vector<LeafCorner>& corners)
 {
     typedef std::vector<LeafCorner> Corners;
     typedef std::pair<int, int> Place;
@@ -111,32 +111,32 @@ std::vector<int> balancedSequence(const std::vector<LeafCorner>& corners)
     for (auto& leaf : leaves)
     {
         Corners& ofLeaf = leaf.second;
-        std::sort(ofLeaf.begin(), ofLeaf.end(), isBetterBase);
+        std::sort(ofLeaf.begin(), ofLeaf.end(), isBetter);
         std::vector<Corners>& rounds = roundsOfGroup[Place(leaf.first.first / 4, leaf.first.second / 4)];
         rounds.resize(std::max(rounds.size(), ofLeaf.size()));
         for (size_t i = 0; i < ofLeaf.size(); i++)
             rounds[i].push_back(ofLeaf[i]);
     }
-    // The sequence: the first of every group, then the second of every group, ...
+    // The order: the first of every group, then the second of every group, ...
     std::vector<Corners> roundsOfAll(corners.size());
     for (auto& group : roundsOfGroup)
     {
         size_t place = 0;
         for (Corners& round : group.second)
         {
-            std::sort(round.begin(), round.end(), isBetterBase);
+            std::sort(round.begin(), round.end(), isBetter);
             for (const LeafCorner& corner : round)
                 roundsOfAll[place++].push_back(corner);
         }
     }
-    std::vector<int> sequence;
+    std::vector<int> order;
     for (Corners& round : roundsOfAll)
     {
-        std::sort(round.begin(), round.end(), isBetterBase);
+        std::sort(round.begin(), round.end(), isBetter);
         for (const LeafCorner& corner : round)
-            sequence.push_back(corner.index);
+            order.push_back(corner.index);
     }
-    return sequence;
+    return order;
 }
 
 namespace
@@ -159,9 +159,9 @@ struct PyramidLevel
     LeafGrid grid;
     double usableShare;  // of the pixels of the root
     Rect root;
-    std::vector<Candidate> candidates, chosen;
-    std::vector<int> sequence;  // of candidates
-    size_t next;                // of the sequence
+    std::vector<Candidate> candidates, selected;
+    std::vector<int> ordered;  // indices of candidates
+    size_t next;               // of these
 };
 
 bool inRasterOrder(const Candidate& a, const Candidate& b)
@@ -307,9 +307,9 @@ private:
         {
             // A ranked selection looks at the neighbouring levels only.
             const bool counts = isRanked ? i + 1 == index || i == index + 1 : i != index;
-            for (size_t j = 0; counts && j < levels[i].chosen.size(); j++)
+            for (size_t j = 0; counts && j < levels[i].selected.size(); j++)
             {
-                const Point2d d = exactPosition(levels[i], levels[i].chosen[j]) - p;
+                const Point2d d = exactPosition(levels[i], levels[i].selected[j]) - p;
                 if (d.x * d.x + d.y * d.y < radius * radius)
                     return true;
             }
@@ -317,15 +317,15 @@ private:
         return false;
     }
 
-    static std::vector<int> balancedOrder(const PyramidLevel& level, const std::vector<Candidate>& of)
+    static std::vector<int> balancedCorners(const PyramidLevel& level, const std::vector<Candidate>& of)
     {
         std::vector<LeafCorner> corners = leafCorners(level, of);
         for (LeafCorner& corner : corners)
-            corner.base = of[corner.index].response;
-        return balancedSequence(corners);
+            corner.key = of[corner.index].response;
+        return balancedOrder(corners);
     }
 
-    // With the FAST score as their base.
+    // With the FAST score as their key.
     static std::vector<LeafCorner> leafCorners(const PyramidLevel& level, const std::vector<Candidate>& of)
     {
         std::vector<LeafCorner> corners;
@@ -351,7 +351,7 @@ private:
     }
 
     // The order of the corners that passed all rules.
-    std::vector<int> rankedOrder(const PyramidLevel& level, const std::vector<Candidate>& of) const
+    std::vector<int> orderCorners(const PyramidLevel& level, const std::vector<Candidate>& of) const
     {
         const std::vector<LeafCorner> corners = leafCorners(level, of);
         const int radius = s.patchSize / 2;
@@ -365,21 +365,21 @@ private:
         };
         const RankRule rule = {level.root.size(), level.grid,   level.usableShare,
                                level.ownQuota,    s.rankRadius, s.strengthWeight / 4};
-        return rankedSequence(corners, rule, unmaskedLeaves(level), strengthOf);
+        return rankedOrder(corners, rule, unmaskedLeaves(level), strengthOf);
     }
 
-    // Takes up to `wanted` more of a level's sequence; returns how many are still wanted.
-    int choose(size_t index, int wanted)
+    // Takes up to `wanted` more of a level's ordered corners; returns how many are still wanted.
+    int take(size_t index, int wanted)
     {
         PyramidLevel& level = levels[index];
         if (wanted == 0)
             return 0;
-        for (; wanted > 0 && level.next < level.sequence.size(); level.next++)
+        for (; wanted > 0 && level.next < level.ordered.size(); level.next++)
         {
-            const Candidate& corner = level.candidates[level.sequence[level.next]];
+            const Candidate& corner = level.candidates[level.ordered[level.next]];
             if (isNearOther(index, corner))
                 continue;
-            level.chosen.push_back(corner);
+            level.selected.push_back(corner);
             wanted--;
         }
         return wanted;
@@ -398,7 +398,8 @@ private:
                  score(level, findCorners(level.image, level.usable, level.root, t, false)))
             {
                 const auto isSame = [&](const Candidate& d) { return c.x == d.x && c.y == d.y; };
-                if (std::find_if(level.chosen.begin(), level.chosen.end(), isSame) == level.chosen.end())
+                if (std::find_if(level.selected.begin(), level.selected.end(), isSame) ==
+                    level.selected.end())
                     candidates.push_back(std::make_pair(i, c));
             }
         }
@@ -412,13 +413,13 @@ private:
             {
                 const std::pair<size_t, Candidate> c = candidates[i];
                 PyramidLevel& level = levels[c.first];
-                if ((rules == 2 && int(level.chosen.size()) >= level.quota) ||
+                if ((rules == 2 && int(level.selected.size()) >= level.quota) ||
                     (rules >= 1 && isNearOther(c.first, c.second)))
                 {
                     i++;
                     continue;
                 }
-                level.chosen.push_back(c.second);
+                level.selected.push_back(c.second);
                 candidates.erase(candidates.begin() + (ptrdiff_t)i);
                 wanted--;
             }
@@ -430,30 +431,30 @@ private:
         {
             level.candidates =
                 score(level, findCorners(level.image, level.usable, level.root, both, isHarris));
-            level.sequence =
-                isRanked ? rankedOrder(level, level.candidates) : balancedOrder(level, level.candidates);
+            level.ordered =
+                isRanked ? orderCorners(level, level.candidates) : balancedCorners(level, level.candidates);
             level.next = 0;
-            level.chosen.clear();
+            level.selected.clear();
         }
         int wanted = 0;
         for (size_t i = levels.size(); i-- > 0;)
-            wanted = choose(i, wanted + levels[i].quota);
+            wanted = take(i, wanted + levels[i].quota);
         for (size_t i = 0; i < levels.size(); i++)
-            wanted = choose(i, wanted);
+            wanted = take(i, wanted);
         fillUp(wanted);
     }
 
     void describe(int octave, Features& features)
     {
         PyramidLevel& level = levels[octave];
-        std::sort(level.chosen.begin(), level.chosen.end(), inRasterOrder);
+        std::sort(level.selected.begin(), level.selected.end(), inRasterOrder);
         if (isRanked)
-            std::stable_sort(level.chosen.begin(), level.chosen.end(), hasHigherResponse);
+            std::stable_sort(level.selected.begin(), level.selected.end(), hasHigherResponse);
         const Mat blurred = roundedBlur(level.image);
         const std::vector<Point> pattern = descriptorPattern(s.patchSize, s.WTA_K);
-        for (size_t i = 0; i < level.chosen.size(); i++)
+        for (size_t i = 0; i < level.selected.size(); i++)
         {
-            const Candidate& c = level.chosen[i];
+            const Candidate& c = level.selected[i];
             Point2f p = positionOf(level, c.x, c.y, Point2d());
             if (s.subPixel)
             {

@@ -87,10 +87,10 @@ static bool isHigher(float a, float b)
     return cvIsNaN(a) ? false : cvIsNaN(b) ? true : a > b;
 }
 
-bool isBetterBase(const LeafCorner& a, const LeafCorner& b)
+bool isBetter(const LeafCorner& a, const LeafCorner& b)
 {
-    if (isHigher(a.base, b.base) || isHigher(b.base, a.base))
-        return isHigher(a.base, b.base);
+    if (isHigher(a.key, b.key) || isHigher(b.key, a.key))
+        return isHigher(a.key, b.key);
     if (a.y != b.y)
         return a.y < b.y;
     return a.x != b.x ? a.x < b.x : a.index < b.index;
@@ -99,22 +99,22 @@ bool isBetterBase(const LeafCorner& a, const LeafCorner& b)
 namespace
 {
 
-// A representative with all that its place in the sequence depends on.
-struct Placed
+// A representative with all that its place in the order depends on.
+struct Representative
 {
     LeafCorner corner;
     float strength;
     int64 key;
 };
 
-bool isStronger(const Placed& a, const Placed& b)
+bool isStronger(const Representative& a, const Representative& b)
 {
     if (isHigher(a.strength, b.strength) || isHigher(b.strength, a.strength))
         return isHigher(a.strength, b.strength);
     return a.corner.row != b.corner.row ? a.corner.row < b.corner.row : a.corner.column < b.corner.column;
 }
 
-bool comesBefore(const Placed& a, const Placed& b)
+bool comesBefore(const Representative& a, const Representative& b)
 {
     if ((a.strength > 0) != (b.strength > 0))
         return a.strength > 0;
@@ -123,21 +123,21 @@ bool comesBefore(const Placed& a, const Placed& b)
 
 }  // namespace
 
-std::vector<int> rankedSequence(const std::vector<LeafCorner>& corners, const RankRule& rule,
-                                const std::function<bool(int column, int row)>& isUnmasked,
-                                const std::function<float(const LeafCorner&)>& strengthOf)
+std::vector<int> rankedOrder(const std::vector<LeafCorner>& corners, const RankRule& rule,
+                             const std::function<bool(int column, int row)>& isUnmasked,
+                             const std::function<float(const LeafCorner&)>& strengthOf)
 {
     typedef std::map<std::pair<int, int>, LeafCorner> Leaves;
     Leaves leaves;
     for (const LeafCorner& corner : corners)
     {
         LeafCorner& best = leaves.insert({{corner.row, corner.column}, corner}).first->second;
-        if (isBetterBase(corner, best))
+        if (isBetter(corner, best))
             best = corner;
     }
 
     // The best of a leaf represents it, unless three or more of the 8 leaves around have a better one.
-    std::vector<Placed> representatives;
+    std::vector<Representative> representatives;
     std::set<std::pair<int, int>> represented;
     for (Leaves::iterator leaf = leaves.begin(); leaf != leaves.end(); ++leaf)
     {
@@ -149,9 +149,9 @@ std::vector<int> rankedSequence(const std::vector<LeafCorner>& corners, const Ra
                     leaves.find(std::make_pair(leaf->first.first + dy, leaf->first.second + dx));
                 if (other == leaves.end() || other == leaf)
                     continue;
-                const float base = leaf->second.base, otherBase = other->second.base;
-                const bool isEqual = !isHigher(base, otherBase) && !isHigher(otherBase, base);
-                better += isHigher(otherBase, base) || (isEqual && other->first < leaf->first);
+                const float key = leaf->second.key, otherKey = other->second.key;
+                const bool isEqual = !isHigher(key, otherKey) && !isHigher(otherKey, key);
+                better += isHigher(otherKey, key) || (isEqual && other->first < leaf->first);
             }
         if (better >= 3)
             continue;
@@ -174,10 +174,10 @@ std::vector<int> rankedSequence(const std::vector<LeafCorner>& corners, const Ra
     const int64 total = ((int64)2 * most + 1) * (2 * highest + 1);  // leaves of the square around the disc
     for (size_t i = 0; i < representatives.size(); i++)
     {
-        Placed& a = representatives[i];
+        Representative& a = representatives[i];
         const int column = a.corner.column, row = a.corner.row;
         int64 stronger = 0, inside = 0;
-        for (const Placed& b : representatives)
+        for (const Representative& b : representatives)
             stronger += isInDisc(b.corner.column - column, b.corner.row - row) && isStronger(b, a);
         for (int y = std::max(row - highest, 0); y <= std::min(row + highest, rows - 1); y++)
             for (int x = std::max(column - most, 0); x <= std::min(column + most, columns - 1); x++)
@@ -190,8 +190,8 @@ std::vector<int> rankedSequence(const std::vector<LeafCorner>& corners, const Ra
 
     std::sort(representatives.begin(), representatives.end(), comesBefore);
     std::vector<int> indices;
-    for (const Placed& placed : representatives)
-        indices.push_back(placed.corner.index);
+    for (const Representative& representative : representatives)
+        indices.push_back(representative.corner.index);
     return indices;
 }
 
@@ -210,23 +210,23 @@ KeyPoints retainUniform(const KeyPoints& keypoints, Size imageSize, int npoints)
     }
     double highest = 0;
     for (const LeafCorner& corner : corners)
-        if (!cvIsInf(corner.base) && corner.base > highest)
-            highest = corner.base;
+        if (!cvIsInf(corner.key) && corner.key > highest)
+            highest = corner.key;
     const auto strengthOf = [=](const LeafCorner& corner)
     {
-        if (!(corner.base > 0) || cvIsInf(corner.base))
-            return corner.base;
-        const float ratio = (float)(corner.base / highest * std::pow(2., 127));
+        if (!(corner.key > 0) || cvIsInf(corner.key))
+            return corner.key;
+        const float ratio = (float)(corner.key / highest * std::pow(2., 127));
         return ratio > 0 ? ratio : std::numeric_limits<float>::denorm_min();
     };
     std::vector<int> order;
     if (npoints > 0)
-        order = rankedSequence(
+        order = rankedOrder(
             corners, {imageSize, {1 << depth, 1 << depth, depth}, 1, npoints, 1, 0.15},
             [](int, int) { return true; }, strengthOf);
     // The others follow by response.
     const std::set<int> representatives(order.begin(), order.end());
-    std::sort(corners.begin(), corners.end(), isBetterBase);
+    std::sort(corners.begin(), corners.end(), isBetter);
     for (const LeafCorner& corner : corners)
         if (representatives.count(corner.index) == 0)
             order.push_back(corner.index);

@@ -98,7 +98,7 @@ Scene randomScene(int seed, bool isLarge = false)
 
 std::vector<int> expectedOrder(const Scene& scene)
 {
-    return reference::rankedSequence(
+    return reference::rankedOrder(
         scene.corners, scene.rule,
         [&](int column, int row)
         { return scene.usable.empty() || scene.usable[scene.rule.grid.numberOf(column, row)]; },
@@ -110,7 +110,7 @@ std::vector<int> orderOf(const Scene& scene)
 {
     std::vector<LeafPoint> points;
     for (const reference::LeafCorner& corner : scene.corners)
-        points.push_back({scene.rule.grid.numberOf(corner.column, corner.row), aqorb::sortKey(corner.base)});
+        points.push_back({scene.rule.grid.numberOf(corner.column, corner.row), aqorb::sortKey(corner.key)});
     const std::vector<unsigned> representatives = findRepresentatives(points, scene.rule.grid);
     std::vector<unsigned> leaves, order;
     std::vector<float> strengths;
