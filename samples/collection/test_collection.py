@@ -142,7 +142,7 @@ def test_phones(tmp_path):
     """A drive, half of it by a phone that is turned, is mapped and undistorted by COLMAP."""
     images = tmp_path / 'images'
     images.mkdir()
-    frames = sorted(pathlib.Path(os.environ['AQORB_TEST_SEQUENCE'], 'image_0').glob('*'))[:24]
+    frames = sorted(pathlib.Path(os.environ['AQORB_TEST_SEQUENCE'], 'image_l').glob('*'))[:24]
     for i, path in enumerate(frames):
         exif = Image.Exif()
         # The focal length of KITTI's camera, 707 pixels, on film of the same diagonal.

@@ -6,7 +6,6 @@
 
 import contextlib
 import fnmatch
-import functools
 import importlib
 import io
 import math
@@ -146,7 +145,6 @@ def read_image(file, reading=Reading()):
     return Picture(np.asarray(grey), size, turn, camera, note)
 
 
-@functools.lru_cache(None)
 def formats():
     """Those of FORMATS that this Pillow reads. Its limits are for servers of the web, and are lifted."""
     from PIL import Image, PngImagePlugin
