@@ -53,12 +53,12 @@ keypoints of earlier runs of cv::ORB must be found again.
 
 ### How keypoints are found
 
-The detector follows @cite Yao2019AQORB, and the descriptor is that of cv::ORB @cite RRKB11. FAST corners are found on
-each level of an image pyramid. A quadtree divides the level into leaves. The corner of the highest FAST score
-represents its leaf, unless at least three of the eight leaves around it have better ones. The representatives are taken
-by their *strength*, weighed against their *rank*, the number of stronger ones around them. The strength of a corner is
-its FAST score, times the fourth root of its Harris response, times the length of the moment from which its direction is
-computed. With ORB::FAST_SCORE the Harris response is left out. @ref tutorial_aqorb_algorithm has the formulas.
+The detector follows @cite Yao2019AQORB, and the descriptor is cv::ORB's @cite RRKB11. FAST finds corners on each level
+of an image pyramid. A quadtree divides the level into leaves. The corner of the highest FAST score represents its leaf,
+unless at least three of the eight leaves around it have better ones. The representatives are taken by their *strength*,
+weighed against their *rank*, the number of stronger ones around them. The strength of a corner is its FAST score, times
+the fourth root of its Harris response, times the length of the moment from which its direction is computed. With
+ORB::FAST_SCORE the Harris response is left out. @ref tutorial_aqorb_algorithm has the formulas.
 
 ### What a keypoint holds
 
@@ -75,9 +75,9 @@ computed. With ORB::FAST_SCORE the Harris response is left out. @ref tutorial_aq
 ### What you can rely on
 
 - There are never more than nfeatures keypoints, and exactly nfeatures if the image has that many corners.
-- Keypoints come by octave, the lowest first, and those of a level by response, the highest first.
+- Keypoints come by octave, the lowest first, and within a level by response, the highest first.
 - The keypoints and descriptors are the same for any number of threads, on any CPU, at every repetition.
-- The descriptor of a keypoint is that of cv::ORB::compute with the same parameters.
+- The descriptor of a keypoint equals cv::ORB::compute's with the same parameters.
 - Any non-zero value of a mask means "use this pixel", on every level.
 - Several threads may use one object at the same time, as long as none of them calls a setter.
 
@@ -86,11 +86,11 @@ computed. With ORB::FAST_SCORE the Harris response is left out. @ref tutorial_aq
 ### Errors
 
 An invalid parameter raises a cv::Exception that names it and leaves the object unchanged. create checks combinations of
-parameters, and each call checks them again, as setters may come in any order. An image has at most 2^20 - 1 pixels a
-side, and so has each level; otherwise an exception names the size of the image. A keypoint that is given to compute
-raises an exception if its octave is negative or stands for a level without a pixel, or if its angle is
-not finite. Its octave may be nlevels or more, as with cv::ORB, but then it must be below 64. A call that raises an
-exception because of an argument leaves its outputs unchanged. */
+parameters, and each call checks them again, as setters may come in any order. An image and each level have at most
+2^20 - 1 pixels a side; otherwise an exception names the size of the image. A keypoint given to compute raises an
+exception if its octave is negative or stands for a level without a pixel, or if its angle is not finite. Its octave may
+be nlevels or more, as with cv::ORB, but must then be below 64. A call that raises an exception because of an argument
+leaves its outputs unchanged. */
 class CV_EXPORTS_W AdaptiveQuadtreeORB : public cv::ORB
 {
 public:
@@ -101,10 +101,10 @@ public:
         BALANCED_SELECTION = 1  //!< as in the paper
     };
 
-    /** @brief Creates the detector. The parameters are those of cv::ORB::create, in the same order.
+    /** @brief Creates the detector. It takes cv::ORB::create's parameters, in the same order.
 
-    Two of them differ from those of cv::ORB: edgeThreshold is 16 by default, and fastThreshold scales the adaptive
-    threshold. Each parameter also has the setter and the getter of cv::ORB.
+    Two of them differ from cv::ORB's: edgeThreshold is 16 by default, and fastThreshold scales the adaptive threshold.
+    Each parameter also has the setter and the getter of cv::ORB.
 
     @param nfeatures The maximum number of keypoints, >= 0. With 0 the outputs are empty.
     @param scaleFactor Ratio between the sizes of neighbouring pyramid levels, finite and > 0. It must be > 1 if there
@@ -124,9 +124,9 @@ public:
     With ORB::HARRIS_SCORE a corner gives way to a better one among the 7x7 pixels around it, by FAST score.
     @param patchSize Diameter in pixels, on each level, of the patch from which the orientation and the descriptor are
     computed, 2 to 16384.
-    @param fastThreshold Scale of the adaptive FAST threshold. With 20 the threshold is that of equation (7) of the
-    paper, with 10 half of it. A lower value means more corners, as in cv::ORB. With setAdaptiveThreshold(false) it is
-    the FAST threshold itself. It is limited to [0, 255]. */
+    @param fastThreshold Scale of the adaptive FAST threshold. 20 gives the threshold of the paper's equation (7), and
+    10 half of it. A lower value means more corners, as in cv::ORB. With setAdaptiveThreshold(false) it is the FAST
+    threshold itself. It is limited to [0, 255]. */
     CV_WRAP static Ptr<AdaptiveQuadtreeORB> create(int nfeatures = 500, float scaleFactor = 1.2f,
                                                    int nlevels = 8, int edgeThreshold = 16,
                                                    int firstLevel = 0, int WTA_K = 2,
@@ -142,8 +142,7 @@ public:
     The representatives of a level come by (1 + rank) / strength^StrengthWeight, the lowest first. With 0 corners are
     taken by their rank alone, which gives the most even distribution. A larger value prefers strong corners; raise it
     to find a small object in a large scene. With 1000 a rank of a million makes up for 2 per cent of strength at most,
-    so that of two representatives the stronger comes first, unless it is stronger by less than that. It has no effect
-    with BALANCED_SELECTION. */
+    so a representative comes before every one that is weaker by more. It has no effect with BALANCED_SELECTION. */
     CV_WRAP virtual void setStrengthWeight(double strengthWeight) = 0;
     CV_WRAP virtual double getStrengthWeight() const = 0;  //!< see setStrengthWeight()
 
@@ -152,9 +151,9 @@ public:
     setSelectionType().
 
     Coarse levels choose first. So two keypoints of neighbouring levels lie at least that many pixels of the finer level
-    apart. A corner that is strictly nearer is taken only when no corner is left that keeps the distance. The distance
-    is that between the pixels where the two were detected, mapped to the image by pixel centres. Refined positions
-    (setSubPixel()) can come nearer. With 0 there is no such rule, as in the paper. */
+    apart. A nearer corner is taken only when no corner that keeps the distance is left. The distance is measured
+    between the detected pixels of the two, mapped to the image by pixel centres. Refined positions (setSubPixel()) can
+    come nearer. With 0 there is no such rule, as in the paper. */
     CV_WRAP virtual void setOctaveSuppression(double octaveSuppression) = 0;
     CV_WRAP virtual double getOctaveSuppression() const = 0;  //!< see setOctaveSuppression()
 
@@ -203,10 +202,9 @@ public:
     /** @brief Radius of the disc in which the rank of a corner is counted, 0 to 16, in units of the mean distance
     between the features of the level. The default is 2.25.
 
-    The mean distance is the square root of the area of the level between the borders, less what is masked, over the
-    number of its features.
-    With 0 all representatives have the same rank, so that their strength decides among them. It has no effect with
-    BALANCED_SELECTION. */
+    The mean distance is the square root of the unmasked area of the level between the borders over the number of its
+    features. With 0 all representatives have the same rank, so that their strength decides among them. It has no effect
+    with BALANCED_SELECTION. */
     CV_WRAP virtual void setRankRadius(double rankRadius) = 0;
     CV_WRAP virtual double getRankRadius() const = 0;  //!< see setRankRadius()
 
@@ -215,9 +213,9 @@ public:
     /** @brief Computes the image pyramid on which keypoints are detected and described. It is for work that needs the
     pixels around keypoints, such as stereo matching: keypoint k lies on levels[k.octave].
 
-    The pixels of level i are those of cv::ORB's level. It has cvRound(width * (1.f / scale)) columns, and rows in the
-    same way, where scale is scaleFactor^(i - firstLevel) as a float, all products are floats, and cvRound rounds halves
-    to even. Detection keeps no pyramid, so this function computes all of it.
+    Level i has the pixels of cv::ORB's level. It has cvRound(width * (1.f / scale)) columns, and rows in the same way,
+    where scale is scaleFactor^(i - firstLevel) as a float, all products are floats, and cvRound rounds halves to even.
+    Detection keeps no pyramid, so this function computes all of it.
 
     @param image 8-bit image with 1, 3 (BGR) or 4 (BGRA) channels.
     @param levels A vector of Mat or UMat: one CV_8UC1 image for each level, which shares no memory with the input. The
@@ -225,7 +223,7 @@ public:
     an empty image. */
     CV_WRAP virtual void buildPyramid(InputArray image, OutputArrayOfArrays levels) const = 0;
 
-    /** @brief detectAndCompute for the images of a collection, side by side: the results are those of a call for each
+    /** @brief detectAndCompute for the images of a collection, side by side: the results equal those of a call for each
     image, for any number of threads.
 
     Each of the threads that cv::getNumThreads allows takes one image after another. This uses the threads better than
@@ -240,8 +238,8 @@ public:
     @param descriptors A vector of Mat or UMat: the descriptors of each image, which is empty where there are no
     keypoints. With noArray() none are computed.
 
-    An exception names the image, as in "images[3]: mask must be ...". If several images cause one, that of the first of
-    them is thrown, after all threads have ended. The outputs are then unchanged. */
+    An exception names the image, as in "images[3]: mask must be ...". If several images cause one, the call throws the
+    first image's, after all threads have ended. The outputs are then unchanged. */
     CV_WRAP virtual void detectAndComputeBatch(InputArrayOfArrays images, InputArrayOfArrays masks,
                                                CV_OUT std::vector<std::vector<KeyPoint>>& keypoints,
                                                OutputArrayOfArrays descriptors) = 0;
@@ -257,7 +255,7 @@ public:
 };
 
 /** @brief While an object of this class exists, detectors process the calls of the thread that made it on that thread
-alone. It is for programs with threads of their own, each of which processes images.
+alone. It is for programs whose own threads process an image each.
 
 There may be several at a time. They may end in any order, and on any thread. */
 class CV_EXPORTS SingleThreadScope
@@ -274,8 +272,8 @@ private:
 /** @brief The adaptive FAST threshold of an image: variance over mean of the grey values, equation (7) of
 @cite Yao2019AQORB.
 
-The threshold scales with the contrast. For most photographs it is between 14 and 48, and for the same scene at a tenth
-of the light a tenth of that.
+The threshold scales with the contrast. It is between 14 and 48 for most photographs, and a tenth as high for the same
+scene at a tenth of the light.
 
 @param image 8-bit image with 1, 3 (BGR) or 4 (BGRA) channels.
 @param mask Optional CV_8UC1 mask of the size of the image. Only pixels where it is not zero count.
@@ -294,7 +292,7 @@ between halves; distributionOccupancy looks at smaller parts. Where keypoints cl
 compare equal numbers of keypoints. Some values for 500 points: 30 for a jittered grid, 101 for random points, 216 if
 all points are in one half.
 
-@param keypoints Keypoints of any detector. Those whose position is not finite do not count.
+@param keypoints Keypoints of any detector. A keypoint whose position is not finite does not count.
 @param imageSize Size of the image in which they were found; both sides > 0.
 @return u. It is 0 where sigma is below 1, that is for a distribution as even as whole counts allow, and for no
 keypoints at all.
@@ -304,7 +302,7 @@ CV_EXPORTS_W double distributionUniformity(const std::vector<KeyPoint>& keypoint
 
 /** @brief The share of the cells of a grid over the image that contain at least one keypoint.
 
-@param keypoints Keypoints of any detector. Those outside the image do not count.
+@param keypoints Keypoints of any detector. Keypoints outside the image do not count.
 @param imageSize Size of the image in which they were found; both sides > 0.
 @param grid Number of columns and rows of the grid; both > 0, at most 2^24 cells.
 @return Number of occupied cells divided by the number of cells, 0 to 1.
@@ -317,18 +315,17 @@ CV_EXPORTS_W double distributionOccupancy(const std::vector<KeyPoint>& keypoints
 AdaptiveQuadtreeORB for the keypoints of any detector.
 
 Use it in place of cv::KeyPointsFilter::retainBest, which keeps the highest responses wherever they lie. The rule is
-that of RANKED_SELECTION with a StrengthWeight of 0.15 and a RankRadius of 1. The response takes the place of the FAST
-score and of the strength, and octaves are ignored. The quadtree spans the whole image and has at least 9 leaves for
-each keypoint that is kept, but at most 2^24. The best keypoint of a leaf represents it, unless at least three of the
-eight leaves around it have better ones. The representatives come by (1 + rank) / response^StrengthWeight, where
-infinity counts as twice the highest finite response. Those whose response is zero, negative or NaN come after them, by
-their rank. The other keypoints follow by response. In every comparison NaN counts as the lowest response. Of equal
-responses in a leaf the keypoint of lower y is preferred, then that of lower x, then that of lower index. Only ratios of
-responses count, so multiplying all of them by a positive constant changes nothing, as long as the products are neither
-rounded nor out of the range of a float.
+RANKED_SELECTION's with a StrengthWeight of 0.15 and a RankRadius of 1. The response takes the place of the FAST score
+and of the strength, and octaves are ignored. The quadtree spans the whole image and has at least 9 leaves for each
+keypoint that is kept, but at most 2^24. The best keypoint of a leaf represents it, unless at least three of the eight
+leaves around it have better ones. The representatives come by (1 + rank) / response^StrengthWeight, where infinity
+counts as twice the highest finite response. Representatives with a zero, negative or NaN response come last, by their
+rank. The other keypoints follow by response. In every comparison NaN counts as the lowest response. Ties in a leaf go
+to the lower y, then to the lower x, then to the lower index. Only ratios of responses count, so multiplying all of them
+by a positive constant changes nothing, as long as the products are neither rounded nor out of the range of a float.
 
 @param keypoints In: keypoints of any detector. Out: at most npoints of them, in their input order and with all fields
-unchanged. Those outside the image are dropped, even if there are fewer than npoints.
+unchanged. Keypoints outside the image are dropped, even if there are fewer than npoints.
 @param imageSize Size of the image; both sides > 0.
 @param npoints Number of keypoints to keep, >= 0.
 

@@ -26,10 +26,10 @@ one thread, AVX2, any k and two sets of 1000 descriptors of 32 bytes. A mask tha
 where a pointer to a cv::BFMatcher is expected. A copy into a variable of the type cv::BFMatcher is a cv::BFMatcher
 again, with its speed.
 
-The matches are those of the cv::BFMatcher of the linked OpenCV, with the same distances and in the same order, for
-descriptors of any length, for masks, for collections of several images and with cross check. Of train descriptors at
-the same distance the first one is preferred, and of images the one that was added first. Any number of threads and any
-CPU give the same matches. Three cases are defined where cv::BFMatcher leaves them open:
+The matches equal those of the linked OpenCV's cv::BFMatcher, with the same distances and in the same order, for
+descriptors of any length, for masks, for collections of several images and with cross check. Ties go to the image that
+was added first, and in it to the first train descriptor. Any number of threads and any CPU give the same matches. Three
+cases are defined where cv::BFMatcher leaves them open:
 - knnMatch finds the k nearest descriptors of the whole collection, even where an image has fewer than k. There are
   fewer than k matches only if the collection has fewer descriptors that the masks allow.
 - radiusMatch returns matches at the same distance in the order of their images, and of their descriptors in an image.
@@ -49,7 +49,7 @@ match with the collection must have returned before several threads match with i
 class CV_EXPORTS_W HammingMatcher : public cv::BFMatcher
 {
 public:
-    /** @brief Creates the matcher. The parameters are those of cv::BFMatcher.
+    /** @brief Creates the matcher. It takes cv::BFMatcher's parameters.
 
     @param normType NORM_HAMMING, the number of bits in which two descriptors differ, for ORB, AKAZE, BRISK, BRIEF and
     FREAK; or NORM_HAMMING2, the number of pairs of bits, for ORB with WTA_K 3 or 4. Any other norm raises an exception.
@@ -76,19 +76,19 @@ private:
 /** @brief Matches two sets of binary descriptors, with the tests that are usually applied to matches, and returns the
 matches as arrays.
 
-A query descriptor is matched with its nearest train descriptor; of several ones that are equally near, with the first.
-The pair is kept if it passes all tests that are asked for.
+A query descriptor is matched with its nearest train descriptor, or with the first of several equally near ones. The
+pair is kept if it passes all tests that are asked for.
 
 @param queryDescriptors, trainDescriptors CV_8UC1, a descriptor in each row, of the same width. If one of them has no
 rows or no columns, there are no matches.
-@param pairs A row of type CV_32SC1 for each match, with the index of the query and that of the train descriptor, in the
-order of the queries. It is empty if there are no matches.
+@param pairs A row of type CV_32SC1 for each match, with the indices of the query and the train descriptor, in the order
+of the queries. It is empty if there are no matches.
 @param distances A row of type CV_32SC1 with one element for each match: its distance in bits, or pairs of bits.
-@param ratio Finite and >= 0. If it is greater than 0, the distance must be less than ratio times that of the second
-nearest train descriptor, as Lowe proposed. With crossCheck it must also be less than ratio times that of the second
-nearest query descriptor. A pair passes where there is no second nearest. With 0 there is no such test.
-@param crossCheck Whether the query must be the nearest query of its train descriptor, too; of equally near ones the
-first. The default is true.
+@param ratio Finite and >= 0. If it is greater than 0, the distance must be less than ratio times the distance of the
+second nearest train descriptor, as Lowe proposed, and with crossCheck of the second nearest query descriptor, too. A
+pair passes where there is no second nearest. With 0 there is no such test.
+@param crossCheck Whether the query must be the nearest query of its train descriptor, too, or the first of equally near
+ones. The default is true.
 @param maxDistance The greatest distance that is kept, >= 0, or -1 for any. The default is -1.
 @param normType NORM_HAMMING or NORM_HAMMING2.
 
@@ -108,7 +108,7 @@ one first and of equally near ones the first one first. It is -1 where there are
 @param k From 1 to 536870911, as a row of a cv::Mat has at most INT_MAX bytes.
 @param normType NORM_HAMMING or NORM_HAMMING2.
 
-Errors are as those of matchArrays.
+Errors are as for matchArrays.
  */
 CV_EXPORTS_W void knnMatchArrays(InputArray queryDescriptors, InputArray trainDescriptors,
                                  OutputArray indices, OutputArray distances, int k,
@@ -118,8 +118,8 @@ CV_EXPORTS_W void knnMatchArrays(InputArray queryDescriptors, InputArray trainDe
 images: a query is compared only with the train descriptors around the position at which it is expected.
 
 It does what matchArrays does, for the pairs in which the train keypoint lies within the window of the query. Its time
-grows with the number of keypoints that lie within reach.height of the query's row. For a reach as large as the image
-it is about that of matchArrays. An example:
+grows with the number of keypoints that lie within reach.height of the query's row. With a reach as large as the image
+it takes about as long as matchArrays. An example:
 @code{.cpp}
     // the next frame of a video, in which nothing has moved by more than 20 pixels
     aqorb::matchByPosition(descriptors1, positions1, descriptors2, keypoints2, Size2f(20, 20), pairs, distances);
@@ -137,7 +137,7 @@ pixels. A query whose position is not finite has no match.
 reach.height in y. Both >= 0. Infinity is accepted; an infinite width gives a band of rows.
 @param pairs, distances, ratio, crossCheck, maxDistance, normType as for matchArrays
 
-Errors are as those of matchArrays.
+Errors are as for matchArrays.
  */
 CV_EXPORTS_W void matchByPosition(InputArray queryDescriptors, const std::vector<Point2f>& predicted,
                                   InputArray trainDescriptors, const std::vector<KeyPoint>& trainKeypoints,

@@ -29,20 +29,20 @@ the positions of the matches:
     Mat H = findHomography(points1, points2, RANSAC, 1);  // half a pixel to one is enough now
 @endcode
 
-It is the least squares matching of @cite Gruen1985LSM . The patch around the keypoint of image 1 is aligned with that
-around its match in image 2. An affine map of the patch, a gain and a bias are estimated, starting from the sizes and
-the angles of the two keypoints. Only the position in image 2 moves, so that a keypoint of image 1 has the same position
-in the matches with all other images.
+It is the least squares matching of @cite Gruen1985LSM . It aligns the patches around the two keypoints of a match, and
+estimates an affine map, a gain and a bias, starting from the sizes and the angles of the keypoints. Only the position
+in image 2 moves, so that a keypoint of image 1 has the same position in the matches with all other images.
 
 @param image1, image2 The images of the keypoints, of type CV_8U with 1 (grey), 3 (BGR) or 4 (BGRA) channels. They may
 differ in size and type.
 @param keypoints1, keypoints2 Keypoints of any detector. A keypoint with the angle -1 is upright.
-@param matches Matches with the queryIdx of a keypoint of image 1 and the trainIdx of a keypoint of image 2. Those whose
-aligned patches correlate less than minCorrelation, or that cannot be aligned, are removed. The others keep their order.
+@param matches Matches with the queryIdx of a keypoint of image 1 and the trainIdx of a keypoint of image 2. A match is
+removed if it cannot be aligned, or if its aligned patches correlate less than minCorrelation. The others keep their
+order.
 @param points1 For each match that is left, the position of its keypoint in image 1, in pixels.
 @param points2 For each match that is left, the position in image 2 that shows the same spot, in pixels.
 @param minCorrelation The smallest normalised correlation of the aligned patches, from -1 to 1. With -1 no match is
-removed, and those that cannot be aligned keep the position of the keypoint. The default is 0.8.
+removed, and matches that cannot be aligned keep the position of the keypoint. The default is 0.8.
 @param scaleFactor The size of the keypoint's patch in units of KeyPoint::size, finite and > 0, as for
 cv::xfeatures2d::BEBLID: 1 for ORB, 5 for AKAZE, BRISK and FAST, 6.25 for KAZE and SURF, 6.75 for SIFT. The default
 is 1.

@@ -38,11 +38,10 @@ number, as AdaptiveQuadtreeORB itself does, it would never start.
 
 Four properties of the detector are set to what such systems need. SubPixel is false, because their stereo matching
 subtracts a whole pixel of the level times its scale from the position of the left keypoint: were this position mapped
-by pixel centres, disparities would be too large by (scale - 1) / 2 pixels. AdaptiveThreshold is false, so that the FAST
-thresholds are those given. OctaveSuppression is 0, because a single camera is initialised with keypoints of the
-finest level only, and the best of these lie where a coarser level has one, too. StrengthWeight is 0.15, because
-stronger corners are found again in more frames. It makes the distribution a little less even. detector() gives access
-to all of them.
+by pixel centres, disparities would be too large by (scale - 1) / 2 pixels. AdaptiveThreshold is false, so that FAST has
+the given thresholds. OctaveSuppression is 0, because a single camera is initialised with keypoints of the finest level
+only, and the best of these lie where a coarser level has one, too. StrengthWeight is 0.15, because stronger corners are
+found again in more frames. It makes the distribution a little less even. detector() gives access to all of them.
 
 It works on the calling thread alone, because SLAM systems call it from threads of their own. On a busy core, waiting
 for another thread takes longer than the work that this thread would do.
@@ -103,8 +102,8 @@ public:
 
     /** @brief The same for two cameras whose images overlap. This is what ORB-SLAM3 calls.
 
-    @param image, mask, keypoints, descriptors As above, but keypoints outside of the overlap come first and those
-    inside of it after them. Each part comes by level, and within a level by response.
+    @param image, mask, keypoints, descriptors As above, but keypoints outside of the overlap come before keypoints
+    inside of it. Each part comes by level, and within a level by response.
     @param vLappingArea First and last column of the overlap, in pixels of the image.
     @return Number of keypoints outside of the overlap.
      */
