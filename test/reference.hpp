@@ -47,7 +47,7 @@ Settings randomSettings(RNG& rng);
 //! What detectAndCompute must give.
 Features detectAndCompute(const Mat& image, const Mat& mask, const Settings& settings);
 
-//! A pixel by value; those outside are reflected.
+//! A pixel by value, reflected outside of the image.
 int pixel(const Mat& image, int x, int y);
 
 //! Equation (7), unrounded.
@@ -93,8 +93,7 @@ double binaryLogarithm(float v);
 //! Quotas of as many levels, in proportion to area * scale^1.25, level 0 half as much again.
 std::vector<int> rankedQuotas(int nfeatures, const std::vector<Size>& regions,
                               const std::vector<float>& scales);
-//! The smallest depth, but at most `most`, at which so many trees have 9 leaves for each feature, where the usable share
-//! counts alone.
+//! The smallest depth, but at most `most`, at which the usable share of the trees has 9 leaves for each feature.
 int depthForQuota(int quota, double usable, int most, int trees = 1);
 //! The leaves of a level's tree or, in a narrow one, of its trees side by side. They are at least 2 pixels a side.
 LeafGrid rankedGrid(int quota, double usable, Size root);

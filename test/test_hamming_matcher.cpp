@@ -37,7 +37,7 @@ Mat randomMask(RNG& rng, int rows, int columns)
     return mask;
 }
 
-// Mostly small ones, because those of the edges of blocks and tiles are among them.
+// Mostly small ones, which include the edges of blocks and tiles.
 int randomCount(RNG& rng)
 {
     return rng.uniform(0, 20) == 0 ? rng.uniform(1, 501) : rng.uniform(1, 80);

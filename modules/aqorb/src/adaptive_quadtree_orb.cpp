@@ -74,7 +74,7 @@ public:
         CV_TRACE_FUNCTION();
         process(image, mask, keypoints, descriptors, useProvidedKeypoints);
     }
-    // For collections. Those for one image are Feature2D's.
+    // For collections. Feature2D has the functions for one image.
     using Feature2D::compute;
     using Feature2D::detect;
     void detect(InputArrayOfArrays images, std::vector<std::vector<KeyPoint>>& keypoints,

@@ -114,8 +114,8 @@ private:
 };
 
 /** Finds the FAST-9/16 corners of a region of a level, with 3x3 non-maximum suppression, from top to bottom and some
- rows at a time. Corners of score >= thresholds.ini are called strong, those below it but >= thresholds.min weak.
- An object can be used again, and then needs no new memory. */
+ rows at a time. Corners of score >= thresholds.ini are called strong, and others of score >= thresholds.min weak. An
+ object can be used again, and then needs no new memory. */
 class FastScanner
 {
 public:

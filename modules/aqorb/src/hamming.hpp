@@ -99,8 +99,8 @@ struct HammingTile
     int firstQuery, firstTrain;  //!< the indices of the first ones
     int words;                   //!< 64-bit words of a descriptor
     ushort* scratch;             //!< for nearest: 2 * queryCount * block elements
-    //! A row for each query, allowedStride bytes after the row before: 0 for a train that is left out, and for what
-    //! fills the last block. Null: none is left out.
+    //! A row for each query, allowedStride bytes after the row before: 0 for a train that is left out, and for the
+    //! padding of the last block. Null: none is left out.
     const uchar* allowed;
     size_t allowedStride;
 };
@@ -121,7 +121,7 @@ struct HammingKernels
     void (*nearest[2][2][2])(const HammingTile& tile, DistanceKey* ofQueries, DistanceKey* ofTrains);
 
     //! Computes distances: a row for each query, stride elements after the row before. A row has an element for each
-    //! train, and for those that fill the last block. It is 0x7fff for a train that is left out.
+    //! train and for the padding of the last block. It is 0x7fff for a train that is left out.
     void (*distances)(const HammingTile& tile, ushort* distances, size_t stride);
 
     /** Finds the distances of a row below a limit, or only the least of them, but no fewer than kept. Returns their
@@ -131,7 +131,7 @@ struct HammingKernels
     int (*leastDistances)(const ushort* distances, int count, int limit, int kept, int* found);
 };
 
-//! The best kernels of this CPU for descriptors of so many words; null if it has no vectors.
+//! The best kernels of this CPU for descriptors of this many words; null if it has no vectors.
 const HammingKernels* hammingKernels(int words);
 
 }  // namespace aqorb

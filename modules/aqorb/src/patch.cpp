@@ -14,7 +14,7 @@ namespace cv
 namespace aqorb
 {
 
-// Copies the pixels from x on of a row. Those beyond its ends are reflected, so that they repeat.
+// Copies the pixels of a row from x on. Beyond its ends they are reflected, so that they repeat.
 static void copyRow(const uchar* row, int length, int x, int width, uchar* out)
 {
     if (length == 1)

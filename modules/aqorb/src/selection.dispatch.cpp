@@ -208,7 +208,7 @@ std::vector<float> strengthsOf(const Mat& image, const std::vector<Corner>& corn
 
 // ---- 5. rank ----------------------------------------------------------------------------------
 
-// A disc of leaves: those at offsets (dx, dy) whose centres are within the radius.
+// A disc of leaves: all offsets (dx, dy) of leaves whose centres are within the radius.
 struct LeafDisc
 {
     explicit LeafDisc(const RankRule& rule)
@@ -272,8 +272,8 @@ static std::vector<int> countStronger(const std::vector<unsigned>& leaves, const
     return counts;
 }
 
-// The factor that scales ranks up: the leaves of the square around the disc, over the leaves of it that lie in the
-// region and are not masked. A leaf with a representative counts even if its centre is masked.
+// The factor that scales ranks up: the number of leaves in the square around the disc, over the number of these that
+// lie in the region and are not masked. A leaf with a representative counts even if its centre is masked.
 static std::vector<double> inverseSharesOf(const std::vector<unsigned>& leaves, const LeafDisc& disc,
                                            const LeafGrid& grid, const std::vector<uchar>& usable)
 {

@@ -84,8 +84,8 @@ struct LeafPoint
     int key;        //!< the greater, the better: a FAST score, or the sortKey of a response
 };
 
-/** The best point of each leaf, unless more than two of the leaf's eight neighbours have a better one. Of equally good
- points of a leaf the first one is better. Between two leaves, ties go to the first leaf.
+/** The best point of each leaf, unless at least three of the leaf's eight neighbours have a better one. Ties in a leaf
+ go to the first point, and between leaves to the first leaf.
  @return their indices, in the order of the leaves */
 std::vector<unsigned> findRepresentatives(const std::vector<LeafPoint>& points, const LeafGrid& grid);
 
@@ -142,9 +142,9 @@ std::vector<CornerResponse> balancedCorners(const LevelPlan& plan,
 
 // ---- 7. across levels, 8. when representatives run out, 9. order of output -----------------------
 
-/** Finds corners and selects those that become keypoints: as many of each level as its quota and what coarser levels
- left over, from coarse to fine, and then as many as are missing, from fine to coarse. It passes over corners near a
- keypoint of another level. When they run out, it searches again with fewer rules.
+/** Finds corners and selects the keypoints among them. From coarse to fine, each level gives its quota and the features
+ that coarser levels lack; then, from fine to coarse, levels give the features that are still missing. It passes over
+ corners near a keypoint of another level. When corners run out, it searches again with fewer rules.
  @param patch for strengths
  @return for each level its features in raster order, with output keys */
 std::vector<FeatureList> selectFeatures(const Parameters& parameters, const OrientationPatch& patch,
