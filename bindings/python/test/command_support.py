@@ -36,6 +36,14 @@ def start(*arguments, **options):
     return subprocess.Popen(call_of(*arguments), **{**TEXT, **options})
 
 
+def peak_memory(*arguments):
+    """The most memory of a call of the command, in KiB. A small process starts it, because a process begins with what the
+    one that starts it has."""
+    code = ('import resource, subprocess, sys; subprocess.run(sys.argv[1:], stdout=2, check=True); '
+            'print(resource.getrusage(resource.RUSAGE_CHILDREN).ru_maxrss)')
+    return int(subprocess.check_output([sys.executable, '-c', code, *call_of(*arguments)]))
+
+
 def command(*arguments, **options):
     """What a call of the command gives: of a process of its own if it has options, else of this one."""
     if options:

@@ -148,13 +148,14 @@ def read_image(file, reading=Reading()):
 def formats():
     """Those of FORMATS that this Pillow reads. Its limits are for servers of the web, and are lifted."""
     from PIL import Image, PngImagePlugin
-    with contextlib.suppress(ImportError):
-        heif = importlib.import_module('pillow_heif')
-        heif.register_heif_opener()
-        getattr(heif, 'register_avif_opener', int)()  # later ones leave AVIF to Pillow
-    Image.MAX_IMAGE_PIXELS = None  # max_pixels is checked after the draft
-    PngImagePlugin.MAX_TEXT_CHUNK = PngImagePlugin.MAX_TEXT_MEMORY = 2**28
-    Image.init()
+    if Image.MAX_IMAGE_PIXELS is not None:  # the first call
+        with contextlib.suppress(ImportError):
+            heif = importlib.import_module('pillow_heif')
+            heif.register_heif_opener()
+            getattr(heif, 'register_avif_opener', int)()  # later ones leave AVIF to Pillow
+        PngImagePlugin.MAX_TEXT_CHUNK = PngImagePlugin.MAX_TEXT_MEMORY = 2**28
+        Image.init()
+        Image.MAX_IMAGE_PIXELS = None  # max_pixels is checked after the draft
     return [name for name in FORMATS if name in Image.OPEN]
 
 
