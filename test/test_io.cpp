@@ -125,19 +125,12 @@ TEST(Aqorb_IO, a_missing_key_keeps_its_value)
 TEST(Aqorb_IO, a_bad_value_throws_and_changes_nothing)
 {
     // Of the ranges only some, as setters check them in the same way.
-    const char* bad[][2] = {{"nfeatures", "-1"},
-                            {"nfeatures", "many"},
-                            {"nfeatures", "1.5"},
-                            {"nfeatures", "1e12"},
-                            {"scaleFactor", ".nan"},
-                            {"wta_k", "5"},
-                            {"scoreType", "2"},
-                            {"selectionType", "0.5"},
-                            {"selectionType", "balanced"},
-                            {"strengthWeight", "1e4"},
-                            {"octaveSuppression", ".inf"},
-                            {"subPixel", "2"},
-                            {"adaptiveThreshold", "yes"}};
+    const char* bad[][2] = {
+        {"nfeatures", "-1"},         {"nfeatures", "many"},         {"nfeatures", "1.5"},
+        {"nfeatures", "1e12"},       {"scaleFactor", ".nan"},       {"wta_k", "5"},
+        {"scoreType", "2"},          {"selectionType", "0.5"},      {"selectionType", "balanced"},
+        {"strengthWeight", "1e4"},   {"octaveSuppression", ".inf"}, {"subPixel", "2"},
+        {"adaptiveThreshold", "yes"}};
     const Ptr<AdaptiveQuadtreeORB> detector = unusual();
     const std::string before = written(*detector);
     for (const char** entry : bad)
