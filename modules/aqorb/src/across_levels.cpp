@@ -153,7 +153,7 @@ static void fillUp(const SelectionPlan& plan, Size imageSize, const std::vector<
     {
         int level;
         CornerResponse corner;
-        bool isTaken;
+        bool isTaken, isNear;
     };
     OctaveSuppression suppression(plan, imageSize, levels);
     std::vector<Candidate> candidates;
@@ -168,7 +168,7 @@ static void fillUp(const SelectionPlan& plan, Size imageSize, const std::vector<
                             std::back_inserter(left), InRasterOrder());
         for (const CornerResponse& corner : left)
         {
-            candidates.push_back({i, corner, false});
+            candidates.push_back({i, corner, false, false});
             keys.push_back(descendingKey(sortKey(corner.response * levels[i].scale)));
         }
     }
@@ -184,9 +184,12 @@ static void fillUp(const SelectionPlan& plan, Size imageSize, const std::vector<
         {
             Candidate& candidate = candidates[order[i]];
             const int level = candidate.level;
-            if (candidate.isTaken ||
-                (rules.quota && selected[level].size() >= size_t(plan.levels[level].quota)) ||
-                (rules.distance && !suppression.allows(level, candidate.corner)))
+            if (candidate.isTaken || (rules.distance && candidate.isNear) ||
+                (rules.quota && selected[level].size() >= size_t(plan.levels[level].quota)))
+                continue;
+            // Corners that are near a keypoint stay so.
+            candidate.isNear = rules.distance && !suppression.allows(level, candidate.corner);
+            if (candidate.isNear)
                 continue;
             candidate.isTaken = true;
             suppression.add(level, candidate.corner);
