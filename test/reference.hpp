@@ -97,10 +97,8 @@ std::vector<int> rankedQuotas(int nfeatures, const std::vector<Size>& regions,
 int depthForQuota(int quota, double usable, int most, int trees = 1);
 //! The leaves of a level's tree or, in a narrow one, of its trees side by side. They are at least 2 pixels a side.
 LeafGrid rankedGrid(int quota, double usable, Size root);
-//! What a corner is scored by besides its moments.
-float cornerBase(int fastScore, float response, bool isHarris);
-//! Base times the fourth power of the length of the moment, in units of 2^16.
-float momentsScore(float base, int64 m10, int64 m01);
+//! The fourth power of a corner's strength, whose moment is in units of 2^16.
+float strength(int fastScore, float response, bool isHarris, int64 m10, int64 m01);
 
 /** The indices of corners in the order in which they are chosen.
  @param isUnmasked whether the mask allows a corner in the centre of a leaf

@@ -361,7 +361,7 @@ private:
             discMoments(level.image, (int)corner.x, (int)corner.y, s.patchSize, std::max(1, radius / 5), m10,
                         m01);
             const Candidate& candidate = of[corner.index];
-            return momentsScore(cornerBase(candidate.score, candidate.response, isHarris), m10, m01);
+            return strength(candidate.score, candidate.response, isHarris, m10, m01);
         };
         const RankRule rule = {level.root.size(), level.grid,   level.usableShare,
                                level.ownQuota,    s.rankRadius, s.strengthWeight / 4};

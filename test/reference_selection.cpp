@@ -69,16 +69,11 @@ LeafGrid rankedGrid(int quota, double usable, Size root)
     return grid;
 }
 
-float cornerBase(int fastScore, float response, bool isHarris)
+float strength(int fastScore, float response, bool isHarris, int64 m10, int64 m01)
 {
     const float f2 = (float)fastScore * (float)fastScore;
-    return isHarris ? f2 * f2 * std::max(response, 0.f) : f2 * f2;
-}
-
-float momentsScore(float base, int64 m10, int64 m01)
-{
     const float M = (float)((uint64)(m10 * m10) + (uint64)(m01 * m01)) * std::ldexp(1.f, -32);
-    return base * (M * M);
+    return (isHarris ? f2 * f2 * std::max(response, 0.f) : f2 * f2) * (M * M);
 }
 
 // Higher first. NaN is lower than everything.

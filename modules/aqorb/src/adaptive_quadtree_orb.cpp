@@ -64,7 +64,7 @@ public:
     {
         Parameters changed = parameters;
         changed.read(node);
-        use(changed);
+        adopt(changed);
     }
 
     void buildPyramid(InputArray image, OutputArrayOfArrays levels) const CV_OVERRIDE;
@@ -98,9 +98,9 @@ private:
         Parameters changed = parameters;
         changed.*field = value;
         changed.check();
-        use(changed);
+        adopt(changed);
     }
-    void use(const Parameters& changed)
+    void adopt(const Parameters& changed)
     {
         Tables newTables(changed);
         parameters = changed;

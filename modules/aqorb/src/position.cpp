@@ -100,17 +100,17 @@ void maskPositions(const Mat& imageMask, const PositionMap& position, Mat& level
     Point2f anywhere;
     for (int y = 0; y < levelMask.rows; y++)
     {
-        const uchar* use = imageMask.ptr(nearestPixel(position(0, y).y, imageMask.rows));
+        const uchar* maskRow = imageMask.ptr(nearestPixel(position(0, y).y, imageMask.rows));
         uchar* out = levelMask.ptr(y);
         for (int begin = 0, end; begin < levelMask.cols; begin = end)
         {
             // Most runs of pixels have no masked one.
             const int AT_ONCE = 64;
             end = std::min(begin + AT_ONCE, levelMask.cols);
-            if (!std::memchr(use + columns[begin], 0, size_t(columns[end - 1] + 1 - columns[begin])))
+            if (!std::memchr(maskRow + columns[begin], 0, size_t(columns[end - 1] + 1 - columns[begin])))
                 continue;
             for (int x = begin; x < end; x++)
-                if (out[x] && !use[columns[x]] && !usablePosition(imageMask, position, x, y, anywhere))
+                if (out[x] && !maskRow[columns[x]] && !usablePosition(imageMask, position, x, y, anywhere))
                     out[x] = 0;
         }
     }

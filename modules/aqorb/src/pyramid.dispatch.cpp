@@ -236,8 +236,8 @@ static std::vector<Level> layOut(const Level& input, const PyramidRule& rule, Py
         const Size size = levelSize(imageSize, level.scale);
         if (std::min(size.width, size.height) < rule.shortestSide)
             break;
-        if (space.ofLevels.size() <= size_t(i))
-            space.ofLevels.resize(size_t(i) + 1);
+        if (space.levels.size() <= size_t(i))
+            space.levels.resize(size_t(i) + 1);
         level.isInput = i == rule.firstLevel;
         if (level.isInput)
         {
@@ -251,11 +251,11 @@ static std::vector<Level> layOut(const Level& input, const PyramidRule& rule, Py
         {
             // Rows begin where cache lines do, so that vectors cross as few of them as possible.
             const size_t step = alignSize(size_t(size.width), CACHE_LINE), rows = size_t(size.height);
-            PyramidSpace::OfLevel& of = space.ofLevels[i];
+            PyramidSpace::LevelSpace& memory = space.levels[i];
             if (!level.isInput)
-                level.image = Mat(size, CV_8UC1, growTo(of.pixels, step * rows), step);
+                level.image = Mat(size, CV_8UC1, growTo(memory.pixels, step * rows), step);
             if (!level.isInput && !input.mask.empty())
-                level.mask = Mat(size, CV_8UC1, growTo(of.mask, step * rows), step);
+                level.mask = Mat(size, CV_8UC1, growTo(memory.mask, step * rows), step);
         }
         catch (const std::exception&)
         {
@@ -277,7 +277,7 @@ std::vector<Level> makePyramid(const Level& input, const PyramidRule& rule, int 
         // As cv::ORB does, the first level that is smaller than the image is made of it, too, and so are all larger
         // ones.
         const Level& source = i <= rule.firstLevel + 1 ? input : levels[i - 1];
-        Ptr<ResizeTables>& tables = space.ofLevels[i].resizing;
+        Ptr<ResizeTables>& tables = space.levels[i].resizing;
         resizeExact(source.image, levels[i].image, tables, threads);
         if (!source.mask.empty())
             resizeMask(source.mask, *tables, levels[i].mask);

@@ -33,12 +33,12 @@ void resizeExact(const Mat& source, Mat& destination, Ptr<ResizeTables>& tables,
 //! The memory of a pyramid and the tables by which it is made. It is kept for later images.
 struct PyramidSpace
 {
-    struct OfLevel
+    struct LevelSpace
     {
         AlignedVector<uchar> pixels, mask;
         Ptr<ResizeTables> resizing;
     };
-    std::vector<OfLevel> ofLevels;
+    std::vector<LevelSpace> levels;
 };
 
 //! The rule by which the levels of a pyramid are made.

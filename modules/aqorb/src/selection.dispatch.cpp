@@ -354,10 +354,11 @@ static std::vector<uchar> usableLeaves(const Mat& mask, const LevelPlan& plan)
     { return int((2 * int64(index) + 1) * length / (2 * count)); };
     for (int row = 0; row < plan.grid.rows && !mask.empty(); row++)
     {
-        const uchar* const use = mask.ptr(plan.region.y + centerOf(row, plan.grid.rows, plan.region.height));
+        const uchar* const maskRow =
+            mask.ptr(plan.region.y + centerOf(row, plan.grid.rows, plan.region.height));
         for (int column = 0; column < plan.grid.columns; column++)
             usable[plan.grid.numberOf(column, row)] =
-                use[plan.region.x + centerOf(column, plan.grid.columns, plan.region.width)];
+                maskRow[plan.region.x + centerOf(column, plan.grid.columns, plan.region.width)];
     }
     return usable;
 }

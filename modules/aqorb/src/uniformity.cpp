@@ -104,7 +104,7 @@ void retainUniform(std::vector<KeyPoint>& keypoints, Size imageSize, int npoints
         const std::vector<unsigned> representatives = findRepresentatives(points, grid);
         std::vector<unsigned> leaves;
         std::vector<float> strengths;
-        const float LEAST = std::numeric_limits<float>::denorm_min();
+        const float MIN_STRENGTH = std::numeric_limits<float>::denorm_min();
         // Responses are taken in units of the highest one, so that a constant factor changes nothing.
         double highest = 0;
         for (unsigned index : inside)
@@ -115,7 +115,7 @@ void retainUniform(std::vector<KeyPoint>& keypoints, Size imageSize, int npoints
             const float response = keypoints[inside[index]].response;
             leaves.push_back(points[index].leaf);
             strengths.push_back(response > 0 && std::isfinite(response)
-                                    ? std::max(float(std::ldexp(response / highest, 127)), LEAST)
+                                    ? std::max(float(std::ldexp(response / highest, 127)), MIN_STRENGTH)
                                     : response);
         }
         // More even than the defaults of the detector: here all keypoints are of one level.
