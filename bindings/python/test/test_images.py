@@ -4,6 +4,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """Tests of how the command aqorb decodes images."""
 
+import concurrent.futures
 import io
 import os
 import re
@@ -178,6 +179,17 @@ def test_what_libtiff_prints_names_the_file(tmp_path):
     listed = finished.stderr.splitlines()
     assert listed[0] == '2 files left out:' and re.match(r'  b.tif: .*\(.*Using code not yet in table', listed[1])
     assert listed[2:] == ['  c.tif: it is no image, or of a format that is not read']
+
+
+def test_compressed_tiffs_on_several_threads(tmp_path):
+    Image.fromarray(noise(1, 120, 160)).save(tmp_path / 'a.tif', compression='tiff_lzw')
+
+    def read(_):
+        with images.open_file(tmp_path / 'a.tif') as file:
+            return images.read_image(file).pixels.tobytes()
+
+    with concurrent.futures.ThreadPoolExecutor(8) as pool:
+        assert len(set(pool.map(read, range(500)))) == 1
 
 
 def test_a_png_with_much_text():

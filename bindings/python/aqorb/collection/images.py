@@ -168,6 +168,8 @@ def open_image(file, reading):
     if not head:
         raise ValueError('the file is empty')
     file.seek(0)
+    if head[:2] in (b'II', b'MM'):  # of a TIFF on disk, Pillow closes the number twice, by then perhaps another file's
+        file = io.BytesIO(file.read())
     try:
         image = Image.open(file, formats=formats())
     except UnidentifiedImageError:
