@@ -216,7 +216,7 @@ TEST(Aqorb_MatchArrays, change_no_output_if_the_other_one_is_refused)
     const Mat fixed(7, 7, CV_32SC1);
     for (const bool isFixed : {false, true})
     {
-        const OutputArray refused = isFixed ? OutputArray(fixed) : OutputArray(pairsOfNumbers);
+        OutputArray refused = isFixed ? OutputArray(fixed) : OutputArray(pairsOfNumbers);
         Mat kept = before.clone();
         AQORB_BAD("distances must", "", matchArrays(some, some, kept, refused));
         AQORB_BAD("distances must", "", knnMatchArrays(some, some, kept, refused, 2));

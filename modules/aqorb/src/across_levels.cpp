@@ -218,8 +218,8 @@ static CornersOfLevels selectCorners(const Parameters& parameters, const Orienta
         regions.push_back(level.region);
     // Harris responses of neighbours hardly differ. Without suppression a strong corner would be chosen three times.
     const bool suppressNear = plan.useHarris;
-    const std::vector<std::vector<Corner>>& corners =
-        findCorners(levels, regions, {thresholds, suppressNear}, threads, space);
+    findCorners(levels, regions, {thresholds, suppressNear}, threads, space);
+    const std::vector<std::vector<Corner>>& corners = space.corners;
     CornersOfLevels ordered(levels.size());
     forEach(levels.size(), threads,
             [&](size_t i, int)
@@ -231,11 +231,10 @@ static CornersOfLevels selectCorners(const Parameters& parameters, const Orienta
 
     // Representatives have run out. All other corners fill up.
     const Thresholds lower = {thresholds.min, thresholds.min};
-    const std::vector<std::vector<Corner>>& all =
-        findCorners(levels, regions, {lower, false}, threads, space);
+    findCorners(levels, regions, {lower, false}, threads, space);
     CornersOfLevels responses(levels.size());
     forEach(levels.size(), threads,
-            [&](size_t i, int) { responses[i] = responsesOf(levels[i].image, all[i], plan.useHarris); });
+            [&](size_t i, int) { responses[i] = responsesOf(levels[i].image, corners[i], plan.useHarris); });
     fillUp(plan, imageSize, levels, responses, wanted - count, selected);
     return selected;
 }

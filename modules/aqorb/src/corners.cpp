@@ -65,30 +65,28 @@ std::vector<Band> divideIntoBands(const std::vector<Rect>& regions, int threads)
     return bands;
 }
 
-const std::vector<std::vector<Corner>>& findCorners(const std::vector<Level>& levels,
-                                                    const std::vector<Rect>& regions,
-                                                    const CornerRules& rules, int threads, CornerSpace& space)
+void findCorners(const std::vector<Level>& levels, const std::vector<Rect>& regions, const CornerRules& rules,
+                 int threads, CornerSpace& space)
 {
     CV_TRACE_FUNCTION();
     const std::vector<Band> bands = divideIntoBands(regions, threads);
     space.scanners.resize(std::max(space.scanners.size(), size_t(threads)));
     space.bands.resize(std::max(space.bands.size(), bands.size()));
-    space.levels.resize(levels.size());
+    space.corners.resize(levels.size());
     forEach(bands.size(), threads,
             [&](size_t i, int thread)
             {
                 const int level = bands[i].level;
                 const bool isFirst = bands[i].rows.start == regions[level].y;
                 searchBand(levels[level], regions[level], bands[i].rows, rules, space.scanners[thread],
-                           isFirst ? space.levels[level] : space.bands[i]);
+                           isFirst ? space.corners[level] : space.bands[i]);
             });
     for (size_t i = 0; i < bands.size(); i++)
     {
-        std::vector<Corner>& corners = space.levels[bands[i].level];
+        std::vector<Corner>& corners = space.corners[bands[i].level];
         if (bands[i].rows.start > regions[bands[i].level].y)
             corners.insert(corners.end(), space.bands[i].begin(), space.bands[i].end());
     }
-    return space.levels;
 }
 
 }  // namespace aqorb

@@ -44,18 +44,16 @@ struct Band
 //! Divides the regions of levels into bands of whole cells, enough of them for all threads.
 std::vector<Band> divideIntoBands(const std::vector<Rect>& regions, int threads);
 
-//! The memory of findCorners, which is kept for later images.
+//! The result of findCorners, and its memory, which is kept for later images.
 struct CornerSpace
 {
-    std::vector<FastScanner> scanners;  //!< of each thread
-    std::vector<std::vector<Corner>> bands, levels;
+    std::vector<std::vector<Corner>> corners;  //!< by level, in raster order
+    std::vector<std::vector<Corner>> bands;    //!< the corners of bands that are not the first of their level
+    std::vector<FastScanner> scanners;         //!< of each thread
 };
 //! Finds the corners of all levels, as searchBand does.
-//! @return by level, in raster order; it lies in the space
-const std::vector<std::vector<Corner>>& findCorners(const std::vector<Level>& levels,
-                                                    const std::vector<Rect>& regions,
-                                                    const CornerRules& rules, int threads,
-                                                    CornerSpace& space);
+void findCorners(const std::vector<Level>& levels, const std::vector<Rect>& regions, const CornerRules& rules,
+                 int threads, CornerSpace& space);
 
 }  // namespace aqorb
 }  // namespace cv
