@@ -200,6 +200,9 @@ TEST(Aqorb_Errors, levels_for_which_memory_runs_out)
         few.rlim_cur = rlim_t(pages) * rlim_t(sysconf(_SC_PAGESIZE)) + rlim_t(megabytes) * 1000000;
         KeyPoints keypoints;
         setrlimit(RLIMIT_AS, &few);
+        getrlimit(RLIMIT_AS, &few);
+        if (few.rlim_cur == before.rlim_cur)
+            AQORB_SKIP("this emulator does not limit memory");
         const std::string message = messageOf([&] { detector->detect(image, keypoints, mask); });
         setrlimit(RLIMIT_AS, &before);
         EXPECT_TRUE(names(message, "scaleFactor and firstLevel", "pixels")) << megabytes << message;

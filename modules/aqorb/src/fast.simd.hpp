@@ -182,35 +182,24 @@ template <typename Vectors> int dropFromBlocks(ScanCorners& out, int first, cons
 
 int blockWidthFor(int columns)
 {
-#if CV_SIMD
-    if (columns >= AQORB_LANES(Wide::V))
-        return AQORB_LANES(Wide::V);
-    if (columns >= AQORB_LANES(Narrow::V))
-        return AQORB_LANES(Narrow::V);
-#endif
-    return 1;
+    return columns >= Wide::count() ? Wide::count() : columns >= Narrow::count() ? Narrow::count() : 1;
 }
 
 void continueScan(const ScanArea& area, ScanScores& kept, ScanCorners& corners, int end)
 {
-#if CV_SIMD
-    if (area.blockWidth == AQORB_LANES(Wide::V))
-        return scanRows<Wide>(area, kept, corners, end);
-    if (area.blockWidth == AQORB_LANES(Narrow::V))
-        return scanRows<Narrow>(area, kept, corners, end);
-#endif
-    scanRows<Single>(area, kept, corners, end);
+    if (area.blockWidth == Wide::count())
+        scanRows<Wide>(area, kept, corners, end);
+    else if (area.blockWidth == Narrow::count())
+        scanRows<Narrow>(area, kept, corners, end);
+    else
+        scanRows<Single>(area, kept, corners, end);
 }
 
 int dropCorners(ScanCorners& corners, int blockWidth, int first, const uchar* dropped)
 {
-#if CV_SIMD
-    if (blockWidth == AQORB_LANES(Wide::V))
-        return dropFromBlocks<Wide>(corners, first, dropped);
-    if (blockWidth == AQORB_LANES(Narrow::V))
-        return dropFromBlocks<Narrow>(corners, first, dropped);
-#endif
-    return dropFromBlocks<Single>(corners, first, dropped);
+    return blockWidth == Wide::count()     ? dropFromBlocks<Wide>(corners, first, dropped)
+           : blockWidth == Narrow::count() ? dropFromBlocks<Narrow>(corners, first, dropped)
+                                           : dropFromBlocks<Single>(corners, first, dropped);
 }
 
 void neighborScores(const uchar* p, ptrdiff_t step, int scores[3][3])

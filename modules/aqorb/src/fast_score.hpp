@@ -35,6 +35,7 @@ struct Max
 struct Single
 {
     typedef int V;
+    static CV_ALWAYS_INLINE int count() { return 1; }
     static CV_ALWAYS_INLINE V load(const uchar* p) { return *p; }
     static CV_ALWAYS_INLINE void store(uchar* p, V a) { *p = uchar(a); }
     static CV_ALWAYS_INLINE V all(int value) { return value; }
@@ -52,6 +53,7 @@ struct Single
 template <typename Vector> struct Lanes
 {
     typedef Vector V;
+    static CV_ALWAYS_INLINE int count() { return AQORB_LANES(V); }
     static CV_ALWAYS_INLINE void store(uchar* p, const V& a) { v_store(p, a); }
     // The difference where it is positive, else 0.
     static CV_ALWAYS_INLINE V above(const V& a, const V& b) { return v_sub(a, b); }
@@ -76,6 +78,8 @@ struct Narrow : Lanes<v_uint8x16>
     static CV_ALWAYS_INLINE V load(const uchar* p) { return v_load(p); }
     static CV_ALWAYS_INLINE V all(int value) { return v_setall_u8(uchar(value)); }
 };
+#else
+typedef Single Wide, Narrow;
 #endif
 
 // The deciding pixels of a set: its darkest one, for sets brighter than the centre, and its brightest one, for darker
