@@ -127,6 +127,8 @@ def export(features, matches, folder, path, camera_mode='AUTO', options=None, ap
 
 def _export(features, matches, folder, path, camera_mode, options):
     import pycolmap
+    if not hasattr(pycolmap.Database, 'read_all_pose_priors'):
+        raise Refused(f'this needs pycolmap 4 and Python 3.10, or later ones; here is pycolmap {pycolmap.__version__}')
     features = store.Features(features, ['x', 'y', 'size', 'angle', 'descriptors'])
     features.parameters()
     matches = store.Matches(matches, features) if matches else None
