@@ -172,9 +172,16 @@ Pair randomPair(int seed)
     Pair pair;
     const Size size(rng.uniform(2, 300), rng.uniform(2, 300));
     pair.image1 = makeScene(size, seed);
-    const Mat_<double> view =
-        (Mat_<double>(3, 3) << rng.uniform(0.7, 1.4), rng.uniform(-.2, .2), rng.uniform(-9, 9),
-         rng.uniform(-.2, .2), rng.uniform(0.7, 1.4), rng.uniform(-9, 9), 0, 0, 1);
+    // Braces, so that the numbers are drawn in this order.
+    const Matx33d view{rng.uniform(0.7, 1.4),
+                       rng.uniform(-.2, .2),
+                       rng.uniform(-9., 9.),
+                       rng.uniform(-.2, .2),
+                       rng.uniform(0.7, 1.4),
+                       rng.uniform(-9., 9.),
+                       0.,
+                       0.,
+                       1.};
     warpPerspective(pair.image1, pair.image2, view, Size(rng.uniform(2, 300), rng.uniform(2, 300)),
                     INTER_LINEAR, BORDER_REFLECT_101);
     const int count = rng.uniform(0, 300);
@@ -234,7 +241,7 @@ TEST(Aqorb_Refinement, improves_matches_of_a_photograph)
 {
     AQORB_NEEDS_DATA();
     const Mat image = imread(oxfordImage("leuven", 1), IMREAD_GRAYSCALE);
-    const Mat_<double> view = (Mat_<double>(3, 3) << 0.95, -0.12, 60, 0.1, 0.98, 5, 4e-5, -2e-5, 1);
+    const Matx33d view(0.95, -0.12, 60, 0.1, 0.98, 5, 4e-5, -2e-5, 1);
     Pair pair;
     pair.image1 = image;
     warpPerspective(image, pair.image2, view, image.size(), INTER_CUBIC);

@@ -37,7 +37,7 @@ void checkHammingNorm(int normType)
 
 Mat descriptorsOf(const char* name, InputArray descriptors, int width, int image)
 {
-    const auto fail = [&](int code, const std::string& fault)
+    const auto fail = [&](Error::Code code, const std::string& fault)
     { CV_Error(code, name + (image < 0 ? "" : format(" of image %d", image)) + " must " + fault); };
     if (descriptors.isMatVector() || descriptors.isUMatVector())
         fail(Error::StsBadArg, format("be a single matrix, got a sequence of %d", int(descriptors.total())));
