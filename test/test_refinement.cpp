@@ -172,16 +172,11 @@ Pair randomPair(int seed)
     Pair pair;
     const Size size(rng.uniform(2, 300), rng.uniform(2, 300));
     pair.image1 = makeScene(size, seed);
-    // Braces, so that the numbers are drawn in this order.
-    const Matx33d view{rng.uniform(0.7, 1.4),
-                       rng.uniform(-.2, .2),
-                       rng.uniform(-9., 9.),
-                       rng.uniform(-.2, .2),
-                       rng.uniform(0.7, 1.4),
-                       rng.uniform(-9., 9.),
-                       0.,
-                       0.,
-                       1.};
+    Matx33d view = Matx33d::eye();
+    for (int i = 0; i < 6; i++)
+        view.val[i] = i % 3 == 2   ? rng.uniform(-9., 9.)
+                      : i % 4 == 0 ? rng.uniform(0.7, 1.4)
+                                   : rng.uniform(-.2, .2);
     warpPerspective(pair.image1, pair.image2, view, Size(rng.uniform(2, 300), rng.uniform(2, 300)),
                     INTER_LINEAR, BORDER_REFLECT_101);
     const int count = rng.uniform(0, 300);
