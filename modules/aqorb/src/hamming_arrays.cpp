@@ -102,10 +102,12 @@ void writeMatches(const Keys& ofQueries, const Keys& ofTrains, const MatchFilter
         found.push_back(Vec2i(i, indexOf(ofQuery[0])));
         lengths.push_back(distanceOf(ofQuery[0]));
     }
-    if (found.empty())
+    const int count = int(found.size());
+    if (count == 0)
         writeBoth(Mat(), "pairs", pairs, Mat(), distances);
-    else
-        writeBoth(Mat(found).reshape(1), "pairs", pairs, Mat(lengths), distances);
+    else  // a Mat of a vector has one row with OpenCV 5
+        writeBoth(Mat(count, 2, CV_32SC1, found.data()), "pairs", pairs,
+                  Mat(count, 1, CV_32SC1, lengths.data()), distances);
 }
 
 //! The indices of the positions that are finite, from the top of the image to the bottom.
