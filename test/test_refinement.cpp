@@ -165,31 +165,32 @@ TEST(Aqorb_Refinement, finds_the_positions_of_an_analytic_texture)
     }
 }
 
-//! A scene and its view by a homography, with matches of which some are wrong.
+//! A scene and its view by a homography, with matches of which some are wrong. Braces let every compiler draw numbers in
+//! the same order.
 Pair randomPair(int seed)
 {
     RNG rng(seed);
     Pair pair;
-    const Size size(rng.uniform(2, 300), rng.uniform(2, 300));
+    const Size size{rng.uniform(2, 300), rng.uniform(2, 300)};
     pair.image1 = makeScene(size, seed);
     Matx33d view = Matx33d::eye();
     for (int i = 0; i < 6; i++)
         view.val[i] = i % 3 == 2   ? rng.uniform(-9., 9.)
                       : i % 4 == 0 ? rng.uniform(0.7, 1.4)
                                    : rng.uniform(-.2, .2);
-    warpPerspective(pair.image1, pair.image2, view, Size(rng.uniform(2, 300), rng.uniform(2, 300)),
+    warpPerspective(pair.image1, pair.image2, view, Size{rng.uniform(2, 300), rng.uniform(2, 300)},
                     INTER_LINEAR, BORDER_REFLECT_101);
     const int count = rng.uniform(0, 300);
     for (int i = 0; i < count; i++)
     {
         const double x = rng.uniform(-3., size.width + 3.), y = rng.uniform(-3., size.height + 3.);
         const double size1 = rng.uniform(0, 8) ? rng.uniform(20., 120.) : rng.uniform(1., 900.);
-        const Point2d seen(view(0, 0) * x + view(0, 1) * y + view(0, 2) + rng.uniform(-2., 2.),
-                           view(1, 0) * x + view(1, 1) * y + view(1, 2) + rng.uniform(-2., 2.));
+        const Point2d seen{view(0, 0) * x + view(0, 1) * y + view(0, 2) + rng.uniform(-2., 2.),
+                           view(1, 0) * x + view(1, 1) * y + view(1, 2) + rng.uniform(-2., 2.)};
         const float angle = rng.uniform(0, 5) ? float(rng.uniform(0., 360.)) : -1;
         pair.keypoints1.push_back(KeyPoint(Point2f(float(x), float(y)), float(size1), angle));
-        pair.keypoints2.push_back(KeyPoint(seen, float(size1 * rng.uniform(0.7, 1.4)),
-                                           rng.uniform(0, 5) ? angle : float(rng.uniform(0., 360.))));
+        pair.keypoints2.push_back(KeyPoint{seen, float(size1 * rng.uniform(0.7, 1.4)),
+                                           rng.uniform(0, 5) ? angle : float(rng.uniform(0., 360.))});
         pair.matches.push_back(DMatch(i, rng.uniform(0, 6) ? i : rng.uniform(0, i + 1), 0, float(i)));
     }
     return pair;
@@ -198,7 +199,7 @@ Pair randomPair(int seed)
 TEST(Aqorb_Refinement, equals_the_plain_definition)
 {
     int compared = 0, aligned = 0, otherwise = 0;
-    for (int seed = 1; seed <= 60; seed++)
+    for (int seed = 1; seed <= 80; seed++)
     {
         const Pair pair = randomPair(seed);
         const float scaleFactor = seed % 3 ? 1 : 2.5f;
@@ -228,7 +229,7 @@ TEST(Aqorb_Refinement, equals_the_plain_definition)
         }
         ASSERT_EQ(good.matches.size(), next) << "another order";
     }
-    EXPECT_GT(aligned, 300);
+    EXPECT_GT(aligned, 500);
     EXPECT_LT(otherwise, compared / 100);
 }
 
