@@ -61,9 +61,6 @@ if(NOT source)
 endif()
 
 set(modules core,imgproc,features2d,features)
-if(EMSCRIPTEN)
-  string(APPEND modules ",flann,calib3d")  # the page estimates homographies
-endif()
 set(options
   -DCMAKE_BUILD_TYPE=Release -DCMAKE_POSITION_INDEPENDENT_CODE=ON
   -DBUILD_SHARED_LIBS=OFF -DBUILD_LIST=${modules} -DBUILD_ZLIB=ON
@@ -86,13 +83,7 @@ elseif(APPLE)
   list(APPEND options "-DCMAKE_OSX_ARCHITECTURES=${CMAKE_OSX_ARCHITECTURES}"
     "-DCMAKE_OSX_DEPLOYMENT_TARGET=${CMAKE_OSX_DEPLOYMENT_TARGET}")
 endif()
-if(EMSCRIPTEN)
-  # Its toolchain file says x86, for which OpenCV would look for kernels. The page has one thread. OpenCV's vectors use
-  # names that this clang deprecates, thousands of times.
-  list(APPEND options "-DCMAKE_TOOLCHAIN_FILE=${CMAKE_TOOLCHAIN_FILE}" "-DCMAKE_C_FLAGS=${CMAKE_CXX_FLAGS}"
-    "-DCMAKE_CXX_FLAGS=${CMAKE_CXX_FLAGS} -Wno-deprecated-declarations" -DWITH_PTHREADS_PF=OFF -DCPU_BASELINE= -DCPU_DISPATCH=
-    -DCV_ENABLE_INTRINSICS=ON -DENABLE_PIC=OFF -DCV_TRACE=OFF -DCMAKE_TRY_COMPILE_TARGET_TYPE=STATIC_LIBRARY)
-elseif(CMAKE_CROSSCOMPILING)
+if(CMAKE_CROSSCOMPILING)
   list(APPEND options "-DCMAKE_TOOLCHAIN_FILE=${CMAKE_TOOLCHAIN_FILE}" "-DCMAKE_SYSTEM_NAME=${CMAKE_SYSTEM_NAME}"
     "-DCMAKE_SYSTEM_PROCESSOR=${CMAKE_SYSTEM_PROCESSOR}")
 endif()

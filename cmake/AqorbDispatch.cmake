@@ -69,15 +69,7 @@ function(aqorb_add_dispatched_file target name)
   string(APPEND declarations "#define CV_CPU_DISPATCH_MODES_ALL ${modes}\n#undef CV_CPU_SIMD_FILENAME\n")
   file(GENERATE OUTPUT "${generated}/${name}.simd_declarations.hpp" CONTENT "${declarations}")
 
-  set(options "")
-  if(EMSCRIPTEN AND "SSE4_1" IN_LIST ARGN AND CMAKE_CXX_FLAGS MATCHES "-msimd128")
-    # Emscripten has the intrinsics of SSE, made of instructions of WebAssembly.
-    set(options ${AQORB_SSE4_1_FLAGS})
-    list(APPEND dispatched CV_CPU_COMPILE_SSSE3=1)
-  endif()
-
   set_source_files_properties("${src}/${name}.dispatch.cpp" PROPERTIES
-    COMPILE_OPTIONS "${options}"
     COMPILE_DEFINITIONS "__OPENCV_BUILD=1;${dispatched}"
     INCLUDE_DIRECTORIES "${AQORB_DISPATCH_DIR};${generated}")
 endfunction()

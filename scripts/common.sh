@@ -43,7 +43,6 @@ declare -A PACKAGES=(
     [build]='build-essential cmake ccache libopencv-dev'
     [test]='libgtest-dev pkg-config'
     [python]='locales mypy pybind11-dev python3-dev python3-numpy python3-opencv python3-pil python3-pytest python3-venv'
-    [package]='dpkg-dev file lintian python3-dev pybind11-dev python3-numpy'
     [doc]='cmark-gfm doxygen doxygen-awesome-css graphviz python3 texlive-binaries'
     [soak]='libgtest-dev valgrind'
     [fuzz]='clang libclang-rt-dev llvm libgtest-dev'
@@ -53,7 +52,6 @@ declare -A PACKAGES=(
     [emulation]='dpkg-dev qemu-user-static'
     [wheel]='ca-certificates ninja-build python3-dev python3-venv'
     [workflows]='ca-certificates python3-venv shellcheck'
-    [web]='ca-certificates ccache cmake emscripten ninja-build nodejs python3-venv'
 )
 
 # need NAME...: installs what is missing of the groups above, and of other Debian packages.

@@ -5,8 +5,6 @@
 #
 #   scripts/doc.sh [--opencv]
 #
-# If scripts/web.sh has built the page for browsers, the site holds a copy of it and links to that.
-#
 # With --opencv it builds OpenCV's own documentation instead, of this module and of those that it depends on:
 # build/opencv-doc/doc/doxygen/html/index.html. This fetches OpenCV's source.
 #
@@ -39,7 +37,7 @@ fi
 
 export THEME=/usr/share/doxygen-awesome-css VERSION
 VERSION=$("$ROOT/scripts/release.sh" --version)
-site=$ROOT/doc/site OUT=$BUILD/doc page=$BUILD/web/page
+site=$ROOT/doc/site OUT=$BUILD/doc
 cd "$ROOT"
 find . -name 'build*' -prune -o -path ./.git -prune -o \( -name '*.md' -o -name '*.markdown' \) -print0 |
     sort -z | xargs -0 "$PYTHON" -B "$site/check.py"
@@ -49,12 +47,7 @@ mkdir -p "$OUT"
 cp "$site/Doxyfile" "$site/layout.xml" "$OUT/"
 # Newer versions of doxygen have colours of their own, which the theme does not expect.
 if [[ $(doxygen -g -) == *HTML_COLORSTYLE\ * ]]; then echo 'HTML_COLORSTYLE = LIGHT' >>"$OUT/Doxyfile"; fi
-[[ -e $page/aqorb.wasm ]] || sed -i '/url="page\//d' "$OUT/layout.xml"
 doxygen "$OUT/Doxyfile"
-if [[ -e $page/aqorb.wasm ]]; then
-    cp -r "$page" "$OUT/html/page"
-    sed -i 's/<p id="project" hidden>/<p id="project">/' "$OUT/html/page/index.html"
-fi
 # As texts, which every browser shows.
 find samples -name '*.[ch]pp' -o -name '*.py' -o -name '*.ipynb' | while read -r sample; do
     mkdir -p "$OUT/html/$(dirname "$sample")"

@@ -14,7 +14,7 @@ opencv_source
 export OPENCV_SAMPLES=$OPENCV_SOURCE/samples/python OPENCV_SAMPLES_DATA_PATH=$OPENCV_SOURCE/samples/data
 
 folder=$BUILD/dropin
-preload=$BUILD/release/bindings/preload/libaqorb_preload.so
+preload=$BUILD/release/preload/libaqorb_preload.so
 headless=$folder/libheadless.so
 notice='aqorb: cv::ORB::create gives AdaptiveQuadtreeORB'
 matcher_notice="aqorb: cv::batchDistance gives aqorb's Hamming distances"
@@ -22,8 +22,8 @@ matcher_notice="aqorb: cv::batchDistance gives aqorb's Hamming distances"
 say "Building"
 configure release -DAQORB_BUILD_PRELOAD=ON
 build "$BUILD/release" --target aqorb_preload aqorb_preload_test
-forget_moved "$folder" "$ROOT/bindings/preload/opencv"
-cmake -S "$ROOT/bindings/preload/opencv" -B "$folder" -DCMAKE_BUILD_TYPE=Release \
+forget_moved "$folder" "$ROOT/preload/opencv"
+cmake -S "$ROOT/preload/opencv" -B "$folder" -DCMAKE_BUILD_TYPE=Release \
     -DCMAKE_CXX_COMPILER_LAUNCHER=ccache -DOPENCV_SOURCE_DIR="$OPENCV_SOURCE"
 build "$folder"
 mkdir -p "$folder/out"
@@ -32,7 +32,7 @@ say "A program of the installed OpenCV's cv::ORB"
 ctest --test-dir "$BUILD/release" --tests-regex '^Aqorb_Preload' --output-on-failure --no-tests=error
 
 say "Debian's python3-opencv"
-LD_PRELOAD=$preload "$PYTHON" "$ROOT/bindings/preload/test/test_python.py"
+LD_PRELOAD=$preload "$PYTHON" "$ROOT/preload/test/test_python.py"
 
 # run LOG LIBRARIES COMMAND...: a program with libraries preloaded, in a folder where it may leave files;
 # prints the log if it fails.

@@ -43,7 +43,7 @@ speed() {
         [[ ! ${OPENCV_TEST_DATA_PATH:-} ]] || "$benchmark" pair --threads=1 "${few[@]}"
         "$benchmark" matching "${few[@]}"
         "$benchmark" program --threads=1 "${few[@]}"
-        LD_PRELOAD=$BUILD/release/bindings/preload/libaqorb_preload.so "$benchmark" program --threads=1 "${few[@]}"
+        LD_PRELOAD=$BUILD/release/preload/libaqorb_preload.so "$benchmark" program --threads=1 "${few[@]}"
     done
     unset OPENCV_CPU_DISABLE
     say 'Other memory between frames'
@@ -66,7 +66,7 @@ evaluate() {
     configure release -DAQORB_BUILD_PYTHON=ON -DPython_EXECUTABLE="$PYTHON"
     build "$BUILD/release" --target _aqorb
     say "Measuring; the first row may take a minute, all of them hours" >&2
-    PYTHONPATH=$BUILD/release/bindings/python PYTHONDONTWRITEBYTECODE=1 \
+    PYTHONPATH=$BUILD/release/python PYTHONDONTWRITEBYTECODE=1 \
         "$PYTHON" "$ROOT/tools/evaluate/aqorb_evaluate.py" "$1" "${@:2}"
 }
 

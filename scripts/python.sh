@@ -8,7 +8,7 @@
 #   scripts/python.sh --collection [pytest option ...]
 #   scripts/python.sh --hostile [--flips=1000] [--kills=50]
 #
-# The package is left in build/release/bindings/python, where programs find it with PYTHONPATH. Tests that need images of
+# The package is left in build/release/python, where programs find it with PYTHONPATH. Tests that need images of
 # opencv_extra are skipped unless OPENCV_TEST_DATA_PATH names its testdata folder.
 #
 # With --asan the package's tests run on an extension module with additional checks. AddressSanitizer ends the process at
@@ -29,7 +29,7 @@
 # Installs the Debian packages it needs; pip fetches those of the command aqorb, and the tools.
 source "$(dirname "$0")/common.sh"
 
-tests=("$ROOT/modules/aqorb/misc/python/test" "$ROOT/bindings/python/test")
+tests=("$ROOT/modules/aqorb/misc/python/test" "$ROOT/python/test")
 pytest=(env PYTHONDONTWRITEBYTECODE=1)
 
 asan() {
@@ -43,9 +43,9 @@ asan() {
     # memory that is refused is a MemoryError. mypy does not load the module.
     libraries=$(c++ -print-file-name=libasan.so):$(c++ -print-file-name=libstdc++.so.6)
     "${pytest[@]}" LD_PRELOAD="$libraries" ASAN_OPTIONS=detect_leaks=0:allocator_may_return_null=1 PYTHONMALLOC=malloc \
-        PYTHONPATH="$BUILD/asan-python/bindings/python" "$PYTHON" -X faulthandler -m pytest -q -p no:cacheprovider \
+        PYTHONPATH="$BUILD/asan-python/python" "$PYTHON" -X faulthandler -m pytest -q -p no:cacheprovider \
         --capture=sys `# else the report of the sanitizer is lost` \
-        --deselect bindings/python/test/test_package.py::test_stub_is_a_stub_of_the_package "$@" "${tests[@]}"
+        --deselect python/test/test_package.py::test_stub_is_a_stub_of_the_package "$@" "${tests[@]}"
 }
 
 offline() {
@@ -66,7 +66,7 @@ offline() {
         { tail -n 30 "$folder/log" && die "it was not installed"; }
     cd "$folder"
     "$tools/bin/python" -m aqorb --version
-    "$tools/bin/python" "$ROOT/bindings/python/test/without_cv2.py"
+    "$tools/bin/python" "$ROOT/python/test/without_cv2.py"
     rm -rf "$folder"
 }
 
@@ -74,7 +74,7 @@ package() {
     need build test python
     configure release -DAQORB_BUILD_PYTHON=ON -DPython_EXECUTABLE="$PYTHON"
     build "$BUILD/release" --target _aqorb sample_images
-    export PYTHONPATH=$BUILD/release/bindings/python
+    export PYTHONPATH=$BUILD/release/python
 }
 
 notebook() {
@@ -102,7 +102,7 @@ hostile() {
     package
     command_environment command
     say "Damaged files, and kills"
-    "$PYTHON" "$ROOT/bindings/python/test/hostile.py" "$@"
+    "$PYTHON" "$ROOT/python/test/hostile.py" "$@"
 }
 
 case ${1:-} in

@@ -1,15 +1,13 @@
 #!/usr/bin/env bash
 # Makes the files of a release that can be made on Debian, in build/release-files, with their checksums, and publishes
-# nothing: the source distribution and the wheel for this system, the Debian packages, and the site with the page for
-# browsers. It fails if a check of these files, or of the workflows that make those of all systems, finds anything.
+# nothing: the source distribution and the wheel for this system, and the site. It fails if a check of these files, or of the workflows that make those of all systems, finds anything.
 #
 #   scripts/release.sh
 #   scripts/release.sh --check
 #   scripts/release.sh --workflows | --version | --tag TAG | --notes
 #
 # With --check it runs what .ci/run leaves out because it hardly changes or takes long: the tests of the wheel beside other
-# cv2, of the packages on a fresh system, which needs root, of the page in a browser, of other CPUs, compilers and versions
-# of OpenCV, of other programs with the preloaded library, and of the wrapper for Java. This takes hours.
+# cv2, of other CPUs, compilers and versions of OpenCV, of other programs with the preloaded library, and of the wrapper for Java. This takes hours.
 #
 # With --workflows it checks what no build runs: the workflows, by actionlint and zizmor, and that all files say the same
 # version. With --version it prints the version, after that last check. --tag also fails unless TAG is v<version> and
@@ -29,7 +27,7 @@ check_version() {
     [[ $heading == "## [$VERSION] - "* ]] || die "CMakeLists.txt says $VERSION, CHANGELOG.md $heading"
     grep -qE "^ *version: ${VERSION//./\\.}\$" CITATION.cff ||
         die "CMakeLists.txt says $VERSION, and CITATION.cff another version"
-    # The library's name, of Debian's package and on macOS.
+    # The library's name on macOS.
     grep -roIE 'libaqorb\.?[0-9]+\.[0-9]+' doc scripts README.md | while IFS=: read -r file name; do
         [[ $name =~ ^libaqorb\.?"${VERSION%.*}"$ ]] || die "CMakeLists.txt says $VERSION, and $file $name"
     done
@@ -58,8 +56,6 @@ check() {
     scripts/python.sh --offline
     scripts/python.sh --asan
     scripts/python.sh --hostile
-    scripts/package.sh --test
-    scripts/web.sh --test
     scripts/compatibility.sh
     scripts/dropin.sh
     scripts/opencv.sh --java
@@ -72,13 +68,11 @@ files() {
     local files=$BUILD/release-files
     workflows
     scripts/wheel.sh
-    scripts/package.sh
-    scripts/web.sh
     scripts/doc.sh
     say "The files of version $VERSION"
     rm -rf "$files"
     mkdir -p "$files"
-    cp "$BUILD"/wheels/aqorb-"$VERSION"{.tar.gz,-*.whl} "$BUILD"/packages/*.deb "$files"
+    cp "$BUILD"/wheels/aqorb-"$VERSION"{.tar.gz,-*.whl} "$files"
     tar -czf "$files/site.tar.gz" -C "$BUILD/doc/html" .
     scripts/release.sh --notes >"$files/notes.md"
     cd "$files"

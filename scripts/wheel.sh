@@ -45,7 +45,7 @@ echo "$(basename "$wheel"): $size bytes"
 folder=$(mktemp -d)
 trap 'rm -rf "$folder"' EXIT
 cp "$ROOT/modules/aqorb/misc/python/test/test_aqorb.py" "$folder"
-cp -r "$ROOT/bindings/python/test" "$folder/bindings_test"
+cp -r "$ROOT/python/test" "$folder/bindings_test"
 cd "$folder"
 export PYTHONDONTWRITEBYTECODE=1
 
@@ -70,7 +70,7 @@ test_beside() {
 table=()
 test_beside "opencv-python-headless==$OPENCV_4" numpy mypy
 say "The programs of the documents, and the annotations"
-"$BUILD/venv/wheel/bin/python" -m pytest -q -p no:cacheprovider -k stub_accepts "$ROOT/bindings/python/test/test_package.py"
+"$BUILD/venv/wheel/bin/python" -m pytest -q -p no:cacheprovider -k stub_accepts "$ROOT/python/test/test_package.py"
 [[ $mode ]] || exit 0
 test_beside "opencv-contrib-python-headless==$OPENCV_4_OLD" "numpy==$NUMPY_1"
 test_beside "opencv-python-headless==$OPENCV_5" numpy

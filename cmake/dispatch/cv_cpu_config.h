@@ -6,8 +6,7 @@
 // In place of the file of this name in OpenCV's build tree: the CPU features that every file is compiled
 // for, taken from the compiler. Those of the dispatched files come from cmake/AqorbDispatch.cmake.
 
-// Emscripten translates SSE, but OpenCV's intrinsics for WebAssembly serve better.
-#if !defined __EMSCRIPTEN__ && (defined __SSE2__ || defined _M_X64 || (defined _M_IX86_FP && _M_IX86_FP >= 2))
+#if defined __SSE2__ || defined _M_X64 || (defined _M_IX86_FP && _M_IX86_FP >= 2)
 #define CV_CPU_COMPILE_SSE 1
 #define CV_CPU_BASELINE_COMPILE_SSE 1
 #define CV_CPU_COMPILE_SSE2 1

@@ -9,9 +9,6 @@
 #ifndef OPENCV_AQORB_CVCONFIG_H
 #define OPENCV_AQORB_CVCONFIG_H
 
-// OpenCV would use vectors in WebAssembly even where the compiler may not.
-#if !defined __EMSCRIPTEN__ || defined __wasm_simd128__
 #define CV_ENABLE_INTRINSICS
-#endif
 
 #endif

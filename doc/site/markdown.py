@@ -18,7 +18,7 @@ import sys
 ROOT = os.path.abspath(os.path.join(os.path.dirname(__file__), '..', '..'))
 FENCE = re.compile(r'(^ *```.*?^ *```$)', re.MULTILINE | re.DOTALL)
 LINK = re.compile(r'(!?)\[((?:[^\]`]|`[^`]*`)*)\]\(([^)\s]+)\)')
-PAGES = {'README.md': 'mainpage', 'bindings/python/README.md': 'python', 'bindings/preload/README.md': 'preload',
+PAGES = {'README.md': 'mainpage', 'python/README.md': 'python', 'preload/README.md': 'preload',
          'modules/aqorb/include/opencv2/aqorb.hpp': 'aqorb'}
 
 

@@ -26,7 +26,7 @@ from PIL import Image
 import aqorb
 
 HERE = pathlib.Path(__file__).resolve().parent
-sys.path.append(str(HERE.parent.parent / 'bindings/python/test'))
+sys.path.append(str(HERE.parent.parent / 'python/test'))
 from command_support import peak_memory  # noqa: E402
 
 LISTS = 'x', 'y', 'size', 'angle', 'response', 'octave'

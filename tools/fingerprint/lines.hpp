@@ -10,9 +10,8 @@
 
 #include <string>
 
-/** The lines of aqorb_fingerprint, which web/ compiles as well, for browsers. There is one for each scene or image and
- each set of parameters. The parameters are drawn at random, in the order of the calls: first scenes, then image for
- each of the images. */
+/** The lines of aqorb_fingerprint. There is one for each scene or image and each set of parameters. The parameters are
+ drawn at random, in the order of the calls: first scenes, then image for each of the images. */
 class FingerprintLines
 {
 public:

@@ -1,6 +1,6 @@
 # Writes AQORB_STUB, the package's stub, with the properties of the library's table. The site's signatures.py runs it
 # alone: cmake -DAQORB_STUB=FILE -P stub.cmake
-include("${CMAKE_CURRENT_LIST_DIR}/../../cmake/AqorbParameters.cmake")
+include("${CMAKE_CURRENT_LIST_DIR}/../cmake/AqorbParameters.cmake")
 set(AQORB_PROPERTIES "")
 foreach(name IN LISTS AQORB_PARAMETER_NAMES)
   string(REGEX REPLACE "^.*::.*$" "int" type "${${name}_TYPE}")
