@@ -6,13 +6,17 @@
 #   scripts/measure.sh paper [OPTION ...]     the paper's tables and Figures 3 to 8 (doc/reproduction.md)
 #   scripts/measure.sh claims [OPTION ...]    what is claimed of the selection (doc/reproduction.md)
 #   scripts/measure.sh refinement [OPTION ...]  what refineMatches gives (doc/reproduction.md)
+#   scripts/measure.sh poses [4|5] [OPTION ...]  relative poses, by OpenCV and PoseLib (doc/reproduction.md)
 #   scripts/measure.sh heldout                fetches the pairs of images that nothing was tuned on, to build/held_out
 #   scripts/measure.sh peers WHEEL            other ORB detectors that pip installs (doc/peers.md)
 #
 # OPENCV_TEST_DATA_PATH names the folder testdata of opencv_extra; speed and harness draw scenes without it. paper,
-# claims and refinement pass OPTIONs on to tools/evaluate/aqorb_evaluate.py, whose --help lists them.
+# claims, refinement and poses pass OPTIONs on to tools/evaluate/aqorb_evaluate.py, whose --help lists them.
 # AQORB_TEST_SEQUENCE, a sequence in KITTI's layout with its poses, adds the start with one camera to claims, and
-# relative poses to refinement.
+# its relative poses to poses.
+#
+# poses takes Debian's cv2, or with 4 or 5 that of the Python package index. It fetches PoseLib, and two scenes of
+# Strecha's photographs (50 MB) unless AQORB_STRECHA names a folder that has Benchmarking_Camera_Calibration_2008.
 #
 # speed calls aqorb_benchmark, on x86-64 with AVX-512 and without it. Which of its commands measures a single table is
 # said by build/release/tools/benchmark/aqorb_benchmark --help. With --smoke it shows in a short time that all runs; the
@@ -67,7 +71,7 @@ evaluate() {
     build "$BUILD/release" --target _aqorb
     say "Measuring; the first row may take a minute, all of them hours" >&2
     PYTHONPATH=$BUILD/release/python PYTHONDONTWRITEBYTECODE=1 \
-        "$PYTHON" "$ROOT/tools/evaluate/aqorb_evaluate.py" "$1" "${@:2}"
+        "${EVALUATE:-$PYTHON}" "$ROOT/tools/evaluate/aqorb_evaluate.py" "$1" "${@:2}"
 }
 
 paper() {
@@ -85,7 +89,28 @@ claims() {
 
 refinement() {
     photographs
-    evaluate refinement "$datasets" ${AQORB_TEST_SEQUENCE:+--sequence="$AQORB_TEST_SEQUENCE"} "$@"
+    evaluate refinement "$datasets" "$@"
+}
+
+poses() {
+    local scenes=${AQORB_STRECHA:-$CACHE/strecha} packages=(poselib==2.0.5) folder=Benchmarking_Camera_Calibration_2008
+    case ${1:-} in
+    4) packages+=("opencv-python-headless==$OPENCV_4") ;;
+    5) packages+=("opencv-python-headless==$OPENCV_5") ;;
+    esac
+    ((${#packages[@]} == 1)) || shift
+    need git python
+    if [[ ! -d $scenes/$folder ]]; then
+        say "Fetching two scenes of Strecha's photographs"
+        git clone -q --depth 1 --filter=blob:none --sparse https://github.com/openMVG/SfM_quality_evaluation "$scenes"
+        git -C "$scenes" sparse-checkout set "$folder"/{fountain-P11,entry-P10}
+    fi
+    # Debian's numpy for all, as the module is built for it.
+    "$PYTHON" -m venv --clear --system-site-packages "$BUILD/venv/poses"
+    "$BUILD/venv/poses/bin/pip" install -q --no-deps "${packages[@]}" ||
+        die "could not fetch from the Python package index; is there a network?"
+    EVALUATE=$BUILD/venv/poses/bin/python \
+        evaluate poses "$scenes/$folder" ${AQORB_TEST_SEQUENCE:+--sequence="$AQORB_TEST_SEQUENCE"} "$@"
 }
 
 heldout() {
@@ -121,6 +146,6 @@ peers() {
 }
 
 case ${1:-} in
-speed | harness | paper | claims | refinement | heldout | peers) "$@" ;;
-*) die "'${1:-}' is none of speed, harness, paper, claims, refinement, heldout, peers; --help says more" ;;
+speed | harness | paper | claims | refinement | poses | heldout | peers) "$@" ;;
+*) die "'${1:-}' is none of speed, harness, paper, claims, refinement, poses, heldout, peers; --help says more" ;;
 esac

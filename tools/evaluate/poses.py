@@ -14,14 +14,14 @@ import numpy as np
 
 import images
 from methods import Method
-from refinement import angle, best_area, mutual
+from refinement import best_area, mutual
 
 SCENES = ['fountain-P11', 'entry-P10']
 WIDTH = 1024  # of the photographs
 GAPS = {'photographs': [1, 2, 3], 'sequence': [1, 2, 3, 5, 8]}  # between the two images of a pair
 THRESHOLDS = [.18, .25, .5, 1]  # pixels; a row shows the one that is best for it
 UNCERTAIN, FEWEST = .35, 40  # matches of larger deviations, in pixels, are left out, but for so many
-ITERATIONS = 5000  # of PoseLib
+POSELIB = {'min_iterations': 100, 'max_iterations': 5000}  # 1000 at least are four times slower, and no better
 STAGES = ['as detected', 'refined', 'grown', 'grown, certain']
 
 
@@ -90,7 +90,7 @@ def points_of(row, n, pictures, pairs):
         indices = np.array([(match.queryIdx, match.trainIdx) for match in matches], int).reshape(-1, 2)
         stages['as detected'].append((a.keypoints['pt'][indices[:, 0]], b.keypoints['pt'][indices[:, 1]]))
         stages['refined'].append(aqorb.refineMatchArrays(*both, indices, scaleFactor=row.scale)[1:])
-        *points, deviations = aqorb.growMatchArrays(*both, indices, scaleFactor=row.scale)[2:]
+        _, *points, deviations = aqorb.growMatchArrays(*both, indices, scaleFactor=row.scale)
         stages['grown'].append(points)
         stages['grown, certain'].append(certain(*points, deviations))
     return stages
@@ -107,11 +107,9 @@ def by_opencv(estimator):
 
 def by_poselib(first, second, camera, threshold):
     import poselib  # only this command needs it
-    size = [int(2 * camera[0, 2]), int(2 * camera[1, 2])]
-    model = {'model': 'PINHOLE', 'width': size[0], 'height': size[1],
+    model = {'model': 'PINHOLE', 'width': WIDTH, 'height': WIDTH,
              'params': [camera[0, 0], camera[1, 1], camera[0, 2], camera[1, 2]]}
-    pose, _ = poselib.estimate_relative_pose(first, second, model, model,
-                                             {'max_epipolar_error': threshold, 'max_iterations': ITERATIONS},
+    pose, _ = poselib.estimate_relative_pose(first, second, model, model, {'max_epipolar_error': threshold, **POSELIB},
                                              {'loss_type': 'CAUCHY', 'loss_scale': threshold / 2})
     return pose.R, pose.t.reshape(3, 1)
 
@@ -120,6 +118,10 @@ ESTIMATORS = {name: by_opencv(getattr(cv2, name)) for name in
               ['RANSAC', 'USAC_DEFAULT', 'USAC_PARALLEL', 'USAC_ACCURATE', 'USAC_PROSAC', 'USAC_MAGSAC']}
 ESTIMATORS['PoseLib'] = by_poselib
 BEST = 'USAC_MAGSAC' if cv2.__version__.startswith('4.') else 'USAC_ACCURATE'
+
+
+def angle(cosine):
+    return np.degrees(np.arccos(np.clip(cosine, -1, 1)))
 
 
 def measured(estimator, points, pairs):
