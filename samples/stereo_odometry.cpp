@@ -121,13 +121,16 @@ Sequence readSequence(const String& folder)
     return sequence;
 }
 
-//! The positions of matches, refined or as they are.
-void positions(bool refines, const Mat& image1, const std::vector<KeyPoint>& keypoints1, const Mat& image2,
+//! The positions of matches as they are, or refined and grown. Only queryIdx is of use then.
+void positions(bool grows, const Mat& image1, const std::vector<KeyPoint>& keypoints1, const Mat& image2,
                const std::vector<KeyPoint>& keypoints2, std::vector<DMatch>& matches,
                std::vector<Point2f>& points1, std::vector<Point2f>& points2)
 {
-    if (refines)
-        return aqorb::refineMatches(image1, keypoints1, image2, keypoints2, matches, points1, points2);
+    std::vector<KeyPoint> grown2;
+    std::vector<float> deviations;
+    if (grows)
+        return aqorb::growMatches(image1, keypoints1, image2, keypoints2, matches, grown2, points1, points2,
+                                  deviations);
     for (const DMatch& match : matches)
     {
         points1.push_back(keypoints1[match.queryIdx].pt);

@@ -73,7 +73,7 @@ def refinePoints(image1, points1, image2, points2, size=31, minCorrelation=.8):
     keypoints = []
     for name, given in ('points1', points1), ('points2', points2):
         points = numpy.asarray(given, numpy.float32)
-        if points.shape[-1:] != (2,) or points.shape[1:-1] not in ((), (1,)):
+        if points.shape[1:] not in ((2,), (1, 2)):
             raise error('{} must be numbers of shape (n, 2) or (n, 1, 2), got the shape {}'.format(name, points.shape))
         keypoints.append(numpy.zeros(len(points), keypoint_dtype))
         keypoints[-1]['pt'], keypoints[-1]['size'], keypoints[-1]['angle'] = points.reshape(-1, 2), size, -1

@@ -26,7 +26,7 @@ the positions of the matches:
 @code{.cpp}
     matcher.match(descriptors1, descriptors2, matches);
     aqorb::refineMatches(image1, keypoints1, image2, keypoints2, matches, points1, points2);
-    Mat H = findHomography(points1, points2, RANSAC, 1);  // half a pixel to one is enough now
+    Mat H = findHomography(points1, points2, USAC_MAGSAC, 1);  // a pixel is enough now
 @endcode
 
 It is the least squares matching of @cite Gruen1985LSM . It aligns the patches around the two keypoints of a match, and
