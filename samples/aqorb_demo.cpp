@@ -52,8 +52,8 @@ const char* const LEGEND =
     "How to read it: cv::ORB's keypoints crowd where the contrast is highest, several on one corner. Those "
     "of\n"
     "AdaptiveQuadtreeORB cover the image. So more of them match at distinct places, in more cells. The last\n"
-    "column adds refineMatches, which moves a match to where both images show the same spot, and leaves it\n"
-    "out where they show none. In the picture of the matches, red is what it left out.\n"
+    "column adds growMatches, which moves a match to where both images show the same spot, leaves it\n"
+    "out where they show none, and finds more beside them. In the picture, red is what it left out.\n"
     "Matches are mutual nearest neighbours. Correct: within 3 pixels of the known homography. Consistent:\n"
     "within 3 pixels of the homography estimated from the detector's matches or, in a scene in depth, of "
     "the\n"
@@ -69,7 +69,7 @@ struct Method
     const char* name;
     Ptr<ORB> detector;
     Ptr<DescriptorMatcher> matcher;  // with cross check
-    bool refines;
+    bool grows;                      // grows the matches and adds more
 };
 
 //! Matched keypoints of two images: from[i] and to[i] belong together.
@@ -89,7 +89,7 @@ struct Found
 {
     std::vector<KeyPoint> keypoints[2];  // of each image
     Matches matches;                     // the best first
-    Matches leftOut;                     // by refineMatches
+    Matches leftOut;                     // by growMatches
     Matches right, distinct;             // those that agree with the geometry, and the distinct ones of these
     double error = 0;                    // in pixels, the median of those that agree
     double milliseconds = 0;
@@ -143,20 +143,27 @@ Found find(const Method& method, const std::vector<Mat>& images, bool isEpipolar
         method.matcher->match(descriptors[0], descriptors[1], matches);
     std::stable_sort(matches.begin(), matches.end());
     std::vector<DMatch> kept = matches;
+    std::vector<KeyPoint> grown2 = found.keypoints[1];
     std::vector<Point2f> from, to;
-    if (method.refines)
-        aqorb::refineMatches(images[0], found.keypoints[0], images[1], found.keypoints[1], kept, from, to);
-    for (size_t i = 0, next = 0; i < matches.size(); i++)
+    std::vector<float> deviations;
+    if (method.grows)
+        aqorb::growMatches(images[0], found.keypoints[0], images[1], found.keypoints[1], kept, grown2, from,
+                           to, deviations);
+    size_t next = 0;
+    for (const DMatch& match : matches)
     {
-        KeyPoint a = found.keypoints[0][matches[i].queryIdx], b = found.keypoints[1][matches[i].trainIdx];
-        const bool isKept = next < kept.size() && kept[next].queryIdx == matches[i].queryIdx;
-        if (isKept && method.refines)
+        KeyPoint a = found.keypoints[0][match.queryIdx], b = found.keypoints[1][match.trainIdx];
+        const bool isKept = next < kept.size() && kept[next].queryIdx == match.queryIdx &&
+                            kept[next].trainIdx == match.trainIdx;
+        if (isKept && method.grows)
             b.pt = to[next];
         (isKept ? found.matches : found.leftOut).add(a, b);
         next += isKept;
     }
+    for (; next < kept.size(); next++)
+        found.matches.add(found.keypoints[0][kept[next].queryIdx], grown2[kept[next].trainIdx]);
     if (images.size() == 2)
-        estimate(found.matches, isEpipolar, true, method.refines ? 1 : 3);
+        estimate(found.matches, isEpipolar, true, method.grows ? 1 : 3);
     time.stop();
     found.milliseconds = time.getTimeMilli();
     return found;
@@ -345,7 +352,7 @@ double compare(const std::vector<Mat>& images, const Mat& known, const CommandLi
         {"cv::ORB", ORB::create(nfeatures), makePtr<BFMatcher>(NORM_HAMMING, true), false},
         {"AdaptiveQuadtreeORB", ours, matcher, false}};
     if (isPair)
-        methods.push_back({"with refineMatches", ours, matcher, true});
+        methods.push_back({"with growMatches", ours, matcher, true});
     std::vector<Found> found;
     for (const Method& method : methods)
         found.push_back(find(method, images, false));
@@ -374,7 +381,7 @@ double compare(const std::vector<Mat>& images, const Mat& known, const CommandLi
         }
         const String name = methods[i].name;
         std::vector<String> texts = {name, counts, uniformity, cells};
-        if (!methods[i].refines)
+        if (!methods[i].grows)
             keypoints.push_back(
                 captioned(keypointPicture(images[0], one.keypoints[0]), name + ": keypoints of image 1"));
         if (isPair)
@@ -388,7 +395,7 @@ double compare(const std::vector<Mat>& images, const Mat& known, const CommandLi
                 captioned(matchPicture(images, one.distinct, one.leftOut),
                           format("%s: %d %s, median error %.2f pixels", methods[i].name, count,
                                  distinct.c_str(), one.error) +
-                              (methods[i].refines ? format(", %d left out", leftOut) : String())));
+                              (methods[i].grows ? format(", %d left out", leftOut) : String())));
         }
         for (size_t j = 0; j < rows.size(); j++)
             rows[j].push_back(texts[j]);

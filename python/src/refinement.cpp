@@ -68,7 +68,8 @@ struct Features
 {
     Features(const OptionalArrayObject& image1_, const KeyPointsObject& keypoints1_,
              const OptionalArrayObject& image2_, const KeyPointsObject& keypoints2_)
-        : image1(toImage(image1_.object, "image1")), image2(toImage(image2_.object, "image2")),
+        : image1(toImage(image1_.object, "image1")),
+          image2(toImage(image2_.object, "image2")),
           keypoints1(toKeyPoints(keypoints1_.object, "keypoints1")),
           keypoints2(toKeyPoints(keypoints2_.object, "keypoints2"))
     {
@@ -139,7 +140,8 @@ ArrayObject toPairs(const Matches& matches, size_t keypoints2)
     for (size_t i = 0; i < matches.size(); i++)
     {
         pairs.mutable_at(py::ssize_t(i), 0) = matches[i].queryIdx;
-        pairs.mutable_at(py::ssize_t(i), 1) = size_t(matches[i].trainIdx) < keypoints2 ? matches[i].trainIdx : -1;
+        pairs.mutable_at(py::ssize_t(i), 1) =
+            size_t(matches[i].trainIdx) < keypoints2 ? matches[i].trainIdx : -1;
     }
     return {pairs};
 }
@@ -147,9 +149,10 @@ ArrayObject toPairs(const Matches& matches, size_t keypoints2)
 typedef std::tuple<MatchTupleObject, ArrayObject, ArrayObject, ArrayObject> MatchesAndDeviations;
 typedef std::tuple<ArrayObject, ArrayObject, ArrayObject, ArrayObject> ArraysAndDeviations;
 
-MatchesAndDeviations refineMatchesWithDeviations(
-    const OptionalArrayObject& image1, const KeyPointsObject& keypoints1, const OptionalArrayObject& image2,
-    const KeyPointsObject& keypoints2, const MatchesObject& matches, double minCorrelation, double scaleFactor)
+MatchesAndDeviations
+refineMatchesWithDeviations(const OptionalArrayObject& image1, const KeyPointsObject& keypoints1,
+                            const OptionalArrayObject& image2, const KeyPointsObject& keypoints2,
+                            const MatchesObject& matches, double minCorrelation, double scaleFactor)
 {
     const py::object type = matchClass("refineMatchArrays, which needs no cv2");
     const Features features(image1, keypoints1, image2, keypoints2);
@@ -165,22 +168,23 @@ refineMatches(const OptionalArrayObject& image1, const KeyPointsObject& keypoint
               const OptionalArrayObject& image2, const KeyPointsObject& keypoints2,
               const MatchesObject& matches, double minCorrelation, double scaleFactor)
 {
-    const MatchesAndDeviations all = refineMatchesWithDeviations(image1, keypoints1, image2, keypoints2, matches,
-                                                                 minCorrelation, scaleFactor);
+    const MatchesAndDeviations all = refineMatchesWithDeviations(image1, keypoints1, image2, keypoints2,
+                                                                 matches, minCorrelation, scaleFactor);
     return std::make_tuple(std::get<0>(all), std::get<1>(all), std::get<2>(all));
 }
 
-ArraysAndDeviations refineMatchArraysWithDeviations(
-    const OptionalArrayObject& image1, const KeyPointsObject& keypoints1, const OptionalArrayObject& image2,
-    const KeyPointsObject& keypoints2, const ArrayObject& pairs, double minCorrelation, double scaleFactor)
+ArraysAndDeviations
+refineMatchArraysWithDeviations(const OptionalArrayObject& image1, const KeyPointsObject& keypoints1,
+                                const OptionalArrayObject& image2, const KeyPointsObject& keypoints2,
+                                const ArrayObject& pairs, double minCorrelation, double scaleFactor)
 {
     const Features features(image1, keypoints1, image2, keypoints2);
     const size_t count2 = features.keypoints2.points.size();
     Refined refined;
     refined.matches = fromPairs(pairs.object, features.keypoints1.points.size(), count2);
     refined.refine(features, minCorrelation, scaleFactor);
-    return std::make_tuple(toPairs(refined.matches, count2), toArray(refined.points1), toArray(refined.points2),
-                           toArray(refined.deviations));
+    return std::make_tuple(toPairs(refined.matches, count2), toArray(refined.points1),
+                           toArray(refined.points2), toArray(refined.deviations));
 }
 
 std::tuple<ArrayObject, ArrayObject, ArrayObject>
@@ -188,8 +192,8 @@ refineMatchArrays(const OptionalArrayObject& image1, const KeyPointsObject& keyp
                   const OptionalArrayObject& image2, const KeyPointsObject& keypoints2,
                   const ArrayObject& pairs, double minCorrelation, double scaleFactor)
 {
-    const ArraysAndDeviations all = refineMatchArraysWithDeviations(image1, keypoints1, image2, keypoints2, pairs,
-                                                                    minCorrelation, scaleFactor);
+    const ArraysAndDeviations all = refineMatchArraysWithDeviations(image1, keypoints1, image2, keypoints2,
+                                                                    pairs, minCorrelation, scaleFactor);
     return std::make_tuple(std::get<0>(all), std::get<1>(all), std::get<2>(all));
 }
 
@@ -216,8 +220,8 @@ ArraysAndDeviations growMatchArrays(const OptionalArrayObject& image1, const Key
     Refined refined;
     refined.matches = fromPairs(pairs.object, features.keypoints1.points.size(), count2);
     refined.grow(features, minCorrelation, scaleFactor);
-    return std::make_tuple(toPairs(refined.matches, count2), toArray(refined.points1), toArray(refined.points2),
-                           toArray(refined.deviations));
+    return std::make_tuple(toPairs(refined.matches, count2), toArray(refined.points1),
+                           toArray(refined.points2), toArray(refined.deviations));
 }
 
 }  // namespace
@@ -241,7 +245,8 @@ void addRefinement(py::module_& module)
     module.def(
         "refineMatchesWithDeviations", &refineMatchesWithDeviations, arg("image1"), arg("keypoints1"),
         arg("image2"), arg("keypoints2"), arg("matches"), arg("minCorrelation"), arg("scaleFactor") = 1.,
-        "Does what refineMatches does, and returns besides the standard deviations of the positions in image\n"
+        "Does what refineMatches does, and returns besides the standard deviations of the positions in "
+        "image\n"
         "2, in pixels, float32 of shape (n,): infinity where a match was not aligned, which minCorrelation\n"
         "-1 keeps.");
     module.def(
@@ -254,13 +259,15 @@ void addRefinement(py::module_& module)
         arg("matches"), arg("minCorrelation") = .8, arg("scaleFactor") = 1.,
         "Does what refineMatches does, and then finds what the keypoints of image 1 that have no match left\n"
         "show in image 2, by the affine maps of refined matches nearby. Returns the matches, first the\n"
-        "refined ones and then the grown ones, whose distance is the largest float; keypoints2 followed by a\n"
+        "refined ones and then the grown ones, whose distance is the largest float; keypoints2 followed by "
+        "a\n"
         "keypoint for each grown match; the positions of all matches in image 1 and in image 2; and the\n"
         "standard deviations of these, in pixels. A grown match correlates at least 0.85.");
     module.def(
         "growMatchArrays", &growMatchArrays, arg("image1"), arg("keypoints1"), arg("image2"),
         arg("keypoints2"), arg("pairs"), arg("minCorrelation") = .8, arg("scaleFactor") = 1.,
-        "Does what growMatches does, for the pairs of indices that matchArrays returns. Returns the pairs of\n"
+        "Does what growMatches does, for the pairs of indices that matchArrays returns. Returns the pairs "
+        "of\n"
         "all matches, int32 of shape (n, 2), where a grown one has -1 for the keypoint of image 2; their\n"
         "positions in image 1 and in image 2; and the standard deviations of these, in pixels.");
 }
