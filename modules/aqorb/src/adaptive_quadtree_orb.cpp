@@ -213,8 +213,9 @@ try
     // Thresholds, corners and selection.
     if (!useProvidedKeypoints)
     {
-        const double contrast =
-            parameters.adaptiveThreshold ? varianceOverMean(input.image, input.mask) : NEUTRAL_CONTRAST;
+        const double contrast = parameters.adaptiveThreshold
+                                    ? varianceOverMean(input.image, input.mask, threads)
+                                    : NEUTRAL_CONTRAST;
         const Thresholds thresholds =
             fastThresholds(contrast, parameters.fastThreshold, parameters.minThresholdRatio);
         features = selectFeatures(parameters, tables.strengthPatch, size, levels, thresholds, threads,
