@@ -22,7 +22,7 @@ copy_module() {
     cp -rL "$ROOT/modules/aqorb" "$module"
     find "$module" -name __pycache__ -prune -exec rm -r {} +
     rm -r "$module"/{test,samples}/CMakeLists.txt "$module/test/exports.cmake" \
-        "$module"/samples/{collection,notebook,test}
+        "$module"/samples/{notebook,test}
     grep -rlIZ 'This file is part of aqorb' "$module" | xargs -0 sed -i \
         -e 's/This file is part of aqorb\. .*/This file is part of OpenCV project./' \
         -e 's|of this distribution\.$|of this distribution and at http://opencv.org/license.html.|' \

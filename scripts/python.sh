@@ -74,14 +74,14 @@ package() {
     need build test python
     configure release -DAQORB_BUILD_PYTHON=ON -DPython_EXECUTABLE="$PYTHON"
     build "$BUILD/release" --target _aqorb sample_images
-    export PYTHONPATH=$BUILD/release/python
+    export PYTHONPATH=$BUILD/release/python:$ROOT/photographs
 }
 
 notebook() {
     need build wheel
     opencv_samples
     say "The notebook, beside opencv-python-headless $OPENCV_4: some 3 minutes, most of them without a word"
-    environment "$BUILD/venv/notebook" ipykernel matplotlib nbconvert "opencv-python-headless==$OPENCV_4" "${ROOT}[cli]"
+    environment "$BUILD/venv/notebook" ipykernel matplotlib nbconvert "opencv-python-headless==$OPENCV_4" "$ROOT" "$ROOT/photographs"
     "$BUILD/venv/notebook/bin/python" -m aqorb --version
     PATH=$BUILD/venv/notebook/bin:$PATH OPENCV_SAMPLES_DATA_PATH=$OPENCV_SAMPLES \
         jupyter nbconvert --execute --to notebook --log-level=WARN \
@@ -95,14 +95,14 @@ collection() {
     package
     command_environment ray 'ray[data]==2.60.0' 'pandas<2.3' 'numpy<2' psutil
     say "Tests of collections"
-    "${pytest[@]}" "$PYTHON" -m pytest -q -s -p no:cacheprovider "$@" "$ROOT/samples/collection"
+    "${pytest[@]}" "$PYTHON" -m pytest -q -s -p no:cacheprovider "$@" "$ROOT/photographs/samples"
 }
 
 hostile() {
     package
     command_environment command
     say "Damaged files, and kills"
-    "$PYTHON" "$ROOT/python/test/hostile.py" "$@"
+    "$PYTHON" "$ROOT/photographs/test/hostile.py" "$@"
 }
 
 case ${1:-} in
@@ -117,6 +117,7 @@ command_environment command
 say "Tests"
 "${pytest[@]}" AQORB_SAMPLE_IMAGES="$BUILD/release/samples/test/sample_images" "$PYTHON" -m pytest -q \
     -p no:cacheprovider "$@" "${tests[@]}" "$ROOT/samples/test"
+"${pytest[@]}" "$PYTHON" -m pytest -q -p no:cacheprovider "$@" "$ROOT/photographs/test"
 
 say "The installed package"
 prefix=$BUILD/prefix-python

@@ -27,6 +27,8 @@ check_version() {
     [[ $heading == "## [$VERSION] - "* ]] || die "CMakeLists.txt says $VERSION, CHANGELOG.md $heading"
     grep -qE "^ *version: ${VERSION//./\\.}\$" CITATION.cff ||
         die "CMakeLists.txt says $VERSION, and CITATION.cff another version"
+    grep -qx "version = \"$VERSION\"" photographs/pyproject.toml ||
+        die "CMakeLists.txt says $VERSION, and photographs/pyproject.toml another version"
     # The library's name on macOS.
     grep -roIE 'libaqorb\.?[0-9]+\.[0-9]+' doc scripts README.md | while IFS=: read -r file name; do
         [[ $name =~ ^libaqorb\.?"${VERSION%.*}"$ ]] || die "CMakeLists.txt says $VERSION, and $file $name"

@@ -45,24 +45,26 @@ echo "$(basename "$wheel"): $size bytes"
 folder=$(mktemp -d)
 trap 'rm -rf "$folder"' EXIT
 cp "$ROOT/modules/aqorb/misc/python/test/test_aqorb.py" "$folder"
-cp -r "$ROOT/python/test" "$folder/bindings_test"
+cp -r "$ROOT/python/test" "$folder/package_test"
+cp -r "$ROOT/photographs/test" "$folder/command_test"
 cd "$folder"
 export PYTHONDONTWRITEBYTECODE=1
 
 say "Without cv2"
 command -v npm >/dev/null || need npm  # by which pip's pyright fetches itself
 environment "$BUILD/venv/wheel" mypy pyright "$wheel"
-"$BUILD/venv/wheel/bin/python" bindings_test/without_cv2.py
+"$BUILD/venv/wheel/bin/python" package_test/without_cv2.py
 "$BUILD/venv/wheel/bin/python" -m aqorb --version
-"$BUILD/venv/wheel/bin/mypy" --strict --cache-dir /dev/null bindings_test/without_cv2.py
-"$BUILD/venv/wheel/bin/pyright" --pythonpath "$BUILD/venv/wheel/bin/python" bindings_test/without_cv2.py
+"$BUILD/venv/wheel/bin/mypy" --strict --cache-dir /dev/null package_test/without_cv2.py
+"$BUILD/venv/wheel/bin/pyright" --pythonpath "$BUILD/venv/wheel/bin/python" package_test/without_cv2.py
 
 # test_beside PACKAGE==VERSION NUMPY [PACKAGE]: the tests of the package beside a cv2, with another package installed.
 test_beside() {
     local python=$BUILD/venv/wheel/bin/python log=$WHEELS/$1.log numpy
     say "Beside $1, with the command"
-    environment "$BUILD/venv/wheel" pytest "${@:1:2}" "${wheel}[cli]" "${@:3}"
-    env PATH="${python%/*}:$PATH" "$python" -m pytest -q -p no:cacheprovider test_aqorb.py bindings_test | tee "$log"
+    environment "$BUILD/venv/wheel" pytest "${@:1:2}" "$wheel" "$ROOT/photographs" "${@:3}"
+    env PATH="${python%/*}:$PATH" "$python" -m pytest -q -p no:cacheprovider test_aqorb.py package_test | tee "$log"
+    env PATH="${python%/*}:$PATH" "$python" -m pytest -q -p no:cacheprovider command_test
     numpy=$("$python" -c 'import numpy; print(numpy.__version__)')
     table+=("| $1 | $numpy | $(tail -n 1 "$log" | sed 's/ in .*//') |")
 }

@@ -131,6 +131,11 @@ assert issubclass(aqorb.error, cv2.error) and issubclass(aqorb.error, ValueError
 '''.format(needs))
 
 
+def test_the_command_is_another_package():
+    asked = subprocess.run([sys.executable, '-m', 'aqorb', 'extract'], stderr=subprocess.PIPE, text=True)
+    assert asked.returncode == 1 and 'pip install . ./photographs' in asked.stderr
+
+
 def test_version():
     output = run("import sys, runpy; sys.modules['cv2'] = None; sys.argv = ['aqorb', '--version']; "
                  "runpy.run_module('aqorb', run_name='__main__')")

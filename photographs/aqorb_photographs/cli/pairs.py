@@ -6,7 +6,7 @@
 
 import os
 
-from aqorb.cli import match, options
+from aqorb_photographs.cli import match, options
 
 
 def add(commands):
@@ -25,7 +25,7 @@ def add(commands):
 
 
 def run(given):
-    from aqorb.collection import places, store
+    from aqorb_photographs import places, store
     options.new_file(given.out, given.overwrite)
     features = store.Features(given.features, ['name', 'x', 'response', 'descriptors'])
     features.parameters()

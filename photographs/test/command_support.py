@@ -5,30 +5,34 @@
 """What the tests of the command aqorb share."""
 
 import contextlib
+import glob
 import io
 import os
 import re
 import subprocess
 import sys
 
+import numpy as np
+import pyarrow.parquet as pq
 import pytest
+from PIL import Image
 
 import aqorb
-from aqorb.cli.main import main
-from conftest import noise  # noqa: F401 # for those that import this
-
-pycolmap = pytest.importorskip('pycolmap')
-pa = pytest.importorskip('pyarrow')
-pq = pytest.importorskip('pyarrow.parquet')
-PIL = pytest.importorskip('PIL')
-Image = pytest.importorskip('PIL.Image')
-store = pytest.importorskip('aqorb.collection.store')
+from aqorb_photographs.cli.main import main
 
 TEXT = {'stdout': subprocess.PIPE, 'stderr': subprocess.PIPE, 'text': True, 'errors': 'surrogateescape'}
 
+# Not an emulator, whose /proc does not tell of this process.
+LINUX = pytest.mark.skipif(not glob.glob('/proc/self/task/*'), reason='looks into /proc, or limits memory')
+
+
+def noise(seed, height=120, width=160):
+    pixels = np.random.RandomState(seed).randint(0, 256, (height // 8, width // 8), np.uint8)
+    return np.repeat(np.repeat(pixels, 8, 0), 8, 1)
+
 
 def call_of(*arguments):
-    return [sys.executable, '-m', 'aqorb', *map(str, arguments)]
+    return [sys.executable, '-m', 'aqorb_photographs', *map(str, arguments)]
 
 
 def start(*arguments, **options):

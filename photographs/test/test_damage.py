@@ -6,10 +6,8 @@
 
 import random
 
-from command_support import pq  # noqa: F401 # skips where it is not installed
-from conftest import LINUX
-
 import hostile
+from command_support import LINUX, pq
 
 
 def test_flipped_bits(features, tmp_path):

@@ -16,7 +16,7 @@ import pytest
 from PIL import PngImagePlugin
 from PIL.TiffImagePlugin import IFDRational
 
-from aqorb.collection import images
+from aqorb_photographs import images
 from command_support import Image, call_of, encoded, expected, noise, rows, run
 
 

@@ -9,8 +9,8 @@ import json
 import os
 
 import aqorb
-from aqorb.cli import draw, options
-from aqorb.collection import Refused, images
+from aqorb_photographs.cli import draw, options
+from aqorb_photographs import Refused, images
 
 
 def add(commands):
@@ -32,7 +32,7 @@ def add(commands):
 
 
 def run(given):
-    from aqorb.collection import places, store
+    from aqorb_photographs import places, store
     if given.draw:
         options.new_file(given.draw, given.overwrite, draw.suffixes())
     features = store.Features(given.features, ['name', 'x', 'y', 'response', 'descriptors'])

@@ -11,8 +11,8 @@ import re
 import sys
 
 import aqorb
-from aqorb.cli import options
-from aqorb.collection import Refused, map_ahead
+from aqorb_photographs.cli import options
+from aqorb_photographs import Refused, map_ahead
 
 AT_A_TIME = 1024  # pairs whose images are in memory
 
@@ -42,7 +42,7 @@ def add(commands):
 
 def run(given):
     import numpy as np
-    from aqorb.collection import store
+    from aqorb_photographs import store
     out = options.store_at(given.out)
     if os.path.realpath(out) == os.path.realpath(given.features):
         raise Refused('--out must name another folder than that of the features')
@@ -85,7 +85,7 @@ def run(given):
 def function_of(given, is_verified):
     """What matches the positions and the descriptors of two images."""
     if is_verified:
-        from aqorb.collection import places
+        from aqorb_photographs import places
         return lambda both: places.match(*both, given.ratio, given.max_distance)
 
     def match_pair(both):
@@ -139,7 +139,7 @@ def list_of(path, features):
 
 def similar(given, features, number, sequential):
     """The pairs of each image with that many similar ones and so many that follow it, and the vectors of the images."""
-    from aqorb.collection import places
+    from aqorb_photographs import places
     most = len(features.images) - 1
     if number > most:
         raise Refused(f'similar images must be at most {most}, as many as there are others, got {number}')

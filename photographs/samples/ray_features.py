@@ -5,7 +5,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """Detects the features of all images in a folder, as aqorb extract does, by a pipeline of Ray Data: on this machine,
 or on the cluster whose address is given. The result is a folder of parts, as aqorb extract writes them, with the same
-rows. Files that are no images are named in the log. Needs aqorb[cli] and ray[data], on each machine of a cluster."""
+rows. Files that are no images are named in the log. Needs aqorb-photographs and ray[data], on each machine of a cluster."""
 
 import argparse
 import functools
@@ -19,7 +19,7 @@ import ray
 import ray.data
 
 import aqorb
-from aqorb.collection import images, store
+from aqorb_photographs import images, store
 
 
 class Extractor:

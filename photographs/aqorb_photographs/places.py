@@ -29,7 +29,7 @@ import pyarrow.parquet as pq
 import scipy.sparse
 
 import aqorb
-from aqorb.collection import map_ahead, store
+from aqorb_photographs import map_ahead, store
 
 WORDS = 65536
 STRONGEST = 500  # features of an image that are looked up: they are found again more often than the others

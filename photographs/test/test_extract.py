@@ -3,7 +3,7 @@
 # of this distribution.
 # SPDX-License-Identifier: Apache-2.0
 """Tests of aqorb extract, and of what all sub-commands have in common. The long form, with 10,000 images and Ray, is
-samples/collection/test_collection.py."""
+samples/test_collection.py."""
 
 import os
 import resource
@@ -14,14 +14,15 @@ import sys
 import time
 
 import numpy as np
+import PIL
+import pyarrow.dataset as dataset
 import pytest
 
 import aqorb
 import hostile
-from aqorb.collection import images
-from command_support import (PIL, Image, call_of, command, encoded, expected, noise, parts_of, peak_memory, pq, refused,
-                             rows, run, start)
-from conftest import LINUX
+from aqorb_photographs import images
+from command_support import (LINUX, Image, call_of, command, encoded, expected, noise, parts_of, peak_memory, pq,
+                             refused, rows, run, start)
 
 COMMANDS = {'extract': ['--out', 'f'], 'match': ['f', '--pairs', 'exhaustive'], 'pairs': ['f', '--retrieval', '1'],
             'search': ['f'], 'colmap': ['f', '--images', '.'], 'draw': ['a.png']}
@@ -46,22 +47,12 @@ def test_help_and_an_argument_too_few(name):
     assert 'nothing to extract' in finished.stderr or 'arguments are required' in finished.stderr
 
 
-def test_needs_no_other_package(folder, tmp_path):
-    code = 'import sys; sys.modules.update({!r}); from aqorb.cli.main import main; main()'
-
-    def blocked(names, *arguments):
-        return subprocess.run([sys.executable, '-c', code.format(dict.fromkeys(names)), *map(str, arguments)],
-                              stderr=subprocess.PIPE, stdout=subprocess.PIPE, text=True)
-
-    others = 'pyarrow', 'pycolmap', 'scipy', 'tqdm'
-    assert blocked(('PIL', *others), '--help').returncode == 0
-    drawn = blocked(others, 'draw', folder / '00.png', folder / '00.png', '--out', tmp_path / 'drawn.png')
-    assert drawn.returncode == 0, drawn.stderr
-    for missing, package, *arguments in (('PIL', 'pillow', 'draw', 'a', 'b'),
-                                         ('pyarrow', 'pyarrow', 'extract', folder, '--out', 'x'),
-                                         ('scipy', 'scipy', 'search', 'x', 'y')):
-        finished = blocked([missing], *arguments)
-        assert finished.returncode == 1 and f'pip install {package}, ' in finished.stderr, finished.stderr
+def test_a_package_that_is_missing(tmp_path):
+    code = 'import sys; sys.modules["pyarrow"] = None; from aqorb_photographs.cli.main import main; main()'
+    finished = subprocess.run([sys.executable, '-c', code, 'extract', tmp_path, '--out', 'f'], stderr=subprocess.PIPE,
+                              text=True)
+    assert finished.returncode == 1 and 'in a clone of aqorb: pip install . ./photographs' in finished.stderr
+    assert '[cli]' not in finished.stderr and 'Traceback' not in finished.stderr
 
 
 def test_importing_installs_nothing():
@@ -127,7 +118,6 @@ def test_parts_of_several_machines(folder, features, tmp_path):
 
 
 def test_other_programs_read_the_parts(features):
-    dataset = pytest.importorskip('pyarrow.dataset')
     assert dataset.dataset(str(features)).to_table(['name']).num_rows == 40
     schema = pq.read_schema(str(next(features.iterdir())))
     assert {str(schema.field(name).type) for name in ('name', 'folder', 'make', 'parameters', 'digest')} == {'string'}

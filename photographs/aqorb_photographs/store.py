@@ -30,7 +30,7 @@ import pyarrow.compute as pc
 import pyarrow.parquet as pq
 
 import aqorb
-from aqorb.collection import Refused, images, map_ahead
+from aqorb_photographs import Refused, images, map_ahead
 
 FLOATS, INTEGERS = pa.list_(pa.float32()), pa.list_(pa.int32())
 KEYPOINTS = [(name, FLOATS) for name in ('x', 'y', 'size', 'angle', 'response')] + [('octave', INTEGERS)]

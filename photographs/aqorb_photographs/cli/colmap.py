@@ -4,8 +4,8 @@
 # SPDX-License-Identifier: Apache-2.0
 """aqorb colmap: features and matches in a database of COLMAP."""
 
-from aqorb.cli import options
-from aqorb.collection import Refused
+from aqorb_photographs.cli import options
+from aqorb_photographs import Refused
 
 
 def add(commands):
@@ -28,7 +28,7 @@ def add(commands):
 
 def run(given):
     import pycolmap  # noqa: F401 # said now, and here, if it is missing
-    from aqorb.collection import colmap
+    from aqorb_photographs import colmap
     names = 'camera_model', 'camera_params', 'default_focal_length_factor'
     reader = {name: getattr(given, name) for name in names if getattr(given, name) is not None}
     for folder in filter(None, (given.features, given.matches)):

@@ -4,7 +4,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """Features and matches of a collection in a database of COLMAP, by pycolmap.
 
-    from aqorb.collection import colmap
+    from aqorb_photographs import colmap
     database = pycolmap.Database.open('scene.db')
     camera = colmap.write_camera(database, pycolmap.Camera(model='PINHOLE', width=640, height=480, params=[...]))
     first = colmap.write_image(database, 'first.jpg', camera, keypoints1)
@@ -25,7 +25,7 @@ import tempfile
 
 import numpy as np
 
-from aqorb.collection import Refused, store
+from aqorb_photographs import Refused, store
 
 MIN_INLIERS = 15  # of a two-view geometry
 # By EXIF's number of an orientation, the turn from the upright image to the image in the file.
@@ -111,7 +111,7 @@ def export(features, matches, folder, path, camera_mode='AUTO', options=None, ap
     call = json.dumps([features, matches, folder, target, camera_mode, options or {}])
     environment = dict(os.environ, PYTHONPATH=os.pathsep.join(filter(None, sys.path)))
     try:
-        done = subprocess.run([sys.executable, '-m', 'aqorb.collection.colmap', call], stdin=subprocess.DEVNULL,
+        done = subprocess.run([sys.executable, '-m', 'aqorb_photographs.colmap', call], stdin=subprocess.DEVNULL,
                               stdout=subprocess.PIPE, stderr=subprocess.PIPE, env=environment)
         reply = json.loads(done.stdout.decode().rpartition('\n')[2] or '{}')
         if done.returncode or 'error' in reply:

@@ -10,7 +10,7 @@ import sys
 import warnings
 
 import aqorb
-from aqorb.cli import colmap, draw, extract, match, options, pairs, search
+from aqorb_photographs.cli import colmap, draw, extract, match, options, pairs, search
 
 
 def main(arguments=None):
@@ -45,7 +45,7 @@ def call(arguments):
         finally:
             sys.stdout.flush()
     except ImportError as error:
-        return f'aqorb: {error}; {options.needs(error)}'
+        return f'aqorb: {error}. To install all packages, in a clone of aqorb: pip install . ./photographs'
     except OSError as error:
         if isinstance(error.filename, (bytes, str)):
             return f'aqorb: {options.shown(os.fsdecode(error.filename))}: {error.strerror}'

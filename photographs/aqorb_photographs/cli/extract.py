@@ -9,8 +9,8 @@ import os
 import sys
 
 import aqorb
-from aqorb.cli import options
-from aqorb.collection import Refused, images
+from aqorb_photographs.cli import options
+from aqorb_photographs import Refused, images
 
 
 def add(commands):
@@ -35,7 +35,7 @@ def add(commands):
 
 
 def run(given):
-    from aqorb.collection import store
+    from aqorb_photographs import store
     out = options.store_at(given.out)
     sources = given.sources + (listed(given.list) if given.list else [])
     if not sources:
@@ -90,7 +90,7 @@ def root_of(sources):
 
 def files_of(paths, root, masks, before):
     """The files whose features are not there yet."""
-    from aqorb.collection import store
+    from aqorb_photographs import store
     columns = ('folder', 'file_size', 'file_time', 'mask')
     known = dict(zip(before.images, zip(*map(before.value, columns)))) if before else {}
     files = {}
@@ -114,7 +114,7 @@ def files_of(paths, root, masks, before):
 def forget(out, prune):
     """Writes the parts anew that have rows that count no more, and returns how many images are gone."""
     import numpy as np
-    from aqorb.collection import store
+    from aqorb_photographs import store
     features = store.Features(out)
     kept, gone = np.zeros(len(features.head), bool), 0
     folders = features.value('folder')

@@ -8,7 +8,7 @@ parts that no command has made, and kills it. Prints a table, and fails if anyth
     python hostile.py [--flips=1000] [--kills=50]
 
 A part with a flipped bit may end in a sentence or in the rows of the undamaged one. What was killed must end with the
-same rows as if nothing had been, when the same command is called again. Needs aqorb[cli], and takes some five minutes."""
+same rows as if nothing had been, when the same command is called again. Takes some five minutes."""
 
 import argparse
 import collections
@@ -27,9 +27,9 @@ import pyarrow as pa
 import pyarrow.parquet as pq
 from PIL import Image
 
-from aqorb.collection import Refused, store
+from aqorb_photographs import Refused, store
 
-AQORB = [sys.executable, '-m', 'aqorb']
+AQORB = [sys.executable, '-m', 'aqorb_photographs']
 TABLES = 'images', 'cameras', 'keypoints', 'descriptors', 'matches', 'two_view_geometries', 'frame_data', 'rigs'
 
 

@@ -11,12 +11,12 @@ import shutil
 import sqlite3
 
 import numpy as np
+import pycolmap
 import pytest
 
 import aqorb
-from command_support import (Image, command, expected, matches_of, noise, parts_of, pq, pycolmap, refused, rows, run,
-                             store)
-
+from aqorb_photographs import store
+from command_support import Image, command, expected, matches_of, noise, parts_of, pq, refused, rows, run
 
 PLACE = {0x8769: {0xa405: 28}, 0x8825: {1: 'N', 2: (47., 30., 0.), 3: 'E', 4: (8., 15., 0.), 6: 400.}}  # and a focal length
 

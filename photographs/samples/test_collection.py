@@ -26,7 +26,7 @@ from PIL import Image
 import aqorb
 
 HERE = pathlib.Path(__file__).resolve().parent
-sys.path.append(str(HERE.parent.parent / 'python/test'))
+sys.path.append(str(HERE.parent / 'test'))
 from command_support import peak_memory  # noqa: E402
 
 LISTS = 'x', 'y', 'size', 'angle', 'response', 'octave'
@@ -55,7 +55,7 @@ def table(photographs, tmp_path_factory):
 
 
 def run(*arguments):
-    call = [sys.executable, '-m', 'aqorb', *map(str, arguments)]
+    call = [sys.executable, '-m', 'aqorb_photographs', *map(str, arguments)]
     return subprocess.run(call, check=True, stdout=subprocess.PIPE, text=True).stdout
 
 

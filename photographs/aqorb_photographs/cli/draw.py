@@ -7,8 +7,8 @@
 import os
 
 import aqorb
-from aqorb.cli import options
-from aqorb.collection import Refused, images
+from aqorb_photographs.cli import options
+from aqorb_photographs import Refused, images
 
 
 def add(commands):

@@ -9,14 +9,7 @@ import os
 import sys
 
 import aqorb
-from aqorb.collection import Refused, images
-
-
-def needs(error):
-    """How to install what is missing."""
-    package = (error.name or '').split('.')[0]
-    package = {'PIL': 'pillow'}.get(package, package)
-    return f'it needs a package that is not installed with aqorb: pip install {package}, or all of them: aqorb[cli]'
+from aqorb_photographs import Refused, images
 
 
 def at_least(least):
@@ -68,7 +61,7 @@ def add_words(parser):
 
 def index_of(features, given):
     """The index of features, for the options of add_words."""
-    from aqorb.collection import places
+    from aqorb_photographs import places
     aqorb.setNumThreads(1)  # the images are what is divided among threads
     index = places.Index(features, given.words, given.seed, given.threads,
                          lambda label, total: progress(given, total, 'image', label).update)

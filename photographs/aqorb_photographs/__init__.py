@@ -2,11 +2,10 @@
 # It is subject to the license terms in the LICENSE file found in the top-level directory
 # of this distribution.
 # SPDX-License-Identifier: Apache-2.0
-"""Collections of images: what the command aqorb, the samples for clusters, and programs have in common.
+"""Folders of photographs, for the command aqorb, pipelines on clusters, and programs.
 
 images finds and decodes files, store keeps features and matches in folders of Parquet parts, places finds the images
-that show the same place, and colmap writes a database of COLMAP. Each needs packages that aqorb itself does not need:
-Pillow; pyarrow, too; scipy and pycolmap, too; pycolmap."""
+that show the same place, and colmap writes a database of COLMAP."""
 
 import collections
 

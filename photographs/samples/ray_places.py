@@ -5,7 +5,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """Matches each image with the most similar ones, as aqorb match --pairs retrieval:K does, by a pipeline of Ray Data.
 The features are those of ray_features.py or of aqorb extract. The result is a folder of parts, as aqorb match writes
-them, with the same rows. Needs aqorb[cli] and ray[data], on each machine of a cluster."""
+them, with the same rows. Needs aqorb-photographs and ray[data], on each machine of a cluster."""
 
 import argparse
 import os
@@ -17,7 +17,7 @@ import ray
 import ray.data
 
 import aqorb
-from aqorb.collection import places, store
+from aqorb_photographs import places, store
 
 
 def draw(batch, count, seed):

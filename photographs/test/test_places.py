@@ -2,7 +2,7 @@
 # It is subject to the license terms in the LICENSE file found in the top-level directory
 # of this distribution.
 # SPDX-License-Identifier: Apache-2.0
-"""Tests of aqorb.collection.places and of the commands pairs, search and match --pairs retrieval:K."""
+"""Tests of aqorb_photographs.places and of the commands pairs, search and match --pairs retrieval:K."""
 
 import json
 import os
@@ -11,9 +11,8 @@ import shutil
 import numpy as np
 import pytest
 
-pytest.importorskip('scipy')
-from command_support import Image, matches_of, noise, parts_of, pq, refused, run, store  # noqa: E402
-from aqorb.collection import places  # noqa: E402
+from aqorb_photographs import places, store
+from command_support import Image, matches_of, noise, parts_of, pq, refused, run
 
 COUNT = 24  # images of the clip, which returns to where it began: image i shows what image COUNT - 1 - i shows
 
