@@ -16,20 +16,12 @@ set(source "${AQORB_OPENCV_SOURCE}")
 set(build "${AQORB_OPENCV_BUILD}/build")
 set(prefix "${AQORB_OPENCV_BUILD}/prefix")
 
-# run(<what> <command>...): with its output in a log.
+# aqorb_run(<what> <command>...): shows its output, so that pip -v is not silent for minutes.
 function(aqorb_run what)
-  set(log "${AQORB_OPENCV_BUILD}/${what}.log")
-  message(STATUS "OpenCV, static: ${what}; see ${log}")
-  execute_process(COMMAND ${ARGN} OUTPUT_FILE "${log}" ERROR_FILE "${log}" RESULT_VARIABLE failed)
+  message(STATUS "OpenCV, static: ${what}")
+  execute_process(COMMAND ${ARGN} RESULT_VARIABLE failed)
   if(failed)
-    file(STRINGS "${log}" lines)
-    list(LENGTH lines count)
-    math(EXPR first "${count} - 30")
-    if(first GREATER 0)
-      list(SUBLIST lines ${first} -1 lines)
-    endif()
-    list(JOIN lines "\n" lines)
-    message(FATAL_ERROR "OpenCV: ${what} failed, see ${log}:\n${lines}")
+    message(FATAL_ERROR "OpenCV: ${what} failed; the reason stands above")
   endif()
 endfunction()
 
@@ -93,7 +85,7 @@ if(CMAKE_CXX_COMPILER_LAUNCHER)
     "-DCMAKE_CXX_COMPILER_LAUNCHER=${CMAKE_CXX_COMPILER_LAUNCHER}")
 endif()
 
-# What the archives depend on: if it is what they were built from, they are used again.
+# The inputs of the archives. Unchanged inputs reuse the archives.
 set(made "${source}\n${options}\n${CMAKE_CXX_COMPILER} ${CMAKE_CXX_COMPILER_VERSION}\n")
 set(stamp "${prefix}/made")
 set(present "")
@@ -106,13 +98,7 @@ if(NOT present STREQUAL made)
   aqorb_run(configure "${CMAKE_COMMAND}" -S "${source}" -B "${build}" -G "${CMAKE_GENERATOR}"
     "-DCMAKE_MAKE_PROGRAM=${CMAKE_MAKE_PROGRAM}" "-DCMAKE_CXX_COMPILER=${CMAKE_CXX_COMPILER}"
     "-DCMAKE_INSTALL_PREFIX=${prefix}" ${options})
-  # Not into a log: pip -v shows the counts of what is compiled.
-  message(STATUS "OpenCV, static: build")
-  execute_process(COMMAND "${CMAKE_COMMAND}" --build "${build}" --config Release --parallel ${cores}
-    RESULT_VARIABLE failed)
-  if(failed)
-    message(FATAL_ERROR "OpenCV was not built; the reason stands above")
-  endif()
+  aqorb_run(build "${CMAKE_COMMAND}" --build "${build}" --config Release --parallel ${cores})
   aqorb_run(install "${CMAKE_COMMAND}" --build "${build}" --config Release --target install)
   file(REMOVE_RECURSE "${build}")
   file(WRITE "${stamp}" "${made}")

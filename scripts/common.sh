@@ -324,3 +324,18 @@ opencv_samples() {
     fi
     OPENCV_SAMPLES=$folder/$examples
 }
+
+# strecha SCENE...: sets AQORB_STRECHA, unless it is set, to a clone with these scenes of Strecha's calibrated
+# photographs; fetched once. Fails where there is no network.
+strecha() {
+    local clone=$CACHE/strecha git=(git -c http.lowSpeedLimit=1000 -c http.lowSpeedTime=30)
+    [[ ! ${AQORB_STRECHA:-} ]] || return 0
+    need git ca-certificates
+    if [[ ! -d $clone ]]; then
+        say "Fetching Strecha's photographs, some 30 MB a scene: $*"
+        "${git[@]}" clone --depth 1 --filter=blob:none --sparse \
+            https://github.com/openMVG/SfM_quality_evaluation "$clone" || return 1
+    fi
+    "${git[@]}" -C "$clone" sparse-checkout add "${@/#/Benchmarking_Camera_Calibration_2008/}" || return 1
+    AQORB_STRECHA=$clone
+}

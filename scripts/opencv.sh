@@ -68,7 +68,7 @@ done
 configure_opencv() {
     say "OpenCV with OPENCV_EXTRA_MODULES_PATH=$1"
     cmake -S "$OPENCV_SOURCE" -B "$opencv" -G Ninja "${options[@]}" \
-        -DOPENCV_EXTRA_MODULES_PATH="$1" >"$opencv.log" 2>&1
+        -DOPENCV_EXTRA_MODULES_PATH="$1" 2>&1 | tee "$opencv.log"
 }
 
 # check_configuration FOLDER: that OpenCV builds the module from there, with its tests and all samples.
@@ -93,10 +93,7 @@ else
 fi
 
 rm -f "$opencv/CMakeCache.txt"
-configure_opencv "$contrib/modules" || {
-    tail -n 50 "$opencv.log"
-    die "OpenCV's configuration failed"
-}
+configure_opencv "$contrib/modules" || die "OpenCV's configuration failed; see $opencv.log"
 check_configuration "$module"
 targets=(opencv_test_aqorb opencv_perf_aqorb opencv_samples_aqorb opencv_python3)
 if [[ $release ]]; then
