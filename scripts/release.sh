@@ -21,17 +21,15 @@ ACTIONLINT=v1.7.7  # the last one that Debian 12's Go compiles
 
 # check_version: sets VERSION to what CMakeLists.txt says, and fails where another file says another one.
 check_version() {
-    local file name
+    local file
     VERSION=$(sed -n 's/^project(aqorb VERSION \([0-9.]*\).*/\1/p' CMakeLists.txt)
     heading=$(grep -m 1 '^## \[' CHANGELOG.md)
     [[ $heading == "## [$VERSION] - "* ]] || die "CMakeLists.txt says $VERSION, CHANGELOG.md $heading"
     grep -qE "^ *version: ${VERSION//./\\.}\$" CITATION.cff ||
         die "CMakeLists.txt says $VERSION, and CITATION.cff another version"
-    grep -qx "version = \"$VERSION\"" photographs/pyproject.toml ||
-        die "CMakeLists.txt says $VERSION, and photographs/pyproject.toml another version"
-    # The library's name on macOS.
-    grep -roIE 'libaqorb\.?[0-9]+\.[0-9]+' doc scripts README.md | while IFS=: read -r file name; do
-        [[ $name =~ ^libaqorb\.?"${VERSION%.*}"$ ]] || die "CMakeLists.txt says $VERSION, and $file $name"
+    for file in package.xml packaging/conda/recipe.yaml packaging/vcpkg/aqorb/vcpkg.json photographs/pyproject.toml; do
+        grep -qE "^\W*version[^0-9]*${VERSION//./\\.}\b" "$file" ||
+            die "CMakeLists.txt says $VERSION, and $file another version"
     done
 }
 
