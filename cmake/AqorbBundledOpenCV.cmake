@@ -29,7 +29,7 @@ endfunction()
 if(AQORB_BUILD_PYTHON)
   find_package(Python 3.9 COMPONENTS Interpreter Development.Module)
   if(NOT Python_FOUND)
-    message(FATAL_ERROR "Python's headers were not found. On Debian: sudo apt-get install python3-dev")
+    message(FATAL_ERROR "Python's headers were not found. On Debian: apt-get install python3-dev")
   endif()
 endif()
 
