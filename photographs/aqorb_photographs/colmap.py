@@ -210,8 +210,8 @@ def why_not(path, image, cameras, size):
 
 
 def write_pairs(database, matches, ids, turns, refined):
-    """Writes the matches of pairs that the database does not have yet, and returns how many pairs these are. refined has
-    the matches and the fundamental matrix of each pair whose positions were refined."""
+    """Writes the matches of pairs that the database does not have yet, and returns how many pairs these are. refined
+    has the matches and the fundamental matrix of each pair whose positions were refined."""
     count = 0
     for pair, (first, second) in enumerate(matches.pairs):
         if first not in ids or second not in ids or database.exists_matches(ids[first], ids[second]):

@@ -73,8 +73,8 @@ def inliers_of(found):
 
 
 def references_of(edges, octaves):
-    """For each keypoint, the reference of its track: the keypoint with the most matches and, among these, the one of the
-    finest octave. edges are the matches of all images, as rows of the numbers of two keypoints."""
+    """For each keypoint, the reference of its track: the keypoint with the most matches and, among these, the one of
+    the finest octave. edges are the matches of all images, as rows of the numbers of two keypoints."""
     count = len(octaves)
     graph = scipy.sparse.coo_matrix((np.ones(len(edges), bool), tuple(edges.T)), (count, count))
     track = scipy.sparse.csgraph.connected_components(graph, False)[1]
@@ -83,7 +83,8 @@ def references_of(edges, octaves):
 
 
 def by_images(references, first):
-    """Yields two images, the keypoints of the first one that are references of keypoints of the second one, and these."""
+    """Yields two images, keypoints of the first one that are references, and the second one's keypoints that these are
+    references of."""
     image_of = np.repeat(np.arange(len(first) - 1), np.diff(first))
     moved = np.flatnonzero(image_of[references] != image_of)
     moved = moved[np.lexsort((image_of[moved], image_of[references[moved]]))]

@@ -210,7 +210,8 @@ def test_tracks(tmp_path):
     shifts = [(0, 0), (7.3, 4.6), (15.7, 2.2), (21.4, 9.8)]
     (tmp_path / 'images').mkdir()
     for name, (x, y) in zip('abcd', shifts):
-        world.transform((800, 580), Image.AFFINE, (1, 0, x, 0, 1, y), Image.BICUBIC).save(tmp_path / 'images' / f'{name}.png')
+        image = world.transform((800, 580), Image.AFFINE, (1, 0, x, 0, 1, y), Image.BICUBIC)
+        image.save(tmp_path / 'images' / f'{name}.png')
     run('extract', tmp_path / 'images', '--out', tmp_path / 'f', '--max-size', 600)
     run('match', tmp_path / 'f', '--pairs', 'exhaustive', '--out', tmp_path / 'm')
     errors = {}

@@ -14,8 +14,8 @@ from aqorb_photographs import images
 
 def add(commands):
     parser = options.add_command(commands, 'draw', run, 'draw the matches of two images',
-                                 'Matches two images by a ratio test, refines the positions, and draws the matches that '
-                                 'agree on one geometry.')
+                                 'Matches two images by a ratio test, refines the positions, and draws the matches '
+                                 'that agree on one geometry.')
     parser.add_argument('first', metavar='A')
     parser.add_argument('second', metavar='B')
     parser.add_argument('--out', default='matches.png', metavar='FILE', help='%(default)s by default')
@@ -55,8 +55,8 @@ def suffixes():
 
 
 def save(out, pictures, ends, others=((), ())):
-    """Draws two pictures side by side, with a line for each match. ends are the positions in both pictures, in pixels of
-    the pictures' sizes, and so are others, which are drawn in red."""
+    """Draws two pictures side by side, with a line for each match. ends are the positions in both pictures, in pixels
+    of the pictures' sizes, and so are others, which are drawn in red."""
     import numpy as np
     from PIL import Image, ImageDraw
     width = pictures[0].pixels.shape[1]

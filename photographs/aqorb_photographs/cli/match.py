@@ -35,7 +35,7 @@ def add(commands):
                         help='retrieval leaves out images nearer than N in the order of names, for the loops of a video')
     parser.add_argument('--verify', action=argparse.BooleanOptionalAction,
                         default=True,
-                        help='find the matches that agree on a fundamental matrix, as COLMAP needs them (the default)')
+                        help='find the matches that agree on a fundamental matrix; COLMAP needs them (the default)')
     parser.add_argument('--part-size', type=options.positive, default=4096, metavar='N',
                         help='pairs after which what is done is saved (%(default)s)')
     options.add_words(parser)

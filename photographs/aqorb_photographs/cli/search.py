@@ -26,7 +26,8 @@ def add(commands):
     parser.add_argument('--json', action='store_true', help='print an object a line')
     parser.add_argument('--draw', metavar='FILE', help='draw the best pair')
     parser.add_argument('--images', metavar='FOLDER', help='where the images are now, to draw one')
-    parser.add_argument('--strict', action='store_true', help='exit with 1 if a photograph failed, or is probably of no place in the folder')
+    parser.add_argument('--strict', action='store_true',
+                        help='exit with 1 if a photograph failed, or is probably of no place in the folder')
     parser.add_argument('--overwrite', action='store_true', help='replace a file that exists')
     options.add_words(parser)
 
