@@ -5,7 +5,7 @@
 """Folders of photographs, for the command aqorb, pipelines on clusters, and programs.
 
 images finds and decodes files, store keeps features and matches in folders of Parquet parts, places finds the images
-that show the same place, and colmap writes a database of COLMAP."""
+that show the same place, tracks refines positions, and colmap writes a database of COLMAP."""
 
 import collections
 

@@ -25,9 +25,8 @@ import tempfile
 
 import numpy as np
 
-from aqorb_photographs import Refused, store
+from aqorb_photographs import Refused, places, store, tracks
 
-MIN_INLIERS = 15  # of a two-view geometry
 # By EXIF's number of an orientation, the turn from the upright image to the image in the file.
 TURNS = {1: [[1, 0], [0, 1]], 2: [[-1, 0], [0, 1]], 3: [[-1, 0], [0, -1]], 4: [[1, 0], [0, -1]], 5: [[0, 1], [1, 0]],
          6: [[0, 1], [-1, 0]], 7: [[0, -1], [-1, 0]], 8: [[0, -1], [1, 0]]}
@@ -97,18 +96,22 @@ def geometry_of(inlier_matches, fundamental, turns):
     return geometry
 
 
-def export(features, matches, folder, path, camera_mode='AUTO', options=None, append=False):
+def export(features, matches, folder, path, camera_mode='AUTO', options=None, append=False, refine=False):
     """Writes the features in a folder, and the matches in another one or None, into a database. Cameras, focal lengths
     and places are those of COLMAP's import of the images in the folder, of which camera_mode and options are. The
     database is new, and appears when it is complete, or with append gets what it does not have yet, in one transaction.
-    Returns how many images and pairs were written, and the names of images that were not, each with the reason.
+    With refine, positions are refined by tracks, and matches of keypoints that were not refined are left out. Returns
+    how many images and pairs were written, the names of images that were not, each with the reason, and what COLMAP still
+    needs.
 
     Another process does it, as pycolmap ends its process where a disk is full."""
     is_new = not (append and os.path.exists(path))
     if is_new and os.path.lexists(path):
         raise Refused(f'{path} exists: --append adds what it does not have yet')
+    if refine and not (is_new and matches):
+        raise Refused('--refine needs matches, and a new database: it moves the keypoints of all images')
     target = f'{path}.{secrets.token_hex(4)}.unfinished' if is_new else path
-    call = json.dumps([features, matches, folder, target, camera_mode, options or {}])
+    call = json.dumps([features, matches, folder, target, camera_mode, options or {}, refine])
     environment = dict(os.environ, PYTHONPATH=os.pathsep.join(filter(None, sys.path)))
     try:
         done = subprocess.run([sys.executable, '-m', 'aqorb_photographs.colmap', call], stdin=subprocess.DEVNULL,
@@ -122,16 +125,17 @@ def export(features, matches, folder, path, camera_mode='AUTO', options=None, ap
         for suffix in ('', '-wal', '-shm', '-journal') if is_new else ():
             if os.path.exists(target + suffix):
                 os.remove(target + suffix)
-    return reply['images'], reply['pairs'], reply['left_out']
+    return reply['images'], reply['pairs'], reply['left_out'], reply['needs']
 
 
-def _export(features, matches, folder, path, camera_mode, options):
+def _export(features, matches, folder, path, camera_mode, options, refine):
     import pycolmap
     if not hasattr(pycolmap.Database, 'read_all_pose_priors'):
         raise Refused(f'this needs pycolmap 4 and Python 3.10, or later ones; here is pycolmap {pycolmap.__version__}')
-    features = store.Features(features, ['x', 'y', 'size', 'angle', 'descriptors'])
+    features = store.Features(features, ['x', 'y', 'size', 'angle', 'octave', 'descriptors'])
     features.parameters()
     matches = store.Matches(matches, features) if matches else None
+    positions, refined = tracks.refine(features, matches, folder) if refine else (None, None)
     sizes = list(zip(features.value('width'), features.value('height')))
     orientations = features.value('orientation')
     turns = [turn_of(*one) for one in zip(orientations, sizes)]
@@ -151,6 +155,8 @@ def _export(features, matches, folder, path, camera_mode, options):
             numbers = {}
             for index, name in enumerate(features.images):
                 found = features.of(index)
+                if refine:
+                    found['x'], found['y'] = positions[index].T
                 rows = rows_of(found, turns[index])
                 if name in existing:
                     if not np.allclose(database.read_keypoints(existing[name])[:, :2], rows[:, :2] + .5, atol=.01):
@@ -170,11 +176,17 @@ def _export(features, matches, folder, path, camera_mode, options):
                 if prior and np.isfinite(prior.position).all():
                     prior.corr_data_id = database.read_image(ids[index]).data_id
                     database.write_pose_prior(prior)
-            pairs = write_pairs(database, matches, ids, turns) if matches else 0
+            pairs = write_pairs(database, matches, ids, turns, refined) if matches else 0
         except BaseException as error:  # pycolmap would keep the half of it
             answer(error=str(error))
     database.close()
-    answer(images=len(set(features.images[index] for index in ids) - set(existing)), pairs=pairs, left_out=left_out)
+    needs = ''
+    if not matches:
+        needs = "COLMAP cannot match these features: aqorb match, and aqorb colmap with its matches, come next"
+    elif not (matches.parameters() or {'verified': True})['verified']:
+        needs = "the matches are not verified: COLMAP's geometric_verification comes next"
+    answer(images=len(set(features.images[index] for index in ids) - set(existing)), pairs=pairs, left_out=left_out,
+           needs=needs)
 
 
 def import_images(path, folder, camera_mode, options, names):
@@ -197,18 +209,25 @@ def why_not(path, image, cameras, size):
     return None if (camera.width, camera.height) == size else 'its features are of another size'
 
 
-def write_pairs(database, matches, ids, turns):
-    """Writes the matches of pairs that the database does not have yet, and returns how many pairs these are."""
+def write_pairs(database, matches, ids, turns, refined):
+    """Writes the matches of pairs that the database does not have yet, and returns how many pairs these are. refined
+    has the matches and the fundamental matrix of each pair whose positions were refined."""
     count = 0
     for pair, (first, second) in enumerate(matches.pairs):
         if first not in ids or second not in ids or database.exists_matches(ids[first], ids[second]):
             continue
-        found = matches.of(pair)
-        rows = np.column_stack([found['index1'], found['index2']]).astype(np.uint32)
+        if refined:
+            rows, fundamental = refined[pair]
+            inliers = slice(None)
+        else:
+            found = matches.of(pair)
+            rows, inliers = np.column_stack([found['index1'], found['index2']]), found['inliers']
+            fundamental = found['fundamental']
+        rows = rows.astype(np.uint32)
         database.write_matches(ids[first], ids[second], rows)
-        if len(found['inliers']) >= MIN_INLIERS:
+        if len(rows[inliers]) >= places.MIN_INLIERS:
             database.write_two_view_geometry(ids[first], ids[second], geometry_of(
-                rows[found['inliers']], found['fundamental'].reshape(3, 3), (turns[first], turns[second])))
+                rows[inliers], fundamental.reshape(3, 3), (turns[first], turns[second])))
         count += 1
     return count
 

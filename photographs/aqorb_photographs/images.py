@@ -17,6 +17,8 @@ import typing
 
 import numpy as np
 
+from aqorb_photographs import Refused
+
 # What Pillow may read, where it can. It hands others to programs: an EPS to Ghostscript, which runs what is in it.
 FORMATS = 'PNG', 'JPEG', 'MPO', 'TIFF', 'WEBP', 'BMP', 'PPM', 'GIF', 'JPEG2000', 'SUN', 'HEIF', 'AVIF'
 # By EXIF's number of an orientation, Pillow's of what makes it upright, and of what undoes that.
@@ -98,6 +100,15 @@ def open_file(path):
     if not os.path.isfile(path):
         raise ValueError('it is no regular file' if os.path.exists(path) else 'there is no such file')
     return open(path, 'rb')
+
+
+def read_file(path, reading):
+    """Returns the Picture of the image in a file."""
+    try:
+        with open_file(path) as file:
+            return read_image(file, reading)
+    except Exception as error:  # decoders raise errors of any kind
+        raise Refused(f'{os.fsdecode(path)}: {error}') from error
 
 
 def smaller(size, max_size):

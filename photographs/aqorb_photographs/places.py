@@ -32,6 +32,7 @@ import aqorb
 from aqorb_photographs import map_ahead, store
 
 WORDS = 65536
+MIN_INLIERS = 15  # of two images that probably show the same place
 STRONGEST = 500  # features of an image that are looked up: they are found again more often than the others
 FEATURES_OF_A_WORD = 4  # at least, on average: a word that is a feature of one image alone connects nothing
 CHUNK = 256  # images that are drawn from at a time

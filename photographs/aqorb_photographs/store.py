@@ -300,7 +300,7 @@ def to_row(file, picture, features, parameters):
 
 
 class Features(Parts):
-    """The features in a folder. names are those of the images in ascending order; of each it has the row in chosen."""
+    """The features in a folder. images are the names of the images in ascending order, and chosen the images' rows."""
 
     kind, schema = 'features', FEATURES
     heads = FEATURES.names[:8] + ['parameters', 'digest']

@@ -66,6 +66,15 @@ def test_numbers_that_are_refused(folder, tmp_path):
         assert finished.returncode == 2 and f'{number} is not from 1 to 2147483647' in finished.stderr
 
 
+def test_properties_of_the_detector(folder, tmp_path):
+    out = ['--out', tmp_path / 'f']
+    run('extract', folder / '00.png', *out, '--set', 'StrengthWeight=.5', '--set', 'EdgeThreshold=25', '--set', 'SubPixel=0')
+    parameters = rows(tmp_path / 'f')['00.png']['parameters']
+    assert all(text in parameters for text in ('"StrengthWeight": 0.5', '"EdgeThreshold": 25', '"SubPixel": false'))
+    refused('--set Nonsense: the detector has .*StrengthWeight', 'extract', folder, *out, '--set', 'Nonsense=1')
+    refused("--set EdgeThreshold: must be a number, got '1.5'", 'extract', folder, *out, '--set', 'EdgeThreshold=1.5')
+
+
 def test_what_is_refused(folder, features, tmp_path):
     (tmp_path / 'f.parquet').write_text('of 0.4')
     refused('f.parquet must be a folder, .* extracted anew', 'extract', folder, '--out', tmp_path / 'f.parquet')

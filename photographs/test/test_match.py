@@ -34,7 +34,7 @@ def test_match(features, tmp_path):
                                   (tmp_path / 'pairs.txt', [('03.png', '01.png')])):
         out = tmp_path / os.path.basename(pairs)
         out = out if not out.exists() else tmp_path / 'listed'
-        finished = run('match', features, '--pairs', pairs, '--out', out, '--part-size', 50)
+        finished = run('match', features, '--pairs', pairs, '--no-verify', '--out', out, '--part-size', 50)
         assert f'{len(pairs_expected)} pair' in finished.stdout
         matched = matches_of(out)
         assert sorted(matched) == sorted(pairs_expected) and len(parts_of(out)) >= len(pairs_expected) // 100
@@ -120,7 +120,7 @@ def phone(tmp_path_factory):
             folder / 'images' / ('a b' if orientation == 3 else '.') / name, exif=exif)
     Image.fromarray(world[:600, :800]).save(folder / 'images' / 'x.webp')
     run('extract', folder / 'images', '--out', folder / 'f', '--num-features', 300)
-    run('match', folder / 'f', '--pairs', 'exhaustive', '--verify', '--out', folder / 'm', '--ratio', '.8')
+    run('match', folder / 'f', '--pairs', 'exhaustive', '--out', folder / 'm', '--ratio', '.8')
     return folder
 
 
@@ -195,18 +195,72 @@ def test_append(phone, tmp_path):
     refused('COLMAP read none of the images', *call[:3], '--images', tmp_path, '--database', tmp_path / 'none.db')
 
 
+def test_what_colmap_still_needs(phone, tmp_path):
+    call = ['colmap', phone / 'f', '--images', phone / 'images', '--database']
+    assert 'COLMAP cannot match these features: aqorb match, and' in run(*call, tmp_path / 'x.db').stdout
+    run('match', phone / 'f', '--pairs', 'sequential:1', '--no-verify', '--out', tmp_path / 'm')
+    call.insert(2, tmp_path / 'm')
+    assert "COLMAP's geometric_verification comes next" in run(*call, tmp_path / 'y.db').stdout
+    refused('m must have verified matches', *call, tmp_path / 'z.db', '--refine')
+    refused('--refine needs matches, and a new database', *call, tmp_path / 'y.db', '--refine', '--append')
+
+
+def test_tracks(tmp_path):
+    world = Image.fromarray(noise(5, 400, 560)).resize((840, 600), Image.BICUBIC)
+    shifts = [(0, 0), (7.3, 4.6), (15.7, 2.2), (21.4, 9.8)]
+    (tmp_path / 'images').mkdir()
+    for name, (x, y) in zip('abcd', shifts):
+        image = world.transform((800, 580), Image.AFFINE, (1, 0, x, 0, 1, y), Image.BICUBIC)
+        image.save(tmp_path / 'images' / f'{name}.png')
+    run('extract', tmp_path / 'images', '--out', tmp_path / 'f', '--max-size', 600)
+    run('match', tmp_path / 'f', '--pairs', 'exhaustive', '--out', tmp_path / 'm')
+    errors = {}
+    for option in [], ['--refine']:
+        path = tmp_path / f'x{len(option)}.db'
+        run('colmap', tmp_path / 'f', tmp_path / 'm', '--images', tmp_path / 'images', '--database', path, *option)
+        database = pycolmap.Database.open(path)
+        positions = [database.read_keypoints(i + 1)[:, :2] + shift for i, shift in enumerate(shifts)]
+        found = [positions[i][rows[:, 0]] - positions[j][rows[:, 1]] for i, j in itertools.combinations(range(4), 2)
+                 for rows in [database.read_two_view_geometry(i + 1, j + 1).inlier_matches]]
+        database.close()
+        errors[len(option)] = np.hypot(*np.concatenate(found).T)
+    detected, refined = (np.percentile(found, (50, 95)) for found in errors.values())
+    assert len(errors[1]) > .7 * len(errors[0]) > 1000
+    assert (refined < detected / 2).all() and refined[1] < 1, (detected, refined)
+
+
 # Pictures
 
 def test_draw(folder, tmp_path):
     picture = tmp_path / 'matches.png'
     finished = run('draw', folder / '00.png', folder / '00.png', '--out', picture)
-    count = len(expected(noise(0))['x'])
-    assert re.search(rf'{count} and {count} features', finished.stdout) and Image.open(picture).size == (320, 120)
-    assert int(re.search(r': (\d+) matches', finished.stdout).group(1)) > count / 2
+    agree, count = map(int, re.search(r': (\d+) of (\d+) matches agree', finished.stdout).groups())
+    assert agree == count > len(expected(noise(0))['x']) / 2 and Image.open(picture).size == (320, 120)
     refused('exists; --overwrite', 'draw', folder / '00.png', folder / '01.png', '--out', picture)
     refused('x.txt must end with .png', 'draw', 'absent.png', 'absent.png', '--out', tmp_path / 'x.txt')
     (tmp_path / 'text').write_text('no image')
     refused('text: it is no image', 'draw', folder / '00.png', tmp_path / 'text', '--out', tmp_path / 'x.png')
+
+
+def is_red(picture):
+    return (np.asarray(Image.open(picture)) == [255, 0, 0]).all(2).any()
+
+
+def test_draw_verifies(folder, tmp_path):
+    pixels = np.asarray(Image.fromarray(noise(5, 480, 640)).resize((960, 720), Image.BICUBIC))
+    second = np.roll(pixels, 9, 1)
+    second[100:240, 100:240] = pixels[140:280, 160:300]  # no geometry has both squares
+    second[400:540, 600:740] = pixels[460:600, 560:700]
+    for name, image in ('a.png', pixels), ('b.png', second):
+        Image.fromarray(image).save(tmp_path / name)
+    call = ['draw', tmp_path / 'a.png', tmp_path / 'b.png', '--num-features', 2000, '--out']
+    finished = run(*call, tmp_path / 'x.png')
+    agree, count = map(int, re.search(r': (\d+) of (\d+) matches agree', finished.stdout).groups())
+    assert 100 < agree < count - 5 and not is_red(tmp_path / 'x.png') and finished.stderr == ''
+    assert run(*call, tmp_path / 'all.png', '--all').stdout.endswith(f'all.png: {agree} of {count} matches agree\n')
+    assert is_red(tmp_path / 'all.png')
+    finished = command('draw', folder / '00.png', folder / '01.png', '--out', tmp_path / 'x.png', '--overwrite')
+    assert 'fewer than 15 agree: the images probably do not show the same place' in finished.stderr
 
 
 def test_an_image_has_room_for_its_descriptors():

@@ -6,6 +6,7 @@
 
 import json
 import os
+import re
 import shutil
 
 import numpy as np
@@ -135,6 +136,14 @@ def test_search(features, folder, tmp_path):
     assert [list(map(str, one.values()))[1:] for one in objects] == [row[1:] for row in found[1:]]
     assert objects[0]['photograph'] == f'{tmp_path}/new\n.png'
     refused('3 photographs not searched for', *call, '--strict')
+
+
+def test_a_photograph_of_another_place(features, tmp_path):
+    Image.fromarray(noise(77, 280, 320)).save(tmp_path / 'other.png')
+    call = ['search', features, tmp_path / 'other.png']
+    finished = run(*call)
+    assert re.search('Probably of no place in the folder:\n.*other.png: no image has 15 inliers', finished.stderr)
+    refused('no image has 15 inliers', *call, '--strict')
 
 
 def index_of(path):

@@ -17,6 +17,8 @@ def add(commands):
     parser.add_argument('--images', required=True, metavar='FOLDER', help='to which the names of images are relative')
     parser.add_argument('--database', required=True, metavar='FILE', help='new file, such as scene.db')
     parser.add_argument('--append', action='store_true', help='add what is not in a database that exists')
+    parser.add_argument('--refine', action='store_true',
+                        help='refine positions by tracks, against one image each, for an exact bundle adjustment')
     parser.add_argument('--camera-mode', choices=['AUTO', 'SINGLE', 'PER_FOLDER', 'PER_IMAGE'], default='AUTO',
                         help='which images have a camera in common; as their EXIF data say by default')
     parser.add_argument('--camera-model', metavar='MODEL', help='of COLMAP (SIMPLE_RADIAL)')
@@ -33,11 +35,11 @@ def run(given):
     reader = {name: getattr(given, name) for name in names if getattr(given, name) is not None}
     for folder in filter(None, (given.features, given.matches)):
         options.store_at(folder)
-    images, pairs, left_out = colmap.export(given.features, given.matches, given.images, given.database,
-                                            given.camera_mode, reader, given.append)
+    images, pairs, left_out, needs = colmap.export(given.features, given.matches, given.images, given.database,
+                                                   given.camera_mode, reader, given.append, given.refine)
     options.list_failures(left_out, f'{options.count_of(len(left_out), "image")} left out')
     options.say(given, f'{given.database}: {options.count_of(images, "new image")}, '
-                f'{options.count_of(pairs, "new pair")}')
+                f'{options.count_of(pairs, "new pair")}' + (f'; {needs}' if needs else ''))
     if not images + pairs and not given.append:
         raise Refused('COLMAP read none of the images')
     return int(bool(given.strict and left_out))

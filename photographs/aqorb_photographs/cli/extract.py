@@ -42,7 +42,7 @@ def run(given):
         raise Refused('there is nothing to extract: name a folder or a file')
     paths, left_out, unlisted = images.list_files(sources, given.include, given.exclude, out)
     root = os.path.abspath(given.root or root_of(sources))
-    detector, how = aqorb.AdaptiveQuadtreeORB_create(given.num_features), options.reading_of(given)
+    detector, how = options.detector_of(given), options.reading_of(given)
     before = store.Features(out) if os.path.isdir(out) else None
     if before:
         store.clean(out)

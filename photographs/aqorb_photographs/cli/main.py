@@ -54,4 +54,4 @@ def call(arguments):
     except MemoryError:
         return 'aqorb: there is not enough memory'
     except (ValueError, EOFError, RuntimeError) as error:
-        return f'aqorb: {" ".join(str(error).split())}'
+        return f'aqorb: {options.shown(" ".join(str(error).split()))}'

@@ -34,7 +34,8 @@ def add(commands):
     parser.add_argument('--min-gap', type=options.positive, default=1, metavar='N',
                         help='retrieval leaves out images nearer than N in the order of names, for the loops of a video')
     parser.add_argument('--verify', action=argparse.BooleanOptionalAction,
-                        help='find the matches that agree on a fundamental matrix; by default of pairs by retrieval alone')
+                        default=True,
+                        help='find the matches that agree on a fundamental matrix; COLMAP needs them (the default)')
     parser.add_argument('--part-size', type=options.positive, default=4096, metavar='N',
                         help='pairs after which what is done is saved (%(default)s)')
     options.add_words(parser)
@@ -48,12 +49,10 @@ def run(given):
         raise Refused('--out must name another folder than that of the features')
     features = store.Features(given.features, ['name', 'x', 'y', 'response', 'descriptors'])
     features.parameters()
-    blocks, total, is_verified = pairs_of(given, features)
-    if given.verify is not None:
-        is_verified = given.verify
-    match_pair = function_of(given, is_verified)
+    blocks, total = pairs_of(given, features)
+    match_pair = function_of(given)
     matches = store.Matches(out, features)
-    parameters = {'ratio': given.ratio, 'max_distance': given.max_distance, 'verified': is_verified}
+    parameters = {'ratio': given.ratio, 'max_distance': given.max_distance, 'verified': given.verify}
     matches.agree(parameters)
     aqorb.setNumThreads(1)  # the pairs are what is divided among threads
     done = count = 0
@@ -82,9 +81,9 @@ def run(given):
     return int(not total)
 
 
-def function_of(given, is_verified):
+def function_of(given):
     """What matches the positions and the descriptors of two images."""
-    if is_verified:
+    if given.verify:
         from aqorb_photographs import places
         return lambda both: places.match(*both, given.ratio, given.max_distance)
 
@@ -96,23 +95,23 @@ def function_of(given, is_verified):
 
 
 def pairs_of(given, features):
-    """Arrays of pairs of images, how many pairs there are, and whether they are similar rather than near."""
+    """Arrays of pairs of images, and how many pairs there are."""
     import numpy as np
     count = len(features.images)
     kinds = dict(re.findall(r'(sequential|retrieval):([1-9][0-9]*)', given.pairs))
     if '+'.join(f'{kind}:{reach}' for kind, reach in kinds.items()) == given.pairs and 'retrieval' in kinds:
         pairs = similar(given, features, int(kinds['retrieval']), int(kinds.get('sequential', 0)))[0]
-        return [pairs], len(pairs), True
+        return [pairs], len(pairs)
     if kinds and given.pairs == f'sequential:{kinds.get("sequential")}' or given.pairs == 'exhaustive':
         reach = min(int(kinds.get('sequential', count)), max(count - 1, 0))
         blocks = (np.column_stack([np.full(last - first, first - 1), np.arange(first, last)])
                   for first in range(1, count) for last in [min(first + reach, count)])
-        return blocks, reach * count - reach * (reach + 1) // 2, False
+        return blocks, reach * count - reach * (reach + 1) // 2
     if given.pairs != '-' and not os.path.isfile(given.pairs):
         raise Refused('--pairs must be sequential:K, retrieval:K, both joined by a +, exhaustive or a file, got '
                       + given.pairs)
     pairs = list_of(given.pairs, features)
-    return [pairs], len(pairs), False
+    return [pairs], len(pairs)
 
 
 def list_of(path, features):

@@ -35,6 +35,8 @@ def add_reading(parser):
     """How images are read, and how many features are detected."""
     parser.add_argument('--num-features', type=positive, default=1000, metavar='N',
                         help='features of an image, at most (%(default)s)')
+    parser.add_argument('--set', action='append', default=[], metavar='NAME=VALUE',
+                        help='set a property of the detector, such as StrengthWeight=4; may be repeated')
     parser.add_argument('--max-size', type=positive, metavar='PIXELS', help='reduce images whose longer side is longer')
     parser.add_argument('--max-pixels', type=positive, default=images.Reading().max_pixels, metavar='N',
                         help='leave out images with more, after --max-size of a JPEG (%(default)s)')
@@ -45,6 +47,22 @@ def add_reading(parser):
 
 def reading_of(given):
     return images.Reading(given.max_size, not given.ignore_orientation, given.stretch, given.max_pixels)
+
+
+def detector_of(given):
+    """A detector with the properties that the command sets."""
+    detector = aqorb.AdaptiveQuadtreeORB_create(given.num_features)
+    names = [name[3:] for name in dir(detector) if name.startswith('set')]
+    for name, _, value in (text.partition('=') for text in given.set):
+        if name not in names:
+            raise Refused(f'--set {name}: the detector has {", ".join(names)}')
+        kind = type(getattr(detector, 'get' + name)())
+        try:
+            number = kind(float(value) if kind is float else int(value))
+        except ValueError:
+            raise Refused(f'--set {name}: must be a number, got {value!r}') from None
+        getattr(detector, 'set' + name)(number)
+    return detector
 
 
 def add_threads(parser):

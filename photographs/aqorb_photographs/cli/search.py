@@ -26,7 +26,8 @@ def add(commands):
     parser.add_argument('--json', action='store_true', help='print an object a line')
     parser.add_argument('--draw', metavar='FILE', help='draw the best pair')
     parser.add_argument('--images', metavar='FOLDER', help='where the images are now, to draw one')
-    parser.add_argument('--strict', action='store_true', help='exit with 1 if a photograph failed')
+    parser.add_argument('--strict', action='store_true',
+                        help='exit with 1 if a photograph failed, or is probably of no place in the folder')
     parser.add_argument('--overwrite', action='store_true', help='replace a file that exists')
     options.add_words(parser)
 
@@ -57,7 +58,7 @@ def run(given):
         return 1
     import pyarrow as pa
     index = options.index_of(features, given)
-    best = -1, None, None, ()
+    best, unknown = (-1, None, None, ()), []
     if not given.json:
         print('photograph\timage\tmatches\tinliers')
     rows = pa.concat_tables([row for _, row in queries])
@@ -68,10 +69,13 @@ def run(given):
                 print(json.dumps(dict(zip(('photograph', 'image', 'matches', 'inliers'), values))))
             else:
                 print(*map(options.shown, values[:2]), matches, inliers, sep='\t')
+        if found[0][0] < places.MIN_INLIERS:
+            unknown.append((name, f'no image has {places.MIN_INLIERS} inliers'))
         if found[0][0] > best[0]:
             best = found[0][0], name, found[0][2], found[0][3:]
     if given.draw:
         reading = how._replace(max_size=640)
         paths = best[1], features.path(best[2], given.images)
-        draw.save(given.draw, [draw.read(path, reading) for path in paths], best[3])
-    return int(bool(given.strict and failures))
+        draw.save(given.draw, [images.read_file(path, reading) for path in paths], best[3])
+    options.list_failures(unknown, 'Probably of no place in the folder')
+    return int(bool(given.strict and failures + unknown))
