@@ -350,7 +350,7 @@ val fingerprint(bool balanced, const std::string& name)
     return guarded(
         [&]
         {
-            FingerprintLines lines(balanced ? AdaptiveQuadtreeORB::BALANCED_SELECTION
+            FingerprintLines lines(balanced ? AdaptiveQuadtreeORB::QUADTREE_SELECTION
                                             : AdaptiveQuadtreeORB::RANKED_SELECTION);
             std::string text = lines.scenes();
             if (!name.empty())
