@@ -32,7 +32,7 @@ that return keypoints then return an array. setNumThreads and getNumThreads are 
 
 import functools as _functools
 import types as _types
-from ._aqorb import (AdaptiveQuadtreeORB, AdaptiveQuadtreeORB_BALANCED_SELECTION,
+from ._aqorb import (AdaptiveQuadtreeORB, AdaptiveQuadtreeORB_QUADTREE_SELECTION,
                      AdaptiveQuadtreeORB_RANKED_SELECTION, AdaptiveQuadtreeORB_create, HammingMatcher,
                      HammingMatcher_create, __version__, _build_information, _from_text, adaptiveFastThreshold,
                      distributionOccupancy, distributionUniformity, getNumThreads, keypoint_dtype, keypointsFromArray,
@@ -40,7 +40,7 @@ from ._aqorb import (AdaptiveQuadtreeORB, AdaptiveQuadtreeORB_BALANCED_SELECTION
                      retainUniform, setNumThreads)
 from ._feature_batch import FeatureBatch
 
-__all__ = ['AdaptiveQuadtreeORB', 'AdaptiveQuadtreeORB_BALANCED_SELECTION', 'AdaptiveQuadtreeORB_RANKED_SELECTION',
+__all__ = ['AdaptiveQuadtreeORB', 'AdaptiveQuadtreeORB_QUADTREE_SELECTION', 'AdaptiveQuadtreeORB_RANKED_SELECTION',
            'AdaptiveQuadtreeORB_create', 'FeatureBatch', 'HammingMatcher', 'HammingMatcher_create',
            'adaptiveFastThreshold', 'computeImageFeatures2', 'distributionOccupancy', 'distributionUniformity', 'error',
            'getNumThreads', 'keypoint_dtype', 'keypointsFromArray', 'keypointsToArray', 'knnMatchArrays', 'matchArrays',

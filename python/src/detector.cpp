@@ -387,7 +387,7 @@ void addDetector(py::module_& module)
     addFeature2D(detector);
     module.attr("AdaptiveQuadtreeORB_create") = detector.attr("create");
     module.attr("AdaptiveQuadtreeORB_RANKED_SELECTION") = int(Library::RANKED_SELECTION);
-    module.attr("AdaptiveQuadtreeORB_BALANCED_SELECTION") = int(Library::BALANCED_SELECTION);
+    module.attr("AdaptiveQuadtreeORB_QUADTREE_SELECTION") = int(Library::QUADTREE_SELECTION);
 }
 
 }  // namespace aqorb_python

@@ -49,7 +49,7 @@ static reference::Settings settingsFrom(FuzzedDataProvider& data)
 static void drawSelection(FuzzedDataProvider& data, reference::Settings& s)
 {
     if (data.ConsumeBool())
-        s.selectionType = AdaptiveQuadtreeORB::BALANCED_SELECTION;
+        s.selectionType = AdaptiveQuadtreeORB::QUADTREE_SELECTION;
     if (data.ConsumeBool())
         s.strengthWeight = data.ConsumeFloatingPointInRange(0., data.ConsumeBool() ? 1000. : 1.);
     if (data.ConsumeBool())

@@ -89,10 +89,6 @@ public:
 private:
     void process(InputArray image, InputArray mask, std::vector<KeyPoint>& keypoints, OutputArray descriptors,
                  bool useProvidedKeypoints);
-    PositionMap positionsOf(Size imageSize, const Level& level) const
-    {
-        return {imageSize, level.image.size(), level.scale, parameters.edgeThreshold, parameters.subPixel};
-    }
     template <typename T> void set(T Parameters::*field, T value)
     {
         Parameters changed = parameters;
@@ -202,13 +198,17 @@ try
         parameters.checkTogether(parameters.nlevels);
 
     // Pyramid.
+    const SelectionMethod method = selectionMethod(parameters);
+    const auto positionsOf = [&](const Level& level) {
+        return PositionMap{size, level.image.size(), level.scale, parameters.edgeThreshold, method.subPixel};
+    };
     const int shortest = useProvidedKeypoints ? 1 : parameters.shortestSide();
     const PyramidRule rule = {parameters.firstLevel, parameters.scaleFactor,
                               useProvidedKeypoints ? int(features.size()) : parameters.nlevels, shortest};
     std::vector<Level> levels = makePyramid(input, rule, threads, space.pyramid);
     for (Level& level : levels)
         if (!level.isInput && !input.mask.empty())
-            maskPositions(input.mask, positionsOf(size, level), level.mask);
+            maskPositions(input.mask, positionsOf(level), level.mask);
 
     // Thresholds, corners and selection.
     if (!useProvidedKeypoints)
@@ -218,7 +218,7 @@ try
                                     : NEUTRAL_CONTRAST;
         const Thresholds thresholds =
             fastThresholds(contrast, parameters.fastThreshold, parameters.minThresholdRatio);
-        features = selectFeatures(parameters, tables.strengthPatch, size, levels, thresholds, threads,
+        features = selectFeatures(parameters, method, tables.strengthPatch, size, levels, thresholds, threads,
                                   space.corners);
     }
 
@@ -230,7 +230,7 @@ try
             [&](size_t i, int thread)
             {
                 const Level& level = levels[ranges[i].level];
-                const DescriptionRules rules = {&input.mask, positionsOf(size, level),
+                const DescriptionRules rules = {&input.mask, positionsOf(level),
                                                 useProvidedKeypoints ? 0 : &tables.patch,
                                                 withDescriptors ? &tables.tests : 0};
                 describeFeatures(level, rules, ranges[i].features, features[ranges[i].level],
