@@ -77,8 +77,32 @@ def test_error_is_what_users_catch(orb):
         orb.detect(np.zeros((4, 5)))
     with pytest.raises(TypeError):
         orb.detect('image.png')
-    with pytest.raises(TypeError):
-        aqorb.AdaptiveQuadtreeORB()
+    for arguments in (), (500,):
+        with pytest.raises(TypeError, match=r'call aqorb\.AdaptiveQuadtreeORB\.create or'):
+            aqorb.AdaptiveQuadtreeORB(*arguments)
+
+
+def test_classes_of_pybind11_have_no_instances():
+    base = aqorb.HammingMatcher.__mro__[1]  # used to end the process
+    for kind in base, type('Other', (base,), {}):
+        for call in (kind, lambda: kind.__new__(kind), lambda: base.__new__(kind)):
+            with pytest.raises(TypeError, match='cannot create .* instances'):
+                call()
+    assert type('Mine', (aqorb.HammingMatcher,), {})().match(None, None) == ()
+
+
+def test_memoryviews(orb, image):
+    expected, mask = orb.detectAndComputeArrays(image, image > 99), image > 99
+    for found in (orb.detectAndComputeArrays(memoryview(image), memoryview(mask)),
+                  orb.detectAndComputeArrays(memoryview(image.tobytes()).cast('B', image.shape), mask),
+                  orb.compute(memoryview(image), expected[0]),
+                  [values[0] for values in orb.compute([memoryview(image)], [expected[0]])]):
+        assert np.array_equal(found[0], expected[0]) and np.array_equal(found[1], expected[1])
+    assert len(orb.detect(memoryview(image))) == 300
+    rows = memoryview(expected[1])
+    assert np.array_equal(aqorb.matchArrays(rows, rows)[0], aqorb.matchArrays(expected[1], expected[1])[0])
+    with pytest.raises(aqorb.error, match=r'image must be uint8 .*, got an array of dtype uint8 and shape \(5,\)'):
+        orb.detect(memoryview(b'black'))
 
 
 def test_mask_of_bool(orb, image):
@@ -198,9 +222,11 @@ def test_objects_and_methods_are_pickled_and_copied_or_refused(orb, image):
     for owner in orb, matcher, batch, aqorb.AdaptiveQuadtreeORB, aqorb.HammingMatcher, aqorb:
         for _, member in inspect.getmembers(owner):
             try:
-                copies_of(member)
+                copies = copies_of(member)
             except (TypeError, pickle.PicklingError):
-                pass
+                continue
+            assert {(type(other), getattr(other, '__name__', other)) for other in copies} == {
+                (type(member), getattr(member, '__name__', member))}
 
 
 SUBINTERPRETER = '''
