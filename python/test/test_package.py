@@ -19,7 +19,7 @@ import numpy as np
 import pytest
 
 import aqorb
-from conftest import FOLDER
+from conftest import FOLDER, noise
 
 # cv2 4.6 has no stubs, nor have other packages that the documents' programs use.
 MYPY = '[mypy]\n[mypy-cv2.*,pyarrow.*,PIL.*,pycolmap.*,aqorb_photographs.*]\nignore_missing_imports = True\n'
@@ -195,6 +195,20 @@ def test_stub_accepts_the_programs_of_the_documents(tmp_path, mypy):
     errors = [line for line in run.stdout.splitlines()
               if ': error: ' in line and not re.search('"(ORB_create|drawMatches|spark)"', line)]
     assert not errors and 'checked' in run.stdout, run.stdout
+
+
+@pytest.mark.parametrize('shape', [(480, 640), (1, 1), (20, 30)])
+def test_program_of_readme_on_black_images(tmp_path, shape):
+    readme = pathlib.Path(__file__).resolve().parents[2] / 'README.md'
+    if not readme.exists():
+        pytest.skip('there is no README.md')
+    program = re.search(r'^```python\n(import sys\n.*?)^```', readme.read_text(), re.MULTILINE | re.DOTALL).group(1)
+    cv.imwrite(str(tmp_path / 'black.png'), np.zeros(shape, np.uint8))
+    cv.imwrite(str(tmp_path / 'noise.png'), noise(1))
+    for other in 'black.png', 'noise.png':
+        run = subprocess.run([sys.executable, '-c', program, 'black.png', other], cwd=str(tmp_path), text=True,
+                             stdout=subprocess.PIPE, stderr=subprocess.STDOUT, timeout=60)
+        assert (run.returncode, run.stdout) == (0, '0 of 0 matches agree\n')
 
 
 def copies_of(thing):
