@@ -123,6 +123,7 @@ row_debian13() {
 released() {
     [[ $bytes_only && -e $BUILD/opencv-$1/OpenCVConfig.cmake ]] || "$ROOT/scripts/opencv.sh" --release "$1"
     compiled "opencv$1"
+    [[ $bytes_only ]] || ctest --test-dir "$BUILD/opencv$1" --output-on-failure -R '^Aqorb_Package\.(install|readme)$'
 }
 
 row_opencv4() { released 4; }

@@ -14,9 +14,12 @@ import logging
 import os
 import sys
 
-import pyarrow as pa
-import ray
-import ray.data
+try:
+    import pyarrow as pa
+    import ray
+    import ray.data
+except ImportError as error:
+    sys.exit(f"{error}. This sample also needs: pip install 'ray[data]'")
 
 import aqorb
 from aqorb_photographs import images, store

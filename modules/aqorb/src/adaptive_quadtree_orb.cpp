@@ -122,24 +122,26 @@ Ptr<AdaptiveQuadtreeORB> AdaptiveQuadtreeORB::create(int nfeatures, float scaleF
     return makePtr<AdaptiveQuadtreeORBImpl>(parameters);
 }
 
-// Has an owner for each scope of this thread, and one more. So scopes may end in any order, and on any thread.
-static const std::shared_ptr<void>& scopesOfThread()
+// The number of scopes of this thread. A scope that outlives its thread keeps the number alive.
+static const std::shared_ptr<std::atomic<int>>& scopesOfThread()
 {
-    static thread_local const std::shared_ptr<void> scopes = std::make_shared<char>();
+    static thread_local const auto scopes = std::make_shared<std::atomic<int>>(0);
     return scopes;
 }
 
 SingleThreadScope::SingleThreadScope() : scopes(scopesOfThread())
 {
+    ++*scopes;
 }
 
 SingleThreadScope::~SingleThreadScope()
 {
+    --*scopes;
 }
 
 int threadsAllowed()
 {
-    return scopesOfThread().use_count() > 1 ? 1 : std::max(getNumThreads(), 1);
+    return *scopesOfThread() > 0 ? 1 : std::max(getNumThreads(), 1);
 }
 
 void AdaptiveQuadtreeORBImpl::buildPyramid(InputArray image_, OutputArrayOfArrays levels_) const

@@ -11,6 +11,7 @@
 #include <opencv2/aqorb/refinement.hpp>
 #include <opencv2/core.hpp>
 
+#include <atomic>
 #include <memory>
 
 /**
@@ -256,8 +257,8 @@ public:
     CV_WRAP virtual String getDefaultName() const CV_OVERRIDE;
 };
 
-/** @brief While an object of this class exists, detectors process the calls of the thread that made it on that thread
-alone. It is for programs whose own threads process an image each.
+/** @brief While an object of this class exists, every call of the module by the thread that made it runs on that thread
+alone: detectors, matchers and refineMatches. It is for programs whose own threads process an image each.
 
 There may be several at a time. They may end in any order, and on any thread. */
 class CV_EXPORTS SingleThreadScope
@@ -268,7 +269,7 @@ public:
     SingleThreadScope(const SingleThreadScope&) = delete;
 
 private:
-    const std::shared_ptr<void> scopes;  // of the thread that made it
+    const std::shared_ptr<std::atomic<int>> scopes;  //!< number of scopes of the thread that made this one
 };
 
 /** @brief The adaptive FAST threshold of an image: variance over mean of the grey values, equation (7) of
