@@ -91,7 +91,7 @@ def test_ray(photographs, table, tmp_path):
 
 
 def test_the_function_for_spark(photographs, table):
-    page = HERE.parent.parent / 'modules/aqorb/tutorials/aqorb_many_images/aqorb_many_images.markdown'
+    page = HERE.parent / 'many_images.md'
     code = page.read_text().split('mapInArrow`:\n\n```python\n')[1].split('# Spark begins here.')[0]
     names = {}
     exec(code, names)

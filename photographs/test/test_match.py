@@ -130,6 +130,7 @@ def test_export(phone, tmp_path):
     assert os.listdir(tmp_path) == ['x.db'] and '8 new images, 28 new pairs' in finished.stdout
     assert 'x.webp: this COLMAP does not read it' in finished.stderr
     found, matches = rows(phone / 'f'), matches_of(phone / 'm')
+    assert sum(len(row['inliers']) >= 15 for row in matches.values()) > 20  # without them the mapper finds no model
     database = pycolmap.Database.open(path)
     images = {image.name: image for image in database.read_all_images()}
     assert database.num_frames() == 8 and database.num_pose_priors() == 8

@@ -183,7 +183,7 @@ def test_stub_accepts_the_programs_of_the_documents(tmp_path, mypy):
     root = pathlib.Path(__file__).resolve().parents[2]
     if not (pathlib.Path(cv.__file__).parent / '__init__.pyi').exists() or not (root / 'README.md').exists():
         pytest.skip('cv2 has no annotations, or there are no documents')
-    text = '\n'.join(path.read_text() for path in [*root.glob('*.md'), root / 'python/README.md',
+    text = '\n'.join(path.read_text() for path in [*root.glob('*.md'), *root.glob('p*/*.md'),
                                                    *root.glob('modules/aqorb/tutorials/*/*.markdown')])
     programs = [program for program in re.findall(r'^```python\n(.*?)^```', text, re.MULTILINE | re.DOTALL)
                 if re.search('^(import|from) aqorb', program, re.MULTILINE)]

@@ -33,8 +33,7 @@ def add(commands):
                         help='keep what differs in at most so many bits')
     parser.add_argument('--min-gap', type=options.positive, default=1, metavar='N',
                         help='retrieval leaves out images nearer than N in the order of names, for the loops of a video')
-    parser.add_argument('--verify', action=argparse.BooleanOptionalAction,
-                        default=True,
+    parser.add_argument('--verify', action=argparse.BooleanOptionalAction, default=True,
                         help='find the matches that agree on a fundamental matrix; COLMAP needs them (the default)')
     parser.add_argument('--part-size', type=options.positive, default=4096, metavar='N',
                         help='pairs after which what is done is saved (%(default)s)')
