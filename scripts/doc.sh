@@ -19,14 +19,7 @@ if [[ ${1:-} == --opencv ]]; then
     need build zlib1g-dev
     opencv_source
     folder=$BUILD/opencv-doc
-    options=(-DBUILD_LIST=aqorb -DBUILD_DOCS=ON -DOPENCV_DOWNLOAD_TRIES_LIST=)
-    for feature in ADE IPP ITT JASPER JPEG OPENCL OPENEXR OPENJPEG PNG PROTOBUF QUIRC TIFF WEBP; do
-        options+=("-DWITH_$feature=OFF")  # none of which Debian's source package holds
-    done
-    rm -rf "$folder"
-    mkdir -p "$folder"
-    cmake -S "$OPENCV_SOURCE" -B "$folder" "${options[@]}" -DOPENCV_EXTRA_MODULES_PATH="$ROOT/modules" \
-        >"$folder/configure.log" 2>&1 || die "OpenCV's configuration failed; see $folder/configure.log"
+    configure_opencv opencv-doc "$ROOT/modules" -DBUILD_LIST=aqorb -DBUILD_DOCS=ON -DWITH_JPEG=OFF -DWITH_PNG=OFF
     cmake --build "$folder" --target doxygen_cpp >"$folder/doc.log" 2>&1 || die "see $folder/doc.log"
     if grep 'aqorb.*warning:' "$folder/doc.log"; then die "warnings"; fi
     html=$folder/doc/doxygen/html
