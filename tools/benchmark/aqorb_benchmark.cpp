@@ -51,6 +51,13 @@ const char* const KEYS = "{help     | | print this text }"
                          "{busy     | 0 | threads that keep processors busy meanwhile }"
                          "{@command | | what to measure }";
 
+const std::vector<std::string> FRAMES = {"bikes/img1.png",    "leuven/img1.png", "bark/img1.png",
+                                         "trees/img1.png",    "ubc/img1.png",    "perf/640x512.png",
+                                         "perf/1920x1080.png"};
+const std::vector<std::string> PAIRS = {
+    "bikes/img1.png", "bikes/img2.png", "leuven/img1.png", "leuven/img2.png", "bark/img1.png",
+    "bark/img2.png",  "trees/img1.png", "trees/img2.png",  "ubc/img1.png",    "ubc/img2.png"};
+
 typedef std::function<Ptr<Feature2D>(int nfeatures)> Creator;
 
 struct Options
@@ -68,9 +75,11 @@ Mat loadImage(const std::string& name)
     if (std::sscanf(name.c_str(), "%dx%d%c", &size.width, &size.height, &more) == 2)
         return opencv_test::makeStreetScene(size);
     const char* const data = std::getenv("OPENCV_TEST_DATA_PATH");
-    const bool isFile = !data || std::ifstream(name).good();
-    const std::string folder =
-        isFile ? "" : std::string(data) + "/cv/detectors_descriptors_evaluation/images_datasets/";
+    std::string folder;
+    if (data && !std::ifstream(name))
+        folder = data + std::string(name.find("perf/") == 0
+                                        ? "/"
+                                        : "/cv/detectors_descriptors_evaluation/images_datasets/");
     const Mat image = imread(folder + name, IMREAD_GRAYSCALE);
     if (image.empty())
         CV_Error(Error::StsObjectNotFound, name + ": no such image");
@@ -88,10 +97,14 @@ Creator creatorOf(const std::string& library)
     if (!symbol)
         CV_Error(Error::StsBadArg, library + " is not a shared library of aqorb: " + dlerror());
     const Create create = reinterpret_cast<Create>(symbol);
-    if (create == static_cast<Create>(&AdaptiveQuadtreeORB::create))
-        CV_Error(Error::StsBadArg, library + " is the library that is measured already");
     // No symbol has the default values.
     return [create](int n) { return create(n, 1.2f, 8, 16, 0, 2, ORB::HARRIS_SCORE, 31, 20); };
+}
+
+void keepBusy()
+{
+    for (volatile bool isBusy = true; isBusy;)
+        continue;
 }
 
 void touchOtherMemory()
@@ -114,7 +127,7 @@ public:
                  const std::function<void()>& ours)
     {
         std::vector<double> times[2], quotients;
-        for (int turn = 0; turn <= options.turns; turn++)
+        for (int turn = 0; turn <= std::max(options.turns, 1); turn++)
         {
             double ms[2];
             for (int i = 0; i < 2; i++)
@@ -212,12 +225,6 @@ void measurePairs(const Options& options, const std::vector<std::string>& images
     }
 }
 
-void keepBusy()
-{
-    for (volatile unsigned counter = 0;; counter = counter + 1)
-        continue;
-}
-
 }  // namespace
 
 int main(int argc, char** argv)
@@ -230,22 +237,17 @@ try
     std::vector<std::string> images;
     std::copy_if(argv + 1, argv + argc, std::back_inserter(images),
                  [](const char* a) { return a[0] != '-'; });
-    if (parser.has("help") || images.size() <= size_t(isBeside) ||
-        (!isBeside && !isPair && command != "frames"))
+    if (images.size() <= size_t(isBeside) || (!isBeside && !isPair && command != "frames"))
         return parser.printMessage(), !parser.has("help");
     const Creator create = isBeside ? creatorOf(images[1]) : Creator();
     images.erase(images.begin(), images.begin() + 1 + isBeside);
     if (images.empty())
-        for (const std::string set : {"bikes", "leuven", "bark", "trees", "ubc"})
-            for (int i = 1; i <= 1 + isPair; i++)
-                images.push_back(format("%s/img%d.png", set.c_str(), i));
-
+        images = isPair ? PAIRS : FRAMES;
     for (int i = 0; i < parser.get<int>("busy"); i++)
         std::thread(keepBusy).detach();
     setNumThreads(parser.get<int>("threads"));
-    const int n = parser.get<int>("n");
-    const Options options = {n > 0 ? std::vector<int>(1, n) : std::vector<int>{500, 1000, 2000},
-                             std::max(parser.get<int>("turns"), 1), parser.has("cold")};
+    const std::vector<int> one(1, parser.get<int>("n")), several = {500, 1000, 2000};
+    const Options options = {one[0] > 0 ? one : several, parser.get<int>("turns"), parser.has("cold")};
     isPair ? measurePairs(options, images) : measureFrames(options, create, images);
     return 0;
 }
