@@ -1,13 +1,15 @@
 #!/usr/bin/env bash
 # Makes the files of a release that can be made on Debian, in build/release-files, with their checksums, and publishes
-# nothing: the source distribution and the wheel for this system, and the site. It fails if a check of these files, or of the workflows that make those of all systems, finds anything.
+# nothing: the source distribution and the wheel for this system, and the site. It fails if a check of these files, or of
+# the workflows that make those of all systems, finds anything.
 #
 #   scripts/release.sh
 #   scripts/release.sh --check
 #   scripts/release.sh --workflows | --version | --tag TAG | --notes
 #
 # With --check it runs what .ci/run leaves out because it hardly changes or takes long: the tests of the wheel beside other
-# cv2, of other CPUs, compilers and versions of OpenCV, of other programs with the preloaded library, and of the wrapper for Java. This takes hours.
+# cv2, of other CPUs, compilers and versions of OpenCV, of other programs with the preloaded library, and of the wrapper
+# for Java. This takes hours.
 #
 # With --workflows it checks what no build runs: the workflows, by actionlint and zizmor, and that all files say the same
 # version. With --version it prints the version, after that last check. --tag also fails unless TAG is v<version> and
@@ -34,40 +36,34 @@ check_version() {
 }
 
 workflows() {
-    local tools=$BUILD/venv/workflows actionlint=$CACHE/actionlint-$ACTIONLINT
+    local actionlint=$CACHE/actionlint-$ACTIONLINT
     need workflows
     command -v go >/dev/null || need golang-go
-    if ! cmp -s scripts/tools.txt "$tools/tools.txt"; then
-        environment "$tools" zizmor
-        cp scripts/tools.txt "$tools/"
-    fi
+    tools zizmor
     [[ -e $actionlint/actionlint ]] ||
         GOBIN=$actionlint GOFLAGS=-modcacherw go install "github.com/rhysd/actionlint/cmd/actionlint@$ACTIONLINT" ||
         die "go could not fetch actionlint; is there a network?"
     say "actionlint, zizmor"
     # It does not know this runner yet.
     "$actionlint/actionlint" -ignore 'label "macos-15-intel" is unknown' .github/workflows/*.yml
-    "$tools/bin/zizmor" --offline --quiet .github
+    "$TOOLS/zizmor" --offline --quiet .github
 }
 
 check() {
     workflows
-    scripts/wheel.sh --test
-    scripts/python.sh --offline
-    scripts/python.sh --asan
-    scripts/python.sh --hostile
+    local session
+    for session in wheel beside offline asan hostile; do scripts/python.sh "$session"; done
     scripts/compatibility.sh
     scripts/dropin.sh
     scripts/opencv.sh --java
-    scripts/contrib.sh --release 4
     scripts/measure.sh speed --smoke
-    [[ ! ${OPENCV_TEST_DATA_PATH:-} ]] || scripts/python.sh --collection
+    [[ ! ${OPENCV_TEST_DATA_PATH:-} ]] || scripts/python.sh collection
 }
 
 files() {
     local files=$BUILD/release-files
     workflows
-    scripts/wheel.sh
+    scripts/python.sh wheel
     scripts/doc.sh
     say "The files of version $VERSION"
     rm -rf "$files"

@@ -2,7 +2,7 @@
 # It is subject to the license terms in the LICENSE file found in the top-level directory
 # of this distribution.
 # SPDX-License-Identifier: Apache-2.0
-"""The long form of the tests of collections, which scripts/python.sh --collection runs: 500 photographs by the command,
+"""The long form of the tests of collections, which scripts/python.sh collection runs: 500 photographs by the command,
 the function and Ray, with and without a worker that is killed, and 10,000 small images. The photographs are crops of
 those in the folder that AQORB_PHOTOGRAPHS names."""
 

@@ -8,6 +8,7 @@ import sys
 
 from aqorb import _build_information
 
-if sys.argv[1:] not in ([], ['--version']):
-    sys.exit('the command aqorb is a package of its own; in a clone: pip install . ./photographs')
-print(_build_information())
+if __name__ == '__main__':
+    if sys.argv[1:] not in ([], ['--version']):
+        sys.exit('the command aqorb is a package of its own; in a clone: pip install . ./photographs')
+    print(_build_information())

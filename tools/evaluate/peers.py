@@ -5,11 +5,11 @@
 # SPDX-License-Identifier: Apache-2.0
 """Compares ORB detectors that pip installs, on the same images. scripts/measure.sh peers runs it.
 
-peers.py features METHOD DATA FOLDER   the features of all images, in FOLDER/METHOD.npz
-peers.py time METHOD DATA FOLDER       the time on one image after the other, in FOLDER/METHOD-THREADS.txt
+peers.py features DATA FOLDER METHOD   the features of all images, in FOLDER/METHOD.npz
+peers.py time DATA FOLDER METHOD       the time on one image after the other, in FOLDER/METHOD-THREADS.txt
 peers.py report DATA FOLDER METHOD...  prints a table of the methods
 
-DATA is the folder images_datasets of opencv_extra's testdata. The measures are those of tools/evaluate.
+DATA is the folder images_datasets of opencv_extra's testdata.
 """
 
 import os
@@ -19,8 +19,7 @@ import time
 import cv2
 import numpy as np
 
-sys.path.insert(0, os.path.join(os.path.dirname(os.path.abspath(__file__)), '..', 'evaluate'))
-import images  # noqa: E402 (after its folder is named)
+import images
 
 COUNT = 1000
 KORNIA_COUNT = 640  # asked for so many, kornia-rs finds about 1000 in the mean over these images
@@ -68,7 +67,7 @@ def version(method):
                     'kornia-fewer': ', asked for {}'.format(KORNIA_COUNT)}.get(method, '')
 
 
-def features(method, data, folder):
+def features(data, folder, method):
     detect, converted = detector(method)
     found = {'version': version(method)}
     for name in images.SETS:
@@ -79,7 +78,7 @@ def features(method, data, folder):
     np.savez(os.path.join(folder, method + '.npz'), **found)
 
 
-def measure_time(method, data, folder):
+def measure_time(data, folder, method):
     """The mean over the first images of the sets of the median time of a call, in ms. The number of threads is that of
     the processors that the process may use."""
     detect = detector(method)[0]
@@ -98,7 +97,7 @@ def measure_time(method, data, folder):
         file.write('{:.3f}\n'.format(np.mean(medians)))
 
 
-def row(method, data, folder):
+def row(data, folder, method):
     """A method's line of the table."""
     import aqorb
     import measures
@@ -129,7 +128,7 @@ def report(data, folder, *methods):
     print('| detector | ms, 1 thread | ms, 2 threads | keypoints | u | distinct matches | places | AUC at 5 px |')
     print('|---|---|---|---|---|---|---|---|')
     for method in methods:
-        print(row(method, data, folder))
+        print(row(data, folder, method))
 
 
 if __name__ == '__main__':
