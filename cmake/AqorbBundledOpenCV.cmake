@@ -1,14 +1,12 @@
 # The three modules of OpenCV that the library needs, built from OpenCV's source as static archives, for a Python
-# package that depends on no installed OpenCV, and for WebAssembly. Sets OpenCV_DIR.
+# package that depends on no installed OpenCV. Sets OpenCV_DIR.
 #
 # What is left out: GUI and codecs, because images come as arrays; TBB, LAPACK, IPP and OpenCL, because the module's
-# own kernels do the work and call none of them. The threads are those of OpenCV's own pool; WebAssembly has none. The
-# kernels of OpenCV that remain (conversion to grey, scaling) are dispatched up to AVX2.
+# own kernels do the work and call none of them. The threads are those of OpenCV's own pool. The kernels of OpenCV that
+# remain (conversion to grey, scaling) are dispatched up to AVX2.
 
-set(AQORB_OPENCV_RELEASE 4.14.0.94)
-set(sha256 4afa2ea1214453648be88259f035712454faa9039b686de7753569ba8eec1577)
 set(AQORB_OPENCV_SOURCE "" CACHE PATH
-  "Folder of OpenCV's source; empty: the source distribution of opencv-python-headless ${AQORB_OPENCV_RELEASE}, fetched by pip")
+  "Folder of OpenCV's source; empty: that of opencv_sources.txt, fetched by pip")
 set(AQORB_OPENCV_BUILD "${PROJECT_SOURCE_DIR}/build/pip/opencv" CACHE PATH
   "Folder where OpenCV is built once for the builds of all versions of Python")
 
@@ -16,20 +14,12 @@ set(source "${AQORB_OPENCV_SOURCE}")
 set(build "${AQORB_OPENCV_BUILD}/build")
 set(prefix "${AQORB_OPENCV_BUILD}/prefix")
 
-# run(<what> <command>...): with its output in a log.
+# aqorb_run(<what> <command>...): shows its output, so that pip -v is not silent for minutes.
 function(aqorb_run what)
-  set(log "${AQORB_OPENCV_BUILD}/${what}.log")
-  message(STATUS "OpenCV, static: ${what}; see ${log}")
-  execute_process(COMMAND ${ARGN} OUTPUT_FILE "${log}" ERROR_FILE "${log}" RESULT_VARIABLE failed)
+  message(STATUS "OpenCV, static: ${what}")
+  execute_process(COMMAND ${ARGN} RESULT_VARIABLE failed)
   if(failed)
-    file(STRINGS "${log}" lines)
-    list(LENGTH lines count)
-    math(EXPR first "${count} - 30")
-    if(first GREATER 0)
-      list(SUBLIST lines ${first} -1 lines)
-    endif()
-    list(JOIN lines "\n" lines)
-    message(FATAL_ERROR "OpenCV: ${what} failed, see ${log}:\n${lines}")
+    message(FATAL_ERROR "OpenCV: ${what} failed; the reason stands above")
   endif()
 endfunction()
 
@@ -37,40 +27,24 @@ endfunction()
 if(AQORB_BUILD_PYTHON)
   find_package(Python 3.9 COMPONENTS Interpreter Development.Module)
   if(NOT Python_FOUND)
-    message(FATAL_ERROR "Python's headers were not found. On Debian: sudo apt-get install python3-dev")
+    message(FATAL_ERROR "Python's headers were not found. On Debian: apt-get install python3-dev")
   endif()
 endif()
 
 file(MAKE_DIRECTORY "${AQORB_OPENCV_BUILD}")
 if(NOT source)
-  set(folder "opencv_python_headless-${AQORB_OPENCV_RELEASE}")
-  set(source "${AQORB_OPENCV_BUILD}/${folder}/opencv")
-  if(NOT EXISTS "${AQORB_OPENCV_BUILD}/fetched-${AQORB_OPENCV_RELEASE}")
-    find_package(Python 3.9 REQUIRED COMPONENTS Interpreter)
-    aqorb_run(fetch "${Python_EXECUTABLE}" -m pip download --no-deps --no-binary opencv-python-headless
-      --dest "${AQORB_OPENCV_BUILD}" "opencv-python-headless==${AQORB_OPENCV_RELEASE}")
-    set(archive "${AQORB_OPENCV_BUILD}/${folder}.tar.gz")
-    file(SHA256 "${archive}" found)
-    if(NOT found STREQUAL sha256)
-      message(FATAL_ERROR "${archive} is not what was expected: its SHA256 is ${found} instead of ${sha256}")
-    endif()
-    aqorb_run(unpack "${CMAKE_COMMAND}" -E chdir "${AQORB_OPENCV_BUILD}" "${CMAKE_COMMAND}" -E tar xzf "${archive}")
-    file(REMOVE "${archive}")
-    file(WRITE "${AQORB_OPENCV_BUILD}/fetched-${AQORB_OPENCV_RELEASE}" "")
-  endif()
+  find_package(Python 3.9 REQUIRED COMPONENTS Interpreter)
+  set(source "${AQORB_OPENCV_BUILD}/source/opencv")
+  aqorb_run(fetch "${CMAKE_COMMAND}" -DPACKAGE=opencv-python-headless -DMAJOR=4 "-DFOLDER=${AQORB_OPENCV_BUILD}"
+    "-DPYTHON=${Python_EXECUTABLE}" -P "${CMAKE_CURRENT_LIST_DIR}/fetch_opencv.cmake")
 endif()
 
 set(modules core,imgproc,features2d,features)
 set(options
-  -DCMAKE_BUILD_TYPE=Release -DCMAKE_POSITION_INDEPENDENT_CODE=ON
-  -DBUILD_SHARED_LIBS=OFF -DBUILD_LIST=${modules} -DBUILD_ZLIB=ON
-  -DBUILD_TESTS=OFF -DBUILD_PERF_TESTS=OFF -DBUILD_EXAMPLES=OFF -DBUILD_opencv_apps=OFF -DBUILD_JAVA=OFF
-  -DBUILD_opencv_python3=OFF
-  -DENABLE_CCACHE=OFF -DOPENCV_DOWNLOAD_TRIES_LIST= -DOPENCV_GENERATE_PKGCONFIG=OFF)
-foreach(feature 1394 ADE CAROTENE EIGEN FFMPEG FLATBUFFERS GSTREAMER GTK IPP ITT JASPER JPEG KLEIDICV LAPACK OPENCL
-    OPENEXR OPENJPEG PNG PROTOBUF QUIRC TBB TIFF V4L VA VA_INTEL VTK WEBP)
-  list(APPEND options "-DWITH_${feature}=OFF")
-endforeach()
+  -C "${CMAKE_CURRENT_LIST_DIR}/opencv_options.cmake" -DWITH_JPEG=OFF -DWITH_PNG=OFF
+  -DCMAKE_POSITION_INDEPENDENT_CODE=ON -DBUILD_SHARED_LIBS=OFF -DBUILD_LIST=${modules} -DBUILD_ZLIB=ON
+  -DBUILD_TESTS=OFF -DBUILD_PERF_TESTS=OFF -DBUILD_EXAMPLES=OFF -DBUILD_JAVA=OFF -DBUILD_opencv_python3=OFF
+  -DOPENCV_GENERATE_PKGCONFIG=OFF)
 if(CMAKE_SYSTEM_PROCESSOR MATCHES "x86_64|AMD64")
   list(APPEND options -DCPU_BASELINE=SSE2 -DCPU_DISPATCH=SSE4_1,AVX2)
 endif()
@@ -93,8 +67,10 @@ if(CMAKE_CXX_COMPILER_LAUNCHER)
     "-DCMAKE_CXX_COMPILER_LAUNCHER=${CMAKE_CXX_COMPILER_LAUNCHER}")
 endif()
 
-# What the archives depend on: if it is what they were built from, they are used again.
-set(made "${source}\n${options}\n${CMAKE_CXX_COMPILER} ${CMAKE_CXX_COMPILER_VERSION}\n")
+# The inputs of the archives. Unchanged inputs reuse the archives.
+file(SHA256 "${CMAKE_CURRENT_LIST_DIR}/opencv_sources.txt" sources_hash)
+file(SHA256 "${CMAKE_CURRENT_LIST_DIR}/opencv_options.cmake" options_hash)
+set(made "${source} ${sources_hash}\n${options} ${options_hash}\n${CMAKE_CXX_COMPILER} ${CMAKE_CXX_COMPILER_VERSION}\n")
 set(stamp "${prefix}/made")
 set(present "")
 if(EXISTS "${stamp}")
@@ -106,13 +82,7 @@ if(NOT present STREQUAL made)
   aqorb_run(configure "${CMAKE_COMMAND}" -S "${source}" -B "${build}" -G "${CMAKE_GENERATOR}"
     "-DCMAKE_MAKE_PROGRAM=${CMAKE_MAKE_PROGRAM}" "-DCMAKE_CXX_COMPILER=${CMAKE_CXX_COMPILER}"
     "-DCMAKE_INSTALL_PREFIX=${prefix}" ${options})
-  # Not into a log: pip -v shows the counts of what is compiled.
-  message(STATUS "OpenCV, static: build")
-  execute_process(COMMAND "${CMAKE_COMMAND}" --build "${build}" --config Release --parallel ${cores}
-    RESULT_VARIABLE failed)
-  if(failed)
-    message(FATAL_ERROR "OpenCV was not built; the reason stands above")
-  endif()
+  aqorb_run(build "${CMAKE_COMMAND}" --build "${build}" --config Release --parallel ${cores})
   aqorb_run(install "${CMAKE_COMMAND}" --build "${build}" --config Release --target install)
   file(REMOVE_RECURSE "${build}")
   file(WRITE "${stamp}" "${made}")

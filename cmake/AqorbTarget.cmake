@@ -6,8 +6,9 @@ function(aqorb_target target)
     return()
   endif()
 
-  # Fused multiply-add only where the source asks for it: the same bytes on every CPU.
-  target_compile_options(${target} PRIVATE -ffp-contract=off)
+  # The same bytes on every CPU, and in every project: arithmetic as written, NaN included, and fused multiply-add only
+  # where the source asks for it. A parent project may compile with -ffast-math.
+  target_compile_options(${target} PRIVATE -fno-fast-math -ffp-contract=off)
   # The x87 instructions of 32-bit x86 round to more bits than a float has.
   if(CMAKE_SIZEOF_VOID_P EQUAL 4 AND CMAKE_SYSTEM_PROCESSOR MATCHES "x86|AMD64|i.86")
     target_compile_options(${target} PRIVATE -msse2 -mfpmath=sse)

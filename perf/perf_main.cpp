@@ -3,6 +3,35 @@
 // of this distribution.
 // SPDX-License-Identifier: Apache-2.0
 
-#include "perf_precomp.hpp"
+// Each test measures this module, or with --perf_impl=opencv what OpenCV has instead: cv::ORB, cv::BFMatcher or
+// cv::calcOpticalFlowPyrLK. modules/ts/misc/summary.py of OpenCV's source compares the two XML files.
 
-CV_PERF_TEST_MAIN(aqorb)
+#include "perf_precomp.hpp"
+#include "perf_scene.hpp"
+
+namespace opencv_test
+{
+
+Mat loadImage(const std::string& name, int index)
+{
+    Size size;
+    if (sscanf(name.c_str(), "scene_%dx%d", &size.width, &size.height) == 2)
+    {
+        const Mat scene = makeStreetScene(size);
+        return index == 1 ? scene : scene(Rect(1, 1, size.width - 1, size.height - 1)).clone();
+    }
+    const std::string path =
+        name.find('.') != std::string::npos
+            ? "perf/" + name
+            : cv::format("cv/detectors_descriptors_evaluation/images_datasets/%s/img%d.png", name.c_str(),
+                         index);
+    const Mat image = imread(cvtest::findDataFile(path, false), IMREAD_GRAYSCALE);
+    CV_Assert(!image.empty());
+    return image;
+}
+
+}  // namespace opencv_test
+
+static const char* const IMPLEMENTATIONS[] = {"plain", "opencv"};
+
+CV_PERF_TEST_MAIN_WITH_IMPLS(aqorb, IMPLEMENTATIONS)

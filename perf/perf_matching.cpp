@@ -3,35 +3,31 @@
 // of this distribution.
 // SPDX-License-Identifier: Apache-2.0
 
-// cv::BFMatcher and HammingMatcher side by side. The matcher is the last parameter, so that the two of a case run one
-// right after the other and see the same load of the machine.
+// HammingMatcher and refineMatches, or cv::BFMatcher and cv::calcOpticalFlowPyrLK.
 
 #include "perf_precomp.hpp"
-#include "perf_scene.hpp"
+
+#ifdef HAVE_OPENCV_VIDEO
+#include "opencv2/video/tracking.hpp"
+#endif
 
 namespace opencv_test
 {
 namespace
 {
 
-enum MatcherId
+typedef tuple<int, int> Count_Bytes_t;
+typedef perf::TestBaseWithParam<Count_Bytes_t> Matching;
+typedef tuple<int, int, bool> Count_K_Masked_t;
+typedef perf::TestBaseWithParam<Count_K_Masked_t> NearestNeighbours;
+
+#define MATCHING_PARAMS testing::Combine(testing::Values(500, 1000, 2000, 5000), testing::Values(32, 64))
+
+Ptr<BFMatcher> createMatcher(bool crossCheck)
 {
-    CV_BFMATCHER,
-    HAMMING_MATCHER
-};
-CV_ENUM(Matcher, CV_BFMATCHER, HAMMING_MATCHER)
-
-typedef tuple<int, int, Matcher> Count_Bytes_Matcher_t;
-typedef perf::TestBaseWithParam<Count_Bytes_Matcher_t> Matching;
-
-#define MATCHING_PARAMS \
-    testing::Combine(testing::Values(500, 1000, 2000, 5000), testing::Values(32, 64), Matcher::all())
-
-Ptr<BFMatcher> createMatcher(Matcher matcher, bool crossCheck)
-{
-    if (matcher == HAMMING_MATCHER)
-        return aqorb::HammingMatcher::create(NORM_HAMMING, crossCheck);
-    return BFMatcher::create(NORM_HAMMING, crossCheck);
+    if (isOfOpenCV())
+        return BFMatcher::create(NORM_HAMMING, crossCheck);
+    return aqorb::HammingMatcher::create(NORM_HAMMING, crossCheck);
 }
 
 //! Random descriptors of which half have a copy with some other bits.
@@ -50,11 +46,24 @@ void makeDescriptors(int count, int bytes, Mat& query, Mat& train)
     }
 }
 
+PERF_TEST_P(Matching, match, MATCHING_PARAMS)
+{
+    Mat query, train;
+    makeDescriptors(get<0>(GetParam()), get<1>(GetParam()), query, train);
+    const Ptr<BFMatcher> matcher = createMatcher(false);
+    std::vector<DMatch> matches;
+
+    TEST_CYCLE() matcher->match(query, train, matches);
+
+    EXPECT_EQ(query.rows, (int)matches.size());
+    SANITY_CHECK_NOTHING();
+}
+
 PERF_TEST_P(Matching, crossCheck, MATCHING_PARAMS)
 {
     Mat query, train;
     makeDescriptors(get<0>(GetParam()), get<1>(GetParam()), query, train);
-    const Ptr<BFMatcher> matcher = createMatcher(get<2>(GetParam()), true);
+    const Ptr<BFMatcher> matcher = createMatcher(true);
     std::vector<DMatch> matches;
 
     TEST_CYCLE() matcher->match(query, train, matches);
@@ -63,17 +72,20 @@ PERF_TEST_P(Matching, crossCheck, MATCHING_PARAMS)
     SANITY_CHECK_NOTHING();
 }
 
-PERF_TEST_P(Matching, knnMatch, MATCHING_PARAMS)
+PERF_TEST_P(NearestNeighbours, knnMatch,
+            testing::Combine(testing::Values(1000, 5000), testing::Values(2, 10, 100), testing::Bool()))
 {
-    Mat query, train;
-    makeDescriptors(get<0>(GetParam()), get<1>(GetParam()), query, train);
-    const Ptr<BFMatcher> matcher = createMatcher(get<2>(GetParam()), false);
+    Mat query, train, mask;
+    makeDescriptors(get<0>(GetParam()), 32, query, train);
+    if (get<2>(GetParam()))
+        mask = Mat(query.rows, train.rows, CV_8UC1, Scalar(1));  // allows all
+    const Ptr<BFMatcher> matcher = createMatcher(false);
     std::vector<std::vector<DMatch>> matches;
 
     TEST_CYCLE()
     {
         matches.clear();
-        matcher->knnMatch(query, train, matches, 2);
+        matcher->knnMatch(query, train, matches, get<1>(GetParam()), mask);
     }
 
     EXPECT_EQ(query.rows, (int)matches.size());
@@ -84,7 +96,7 @@ PERF_TEST_P(Matching, radiusMatch, MATCHING_PARAMS)
 {
     Mat query, train;
     makeDescriptors(get<0>(GetParam()), get<1>(GetParam()), query, train);
-    const Ptr<BFMatcher> matcher = createMatcher(get<2>(GetParam()), false);
+    const Ptr<BFMatcher> matcher = createMatcher(false);
     std::vector<std::vector<DMatch>> matches;
 
     TEST_CYCLE() matcher->radiusMatch(query, train, matches, 64);
@@ -93,26 +105,52 @@ PERF_TEST_P(Matching, radiusMatch, MATCHING_PARAMS)
     SANITY_CHECK_NOTHING();
 }
 
-typedef perf::TestBaseWithParam<int> Refinement;
+typedef perf::TestBaseWithParam<tuple<std::string, int>> Refinement;
 
-PERF_TEST_P(Refinement, refineMatches, testing::Values(500, 1000, 2000))
+//! The cross-checked matches of two images, refined by both with the same window, one level and four iterations.
+PERF_TEST_P(Refinement, refineMatches,
+            testing::Combine(testing::Values("bikes", "leuven", "bark", "trees", "ubc", "scene_640x480"),
+                             testing::Values(500, 1000, 2000)))
 {
-    const Mat image = makeStreetScene(Size(640, 480));
-    const Mat part = image(Rect(1, 1, 639, 479));
-    std::vector<KeyPoint> keypoints;
-    aqorb::AdaptiveQuadtreeORB::create(GetParam())->detect(image, keypoints);
+#ifndef HAVE_OPENCV_VIDEO
+    if (isOfOpenCV())
+        throw SkipTestException("OpenCV is built without its module video");
+#endif
+    Mat images[2], descriptors[2];
+    std::vector<KeyPoint> keypoints[2];
     std::vector<DMatch> all, matches;
-    for (int i = 0; i < (int)keypoints.size(); i++)
-        all.push_back(DMatch(i, i, 0));
-    std::vector<Point2f> points1, points2;
+    std::vector<Point2f> points1, points2, starts;
+    const Ptr<Feature2D> detector = aqorb::AdaptiveQuadtreeORB::create(get<1>(GetParam()));
+    for (int i = 0; i < 2; i++)
+    {
+        images[i] = loadImage(get<0>(GetParam()), i + 1);
+        detector->detectAndCompute(images[i], noArray(), keypoints[i], descriptors[i]);
+    }
+    aqorb::HammingMatcher::create(NORM_HAMMING, true)->match(descriptors[0], descriptors[1], all);
+    for (size_t i = 0; i < all.size(); i++)
+    {
+        points1.push_back(keypoints[0][all[i].queryIdx].pt);
+        starts.push_back(keypoints[1][all[i].trainIdx].pt);
+    }
 
     TEST_CYCLE()
     {
-        matches = all;
-        aqorb::refineMatches(image, keypoints, part, keypoints, matches, points1, points2);
+        if (!isOfOpenCV())
+        {
+            matches = all;
+            aqorb::refineMatches(images[0], keypoints[0], images[1], keypoints[1], matches, points1, points2);
+            continue;
+        }
+#ifdef HAVE_OPENCV_VIDEO
+        std::vector<uchar> status;
+        std::vector<float> errors;
+        points2 = starts;
+        calcOpticalFlowPyrLK(images[0], images[1], points1, points2, status, errors, Size(13, 13), 0,
+                             TermCriteria(TermCriteria::COUNT, 4, 0), OPTFLOW_USE_INITIAL_FLOW);
+#endif
     }
 
-    EXPECT_GT(matches.size(), all.size() / 2);
+    EXPECT_GT(points2.size(), all.size() / 4);
     SANITY_CHECK_NOTHING();
 }
 

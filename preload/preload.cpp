@@ -43,7 +43,7 @@ const char* accepted(bool)
 }
 const char* accepted(AdaptiveQuadtreeORB::SelectionType)
 {
-    return "ranked or balanced";
+    return "ranked or quadtree";
 }
 
 // For readVariable.
@@ -53,8 +53,8 @@ std::istream& operator>>(std::istream& stream, AdaptiveQuadtreeORB::SelectionTyp
     stream >> name;
     if (name == "ranked")
         value = AdaptiveQuadtreeORB::RANKED_SELECTION;
-    else if (name == "balanced")
-        value = AdaptiveQuadtreeORB::BALANCED_SELECTION;
+    else if (name == "quadtree")
+        value = AdaptiveQuadtreeORB::QUADTREE_SELECTION;
     else
         stream.setstate(std::ios::failbit);
     return stream;

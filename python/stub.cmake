@@ -1,5 +1,4 @@
-# Writes AQORB_STUB, the package's stub, with the properties of the library's table. The site's signatures.py runs it
-# alone: cmake -DAQORB_STUB=FILE -P stub.cmake
+# Writes AQORB_STUB, the package's stub, with the properties of the library's table.
 include("${CMAKE_CURRENT_LIST_DIR}/../cmake/AqorbParameters.cmake")
 set(AQORB_PROPERTIES "")
 foreach(name IN LISTS AQORB_PARAMETER_NAMES)

@@ -21,18 +21,30 @@ static const char* const KEYS =
     "{margin    | 8                | pixels to keep away from the circle's rim }"
     "{nfeatures | 1000             | number of keypoints to ask for }"
     "{out       | fisheye_mask.jpg | picture to write }"
-    "{@image    | graf1.png        | file, or one of OpenCV's samples in OPENCV_SAMPLES_DATA_PATH }";
+    "{@image    |                  | picture of a fisheye lens; without: OpenCV's sample graf1.png, cut to a "
+    "circle }";
 
 static int fisheyeMask(int argc, char** argv)
 {
     const CommandLineParser parser = parseOptions(argc, argv, KEYS, ABOUT);
     const String out = pictureOption(parser);
-    const Mat image = readImage(option<String>(parser, "@image"));
+    const String name = option<String>(parser, "@image");
+    Mat image = readImage(name.empty() ? "graf1.png" : name);
     const Point centre(image.cols / 2, image.rows / 2);
     int radius = option<int>(parser, "radius");
     if (radius < 0)
         radius = std::min(centre.x, centre.y);
     const int inner = std::max(radius - option<int>(parser, "margin"), 0);
+
+    Mat isOutside(image.size(), CV_8UC1, Scalar(255));
+    circle(isOutside, centre, radius, Scalar(0), FILLED);
+    if (name.empty())
+        image.setTo(0, isOutside);
+    else if (mean(image, isOutside)[0] > 32)
+        CV_Error(
+            Error::StsBadArg,
+            format("%s: no picture of a fisheye lens, as it is not black outside a circle with radius %d",
+                   name.c_str(), radius));
 
     // Keypoints may lie where the mask is not zero. The detector scales the mask for its pyramid.
     Mat mask = Mat::zeros(image.size(), CV_8UC1);

@@ -9,7 +9,7 @@
 # release. The builds are in build, the logs in build/compatibility.
 #
 #   debian12    the ordinary build
-#   debian13    the same on a Debian 13 in a folder of its own; needs root
+#   debian13    the same on a Debian 13 in a folder of its own
 #   opencv4     the newest OpenCV 4, built from source with scripts/opencv.sh --release 4, which runs all tests inside it
 #   opencv5     the same of OpenCV 5
 #   avx2, sse4, sse2
@@ -74,55 +74,34 @@ row_debian12() {
     fingerprint debian12 "$BUILD/release/tools/fingerprint/aqorb_fingerprint"
 }
 
-# inside COMMAND...: runs a command on a Debian 13 in a folder of its own, in a mount namespace that ends with it. The
-# repository is /aqorb, with a build folder of its own, and the test data is /data.
-inside() {
-    # shellcheck disable=SC2016
-    as_root unshare --mount sh -ec '
-        system=$1 root=$2 build=$3 data=$4
-        shift 4
-        mount -t proc proc "$system/proc"
-        mount --bind "$root" "$system/aqorb"
-        mount --bind "$build" "$system/aqorb/build"
-        unset OPENCV_TEST_DATA_PATH AQORB_TEST_SEQUENCE
-        if [ -n "$data" ]; then
-            mount --bind "$data" "$system/data"
-            export OPENCV_TEST_DATA_PATH=/data
-        fi
-        export CCACHE_DIR=/aqorb/build/ccache
-        exec chroot "$system" "$@"' sh "$CACHE/debian13" "$ROOT" "$FOLDER/debian13" "${OPENCV_TEST_DATA_PATH:-}" "$@"
+# debian FOLDER RELEASE PACKAGES OPTION...: the packages of a Debian in a folder of its own, by mmdebstrap; made once.
+debian() {
+    need mmdebstrap
+    [[ ! -e $1.complete ]] || return 0
+    rm -rf "$1"
+    mkdir -p "$(dirname "$1")"
+    mmdebstrap --quiet --include="${3// /,}" "${@:4}" "$2" "$1" "$(mirror)"
+    touch "$1.complete"
 }
 
 row_debian13() {
-    local system=$CACHE/debian13
-    need debootstrap
-    if [[ ! -e $system.complete ]]; then
-        as_root rm -rf "$system"
-        mkdir -p "$CACHE"
-        as_root debootstrap --variant=minbase --include="$(tr ' ' , <<<"${PACKAGES[build]} ${PACKAGES[test]}")" \
-            trixie "$system" "$(mirror)"
-        as_root mkdir "$system/aqorb" "$system/data"
-        touch "$system.complete"
-    fi
+    local system=$CACHE/debian13 data=${OPENCV_TEST_DATA_PATH:-$ROOT/samples} inside
+    need bubblewrap
+    debian "$system" trixie "${PACKAGES[build]} ${PACKAGES[test]}" --variant=minbase --customize-hook='mkdir "$1"/{aqorb,data}'
     mkdir -p "$FOLDER/debian13"
-    inside bash -ec 'source /aqorb/scripts/common.sh
-        configure release -DAQORB_BUILD_FINGERPRINT=ON -DAQORB_WERROR=ON
-        if [[ $1 ]]; then
-            build /aqorb/build/release --target aqorb_fingerprint
-        else
-            build /aqorb/build/release
-            run_tests release
-        fi' bash "$bytes_only"
-    # shellcheck disable=SC2016
-    fingerprint debian13 inside sh -ec \
-        'if [ "$OPENCV_TEST_DATA_PATH" ]; then cd "/data/$0"; fi
-        exec /aqorb/build/release/tools/fingerprint/aqorb_fingerprint "$@"' "$photographs"
+    inside=(bwrap --bind "$system" / --proc /proc --dev /dev --bind "$ROOT" /aqorb --bind "$FOLDER/debian13" /aqorb/build
+        --ro-bind "$data" /data --setenv CCACHE_DIR /aqorb/build/ccache --unsetenv AQORB_TEST_SEQUENCE
+        ${OPENCV_TEST_DATA_PATH:+--setenv OPENCV_TEST_DATA_PATH /data})
+    "${inside[@]}" bash -c "source /aqorb/scripts/common.sh; bytes_only=$bytes_only; $(declare -f built); built release"
+    fingerprint debian13 "${inside[@]}" --chdir "/data/${images[0]:+$photographs}" \
+        /aqorb/build/release/tools/fingerprint/aqorb_fingerprint
 }
 
 # released 4|5
 released() {
     [[ $bytes_only && -e $BUILD/opencv-$1/OpenCVConfig.cmake ]] || "$ROOT/scripts/opencv.sh" --release "$1"
     compiled "opencv$1"
+    [[ $bytes_only ]] || ctest --test-dir "$BUILD/opencv$1" --output-on-failure -R '^Aqorb_Package\.(install|readme)$'
 }
 
 row_opencv4() { released 4; }
@@ -139,8 +118,24 @@ row_plain() {
     fingerprint plain "$BUILD/release/tools/fingerprint/aqorb_fingerprint" --plain
 }
 
-# cross ROW ARCHITECTURE [EMULATOR]: cross-built with the compiler and the packages of Debian for an architecture, by
-# Debian's name of it. Its programs run under qemu-user with the name of the emulated CPU, or by a given command.
+# sysroot ARCHITECTURE: sets SYSROOT to a folder with the packages of OpenCV and GoogleTest for an architecture, by
+# Debian's name of it, and installs the cross compiler and the emulator. The packages are those of this Debian, or of
+# Debian 13, the first that has riscv64.
+sysroot() {
+    local release triplet
+    release=$(codename)
+    [[ $1 != riscv64 || $release != bookworm ]] || release=trixie
+    need emulation
+    triplet=$(dpkg-architecture -f -a "$1" -q DEB_HOST_MULTIARCH)
+    need "g++-$triplet"
+    SYSROOT=$CACHE/$1/root
+    debian "$SYSROOT" "$release" 'libgtest-dev libopencv-dev libstdc++-12-dev' --architectures="$1" --variant=extract \
+        --mode=chrootless --hook-dir=/usr/share/mmdebstrap/hooks/merged-usr
+    # What update-alternatives would choose.
+    ln -sf blas/libblas.so.3 lapack/liblapack.so.3 "$SYSROOT/usr/lib/$triplet/"
+}
+
+# cross ROW ARCHITECTURE EMULATOR: cross-built, and run under qemu-user with the name of the emulated CPU.
 cross() {
     sysroot "$2"
     compiled "$1" "qemu-$3-static" -L "$SYSROOT"

@@ -4,7 +4,8 @@
 #   scripts/demo.sh [--nfeatures=N] [--out=FOLDER] [IMAGE [IMAGE]]
 #   scripts/demo.sh --images
 #
-# Installs the Debian packages it needs. Without images it takes three pairs of OpenCV's samples (the Debian
+# Installs the Debian packages it needs. Without images it takes two of Strecha's photographs of a fountain, which it
+# fetches from GitHub or finds in the clone that AQORB_STRECHA names, and three pairs of OpenCV's samples (the Debian
 # package opencv-doc, fetched, not installed): one where all of the scene is in both images, one with a small object,
 # and one from two sides. N is 1000 unless given. The pictures go to build/demo or to FOLDER, which must exist.
 #
@@ -38,7 +39,11 @@ mkdir -p "$BUILD/demo"
 configure release -DAQORB_BUILD_SAMPLES=ON >"$BUILD/demo/configure.log" 2>&1 || die "see $BUILD/demo/configure.log"
 build "$BUILD/release" --target aqorb_demo
 
-if ((${#images[@]} == 0)); then opencv_samples && export OPENCV_SAMPLES_DATA_PATH=$OPENCV_SAMPLES; fi
+if ((${#images[@]} == 0)); then
+    opencv_samples
+    export OPENCV_SAMPLES_DATA_PATH=$OPENCV_SAMPLES
+    if strecha fountain-P11; then export AQORB_STRECHA; else echo "The demo goes on without the fountain."; fi
+fi
 export OPENCV_LOG_LEVEL=${OPENCV_LOG_LEVEL:-ERROR}  # else OpenCV warns of each of its pictures that it finds
 
 say "AdaptiveQuadtreeORB beside cv::ORB"

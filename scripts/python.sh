@@ -1,127 +1,49 @@
 #!/usr/bin/env bash
-# Builds the Python package, and runs its tests and those of the Python samples.
+# Builds the Python package and runs sessions of noxfile.py on it, by nox.
 #
-#   scripts/python.sh [pytest option ...]
-#   scripts/python.sh --asan [pytest option ...]
-#   scripts/python.sh --offline
-#   scripts/python.sh --notebook
-#   scripts/python.sh --collection [pytest option ...]
-#   scripts/python.sh --hostile [--flips=1000] [--kills=50]
+#   scripts/python.sh [SESSION [OPTION ...]]
+#
+#   tests       the tests of the package, of the samples and of the command aqorb; OPTIONs are pytest's. The default
+#   asan        the package's tests on an extension module with AddressSanitizer and checks of the GIL
+#   hostile     the command is given damaged files, and killed while it writes; a table says what came of it
+#   collection  collections of images in their long form, with Ray (250 MB); needs OPENCV_TEST_DATA_PATH
+#   notebook    pip installs the package and the command, and the notebook of the samples runs there: build/notebook
+#   sdist       the source distribution, in build/wheels
+#   wheel       the source distribution and the wheel for this system with OpenCV linked in, tested alone and beside
+#               pip's cv2. The wheels of a release are built in the same way by .github/workflows/wheels.yml
+#   beside      the tests of this wheel beside other versions of cv2 and NumPy
+#   offline     installed as packagers do it: from the source distribution, where there is no git and no network
+#   peers       scripts/measure.sh peers
 #
 # The package is left in build/release/python, where programs find it with PYTHONPATH. Tests that need images of
 # opencv_extra are skipped unless OPENCV_TEST_DATA_PATH names its testdata folder.
 #
-# With --asan the package's tests run on an extension module with additional checks. AddressSanitizer ends the process at
-# a wrong access to memory. pybind11 ends it if a reference is taken or released without the GIL.
-#
-# With --offline the package is installed as packagers do it: from its source distribution, unpacked where there is no
-# git, against the installed OpenCV, with the network cut off.
-#
-# With --notebook it installs the package by pip beside a cv2 of pip, runs the notebook of the samples there, and leaves it
-# with its pictures in build/notebook/aqorb.ipynb, from where it is copied to the samples when it changes.
-#
-# With --collection it tests collections of images in their long form. 500 photographs of opencv_extra go through the
-# command aqorb, the function and the sample on Ray, a worker of Ray is killed, and 10,000 small images go through the
-# command. pip fetches Ray, 250 MB.
-#
-# With --hostile the command aqorb is given damaged files and is killed while it writes, and a table says what came of it.
-#
-# Installs the Debian packages it needs; pip fetches those of the command aqorb, and the tools.
+# Installs the Debian packages it needs; pip fetches the rest, and npm pyright.
 source "$(dirname "$0")/common.sh"
 
-tests=("$ROOT/modules/aqorb/misc/python/test" "$ROOT/python/test")
-pytest=(env PYTHONDONTWRITEBYTECODE=1)
-
-asan() {
-    local libraries
-    need build test python
-    configure asan-python -DPython_EXECUTABLE="$PYTHON"
-    build "$BUILD/asan-python" --target _aqorb
-    say "Tests with AddressSanitizer"
-    # Python itself is not instrumented: the sanitizer must be loaded first, with the library whose exceptions it
-    # intercepts, and see every object as a block of its own. What Python keeps until it exits is not a leak, and
-    # memory that is refused is a MemoryError. mypy does not load the module.
-    libraries=$(c++ -print-file-name=libasan.so):$(c++ -print-file-name=libstdc++.so.6)
-    "${pytest[@]}" LD_PRELOAD="$libraries" ASAN_OPTIONS=detect_leaks=0:allocator_may_return_null=1 PYTHONMALLOC=malloc \
-        PYTHONPATH="$BUILD/asan-python/python" "$PYTHON" -X faulthandler -m pytest -q -p no:cacheprovider \
-        --capture=sys `# else the report of the sanitizer is lost` \
-        --deselect python/test/test_package.py::test_stub_is_a_stub_of_the_package "$@" "${tests[@]}"
-}
-
-offline() {
-    local isolate=(unshare --net) tools=$BUILD/venv/offline folder
-    need build wheel
-    ((EUID == 0)) || isolate+=(--user --map-root-user)
-    "${isolate[@]}" true || die "the network cannot be cut off here"
-    environment "$tools" build numpy pybind11 scikit-build-core
-    folder=$(mktemp -d)
-    export CCACHE_BASEDIR=$folder
-    say "The source distribution"
-    (cd "$ROOT" && "${isolate[@]}" "$tools/bin/python" -m build --sdist --no-isolation --outdir "$folder" . \
-        >"$folder/log" 2>&1) || { tail -n 30 "$folder/log" && die "it was not built"; }
-    tar -xz -C "$folder" -f "$folder"/aqorb-*.tar.gz --strip-components=1 --one-top-level=source
-    say "pip install, without a network"
-    (cd "$folder" && "${isolate[@]}" "$tools/bin/pip" install -v --no-build-isolation --no-deps \
-        -C cmake.define.AQORB_BUNDLE_OPENCV=OFF ./source >"$folder/log" 2>&1) ||
-        { tail -n 30 "$folder/log" && die "it was not installed"; }
-    cd "$folder"
-    "$tools/bin/python" -m aqorb --version
-    "$tools/bin/python" "$ROOT/python/test/without_cv2.py"
-    rm -rf "$folder"
-}
-
-package() {
+session=${1:-tests}
+case $session in
+tests | collection | hostile)
     need build test python
     configure release -DAQORB_BUILD_PYTHON=ON -DPython_EXECUTABLE="$PYTHON"
     build "$BUILD/release" --target _aqorb sample_images
-    export PYTHONPATH=$BUILD/release/python
-}
-
-notebook() {
-    need build wheel
-    opencv_samples
-    say "The notebook, beside opencv-python-headless $OPENCV_4: some 3 minutes, most of them without a word"
-    environment "$BUILD/venv/notebook" ipykernel matplotlib nbconvert "opencv-python-headless==$OPENCV_4" "${ROOT}[cli]"
-    "$BUILD/venv/notebook/bin/python" -m aqorb --version
-    PATH=$BUILD/venv/notebook/bin:$PATH OPENCV_SAMPLES_DATA_PATH=$OPENCV_SAMPLES \
-        jupyter nbconvert --execute --to notebook --log-level=WARN \
-        --output-dir "$BUILD/notebook" "$ROOT/samples/notebook/aqorb.ipynb"
-    ls -l "$BUILD/notebook/aqorb.ipynb"
-}
-
-collection() {
-    export AQORB_PHOTOGRAPHS=${OPENCV_TEST_DATA_PATH:-}/cv/detectors_descriptors_evaluation/images_datasets
-    [[ -d $AQORB_PHOTOGRAPHS ]] || die "OPENCV_TEST_DATA_PATH must name the folder testdata of opencv_extra"
-    package
-    command_environment ray 'ray[data]==2.60.0' 'pandas<2.3' 'numpy<2' psutil
-    say "Tests of collections"
-    "${pytest[@]}" "$PYTHON" -m pytest -q -s -p no:cacheprovider "$@" "$ROOT/samples/collection"
-}
-
-hostile() {
-    package
-    command_environment command
-    say "Damaged files, and kills"
-    "$PYTHON" "$ROOT/python/test/hostile.py" "$@"
-}
-
-case ${1:-} in
---asan | --offline | --notebook | --collection | --hostile)
-    "${1#--}" "${@:2}"
-    exit
     ;;
+asan)
+    need build test python
+    configure asan-python -DPython_EXECUTABLE="$PYTHON"
+    build "$BUILD/asan-python" --target _aqorb
+    ;;
+notebook)
+    need build
+    opencv_samples
+    export OPENCV_SAMPLES_DATA_PATH=$OPENCV_SAMPLES
+    ;;
+wheel | beside)
+    need build
+    command -v npm >/dev/null || need npm  # by which pip's pyright fetches itself
+    ;;
+*) need build ;;
 esac
-
-package
-command_environment command
-say "Tests"
-"${pytest[@]}" AQORB_SAMPLE_IMAGES="$BUILD/release/samples/test/sample_images" "$PYTHON" -m pytest -q \
-    -p no:cacheprovider "$@" "${tests[@]}" "$ROOT/samples/test"
-
-say "The installed package"
-prefix=$BUILD/prefix-python
-rm -rf "$prefix"
-for component in runtime python; do
-    cmake --install "$BUILD/release" --component "$component" --prefix "$prefix" >/dev/null
-done
-PYTHONPATH=$(echo "$prefix"/lib/python3*/*-packages) "$PYTHON" -c 'import aqorb; print(aqorb.__file__)'
+tools nox
+cd "$ROOT"
+exec "$TOOLS/python" -m nox --envdir "$BUILD/venv/nox" --session "$session" -- "${@:2}"

@@ -1,13 +1,15 @@
 #!/usr/bin/env bash
 # Makes the files of a release that can be made on Debian, in build/release-files, with their checksums, and publishes
-# nothing: the source distribution and the wheel for this system, and the site. It fails if a check of these files, or of the workflows that make those of all systems, finds anything.
+# nothing: the source distribution and the wheel for this system, and the site. It fails if a check of these files, or of
+# the workflows that make those of all systems, finds anything.
 #
 #   scripts/release.sh
 #   scripts/release.sh --check
 #   scripts/release.sh --workflows | --version | --tag TAG | --notes
 #
 # With --check it runs what .ci/run leaves out because it hardly changes or takes long: the tests of the wheel beside other
-# cv2, of other CPUs, compilers and versions of OpenCV, of other programs with the preloaded library, and of the wrapper for Java. This takes hours.
+# cv2, of other CPUs, compilers and versions of OpenCV, of other programs with the preloaded library, and of the wrapper
+# for Java. This takes hours.
 #
 # With --workflows it checks what no build runs: the workflows, by actionlint and zizmor, and that all files say the same
 # version. With --version it prints the version, after that last check. --tag also fails unless TAG is v<version> and
@@ -21,53 +23,47 @@ ACTIONLINT=v1.7.7  # the last one that Debian 12's Go compiles
 
 # check_version: sets VERSION to what CMakeLists.txt says, and fails where another file says another one.
 check_version() {
-    local file name
+    local file
     VERSION=$(sed -n 's/^project(aqorb VERSION \([0-9.]*\).*/\1/p' CMakeLists.txt)
     heading=$(grep -m 1 '^## \[' CHANGELOG.md)
     [[ $heading == "## [$VERSION] - "* ]] || die "CMakeLists.txt says $VERSION, CHANGELOG.md $heading"
     grep -qE "^ *version: ${VERSION//./\\.}\$" CITATION.cff ||
         die "CMakeLists.txt says $VERSION, and CITATION.cff another version"
-    # The library's name on macOS.
-    grep -roIE 'libaqorb\.?[0-9]+\.[0-9]+' doc scripts README.md | while IFS=: read -r file name; do
-        [[ $name =~ ^libaqorb\.?"${VERSION%.*}"$ ]] || die "CMakeLists.txt says $VERSION, and $file $name"
+    for file in package.xml packaging/conda/recipe.yaml packaging/vcpkg/aqorb/vcpkg.json photographs/pyproject.toml; do
+        grep -qE "^\W*version[^0-9]*${VERSION//./\\.}\b" "$file" ||
+            die "CMakeLists.txt says $VERSION, and $file another version"
     done
 }
 
 workflows() {
-    local tools=$BUILD/venv/workflows actionlint=$CACHE/actionlint-$ACTIONLINT
+    local actionlint=$CACHE/actionlint-$ACTIONLINT
     need workflows
     command -v go >/dev/null || need golang-go
-    if ! cmp -s scripts/tools.txt "$tools/tools.txt"; then
-        environment "$tools" zizmor
-        cp scripts/tools.txt "$tools/"
-    fi
+    tools zizmor
     [[ -e $actionlint/actionlint ]] ||
         GOBIN=$actionlint GOFLAGS=-modcacherw go install "github.com/rhysd/actionlint/cmd/actionlint@$ACTIONLINT" ||
         die "go could not fetch actionlint; is there a network?"
     say "actionlint, zizmor"
     # It does not know this runner yet.
     "$actionlint/actionlint" -ignore 'label "macos-15-intel" is unknown' .github/workflows/*.yml
-    "$tools/bin/zizmor" --offline --quiet .github
+    "$TOOLS/zizmor" --offline --quiet .github
 }
 
 check() {
     workflows
-    scripts/wheel.sh --test
-    scripts/python.sh --offline
-    scripts/python.sh --asan
-    scripts/python.sh --hostile
+    local session
+    for session in wheel beside offline asan hostile; do scripts/python.sh "$session"; done
     scripts/compatibility.sh
     scripts/dropin.sh
     scripts/opencv.sh --java
-    scripts/contrib.sh --release 4
     scripts/measure.sh speed --smoke
-    [[ ! ${OPENCV_TEST_DATA_PATH:-} ]] || scripts/python.sh --collection
+    [[ ! ${OPENCV_TEST_DATA_PATH:-} ]] || scripts/python.sh collection
 }
 
 files() {
     local files=$BUILD/release-files
     workflows
-    scripts/wheel.sh
+    scripts/python.sh wheel
     scripts/doc.sh
     say "The files of version $VERSION"
     rm -rf "$files"

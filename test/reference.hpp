@@ -83,8 +83,8 @@ struct LeafCorner
 };
 bool isBetter(const LeafCorner& a, const LeafCorner& b);
 
-//! The indices of corners in the whole balanced order, from its definition. Their keys are their responses.
-std::vector<int> balancedOrder(const std::vector<LeafCorner>& corners);
+//! The indices of corners in the order of Figure 2, of a tree whose nodes are objects. Their keys are their responses.
+std::vector<int> quadtreeOrder(const std::vector<LeafCorner>& corners, Size root, int quota, int maxDepth);
 
 // The rule of RANKED_SELECTION.
 

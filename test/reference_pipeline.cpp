@@ -7,6 +7,7 @@
 
 #include <map>
 #include <numeric>
+#include <set>
 
 namespace opencv_test
 {
@@ -73,7 +74,7 @@ Settings randomSettings(RNG& rng)
     s.adaptiveThreshold = rng.uniform(0, 2) != 0;
     s.minThresholdRatio = rng.uniform(0, 3) ? rng.uniform(1., 8.) : 1;
     s.selectionType =
-        rng.uniform(0, 4) ? AdaptiveQuadtreeORB::RANKED_SELECTION : AdaptiveQuadtreeORB::BALANCED_SELECTION;
+        rng.uniform(0, 4) ? AdaptiveQuadtreeORB::RANKED_SELECTION : AdaptiveQuadtreeORB::QUADTREE_SELECTION;
     const double weights[] = {0, 0.15, rng.uniform(0., 1.), 1000}, radii[] = {0, 1, rng.uniform(0., 4.), 16};
     s.strengthWeight = weights[rng.uniform(0, 4)];
     s.rankRadius = radii[rng.uniform(0, 4)];
@@ -85,57 +86,96 @@ Settings randomSettings(RNG& rng)
 
 double Settings::octaveSuppressionInUse() const
 {
-    if (octaveSuppression != -1)
-        return octaveSuppression;
-    return selectionType == AdaptiveQuadtreeORB::RANKED_SELECTION ? 2.1 / (1 + strengthWeight) : 0.5;
+    if (selectionType == AdaptiveQuadtreeORB::QUADTREE_SELECTION)
+        return 0;
+    return octaveSuppression == -1 ? 2.1 / (1 + strengthWeight) : octaveSuppression;
 }
 
 int quadtreeDepth(int quota)
 {
     int depth = 0;
-    for (double leaves = 1; leaves < quota && depth < 15; leaves *= 4)
+    for (double leaves = 1; leaves < quota; leaves *= 4)
         depth++;
     return depth;
 }
 
-std::vector<int> balancedOrder(const std::vector<LeafCorner>& corners)
+namespace
 {
-    typedef std::vector<LeafCorner> Corners;
-    typedef std::pair<int, int> Place;
-    std::map<Place, Corners> leaves;
-    for (const LeafCorner& corner : corners)
-        leaves[Place(corner.row, corner.column)].push_back(corner);
 
-    // A group's list: the best of each of its leaves, then the second best of each, ...
-    std::map<Place, std::vector<Corners>> roundsOfGroup;
-    for (auto& leaf : leaves)
+// A node of the paper's quadtree.
+struct Node
+{
+    Size root;
+    int d, column, row;  // the depth, and the place among the 2^d x 2^d nodes of this depth
+    std::vector<LeafCorner> corners;
+
+    std::vector<Node> split() const
     {
-        Corners& ofLeaf = leaf.second;
-        std::sort(ofLeaf.begin(), ofLeaf.end(), isBetter);
-        std::vector<Corners>& rounds = roundsOfGroup[Place(leaf.first.first / 4, leaf.first.second / 4)];
-        rounds.resize(std::max(rounds.size(), ofLeaf.size()));
-        for (size_t i = 0; i < ofLeaf.size(); i++)
-            rounds[i].push_back(ofLeaf[i]);
-    }
-    // The order: the first of every group, then the second of every group, ...
-    std::vector<Corners> roundsOfAll(corners.size());
-    for (auto& group : roundsOfGroup)
-    {
-        size_t place = 0;
-        for (Corners& round : group.second)
+        std::vector<Node> children;
+        for (int i = 0; i < 4; i++)
         {
-            std::sort(round.begin(), round.end(), isBetter);
-            for (const LeafCorner& corner : round)
-                roundsOfAll[place++].push_back(corner);
+            Node child = {root, d + 1, 2 * column + i % 2, 2 * row + i / 2, {}};
+            for (const LeafCorner& corner : corners)
+                if (child.has(corner))
+                    child.corners.push_back(corner);
+            if (!child.corners.empty())
+                children.push_back(child);
         }
+        return children;
     }
-    std::vector<int> order;
-    for (Corners& round : roundsOfAll)
+    bool has(const LeafCorner& corner) const
     {
-        std::sort(round.begin(), round.end(), isBetter);
-        for (const LeafCorner& corner : round)
-            order.push_back(corner.index);
+        return int64(corner.x) * (1 << d) / root.width == column &&
+               int64(corner.y) * (1 << d) / root.height == row;
     }
+    const LeafCorner& best() const { return *std::min_element(corners.begin(), corners.end(), isBetter); }
+    // Its column and row with their bits in turns.
+    int64 mortonCode() const
+    {
+        int64 code = 0;
+        for (int bit = 0; bit < d; bit++)
+            code += (int64(column >> bit & 1) << 2 * bit) + (int64(row >> bit & 1) << (2 * bit + 1));
+        return code;
+    }
+};
+
+bool isFuller(const Node& a, const Node& b)
+{
+    return a.corners.size() != b.corners.size() ? a.corners.size() > b.corners.size()
+                                                : a.mortonCode() < b.mortonCode();
+}
+
+}  // namespace
+
+std::vector<int> quadtreeOrder(const std::vector<LeafCorner>& corners, Size root, int setKp, int maxDepth)
+{
+    std::vector<Node> nodes = {{root, 0, 0, 0, corners}};
+    for (int d = 0; d < maxDepth; d++)
+    {
+        std::sort(nodes.begin(), nodes.end(), isFuller);
+        std::vector<Node> next;
+        size_t numJ = nodes.size();
+        for (const Node& node : nodes)
+        {
+            const bool isSplit = node.d == d && node.corners.size() > 1 && numJ < size_t(setKp);
+            const std::vector<Node> children = isSplit ? node.split() : std::vector<Node>(1, node);
+            next.insert(next.end(), children.begin(), children.end());
+            numJ += children.size() - 1;
+        }
+        nodes = next;
+    }
+    std::vector<LeafCorner> best, others(corners);
+    for (const Node& node : nodes)
+        if (!node.corners.empty())
+            best.push_back(node.best());
+    std::sort(best.begin(), best.end(), isBetter);
+    std::sort(others.begin(), others.end(), isBetter);
+    best.insert(best.end(), others.begin(), others.end());
+    std::vector<int> order;
+    std::set<int> listed;
+    for (const LeafCorner& corner : best)
+        if (listed.insert(corner.index).second)
+            order.push_back(corner.index);
     return order;
 }
 
@@ -183,6 +223,7 @@ public:
           isHarris(settings.scoreType == ORB::HARRIS_SCORE),
           isRanked(settings.selectionType == AdaptiveQuadtreeORB::RANKED_SELECTION)
     {
+        s.subPixel = isRanked && settings.subPixel;
     }
     Features run()
     {
@@ -248,9 +289,7 @@ private:
             level.usableShare = mask.empty() ? 1.
                                              : (double)countNonZero(level.usable(level.root)) /
                                                    ((double)level.root.width * level.root.height);
-            const int side = 1 << quadtreeDepth(level.quota);
-            level.grid = isRanked ? rankedGrid(level.ownQuota, level.usableShare, level.root.size())
-                                  : LeafGrid{side, side, 0};
+            level.grid = rankedGrid(level.ownQuota, level.usableShare, level.root.size());
             levels.push_back(level);
         }
         levels.back().quota = std::accumulate(quotaOfLevel.begin() + count - 1, quotaOfLevel.end(), 0);
@@ -305,8 +344,7 @@ private:
         const double radius = s.octaveSuppressionInUse() * levels[index].scale;
         for (size_t i = 0; i < levels.size(); i++)
         {
-            // A ranked selection looks at the neighbouring levels only.
-            const bool counts = isRanked ? i + 1 == index || i == index + 1 : i != index;
+            const bool counts = i + 1 == index || i == index + 1;
             for (size_t j = 0; counts && j < levels[i].selected.size(); j++)
             {
                 const Point2d d = exactPosition(levels[i], levels[i].selected[j]) - p;
@@ -317,12 +355,13 @@ private:
         return false;
     }
 
-    static std::vector<int> balancedCorners(const PyramidLevel& level, const std::vector<Candidate>& of)
+    static std::vector<int> quadtreeCorners(const PyramidLevel& level, const std::vector<Candidate>& of)
     {
-        std::vector<LeafCorner> corners = leafCorners(level, of);
-        for (LeafCorner& corner : corners)
-            corner.key = of[corner.index].response;
-        return balancedOrder(corners);
+        std::vector<LeafCorner> corners;
+        for (size_t i = 0; i < of.size(); i++)
+            corners.push_back(
+                {0, 0, float(of[i].x - level.root.x), float(of[i].y - level.root.y), of[i].response, int(i)});
+        return quadtreeOrder(corners, level.root.size(), level.quota, quadtreeDepth(level.quota));
     }
 
     // With the FAST score as their key.
@@ -430,9 +469,9 @@ private:
         for (PyramidLevel& level : levels)
         {
             level.candidates =
-                score(level, findCorners(level.image, level.usable, level.root, both, isHarris));
+                score(level, findCorners(level.image, level.usable, level.root, both, isHarris && isRanked));
             level.ordered =
-                isRanked ? orderCorners(level, level.candidates) : balancedCorners(level, level.candidates);
+                isRanked ? orderCorners(level, level.candidates) : quadtreeCorners(level, level.candidates);
             level.next = 0;
             level.selected.clear();
         }
@@ -448,8 +487,7 @@ private:
     {
         PyramidLevel& level = levels[octave];
         std::sort(level.selected.begin(), level.selected.end(), inRasterOrder);
-        if (isRanked)
-            std::stable_sort(level.selected.begin(), level.selected.end(), hasHigherResponse);
+        std::stable_sort(level.selected.begin(), level.selected.end(), hasHigherResponse);
         const Mat blurred = roundedBlur(level.image);
         const std::vector<Point> pattern = descriptorPattern(s.patchSize, s.WTA_K);
         for (size_t i = 0; i < level.selected.size(); i++)
@@ -475,7 +513,7 @@ private:
 
     const Mat gray, mask;
     Thresholds both = Thresholds();
-    const Settings s;
+    Settings s;
     const bool isHarris, isRanked;
     std::vector<PyramidLevel> levels;
 };

@@ -157,8 +157,12 @@ std::vector<int> rankedOrder(const std::vector<LeafCorner>& corners, const RankR
     // Leaves that are (dx, dy) away are in the disc if their centres are within the radius.
     const int columns = rule.grid.columns, rows = rule.grid.rows;
     const double W = (double)rule.region.width / columns, H = (double)rule.region.height / rows;
-    const double reach =
-        rule.radius * rule.radius * rule.usable * rule.region.width * rule.region.height / rule.quota;
+    const double area = rule.usable * rule.region.width * rule.region.height / rule.quota;  // of a feature
+    // A disc, or as wide a part of a narrow region as has the area of the disc.
+    const double disc = rule.radius * rule.radius * area,
+                 inRow = CV_PI / 2 * rule.radius * rule.radius * area /
+                         std::min(rule.region.width, rule.region.height),
+                 reach = std::max(disc, inRow * inRow);
     const auto isInDisc = [&](double dx, double dy)
     { return dx * dx * (W * W) + dy * dy * (H * H) <= reach; };
     int most = 0, highest = 0;  // |dx|, |dy|

@@ -3,7 +3,7 @@
 // of this distribution.
 // SPDX-License-Identifier: Apache-2.0
 
-#include "test_precomp.hpp"
+#include "reference.hpp"
 
 namespace opencv_test
 {
@@ -26,27 +26,46 @@ TEST(Aqorb_Contracts, defaults)
     EXPECT_EQ(4, detector->getMinThresholdRatio());
     EXPECT_EQ(AdaptiveQuadtreeORB::RANKED_SELECTION, detector->getSelectionType());
     EXPECT_EQ(0.05, detector->getStrengthWeight());
-    EXPECT_EQ(2.25, detector->getRankRadius());
+    EXPECT_EQ(1, detector->getRankRadius());
     EXPECT_EQ(-1, detector->getOctaveSuppression());
     EXPECT_TRUE(detector->getSubPixel());
 }
 
-TEST(Aqorb_Contracts, the_default_of_octave_suppression_follows_the_selection)
+TEST(Aqorb_Contracts, the_default_of_octave_suppression_follows_the_weight)
 {
     const Mat image = makeScene(Size(320, 240));
-    const auto features = [&](AdaptiveQuadtreeORB::SelectionType type, double octaveSuppression)
+    const auto features = [&](double octaveSuppression)
     {
         const Ptr<AdaptiveQuadtreeORB> detector = AdaptiveQuadtreeORB::create(1000);
-        detector->setSelectionType(type);
         detector->setOctaveSuppression(octaveSuppression);
         return detectAndCompute(*detector, image);
     };
-    const auto ranked = AdaptiveQuadtreeORB::RANKED_SELECTION;
-    const auto balanced = AdaptiveQuadtreeORB::BALANCED_SELECTION;
-    EXPECT_TRUE(sameFeatures(features(ranked, 2), features(ranked, -1)));
-    EXPECT_FALSE(sameFeatures(features(ranked, 0.5), features(ranked, -1)));
-    EXPECT_TRUE(sameFeatures(features(balanced, 0.5), features(balanced, -1)));
-    EXPECT_FALSE(sameFeatures(features(balanced, 0.6), features(balanced, -1)));
+    EXPECT_TRUE(sameFeatures(features(2), features(-1)));
+    EXPECT_FALSE(sameFeatures(features(0.5), features(-1)));
+}
+
+TEST(Aqorb_Contracts, the_papers_method_is_one_switch)
+{
+    const Mat image = makeScene(Size(320, 240));
+    const Ptr<AdaptiveQuadtreeORB> detector = AdaptiveQuadtreeORB::create(300);
+    detector->setSelectionType(AdaptiveQuadtreeORB::QUADTREE_SELECTION);
+    const Features expected = detectAndCompute(*detector, image);
+    for (const KeyPoint& keypoint : expected.keypoints)
+    {
+        const float scale = reference::levelScale(keypoint.octave, 0, detector->getScaleFactor());
+        EXPECT_EQ(keypoint.pt,
+                  Point2f(float(cvRound(keypoint.pt.x / scale)), float(cvRound(keypoint.pt.y / scale))) *
+                      scale);
+    }
+    detector->setSubPixel(false);
+    detector->setOctaveSuppression(3);
+    detector->setStrengthWeight(5);
+    detector->setRankRadius(7);
+    EXPECT_TRUE(sameFeatures(expected, detectAndCompute(*detector, image)));
+    EXPECT_FALSE(detector->getSubPixel());
+    EXPECT_EQ(7, detector->getRankRadius());
+    detector->setMinThresholdRatio(1);
+    EXPECT_FALSE(sameFeatures(expected, detectAndCompute(*detector, image)));
 }
 
 TEST(Aqorb_Contracts, is_an_orb)
@@ -75,7 +94,7 @@ TEST(Aqorb_Contracts, is_an_orb)
 TEST(Aqorb_Contracts, fields_of_keypoints)
 {
     const AdaptiveQuadtreeORB::SelectionType selections[] = {AdaptiveQuadtreeORB::RANKED_SELECTION,
-                                                             AdaptiveQuadtreeORB::BALANCED_SELECTION};
+                                                             AdaptiveQuadtreeORB::QUADTREE_SELECTION};
     for (AdaptiveQuadtreeORB::SelectionType selection : selections)
     {
         SCOPED_TRACE(int(selection));

@@ -119,7 +119,7 @@ TEST(Aqorb_Errors, the_ends_of_what_is_accepted_are_accepted)
     EXPECT_NO_THROW(detector->setFastThreshold(INT_MAX));
     EXPECT_NO_THROW(detector->setMinThresholdRatio(1));
     EXPECT_NO_THROW(detector->setSelectionType(AdaptiveQuadtreeORB::RANKED_SELECTION));
-    EXPECT_NO_THROW(detector->setSelectionType(AdaptiveQuadtreeORB::BALANCED_SELECTION));
+    EXPECT_NO_THROW(detector->setSelectionType(AdaptiveQuadtreeORB::QUADTREE_SELECTION));
     EXPECT_NO_THROW(detector->setStrengthWeight(0));
     EXPECT_NO_THROW(detector->setStrengthWeight(1000));
     EXPECT_NO_THROW(detector->setRankRadius(0));

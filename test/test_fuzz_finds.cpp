@@ -5,7 +5,7 @@
 
 #include "test_precomp.hpp"
 
-#include "selection.hpp"
+#include "quadtree.hpp"
 #include "pyramid.hpp"
 
 #include <limits>
@@ -89,7 +89,7 @@ TEST(Aqorb_FuzzFinds, quotas_of_more_features_than_a_float_counts)
     for (double factor : factors)
         for (int nlevels = 1; nlevels <= 8; nlevels++)
         {
-            const std::vector<int> quotas = aqorb::balancedQuotas(INT_MAX, factor, nlevels);
+            const std::vector<int> quotas = aqorb::quadtreeQuotas(INT_MAX, factor, nlevels);
             EXPECT_EQ(INT_MAX, std::accumulate(quotas.begin(), quotas.end(), int64(0)));
             EXPECT_GE(*std::min_element(quotas.begin(), quotas.end()), 0);
         }
@@ -101,7 +101,7 @@ TEST(Aqorb_FuzzFinds, a_scale_factor_that_is_one_as_a_float)
     for (double factor : {1 + 1e-15, 1 + 1e-8, 1 + 6e-8, 1 + 1e-7, 1 + 1e-6})
     {
         SCOPED_TRACE(factor);
-        const std::vector<int> quotas = aqorb::balancedQuotas(500, factor, 4);
+        const std::vector<int> quotas = aqorb::quadtreeQuotas(500, factor, 4);
         EXPECT_EQ(500, std::accumulate(quotas.begin(), quotas.end(), int64(0)));
         EXPECT_GT(*std::min_element(quotas.begin(), quotas.end()), 100);
         const Ptr<AdaptiveQuadtreeORB> detector = AdaptiveQuadtreeORB::create(60, 1.2f, 3);

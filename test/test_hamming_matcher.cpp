@@ -370,5 +370,46 @@ TEST(Aqorb_HammingMatcher, is_safe_in_several_threads)
         EXPECT_TRUE(sameMatches(MatchLists(1, results[0]), MatchLists(1, results[i])));
 }
 
+//! Counts the parallel loops.
+class Counting : public InTurns
+{
+public:
+    void parallel_for(int stripes, FN_parallel_for_body_cb_t body, void* data) CV_OVERRIDE
+    {
+        loops++;
+        InTurns::parallel_for(stripes, body, data);
+    }
+    int loops = 0;
+};
+
+TEST(Aqorb_HammingMatcher, stays_on_one_thread_under_a_single_thread_scope)
+{
+    const std::shared_ptr<Counting> backend = std::make_shared<Counting>();
+    const BackendScope scope(backend);
+    const Threads threads(4);
+    const Mat descriptors = makeNoise(Size(32, 1200)), longDescriptors = makeNoise(Size(1100, 40)),
+              mask(1200, 1200, CV_8UC1, Scalar(1));
+    const std::vector<KeyPoint> keypoints(1200, KeyPoint(1, 1, 31));
+    const auto match = [&]
+    {
+        std::vector<std::vector<DMatch>> lists;
+        std::vector<DMatch> matches;
+        Mat pairs, distances;
+        aqorb::HammingMatcher(NORM_HAMMING, true).match(descriptors, descriptors, matches);
+        aqorb::HammingMatcher().knnMatch(descriptors, descriptors, lists, 3, mask);
+        aqorb::HammingMatcher().radiusMatch(longDescriptors, longDescriptors, lists, 9);
+        aqorb::matchArrays(descriptors, descriptors, pairs, distances);
+        aqorb::matchByPosition(descriptors, std::vector<Point2f>(1200), descriptors, keypoints, Size2f(9, 9),
+                               pairs, distances);
+    };
+    {
+        const aqorb::SingleThreadScope alone;
+        match();
+    }
+    EXPECT_EQ(0, backend->loops);
+    match();
+    EXPECT_GE(backend->loops, 5);
+}
+
 }  // namespace
 }  // namespace opencv_test

@@ -128,7 +128,7 @@ TEST(Aqorb_IO, a_bad_value_throws_and_changes_nothing)
     const char* bad[][2] = {
         {"nfeatures", "-1"},         {"nfeatures", "many"},         {"nfeatures", "1.5"},
         {"nfeatures", "1e12"},       {"scaleFactor", ".nan"},       {"wta_k", "5"},
-        {"scoreType", "2"},          {"selectionType", "0.5"},      {"selectionType", "balanced"},
+        {"scoreType", "2"},          {"selectionType", "0.5"},      {"selectionType", "quadtree"},
         {"strengthWeight", "1e4"},   {"octaveSuppression", ".inf"}, {"subPixel", "2"},
         {"adaptiveThreshold", "yes"}};
     const Ptr<AdaptiveQuadtreeORB> detector = unusual();

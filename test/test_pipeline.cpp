@@ -30,7 +30,7 @@ void expectAsReferenceWithItsSelection(const Settings& settings, const Mat& imag
 // With both selections.
 void expectAsReference(Settings settings, const Mat& image, const Mat& mask = Mat())
 {
-    for (const auto type : {AdaptiveQuadtreeORB::RANKED_SELECTION, AdaptiveQuadtreeORB::BALANCED_SELECTION})
+    for (const auto type : {AdaptiveQuadtreeORB::RANKED_SELECTION, AdaptiveQuadtreeORB::QUADTREE_SELECTION})
     {
         settings.selectionType = type;
         expectAsReferenceWithItsSelection(settings, image, mask);

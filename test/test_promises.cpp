@@ -17,7 +17,7 @@ namespace
 using reference::Settings;
 
 const AdaptiveQuadtreeORB::SelectionType SELECTIONS[] = {AdaptiveQuadtreeORB::RANKED_SELECTION,
-                                                         AdaptiveQuadtreeORB::BALANCED_SELECTION};
+                                                         AdaptiveQuadtreeORB::QUADTREE_SELECTION};
 
 //! The pixel of its level at which a keypoint was detected.
 Point detectedPixel(const KeyPoint& keypoint, const AdaptiveQuadtreeORB& detector)
@@ -109,7 +109,6 @@ TEST(Aqorb_Promises, a_level_comes_by_response_and_then_in_raster_order_of_the_d
             2000, 1.2f, 4, 16, seed % 2, 2, seed % 4 < 2 ? ORB::FAST_SCORE : ORB::HARRIS_SCORE);
         for (AdaptiveQuadtreeORB::SelectionType selection : SELECTIONS)
         {
-            const bool isRanked = selection == AdaptiveQuadtreeORB::RANKED_SELECTION;
             detector->setSelectionType(selection);
             KeyPoints keypoints;
             detector->detect(makeScene(Size(200, 150), seed), keypoints);
@@ -119,14 +118,14 @@ TEST(Aqorb_Promises, a_level_comes_by_response_and_then_in_raster_order_of_the_d
                 ASSERT_LE(before.octave, after.octave);
                 if (before.octave < after.octave)
                     continue;
-                if (isRanked && before.response != after.response)
+                if (before.response != after.response)
                 {
                     ASSERT_GT(before.response, after.response);
                     continue;
                 }
                 const Point a = detectedPixel(before, *detector), b = detectedPixel(after, *detector);
                 ASSERT_TRUE(a.y < b.y || (a.y == b.y && a.x < b.x));
-                ties += isRanked;
+                ties++;
                 turned += after.pt.y < before.pt.y;
             }
         }
@@ -140,42 +139,37 @@ TEST(Aqorb_Promises, octave_suppression_keeps_detected_pixels_apart)
     int nearer = 0;  // refined positions that are
     // In the noise representatives run out, but corners that keep their distance do not.
     const Mat scene = makeScene(Size(640, 480)), noise = makeNoise(Size(411, 196));
-    for (AdaptiveQuadtreeORB::SelectionType selection : SELECTIONS)
-        for (double distance : {0.5, 1., 2., 3., -2.})
+    for (double distance : {0.5, 1., 2., 3., -2.})
+    {
+        const Mat& image = distance < 0 ? noise : scene;
+        const int nfeatures = distance < 0 ? 2468 : 600;
+        distance = std::abs(distance);
+        SCOPED_TRACE(format("distance %g, %d", distance, nfeatures));
+        const Ptr<AdaptiveQuadtreeORB> detector = AdaptiveQuadtreeORB::create(nfeatures);
+        detector->setOctaveSuppression(distance);
+        KeyPoints keypoints;
+        detector->detect(image, keypoints);
+        ASSERT_EQ(keypoints.size(), size_t(nfeatures));
+        std::vector<Mat> levels;
+        detector->buildPyramid(image, levels);
+        const auto position = [&](const KeyPoint& k)
         {
-            const Mat& image = distance < 0 ? noise : scene;
-            const int nfeatures = distance < 0 ? 2468 : 600;
-            distance = std::abs(distance);
-            SCOPED_TRACE(format("selection %d, distance %g, %d", int(selection), distance, nfeatures));
-            const Ptr<AdaptiveQuadtreeORB> detector = AdaptiveQuadtreeORB::create(nfeatures);
-            detector->setSelectionType(selection);
-            detector->setOctaveSuppression(distance);
-            KeyPoints keypoints;
-            detector->detect(image, keypoints);
-            ASSERT_EQ(keypoints.size(), size_t(nfeatures));
-            std::vector<Mat> levels;
-            detector->buildPyramid(image, levels);
-            const auto position = [&](const KeyPoint& k)
+            const Point pixel = detectedPixel(k, *detector);
+            const Size size = levels[k.octave].size();
+            return Point2d((pixel.x + 0.5) * image.cols / size.width - 0.5,
+                           (pixel.y + 0.5) * image.rows / size.height - 0.5);
+        };
+        for (const KeyPoint& coarse : keypoints)
+            for (const KeyPoint& fine : keypoints)
             {
-                const Point pixel = detectedPixel(k, *detector);
-                const Size size = levels[k.octave].size();
-                return Point2d((pixel.x + 0.5) * image.cols / size.width - 0.5,
-                               (pixel.y + 0.5) * image.rows / size.height - 0.5);
-            };
-            for (const KeyPoint& coarse : keypoints)
-                for (const KeyPoint& fine : keypoints)
-                {
-                    const bool counts = selection == AdaptiveQuadtreeORB::RANKED_SELECTION
-                                            ? fine.octave + 1 == coarse.octave
-                                            : fine.octave < coarse.octave;
-                    if (!counts)
-                        continue;
-                    const double least =
-                        distance * reference::levelScale(fine.octave, 0, detector->getScaleFactor());
-                    ASSERT_GE(cv::norm(position(coarse) - position(fine)), least * (1 - 1e-9));
-                    nearer += cv::norm(coarse.pt - fine.pt) < least;
-                }
-        }
+                if (fine.octave + 1 != coarse.octave)
+                    continue;
+                const double least =
+                    distance * reference::levelScale(fine.octave, 0, detector->getScaleFactor());
+                ASSERT_GE(cv::norm(position(coarse) - position(fine)), least * (1 - 1e-9));
+                nearer += cv::norm(coarse.pt - fine.pt) < least;
+            }
+    }
     EXPECT_GT(nearer, 0);
 }
 

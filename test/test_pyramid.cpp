@@ -5,6 +5,8 @@
 
 #include "reference.hpp"
 
+#include "quadtree.hpp"
+
 #include "pyramid.hpp"
 #include "selection.hpp"
 
@@ -37,17 +39,17 @@ std::vector<Level> buildPyramid(const Mat& image, const Mat& mask, const Pyramid
 TEST(Aqorb_Pyramid, quotas_of_the_paper)
 {
     // 500 features on 8 levels: equation (8) gives 108.6 for the first and 30.3 for the last.
-    const std::vector<int> quotas = balancedQuotas(500, 1.2f, 8);
+    const std::vector<int> quotas = quadtreeQuotas(500, 1.2f, 8);
     // cv::ORB's last level takes what rounding leaves, here 31.
     const int expected[] = {109, 90, 75, 63, 52, 44, 36, 31};
     EXPECT_EQ(quotas, std::vector<int>(expected, expected + 8));
-    EXPECT_EQ(balancedQuotas(500, 1.f, 1), std::vector<int>(1, 500));
+    EXPECT_EQ(quadtreeQuotas(500, 1.f, 1), std::vector<int>(1, 500));
 }
 
 TEST(Aqorb_Pyramid, quotas_take_rounding_from_the_finest_level)
 {
     // cv::ORB's rounding asks for 8 features where 7 are wanted.
-    const std::vector<int> quotas = balancedQuotas(7, 1.2f, 8);
+    const std::vector<int> quotas = quadtreeQuotas(7, 1.2f, 8);
     const int expected[] = {1, 1, 1, 1, 1, 1, 1, 0};
     EXPECT_EQ(quotas, std::vector<int>(expected, expected + 8));
 }

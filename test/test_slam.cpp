@@ -150,10 +150,10 @@ TEST(Aqorb_Slam, properties_of_the_detector_are_heeded)
     detector.setSubPixel(true);
     detector.setAdaptiveThreshold(true);
     detector.setMinThresholdRatio(4);
-    detector.setSelectionType(AdaptiveQuadtreeORB::BALANCED_SELECTION);
+    detector.setSelectionType(AdaptiveQuadtreeORB::QUADTREE_SELECTION);
     detector.setOctaveSuppression(3);
     const Ptr<AdaptiveQuadtreeORB> expected = AdaptiveQuadtreeORB::create(500);
-    expected->setSelectionType(AdaptiveQuadtreeORB::BALANCED_SELECTION);
+    expected->setSelectionType(AdaptiveQuadtreeORB::QUADTREE_SELECTION);
     expected->setOctaveSuppression(3);
     EXPECT_TRUE(sameFeatures(detectAndCompute(*expected, image), extract(extractor, image)));
 }

@@ -33,7 +33,7 @@ std::vector<Call> calls()
     const Call all[] = {{image, Mat(), 500, AdaptiveQuadtreeORB::RANKED_SELECTION},
                         {image, mask, 300, AdaptiveQuadtreeORB::RANKED_SELECTION},
                         {colored, Mat(), 5000, AdaptiveQuadtreeORB::RANKED_SELECTION},  // more than there are
-                        {image, Mat(), 400, AdaptiveQuadtreeORB::BALANCED_SELECTION}};
+                        {image, Mat(), 400, AdaptiveQuadtreeORB::QUADTREE_SELECTION}};
     return std::vector<Call>(all, all + 4);
 }
 

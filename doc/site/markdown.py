@@ -19,7 +19,7 @@ ROOT = os.path.abspath(os.path.join(os.path.dirname(__file__), '..', '..'))
 FENCE = re.compile(r'(^ *```.*?^ *```$)', re.MULTILINE | re.DOTALL)
 LINK = re.compile(r'(!?)\[((?:[^\]`]|`[^`]*`)*)\]\(([^)\s]+)\)')
 PAGES = {'README.md': 'mainpage', 'python/README.md': 'python', 'preload/README.md': 'preload',
-         'modules/aqorb/include/opencv2/aqorb.hpp': 'aqorb'}
+         'photographs/README.md': 'photographs', 'modules/aqorb/include/opencv2/aqorb.hpp': 'aqorb'}
 
 
 def slug(heading):
@@ -33,7 +33,7 @@ def page(path):
         with open(os.path.join(ROOT, path), encoding='utf-8') as file:
             return re.search(r'{#(\w+)}', file.readline())[1]
     name = os.path.basename(path)[:-len('.md')].lower()
-    return PAGES.get(path, name if re.fullmatch(r'(doc/)?\w+\.md', path) else None)
+    return PAGES.get(path, name if re.fullmatch(r'(doc/|photographs/)?\w+\.md', path) else None)
 
 
 def link(match, path):
@@ -47,7 +47,7 @@ def link(match, path):
     name = page(target)
     if name:
         return f'[{text.replace("`", "")}](@ref {name}{anchor and "-" + anchor})'
-    if target.startswith('samples/') and os.path.isfile(os.path.join(ROOT, target)):
+    if target.startswith(('samples/', 'photographs/samples/')) and os.path.isfile(os.path.join(ROOT, target)):
         return f'<a href="{target}.txt">{text}</a>'
     return f'`{target}`' if text.strip('`') in (target, os.path.basename(target)) else f'{text} (`{target}`)'
 

@@ -102,14 +102,14 @@ TEST(Aqorb_Preload, leaves_our_own_defaults)
 TEST(Aqorb_Preload, sets_properties_from_the_environment)
 {
     const Variable edge("AQORB_EDGE_THRESHOLD", "16"), adaptive("AQORB_ADAPTIVE_THRESHOLD", "0"),
-        ratio("AQORB_MIN_THRESHOLD_RATIO", "2.5"), selection("AQORB_SELECTION_TYPE", " balanced"),
+        ratio("AQORB_MIN_THRESHOLD_RATIO", "2.5"), selection("AQORB_SELECTION_TYPE", " quadtree"),
         weight("AQORB_STRENGTH_WEIGHT", "0.3"), radius("AQORB_RANK_RADIUS", "2.5"),
         octave("AQORB_OCTAVE_SUPPRESSION", " 0.25 "), subPixel("AQORB_SUB_PIXEL", "0");
     const Ptr<AdaptiveQuadtreeORB> orb = ours(ORB::create(100, 1.2f, 8, 40));
     EXPECT_EQ(16, orb->getEdgeThreshold());
     EXPECT_FALSE(orb->getAdaptiveThreshold());
     EXPECT_EQ(2.5, orb->getMinThresholdRatio());
-    EXPECT_EQ(AdaptiveQuadtreeORB::BALANCED_SELECTION, orb->getSelectionType());
+    EXPECT_EQ(AdaptiveQuadtreeORB::QUADTREE_SELECTION, orb->getSelectionType());
     EXPECT_EQ(0.3, orb->getStrengthWeight());
     EXPECT_EQ(2.5, orb->getRankRadius());
     EXPECT_EQ(0.25, orb->getOctaveSuppression());
@@ -149,10 +149,10 @@ TEST(Aqorb_Preload, names_the_variable_of_a_bad_value)
     EXPECT_EQ("AQORB_MIN_THRESHOLD_RATIO must be a number, got \"nan\"",
               messageOf("AQORB_MIN_THRESHOLD_RATIO", "nan"));
     EXPECT_EQ("AQORB_SUB_PIXEL must be 0 or 1, got \"yes\"", messageOf("AQORB_SUB_PIXEL", "yes"));
-    EXPECT_EQ("AQORB_SELECTION_TYPE must be ranked or balanced, got \"1\"",
+    EXPECT_EQ("AQORB_SELECTION_TYPE must be ranked or quadtree, got \"1\"",
               messageOf("AQORB_SELECTION_TYPE", "1"));
-    EXPECT_EQ("AQORB_SELECTION_TYPE must be ranked or balanced, got \"balanced ranked\"",
-              messageOf("AQORB_SELECTION_TYPE", "balanced ranked"));
+    EXPECT_EQ("AQORB_SELECTION_TYPE must be ranked or quadtree, got \"quadtree ranked\"",
+              messageOf("AQORB_SELECTION_TYPE", "quadtree ranked"));
     EXPECT_EQ("AQORB_STRENGTH_WEIGHT: strengthWeight must be from 0 to 1000, got 1001",
               messageOf("AQORB_STRENGTH_WEIGHT", "1001"));
     EXPECT_EQ("AQORB_RANK_RADIUS: rankRadius must be from 0 to 16, got -1",

@@ -13,7 +13,7 @@ package is not derived from cv2.Feature2D, so that functions of cv2 do not take 
 descriptors, and computeImageFeatures2 here makes what cv2.detail needs. cv2 is imported when the first of its objects
 is needed; what takes and returns arrays works without.
 
-Images are numpy arrays of uint8 with any strides. Their shape is (rows, cols) or (rows, cols, channels), with 1 (grey),
+Images are numpy arrays of uint8, or memoryviews, with any strides. Their shape is (rows, cols) or (rows, cols, channels), with 1 (grey),
 3 (BGR) or 4 (BGRA) channels. File names are str, bytes or paths.
 
 A value that is not accepted raises aqorb.error, which is a ValueError and, where there is cv2, a cv2.error. An object
@@ -32,7 +32,7 @@ that return keypoints then return an array. setNumThreads and getNumThreads are 
 
 import functools as _functools
 import types as _types
-from ._aqorb import (AdaptiveQuadtreeORB, AdaptiveQuadtreeORB_BALANCED_SELECTION,
+from ._aqorb import (AdaptiveQuadtreeORB, AdaptiveQuadtreeORB_QUADTREE_SELECTION,
                      AdaptiveQuadtreeORB_RANKED_SELECTION, AdaptiveQuadtreeORB_create, HammingMatcher,
                      HammingMatcher_create, __version__, _build_information, _from_text, adaptiveFastThreshold,
                      distributionOccupancy, distributionUniformity, getNumThreads, growMatchArrays, growMatches,
@@ -41,7 +41,7 @@ from ._aqorb import (AdaptiveQuadtreeORB, AdaptiveQuadtreeORB_BALANCED_SELECTION
                      retainUniform, setNumThreads)
 from ._feature_batch import FeatureBatch
 
-__all__ = ['AdaptiveQuadtreeORB', 'AdaptiveQuadtreeORB_BALANCED_SELECTION', 'AdaptiveQuadtreeORB_RANKED_SELECTION',
+__all__ = ['AdaptiveQuadtreeORB', 'AdaptiveQuadtreeORB_QUADTREE_SELECTION', 'AdaptiveQuadtreeORB_RANKED_SELECTION',
            'AdaptiveQuadtreeORB_create', 'FeatureBatch', 'HammingMatcher', 'HammingMatcher_create',
            'adaptiveFastThreshold', 'computeImageFeatures2', 'distributionOccupancy', 'distributionUniformity', 'error',
            'getNumThreads', 'growMatchArrays', 'growMatches', 'keypoint_dtype', 'keypointsFromArray',

@@ -2,7 +2,13 @@
 # It is subject to the license terms in the LICENSE file found in the top-level directory
 # of this distribution.
 # SPDX-License-Identifier: Apache-2.0
-from aqorb.cli.main import main
+"""Prints what the package runs with: its version, OpenCV's, the kernels and the number of threads."""
+
+import sys
+
+from aqorb import _build_information
 
 if __name__ == '__main__':
-    main()
+    if sys.argv[1:] not in ([], ['--version']):
+        sys.exit('the command aqorb is a package of its own; in a clone: pip install . ./photographs')
+    print(_build_information())

@@ -23,5 +23,5 @@ def named(name, instead):
     try:
         return getattr(importlib.import_module('cv2'), name)
     except (ImportError, AttributeError) as reason:  # a folder cv2 that is left of an old installation has no names
-        raise ImportError('objects of cv2 are returned, which cannot be imported: install opencv-python or '
-                          'opencv-python-headless, or call ' + instead) from reason
+        raise ImportError(f'cv2 does not work: {reason}. The result consists of objects of cv2. Install '
+                          f'opencv-python-headless, which needs no libGL, or call {instead}') from reason

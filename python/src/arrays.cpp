@@ -59,6 +59,14 @@ Pixels toPixels(py::array array, int channels)
     return pixels;
 }
 
+// An array, or a memoryview as an array that shares its memory.
+py::array arrayOf(py::handle source, const std::string& name, const char* accepted)
+{
+    if (!py::isinstance<py::array>(source) && !PyMemoryView_Check(source.ptr()))
+        throwTypeError(name, brief(source), accepted);
+    return py::module_::import("numpy").attr("asarray")(source);
+}
+
 const char ACCEPTED[] = "a sequence of cv2.KeyPoint or an array of aqorb.keypoint_dtype";
 
 // The attributes of a cv2.KeyPoint, as objects, which are looked up faster.
@@ -143,9 +151,7 @@ Pixels toImage(py::handle source, const std::string& name)
 {
     if (source.is_none())
         return Pixels();
-    if (!py::isinstance<py::array>(source))
-        throwTypeError(name, brief(source), "a numpy array");
-    const py::array array = py::reinterpret_borrow<py::array>(source);
+    const py::array array = arrayOf(source, name, "a numpy array");
     const py::ssize_t dims = array.ndim(), channels = dims == 3 ? array.shape(2) : 1;
     const bool isShape = dims == 2 || (dims == 3 && (channels == 1 || channels == 3 || channels == 4));
     if (!isUint8(array) || !isShape || !isSizeOfMat(array))
@@ -159,9 +165,7 @@ Pixels toMask(py::handle source, const std::string& name)
 {
     if (source.is_none())
         return Pixels();
-    if (!py::isinstance<py::array>(source))
-        throwTypeError(name, brief(source), "a numpy array or None");
-    const py::array array = py::reinterpret_borrow<py::array>(source);
+    const py::array array = arrayOf(source, name, "a numpy array or None");
     const bool isShape = array.ndim() == 2 || (array.ndim() == 3 && array.shape(2) == 1);
     if (!(isUint8(array) || array.dtype().kind() == 'b') || !isShape || !isSizeOfMat(array))
         rejectArray(name, array, "uint8 or bool of the image's shape (rows, cols)");
@@ -172,9 +176,7 @@ Pixels toDescriptors(py::handle source, const std::string& name)
 {
     if (source.is_none())
         return Pixels();
-    if (!py::isinstance<py::array>(source))
-        throwTypeError(name, brief(source), "a numpy array or None");
-    const py::array array = py::reinterpret_borrow<py::array>(source);
+    const py::array array = arrayOf(source, name, "a numpy array or None");
     if (!isUint8(array) || array.ndim() != 2 || !isSizeOfMat(array))
         rejectArray(name, array, "uint8 of shape (n, bytes)");
     Pixels descriptors = toPixels(array, 1);
@@ -217,8 +219,7 @@ std::vector<Pixels> toMasks(py::handle source, size_t images)
 bool isSequence(py::handle object)
 {
     PyObject* const ptr = object.ptr();
-    return PySequence_Check(ptr) && !py::isinstance<py::array>(object) && !PyUnicode_Check(ptr) &&
-           !PyBytes_Check(ptr) && !PyByteArray_Check(ptr);
+    return PySequence_Check(ptr) && !PyUnicode_Check(ptr) && !PyObject_CheckBuffer(ptr);
 }
 
 py::object toArray(const cv::Mat& mat, const py::dtype& type)

@@ -46,7 +46,7 @@ std::vector<cv::Mat> matricesOf(const std::vector<Pixels>& pixels);
 //! One mask for each of so many images, or none at all (None or an empty sequence).
 std::vector<Pixels> toMasks(py::handle source, size_t images);
 
-//! Whether the object is a sequence of several things: a list or a tuple, but not an array or text.
+//! Whether the object is a sequence of several things: a list or a tuple, but not text, nor a buffer such as an array or a memoryview.
 bool isSequence(py::handle object);
 
 //! Its items, or those of an array of objects. It is a snapshot: another thread may change a list while it is read.

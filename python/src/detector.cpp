@@ -366,7 +366,14 @@ void addFeature2D(DetectorClass& detector)
                  const py::object fromText = py::module_::import("aqorb").attr("_from_text");
                  return py::make_tuple(fromText, py::make_tuple(toText(self)));
              });
-    reinterpret_cast<PyTypeObject*>(detector.ptr())->tp_new = nullptr;
+    reinterpret_cast<PyTypeObject*>(detector.ptr())->tp_new = [](PyTypeObject*, PyObject*,
+                                                                 PyObject*) -> PyObject*
+    {
+        PyErr_SetString(PyExc_TypeError,
+                        "AdaptiveQuadtreeORB has no constructor: call aqorb.AdaptiveQuadtreeORB.create "
+                        "or aqorb.AdaptiveQuadtreeORB_create, which take the parameters of cv2.ORB_create");
+        return nullptr;
+    };
 }
 
 }  // namespace
@@ -387,7 +394,7 @@ void addDetector(py::module_& module)
     addFeature2D(detector);
     module.attr("AdaptiveQuadtreeORB_create") = detector.attr("create");
     module.attr("AdaptiveQuadtreeORB_RANKED_SELECTION") = int(Library::RANKED_SELECTION);
-    module.attr("AdaptiveQuadtreeORB_BALANCED_SELECTION") = int(Library::BALANCED_SELECTION);
+    module.attr("AdaptiveQuadtreeORB_QUADTREE_SELECTION") = int(Library::QUADTREE_SELECTION);
 }
 
 }  // namespace aqorb_python

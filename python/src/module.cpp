@@ -117,6 +117,25 @@ void addFunctions(py::module_& module)
     module.def("getNumThreads", &cv::getNumThreads, "Returns the number of threads that a call may use.");
 }
 
+// pybind11's base class of all classes would end the process instead of making an instance of itself. Other modules share
+// the base class, and keep what they have.
+newfunc newOfPybind11;
+
+PyObject* newInstance(PyTypeObject* type, PyObject* args, PyObject* kwargs)
+{
+    if (!py::detail::all_type_info(type).empty())
+        return newOfPybind11(type, args, kwargs);
+    PyErr_Format(PyExc_TypeError, "cannot create '%s' instances", type->tp_name);
+    return nullptr;
+}
+
+void refuseInstancesOfBase()
+{
+    PyTypeObject* const base = reinterpret_cast<PyTypeObject*>(py::detail::get_internals().instance_base);
+    newOfPybind11 = base->tp_new;
+    base->tp_new = &newInstance;  // the classes that are defined later inherit it
+}
+
 }  // namespace
 
 // pybind11's function that begins to make the module, under another name: in a subinterpreter it would wait for ever
@@ -136,6 +155,7 @@ PYBIND11_MODULE(_aqorb, module)
     translateErrors();
     module.attr("keypoint_dtype") = keypointDtype();
 
+    refuseInstancesOfBase();
     addDetector(module);
     addMatching(module);
     addRefinement(module);

@@ -56,24 +56,5 @@ def unusual():
     return orb, values
 
 
-@pytest.fixture(scope='session')
-def folder(tmp_path_factory):
-    """Forty images."""
-    from command_support import Image
-    folder = tmp_path_factory.mktemp('images')
-    for i in range(40):
-        Image.fromarray(noise(i)).save(str(folder / f'{i:02}.png'))
-    return folder
-
-
-@pytest.fixture(scope='session')
-def features(folder, tmp_path_factory):
-    """A folder with the features of those."""
-    from command_support import run
-    out = tmp_path_factory.mktemp('features') / 'features'
-    run('extract', folder, '--out', out, '--part-size', 7)
-    return out
-
-
 def values_of(orb, names):
     return {name: getattr(orb, 'get' + name)() for name in names}

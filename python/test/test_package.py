@@ -19,10 +19,10 @@ import numpy as np
 import pytest
 
 import aqorb
-from conftest import FOLDER
+from conftest import FOLDER, noise
 
-# cv2 4.6 has no stubs, nor have others that the command needs.
-MYPY = '[mypy]\n[mypy-cv2.*,pyarrow.*,PIL.*,tqdm.*,pycolmap.*,scipy.*]\nignore_missing_imports = True\n'
+# cv2 4.6 has no stubs, nor have other packages that the documents' programs use.
+MYPY = '[mypy]\n[mypy-cv2.*,pyarrow.*,PIL.*,pycolmap.*,aqorb_photographs.*]\nignore_missing_imports = True\n'
 FIELDS = ('pt', 'size', 'angle', 'response', 'octave', 'class_id')
 
 
@@ -77,8 +77,32 @@ def test_error_is_what_users_catch(orb):
         orb.detect(np.zeros((4, 5)))
     with pytest.raises(TypeError):
         orb.detect('image.png')
-    with pytest.raises(TypeError):
-        aqorb.AdaptiveQuadtreeORB()
+    for arguments in (), (500,):
+        with pytest.raises(TypeError, match=r'call aqorb\.AdaptiveQuadtreeORB\.create or'):
+            aqorb.AdaptiveQuadtreeORB(*arguments)
+
+
+def test_classes_of_pybind11_have_no_instances():
+    base = aqorb.HammingMatcher.__mro__[1]  # used to end the process
+    for kind in base, type('Other', (base,), {}):
+        for call in (kind, lambda: kind.__new__(kind), lambda: base.__new__(kind)):
+            with pytest.raises(TypeError, match='cannot create .* instances'):
+                call()
+    assert type('Mine', (aqorb.HammingMatcher,), {})().match(None, None) == ()
+
+
+def test_memoryviews(orb, image):
+    expected, mask = orb.detectAndComputeArrays(image, image > 99), image > 99
+    for found in (orb.detectAndComputeArrays(memoryview(image), memoryview(mask)),
+                  orb.detectAndComputeArrays(memoryview(image.tobytes()).cast('B', image.shape), mask),
+                  orb.compute(memoryview(image), expected[0]),
+                  [values[0] for values in orb.compute([memoryview(image)], [expected[0]])]):
+        assert np.array_equal(found[0], expected[0]) and np.array_equal(found[1], expected[1])
+    assert len(orb.detect(memoryview(image))) == 300
+    rows = memoryview(expected[1])
+    assert np.array_equal(aqorb.matchArrays(rows, rows)[0], aqorb.matchArrays(expected[1], expected[1])[0])
+    with pytest.raises(aqorb.error, match=r'image must be uint8 .*, got an array of dtype uint8 and shape \(5,\)'):
+        orb.detect(memoryview(b'black'))
 
 
 def test_mask_of_bool(orb, image):
@@ -156,10 +180,10 @@ def test_stub_is_a_stub_of_the_package(tmp_path, mypy):
 
 
 def test_stub_accepts_the_programs_of_the_documents(tmp_path, mypy):
-    root = pathlib.Path(__file__).resolve().parents[3]
+    root = pathlib.Path(__file__).resolve().parents[2]
     if not (pathlib.Path(cv.__file__).parent / '__init__.pyi').exists() or not (root / 'README.md').exists():
         pytest.skip('cv2 has no annotations, or there are no documents')
-    text = '\n'.join(path.read_text() for path in [*root.glob('*.md'), root / 'python/README.md',
+    text = '\n'.join(path.read_text() for path in [*root.glob('*.md'), *root.glob('p*/*.md'),
                                                    *root.glob('modules/aqorb/tutorials/*/*.markdown')])
     programs = [program for program in re.findall(r'^```python\n(.*?)^```', text, re.MULTILINE | re.DOTALL)
                 if re.search('^(import|from) aqorb', program, re.MULTILINE)]
@@ -171,6 +195,20 @@ def test_stub_accepts_the_programs_of_the_documents(tmp_path, mypy):
     errors = [line for line in run.stdout.splitlines()
               if ': error: ' in line and not re.search('"(ORB_create|drawMatches|spark)"', line)]
     assert not errors and 'checked' in run.stdout, run.stdout
+
+
+@pytest.mark.parametrize('shape', [(480, 640), (1, 1), (20, 30)])
+def test_program_of_readme_on_black_images(tmp_path, shape):
+    readme = pathlib.Path(__file__).resolve().parents[2] / 'README.md'
+    if not readme.exists():
+        pytest.skip('there is no README.md')
+    program = re.search(r'^```python\n(import sys\n.*?)^```', readme.read_text(), re.MULTILINE | re.DOTALL).group(1)
+    cv.imwrite(str(tmp_path / 'black.png'), np.zeros(shape, np.uint8))
+    cv.imwrite(str(tmp_path / 'noise.png'), noise(1))
+    for other in 'black.png', 'noise.png':
+        run = subprocess.run([sys.executable, '-c', program, 'black.png', other], cwd=str(tmp_path), text=True,
+                             stdout=subprocess.PIPE, stderr=subprocess.STDOUT, timeout=60)
+        assert (run.returncode, run.stdout) == (0, '0 of 0 matches agree\n')
 
 
 def copies_of(thing):
@@ -198,9 +236,12 @@ def test_objects_and_methods_are_pickled_and_copied_or_refused(orb, image):
     for owner in orb, matcher, batch, aqorb.AdaptiveQuadtreeORB, aqorb.HammingMatcher, aqorb:
         for _, member in inspect.getmembers(owner):
             try:
-                copies_of(member)
+                copies = copies_of(member)
             except (TypeError, pickle.PicklingError):
-                pass
+                continue
+            for other in copies:
+                assert type(other) is type(member)
+                assert getattr(other, '__qualname__', None) == getattr(member, '__qualname__', None)
 
 
 SUBINTERPRETER = '''

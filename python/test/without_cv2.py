@@ -3,7 +3,7 @@
 # of this distribution.
 # SPDX-License-Identifier: Apache-2.0
 """What works where NumPy and the package are installed, and nothing else: arrays in, arrays out. The package asks for cv2
-when its objects are needed. scripts/wheel.sh runs the program, and has mypy and pyright check its types."""
+when its objects are needed. scripts/python.sh wheel runs the program, and has mypy and pyright check its types."""
 
 import numpy as np
 from numpy.typing import NDArray

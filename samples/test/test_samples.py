@@ -15,6 +15,7 @@ import numpy as np
 import pytest
 
 SAMPLES = pathlib.Path(__file__).resolve().parent.parent
+RAY_SAMPLES = SAMPLES.parent / 'photographs' / 'samples'
 HOMOGRAPHY = np.array([[0.9, -0.15, 90], [0.1, 0.95, -20], [1e-4, 5e-5, 1]])  # from view1.png to view2.png
 
 
@@ -70,6 +71,14 @@ def test_retain_uniform(images):
     rows = re.findall(r'^\w+, (\w+) +(\d+) +[\d.]+ +(\d+) %', output, re.MULTILINE)
     occupied = [int(share) for how, count, share in rows if count == '300']
     assert occupied[1] > occupied[0] and occupied[3] > occupied[2]
+
+
+@pytest.mark.parametrize('name', ['ray_features', 'ray_places'])
+def test_without_ray(name):
+    program = f"import runpy, sys; sys.modules['ray'] = None; runpy.run_path({str(RAY_SAMPLES / name)!r} + '.py')"
+    result = subprocess.run([sys.executable, '-c', program], stderr=subprocess.PIPE, text=True, timeout=120)
+    assert result.returncode == 1 and "pip install 'ray[data]'" in result.stderr
+    assert 'Traceback' not in result.stderr
 
 
 @pytest.mark.parametrize('command, text', [

@@ -3,156 +3,256 @@
 // of this distribution.
 // SPDX-License-Identifier: Apache-2.0
 
-// Measures AdaptiveQuadtreeORB and HammingMatcher in turns with others, and prints Markdown: see doc/performance.md.
+// Measures what OpenCV's performance harness cannot: two detectors in turns, with cold memory or on a busy machine, and
+// two images to their homography. See doc/performance.md.
 
-#include "benchmark.hpp"
+#include "../../perf/perf_scene.hpp"
 
+#include <opencv2/aqorb.hpp>
 #include <opencv2/core/utility.hpp>
+#include <opencv2/imgcodecs.hpp>
+#if CV_VERSION_MAJOR >= 5
+#include <opencv2/geometry.hpp>
+#else
+#include <opencv2/calib3d.hpp>
+#endif
 
 #include <algorithm>
+#include <cmath>
 #include <cstdlib>
+#include <fstream>
+#include <functional>
 #include <iostream>
-#include <sstream>
-#include <stdexcept>
+#include <thread>
+
+#include <dlfcn.h>
+
+using namespace cv;
+using aqorb::AdaptiveQuadtreeORB;
+using aqorb::HammingMatcher;
 
 namespace
 {
 
 const char* const ABOUT =
-    "Measures speed with default parameters, in turns with others, and prints Markdown.\n"
-    "  speed [IMAGE ...]          frames beside cv::ORB\n"
-    "  beside LIBRARY [IMAGE ...] frames beside another build, named by its libaqorb.so\n"
-    "  pair [IMAGE1 IMAGE2]       from two images to a homography, beside cv::ORB with cv::BFMatcher\n"
-    "  refinement [IMAGE1 IMAGE2] refineMatches beside cv::calcOpticalFlowPyrLK with the same window\n"
-    "  matching                   HammingMatcher beside cv::BFMatcher, descriptors of 32 bytes\n"
-    "  program                    cv::BFMatcher alone, for LD_PRELOAD\n"
-    "An IMAGE is a file, WIDTHxHEIGHT for a drawn scene, or a photograph of opencv_extra whose folder "
-    "testdata\n"
-    "OPENCV_TEST_DATA_PATH names: bikes, leuven, bark, trees, ubc, 640x512.png, 1920x1080.png, which are "
-    "measured\n"
-    "unless others are named. OPENCV_CPU_DISABLE=AVX512-SKX leaves AVX-512 out, for all.\n"
-    "Exit codes: 0 done, 1 bad arguments, 2 other.\n";
+    "Measures speed with default parameters, in turns, and prints Markdown.\n"
+    "  frames [IMAGE ...]          beside cv::ORB\n"
+    "  beside LIBRARY [IMAGE ...]  frames beside another build, named by the path of its libaqorb.so\n"
+    "  pair IMAGE1 IMAGE2          from two images to a homography, beside cv::ORB with cv::BFMatcher\n"
+    "An IMAGE is a file, WIDTHxHEIGHT for a drawn scene, or a photograph of opencv_extra, as "
+    "bikes/img1.png:\n"
+    "its folder testdata is OPENCV_TEST_DATA_PATH. OPENCV_CPU_DISABLE=AVX512-SKX leaves AVX-512 out.\n";
 
-const char* const KEYS = "{help h usage ? |      | print this text }"
-                         "{n              |      | numbers of features or descriptors; 500,1000,2000 unless "
-                         "named, matching also 5000 }"
-                         "{threads        | 1,2  | numbers of threads }"
-                         "{turns          | 31   | how often each is measured }"
-                         "{cold           |      | touch 64 MB of other memory before each frame }"
-                         "{@command       |      | what to measure }"
-                         "{@rest          |      | images }";
+const char* const KEYS = "{help     | | print this text }"
+                         "{n        | 0 | number of features; 500, 1000 and 2000 unless named }"
+                         "{threads  | 1 | number of threads }"
+                         "{turns    | 31 | how often each is measured }"
+                         "{cold     | | touch 64 MB of other memory before each frame }"
+                         "{busy     | 0 | threads that keep processors busy meanwhile }"
+                         "{@command | | what to measure }";
 
-//! Thrown where arguments are not accepted.
-struct BadArguments : std::runtime_error
+const std::vector<std::string> FRAMES = {"bikes/img1.png",    "leuven/img1.png", "bark/img1.png",
+                                         "trees/img1.png",    "ubc/img1.png",    "perf/640x512.png",
+                                         "perf/1920x1080.png"};
+const std::vector<std::string> PAIRS = {
+    "bikes/img1.png", "bikes/img2.png", "leuven/img1.png", "leuven/img2.png", "bark/img1.png",
+    "bark/img2.png",  "trees/img1.png", "trees/img2.png",  "ubc/img1.png",    "ubc/img2.png"};
+
+typedef std::function<Ptr<Feature2D>(int nfeatures)> Creator;
+
+struct Options
 {
-    explicit BadArguments(const std::string& message) : std::runtime_error(message + "; see --help") {}
+    std::vector<int> numbers;  // of features
+    int turns;
+    bool isCold;  // other memory is touched before each frame
 };
 
-std::vector<std::string> splitList(const std::string& list)
+//! A drawn scene, a file, or a photograph of opencv_extra such as bikes/img1.png.
+Mat loadImage(const std::string& name)
 {
-    std::vector<std::string> parts;
-    std::istringstream stream(list);
-    for (std::string part; std::getline(stream, part, ',');)
-        parts.push_back(part);
-    return parts;
+    Size size;
+    char more;
+    if (std::sscanf(name.c_str(), "%dx%d%c", &size.width, &size.height, &more) == 2)
+        return opencv_test::makeStreetScene(size);
+    const char* const data = std::getenv("OPENCV_TEST_DATA_PATH");
+    std::string folder;
+    if (data && !std::ifstream(name))
+        folder = data + std::string(name.find("perf/") == 0
+                                        ? "/"
+                                        : "/cv/detectors_descriptors_evaluation/images_datasets/");
+    const Mat image = imread(folder + name, IMREAD_GRAYSCALE);
+    if (image.empty())
+        CV_Error(Error::StsObjectNotFound, name + ": no such image");
+    return image;
 }
 
-//! Whole numbers above 0.
-std::vector<int> splitNumbers(const std::string& list)
+//! AdaptiveQuadtreeORB::create of another build's shared library, which is never unloaded.
+Creator creatorOf(const std::string& library)
 {
-    std::vector<int> numbers;
-    for (const std::string& number : splitList(list))
-    {
-        numbers.push_back(std::atoi(number.c_str()));
-        if (numbers.back() < 1)
-            throw BadArguments("'" + number + "': a number above 0 is accepted");
-    }
-    return numbers;
+    typedef Ptr<AdaptiveQuadtreeORB> (*Create)(int, float, int, int, int, int, ORB::ScoreType, int, int);
+    // Without RTLD_DEEPBIND the functions of this build would stand in for its own.
+    void* const handle = dlopen(library.c_str(), RTLD_NOW | RTLD_LOCAL | RTLD_DEEPBIND);
+    void* const symbol =
+        handle ? dlsym(handle, "_ZN2cv5aqorb19AdaptiveQuadtreeORB6createEifiiiiNS_3ORB9ScoreTypeEii") : NULL;
+    if (!symbol)
+        CV_Error(Error::StsBadArg, library + " is not a shared library of aqorb: " + dlerror());
+    const Create create = reinterpret_cast<Create>(symbol);
+    // No symbol has the default values.
+    return [create](int n) { return create(n, 1.2f, 8, 16, 0, 2, ORB::HARRIS_SCORE, 31, 20); };
 }
 
-//! The arguments that are no options. cv::CommandLineParser passes over options that it does not know.
-std::vector<std::string> positional(int argc, const char* const* argv)
+void keepBusy()
 {
-    std::vector<std::string> found;
-    for (int i = 1; i < argc; i++)
-    {
-        const std::string argument = argv[i], name = argument.substr(0, argument.find('='));
-        if (argument[0] != '-')
-            found.push_back(argument);
-        else if (name != "--n" && name != "--threads" && name != "--turns" && name != "--cold")
-            throw BadArguments(argument + ": unknown option");
-    }
-    return found;
+    for (volatile bool isBusy = true; isBusy;)
+        continue;
 }
 
-void run(const cv::CommandLineParser& parser, std::vector<std::string> images)
+void touchOtherMemory()
 {
-    const std::string command = images.empty() ? "" : images[0], numbers = parser.get<cv::String>("n");
-    images.erase(images.begin(), images.begin() + !images.empty());
-    Settings settings;
-    settings.numbers = splitNumbers(!numbers.empty()        ? numbers
-                                    : command == "matching" ? "500,1000,2000,5000"
-                                                            : "500,1000,2000");
-    settings.threads = splitNumbers(parser.get<cv::String>("threads"));
-    settings.turns = splitNumbers(parser.get<cv::String>("turns")).at(0);
-    settings.cold = parser.has("cold");
-    Contender other = orb();
-    if (command == "beside")
-    {
-        if (images.empty())
-            throw BadArguments("beside which LIBRARY?");
-        other = aqorbOf(images[0]);
-        images.erase(images.begin());
-    }
-    const bool isOfPairs = command == "pair" || command == "refinement";
-    if (images.empty() && !isOfPairs)
-        images = splitList(std::getenv("OPENCV_TEST_DATA_PATH")
-                               ? "bikes,leuven,bark,trees,ubc,640x512.png,1920x1080.png"
-                               : "640x480,1920x1080");
-    settings.images = images;
+    static std::vector<uint64> words((64 << 20) / sizeof(uint64));
+    for (size_t i = 0; i < words.size(); i += 8)  // each cache line
+        words[i]++;
+}
 
-    if (command == "speed" || command == "beside")
-        measureSpeed(settings, other);
-    else if (isOfPairs && images.size() != 2 && (!images.empty() || !std::getenv("OPENCV_TEST_DATA_PATH")))
-        throw BadArguments(command + ": name two images, or set OPENCV_TEST_DATA_PATH");
-    else if (command == "pair")
-        measurePairs(settings);
-    else if (command == "refinement")
-        measureRefinement(settings);
-    else if (command == "matching")
-        measureMatching(settings);
-    else if (command == "program")
-        measureProgram(settings);
-    else
-        throw BadArguments("'" + command + "': speed, beside, pair, refinement, matching or program");
+//! The table of the times of two works, which are measured in turns: A B, B A, A B.
+class Table
+{
+public:
+    Table(const Options& options_, const std::string& other) : options(options_)
+    {
+        std::cout << "| image | n | threads | " << other
+                  << ", ms | aqorb, ms | ratio | 90th percentiles |\n|---|---:|---:|---:|---:|---:|---:|\n";
+    }
+    void measure(const std::string& name, int n, const std::function<void()>& theirs,
+                 const std::function<void()>& ours)
+    {
+        std::vector<double> times[2], quotients;
+        for (int turn = 0; turn <= std::max(options.turns, 1); turn++)
+        {
+            double ms[2];
+            for (int i = 0; i < 2; i++)
+            {
+                const bool isOurs = i == turn % 2;
+                if (options.isCold)
+                    touchOtherMemory();
+                const int64 start = getTickCount();
+                isOurs ? ours() : theirs();
+                ms[isOurs] = 1e3 * double(getTickCount() - start) / getTickFrequency();
+            }
+            if (turn == 0)
+                continue;  // it fills caches and allocates
+            times[0].push_back(ms[0]);
+            times[1].push_back(ms[1]);
+            quotients.push_back(ms[0] / ms[1]);
+        }
+        for (std::vector<double>* values : {&times[0], &times[1], &quotients})
+            std::sort(values->begin(), values->end());
+        const size_t middle = quotients.size() / 2, late = quotients.size() * 9 / 10;
+        std::cout << format("| %s | %d | %d | %.2f | %.2f | %.2f | %.2f, %.2f |\n", name.c_str(), n,
+                            getNumThreads(), times[0][middle], times[1][middle], quotients[middle],
+                            times[0][late], times[1][late])
+                  << std::flush;
+        logarithms.push_back(std::log(quotients[middle]));
+    }
+    ~Table()
+    {
+        if (!logarithms.empty())
+            std::cout << format("\nRatio: geometric mean %.3f, lowest %.2f\n\n",
+                                std::exp(mean(logarithms)[0]),
+                                std::exp(*std::min_element(logarithms.begin(), logarithms.end())));
+    }
+
+private:
+    Options options;
+    std::vector<double> logarithms;  // of the ratios
+};
+
+void measureFrames(const Options& options, const Creator& create, const std::vector<std::string>& images)
+{
+    Table table(options, create ? "other build" : "cv::ORB");
+    for (const std::string& name : images)
+        for (const int n : options.numbers)
+        {
+            const Mat image = loadImage(name);
+            std::vector<KeyPoint> keypoints[2];
+            Mat descriptors[2];
+            const Ptr<Feature2D> ours = AdaptiveQuadtreeORB::create(n);
+            const Ptr<Feature2D> theirs = create ? create(n) : Ptr<Feature2D>(ORB::create(n));
+            table.measure(
+                name, n, [&] { theirs->detectAndCompute(image, noArray(), keypoints[0], descriptors[0]); },
+                [&] { ours->detectAndCompute(image, noArray(), keypoints[1], descriptors[1]); });
+        }
+}
+
+//! Features, cross-checked matches, with refinement positions, and the homography.
+void findPair(Feature2D& detector, const DescriptorMatcher& matcher, const Mat images[2], bool isRefined)
+{
+    std::vector<KeyPoint> keypoints[2];
+    Mat descriptors[2];
+    std::vector<DMatch> matches;
+    std::vector<Point2f> from, to;
+    for (int i = 0; i < 2; i++)
+        detector.detectAndCompute(images[i], noArray(), keypoints[i], descriptors[i]);
+    matcher.match(descriptors[0], descriptors[1], matches);
+    if (isRefined)
+        aqorb::refineMatches(images[0], keypoints[0], images[1], keypoints[1], matches, from, to);
+    for (size_t i = 0; i < matches.size() && !isRefined; i++)
+    {
+        from.push_back(keypoints[0][matches[i].queryIdx].pt);
+        to.push_back(keypoints[1][matches[i].trainIdx].pt);
+    }
+    if (from.size() >= 4)
+        findHomography(from, to, RANSAC, isRefined ? 1 : 3);
+}
+
+void measurePairs(const Options& options, const std::vector<std::string>& images)
+{
+    const BFMatcher slow(NORM_HAMMING, true);
+    const HammingMatcher fast(NORM_HAMMING, true);
+    for (const bool isRefined : {false, true})
+    {
+        Table table(options, "cv::ORB and cv::BFMatcher");
+        for (size_t i = 0; i + 1 < images.size(); i += 2)
+            for (const int n : options.numbers)
+            {
+                const Mat both[] = {loadImage(images[i]), loadImage(images[i + 1])};
+                const Ptr<Feature2D> theirs = ORB::create(n), ours = AdaptiveQuadtreeORB::create(n);
+                table.measure(
+                    images[i] + (isRefined ? ", refined" : ""), n,
+                    [&] { findPair(*theirs, slow, both, false); },
+                    [&] { findPair(*ours, fast, both, isRefined); });
+            }
+    }
 }
 
 }  // namespace
 
 int main(int argc, char** argv)
+try
 {
-    try
-    {
-        cv::CommandLineParser parser(argc, argv, KEYS);
-        parser.about(ABOUT);
-        if (parser.has("help"))
-            parser.printMessage();
-        else
-            run(parser, positional(argc, argv));
-        return 0;
-    }
-    catch (const BadArguments& bad)
-    {
-        std::cerr << "aqorb_benchmark: " << bad.what() << std::endl;
-        return 1;
-    }
-    catch (const cv::Exception& error)
-    {
-        std::cerr << "aqorb_benchmark: " << error.err << std::endl;
-    }
-    catch (const std::exception& error)
-    {
-        std::cerr << "aqorb_benchmark: " << error.what() << std::endl;
-    }
+    CommandLineParser parser(argc, argv, KEYS);
+    parser.about(ABOUT);
+    const String command = parser.get<String>("@command");
+    const bool isBeside = command == "beside", isPair = command == "pair";
+    std::vector<std::string> images;
+    std::copy_if(argv + 1, argv + argc, std::back_inserter(images),
+                 [](const char* a) { return a[0] != '-'; });
+    if (images.size() <= size_t(isBeside) || (!isBeside && !isPair && command != "frames"))
+        return parser.printMessage(), !parser.has("help");
+    const Creator create = isBeside ? creatorOf(images[1]) : Creator();
+    images.erase(images.begin(), images.begin() + 1 + isBeside);
+    if (images.empty())
+        images = isPair ? PAIRS : FRAMES;
+    for (int i = 0; i < parser.get<int>("busy"); i++)
+        std::thread(keepBusy).detach();
+    setNumThreads(parser.get<int>("threads"));
+    const std::vector<int> one(1, parser.get<int>("n")), several = {500, 1000, 2000};
+    const Options options = {one[0] > 0 ? one : several, parser.get<int>("turns"), parser.has("cold")};
+    isPair ? measurePairs(options, images) : measureFrames(options, create, images);
+    return 0;
+}
+catch (const std::exception& error)
+{
+    std::cerr << "aqorb_benchmark: " << error.what() << std::endl;
     return 2;
 }

@@ -9,7 +9,9 @@
 #include <opencv2/imgcodecs.hpp>
 
 #include <cstdio>
+#include <limits>
 
+// Writes the results to a file, so that the tests can compare programs built in different ways.
 int main()
 {
     cv::Mat noise(480, 640, CV_8UC1);
@@ -21,8 +23,26 @@ int main()
     std::vector<cv::KeyPoint> keypoints;
     cv::Mat descriptors;
     orb->detectAndCompute(image, cv::noArray(), keypoints, descriptors);
+    std::vector<cv::DMatch> matches;
+    std::vector<cv::Point2f> points1, points2;
+    cv::aqorb::HammingMatcher(cv::NORM_HAMMING, true).match(descriptors, descriptors, matches);
+    cv::aqorb::refineMatches(image, keypoints, image, keypoints, matches, points1, points2);
+    cv::FileStorage("results.yml", cv::FileStorage::WRITE)
+        << "keypoints" << keypoints << "descriptors" << descriptors << "points" << points2;
 
-    std::printf("%d keypoints, occupancy %.2f\n", int(keypoints.size()),
-                cv::aqorb::distributionOccupancy(keypoints, image.size()));
-    return keypoints.size() == 300 && descriptors.rows == 300 ? 0 : 1;
+    bool isNanRefused = false;
+    std::vector<cv::KeyPoint> given(keypoints);
+    given[0].angle = std::numeric_limits<float>::quiet_NaN();
+    try
+    {
+        orb->compute(image, given, descriptors);
+    }
+    catch (const cv::Exception&)
+    {
+        isNanRefused = true;
+    }
+    std::printf("%d keypoints, occupancy %.2f, %d refined matches, NaN %s\n", int(keypoints.size()),
+                cv::aqorb::distributionOccupancy(keypoints, image.size()), int(matches.size()),
+                isNanRefused ? "refused" : "accepted");
+    return keypoints.size() == 300 && isNanRefused ? 0 : 1;
 }

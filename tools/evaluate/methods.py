@@ -13,7 +13,7 @@ import numpy as np
 from measures import Features
 
 # The paper's column C. Where the paper states no value, as for cells and border, the default stays.
-PAPER = 'aqorb:selection=balanced:octave=0:subpixel=0'
+PAPER = 'aqorb:selection=quadtree'
 TITLES = {'orb': 'cv::ORB (A)', 'orb_slam': "ORB_SLAM's quadtree (B)", PAPER: "the paper's settings (C)",
           'aqorb': 'as shipped', 'sift': 'SIFT', 'brisk': 'BRISK', 'akaze': 'AKAZE', 'surf': 'SURF',
           'superpoint': 'SuperPoint'}
@@ -22,7 +22,7 @@ TITLES = {'orb': 'cv::ORB (A)', 'orb_slam': "ORB_SLAM's quadtree (B)", PAPER: "t
 SETTINGS = {'edge': 'EdgeThreshold', 'fast': 'FastThreshold', 'octave': 'OctaveSuppression', 'radius': 'RankRadius',
             'ratio': 'MinThresholdRatio', 'score': 'ScoreType', 'selection': 'SelectionType',
             'strength': 'StrengthWeight', 'subpixel': 'SubPixel', 'threshold': 'AdaptiveThreshold'}
-WORDS = {'balanced': aqorb.AdaptiveQuadtreeORB_BALANCED_SELECTION,
+WORDS = {'quadtree': aqorb.AdaptiveQuadtreeORB_QUADTREE_SELECTION,
          'ranked': aqorb.AdaptiveQuadtreeORB_RANKED_SELECTION, 'fast': cv2.ORB_FAST_SCORE}
 # SlamExtractor with the thresholds of ORB-SLAM's example settings; opencv2/aqorb/slam.hpp sets the same.
 SLAM = 'fast=20:ratio={}:threshold=0:subpixel=0:octave=0:strength=0.15'.format(20 / 7)

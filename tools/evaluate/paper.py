@@ -17,7 +17,7 @@ from methods import PAPER, TITLES, Method
 
 ABLATIONS = [('aqorb', 'nothing'), ('aqorb:threshold=0', 'fixed FAST threshold 20'),
              ('aqorb:ratio=1', 'no lower threshold in empty cells'),
-             ('aqorb:selection=balanced', "the paper's selection"), ('aqorb:strength=0', 'no strength: rank alone'),
+             ('aqorb:selection=quadtree', "the paper's selection"), ('aqorb:strength=0', 'no strength: rank alone'),
              ('aqorb:radius=0', 'no rank: strength alone'), ('aqorb:octave=0', 'no octave suppression'),
              ('aqorb:subpixel=0', 'whole pixels'), ('aqorb:edge=31', 'border 31'),
              ('aqorb:score=fast', 'FAST score instead of Harris')]

@@ -117,7 +117,7 @@ def by_poselib(first, second, camera, threshold):
 ESTIMATORS = {name: by_opencv(getattr(cv2, name)) for name in
               ['RANSAC', 'USAC_DEFAULT', 'USAC_PARALLEL', 'USAC_ACCURATE', 'USAC_PROSAC', 'USAC_MAGSAC']}
 ESTIMATORS['PoseLib'] = by_poselib
-BEST = 'USAC_MAGSAC' if cv2.__version__.startswith('4.') else 'USAC_ACCURATE'
+BEST = 'USAC_MAGSAC' if cv2.__version__.startswith('4.6.') else 'USAC_ACCURATE'  # by the second table
 
 
 def angle(cosine):

@@ -9,7 +9,7 @@
 //
 // There is one line for each scene or image and each set of parameters. The hashes of the image and of the pyramid
 // show whether a difference came with the input or is one of the detector. --plain calls
-// cv::setUseOptimized(false). --balanced sets BALANCED_SELECTION. The CPU features that OpenCV uses are printed to
+// cv::setUseOptimized(false). --balanced sets QUADTREE_SELECTION. The CPU features that OpenCV uses are printed to
 // standard error.
 
 #include "lines.hpp"
@@ -36,7 +36,7 @@ int main(int argc, char** argv)
         }
         else if (arguments[0] == "--balanced")
         {
-            selection = AdaptiveQuadtreeORB::BALANCED_SELECTION;
+            selection = AdaptiveQuadtreeORB::QUADTREE_SELECTION;
         }
         else
         {

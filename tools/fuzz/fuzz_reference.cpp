@@ -49,11 +49,16 @@ static reference::Settings settingsFrom(FuzzedDataProvider& data)
 static void drawSelection(FuzzedDataProvider& data, reference::Settings& s)
 {
     if (data.ConsumeBool())
-        s.selectionType = AdaptiveQuadtreeORB::BALANCED_SELECTION;
+        s.selectionType = AdaptiveQuadtreeORB::QUADTREE_SELECTION;
     if (data.ConsumeBool())
         s.strengthWeight = data.ConsumeFloatingPointInRange(0., data.ConsumeBool() ? 1000. : 1.);
     if (data.ConsumeBool())
         s.rankRadius = data.ConsumeFloatingPointInRange(0., data.ConsumeBool() ? 16. : 3.);
+    if (data.ConsumeBool())  // all, and with them properties that are newer than the corpus
+    {
+        RNG rng(data.ConsumeIntegral<uint64>());
+        s = reference::randomSettings(rng);
+    }
 }
 
 extern "C" int LLVMFuzzerInitialize(int*, char***)

@@ -25,8 +25,9 @@ namespace
 class PointGrid
 {
 public:
-    PointGrid(Size image, double side_)
-        : side(std::max(side_, 16.)),
+    //! @param radius for which it is asked, or nearly so
+    PointGrid(Size image, double radius)
+        : side(std::max(radius / 4, 16.)),
           columns(indexOf(image.width) + 1),
           latest(size_t(columns) * (indexOf(image.height) + 1), -1)
     {
@@ -43,16 +44,39 @@ public:
     {
         if (points.empty() || radius == 0)
             return false;
-        const int right = std::min(indexOf(p.x + radius), columns - 1),
-                  bottom = std::min(indexOf(p.y + radius), int(latest.size()) / columns - 1);
-        for (int row = indexOf(p.y - radius); row <= bottom; row++)
-            for (int column = indexOf(p.x - radius); column <= right; column++)
-                for (int i = latest[size_t(row) * columns + column]; i >= 0; i = before[i])
+        const Rect cells(Point(indexOf(p.x - radius), indexOf(p.y - radius)),
+                         Point(std::min(indexOf(p.x + radius) + 1, columns),
+                               std::min(indexOf(p.y + radius) + 1, int(latest.size()) / columns)));
+        // A point in a cell that is near as a whole saves the lists of the others.
+        const auto isNearAsAWhole = [&](int column, int row)
+        {
+            const auto farthest = [=](int cell, double at)  // and a pixel more, because of rounding
+            { return std::max(at - cell * side, (cell + 1) * side - at) + 1; };
+            const Point2d d(farthest(column, p.x), farthest(row, p.y));
+            return d.dot(d) < radius * radius;
+        };
+        const auto hasNear = [&](int first)
+        {
+            for (int i = first; i >= 0; i = before[i])
+            {
+                const Point2d d = points[i] - p;
+                if (d.dot(d) < radius * radius)
+                    return true;
+            }
+            return false;
+        };
+        for (const bool asAWhole : {true, false})
+        {
+            if (asAWhole && radius < side)
+                continue;
+            for (int row = cells.y; row < cells.br().y; row++)
+                for (int column = cells.x; column < cells.br().x; column++)
                 {
-                    const Point2d d = points[i] - p;
-                    if (d.dot(d) < radius * radius)
+                    const int first = latest[size_t(row) * columns + column];
+                    if (first >= 0 && (asAWhole ? isNearAsAWhole(column, row) : hasNear(first)))
                         return true;
                 }
+        }
         return false;
     }
 
@@ -69,14 +93,14 @@ private:
 class OctaveSuppression
 {
 public:
-    OctaveSuppression(const SelectionPlan& plan, Size imageSize_, const std::vector<Level>& levels_)
-        : imageSize(imageSize_), levels(levels_), reach(plan.octaveReach)
+    OctaveSuppression(double distance, Size imageSize_, const std::vector<Level>& levels_)
+        : imageSize(imageSize_), levels(levels_)
     {
         // No two points are as far apart as the limit, which keeps the distance finite.
         const double limit = double(imageSize.width) + imageSize.height;
         for (const Level& level : levels)
         {
-            distances.push_back(std::min(plan.octaveDistance * level.scale, limit));
+            distances.push_back(std::min(distance * level.scale, limit));
             selected.push_back(PointGrid(imageSize, distances.back()));
         }
     }
@@ -85,11 +109,9 @@ public:
     bool allows(int level, const CornerResponse& corner) const
     {
         const Point2d p = positionOf(level, corner);
-        const int last = std::min(level + reach, int(levels.size()) - 1);
-        for (int i = std::max(level - reach, 0); i <= last; i++)
-            if (i != level && selected[i].isNear(p, distances[level]))
-                return false;
-        return true;
+        const auto isNear = [&](int other)
+        { return other >= 0 && other < int(levels.size()) && selected[other].isNear(p, distances[level]); };
+        return !isNear(level - 1) && !isNear(level + 1);
     }
 
 private:
@@ -100,7 +122,6 @@ private:
 
     const Size imageSize;
     const std::vector<Level>& levels;
-    const int reach;  // in levels
     std::vector<double> distances;
     std::vector<PointGrid> selected;
 };
@@ -110,14 +131,33 @@ private:
 // Corners by level.
 typedef std::vector<std::vector<CornerResponse>> CornersOfLevels;
 
-static CornersOfLevels selectAcrossLevels(const SelectionPlan& plan, Size imageSize,
-                                          const std::vector<Level>& levels, const CornersOfLevels& ordered)
+static std::vector<LevelPlan> planLevels(const Parameters& parameters, const SelectionMethod& method,
+                                         const std::vector<Rect>& regions, const std::vector<Level>& levels)
+{
+    std::vector<Size> sizes;
+    std::vector<float> scales;
+    std::vector<LevelPlan> plan;
+    for (size_t i = 0; i < levels.size(); i++)
+    {
+        sizes.push_back(regions[i].size());
+        scales.push_back(levels[i].scale);
+    }
+    const std::vector<int> quotas = method.quotas(parameters, sizes, scales);
+    for (size_t i = 0; i < levels.size(); i++)
+        plan.push_back({regions[i], quotas[i]});
+    // The paper gives levels that are too small for a keypoint a quota, too. It goes to the last level that is used.
+    for (size_t i = levels.size(); i < quotas.size() && !plan.empty(); i++)
+        plan.back().quota += quotas[i];
+    return plan;
+}
+
+static CornersOfLevels selectAcrossLevels(const std::vector<LevelPlan>& plan, const CornersOfLevels& ordered,
+                                          OctaveSuppression& suppression)
 {
     CV_TRACE_FUNCTION();
-    const int count = int(levels.size());
-    OctaveSuppression suppression(plan, imageSize, levels);
-    CornersOfLevels selected(levels.size());
-    std::vector<size_t> next(levels.size());  // by level: which corner of its order comes next
+    const int count = int(plan.size());
+    CornersOfLevels selected(plan.size());
+    std::vector<size_t> next(plan.size());  // by level: which corner of its order comes next
     int wanted = 0;
     const auto take = [&](int level)
     {
@@ -133,7 +173,7 @@ static CornersOfLevels selectAcrossLevels(const SelectionPlan& plan, Size imageS
     };
     for (int i = count - 1; i >= 0; i--)
     {
-        wanted += plan.levels[i].quota;
+        wanted += plan[i].quota;
         take(i);
     }
     for (int i = 0; i < count && wanted > 0; i++)
@@ -145,8 +185,9 @@ static CornersOfLevels selectAcrossLevels(const SelectionPlan& plan, Size imageS
 
 // Adds as many of the other corners as are missing, the highest response times scale first. Levels below their quota
 // come first. Corners that keep no distance from keypoints of other levels come last.
-static void fillUp(const SelectionPlan& plan, Size imageSize, const std::vector<Level>& levels,
-                   const CornersOfLevels& corners, size_t missing, CornersOfLevels& selected)
+static void fillUp(const std::vector<LevelPlan>& plan, const std::vector<Level>& levels,
+                   const CornersOfLevels& corners, size_t missing, OctaveSuppression& suppression,
+                   CornersOfLevels& selected)
 {
     CV_TRACE_FUNCTION();
     struct Candidate
@@ -155,13 +196,10 @@ static void fillUp(const SelectionPlan& plan, Size imageSize, const std::vector<
         CornerResponse corner;
         bool isTaken, isNear;
     };
-    OctaveSuppression suppression(plan, imageSize, levels);
     std::vector<Candidate> candidates;
     std::vector<uint64> keys;
     for (int i = 0; i < int(corners.size()); i++)
     {
-        for (const CornerResponse& corner : selected[i])
-            suppression.add(i, corner);
         std::vector<CornerResponse> taken(selected[i]), left;
         std::sort(taken.begin(), taken.end(), InRasterOrder());
         std::set_difference(corners[i].begin(), corners[i].end(), taken.begin(), taken.end(),
@@ -185,7 +223,7 @@ static void fillUp(const SelectionPlan& plan, Size imageSize, const std::vector<
             Candidate& candidate = candidates[order[i]];
             const int level = candidate.level;
             if (candidate.isTaken || (rules.distance && candidate.isNear) ||
-                (rules.quota && selected[level].size() >= size_t(plan.levels[level].quota)))
+                (rules.quota && selected[level].size() >= size_t(plan[level].quota)))
                 continue;
             // Corners that are near a keypoint stay so.
             candidate.isNear = rules.distance && !suppression.allows(level, candidate.corner);
@@ -208,42 +246,41 @@ static size_t countCorners(const CornersOfLevels& corners)
 }
 
 // The corners of all levels that become keypoints.
-static CornersOfLevels selectCorners(const Parameters& parameters, const OrientationPatch& patch,
-                                     const SelectionPlan& plan, Size imageSize,
+static CornersOfLevels selectCorners(const Parameters& parameters, const SelectionMethod& method,
+                                     const OrientationPatch& patch, Size imageSize,
                                      const std::vector<Level>& levels, const Thresholds& thresholds,
                                      int threads, CornerSpace& space)
 {
     std::vector<Rect> regions;
-    for (const LevelPlan& level : plan.levels)
-        regions.push_back(level.region);
-    // Harris responses of neighbours hardly differ. Without suppression a strong corner would be chosen three times.
-    const bool suppressNear = plan.useHarris;
-    findCorners(levels, regions, {thresholds, suppressNear}, threads, space);
-    const std::vector<std::vector<Corner>>& corners = space.corners;
-    CornersOfLevels ordered(levels.size());
+    for (const Level& level : levels)
+        regions.push_back(parameters.keypointRegion(level.image.size()));
+    const std::vector<LevelPlan> plan = planLevels(parameters, method, regions, levels);
+    CornersOfLevels corners(levels.size());
+    findCorners(levels, regions, {thresholds, method.suppressNear}, threads, space);
     forEach(levels.size(), threads,
             [&](size_t i, int)
-            { ordered[i] = orderCorners(parameters, plan, plan.levels[i], levels[i], patch, corners[i]); });
-    CornersOfLevels selected = selectAcrossLevels(plan, imageSize, levels, ordered);
+            { corners[i] = method.order(parameters, patch, plan[i], levels[i], space.corners[i]); });
+    OctaveSuppression suppression(method.octaveDistance, imageSize, levels);
+    CornersOfLevels selected = selectAcrossLevels(plan, corners, suppression);
     const size_t wanted = size_t(parameters.nfeatures), count = countCorners(selected);
     if (count == wanted)
         return selected;
 
-    // Representatives have run out. All other corners fill up.
+    // The ordered corners do not suffice. All others fill up.
     const Thresholds lower = {thresholds.min, thresholds.min};
     findCorners(levels, regions, {lower, false}, threads, space);
-    CornersOfLevels responses(levels.size());
     forEach(levels.size(), threads,
-            [&](size_t i, int) { responses[i] = responsesOf(levels[i].image, corners[i], plan.useHarris); });
-    fillUp(plan, imageSize, levels, responses, wanted - count, selected);
+            [&](size_t i, int)
+            { corners[i] = responsesOf(levels[i].image, space.corners[i], parameters.useHarris()); });
+    fillUp(plan, levels, corners, wanted - count, suppression, selected);
     return selected;
 }
 
 // ---- 9. order of output -----------------------------------------------------------------------
 
-// The features of a level in raster order. The keys of the paper's selection leave this order as it is.
-static FeatureList listFeatures(const Parameters& parameters, const SelectionPlan& plan, const Level& level,
-                                int octave, const std::vector<CornerResponse>& selected)
+// The features of a level in raster order.
+static FeatureList listFeatures(const Parameters& parameters, const Level& level, int octave,
+                                const std::vector<CornerResponse>& selected)
 {
     std::vector<uint64> rasterKeys;
     for (const CornerResponse& corner : selected)
@@ -255,21 +292,21 @@ static FeatureList listFeatures(const Parameters& parameters, const SelectionPla
         list.points.push_back({corner.x, corner.y, 0});
         list.keypoints.push_back(
             KeyPoint(Point2f(), parameters.patchSize * level.scale, -1, corner.response, octave));
-        list.outputKeys.push_back(plan.isRanked ? descendingKey(sortKey(corner.response)) : 0);
+        list.outputKeys.push_back(descendingKey(sortKey(corner.response)));
     }
     return list;
 }
 
-std::vector<FeatureList> selectFeatures(const Parameters& parameters, const OrientationPatch& patch,
-                                        Size imageSize, const std::vector<Level>& levels,
-                                        const Thresholds& thresholds, int threads, CornerSpace& space)
+std::vector<FeatureList> selectFeatures(const Parameters& parameters, const SelectionMethod& method,
+                                        const OrientationPatch& patch, Size imageSize,
+                                        const std::vector<Level>& levels, const Thresholds& thresholds,
+                                        int threads, CornerSpace& space)
 {
-    const SelectionPlan plan = planSelection(parameters, levels);
     const CornersOfLevels selected =
-        selectCorners(parameters, patch, plan, imageSize, levels, thresholds, threads, space);
+        selectCorners(parameters, method, patch, imageSize, levels, thresholds, threads, space);
     std::vector<FeatureList> features(levels.size());
     for (size_t i = 0; i < levels.size(); i++)
-        features[i] = listFeatures(parameters, plan, levels[i], int(i), selected[i]);
+        features[i] = listFeatures(parameters, levels[i], int(i), selected[i]);
     return features;
 }
 

@@ -89,10 +89,6 @@ public:
 private:
     void process(InputArray image, InputArray mask, std::vector<KeyPoint>& keypoints, OutputArray descriptors,
                  bool useProvidedKeypoints);
-    PositionMap positionsOf(Size imageSize, const Level& level) const
-    {
-        return {imageSize, level.image.size(), level.scale, parameters.edgeThreshold, parameters.subPixel};
-    }
     template <typename T> void set(T Parameters::*field, T value)
     {
         Parameters changed = parameters;
@@ -126,24 +122,26 @@ Ptr<AdaptiveQuadtreeORB> AdaptiveQuadtreeORB::create(int nfeatures, float scaleF
     return makePtr<AdaptiveQuadtreeORBImpl>(parameters);
 }
 
-// Has an owner for each scope of this thread, and one more. So scopes may end in any order, and on any thread.
-static const std::shared_ptr<void>& scopesOfThread()
+// The number of scopes of this thread. A scope that outlives its thread keeps the number alive.
+static const std::shared_ptr<std::atomic<int>>& scopesOfThread()
 {
-    static thread_local const std::shared_ptr<void> scopes = std::make_shared<char>();
+    static thread_local const auto scopes = std::make_shared<std::atomic<int>>(0);
     return scopes;
 }
 
 SingleThreadScope::SingleThreadScope() : scopes(scopesOfThread())
 {
+    ++*scopes;
 }
 
 SingleThreadScope::~SingleThreadScope()
 {
+    --*scopes;
 }
 
 int threadsAllowed()
 {
-    return scopesOfThread().use_count() > 1 ? 1 : std::max(getNumThreads(), 1);
+    return *scopesOfThread() > 0 ? 1 : std::max(getNumThreads(), 1);
 }
 
 void AdaptiveQuadtreeORBImpl::buildPyramid(InputArray image_, OutputArrayOfArrays levels_) const
@@ -202,22 +200,27 @@ try
         parameters.checkTogether(parameters.nlevels);
 
     // Pyramid.
+    const SelectionMethod method = selectionMethod(parameters);
+    const auto positionsOf = [&](const Level& level) {
+        return PositionMap{size, level.image.size(), level.scale, parameters.edgeThreshold, method.subPixel};
+    };
     const int shortest = useProvidedKeypoints ? 1 : parameters.shortestSide();
     const PyramidRule rule = {parameters.firstLevel, parameters.scaleFactor,
                               useProvidedKeypoints ? int(features.size()) : parameters.nlevels, shortest};
     std::vector<Level> levels = makePyramid(input, rule, threads, space.pyramid);
     for (Level& level : levels)
         if (!level.isInput && !input.mask.empty())
-            maskPositions(input.mask, positionsOf(size, level), level.mask);
+            maskPositions(input.mask, positionsOf(level), level.mask);
 
     // Thresholds, corners and selection.
     if (!useProvidedKeypoints)
     {
-        const double contrast =
-            parameters.adaptiveThreshold ? varianceOverMean(input.image, input.mask) : NEUTRAL_CONTRAST;
+        const double contrast = parameters.adaptiveThreshold
+                                    ? varianceOverMean(input.image, input.mask, threads)
+                                    : NEUTRAL_CONTRAST;
         const Thresholds thresholds =
             fastThresholds(contrast, parameters.fastThreshold, parameters.minThresholdRatio);
-        features = selectFeatures(parameters, tables.strengthPatch, size, levels, thresholds, threads,
+        features = selectFeatures(parameters, method, tables.strengthPatch, size, levels, thresholds, threads,
                                   space.corners);
     }
 
@@ -229,7 +232,7 @@ try
             [&](size_t i, int thread)
             {
                 const Level& level = levels[ranges[i].level];
-                const DescriptionRules rules = {&input.mask, positionsOf(size, level),
+                const DescriptionRules rules = {&input.mask, positionsOf(level),
                                                 useProvidedKeypoints ? 0 : &tables.patch,
                                                 withDescriptors ? &tables.tests : 0};
                 describeFeatures(level, rules, ranges[i].features, features[ranges[i].level],

@@ -15,7 +15,6 @@ namespace cv
 namespace aqorb
 {
 
-const int FAST_RADIUS = 3;  // of the circle
 //! A corner loses to a better one at most this far away in x and in y. The kernel is written for this radius.
 const int SUPPRESS_RADIUS = 3;
 //! The columns beside a region whose scores must be readable, as the kernel of the suppression loads whole vectors.

@@ -7,8 +7,9 @@
 
 #include "precomp.hpp"
 
-#include "types.hpp"
+#include "for_each.hpp"
 #include "hamming.hpp"
+#include "types.hpp"
 
 #include "hamming.simd.hpp"
 #include "hamming.simd_declarations.hpp"
@@ -189,16 +190,14 @@ private:
     AlignedVector<uchar> allowed;
 };
 
-//! Divides rows among the threads, in multiples of about a tile, and calls the function for the rows of each.
+//! Divides rows among the threads, at least a tile each, and calls the function for the rows of each.
 template <typename Function> void forRows(int rows, int rowsOfTile, const Function& function)
 {
-    const int tiles = (rows + rowsOfTile - 1) / rowsOfTile;
     // One part a thread, as each has work space and packs the trains for itself.
-    parallel_for_(
-        Range(0, tiles),
-        [&](const Range& some)
-        { function(Range(int(int64(rows) * some.start / tiles), int(int64(rows) * some.end / tiles))); },
-        getNumThreads());
+    const int parts = std::min((rows + rowsOfTile - 1) / rowsOfTile, threadsAllowed());
+    forEach(size_t(parts), parts,
+            [&](size_t i, int)
+            { function(Range(int(int64(rows) * i / parts), int(int64(rows) * (i + 1) / parts))); });
 }
 
 //! The distances that the mask allows, one by one. Long descriptors are rare, and would take more time and memory if
@@ -206,21 +205,19 @@ template <typename Function> void forRows(int rows, int rowsOfTile, const Functi
 void distancesOneByOne(const Mat& query, const Mat& train, const Mat& mask, bool countPairs,
                        const DistanceSink& sink)
 {
-    parallel_for_(Range(0, query.rows),
-                  [&](const Range& rows)
-                  {
-                      for (int i = rows.start; i < rows.end; i++)
-                      {
-                          for (int j = 0; j < train.rows; j++)
-                          {
-                              if (!mask.empty() && !mask.at<uchar>(i, j))
-                                  continue;
-                              const int distance = hal::normHamming(query.ptr(i), train.ptr(j), query.cols,
-                                                                    countPairs ? 2 : 1);
-                              sink(i, j, &distance, 1);
-                          }
-                      }
-                  });
+    forEach(size_t(query.rows), threadsAllowed(),
+            [&](size_t row, int)
+            {
+                const int i = int(row);
+                for (int j = 0; j < train.rows; j++)
+                {
+                    if (!mask.empty() && !mask.at<uchar>(i, j))
+                        continue;
+                    const int distance =
+                        hal::normHamming(query.ptr(i), train.ptr(j), query.cols, countPairs ? 2 : 1);
+                    sink(i, j, &distance, 1);
+                }
+            });
 }
 
 //! Adds keys to lists of KEPT, with half the distance where withThirdBits has doubled it.
@@ -235,7 +232,8 @@ template <int KEPT> void addKeys(const std::vector<DistanceKey>& keys, bool isDo
 
 //! Few neighbours, of descriptors that are not too long, by the kernels for them.
 void nearestInTiles(const HammingKernels& kernels, const Mat& query, const Mat& train, const Mat& mask,
-                    bool isDoubled, int firstTrain, int kept, DistanceKey* ofQueries, DistanceKey* ofTrains)
+                    bool isDoubled, int firstTrain, int kept, DistanceKey* queryLists,
+                    DistanceKey* trainLists)
 {
     const int queriesOfTile = 1 << kernels.indexBits, trainsOfTile = kernels.block << kernels.indexBits;
     const auto add = kept == 1 ? addKeys<1> : addKeys<2>;
@@ -247,24 +245,24 @@ void nearestInTiles(const HammingKernels& kernels, const Mat& query, const Mat& 
                 AlignedVector<ushort> scratch(size_t(queriesOfTile) * kept * kernels.block);
                 packed.tile.scratch = scratch.data();
                 std::vector<DistanceKey> queryKeys(size_t(rows.size()) * kept, NO_KEY),
-                    trainKeys(ofTrains ? size_t(train.rows) * kept : 0, NO_KEY);
-                const auto nearest = kernels.nearest[kept - 1][ofTrains != 0][!mask.empty()];
+                    trainKeys(trainLists ? size_t(train.rows) * kept : 0, NO_KEY);
+                const auto nearest = kernels.nearest[kept - 1][trainLists != 0][!mask.empty()];
                 packed.forEach(rows, queriesOfTile, trainsOfTile, firstTrain,
                                [&](int i, int first)
                                {
                                    nearest(packed.tile, &queryKeys[size_t(i - rows.start) * kept],
-                                           ofTrains ? &trainKeys[size_t(first) * kept] : 0);
+                                           trainLists ? &trainKeys[size_t(first) * kept] : 0);
                                });
-                add(queryKeys, isDoubled, ofQueries + size_t(rows.start) * kept);
+                add(queryKeys, isDoubled, queryLists + size_t(rows.start) * kept);
                 const AutoLock lock(mutex);
-                add(trainKeys, isDoubled, ofTrains);
+                add(trainKeys, isDoubled, trainLists);
             });
 }
 
-//! What each thread that goes through distances has of its own.
+//! Scratch memory of one thread.
 struct WorkSpace
 {
-    std::vector<int> numbers;  // of the length of a row
+    std::vector<int> numbers;  //!< as many as a row has elements
     std::vector<int> counts;
     std::vector<DistanceKey> keys;
 };
@@ -273,31 +271,31 @@ struct WorkSpace
 //! @param row trainCount distances; the rest of the last block is overwritten
 //! @param isDoubled whether they are twice the distances of the list
 void addLeast(const HammingKernels& kernels, ushort* row, const HammingTile& tile, bool isDoubled,
-              WorkSpace& own, DistanceKey* list, int kept)
+              WorkSpace& space, DistanceKey* list, int kept)
 {
     const int count = int(alignSize(size_t(tile.trainCount), kernels.block));
     std::fill(row + tile.trainCount, row + count, ushort(0x7fff));
     const DistanceKey last = list[kept - 1];
     const int limit = last == NO_KEY ? 64 * tile.words + 1 : distanceOf(last) << isDoubled;
-    const int found = kernels.leastDistances(row, count, limit, kept, own.numbers.data());
+    const int found = kernels.leastDistances(row, count, limit, kept, space.numbers.data());
     if (found == 0)
         return;
     // As distances are small numbers, the keys are sorted by counting. This takes as long for a list of any length.
-    own.counts.assign(size_t(limit) + 1, 0);
+    space.counts.assign(size_t(limit) + 1, 0);
     for (int i = 0; i < found; i++)
-        own.counts[row[own.numbers[i]] + 1]++;
-    std::partial_sum(own.counts.begin(), own.counts.end(), own.counts.begin());
+        space.counts[row[space.numbers[i]] + 1]++;
+    std::partial_sum(space.counts.begin(), space.counts.end(), space.counts.begin());
     const ptrdiff_t before = std::lower_bound(list, list + kept, NO_KEY) - list;
-    own.keys.assign(list, list + before);
-    own.keys.resize(size_t(before + found));
+    space.keys.assign(list, list + before);
+    space.keys.resize(size_t(before + found));
     for (int i = 0; i < found; i++)
     {
-        const int distance = row[own.numbers[i]];
-        own.keys[size_t(before + own.counts[distance]++)] =
-            distanceKey(distance >> isDoubled, tile.firstTrain + own.numbers[i]);
+        const int distance = row[space.numbers[i]];
+        space.keys[size_t(before + space.counts[distance]++)] =
+            distanceKey(distance >> isDoubled, tile.firstTrain + space.numbers[i]);
     }
-    std::inplace_merge(own.keys.begin(), own.keys.begin() + before, own.keys.end());
-    std::copy_n(own.keys.begin(), std::min(own.keys.size(), size_t(kept)), list);
+    std::inplace_merge(space.keys.begin(), space.keys.begin() + before, space.keys.end());
+    std::copy_n(space.keys.begin(), std::min(space.keys.size(), size_t(kept)), list);
 }
 
 //! Calls the function for the distances of each query to the trains of each tile, with the tile and a work space.
@@ -312,14 +310,14 @@ void forDistances(const Mat& query, const Mat& train, const Mat& mask, bool coun
             {
                 PackedTile packed(kernels, q, t, mask);
                 AlignedVector<ushort> distances(size_t(QUERIES) * TRAINS);
-                WorkSpace own;
-                own.numbers.resize(TRAINS);
+                WorkSpace space;
+                space.numbers.resize(TRAINS);
                 packed.forEach(rows, QUERIES, TRAINS, firstTrain,
                                [&](int i, int first)
                                {
                                    kernels.distances(packed.tile, distances.data(), TRAINS);
                                    for (int j = 0; j < packed.tile.queryCount; j++)
-                                       function(own, i + j, first, &distances[size_t(j) * TRAINS],
+                                       function(space, i + j, first, &distances[size_t(j) * TRAINS],
                                                 packed.tile);
                                });
             });
@@ -339,8 +337,8 @@ void nearestOfQueries(const Mat& query, const Mat& train, const Mat& mask, bool 
     }
     const HammingKernels& kernels = *hammingKernels(0);
     forDistances(query, train, mask, countPairs, firstTrain,
-                 [&](WorkSpace& own, int i, int, ushort* row, const HammingTile& tile)
-                 { addLeast(kernels, row, tile, countPairs, own, nearest + size_t(i) * kept, kept); });
+                 [&](WorkSpace& space, int i, int, ushort* row, const HammingTile& tile)
+                 { addLeast(kernels, row, tile, countPairs, space, nearest + size_t(i) * kept, kept); });
 }
 
 }  // namespace
@@ -354,16 +352,16 @@ void allDistances(const Mat& query, const Mat& train, bool countPairs, const Dis
         return;
     }
     forDistances(query, train, Mat(), countPairs, 0,
-                 [&](WorkSpace& own, int i, int first, const ushort* row, const HammingTile& tile)
+                 [&](WorkSpace& space, int i, int first, const ushort* row, const HammingTile& tile)
                  {
-                     std::transform(row, row + tile.trainCount, own.numbers.begin(),
+                     std::transform(row, row + tile.trainCount, space.numbers.begin(),
                                     [=](ushort distance) { return distance >> int(countPairs); });
-                     sink(i, first, own.numbers.data(), tile.trainCount);
+                     sink(i, first, space.numbers.data(), tile.trainCount);
                  });
 }
 
 void nearestDescriptors(const Mat& query, const Mat& train, const Mat& mask, bool countPairs, int firstTrain,
-                        int kept, DistanceKey* ofQueries, DistanceKey* ofTrains)
+                        int kept, DistanceKey* queryLists, DistanceKey* trainLists)
 {
     CV_TRACE_FUNCTION();
     if (query.empty() || train.empty())
@@ -372,12 +370,12 @@ void nearestDescriptors(const Mat& query, const Mat& train, const Mat& mask, boo
     {
         const Mat q = withThirdBits(query, countPairs), t = withThirdBits(train, countPairs);
         nearestInTiles(*hammingKernels(PackedTile::wordsOf(q)), q, t, mask, countPairs, firstTrain, kept,
-                       ofQueries, ofTrains);
+                       queryLists, trainLists);
         return;
     }
-    nearestOfQueries(query, train, mask, countPairs, firstTrain, kept, ofQueries);
-    if (ofTrains)
-        nearestOfQueries(train, query, mask.empty() ? mask : Mat(mask.t()), countPairs, 0, kept, ofTrains);
+    nearestOfQueries(query, train, mask, countPairs, firstTrain, kept, queryLists);
+    if (trainLists)
+        nearestOfQueries(train, query, mask.empty() ? mask : Mat(mask.t()), countPairs, 0, kept, trainLists);
 }
 
 }  // namespace aqorb

@@ -83,11 +83,11 @@ template <int KEPT> static inline void keepKey(DistanceKey* smallest, DistanceKe
  @param mask empty, or CV_8UC1 with a row for each query; pairs for which it is 0 are left out
  @param firstTrain the index that the first train is to have, above those in the lists
  @param kept the length of each list
- @param ofQueries lists in ascending order, of one query after the other, with NO_KEY for no descriptor. The trains are
+ @param queryLists lists in ascending order, of one query after the other, with NO_KEY for no descriptor. The trains are
  added to these lists.
- @param ofTrains lists of the nearest queries of each train, likewise; or null */
+ @param trainLists lists of the nearest queries of each train, likewise; or null */
 void nearestDescriptors(const Mat& query, const Mat& train, const Mat& mask, bool countPairs, int firstTrain,
-                        int kept, DistanceKey* ofQueries, DistanceKey* ofTrains);
+                        int kept, DistanceKey* queryLists, DistanceKey* trainLists);
 
 // ---- for the kernels: plain structs only, see types.hpp ---------------------------------------
 
@@ -116,9 +116,9 @@ struct HammingKernels
 
     /** Puts the descriptors of a tile into lists of the nearest ones. nearest[KEPT - 1][BOTH][MASKED] is the kernel for
      lists of KEPT descriptors. With BOTH it fills the lists of the trains, too. MASKED: tile.allowed is not null.
-     @param ofQueries, ofTrains lists in ascending order of the queries and of the trains of the tile, one after the
+     @param queryLists, trainLists lists in ascending order of the queries and of the trains of the tile, one after the
      other */
-    void (*nearest[2][2][2])(const HammingTile& tile, DistanceKey* ofQueries, DistanceKey* ofTrains);
+    void (*nearest[2][2][2])(const HammingTile& tile, DistanceKey* queryLists, DistanceKey* trainLists);
 
     //! Computes distances: a row for each query, stride elements after the row before. A row has an element for each
     //! train and for the padding of the last block. It is 0x7fff for a train that is left out.

@@ -39,22 +39,22 @@ CV_ALWAYS_INLINE v_uint16 blockDistances(const uint64* query, const uint64* bloc
         v_uint8 counts[4] = {vx_setzero_u8(), vx_setzero_u8(), vx_setzero_u8(), vx_setzero_u8()};
         for (int i = 0; i < planes; i++, query++, block += 4 * AQORB_LANES(v_uint64))
         {
-            const v_uint64 own = vx_setall_u64(*query);
+            const v_uint64 word = vx_setall_u64(*query);
             for (int j = 0; j < 4; j++)
-                counts[j] = addBits(counts[j], v_xor(own, vx_load(block + j * AQORB_LANES(v_uint64))));
+                counts[j] = addBits(counts[j], v_xor(word, vx_load(block + j * AQORB_LANES(v_uint64))));
         }
         distances = WORDS ? bitsOfWords(counts) : v_add_wrap(distances, bitsOfWords(counts));
     }
     return distances;
 }
 
-//! Where in a block the words of a train lie, in the order of bitsOfWords.
+//! The lane of a train descriptor within its block, in the order of bitsOfWords.
 int laneOf(int train)
 {
     return train % 8 / 2 * AQORB_LANES(v_uint64) + train / 8 * 2 + train % 2;
 }
 
-//! Of 16 bits, in a vector.
+//! The most 16-bit lanes of a vector.
 const int MAX_LANES = 32;
 
 //! A key of 16 bits is a distance and, in the lower bits, a number. This one stands for none.
@@ -69,7 +69,7 @@ template <int WORDS> struct IndexBits
     };
 };
 
-//! All bits of the lanes of the trains of a block that a query may not have.
+//! A mask: all bits set in the lanes of the train descriptors that the query must not match.
 CV_ALWAYS_INLINE v_uint16 excludedLanes(const uchar* allowed)
 {
     return v_eq(vx_load_expand(allowed), vx_setzero_u16());
@@ -111,7 +111,7 @@ template <int KEPT, int BITS> void mergeLanes(const ushort* lanes, int firstTrai
 }
 
 template <int WORDS, int KEPT, bool BOTH, bool MASKED>
-void nearest(const HammingTile& tile, DistanceKey* ofQueries, DistanceKey* ofTrains)
+void nearest(const HammingTile& tile, DistanceKey* queryLists, DistanceKey* trainLists)
 {
     const int LANES = AQORB_LANES(v_uint16), BITS = IndexBits<WORDS>::VALUE, planes = tile.words * BIT_PLANES;
     const int lists = tile.queryCount * KEPT;
@@ -124,14 +124,14 @@ void nearest(const HammingTile& tile, DistanceKey* ofQueries, DistanceKey* ofTra
         if (WORDS &&
             BIT_PLANES == 1)  // compilers keep it in registers, because nothing else is written to it
             block = static_cast<uint64*>(std::memcpy(copy, block, WORDS * LANES * sizeof(uint64)));
-        const v_uint16 number = vx_setall_u16(ushort(b));
-        v_uint16 query = vx_setzero_u16(), best[2] = {vx_setall_u16(NO_KEY16), vx_setall_u16(NO_KEY16)};
+        const v_uint16 blockNumber = vx_setall_u16(ushort(b));
+        v_uint16 nextQuery = vx_setzero_u16(), best[2] = {vx_setall_u16(NO_KEY16), vx_setall_u16(NO_KEY16)};
         ushort* lanes = tile.scratch;
         for (int i = 0; i < tile.queryCount; i++, lanes += KEPT * LANES)
         {
-            const v_uint16 ofQuery = query;
+            const v_uint16 queryNumber = nextQuery;
             if (BOTH)
-                query = v_add_wrap(query, vx_setall_u16(1));
+                nextQuery = v_add_wrap(nextQuery, vx_setall_u16(1));
             const uchar* const allowed = MASKED ? tile.allowed + i * tile.allowedStride + b * LANES : 0;
             const v_uint16 excluded = MASKED ? excludedLanes(allowed) : vx_setzero_u16();
             if (MASKED && v_check_all(excluded))
@@ -141,13 +141,13 @@ void nearest(const HammingTile& tile, DistanceKey* ofQueries, DistanceKey* ofTra
             if (MASKED)
                 distances = v_or(distances, excluded);
             v_uint16 smallest[2] = {vx_load(lanes), vx_load(lanes + (KEPT - 1) * LANES)};
-            insertKeys<KEPT>(smallest, v_or(distances, number));
+            insertKeys<KEPT>(smallest, v_or(distances, blockNumber));
             for (int k = 0; k < KEPT; k++)
                 v_store(lanes + k * LANES, smallest[k]);
             if (BOTH)
-                insertKeys<KEPT>(best, v_or(distances, ofQuery));
+                insertKeys<KEPT>(best, v_or(distances, queryNumber));
         }
-        // The last block comes first. What fills it has no keys.
+        // The last block comes first. Its padding has no keys.
         const int left = tile.trainCount - b * LANES, filled = left < LANES ? left : LANES;
         ushort fill[MAX_LANES];
         for (int i = 0; i < LANES; i++)
@@ -159,14 +159,14 @@ void nearest(const HammingTile& tile, DistanceKey* ofQueries, DistanceKey* ofTra
             ushort keys[2][MAX_LANES];
             for (int k = 0; k < KEPT; k++)
                 v_store(keys[k], best[k]);
-            DistanceKey* list = ofTrains + size_t(b) * LANES * KEPT;
+            DistanceKey* list = trainLists + size_t(b) * LANES * KEPT;
             for (int i = 0; i < filled; i++, list += KEPT)
                 for (int k = 0; k < KEPT; k++)
                     keepKey<KEPT>(list, wideKey<BITS>(keys[k][i], tile.firstQuery, 1));
         }
     }
     for (int i = 0; i < tile.queryCount; i++)
-        mergeLanes<KEPT, BITS>(tile.scratch + i * KEPT * LANES, tile.firstTrain, ofQueries + i * KEPT);
+        mergeLanes<KEPT, BITS>(tile.scratch + i * KEPT * LANES, tile.firstTrain, queryLists + i * KEPT);
 }
 
 template <int WORDS> void distances(const HammingTile& tile, ushort* out, size_t stride)

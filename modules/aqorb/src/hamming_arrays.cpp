@@ -43,16 +43,16 @@ struct MatchFilter
     int kept() const { return ratio > 0 ? 2 : 1; }
 
     //! Tests the nearest train of a query.
-    //! @param ofTrains the lists of all trains
-    bool passes(int query, const DistanceKey* ofQuery, const Keys& ofTrains) const
+    //! @param trainLists the lists of all trains
+    bool passes(int query, const DistanceKey* queryList, const Keys& trainLists) const
     {
-        if (ofQuery[0] == NO_KEY || (maxDistance >= 0 && distanceOf(ofQuery[0]) > maxDistance) ||
-            (ratio > 0 && !passesRatio(ofQuery, ratio)))
+        if (queryList[0] == NO_KEY || (maxDistance >= 0 && distanceOf(queryList[0]) > maxDistance) ||
+            (ratio > 0 && !passesRatio(queryList, ratio)))
             return false;
         if (!crossCheck)
             return true;
-        const DistanceKey* const ofTrain = &ofTrains[size_t(indexOf(ofQuery[0])) * kept()];
-        return indexOf(ofTrain[0]) == query && (ratio == 0 || passesRatio(ofTrain, ratio));
+        const DistanceKey* const trainList = &trainLists[size_t(indexOf(queryList[0])) * kept()];
+        return indexOf(trainList[0]) == query && (ratio == 0 || passesRatio(trainList, ratio));
     }
 
     const double ratio;
@@ -87,20 +87,20 @@ void writeBoth(const Mat& first, const char* firstName, OutputArray firstOutput,
 }
 
 //! Writes the matches that pass the tests.
-//! @param ofQueries, ofTrains lists of filter.kept() keys; those of the trains are used for crossCheck only
-void writeMatches(const Keys& ofQueries, const Keys& ofTrains, const MatchFilter& filter, OutputArray pairs,
-                  OutputArray distances)
+//! @param queryLists, trainLists lists of filter.kept() keys; those of the trains are used for crossCheck only
+void writeMatches(const Keys& queryLists, const Keys& trainLists, const MatchFilter& filter,
+                  OutputArray pairs, OutputArray distances)
 {
     std::vector<Vec2i> found;
     std::vector<int> lengths;
-    const int queries = int(ofQueries.size() / filter.kept());
+    const int queries = int(queryLists.size() / filter.kept());
     for (int i = 0; i < queries; i++)
     {
-        const DistanceKey* const ofQuery = &ofQueries[size_t(i) * filter.kept()];
-        if (!filter.passes(i, ofQuery, ofTrains))
+        const DistanceKey* const queryList = &queryLists[size_t(i) * filter.kept()];
+        if (!filter.passes(i, queryList, trainLists))
             continue;
-        found.push_back(Vec2i(i, indexOf(ofQuery[0])));
-        lengths.push_back(distanceOf(ofQuery[0]));
+        found.push_back(Vec2i(i, indexOf(queryList[0])));
+        lengths.push_back(distanceOf(queryList[0]));
     }
     const int count = int(found.size());
     if (count == 0)
@@ -137,6 +137,14 @@ struct Window
           top(roundedUp(double(center.y) - reach.height)),
           bottom(-roundedUp(-double(center.y) - reach.height))
     {
+    }
+    Window& operator&=(const Window& other)
+    {
+        left = std::max(left, other.left);
+        right = std::min(right, other.right);
+        top = std::max(top, other.top);
+        bottom = std::min(bottom, other.bottom);
+        return *this;
     }
 
     float left, right, top, bottom;
@@ -179,22 +187,27 @@ bool testWindow(const float* x, const float* y, int count, const Window window, 
 //! Which trains lie within the windows of the queries, as nearestDescriptors takes it. Empty where all do.
 Mat maskOf(const Subset& queries, const Subset& trains, const Size2f& reach)
 {
-    Mat mask(queries.descriptors.rows, trains.descriptors.rows, CV_8UC1);
-    bool hasAll = true;
+    std::vector<Window> windows;
+    for (size_t i = 0; i < queries.indices.size(); i++)
+        windows.push_back(Window(Point2f(queries.x[i], queries.y[i]), reach));
+    Mat mask(int(windows.size()), trains.descriptors.rows, CV_8UC1);
+    Window common = windows[0];
+    for (const Window& window : windows)
+        common &= window;
+    if (testWindow(trains.x.data(), trains.y.data(), mask.cols, common, mask.ptr()))
+        return Mat();
     for (int i = 0; i < mask.rows; i++)
-        if (!testWindow(trains.x.data(), trains.y.data(), mask.cols,
-                        Window(Point2f(queries.x[i], queries.y[i]), reach), mask.ptr(i)))
-            hasAll = false;
-    return hasAll ? Mat() : mask;
+        testWindow(trains.x.data(), trains.y.data(), mask.cols, windows[i], mask.ptr(i));
+    return mask;
 }
 
-//! Puts the keys of a subset into the lists of all descriptors.
-void addKeys(const Keys& keys, int kept, const Subset& own, const Subset& others, Keys& lists)
+//! Puts the keys of a subset, whose indices are those of its neighbours, into the lists of all descriptors.
+void addKeys(const Keys& keys, int kept, const Subset& subset, const Subset& neighbours, Keys& lists)
 {
     for (size_t i = 0; i < keys.size(); i++)
         if (keys[i] != NO_KEY)
-            insertKey(&lists[size_t(own.indices[i / kept]) * kept], kept,
-                      distanceKey(distanceOf(keys[i]), others.indices[indexOf(keys[i])]));
+            insertKey(&lists[size_t(subset.indices[i / kept]) * kept], kept,
+                      distanceKey(distanceOf(keys[i]), neighbours.indices[indexOf(keys[i])]));
 }
 
 void checkCount(const char* name, size_t count, const char* descriptors, int rows)
@@ -221,11 +234,11 @@ try
     const Mat query = descriptorsOf("queryDescriptors", queryDescriptors),
               train = trainsFor(query, trainDescriptors);
     const MatchFilter filter(ratio, crossCheck, maxDistance);
-    Keys ofQueries(size_t(query.rows) * filter.kept(), NO_KEY),
-        ofTrains(crossCheck ? size_t(train.rows) * filter.kept() : 0, NO_KEY);
-    nearestDescriptors(query, train, Mat(), normType == NORM_HAMMING2, 0, filter.kept(), ofQueries.data(),
-                       crossCheck ? ofTrains.data() : 0);
-    writeMatches(ofQueries, ofTrains, filter, pairs, distances);
+    Keys queryLists(size_t(query.rows) * filter.kept(), NO_KEY),
+        trainLists(crossCheck ? size_t(train.rows) * filter.kept() : 0, NO_KEY);
+    nearestDescriptors(query, train, Mat(), normType == NORM_HAMMING2, 0, filter.kept(), queryLists.data(),
+                       crossCheck ? trainLists.data() : 0);
+    writeMatches(queryLists, trainLists, filter, pairs, distances);
 }
 catch (const std::bad_alloc&)
 {
@@ -280,18 +293,18 @@ try
     const MatchFilter filter(ratio, crossCheck, maxDistance);
 
     const int kept = filter.kept();
-    Keys ofQueries(size_t(query.rows) * kept, NO_KEY),
-        ofTrains(crossCheck ? size_t(train.rows) * kept : 0, NO_KEY);
+    Keys queryLists(size_t(query.rows) * kept, NO_KEY),
+        trainLists(crossCheck ? size_t(train.rows) * kept : 0, NO_KEY);
     std::vector<Point2f> positions;
     for (int i = 0; i < train.rows; i++)
         positions.push_back(trainKeypoints[i].pt);
     const std::vector<int> queryOrder = sortedByRow(predicted), trainOrder = sortedByRow(positions);
     // Queries of about the same row are compared at once with all trains that one of them may have.
-    const int MIN_ROWS = 64, MOST_ROWS = 512;
+    const int MIN_ROWS = 64, MAX_ROWS = 512;
     for (auto first = queryOrder.begin(); !query.empty() && !train.empty() && first != queryOrder.end();)
     {
         auto last = first;
-        while (last != queryOrder.end() && last - first < MOST_ROWS &&
+        while (last != queryOrder.end() && last - first < MAX_ROWS &&
                (last - first < MIN_ROWS || predicted[*last].y - predicted[*first].y <= reach.height))
             ++last;
         const float top = Window(predicted[*first], reach).top,
@@ -307,10 +320,10 @@ try
         nearestDescriptors(queries.descriptors, trains.descriptors, maskOf(queries, trains, reach),
                            normType == NORM_HAMMING2, 0, kept, nearest.data(),
                            crossCheck ? nearestQueries.data() : 0);
-        addKeys(nearest, kept, queries, trains, ofQueries);
-        addKeys(nearestQueries, kept, trains, queries, ofTrains);
+        addKeys(nearest, kept, queries, trains, queryLists);
+        addKeys(nearestQueries, kept, trains, queries, trainLists);
     }
-    writeMatches(ofQueries, ofTrains, filter, pairs, distances);
+    writeMatches(queryLists, trainLists, filter, pairs, distances);
 }
 catch (const std::bad_alloc&)
 {

@@ -7,6 +7,7 @@
 
 #include "precomp.hpp"
 
+#include "for_each.hpp"
 #include "hamming.hpp"
 
 #include <opencv2/aqorb/matching.hpp>
@@ -78,11 +79,11 @@ template <typename Function>
 void forImages(const Mat& query, const std::vector<Mat>& images, const std::vector<Mat>& masks,
                const Function& function)
 {
-    const int MOST_JOINED = 4096;
+    const int MAX_JOINED = 4096;
     for (size_t first = 0, next; !query.empty() && first < images.size(); first = next)
     {
         int rows = images[first].rows;
-        for (next = first + 1; next < images.size() && rows + images[next].rows <= MOST_JOINED; next++)
+        for (next = first + 1; next < images.size() && rows + images[next].rows <= MAX_JOINED; next++)
             rows += images[next].rows;
         if (next == first + 1)
         {
@@ -178,24 +179,22 @@ try
 
     const size_t before = matches.size();
     matches.resize(before + query.rows);
-    const double ROWS_OF_TASK = 1000;  // fewer take less time than a thread to wake up
-    parallel_for_(
-        Range(0, query.rows),
-        [&](const Range& rows)
-        {
-            for (int i = rows.start; i < rows.end; i++)
+    const size_t TASK = 1000;  // fewer queries take less time than a thread to wake up
+    forEach((query.rows + TASK - 1) / TASK, threadsAllowed(),
+            [&](size_t task, int)
             {
-                const DistanceKey* const list = nearest.data() + size_t(i) * kept;
-                const int found = int(std::find(list, list + kept, NO_KEY) - list);
-                if (found == 0 || (crossCheck && indexOf(nearestQueries[indexOf(list[0])]) != i))
-                    continue;
-                std::vector<DMatch>& ofQuery = matches[before + i];
-                ofQuery.resize(found);
-                for (int j = 0; j < found; j++)
-                    ofQuery[j] = index.match(i, list[j]);
-            }
-        },
-        query.rows / ROWS_OF_TASK);
+                for (int i = int(task * TASK), last = std::min(i + int(TASK), query.rows); i < last; i++)
+                {
+                    const DistanceKey* const list = nearest.data() + size_t(i) * kept;
+                    const int found = int(std::find(list, list + kept, NO_KEY) - list);
+                    if (found == 0 || (crossCheck && indexOf(nearestQueries[indexOf(list[0])]) != i))
+                        continue;
+                    std::vector<DMatch>& queryMatches = matches[before + i];
+                    queryMatches.resize(found);
+                    for (int j = 0; j < found; j++)
+                        queryMatches[j] = index.match(i, list[j]);
+                }
+            });
     if (compactResult)
         matches.erase(std::remove_if(matches.begin() + before, matches.end(),
                                      [](const std::vector<DMatch>& list) { return list.empty(); }),

@@ -49,11 +49,11 @@
     X(MinThresholdRatio, double, minThresholdRatio, minThresholdRatio, 4, finiteAtLeast(1), \
       "how many times lower the FAST threshold is in cells that would stay empty, at least 1") \
     X(SelectionType, AdaptiveQuadtreeORB::SelectionType, selectionType, selectionType, 0, \
-      oneOf("RANKED_SELECTION (0) or BALANCED_SELECTION (1)"), \
-      "the rule by which corners are chosen, RANKED_SELECTION (0) or BALANCED_SELECTION (1), the one of the paper") \
+      oneOf("RANKED_SELECTION (0) or QUADTREE_SELECTION (1)"), \
+      "the rule by which corners are chosen, RANKED_SELECTION (0) or QUADTREE_SELECTION (1), the paper's") \
     X(StrengthWeight, double, strengthWeight, strengthWeight, 0.05, between(0, 1000), \
       "how much the strength of a corner counts, 0 (an even distribution) to 1000 (strength alone)") \
-    X(RankRadius, double, rankRadius, rankRadius, 2.25, between(0, 16), \
+    X(RankRadius, double, rankRadius, rankRadius, 1, between(0, 16), \
       "how far around a corner stronger ones are counted, 0 to 16, in mean distances between features") \
     X(OctaveSuppression, double, octaveSuppression, octaveSuppression, -1, finiteAtLeast(0).orMinusOne(), \
       "how near keypoints of other levels may be, in pixels, or -1 for a distance that suits the selection") \

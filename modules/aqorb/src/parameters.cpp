@@ -8,6 +8,7 @@
 #include "precomp.hpp"
 
 #include "parameters.hpp"
+#include "types.hpp"
 
 namespace cv
 {
@@ -42,7 +43,6 @@ void Parameters::checkTogether(int levelsInUse) const
 
 int Parameters::shortestSide() const
 {
-    const int FAST_RADIUS = 3;
     return int(std::min(2 * std::max<int64>(edgeThreshold, FAST_RADIUS) + 1, int64(INT_MAX)));
 }
 

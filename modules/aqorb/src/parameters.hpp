@@ -85,6 +85,11 @@ struct Parameters
     //! Throws if values are invalid in combination, for a pyramid of levelsInUse levels.
     void checkTogether(int levelsInUse) const;
 
+    //! Whether Harris responses count; else FAST scores do.
+    bool useHarris() const
+    {
+        return scoreType == ORB::HARRIS_SCORE;
+    }
     //! The shortest side of a level that can have a keypoint.
     int shortestSide() const;
     //! Where a level of this size may have keypoints: between the borders.

@@ -8,6 +8,7 @@
 
 #include "precomp.hpp"
 
+#include "quadtree.hpp"
 #include "selection.hpp"
 
 #include "selection.simd.hpp"
@@ -43,53 +44,6 @@ std::vector<int> rankedQuotas(int nfeatures, const std::vector<Size>& regions,
     return quotas;
 }
 
-// The share of the region that the mask does not exclude. Rows are counted one by one, because countNonZero counts by
-// int.
-static double usableShare(const Mat& mask, const Rect& region)
-{
-    if (mask.empty())
-        return 1;
-    double usable = 0;
-    for (int y = region.y; y < region.y + region.height; y++)
-        usable += countNonZero(mask.row(y).colRange(region.x, region.x + region.width));
-    return usable / (double(region.width) * region.height);
-}
-
-SelectionPlan planSelection(const Parameters& parameters, const std::vector<Level>& levels)
-{
-    SelectionPlan plan = SelectionPlan();
-    plan.isRanked = parameters.selectionType == AdaptiveQuadtreeORB::RANKED_SELECTION;
-    plan.useHarris = parameters.scoreType == ORB::HARRIS_SCORE;
-    plan.octaveReach = plan.isRanked ? 1 : int(levels.size());
-    // A user who asks for the strongest corners gets them on every level, as from cv::ORB.
-    plan.octaveDistance = parameters.octaveSuppression >= 0 ? parameters.octaveSuppression
-                          : plan.isRanked                   ? 2.1 / (1 + parameters.strengthWeight)
-                                                            : 0.5;
-    std::vector<Size> regions;
-    std::vector<float> scales;
-    for (const Level& level : levels)
-    {
-        const Rect region = parameters.keypointRegion(level.image.size());
-        plan.levels.push_back({region, 0, usableShare(level.mask, region), LeafGrid()});
-        regions.push_back(region.size());
-        scales.push_back(level.scale);
-    }
-    const std::vector<int> quotas =
-        plan.isRanked ? rankedQuotas(parameters.nfeatures, regions, scales)
-                      : balancedQuotas(parameters.nfeatures, parameters.scaleFactor, parameters.nlevels);
-    for (size_t i = 0; i < levels.size(); i++)
-    {
-        LevelPlan& level = plan.levels[i];
-        level.quota = quotas[i];
-        level.grid = plan.isRanked ? rankedGrid(regions[i], level.usable, std::max(quotas[i], 1))
-                                   : leafGrid(regions[i], 1, balancedDepth(quotas[i]));
-    }
-    // The paper gives levels that are too small for a keypoint a quota, too. It goes to the last level that is used.
-    if (!levels.empty())
-        plan.levels.back().quota = std::accumulate(quotas.begin() + levels.size() - 1, quotas.end(), 0);
-    return plan;
-}
-
 // ---- 2. tree ----------------------------------------------------------------------------------
 
 LeafGrid leafGrid(Size region, int trees, int depth)
@@ -121,6 +75,18 @@ LeafGrid rankedGrid(Size region, double usable, int quota)
         return leafGrid(region, 1, depth);
     const int trees = std::max(longer / std::max(shorter, 2), 1);
     return leafGrid(region, trees, depthOf(trees));
+}
+
+// The share of the region that the mask does not exclude. Rows are counted one by one, because countNonZero counts by
+// int.
+static double usableShare(const Mat& mask, const Rect& region)
+{
+    if (mask.empty())
+        return 1;
+    double usable = 0;
+    for (int y = region.y; y < region.y + region.height; y++)
+        usable += countNonZero(mask.row(y).colRange(region.x, region.x + region.width));
+    return usable / (double(region.width) * region.height);
 }
 
 // ---- 3. representatives -----------------------------------------------------------------------
@@ -215,8 +181,11 @@ struct LeafDisc
     {
         const double width = double(rule.region.width) / rule.grid.columns,
                      height = double(rule.region.height) / rule.grid.rows;
-        const double squared =
-            rule.radius * rule.radius * rule.usable * rule.region.width * rule.region.height / rule.quota;
+        // Features of a narrow region lie in a row: as wide a part of it as the row is high has the area of the disc.
+        const double area = rule.usable * rule.region.width * rule.region.height / rule.quota;
+        const double inRow =
+            CV_PI / 2 * rule.radius * rule.radius * area / std::min(rule.region.width, rule.region.height);
+        const double squared = std::max(rule.radius * rule.radius * area, inRow * inRow);
         const auto product = [](int d, double length) { return double(d) * d * (length * length); };
         int dx = rule.grid.columns - 1;
         for (int dy = 0; dy < rule.grid.rows && product(dy, height) <= squared; dy++)
@@ -347,51 +316,81 @@ std::vector<unsigned> orderRepresentatives(const std::vector<unsigned>& leavesGi
 }
 
 // By leaf: whether its centre may have a corner; empty: they all may.
-static std::vector<uchar> usableLeaves(const Mat& mask, const LevelPlan& plan)
+static std::vector<uchar> usableLeaves(const Mat& mask, const Rect& region, const LeafGrid& grid)
 {
-    std::vector<uchar> usable(mask.empty() ? 0 : plan.grid.numbers());
+    std::vector<uchar> usable(mask.empty() ? 0 : grid.numbers());
     const auto centerOf = [](int index, int count, int length)
     { return int((2 * int64(index) + 1) * length / (2 * count)); };
-    for (int row = 0; row < plan.grid.rows && !mask.empty(); row++)
+    for (int row = 0; row < grid.rows && !mask.empty(); row++)
     {
-        const uchar* const maskRow =
-            mask.ptr(plan.region.y + centerOf(row, plan.grid.rows, plan.region.height));
-        for (int column = 0; column < plan.grid.columns; column++)
-            usable[plan.grid.numberOf(column, row)] =
-                maskRow[plan.region.x + centerOf(column, plan.grid.columns, plan.region.width)];
+        const uchar* const maskRow = mask.ptr(region.y + centerOf(row, grid.rows, region.height));
+        for (int column = 0; column < grid.columns; column++)
+            usable[grid.numberOf(column, row)] =
+                maskRow[region.x + centerOf(column, grid.columns, region.width)];
     }
     return usable;
 }
 
-std::vector<CornerResponse> orderCorners(const Parameters& parameters, const SelectionPlan& plan,
-                                         const LevelPlan& levelPlan, const Level& level,
-                                         const OrientationPatch& patch, const std::vector<Corner>& corners)
+static std::vector<CornerResponse> rankedCorners(const Parameters& parameters, const OrientationPatch& patch,
+                                                 const LevelPlan& plan, const Level& level,
+                                                 const std::vector<Corner>& corners)
 {
     CV_TRACE_FUNCTION();
-    if (!plan.isRanked)
-        return balancedCorners(levelPlan, responsesOf(level.image, corners, plan.useHarris));
+    const Size region = plan.region.size();
+    const int quota = std::max(plan.quota, 1);
+    const double usable = usableShare(level.mask, plan.region);
+    const LeafGrid grid = rankedGrid(region, usable, quota);
     std::vector<LeafPoint> points(corners.size());
     for (size_t i = 0; i < corners.size(); i++)
-        points[i] = {leafOf(corners[i].x - levelPlan.region.x, corners[i].y - levelPlan.region.y,
-                            levelPlan.region.size(), levelPlan.grid),
+        points[i] = {leafOf(corners[i].x - plan.region.x, corners[i].y - plan.region.y, region, grid),
                      corners[i].score};
     std::vector<Corner> representatives;
     std::vector<unsigned> leaves;
-    for (unsigned index : findRepresentatives(points, levelPlan.grid))
+    for (unsigned index : findRepresentatives(points, grid))
     {
         representatives.push_back(corners[index]);
         leaves.push_back(points[index].leaf);
     }
-    const std::vector<CornerResponse> responses = responsesOf(level.image, representatives, plan.useHarris);
-    const RankRule rule = {levelPlan.region.size(), levelPlan.grid,
-                           levelPlan.usable,        std::max(levelPlan.quota, 1),
-                           parameters.rankRadius,   parameters.strengthWeight / 4};
+    const std::vector<CornerResponse> responses =
+        responsesOf(level.image, representatives, parameters.useHarris());
+    const std::vector<float> strengths =
+        strengthsOf(level.image, representatives, responses, parameters.useHarris(), patch);
+    const RankRule rule = {region, grid, usable, quota, parameters.rankRadius, parameters.strengthWeight / 4};
     std::vector<CornerResponse> ordered;
-    for (unsigned index : orderRepresentatives(
-             leaves, strengthsOf(level.image, representatives, responses, plan.useHarris, patch), rule,
-             usableLeaves(level.mask, levelPlan)))
+    for (unsigned index :
+         orderRepresentatives(leaves, strengths, rule, usableLeaves(level.mask, plan.region, grid)))
         ordered.push_back(responses[index]);
     return ordered;
+}
+
+// The patch is not for it.
+static std::vector<CornerResponse> quadtreeCorners(const Parameters& parameters, const OrientationPatch&,
+                                                   const LevelPlan& plan, const Level& level,
+                                                   const std::vector<Corner>& corners)
+{
+    return quadtreeOrder(responsesOf(level.image, corners, parameters.useHarris()), plan.region,
+                         quadtreeDepth(plan.quota), plan.quota);
+}
+
+// ---- the method ------------------------------------------------------------------------------
+
+SelectionMethod selectionMethod(const Parameters& parameters)
+{
+    typedef const std::vector<Size>& Sizes;
+    typedef const std::vector<float>& Scales;
+    if (parameters.selectionType == AdaptiveQuadtreeORB::QUADTREE_SELECTION)
+        return {false, false, 0,
+                [](const Parameters& p, Sizes, Scales)
+                { return quadtreeQuotas(p.nfeatures, p.scaleFactor, p.nlevels); },
+                quadtreeCorners};
+    // Harris responses of neighbours hardly differ. Without suppression a strong corner would be chosen three times.
+    // A user who asks for the strongest corners gets them on every level, as from cv::ORB.
+    const double distance = parameters.octaveSuppression >= 0 ? parameters.octaveSuppression
+                                                              : 2.1 / (1 + parameters.strengthWeight);
+    return {parameters.useHarris(), parameters.subPixel, distance,
+            [](const Parameters& p, Sizes regions, Scales scales)
+            { return rankedQuotas(p.nfeatures, regions, scales); },
+            rankedCorners};
 }
 
 }  // namespace aqorb

@@ -39,26 +39,6 @@ struct LeafGrid
     size_t numbers() const { return size_t(rows) << columnBits; }
 };
 
-//! The share of a level in the selection.
-struct LevelPlan
-{
-    Rect region;    //!< in which keypoints may be
-    int quota;      //!< number of features
-    double usable;  //!< the share of the region that no mask excludes
-    LeafGrid grid;  //!< the leaves of the quadtree
-};
-//! The selection that the parameters ask for, for the levels of an image.
-struct SelectionPlan
-{
-    bool isRanked;   //!< else it is the paper's
-    bool useHarris;  //!< in responses and strengths; else the FAST score
-    std::vector<LevelPlan> levels;
-    double
-        octaveDistance;  //!< that a corner keeps from keypoints of other levels, in pixels of its own level
-    int octaveReach;     //!< the number of levels on either side whose keypoints count
-};
-SelectionPlan planSelection(const Parameters& parameters, const std::vector<Level>& levels);
-
 // ---- 2. tree ----------------------------------------------------------------------------------
 
 //! The leaves of several trees side by side along the longer side of the region. Each has 2^depth columns and rows.
@@ -123,22 +103,31 @@ std::vector<unsigned> orderRepresentatives(const std::vector<unsigned>& leaves,
                                            const std::vector<float>& strengths, const RankRule& rule,
                                            const std::vector<uchar>& usable);
 
-//! The corners of a level that may become keypoints, in the order in which they are to be taken.
-std::vector<CornerResponse> orderCorners(const Parameters& parameters, const SelectionPlan& plan,
-                                         const LevelPlan& levelPlan, const Level& level,
-                                         const OrientationPatch& patch, const std::vector<Corner>& corners);
+// ---- the method -------------------------------------------------------------------------------
 
-// ---- the paper's selection --------------------------------------------------------------------
+//! The share of a level in the selection.
+struct LevelPlan
+{
+    Rect region;  //!< in which keypoints may be
+    int quota;    //!< number of features
+};
 
-//! The paper's quotas, by equation (8): those of cv::ORB, at most nfeatures in all.
-std::vector<int> balancedQuotas(int nfeatures, double scaleFactor, int nlevels);
-//! The paper's depth, by equation (9): the smallest D with 4^D >= quota, at most 15.
-int balancedDepth(int quota);
-//! The paper's order, by Figure 2: balanced over the tree, and within a part by response.
-std::vector<unsigned> balancedOrder(const std::vector<LeafPoint>& points, int depth);
-//! The corners of a level, which come in raster order, in the paper's order.
-std::vector<CornerResponse> balancedCorners(const LevelPlan& plan,
-                                            const std::vector<CornerResponse>& corners);
+//! What SelectionType decides.
+struct SelectionMethod
+{
+    bool suppressNear;  //!< of CornerRules
+    bool subPixel;      //!< whether positions are refined
+    double
+        octaveDistance;  //!< that a corner keeps from keypoints of neighbouring levels, in pixels of its own level
+    //! The quotas of the levels, from their regions and scales. There may be more quotas than levels.
+    std::vector<int> (*quotas)(const Parameters& parameters, const std::vector<Size>& regions,
+                               const std::vector<float>& scales);
+    //! The corners of a level that may become keypoints, in the order in which they are to be taken.
+    std::vector<CornerResponse> (*order)(const Parameters& parameters,
+                                         const OrientationPatch& patchForStrength, const LevelPlan& plan,
+                                         const Level& level, const std::vector<Corner>& corners);
+};
+SelectionMethod selectionMethod(const Parameters& parameters);
 
 // ---- 7. across levels, 8. when representatives run out, 9. order of output -----------------------
 
@@ -147,9 +136,10 @@ std::vector<CornerResponse> balancedCorners(const LevelPlan& plan,
  corners near a keypoint of another level. When corners run out, it searches again with fewer rules.
  @param patch for strengths
  @return for each level its features in raster order, with output keys */
-std::vector<FeatureList> selectFeatures(const Parameters& parameters, const OrientationPatch& patch,
-                                        Size imageSize, const std::vector<Level>& levels,
-                                        const Thresholds& thresholds, int threads, CornerSpace& space);
+std::vector<FeatureList> selectFeatures(const Parameters& parameters, const SelectionMethod& method,
+                                        const OrientationPatch& patch, Size imageSize,
+                                        const std::vector<Level>& levels, const Thresholds& thresholds,
+                                        int threads, CornerSpace& space);
 //! Puts the features of all levels in the order of the output: by level, then by output key, then in raster order.
 //! @param descriptors a row for each feature; empty: they are not wanted
 void outputFeatures(const std::vector<FeatureList>& features, std::vector<KeyPoint>& keypoints,

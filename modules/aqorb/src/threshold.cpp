@@ -8,6 +8,7 @@
 #include "precomp.hpp"
 
 #include "arguments.hpp"
+#include "for_each.hpp"
 #include "threshold.hpp"
 
 #include <opencv2/aqorb.hpp>
@@ -17,21 +18,36 @@ namespace cv
 namespace aqorb
 {
 
-double varianceOverMean(const Mat& image, const Mat& mask)
+double varianceOverMean(const Mat& image, const Mat& mask, int threads)
 {
     CV_TRACE_FUNCTION();
-    Mat used = image;
-    if (!mask.empty())
+    const int MIN_ROWS = 64;
+    const int bands = std::max(std::min(threads, image.rows / MIN_ROWS), 1);
+    struct Sums
     {
-        used = Mat(image.size(), CV_8UC1, Scalar(0));
-        image.copyTo(used, mask);
-    }
+        double grays, squares, count;
+    };
+    std::vector<Sums> sums(bands);
+    forEach(size_t(bands), threads,
+            [&](size_t i, int)
+            {
+                const Range rows(int(int64(i) * image.rows / bands), int(int64(i + 1) * image.rows / bands));
+                Mat used = image.rowRange(rows);
+                double count = double(used.total());
+                if (!mask.empty())
+                {
+                    used = Mat(used.size(), CV_8UC1, Scalar(0));
+                    image.rowRange(rows).copyTo(used, mask.rowRange(rows));
+                    count = countNonZero(mask.rowRange(rows));
+                }
+                sums[i] = {cv::sum(used)[0], used.dot(used), count};
+            });
     // The sums are whole numbers, so they are the same for any order of summation.
-    const double sum = cv::sum(used)[0], count = mask.empty() ? double(image.total()) : countNonZero(mask);
-    if (sum == 0)
-        return 0;
+    Sums all = {};
+    for (const Sums& band : sums)
+        all = {all.grays + band.grays, all.squares + band.squares, all.count + band.count};
     // This is (squares/n - (sum/n)^2) / (sum/n).
-    return used.dot(used) / sum - sum / count;
+    return all.grays == 0 ? 0 : all.squares / all.grays - all.grays / all.count;
 }
 
 Thresholds fastThresholds(double value, int fastThreshold, double minRatio)
@@ -52,7 +68,7 @@ double adaptiveFastThreshold(InputArray image, InputArray mask)
     if (image.empty())
         return 0;
     const Mat gray = grayImage(image);
-    return varianceOverMean(gray, checkedMask(mask, gray.size()));
+    return varianceOverMean(gray, checkedMask(mask, gray.size()), threadsOfStage());
 }
 
 }  // namespace aqorb

@@ -15,8 +15,9 @@ namespace cv
 namespace aqorb
 {
 
-//! Equation (7) for a CV_8UC1 image: variance over mean of the unmasked pixels; 0 where the mean is 0.
-double varianceOverMean(const Mat& image, const Mat& mask);
+//! Equation (7) for a CV_8UC1 image: variance over mean of the unmasked pixels; 0 where the mean is 0. The
+//! threads share its rows.
+double varianceOverMean(const Mat& image, const Mat& mask, int threads);
 
 //! The value of equation (7) for which iniT is fastThreshold itself.
 const double NEUTRAL_CONTRAST = 20;

@@ -32,6 +32,8 @@ struct Level
     bool isInput = false;  //!< whether the level is the input image itself
 };
 
+const int FAST_RADIUS = 3;  //!< of the circle of pixels that FAST compares with a pixel
+
 //! FAST thresholds of an image: `ini` everywhere, `min` in cells that have no corner at `ini`.
 struct Thresholds
 {

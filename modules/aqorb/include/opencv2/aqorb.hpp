@@ -11,6 +11,7 @@
 #include <opencv2/aqorb/refinement.hpp>
 #include <opencv2/core.hpp>
 
+#include <atomic>
 #include <memory>
 
 /**
@@ -98,7 +99,7 @@ public:
     enum SelectionType
     {
         RANKED_SELECTION = 0,   //!< by strength and by the number of stronger corners nearby
-        BALANCED_SELECTION = 1  //!< as in the paper
+        QUADTREE_SELECTION = 1  //!< the paper's whole method
     };
 
     /** @brief Creates the detector. It takes cv::ORB::create's parameters, in the same order.
@@ -142,7 +143,7 @@ public:
     The representatives of a level come by (1 + rank) / strength^StrengthWeight, the lowest first. With 0 corners are
     taken by their rank alone, which gives the most even distribution. A larger value prefers strong corners; raise it
     to find a small object in a large scene. With 1000 a rank of a million makes up for 2 per cent of strength at most,
-    so a representative comes before every one that is weaker by more. It has no effect with BALANCED_SELECTION. */
+    so a representative comes before every one that is weaker by more. It has no effect with QUADTREE_SELECTION. */
     CV_WRAP virtual void setStrengthWeight(double strengthWeight) = 0;
     CV_WRAP virtual double getStrengthWeight() const = 0;  //!< see setStrengthWeight()
 
@@ -189,10 +190,12 @@ public:
       leaves, a level at least twice as long as wide has several trees in a row. There are at most 2^24 leaves. A corner
       keeps 2.1 / (1 + StrengthWeight) pixels from the keypoints of the levels next to its own, so that a corner of the
       scene can be kept on every second level.
-    - BALANCED_SELECTION is the rule of the paper, equations (8) and (9) and Figure 2: the parts of the frame take their
-      best corners in turn, and levels share the features in proportion to their lengths. The tree has the smallest
-      depth with at least as many leaves as the level is to have features. A corner keeps 0.5 pixels from the keypoints
-      of all levels. The keypoints of a level come in raster order.
+    - QUADTREE_SELECTION is the paper's whole method, equations (7), (8) and (9) and Figure 2. Levels share the features
+      in proportion to their widths. The nodes of a quadtree are split, the fullest of each depth first, until there are
+      as many as the level is to have features or the depth of equation (9) is reached, and each node gives its corner
+      of the highest response. Where there are fewer nodes than features, the strongest other corners follow. Positions
+      are whole pixels, and levels do not suppress each other's corners: StrengthWeight, RankRadius, OctaveSuppression
+      and SubPixel keep their values and have no effect.
 
     Any other value raises an exception. */
     CV_WRAP virtual void setSelectionType(cv::aqorb::AdaptiveQuadtreeORB::SelectionType selectionType) = 0;
@@ -200,11 +203,11 @@ public:
     CV_WRAP virtual cv::aqorb::AdaptiveQuadtreeORB::SelectionType getSelectionType() const = 0;
 
     /** @brief Radius of the disc in which the rank of a corner is counted, 0 to 16, in units of the mean distance
-    between the features of the level. The default is 2.25.
+    between the features of the level. The default is 1.
 
     The mean distance is the square root of the unmasked area of the level between the borders over the number of its
     features. With 0 all representatives have the same rank, so that their strength decides among them. It has no effect
-    with BALANCED_SELECTION. */
+    with QUADTREE_SELECTION. */
     CV_WRAP virtual void setRankRadius(double rankRadius) = 0;
     CV_WRAP virtual double getRankRadius() const = 0;  //!< see setRankRadius()
 
@@ -254,8 +257,8 @@ public:
     CV_WRAP virtual String getDefaultName() const CV_OVERRIDE;
 };
 
-/** @brief While an object of this class exists, detectors process the calls of the thread that made it on that thread
-alone. It is for programs whose own threads process an image each.
+/** @brief While an object of this class exists, every call of the module by the thread that made it runs on that thread
+alone: detectors, matchers and refineMatches. It is for programs whose own threads process an image each.
 
 There may be several at a time. They may end in any order, and on any thread. */
 class CV_EXPORTS SingleThreadScope
@@ -266,7 +269,7 @@ public:
     SingleThreadScope(const SingleThreadScope&) = delete;
 
 private:
-    const std::shared_ptr<void> scopes;  // of the thread that made it
+    const std::shared_ptr<std::atomic<int>> scopes;  //!< number of scopes of the thread that made this one
 };
 
 /** @brief The adaptive FAST threshold of an image: variance over mean of the grey values, equation (7) of

@@ -75,10 +75,10 @@ public class AdaptiveQuadtreeORBTest extends OpenCVTestCase {
         assertEquals(Core.NORM_HAMMING2, detector.defaultNorm());
         detector.setStrengthWeight(4);
         detector.setSubPixel(false);
-        detector.setSelectionType(AdaptiveQuadtreeORB.BALANCED_SELECTION);
+        detector.setSelectionType(AdaptiveQuadtreeORB.QUADTREE_SELECTION);
         assertEquals(4.0, detector.getStrengthWeight());
         assertFalse(detector.getSubPixel());
-        assertEquals(AdaptiveQuadtreeORB.BALANCED_SELECTION, detector.getSelectionType());
+        assertEquals(AdaptiveQuadtreeORB.QUADTREE_SELECTION, detector.getSelectionType());
     }
 
     public void testDetectAndCompute() {

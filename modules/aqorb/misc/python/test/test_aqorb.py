@@ -176,11 +176,11 @@ class aqorb_test(NewOpenCVTests):
             with self.assertRaisesRegex(cv.error, name + ' must be '):
                 setter(bad)
         self.assertEqual(orb.getPatchSize(), 32)
-        self.assertEqual(orb.getSelectionType(), aqorb.AdaptiveQuadtreeORB_BALANCED_SELECTION)
+        self.assertEqual(orb.getSelectionType(), aqorb.AdaptiveQuadtreeORB_QUADTREE_SELECTION)
 
     def test_write_and_read(self):
         orb = aqorb.AdaptiveQuadtreeORB_create(123, 1.5, 4)
-        orb.setSelectionType(aqorb.AdaptiveQuadtreeORB_BALANCED_SELECTION)
+        orb.setSelectionType(aqorb.AdaptiveQuadtreeORB_QUADTREE_SELECTION)
         orb.setSubPixel(False)
         handle, path = tempfile.mkstemp(suffix='.yml')
         os.close(handle)

@@ -1,0 +1,77 @@
+# This file is part of aqorb. Copyright (C) The aqorb developers.
+# It is subject to the license terms in the LICENSE file found in the top-level directory
+# of this distribution.
+# SPDX-License-Identifier: Apache-2.0
+"""aqorb draw: a picture of the matches of two images."""
+
+import os
+import sys
+
+import aqorb
+from aqorb_photographs.cli import options
+from aqorb_photographs import images
+
+
+def add(commands):
+    parser = options.add_command(commands, 'draw', run, 'draw the matches of two images',
+                                 'Matches two images by a ratio test, refines the positions, and draws the matches '
+                                 'that agree on one geometry.')
+    parser.add_argument('first', metavar='A')
+    parser.add_argument('second', metavar='B')
+    parser.add_argument('--out', default='matches.png', metavar='FILE', help='%(default)s by default')
+    parser.add_argument('--ratio', type=float, default=.8, help='%(default)s by default')
+    parser.add_argument('--all', action='store_true', help='draw the other matches, too, in red')
+    parser.add_argument('--overwrite', action='store_true', help='replace a file that exists')
+    options.add_reading(parser)
+
+
+def run(given):
+    import numpy as np
+    from aqorb_photographs import places
+    options.new_file(given.out, given.overwrite, suffixes())
+    detector = options.detector_of(given)
+    pictures = [images.read_file(path, options.reading_of(given)) for path in (given.first, given.second)]
+    (keypoints1, descriptors1), (keypoints2, descriptors2) = [
+        detector.detectAndComputeArrays(picture.pixels) for picture in pictures]
+    pairs, _ = aqorb.matchArrays(descriptors1, descriptors2, given.ratio)
+    pairs, *ends = aqorb.refineMatchArrays(pictures[0].pixels, keypoints1, pictures[1].pixels, keypoints2, pairs)
+    agree = np.zeros(len(pairs), bool)
+    agree[places.verify(*ends)[0]] = True
+    save(given.out, [picture._replace(size=picture.pixels.shape[::-1]) for picture in pictures],
+         [points[agree] for points in ends], [points[~agree & given.all] for points in ends])
+    options.say(given, f'{given.out}: {agree.sum()} of {options.count_of(len(pairs), "match", "es")} agree')
+    if agree.sum() < places.MIN_INLIERS:
+        print(f'aqorb: fewer than {places.MIN_INLIERS} agree: the images probably do not show the same place',
+              file=sys.stderr)
+    return int(not agree.any())
+
+
+def suffixes():
+    """Those of pictures that can be written."""
+    from PIL import Image
+    Image.init()
+    return [suffix for suffix in ('.png', '.jpg', '.jpeg', '.webp', '.tif', '.tiff', '.bmp')
+            if Image.EXTENSION.get(suffix) in Image.SAVE]
+
+
+def save(out, pictures, ends, others=((), ())):
+    """Draws two pictures side by side, with a line for each match. ends are the positions in both pictures, in pixels
+    of the pictures' sizes, and so are others, which are drawn in red."""
+    import numpy as np
+    from PIL import Image, ImageDraw
+    width = pictures[0].pixels.shape[1]
+    heights = [len(picture.pixels) for picture in pictures]
+    drawn = Image.new('RGB', (width + pictures[1].pixels.shape[1], max(heights)))
+    for picture, left in zip(pictures, (0, width)):
+        drawn.paste(Image.fromarray(picture.pixels), (left, 0))
+    canvas = ImageDraw.Draw(drawn)
+    scaled = [np.vstack([np.reshape(rest, (-1, 2)), points]) * np.divide(picture.pixels.shape[::-1], picture.size)
+              for points, rest, picture in zip(ends, others, pictures)]
+    for i, line in enumerate(np.hstack([scaled[0], scaled[1] + [width, 0]]), -len(others[0])):
+        colour = 'red' if i < 0 else f'hsl({60 + 240 * i // len(ends[0])}, 90%, 60%)'
+        canvas.line(line.tolist(), colour)
+        for x, y in line.reshape(2, 2):
+            canvas.ellipse((x - 3, y - 3, x + 3, y + 3), outline=colour)
+    unfinished = f'{os.path.splitext(out)[0]}.unfinished{os.path.splitext(out)[1]}'
+    drawn.save(unfinished)
+    os.replace(unfinished, out)

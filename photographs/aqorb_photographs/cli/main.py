@@ -1,0 +1,57 @@
+# This file is part of aqorb. Copyright (C) The aqorb developers.
+# It is subject to the license terms in the LICENSE file found in the top-level directory
+# of this distribution.
+# SPDX-License-Identifier: Apache-2.0
+"""The entry point of the command aqorb."""
+
+import argparse
+import os
+import sys
+import warnings
+
+import aqorb
+from aqorb_photographs.cli import colmap, draw, extract, match, options, pairs, search
+
+
+def main(arguments=None):
+    try:
+        code = call(arguments)
+    except KeyboardInterrupt:
+        print('\naqorb: stopped; the same command goes on', file=sys.stderr, flush=True)
+        os._exit(130)  # without waiting for threads
+    sys.exit(code)
+
+
+def call(arguments):
+    """Runs the command, and returns its exit code or a sentence."""
+    for name in 'stdout', 'stderr':
+        if getattr(sys, name) is None:  # it was closed
+            setattr(sys, name, open(os.devnull, 'w'))
+        if hasattr(getattr(sys, name), 'reconfigure'):
+            getattr(sys, name).reconfigure(errors='backslashreplace')  # a name that cannot be shown is no failure
+    # Arrow's own allocator gives less back, so that memory would grow with the folder.
+    os.environ.setdefault('ARROW_DEFAULT_MEMORY_POOL', 'system')
+    warnings.simplefilter('ignore')  # what decoders say of images that they can read
+
+    parser = argparse.ArgumentParser(prog='aqorb', description='Features of photographs, and what they show together.')
+    parser.add_argument('--version', action='version', version=aqorb._build_information())
+    commands = parser.add_subparsers(required=True, metavar='COMMAND')
+    for module in extract, match, pairs, search, colmap, draw:
+        module.add(commands)
+    try:
+        try:
+            given = parser.parse_args(arguments)
+            return given.run(given)
+        finally:
+            sys.stdout.flush()
+    except ImportError as error:
+        return f'aqorb: {error}. To install all packages, in a clone of aqorb: pip install . ./photographs'
+    except OSError as error:
+        if isinstance(error.filename, (bytes, str)):
+            return f'aqorb: {options.shown(os.fsdecode(error.filename))}: {error.strerror}'
+        os.dup2(os.open(os.devnull, os.O_WRONLY), 1)  # the output, if it is what cannot be written, is not tried again
+        return 0 if isinstance(error, BrokenPipeError) else f'aqorb: {error}'  # as of | head
+    except MemoryError:
+        return 'aqorb: there is not enough memory'
+    except (ValueError, EOFError, RuntimeError) as error:
+        return f'aqorb: {options.shown(" ".join(str(error).split()))}'

@@ -1,0 +1,162 @@
+# This file is part of aqorb. Copyright (C) The aqorb developers.
+# It is subject to the license terms in the LICENSE file found in the top-level directory
+# of this distribution.
+# SPDX-License-Identifier: Apache-2.0
+"""aqorb match: the matches of pairs of images."""
+
+import argparse
+import concurrent.futures
+import os
+import re
+import sys
+
+import aqorb
+from aqorb_photographs.cli import options
+from aqorb_photographs import Refused, map_ahead
+
+AT_A_TIME = 1024  # pairs whose images are in memory
+
+
+def add(commands):
+    parser = options.add_command(
+        commands, 'match', run, 'match the features of pairs of images',
+        'Matches descriptors that are the nearest of each other. The same command again takes the pairs that '
+        'are not matched yet, or whose features have changed.')
+    parser.add_argument('features', metavar='FEATURES', help='folder of aqorb extract')
+    parser.add_argument('--pairs', required=True,
+                        help='sequential:K, each image with the next K in the order of their names; retrieval:K, with the '
+                        'K most similar ones; both, joined by a +; exhaustive; or a file with two names a line, with a '
+                        'tab or spaces between them; - is the input')
+    parser.add_argument('--out', required=True, metavar='FOLDER', help='for the matches, a folder of Parquet files')
+    parser.add_argument('--ratio', type=float, help='keep what is nearer than this times the second nearest')
+    parser.add_argument('--max-distance', type=options.at_least(0), metavar='N',
+                        help='keep what differs in at most so many bits')
+    parser.add_argument('--min-gap', type=options.positive, default=1, metavar='N',
+                        help='retrieval leaves out images nearer than N in the order of names, for the loops of a video')
+    parser.add_argument('--verify', action=argparse.BooleanOptionalAction, default=True,
+                        help='find the matches that agree on a fundamental matrix; COLMAP needs them (the default)')
+    parser.add_argument('--part-size', type=options.positive, default=4096, metavar='N',
+                        help='pairs after which what is done is saved (%(default)s)')
+    options.add_words(parser)
+
+
+def run(given):
+    import numpy as np
+    from aqorb_photographs import store
+    out = options.store_at(given.out)
+    if os.path.realpath(out) == os.path.realpath(given.features):
+        raise Refused('--out must name another folder than that of the features')
+    features = store.Features(given.features, ['name', 'x', 'y', 'response', 'descriptors'])
+    features.parameters()
+    blocks, total = pairs_of(given, features)
+    match_pair = function_of(given)
+    matches = store.Matches(out, features)
+    parameters = {'ratio': given.ratio, 'max_distance': given.max_distance, 'verified': given.verify}
+    matches.agree(parameters)
+    aqorb.setNumThreads(1)  # the pairs are what is divided among threads
+    done = count = 0
+    with options.progress(given, total, 'pair') as bar, concurrent.futures.ThreadPoolExecutor(given.threads) as pool:
+        for chunk in chunks_of(blocks, given.part_size):
+            new = chunk[~np.isin(matches.codes(chunk), matches.known)]
+            bar.update(len(chunk) - len(new))
+            found = []
+            for start in range(0, len(new), AT_A_TIME):
+                part = new[start:start + AT_A_TIME]
+                needed = np.unique(part)  # in the order of the parts, of which reading a single image reads many
+                read = {image: features.keypoints(image) for image in needed[np.argsort(features.chosen[needed])]}
+                for _, columns in map_ahead(pool, match_pair, ((read[i], read[j]) for i, j in part), 4 * given.threads):
+                    found.append(columns)
+                    bar.update()
+            if found:
+                store.write_part(out, store.to_matches(features, new, found, parameters))
+                done += len(found)
+                count += sum(len(columns[0]) for columns in found)
+    if os.path.isdir(out):
+        store.clean(out)
+        matches = store.Matches(out, features)
+        matches.keep(np.isin(np.arange(len(matches.head)), matches.chosen))
+    options.say(given, f'{out}: {options.count_of(len(matches.pairs), "pair")}, {done} of them new with '
+                f'{options.count_of(count, "match", "es")}')
+    return int(not total)
+
+
+def function_of(given):
+    """What matches the positions and the descriptors of two images."""
+    if given.verify:
+        from aqorb_photographs import places
+        return lambda both: places.match(*both, given.ratio, given.max_distance)
+
+    def match_pair(both):
+        (_, descriptors1), (_, descriptors2) = both
+        matches, distances = aqorb.matchArrays(descriptors1, descriptors2, given.ratio, True, given.max_distance)
+        return matches[:, 0], matches[:, 1], distances, [], []
+    return match_pair
+
+
+def pairs_of(given, features):
+    """Arrays of pairs of images, and how many pairs there are."""
+    import numpy as np
+    count = len(features.images)
+    kinds = dict(re.findall(r'(sequential|retrieval):([1-9][0-9]*)', given.pairs))
+    if '+'.join(f'{kind}:{reach}' for kind, reach in kinds.items()) == given.pairs and 'retrieval' in kinds:
+        pairs = similar(given, features, int(kinds['retrieval']), int(kinds.get('sequential', 0)))[0]
+        return [pairs], len(pairs)
+    if kinds and given.pairs == f'sequential:{kinds.get("sequential")}' or given.pairs == 'exhaustive':
+        reach = min(int(kinds.get('sequential', count)), max(count - 1, 0))
+        blocks = (np.column_stack([np.full(last - first, first - 1), np.arange(first, last)])
+                  for first in range(1, count) for last in [min(first + reach, count)])
+        return blocks, reach * count - reach * (reach + 1) // 2
+    if given.pairs != '-' and not os.path.isfile(given.pairs):
+        raise Refused('--pairs must be sequential:K, retrieval:K, both joined by a +, exhaustive or a file, got '
+                      + given.pairs)
+    pairs = list_of(given.pairs, features)
+    return [pairs], len(pairs)
+
+
+def list_of(path, features):
+    """The pairs in a list of names. The first ones of a line count: what follows may be a score."""
+    import numpy as np
+    indices = {options.shown(name): index for name, index in features.index.items()}
+    indices.update(features.index)
+    pairs = {}  # by the set of the two, as those in both orders are one
+    with (open(sys.stdin.fileno(), 'rb', closefd=False) if path == '-' else open(path, 'rb')) as file:
+        lines = file.read().decode('utf-8-sig', 'surrogateescape').split('\n')
+    for number, line in enumerate(lines, 1):
+        line = line.rstrip('\r')
+        names = [name.strip(' ') for name in line.split('\t')] if '\t' in line else line.split()
+        both = [indices.get(name, indices.get(os.path.normpath(name))) for name in names[:2]]
+        if not names or names == [''] or line.startswith('#') and None in both:
+            continue
+        if len(names) not in (2, 3) or None in both:
+            raise Refused(f'{path}, line {number}: must be the names of two images in the features')
+        if both[0] == both[1]:
+            raise Refused(f'{path}, line {number}: {options.shown(names[0])} cannot be matched with itself')
+        pairs.setdefault(frozenset(both), both)
+    return np.array(list(pairs.values()), np.int64).reshape(-1, 2)
+
+
+def similar(given, features, number, sequential):
+    """The pairs of each image with that many similar ones and so many that follow it, and the vectors of the images."""
+    from aqorb_photographs import places
+    most = len(features.images) - 1
+    if number > most:
+        raise Refused(f'similar images must be at most {most}, as many as there are others, got {number}')
+    if given.min_gap > most:
+        raise Refused(f'--min-gap must be at most {most}, as images are no farther apart, got {given.min_gap}')
+    index = options.index_of(features, given)
+    with options.progress(given, len(features.images), 'image', 'comparing') as bar:
+        return places.similar_pairs(index.counts, number, given.min_gap, sequential, bar.update)
+
+
+def chunks_of(blocks, size):
+    """Arrays of at least so many pairs, and less than twice as many, of blocks of any size."""
+    import numpy as np
+    kept = []
+    for block in blocks:
+        for start in range(0, len(block), size):
+            kept.append(block[start:start + size])
+            if sum(map(len, kept)) >= size:
+                yield np.concatenate(kept)
+                kept = []
+    if kept:
+        yield np.concatenate(kept)

@@ -1,0 +1,249 @@
+# This file is part of aqorb. Copyright (C) The aqorb developers.
+# It is subject to the license terms in the LICENSE file found in the top-level directory
+# of this distribution.
+# SPDX-License-Identifier: Apache-2.0
+"""Features and matches of a collection in a database of COLMAP, by pycolmap.
+
+    from aqorb_photographs import colmap
+    database = pycolmap.Database.open('scene.db')
+    camera = colmap.write_camera(database, pycolmap.Camera(model='PINHOLE', width=640, height=480, params=[...]))
+    first = colmap.write_image(database, 'first.jpg', camera, keypoints1)
+    second = colmap.write_image(database, 'second.jpg', camera, keypoints2)
+    database.write_matches(first, second, aqorb.matchArrays(descriptors1, descriptors2)[0])
+    database.close()
+    pycolmap.geometric_verification('scene.db')
+
+COLMAP has a type of descriptors for SIFT and for a few others. Those of ORB are written without a type: COLMAP neither
+reads nor matches them, but keeps them."""
+
+import json
+import os
+import secrets
+import subprocess
+import sys
+import tempfile
+
+import numpy as np
+
+from aqorb_photographs import Refused, places, store, tracks
+
+# By EXIF's number of an orientation, the turn from the upright image to the image in the file.
+TURNS = {1: [[1, 0], [0, 1]], 2: [[-1, 0], [0, 1]], 3: [[-1, 0], [0, -1]], 4: [[1, 0], [0, -1]], 5: [[0, 1], [1, 0]],
+         6: [[0, 1], [-1, 0]], 7: [[0, -1], [-1, 0]], 8: [[0, -1], [1, 0]]}
+
+
+def write_camera(database, camera):
+    """Writes a pycolmap.Camera, and a rig of this camera alone. Returns the camera's number."""
+    import pycolmap
+    camera.camera_id = database.write_camera(camera)
+    rig = pycolmap.Rig()
+    rig.add_ref_sensor(camera.sensor_id)
+    database.write_rig(rig)
+    return camera.camera_id
+
+
+def write_image(database, name, camera, keypoints, descriptors=None):
+    """Writes an image of that name and camera, and its keypoints: an array of aqorb.keypoint_dtype, or rows of x, y,
+    scale and orientation in radians, in pixels of OpenCV. Returns the image's number."""
+    import pycolmap
+    image = pycolmap.Image(name=name, camera_id=camera)
+    image.image_id = database.write_image(image)
+    frame = pycolmap.Frame()
+    frame.rig_id = database.read_rig_with_sensor(database.read_camera(camera).sensor_id).rig_id
+    frame.add_data_id(image.data_id)
+    database.write_frame(frame)
+    if keypoints.dtype.names:
+        keypoints = np.column_stack([keypoints['pt'], keypoints['size'] / 2, np.radians(keypoints['angle'])])
+    rows = np.array(keypoints, np.float32)
+    rows[:, :2] += .5  # the centre of the first pixel is (0.5, 0.5) for COLMAP, (0, 0) for OpenCV
+    database.write_keypoints(image.image_id, rows)
+    if descriptors is not None:
+        database.write_descriptors(image.image_id, pycolmap.FeatureDescriptors(
+            pycolmap.FeatureExtractorType.UNDEFINED, descriptors))
+    return image.image_id
+
+
+def turn_of(orientation, size):
+    """The matrix and the shift that take positions in pixels of OpenCV from an upright image, of the given width and
+    height, to the image in its file, which COLMAP reads without a turn."""
+    matrix = np.array(TURNS[orientation], float)
+    shift = -np.minimum(matrix, 0) @ (np.array(size) - 1)
+    return matrix, shift
+
+
+def rows_of(found, turn):
+    """The rows of write_image of the columns of an image's features, in pixels of its file."""
+    matrix, shift = turn
+    angle = np.radians(found['angle'].astype(float))
+    direction = matrix @ [np.cos(angle), np.sin(angle)]
+    positions = np.column_stack([found['x'], found['y']]) @ matrix.T + shift
+    return np.column_stack([positions, found['size'] / 2, np.arctan2(direction[1], direction[0])])
+
+
+def geometry_of(inlier_matches, fundamental, turns):
+    """The two-view geometry of cameras that are not calibrated, of a matrix F for which x2^T F x1 = 0 in pixels of the
+    upright images."""
+    import pycolmap
+    to_upright = []
+    for matrix, shift in turns:
+        whole = np.eye(3)
+        whole[:2, :2], whole[:2, 2] = matrix, shift + .5
+        to_upright.append(np.linalg.inv(whole))
+    geometry = pycolmap.TwoViewGeometry()
+    geometry.config = pycolmap.TwoViewGeometryConfiguration.UNCALIBRATED
+    geometry.F = to_upright[1].T @ fundamental @ to_upright[0]
+    geometry.inlier_matches = inlier_matches.astype(np.uint32)
+    return geometry
+
+
+def export(features, matches, folder, path, camera_mode='AUTO', options=None, append=False, refine=False):
+    """Writes the features in a folder, and the matches in another one or None, into a database. Cameras, focal lengths
+    and places are those of COLMAP's import of the images in the folder, of which camera_mode and options are. The
+    database is new, and appears when it is complete, or with append gets what it does not have yet, in one transaction.
+    With refine, positions are refined by tracks, and matches of keypoints that were not refined are left out. Returns
+    how many images and pairs were written, the names of images that were not, each with the reason, and what COLMAP still
+    needs.
+
+    Another process does it, as pycolmap ends its process where a disk is full."""
+    is_new = not (append and os.path.exists(path))
+    if is_new and os.path.lexists(path):
+        raise Refused(f'{path} exists: --append adds what it does not have yet')
+    if refine and not (is_new and matches):
+        raise Refused('--refine needs matches, and a new database: it moves the keypoints of all images')
+    target = f'{path}.{secrets.token_hex(4)}.unfinished' if is_new else path
+    call = json.dumps([features, matches, folder, target, camera_mode, options or {}, refine])
+    environment = dict(os.environ, PYTHONPATH=os.pathsep.join(filter(None, sys.path)))
+    try:
+        done = subprocess.run([sys.executable, '-m', 'aqorb_photographs.colmap', call], stdin=subprocess.DEVNULL,
+                              stdout=subprocess.PIPE, stderr=subprocess.PIPE, env=environment)
+        reply = json.loads(done.stdout.decode().rpartition('\n')[2] or '{}')
+        if done.returncode or 'error' in reply:
+            raise Refused(reply.get('error') or f'{path}: COLMAP could not write it: is the disk full?')
+        if is_new:
+            os.rename(target, path)
+    finally:
+        for suffix in ('', '-wal', '-shm', '-journal') if is_new else ():
+            if os.path.exists(target + suffix):
+                os.remove(target + suffix)
+    return reply['images'], reply['pairs'], reply['left_out'], reply['needs']
+
+
+def _export(features, matches, folder, path, camera_mode, options, refine):
+    import pycolmap
+    if not hasattr(pycolmap.Database, 'read_all_pose_priors'):
+        raise Refused(f'this needs pycolmap 4 and Python 3.10, or later ones; here is pycolmap {pycolmap.__version__}')
+    features = store.Features(features, ['x', 'y', 'size', 'angle', 'octave', 'descriptors'])
+    features.parameters()
+    matches = store.Matches(matches, features) if matches else None
+    positions, refined = tracks.refine(features, matches, folder) if refine else (None, None)
+    sizes = list(zip(features.value('width'), features.value('height')))
+    orientations = features.value('orientation')
+    turns = [turn_of(*one) for one in zip(orientations, sizes)]
+    database, existing = pycolmap.Database.open(path), {}
+    for image in database.read_all_images():
+        existing[image.name] = image.image_id
+    left_out, ids = [], {}
+    with tempfile.TemporaryDirectory() as scratch:
+        imported = import_images(os.path.join(scratch, 'images.db'), folder, camera_mode, options,
+                                 [name for name in features.images if name not in existing])
+        cameras = {camera.camera_id: camera for camera in imported.read_all_cameras()}
+        images = {image.name: image for image in imported.read_all_images()}
+        priors = {prior.corr_data_id.id: prior for prior in imported.read_all_pose_priors()}
+        imported.close()
+    with pycolmap.DatabaseTransaction(database):
+        try:
+            numbers = {}
+            for index, name in enumerate(features.images):
+                found = features.of(index)
+                if refine:
+                    found['x'], found['y'] = positions[index].T
+                rows = rows_of(found, turns[index])
+                if name in existing:
+                    if not np.allclose(database.read_keypoints(existing[name])[:, :2], rows[:, :2] + .5, atol=.01):
+                        raise Refused(f'the database has other keypoints of {name}')
+                    ids[index] = existing[name]
+                    continue
+                reason = why_not(os.path.join(folder, name), images.get(name), cameras,
+                                 sizes[index][::-1] if orientations[index] >= 5 else sizes[index])
+                if reason:
+                    left_out.append((name, reason))
+                    continue
+                image = images[name]
+                if image.camera_id not in numbers:
+                    numbers[image.camera_id] = write_camera(database, cameras[image.camera_id])
+                ids[index] = write_image(database, name, numbers[image.camera_id], rows, found['descriptors'])
+                prior = priors.get(image.image_id)
+                if prior and np.isfinite(prior.position).all():
+                    prior.corr_data_id = database.read_image(ids[index]).data_id
+                    database.write_pose_prior(prior)
+            pairs = write_pairs(database, matches, ids, turns, refined) if matches else 0
+        except BaseException as error:  # pycolmap would keep the half of it
+            answer(error=str(error))
+    database.close()
+    needs = ''
+    if not matches:
+        needs = "COLMAP cannot match these features: aqorb match, and aqorb colmap with its matches, come next"
+    elif not (matches.parameters() or {'verified': True})['verified']:
+        needs = "the matches are not verified: COLMAP's geometric_verification comes next"
+    answer(images=len(set(features.images[index] for index in ids) - set(existing)), pairs=pairs, left_out=left_out,
+           needs=needs)
+
+
+def import_images(path, folder, camera_mode, options, names):
+    """A database with COLMAP's import of images."""
+    import pycolmap
+    pycolmap.Database.open(path).close()
+    if names:
+        pycolmap.import_images(path, folder, getattr(pycolmap.CameraMode, camera_mode), names,
+                               pycolmap.ImageReaderOptions(options))
+    return pycolmap.Database.open(path)
+
+
+def why_not(path, image, cameras, size):
+    """Why an image is not written, or None."""
+    if not os.path.exists(path):
+        return 'there is no such file'
+    if image is None:
+        return 'this COLMAP does not read it, or not with this camera'
+    camera = cameras[image.camera_id]
+    return None if (camera.width, camera.height) == size else 'its features are of another size'
+
+
+def write_pairs(database, matches, ids, turns, refined):
+    """Writes the matches of pairs that the database does not have yet, and returns how many pairs these are. refined
+    has the matches and the fundamental matrix of each pair whose positions were refined."""
+    count = 0
+    for pair, (first, second) in enumerate(matches.pairs):
+        if first not in ids or second not in ids or database.exists_matches(ids[first], ids[second]):
+            continue
+        if refined:
+            rows, fundamental = refined[pair]
+            inliers = slice(None)
+        else:
+            found = matches.of(pair)
+            rows, inliers = np.column_stack([found['index1'], found['index2']]), found['inliers']
+            fundamental = found['fundamental']
+        rows = rows.astype(np.uint32)
+        database.write_matches(ids[first], ids[second], rows)
+        if len(rows[inliers]) >= places.MIN_INLIERS:
+            database.write_two_view_geometry(ids[first], ids[second], geometry_of(
+                rows[inliers], fundamental.reshape(3, 3), (turns[first], turns[second])))
+        count += 1
+    return count
+
+
+def answer(**found):
+    """Ends the process with an answer for export."""
+    print('\n' + json.dumps(found), end='', flush=True)
+    os._exit('error' in found)
+
+
+def _main():
+    try:
+        _export(*json.loads(sys.argv[1]))
+    except Exception as error:  # of pycolmap, of any kind
+        answer(error=str(error))
+
+
+if __name__ == '__main__':
+    _main()

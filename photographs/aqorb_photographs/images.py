@@ -1,0 +1,295 @@
+# This file is part of aqorb. Copyright (C) The aqorb developers.
+# It is subject to the license terms in the LICENSE file found in the top-level directory
+# of this distribution.
+# SPDX-License-Identifier: Apache-2.0
+"""Finds and decodes images as people have them."""
+
+import contextlib
+import fnmatch
+import importlib
+import io
+import math
+import os
+import re
+import sys
+import tempfile
+import typing
+
+import numpy as np
+
+from aqorb_photographs import Refused
+
+# What Pillow may read, where it can. It hands others to programs: an EPS to Ghostscript, which runs what is in it.
+FORMATS = 'PNG', 'JPEG', 'MPO', 'TIFF', 'WEBP', 'BMP', 'PPM', 'GIF', 'JPEG2000', 'SUN', 'HEIF', 'AVIF'
+# By EXIF's number of an orientation, Pillow's of what makes it upright, and of what undoes that.
+TURNS = {2: 0, 3: 3, 4: 1, 5: 5, 6: 4, 7: 6, 8: 2}
+UNDONE = {**TURNS, 6: 2, 8: 4}
+# Files and folders of other programs: trash, thumbnails, parts of features, and the masks of COLMAP.
+CLUTTER = re.compile(r'\._.*|\.DS_Store|Thumbs\.db|desktop\.ini|@eaDir|#recycle|@Recycle|\$RECYCLE\.BIN|\.Trash.*'
+                     r'|\.?thumbnails|part-.*\.parquet|.*\.(jpe?g|png|tiff?|webp|bmp|heic)\.png', re.IGNORECASE)
+STRETCHED = .5, 99.5  # percentiles that become black and white
+
+
+class Reading(typing.NamedTuple):
+    """How images are read. Neither side is longer than max_size afterwards. orientation turns an image as its EXIF data
+    say. stretch makes black and white of the darkest and the brightest pixels of images with more than 8 bits. An image
+    with more than max_pixels, after what the decoder of JPEGs leaves out for max_size, is refused."""
+
+    max_size: typing.Optional[int] = None
+    orientation: bool = True
+    stretch: bool = False
+    max_pixels: int = 178956970
+
+
+class Picture(typing.NamedTuple):
+    """A grey image as an array, the width and height that it had before it was reduced, the EXIF orientation by which
+    it was turned, what its EXIF data say of the camera, and what was missing in the file."""
+
+    pixels: np.ndarray
+    size: typing.Tuple[int, int]
+    orientation: int
+    camera: dict
+    note: str
+
+
+def list_files(sources, include=(), exclude=(), out=None):
+    """Goes through folders and the folders in them. Links to folders are followed, each folder once. Returns the paths
+    of the files, how many were left out because of their names, and the folders that cannot be listed, each with the
+    reason. Files among the sources are taken whatever their names. The folder out is passed over."""
+    found, left_out, failures, seen = {}, 0, [], set()
+
+    def failed(error):
+        if error.filename in sources:
+            raise error
+        failures.append((error.filename, error.strerror))
+
+    def identity(path):
+        return os.stat(path).st_dev, os.stat(path).st_ino
+
+    def is_wanted(path, patterns):
+        return any(fnmatch.fnmatch(name, pattern) for name in (path, os.path.basename(path)) for pattern in patterns)
+
+    if out and os.path.isdir(out):
+        seen.add(identity(out))
+    for source in sources:
+        tops = [source] if os.path.isdir(source) else []
+        if not tops:
+            found[source] = None
+        for top in tops:  # grows by the links
+            for parent, folders, names in os.walk(top, onerror=failed):
+                if identity(parent) in seen:
+                    folders[:] = []
+                    continue
+                seen.add(identity(parent))
+                kept = []
+                for name in sorted(folders + names):
+                    path = os.path.relpath(os.path.join(parent, name), source)
+                    if CLUTTER.fullmatch(name) or is_wanted(path, exclude) or (
+                            include and name in names and not is_wanted(path, include)):
+                        left_out += 1
+                    else:
+                        kept.append(name)
+                tops += [os.path.join(parent, name) for name in kept
+                         if name not in names and os.path.islink(os.path.join(parent, name))]
+                folders[:] = [name for name in kept if name not in names]
+                found.update((os.path.join(parent, name), None) for name in kept if name in names)
+    return list(found), left_out, failures
+
+
+def open_file(path):
+    if not os.path.isfile(path):
+        raise ValueError('it is no regular file' if os.path.exists(path) else 'there is no such file')
+    return open(path, 'rb')
+
+
+def read_file(path, reading):
+    """Returns the Picture of the image in a file."""
+    try:
+        with open_file(path) as file:
+            return read_image(file, reading)
+    except Exception as error:  # decoders raise errors of any kind
+        raise Refused(f'{os.fsdecode(path)}: {error}') from error
+
+
+def smaller(size, max_size):
+    """A width and a height, reduced so that neither is greater than max_size."""
+    longer = max(size)
+    if not max_size or longer <= max_size:
+        return size
+    return tuple(max(1, round(side * max_size / longer)) for side in size)
+
+
+def read_image(file, reading=Reading()):
+    """Decodes a binary file that is open, and returns a Picture. 16 bits are scaled to 8, and of an animation the first
+    frame is taken. What is no image raises an exception."""
+    from PIL import Image
+    image, size, box = open_image(file, reading)
+    exif, note = image.getexif(), ''
+    turn = exif.get(0x0112) if exif.get(0x0112) in TURNS else 1
+    camera = camera_of(exif)
+    try:
+        image.load()
+    except OSError as error:
+        if image.format not in ('JPEG', 'MPO') or 'truncated' not in str(error):
+            raise
+        file.seek(0)
+        image, size, box = open_image(io.BytesIO(file.read() + b'\xff\xd9'), reading)
+        image.load()
+        note = 'its end is missing'
+    grey = to_grey(image, reading.stretch)
+    is_turned_back = turn > 1 and not reading.orientation
+    if image.format == 'TIFF':  # Pillow has turned it
+        if is_turned_back:
+            grey = grey.transpose(UNDONE[turn])
+        size, box, pillow_turn = grey.size, (0, 0, *grey.size), 1
+    else:
+        pillow_turn = turn
+    del image  # it may be large
+    scaled = smaller(size, reading.max_size)
+    if grey.size != scaled or box != (0, 0, *scaled):
+        grey = grey.resize(scaled, Image.BICUBIC, box, reducing_gap=2)
+    if is_turned_back:
+        turn = 1
+    elif pillow_turn > 1:
+        grey = grey.transpose(TURNS[turn])
+        size = size[::-1] if turn >= 5 else size
+    return Picture(np.asarray(grey), size, turn, camera, note)
+
+
+def formats():
+    """Those of FORMATS that this Pillow reads. Its limits are for servers of the web, and are lifted."""
+    from PIL import Image, PngImagePlugin
+    if Image.MAX_IMAGE_PIXELS is not None:  # the first call
+        with contextlib.suppress(ImportError):
+            heif = importlib.import_module('pillow_heif')
+            heif.register_heif_opener()
+            getattr(heif, 'register_avif_opener', int)()  # later ones leave AVIF to Pillow
+        PngImagePlugin.MAX_TEXT_CHUNK = PngImagePlugin.MAX_TEXT_MEMORY = 2**28
+        Image.init()
+        Image.MAX_IMAGE_PIXELS = None  # max_pixels is checked after the draft
+    return [name for name in FORMATS if name in Image.OPEN]
+
+
+def open_image(file, reading):
+    """An image that is not decoded yet, its width and height, and the box of these in what is decoded of a JPEG, which
+    may be smaller."""
+    from PIL import Image, UnidentifiedImageError
+    file.seek(0)
+    head = file.read(16)
+    if not head:
+        raise ValueError('the file is empty')
+    file.seek(0)
+    if head[:2] in (b'II', b'MM'):  # of a TIFF on disk, Pillow closes the number twice, by then perhaps another file's
+        file = io.BytesIO(file.read())
+    try:
+        image = Image.open(file, formats=formats())
+    except UnidentifiedImageError:
+        if head[4:12] in (b'ftypheic', b'ftypheix', b'ftypmif1', b'ftypmsf1', b'ftypavif'):
+            raise ValueError('it is HEIC or AVIF, which needs another package: pip install pillow-heif') from None
+        raise ValueError('it is no image, or of a format that is not read') from None
+    tags = getattr(image, 'tag_v2', {})
+    if image.format == 'TIFF' and (0xc612 in tags or head[8:10] == b'CR' or tags.get(0x00fe) == 1):
+        raise ValueError('it is a RAW file, whose first picture is a preview: convert it to JPEG or TIFF')
+    size, box = image.size, (0, 0, *image.size)
+    if image.mode in ('L', 'RGB'):  # of a JPEG only the brightness is decoded, not much larger than needed
+        drafted = image.draft('L', smaller(size, reading.max_size))
+        box = drafted[1] if drafted else box
+    if image.size[0] * image.size[1] > reading.max_pixels:
+        raise ValueError(f'{image.size[0]} x {image.size[1]} pixels are more than --max-pixels {reading.max_pixels}')
+    return image, size, box
+
+
+def to_grey(image, stretch):
+    """An image of 8 bits of one that is decoded."""
+    from PIL import Image
+    if image.mode != 'F' and not image.mode.startswith('I'):
+        return image.convert('L')
+    pixels = np.asarray(image)
+    if stretch:
+        low, high = np.percentile(pixels[np.isfinite(pixels)], STRETCHED)
+        levels = (np.nan_to_num(pixels).astype(np.float32) - low) * (255 / max(high - low, 1e-9)) + .5
+        return Image.fromarray(np.clip(levels, 0, 255).astype(np.uint8))
+    if image.mode == 'F':
+        raise ValueError('its pixels are floating-point numbers, whose range is not known: --stretch reads them')
+    if pixels.min() < 0:
+        raise ValueError('its pixels have negative values: --stretch reads them')
+    if pixels.max() > 65535:
+        raise ValueError('its pixels have more than 16 bits: --stretch reads them')
+    return Image.fromarray(((pixels.astype(np.uint32) + 128) // 257).astype(np.uint8))
+
+
+def camera_of(exif):
+    """What EXIF data say of the camera and of its place, where they can be read; focal lengths are in millimetres, the
+    place in degrees and metres."""
+    found = {name: exif[tag].strip('\0 ') for tag, name in ((0x010f, 'make'), (0x0110, 'model'))
+             if isinstance(exif.get(tag), str)}
+    details, place = exif.get_ifd(0x8769), exif.get_ifd(0x8825)
+
+    def note(name, value, *arguments):
+        try:
+            number = float(value(*arguments))
+            if math.isfinite(number):
+                found[name] = number
+        except (ArithmeticError, LookupError, TypeError, ValueError):  # absent, or anything at all
+            pass
+
+    def degrees(tag, negative):
+        sign = -1 if place[tag - 1] in (negative, negative.encode()) else 1
+        return sign * sum(float(part) / 60**i for i, part in enumerate(place[tag]))
+
+    note('focal_length', lambda: details[0x920a])
+    note('focal_length_35mm', lambda: details[0xa405] or None)
+    note('latitude', degrees, 2, 'S')
+    note('longitude', degrees, 4, 'W')
+    note('altitude', lambda: -place[6] if place.get(5) in (1, b'\1') else place[6])
+    return found
+
+
+def mask_of(folder, name):
+    """The path of an image's mask, as COLMAP names it, or None."""
+    for path in (name + '.png', os.path.splitext(name)[0] + '.png'):
+        if os.path.isfile(os.path.join(folder, path)):
+            return os.path.join(folder, path)
+    return None
+
+
+def read_mask(path, picture):
+    """The mask of a picture, which belongs to the image as it is in its file, turned and reduced as the picture is."""
+    from PIL import Image
+    with open(path, 'rb') as file:
+        mask = Image.fromarray(read_image(file, Reading(orientation=False)).pixels)
+    if picture.orientation > 1:
+        mask = mask.transpose(TURNS[picture.orientation])
+    if mask.size != picture.size:
+        raise ValueError(f'its mask {path} has another size')
+    return np.asarray(mask.resize(picture.pixels.shape[::-1], Image.NEAREST))
+
+
+@contextlib.contextmanager
+def printed():
+    """Keeps meanwhile what libraries in C print, such as libtiff, in the file that this gives."""
+    with tempfile.TemporaryFile() as kept:
+        try:
+            original, python = os.dup(2), sys.stderr
+        except OSError:  # stderr is closed
+            yield kept
+            return
+        sys.stderr = open(original, 'w', errors='backslashreplace')
+        os.dup2(kept.fileno(), 2)
+        try:
+            yield kept
+        finally:
+            sys.stderr.flush()
+            os.dup2(original, 2)
+            sys.stderr.close()
+            sys.stderr = python
+
+
+def printed_of(file, kept):
+    """What libraries print of a file that failed, if they have printed anything at all: it is decoded again, alone."""
+    start = os.fstat(kept.fileno()).st_size
+    if start:
+        with contextlib.suppress(Exception), file.open() as stream:
+            read_image(stream)
+    lines = os.pread(kept.fileno(), 1000, start).decode(errors='replace').splitlines()
+    return f' ({"; ".join(dict.fromkeys(lines))})' if lines else ''

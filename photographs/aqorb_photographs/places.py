@@ -1,0 +1,306 @@
+# This file is part of aqorb. Copyright (C) The aqorb developers.
+# It is subject to the license terms in the LICENSE file found in the top-level directory
+# of this distribution.
+# SPDX-License-Identifier: Apache-2.0
+"""Which images show the same place: a bag of words over ORB's descriptors, on NumPy and scipy.sparse.
+
+    words = places.choose_words([places.draw(images)])   # images: pairs of a name and descriptors
+    counts = places.count_matrix(places.look_up(images, words), len(words))
+    pairs, weights = places.similar_pairs(counts, 5)     # each image with the five most similar ones
+    inliers, F = places.verify(points1, points2)         # of two images: the matches that agree on a geometry
+
+Words are descriptors of the collection itself, drawn at random. The word of a feature is the nearest one. An image has
+a vector with an element for each word: the square root of how often the image has it, times the logarithm of how rare
+it is. The similarity of two images is the cosine of their vectors.
+
+What is drawn depends on the seed and on the name of each image, but not on the order of images. A collection can
+therefore be drawn from in parts, on several machines."""
+
+import concurrent.futures
+import contextlib
+import hashlib
+import json
+import os
+import shutil
+
+import numpy as np
+import pyarrow as pa
+import pyarrow.parquet as pq
+import scipy.sparse
+
+import aqorb
+from aqorb_photographs import map_ahead, store
+
+WORDS = 65536
+MIN_INLIERS = 15  # of two images that probably show the same place
+STRONGEST = 500  # features of an image that are looked up: they are found again more often than the others
+FEATURES_OF_A_WORD = 4  # at least, on average: a word that is a feature of one image alone connects nothing
+CHUNK = 256  # images that are drawn from at a time
+QUERIES = 32  # few; the candidates of as many are read at a time
+BLOCK = 2**22  # elements of the matrix of similarities that are in memory at a time
+GROWTH = 4  # times as many images as words were drawn from: then they are drawn anew
+
+
+def strongest(descriptors, response, count=STRONGEST):
+    """The descriptors of the keypoints with the greatest responses, in their order."""
+    if len(response) <= count:
+        return descriptors
+    return descriptors[np.sort(np.argsort(-np.asarray(response), kind='stable')[:count])]
+
+
+def images_of(table):
+    """Yields the name of each row of a table of features, and the descriptors of its strongest keypoints."""
+    for name, response, descriptors in zip(table['name'], table['response'], table['descriptors']):
+        rows = np.frombuffer(descriptors.as_buffer(), np.uint8).reshape(-1, 32)
+        yield name.as_py(), strongest(rows, response.values.to_numpy())
+
+
+def draw(images, count=WORDS, seed=0):
+    """Draws features at random, all with the same probability. images are pairs of a name and descriptors.
+    Returns a random number for each feature that was drawn, their descriptors, and how many features there were."""
+    drawn, total, chunk = (np.zeros(0), np.zeros((0, 32), np.uint8)), 0, []
+
+    def merged():
+        keys, rows = (np.concatenate(parts) for parts in zip(drawn, *chunk))
+        order = np.argsort(keys, kind='stable')[:count]
+        return keys[order], rows[order]
+
+    for name, descriptors in images:
+        state = hashlib.sha256(f'{seed} {name}'.encode()).digest()
+        keys = np.random.RandomState(np.frombuffer(state, '<u4')).random_sample(len(descriptors))
+        chunk.append((keys, descriptors))
+        total += len(descriptors)
+        if len(chunk) == CHUNK:
+            drawn, chunk = merged(), []
+    return (*merged(), total)
+
+
+def choose_words(draws, count=WORDS):
+    """The words of a collection, an array (n, 32): those of the draws from its parts that are drawn first. There are at
+    most count, and at most one for every four features."""
+    keys, descriptors, totals = zip(*draws)
+    count = min(count, sum(totals) // FEATURES_OF_A_WORD)
+    if not count:
+        raise ValueError(f'the images have {sum(totals)} features, too few to find similar images by')
+    return np.concatenate(descriptors)[np.argsort(np.concatenate(keys), kind='stable')[:count]]
+
+
+def words_of(descriptors, words):
+    """The words of an image, in ascending order, and how often it has each."""
+    if not len(descriptors):
+        return np.zeros(0, np.int32), np.zeros(0, np.int32)
+    nearest, _ = aqorb.knnMatchArrays(descriptors, words, 1)
+    found, counts = np.unique(nearest, return_counts=True)
+    return found.astype(np.int32), counts.astype(np.int32)
+
+
+def look_up(images, words, threads=1):
+    """Yields what words_of gives for each image. images are pairs of a name and descriptors."""
+    with concurrent.futures.ThreadPoolExecutor(threads) as pool:
+        for _, found in map_ahead(pool, lambda image: words_of(image[1], words), images, 4 * threads):
+            yield found
+
+
+def count_matrix(images, number):
+    """The matrix of what words_of gave for each image: how often it has each word, of which there are that many."""
+    images = list(images)
+    if not images:
+        raise ValueError('there are no images whose words could be counted')
+    indices, counts = zip(*images)
+    offsets = np.cumsum([0, *map(len, indices)])
+    values = np.concatenate(counts).astype(np.float32)
+    return scipy.sparse.csr_matrix((values, np.concatenate(indices), offsets), (len(indices), number))
+
+
+def rarity_of(counts):
+    """The weight of each word: the logarithm of the number of images over the number of those that have it."""
+    having = np.bincount(counts.indices, minlength=counts.shape[1])
+    return np.log((counts.shape[0] + 1) / np.maximum(having, 1)).astype(np.float32)
+
+
+def weigh(counts, rarity):
+    """The vectors of images, of length 1, as rows of a sparse matrix."""
+    weights, lengths = counts.copy(), np.sqrt(counts @ rarity.astype(float)**2)
+    weights.data = np.sqrt(weights.data) * rarity[weights.indices]
+    weights.data /= np.repeat(np.maximum(lengths, 1e-9), np.diff(weights.indptr)).astype(np.float32)
+    return weights
+
+
+def similar(queries, collected, number, min_gap=0, first=0):
+    """Yields for blocks of rows of queries the index of the first one, and two arrays with a row for each: the indices
+    of the most similar rows collected, that many, best first, and their similarities. With min_gap the query i is row
+    first + i of those collected, and rows that are nearer than that, or itself, have the similarity -1."""
+    if not 1 <= number <= collected.shape[0]:
+        raise ValueError(f'similar images must be from 1 to {collected.shape[0]}, the number of images, got {number}')
+    few = queries.shape[0] <= QUERIES  # then it takes longer to transpose all that is collected
+    columns = None if few else collected.T.tocsr()
+    step = max(1, BLOCK // collected.shape[0])
+    for start in range(0, queries.shape[0], step):
+        part = queries[start:start + step]
+        table = (collected @ part.T.toarray()).T if few else (part @ columns).toarray()
+        for i, row in enumerate(table, first + start):
+            if min_gap:
+                row[max(0, i - min_gap + 1):i + min_gap] = -1
+        best = np.argpartition(-table, number - 1, 1)[:, :number]
+        values = np.take_along_axis(table, best, 1)
+        order = np.lexsort((best, -values))
+        yield start, np.take_along_axis(best, order, 1), np.take_along_axis(values, order, 1)
+
+
+def pairs_of(blocks, number):
+    """The pairs of similar images of a collection with that many, from what similar gave: each once, as rows of two
+    indices in ascending order. Images without a word in common make no pair."""
+    codes = [np.zeros(0, np.int64)]
+    for start, indices, similarities in blocks:
+        rows = np.arange(start, start + len(indices))[:, None] + np.zeros_like(indices)
+        least, greatest = np.minimum(rows, indices), np.maximum(rows, indices)
+        codes.append((least.astype(np.int64) * number + greatest)[similarities > 0])
+    return np.column_stack(np.divmod(np.unique(np.concatenate(codes)), max(1, number)))
+
+
+def similar_pairs(counts, number, min_gap=1, sequential=0, progress=None):
+    """The pairs of each image of a collection with that many similar ones, and with so many that follow it: rows of two
+    indices in ascending order, each pair once. Returns the vectors, too. Neither grows with the square of the
+    collection. progress is called with the number of images that are done."""
+    total = counts.shape[0]
+    weights = weigh(counts, rarity_of(counts))
+
+    def blocks():
+        for block in similar(weights, weights, number, min_gap):
+            yield block
+            if progress:
+                progress(len(block[1]))
+
+    following = [np.column_stack([np.arange(total - i), np.arange(i, total)])
+                 for i in range(1, min(sequential + 1, total))]
+    return np.unique(np.concatenate([pairs_of(blocks(), total), *following]), axis=0), weights
+
+
+def similarities_of(weights, pairs, step=4096):
+    """The similarity of the two images of each pair."""
+    parts = [weights[part[:, 0]].multiply(weights[part[:, 1]]).sum(1) for part in
+             np.split(pairs, range(step, len(pairs), step))]
+    return np.concatenate([np.asarray(part).ravel() for part in parts])
+
+
+def verify(points1, points2, max_error=4.):
+    """Of matches, given by the positions in pixels in both images, the indices of those that agree with one fundamental
+    matrix, and the matrix, or None. It is pycolmap's LO-RANSAC, with a fixed seed."""
+    import pycolmap
+    if len(points1) < 8:
+        return np.zeros(0, np.int32), None
+    options = pycolmap.RANSACOptions()
+    options.max_error, options.random_seed = max_error, 0
+    options.min_num_trials, options.max_num_trials, options.confidence = 100, 1000, .999
+    found = pycolmap.estimate_fundamental_matrix(points1, points2, options)
+    if found is None:
+        return np.zeros(0, np.int32), None
+    return np.flatnonzero(found['inlier_mask']).astype(np.int32), found['F']
+
+
+def match(first, second, ratio=None, max_distance=None):
+    """The verified matches of two images, of each of which the positions and the descriptors are given, as a row of the
+    file of aqorb match has them: the indices of matches in both images, their distances, the indices of the inliers
+    among them, and the elements of the fundamental matrix."""
+    matches, distances = aqorb.matchArrays(first[1], second[1], ratio, True, max_distance)
+    inliers, F = verify(first[0][matches[:, 0]], second[0][matches[:, 1]])
+    return matches[:, 0], matches[:, 1], distances, inliers, () if F is None else F.ravel()
+
+
+class Index:
+    """The words of the features in a folder, and how often each image has each word, kept in a folder beside. When it is
+    opened, the images of new parts are looked up, and words are drawn where there are none, others are asked for, or
+    the collection has grown a lot. progress is called as progress(what, total) for a progress bar."""
+
+    def __init__(self, features, number=None, seed=None, threads=1, progress=None):
+        self.folder = os.path.realpath(features.folder) + '.index'
+        self._progress, self.is_kept = progress, True
+        table = self._read('words.parquet')
+        how = json.loads(table.schema.metadata[b'aqorb']) if table else {}
+        wanted = {'words': number or how.get('words', WORDS), 'seed': how.get('seed', 0) if seed is None else seed}
+        if any(how.get(name) != value for name, value in wanted.items()) or (
+                len(features.images) >= GROWTH * how['images']):
+            shutil.rmtree(self.folder, ignore_errors=True)
+            images = self._each(features, range(len(features.names)), 'drawing words')
+            words = choose_words([draw(images, wanted['words'], wanted['seed'])], wanted['words'])
+            how = json.dumps(dict(wanted, images=len(features.images)))
+            table = pa.table([pa.array(list(map(bytes, words)), pa.binary(32))], ['word'], metadata={'aqorb': how})
+            self._keep('words.parquet', table)
+        self.words = np.frombuffer(table['word'].combine_chunks().buffers()[1], np.uint8).reshape(-1, 32)
+        self.counts = self._read_counts(features, threads)[features.chosen]
+
+    def _read(self, name):
+        """A table of the folder, or None: what is damaged is made anew."""
+        with contextlib.suppress(Exception):
+            return pq.read_table(os.path.join(self.folder, name), page_checksum_verification=True)
+
+    def _each(self, features, parts, label):
+        """Yields the name and the descriptors of each image of some parts."""
+        update = self._progress(label, int(np.isin(features.part, list(parts)).sum())) if self._progress else int
+        for part in parts:
+            for table in features.groups(part):
+                for image in images_of(table):
+                    yield image
+                    update()
+
+    def _keep(self, name, table):
+        try:
+            store.write_part(self.folder, table, name, len(table))
+        except OSError:  # a disk that is full or read-only: the next search does it again
+            self.is_kept = False
+
+    def _read_counts(self, features, threads):
+        """The matrix of all rows of the head."""
+        digest = hashlib.blake2b(self.words, digest_size=8).hexdigest()
+        tables = [self._read(f'{digest}-{name}') for name in features.names]
+        new = [part for part, table in enumerate(tables) if table is None]
+        found = look_up(self._each(features, new, 'looking up'), self.words, threads)
+        for part in new:
+            rows = [next(found) for _ in range(int((features.part == part).sum()))]
+            words, counts = zip(*rows) if rows else ((), ())
+            tables[part] = pa.table([pa.array(words, store.INTEGERS), pa.array(counts, store.FLOATS)], ['word', 'count'])
+            self._keep(f'{digest}-{features.names[part]}', tables[part])
+        with contextlib.suppress(OSError):  # what is of parts that are gone
+            kept = {'words.parquet', *(f'{digest}-{name}' for name in features.names)}
+            for name in set(os.listdir(self.folder)) - kept:
+                os.remove(os.path.join(self.folder, name))
+        parts = [np.zeros(1, np.int64)], [np.zeros(0, np.int32)], [np.zeros(0, np.float32)]
+        for table in tables:
+            words, counts = (table[column].combine_chunks() for column in ('word', 'count'))
+            parts[0].append(np.asarray(words.value_lengths(), np.int64))
+            parts[1].append(words.flatten().to_numpy())
+            parts[2].append(counts.flatten().to_numpy())
+        lengths, indices, counts = map(np.concatenate, parts)
+        return scipy.sparse.csr_matrix((counts, indices, np.cumsum(lengths)), (len(lengths) - 1, len(self.words)))
+
+
+def search(queries, features, index, number, ratio=.8, threads=1):
+    """Yields for each row of a table of features a list of that many images of the features, those that show the same
+    place first: the most similar ones, in the order of their inliers. An element is how many inliers and how many
+    matches there are, the index of the image, and the positions of the inliers in both."""
+    weight = rarity_of(index.counts)
+    asked = weigh(count_matrix(look_up(images_of(queries), index.words, threads), len(index.words)), weight)
+
+    def compare(item):
+        image, query, other = item
+        index1, index2, _, inliers, _ = match(query, other, ratio)
+        return len(inliers), len(index1), image, query[0][index1[inliers]], other[0][index2[inliers]]
+
+    def candidates():
+        for start, indices, _ in similar(asked, weigh(index.counts, weight), number):
+            for query, images in enumerate(indices, start):
+                if (query - start) % QUERIES == 0:  # in the order of the parts, of which reading an image reads many
+                    needed = np.unique(indices[query - start:query - start + QUERIES])
+                    read = {image: features.keypoints(image)
+                            for image in needed[np.argsort(features.chosen[needed], kind='stable')]}
+                row = queries.slice(query, 1)
+                positions = np.column_stack([row[name].combine_chunks().flatten().to_numpy() for name in ('x', 'y')])
+                descriptors = np.frombuffer(row['descriptors'][0].as_buffer(), np.uint8).reshape(-1, 32)
+                for image in images:
+                    yield image, (positions, descriptors), read[image]
+
+    with concurrent.futures.ThreadPoolExecutor(threads) as pool:
+        compared = (found for _, found in map_ahead(pool, compare, candidates(), 4 * threads))
+        for _ in range(len(queries)):
+            # Stable: of images with as many inliers the more similar one comes first.
+            yield sorted([next(compared) for _ in range(number)], key=lambda one: -one[0])

@@ -1,0 +1,270 @@
+# This file is part of aqorb. Copyright (C) The aqorb developers.
+# It is subject to the license terms in the LICENSE file found in the top-level directory
+# of this distribution.
+# SPDX-License-Identifier: Apache-2.0
+"""Tests of aqorb match, aqorb colmap and aqorb draw."""
+
+import itertools
+import os
+import re
+import shutil
+import sqlite3
+
+import numpy as np
+import pycolmap
+import pytest
+
+import aqorb
+from aqorb_photographs import store
+from command_support import Image, command, expected, matches_of, noise, parts_of, pq, refused, rows, run
+
+PLACE = {0x8769: {0xa405: 28}, 0x8825: {1: 'N', 2: (47., 30., 0.), 3: 'E', 4: (8., 15., 0.), 6: 400.}}  # and a focal length
+
+
+def descriptors_of(found, *names):
+    return [np.frombuffer(found[name]['descriptors'], np.uint8).reshape(-1, 32) for name in names]
+
+
+def test_match(features, tmp_path):
+    found = rows(features)
+    names = sorted(found)
+    (tmp_path / 'pairs.txt').write_text('03.png 01.png\n')
+    near = [(names[i], names[j]) for i in range(40) for j in (i + 1, i + 2) if j < 40]
+    for pairs, pairs_expected in (('sequential:2', near), ('exhaustive', list(itertools.combinations(names, 2))),
+                                  (tmp_path / 'pairs.txt', [('03.png', '01.png')])):
+        out = tmp_path / os.path.basename(pairs)
+        out = out if not out.exists() else tmp_path / 'listed'
+        finished = run('match', features, '--pairs', pairs, '--no-verify', '--out', out, '--part-size', 50)
+        assert f'{len(pairs_expected)} pair' in finished.stdout
+        matched = matches_of(out)
+        assert sorted(matched) == sorted(pairs_expected) and len(parts_of(out)) >= len(pairs_expected) // 100
+        for (first, second), row in list(matched.items())[:99]:
+            matches, distances = aqorb.matchArrays(*descriptors_of(found, first, second), crossCheck=True)
+            assert (row['index1'], row['index2']) == tuple(matches.T.tolist())
+            assert row['distance'] == distances.tolist() and row['digest1'] == found[first]['digest']
+    run('match', features, '--pairs', 'sequential:1', '--out', tmp_path / 'm', '--ratio', '.9', '--max-distance', 70)
+    _, distances = aqorb.matchArrays(*descriptors_of(found, '00.png', '01.png'), ratio=.9, crossCheck=True, maxDistance=70)
+    assert matches_of(tmp_path / 'm')['00.png', '01.png']['distance'] == distances.tolist()
+    refused('ratio 0.9, not None', 'match', features, '--pairs', 'sequential:2', '--out', tmp_path / 'm')
+
+
+def test_pairs_that_are_new_or_changed(folder, tmp_path):
+    source, out, matches = shutil.copytree(folder, tmp_path / 'images'), tmp_path / 'f', tmp_path / 'm'
+    run('extract', source, '--out', out)
+    run('match', out, '--pairs', 'sequential:1', '--out', matches)
+    before = parts_of(matches)
+    assert '39 pairs, 0 of them new' in run('match', out, '--pairs', 'sequential:1', '--out', matches).stdout
+    assert parts_of(matches) == before
+    assert '77 pairs, 38 of them new' in run('match', out, '--pairs', 'sequential:2', '--out', matches).stdout
+    Image.fromarray(noise(99)).save(source / '05.png')
+    (source / '39.png').unlink()
+    run('extract', source, '--out', out, '--prune')
+    assert '75 pairs, 4 of them new' in run('match', out, '--pairs', 'sequential:2', '--out', matches).stdout
+    digests = {name: row['digest'] for name, row in rows(out).items()}
+    table = pq.read_table(str(matches)).to_pylist()
+    assert len(table) == 75 and all(digests[row['name1']] == row['digest1'] for row in table)
+
+
+def test_lists_of_pairs(features, tmp_path):
+    text = ('\ufeff# a comment\r\n./00.png   01.png\n01.png 00.png\n\n02.png\t01.png\t.5\n').encode()
+    (tmp_path / 'pairs.txt').write_bytes(text)
+    for pairs in tmp_path / 'pairs.txt', '-':
+        with open(tmp_path / 'pairs.txt', 'rb') as stream:
+            finished = command('match', features, '--pairs', pairs, '--out', tmp_path / 'm', stdin=stream)
+        assert finished.returncode == 0 and '2 pairs' in finished.stdout, finished.stderr
+    assert sorted(matches_of(tmp_path / 'm')) == [('00.png', '01.png'), ('02.png', '01.png')]
+    for line, message in (('03.png 01.png\n03.png', 'line 2: must be the names of two images'),
+                          ('00.png other.png', 'line 1: must be the names'),
+                          ('05.png 05.png', 'line 1: 05.png cannot be matched with itself')):
+        (tmp_path / 'pairs.txt').write_text(line)
+        refused(message, 'match', features, '--pairs', tmp_path / 'pairs.txt', '--out', tmp_path / 'x')
+    for pairs in 'sequential:x', 'sequential:0', 'all', 'retrieval:2+sequential:3+x', 'sequential:2+':
+        refused('pairs must be sequential:K, retrieval:K, .* exhaustive or a file', 'match', features, '--pairs',
+                pairs, '--out', tmp_path / 'x')
+    refused('ratio must be finite and at least 0, got -1', 'match', features, '--pairs', 'exhaustive', '--ratio', -1,
+            '--out', tmp_path / 'x')
+    refused('out must name another folder', 'match', features, '--pairs', 'exhaustive', '--out', features)
+
+
+@pytest.mark.parametrize('names', [('a b.png', 'a.png', 'b.png'), ('#.png', 'b\t\n\x1b[2J.png', 'c.png')])
+def test_names_in_lists_of_pairs(tmp_path, names):
+    (tmp_path / 'images').mkdir()
+    for name in names:
+        Image.fromarray(noise(1)).save(tmp_path / 'images' / name)
+    run('extract', tmp_path / 'images', '--out', tmp_path / 'f')
+    run('pairs', tmp_path / 'f', '--retrieval', 2, '--scores', '--out', tmp_path / 'p.txt')
+    text = (tmp_path / 'p.txt').read_text()
+    assert len(text.splitlines()) == 3 and '\x1b' not in text
+    run('match', tmp_path / 'f', '--pairs', tmp_path / 'p.txt', '--out', tmp_path / 'm')
+    assert set(itertools.chain(*matches_of(tmp_path / 'm'))) == set(names)
+
+
+# COLMAP
+
+@pytest.fixture(scope='module')
+def phone(tmp_path_factory):
+    """Photographs of one scene, as a phone has them, and their features and matches."""
+    folder = tmp_path_factory.mktemp('phone')
+    world = np.asarray(Image.fromarray(noise(5, 400, 560)).resize((1120, 800), Image.BICUBIC))
+    (folder / 'images' / 'a b').mkdir(parents=True)
+    stored = {1: None, 2: 0, 3: 3, 4: 1, 5: 5, 6: 2, 7: 6, 8: 4}
+    for orientation, turn in stored.items():
+        left = 10 * orientation
+        image = Image.fromarray(world[20 * (orientation % 3):][:600, left:left + 800])
+        exif = Image.Exif()
+        exif[0x0112], exif[0x010f], exif[0x0110] = orientation, 'Maker', 'Phone'
+        for tag, values in PLACE.items():
+            exif[tag] = exif._ifds[tag] = values
+        name = f'{orientation}.{"tif" if orientation == 8 else "jpg"}'
+        (image if turn is None else image.transpose(turn)).convert('RGB').save(
+            folder / 'images' / ('a b' if orientation == 3 else '.') / name, exif=exif)
+    Image.fromarray(world[:600, :800]).save(folder / 'images' / 'x.webp')
+    run('extract', folder / 'images', '--out', folder / 'f', '--num-features', 300)
+    run('match', folder / 'f', '--pairs', 'exhaustive', '--out', folder / 'm', '--ratio', '.8')
+    return folder
+
+
+def test_export(phone, tmp_path):
+    path = tmp_path / 'x.db'
+    finished = run('colmap', phone / 'f', phone / 'm', '--images', phone / 'images', '--database', path)
+    assert os.listdir(tmp_path) == ['x.db'] and '8 new images, 28 new pairs' in finished.stdout
+    assert 'x.webp: this COLMAP does not read it' in finished.stderr
+    found, matches = rows(phone / 'f'), matches_of(phone / 'm')
+    assert sum(len(row['inliers']) >= 15 for row in matches.values()) > 20  # without them the mapper finds no model
+    database = pycolmap.Database.open(path)
+    images = {image.name: image for image in database.read_all_images()}
+    assert database.num_frames() == 8 and database.num_pose_priors() == 8
+    assert all(np.allclose(prior.position, [47.5, 8.25, 400]) for prior in database.read_all_pose_priors())
+    positions = {}
+    for name, image in images.items():
+        row, camera = found[name], database.read_camera(image.camera_id)
+        keypoints = database.read_keypoints(image.image_id)
+        bitmap = pycolmap.Bitmap.read(phone / 'images' / name, False)
+        size = (800, 600) if row['orientation'] < 5 else (600, 800)
+        assert (camera.width, camera.height) == (bitmap.width, bitmap.height) == size
+        assert camera.has_prior_focal_length and abs(camera.params[0] - 1000 * 28 / 43.2666) < 1
+        assert database.read_descriptors(image.image_id).data.tobytes() == row['descriptors']
+        # Each keypoint is where the same detector finds it in the image as it is in its file.
+        pixels = bitmap.to_array()
+        stored = aqorb.AdaptiveQuadtreeORB_create(300).detectAndComputeArrays(np.ascontiguousarray(pixels))[0]
+        distance = np.hypot(*(keypoints[:, None, :2] - (stored['pt'] + .5)).transpose(2, 0, 1)).min(1)
+        assert np.mean(distance < .01) > (.9 if row['orientation'] == 1 else .3), (name, np.mean(distance < .01))
+        assert (keypoints[:, :2] >= 0).all() and (keypoints[:, :2] <= size).all()
+        positions[name] = keypoints[:, :2]
+    for (first, second), row in matches.items():
+        if 'x.webp' in (first, second):
+            continue
+        pairs = database.read_matches(images[first].image_id, images[second].image_id)
+        assert pairs.tolist() == [list(pair) for pair in zip(row['index1'], row['index2'])]
+        if len(row['inliers']) < 15:
+            assert not database.exists_two_view_geometry(images[first].image_id, images[second].image_id)
+            continue
+        geometry = database.read_two_view_geometry(images[first].image_id, images[second].image_id)
+        assert geometry.inlier_matches.tolist() == [pairs[inlier].tolist() for inlier in row['inliers']]
+        # COLMAP would begin with what the geometry says of the pose.
+        assert geometry.E is None and geometry.H is None and geometry.cam2_from_cam1 is None
+        ends = [np.column_stack([positions[name][pairs[row['inliers'], side]], np.ones(len(row['inliers']))])
+                for side, name in enumerate((first, second))]
+        lines = ends[0] @ geometry.F.T
+        assert np.median(abs((lines * ends[1]).sum(1)) / np.hypot(*lines[:, :2].T)) < 4
+    database.close()
+
+
+def test_append(phone, tmp_path):
+    path = tmp_path / 'x.db'
+    shutil.copytree(phone / 'f', tmp_path / 'f')
+    names = pq.read_table(str(tmp_path / 'f'))
+    part = next((tmp_path / 'f').iterdir())
+    pq.write_table(names.slice(0, 5), part)
+    call = ['colmap', tmp_path / 'f', phone / 'm', '--images', phone / 'images', '--database', path, '--quiet']
+    run(*call, '--camera-mode', 'PER_IMAGE', '--camera-model', 'PINHOLE', '--camera-params', '700,700,400,300')
+    refused('x.db exists: --append', *call)
+    pq.write_table(names, part)
+    assert run(*call[:-1], '--append').stdout.startswith(f'{path}: 3 new images')
+    assert run(*call[:-1], '--append').stdout == f'{path}: 0 new images, 0 new pairs\n'
+    with sqlite3.connect(path) as connection:
+        assert connection.execute('SELECT count(*) FROM matches').fetchone() == (28,)
+        found = connection.execute('SELECT params FROM cameras WHERE model = 1')
+        cameras = [np.frombuffer(row[0]).tolist() for row in found]
+        assert cameras == [[700, 700, 400, 300]] * len(cameras) and len(cameras) in (4, 5)
+        connection.execute('UPDATE keypoints SET data = zeroblob(length(data)) WHERE image_id = 1')
+    connection.close()
+    refused('the database has other keypoints of', *call, '--append')
+    (tmp_path / 'no.db').write_text('no database')
+    refused('aqorb: ', *call[:-3], '--database', tmp_path / 'no.db', '--append')
+    assert (tmp_path / 'no.db').read_text() == 'no database'
+    refused('COLMAP read none of the images', *call[:3], '--images', tmp_path, '--database', tmp_path / 'none.db')
+
+
+def test_what_colmap_still_needs(phone, tmp_path):
+    call = ['colmap', phone / 'f', '--images', phone / 'images', '--database']
+    assert 'COLMAP cannot match these features: aqorb match, and' in run(*call, tmp_path / 'x.db').stdout
+    run('match', phone / 'f', '--pairs', 'sequential:1', '--no-verify', '--out', tmp_path / 'm')
+    call.insert(2, tmp_path / 'm')
+    assert "COLMAP's geometric_verification comes next" in run(*call, tmp_path / 'y.db').stdout
+    refused('m must have verified matches', *call, tmp_path / 'z.db', '--refine')
+    refused('--refine needs matches, and a new database', *call, tmp_path / 'y.db', '--refine', '--append')
+
+
+def test_tracks(tmp_path):
+    world = Image.fromarray(noise(5, 400, 560)).resize((840, 600), Image.BICUBIC)
+    shifts = [(0, 0), (7.3, 4.6), (15.7, 2.2), (21.4, 9.8)]
+    (tmp_path / 'images').mkdir()
+    for name, (x, y) in zip('abcd', shifts):
+        image = world.transform((800, 580), Image.AFFINE, (1, 0, x, 0, 1, y), Image.BICUBIC)
+        image.save(tmp_path / 'images' / f'{name}.png')
+    run('extract', tmp_path / 'images', '--out', tmp_path / 'f', '--max-size', 600)
+    run('match', tmp_path / 'f', '--pairs', 'exhaustive', '--out', tmp_path / 'm')
+    errors = {}
+    for option in [], ['--refine']:
+        path = tmp_path / f'x{len(option)}.db'
+        run('colmap', tmp_path / 'f', tmp_path / 'm', '--images', tmp_path / 'images', '--database', path, *option)
+        database = pycolmap.Database.open(path)
+        positions = [database.read_keypoints(i + 1)[:, :2] + shift for i, shift in enumerate(shifts)]
+        found = [positions[i][rows[:, 0]] - positions[j][rows[:, 1]] for i, j in itertools.combinations(range(4), 2)
+                 for rows in [database.read_two_view_geometry(i + 1, j + 1).inlier_matches]]
+        database.close()
+        errors[len(option)] = np.hypot(*np.concatenate(found).T)
+    detected, refined = (np.percentile(found, (50, 95)) for found in errors.values())
+    assert len(errors[1]) > .7 * len(errors[0]) > 1000
+    assert (refined < detected / 2).all() and refined[1] < 1, (detected, refined)
+
+
+# Pictures
+
+def test_draw(folder, tmp_path):
+    picture = tmp_path / 'matches.png'
+    finished = run('draw', folder / '00.png', folder / '00.png', '--out', picture)
+    agree, count = map(int, re.search(r': (\d+) of (\d+) matches agree', finished.stdout).groups())
+    assert agree == count > len(expected(noise(0))['x']) / 2 and Image.open(picture).size == (320, 120)
+    refused('exists; --overwrite', 'draw', folder / '00.png', folder / '01.png', '--out', picture)
+    refused('x.txt must end with .png', 'draw', 'absent.png', 'absent.png', '--out', tmp_path / 'x.txt')
+    (tmp_path / 'text').write_text('no image')
+    refused('text: it is no image', 'draw', folder / '00.png', tmp_path / 'text', '--out', tmp_path / 'x.png')
+
+
+def is_red(picture):
+    return (np.asarray(Image.open(picture)) == [255, 0, 0]).all(2).any()
+
+
+def test_draw_verifies(folder, tmp_path):
+    pixels = np.asarray(Image.fromarray(noise(5, 480, 640)).resize((960, 720), Image.BICUBIC))
+    second = np.roll(pixels, 9, 1)
+    second[100:240, 100:240] = pixels[140:280, 160:300]  # no geometry has both squares
+    second[400:540, 600:740] = pixels[460:600, 560:700]
+    for name, image in ('a.png', pixels), ('b.png', second):
+        Image.fromarray(image).save(tmp_path / name)
+    call = ['draw', tmp_path / 'a.png', tmp_path / 'b.png', '--num-features', 2000, '--out']
+    finished = run(*call, tmp_path / 'x.png')
+    agree, count = map(int, re.search(r': (\d+) of (\d+) matches agree', finished.stdout).groups())
+    assert 100 < agree < count - 5 and not is_red(tmp_path / 'x.png') and finished.stderr == ''
+    assert run(*call, tmp_path / 'all.png', '--all').stdout.endswith(f'all.png: {agree} of {count} matches agree\n')
+    assert is_red(tmp_path / 'all.png')
+    finished = command('draw', folder / '00.png', folder / '01.png', '--out', tmp_path / 'x.png', '--overwrite')
+    assert 'fewer than 15 agree: the images probably do not show the same place' in finished.stderr
+
+
+def test_an_image_has_room_for_its_descriptors():
+    batch = aqorb.FeatureBatch(*[np.zeros(2**26)] * 7, np.array([0, 2**26]))
+    with pytest.raises(ValueError, match='at most 67108863 features, got 67108864'):
+        store.to_row(None, None, batch, '')
