@@ -66,7 +66,7 @@ tests() {
     build "$BUILD/release" --target aqorb_fingerprint >>"$WEB/native.log" || die "see $WEB/native.log"
     mkdir -p "$WEB/native"
     native ranked.txt "${images[0]}"
-    native balanced.txt --balanced "${images[0]}"
+    native quadtree.txt --quadtree "${images[0]}"
     if [[ -d ${OPENCV_TEST_DATA_PATH:-} ]]; then
         for image in "$OPENCV_TEST_DATA_PATH"/cv/detectors_descriptors_evaluation/images_datasets/*/img1.png; do
             images+=("$image")

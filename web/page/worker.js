@@ -67,7 +67,7 @@ function run(engine, job) {
 onmessage = async ({ data }) => {
     try {
         const loaded = await loading;
-        postMessage(data.fingerprint ? checked(loaded.fingerprint(data.balanced, data.name)) : run(loaded, data));
+        postMessage(data.fingerprint ? checked(loaded.fingerprint(data.quadtree, data.name)) : run(loaded, data));
     } catch (error) {
         postMessage({ error: String(error.message || error) });
     }

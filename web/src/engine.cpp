@@ -345,12 +345,12 @@ val match(int detector, bool refines)
 /** What aqorb_fingerprint prints of the scenes that it draws, and, if there is a picture 0 and a name, of that as the
  file of this name.
  @return `lines` */
-val fingerprint(bool balanced, const std::string& name)
+val fingerprint(bool quadtree, const std::string& name)
 {
     return guarded(
         [&]
         {
-            FingerprintLines lines(balanced ? AdaptiveQuadtreeORB::QUADTREE_SELECTION
+            FingerprintLines lines(quadtree ? AdaptiveQuadtreeORB::QUADTREE_SELECTION
                                             : AdaptiveQuadtreeORB::RANKED_SELECTION);
             std::string text = lines.scenes();
             if (!name.empty())

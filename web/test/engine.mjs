@@ -5,7 +5,7 @@
 // Tests aqorb.js and aqorb.wasm in Node.js: engine.mjs PAGE NATIVE
 //
 // PAGE is the folder of the page, and NATIVE one with what the native aqorb_fingerprint printed: ranked.txt and
-// balanced.txt.
+// quadtree.txt.
 
 import assert from 'node:assert/strict';
 import fs from 'node:fs';
@@ -32,12 +32,12 @@ function detectAll(index) {
 // distributionUniformity takes the logarithm of the C library, whose last bit may be another one in WebAssembly.
 const withoutMeasures = lines => lines.map(line => line.replace(/ measures \w+/, ''));
 
-for (const [name, balanced] of [['ranked', false], ['balanced', true]]) {
+for (const [name, quadtree] of [['ranked', false], ['quadtree', true]]) {
     test(`the bytes of 60 scenes with random parameters are those of the native library, ${name}`, () => {
         const expected = fs.readFileSync(path.join(native, `${name}.txt`), 'utf8').split('\n')
             .filter(line => line.startsWith('scene '));
         assert.equal(expected.length, 60);
-        assert.deepEqual(withoutMeasures(ok(engine.fingerprint(balanced, '')).lines.trim().split('\n')),
+        assert.deepEqual(withoutMeasures(ok(engine.fingerprint(quadtree, '')).lines.trim().split('\n')),
             withoutMeasures(expected));
     });
 }

@@ -4,7 +4,7 @@
 
 // Tests the page in headless Chromium: page.mjs PAGE NATIVE SCREENSHOTS IMAGE...
 //
-// PAGE is the folder of the page. NATIVE has what the native aqorb_fingerprint printed: ranked.txt and balanced.txt of
+// PAGE is the folder of the page. NATIVE has what the native aqorb_fingerprint printed: ranked.txt and quadtree.txt of
 // its scenes, and after them of the first image; IMAGE.txt for each of the other images. Screenshots of every view are
 // left in the folder SCREENSHOTS.
 
@@ -134,7 +134,7 @@ function drop(tab, name, type, bytes, target = 'body') {
     }, [name, type, bytes.toString('base64'), target]);
 }
 
-const fingerprint = (tab, balanced, name) => tab.evaluate(([balanced, name]) => new Promise((resolve, reject) => {
+const fingerprint = (tab, quadtree, name) => tab.evaluate(([quadtree, name]) => new Promise((resolve, reject) => {
     const usual = worker.onmessage;
     worker.onmessage = ({ data }) => {
         worker.onmessage = usual;
@@ -143,8 +143,8 @@ const fingerprint = (tab, balanced, name) => tab.evaluate(([balanced, name]) => 
         else
             resolve(data.lines);
     };
-    worker.postMessage({ fingerprint: true, balanced, name });
-}), [balanced, name]);
+    worker.postMessage({ fingerprint: true, quadtree, name });
+}), [quadtree, name]);
 
 // distributionUniformity takes the logarithm of the C library, whose last bit may be another one in WebAssembly.
 const withoutMeasures = text => text.trim().replace(/ measures \w+/g, '').split('\n');

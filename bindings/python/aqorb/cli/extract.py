@@ -6,11 +6,16 @@
 
 import functools
 import os
+import re
 import sys
 
 import aqorb
 from aqorb.cli import options
 from aqorb.collection import Refused, images
+
+# The properties of the detector that are options, by their names: --strength-weight and so on.
+DIALS = {re.sub('(?<!^)(?=[A-Z])', '_', name).lower(): name for name in (
+    'StrengthWeight', 'RankRadius', 'OctaveSuppression', 'EdgeThreshold', 'PatchSize', 'FastThreshold')}
 
 
 def add(commands):
@@ -31,7 +36,22 @@ def add(commands):
     parser.add_argument('--part-size', type=options.positive, default=256, metavar='N',
                         help='images after which what is done is saved (%(default)s)')
     options.add_reading(parser)
+    default = aqorb.AdaptiveQuadtreeORB_create()
+    for option, name in DIALS.items():
+        value = getattr(default, 'get' + name)()
+        parser.add_argument('--' + option.replace('_', '-'), type=type(value), default=value, metavar='VALUE',
+                            help='of AdaptiveQuadtreeORB (%(default)s)')
     options.add_threads(parser)
+
+
+def detector_of(given):
+    detector = aqorb.AdaptiveQuadtreeORB_create(given.num_features)
+    for option, name in DIALS.items():
+        try:
+            getattr(detector, 'set' + name)(getattr(given, option))
+        except aqorb.error as error:
+            raise Refused(str(error)) from error
+    return detector
 
 
 def run(given):
@@ -42,7 +62,7 @@ def run(given):
         raise Refused('there is nothing to extract: name a folder or a file')
     paths, left_out, unlisted = images.list_files(sources, given.include, given.exclude, out)
     root = os.path.abspath(given.root or root_of(sources))
-    detector, how = aqorb.AdaptiveQuadtreeORB_create(given.num_features), options.reading_of(given)
+    detector, how = detector_of(given), options.reading_of(given)
     before = store.Features(out) if os.path.isdir(out) else None
     if before:
         store.clean(out)
