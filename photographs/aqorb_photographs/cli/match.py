@@ -22,7 +22,7 @@ AT_A_TIME = 1024  # pairs whose images are in memory
 def add(commands):
     parser = options.add_command(
         commands, 'match', run, 'match the features of pairs of images',
-        'Matches descriptors that are the nearest of each other. The same command again takes the pairs that '
+        'Matches descriptors that are the nearest of each other by a ratio test. The same command again takes the pairs that '
         'are not matched yet, or whose features have changed.')
     parser.add_argument('features', metavar='FEATURES', help='folder of aqorb extract')
     parser.add_argument('--pairs', required=True,
@@ -30,7 +30,8 @@ def add(commands):
                         'K most similar ones; both, joined by a +; exhaustive; or a file with two names a line, with a '
                         'tab or spaces between them; - is the input')
     parser.add_argument('--out', required=True, metavar='FOLDER', help='for the matches, a folder of Parquet files')
-    parser.add_argument('--ratio', type=float, help='keep what is nearer than this times the second nearest')
+    parser.add_argument('--ratio', type=float, default=.8,
+                        help='keep what is nearer than this times the second nearest (%(default)s)')
     parser.add_argument('--max-distance', type=options.at_least(0), metavar='N',
                         help='keep what differs in at most so many bits')
     parser.add_argument('--min-gap', type=options.positive, default=1, metavar='N',
