@@ -87,7 +87,9 @@ run_cmake() {
 CMAKE_CACHEFILE_DIR:INTERNAL=$folder" "$folder/CMakeCache.txt" 2>/dev/null) || true
     [[ ! -e $folder/CMakeCache.txt || $same == 2 ]] || fresh=(--fresh)
     mkdir -p "$BUILD"
-    (cd "$ROOT" && cmake "${fresh[@]}" -S "$source" -B "$folder" "${@:3}") >"$log" 2>&1 ||
+    # OpenCV's configuration takes minutes, so it is shown.
+    (cd "$ROOT" && cmake "${fresh[@]}" -S "$source" -B "$folder" "${@:3}") 2>&1 |
+        if [[ $source == "$ROOT" ]]; then cat >"$log"; else tee "$log"; fi ||
         { tail -n 50 "$log" && die "CMake failed, see $log"; }
     grep -A 4 'CMake Warning\|left out' "$log" || true
 }
