@@ -55,8 +55,8 @@ const struct
 const char* const LEGEND =
     "How to read it: cv::ORB's keypoints crowd where the contrast is highest, several on one corner.\n"
     "Those of AdaptiveQuadtreeORB cover the image. So more of them match at distinct places, in more\n"
-    "cells. The last column adds refineMatches, which moves a match to where both images show the same\n"
-    "spot, and leaves it out where they show none. In the picture of the matches, red is what it left out.\n"
+    "cells. The last column adds growMatches, which moves a match to where both images show the same spot,\n"
+    "leaves it out where they show none, and finds more beside. In the picture, red is what it left out.\n"
     "Matches are mutual nearest neighbours. Correct: within 3 pixels of the known homography. Consistent:\n"
     "within 3 pixels of the homography estimated from the detector's matches or, in a scene in depth, of\n"
     "the epipolar line, where a dozen wrong matches may lie by chance. Distinct: at least 4 pixels from\n"
@@ -64,7 +64,7 @@ const char* const LEGEND =
     "several levels and each of these counts.\n"
     "Times are medians (quartiles); the methods take turns. Frame: image 1 to keypoints and descriptors.\n"
     "Pair: two images to their geometry. That is the features of both, matching by cv::BFMatcher or by\n"
-    "HammingMatcher, refineMatches in the last column, and RANSAC. Where few matches are right, RANSAC\n"
+    "HammingMatcher, growMatches in the last column, and RANSAC. Where few matches are right, RANSAC\n"
     "takes most of it. A second thread gains most with large images.\n\n";
 
 struct Method
@@ -72,7 +72,7 @@ struct Method
     const char* name;
     Ptr<ORB> detector;
     Ptr<DescriptorMatcher> matcher;  // with cross check
-    bool refines;
+    bool grows;                      // grows the matches and adds more
 };
 
 //! Matched keypoints of two images: from[i] and to[i] belong together.
@@ -92,7 +92,7 @@ struct Found
 {
     std::vector<KeyPoint> keypoints[2];  // of each image
     Matches matches;                     // the best first
-    Matches leftOut;                     // by refineMatches
+    Matches leftOut;                     // by growMatches
     Matches right, distinct;             // those that agree with the geometry, and the distinct ones of these
     double error = 0;                    // in pixels, the median of those that agree
     double milliseconds[2] = {0, 0};     // for the features of image 1, and for everything
@@ -151,20 +151,27 @@ Found find(const Method& method, const std::vector<Mat>& images, bool isEpipolar
         method.matcher->match(descriptors[0], descriptors[1], matches);
     std::stable_sort(matches.begin(), matches.end());
     std::vector<DMatch> kept = matches;
+    std::vector<KeyPoint> grown2 = found.keypoints[1];
     std::vector<Point2f> from, to;
-    if (method.refines)
-        aqorb::refineMatches(images[0], found.keypoints[0], images[1], found.keypoints[1], kept, from, to);
-    for (size_t i = 0, next = 0; i < matches.size(); i++)
+    std::vector<float> deviations;
+    if (method.grows)
+        aqorb::growMatches(images[0], found.keypoints[0], images[1], found.keypoints[1], kept, grown2, from,
+                           to, deviations);
+    size_t next = 0;
+    for (const DMatch& match : matches)
     {
-        KeyPoint a = found.keypoints[0][matches[i].queryIdx], b = found.keypoints[1][matches[i].trainIdx];
-        const bool isKept = next < kept.size() && kept[next].queryIdx == matches[i].queryIdx;
-        if (isKept && method.refines)
+        KeyPoint a = found.keypoints[0][match.queryIdx], b = found.keypoints[1][match.trainIdx];
+        const bool isKept = next < kept.size() && kept[next].queryIdx == match.queryIdx &&
+                            kept[next].trainIdx == match.trainIdx;
+        if (isKept && method.grows)
             b.pt = to[next];
         (isKept ? found.matches : found.leftOut).add(a, b);
         next += isKept;
     }
+    for (; next < kept.size(); next++)
+        found.matches.add(found.keypoints[0][kept[next].queryIdx], grown2[kept[next].trainIdx]);
     if (images.size() == 2)
-        estimate(found.matches, isEpipolar, true, method.refines ? 1 : 3);
+        estimate(found.matches, isEpipolar, true, method.grows ? 1 : 3);
     time.stop();
     found.milliseconds[1] = time.getTimeMilli();
     return found;
@@ -362,7 +369,7 @@ double compare(const std::vector<Mat>& images, const Mat& known, const CommandLi
         {"cv::ORB", ORB::create(nfeatures), makePtr<BFMatcher>(NORM_HAMMING, true), false},
         {"AdaptiveQuadtreeORB", ours, matcher, false}};
     if (isPair)
-        methods.push_back({"with refineMatches", ours, matcher, true});
+        methods.push_back({"with growMatches", ours, matcher, true});
     std::vector<Found> found;
     for (const Method& method : methods)
         found.push_back(find(method, images, false));
@@ -391,7 +398,7 @@ double compare(const std::vector<Mat>& images, const Mat& known, const CommandLi
         }
         const String name = methods[i].name;
         std::vector<String> texts = {name, counts, uniformity, cells};
-        if (!methods[i].refines)
+        if (!methods[i].grows)
             keypoints.push_back(
                 captioned(keypointPicture(images[0], one.keypoints[0]), name + ": keypoints of image 1"));
         if (isPair)
@@ -405,7 +412,7 @@ double compare(const std::vector<Mat>& images, const Mat& known, const CommandLi
                 captioned(matchPicture(images, one.distinct, one.leftOut),
                           format("%s: %d %s, median error %.2f pixels", methods[i].name, count,
                                  distinct.c_str(), one.error) +
-                              (methods[i].refines ? format(", %d left out", leftOut) : String())));
+                              (methods[i].grows ? format(", %d left out", leftOut) : String())));
         }
         for (size_t j = 0; j < rows.size(); j++)
             rows[j].push_back(texts[j]);

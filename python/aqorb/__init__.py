@@ -35,16 +35,19 @@ import types as _types
 from ._aqorb import (AdaptiveQuadtreeORB, AdaptiveQuadtreeORB_QUADTREE_SELECTION,
                      AdaptiveQuadtreeORB_RANKED_SELECTION, AdaptiveQuadtreeORB_create, HammingMatcher,
                      HammingMatcher_create, __version__, _build_information, _from_text, adaptiveFastThreshold,
-                     distributionOccupancy, distributionUniformity, getNumThreads, keypoint_dtype, keypointsFromArray,
-                     keypointsToArray, knnMatchArrays, matchArrays, matchByPosition, refineMatchArrays, refineMatches,
+                     distributionOccupancy, distributionUniformity, getNumThreads, growMatchArrays, growMatches,
+                     keypoint_dtype, keypointsFromArray, keypointsToArray, knnMatchArrays, matchArrays, matchByPosition,
+                     refineMatchArrays, refineMatchArraysWithDeviations, refineMatches, refineMatchesWithDeviations,
                      retainUniform, setNumThreads)
 from ._feature_batch import FeatureBatch
 
 __all__ = ['AdaptiveQuadtreeORB', 'AdaptiveQuadtreeORB_QUADTREE_SELECTION', 'AdaptiveQuadtreeORB_RANKED_SELECTION',
            'AdaptiveQuadtreeORB_create', 'FeatureBatch', 'HammingMatcher', 'HammingMatcher_create',
            'adaptiveFastThreshold', 'computeImageFeatures2', 'distributionOccupancy', 'distributionUniformity', 'error',
-           'getNumThreads', 'keypoint_dtype', 'keypointsFromArray', 'keypointsToArray', 'knnMatchArrays', 'matchArrays',
-           'matchByPosition', 'refineMatchArrays', 'refineMatches', 'retainUniform', 'setNumThreads']
+           'getNumThreads', 'growMatchArrays', 'growMatches', 'keypoint_dtype', 'keypointsFromArray',
+           'keypointsToArray', 'knnMatchArrays', 'matchArrays', 'matchByPosition', 'refineMatchArrays',
+           'refineMatchArraysWithDeviations', 'refineMatches', 'refineMatchesWithDeviations', 'refinePoints',
+           'retainUniform', 'setNumThreads']
 
 
 def computeImageFeatures2(featuresFinder, image, mask=None):
@@ -59,6 +62,29 @@ def computeImageFeatures2(featuresFinder, image, mask=None):
     features.keypoints = keypoints
     features.descriptors = cv2.UMat() if descriptors is None else cv2.UMat(descriptors)
     return features
+
+
+def refinePoints(image1, points1, image2, points2, size=31, minCorrelation=.8):
+    """Refines matches that have neither sizes nor angles, such as LoFTR's: points1[i] and points2[i], of shape (n, 2) or
+    (n, 1, 2), show the same spot. size is the diameter of what is compared, in pixels. Returns the indices of the points
+    that are left, their positions in image 2, and the standard deviations of these."""
+    import numpy
+    from ._cv2 import error
+    keypoints = []
+    for name, given in ('points1', points1), ('points2', points2):
+        points = numpy.asarray(given, numpy.float32)
+        if points.shape[1:] not in ((2,), (1, 2)):
+            raise error('{} must be numbers of shape (n, 2) or (n, 1, 2), got the shape {}'.format(name, points.shape))
+        keypoints.append(numpy.zeros(len(points), keypoint_dtype))
+        keypoints[-1]['pt'], keypoints[-1]['size'], keypoints[-1]['angle'] = points.reshape(-1, 2), size, -1
+    if len(keypoints[0]) != len(keypoints[1]):
+        raise error('points2 must be as many as points1, {}, got {}'.format(*map(len, keypoints)))
+    if not 0 < size < numpy.inf:
+        raise error('size must be finite and > 0, got {}'.format(size))
+    pairs = numpy.arange(len(keypoints[0])).repeat(2).reshape(-1, 2)
+    pairs, _, refined, deviations = refineMatchArraysWithDeviations(image1, keypoints[0], image2, keypoints[1], pairs,
+                                                                    minCorrelation)
+    return pairs[:, 0], refined, deviations
 
 
 def _of_python(compiled, name):

@@ -24,7 +24,6 @@ namespace
 {
 
 typedef std::vector<cv::DMatch> Matches;
-typedef std::pair<std::vector<cv::Point2f>, std::vector<cv::Point2f>> Points;
 
 Matches toMatches(py::handle source)
 {
@@ -64,19 +63,51 @@ Matches fromPairs(py::handle source, size_t keypoints1, size_t keypoints2)
     return matches;
 }
 
-//! Removes matches, and returns the positions of the others.
-Points refine(const Pixels& image1, const KeyPoints& keypoints1, const Pixels& image2,
-              const KeyPoints& keypoints2, Matches& matches, double minCorrelation, double scaleFactor)
+//! The images and the keypoints of a call.
+struct Features
 {
-    Points points;
-    withoutGil(
-        [&]
-        {
-            cv::aqorb::refineMatches(image1.mat, keypoints1.points, image2.mat, keypoints2.points, matches,
-                                     points.first, points.second, float(minCorrelation), float(scaleFactor));
-        });
-    return points;
-}
+    Features(const OptionalArrayObject& image1_, const KeyPointsObject& keypoints1_,
+             const OptionalArrayObject& image2_, const KeyPointsObject& keypoints2_)
+        : image1(toImage(image1_.object, "image1")),
+          image2(toImage(image2_.object, "image2")),
+          keypoints1(toKeyPoints(keypoints1_.object, "keypoints1")),
+          keypoints2(toKeyPoints(keypoints2_.object, "keypoints2"))
+    {
+    }
+
+    Pixels image1, image2;
+    KeyPoints keypoints1, keypoints2;
+};
+
+//! The matches of a call, and what it returns of them.
+struct Refined
+{
+    void refine(const Features& of, double minCorrelation, double scaleFactor)
+    {
+        withoutGil(
+            [&]
+            {
+                cv::aqorb::refineMatches(of.image1.mat, of.keypoints1.points, of.image2.mat,
+                                         of.keypoints2.points, matches, points1, points2, deviations,
+                                         float(minCorrelation), float(scaleFactor));
+            });
+    }
+    //! Changes keypoints 2.
+    void grow(Features& of, double minCorrelation, double scaleFactor)
+    {
+        withoutGil(
+            [&]
+            {
+                cv::aqorb::growMatches(of.image1.mat, of.keypoints1.points, of.image2.mat,
+                                       of.keypoints2.points, matches, of.keypoints2.points, points1, points2,
+                                       deviations, float(minCorrelation), float(scaleFactor));
+            });
+    }
+
+    Matches matches;
+    std::vector<cv::Point2f> points1, points2;
+    std::vector<float> deviations;
+};
 
 ArrayObject toArray(const std::vector<cv::Point2f>& points)
 {
@@ -84,21 +115,76 @@ ArrayObject toArray(const std::vector<cv::Point2f>& points)
                 .attr("reshape")(-1, 2)};
 }
 
+ArrayObject toArray(const std::vector<float>& deviations)
+{
+    return {py::array_t<float>(py::ssize_t(deviations.size()), deviations.data())};
+}
+
+py::object matchClass(const char* instead)
+{
+    return classOfCv2("DMatch", instead);
+}
+
+MatchTupleObject toTuple(const Matches& matches, const py::object& type)
+{
+    py::tuple tuple(matches.size());
+    for (size_t i = 0; i < matches.size(); i++)
+        tuple[i] = type(matches[i].queryIdx, matches[i].trainIdx, matches[i].imgIdx, matches[i].distance);
+    return {tuple};
+}
+
+//! The indices of matches, with -1 for those of keypoints 2 that are not of the call.
+ArrayObject toPairs(const Matches& matches, size_t keypoints2)
+{
+    py::array_t<int> pairs({py::ssize_t(matches.size()), py::ssize_t(2)});
+    for (size_t i = 0; i < matches.size(); i++)
+    {
+        pairs.mutable_at(py::ssize_t(i), 0) = matches[i].queryIdx;
+        pairs.mutable_at(py::ssize_t(i), 1) =
+            size_t(matches[i].trainIdx) < keypoints2 ? matches[i].trainIdx : -1;
+    }
+    return {pairs};
+}
+
+typedef std::tuple<MatchTupleObject, ArrayObject, ArrayObject, ArrayObject> MatchesAndDeviations;
+typedef std::tuple<ArrayObject, ArrayObject, ArrayObject, ArrayObject> ArraysAndDeviations;
+
+MatchesAndDeviations
+refineMatchesWithDeviations(const OptionalArrayObject& image1, const KeyPointsObject& keypoints1,
+                            const OptionalArrayObject& image2, const KeyPointsObject& keypoints2,
+                            const MatchesObject& matches, double minCorrelation, double scaleFactor)
+{
+    const py::object type = matchClass("refineMatchArrays, which needs no cv2");
+    const Features features(image1, keypoints1, image2, keypoints2);
+    Refined refined;
+    refined.matches = toMatches(matches.object);
+    refined.refine(features, minCorrelation, scaleFactor);
+    return std::make_tuple(toTuple(refined.matches, type), toArray(refined.points1), toArray(refined.points2),
+                           toArray(refined.deviations));
+}
+
 std::tuple<MatchTupleObject, ArrayObject, ArrayObject>
 refineMatches(const OptionalArrayObject& image1, const KeyPointsObject& keypoints1,
               const OptionalArrayObject& image2, const KeyPointsObject& keypoints2,
-              const MatchesObject& given, double minCorrelation, double scaleFactor)
+              const MatchesObject& matches, double minCorrelation, double scaleFactor)
 {
-    const py::object type = classOfCv2("DMatch", "refineMatchArrays, which needs no cv2");
-    const Pixels pixels1 = toImage(image1.object, "image1"), pixels2 = toImage(image2.object, "image2");
-    const KeyPoints first = toKeyPoints(keypoints1.object, "keypoints1"),
-                    second = toKeyPoints(keypoints2.object, "keypoints2");
-    Matches matches = toMatches(given.object);
-    const Points points = refine(pixels1, first, pixels2, second, matches, minCorrelation, scaleFactor);
-    py::tuple left(matches.size());
-    for (size_t i = 0; i < matches.size(); i++)
-        left[i] = type(matches[i].queryIdx, matches[i].trainIdx, matches[i].imgIdx, matches[i].distance);
-    return std::make_tuple(MatchTupleObject{left}, toArray(points.first), toArray(points.second));
+    const MatchesAndDeviations all = refineMatchesWithDeviations(image1, keypoints1, image2, keypoints2,
+                                                                 matches, minCorrelation, scaleFactor);
+    return std::make_tuple(std::get<0>(all), std::get<1>(all), std::get<2>(all));
+}
+
+ArraysAndDeviations
+refineMatchArraysWithDeviations(const OptionalArrayObject& image1, const KeyPointsObject& keypoints1,
+                                const OptionalArrayObject& image2, const KeyPointsObject& keypoints2,
+                                const ArrayObject& pairs, double minCorrelation, double scaleFactor)
+{
+    const Features features(image1, keypoints1, image2, keypoints2);
+    const size_t count2 = features.keypoints2.points.size();
+    Refined refined;
+    refined.matches = fromPairs(pairs.object, features.keypoints1.points.size(), count2);
+    refined.refine(features, minCorrelation, scaleFactor);
+    return std::make_tuple(toPairs(refined.matches, count2), toArray(refined.points1),
+                           toArray(refined.points2), toArray(refined.deviations));
 }
 
 std::tuple<ArrayObject, ArrayObject, ArrayObject>
@@ -106,18 +192,36 @@ refineMatchArrays(const OptionalArrayObject& image1, const KeyPointsObject& keyp
                   const OptionalArrayObject& image2, const KeyPointsObject& keypoints2,
                   const ArrayObject& pairs, double minCorrelation, double scaleFactor)
 {
-    const Pixels pixels1 = toImage(image1.object, "image1"), pixels2 = toImage(image2.object, "image2");
-    const KeyPoints first = toKeyPoints(keypoints1.object, "keypoints1"),
-                    second = toKeyPoints(keypoints2.object, "keypoints2");
-    Matches matches = fromPairs(pairs.object, first.points.size(), second.points.size());
-    const Points points = refine(pixels1, first, pixels2, second, matches, minCorrelation, scaleFactor);
-    py::array_t<int> left({py::ssize_t(matches.size()), py::ssize_t(2)});
-    for (size_t i = 0; i < matches.size(); i++)
-    {
-        left.mutable_at(py::ssize_t(i), 0) = matches[i].queryIdx;
-        left.mutable_at(py::ssize_t(i), 1) = matches[i].trainIdx;
-    }
-    return std::make_tuple(ArrayObject{left}, toArray(points.first), toArray(points.second));
+    const ArraysAndDeviations all = refineMatchArraysWithDeviations(image1, keypoints1, image2, keypoints2,
+                                                                    pairs, minCorrelation, scaleFactor);
+    return std::make_tuple(std::get<0>(all), std::get<1>(all), std::get<2>(all));
+}
+
+std::tuple<MatchTupleObject, py::object, ArrayObject, ArrayObject, ArrayObject>
+growMatches(const OptionalArrayObject& image1, const KeyPointsObject& keypoints1,
+            const OptionalArrayObject& image2, const KeyPointsObject& keypoints2,
+            const MatchesObject& matches, double minCorrelation, double scaleFactor)
+{
+    const py::object type = matchClass("growMatchArrays, which needs no cv2");
+    Features features(image1, keypoints1, image2, keypoints2);
+    Refined refined;
+    refined.matches = toMatches(matches.object);
+    refined.grow(features, minCorrelation, scaleFactor);
+    return std::make_tuple(toTuple(refined.matches, type), toPython(std::move(features.keypoints2)),
+                           toArray(refined.points1), toArray(refined.points2), toArray(refined.deviations));
+}
+
+ArraysAndDeviations growMatchArrays(const OptionalArrayObject& image1, const KeyPointsObject& keypoints1,
+                                    const OptionalArrayObject& image2, const KeyPointsObject& keypoints2,
+                                    const ArrayObject& pairs, double minCorrelation, double scaleFactor)
+{
+    Features features(image1, keypoints1, image2, keypoints2);
+    const size_t count2 = features.keypoints2.points.size();
+    Refined refined;
+    refined.matches = fromPairs(pairs.object, features.keypoints1.points.size(), count2);
+    refined.grow(features, minCorrelation, scaleFactor);
+    return std::make_tuple(toPairs(refined.matches, count2), toArray(refined.points1),
+                           toArray(refined.points2), toArray(refined.deviations));
 }
 
 }  // namespace
@@ -138,6 +242,34 @@ void addRefinement(py::module_& module)
         arg("keypoints2"), arg("pairs"), arg("minCorrelation") = .8, arg("scaleFactor") = 1.,
         "Does what refineMatches does, for the pairs of indices that matchArrays returns: integers of shape\n"
         "(m, 2). Returns the pairs that are left, int32 of shape (n, 2), and their positions.");
+    module.def(
+        "refineMatchesWithDeviations", &refineMatchesWithDeviations, arg("image1"), arg("keypoints1"),
+        arg("image2"), arg("keypoints2"), arg("matches"), arg("minCorrelation"), arg("scaleFactor") = 1.,
+        "Does what refineMatches does, and returns besides the standard deviations of the positions in "
+        "image\n"
+        "2, in pixels, float32 of shape (n,): infinity where a match was not aligned, which minCorrelation\n"
+        "-1 keeps.");
+    module.def(
+        "refineMatchArraysWithDeviations", &refineMatchArraysWithDeviations, arg("image1"), arg("keypoints1"),
+        arg("image2"), arg("keypoints2"), arg("pairs"), arg("minCorrelation"), arg("scaleFactor") = 1.,
+        "Does what refineMatchArrays does, and returns besides the standard deviations of the positions in\n"
+        "image 2, as refineMatchesWithDeviations does.");
+    module.def(
+        "growMatches", &growMatches, arg("image1"), arg("keypoints1"), arg("image2"), arg("keypoints2"),
+        arg("matches"), arg("minCorrelation") = .8, arg("scaleFactor") = 1.,
+        "Does what refineMatches does, and then finds what the keypoints of image 1 that have no match left\n"
+        "show in image 2, by the affine maps of refined matches nearby. Returns the matches, first the\n"
+        "refined ones and then the grown ones, whose distance is the largest float; keypoints2 followed by "
+        "a\n"
+        "keypoint for each grown match; the positions of all matches in image 1 and in image 2; and the\n"
+        "standard deviations of these, in pixels. A grown match correlates at least 0.85.");
+    module.def(
+        "growMatchArrays", &growMatchArrays, arg("image1"), arg("keypoints1"), arg("image2"),
+        arg("keypoints2"), arg("pairs"), arg("minCorrelation") = .8, arg("scaleFactor") = 1.,
+        "Does what growMatches does, for the pairs of indices that matchArrays returns. Returns the pairs "
+        "of\n"
+        "all matches, int32 of shape (n, 2), where a grown one has -1 for the keypoint of image 2; their\n"
+        "positions in image 1 and in image 2; and the standard deviations of these, in pixels.");
 }
 
 }  // namespace aqorb_python

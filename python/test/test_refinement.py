@@ -2,8 +2,7 @@
 # It is subject to the license terms in the LICENSE file found in the top-level directory
 # of this distribution.
 # SPDX-License-Identifier: Apache-2.0
-"""Tests of refineMatches and refineMatchArrays as functions of Python. Those of the module test their positions."""
-
+"""Tests of refinement and growth as functions of Python. Those of the module test their positions."""
 
 import cv2 as cv
 import numpy as np
@@ -63,9 +62,71 @@ def test_objects_of_cv2_give_the_same(pair):
     assert np.array_equal(reversed_types[2], expected[2])
 
 
+def test_deviations_are_of_the_same_matches(pair):
+    image1, keypoints1, image2, keypoints2, pairs = pair
+    *expected, deviations = aqorb.refineMatchArraysWithDeviations(*pair, .8)
+    for got, same in zip(expected, aqorb.refineMatchArrays(*pair)):
+        assert np.array_equal(got, same)
+    assert deviations.dtype == np.float32 and deviations.shape == (len(expected[0]),) and (deviations > 0).all()
+    matches, *positions, again = aqorb.refineMatchesWithDeviations(*pair[:4], matches_of(pairs), .8, scaleFactor=1)
+    assert np.array_equal(again, deviations) and np.array_equal(positions, expected[1:])
+    assert [match.queryIdx for match in matches] == list(expected[0][:, 0])
+    keypoints1 = keypoints1.copy()
+    keypoints1['size'][pairs[0, 0]] = 0
+    every = aqorb.refineMatchArraysWithDeviations(image1, keypoints1, image2, keypoints2, pairs, -1)[3]
+    assert len(every) == len(pairs) and np.isinf(every[0]) and np.isfinite(every).sum() > 50
+
+
+def test_matches_grow(pair):
+    image1, keypoints1, image2, keypoints2, pairs = pair
+    few = pairs[::4]
+    refined, _, refined2 = aqorb.refineMatchArrays(*pair[:4], few)
+    grown, points1, points2, deviations = aqorb.growMatchArrays(*pair[:4], few)
+    assert np.array_equal(grown[:len(refined)], refined) and np.array_equal(points2[:len(refined)], refined2)
+    assert (grown[len(refined):, 1] == -1).all() and len(grown) > 2 * len(refined)
+    assert (np.diff(grown[len(refined):, 0]) > 0).all() and np.array_equal(points1, keypoints1['pt'][grown[:, 0]])
+    assert np.median(np.abs(points2 - points1 - [SHIFT, 0]).max(1)) < .05 and deviations.shape == (len(grown),)
+    for given, kind in (keypoints2, np.ndarray), (aqorb.keypointsFromArray(keypoints2), tuple):
+        matches, grown2, *rest = aqorb.growMatches(image1, keypoints1, image2, given, matches_of(few))
+        assert type(matches) is tuple and isinstance(grown2, kind) and len(given) == len(keypoints2)
+        assert all(map(np.array_equal, rest, (points1, points2, deviations)))
+        assert [match.queryIdx for match in matches] == list(grown[:, 0])
+        assert [match.distance for match in matches[len(refined):]] == [np.finfo(np.float32).max] * (
+            len(grown) - len(refined))
+        places = aqorb.keypointsToArray(grown2)
+        assert np.array_equal(places[:len(keypoints2)], keypoints2)
+        assert np.array_equal(places['pt'][[match.trainIdx for match in matches[len(refined):]]], points2[len(refined):])
+
+
+def test_points_without_sizes_are_refined(pair):
+    image1, keypoints1, image2 = pair[:3]
+    points1 = keypoints1['pt']
+    for shape in (-1, 2), (-1, 1, 2):
+        left, points2, deviations = aqorb.refinePoints(image1, points1.reshape(shape), image2,
+                                                       (points1 + [SHIFT + 1, -.7]).reshape(shape).tolist())
+        assert len(left) > 200 and (np.diff(left) > 0).all() and len(deviations) == len(left)
+        assert np.median(np.abs(points2 - points1[left] - [SHIFT, 0]).max(1)) < .05
+    assert len(aqorb.refinePoints(image1, points1, image2, points1, minCorrelation=-1)[0]) == len(points1)
+    assert [len(each) for each in aqorb.refinePoints(None, np.zeros((0, 2)), None, np.zeros((0, 2)))] == [0, 0, 0]
+
+
+@pytest.mark.parametrize('message, changes', [
+    ('points1 must be numbers of shape', {'points1': np.zeros((3, 3))}),
+    ('points2 must be numbers of shape', {'points2': np.zeros(2)}),
+    ('points2 must be as many as points1, 3, got 4', {'points2': np.zeros((4, 2))}),
+    ('size must be finite and > 0, got 0', {'size': 0}), ('size must', {'size': np.nan}),
+    ('minCorrelation must', {'minCorrelation': 2}), ('image1 must have pixels', {'image1': None})])
+def test_bad_points(pair, message, changes):
+    given = {'image1': pair[0], 'image2': pair[2], 'points1': np.zeros((3, 2)), 'points2': np.zeros((3, 2))}
+    with pytest.raises(aqorb.error, match=message):
+        aqorb.refinePoints(**{**given, **changes})
+
+
 def test_no_matches(pair):
     image1, keypoints1, image2, keypoints2, pairs = pair
     for found in (aqorb.refineMatchArrays(None, keypoints1, None, keypoints2, pairs[:0]),
+                  aqorb.growMatchArrays(None, keypoints1, None, keypoints2, pairs[:0]),
+                  aqorb.growMatches(image1, (), image2, (), ())[1:4],
                   aqorb.refineMatches(image1, (), image2, (), ())):
         assert len(found[0]) == 0 and found[1].shape == found[2].shape == (0, 2) and found[2].dtype == np.float32
 
@@ -90,5 +151,8 @@ def test_bad_arguments(pair, error, message, changes):
     given = dict(zip(('image1', 'keypoints1', 'image2', 'keypoints2', 'pairs'), pair))
     if 'matches' in changes:
         del given['pairs']
-    with pytest.raises(error, match=message):
-        (aqorb.refineMatches if 'matches' in changes else aqorb.refineMatchArrays)(**{**given, **changes})
+    functions = (aqorb.refineMatches, aqorb.growMatches) if 'matches' in changes else (
+        aqorb.refineMatchArrays, aqorb.growMatchArrays)
+    for function in functions:
+        with pytest.raises(error, match=message):
+            function(**{**given, **changes})

@@ -21,6 +21,7 @@ import cv2
 import claims
 import held_out
 import paper
+import poses
 import refinement
 from methods import PAPER
 
@@ -70,8 +71,8 @@ def measure_claims(options):
     return not failed
 
 
-def measure_refinement(options):
-    for title, head, rows in refinement.tables(options):
+def print_tables(options):
+    for title, head, rows in options.tables(options):
         print_table(title, head, rows)
     return True
 
@@ -112,10 +113,15 @@ def main():
     command.add_argument('--heldout', help='folder that held-out laid out')
 
     command = commands.add_parser('refinement', help='what refineMatches gives')
-    command.set_defaults(run=measure_refinement)
+    command.set_defaults(run=print_tables, tables=refinement.tables)
     command.add_argument('datasets', metavar='DATASETS')
     command.add_argument('--n', type=list_of(int), default=[1000], help='numbers of features')
-    command.add_argument('--sequence', help="sequence laid out as KITTI's, for relative poses")
+
+    command = commands.add_parser('poses', help='relative poses by detected, refined and grown matches; needs poselib')
+    command.set_defaults(run=print_tables, tables=poses.tables)
+    command.add_argument('scenes', metavar='SCENES', help="folder with Strecha's fountain-P11 and entry-P10")
+    command.add_argument('--n', type=list_of(int), default=[1000], help='numbers of features')
+    command.add_argument('--sequence', help="sequence laid out as KITTI's, with poses")
 
     command = commands.add_parser('held-out', help='lay out the pairs of images that nothing was tuned on')
     command.set_defaults(run=held_out.lay_out_all)

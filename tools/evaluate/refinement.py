@@ -2,7 +2,7 @@
 # It is subject to the license terms in the LICENSE file found in the top-level directory
 # of this distribution.
 # SPDX-License-Identifier: Apache-2.0
-"""What refineMatches gives: homographies of photographs, and relative poses of a sequence, beside other matches."""
+"""What refineMatches gives to homographies of photographs, beside other matches."""
 
 from typing import NamedTuple
 
@@ -14,7 +14,6 @@ import images
 import measures
 from methods import Method
 
-GAPS = [1, 2, 3, 5, 8]  # frames between two images of the sequence
 THRESHOLDS = [.5, 1, 1.5]  # pixels; a row shows the one that is best for it
 
 
@@ -95,44 +94,9 @@ def homography_rows(datasets, n):
         yield [row.title] + ['{:.2f}'.format(value) for value in values] + best_area(errors, (3, 5))
 
 
-def angle(cosine):
-    return np.degrees(np.arccos(np.clip(cosine, -1, 1)))
-
-
-def pose_error(first, second, camera, motion, threshold):
-    """The larger of the angular errors of the rotation and of the direction, in degrees."""
-    if len(first) < 5:
-        return 180
-    essential, inliers = cv2.findEssentialMat(first, second, camera, cv2.USAC_MAGSAC, .9999, threshold)
-    if essential is None or essential.shape != (3, 3):
-        return 180
-    _, rotation, direction, _ = cv2.recoverPose(essential, first, second, camera, mask=inliers)
-    return max(angle((np.trace(rotation.T @ motion[:3, :3]) - 1) / 2),
-               angle(direction[:, 0] @ motion[:3, 3] / np.linalg.norm(motion[:3, 3])))
-
-
-def pose_rows(sequence, n):
-    pictures, camera, poses = images.read_sequence(sequence)
-    pairs = [(i, i + gap) for gap in GAPS for i in range(len(pictures) - gap)]
-    motions = [np.linalg.inv(poses[j]) @ poses[i] for i, j in pairs]
-    features = features_of(pictures, n)
-    for row in ROWS:
-        matched = Matched(row, pictures, features, pairs)
-        errors = {}
-        for threshold in THRESHOLDS:
-            cv2.setRNGSeed(1)
-            errors[threshold] = [pose_error(*points, camera, motion, threshold)
-                                 for points, motion in zip(matched.points, motions)]
-        yield [row.title, '{:.0f}'.format(np.mean([len(each) for each, _ in matched.points]))] + best_area(
-            errors, (1, 5))
-
-
 def tables(options):
     """(title, head, rows) of each table."""
     for n in options.n:
         yield ('Homographies, n = {}'.format(n),
                ['', 'median error, px', 'right', 'right ones kept', 'AUC at 3 px', 'at 5 px', 'threshold, px'],
                homography_rows(options.datasets, n))
-        if options.sequence:
-            yield ('Poses, n = {}'.format(n), ['', 'matches', 'AUC at 1 degree', 'at 5 degrees', 'threshold, px'],
-                   pose_rows(options.sequence, n))

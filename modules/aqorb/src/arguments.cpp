@@ -70,10 +70,10 @@ Mat grayImage(InputArray input, std::vector<uchar>* memory)
     return gray;
 }
 
-void checkPyramidInput(Size imageSize)
+void checkPyramidInput(Size imageSize, const char* name)
 {
     if (std::max(imageSize.width, imageSize.height) > MAX_LEVEL_SIDE)
-        CV_Error_(Error::StsOutOfRange, ("image must have at most %d pixels a side, got %d x %d",
+        CV_Error_(Error::StsOutOfRange, ("%s must have at most %d pixels a side, got %d x %d", name,
                                          MAX_LEVEL_SIDE, imageSize.width, imageSize.height));
 }
 

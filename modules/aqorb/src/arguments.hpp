@@ -29,7 +29,8 @@ void checkImage(InputArray image, const char* name = "image");
 Mat grayImage(InputArray image, std::vector<uchar>* memory = 0);
 
 //! Throws for an image that is too large for a pyramid.
-void checkPyramidInput(Size imageSize);
+//! @param name of the argument
+void checkPyramidInput(Size imageSize, const char* name = "image");
 
 //! A second header of the input if it is a UMat, else an empty one. The caller keeps it for as long as it uses the
 //! UMat's Mat, so that nothing frees the UMat meanwhile.

@@ -96,22 +96,6 @@ std::vector<int> circularPatch(int patchSize)
     return halfWidths;
 }
 
-// The source code of cv::fastAtan2. The last bit of what OpenCV compiled from it depends on the CPU, as compilers may
-// fuse its multiplications and additions, for example on AArch64.
-static CV_ALWAYS_INLINE float directionOf(int m10, int m01)
-{
-    const float DEGREES = float(180 / CV_PI);
-    const float P1 = 0.9997878412794807f * DEGREES, P3 = -0.3258083974640975f * DEGREES;
-    const float P5 = 0.1555786518463281f * DEGREES, P7 = -0.04432655554792128f * DEGREES;
-    const float x = std::abs(float(m10)), y = std::abs(float(m01));
-    const float t = std::min(x, y) / (std::max(x, y) + float(DBL_EPSILON)), t2 = t * t;
-    const float angle = (((P7 * t2 + P5) * t2 + P3) * t2 + P1) * t;
-    // The angle, or whole - angle. Branches on a direction would be hard to predict.
-    const auto mirrored = [](bool isMirrored, float whole, float v)
-    { return whole * float(isMirrored) + v * float(1 - 2 * int(isMirrored)); };
-    return mirrored(m01 < 0, 360, mirrored(m10 < 0, 180, mirrored(x < y, 90, angle)));
-}
-
 // The moments of a patch of any size at any place, without the kernel.
 static Moments plainMoments(const Mat& image, int x, int y, const OrientationPatch& weights)
 {
@@ -190,7 +174,7 @@ void orientations(const Mat& image, const OrientationPatch& patch, FeaturePoint*
     std::vector<Moments> moments(count);
     patchMoments(image, patch, points, count, moments.data());
     for (size_t i = 0; i < count; i++)
-        points[i].angle = directionOf(moments[i].m10, moments[i].m01);
+        points[i].angle = directionOf(float(moments[i].m10), float(moments[i].m01));
 }
 
 }  // namespace aqorb

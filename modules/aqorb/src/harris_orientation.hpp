@@ -56,6 +56,22 @@ void orientations(const Mat& image, const OrientationPatch& patch, FeaturePoint*
 void patchMoments(const Mat& image, const OrientationPatch& patch, const FeaturePoint* points, size_t count,
                   Moments* moments);
 
+//! The direction of a vector in degrees from 0 to 360, by the source code of cv::fastAtan2. OpenCV's compiled function
+//! rounds differently on some CPUs, where compilers fuse its multiplications and additions.
+static CV_ALWAYS_INLINE float directionOf(float vectorX, float vectorY)
+{
+    const float DEGREES = float(180 / CV_PI);
+    const float P1 = 0.9997878412794807f * DEGREES, P3 = -0.3258083974640975f * DEGREES;
+    const float P5 = 0.1555786518463281f * DEGREES, P7 = -0.04432655554792128f * DEGREES;
+    const float x = std::abs(vectorX), y = std::abs(vectorY);
+    const float t = std::min(x, y) / (std::max(x, y) + float(DBL_EPSILON)), t2 = t * t;
+    const float angle = (((P7 * t2 + P5) * t2 + P3) * t2 + P1) * t;
+    // The angle, or whole - angle. Branches on a direction would be hard to predict.
+    const auto mirrored = [](bool isMirrored, float whole, float v)
+    { return whole * float(isMirrored) + v * float(1 - 2 * int(isMirrored)); };
+    return mirrored(vectorY < 0, 360, mirrored(vectorX < 0, 180, mirrored(x < y, 90, angle)));
+}
+
 // ---- for the kernel: plain structs only, see types.hpp ---------------------------------------
 
 //! The moments m10 and m01 of the patch around a pixel.

@@ -26,7 +26,7 @@ the positions of the matches:
 @code{.cpp}
     matcher.match(descriptors1, descriptors2, matches);
     aqorb::refineMatches(image1, keypoints1, image2, keypoints2, matches, points1, points2);
-    Mat H = findHomography(points1, points2, RANSAC, 1);  // half a pixel to one is enough now
+    Mat H = findHomography(points1, points2, USAC_MAGSAC, 1);  // a pixel is enough now
 @endcode
 
 It is the least squares matching of @cite Gruen1985LSM . It aligns the patches around the two keypoints of a match, and
@@ -35,9 +35,11 @@ in image 2 moves, so that a keypoint of image 1 has the same position in the mat
 
 @param image1, image2 The images of the keypoints, of type CV_8U with 1 (grey), 3 (BGR) or 4 (BGRA) channels. They may
 differ in size and type.
-@param keypoints1, keypoints2 Keypoints of any detector. A keypoint with the angle -1 is upright.
+@param keypoints1, keypoints2 Keypoints of any detector. The patch of image 2 is turned by the difference of the two
+angles. Where one angle or both are -1 the turn is not known, and none is assumed: such matches are aligned where the
+images are turned by less than some 20 degrees against each other.
 @param matches Matches with the queryIdx of a keypoint of image 1 and the trainIdx of a keypoint of image 2. A match is
-removed if it cannot be aligned, or if its aligned patches correlate less than minCorrelation. The others keep their
+removed if it cannot be aligned, or if the patches at the returned positions correlate less than minCorrelation. The others keep their
 order.
 @param points1 For each match that is left, the position of its keypoint in image 1, in pixels.
 @param points2 For each match that is left, the position in image 2 that shows the same spot, in pixels.
@@ -48,20 +50,84 @@ cv::xfeatures2d::BEBLID: 1 for ORB, 5 for AKAZE, BRISK and FAST, 6.25 for KAZE a
 is 1.
 
 The patch has 13 x 13 samples, half a pixel of the keypoint's pyramid level apart, but at least 0.7 pixels of image 1.
-A match cannot be aligned if
+They come from the level of a pyramid of halves at which samples are one to two pixels apart: 2^k pixels of the image are
+a pixel of level k, and k is at most 4. Image 1 needs a sample more on each side, for derivatives. A match cannot be
+aligned if
 - a position, a size or an angle of its keypoints is not finite, or a size is not positive,
-- the patch leaves an image, or has a variance below 4 squared grey values,
+- a sample lies closer to one of the four sides of its image than half a pixel of its level (half a pixel of the image
+at level 0: beyond the centres of the outermost pixels),
+- a sample of image 2 lies further than 63 pixels of its level from the position of the keypoint, in x or in y,
+- the patch has a variance below 4 squared grey values,
 - or the alignment moves the position by more than 6 samples, or changes the area of the patch by more than a factor
 of 4.
 
 Any number of threads and any CPU give the same result. Other inputs raise a cv::Exception that names the argument; then
-all outputs stay as they were. Without matches, the images may be empty.
+all outputs stay as they were. Without matches, the images may be empty. Images have at most 1048575 pixels a side.
+
+@sa growMatches, which finds more matches
  */
 CV_EXPORTS_W void refineMatches(InputArray image1, const std::vector<KeyPoint>& keypoints1, InputArray image2,
                                 const std::vector<KeyPoint>& keypoints2,
                                 CV_IN_OUT std::vector<DMatch>& matches, CV_OUT std::vector<Point2f>& points1,
                                 CV_OUT std::vector<Point2f>& points2, float minCorrelation = 0.8f,
                                 float scaleFactor = 1.f);
+
+/** @overload
+@param deviations For each match that is left, the standard deviation of its position in image 2, in pixels, along the
+direction in which it is least certain. It is infinite where a match was not aligned, which minCorrelation -1 keeps.
+
+The deviation is that of least squares: the inverse of the Hessian of the alignment times the variance of what differs
+between the patches, times a factor by which 68 % of the errors of photographs are smaller. It has three uses:
+- leave the least certain matches out before a pose is estimated,
+- sort the matches by it for PROSAC (cv::USAC_PROSAC), which tries the first ones first,
+- weigh a match by 1 / deviation^2 in a bundle adjustment.
+ */
+CV_EXPORTS CV_WRAP_AS(refineMatchesWithDeviations) void refineMatches(
+    InputArray image1, const std::vector<KeyPoint>& keypoints1, InputArray image2,
+    const std::vector<KeyPoint>& keypoints2, CV_IN_OUT std::vector<DMatch>& matches,
+    CV_OUT std::vector<Point2f>& points1, CV_OUT std::vector<Point2f>& points2,
+    CV_OUT std::vector<float>& deviations, float minCorrelation, float scaleFactor = 1.f);
+
+/** @brief Refines matches, and finds matches of more keypoints of image 1 by those nearby.
+
+A descriptor finds the match of about every third keypoint. An aligned match knows the affine map between the images
+around it, which predicts where image 2 shows the keypoints beside it. growMatches does what refineMatches does. Then it
+aligns each keypoint of image 1 that has no match left where the nearest refined match predicts it, and keeps the match
+if the patches correlate. This doubles the number of right matches, which makes poses more exact:
+@code{.cpp}
+    matcher.match(descriptors1, descriptors2, matches);
+    aqorb::growMatches(image1, keypoints1, image2, keypoints2, matches, grown2, points1, points2, deviations);
+    Mat E = findEssentialMat(points1, points2, cameraMatrix, USAC_MAGSAC, 0.999, 0.25);
+    drawMatches(image1, keypoints1, image2, grown2, matches, output);
+@endcode
+
+@param image1, image2, keypoints1, keypoints2 As in refineMatches.
+@param matches On return the refined matches in their order, then the grown ones in the order of queryIdx. A grown match
+has the distance FLT_MAX and the imgIdx 0, and its trainIdx is that of its keypoint in grown2.
+@param grown2 keypoints2, then a keypoint for each grown match. It may be keypoints2 itself. A grown keypoint has the
+position, the size and the angle (-1 if that of image 1 is) to which the aligned map brings the keypoint of image 1.
+Its octave differs from the octave of the nearby match's keypoint as the two octaves do in image 1, but is at least 0.
+Its response is 0 and its class_id -1.
+@param points1, points2 For each match, its positions in the two images, in pixels.
+@param deviations For each match, the standard deviation of its position in image 2, as in refineMatches.
+@param minCorrelation As in refineMatches. A grown match correlates at least 0.85.
+@param scaleFactor As in refineMatches.
+
+A match is grown if
+- a refined match, which correlates at least minCorrelation, lies at most 60 pixels from the keypoint in image 1 (of
+equally near ones the first one counts),
+- the patches can be aligned as in refineMatches, starting from the place and with the affine map that it predicts, and
+correlate at least as much as 0.85 and as minCorrelation,
+- and the alignment moves the position by at most 4 pixels.
+
+Keypoints whose match was removed are tried, too. Each keypoint of image 1 grows by itself: two of them may grow onto one
+position, and both matches are kept.
+ */
+CV_EXPORTS_W void growMatches(InputArray image1, const std::vector<KeyPoint>& keypoints1, InputArray image2,
+                              const std::vector<KeyPoint>& keypoints2, CV_IN_OUT std::vector<DMatch>& matches,
+                              CV_OUT std::vector<KeyPoint>& grown2, CV_OUT std::vector<Point2f>& points1,
+                              CV_OUT std::vector<Point2f>& points2, CV_OUT std::vector<float>& deviations,
+                              float minCorrelation = 0.8f, float scaleFactor = 1.f);
 
 //! @}
 

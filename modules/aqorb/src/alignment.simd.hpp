@@ -6,8 +6,8 @@
 // The alignment of patches: a vector has a number of several matches, one in each lane. So each match is computed in
 // the same order on every CPU, however many lanes there are.
 
+#include "alignment.hpp"
 #include "lanes.hpp"
-#include "refinement.hpp"
 
 namespace cv
 {
@@ -16,19 +16,31 @@ namespace aqorb
 CV_CPU_OPTIMIZATION_NAMESPACE_BEGIN
 
 //! As alignPatches.
-void alignByLanes(const PatchPair* pairs, int count, Alignment* alignments);
+void alignByLanes(const LevelPatches* patches, int count, LevelAlignment* alignments);
 
 #ifndef CV_CPU_OPTIMIZATION_DECLARATIONS_ONLY
 
 namespace
 {
 
-// The places of one patch of each lane.
-struct Places
+// The windows of one patch of each lane.
+struct Windows
 {
+    void set(int lane, const LevelWindow& window)
+    {
+        origins[lane] = window.origin;
+        steps[lane] = window.step;
+        x[lane] = window.x;
+        y[lane] = window.y;
+        left[lane] = window.left;
+        top[lane] = window.top;
+        right[lane] = window.right;
+        bottom[lane] = window.bottom;
+    }
+
     const uchar* origins[LANES];
     int steps[LANES];
-    float x[LANES], y[LANES], right[LANES], bottom[LANES];
+    float x[LANES], y[LANES], left[LANES], top[LANES], right[LANES], bottom[LANES];
 };
 
 // Sample (u, v) lies at (x + xu * u + xv * v, y + yu * u + yv * v).
@@ -46,17 +58,20 @@ struct AffineMap
 };
 
 // The lanes in which all samples up to a radius lie inside of the image. Numbers that are not finite do not.
-CV_ALWAYS_INLINE Floats isInside(const AffineMap& map, const Places& places, int radius)
+CV_ALWAYS_INLINE Floats isInside(const AffineMap& map, const Windows& windows, int radius)
 {
     const Floats reachX = v_mul(all(float(radius)), v_add(v_abs(map.xu), v_abs(map.xv)));
     const Floats reachY = v_mul(all(float(radius)), v_add(v_abs(map.yu), v_abs(map.yv)));
-    return v_and(v_and(v_gt(v_sub(map.x, reachX), all(0)), v_gt(load(places.right), v_add(map.x, reachX))),
-                 v_and(v_gt(v_sub(map.y, reachY), all(0)), v_gt(load(places.bottom), v_add(map.y, reachY))));
+    const Floats isInsideX = v_and(v_gt(v_sub(map.x, reachX), load(windows.left)),
+                                   v_gt(load(windows.right), v_add(map.x, reachX)));
+    const Floats isInsideY = v_and(v_gt(v_sub(map.y, reachY), load(windows.top)),
+                                   v_gt(load(windows.bottom), v_add(map.y, reachY)));
+    return v_and(isInsideX, isInsideY);
 }
 
 // Samples (u, v) of all lanes for u from -RADIUS to RADIUS, bilinearly.
 template <int RADIUS>
-CV_ALWAYS_INLINE void sampleRow(const Places& places, const AffineMap& map, int v, float* samples)
+CV_ALWAYS_INLINE void sampleRow(const Windows& windows, const AffineMap& map, int v, float* samples)
 {
     const int COUNT = (2 * RADIUS + 1) * LANES;
     CV_DECL_ALIGNED(CACHE_LINE) float fractionsX[COUNT], fractionsY[COUNT];
@@ -67,14 +82,14 @@ CV_ALWAYS_INLINE void sampleRow(const Places& places, const AffineMap& map, int 
     {
         const Floats x = plus(rowX, map.xu, all(float(u))), y = plus(rowY, map.yu, all(float(u)));
         const Ints column = v_trunc(x), row = v_trunc(y);
-        v_store(offsets + i, v_add(v_mul(row, load(places.steps)), column));
+        v_store(offsets + i, v_add(v_mul(row, load(windows.steps)), column));
         v_store(fractionsX + i, v_sub(x, v_cvt_f32(column)));
         v_store(fractionsY + i, v_sub(y, v_cvt_f32(row)));
     }
     for (int lane = 0; lane < LANES; lane++)
     {
-        const uchar* const origin = places.origins[lane];
-        const ptrdiff_t step = places.steps[lane];
+        const uchar* const origin = windows.origins[lane];
+        const ptrdiff_t step = windows.steps[lane];
         for (int i = lane; i < COUNT; i += LANES)
         {
             const uchar* const upper = origin + offsets[i];
@@ -103,11 +118,11 @@ struct Template
     // A sample less the mean, and what follows it by LANES each: dx and dy, which are twice the derivatives.
     const float* at(int u, int v) const { return samples[(v + PATCH_RADIUS) * SIDE + u + PATCH_RADIUS][0]; }
 
-    void sample(const Places& places, const AffineMap& map)
+    void sample(const Windows& windows, const AffineMap& map)
     {
         CV_DECL_ALIGNED(CACHE_LINE) float wide[WIDE * WIDE * LANES];  // with one more sample on each side
         for (int v = 0; v < WIDE; v++)
-            sampleRow<PATCH_RADIUS + 1>(places, map, v - PATCH_RADIUS - 1, wide + v * WIDE * LANES);
+            sampleRow<PATCH_RADIUS + 1>(windows, map, v - PATCH_RADIUS - 1, wide + v * WIDE * LANES);
         const auto inner = [&](int i) { return wide + ((i / SIDE + 1) * WIDE + i % SIDE + 1) * LANES; };
         Floats sum = all(0);
         for (int i = 0; i < SIDE * SIDE; i++)
@@ -201,7 +216,7 @@ struct Template
 // Sums over the second patch.
 struct PatchSums
 {
-    void add(const Template& first, const Places& places, const AffineMap& map)
+    void add(const Template& first, const Windows& windows, const AffineMap& map)
     {
         Floats sum = all(0);
         squares = withSample = all(0);
@@ -209,7 +224,7 @@ struct PatchSums
         for (int v = -PATCH_RADIUS; v <= PATCH_RADIUS; v++)
         {
             CV_DECL_ALIGNED(CACHE_LINE) float samples[SIDE * LANES];
-            sampleRow<PATCH_RADIUS>(places, map, v, samples);
+            sampleRow<PATCH_RADIUS>(windows, map, v, samples);
             Floats x = all(0), y = x, xu = x, yu = x;
             for (int u = -PATCH_RADIUS; u <= PATCH_RADIUS; u++)
             {
@@ -265,81 +280,146 @@ CV_ALWAYS_INLINE AffineMap composeInverse(const AffineMap& map, const Floats* ch
     return changed;
 }
 
-// Aligns the patches of LANES matches. Lanes that cannot be aligned go on with the pixels at the origin.
-void alignLanes(const PatchPair* const* pairs, Alignment* alignments)
+// What is left of the differences between the patches.
+struct Residual
+{
+    void sample(const Template& first, const Windows& windows, const AffineMap& map)
+    {
+        CV_DECL_ALIGNED(CACHE_LINE) float samples[SIDE * SIDE * LANES];
+        Floats sum = all(0);
+        squares = all(0);
+        for (int v = 0; v < SIDE; v++)
+        {
+            float* const row = samples + v * SIDE * LANES;
+            sampleRow<PATCH_RADIUS>(windows, map, v - PATCH_RADIUS, row);
+            for (int i = 0; i < SIDE * LANES; i += LANES)
+            {
+                const Floats s = v_sub(load(row + i), first.mean);
+                sum = v_add(sum, s);
+                squares = plus(squares, s, s);
+            }
+        }
+        const Floats mean = v_mul(sum, all(1 / SAMPLES));
+        squares = minus(squares, sum, mean);
+        const Floats scale = v_sqrt(v_div(first.squares, squares)), offset = v_add(first.mean, mean);
+        difference = all(0);
+        for (int i = 0; i < SIDE * SIDE; i++)
+        {
+            const Floats s = v_mul(scale, v_sub(load(samples + i * LANES), offset));
+            const Floats d = v_sub(s, load(first.samples[i][0]));
+            difference = plus(difference, d, d);
+        }
+    }
+
+    Floats squares;  // the sum of squared deviations from the mean of the second patch
+    Floats
+        difference;  // the sum of squared differences, with the second patch scaled to the norm of the first one
+};
+
+// The variance of the position along its worst axis. The covariance of the shift is the inverse of the Hessian times
+// the variance of the residual. Grey values are rounded in both images, which alone has a variance of 1/12 each.
+Floats worstVariance(const Template& first, const AffineMap& map, const Floats& difference)
+{
+    Floats columnX[UNKNOWNS], columnY[UNKNOWNS];
+    clear(columnX);
+    clear(columnY);
+    columnX[2] = columnY[5] = all(1);
+    first.solve(columnX);
+    first.solve(columnY);
+    const Floats a = columnX[2], b = columnX[5], c = columnY[5];
+    // In pixels of the second image: the map on both sides of the matrix (a, b; b, c).
+    const Floats xa = plus(v_mul(map.xu, a), map.xv, b), xb = plus(v_mul(map.xu, b), map.xv, c);
+    const Floats ya = plus(v_mul(map.yu, a), map.yv, b), yb = plus(v_mul(map.yu, b), map.yv, c);
+    const Floats xx = plus(v_mul(xa, map.xu), xb, map.xv), yy = plus(v_mul(ya, map.yu), yb, map.yv);
+    const Floats xy = plus(v_mul(xa, map.yu), xb, map.yv), half = v_mul(all(0.5f), v_sub(xx, yy));
+    const Floats worst = plus(v_sqrt(plus(v_mul(half, half), xy, xy)), all(0.5f), v_add(xx, yy));
+    const float ROUNDING = 1 / 6.f,
+                TWICE = 4;  // TWICE: the Hessian is four times too large, as derivatives are doubled
+    return v_mul(v_mul(all(TWICE), worst), v_max(v_mul(difference, all(1 / SAMPLES)), all(ROUNDING)));
+}
+
+// Aligns the patches of each lane. Lanes that cannot be aligned go on with the pixels at the origin.
+void alignLanes(const LevelPatches* const* patches, LevelAlignment* alignments)
 {
     const int STEPS = 3;
-    Places places[2];
+    Windows windows[2];
     CV_DECL_ALIGNED(CACHE_LINE) float spacings[LANES], maps[4][LANES];
     for (int lane = 0; lane < LANES; lane++)
     {
-        const PatchPair& pair = *pairs[lane];
-        for (int i = 0; i < 2; i++)
-        {
-            const PatchPlace& place = i == 0 ? pair.first : pair.second;
-            places[i].origins[lane] = place.origin;
-            places[i].steps[lane] = place.step;
-            places[i].x[lane] = place.x;
-            places[i].y[lane] = place.y;
-            places[i].right[lane] = place.right;
-            places[i].bottom[lane] = place.bottom;
-        }
-        spacings[lane] = pair.spacing;
+        windows[0].set(lane, patches[lane]->first);
+        windows[1].set(lane, patches[lane]->second);
+        spacings[lane] = patches[lane]->spacing;
         for (int i = 0; i < 4; i++)
-            maps[i][lane] = pair.map[i];
+            maps[i][lane] = patches[lane]->map[i];
     }
     const Floats spacing = load(spacings), minSquares = all(MIN_PATCH_VARIANCE * SAMPLES);
-    AffineMap map = {load(places[0].x), load(places[0].y), spacing, all(0), all(0), spacing};
-    Floats isAligned = isInside(map, places[0], PATCH_RADIUS + 1);
+    AffineMap map = {load(windows[0].x), load(windows[0].y), spacing, all(0), all(0), spacing};
+    Floats isAligned = isInside(map, windows[0], PATCH_RADIUS + 1);
     map.keep(isAligned);
     Template first;
-    first.sample(places[0], map);
+    first.sample(windows[0], map);
     first.prepare();
     isAligned = v_and(isAligned, v_gt(first.squares, minSquares));
 
-    const AffineMap start = {load(places[1].x), load(places[1].y), load(maps[0]),
-                             load(maps[1]),     load(maps[2]),     load(maps[3])};
+    const AffineMap start = {load(windows[1].x), load(windows[1].y), load(maps[0]),
+                             load(maps[1]),      load(maps[2]),      load(maps[3])};
     map = start;
-    PatchSums second;
     for (int step = 0; step < STEPS; step++)
     {
-        isAligned = v_and(isAligned, isInside(map, places[1], PATCH_RADIUS));
+        isAligned = v_and(isAligned, isInside(map, windows[1], PATCH_RADIUS));
         map.keep(isAligned);
-        second.add(first, places[1], map);
+        PatchSums second;
+        second.add(first, windows[1], map);
         second.eliminate(first);
         first.solve(second.right);
         map = composeInverse(map, second.right);
     }
-    isAligned = v_and(isAligned, isInside(map, places[1], PATCH_RADIUS));
+    isAligned = v_and(isAligned, isInside(map, windows[1], PATCH_RADIUS));
+    map.keep(isAligned);
+    Residual residual;
+    residual.sample(first, windows[1], map);
 
     const Floats x = v_sub(map.x, start.x), y = v_sub(map.y, start.y);
     const Floats before = v_abs(start.determinant()), after = v_abs(map.determinant());
     const Floats maxShift = v_mul(all(MAX_PATCH_SHIFT * MAX_PATCH_SHIFT), before);
-    isAligned = v_and(isAligned, v_gt(second.squares, minSquares));
+    isAligned = v_and(isAligned, v_gt(residual.squares, minSquares));
     isAligned = v_and(isAligned, v_gt(maxShift, plus(v_mul(x, x), y, y)));
     isAligned = v_and(isAligned, v_and(v_gt(v_mul(all(MAX_AREA_CHANGE), before), after),
                                        v_gt(v_mul(all(MAX_AREA_CHANGE), after), before)));
-    const Floats norms = v_sqrt(v_mul(first.squares, second.squares));
-    CV_DECL_ALIGNED(CACHE_LINE) float found[4][LANES];
-    v_store(found[0], map.x);
-    v_store(found[1], map.y);
-    v_store(found[2], v_div(second.withSample, norms));
-    v_store(found[3], v_and(isAligned, all(1)));
+    const Floats halfSquares = v_mul(all(0.5f), v_div(residual.difference, first.squares));
+    const Floats found[] = {map.x,
+                            map.y,
+                            map.xu,
+                            map.xv,
+                            map.yu,
+                            map.yv,
+                            v_sub(all(1), halfSquares),
+                            worstVariance(first, map, residual.difference),
+                            v_and(isAligned, all(1))};
+    CV_DECL_ALIGNED(CACHE_LINE) float numbers[9][LANES];
+    for (int i = 0; i < 9; i++)
+        v_store(numbers[i], found[i]);
     for (int lane = 0; lane < LANES; lane++)
-        alignments[lane] = {found[0][lane], found[1][lane],
-                            found[3][lane] == 1 ? found[2][lane] : NOT_ALIGNED};
+    {
+        const auto number = [&](int i) { return numbers[i][lane]; };
+        alignments[lane] = {number(0),
+                            number(1),
+                            {number(2), number(3), number(4), number(5)},
+                            number(8) == 1 ? number(6) : NOT_ALIGNED,
+                            number(7)};
+    }
 }
 
 }  // namespace
 
-void alignByLanes(const PatchPair* pairs, int count, Alignment* alignments)
+void alignByLanes(const LevelPatches* patches, int count, LevelAlignment* alignments)
 {
     for (int i = 0; i < count; i += LANES)
     {
-        const PatchPair* ofLanes[LANES];
-        Alignment found[LANES];
+        const LevelPatches* ofLanes[LANES];
+        LevelAlignment found[LANES];
         for (int lane = 0; lane < LANES; lane++)
-            ofLanes[lane] = pairs + (i + lane < count ? i + lane : count - 1);
+            ofLanes[lane] = patches + (i + lane < count ? i + lane : count - 1);
         alignLanes(ofLanes, found);
         for (int lane = 0; lane < LANES && i + lane < count; lane++)
             alignments[i + lane] = found[lane];

@@ -1,0 +1,146 @@
+// This file is part of aqorb. Copyright (C) The aqorb developers.
+// It is subject to the license terms in the LICENSE file found in the top-level directory
+// of this distribution.
+// SPDX-License-Identifier: Apache-2.0
+
+// Matches of keypoints that have none, found by the affine maps of refined matches nearby.
+
+#include "precomp.hpp"
+
+#include "descriptor.hpp"
+#include "harris_orientation.hpp"
+#include "patch_aligner.hpp"
+
+#include <opencv2/aqorb/refinement.hpp>
+
+namespace cv
+{
+namespace aqorb
+{
+
+namespace
+{
+
+// The refined matches that were aligned, in the order of y. Others have no map.
+class SeedIndex
+{
+public:
+    explicit SeedIndex(const RefinedMatches& refined) : points(refined.points1)
+    {
+        for (size_t i = 0; i < points.size(); i++)
+            if (std::isfinite(refined.deviations[i]))
+                order.push_back(i);
+        std::sort(order.begin(), order.end(), [&](size_t a, size_t b) { return points[a].y < points[b].y; });
+    }
+
+    // The seed nearest to a position of image 1, and of equally near ones the first match. -1 for none.
+    int nearest(const Point2f& position) const
+    {
+        const double MAX_DISTANCE = 60;
+        auto seed = std::lower_bound(order.begin(), order.end(), position.y - MAX_DISTANCE,
+                                     [&](size_t i, double y) { return points[i].y < y; });
+        double smallest = MAX_DISTANCE * MAX_DISTANCE;
+        int found = -1;
+        for (; seed != order.end() && points[*seed].y <= position.y + MAX_DISTANCE; ++seed)
+        {
+            const double x = double(points[*seed].x) - position.x, y = double(points[*seed].y) - position.y;
+            const double distance = x * x + y * y;
+            if (distance < smallest || (distance == smallest && (found < 0 || int(*seed) < found)))
+            {
+                smallest = distance;
+                found = int(*seed);
+            }
+        }
+        return found;
+    }
+
+private:
+    const std::vector<Point2f>& points;
+    std::vector<size_t> order;
+};
+
+// The patches of a keypoint of image 1 and of the place in image 2 that a seed predicts.
+PatchPair predictedPatches(const KeyPoint& keypoint, const RefinedMatches& seeds, size_t seed,
+                           float scaleFactor)
+{
+    const Matx22d& map = seeds.maps[seed];
+    const Point2d offset = Point2d(keypoint.pt) - Point2d(seeds.points1[seed]);
+    const Vec2d moved = map * Vec2d(offset.x, offset.y);
+    const double spacing = spacingOf(keypoint, scaleFactor);
+    return {{keypoint.pt, spacing},
+            {Point2f(Point2d(seeds.points2[seed]) + Point2d(moved[0], moved[1])),
+             spacing * std::sqrt(std::abs(determinant(map)))},
+            map * spacing};
+}
+
+// The keypoint of image 2 that shows the same as a keypoint of image 1.
+KeyPoint grownKeypoint(const KeyPoint& keypoint, const PatchAlignment& alignment, const Matx22d& map,
+                       int64 octave)
+{
+    KeyPoint grown(alignment.center, float(keypoint.size * std::sqrt(std::abs(determinant(map)))));
+    if (keypoint.angle != -1)
+    {
+        float sine, cosine;
+        sineAndCosine(keypoint.angle * float(CV_PI / 180), sine, cosine);
+        const Vec2d direction = map * Vec2d(cosine, sine);
+        grown.angle = directionOf(float(direction[0]), float(direction[1]));
+    }
+    grown.octave = saturate_cast<int>(std::max<int64>(octave, 0));
+    return grown;
+}
+
+}  // namespace
+
+void growMatches(InputArray image1, const std::vector<KeyPoint>& keypoints1, InputArray image2,
+                 const std::vector<KeyPoint>& keypoints2, std::vector<DMatch>& matches,
+                 std::vector<KeyPoint>& grown2, std::vector<Point2f>& points1, std::vector<Point2f>& points2,
+                 std::vector<float>& deviations, float minCorrelation, float scaleFactor)
+{
+    CV_TRACE_FUNCTION();
+    const RefinementInput input = {keypoints1, keypoints2, matches, minCorrelation, scaleFactor};
+    input.check();
+    PatchAligner aligner(image1, image2, !matches.empty());
+    RefinedMatches refined = refinedMatches(input, aligner);
+
+    std::vector<uchar> hasMatch(keypoints1.size());
+    for (const DMatch& match : refined.matches)
+        hasMatch[size_t(match.queryIdx)] = 1;
+    const SeedIndex index(refined);
+    std::vector<PatchPair> pairs;
+    std::vector<int> queries, seeds;
+    for (size_t i = 0; i < keypoints1.size(); i++)
+    {
+        const bool isTried = !hasMatch[i] && keypoints1[i].size > 0 && std::isfinite(keypoints1[i].angle);
+        const int seed = isTried ? index.nearest(keypoints1[i].pt) : -1;
+        if (seed < 0)
+            continue;
+        pairs.push_back(predictedPatches(keypoints1[i], refined, size_t(seed), scaleFactor));
+        queries.push_back(int(i));
+        seeds.push_back(seed);
+    }
+
+    const float MIN_CORRELATION = 0.85f, MAX_SHIFT = 4;
+    std::vector<KeyPoint> grown = keypoints2;
+    const std::vector<PatchAlignment> alignments = aligner.align(pairs);
+    for (size_t i = 0; i < pairs.size(); i++)
+    {
+        const Point2f shift = alignments[i].center - pairs[i].second.center;
+        if (!(alignments[i].correlation >= std::max(minCorrelation, MIN_CORRELATION)) ||
+            !(shift.dot(shift) <= MAX_SHIFT * MAX_SHIFT))
+            continue;
+        const DMatch& seed = refined.matches[size_t(seeds[i])];
+        const KeyPoint& keypoint = keypoints1[size_t(queries[i])];
+        const int64 octave = int64(keypoints2[size_t(seed.trainIdx)].octave) + keypoint.octave -
+                             keypoints1[size_t(seed.queryIdx)].octave;
+        refined.add(DMatch(queries[i], int(grown.size()), 0, FLT_MAX), pairs[i], alignments[i]);
+        grown.push_back(grownKeypoint(keypoint, alignments[i], refined.maps.back(), octave));
+    }
+    matches.swap(refined.matches);
+    grown2.swap(grown);
+    points1.swap(refined.points1);
+    points2.swap(refined.points2);
+    deviations.swap(refined.deviations);
+}
+
+}  // namespace aqorb
+}  // namespace cv
