@@ -11,7 +11,8 @@
 #
 # OPENCV_TEST_DATA_PATH names the folder testdata of opencv_extra; speed draws scenes without it. paper, claims,
 # refinement and poses pass OPTIONs on to tools/evaluate/aqorb_evaluate.py, whose --help lists them.
-# AQORB_TEST_SEQUENCE, a sequence in KITTI's layout with its poses, adds the start with one camera to claims, and a table to poses.
+# AQORB_TEST_SEQUENCE, a sequence in KITTI's layout with its poses, adds the start with one camera to claims, and a
+# table to poses.
 #
 # poses takes Debian's cv2, or with 4 or 5 that of the Python package index. It fetches two scenes of Strecha's
 # photographs unless AQORB_STRECHA names a clone of github.com/openMVG/SfM_quality_evaluation.
