@@ -27,8 +27,8 @@ nox.options.default_venv_backend = 'venv'
 
 
 def install(session, *packages):
-    """Tools have the versions of scripts/tools.txt."""
-    session.install('--constraint', str(ROOT / 'scripts/tools.txt'), *packages)
+    """Tools have the versions of scripts/tools.txt. Debian 12's pip is too old for -C."""
+    session.install('--constraint', str(ROOT / 'scripts/tools.txt'), 'pip', *packages)
 
 
 def pytest(session, *arguments, **variables):
@@ -118,7 +118,8 @@ def wheel(session):
     session.log('The first time OpenCV is compiled, some 13 minutes of processor time')
     session.run('pip', 'wheel', '-q', '--no-deps', '-C', 'cmake.define.AQORB_BUNDLE_OPENCV=ON',
                 '-C', 'build-dir=build/pip/bundled', '--wheel-dir', str(WHEELS / 'made'), '.')
-    session.run('auditwheel', 'repair', '--wheel-dir', str(WHEELS), *map(str, (WHEELS / 'made').glob('*.whl')), silent=True)
+    made, = (WHEELS / 'made').glob('aqorb-*.whl')
+    session.run('auditwheel', 'repair', '--wheel-dir', str(WHEELS), str(made), silent=True)
     session.run('twine', 'check', '--strict', wheel_file(session))
     size = os.path.getsize(wheel_file(session))
     session.log('%s: %d bytes', wheel_file(session), size)

@@ -2,7 +2,7 @@
 #
 #   cmake -DPACKAGE=opencv-python-headless -DMAJOR=4 -DFOLDER=FOLDER -DPYTHON=PYTHON -P cmake/fetch_opencv.cmake
 #
-# FOLDER/source/opencv is then OpenCV's source, and FOLDER/source/opencv_contrib that of opencv_contrib where PACKAGE has it.
+# FOLDER/source/opencv is then OpenCV's source, and FOLDER/source/opencv_contrib is opencv_contrib, where PACKAGE has it.
 # PYTHON is a Python that has pip.
 file(STRINGS "${CMAKE_CURRENT_LIST_DIR}/opencv_sources.txt" requirement REGEX "^${PACKAGE}==${MAJOR}\\.")
 set(fetched "")

@@ -79,16 +79,17 @@ install_packages() {
   $by_hand"
 }
 
-# run_cmake NAME SOURCE [OPTION...]: configures build/NAME. What CMake prints is shown if it fails. CMake refuses a folder
-# that was configured under another name, for example before the clone was moved: such a folder is configured anew.
+# run_cmake NAME SOURCE [OPTION...]: configures build/NAME. The output of CMake is shown if it fails. CMake refuses a
+# folder that was configured under another name, for example before the clone was moved. It is then configured anew.
 run_cmake() {
-    local folder=$BUILD/$1 source=$2 log=$BUILD/$1.configure.log fresh=()
-    if [[ -e $folder/CMakeCache.txt ]] && ! { grep -qxF "CMAKE_HOME_DIRECTORY:INTERNAL=$source" "$folder/CMakeCache.txt" &&
-        grep -qxF "CMAKE_CACHEFILE_DIR:INTERNAL=$folder" "$folder/CMakeCache.txt"; }; then
-        fresh=(--fresh)
-    fi
+    local folder=$BUILD/$1 source=$2 log=$BUILD/$1.configure.log fresh=() same
+    same=$(grep -cxF "CMAKE_HOME_DIRECTORY:INTERNAL=$source
+CMAKE_CACHEFILE_DIR:INTERNAL=$folder" "$folder/CMakeCache.txt" 2>/dev/null) || true
+    [[ ! -e $folder/CMakeCache.txt || $same == 2 ]] || fresh=(--fresh)
     mkdir -p "$BUILD"
-    (cd "$ROOT" && cmake "${fresh[@]}" -S "$source" -B "$folder" "${@:3}") >"$log" 2>&1 ||
+    # OpenCV's configuration takes minutes, so it is shown.
+    (cd "$ROOT" && cmake "${fresh[@]}" -S "$source" -B "$folder" "${@:3}") 2>&1 |
+        if [[ $source == "$ROOT" ]]; then cat >"$log"; else tee "$log"; fi ||
         { tail -n 50 "$log" && die "CMake failed, see $log"; }
     grep -A 4 'CMake Warning\|left out' "$log" || true
 }
@@ -185,7 +186,8 @@ opencv_source() {
 # opencv_contrib lies beside it.
 opencv_release() {
     tools pip
-    cmake -DPACKAGE="$1" -DMAJOR="$2" -DFOLDER="$CACHE/$1-$2" -DPYTHON="$TOOLS/python" -P "$ROOT/cmake/fetch_opencv.cmake"
+    cmake -DPACKAGE="$1" -DMAJOR="$2" -DFOLDER="$CACHE/$1-$2" -DPYTHON="$TOOLS/python" \
+        -P "$ROOT/cmake/fetch_opencv.cmake"
     OPENCV_SOURCE=$CACHE/$1-$2/source/opencv
 }
 

@@ -87,10 +87,12 @@ debian() {
 row_debian13() {
     local system=$CACHE/debian13 data=${OPENCV_TEST_DATA_PATH:-$ROOT/samples} inside
     need bubblewrap
-    debian "$system" trixie "${PACKAGES[build]} ${PACKAGES[test]}" --variant=minbase --customize-hook='mkdir "$1"/{aqorb,data}'
+    debian "$system" trixie "${PACKAGES[build]} ${PACKAGES[test]}" --variant=minbase \
+        --customize-hook='mkdir "$1"/aqorb "$1"/data'
     mkdir -p "$FOLDER/debian13"
-    inside=(bwrap --bind "$system" / --proc /proc --dev /dev --bind "$ROOT" /aqorb --bind "$FOLDER/debian13" /aqorb/build
-        --ro-bind "$data" /data --setenv CCACHE_DIR /aqorb/build/ccache --unsetenv AQORB_TEST_SEQUENCE
+    inside=(bwrap --bind "$system" / --proc /proc --dev /dev --bind "$ROOT" /aqorb
+        --bind "$FOLDER/debian13" /aqorb/build --ro-bind "$data" /data
+        --setenv CCACHE_DIR /aqorb/build/ccache --unsetenv AQORB_TEST_SEQUENCE
         ${OPENCV_TEST_DATA_PATH:+--setenv OPENCV_TEST_DATA_PATH /data})
     "${inside[@]}" bash -c "source /aqorb/scripts/common.sh; bytes_only=$bytes_only; $(declare -f built); built release"
     fingerprint debian13 "${inside[@]}" --chdir "/data/${images[0]:+$photographs}" \

@@ -10,19 +10,20 @@
 #   scripts/measure.sh peers WHEEL            other ORB detectors that pip installs (doc/peers.md)
 #
 # OPENCV_TEST_DATA_PATH names the folder testdata of opencv_extra; speed draws scenes without it. paper, claims,
-# refinement and poses pass OPTIONs on to tools/evaluate/aqorb_evaluate.py, whose --help lists them. AQORB_TEST_SEQUENCE,
-# a sequence in KITTI's layout with its poses, adds the start with one camera to claims, and a table to poses.
+# refinement and poses pass OPTIONs on to tools/evaluate/aqorb_evaluate.py, whose --help lists them.
+# AQORB_TEST_SEQUENCE, a sequence in KITTI's layout with its poses, adds the start with one camera to claims, and a
+# table to poses.
 #
-# poses takes Debian's cv2, or with 4 or 5 that of the Python package index. It fetches two scenes of Strecha's photographs
-# unless AQORB_STRECHA names a clone of github.com/openMVG/SfM_quality_evaluation.
+# poses takes Debian's cv2, or with 4 or 5 that of the Python package index. It fetches two scenes of Strecha's
+# photographs unless AQORB_STRECHA names a clone of github.com/openMVG/SfM_quality_evaluation.
 #
-# speed runs the performance tests of perf/ in OpenCV's own harness, for this module and for OpenCV, with 1 and 2 threads,
-# on x86-64 with AVX-512 and without it. The harness takes the OPTIONs: --gtest_filter=Matching* measures a part. OpenCV's
-# summary of its XML files, in build/perf, prints the tables. aqorb_benchmark then measures in turns what the harness
-# cannot. With --smoke it shows in a short time that all runs; the numbers mean nothing.
+# speed runs the performance tests of perf/ in OpenCV's own harness, for this module and for OpenCV, with 1 and 2
+# threads, on x86-64 with AVX-512 and without it. The harness takes the OPTIONs: --gtest_filter=Matching* measures a
+# part. OpenCV's summary of its XML files, in build/perf, prints the tables. aqorb_benchmark then measures in turns what
+# the harness cannot. --smoke shows in a short time that all runs; the numbers mean nothing.
 #
-# WHEEL is the package's, from scripts/python.sh wheel, for Debian's python3. Installs the Debian packages, and fetches the
-# images and Python packages, that it needs. paper leaves the figures in build/paper.
+# WHEEL is the package's, from scripts/python.sh wheel, for Debian's python3. Installs the Debian packages, and fetches
+# the images and Python packages, that it needs. paper leaves the figures in build/paper.
 source "$(dirname "$0")/common.sh"
 
 datasets=${OPENCV_TEST_DATA_PATH:-}/cv/detectors_descriptors_evaluation/images_datasets
@@ -31,7 +32,8 @@ photographs() { [[ -d $datasets ]] || die 'OPENCV_TEST_DATA_PATH must name the f
 
 # harness NAME OPTION...: runs the tests of perf/. The harness reports absent records of earlier runs as errors.
 harness() {
-    "$BUILD/perf/opencv_perf_aqorb" "${@:2}" "${options[@]}" "--gtest_output=xml:$BUILD/perf/$1.xml" >"$BUILD/perf/$1.log" || true
+    "$BUILD/perf/opencv_perf_aqorb" "${@:2}" "${options[@]}" "--gtest_output=xml:$BUILD/perf/$1.xml" \
+        >"$BUILD/perf/$1.log" || true
 }
 
 # summary NAME: the table of OpenCV's times and of another run's.

@@ -5,12 +5,12 @@
 #
 #   scripts/opencv.sh [--patches | --java | --release 4|5]
 #
-# The sources are those of Debian's package. The patches and the text of their pull request go to build/contrib. They are
-# applied to a pristine copy of opencv_contrib, and the tree that results is build/opencv_contrib. --patches ends there.
+# The script takes the sources of Debian's package. It writes the patches and the text of their pull request to
+# build/contrib, and applies the patches to a pristine copy of opencv_contrib, build/opencv_contrib. --patches ends there.
 #
-# --java compiles the Java wrapper, too, and runs its tests. With --release the sources are those of the newest OpenCV 4,
-# or of OpenCV 5, from the Python package index. The script then ends after the Python test, and leaves OpenCV without the
-# module in build/opencv-4 or build/opencv-5, for scripts/compatibility.sh.
+# --java compiles the Java wrapper, too, and runs its tests. --release takes the sources of the newest OpenCV 4, or of
+# OpenCV 5, from the Python package index. It ends after the Python test, and leaves OpenCV without the module in
+# build/opencv-4 or build/opencv-5, for scripts/compatibility.sh.
 #
 # Installs the Debian packages it needs. OPENCV_TEST_DATA_PATH is passed on to the tests.
 source "$(dirname "$0")/common.sh"
@@ -39,8 +39,8 @@ opencv=$BUILD/opencv$name log=$BUILD/opencv$name.configure.log
 contrib=$BUILD/opencv_contrib$name
 module=$contrib/modules/aqorb
 
-# copy_module: puts the module into $contrib as opencv_contrib would have it: links become files, the licence's header is
-# OpenCV's, and what the build against an installed OpenCV and the Python package need is left out.
+# copy_module: puts the module into $contrib as opencv_contrib would have it. Links become files, the licence's header
+# becomes OpenCV's, and files for the standalone build and for the Python package are left out.
 copy_module() {
     mkdir -p "$contrib/modules"
     cp -rL "$ROOT/modules/aqorb" "$module"
@@ -57,9 +57,9 @@ copy_module() {
 contrib_git() {
     local author
     mapfile -t author < <(git -C "$ROOT" log -1 --format='%an%n%ae%n%aI')
-    GIT_CONFIG_GLOBAL=/dev/null GIT_CONFIG_SYSTEM=/dev/null GIT_AUTHOR_DATE=${author[2]} GIT_COMMITTER_DATE=${author[2]} \
-        git -C "$contrib" -c user.name="${author[0]}" -c user.email="${author[1]}" -c core.looseCompression=0 \
-        -c core.autocrlf=false -c gc.auto=0 "$@"
+    env GIT_CONFIG_GLOBAL=/dev/null GIT_CONFIG_SYSTEM=/dev/null GIT_AUTHOR_DATE="${author[2]}" \
+        GIT_COMMITTER_DATE="${author[2]}" git -C "$contrib" -c user.name="${author[0]}" -c user.email="${author[1]}" \
+        -c core.looseCompression=0 -c core.autocrlf=false -c gc.auto=0 "$@"
 }
 
 # commit MESSAGE FILE...: commits them in $contrib.
@@ -81,8 +81,8 @@ make_patches() {
     copy_module
     # Its row in the list of modules, before the first one whose name comes later.
     row='- **aqorb**: Uniformly distributed ORB features -- An ORB detector whose keypoints cover the whole image, '
-    row+='functions that thin out the keypoints of any detector uniformly or measure how they lie, and a fast matcher of '
-    row+='binary descriptors.'
+    row+='functions that thin out the keypoints of any detector uniformly or measure how they lie, and a fast matcher '
+    row+='of binary descriptors.'
     awk -v row="$row" '/^- \*\*/ && !done && substr($0, 5) > "aqorb" { print row "\n"; done = 1 } { print }' \
         "$contrib_source/modules/README.md" >"$contrib/modules/README.md"
     # The heading and the first paragraph.
@@ -208,7 +208,7 @@ fi
 rm -rf "$opencv"/modules/aqorb "$opencv"/lib/libopencv_aqorb*
 if [[ $release ]]; then
     configure_module '' ''
-    say "Built inside OpenCV $(sed -n 's/^set(OpenCV_VERSION \([0-9.]*\).*/\1/ip' "$opencv/OpenCVConfig.cmake" | head -n 1)"
+    say "Built inside OpenCV $release"
     exit
 fi
 

@@ -3,8 +3,8 @@
 #
 #   scripts/test.sh [PRESET] [CMake option ...]
 #
-# PRESET is release unless it is one of those that cmake --list-presets lists: asan and tsan, the sanitizers; fuzz, the fuzz
-# targets (-DAQORB_FUZZ_SECONDS=3600 for long); soak, the long run and valgrind, on the build of release.
+# PRESET is release, or another one that cmake --list-presets lists: asan and tsan, the sanitizers; fuzz, the fuzz targets
+# (-DAQORB_FUZZ_SECONDS=3600 for long); soak, the long run and valgrind, on the build of release.
 #
 # Installs the Debian packages it needs. Tests that need images of opencv_extra are skipped unless
 # OPENCV_TEST_DATA_PATH names its testdata folder. This does the same without installing

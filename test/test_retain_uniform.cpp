@@ -132,6 +132,33 @@ TEST(Aqorb_RetainUniform, equals_reference_for_every_image_size)
     }
 }
 
+#if CV_SSE2
+// GCC's start-up code sets these bits in programs that are linked with -ffast-math.
+TEST(Aqorb_RetainUniform, counts_subnormal_responses_as_zero_where_the_cpu_flushes_them)
+{
+    const Size size(200, 150);
+    KeyPoints keypoints = randomKeypoints(900, size, 1), zeros = keypoints;
+    for (size_t i = 0; i < keypoints.size(); i++)
+    {
+        keypoints[i].response = 1e-41f * (1 + i * 7 % 300);
+        zeros[i].response = 0;
+    }
+    const auto classesOf = [&](KeyPoints kept)
+    {
+        aqorb::retainUniform(kept, size, 100);
+        std::vector<int> classes;
+        for (const KeyPoint& keypoint : kept)
+            classes.push_back(keypoint.class_id);
+        return classes;
+    };
+    EXPECT_NE(classesOf(zeros), classesOf(keypoints));
+    const unsigned before = _mm_getcsr(), FLUSH_RESULTS = 0x8000, FLUSH_OPERANDS = 0x40;
+    _mm_setcsr(before | FLUSH_RESULTS | FLUSH_OPERANDS);
+    EXPECT_EQ(classesOf(zeros), classesOf(keypoints));
+    _mm_setcsr(before);
+}
+#endif
+
 TEST(Aqorb_RetainUniform, drops_what_lies_outside)
 {
     const float nan = std::numeric_limits<float>::quiet_NaN();

@@ -16,6 +16,7 @@ import tempfile
 import typing
 
 import numpy as np
+from PIL import Image, PngImagePlugin, UnidentifiedImageError
 
 from aqorb_photographs import Refused
 
@@ -122,7 +123,6 @@ def smaller(size, max_size):
 def read_image(file, reading=Reading()):
     """Decodes a binary file that is open, and returns a Picture. 16 bits are scaled to 8, and of an animation the first
     frame is taken. What is no image raises an exception."""
-    from PIL import Image
     image, size, box = open_image(file, reading)
     exif, note = image.getexif(), ''
     turn = exif.get(0x0112) if exif.get(0x0112) in TURNS else 1
@@ -158,7 +158,6 @@ def read_image(file, reading=Reading()):
 
 def formats():
     """Those of FORMATS that this Pillow reads. Its limits are for servers of the web, and are lifted."""
-    from PIL import Image, PngImagePlugin
     if Image.MAX_IMAGE_PIXELS is not None:  # the first call
         with contextlib.suppress(ImportError):
             heif = importlib.import_module('pillow_heif')
@@ -173,7 +172,6 @@ def formats():
 def open_image(file, reading):
     """An image that is not decoded yet, its width and height, and the box of these in what is decoded of a JPEG, which
     may be smaller."""
-    from PIL import Image, UnidentifiedImageError
     file.seek(0)
     head = file.read(16)
     if not head:
@@ -201,7 +199,6 @@ def open_image(file, reading):
 
 def to_grey(image, stretch):
     """An image of 8 bits of one that is decoded."""
-    from PIL import Image
     if image.mode != 'F' and not image.mode.startswith('I'):
         return image.convert('L')
     pixels = np.asarray(image)
@@ -255,7 +252,6 @@ def mask_of(folder, name):
 
 def read_mask(path, picture):
     """The mask of a picture, which belongs to the image as it is in its file, turned and reduced as the picture is."""
-    from PIL import Image
     with open(path, 'rb') as file:
         mask = Image.fromarray(read_image(file, Reading(orientation=False)).pixels)
     if picture.orientation > 1:

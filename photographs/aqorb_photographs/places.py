@@ -198,12 +198,12 @@ def verify(points1, points2, max_error=4.):
     return np.flatnonzero(found['inlier_mask']).astype(np.int32), found['F']
 
 
-def match(first, second, ratio=None, max_distance=None):
-    """The verified matches of two images, of each of which the positions and the descriptors are given, as a row of the
-    file of aqorb match has them: the indices of matches in both images, their distances, the indices of the inliers
-    among them, and the elements of the fundamental matrix."""
+def match(first, second, ratio=None, max_distance=None, is_verified=True):
+    """The matches of two images, each given by its positions and descriptors, as a row of aqorb match has them: the
+    indices of matches in both images, their distances, the indices of the inliers among them, and the elements of the
+    fundamental matrix."""
     matches, distances = aqorb.matchArrays(first[1], second[1], ratio, True, max_distance)
-    inliers, F = verify(first[0][matches[:, 0]], second[0][matches[:, 1]])
+    inliers, F = verify(first[0][matches[:, 0]], second[0][matches[:, 1]]) if is_verified else ((), None)
     return matches[:, 0], matches[:, 1], distances, inliers, () if F is None else F.ravel()
 
 

@@ -25,6 +25,7 @@ import time
 import typing
 
 import numpy as np
+import PIL
 import pyarrow as pa
 import pyarrow.compute as pc
 import pyarrow.parquet as pq
@@ -277,7 +278,6 @@ def scale_up(features, picture):
 
 def to_row(file, picture, features, parameters):
     """The table of one image."""
-    import PIL
     if len(features.x) >= 2**26:
         raise ValueError(f'an image has at most {2**26 - 1} features, got {len(features.x)}')  # 2 GB of descriptors
     digest = hashlib.blake2b(digest_size=8)

@@ -74,7 +74,7 @@ def main():
     parser.add_argument('--min-gap', type=int, default=1)
     parser.add_argument('--words', type=int, default=places.WORDS)
     parser.add_argument('--seed', type=int, default=0)
-    parser.add_argument('--ratio', type=float)
+    parser.add_argument('--ratio', type=float, default=.8)
     parser.add_argument('--batch', type=int, default=4096, help='images or pairs of a task (%(default)s)')
     parser.add_argument('features', metavar='FEATURES', help='folder that all machines can read')
     options = parser.parse_args()

@@ -128,7 +128,7 @@ def test_ray_with_a_worker_that_is_killed(photographs, table, tmp_path):
 def test_ray_places(photographs, table, tmp_path):
     start_ray(photographs, tmp_path / 'features').communicate(timeout=600)
     assert '0 of them new' in run('extract', photographs, '--out', tmp_path / 'features')
-    how = '--min-gap', '3', '--ratio', '.8', '--seed', '2'
+    how = '--min-gap', '3', '--seed', '2'
     run('match', tmp_path / 'features', '--pairs', 'retrieval:4', '--out', tmp_path / 'matches', *how)
     subprocess.run([sys.executable, str(HERE / 'ray_places.py'), str(tmp_path / 'features'), '--retrieval', '4',
                     '--batch', '70', '--out', str(tmp_path / 'out'), *how], check=True)

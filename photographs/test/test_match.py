@@ -39,13 +39,24 @@ def test_match(features, tmp_path):
         matched = matches_of(out)
         assert sorted(matched) == sorted(pairs_expected) and len(parts_of(out)) >= len(pairs_expected) // 100
         for (first, second), row in list(matched.items())[:99]:
-            matches, distances = aqorb.matchArrays(*descriptors_of(found, first, second), crossCheck=True)
+            matches, distances = aqorb.matchArrays(*descriptors_of(found, first, second), .8, crossCheck=True)
             assert (row['index1'], row['index2']) == tuple(matches.T.tolist())
             assert row['distance'] == distances.tolist() and row['digest1'] == found[first]['digest']
     run('match', features, '--pairs', 'sequential:1', '--out', tmp_path / 'm', '--ratio', '.9', '--max-distance', 70)
     _, distances = aqorb.matchArrays(*descriptors_of(found, '00.png', '01.png'), ratio=.9, crossCheck=True, maxDistance=70)
     assert matches_of(tmp_path / 'm')['00.png', '01.png']['distance'] == distances.tolist()
-    refused('ratio 0.9, not None', 'match', features, '--pairs', 'sequential:2', '--out', tmp_path / 'm')
+    refused('ratio 0.9, not 0.8', 'match', features, '--pairs', 'sequential:2', '--out', tmp_path / 'm')
+
+
+def test_images_of_different_scenes(tmp_path):
+    (tmp_path / 'images').mkdir()
+    for i in range(4):
+        Image.fromarray(noise(i, 480, 640)).resize((960, 720), Image.BICUBIC).save(tmp_path / 'images' / f'{i}.png')
+    run('extract', tmp_path / 'images', '--out', tmp_path / 'f')
+    for ratio, expected_most in ((), range(15)), (('--ratio', '1'), range(15, 99)):
+        run('match', tmp_path / 'f', '--pairs', 'exhaustive', '--out', tmp_path / f'm{len(ratio)}', *ratio)
+        most = max(len(row['inliers']) for row in matches_of(tmp_path / f'm{len(ratio)}').values())
+        assert most in expected_most, most  # by chance alone, matches without a ratio test agree on a geometry
 
 
 def test_pairs_that_are_new_or_changed(folder, tmp_path):
@@ -120,7 +131,7 @@ def phone(tmp_path_factory):
             folder / 'images' / ('a b' if orientation == 3 else '.') / name, exif=exif)
     Image.fromarray(world[:600, :800]).save(folder / 'images' / 'x.webp')
     run('extract', folder / 'images', '--out', folder / 'f', '--num-features', 300)
-    run('match', folder / 'f', '--pairs', 'exhaustive', '--out', folder / 'm', '--ratio', '.8')
+    run('match', folder / 'f', '--pairs', 'exhaustive', '--out', folder / 'm')
     return folder
 
 
@@ -227,7 +238,7 @@ def test_tracks(tmp_path):
         errors[len(option)] = np.hypot(*np.concatenate(found).T)
     detected, refined = (np.percentile(found, (50, 95)) for found in errors.values())
     assert len(errors[1]) > .7 * len(errors[0]) > 1000
-    assert (refined < detected / 2).all() and refined[1] < 1, (detected, refined)
+    assert (refined < detected * [.65, .4]).all() and refined[1] < 1, (detected, refined)
 
 
 # Pictures

@@ -13,8 +13,8 @@ package is not derived from cv2.Feature2D, so that functions of cv2 do not take 
 descriptors, and computeImageFeatures2 here makes what cv2.detail needs. cv2 is imported when the first of its objects
 is needed; what takes and returns arrays works without.
 
-Images are numpy arrays of uint8, or memoryviews, with any strides. Their shape is (rows, cols) or (rows, cols, channels), with 1 (grey),
-3 (BGR) or 4 (BGRA) channels. File names are str, bytes or paths.
+Images are numpy arrays or memoryviews of uint8 with any strides. Their shape is (rows, cols) or (rows, cols, channels),
+with 1 (grey), 3 (BGR) or 4 (BGRA) channels. File names are str, bytes or paths.
 
 A value that is not accepted raises aqorb.error, which is a ValueError and, where there is cv2, a cv2.error. An object
 of a wrong type raises TypeError. Both messages name the parameter.

@@ -27,8 +27,8 @@ int main()
     std::vector<cv::Point2f> points1, points2;
     cv::aqorb::HammingMatcher(cv::NORM_HAMMING, true).match(descriptors, descriptors, matches);
     cv::aqorb::refineMatches(image, keypoints, image, keypoints, matches, points1, points2);
-    cv::FileStorage("results.yml", cv::FileStorage::WRITE)
-        << "keypoints" << keypoints << "descriptors" << descriptors << "points" << points2;
+    cv::FileStorage results("results.yml", cv::FileStorage::WRITE);
+    results << "keypoints" << keypoints << "descriptors" << descriptors << "points" << points2;
 
     bool isNanRefused = false;
     std::vector<cv::KeyPoint> given(keypoints);

@@ -5,11 +5,11 @@
 
 // Prints hashes of what the module computes, to be compared between CPUs, compilers and versions of OpenCV:
 //
-//   aqorb_fingerprint [--plain] [--balanced] [IMAGE ...]
+//   aqorb_fingerprint [--plain] [--quadtree] [IMAGE ...]
 //
 // There is one line for each scene or image and each set of parameters. The hashes of the image and of the pyramid
 // show whether a difference came with the input or is one of the detector. --plain calls
-// cv::setUseOptimized(false). --balanced sets QUADTREE_SELECTION. The CPU features that OpenCV uses are printed to
+// cv::setUseOptimized(false). --quadtree sets QUADTREE_SELECTION. The CPU features that OpenCV uses are printed to
 // standard error.
 
 #include "lines.hpp"
@@ -34,13 +34,13 @@ int main(int argc, char** argv)
         {
             setUseOptimized(false);
         }
-        else if (arguments[0] == "--balanced")
+        else if (arguments[0] == "--quadtree")
         {
             selection = AdaptiveQuadtreeORB::QUADTREE_SELECTION;
         }
         else
         {
-            std::fprintf(stderr, "%s: --plain or --balanced is accepted\n", arguments[0].c_str());
+            std::fprintf(stderr, "%s: --plain or --quadtree is accepted\n", arguments[0].c_str());
             return 1;
         }
     }

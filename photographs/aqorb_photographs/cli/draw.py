@@ -7,6 +7,9 @@
 import os
 import sys
 
+import numpy as np
+from PIL import Image, ImageDraw
+
 import aqorb
 from aqorb_photographs.cli import options
 from aqorb_photographs import images
@@ -26,7 +29,6 @@ def add(commands):
 
 
 def run(given):
-    import numpy as np
     from aqorb_photographs import places
     options.new_file(given.out, given.overwrite, suffixes())
     detector = options.detector_of(given)
@@ -48,7 +50,6 @@ def run(given):
 
 def suffixes():
     """Those of pictures that can be written."""
-    from PIL import Image
     Image.init()
     return [suffix for suffix in ('.png', '.jpg', '.jpeg', '.webp', '.tif', '.tiff', '.bmp')
             if Image.EXTENSION.get(suffix) in Image.SAVE]
@@ -57,8 +58,6 @@ def suffixes():
 def save(out, pictures, ends, others=((), ())):
     """Draws two pictures side by side, with a line for each match. ends are the positions in both pictures, in pixels
     of the pictures' sizes, and so are others, which are drawn in red."""
-    import numpy as np
-    from PIL import Image, ImageDraw
     width = pictures[0].pixels.shape[1]
     heights = [len(picture.pixels) for picture in pictures]
     drawn = Image.new('RGB', (width + pictures[1].pixels.shape[1], max(heights)))

@@ -8,6 +8,8 @@ import functools
 import os
 import sys
 
+import numpy as np
+
 import aqorb
 from aqorb_photographs.cli import options
 from aqorb_photographs import Refused, images
@@ -113,7 +115,6 @@ def files_of(paths, root, masks, before):
 
 def forget(out, prune):
     """Writes the parts anew that have rows that count no more, and returns how many images are gone."""
-    import numpy as np
     from aqorb_photographs import store
     features = store.Features(out)
     kept, gone = np.zeros(len(features.head), bool), 0

@@ -10,6 +10,8 @@ import os
 import re
 import sys
 
+import numpy as np
+
 import aqorb
 from aqorb_photographs.cli import options
 from aqorb_photographs import Refused, map_ahead
@@ -20,7 +22,7 @@ AT_A_TIME = 1024  # pairs whose images are in memory
 def add(commands):
     parser = options.add_command(
         commands, 'match', run, 'match the features of pairs of images',
-        'Matches descriptors that are the nearest of each other. The same command again takes the pairs that '
+        'Matches descriptors that are the nearest of each other by a ratio test. The same command again takes the pairs that '
         'are not matched yet, or whose features have changed.')
     parser.add_argument('features', metavar='FEATURES', help='folder of aqorb extract')
     parser.add_argument('--pairs', required=True,
@@ -28,7 +30,8 @@ def add(commands):
                         'K most similar ones; both, joined by a +; exhaustive; or a file with two names a line, with a '
                         'tab or spaces between them; - is the input')
     parser.add_argument('--out', required=True, metavar='FOLDER', help='for the matches, a folder of Parquet files')
-    parser.add_argument('--ratio', type=float, help='keep what is nearer than this times the second nearest')
+    parser.add_argument('--ratio', type=float, default=.8,
+                        help='keep what is nearer than this times the second nearest (%(default)s)')
     parser.add_argument('--max-distance', type=options.at_least(0), metavar='N',
                         help='keep what differs in at most so many bits')
     parser.add_argument('--min-gap', type=options.positive, default=1, metavar='N',
@@ -41,15 +44,17 @@ def add(commands):
 
 
 def run(given):
-    import numpy as np
-    from aqorb_photographs import store
+    from aqorb_photographs import places, store
     out = options.store_at(given.out)
     if os.path.realpath(out) == os.path.realpath(given.features):
         raise Refused('--out must name another folder than that of the features')
     features = store.Features(given.features, ['name', 'x', 'y', 'response', 'descriptors'])
     features.parameters()
     blocks, total = pairs_of(given, features)
-    match_pair = function_of(given)
+
+    def match_pair(both):
+        return places.match(*both, given.ratio, given.max_distance, given.verify)
+
     matches = store.Matches(out, features)
     parameters = {'ratio': given.ratio, 'max_distance': given.max_distance, 'verified': given.verify}
     matches.agree(parameters)
@@ -80,22 +85,8 @@ def run(given):
     return int(not total)
 
 
-def function_of(given):
-    """What matches the positions and the descriptors of two images."""
-    if given.verify:
-        from aqorb_photographs import places
-        return lambda both: places.match(*both, given.ratio, given.max_distance)
-
-    def match_pair(both):
-        (_, descriptors1), (_, descriptors2) = both
-        matches, distances = aqorb.matchArrays(descriptors1, descriptors2, given.ratio, True, given.max_distance)
-        return matches[:, 0], matches[:, 1], distances, [], []
-    return match_pair
-
-
 def pairs_of(given, features):
     """Arrays of pairs of images, and how many pairs there are."""
-    import numpy as np
     count = len(features.images)
     kinds = dict(re.findall(r'(sequential|retrieval):([1-9][0-9]*)', given.pairs))
     if '+'.join(f'{kind}:{reach}' for kind, reach in kinds.items()) == given.pairs and 'retrieval' in kinds:
@@ -115,7 +106,6 @@ def pairs_of(given, features):
 
 def list_of(path, features):
     """The pairs in a list of names. The first ones of a line count: what follows may be a score."""
-    import numpy as np
     indices = {options.shown(name): index for name, index in features.index.items()}
     indices.update(features.index)
     pairs = {}  # by the set of the two, as those in both orders are one
@@ -150,7 +140,6 @@ def similar(given, features, number, sequential):
 
 def chunks_of(blocks, size):
     """Arrays of at least so many pairs, and less than twice as many, of blocks of any size."""
-    import numpy as np
     kept = []
     for block in blocks:
         for start in range(0, len(block), size):

@@ -158,8 +158,8 @@ public:
     number of levels and its scale factor must not be changed, and its firstLevel must stay 0. */
     const Ptr<AdaptiveQuadtreeORB>& detector() const { return orb; }
 
-    /** @brief The levels of the last image: GetLevels() images of size round(size / scale), without a border. A level
-    that would have no pixel is empty. */
+    /** @brief The levels of the last image: GetLevels() images without a border, of the sizes that
+    AdaptiveQuadtreeORB::buildPyramid states. A level that would have no pixel is empty. */
     std::vector<Mat> mvImagePyramid;
 
 private:
