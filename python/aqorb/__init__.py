@@ -65,9 +65,10 @@ def computeImageFeatures2(featuresFinder, image, mask=None):
 
 
 def refinePoints(image1, points1, image2, points2, size=31, minCorrelation=.8):
-    """Refines matches that have neither sizes nor angles, such as LoFTR's: points1[i] and points2[i], of shape (n, 2) or
-    (n, 1, 2), show the same spot. size is the diameter of what is compared, in pixels. Returns the indices of the points
-    that are left, their positions in image 2, and the standard deviations of these."""
+    """Refines matches that have neither sizes nor angles, such as LoFTR's: points1[i] and points2[i] show the same
+    spot. The points are arrays of shape (n, 2) or (n, 1, 2). size is the diameter of the patches that are compared, in
+    pixels. Returns the indices of the points that are left, their positions in image 2, and the standard deviations of
+    these positions."""
     import numpy
     from ._cv2 import error
     keypoints = []

@@ -95,7 +95,8 @@ def test_matches_grow(pair):
             len(grown) - len(refined))
         places = aqorb.keypointsToArray(grown2)
         assert np.array_equal(places[:len(keypoints2)], keypoints2)
-        assert np.array_equal(places['pt'][[match.trainIdx for match in matches[len(refined):]]], points2[len(refined):])
+        indices = [match.trainIdx for match in matches[len(refined):]]
+        assert np.array_equal(places['pt'][indices], points2[len(refined):])
 
 
 def test_points_without_sizes_are_refined(pair):
