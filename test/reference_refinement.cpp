@@ -134,7 +134,7 @@ ReferenceAlignment referenceAlignment(const Mat& image1, const KeyPoint& keypoin
             if (norm2 * norm2 < 4 * SIDE * SIDE || area > 4 || area < 0.25 ||
                 cv::norm(center - origin) / spacing2 > RADIUS)
                 return notAligned;
-            // The covariance of the unknowns. Grey values are rounded, which alone has a variance of 1/12 in each image.
+            // The covariance of the unknowns. Rounding of grey values alone has a variance of 1/12 in each image.
             const double variance = std::max(difference.dot(difference) / (SIDE * SIDE), 1 / 6.);
             const Mat_<double> covariance = (derivatives.t() * derivatives).inv(DECOMP_SVD) * variance;
             const Matx22d shift(covariance(2, 2), covariance(2, 5), covariance(5, 2), covariance(5, 5));

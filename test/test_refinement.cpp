@@ -87,8 +87,8 @@ TEST(Aqorb_Refinement, finds_the_positions_of_an_analytic_texture)
     }
 }
 
-//! A scene and its view by a homography, with matches of which some are wrong. Braces let every compiler draw numbers in
-//! the same order.
+//! A scene and its view by a homography, with matches of which some are wrong. Braces let every compiler draw numbers
+//! in the same order.
 MatchedViews randomPair(int seed)
 {
     RNG rng(seed);

@@ -31,7 +31,7 @@ const int UNKNOWNS = 6;  // of the affine map: the factors of u and v and the sh
 // times u, v or 1.
 struct Template
 {
-    // A sample less the mean, and what follows it by LANES each: dx and dy, which are twice the derivatives.
+    // A sample's deviation from the mean. Twice its derivatives by x and y follow, LANES numbers apart.
     const float* at(int u, int v) const { return samples[(v + PATCH_RADIUS) * SIDE + u + PATCH_RADIUS][0]; }
 
     void sample(const Windows& windows, const AffineMap& map)
@@ -216,12 +216,12 @@ struct PatchSums
         }
     }
 
-    Floats mean, squares;    // mean: less that of the first patch; squares: the sum of those less the mean
+    Floats mean, squares;    // difference of the two patches' means; sum of squared deviations from the mean
     Floats withSample;       // the sum of the products with the samples of the first patch
     Floats right[UNKNOWNS];  // the sums of the products with its derivatives
 };
 
-// The map after the inverse of a change: changed so, the first patch would look as the second one does.
+// Composes the map with the inverse of an increment (inverse compositional update).
 CV_ALWAYS_INLINE AffineMap composeInverse(const AffineMap& map, const Floats* change)
 {
     const Floats a = v_add(all(1), change[0]), b = change[1], c = change[3], d = v_add(all(1), change[4]);
@@ -236,7 +236,7 @@ CV_ALWAYS_INLINE AffineMap composeInverse(const AffineMap& map, const Floats* ch
     return changed;
 }
 
-// What is left of the differences between the patches.
+// The differences between the aligned patches, with the second one brought to the mean and norm of the first one.
 struct Residual
 {
     void sample(const Template& first, const Windows& windows, const AffineMap& map)
@@ -268,9 +268,8 @@ struct Residual
         }
     }
 
-    Floats squares;  // the sum of squared deviations from the mean of the second patch
-    Floats
-        difference;  // the sum of squared differences, with the second patch scaled to the norm of the first one
+    Floats squares;     // the second patch's sum of squared deviations from its mean
+    Floats difference;  // the sum of squared differences after gain and bias
 };
 
 // The variance of the position along its worst axis. The covariance of the shift is the inverse of the Hessian times
@@ -291,8 +290,8 @@ Floats worstVariance(const Template& first, const AffineMap& map, const Floats& 
     const Floats xy = plus(v_mul(xa, map.yu), xb, map.yv), half = v_mul(all(0.5f), v_sub(xx, yy));
     const Floats worst = plus(v_sqrt(plus(v_mul(half, half), xy, xy)), all(0.5f), v_add(xx, yy));
     const float ROUNDING = 1 / 6.f,
-                TWICE = 4;  // TWICE: the Hessian is four times too large, as derivatives are doubled
-    return v_mul(v_mul(all(TWICE), worst), v_max(v_mul(difference, all(1 / SAMPLES)), all(ROUNDING)));
+                DOUBLED = 4;  // DOUBLED: derivatives are, so the Hessian is four times too large
+    return v_mul(v_mul(all(DOUBLED), worst), v_max(v_mul(difference, all(1 / SAMPLES)), all(ROUNDING)));
 }
 
 // Aligns the patches of each lane. Lanes that cannot be aligned go on with the pixels at the origin.

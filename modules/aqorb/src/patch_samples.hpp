@@ -3,8 +3,8 @@
 // of this distribution.
 // SPDX-License-Identifier: Apache-2.0
 
-// Samples of the patches of several matches, one match in each lane of a vector. Only the kernel of the alignment includes
-// this file: all names have internal linkage, see types.hpp.
+// Samples of the patches of several matches, one match in each lane of a vector. Only the kernel of the alignment
+// includes this file: all names have internal linkage, see types.hpp.
 
 #ifndef OPENCV_AQORB_PATCH_SAMPLES_HPP
 #define OPENCV_AQORB_PATCH_SAMPLES_HPP
