@@ -92,6 +92,8 @@ evaluate() {
 paper() {
     photographs
     evaluate paper "$datasets" --out="$BUILD/paper" "$@"
+    configure release -DAQORB_BUILD_BENCHMARK=ON
+    build "$BUILD/release" --target aqorb_benchmark
 }
 
 claims() {
