@@ -93,7 +93,8 @@ paper() {
     photographs
     evaluate paper "$datasets" --out="$BUILD/paper" "$@"
     configure release -DAQORB_BUILD_BENCHMARK=ON
-    build "$BUILD/release" --target aqorb_benchmark
+    build "$BUILD/release" --target aqorb_depth
+    (cd "$datasets" && "$BUILD/release/tools/benchmark/aqorb_depth" {bikes,leuven,bark,trees,ubc}/img1.png)
 }
 
 claims() {
