@@ -194,7 +194,8 @@ def offline(session):
 ])
 def peers(session, cv2, methods):
     """Other ORB detectors that pip installs. The second one prints the table of all."""
-    session.install(cv2, 'kornia-rs', 'scikit-image', os.path.abspath(session.posargs[0]))
+    # A path as the caller gave it: nox has changed the folder.
+    session.install(cv2, 'kornia-rs', 'scikit-image', os.path.join(os.environ['PWD'], session.posargs[0]))
     folder = BUILD / 'peers'
     folder.mkdir(exist_ok=True)
     program = ('python', 'tools/evaluate/peers.py')

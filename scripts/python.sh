@@ -45,5 +45,4 @@ wheel | beside)
 *) need build ;;
 esac
 tools nox
-cd "$ROOT"
-exec "$TOOLS/python" -m nox --envdir "$BUILD/venv/nox" --session "$session" -- "${@:2}"
+exec "$TOOLS/python" -m nox --noxfile "$ROOT/noxfile.py" --envdir "$BUILD/venv/nox" --session "$session" -- "${@:2}"
