@@ -39,7 +39,7 @@ harness() {
 
 # summary NAME: the table of OpenCV's times and of another run's.
 summary() {
-    "$PYTHON" "$OPENCV_SOURCE/modules/ts/misc/summary.py" --output=markdown --metric=median --columns="cv,$1" \
+    "$PYTHON" "$OPENCV_SOURCE/modules/ts/misc/summary.py" --output=markdown --metric=median \
         "$BUILD/perf"/{opencv,"$1"}.xml
 }
 
