@@ -6,6 +6,7 @@
 #   scripts/measure.sh claims [OPTION ...]    what is claimed of the selection (doc/reproduction.md)
 #   scripts/measure.sh refinement [OPTION ...]  what refineMatches gives (doc/reproduction.md)
 #   scripts/measure.sh poses [4|5] [OPTION ...]  relative poses, by OpenCV and PoseLib (doc/reproduction.md)
+#   scripts/measure.sh recipes                what the tutorial's recipes give
 #   scripts/measure.sh heldout                fetches the pairs of images that nothing was tuned on, to build/held_out
 #   scripts/measure.sh peers WHEEL            other ORB detectors that pip installs (doc/peers.md)
 #
@@ -91,6 +92,9 @@ evaluate() {
 paper() {
     photographs
     evaluate paper "$datasets" --out="$BUILD/paper" "$@"
+    configure release -DAQORB_BUILD_BENCHMARK=ON
+    build "$BUILD/release" --target aqorb_depth
+    (cd "$datasets" && "$BUILD/release/tools/benchmark/aqorb_depth" {bikes,leuven,bark,trees,ubc}/img1.png)
 }
 
 claims() {
@@ -123,6 +127,11 @@ poses() {
         ${AQORB_TEST_SEQUENCE:+--sequence="$AQORB_TEST_SEQUENCE"} "$@"
 }
 
+recipes() {
+    photographs
+    evaluate recipes "$datasets"
+}
+
 # Unpacks the packages of tools/evaluate/held_out.csv without installing them.
 heldout() {
     local folder=$CACHE/held_out package
@@ -152,6 +161,6 @@ peers() {
 }
 
 case ${1:-} in
-speed | paper | claims | refinement | poses | heldout | peers) "$@" ;;
-*) die "'${1:-}' is none of speed, paper, claims, refinement, poses, heldout, peers; --help says more" ;;
+speed | paper | claims | refinement | poses | recipes | heldout | peers) "$@" ;;
+*) die "'${1:-}' is none of speed, paper, claims, refinement, poses, recipes, heldout, peers; --help says more" ;;
 esac

@@ -7,6 +7,8 @@
 
 #include "reference_refinement.hpp"
 
+#include <limits>
+
 namespace opencv_test
 {
 namespace
@@ -14,53 +16,50 @@ namespace
 
 const int RADIUS = 6, SIDE = 2 * RADIUS + 1;
 
-//! The means of squares of 2 x 2 pixels, rounded.
+//! The means of squares of 2 x 2 pixels, rounded. The last column and row count twice where their number is odd.
 Mat halfOf(const Mat& image)
 {
-    Mat half(image.rows / 2, image.cols / 2, CV_8UC1);
+    Mat half((image.rows + 1) / 2, (image.cols + 1) / 2, CV_8UC1);
+    const auto pixel = [&](int y, int x)
+    { return int(image.at<uchar>(std::min(y, image.rows - 1), std::min(x, image.cols - 1))); };
     for (int y = 0; y < half.rows; y++)
         for (int x = 0; x < half.cols; x++)
-            half.at<uchar>(y, x) =
-                uchar((image.at<uchar>(2 * y, 2 * x) + image.at<uchar>(2 * y, 2 * x + 1) +
-                       image.at<uchar>(2 * y + 1, 2 * x) + image.at<uchar>(2 * y + 1, 2 * x + 1) + 2) /
-                      4);
+            half.at<uchar>(y, x) = uchar((pixel(2 * y, 2 * x) + pixel(2 * y, 2 * x + 1) +
+                                          pixel(2 * y + 1, 2 * x) + pixel(2 * y + 1, 2 * x + 1) + 2) /
+                                         4);
     return half;
 }
 
-//! The half of an image, or of a half, in which samples at a distance are one to two pixels apart.
+//! The level of an image's pyramid in which samples at a distance are one to two pixels apart.
 struct View
 {
-    View(const Mat& image_, double& spacing, Point2d& position) : image(image_)
+    View(const Mat& image_, double spacing) : image(image_), size(image_.size())
     {
-        for (int level = 0; level < 4 && spacing >= 2; level++)
-        {
+        for (; scale < 16 && spacing / scale >= 2; scale *= 2)
             image = halfOf(image);
-            spacing /= 2;
-            position = (position + Point2d(0.5, 0.5)) / 2 - Point2d(0.5, 0.5);
-            scale *= 2;
-        }
     }
-    Point2d inImage(const Vec2d& p) const
-    {
-        return Point2d((p[0] + 0.5) * scale - 0.5, (p[1] + 0.5) * scale - 0.5);
-    }
-    //! Bilinear; false outside.
+    //! Bilinear, at a position in pixels of the image. False closer to a side than half a pixel of the level.
     bool at(const Vec2d& p, double& value) const
     {
-        if (!(p[0] > 0 && p[1] > 0 && p[0] < image.cols - 1 && p[1] < image.rows - 1))
+        const double left = p[0] + 0.5, top = p[1] + 0.5;
+        if (!(left > scale / 2 && size.width - left > scale / 2 && top > scale / 2 &&
+              size.height - top > scale / 2))
             return false;
-        const int x = int(p[0]), y = int(p[1]);
-        const double dx = p[0] - x, dy = p[1] - y;
-        value = (image.at<uchar>(y, x) * (1 - dx) + image.at<uchar>(y, x + 1) * dx) * (1 - dy) +
-                (image.at<uchar>(y + 1, x) * (1 - dx) + image.at<uchar>(y + 1, x + 1) * dx) * dy;
+        const double x = left / scale - 0.5, y = top / scale - 0.5;
+        const int column = int(x), row = int(y);
+        const double dx = x - column, dy = y - row;
+        value =
+            (image.at<uchar>(row, column) * (1 - dx) + image.at<uchar>(row, column + 1) * dx) * (1 - dy) +
+            (image.at<uchar>(row + 1, column) * (1 - dx) + image.at<uchar>(row + 1, column + 1) * dx) * dy;
         return true;
     }
 
     Mat image;
+    Size size;  //!< of the image
     double scale = 1;
 };
 
-//! The samples of a square around a centre, less their mean. False if one lies outside of the image.
+//! The samples of a square around a centre. False if one lies too close to a side.
 bool samplesOf(const View& view, const Vec2d& center, const Matx22d& map, int radius, Mat_<double>& samples)
 {
     samples.create(2 * radius + 1, 2 * radius + 1);
@@ -71,20 +70,37 @@ bool samplesOf(const View& view, const Vec2d& center, const Matx22d& map, int ra
     return true;
 }
 
+//! Whether all samples lie within 63 pixels of the level, in x and in y.
+bool isNear(const View& view, const Vec2d& offset, const Matx22d& map)
+{
+    for (int i = 0; i < 2; i++)
+        if (std::abs(offset[i]) + RADIUS * (std::abs(map(i, 0)) + std::abs(map(i, 1))) >= 63 * view.scale)
+            return false;
+    return true;
+}
+
 }  // namespace
 
-ReferenceAlignment referenceAlignment(const Mat& image1, const KeyPoint& keypoint1, const Mat& image2,
-                                      const KeyPoint& keypoint2, double scaleFactor)
+ReferenceStart referenceStart(const KeyPoint& keypoint1, const KeyPoint& keypoint2)
 {
-    const ReferenceAlignment notAligned = {false, keypoint2.pt, -1};
-    Point2d center1 = keypoint1.pt, center2 = keypoint2.pt;
-    double spacing1 = std::max(0.7, keypoint1.size / 31 * scaleFactor / 2);
-    double spacing2 = spacing1 * keypoint2.size / keypoint1.size;
-    const View view1(image1, spacing1, center1), view2(image2, spacing2, center2);
+    const bool isTurnKnown = keypoint1.angle != -1 && keypoint2.angle != -1;
+    const double turn = isTurnKnown ? (double(keypoint2.angle) - keypoint1.angle) * CV_PI / 180 : 0;
+    const Matx22d rotation(std::cos(turn), -std::sin(turn), std::sin(turn), std::cos(turn));
+    return {keypoint2.pt, double(keypoint2.size) / keypoint1.size * rotation};
+}
+
+ReferenceAlignment referenceAlignment(const Mat& image1, const KeyPoint& keypoint1, const Mat& image2,
+                                      const ReferenceStart& start, double scaleFactor)
+{
+    const ReferenceAlignment notAligned = {false, start.position, start.map, -1,
+                                           std::numeric_limits<double>::infinity()};
+    const double spacing = std::max(0.7, keypoint1.size / 31 * scaleFactor / 2),
+                 spacing2 = spacing * std::sqrt(std::abs(determinant(start.map)));
+    const View view1(image1, spacing), view2(image2, spacing2);
 
     // The template, its derivatives by the unknowns, and the normal equations.
     Mat_<double> wide, patch;
-    if (!samplesOf(view1, Vec2d(center1.x, center1.y), spacing1 * Matx22d::eye(), RADIUS + 1, wide))
+    if (!samplesOf(view1, Vec2d(keypoint1.pt.x, keypoint1.pt.y), spacing * Matx22d::eye(), RADIUS + 1, wide))
         return notAligned;
     const Mat_<double> inner = wide(Rect(1, 1, SIDE, SIDE));
     const Mat_<double> base = inner - mean(inner)[0];
@@ -102,33 +118,38 @@ ReferenceAlignment referenceAlignment(const Mat& image1, const KeyPoint& keypoin
         Mat(1, 8, CV_64F, const_cast<double*>(row)).copyTo(derivatives.row(i));
     }
 
-    const bool isUpright = keypoint1.angle == -1 || keypoint2.angle == -1;
-    const double turn = isUpright ? 0 : (keypoint2.angle - keypoint1.angle) * CV_PI / 180;
-    const Matx22d start = spacing2 * Matx22d(std::cos(turn), -std::sin(turn), std::sin(turn), std::cos(turn));
-    Matx22d map = start;
-    Vec2d center(center2.x, center2.y);
-    double norm2 = 0, correlation = 0;
-    for (int step = 0; step < 3; step++)
+    Matx22d map = start.map * spacing;
+    const Vec2d origin(start.position.x, start.position.y);
+    Vec2d center = origin;
+    for (int step = 0;; step++)
     {
-        if (!samplesOf(view2, center, map, RADIUS, patch))
+        if (!isNear(view2, center - origin, map) || !samplesOf(view2, center, map, RADIUS, patch))
             return notAligned;
         patch -= mean(patch)[0];
-        norm2 = cv::norm(patch);
-        correlation = base.dot(patch) / (norm1 * norm2);
-        Mat_<double> change;
+        const double norm2 = cv::norm(patch);
         const Mat_<double> difference = patch * (norm1 / norm2) - base;
+        if (step == 3)
+        {
+            const double area = std::abs(determinant(map)) / (spacing2 * spacing2);
+            if (norm2 * norm2 < 4 * SIDE * SIDE || area > 4 || area < 0.25 ||
+                cv::norm(center - origin) / spacing2 > RADIUS)
+                return notAligned;
+            // The covariance of the unknowns. Rounding of grey values alone has a variance of 1/12 in each image.
+            const double variance = std::max(difference.dot(difference) / (SIDE * SIDE), 1 / 6.);
+            const Mat_<double> covariance = (derivatives.t() * derivatives).inv(DECOMP_SVD) * variance;
+            const Matx22d shift(covariance(2, 2), covariance(2, 5), covariance(5, 2), covariance(5, 5));
+            Mat_<double> axes;
+            eigen(Mat(map * shift * map.t()), axes);
+            return {true, Point2d(center[0], center[1]), map * (1 / spacing),
+                    base.dot(patch) / (norm1 * norm2), 3.5 * std::sqrt(axes(0))};
+        }
+        Mat_<double> change;
         if (norm2 == 0 ||
             !solve(derivatives, difference.reshape(1, SIDE * SIDE), change, DECOMP_NORMAL | DECOMP_LU))
             return notAligned;
         map = map * Matx22d(1 + change(0), change(1), change(3), 1 + change(4)).inv();
         center -= map * Vec2d(change(2), change(5));
     }
-    const double area = std::abs(determinant(map) / determinant(start));
-    const double shift = cv::norm(center - Vec2d(center2.x, center2.y)) / spacing2;
-    if (!samplesOf(view2, center, map, RADIUS, patch) || norm2 * norm2 < 4 * SIDE * SIDE || area > 4 ||
-        area < 0.25 || shift > RADIUS)
-        return notAligned;
-    return {true, view2.inImage(center), correlation};
 }
 
 }  // namespace opencv_test

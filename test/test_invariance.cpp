@@ -52,8 +52,7 @@ std::vector<String_FeatureDetector_DescriptorExtractor_Float_t> descriptorCase(c
     return cases;
 }
 
-// The choice depends on where the corners lie in the quadtree, which does not turn with the scene, and the
-// turned image of this test is half empty: lower thresholds than cv::ORB's 0.5 and 0.76.
+// The test pairs keypoints in the order of the output, which is by levels: lower thresholds than cv::ORB's 0.5 and 0.76.
 INSTANTIATE_TEST_CASE_P(Aqorb, DetectorRotationInvariance,
                         testing::ValuesIn(detectorCase(TSUKUBA, AdaptiveQuadtreeORB::create(), 0.33f,
                                                        0.65f)));

@@ -7,6 +7,7 @@
 
 #include "test_precomp.hpp"
 
+#include "matched_views.hpp"
 #include "reference_refinement.hpp"
 
 #include <limits>
@@ -21,26 +22,19 @@ using aqorb::refineMatches;
 const float ENDLESS = std::numeric_limits<float>::infinity(),
             NOT_A_NUMBER = std::numeric_limits<float>::quiet_NaN();
 
-//! The arguments of refineMatches.
-struct Pair
-{
-    Mat image1, image2;
-    KeyPoints keypoints1, keypoints2;
-    std::vector<DMatch> matches;
-};
-
 struct Refined
 {
     std::vector<DMatch> matches;
     std::vector<Point2f> points1, points2;
+    std::vector<float> deviations;
 };
 
-Refined refine(const Pair& pair, float minCorrelation = 0.8f, float scaleFactor = 1)
+Refined refine(const MatchedViews& pair, float minCorrelation = 0.8f, float scaleFactor = 1)
 {
     Refined refined;
     refined.matches = pair.matches;
     refineMatches(pair.image1, pair.keypoints1, pair.image2, pair.keypoints2, refined.matches,
-                  refined.points1, refined.points2, minCorrelation, scaleFactor);
+                  refined.points1, refined.points2, refined.deviations, minCorrelation, scaleFactor);
     return refined;
 }
 
@@ -49,74 +43,8 @@ bool isSame(const Refined& a, const Refined& b)
     const auto isSameMatch = [](const DMatch& x, const DMatch& y)
     { return x.queryIdx == y.queryIdx && x.trainIdx == y.trainIdx && x.distance == y.distance; };
     return a.matches.size() == b.matches.size() && a.points1 == b.points1 && a.points2 == b.points2 &&
+           a.deviations == b.deviations &&
            std::equal(a.matches.begin(), a.matches.end(), b.matches.begin(), isSameMatch);
-}
-
-//! Waves of all directions: a texture that is known at every position.
-struct Texture
-{
-    explicit Texture(int seed) : rng(seed)
-    {
-        for (int i = 0; i < WAVES; i++)
-        {
-            const double direction = rng.uniform(0., CV_2PI), frequency = CV_2PI / rng.uniform(6., 24.);
-            waves[i] = Vec3d(frequency * std::cos(direction), frequency * std::sin(direction),
-                             rng.uniform(0., CV_2PI));
-        }
-    }
-    double at(const Point2d& p) const
-    {
-        double sum = 0;
-        for (const Vec3d& wave : waves)
-            sum += std::sin(wave[0] * p.x + wave[1] * p.y + wave[2]);
-        return 128 + 40 * sum / std::sqrt(WAVES / 2.);
-    }
-
-    static const int WAVES = 20;
-    RNG rng;
-    Vec3d waves[WAVES];
-};
-
-//! Two views of a texture: a position p of the first one is at map * p in the second one.
-Pair viewsOf(const Texture& texture, const Matx23d& map, double gain = 1, double bias = 0, double noise = 0)
-{
-    const Size size(320, 240);
-    const Matx22d inverse = Matx22d(map(0, 0), map(0, 1), map(1, 0), map(1, 1)).inv();
-    Pair pair;
-    pair.image1.create(size, CV_8UC1);
-    pair.image2.create(size, CV_8UC1);
-    RNG rng(5);
-    for (int y = 0; y < size.height; y++)
-    {
-        for (int x = 0; x < size.width; x++)
-        {
-            const Vec2d seen = inverse * Vec2d(x - map(0, 2), y - map(1, 2));
-            pair.image1.at<uchar>(y, x) =
-                saturate_cast<uchar>(texture.at(Point2d(x, y)) + rng.gaussian(noise));
-            pair.image2.at<uchar>(y, x) =
-                saturate_cast<uchar>(gain * texture.at(seen) + bias + rng.gaussian(noise));
-        }
-    }
-    const double turn = std::atan2(map(1, 0), map(0, 0)) * 180 / CV_PI,
-                 scale = std::hypot(map(0, 0), map(1, 0));
-    for (int y = 40; y < size.height; y += 20)
-    {
-        for (int x = 40; x < size.width; x += 20)
-        {
-            const Point2d seen(map(0, 0) * x + map(0, 1) * y + map(0, 2),
-                               map(1, 0) * x + map(1, 1) * y + map(1, 2));
-            if (!Rect2d(40, 40, size.width - 80, size.height - 80).contains(seen))
-                continue;
-            // A detector is wrong by a pixel, some degrees and a fifth of the size.
-            const Point2d found = seen + Point2d(rng.uniform(-1., 1.), rng.uniform(-1., 1.));
-            const int index = int(pair.keypoints1.size());
-            pair.keypoints1.push_back(KeyPoint(Point2f(float(x), float(y)), 50, 350));
-            pair.keypoints2.push_back(KeyPoint(found, float(50 * scale * rng.uniform(0.85, 1.15)),
-                                               float(std::fmod(710 + turn + rng.uniform(-8., 8.), 360))));
-            pair.matches.push_back(DMatch(index, index, float(index)));
-        }
-    }
-    return pair;
 }
 
 //! The errors of refined positions.
@@ -131,12 +59,6 @@ std::vector<double> errorsOf(const Refined& refined, const Matx23d& map)
     }
     std::sort(errors.begin(), errors.end());
     return errors;
-}
-
-Matx23d similarity(double scale, double degrees, double x, double y)
-{
-    const double a = scale * std::cos(degrees * CV_PI / 180), b = scale * std::sin(degrees * CV_PI / 180);
-    return Matx23d(a, -b, x, b, a, y);
 }
 
 TEST(Aqorb_Refinement, finds_the_positions_of_an_analytic_texture)
@@ -157,7 +79,7 @@ TEST(Aqorb_Refinement, finds_the_positions_of_an_analytic_texture)
     };
     for (const auto& view : views)
     {
-        const Pair pair = viewsOf(Texture(3), view.map, view.gain, view.bias, view.noise);
+        const MatchedViews pair = viewsOf(Texture(3), view.map, view.gain, view.bias, view.noise);
         const std::vector<double> errors = errorsOf(refine(pair), view.map);
         ASSERT_EQ(errors.size(), pair.matches.size()) << Mat(view.map);
         EXPECT_LT(errors[errors.size() / 2], view.error) << Mat(view.map) << view.noise;
@@ -165,12 +87,12 @@ TEST(Aqorb_Refinement, finds_the_positions_of_an_analytic_texture)
     }
 }
 
-//! A scene and its view by a homography, with matches of which some are wrong. Braces let every compiler draw numbers in
-//! the same order.
-Pair randomPair(int seed)
+//! A scene and its view by a homography, with matches of which some are wrong. Braces let every compiler draw numbers
+//! in the same order.
+MatchedViews randomPair(int seed)
 {
     RNG rng(seed);
-    Pair pair;
+    MatchedViews pair;
     const Size size{rng.uniform(2, 300), rng.uniform(2, 300)};
     pair.image1 = makeScene(size, seed);
     Matx33d view = Matx33d::eye();
@@ -198,10 +120,10 @@ Pair randomPair(int seed)
 
 TEST(Aqorb_Refinement, equals_the_plain_definition)
 {
-    int compared = 0, aligned = 0, otherwise = 0;
+    int compared = 0, aligned = 0, otherwise = 0, otherDeviations = 0;
     for (int seed = 1; seed <= 80; seed++)
     {
-        const Pair pair = randomPair(seed);
+        const MatchedViews pair = randomPair(seed);
         const float scaleFactor = seed % 3 ? 1 : 2.5f;
         const Refined all = refine(pair, -1, scaleFactor), good = refine(pair, 0.8f, scaleFactor);
         ASSERT_EQ(pair.matches.size(), all.matches.size());
@@ -211,8 +133,8 @@ TEST(Aqorb_Refinement, equals_the_plain_definition)
             const DMatch& match = pair.matches[i];
             const KeyPoint &first = pair.keypoints1[match.queryIdx],
                            &second = pair.keypoints2[match.trainIdx];
-            const ReferenceAlignment expected =
-                referenceAlignment(pair.image1, first, pair.image2, second, scaleFactor);
+            const ReferenceAlignment expected = referenceAlignment(
+                pair.image1, first, pair.image2, referenceStart(first, second), scaleFactor);
             const bool isKept = next < good.matches.size() && good.matches[next].distance == match.distance;
             compared++;
             ASSERT_EQ(first.pt, all.points1[i]);
@@ -224,13 +146,16 @@ TEST(Aqorb_Refinement, equals_the_plain_definition)
             if (isKept)
             {
                 ASSERT_EQ(all.points2[i], good.points2[next]);
+                ASSERT_EQ(all.deviations[i], good.deviations[next]);
+                otherDeviations += std::abs(all.deviations[i] / expected.deviation - 1) > 0.01;
                 next++;
             }
         }
         ASSERT_EQ(good.matches.size(), next) << "another order";
     }
     EXPECT_GT(aligned, 500);
-    EXPECT_LT(otherwise, compared / 100);
+    EXPECT_LT(otherwise, compared / 200);
+    EXPECT_LT(otherDeviations, aligned / 100);
 }
 
 TEST(Aqorb_Refinement, improves_matches_of_a_photograph)
@@ -238,7 +163,7 @@ TEST(Aqorb_Refinement, improves_matches_of_a_photograph)
     AQORB_NEEDS_DATA();
     const Mat image = imread(oxfordImage("leuven", 1), IMREAD_GRAYSCALE);
     const Matx33d view(0.95, -0.12, 60, 0.1, 0.98, 5, 4e-5, -2e-5, 1);
-    Pair pair;
+    MatchedViews pair;
     pair.image1 = image;
     warpPerspective(image, pair.image2, view, image.size(), INTER_CUBIC);
     const Ptr<AdaptiveQuadtreeORB> detector = AdaptiveQuadtreeORB::create(1000);
@@ -275,7 +200,7 @@ TEST(Aqorb_Refinement, improves_matches_of_a_photograph)
 
 TEST(Aqorb_Refinement, threads_give_the_same_bytes)
 {
-    const Pair pair = viewsOf(Texture(3), similarity(1, 5, 3.3, -4.8));
+    const MatchedViews pair = viewsOf(Texture(3), similarity(1, 5, 3.3, -4.8));
     ASSERT_GT(pair.matches.size(), 64u) << "several threads have something to do";
     const Refined expected = refine(pair, -1);
     for (int count : {1, 2, 3, 16})
@@ -287,9 +212,9 @@ TEST(Aqorb_Refinement, threads_give_the_same_bytes)
 
 TEST(Aqorb_Refinement, takes_images_as_the_detector_does)
 {
-    const Pair pair = viewsOf(Texture(3), similarity(1, 5, 3.3, -4.8));
+    const MatchedViews pair = viewsOf(Texture(3), similarity(1, 5, 3.3, -4.8));
     const Refined expected = refine(pair);
-    Pair other = pair;
+    MatchedViews other = pair;
     cvtColor(pair.image1, other.image1, COLOR_GRAY2BGR);
     cvtColor(pair.image2, other.image2, COLOR_GRAY2BGRA);
     EXPECT_TRUE(isSame(expected, refine(other)));
@@ -299,16 +224,17 @@ TEST(Aqorb_Refinement, takes_images_as_the_detector_does)
     Refined inPlace;
     inPlace.matches = pair.matches;
     refineMatches(pair.image1.getUMat(ACCESS_READ), pair.keypoints1, pair.image2.getUMat(ACCESS_READ),
-                  pair.keypoints2, inPlace.matches, inPlace.points1, inPlace.points2);
+                  pair.keypoints2, inPlace.matches, inPlace.points1, inPlace.points2, inPlace.deviations,
+                  0.8f);
     EXPECT_TRUE(isSame(expected, inPlace));
 }
 
 TEST(Aqorb_Refinement, leaves_out_keypoints_that_cannot_be_aligned)
 {
-    const Pair good = viewsOf(Texture(3), similarity(1, 5, 3.3, -4.8));
+    const MatchedViews good = viewsOf(Texture(3), similarity(1, 5, 3.3, -4.8));
     const auto with = [&](const std::function<void(KeyPoint&)>& change, bool inFirst)
     {
-        Pair pair = good;
+        MatchedViews pair = good;
         pair.matches.resize(40);
         change(inFirst ? pair.keypoints1[7] : pair.keypoints2[7]);
         return pair;
@@ -321,7 +247,7 @@ TEST(Aqorb_Refinement, leaves_out_keypoints_that_cannot_be_aligned)
             {
                 if (field == 3 && std::isfinite(value))
                     continue;  // any other angle is one
-                const Pair pair = with(
+                const MatchedViews pair = with(
                     [&](KeyPoint& k) {
                         (field == 0 ? k.pt.x : field == 1 ? k.pt.y : field == 2 ? k.size : k.angle) = value;
                     },
@@ -335,7 +261,7 @@ TEST(Aqorb_Refinement, leaves_out_keypoints_that_cannot_be_aligned)
             }
         }
     }
-    Pair flat = good;
+    MatchedViews flat = good;
     flat.image1 = flat.image1 / 128;
     EXPECT_EQ(0u, refine(flat).matches.size());
     flat = good;
@@ -343,29 +269,177 @@ TEST(Aqorb_Refinement, leaves_out_keypoints_that_cannot_be_aligned)
     EXPECT_EQ(0u, refine(flat).matches.size());
     for (const Size& size : {Size(1, 1), Size(2, 2), Size(1, 50), Size(50, 2)})
     {
-        Pair tiny = good;
+        MatchedViews tiny = good;
         tiny.image1 = good.image1(Rect(Point(), size)).clone();
         EXPECT_EQ(0u, refine(tiny).matches.size());
         EXPECT_EQ(good.matches.size(), refine(tiny, -1).matches.size());
     }
 }
 
-TEST(Aqorb_Refinement, upright_keypoints_are_not_turned)
+TEST(Aqorb_Refinement, angles_say_how_far_the_patch_turns)
 {
-    Pair pair = viewsOf(Texture(3), similarity(1, 2, 3.3, -4.8));
-    const size_t expected = refine(pair).matches.size();
+    // How many of the matches stay whose keypoints have these angles, 1000 for the true one.
+    const auto kept = [](double turn, float angle1, float angle2)
+    {
+        MatchedViews pair = viewsOf(Texture(3), similarity(1, turn, turn > 45 ? 280 : 3.3, -4.8));
+        for (KeyPoint& keypoint : pair.keypoints1)
+            keypoint.angle = angle1 == 1000 ? keypoint.angle : angle1;
+        for (KeyPoint& keypoint : pair.keypoints2)
+            keypoint.angle = angle2 == 1000 ? keypoint.angle : angle2;
+        return double(refine(pair).matches.size()) / double(pair.matches.size());
+    };
+    EXPECT_EQ(1, kept(90, 1000, 1000));
+    for (float none : {NOT_A_NUMBER, ENDLESS, -ENDLESS})
+    {
+        for (float other : {1000.f, -1.f, NOT_A_NUMBER})
+        {
+            EXPECT_EQ(0, kept(2, none, other)) << none << " " << other;
+            EXPECT_EQ(0, kept(2, other, none)) << none << " " << other;
+        }
+    }
+    const float unknown[][2] = {{-1, 1000}, {1000, -1}, {-1, -1}};
+    for (const auto& angles : unknown)
+    {
+        EXPECT_GT(kept(2, angles[0], angles[1]), 0.9) << "no turn is assumed";
+        EXPECT_GT(kept(15, angles[0], angles[1]), 0.5);
+        EXPECT_LT(kept(90, angles[0], angles[1]), 0.2);
+    }
+    EXPECT_EQ(1, kept(2, 352 + 720, 354 - 720)) << "whole turns do not count";
+}
+
+TEST(Aqorb_Refinement, identical_patches_correlate_by_one)
+{
+    MatchedViews pair = viewsOf(Texture(3), similarity(1, 0, 0, 0), 1, 0, 8);
+    pair.image2 = pair.image1;
+    RNG rng(7);
     for (KeyPoint& keypoint : pair.keypoints1)
-        keypoint.angle = -1;
-    EXPECT_GE(refine(pair).matches.size(), expected * 9 / 10);
+        keypoint.pt += Point2f(rng.uniform(-.5f, .5f), rng.uniform(-.5f, .5f));
+    pair.keypoints2 = pair.keypoints1;
+    const Refined same = refine(pair, 1);
+    EXPECT_EQ(pair.matches.size(), same.matches.size());
+    for (float deviation : same.deviations)
+        EXPECT_TRUE(deviation > 0 && deviation < 0.2) << "grey values are rounded";
+}
+
+//! Keypoints are as far from a side of an image as the header says, or a little closer.
+TEST(Aqorb_Refinement, one_rule_for_four_sides)
+{
+    RNG rng(4);  // a texture of all sizes
+    Mat scene = Mat::zeros(995, 997, CV_8UC1);
+    for (int i = 1; i < 100; i *= 3)
+    {
+        Mat noise(995 / i + 1, 997 / i + 1, CV_8UC1), enlarged;
+        rng.fill(noise, RNG::UNIFORM, 0, 60);
+        resize(noise, enlarged, scene.size(), 0, 0, INTER_LINEAR);
+        scene += enlarged;
+    }
+    for (int level = 0; level < 5; level++)
+    {
+        const double spacing = 1.4 * (1 << level), half = 0.5 * (1 << level);
+        const float size = float(spacing * 62);
+        for (int image = 0; image < 2; image++)
+        {
+            const double closest = (image == 0 ? 7 : 6) * spacing + half - 0.5;
+            for (int side = 0; side < 4; side++)
+            {
+                for (int isInside = 0; isInside < 2; isInside++)
+                {
+                    // The other image shows more on all sides; its pyramid has the same pixels.
+                    MatchedViews pair;
+                    const Rect part(256, 256, 431, 447);  // 15 more than a multiple of 16
+                    Mat* const images[] = {&pair.image1, &pair.image2};
+                    *images[image] = scene(part);
+                    *images[1 - image] = scene;
+                    // The patch of image 2 moves a little where the last pixel of a level counts twice.
+                    const double distance = closest + (isInside == 0 ? -0.3 : image == 0 ? 0.3 : 1.2 * half);
+                    const Point2d inPart(side == 0   ? distance
+                                         : side == 1 ? part.width - 1 - distance
+                                                     : part.width * 0.47,
+                                         side == 2   ? distance
+                                         : side == 3 ? part.height - 1 - distance
+                                                     : part.height * 0.46);
+                    const KeyPoint inner(inPart, size, 10), outer(inPart + Point2d(part.tl()), size, 10);
+                    pair.keypoints1.assign(1, image == 0 ? inner : outer);
+                    pair.keypoints2.assign(1, image == 0 ? outer : inner);
+                    pair.matches.assign(1, DMatch(0, 0, 0));
+                    const bool isAligned = std::isfinite(refine(pair, -1).deviations[0]);
+                    EXPECT_EQ(isInside == 1, isAligned)
+                        << "level " << level << " image " << image + 1 << " side " << side;
+                }
+            }
+        }
+    }
+}
+
+TEST(Aqorb_Refinement, few_patches_of_a_large_image_give_the_same)
+{
+    MatchedViews pair;
+    pair.image1 = makeIntegerScene(Size(1001, 803), 5, 3);
+    warpAffine(pair.image1, pair.image2, Mat(similarity(1.1, 3, 2.5, -1.5)), Size(1003, 801), INTER_LINEAR,
+               BORDER_REFLECT_101);
+    RNG rng(3);
+    for (int i = 0; i < 600; i++)
+    {
+        const Vec2d p(rng.uniform(0., 1000.), rng.uniform(0., 800.));
+        const Vec2d q = Matx22d(1.1, -0.058, 0.058, 1.1) * p;
+        const float size = rng.uniform(0, 3) ? 45.f : float(rng.uniform(60., 1200.));
+        pair.keypoints1.push_back(KeyPoint(Point2d(p[0], p[1]), size, 5));
+        pair.keypoints2.push_back(KeyPoint(Point2d(q[0] + 2.5, q[1] - 1.5), size * 1.1f, 8));
+        pair.matches.push_back(DMatch(i, i, float(i)));
+    }
+    MatchedViews gray = pair;
+    cvtColor(pair.image1, gray.image1, COLOR_BGR2GRAY);
+    cvtColor(pair.image2, gray.image2, COLOR_BGR2GRAY);
+    const Refined expected = refine(gray, -1);
+    EXPECT_TRUE(isSame(expected, refine(pair, -1)));
+    int aligned = 0;
+    for (size_t i = 0; i < pair.matches.size(); i++)
+    {
+        for (MatchedViews views : {pair, gray})
+        {
+            views.matches.assign(1, pair.matches[i]);
+            const Refined single = refine(views, -1);
+            ASSERT_EQ(expected.points2[i], single.points2[0]) << i;
+            ASSERT_EQ(expected.deviations[i], single.deviations[0]) << i;
+        }
+        aligned += std::isfinite(expected.deviations[i]);
+    }
+    EXPECT_GT(aligned, 200);
+}
+
+TEST(Aqorb_Refinement, sides_and_rows_in_memory_have_any_length)
+{
+    MatchedViews pair = viewsOf(Texture(3), similarity(1, 5, 3.3, -4.8));
+    const Refined expected = refine(pair);
+    // Rows that are far apart: most of this memory is never touched.
+    const size_t step = (size_t(1) << 23) + 64;
+    uchar* const memory =
+        sizeof(size_t) > 4 ? static_cast<uchar*>(std::calloc(size_t(pair.image1.rows), step)) : 0;
+    if (memory)
+    {
+        Mat apart(pair.image1.size(), CV_8UC1, memory, step);
+        pair.image1.copyTo(apart);
+        MatchedViews other = pair;
+        other.image1 = apart;
+        EXPECT_TRUE(isSame(expected, refine(other)));
+        other.matches.resize(1);
+        EXPECT_EQ(expected.points2[0], refine(other).points2[0]);
+        std::free(memory);
+    }
+    pair.image2 = Mat::zeros(3, 1 << 20, CV_8UC1);
+    EXPECT_NE(std::string::npos,
+              messageOf([&] { refine(pair); }).find("image2 must have at most 1048575 pixels a side"));
+    pair.image2 = pair.image2.colRange(1, 1 << 20);
+    EXPECT_EQ(pair.matches.size(), refine(pair, -1).matches.size());
 }
 
 TEST(Aqorb_Refinement, rejects_other_arguments_and_leaves_outputs)
 {
-    const Pair good = viewsOf(Texture(3), similarity(1, 5, 3.3, -4.8));
+    const MatchedViews good = viewsOf(Texture(3), similarity(1, 5, 3.3, -4.8));
     const auto messageWith =
-        [&](const std::function<void(Pair&)>& change, float correlation = 0.8f, float factor = 1)
+        [&](const std::function<void(MatchedViews&)>& change, float correlation = 0.8f, float factor = 1)
     {
-        Pair pair = good;
+        MatchedViews pair = good;
         change(pair);
         Refined refined;
         refined.matches = pair.matches;
@@ -374,26 +448,27 @@ TEST(Aqorb_Refinement, rejects_other_arguments_and_leaves_outputs)
             [&]
             {
                 refineMatches(pair.image1, pair.keypoints1, pair.image2, pair.keypoints2, refined.matches,
-                              refined.points1, refined.points2, correlation, factor);
+                              refined.points1, refined.points2, refined.deviations, correlation, factor);
             });
         EXPECT_EQ(pair.matches.size(), refined.matches.size());
         EXPECT_EQ(3u, refined.points1.size());
         return message;
     };
-    const auto nothing = [](Pair&) {};
+    const auto nothing = [](MatchedViews&) {};
     const auto names = [](const std::string& message, const char* name)
     { return message.find(name) != std::string::npos; };
     EXPECT_TRUE(names(messageWith(nothing, 1.1f), "minCorrelation must"));
     EXPECT_TRUE(names(messageWith(nothing, NOT_A_NUMBER), "minCorrelation must"));
     EXPECT_TRUE(names(messageWith(nothing, 0.8f, 0), "scaleFactor must"));
     EXPECT_TRUE(names(messageWith(nothing, 0.8f, ENDLESS), "scaleFactor must"));
-    EXPECT_TRUE(names(messageWith([](Pair& p) { p.matches[4].queryIdx = 9999; }), "matches[4] must"));
-    EXPECT_TRUE(names(messageWith([](Pair& p) { p.matches[4].trainIdx = -1; }), "matches[4] must"));
-    EXPECT_TRUE(names(messageWith([](Pair& p) { p.image1.release(); }), "image1 must"));
-    EXPECT_TRUE(names(messageWith([](Pair& p) { p.image2.release(); }), "image2 must"));
-    EXPECT_TRUE(names(messageWith([](Pair& p) { p.image2.convertTo(p.image2, CV_32F); }), "image2 must"));
+    EXPECT_TRUE(names(messageWith([](MatchedViews& p) { p.matches[4].queryIdx = 9999; }), "matches[4] must"));
+    EXPECT_TRUE(names(messageWith([](MatchedViews& p) { p.matches[4].trainIdx = -1; }), "matches[4] must"));
+    EXPECT_TRUE(names(messageWith([](MatchedViews& p) { p.image1.release(); }), "image1 must"));
+    EXPECT_TRUE(names(messageWith([](MatchedViews& p) { p.image2.release(); }), "image2 must"));
+    EXPECT_TRUE(
+        names(messageWith([](MatchedViews& p) { p.image2.convertTo(p.image2, CV_32F); }), "image2 must"));
 
-    Pair none = good;
+    MatchedViews none = good;
     none.matches.clear();
     none.image1.release();
     const Refined refined = refine(none);

@@ -22,6 +22,7 @@ import claims
 import held_out
 import paper
 import poses
+import recipes
 import refinement
 from methods import PAPER
 
@@ -122,6 +123,10 @@ def main():
     command.add_argument('scenes', metavar='SCENES', help="folder with Strecha's fountain-P11 and entry-P10")
     command.add_argument('--n', type=list_of(int), default=[1000], help='numbers of features')
     command.add_argument('--sequence', help="sequence laid out as KITTI's, with poses")
+
+    command = commands.add_parser('recipes', help="what the tutorial's recipes give")
+    command.set_defaults(run=print_tables, tables=recipes.tables)
+    command.add_argument('datasets', metavar='DATASETS')
 
     command = commands.add_parser('held-out', help='lay out the pairs of images that nothing was tuned on')
     command.set_defaults(run=held_out.lay_out_all)

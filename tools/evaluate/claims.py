@@ -21,6 +21,7 @@ ROLLS = range(15, 360, 30)  # degrees
 FEW_ROLLS = [15, 135, 255]  # one of each third of a quarter turn
 ROLLED_SETS = ['bikes', 'leuven', 'trees', 'graf']
 OBJECT_NUMBERS = [250, 400, 500, 1000, 2000]  # that of find_obj.py, 400, is not judged
+HALF_NUMBERS = {50: .27, 100: .32, 250: .35, 500: None}  # and the share of the weaker half that is asked
 SUBJECTS = ['distinct', 'roll', 'scale', 'object', 'start', 'heldout', 'degraded']
 
 
@@ -133,6 +134,12 @@ def measure(options):
                 for method in methods:
                     results.add('colour', name, method.name, 500,
                                 uniformity=measures.uniformity(method.compute(image, 500), image))
+        for name, (pictures, _) in sets.items():
+            scene, weaker = images.with_weaker_half(pictures[0])
+            for n in HALF_NUMBERS:
+                for method in methods:
+                    x = method.compute(scene, n).keypoints['pt'][:, 0]
+                    results.add('half', name, method.name, n, share=np.mean(x >= weaker))
     if 'roll' in options.only:
         for name in ROLLED_SETS:
             views = [images.rolled(sets[name][0][0], angle) for angle in ROLLS]
@@ -227,17 +234,19 @@ def judge(measured, options, method):
     times = ": distinct correct matches, times cv::ORB's"
     for n in options.n:
         judging.ratio('distinct correct matches, times cv::ORB\'s', 'sets', n, 'distinct',
-                      {500: 1.55, 1000: 1.5, 2000: 1.45}.get(n))
+                      {500: 1.52, 1000: 1.48, 2000: 1.43}.get(n))
     for n in options.n:
         judging.ratio('the same on graf', 'sets', n, 'distinct', 1.3, items=['graf'])
     for n in options.n:
         judging.mean("uniformity u of the paper's sets, grey", 'sets', n, 'uniformity', 2,
-                     at_most={500: 150}.get(n), items=images.PAPER_SETS)
-    judging.mean("uniformity u of the paper's sets, in colour", 'colour', 500, 'uniformity', 2, at_most=151)
-    for quantity, digits, asked in (('occupancy', 3, {500: .58, 1000: .79}),
-                                    ('places', 1, {500: 52, 1000: 78, 2000: 103}), ('precision', 3, {})):
+                     at_most={500: 145}.get(n), items=images.PAPER_SETS)
+    judging.mean("uniformity u of the paper's sets, in colour", 'colour', 500, 'uniformity', 2, at_most=147)
+    for quantity, digits, asked in (('occupancy', 3, {500: .67, 1000: .86}),
+                                    ('places', 1, {500: 57, 1000: 85, 2000: 108}), ('precision', 3, {})):
         for n in options.n:
             judging.mean(quantity, 'sets', n, quantity, digits, at_least=asked.get(n))
+    for n, asked in HALF_NUMBERS.items():
+        judging.mean('share of the keypoints in the weaker half', 'half', n, 'share', 3, at_least=asked)
     for n in options.n:
         judging.area('homography AUC@5', 'sets', n, True)
     judging.ratio('rolled' + times, 'rolled', 1000, 'distinct', 1.5)
@@ -253,14 +262,15 @@ def judge(measured, options, method):
     for scale in ROLLED_SCALES:
         subject = 'rolled, scale {:g}'.format(scale)
         judging.ratio(subject + times, subject, 1000, 'distinct')
+    orb_inliers = measured.mean('object', options.orb, 500, 'inliers')  # 2000 features must have more
     for n in OBJECT_NUMBERS:
-        judging.mean('inliers on a small object', 'object', n, 'inliers', 0, at_least={250: 10, 500: 12}.get(n))
+        judging.mean('inliers on a small object', 'object', n, 'inliers', 0, at_least={250: 8, 500: 10, 2000: orb_inliers + 1}.get(n))
     for subject, words in (('object', 'a small object'), ('drawn object', 'three that are drawn into photographs')):
         for n in OBJECT_NUMBERS:
             judging.mean('distinct inliers on ' + words, subject, n, 'distinct', 1)
     here, orb, paper, dial = (judging.distinct_inliers(name)
                               for name in (method, options.orb, options.paper, options.dial))
-    judging.add("distinct inliers on a small object, times cv::ORB's", 0, here / orb, 1, paper / orb, 3, at_least=.9)
+    judging.add("distinct inliers on a small object, times cv::ORB's", 0, here / orb, 1, paper / orb, 3, at_least=.85)
     judging.add("the same at the dial's other end", 0, dial / orb, 1, math.nan, 3, at_least=1)
     for step, words in ((1, 'the next frame'), (10, 'the frame a second later')):
         for n in options.n:

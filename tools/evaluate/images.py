@@ -77,6 +77,13 @@ def with_object(scene, part, scale, place, degrees):
     return degrade([scene], None, 'noise', 2)[0][0]
 
 
+def with_weaker_half(image):
+    """The left half of an image, beside itself mirrored at a contrast of .3, and the column where this begins."""
+    left = image[:, :image.shape[1] // 2]
+    mean = left.mean()
+    return np.hstack([left, np.round(mean + .3 * (left[:, ::-1] - mean)).astype(np.uint8)]), left.shape[1]
+
+
 def small_objects(folder, sets):
     """[(name, object, scene)]: box.png in box_in_scene.png, and three that are drawn into photographs of sets."""
     box, scene = (read_image(os.path.join(folder, name)) for name in ('box', 'box_in_scene'))

@@ -14,7 +14,7 @@ from measures import Features
 
 # The paper's column C. Where the paper states no value, as for cells and border, the default stays.
 PAPER = 'aqorb:selection=quadtree'
-TITLES = {'orb': 'cv::ORB (A)', 'orb_slam': "ORB_SLAM's quadtree (B)", PAPER: "the paper's settings (C)",
+TITLES = {'orb': 'cv::ORB (A)', 'orb_slam': "ORB_SLAM's quadtree (B)", PAPER: "the paper's method (C)",
           'aqorb': 'as shipped', 'sift': 'SIFT', 'brisk': 'BRISK', 'akaze': 'AKAZE', 'surf': 'SURF',
           'superpoint': 'SuperPoint'}
 

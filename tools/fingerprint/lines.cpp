@@ -102,26 +102,30 @@ Ptr<AdaptiveQuadtreeORB> makeDefault(int nfeatures, AdaptiveQuadtreeORB::Selecti
     return detector;
 }
 
-//! The positions that refineMatches gives for keypoints that are a little off in a part of the image.
-std::string hashOfRefined(const Mat& image, const std::vector<KeyPoint>& keypoints)
+//! Positions and deviations of keypoints that are a little off in a part of the image; half of them are grown.
+std::string hashOfGrown(const Mat& image, const std::vector<KeyPoint>& keypoints)
 {
     const Mat part = image(Rect(1, 1, image.cols - 1, image.rows - 1));
     std::vector<KeyPoint> moved = keypoints;
     std::vector<DMatch> matches;
-    for (KeyPoint& keypoint : moved)
+    for (size_t i = 0; i < moved.size(); i++)
     {
-        keypoint.pt += Point2f(-0.25f, -1.5f);
-        keypoint.angle += 4;
-        keypoint.size *= 1.125f;
-        const int i = int(matches.size());
-        matches.push_back(DMatch(i, i, 0));
+        moved[i].pt += Point2f(-0.25f, -1.5f);
+        moved[i].angle += 4;
+        moved[i].size *= 1.125f;
+        if (i % 2 == 0)
+            matches.push_back(DMatch(int(i), int(i), 0));
     }
     std::vector<Point2f> points1, points2;
-    aqorb::refineMatches(image, keypoints, part, moved, matches, points1, points2, -1);
+    std::vector<float> deviations;
+    aqorb::growMatches(image, keypoints, part, moved, matches, moved, points1, points2, deviations, -1);
     Hash hash;
-    for (const Point2f& point : points2)
-        hash.addNumbers(&point.x, 2);
-    return hash.text();
+    for (size_t i = 0; i < points2.size(); i++)
+    {
+        hash.addNumbers(&points2[i].x, 2);
+        hash.addNumbers(&deviations[i], 1);
+    }
+    return hash.text() + " keypoints " + hashOf(moved);
 }
 
 std::string line(const std::string& name, const Mat& image, const Mat& mask, AdaptiveQuadtreeORB& detector)
@@ -144,8 +148,8 @@ std::string line(const std::string& name, const Mat& image, const Mat& mask, Ada
 
     return name + " image " + hashOf(image) + " pyramid " + pyramid.text() + " measures " +
            hashOfMeasures.text() + " keypoints " + std::to_string(keypoints.size()) + " " +
-           hashOf(keypoints) + " descriptors " + hashOf(descriptors) + " refined " +
-           hashOfRefined(image, keypoints) + "\n";
+           hashOf(keypoints) + " descriptors " + hashOf(descriptors) + " grown " +
+           hashOfGrown(image, keypoints) + "\n";
 }
 
 }  // namespace

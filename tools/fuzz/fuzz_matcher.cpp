@@ -14,7 +14,7 @@
 
 // Compares the matcher and the functions that match with the plain reference of the tests, on the best kernels of the
 // CPU and on the baseline ones, with one thread and with two; and calls them with bad arguments, which must be named.
-// Refined positions are compared between kernels.
+// Refined and grown matches are compared between kernels.
 
 using namespace opencv_test;
 using fuzz::require;
@@ -89,8 +89,22 @@ static void callWithAnything(FuzzedDataProvider& data, const Mat& query, const M
     }
 }
 
-// Refines matches of any keypoints in any images: some fields are any number, and some indices are beyond the end.
-static void refineAnything(FuzzedDataProvider& data)
+// What growMatches gives; the refined matches come first.
+struct Growth
+{
+    std::vector<DMatch> matches;
+    std::vector<KeyPoint> keypoints2;
+    std::vector<Point2f> points1, points2;
+    std::vector<float> deviations;
+};
+
+template <typename T> static bool sameBytes(const std::vector<T>& a, const std::vector<T>& b)
+{
+    return a.size() == b.size() && (a.empty() || std::memcmp(a.data(), b.data(), a.size() * sizeof(T)) == 0);
+}
+
+// Grows matches of any keypoints in any images: some fields are any number, and some indices are beyond the end.
+static void growAnything(FuzzedDataProvider& data)
 {
     Mat images[2];
     std::vector<KeyPoint> keypoints[2];
@@ -99,36 +113,50 @@ static void refineAnything(FuzzedDataProvider& data)
         images[i] = fuzz::image(data, 80, true);
         const auto any = [&](double high) { return float(fuzz::real(data, -1, high)); };
         for (int count = data.ConsumeIntegralInRange(0, 40); count > 0; count--)
-            keypoints[i].push_back(KeyPoint(Point2f(any(80), any(80)), any(60), any(360)));
+            keypoints[i].push_back(
+                KeyPoint(Point2f(any(80), any(80)), any(60), any(360), 0, fuzz::number(data, 0, 8)));
     }
     std::vector<DMatch> matches;
     for (int count = data.ConsumeIntegralInRange(0, 60); count > 0; count--)
         matches.push_back(DMatch(fuzz::number(data, 0, 5), fuzz::number(data, 0, 5), 0));
     const float correlation = float(fuzz::real(data, -1, 1)), factor = float(fuzz::real(data, 0, 7));
-    std::vector<Point2f> expected;
+    Growth expected;
     for (int run = 0; run < 2; run++)
     {
         setUseOptimized(run == 0);
         setNumThreads(1 + run);
-        std::vector<DMatch> left = matches;
-        std::vector<Point2f> points[2];
+        Growth grown, refined;
+        grown.matches = refined.matches = matches;
         try
         {
-            aqorb::refineMatches(images[0], keypoints[0], images[1], keypoints[1], left, points[0], points[1],
-                                 correlation, factor);
-            require(points[0].size() == left.size() && points[1].size() == left.size(),
-                    "a position for each match");
-            const size_t bytes = points[1].size() * sizeof(Point2f);
-            require(run == 0 || (expected.size() == points[1].size() &&
-                                 std::memcmp(expected.data(), points[1].data(), bytes) == 0),
-                    "the same positions on all kernels");
+            aqorb::growMatches(images[0], keypoints[0], images[1], keypoints[1], grown.matches,
+                               grown.keypoints2, grown.points1, grown.points2, grown.deviations, correlation,
+                               factor);
+            aqorb::refineMatches(images[0], keypoints[0], images[1], keypoints[1], refined.matches,
+                                 refined.points1, refined.points2, refined.deviations, correlation, factor);
         }
         catch (const cv::Exception& e)
         {
             require(e.err.find("must") != std::string::npos, e.what());
-            require(left.size() == matches.size() && points[0].empty() && points[1].empty(), "outputs stay");
+            require(grown.matches.size() == matches.size() && grown.points1.empty(), "outputs stay");
         }
-        expected = points[1];
+        require(grown.points2.size() == grown.deviations.size() &&
+                    grown.points1.size() == grown.deviations.size(),
+                "a position and a deviation for each match");
+        for (size_t i = 0; i < grown.deviations.size(); i++)
+            require(grown.deviations[i] >= 0 && size_t(grown.matches[i].trainIdx) < grown.keypoints2.size() &&
+                        (i < refined.matches.size() || grown.matches[i].distance == FLT_MAX),
+                    "the fields of a match");
+        const size_t count = refined.points2.size();
+        require(
+            count <= grown.points2.size() &&
+                sameBytes(refined.points2, std::vector<Point2f>(grown.points2.begin(),
+                                                                grown.points2.begin() + ptrdiff_t(count))),
+            "the refined matches first");
+        require(run == 0 || (sameBytes(expected.points2, grown.points2) &&
+                             sameBytes(expected.deviations, grown.deviations)),
+                "the same on all kernels");
+        expected = grown;
     }
 }
 
@@ -176,6 +204,6 @@ extern "C" int LLVMFuzzerTestOneInput(const uint8_t* bytes, size_t size)
     }
     setUseOptimized(true);
     callWithAnything(data, query, images[0]);
-    refineAnything(data);
+    growAnything(data);
     return 0;
 }

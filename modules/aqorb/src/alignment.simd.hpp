@@ -7,7 +7,7 @@
 // the same order on every CPU, however many lanes there are.
 
 #include "alignment.hpp"
-#include "lanes.hpp"
+#include "patch_samples.hpp"
 
 namespace cv
 {
@@ -23,90 +23,6 @@ void alignByLanes(const LevelPatches* patches, int count, LevelAlignment* alignm
 namespace
 {
 
-// The windows of one patch of each lane.
-struct Windows
-{
-    void set(int lane, const LevelWindow& window)
-    {
-        origins[lane] = window.origin;
-        steps[lane] = window.step;
-        x[lane] = window.x;
-        y[lane] = window.y;
-        left[lane] = window.left;
-        top[lane] = window.top;
-        right[lane] = window.right;
-        bottom[lane] = window.bottom;
-    }
-
-    const uchar* origins[LANES];
-    int steps[LANES];
-    float x[LANES], y[LANES], left[LANES], top[LANES], right[LANES], bottom[LANES];
-};
-
-// Sample (u, v) lies at (x + xu * u + xv * v, y + yu * u + yv * v).
-struct AffineMap
-{
-    // Moves the samples of the lanes that are not set to the origin.
-    void keep(const Floats& lanes)
-    {
-        for (Floats* number : {&x, &y, &xu, &xv, &yu, &yv})
-            *number = v_and(lanes, *number);
-    }
-    Floats determinant() const { return minus(v_mul(xu, yv), xv, yu); }
-
-    Floats x, y, xu, xv, yu, yv;
-};
-
-// The lanes in which all samples up to a radius lie inside of the image. Numbers that are not finite do not.
-CV_ALWAYS_INLINE Floats isInside(const AffineMap& map, const Windows& windows, int radius)
-{
-    const Floats reachX = v_mul(all(float(radius)), v_add(v_abs(map.xu), v_abs(map.xv)));
-    const Floats reachY = v_mul(all(float(radius)), v_add(v_abs(map.yu), v_abs(map.yv)));
-    const Floats isInsideX = v_and(v_gt(v_sub(map.x, reachX), load(windows.left)),
-                                   v_gt(load(windows.right), v_add(map.x, reachX)));
-    const Floats isInsideY = v_and(v_gt(v_sub(map.y, reachY), load(windows.top)),
-                                   v_gt(load(windows.bottom), v_add(map.y, reachY)));
-    return v_and(isInsideX, isInsideY);
-}
-
-// Samples (u, v) of all lanes for u from -RADIUS to RADIUS, bilinearly.
-template <int RADIUS>
-CV_ALWAYS_INLINE void sampleRow(const Windows& windows, const AffineMap& map, int v, float* samples)
-{
-    const int COUNT = (2 * RADIUS + 1) * LANES;
-    CV_DECL_ALIGNED(CACHE_LINE) float fractionsX[COUNT], fractionsY[COUNT];
-    CV_DECL_ALIGNED(CACHE_LINE) int offsets[COUNT];
-    CV_DECL_ALIGNED(CACHE_LINE) unsigned squares[COUNT];  // of 2 x 2 pixels
-    const Floats rowX = plus(map.x, map.xv, all(float(v))), rowY = plus(map.y, map.yv, all(float(v)));
-    for (int u = -RADIUS, i = 0; u <= RADIUS; u++, i += LANES)
-    {
-        const Floats x = plus(rowX, map.xu, all(float(u))), y = plus(rowY, map.yu, all(float(u)));
-        const Ints column = v_trunc(x), row = v_trunc(y);
-        v_store(offsets + i, v_add(v_mul(row, load(windows.steps)), column));
-        v_store(fractionsX + i, v_sub(x, v_cvt_f32(column)));
-        v_store(fractionsY + i, v_sub(y, v_cvt_f32(row)));
-    }
-    for (int lane = 0; lane < LANES; lane++)
-    {
-        const uchar* const origin = windows.origins[lane];
-        const ptrdiff_t step = windows.steps[lane];
-        for (int i = lane; i < COUNT; i += LANES)
-        {
-            const uchar* const upper = origin + offsets[i];
-            const uchar* const lower = upper + step;
-            squares[i] = unsigned(upper[0] | upper[1] << 8) | unsigned(lower[0] | lower[1] << 8) << 16;
-        }
-    }
-    for (int i = 0; i < COUNT; i += LANES)
-    {
-        const Floats x = load(fractionsX + i), y = load(fractionsY + i);
-        const Floats a = byteOf<0>(squares + i), b = byteOf<1>(squares + i);
-        const Floats c = byteOf<2>(squares + i), d = byteOf<3>(squares + i);
-        const Floats upper = plus(a, x, v_sub(b, a)), lower = plus(c, x, v_sub(d, c));
-        v_store(samples + i, plus(upper, y, v_sub(lower, upper)));
-    }
-}
-
 const int SIDE = 2 * PATCH_RADIUS + 1, WIDE = SIDE + 2;
 const float SAMPLES = SIDE * SIDE;
 const int UNKNOWNS = 6;  // of the affine map: the factors of u and v and the shift, in x and then in y
@@ -115,25 +31,38 @@ const int UNKNOWNS = 6;  // of the affine map: the factors of u and v and the sh
 // times u, v or 1.
 struct Template
 {
-    // A sample less the mean, and what follows it by LANES each: dx and dy, which are twice the derivatives.
+    // A sample's deviation from the mean. Twice its derivatives by x and y follow, LANES numbers apart.
     const float* at(int u, int v) const { return samples[(v + PATCH_RADIUS) * SIDE + u + PATCH_RADIUS][0]; }
 
     void sample(const Windows& windows, const AffineMap& map)
     {
         CV_DECL_ALIGNED(CACHE_LINE) float wide[WIDE * WIDE * LANES];  // with one more sample on each side
-        for (int v = 0; v < WIDE; v++)
-            sampleRow<PATCH_RADIUS + 1>(windows, map, v - PATCH_RADIUS - 1, wide + v * WIDE * LANES);
-        const auto inner = [&](int i) { return wide + ((i / SIDE + 1) * WIDE + i % SIDE + 1) * LANES; };
+        float* out = wide;
+        forEachRow<PATCH_RADIUS + 1>(windows, map,
+                                     [&](int, const SampleRow<PATCH_RADIUS + 1>& row)
+                                     {
+                                         for (int u = -PATCH_RADIUS - 1; u <= PATCH_RADIUS + 1; u++)
+                                         {
+                                             v_store(out, row.at(u));
+                                             out += LANES;
+                                         }
+                                     });
+        const float* const inner = wide + (WIDE + 1) * LANES;
         Floats sum = all(0);
-        for (int i = 0; i < SIDE * SIDE; i++)
-            sum = v_add(sum, load(inner(i)));
+        for (int v = 0; v < SIDE; v++)
+            for (int u = 0; u < SIDE; u++)
+                sum = v_add(sum, load(inner + (v * WIDE + u) * LANES));
         mean = v_mul(sum, all(1 / SAMPLES));
-        for (int i = 0; i < SIDE * SIDE; i++)
+        for (int v = 0; v < SIDE; v++)
         {
-            const float* const p = inner(i);
-            v_store(samples[i][0], v_sub(load(p), mean));
-            v_store(samples[i][1], v_sub(load(p + LANES), load(p - LANES)));
-            v_store(samples[i][2], v_sub(load(p + WIDE * LANES), load(p - WIDE * LANES)));
+            for (int u = 0; u < SIDE; u++)
+            {
+                const float* const p = inner + (v * WIDE + u) * LANES;
+                float(*const sample)[LANES] = samples[v * SIDE + u];
+                v_store(sample[0], v_sub(load(p), mean));
+                v_store(sample[1], v_sub(load(p + LANES), load(p - LANES)));
+                v_store(sample[2], v_sub(load(p + WIDE * LANES), load(p - WIDE * LANES)));
+            }
         }
     }
 
@@ -146,24 +75,7 @@ struct Template
         for (auto& row : lower)
             clear(row);
         for (int v = -PATCH_RADIUS; v <= PATCH_RADIUS; v++)
-        {
-            for (int u = -PATCH_RADIUS; u <= PATCH_RADIUS; u++)
-            {
-                const float* const p = at(u, v);
-                const Floats t = load(p), x = load(p + LANES), y = load(p + 2 * LANES);
-                const Floats byU = all(float(u)), byV = all(float(v));
-                const Floats derivatives[] = {v_mul(x, byU), v_mul(x, byV), x,
-                                              v_mul(y, byU), v_mul(y, byV), y};
-                squares = plus(squares, t, t);
-                for (int i = 0; i < UNKNOWNS; i++)
-                {
-                    gradients[i] = v_add(gradients[i], derivatives[i]);
-                    withSample[i] = plus(withSample[i], derivatives[i], t);
-                    for (int j = 0; j <= i; j++)
-                        lower[i][j] = plus(lower[i][j], derivatives[i], derivatives[j]);
-                }
-            }
-        }
+            addRow(v);
         for (int i = 0; i < UNKNOWNS; i++)
         {
             const Floats byBias = v_mul(gradients[i], all(1 / SAMPLES)),
@@ -172,6 +84,51 @@ struct Template
                 lower[i][j] = minus(minus(lower[i][j], byBias, gradients[j]), byGain, withSample[j]);
         }
         decompose();
+    }
+
+    // Adds the sums of a row. The derivative by unknown i is x for i < 3, else y, times u, v or 1.
+    void addRow(int v)
+    {
+        enum
+        {
+            XX,
+            XY,
+            YY,
+            XT,
+            YT,
+            X,
+            Y,
+            PRODUCTS
+        };
+        Floats sums[PRODUCTS][3];  // of a product times 1, u and u * u
+        for (auto& row : sums)
+            clear(row);
+        for (int u = -PATCH_RADIUS; u <= PATCH_RADIUS; u++)
+        {
+            const float* const p = at(u, v);
+            const Floats t = load(p), x = load(p + LANES), y = load(p + 2 * LANES);
+            const Floats products[] = {v_mul(x, x), v_mul(x, y), v_mul(y, y), v_mul(x, t), v_mul(y, t), x, y};
+            squares = plus(squares, t, t);
+            for (int i = 0; i < PRODUCTS; i++)
+            {
+                sums[i][0] = v_add(sums[i][0], products[i]);
+                sums[i][1] = plus(sums[i][1], products[i], all(float(u)));
+                if (i <= YY)
+                    sums[i][2] = plus(sums[i][2], products[i], all(float(u * u)));
+            }
+        }
+        const int POWERS_OF_U[] = {1, 0, 0, 1, 0, 0}, POWERS_OF_V[] = {0, 1, 0, 0, 1, 0};
+        const Floats factors[] = {all(1), all(float(v)), all(float(v * v))};
+        for (int i = 0; i < UNKNOWNS; i++)
+        {
+            const int u = POWERS_OF_U[i];
+            const Floats& factor = factors[POWERS_OF_V[i]];
+            gradients[i] = plus(gradients[i], sums[X + i / 3][u], factor);
+            withSample[i] = plus(withSample[i], sums[XT + i / 3][u], factor);
+            for (int j = 0; j <= i; j++)
+                lower[i][j] = plus(lower[i][j], sums[XX + i / 3 + j / 3][u + POWERS_OF_U[j]],
+                                   factors[POWERS_OF_V[i] + POWERS_OF_V[j]]);
+        }
     }
 
     // Cholesky's decomposition L D L^T.
@@ -221,15 +178,13 @@ struct PatchSums
         Floats sum = all(0);
         squares = withSample = all(0);
         clear(right);
-        for (int v = -PATCH_RADIUS; v <= PATCH_RADIUS; v++)
+        const auto addRow = [&](int v, const SampleRow<PATCH_RADIUS>& samples)
         {
-            CV_DECL_ALIGNED(CACHE_LINE) float samples[SIDE * LANES];
-            sampleRow<PATCH_RADIUS>(windows, map, v, samples);
             Floats x = all(0), y = x, xu = x, yu = x;
             for (int u = -PATCH_RADIUS; u <= PATCH_RADIUS; u++)
             {
                 const float* const p = first.at(u, v);
-                const Floats s = v_sub(load(samples + (u + PATCH_RADIUS) * LANES), first.mean);
+                const Floats s = v_sub(samples.at(u), first.mean);
                 sum = v_add(sum, s);
                 squares = plus(squares, s, s);
                 withSample = plus(withSample, s, load(p));
@@ -242,7 +197,8 @@ struct PatchSums
             const Floats row[] = {xu, v_mul(x, all(float(v))), x, yu, v_mul(y, all(float(v))), y};
             for (int i = 0; i < UNKNOWNS; i++)
                 right[i] = v_add(right[i], row[i]);
-        }
+        };
+        forEachRow<PATCH_RADIUS>(windows, map, addRow);
         mean = v_mul(sum, all(1 / SAMPLES));
         squares = minus(squares, sum, mean);
     }
@@ -260,12 +216,12 @@ struct PatchSums
         }
     }
 
-    Floats mean, squares;    // mean: less that of the first patch; squares: the sum of those less the mean
+    Floats mean, squares;    // difference of the two patches' means; sum of squared deviations from the mean
     Floats withSample;       // the sum of the products with the samples of the first patch
     Floats right[UNKNOWNS];  // the sums of the products with its derivatives
 };
 
-// The map after the inverse of a change: changed so, the first patch would look as the second one does.
+// Composes the map with the inverse of an increment (inverse compositional update).
 CV_ALWAYS_INLINE AffineMap composeInverse(const AffineMap& map, const Floats* change)
 {
     const Floats a = v_add(all(1), change[0]), b = change[1], c = change[3], d = v_add(all(1), change[4]);
@@ -280,7 +236,7 @@ CV_ALWAYS_INLINE AffineMap composeInverse(const AffineMap& map, const Floats* ch
     return changed;
 }
 
-// What is left of the differences between the patches.
+// The differences between the aligned patches, with the second one brought to the mean and norm of the first one.
 struct Residual
 {
     void sample(const Template& first, const Windows& windows, const AffineMap& map)
@@ -288,32 +244,32 @@ struct Residual
         CV_DECL_ALIGNED(CACHE_LINE) float samples[SIDE * SIDE * LANES];
         Floats sum = all(0);
         squares = all(0);
-        for (int v = 0; v < SIDE; v++)
+        float* out = samples;
+        const auto addRow = [&](int, const SampleRow<PATCH_RADIUS>& row)
         {
-            float* const row = samples + v * SIDE * LANES;
-            sampleRow<PATCH_RADIUS>(windows, map, v - PATCH_RADIUS, row);
-            for (int i = 0; i < SIDE * LANES; i += LANES)
+            for (int u = -PATCH_RADIUS; u <= PATCH_RADIUS; u++, out += LANES)
             {
-                const Floats s = v_sub(load(row + i), first.mean);
+                const Floats s = v_sub(row.at(u), first.mean);
+                v_store(out, s);
                 sum = v_add(sum, s);
                 squares = plus(squares, s, s);
             }
-        }
+        };
+        forEachRow<PATCH_RADIUS>(windows, map, addRow);
         const Floats mean = v_mul(sum, all(1 / SAMPLES));
         squares = minus(squares, sum, mean);
-        const Floats scale = v_sqrt(v_div(first.squares, squares)), offset = v_add(first.mean, mean);
+        const Floats scale = v_sqrt(v_div(first.squares, squares));
         difference = all(0);
         for (int i = 0; i < SIDE * SIDE; i++)
         {
-            const Floats s = v_mul(scale, v_sub(load(samples + i * LANES), offset));
+            const Floats s = v_mul(scale, v_sub(load(samples + i * LANES), mean));
             const Floats d = v_sub(s, load(first.samples[i][0]));
             difference = plus(difference, d, d);
         }
     }
 
-    Floats squares;  // the sum of squared deviations from the mean of the second patch
-    Floats
-        difference;  // the sum of squared differences, with the second patch scaled to the norm of the first one
+    Floats squares;     // the second patch's sum of squared deviations from its mean
+    Floats difference;  // the sum of squared differences after gain and bias
 };
 
 // The variance of the position along its worst axis. The covariance of the shift is the inverse of the Hessian times
@@ -334,8 +290,8 @@ Floats worstVariance(const Template& first, const AffineMap& map, const Floats& 
     const Floats xy = plus(v_mul(xa, map.yu), xb, map.yv), half = v_mul(all(0.5f), v_sub(xx, yy));
     const Floats worst = plus(v_sqrt(plus(v_mul(half, half), xy, xy)), all(0.5f), v_add(xx, yy));
     const float ROUNDING = 1 / 6.f,
-                TWICE = 4;  // TWICE: the Hessian is four times too large, as derivatives are doubled
-    return v_mul(v_mul(all(TWICE), worst), v_max(v_mul(difference, all(1 / SAMPLES)), all(ROUNDING)));
+                DOUBLED = 4;  // DOUBLED: derivatives are, so the Hessian is four times too large
+    return v_mul(v_mul(all(DOUBLED), worst), v_max(v_mul(difference, all(1 / SAMPLES)), all(ROUNDING)));
 }
 
 // Aligns the patches of each lane. Lanes that cannot be aligned go on with the pixels at the origin.
@@ -419,7 +375,12 @@ void alignByLanes(const LevelPatches* patches, int count, LevelAlignment* alignm
         const LevelPatches* ofLanes[LANES];
         LevelAlignment found[LANES];
         for (int lane = 0; lane < LANES; lane++)
-            ofLanes[lane] = patches + (i + lane < count ? i + lane : count - 1);
+            ofLanes[lane] = patches + std::min(i + lane, count - 1);
+        for (int next = i + LANES; next < std::min(i + 2 * LANES, count); next++)
+        {
+            prefetch(patches[next].first, patches[next].spacing);
+            prefetch(patches[next].second, patches[next].spacing);
+        }
         alignLanes(ofLanes, found);
         for (int lane = 0; lane < LANES && i + lane < count; lane++)
             alignments[i + lane] = found[lane];

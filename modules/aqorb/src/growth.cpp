@@ -29,34 +29,41 @@ public:
     {
         for (size_t i = 0; i < points.size(); i++)
             if (std::isfinite(refined.deviations[i]))
-                order.push_back(i);
-        std::sort(order.begin(), order.end(), [&](size_t a, size_t b) { return points[a].y < points[b].y; });
+                order.push_back(int(i));
+        std::sort(order.begin(), order.end(),
+                  [&](int a, int b) { return points[size_t(a)].y < points[size_t(b)].y; });
     }
 
     // The seed nearest to a position of image 1, and of equally near ones the first match. -1 for none.
     int nearest(const Point2f& position) const
     {
         const double MAX_DISTANCE = 60;
-        auto seed = std::lower_bound(order.begin(), order.end(), position.y - MAX_DISTANCE,
-                                     [&](size_t i, double y) { return points[i].y < y; });
         double smallest = MAX_DISTANCE * MAX_DISTANCE;
         int found = -1;
-        for (; seed != order.end() && points[*seed].y <= position.y + MAX_DISTANCE; ++seed)
+        // False if the seeds beyond this one are further away.
+        const auto compare = [&](int seed)
         {
-            const double x = double(points[*seed].x) - position.x, y = double(points[*seed].y) - position.y;
-            const double distance = x * x + y * y;
-            if (distance < smallest || (distance == smallest && (found < 0 || int(*seed) < found)))
+            const Point2d offset = Point2d(points[size_t(seed)]) - Point2d(position);
+            const double distance = offset.dot(offset);
+            if (distance < smallest || (distance == smallest && (found < 0 || seed < found)))
             {
                 smallest = distance;
-                found = int(*seed);
+                found = seed;
             }
-        }
+            return offset.y * offset.y <= smallest;
+        };
+        const auto middle = std::lower_bound(order.begin(), order.end(), position.y,
+                                             [&](int i, float y) { return points[size_t(i)].y < y; });
+        for (auto seed = middle; seed != order.end() && compare(*seed); ++seed)
+            continue;
+        for (auto seed = middle; seed != order.begin() && compare(*--seed);)
+            continue;
         return found;
     }
 
 private:
     const std::vector<Point2f>& points;
-    std::vector<size_t> order;
+    std::vector<int> order;
 };
 
 // The patches of a keypoint of image 1 and of the place in image 2 that a seed predicts.

@@ -185,7 +185,9 @@ std::vector<PatchAlignment> PatchAligner::align(const std::vector<PatchPair>& pa
                 wanted.map[k] = float(pair.map.val[k] / (1 << levelOf(pair.second.spacing)));
             patches.push_back(wanted);
             indices.push_back(i);
-            memory.insert(memory.end(), pixels, pixels + 2);
+            for (const Mat& part : pixels)
+                if (!part.empty())
+                    memory.push_back(part);
         }
         std::vector<LevelAlignment> found(patches.size());
         alignPatches(patches.data(), int(patches.size()), found.data());

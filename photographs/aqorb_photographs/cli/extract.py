@@ -36,6 +36,13 @@ def add(commands):
     options.add_threads(parser)
 
 
+def detector_of(given):
+    detector = aqorb.AdaptiveQuadtreeORB_create(given.num_features)
+    for option, name in DIALS.items():
+        getattr(detector, 'set' + name)(getattr(given, option))
+    return detector
+
+
 def run(given):
     from aqorb_photographs import store
     out = options.store_at(given.out)

@@ -39,8 +39,8 @@ differ in size and type.
 angles. Where one angle or both are -1 the turn is not known, and none is assumed: such matches are aligned where the
 images are turned by less than some 20 degrees against each other.
 @param matches Matches with the queryIdx of a keypoint of image 1 and the trainIdx of a keypoint of image 2. A match is
-removed if it cannot be aligned, or if the patches at the returned positions correlate less than minCorrelation. The others keep their
-order.
+removed if it cannot be aligned, or if the patches at the returned positions correlate less than minCorrelation. The
+others keep their order.
 @param points1 For each match that is left, the position of its keypoint in image 1, in pixels.
 @param points2 For each match that is left, the position in image 2 that shows the same spot, in pixels.
 @param minCorrelation The smallest normalised correlation of the aligned patches, from -1 to 1. With -1 no match is
@@ -50,9 +50,9 @@ cv::xfeatures2d::BEBLID: 1 for ORB, 5 for AKAZE, BRISK and FAST, 6.25 for KAZE a
 is 1.
 
 The patch has 13 x 13 samples, half a pixel of the keypoint's pyramid level apart, but at least 0.7 pixels of image 1.
-They come from the level of a pyramid of halves at which samples are one to two pixels apart: 2^k pixels of the image are
-a pixel of level k, and k is at most 4. Image 1 needs a sample more on each side, for derivatives. A match cannot be
-aligned if
+They come from the level of an image pyramid at which samples are one to two pixels apart. A pixel of level k is the
+mean of 2^k x 2^k pixels of the image, and k is at most 4. In image 1 the patch has a sample more on each side, for
+derivatives. A match cannot be aligned if
 - a position, a size or an angle of its keypoints is not finite, or a size is not positive,
 - a sample lies closer to one of the four sides of its image than half a pixel of its level (half a pixel of the image
 at level 0: beyond the centres of the outermost pixels),
@@ -76,8 +76,9 @@ CV_EXPORTS_W void refineMatches(InputArray image1, const std::vector<KeyPoint>& 
 @param deviations For each match that is left, the standard deviation of its position in image 2, in pixels, along the
 direction in which it is least certain. It is infinite where a match was not aligned, which minCorrelation -1 keeps.
 
-The deviation is that of least squares: the inverse of the Hessian of the alignment times the variance of what differs
-between the patches, times a factor by which 68 % of the errors of photographs are smaller. It has three uses:
+The covariance of the position is the inverse of the Hessian of the alignment times the variance of the differences
+between the patches. A factor calibrates its root on photographs: some 68 % of the errors are smaller than the
+deviation. Three uses:
 - leave the least certain matches out before a pose is estimated,
 - sort the matches by it for PROSAC (cv::USAC_PROSAC), which tries the first ones first,
 - weigh a match by 1 / deviation^2 in a bundle adjustment.
@@ -121,7 +122,8 @@ correlate at least as much as 0.85 and as minCorrelation,
 - and the alignment moves the position by at most 4 pixels.
 
 Keypoints whose match was removed are tried, too. Each keypoint of image 1 grows by itself: two of them may grow onto one
-position, and both matches are kept.
+position, and both matches are kept. A second call with the matches and grown2 of the first one grows further, but few
+matches are added (4 % on photographs).
  */
 CV_EXPORTS_W void growMatches(InputArray image1, const std::vector<KeyPoint>& keypoints1, InputArray image2,
                               const std::vector<KeyPoint>& keypoints2, CV_IN_OUT std::vector<DMatch>& matches,

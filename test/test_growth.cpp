@@ -1,0 +1,349 @@
+// This file is part of aqorb. Copyright (C) The aqorb developers.
+// It is subject to the license terms in the LICENSE file found in the top-level directory
+// of this distribution.
+// SPDX-License-Identifier: Apache-2.0
+
+// Grown matches: against a plain definition in double precision, and on images whose truth is known.
+
+#include "test_precomp.hpp"
+
+#include "matched_views.hpp"
+#include "reference_refinement.hpp"
+
+#include <limits>
+
+namespace opencv_test
+{
+namespace
+{
+
+struct Grown
+{
+    std::vector<DMatch> matches;
+    KeyPoints keypoints2;
+    std::vector<Point2f> points1, points2;
+    std::vector<float> deviations;
+    size_t refined = 0;  //!< how many of the matches were not grown
+};
+
+Grown grow(const MatchedViews& views, float minCorrelation = 0.8f, float scaleFactor = 1)
+{
+    Grown grown;
+    grown.matches = views.matches;
+    aqorb::growMatches(views.image1, views.keypoints1, views.image2, views.keypoints2, grown.matches,
+                       grown.keypoints2, grown.points1, grown.points2, grown.deviations, minCorrelation,
+                       scaleFactor);
+    for (const DMatch& match : grown.matches)
+        grown.refined += match.distance < FLT_MAX;
+    return grown;
+}
+
+bool isSame(const Grown& a, const Grown& b)
+{
+    const auto isSameMatch = [](const DMatch& x, const DMatch& y)
+    { return x.queryIdx == y.queryIdx && x.trainIdx == y.trainIdx && x.distance == y.distance; };
+    const auto isSameKeypoint = [](const KeyPoint& x, const KeyPoint& y)
+    { return x.pt == y.pt && x.size == y.size && x.angle == y.angle && x.octave == y.octave; };
+    return a.matches.size() == b.matches.size() && a.keypoints2.size() == b.keypoints2.size() &&
+           std::equal(a.matches.begin(), a.matches.end(), b.matches.begin(), isSameMatch) &&
+           std::equal(a.keypoints2.begin(), a.keypoints2.end(), b.keypoints2.begin(), isSameKeypoint) &&
+           a.points1 == b.points1 && a.points2 == b.points2 && a.deviations == b.deviations;
+}
+
+Vec2d mapped(const Matx23d& map, const Point2d& p)
+{
+    return map * Vec3d(p.x, p.y, 1);
+}
+
+//! Views of which every fifth keypoint of image 1 has a match, or none if it is wrong.
+MatchedViews sparseViews(const Matx23d& map, double noise = 2)
+{
+    MatchedViews views = viewsOf(Texture(3), map, 1, 0, noise);
+    const std::vector<DMatch> all = views.matches;
+    views.matches.clear();
+    for (size_t i = 0; i < all.size(); i += 5)
+        views.matches.push_back(all[i]);
+    return views;
+}
+
+TEST(Aqorb_Growth, finds_the_matches_of_keypoints_without_one)
+{
+    const Matx23d maps[] = {similarity(1, 0, 0.37, -0.61), similarity(1, 25, 60.3, -40.7),
+                            similarity(1.3, 0, -30.2, -20.9), Matx23d(1.05, 0.15, -10.3, -0.08, 0.95, 20.2)};
+    for (const Matx23d& map : maps)
+    {
+        const MatchedViews views = sparseViews(map);
+        const Grown grown = grow(views);
+        ASSERT_EQ(views.matches.size(), grown.refined);
+        EXPECT_GE(grown.matches.size(), views.keypoints1.size() * 9 / 10) << Mat(map);
+        int wrong = 0, large = 0;
+        for (size_t i = 0; i < grown.matches.size(); i++)
+        {
+            const DMatch& match = grown.matches[i];
+            const KeyPoint &first = views.keypoints1[size_t(match.queryIdx)],
+                           &second = grown.keypoints2[size_t(match.trainIdx)];
+            const Vec2d seen = mapped(map, first.pt);
+            const double error = std::hypot(seen[0] - grown.points2[i].x, seen[1] - grown.points2[i].y);
+            wrong += error > 0.3;
+            large += error > grown.deviations[i];
+            EXPECT_EQ(first.pt, grown.points1[i]);
+            if (i < grown.refined)
+                continue;
+            EXPECT_EQ(second.pt, grown.points2[i]);
+            const double scale = std::sqrt(map(0, 0) * map(1, 1) - map(0, 1) * map(1, 0));
+            EXPECT_NEAR(first.size * scale, second.size, 0.1 * second.size);
+            const double radians = first.angle * CV_PI / 180;
+            const Vec2d direction = Matx22d(map(0, 0), map(0, 1), map(1, 0), map(1, 1)) *
+                                    Vec2d(std::cos(radians), std::sin(radians));
+            const double turn = second.angle - std::atan2(direction[1], direction[0]) * 180 / CV_PI;
+            EXPECT_NEAR(0, std::remainder(turn, 360), 6);
+            EXPECT_EQ(FLT_MAX, match.distance);
+            EXPECT_TRUE(match.imgIdx == 0 && second.response == 0 && second.class_id == -1);
+            EXPECT_EQ(int(views.keypoints2.size() + i - grown.refined), match.trainIdx);
+            EXPECT_TRUE(i == grown.refined || match.queryIdx > grown.matches[i - 1].queryIdx);
+        }
+        EXPECT_LE(wrong, int(grown.matches.size()) / 50);
+        EXPECT_LE(large, int(grown.matches.size()) / 3) << "deviations are too small";
+    }
+}
+
+//! The plain definition: each keypoint without a match by itself.
+TEST(Aqorb_Growth, equals_the_plain_definition)
+{
+    int compared = 0, kept = 0, otherwise = 0;
+    for (int round = 1; round <= 12; round++)
+    {
+        RNG rng(round);
+        MatchedViews views = sparseViews(similarity(rng.uniform(0.7, 1.4), rng.uniform(-30., 30.),
+                                                    rng.uniform(-30., 40.), rng.uniform(-30., 30.)),
+                                         rng.uniform(0., 30.));
+        for (size_t i = 0; i < views.keypoints1.size(); i++)
+        {
+            KeyPoint& keypoint = views.keypoints1[i];
+            keypoint.octave = rng.uniform(0, 8);
+            if (i % 5 == 0)
+                continue;  // it has a match
+            keypoint.pt += Point2f(rng.uniform(-15.f, 15.f), rng.uniform(-15.f, 15.f));
+            keypoint.size *= rng.uniform(0, 4) ? 1 : rng.uniform(0.3f, 6.f);
+        }
+        const Grown grown = grow(views);
+        std::vector<ReferenceAlignment> seeds;
+        std::vector<uchar> hasMatch(views.keypoints1.size());
+        for (size_t i = 0; i < grown.refined; i++)
+        {
+            const KeyPoint &first = views.keypoints1[size_t(grown.matches[i].queryIdx)],
+                           &second = views.keypoints2[size_t(grown.matches[i].trainIdx)];
+            hasMatch[size_t(grown.matches[i].queryIdx)] = 1;
+            seeds.push_back(
+                referenceAlignment(views.image1, first, views.image2, referenceStart(first, second), 1));
+        }
+        size_t next = grown.refined;
+        for (size_t i = 0; i < views.keypoints1.size(); i++)
+        {
+            const KeyPoint& keypoint = views.keypoints1[i];
+            int nearest = -1;
+            double smallest = 60;
+            for (size_t k = 0; k < seeds.size(); k++)
+            {
+                const double distance = cv::norm(Point2d(keypoint.pt) - Point2d(grown.points1[k]));
+                if (distance < smallest || (nearest < 0 && distance == smallest))
+                {
+                    smallest = distance;
+                    nearest = int(k);
+                }
+            }
+            const bool isGrown = next < grown.matches.size() && grown.matches[next].queryIdx == int(i);
+            next += isGrown;
+            if (hasMatch[i] || nearest < 0)
+            {
+                EXPECT_FALSE(isGrown);
+                continue;
+            }
+            const ReferenceAlignment& seed = seeds[size_t(nearest)];
+            const Point2d offset = Point2d(keypoint.pt) - Point2d(grown.points1[size_t(nearest)]);
+            const Vec2d moved = seed.map * Vec2d(offset.x, offset.y);
+            const ReferenceStart start = {seed.position + Point2d(moved[0], moved[1]), seed.map};
+            const ReferenceAlignment expected =
+                referenceAlignment(views.image1, keypoint, views.image2, start, 1);
+            const bool isExpected = expected.isAligned && expected.correlation >= 0.85 &&
+                                    cv::norm(expected.position - start.position) <= 4;
+            compared++;
+            kept += isGrown;
+            otherwise += isGrown != isExpected;
+            if (!isGrown || !isExpected)
+                continue;
+            const KeyPoint& second = grown.keypoints2[size_t(grown.matches[next - 1].trainIdx)];
+            otherwise += cv::norm(Point2d(second.pt) - expected.position) > 0.01;
+            EXPECT_NEAR(1, grown.deviations[next - 1] / expected.deviation, 0.05);
+            EXPECT_NEAR(keypoint.size * std::sqrt(std::abs(determinant(expected.map))), second.size,
+                        0.01 * second.size);
+            const DMatch& match = grown.matches[size_t(nearest)];
+            EXPECT_EQ(std::max(views.keypoints2[size_t(match.trainIdx)].octave + keypoint.octave -
+                                   views.keypoints1[size_t(match.queryIdx)].octave,
+                               0),
+                      second.octave);
+        }
+        EXPECT_EQ(grown.matches.size(), next) << "another order";
+    }
+    EXPECT_GT(kept, compared / 5);
+    EXPECT_LT(kept, compared);
+    EXPECT_LE(otherwise, compared / 100);
+}
+
+//! Two planes that move in different ways meet in the middle of the image.
+TEST(Aqorb_Growth, does_not_carry_a_map_to_another_plane)
+{
+    const Matx23d maps[] = {similarity(1, 0, 2.3, -1.6), similarity(1, 8, 30.3, -9.4)};
+    MatchedViews views = viewsOf(Texture(3), maps[0], 1, 0, 2);
+    const MatchedViews other = viewsOf(Texture(8), maps[1], 1, 0, 2);
+    const int middle = 160;
+    for (int i = 0; i < 2; i++)
+    {
+        Mat& image = i == 0 ? views.image1 : views.image2;
+        const Mat& right = i == 0 ? other.image1 : other.image2;
+        right.colRange(middle, right.cols).copyTo(image.colRange(middle, image.cols));
+    }
+    views.keypoints1.clear();
+    for (int y = 24; y < 220; y += 6)
+        for (int x = 24; x < 300; x += 6)
+            views.keypoints1.push_back(KeyPoint(Point2f(float(x), float(y)), 80, 350));
+    // Only the left plane has matches.
+    views.keypoints2.clear();
+    views.matches.clear();
+    for (size_t i = 0; i < views.keypoints1.size(); i++)
+    {
+        const KeyPoint& first = views.keypoints1[i];
+        const Vec2d seen = mapped(maps[0], first.pt);
+        if (first.pt.x > 110 && first.pt.x < 140 && i % 3 == 0)
+        {
+            views.matches.push_back(DMatch(int(i), int(views.keypoints2.size()), 0));
+            views.keypoints2.push_back(KeyPoint(Point2d(seen[0], seen[1]), 80, 350));
+        }
+    }
+    const Grown grown = grow(views);
+    int left = 0, right = 0, candidates = 0;
+    for (const KeyPoint& keypoint : views.keypoints1)
+        candidates += keypoint.pt.x > middle + 16 && keypoint.pt.x < 195;
+    for (size_t i = grown.refined; i < grown.matches.size(); i++)
+    {
+        left += grown.points1[i].x < middle - 20;
+        right += grown.points1[i].x > middle + 16;
+    }
+    EXPECT_GT(left, 200);
+    EXPECT_LE(right, candidates / 20);
+}
+
+TEST(Aqorb_Growth, tries_keypoints_whose_match_was_removed)
+{
+    const Matx23d map = similarity(1, 5, 3.3, -4.8);
+    MatchedViews views = viewsOf(Texture(3), map, 1, 0, 2);
+    const size_t count = views.matches.size();
+    for (size_t i = 0; i < count; i += 3)
+        views.keypoints2[i].pt += Point2f(60, -35);
+    const Grown grown = grow(views);
+    EXPECT_LE(grown.refined, count * 3 / 4);
+    EXPECT_GE(grown.matches.size(), count * 9 / 10);
+    for (size_t i = grown.refined; i < grown.matches.size(); i++)
+    {
+        const Vec2d seen = mapped(map, grown.points1[i]);
+        EXPECT_LT(std::hypot(seen[0] - grown.points2[i].x, seen[1] - grown.points2[i].y), 0.5);
+    }
+}
+
+TEST(Aqorb_Growth, begins_with_what_refineMatches_gives)
+{
+    MatchedViews views = sparseViews(similarity(1, 5, 3.3, -4.8), 10);
+    views.keypoints2[0].pt.x += 70;
+    for (float minCorrelation : {-1.f, 0.8f, 0.95f})
+    {
+        std::vector<DMatch> matches = views.matches;
+        std::vector<Point2f> points1, points2;
+        std::vector<float> deviations;
+        aqorb::refineMatches(views.image1, views.keypoints1, views.image2, views.keypoints2, matches, points1,
+                             points2, deviations, minCorrelation);
+        const Grown grown = grow(views, minCorrelation);
+        ASSERT_EQ(matches.size(), grown.refined);
+        for (size_t i = 0; i < matches.size(); i++)
+        {
+            EXPECT_EQ(matches[i].trainIdx, grown.matches[i].trainIdx);
+            EXPECT_EQ(points2[i], grown.points2[i]);
+            EXPECT_EQ(deviations[i], grown.deviations[i]);
+        }
+        EXPECT_EQ(views.keypoints2.size() + grown.matches.size() - grown.refined, grown.keypoints2.size());
+    }
+    const size_t some = grow(views, 0.8f).matches.size() - grow(views, 0.8f).refined,
+                 fewer = grow(views, 0.95f).matches.size() - grow(views, 0.95f).refined;
+    EXPECT_LT(fewer, some);
+}
+
+TEST(Aqorb_Growth, threads_colour_and_aliases_give_the_same_bytes)
+{
+    const MatchedViews views = sparseViews(similarity(1, 5, 3.3, -4.8));
+    const Grown expected = grow(views);
+    for (int count : {1, 2, 3, 16})
+    {
+        Threads threads(count);
+        EXPECT_TRUE(isSame(expected, grow(views))) << count;
+    }
+    MatchedViews colour = views;
+    cvtColor(views.image1, colour.image1, COLOR_GRAY2BGR);
+    cvtColor(views.image2, colour.image2, COLOR_GRAY2BGRA);
+    EXPECT_TRUE(isSame(expected, grow(colour)));
+
+    Grown inPlace;
+    inPlace.matches = views.matches;
+    inPlace.keypoints2 = views.keypoints2;
+    aqorb::growMatches(views.image1, views.keypoints1, views.image2, inPlace.keypoints2, inPlace.matches,
+                       inPlace.keypoints2, inPlace.points1, inPlace.points2, inPlace.deviations);
+    EXPECT_TRUE(isSame(expected, inPlace));
+}
+
+TEST(Aqorb_Growth, bad_keypoints_grow_nothing_and_bad_arguments_raise)
+{
+    const MatchedViews good = sparseViews(similarity(1, 5, 3.3, -4.8));
+    const size_t expected = grow(good).matches.size();
+    const float endless = std::numeric_limits<float>::infinity();
+    for (float value : {std::numeric_limits<float>::quiet_NaN(), endless, -endless, -1e30f, 1e30f})
+    {
+        for (int field = 0; field < 4; field++)
+        {
+            if (field == 3 && std::isfinite(value))
+                continue;
+            MatchedViews views = good;
+            KeyPoint& k = views.keypoints1[7];
+            (field == 0 ? k.pt.x : field == 1 ? k.pt.y : field == 2 ? k.size : k.angle) = value;
+            EXPECT_EQ(expected - 1, grow(views).matches.size()) << field << " " << value;
+        }
+    }
+    MatchedViews views = good;
+    views.keypoints1[7].octave = INT_MAX;
+    views.keypoints1[size_t(views.matches[1].queryIdx)].octave = INT_MIN;
+    EXPECT_EQ(expected, grow(views).matches.size());
+    views = good;
+    views.keypoints1[7].angle = -1;
+    const Grown upright = grow(views);
+    for (size_t i = upright.refined; i < upright.matches.size(); i++)
+        EXPECT_EQ(upright.matches[i].queryIdx == 7,
+                  upright.keypoints2[size_t(upright.matches[i].trainIdx)].angle == -1);
+
+    Grown outputs;
+    outputs.matches = good.matches;
+    outputs.deviations.resize(3);
+    const std::string message = messageOf(
+        [&]
+        {
+            aqorb::growMatches(good.image1, good.keypoints1, Mat(), good.keypoints2, outputs.matches,
+                               outputs.keypoints2, outputs.points1, outputs.points2, outputs.deviations);
+        });
+    EXPECT_NE(std::string::npos, message.find("image2 must"));
+    EXPECT_TRUE(outputs.matches.size() == good.matches.size() && outputs.deviations.size() == 3);
+
+    views.matches.clear();
+    views.image1.release();
+    const Grown none = grow(views);
+    EXPECT_TRUE(none.matches.empty() && none.points1.empty() && none.deviations.empty());
+    EXPECT_EQ(views.keypoints2.size(), none.keypoints2.size());
+}
+
+}  // namespace
+}  // namespace opencv_test
