@@ -121,9 +121,9 @@ equally near ones the first one counts),
 correlate at least as much as 0.85 and as minCorrelation,
 - and the alignment moves the position by at most 4 pixels.
 
-Keypoints whose match was removed are tried, too. Each keypoint of image 1 grows by itself: two of them may grow onto one
-position, and both matches are kept. A second call with the matches and grown2 of the first one grows further, but few
-matches are added (4 % on photographs).
+Keypoints whose match was removed are tried, too. Each keypoint of image 1 grows by itself: two of them may grow onto
+one position, and both matches are kept. A second call with the matches and grown2 of the first one grows further, but
+few matches are added (4 % on photographs).
  */
 CV_EXPORTS_W void growMatches(InputArray image1, const std::vector<KeyPoint>& keypoints1, InputArray image2,
                               const std::vector<KeyPoint>& keypoints2, CV_IN_OUT std::vector<DMatch>& matches,
