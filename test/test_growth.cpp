@@ -122,7 +122,7 @@ TEST(Aqorb_Growth, equals_the_plain_definition)
             KeyPoint& keypoint = views.keypoints1[i];
             keypoint.octave = rng.uniform(0, 8);
             if (i % 5 == 0)
-                continue;  // it has a match
+                continue;   // it has a match
             if (round % 2)  // else several seeds are equally near
                 keypoint.pt += Point2f(rng.uniform(-15.f, 15.f), rng.uniform(-15.f, 15.f));
             keypoint.size *= rng.uniform(0, 4) ? 1 : rng.uniform(0.3f, 6.f);
