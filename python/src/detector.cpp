@@ -119,8 +119,8 @@ computeImages(const Detector& self, const ImagesObject& images, const KeyPointLi
     const std::vector<Pixels> pixels = toImages(images.object);
     std::vector<KeyPoints> computed = toKeyPointLists(keypoints.object, pixels.size());
     std::vector<std::vector<cv::KeyPoint>> points;
-    for (KeyPoints& ofImage : computed)
-        points.push_back(std::move(ofImage.points));
+    for (KeyPoints& imageKeypoints : computed)
+        points.push_back(std::move(imageKeypoints.points));
     std::vector<cv::Mat> descriptors;
     withoutGil([&] { library->compute(matricesOf(pixels), points, descriptors); });
     std::pair<std::vector<KeyPointsObject>, std::vector<OptionalArrayObject>> result;

@@ -43,12 +43,12 @@ CV_ALWAYS_INLINE v_uint16 blockDistances(const uint64* query, const uint64* bloc
             for (int j = 0; j < 4; j++)
                 counts[j] = addBits(counts[j], v_xor(word, vx_load(block + j * AQORB_LANES(v_uint64))));
         }
-        distances = WORDS ? bitsOfWords(counts) : v_add_wrap(distances, bitsOfWords(counts));
+        distances = WORDS ? wordBits(counts) : v_add_wrap(distances, wordBits(counts));
     }
     return distances;
 }
 
-//! The lane of a train descriptor within its block, in the order of bitsOfWords.
+//! The lane of a train descriptor within its block, in the order of wordBits.
 int laneOf(int train)
 {
     return train % 8 / 2 * AQORB_LANES(v_uint64) + train / 8 * 2 + train % 2;
