@@ -93,7 +93,7 @@ Mat checkedMask(InputArray input, Size imageSize)
     if (input.empty())
         return Mat();
     if (isSequence(input))
-        CV_Error_(Error::StsBadArg, ("mask must be a single one, got a sequence of %d", int(input.total())));
+        CV_Error_(Error::StsBadArg, ("mask must be one image, got a sequence of %d", int(input.total())));
     if (input.dims() > 2 || input.type() != CV_8UC1 || input.size() != imageSize)
         CV_Error_(Error::StsBadArg,
                   ("mask must be CV_8UC1 of the image's size, %d x %d, got %d x %d of type %s",

@@ -266,9 +266,9 @@ static CV_ALWAYS_INLINE v_int16 blendHigh(const v_int16& a, const v_int16& b, in
 // Bit counts of 64-bit words: a vector holds the same word of several descriptors. If a table counts the bits of half a
 // byte, the two halves are separate words: the difference of two words is an index of the table.
 #if CV_SSSE3 && !CV_AVX_512BITALG
-const int BIT_PLANES = 2;
+const int WORD_HALVES = 2;
 #else
-const int BIT_PLANES = 1;
+const int WORD_HALVES = 1;
 #endif
 
 //! Adds the bit counts of words to sums, the arguments of wordBits.
