@@ -45,8 +45,7 @@ namespace aqorb
 
 Use it if keypoints must cover the image: for visual odometry and SLAM, stitching, homographies, and dark or
 low-contrast images. Prefer cv::ORB if you want only the strongest keypoints, wherever they lie, or the same keypoints
- as
-earlier runs of cv::ORB.
+as earlier runs of cv::ORB.
 
 @code{.cpp}
     Ptr<aqorb::AdaptiveQuadtreeORB> detector = aqorb::AdaptiveQuadtreeORB::create(1000);  // was: ORB::create(1000)
@@ -92,9 +91,8 @@ An invalid parameter raises a cv::Exception that names it and leaves the object 
 combinations of parameters; setters do not, because they may come in any order. An image and each level have at most
 2^20 - 1 pixels a side; otherwise an exception names the size of the image. compute raises an exception for a keypoint
 whose octave is negative or stands for a level without a pixel, or whose angle is not finite. An octave may be nlevels
- or
-more, as with cv::ORB, but must be below 64. A call that raises an exception because of an argument leaves its outputs
-unchanged. */
+or more, as with cv::ORB, but must be below 64. A call that raises an exception because of an argument leaves its
+outputs unchanged. */
 class CV_EXPORTS_W AdaptiveQuadtreeORB : public cv::ORB
 {
 public:
@@ -155,8 +153,7 @@ public:
     Coarse levels choose first, so keypoints of neighbouring levels lie at least this many pixels of the finer level
     apart. The detector takes a nearer corner only when no corner that keeps the distance is left. The distance counts
     between the detected pixels, mapped to the image by pixel centres. Refined positions (setSubPixel()) can come
- nearer.
-    0 switches the rule off, as in the paper. */
+    nearer. 0 switches the rule off, as in the paper. */
     CV_WRAP virtual void setOctaveSuppression(double octaveSuppression) = 0;
     CV_WRAP virtual double getOctaveSuppression() const = 0;  //!< see setOctaveSuppression()
 
@@ -175,8 +172,7 @@ public:
 
     /** @brief Ratio of the FAST threshold to the lower threshold in cells without a corner: finite, >= 1. The default
     is 4, as in the paper. Cells are squares of 35 pixels of the level. The lower threshold is never above
- fastThreshold,
-    so with 1 both thresholds are equal unless the first is above fastThreshold. */
+    fastThreshold, so with 1 both thresholds are equal unless the first is above fastThreshold. */
     CV_WRAP virtual void setMinThresholdRatio(double minThresholdRatio) = 0;
     CV_WRAP virtual double getMinThresholdRatio() const = 0;  //!< see setMinThresholdRatio()
 

@@ -44,8 +44,7 @@ columns holds no descriptors. Anything else raises a cv::Exception that names it
 matrices come after Mat matrices. Descriptors of more than 1024 bytes take as long as with cv::BFMatcher.
 
 Several threads may use one object at the same time, while no thread calls add, clear or train. After add, one match
- with
-the collection must return before several threads match with it.
+with the collection must return before several threads match with it.
  */
 class CV_EXPORTS_W HammingMatcher : public cv::BFMatcher
 {
@@ -80,8 +79,7 @@ Each query descriptor is paired with its nearest train descriptor; ties go to th
 all requested tests.
 
 @param queryDescriptors, trainDescriptors CV_8UC1, one descriptor per row, of the same width. If either has no rows or
- no
-columns, there are no matches.
+no columns, there are no matches.
 @param pairs CV_32SC1, one row for each match: the indices of the query and the train descriptor, in the order of the
 queries. It is empty without matches.
 @param distances CV_32SC1, one element for each match: its distance in bits, or pairs of bits.
@@ -116,8 +114,7 @@ CV_EXPORTS_W void knnMatchArrays(InputArray queryDescriptors, InputArray trainDe
                                  int normType = NORM_HAMMING);
 
 /** @brief Matches binary descriptors with approximately known positions, as in a video or in a pair of rectified
- images:
-it compares a query only with train descriptors near its predicted position.
+images: it compares a query only with train descriptors near its predicted position.
 
 It matches like matchArrays, among pairs whose train keypoint lies within the window of the query. Its time grows with
 the number of keypoints within reach.height of the query's row. It takes about as long as matchArrays if all keypoints
@@ -136,7 +133,7 @@ An example:
 @param predicted The expected position among the train keypoints for each row of queryDescriptors, in pixels. A query
 whose position is not finite has no match.
 @param trainKeypoints The keypoint of each row of trainDescriptors. A keypoint whose position is not finite has no
- match.
+match.
 @param reach Largest offset of a keypoint from the predicted position, in pixels: reach.width in x, reach.height in y,
 both >= 0. Infinity is accepted; an infinite width gives a band of rows.
 @param pairs, distances, ratio, crossCheck, maxDistance, normType as for matchArrays

@@ -22,8 +22,7 @@ namespace aqorb
 /** @brief Aligns the images at each match, moves its position in image 2 accordingly, and removes wrong matches.
 
 Call it between a matcher and an estimator such as findHomography or findEssentialMat, in place of a loop that copies
- the
-positions of the matches:
+the positions of the matches:
 @code{.cpp}
     matcher.match(descriptors1, descriptors2, matches);
     aqorb::refineMatches(image1, keypoints1, image2, keypoints2, matches, points1, points2);
@@ -39,9 +38,8 @@ differ in size and type.
 @param keypoints1, keypoints2 Keypoints of any detector. The difference of the two angles turns the patch of image 2. If
 either angle is -1, alignment starts without a turn and succeeds up to some 20 degrees between the images.
 @param matches Matches with the queryIdx of a keypoint of image 1 and the trainIdx of a keypoint of image 2. The
- function
-removes a match if it cannot be aligned, or if the patches at the returned positions correlate less than minCorrelation.
-The remaining matches keep their order.
+function removes a match if it cannot be aligned, or if the patches at the returned positions correlate less than
+minCorrelation. The remaining matches keep their order.
 @param points1 For each remaining match, the position of its keypoint in image 1, in pixels.
 @param points2 For each remaining match, the position of the same spot in image 2, in pixels.
 @param minCorrelation The smallest normalised correlation of the aligned patches, from -1 to 1. With -1 no match is
@@ -75,8 +73,7 @@ CV_EXPORTS_W void refineMatches(InputArray image1, const std::vector<KeyPoint>& 
 
 /** @overload
 @param deviations For each remaining match, the standard deviation of its position in image 2, in pixels, along its
- least
-certain direction. It is infinite for a match that minCorrelation -1 keeps without alignment.
+least certain direction. It is infinite for a match that minCorrelation -1 keeps without alignment.
 
 The covariance of the position is the inverse of the Hessian of the alignment times the variance of the differences
 between the patches. A factor calibrates its root on photographs: some 68 % of the errors are smaller than the
@@ -95,9 +92,8 @@ CV_EXPORTS CV_WRAP_AS(refineMatchesWithDeviations) void refineMatches(
 
 A descriptor finds the match of about every third keypoint. The affine map of an aligned match predicts the positions of
 neighbouring keypoints in image 2. growMatches first does what refineMatches does. Then it aligns each unmatched
- keypoint
-of image 1 at the position that the nearest refined match predicts, and keeps the match if the patches correlate. This
-doubles the number of right matches, which makes poses more exact:
+keypoint of image 1 at the position that the nearest refined match predicts, and keeps the match if the patches
+correlate. This doubles the number of right matches, which makes poses more exact:
 @code{.cpp}
     matcher.match(descriptors1, descriptors2, matches);
     aqorb::growMatches(image1, keypoints1, image2, keypoints2, matches, grown2, points1, points2, deviations);
@@ -119,8 +115,7 @@ class_id -1.
 
 A match is grown if
 - a refined match, which correlates at least minCorrelation, lies at most 60 pixels from the keypoint in image 1 (ties
- go
-to the first match),
+go to the first match),
 - the patches can be aligned as in refineMatches, starting from the predicted position and affine map, and correlate at
 least 0.85 and at least minCorrelation,
 - and the alignment moves the position by at most 4 pixels.

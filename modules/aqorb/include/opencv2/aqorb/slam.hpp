@@ -40,9 +40,8 @@ The extractor sets four properties of the detector for SLAM systems. SubPixel is
 subtracts a whole pixel of the level times its scale from the position of the left keypoint: with positions mapped by
 pixel centres, disparities would be too large by (scale - 1) / 2 pixels. AdaptiveThreshold is false, so FAST takes the
 given thresholds. OctaveSuppression is 0, because a single camera starts from keypoints of the finest level only, and
- the
-best of them often lie near keypoints of a coarser level. StrengthWeight is 0.15, because stronger corners reappear in
-more frames, at the cost of a slightly less even distribution. detector() gives access to all properties.
+the best of them often lie near keypoints of a coarser level. StrengthWeight is 0.15, because stronger corners reappear
+in more frames, at the cost of a slightly less even distribution. detector() gives access to all properties.
 
 It works on the calling thread alone, because SLAM systems call it from threads of their own. On a busy core, waiting
 for another thread takes longer than its share of the work.
