@@ -27,8 +27,8 @@ def add(commands):
     parser.add_argument('features', metavar='FEATURES', help='folder of aqorb extract')
     parser.add_argument('--pairs', required=True,
                         help='sequential:K, each image with the next K by name; retrieval:K, each image with the K '
-                        'most similar images; both, joined by a +; exhaustive; or a file with two names per line, separated '
-                        'by a tab or spaces; - is standard input')
+                        'most similar images; both, joined by a +; exhaustive; or a file with two names per line, '
+                        'separated by a tab or spaces; - is standard input')
     parser.add_argument('--out', required=True, metavar='FOLDER', help='folder of Parquet files for the matches')
     parser.add_argument('--ratio', type=float, default=.8,
                         help='limit of the distance over the second nearest distance (%(default)s)')
