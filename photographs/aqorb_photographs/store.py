@@ -107,7 +107,7 @@ def reading(path):
         raise
     except Exception as error:  # pyarrow raises errors of many types
         raise InputError(f'{path} is damaged, or not a part of aqorb: '
-                      f'{" ".join(str(error).split()) or type(error).__name__}') from error
+                         f'{" ".join(str(error).split()) or type(error).__name__}') from error
 
 
 def check(table):
@@ -385,7 +385,8 @@ class Matches(Parts):
 
 
 def to_matches(features, pairs, found, parameters):
-    """The table of pairs of images, given by rows of two indices, of what was found for each: its columns of lists."""
+    """Returns the table of pairs of images. pairs are rows of two indices, and found the columns of lists of each
+    pair."""
     names, digests = features.images, features.value('digest')
     columns = [[column[image] for image in pairs[:, side]] for column in (names, digests) for side in (0, 1)]
     columns += [[json.dumps(parameters)] * len(pairs), *zip(*found)]

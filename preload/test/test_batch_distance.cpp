@@ -47,7 +47,7 @@ struct Outcome
 
 struct Call
 {
-    Mat src1, src2, mask, dist, nidx;  // the latter two are what the outputs hold before
+    Mat src1, src2, mask, dist, nidx;  // dist and nidx: the outputs before the call
     int dtype, normType, K, update;
     bool crosscheck, hasIndices;
 };

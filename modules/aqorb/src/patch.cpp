@@ -3,7 +3,7 @@
 // of this distribution.
 // SPDX-License-Identifier: Apache-2.0
 
-// Copies pixels, and reflects those beyond the border.
+// Copies pixels, with reflection at the border.
 
 #include "precomp.hpp"
 

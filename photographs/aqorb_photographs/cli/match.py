@@ -99,7 +99,7 @@ def pairs_of(given, features):
         return blocks, reach * count - reach * (reach + 1) // 2
     if given.pairs != '-' and not os.path.isfile(given.pairs):
         raise InputError('--pairs must be sequential:K, retrieval:K, both joined by a +, exhaustive or a file, got '
-                      + given.pairs)
+                         + given.pairs)
     pairs = list_of(given.pairs, features)
     return [pairs], len(pairs)
 
