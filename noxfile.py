@@ -95,6 +95,19 @@ def collection(session):
     pytest(session, '-s', *session.posargs, 'photographs/samples', AQORB_PHOTOGRAPHS=PHOTOGRAPHS, **built())
 
 
+@nox.session(venv_params=['--system-site-packages'])
+def poses(session):
+    """With 4 or 5 before the options beside that version of cv2, otherwise beside Debian's. Its numpy is Debian's."""
+    options = session.posargs
+    packages = {'4': [OPENCV_4], '5': [OPENCV_5]}.get(options[0] if options else '', [])
+    session.install('--no-deps', 'poselib==2.0.5', *packages)
+    sequence = os.environ.get('AQORB_TEST_SEQUENCE')
+    session.run('python', 'tools/evaluate/aqorb_evaluate.py', 'poses',
+                os.environ['AQORB_STRECHA'] + '/Benchmarking_Camera_Calibration_2008',
+                *(['--sequence=' + sequence] if sequence else []), *options[len(packages):],
+                env={'PYTHONDONTWRITEBYTECODE': '1', **built()})
+
+
 @nox.session
 def notebook(session):
     session.log('beside %s: some 3 minutes, most of them without a word', OPENCV_4)
@@ -181,7 +194,8 @@ def offline(session):
 ])
 def peers(session, cv2, methods):
     """Other ORB detectors that pip installs. The second one prints the table of all."""
-    session.install(cv2, 'kornia-rs', 'scikit-image', os.path.abspath(session.posargs[0]))
+    # A path as the caller gave it: nox has changed the folder.
+    session.install(cv2, 'kornia-rs', 'scikit-image', os.path.join(os.environ['PWD'], session.posargs[0]))
     folder = BUILD / 'peers'
     folder.mkdir(exist_ok=True)
     program = ('python', 'tools/evaluate/peers.py')

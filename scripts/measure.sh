@@ -6,6 +6,7 @@
 #   scripts/measure.sh claims [OPTION ...]    what is claimed of the selection (doc/reproduction.md)
 #   scripts/measure.sh refinement [OPTION ...]  what refineMatches gives (doc/reproduction.md)
 #   scripts/measure.sh poses [4|5] [OPTION ...]  relative poses, by OpenCV and PoseLib (doc/reproduction.md)
+#   scripts/measure.sh readme                 README's table
 #   scripts/measure.sh recipes                what the tutorial's recipes give
 #   scripts/measure.sh heldout                fetches the pairs of images that nothing was tuned on, to build/held_out
 #   scripts/measure.sh peers WHEEL            other ORB detectors that pip installs (doc/peers.md)
@@ -39,7 +40,7 @@ harness() {
 
 # summary NAME: the table of OpenCV's times and of another run's.
 summary() {
-    "$PYTHON" "$OPENCV_SOURCE/modules/ts/misc/summary.py" --output=markdown --metric=median --columns="cv,$1" \
+    "$PYTHON" "$OPENCV_SOURCE/modules/ts/misc/summary.py" --output=markdown --metric=median \
         "$BUILD/perf"/{opencv,"$1"}.xml
 }
 
@@ -86,11 +87,10 @@ evaluate() {
     build "$BUILD/release" --target _aqorb
     say "Measuring; the first row may take a minute, all of them hours" >&2
     PYTHONPATH=$BUILD/release/python PYTHONDONTWRITEBYTECODE=1 \
-        "${EVALUATE:-$PYTHON}" "$ROOT/tools/evaluate/aqorb_evaluate.py" "$1" "${@:2}"
+        "$PYTHON" "$ROOT/tools/evaluate/aqorb_evaluate.py" "$1" "${@:2}"
 }
 
 paper() {
-    photographs
     evaluate paper "$datasets" --out="$BUILD/paper" "$@"
     configure release -DAQORB_BUILD_BENCHMARK=ON
     build "$BUILD/release" --target aqorb_depth
@@ -98,38 +98,22 @@ paper() {
 }
 
 claims() {
-    photographs
     local data=(--object="$OPENCV_TEST_DATA_PATH/cv/shared")
     [[ ! ${AQORB_TEST_SEQUENCE:-} ]] || data+=(--sequence="$AQORB_TEST_SEQUENCE")
     [[ ! -d $BUILD/held_out ]] || data+=(--heldout="$BUILD/held_out")
     evaluate claims "$datasets" "${data[@]}" "$@"
 }
 
-refinement() {
-    photographs
-    evaluate refinement "$datasets" "$@"
-}
-
 poses() {
-    local packages=(poselib==2.0.5) venv=$BUILD/venv/poses
-    case ${1:-} in
-    4) packages+=("opencv-python-headless==$OPENCV_4") ;;
-    5) packages+=("opencv-python-headless==$OPENCV_5") ;;
-    esac
-    ((${#packages[@]} == 1)) || shift
     strecha fountain-P11 entry-P10 || die "could not fetch the photographs; is there a network?"
-    need python
-    # Debian's numpy for all, as the module is built for it.
-    "$PYTHON" -m venv --clear --system-site-packages "$venv"
-    "$venv/bin/pip" install -q --no-deps "${packages[@]}" ||
-        die "could not fetch from the Python package index; is there a network?"
-    EVALUATE=$venv/bin/python evaluate poses "$AQORB_STRECHA/Benchmarking_Camera_Calibration_2008" \
-        ${AQORB_TEST_SEQUENCE:+--sequence="$AQORB_TEST_SEQUENCE"} "$@"
+    export AQORB_STRECHA
+    "$ROOT/scripts/python.sh" poses "$@"
 }
 
-recipes() {
-    photographs
-    evaluate recipes "$datasets"
+readme() {
+    strecha fountain-P11 entry-P10 || die "could not fetch the photographs; is there a network?"
+    opencv_samples
+    evaluate readme "$AQORB_STRECHA/Benchmarking_Camera_Calibration_2008" "$OPENCV_SAMPLES"
 }
 
 # Unpacks the packages of tools/evaluate/held_out.csv without installing them.
@@ -154,13 +138,12 @@ heldout() {
     evaluate held-out "$folder" "$BUILD/held_out"
 }
 
-peers() {
-    (($# == 1)) || die "peers: name one wheel; --help says more"
-    photographs
-    "$ROOT/scripts/python.sh" peers "$(realpath "$1")"
-}
-
 case ${1:-} in
-speed | paper | claims | refinement | poses | recipes | heldout | peers) "$@" ;;
-*) die "'${1:-}' is none of speed, paper, claims, refinement, poses, recipes, heldout, peers; --help says more" ;;
+paper | claims | refinement | recipes | peers) photographs ;;
+esac
+case ${1:-} in
+speed | readme | poses | heldout | paper | claims) "$@" ;;
+refinement | recipes) evaluate "$1" "$datasets" "${@:2}" ;;
+peers) "$ROOT/scripts/python.sh" peers "${2:?names no wheel}" ;;
+*) die "'${1:-}' is none of speed, paper, claims, refinement, readme, poses, recipes, heldout, peers; --help says more" ;;
 esac

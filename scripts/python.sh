@@ -13,7 +13,7 @@
 #               pip's cv2. The wheels of a release are built in the same way by .github/workflows/wheels.yml
 #   beside      the tests of this wheel beside other versions of cv2 and NumPy
 #   offline     installed as packagers do it: from the source distribution, where there is no git and no network
-#   peers       scripts/measure.sh peers
+#   peers, poses  scripts/measure.sh peers, poses
 #
 # The package is left in build/release/python, where programs find it with PYTHONPATH. Tests that need images of
 # opencv_extra are skipped unless OPENCV_TEST_DATA_PATH names its testdata folder.
@@ -23,8 +23,8 @@ source "$(dirname "$0")/common.sh"
 
 session=${1:-tests}
 case $session in
-tests | collection | hostile)
-    need build test python
+tests | collection | hostile | poses)
+    need build test python python3-matplotlib
     configure release -DAQORB_BUILD_PYTHON=ON -DPython_EXECUTABLE="$PYTHON"
     build "$BUILD/release" --target _aqorb sample_images
     ;;
@@ -45,5 +45,4 @@ wheel | beside)
 *) need build ;;
 esac
 tools nox
-cd "$ROOT"
-exec "$TOOLS/python" -m nox --envdir "$BUILD/venv/nox" --session "$session" -- "${@:2}"
+exec "$TOOLS/python" -m nox --noxfile "$ROOT/noxfile.py" --envdir "$BUILD/venv/nox" --session "$session" -- "${@:2}"

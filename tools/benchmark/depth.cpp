@@ -51,7 +51,7 @@ int main(int argc, char** argv)
             regions.push_back(Parameters().keypointRegion(pyramid[i].size()));
         }
         CornerSpace space;
-        findCorners(levels, regions, {fastThresholds(varianceOverMean(image, cv::Mat()), 20, 4), false}, 1,
+        findCorners(levels, regions, {fastThresholds(varianceOverMean(image, cv::Mat(), 1), 20, 4), false}, 1,
                     space);
         const std::vector<int> quotas =
             quadtreeQuotas(FEATURES, detector->getScaleFactor(), int(levels.size()));

@@ -22,6 +22,7 @@ import claims
 import held_out
 import paper
 import poses
+import readme
 import recipes
 import refinement
 from methods import PAPER
@@ -127,6 +128,12 @@ def main():
     command = commands.add_parser('recipes', help="what the tutorial's recipes give")
     command.set_defaults(run=print_tables, tables=recipes.tables)
     command.add_argument('datasets', metavar='DATASETS')
+
+    command = commands.add_parser('readme', help="README's table")
+    command.set_defaults(run=print_tables, tables=lambda options: [('Measured on one thread', readme.HEAD,
+                                                                    readme.rows(options))])
+    command.add_argument('scenes', metavar='SCENES', help="folder with Strecha's fountain-P11 and entry-P10")
+    command.add_argument('object', metavar='OBJECT', help="folder with box.png and box_in_scene.png of OpenCV's samples")
 
     command = commands.add_parser('held-out', help='lay out the pairs of images that nothing was tuned on')
     command.set_defaults(run=held_out.lay_out_all)
