@@ -17,7 +17,7 @@ from PIL import PngImagePlugin
 from PIL.TiffImagePlugin import IFDRational
 
 from aqorb_photographs import images
-from command_support import Image, call_of, encoded, expected, noise, rows, run
+from conftest import Image, call_of, encoded, expected, noise, rows, run
 
 
 def read(content, **options):

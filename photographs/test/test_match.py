@@ -6,6 +6,7 @@
 
 import itertools
 import os
+import pathlib
 import re
 import shutil
 import sqlite3
@@ -16,7 +17,7 @@ import pytest
 
 import aqorb
 from aqorb_photographs import store
-from command_support import Image, command, expected, matches_of, noise, parts_of, pq, refused, rows, run
+from conftest import Image, command, expected, matches_of, noise, parts_of, pq, refused, rows, run
 
 PLACE = {0x8769: {0xa405: 28}, 0x8825: {1: 'N', 2: (47., 30., 0.), 3: 'E', 4: (8., 15., 0.), 6: 400.}}  # and a focal length
 
@@ -239,6 +240,44 @@ def test_tracks(tmp_path):
     detected, refined = (np.percentile(found, (50, 95)) for found in errors.values())
     assert len(errors[1]) > .7 * len(errors[0]) > 1000
     assert (refined < detected * [.65, .4]).all() and refined[1] < 1, (detected, refined)
+
+
+def distance_between(found, truth):
+    """The mean distance of points from the true ones, after the similarity that takes them there."""
+    moved, true = found - found.mean(0), truth - truth.mean(0)
+    u, values, v = np.linalg.svd(true.T @ moved)
+    values[2] *= np.linalg.det(u @ v)
+    u[:, 2] *= np.linalg.det(u @ v)
+    return np.linalg.norm(moved @ (u @ v).T * values.sum() / (moved**2).sum() - true, axis=1).mean()
+
+
+@pytest.mark.skipif('AQORB_STRECHA' not in os.environ, reason='AQORB_STRECHA is not set')
+def test_refined_tracks(tmp_path):
+    """Photographs of a fountain with known cameras (github.com/openMVG/SfM_quality_evaluation), by COLMAP."""
+    scene, = pathlib.Path(os.environ['AQORB_STRECHA']).rglob('fountain-P11')
+    images, truth = tmp_path / 'images', {}
+    images.mkdir()
+    for path in (scene / 'images').glob('*.jpg'):
+        truth[f'{path.stem}.png'] = np.loadtxt(scene / f'gt_dense_cameras/{path.name}.camera', skiprows=7, max_rows=1)
+        image = Image.open(path).convert('L')
+        image.resize((1024, 683), Image.LANCZOS).save(images / f'{path.stem}.png')
+    (fx, _, cx), (_, fy, cy), _ = np.loadtxt(scene / 'images/K.txt') * 1024 / image.width
+    camera = '--camera-mode', 'SINGLE', '--camera-model', 'PINHOLE', '--camera-params', f'{fx},{fy},{cx},{cy}'
+    run('extract', images, '--out', tmp_path / 'f', '--num-features', 2000)
+    run('match', tmp_path / 'f', '--pairs', 'exhaustive', '--out', tmp_path / 'm')
+    for option in [], ['--refine']:
+        database, model = tmp_path / f'x{len(option)}.db', tmp_path / f'model{len(option)}'
+        run('colmap', tmp_path / 'f', tmp_path / 'm', '--images', images, '--database', database, *camera, *option)
+        model.mkdir()
+        options = pycolmap.IncrementalPipelineOptions(ba_refine_focal_length=False, ba_refine_extra_params=False)
+        options.random_seed = 0
+        found = pycolmap.incremental_mapping(str(database), str(images), str(model), options)[0]
+        centers = {image.name: image.projection_center() for image in found.images.values() if image.has_pose}
+        error = distance_between(np.array(list(centers.values())), np.array([truth[name] for name in centers]))
+        reprojection = found.compute_mean_reprojection_error()
+        print(f'{" ".join(option) or "as detected"}: {len(centers)} images, reprojection error {reprojection:.3f} px, '
+              f'error of camera positions {1000 * error:.1f} mm')
+    assert len(centers) == len(truth) and reprojection <= .16 and error <= .003
 
 
 # Pictures

@@ -13,7 +13,7 @@ import numpy as np
 import pytest
 
 from aqorb_photographs import places, store
-from command_support import Image, matches_of, noise, parts_of, pq, refused, run
+from conftest import Image, matches_of, noise, parts_of, pq, refused, run
 
 COUNT = 24  # images of the clip, which returns to where it began: image i shows what image COUNT - 1 - i shows
 

@@ -15,8 +15,6 @@ import numpy as np
 import pytest
 
 SAMPLES = pathlib.Path(__file__).resolve().parent.parent
-RAY_SAMPLES = SAMPLES.parent / 'photographs' / 'samples'
-HOMOGRAPHY = np.array([[0.9, -0.15, 90], [0.1, 0.95, -20], [1e-4, 5e-5, 1]])  # from view1.png to view2.png
 
 
 @pytest.fixture(scope='module')
@@ -43,14 +41,6 @@ def run(images, command):
     return result.stdout, cv.imread(str(images / 'out.png'))
 
 
-def test_homography(images):
-    output, _ = run(images, 'homography view1.png view2.png')
-    found = np.array([row.split() for row in re.findall(r'^ ?\[+(.*?)\]+$', output, re.MULTILINE)], float)
-    corners = np.float32([[[0, 0]], [[899, 0]], [[899, 599]], [[0, 599]]])
-    difference = cv.perspectiveTransform(corners, found) - cv.perspectiveTransform(corners, HOMOGRAPHY)
-    assert np.abs(difference).max() < 2
-
-
 def test_panorama(images):
     _, picture = run(images, 'panorama part1.png part2.png part3.png')
     assert abs(picture.shape[1] - 900) < 40 and abs(picture.shape[0] - 600) < 40
@@ -73,19 +63,10 @@ def test_retain_uniform(images):
     assert occupied[1] > occupied[0] and occupied[3] > occupied[2]
 
 
-@pytest.mark.parametrize('name', ['ray_features', 'ray_places'])
-def test_without_ray(name):
-    program = f"import runpy, sys; sys.modules['ray'] = None; runpy.run_path({str(RAY_SAMPLES / name)!r} + '.py')"
-    result = subprocess.run([sys.executable, '-c', program], stderr=subprocess.PIPE, text=True, timeout=120)
-    assert result.returncode == 1 and "pip install 'ray[data]'" in result.stderr
-    assert 'Traceback' not in result.stderr
-
-
 @pytest.mark.parametrize('command, text', [
-    ('homography no.png view1.png', 'no.png: there is no such file'),
-    ('homography text.png view1.png', 'text.png: cannot be read as an image'),
-    *[(name + ' no.png no.png --out=missing/picture.png', 'cannot be written')  # before all else
-      for name in ('homography', 'panorama')],
+    ('panorama no.png view1.png', 'no.png: there is no such file'),
+    ('panorama text.png view1.png', 'text.png: cannot be read as an image'),
+    ('panorama no.png no.png --out=missing/picture.png', 'cannot be written'),  # before all else
     ('retain_uniform no.png --out=missing/picture.png', 'cannot be written'),
     ('panorama view1.png 32x32.png', 'the ')])
 def test_sentence(images, command, text):
