@@ -11,8 +11,6 @@ import io
 import math
 import os
 import re
-import sys
-import tempfile
 import typing
 
 import numpy as np
@@ -259,33 +257,3 @@ def read_mask(path, picture):
     if mask.size != picture.size:
         raise ValueError(f'its mask {path} has another size')
     return np.asarray(mask.resize(picture.pixels.shape[::-1], Image.NEAREST))
-
-
-@contextlib.contextmanager
-def printed():
-    """Redirects the output of C libraries, such as libtiff, to a temporary file, and yields this file."""
-    with tempfile.TemporaryFile() as kept:
-        try:
-            original, python = os.dup(2), sys.stderr
-        except OSError:  # stderr is closed
-            yield kept
-            return
-        sys.stderr = open(original, 'w', errors='backslashreplace')
-        os.dup2(kept.fileno(), 2)
-        try:
-            yield kept
-        finally:
-            sys.stderr.flush()
-            os.dup2(original, 2)
-            sys.stderr.close()
-            sys.stderr = python
-
-
-def printed_of(file, kept):
-    """Returns the libraries' messages about a failed file: decodes it again, alone, if libraries printed anything."""
-    start = os.fstat(kept.fileno()).st_size
-    if start:
-        with contextlib.suppress(Exception), file.open() as stream:
-            read_image(stream)
-    lines = os.pread(kept.fileno(), 1000, start).decode(errors='replace').splitlines()
-    return f' ({"; ".join(dict.fromkeys(lines))})' if lines else ''

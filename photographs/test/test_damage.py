@@ -18,7 +18,7 @@ import time
 
 import pyarrow as pa
 
-from aqorb_photographs import Refused, store
+from aqorb_photographs import InputError, store
 from conftest import LINUX, call_of, pq
 
 TABLES = 'images', 'cameras', 'keypoints', 'descriptors', 'matches', 'two_view_geometries', 'frame_data', 'rigs'
@@ -58,7 +58,7 @@ def flips(count, chance, folder, damaged):
 def outcome(folder, whole=None):
     try:
         return 'the same rows' if read(folder) == whole else 'OTHER ROWS'
-    except Refused as error:
+    except InputError as error:
         return 'a sentence' if str(folder) in str(error) and '\n' not in str(error) else 'NO SENTENCE'
 
 

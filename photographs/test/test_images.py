@@ -7,8 +7,6 @@
 import concurrent.futures
 import io
 import os
-import re
-import subprocess
 from types import SimpleNamespace
 
 import numpy as np
@@ -17,7 +15,7 @@ from PIL import PngImagePlugin
 from PIL.TiffImagePlugin import IFDRational
 
 from aqorb_photographs import images
-from conftest import Image, call_of, encoded, expected, noise, rows, run
+from conftest import Image, encoded, expected, noise, rows, run
 
 
 def read(content, **options):
@@ -168,19 +166,6 @@ def test_a_jpeg_without_its_end():
         assert np.array_equal(picture.pixels[:rows], whole.pixels[:rows])
 
 
-def test_what_libtiff_prints_names_the_file(tmp_path):
-    (tmp_path / 'images').mkdir()
-    pixels = np.random.RandomState(0).randint(0, 256, (120, 160)).astype(np.uint8)
-    content = encoded(Image.fromarray(pixels), 'TIFF', compression='tiff_lzw')
-    for name, cut in ('a', content), ('b', content[:200] + bytes([255] * 20) + content[220:]), ('c', b'no image'):
-        (tmp_path / 'images' / (name + '.tif')).write_bytes(cut)
-    finished = subprocess.run(call_of('extract', tmp_path / 'images', '--out', tmp_path / 'f'), stderr=subprocess.PIPE,
-                              text=True)
-    listed = finished.stderr.splitlines()
-    assert listed[0] == '2 files left out:' and re.match(r'  b.tif: .*\(.*Using code not yet in table', listed[1])
-    assert listed[2:] == ['  c.tif: it is no image, or its format is not supported']
-
-
 def test_compressed_tiffs_on_several_threads(tmp_path):
     Image.fromarray(noise(1, 120, 160)).save(tmp_path / 'a.tif', compression='tiff_lzw')
 
@@ -218,7 +203,6 @@ def test_what_exif_says():
     broken = SimpleNamespace(get={0x010f: 5}.get, get_ifd={0x8769: {0x920a: IFDRational(1, 0), 0xa405: 0}, 0x8825: {
         1: 'N', 2: ('a', 0.), 4: 'text', 6: 'text'}}.get)
     assert images.camera_of(broken) == {}
-
 
 
 def test_positions_are_those_of_the_large_image(tmp_path):

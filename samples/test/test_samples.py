@@ -6,7 +6,6 @@
 
 import os
 import pathlib
-import re
 import subprocess
 import sys
 
@@ -56,18 +55,10 @@ def test_panorama_of_impossible_cameras(images, monkeypatch):
         panorama.main()
 
 
-def test_retain_uniform(images):
-    output, _ = run(images, 'retain_uniform view1.png --npoints=300')
-    rows = re.findall(r'^\w+, (\w+) +(\d+) +[\d.]+ +(\d+) %', output, re.MULTILINE)
-    occupied = [int(share) for how, count, share in rows if count == '300']
-    assert occupied[1] > occupied[0] and occupied[3] > occupied[2]
-
-
 @pytest.mark.parametrize('command, text', [
     ('panorama no.png view1.png', 'no.png: there is no such file'),
     ('panorama text.png view1.png', 'text.png: cannot be read as an image'),
     ('panorama no.png no.png --out=missing/picture.png', 'cannot be written'),  # before all else
-    ('retain_uniform no.png --out=missing/picture.png', 'cannot be written'),
     ('panorama view1.png 32x32.png', 'the ')])
 def test_sentence(images, command, text):
     result = start(images, command)

@@ -23,7 +23,6 @@ def add(commands):
     parser.add_argument('second', metavar='B')
     parser.add_argument('--out', default='matches.png', metavar='FILE', help='%(default)s by default')
     parser.add_argument('--ratio', type=float, default=.8, help='%(default)s by default')
-    parser.add_argument('--all', action='store_true', help='also draw the other matches, in red')
     parser.add_argument('--overwrite', action='store_true', help='replace an existing file')
     options.add_reading(parser)
 
@@ -37,15 +36,14 @@ def run(given):
         detector.detectAndComputeArrays(picture.pixels) for picture in pictures]
     pairs, _ = aqorb.matchArrays(descriptors1, descriptors2, given.ratio)
     pairs, *ends = aqorb.refineMatchArrays(pictures[0].pixels, keypoints1, pictures[1].pixels, keypoints2, pairs)
-    agree = np.zeros(len(pairs), bool)
-    agree[places.verify(*ends)[0]] = True
+    agree = places.verify(*ends)[0]
     save(given.out, [picture._replace(size=picture.pixels.shape[::-1]) for picture in pictures],
-         [points[agree] for points in ends], [points[~agree & given.all] for points in ends])
-    options.say(given, f'{given.out}: {agree.sum()} of {options.count_of(len(pairs), "match", "es")} agree')
-    if agree.sum() < places.MIN_INLIERS:
+         [points[agree] for points in ends])
+    options.say(given, f'{given.out}: {len(agree)} of {options.count_of(len(pairs), "match", "es")} agree')
+    if len(agree) < places.MIN_INLIERS:
         print(f'aqorb: fewer than {places.MIN_INLIERS} agree: the images probably do not show the same place',
               file=sys.stderr)
-    return int(not agree.any())
+    return int(not len(agree))
 
 
 def suffixes():
@@ -55,19 +53,19 @@ def suffixes():
             if Image.EXTENSION.get(suffix) in Image.SAVE]
 
 
-def save(out, pictures, ends, others=((), ())):
+def save(out, pictures, ends):
     """Draws two pictures side by side, with a line for each match. ends are the positions of matches in both
-    pictures, in pixels of the pictures' sizes. others are the positions of matches to draw in red."""
+    pictures, in pixels of the pictures' sizes."""
     width = pictures[0].pixels.shape[1]
     heights = [len(picture.pixels) for picture in pictures]
     drawn = Image.new('RGB', (width + pictures[1].pixels.shape[1], max(heights)))
     for picture, left in zip(pictures, (0, width)):
         drawn.paste(Image.fromarray(picture.pixels), (left, 0))
     canvas = ImageDraw.Draw(drawn)
-    scaled = [np.vstack([np.reshape(red, (-1, 2)), points]) * np.divide(picture.pixels.shape[::-1], picture.size)
-              for points, red, picture in zip(ends, others, pictures)]
-    for i, line in enumerate(np.hstack([scaled[0], scaled[1] + [width, 0]]), -len(others[0])):
-        colour = 'red' if i < 0 else f'hsl({60 + 240 * i // len(ends[0])}, 90%, 60%)'
+    scaled = [np.reshape(points, (-1, 2)) * np.divide(picture.pixels.shape[::-1], picture.size)
+              for points, picture in zip(ends, pictures)]
+    for i, line in enumerate(np.hstack([scaled[0], scaled[1] + [width, 0]])):
+        colour = f'hsl({60 + 240 * i // len(ends[0])}, 90%, 60%)'
         canvas.line(line.tolist(), colour)
         for x, y in line.reshape(2, 2):
             canvas.ellipse((x - 3, y - 3, x + 3, y + 3), outline=colour)
