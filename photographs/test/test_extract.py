@@ -83,7 +83,7 @@ def test_what_is_refused(folder, features, tmp_path):
     refused(r'must be a name in UTF-8', 'extract', folder, '--out', f'{tmp_path}/\udcff')
     refused('there is no such folder', 'match', tmp_path / 'f', '--pairs', 'exhaustive', '--out', tmp_path / 'm')
     for option, what in ((['--num-features', 9], 'MaxFeatures 1000, not 9'), (['--max-size', 50], 'max_size None, not 50'),
-                         (['--ignore-orientation'], 'orientation True, not False'), (['--stretch'], 'stretch False, not')):
+                         (['--stretch'], 'stretch False, not')):
         refused(f'was made with {what}', 'extract', folder, '--out', features, *option)
     before = pq.read_table(str(features))
     shutil.copytree(features, tmp_path / 'mixed')

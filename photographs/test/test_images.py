@@ -43,8 +43,6 @@ def test_orientation(orientation):
     assert size == (160, 120) and np.abs(pixels.astype(int) - noise(1)).mean() < 5
     pixels, size = read(jpeg, max_size=40)
     assert size == (160, 120) and pixels.shape == (30, 40)
-    pixels, size = read(jpeg, orientation=False)
-    assert size == turned.size and pixels.shape == turned.size[::-1]
 
 
 def test_orientations_that_do_not_exist():
@@ -54,12 +52,6 @@ def test_orientations_that_do_not_exist():
             assert pixels.shape == (120, 160) and size == (160, 120), (orientation, kind)
     text = b'Exif\0\0MM\0*\0\0\0\x08\0\1\x01\x12\0\2\0\0\0\x026\0\0\0\0\0\0\0'  # not a number, but text
     assert read(encoded(Image.fromarray(noise(1)), 'JPEG', exif=text))[1] == (160, 120)
-
-
-def test_a_turned_tiff_that_is_not_to_be_turned():
-    for orientation in 1, 6, 8, 5:
-        pixels, size = read(encoded(Image.fromarray(noise(1)), 'TIFF', exif=oriented(orientation)), orientation=False)
-        assert size == (160, 120) and np.array_equal(pixels, noise(1)), orientation
 
 
 def test_sixteen_bits():
