@@ -84,7 +84,8 @@ def asan(session):
 @nox.session(venv_params=['--system-site-packages'], reuse_venv=True)
 def hostile(session):
     session.install(*COMMAND)
-    pytest(session, '-s', *session.posargs, 'photographs/test/test_damage.py', AQORB_FLIPS='1000', AQORB_KILLS='50', **built())
+    pytest(session, '-s', *session.posargs, 'photographs/test/test_damage.py', AQORB_FLIPS='1000',
+           AQORB_KILLS='50', **built())
 
 
 @nox.session(venv_params=['--system-site-packages'])

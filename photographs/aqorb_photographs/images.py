@@ -29,8 +29,9 @@ STRETCHED = .5, 99.5  # percentiles of black and white
 
 
 class Reading(typing.NamedTuple):
-    """Options of reading images. Reading reduces images to at most max_size pixels a side. stretch maps the
-    darkest and brightest pixels of images with more than 8 bits to black and white. An image of more than max_pixels is an error; a JPEG counts as reduced by its decoder for max_size."""
+    """Options of reading images. Reading reduces images to at most max_size pixels a side. stretch maps the darkest and
+    brightest pixels of images with more than 8 bits to black and white. An image of more than max_pixels is an error; a
+    JPEG counts as reduced by its decoder for max_size."""
 
     max_size: typing.Optional[int] = None
     stretch: bool = False

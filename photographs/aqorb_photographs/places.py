@@ -56,7 +56,7 @@ def images_of(table):
 
 def choose_words(images, count=WORDS, seed=0):
     """Returns the words of a collection, an array (n, 32) of features drawn at random, all with the same probability.
-    images are pairs of a name and descriptors. There are at most count words, and at most one for every four features."""
+    images are pairs of a name and descriptors. There are at most count words, and at most one for four features."""
     drawn, total, chunk = (np.zeros(0), np.zeros((0, 32), np.uint8)), 0, []
 
     def merged():
@@ -152,8 +152,9 @@ def pairs_of(blocks, number):
 
 
 def similar_pairs(counts, number, min_gap=1, sequential=0, progress=None):
-    """Returns the pairs of each image of a collection with its `number` most similar images and with the
-    `sequential` images after it: rows of two indices in ascending order, each pair once. Calls progress with the number of finished images."""
+    """Returns the pairs of each image of a collection with its `number` most similar images and with the `sequential`
+    images after it: rows of two indices in ascending order, each pair once. Calls progress with the number of finished
+    images."""
     total = counts.shape[0]
     weights = weigh(counts, rarity_of(counts))
 

@@ -21,8 +21,8 @@ import pytest
 
 import aqorb
 from aqorb_photographs import images
-from conftest import (LINUX, Image, call_of, command, encoded, expected, noise, parts_of, peak_memory, pq, refused, rows,
-                      run, start)
+from conftest import (LINUX, Image, call_of, command, encoded, expected, noise, parts_of, peak_memory, pq, refused,
+                      rows, run, start)
 from test_damage import content_of
 
 COMMANDS = {'extract': ['--out', 'f'], 'match': ['f', '--pairs', 'exhaustive'], 'pairs': ['f', '--retrieval', '1'],

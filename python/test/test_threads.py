@@ -2,9 +2,10 @@
 # It is subject to the license terms in the LICENSE file found in the top-level directory
 # of this distribution.
 # SPDX-License-Identifier: Apache-2.0
-"""Tests of detectAndComputeBatch, and of what the package does while several threads use it, and after a fork. They need no cv2 but where they ask for it,
-so that they also run in a Python without a global lock (GIL), for which there may be none. scripts/python.sh asan
-repeats them where no wrong access to memory, and no touch of a Python object without the GIL, goes unseen."""
+"""Tests of detectAndComputeBatch, and of what the package does while several threads use it, and after a fork. They need
+no cv2 but where they ask for it, so that they also run in a Python without a global lock (GIL), for which there may be
+none. scripts/python.sh asan repeats them where no wrong access to memory, and no touch of a Python object without the
+GIL, goes unseen."""
 
 import multiprocessing
 import os
