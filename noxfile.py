@@ -57,8 +57,7 @@ def wheel_file(session):
 @nox.session(venv_params=['--system-site-packages'], reuse_venv=True)
 def tests(session):
     session.install(*COMMAND)
-    pytest(session, *session.posargs, *TESTS, 'samples/test', **built(),
-           AQORB_SAMPLE_IMAGES=str(BUILD / 'release/samples/test/sample_images'))
+    pytest(session, *session.posargs, *TESTS, **built())
     pytest(session, *session.posargs, 'photographs/test', **built())
     prefix = Path(session.create_tmp()) / 'prefix'
     shutil.rmtree(prefix, ignore_errors=True)

@@ -3,7 +3,7 @@
 #
 #   scripts/python.sh [SESSION [OPTION ...]]
 #
-#   tests       the tests of the package, of the samples and of the command aqorb; OPTIONs are pytest's. The default
+#   tests       the tests of the package and of the command aqorb; OPTIONs are pytest's. The default
 #   asan        the package's tests on an extension module with AddressSanitizer and checks of the GIL
 #   hostile     the command is given damaged files, and killed while it writes, often; prints what came of it
 #   notebook    pip installs the package and the command, and the notebook of the samples runs there: build/notebook
@@ -25,7 +25,7 @@ case $session in
 tests | hostile | poses)
     need build test python python3-matplotlib
     configure release -DAQORB_BUILD_PYTHON=ON -DPython_EXECUTABLE="$PYTHON"
-    build "$BUILD/release" --target _aqorb sample_images
+    build "$BUILD/release" --target _aqorb
     ;;
 asan)
     need build test python
