@@ -15,21 +15,6 @@ namespace opencv_test
 namespace
 {
 
-::testing::AssertionResult names(const std::string& message, const std::string& name,
-                                 const std::string& value)
-{
-    // As in "nfeatures must be at least 0, got -1".
-    const size_t must = message.find(" must "), got = message.find(", got ");
-    if (must != std::string::npos && got != std::string::npos && message.find(name) < got &&
-        message.find(value, got) != std::string::npos)
-        return ::testing::AssertionSuccess();
-    return ::testing::AssertionFailure()
-           << "'" << message << "' does not say what " << name << " must be, and that it is " << value;
-}
-
-//! Expects that a call raises an exception that names a parameter and its value.
-#define AQORB_BAD(name, value, ...) EXPECT_TRUE(names(messageOf([&] { __VA_ARGS__; }), name, value))
-
 const float NOT_A_NUMBER = std::numeric_limits<float>::quiet_NaN();
 const float ENDLESS = std::numeric_limits<float>::infinity();
 
