@@ -198,7 +198,7 @@ TEST(Aqorb_HammingMatcher, finds_the_nearest_of_images_with_fewer_than_k)
     }
 }
 
-TEST(Aqorb_HammingMatcher, is_used_through_a_pointer_to_its_base)
+TEST(Aqorb_HammingMatcher, is_used_through_a_pointer_to_its_base_and_takes_a_umat)
 {
     RNG rng(1);
     const Mat query = randomDescriptors(rng, 50, 32), train = randomDescriptors(rng, 60, 32);
@@ -218,34 +218,19 @@ TEST(Aqorb_HammingMatcher, is_used_through_a_pointer_to_its_base)
     BFMatcher expected(NORM_HAMMING, true);
     MatchLists matches(3);
     expected.match(query, train, matches[0]);
-    matcher->match(query, matches[1]);
+    matcher->match(query.getUMat(ACCESS_READ), matches[1]);
     copy->match(query, matches[2]);
     EXPECT_FALSE(matches[0].empty());
     EXPECT_TRUE(sameMatches(MatchLists(1, matches[0]), MatchLists(1, matches[1])));
     EXPECT_TRUE(sameMatches(MatchLists(1, matches[0]), MatchLists(1, matches[2])));
     matcher->clear();
     EXPECT_TRUE(matcher->empty());
-}
-
-TEST(Aqorb_HammingMatcher, takes_a_umat)
-{
-    RNG rng(1);
-    const Mat query = randomDescriptors(rng, 50, 32), train = randomDescriptors(rng, 60, 32);
-    UMat uquery, utrain;
-    query.copyTo(uquery);
-    train.copyTo(utrain);
-    HammingMatcher matcher;
-    MatchLists expected(1), matches(3);
-    matcher.match(query, train, expected[0]);
-    matcher.match(uquery, utrain, matches[0]);
-    EXPECT_TRUE(sameMatches(expected, MatchLists(1, matches[0])));
-
-    matcher.add(utrain);
-    const Ptr<DescriptorMatcher> copy = matcher.clone();
-    matcher.match(uquery, matches[1]);
-    copy->match(query, matches[2]);
-    EXPECT_TRUE(sameMatches(expected, MatchLists(1, matches[1])));
-    EXPECT_TRUE(sameMatches(expected, MatchLists(1, matches[2])));
+    matcher->add(train.getUMat(ACCESS_READ));
+    for (const Ptr<DescriptorMatcher>& each : {Ptr<DescriptorMatcher>(matcher), matcher->clone()})
+    {
+        each->match(query, matches[2]);
+        EXPECT_TRUE(sameMatches(MatchLists(1, matches[0]), MatchLists(1, matches[2])));
+    }
 }
 
 TEST(Aqorb_HammingMatcher, has_no_match_without_descriptors)
