@@ -3,7 +3,8 @@
 // of this distribution.
 // SPDX-License-Identifier: Apache-2.0
 
-// aqorb_depth IMAGE ...: what equation (9) saves against a depth of 15, of the tree alone and of a frame. 500 features.
+// aqorb_depth IMAGE ...: time that equation (9) saves against a depth of 15, for the tree and for a frame of 500
+// features.
 
 #include "corners.hpp"
 #include "parameters.hpp"
@@ -57,7 +58,7 @@ int main(int argc, char** argv)
         std::vector<std::vector<CornerResponse>> corners;
         for (size_t i = 0; i < levels.size(); i++)
             corners.push_back(responsesOf(levels[i].image, space.corners[i], true));
-        std::vector<double> times[3];  // of the tree by equation (9), at the limit, and of a frame
+        std::vector<double> times[3];  // tree by equation (9), tree at depth 15, frame
         std::vector<cv::KeyPoint> keypoints;
         cv::Mat descriptors;
         for (int turn = 0; turn < TURNS; turn++)

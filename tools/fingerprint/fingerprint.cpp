@@ -3,14 +3,13 @@
 // of this distribution.
 // SPDX-License-Identifier: Apache-2.0
 
-// Prints hashes of what the module computes, to be compared between CPUs, compilers and versions of OpenCV:
+// Prints hashes of the module's results, to compare CPUs, compilers and versions of OpenCV:
 //
 //   aqorb_fingerprint [--plain] [--quadtree] [IMAGE ...]
 //
-// There is one line for each scene or image and each set of parameters. The hashes of the image and of the pyramid
-// show whether a difference came with the input or is one of the detector. --plain calls
-// cv::setUseOptimized(false). --quadtree sets QUADTREE_SELECTION. The CPU features that OpenCV uses are printed to
-// standard error.
+// One line stands for a scene or an image and a set of parameters. The hashes of the image and of the pyramid show
+// whether a difference comes from the input or from the detector. --plain calls cv::setUseOptimized(false). --quadtree
+// sets QUADTREE_SELECTION. Standard error lists the CPU features that OpenCV uses.
 
 #include "lines.hpp"
 

@@ -10,8 +10,8 @@
 
 #include <string>
 
-/** The lines of aqorb_fingerprint. There is one for each scene or image and each set of parameters. The parameters are
- drawn at random, in the order of the calls: first scenes, then image for each of the images. */
+/** Lines of aqorb_fingerprint, one for each scene or image and each set of parameters. Parameters are drawn at random
+ in the order of the calls: first scenes, then image for each image. */
 class FingerprintLines
 {
 public:
@@ -19,9 +19,9 @@ public:
         : rng(20191), selection(selection_)
     {
     }
-    //! The lines of 60 scenes, which are drawn.
+    //! Lines of 60 drawn scenes.
     std::string scenes();
-    //! The two lines of an image.
+    //! Two lines of an image.
     std::string image(const std::string& name, const cv::Mat& image);
 
 private:
