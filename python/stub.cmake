@@ -1,4 +1,4 @@
-# Writes AQORB_STUB, the package's stub, with the properties of the library's table.
+# Writes AQORB_STUB, the package's stub, with the properties of parameter_table.hpp.
 include("${CMAKE_CURRENT_LIST_DIR}/../cmake/AqorbParameters.cmake")
 set(AQORB_PROPERTIES "")
 foreach(name IN LISTS AQORB_PARAMETER_NAMES)

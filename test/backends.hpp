@@ -119,29 +119,42 @@ private:
     const int delay;
 };
 
+//! Has another number of threads each time that it is asked, as if the program called cv::setNumThreads meanwhile.
+class OtherThreads : public NewThreads
+{
+public:
+    int getNumThreads() const CV_OVERRIDE { return queries++ % 16 + 1; }
+
+private:
+    mutable std::atomic<int> queries{0};
+};
+
 //! Replaces the backend of cv::parallel_for_ until it goes out of scope.
 class BackendScope
 {
 public:
-    explicit BackendScope(const std::shared_ptr<Backend>& backend)
+    explicit BackendScope(const std::shared_ptr<Backend>& backend) { set(backend); }
+    ~BackendScope() { set(std::shared_ptr<Backend>()); }
+    BackendScope(const BackendScope&) = delete;
+
+private:
+    static void set(std::shared_ptr<Backend> backend)
     {
+#if defined(__SANITIZE_THREAD__)
+        if (!backend)
+            backend = std::make_shared<NewThreads>();  // which it sees
+#endif
         parallel::setParallelForBackend(backend, false);
     }
-    ~BackendScope()
-    {
-        std::shared_ptr<Backend> before;
-#if defined(__SANITIZE_THREAD__)
-        before = std::make_shared<NewThreads>();  // which it sees
-#endif
-        parallel::setParallelForBackend(before, false);
-    }
-    BackendScope(const BackendScope&) = delete;
 };
 
+//! A null pointer for OpenCV's own backend, and the others.
 inline std::vector<std::shared_ptr<Backend>> backends()
 {
-    return {std::make_shared<InTurns>(), std::make_shared<InTurns>(true), std::make_shared<AtOnce>(),
-            std::make_shared<NewThreads>(), std::make_shared<NewThreads>(300)};
+    return {std::shared_ptr<Backend>(),      std::make_shared<InTurns>(),
+            std::make_shared<InTurns>(true), std::make_shared<AtOnce>(),
+            std::make_shared<NewThreads>(),  std::make_shared<NewThreads>(300),
+            std::make_shared<OtherThreads>()};
 }
 
 }  // namespace opencv_test

@@ -62,13 +62,13 @@ TEST(Aqorb_Analytic, a_blob_is_at_the_same_place_on_every_level)
         detector->setOctaveSuppression(0);  // This keeps the same blob on several levels.
         KeyPoints keypoints;
         detector->detect(image, keypoints);
-        double least = 1e9;
+        double nearest = 1e9;
         for (const KeyPoint& keypoint : keypoints)
         {
             if (keypoint.octave == octave)
-                least = std::min(least, cv::norm(Point2d(keypoint.pt) - center));
+                nearest = std::min(nearest, cv::norm(Point2d(keypoint.pt) - center));
         }
-        EXPECT_LT(least, 0.3 * scale) << "octave " << octave;
+        EXPECT_LT(nearest, 0.3 * scale) << "octave " << octave;
     }
 }
 

@@ -64,11 +64,11 @@ TEST(Aqorb_BuildPyramid, takes_what_detection_takes)
     for (size_t i = 0; i < levels.size(); i++)
         EXPECT_TRUE(sameMat(expected[i], levels[i]));
 
-    std::vector<UMat> ofUMat(2);
-    detector->buildPyramid(image, ofUMat);
-    ASSERT_EQ(expected.size(), ofUMat.size());
-    for (size_t i = 0; i < ofUMat.size(); i++)
-        EXPECT_TRUE(sameMat(expected[i], ofUMat[i].getMat(ACCESS_READ)));
+    std::vector<UMat> ulevels(2);
+    detector->buildPyramid(image, ulevels);
+    ASSERT_EQ(expected.size(), ulevels.size());
+    for (size_t i = 0; i < ulevels.size(); i++)
+        EXPECT_TRUE(sameMat(expected[i], ulevels[i].getMat(ACCESS_READ)));
 
     const Mat before = levels[0];
     levels[0].setTo(0);

@@ -21,11 +21,11 @@ std::vector<Corner> findCorners(const Level& level, const Rect& region, const Th
 {
     static FastScanner scanner;  // Images of all sizes share it.
     const CornerRules rules = {thresholds, suppressNear};
-    std::vector<Corner> found, ofBand(3);
+    std::vector<Corner> found, bandCorners(3);
     for (const Band& band : divideIntoBands(std::vector<Rect>(1, region), threads))
     {
-        searchBand(level, region, band.rows, rules, scanner, ofBand);
-        found.insert(found.end(), ofBand.begin(), ofBand.end());
+        searchBand(level, region, band.rows, rules, scanner, bandCorners);
+        found.insert(found.end(), bandCorners.begin(), bandCorners.end());
     }
     return found;
 }

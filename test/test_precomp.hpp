@@ -83,6 +83,9 @@ bool isHeapKnown();
 //! Whether two matrices have the same size, type and bytes; both may be empty.
 ::testing::AssertionResult sameMat(const Mat& a, const Mat& b);
 ::testing::AssertionResult sameFeatures(const Features& a, const Features& b);
+//! Whether a detector finds these features, and computes the same descriptors for their keypoints.
+::testing::AssertionResult finds(Feature2D& detector, const Mat& image, const Mat& mask,
+                                 const Features& expected);
 
 /** A copy of which each row begins so many bytes behind a multiple of 64. It is a part of a larger matrix that
  goes on around it with the inverse of what borders are to be taken for, BORDER_REFLECT_101. */

@@ -3,9 +3,11 @@
 // of this distribution.
 // SPDX-License-Identifier: Apache-2.0
 
-// Promises of the tutorial "What you can rely on", in its words.
+// Promises of the tutorial "What you can rely on", in its words, and of the header.
 
 #include "reference.hpp"
+
+#include "parameter_table.hpp"
 
 #include <set>
 
@@ -34,16 +36,8 @@ TEST(Aqorb_Promises, as_many_keypoints_as_fast_finds_corners_on_the_levels)
     {
         SCOPED_TRACE(seed);
         RNG rng(seed);
-        Settings s;
-        s.nlevels = rng.uniform(1, 6);
-        s.firstLevel = rng.uniform(0, std::min(s.nlevels, 2));
-        s.scaleFactor = rng.uniform(1.1f, 2.f);
-        s.edgeThreshold = rng.uniform(0, 20);
-        s.scoreType = seed % 2 ? ORB::HARRIS_SCORE : ORB::FAST_SCORE;
-        s.selectionType = SELECTIONS[seed / 2 % 2];
+        Settings s = reference::randomSettings(rng);
         s.adaptiveThreshold = false;
-        s.fastThreshold = rng.uniform(1, 60);
-        s.minThresholdRatio = rng.uniform(1., 6.);
         const Mat image = makeScene(Size(rng.uniform(40, 160), rng.uniform(40, 160)), seed);
         const Ptr<AdaptiveQuadtreeORB> detector = s.create();
 
@@ -79,13 +73,11 @@ TEST(Aqorb_Promises, positions_lie_in_the_image)
     {
         SCOPED_TRACE(seed);
         RNG rng(seed);
-        Settings s;
+        Settings s = reference::randomSettings(rng);
         s.nfeatures = 5000;
         s.nlevels = 5;
         s.firstLevel = rng.uniform(0, 5);
-        s.scaleFactor = rng.uniform(1.1f, 2.f);
         s.edgeThreshold = rng.uniform(0, 4);
-        s.subPixel = seed % 2 != 0;
         const Mat image = makeNoise(Size(rng.uniform(8, 60), rng.uniform(8, 60)), seed);
         KeyPoints keypoints;
         s.create()->detect(image, keypoints);
@@ -164,10 +156,10 @@ TEST(Aqorb_Promises, octave_suppression_keeps_detected_pixels_apart)
             {
                 if (fine.octave + 1 != coarse.octave)
                     continue;
-                const double least =
+                const double minDistance =
                     distance * reference::levelScale(fine.octave, 0, detector->getScaleFactor());
-                ASSERT_GE(cv::norm(position(coarse) - position(fine)), least * (1 - 1e-9));
-                nearer += cv::norm(coarse.pt - fine.pt) < least;
+                ASSERT_GE(cv::norm(position(coarse) - position(fine)), minDistance * (1 - 1e-9));
+                nearer += cv::norm(coarse.pt - fine.pt) < minDistance;
             }
     }
     EXPECT_GT(nearer, 0);
@@ -239,17 +231,7 @@ TEST(Aqorb_Promises, write_takes_a_file_name_and_save_does_what_it_does_for_orb)
 {
     const std::string file = tempfile(".yml");
     const auto saves = [&](const Algorithm& algorithm)
-    {
-        try
-        {
-            algorithm.save(file);
-        }
-        catch (const cv::Exception&)
-        {
-            return false;
-        }
-        return true;
-    };
+    { return messageOf([&] { algorithm.save(file); }).empty(); };
     const Ptr<AdaptiveQuadtreeORB> detector = AdaptiveQuadtreeORB::create(77);
     EXPECT_EQ(saves(*ORB::create()), saves(*detector));
     detector->write(file);
@@ -257,6 +239,61 @@ TEST(Aqorb_Promises, write_takes_a_file_name_and_save_does_what_it_does_for_orb)
     again->read(file);
     std::remove(file.c_str());
     EXPECT_EQ(77, again->getMaxFeatures());
+}
+
+TEST(Aqorb_Promises, the_papers_method_is_one_switch)
+{
+    const Mat image = makeScene(Size(320, 240));
+    const Ptr<AdaptiveQuadtreeORB> detector = AdaptiveQuadtreeORB::create(300);
+    detector->setSelectionType(AdaptiveQuadtreeORB::QUADTREE_SELECTION);
+    const Features expected = detectAndCompute(*detector, image);
+    for (const KeyPoint& keypoint : expected.keypoints)
+    {
+        const float scale = reference::levelScale(keypoint.octave, 0, detector->getScaleFactor());
+        EXPECT_EQ(keypoint.pt,
+                  Point2f(float(cvRound(keypoint.pt.x / scale)), float(cvRound(keypoint.pt.y / scale))) *
+                      scale);
+    }
+    detector->setSubPixel(false);
+    detector->setOctaveSuppression(3);
+    detector->setStrengthWeight(5);
+    detector->setRankRadius(7);
+    EXPECT_TRUE(sameFeatures(expected, detectAndCompute(*detector, image)));
+    EXPECT_FALSE(detector->getSubPixel());
+    EXPECT_EQ(7, detector->getRankRadius());
+    detector->setMinThresholdRatio(1);
+    EXPECT_FALSE(sameFeatures(expected, detectAndCompute(*detector, image)));
+}
+
+TEST(Aqorb_Promises, it_is_an_orb_with_the_same_arguments)
+{
+    const Ptr<ORB> orb = AdaptiveQuadtreeORB::create(77, 1.5f, 3, 20, 1, 4, ORB::FAST_SCORE, 25, 9);
+#define AQORB_VALUE(property, ...) double(orb->get##property()),
+    const std::vector<double> values = {AQORB_PARAMETERS_OF_ORB(AQORB_VALUE)};
+#undef AQORB_VALUE
+    EXPECT_EQ((std::vector<double>{77, 1.5, 3, 20, 1, 4, ORB::FAST_SCORE, 25, 9}), values);
+    EXPECT_EQ(32, orb->descriptorSize());
+    EXPECT_EQ(CV_8U, orb->descriptorType());
+    for (int WTA_K = 2; WTA_K <= 4; WTA_K++)
+    {
+        orb->setWTA_K(WTA_K);
+        EXPECT_EQ(int(WTA_K == 2 ? NORM_HAMMING : NORM_HAMMING2), orb->defaultNorm());
+    }
+    EXPECT_FALSE(orb->empty());
+    EXPECT_EQ("Feature2D.AdaptiveQuadtreeORB", orb->getDefaultName());
+}
+
+TEST(Aqorb_Promises, nothing_found_clears_both_outputs)
+{
+    const Mat images[] = {Mat(), Mat::zeros(1, 1, CV_8UC1), Mat::zeros(300, 300, CV_8UC1),
+                          Mat(300, 300, CV_8UC1, Scalar(255)), makeNoise(Size(32, 32))};
+    for (const Mat& image : images)
+    {
+        Features features = {KeyPoints(9), Mat::ones(9, 32, CV_8UC1)};
+        AdaptiveQuadtreeORB::create()->detectAndCompute(image, noArray(), features.keypoints,
+                                                        features.descriptors, image.empty());
+        EXPECT_TRUE(sameFeatures(Features(), features));
+    }
 }
 
 }  // namespace

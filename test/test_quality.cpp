@@ -53,7 +53,7 @@ TEST(Aqorb_Quality, uniform_on_photographs)
     double mean[2] = {0, 0}, occupancy[2] = {0, 0};
     for (int s = 0; s < SETS_OF_UNIFORMITY; s++)
     {
-        double ofSet[2] = {0, 0};
+        double setMeans[2] = {0, 0};
         for (int i = 1; i <= IMAGES; i++)
         {
             const Mat image = readColour(SETS[s], i);
@@ -61,15 +61,15 @@ TEST(Aqorb_Quality, uniform_on_photographs)
             for (int d = 0; d < 2; d++)
             {
                 const KeyPoints found = detect(*detectors[d], image);
-                ofSet[d] += aqorb::distributionUniformity(found, image.size()) / IMAGES;
+                setMeans[d] += aqorb::distributionUniformity(found, image.size()) / IMAGES;
                 occupancy[d] +=
                     aqorb::distributionOccupancy(found, image.size()) / IMAGES / SETS_OF_UNIFORMITY;
             }
         }
-        report(std::string("uniformity, n = 500, ") + SETS[s], ofSet);
-        EXPECT_LT(ofSet[0], ofSet[1]) << SETS[s];
+        report(std::string("uniformity, n = 500, ") + SETS[s], setMeans);
+        EXPECT_LT(setMeans[0], setMeans[1]) << SETS[s];
         for (int d = 0; d < 2; d++)
-            mean[d] += ofSet[d] / SETS_OF_UNIFORMITY;
+            mean[d] += setMeans[d] / SETS_OF_UNIFORMITY;
     }
     report("uniformity, n = 500, mean of five sets", mean);
     report("occupancy, n = 500, mean of five sets", occupancy);

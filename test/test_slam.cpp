@@ -125,22 +125,6 @@ TEST(Aqorb_Slam, keypoints_are_the_detectors_at_the_given_thresholds)
     }
 }
 
-TEST(Aqorb_Slam, what_differs_from_the_detectors_defaults)
-{
-    const SlamExtractor extractor(500, 1.2f, 8, 20, 7);
-    const AdaptiveQuadtreeORB& detector = *extractor.detector();
-    EXPECT_FALSE(detector.getSubPixel());
-    EXPECT_FALSE(detector.getAdaptiveThreshold());
-    EXPECT_EQ(0, detector.getOctaveSuppression());
-
-    const Ptr<AdaptiveQuadtreeORB> other = AdaptiveQuadtreeORB::create();
-    EXPECT_EQ(other->getSelectionType(), detector.getSelectionType());
-    EXPECT_EQ(0.15, detector.getStrengthWeight());
-    EXPECT_EQ(other->getRankRadius(), detector.getRankRadius());
-    EXPECT_EQ(other->getEdgeThreshold(), detector.getEdgeThreshold());
-    EXPECT_EQ(other->getScoreType(), detector.getScoreType());
-}
-
 TEST(Aqorb_Slam, properties_of_the_detector_are_heeded)
 {
     const Mat image = makeScene(Size(400, 300));
@@ -190,9 +174,9 @@ TEST(Aqorb_Slam, no_keypoints_and_all_keypoints)
     const Features all = extract(plenty, image);
     for (int less : {0, 1, 7, 8, 9})
     {
-        SlamExtractor most(INT_MAX - less, 1.2f, 8, 20, 7);
-        EXPECT_EQ(less > 8 ? INT_MAX - less + 8 : INT_MAX, most.detector()->getMaxFeatures());
-        EXPECT_TRUE(sameFeatures(all, extract(most, image))) << less;
+        SlamExtractor maximal(INT_MAX - less, 1.2f, 8, 20, 7);
+        EXPECT_EQ(less > 8 ? INT_MAX - less + 8 : INT_MAX, maximal.detector()->getMaxFeatures());
+        EXPECT_TRUE(sameFeatures(all, extract(maximal, image))) << less;
     }
 }
 
@@ -307,7 +291,9 @@ TEST(Aqorb_Slam, the_pyramid_is_the_detectors)
     const Mat images[] = {makeScene(Size(301, 247)), makeScene(Size(123, 456), 2)};
     for (const Mat& image : images)
     {
-        extract(extractor, image);
+        KeyPoints keypoints;
+        Mat output = image.clone();  // The descriptors may replace the image.
+        extractor(output, noArray(), keypoints, output);
         const std::vector<Mat> expected = reference::pyramid(image, 8, 0, 1.2f);
         ASSERT_EQ(8u, extractor.mvImagePyramid.size());
         for (int i = 0; i < 8; i++)
@@ -317,7 +303,6 @@ TEST(Aqorb_Slam, the_pyramid_is_the_detectors)
             const float scale = extractor.GetScaleFactors()[i];
             EXPECT_EQ(Size(cvRound(image.cols / scale), cvRound(image.rows / scale)), level.size());
         }
-        EXPECT_NE(image.data, extractor.mvImagePyramid[0].data);
     }
 }
 

@@ -3,150 +3,326 @@
 // of this distribution.
 // SPDX-License-Identifier: Apache-2.0
 
-#include "test_precomp.hpp"
-
 #include "backends.hpp"
 #include "reference.hpp"
 
-#include <opencv2/core/utility.hpp>
+#include <opencv2/aqorb/slam.hpp>
 
-// Whatever cv::parallel_for_ does with the workers of a frame, the bytes are the same.
+#include <array>
+
+// However many threads OpenCV or the caller has, and for one image or a collection, the bytes are the same.
 
 namespace opencv_test
 {
 namespace
 {
 
-//! What a detector is asked for.
-struct Call
-{
-    Mat image, mask;
-    int nfeatures;
-    AdaptiveQuadtreeORB::SelectionType type;
-};
-
-std::vector<Call> calls()
-{
-    const Mat image = makeScene(Size(300, 420), 2), mask = makeNoise(Size(300, 420), 3) > 5;
-    Mat colored;
-    cvtColor(makeScene(Size(160, 120), 4), colored, COLOR_GRAY2BGR);
-    const Call all[] = {{image, Mat(), 500, AdaptiveQuadtreeORB::RANKED_SELECTION},
-                        {image, mask, 300, AdaptiveQuadtreeORB::RANKED_SELECTION},
-                        {colored, Mat(), 5000, AdaptiveQuadtreeORB::RANKED_SELECTION},  // more than there are
-                        {image, Mat(), 400, AdaptiveQuadtreeORB::QUADTREE_SELECTION}};
-    return std::vector<Call>(all, all + 4);
-}
-
-Ptr<AdaptiveQuadtreeORB> detectorOf(const Call& call)
-{
-    const Ptr<AdaptiveQuadtreeORB> detector = AdaptiveQuadtreeORB::create(call.nfeatures);
-    detector->setSelectionType(call.type);
-    return detector;
-}
-
-//! The features of a call by one thread.
-Features expectedOf(const Call& call)
-{
-    Threads one(1);
-    return detectAndCompute(*detectorOf(call), call.image, call.mask);
-}
-
-//! Whether a detector gives these features, and the same descriptors for given keypoints.
-bool gives(AdaptiveQuadtreeORB& detector, const Call& call, const Features& expected)
-{
-    const Features found = detectAndCompute(detector, call.image, call.mask);
-    Features computed = {expected.keypoints, Mat()};
-    detector.compute(call.image, computed.keypoints, computed.descriptors);
-    return sameFeatures(expected, found) && sameFeatures(expected, computed);
-}
+typedef std::vector<KeyPoints> KeyPointLists;
 
 TEST(Aqorb_Threads, threads_1_to_16_of_any_backend_give_the_same_bytes)
 {
-    for (const Call& call : calls())
+    const Mat scene = makeScene(Size(300, 420), 2), mask = makeNoise(scene.size(), 3) > 5;
+    Mat colored, upper = makeScene(Size(160, 400), 7);
+    cvtColor(makeScene(Size(160, 120), 4), colored, COLOR_GRAY2BGR);
+    upper.rowRange(60, 400).setTo(90);  // some bands have too few corners, and others none
+    const struct
     {
-        const Features expected = expectedOf(call);
-        ASSERT_GE(expected.keypoints.size(), 300u);
-        const Ptr<AdaptiveQuadtreeORB> detector = detectorOf(call);
-        for (int kind = -1; kind < int(backends().size()); kind++)
+        Mat image, mask;
+        int nfeatures;
+        AdaptiveQuadtreeORB::SelectionType selection;
+    } cases[] = {{scene, Mat(), 500, AdaptiveQuadtreeORB::RANKED_SELECTION},
+                 {scene, mask, 300, AdaptiveQuadtreeORB::RANKED_SELECTION},
+                 {colored, Mat(), 5000, AdaptiveQuadtreeORB::RANKED_SELECTION},  // more than there are
+                 {scene, Mat(), 400, AdaptiveQuadtreeORB::QUADTREE_SELECTION},
+                 {upper, Mat(), 80, AdaptiveQuadtreeORB::RANKED_SELECTION},
+                 {upper, Mat(), 240, AdaptiveQuadtreeORB::RANKED_SELECTION},
+                 {upper, Mat(), 640, AdaptiveQuadtreeORB::RANKED_SELECTION}};
+    for (const auto& c : cases)
+    {
+        reference::Settings settings;
+        settings.nfeatures = c.nfeatures;
+        settings.selectionType = c.selection;
+        const Features expected = reference::detectAndCompute(c.image, c.mask, settings);
+        ASSERT_GE(expected.keypoints.size(), 80u);
+        const Ptr<AdaptiveQuadtreeORB> detector = settings.create();
+        for (const std::shared_ptr<Backend>& backend : backends())
         {
-            std::unique_ptr<BackendScope> scope(kind < 0 ? 0 : new BackendScope(backends()[kind]));
-            for (int count = 0; count <= 16; count += kind < 0 || count < 3 ? 1 : 4)
+            const BackendScope scope(backend);
+            for (int count = 0; count <= 16; count += !backend || count < 3 ? 1 : 4)
             {
-                Threads threads(count);
-                EXPECT_TRUE(gives(*detector, call, expected))
-                    << format("backend %d, %d threads", kind, count);
+                const Threads threads(count);
+                EXPECT_TRUE(finds(*detector, c.image, c.mask, expected))
+                    << c.nfeatures << " features, " << count << " threads";
             }
         }
     }
 }
 
-//! Has more threads each time that it is asked for their number, as if the program called cv::setNumThreads meanwhile.
-class MoreThreads : public NewThreads
+//! Images of all sizes and kinds that a call accepts, with a mask for some of them, and the features that a call for
+//! each of them finds.
+struct Collection
 {
-public:
-    MoreThreads() : asked(0) {}
-    int getNumThreads() const CV_OVERRIDE { return std::min(int(++asked), 16); }
-
-private:
-    mutable std::atomic<int> asked;
-};
-
-TEST(Aqorb_Threads, threads_may_grow_in_number_during_a_call)
-{
-    const Call call = calls()[0];
-    const Features expected = expectedOf(call);
-    const BackendScope scope(std::make_shared<MoreThreads>());
-    EXPECT_TRUE(gives(*detectorOf(call), call, expected));
-}
-
-// All corners are in the upper part of the image, so that some bands have too few and others none.
-TEST(Aqorb_Threads, threads_give_the_same_bytes_when_representatives_run_out)
-{
-    Mat image = makeScene(Size(160, 400), 7);
-    image.rowRange(60, 400).setTo(90);
-    reference::Settings settings;
-    for (int nfeatures : {80, 160, 240, 320, 480, 640, 960})
+    Collection(Feature2D& detector, int count, bool hasMasks)
     {
-        settings.nfeatures = nfeatures;
-        const Features expected = reference::detectAndCompute(image, Mat(), settings);
-        for (int count = 1; count <= 4; count++)
+        for (int i = 0; i < count; i++)
         {
-            Threads threads(count);
-            EXPECT_TRUE(sameFeatures(expected, detectAndCompute(*settings.create(), image)))
-                << format("%d features, %d threads", nfeatures, count);
+            Mat image = makeScene(Size(60 + 37 * i, 200 - 20 * i), i + 1);
+            if (i % 4 != 0)
+                cvtColor(image, image, i % 4 == 1 ? COLOR_GRAY2BGR : COLOR_GRAY2BGRA);
+            if (i == 6)
+                image.release();
+            if (i == 5)
+                image.setTo(9);  // there is nothing to find
+            images.push_back(image);
+            if (hasMasks)
+                masks.push_back(i % 3 == 1 ? Mat(makeNoise(image.size(), i) > 60) : Mat());
+            features.push_back(detectAndCompute(detector, image, hasMasks ? masks[i] : Mat()));
         }
     }
+
+    ::testing::AssertionResult has(const KeyPointLists& keypoints, const std::vector<Mat>& descriptors) const
+    {
+        if (keypoints.size() != features.size() || descriptors.size() != features.size())
+            return ::testing::AssertionFailure() << keypoints.size() << " lists of keypoints and "
+                                                 << descriptors.size() << " matrices of descriptors";
+        for (size_t i = 0; i < features.size(); i++)
+        {
+            const auto areSame = sameFeatures(features[i], Features{keypoints[i], descriptors[i]});
+            if (!areSame)
+                return ::testing::AssertionFailure() << "image " << i << ": " << areSame.message();
+        }
+        return ::testing::AssertionSuccess();
+    }
+
+    std::vector<Mat> images, masks;
+    std::vector<Features> features;
+};
+
+//! Whether all functions for collections find the features of one.
+::testing::AssertionResult finds(AdaptiveQuadtreeORB& detector, const Collection& collection)
+{
+    // The previous content of the outputs does not matter.
+    KeyPointLists found(3, KeyPoints(5)), detected(1, KeyPoints(5)), keypoints;
+    std::vector<Mat> descriptors(2, Mat(7, 9, CV_32F)), computed(9, Mat(1, 1, CV_8U));
+    detector.detectAndComputeBatch(collection.images, collection.masks, found, descriptors);
+    static_cast<Feature2D&>(detector).detect(collection.images, detected, collection.masks);
+    static_cast<ORB&>(detector).compute(collection.images, detected, computed);
+    detector.detectAndComputeBatch(collection.images, collection.masks, keypoints, noArray());
+    for (const auto& result : {collection.has(found, descriptors), collection.has(detected, computed),
+                               collection.has(keypoints, computed)})
+    {
+        if (!result)
+            return result;
+    }
+    return ::testing::AssertionSuccess();
+}
+
+TEST(Aqorb_Threads, threads_of_any_backend_treat_a_collection_like_single_images)
+{
+    const Ptr<AdaptiveQuadtreeORB> detector = AdaptiveQuadtreeORB::create(120);
+    for (int size : {0, 1, 2, 7})
+        for (bool hasMasks : {false, true})
+        {
+            const Collection collection(*detector, size, hasMasks);
+            for (const std::shared_ptr<Backend>& backend : backends())
+            {
+                const BackendScope scope(backend);
+                for (int count = 1; count <= 4; count++)
+                {
+                    const Threads threads(count);
+                    EXPECT_TRUE(finds(*detector, collection)) << size << " images, " << count << " threads";
+                }
+            }
+        }
 }
 
 TEST(Aqorb_Threads, threads_of_the_caller_give_the_same_bytes)
 {
     const int CALLERS = 12;
-    const Call call = calls()[0];
-    const Features expected = expectedOf(call);
-    const Ptr<AdaptiveQuadtreeORB> detector = detectorOf(call);
-    for (int kind = -1; kind < int(backends().size()); kind++)
+    const Ptr<AdaptiveQuadtreeORB> detector = AdaptiveQuadtreeORB::create(300);
+    const Mat image = makeScene(Size(300, 420), 2);
+    const Features expected = detectAndCompute(*detector, image);
+    const Collection collection(*detector, 4, true);
+    for (const std::shared_ptr<Backend>& backend : backends())
     {
-        SCOPED_TRACE(format("backend %d", kind));
-        std::unique_ptr<BackendScope> scope(kind < 0 ? 0 : new BackendScope(backends()[kind]));
-        Threads threads(4);
+        const BackendScope scope(backend);
+        const Threads threads(4);
         std::vector<int> failed(CALLERS, 1);
         const auto callSome = [&](const Range& range)
         {
             for (int i = range.start; i < range.end; i++)
-                failed[i] = !gives(*detector, call, expected);
+                failed[i] = !finds(*detector, image, Mat(), expected) || !finds(*detector, collection);
         };
-        parallel_for_(Range(0, CALLERS), callSome, CALLERS);
-        EXPECT_EQ(std::vector<int>(CALLERS, 0), failed);
-
-        // Frames of several threads at once, of which one has OpenCV's threads.
-        failed.assign(CALLERS, 1);
+        // Two threads, of which one has OpenCV's threads, whose loops call the detector.
         std::vector<std::thread> callers;
-        for (int i = 0; i < 4; i++)
-            callers.push_back(std::thread(callSome, Range(i * 3, i * 3 + 3)));
+        for (int i = 0; i < CALLERS; i += CALLERS / 2)
+            callers.push_back(
+                std::thread([&, i] { parallel_for_(Range(i, i + CALLERS / 2), callSome, CALLERS / 2); }));
         for (std::thread& caller : callers)
             caller.join();
         EXPECT_EQ(std::vector<int>(CALLERS, 0), failed);
     }
+}
+
+//! Counts how often cv::parallel_for_ asks for threads, and the largest number of them.
+class Counting : public InTurns
+{
+public:
+    void parallel_for(int stripes, FN_parallel_for_body_cb_t body, void* data) CV_OVERRIDE
+    {
+        calls++;
+        maxStripes = std::max(maxStripes, stripes);
+        InTurns::parallel_for(stripes, body, data);
+    }
+    int calls = 0, maxStripes = 0;
+};
+
+TEST(Aqorb_Threads, threads_have_an_image_each_and_up_to_16_share_a_single_one)
+{
+    const struct
+    {
+        int threads, images, stripes;
+    } cases[] = {{4, 7, 4}, {4, 3, 3}, {40, 30, 30}, {4, 1, 4}, {40, 1, 16}};
+    const Ptr<AdaptiveQuadtreeORB> detector = AdaptiveQuadtreeORB::create(50);
+    KeyPointLists keypoints;
+    for (const auto& c : cases)
+    {
+        const std::shared_ptr<Counting> backend = std::make_shared<Counting>();
+        const BackendScope scope(backend);
+        const Threads threads(c.threads);
+        detector->detectAndComputeBatch(std::vector<Mat>(c.images, makeScene(Size(320, 300))), noArray(),
+                                        keypoints, noArray());
+        EXPECT_EQ(c.images > 1, backend->calls == 1) << backend->calls;
+        EXPECT_EQ(c.stripes, backend->maxStripes) << c.images << " images, " << c.threads << " threads";
+    }
+}
+
+// The functions of OpenCV that convert colours and shrink an image by more than a half share their work, too.
+TEST(Aqorb_Threads, threads_stay_alone_until_their_last_scope_ends_on_any_thread)
+{
+    Mat image;
+    cvtColor(makeScene(Size(900, 700)), image, COLOR_GRAY2BGR);
+    const std::vector<Mat> images(3, image);
+    Features features;
+    const std::shared_ptr<Counting> backend = std::make_shared<Counting>();
+    const BackendScope scope(backend);
+    const Threads threads(4);
+    const Ptr<AdaptiveQuadtreeORB> detector = AdaptiveQuadtreeORB::create(100, 3.f, 4);
+    aqorb::SlamExtractor extractor(100, 3.f, 4, 20, 7);
+    extractor(image, Mat(), features.keypoints, features.descriptors);
+    EXPECT_EQ(0, backend->calls);
+    const auto countCalls = [&]
+    {
+        KeyPointLists lists;
+        std::vector<Mat> levels;
+        backend->calls = 0;
+        detector->buildPyramid(image, levels);
+        detectAndCompute(*detector, image);
+        detector->compute(image, features.keypoints, features.descriptors);
+        detector->detectAndComputeBatch(images, noArray(), lists, noArray());
+        return backend->calls;
+    };
+    typedef std::unique_ptr<aqorb::SingleThreadScope> Scope;
+    Scope first(new aqorb::SingleThreadScope), second(new aqorb::SingleThreadScope);
+    EXPECT_EQ(0, countCalls());
+    first.reset();
+    EXPECT_EQ(0, countCalls());
+    std::thread([&] { second.reset(); }).join();
+    EXPECT_GT(countCalls(), 3);
+    std::thread([&] { first.reset(new aqorb::SingleThreadScope); }).join();
+    EXPECT_GT(countCalls(), 3);
+}
+
+TEST(Aqorb_Threads, collections_are_matrices_of_all_kinds)
+{
+    const Ptr<AdaptiveQuadtreeORB> detector = AdaptiveQuadtreeORB::create(80);
+    const Collection collection(*detector, 3, true);
+    KeyPointLists keypoints;
+
+    std::vector<UMat> images(3), masks(3), descriptors(1, UMat(2, 2, CV_8U));
+    std::vector<Mat> copies(3);
+    for (int i = 0; i < 3; i++)
+    {
+        collection.images[i].copyTo(images[i]);
+        collection.masks[i].copyTo(masks[i]);
+    }
+    const UMat shared = descriptors[0];
+    detector->detectAndComputeBatch(images, masks, keypoints, descriptors);
+    for (int i = 0; i < 3; i++)
+        descriptors[i].copyTo(copies[i]);
+    EXPECT_TRUE(collection.has(keypoints, copies));
+    EXPECT_EQ(Size(2, 2), shared.size());
+
+    std::array<Mat, 3> arrays;
+    detector->detectAndComputeBatch(collection.images, collection.masks, keypoints, arrays);
+    EXPECT_TRUE(collection.has(keypoints, std::vector<Mat>(arrays.begin(), arrays.end())));
+
+    // The images themselves may become the descriptors.
+    copies = collection.images;
+    detector->detectAndComputeBatch(copies, collection.masks, keypoints, copies);
+    EXPECT_TRUE(collection.has(keypoints, copies));
+}
+
+//! The message of a call's exception; empty if it raises none. The outputs must stay as they are.
+std::string
+messageOfBatch(const std::function<void(KeyPointLists& keypoints, std::vector<Mat>& descriptors)>& call)
+{
+    const KeyPoints before(2, KeyPoint(1, 2, 3));
+    KeyPointLists keypoints(7, before);
+    std::vector<Mat> descriptors(1, Mat(5, 5, CV_8U, Scalar(5)));
+    const std::string message = messageOf([&] { call(keypoints, descriptors); });
+    EXPECT_EQ(7u, keypoints.size());
+    for (const KeyPoints& list : keypoints)
+        EXPECT_TRUE(sameKeypoints(before, list));
+    EXPECT_EQ(1u, descriptors.size());
+    EXPECT_TRUE(sameMat(Mat(5, 5, CV_8U, Scalar(5)), descriptors[0]));
+    return message;
+}
+
+TEST(Aqorb_Threads, threads_report_the_error_of_the_first_image)
+{
+    const Ptr<AdaptiveQuadtreeORB> detector = AdaptiveQuadtreeORB::create(80);
+    const Collection good(*detector, 3, false);
+    std::vector<Mat> images = Collection(*detector, 7, false).images, masks(7);
+    masks[3] = Mat(9, 9, CV_8U);
+    images[5] = Mat(50, 40, CV_32F);
+    const std::string maskError =
+        "images[3]: mask must be CV_8UC1 of the image's size, 171 x 140, got 9 x 9 of type CV_8UC1";
+    const std::string imageError = "images[5]: image must be CV_8U with 1 (grey), 3 (BGR) or 4 (BGRA) "
+                                   "channels, got 2 dimensions of type CV_32FC1";
+    for (const std::shared_ptr<Backend>& backend : backends())
+    {
+        const BackendScope scope(backend);
+        for (int count = 1; count <= 4; count++)
+        {
+            SCOPED_TRACE(count);
+            const Threads threads(count);
+            const auto batchError = [&](InputArrayOfArrays m)
+            {
+                return messageOfBatch(
+                    [&](KeyPointLists& keypoints, std::vector<Mat>& descriptors)
+                    { detector->detectAndComputeBatch(images, m, keypoints, descriptors); });
+            };
+            EXPECT_EQ(maskError, batchError(masks));
+            EXPECT_EQ(imageError, batchError(noArray()));
+            EXPECT_EQ(maskError, messageOfBatch([&](KeyPointLists& keypoints, std::vector<Mat>&)
+                                                { detector->detect(images, keypoints, masks); }));
+            EXPECT_EQ(imageError, messageOfBatch([&](KeyPointLists& keypoints, std::vector<Mat>& descriptors)
+                                                 { detector->compute(images, keypoints, descriptors); }));
+        }
+    }
+    EXPECT_TRUE(finds(*detector, good));  // The detector is as good as before.
+}
+
+TEST(Aqorb_Threads, compute_keeps_keypoints_of_empty_images_in_a_collection)
+{
+    std::vector<Mat> images = {Mat(), makeScene(Size(90, 80))}, descriptors(2, Mat(3, 3, CV_8U));
+    KeyPointLists keypoints(2, KeyPoints(3, KeyPoint(45, 40, 31, 0)));
+    AdaptiveQuadtreeORB::create(80)->compute(images, keypoints, descriptors);
+    EXPECT_EQ(3u, keypoints[0].size());
+    EXPECT_TRUE(descriptors[0].empty());
+    EXPECT_EQ(3u, keypoints[1].size());
+    EXPECT_EQ(Size(32, 3), descriptors[1].size());
 }
 
 }  // namespace

@@ -104,6 +104,16 @@ std::string oxfordImage(const std::string& set, int index)
     return keypoints ? sameMat(a.descriptors, b.descriptors) : keypoints;
 }
 
+::testing::AssertionResult finds(Feature2D& detector, const Mat& image, const Mat& mask,
+                                 const Features& expected)
+{
+    const ::testing::AssertionResult isFound =
+        sameFeatures(expected, detectAndCompute(detector, image, mask));
+    Features computed = {expected.keypoints, Mat()};
+    detector.compute(image, computed.keypoints, computed.descriptors);
+    return isFound ? sameFeatures(expected, computed) : isFound;
+}
+
 Mat atOffset(const Mat& image, int offset)
 {
     const int ALIGNMENT = 64, ROWS = 8, element = int(image.elemSize());

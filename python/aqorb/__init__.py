@@ -8,26 +8,25 @@
     orb = aqorb.AdaptiveQuadtreeORB_create(1000)    # was: cv2.ORB_create(1000)
     keypoints, descriptors = orb.detectAndCompute(image, None)
 
-The names and signatures are those of cv2.aqorb, which a cv2 has that was built with the module. The detector of this
-package is not derived from cv2.Feature2D, so that functions of cv2 do not take it. They do take its keypoints and
-descriptors, and computeImageFeatures2 here makes what cv2.detail needs. cv2 is imported when the first of its objects
-is needed; what takes and returns arrays works without.
+Names and signatures equal those of cv2.aqorb, the module in a cv2 built with it. Functions of cv2 do not accept the
+detector of this package, which is not derived from cv2.Feature2D. They accept its keypoints and descriptors, and
+computeImageFeatures2 of this package makes features for cv2.detail. The package imports cv2 when a call first needs
+its objects; functions of arrays work without cv2.
 
 Images are numpy arrays or memoryviews of uint8 with any strides. Their shape is (rows, cols) or (rows, cols, channels),
 with 1 (grey), 3 (BGR) or 4 (BGRA) channels. File names are str, bytes or paths.
 
-A value that is not accepted raises aqorb.error, which is a ValueError and, where there is cv2, a cv2.error. An object
-of a wrong type raises TypeError. Both messages name the parameter.
-Where there is not enough memory, the error is a MemoryError.
+An invalid value raises aqorb.error, which is a ValueError and, with cv2, a cv2.error. An object of a wrong type raises
+TypeError. Both messages name the parameter. A lack of memory raises a MemoryError.
 
 HammingMatcher has the methods and the matches of cv2.BFMatcher for binary descriptors, but faster. matchArrays,
-knnMatchArrays and matchByPosition return matches as arrays. refineMatches and refineMatchArrays move the positions of
-matches to where both images show the same spot.
+knnMatchArrays and matchByPosition return matches as arrays. refineMatches and refineMatchArrays align the images at
+each match, and remove wrong matches.
 
-Some names are not in cv2.aqorb, and detectAndComputeBatch, which is for many images, returns arrays here and not
-keypoints of cv2, as a FeatureBatch. detectAndComputeArrays returns keypoints as one array of keypoint_dtype, and
-keypointsToArray and keypointsFromArray convert keypoints. Every function takes such an array for keypoints, and those
-that return keypoints then return an array. setNumThreads and getNumThreads are for the threads that a call uses.
+Some names are not in cv2.aqorb. detectAndComputeArrays returns keypoints as one array of keypoint_dtype, and
+keypointsToArray and keypointsFromArray convert keypoints. Each function accepts an array of keypoints, and then returns
+keypoints as an array. detectAndComputeBatch, for many images, returns arrays in a FeatureBatch. setNumThreads and
+getNumThreads control the threads of a call.
 """
 
 import functools as _functools
@@ -51,12 +50,12 @@ __all__ = ['AdaptiveQuadtreeORB', 'AdaptiveQuadtreeORB_QUADTREE_SELECTION', 'Ada
 
 
 def computeImageFeatures2(featuresFinder, image, mask=None):
-    """Returns what cv2.detail.computeImageFeatures2 gives for a cv2.Feature2D: the features of an image for the
-    matchers and estimators of cv2.detail."""
+    """Computes the features of an image for the matchers and estimators of cv2.detail, as
+    cv2.detail.computeImageFeatures2 does for a cv2.Feature2D."""
     import cv2
     import numpy
     keypoints, descriptors = featuresFinder.detectAndCompute(image, mask)
-    # An object to be filled, as the class's constructor is of no use.
+    # An object to fill in, because the class has no usable constructor.
     features = cv2.detail.computeImageFeatures2(cv2.ORB_create(1), numpy.zeros((32, 32), numpy.uint8))
     features.img_size = (0, 0) if image is None else image.shape[1::-1]
     features.keypoints = keypoints
@@ -65,10 +64,9 @@ def computeImageFeatures2(featuresFinder, image, mask=None):
 
 
 def refinePoints(image1, points1, image2, points2, size=31, minCorrelation=.8):
-    """Refines matches that have neither sizes nor angles, such as LoFTR's: points1[i] and points2[i] show the same
-    spot. The points are arrays of shape (n, 2) or (n, 1, 2). size is the diameter of the patches that are compared, in
-    pixels. Returns the indices of the points that are left, their positions in image 2, and the standard deviations of
-    these positions."""
+    """Refines matches without sizes and angles, such as LoFTR's: points1[i] and points2[i] show the same spot. The
+    points are arrays of shape (n, 2) or (n, 1, 2). size is the diameter of the compared patches, in pixels. Returns the
+    indices of the remaining points, their positions in image 2, and the standard deviations of these positions."""
     import numpy
     from ._cv2 import error
     keypoints = []
@@ -89,7 +87,7 @@ def refinePoints(image1, points1, image2, points2, size=31, minCorrelation=.8):
 
 
 def _of_python(compiled, name):
-    """A function that pickle takes, which does not take those of pybind11."""
+    """Wraps a function of pybind11 in a function that pickle accepts."""
     @_functools.wraps(compiled)
     def function(*arguments, **named):
         return compiled(*arguments, **named)
@@ -110,7 +108,7 @@ HammingMatcher.create = staticmethod(_of_python(HammingMatcher.create, 'HammingM
 
 
 def __getattr__(name):
-    if name == 'error':  # its base is a class of cv2
+    if name == 'error':  # needs cv2 for its base class
         from ._cv2 import error
         return error
     raise AttributeError("module 'aqorb' has no attribute {!r}".format(name))

@@ -2,7 +2,7 @@
 # It is subject to the license terms in the LICENSE file found in the top-level directory
 # of this distribution.
 # SPDX-License-Identifier: Apache-2.0
-"""Prints what the package runs with: its version, OpenCV's, the kernels and the number of threads."""
+"""Prints the versions of the package and of OpenCV, the kernels and the number of threads."""
 
 import sys
 

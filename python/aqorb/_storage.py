@@ -2,8 +2,8 @@
 # It is subject to the license terms in the LICENSE file found in the top-level directory
 # of this distribution.
 # SPDX-License-Identifier: Apache-2.0
-"""A detector's parameters in files and in cv2's storages. They come as the text that OpenCV writes, as the storages of
-cv2 are not those of the OpenCV that the package has."""
+"""A detector's parameters in files and in cv2's storages. They pass as text, because cv2's storages belong to another
+OpenCV than the package's."""
 
 import contextlib
 import gzip
@@ -15,7 +15,7 @@ import aqorb
 
 @contextlib.contextmanager
 def opened(file_name, mode, accepted):
-    """Opens whatever open() takes as the name of a file. Its end chooses the format, also before .gz."""
+    """Opens a file by any name that open() accepts. Yields it and its name without .gz, whose suffix is the format."""
     try:
         path = os.fsencode(file_name)
     except TypeError:
@@ -30,7 +30,7 @@ def opened(file_name, mode, accepted):
 
 
 def save(file_name, text_of):
-    """By Python, because cv::FileStorage does not tell that a disk is full."""
+    """Writes a file by Python, because cv::FileStorage does not report a full disk."""
     with opened(file_name, 'wb', 'FileStorage') as (file, name):
         file.write(text_of(name))
 
@@ -42,10 +42,10 @@ def load(file_name, read):
 
 def write(text, storage, name):
     if not storage.isOpened():
-        raise aqorb.error('fs must be a storage that is open to write, got one that is not open')
+        raise aqorb.error('fs must be a storage open for writing, got a closed storage')
     import cv2
     source = cv2.FileStorage(text, cv2.FILE_STORAGE_READ | cv2.FILE_STORAGE_MEMORY)
-    root = source.root()  # of no use without the storage
+    root = source.root()  # valid as long as `source`
     if name:
         storage.startWriteStruct(name, cv2.FileNode_MAP)
     for key in root.keys():
@@ -56,7 +56,7 @@ def write(text, storage, name):
 
 
 def read(node):
-    """The parameters that a node has, as a text."""
+    """Returns the parameters of a node as text."""
     if not node.isMap():
         raise aqorb.error('fn must be a map of the parameters, got a node that ' +
                           ('does not exist' if node.isNone() else 'is no map'))
@@ -65,6 +65,6 @@ def read(node):
     for key in node.keys():
         value = node.getNode(key)
         is_number = value.isInt() or value.isReal()
-        # What is no number the library refuses, if it is a parameter's.
+        # The library rejects a parameter that is no number.
         given.write(key, value.real() if is_number else value.string() if value.isString() else 'no number')
     return given.releaseAndGetString()

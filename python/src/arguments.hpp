@@ -3,8 +3,8 @@
 // of this distribution.
 // SPDX-License-Identifier: Apache-2.0
 
-// The arguments and results of the module's functions. They are plain Python objects with a name for the signatures in
-// the docstrings, so that a function converts them itself and its message names the parameter that is wrong: pybind11
+// Arguments and results of the module's functions: plain Python objects with a type name for the signatures in the
+// docstrings. Each function converts its arguments itself, so that its message names the invalid parameter. pybind11
 // would try the next overload instead.
 
 #ifndef AQORB_PYTHON_ARGUMENTS_HPP
@@ -29,7 +29,7 @@ inline bool isInstance(py::handle object, const char* cv2Class)
     return type && py::isinstance(object, type);
 }
 
-//! Whether the object is an integer, also one of numpy's. pybind11 would make one of whatever converts to it.
+//! Whether the object is an integer of Python or numpy. pybind11 would convert other objects to one.
 inline bool isInteger(py::handle object)
 {
     const auto integer = py::reinterpret_steal<py::object>(PyNumber_Index(object.ptr()));
@@ -42,8 +42,8 @@ template <typename Kind> struct Object
     py::object object;
 };
 
-// A kind is the name in signatures and, for the first argument, the choice between overloads: the first one that accepts
-// it is called.
+// A kind of argument: its name in signatures and, for the first argument, the choice of the overload. pybind11 calls
+// the first overload that accepts the object.
 #define AQORB_ARGUMENT(Name, text, isAccepted)                     \
     struct Name##Kind                                              \
     {                                                              \
@@ -77,14 +77,15 @@ AQORB_ARGUMENT(FileNode, "cv2.FileNode", isInstance(object, "FileNode"))
 AQORB_ARGUMENT(FileName, "Union[str, os.PathLike]", true)
 #undef AQORB_ARGUMENT
 
-//! What Python passes and gets for a property of the type. An enumeration is an int.
+//! Type of a property in Python. An enumeration is an int.
 template <typename T> using InPython = typename std::conditional<std::is_enum<T>::value, int, T>::type;
 
-//! What its setter takes.
+//! Argument type of a property's setter.
 template <typename T>
 using Given = typename std::conditional<std::is_same<InPython<T>, int>::value, IntObject, T>::type;
 
-//! The value of a number. Messages use the name.
+//! Value of a number.
+//! @param name parameter name for messages
 int valueOf(const IntObject& number, const std::string& name);
 template <typename T> T valueOf(T number, const std::string&)
 {

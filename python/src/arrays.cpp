@@ -31,7 +31,7 @@ bool isSizeOfMat(const py::array& array)
     return array.shape(0) <= INT_MAX && array.shape(1) <= INT_MAX;
 }
 
-// The rows of a Mat may lie apart. Its pixels and channels may not.
+// Whether a Mat can have the array's strides: rows may lie apart, pixels and channels may not.
 bool hasStridesOfMat(const py::array& array, int channels)
 {
     const py::ssize_t rows = array.shape(0), cols = array.shape(1);
@@ -39,7 +39,7 @@ bool hasStridesOfMat(const py::array& array, int channels)
            (rows == 1 || array.strides(0) >= cols * channels);
 }
 
-// The array, or a copy whose elements lie side by side. Where there is no memory for it, numpy's error says so.
+// The array if contiguous, else a contiguous copy. numpy throws if memory does not suffice.
 py::array contiguous(const py::array& array)
 {
     return py::module_::import("numpy").attr("ascontiguousarray")(array);
@@ -59,7 +59,7 @@ Pixels toPixels(py::array array, int channels)
     return pixels;
 }
 
-// An array, or a memoryview as an array that shares its memory.
+// An array, or a memoryview as an array with shared memory.
 py::array arrayOf(py::handle source, const std::string& name, const char* accepted)
 {
     if (!py::isinstance<py::array>(source) && !PyMemoryView_Check(source.ptr()))
@@ -69,7 +69,7 @@ py::array arrayOf(py::handle source, const std::string& name, const char* accept
 
 const char ACCEPTED[] = "a sequence of cv2.KeyPoint or an array of aqorb.keypoint_dtype";
 
-// The attributes of a cv2.KeyPoint, as objects, which are looked up faster.
+// Attribute names of a cv2.KeyPoint, as objects for faster look-up.
 struct Names
 {
     const py::str pt{"pt"}, size{"size"}, angle{"angle"}, response{"response"}, octave{"octave"},
@@ -84,7 +84,7 @@ cv::KeyPoint toKeyPoint(py::handle object, const Names& names)
                         object.attr(names.octave).cast<int>(), object.attr(names.classId).cast<int>());
 }
 
-// Such an array is a sequence for cv2, too.
+// Whether the object is a one-dimensional array of objects, which cv2 accepts as a sequence.
 bool isArrayOfObjects(py::handle source)
 {
     if (!py::isinstance<py::array>(source))
@@ -106,7 +106,7 @@ std::vector<cv::KeyPoint> fromArray(const py::array& source, const std::string& 
 
 std::vector<cv::KeyPoint> fromSequence(py::handle source, const std::string& name)
 {
-    // A snapshot: another thread, or an attribute of an item, may change a list while it is read.
+    // A snapshot: another thread, or an attribute of an item, may change the list meanwhile.
     const py::tuple items(py::reinterpret_borrow<py::object>(source));
     const py::object type = knownClass("KeyPoint");
     const Names names;
@@ -180,7 +180,7 @@ Pixels toDescriptors(py::handle source, const std::string& name)
     if (!isUint8(array) || array.ndim() != 2 || !isSizeOfMat(array))
         rejectArray(name, array, "uint8 of shape (n, bytes)");
     Pixels descriptors = toPixels(array, 1);
-    if (array.size() == 0)  // none, of a length that is known
+    if (array.size() == 0)  // keeps the shape of an empty array
         descriptors.mat = cv::Mat(int(array.shape(0)), int(array.shape(1)), CV_8UC1);
     return descriptors;
 }
@@ -237,7 +237,7 @@ py::object keyPointClass()
 
 py::dtype keypointDtype()
 {
-    // Never released, as the interpreter may be gone by then. The import calls this first.
+    // Never released, because the interpreter may end first. The import makes the first call.
     static const py::handle dtype = []
     {
         static_assert(sizeof(cv::KeyPoint) == 5 * sizeof(float) + 2 * sizeof(int),

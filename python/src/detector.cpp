@@ -3,7 +3,7 @@
 // of this distribution.
 // SPDX-License-Identifier: Apache-2.0
 
-// The detector: its methods, signatures and docstrings.
+// Class AdaptiveQuadtreeORB: methods, signatures and docstrings.
 
 #include "arguments.hpp"
 #include "errors.hpp"
@@ -44,7 +44,7 @@ namespace
 typedef Shared<Library> Detector;
 typedef py::class_<Detector> DetectorClass;
 
-// None where there are no rows, as in cv2.
+// Array of descriptors, or None without rows, as in cv2.
 OptionalArrayObject toObject(const cv::Mat& descriptors)
 {
     if (descriptors.empty())
@@ -52,14 +52,15 @@ OptionalArrayObject toObject(const cv::Mat& descriptors)
     return {toArray(descriptors)};
 }
 
-// cv2's optional array for the output. Here the output is returned only.
+// Rejects cv2's optional array for the output: this package only returns outputs.
 void checkOutput(const OptionalArrayObject& descriptors)
 {
     if (!descriptors.object.is_none())
-        throwTypeError("descriptors", brief(descriptors.object), "None, as the descriptors are returned");
+        throwTypeError("descriptors", brief(descriptors.object),
+                       "None, because the call returns descriptors");
 }
 
-//! What is found in an image.
+//! Keypoints and descriptors of an image.
 struct Features
 {
     Features(const cv::Ptr<Library>& library, const OptionalArrayObject& image,
@@ -119,8 +120,8 @@ computeImages(const Detector& self, const ImagesObject& images, const KeyPointLi
     const std::vector<Pixels> pixels = toImages(images.object);
     std::vector<KeyPoints> computed = toKeyPointLists(keypoints.object, pixels.size());
     std::vector<std::vector<cv::KeyPoint>> points;
-    for (KeyPoints& ofImage : computed)
-        points.push_back(std::move(ofImage.points));
+    for (KeyPoints& imageKeypoints : computed)
+        points.push_back(std::move(imageKeypoints.points));
     std::vector<cv::Mat> descriptors;
     withoutGil([&] { library->compute(matricesOf(pixels), points, descriptors); });
     std::pair<std::vector<KeyPointsObject>, std::vector<OptionalArrayObject>> result;
@@ -211,7 +212,7 @@ void readText(Library& library, const std::string& text)
     library.read(memory.root());
 }
 
-//! All parameters as the text of a file of the name, by which a detector is copied and pickled, too.
+//! All parameters as the text of a file. The suffix of the name chooses the format.
 std::string toText(const Detector& self, const std::string& name = ".yml")
 {
     cv::FileStorage memory(name, cv::FileStorage::WRITE | cv::FileStorage::MEMORY);
@@ -265,8 +266,8 @@ void addCreate(DetectorClass& detector)
 {
 #define AQORB_DEFAULT(property, type, name, key, byDefault, ...) arg(#name) = byDefault,
     const char* const text =
-        "Creates a detector. The parameters are those of cv2.ORB_create, in the same order.\n"
-        "The default of edgeThreshold is 16, and fastThreshold scales the adaptive threshold.";
+        "Creates a detector with the parameters of cv2.ORB_create, in the same order. The default of\n"
+        "edgeThreshold is 16, and fastThreshold scales the adaptive threshold.";
     detector.def_static("create", &create, AQORB_PARAMETERS_OF_ORB(AQORB_DEFAULT) text);
 #undef AQORB_DEFAULT
 }
@@ -275,38 +276,35 @@ void addProcessing(DetectorClass& detector)
 {
     detector
         .def("detect", &detect, arg("image"), arg("mask") = py::none(),
-             "Returns the keypoints of an image, as a tuple. With a mask, only those at its nonzero pixels.")
-        .def(
-            "detect", &detectImages, arg("images"), arg("masks") = py::none(),
-            "Does the same for several images and returns a list. There is one mask for each image, or none.")
-        .def(
-            "compute", &compute, arg("image"), arg("keypoints"), arg("descriptors") = py::none(),
-            "Computes the descriptors of given keypoints. Returns the keypoints that have one, and an array\n"
-            "with a row for each, or None if there are none.")
+             "Returns the keypoints of an image, as a tuple. With a mask, only keypoints at its nonzero\n"
+             "pixels.")
+        .def("detect", &detectImages, arg("images"), arg("masks") = py::none(),
+             "Detects keypoints in several images and returns a list. There is one mask for each image, or\n"
+             "none.")
+        .def("compute", &compute, arg("image"), arg("keypoints"), arg("descriptors") = py::none(),
+             "Computes the descriptors of given keypoints. Returns the described keypoints, and an array\n"
+             "with a row for each, or None without keypoints.")
         .def("compute", &computeImages, arg("images"), arg("keypoints"), arg("descriptors") = py::none(),
-             "Does the same for several images and returns a list of each.")
+             "Computes descriptors for several images and returns a list of each.")
         .def("detectAndCompute", &detectAndCompute, arg("image"), arg("mask") = py::none(),
              arg("descriptors") = py::none(), arg("useProvidedKeypoints") = false,
              "Returns the keypoints of an image, as a tuple, and their descriptors, as an array with a row\n"
-             "for each, or None if there are none. With a mask, only keypoints at its nonzero pixels are "
-             "found.")
+             "for each, or None without keypoints. With a mask, only keypoints at its nonzero pixels.")
         .def("detectAndComputeArrays", &detectAndComputeArrays, arg("image"), arg("mask") = py::none(),
-             "Does what detectAndCompute does, without making an object for each keypoint. Returns an array\n"
-             "of keypoint_dtype and an array of descriptors of shape (n, 32), also where n is 0. The field\n"
-             "'pt' of the first is an array of shape (n, 2).")
+             "Detects and computes like detectAndCompute, without an object for each keypoint. Returns an\n"
+             "array of keypoint_dtype, whose field 'pt' has the shape (n, 2), and an array of descriptors\n"
+             "of shape (n, 32), even if n is 0.")
         .def("detectAndComputeBatch", &detectAndComputeBatch, arg("images"), arg("masks") = py::none(),
-             "Returns the features of several images as a FeatureBatch, which has one array for each field.\n"
-             "They are those of detectAndComputeArrays for each image. The images are processed side by "
-             "side,\n"
-             "each on one thread. There is one mask for each image, or none. An error names the image, as\n"
-             "images[3].")
+             "Returns the features of several images, as detectAndComputeArrays gives for each, in a\n"
+             "FeatureBatch with one array for each field. Images are processed in parallel, each on one\n"
+             "thread. There is one mask for each image, or none. An error names the image, as images[3].")
         .def("buildPyramid", &buildPyramid, arg("image"),
-             "Returns the levels of the pyramid in which keypoints are found, as grey images.")
+             "Returns the levels of the detector's image pyramid, as grey images.")
         .def("releaseMemory", &releaseMemory,
              "Frees the work space that the detector keeps between calls. The next call allocates it anew.");
 }
 
-// A default of the table as Python writes it.
+// Python literal of a default in the table.
 std::string literal(std::string byDefault)
 {
     if (byDefault == "true")
@@ -346,20 +344,20 @@ void addFeature2D(DetectorClass& detector)
         .def("descriptorType", AQORB_GETTER(descriptorType),
              "Returns the type of a descriptor's elements, cv2.CV_8U.")
         .def("defaultNorm", AQORB_GETTER(defaultNorm),
-             "Returns the norm to match with: cv2.NORM_HAMMING, or cv2.NORM_HAMMING2 where WTA_K is 3 or 4.")
-        .def("empty", AQORB_GETTER(empty), "Returns False, as there are parameters to write.")
+             "Returns the norm to match with: cv2.NORM_HAMMING, or cv2.NORM_HAMMING2 if WTA_K is 3 or 4.")
+        .def("empty", AQORB_GETTER(empty), "Returns False: a detector always has parameters to write.")
         .def(
-            "clear", [](const Detector&) {}, "Does nothing, as that of cv2.ORB.")
-        // The functions for files come last, as they say what is accepted where no other overload is meant.
+            "clear", [](const Detector&) {}, "Does nothing, like cv2.ORB.clear.")
+        // Functions for files come last: their message covers arguments that fit no other overload.
         .def("write", &writeStorage, arg("fs"), arg("name") = "",
              "Writes the parameters to a cv2.FileStorage, under the name if one is given.")
         .def("write", &writeFile, arg("fileName"), "Writes the parameters to an XML, YAML or JSON file.")
         .def("save", &writeFile, arg("fileName"), "Does the same as write(fileName).")
         .def("read", &readNode, arg("fn"),
-             "Reads the parameters that the map of a cv2.FileNode has. The others keep their values.")
+             "Reads parameters from the map of a cv2.FileNode. Missing parameters keep their values.")
         .def("read", &readFile, arg("fileName"),
-             "Reads the parameters that a file has. The others keep their values.")
-        // For pickle and copy. All protocols take it, so that none makes an object without a detector.
+             "Reads parameters from a file. Missing parameters keep their values.")
+        // For pickle and copy, in all protocols: none makes an object without a detector.
         .def("__reduce__",
              [](const Detector& self)
              {
@@ -384,9 +382,9 @@ void addDetector(py::module_& module)
     DetectorClass detector(
         module, "AdaptiveQuadtreeORB",
         "An ORB detector and descriptor whose keypoints are spread uniformly over the image.\n\n"
-        "It has the methods of cv2.ORB, with the same parameters. Outputs are returned, so that\n"
-        "descriptors is to be None. Methods that process images release the GIL. Several threads may share\n"
-        "a detector: a parameter that one thread sets applies to the calls that begin later.");
+        "It has the methods of cv2.ORB, with the same parameters. It returns its outputs, so the\n"
+        "argument descriptors must be None. Methods that process images release the GIL. Several\n"
+        "threads may share a detector: a parameter set by one thread applies to later calls.");
     detector.attr("__module__") = "aqorb";
     addCreate(detector);
     addProcessing(detector);

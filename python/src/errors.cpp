@@ -46,7 +46,7 @@ void translateErrors()
             }
             catch (const cv::Exception& exception)
             {
-                // Without OpenCV's version and place in what(), which are the package's own and not cv2's.
+                // err instead of what(), whose version and source line belong to the package's OpenCV, not to cv2's.
                 const py::object type =
                     py::module_::import("aqorb._cv2")
                         .attr(exception.code == cv::Error::StsNoMem ? "memory_error" : "error");

@@ -3,8 +3,8 @@
 // of this distribution.
 // SPDX-License-Identifier: Apache-2.0
 
-// How a call that is refused ends: aqorb.error for a value, TypeError for an object of a wrong type. Either message
-// names the parameter, what was given and what is accepted.
+// Errors of a call: aqorb.error for an invalid value, TypeError for an object of a wrong type. Both messages name the
+// parameter, the argument and the accepted values.
 
 #ifndef AQORB_PYTHON_ERRORS_HPP
 #define AQORB_PYTHON_ERRORS_HPP
@@ -18,23 +18,23 @@ namespace aqorb_python
 
 namespace py = pybind11;
 
-//! A class of cv2, or an ImportError that says what to call instead.
+//! Class of cv2. Without cv2 throws an ImportError that names the function to call instead.
 py::object classOfCv2(const char* name, const char* instead);
 
-//! A class of cv2, or nothing if nobody has imported cv2: then there are no such objects.
+//! Class of cv2, or nothing if nobody has imported cv2: then no objects of the class exist.
 py::object knownClass(const char* name);
 
-//! Makes OpenCV's exceptions such errors. To be called once, at import.
+//! Translates OpenCV's exceptions to aqorb.error. Called once, at import.
 void translateErrors();
 
-//! For a number, an object or a sequence that is no such thing.
+//! Throws TypeError for an object of a wrong type.
 [[noreturn]] void throwTypeError(const std::string& name, const std::string& given,
                                  const std::string& accepted);
 
-//! For an array of another dtype or shape.
+//! Throws aqorb.error for an array of another dtype or shape.
 [[noreturn]] void rejectArray(const std::string& name, const py::array& array, const char* accepted);
 
-//! What was given, shortened.
+//! Shortened representation of an object for messages.
 std::string brief(py::handle object);
 
 }  // namespace aqorb_python

@@ -47,7 +47,7 @@ py::object toPython(const py::object& type, const cv::DMatch& match)
     return type(match.queryIdx, match.trainIdx, match.imgIdx, match.distance);
 }
 
-// Matches, or a tuple of them for each query.
+// Tuple of matches, or of one tuple of matches for each query.
 template <typename T> py::object toPython(const py::object& type, const std::vector<T>& matches)
 {
     py::tuple result(matches.size());
@@ -56,7 +56,7 @@ template <typename T> py::object toPython(const py::object& type, const std::vec
     return py::object(std::move(result));
 }
 
-// An array of int32 with the elements of a matrix, also of one without rows.
+// Array of int32 with the elements of a matrix, even without rows.
 ArrayObject toIntegers(const cv::Mat& mat, int columns)
 {
     return {toArray(mat, py::dtype::of<int>()).attr("reshape")(-1, columns)};
@@ -78,7 +78,7 @@ Matcher create(const IntObject& normType, bool crossCheck)
     return Matcher(Library::create(valueOf(normType, "normType"), crossCheck));
 }
 
-// cv::BFMatcher has no getters.
+// Access to the settings, because cv::BFMatcher has no getters.
 struct Settings : Library
 {
     static py::tuple of(const Library& matcher)
@@ -232,7 +232,7 @@ std::vector<cv::Point2f> toPositions(const Floats& array)
     const py::ssize_t dims = array.ndim();
     const bool isShape = (dims == 2 || (dims == 3 && array.shape(1) == 1)) && array.shape(dims - 1) == 2;
     if (array.size() > 0 && !isShape)
-        rejectArray("predicted", array, "an array of numbers of shape (n, 2) or, as of cv2, (n, 1, 2)");
+        rejectArray("predicted", array, "an array of numbers of shape (n, 2) or, as in cv2, (n, 1, 2)");
     const cv::Point2f* const first = reinterpret_cast<const cv::Point2f*>(array.data());
     return std::vector<cv::Point2f>(first, first + array.size() / 2);
 }
@@ -264,45 +264,44 @@ void addMatcher(py::module_& module)
 {
     py::class_<Matcher> matcher(
         module, "HammingMatcher",
-        "A brute-force matcher of binary descriptors, with the methods of cv2.BFMatcher, but for those of\n"
-        "files, and its matches for NORM_HAMMING and NORM_HAMMING2, but faster. Methods that match\n"
-        "release the GIL.");
+        "A brute-force matcher of binary descriptors with the matches of cv2.BFMatcher for\n"
+        "NORM_HAMMING and NORM_HAMMING2, but faster. It has the methods of cv2.BFMatcher, except\n"
+        "those for files. Methods that match release the GIL.");
     matcher.attr("__module__") = "aqorb";
     matcher
         .def(py::init(&create), arg("normType") = int(cv::NORM_HAMMING), arg("crossCheck") = false,
-             "Creates a matcher. The parameters are those of cv2.BFMatcher.")
+             "Creates a matcher with the parameters of cv2.BFMatcher.")
         .def_static("create", &create, arg("normType") = int(cv::NORM_HAMMING), arg("crossCheck") = false,
-                    "Creates a matcher. The parameters are those of cv2.BFMatcher_create.")
+                    "Creates a matcher with the parameters of cv2.BFMatcher_create.")
         .def("match", &match, arg("queryDescriptors"), arg("trainDescriptors"), arg("mask") = py::none(),
              "Returns the best match of each query descriptor, as a tuple.")
         .def("match", &matchCollection, arg("queryDescriptors"), arg("masks") = py::none(),
-             "Does the same with the descriptors that were added. There is one mask for each image, or none.")
+             "Matches with the added descriptors. There is one mask for each image, or none.")
         .def("knnMatch", &knnMatch, arg("queryDescriptors"), arg("trainDescriptors"), arg("k"),
              arg("mask") = py::none(), arg("compactResult") = false,
-             "Returns the k best matches of each query descriptor, a tuple for each. With compactResult\n"
-             "queries without a match are left out.")
+             "Returns the k best matches of each query descriptor, a tuple for each. compactResult leaves\n"
+             "out queries without a match.")
         .def("knnMatch", &knnMatchCollection, arg("queryDescriptors"), arg("k"), arg("masks") = py::none(),
              arg("compactResult") = false,
-             "Does the same with the descriptors that were added. There is one mask for each image, or none.")
+             "Matches with the added descriptors. There is one mask for each image, or none.")
         .def("radiusMatch", &radiusMatch, arg("queryDescriptors"), arg("trainDescriptors"),
              arg("maxDistance"), arg("mask") = py::none(), arg("compactResult") = false,
-             "Returns the matches of each query descriptor that are at most so far away, a tuple for each.\n"
-             "With compactResult queries without a match come last.")
+             "Returns the matches of each query descriptor within maxDistance, a tuple for each. With\n"
+             "compactResult queries without a match come last.")
         .def("radiusMatch", &radiusMatchCollection, arg("queryDescriptors"), arg("maxDistance"),
              arg("masks") = py::none(), arg("compactResult") = false,
-             "Does the same with the descriptors that were added. There is one mask for each image, or none.")
+             "Matches with the added descriptors. There is one mask for each image, or none.")
         .def("add", &add, arg("descriptors"),
-             "Adds descriptors of several images, a sequence of arrays. They are copied.")
-        .def("getTrainDescriptors", &getTrainDescriptors,
-             "Returns the descriptors that were added, as a tuple.")
+             "Adds copies of the descriptors of several images, a sequence of arrays.")
+        .def("getTrainDescriptors", &getTrainDescriptors, "Returns the added descriptors, as a tuple.")
         .def(
             "clear", [](Matcher& self) { self.change([](Library& library) { library.clear(); }); },
-            "Removes the descriptors that were added.")
+            "Removes the added descriptors.")
         .def(
             "empty", [](const Matcher& self) { return self.share()->empty(); },
-            "Returns whether no descriptors were added.")
+            "Returns whether the matcher has no added descriptors.")
         .def(
-            "train", [](const Matcher&) {}, "Does nothing, as that of cv2.BFMatcher.")
+            "train", [](const Matcher&) {}, "Does nothing, like cv2.BFMatcher.train.")
         .def(
             "isMaskSupported", [](const Matcher&) { return true; }, "Returns True.")
         .def(
@@ -310,7 +309,7 @@ void addMatcher(py::module_& module)
             [](const Matcher& self, bool emptyTrainData)
             { return Matcher(self.share()->clone(emptyTrainData).dynamicCast<Library>()); },
             arg("emptyTrainData") = false,
-            "Returns a copy, with the descriptors that were added unless emptyTrainData is True.")
+            "Returns a copy, with the added descriptors unless emptyTrainData is True.")
         // For pickle and copy, in all protocols.
         .def("__reduce__",
              [](const py::object& self)
@@ -332,23 +331,22 @@ void addMatching(py::module_& module)
     module.def("matchArrays", &matchArrays, arg("queryDescriptors"), arg("trainDescriptors"),
                arg("ratio") = py::none(), arg("crossCheck") = true, arg("maxDistance") = py::none(),
                arg("normType") = int(cv::NORM_HAMMING),
-               "Returns matches of two sets of descriptors as an array of pairs of indices, int32 of shape\n"
-               "(m, 2), and an array of their distances, int32 of shape (m,). With a ratio, such as 0.8, a\n"
-               "match must be nearer than ratio times the second nearest descriptor; with crossCheck each\n"
-               "must be the nearest of the other, and pass the ratio both ways; maxDistance is the greatest\n"
-               "distance that is kept.");
-    module.def(
-        "knnMatchArrays", &knnMatchArrays, arg("queryDescriptors"), arg("trainDescriptors"), arg("k"),
-        arg("normType") = int(cv::NORM_HAMMING),
-        "Returns the k nearest train descriptors of each query: an array of their indices and one of their\n"
-        "distances, int32 of shape (n, k), with -1 where there are fewer.");
+               "Returns the matches of two sets of descriptors as an array of pairs of indices, int32 of\n"
+               "shape (m, 2), and an array of their distances, int32 of shape (m,). With a ratio, such as\n"
+               "0.8, a match must be nearer than ratio times the second nearest descriptor. crossCheck\n"
+               "requires mutually nearest descriptors, and the ratio both ways. maxDistance limits the\n"
+               "distance.");
+    module.def("knnMatchArrays", &knnMatchArrays, arg("queryDescriptors"), arg("trainDescriptors"), arg("k"),
+               arg("normType") = int(cv::NORM_HAMMING),
+               "Returns the k nearest train descriptors of each query: an array of indices and an array of\n"
+               "distances, int32 of shape (n, k), filled up with -1.");
     module.def(
         "matchByPosition", &matchByPosition, arg("queryDescriptors"), arg("predicted"),
         arg("trainDescriptors"), arg("trainKeypoints"), arg("reach"), arg("ratio") = py::none(),
         arg("crossCheck") = true, arg("maxDistance") = py::none(), arg("normType") = int(cv::NORM_HAMMING),
-        "Does what matchArrays does, where only those train keypoints count that lie around the predicted\n"
-        "position of the query: at most reach[0] pixels away in x and reach[1] in y. The predicted\n"
-        "positions are an array of shape (n, 2) or (n, 1, 2). An infinite reach[0] gives a band of rows.");
+        "Matches like matchArrays, among train keypoints near the predicted position of each query:\n"
+        "at most reach[0] pixels away in x and reach[1] in y. The predicted positions are an array of\n"
+        "shape (n, 2) or (n, 1, 2). An infinite reach[0] gives a band of rows.");
 }
 
 }  // namespace aqorb_python

@@ -3,8 +3,8 @@
 // of this distribution.
 // SPDX-License-Identifier: Apache-2.0
 
-// The extension module aqorb._aqorb, and its functions that need no detector. The names are those of cv2.aqorb, which a
-// cv2 has that was built with the module, and a few more for numpy.
+// Extension module aqorb._aqorb, and its functions without a detector. The names are those of cv2.aqorb, and a few more
+// for numpy.
 
 #include "module.hpp"
 
@@ -70,7 +70,7 @@ KeyPointTupleObject keypointsFromArray(const KeyPointsObject& keypoints)
     return {toTuple(toKeyPoints(keypoints.object).points)};
 }
 
-// What calls run with.
+// Versions, kernels and number of threads of calls.
 std::string buildInformation()
 {
     std::string kernels = CV_NEON ? "NEON" : CV_SSE2 ? "SSE2" : "plain C++";
@@ -91,18 +91,18 @@ void addFunctions(py::module_& module)
         "adaptiveFastThreshold", &adaptiveFastThreshold, arg("image"), arg("mask") = py::none(),
         "Returns the adaptive FAST threshold of an image, equation (7): the variance of its grey values\n"
         "divided by their mean.");
-    module.def(
-        "distributionUniformity", &distributionUniformity, arg("keypoints"), arg("imageSize").noconvert(),
-        "Returns how uniformly the keypoints of any detector are distributed over an image of (width,\n"
-        "height). A lower value is more uniform. Compare equal numbers of keypoints only.");
+    module.def("distributionUniformity", &distributionUniformity, arg("keypoints"),
+               arg("imageSize").noconvert(),
+               "Returns the uniformity of keypoints, of any detector, over an image of (width, height). A\n"
+               "lower value is more uniform. Compare equal numbers of keypoints only.");
     module.def(
         "distributionOccupancy", &distributionOccupancy, arg("keypoints"), arg("imageSize").noconvert(),
         arg("grid").noconvert() = Size(16, 12),
         "Returns the share of the cells of a grid of (columns, rows) that hold at least one keypoint.");
-    module.def(
-        "retainUniform", &retainUniform, arg("keypoints"), arg("imageSize").noconvert(), arg("npoints"),
-        "Returns the npoints keypoints, of any detector, that are spread best over the image. It prefers\n"
-        "high responses, and keeps the order of the keypoints.");
+    module.def("retainUniform", &retainUniform, arg("keypoints"), arg("imageSize").noconvert(),
+               arg("npoints"),
+               "Selects npoints keypoints, of any detector, that cover the image uniformly. It prefers high\n"
+               "responses, and keeps the order of the keypoints.");
     module.def("keypointsToArray", &keypointsToArray, arg("keypoints"),
                "Returns an array of keypoint_dtype with the values of cv2.KeyPoint objects.");
     module.def("keypointsFromArray", &keypointsFromArray, arg("keypoints"),
@@ -111,14 +111,14 @@ void addFunctions(py::module_& module)
         "setNumThreads",
         [](const IntObject& nthreads) { aqorb_python::setNumThreads(valueOf(nthreads, "nthreads")); },
         arg("nthreads"),
-        "Sets the number of threads that a call may use, at most 8192, as cv2.setNumThreads does for cv2. A\n"
+        "Sets the number of threads of each call, at most 8192, like cv2.setNumThreads for cv2. A\n"
         "negative number is the default: the number of processors, or of the variable\n"
-        "OPENCV_FOR_THREADS_NUM. It waits for the calls that are under way.");
-    module.def("getNumThreads", &cv::getNumThreads, "Returns the number of threads that a call may use.");
+        "OPENCV_FOR_THREADS_NUM. The function waits for running calls.");
+    module.def("getNumThreads", &cv::getNumThreads, "Returns the number of threads of each call.");
 }
 
-// pybind11's base class of all classes would end the process instead of making an instance of itself. Other modules share
-// the base class, and keep what they have.
+// An attempt to instantiate pybind11's base class would end the process. Other modules share the base class; their
+// classes are unaffected.
 newfunc newOfPybind11;
 
 PyObject* newInstance(PyTypeObject* type, PyObject* args, PyObject* kwargs)
@@ -133,17 +133,16 @@ void refuseInstancesOfBase()
 {
     PyTypeObject* const base = reinterpret_cast<PyTypeObject*>(py::detail::get_internals().instance_base);
     newOfPybind11 = base->tp_new;
-    base->tp_new = &newInstance;  // the classes that are defined later inherit it
+    base->tp_new = &newInstance;  // classes defined later inherit it
 }
 
 }  // namespace
 
-// pybind11's function that begins to make the module, under another name: in a subinterpreter it would wait for ever
-// for the main interpreter's lock.
+// Renames pybind11's init function: in a subinterpreter it would wait forever for the main interpreter's lock.
 #define PyInit__aqorb aqorb_init_in_main_interpreter
 
 #if PYBIND11_VERSION_HEX >= 0x020D0000
-PYBIND11_MODULE(_aqorb, module, py::mod_gil_not_used())  // threads.hpp says what is used in its place
+PYBIND11_MODULE(_aqorb, module, py::mod_gil_not_used())  // threads.hpp has the locks
 #else
 PYBIND11_MODULE(_aqorb, module)
 #endif
@@ -151,7 +150,8 @@ PYBIND11_MODULE(_aqorb, module)
     module.doc() = "The compiled part of the package aqorb.";
     module.attr("__version__") = AQORB_VERSION;
     prepareThreads();
-    module.def("_build_information", &buildInformation, "What calls run with: versions, kernels, threads.");
+    module.def("_build_information", &buildInformation,
+               "Returns the versions, the kernels and the number of threads of calls.");
     translateErrors();
     module.attr("keypoint_dtype") = keypointDtype();
 

@@ -3,7 +3,7 @@
 // of this distribution.
 // SPDX-License-Identifier: Apache-2.0
 
-// What the module is put together from: names, signatures and docstrings.
+// Parts of the module: each adds names with signatures and docstrings.
 
 #ifndef AQORB_PYTHON_MODULE_HPP
 #define AQORB_PYTHON_MODULE_HPP

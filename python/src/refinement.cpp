@@ -63,7 +63,7 @@ Matches fromPairs(py::handle source, size_t keypoints1, size_t keypoints2)
     return matches;
 }
 
-//! The images and the keypoints of a call.
+//! Images and keypoints of a call.
 struct Features
 {
     Features(const OptionalArrayObject& image1_, const KeyPointsObject& keypoints1_,
@@ -79,7 +79,7 @@ struct Features
     KeyPoints keypoints1, keypoints2;
 };
 
-//! The matches of a call, and what it returns of them.
+//! Matches of a call, with their refined positions and deviations.
 struct Refined
 {
     void refine(const Features& of, double minCorrelation, double scaleFactor)
@@ -92,7 +92,7 @@ struct Refined
                                          float(minCorrelation), float(scaleFactor));
             });
     }
-    //! Changes keypoints 2.
+    //! Appends the grown keypoints to keypoints2.
     void grow(Features& of, double minCorrelation, double scaleFactor)
     {
         withoutGil(
@@ -133,7 +133,7 @@ MatchTupleObject toTuple(const Matches& matches, const py::object& type)
     return {tuple};
 }
 
-//! The indices of matches, with -1 for those of keypoints 2 that are not of the call.
+//! Pairs of indices of matches, with -1 for grown keypoints of image 2.
 ArrayObject toPairs(const Matches& matches, size_t keypoints2)
 {
     py::array_t<int> pairs({py::ssize_t(matches.size()), py::ssize_t(2)});
@@ -231,45 +231,42 @@ void addRefinement(py::module_& module)
     module.def(
         "refineMatches", &refineMatches, arg("image1"), arg("keypoints1"), arg("image2"), arg("keypoints2"),
         arg("matches"), arg("minCorrelation") = .8, arg("scaleFactor") = 1.,
-        "Moves the positions of matches to where both images show the same spot, and leaves out wrong\n"
-        "matches. Returns the matches that are left, as a tuple, and their positions in image 1 and in\n"
-        "image 2, as arrays of float32 of shape (n, 2). Those in image 1 are the keypoints' own. Matches\n"
-        "whose aligned patches correlate less than minCorrelation are left out. With -1 none is, and those\n"
-        "that cannot be aligned keep the position of the keypoint. scaleFactor is 1 for keypoints of ORB, 5\n"
-        "for AKAZE, BRISK and FAST, 6.25 for KAZE and SURF, and 6.75 for SIFT.");
-    module.def(
-        "refineMatchArrays", &refineMatchArrays, arg("image1"), arg("keypoints1"), arg("image2"),
-        arg("keypoints2"), arg("pairs"), arg("minCorrelation") = .8, arg("scaleFactor") = 1.,
-        "Does what refineMatches does, for the pairs of indices that matchArrays returns: integers of shape\n"
-        "(m, 2). Returns the pairs that are left, int32 of shape (n, 2), and their positions.");
-    module.def(
-        "refineMatchesWithDeviations", &refineMatchesWithDeviations, arg("image1"), arg("keypoints1"),
-        arg("image2"), arg("keypoints2"), arg("matches"), arg("minCorrelation"), arg("scaleFactor") = 1.,
-        "Does what refineMatches does, and returns besides the standard deviations of the positions in "
-        "image\n"
-        "2, in pixels, float32 of shape (n,): infinity where a match was not aligned, which minCorrelation\n"
-        "-1 keeps.");
-    module.def(
-        "refineMatchArraysWithDeviations", &refineMatchArraysWithDeviations, arg("image1"), arg("keypoints1"),
-        arg("image2"), arg("keypoints2"), arg("pairs"), arg("minCorrelation"), arg("scaleFactor") = 1.,
-        "Does what refineMatchArrays does, and returns besides the standard deviations of the positions in\n"
-        "image 2, as refineMatchesWithDeviations does.");
-    module.def(
-        "growMatches", &growMatches, arg("image1"), arg("keypoints1"), arg("image2"), arg("keypoints2"),
-        arg("matches"), arg("minCorrelation") = .8, arg("scaleFactor") = 1.,
-        "Does what refineMatches does, and then finds what the keypoints of image 1 that have no match left\n"
-        "show in image 2, by the affine maps of refined matches nearby. Returns the matches, first the\n"
-        "refined ones and then the grown ones, whose distance is the largest float; keypoints2 followed by "
-        "a\n"
-        "keypoint for each grown match; the positions of all matches in image 1 and in image 2; and the\n"
-        "standard deviations of these, in pixels. A grown match correlates at least 0.85.");
+        "Aligns the images at each match, and removes wrong matches. Returns the remaining matches,\n"
+        "as a tuple, and their positions in image 1 and in image 2, as arrays of float32 of shape (n,\n"
+        "2). Positions in image 1 do not move. A match is removed if its aligned patches correlate\n"
+        "less than minCorrelation. -1 keeps all matches, and those without alignment keep the\n"
+        "position of the keypoint. scaleFactor is 1 for keypoints of ORB, 5 for AKAZE, BRISK and\n"
+        "FAST, 6.25 for KAZE and SURF, and 6.75 for SIFT.");
+    module.def("refineMatchArrays", &refineMatchArrays, arg("image1"), arg("keypoints1"), arg("image2"),
+               arg("keypoints2"), arg("pairs"), arg("minCorrelation") = .8, arg("scaleFactor") = 1.,
+               "Refines pairs of indices from matchArrays, integers of shape (m, 2), like refineMatches.\n"
+               "Returns the remaining pairs, int32 of shape (n, 2), and their positions.");
+    module.def("refineMatchesWithDeviations", &refineMatchesWithDeviations, arg("image1"), arg("keypoints1"),
+               arg("image2"), arg("keypoints2"), arg("matches"), arg("minCorrelation"),
+               arg("scaleFactor") = 1.,
+               "Refines matches like refineMatches, and also returns the standard deviations of the\n"
+               "positions in image 2, in pixels, float32 of shape (n,): infinity for a match that\n"
+               "minCorrelation -1 keeps without alignment.");
+    module.def("refineMatchArraysWithDeviations", &refineMatchArraysWithDeviations, arg("image1"),
+               arg("keypoints1"), arg("image2"), arg("keypoints2"), arg("pairs"), arg("minCorrelation"),
+               arg("scaleFactor") = 1.,
+               "Refines pairs like refineMatchArrays, and also returns the standard deviations of the\n"
+               "positions in image 2, like refineMatchesWithDeviations.");
+    module.def("growMatches", &growMatches, arg("image1"), arg("keypoints1"), arg("image2"),
+               arg("keypoints2"), arg("matches"), arg("minCorrelation") = .8, arg("scaleFactor") = 1.,
+               "Refines matches like refineMatches, then finds matches of the unmatched keypoints of image\n"
+               "1, by the affine maps of refined matches nearby. Returns the refined matches, followed by\n"
+               "the grown matches, whose distance is the largest float; keypoints2 followed by a keypoint\n"
+               "for each grown match; the positions of all matches in image 1 and in image 2; and the\n"
+               "standard deviations of the positions in image 2, in pixels. A grown match correlates at\n"
+               "least 0.85.");
     module.def(
         "growMatchArrays", &growMatchArrays, arg("image1"), arg("keypoints1"), arg("image2"),
         arg("keypoints2"), arg("pairs"), arg("minCorrelation") = .8, arg("scaleFactor") = 1.,
-        "Does what growMatches does, for the pairs of indices that matchArrays returns. Returns the pairs "
-        "of\n"
-        "all matches, int32 of shape (n, 2), where a grown one has -1 for the keypoint of image 2; their\n"
-        "positions in image 1 and in image 2; and the standard deviations of these, in pixels.");
+        "Grows pairs of indices from matchArrays, like growMatches. Returns the pairs of all matches,\n"
+        "int32 of shape (n, 2), with -1 for the keypoint of image 2 of a grown match; their positions\n"
+        "in image 1 and in image 2; and the standard deviations of the positions in image 2, in\n"
+        "pixels.");
 }
 
 }  // namespace aqorb_python

@@ -25,7 +25,8 @@ namespace aqorb_python
 namespace
 {
 
-// Loops of OpenCV in a child process: those that would run them are not in it, and it would wait for them for ever.
+// A forked child has none of OpenCV's worker threads. A parallel loop would wait for them forever, so it runs on one
+// thread.
 class OneThread : public cv::parallel::ParallelForAPI
 {
 public:
@@ -39,15 +40,15 @@ public:
     const char* getName() const override { return "aqorb"; }
 };
 
-// None is ever destroyed: threads may call until the process ends.
+// These objects are never destroyed: threads may call until the process ends.
 const std::shared_ptr<OneThread>& oneThread = *new std::shared_ptr<OneThread>(new OneThread);
 std::mutex& sharingMutex = *new std::mutex;
-std::mutex& beginningMutex = *new std::mutex;  // while it is held no call begins
+std::mutex& beginningMutex = *new std::mutex;  // blocks the begin of calls
 
-std::atomic<int> calls(0);  // that are under way
+std::atomic<int> calls(0);  // number of running calls
 std::atomic<bool> isChild(false);
 
-#ifndef _WIN32  // where processes do not fork
+#ifndef _WIN32  // Windows has no fork
 
 void beforeFork()
 {
@@ -72,7 +73,7 @@ void afterForkInChild()
 
 #endif
 
-// A daemon thread may be in a call when the interpreter ends. The objects that the library uses are destroyed next.
+// Waits for daemon threads in calls before the exit destroys the library's objects.
 void waitForCalls()
 {
     while (calls > 0)
@@ -94,13 +95,13 @@ std::mutex& sharing()
     return sharingMutex;
 }
 
-// OpenCV ends its threads and makes new ones, and a loop that runs on them would crash. A child has none of them, and
-// what they held when it was forked is held for ever.
+// cv::setNumThreads replaces OpenCV's threads, and a loop that runs on these would crash. A child does nothing: its
+// locks that those threads held at the fork stay locked forever.
 void setNumThreads(int count)
 {
-    const int MOST = 8192;  // Linux has no more processors, and TBB crashes from 65,536 threads on
-    if (count > MOST)
-        CV_Error_(cv::Error::StsOutOfRange, ("nthreads must be at most %d, got %d", MOST, count));
+    const int MAX_THREADS = 8192;  // Linux has no more processors, and TBB crashes from 65,536 threads on
+    if (count > MAX_THREADS)
+        CV_Error_(cv::Error::StsOutOfRange, ("nthreads must be at most %d, got %d", MAX_THREADS, count));
     if (isChild)
         return;
     const std::lock_guard<std::mutex> lock(beginningMutex);
@@ -117,8 +118,8 @@ PyThreadState* releaseGil()
     return PyEval_SaveThread();
 }
 
-// At the interpreter's exit Python ends a daemon thread here by unwinding its stack. That would release Python objects
-// without the lock, so such a thread sleeps until the process ends, as Python 3.14 has it.
+// At the interpreter's exit Python ends a daemon thread here by unwinding its stack, which would release Python objects
+// without the lock. The thread sleeps until the process ends instead, as in Python 3.14.
 void acquireGil(PyThreadState* thread)
 {
     calls--;

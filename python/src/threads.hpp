@@ -3,8 +3,8 @@
 // of this distribution.
 // SPDX-License-Identifier: Apache-2.0
 
-// Processing without the global interpreter lock (GIL), in OpenCV's threads, what a fork of the process does to them, and
-// what several threads of Python share.
+// Calls without the global interpreter lock (GIL): OpenCV's threads, forks of the process, and objects shared by
+// several Python threads.
 
 #ifndef AQORB_PYTHON_THREADS_HPP
 #define AQORB_PYTHON_THREADS_HPP
@@ -21,18 +21,18 @@
 namespace aqorb_python
 {
 
-//! To be called once, at import. A child process that is forked later works on one thread, as those of OpenCV stay
-//! behind.
+//! Prepares for forks and for the interpreter's exit. Called once, at import. A forked child works on one thread,
+//! because it has none of OpenCV's threads.
 void prepareThreads();
 
-//! A lock for what is done in no time and without Python. The process does not fork while it is held.
+//! Lock for very short work without Python. The process does not fork while a thread holds it.
 std::mutex& sharing();
 
-//! cv::setNumThreads, when the calls that are under way have ended. In a child process it does nothing.
+//! Calls cv::setNumThreads after all running calls have ended. In a child process it does nothing.
 void setNumThreads(int count);
 
-// Other Python threads run between the two. Meanwhile this one must not touch a Python object, not even copy or release
-// one. The interpreter does not end before a call that it has let go.
+// Other Python threads run between these two functions. Meanwhile this thread must not touch a Python object, not even
+// copy or release one. The interpreter waits for the call before it exits.
 PyThreadState* releaseGil();
 void acquireGil(PyThreadState* thread);
 
@@ -54,11 +54,11 @@ template <typename Process> void withoutGil(const Process& process)
         std::rethrow_exception(exception);
 }
 
-//! A copy of an object of the library.
+//! Copy of an object of the library.
 template <typename T> cv::Ptr<T> copyOf(const T& object);
 
-/** An object of the library, which must not be changed while another thread calls it. Calls share it, and a change
- meanwhile goes to a copy, so that no later change reaches a call. */
+/** Object of the library that several threads call and change. Calls share it. A change during a call goes to a copy,
+ so it reaches later calls only. */
 template <typename T> class Shared
 {
 public:
@@ -72,19 +72,19 @@ public:
             throw pybind11::type_error("__init__() was not called");
         return object;
     }
-    //! Calls change(object), with a copy if a call is under way.
+    //! Calls change(object), on a copy if a call is running.
     template <typename Change> void change(const Change& change)
     {
-        share();  // or an exception
+        share();  // throws without an object
         const std::lock_guard<std::mutex> lock(sharing());
         if (object.use_count() > 1)
             object = copyOf(*object);
         else
-            std::atomic_thread_fence(std::memory_order_acquire);  // after what the last call did
+            std::atomic_thread_fence(std::memory_order_acquire);  // sees the writes of the last call
         change(*object);
     }
 
-    // Python's __new__ makes an object without calling __init__. pybind11 gives its methods the memory as it is.
+    // Zeroed memory, because Python's __new__ makes an object without __init__, and pybind11 passes it to methods.
     static void* operator new(size_t size) { return std::memset(::operator new(size), 0, size); }
 
 private:

@@ -112,7 +112,7 @@ def test_a_disk_that_is_full(orb):
 
 
 def test_storages_that_are_not_open_to_write(orb):
-    with pytest.raises(aqorb.error, match='fs must be a storage that is open to write'):
+    with pytest.raises(aqorb.error, match='fs must be a storage open for writing'):
         orb.write(cv.FileStorage())
     with pytest.raises(cv.error, match='write'):
         orb.write(storage_of('{}'))

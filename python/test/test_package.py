@@ -285,7 +285,7 @@ def test_keywords_of_cv2(orb, image):
     for call in (lambda: orb.detectAndCompute(image, None, expected[1]),
                  lambda: orb.compute(image, expected[0], expected[1]),
                  lambda: orb.compute([image], [expected[0]], [expected[1]])):
-        with pytest.raises(TypeError, match='descriptors must be None, as the descriptors are returned, got .*array'):
+        with pytest.raises(TypeError, match='descriptors must be None, because the call returns descriptors, got .*array'):
             call()
     with pytest.raises(aqorb.error, match='useProvidedKeypoints must be False, got True'):
         orb.detectAndCompute(image, None, useProvidedKeypoints=True)

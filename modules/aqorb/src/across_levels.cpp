@@ -3,7 +3,7 @@
 // of this distribution.
 // SPDX-License-Identifier: Apache-2.0
 
-// The rule by which corners become keypoints, in the order of doc/selection.md: its points 7 to 9, over all levels.
+// Selection of keypoints from corners, points 7 to 9 of doc/selection.md: selection over all levels.
 
 #include "precomp.hpp"
 
@@ -21,11 +21,11 @@ namespace aqorb
 namespace
 {
 
-// Points of the image in square cells, each of which is a list.
+// Points of the image, listed by square cells.
 class PointGrid
 {
 public:
-    //! @param radius for which it is asked, or nearly so
+    //! @param radius typical radius of isNear
     PointGrid(Size image, double radius)
         : side(std::max(radius / 4, 16.)),
           columns(indexOf(image.width) + 1),
@@ -39,7 +39,7 @@ public:
         before.push_back(cell);
         cell = int(points.size()) - 1;
     }
-    //! Whether a point is nearer than the radius.
+    //! Whether a point of the grid is nearer than the radius.
     bool isNear(const Point2d& p, double radius) const
     {
         if (points.empty() || radius == 0)
@@ -47,10 +47,10 @@ public:
         const Rect cells(Point(indexOf(p.x - radius), indexOf(p.y - radius)),
                          Point(std::min(indexOf(p.x + radius) + 1, columns),
                                std::min(indexOf(p.y + radius) + 1, int(latest.size()) / columns)));
-        // A point in a cell that is near as a whole saves the lists of the others.
+        // Cells that lie wholly within the radius come first: one point there decides without a list.
         const auto isNearAsAWhole = [&](int column, int row)
         {
-            const auto farthest = [=](int cell, double at)  // and a pixel more, because of rounding
+            const auto farthest = [=](int cell, double at)  // plus a pixel for rounding
             { return std::max(at - cell * side, (cell + 1) * side - at) + 1; };
             const Point2d d(farthest(column, p.x), farthest(row, p.y));
             return d.dot(d) < radius * radius;
@@ -83,20 +83,20 @@ public:
 private:
     int indexOf(double position) const { return int(std::max(position, 0.) / side); }
 
-    const double side;  // of a cell
+    const double side;  // side of a cell
     const int columns;
     std::vector<Point2d> points;
-    std::vector<int> latest, before;  // the last point of a cell, and the one before a point; -1: none
+    std::vector<int> latest, before;  // last point of each cell, and the point before each point; -1: none
 };
 
-// Knows which corners are far enough from those that were selected on other levels.
+// Distance of corners from the selected corners of neighbouring levels.
 class OctaveSuppression
 {
 public:
     OctaveSuppression(double distance, Size imageSize_, const std::vector<Level>& levels_)
         : imageSize(imageSize_), levels(levels_)
     {
-        // No two points are as far apart as the limit, which keeps the distance finite.
+        // Keeps the distance finite: no two points of the image are as far apart as the limit.
         const double limit = double(imageSize.width) + imageSize.height;
         for (const Level& level : levels)
         {
@@ -105,7 +105,7 @@ public:
         }
     }
     void add(int level, const CornerResponse& corner) { selected[level].add(positionOf(level, corner)); }
-    //! Whether a corner keeps its distance, which is counted in pixels of its own level.
+    //! Whether a corner keeps the distance, in pixels of its own level.
     bool allows(int level, const CornerResponse& corner) const
     {
         const Point2d p = positionOf(level, corner);
@@ -129,7 +129,7 @@ private:
 }  // namespace
 
 // Corners by level.
-typedef std::vector<std::vector<CornerResponse>> CornersOfLevels;
+typedef std::vector<std::vector<CornerResponse>> LevelCorners;
 
 static std::vector<LevelPlan> planLevels(const Parameters& parameters, const SelectionMethod& method,
                                          const std::vector<Rect>& regions, const std::vector<Level>& levels)
@@ -145,19 +145,19 @@ static std::vector<LevelPlan> planLevels(const Parameters& parameters, const Sel
     const std::vector<int> quotas = method.quotas(parameters, sizes, scales);
     for (size_t i = 0; i < levels.size(); i++)
         plan.push_back({regions[i], quotas[i]});
-    // The paper gives levels that are too small for a keypoint a quota, too. It goes to the last level that is used.
+    // The paper also gives quotas to levels too small for a keypoint. The last usable level takes these.
     for (size_t i = levels.size(); i < quotas.size() && !plan.empty(); i++)
         plan.back().quota += quotas[i];
     return plan;
 }
 
-static CornersOfLevels selectAcrossLevels(const std::vector<LevelPlan>& plan, const CornersOfLevels& ordered,
-                                          OctaveSuppression& suppression)
+static LevelCorners selectAcrossLevels(const std::vector<LevelPlan>& plan, const LevelCorners& ordered,
+                                       OctaveSuppression& suppression)
 {
     CV_TRACE_FUNCTION();
     const int count = int(plan.size());
-    CornersOfLevels selected(plan.size());
-    std::vector<size_t> next(plan.size());  // by level: which corner of its order comes next
+    LevelCorners selected(plan.size());
+    std::vector<size_t> next(plan.size());  // by level: index of the next corner
     int wanted = 0;
     const auto take = [&](int level)
     {
@@ -183,11 +183,11 @@ static CornersOfLevels selectAcrossLevels(const std::vector<LevelPlan>& plan, co
 
 // ---- 8. when representatives run out ----------------------------------------------------------
 
-// Adds as many of the other corners as are missing, the highest response times scale first. Levels below their quota
-// come first. Corners that keep no distance from keypoints of other levels come last.
+// Adds `missing` other corners, the highest response times scale first. Levels below their quota go first, and corners
+// near a keypoint of another level last.
 static void fillUp(const std::vector<LevelPlan>& plan, const std::vector<Level>& levels,
-                   const CornersOfLevels& corners, size_t missing, OctaveSuppression& suppression,
-                   CornersOfLevels& selected)
+                   const LevelCorners& corners, size_t missing, OctaveSuppression& suppression,
+                   LevelCorners& selected)
 {
     CV_TRACE_FUNCTION();
     struct Candidate
@@ -210,7 +210,7 @@ static void fillUp(const std::vector<LevelPlan>& plan, const std::vector<Level>&
             keys.push_back(descendingKey(sortKey(corner.response * levels[i].scale)));
         }
     }
-    // Ties go to the finer level, then to the first in raster order.
+    // Ties go to the finer level, then to raster order.
     for (unsigned index : sortIndices(keys))
         candidates.push_back(found[index]);
     struct Rules
@@ -226,7 +226,7 @@ static void fillUp(const std::vector<LevelPlan>& plan, const std::vector<Level>&
             if (candidate.isTaken || (rules.distance && candidate.isNear) ||
                 (rules.quota && selected[level].size() >= size_t(plan[level].quota)))
                 continue;
-            // Corners that are near a keypoint stay so.
+            // A corner near a keypoint stays near.
             candidate.isNear = rules.distance && !suppression.allows(level, candidate.corner);
             if (candidate.isNear)
                 continue;
@@ -238,7 +238,7 @@ static void fillUp(const std::vector<LevelPlan>& plan, const std::vector<Level>&
     }
 }
 
-static size_t countCorners(const CornersOfLevels& corners)
+static size_t countCorners(const LevelCorners& corners)
 {
     size_t count = 0;
     for (const std::vector<CornerResponse>& level : corners)
@@ -246,28 +246,28 @@ static size_t countCorners(const CornersOfLevels& corners)
     return count;
 }
 
-// The corners of all levels that become keypoints.
-static CornersOfLevels selectCorners(const Parameters& parameters, const SelectionMethod& method,
-                                     const OrientationPatch& patch, Size imageSize,
-                                     const std::vector<Level>& levels, const Thresholds& thresholds,
-                                     int threads, CornerSpace& space)
+// Selects the corners of all levels that become keypoints.
+static LevelCorners selectCorners(const Parameters& parameters, const SelectionMethod& method,
+                                  const OrientationPatch& patch, Size imageSize,
+                                  const std::vector<Level>& levels, const Thresholds& thresholds, int threads,
+                                  CornerSpace& space)
 {
     std::vector<Rect> regions;
     for (const Level& level : levels)
         regions.push_back(parameters.keypointRegion(level.image.size()));
     const std::vector<LevelPlan> plan = planLevels(parameters, method, regions, levels);
-    CornersOfLevels corners(levels.size());
+    LevelCorners corners(levels.size());
     findCorners(levels, regions, {thresholds, method.suppressNear}, threads, space);
     forEach(levels.size(), threads,
             [&](size_t i, int)
             { corners[i] = method.order(parameters, patch, plan[i], levels[i], space.corners[i]); });
     OctaveSuppression suppression(method.octaveDistance, imageSize, levels);
-    CornersOfLevels selected = selectAcrossLevels(plan, corners, suppression);
+    LevelCorners selected = selectAcrossLevels(plan, corners, suppression);
     const size_t wanted = size_t(parameters.nfeatures), count = countCorners(selected);
     if (count == wanted)
         return selected;
 
-    // The ordered corners do not suffice. All others fill up.
+    // The ordered corners do not suffice: other corners fill up.
     const Thresholds lower = {thresholds.min, thresholds.min};
     findCorners(levels, regions, {lower, false}, threads, space);
     forEach(levels.size(), threads,
@@ -279,7 +279,7 @@ static CornersOfLevels selectCorners(const Parameters& parameters, const Selecti
 
 // ---- 9. order of output -----------------------------------------------------------------------
 
-// The features of a level in raster order.
+// Lists the features of a level in raster order.
 static FeatureList listFeatures(const Parameters& parameters, const Level& level, int octave,
                                 const std::vector<CornerResponse>& selected)
 {
@@ -303,7 +303,7 @@ std::vector<FeatureList> selectFeatures(const Parameters& parameters, const Sele
                                         const std::vector<Level>& levels, const Thresholds& thresholds,
                                         int threads, CornerSpace& space)
 {
-    const CornersOfLevels selected =
+    const LevelCorners selected =
         selectCorners(parameters, method, patch, imageSize, levels, thresholds, threads, space);
     std::vector<FeatureList> features(levels.size());
     for (size_t i = 0; i < levels.size(); i++)

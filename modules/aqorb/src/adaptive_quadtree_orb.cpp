@@ -26,7 +26,7 @@ String AdaptiveQuadtreeORB::getDefaultName() const
     return Feature2D::getDefaultName() + ".AdaptiveQuadtreeORB";
 }
 
-// The setter and the getter of a row of the table of parameters.
+// Setter and getter of one parameter.
 #define AQORB_PROPERTY(property, type, name, ...) \
     void set##property(type value) CV_OVERRIDE    \
     {                                             \
@@ -74,7 +74,7 @@ public:
         CV_TRACE_FUNCTION();
         process(image, mask, keypoints, descriptors, useProvidedKeypoints);
     }
-    // For collections. Feature2D has the functions for one image.
+    // Overloads for collections. Feature2D has the overloads for one image.
     using Feature2D::compute;
     using Feature2D::detect;
     void detect(InputArrayOfArrays images, std::vector<std::vector<KeyPoint>>& keypoints,
@@ -122,14 +122,14 @@ Ptr<AdaptiveQuadtreeORB> AdaptiveQuadtreeORB::create(int nfeatures, float scaleF
     return makePtr<AdaptiveQuadtreeORBImpl>(parameters);
 }
 
-// The number of scopes of this thread. A scope that outlives its thread keeps the number alive.
-static const std::shared_ptr<std::atomic<int>>& scopesOfThread()
+// Number of open SingleThreadScopes of this thread. A scope that outlives its thread keeps the counter alive.
+static const std::shared_ptr<std::atomic<int>>& threadScopes()
 {
     static thread_local const auto scopes = std::make_shared<std::atomic<int>>(0);
     return scopes;
 }
 
-SingleThreadScope::SingleThreadScope() : scopes(scopesOfThread())
+SingleThreadScope::SingleThreadScope() : scopes(threadScopes())
 {
     ++*scopes;
 }
@@ -141,14 +141,14 @@ SingleThreadScope::~SingleThreadScope()
 
 int threadsAllowed()
 {
-    return *scopesOfThread() > 0 ? 1 : std::max(getNumThreads(), 1);
+    return *threadScopes() > 0 ? 1 : std::max(getNumThreads(), 1);
 }
 
 void AdaptiveQuadtreeORBImpl::buildPyramid(InputArray image_, OutputArrayOfArrays levels_) const
 {
     CV_TRACE_FUNCTION();
     checkMatsOutput(levels_, "levels");
-    const UMat held = retainUMat(image_);
+    const UMat retained = retainUMat(image_);
     PyramidSpace space;
     std::vector<Level> levels;
     if (!image_.empty())
@@ -158,7 +158,7 @@ void AdaptiveQuadtreeORBImpl::buildPyramid(InputArray image_, OutputArrayOfArray
         input.image = grayImage(image_);
         checkPyramidInput(input.image.size());
         const PyramidRule rule = {parameters.firstLevel, parameters.scaleFactor, parameters.nlevels, 1};
-        levels = makePyramid(input, rule, threadsOfStage(), space);
+        levels = makePyramid(input, rule, stageThreads(), space);
     }
     assignMats(copiesOf(levels), levels_, "levels");
 }
@@ -181,13 +181,13 @@ try
     }
 
     // Input.
-    const UMat heldImage = retainUMat(image_), heldMask = retainUMat(mask_);
+    const UMat retainedImage = retainUMat(image_), retainedMask = retainUMat(mask_);
     checkImage(image_);
     const Size size = image_.size();
     checkPyramidInput(size);
-    const Workspaces::Loan loan(workspaces);
-    Workspace& space = *loan;
-    const int threads = threadsOfStage();  // once, because it may change meanwhile
+    const Workspaces::Handle handle(workspaces);
+    Workspace& space = *handle;
+    const int threads = stageThreads();  // read once: another thread may change it
     space.descriptions.resize(std::max(space.descriptions.size(), size_t(threads)));
     Level input;
     input.image = grayImage(image_, &space.gray);
@@ -239,7 +239,7 @@ try
                                  space.descriptions[thread]);
             });
 
-    // Output. It is written when the image has been read, because it may share its memory.
+    // Output, last: it may share the image's memory.
     size_t count = 0;
     for (const FeatureList& list : features)
         count += list.points.size();
@@ -253,8 +253,8 @@ catch (const std::bad_alloc&)
                image_.cols(), image_.rows(), parameters.scaleFactor, parameters.firstLevel));
 }
 
-// Processes the images of a collection side by side, each on one thread, or a single one on all of them. An error of
-// OpenCV's gets the index of its image.
+// Processes the images of a collection in parallel, each on one thread; a single image gets all threads. An exception
+// names the index of its image.
 template <typename Process> static void forEachImage(size_t count, const Process& process)
 {
     const auto processOne = [&](size_t i, int)
@@ -279,8 +279,7 @@ void AdaptiveQuadtreeORBImpl::detect(InputArrayOfArrays images_,
     detectAndComputeBatch(images_, masks_, keypoints, noArray());
 }
 
-// The outputs are given at the end, so that an error leaves them unchanged and no image is lost that shares their
-// memory.
+// Assigns the outputs at the end: an error leaves them unchanged, and images may share their memory.
 void AdaptiveQuadtreeORBImpl::compute(InputArrayOfArrays images_,
                                       std::vector<std::vector<KeyPoint>>& keypoints,
                                       OutputArrayOfArrays descriptors_)
@@ -315,8 +314,8 @@ void AdaptiveQuadtreeORBImpl::detectAndComputeBatch(InputArrayOfArrays images_, 
     forEachImage(found.size(),
                  [&](size_t i)
                  {
-                     const _OutputArray ofImage = withDescriptors ? descriptors[i] : _OutputArray();
-                     process(collection.images[i], collection.mask(i), found[i], ofImage, false);
+                     const _OutputArray imageDescriptors = withDescriptors ? descriptors[i] : _OutputArray();
+                     process(collection.images[i], collection.mask(i), found[i], imageDescriptors, false);
                  });
     if (withDescriptors)
         assignMats(descriptors, descriptors_, "descriptors");

@@ -3,8 +3,8 @@
 // of this distribution.
 // SPDX-License-Identifier: Apache-2.0
 
-// The alignment of patches: a vector has a number of several matches, one in each lane. So each match is computed in
-// the same order on every CPU, however many lanes there are.
+// Kernel of the alignment: one match in each lane of a vector. Every CPU computes a match in the same order, whatever
+// the number of lanes.
 
 #include "alignment.hpp"
 #include "patch_samples.hpp"
@@ -25,18 +25,18 @@ namespace
 
 const int SIDE = 2 * PATCH_RADIUS + 1, WIDE = SIDE + 2;
 const float SAMPLES = SIDE * SIDE;
-const int UNKNOWNS = 6;  // of the affine map: the factors of u and v and the shift, in x and then in y
+const int UNKNOWNS = 6;  // affine map: factors of u and v and shift, in x and then in y
 
-// The first patch of each lane, and the normal equations of its alignment. The derivative by an unknown is dx or dy,
-// times u, v or 1.
+// First patch of each lane, and the normal equations of its alignment. The derivative by an unknown is dx or dy, times
+// u, v or 1.
 struct Template
 {
-    // A sample's deviation from the mean. Twice its derivatives by x and y follow, LANES numbers apart.
+    // Deviation of a sample from the mean. Its doubled derivatives by x and y follow, LANES numbers apart.
     const float* at(int u, int v) const { return samples[(v + PATCH_RADIUS) * SIDE + u + PATCH_RADIUS][0]; }
 
     void sample(const Windows& windows, const AffineMap& map)
     {
-        CV_DECL_ALIGNED(CACHE_LINE) float wide[WIDE * WIDE * LANES];  // with one more sample on each side
+        CV_DECL_ALIGNED(CACHE_LINE) float wide[WIDE * WIDE * LANES];  // one more sample on each side
         float* out = wide;
         forEachRow<PATCH_RADIUS + 1>(windows, map,
                                      [&](int, const SampleRow<PATCH_RADIUS + 1>& row)
@@ -66,7 +66,7 @@ struct Template
         }
     }
 
-    // Makes the normal equations, from which gain and bias are eliminated.
+    // Makes the normal equations, and eliminates gain and bias.
     void prepare()
     {
         squares = all(0);
@@ -78,15 +78,15 @@ struct Template
             addRow(v);
         for (int i = 0; i < UNKNOWNS; i++)
         {
-            const Floats byBias = v_mul(gradients[i], all(1 / SAMPLES)),
-                         byGain = v_div(withSample[i], squares);
+            const Floats biasFactor = v_mul(gradients[i], all(1 / SAMPLES)),
+                         gainFactor = v_div(withSample[i], squares);
             for (int j = 0; j <= i; j++)
-                lower[i][j] = minus(minus(lower[i][j], byBias, gradients[j]), byGain, withSample[j]);
+                lower[i][j] = minus(minus(lower[i][j], biasFactor, gradients[j]), gainFactor, withSample[j]);
         }
         decompose();
     }
 
-    // Adds the sums of a row. The derivative by unknown i is x for i < 3, else y, times u, v or 1.
+    // Adds the sums of row v. The derivative by unknown i is x for i < 3, else y, times u, v or 1.
     void addRow(int v)
     {
         enum
@@ -100,7 +100,7 @@ struct Template
             Y,
             PRODUCTS
         };
-        Floats sums[PRODUCTS][3];  // of a product times 1, u and u * u
+        Floats sums[PRODUCTS][3];  // sums of each product times 1, u and u * u
         for (auto& row : sums)
             clear(row);
         for (int u = -PATCH_RADIUS; u <= PATCH_RADIUS; u++)
@@ -131,14 +131,14 @@ struct Template
         }
     }
 
-    // Cholesky's decomposition L D L^T.
+    // Cholesky decomposition L D L^T.
     void decompose()
     {
         for (int i = 0; i < UNKNOWNS; i++)
         {
             for (int j = 0; j < i; j++)
                 for (int k = 0; k < j; k++)
-                    lower[i][j] = minus(lower[i][j], lower[i][k], lower[j][k]);  // L D as yet
+                    lower[i][j] = minus(lower[i][j], lower[i][k], lower[j][k]);  // still L D
             for (int k = 0; k < i; k++)
             {
                 const Floats withD = lower[i][k];
@@ -163,11 +163,11 @@ struct Template
     }
 
     CV_DECL_ALIGNED(CACHE_LINE) float samples[SIDE * SIDE][3][LANES];
-    Floats mean, squares;              // squares: the sum of those of the samples
-    Floats gradients[UNKNOWNS];        // the sums of the derivatives
-    Floats withSample[UNKNOWNS];       // the sums of the derivatives times the samples
+    Floats mean, squares;              // mean of the patch; sum of squared deviations
+    Floats gradients[UNKNOWNS];        // sums of the derivatives
+    Floats withSample[UNKNOWNS];       // sums of the derivatives times the samples
     Floats lower[UNKNOWNS][UNKNOWNS];  // L, below the diagonal
-    Floats inverses[UNKNOWNS];         // of the elements of D
+    Floats inverses[UNKNOWNS];         // inverses of the elements of D
 };
 
 // Sums over the second patch.
@@ -188,11 +188,11 @@ struct PatchSums
                 sum = v_add(sum, s);
                 squares = plus(squares, s, s);
                 withSample = plus(withSample, s, load(p));
-                const Floats byX = v_mul(s, load(p + LANES)), byY = v_mul(s, load(p + 2 * LANES));
-                x = v_add(x, byX);
-                y = v_add(y, byY);
-                xu = plus(xu, byX, all(float(u)));
-                yu = plus(yu, byY, all(float(u)));
+                const Floats productX = v_mul(s, load(p + LANES)), productY = v_mul(s, load(p + 2 * LANES));
+                x = v_add(x, productX);
+                y = v_add(y, productY);
+                xu = plus(xu, productX, all(float(u)));
+                yu = plus(yu, productY, all(float(u)));
             }
             const Floats row[] = {xu, v_mul(x, all(float(v))), x, yu, v_mul(y, all(float(v))), y};
             for (int i = 0; i < UNKNOWNS; i++)
@@ -203,22 +203,23 @@ struct PatchSums
         squares = minus(squares, sum, mean);
     }
 
-    // The right side of the normal equations, with the patch scaled to the norm of the first one.
+    // Computes the right side of the normal equations, with the patch scaled to the norm of the first patch.
     void eliminate(const Template& first)
     {
-        // Twice, as the derivatives are.
+        // Doubled, like the derivatives.
         const Floats scale = v_mul(all(2), v_sqrt(v_div(first.squares, squares)));
         const Floats gain = v_div(withSample, first.squares);
         for (int i = 0; i < UNKNOWNS; i++)
         {
-            const Floats rest = minus(minus(right[i], first.gradients[i], mean), first.withSample[i], gain);
-            right[i] = v_mul(scale, rest);
+            const Floats residual =
+                minus(minus(right[i], first.gradients[i], mean), first.withSample[i], gain);
+            right[i] = v_mul(scale, residual);
         }
     }
 
     Floats mean, squares;    // difference of the two patches' means; sum of squared deviations from the mean
-    Floats withSample;       // the sum of the products with the samples of the first patch
-    Floats right[UNKNOWNS];  // the sums of the products with its derivatives
+    Floats withSample;       // sum of products with the first patch's samples
+    Floats right[UNKNOWNS];  // sums of products with the first patch's derivatives
 };
 
 // Composes the map with the inverse of an increment (inverse compositional update).
@@ -236,7 +237,7 @@ CV_ALWAYS_INLINE AffineMap composeInverse(const AffineMap& map, const Floats* ch
     return changed;
 }
 
-// The differences between the aligned patches, with the second one brought to the mean and norm of the first one.
+// Differences between the aligned patches, after the second patch is brought to the mean and norm of the first.
 struct Residual
 {
     void sample(const Template& first, const Windows& windows, const AffineMap& map)
@@ -268,12 +269,12 @@ struct Residual
         }
     }
 
-    Floats squares;     // the second patch's sum of squared deviations from its mean
-    Floats difference;  // the sum of squared differences after gain and bias
+    Floats squares;     // second patch's sum of squared deviations from its mean
+    Floats difference;  // sum of squared differences after gain and bias
 };
 
-// The variance of the position along its worst axis. The covariance of the shift is the inverse of the Hessian times
-// the variance of the residual. Grey values are rounded in both images, which alone has a variance of 1/12 each.
+// Variance of the position along its worst axis. The covariance of the shift is the inverse of the Hessian times the
+// variance of the residual. The rounding of grey values alone has a variance of 1/12 in each image.
 Floats worstVariance(const Template& first, const AffineMap& map, const Floats& difference)
 {
     Floats columnX[UNKNOWNS], columnY[UNKNOWNS];
@@ -290,11 +291,11 @@ Floats worstVariance(const Template& first, const AffineMap& map, const Floats& 
     const Floats xy = plus(v_mul(xa, map.yu), xb, map.yv), half = v_mul(all(0.5f), v_sub(xx, yy));
     const Floats worst = plus(v_sqrt(plus(v_mul(half, half), xy, xy)), all(0.5f), v_add(xx, yy));
     const float ROUNDING = 1 / 6.f,
-                DOUBLED = 4;  // DOUBLED: derivatives are, so the Hessian is four times too large
+                DOUBLED = 4;  // doubled derivatives make the Hessian four times too large
     return v_mul(v_mul(all(DOUBLED), worst), v_max(v_mul(difference, all(1 / SAMPLES)), all(ROUNDING)));
 }
 
-// Aligns the patches of each lane. Lanes that cannot be aligned go on with the pixels at the origin.
+// Aligns the patches of each lane. Lanes that cannot be aligned continue with the pixels at the origin.
 void alignLanes(const LevelPatches* const* patches, LevelAlignment* alignments)
 {
     const int STEPS = 3;
@@ -372,16 +373,16 @@ void alignByLanes(const LevelPatches* patches, int count, LevelAlignment* alignm
 {
     for (int i = 0; i < count; i += LANES)
     {
-        const LevelPatches* ofLanes[LANES];
+        const LevelPatches* lanePatches[LANES];
         LevelAlignment found[LANES];
         for (int lane = 0; lane < LANES; lane++)
-            ofLanes[lane] = patches + std::min(i + lane, count - 1);
+            lanePatches[lane] = patches + std::min(i + lane, count - 1);
         for (int next = i + LANES; next < std::min(i + 2 * LANES, count); next++)
         {
             prefetch(patches[next].first, patches[next].spacing);
             prefetch(patches[next].second, patches[next].spacing);
         }
-        alignLanes(ofLanes, found);
+        alignLanes(lanePatches, found);
         for (int lane = 0; lane < LANES && i + lane < count; lane++)
             alignments[i + lane] = found[lane];
     }

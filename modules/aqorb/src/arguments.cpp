@@ -3,7 +3,7 @@
 // of this distribution.
 // SPDX-License-Identifier: Apache-2.0
 
-// Checks the images, masks, keypoints and outputs that callers give, and converts images to grey.
+// Checks images, masks, keypoints and output arguments, and converts images to grey.
 
 #include "precomp.hpp"
 
@@ -34,8 +34,7 @@ bool isSequence(const _InputArray& array)
 void checkImage(InputArray input, const char* name)
 {
     if (isSequence(input))
-        CV_Error_(Error::StsBadArg,
-                  ("%s must be a single one, got a sequence of %d", name, int(input.total())));
+        CV_Error_(Error::StsBadArg, ("%s must be one image, got a sequence of %d", name, int(input.total())));
     const int depth = input.depth(), channels = input.channels();
     if (input.dims() > 2 || depth != CV_8U || (channels != 1 && channels != 3 && channels != 4))
         CV_Error_(
@@ -56,11 +55,11 @@ Mat grayImage(InputArray input, std::vector<uchar>* memory)
         growTo(*memory, image.total());
         gray = Mat(image.size(), CV_8UC1, memory->data());
     }
-    // cv::cvtColor uses no other threads for so few pixels, or for a single row.
+    // cv::cvtColor stays on the calling thread for at most PIXELS pixels, or for a single row.
     const int PIXELS = 1 << 16;
     const int rows = std::max(PIXELS / image.cols, 1), parts = (image.rows + rows - 1) / rows;
     gray.create(image.size(), CV_8UC1);
-    forEach(size_t(parts), threadsOfStage(),
+    forEach(size_t(parts), stageThreads(),
             [&](size_t i, int)
             {
                 const Range part(int(i) * rows, std::min((int(i) + 1) * rows, image.rows));
@@ -94,7 +93,7 @@ Mat checkedMask(InputArray input, Size imageSize)
     if (input.empty())
         return Mat();
     if (isSequence(input))
-        CV_Error_(Error::StsBadArg, ("mask must be a single one, got a sequence of %d", int(input.total())));
+        CV_Error_(Error::StsBadArg, ("mask must be one image, got a sequence of %d", int(input.total())));
     if (input.dims() > 2 || input.type() != CV_8UC1 || input.size() != imageSize)
         CV_Error_(Error::StsBadArg,
                   ("mask must be CV_8UC1 of the image's size, %d x %d, got %d x %d of type %s",
@@ -107,7 +106,7 @@ Mat checkedMask(InputArray input, Size imageSize)
     return Mat();
 }
 
-void checkIsOfMats(const _InputArray& array, const char* name)
+void checkMatVector(const _InputArray& array, const char* name)
 {
     const int kind = array.kind();
     if (kind != _InputArray::STD_VECTOR_MAT && kind != _InputArray::STD_ARRAY_MAT &&
@@ -115,34 +114,34 @@ void checkIsOfMats(const _InputArray& array, const char* name)
         CV_Error_(Error::StsBadArg, ("%s must be a vector of Mat or UMat", name));
 }
 
-// The matrices of the input, which may be none. UMats are held for as long as their Mats are used.
-static std::vector<Mat> inputMats(const _InputArray& array, const char* name, std::vector<UMat>& held)
+// Matrices of a vector argument; empty for noArray(). `retained` keeps UMats alive while their Mats are in use.
+static std::vector<Mat> inputMats(const _InputArray& array, const char* name, std::vector<UMat>& retained)
 {
     std::vector<Mat> mats;
     if (array.kind() == _InputArray::NONE)
         return mats;
-    checkIsOfMats(array, name);
+    checkMatVector(array, name);
     for (int i = 0, count = int(array.total()); i < count; i++)
     {
         if (array.isUMatVector())
-            held.push_back(array.getUMat(i));
+            retained.push_back(array.getUMat(i));
         mats.push_back(array.getMat(i));
     }
     return mats;
 }
 
 Collection::Collection(InputArrayOfArrays images_, InputArrayOfArrays masks_)
-    : images(inputMats(images_, "images", held)), masks(inputMats(masks_, "masks", held))
+    : images(inputMats(images_, "images", retained)), masks(inputMats(masks_, "masks", retained))
 {
     if (!masks.empty() && masks.size() != images.size())
         CV_Error_(Error::StsBadArg, ("masks must be one for each image or none, got %d for %d images",
                                      int(masks.size()), int(images.size())));
 }
 
-// Keypoints may come from a detector with more levels, but they must not make the pyramid arbitrarily high.
+// Limit on the octaves of given keypoints. Another detector may have more levels than this one.
 static const int MAX_GIVEN_LEVELS = 64;
 
-// The highest octave of the keypoints; 0 for none. Throws where an octave is negative or an angle is not finite.
+// Highest octave of the keypoints, or 0 without keypoints. Throws if an octave is negative or an angle is not finite.
 static int highestOctave(const std::vector<KeyPoint>& keypoints)
 {
     int highest = 0;
@@ -155,7 +154,7 @@ static int highestOctave(const std::vector<KeyPoint>& keypoints)
                 ("keypoints must have an octave of at least 0, got %d (SIFT packs more than the octave into "
                  "the field: unpack it first)",
                  octave));
-        // With such an angle the descriptor would read outside of the image.
+        // A NaN or infinite angle would make the descriptor read outside the image.
         if (!std::isfinite(keypoints[i].angle))
             CV_Error_(Error::StsOutOfRange,
                       ("keypoints must have a finite angle, got %g", keypoints[i].angle));
@@ -185,16 +184,16 @@ std::vector<FeatureList> groupGivenKeypoints(const std::vector<KeyPoint>& keypoi
         const Point2f p = keypoint.pt * (1.f / scaleOf(keypoint.octave));
         return FeaturePoint{cvRound(p.x), cvRound(p.y), keypoint.angle};
     };
-    // The image begins half a pixel before the centre of its first pixel and ends a whole pixel behind the centre of
-    // its last one. In the last half pixel a point rounds to a pixel beside the image, but cv::ORB describes it there.
-    // On an enlarged level the first half pixel of the image is many pixels wide. cv::ORB reads any memory for a
-    // keypoint that lies there, so those more than a pixel beside the level are left out.
+    // The area begins half a pixel before the centre of the first pixel and ends a whole pixel after the centre of the
+    // last pixel. cv::ORB also describes points of the last half pixel, although they round to a pixel beside the
+    // image. On an enlarged level half a pixel of the image is many pixels wide, and cv::ORB reads foreign memory
+    // there. Keypoints more than one pixel outside the level are therefore dropped.
     const Rect2f area(-0.5f, -0.5f, float(imageSize.width) + 0.5f, float(imageSize.height) + 0.5f);
     const auto isReadable = [&](const KeyPoint& keypoint)
     { return area.contains(keypoint.pt) && pointOf(keypoint).x >= -1 && pointOf(keypoint).y >= -1; };
     std::vector<KeyPoint> inside;
     std::copy_if(keypoints.begin(), keypoints.end(), std::back_inserter(inside), isReadable);
-    // Those near the border are left out by OpenCV itself, as its versions differ in whether they round positions.
+    // OpenCV's own filter drops keypoints near the border, because its versions differ in rounding positions.
     const int border = std::min(parameters.edgeThreshold, std::max(imageSize.width, imageSize.height));
     KeyPointsFilter::runByImageBorder(inside, imageSize, border);
     std::vector<FeatureList> features(inside.empty() ? 0 : size_t(highestOctave(inside)) + 1);
@@ -215,8 +214,8 @@ std::vector<FeatureList> groupGivenKeypoints(const std::vector<KeyPoint>& keypoi
 
 void checkMatsOutput(OutputArrayOfArrays output, const char* name)
 {
-    checkIsOfMats(output, name);
-    // OpenCV leaves the type of matrices that are put into a vector of them unchecked.
+    checkMatVector(output, name);
+    // OpenCV does not check the type of the matrices in a vector.
     if (output.fixedType() && output.type() != CV_8UC1)
         CV_Error_(Error::StsBadArg,
                   ("%s must be of type CV_8UC1, got %s", name, typeToString(output.type()).c_str()));
@@ -234,7 +233,7 @@ void assignMats(const std::vector<Mat>& mats, OutputArrayOfArrays output, const 
     {
         if (output.isUMatVector())
         {
-            // A new UMat, because the caller may share the old one.
+            // A new UMat: the old one may share its memory with others.
             UMat copy;
             mats[i].copyTo(copy);
             output.getUMatRef(i) = copy;

@@ -3,7 +3,7 @@
 // of this distribution.
 // SPDX-License-Identifier: Apache-2.0
 
-// The images, masks and keypoints that callers give, the outputs that they get, and the checks of both.
+// Checks and conversions of the callers' images, masks, keypoints and output arguments.
 
 #ifndef OPENCV_AQORB_ARGUMENTS_HPP
 #define OPENCV_AQORB_ARGUMENTS_HPP
@@ -20,60 +20,60 @@ namespace cv
 namespace aqorb
 {
 
-//! Throws unless the input is an image that can be converted to grey.
-//! @param name of the argument
+//! Throws unless grayImage can convert the image.
+//! @param name argument name for the message
 void checkImage(InputArray image, const char* name = "image");
 
-//! The grey image: the input itself, or its conversion as cv::ORB converts it. Throws for any other type of image.
-//! @param memory for the conversion; 0: the conversion gets memory of its own
+//! Grey image: the input itself, or converted as cv::ORB does. Throws for other types.
+//! @param memory buffer for the conversion; 0: allocates one
 Mat grayImage(InputArray image, std::vector<uchar>* memory = 0);
 
-//! Throws for an image that is too large for a pyramid.
-//! @param name of the argument
+//! Throws if the image is too large for a pyramid.
+//! @param name argument name for the message
 void checkPyramidInput(Size imageSize, const char* name = "image");
 
-//! A second header of the input if it is a UMat, else an empty one. The caller keeps it for as long as it uses the
-//! UMat's Mat, so that nothing frees the UMat meanwhile.
+//! Second header of a UMat input, else an empty UMat. The caller holds it while it uses the UMat's Mat, so that nobody
+//! frees the memory.
 UMat retainUMat(InputArray input);
 
 //! Throws unless both sides are > 0.
 void checkImageSize(Size imageSize);
 
-//! The mask, or an empty Mat where there is none. Throws for a mask of another size or type.
+//! Mask as a Mat, empty without a mask. Throws if its size differs from the image's or its type is not CV_8UC1.
 Mat checkedMask(InputArray mask, Size imageSize);
 
-//! The images and masks of a collection. A UMat among them is mapped to memory by the thread that makes this object.
+//! Images and masks of a collection. The constructing thread maps UMats to memory.
 struct Collection
 {
-    //! Throws unless there is one mask for each image, or none at all.
+    //! Throws unless each image has a mask, or none has.
     explicit Collection(InputArrayOfArrays images, InputArrayOfArrays masks = noArray());
     Mat mask(size_t index) const { return masks.empty() ? Mat() : masks[index]; }
 
-    std::vector<UMat> held;
+    std::vector<UMat> retained;
     std::vector<Mat> images, masks;
 };
 
-//! Whether the argument is a vector of images, or of vectors, where one matrix is wanted.
+//! Whether the argument is a vector of images or of vectors, not one matrix.
 bool isSequence(const _InputArray& array);
 
 //! Throws unless the argument is a vector of Mat or UMat.
-void checkIsOfMats(const _InputArray& array, const char* name);
+void checkMatVector(const _InputArray& array, const char* name);
 
-/** The given keypoints that cv::ORB::compute describes, and the pixels at which it describes them: a list for each
- level, up to their highest octave. Throws where an octave is negative or has no pixels, or an angle is not finite. */
+/** Given keypoints that cv::ORB::compute would describe, and their pixels: one list for each level, up to the highest
+ octave. Throws if an octave is negative or has no pixels, or an angle is not finite. */
 std::vector<FeatureList> groupGivenKeypoints(const std::vector<KeyPoint>& keypoints,
                                              const Parameters& parameters, Size imageSize);
 
-//! Throws unless the output can hold several matrices of bytes.
+//! Throws unless the output can hold a vector of CV_8UC1 matrices.
 void checkMatsOutput(OutputArrayOfArrays output, const char* name);
 
-//! Puts the matrices into the output. Throws if the output is fixed to another number of them.
+//! Assigns the matrices to the output. Throws if the output has another, fixed number of elements.
 void assignMats(const std::vector<Mat>& mats, OutputArrayOfArrays output, const char* name);
 
-//! Throws unless the output is a single one that can hold CV_8UC1. Its size is checked by the function below.
+//! Throws unless the output can hold one CV_8UC1 matrix. createDescriptors checks its size.
 void checkDescriptorsOutput(OutputArray descriptors);
 
-//! Makes the output a matrix of a row for each keypoint, empty for none. Throws if its size is fixed to another one.
+//! Allocates the output with one row for each keypoint, empty for none. Throws if the output has another, fixed size.
 Mat createDescriptors(OutputArray descriptors, int count);
 
 }  // namespace aqorb

@@ -3,7 +3,7 @@
 // of this distribution.
 // SPDX-License-Identifier: Apache-2.0
 
-// Blurs the parts of a level that descriptors read.
+// Blurs the parts of a level around its keypoints.
 
 #include "precomp.hpp"
 
@@ -19,23 +19,23 @@ namespace cv
 namespace aqorb
 {
 
-// cv::ORB blurs a level by a Gaussian in float and rounds it to 8 bits at the end, so its value depends on every
-// rounding on the way. exactBlur repeats these roundings one by one. approximateBlur is a fast version in fixed point
-// with a proven bound on its error. The exact value is needed only where the bound leaves a comparison open.
+// cv::ORB blurs a level by a Gaussian in float and rounds to 8 bits at the end, so each intermediate rounding counts.
+// exactBlur repeats all of them. approximateBlur is fast fixed-point arithmetic with a proven error bound. Descriptors
+// need exactBlur only where the bound leaves a comparison open.
 
 static const int RADIUS = 3;
 
-// All products are the upper 16 bits of the product of 16-bit factors. The values are scaled up as far as 16 bits
-// allow, and the taps by the remaining bits. The error of approximateBlur, in units of 1/256, has these parts:
+// Each product is the upper 16 bits of a product of 16-bit factors. Pixels are scaled up as far as 16 bits allow, and
+// taps by the remaining bits. The error of approximateBlur has these parts, in units of 1/256:
 //   the four products of the row pass round down:                             -4
 //   the four products of the column pass, likewise:                           -4
 //   the averages of two rows round up by 0 or 1/2, weighted by their taps:    +0.4
 //   the taps are rounded to 16 bits; their sum, for these taps:               -1.5 or +1.5
 //   the roundings of exactBlur itself:                                        -0.05 or +0.05
-// Hence BLUR_SHORTFALL is 10, and BLUR_EXCESS is 2. To centre the error would take two more additions.
+// Hence BLUR_SHORTFALL is 10 and BLUR_EXCESS is 2. Centring the error would cost two more additions.
 namespace
 {
-// The weights of the centre and of the pixels 1, 2, 3 off it: for exactBlur, and for approximateBlur.
+// Gaussian weights at distances 0 to 3, for exactBlur and for approximateBlur.
 struct GaussianTaps
 {
     GaussianTaps()
@@ -49,7 +49,7 @@ struct GaussianTaps
         }
     }
     float exact[RADIUS + 1];
-    ushort fixed[2][RADIUS + 1];  // of the rows' pass, of the columns'
+    ushort fixed[2][RADIUS + 1];  // row pass, column pass
 };
 }  // namespace
 
@@ -66,7 +66,7 @@ static uchar exactBlurOf(const uchar* p, ptrdiff_t step, const float* taps)
 
 uchar exactBlur(const Mat& image, int x, int y)
 {
-    const int READ = RADIUS + 1;  // vectors read one pixel more on the right
+    const int READ = RADIUS + 1;  // vectors read one more pixel on the right
     PatchBuffer buffer;
     const Patch patch = patchAround(image, x, y, READ, buffer);
     return exactBlurOf(patch.center, patch.step, gaussianTaps().exact);
@@ -106,7 +106,7 @@ void BlurRegion::reset(Size size_, int margin_)
     needed.assign(size_t(2 * borderTiles + innerTiles) * (size.height + 2 * margin), uchar(0));
 }
 
-// The tiles of the border, whose blur depends on reflected pixels, end and begin RADIUS pixels inside of the level.
+// Border tiles depend on reflected pixels. They reach RADIUS pixels into the level.
 
 int BlurRegion::columnOf(int x) const
 {
@@ -118,11 +118,11 @@ int BlurRegion::columnOf(int x) const
 
 int BlurRegion::firstPixelOf(int column) const
 {
-    const int right = size.width - RADIUS, ofRight = column - borderTiles - innerTiles;
+    const int right = size.width - RADIUS, rightTile = column - borderTiles - innerTiles;
     return column < borderTiles ? column * BLUR_TILE_WIDTH - margin
-           : ofRight >= 0
-               ? right + ofRight * BLUR_TILE_WIDTH
-               // the last one overlaps the one before
+           : rightTile >= 0
+               ? right + rightTile * BLUR_TILE_WIDTH
+               // the last inner tile overlaps the tile before it
                : std::min(RADIUS + (column - borderTiles) * BLUR_TILE_WIDTH, right - BLUR_TILE_WIDTH);
 }
 
@@ -138,7 +138,7 @@ void BlurRegion::addDisc(const Point& center, const std::vector<int>& halfHeight
               right = std::min(center.x + radius, size.width + margin - 1);
     for (int column = columnOf(left), last = columnOf(right); column <= last; column++)
     {
-        // Of the pixels of the column, that nearest to the centre counts.
+        // The column's pixel nearest to the centre determines the height.
         const int begin = firstPixelOf(column), end = begin + BLUR_TILE_WIDTH;
         const int height = halfHeights[std::max(std::max(begin - center.x, center.x - (end - 1)), 0)];
         const int top = std::max(center.y - height, -margin),
@@ -147,7 +147,6 @@ void BlurRegion::addDisc(const Point& center, const std::vector<int>& halfHeight
     }
 }
 
-// Blurs a tile of the border.
 static void blurAtBorder(const Mat& image, const Rect& tile, const BlurredRows& blurred,
                          std::vector<uchar>& scratch, bool isExact)
 {
@@ -156,7 +155,7 @@ static void blurAtBorder(const Mat& image, const Rect& tile, const BlurredRows& 
     copyReflected(image, read, scratch.data());
     const uchar* source = scratch.data() + RADIUS * read.width + RADIUS;
     blurTileOf(source, read.width, tile.height, blurred.row(tile.y) + tile.x, blurred.step, isExact);
-    // Columns of the tile that lie in the level.
+    // Columns of the tile inside the level.
     const int left = std::max(-tile.x, 0), right = std::max(std::min(image.cols - tile.x, tile.width), left);
     for (int y = tile.y; y < tile.y + tile.height; y++, source += read.width)
     {

@@ -3,7 +3,7 @@
 // of this distribution.
 // SPDX-License-Identifier: Apache-2.0
 
-// The exact blur of a pixel, and the approximate blur of columns of vectors.
+// Kernels of the exact and the approximate blur.
 
 #include "blur.hpp"
 #include "simd_compat.hpp"
@@ -14,19 +14,19 @@ namespace aqorb
 {
 CV_CPU_OPTIMIZATION_NAMESPACE_BEGIN
 
-/** The exact blur of a tile of BLUR_TILE_WIDTH columns, times 256.
+/** Blurs a tile of BLUR_TILE_WIDTH columns exactly, times 256.
  @param source as for blurTile
- @param taps of the centre, and of the pixels 1, 2 and 3 off it */
+ @param taps weights at distances 0 to 3 */
 void exactTile(const uchar* source, ptrdiff_t step, int height, const float* taps, ushort* blurred,
                ptrdiff_t blurredStep);
 
-//! exactBlur at p, around which 4 pixels must be readable. The taps are those of the centre and of the pixels 1, 2 and
-//! 3 off it.
+//! exactBlur at p. The 4 pixels around p must be readable.
+//! @param taps weights at distances 0 to 3
 uchar exactBlurAt(const uchar* p, ptrdiff_t step, const float* taps);
 
-/** approximateBlur of a tile of BLUR_TILE_WIDTH columns.
- @param source the first pixel of the tile; 3 pixels around the tile must be readable
- @param taps those of the row pass, then those of the column pass; of the centre and of the pixels 1, 2 and 3 off it */
+/** Blurs a tile of BLUR_TILE_WIDTH columns approximately.
+ @param source first pixel of the tile; the 3 pixels around the tile must be readable
+ @param taps weights of the row pass and of the column pass, at distances 0 to 3 */
 void blurTile(const uchar* source, ptrdiff_t step, int height, const ushort taps[2][4], ushort* blurred,
               ptrdiff_t blurredStep);
 
@@ -46,7 +46,7 @@ CV_ALWAYS_INLINE float exactRow(const uchar* q, const float* taps)
     return multiplyAdd(taps[3], float(q[3]), sum);
 }
 
-// Of seven rows `stride` elements apart, rounded.
+// Weighted sum of seven rows `stride` elements apart, rounded.
 CV_ALWAYS_INLINE int exactColumn(const float* rows, int stride, const float* taps)
 {
     const float* const r = rows + 3 * stride;
@@ -54,8 +54,8 @@ CV_ALWAYS_INLINE int exactColumn(const float* rows, int stride, const float* tap
     sum = multiplyAdd(r[stride] + r[-stride], taps[1], sum);
     sum = multiplyAdd(r[2 * stride] + r[-2 * stride], taps[2], sum);
     sum = multiplyAdd(r[3 * stride] + r[-3 * stride], taps[3], sum);
-    // As cvRound, but compilers vectorize it: in this range floats are whole numbers. The taps add up to 1, so the sum
-    // needs no saturation.
+    // Rounds as cvRound does, in a form that compilers vectorize: floats from 2^23 to 2^24 are whole numbers. The taps
+    // add up to 1, so the sum needs no saturation.
     const float WHOLE = 12582912.f;  // 1.5 * 2^23
     return int((sum + WHOLE) - WHOLE);
 }
@@ -65,7 +65,7 @@ CV_ALWAYS_INLINE int exactColumn(const float* rows, int stride, const float* tap
 void exactTile(const uchar* source, ptrdiff_t step, int height, const float* taps, ushort* blurred,
                ptrdiff_t blurredStep)
 {
-    const int WIDTH = BLUR_TILE_WIDTH, ROWS = 32;  // at once
+    const int WIDTH = BLUR_TILE_WIDTH, ROWS = 32;  // per pass
     CV_DECL_ALIGNED(CACHE_LINE) float rows[(ROWS + 6) * WIDTH];
     const float t[] = {taps[0], taps[1], taps[2], taps[3]};
     for (int top = 0; top < height; top += ROWS)
@@ -92,7 +92,7 @@ uchar exactBlurAt(const uchar* p, ptrdiff_t step, const float* taps)
 namespace
 {
 
-// The arithmetic of approximateBlur: on neighbouring pixels at once or, without vectors, on one. All sums fit into
+// Arithmetic of approximateBlur on a vector of neighbouring pixels or, without SIMD, on one pixel. All sums fit into
 // 16 bits.
 #if CV_SIMD
 typedef v_uint16 Pixels;
@@ -118,26 +118,26 @@ CV_ALWAYS_INLINE void storePixels(ushort* p, const Pixels& a)
 #endif
 }
 
-// The operands of the taps: a pixel, and the sums of the pairs of pixels 1, 2 and 3 off it.
+// One operand for each tap: the centre pixel, and sums of the two pixels at distances 1, 2 and 3.
 struct Weighed
 {
-    Pixels of[4];
+    Pixels terms[4];
 };
 
-// Loads pixels of a row times 256 and the sums of their pairs times 64.
+// Loads pixels of a row times 256, and sums of pairs times 64.
 CV_ALWAYS_INLINE Weighed loadRow(const uchar* p)
 {
     Weighed row;
 #if CV_SIMD
-    row.of[0] = v_shl<8>(vx_load_expand(p));
-    row.of[1] = v_shl<6>(v_add_wrap(vx_load_expand(p - 1), vx_load_expand(p + 1)));
-    row.of[2] = v_shl<6>(v_add_wrap(vx_load_expand(p - 2), vx_load_expand(p + 2)));
-    row.of[3] = v_shl<6>(v_add_wrap(vx_load_expand(p - 3), vx_load_expand(p + 3)));
+    row.terms[0] = v_shl<8>(vx_load_expand(p));
+    row.terms[1] = v_shl<6>(v_add_wrap(vx_load_expand(p - 1), vx_load_expand(p + 1)));
+    row.terms[2] = v_shl<6>(v_add_wrap(vx_load_expand(p - 2), vx_load_expand(p + 2)));
+    row.terms[3] = v_shl<6>(v_add_wrap(vx_load_expand(p - 3), vx_load_expand(p + 3)));
 #else
-    row.of[0] = Pixels(p[0]) << 8;
-    row.of[1] = Pixels(p[-1] + p[1]) << 6;
-    row.of[2] = Pixels(p[-2] + p[2]) << 6;
-    row.of[3] = Pixels(p[-3] + p[3]) << 6;
+    row.terms[0] = Pixels(p[0]) << 8;
+    row.terms[1] = Pixels(p[-1] + p[1]) << 6;
+    row.terms[2] = Pixels(p[-2] + p[2]) << 6;
+    row.terms[3] = Pixels(p[-3] + p[3]) << 6;
 #endif
     return row;
 }
@@ -145,11 +145,11 @@ CV_ALWAYS_INLINE Weighed loadRow(const uchar* p)
 CV_ALWAYS_INLINE Pixels weightedSum(const Weighed& a, const Weighed& taps)
 {
 #if CV_SIMD
-    return v_add_wrap(v_add_wrap(v_mul_hi(a.of[0], taps.of[0]), v_mul_hi(a.of[1], taps.of[1])),
-                      v_add_wrap(v_mul_hi(a.of[2], taps.of[2]), v_mul_hi(a.of[3], taps.of[3])));
+    return v_add_wrap(v_add_wrap(v_mul_hi(a.terms[0], taps.terms[0]), v_mul_hi(a.terms[1], taps.terms[1])),
+                      v_add_wrap(v_mul_hi(a.terms[2], taps.terms[2]), v_mul_hi(a.terms[3], taps.terms[3])));
 #else
-    return ((a.of[0] * taps.of[0]) >> 16) + ((a.of[1] * taps.of[1]) >> 16) + ((a.of[2] * taps.of[2]) >> 16) +
-           ((a.of[3] * taps.of[3]) >> 16);
+    return ((a.terms[0] * taps.terms[0]) >> 16) + ((a.terms[1] * taps.terms[1]) >> 16) +
+           ((a.terms[2] * taps.terms[2]) >> 16) + ((a.terms[3] * taps.terms[3]) >> 16);
 #endif
 }
 
@@ -158,7 +158,7 @@ CV_ALWAYS_INLINE Weighed allTaps(const ushort* taps)
     return {{allPixels(taps[0]), allPixels(taps[1]), allPixels(taps[2]), allPixels(taps[3])}};
 }
 
-// Blurs a column of lanes from top to bottom, so that the seven rows it needs stay in registers.
+// Blurs a column of lanes from top to bottom: the seven input rows stay in registers.
 CV_ALWAYS_INLINE void blurColumn(const uchar* p, ptrdiff_t step, int height, const Weighed& rowTaps,
                                  const Weighed& columnTaps, ushort* out, ptrdiff_t outStep)
 {

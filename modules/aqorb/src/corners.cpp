@@ -3,7 +3,7 @@
 // of this distribution.
 // SPDX-License-Identifier: Apache-2.0
 
-// Searches bands of all levels side by side, and applies the mesh of cells and the suppression to them.
+// Searches bands of all levels in parallel, by the mesh of cells and with non-maximum suppression.
 
 #include "precomp.hpp"
 
@@ -20,7 +20,7 @@ void searchBand(const Level& level, const Rect& region, const Range& rows, const
 {
     CV_TRACE_FUNCTION();
     found.clear();
-    // Whether a corner is kept depends on corners in the next rows, and these on their cells.
+    // Suppression depends on corners in the next rows, and these depend on their cells.
     const int above = rules.suppressNear ? std::min(CELL_SIZE, rows.start - region.y) : 0;
     const int below = rules.suppressNear ? std::min(CELL_SIZE, region.br().y - rows.end) : 0;
     const Rect band(region.x, rows.start - above, region.width, rows.size() + above + below);
@@ -50,7 +50,7 @@ std::vector<Band> divideIntoBands(const std::vector<Rect>& regions, int threads)
     std::vector<Band> bands;
     for (size_t i = 0; i < regions.size(); i++)
     {
-        // Rows of cells at the borders between bands are searched twice, so there are no more bands than threads need.
+        // Neighbouring bands both search the cells at their border, so there are only as many bands as threads need.
         const Rect& region = regions[i];
         const int64 cells = (int64(region.height) + CELL_SIZE - 1) / CELL_SIZE;
         const double share = double(region.width) * region.height * threads / pixels;

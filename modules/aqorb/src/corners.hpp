@@ -3,7 +3,7 @@
 // of this distribution.
 // SPDX-License-Identifier: Apache-2.0
 
-// The corners of all levels: FAST by two thresholds in a mesh of cells, without those near a better one.
+// Corners of all levels: FAST with two thresholds in a mesh of cells, then non-maximum suppression.
 
 #ifndef OPENCV_AQORB_CORNERS_HPP
 #define OPENCV_AQORB_CORNERS_HPP
@@ -16,42 +16,42 @@ namespace cv
 namespace aqorb
 {
 
-//! The side of the cells in pixels of the level. The paper states none.
+//! Side of a cell in pixels of the level. The paper gives no value.
 const int CELL_SIZE = 35;
 
-//! The rules by which corners are found.
+//! Options of the corner search.
 struct CornerRules
 {
     Thresholds thresholds;
     bool suppressNear;  //!< whether a corner loses to a better one within SUPPRESS_RADIUS
 };
 
-/** Finds corners of score >= thresholds.ini and, in cells without one, corners of score >= thresholds.min. Cells are
- squares of side CELL_SIZE; the first is in the upper left of the region. Masked corners do not count. With
- suppressNear, a corner is kept only if there is no better one within SUPPRESS_RADIUS. A corner is better if it has a
- higher score or, with the same score, comes first in raster order. It counts even if it loses to another one itself.
- @param rows of the region, from the first row of a cell to the last row of another one
- @param found gets the corners of these rows, in raster order */
+/** Finds corners of score >= thresholds.ini and, in cells without such corners, corners of score >= thresholds.min.
+ Cells are squares of side CELL_SIZE, starting at the upper left of the region. Masked corners do not count. With
+ suppressNear, a corner loses to any better corner within SUPPRESS_RADIUS, even if that corner loses to a third one. The
+ better corner has the higher score; at equal scores it comes first in raster order.
+ @param rows rows of the region to search, whole cells
+ @param found receives the corners of these rows, in raster order */
 void searchBand(const Level& level, const Rect& region, const Range& rows, const CornerRules& rules,
                 FastScanner& scanner, std::vector<Corner>& found);
 
-//! Rows of a level that are searched together.
+//! Rows of a level, searched by one thread.
 struct Band
 {
     int level;
     Range rows;
 };
-//! Divides the regions of levels into bands of whole cells, enough of them for all threads.
+//! Divides the regions of all levels into bands of whole cells, enough for all threads.
 std::vector<Band> divideIntoBands(const std::vector<Rect>& regions, int threads);
 
-//! The result of findCorners, and its memory, which is kept for later images.
+//! Result of findCorners. Later images use its memory again.
 struct CornerSpace
 {
     std::vector<std::vector<Corner>> corners;  //!< by level, in raster order
-    std::vector<std::vector<Corner>> bands;    //!< the corners of bands that are not the first of their level
-    std::vector<FastScanner> scanners;         //!< of each thread
+    std::vector<std::vector<Corner>> bands;    //!< corners of each level's later bands
+    std::vector<FastScanner> scanners;         //!< one for each thread
 };
-//! Finds the corners of all levels, as searchBand does.
+//! Finds the corners of all levels by searchBand.
 void findCorners(const std::vector<Level>& levels, const std::vector<Rect>& regions, const CornerRules& rules,
                  int threads, CornerSpace& space);
 

@@ -3,7 +3,7 @@
 // of this distribution.
 // SPDX-License-Identifier: Apache-2.0
 
-// The patterns of cv::ORB, and descriptors for any of them.
+// Patterns of cv::ORB, and descriptors for any pattern.
 
 #include "precomp.hpp"
 
@@ -21,7 +21,7 @@ namespace aqorb
 
 uint64 quartersOf(float angle)
 {
-    // The bits of 2 / pi behind the point.
+    // Bits of 2 / pi after the binary point.
     const unsigned QUARTERS_PER_RADIAN[] = {0xa2f9836eu, 0x4e441529u, 0xfc2757d1u, 0xf534ddc0u,
                                             0xdb629599u, 0x3c439041u, 0xfe5163abu};
     int exponent;
@@ -32,7 +32,7 @@ uint64 quartersOf(float angle)
     {
         shift -= 32;
         const uint64 product = significand * word;
-        // What is shifted out to the left are whole turns.
+        // Bits shifted out to the left are whole turns.
         if (shift > -64 && shift < 64)
             quarters += shift < 0 ? product >> -shift : product << shift;
     }
@@ -60,7 +60,7 @@ std::vector<Point> descriptorPattern(int patchSize, int WTA_K)
     if (WTA_K == 2)
         return points;
 
-    // Tuples of distinct points are drawn from the 512.
+    // Draws tuples of distinct points from the 512.
     RNG rng(0x12345678);  // the seed of cv::ORB
     std::vector<Point> tuples;
     tuples.reserve(TUPLES * WTA_K);
@@ -80,10 +80,10 @@ std::vector<Point> descriptorPattern(int patchSize, int WTA_K)
 namespace
 {
 
-// The exactly blurred level around a keypoint.
+// Exactly blurred pixels around a keypoint.
 struct BlurredLevel
 {
-    // The value of a point of the pattern.
+    // Value at a point of the pattern.
     int at(Point offset) const
     {
         const Point p = keypoint + Point(cvRound(offset.x * cosine - offset.y * sine),
@@ -91,7 +91,7 @@ struct BlurredLevel
         if (p.x < 0 || p.y < 0 || p.x >= image.cols || p.y >= image.rows)
             return image.at<uchar>(borderInterpolate(p.y, image.rows, BORDER_REFLECT_101),
                                    borderInterpolate(p.x, image.cols, BORDER_REFLECT_101));
-        // The exact value lies between the roundings of the approximate one plus and minus its bounds.
+        // The exact value lies between the rounded bounds of the approximate value.
         const int approximate = blurred.row(p.y)[p.x];
         const int highest = (approximate + BLUR_SHORTFALL + 128) >> 8;
         const int lowest = (approximate - BLUR_EXCESS + 127) >> 8;
@@ -105,12 +105,12 @@ struct BlurredLevel
     const BlurredRows& blurred;
     Point keypoint;
     float cosine, sine;
-    int64& exactCount;  // of the pixels that were blurred exactly
+    int64& exactCount;  // number of exactly blurred pixels
 };
 
 }  // namespace
 
-// The index of the brightest point. Ties are broken as in cv::ORB.
+// Index of the brightest point, with cv::ORB's order of ties.
 static int brightest(const int* v, int WTA_K)
 {
     if (WTA_K == 2)
@@ -121,7 +121,7 @@ static int brightest(const int* v, int WTA_K)
     return v[u] > v[w] ? u : w;
 }
 
-// The descriptor for any pattern, without the kernel.
+// Computes the descriptor of any pattern, without the kernel.
 static void computePlainly(const BlurredLevel& level, const std::vector<Point>& pattern, int WTA_K,
                            uchar* descriptor)
 {
@@ -148,7 +148,7 @@ static void decidePairs(const ushort* center, ptrdiff_t step, float a, float b, 
                     CV_CPU_DISPATCH_MODES_ALL);
 }
 
-// How far from the keypoint the descriptor may read, in any direction.
+// Largest distance from the keypoint at which the descriptor reads.
 static int reachOf(const std::vector<Point>& pattern)
 {
     int64 squared = 0;
@@ -162,7 +162,7 @@ DescriptorTests::DescriptorTests(const std::vector<Point>& pattern_, int WTA_K_)
 {
     for (int x = 0; x <= reach; x++)
         halfHeights.push_back(cvFloor(std::sqrt(double(reach) * reach - double(x) * x)));
-    const int MAX_REACH = 64;  // a wider margin would take much memory
+    const int MAX_REACH = 64;  // limits the memory of the margin
     if (WTA_K != 2 || reach > MAX_REACH)
         return;
     pairs.resize(1);
@@ -181,11 +181,11 @@ size_t computeDescriptors(const Mat& image, const BlurredRows& blurred, const Fe
                           bool mayStop)
 {
     CV_TRACE_FUNCTION();
-    const int64 MOST_EXACT = 500, MOST_EXACT_OF_POINT = 50;  // photographs need one a point, and at most six
+    const int64 MAX_EXACT = 500, MAX_EXACT_PER_POINT = 50;  // photographs: one a point, at most six
     int64 exactCount = 0;
     for (size_t i = 0; i < count; i++, descriptors += step)
     {
-        if (mayStop && exactCount > MOST_EXACT + MOST_EXACT_OF_POINT * int64(i))
+        if (mayStop && exactCount > MAX_EXACT + MAX_EXACT_PER_POINT * int64(i))
             return i;
         const Point keypoint(points[i].x, points[i].y);
         float cosine, sine;

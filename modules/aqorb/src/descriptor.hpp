@@ -3,7 +3,7 @@
 // of this distribution.
 // SPDX-License-Identifier: Apache-2.0
 
-// The descriptors of cv::ORB, from the approximate blur where that decides, else from the exact one.
+// Descriptors of cv::ORB. The exact blur decides the tests that the approximate blur leaves open.
 
 #ifndef OPENCV_AQORB_DESCRIPTOR_HPP
 #define OPENCV_AQORB_DESCRIPTOR_HPP
@@ -20,17 +20,17 @@ namespace cv
 namespace aqorb
 {
 
-//! How many quarters of a turn the angle of at least 120 radians is, modulo 4, in units of 2^-62.
+//! Angle of at least 120 radians in quarter turns, modulo 4, in units of 2^-62.
 uint64 quartersOf(float angle);
 
 /** Sine and cosine of an angle, the same on every system.
 
- C libraries differ in the last bit of these functions, and so does cv::ORB. These equal, to the bit, the functions of
- the GNU C library up to version 2.41, taken from Arm's Optimized Routines: polynomials in double, rounded to float at
- the end. They are not always the floats nearest to the exact values. */
+ C libraries differ in the last bit of sine and cosine, and so does cv::ORB. This function equals, to the bit, those of
+ the GNU C library up to version 2.41, which come from Arm's Optimized Routines: polynomials in double, rounded to float
+ at the end. The results are not always the floats nearest to the exact values. */
 inline void sineAndCosine(float angle, float& sine, float& cosine)
 {
-    // The angle is n quarters of a turn plus x, which is at most an eighth of a turn.
+    // The angle is n quarter turns plus x, with |x| at most an eighth of a turn.
     const double QUARTER = 1.5707963267948966, QUARTERS_PER_RADIAN = 0.6366197723675814;
     int n;
     double x;
@@ -53,16 +53,16 @@ inline void sineAndCosine(float angle, float& sine, float& cosine)
     const double lowCosine = 1 + x2 * -0.49999999725108224 + x4 * 0.041666623324344516;
     const double highCosine = -0.001388676379437604 + x2 * 2.4390450703564542e-05;
     const float s = float(lowSine + x3 * x2 * highSine), c = float(lowCosine + x4 * x2 * highCosine);
-    // Branches on a direction would be hard to predict.
+    // A table instead of branches: the CPU cannot predict directions.
     const float both[] = {s, c};
     sine = both[n & 1] * float(1 - (n & 2));
     cosine = both[~n & 1] * float(1 - ((n + 1) & 2));
 }
 
-//! The points that rBRIEF compares, WTA_K for each test, in the order of the tests, as cv::ORB draws them.
+//! Points of rBRIEF's tests, WTA_K for each test, as cv::ORB draws them.
 std::vector<Point> descriptorPattern(int patchSize, int WTA_K);
 
-//! The 256 tests of a descriptor with WTA_K 2. A bit is 1 where point 0 is darker than point 1.
+//! The 256 tests of a descriptor with WTA_K 2. A bit is 1 if point 0 is darker than point 1.
 struct PairTests
 {
     enum
@@ -72,32 +72,31 @@ struct PairTests
     float x[2][COUNT], y[2][COUNT];  //!< [point of the pair][test]
 };
 
-//! A pattern, prepared for any number of descriptors.
+//! Pattern, prepared for any number of descriptors.
 struct DescriptorTests
 {
     DescriptorTests(const std::vector<Point>& pattern, int WTA_K);
 
     std::vector<Point> pattern;
     int WTA_K;
-    int reach;  //!< how far from the keypoint the descriptor may read
-    std::vector<int>
-        halfHeights;  //!< of the disc that it may read, by the horizontal distance from the keypoint
+    int reach;                     //!< largest distance from the keypoint at which a descriptor reads
+    std::vector<int> halfHeights;  //!< half height of the disc of radius `reach`, by horizontal distance
     AlignedVector<PairTests>
-        pairs;  //!< one, for the kernel; empty where WTA_K is not 2 or the reach is too far
-    //! How much margin the blurred rows must have.
+        pairs;  //!< one element for the kernel; empty if WTA_K is not 2 or the reach is too far
+    //! Margin that the blurred rows need.
     int margin() const { return blurMargin(pairs.empty() ? 0 : reach); }
 };
 
-/** The 32-byte descriptors at pixels of a level, equal to those of cv::ORB.
+/** Computes the 32-byte descriptors of cv::ORB at pixels of a level.
  @param image the level
- @param blurred its approximateBlur, at least the discs around the points, as far as tests.margin outside of the level
- @param points where descriptors are taken, and in which direction
+ @param blurred approximateBlur of the level, at least in the discs around the points, with tests.margin() around it
+ @param points pixels and directions
  @param count number of points
  @param tests the pattern
- @param descriptors gets one descriptor a row
- @param step bytes from one row to the next
- @param mayStop stops before a point once blurring all pixels exactly is faster than the many that are needed
- @return the number of points with a descriptor */
+ @param descriptors receives one descriptor per row
+ @param step bytes from row to row
+ @param mayStop stops early when so many tests need exactBlur that blurring all pixels exactly is faster
+ @return number of points with a descriptor */
 size_t computeDescriptors(const Mat& image, const BlurredRows& blurred, const FeaturePoint* points,
                           size_t count, const DescriptorTests& tests, uchar* descriptors, size_t step,
                           bool mayStop = false);

@@ -3,7 +3,7 @@
 // of this distribution.
 // SPDX-License-Identifier: Apache-2.0
 
-// The 256 tests of a descriptor that the approximate blur decides.
+// Kernel of the descriptor: the tests that the approximate blur decides.
 
 #include "descriptor.hpp"
 #include "simd_compat.hpp"
@@ -14,12 +14,12 @@ namespace aqorb
 {
 CV_CPU_OPTIMIZATION_NAMESPACE_BEGIN
 
-/** Carries out the tests of a descriptor that the approximate blur decides.
- @param center the pixel of the keypoint in the approximate blur; all rotated points around it must be readable
- @param step from one row to the next, in elements
+/** Runs the tests of a descriptor that the approximate blur decides.
+ @param center pixel of the keypoint in the approximate blur; all rotated points around it must be readable
+ @param step elements from row to row
  @param a, b cosine and sine of the direction
- @param descriptor 32 bytes; the bits of undecided tests become 0
- @param undecided gets a bit for each test: 1 where the bound of the blur does not decide it */
+ @param descriptor receives 32 bytes; bits of undecided tests are 0
+ @param undecided receives one bit per test: 1 if the error bound leaves it open */
 void comparePairs(const ushort* center, ptrdiff_t step, float a, float b, const PairTests& tests,
                   uchar* descriptor, uint64 undecided[PairTests::COUNT / 64]);
 
@@ -28,11 +28,11 @@ void comparePairs(const ushort* center, ptrdiff_t step, float a, float b, const 
 namespace
 {
 
-// How many points are rotated, and then fetched, at a time.
+// Number of points that are rotated, and then fetched, at a time.
 const int STEP = 16;
 
-// Rotates points. As in cv::ORB, multiplications and additions are not fused, and ties are rounded to even.
-// @param offsets from the centre to each rotated point, in elements
+// Rotates points. As in cv::ORB, multiplications and additions are not fused, and ties round to even.
+// @param offsets receives the offset of each rotated point from the centre, in elements
 CV_ALWAYS_INLINE void rotatePoints(const float* x, const float* y, float a, float b, ptrdiff_t step,
                                    int* offsets)
 {
@@ -54,20 +54,20 @@ CV_ALWAYS_INLINE void rotatePoints(const float* x, const float* y, float a, floa
 
 CV_ALWAYS_INLINE void fetchPoints(const ushort* center, const int* offsets, ushort* values)
 {
-    // Compilers would combine stores that are not volatile, at the price of more instructions.
+    // Without volatile, compilers combine stores, with more instructions.
     volatile ushort* const out = values;
     for (int i = 0; i < STEP; i++)
         out[i] = center[offsets[i]];
 }
 
-// Fetches the values at the rotated points of all tests: first the first points, then the second ones.
+// Fetches the pixels at the rotated points of all tests: all first points, then all second points.
 void fetchPairs(const ushort* center, ptrdiff_t step, float a, float b, const PairTests& tests,
                 ushort* values)
 {
-    // Offsets are computed this long before they are used. Sooner, they would hardly have left the store buffer; and
-    // so that the processor does both at the same time, they are not all computed in advance.
+    // Lead of the rotation over the fetch. A shorter lead would read offsets still in the store buffer. A longer lead
+    // would keep the processor from overlapping rotation and fetch.
     const int AHEAD = 64, COUNT = 2 * PairTests::COUNT;
-    const float *x = tests.x[0], *y = tests.y[0];  // the arrays of the second points follow
+    const float *x = tests.x[0], *y = tests.y[0];  // the second points follow in memory
     CV_DECL_ALIGNED(CACHE_LINE) int offsets[COUNT];
     int i = 0;
     for (; i < AHEAD; i += STEP)
@@ -87,7 +87,7 @@ void comparePairs(const ushort* center, ptrdiff_t step, float a, float b, const 
                   uchar* descriptor, uint64 undecided[PairTests::COUNT / 64])
 {
     const int COUNT = PairTests::COUNT;
-    // The exact value lies between the roundings of the approximate one minus and plus its bounds.
+    // The exact value lies between the rounded bounds of the approximate value.
     const int DOWN = 127 - BLUR_EXCESS, UP = 128 + BLUR_SHORTFALL;
     CV_DECL_ALIGNED(CACHE_LINE) ushort values[2 * COUNT];
     const ushort *first = values, *second = values + COUNT;

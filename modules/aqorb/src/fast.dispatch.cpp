@@ -3,7 +3,7 @@
 // of this distribution.
 // SPDX-License-Identifier: Apache-2.0
 
-// Prepares the scan of a level, and scores single pixels.
+// Class FastScanner, and FAST scores of single pixels.
 
 #include "precomp.hpp"
 
@@ -22,25 +22,25 @@ namespace aqorb
 namespace
 {
 
-// Which pixels of a block are in a range of columns, a bit for each.
-uint64 columnsOf(int x, int width, const Range& columns)
+// Bits of the pixels of a block that lie in a range of columns.
+uint64 columnBits(int x, int width, const Range& columns)
 {
     const int begin = std::max(columns.start, x), end = std::min(columns.end, x + width);
     return begin < end ? (~uint64(0) >> (64 - (end - begin))) << (begin - x) : 0;
 }
 
-// Covers columns, and one more on both sides, with blocks inside `pixels`.
+// Covers columns, and one more on each side, with blocks inside `pixels`.
 void coverWithBlocks(const Range& columns, const Range& pixels, int width, std::vector<ScanBlock>& blocks)
 {
     blocks.clear();
     const int end = std::min(columns.end + 1, pixels.end);
     for (int x = std::max(columns.start - 1, pixels.start), next; x < end; x = next)
     {
-        // The last block may overlap the one before, whose columns are not wanted twice.
+        // The last block may overlap the block before, but each column is wanted once.
         const int first = std::min(x, pixels.end - width);
         next = first + width;
         const Range wanted(std::max(columns.start, x), columns.end);
-        blocks.push_back({first, columnsOf(first, width, wanted)});
+        blocks.push_back({first, columnBits(first, width, wanted)});
     }
 }
 
@@ -49,12 +49,12 @@ void continueFastScan(const ScanArea& area, ScanScores& kept, ScanCorners& corne
     CV_CPU_DISPATCH(continueScan, (area, kept, corners, end), CV_CPU_DISPATCH_MODES_ALL);
 }
 
-int widthOfBlocks(int columns)
+int scanBlockWidth(int columns)
 {
     CV_CPU_DISPATCH(blockWidthFor, (columns), CV_CPU_DISPATCH_MODES_ALL);
 }
 
-int dropCornersOfScan(ScanCorners& corners, int blockWidth, int first, const uchar* dropped)
+int dropScanCorners(ScanCorners& corners, int blockWidth, int first, const uchar* dropped)
 {
     CV_CPU_DISPATCH(dropCorners, (corners, blockWidth, first, dropped), CV_CPU_DISPATCH_MODES_ALL);
 }
@@ -67,7 +67,7 @@ Rect fastRegion(Size imageSize, const Rect& region)
                          imageSize.height - 2 * FAST_RADIUS);
 }
 
-// Where column 0 of the first row in a buffer is, if the given column is to be aligned.
+// Address of column 0 in a buffer that aligns the given column.
 static uchar* alignedRow(uchar* buffer, int column)
 {
     return alignPtr(buffer + SCAN_MARGIN + column, SCAN_ALIGNMENT) - column;
@@ -80,14 +80,14 @@ static size_t rowBytesOf(int imageWidth)
 
 void ScorePlane::reset(int imageWidth, const Rect& region, int rows)
 {
-    const size_t bytesOfRow = rowBytesOf(imageWidth);
-    growTo(bytes, (ROWS_ABOVE + size_t(rows) + SUPPRESS_RADIUS) * bytesOfRow + SCAN_ALIGNMENT);
+    const size_t rowSize = rowBytesOf(imageWidth);
+    growTo(bytes, (ROWS_ABOVE + size_t(rows) + SUPPRESS_RADIUS) * rowSize + SCAN_ALIGNMENT);
     top = region.y;
-    rowBytes = ptrdiff_t(bytesOfRow);
-    // As a rule the first block of a scan begins one column before the region.
-    first = alignedRow(bytes.data() + ROWS_ABOVE * bytesOfRow, std::max(region.x - 1, FAST_RADIUS)) -
-            bytes.data();
-    std::fill_n(row(top) - SCAN_MARGIN - ROWS_ABOVE * rowBytes, ROWS_ABOVE * bytesOfRow, uchar(0));
+    rowBytes = ptrdiff_t(rowSize);
+    // The first block of a scan usually begins one column before the region.
+    first =
+        alignedRow(bytes.data() + ROWS_ABOVE * rowSize, std::max(region.x - 1, FAST_RADIUS)) - bytes.data();
+    std::fill_n(row(top) - SCAN_MARGIN - ROWS_ABOVE * rowBytes, ROWS_ABOVE * rowSize, uchar(0));
 }
 
 void ScorePlane::slideTo(int top_)
@@ -108,7 +108,7 @@ void FastScanner::begin(const Level& level, const Rect& region, Thresholds thres
 {
     const Mat& image = level.image;
     const Rect pixels = fastRegion(image.size(), Rect(Point(), image.size()));
-    const int width = widthOfBlocks(pixels.width);
+    const int width = scanBlockWidth(pixels.width);
     columns = Range(region.x, region.x + region.width);
     coverWithBlocks(columns, Range(pixels.x, pixels.x + pixels.width), width, blocks);
     const size_t blockCount = blocks.size();
@@ -146,20 +146,20 @@ void FastScanner::begin(const Level& level, const Rect& region, Thresholds thres
 void FastScanner::scan(int end, const std::vector<Range>& cells)
 {
     end = std::min(end, area.bottom);
-    const size_t rows = size_t(end - kept.nextRow + 1);  // suppression is one row behind
+    const size_t rows = size_t(end - kept.nextRow + 1);  // suppression lags by one row
     plane.slideTo(kept.nextRow - 1);
     out.planeTop = plane.topRow();
     out.plane = plane.row(out.planeTop);
     out.foundCount = foundCount;
     const size_t maxCount = foundCount + rows * blocks.size() + 2;
-    found.reserve(maxCount);  // without this, a vector that grows may get twice as much
+    found.reserve(maxCount);  // resize alone may allocate twice as much
     found.resize(std::max(found.size(), maxCount));
     out.found = found.data();
     strong.assign(blocks.size(), 0);
     out.strong = strong.data();
     continueFastScan(area, kept, out, end);
 
-    // By column, the highest score that is dropped.
+    // dropped[x]: highest score to drop in column x.
     std::fill_n(dropped.begin() + blocks[0].x, blocks.back().x + area.blockWidth - blocks[0].x, uchar(255));
     std::fill_n(dropped.begin() + columns.start, columns.size(), uchar(0));
     for (const Range& cell : cells)
@@ -169,18 +169,18 @@ void FastScanner::scan(int end, const std::vector<Range>& cells)
             std::fill(dropped.begin() + inside.start, dropped.begin() + inside.end,
                       uchar(area.strongThreshold));
     }
-    cornerCount += dropCornersOfScan(out, area.blockWidth, foundCount, dropped.data());
+    cornerCount += dropScanCorners(out, area.blockWidth, foundCount, dropped.data());
     foundCount = out.foundCount;
 }
 
-// Whether the rows of the last scan have a strong corner in some columns.
+// Whether the last scan found a strong corner in a range of columns.
 bool FastScanner::hasStrong(const Range& range) const
 {
     const int width = area.blockWidth;
     const int before = (range.start - blocks[0].x) / width;
     for (size_t i = size_t(std::max(before, 0)); i < blocks.size() && blocks[i].x < range.end; i++)
     {
-        if (strong[i] & columnsOf(blocks[i].x, width, range))
+        if (strong[i] & columnBits(blocks[i].x, width, range))
             return true;
     }
     return false;
@@ -200,7 +200,7 @@ static void appendAll(const CornerBlock* first, const CornerBlock* last, ScorePl
     }
 }
 
-// Writes the corners that have no better one within SUPPRESS_RADIUS, and returns their number.
+// Writes the corners without a better corner within SUPPRESS_RADIUS, and returns their number.
 static int writeUnsuppressed(const CornerBlock* first, int cornerCount, const uchar* scores, ptrdiff_t step,
                              Corner* corners)
 {
@@ -214,7 +214,7 @@ void FastScanner::append(bool suppressNear, std::vector<Corner>& corners)
         plane.clearBelow(end);
     else
         end -= SUPPRESS_RADIUS;
-    int taken = foundCount, left = 0;  // blocks that are taken, and corners that are left for later
+    int taken = foundCount, left = 0;  // blocks to append now, and corners left for later
     while (taken > 0 && found[taken - 1].y >= end)
         left += bitCount(found[--taken].columns);
     const int count = cornerCount - left;
@@ -224,11 +224,11 @@ void FastScanner::append(bool suppressNear, std::vector<Corner>& corners)
     }
     else if (count > 0)
     {
-        // The kernel writes every corner before it knows whether it is suppressed.
+        // The kernel writes each corner before it tests it, hence one more element.
         growTo(unsuppressed, size_t(count) + 1);
         const int written =
             writeUnsuppressed(found.data(), count, plane.row(found[0].y), plane.step(), unsuppressed.data());
-        // Lists of corners are long and stay, so they grow by little more than they need.
+        // Lists of corners are long and live long, so they grow by small steps.
         const size_t size = corners.size() + size_t(written);
         if (size > corners.capacity())
             corners.reserve(size + size / 8);
@@ -246,7 +246,7 @@ static void neighborCornerScores(const uchar* p, ptrdiff_t step, int scores[3][3
 
 void cornerScores3x3(const Mat& image, int x, int y, int scores[3][3])
 {
-    const int READ = 17;  // as far as vectors read
+    const int READ = 17;  // reach of the kernel's vectors
     PatchBuffer buffer;
     const Patch patch = patchAround(image, x, y, READ, buffer);
     neighborCornerScores(patch.center, patch.step, scores);

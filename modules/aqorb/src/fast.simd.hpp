@@ -3,7 +3,7 @@
 // of this distribution.
 // SPDX-License-Identifier: Apache-2.0
 
-// The scan: scores of the rows, the corners among them, and those without a better one nearby.
+// Kernels of the scan: scores of rows, their corners, and non-maximum suppression.
 
 #include "fast.hpp"
 #ifndef CV_CPU_OPTIMIZATION_DECLARATIONS_ONLY
@@ -19,26 +19,26 @@ namespace aqorb
 
 CV_CPU_OPTIMIZATION_NAMESPACE_BEGIN
 
-//! The pixels of a block, for images with `columns` columns of whole circles: a wide vector, a narrow one, or one.
+//! Pixels per block in an image with `columns` columns of whole circles: a wide vector, a narrow vector, or one pixel.
 int blockWidthFor(int columns);
 
-//! Continues a scan up to the row before `end`, which is at most area.bottom.
+//! Continues a scan up to row `end`, exclusive and at most area.bottom.
 void continueScan(const ScanArea& area, ScanScores& kept, ScanCorners& corners, int end);
 
-/** Removes corners whose scores are too low from the blocks found and from the plane.
- @param first block to look at
- @param dropped by column: the highest score that is too low
- @return number of corners left; corners.foundCount becomes the number of blocks that have any */
+/** Removes corners of low score from corners.found and from the score plane.
+ @param first first block to examine
+ @param dropped highest score to remove, by column
+ @return number of corners left; corners.foundCount becomes the number of blocks that still have corners */
 int dropCorners(ScanCorners& corners, int blockWidth, int first, const uchar* dropped);
 
-//! cornerScores3x3 of p. The 4 pixels around it, and the 17 to its right, must be readable.
+//! cornerScores3x3 at p. The 4 pixels around p, and the 17 to its right, must be readable.
 void neighborScores(const uchar* p, ptrdiff_t step, int scores[3][3]);
 
-/** Writes the corners that have no better one within SUPPRESS_RADIUS.
- @param blocks those of the corners, and two more that are readable
- @param scores the scores of the row of the first block, by column, as in ScorePlane
- @param kept has space for all corners and one more
- @return number of corners kept */
+/** Writes the corners without a better corner within SUPPRESS_RADIUS.
+ @param blocks blocks of the corners, and two more readable blocks
+ @param scores row of the first block in the score plane
+ @param kept room for all corners and one more
+ @return number of corners written */
 int writeKept(const CornerBlock* blocks, int cornerCount, const uchar* scores, ptrdiff_t step, Corner* kept);
 
 #ifndef CV_CPU_OPTIMIZATION_DECLARATIONS_ONLY
@@ -51,8 +51,8 @@ CV_ALWAYS_INLINE uchar* scoresOf(const ScanScores& kept, int y)
     return kept.rows + (y & (SCAN_ROWS - 1)) * kept.step;
 }
 
-// Scores the blocks of a row: the FAST score, 1 to 255, where it exceeds the threshold, else 0. Lists the blocks that
-// have a score and returns their number.
+// Scores the blocks of a row: a FAST score above the threshold, 1 to 255, else 0. Lists the blocks that have a score
+// and returns their number.
 template <typename Vectors> int scoreRow(const ScanArea& area, const ScanScores& kept, int y)
 {
     typedef typename Vectors::V V;
@@ -62,8 +62,8 @@ template <typename Vectors> int scoreRow(const ScanArea& area, const ScanScores&
     int* list = kept.listed[y & 1];
     const V zero = Vectors::all(0), limit = Vectors::all(area.threshold);
     int possible = 0, count = 0;
-    // Every arc contains one end of each axis of the circle, and these four pixels rule out most blocks. Where most
-    // blocks of the row above have a corner the test is skipped, as it would cost more than it saves.
+    // Each arc contains one end of both axes of the circle, so these four pixels rule out most blocks. If most blocks
+    // of the row above have a corner, the test would cost more than it saves.
     const bool skipTest = 4 * kept.listedCount[(y - 1) & 1] > 3 * area.blockCount;
     const ScanBlock* const blocks = area.blocks;
     const int blockCount = area.blockCount;
@@ -79,9 +79,8 @@ template <typename Vectors> int scoreRow(const ScanArea& area, const ScanScores&
         const uchar* p = row + x;
         const V v = Vectors::load(p), up = Vectors::load(p - 3 * step), down = Vectors::load(p + 3 * step),
                 left = Vectors::load(p - 3), right = Vectors::load(p + 3);
-        Vectors::store(
-            scores + x,
-            zero);  // stored here, because compilers would load the pixels again after a store further up
+        Vectors::store(scores + x,
+                       zero);  // stored last: after an earlier store compilers load the pixels again
         const V bright = Min::of(Max::of(up, down), Max::of(left, right));
         const V dark = Max::of(Min::of(up, down), Min::of(left, right));
         const V bound = Max::of(Vectors::above(bright, v), Vectors::above(v, dark));
@@ -91,17 +90,17 @@ template <typename Vectors> int scoreRow(const ScanArea& area, const ScanScores&
     {
         const int x = blocks[list[i]].x;
         const uchar* p = row + x;
-        const Sides<Vectors> best = bestArc(Around<Vectors>(p, step));
+        const Extremes<Vectors> best = bestArc(Circle<Vectors>(p, step));
         const V v = Vectors::load(p);
-        const V score = Max::of(Vectors::above(best.bright, v), Vectors::above(v, best.dark));
+        const V score = Max::of(Vectors::above(best.darkest, v), Vectors::above(v, best.brightest));
         list[count] = list[i];
         count += Vectors::storeGreater(scores + x, score, limit) != 0;
     }
     return count;
 }
 
-// Finds the corners of a row, whose scores are higher than those of their eight neighbours. The scores go to the plane
-// and the blocks to those found.
+// Finds the corners of a row: pixels with a higher score than their eight neighbours. Writes their scores to the score
+// plane and their blocks to out.found.
 template <typename Vectors>
 void suppressRow(const ScanArea& area, const ScanScores& kept, ScanCorners& out, int y)
 {
@@ -132,7 +131,7 @@ void suppressRow(const ScanArea& area, const ScanScores& kept, ScanCorners& out,
         const uint64 columns =
             Vectors::storeGreater(corners + x, score, Max::of(Max::of(over, under), beside));
         strong[listed[i]] |= columns & Vectors::maskGreater(score, strongest);
-        // The plane has got corners in columns that are not wanted, too. dropCorners clears them.
+        // The plane also has corners outside the wanted columns. dropCorners clears these.
         found->x = x;
         found->y = y;
         found->columns = columns & block.wanted;
@@ -144,7 +143,7 @@ void suppressRow(const ScanArea& area, const ScanScores& kept, ScanCorners& out,
 template <typename Vectors>
 void scanRows(const ScanArea& area, ScanScores& kept, ScanCorners& corners, int end)
 {
-    // The columns and rows where the circle fits.
+    // Columns and rows where the circle lies inside the image.
     const int left = FAST_RADIUS, right = area.width - FAST_RADIUS, bottom = area.height - FAST_RADIUS;
     for (; kept.nextRow <= end; kept.nextRow++)
     {
@@ -208,17 +207,17 @@ void neighborScores(const uchar* p, ptrdiff_t step, int scores[3][3])
     {
         const uchar* const q = p + (row - 1) * step - 1;
 #if CV_SIMD
-        const Sides<Narrow> best = bestArc(Around<Narrow>(q, step));
+        const Extremes<Narrow> best = bestArc(Circle<Narrow>(q, step));
         uchar bright[16], dark[16];
-        Narrow::store(bright, best.bright);
-        Narrow::store(dark, best.dark);
+        Narrow::store(bright, best.darkest);
+        Narrow::store(dark, best.brightest);
         for (int i = 0; i < 3; i++)
             scores[row][i] = Max::of(bright[i] - q[i], q[i] - dark[i]);
 #else
         for (int i = 0; i < 3; i++)
         {
-            const Sides<Single> best = bestArc(Around<Single>(q + i, step));
-            scores[row][i] = Max::of(best.bright - q[i], q[i] - best.dark);
+            const Extremes<Single> best = bestArc(Circle<Single>(q + i, step));
+            scores[row][i] = Max::of(best.darkest - q[i], q[i] - best.brightest);
         }
 #endif
     }
@@ -227,22 +226,22 @@ void neighborScores(const uchar* p, ptrdiff_t step, int scores[3][3])
 namespace
 {
 
-// Whether there is a better corner within SUPPRESS_RADIUS.
+// Whether a better corner lies within SUPPRESS_RADIUS.
 CV_ALWAYS_INLINE bool isSuppressed(const uchar* p, ptrdiff_t step)
 {
     const int RADIUS = SUPPRESS_RADIUS;
 #if CV_SIMD128
-    // The highest scores of the pixels that come before p in raster order, and after it.
     const uchar* q = p - RADIUS;
-    // Subtractions leave 0 outside of the window, and the next lower score where only a higher one counts.
-    const v_uint8x16 ofRow(0, 0, 0, 255, 1, 1, 1, 255, 255, 255, 255, 255, 255, 255, 255, 255);
-    const v_uint8x16 ofBefore(0, 0, 0, 0, 0, 0, 0, 255, 255, 255, 255, 255, 255, 255, 255, 255);
-    const v_uint8x16 ofAfter(1, 1, 1, 1, 1, 1, 1, 255, 255, 255, 255, 255, 255, 255, 255, 255);
+    // Saturating subtraction of 255 clears lanes outside the window. Subtraction of 1 makes equal scores lose: pixels
+    // after p in raster order suppress it only by a higher score.
+    const v_uint8x16 rowOffsets(0, 0, 0, 255, 1, 1, 1, 255, 255, 255, 255, 255, 255, 255, 255, 255);
+    const v_uint8x16 aboveOffsets(0, 0, 0, 0, 0, 0, 0, 255, 255, 255, 255, 255, 255, 255, 255, 255);
+    const v_uint8x16 belowOffsets(1, 1, 1, 1, 1, 1, 1, 255, 255, 255, 255, 255, 255, 255, 255, 255);
     const ptrdiff_t up = -step;
     const v_uint8x16 above = v_max(v_max(v_load(q + 3 * up), v_load(q + 2 * up)), v_load(q + up));
     const v_uint8x16 below = v_max(v_max(v_load(q + 3 * step), v_load(q + 2 * step)), v_load(q + step));
     const v_uint8x16 best =
-        v_max(v_sub(v_load(q), ofRow), v_max(v_sub(above, ofBefore), v_sub(below, ofAfter)));
+        v_max(v_sub(v_load(q), rowOffsets), v_max(v_sub(above, aboveOffsets), v_sub(below, belowOffsets)));
     const v_uint8x16 score = v_setall_u8(*p);
     return v_check_any(v_eq(v_min(best, score), score));
 #else
@@ -250,7 +249,7 @@ CV_ALWAYS_INLINE bool isSuppressed(const uchar* p, ptrdiff_t step)
     {
         for (int x = -RADIUS; x <= RADIUS; x++)
         {
-            const bool isBefore = y < 0 || (y == 0 && x < 0);  // and so better with the same score, too
+            const bool isBefore = y < 0 || (y == 0 && x < 0);  // better even at the same score
             if (p[y * step + x] > *p - isBefore)
                 return true;
         }
@@ -266,7 +265,7 @@ int writeKept(const CornerBlock* blocks, int cornerCount, const uchar* scores, p
     const int top = blocks->y;
     uint64 columns = blocks[0].columns, next = blocks[1].columns;
     Corner* out = kept;
-    // There are no branches, because it is hard to predict how many corners a block has and which of them are kept.
+    // No branches: the CPU can predict neither the number of corners in a block nor their suppression.
     for (int i = 0; i < cornerCount; i++)
     {
         const int x = blocks->x + trailingZeros(columns), y = blocks->y;
@@ -277,7 +276,7 @@ int writeKept(const CornerBlock* blocks, int cornerCount, const uchar* scores, p
         const bool wasLast = columns == 0;
         columns |= next & (uint64(0) - wasLast);
         blocks += wasLast;
-        next = blocks[1].columns;  // loaded ahead of its use
+        next = blocks[1].columns;  // loaded early, to hide the latency
     }
     return int(out - kept);
 }

@@ -3,7 +3,7 @@
 // of this distribution.
 // SPDX-License-Identifier: Apache-2.0
 
-// How threads share the work of a stage, or the images of a collection.
+// Threads that share the work of a stage or the images of a collection.
 
 #ifndef OPENCV_AQORB_FOR_EACH_HPP
 #define OPENCV_AQORB_FOR_EACH_HPP
@@ -21,17 +21,17 @@ namespace cv
 namespace aqorb
 {
 
-//! How many threads a call that this thread begins may use.
+//! Number of threads that a call from this thread may use.
 int threadsAllowed();
-//! How many threads share a stage: more would wait for each other most of the time.
-inline int threadsOfStage()
+//! Number of threads that share a stage. More threads would mostly wait for each other.
+inline int stageThreads()
 {
     return std::min(threadsAllowed(), 16);
 }
 
-/** Calls work(i, thread) for every i below count, on at most maxThreads threads. Each thread has a number of its own,
- and takes the next i until none is left. After an error no thread begins another i. All calls before a failing one are
- completed, so the error of the lowest failing i is always the one thrown. */
+/** Calls work(i, thread) for each i below count, on at most maxThreads threads. `thread` numbers the threads; each
+ takes the next i until none is left. After an exception no thread begins another i. All calls with a lower i complete,
+ so the exception of the lowest failing i is thrown, whatever the number of threads. */
 template <typename Work> void forEach(size_t count, int maxThreads, const Work& work)
 {
     std::atomic<size_t> next(0), end(count);

@@ -3,7 +3,7 @@
 // of this distribution.
 // SPDX-License-Identifier: Apache-2.0
 
-// Matches of keypoints that have none, found by the affine maps of refined matches nearby.
+// growMatches: matches predicted by the affine maps of refined matches nearby.
 
 #include "precomp.hpp"
 
@@ -21,7 +21,7 @@ namespace aqorb
 namespace
 {
 
-// The refined matches that were aligned, in the order of y. Others have no map.
+// Index of the aligned matches, sorted by y. Only these have a map.
 class SeedIndex
 {
 public:
@@ -34,13 +34,13 @@ public:
                   [&](int a, int b) { return points[size_t(a)].y < points[size_t(b)].y; });
     }
 
-    // The seed nearest to a position of image 1, and of equally near ones the first match. -1 for none.
+    // Seed nearest to a position of image 1, or -1. Ties go to the first match.
     int nearest(const Point2f& position) const
     {
         const double MAX_DISTANCE = 60;
         double smallest = MAX_DISTANCE * MAX_DISTANCE;
         int found = -1;
-        // False if the seeds beyond this one are further away.
+        // Returns false if all seeds beyond this one are farther away.
         const auto compare = [&](int seed)
         {
             const Point2d offset = Point2d(points[size_t(seed)]) - Point2d(position);
@@ -66,7 +66,7 @@ private:
     std::vector<int> order;
 };
 
-// The patches of a keypoint of image 1 and of the place in image 2 that a seed predicts.
+// Patches of a keypoint of image 1 and of its position in image 2 as a seed predicts it.
 PatchPair predictedPatches(const KeyPoint& keypoint, const RefinedMatches& seeds, size_t seed,
                            float scaleFactor)
 {
@@ -80,7 +80,7 @@ PatchPair predictedPatches(const KeyPoint& keypoint, const RefinedMatches& seeds
             map * spacing};
 }
 
-// The keypoint of image 2 that shows the same as a keypoint of image 1.
+// Keypoint of image 2 that shows the same spot as a keypoint of image 1.
 KeyPoint grownKeypoint(const KeyPoint& keypoint, const PatchAlignment& alignment, const Matx22d& map,
                        int64 octave)
 {

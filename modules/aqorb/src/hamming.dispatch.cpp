@@ -3,7 +3,7 @@
 // of this distribution.
 // SPDX-License-Identifier: Apache-2.0
 
-// Checks descriptors, packs them for the kernels, and searches the nearest ones in tiles that stay in the cache.
+// Checks descriptors, packs them for the kernels, and searches nearest descriptors in tiles that stay in the cache.
 
 #include "precomp.hpp"
 
@@ -67,15 +67,15 @@ const HammingKernels* hammingKernels(int words)
 namespace
 {
 
-//! The longest descriptors that are packed: a sum of 16 bits counts their bits, and a tile stays in the cache.
+//! Limit on the bytes of packed descriptors: 16 bits count their bits, and a tile stays in the cache.
 const int MAX_PACKED_BYTES = 1024;
-//! The longest ones whose distances fit into a key of 16 bits.
+//! Limit on the bytes of descriptors whose distances fit into a 16-bit key.
 const int MAX_KEY_BYTES = 127;
-//! The size of a tile of distances.
+//! Size of a tile of distances.
 const int QUERIES = 8, TRAINS = 1024;
 
-/** If pairs of bits count, descriptors whose Hamming distances are twice the numbers of pairs that differ: each pair
- becomes three bits, 000, 101, 011 or 110. */
+/** Adds a third bit to each pair of bits for NORM_HAMMING2: 000, 101, 011 or 110. The Hamming distance of two such
+ descriptors is twice their number of different pairs. */
 Mat withThirdBits(const Mat& descriptors, bool countPairs)
 {
     if (!countPairs)
@@ -87,20 +87,20 @@ Mat withThirdBits(const Mat& descriptors, bool countPairs)
         const uchar* const from = descriptors.ptr(i);
         uchar* const to = result.ptr(i);
         std::memcpy(to, from, size_t(bytes));
-        for (int j = 0; j < bytes; j++)  // a byte has four pairs, so two of them fill one
+        for (int j = 0; j < bytes; j++)  // third bits of two bytes fill one byte
             to[bytes + j / 2] |= uchar(((from[j] ^ from[j] >> 1) & 0x55) << j % 2);
     }
     return result;
 }
 
-//! Whether there are kernels for these descriptors.
+//! Whether kernels exist for these descriptors.
 bool isPacked(const Mat& descriptors)
 {
     return hammingKernels(0) && descriptors.cols <= MAX_PACKED_BYTES;
 }
 
-//! A tile, and the packed descriptors that it points to. Each thread has its own: it packs the trains in less time than
-//! it takes to get them from the cache of another core.
+//! Tile with its packed descriptors. Each thread has its own: packing trains is faster than fetching them from the
+//! cache of another core.
 class PackedTile
 {
 public:
@@ -112,17 +112,16 @@ public:
     }
     static int wordsOf(const Mat& descriptors) { return (descriptors.cols + 7) / 8; }
 
-    //! Packs tiles and calls the function for each, with the index of its first query and that of its first train.
+    //! Packs tiles, and calls the function for each tile with the indices of its first query and its first train.
     template <typename Function>
-    void forEach(const Range& rows, int queriesOfTile, int trainsOfTile, int firstIndex,
-                 const Function& function)
+    void forEach(const Range& rows, int tileQueries, int tileTrains, int firstIndex, const Function& function)
     {
-        for (int first = 0; first < train.rows; first += trainsOfTile)
+        for (int first = 0; first < train.rows; first += tileTrains)
         {
-            packTrains(nextRows(first, trainsOfTile, train.rows), firstIndex);
-            for (int i = rows.start; i < rows.end; i += queriesOfTile)
+            packTrains(nextRows(first, tileTrains, train.rows), firstIndex);
+            for (int i = rows.start; i < rows.end; i += tileQueries)
             {
-                packQueries(nextRows(i, queriesOfTile, rows.end));
+                packQueries(nextRows(i, tileQueries, rows.end));
                 if (!mask.empty())
                     packMask(i, first);
                 function(i, first);
@@ -133,26 +132,26 @@ public:
     HammingTile tile;
 
 private:
-    //! The next at most count rows from i on.
+    //! The next rows from i on, at most `count`.
     static Range nextRows(int i, int count, int end) { return Range(i, std::min(i + count, end)); }
 
     void packTrains(const Range& rows, int firstTrain)
     {
-        const int block = kernels.block, planes = tile.words * kernels.planes;
-        trains.resize(alignSize(size_t(rows.size()), block) * planes);
+        const int block = kernels.block, words = tile.words * kernels.halves;
+        trains.resize(alignSize(size_t(rows.size()), block) * words);
         for (int i = 0; i < rows.size(); i++)
             pack(train, rows.start + i,
-                 &trains[size_t(i / block) * block * planes + kernels.laneOf(i % block)], block);
+                 &trains[size_t(i / block) * block * words + kernels.laneOf(i % block)], block);
         tile.trains = trains.data();
         tile.trainCount = rows.size();
         tile.firstTrain = firstTrain + rows.start;
     }
     void packQueries(const Range& rows)
     {
-        const int planes = tile.words * kernels.planes;
-        queries.resize(size_t(rows.size()) * planes);
+        const int words = tile.words * kernels.halves;
+        queries.resize(size_t(rows.size()) * words);
         for (int i = 0; i < rows.size(); i++)
-            pack(query, rows.start + i, &queries[size_t(i) * planes], 1);
+            pack(query, rows.start + i, &queries[size_t(i) * words], 1);
         tile.queries = queries.data();
         tile.queryCount = rows.size();
         tile.firstQuery = rows.start;
@@ -167,7 +166,7 @@ private:
         tile.allowed = allowed.data();
     }
 
-    //! Writes the planes of a descriptor, which are stride words apart.
+    //! Packs a descriptor into words `stride` words apart.
     void pack(const Mat& descriptors, int row, uint64* packed, int stride) const
     {
         const uchar* const bytes = descriptors.ptr(row);
@@ -178,9 +177,9 @@ private:
                 std::memcpy(&word, bytes + i, 8);
             else
                 std::memcpy(&word, bytes + i, size_t(descriptors.cols - i));
-            const uint64 low = kernels.planes == 1 ? ~uint64(0) : 0x0f0f0f0f0f0f0f0fu;
-            for (int plane = 0; plane < kernels.planes; plane++, packed += stride)
-                *packed = word >> 4 * plane & low;
+            const uint64 low = kernels.halves == 1 ? ~uint64(0) : 0x0f0f0f0f0f0f0f0fu;
+            for (int half = 0; half < kernels.halves; half++, packed += stride)
+                *packed = word >> 4 * half & low;
         }
     }
 
@@ -190,18 +189,17 @@ private:
     AlignedVector<uchar> allowed;
 };
 
-//! Divides rows among the threads, at least a tile each, and calls the function for the rows of each.
-template <typename Function> void forRows(int rows, int rowsOfTile, const Function& function)
+//! Divides rows among threads, at least a tile each, and calls the function for the rows of each thread.
+template <typename Function> void forRows(int rows, int tileRows, const Function& function)
 {
-    // One part a thread, as each has work space and packs the trains for itself.
-    const int parts = std::min((rows + rowsOfTile - 1) / rowsOfTile, threadsAllowed());
+    // One part for each thread, because each part packs all trains.
+    const int parts = std::min((rows + tileRows - 1) / tileRows, threadsAllowed());
     forEach(size_t(parts), parts,
             [&](size_t i, int)
             { function(Range(int(int64(rows) * i / parts), int(int64(rows) * (i + 1) / parts))); });
 }
 
-//! The distances that the mask allows, one by one. Long descriptors are rare, and would take more time and memory if
-//! packed.
+//! Computes the allowed distances one by one. Packing the rare long descriptors would take more time and memory.
 void distancesOneByOne(const Mat& query, const Mat& train, const Mat& mask, bool countPairs,
                        const DistanceSink& sink)
 {
@@ -220,7 +218,7 @@ void distancesOneByOne(const Mat& query, const Mat& train, const Mat& mask, bool
             });
 }
 
-//! Adds keys to lists of KEPT, with half the distance where withThirdBits has doubled it.
+//! Adds keys to lists of KEPT keys, with half the distance if withThirdBits doubled it.
 template <int KEPT> void addKeys(const std::vector<DistanceKey>& keys, bool isDoubled, DistanceKey* lists)
 {
     for (size_t i = 0; i < keys.size(); i++)
@@ -230,24 +228,24 @@ template <int KEPT> void addKeys(const std::vector<DistanceKey>& keys, bool isDo
     }
 }
 
-//! Few neighbours, of descriptors that are not too long, by the kernels for them.
+//! Finds one or two nearest descriptors by their kernels.
 void nearestInTiles(const HammingKernels& kernels, const Mat& query, const Mat& train, const Mat& mask,
                     bool isDoubled, int firstTrain, int kept, DistanceKey* queryLists,
                     DistanceKey* trainLists)
 {
-    const int queriesOfTile = 1 << kernels.indexBits, trainsOfTile = kernels.block << kernels.indexBits;
+    const int tileQueries = 1 << kernels.indexBits, tileTrains = kernels.block << kernels.indexBits;
     const auto add = kept == 1 ? addKeys<1> : addKeys<2>;
     Mutex mutex;
-    forRows(query.rows, queriesOfTile,
+    forRows(query.rows, tileQueries,
             [&](const Range& rows)
             {
                 PackedTile packed(kernels, query, train, mask);
-                AlignedVector<ushort> scratch(size_t(queriesOfTile) * kept * kernels.block);
+                AlignedVector<ushort> scratch(size_t(tileQueries) * kept * kernels.block);
                 packed.tile.scratch = scratch.data();
                 std::vector<DistanceKey> queryKeys(size_t(rows.size()) * kept, NO_KEY),
                     trainKeys(trainLists ? size_t(train.rows) * kept : 0, NO_KEY);
                 const auto nearest = kernels.nearest[kept - 1][trainLists != 0][!mask.empty()];
-                packed.forEach(rows, queriesOfTile, trainsOfTile, firstTrain,
+                packed.forEach(rows, tileQueries, tileTrains, firstTrain,
                                [&](int i, int first)
                                {
                                    nearest(packed.tile, &queryKeys[size_t(i - rows.start) * kept],
@@ -262,14 +260,14 @@ void nearestInTiles(const HammingKernels& kernels, const Mat& query, const Mat& 
 //! Scratch memory of one thread.
 struct WorkSpace
 {
-    std::vector<int> numbers;  //!< as many as a row has elements
+    std::vector<int> numbers;  //!< one for each element of a row
     std::vector<int> counts;
     std::vector<DistanceKey> keys;
 };
 
-//! Puts the least distances of a row into a list.
-//! @param row trainCount distances; the rest of the last block is overwritten
-//! @param isDoubled whether they are twice the distances of the list
+//! Adds the least distances of a row to a list.
+//! @param row trainCount distances; the padding of the last block is overwritten
+//! @param isDoubled whether the row has twice the distances of the list
 void addLeast(const HammingKernels& kernels, ushort* row, const HammingTile& tile, bool isDoubled,
               WorkSpace& space, DistanceKey* list, int kept)
 {
@@ -280,7 +278,7 @@ void addLeast(const HammingKernels& kernels, ushort* row, const HammingTile& til
     const int found = kernels.leastDistances(row, count, limit, kept, space.numbers.data());
     if (found == 0)
         return;
-    // As distances are small numbers, the keys are sorted by counting. This takes as long for a list of any length.
+    // Counting sort: distances are small numbers. Its time does not depend on the length of the list.
     space.counts.assign(size_t(limit) + 1, 0);
     for (int i = 0; i < found; i++)
         space.counts[row[space.numbers[i]] + 1]++;
@@ -298,7 +296,7 @@ void addLeast(const HammingKernels& kernels, ushort* row, const HammingTile& til
     std::copy_n(space.keys.begin(), std::min(space.keys.size(), size_t(kept)), list);
 }
 
-//! Calls the function for the distances of each query to the trains of each tile, with the tile and a work space.
+//! Calls the function for each query and tile, with the distances to the tile's trains and a work space.
 template <typename Function>
 void forDistances(const Mat& query, const Mat& train, const Mat& mask, bool countPairs, int firstTrain,
                   const Function& function)
@@ -323,9 +321,9 @@ void forDistances(const Mat& query, const Mat& train, const Mat& mask, bool coun
             });
 }
 
-//! The nearest descriptors of the queries only.
-void nearestOfQueries(const Mat& query, const Mat& train, const Mat& mask, bool countPairs, int firstTrain,
-                      int kept, DistanceKey* nearest)
+//! Finds the nearest trains of each query, for lists of any length.
+void nearestTrains(const Mat& query, const Mat& train, const Mat& mask, bool countPairs, int firstTrain,
+                   int kept, DistanceKey* nearest)
 {
     if (!isPacked(query))
     {
@@ -373,9 +371,9 @@ void nearestDescriptors(const Mat& query, const Mat& train, const Mat& mask, boo
                        queryLists, trainLists);
         return;
     }
-    nearestOfQueries(query, train, mask, countPairs, firstTrain, kept, queryLists);
+    nearestTrains(query, train, mask, countPairs, firstTrain, kept, queryLists);
     if (trainLists)
-        nearestOfQueries(train, query, mask.empty() ? mask : Mat(mask.t()), countPairs, 0, kept, trainLists);
+        nearestTrains(train, query, mask.empty() ? mask : Mat(mask.t()), countPairs, 0, kept, trainLists);
 }
 
 }  // namespace aqorb

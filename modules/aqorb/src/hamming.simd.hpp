@@ -3,7 +3,7 @@
 // of this distribution.
 // SPDX-License-Identifier: Apache-2.0
 
-// The search for the nearest descriptors, and distances, in vectors of 16-bit numbers.
+// Kernels of the Hamming matchers: nearest descriptors and distances, in vectors of 16-bit numbers.
 
 #include "hamming.hpp"
 #include "simd_compat.hpp"
@@ -25,42 +25,42 @@ const HammingKernels* kernelsFor(int words);
 namespace
 {
 
-//! The words whose bits are counted before the counts overflow.
+//! Number of words whose bits a byte can count.
 const int WORDS_AT_ONCE = 31;
 
-//! The distances of a query to the trains of a block. WORDS: of a descriptor, or 0 for the number that is given.
+//! Distances of a query to the trains of a block. WORDS: words of a descriptor; 0: the argument `words` instead.
 template <int WORDS>
 CV_ALWAYS_INLINE v_uint16 blockDistances(const uint64* query, const uint64* block, int words)
 {
     v_uint16 distances = vx_setzero_u16();
     for (int left = WORDS ? WORDS : words; left > 0; left -= WORDS_AT_ONCE)
     {
-        const int planes = BIT_PLANES * (WORDS ? WORDS : left < WORDS_AT_ONCE ? left : WORDS_AT_ONCE);
+        const int packedWords = WORD_HALVES * (WORDS ? WORDS : left < WORDS_AT_ONCE ? left : WORDS_AT_ONCE);
         v_uint8 counts[4] = {vx_setzero_u8(), vx_setzero_u8(), vx_setzero_u8(), vx_setzero_u8()};
-        for (int i = 0; i < planes; i++, query++, block += 4 * AQORB_LANES(v_uint64))
+        for (int i = 0; i < packedWords; i++, query++, block += 4 * AQORB_LANES(v_uint64))
         {
             const v_uint64 word = vx_setall_u64(*query);
             for (int j = 0; j < 4; j++)
                 counts[j] = addBits(counts[j], v_xor(word, vx_load(block + j * AQORB_LANES(v_uint64))));
         }
-        distances = WORDS ? bitsOfWords(counts) : v_add_wrap(distances, bitsOfWords(counts));
+        distances = WORDS ? wordBits(counts) : v_add_wrap(distances, wordBits(counts));
     }
     return distances;
 }
 
-//! The lane of a train descriptor within its block, in the order of bitsOfWords.
+//! Lane of a train descriptor within its block, in the order of wordBits.
 int laneOf(int train)
 {
     return train % 8 / 2 * AQORB_LANES(v_uint64) + train / 8 * 2 + train % 2;
 }
 
-//! The most 16-bit lanes of a vector.
+//! Largest number of 16-bit lanes in a vector.
 const int MAX_LANES = 32;
 
-//! A key of 16 bits is a distance and, in the lower bits, a number. This one stands for none.
+//! No key. A 16-bit key holds a distance and, in the lower bits, the number of a query or a block.
 const ushort NO_KEY16 = 0xffff;
 
-//! The bits of the number. More queries at once would need more of the cache.
+//! Bits of the number in a 16-bit key. More queries in a tile would need more of the cache.
 template <int WORDS> struct IndexBits
 {
     enum
@@ -75,7 +75,7 @@ CV_ALWAYS_INLINE v_uint16 excludedLanes(const uchar* allowed)
     return v_eq(vx_load_expand(allowed), vx_setzero_u16());
 }
 
-//! Puts 16-bit keys into lists of the KEPT smallest ones of each lane.
+//! Inserts 16-bit keys into lists of the KEPT smallest keys of each lane.
 template <int KEPT> CV_ALWAYS_INLINE void insertKeys(v_uint16* smallest, const v_uint16& keys)
 {
     if (KEPT == 2)
@@ -83,13 +83,13 @@ template <int KEPT> CV_ALWAYS_INLINE void insertKeys(v_uint16* smallest, const v
     smallest[0] = v_min(smallest[0], keys);
 }
 
-//! Widens a key of 16 bits. Its number becomes the index first + step * number.
+//! Widens a 16-bit key. Its number becomes the index first + step * number.
 template <int BITS> CV_ALWAYS_INLINE DistanceKey wideKey(int key, int first, int step)
 {
     return key == NO_KEY16 ? NO_KEY : distanceKey(key >> BITS, first + step * (key & ((1 << BITS) - 1)));
 }
 
-//! Puts the smallest keys of a query, which are those of its lanes, into its list.
+//! Merges the smallest keys of a query's lanes into its list.
 template <int KEPT, int BITS> void mergeLanes(const ushort* lanes, int firstTrain, DistanceKey* list)
 {
     const int LANES = AQORB_LANES(v_uint16);
@@ -113,16 +113,16 @@ template <int KEPT, int BITS> void mergeLanes(const ushort* lanes, int firstTrai
 template <int WORDS, int KEPT, bool BOTH, bool MASKED>
 void nearest(const HammingTile& tile, DistanceKey* queryLists, DistanceKey* trainLists)
 {
-    const int LANES = AQORB_LANES(v_uint16), BITS = IndexBits<WORDS>::VALUE, planes = tile.words * BIT_PLANES;
+    const int LANES = AQORB_LANES(v_uint16), BITS = IndexBits<WORDS>::VALUE,
+              packedWords = tile.words * WORD_HALVES;
     const int lists = tile.queryCount * KEPT;
     for (int i = 0; i < lists; i++)
         v_store(tile.scratch + i * LANES, vx_setall_u16(NO_KEY16));
     for (int b = (tile.trainCount - 1) / LANES; b >= 0; b--)
     {
-        const uint64* block = tile.trains + size_t(b) * planes * LANES;
+        const uint64* block = tile.trains + size_t(b) * packedWords * LANES;
         CV_DECL_ALIGNED(64) uint64 copy[WORDS * MAX_LANES + 1];
-        if (WORDS &&
-            BIT_PLANES == 1)  // compilers keep it in registers, because nothing else is written to it
+        if (WORDS && WORD_HALVES == 1)  // compilers keep this copy in registers
             block = static_cast<uint64*>(std::memcpy(copy, block, WORDS * LANES * sizeof(uint64)));
         const v_uint16 blockNumber = vx_setall_u16(ushort(b));
         v_uint16 nextQuery = vx_setzero_u16(), best[2] = {vx_setall_u16(NO_KEY16), vx_setall_u16(NO_KEY16)};
@@ -137,7 +137,7 @@ void nearest(const HammingTile& tile, DistanceKey* queryLists, DistanceKey* trai
             if (MASKED && v_check_all(excluded))
                 continue;
             v_uint16 distances =
-                v_shl<BITS>(blockDistances<WORDS>(tile.queries + size_t(i) * planes, block, tile.words));
+                v_shl<BITS>(blockDistances<WORDS>(tile.queries + size_t(i) * packedWords, block, tile.words));
             if (MASKED)
                 distances = v_or(distances, excluded);
             v_uint16 smallest[2] = {vx_load(lanes), vx_load(lanes + (KEPT - 1) * LANES)};
@@ -147,7 +147,7 @@ void nearest(const HammingTile& tile, DistanceKey* queryLists, DistanceKey* trai
             if (BOTH)
                 insertKeys<KEPT>(best, v_or(distances, queryNumber));
         }
-        // The last block comes first. Its padding has no keys.
+        // The loop begins with the last block. Its padding has no keys.
         const int left = tile.trainCount - b * LANES, filled = left < LANES ? left : LANES;
         ushort fill[MAX_LANES];
         for (int i = 0; i < LANES; i++)
@@ -171,23 +171,23 @@ void nearest(const HammingTile& tile, DistanceKey* queryLists, DistanceKey* trai
 
 template <int WORDS> void distances(const HammingTile& tile, ushort* out, size_t stride)
 {
-    const int LANES = AQORB_LANES(v_uint16), planes = tile.words * BIT_PLANES;
+    const int LANES = AQORB_LANES(v_uint16), packedWords = tile.words * WORD_HALVES;
     for (int first = 0; first < tile.trainCount; first += LANES)
     {
-        const uint64* const block = tile.trains + size_t(first) * planes;
+        const uint64* const block = tile.trains + size_t(first) * packedWords;
         for (int i = 0; i < tile.queryCount; i++)
         {
             v_uint16 excluded = vx_setzero_u16();
             if (tile.allowed)
                 excluded = v_shr<1>(excludedLanes(tile.allowed + i * tile.allowedStride + first));
-            v_store(
-                out + i * stride + first,
-                v_or(blockDistances<WORDS>(tile.queries + size_t(i) * planes, block, tile.words), excluded));
+            v_store(out + i * stride + first,
+                    v_or(blockDistances<WORDS>(tile.queries + size_t(i) * packedWords, block, tile.words),
+                         excluded));
         }
     }
 }
 
-//! How many of the distances are below a limit.
+//! Number of distances below a limit.
 int countBelow(const ushort* distances, int count, int limit)
 {
     const v_int16 bound = vx_setall_s16(short(limit));
@@ -199,7 +199,7 @@ int countBelow(const ushort* distances, int count, int limit)
 
 int leastDistances(const ushort* distances, int count, int limit, int kept, int* found)
 {
-    // A lower limit that leaves enough of them, and hardly more, is sought between two bounds.
+    // Bisects for a lower limit that leaves at least `kept` distances, and hardly more.
     for (int least = 0, below = countBelow(distances, count, limit); below / 2 > kept && limit - least > 1;)
     {
         const int middle = (least + limit) / 2, belowMiddle = countBelow(distances, count, middle);
@@ -229,7 +229,7 @@ template <int WORDS> const HammingKernels* table()
     static const HammingKernels kernels = {
         AQORB_LANES(v_uint16),
         laneOf,
-        BIT_PLANES,
+        WORD_HALVES,
         IndexBits<WORDS>::VALUE,
         {{{nearest<WORDS, 1, false, false>, nearest<WORDS, 1, false, true>},
           {nearest<WORDS, 1, true, false>, nearest<WORDS, 1, true, true>}},

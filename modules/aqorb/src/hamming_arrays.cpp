@@ -3,7 +3,7 @@
 // of this distribution.
 // SPDX-License-Identifier: Apache-2.0
 
-// The functions that match two sets of descriptors and return arrays.
+// Functions that match two sets of descriptors and return arrays.
 
 #include "precomp.hpp"
 
@@ -21,13 +21,13 @@ namespace
 
 typedef std::vector<DistanceKey> Keys;
 
-//! Whether the nearest descriptor of a list is clearly nearer than the second one.
+//! Ratio test: whether the nearest descriptor of a list is clearly nearer than the second.
 bool passesRatio(const DistanceKey* list, double ratio)
 {
     return list[1] == NO_KEY || distanceOf(list[0]) < ratio * distanceOf(list[1]);
 }
 
-//! The tests that a match must pass, as documented at matchArrays.
+//! Tests of a match, as documented at matchArrays.
 struct MatchFilter
 {
     MatchFilter(double ratio_, bool crossCheck_, int maxDistance_)
@@ -39,11 +39,11 @@ struct MatchFilter
             CV_Error_(Error::StsOutOfRange, ("maxDistance must be at least -1, got %d", maxDistance));
     }
 
-    //! How many nearest descriptors the tests need.
+    //! Number of nearest descriptors that the tests need.
     int kept() const { return ratio > 0 ? 2 : 1; }
 
     //! Tests the nearest train of a query.
-    //! @param trainLists the lists of all trains
+    //! @param trainLists lists of all trains
     bool passes(int query, const DistanceKey* queryList, const Keys& trainLists) const
     {
         if (queryList[0] == NO_KEY || (maxDistance >= 0 && distanceOf(queryList[0]) > maxDistance) ||
@@ -60,7 +60,7 @@ struct MatchFilter
     const int maxDistance;
 };
 
-//! Throws unless an output can take a matrix of this size, empty for none.
+//! Throws unless an output can hold a CV_32SC1 matrix of this size. An empty size stands for an empty matrix.
 void checkOutput(const char* name, OutputArray output, const Size& size)
 {
     const _InputArray::KindFlag kind = output.kind();
@@ -72,11 +72,11 @@ void checkOutput(const char* name, OutputArray output, const Size& size)
                                          !(output.fixedSize() && output.size() != size);
     if (!fits)
         CV_Error_(Error::StsBadArg,
-                  ("%s must be an output for %d x %d numbers in one channel, got another one", name,
-                   size.height, size.width));
+                  ("%s must be an output for %d x %d numbers in one channel, got another kind, size or type",
+                   name, size.height, size.width));
 }
 
-//! Writes two matrices of the same number of rows. Neither output is changed unless both can take theirs.
+//! Writes two matrices with the same number of rows. If either output does not fit, both stay unchanged.
 void writeBoth(const Mat& first, const char* firstName, OutputArray firstOutput, const Mat& distances,
                OutputArray distancesOutput)
 {
@@ -87,7 +87,7 @@ void writeBoth(const Mat& first, const char* firstName, OutputArray firstOutput,
 }
 
 //! Writes the matches that pass the tests.
-//! @param queryLists, trainLists lists of filter.kept() keys; those of the trains are used for crossCheck only
+//! @param queryLists, trainLists lists of filter.kept() keys; trainLists serve crossCheck only
 void writeMatches(const Keys& queryLists, const Keys& trainLists, const MatchFilter& filter,
                   OutputArray pairs, OutputArray distances)
 {
@@ -105,12 +105,12 @@ void writeMatches(const Keys& queryLists, const Keys& trainLists, const MatchFil
     const int count = int(found.size());
     if (count == 0)
         writeBoth(Mat(), "pairs", pairs, Mat(), distances);
-    else  // a Mat of a vector has one row with OpenCV 5
+    else  // no Mat(vector): with OpenCV 5 it has one row
         writeBoth(Mat(count, 2, CV_32SC1, found.data()), "pairs", pairs,
                   Mat(count, 1, CV_32SC1, lengths.data()), distances);
 }
 
-//! The indices of the positions that are finite, from the top of the image to the bottom.
+//! Indices of the finite positions, from the top of the image to the bottom.
 std::vector<int> sortedByRow(const std::vector<Point2f>& positions)
 {
     std::vector<int> order;
@@ -121,14 +121,14 @@ std::vector<int> sortedByRow(const std::vector<Point2f>& positions)
     return order;
 }
 
-//! The least float that is not below a number.
+//! Least float that is not below a number.
 float roundedUp(double number)
 {
     const float nearest = float(number);
     return nearest < number ? std::nextafter(nearest, std::numeric_limits<float>::infinity()) : nearest;
 }
 
-//! The positions that are at most as far as the reach from a center.
+//! Window around a centre: positions at most `reach` away, in x and in y.
 struct Window
 {
     Window(const Point2f& center, const Size2f& reach)
@@ -150,7 +150,7 @@ struct Window
     float left, right, top, bottom;
 };
 
-//! The descriptors and positions of some indices, in ascending order so that ties go to the lower index.
+//! Descriptors and positions of some indices, in ascending order, so that ties go to the lower index.
 struct Subset
 {
     Subset(std::vector<int>::const_iterator begin, std::vector<int>::const_iterator end, const Mat& all,
@@ -171,7 +171,7 @@ struct Subset
     std::vector<float> x, y;
 };
 
-//! Tests whether positions lie in a window, in a loop that compilers turn into vectors. Returns whether all do.
+//! Tests which positions lie in a window, in a loop that compilers vectorize. Returns whether all do.
 bool testWindow(const float* x, const float* y, int count, const Window window, uchar* isWithin)
 {
     uchar all = 1;
@@ -184,7 +184,7 @@ bool testWindow(const float* x, const float* y, int count, const Window window, 
     return all != 0;
 }
 
-//! Which trains lie within the windows of the queries, as nearestDescriptors takes it. Empty where all do.
+//! Mask for nearestDescriptors: trains within the windows of the queries. Empty if all pairs are allowed.
 Mat maskOf(const Subset& queries, const Subset& trains, const Size2f& reach)
 {
     std::vector<Window> windows;
@@ -201,7 +201,7 @@ Mat maskOf(const Subset& queries, const Subset& trains, const Size2f& reach)
     return mask;
 }
 
-//! Puts the keys of a subset, whose indices are those of its neighbours, into the lists of all descriptors.
+//! Inserts the keys of a subset into the lists of all descriptors. The keys have indices into `neighbours`.
 void addKeys(const Keys& keys, int kept, const Subset& subset, const Subset& neighbours, Keys& lists)
 {
     for (size_t i = 0; i < keys.size(); i++)
@@ -217,7 +217,7 @@ void checkCount(const char* name, size_t count, const char* descriptors, int row
                                              rows, descriptors, int(count)));
 }
 
-//! The train descriptors, which must be as wide as the queries unless one of both has none.
+//! Checks and returns the train descriptors, which must be as wide as the queries unless either is empty.
 Mat trainsFor(const Mat& query, InputArray trainDescriptors)
 {
     return descriptorsOf("trainDescriptors", trainDescriptors, query.cols);
@@ -299,7 +299,7 @@ try
     for (int i = 0; i < train.rows; i++)
         positions.push_back(trainKeypoints[i].pt);
     const std::vector<int> queryOrder = sortedByRow(predicted), trainOrder = sortedByRow(positions);
-    // Queries of about the same row are compared at once with all trains that one of them may have.
+    // Compares queries of about the same row at once with all trains that any of these queries may match.
     const int MIN_ROWS = 64, MAX_ROWS = 512;
     for (auto first = queryOrder.begin(); !query.empty() && !train.empty() && first != queryOrder.end();)
     {

@@ -3,7 +3,7 @@
 // of this distribution.
 // SPDX-License-Identifier: Apache-2.0
 
-// The class HammingMatcher: collections of images, masks and lists of matches, as cv::BFMatcher has them.
+// Class HammingMatcher: collections of images, masks and lists of matches, as in cv::BFMatcher.
 
 #include "precomp.hpp"
 
@@ -22,7 +22,7 @@ namespace
 
 typedef std::vector<std::vector<DMatch>> MatchLists;
 
-//! Train descriptors by one index for the whole collection.
+//! Index of train descriptors that counts through the whole collection.
 class CollectionIndex
 {
 public:
@@ -49,10 +49,10 @@ public:
     }
 
 private:
-    std::vector<int> firsts;  // of the images, and of one behind the last
+    std::vector<int> firsts;  // index of each image's first descriptor, and the total
 };
 
-//! A mask for each image: empty ones where none are given.
+//! Mask of each image, empty without masks.
 std::vector<Mat> masksOf(InputArrayOfArrays input, int queries, const std::vector<Mat>& images)
 {
     std::vector<Mat> masks;
@@ -73,8 +73,8 @@ std::vector<Mat> masksOf(InputArrayOfArrays input, int queries, const std::vecto
     return masks;
 }
 
-//! Calls the function with the train descriptors, the mask and the index of each image. Images of few descriptors are
-//! joined, because each search takes some time of its own.
+//! Calls the function with the train descriptors, the mask and the index of each image. It joins images of few
+//! descriptors, because each search has a fixed cost.
 template <typename Function>
 void forImages(const Mat& query, const std::vector<Mat>& images, const std::vector<Mat>& masks,
                const Function& function)
@@ -131,7 +131,7 @@ Ptr<DescriptorMatcher> HammingMatcher::clone(bool emptyTrainData) const
     return copy;
 }
 
-// Descriptors that were added as UMat come behind the others, as in cv::BFMatcher.
+// UMat descriptors come after Mat descriptors, as in cv::BFMatcher.
 std::vector<Mat> HammingMatcher::gatherTrainDescriptors(const Mat& query)
 {
     for (size_t i = 0; i < utrainDescCollection.size(); i++)
@@ -179,7 +179,7 @@ try
 
     const size_t before = matches.size();
     matches.resize(before + query.rows);
-    const size_t TASK = 1000;  // fewer queries take less time than a thread to wake up
+    const size_t TASK = 1000;  // fewer queries take less time than waking a thread
     forEach((query.rows + TASK - 1) / TASK, threadsAllowed(),
             [&](size_t task, int)
             {
@@ -223,7 +223,8 @@ try
                                {
                                    for (int j = firstTrain; j < firstTrain + count; j++, distances++)
                                    {
-                                       // cv::BFMatcher, too, keeps what the mask excludes if the limit is as great.
+                                       // As in cv::BFMatcher, excluded pairs have distance INT_MAX, within an infinite
+                                       // limit.
                                        const int distance =
                                            mask.empty() || mask.at<uchar>(row, j) ? *distances : INT_MAX;
                                        if (float(distance) <= maxDistance)
@@ -234,7 +235,7 @@ try
               });
     for (size_t i = 0; i < matches.size(); i++)
         std::stable_sort(matches[i].begin(), matches[i].end());
-    // As cv::BFMatcher does: the empty lists come last and stay.
+    // As in cv::BFMatcher, empty lists stay and come last.
     if (compactResult)
         std::stable_partition(matches.begin(), matches.end(),
                               [](const std::vector<DMatch>& list) { return !list.empty(); });

@@ -18,10 +18,10 @@ namespace cv
 namespace aqorb
 {
 
-// Calls ofRun(first, number) for points that follow one another inside of a region, and ofOther(index) for the others.
-template <typename P, typename OfRun, typename OfOther>
-static void forEachRun(const P* points, size_t count, const Rect& region, const OfRun& ofRun,
-                       const OfOther& ofOther)
+// Calls processRun(first, number) for runs of points inside a region, and processOther(index) for each other point.
+template <typename P, typename ProcessRun, typename ProcessOther>
+static void forEachRun(const P* points, size_t count, const Rect& region, const ProcessRun& processRun,
+                       const ProcessOther& processOther)
 {
     for (size_t first = 0, end; first < count; first = end)
     {
@@ -29,24 +29,24 @@ static void forEachRun(const P* points, size_t count, const Rect& region, const 
         while (end < count && region.contains(Point(points[end].x, points[end].y)))
             end++;
         if (end > first)
-            ofRun(first, int(end - first));
+            processRun(first, int(end - first));
         else
-            ofOther(end++);
+            processOther(end++);
     }
 }
 
 // ---- Harris responses -------------------------------------------------------------------------
 
-static const int HARRIS_RADIUS = 3;  // of the 5x5 block and the Sobel operators around its pixels
-static const int HARRIS_REACH = 6;   // to the right, where vectors read on
+static const int HARRIS_RADIUS = 3;  // of the 5x5 block plus the Sobel operator
+static const int HARRIS_REACH = 6;   // of the kernel's vectors to the right
 
 static void respondInside(const uchar* image, ptrdiff_t step, const Corner* corners, int count,
                           CornerResponse* responses)
 {
-    CV_CPU_DISPATCH(harrisOfCorners, (image, step, corners, count, responses), CV_CPU_DISPATCH_MODES_ALL);
+    CV_CPU_DISPATCH(cornerResponses, (image, step, corners, count, responses), CV_CPU_DISPATCH_MODES_ALL);
 }
 
-// The response of a corner near the border, from a copy of its patch with reflected pixels.
+// Response of a corner near the border, from a copy of its patch with reflected pixels.
 static float responseAtBorder(const Mat& image, int x, int y)
 {
     PatchBuffer buffer;
@@ -77,7 +77,7 @@ void harrisResponses(const Mat& image, const Corner* corners, size_t count, Corn
 
 std::vector<int> circularPatch(int patchSize)
 {
-    // The circle of cv::ORB: one octant is rounded, and the other is its mirror image, so that the patch is symmetric.
+    // cv::ORB's circle: it rounds one octant and mirrors it, which makes the patch symmetric.
     const int radius = patchSize / 2;
     const int vmax = cvFloor(radius * std::sqrt(2.f) / 2 + 1);
     const int vmin = cvCeil(radius * std::sqrt(2.f) / 2);
@@ -92,18 +92,18 @@ std::vector<int> circularPatch(int patchSize)
         v0++;
     }
     halfWidths.resize(radius + 1);
-    halfWidths[0] = radius;  // the centre row is summed over the whole width
+    halfWidths[0] = radius;  // the centre row spans the whole width
     return halfWidths;
 }
 
-// The moments of a patch of any size at any place, without the kernel.
+// Moments of a patch of any size at any place, without the kernel.
 static Moments plainMoments(const Mat& image, int x, int y, const OrientationPatch& weights)
 {
     const int radius = int(weights.halfWidths.size()) - 1;
     const bool isInside = x >= radius && y >= radius && x < image.cols - radius && y < image.rows - radius;
-    PatchBuffer buffer(size_t(2 * radius + 1));  // one row: the whole of a large patch would take much time
+    PatchBuffer buffer(size_t(2 * radius + 1));  // one row: copying a whole large patch is slow
 
-    // The sums are unsigned, because the moments of very large patches wrap around, as those of cv::ORB do.
+    // Unsigned sums: moments of very large patches wrap around, as in cv::ORB.
     unsigned sum01 = 0, sum10 = 0;
     const int last = radius - radius % weights.rowStep;
     for (int v = -last; v <= last; v += weights.rowStep)
@@ -155,7 +155,7 @@ static void momentsInside(const Mat& image, const PatchWeights& weights, const F
 void patchMoments(const Mat& image, const OrientationPatch& patch, const FeaturePoint* points, size_t count,
                   Moments* moments)
 {
-    Rect inside;  // of the kernel: none where there are no weights
+    Rect inside;  // region of the kernel; empty without weights
     if (!patch.weights.empty())
     {
         const int radius = patch.weights[0].radius;

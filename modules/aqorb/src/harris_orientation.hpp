@@ -6,7 +6,7 @@
 #ifndef OPENCV_AQORB_HARRIS_ORIENTATION_HPP
 #define OPENCV_AQORB_HARRIS_ORIENTATION_HPP
 
-// Of pixels of a level the Harris response, and the moments that give the direction.
+// Harris responses and intensity moments at pixels of a level.
 
 #include "types.hpp"
 
@@ -15,14 +15,14 @@ namespace cv
 namespace aqorb
 {
 
-/** Computes the Harris response of cv::ORB, but over a block of 5x5 instead of 7x7 pixels: det - 0.04 trace^2
- of the sums over the block of the products of the Sobel derivatives. */
+/** Computes the Harris response of cv::ORB over a block of 5x5 instead of 7x7 pixels: det - 0.04 trace^2 of the matrix
+ of summed products of Sobel derivatives. */
 void harrisResponses(const Mat& image, const Corner* corners, size_t count, CornerResponse* responses);
 
 //! Half widths of the rows 0 .. patchSize/2 of the circular patch, as in cv::ORB.
 std::vector<int> circularPatch(int patchSize);
 
-//! The factors of the pixels of a circular patch in its moments: u and v inside of the circle, 0 outside.
+//! Weights of the pixels in the moments: u and v inside the circular patch, 0 outside.
 struct PatchWeights
 {
     enum
@@ -32,11 +32,11 @@ struct PatchWeights
     };
     short u[MAX_RADIUS + 1][MAX_WIDTH], v[MAX_RADIUS + 1][MAX_WIDTH];  //!< [|v|][u + radius]
     int radius, rowStep;
-    int width;  //!< of the patch, filled up with zeros to whole vectors
+    int width;  //!< of the patch, zero-padded to whole vectors
 };
 
-//! A circular patch, prepared for any number of points. Its moments are summed over the middle row and every rowStep-th
-//! row above and below it.
+//! Circular patch, prepared for any number of points. Its moments sum over the middle row and each rowStep-th row above
+//! and below.
 struct OrientationPatch
 {
     explicit OrientationPatch(const std::vector<int>& halfWidths, int rowStep = 1);
@@ -44,20 +44,20 @@ struct OrientationPatch
     std::vector<int> halfWidths;
     int rowStep;
     AlignedVector<PatchWeights>
-        weights;  //!< one; empty where the patch is too large for the kernel, or there are no vectors
+        weights;  //!< one element; empty if the patch is too large for the kernel, or without vectors
 };
 
 struct Moments;
 
-//! Sets the angles of points to the direction of the intensity centroid of the patch around them, as in cv::ORB.
+//! Sets the angle of each point to the direction of its patch's intensity centroid, as cv::ORB does.
 void orientations(const Mat& image, const OrientationPatch& patch, FeaturePoint* points, size_t count);
 
 //! Computes the moments of the patch around points.
 void patchMoments(const Mat& image, const OrientationPatch& patch, const FeaturePoint* points, size_t count,
                   Moments* moments);
 
-//! The direction of a vector in degrees from 0 to 360, by the source code of cv::fastAtan2. OpenCV's compiled function
-//! rounds differently on some CPUs, where compilers fuse its multiplications and additions.
+//! Direction of a vector in degrees, 0 to 360, by the formula of cv::fastAtan2. OpenCV's binaries round differently on
+//! some CPUs, because compilers fuse multiplications and additions.
 static CV_ALWAYS_INLINE float directionOf(float vectorX, float vectorY)
 {
     const float DEGREES = float(180 / CV_PI);
@@ -66,7 +66,7 @@ static CV_ALWAYS_INLINE float directionOf(float vectorX, float vectorY)
     const float x = std::abs(vectorX), y = std::abs(vectorY);
     const float t = std::min(x, y) / (std::max(x, y) + float(DBL_EPSILON)), t2 = t * t;
     const float angle = (((P7 * t2 + P5) * t2 + P3) * t2 + P1) * t;
-    // The angle, or whole - angle. Branches on a direction would be hard to predict.
+    // The angle, or whole - angle. No branches: the CPU cannot predict directions.
     const auto mirrored = [](bool isMirrored, float whole, float v)
     { return whole * float(isMirrored) + v * float(1 - 2 * int(isMirrored)); };
     return mirrored(vectorY < 0, 360, mirrored(vectorX < 0, 180, mirrored(x < y, 90, angle)));
@@ -74,7 +74,7 @@ static CV_ALWAYS_INLINE float directionOf(float vectorX, float vectorY)
 
 // ---- for the kernel: plain structs only, see types.hpp ---------------------------------------
 
-//! The moments m10 and m01 of the patch around a pixel.
+//! Moments m10 and m01 of the patch around a pixel.
 struct Moments
 {
     int m10, m01;

@@ -3,7 +3,7 @@
 // of this distribution.
 // SPDX-License-Identifier: Apache-2.0
 
-// The Harris responses of several corners at once, and the moments of circular patches.
+// Kernels of the Harris response, for several corners at once, and of the moments.
 
 #include "harris_orientation.hpp"
 #include "simd_compat.hpp"
@@ -14,11 +14,11 @@ namespace aqorb
 {
 CV_CPU_OPTIMIZATION_NAMESPACE_BEGIN
 
-//! The harrisResponses of corners. The 3 pixels around each, and the 6 to its right, must be readable.
-void harrisOfCorners(const uchar* image, ptrdiff_t step, const Corner* corners, int count,
+//! harrisResponses. The 3 pixels around each corner, and the 6 to its right, must be readable.
+void cornerResponses(const uchar* image, ptrdiff_t step, const Corner* corners, int count,
                      CornerResponse* responses);
 
-//! The moments of a circular patch around pixels. The weights.radius pixels around each, and the weights.width -
+//! Moments of a circular patch around pixels. The weights.radius pixels around each pixel, and the weights.width -
 //! weights.radius to its right, must be readable.
 void momentsAround(const uchar* image, ptrdiff_t step, const PatchWeights& weights,
                    const FeaturePoint* points, int count, Moments* moments);
@@ -28,7 +28,7 @@ void momentsAround(const uchar* image, ptrdiff_t step, const PatchWeights& weigh
 namespace
 {
 
-// The sums over the 5x5 block of the products of the Sobel derivatives, as whole numbers.
+// Sums of products of Sobel derivatives over the 5x5 block, as whole numbers.
 struct BlockSums
 {
     int xx, yy, xy, unused;
@@ -36,10 +36,10 @@ struct BlockSums
 
 #if CV_SIMD
 
-const int AT_ONCE = CV_SIMD_WIDTH / 16;  // corners: one in each 128 bits
+const int AT_ONCE = CV_SIMD_WIDTH / 16;  // one corner for each 128 bits
 
-// One row of the window of 7 x 7 pixels around each corner, in eight lanes for each corner. The first five lanes hold
-// the horizontal difference and the horizontal smoothing.
+// One row of the 7x7 window around each corner, in eight lanes per corner. The first five lanes hold the horizontal
+// difference and the horizontal smoothing.
 struct WindowRows
 {
     v_int16 difference, smooth;
@@ -73,7 +73,7 @@ void sumBlocks(const uchar* const* centers, ptrdiff_t step, BlockSums* sums)
         above = rows;
         rows = below;
     }
-    // Each corner has four lanes of each sum, and gets all sums in four lanes.
+    // Transposes four lanes of each sum into four lanes with all sums, for each corner.
     v_int32 first4, second4, third4, fourth4;
     v_transpose4x4(xx, yy, xy, vx_setzero_s32(), first4, second4, third4, fourth4);
     v_store(reinterpret_cast<int*>(sums), v_add(v_add(first4, second4), v_add(third4, fourth4)));
@@ -107,21 +107,21 @@ void sumBlocks(const uchar* const* centers, ptrdiff_t step, BlockSums* sums)
 CV_ALWAYS_INLINE float responseOf(int a, int b, int c)
 {
     const float K = 0.04f, SCALE = 1.f / ((1 << 2) * 5 * 255.f);
-    // These are the operations of cv::ORB in its order, as every rounding counts.
+    // cv::ORB's operations in cv::ORB's order: each rounding counts.
     return (float(a) * b - float(c) * c - K * (float(a) + b) * (float(a) + b)) *
            (SCALE * SCALE * SCALE * SCALE);
 }
 
 }  // namespace
 
-void harrisOfCorners(const uchar* image, ptrdiff_t step, const Corner* corners, int count,
+void cornerResponses(const uchar* image, ptrdiff_t step, const Corner* corners, int count,
                      CornerResponse* responses)
 {
     for (int i = 0; i < count; i += AT_ONCE)
     {
         const uchar* centers[AT_ONCE];
         BlockSums sums[AT_ONCE];
-        const int last = count - 1 - i;  // the last corner also fills the lanes that are left over
+        const int last = count - 1 - i;  // the last corner fills the remaining lanes
         for (int j = 0; j < AT_ONCE; j++)
         {
             const Corner& corner = corners[i + (j < last ? j : last)];

@@ -3,7 +3,7 @@
 // of this distribution.
 // SPDX-License-Identifier: Apache-2.0
 
-// Sorts by counting digits.
+// Radix sort.
 
 #include "precomp.hpp"
 
@@ -36,8 +36,8 @@ std::vector<unsigned> sortIndices(const std::vector<uint64>& keys)
     }
     const auto range = std::minmax_element(keys.begin(), keys.end());
     const uint64 least = *range.first, greatest = *range.second;
-    // Two digits of the upper bits of the range leave few indices to compare. Fewer keys need shorter digits, whose
-    // counts are sooner added up.
+    // After two passes over the upper bits of the range few indices remain to compare. Few keys take short digits,
+    // whose counts are cheap to add up.
     const int MAX_BITS = 11, digitBits = size < 1024 ? 8 : MAX_BITS, digits = 1 << digitBits;
     int shift = 0;
     while ((greatest - least) >> shift >= uint64(digits) * digits)
@@ -59,7 +59,7 @@ std::vector<unsigned> sortIndices(const std::vector<uint64>& keys)
     for (uint64 item : items)
         indices[starts[1][item >> (32 + digitBits)]++] = unsigned(item);
     if (shift == 0)
-        return indices;  // the digits are the whole keys
+        return indices;  // two digits cover the whole keys
     for (size_t i = 1, begin = 0; i <= size; i++)
     {
         if (i < size && digitsOf(indices[i]) == digitsOf(indices[begin]))

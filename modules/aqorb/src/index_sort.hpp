@@ -18,21 +18,21 @@ namespace cv
 namespace aqorb
 {
 
-//! A whole number that sorts as the value does. NaN comes before all others, and none is INT_MIN.
+//! Integer that sorts like the value, never INT_MIN. NaN comes first.
 inline int sortKey(float value)
 {
     Cv32suf bits;
     bits.f = value + 0.f;  // makes -0 equal to 0
     return value == value ? bits.i ^ ((bits.i >> 31) & INT_MAX) : INT_MIN + 1;
 }
-//! A number that is the smaller the greater the key is, so that the greatest key comes first.
+//! Reverses the order of keys: the greatest key comes first.
 inline unsigned descendingKey(int key)
 {
     return unsigned(key) ^ 0x7fffffffu;
 }
 
-//! The indices of keys in ascending order of the keys. Ties go to the lower index. It counts digits, because the CPU
-//! could predict few comparisons.
+//! Indices of the keys in ascending order of the keys. Ties keep the order of indices. A radix sort, because the CPU
+//! would mispredict most comparisons.
 std::vector<unsigned> sortIndices(const std::vector<uint64>& keys);
 
 }  // namespace aqorb

@@ -3,7 +3,7 @@
 // of this distribution.
 // SPDX-License-Identifier: Apache-2.0
 
-// Turns selected corners into keypoints with descriptors, from the top of a level to its bottom.
+// Turns selected corners into keypoints with descriptors.
 
 #include "precomp.hpp"
 
@@ -21,7 +21,7 @@ Point2d subPixelOffset(const Mat& image, int x, int y)
     int s[3][3];
     cornerScores3x3(image, x, y, s);
 
-    // Derivatives by central differences. As whole numbers they are twice the gradient and four times dxy.
+    // Derivatives by central differences, scaled to whole numbers: twice the gradient and four times dxy.
     const int gx2 = s[1][2] - s[1][0], gy2 = s[2][1] - s[0][1];
     const int dxx = s[1][2] - 2 * s[1][1] + s[1][0], dyy = s[2][1] - 2 * s[1][1] + s[0][1];
     const int dxy4 = s[2][2] - s[2][0] - s[0][2] + s[0][0];
@@ -79,9 +79,9 @@ void describeFeatures(const Level& level, const DescriptionRules& rules, const R
         findKeypoints(level, rules, size_t(features.start), end, list);
     if (!rules.tests)
         return;
-    const int ROWS = 128;  // that are blurred at once; more would be faster, and take more memory
+    const int ROWS = 128;  // blurred at once; more rows would be faster and take more memory
     const int reach = rules.tests->reach, margin = rules.tests->margin();
-    const int rowsEnd = level.image.rows + margin;  // of all that can be read
+    const int rowsEnd = level.image.rows + margin;
     const std::vector<FeaturePoint>& points = list.points;
     scratch.region.reset(level.image.size(), margin);
     for (size_t i = size_t(features.start); i < end; i++)
@@ -92,11 +92,11 @@ void describeFeatures(const Level& level, const DescriptionRules& rules, const R
     const size_t capacity = size_t(std::min<int64>(ROWS + 2 * int64(reach) + 1, rowsEnd + margin));
     growTo(scratch.blurred, capacity * blurred.step);
     blurred.data = scratch.blurred.data() + margin;
-    int filled = -margin;  // the rows from blurred.top to before it are blurred
+    int filled = -margin;  // rows from blurred.top to `filled`, exclusive, are blurred
     bool isExact = false;
     for (size_t next, i = size_t(features.start); i < end;)
     {
-        // The rows that the next features read are kept.
+        // Keeps the rows that the next features read.
         const int top = std::max(points[i].y - reach, -margin);
         if (top < filled)
             std::memmove(blurred.data - margin, blurred.row(top) - margin,

@@ -3,7 +3,7 @@
 // of this distribution.
 // SPDX-License-Identifier: Apache-2.0
 
-// The positions, directions and descriptors of selected corners.
+// Positions, directions and descriptors of selected corners.
 
 #ifndef OPENCV_AQORB_KEYPOINTS_HPP
 #define OPENCV_AQORB_KEYPOINTS_HPP
@@ -18,25 +18,25 @@ namespace cv
 namespace aqorb
 {
 
-//! Where the quadratic through the 3x3 FAST scores around (x, y) peaks, relative to (x, y), within +-0.5.
+//! Peak of the quadratic through the 3x3 FAST scores around (x, y), relative to (x, y), within +-0.5.
 Point2d subPixelOffset(const Mat& image, int x, int y);
 
-//! Features of a level that are described together.
+//! Features of a level, described by one thread.
 struct FeatureRange
 {
     int level;
     Range features;
 };
-//! Divides features into ranges: large enough to be worth a thread's time, small enough that no thread waits long.
+//! Divides features into ranges that balance the threads' work against its overhead.
 std::vector<FeatureRange> divideIntoRanges(const std::vector<FeatureList>& features, int threads);
 
-//! The data by which features are described.
+//! Parameters of describeFeatures.
 struct DescriptionRules
 {
-    const Mat* imageMask;           //!< of the input image; may be empty
-    PositionMap position;           //!< of the level
-    const OrientationPatch* patch;  //!< 0: the keypoints are given, with their directions
-    const DescriptorTests* tests;   //!< 0: no descriptors are wanted
+    const Mat* imageMask;           //!< mask of the input image; may be empty
+    PositionMap position;           //!< position map of the level
+    const OrientationPatch* patch;  //!< 0: keypoints are given with their directions
+    const DescriptorTests* tests;   //!< 0: no descriptors
 };
 
 //! Work space of describeFeatures.
@@ -47,9 +47,8 @@ struct DescriptionScratch
     AlignedVector<ushort> blurred;
 };
 
-/** Describes some of the features of a list, so that several threads can share it: finds their directions, their
- positions in the image and their descriptors. For the descriptors, rows of the level are blurred from top to bottom,
- some at a time. */
+/** Computes directions, positions in the image and descriptors of a range of features; several threads share a list. It
+ blurs the level from top to bottom, some rows at a time. */
 void describeFeatures(const Level& level, const DescriptionRules& rules, const Range& features,
                       FeatureList& list, DescriptionScratch& scratch);
 

@@ -8,8 +8,8 @@
 
 #include "simd_compat.hpp"
 
-// Numbers of several items side by side, one in each lane of a vector. Each item is computed in the same order on every
-// CPU, however many lanes there are, so that its bytes are the same. All functions are static: see types.hpp.
+// Vectors of floats with one item in each lane. Every CPU computes an item in the same order, whatever the number of
+// lanes, so the results have the same bytes. All functions are static: see types.hpp.
 
 namespace cv
 {
@@ -42,7 +42,7 @@ template <int I> static CV_ALWAYS_INLINE Floats byteOf(const unsigned* numbers)
 
 #else
 
-// One lane, where there are no vectors, or where OpenCV's division of vectors is approximate: on 32-bit ARM.
+// One lane, without vectors and on 32-bit ARM, where OpenCV's vector division is approximate.
 typedef float Floats;
 typedef int Ints;
 const int LANES = 1;
@@ -88,7 +88,7 @@ template <int I> static CV_ALWAYS_INLINE Floats byteOf(const unsigned* numbers)
 
 #endif
 
-// c + a * b and c - a * b, rounded twice on every CPU.
+// c + a * b and c - a * b, both rounded twice on every CPU.
 static CV_ALWAYS_INLINE Floats plus(const Floats& c, const Floats& a, const Floats& b)
 {
     return v_add(c, v_mul(a, b));

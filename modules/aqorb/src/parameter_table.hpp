@@ -6,8 +6,8 @@
 #ifndef OPENCV_AQORB_PARAMETER_TABLE_HPP
 #define OPENCV_AQORB_PARAMETER_TABLE_HPP
 
-// All parameters of AdaptiveQuadtreeORB, once. The checks, setters, getters, read and write are made from this table,
-// and so are tests and what the project builds on the module. Each row is
+// Table of all parameters of AdaptiveQuadtreeORB. It generates the checks, setters, getters, read, write, tests and the
+// Python classes. Each row is
 //
 //   X(property, type, name, key, default, range, text)
 //
@@ -16,13 +16,13 @@
 // name      as an argument of create and in messages
 // key       in a file
 // range     a ValidRange of parameters.hpp
-// text      what a setter sets and a getter returns, for Python. CMake reads it, too: no quotes and no semicolons in it
+// text      description for Python. CMake reads it, too: no quotes and no semicolons
 //
-// The rows come in the order in which they are written to a file.
+// The order of the rows is their order in a file.
 
 // clang-format off
 
-//! Those of cv::ORB, in the order of create's arguments.
+//! Parameters of cv::ORB, in the order of create's arguments.
 #define AQORB_PARAMETERS_OF_ORB(X) \
     X(MaxFeatures, int, nfeatures, nfeatures, 500, atLeast(0), \
       "the number of keypoints to find") \

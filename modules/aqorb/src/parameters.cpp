@@ -60,7 +60,7 @@ void Parameters::write(FileStorage& fs) const
 #undef AQORB_WRITE
 }
 
-// FileStorage would read text as 0, and would round or wrap numbers that do not fit an int, all without an error.
+// FileStorage reads text as 0, and rounds or wraps numbers that do not fit an int, without an error.
 template <typename T>
 static void readValue(const FileNode& node, const char* key, const ValidRange& range, T& value)
 {

@@ -3,7 +3,7 @@
 // of this distribution.
 // SPDX-License-Identifier: Apache-2.0
 
-// The values of all parameters, and their checks.
+// Values of all parameters, and their checks.
 
 #ifndef OPENCV_AQORB_PARAMETERS_HPP
 #define OPENCV_AQORB_PARAMETERS_HPP
@@ -22,8 +22,8 @@ namespace cv
 namespace aqorb
 {
 
-/** What a parameter is kept as: an enumeration by its number. It need not be an enumerator, because a caller in Python
- can pass any number, and to read such an enumeration would be undefined behaviour. */
+/** Stored type of a parameter: int for an enumeration. Python can pass a number that is no enumerator, and reading that
+ number as an enumeration would be undefined behaviour. */
 template <typename T> using Stored = typename std::conditional<std::is_enum<T>::value, int, T>::type;
 template <typename T> Stored<T> toStored(const T& value)
 {
@@ -33,7 +33,7 @@ template <typename T> Stored<T> toStored(const T& value)
     return result;
 }
 
-//! The values of a parameter that are accepted. Infinity and NaN are never accepted.
+//! Accepted values of a parameter, never infinity or NaN.
 struct ValidRange
 {
     double min, max;
@@ -47,7 +47,7 @@ struct ValidRange
     ValidRange orMinusOne() const { return ValidRange{min, max, text + ", or -1", true}; }
 };
 
-// The ranges of the table.
+// Ranges for parameter_table.hpp.
 inline ValidRange between(double min, double max)
 {
     return ValidRange{min, max, format("from %g to %g", min, max), false};
@@ -73,30 +73,30 @@ inline ValidRange any()
     return ValidRange{-DBL_MAX, DBL_MAX, String(), false};
 }
 
-//! The parameters of AdaptiveQuadtreeORB, as documented there and listed in parameter_table.hpp.
+//! Parameters of AdaptiveQuadtreeORB, documented there and listed in parameter_table.hpp.
 struct Parameters
 {
 #define AQORB_FIELD(property, type, name, key, byDefault, ...) Stored<type> name = byDefault;
     AQORB_PARAMETERS(AQORB_FIELD)
 #undef AQORB_FIELD
 
-    //! Throws if a value is invalid whatever the others are.
+    //! Throws if a single value is invalid.
     void check() const;
-    //! Throws if values are invalid in combination, for a pyramid of levelsInUse levels.
+    //! Throws if a combination of values is invalid for a pyramid of levelsInUse levels.
     void checkTogether(int levelsInUse) const;
 
-    //! Whether Harris responses count; else FAST scores do.
+    //! Whether keypoints get Harris responses; else FAST scores.
     bool useHarris() const
     {
         return scoreType == ORB::HARRIS_SCORE;
     }
-    //! The shortest side of a level that can have a keypoint.
+    //! Shortest side of a level that can have a keypoint.
     int shortestSide() const;
-    //! Where a level of this size may have keypoints: between the borders.
+    //! Part of a level that may have keypoints: the level without its borders.
     Rect keypointRegion(Size size) const;
 
     void write(FileStorage& fs) const;
-    //! A parameter whose key is missing keeps its value. Throws for an invalid value and then changes nothing.
+    //! Reads parameters. A missing key keeps the value; an invalid value throws and changes nothing.
     void read(const FileNode& node);
 };
 

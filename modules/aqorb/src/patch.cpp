@@ -14,7 +14,7 @@ namespace cv
 namespace aqorb
 {
 
-// Copies the pixels of a row from x on. Beyond its ends they are reflected, so that they repeat.
+// Copies pixels of a row from x on, with repeated reflection at both ends.
 static void copyRow(const uchar* row, int length, int x, int width, uchar* out)
 {
     if (length == 1)

@@ -3,7 +3,7 @@
 // of this distribution.
 // SPDX-License-Identifier: Apache-2.0
 
-// The pixels around a pixel, reflected beyond the border.
+// Patches of an image, reflected at the border.
 
 #ifndef OPENCV_AQORB_PATCH_HPP
 #define OPENCV_AQORB_PATCH_HPP
@@ -15,10 +15,10 @@ namespace cv
 namespace aqorb
 {
 
-//! Copies a rectangle, row by row without gaps. Pixels outside of the image are reflected.
+//! Copies a rectangle row by row without gaps, and reflects the image at its border.
 void copyReflected(const Mat& image, const Rect& rect, uchar* out);
 
-//! The pixels around a pixel of a level, readable within a radius.
+//! Pixels around a pixel of a level, readable within a radius.
 struct Patch
 {
     const uchar* center;
@@ -27,8 +27,8 @@ struct Patch
 
 typedef AutoBuffer<uchar, 2048> PatchBuffer;
 
-//! The square patch of the given radius around (x, y). Where it lies inside the image it is read in place; else it
-//! is copied into the buffer and its pixels outside of the image are reflected.
+//! Square patch of the given radius around (x, y): in place inside the image, else copied to the buffer, with
+//! reflection at the border.
 Patch patchAround(const Mat& image, int x, int y, int radius, PatchBuffer& buffer);
 
 }  // namespace aqorb

@@ -3,7 +3,7 @@
 // of this distribution.
 // SPDX-License-Identifier: Apache-2.0
 
-// From which pixels patches are sampled.
+// Pyramids and windows of patches, and their alignment on several threads.
 
 #include "precomp.hpp"
 
@@ -20,7 +20,7 @@ namespace
 {
 
 const int MAX_LEVELS = 5;
-// The sides of a window: pixels to both sides of the one that has the position, and one more for interpolation.
+// Side of a window: MAX_PATCH_REACH pixels on both sides of the position, and a margin for interpolation.
 const int WINDOW_SIDE = 2 * MAX_PATCH_REACH + 4;
 
 int levelOf(double spacing)
@@ -37,14 +37,14 @@ Point2d positionOn(int level, const Point2f& center)
     return Point2d((center.x + 0.5) / size - 0.5, (center.y + 0.5) / size - 0.5);
 }
 
-// The pixel of a level at which the window around a position begins.
+// First pixel of the window around a position of a level.
 Point windowOrigin(const Point2d& position)
 {
     return Point(std::max(cvFloor(position.x) - MAX_PATCH_REACH - 1, 0),
                  std::max(cvFloor(position.y) - MAX_PATCH_REACH - 1, 0));
 }
 
-// The means of 2 x 2 pixels each. The last column or row counts twice where the number of them is odd.
+// Halves an image: means of 2 x 2 pixels. The last column or row counts twice if their number is odd.
 Mat halfOf(const Mat& image)
 {
     Mat half((image.rows + 1) / 2, (image.cols + 1) / 2, CV_8UC1);
@@ -87,7 +87,7 @@ bool PatchPyramid::hasLevel(int level) const
 int PatchPyramid::prepare(const std::vector<PatchLocation>& patches)
 {
     int highest = 0;
-    double pixels = 0;  // that single patches would need
+    double pixels = 0;  // pixels that single patches would convert
     for (const PatchLocation& patch : patches)
     {
         const int level = levelOf(patch.spacing);
@@ -110,7 +110,7 @@ void PatchPyramid::makeLevels(int count)
 
 bool PatchPyramid::findWindow(const PatchLocation& patch, LevelWindow& window, Mat& memory) const
 {
-    const double MAX_SPACING = 1 << 16, MARGIN = 0.01;  // MARGIN: sums are rounded
+    const double MAX_SPACING = 1 << 16, MARGIN = 0.01;  // MARGIN absorbs rounding
     if (!(patch.spacing > 0 && patch.spacing < MAX_SPACING))
         return false;
     const int level = levelOf(patch.spacing), size = 1 << level;

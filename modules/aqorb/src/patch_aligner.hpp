@@ -3,7 +3,7 @@
 // of this distribution.
 // SPDX-License-Identifier: Apache-2.0
 
-// The alignment of patches of two images, and the matches that it refines.
+// Alignment of patches of two images, and refined matches.
 
 #ifndef OPENCV_AQORB_PATCH_ALIGNER_HPP
 #define OPENCV_AQORB_PATCH_ALIGNER_HPP
@@ -17,46 +17,45 @@ namespace cv
 namespace aqorb
 {
 
-//! The centre of a patch and the distance of its samples, in pixels of the image. A patch whose spacing is not > 0
-//! cannot be aligned.
+//! Centre of a patch and distance of its samples, in pixels of the image. Alignment needs a spacing > 0.
 struct PatchLocation
 {
     Point2f center;
     double spacing;
 };
 
-//! Two patches to align. Sample (u, v) of the second one lies at second.center + map * (u, v).
+//! Two patches to align. Sample (u, v) of the second patch lies at second.center + map * (u, v).
 struct PatchPair
 {
     PatchLocation first, second;
     Matx22d map;
 };
 
-//! The second patch after the alignment, in pixels of image 2.
+//! Second patch after the alignment, in pixels of image 2.
 struct PatchAlignment
 {
-    Point2f center;  //!< that of the start if the patches cannot be aligned
+    Point2f center;  //!< the start of the alignment if the patches cannot be aligned
     Matx22d map;
     float correlation;  //!< NOT_ALIGNED if the patches cannot be aligned
-    float deviation;    //!< of the position along its worst axis; infinity if the patches cannot be aligned
+    float deviation;  //!< standard deviation along the worst axis; infinity if the patches cannot be aligned
 };
 
-/** The grey pyramid of an image, whose levels are made by halving. Patches are sampled from the level at which their
- samples are one to two pixels apart. A few patches of a large image get small pyramids of the pixels around them, which
- have the same bytes as that part of the whole pyramid. */
+/** Grey image pyramid; each level halves the level before. Patches are sampled from the level at which their samples
+ are one to two pixels apart. A few patches of a large image get small pyramids of the pixels around them, with the same
+ bytes as the whole pyramid. */
 class PatchPyramid
 {
 public:
-    //! Throws unless the input is an image, or is empty and not needed.
+    //! Throws unless the input is an image. An input that is not needed may be empty.
     PatchPyramid(InputArray image, const char* name, bool isNeeded);
 
-    //! Converts the image to grey where more pixels would be converted for single patches.
-    //! @return how many levels makeLevels then makes
+    //! Converts the whole image to grey if single patches would convert more pixels.
+    //! @return number of levels for makeLevels
     int prepare(const std::vector<PatchLocation>& patches);
     void makeLevels(int count);
 
-    //! The window of a patch. False if the centre lies too close to the border.
-    //! @param memory for the patch's own pyramid
+    //! Finds the window of a patch. Returns false if the centre lies too close to the border.
+    //! @param memory buffer for the patch's own pyramid
     bool findWindow(const PatchLocation& patch, LevelWindow& window, Mat& memory) const;
 
 private:
@@ -64,7 +63,7 @@ private:
 
     UMat retained;
     Mat image;
-    std::vector<Mat> levels;  // level 0 is empty as long as no grey image is at hand
+    std::vector<Mat> levels;  // level 0 is empty until the image is grey
 };
 
 //! Aligns patches of two images.
@@ -78,10 +77,10 @@ private:
     PatchPyramid pyramids[2];
 };
 
-//! The arguments of refineMatches and growMatches, but for the images.
+//! Arguments of refineMatches and growMatches, without the images.
 struct RefinementInput
 {
-    //! Throws where an argument is wrong.
+    //! Throws if an argument is invalid.
     void check() const;
 
     const std::vector<KeyPoint>& keypoints1;
@@ -90,7 +89,7 @@ struct RefinementInput
     float minCorrelation, scaleFactor;
 };
 
-//! The matches that are kept.
+//! Matches kept by the refinement, with positions, deviations and maps.
 struct RefinedMatches
 {
     void add(const DMatch& match, const PatchPair& pair, const PatchAlignment& alignment);
@@ -102,7 +101,7 @@ struct RefinedMatches
 };
 RefinedMatches refinedMatches(const RefinementInput& input, PatchAligner& aligner);
 
-//! The distance of samples of a keypoint of image 1, in pixels of the image.
+//! Distance of the samples of a keypoint of image 1, in pixels of the image.
 double spacingOf(const KeyPoint& keypoint, float scaleFactor);
 
 }  // namespace aqorb

@@ -19,7 +19,7 @@ namespace aqorb
 namespace
 {
 
-// The windows of one patch of each lane.
+// Windows of one patch for each lane.
 struct Windows
 {
     void set(int lane, const LevelWindow& window)
@@ -39,10 +39,10 @@ struct Windows
     float x[LANES], y[LANES], left[LANES], top[LANES], right[LANES], bottom[LANES];
 };
 
-// Sample (u, v) lies at (x + xu * u + xv * v, y + yu * u + yv * v).
+// Affine map: sample (u, v) lies at (x + xu * u + xv * v, y + yu * u + yv * v).
 struct AffineMap
 {
-    // Moves the samples of the lanes that are not set to the origin.
+    // Moves the samples of all other lanes to the origin.
     void keep(const Floats& lanes)
     {
         for (Floats* number : {&x, &y, &xu, &xv, &yu, &yv})
@@ -53,7 +53,7 @@ struct AffineMap
     Floats x, y, xu, xv, yu, yv;
 };
 
-// The lanes in which all samples up to a radius lie inside of the image. Numbers that are not finite do not.
+// Lanes in which all samples up to a radius lie inside the image. Infinite and NaN positions lie outside.
 CV_ALWAYS_INLINE Floats isInside(const AffineMap& map, const Windows& windows, int radius)
 {
     const Floats reachX = v_mul(all(float(radius)), v_add(v_abs(map.xu), v_abs(map.xv)));
@@ -65,7 +65,7 @@ CV_ALWAYS_INLINE Floats isInside(const AffineMap& map, const Windows& windows, i
     return v_and(isInsideX, isInsideY);
 }
 
-// The samples of all lanes in a row of a patch, for u from -RADIUS to RADIUS.
+// Samples of all lanes in a row of a patch, for u from -RADIUS to RADIUS.
 template <int RADIUS> struct SampleRow
 {
     enum
@@ -110,7 +110,7 @@ template <int RADIUS> struct SampleRow
     }
 
     CV_DECL_ALIGNED(CACHE_LINE) float fractionsX[COUNT], fractionsY[COUNT];
-    CV_DECL_ALIGNED(CACHE_LINE) unsigned squares[COUNT];  // of 2 x 2 pixels
+    CV_DECL_ALIGNED(CACHE_LINE) unsigned squares[COUNT];  // 2 x 2 pixels each
 };
 
 // Calls use(v, row) for each row of a patch. Rows are fetched one ahead: a vector load waits until the narrower stores
@@ -128,7 +128,7 @@ CV_ALWAYS_INLINE void forEachRow(const Windows& windows, const AffineMap& map, c
     }
 }
 
-// Brings the pixels of a patch into the cache. Without it a tenth to a quarter of the time goes into waiting.
+// Prefetches the pixels of a patch. Without it the kernel waits for a tenth to a quarter of its time.
 inline void prefetch(const LevelWindow& window, float spacing)
 {
 #if defined(__GNUC__)

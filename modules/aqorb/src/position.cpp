@@ -14,23 +14,22 @@ namespace cv
 namespace aqorb
 {
 
-// How far positions about `length` pixels from the first pixel stay off the places between two pixels, where rounding
-// changes. A position is rounded to a float, and scaling it back rounds twice: the scale and the product.
+// Distance that a position keeps from the border between two pixels, where rounding changes, about `length` pixels from
+// the first pixel. A position is rounded to a float, and scaling it back rounds twice: the scale and the product.
 static double safetyMargin(int length)
 {
-    const double FLOAT_ERROR = 1. / (1 << 24);  // at most, relative
+    const double FLOAT_ERROR = 1. / (1 << 24);  // largest relative rounding error
     return std::max(0.01, 3 * FLOAT_ERROR * length);
 }
 
-// Moves a position along one axis to where a keypoint belongs to a pixel of a level.
+// Moves a coordinate to the nearest value that belongs to a pixel of a level.
 static float clampToPixel(double position, int pixel, int imageLength, double scale, int border)
 {
-    // The descriptor is taken at the pixel that position / scale rounds to. It must be the pixel given.
+    // The descriptor is computed at the pixel to which position / scale rounds: it must be the given pixel.
     const double most = 0.5 - safetyMargin(pixel), low = (pixel - most) * scale,
                  high = (pixel + most) * scale;
-    // cv::ORB::compute drops keypoints near the border. Whether it first rounds positions depends on
-    // the version of OpenCV. These positions stay off the border in both cases, unless the whole pixel lies in it, as
-    // pixels of an enlarged level can.
+    // cv::ORB::compute drops keypoints near the border. Some versions of OpenCV first round the positions. In both
+    // cases these positions stay off the border, unless the whole pixel of an enlarged level lies in it.
     const double last = imageLength - border - 0.5 - safetyMargin(imageLength);
     if (low <= last)
         position = std::min(position, last);
@@ -104,7 +103,7 @@ void maskPositions(const Mat& imageMask, const PositionMap& position, Mat& level
         uchar* out = levelMask.ptr(y);
         for (int begin = 0, end; begin < levelMask.cols; begin = end)
         {
-            // Most runs of pixels have no masked one.
+            // Most runs have no masked pixel.
             const int AT_ONCE = 64;
             end = std::min(begin + AT_ONCE, levelMask.cols);
             if (!std::memchr(maskRow + columns[begin], 0, size_t(columns[end - 1] + 1 - columns[begin])))

@@ -3,7 +3,7 @@
 // of this distribution.
 // SPDX-License-Identifier: Apache-2.0
 
-// Where pixels of a level are in the input image.
+// Positions of a level's pixels in the input image.
 
 #ifndef OPENCV_AQORB_POSITION_HPP
 #define OPENCV_AQORB_POSITION_HPP
@@ -15,7 +15,7 @@ namespace cv
 namespace aqorb
 {
 
-//! The position in an image of a point of one of its levels. Sizes correspond, so pixel centres are not shifted.
+//! Position in the image of a point of a level. The level spans the whole image, so pixel centres do not shift.
 inline Point2d scaleByCenters(double x, double y, Size levelSize, Size imageSize)
 {
     return Point2d((x + 0.5) * imageSize.width / levelSize.width - 0.5,
@@ -27,21 +27,21 @@ struct PositionMap
 {
     Size imageSize, levelSize;
     float scale;
-    int border;     //!< positions stay this far inside the image where the pixel allows it
+    int border;     //!< distance that positions keep from the image's border where the pixel allows it
     bool subPixel;  //!< false: pixel times scale, as in cv::ORB
 
-    //! The position of the point that lies (dx, dy), each within +-0.5, off the centre of pixel (x, y).
+    //! Position of the centre of pixel (x, y) plus (dx, dy), each within +-0.5.
     Point2f operator()(int x, int y, double dx = 0, double dy = 0) const;
-    //! With subPixel: the position nearest to p at which a keypoint belongs to pixel (x, y).
+    //! Position nearest to p that belongs to pixel (x, y). Requires subPixel.
     Point2f nearest(int x, int y, const Point2d& p) const;
 };
 
-//! Whether a position rounds to a pixel that is not 0 in the mask of the input image.
+//! Whether the mask of the input image is not 0 at the rounded position.
 bool isUsable(const Mat& imageMask, const Point2f& position);
 
-/** Finds a usable position for pixel (x, y) of a level: its centre, if that is usable. Otherwise, with subPixel, it is
- the nearest centre of a usable pixel of the input image at which a keypoint still belongs to the pixel of the level.
- @return false, and `found` unchanged, where there is none */
+/** Finds a usable position for pixel (x, y) of a level: its centre if usable. Otherwise, with subPixel, the nearest
+ centre of a usable pixel of the input image that still belongs to the pixel of the level.
+ @return false, and `found` unchanged, if no position is usable */
 bool usablePosition(const Mat& imageMask, const PositionMap& position, int x, int y, Point2f& found);
 
 //! Clears the pixels of a level's mask that have no usable position in the input image.

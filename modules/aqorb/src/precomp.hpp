@@ -6,8 +6,8 @@
 #ifndef OPENCV_AQORB_PRECOMP_HPP
 #define OPENCV_AQORB_PRECOMP_HPP
 
-// OpenCV's and the standard headers only. Each source file includes the stages that it uses itself, so that
-// a change in the header of one stage does not recompile the others.
+// Headers of OpenCV and the standard library only. Each source file includes the stages it uses, so a change in the
+// header of one stage does not recompile the others.
 
 #include <opencv2/core.hpp>
 #include <opencv2/core/utility.hpp>
@@ -24,7 +24,7 @@
 #include <vector>
 
 #if defined(_MSC_VER) && !defined(__clang__)
-#pragma fp_contract(off)  // as the build asks other compilers for
+#pragma fp_contract(off)  // other compilers get an option from the build
 #endif
 
 #endif

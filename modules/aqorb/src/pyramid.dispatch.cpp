@@ -3,7 +3,7 @@
 // of this distribution.
 // SPDX-License-Identifier: Apache-2.0
 
-// Resizes each level from the one before, as cv::resize with INTER_LINEAR_EXACT does.
+// Resizes each level from the level before, as cv::resize with INTER_LINEAR_EXACT does.
 
 #include "precomp.hpp"
 
@@ -37,7 +37,7 @@ Size levelSize(Size imageSize, float scale)
     return Size(cvRound(width), cvRound(height));
 }
 
-// The first and the last of the source pixels whose weight is not 0.
+// First and last source pixel with a weight other than 0.
 static int firstUsed(const ResizeTaps& taps)
 {
     return taps.secondWeight < 256 ? taps.first : taps.second;
@@ -51,13 +51,13 @@ struct ResizeTables
 {
     Size source, destination;
     std::vector<ResizeTaps> columnTaps, rowTaps;
-    bool byKernel = false;  // whether the kernel can do it; else there are no blocks
+    bool byKernel = false;  // whether the kernel can do this resize; without it there are no blocks
     AlignedVector<ResizeBlock> blocks;
     std::vector<int> bases;
     AlignedVector<short> rows;
 };
 
-// The taps by destination pixel along one axis, in OpenCV's own arithmetic, as every rounding counts.
+// Computes the taps of the destination pixels along one axis, in OpenCV's arithmetic: each rounding counts.
 static void linearTaps(int sourceLength, int length, std::vector<ResizeTaps>& taps)
 {
     taps.resize(length);
@@ -73,7 +73,7 @@ static void linearTaps(int sourceLength, int length, std::vector<ResizeTaps>& ta
     }
 }
 
-// Makes the tables of the horizontal pass. False: pixels of a group come from too many source pixels for the kernel.
+// Makes the tables of the horizontal pass. Returns false if a group needs more source pixels than the kernel loads.
 static bool resizeBlocks(int sourceWidth, const ResizeTaps* taps, int width, ResizeTables& tables)
 {
     const int GROUP = ResizeBlock::GROUP, GROUPS = ResizeBlock::GROUPS, BYTES = ResizeBlock::BYTES;
@@ -109,7 +109,7 @@ static bool resizeByKernel(const Resize& resize)
     CV_CPU_DISPATCH(resizeRows, (resize), CV_CPU_DISPATCH_MODES_ALL);
 }
 
-// Without the kernel. cv::resize would be as good, but uses other threads whatever a SingleThreadScope says.
+// Resizes without the kernel. cv::resize gives the same pixels but ignores SingleThreadScope.
 static void resizePlainly(const Mat& source, const ResizeTables& tables, const Range& rows, Mat& destination)
 {
     for (int y = rows.start; y < rows.end; y++)
@@ -133,7 +133,7 @@ static void updateTables(ResizeTables& tables, Size source, Size destination)
 {
     if (tables.source == source && tables.destination == destination)
         return;
-    tables.source = tables.destination = Size();  // they stay invalid if memory runs out below
+    tables.source = tables.destination = Size();  // marks the tables invalid in case memory runs out below
     linearTaps(source.width, destination.width, tables.columnTaps);
     linearTaps(source.height, destination.height, tables.rowTaps);
     tables.byKernel = resizeBlocks(source.width, tables.columnTaps.data(), destination.width, tables);
@@ -148,12 +148,12 @@ void resizeExact(const Mat& source, Mat& destination, Ptr<ResizeTables>& kept, i
         kept = makePtr<ResizeTables>();
     ResizeTables& tables = *kept;
     updateTables(tables, source.size(), destination.size());
-    // Each thread makes some rows. Memory that another one has read is slow to write, so that even few are worth it.
+    // Smallest band of rows for a thread. Writing memory that another thread has read is slow, so small bands pay.
     const int MIN_ROWS = 64;
     const int bands = std::max(std::min(threads, destination.rows / MIN_ROWS), 1);
     const size_t pixels = tables.byKernel ? tables.blocks.size() * ResizeBlock::PIXELS : 0;
-    const size_t ofBand = 2 * pixels + ResizeBlock::PIXELS;
-    short* const rows = growTo(tables.rows, bands * ofBand);
+    const size_t bandSize = 2 * pixels + ResizeBlock::PIXELS;
+    short* const rows = growTo(tables.rows, bands * bandSize);
     forEach(size_t(bands), threads,
             [&](size_t i, int)
             {
@@ -169,14 +169,14 @@ void resizeExact(const Mat& source, Mat& destination, Ptr<ResizeTables>& kept, i
                 resize.blocks = tables.blocks.data();
                 resize.bases = tables.bases.data();
                 resize.rowTaps = &tables.rowTaps[top];
-                resize.rows[0] = rows + i * ofBand;
+                resize.rows[0] = rows + i * bandSize;
                 resize.rows[1] = resize.rows[0] + pixels;
                 if (!tables.byKernel || !resizeByKernel(resize))
                     resizePlainly(source, tables, Range(top, end), destination);
             });
 }
 
-// A pixel is usable if all the pixels it is made from are usable. The tables are the image's.
+// Resizes a mask by the tables of its image. A pixel is usable if all its source pixels are.
 static void resizeMask(const Mat& mask, const ResizeTables& tables, Mat& resized)
 {
     std::vector<int> left, right;
@@ -186,7 +186,7 @@ static void resizeMask(const Mat& mask, const ResizeTables& tables, Mat& resized
         right.push_back(lastUsed(taps));
     }
     const int *const lefts = left.data(), *const rights = right.data();
-    std::vector<uchar> bothRows(mask.cols);  // whether the pixels of the two rows are usable
+    std::vector<uchar> bothRows(mask.cols);  // whether both source pixels of a column are usable
     uchar* const both = bothRows.data();
     const int sourceWidth = mask.cols, width = resized.cols, AT_ONCE = 64;
     for (int y = 0; y < resized.rows; y++)
@@ -222,11 +222,11 @@ static void rejectMemory(const Size& imageSize, const PyramidRule& rule, double 
                rule.scaleFactor, rule.firstLevel, pixels, imageSize.width, imageSize.height));
 }
 
-// The levels without their pixels.
+// Allocates the levels.
 static std::vector<Level> layOut(const Level& input, const PyramidRule& rule, PyramidSpace& space)
 {
     const Size imageSize = input.image.size();
-    const double MAX_ENLARGED_PIXELS = 1 << 30;  // a few wrong digits would ask for more memory than there is
+    const double MAX_ENLARGED_PIXELS = 1 << 30;  // protects against a mistyped scaleFactor or firstLevel
     double pixels = 0;
     std::vector<Level> levels;
     for (int i = 0; i < rule.levels; i++)
@@ -249,7 +249,7 @@ static std::vector<Level> layOut(const Level& input, const PyramidRule& rule, Py
             rejectMemory(imageSize, rule, pixels);
         try
         {
-            // Rows begin where cache lines do, so that vectors cross as few of them as possible.
+            // Rows begin at cache lines, so few vectors cross one.
             const size_t step = alignSize(size_t(size.width), CACHE_LINE), rows = size_t(size.height);
             PyramidSpace::LevelSpace& memory = space.levels[i];
             if (!level.isInput)
@@ -274,8 +274,7 @@ std::vector<Level> makePyramid(const Level& input, const PyramidRule& rule, int 
     {
         if (levels[i].isInput)
             continue;
-        // As cv::ORB does, the first level that is smaller than the image is made of it, too, and so are all larger
-        // ones.
+        // As in cv::ORB, all enlarged levels and the first reduced level come from the image.
         const Level& source = i <= rule.firstLevel + 1 ? input : levels[i - 1];
         Ptr<ResizeTables>& tables = space.levels[i].resizing;
         resizeExact(source.image, levels[i].image, tables, threads);

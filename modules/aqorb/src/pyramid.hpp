@@ -3,7 +3,7 @@
 // of this distribution.
 // SPDX-License-Identifier: Apache-2.0
 
-// The pyramid: cv::ORB's levels, and their masks.
+// Pyramid: cv::ORB's levels and their masks.
 
 #ifndef OPENCV_AQORB_PYRAMID_HPP
 #define OPENCV_AQORB_PYRAMID_HPP
@@ -15,22 +15,22 @@ namespace cv
 namespace aqorb
 {
 
-//! The size of a pixel of a level in pixels of the input image, as cv::ORB computes it.
+//! Size of a level's pixel in pixels of the input image, as cv::ORB computes it.
 float levelScale(int level, int firstLevel, double scaleFactor);
 
-//! The longest side of a level.
+//! Longest side of a level.
 const int MAX_LEVEL_SIDE = (1 << 20) - 1;
 
-//! The size of a level, as cv::ORB computes it; a side may be 0. Throws where a side exceeds MAX_LEVEL_SIDE.
+//! Size of a level, as cv::ORB computes it; a side may be 0. Throws if a side exceeds MAX_LEVEL_SIDE.
 Size levelSize(Size imageSize, float scale);
 
 struct ResizeTables;
 
-//! Resizes an image by cv::resize with INTER_LINEAR_EXACT, without the overhead that cv::resize has for one channel.
-//! @param tables made when sizes change, and used again for later images
+//! Resizes an image as cv::resize with INTER_LINEAR_EXACT does, without its overhead for one channel.
+//! @param tables remade when sizes change, and kept for later images
 void resizeExact(const Mat& source, Mat& destination, Ptr<ResizeTables>& tables, int threads = 1);
 
-//! The memory of a pyramid and the tables by which it is made. It is kept for later images.
+//! Memory of a pyramid and its resize tables, kept for later images.
 struct PyramidSpace
 {
     struct LevelSpace
@@ -41,52 +41,51 @@ struct PyramidSpace
     std::vector<LevelSpace> levels;
 };
 
-//! The rule by which the levels of a pyramid are made.
+//! Parameters of a pyramid.
 struct PyramidRule
 {
-    int firstLevel;      //!< the level that is the image itself
+    int firstLevel;      //!< level of the image itself
     double scaleFactor;  //!< between levels
-    int levels;          //!< at most
-    int shortestSide;    //!< of a level; the pyramid ends before the first level with a shorter one
+    int levels;          //!< maximum number of levels
+    int shortestSide;    //!< the pyramid ends before the first level with a shorter side
 };
 
-/** Makes the levels of cv::ORB's pyramid of an image by cv::resize with INTER_LINEAR_EXACT. Where there is a mask, a
- pixel of a level is usable if all pixels that it is made from are. Throws where there is not enough memory for the
- levels.
- @param input the image and its mask; they are not copied
- @return the levels, whose pixels lie in the space */
+/** Makes cv::ORB's pyramid of an image by resizeExact. With a mask, a pixel of a level is usable if all its source
+ pixels are. Throws if memory does not suffice.
+ @param input image and mask, not copied
+ @return the levels, with their pixels in `space` */
 std::vector<Level> makePyramid(const Level& input, const PyramidRule& rule, int threads, PyramidSpace& space);
 
-//! Copies of the levels. One level may be the image itself.
+//! Copies of the levels' images.
 std::vector<Mat> copiesOf(const std::vector<Level>& levels);
 
 // ---- for the kernel: plain structs only, see types.hpp ---------------------------------------
 
-//! The two source pixels along one axis from which INTER_LINEAR_EXACT makes a pixel.
+//! The two source pixels of a pixel along one axis, and the weight of the second pixel.
 struct ResizeTaps
 {
     int first, second;
     int secondWeight;  //!< in 1/256
 };
 
-//! Where neighbouring pixels of a resized row come from: each from two source bytes.
+//! Sources of neighbouring pixels of a resized row: two bytes for each pixel.
 struct ResizeBlock
 {
     enum
     {
-        GROUP = 8,  //!< pixels that come from the same source bytes
+        GROUP = 8,  //!< pixels that share the loaded source bytes
         GROUPS = 4,
         PIXELS = 32,
-        BYTES = 16  //!< source bytes of a group
+        BYTES = 16  //!< loaded source bytes of a group
     };
-    //! For each pixel the indices of its two bytes among those of its group.
+    //! Indices of each pixel's two bytes in the bytes of its group.
     uchar pairs[GROUPS][2 * GROUP];
-    //! For each pixel the weights of its two bytes in 1/256, which add up to 256. A pixel that comes from one byte
-    //! alone has it twice, with the weights 255 and 1, as 256 would not fit.
+    //! Weights of each pixel's two bytes in 1/256; the two add up to 256. A pixel with one source byte takes it twice,
+    //! with weights 255 and 1, because 256 does not fit.
     uchar weights[GROUPS][2 * GROUP];
 };
 
-//! Resizes rows by INTER_LINEAR_EXACT.
+//! Arguments of resizeRows.
 struct Resize
 {
     const uchar* source;
@@ -94,10 +93,10 @@ struct Resize
     uchar* destination;
     ptrdiff_t destinationStep;
     int width, height;          //!< of the destination
-    const ResizeBlock* blocks;  //!< as many as cover the width
-    const int* bases;           //!< the first source byte of each group of the blocks
+    const ResizeBlock* blocks;  //!< cover the width
+    const int* bases;           //!< first source byte of each group
     const ResizeTaps* rowTaps;  //!< by destination row
-    short* rows[2];  //!< work space of as many elements each as the blocks have pixels, and of 32 at the end
+    short* rows[2];             //!< work space: one element for each pixel of the blocks, and 32 more
 };
 
 }  // namespace aqorb

@@ -3,7 +3,7 @@
 // of this distribution.
 // SPDX-License-Identifier: Apache-2.0
 
-// The horizontal and the vertical pass of the resize.
+// Kernel of the resize: a horizontal and a vertical pass.
 
 #include "pyramid.hpp"
 #include "simd_compat.hpp"
@@ -16,7 +16,7 @@ namespace aqorb
 {
 CV_CPU_OPTIMIZATION_NAMESPACE_BEGIN
 
-//! Computes the destination. Returns false, and does nothing, if there is no kernel for this CPU.
+//! Resizes by INTER_LINEAR_EXACT. Returns false, and does nothing, if this CPU has no kernel.
 bool resizeRows(const Resize& resize);
 
 #ifndef CV_CPU_OPTIMIZATION_DECLARATIONS_ONLY
@@ -28,8 +28,8 @@ namespace
 
 const int LANES = CV_SIMD_WIDTH / 2, PIXELS = CV_SIMD_WIDTH;
 
-// The horizontal pass, for as many groups as the vector holds. Its pixels are in 1/256, less 2^15 so that they fit into
-// signed 16-bit numbers, and plus the 2^7 by which the second pass rounds.
+// Horizontal pass for the groups of a vector. Pixels are in units of 1/256, minus 2^15 to fit signed 16-bit numbers,
+// plus 2^7 for the rounding of the vertical pass.
 CV_ALWAYS_INLINE void resizeGroup(const uchar* source, const int* bases, const ResizeBlock& block, int group,
                                   short* out)
 {
@@ -37,10 +37,10 @@ CV_ALWAYS_INLINE void resizeGroup(const uchar* source, const int* bases, const R
     v_store(out, v_add_wrap(weighPairs(pairs, vx_load(block.weights[group])), vx_setall_s16(128)));
 }
 
-// The vertical pass.
+// Vertical pass.
 CV_ALWAYS_INLINE void blend(const short* upper, const short* lower, int lowerWeight, uchar* out)
 {
-    // Saturated to 8 bits, then offset to unsigned ones.
+    // Saturates to signed 8 bits, then shifts to unsigned.
     const v_int8 pixels = v_pack(blendHigh(vx_load(upper), vx_load(lower), lowerWeight),
                                  blendHigh(vx_load(upper + LANES), vx_load(lower + LANES), lowerWeight));
     v_store(out, v_xor(v_reinterpret_as_u8(pixels), vx_setall_u8(128)));
@@ -67,7 +67,7 @@ void blendRows(const short* upper, const short* lower, int lowerWeight, int widt
     }
     for (int x = 0; x < width; x += PIXELS)
     {
-        // The last vector may overlap the one before.
+        // The last vector may overlap the vector before.
         const int first = x < width - PIXELS ? x : width - PIXELS;
         blend(upper + first, lower + first, lowerWeight, out + first);
     }
@@ -78,7 +78,7 @@ void blendRows(const short* upper, const short* lower, int lowerWeight, int widt
 bool resizeRows(const Resize& resize)
 {
     const int blocks = (resize.width + ResizeBlock::PIXELS - 1) / ResizeBlock::PIXELS;
-    int held[2] = {-1, -1};  // the source rows in resize.rows
+    int loaded[2] = {-1, -1};  // source rows in resize.rows
     for (int y = 0; y < resize.height; y++)
     {
         const ResizeTaps& taps = resize.rowTaps[y];
@@ -86,9 +86,9 @@ bool resizeRows(const Resize& resize)
         for (int i = 0; i < 2; i++)
         {
             const int slot = rows[i] & 1;
-            if (held[slot] != rows[i])
+            if (loaded[slot] != rows[i])
                 resizeRow(resize.source + rows[i] * resize.sourceStep, resize, blocks, resize.rows[slot]);
-            held[slot] = rows[i];
+            loaded[slot] = rows[i];
         }
         blendRows(resize.rows[rows[0] & 1], resize.rows[rows[1] & 1], taps.secondWeight, resize.width,
                   resize.destination + y * resize.destinationStep);

@@ -3,7 +3,7 @@
 // of this distribution.
 // SPDX-License-Identifier: Apache-2.0
 
-// The paper's quadtree is linear here: corners are sorted by the Morton codes of their leaves, and a node is a range.
+// A linear quadtree: corners are sorted by the Morton codes of their leaves, and a node is a range.
 
 #include "precomp.hpp"
 
@@ -29,10 +29,10 @@ static void takeExcess(int64 excess, std::vector<int>& quotas)
 std::vector<int> quadtreeQuotas(int nfeatures, double scaleFactor, int nlevels)
 {
     const float factor = float(1.0 / scaleFactor);
-    float desired = factor == 1  // rounded to a float, where scaleFactor is hardly more than 1
+    float desired = factor == 1  // as a float, for a scaleFactor hardly above 1
                         ? float(nfeatures) / nlevels
                         : nfeatures * (1 - factor) / (1 - float(std::pow(double(factor), double(nlevels))));
-    const float LARGEST_INT = 2147483520.f;  // the largest int that a float can hold
+    const float LARGEST_INT = 2147483520.f;  // the largest int among the floats
     std::vector<int> quotas(nlevels);
     int64 sum = 0;
     for (int level = 0; level < nlevels - 1; level++)
@@ -59,8 +59,8 @@ std::vector<QuadtreeNode> splitQuadtree(const std::vector<uint64>& codes, int ma
     CV_TRACE_FUNCTION();
     const auto isFuller = [](const QuadtreeNode& a, const QuadtreeNode& b)
     {
-        const size_t ofA = a.end - a.begin, ofB = b.end - b.begin;
-        return ofA != ofB ? ofA > ofB : a.begin < b.begin;
+        const size_t sizeA = a.end - a.begin, sizeB = b.end - b.begin;
+        return sizeA != sizeB ? sizeA > sizeB : a.begin < b.begin;
     };
     std::vector<QuadtreeNode> saved, nodes(codes.empty() ? 0 : 1, {0, codes.size()}), children;  // the root
     for (int depth = 0; depth < maxDepth && saved.size() + nodes.size() < size_t(quota); depth++)
@@ -92,7 +92,7 @@ std::vector<QuadtreeNode> splitQuadtree(const std::vector<uint64>& codes, int ma
     return saved;
 }
 
-// The bits of a number of 16 bits, with a zero above each.
+// Spreads 16 bits, with a zero above each bit.
 static unsigned spreadBits(unsigned v)
 {
     v = (v | v << 8) & 0x00ff00ff;
@@ -115,7 +115,7 @@ std::vector<CornerResponse> quadtreeOrder(const std::vector<CornerResponse>& cor
     const std::vector<unsigned> byCode = sortIndices(keys);
     for (unsigned index : byCode)
         codes.push_back(keys[index]);
-    const uint64 OTHERS = uint64(1) << 32;  // come after the best corners of nodes
+    const uint64 OTHERS = uint64(1) << 32;  // sorts other corners after the best corners of nodes
     for (size_t i = 0; i < corners.size(); i++)
         keys[i] = OTHERS | descendingKey(sortKey(corners[i].response));
     const auto isBetter = [&](unsigned a, unsigned b)

@@ -3,7 +3,7 @@
 // of this distribution.
 // SPDX-License-Identifier: Apache-2.0
 
-// The positions of matches: which patches are compared, and which matches are kept.
+// refineMatches: patches of matches, and the check of their alignment.
 
 #include "precomp.hpp"
 
@@ -20,14 +20,14 @@ namespace aqorb
 double spacingOf(const KeyPoint& keypoint, float scaleFactor)
 {
     const double ORB_SIZE = 31, MIN_SPACING = 0.7;
-    const double pixel = keypoint.size / ORB_SIZE * scaleFactor;  // of the keypoint's pyramid level
+    const double pixel = keypoint.size / ORB_SIZE * scaleFactor;  // size of a pixel on the keypoint's level
     return std::max(MIN_SPACING, pixel / 2);
 }
 
 namespace
 {
 
-// The patches of a match. Their spacing is 0 where the keypoints do not define it.
+// Patches of a match. Their spacing is 0 if the keypoints do not define it.
 PatchPair patchesOf(const KeyPoint& first, const KeyPoint& second, float scaleFactor)
 {
     PatchPair pair = {{first.pt, 0}, {second.pt, 0}, Matx22d()};

@@ -3,8 +3,7 @@
 // of this distribution.
 // SPDX-License-Identifier: Apache-2.0
 
-// The rule by which corners become keypoints, in the order of doc/selection.md: its points 1 to 6, up to
-// the order in which a level offers its corners.
+// Selection of keypoints from corners, points 1 to 6 of doc/selection.md: the order of a level's corners.
 
 #include "precomp.hpp"
 
@@ -24,7 +23,7 @@ namespace aqorb
 std::vector<int> rankedQuotas(int nfeatures, const std::vector<Size>& regions,
                               const std::vector<float>& scales)
 {
-    std::vector<double> sums(regions.size());  // of the shares of a level and of the coarser ones
+    std::vector<double> sums(regions.size());  // shares of a level and all coarser levels
     double sum = 0;
     for (size_t level = regions.size(); level-- > 0;)
     {
@@ -36,7 +35,7 @@ std::vector<int> rankedQuotas(int nfeatures, const std::vector<Size>& regions,
     int given = 0;
     for (size_t level = regions.size(); level-- > 0;)
     {
-        // The sums are rounded, so that the quotas add up.
+        // Rounds the sums, so that the quotas add up to nfeatures.
         const int upToLevel = cvRound(nfeatures * (sums[level] / sum));
         quotas[level] = upToLevel - given;
         given = upToLevel;
@@ -77,8 +76,7 @@ LeafGrid rankedGrid(Size region, double usable, int quota)
     return leafGrid(region, trees, depthOf(trees));
 }
 
-// The share of the region that the mask does not exclude. Rows are counted one by one, because countNonZero counts by
-// int.
+// Unmasked share of the region. Counts row by row, because countNonZero returns an int.
 static double usableShare(const Mat& mask, const Rect& region)
 {
     if (mask.empty())
@@ -101,11 +99,11 @@ std::vector<unsigned> findRepresentatives(const std::vector<LeafPoint>& points, 
     const int columnBits = leaves.columnBits;
     const unsigned stride = (1u << columnBits) + 2;  // the grid has a border of one leaf
     const auto inGrid = [=](unsigned leaf) { return leaf + 2 * (leaf >> columnBits) + stride + 1; };
-    std::vector<int> grid(stride * size_t(leaves.rows + 2), INT_MIN);  // the key of the best point of a leaf
-    std::vector<unsigned> best(grid.size());                           // that point
+    std::vector<int> grid(stride * size_t(leaves.rows + 2), INT_MIN);  // key of a leaf's best point
+    std::vector<unsigned> best(grid.size());                           // index of this point
     for (size_t i = 0; i < points.size(); i++)
     {
-        // Without branches, which would be hard to predict. Of equal points the first one stays.
+        // No branches: the CPU cannot predict them. Of equal points the first stays.
         const unsigned leaf = inGrid(points[i].leaf);
         const bool isBetter = points[i].key > grid[leaf];
         grid[leaf] = isBetter ? points[i].key : grid[leaf];
@@ -144,11 +142,11 @@ std::vector<CornerResponse> responsesOf(const Mat& image, const std::vector<Corn
 
 OrientationPatch patchForStrength(int patchSize)
 {
-    const int ROWS_ABOVE = 5;  // and below the middle; more give no better order
+    const int ROWS_ABOVE = 5;  // and below the middle row; more rows give no better order
     return OrientationPatch(circularPatch(patchSize), std::max(1, patchSize / 2 / ROWS_ABOVE));
 }
 
-// A corner whose moment is long has a well-defined direction, and is found again with the same direction.
+// The moment counts because a long moment has a well-defined direction, which other images reproduce.
 std::vector<float> strengthsOf(const Mat& image, const std::vector<Corner>& corners,
                                const std::vector<CornerResponse>& responses, bool useHarris,
                                const OrientationPatch& patch)
@@ -158,8 +156,7 @@ std::vector<float> strengthsOf(const Mat& image, const std::vector<Corner>& corn
         points[i] = {corners[i].x, corners[i].y, 0};
     std::vector<Moments> moments(points.size());
     patchMoments(image, patch, points.data(), points.size(), moments.data());
-    const float UNIT =
-        1.f / 4294967296.f;  // 2^-32 keeps the product of all powers within the range of a float
+    const float UNIT = 1.f / 4294967296.f;  // 2^-32 keeps the product in the range of a float
     std::vector<float> strengths(points.size());
     for (size_t i = 0; i < points.size(); i++)
     {
@@ -174,14 +171,14 @@ std::vector<float> strengthsOf(const Mat& image, const std::vector<Corner>& corn
 
 // ---- 5. rank ----------------------------------------------------------------------------------
 
-// A disc of leaves: all offsets (dx, dy) of leaves whose centres are within the radius.
+// Disc of leaves: offsets (dx, dy) of all leaves with centres within the radius.
 struct LeafDisc
 {
     explicit LeafDisc(const RankRule& rule)
     {
         const double width = double(rule.region.width) / rule.grid.columns,
                      height = double(rule.region.height) / rule.grid.rows;
-        // Features of a narrow region lie in a row: as wide a part of it as the row is high has the area of the disc.
+        // Features of a narrow region lie in a row. The disc then spans the length of the row that has the disc's area.
         const double area = rule.usable * rule.region.width * rule.region.height / rule.quota;
         const double inRow =
             CV_PI / 2 * rule.radius * rule.radius * area / std::min(rule.region.width, rule.region.height);
@@ -198,7 +195,7 @@ struct LeafDisc
     int width() const { return halfWidths[0]; }
     int height() const { return int(halfWidths.size()) - 1; }
 
-    std::vector<int> halfWidths;  // by |dy|: the greatest |dx|; both below those of the grid
+    std::vector<int> halfWidths;  // the greatest |dx| for each |dy|, both smaller than the grid
 };
 
 static void countLeavesBefore(const RankGrid& grid, const unsigned* leaves, size_t count, int* counts)
@@ -206,17 +203,17 @@ static void countLeavesBefore(const RankGrid& grid, const unsigned* leaves, size
     CV_CPU_DISPATCH(countBefore, (grid, leaves, count, counts), CV_CPU_DISPATCH_MODES_ALL);
 }
 
-// How many leaves before each one in the list lie within the disc around it.
+// Counts, for each leaf, the earlier leaves of the list within the disc around it.
 static std::vector<int> countStronger(const std::vector<unsigned>& leaves, const LeafDisc& disc,
-                                      const LeafGrid& of)
+                                      const LeafGrid& tree)
 {
     const int step = RankGrid::STEP, columns = 2 * disc.width() + 1, rows = 2 * disc.height() + 1;
     RankGrid grid = RankGrid();
-    grid.columnBits = of.columnBits;
+    grid.columnBits = tree.columnBits;
     grid.left = disc.width();
     grid.top = disc.height();
-    grid.stride = (of.columns + columns) / step + 2;
-    std::vector<uint64> bits(size_t(grid.stride) * (of.rows + rows)), masks;
+    grid.stride = (tree.columns + columns) / step + 2;
+    std::vector<uint64> bits(size_t(grid.stride) * (tree.rows + rows)), masks;
     std::vector<int> words, counts(leaves.size());
     for (int y = 0; y < rows; y++)
     {
@@ -241,8 +238,8 @@ static std::vector<int> countStronger(const std::vector<unsigned>& leaves, const
     return counts;
 }
 
-// The factor that scales ranks up: the number of leaves in the square around the disc, over the number of these that
-// lie in the region and are not masked. A leaf with a representative counts even if its centre is masked.
+// Factors that scale ranks up: number of leaves in the square around the disc, over the number of unmasked leaves in it
+// and in the region. A leaf with a representative counts even if its centre is masked.
 static std::vector<double> inverseSharesOf(const std::vector<unsigned>& leaves, const LeafDisc& disc,
                                            const LeafGrid& grid, const std::vector<uchar>& usable)
 {
@@ -252,7 +249,7 @@ static std::vector<double> inverseSharesOf(const std::vector<unsigned>& leaves, 
             counted(row, column) = usable[grid.numberOf(column, row)] != 0;
     for (unsigned leaf : leaves)
         counted(grid.rowOf(leaf), grid.columnOf(leaf)) = 1;
-    Mat1i sums;  // of the leaves above and on the left
+    Mat1i sums;  // integral image of the leaves
     integral(counted, sums, CV_32S);
     const double whole = (2. * disc.width() + 1) * (2. * disc.height() + 1);
     std::vector<double> inverses(leaves.size());
@@ -270,8 +267,8 @@ static std::vector<double> inverseSharesOf(const std::vector<unsigned>& leaves, 
 
 // ---- 6. order ---------------------------------------------------------------------------------
 
-// 127 more than the binary logarithm of a positive number, in units of 2^-23 and with an error below .09: the exponent
-// of the float as it is stored, and its significand as the fraction. It is positive, monotonic, and the same on every
+// Binary logarithm of a positive number plus 127, in units of 2^-23, with an error below .09: the bits of the float,
+// with its exponent as the whole part and its significand as the fraction. Positive, monotonic, and the same on every
 // CPU.
 static double binaryLogarithm(float v)
 {
@@ -280,7 +277,7 @@ static double binaryLogarithm(float v)
     return double(bits.i);
 }
 
-// The logarithm of (1 + rank) / strength^exponent. What has no strength comes last.
+// Logarithm of (1 + rank) / strength^exponent. Representatives without strength come last.
 static int64 orderKey(double rank, float strength, double exponent)
 {
     const double BEYOND_RANKS = 1 << 29;
@@ -307,7 +304,7 @@ std::vector<unsigned> orderRepresentatives(const std::vector<unsigned>& leavesGi
     for (size_t i = 0; i < keys.size(); i++)
     {
         const int64 place = orderKey(ranks[i] * inverseShares[i], strengths[byStrength[i]], rule.exponent);
-        keys[i] = uint64(place) ^ uint64(1) << 63;  // without a sign, in the same order
+        keys[i] = uint64(place) ^ uint64(1) << 63;  // unsigned, in the same order
     }
     std::vector<unsigned> order = sortIndices(keys);
     for (unsigned& index : order)
@@ -315,7 +312,7 @@ std::vector<unsigned> orderRepresentatives(const std::vector<unsigned>& leavesGi
     return order;
 }
 
-// By leaf: whether its centre may have a corner; empty: they all may.
+// Whether the centre of each leaf is unmasked; empty: all are.
 static std::vector<uchar> usableLeaves(const Mat& mask, const Rect& region, const LeafGrid& grid)
 {
     std::vector<uchar> usable(mask.empty() ? 0 : grid.numbers());
@@ -363,7 +360,7 @@ static std::vector<CornerResponse> rankedCorners(const Parameters& parameters, c
     return ordered;
 }
 
-// The patch is not for it.
+// Orders corners for QUADTREE_SELECTION, which needs no patch.
 static std::vector<CornerResponse> quadtreeCorners(const Parameters& parameters, const OrientationPatch&,
                                                    const LevelPlan& plan, const Level& level,
                                                    const std::vector<Corner>& corners)
@@ -383,8 +380,8 @@ SelectionMethod selectionMethod(const Parameters& parameters)
                 [](const Parameters& p, Sizes, Scales)
                 { return quadtreeQuotas(p.nfeatures, p.scaleFactor, p.nlevels); },
                 quadtreeCorners};
-    // Harris responses of neighbours hardly differ. Without suppression a strong corner would be chosen three times.
-    // A user who asks for the strongest corners gets them on every level, as from cv::ORB.
+    // Harris responses of neighbouring pixels hardly differ: without suppression a strong corner would be chosen three
+    // times. A high strengthWeight lowers the distance, so strong corners are chosen on every level, as by cv::ORB.
     const double distance = parameters.octaveSuppression >= 0 ? parameters.octaveSuppression
                                                               : 2.1 / (1 + parameters.strengthWeight);
     return {parameters.useHarris(), parameters.subPixel, distance,

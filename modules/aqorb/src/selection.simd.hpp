@@ -3,7 +3,7 @@
 // of this distribution.
 // SPDX-License-Identifier: Apache-2.0
 
-// The counts of leaves in points 3 and 5 of the rule.
+// Kernels of points 3 and 5 of the selection rule: counts of leaves.
 
 #include "selection.hpp"
 #include "simd_compat.hpp"
@@ -14,14 +14,13 @@ namespace aqorb
 {
 CV_CPU_OPTIMIZATION_NAMESPACE_BEGIN
 
-/** Counts, for each leaf of a row, those of its eight neighbours whose best point is better. Ties go to the upper leaf,
- then to the left one.
- @param keys of the best points of the leaves, the greater, the better; the rows above and below are stride elements
- away */
+/** Counts, for each leaf of a row, how many of its eight neighbours have a better best point. Ties go to the upper
+ leaf, then to the left leaf.
+ @param keys key of each leaf's best point, greater is better; the rows above and below are stride elements away */
 void countBetter(const int* keys, ptrdiff_t stride, int side, uchar* counts);
 
-/** Counts, for each leaf, the leaves before it within the disc around it.
- @param grid without any bit; afterwards it has those of all leaves */
+/** Counts, for each leaf, the earlier leaves of the list within the disc around it.
+ @param grid empty grid; receives the bits of all leaves */
 void countBefore(const RankGrid& grid, const unsigned* leaves, size_t count, int* counts);
 
 #ifndef CV_CPU_OPTIMIZATION_DECLARATIONS_ONLY
@@ -32,10 +31,10 @@ void countBetter(const int* keys, ptrdiff_t stride, int side, uchar* counts)
     const int *above = keys - stride, *below = keys + stride;
     for (int i = 0; i < side; i++)
     {
-        const int own = keys[i];
+        const int key = keys[i];
         counts[i] =
-            uchar((above[i - 1] >= own) + (above[i] >= own) + (above[i + 1] >= own) + (keys[i - 1] >= own) +
-                  (keys[i + 1] > own) + (below[i - 1] > own) + (below[i] > own) + (below[i + 1] > own));
+            uchar((above[i - 1] >= key) + (above[i] >= key) + (above[i + 1] >= key) + (keys[i - 1] >= key) +
+                  (keys[i + 1] > key) + (below[i - 1] > key) + (below[i] > key) + (below[i + 1] > key));
     }
 }
 
@@ -52,9 +51,9 @@ void countBefore(const RankGrid& grid, const unsigned* leaves, size_t count, int
         counts[i] = sum;
         // The bit of the leaf lies in two words.
         const unsigned bit = column + unsigned(grid.left);
-        uint64* const own = grid.bits + size_t(row + unsigned(grid.top)) * grid.stride + bit / STEP + 1;
-        own[0] |= uint64(1) << (bit % STEP);
-        own[-1] |= uint64(1) << (bit % STEP + STEP);
+        uint64* const words = grid.bits + size_t(row + unsigned(grid.top)) * grid.stride + bit / STEP + 1;
+        words[0] |= uint64(1) << (bit % STEP);
+        words[-1] |= uint64(1) << (bit % STEP + STEP);
     }
 }
 

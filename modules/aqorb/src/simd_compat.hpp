@@ -12,12 +12,12 @@
 #include <cmath>
 #include <cstring>
 
-// What differs between CPUs and between versions of OpenCV, for the kernels: operations on bytes and bits for which the
-// universal intrinsics have no function or a slow one, each with one meaning on every CPU.
+// Differences between CPUs and between versions of OpenCV, for the kernels: byte and bit operations that the universal
+// intrinsics lack or do slowly. Each gives the same result on every CPU.
 //
-// The kernels call the universal intrinsics by the function names that OpenCV has had since 4.9. Older versions have
-// operators only; for these the functions are added here. All functions are static, because a file compiled for one CPU
-// must keep its own: see types.hpp.
+// The kernels call the universal intrinsics by the function names of OpenCV 4.9. Older versions have only operators, so
+// this header adds the functions. All functions are static: a file compiled for one CPU must keep its own, see
+// types.hpp.
 
 #define AQORB_VERSION_CODE (CV_VERSION_MAJOR * 100 + CV_VERSION_MINOR)
 
@@ -47,7 +47,7 @@ AQORB_BINARY(v_gt, >)
 #define AQORB_LANES(V) VTraits<V>::vlanes()
 #endif
 
-//! How many bits are set.
+//! Number of set bits.
 static CV_ALWAYS_INLINE int bitCount(uint64 v)
 {
 #if defined(__POPCNT__) || defined(__aarch64__) || defined(__wasm__)
@@ -60,7 +60,7 @@ static CV_ALWAYS_INLINE int bitCount(uint64 v)
 #endif
 }
 
-//! Index of the lowest bit that is set. At least one must be.
+//! Index of the lowest set bit. At least one must be set.
 static CV_ALWAYS_INLINE int trailingZeros(uint64 bits)
 {
 #if defined(__GNUC__)
@@ -71,17 +71,16 @@ static CV_ALWAYS_INLINE int trailingZeros(uint64 bits)
 #endif
 }
 
-//! a * b + c, rounded once. The C library's function is slow on processors without such an instruction, and MinGW's
-//! rounds twice.
+//! a * b + c, rounded once. The C library's fma is slow on processors without the instruction, and MinGW's rounds
+//! twice.
 static CV_ALWAYS_INLINE float multiplyAdd(float a, float b, float c)
 {
 #if defined(FP_FAST_FMAF) || defined(__FMA__) || defined(__ARM_FEATURE_FMA)
     return std::fma(a, b, c);
 #else
-    // The product of two floats is exact in a double. If the sum is not, it is rounded to odd: of the two doubles on
-    // either side of the exact sum it becomes the one with an odd last bit. As a double has more than two bits more
-    // than twice those of a float, it is then neither a float nor midway between two floats, and rounds as the exact
-    // sum would.
+    // The product of two floats is exact in a double. An inexact sum is rounded to odd: to the neighbouring double with
+    // an odd last bit. A double has more than twice the bits of a float plus two, so the odd sum is neither a float nor
+    // midway between two floats, and rounds to the same float as the exact sum.
     const double product = double(a) * b, sum = product + c;
     const double added = sum - product, error = (product - (sum - added)) + (c - added);
     if (error == 0)
@@ -96,14 +95,14 @@ static CV_ALWAYS_INLINE float multiplyAdd(float a, float b, float c)
 #endif
 }
 
-//! The average of two numbers, rounded up.
+//! Average of two numbers, rounded up.
 static CV_ALWAYS_INLINE unsigned average(unsigned a, unsigned b)
 {
     return (a + b + 1) >> 1;
 }
 
-#if CV_SSE2 || CV_SSSE3  // Emscripten has those of SSSE3 where they are asked for
-//! The instruction of Intel's for the widest vectors.
+#if CV_SSE2 || CV_SSSE3  // Emscripten has SSSE3's intrinsics on request
+//! Intel's intrinsic for the widest vectors.
 #if CV_SIMD_WIDTH == 64
 #define AQORB_WIDE(name) _mm512_##name
 #elif CV_SIMD_WIDTH == 32
@@ -114,41 +113,40 @@ static CV_ALWAYS_INLINE unsigned average(unsigned a, unsigned b)
 #endif
 
 #if CV_SIMD
-//! Rounds to the nearest whole number, and ties to even, as cvRound does. The numbers must be less than 2^22 in size.
+//! Rounds to the nearest whole number, ties to even, as cvRound does. Requires |a| < 2^22.
 static CV_ALWAYS_INLINE v_int32 roundToEven(const v_float32& a)
 {
 #if CV_SSE2 || defined(__aarch64__) || defined(_M_ARM64)
     return v_round(a);
 #else
-    // Elsewhere OpenCV's v_round adds a half and cuts the fraction off, for example on 32-bit ARM. The sum with this
-    // number has no fraction bits left, so the addition itself rounds, and the lowest bits of the sum are the whole
-    // number.
+    // On other CPUs, for example 32-bit ARM, OpenCV's v_round adds a half and truncates. The sum with LARGE has no
+    // fraction bits, so the addition rounds, and the lowest bits of the sum are the whole number.
     const float LARGE = 3 << 22;
     const v_int32 sum = v_reinterpret_as_s32(v_add(a, vx_setall_f32(LARGE)));
     return v_sub(sum, v_reinterpret_as_s32(vx_setall_f32(LARGE)));
 #endif
 }
 
-//! A bit for each lane of bytes, set where the sign of the lane is.
+//! Sign bits of the byte lanes.
 template <typename V> static CV_ALWAYS_INLINE uint64 signBits(const V& a)
 {
     auto bits = v_signmask(a);
 #if CV_AVX512_SKX && defined(__GNUC__) && !defined(__clang__)
-    // GCC 12 may extend a mask of 32 bits to 64 in memory, without writing the other 32. Extended from a general
-    // register, the mask is right.
+    // GCC 12 may extend a mask of 32 bits to 64 in memory without writing the upper 32. A general register extends it
+    // correctly.
     if (AQORB_LANES(V) < 64)
         __asm__("" : "+r"(bits));
 #endif
     return uint64(bits) & (~uint64(0) >> (64 - AQORB_LANES(V)));
 }
 
-//! The lanes in which a is greater than b.
+//! Bits of the lanes in which a is greater than b.
 template <typename V> static CV_ALWAYS_INLINE uint64 greaterLanes(const V& a, const V& b)
 {
     return signBits(v_gt(a, b));
 }
 #if CV_AVX512_SKX && CV_SIMD_WIDTH == 64
-// Comparisons give masks here. The generic code makes vectors of them, and then masks again.
+// AVX-512 comparisons give masks. The generic code would make vectors of these, and masks again.
 static CV_ALWAYS_INLINE uint64 greaterLanes(const v_uint8& a, const v_uint8& b)
 {
     return _mm512_cmpgt_epu8_mask(a.val, b.val);
@@ -159,7 +157,7 @@ static CV_ALWAYS_INLINE uint64 greaterLanes(const v_uint8& a, const v_uint8& b)
 template <typename V> static CV_ALWAYS_INLINE bool anyLaneGreater(const V& a, const V& b)
 {
 #if CV_NEON
-    return v_check_any(v_gt(a, b));  // on NEON it takes long to collect a bit of each lane
+    return v_check_any(v_gt(a, b));  // NEON is slow at collecting one bit from each lane
 #else
     return greaterLanes(a, b) != 0;
 #endif
@@ -176,7 +174,7 @@ static CV_ALWAYS_INLINE v_uint16 average(const v_uint16& a, const v_uint16& b)
 #endif
 }
 
-//! Eight bytes at p[i] + offset for each 128 bits, as 16-bit numbers.
+//! Loads eight bytes at p[i] + offset for each 128 bits, as 16-bit numbers.
 static CV_ALWAYS_INLINE v_int16 expandEach(const uchar* const* p, ptrdiff_t offset)
 {
     int64 bytes[CV_SIMD_WIDTH / 16];
@@ -192,7 +190,7 @@ static CV_ALWAYS_INLINE v_int16 expandEach(const uchar* const* p, ptrdiff_t offs
 }
 
 #if CV_NEON
-//! The sums of neighbours, of a and then of b.
+//! Sums of neighbouring lanes, of a and then of b.
 static CV_ALWAYS_INLINE uint16x8_t addPairs(const uint16x8_t& a, const uint16x8_t& b)
 {
 #if defined(__aarch64__) || defined(_M_ARM64)
@@ -206,7 +204,7 @@ static CV_ALWAYS_INLINE uint16x8_t addPairs(const uint16x8_t& a, const uint16x8_
 
 #if CV_SSSE3 || CV_NEON
 #define AQORB_PICKS_BYTES
-//! Sixteen bytes at p + offsets[i] for each 128 bits.
+//! Loads sixteen bytes at p + offsets[i] for each 128 bits.
 static CV_ALWAYS_INLINE v_uint8 loadEach(const uchar* p, const int* offsets)
 {
 #if CV_SIMD_WIDTH == 16
@@ -233,7 +231,7 @@ static CV_ALWAYS_INLINE v_uint8 pick(const v_uint8& bytes, const v_uint8& indice
 #endif
 }
 
-//! Weighs neighbouring bytes by weights that add up to 256. The sums are less 2^15, so that they fit.
+//! Weighted sums of neighbouring bytes, minus 2^15 to fit. The two weights add up to 256.
 static CV_ALWAYS_INLINE v_int16 weighPairs(const v_uint8& bytes, const v_uint8& weights)
 {
 #if CV_NEON
@@ -245,13 +243,13 @@ static CV_ALWAYS_INLINE v_int16 weighPairs(const v_uint8& bytes, const v_uint8& 
 #endif
 }
 
-//! The upper 16 of the 32 bits of a * (256 - weight) + b * weight.
+//! Upper 16 of the 32 bits of a * (256 - weight) + b * weight.
 static CV_ALWAYS_INLINE v_int16 blendHigh(const v_int16& a, const v_int16& b, int weight)
 {
 #if CV_NEON
-    const int16x4_t ofA = vdup_n_s16(short(256 - weight)), ofB = vdup_n_s16(short(weight));
-    const int32x4_t low = vmlal_s16(vmull_s16(vget_low_s16(a.val), ofA), vget_low_s16(b.val), ofB);
-    const int32x4_t high = vmlal_s16(vmull_s16(vget_high_s16(a.val), ofA), vget_high_s16(b.val), ofB);
+    const int16x4_t weightA = vdup_n_s16(short(256 - weight)), weightB = vdup_n_s16(short(weight));
+    const int32x4_t low = vmlal_s16(vmull_s16(vget_low_s16(a.val), weightA), vget_low_s16(b.val), weightB);
+    const int32x4_t high = vmlal_s16(vmull_s16(vget_high_s16(a.val), weightA), vget_high_s16(b.val), weightB);
     return v_int16(vcombine_s16(vshrn_n_s32(low, 16), vshrn_n_s32(high, 16)));
 #else
     const auto weights = AQORB_WIDE(set1_epi32)((weight << 16) | (256 - weight));
@@ -265,15 +263,15 @@ static CV_ALWAYS_INLINE v_int16 blendHigh(const v_int16& a, const v_int16& b, in
 
 #if CV_SSE2 || CV_NEON
 #define AQORB_COUNTS_BITS
-// Counting the bits of 64-bit words: a vector has the same word of several descriptors. Where a table counts the bits
-// of half a byte, the two halves are separate words, so that the difference of two is an index of the table.
+// Bit counts of 64-bit words: a vector holds the same word of several descriptors. If a table counts the bits of half a
+// byte, the two halves are separate words: the difference of two words is an index of the table.
 #if CV_SSSE3 && !CV_AVX_512BITALG
-const int BIT_PLANES = 2;
+const int WORD_HALVES = 2;
 #else
-const int BIT_PLANES = 1;
+const int WORD_HALVES = 1;
 #endif
 
-//! Adds the counts of words to sums, which are to be given to bitsOfWords.
+//! Adds the bit counts of words to sums, the arguments of wordBits.
 static CV_ALWAYS_INLINE v_uint8 addBits(const v_uint8& sums, const v_uint64& words)
 {
 #if CV_AVX_512BITALG && CV_SIMD_WIDTH == 64
@@ -284,8 +282,7 @@ static CV_ALWAYS_INLINE v_uint8 addBits(const v_uint8& sums, const v_uint64& wor
                                      2, 3, 3, 4, 0, 1, 1, 2, 1, 2, 2, 3, 1, 2, 2, 3, 2, 3, 3, 4};
     v_uint8 result = v_add_wrap(sums, pick(vx_load(COUNTS), v_reinterpret_as_u8(words)));
 #if defined(__GNUC__) && defined(__x86_64__)
-    __asm__(""
-            : "+v"(result.val));  // otherwise GCC adds in an order that needs more registers than there are
+    __asm__("" : "+v"(result.val));  // keeps GCC from an order of additions that spills registers
 #endif
     return result;
 #else
@@ -293,8 +290,8 @@ static CV_ALWAYS_INLINE v_uint8 addBits(const v_uint8& sums, const v_uint64& wor
 #endif
 }
 
-//! Counts the bits in the words of four vectors. In each 128 bits, the counts of the first vector come first.
-static CV_ALWAYS_INLINE v_uint16 bitsOfWords(const v_uint8* sums)
+//! Bit counts of the words of four vectors. In each 128 bits, the counts of the first vector come first.
+static CV_ALWAYS_INLINE v_uint16 wordBits(const v_uint8* sums)
 {
 #if CV_NEON
     const uint16x8_t a = addPairs(vpaddlq_u8(sums[0].val), vpaddlq_u8(sums[1].val));

@@ -3,7 +3,7 @@
 // of this distribution.
 // SPDX-License-Identifier: Apache-2.0
 
-// The FAST thresholds of an image, by equation (7) of the paper.
+// FAST thresholds of an image, by equation (7) of the paper.
 
 #include "precomp.hpp"
 
@@ -42,11 +42,11 @@ double varianceOverMean(const Mat& image, const Mat& mask, int threads)
                 }
                 sums[i] = {cv::sum(used)[0], used.dot(used), count};
             });
-    // The sums are whole numbers, so they are the same for any order of summation.
+    // The sums are whole numbers, so the order of summation does not matter.
     Sums all = {};
     for (const Sums& band : sums)
         all = {all.grays + band.grays, all.squares + band.squares, all.count + band.count};
-    // This is (squares/n - (sum/n)^2) / (sum/n).
+    // Equals (squares/n - (sum/n)^2) / (sum/n).
     return all.grays == 0 ? 0 : all.squares / all.grays - all.grays / all.count;
 }
 
@@ -56,8 +56,8 @@ Thresholds fastThresholds(double value, int fastThreshold, double minRatio)
     const double ini = value * fastThreshold / NEUTRAL_CONTRAST;
     Thresholds thresholds;
     thresholds.ini = cvRound(std::min(std::max(ini, 1.), 254.));
-    // The lower threshold is never stricter than that of cv::ORB. For a night scene with a few lamps equation (7)
-    // gives hundreds, and corners off the lamps would be lost.
+    // The lower threshold is at most cv::ORB's. For a night scene with a few lamps equation (7) gives hundreds, and the
+    // scene would keep corners only at the lamps.
     const double strictest = std::min(std::max(fastThreshold, 1), thresholds.ini);
     thresholds.min = cvRound(std::min(std::max(ini / minRatio, 1.), strictest));
     return thresholds;
@@ -68,7 +68,7 @@ double adaptiveFastThreshold(InputArray image, InputArray mask)
     if (image.empty())
         return 0;
     const Mat gray = grayImage(image);
-    return varianceOverMean(gray, checkedMask(mask, gray.size()), threadsOfStage());
+    return varianceOverMean(gray, checkedMask(mask, gray.size()), stageThreads());
 }
 
 }  // namespace aqorb

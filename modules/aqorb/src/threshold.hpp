@@ -3,7 +3,7 @@
 // of this distribution.
 // SPDX-License-Identifier: Apache-2.0
 
-// The FAST thresholds of an image, by equation (7) of the paper.
+// FAST thresholds of an image, by equation (7) of the paper.
 
 #ifndef OPENCV_AQORB_THRESHOLD_HPP
 #define OPENCV_AQORB_THRESHOLD_HPP
@@ -15,14 +15,14 @@ namespace cv
 namespace aqorb
 {
 
-//! Equation (7) for a CV_8UC1 image: variance over mean of the unmasked pixels; 0 where the mean is 0. The
-//! threads share its rows.
+//! Equation (7) for a CV_8UC1 image: variance over mean of the unmasked pixels; 0 if the mean is 0. The threads share
+//! the rows.
 double varianceOverMean(const Mat& image, const Mat& mask, int threads);
 
-//! The value of equation (7) for which iniT is fastThreshold itself.
+//! Value of equation (7) at which iniT equals fastThreshold.
 const double NEUTRAL_CONTRAST = 20;
 
-//! iniT and minT from the value of equation (7). A `fastThreshold` of 20 takes the equation as it is.
+//! iniT and minT from the value of equation (7), unscaled at fastThreshold 20.
 Thresholds fastThresholds(double value, int fastThreshold, double minRatio);
 
 }  // namespace aqorb

@@ -11,50 +11,50 @@
 #include <new>
 #include <vector>
 
-// The types that several stages share. A stage and the structs that only its own kernel needs are declared in
-// the header of the stage, so that a change in one stage does not recompile the others.
+// Types that several stages share. The header of a stage declares the stage and the structs of its kernel, so a change
+// in one stage does not recompile the others.
 //
-// What passes between a stage and its kernel (*.simd.hpp) are raw pointers and plain structs only. A function of
-// a class or a template that the compiler emits in a file compiled for one CPU could be chosen by the linker for
-// the whole program, which would then crash on other CPUs.
+// A stage and its kernel (*.simd.hpp) exchange only raw pointers and plain structs. The compiler may emit a member or
+// template function in a file compiled for one CPU; if the linker chose it for the whole program, the program would
+// crash on other CPUs.
 
 namespace cv
 {
 namespace aqorb
 {
 
-//! One level of the pyramid. Its pixels are continued outside of the image by reflection (BORDER_REFLECT_101).
+//! Level of the pyramid. Outside its border its pixels continue by reflection (BORDER_REFLECT_101).
 struct Level
 {
     Mat image;             //!< CV_8UC1
-    Mat mask;              //!< CV_8UC1 of the same size, not 0 where a corner may lie; empty: everywhere
+    Mat mask;              //!< CV_8UC1 of the same size, not 0 at usable pixels; empty: all are usable
     float scale = 1;       //!< size of a pixel of this level in pixels of the input image
     bool isInput = false;  //!< whether the level is the input image itself
 };
 
-const int FAST_RADIUS = 3;  //!< of the circle of pixels that FAST compares with a pixel
+const int FAST_RADIUS = 3;  //!< radius of FAST's circle of pixels
 
-//! FAST thresholds of an image: `ini` everywhere, `min` in cells that have no corner at `ini`.
+//! FAST thresholds of an image: `ini` everywhere, `min` in cells without a corner at `ini`.
 struct Thresholds
 {
     int ini, min;
 };
 
-//! A FAST corner: a pixel of a level and its FAST score (the highest threshold at which it is a corner).
+//! FAST corner: a pixel of a level and its score, the highest threshold at which it is a corner.
 struct Corner
 {
     int x;
-    int y : 22, score : 10;  // a level has thousands of corners: 8 bytes for each
+    int y : 22, score : 10;  // 8 bytes a corner: a level has thousands
 };
 
-//! A corner with its response: its Harris response or its FAST score.
+//! Corner with its response: Harris response or FAST score.
 struct CornerResponse
 {
     int x, y;
     float response;
 };
 
-//! Orders corners by rows, and by columns within a row. It is a type because std::sort does not inline functions.
+//! Orders corners by row, then by column. A type, because std::sort does not inline functions.
 struct InRasterOrder
 {
     template <typename C> bool operator()(const C& a, const C& b) const
@@ -63,7 +63,7 @@ struct InRasterOrder
     }
 };
 
-//! The pixel of a level at which a feature is described, and in which direction.
+//! Pixel of a level and direction of a feature.
 struct FeaturePoint
 {
     int x, y;
@@ -74,12 +74,12 @@ struct FeaturePoint
 struct FeatureList
 {
     std::vector<FeaturePoint> points;  //!< in raster order
-    std::vector<KeyPoint> keypoints;   //!< of the points
-    std::vector<uchar> descriptors;    //!< of the points, ORB::kBytes each; empty if they are not wanted
-    std::vector<uint64> outputKeys;    //!< of the points: features come in the output by ascending keys
+    std::vector<KeyPoint> keypoints;   //!< one for each point
+    std::vector<uchar> descriptors;    //!< ORB::kBytes for each point; empty without descriptors
+    std::vector<uint64> outputKeys;    //!< one for each point; ascending keys order the output
 };
 
-//! Bytes of a cache line. The widest vectors are as long, so one that does not begin at a line lies across two.
+//! Bytes of a cache line. The widest vectors are as long; an unaligned one lies across two lines.
 const int CACHE_LINE = 64;
 
 //! Allocates memory that begins at a cache line.
@@ -93,7 +93,7 @@ template <typename T> struct LineAllocator
     {
         if (count > (~size_t(0) - CACHE_LINE) / sizeof(T))
             throw std::bad_alloc();
-        // Before the elements there is always space for the address that is to be freed.
+        // The address to free lies before the elements.
         uchar* const memory = static_cast<uchar*>(::operator new(count * sizeof(T) + CACHE_LINE));
         uchar* const elements = alignPtr(memory + sizeof(void*), CACHE_LINE);
         reinterpret_cast<void**>(elements)[-1] = memory;
@@ -110,12 +110,12 @@ template <typename T, typename U> bool operator!=(const LineAllocator<T>&, const
     return false;
 }
 
-//! A vector whose elements begin at a cache line.
+//! Vector whose elements begin at a cache line.
 template <typename T> using AlignedVector = std::vector<T, LineAllocator<T>>;
 
-//! Makes a buffer at least so long. If it grows, its elements are lost, because the old memory is freed first. It gets
-//! no more than is needed, where a vector may double its memory. It never shrinks, so later images need no new memory.
-//! @return the first element
+//! Grows a buffer to at least `count` elements; never shrinks it. A buffer that grows loses its elements, because it
+//! frees its old memory first. It allocates exactly `count` elements; std::vector would double.
+//! @return address of the first element
 template <typename Vector> typename Vector::value_type* growTo(Vector& elements, size_t count)
 {
     if (elements.size() < count)

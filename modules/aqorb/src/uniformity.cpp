@@ -3,7 +3,7 @@
 // of this distribution.
 // SPDX-License-Identifier: Apache-2.0
 
-// The functions for the keypoints of any detector: how uniformly they are distributed, and how to thin them out.
+// Functions for keypoints of any detector: uniformity of their distribution, and uniform selection.
 
 #include "precomp.hpp"
 
@@ -38,7 +38,7 @@ double distributionUniformity(const std::vector<KeyPoint>& keypoints, Size image
         first[4] +=
             std::abs(x - W / 2) <= W / (2 * std::sqrt(2.)) && std::abs(y - H / 2) <= H / (2 * std::sqrt(2.));
     }
-    // The counts of the two regions of a halving differ equally from their mean, which is count / 2.
+    // Both counts of a halving deviate equally from their mean, count / 2.
     double squares = 0;
     for (int i = 0; i < HALVINGS; i++)
     {
@@ -78,7 +78,7 @@ void retainUniform(std::vector<KeyPoint>& keypoints, Size imageSize, int npoints
     if (npoints < 0)
         CV_Error_(Error::StsOutOfRange, ("npoints must be at least 0, got %d", npoints));
 
-    std::vector<unsigned> inside, order;  // keypoints in the image, in the order that breaks ties
+    std::vector<unsigned> inside, order;  // keypoints inside the image, in the order that breaks ties
     for (size_t i = 0; i < keypoints.size(); i++)
     {
         const Point2f p = keypoints[i].pt;
@@ -93,7 +93,7 @@ void retainUniform(std::vector<KeyPoint>& keypoints, Size imageSize, int npoints
                       const Point2f &p = keypoints[a].pt, &q = keypoints[b].pt;
                       return p.y != q.y ? p.y < q.y : p.x != q.x ? p.x < q.x : a < b;
                   });
-        // Positions are not bound to pixels, so leaves may be smaller.
+        // Positions are not bound to pixels, so leaves may be smaller than a pixel.
         const LeafGrid grid = rankedGrid(Size(INT_MAX, INT_MAX), 1, npoints);
         std::vector<LeafPoint> points;
         for (unsigned index : inside)
@@ -105,7 +105,7 @@ void retainUniform(std::vector<KeyPoint>& keypoints, Size imageSize, int npoints
         std::vector<unsigned> leaves;
         std::vector<float> strengths;
         const float MIN_STRENGTH = std::numeric_limits<float>::denorm_min();
-        // Responses are taken in units of the highest one, so that a constant factor changes nothing.
+        // Dividing by the highest response makes the result independent of the responses' unit.
         double highest = 0;
         for (unsigned index : inside)
             if (std::isfinite(keypoints[index].response))
@@ -118,7 +118,7 @@ void retainUniform(std::vector<KeyPoint>& keypoints, Size imageSize, int npoints
                                     ? std::max(float(std::ldexp(response / highest, 127)), MIN_STRENGTH)
                                     : response);
         }
-        // More even than the defaults of the detector: here all keypoints are of one level.
+        // More uniform than the detector's defaults, because all keypoints are on one level.
         const double RADIUS = 1, WEIGHT = 0.15;
         const RankRule rule = {imageSize, grid, 1, std::max(npoints, 1), RADIUS, WEIGHT};
         std::vector<uchar> isListed(keypoints.size());
@@ -127,7 +127,7 @@ void retainUniform(std::vector<KeyPoint>& keypoints, Size imageSize, int npoints
             order.push_back(inside[representatives[index]]);
             isListed[order.back()] = 1;
         }
-        // When representatives run out, the others follow by response.
+        // After the representatives, the other keypoints follow by response.
         std::stable_sort(inside.begin(), inside.end(),
                          [&](unsigned a, unsigned b)
                          { return sortKey(keypoints[a].response) > sortKey(keypoints[b].response); });

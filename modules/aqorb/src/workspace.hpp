@@ -3,7 +3,7 @@
 // of this distribution.
 // SPDX-License-Identifier: Apache-2.0
 
-// What an object keeps between calls: the tables of its parameters, and memory, which calls borrow.
+// State that an object keeps between calls: tables of its parameters, and a pool of work spaces.
 
 #ifndef OPENCV_AQORB_WORKSPACE_HPP
 #define OPENCV_AQORB_WORKSPACE_HPP
@@ -18,7 +18,7 @@ namespace cv
 namespace aqorb
 {
 
-//! What follows from the parameters alone.
+//! Tables computed from the parameters.
 struct Tables
 {
     explicit Tables(const Parameters& parameters)
@@ -32,32 +32,33 @@ struct Tables
     DescriptorTests tests;
 };
 
-//! The large buffers of a call. They are kept for later calls.
+//! Large buffers of a call, kept for later calls.
 struct Workspace
 {
-    std::vector<uchar> gray;  //!< the image, where the caller's has colours
+    std::vector<uchar> gray;  //!< grey copy of a colour image
     PyramidSpace pyramid;
     CornerSpace corners;
-    std::vector<DescriptionScratch> descriptions;  //!< of each thread
+    std::vector<DescriptionScratch> descriptions;  //!< one for each thread
 };
 
-//! The work spaces of an object. A call borrows one, so that several threads can use the object at once.
+//! Pool of an object's work spaces. Each call takes its own, so several threads can use the object at once.
 class Workspaces
 {
 public:
-    class Loan
+    //! Takes a work space from the pool, and returns it at the end of the scope.
+    class Handle
     {
     public:
-        explicit Loan(Workspaces& lender_) : lender(lender_), lent(lender.take()) {}
-        Loan(const Loan&) = delete;
-        ~Loan() { lender.give(lent); }
-        Workspace& operator*() const { return *lent; }
+        explicit Handle(Workspaces& pool_) : pool(pool_), workspace(pool.take()) {}
+        Handle(const Handle&) = delete;
+        ~Handle() { pool.give(workspace); }
+        Workspace& operator*() const { return *workspace; }
 
     private:
-        Workspaces& lender;
-        const Ptr<Workspace> lent;
+        Workspaces& pool;
+        const Ptr<Workspace> workspace;
     };
-    //! Frees those that are not lent.
+    //! Frees the idle work spaces.
     void clear()
     {
         const AutoLock lock(mutex);
@@ -68,24 +69,24 @@ private:
     Ptr<Workspace> take()
     {
         const AutoLock lock(mutex);
-        idle.reserve(idle.size() + lentCount + 1);  // so that giving back cannot fail
+        idle.reserve(idle.size() + inUse + 1);  // so that give() cannot fail
         const Ptr<Workspace> taken = idle.empty() ? makePtr<Workspace>() : idle.back();
         if (!idle.empty())
             idle.pop_back();
-        lentCount++;
+        inUse++;
         return taken;
     }
-    // As many are kept as there are CPUs.
-    void give(const Ptr<Workspace>& lent)
+    // Keeps at most one idle work space for each CPU.
+    void give(const Ptr<Workspace>& workspace)
     {
         const AutoLock lock(mutex);
-        lentCount--;
+        inUse--;
         if (idle.size() < size_t(std::max(getNumberOfCPUs(), 1)))
-            idle.push_back(lent);
+            idle.push_back(workspace);
     }
 
     Mutex mutex;
-    size_t lentCount = 0;
+    size_t inUse = 0;
     std::vector<Ptr<Workspace>> idle;
 };
 

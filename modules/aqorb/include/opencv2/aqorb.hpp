@@ -17,17 +17,18 @@
 /**
 @defgroup aqorb Uniformly distributed ORB features
 
-ORB features that are spread uniformly over the image. They are found with an adaptive FAST threshold and a quadtree
-after @cite Yao2019AQORB. The class cv::aqorb::AdaptiveQuadtreeORB is derived from cv::ORB: it takes the same
-parameters, computes the same descriptors, and can be used wherever a cv::ORB or a cv::Feature2D is expected.
+ORB features that are spread uniformly over the image. The detector uses an adaptive FAST threshold and a quadtree after
+@cite Yao2019AQORB. The class cv::aqorb::AdaptiveQuadtreeORB is derived from cv::ORB: it takes the same parameters,
+computes the same descriptors, and replaces a cv::ORB or a cv::Feature2D anywhere.
 
-Two functions measure how uniformly the keypoints of any detector are distributed (distributionUniformity,
-distributionOccupancy). A third one thins out keypoints uniformly (retainUniform), and a fourth one computes the FAST
-threshold that suits the contrast of an image (adaptiveFastThreshold).
+Four functions work with any detector: distributionUniformity and distributionOccupancy measure the uniformity of its
+keypoints, retainUniform thins them out uniformly, and adaptiveFastThreshold computes a FAST threshold from the contrast
+of an image.
 
 The class aqorb::HammingMatcher gives the matches of cv::BFMatcher for binary descriptors, at least 6 times as fast with
-AVX2. matchArrays, knnMatchArrays and matchByPosition give them as arrays. The class aqorb::SlamExtractor, in a header
-of its own, replaces the feature extractor of ORB-SLAM.
+AVX2. matchArrays, knnMatchArrays and matchByPosition return matches as arrays. refineMatches and growMatches refine the
+positions of matches. The class aqorb::SlamExtractor, in the header aqorb/slam.hpp, replaces the feature extractor of
+ORB-SLAM.
 
 The @ref tutorial_table_of_content_aqorb "tutorials" show how to use the module and how it works.
 */
@@ -42,9 +43,9 @@ namespace aqorb
 
 /** @brief ORB detector and descriptor whose keypoints are spread uniformly over the image.
 
-Use it where keypoints must cover the image: for visual odometry and SLAM, stitching, homographies, and dark or
-low-contrast images. Prefer cv::ORB where only the strongest keypoints are wanted, wherever they lie, or where the
-keypoints of earlier runs of cv::ORB must be found again.
+Use it if keypoints must cover the image: for visual odometry and SLAM, stitching, homographies, and dark or
+low-contrast images. Prefer cv::ORB if you want only the strongest keypoints, wherever they lie, or the same keypoints
+as earlier runs of cv::ORB.
 
 @code{.cpp}
     Ptr<aqorb::AdaptiveQuadtreeORB> detector = aqorb::AdaptiveQuadtreeORB::create(1000);  // was: ORB::create(1000)
@@ -55,22 +56,22 @@ keypoints of earlier runs of cv::ORB must be found again.
 ### How keypoints are found
 
 The detector follows @cite Yao2019AQORB, and the descriptor is cv::ORB's @cite RRKB11. FAST finds corners on each level
-of an image pyramid. A quadtree divides the level into leaves. The corner of the highest FAST score represents its leaf,
-unless at least three of the eight leaves around it have better ones. The representatives are taken by their *strength*,
-weighed against their *rank*, the number of stronger ones around them. The strength of a corner is its FAST score, times
-the fourth root of its Harris response, times the length of the moment from which its direction is computed. With
-ORB::FAST_SCORE the Harris response is left out. @ref tutorial_aqorb_algorithm has the formulas.
+of an image pyramid. A quadtree divides the level into leaves. The corner with the highest FAST score represents its
+leaf, unless at least three of the eight leaves around it have better corners. The detector takes representatives by
+their *strength*, weighed against their *rank*, the number of stronger representatives around them. The strength of a
+corner is its FAST score, times the fourth root of its Harris response (not with ORB::FAST_SCORE), times the length of
+its orientation moment. @ref tutorial_aqorb_algorithm has the formulas.
 
 ### What a keypoint holds
 
 - pt: the position in pixels of the image; (0, 0) is the centre of the first pixel. Each coordinate is at least 0 and
   less than the width or the height. See setSubPixel().
-- size: the diameter of the patch that is described, in pixels of the image: patchSize * scale. The scale of a level is
+- size: the diameter of the descriptor's patch, in pixels of the image: patchSize * scale. The scale of a level is
   scaleFactor^(octave - firstLevel).
 - angle: the direction from the centre of the patch to the centroid of its intensity, in degrees, from 0 to below 360.
   It grows from the x axis towards the y axis, which points down.
-- response: the Harris response or the FAST score, see scoreType of create. cv::ORB's Harris response differs, as it
-  covers 7x7 pixels.
+- response: the Harris response or the FAST score, see scoreType of create. cv::ORB's Harris response differs: it covers
+  7x7 pixels.
 - octave: the number of the level, from 0 (the finest) to nlevels - 1. class_id is -1.
 
 ### What you can rely on
@@ -80,22 +81,22 @@ ORB::FAST_SCORE the Harris response is left out. @ref tutorial_aqorb_algorithm h
 - The keypoints and descriptors are the same for any number of threads, on any CPU, at every repetition.
 - The descriptor of a keypoint equals cv::ORB::compute's with the same parameters.
 - Any non-zero value of a mask means "use this pixel", on every level.
-- Several threads may use one object at the same time, as long as none of them calls a setter.
+- Several threads may use one object at the same time, while no thread calls a setter.
 
-@ref tutorial_aqorb_promises says each of these exactly, together with its exceptions, and names the test that holds it.
+@ref tutorial_aqorb_promises states each promise exactly, with its exceptions and its test.
 
 ### Errors
 
-An invalid parameter raises a cv::Exception that names it and leaves the object unchanged. create checks combinations of
-parameters, and each call checks them again, as setters may come in any order. An image and each level have at most
-2^20 - 1 pixels a side; otherwise an exception names the size of the image. A keypoint given to compute raises an
-exception if its octave is negative or stands for a level without a pixel, or if its angle is not finite. Its octave may
-be nlevels or more, as with cv::ORB, but must then be below 64. A call that raises an exception because of an argument
-leaves its outputs unchanged. */
+An invalid parameter raises a cv::Exception that names it and leaves the object unchanged. create and each call check
+combinations of parameters; setters do not, because they may come in any order. An image and each level have at most
+2^20 - 1 pixels a side; otherwise an exception names the size of the image. compute raises an exception for a keypoint
+whose octave is negative or stands for a level without a pixel, or whose angle is not finite. An octave may be nlevels
+or more, as with cv::ORB, but must be below 64. A call that raises an exception because of an argument leaves its
+outputs unchanged. */
 class CV_EXPORTS_W AdaptiveQuadtreeORB : public cv::ORB
 {
 public:
-    //! The rule by which the corners of a level are chosen, see setSelectionType().
+    //! Rule that selects the corners of a level, see setSelectionType().
     enum SelectionType
     {
         RANKED_SELECTION = 0,   //!< by strength and by the number of stronger corners nearby
@@ -114,19 +115,18 @@ public:
     @param edgeThreshold Width in pixels, on each level, of the border without keypoints, >= 0. The default 16 is the
     smallest value that keeps the orientation patch of the default patchSize inside the image. The value 31 of cv::ORB
     costs uniformity, because on small levels most of the image is within the border.
-    @param firstLevel The level that is the input image, 0 <= firstLevel < nlevels. Levels before it are enlarged,
-    so that their border is fewer than edgeThreshold pixels of the image wide. As compute keeps edgeThreshold pixels of
-    the image free, like cv::ORB::compute, it drops some of the keypoints that detect finds on these levels.
+    @param firstLevel The level that is the input image, 0 <= firstLevel < nlevels. Levels before it are enlarged, so
+    their border is narrower than edgeThreshold pixels of the image. compute, like cv::ORB::compute, keeps edgeThreshold
+    pixels of the image free and drops some keypoints that detect finds on enlarged levels.
     @param WTA_K Number of points compared for each element of the descriptor: 2, 3 or 4. Match with NORM_HAMMING for 2,
     with NORM_HAMMING2 for 3 and 4 (see defaultNorm).
-    @param scoreType What is returned as KeyPoint::response: ORB::HARRIS_SCORE (the Harris response over 5x5 pixels) or
+    @param scoreType The score in KeyPoint::response: ORB::HARRIS_SCORE (the Harris response over 5x5 pixels) or
     ORB::FAST_SCORE (the highest threshold at which the pixel is a FAST corner). It also decides whether the Harris
-    response is part of a corner's strength. Which corner represents a leaf is decided by the FAST score in either case.
-    With ORB::HARRIS_SCORE a corner gives way to a better one among the 7x7 pixels around it, by FAST score.
-    @param patchSize Diameter in pixels, on each level, of the patch from which the orientation and the descriptor are
-    computed, 2 to 16384.
+    response is part of a corner's strength. The FAST score selects a leaf's representative in either case. With
+    ORB::HARRIS_SCORE a corner gives way to a corner of higher FAST score among the 7x7 pixels around it.
+    @param patchSize Diameter in pixels, on each level, of the patch of the orientation and the descriptor, 2 to 16384.
     @param fastThreshold Scale of the adaptive FAST threshold. 20 gives the threshold of the paper's equation (7), and
-    10 half of it. A lower value means more corners, as in cv::ORB. With setAdaptiveThreshold(false) it is the FAST
+    10 half of it. A lower value gives more corners, as in cv::ORB. With setAdaptiveThreshold(false) it is the FAST
     threshold itself. It is limited to [0, 255]. */
     CV_WRAP static Ptr<AdaptiveQuadtreeORB> create(int nfeatures = 500, float scaleFactor = 1.2f,
                                                    int nlevels = 8, int edgeThreshold = 16,
@@ -137,130 +137,126 @@ public:
     //! @name Properties
     //! @{
 
-    /** @brief How much the strength of a corner counts against an even distribution: 0 to 1000, without a unit. The
-    default is 0.05.
+    /** @brief Weight of a corner's strength against an even distribution: 0 to 1000, without a unit. The default is
+    0.05.
 
-    The representatives of a level come by (1 + rank) / strength^StrengthWeight, the lowest first. With 0 corners are
-    taken by their rank alone, which gives the most even distribution. A larger value prefers strong corners; raise it
-    to find a small object in a large scene. With 1000 a rank of a million makes up for 2 per cent of strength at most,
-    so a representative comes before every one that is weaker by more. It has no effect with QUADTREE_SELECTION. */
+    Representatives of a level come by (1 + rank) / strength^StrengthWeight, the lowest first. At 0 rank alone decides,
+    which gives the most even distribution. A larger value prefers strong corners; raise it to find a small object in a
+    large scene. At 1000 strength alone decides: even a rank of a million outweighs at most 2 % of strength. It has no
+    effect with QUADTREE_SELECTION. */
     CV_WRAP virtual void setStrengthWeight(double strengthWeight) = 0;
     CV_WRAP virtual double getStrengthWeight() const = 0;  //!< see setStrengthWeight()
 
-    /** @brief The distance that a corner keeps from the keypoints of neighbouring levels that were taken before it, in
-    pixels of its own level: finite and >= 0. With -1, the default, it is the distance that suits the selection, see
-    setSelectionType().
+    /** @brief Distance that a corner keeps from earlier keypoints of neighbouring levels, in pixels of its own level:
+    finite and >= 0. The default -1 takes the distance of the selection type, see setSelectionType().
 
-    Coarse levels choose first. So two keypoints of neighbouring levels lie at least that many pixels of the finer level
-    apart. A nearer corner is taken only when no corner that keeps the distance is left. The distance is measured
-    between the detected pixels of the two, mapped to the image by pixel centres. Refined positions (setSubPixel()) can
-    come nearer. With 0 there is no such rule, as in the paper. */
+    Coarse levels choose first, so keypoints of neighbouring levels lie at least this many pixels of the finer level
+    apart. The detector takes a nearer corner only when no corner that keeps the distance is left. The distance counts
+    between the detected pixels, mapped to the image by pixel centres. Refined positions (setSubPixel()) can come
+    nearer. 0 switches the rule off, as in the paper. */
     CV_WRAP virtual void setOctaveSuppression(double octaveSuppression) = 0;
     CV_WRAP virtual double getOctaveSuppression() const = 0;  //!< see setOctaveSuppression()
 
-    /** @brief Whether keypoint positions are refined to a fraction of a pixel and mapped to the image by pixel centres.
-    The default is true.
+    /** @brief Whether the detector refines keypoint positions to a fraction of a pixel and maps them to the image by
+    pixel centres. The default is true.
 
     With false positions are whole pixels of the level times its scale, as in cv::ORB and in the paper. In either case
-    keypoint k was detected at the pixel cvRound(k.pt / scale) of its level, and direction and descriptor are computed
-    there. */
+    the pixel cvRound(k.pt / scale) of its level is the place of keypoint k's detection, direction and descriptor. */
     CV_WRAP virtual void setSubPixel(bool subPixel) = 0;
     CV_WRAP virtual bool getSubPixel() const = 0;  //!< see setSubPixel()
 
-    /** @brief Whether the FAST threshold is taken from the image by equation (7) of the paper. The default is true.
-    With false it is fastThreshold for every image. */
+    /** @brief Whether the FAST threshold adapts to the image by equation (7) of the paper. The default is true. With
+    false it is fastThreshold for every image. */
     CV_WRAP virtual void setAdaptiveThreshold(bool adaptiveThreshold) = 0;
     CV_WRAP virtual bool getAdaptiveThreshold() const = 0;  //!< see setAdaptiveThreshold()
 
-    /** @brief How many times lower the FAST threshold is in cells that would otherwise stay empty: finite, >= 1. The
-    default is 4, as in the paper. Cells are squares of 35 pixels of the level. The lower threshold is never above
-    fastThreshold, so that with 1 there is no second one unless the first is above fastThreshold. */
+    /** @brief Ratio of the FAST threshold to the lower threshold in cells without a corner: finite, >= 1. The default
+    is 4, as in the paper. Cells are squares of 35 pixels of the level. The lower threshold is never above
+    fastThreshold, so with 1 both thresholds are equal unless the first is above fastThreshold. */
     CV_WRAP virtual void setMinThresholdRatio(double minThresholdRatio) = 0;
     CV_WRAP virtual double getMinThresholdRatio() const = 0;  //!< see setMinThresholdRatio()
 
-    // The type has its full name here, because OpenCV's wrappers for Python and Java do not find it otherwise.
-    /** @brief The rule by which the corners of a level are chosen. The default is RANKED_SELECTION.
+    // The full name of the type, because OpenCV's wrappers for Python and Java need it.
+    /** @brief Rule that selects the corners of a level. The default is RANKED_SELECTION.
 
-    - RANKED_SELECTION counts for the representative of each leaf of the quadtree how many stronger ones are around it
-      (setRankRadius()), and weighs this rank against its strength (setStrengthWeight()). Neither depends much on how
-      the scene lies in the frame, so nearly the same corners are chosen when the camera turns. Levels share the
-      features in proportion to area * scale^1.25, where the area is that between the borders, and the finest level gets
-      half as much again. The tree has the smallest depth with at least 9 leaves for each feature that the level is to
-      have; leaves on masked pixels do not count. No leaf is shorter than 2 pixels: where one tree would need such
-      leaves, a level at least twice as long as wide has several trees in a row. There are at most 2^24 leaves. A corner
-      keeps 2.1 / (1 + StrengthWeight) pixels from the keypoints of the levels next to its own, so that a corner of the
-      scene can be kept on every second level.
+    - RANKED_SELECTION counts the stronger representatives around each representative (setRankRadius()), and weighs
+      this rank against its strength (setStrengthWeight()). Both hardly depend on the scene's place in the frame, so a
+      turned camera gives nearly the same corners. Levels share the features in proportion to area * scale^1.25, with
+      the area between the borders; the finest level gets half as much again. The tree has the smallest depth with at
+      least 9 leaves for each feature of the level's quota, without leaves on masked pixels. No leaf is shorter than 2
+      pixels: if one tree would need shorter leaves, a level at least twice as long as wide has several trees in a row.
+      There are at most 2^24 leaves. A corner keeps 2.1 / (1 + StrengthWeight) pixels from keypoints of neighbouring
+      levels, so a corner of the scene can give a keypoint on every second level.
     - QUADTREE_SELECTION is the paper's whole method, equations (7), (8) and (9) and Figure 2. Levels share the features
-      in proportion to their widths. The nodes of a quadtree are split, the fullest of each depth first, until there are
-      as many as the level is to have features or the depth of equation (9) is reached, and each node gives its corner
-      of the highest response. Where there are fewer nodes than features, the strongest other corners follow. Positions
-      are whole pixels, and levels do not suppress each other's corners: StrengthWeight, RankRadius, OctaveSuppression
-      and SubPixel keep their values and have no effect.
+      in proportion to their widths. The tree splits its nodes, the fullest of each depth first, up to the level's quota
+      or the depth of equation (9), and each node gives its corner of the highest response. If there are fewer nodes
+      than features, the strongest other corners follow. Positions are whole pixels, and levels do not suppress each
+      other's corners: StrengthWeight, RankRadius, OctaveSuppression and SubPixel keep their values and have no effect.
 
     Any other value raises an exception. */
     CV_WRAP virtual void setSelectionType(cv::aqorb::AdaptiveQuadtreeORB::SelectionType selectionType) = 0;
     //! See setSelectionType().
     CV_WRAP virtual cv::aqorb::AdaptiveQuadtreeORB::SelectionType getSelectionType() const = 0;
 
-    /** @brief Radius of the disc in which the rank of a corner is counted, 0 to 16, in units of the mean distance
-    between the features of the level. The default is 1.
+    /** @brief Radius of the disc that counts for the rank of a corner, 0 to 16, in units of the mean distance between
+    the features of the level. The default is 1.
 
-    The mean distance is the square root of the unmasked area of the level between the borders over the number of its
-    features. With 0 all representatives have the same rank, so that their strength decides among them. It has no effect
-    with QUADTREE_SELECTION. */
+    The mean distance is the square root of the level's unmasked area between the borders over its number of features.
+    With 0 all representatives have the same rank, and their strength decides. It has no effect with QUADTREE_SELECTION.
+    */
     CV_WRAP virtual void setRankRadius(double rankRadius) = 0;
     CV_WRAP virtual double getRankRadius() const = 0;  //!< see setRankRadius()
 
     //! @}
 
-    /** @brief Computes the image pyramid on which keypoints are detected and described. It is for work that needs the
-    pixels around keypoints, such as stereo matching: keypoint k lies on levels[k.octave].
+    /** @brief Computes the image pyramid of the detector, for work on the pixels around keypoints such as stereo
+    matching: keypoint k lies on levels[k.octave].
 
     Level i has the pixels of cv::ORB's level. It has cvRound(width * (1.f / scale)) columns, and rows in the same way,
     where scale is scaleFactor^(i - firstLevel) as a float, all products are floats, and cvRound rounds halves to even.
-    Detection keeps no pyramid, so this function computes all of it.
+    Detection keeps no pyramid, so this function computes all levels.
 
     @param image 8-bit image with 1, 3 (BGR) or 4 (BGRA) channels.
-    @param levels A vector of Mat or UMat: one CV_8UC1 image for each level, which shares no memory with the input. The
-    vector may hold the input itself. There are nlevels images, or as many as have at least one pixel. It is empty for
-    an empty image. */
+    @param levels A vector of Mat or UMat: one CV_8UC1 image for each level, without shared memory with the input. The
+    vector may hold the input itself. It has nlevels images, fewer if levels have no pixel, and none for an empty image.
+    */
     CV_WRAP virtual void buildPyramid(InputArray image, OutputArrayOfArrays levels) const = 0;
 
-    /** @brief detectAndCompute for the images of a collection, side by side: the results equal those of a call for each
-    image, for any number of threads.
+    /** @brief detectAndCompute for the images of a collection, in parallel. Any number of threads gives the results of
+    one call for each image.
 
-    Each of the threads that cv::getNumThreads allows takes one image after another. This uses the threads better than
-    sharing each image among them. A collection of one image is processed by all of them. The functions of cv::Feature2D
-    for collections, detect(images, keypoints, masks) and compute(images, keypoints, descriptors), work in the same way,
-    and so do their errors.
+    Each of the cv::getNumThreads threads takes one image after another, which is faster than sharing each image among
+    the threads. All threads share a collection of one image. The functions of cv::Feature2D for collections,
+    detect(images, keypoints, masks) and compute(images, keypoints, descriptors), work in the same way and report errors
+    in the same way.
 
-    @param images A vector of Mat or UMat. The images may have different sizes and numbers of channels, and each may be
-    empty.
-    @param masks One mask for each image, each of which may be empty; or no masks at all.
+    @param images A vector of Mat or UMat. Images may differ in size and number of channels, and each may be empty.
+    @param masks One mask for each image, which may be empty; or no masks at all.
     @param keypoints The keypoints of each image.
-    @param descriptors A vector of Mat or UMat: the descriptors of each image, which is empty where there are no
-    keypoints. With noArray() none are computed.
+    @param descriptors A vector of Mat or UMat: the descriptors of each image, empty without keypoints. noArray()
+    computes none.
 
-    An exception names the image, as in "images[3]: mask must be ...". If several images cause one, the call throws the
-    first image's, after all threads have ended. The outputs are then unchanged. */
+    An exception names the image, as in "images[3]: mask must be ...". If several images fail, the call waits for all
+    threads, then throws the first image's exception. The outputs are then unchanged. */
     CV_WRAP virtual void detectAndComputeBatch(InputArrayOfArrays images, InputArrayOfArrays masks,
                                                CV_OUT std::vector<std::vector<KeyPoint>>& keypoints,
                                                OutputArrayOfArrays descriptors) = 0;
 
     /** @brief Frees the work space that the object keeps between calls. The next call allocates it anew.
 
-    It takes a few times the memory of the image. Threads that call the object at the same time have a work space each.
-    At most as many are kept as the machine has CPUs. */
+    A work space takes a few times the memory of the image. Each of several simultaneous calls has its own; the object
+    keeps at most one for each CPU. */
     CV_WRAP virtual void releaseMemory() = 0;
 
     /** @brief The name that cv::Algorithm writes to a file: "Feature2D.AdaptiveQuadtreeORB". */
     CV_WRAP virtual String getDefaultName() const CV_OVERRIDE;
 };
 
-/** @brief While an object of this class exists, every call of the module by the thread that made it runs on that thread
-alone: detectors, matchers and refineMatches. It is for programs whose own threads process an image each.
+/** @brief Keeps calls of the module on the calling thread. While a scope exists, every detector, matcher and
+refineMatches called by the thread that made the scope runs on this thread alone. It is for programs that process each
+image on a thread of their own.
 
-There may be several at a time. They may end in any order, and on any thread. */
+A thread may have several scopes, which may end in any order and on any thread. */
 class CV_EXPORTS SingleThreadScope
 {
 public:
@@ -269,10 +265,10 @@ public:
     SingleThreadScope(const SingleThreadScope&) = delete;
 
 private:
-    const std::shared_ptr<std::atomic<int>> scopes;  //!< number of scopes of the thread that made this one
+    const std::shared_ptr<std::atomic<int>> scopes;  //!< number of scopes of the thread that made this scope
 };
 
-/** @brief The adaptive FAST threshold of an image: variance over mean of the grey values, equation (7) of
+/** @brief Computes the adaptive FAST threshold of an image: variance over mean of the grey values, equation (7) of
 @cite Yao2019AQORB.
 
 The threshold scales with the contrast. It is between 14 and 48 for most photographs, and a tenth as high for the same
@@ -280,33 +276,32 @@ scene at a tenth of the light.
 
 @param image 8-bit image with 1, 3 (BGR) or 4 (BGRA) channels.
 @param mask Optional CV_8UC1 mask of the size of the image. Only pixels where it is not zero count.
-@return The threshold in grey levels, not rounded. It is 0 for an empty image, for an image or a mask that is zero
-everywhere, and for an image with a single grey value.
+@return The threshold in grey levels, not rounded. It is 0 for an empty image, an image or a mask of zeros, and an image
+with a single grey value.
 
 An image or a mask of another type or size raises a cv::Exception that names it. */
 CV_EXPORTS_W double adaptiveFastThreshold(InputArray image, InputArray mask = noArray());
 
-/** @brief How uniformly keypoints are distributed: the measure u of Zu and Zhao @cite Zu2010Uniformity by which
-@cite Yao2019AQORB compares detectors. A smaller value is more uniform.
+/** @brief Measures the uniformity of keypoints: u of Zu and Zhao @cite Zu2010Uniformity, by which @cite Yao2019AQORB
+compares detectors. A smaller value is more uniform.
 
-The image is halved in five ways: left and right, top and bottom, along each diagonal, and into centre and periphery. If
-sigma is the population standard deviation of the ten counts, u = 101 * log10(sigma). The measure only sees the balance
-between halves; distributionOccupancy looks at smaller parts. Where keypoints cluster it grows with their number, so
+The measure halves the image in five ways: left and right, top and bottom, along each diagonal, and into centre and
+periphery. With the population standard deviation sigma of the ten counts, u = 101 * log10(sigma). It sees only the
+balance between halves; distributionOccupancy sees smaller parts. u of clustered keypoints grows with their number, so
 compare equal numbers of keypoints. Some values for 500 points: 30 for a jittered grid, 101 for random points, 216 if
 all points are in one half.
 
 @param keypoints Keypoints of any detector. A keypoint whose position is not finite does not count.
-@param imageSize Size of the image in which they were found; both sides > 0.
-@return u. It is 0 where sigma is below 1, that is for a distribution as even as whole counts allow, and for no
-keypoints at all.
+@param imageSize Size of the keypoints' image; both sides > 0.
+@return u, or 0 if sigma is below 1: for a distribution as even as whole counts allow, and without keypoints.
 
 A size out of its range raises a cv::Exception that names it. */
 CV_EXPORTS_W double distributionUniformity(const std::vector<KeyPoint>& keypoints, Size imageSize);
 
-/** @brief The share of the cells of a grid over the image that contain at least one keypoint.
+/** @brief Computes the share of the cells of a grid over the image that contain at least one keypoint.
 
 @param keypoints Keypoints of any detector. Keypoints outside the image do not count.
-@param imageSize Size of the image in which they were found; both sides > 0.
+@param imageSize Size of the keypoints' image; both sides > 0.
 @param grid Number of columns and rows of the grid; both > 0, at most 2^24 cells.
 @return Number of occupied cells divided by the number of cells, 0 to 1.
 
@@ -314,18 +309,18 @@ A size or a grid out of its range raises a cv::Exception that names it. */
 CV_EXPORTS_W double distributionOccupancy(const std::vector<KeyPoint>& keypoints, Size imageSize,
                                           Size grid = Size(16, 12));
 
-/** @brief Keeps npoints keypoints that are spread over the image, and prefers high responses: the selection of
+/** @brief Keeps npoints keypoints, spread over the image, and prefers high responses: the selection of
 AdaptiveQuadtreeORB for the keypoints of any detector.
 
 Use it in place of cv::KeyPointsFilter::retainBest, which keeps the highest responses wherever they lie. The rule is
-RANKED_SELECTION's with a StrengthWeight of 0.15 and a RankRadius of 1. The response takes the place of the FAST score
-and of the strength, and octaves are ignored. The quadtree spans the whole image and has at least 9 leaves for each
-keypoint that is kept, but at most 2^24. The best keypoint of a leaf represents it, unless at least three of the eight
-leaves around it have better ones. The representatives come by (1 + rank) / response^StrengthWeight, where infinity
-counts as twice the highest finite response. Representatives with a zero, negative or NaN response come last, by their
-rank. The other keypoints follow by response. In every comparison NaN counts as the lowest response. Ties in a leaf go
-to the lower y, then to the lower x, then to the lower index. Only ratios of responses count, so multiplying all of them
-by a positive constant changes nothing, as long as the products are neither rounded nor out of the range of a float.
+RANKED_SELECTION with a StrengthWeight of 0.15 and a RankRadius of 1. The response replaces the FAST score and the
+strength, and octaves do not count. The quadtree spans the whole image and has at least 9 leaves for each of npoints
+keypoints, but at most 2^24. The best keypoint of a leaf represents it, unless at least three of the eight leaves around
+it have better keypoints. Representatives come by (1 + rank) / response^StrengthWeight, where infinity counts as twice
+the highest finite response. Representatives with a zero, negative or NaN response come last, by their rank. The other
+keypoints follow by response. In every comparison NaN counts as the lowest response. Ties in a leaf go to the lower y,
+then to the lower x, then to the lower index. Only ratios of responses count: a positive factor changes nothing, unless
+the products are rounded or leave the range of a float.
 
 @param keypoints In: keypoints of any detector. Out: at most npoints of them, in their input order and with all fields
 unchanged. Keypoints outside the image are dropped, even if there are fewer than npoints.

@@ -8,8 +8,7 @@
 
 #include <opencv2/core/version.hpp>
 
-// OpenCV 5 has renamed the module features2d to features. The header of the old name still exists, but must not be
-// used inside OpenCV's own build.
+// OpenCV 5 renamed the module features2d to features. OpenCV's own build must not use the header of the old name.
 #if CV_VERSION_MAJOR >= 5
 #include <opencv2/features.hpp>
 #else

@@ -19,9 +19,9 @@ namespace aqorb
 //! @addtogroup aqorb
 //! @{
 
-/** @brief Moves the positions of matches to where both images show the same spot, and leaves out wrong matches.
+/** @brief Aligns the images at each match, moves its position in image 2 accordingly, and removes wrong matches.
 
-Call it between a matcher and an estimator such as findHomography or findEssentialMat, in place of the loop that copies
+Call it between a matcher and an estimator such as findHomography or findEssentialMat, in place of a loop that copies
 the positions of the matches:
 @code{.cpp}
     matcher.match(descriptors1, descriptors2, matches);
@@ -29,20 +29,19 @@ the positions of the matches:
     Mat H = findHomography(points1, points2, USAC_MAGSAC, 1);  // a pixel is enough now
 @endcode
 
-It is the least squares matching of @cite Gruen1985LSM . It aligns the patches around the two keypoints of a match, and
-estimates an affine map, a gain and a bias, starting from the sizes and the angles of the keypoints. Only the position
-in image 2 moves, so that a keypoint of image 1 has the same position in the matches with all other images.
+It is the least squares matching of @cite Gruen1985LSM . It aligns the patches around the two keypoints of a match by an
+affine map, a gain and a bias, starting from the sizes and angles of the keypoints. Only the position in image 2 moves:
+a keypoint of image 1 has the same position in the matches with all other images.
 
 @param image1, image2 The images of the keypoints, of type CV_8U with 1 (grey), 3 (BGR) or 4 (BGRA) channels. They may
 differ in size and type.
-@param keypoints1, keypoints2 Keypoints of any detector. The patch of image 2 is turned by the difference of the two
-angles. Where one angle or both are -1 the turn is not known, and none is assumed: such matches are aligned where the
-images are turned by less than some 20 degrees against each other.
-@param matches Matches with the queryIdx of a keypoint of image 1 and the trainIdx of a keypoint of image 2. A match is
-removed if it cannot be aligned, or if the patches at the returned positions correlate less than minCorrelation. The
-others keep their order.
-@param points1 For each match that is left, the position of its keypoint in image 1, in pixels.
-@param points2 For each match that is left, the position in image 2 that shows the same spot, in pixels.
+@param keypoints1, keypoints2 Keypoints of any detector. The difference of the two angles turns the patch of image 2. If
+either angle is -1, alignment starts without a turn and succeeds up to some 20 degrees between the images.
+@param matches Matches with the queryIdx of a keypoint of image 1 and the trainIdx of a keypoint of image 2. The
+function removes a match if it cannot be aligned, or if the patches at the returned positions correlate less than
+minCorrelation. The remaining matches keep their order.
+@param points1 For each remaining match, the position of its keypoint in image 1, in pixels.
+@param points2 For each remaining match, the position of the same spot in image 2, in pixels.
 @param minCorrelation The smallest normalised correlation of the aligned patches, from -1 to 1. With -1 no match is
 removed, and matches that cannot be aligned keep the position of the keypoint. The default is 0.8.
 @param scaleFactor The size of the keypoint's patch in units of KeyPoint::size, finite and > 0, as for
@@ -50,19 +49,19 @@ cv::xfeatures2d::BEBLID: 1 for ORB, 5 for AKAZE, BRISK and FAST, 6.25 for KAZE a
 is 1.
 
 The patch has 13 x 13 samples, half a pixel of the keypoint's pyramid level apart, but at least 0.7 pixels of image 1.
-They come from the level of an image pyramid at which samples are one to two pixels apart. A pixel of level k is the
-mean of 2^k x 2^k pixels of the image, and k is at most 4. In image 1 the patch has a sample more on each side, for
+The samples come from the level of an image pyramid at which they are one to two pixels apart. A pixel of level k is the
+mean of 2^k x 2^k pixels of the image, and k is at most 4. In image 1 the patch has one more sample on each side, for
 derivatives. A match cannot be aligned if
 - a position, a size or an angle of its keypoints is not finite, or a size is not positive,
 - a sample lies closer to one of the four sides of its image than half a pixel of its level (half a pixel of the image
 at level 0: beyond the centres of the outermost pixels),
-- a sample of image 2 lies further than 63 pixels of its level from the position of the keypoint, in x or in y,
+- a sample of image 2 lies farther than 63 pixels of its level from the position of the keypoint, in x or in y,
 - the patch has a variance below 4 squared grey values,
 - or the alignment moves the position by more than 6 samples, or changes the area of the patch by more than a factor
 of 4.
 
-Any number of threads and any CPU give the same result. Other inputs raise a cv::Exception that names the argument; then
-all outputs stay as they were. Without matches, the images may be empty. Images have at most 1048575 pixels a side.
+Any number of threads and any CPU give the same result. Other inputs raise a cv::Exception that names the argument, and
+all outputs stay unchanged. Without matches, the images may be empty. Images have at most 1048575 pixels a side.
 
 @sa growMatches, which finds more matches
  */
@@ -73,14 +72,14 @@ CV_EXPORTS_W void refineMatches(InputArray image1, const std::vector<KeyPoint>& 
                                 float scaleFactor = 1.f);
 
 /** @overload
-@param deviations For each match that is left, the standard deviation of its position in image 2, in pixels, along the
-direction in which it is least certain. It is infinite where a match was not aligned, which minCorrelation -1 keeps.
+@param deviations For each remaining match, the standard deviation of its position in image 2, in pixels, along its
+least certain direction. It is infinite for a match that minCorrelation -1 keeps without alignment.
 
 The covariance of the position is the inverse of the Hessian of the alignment times the variance of the differences
 between the patches. A factor calibrates its root on photographs: some 68 % of the errors are smaller than the
 deviation. Three uses:
-- leave the least certain matches out before a pose is estimated,
-- sort the matches by it for PROSAC (cv::USAC_PROSAC), which tries the first ones first,
+- remove the least certain matches before estimating a pose,
+- sort matches by deviation for PROSAC (cv::USAC_PROSAC), which tries the first matches first,
 - weigh a match by 1 / deviation^2 in a bundle adjustment.
  */
 CV_EXPORTS CV_WRAP_AS(refineMatchesWithDeviations) void refineMatches(
@@ -89,12 +88,12 @@ CV_EXPORTS CV_WRAP_AS(refineMatchesWithDeviations) void refineMatches(
     CV_OUT std::vector<Point2f>& points1, CV_OUT std::vector<Point2f>& points2,
     CV_OUT std::vector<float>& deviations, float minCorrelation, float scaleFactor = 1.f);
 
-/** @brief Refines matches, and finds matches of more keypoints of image 1 by those nearby.
+/** @brief Refines matches, and finds matches for more keypoints of image 1 near the refined matches.
 
-A descriptor finds the match of about every third keypoint. An aligned match knows the affine map between the images
-around it, which predicts where image 2 shows the keypoints beside it. growMatches does what refineMatches does. Then it
-aligns each keypoint of image 1 that has no match left where the nearest refined match predicts it, and keeps the match
-if the patches correlate. This doubles the number of right matches, which makes poses more exact:
+A descriptor finds the match of about every third keypoint. The affine map of an aligned match predicts the positions of
+neighbouring keypoints in image 2. growMatches first does what refineMatches does. Then it aligns each unmatched
+keypoint of image 1 at the position that the nearest refined match predicts, and keeps the match if the patches
+correlate. This doubles the number of right matches, which makes poses more exact:
 @code{.cpp}
     matcher.match(descriptors1, descriptors2, matches);
     aqorb::growMatches(image1, keypoints1, image2, keypoints2, matches, grown2, points1, points2, deviations);
@@ -103,27 +102,27 @@ if the patches correlate. This doubles the number of right matches, which makes 
 @endcode
 
 @param image1, image2, keypoints1, keypoints2 As in refineMatches.
-@param matches On return the refined matches in their order, then the grown ones in the order of queryIdx. A grown match
-has the distance FLT_MAX and the imgIdx 0, and its trainIdx is that of its keypoint in grown2.
-@param grown2 keypoints2, then a keypoint for each grown match. It may be keypoints2 itself. A grown keypoint has the
-position, the size and the angle (-1 if that of image 1 is) to which the aligned map brings the keypoint of image 1.
-Its octave differs from the octave of the nearby match's keypoint as the two octaves do in image 1, but is at least 0.
-Its response is 0 and its class_id -1.
+@param matches On return the refined matches in their order, then the grown matches in the order of queryIdx. A grown
+match has the distance FLT_MAX and the imgIdx 0, and its trainIdx is an index of grown2.
+@param grown2 keypoints2, then a keypoint for each grown match. It may be keypoints2 itself. The aligned map takes the
+position, size and angle of the keypoint of image 1 to the grown keypoint; an angle of -1 stays -1. The octaves of the
+grown keypoint and its nearby keypoint differ as in image 1, but the octave is at least 0. Its response is 0 and its
+class_id -1.
 @param points1, points2 For each match, its positions in the two images, in pixels.
 @param deviations For each match, the standard deviation of its position in image 2, as in refineMatches.
 @param minCorrelation As in refineMatches. A grown match correlates at least 0.85.
 @param scaleFactor As in refineMatches.
 
 A match is grown if
-- a refined match, which correlates at least minCorrelation, lies at most 60 pixels from the keypoint in image 1 (of
-equally near ones the first one counts),
-- the patches can be aligned as in refineMatches, starting from the place and with the affine map that it predicts, and
-correlate at least as much as 0.85 and as minCorrelation,
+- a refined match, which correlates at least minCorrelation, lies at most 60 pixels from the keypoint in image 1 (ties
+go to the first match),
+- the patches can be aligned as in refineMatches, starting from the predicted position and affine map, and correlate at
+least 0.85 and at least minCorrelation,
 - and the alignment moves the position by at most 4 pixels.
 
-Keypoints whose match was removed are tried, too. Each keypoint of image 1 grows by itself: two of them may grow onto
-one position, and both matches are kept. A second call with the matches and grown2 of the first one grows further, but
-few matches are added (4 % on photographs).
+Keypoints of removed matches are tried, too. Each keypoint of image 1 grows by itself: two keypoints may grow onto one
+position, and both matches stay. A second call with the matches and grown2 of the first call adds few matches (4 % on
+photographs).
  */
 CV_EXPORTS_W void growMatches(InputArray image1, const std::vector<KeyPoint>& keypoints1, InputArray image2,
                               const std::vector<KeyPoint>& keypoints2, CV_IN_OUT std::vector<DMatch>& matches,

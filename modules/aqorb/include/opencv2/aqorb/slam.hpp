@@ -20,10 +20,10 @@ namespace aqorb
 //! @addtogroup aqorb
 //! @{
 
-/** @brief AdaptiveQuadtreeORB with the interface by which ORB-SLAM2 and ORB-SLAM3 call their feature extractor; see
+/** @brief AdaptiveQuadtreeORB with the interface of the feature extractor of ORB-SLAM2 and ORB-SLAM3; see
 @ref tutorial_aqorb_slam.
 
-A SLAM system includes this header in place of the one that declares `ORBextractor`, and writes
+A SLAM system includes this header in place of the header of `ORBextractor`, and writes
 @code{.cpp}
     #include <opencv2/aqorb/slam.hpp>
     namespace ORB_SLAM3
@@ -32,34 +32,33 @@ A SLAM system includes this header in place of the one that declares `ORBextract
     }
 @endcode
 
-It returns one keypoint more for each level than asked for, so nfeatures + nlevels, or as many as the image has corners.
-ORB-SLAM2 starts only on a frame with more than 500 keypoints: with nFeatures: 500 and an extractor that keeps to that
-number, as AdaptiveQuadtreeORB itself does, it would never start.
+It returns one extra keypoint for each level, nfeatures + nlevels in all, or as many as the image has corners. ORB-SLAM2
+starts only on a frame with more than 500 keypoints. With nFeatures: 500 and an extractor that returns at most this
+number, as AdaptiveQuadtreeORB does, it would never start.
 
-Four properties of the detector are set to what such systems need. SubPixel is false, because their stereo matching
-subtracts a whole pixel of the level times its scale from the position of the left keypoint: were this position mapped
-by pixel centres, disparities would be too large by (scale - 1) / 2 pixels. AdaptiveThreshold is false, so that FAST has
-the given thresholds. OctaveSuppression is 0, because a single camera is initialised with keypoints of the finest level
-only, and the best of these lie where a coarser level has one, too. StrengthWeight is 0.15, because stronger corners are
-found again in more frames. It makes the distribution a little less even. detector() gives access to all of them.
+The extractor sets four properties of the detector for SLAM systems. SubPixel is false, because their stereo matching
+subtracts a whole pixel of the level times its scale from the position of the left keypoint: with positions mapped by
+pixel centres, disparities would be too large by (scale - 1) / 2 pixels. AdaptiveThreshold is false, so FAST takes the
+given thresholds. OctaveSuppression is 0, because a single camera starts from keypoints of the finest level only, and
+the best of them often lie near keypoints of a coarser level. StrengthWeight is 0.15, because stronger corners reappear
+in more frames, at the cost of a slightly less even distribution. detector() gives access to all properties.
 
 It works on the calling thread alone, because SLAM systems call it from threads of their own. On a busy core, waiting
-for another thread takes longer than the work that this thread would do.
+for another thread takes longer than its share of the work.
 
-An object keeps the pyramid of its last image, so it can be used by one thread at a time. Create one object for each
-camera. A copy of an object shares its detector(), so that a property set through one is set for both. It has a vector
-of levels of its own.
+An object keeps the pyramid of its last image, so only one thread at a time may use it. Create one object for each
+camera. A copy shares the detector() of the original, with its properties, but has its own vector of levels.
  */
 class SlamExtractor
 {
 public:
     /** @brief Creates the extractor. Invalid values raise a cv::Exception.
 
-    @param nfeatures The number of keypoints asked for, >= 0. There can be up to nlevels more. With 0 there are none.
+    @param nfeatures The number of keypoints, >= 0. There can be up to nlevels more. With 0 there are none.
     @param scaleFactor Ratio between the sizes of neighbouring levels, finite, and > 1 if there are several levels.
     @param nlevels Number of pyramid levels, 1 to 65536.
     @param iniThFAST FAST threshold, 1 to 254.
-    @param minThFAST FAST threshold in cells that would otherwise stay empty, 1 to iniThFAST.
+    @param minThFAST FAST threshold in cells without a corner at iniThFAST, 1 to iniThFAST.
      */
     SlamExtractor(int nfeatures, float scaleFactor, int nlevels, int iniThFAST, int minThFAST)
     {
@@ -81,9 +80,9 @@ public:
         }
     }
 
-    /** @brief Finds keypoints and descriptors, and keeps the pyramid. This is what ORB-SLAM2 calls.
+    /** @brief Finds keypoints and descriptors, and keeps the pyramid. ORB-SLAM2 calls this operator.
 
-    @param image 8-bit image with 1, 3 (BGR) or 4 (BGRA) channels. An empty one gives no keypoints.
+    @param image 8-bit image with 1, 3 (BGR) or 4 (BGRA) channels. An empty image gives no keypoints.
     @param mask Optional CV_8UC1 mask of the size of the image. Keypoints are found only where it is not zero.
     @param keypoints By level, and within a level by response; coordinates in pixels of the image.
     @param descriptors CV_8UC1, one row of 32 bytes for each keypoint.
@@ -91,7 +90,7 @@ public:
     void operator()(InputArray image, InputArray mask, std::vector<KeyPoint>& keypoints,
                     OutputArray descriptors)
     {
-        // The pyramid goes to a vector of its own, because the image may be a level of the last pyramid.
+        // A new vector for the pyramid, because the image may be a level of the last pyramid.
         std::vector<Mat> pyramid;
         const SingleThreadScope alone;
         orb->buildPyramid(image, pyramid);
@@ -100,12 +99,12 @@ public:
         mvImagePyramid.swap(pyramid);
     }
 
-    /** @brief The same for two cameras whose images overlap. This is what ORB-SLAM3 calls.
+    /** @brief Finds keypoints and descriptors for two cameras whose images overlap. ORB-SLAM3 calls this operator.
 
-    @param image, mask, keypoints, descriptors As above, but keypoints outside of the overlap come before keypoints
-    inside of it. Each part comes by level, and within a level by response.
+    @param image, mask, keypoints, descriptors As above, but keypoints outside the overlap come before keypoints inside.
+    Each part comes by level, and within a level by response.
     @param vLappingArea First and last column of the overlap, in pixels of the image.
-    @return Number of keypoints outside of the overlap.
+    @return Number of keypoints outside the overlap.
      */
     int operator()(InputArray image, InputArray mask, std::vector<KeyPoint>& keypoints,
                    OutputArray descriptors, const std::vector<int>& vLappingArea)
@@ -123,7 +122,7 @@ public:
         const auto isOutside = [=](const KeyPoint& k) { return k.pt.x < first || k.pt.x > last; };
         const int outside = int(std::count_if(found.begin(), found.end(), isOutside));
         keypoints.resize(found.size());
-        int next[] = {outside, 0};  // where the next keypoint in the overlap goes, and the next outside of it
+        int next[] = {outside, 0};  // next index for a keypoint inside the overlap, and outside
         for (int i = 0; i < int(found.size()); i++)
         {
             const int to = next[isOutside(found[i])]++;
@@ -147,23 +146,23 @@ public:
     float GetScaleFactor() const { return float(orb->getScaleFactor()); }
     //! Size of a pixel of each level in pixels of the image: scaleFactor^level.
     std::vector<float> GetScaleFactors() const { return scales; }
-    //! The inverses of GetScaleFactors.
+    //! Inverses of GetScaleFactors.
     std::vector<float> GetInverseScaleFactors() const { return inverseScales; }
-    //! Squares of the scale factors: the variance of a position on each level if that on level 0 is 1.
+    //! Squares of the scale factors: variances of positions on each level, relative to level 0.
     std::vector<float> GetScaleSigmaSquares() const { return sigmaSquares; }
-    //! The inverses of GetScaleSigmaSquares.
+    //! Inverses of GetScaleSigmaSquares.
     std::vector<float> GetInverseScaleSigmaSquares() const { return inverseSigmaSquares; }
 
-    /** @brief The detector, so that its other properties can be set. Its getMaxFeatures() is nfeatures + nlevels. Its
-    number of levels and its scale factor must not be changed, and its firstLevel must stay 0. */
+    /** @brief The detector, to set its other properties. Its getMaxFeatures() is nfeatures + nlevels. Do not change its
+    number of levels, its scale factor or its firstLevel of 0. */
     const Ptr<AdaptiveQuadtreeORB>& detector() const { return orb; }
 
-    /** @brief The levels of the last image: GetLevels() images without a border, of the sizes that
-    AdaptiveQuadtreeORB::buildPyramid states. A level that would have no pixel is empty. */
+    /** @brief Levels of the last image: GetLevels() images without a border, with the sizes of
+    AdaptiveQuadtreeORB::buildPyramid. A level without a pixel is empty. */
     std::vector<Mat> mvImagePyramid;
 
 private:
-    //! One keypoint more for each level. Values that create rejects are passed on, so that it names them.
+    //! Adds one keypoint for each level. Passes invalid values on, because create names them.
     static int withSurplus(int nfeatures, int nlevels)
     {
         if (nfeatures <= 0 || nlevels <= 0)
@@ -171,7 +170,7 @@ private:
         return nfeatures < INT_MAX - nlevels ? nfeatures + nlevels : INT_MAX;
     }
 
-    //! All that differs from the detector's own defaults, apart from the arguments of the constructor; see above.
+    //! Sets the properties that differ from the detector's defaults, see above.
     static void setForSlam(AdaptiveQuadtreeORB& orb)
     {
         orb.setAdaptiveThreshold(false);
