@@ -1,9 +1,9 @@
 # The three modules of OpenCV that the library needs, built from OpenCV's source as static archives, for a Python
 # package that depends on no installed OpenCV. Sets OpenCV_DIR.
 #
-# What is left out: GUI and codecs, because images come as arrays; TBB, LAPACK, IPP and OpenCL, because the module's
-# own kernels do the work and call none of them. The threads are those of OpenCV's own pool. The kernels of OpenCV that
-# remain (conversion to grey, scaling) are dispatched up to AVX2.
+# Left out: GUI and codecs, because images come as arrays; TBB, LAPACK, IPP and OpenCL, because the module's own kernels
+# do not call them. OpenCV's own pool provides the threads. OpenCV's remaining kernels (conversion to grey, scaling) are
+# dispatched up to AVX2.
 
 set(AQORB_OPENCV_SOURCE "" CACHE PATH
   "Folder of OpenCV's source; empty: that of opencv_sources.txt, fetched by pip")
@@ -23,7 +23,7 @@ function(aqorb_run what)
   endif()
 endfunction()
 
-# Asked for first, before minutes are spent on OpenCV.
+# Checked before OpenCV's build, which takes minutes.
 if(AQORB_BUILD_PYTHON)
   find_package(Python 3.9 COMPONENTS Interpreter Development.Module)
   if(NOT Python_FOUND)
@@ -49,7 +49,7 @@ if(CMAKE_SYSTEM_PROCESSOR MATCHES "x86_64|AMD64")
   list(APPEND options -DCPU_BASELINE=SSE2 -DCPU_DISPATCH=SSE4_1,AVX2)
 endif()
 if(MSVC)
-  list(APPEND options -DBUILD_WITH_STATIC_CRT=OFF)  # Python's is the shared one
+  list(APPEND options -DBUILD_WITH_STATIC_CRT=OFF)  # Python uses the shared runtime
   if(CMAKE_GENERATOR_PLATFORM)
     list(APPEND options -A "${CMAKE_GENERATOR_PLATFORM}")
   endif()

@@ -1,6 +1,6 @@
-# Run-time CPU dispatch of src/<name>.simd.hpp as OpenCV's own build has it (ocv_add_dispatched_file in
-# cmake/OpenCVCompilerOptimizations.cmake), for a build against an installed OpenCV, which ships the
-# macros but neither their configuration nor the CMake part. The same sources serve both builds:
+# Run-time CPU dispatch of src/<name>.simd.hpp, like ocv_add_dispatched_file in OpenCV's
+# cmake/OpenCVCompilerOptimizations.cmake, for a build against an installed OpenCV, which ships the macros but neither
+# their configuration nor the CMake part. The same sources serve both builds:
 #
 #   <name>.simd.hpp         the kernels, between CV_CPU_OPTIMIZATION_NAMESPACE_BEGIN and _END, declared
 #                           above #ifndef CV_CPU_OPTIMIZATION_DECLARATIONS_ONLY and defined below
@@ -11,7 +11,7 @@
 
 set(AQORB_DISPATCH_DIR "${CMAKE_CURRENT_LIST_DIR}/dispatch")
 
-# Compiler flags of a CPU feature, and the features that it includes, as OpenCV has them.
+# Compiler flags of a CPU feature, and the features it includes, as in OpenCV.
 set(AQORB_SSE4_1_FLAGS -mssse3 -msse4.1)
 set(AQORB_SSE4_1_FEATURES SSE3 SSSE3 SSE4_1)
 set(AQORB_AVX2_FLAGS ${AQORB_SSE4_1_FLAGS} -mpopcnt -msse4.2 -mf16c -mfma -mavx -mavx2)
@@ -31,9 +31,9 @@ function(aqorb_add_dispatched_file target name)
   set(features "")
   set(processor "${CMAKE_SYSTEM_PROCESSOR}")
   if(APPLE AND CMAKE_OSX_ARCHITECTURES)
-    set(processor "${CMAKE_OSX_ARCHITECTURES}")  # of one file for two processors only the baseline
+    set(processor "${CMAKE_OSX_ARCHITECTURES}")  # a universal binary gets the baseline only
   endif()
-  # OpenCV's intrinsics for AVX2 cannot be compiled for 32 bits, and GCC aligns the stack of Windows for SSE2 alone.
+  # OpenCV's AVX2 intrinsics do not compile for 32 bits, and on Windows GCC aligns the stack for SSE2 only.
   if(processor MATCHES "^(x86_64|AMD64)$" AND CMAKE_SIZEOF_VOID_P EQUAL 8
       AND CMAKE_CXX_COMPILER_ID MATCHES "GNU|Clang" AND NOT WIN32)
     set(features ${ARGN})

@@ -1,6 +1,5 @@
-# The table of parameters for what cannot include it: for each row the variables <name>_PROPERTY, <name>_TYPE,
-# <name>_ARGUMENT (of the setter, as cv::ORB names it), <name>_DEFAULT and <name>_TEXT, and all names in
-# AQORB_PARAMETER_NAMES.
+# Reads parameter_table.hpp. Sets, for each row, <name>_PROPERTY, <name>_TYPE, <name>_ARGUMENT (of the setter, as in
+# cv::ORB), <name>_DEFAULT and <name>_TEXT, and AQORB_PARAMETER_NAMES, the list of all names.
 set(AQORB_PARAMETER_TABLE "${CMAKE_CURRENT_LIST_DIR}/../modules/aqorb/src/parameter_table.hpp")
 set_property(DIRECTORY APPEND PROPERTY CMAKE_CONFIGURE_DEPENDS "${AQORB_PARAMETER_TABLE}")
 file(READ "${AQORB_PARAMETER_TABLE}" rows)

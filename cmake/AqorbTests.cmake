@@ -1,10 +1,10 @@
-# What the tests of all folders have in common.
+# Common settings of the tests of all folders.
 #
 # Labels, for ctest -L and CMakePresets.json:
-#   unit         the accuracy tests, of test/
-#   concurrency  those of them that use several threads (their name says concurrency or threads)
+#   unit         accuracy tests in test/
+#   concurrency  unit tests with several threads (concurrency or threads in their name)
 #   sample, preload, package   each of these programs, run once
-#   exports      what the shared library exports
+#   exports      exported symbols of the shared library
 #   soak, fuzz   long runs and valgrind; fuzz targets
 #
 # Tests of the configuration Long take minutes: ctest runs them with -C Long only.
@@ -13,8 +13,8 @@ if(AQORB_BUILD_TESTS OR AQORB_BUILD_FUZZERS)
   enable_testing()
 endif()
 
-# GCC 12's thread sanitizer cannot cope with the address randomization of newer kernels. A container may forbid to
-# switch it off.
+# GCC 12's thread sanitizer fails with the address randomization of newer kernels. setarch switches it off, unless a
+# container forbids it.
 if(AQORB_SANITIZE MATCHES "thread" AND NOT CMAKE_CROSSCOMPILING_EMULATOR)
   find_program(AQORB_SETARCH setarch)
   mark_as_advanced(AQORB_SETARCH)

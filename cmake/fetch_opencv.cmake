@@ -1,9 +1,9 @@
-# Fetches a source distribution of opencv_sources.txt from the Python package index, unless it is there already:
+# Fetches a source distribution of opencv_sources.txt from the Python package index, unless it is already there:
 #
 #   cmake -DPACKAGE=opencv-python-headless -DMAJOR=4 -DFOLDER=FOLDER -DPYTHON=PYTHON -P cmake/fetch_opencv.cmake
 #
-# FOLDER/source/opencv is then OpenCV's source, and FOLDER/source/opencv_contrib is opencv_contrib, where PACKAGE has it.
-# PYTHON is a Python that has pip.
+# FOLDER/source/opencv then has OpenCV's source, and FOLDER/source/opencv_contrib that of opencv_contrib if PACKAGE
+# includes it. PYTHON is a Python with pip.
 file(STRINGS "${CMAKE_CURRENT_LIST_DIR}/opencv_sources.txt" requirement REGEX "^${PACKAGE}==${MAJOR}\\.")
 set(fetched "")
 if(EXISTS "${FOLDER}/fetched")

@@ -1,4 +1,4 @@
-# Included by ctest, after it has listed the tests of aqorb_test: gives them their labels.
+# Labels the tests of aqorb_test. ctest includes this file after it has listed them.
 foreach(test IN LISTS aqorb_test_TESTS)
   set(labels unit)
   if(test MATCHES "concurrency|threads")

@@ -3,7 +3,7 @@
 // of this distribution.
 // SPDX-License-Identifier: Apache-2.0
 
-// AdaptiveQuadtreeORB, or cv::ORB, with default parameters.
+// Performance of AdaptiveQuadtreeORB, or of cv::ORB, with default parameters.
 
 #include "perf_precomp.hpp"
 
@@ -20,7 +20,7 @@ protected:
     void detectAndCompute();
 };
 
-//! How the time grows with the size of the image and with the number of features.
+//! Growth of the time with the size of the image and with the number of features.
 typedef Features Scaling;
 
 #define FEATURES_PARAMS                                                                        \
@@ -81,7 +81,7 @@ PERF_TEST_P(Features, detect, FEATURES_PARAMS)
 PERF_TEST_P(Features, compute, FEATURES_PARAMS)
 {
     const Mat image = loadImage(get<0>(GetParam()));
-    // cv::ORB's keypoints for both. They lie inside both borders, so that none is dropped.
+    // cv::ORB's keypoints for both detectors: they lie inside both borders, so neither detector drops any.
     std::vector<KeyPoint> keypoints;
     ORB::create(get<1>(GetParam()))->detect(image, keypoints);
     const size_t given = keypoints.size();

@@ -3,7 +3,7 @@
 // of this distribution.
 // SPDX-License-Identifier: Apache-2.0
 
-// Each test measures this module, or with --perf_impl=opencv what OpenCV has instead: cv::ORB, cv::BFMatcher or
+// Each test measures this module, or with --perf_impl=opencv its counterpart in OpenCV: cv::ORB, cv::BFMatcher or
 // cv::calcOpticalFlowPyrLK. modules/ts/misc/summary.py of OpenCV's source compares the two XML files.
 
 #include "perf_precomp.hpp"

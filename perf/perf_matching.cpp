@@ -3,7 +3,7 @@
 // of this distribution.
 // SPDX-License-Identifier: Apache-2.0
 
-// HammingMatcher and refineMatches, or cv::BFMatcher and cv::calcOpticalFlowPyrLK.
+// Performance of HammingMatcher and refineMatches, or of cv::BFMatcher and cv::calcOpticalFlowPyrLK.
 
 #include "perf_precomp.hpp"
 
@@ -30,7 +30,7 @@ Ptr<BFMatcher> createMatcher(bool crossCheck)
     return aqorb::HammingMatcher::create(NORM_HAMMING, crossCheck);
 }
 
-//! Random descriptors of which half have a copy with some other bits.
+//! Random descriptors. Half of the queries have a copy among the trains, with some bits changed.
 void makeDescriptors(int count, int bytes, Mat& query, Mat& train)
 {
     RNG rng(1);
@@ -107,7 +107,7 @@ PERF_TEST_P(Matching, radiusMatch, MATCHING_PARAMS)
 
 typedef perf::TestBaseWithParam<tuple<std::string, int>> Refinement;
 
-//! The cross-checked matches of two images, refined by both with the same window, one level and four iterations.
+//! Refines the cross-checked matches of two images. Both functions take the same window, one level and four iterations.
 PERF_TEST_P(Refinement, refineMatches,
             testing::Combine(testing::Values("bikes", "leuven", "bark", "trees", "ubc", "scene_640x480"),
                              testing::Values(500, 1000, 2000)))

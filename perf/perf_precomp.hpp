@@ -12,15 +12,16 @@
 namespace opencv_test
 {
 
-//! Whether OpenCV's own detector, matcher or tracker is measured in place of this module's.
+//! Whether the tests measure OpenCV's own detector, matcher or tracker instead of this module's.
 inline bool isOfOpenCV()
 {
     return perf::TestBase::getSelectedImpl() == "opencv";
 }
 
-/** An image, or with index 2 the second one of its pair.
+/** Loads an image, or with index 2 the second image of its pair. Without the file in OPENCV_TEST_DATA_PATH it throws
+ SkipTestException.
  @param name scene_WIDTHxHEIGHT for makeStreetScene, or a photograph of opencv_extra: a set such as bikes, or a file in
- perf. Throws what makes the harness skip the test where OPENCV_TEST_DATA_PATH does not have the file. */
+ perf */
 Mat loadImage(const std::string& name, int index = 1);
 
 }  // namespace opencv_test

@@ -11,9 +11,9 @@
 namespace opencv_test
 {
 
-/** Draws a synthetic photograph: a smooth sky, houses with windows, textured ground, plain walls, blur of a
- lens and noise of a sensor. It is the same in every run. Objects grow with the image, texture does
- not. It has about as many FAST corners as a photograph of a street of the same size, spread as unevenly. */
+/** Draws a synthetic photograph, the same in every run: a smooth sky, houses with windows, textured ground, plain
+ walls, blur of a lens and noise of a sensor. Objects grow with the image, texture does not. It has about as many FAST
+ corners as a photograph of a street of the same size, spread as unevenly. */
 cv::Mat makeStreetScene(const cv::Size& size);
 
 }  // namespace opencv_test

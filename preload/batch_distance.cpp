@@ -3,7 +3,7 @@
 // of this distribution.
 // SPDX-License-Identifier: Apache-2.0
 
-// cv::batchDistance for programs that are not to be changed: all the work of cv::BFMatcher is done by it.
+// cv::batchDistance for unchanged programs: cv::BFMatcher does all its work by this function.
 
 #include "preload.hpp"
 
@@ -31,7 +31,7 @@ BatchDistance originalBatchDistance()
     return original;
 }
 
-// Whether the arguments are those of a valid call for a Hamming norm. To others OpenCV says what is wrong with them.
+// Whether the arguments form a valid call with a Hamming norm. OpenCV handles all other calls, with its own messages.
 bool isHammingCall(const cv::Mat& src1, const cv::Mat& src2, int dtype, bool hasIndices, int normType, int K,
                    const cv::Mat& mask, int update, bool crosscheck)
 {
@@ -43,7 +43,7 @@ bool isHammingCall(const cv::Mat& src1, const cv::Mat& src2, int dtype, bool has
            (!crosscheck || (std::min(K, src2.rows) == 1 && update == 0 && mask.empty()));
 }
 
-//! Inserts distances into lists that may hold anything, in the way of cv::batchDistance.
+//! Inserts distances into lists of any content, as cv::batchDistance does.
 void insertDistances(const int* distances, const uchar* allowed, int count, int firstIndex, int kept,
                      int* least, int* indices)
 {
@@ -76,8 +76,8 @@ void writeLists(const std::vector<DistanceKey>& nearest, Mat& dist, Mat& nidx)
     }
 }
 
-// As cv::batchDistance does it. The distance of a row of src1 is the least of those rows of src2 whose nearest row it
-// is, even where the index is -1 because the two are not mutually nearest.
+// Writes the result of a cross check, as cv::batchDistance does. The distance of a row of src1 is its least distance to
+// the rows of src2 whose nearest row it is, even if the index is -1 because the two are not mutually nearest.
 void writeCrossChecked(const std::vector<DistanceKey>& nearest,
                        const std::vector<DistanceKey>& nearestQueries, Mat& dist, Mat& nidx)
 {
@@ -93,13 +93,13 @@ void writeCrossChecked(const std::vector<DistanceKey>& nearest,
             nidx.at<int>(i, 0) = indexOf(nearest[i]);
 }
 
-// As cv::batchDistance, for a valid call for a Hamming norm.
+// cv::batchDistance for a valid call with a Hamming norm.
 void batchHammingDistance(const Mat& query, const Mat& train, OutputArray dist_, OutputArray nidx_,
                           bool countPairs, int K, const Mat& mask, int update, bool crosscheck)
 {
     K = std::min(K, train.rows);
     const Size size(K > 0 ? K : train.rows, query.rows);
-    // The lists of an earlier call stay only where their matrices do.
+    // The lists of an earlier call count only if their matrices are still there.
     const bool isAdded = update != 0 && dist_.sameSize(nidx_) && dist_.size() == size &&
                          dist_.type() == CV_32SC1 && nidx_.type() == CV_32SC1;
     dist_.create(size, CV_32SC1);
@@ -138,7 +138,7 @@ void batchHammingDistance(const Mat& query, const Mat& train, OutputArray dist_,
         writeLists(nearest, dist, nidx);
 }
 
-// Once a process, and only where it took place.
+// Prints a notice once per process, at the first call.
 void noticeInterposition()
 {
     static std::once_flag once;

@@ -3,9 +3,8 @@
 // of this distribution.
 // SPDX-License-Identifier: Apache-2.0
 
-// cv::ORB::create for programs that are not to be changed: preloaded, this definition comes before OpenCV's.
-// batch_distance.cpp does the same for cv::batchDistance. Environment variables set the properties that callers of
-// cv::ORB cannot set: see README.md in this folder.
+// cv::ORB::create for unchanged programs: preloaded, this definition replaces OpenCV's. batch_distance.cpp replaces
+// cv::batchDistance. Environment variables set the properties that cv::ORB does not have, see README.md in this folder.
 
 #include "preload.hpp"
 
@@ -46,7 +45,7 @@ const char* accepted(AdaptiveQuadtreeORB::SelectionType)
     return "ranked or quadtree";
 }
 
-// For readVariable.
+// Reads an enumeration for readVariable.
 std::istream& operator>>(std::istream& stream, AdaptiveQuadtreeORB::SelectionType& value)
 {
     std::string name;
@@ -60,14 +59,14 @@ std::istream& operator>>(std::istream& stream, AdaptiveQuadtreeORB::SelectionTyp
     return stream;
 }
 
-// Reads an environment variable. False: it is not set, or empty.
+// Reads an environment variable. Returns false if it is empty or not set.
 template <typename T> bool readVariable(const char* name, T& value)
 {
     const char* text = std::getenv(name);
     if (!text || !*text)
         return false;
     std::istringstream stream(text);
-    stream.imbue(std::locale::classic());  // the program's may have a decimal comma
+    stream.imbue(std::locale::classic());  // the program's locale may have a decimal comma
     if (!(stream >> value) || !(stream >> std::ws).eof())
         CV_Error_(cv::Error::StsBadArg, ("%s must be %s, got \"%s\"", name, accepted(value), text));
     return true;
@@ -79,7 +78,7 @@ bool isOn(const char* name)
     return readVariable(name, on) && on;
 }
 
-// AQORB_SUB_PIXEL for SubPixel.
+// Name of a property's variable: AQORB_SUB_PIXEL for SubPixel.
 std::string variableOf(const std::string& property)
 {
     std::string name = "AQORB";
@@ -105,7 +104,7 @@ void setFromVariable(AdaptiveQuadtreeORB& orb, const char* property, void (Class
     }
 }
 
-// What callers of cv::ORB cannot set, and the border that they do not know to set.
+// Sets the properties that cv::ORB does not have, and edgeThreshold.
 void setFromEnvironment(AdaptiveQuadtreeORB& orb)
 {
     setFromVariable(orb, "EdgeThreshold", &AdaptiveQuadtreeORB::setEdgeThreshold);
@@ -114,7 +113,7 @@ void setFromEnvironment(AdaptiveQuadtreeORB& orb)
 #undef AQORB_SET
 }
 
-// Once a process, and only where it took place: LD_PRELOAD reaches every program that a shell starts.
+// Prints a notice once per process, at the first call: LD_PRELOAD reaches every program that a shell starts.
 void noticeInterposition(const AdaptiveQuadtreeORB& orb)
 {
     static std::once_flag once;
@@ -127,7 +126,7 @@ void noticeInterposition(const AdaptiveQuadtreeORB& orb)
                    });
 }
 
-// OpenCV's definition, by the name that both have.
+// OpenCV's definition of cv::ORB::create.
 Create originalCreate()
 {
     void* const symbol = aqorb_preload::originalOf(reinterpret_cast<void*>(Create(&cv::ORB::create)));

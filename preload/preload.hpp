@@ -6,7 +6,7 @@
 #ifndef OPENCV_AQORB_PRELOAD_HPP
 #define OPENCV_AQORB_PRELOAD_HPP
 
-// What the definitions that take the place of OpenCV's have in common.
+// Shared by the definitions that replace OpenCV's.
 
 namespace aqorb_preload
 {
@@ -14,7 +14,7 @@ namespace aqorb_preload
 //! Whether an environment variable is 1. Throws if it is anything but 0, 1 or empty.
 bool isVariableOn(const char* name);
 
-//! OpenCV's definition of a function, by the name that both have; null if there is none.
+//! OpenCV's definition of the function with the same symbol; null if there is none.
 void* originalOf(void* own);
 
 }  // namespace aqorb_preload

@@ -3,7 +3,7 @@
 // of this distribution.
 // SPDX-License-Identifier: Apache-2.0
 
-// Shows AdaptiveQuadtreeORB beside cv::ORB: where their keypoints lie, how well these match, and how fast.
+// Compares AdaptiveQuadtreeORB with cv::ORB: positions of keypoints, matches, and times.
 
 #include "sample.hpp"
 
@@ -34,7 +34,7 @@ const char* const KEYS = "{help      |      | print this text }"
                          "{nfeatures | 1000 | number of keypoints to ask for }"
                          "{out       | .    | existing folder for the pictures }";
 
-// What the program shows without images.
+// Default images and their comments.
 const struct
 {
     const char *image1, *image2, *homography, *text;
@@ -72,10 +72,10 @@ struct Method
     const char* name;
     Ptr<ORB> detector;
     Ptr<DescriptorMatcher> matcher;  // with cross check
-    bool grows;                      // grows the matches and adds more
+    bool grows;                      // whether growMatches refines and adds matches
 };
 
-//! Matched keypoints of two images: from[i] and to[i] belong together.
+//! Matched positions of two images: from[i] matches to[i].
 struct Matches
 {
     void add(const KeyPoint& a, const KeyPoint& b)
@@ -87,25 +87,25 @@ struct Matches
     std::vector<KeyPoint> from, to;
 };
 
-//! What a method finds.
+//! Results of a method.
 struct Found
 {
     std::vector<KeyPoint> keypoints[2];  // of each image
     Matches matches;                     // the best first
-    Matches leftOut;                     // by growMatches
-    Matches right, distinct;             // those that agree with the geometry, and the distinct ones of these
-    double error = 0;                    // in pixels, the median of those that agree
-    double milliseconds[2] = {0, 0};     // for the features of image 1, and for everything
+    Matches leftOut;                     // removed by growMatches
+    Matches right, distinct;             // matches that agree with the geometry, and the distinct among them
+    double error = 0;                    // median error of the right matches, in pixels
+    double milliseconds[2] = {0, 0};     // for the features of image 1, and for the pair
 };
 
-//! The geometry of two images: a homography or, of a scene in depth, a fundamental matrix.
+//! Geometry of two images: a homography or, for a scene in depth, a fundamental matrix.
 struct Geometry
 {
     Matx33d matrix;
     bool isEpipolar, isFound;
 };
 
-//! How far a match is from where the homography maps it, or from its epipolar line, in pixels of the second image.
+//! Distance of a match from its position by the homography, or from its epipolar line, in pixels of the second image.
 double errorOf(const Geometry& geometry, const Point2f& from, const Point2f& to)
 {
     const Vec3d v = geometry.matrix * Vec3d(from.x, from.y, 1);
@@ -113,7 +113,7 @@ double errorOf(const Geometry& geometry, const Point2f& from, const Point2f& to)
                                : norm(Point2d(v[0] / v[2] - to.x, v[1] / v[2] - to.y));
 }
 
-//! By RANSAC as most programs call it, to be timed; or with more patience, to see what the matches are worth.
+//! Estimates the geometry by RANSAC: timed with the usual settings, else with more iterations, to judge the matches.
 Geometry estimate(const Matches& matches, bool isEpipolar, bool isTimed, double threshold)
 {
     std::vector<Point2f> from, to;
@@ -132,7 +132,7 @@ Geometry estimate(const Matches& matches, bool isEpipolar, bool isTimed, double 
     return {isFound ? Matx33d(matrix.ptr<double>()) : Matx33d(), isEpipolar, isFound};
 }
 
-//! From one or two images to keypoints, matches and, by RANSAC, their geometry.
+//! Finds keypoints in one or two images, their matches and, by RANSAC, the geometry.
 Found find(const Method& method, const std::vector<Mat>& images, bool isEpipolar)
 {
     Found found;
@@ -177,8 +177,8 @@ Found find(const Method& method, const std::vector<Mat>& images, bool isEpipolar
     return found;
 }
 
-/** Chooses the matches within 3 pixels of the geometry, and of these the distinct ones: at least 4 pixels away from
- every better one in both images. Several keypoints on one corner of the scene say no more about it than one. */
+/** Selects the matches within 3 pixels of the geometry, and among them the distinct matches: at least 4 pixels from
+ every better match in both images. Several keypoints on one corner of the scene tell no more than one. */
 void choose(Found& found, const Geometry& geometry)
 {
     std::vector<double> errors;
@@ -201,9 +201,9 @@ void choose(Found& found, const Geometry& geometry)
     found.error = errors.empty() ? 0 : errors[errors.size() / 2];
 }
 
-/** Judges what was found by the known homography. If it is not known, by the one that is estimated from the matches of
- each method or, if that explains half as many matches again, by a fundamental matrix.
- @return whether it was that */
+/** Judges the results by the known homography. Without one, it estimates a homography from each method's matches or, if
+ this explains half as many matches again, a fundamental matrix.
+ @return whether a fundamental matrix was used */
 bool judge(std::vector<Found>& found, const Mat& known)
 {
     std::vector<Geometry> geometries[2];
@@ -229,7 +229,7 @@ String occupied(const std::vector<KeyPoint>& keypoints, const Mat& image)
     return format("%.0f %%", 100 * aqorb::distributionOccupancy(keypoints, image.size(), Size(16, 12)));
 }
 
-//! A row of the table: its label, and a text for each method.
+//! Prints a row of the table: its label, and a text for each method.
 void printRow(const String& label, const std::vector<String>& texts)
 {
     std::cout << format("%-34s", label.c_str());
@@ -238,7 +238,7 @@ void printRow(const String& label, const std::vector<String>& texts)
     std::cout << "\n";
 }
 
-//! The seconds that all processors together have worked since the system began; 0 where that is not known.
+//! Seconds of work of all processors since the system began; 0 if unknown.
 double busySeconds()
 {
     std::ifstream file("/proc/stat");  // Linux: in hundredths of a second
@@ -248,7 +248,7 @@ double busySeconds()
     return 0.01 * (user + nice + system + interrupts + softInterrupts);
 }
 
-//! The median, and in brackets the quartiles.
+//! Median, and quartiles in brackets.
 String spread(std::vector<double> values, const char* number)
 {
     std::sort(values.begin(), values.end());
@@ -257,8 +257,8 @@ String spread(std::vector<double> values, const char* number)
     return at(0.5) + " (" + at(0.25) + "-" + at(0.75) + ")";
 }
 
-/** Measures the methods in turns, so that other work slows all of them.
- @return how many processors other programs used */
+/** Measures the methods in turns, so that other programs slow all of them equally.
+ @return number of processors that other programs used */
 double printTimes(const std::vector<Method>& methods, const std::vector<Mat>& images, bool isEpipolar,
                   int threads)
 {
@@ -298,7 +298,7 @@ double printTimes(const std::vector<Method>& methods, const std::vector<Mat>& im
     return (busySeconds() - busyBefore - own) / time.getTimeSec();
 }
 
-const double PANEL = 640;  // pixels, the width of an image in the pictures
+const double PANEL = 640;  // width of an image in the pictures, in pixels
 
 Mat panel(const Mat& image, double scale, double brightness)
 {
@@ -308,7 +308,7 @@ Mat panel(const Mat& image, double scale, double brightness)
     return picture;
 }
 
-//! A circle at a position of an image that was scaled.
+//! Draws a circle at a position of a scaled image.
 void drawCircle(Mat& picture, const Point2f& position, double scale,
                 const Scalar& colour = Scalar(0, 255, 255))
 {
@@ -326,7 +326,7 @@ Mat keypointPicture(const Mat& image, const std::vector<KeyPoint>& keypoints)
     return picture;
 }
 
-//! Two images side by side, darker, with a line for each match, and with what was left out.
+//! Two darkened images side by side, with a line for each match, and with the removed matches in red.
 Mat matchPicture(const std::vector<Mat>& images, const Matches& matches, const Matches& leftOut)
 {
     const double scale = PANEL / std::max(images[0].cols, images[1].cols);
@@ -335,7 +335,7 @@ Mat matchPicture(const std::vector<Mat>& images, const Matches& matches, const M
     left.copyTo(picture(Rect(Point(0, 0), left.size())));
     Mat rightPart = picture(Rect(Point(left.cols, 0), right.size()));
     right.copyTo(rightPart);
-    // Hundreds of lines would hide the images. So they are translucent, and of many matches only some have one.
+    // Hundreds of lines would hide the images. So lines are translucent, and only some of many matches have one.
     const size_t LINES = 100, count = matches.from.size(), step = count / LINES + 1;
     Mat lines = picture.clone();
     const Point shift(left.cols, 0);
@@ -356,8 +356,8 @@ Mat matchPicture(const std::vector<Mat>& images, const Matches& matches, const M
     return picture;
 }
 
-/** Compares on one image or two. The homography between two may be known. The names of the pictures end with `number`.
- @return how many processors other programs used meanwhile */
+/** Compares the methods on one image or two, with or without a known homography. Names of pictures end with `number`.
+ @return number of processors that other programs used meanwhile */
 double compare(const std::vector<Mat>& images, const Mat& known, const CommandLineParser& parser,
                const String& number)
 {

@@ -3,7 +3,7 @@
 // of this distribution.
 // SPDX-License-Identifier: Apache-2.0
 
-// Masks the black corners of a fisheye lens's image, whose rim would otherwise take keypoints.
+// Masks the black corners of a fisheye lens's image, whose rim would otherwise attract keypoints.
 
 #include "sample.hpp"
 

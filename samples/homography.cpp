@@ -40,12 +40,12 @@ static int homographySample(int argc, char** argv)
     orb->detectAndCompute(image1, noArray(), keypoints1, descriptors1);
     orb->detectAndCompute(image2, noArray(), keypoints2, descriptors2);
 
-    std::vector<DMatch> matches;  // mutual nearest neighbours, those of BFMatcher(orb->defaultNorm(), true)
+    std::vector<DMatch> matches;  // mutual nearest neighbours, as BFMatcher(orb->defaultNorm(), true) gives
     if (!descriptors1.empty() && !descriptors2.empty())
         aqorb::HammingMatcher(orb->defaultNorm(), true).match(descriptors1, descriptors2, matches);
 
     const size_t all = matches.size();
-    std::vector<Point2f> points1, points2;  // exact enough for a threshold of one pixel
+    std::vector<Point2f> points1, points2;  // refined: they allow a threshold of one pixel
     aqorb::refineMatches(image1, keypoints1, image2, keypoints2, matches, points1, points2);
     Mat homography;
     std::vector<char> isInlier;

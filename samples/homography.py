@@ -28,11 +28,11 @@ def main():
     keypoints1, descriptors1 = orb.detectAndCompute(image1, None)
     keypoints2, descriptors2 = orb.detectAndCompute(image2, None)
 
-    matches = []  # mutual nearest neighbours, those of cv.BFMatcher(orb.defaultNorm(), crossCheck=True)
+    matches = []  # mutual nearest neighbours, as cv.BFMatcher(orb.defaultNorm(), crossCheck=True) gives
     if descriptors1 is not None and descriptors2 is not None:
         matches = aqorb.HammingMatcher(orb.defaultNorm(), crossCheck=True).match(descriptors1, descriptors2)
     count = len(matches)
-    # Points that are exact enough for a threshold of one pixel.
+    # Refined points allow a threshold of one pixel.
     matches, points1, points2 = aqorb.refineMatches(image1, keypoints1, image2, keypoints2, matches)
     homography = None
     if len(matches) >= 4:

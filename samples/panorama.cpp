@@ -3,7 +3,7 @@
 // of this distribution.
 // SPDX-License-Identifier: Apache-2.0
 
-// A panorama by cv::Stitcher, which takes any Feature2D for its features, and any matcher for their descriptors.
+// Makes a panorama by cv::Stitcher, which takes any Feature2D and any matcher.
 
 #include "sample.hpp"
 
@@ -14,7 +14,7 @@
 
 using namespace cv;
 
-//! Finds the matches of two images that pass the ratio test in one direction at least, as OpenCV's own matcher does.
+//! Finds matches that pass the ratio test in at least one direction, as OpenCV's own matcher does.
 class HammingPairs : public detail::FeaturesMatcher
 {
 public:
@@ -43,8 +43,8 @@ private:
     const double ratio;
 };
 
-//! BestOf2NearestMatcher, which estimates a homography from the matches, or AffineBestOf2NearestMatcher, which
-//! estimates an affine map, with HammingPairs for the matches.
+//! BestOf2NearestMatcher, which estimates a homography, or AffineBestOf2NearestMatcher, which estimates an affine map,
+//! with the matches of HammingPairs.
 template <typename Estimator> class HammingFeaturesMatcher : public Estimator
 {
 public:
@@ -79,7 +79,7 @@ static int panorama(int argc, char** argv)
     const Ptr<Stitcher> stitcher = Stitcher::create(isPlane ? Stitcher::SCANS : Stitcher::PANORAMA);
     if (isPlane)
     {
-        detector->setStrengthWeight(1);  // joins more scans than the default does
+        detector->setStrengthWeight(1);  // joins more scans than the default
         stitcher->setFeaturesMatcher(makePtr<HammingFeaturesMatcher<detail::AffineBestOf2NearestMatcher>>());
     }
     else
@@ -91,7 +91,7 @@ static int panorama(int argc, char** argv)
     {
         status = stitcher->stitch(images, picture);
     }
-    catch (const cv::Exception&)  // an assertion, for example where hardly anything matches
+    catch (const cv::Exception&)  // an assertion, for example with hardly any matches
     {
     }
     size_t smallest = images[0].total();

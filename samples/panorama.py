@@ -5,7 +5,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """Stitches two or more overlapping photographs of a turning camera to a panorama.
 
-In Python cv.Stitcher does not take a detector, so its steps are done here one by one."""
+cv.Stitcher takes no detector in Python, so this program runs its steps one by one."""
 
 import argparse
 import sys
@@ -22,7 +22,7 @@ def read(name, megapixels=1):
     return cv.resize(image, None, fx=scale, fy=scale, interpolation=cv.INTER_AREA)
 
 
-# The function of the package takes its own detectors, too. In OpenCV's build they are like any other.
+# The package's function also takes the package's detectors. OpenCV's build needs no such function.
 compute_image_features = getattr(aqorb, 'computeImageFeatures2', cv.detail.computeImageFeatures2)
 
 
@@ -80,7 +80,7 @@ def main():
     features = [compute_image_features(detector, image) for image in images]
     try:
         panorama = compose(images, estimate_cameras(features))
-    except cv.error:  # an assertion, for example where hardly anything matches
+    except cv.error:  # an assertion, for example with hardly any matches
         panorama = np.empty((0, 0, 3), np.uint8)
     if panorama.size < min(image.size for image in images):  # impossible cameras fold the images to less than one
         sys.exit('the cameras could not be estimated')

@@ -3,7 +3,7 @@
 // of this distribution.
 // SPDX-License-Identifier: Apache-2.0
 
-// Thins out the keypoints of other detectors: the best by response, and the best spread.
+// Thins out keypoints of other detectors: by response alone, and uniformly.
 
 #include "sample.hpp"
 

@@ -27,7 +27,7 @@ inline cv::CommandLineParser parseOptions(int argc, char** argv, const cv::Strin
         parser.printMessage();
         std::exit(0);
     }
-    for (int i = 1; i < argc; i++)  // CommandLineParser passes over options that it does not know
+    for (int i = 1; i < argc; i++)  // CommandLineParser ignores unknown options
     {
         const cv::String argument = argv[i];
         cv::String name = argument.substr(0, argument.find('='));
@@ -41,7 +41,7 @@ inline cv::CommandLineParser parseOptions(int argc, char** argv, const cv::Strin
     return parser;
 }
 
-//! The value of an option. Where it cannot be read as one, the program says so and ends.
+//! Value of an option. An invalid value ends the program with a message.
 template <typename T> T option(const cv::CommandLineParser& parser, const char* name)
 {
     const T value = parser.get<T>(name);
@@ -53,7 +53,7 @@ template <typename T> T option(const cv::CommandLineParser& parser, const char* 
     return value;
 }
 
-//! The arguments that are no options.
+//! Arguments that are not options.
 inline std::vector<cv::String> fileArguments(int argc, char** argv)
 {
     std::vector<cv::String> files;
@@ -84,7 +84,7 @@ inline void checkWritable(const cv::String& file, bool isWritable)
                  file + ": cannot be written; a name such as picture.jpg in an existing folder is accepted");
 }
 
-//! The picture to write: the option "out". A name that cannot be written is refused here, before any work is done.
+//! Picture to write: the option "out". Throws for a name that cannot be written, before the program does any work.
 inline cv::String pictureOption(const cv::CommandLineParser& parser)
 {
     const cv::String file = option<cv::String>(parser, "out");
@@ -94,7 +94,7 @@ inline cv::String pictureOption(const cv::CommandLineParser& parser)
     return file;
 }
 
-//! A picture under a line of text.
+//! Adds a line of text above a picture.
 inline cv::Mat captioned(const cv::Mat& picture, const cv::String& text,
                          const cv::Scalar& colour = cv::Scalar::all(0))
 {

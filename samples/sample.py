@@ -2,7 +2,7 @@
 # It is subject to the license terms in the LICENSE file found in the top-level directory
 # of this distribution.
 # SPDX-License-Identifier: Apache-2.0
-"""What the samples share: the module, files, and a sentence for each file that is wrong."""
+"""Shared by the samples: the module, files, and messages for bad files."""
 
 import os
 import sys
@@ -11,7 +11,7 @@ import cv2 as cv
 
 try:
     import aqorb
-except ImportError:  # a cv2 that was built with the module
+except ImportError:  # cv2 was built with the module
     from cv2 import aqorb
 
 
@@ -33,7 +33,7 @@ def check_writable(file, is_writable):
 
 
 def picture_option(file):
-    """The type of --out: a name that cannot be written is refused before any work is done."""
+    """Type of --out: rejects a name that cannot be written, before the program does any work."""
     check_writable(file, cv.haveImageWriter(file) and os.path.isdir(os.path.dirname(file) or '.'))
     return file
 

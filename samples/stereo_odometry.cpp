@@ -3,10 +3,9 @@
 // of this distribution.
 // SPDX-License-Identifier: Apache-2.0
 
-// Stereo visual odometry from frame to frame, on sequences in KITTI's layout. It shows what a detector's features are
-// worth for this, and what growMatches adds. Points of a rectified pair are matched along the rows, and then with
-// those of the frame before. The motion is the one under which the points of one frame project onto their matches in the
-// next (PnP).
+// Stereo visual odometry from frame to frame, on sequences in KITTI's layout. It compares detectors, and shows the
+// effect of growMatches. It matches the points of a rectified pair along the rows, and then with the points of the
+// frame before. PnP finds the motion that projects the points of one frame onto their matches in the next.
 
 #include "sample.hpp"
 
@@ -42,12 +41,12 @@ const char* const KEYS = "{help      |                     | print this text }"
 struct Sequence
 {
     std::vector<String> left, right;  // files
-    std::vector<Affine3d> poses;      // from the left camera to the world; empty where they are not known
+    std::vector<Affine3d> poses;      // from the left camera to the world; empty if unknown
     Matx33d camera;
     double baseline;  // in metres
 };
 
-//! Features of the left image for which the right one gives a depth.
+//! Features of the left image with a depth from the right image.
 struct Frame
 {
     Mat image;
@@ -67,15 +66,15 @@ struct Odometry
     const char* name;
     Ptr<ORB> detector;
     Scalar colour;
-    bool grows;                                     // refines the matches and adds more
-    Frame frame;                                    // the last one
-    std::vector<Point2f> from, to;                  // the inliers of the motion to it, in both left images
-    Affine3d motion;                                // from its coordinates to those of the frame before
-    std::vector<Affine3d> poses;                    // of the left camera, from the first frame's on
+    bool grows;                                     // whether growMatches refines and adds matches
+    Frame frame;                                    // last frame
+    std::vector<Point2f> from, to;                  // inliers of the last motion, in both left images
+    Affine3d motion;                                // from the last frame's coordinates to the frame before
+    std::vector<Affine3d> poses;                    // of the left camera, from the first frame on
     double keypoints = 0, depths = 0, inliers = 0;  // sums over the frames
 };
 
-//! The matrices of 3x4 numbers in a file, a line for each, with or without a label such as "P0:".
+//! Reads matrices of 3x4 numbers from a file, one per line, with or without a label such as "P0:".
 std::vector<Matx34d> readMatrices(const String& file)
 {
     std::vector<Matx34d> matrices;
@@ -101,8 +100,8 @@ std::vector<String> imagesOf(const String& folder)
     return files;
 }
 
-/** Reads calib.txt (P0 and P1), the folders of images (image_0 and image_1 as KITTI's, or image_l and image_r) and,
- where it is there, poses.txt. */
+/** Reads calib.txt (P0 and P1), the folders of images (image_0 and image_1 as in KITTI, or image_l and image_r) and
+ poses.txt if present. */
 Sequence readSequence(const String& folder)
 {
     Sequence sequence;
@@ -121,7 +120,7 @@ Sequence readSequence(const String& folder)
     return sequence;
 }
 
-//! The positions of matches as they are, or refined and grown. Only queryIdx is of use then.
+//! Positions of matches, which growMatches may refine and extend. Then only queryIdx stays valid.
 void positions(bool grows, const Mat& image1, const std::vector<KeyPoint>& keypoints1, const Mat& image2,
                const std::vector<KeyPoint>& keypoints2, std::vector<DMatch>& matches,
                std::vector<Point2f>& points1, std::vector<Point2f>& points2)
@@ -138,8 +137,8 @@ void positions(bool grows, const Mat& image1, const std::vector<KeyPoint>& keypo
     }
 }
 
-/** The features of the left image that match one of the right image best, and the other way round, among those within
- some rows and at most MAX_DISPARITY pixels further left. */
+/** Features of the left image with a mutually best match in the right image, within some rows and at most MAX_DISPARITY
+ pixels further left. */
 Frame stereoFrame(Odometry& odometry, const Mat& left, const Mat& right, const Sequence& sequence)
 {
     const float ROWS = 3, MIN_DISPARITY = 0.5f, MAX_DISPARITY = 200;
@@ -180,13 +179,13 @@ Frame stereoFrame(Odometry& odometry, const Mat& left, const Mat& right, const S
     return frame;
 }
 
-/** The motion from the last frame to the next one: PnP with RANSAC, refined on the inliers. With too few matches the
- camera goes on as it did. */
+/** Estimates the motion from the last frame to the next: PnP with RANSAC, refined on the inliers. With too few matches
+ the last motion repeats. */
 void estimateMotion(Odometry& odometry, const Frame& next, const Matx33d& camera)
 {
-    const float THRESHOLD = odometry.grows ? 0.5f : 1.5f;  // pixels; 1.5 is the best for cv::ORB
+    const float THRESHOLD = odometry.grows ? 0.5f : 1.5f;  // pixels; 1.5 is best for cv::ORB
     const Frame& last = odometry.frame;
-    std::vector<DMatch> matches;  // mutual nearest neighbours, those of BFMatcher(norm, true)
+    std::vector<DMatch> matches;  // mutual nearest neighbours, as BFMatcher(norm, true) gives
     if (!last.descriptors.empty() && !next.descriptors.empty())
         aqorb::HammingMatcher(odometry.detector->defaultNorm(), true)
             .match(last.descriptors, next.descriptors, matches);
@@ -239,7 +238,7 @@ double pathLength(const std::vector<Affine3d>& poses, size_t first, size_t last)
     return length;
 }
 
-//! The error of the motion over `step` frames, in per cent of the path.
+//! Error of the motion over `step` frames, in per cent of the path.
 double translationError(const std::vector<Affine3d>& poses, const std::vector<Affine3d>& truth, size_t step)
 {
     double sum = 0;
@@ -280,7 +279,7 @@ void printTable(const std::vector<Odometry>& odometries, const Sequence& sequenc
         { return format("%.2f %%", translationError(o.poses, sequence.poses, STEP)); });
 }
 
-// The left image with the tracked features: a line from where each was in the frame before.
+// Left image with tracked features: a line from the position in the frame before.
 Mat trackPicture(const Odometry& odometry, const Mat& left)
 {
     Mat picture;
@@ -294,7 +293,7 @@ Mat trackPicture(const Odometry& odometry, const Mat& left)
                      odometry.colour);
 }
 
-//! Paths from above: those of the detectors in their colours and, below them, the true one in grey.
+//! Paths from above: the detectors' paths in colours, over the true path in grey.
 Mat pathPicture(const std::vector<Odometry>& odometries, const std::vector<Affine3d>& truth, Size size)
 {
     std::vector<std::vector<Point2f>> lines(1);

@@ -64,10 +64,10 @@ struct Options
 {
     std::vector<int> numbers;  // of features
     int turns;
-    bool isCold;  // other memory is touched before each frame
+    bool isCold;  // touches other memory before each frame
 };
 
-//! A drawn scene, a file, or a photograph of opencv_extra such as bikes/img1.png.
+//! Loads a drawn scene, a file, or a photograph of opencv_extra such as bikes/img1.png.
 Mat loadImage(const std::string& name)
 {
     Size size;
@@ -86,18 +86,18 @@ Mat loadImage(const std::string& name)
     return image;
 }
 
-//! AdaptiveQuadtreeORB::create of another build's shared library, which is never unloaded.
+//! AdaptiveQuadtreeORB::create of another build's shared library, which stays loaded.
 Creator creatorOf(const std::string& library)
 {
     typedef Ptr<AdaptiveQuadtreeORB> (*Create)(int, float, int, int, int, int, ORB::ScoreType, int, int);
-    // Without RTLD_DEEPBIND the functions of this build would stand in for its own.
+    // Without RTLD_DEEPBIND the library would call this build's functions.
     void* const handle = dlopen(library.c_str(), RTLD_NOW | RTLD_LOCAL | RTLD_DEEPBIND);
     void* const symbol =
         handle ? dlsym(handle, "_ZN2cv5aqorb19AdaptiveQuadtreeORB6createEifiiiiNS_3ORB9ScoreTypeEii") : NULL;
     if (!symbol)
         CV_Error(Error::StsBadArg, library + " is not a shared library of aqorb: " + dlerror());
     const Create create = reinterpret_cast<Create>(symbol);
-    // No symbol has the default values.
+    // The defaults, which no symbol holds.
     return [create](int n) { return create(n, 1.2f, 8, 16, 0, 2, ORB::HARRIS_SCORE, 31, 20); };
 }
 
@@ -114,7 +114,7 @@ void touchOtherMemory()
         words[i]++;
 }
 
-//! The table of the times of two works, which are measured in turns: A B, B A, A B.
+//! Table of the times of two works, measured in turns: A B, B A, A B.
 class Table
 {
 public:
@@ -140,7 +140,7 @@ public:
                 ms[isOurs] = 1e3 * double(getTickCount() - start) / getTickFrequency();
             }
             if (turn == 0)
-                continue;  // it fills caches and allocates
+                continue;  // the first turn fills caches and allocates
             times[0].push_back(ms[0]);
             times[1].push_back(ms[1]);
             quotients.push_back(ms[0] / ms[1]);
@@ -164,7 +164,7 @@ public:
 
 private:
     Options options;
-    std::vector<double> logarithms;  // of the ratios
+    std::vector<double> logarithms;  // logarithms of the ratios
 };
 
 void measureFrames(const Options& options, const Creator& create, const std::vector<std::string>& images)
@@ -184,7 +184,7 @@ void measureFrames(const Options& options, const Creator& create, const std::vec
         }
 }
 
-//! Features, cross-checked matches, with refinement positions, and the homography.
+//! Finds features, cross-checked matches, refined positions if isRefined, and the homography.
 void findPair(Feature2D& detector, const DescriptorMatcher& matcher, const Mat images[2], bool isRefined)
 {
     std::vector<KeyPoint> keypoints[2];

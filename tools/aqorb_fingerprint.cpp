@@ -3,14 +3,13 @@
 // of this distribution.
 // SPDX-License-Identifier: Apache-2.0
 
-// Prints hashes of what the module computes, to be compared between CPUs, compilers and versions of OpenCV:
+// Prints hashes of the module's results, to compare CPUs, compilers and versions of OpenCV:
 //
 //   aqorb_fingerprint [--plain] [--quadtree] [IMAGE ...]
 //
-// There is one line for each scene or image and each set of parameters. The hashes of the image and of the pyramid
-// show whether a difference came with the input or is one of the detector. --plain calls
-// cv::setUseOptimized(false). --quadtree sets QUADTREE_SELECTION. The CPU features that OpenCV uses are printed to
-// standard error.
+// One line stands for a scene or an image and a set of parameters. The hashes of the image and of the pyramid show
+// whether a difference comes from the input or from the detector. --plain calls cv::setUseOptimized(false). --quadtree
+// sets QUADTREE_SELECTION. Standard error lists the CPU features that OpenCV uses.
 
 #include "../test/scenes.hpp"
 
@@ -30,11 +29,11 @@ using aqorb::AdaptiveQuadtreeORB;
 namespace
 {
 
-//! FNV-1a of 64 bits. Numbers are hashed from their lowest byte on, whatever the order of the CPU is.
+//! FNV-1a hash of 64 bits. It takes numbers from their lowest byte on, on CPUs of either byte order.
 class Hash
 {
 public:
-    //! The size and the pixels.
+    //! Adds the size and the pixels.
     void add(const Mat& mat)
     {
         addNumbers(&mat.rows, 1);
@@ -51,7 +50,7 @@ public:
     {
         addNumbers(numbers, count, sizeof(T));
     }
-    //! 16 hexadecimal digits.
+    //! The hash in 16 hexadecimal digits.
     std::string text() const { return format("%08x%08x", unsigned(state >> 32), unsigned(state)); }
 
 private:
@@ -74,8 +73,8 @@ template <typename T> std::string hashOf(const T& what)
     return hash.text();
 }
 
-//! A detector with random values of all parameters that have an effect with the selection. The other parameters are the
-//! same with both selections.
+//! Makes a detector with random values of all parameters that affect the selection type. Common parameters have the
+//! same values for both types.
 Ptr<AdaptiveQuadtreeORB> makeDetector(RNG& rng, AdaptiveQuadtreeORB::SelectionType selection)
 {
     const float scaleFactors[] = {1.1f, 1.2f, 1.33f, 1.5f, 2.f};
@@ -94,10 +93,10 @@ Ptr<AdaptiveQuadtreeORB> makeDetector(RNG& rng, AdaptiveQuadtreeORB::SelectionTy
     detector->setOctaveSuppression(rng.uniform(0., 3.));
     detector->setSubPixel(rng.uniform(0, 4) != 0);
     detector->setSelectionType(selection);
-    RNG ofSelection(rng.state);
+    RNG selectionRng(rng.state);
     const double strengthWeights[] = {0, 0.15, 0.5, 2}, rankRadii[] = {0, 0.5, 1, 2.5};
-    detector->setStrengthWeight(strengthWeights[ofSelection.uniform(0, 4)]);
-    detector->setRankRadius(rankRadii[ofSelection.uniform(0, 4)]);
+    detector->setStrengthWeight(strengthWeights[selectionRng.uniform(0, 4)]);
+    detector->setRankRadius(rankRadii[selectionRng.uniform(0, 4)]);
     return detector;
 }
 
@@ -108,7 +107,8 @@ Ptr<AdaptiveQuadtreeORB> makeDefault(int nfeatures, AdaptiveQuadtreeORB::Selecti
     return detector;
 }
 
-//! Positions and deviations of keypoints that are a little off in a part of the image; half of them are grown.
+//! Hashes positions and deviations of refined and grown matches: keypoints a little off in a part of the image, half of
+//! them without a match.
 std::string hashOfGrown(const Mat& image, const std::vector<KeyPoint>& keypoints)
 {
     const Mat part = image(Rect(1, 1, image.cols - 1, image.rows - 1));

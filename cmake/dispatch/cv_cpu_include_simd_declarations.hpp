@@ -4,7 +4,7 @@
 // SPDX-License-Identifier: Apache-2.0
 
 // Declares the kernels of CV_CPU_SIMD_FILENAME for CV_CPU_DISPATCH_MODE, like OpenCV's private header
-// opencv2/core/private/cv_cpu_include_simd_declarations.hpp. No include guard: once for each mode.
+// opencv2/core/private/cv_cpu_include_simd_declarations.hpp. No include guard: it is included once for each mode.
 
 #ifndef CV_CPU_OPTIMIZATION_DECLARATIONS_ONLY
 #define CV_CPU_OPTIMIZATION_DECLARATIONS_ONLY

@@ -4,18 +4,18 @@
 # SPDX-License-Identifier: Apache-2.0
 """Folders of photographs, for the command aqorb, pipelines on clusters, and programs.
 
-images finds and decodes files, store keeps features and matches in folders of Parquet parts, places finds the images
-that show the same place, tracks refines positions, and colmap writes a database of COLMAP."""
+images finds and decodes files, store keeps features and matches in folders of Parquet parts, places finds images of the
+same place, tracks refines positions, and colmap writes a COLMAP database."""
 
 import collections
 
 
-class Refused(ValueError):
-    """What is not done, in a sentence for the user."""
+class InputError(ValueError):
+    """An invalid input; the message is a sentence for the user."""
 
 
 def map_ahead(pool, function, items, count):
-    """Yields each item with the function's value. So many items are worked on, or done, before they are asked for."""
+    """Yields each item with the function's value. The pool works on `count` items ahead of the consumer."""
     ahead = collections.deque()
     try:
         for item in items:
@@ -26,6 +26,6 @@ def map_ahead(pool, function, items, count):
         while ahead:
             item, future = ahead.popleft()
             yield item, future.result()
-    finally:  # whoever is stopped does not wait for them
+    finally:  # a stopped consumer does not wait for the others
         for _, future in ahead:
             future.cancel()

@@ -2,7 +2,7 @@
 # It is subject to the license terms in the LICENSE file found in the top-level directory
 # of this distribution.
 # SPDX-License-Identifier: Apache-2.0
-"""Features and matches of a collection in a database of COLMAP, by pycolmap.
+"""Writes features and matches of a collection to a COLMAP database, by pycolmap.
 
     from aqorb_photographs import colmap
     database = pycolmap.Database.open('scene.db')
@@ -13,8 +13,8 @@
     database.close()
     pycolmap.geometric_verification('scene.db')
 
-COLMAP has a type of descriptors for SIFT and for a few others. Those of ORB are written without a type: COLMAP neither
-reads nor matches them, but keeps them."""
+COLMAP has no descriptor type for ORB, so ORB descriptors are written without a type: COLMAP keeps them, but neither
+reads nor matches them."""
 
 import json
 import os
@@ -25,15 +25,15 @@ import tempfile
 
 import numpy as np
 
-from aqorb_photographs import Refused, places, store, tracks
+from aqorb_photographs import InputError, places, store, tracks
 
-# By EXIF's number of an orientation, the turn from the upright image to the image in the file.
+# Turn from the upright image to the image in the file for each EXIF orientation.
 TURNS = {1: [[1, 0], [0, 1]], 2: [[-1, 0], [0, 1]], 3: [[-1, 0], [0, -1]], 4: [[1, 0], [0, -1]], 5: [[0, 1], [1, 0]],
          6: [[0, 1], [-1, 0]], 7: [[0, -1], [-1, 0]], 8: [[0, -1], [1, 0]]}
 
 
 def write_camera(database, camera):
-    """Writes a pycolmap.Camera, and a rig of this camera alone. Returns the camera's number."""
+    """Writes a pycolmap.Camera, and a rig with this camera alone. Returns the camera's number."""
     import pycolmap
     camera.camera_id = database.write_camera(camera)
     rig = pycolmap.Rig()
@@ -43,8 +43,8 @@ def write_camera(database, camera):
 
 
 def write_image(database, name, camera, keypoints, descriptors=None):
-    """Writes an image of that name and camera, and its keypoints: an array of aqorb.keypoint_dtype, or rows of x, y,
-    scale and orientation in radians, in pixels of OpenCV. Returns the image's number."""
+    """Writes an image with its name, its camera's number and its keypoints: an array of aqorb.keypoint_dtype, or
+    rows of x, y, scale and orientation in radians, in OpenCV's pixel coordinates. Returns the image's number."""
     import pycolmap
     image = pycolmap.Image(name=name, camera_id=camera)
     image.image_id = database.write_image(image)
@@ -64,15 +64,15 @@ def write_image(database, name, camera, keypoints, descriptors=None):
 
 
 def turn_of(orientation, size):
-    """The matrix and the shift that take positions in pixels of OpenCV from an upright image, of the given width and
-    height, to the image in its file, which COLMAP reads without a turn."""
+    """Returns the matrix and the shift from positions in an upright image, of the given width and height, to
+    positions in the image of its file, which COLMAP reads without turning. Both are OpenCV's pixel coordinates."""
     matrix = np.array(TURNS[orientation], float)
     shift = -np.minimum(matrix, 0) @ (np.array(size) - 1)
     return matrix, shift
 
 
 def rows_of(found, turn):
-    """The rows of write_image of the columns of an image's features, in pixels of its file."""
+    """Returns the keypoint rows for write_image from the columns of an image's features, in pixels of the file."""
     matrix, shift = turn
     angle = np.radians(found['angle'].astype(float))
     direction = matrix @ [np.cos(angle), np.sin(angle)]
@@ -81,8 +81,8 @@ def rows_of(found, turn):
 
 
 def geometry_of(inlier_matches, fundamental, turns):
-    """The two-view geometry of cameras that are not calibrated, of a matrix F for which x2^T F x1 = 0 in pixels of the
-    upright images."""
+    """Returns COLMAP's two-view geometry of uncalibrated cameras for a fundamental matrix of the upright images, with
+    x2^T F x1 = 0 in pixels."""
     import pycolmap
     to_upright = []
     for matrix, shift in turns:
@@ -97,19 +97,18 @@ def geometry_of(inlier_matches, fundamental, turns):
 
 
 def export(features, matches, folder, path, camera_mode='AUTO', options=None, append=False, refine=False):
-    """Writes the features in a folder, and the matches in another one or None, into a database. Cameras, focal lengths
-    and places are those of COLMAP's import of the images in the folder, of which camera_mode and options are. The
-    database is new, and appears when it is complete, or with append gets what it does not have yet, in one transaction.
-    With refine, positions are refined by tracks, and matches of keypoints that were not refined are left out. Returns
-    how many images and pairs were written, the names of images that were not, each with the reason, and what COLMAP still
-    needs.
+    """Writes the features in a folder, and the matches in another folder or None, to a database. Cameras, focal lengths
+    and places come from COLMAP's import of the images in `folder`, with its camera_mode and options. A new database
+    appears when it is complete; append adds missing images and pairs in one transaction. refine refines positions by
+    tracks, and leaves out matches of unrefined keypoints. Returns the numbers of written images and pairs, each omitted
+    image with the reason, and the next step for COLMAP.
 
-    Another process does it, as pycolmap ends its process where a disk is full."""
+    A child process writes, because pycolmap ends its process if a disk is full."""
     is_new = not (append and os.path.exists(path))
     if is_new and os.path.lexists(path):
-        raise Refused(f'{path} exists: --append adds what it does not have yet')
+        raise InputError(f'{path} exists: --append adds missing images and pairs')
     if refine and not (is_new and matches):
-        raise Refused('--refine needs matches, and a new database: it moves the keypoints of all images')
+        raise InputError('--refine needs matches, and a new database: it moves the keypoints of all images')
     target = f'{path}.{secrets.token_hex(4)}.unfinished' if is_new else path
     call = json.dumps([features, matches, folder, target, camera_mode, options or {}, refine])
     environment = dict(os.environ, PYTHONPATH=os.pathsep.join(filter(None, sys.path)))
@@ -118,7 +117,7 @@ def export(features, matches, folder, path, camera_mode='AUTO', options=None, ap
                               stdout=subprocess.PIPE, stderr=subprocess.PIPE, env=environment)
         reply = json.loads(done.stdout.decode().rpartition('\n')[2] or '{}')
         if done.returncode or 'error' in reply:
-            raise Refused(reply.get('error') or f'{path}: COLMAP could not write it: is the disk full?')
+            raise InputError(reply.get('error') or f'{path}: COLMAP could not write it: is the disk full?')
         if is_new:
             os.rename(target, path)
     finally:
@@ -131,7 +130,7 @@ def export(features, matches, folder, path, camera_mode='AUTO', options=None, ap
 def _export(features, matches, folder, path, camera_mode, options, refine):
     import pycolmap
     if not hasattr(pycolmap.Database, 'read_all_pose_priors'):
-        raise Refused(f'this needs pycolmap 4 and Python 3.10, or later ones; here is pycolmap {pycolmap.__version__}')
+        raise InputError(f'pycolmap must be 4 or later, for Python 3.10 or later, got {pycolmap.__version__}')
     features = store.Features(features, ['x', 'y', 'size', 'angle', 'octave', 'descriptors'])
     features.parameters()
     matches = store.Matches(matches, features) if matches else None
@@ -160,7 +159,7 @@ def _export(features, matches, folder, path, camera_mode, options, refine):
                 rows = rows_of(found, turns[index])
                 if name in existing:
                     if not np.allclose(database.read_keypoints(existing[name])[:, :2], rows[:, :2] + .5, atol=.01):
-                        raise Refused(f'the database has other keypoints of {name}')
+                        raise InputError(f'the database has other keypoints of {name}')
                     ids[index] = existing[name]
                     continue
                 reason = why_not(os.path.join(folder, name), images.get(name), cameras,
@@ -177,20 +176,20 @@ def _export(features, matches, folder, path, camera_mode, options, refine):
                     prior.corr_data_id = database.read_image(ids[index]).data_id
                     database.write_pose_prior(prior)
             pairs = write_pairs(database, matches, ids, turns, refined) if matches else 0
-        except BaseException as error:  # pycolmap would keep the half of it
+        except BaseException as error:  # ends the process: pycolmap would commit half of the transaction
             answer(error=str(error))
     database.close()
     needs = ''
     if not matches:
-        needs = "COLMAP cannot match these features: aqorb match, and aqorb colmap with its matches, come next"
+        needs = "COLMAP cannot match these features: run aqorb match, then aqorb colmap with its matches"
     elif not (matches.parameters() or {'verified': True})['verified']:
-        needs = "the matches are not verified: COLMAP's geometric_verification comes next"
+        needs = "the matches are not verified: run COLMAP's geometric_verification"
     answer(images=len(set(features.images[index] for index in ids) - set(existing)), pairs=pairs, left_out=left_out,
            needs=needs)
 
 
 def import_images(path, folder, camera_mode, options, names):
-    """A database with COLMAP's import of images."""
+    """Returns a database with COLMAP's import of images."""
     import pycolmap
     pycolmap.Database.open(path).close()
     if names:
@@ -200,18 +199,18 @@ def import_images(path, folder, camera_mode, options, names):
 
 
 def why_not(path, image, cameras, size):
-    """Why an image is not written, or None."""
+    """Returns the reason to omit an image, or None."""
     if not os.path.exists(path):
         return 'there is no such file'
     if image is None:
-        return 'this COLMAP does not read it, or not with this camera'
+        return 'COLMAP cannot read it, or not with this camera'
     camera = cameras[image.camera_id]
     return None if (camera.width, camera.height) == size else 'its features are of another size'
 
 
 def write_pairs(database, matches, ids, turns, refined):
-    """Writes the matches of pairs that the database does not have yet, and returns how many pairs these are. refined
-    has the matches and the fundamental matrix of each pair whose positions were refined."""
+    """Writes the matches of pairs that the database lacks, and returns the number of these pairs. refined has the
+    matches and the fundamental matrix of each pair with refined positions."""
     count = 0
     for pair, (first, second) in enumerate(matches.pairs):
         if first not in ids or second not in ids or database.exists_matches(ids[first], ids[second]):
@@ -233,7 +232,7 @@ def write_pairs(database, matches, ids, turns, refined):
 
 
 def answer(**found):
-    """Ends the process with an answer for export."""
+    """Prints the answer for export, and ends the process."""
     print('\n' + json.dumps(found), end='', flush=True)
     os._exit('error' in found)
 
@@ -241,7 +240,7 @@ def answer(**found):
 def _main():
     try:
         _export(*json.loads(sys.argv[1]))
-    except Exception as error:  # of pycolmap, of any kind
+    except Exception as error:  # pycolmap raises errors of any kind
         answer(error=str(error))
 
 

@@ -2,7 +2,7 @@
 # It is subject to the license terms in the LICENSE file found in the top-level directory
 # of this distribution.
 # SPDX-License-Identifier: Apache-2.0
-"""Finds and decodes images as people have them."""
+"""Finds and decodes images in the formats that people have."""
 
 import contextlib
 import fnmatch
@@ -18,23 +18,23 @@ import typing
 import numpy as np
 from PIL import Image, PngImagePlugin, UnidentifiedImageError
 
-from aqorb_photographs import Refused
+from aqorb_photographs import InputError
 
-# What Pillow may read, where it can. It hands others to programs: an EPS to Ghostscript, which runs what is in it.
+# Formats that Pillow may read. It passes others to programs: an EPS to Ghostscript, which executes the file.
 FORMATS = 'PNG', 'JPEG', 'MPO', 'TIFF', 'WEBP', 'BMP', 'PPM', 'GIF', 'JPEG2000', 'SUN', 'HEIF', 'AVIF'
-# By EXIF's number of an orientation, Pillow's of what makes it upright, and of what undoes that.
+# Pillow's transposition to the upright image for each EXIF orientation, and the inverse transposition.
 TURNS = {2: 0, 3: 3, 4: 1, 5: 5, 6: 4, 7: 6, 8: 2}
 UNDONE = {**TURNS, 6: 2, 8: 4}
 # Files and folders of other programs: trash, thumbnails, parts of features, and the masks of COLMAP.
 CLUTTER = re.compile(r'\._.*|\.DS_Store|Thumbs\.db|desktop\.ini|@eaDir|#recycle|@Recycle|\$RECYCLE\.BIN|\.Trash.*'
                      r'|\.?thumbnails|part-.*\.parquet|.*\.(jpe?g|png|tiff?|webp|bmp|heic)\.png', re.IGNORECASE)
-STRETCHED = .5, 99.5  # percentiles that become black and white
+STRETCHED = .5, 99.5  # percentiles of black and white
 
 
 class Reading(typing.NamedTuple):
-    """How images are read. Neither side is longer than max_size afterwards. orientation turns an image as its EXIF data
-    say. stretch makes black and white of the darkest and the brightest pixels of images with more than 8 bits. An image
-    with more than max_pixels, after what the decoder of JPEGs leaves out for max_size, is refused."""
+    """Options of reading images. Reading reduces images to at most max_size pixels a side. orientation turns an
+    image by its EXIF data. stretch maps the darkest and brightest pixels of images with more than 8 bits to black
+    and white. An image of more than max_pixels is an error; a JPEG counts as reduced by its decoder for max_size."""
 
     max_size: typing.Optional[int] = None
     orientation: bool = True
@@ -43,8 +43,8 @@ class Reading(typing.NamedTuple):
 
 
 class Picture(typing.NamedTuple):
-    """A grey image as an array, the width and height that it had before it was reduced, the EXIF orientation by which
-    it was turned, what its EXIF data say of the camera, and what was missing in the file."""
+    """A grey image as an array, its width and height before the reduction, the EXIF orientation by which it was turned,
+    the camera's EXIF data, and a note if the file is incomplete."""
 
     pixels: np.ndarray
     size: typing.Tuple[int, int]
@@ -54,9 +54,9 @@ class Picture(typing.NamedTuple):
 
 
 def list_files(sources, include=(), exclude=(), out=None):
-    """Goes through folders and the folders in them. Links to folders are followed, each folder once. Returns the paths
-    of the files, how many were left out because of their names, and the folders that cannot be listed, each with the
-    reason. Files among the sources are taken whatever their names. The folder out is passed over."""
+    """Lists the files in folders and their subfolders, except the folder out. It follows links to folders, and
+    visits each folder once. Files among the sources may have any name. Returns the paths of the files, the number of
+    names left out, and each folder that cannot be listed, with the reason."""
     found, left_out, failures, seen = {}, 0, [], set()
 
     def failed(error):
@@ -76,7 +76,7 @@ def list_files(sources, include=(), exclude=(), out=None):
         tops = [source] if os.path.isdir(source) else []
         if not tops:
             found[source] = None
-        for top in tops:  # grows by the links
+        for top in tops:  # links append to tops
             for parent, folders, names in os.walk(top, onerror=failed):
                 if identity(parent) in seen:
                     folders[:] = []
@@ -99,7 +99,7 @@ def list_files(sources, include=(), exclude=(), out=None):
 
 def open_file(path):
     if not os.path.isfile(path):
-        raise ValueError('it is no regular file' if os.path.exists(path) else 'there is no such file')
+        raise ValueError('it is not a regular file' if os.path.exists(path) else 'there is no such file')
     return open(path, 'rb')
 
 
@@ -109,11 +109,11 @@ def read_file(path, reading):
         with open_file(path) as file:
             return read_image(file, reading)
     except Exception as error:  # decoders raise errors of any kind
-        raise Refused(f'{os.fsdecode(path)}: {error}') from error
+        raise InputError(f'{os.fsdecode(path)}: {error}') from error
 
 
 def smaller(size, max_size):
-    """A width and a height, reduced so that neither is greater than max_size."""
+    """Returns a width and a height, reduced to at most max_size each."""
     longer = max(size)
     if not max_size or longer <= max_size:
         return size
@@ -121,8 +121,8 @@ def smaller(size, max_size):
 
 
 def read_image(file, reading=Reading()):
-    """Decodes a binary file that is open, and returns a Picture. 16 bits are scaled to 8, and of an animation the first
-    frame is taken. What is no image raises an exception."""
+    """Decodes an open binary file, and returns a Picture. It scales 16 bits to 8, and takes the first frame of an
+    animation. A file that is no image raises an exception."""
     image, size, box = open_image(file, reading)
     exif, note = image.getexif(), ''
     turn = exif.get(0x0112) if exif.get(0x0112) in TURNS else 1
@@ -138,7 +138,7 @@ def read_image(file, reading=Reading()):
         note = 'its end is missing'
     grey = to_grey(image, reading.stretch)
     is_turned_back = turn > 1 and not reading.orientation
-    if image.format == 'TIFF':  # Pillow has turned it
+    if image.format == 'TIFF':  # already turned by Pillow
         if is_turned_back:
             grey = grey.transpose(UNDONE[turn])
         size, box, pillow_turn = grey.size, (0, 0, *grey.size), 1
@@ -157,39 +157,39 @@ def read_image(file, reading=Reading()):
 
 
 def formats():
-    """Those of FORMATS that this Pillow reads. Its limits are for servers of the web, and are lifted."""
+    """Returns the FORMATS that this Pillow reads. Lifts Pillow's limits, which protect web servers."""
     if Image.MAX_IMAGE_PIXELS is not None:  # the first call
         with contextlib.suppress(ImportError):
             heif = importlib.import_module('pillow_heif')
             heif.register_heif_opener()
-            getattr(heif, 'register_avif_opener', int)()  # later ones leave AVIF to Pillow
+            getattr(heif, 'register_avif_opener', int)()  # later versions leave AVIF to Pillow
         PngImagePlugin.MAX_TEXT_CHUNK = PngImagePlugin.MAX_TEXT_MEMORY = 2**28
         Image.init()
-        Image.MAX_IMAGE_PIXELS = None  # max_pixels is checked after the draft
+        Image.MAX_IMAGE_PIXELS = None  # open_image checks max_pixels after the draft
     return [name for name in FORMATS if name in Image.OPEN]
 
 
 def open_image(file, reading):
-    """An image that is not decoded yet, its width and height, and the box of these in what is decoded of a JPEG, which
-    may be smaller."""
+    """Opens an image without decoding it. Returns the image, its width and height, and the crop box for JPEGs
+    decoded at reduced size."""
     file.seek(0)
     head = file.read(16)
     if not head:
         raise ValueError('the file is empty')
     file.seek(0)
-    if head[:2] in (b'II', b'MM'):  # of a TIFF on disk, Pillow closes the number twice, by then perhaps another file's
+    if head[:2] in (b'II', b'MM'):  # Pillow closes a TIFF's descriptor twice, by then perhaps another file's
         file = io.BytesIO(file.read())
     try:
         image = Image.open(file, formats=formats())
     except UnidentifiedImageError:
         if head[4:12] in (b'ftypheic', b'ftypheix', b'ftypmif1', b'ftypmsf1', b'ftypavif'):
             raise ValueError('it is HEIC or AVIF, which needs another package: pip install pillow-heif') from None
-        raise ValueError('it is no image, or of a format that is not read') from None
+        raise ValueError('it is no image, or its format is not supported') from None
     tags = getattr(image, 'tag_v2', {})
     if image.format == 'TIFF' and (0xc612 in tags or head[8:10] == b'CR' or tags.get(0x00fe) == 1):
         raise ValueError('it is a RAW file, whose first picture is a preview: convert it to JPEG or TIFF')
     size, box = image.size, (0, 0, *image.size)
-    if image.mode in ('L', 'RGB'):  # of a JPEG only the brightness is decoded, not much larger than needed
+    if image.mode in ('L', 'RGB'):  # decodes only the brightness of a JPEG, at reduced size
         drafted = image.draft('L', smaller(size, reading.max_size))
         box = drafted[1] if drafted else box
     if image.size[0] * image.size[1] > reading.max_pixels:
@@ -198,7 +198,7 @@ def open_image(file, reading):
 
 
 def to_grey(image, stretch):
-    """An image of 8 bits of one that is decoded."""
+    """Returns a decoded image as a grey image of 8 bits."""
     if image.mode != 'F' and not image.mode.startswith('I'):
         return image.convert('L')
     pixels = np.asarray(image)
@@ -216,8 +216,8 @@ def to_grey(image, stretch):
 
 
 def camera_of(exif):
-    """What EXIF data say of the camera and of its place, where they can be read; focal lengths are in millimetres, the
-    place in degrees and metres."""
+    """Returns the readable EXIF data of the camera and its place: focal lengths in millimetres, the place in degrees
+    and metres."""
     found = {name: exif[tag].strip('\0 ') for tag, name in ((0x010f, 'make'), (0x0110, 'model'))
              if isinstance(exif.get(tag), str)}
     details, place = exif.get_ifd(0x8769), exif.get_ifd(0x8825)
@@ -227,7 +227,7 @@ def camera_of(exif):
             number = float(value(*arguments))
             if math.isfinite(number):
                 found[name] = number
-        except (ArithmeticError, LookupError, TypeError, ValueError):  # absent, or anything at all
+        except (ArithmeticError, LookupError, TypeError, ValueError):  # absent or malformed
             pass
 
     def degrees(tag, negative):
@@ -243,7 +243,7 @@ def camera_of(exif):
 
 
 def mask_of(folder, name):
-    """The path of an image's mask, as COLMAP names it, or None."""
+    """Returns the path of an image's mask, by COLMAP's naming, or None."""
     for path in (name + '.png', os.path.splitext(name)[0] + '.png'):
         if os.path.isfile(os.path.join(folder, path)):
             return os.path.join(folder, path)
@@ -251,7 +251,7 @@ def mask_of(folder, name):
 
 
 def read_mask(path, picture):
-    """The mask of a picture, which belongs to the image as it is in its file, turned and reduced as the picture is."""
+    """Reads the mask of an image file, and turns and reduces it like the picture."""
     with open(path, 'rb') as file:
         mask = Image.fromarray(read_image(file, Reading(orientation=False)).pixels)
     if picture.orientation > 1:
@@ -263,7 +263,7 @@ def read_mask(path, picture):
 
 @contextlib.contextmanager
 def printed():
-    """Keeps meanwhile what libraries in C print, such as libtiff, in the file that this gives."""
+    """Redirects the output of C libraries, such as libtiff, to a temporary file, and yields this file."""
     with tempfile.TemporaryFile() as kept:
         try:
             original, python = os.dup(2), sys.stderr
@@ -282,7 +282,7 @@ def printed():
 
 
 def printed_of(file, kept):
-    """What libraries print of a file that failed, if they have printed anything at all: it is decoded again, alone."""
+    """Returns the libraries' messages about a failed file: decodes it again, alone, if libraries printed anything."""
     start = os.fstat(kept.fileno()).st_size
     if start:
         with contextlib.suppress(Exception), file.open() as stream:

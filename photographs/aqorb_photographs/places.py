@@ -2,19 +2,19 @@
 # It is subject to the license terms in the LICENSE file found in the top-level directory
 # of this distribution.
 # SPDX-License-Identifier: Apache-2.0
-"""Which images show the same place: a bag of words over ORB's descriptors, on NumPy and scipy.sparse.
+"""Finds images of the same place by a bag of words over ORB descriptors, with NumPy and scipy.sparse.
 
     words = places.choose_words([places.draw(images)])   # images: pairs of a name and descriptors
     counts = places.count_matrix(places.look_up(images, words), len(words))
     pairs, weights = places.similar_pairs(counts, 5)     # each image with the five most similar ones
     inliers, F = places.verify(points1, points2)         # of two images: the matches that agree on a geometry
 
-Words are descriptors of the collection itself, drawn at random. The word of a feature is the nearest one. An image has
-a vector with an element for each word: the square root of how often the image has it, times the logarithm of how rare
-it is. The similarity of two images is the cosine of their vectors.
+Words are descriptors of the collection itself, drawn at random. The word of a feature is the nearest word. The
+vector of an image has an element for each word: the square root of the word's count in the image, times the
+logarithm of the word's rarity. The similarity of two images is the cosine of their vectors.
 
-What is drawn depends on the seed and on the name of each image, but not on the order of images. A collection can
-therefore be drawn from in parts, on several machines."""
+The draw depends on the seed and on the images' names, but not on the order of images, so several machines can draw
+from parts of a collection."""
 
 import concurrent.futures
 import contextlib
@@ -32,17 +32,17 @@ import aqorb
 from aqorb_photographs import map_ahead, store
 
 WORDS = 65536
-MIN_INLIERS = 15  # of two images that probably show the same place
-STRONGEST = 500  # features of an image that are looked up: they are found again more often than the others
+MIN_INLIERS = 15  # two images with as many inliers probably show the same place
+STRONGEST = 500  # features of an image to look up: strong features reappear more often
 FEATURES_OF_A_WORD = 4  # at least, on average: a word that is a feature of one image alone connects nothing
 CHUNK = 256  # images that are drawn from at a time
 QUERIES = 32  # few; the candidates of as many are read at a time
-BLOCK = 2**22  # elements of the matrix of similarities that are in memory at a time
-GROWTH = 4  # times as many images as words were drawn from: then they are drawn anew
+BLOCK = 2**22  # elements of the similarity matrix in memory at a time
+GROWTH = 4  # growth of the collection after which words are drawn anew
 
 
 def strongest(descriptors, response, count=STRONGEST):
-    """The descriptors of the keypoints with the greatest responses, in their order."""
+    """Returns the descriptors of the `count` keypoints of highest response, in their order."""
     if len(response) <= count:
         return descriptors
     return descriptors[np.sort(np.argsort(-np.asarray(response), kind='stable')[:count])]
@@ -57,7 +57,7 @@ def images_of(table):
 
 def draw(images, count=WORDS, seed=0):
     """Draws features at random, all with the same probability. images are pairs of a name and descriptors.
-    Returns a random number for each feature that was drawn, their descriptors, and how many features there were."""
+    Returns the random numbers and the descriptors of the drawn features, and the number of all features."""
     drawn, total, chunk = (np.zeros(0), np.zeros((0, 32), np.uint8)), 0, []
 
     def merged():
@@ -76,17 +76,17 @@ def draw(images, count=WORDS, seed=0):
 
 
 def choose_words(draws, count=WORDS):
-    """The words of a collection, an array (n, 32): those of the draws from its parts that are drawn first. There are at
-    most count, and at most one for every four features."""
+    """Returns the words of a collection, an array (n, 32): the features of lowest random number in the draws from its
+    parts. There are at most count words, and at most one for every four features."""
     keys, descriptors, totals = zip(*draws)
     count = min(count, sum(totals) // FEATURES_OF_A_WORD)
     if not count:
-        raise ValueError(f'the images have {sum(totals)} features, too few to find similar images by')
+        raise ValueError(f'the images have {sum(totals)} features, too few to find similar images')
     return np.concatenate(descriptors)[np.argsort(np.concatenate(keys), kind='stable')[:count]]
 
 
 def words_of(descriptors, words):
-    """The words of an image, in ascending order, and how often it has each."""
+    """Returns the words of an image in ascending order, and their counts."""
     if not len(descriptors):
         return np.zeros(0, np.int32), np.zeros(0, np.int32)
     nearest, _ = aqorb.knnMatchArrays(descriptors, words, 1)
@@ -95,17 +95,17 @@ def words_of(descriptors, words):
 
 
 def look_up(images, words, threads=1):
-    """Yields what words_of gives for each image. images are pairs of a name and descriptors."""
+    """Yields words_of for each image. images are pairs of a name and descriptors."""
     with concurrent.futures.ThreadPoolExecutor(threads) as pool:
         for _, found in map_ahead(pool, lambda image: words_of(image[1], words), images, 4 * threads):
             yield found
 
 
 def count_matrix(images, number):
-    """The matrix of what words_of gave for each image: how often it has each word, of which there are that many."""
+    """Returns the sparse matrix of word counts, one row for each result of words_of. number is the number of words."""
     images = list(images)
     if not images:
-        raise ValueError('there are no images whose words could be counted')
+        raise ValueError('there are no images to count words of')
     indices, counts = zip(*images)
     offsets = np.cumsum([0, *map(len, indices)])
     values = np.concatenate(counts).astype(np.float32)
@@ -113,13 +113,14 @@ def count_matrix(images, number):
 
 
 def rarity_of(counts):
-    """The weight of each word: the logarithm of the number of images over the number of those that have it."""
+    """Returns the weight of each word: the logarithm of the number of images over the number of images with the
+    word."""
     having = np.bincount(counts.indices, minlength=counts.shape[1])
     return np.log((counts.shape[0] + 1) / np.maximum(having, 1)).astype(np.float32)
 
 
 def weigh(counts, rarity):
-    """The vectors of images, of length 1, as rows of a sparse matrix."""
+    """Returns the vectors of images, of length 1, as rows of a sparse matrix."""
     weights, lengths = counts.copy(), np.sqrt(counts @ rarity.astype(float)**2)
     weights.data = np.sqrt(weights.data) * rarity[weights.indices]
     weights.data /= np.repeat(np.maximum(lengths, 1e-9), np.diff(weights.indptr)).astype(np.float32)
@@ -127,12 +128,12 @@ def weigh(counts, rarity):
 
 
 def similar(queries, collected, number, min_gap=0, first=0):
-    """Yields for blocks of rows of queries the index of the first one, and two arrays with a row for each: the indices
-    of the most similar rows collected, that many, best first, and their similarities. With min_gap the query i is row
-    first + i of those collected, and rows that are nearer than that, or itself, have the similarity -1."""
+    """Yields, for blocks of queries, the index of the block's first query and two arrays with a row for each query:
+    the indices of the `number` most similar rows of collected, the most similar first, and their similarities. With
+    min_gap, query i is row first + i of collected, and rows less than min_gap away from it have the similarity -1."""
     if not 1 <= number <= collected.shape[0]:
         raise ValueError(f'similar images must be from 1 to {collected.shape[0]}, the number of images, got {number}')
-    few = queries.shape[0] <= QUERIES  # then it takes longer to transpose all that is collected
+    few = queries.shape[0] <= QUERIES  # too few to pay for transposing `collected`
     columns = None if few else collected.T.tocsr()
     step = max(1, BLOCK // collected.shape[0])
     for start in range(0, queries.shape[0], step):
@@ -148,8 +149,8 @@ def similar(queries, collected, number, min_gap=0, first=0):
 
 
 def pairs_of(blocks, number):
-    """The pairs of similar images of a collection with that many, from what similar gave: each once, as rows of two
-    indices in ascending order. Images without a word in common make no pair."""
+    """Returns the pairs of similar images in the blocks of similar, for a collection of `number` images: each pair
+    once, as rows of two indices in ascending order. Images without a common word make no pair."""
     codes = [np.zeros(0, np.int64)]
     for start, indices, similarities in blocks:
         rows = np.arange(start, start + len(indices))[:, None] + np.zeros_like(indices)
@@ -159,9 +160,9 @@ def pairs_of(blocks, number):
 
 
 def similar_pairs(counts, number, min_gap=1, sequential=0, progress=None):
-    """The pairs of each image of a collection with that many similar ones, and with so many that follow it: rows of two
-    indices in ascending order, each pair once. Returns the vectors, too. Neither grows with the square of the
-    collection. progress is called with the number of images that are done."""
+    """Returns the pairs of each image of a collection with its `number` most similar images and with the
+    `sequential` images after it: rows of two indices in ascending order, each pair once. Also returns the vectors.
+    Neither grows with the square of the collection. Calls progress with the number of finished images."""
     total = counts.shape[0]
     weights = weigh(counts, rarity_of(counts))
 
@@ -177,15 +178,15 @@ def similar_pairs(counts, number, min_gap=1, sequential=0, progress=None):
 
 
 def similarities_of(weights, pairs, step=4096):
-    """The similarity of the two images of each pair."""
+    """Returns the similarity of the two images of each pair."""
     parts = [weights[part[:, 0]].multiply(weights[part[:, 1]]).sum(1) for part in
              np.split(pairs, range(step, len(pairs), step))]
     return np.concatenate([np.asarray(part).ravel() for part in parts])
 
 
 def verify(points1, points2, max_error=4.):
-    """Of matches, given by the positions in pixels in both images, the indices of those that agree with one fundamental
-    matrix, and the matrix, or None. It is pycolmap's LO-RANSAC, with a fixed seed."""
+    """Finds the matches that agree with one fundamental matrix, by pycolmap's LO-RANSAC with a fixed seed. points1 and
+    points2 are the matches' positions in pixels. Returns the indices of the inliers, and the matrix or None."""
     import pycolmap
     if len(points1) < 8:
         return np.zeros(0, np.int32), None
@@ -199,18 +200,18 @@ def verify(points1, points2, max_error=4.):
 
 
 def match(first, second, ratio=None, max_distance=None, is_verified=True):
-    """The matches of two images, each given by its positions and descriptors, as a row of aqorb match has them: the
-    indices of matches in both images, their distances, the indices of the inliers among them, and the elements of the
-    fundamental matrix."""
+    """Matches two images, each given by its positions and descriptors. Returns the columns of aqorb match: indices
+    of the matches in both images, their distances, the indices of the inliers, and the elements of the fundamental
+    matrix."""
     matches, distances = aqorb.matchArrays(first[1], second[1], ratio, True, max_distance)
     inliers, F = verify(first[0][matches[:, 0]], second[0][matches[:, 1]]) if is_verified else ((), None)
     return matches[:, 0], matches[:, 1], distances, inliers, () if F is None else F.ravel()
 
 
 class Index:
-    """The words of the features in a folder, and how often each image has each word, kept in a folder beside. When it is
-    opened, the images of new parts are looked up, and words are drawn where there are none, others are asked for, or
-    the collection has grown a lot. progress is called as progress(what, total) for a progress bar."""
+    """Words of the features in a folder and their counts in each image, kept in a folder beside it. Opening an index
+    looks up the images of new parts. It draws words if there are none, if the options differ, or if the collection
+    has grown GROWTH times. Calls progress(label, total) for a progress bar."""
 
     def __init__(self, features, number=None, seed=None, threads=1, progress=None):
         self.folder = os.path.realpath(features.folder) + '.index'
@@ -230,12 +231,12 @@ class Index:
         self.counts = self._read_counts(features, threads)[features.chosen]
 
     def _read(self, name):
-        """A table of the folder, or None: what is damaged is made anew."""
+        """Returns a table of the folder, or None if it is missing or damaged."""
         with contextlib.suppress(Exception):
             return pq.read_table(os.path.join(self.folder, name), page_checksum_verification=True)
 
     def _each(self, features, parts, label):
-        """Yields the name and the descriptors of each image of some parts."""
+        """Yields the name and the descriptors of each image of the parts."""
         update = self._progress(label, int(np.isin(features.part, list(parts)).sum())) if self._progress else int
         for part in parts:
             for table in features.groups(part):
@@ -246,11 +247,11 @@ class Index:
     def _keep(self, name, table):
         try:
             store.write_part(self.folder, table, name, len(table))
-        except OSError:  # a disk that is full or read-only: the next search does it again
+        except OSError:  # a full or read-only disk: the next search works again
             self.is_kept = False
 
     def _read_counts(self, features, threads):
-        """The matrix of all rows of the head."""
+        """Returns the word counts of all rows of the features."""
         digest = hashlib.blake2b(self.words, digest_size=8).hexdigest()
         tables = [self._read(f'{digest}-{name}') for name in features.names]
         new = [part for part, table in enumerate(tables) if table is None]
@@ -258,9 +259,10 @@ class Index:
         for part in new:
             rows = [next(found) for _ in range(int((features.part == part).sum()))]
             words, counts = zip(*rows) if rows else ((), ())
-            tables[part] = pa.table([pa.array(words, store.INTEGERS), pa.array(counts, store.FLOATS)], ['word', 'count'])
+            columns = [pa.array(words, store.INTEGERS), pa.array(counts, store.FLOATS)]
+            tables[part] = pa.table(columns, ['word', 'count'])
             self._keep(f'{digest}-{features.names[part]}', tables[part])
-        with contextlib.suppress(OSError):  # what is of parts that are gone
+        with contextlib.suppress(OSError):  # removes tables of parts that are gone
             kept = {'words.parquet', *(f'{digest}-{name}' for name in features.names)}
             for name in set(os.listdir(self.folder)) - kept:
                 os.remove(os.path.join(self.folder, name))
@@ -275,9 +277,9 @@ class Index:
 
 
 def search(queries, features, index, number, ratio=.8, threads=1):
-    """Yields for each row of a table of features a list of that many images of the features, those that show the same
-    place first: the most similar ones, in the order of their inliers. An element is how many inliers and how many
-    matches there are, the index of the image, and the positions of the inliers in both."""
+    """Yields, for each row of a table of features, a list of the `number` most similar images, in the order of their
+    inliers: images of the same place come first. An element has the numbers of inliers and matches, the index of the
+    image, and the positions of the inliers in both images."""
     weight = rarity_of(index.counts)
     asked = weigh(count_matrix(look_up(images_of(queries), index.words, threads), len(index.words)), weight)
 
@@ -289,7 +291,7 @@ def search(queries, features, index, number, ratio=.8, threads=1):
     def candidates():
         for start, indices, _ in similar(asked, weigh(index.counts, weight), number):
             for query, images in enumerate(indices, start):
-                if (query - start) % QUERIES == 0:  # in the order of the parts, of which reading an image reads many
+                if (query - start) % QUERIES == 0:  # reads images in the order of parts: one read gives many images
                     needed = np.unique(indices[query - start:query - start + QUERIES])
                     read = {image: features.keypoints(image)
                             for image in needed[np.argsort(features.chosen[needed], kind='stable')]}
@@ -302,5 +304,5 @@ def search(queries, features, index, number, ratio=.8, threads=1):
     with concurrent.futures.ThreadPoolExecutor(threads) as pool:
         compared = (found for _, found in map_ahead(pool, compare, candidates(), 4 * threads))
         for _ in range(len(queries)):
-            # Stable: of images with as many inliers the more similar one comes first.
+            # A stable sort: among images with equal inliers the more similar image comes first.
             yield sorted([next(compared) for _ in range(number)], key=lambda one: -one[0])

@@ -4,12 +4,12 @@
 # SPDX-License-Identifier: Apache-2.0
 """Folders of Parquet parts: features, a row for each image, and matches, a row for each pair of images.
 
-A part appears under its name when it is complete, and is never changed. So whoever is stopped at any moment, or works
-at the same time, leaves parts that are whole. Where several parts have a row of the same image, that of the last name
-counts; parts that have such rows are written anew without them. Parts that were copied from other machines, or written
-by other programs in the same columns, count as well.
+A part appears under its name when it is complete, and never changes. Parts therefore stay whole if a process is stopped
+or several processes work at the same time. If several parts have a row for the same image, the row of the last part
+counts, and the other parts are written anew without theirs. Parts from other machines, or from other programs with the
+same columns, count as well.
 
-Positions and sizes are in pixels of the upright image, also where features were detected in a smaller one."""
+Positions and sizes are in pixels of the upright image, even if features were detected in a reduced image."""
 
 import bisect
 import concurrent.futures
@@ -31,11 +31,11 @@ import pyarrow.compute as pc
 import pyarrow.parquet as pq
 
 import aqorb
-from aqorb_photographs import Refused, images, map_ahead
+from aqorb_photographs import InputError, images, map_ahead
 
 FLOATS, INTEGERS = pa.list_(pa.float32()), pa.list_(pa.int32())
 KEYPOINTS = [(name, FLOATS) for name in ('x', 'y', 'size', 'angle', 'response')] + [('octave', INTEGERS)]
-# mask is the time of the mask's file, and digest tells features from others of the same image.
+# mask is the time of the mask's file. digest distinguishes different features of the same image.
 FEATURES = pa.schema(
     [('name', pa.string()), ('folder', pa.string()), ('file_size', pa.int64()), ('file_time', pa.int64()),
      ('mask', pa.int64()), ('width', pa.int32()), ('height', pa.int32()), ('orientation', pa.int32()),
@@ -48,28 +48,27 @@ MATCHES = pa.schema(
      ('parameters', pa.string()), ('index1', INTEGERS), ('index2', INTEGERS), ('distance', INTEGERS),
      ('inliers', INTEGERS), ('fundamental', pa.list_(pa.float64()))])
 OPTIONAL = FEATURES.names[1:4] + FEATURES.names[8:15]
-GROUP = 64  # rows that are read at a time
-ABANDONED = 3600  # seconds after which an unfinished part is of a process that was killed
+GROUP = 64  # rows in a row group, which is read at once
+ABANDONED = 3600  # seconds after which an unfinished part belongs to a killed process
 
 
 # Parts
 
 def parts_in(folder):
-    """The names of the parts in a folder. Those of other programs may have any name."""
+    """Returns the names of the parts in a folder. Parts of other programs may have any name."""
     return sorted(name for name in os.listdir(folder) if name.endswith('.parquet') and name[0] not in '._')
 
 
 def write_part(folder, table, name=None, group=GROUP):
-    """Writes a part. Its name is after those of all parts in the folder unless it is given. So many rows are read at a
-    time."""
+    """Writes a part with row groups of `group` rows. Without a name, it gets a name after all parts of the folder."""
     os.makedirs(folder, exist_ok=True)
     if name is None:
         times = [int(found[1]) + 1 for found in map(re.compile(r'part-(\d{15})-').match, parts_in(folder)) if found]
         name = f'part-{max([time.time_ns() // 10**6] + times):015}-{secrets.token_hex(4)}.parquet'
-    unfinished = os.path.join(folder, f'.{name}.{secrets.token_hex(4)}.unfinished')  # what no program reads
+    unfinished = os.path.join(folder, f'.{name}.{secrets.token_hex(4)}.unfinished')  # no program reads this name
     try:
         with open(unfinished, 'wb') as file:
-            # Most columns of lists are numbers of which hardly two are the same.
+            # No dictionaries for most columns of lists: hardly two numbers are equal.
             repeated = [field.name for field in table.schema if not pa.types.is_list(field.type)]
             pq.write_table(table, file, max(1, group), write_page_checksum=True,
                            use_dictionary=repeated + ['size.list.element', 'octave.list.element'])
@@ -83,14 +82,14 @@ def write_part(folder, table, name=None, group=GROUP):
 
 
 def write_rows(folder, rows):
-    """Writes tables of rows as a part, if there are any, and returns how many they are."""
+    """Writes tables of one row each as a part, if there are any, and returns their number."""
     if rows:
         write_part(folder, pa.concat_tables(rows))
     return len(rows)
 
 
 def clean(folder):
-    """Removes what processes that were killed have left in a folder."""
+    """Removes unfinished parts of killed processes from a folder."""
     for name in os.listdir(folder):
         if name.endswith('.unfinished'):
             with contextlib.suppress(OSError):  # another process removes it, too
@@ -101,19 +100,19 @@ def clean(folder):
 
 @contextlib.contextmanager
 def reading(path):
-    """Says in a sentence what is wrong with a file that is read meanwhile."""
+    """Turns errors of reading a file into an InputError with a sentence."""
     try:
         yield
-    except (Refused, FileNotFoundError, IsADirectoryError, PermissionError):
+    except (InputError, FileNotFoundError, IsADirectoryError, PermissionError):
         raise
-    except Exception as error:  # what pyarrow says of a file with anything in it has many types
-        raise Refused(f'{path} is damaged, or no part that aqorb has written: '
-                      f'{" ".join(str(error).split()) or type(error).__name__}') from error
+    except Exception as error:  # pyarrow raises errors of many types
+        raise InputError(f'{path} is damaged, or not a part of aqorb: '
+                         f'{" ".join(str(error).split()) or type(error).__name__}') from error
 
 
 def check(table):
-    """Raises ValueError if rows are not as a part has them."""
-    lengths = {}  # of the lists that have an element for each keypoint, or for each match
+    """Returns the rows of a part. Raises ValueError if they are invalid."""
+    lengths = {}  # lengths of the lists with one element for each keypoint or match
     for name in table.schema.names:
         column = table[name].combine_chunks()
         is_list = pa.types.is_list(column.type)
@@ -132,10 +131,10 @@ def check(table):
 
 
 class Parts:
-    """The parts in a folder, of a kind and a schema, and the table head with the first columns of all rows: of each the
-    number of its part, and of the row in it. columns are those that are read when a row is."""
+    """The Parquet parts of a folder. `head` has one row for each image or pair, with the leading columns; `part` and
+    `row` have the number of its part and of its row in the part. row_at and groups read `columns`."""
 
-    kind, schema, heads = '', pa.schema([]), ['']
+    kind, schema, head_columns = '', pa.schema([]), ['']
 
     def __init__(self, folder, columns):
         self.folder, self.columns = folder, columns
@@ -144,28 +143,28 @@ class Parts:
         self._group = functools.lru_cache(16)(self._read_group)
         for attempts_left in reversed(range(10)):
             try:
-                self._read_heads()
+                self._read_head()
                 break
-            except FileNotFoundError:  # another process has just written this part anew
+            except FileNotFoundError:  # another process has just rewritten this part
                 self._file.cache_clear()
                 if not attempts_left:
                     raise
 
-    def _read_heads(self):
+    def _read_head(self):
         self.names = parts_in(self.folder) if os.path.isdir(self.folder) else []
-        heads, self._starts = [self.schema.empty_table().select(self.heads)], []
+        tables, self._starts = [self.schema.empty_table().select(self.head_columns)], []
         for part in range(len(self.names)):
             with reading(self._path(part)):
                 file = self._file(part)
                 theirs = file.schema_arrow
                 for field in self.schema:
                     if field.name not in theirs.names or theirs.field(field.name).type != field.type:
-                        raise Refused(f'{self._path(part)} has no {field.name}: {self.kind} of aqorb 0.5 have it')
-                heads.append(check(file.read(self.heads)))
+                        raise InputError(f'{self._path(part)} has no {field.name}: {self.kind} of aqorb 0.5 have it')
+                tables.append(check(file.read(self.head_columns)))
                 groups = [file.metadata.row_group(group).num_rows for group in range(file.num_row_groups)]
             self._starts.append([0, *itertools.accumulate(groups)])
-        self.head = pa.concat_tables(heads).combine_chunks()
-        lengths = [len(head) for head in heads[1:]]
+        self.head = pa.concat_tables(tables).combine_chunks()
+        lengths = [len(table) for table in tables[1:]]
         self.part = np.repeat(np.arange(len(lengths)), lengths)
         self.row = np.concatenate([np.arange(0), *map(np.arange, lengths)])
 
@@ -177,7 +176,7 @@ class Parts:
             return check(self._file(part).read_row_group(group, self.columns))
 
     def row_at(self, index):
-        """A row of the head, as a table of one row with the columns."""
+        """Returns the row of the head's row `index`, as a table of one row with the columns."""
         part, row = self.part[index], self.row[index]
         group = bisect.bisect_right(self._starts[part], row) - 1
         return self._group(part, group).slice(row - self._starts[part][group], 1)
@@ -188,10 +187,10 @@ class Parts:
             yield self._read_group(part, group)
 
     def keep(self, kept):
-        """Writes parts anew that have rows of the head that are not kept, of which there is a flag for each."""
+        """Rewrites parts without the rows whose flag in `kept`, one for each row of the head, is not set."""
         for part in range(len(self.names)):
             flags = kept[self.part == part]
-            with contextlib.suppress(FileNotFoundError):  # another process has done the same
+            with contextlib.suppress(FileNotFoundError):  # another process has rewritten the part
                 if flags.any() and not flags.all():
                     with reading(self._path(part)):
                         table = self._file(part).read(self.schema.names)
@@ -200,32 +199,32 @@ class Parts:
                     os.remove(self._path(part))
 
     def parameters(self):
-        """The parameters of all rows, which must be the same, or None without rows."""
+        """Returns the parameters of all rows, which must be equal, or None without rows."""
         found = pc.unique(self.head['parameters']).to_pylist()
         if len(found) > 1:
-            raise Refused(f'{self.folder} has {self.kind} of different parameters: {found[0]} and {found[1]}')
+            raise InputError(f'{self.folder} has {self.kind} of different parameters: {found[0]} and {found[1]}')
         with reading(self.folder):
             return dict(json.loads(found[0])) if found else None
 
     def agree(self, parameters):
-        """Refuses parameters that are not those of the rows."""
+        """Raises InputError unless parameters equal the parameters of the rows."""
         theirs = self.parameters()
         for name in parameters if theirs else ():
             if theirs.get(name) != parameters[name]:
-                raise Refused(f'{self.folder} was made with {name} {theirs.get(name)}, not {parameters[name]}: go '
-                              f'on with that, or give --out another folder')
+                raise InputError(f'{self.folder} was made with {name} {theirs.get(name)}, not {parameters[name]}: '
+                                 f'continue with {theirs.get(name)}, or give --out another folder')
 
 
 # Features
 
 def parameters_of(detector, how):
-    """What features depend on besides the images: a dict."""
+    """Returns the parameters of features, of the detector and of reading, as a dict."""
     values = {name[3:]: getattr(detector, 'get' + name[3:])() for name in dir(detector) if name.startswith('set')}
     return {**{name: value for name, value in how._asdict().items() if name != 'max_pixels'}, **values}
 
 
 def detector_of(parameters):
-    """The detector and the way of reading images that parameters_of describes."""
+    """Returns the detector and the images.Reading that parameters_of describes."""
     detector = aqorb.AdaptiveQuadtreeORB_create()
     for name, value in parameters.items():
         if name not in images.Reading._fields:
@@ -234,8 +233,8 @@ def detector_of(parameters):
 
 
 class File(typing.NamedTuple):
-    """An image to extract features from: its name in the collection, a function that opens it, and what its row says of
-    the file. mask is the path of a mask."""
+    """An image to extract features from: its name in the collection, a function that opens it, and the file's
+    columns in its row. mask is the path of a mask."""
 
     name: str
     open: typing.Callable
@@ -247,8 +246,8 @@ class File(typing.NamedTuple):
 
 
 def extract(files, detector, how=images.Reading(), threads=1):
-    """Reads images and detects their features, in the given number of threads, each of which has one image at a time.
-    Yields each File in order, with a table of one row or None, and what there is to say of it, such as why not."""
+    """Reads images and detects their features, one image at a time on each thread. Yields (file, row, message) in input
+    order. `row` is a table of one row, or None if the image failed; `message` then says why."""
     parameters = json.dumps(parameters_of(detector, how))
 
     def row_of(file):
@@ -268,7 +267,7 @@ def extract(files, detector, how=images.Reading(), threads=1):
 
 
 def scale_up(features, picture):
-    """Changes features that were detected in the pixels of a picture to what they are at its size."""
+    """Scales features, in place, from the pixels of a picture to its size."""
     scales = [side / smaller for side, smaller in zip(picture.size, picture.pixels.shape[::-1])]
     if scales != [1, 1]:
         for positions, scale in zip((features.x, features.y), scales):  # the centre of the first pixel is 0
@@ -277,7 +276,7 @@ def scale_up(features, picture):
 
 
 def to_row(file, picture, features, parameters):
-    """The table of one image."""
+    """Returns the row of one image as a table."""
     if len(features.x) >= 2**26:
         raise ValueError(f'an image has at most {2**26 - 1} features, got {len(features.x)}')  # 2 GB of descriptors
     digest = hashlib.blake2b(digest_size=8)
@@ -300,14 +299,15 @@ def to_row(file, picture, features, parameters):
 
 
 class Features(Parts):
-    """The features in a folder. images are the names of the images in ascending order, and chosen the images' rows."""
+    """The features in a folder. images has the images' names in ascending order, and chosen their rows in the head."""
 
     kind, schema = 'features', FEATURES
-    heads = FEATURES.names[:8] + ['parameters', 'digest']
+    head_columns = FEATURES.names[:8] + ['parameters', 'digest']
 
     def __init__(self, folder, columns=('x', 'y', 'descriptors')):
         if not os.path.isdir(folder):
-            raise Refused(f'{folder} is no folder' if os.path.exists(folder) else f'{folder}: there is no such folder')
+            fault = 'it is not a folder' if os.path.exists(folder) else 'there is no such folder'
+            raise InputError(f'{folder}: {fault}')
         super().__init__(folder, list(columns))
         last = {name: row for row, name in enumerate(self.head['name'].to_pylist())}
         self.images = sorted(last)
@@ -315,35 +315,35 @@ class Features(Parts):
         self.index = {name: index for index, name in enumerate(self.images)}
 
     def value(self, name):
-        """A column of the head, with an element for each image."""
+        """Returns a column of the head, with an element for each image."""
         return self.head[name].take(pa.array(self.chosen)).to_pylist()
 
     def of(self, image):
-        """The columns of an image, given by its index, that have an element for each keypoint: a dict of arrays,
-        descriptors as rows of 32 bytes."""
+        """Returns the columns of the image with this index, as a dict of arrays with an element for each keypoint.
+        descriptors are rows of 32 bytes."""
         row = self.row_at(self.chosen[image])
         lists = set(self.columns) & set(dict(KEYPOINTS))
         found = {name: row[name].combine_chunks().flatten().to_numpy() for name in lists}
         return dict(found, descriptors=np.frombuffer(row['descriptors'][0].as_buffer(), np.uint8).reshape(-1, 32))
 
     def keypoints(self, image):
-        """The positions and the descriptors of an image: arrays (n, 2) and (n, 32)."""
+        """Returns the positions and the descriptors of an image: arrays (n, 2) and (n, 32)."""
         found = self.of(image)
         return np.column_stack([found['x'], found['y']]), found['descriptors']
 
     def path(self, image, folder=None):
-        """The path of an image's file."""
+        """Returns the path of an image's file."""
         return path_of(folder or self.head['folder'][int(self.chosen[image])].as_py() or '.', self.images[image])
 
 
 def name_of(path, folder):
-    """The name of a file in a collection: its path relative to a folder, as text."""
+    """Returns the name of a file in a collection: its path relative to a folder, as text."""
     relative = os.fsencode(os.path.relpath(path, folder).replace(os.sep, '/'))
-    return relative.decode('utf-8', 'backslashreplace')  # bytes that are no UTF-8 are shown
+    return relative.decode('utf-8', 'backslashreplace')  # escapes bytes that are not UTF-8
 
 
 def path_of(folder, name):
-    """The path of what name_of has named."""
+    """Returns the path of a file from its name_of."""
     path = os.path.join(os.fsencode(folder), name.encode())
     if not os.path.exists(path):
         path = re.sub(rb'\\x([89a-f][0-9a-f])', lambda found: bytes([int(found[1], 16)]), path)
@@ -353,10 +353,10 @@ def path_of(folder, name):
 # Matches
 
 class Matches(Parts):
-    """The matches in a folder that are of the given features. Of each pair of images, given by rows of their indices in
-    pairs, the last row of the head is in chosen."""
+    """The matches in a folder that belong to the given features. pairs has two image indices for each pair, and chosen
+    its last row in the head."""
 
-    kind, schema, heads = 'matches', MATCHES, MATCHES.names[:5]
+    kind, schema, head_columns = 'matches', MATCHES, MATCHES.names[:5]
 
     def __init__(self, folder, features):
         super().__init__(folder, MATCHES.names[5:])
@@ -369,23 +369,24 @@ class Matches(Parts):
             is_valid &= np.asarray(pc.fill_null(same, False), bool)
             ends.append(np.asarray(pc.fill_null(index, 0), np.int64))
         codes = self.codes(np.column_stack(ends))
-        rows = np.flatnonzero(is_valid)[::-1]  # of those of the same pair the last
+        rows = np.flatnonzero(is_valid)[::-1]  # reversed, because np.unique keeps the first row of a pair
         self.known, first = np.unique(codes[rows], return_index=True)
         self.chosen = np.sort(rows[first])
         self.pairs = np.column_stack(ends)[self.chosen]
 
     def codes(self, pairs):
-        """A number for each pair of images, the same in both orders."""
+        """Returns a number for each pair of images, the same in both orders."""
         return pairs.min(1) * np.int64(self._count) + pairs.max(1)
 
     def of(self, pair):
-        """The columns of a pair, given by its index in pairs: a dict of arrays."""
+        """Returns the columns of the pair with this index, as a dict of arrays."""
         row = self.row_at(self.chosen[pair])
         return {name: row[name].combine_chunks().flatten().to_numpy() for name in self.columns}
 
 
 def to_matches(features, pairs, found, parameters):
-    """The table of pairs of images, given by rows of two indices, of what was found for each: its columns of lists."""
+    """Returns the table of pairs of images. pairs are rows of two indices, and found the columns of lists of each
+    pair."""
     names, digests = features.images, features.value('digest')
     columns = [[column[image] for image in pairs[:, side]] for column in (names, digests) for side in (0, 1)]
     columns += [[json.dumps(parameters)] * len(pairs), *zip(*found)]

@@ -2,10 +2,11 @@
 # It is subject to the license terms in the LICENSE file found in the top-level directory
 # of this distribution.
 # SPDX-License-Identifier: Apache-2.0
-"""Tracks: the keypoints of all images that show the same spot, with positions relative to one of them.
+"""Tracks: keypoints of several images that show the same spot, refined against one reference keypoint.
 
-Positions that refineMatches gives for each pair of images differ by .1 to .2 pixels between pairs. A bundle adjustment
-needs one position for each keypoint. refine aligns all keypoints of a track with the same one."""
+refineMatches refines each pair of images by itself, and the positions of a keypoint differ by .1 to .2 pixels between
+pairs. A bundle adjustment needs one position for each keypoint, so refine aligns all keypoints of a track with the same
+reference."""
 
 import functools
 
@@ -13,23 +14,23 @@ import numpy as np
 import scipy.sparse.csgraph
 
 import aqorb
-from aqorb_photographs import Refused, images, places, store
+from aqorb_photographs import InputError, images, places, store
 
 IN_MEMORY = 64  # images
-MAX_ERROR = 1.  # distance of a refined position from its epipolar line, in pixels of the image that was searched
+MAX_ERROR = 1.  # distance of a refined position from its epipolar line, in pixels of the reduced image
 
 
 def refine(features, matches, folder):
-    """Joins the inliers of verified matches to tracks, and aligns each keypoint with the reference of its track. The
-    images are in the folder. Returns the positions of the keypoints of each image and, for each pair of images, the
-    refined matches that agree on one fundamental matrix, and this matrix or None."""
+    """Joins the inliers of verified matches to tracks, and aligns each keypoint with the reference of its track.
+    folder has the images. Returns the positions of each image's keypoints and, for each pair of images, the refined
+    matches that agree on one fundamental matrix, and this matrix or None."""
     if not (matches.parameters() or {}).get('verified'):
-        raise Refused(f'{matches.folder} must have verified matches, to be refined')
+        raise InputError(f'{matches.folder} must have verified matches, for --refine')
     how = store.detector_of(features.parameters())[1]
     sizes = list(zip(features.value('width'), features.value('height')))
     scales = [np.divide(images.smaller(size, how.max_size), size) for size in sizes]
     keypoints = [keypoints_of(features.of(image), scale) for image, scale in enumerate(scales)]
-    first = np.cumsum([0, *map(len, keypoints)])  # a keypoint's number is that among the keypoints of all images
+    first = np.cumsum([0, *map(len, keypoints)])  # keypoints are numbered through all images
     edges = [inliers_of(matches.of(pair)) + first[ends] for pair, ends in enumerate(matches.pairs)]
     positions = np.concatenate([found['pt'] for found in keypoints])
     is_refined = np.zeros(len(positions), bool)
@@ -59,7 +60,7 @@ def refine(features, matches, folder):
 
 
 def keypoints_of(found, scale):
-    """The keypoints of an image, in the pixels that they were detected in, of the columns of its features."""
+    """Returns keypoints from the columns of an image's features, in pixels of the reduced image of their detection."""
     keypoints = np.zeros(len(found['x']), aqorb.keypoint_dtype)
     keypoints['pt'] = (np.column_stack([found['x'], found['y']]) + .5) * scale - .5
     keypoints['size'] = found['size'] * scale.mean()
@@ -68,13 +69,13 @@ def keypoints_of(found, scale):
 
 
 def inliers_of(found):
-    """The inliers of a pair of images, as rows of two indices."""
+    """Returns the inliers of a pair of images, as rows of two indices."""
     return np.column_stack([found['index1'], found['index2']])[found['inliers']].astype(np.int64)
 
 
 def references_of(edges, octaves):
-    """For each keypoint, the reference of its track: the keypoint with the most matches and, among these, the one of
-    the finest octave. edges are the matches of all images, as rows of the numbers of two keypoints."""
+    """Returns the reference of each keypoint's track: the keypoint with the most matches; among several, the one on the
+    finest octave. edges are the matches of all images, as rows of two keypoint numbers."""
     count = len(octaves)
     graph = scipy.sparse.coo_matrix((np.ones(len(edges), bool), tuple(edges.T)), (count, count))
     track = scipy.sparse.csgraph.connected_components(graph, False)[1]
@@ -83,8 +84,8 @@ def references_of(edges, octaves):
 
 
 def by_images(references, first):
-    """Yields two images, keypoints of the first one that are references, and the second one's keypoints that these are
-    references of."""
+    """Yields, for pairs of images, both indices, references in the first image, and the keypoints of the second image
+    that refer to these."""
     image_of = np.repeat(np.arange(len(first) - 1), np.diff(first))
     moved = np.flatnonzero(image_of[references] != image_of)
     moved = moved[np.lexsort((image_of[moved], image_of[references[moved]]))]

@@ -27,7 +27,7 @@ import pyarrow as pa
 import pyarrow.parquet as pq
 from PIL import Image
 
-from aqorb_photographs import Refused, store
+from aqorb_photographs import InputError, store
 
 AQORB = [sys.executable, '-m', 'aqorb_photographs']
 TABLES = 'images', 'cameras', 'keypoints', 'descriptors', 'matches', 'two_view_geometries', 'frame_data', 'rigs'
@@ -67,7 +67,7 @@ def flips(count, chance, folder, damaged):
 def outcome(folder, whole=None):
     try:
         return 'the same rows' if read(folder) == whole else 'OTHER ROWS'
-    except Refused as error:
+    except InputError as error:
         return 'a sentence' if str(folder) in str(error) and '\n' not in str(error) else 'NO SENTENCE'
 
 

@@ -214,7 +214,7 @@ def test_files_that_are_left_out(tmp_path):
     assert sorted(rows(out)) == sorted(name.decode('utf-8', 'backslashreplace') for name in kept)
     listed = finished.stderr.split(f'{len(contents) + 2} files left out:\n')[1]
     for name, reason in (('empty.jpg', 'the file is empty'), ('text.png', 'it is no image, or of a format'),
-                         ('fifo.png', 'it is no regular file'), ('dangling.png', 'there is no such file')):
+                         ('fifo.png', 'it is not a regular file'), ('dangling.png', 'there is no such file')):
         assert f'  {name}: {reason}' in listed, listed
     again = run('extract', source, '--out', out, '--prune')
     assert listed == again.stderr.split('left out:\n')[1] and f'{len(kept)} images, 0 of them new\n' in again.stdout

@@ -178,7 +178,7 @@ def test_what_libtiff_prints_names_the_file(tmp_path):
                               text=True)
     listed = finished.stderr.splitlines()
     assert listed[0] == '2 files left out:' and re.match(r'  b.tif: .*\(.*Using code not yet in table', listed[1])
-    assert listed[2:] == ['  c.tif: it is no image, or of a format that is not read']
+    assert listed[2:] == ['  c.tif: it is no image, or its format is not supported']
 
 
 def test_compressed_tiffs_on_several_threads(tmp_path):
@@ -239,7 +239,7 @@ def test_formats_that_are_not_read(tmp_path, monkeypatch):
     (tmp_path / 'gs').chmod(0o755)
     monkeypatch.setenv('PATH', f'{tmp_path}:{os.environ["PATH"]}')
     for kind in 'EPS', 'TGA', 'PCX', 'ICO':
-        with pytest.raises(ValueError, match='of a format that is not read'):
+        with pytest.raises(ValueError, match='its format is not supported'):
             read(encoded(Image.fromarray(noise(1)).convert('RGB'), kind))
     assert not (tmp_path / 'ran').exists()
 

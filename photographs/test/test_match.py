@@ -139,7 +139,7 @@ def test_export(phone, tmp_path):
     path = tmp_path / 'x.db'
     finished = run('colmap', phone / 'f', phone / 'm', '--images', phone / 'images', '--database', path)
     assert os.listdir(tmp_path) == ['x.db'] and '8 new images, 28 new pairs' in finished.stdout
-    assert 'x.webp: this COLMAP does not read it' in finished.stderr
+    assert 'x.webp: COLMAP cannot read it' in finished.stderr
     found, matches = rows(phone / 'f'), matches_of(phone / 'm')
     assert sum(len(row['inliers']) >= 15 for row in matches.values()) > 20  # without them the mapper finds no model
     database = pycolmap.Database.open(path)
@@ -209,10 +209,10 @@ def test_append(phone, tmp_path):
 
 def test_what_colmap_still_needs(phone, tmp_path):
     call = ['colmap', phone / 'f', '--images', phone / 'images', '--database']
-    assert 'COLMAP cannot match these features: aqorb match, and' in run(*call, tmp_path / 'x.db').stdout
+    assert 'COLMAP cannot match these features: run aqorb match, then' in run(*call, tmp_path / 'x.db').stdout
     run('match', phone / 'f', '--pairs', 'sequential:1', '--no-verify', '--out', tmp_path / 'm')
     call.insert(2, tmp_path / 'm')
-    assert "COLMAP's geometric_verification comes next" in run(*call, tmp_path / 'y.db').stdout
+    assert "run COLMAP's geometric_verification" in run(*call, tmp_path / 'y.db').stdout
     refused('m must have verified matches', *call, tmp_path / 'z.db', '--refine')
     refused('--refine needs matches, and a new database', *call, tmp_path / 'y.db', '--refine', '--append')
 

@@ -142,7 +142,7 @@ def test_a_photograph_of_another_place(features, tmp_path):
     Image.fromarray(noise(77, 280, 320)).save(tmp_path / 'other.png')
     call = ['search', features, tmp_path / 'other.png']
     finished = run(*call)
-    assert re.search('Probably of no place in the folder:\n.*other.png: no image has 15 inliers', finished.stderr)
+    assert re.search('probably show no place of the folder:\n.*other.png: no image has 15 inliers', finished.stderr)
     refused('no image has 15 inliers', *call, '--strict')
 
 

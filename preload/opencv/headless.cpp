@@ -3,7 +3,7 @@
 // of this distribution.
 // SPDX-License-Identifier: Apache-2.0
 
-// Stands in for OpenCV's windows where there is no display: nothing is shown, no key is awaited.
+// Replaces OpenCV's windows on machines without display: shows nothing, and waits for no key.
 
 #include <opencv2/highgui.hpp>
 

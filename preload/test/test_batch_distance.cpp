@@ -3,7 +3,7 @@
 // of this distribution.
 // SPDX-License-Identifier: Apache-2.0
 
-// To be run with libaqorb_preload.so preloaded.
+// Run with libaqorb_preload.so preloaded.
 
 #include <gtest/gtest.h>
 
@@ -23,7 +23,7 @@ using namespace cv;
 typedef void (*BatchDistance)(InputArray, InputArray, OutputArray, int, OutputArray, int, int, InputArray,
                               int, bool);
 
-//! Leaves matching to OpenCV as long as it lives.
+//! Leaves matching to OpenCV during its lifetime.
 class OriginalScope
 {
 public:
@@ -38,7 +38,7 @@ TEST(Aqorb_Preload_BatchDistance, takes_the_place_of_opencvs)
     EXPECT_NE(std::string::npos, std::string(info.dli_fname).find("aqorb_preload")) << info.dli_fname;
 }
 
-//! What a call gives: its matrices, or that it throws.
+//! Result of a call: its matrices, or an exception.
 struct Outcome
 {
     Mat dist, nidx;
@@ -47,7 +47,7 @@ struct Outcome
 
 struct Call
 {
-    Mat src1, src2, mask, dist, nidx;  // the latter two are what the outputs hold before
+    Mat src1, src2, mask, dist, nidx;  // dist and nidx: the outputs before the call
     int dtype, normType, K, update;
     bool crosscheck, hasIndices;
 };

@@ -3,7 +3,7 @@
 // of this distribution.
 // SPDX-License-Identifier: Apache-2.0
 
-// To be run with libaqorb_preload.so preloaded.
+// Run with libaqorb_preload.so preloaded.
 
 #include <gtest/gtest.h>
 
@@ -23,7 +23,7 @@ namespace
 using namespace cv;
 using aqorb::AdaptiveQuadtreeORB;
 
-//! Sets an environment variable as long as it lives.
+//! Sets an environment variable during its lifetime.
 class Variable
 {
 public:
@@ -34,7 +34,7 @@ private:
     const char* name;
 };
 
-//! OpenCV's own, preloaded library or not.
+//! OpenCV's own detector, even with the library preloaded.
 Ptr<ORB> opencvORB(int nfeatures, int WTA_K = 2, int patchSize = 31)
 {
     const Variable disable("AQORB_DISABLE", "1");
@@ -188,7 +188,7 @@ TEST(Aqorb_Preload, notices_once_and_on_request_only)
     EXPECT_EQ("", output());
 }
 
-// A library that called cv::ORB for these would call itself for ever.
+// A library that called cv::ORB for these descriptors would call itself forever.
 TEST(Aqorb_Preload, computes_descriptors_of_every_kind_itself)
 {
     const Mat image = makeImage();

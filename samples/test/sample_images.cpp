@@ -3,8 +3,8 @@
 // of this distribution.
 // SPDX-License-Identifier: Apache-2.0
 
-// Makes the files that the samples' tests use, from a photograph or a drawn scene: two views of it, three
-// overlapping parts, a video of images, a fisheye lens's image, a stereo sequence; and files that are of little use.
+// Makes the files of the samples' tests from a photograph or a drawn scene: two views, three overlapping parts, a video
+// of images, a fisheye lens's image, a stereo sequence; and unsuitable files.
 
 #include "../../perf/perf_scene.hpp"
 
@@ -23,7 +23,7 @@ static void save(const String& path, const Mat& image)
         CV_Error(Error::StsError, path + ": cannot be written");
 }
 
-// An image in a circle, as of a fisheye lens.
+// Image in a circle, as of a fisheye lens.
 static Mat fisheyeView(const Mat& scene)
 {
     Mat view = Mat::zeros(600, 600, CV_8UC1), mask = view.clone();
@@ -40,7 +40,7 @@ static Mat photographOrScene()
     return photograph.empty() ? opencv_test::makeStreetScene(Size(900, 600)) : photograph;
 }
 
-// Pairs of images of a plane ten pixels of disparity away, with a camera that moves ahead.
+// Stereo pairs of a plane at a disparity of ten pixels, with a camera that moves ahead.
 static void saveStereo(const String& folder, const Mat& scene)
 {
     utils::fs::createDirectories(folder + "/image_0");
@@ -69,7 +69,7 @@ int main(int argc, char** argv)
     scene.colRange(scene.cols / 2 + 40, scene.cols).copyTo(depth.colRange(scene.cols / 2, scene.cols - 40));
     save(folder + "depth.png", depth);
 
-    // Without noise OpenCV's matcher takes the parts for one and the same image, and drops the pair.
+    // Without noise OpenCV's matcher takes both parts for the same image, and drops the pair.
     RNG rng(2);
     for (int i = 0; i < 3; i++)
     {

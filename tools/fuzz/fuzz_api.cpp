@@ -3,8 +3,8 @@
 // of this distribution.
 // SPDX-License-Identifier: Apache-2.0
 
-// Makes any call with any arguments: it gives a valid result, or an exception that says what must be and leaves the
-// outputs as they were.
+// Makes any call with any arguments. The call must give a valid result, or an exception that states the accepted values
+// and leaves the outputs unchanged.
 
 #include "generate.hpp"
 
@@ -25,11 +25,11 @@ using namespace fuzz;
 
 typedef std::vector<KeyPoint> KeyPoints;
 
-// Calls that are slow or take much memory by design are left out: larger pyramids and larger patches.
+// Limits for calls that are slow or large by design: larger pyramids and larger patches are left out.
 const double MAX_PYRAMID_PIXELS = 4e5;
 const double MAX_PATCH_PIXELS = 2e7;
 
-//! Whether a call accepts its arguments. It must say what it does not accept.
+//! Whether a call accepts its arguments. A rejection must name the argument.
 template <typename Call> bool accepts(const Call& call)
 {
     try
@@ -80,7 +80,7 @@ private:
 
     Size pictureSize() const { return picture.dims > 2 ? Size() : picture.size(); }
 
-    //! Whether the first levels have few enough pixels.
+    //! Whether the first levels have at most MAX_PYRAMID_PIXELS pixels.
     bool isAffordable(int levels, size_t keypoints) const
     {
         const double patchSize = detector->getPatchSize();
@@ -88,10 +88,10 @@ private:
         for (int i = 0; i < levels && pixels <= MAX_PYRAMID_PIXELS; i++)
         {
             const double scale = std::pow(detector->getScaleFactor(), double(i - detector->getFirstLevel()));
-            const double ofLevel = pictureSize().area() / scale / scale;
-            if (ofLevel < 0.25)
+            const double levelArea = pictureSize().area() / scale / scale;
+            if (levelArea < 0.25)
                 break;
-            pixels += ofLevel;
+            pixels += levelArea;
         }
         return pixels <= MAX_PYRAMID_PIXELS &&
                std::min(double(keypoints), MAX_PYRAMID_PIXELS) * patchSize * patchSize <= MAX_PATCH_PIXELS;
@@ -115,7 +115,7 @@ private:
 #undef AQORB_SET
     }
 
-    //! Reads a storage with values of any kind.
+    //! Reads parameters from a storage with values of any kind.
     void readStorage()
     {
         const char* const values[] = {"text", "[ 1, 2. ]", "{ a: 1 }", "-1", "1.5", ".Nan", "-.Inf", "1e300"};
@@ -178,7 +178,7 @@ private:
         const size_t corners = std::min(detector->getMaxFeatures(), pictureSize().area() / 4);
         if (!isAffordable(detector->getNLevels(), corners))
             return;
-        // The call must replace these outputs, or leave them.
+        // The call must replace these outputs or leave them unchanged.
         KeyPoints found(3, KeyPoint(Point2f(-7, -7), 1.f, -1.f, 0.f, -1));
         Mat descriptors(2, 5, CV_16SC1, Scalar(3));
         const bool isOfUMat = data.ConsumeBool();
@@ -232,7 +232,7 @@ private:
     {
         if (picture.empty())
             return;
-        // A position counts by the pixel it lies on, as in cv::ORB's compute.
+        // The pixel at a position counts, as in cv::ORB::compute.
         for (const KeyPoint& k : found)
             require(k.pt.x >= -0.5f && k.pt.y >= -0.5f && k.pt.x <= float(picture.cols) - 0.5f &&
                         k.pt.y <= float(picture.rows) - 0.5f,
@@ -256,7 +256,7 @@ extern "C" int LLVMFuzzerInitialize(int*, char***)
 {
     setNumThreads(1);
     ocl::setUseOpenCL(false);
-    // Exceptions are expected here, and their messages would flood the log.
+    // Messages of expected exceptions would flood the log.
     utils::logging::setLogLevel(utils::logging::LOG_LEVEL_SILENT);
     redirectError([](int, const char*, const char*, const char*, int, void*) { return 0; });
     return 0;

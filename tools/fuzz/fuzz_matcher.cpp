@@ -12,9 +12,9 @@
 
 #include <cstring>
 
-// Compares the matcher and the functions that match with the plain reference of the tests, on the best kernels of the
-// CPU and on the baseline ones, with one thread and with two; and calls them with bad arguments, which must be named.
-// Refined and grown matches are compared between kernels.
+// Compares the matchers with the tests' plain reference, on the best kernels of the CPU and on the baseline, with one
+// thread and with two. Calls with bad arguments must name the argument. Refined and grown matches must be equal on both
+// kernels.
 
 using namespace opencv_test;
 using fuzz::require;
@@ -69,7 +69,7 @@ static void compareArrays(const Mat& query, const Mat& train, const ReferenceTes
     }
 }
 
-// Whatever is passed, there is a result or an exception that says what is accepted.
+// Any arguments must give a result, or an exception that states the accepted values.
 static void callWithAnything(FuzzedDataProvider& data, const Mat& query, const Mat& train)
 {
     const Mat other = fuzz::image(data, 24, true);
@@ -89,7 +89,7 @@ static void callWithAnything(FuzzedDataProvider& data, const Mat& query, const M
     }
 }
 
-// What growMatches gives; the refined matches come first.
+// Results of growMatches; refined matches come first.
 struct Growth
 {
     std::vector<DMatch> matches;
@@ -103,7 +103,7 @@ template <typename T> static bool sameBytes(const std::vector<T>& a, const std::
     return a.size() == b.size() && (a.empty() || std::memcmp(a.data(), b.data(), a.size() * sizeof(T)) == 0);
 }
 
-// Grows matches of any keypoints in any images: some fields are any number, and some indices are beyond the end.
+// Grows matches of random keypoints in random images. Some fields have any number, and some indices are out of range.
 static void growAnything(FuzzedDataProvider& data)
 {
     Mat images[2];

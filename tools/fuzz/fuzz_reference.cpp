@@ -10,8 +10,8 @@
 #include <opencv2/core/ocl.hpp>
 #include <opencv2/core/utility.hpp>
 
-// Compares the detector with the plain reference of the tests, byte for byte: on the best kernels of the CPU and
-// on the baseline ones, with one thread and with two. Its descriptors are compared with those of cv::ORB as well.
+// Compares the detector with the tests' plain reference, byte for byte: on the best kernels of the CPU and on the
+// baseline, with one thread and with two. Also compares its descriptors with cv::ORB's.
 
 using namespace opencv_test;
 
@@ -23,7 +23,7 @@ static void requireSame(const char* what, const ::testing::AssertionResult& resu
     fuzz::require(bool(result), std::string(what) + ": " + result.message());
 }
 
-// Only good parameters are drawn here; fuzz_api draws bad ones as well.
+// Draws valid parameters. fuzz_api also draws invalid parameters.
 static reference::Settings settingsFrom(FuzzedDataProvider& data)
 {
     reference::Settings s;
@@ -39,13 +39,13 @@ static reference::Settings settingsFrom(FuzzedDataProvider& data)
     s.fastThreshold = data.ConsumeIntegralInRange(0, 80);
     s.adaptiveThreshold = data.ConsumeBool();
     s.minThresholdRatio = data.ConsumeFloatingPointInRange(1., 8.);
-    data.ConsumeIntegral<uint16_t>();  // two properties that are gone: older inputs keep their meaning
+    data.ConsumeIntegral<uint16_t>();  // two removed properties: older inputs keep their meaning
     s.octaveSuppression = data.ConsumeBool() ? data.ConsumeFloatingPointInRange(0., 8.) : -1;
     s.subPixel = data.ConsumeBool();
     return s;
 }
 
-// Drawn after the image, because inputs of the corpus are older than these properties.
+// Draws these properties after the image, because the corpus is older than they are.
 static void drawSelection(FuzzedDataProvider& data, reference::Settings& s)
 {
     if (data.ConsumeBool())
@@ -54,7 +54,7 @@ static void drawSelection(FuzzedDataProvider& data, reference::Settings& s)
         s.strengthWeight = data.ConsumeFloatingPointInRange(0., data.ConsumeBool() ? 1000. : 1.);
     if (data.ConsumeBool())
         s.rankRadius = data.ConsumeFloatingPointInRange(0., data.ConsumeBool() ? 16. : 3.);
-    if (data.ConsumeBool())  // all, and with them properties that are newer than the corpus
+    if (data.ConsumeBool())  // properties newer than the corpus
     {
         RNG rng(data.ConsumeIntegral<uint64>());
         s = reference::randomSettings(rng);
@@ -93,12 +93,12 @@ extern "C" int LLVMFuzzerTestOneInput(const uint8_t* bytes, size_t size)
     static const bool comparable = orbBlursWithFMA();
     if (comparable && !expected.keypoints.empty())
     {
-        Features ofOrb = {expected.keypoints, Mat()};
-        // cv::ORB would read the pixels around a part of a larger image, so it gets a copy.
-        settings.createOrb()->compute(image.clone(), ofOrb.keypoints, ofOrb.descriptors);
-        requireSame("compute of cv::ORB", sameFeatures(computed, ofOrb));
+        Features orbFeatures = {expected.keypoints, Mat()};
+        // A copy, because cv::ORB reads the pixels around a part of a larger image.
+        settings.createOrb()->compute(image.clone(), orbFeatures.keypoints, orbFeatures.descriptors);
+        requireSame("compute of cv::ORB", sameFeatures(computed, orbFeatures));
     }
-    // With firstLevel > 0 compute drops keypoints that detection allows, as it applies the border to the image.
+    // With firstLevel > 0 compute drops some detected keypoints, because it applies the border to the image.
     if (settings.firstLevel == 0)
         requireSame("compute of what was detected", sameFeatures(computed, expected));
     return 0;

@@ -55,7 +55,7 @@ double real(FuzzedDataProvider& data, double low, double high)
     }
 }
 
-//! Fills a matrix with bytes of the input, which are repeated as often as needed.
+//! Fills a matrix with bytes of the input, repeated as often as needed.
 static void fillWithInput(FuzzedDataProvider& data, Mat& m)
 {
     const std::vector<uchar> bytes =
@@ -130,8 +130,8 @@ Mat matrix(FuzzedDataProvider& data, Size size, int type)
 
 Mat image(FuzzedDataProvider& data, int maxSide, bool anyType)
 {
-    // Once the input is used up, all numbers are the lowest of their range. Counted down from maxSide, that gives a
-    // large image rather than an empty one.
+    // A used-up input gives the lowest number of each range. Counting down from maxSide then gives a large image
+    // instead of an empty one.
     const Size size(maxSide - data.ConsumeIntegralInRange(0, maxSide),
                     maxSide - data.ConsumeIntegralInRange(0, maxSide));
     switch (data.ConsumeIntegralInRange(0, 15))

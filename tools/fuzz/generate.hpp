@@ -12,28 +12,28 @@
 #include <string>
 #include <vector>
 
-// The arguments that the fuzz targets make of libFuzzer's bytes.
+// Generators of arguments from libFuzzer's bytes.
 
 namespace fuzz
 {
 
-//! Ends the program with a find unless the condition holds.
+//! Reports a finding to libFuzzer unless the condition holds.
 void require(bool condition, const std::string& what);
 
-//! A number, mostly within [low, high]; at times any number, or one at which arithmetic is prone to fail.
+//! A number, mostly within [low, high]; at times any number, or a number at the limits of arithmetic.
 int number(FuzzedDataProvider& data, int low, int high);
 double real(FuzzedDataProvider& data, double low, double high);
 
-//! A matrix with one of several kinds of contents; at times it is a part of a larger one.
+//! A matrix with one of several kinds of contents; at times a part of a larger matrix.
 cv::Mat matrix(FuzzedDataProvider& data, cv::Size size, int type);
 
-//! An image of at most maxSide pixels a side. With anyType its type and dimensions may be wrong for an image.
+//! An image of at most maxSide pixels a side. With anyType its type and dimensions may be invalid for an image.
 cv::Mat image(FuzzedDataProvider& data, int maxSide, bool anyType);
 
-//! A mask of this size, or an empty one. With anyType its size and type may be wrong for a mask.
+//! A mask of this size, or an empty mask. With anyType its size and type may be invalid for a mask.
 cv::Mat mask(FuzzedDataProvider& data, cv::Size size, bool anyType);
 
-//! Keypoints inside, around and far off an image of this size.
+//! Keypoints inside, around and far from an image of this size.
 std::vector<cv::KeyPoint> keypoints(FuzzedDataProvider& data, cv::Size size);
 
 }  // namespace fuzz

@@ -3,9 +3,8 @@
 // of this distribution.
 // SPDX-License-Identifier: Apache-2.0
 
-// Part of the tests where they are built for the thread sanitizer: runs cv::parallel_for_ on std::thread.
-// OpenCV's own pools hand work over by means that the sanitizer cannot see in a library that is not
-// instrumented, and so takes for races.
+// Runs cv::parallel_for_ on std::thread in tests built for the thread sanitizer. OpenCV's library is not instrumented,
+// so the sanitizer cannot see how OpenCV's own pools hand over work, and would report races.
 
 #include "../../test/backends.hpp"
 

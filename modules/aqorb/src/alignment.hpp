@@ -61,10 +61,6 @@ struct LevelAlignment
     float variance;     //!< variance of the position along its worst axis, in squared pixels, uncalibrated
 };
 
-/** Aligns patches by three inverse compositional steps (Baker and Matthews 2004). Each step solves for the affine map,
- gain and bias that bring the second patch closest to the first patch. */
-void alignPatches(const LevelPatches* patches, int count, LevelAlignment* alignments);
-
 }  // namespace aqorb
 }  // namespace cv
 

@@ -15,7 +15,8 @@ namespace aqorb
 {
 CV_CPU_OPTIMIZATION_NAMESPACE_BEGIN
 
-//! As alignPatches.
+/** Aligns patches by three inverse compositional steps (Baker and Matthews 2004). Each step solves for the affine map,
+ gain and bias that bring the second patch closest to the first patch. */
 void alignByLanes(const LevelPatches* patches, int count, LevelAlignment* alignments);
 
 #ifndef CV_CPU_OPTIMIZATION_DECLARATIONS_ONLY

@@ -25,9 +25,9 @@ uint64 quartersOf(float angle);
 
 /** Sine and cosine of an angle, the same on every system.
 
- C libraries differ in the last bit of sine and cosine, and so does cv::ORB. This function equals, to the bit, those of
- the GNU C library up to version 2.41, which come from Arm's Optimized Routines: polynomials in double, rounded to float
- at the end. The results are not always the floats nearest to the exact values. */
+ C libraries differ in the last bit of sine and cosine, and so does cv::ORB. This function equals, to the bit, sinf and
+ cosf of the GNU C library up to version 2.41, which come from Arm's Optimized Routines: polynomials in double, rounded
+ to float at the end. The results are not always the floats nearest to the exact values. */
 inline void sineAndCosine(float angle, float& sine, float& cosine)
 {
     // The angle is n quarter turns plus x, with |x| at most an eighth of a turn.

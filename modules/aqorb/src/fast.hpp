@@ -125,7 +125,7 @@ public:
     void scan(int end, const std::vector<Range>& cells);
     /** Appends each corner of the scanned rows once, in raster order. It holds back SUPPRESS_RADIUS rows until the
      region ends.
-     @param suppressNear leaves out corners that have a better one within SUPPRESS_RADIUS */
+     @param suppressNear leaves out corners with a better corner within SUPPRESS_RADIUS */
     void append(bool suppressNear, std::vector<Corner>& corners);
 
 private:

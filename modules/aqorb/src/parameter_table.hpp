@@ -33,30 +33,30 @@
     X(EdgeThreshold, int, edgeThreshold, edgeThreshold, 16, atLeast(0), \
       "the width, in pixels of each level, of the border without keypoints") \
     X(FirstLevel, int, firstLevel, firstLevel, 0, atLeast(0), \
-      "the level of the pyramid that is the image itself, where lower levels are larger") \
+      "the level of the pyramid that is the image itself; lower levels are larger") \
     X(WTA_K, int, WTA_K, wta_k, 2, between(2, 4), \
-      "how many points each element of a descriptor compares, 2, 3 or 4") \
+      "the number of points compared for each element of a descriptor, 2, 3 or 4") \
     X(ScoreType, ORB::ScoreType, scoreType, scoreType, 0, oneOf("HARRIS_SCORE (0) or FAST_SCORE (1)"), \
-      "what a response is, cv2.ORB_HARRIS_SCORE (0) or cv2.ORB_FAST_SCORE (1)") \
+      "the score in a response, cv2.ORB_HARRIS_SCORE (0) or cv2.ORB_FAST_SCORE (1)") \
     X(PatchSize, int, patchSize, patchSize, 31, between(2, 16384), \
-      "the side, in pixels of a level, of the patch that a descriptor describes") \
+      "the diameter, in pixels of a level, of the patch of a descriptor") \
     X(FastThreshold, int, fastThreshold, fastThreshold, 20, any(), \
-      "the scale of the adaptive FAST threshold, or the threshold itself where it is not adaptive")
+      "the scale of the adaptive FAST threshold, or the FAST threshold itself without AdaptiveThreshold")
 
 #define AQORB_OWN_PARAMETERS(X) \
     X(AdaptiveThreshold, bool, adaptiveThreshold, adaptiveThreshold, true, any(), \
       "whether the FAST threshold adapts to the image") \
     X(MinThresholdRatio, double, minThresholdRatio, minThresholdRatio, 4, finiteAtLeast(1), \
-      "how many times lower the FAST threshold is in cells that would stay empty, at least 1") \
+      "the ratio of the FAST threshold to the lower threshold in cells without a corner, at least 1") \
     X(SelectionType, AdaptiveQuadtreeORB::SelectionType, selectionType, selectionType, 0, \
       oneOf("RANKED_SELECTION (0) or QUADTREE_SELECTION (1)"), \
-      "the rule by which corners are chosen, RANKED_SELECTION (0) or QUADTREE_SELECTION (1), the paper's") \
+      "the rule that selects corners, RANKED_SELECTION (0) or QUADTREE_SELECTION (1), the paper's") \
     X(StrengthWeight, double, strengthWeight, strengthWeight, 0.05, between(0, 1000), \
-      "how much the strength of a corner counts, 0 (an even distribution) to 1000 (strength alone)") \
+      "the weight of a corner's strength, 0 (an even distribution) to 1000 (strength alone)") \
     X(RankRadius, double, rankRadius, rankRadius, 1, between(0, 16), \
-      "how far around a corner stronger ones are counted, 0 to 16, in mean distances between features") \
+      "the radius of the disc that counts for a corner's rank, 0 to 16, in mean distances of features") \
     X(OctaveSuppression, double, octaveSuppression, octaveSuppression, -1, finiteAtLeast(0).orMinusOne(), \
-      "how near keypoints of other levels may be, in pixels, or -1 for a distance that suits the selection") \
+      "the distance to keypoints of neighbouring levels, in pixels, or -1 for the selection type's default") \
     X(SubPixel, bool, subPixel, subPixel, true, any(), \
       "whether positions are refined to a fraction of a pixel")
 

@@ -82,8 +82,8 @@ void Parameters::read(const FileNode& node)
     if (node.isNone())
         return;
     if (!node.isMap())
-        CV_Error_(Error::StsParseError, ("node must be a map of the parameters (a file of write(fileName) is "
-                                         "one: read(fileName) reads it)"));
+        CV_Error_(Error::StsParseError,
+                  ("node must be a map of the parameters; read(fileName) reads a file"));
     Parameters changed = *this;
 #define AQORB_READ(property, type, name, key, byDefault, range, text) \
     readValue(node, #key, range, changed.name);

@@ -3,7 +3,7 @@
 // of this distribution.
 // SPDX-License-Identifier: Apache-2.0
 
-// Copies pixels, and reflects those beyond the border.
+// Copies pixels, with reflection at the border.
 
 #include "precomp.hpp"
 
@@ -25,7 +25,7 @@ static void copyRow(const uchar* row, int length, int x, int width, uchar* out)
     const int period = 2 * (length - 1);
     for (int run; width > 0; x += run, width -= run, out += run)
     {
-        const int rest = x % period, begin = rest < 0 ? rest + period : rest;
+        const int phase = x % period, begin = phase < 0 ? phase + period : phase;
         run = std::min(width, (begin < length ? length : period) - begin);
         if (begin < length)
             std::copy(row + begin, row + begin + run, out);

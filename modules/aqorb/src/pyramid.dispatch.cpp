@@ -215,11 +215,11 @@ static void resizeMask(const Mat& mask, const ResizeTables& tables, Mat& resized
 
 static void rejectMemory(const Size& imageSize, const PyramidRule& rule, double pixels)
 {
-    CV_Error_(Error::StsNoMem,
-              ("scaleFactor and firstLevel must give levels for which there is memory, with at most 2^30 "
-               "pixels in those larger than the image, got %g and %d, which give %.0f pixels for an image of "
-               "%d x %d",
-               rule.scaleFactor, rule.firstLevel, pixels, imageSize.width, imageSize.height));
+    CV_Error_(
+        Error::StsNoMem,
+        ("scaleFactor and firstLevel must give levels that fit the memory, with at most 2^30 pixels in the "
+         "enlarged levels, got %g and %d, which give %.0f pixels for an image of %d x %d",
+         rule.scaleFactor, rule.firstLevel, pixels, imageSize.width, imageSize.height));
 }
 
 // Allocates the levels.

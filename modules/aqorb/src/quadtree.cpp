@@ -112,8 +112,8 @@ std::vector<CornerResponse> quadtreeOrder(const std::vector<CornerResponse>& cor
         keys.push_back(spreadBits(leaf(corner.x - region.x, region.width)) |
                        spreadBits(leaf(corner.y - region.y, region.height)) << 1);
     }
-    const std::vector<unsigned> byCode = sortIndices(keys);
-    for (unsigned index : byCode)
+    const std::vector<unsigned> codeOrder = sortIndices(keys);
+    for (unsigned index : codeOrder)
         codes.push_back(keys[index]);
     const uint64 OTHERS = uint64(1) << 32;  // sorts other corners after the best corners of nodes
     for (size_t i = 0; i < corners.size(); i++)
@@ -121,7 +121,8 @@ std::vector<CornerResponse> quadtreeOrder(const std::vector<CornerResponse>& cor
     const auto isBetter = [&](unsigned a, unsigned b)
     { return keys[a] != keys[b] ? keys[a] < keys[b] : a < b; };
     for (const QuadtreeNode& node : splitQuadtree(codes, maxDepth, quota))
-        keys[*std::min_element(byCode.begin() + node.begin, byCode.begin() + node.end, isBetter)] &= ~OTHERS;
+        keys[*std::min_element(codeOrder.begin() + node.begin, codeOrder.begin() + node.end, isBetter)] &=
+            ~OTHERS;
     std::vector<CornerResponse> ordered;
     for (unsigned index : sortIndices(keys))
         ordered.push_back(corners[index]);

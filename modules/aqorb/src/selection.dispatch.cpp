@@ -294,21 +294,21 @@ std::vector<unsigned> orderRepresentatives(const std::vector<unsigned>& leavesGi
     std::vector<uint64> keys(strengths.size());
     for (size_t i = 0; i < keys.size(); i++)
         keys[i] = descendingKey(sortKey(strengths[i]));
-    const std::vector<unsigned> byStrength = sortIndices(keys);
-    std::vector<unsigned> leaves(byStrength.size());
+    const std::vector<unsigned> strengthOrder = sortIndices(keys);
+    std::vector<unsigned> leaves(strengthOrder.size());
     for (size_t i = 0; i < leaves.size(); i++)
-        leaves[i] = leavesGiven[byStrength[i]];
+        leaves[i] = leavesGiven[strengthOrder[i]];
     const LeafDisc disc(rule);
     const std::vector<int> ranks = countStronger(leaves, disc, rule.grid);
     const std::vector<double> inverseShares = inverseSharesOf(leaves, disc, rule.grid, usable);
     for (size_t i = 0; i < keys.size(); i++)
     {
-        const int64 place = orderKey(ranks[i] * inverseShares[i], strengths[byStrength[i]], rule.exponent);
+        const int64 place = orderKey(ranks[i] * inverseShares[i], strengths[strengthOrder[i]], rule.exponent);
         keys[i] = uint64(place) ^ uint64(1) << 63;  // unsigned, in the same order
     }
     std::vector<unsigned> order = sortIndices(keys);
     for (unsigned& index : order)
-        index = byStrength[index];
+        index = strengthOrder[index];
     return order;
 }
 

@@ -60,7 +60,7 @@ static CV_ALWAYS_INLINE int bitCount(uint64 v)
 #endif
 }
 
-//! Index of the lowest set bit. At least one must be set.
+//! Index of the lowest set bit. At least one bit must be set.
 static CV_ALWAYS_INLINE int trailingZeros(uint64 bits)
 {
 #if defined(__GNUC__)

@@ -2,4 +2,4 @@
 # It is subject to the license terms in the LICENSE file found in the top-level directory
 # of this distribution.
 # SPDX-License-Identifier: Apache-2.0
-"""The command aqorb. A sub-command is a module with a function add, which adds its arguments and says what runs it."""
+"""The command aqorb. Each sub-command is a module whose function add adds its arguments and its function run."""

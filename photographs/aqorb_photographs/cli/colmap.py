@@ -5,31 +5,31 @@
 """aqorb colmap: features and matches in a database of COLMAP."""
 
 from aqorb_photographs.cli import options
-from aqorb_photographs import Refused
+from aqorb_photographs import InputError
 
 
 def add(commands):
     parser = options.add_command(
-        commands, 'colmap', run, 'write features and matches into a database of COLMAP',
-        'Cameras, focal lengths and places are those of COLMAP\'s own import of the images.')
+        commands, 'colmap', run, 'write features and matches to a COLMAP database',
+        'Cameras, focal lengths and places come from COLMAP\'s own import of the images.')
     parser.add_argument('features', metavar='FEATURES', help='folder of aqorb extract')
     parser.add_argument('matches', nargs='?', metavar='MATCHES', help='folder of aqorb match')
-    parser.add_argument('--images', required=True, metavar='FOLDER', help='to which the names of images are relative')
+    parser.add_argument('--images', required=True, metavar='FOLDER', help='root folder of the names of images')
     parser.add_argument('--database', required=True, metavar='FILE', help='new file, such as scene.db')
-    parser.add_argument('--append', action='store_true', help='add what is not in a database that exists')
+    parser.add_argument('--append', action='store_true', help='add missing images and pairs to an existing database')
     parser.add_argument('--refine', action='store_true',
-                        help='refine positions by tracks, against one image each, for an exact bundle adjustment')
+                        help='refine positions by tracks, for an exact bundle adjustment')
     parser.add_argument('--camera-mode', choices=['AUTO', 'SINGLE', 'PER_FOLDER', 'PER_IMAGE'], default='AUTO',
-                        help='which images have a camera in common; as their EXIF data say by default')
-    parser.add_argument('--camera-model', metavar='MODEL', help='of COLMAP (SIMPLE_RADIAL)')
-    parser.add_argument('--camera-params', metavar='NUMBERS', help='of the model, with commas between them')
+                        help='which images share a camera; by default their EXIF data decide')
+    parser.add_argument('--camera-model', metavar='MODEL', help='camera model of COLMAP (SIMPLE_RADIAL)')
+    parser.add_argument('--camera-params', metavar='NUMBERS', help='parameters of the model, separated by commas')
     parser.add_argument('--default-focal-length-factor', type=float, metavar='X',
-                        help='times the longer side, where no focal length is known (1.2)')
+                        help='unknown focal length in units of the longer side (1.2)')
     parser.add_argument('--strict', action='store_true', help='exit with 1 if an image was left out')
 
 
 def run(given):
-    import pycolmap  # noqa: F401 # said now, and here, if it is missing
+    import pycolmap  # noqa: F401 # fails here, at once, if it is missing
     from aqorb_photographs import colmap
     names = 'camera_model', 'camera_params', 'default_focal_length_factor'
     reader = {name: getattr(given, name) for name in names if getattr(given, name) is not None}
@@ -41,5 +41,5 @@ def run(given):
     options.say(given, f'{given.database}: {options.count_of(images, "new image")}, '
                 f'{options.count_of(pairs, "new pair")}' + (f'; {needs}' if needs else ''))
     if not images + pairs and not given.append:
-        raise Refused('COLMAP read none of the images')
+        raise InputError('COLMAP read none of the images')
     return int(bool(given.strict and left_out))

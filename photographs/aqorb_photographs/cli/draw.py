@@ -23,8 +23,8 @@ def add(commands):
     parser.add_argument('second', metavar='B')
     parser.add_argument('--out', default='matches.png', metavar='FILE', help='%(default)s by default')
     parser.add_argument('--ratio', type=float, default=.8, help='%(default)s by default')
-    parser.add_argument('--all', action='store_true', help='draw the other matches, too, in red')
-    parser.add_argument('--overwrite', action='store_true', help='replace a file that exists')
+    parser.add_argument('--all', action='store_true', help='also draw the other matches, in red')
+    parser.add_argument('--overwrite', action='store_true', help='replace an existing file')
     options.add_reading(parser)
 
 
@@ -49,23 +49,23 @@ def run(given):
 
 
 def suffixes():
-    """Those of pictures that can be written."""
+    """Returns the suffixes of pictures that Pillow can write."""
     Image.init()
     return [suffix for suffix in ('.png', '.jpg', '.jpeg', '.webp', '.tif', '.tiff', '.bmp')
             if Image.EXTENSION.get(suffix) in Image.SAVE]
 
 
 def save(out, pictures, ends, others=((), ())):
-    """Draws two pictures side by side, with a line for each match. ends are the positions in both pictures, in pixels
-    of the pictures' sizes, and so are others, which are drawn in red."""
+    """Draws two pictures side by side, with a line for each match. ends are the positions of matches in both
+    pictures, in pixels of the pictures' sizes. others are the positions of matches to draw in red."""
     width = pictures[0].pixels.shape[1]
     heights = [len(picture.pixels) for picture in pictures]
     drawn = Image.new('RGB', (width + pictures[1].pixels.shape[1], max(heights)))
     for picture, left in zip(pictures, (0, width)):
         drawn.paste(Image.fromarray(picture.pixels), (left, 0))
     canvas = ImageDraw.Draw(drawn)
-    scaled = [np.vstack([np.reshape(rest, (-1, 2)), points]) * np.divide(picture.pixels.shape[::-1], picture.size)
-              for points, rest, picture in zip(ends, others, pictures)]
+    scaled = [np.vstack([np.reshape(red, (-1, 2)), points]) * np.divide(picture.pixels.shape[::-1], picture.size)
+              for points, red, picture in zip(ends, others, pictures)]
     for i, line in enumerate(np.hstack([scaled[0], scaled[1] + [width, 0]]), -len(others[0])):
         colour = 'red' if i < 0 else f'hsl({60 + 240 * i // len(ends[0])}, 90%, 60%)'
         canvas.line(line.tolist(), colour)

@@ -12,35 +12,28 @@ import numpy as np
 
 import aqorb
 from aqorb_photographs.cli import options
-from aqorb_photographs import Refused, images
+from aqorb_photographs import InputError, images
 
 
 def add(commands):
     parser = options.add_command(
         commands, 'extract', run, 'detect the features of photographs',
-        'Goes through folders and the folders in them. The same command again takes what is new or has changed, '
-        'and tries again what failed.')
-    parser.add_argument('sources', nargs='*', metavar='FOLDER', help='or a file')
-    parser.add_argument('--out', required=True, metavar='FOLDER', help='for the features, a folder of Parquet files')
-    parser.add_argument('--list', metavar='FILE', help='take the files that this names, one a line; - is the input')
+        'Reads folders and their subfolders. Run again, the command extracts new and changed files, and retries failed '
+        'files.')
+    parser.add_argument('sources', nargs='*', metavar='FOLDER', help='folder or file')
+    parser.add_argument('--out', required=True, metavar='FOLDER', help='folder of Parquet files for the features')
+    parser.add_argument('--list', metavar='FILE', help='list of files to extract, one per line; - is standard input')
     parser.add_argument('--root', metavar='FOLDER',
-                        help='to which names are relative: FOLDER, or what several have in common, by default')
-    parser.add_argument('--include', action='append', default=[], metavar='PATTERN', help='take these alone, as *.jpg')
+                        help='root folder of the names; by default FOLDER, or the common parent of several')
+    parser.add_argument('--include', action='append', default=[], metavar='PATTERN', help='only these files, as *.jpg')
     parser.add_argument('--exclude', action='append', default=[], metavar='PATTERN', help='leave out files and folders')
-    parser.add_argument('--masks', metavar='FOLDER', help='with masks named as COLMAP has them: photograph.jpg.png')
-    parser.add_argument('--prune', action='store_true', help='forget the features of files that are gone')
+    parser.add_argument('--masks', metavar='FOLDER', help='folder of masks, named as for COLMAP: photograph.jpg.png')
+    parser.add_argument('--prune', action='store_true', help='remove the features of deleted files')
     parser.add_argument('--strict', action='store_true', help='exit with 1 if an image failed')
     parser.add_argument('--part-size', type=options.positive, default=256, metavar='N',
-                        help='images after which what is done is saved (%(default)s)')
+                        help='images after which features are saved (%(default)s)')
     options.add_reading(parser)
     options.add_threads(parser)
-
-
-def detector_of(given):
-    detector = aqorb.AdaptiveQuadtreeORB_create(given.num_features)
-    for option, name in DIALS.items():
-        getattr(detector, 'set' + name)(getattr(given, option))
-    return detector
 
 
 def run(given):
@@ -48,7 +41,7 @@ def run(given):
     out = options.store_at(given.out)
     sources = given.sources + (listed(given.list) if given.list else [])
     if not sources:
-        raise Refused('there is nothing to extract: name a folder or a file')
+        raise InputError('there is nothing to extract: name a folder or a file')
     paths, left_out, unlisted = images.list_files(sources, given.include, given.exclude, out)
     root = os.path.abspath(given.root or root_of(sources))
     detector, how = options.detector_of(given), options.reading_of(given)
@@ -57,7 +50,7 @@ def run(given):
         store.clean(out)
         before.agree(store.parameters_of(detector, how))
     files = files_of(paths, root, given.masks, before)
-    aqorb.setNumThreads(1)  # the images are what is divided among threads
+    aqorb.setNumThreads(1)  # one thread for each image
     failures, notes, rows, done, features = [], [], [], 0, 0
     with images.printed() as printed, options.progress(given, len(files), 'image') as bar:
         for file, row, note in store.extract(files, detector, how, given.threads):
@@ -76,7 +69,7 @@ def run(given):
     failures += [(store.name_of(path, root), reason) for path, reason in unlisted]
     gone = forget(out, given.prune) if os.path.isdir(out) else 0
     total = len(store.Features(out).images) if os.path.isdir(out) else 0
-    options.list_failures(notes, 'Files with something wrong, read as far as they go')
+    options.list_failures(notes, 'Damaged files, read as far as possible')
     options.list_failures(failures, f'{options.count_of(len(failures), "file")} left out')
     if left_out:
         options.say(given, f'{options.count_of(left_out, "name")} passed over: not included, or of other programs')
@@ -86,7 +79,7 @@ def run(given):
 
 
 def listed(path):
-    """The names in a list, one a line."""
+    """Returns the names in a list, one per line."""
     with (open(sys.stdin.fileno(), 'rb', closefd=False) if path == '-' else open(path, 'rb')) as file:
         lines = file.read().removeprefix(b'\xef\xbb\xbf').splitlines()
     return [os.fsdecode(line) for line in lines if line]
@@ -98,7 +91,7 @@ def root_of(sources):
 
 
 def files_of(paths, root, masks, before):
-    """The files whose features are not there yet."""
+    """Returns the files that are new or have changed."""
     from aqorb_photographs import store
     columns = ('folder', 'file_size', 'file_time', 'mask')
     known = dict(zip(before.images, zip(*map(before.value, columns)))) if before else {}
@@ -115,13 +108,14 @@ def files_of(paths, root, masks, before):
         if state and state[0] == size and state[1] in (time, None) and state[2] == file.mask_time:
             continue
         if state and folder not in (root, None) and os.path.exists(store.path_of(folder, name)):
-            raise Refused(f'{options.shown(name)} is in {folder} and in {root}: give --root a folder that has both')
+            raise InputError(f'{options.shown(name)} is in {folder} and in {root}: give --root a folder that has both')
         files[name] = file
     return list(files.values())
 
 
 def forget(out, prune):
-    """Writes the parts anew that have rows that count no more, and returns how many images are gone."""
+    """Rewrites parts without superseded rows and, to prune, without deleted images. Returns the number of the
+    latter."""
     from aqorb_photographs import store
     features = store.Features(out)
     kept, gone = np.zeros(len(features.head), bool), 0

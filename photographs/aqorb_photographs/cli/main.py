@@ -23,17 +23,17 @@ def main(arguments=None):
 
 
 def call(arguments):
-    """Runs the command, and returns its exit code or a sentence."""
+    """Runs the command, and returns its exit code or an error message."""
     for name in 'stdout', 'stderr':
-        if getattr(sys, name) is None:  # it was closed
+        if getattr(sys, name) is None:  # closed
             setattr(sys, name, open(os.devnull, 'w'))
         if hasattr(getattr(sys, name), 'reconfigure'):
-            getattr(sys, name).reconfigure(errors='backslashreplace')  # a name that cannot be shown is no failure
-    # Arrow's own allocator gives less back, so that memory would grow with the folder.
+            getattr(sys, name).reconfigure(errors='backslashreplace')  # for names that cannot be printed
+    # Arrow's own allocator returns less memory, so memory would grow with the folder.
     os.environ.setdefault('ARROW_DEFAULT_MEMORY_POOL', 'system')
-    warnings.simplefilter('ignore')  # what decoders say of images that they can read
+    warnings.simplefilter('ignore')  # decoders warn about readable images
 
-    parser = argparse.ArgumentParser(prog='aqorb', description='Features of photographs, and what they show together.')
+    parser = argparse.ArgumentParser(prog='aqorb', description='Features and matches of photographs.')
     parser.add_argument('--version', action='version', version=aqorb._build_information())
     commands = parser.add_subparsers(required=True, metavar='COMMAND')
     for module in extract, match, pairs, search, colmap, draw:
@@ -49,8 +49,8 @@ def call(arguments):
     except OSError as error:
         if isinstance(error.filename, (bytes, str)):
             return f'aqorb: {options.shown(os.fsdecode(error.filename))}: {error.strerror}'
-        os.dup2(os.open(os.devnull, os.O_WRONLY), 1)  # the output, if it is what cannot be written, is not tried again
-        return 0 if isinstance(error, BrokenPipeError) else f'aqorb: {error}'  # as of | head
+        os.dup2(os.open(os.devnull, os.O_WRONLY), 1)  # keeps the exit from writing to a broken output again
+        return 0 if isinstance(error, BrokenPipeError) else f'aqorb: {error}'  # | head closes the pipe
     except MemoryError:
         return 'aqorb: there is not enough memory'
     except (ValueError, EOFError, RuntimeError) as error:

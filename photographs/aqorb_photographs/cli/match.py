@@ -14,7 +14,7 @@ import numpy as np
 
 import aqorb
 from aqorb_photographs.cli import options
-from aqorb_photographs import Refused, map_ahead
+from aqorb_photographs import InputError, map_ahead
 
 AT_A_TIME = 1024  # pairs whose images are in memory
 
@@ -22,24 +22,24 @@ AT_A_TIME = 1024  # pairs whose images are in memory
 def add(commands):
     parser = options.add_command(
         commands, 'match', run, 'match the features of pairs of images',
-        'Matches descriptors that are the nearest of each other by a ratio test. The same command again takes the pairs that '
-        'are not matched yet, or whose features have changed.')
+        'Matches mutually nearest descriptors by a ratio test. Run again, the command matches new pairs, and pairs '
+        'whose features have changed.')
     parser.add_argument('features', metavar='FEATURES', help='folder of aqorb extract')
     parser.add_argument('--pairs', required=True,
-                        help='sequential:K, each image with the next K in the order of their names; retrieval:K, with the '
-                        'K most similar ones; both, joined by a +; exhaustive; or a file with two names a line, with a '
-                        'tab or spaces between them; - is the input')
-    parser.add_argument('--out', required=True, metavar='FOLDER', help='for the matches, a folder of Parquet files')
+                        help='sequential:K, each image with the next K by name; retrieval:K, each image with the K '
+                        'most similar images; both, joined by a +; exhaustive; or a file with two names per line, '
+                        'separated by a tab or spaces; - is standard input')
+    parser.add_argument('--out', required=True, metavar='FOLDER', help='folder of Parquet files for the matches')
     parser.add_argument('--ratio', type=float, default=.8,
-                        help='keep what is nearer than this times the second nearest (%(default)s)')
+                        help='limit of the distance over the second nearest distance (%(default)s)')
     parser.add_argument('--max-distance', type=options.at_least(0), metavar='N',
-                        help='keep what differs in at most so many bits')
+                        help='limit of the distance in bits')
     parser.add_argument('--min-gap', type=options.positive, default=1, metavar='N',
-                        help='retrieval leaves out images nearer than N in the order of names, for the loops of a video')
+                        help='retrieval skips images less than N apart by name, to find the loops of a video')
     parser.add_argument('--verify', action=argparse.BooleanOptionalAction, default=True,
                         help='find the matches that agree on a fundamental matrix; COLMAP needs them (the default)')
     parser.add_argument('--part-size', type=options.positive, default=4096, metavar='N',
-                        help='pairs after which what is done is saved (%(default)s)')
+                        help='pairs after which matches are saved (%(default)s)')
     options.add_words(parser)
 
 
@@ -47,7 +47,7 @@ def run(given):
     from aqorb_photographs import places, store
     out = options.store_at(given.out)
     if os.path.realpath(out) == os.path.realpath(given.features):
-        raise Refused('--out must name another folder than that of the features')
+        raise InputError('--out must name another folder than the features')
     features = store.Features(given.features, ['name', 'x', 'y', 'response', 'descriptors'])
     features.parameters()
     blocks, total = pairs_of(given, features)
@@ -58,7 +58,7 @@ def run(given):
     matches = store.Matches(out, features)
     parameters = {'ratio': given.ratio, 'max_distance': given.max_distance, 'verified': given.verify}
     matches.agree(parameters)
-    aqorb.setNumThreads(1)  # the pairs are what is divided among threads
+    aqorb.setNumThreads(1)  # one thread for each pair
     done = count = 0
     with options.progress(given, total, 'pair') as bar, concurrent.futures.ThreadPoolExecutor(given.threads) as pool:
         for chunk in chunks_of(blocks, given.part_size):
@@ -67,7 +67,7 @@ def run(given):
             found = []
             for start in range(0, len(new), AT_A_TIME):
                 part = new[start:start + AT_A_TIME]
-                needed = np.unique(part)  # in the order of the parts, of which reading a single image reads many
+                needed = np.unique(part)  # read in the order of parts: one read gives many images
                 read = {image: features.keypoints(image) for image in needed[np.argsort(features.chosen[needed])]}
                 for _, columns in map_ahead(pool, match_pair, ((read[i], read[j]) for i, j in part), 4 * given.threads):
                     found.append(columns)
@@ -86,7 +86,7 @@ def run(given):
 
 
 def pairs_of(given, features):
-    """Arrays of pairs of images, and how many pairs there are."""
+    """Returns arrays of pairs of images, and the number of pairs."""
     count = len(features.images)
     kinds = dict(re.findall(r'(sequential|retrieval):([1-9][0-9]*)', given.pairs))
     if '+'.join(f'{kind}:{reach}' for kind, reach in kinds.items()) == given.pairs and 'retrieval' in kinds:
@@ -98,17 +98,17 @@ def pairs_of(given, features):
                   for first in range(1, count) for last in [min(first + reach, count)])
         return blocks, reach * count - reach * (reach + 1) // 2
     if given.pairs != '-' and not os.path.isfile(given.pairs):
-        raise Refused('--pairs must be sequential:K, retrieval:K, both joined by a +, exhaustive or a file, got '
-                      + given.pairs)
+        raise InputError('--pairs must be sequential:K, retrieval:K, both joined by a +, exhaustive or a file, got '
+                         + given.pairs)
     pairs = list_of(given.pairs, features)
     return [pairs], len(pairs)
 
 
 def list_of(path, features):
-    """The pairs in a list of names. The first ones of a line count: what follows may be a score."""
+    """Returns the pairs in a list of names: the first two names of each line, which may also have a score."""
     indices = {options.shown(name): index for name, index in features.index.items()}
     indices.update(features.index)
-    pairs = {}  # by the set of the two, as those in both orders are one
+    pairs = {}  # by the set of both images: the order does not count
     with (open(sys.stdin.fileno(), 'rb', closefd=False) if path == '-' else open(path, 'rb')) as file:
         lines = file.read().decode('utf-8-sig', 'surrogateescape').split('\n')
     for number, line in enumerate(lines, 1):
@@ -118,28 +118,29 @@ def list_of(path, features):
         if not names or names == [''] or line.startswith('#') and None in both:
             continue
         if len(names) not in (2, 3) or None in both:
-            raise Refused(f'{path}, line {number}: must be the names of two images in the features')
+            raise InputError(f'{path}, line {number}: must have the names of two images in the features')
         if both[0] == both[1]:
-            raise Refused(f'{path}, line {number}: {options.shown(names[0])} cannot be matched with itself')
+            raise InputError(f'{path}, line {number}: {options.shown(names[0])} cannot be matched with itself')
         pairs.setdefault(frozenset(both), both)
     return np.array(list(pairs.values()), np.int64).reshape(-1, 2)
 
 
 def similar(given, features, number, sequential):
-    """The pairs of each image with that many similar ones and so many that follow it, and the vectors of the images."""
+    """Returns the pairs of each image with `number` similar and `sequential` following images, and the images'
+    vectors."""
     from aqorb_photographs import places
     most = len(features.images) - 1
     if number > most:
-        raise Refused(f'similar images must be at most {most}, as many as there are others, got {number}')
+        raise InputError(f'similar images must be at most {most}, the number of other images, got {number}')
     if given.min_gap > most:
-        raise Refused(f'--min-gap must be at most {most}, as images are no farther apart, got {given.min_gap}')
+        raise InputError(f'--min-gap must be at most {most}, the largest distance of images, got {given.min_gap}')
     index = options.index_of(features, given)
     with options.progress(given, len(features.images), 'image', 'comparing') as bar:
         return places.similar_pairs(index.counts, number, given.min_gap, sequential, bar.update)
 
 
 def chunks_of(blocks, size):
-    """Arrays of at least so many pairs, and less than twice as many, of blocks of any size."""
+    """Joins and splits blocks of pairs into chunks of at least `size` and less than twice as many pairs."""
     kept = []
     for block in blocks:
         for start in range(0, len(block), size):

@@ -2,14 +2,14 @@
 # It is subject to the license terms in the LICENSE file found in the top-level directory
 # of this distribution.
 # SPDX-License-Identifier: Apache-2.0
-"""What several sub-commands share."""
+"""Options and messages that several sub-commands share."""
 
 import argparse
 import os
 import sys
 
 import aqorb
-from aqorb_photographs import Refused, images
+from aqorb_photographs import InputError, images
 
 
 def at_least(least):
@@ -24,25 +24,25 @@ positive = at_least(1)
 
 
 def add_command(commands, name, run, text, more=''):
-    """A sub-command's parser."""
+    """Adds and returns the parser of a sub-command."""
     parser = commands.add_parser(name, help=text, description=f'{text[0].upper()}{text[1:]}. {more}'.strip())
-    parser.add_argument('--quiet', action='store_true', help='print what failed, and nothing else')
+    parser.add_argument('--quiet', action='store_true', help='print only failures')
     parser.set_defaults(run=run)
     return parser
 
 
 def add_reading(parser):
-    """How images are read, and how many features are detected."""
+    """Adds the options of reading images and detecting features."""
     parser.add_argument('--num-features', type=positive, default=1000, metavar='N',
-                        help='features of an image, at most (%(default)s)')
+                        help='maximum number of features of an image (%(default)s)')
     parser.add_argument('--set', action='append', default=[], metavar='NAME=VALUE',
                         help='set a property of the detector, such as StrengthWeight=4; may be repeated')
-    parser.add_argument('--max-size', type=positive, metavar='PIXELS', help='reduce images whose longer side is longer')
+    parser.add_argument('--max-size', type=positive, metavar='PIXELS', help='reduce images with a longer side')
     parser.add_argument('--max-pixels', type=positive, default=images.Reading().max_pixels, metavar='N',
-                        help='leave out images with more, after --max-size of a JPEG (%(default)s)')
+                        help='leave out larger images; JPEGs count as reduced for --max-size (%(default)s)')
     parser.add_argument('--stretch', action='store_true',
-                        help='of more than 8 bits take those that are used: 12 bits, thermal images')
-    parser.add_argument('--ignore-orientation', action='store_true', help='do not turn images as their EXIF data say')
+                        help='stretch the contrast of images of more than 8 bits: 12 bits, thermal images')
+    parser.add_argument('--ignore-orientation', action='store_true', help='do not turn images by their EXIF data')
 
 
 def reading_of(given):
@@ -50,65 +50,65 @@ def reading_of(given):
 
 
 def detector_of(given):
-    """A detector with the properties that the command sets."""
+    """Returns a detector with the properties that the command sets."""
     detector = aqorb.AdaptiveQuadtreeORB_create(given.num_features)
     names = [name[3:] for name in dir(detector) if name.startswith('set')]
     for name, _, value in (text.partition('=') for text in given.set):
         if name not in names:
-            raise Refused(f'--set {name}: the detector has {", ".join(names)}')
+            raise InputError(f'--set {name}: the detector has {", ".join(names)}')
         kind = type(getattr(detector, 'get' + name)())
         try:
             number = kind(float(value) if kind is float else int(value))
         except ValueError:
-            raise Refused(f'--set {name}: must be a number, got {value!r}') from None
+            raise InputError(f'--set {name}: must be a number, got {value!r}') from None
         getattr(detector, 'set' + name)(number)
     return detector
 
 
 def add_threads(parser):
     count = len(os.sched_getaffinity(0)) if hasattr(os, 'sched_getaffinity') else os.cpu_count()
-    parser.add_argument('--threads', type=positive, default=count, metavar='N', help='as many as processors by default')
+    parser.add_argument('--threads', type=positive, default=count, metavar='N', help='one per processor by default')
 
 
 def add_words(parser):
     parser.add_argument('--words', type=positive, metavar='N',
-                        help='words, at most (65536); there are at most a quarter as many as features')
-    parser.add_argument('--seed', type=at_least(0), metavar='N', help='of the words (0)')
+                        help='maximum number of words (65536); at most one for every four features')
+    parser.add_argument('--seed', type=at_least(0), metavar='N', help='seed of the draw of words (0)')
     add_threads(parser)
 
 
 def index_of(features, given):
-    """The index of features, for the options of add_words."""
+    """Returns the index of features, by the options of add_words."""
     from aqorb_photographs import places
-    aqorb.setNumThreads(1)  # the images are what is divided among threads
+    aqorb.setNumThreads(1)  # one thread for each image
     index = places.Index(features, given.words, given.seed, given.threads,
                          lambda label, total: progress(given, total, 'image', label).update)
     if not index.is_kept:
-        print(f'aqorb: {index.folder} cannot be written: the next search takes as long', file=sys.stderr)
+        print(f'aqorb: {index.folder} cannot be written, so the next search takes as long', file=sys.stderr)
     return index
 
 
 def new_file(path, overwrite, suffixes=()):
-    """Refuses a file that exists, or whose suffix is none of those."""
+    """Raises InputError for an existing file, or for another suffix."""
     if suffixes and os.path.splitext(path)[1].lower() not in suffixes:
-        raise Refused(f'{path} must end with {" or ".join(suffixes)}')
+        raise InputError(f'{path} must end with {" or ".join(suffixes)}')
     if os.path.exists(path) and not overwrite:
-        raise Refused(f'{path} exists; --overwrite replaces it')
+        raise InputError(f'{path} exists; --overwrite replaces it')
 
 
 def store_at(path):
-    """The name of a folder of parts."""
+    """Checks and returns the path of a folder of parts."""
     try:
         path.encode()
-    except UnicodeEncodeError:  # the parts could not be read by their names
-        raise Refused(f'{path!r} must be a name in UTF-8') from None
+    except UnicodeEncodeError:  # pyarrow could not open the parts
+        raise InputError(f'{path!r} must be a name in UTF-8') from None
     if os.path.exists(path) and not os.path.isdir(path):
-        raise Refused(f'{path} must be a folder, for parts; features of aqorb 0.4 are to be extracted anew')
+        raise InputError(f'{path} must be a folder of parts; features of aqorb 0.4 must be extracted anew')
     return path
 
 
 def progress(given, total, unit, label=None):
-    """A progress bar, on a terminal."""
+    """Returns a progress bar, which shows on a terminal only."""
     from tqdm import tqdm
     return tqdm(total=total, unit=unit, desc=label, smoothing=.05, disable=given.quiet or not sys.stderr.isatty())
 
@@ -131,6 +131,6 @@ def count_of(number, noun, plural='s'):
 
 
 def shown(name):
-    """A name on one line and in one column, without what would control a terminal."""
+    """Escapes control characters, so that a name stays on one line and in one column."""
     return ''.join(character if character.isprintable() or '\udc80' <= character <= '\udcff' else repr(character)[1:-1]
                    for character in os.fsdecode(name))

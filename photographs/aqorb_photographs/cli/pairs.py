@@ -11,16 +11,17 @@ from aqorb_photographs.cli import match, options
 
 def add(commands):
     parser = options.add_command(commands, 'pairs', run, 'list pairs of images that may show the same place',
-                                 'Writes two names a line, with a tab between them where a name has a space.')
+                                 'Writes two names per line, separated by a tab if a name has a space.')
     parser.add_argument('features', metavar='FEATURES', help='folder of aqorb extract')
-    parser.add_argument('--retrieval', type=options.positive, required=True, metavar='K', help='the most similar ones')
+    parser.add_argument('--retrieval', type=options.positive, required=True, metavar='K',
+                        help='each image with the K most similar images')
     parser.add_argument('--sequential', type=options.positive, default=0, metavar='K',
-                        help='besides, each image with the next K in the order of their names')
+                        help='also each image with the next K by name')
     parser.add_argument('--min-gap', type=options.positive, default=1, metavar='N',
-                        help='leave out images nearer than N in the order of names, for the loops of a video')
-    parser.add_argument('--out', required=True, metavar='FILE', help='such as pairs.txt')
+                        help='skip images less than N apart by name, to find the loops of a video')
+    parser.add_argument('--out', required=True, metavar='FILE', help='new file, such as pairs.txt')
     parser.add_argument('--scores', action='store_true', help='add the similarity, 0 to 1, to each line')
-    parser.add_argument('--overwrite', action='store_true', help='replace a file that exists')
+    parser.add_argument('--overwrite', action='store_true', help='replace an existing file')
     options.add_words(parser)
 
 

@@ -2,7 +2,7 @@
 # It is subject to the license terms in the LICENSE file found in the top-level directory
 # of this distribution.
 # SPDX-License-Identifier: Apache-2.0
-"""aqorb search: the images that show the same place as a photograph."""
+"""aqorb search: images of the same place as a photograph."""
 
 import functools
 import json
@@ -10,25 +10,25 @@ import os
 
 import aqorb
 from aqorb_photographs.cli import draw, options
-from aqorb_photographs import Refused, images
+from aqorb_photographs import InputError, images
 
 
 def add(commands):
     parser = options.add_command(
-        commands, 'search', run, 'find the images that show the same place as a photograph',
-        'Prints images that show the same place, best first, with the matches and inliers: those matches that agree '
-        'on one geometry.')
+        commands, 'search', run, 'find images of the same place as a photograph',
+        'Prints images of the same place, the best first, with their numbers of matches and of inliers, which agree on '
+        'one geometry.')
     parser.add_argument('features', metavar='FEATURES', help='folder of aqorb extract')
     parser.add_argument('photographs', nargs='+', metavar='PHOTOGRAPH')
-    parser.add_argument('--retrieval', type=options.positive, metavar='K', help='match the K most similar ones (20)')
+    parser.add_argument('--retrieval', type=options.positive, metavar='K', help='match the K most similar images (20)')
     parser.add_argument('--top', type=options.positive, default=5, metavar='N', help='images to print (%(default)s)')
-    parser.add_argument('--ratio', type=float, default=.8, help='of the ratio test (%(default)s)')
-    parser.add_argument('--json', action='store_true', help='print an object a line')
+    parser.add_argument('--ratio', type=float, default=.8, help='ratio of the ratio test (%(default)s)')
+    parser.add_argument('--json', action='store_true', help='print one object per line')
     parser.add_argument('--draw', metavar='FILE', help='draw the best pair')
-    parser.add_argument('--images', metavar='FOLDER', help='where the images are now, to draw one')
+    parser.add_argument('--images', metavar='FOLDER', help='present folder of the images, for --draw')
     parser.add_argument('--strict', action='store_true',
-                        help='exit with 1 if a photograph failed, or is probably of no place in the folder')
-    parser.add_argument('--overwrite', action='store_true', help='replace a file that exists')
+                        help='exit with 1 if a photograph failed, or probably shows no place of the folder')
+    parser.add_argument('--overwrite', action='store_true', help='replace an existing file')
     options.add_words(parser)
 
 
@@ -38,14 +38,14 @@ def run(given):
         options.new_file(given.draw, given.overwrite, draw.suffixes())
     features = store.Features(given.features, ['name', 'x', 'y', 'response', 'descriptors'])
     if not features.images:
-        raise Refused(f'{given.features} has no images')
+        raise InputError(f'{given.features} has no images')
     number = given.retrieval or min(20, len(features.images))
     if number > len(features.images):
-        raise Refused(f'similar images must be at most {len(features.images)}, the number of images, got {number}')
+        raise InputError(f'similar images must be at most {len(features.images)}, the number of images, got {number}')
     if given.draw and not any(os.path.isfile(features.path(i, given.images)) for i in range(len(features.images))):
-        raise Refused(f'--images must be the folder where the images of {given.features} are now')
+        raise InputError(f'--images must be the folder of the images of {given.features}')
     detector, how = store.detector_of(features.parameters())
-    aqorb.setNumThreads(1)  # the images are what is divided among threads
+    aqorb.setNumThreads(1)  # one thread for each image
     files = [store.File(path, functools.partial(images.open_file, path)) for path in given.photographs]
     queries, failures = [], []
     for file, row, note in store.extract(files, detector, how, given.threads):
@@ -77,5 +77,5 @@ def run(given):
         reading = how._replace(max_size=640)
         paths = best[1], features.path(best[2], given.images)
         draw.save(given.draw, [images.read_file(path, reading) for path in paths], best[3])
-    options.list_failures(unknown, 'Probably of no place in the folder')
+    options.list_failures(unknown, 'Photographs that probably show no place of the folder')
     return int(bool(given.strict and failures + unknown))

@@ -7,7 +7,7 @@ if(failed)
 endif()
 file(RENAME "${INSTALLED}" "${MOVED}")
 
-# The block of README.md that calls find_package(aqorb.
+# The code block of README.md that calls find_package(aqorb.
 file(READ "${README}" text)
 string(REGEX MATCH "```cmake\n([^`]*find_package\\(aqorb[^`]*)```" block "${text}")
 if(NOT block)

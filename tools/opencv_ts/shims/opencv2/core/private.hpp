@@ -3,8 +3,8 @@
 // of this distribution.
 // SPDX-License-Identifier: Apache-2.0
 
-// Stands in for OpenCV's private header of this name: the functions of it that opencv_ts calls, which
-// libopencv_core exports.
+// Replaces OpenCV's private header of this name: declares the functions that opencv_ts calls and libopencv_core
+// exports.
 
 #ifndef OPENCV_CORE_PRIVATE_HPP
 #define OPENCV_CORE_PRIVATE_HPP
