@@ -72,12 +72,6 @@ template <typename T> bool readVariable(const char* name, T& value)
     return true;
 }
 
-bool isOn(const char* name)
-{
-    bool on = false;
-    return readVariable(name, on) && on;
-}
-
 // Name of a property's variable: AQORB_SUB_PIXEL for SubPixel.
 std::string variableOf(const std::string& property)
 {
@@ -142,7 +136,8 @@ namespace aqorb_preload
 
 bool isVariableOn(const char* name)
 {
-    return isOn(name);
+    bool on = false;
+    return readVariable(name, on) && on;
 }
 
 void* originalOf(void* own)
@@ -159,7 +154,7 @@ namespace cv
 Ptr<ORB> ORB::create(int nfeatures, float scaleFactor, int nlevels, int edgeThreshold, int firstLevel,
                      int WTA_K, ORB::ScoreType scoreType, int patchSize, int fastThreshold)
 {
-    if (isOn("AQORB_DISABLE"))
+    if (aqorb_preload::isVariableOn("AQORB_DISABLE"))
         return originalCreate()(nfeatures, scaleFactor, nlevels, edgeThreshold, firstLevel, WTA_K, scoreType,
                                 patchSize, fastThreshold);
 
@@ -167,7 +162,7 @@ Ptr<ORB> ORB::create(int nfeatures, float scaleFactor, int nlevels, int edgeThre
         AdaptiveQuadtreeORB::create(nfeatures, scaleFactor, nlevels, edgeThreshold, firstLevel, WTA_K,
                                     scoreType, patchSize, fastThreshold);
     setFromEnvironment(*orb);
-    if (isOn("AQORB_VERBOSE"))
+    if (aqorb_preload::isVariableOn("AQORB_VERBOSE"))
         noticeInterposition(*orb);
     return orb;
 }

@@ -1,14 +1,27 @@
-# Writes AQORB_STUB, the package's stub, with the properties of parameter_table.hpp.
-include("${CMAKE_CURRENT_LIST_DIR}/../cmake/AqorbParameters.cmake")
+# Writes AQORB_STUB, the package's stub, with the properties of parameter_table.hpp. A row of this table has the
+# property, the type, the name, the setter's argument as in cv::ORB, the default and, in the next line, the text.
+set(table "${CMAKE_CURRENT_LIST_DIR}/../modules/aqorb/src/parameter_table.hpp")
+set_property(DIRECTORY APPEND PROPERTY CMAKE_CONFIGURE_DEPENDS "${table}")
+file(READ "${table}" rows)
+string(REPLACE "\\" "" rows "${rows}")
+string(REPLACE ";" "\\;" rows "${rows}")
+string(REPLACE "\n" ";" rows "${rows}")
 set(AQORB_PROPERTIES "")
-foreach(name IN LISTS AQORB_PARAMETER_NAMES)
-  string(REGEX REPLACE "^.*::.*$" "int" type "${${name}_TYPE}")
-  string(REPLACE "double" "float" type "${type}")
-  string(REPLACE "true" "True" default "${${name}_DEFAULT}")
-  string(APPEND AQORB_PROPERTIES
-    "    def set${${name}_PROPERTY}(self, ${${name}_ARGUMENT}: ${type}) -> None:\n"
-    "        \"\"\"Sets ${${name}_TEXT}. The default is ${default}.\"\"\"\n"
-    "    def get${${name}_PROPERTY}(self) -> ${type}:\n"
-    "        \"\"\"Returns ${${name}_TEXT}.\"\"\"\n")
+foreach(row IN LISTS rows)
+  if(row MATCHES "^    X\\(([^,]+), ([^,]+), ([^,]+), ([^,]+), ([^,]+),")
+    set(property "${CMAKE_MATCH_1}")
+    set(type "${CMAKE_MATCH_2}")
+    string(REPLACE "nfeatures" "maxFeatures" argument "${CMAKE_MATCH_4}")
+    string(REPLACE "true" "True" default "${CMAKE_MATCH_5}")
+    string(REGEX REPLACE "f$" "" default "${default}")
+    string(REGEX REPLACE "^.*::.*$" "int" type "${type}")
+    string(REPLACE "double" "float" type "${type}")
+  elseif(row MATCHES "^      \"(.*)\"\\)")
+    string(APPEND AQORB_PROPERTIES
+      "    def set${property}(self, ${argument}: ${type}) -> None:\n"
+      "        \"\"\"Sets ${CMAKE_MATCH_1}. The default is ${default}.\"\"\"\n"
+      "    def get${property}(self) -> ${type}:\n"
+      "        \"\"\"Returns ${CMAKE_MATCH_1}.\"\"\"\n")
+  endif()
 endforeach()
 configure_file("${CMAKE_CURRENT_LIST_DIR}/aqorb/__init__.pyi.in" "${AQORB_STUB}" @ONLY)

@@ -15,8 +15,6 @@
 #endif
 
 #include <algorithm>
-#include <ctime>
-#include <fstream>
 
 using namespace cv;
 
@@ -56,13 +54,13 @@ const char* const LEGEND =
     "How to read it: cv::ORB's keypoints crowd where the contrast is highest, several on one corner.\n"
     "Those of AdaptiveQuadtreeORB cover the image. So more of them match at distinct places, in more\n"
     "cells. The last column adds growMatches, which moves a match to where both images show the same spot,\n"
-    "leaves it out where they show none, and finds more beside. In the picture, red is what it left out.\n"
+    "leaves it out where they show none, and finds more beside.\n"
     "Matches are mutual nearest neighbours. Correct: within 3 pixels of the known homography. Consistent:\n"
     "within 3 pixels of the homography estimated from the detector's matches or, in a scene in depth, of\n"
     "the epipolar line, where a dozen wrong matches may lie by chance. Distinct: at least 4 pixels from\n"
     "every better one in both images. cv::ORB often has more in all, because it finds a strong corner on\n"
     "several levels and each of these counts.\n"
-    "Times are medians (quartiles); the methods take turns. Frame: image 1 to keypoints and descriptors.\n"
+    "Times are medians; the methods take turns. Frame: image 1 to keypoints and descriptors.\n"
     "Pair: two images to their geometry. That is the features of both, matching by cv::BFMatcher or by\n"
     "HammingMatcher, growMatches in the last column, and RANSAC. Where few matches are right, RANSAC\n"
     "takes most of it. A second thread gains most with large images.\n\n";
@@ -75,25 +73,26 @@ struct Method
     bool grows;                      // whether growMatches refines and adds matches
 };
 
+double median(std::vector<double> values)
+{
+    std::sort(values.begin(), values.end());
+    return values.empty() ? 0 : values[values.size() / 2];
+}
+
 //! Matched positions of two images: from[i] matches to[i].
 struct Matches
 {
-    void add(const KeyPoint& a, const KeyPoint& b)
-    {
-        from.push_back(a);
-        to.push_back(b);
-    }
-
     std::vector<KeyPoint> from, to;
 };
 
 //! Results of a method.
 struct Found
 {
+    String method;
     std::vector<KeyPoint> keypoints[2];  // of each image
     Matches matches;                     // the best first
-    Matches leftOut;                     // removed by growMatches
-    Matches right, distinct;             // matches that agree with the geometry, and the distinct among them
+    int right = 0;                       // number of the matches that agree with the geometry
+    Matches distinct;                    // the distinct among them
     double error = 0;                    // median error of the right matches, in pixels
     double milliseconds[2] = {0, 0};     // for the features of image 1, and for the pair
 };
@@ -136,6 +135,7 @@ Geometry estimate(const Matches& matches, bool isEpipolar, bool isTimed, double 
 Found find(const Method& method, const std::vector<Mat>& images, bool isEpipolar)
 {
     Found found;
+    found.method = method.name;
     Mat descriptors[2];
     TickMeter time;
     time.start();
@@ -150,26 +150,19 @@ Found find(const Method& method, const std::vector<Mat>& images, bool isEpipolar
     if (!descriptors[0].empty() && !descriptors[1].empty())
         method.matcher->match(descriptors[0], descriptors[1], matches);
     std::stable_sort(matches.begin(), matches.end());
-    std::vector<DMatch> kept = matches;
-    std::vector<KeyPoint> grown2 = found.keypoints[1];
+    std::vector<KeyPoint> keypoints2 = found.keypoints[1];
     std::vector<Point2f> from, to;
     std::vector<float> deviations;
     if (method.grows)
-        aqorb::growMatches(images[0], found.keypoints[0], images[1], found.keypoints[1], kept, grown2, from,
-                           to, deviations);
-    size_t next = 0;
-    for (const DMatch& match : matches)
+        aqorb::growMatches(images[0], found.keypoints[0], images[1], found.keypoints[1], matches, keypoints2,
+                           from, to, deviations);
+    for (size_t i = 0; i < matches.size(); i++)
     {
-        KeyPoint a = found.keypoints[0][match.queryIdx], b = found.keypoints[1][match.trainIdx];
-        const bool isKept = next < kept.size() && kept[next].queryIdx == match.queryIdx &&
-                            kept[next].trainIdx == match.trainIdx;
-        if (isKept && method.grows)
-            b.pt = to[next];
-        (isKept ? found.matches : found.leftOut).add(a, b);
-        next += isKept;
+        found.matches.from.push_back(found.keypoints[0][matches[i].queryIdx]);
+        found.matches.to.push_back(keypoints2[matches[i].trainIdx]);
+        if (method.grows)
+            found.matches.to[i].pt = to[i];
     }
-    for (; next < kept.size(); next++)
-        found.matches.add(found.keypoints[0][kept[next].queryIdx], grown2[kept[next].trainIdx]);
     if (images.size() == 2)
         estimate(found.matches, isEpipolar, true, method.grows ? 1 : 3);
     time.stop();
@@ -189,16 +182,18 @@ void choose(Found& found, const Geometry& geometry)
         if (!(error <= 3))
             continue;
         errors.push_back(error);
-        found.right.add(from, to);
+        found.right++;
         bool isDistinct = true;
         for (size_t j = 0; j < found.distinct.from.size(); j++)
             isDistinct &=
                 norm(from.pt - found.distinct.from[j].pt) >= 4 && norm(to.pt - found.distinct.to[j].pt) >= 4;
         if (isDistinct)
-            found.distinct.add(from, to);
+        {
+            found.distinct.from.push_back(from);
+            found.distinct.to.push_back(to);
+        }
     }
-    std::sort(errors.begin(), errors.end());
-    found.error = errors.empty() ? 0 : errors[errors.size() / 2];
+    found.error = median(errors);
 }
 
 /** Judges the results by the known homography. Without one, it estimates a homography from each method's matches or, if
@@ -229,45 +224,14 @@ String occupied(const std::vector<KeyPoint>& keypoints, const Mat& image)
     return format("%.0f %%", 100 * aqorb::distributionOccupancy(keypoints, image.size(), Size(16, 12)));
 }
 
-//! Prints a row of the table: its label, and a text for each method.
-void printRow(const String& label, const std::vector<String>& texts)
-{
-    std::cout << format("%-34s", label.c_str());
-    for (const String& text : texts)
-        std::cout << format(" %21s", text.c_str());
-    std::cout << "\n";
-}
-
-//! Seconds of work of all processors since the system began; 0 if unknown.
-double busySeconds()
-{
-    std::ifstream file("/proc/stat");  // Linux: in hundredths of a second
-    String name;
-    double user = 0, nice = 0, system = 0, idle, waiting, interrupts = 0, softInterrupts = 0;
-    file >> name >> user >> nice >> system >> idle >> waiting >> interrupts >> softInterrupts;
-    return 0.01 * (user + nice + system + interrupts + softInterrupts);
-}
-
-//! Median, and quartiles in brackets.
-String spread(std::vector<double> values, const char* number)
-{
-    std::sort(values.begin(), values.end());
-    const auto at = [&](double share)
-    { return format(number, values[size_t(share * double(values.size() - 1))]); };
-    return at(0.5) + " (" + at(0.25) + "-" + at(0.75) + ")";
-}
-
-/** Measures the methods in turns, so that other programs slow all of them equally.
- @return number of processors that other programs used */
-double printTimes(const std::vector<Method>& methods, const std::vector<Mat>& images, bool isEpipolar,
-                  int threads)
+//! Measures the methods in turns, so that other programs slow all of them equally.
+void printTimes(const std::vector<Method>& methods, const std::vector<Mat>& images, bool isEpipolar,
+                int threads)
 {
     setNumThreads(threads);
     typedef std::vector<std::vector<double>> Values;  // of each method
-    Values times[2] = {Values(methods.size()), Values(methods.size())}, gains[2] = {times[0], times[0]};
+    Values times[2] = {Values(methods.size()), Values(methods.size())};
     TickMeter time;
-    const double busyBefore = busySeconds();
-    const std::clock_t ownBefore = std::clock();
     for (int turn = 0; turn < 8 || (turn < 101 && time.getTimeSec() < 2); turn++)
     {
         time.start();
@@ -275,27 +239,18 @@ double printTimes(const std::vector<Method>& methods, const std::vector<Mat>& im
         {
             const Found found = find(methods[i], images, isEpipolar);
             for (size_t j = 0; j < images.size(); j++)
-            {
                 times[j][i].push_back(found.milliseconds[j]);
-                gains[j][i].push_back(times[j][0].back() / times[j][i].back());
-            }
         }
         time.stop();
     }
-    const double own = double(std::clock() - ownBefore) / CLOCKS_PER_SEC;
     for (size_t j = 0; j < images.size(); j++)
     {
-        std::vector<String> texts[2];
-        for (size_t i = 0; i < methods.size(); i++)
-        {
-            texts[0].push_back(spread(times[j][i], "%.1f"));
-            texts[1].push_back(i > 0 ? spread(gains[j][i], "%.1f") : "1");
-        }
+        const double first = median(times[j][0]);
         printRow(format("%s in ms, %d thread%s", j > 0 ? "pair" : "frame", threads, threads > 1 ? "s" : ""),
-                 texts[0]);
-        printRow("  times as fast", texts[1]);
+                 times[j], [](const std::vector<double>& values) { return format("%.1f", median(values)); });
+        printRow("  times as fast", times[j],
+                 [&](const std::vector<double>& values) { return format("%.1f", first / median(values)); });
     }
-    return (busySeconds() - busyBefore - own) / time.getTimeSec();
 }
 
 const double PANEL = 640;  // width of an image in the pictures, in pixels
@@ -309,12 +264,11 @@ Mat panel(const Mat& image, double scale, double brightness)
 }
 
 //! Draws a circle at a position of a scaled image.
-void drawCircle(Mat& picture, const Point2f& position, double scale,
-                const Scalar& colour = Scalar(0, 255, 255))
+void drawCircle(Mat& picture, const Point2f& position, double scale)
 {
     const int BITS = 4;  // of the fraction
     const Point2d half(0.5, 0.5), centre = (Point2d(position) + half) * scale - half;
-    circle(picture, Point(centre * (1 << BITS)), 3 << BITS, colour, 1, LINE_AA, BITS);
+    circle(picture, Point(centre * (1 << BITS)), 3 << BITS, Scalar(0, 255, 255), 1, LINE_AA, BITS);
 }
 
 Mat keypointPicture(const Mat& image, const std::vector<KeyPoint>& keypoints)
@@ -326,8 +280,8 @@ Mat keypointPicture(const Mat& image, const std::vector<KeyPoint>& keypoints)
     return picture;
 }
 
-//! Two darkened images side by side, with a line for each match, and with the removed matches in red.
-Mat matchPicture(const std::vector<Mat>& images, const Matches& matches, const Matches& leftOut)
+//! Two darkened images side by side, with a line for each match.
+Mat matchPicture(const std::vector<Mat>& images, const Matches& matches)
 {
     const double scale = PANEL / std::max(images[0].cols, images[1].cols);
     const Mat left = panel(images[0], scale, 0.6), right = panel(images[1], scale, 0.6);
@@ -343,11 +297,6 @@ Mat matchPicture(const std::vector<Mat>& images, const Matches& matches, const M
         line(lines, matches.from[i].pt * scale, Point(matches.to[i].pt * scale) + shift, Scalar(0, 255, 255),
              1, LINE_AA);
     addWeighted(lines, 0.4, picture, 0.6, 0, picture);
-    for (size_t i = 0; i < leftOut.from.size(); i++)
-    {
-        drawCircle(picture, leftOut.from[i].pt, scale, Scalar(60, 60, 255));
-        drawCircle(rightPart, leftOut.to[i].pt, scale, Scalar(60, 60, 255));
-    }
     for (size_t i = 0; i < count; i++)
     {
         drawCircle(picture, matches.from[i].pt, scale);
@@ -356,12 +305,12 @@ Mat matchPicture(const std::vector<Mat>& images, const Matches& matches, const M
     return picture;
 }
 
-/** Compares the methods on one image or two, with or without a known homography. Names of pictures end with `number`.
- @return number of processors that other programs used meanwhile */
-double compare(const std::vector<Mat>& images, const Mat& known, const CommandLineParser& parser,
-               const String& number)
+//! Compares the methods on one image or two, with or without a known homography. Names of pictures end with `number`.
+void compare(const std::vector<Mat>& images, const Mat& known, const CommandLineParser& parser,
+             const String& number)
 {
     const int nfeatures = option<int>(parser, "nfeatures"), threads = getNumThreads();
+    const String out = option<String>(parser, "out");
     const bool isPair = images.size() == 2;
     const Ptr<ORB> ours = aqorb::AdaptiveQuadtreeORB::create(nfeatures);
     const Ptr<DescriptorMatcher> matcher = makePtr<aqorb::HammingMatcher>(NORM_HAMMING, true);
@@ -376,61 +325,51 @@ double compare(const std::vector<Mat>& images, const Mat& known, const CommandLi
     const bool isEpipolar = isPair && judge(found, known);
     if (isEpipolar)
         std::cout << "A scene in depth: the epipolar geometry explains more matches than a homography.\n";
+
+    printRow("", found, [](const Found& one) { return one.method; });
+    printRow("keypoints of image 1", found,
+             [](const Found& one) { return format("%d", int(one.keypoints[0].size())); });
+    printRow("  uniformity (less is more uniform)", found,
+             [&](const Found& one)
+             { return format("%.1f", aqorb::distributionUniformity(one.keypoints[0], images[0].size())); });
+    printRow("  occupied cells of a 16x12 grid", found,
+             [&](const Found& one) { return occupied(one.keypoints[0], images[0]); });
     const String kind = known.empty() ? "consistent" : "correct", distinct = "distinct " + kind + " matches";
-    std::vector<String> labels = {"", "keypoints", "uniformity (less is more uniform)",
-                                  "occupied cells of a 16x12 grid"};
     if (isPair)
-        labels.insert(labels.end(), {distinct, "  cells of image 1 that hold one", kind + " matches in all",
-                                     "  their median error in pixels"});
-    std::vector<std::vector<String>> rows(labels.size());
+    {
+        printRow(distinct, found,
+                 [](const Found& one) { return format("%d", int(one.distinct.from.size())); });
+        printRow("  cells of image 1 that hold one", found,
+                 [&](const Found& one) { return occupied(one.distinct.from, images[0]); });
+        printRow(kind + " matches in all", found,
+                 [](const Found& one)
+                 { return format("%d of %d", one.right, int(one.matches.from.size())); });
+        printRow("  their median error in pixels", found,
+                 [](const Found& one) { return one.right > 0 ? format("%.2f", one.error) : String("-"); });
+    }
+    printTimes(methods, images, isEpipolar, 1);
+    if (threads > 1)
+        printTimes(methods, images, isEpipolar, threads);
+
     std::vector<Mat> keypoints, matches;
-    for (size_t i = 0; i < methods.size(); i++)
+    for (size_t i = 0; i < found.size(); i++)
     {
         const Found& one = found[i];
-        String counts, uniformity, cells;
-        for (size_t j = 0; j < images.size(); j++)
-        {
-            const String comma = j > 0 ? ", " : "";
-            counts += comma + format("%d", int(one.keypoints[j].size()));
-            uniformity +=
-                comma + format("%.1f", aqorb::distributionUniformity(one.keypoints[j], images[j].size()));
-            cells += comma + occupied(one.keypoints[j], images[j]);
-        }
-        const String name = methods[i].name;
-        std::vector<String> texts = {name, counts, uniformity, cells};
         if (!methods[i].grows)
-            keypoints.push_back(
-                captioned(keypointPicture(images[0], one.keypoints[0]), name + ": keypoints of image 1"));
+            keypoints.push_back(captioned(keypointPicture(images[0], one.keypoints[0]),
+                                          one.method + ": keypoints of image 1"));
         if (isPair)
-        {
-            const int right = int(one.right.from.size()), all = int(one.matches.from.size());
-            const int count = int(one.distinct.from.size()), leftOut = int(one.leftOut.from.size());
-            texts.insert(texts.end(),
-                         {format("%d", count), occupied(one.distinct.from, images[0]),
-                          format("%d of %d", right, all), right ? format("%.2f", one.error) : "-"});
-            matches.push_back(
-                captioned(matchPicture(images, one.distinct, one.leftOut),
-                          format("%s: %d %s, median error %.2f pixels", methods[i].name, count,
-                                 distinct.c_str(), one.error) +
-                              (methods[i].grows ? format(", %d left out", leftOut) : String())));
-        }
-        for (size_t j = 0; j < rows.size(); j++)
-            rows[j].push_back(texts[j]);
+            matches.push_back(captioned(matchPicture(images, one.distinct),
+                                        format("%s: %d %s, median error %.2f pixels", one.method.c_str(),
+                                               int(one.distinct.from.size()), distinct.c_str(), one.error)));
     }
-    for (size_t i = 0; i < rows.size(); i++)
-        printRow(labels[i], rows[i]);
-    double others = printTimes(methods, images, isEpipolar, 1);
-    if (threads > 1)
-        others = std::max(others, printTimes(methods, images, isEpipolar, threads));
-
     Mat picture;
     hconcat(keypoints, picture);
-    writePicture(option<String>(parser, "out") + "/aqorb_keypoints" + number + ".jpg", picture);
+    writePicture(out + "/aqorb_keypoints" + number + ".jpg", picture);
     if (!isPair)
-        return others;
+        return;
     vconcat(matches, picture);
-    writePicture(option<String>(parser, "out") + "/aqorb_matches" + number + ".jpg", picture);
-    return others;
+    writePicture(out + "/aqorb_matches" + number + ".jpg", picture);
 }
 
 int demo(int argc, char** argv)
@@ -450,29 +389,26 @@ int demo(int argc, char** argv)
     if (images.size() > 2)
         CV_Error(Error::StsBadArg, "one image or two are accepted");
     std::cout << LEGEND;
-    double others = 0;
     if (!images.empty())
-        others = compare(images, Mat(), parser, "");
+    {
+        compare(images, Mat(), parser, "");
+        return 0;
+    }
     const char* const strecha = std::getenv("AQORB_STRECHA");
     if (strecha)
         samples::addSamplesDataSearchPath(strecha + String("/Benchmarking_Camera_Calibration_2008"));
     int number = 0;
     for (const auto& pair : PAIRS)
     {
-        if (!images.empty() || (&pair == PAIRS && !strecha))
+        if (&pair == PAIRS && !strecha)
             continue;
         std::cout << ++number << ". " << pair.text << "\n" << pair.image1 << ", " << pair.image2 << "\n\n";
         Mat homography;
         if (*pair.homography)
             FileStorage(samples::findFile(pair.homography), FileStorage::READ)["H13"] >> homography;
-        others = std::max(others, compare({readImage(pair.image1), readImage(pair.image2)}, homography,
-                                          parser, format("%d", number)));
+        compare({readImage(pair.image1), readImage(pair.image2)}, homography, parser, format("%d", number));
         std::cout << std::endl;
     }
-    if (others > 0.15)
-        std::cout << format(
-            "Busy: other programs used up to %.1f of %d processors. Repeat this later for times.\n", others,
-            getNumberOfCPUs());
     return 0;
 }
 

@@ -13,8 +13,10 @@
 #include <opencv2/imgcodecs.hpp>
 #include <opencv2/imgproc.hpp>
 
+#include <cstdio>
 #include <cstdlib>
 #include <iostream>
+#include <vector>
 
 //! Parses the options. Where they ask for help or are wrong, the program says so and ends.
 inline cv::CommandLineParser parseOptions(int argc, char** argv, const cv::String& keys,
@@ -102,6 +104,16 @@ inline cv::Mat captioned(const cv::Mat& picture, const cv::String& text,
     cv::copyMakeBorder(picture, result, 34, 0, 0, 8, cv::BORDER_CONSTANT, cv::Scalar::all(255));
     cv::putText(result, text, cv::Point(8, 23), cv::FONT_HERSHEY_SIMPLEX, 0.65, colour, 1, cv::LINE_AA);
     return result;
+}
+
+//! A row of a table: its label, and a text for each column.
+template <typename Column, typename Text>
+void printRow(const cv::String& label, const std::vector<Column>& columns, const Text& text)
+{
+    std::printf("%-45s", label.c_str());
+    for (const Column& column : columns)
+        std::printf(" %19s", text(column).c_str());
+    std::printf("\n");
 }
 
 inline void writePicture(const cv::String& file, const cv::Mat& picture)

@@ -18,7 +18,6 @@
 #endif
 
 #include <fstream>
-#include <functional>
 #include <sstream>
 
 using namespace cv;
@@ -257,26 +256,21 @@ void printTable(const std::vector<Odometry>& odometries, const Sequence& sequenc
 {
     const double frames = double(odometries[0].poses.size()), motions = std::max(frames - 1, 1.);
     const size_t STEP = 10;
-    const auto row = [&](const String& label, std::function<String(const Odometry&)> text)
-    {
-        std::printf("%-45s", label.c_str());
-        for (const Odometry& odometry : odometries)
-            std::printf(" %19s", text(odometry).c_str());
-        std::printf("\n");
-    };
-    row(format("%d frames", int(frames)), [](const Odometry& o) { return String(o.name); });
-    row("keypoints of the left image, mean",
-        [&](const Odometry& o) { return format("%.0f", o.keypoints / frames); });
-    row("  of these with a depth", [&](const Odometry& o) { return format("%.0f", o.depths / frames); });
-    row("inliers of the motion, mean",
-        [&](const Odometry& o) { return format("%.0f", o.inliers / motions); });
-    row("length of the path",
-        [](const Odometry& o) { return format("%.2f m", pathLength(o.poses, 0, o.poses.size() - 1)); });
+    printRow(format("%d frames", int(frames)), odometries, [](const Odometry& o) { return String(o.name); });
+    printRow("keypoints of the left image, mean", odometries,
+             [&](const Odometry& o) { return format("%.0f", o.keypoints / frames); });
+    printRow("  of these with a depth", odometries,
+             [&](const Odometry& o) { return format("%.0f", o.depths / frames); });
+    printRow("inliers of the motion, mean", odometries,
+             [&](const Odometry& o) { return format("%.0f", o.inliers / motions); });
+    printRow("length of the path", odometries,
+             [](const Odometry& o) { return format("%.2f m", pathLength(o.poses, 0, o.poses.size() - 1)); });
     if (sequence.poses.empty())
         return;
     std::printf("  by poses.txt: %.2f m\n", pathLength(sequence.poses, 0, odometries[0].poses.size() - 1));
-    row("translation error over 10 frames, of the path", [&](const Odometry& o)
-        { return format("%.2f %%", translationError(o.poses, sequence.poses, STEP)); });
+    printRow("translation error over 10 frames, of the path", odometries,
+             [&](const Odometry& o)
+             { return format("%.2f %%", translationError(o.poses, sequence.poses, STEP)); });
 }
 
 // Left image with tracked features: a line from the position in the frame before.

@@ -60,18 +60,18 @@ compiled() {
     local row=$1
     shift
     built "$row"
-    fingerprint "$row" "$@" "$BUILD/$row/tools/fingerprint/aqorb_fingerprint"
+    fingerprint "$row" "$@" "$BUILD/$row/tools/aqorb_fingerprint"
 }
 
 # disabled ROW FEATURES: the ordinary build without some features of the CPU, as the test preset ROW has it.
 disabled() {
     built release "$1"
-    OPENCV_CPU_DISABLE=$2 fingerprint "$1" "$BUILD/release/tools/fingerprint/aqorb_fingerprint"
+    OPENCV_CPU_DISABLE=$2 fingerprint "$1" "$BUILD/release/tools/aqorb_fingerprint"
 }
 
 row_debian12() {
     built release
-    fingerprint debian12 "$BUILD/release/tools/fingerprint/aqorb_fingerprint"
+    fingerprint debian12 "$BUILD/release/tools/aqorb_fingerprint"
 }
 
 # debian FOLDER RELEASE PACKAGES OPTION...: the packages of a Debian in a folder of its own, by mmdebstrap; made once.
@@ -96,7 +96,7 @@ row_debian13() {
         ${OPENCV_TEST_DATA_PATH:+--setenv OPENCV_TEST_DATA_PATH /data})
     "${inside[@]}" bash -c "source /aqorb/scripts/common.sh; bytes_only=$bytes_only; $(declare -f built); built release"
     fingerprint debian13 "${inside[@]}" --chdir "/data/${images[0]:+$photographs}" \
-        /aqorb/build/release/tools/fingerprint/aqorb_fingerprint
+        /aqorb/build/release/tools/aqorb_fingerprint
 }
 
 # released 4|5
@@ -117,7 +117,7 @@ row_sse2() { disabled sse2 SSE3,SSSE3,SSE4.1,SSE4.2,POPCNT,FP16,FMA3,AVX,AVX2,AV
 
 row_plain() {
     bytes_only=1 built release
-    fingerprint plain "$BUILD/release/tools/fingerprint/aqorb_fingerprint" --plain
+    fingerprint plain "$BUILD/release/tools/aqorb_fingerprint" --plain
 }
 
 # sysroot ARCHITECTURE: sets SYSROOT to a folder with the packages of OpenCV and GoogleTest for an architecture, by

@@ -8,7 +8,7 @@
 #   scripts/measure.sh poses [4|5] [OPTION ...]  relative poses, by OpenCV and PoseLib (doc/reproduction.md)
 #   scripts/measure.sh readme                 README's table
 #   scripts/measure.sh recipes                what the tutorial's recipes give
-#   scripts/measure.sh heldout                fetches the pairs of images that nothing was tuned on, to build/held_out
+#   scripts/measure.sh heldout                fetches the pairs of images that nothing was tuned on, for claims
 #   scripts/measure.sh peers WHEEL            other ORB detectors that pip installs (doc/peers.md)
 #
 # OPENCV_TEST_DATA_PATH names the folder testdata of opencv_extra; speed draws scenes without it. paper, claims,
@@ -46,7 +46,7 @@ summary() {
 
 speed() {
     local options=(--perf_time_limit=0.5 "$@") turns=31 images=() disabled threads option sets=('')
-    local benchmark=$BUILD/release/tools/benchmark/aqorb_benchmark
+    local benchmark=$BUILD/release/tools/aqorb_benchmark
     [[ -d $datasets ]] || images=(640x480 600x480)
     if [[ ${1:-} == --smoke ]]; then
         options=(--perf_min_samples=1 --perf_force_samples=1 '--gtest_filter=*320x240*:*500*') turns=1
@@ -90,17 +90,10 @@ evaluate() {
         "$PYTHON" "$ROOT/tools/evaluate/aqorb_evaluate.py" "$1" "${@:2}"
 }
 
-paper() {
-    evaluate paper "$datasets" --out="$BUILD/paper" "$@"
-    configure release -DAQORB_BUILD_BENCHMARK=ON
-    build "$BUILD/release" --target aqorb_depth
-    (cd "$datasets" && "$BUILD/release/tools/benchmark/aqorb_depth" {bikes,leuven,bark,trees,ubc}/img1.png)
-}
-
 claims() {
     local data=(--object="$OPENCV_TEST_DATA_PATH/cv/shared")
     [[ ! ${AQORB_TEST_SEQUENCE:-} ]] || data+=(--sequence="$AQORB_TEST_SEQUENCE")
-    [[ ! -d $BUILD/held_out ]] || data+=(--heldout="$BUILD/held_out")
+    [[ ! -e $CACHE/held_out/complete ]] || data+=(--heldout="$CACHE/held_out")
     evaluate claims "$datasets" "${data[@]}" "$@"
 }
 
@@ -130,19 +123,21 @@ heldout() {
             dpkg-deb -x "$folder/$package"_*.deb "$folder/$package"
         done
         "$TOOLS/python" -m pip install --quiet --no-deps --require-hashes --target "$folder/wheels" \
-            --requirement "$ROOT/tools/evaluate/held_out.txt" ||
-            die "could not fetch from the Python package index; is there a network?"
+            --requirement /dev/stdin <<'PACKAGES' || die "could not fetch from the Python package index; is there a network?"
+image-matching-models==1.1.0 --hash=sha256:48503a972801714afc9b477e6819b06e40ec62e09afc74b34916d0335e1d2bd4
+stereodemo==0.7 --hash=sha256:effd07da657295e834aa1b0c89cc962e953d66b506a75365ad32a1114f2389ec
+PACKAGES
+        ln -sfn "$OPENCV_SOURCE" "$folder/opencv"
         touch "$folder/complete"
     fi
-    ln -sfn "$OPENCV_SOURCE" "$folder/opencv"
-    evaluate held-out "$folder" "$BUILD/held_out"
 }
 
 case ${1:-} in
 paper | claims | refinement | recipes | peers) photographs ;;
 esac
 case ${1:-} in
-speed | readme | poses | heldout | paper | claims) "$@" ;;
+speed | readme | poses | heldout | claims) "$@" ;;
+paper) evaluate paper "$datasets" --out="$BUILD/paper" "${@:2}" ;;
 refinement | recipes) evaluate "$1" "$datasets" "${@:2}" ;;
 peers) "$ROOT/scripts/python.sh" peers "${2:?names no wheel}" ;;
 *) die "'${1:-}' is none of speed, paper, claims, refinement, readme, poses, recipes, heldout, peers; --help says more" ;;

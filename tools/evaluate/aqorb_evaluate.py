@@ -19,7 +19,6 @@ import aqorb
 import cv2
 
 import claims
-import held_out
 import paper
 import poses
 import readme
@@ -112,7 +111,7 @@ def main():
     command.add_argument('--seeds', type=int, default=15, help='random seeds; 0 leaves homographies out')
     command.add_argument('--object', help="folder with box.png and box_in_scene.png of OpenCV's samples")
     command.add_argument('--sequence', help='stereo sequence laid out as KITTI\'s, for the start with one camera')
-    command.add_argument('--heldout', help='folder that held-out laid out')
+    command.add_argument('--heldout', help='folder with the unpacked packages that held_out.csv names')
 
     command = commands.add_parser('refinement', help='what refineMatches gives')
     command.set_defaults(run=print_tables, tables=refinement.tables)
@@ -134,11 +133,6 @@ def main():
                                                                     readme.rows(options))])
     command.add_argument('scenes', metavar='SCENES', help="folder with Strecha's fountain-P11 and entry-P10")
     command.add_argument('object', metavar='OBJECT', help="folder with box.png and box_in_scene.png of OpenCV's samples")
-
-    command = commands.add_parser('held-out', help='lay out the pairs of images that nothing was tuned on')
-    command.set_defaults(run=held_out.lay_out_all)
-    command.add_argument('sources', metavar='SOURCES', help='folder with the unpacked packages that held_out.csv names')
-    command.add_argument('out', metavar='OUT', help='gets a folder for each pair')
     options = parser.parse_args()
     for subject in getattr(options, 'only', []):
         if subject not in claims.SUBJECTS:

@@ -11,6 +11,7 @@ import math
 import cv2
 import numpy as np
 
+import held_out
 import images
 import measures
 from methods import Method
@@ -172,7 +173,7 @@ def measure(options):
             for n in options.n if name else ():
                 measure_start(*sequence, Method(name), n, results)
     if 'heldout' in options.only:
-        pairs = images.read_pairs(options.heldout)
+        pairs = held_out.read_pairs(options.heldout)
         for method, n in cases:
             measure_held_out(pairs, method, n, options.seeds, results)
     if 'degraded' in options.only:

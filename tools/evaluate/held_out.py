@@ -13,10 +13,11 @@ ORB takes part.
 import csv
 import hashlib
 import os
-import shutil
+
+import cv2
+import numpy as np
 
 LIST = os.path.join(os.path.dirname(os.path.abspath(__file__)), 'held_out.csv')
-GEOMETRY = {'homography': 'H1to2p', 'fundamental': 'F1to2p'}
 
 
 def find(sources, package, name):
@@ -30,25 +31,22 @@ def find(sources, package, name):
     raise FileNotFoundError('{}: no {} below it'.format(top, name))
 
 
-def lay_out(pair, sources, out):
-    """Writes img1, img2 and the geometry between them. An image that is not the one of the list is an error."""
-    folder = os.path.join(out, pair['name'])
-    os.makedirs(folder, exist_ok=True)
-    for image, which in (('img1', 'first'), ('img2', 'second')):
-        path = find(sources, pair['package'], pair[which])
-        with open(path, 'rb') as file:
-            if hashlib.sha256(file.read()).hexdigest() != pair['sha256_' + which]:
-                raise ValueError('{}: not the image that {} has'.format(path, LIST))
-        shutil.copyfile(path, os.path.join(folder, image + os.path.splitext(path)[1]))
-    with open(os.path.join(folder, GEOMETRY[pair['kind']]), 'w', encoding='utf-8') as file:
-        for row in '123':
-            file.write(' '.join(pair['m' + row + column] for column in '123') + '\n')
+def read(sources, package, name, digest):
+    """An image that is not the one of the list is an error."""
+    path = find(sources, package, name)
+    with open(path, 'rb') as file:
+        if hashlib.sha256(file.read()).hexdigest() != digest:
+            raise ValueError('{}: not the image that {} has'.format(path, LIST))
+    return cv2.imread(path, cv2.IMREAD_GRAYSCALE)
 
 
-def lay_out_all(options):
+def read_pairs(sources):
+    """[(name, image, image, homography or None, fundamental matrix or None)] of a folder with the packages."""
+    pairs = []
     with open(LIST, encoding='utf-8', newline='') as file:
-        pairs = list(csv.DictReader(file))
-    for pair in pairs:
-        lay_out(pair, options.sources, options.out)
-    print('{} pairs in {}'.format(len(pairs), options.out))
-    return True
+        for row in csv.DictReader(file):
+            pair = [read(sources, row['package'], row[which], row['sha256_' + which]) for which in ('first', 'second')]
+            matrix = np.array([row['m' + i + j] for i in '123' for j in '123'], float).reshape(3, 3)
+            is_homography = row['kind'] == 'homography'
+            pairs.append((row['name'], *pair, *((matrix, None) if is_homography else (None, matrix))))
+    return pairs

@@ -24,7 +24,7 @@ def read_image(stem, flags=cv2.IMREAD_GRAYSCALE):
 
 
 def read_matrix(stem):
-    """A homography or a fundamental matrix; None where there is none."""
+    """A homography; None where there is none."""
     if os.path.exists(stem + '.xml'):
         storage = cv2.FileStorage(stem + '.xml', cv2.FILE_STORAGE_READ)
         return storage.getFirstTopLevelNode().mat()
@@ -38,14 +38,6 @@ def read_set(folder, name, flags=cv2.IMREAD_GRAYSCALE):
     if any(homography is None for homography in homographies):
         raise FileNotFoundError(path + ': needs H1to2p to H1to6p')
     return [read_image('{}/img{}'.format(path, i), flags) for i in range(1, 7)], homographies
-
-
-def read_pairs(folder):
-    """[(name, image, image, homography or None, fundamental matrix or None)] of a folder that held-out laid out."""
-    names = sorted(name for name in os.listdir(folder) if os.path.isdir(os.path.join(folder, name)))
-    return [(name, read_image(os.path.join(folder, name, 'img1')), read_image(os.path.join(folder, name, 'img2')),
-             read_matrix(os.path.join(folder, name, 'H1to2p')), read_matrix(os.path.join(folder, name, 'F1to2p')))
-            for name in names]
 
 
 def scaled(image, scale):

@@ -36,10 +36,10 @@ class Rows(list):
 
 
 def read_paper():
-    """{(table, set, method, quantity): the paper's six numbers}"""
+    """{(table, set, method): the uniformity of six images that the paper prints}"""
     names = {'paper': PAPER}
     with open(os.path.join(os.path.dirname(os.path.abspath(__file__)), 'paper_tables.csv'), encoding='utf-8') as file:
-        return {(row['table'], row['set'], names.get(row['method'], row['method']), row['quantity']):
+        return {(row['table'], row['set'], names.get(row['method'], row['method'])):
                 [float(row[str(i)] or 'nan') for i in range(1, 7)] for row in csv.DictReader(file)}
 
 
@@ -93,25 +93,23 @@ def tables(rows, options):
     paper, n = read_paper(), options.n[0]
     numbers = range(1, 7)
 
-    def here(name, method, quantity):
-        return [rows.mean(quantity, set=name, method=method, image=i, n=n) for i in numbers]
+    def here(name, method):
+        return [rows.mean('uniformity', set=name, method=method, image=i, n=n) for i in numbers]
 
     for table, name in (('1', 'bikes'), ('2', 'leuven')):
-        for quantity, words in (('uniformity', 'uniformity'), ('time_ms', 'CPU time in ms')):
-            columns = []
-            for method in ('orb', 'orb_slam', PAPER):
-                columns += [paper[table, name, method, quantity], here(name, method, quantity)]
-            columns.append(here(name, 'aqorb', quantity))
-            yield ('Table {} ({}): {}'.format(table, name, words),
-                   ['image', 'A paper', 'A here', 'B paper', 'B here', 'C paper', 'C here', 'as shipped'],
-                   [[str(i)] + [cell(value) for value in row] for i, *row in zip(numbers, *columns)])
+        columns = []
+        for method in ('orb', 'orb_slam', PAPER):
+            columns += [paper[table, name, method], here(name, method)]
+        columns.append(here(name, 'aqorb'))
+        yield ('Table {} ({}): uniformity'.format(table, name),
+               ['image', 'A paper', 'A here', 'B paper', 'B here', 'C paper', 'C here', 'as shipped'],
+               [[str(i)] + [cell(value) for value in row] for i, *row in zip(numbers, *columns)])
     table = []
-    for (number, name, method, quantity), values in paper.items():
-        if number == '3':
-            for source, each in (('paper', values), ('here', here(name, method, quantity))):
-                if not np.isnan(each).any():
-                    table.append(['{}, {}, {}'.format(name, TITLES.get(method, method), source)]
-                                 + [cell(value) for value in each + [np.mean(each)]])
+    for (number, name, method), values in paper.items():
+        for source, each in (('paper', values), ('here', here(name, method))):
+            if number == '3' and not np.isnan(each).any():
+                table.append(['{}, {}, {}'.format(name, TITLES.get(method, method), source)]
+                             + [cell(value) for value in each + [np.mean(each)]])
     yield 'Table 3: uniformity', ['set, method'] + ['img{}'.format(i) for i in numbers] + ['mean'], table
     for title, quantity, digits in (('Uniformity by set', 'uniformity', 2), ('CPU time in ms by set', 'time_ms', 2),
                                     ('Occupied share of a 16x12 grid by set', 'occupancy', 3)):
@@ -133,7 +131,7 @@ def tables(rows, options):
 
 def met(rows, table, name, method, n, numbers=range(1, 7)):
     """How many of the paper's values of a method are met within 0.3."""
-    values = read_paper()[table, name, method, 'uniformity']
+    values = read_paper()[table, name, method]
     return sum(abs(values[i - 1] - rows.mean('uniformity', set=name, method=method, image=i, n=n)) <= .3 + 1e-9
                for i in numbers)
 
@@ -159,20 +157,19 @@ def claims(rows, options):
 
 
 def draw_figures(rows, options):
-    """Draws the paper's figures 3 to 8 with its values marked."""
+    """Draws the paper's figures 3, 6 and 8 with its values marked."""
     import matplotlib
     matplotlib.use('Agg')
     import matplotlib.pyplot as plt
 
-    def pictures(number, title, shown):
-        figure, axes = plt.subplots(-(-len(shown) // 3), 3, figsize=(12, 3.2 * -(-len(shown) // 3)), squeeze=False)
-        for axis, (name, i, method) in zip(axes.flat, shown):
-            image = images.read_set(options.datasets, name, cv2.IMREAD_COLOR)[0][i]
+    def pictures(number, title, methods):
+        figure, axes = plt.subplots(1, len(methods), figsize=(12, 3.2))
+        image = images.read_set(options.datasets, 'bikes', cv2.IMREAD_COLOR)[0][0]
+        for axis, method in zip(axes, methods):
             keypoints = [cv2.KeyPoint(float(x), float(y), 7) for x, y in
                          Method(method).compute(image, options.n[0]).keypoints['pt']]
             axis.imshow(cv2.drawKeypoints(image, keypoints, None, (0, 255, 0))[:, :, ::-1])
             axis.set_title(TITLES[method], fontsize=10)
-        for axis in axes.flat:
             axis.axis('off')
         finish(figure, number, title, 'jpg')
 
@@ -182,30 +179,26 @@ def draw_figures(rows, options):
         figure.savefig(os.path.join(options.out, 'figure{}.{}'.format(number, kind)), dpi=80)
         plt.close(figure)
 
-    def panels(number, title, quantity, methods):
+    def panels(number, title, methods):
         figure, axes = plt.subplots(2, 3, figsize=(13, 8), sharey=True)
         for axis, name in zip(axes.flat, images.PAPER_SETS):
+            printed = {key[2]: values for key, values in read_paper().items() if key[1] == name}
             for method in methods:
-                values = [rows.mean(quantity, set=name, method=method, image=i, n=options.n[0]) for i in range(1, 7)]
+                values = [rows.mean('uniformity', set=name, method=method, image=i, n=options.n[0])
+                          for i in range(1, 7)]
                 axis.plot(range(1, 7), values, color=COLOURS[method], marker='o', markersize=4)
-            printed = {key[2]: values for key, values in read_paper().items() if key[1] == name and key[3] == quantity}
-            for method, values in printed.items():
-                if method in methods:
-                    axis.plot(range(1, 7), values, color=COLOURS[method], marker='o', linestyle=':', linewidth=.8,
-                              markerfacecolor='none')
+                if method in printed:
+                    axis.plot(range(1, 7), printed[method], color=COLOURS[method], marker='o', linestyle=':',
+                              linewidth=.8, markerfacecolor='none')
             axis.set_title(name)
             axis.set_xlabel('image')
-            axis.set_yscale('log' if quantity == 'time_ms' else 'linear')
         lines = [plt.Line2D([], [], color=COLOURS[method], label=TITLES.get(method, method)) for method in methods]
         lines.append(plt.Line2D([], [], color='black', linestyle=':', label="the paper's values"))
         axes.flat[-1].axis('off')
         axes.flat[-1].legend(handles=lines, loc='center', frameon=False)
         finish(figure, number, title, 'png')
 
-    pictures(3, '500 keypoints of bikes img1', [('bikes', 0, method) for method in ('orb', 'orb_slam', PAPER)])
-    pictures(4, 'cv::ORB on leuven', [('leuven', i, 'orb') for i in range(6)])
-    pictures(5, "the paper's settings on leuven", [('leuven', i, PAPER) for i in range(6)])
-    panels(6, 'uniformity u by image, less is more uniform', 'uniformity', ['orb', 'orb_slam', PAPER, 'aqorb'])
-    panels(7, "CPU time in ms; the paper's are of an i5-4258U", 'time_ms', ['orb', 'orb_slam', PAPER, 'aqorb'])
-    panels(8, 'uniformity u by image', 'uniformity',
+    pictures(3, '500 keypoints of bikes img1', ['orb', 'orb_slam', PAPER])
+    panels(6, 'uniformity u by image, less is more uniform', ['orb', 'orb_slam', PAPER, 'aqorb'])
+    panels(8, 'uniformity u by image',
            [PAPER, 'aqorb', 'surf', 'superpoint'] + [m for m in options.methods if m in ('sift', 'brisk', 'akaze')])

@@ -14,7 +14,6 @@ import numpy as np
 
 import images
 from methods import Method
-from refinement import best_area, mutual
 
 SCENES = ['fountain-P11', 'entry-P10']
 WIDTH = 1024  # of the photographs
@@ -73,6 +72,14 @@ def read_sequence(folder):
     return pictures, pairs_of(0, camera, poses, GAPS['sequence'])
 
 
+def mutual(a, b, norm, ratio):
+    """Mutual nearest neighbours; with a ratio those that are clearly nearer than the second nearest."""
+    matcher = cv2.BFMatcher(norm)
+    back = {match.queryIdx: match.trainIdx for match in matcher.match(b.descriptors, a.descriptors)}
+    return [first for first, second in matcher.knnMatch(a.descriptors, b.descriptors, 2)
+            if back[first.trainIdx] == first.queryIdx and (not ratio or first.distance < ratio * second.distance)]
+
+
 def certain(first, second, deviations):
     """The matches without those of large deviations, the most certain one first."""
     kept = np.argsort(deviations, kind='stable')[:max(FEWEST, (deviations <= UNCERTAIN).sum())]
@@ -118,6 +125,16 @@ ESTIMATORS = {name: by_opencv(getattr(cv2, name)) for name in
               ['RANSAC', 'USAC_DEFAULT', 'USAC_PARALLEL', 'USAC_ACCURATE', 'USAC_PROSAC', 'USAC_MAGSAC']}
 ESTIMATORS['PoseLib'] = by_poselib
 BEST = 'USAC_MAGSAC' if cv2.__version__.startswith('4.6.') else 'USAC_ACCURATE'  # by the second table
+
+
+def area(errors, limit):
+    return np.mean([max(0, 1 - error / limit) for error in errors])
+
+
+def best_area(errors, limits):
+    """The areas under the curve at limits for the threshold that is best at the last of them, and that threshold."""
+    threshold = max(errors, key=lambda each: area(errors[each], limits[-1]))
+    return ['{:.3f}'.format(area(errors[threshold], limit)) for limit in limits] + ['{:g}'.format(threshold)]
 
 
 def angle(cosine):

@@ -10,9 +10,7 @@
 
 #include "parameters.hpp"
 
-#include <opencv2/core/ocl.hpp>
 #include <opencv2/core/utility.hpp>
-#include <opencv2/core/utils/logger.hpp>
 
 #include <cmath>
 
@@ -248,19 +246,6 @@ private:
 };
 
 }  // namespace
-
-extern "C" int LLVMFuzzerInitialize(int*, char***);
-extern "C" int LLVMFuzzerTestOneInput(const uint8_t* bytes, size_t size);
-
-extern "C" int LLVMFuzzerInitialize(int*, char***)
-{
-    setNumThreads(1);
-    ocl::setUseOpenCL(false);
-    // Messages of expected exceptions would flood the log.
-    utils::logging::setLogLevel(utils::logging::LOG_LEVEL_SILENT);
-    redirectError([](int, const char*, const char*, const char*, int, void*) { return 0; });
-    return 0;
-}
 
 extern "C" int LLVMFuzzerTestOneInput(const uint8_t* bytes, size_t size)
 {

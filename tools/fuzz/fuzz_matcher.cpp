@@ -7,7 +7,6 @@
 
 #include "../../test/reference.hpp"
 
-#include <opencv2/core/ocl.hpp>
 #include <opencv2/core/utility.hpp>
 
 #include <cstring>
@@ -18,9 +17,6 @@
 
 using namespace opencv_test;
 using fuzz::require;
-
-extern "C" int LLVMFuzzerInitialize(int*, char***);
-extern "C" int LLVMFuzzerTestOneInput(const uint8_t* bytes, size_t size);
 
 static void compareNeighbours(const Mat& query, const std::vector<Mat>& images, const std::vector<Mat>& masks,
                               int normType, int k)
@@ -158,12 +154,6 @@ static void growAnything(FuzzedDataProvider& data)
                 "the same on all kernels");
         expected = grown;
     }
-}
-
-extern "C" int LLVMFuzzerInitialize(int*, char***)
-{
-    cv::ocl::setUseOpenCL(false);
-    return 0;
 }
 
 extern "C" int LLVMFuzzerTestOneInput(const uint8_t* bytes, size_t size)

@@ -7,16 +7,12 @@
 
 #include "../../test/reference.hpp"
 
-#include <opencv2/core/ocl.hpp>
 #include <opencv2/core/utility.hpp>
 
 // Compares the detector with the tests' plain reference, byte for byte: on the best kernels of the CPU and on the
 // baseline, with one thread and with two. Also compares its descriptors with cv::ORB's.
 
 using namespace opencv_test;
-
-extern "C" int LLVMFuzzerInitialize(int*, char***);
-extern "C" int LLVMFuzzerTestOneInput(const uint8_t* bytes, size_t size);
 
 static void requireSame(const char* what, const ::testing::AssertionResult& result)
 {
@@ -59,12 +55,6 @@ static void drawSelection(FuzzedDataProvider& data, reference::Settings& s)
         RNG rng(data.ConsumeIntegral<uint64>());
         s = reference::randomSettings(rng);
     }
-}
-
-extern "C" int LLVMFuzzerInitialize(int*, char***)
-{
-    cv::ocl::setUseOpenCL(false);
-    return 0;
 }
 
 extern "C" int LLVMFuzzerTestOneInput(const uint8_t* bytes, size_t size)

@@ -5,6 +5,9 @@
 
 #include "generate.hpp"
 
+#include <opencv2/core/ocl.hpp>
+#include <opencv2/core/utility.hpp>
+#include <opencv2/core/utils/logger.hpp>
 #include <opencv2/imgproc.hpp>
 
 #include <climits>
@@ -13,6 +16,16 @@
 #include <limits>
 
 using namespace cv;
+
+extern "C" int LLVMFuzzerInitialize(int*, char***)
+{
+    setNumThreads(1);
+    ocl::setUseOpenCL(false);
+    // Messages of expected exceptions would flood the log.
+    utils::logging::setLogLevel(utils::logging::LOG_LEVEL_SILENT);
+    redirectError([](int, const char*, const char*, const char*, int, void*) { return 0; });
+    return 0;
+}
 
 namespace fuzz
 {

@@ -14,6 +14,9 @@
 
 // Generators of arguments from libFuzzer's bytes.
 
+extern "C" int LLVMFuzzerInitialize(int*, char***);
+extern "C" int LLVMFuzzerTestOneInput(const uint8_t* bytes, size_t size);
+
 namespace fuzz
 {
 

@@ -16,7 +16,7 @@
 // name      as an argument of create and in messages
 // key       in a file
 // range     a ValidRange of parameters.hpp
-// text      description for Python. CMake reads it, too: no quotes and no semicolons
+// text      description for Python. CMake reads it, too: no quotes
 //
 // The order of the rows is their order in a file.
 

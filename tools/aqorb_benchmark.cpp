@@ -6,7 +6,7 @@
 // Measures what OpenCV's performance harness cannot: two detectors in turns, with cold memory or on a busy machine, and
 // two images to their homography. See doc/performance.md.
 
-#include "../../perf/perf_scene.hpp"
+#include "../perf/perf_scene.hpp"
 
 #include <opencv2/aqorb.hpp>
 #include <opencv2/core/utility.hpp>

@@ -3,12 +3,24 @@
 // of this distribution.
 // SPDX-License-Identifier: Apache-2.0
 
-#include "lines.hpp"
+// Prints hashes of the module's results, to compare CPUs, compilers and versions of OpenCV:
+//
+//   aqorb_fingerprint [--plain] [--quadtree] [IMAGE ...]
+//
+// One line stands for a scene or an image and a set of parameters. The hashes of the image and of the pyramid show
+// whether a difference comes from the input or from the detector. --plain calls cv::setUseOptimized(false). --quadtree
+// sets QUADTREE_SELECTION. Standard error lists the CPU features that OpenCV uses.
 
-#include "../../test/scenes.hpp"
+#include "../test/scenes.hpp"
+
+#include <opencv2/aqorb.hpp>
+#include <opencv2/core/utility.hpp>
+#include <opencv2/imgcodecs.hpp>
 
 #include <algorithm>
 #include <cstdint>
+#include <cstdio>
+#include <string>
 #include <vector>
 
 using namespace cv;
@@ -21,12 +33,6 @@ namespace
 class Hash
 {
 public:
-    void add(const void* data, size_t size)
-    {
-        const unsigned char* bytes = static_cast<const unsigned char*>(data);
-        for (size_t i = 0; i < size; i++)
-            state = (state ^ bytes[i]) * 0x100000001b3u;
-    }
     //! Adds the size and the pixels.
     void add(const Mat& mat)
     {
@@ -54,7 +60,7 @@ private:
         const bool lowestFirst = *reinterpret_cast<const unsigned char*>(&one) == 1;
         const unsigned char* bytes = static_cast<const unsigned char*>(numbers);
         for (size_t i = 0; i < count * size; i++)
-            add(&bytes[lowestFirst ? i : i - i % size + (size - 1 - i % size)], 1);
+            state = (state ^ bytes[lowestFirst ? i : i - i % size + (size - 1 - i % size)]) * 0x100000001b3u;
     }
 
     uint64_t state = 0xcbf29ce484222325u;
@@ -128,7 +134,7 @@ std::string hashOfGrown(const Mat& image, const std::vector<KeyPoint>& keypoints
     return hash.text() + " keypoints " + hashOf(moved);
 }
 
-std::string line(const std::string& name, const Mat& image, const Mat& mask, AdaptiveQuadtreeORB& detector)
+void printLine(const std::string& name, const Mat& image, const Mat& mask, AdaptiveQuadtreeORB& detector)
 {
     std::vector<Mat> levels;
     detector.buildPyramid(image, levels);
@@ -146,17 +152,15 @@ std::string line(const std::string& name, const Mat& image, const Mat& mask, Ada
     Hash hashOfMeasures;
     hashOfMeasures.addNumbers(measures, 3);
 
-    return name + " image " + hashOf(image) + " pyramid " + pyramid.text() + " measures " +
-           hashOfMeasures.text() + " keypoints " + std::to_string(keypoints.size()) + " " +
-           hashOf(keypoints) + " descriptors " + hashOf(descriptors) + " grown " +
-           hashOfGrown(image, keypoints) + "\n";
+    std::printf("%s image %s pyramid %s measures %s keypoints %d %s descriptors %s grown %s\n", name.c_str(),
+                hashOf(image).c_str(), pyramid.text().c_str(), hashOfMeasures.text().c_str(),
+                int(keypoints.size()), hashOf(keypoints).c_str(), hashOf(descriptors).c_str(),
+                hashOfGrown(image, keypoints).c_str());
 }
 
-}  // namespace
-
-std::string FingerprintLines::scenes()
+//! 60 drawn scenes, one of four with a mask.
+void printScenes(RNG& rng, AdaptiveQuadtreeORB::SelectionType selection)
 {
-    std::string lines;
     for (int i = 0; i < 60; i++)
     {
         const int channels[] = {1, 3, 4};
@@ -169,14 +173,38 @@ std::string FingerprintLines::scenes()
             mask(Rect(size.width / 5, size.height / 5, size.width / 2, size.height / 2))
                 .setTo(rng.uniform(1, 256));
         }
-        lines += line("scene " + std::to_string(i), scene, mask,
-                      *(i == 0 ? makeDefault(500, selection) : makeDetector(rng, selection)));
+        printLine(format("scene %d", i), scene, mask,
+                  *(i == 0 ? makeDefault(500, selection) : makeDetector(rng, selection)));
     }
-    return lines;
 }
 
-std::string FingerprintLines::image(const std::string& name, const Mat& image)
+}  // namespace
+
+int main(int argc, char** argv)
 {
-    return line(name + " by default", image, Mat(), *makeDefault(1000, selection)) +
-           line(name + " with drawn parameters", image, Mat(), *makeDetector(rng, selection));
+    std::vector<std::string> files(argv + 1, argv + argc);
+    AdaptiveQuadtreeORB::SelectionType selection = AdaptiveQuadtreeORB::RANKED_SELECTION;
+    for (; !files.empty() && files[0].compare(0, 2, "--") == 0; files.erase(files.begin()))
+    {
+        if (files[0] == "--plain")
+            setUseOptimized(false);
+        else if (files[0] == "--quadtree")
+            selection = AdaptiveQuadtreeORB::QUADTREE_SELECTION;
+        else
+            CV_Error(Error::StsBadArg, files[0] + ": --plain or --quadtree is accepted");
+    }
+    std::fprintf(stderr, "%s, %s%s\n", CV_VERSION, getCPUFeaturesLine().c_str(),
+                 useOptimized() ? "" : ", setUseOptimized(false)");
+
+    RNG rng(20191);
+    printScenes(rng, selection);
+    for (const std::string& file : files)
+    {
+        const Mat image = imread(file, IMREAD_COLOR);
+        if (image.empty())
+            CV_Error(Error::StsObjectNotFound, "cannot read " + file);
+        printLine(file + " by default", image, Mat(), *makeDefault(1000, selection));
+        printLine(file + " with drawn parameters", image, Mat(), *makeDetector(rng, selection));
+    }
+    return 0;
 }
