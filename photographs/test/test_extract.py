@@ -78,7 +78,7 @@ def test_properties_of_the_detector(folder, tmp_path):
 
 def test_what_is_refused(folder, features, tmp_path):
     (tmp_path / 'f.parquet').write_text('of 0.4')
-    refused('f.parquet must be a folder, .* extracted anew', 'extract', folder, '--out', tmp_path / 'f.parquet')
+    refused('f.parquet must be a folder of parts; .* extracted anew', 'extract', folder, '--out', tmp_path / 'f.parquet')
     refused('No such file', 'extract', folder, '--list', tmp_path / 'absent', '--out', tmp_path / 'f')
     refused(r'must be a name in UTF-8', 'extract', folder, '--out', f'{tmp_path}/\udcff')
     refused('there is no such folder', 'match', tmp_path / 'f', '--pairs', 'exhaustive', '--out', tmp_path / 'm')
@@ -214,7 +214,7 @@ def test_files_that_are_left_out(tmp_path):
     finished = run('extract', source, '--out', out)
     assert sorted(rows(out)) == sorted(name.decode('utf-8', 'backslashreplace') for name in kept)
     listed = finished.stderr.split(f'{len(contents) + 2} files left out:\n')[1]
-    for name, reason in (('empty.jpg', 'the file is empty'), ('text.png', 'it is no image, or of a format'),
+    for name, reason in (('empty.jpg', 'the file is empty'), ('text.png', 'it is no image, or its format'),
                          ('fifo.png', 'it is not a regular file'), ('dangling.png', 'there is no such file')):
         assert f'  {name}: {reason}' in listed, listed
     again = run('extract', source, '--out', out, '--prune')
