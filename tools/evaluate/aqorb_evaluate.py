@@ -81,7 +81,7 @@ def print_tables(options):
 def main():
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     commands = parser.add_subparsers(dest='command', required=True)
-    command = commands.add_parser('paper', help="the paper's tables, and its figures 3 to 8")
+    command = commands.add_parser('paper', help="the paper's tables, and its figures 3, 6 and 8")
     command.set_defaults(run=measure_paper)
     command.add_argument('datasets', metavar='DATASETS')
     command.add_argument('--out', default='.', help='folder for the figures')

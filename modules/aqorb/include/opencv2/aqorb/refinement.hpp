@@ -76,8 +76,8 @@ CV_EXPORTS_W void refineMatches(InputArray image1, const std::vector<KeyPoint>& 
 least certain direction. It is infinite for a match that minCorrelation -1 keeps without alignment.
 
 The covariance of the position is the inverse of the Hessian of the alignment times the variance of the differences
-between the patches. A factor calibrates its root on photographs: some 68 % of the errors are smaller than the
-deviation. Three uses:
+between the patches. A factor calibrates its root: on photographs with an exactly known geometry, at least 68 % of the
+errors are smaller than the deviation. Three uses:
 - remove the least certain matches before estimating a pose,
 - sort matches by deviation for PROSAC (cv::USAC_PROSAC), which tries the first matches first,
 - weigh a match by 1 / deviation^2 in a bundle adjustment.
