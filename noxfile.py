@@ -57,8 +57,7 @@ def wheel_file(session):
 @nox.session(venv_params=['--system-site-packages'], reuse_venv=True)
 def tests(session):
     session.install(*COMMAND)
-    pytest(session, *session.posargs, *TESTS, 'samples/test', **built(),
-           AQORB_SAMPLE_IMAGES=str(BUILD / 'release/samples/test/sample_images'))
+    pytest(session, *session.posargs, *TESTS, **built())
     pytest(session, *session.posargs, 'photographs/test', **built())
     prefix = Path(session.create_tmp()) / 'prefix'
     shutil.rmtree(prefix, ignore_errors=True)
@@ -84,15 +83,8 @@ def asan(session):
 @nox.session(venv_params=['--system-site-packages'], reuse_venv=True)
 def hostile(session):
     session.install(*COMMAND)
-    session.run('python', 'photographs/test/hostile.py', *session.posargs, env=built())
-
-
-@nox.session(venv_params=['--system-site-packages'], reuse_venv=True)
-def collection(session):
-    if not os.path.isdir(PHOTOGRAPHS):
-        session.error('OPENCV_TEST_DATA_PATH must name the folder testdata of opencv_extra')
-    session.install(*COMMAND, 'ray[data]==2.60.0', 'pandas<2.3', 'numpy<2', 'psutil')
-    pytest(session, '-s', *session.posargs, 'photographs/samples', AQORB_PHOTOGRAPHS=PHOTOGRAPHS, **built())
+    pytest(session, '-s', *session.posargs, 'photographs/test/test_damage.py', AQORB_FLIPS='1000',
+           AQORB_KILLS='50', **built())
 
 
 @nox.session(venv_params=['--system-site-packages'])

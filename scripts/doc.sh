@@ -26,7 +26,7 @@ cp "$site/Doxyfile" "$site/layout.xml" "$OUT/"
 if [[ $(doxygen -g -) == *HTML_COLORSTYLE\ * ]]; then echo 'HTML_COLORSTYLE = LIGHT' >>"$OUT/Doxyfile"; fi
 doxygen "$OUT/Doxyfile"
 # As texts, which every browser shows.
-find samples photographs/samples -name '*.[ch]pp' -o -name '*.py' -o -name '*.ipynb' | while read -r sample; do
+find samples -name '*.[ch]pp' -o -name '*.ipynb' | while read -r sample; do
     mkdir -p "$OUT/html/$(dirname "$sample")"
     cp "$sample" "$OUT/html/$sample.txt"
 done

@@ -3,10 +3,9 @@
 #
 #   scripts/python.sh [SESSION [OPTION ...]]
 #
-#   tests       the tests of the package, of the samples and of the command aqorb; OPTIONs are pytest's. The default
+#   tests       the tests of the package and of the command aqorb; OPTIONs are pytest's. The default
 #   asan        the package's tests on an extension module with AddressSanitizer and checks of the GIL
-#   hostile     the command is given damaged files, and killed while it writes; a table says what came of it
-#   collection  collections of images in their long form, with Ray (250 MB); needs OPENCV_TEST_DATA_PATH
+#   hostile     the command is given damaged files, and killed while it writes, often; prints what came of it
 #   notebook    pip installs the package and the command, and the notebook of the samples runs there: build/notebook
 #   sdist       the source distribution, in build/wheels
 #   wheel       the source distribution and the wheel for this system with OpenCV linked in, tested alone and beside
@@ -23,10 +22,10 @@ source "$(dirname "$0")/common.sh"
 
 session=${1:-tests}
 case $session in
-tests | collection | hostile | poses)
+tests | hostile | poses)
     need build test python python3-matplotlib
     configure release -DAQORB_BUILD_PYTHON=ON -DPython_EXECUTABLE="$PYTHON"
-    build "$BUILD/release" --target _aqorb sample_images
+    build "$BUILD/release" --target _aqorb
     ;;
 asan)
     need build test python

@@ -54,6 +54,19 @@ private:
     const bool isReversed;
 };
 
+//! Counts how often cv::parallel_for_ asks for threads, and the largest number of them.
+class Counting : public InTurns
+{
+public:
+    void parallel_for(int stripes, FN_parallel_for_body_cb_t body, void* data) CV_OVERRIDE
+    {
+        calls++;
+        maxStripes = std::max(maxStripes, stripes);
+        InTurns::parallel_for(stripes, body, data);
+    }
+    int calls = 0, maxStripes = 0;
+};
+
 //! Runs all stripes as one.
 class AtOnce : public Backend
 {

@@ -136,6 +136,35 @@ void descriptor(const Mat& image, const Mat& blurred, Point center, float angle,
 
 }  // namespace reference
 
+// Plain matchers.
+
+typedef std::vector<std::vector<DMatch>> MatchLists;
+
+int referenceDistance(const Mat& a, int row, const Mat& b, int otherRow, int normType);
+
+//! All matches of a query that are allowed, the nearest first, then by image and by index.
+std::vector<DMatch> referenceMatches(const Mat& query, int row, const std::vector<Mat>& images,
+                                     const std::vector<Mat>& masks, int normType);
+
+//! Whether a query may be matched with a train descriptor.
+typedef std::function<bool(int, int)> Allowed;
+
+//! What matchArrays documents.
+struct ReferenceTests
+{
+    double ratio;
+    bool crossCheck;
+    int maxDistance, normType;
+};
+std::vector<DMatch> referenceTested(const Mat& query, const Mat& train, const ReferenceTests& tests,
+                                    const Allowed& isAllowed);
+
+/** Random descriptors. Some are copies of others, and of some only a few bits differ, so that many distances are equal.
+ They may be a part of a larger matrix. */
+Mat randomDescriptors(RNG& rng, int rows, int bytes);
+
+::testing::AssertionResult sameMatches(const MatchLists& a, const MatchLists& b);
+
 //! Whether two lists hold the same corners in the same order.
 ::testing::AssertionResult sameCorners(const std::vector<aqorb::Corner>& a,
                                        const std::vector<aqorb::Corner>& b);

@@ -135,4 +135,123 @@ bool orbBlursWithFMA()
     return countNonZero(blurred != reference::roundedBlur(image)) == 0;
 }
 
+int referenceDistance(const Mat& a, int row, const Mat& b, int otherRow, int normType)
+{
+    const int bits = normType == NORM_HAMMING2 ? 2 : 1;
+    int distance = 0;
+    for (int i = 0; i < a.cols; i++)
+    {
+        const int difference = a.at<uchar>(row, i) ^ b.at<uchar>(otherRow, i);
+        for (int bit = 0; bit < 8; bit += bits)
+            distance += (difference >> bit & ((1 << bits) - 1)) != 0;
+    }
+    return distance;
+}
+
+static bool isNearer(const DMatch& a, const DMatch& b)
+{
+    if (a.distance != b.distance)
+        return a.distance < b.distance;
+    return a.imgIdx != b.imgIdx ? a.imgIdx < b.imgIdx : a.trainIdx < b.trainIdx;
+}
+
+std::vector<DMatch> referenceMatches(const Mat& query, int row, const std::vector<Mat>& images,
+                                     const std::vector<Mat>& masks, int normType)
+{
+    std::vector<DMatch> all;
+    for (int image = 0; image < int(images.size()); image++)
+    {
+        const Mat mask = masks.empty() ? Mat() : masks[image];
+        for (int i = 0; i < images[image].rows; i++)
+            if (mask.empty() || mask.at<uchar>(row, i) != 0)
+                all.push_back(
+                    DMatch(row, i, image, float(referenceDistance(query, row, images[image], i, normType))));
+    }
+    std::sort(all.begin(), all.end(), isNearer);
+    return all;
+}
+
+// The allowed partners of a descriptor, the nearest first. isTrain: of a train descriptor.
+static std::vector<DMatch> partners(const Mat& query, const Mat& train, int own, bool isTrain, int normType,
+                                    const Allowed& isAllowed)
+{
+    std::vector<DMatch> all;
+    for (int i = 0; i < (isTrain ? query : train).rows; i++)
+    {
+        const int a = isTrain ? i : own, b = isTrain ? own : i;
+        if (isAllowed(a, b))
+            all.push_back(DMatch(own, i, float(referenceDistance(query, a, train, b, normType))));
+    }
+    std::sort(all.begin(), all.end(), isNearer);
+    return all;
+}
+
+std::vector<DMatch> referenceTested(const Mat& query, const Mat& train, const ReferenceTests& tests,
+                                    const Allowed& isAllowed)
+{
+    std::vector<DMatch> passed;
+    for (int i = 0; i < query.rows; i++)
+    {
+        const std::vector<DMatch> trains = partners(query, train, i, false, tests.normType, isAllowed);
+        if (trains.empty())
+            continue;
+        const DMatch& match = trains[0];
+        bool passes = tests.maxDistance < 0 || match.distance <= tests.maxDistance;
+        if (tests.ratio > 0 && trains.size() > 1)
+            passes = passes && match.distance < tests.ratio * trains[1].distance;
+        if (tests.crossCheck)
+        {
+            const std::vector<DMatch> queries =
+                partners(query, train, match.trainIdx, true, tests.normType, isAllowed);
+            passes = passes && queries[0].trainIdx == i;
+            if (tests.ratio > 0 && queries.size() > 1)
+                passes = passes && match.distance < tests.ratio * queries[1].distance;
+        }
+        if (passes)
+            passed.push_back(match);
+    }
+    return passed;
+}
+
+Mat randomDescriptors(RNG& rng, int rows, int bytes)
+{
+    Mat all(rows + rng.uniform(0, 3), bytes + rng.uniform(0, 20), CV_8UC1);
+    rng.fill(all, RNG::UNIFORM, 0, 256);
+    const int x = rng.uniform(0, all.cols - bytes + 1), y = rng.uniform(0, all.rows - rows + 1);
+    Mat part = all(Rect(x, y, bytes, rows));
+    const int kind = rng.uniform(0, 4), bits = 1 << rng.uniform(0, 5);
+    for (int i = 1; i < rows && kind > 0; i++)
+    {
+        if (kind == 1 && rng.uniform(0, 2))
+            continue;
+        part.row(rng.uniform(0, i)).copyTo(part.row(i));
+        for (int j = kind == 3 ? bits : rng.uniform(0, 3); j > 0; j--)
+            part.at<uchar>(i, rng.uniform(0, bytes)) ^= uchar(1 << rng.uniform(0, 8));
+    }
+    return part;
+}
+
+::testing::AssertionResult sameMatches(const MatchLists& a, const MatchLists& b)
+{
+    if (a.size() != b.size())
+        return ::testing::AssertionFailure() << a.size() << " and " << b.size() << " lists";
+    for (size_t i = 0; i < a.size(); i++)
+    {
+        if (a[i].size() != b[i].size())
+            return ::testing::AssertionFailure()
+                   << a[i].size() << " and " << b[i].size() << " matches in list " << i;
+        for (size_t j = 0; j < a[i].size(); j++)
+        {
+            const DMatch &one = a[i][j], &other = b[i][j];
+            if (one.queryIdx != other.queryIdx || one.trainIdx != other.trainIdx ||
+                one.imgIdx != other.imgIdx || one.distance != other.distance)
+                return ::testing::AssertionFailure()
+                       << "match " << j << " of list " << i << ": (" << one.queryIdx << ", " << one.trainIdx
+                       << ", " << one.imgIdx << ") at " << one.distance << " and (" << other.queryIdx << ", "
+                       << other.trainIdx << ", " << other.imgIdx << ") at " << other.distance;
+        }
+    }
+    return ::testing::AssertionSuccess();
+}
+
 }  // namespace opencv_test

@@ -6,8 +6,7 @@
 #ifndef OPENCV_AQORB_REFERENCE_REFINEMENT_HPP
 #define OPENCV_AQORB_REFERENCE_REFINEMENT_HPP
 
-#include <opencv2/aqorb/features.hpp>
-#include <opencv2/core.hpp>
+#include "test_precomp.hpp"
 
 namespace opencv_test
 {
@@ -15,25 +14,65 @@ namespace opencv_test
 //! Where the alignment starts: the position in image 2, and the map from image 1 to image 2 around it.
 struct ReferenceStart
 {
-    cv::Point2d position;
-    cv::Matx22d map;
+    Point2d position;
+    Matx22d map;
 };
 
 struct ReferenceAlignment
 {
     bool isAligned;
-    cv::Point2d position;  //!< in image 2; that of the start if the patches cannot be aligned
-    cv::Matx22d map;       //!< from image 1 to image 2
+    Point2d position;  //!< in image 2; that of the start if the patches cannot be aligned
+    Matx22d map;       //!< from image 1 to image 2
     double correlation;
     double deviation;
 };
 
 //! The start of a match, from the sizes and the angles of its keypoints.
-ReferenceStart referenceStart(const cv::KeyPoint& keypoint1, const cv::KeyPoint& keypoint2);
+ReferenceStart referenceStart(const KeyPoint& keypoint1, const KeyPoint& keypoint2);
 
 //! The alignment of patches in grey images by the formulas, in double precision.
-ReferenceAlignment referenceAlignment(const cv::Mat& image1, const cv::KeyPoint& keypoint1,
-                                      const cv::Mat& image2, const ReferenceStart& start, double scaleFactor);
+ReferenceAlignment referenceAlignment(const Mat& image1, const KeyPoint& keypoint1, const Mat& image2,
+                                      const ReferenceStart& start, double scaleFactor);
+
+//! The arguments of refineMatches and growMatches.
+struct MatchedViews
+{
+    Mat image1, image2;
+    KeyPoints keypoints1, keypoints2;
+    std::vector<DMatch> matches;
+};
+
+//! Waves of all directions: a texture that is known at every position.
+struct Texture
+{
+    explicit Texture(int seed) : rng(seed)
+    {
+        for (int i = 0; i < WAVES; i++)
+        {
+            const double direction = rng.uniform(0., CV_2PI), frequency = CV_2PI / rng.uniform(6., 24.);
+            waves[i] = Vec3d(frequency * std::cos(direction), frequency * std::sin(direction),
+                             rng.uniform(0., CV_2PI));
+        }
+    }
+    double at(const Point2d& p) const
+    {
+        double sum = 0;
+        for (const Vec3d& wave : waves)
+            sum += std::sin(wave[0] * p.x + wave[1] * p.y + wave[2]);
+        return 128 + 40 * sum / std::sqrt(WAVES / 2.);
+    }
+
+    static const int WAVES = 20;
+    RNG rng;
+    Vec3d waves[WAVES];
+};
+
+//! Two views of a texture: a position p of the first one is at map * p in the second one. The keypoints of image 2 are
+//! wrong by a pixel, some degrees and a fifth of the size.
+MatchedViews viewsOf(const Texture& texture, const Matx23d& map, double gain = 1, double bias = 0,
+                     double noise = 0);
+
+Matx23d similarity(double scale, double degrees, double x, double y);
 
 }  // namespace opencv_test
 

@@ -91,6 +91,94 @@ bool isBetter(const LeafCorner& a, const LeafCorner& b)
     return a.x != b.x ? a.x < b.x : a.index < b.index;
 }
 
+int quadtreeDepth(int quota)
+{
+    int depth = 0;
+    for (double leaves = 1; leaves < quota; leaves *= 4)
+        depth++;
+    return depth;
+}
+
+namespace
+{
+
+// A node of the paper's quadtree.
+struct Node
+{
+    Size root;
+    int d, column, row;  // the depth, and the place among the 2^d x 2^d nodes of this depth
+    std::vector<LeafCorner> corners;
+
+    std::vector<Node> split() const
+    {
+        std::vector<Node> children;
+        for (int i = 0; i < 4; i++)
+        {
+            Node child = {root, d + 1, 2 * column + i % 2, 2 * row + i / 2, {}};
+            for (const LeafCorner& corner : corners)
+                if (child.has(corner))
+                    child.corners.push_back(corner);
+            if (!child.corners.empty())
+                children.push_back(child);
+        }
+        return children;
+    }
+    bool has(const LeafCorner& corner) const
+    {
+        return int64(corner.x) * (1 << d) / root.width == column &&
+               int64(corner.y) * (1 << d) / root.height == row;
+    }
+    const LeafCorner& best() const { return *std::min_element(corners.begin(), corners.end(), isBetter); }
+    // Its column and row with their bits in turns.
+    int64 mortonCode() const
+    {
+        int64 code = 0;
+        for (int bit = 0; bit < d; bit++)
+            code += (int64(column >> bit & 1) << 2 * bit) + (int64(row >> bit & 1) << (2 * bit + 1));
+        return code;
+    }
+};
+
+bool isFuller(const Node& a, const Node& b)
+{
+    return a.corners.size() != b.corners.size() ? a.corners.size() > b.corners.size()
+                                                : a.mortonCode() < b.mortonCode();
+}
+
+}  // namespace
+
+std::vector<int> quadtreeOrder(const std::vector<LeafCorner>& corners, Size root, int setKp, int maxDepth)
+{
+    std::vector<Node> nodes = {{root, 0, 0, 0, corners}};
+    for (int d = 0; d < maxDepth; d++)
+    {
+        std::sort(nodes.begin(), nodes.end(), isFuller);
+        std::vector<Node> next;
+        size_t numJ = nodes.size();
+        for (const Node& node : nodes)
+        {
+            const bool isSplit = node.d == d && node.corners.size() > 1 && numJ < size_t(setKp);
+            const std::vector<Node> children = isSplit ? node.split() : std::vector<Node>(1, node);
+            next.insert(next.end(), children.begin(), children.end());
+            numJ += children.size() - 1;
+        }
+        nodes = next;
+    }
+    std::vector<LeafCorner> best, others(corners);
+    for (const Node& node : nodes)
+        if (!node.corners.empty())
+            best.push_back(node.best());
+    std::sort(best.begin(), best.end(), isBetter);
+    std::sort(others.begin(), others.end(), isBetter);
+    best.insert(best.end(), others.begin(), others.end());
+    std::vector<int> order;
+    std::set<int> listed;
+    for (const LeafCorner& corner : best)
+        if (listed.insert(corner.index).second)
+            order.push_back(corner.index);
+    return order;
+}
+
 namespace
 {
 

@@ -8,6 +8,8 @@
 #include "corners.hpp"
 #include "fast.hpp"
 
+#include <iterator>
+
 namespace opencv_test
 {
 namespace
@@ -46,14 +48,9 @@ void expectAsReference(const Level& level, const Rect& region, int ini, int min,
     const Thresholds thresholds = {ini, min};
     const std::vector<Corner> expected =
         reference::findCorners(level.image, level.mask, region, thresholds, suppressNear);
-    for (int optimized = 1; optimized >= 0; optimized--)
-    {
-        SCOPED_TRACE(optimized);
-        const bool before = useOptimized();
-        setUseOptimized(optimized && before);
-        EXPECT_TRUE(sameCorners(findCorners(level, region, thresholds, suppressNear, threads), expected));
-        setUseOptimized(before);
-    }
+    EXPECT_TRUE(sameCorners(findCorners(level, region, thresholds, suppressNear, threads), expected));
+    WithoutOptimization baseline;
+    EXPECT_TRUE(sameCorners(findCorners(level, region, thresholds, suppressNear, threads), expected));
 }
 
 TEST(Aqorb_Corners, equal_reference)
@@ -73,59 +70,6 @@ TEST(Aqorb_Corners, equal_reference)
                 expectAsReference(levelOf(images[i]), region, thresholds[j][0], thresholds[j][1],
                                   suppressNear);
             }
-}
-
-struct Dot
-{
-    Point place;
-    int contrast;
-};
-
-// A bright dot is a corner of score contrast - 1.
-std::vector<Corner> cornersOfDots(const std::vector<Dot>& dots, const Rect& region,
-                                  const Thresholds& thresholds, bool suppressNear, const Mat& mask = Mat())
-{
-    Mat image(80, 80, CV_8UC1, Scalar(20));
-    for (const Dot& dot : dots)
-        image.at<uchar>(dot.place) = uchar(20 + dot.contrast);
-    return findCorners(levelOf(image, mask), region, thresholds, suppressNear);
-}
-
-TEST(Aqorb_Corners, a_weak_corner_counts_only_in_a_cell_without_strong_ones)
-{
-    const std::vector<Dot> dots = {{Point(15, 15), 101}, {Point(25, 25), 31}, {Point(60, 20), 31}};
-    const Thresholds thresholds = {100, 10};
-    const Rect region(10, 10, 60, 60);
-    std::vector<Corner> corners = cornersOfDots(dots, region, thresholds, false);
-    ASSERT_EQ(corners.size(), 2u);  // cells begin at the region's corner: (25, 25) is in the first
-    EXPECT_EQ(corners[0].score, 100);
-    EXPECT_EQ(corners[1].x, 60);
-    EXPECT_EQ(corners[1].score, 30);
-
-    // A corner that the mask takes away does not make its cell full.
-    Mat mask(80, 80, CV_8UC1, Scalar(255));
-    mask.at<uchar>(15, 15) = 0;
-    corners = cornersOfDots(dots, region, thresholds, false, mask);
-    EXPECT_EQ(corners.size(), 2u);
-}
-
-TEST(Aqorb_Corners, a_corner_falls_even_to_one_that_falls)
-{
-    // Three dots in a row, off each other's circles, so that the first and the last do not see each other. Of the two
-    // equal ones on the left the first in raster order stays.
-    const std::vector<Corner> corners = cornersOfDots({{Point(40, 40), 50},
-                                                       {Point(43, 43), 80},
-                                                       {Point(46, 46), 110},
-                                                       {Point(60, 60), 60},
-                                                       {Point(60, 64), 60},
-                                                       {Point(20, 20), 60},
-                                                       {Point(17, 23), 60}},
-                                                      Rect(5, 5, 70, 70), {10, 10}, true);
-    ASSERT_EQ(corners.size(), 4u);
-    EXPECT_EQ(corners[0].x, 20);
-    EXPECT_EQ(corners[1].x, 46);
-    EXPECT_EQ(corners[2].y, 60);  // 4 pixels apart: both stay
-    EXPECT_EQ(corners[3].y, 64);
 }
 
 // Corners that are suppressed from the other side of the border between two bands, and cells that end there.
@@ -153,6 +97,69 @@ TEST(Aqorb_Corners, of_several_bands_equal_reference)
             return;
     }
     EXPECT_GT(divided, 50);
+}
+
+// Appends the corners of score >= threshold whose centres lie in the region, in raster order.
+void detectCorners(const Mat& image, const Rect& region, int threshold, std::vector<Corner>& corners)
+{
+    const Rect scanned = fastRegion(image.size(), region);
+    if (scanned.empty())
+        return;
+    Level level;
+    level.image = image;
+    const Thresholds thresholds = {threshold, threshold};
+    FastScanner scanner;
+    scanner.begin(level, scanned, thresholds, scanned.height);
+    scanner.scan(scanned.br().y, std::vector<Range>());
+    scanner.append(false, corners);
+}
+
+std::vector<Corner> cornersOfOpenCV(const Mat& image, const Rect& region, int threshold)
+{
+    KeyPoints keypoints;
+    FAST(image, keypoints, threshold, true);
+    std::vector<Corner> corners;
+    for (const KeyPoint& keypoint : keypoints)
+    {
+        const Corner corner = {int(keypoint.pt.x), int(keypoint.pt.y), int(keypoint.response)};
+        if (region.contains(Point(corner.x, corner.y)))
+            corners.push_back(corner);
+    }
+    return corners;
+}
+
+std::vector<Corner> corners(const Mat& image, const Rect& region, int threshold)
+{
+    std::vector<Corner> found;
+    detectCorners(image, region, threshold, found);
+    return found;
+}
+
+TEST(Aqorb_Corners, of_fast_equal_brute_force_and_opencv_for_every_width_alignment_and_threshold)
+{
+    for (int width = 1; width <= MAX_WIDTH; width++)
+    {
+        SCOPED_TRACE(format("width %d", width));
+        const Mat dots = makeDots(Size(width, 9), width);
+        const Rect region(Point(), dots.size());
+        const std::vector<Corner> all = reference::fastCorners(dots, region, 1);
+        if (width >= 7)  // cv::FAST reads beyond images without a circle
+        {
+            EXPECT_TRUE(sameCorners(cornersOfOpenCV(dots, region, 1), all));
+        }
+        atEveryOffset(dots,
+                      [&](const Mat& image, int offset)
+                      {
+                          for (int threshold = offset + 1; threshold <= 255; threshold += 64)
+                          {
+                              std::vector<Corner> expected;
+                              std::copy_if(all.begin(), all.end(), std::back_inserter(expected),
+                                           [=](const Corner& corner) { return corner.score >= threshold; });
+                              EXPECT_TRUE(sameCorners(corners(image, region, threshold), expected))
+                                  << threshold;
+                          }
+                      });
+    }
 }
 
 }  // namespace

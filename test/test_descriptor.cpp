@@ -4,9 +4,11 @@
 // SPDX-License-Identifier: Apache-2.0
 
 #include "reference.hpp"
-#include "whole_blur.hpp"
 
+#include "blur.hpp"
 #include "descriptor.hpp"
+
+#include <cfloat>
 
 namespace opencv_test
 {
@@ -14,6 +16,189 @@ namespace
 {
 
 using namespace aqorb;
+
+const int BLUR_MARGIN = 61;  // wide enough for the patches of the tests, and a blurMargin
+
+//! The rows of a matrix of type CV_16UC1, which is a part of a larger one that has the margin, too.
+aqorb::BlurredRows rowsOf(const Mat& blurred)
+{
+    return {const_cast<ushort*>(blurred.ptr<ushort>()), ptrdiff_t(blurred.step1()), 0};
+}
+
+//! The matrix with the margin around it.
+Mat withMargin(Mat blurred)
+{
+    const int margin = BLUR_MARGIN;
+    return blurred.adjustROI(margin, margin, margin, margin);
+}
+
+//! A matrix with a margin around it.
+Mat blurredOf(Size size, int value = 0)
+{
+    const int margin = BLUR_MARGIN;
+    const Mat all(size + Size(2 * margin, 2 * margin), CV_16UC1, Scalar(value));
+    return all(Rect(Point(margin, margin), size));
+}
+
+//! The approximate blur of a whole image, of which the module blurs parts only, and of the margin around it.
+void approximateBlur(const Mat& image, Mat& blurred, bool isExact = false)
+{
+    const int margin = BLUR_MARGIN;
+    aqorb::BlurRegion everywhere;
+    everywhere.reset(image.size(), BLUR_MARGIN);
+    everywhere.addDisc(Point(), std::vector<int>(image.cols + BLUR_MARGIN + 1, image.rows + BLUR_MARGIN));
+    blurred = blurredOf(image.size());
+    std::vector<uchar> scratch;
+    aqorb::approximateBlur(image, everywhere, Range(-margin, image.rows + margin), rowsOf(blurred), scratch,
+                           isExact);
+}
+
+// Images that push the roundings to their limits.
+std::vector<Mat> hardImages(Size size, int seed)
+{
+    const Mat noise = makeNoise(size, seed);
+    std::vector<Mat> images;
+    images.push_back(noise);
+    images.push_back(noise > 127);
+    images.push_back(noise > 230);
+    images.push_back((noise & 1) + 254);
+    images.push_back(noise & 1);
+    return images;
+}
+
+void expectWithinBounds(const Mat& image, const Mat& blurred, const Mat& exact)
+{
+    ASSERT_EQ(blurred.type(), CV_16UC1);
+    ASSERT_EQ(blurred.size(), image.size());
+    for (int y = 0; y < image.rows; y++)
+        for (int x = 0; x < image.cols; x++)
+        {
+            const double error = blurred.at<ushort>(y, x) - 256. * exact.at<float>(y, x);
+            ASSERT_LE(error, BLUR_EXCESS) << x << " " << y;
+            ASSERT_GE(error, -BLUR_SHORTFALL) << x << " " << y;
+        }
+}
+
+TEST(Aqorb_Descriptor, blur_stays_within_its_bounds_for_every_width)
+{
+    for (int width = 1; width <= MAX_WIDTH; width++)
+    {
+        const std::vector<Mat> images = hardImages(Size(width, 1 + width * 7 % 23), width);
+        for (size_t i = 0; i < images.size(); i++)
+        {
+            SCOPED_TRACE(format("width %d, image %d", width, int(i)));
+            Mat blurred, baselineBlurred;
+            approximateBlur(images[i], blurred);
+            expectWithinBounds(images[i], blurred, reference::blur(images[i]));
+            Mat exact, exactTimes256;
+            reference::roundedBlur(images[i]).convertTo(exactTimes256, CV_16U, 256);
+            approximateBlur(images[i], exact, true);
+            EXPECT_TRUE(sameMat(exact, exactTimes256));
+            WithoutOptimization baseline;
+            approximateBlur(images[i], baselineBlurred);
+            EXPECT_TRUE(sameMat(withMargin(blurred), withMargin(baselineBlurred)));
+            approximateBlur(images[i], exact, true);
+            EXPECT_TRUE(sameMat(exact, exactTimes256));
+        }
+    }
+}
+
+TEST(Aqorb_Descriptor, blur_of_a_region_equals_that_of_the_image)
+{
+    RNG rng(3);
+    const int widths[] = {1, 2, 5, 6, 7, 31, 32, 33, 37, 38, 39, 64, 100, 700, 2047, 2048, 2049, 2500};
+    const int height = 61, reach = 19;
+    BlurRegion region;  // It is used again and again, so begin must reset it.
+    std::vector<uchar> scratch;
+    for (int width : widths)
+    {
+        const Mat image = makeNoise(Size(width, height), width);
+        Mat whole;
+        approximateBlur(image, whole);
+        for (int count = 0; count < 7; count++)
+        {
+            // The last ones do not reach the border where the image is wide enough.
+            const int off = count > 4 ? std::min(reach + 3, (width - 1) / 2) : 0;
+            std::vector<Point> centers;
+            const int margin = count % 2 ? BLUR_MARGIN : blurMargin(reach);
+            region.reset(image.size(), margin);
+            for (int i = 0; i < count; i++)
+            {
+                centers.push_back(Point(rng.uniform(off, width - off), rng.uniform(off, height - off)));
+                region.addDisc(centers.back(), std::vector<int>(reach + 1, reach));
+            }
+            const Mat blurred = blurredOf(image.size(), 65535);
+            // in two parts
+            const int middle = rng.uniform(-margin, height + margin);
+            approximateBlur(image, region, Range(-margin, middle), rowsOf(blurred), scratch);
+            approximateBlur(image, region, Range(middle, height + margin), rowsOf(blurred), scratch);
+            for (const Point& center : centers)
+            {
+                const Rect read(center.x - reach + BLUR_MARGIN, center.y - reach + BLUR_MARGIN, 2 * reach + 1,
+                                2 * reach + 1);
+                EXPECT_TRUE(sameMat(withMargin(blurred)(read), withMargin(whole)(read))) << width;
+            }
+            const int outside = BLUR_MARGIN - margin;
+            Mat around = withMargin(blurred).clone();
+            around(Rect(outside, outside, width + 2 * margin, height + 2 * margin)).setTo(65535);
+            EXPECT_EQ(0, countNonZero(around != 65535)) << "width " << width << ": beyond the margin";
+            if (count == 0)
+            {
+                EXPECT_EQ(0, countNonZero(withMargin(blurred) != 65535)) << "nothing was asked for";
+            }
+        }
+    }
+}
+
+TEST(Aqorb_Descriptor, blur_does_not_blur_reflected_pixels)
+{
+    for (int width : {1, 2, 3, 20, 200})
+    {
+        const Mat image = makeNoise(Size(width, 30), width);
+        Mat blurred, expected;
+        approximateBlur(image, blurred);
+        cv::copyMakeBorder(image, expected, BLUR_MARGIN, BLUR_MARGIN, BLUR_MARGIN, BLUR_MARGIN,
+                           BORDER_REFLECT_101);
+        expected.convertTo(expected, CV_16U, 256);
+        blurred.copyTo(expected(Rect(Point(BLUR_MARGIN, BLUR_MARGIN), image.size())));
+        EXPECT_TRUE(sameMat(withMargin(blurred), expected));
+    }
+}
+
+TEST(Aqorb_Descriptor, blur_stays_within_its_bounds_on_the_worst_patches)
+{
+    // Around a single bright pixel every product of a tap is rounded alone.
+    for (int i = 0; i < 49; i++)
+        for (int grey = 1; grey <= 255; grey += 2)
+        {
+            Mat image = Mat::zeros(13, 40, CV_8UC1);
+            image.at<uchar>(3 + i / 7, 17 + i % 7) = uchar(grey);
+            Mat blurred;
+            approximateBlur(image, blurred);
+            expectWithinBounds(image, blurred, reference::blur(image));
+        }
+}
+
+TEST(Aqorb_Descriptor, blur_on_request_equals_fused_multiply_add)
+{
+    const Size sizes[] = {Size(131, 60), Size(30, 17), Size(7, 7), Size(5, 3), Size(2, 1), Size(1, 1)};
+    for (const Size& size : sizes)
+    {
+        const std::vector<Mat> images = hardImages(size, 3);
+        for (size_t i = 0; i < images.size(); i++)
+        {
+            SCOPED_TRACE(format("%d x %d, image %d", size.width, size.height, int(i)));
+            const Mat expected = reference::roundedBlur(images[i]);
+            for (int y = 0; y < size.height; y++)
+                for (int x = 0; x < size.width; x++)
+                {
+                    ASSERT_EQ(exactBlur(images[i], x, y), expected.at<uchar>(y, x)) << x << " " << y;
+                    WithoutOptimization baseline;
+                    ASSERT_EQ(exactBlur(images[i], x, y), expected.at<uchar>(y, x)) << x << " " << y;
+                }
+        }
+    }
+}
 
 void computeDescriptors(const Mat& image, const Mat& blurred, const FeaturePoint* points, size_t count,
                         const std::vector<Point>& pattern, int WTA_K, uchar* descriptors, size_t step)
@@ -184,6 +369,57 @@ TEST(Aqorb_Descriptor, pattern_equals_reference)
             for (const Point& p : pattern)
                 ASSERT_LE(std::max(std::abs(p.x), std::abs(p.y)), (patchSize + 1) / 2);
         }
+}
+
+unsigned bitsOf(float v)
+{
+    Cv32suf bits;
+    bits.f = v;
+    return bits.u;
+}
+
+//! Angles of either sign: every exponent, with many mantissas.
+std::vector<float> manyAngles(float largest = 120)
+{
+    std::vector<float> angles;
+    for (unsigned bits = 0; bits <= bitsOf(largest); bits += 1009)
+    {
+        Cv32suf angle;
+        angle.u = bits;
+        angles.push_back(angle.f);
+        angles.push_back(-angle.f);
+    }
+    return angles;
+}
+
+#if defined(__GLIBC__)
+#if !__GLIBC_PREREQ(2, 42)  // later versions were not compared
+TEST(Aqorb_Descriptor, sine_and_cosine_are_those_of_the_gnu_c_library)
+{
+    int different = 0;
+    for (const float angle : manyAngles(FLT_MAX))
+    {
+        float sine, cosine;
+        aqorb::sineAndCosine(angle, sine, cosine);
+        different += sine != std::sin(angle) || cosine != std::cos(angle);
+    }
+    EXPECT_EQ(0, different);
+}
+#endif
+#endif
+
+TEST(Aqorb_Descriptor, sine_and_cosine_are_the_same_on_every_system)
+{
+    uint64 hash = 0;
+    for (const float angle : manyAngles())
+    {
+        float sine, cosine;
+        aqorb::sineAndCosine(angle, sine, cosine);
+        // The sign of a zero is of no effect.
+        hash = (hash ^ bitsOf(sine + 0.f)) * 0x9e3779b97f4a7c15ULL;
+        hash = (hash ^ bitsOf(cosine + 0.f)) * 0x9e3779b97f4a7c15ULL;
+    }
+    EXPECT_EQ(uint64(0xb64e51f6095d960), hash);
 }
 
 }  // namespace

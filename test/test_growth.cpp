@@ -5,9 +5,6 @@
 
 // Grown matches: against a plain definition in double precision, and on images whose truth is known.
 
-#include "test_precomp.hpp"
-
-#include "matched_views.hpp"
 #include "reference_refinement.hpp"
 
 #include <limits>

@@ -188,5 +188,38 @@ TEST(Aqorb_IO, what_was_read_is_what_is_used)
     EXPECT_TRUE(sameFeatures(expected, detectAndCompute(*target, image)));
 }
 
+TEST(Aqorb_IO, a_storage_node_that_is_no_map)
+{
+    // XML reads an empty map as nothing at all: all keys are missing, which is no error.
+    const char* good[] = {
+        "<?xml version=\"1.0\"?>\n<opencv_storage>\n<detector>\n</detector>\n</opencv_storage>\n",
+        "%YAML:1.0\n---\ndetector:\n   {}\n"};
+    for (const char* text : good)
+    {
+        const Ptr<AdaptiveQuadtreeORB> detector = AdaptiveQuadtreeORB::create(77);
+        FileStorage fs(text, FileStorage::READ | FileStorage::MEMORY);
+        EXPECT_NO_THROW(detector->read(fs["detector"])) << text;
+        EXPECT_EQ(77, detector->getMaxFeatures());
+    }
+    const char* bad[] = {"%YAML:1.0\n---\ndetector: 5\n", "%YAML:1.0\n---\ndetector: text\n",
+                         "%YAML:1.0\n---\ndetector: [ 1, 2 ]\n"};
+    for (const char* text : bad)
+    {
+        const Ptr<AdaptiveQuadtreeORB> detector = AdaptiveQuadtreeORB::create(77);
+        FileStorage fs(text, FileStorage::READ | FileStorage::MEMORY);
+        try
+        {
+            detector->read(fs["detector"]);
+            ADD_FAILURE() << "accepted: " << text;
+        }
+        catch (const cv::Exception& e)
+        {
+            EXPECT_EQ((int)Error::StsParseError, e.code) << text;
+            EXPECT_NE(std::string::npos, e.err.find("must be a map of the parameters")) << e.err;
+        }
+        EXPECT_EQ(77, detector->getMaxFeatures());
+    }
+}
+
 }  // namespace
 }  // namespace opencv_test

@@ -73,11 +73,5 @@ TEST(Aqorb_Orientation, reference_is_fast_atan2)
         }
 }
 
-TEST(Aqorb_Orientation, patch_of_31_pixels_is_that_of_orb)
-{
-    const int expected[] = {15, 15, 15, 15, 14, 14, 14, 13, 13, 12, 11, 10, 9, 8, 6, 3};
-    EXPECT_EQ(circularPatch(31), std::vector<int>(expected, expected + 16));
-}
-
 }  // namespace
 }  // namespace opencv_test

@@ -35,13 +35,6 @@ TEST(Aqorb_Position, offset_equals_reference_at_every_pixel)
     }
 }
 
-TEST(Aqorb_Position, without_sub_pixel_is_that_of_orb)
-{
-    const PositionMap map = {Size(640, 480), Size(444, 333), 1.44f, 16, false};
-    EXPECT_EQ(map(100, 200, 0.3, -0.3), Point2f(100 * 1.44f, 200 * 1.44f));
-    EXPECT_EQ(map(0, 1), Point2f(0, 1.44f));
-}
-
 TEST(Aqorb_Position, is_by_pixel_centres)
 {
     // Half the size: pixel (20, 30) covers the pixels (40..41, 60..61).
@@ -83,13 +76,15 @@ TEST(Aqorb_Position, equals_reference_and_finds_back_to_its_pixel)
         }
 }
 
-// Positions of wide images are multiples of 1/64 of a pixel and more.
-TEST(Aqorb_Position, finds_back_to_its_pixel_in_the_widest_images)
+// Positions of wide images are multiples of 1/64 of a pixel and more. Inside the border, because compute drops all
+// keypoints within edgeThreshold of the image's sides.
+TEST(Aqorb_Position, finds_back_to_its_pixel_and_stays_inside_the_border_for_every_width)
 {
-    const double offsets[] = {-0.5, -0.49, 0, 0.49, 0.5};
     const int border = 16;
-    for (int width : {40000, 131072, 132000, 262144, 700001, (1 << 20) - 1})
-    {
+    std::vector<int> widths = {40000, 131072, 132000, 262144, 700001, (1 << 20) - 1};
+    for (int width = 40; width < 120; width++)
+        widths.push_back(width);
+    for (int width : widths)
         for (int level = 0; level <= 5; level++)
         {
             const Size image(width, 100);
@@ -97,84 +92,14 @@ TEST(Aqorb_Position, finds_back_to_its_pixel_in_the_widest_images)
             const Size size = reference::levelSize(image, scale);
             const PositionMap map = {image, size, scale, border, true};
             for (int x = border; x < size.width - border; x += x < 100 || x > size.width - 400 ? 1 : 101)
-            {
-                for (double d : offsets)
+                for (double d : {-0.5, -0.49, 0., 0.49, 0.5})
                 {
                     const float position = map(x, 50, d, 0).x;
                     ASSERT_EQ(x, cvRound(position * (1.f / scale))) << width << " " << level << " " << d;
                     ASSERT_GE(position, float(border)) << width << " " << level << " " << x;
                     ASSERT_LT(cvRound(position), width - border) << width << " " << level << " " << x;
                 }
-            }
         }
-    }
-}
-
-TEST(Aqorb_Position, stays_inside_the_border)
-{
-    // Otherwise compute would drop the keypoint, as it does with all within edgeThreshold of the image's sides.
-    const int border = 16;
-    for (int width = 40; width < 120; width++)
-        for (int level = 0; level < 6; level++)
-        {
-            const Size image(width, 100);
-            const float scale = reference::levelScale(level, 0, 1.2f);
-            const Size size = reference::levelSize(image, scale);
-            const PositionMap map = {image, size, scale, border, true};
-            for (int x = border; x < size.width - border; x++)
-                for (int d = -1; d <= 1; d++)
-                {
-                    const float position = map(x, 50, d * 0.5, 0).x;
-                    ASSERT_GE(position, float(border)) << width << " " << level << " " << x;
-                    ASSERT_LT(cvRound(position), width - border) << width << " " << level << " " << x;
-                }
-        }
-}
-
-// They moved towards a border of the image that no position of the pixel reaches, by almost a pixel of the level.
-TEST(Aqorb_Position, on_enlarged_levels_is_by_pixel_centres_at_the_sides_too)
-{
-    const Size image(197, 153);
-    const int border = 16;
-    for (float factor : {1.2f, 1.5f, 2.f})
-        for (int level = -3; level < 0; level++)
-        {
-            const float scale = reference::levelScale(level, 0, factor);
-            const Size size = reference::levelSize(image, scale);
-            const PositionMap map = {image, size, scale, border, true};
-            for (int x = border; x < size.width - border; x++)
-                for (double d : {-0.2, 0., 0.2})
-                {
-                    const double exact = (x + d + 0.5) * image.width / size.width - 0.5;
-                    if (std::abs(exact - border) < 1 || std::abs(exact - (image.width - border - 0.5)) < 1)
-                        continue;  // there the border can be reached
-                    const double nearest = std::max(std::min(exact, (x + 0.49) * scale), (x - 0.49) * scale);
-                    ASSERT_NEAR(map(x, 50, d, 0).x, nearest, 1e-4) << factor << " " << level << " " << x;
-                }
-        }
-}
-
-// A pixel of an enlarged level is made of at most four pixels of the image, and its keypoint lies on one of them.
-TEST(Aqorb_Position, a_usable_pixel_of_an_enlarged_level_has_a_usable_position)
-{
-    RNG rng(3);
-    for (int i = 0; i < 60; i++)
-    {
-        const Size image(rng.uniform(30, 100), rng.uniform(30, 100));
-        const Mat mask = makeNoise(image, i) > 60;
-        const float scale = reference::levelScale(-rng.uniform(1, 3), 0, rng.uniform(1.05f, 2.f));
-        const Size size = reference::levelSize(image, scale);
-        const int border = rng.uniform(0, 30);
-        const PositionMap map = {image, size, scale, border, true};
-        Mat levelMask = reference::resizeMask(mask, size);
-        const Mat before = levelMask.clone();
-        maskPositions(mask, map, levelMask);
-        const Rect region(border, border, size.width - 2 * border, size.height - 2 * border);
-        if (region.width > 0 && region.height > 0)
-        {
-            EXPECT_TRUE(sameMat(levelMask(region) != 0, before(region) != 0)) << scale << size << border;
-        }
-    }
 }
 
 TEST(Aqorb_Position, a_masked_pixel_has_no_usable_position)
@@ -203,6 +128,66 @@ TEST(Aqorb_Position, a_masked_pixel_has_no_usable_position)
                     ASSERT_EQ(levelMask.at<uchar>(y, x) != 0, use) << x << " " << y;
                 }
         }
+}
+
+void drawBlob(Mat& image, Point2d center, double sigma, double height)
+{
+    for (int y = 0; y < image.rows; y++)
+        for (int x = 0; x < image.cols; x++)
+        {
+            const double dx = x - center.x, dy = y - center.y;
+            const double value = height * std::exp(-(dx * dx + dy * dy) / (2 * sigma * sigma));
+            image.at<uchar>(y, x) = saturate_cast<uchar>(image.at<uchar>(y, x) + value);
+        }
+}
+
+// How far the only keypoint of a small round blob is off its centre, at worst.
+double worstError(bool subPixel)
+{
+    double worst = 0;
+    for (int i = 0; i < 36; i++)
+    {
+        const Point2d center(60 + (i % 6 - 2.5) / 6., 52 + (i / 6 - 2.5) / 6.);
+        Mat image(110, 120, CV_8UC1, Scalar(20));
+        drawBlob(image, center, 1, 200);  // The circle of FAST lies outside the blob.
+        const Ptr<AdaptiveQuadtreeORB> detector = AdaptiveQuadtreeORB::create(1, 1.2f, 1);
+        detector->setSubPixel(subPixel);
+        KeyPoints keypoints;
+        detector->detect(image, keypoints);
+        EXPECT_EQ(1u, keypoints.size());
+        if (!keypoints.empty())
+            worst = std::max(worst, cv::norm(Point2d(keypoints[0].pt) - center));
+    }
+    return worst;
+}
+
+TEST(Aqorb_Position, of_a_blob_is_a_small_fraction_of_a_pixel_off)
+{
+    EXPECT_LT(worstError(true), 0.15);
+    EXPECT_GT(worstError(false), 0.5);  // Whole pixels are up to half a diagonal off.
+}
+
+TEST(Aqorb_Position, of_a_blob_is_at_the_same_place_on_every_level)
+{
+    for (int octave = 0; octave < 8; octave++)
+    {
+        // a blob of the level's size; a map without pixel centres would be off by half a pixel of the level
+        const double scale = std::pow(1.2, octave);
+        const Point2d center(150.3, 140.8);
+        Mat image(290, 300, CV_8UC1, Scalar(20));
+        drawBlob(image, center, 1.2 * scale, 200);
+        const Ptr<AdaptiveQuadtreeORB> detector = AdaptiveQuadtreeORB::create(200);
+        detector->setOctaveSuppression(0);  // This keeps the same blob on several levels.
+        KeyPoints keypoints;
+        detector->detect(image, keypoints);
+        double nearest = 1e9;
+        for (const KeyPoint& keypoint : keypoints)
+        {
+            if (keypoint.octave == octave)
+                nearest = std::min(nearest, cv::norm(Point2d(keypoint.pt) - center));
+        }
+        EXPECT_LT(nearest, 0.3 * scale) << "octave " << octave;
+    }
 }
 
 }  // namespace

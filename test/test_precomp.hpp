@@ -72,6 +72,9 @@ Features detectAndCompute(Feature2D& detector, InputArray image, InputArray mask
 
 //! The message of the exception that a call raises; empty if it raises none.
 std::string messageOf(const std::function<void()>& call);
+//! Whether a message says what a parameter must be, and after that the value that it got.
+::testing::AssertionResult names(const std::string& message, const std::string& name,
+                                 const std::string& value);
 
 //! The bytes of the heap in use, of the GNU C library; 0 elsewhere.
 long long heapInUse();
@@ -105,6 +108,9 @@ std::vector<Mat> photographs();
 bool orbBlursWithFMA();
 
 }  // namespace opencv_test
+
+//! Expects that a call raises an exception that names a parameter and its value.
+#define AQORB_BAD(name, value, ...) EXPECT_TRUE(names(messageOf([&] { __VA_ARGS__; }), name, value))
 
 // Begins a test that needs opencv_extra's images.
 #define AQORB_NEEDS_DATA()                                  \

@@ -20,22 +20,6 @@ namespace
 
 using namespace aqorb;
 
-//! The levels of a pyramid, with memory of their own.
-std::vector<Level> buildPyramid(const Mat& image, const Mat& mask, const PyramidRule& rule)
-{
-    Level input;
-    input.image = image;
-    input.mask = mask;
-    static PyramidSpace space;  // Images of all sizes share it.
-    std::vector<Level> levels = makePyramid(input, rule, 2, space);
-    for (Level& level : levels)
-    {
-        level.image = level.image.clone();
-        level.mask = level.mask.clone();
-    }
-    return levels;
-}
-
 TEST(Aqorb_Pyramid, quotas_of_the_paper)
 {
     // 500 features on 8 levels: equation (8) gives 108.6 for the first and 30.3 for the last.
@@ -44,14 +28,8 @@ TEST(Aqorb_Pyramid, quotas_of_the_paper)
     const int expected[] = {109, 90, 75, 63, 52, 44, 36, 31};
     EXPECT_EQ(quotas, std::vector<int>(expected, expected + 8));
     EXPECT_EQ(quadtreeQuotas(500, 1.f, 1), std::vector<int>(1, 500));
-}
-
-TEST(Aqorb_Pyramid, quotas_take_rounding_from_the_finest_level)
-{
-    // cv::ORB's rounding asks for 8 features where 7 are wanted.
-    const std::vector<int> quotas = quadtreeQuotas(7, 1.2f, 8);
-    const int expected[] = {1, 1, 1, 1, 1, 1, 1, 0};
-    EXPECT_EQ(quotas, std::vector<int>(expected, expected + 8));
+    // cv::ORB's rounding asks for 8 features where 7 are wanted: the finest level that has one gives it up.
+    EXPECT_EQ(quadtreeQuotas(7, 1.2f, 8), reference::quotas(7, 1.2f, 8));
 }
 
 TEST(Aqorb_Pyramid, quotas_of_the_ranked_selection_add_up_and_equal_reference)
@@ -79,29 +57,6 @@ TEST(Aqorb_Pyramid, quotas_of_the_ranked_selection_add_up_and_equal_reference)
     const std::vector<int> quotas = rankedQuotas(INT_MAX, {Size(8, 8), Size(3, 1)}, {1.f, 16.f});
     EXPECT_NEAR(quotas[0], quotas[1], 200);
     EXPECT_EQ(int64(quotas[0]) + quotas[1], INT_MAX);
-}
-
-TEST(Aqorb_Pyramid, scales_and_sizes_are_those_of_orb)
-{
-    EXPECT_EQ(levelScale(0, 0, 1.2f), 1.f);
-    EXPECT_EQ(levelScale(1, 0, 1.2f), 1.2f);
-    EXPECT_EQ(levelScale(3, 1, 2.f), 4.f);
-    EXPECT_EQ(levelScale(0, 2, 2.f), 0.25f);
-    EXPECT_EQ(levelScale(7, 0, 1.2f), (float)std::pow((double)1.2f, 7.));
-    EXPECT_EQ(levelSize(Size(640, 480), 1.2f), Size(533, 400));
-    EXPECT_EQ(levelSize(Size(640, 480), 0.5f), Size(1280, 960));
-    EXPECT_EQ(levelSize(Size(5, 1), 2.5f), Size(2, 0));
-    EXPECT_THROW(levelSize(Size(640, 480), 1e-5f), cv::Exception);
-}
-
-static void expectResizedAsOpenCV(const Mat& source, Size size)
-{
-    Mat expected, resized;
-    cv::resize(source, expected, size, 0, 0, INTER_LINEAR_EXACT);
-    resized.create(size, CV_8UC1);
-    Ptr<ResizeTables> tables;
-    resizeExact(source, resized, tables);
-    EXPECT_TRUE(sameMat(resized, expected));
 }
 
 TEST(Aqorb_Pyramid, resize_equals_opencv_for_every_width_and_alignment)
@@ -132,36 +87,88 @@ TEST(Aqorb_Pyramid, resize_equals_opencv_for_every_width_and_alignment)
     }
 }
 
-TEST(Aqorb_Pyramid, resize_takes_regions)
+TEST(Aqorb_Pyramid, quotas_of_more_features_than_a_float_counts)
 {
-    const Mat noise = makeNoise(Size(200, 150));
-    expectResizedAsOpenCV(noise(Rect(13, 7, 151, 101)), Size(126, 84));
+    // 2^31 - 1 is 2^31 as a float, which no int holds.
+    const double factors[] = {1.001, 1.2, 2, 1e30};
+    for (double factor : factors)
+        for (int nlevels = 1; nlevels <= 8; nlevels++)
+        {
+            const std::vector<int> quotas = quadtreeQuotas(INT_MAX, factor, nlevels);
+            EXPECT_EQ(INT_MAX, std::accumulate(quotas.begin(), quotas.end(), int64(0)));
+            EXPECT_GE(*std::min_element(quotas.begin(), quotas.end()), 0);
+        }
 }
 
-TEST(Aqorb_Pyramid, a_masked_pixel_masks_all_that_are_made_of_it)
+TEST(Aqorb_Pyramid, quotas_for_a_scale_factor_that_is_one_as_a_float)
 {
-    const Mat image = makeScene(Size(97, 75));
-    Mat mask(image.size(), CV_8UC1, Scalar(1));
-    RNG rng(1);
-    for (int i = 0; i < 40; i++)
-        mask.at<uchar>(rng.uniform(0, mask.rows), rng.uniform(0, mask.cols)) = 0;
-    mask(Rect(20, 20, 15, 5)).setTo(0);
-    const float factors[] = {1.1f, 1.2f, 1.5f, 2.f, 2.9f};
+    // Equation (8) is 0 / 0 there.
+    for (double factor : {1 + 1e-15, 1 + 1e-8, 1 + 6e-8, 1 + 1e-7, 1 + 1e-6})
+    {
+        SCOPED_TRACE(factor);
+        const std::vector<int> quotas = quadtreeQuotas(500, factor, 4);
+        EXPECT_EQ(500, std::accumulate(quotas.begin(), quotas.end(), int64(0)));
+        EXPECT_GT(*std::min_element(quotas.begin(), quotas.end()), 100);
+        const Ptr<AdaptiveQuadtreeORB> detector = AdaptiveQuadtreeORB::create(60, 1.2f, 3);
+        detector->setScaleFactor(factor);
+        KeyPoints keypoints;
+        detector->detect(makeScene(Size(120, 90)), keypoints);
+        EXPECT_EQ(60u, keypoints.size());
+    }
+}
+
+TEST(Aqorb_Pyramid, is_what_detection_uses)
+{
+    const Mat image = makeScene(Size(211, 157));
+    const float factors[] = {1.1f, 1.2f, 2.f};
     for (float factor : factors)
         for (int firstLevel = 0; firstLevel <= 2; firstLevel++)
         {
-            const std::vector<Level> levels = buildPyramid(image, mask, {firstLevel, factor, 5, 5});
-            for (int i = 0; i < int(levels.size()); i++)
-            {
-                SCOPED_TRACE(format("factor %g, first level %d, level %d", factor, firstLevel, i));
-                ASSERT_EQ(levels[i].mask.size(), levels[i].image.size());
-                Mat expected = mask;
-                if (i != firstLevel)
-                    expected = reference::resizeMask(i <= firstLevel + 1 ? mask : levels[i - 1].mask,
-                                                     levels[i].image.size());
-                EXPECT_TRUE(sameMat(levels[i].mask != 0, expected != 0));
-            }
+            const Ptr<AdaptiveQuadtreeORB> detector =
+                AdaptiveQuadtreeORB::create(500, factor, 4, 16, firstLevel);
+            std::vector<Mat> levels;
+            detector->buildPyramid(image, levels);
+            const std::vector<Mat> expected = reference::pyramid(image, 4, firstLevel, factor);
+            ASSERT_EQ(4u, levels.size());
+            for (int i = 0; i < 4; i++)
+                EXPECT_TRUE(sameMat(expected[i], levels[i])) << factor << " " << firstLevel << " " << i;
         }
+}
+
+TEST(Aqorb_Pyramid, takes_what_detection_takes)
+{
+    const Ptr<AdaptiveQuadtreeORB> detector = AdaptiveQuadtreeORB::create();
+    const Mat image = makeScene(Size(200, 150));
+    std::vector<Mat> expected, levels;
+    detector->buildPyramid(image, expected);
+    ASSERT_EQ(8u, expected.size());
+
+    Mat colour;
+    cvtColor(image, colour, COLOR_GRAY2BGR);
+    detector->buildPyramid(colour.getUMat(ACCESS_READ), levels);
+    ASSERT_EQ(expected.size(), levels.size());
+    for (size_t i = 0; i < levels.size(); i++)
+        EXPECT_TRUE(sameMat(expected[i], levels[i]));
+
+    std::vector<UMat> ulevels(2);
+    detector->buildPyramid(image, ulevels);
+    ASSERT_EQ(expected.size(), ulevels.size());
+    for (size_t i = 0; i < ulevels.size(); i++)
+        EXPECT_TRUE(sameMat(expected[i], ulevels[i].getMat(ACCESS_READ)));
+
+    const Mat before = levels[0];
+    levels[0].setTo(0);
+    detector->buildPyramid(image, levels);
+    EXPECT_TRUE(sameMat(expected[0], levels[0]));
+    EXPECT_TRUE(sameMat(image, expected[0]));  // its own memory
+    EXPECT_NE(before.data, levels[0].data);
+
+    EXPECT_THROW(detector->buildPyramid(Mat(9, 9, CV_32FC1, Scalar(0)), levels), cv::Exception);
+    EXPECT_EQ(8u, levels.size());
+    detector->buildPyramid(Mat(), levels);
+    EXPECT_TRUE(levels.empty());
+    detector->setFirstLevel(8);
+    EXPECT_THROW(detector->buildPyramid(image, levels), cv::Exception);
 }
 
 }  // namespace

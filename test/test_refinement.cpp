@@ -5,9 +5,6 @@
 
 // The refinement of matches: against a plain definition in double precision, and on images whose truth is known.
 
-#include "test_precomp.hpp"
-
-#include "matched_views.hpp"
 #include "reference_refinement.hpp"
 
 #include <limits>
@@ -156,46 +153,6 @@ TEST(Aqorb_Refinement, equals_the_plain_definition)
     EXPECT_GT(aligned, 500);
     EXPECT_LT(otherwise, compared / 200);
     EXPECT_LT(otherDeviations, aligned / 100);
-}
-
-TEST(Aqorb_Refinement, improves_matches_of_a_photograph)
-{
-    AQORB_NEEDS_DATA();
-    const Mat image = imread(oxfordImage("leuven", 1), IMREAD_GRAYSCALE);
-    const Matx33d view(0.95, -0.12, 60, 0.1, 0.98, 5, 4e-5, -2e-5, 1);
-    MatchedViews pair;
-    pair.image1 = image;
-    warpPerspective(image, pair.image2, view, image.size(), INTER_CUBIC);
-    const Ptr<AdaptiveQuadtreeORB> detector = AdaptiveQuadtreeORB::create(1000);
-    const Features first = detectAndCompute(*detector, pair.image1),
-                   second = detectAndCompute(*detector, pair.image2);
-    pair.keypoints1 = first.keypoints;
-    pair.keypoints2 = second.keypoints;
-    aqorb::HammingMatcher(NORM_HAMMING, true).match(first.descriptors, second.descriptors, pair.matches);
-
-    const auto medianOf = [&](const Refined& refined, double& wrong)
-    {
-        std::vector<Point2f> seen;
-        perspectiveTransform(refined.points1, seen, view);
-        std::vector<double> right;
-        for (size_t i = 0; i < seen.size(); i++)
-            if (cv::norm(seen[i] - refined.points2[i]) < 3)
-                right.push_back(cv::norm(seen[i] - refined.points2[i]));
-        wrong = double(seen.size() - right.size()) / seen.size();
-        std::sort(right.begin(), right.end());
-        return right[right.size() / 2];
-    };
-    Refined before;
-    for (const DMatch& match : pair.matches)
-    {
-        before.points1.push_back(pair.keypoints1[match.queryIdx].pt);
-        before.points2.push_back(pair.keypoints2[match.trainIdx].pt);
-    }
-    double wrongBefore, wrongAfter;
-    const double errorBefore = medianOf(before, wrongBefore), errorAfter = medianOf(refine(pair), wrongAfter);
-    EXPECT_LT(errorAfter, errorBefore / 5);
-    EXPECT_LT(errorAfter, 0.06);
-    EXPECT_LT(wrongAfter, wrongBefore / 3);
 }
 
 TEST(Aqorb_Refinement, threads_give_the_same_bytes)

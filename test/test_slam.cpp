@@ -9,57 +9,6 @@
 
 #include <thread>
 
-// A SLAM system's own code, in so far as it touches the extractor.
-namespace slam_system
-{
-
-using ORBextractor = cv::aqorb::SlamExtractor;
-
-struct Settings
-{
-    int nFeatures = 600, nLevels = 8, fIniThFAST = 20, fMinThFAST = 7;
-    float fScaleFactor = 1.2f;
-};
-
-class Frame
-{
-public:
-    Frame(const cv::Mat& left, const cv::Mat& right, ORBextractor* extractorLeft,
-          ORBextractor* extractorRight)
-        : mpORBextractorLeft(extractorLeft), mpORBextractorRight(extractorRight)
-    {
-        mnScaleLevels = mpORBextractorLeft->GetLevels();
-        mfScaleFactor = mpORBextractorLeft->GetScaleFactor();
-        mvScaleFactors = mpORBextractorLeft->GetScaleFactors();
-        mvInvScaleFactors = mpORBextractorLeft->GetInverseScaleFactors();
-        mvLevelSigma2 = mpORBextractorLeft->GetScaleSigmaSquares();
-        mvInvLevelSigma2 = mpORBextractorLeft->GetInverseScaleSigmaSquares();
-        std::thread threadLeft(&Frame::ExtractORB, this, 0, left, 0, 0);
-        std::thread threadRight(&Frame::ExtractORB, this, 1, right, 0, 0);
-        threadLeft.join();
-        threadRight.join();
-    }
-
-    void ExtractORB(int flag, const cv::Mat& image, const int x0, const int x1)
-    {
-        std::vector<int> vLapping = {x0, x1};
-        if (flag == 0)
-            monoLeft = (*mpORBextractorLeft)(image, cv::Mat(), mvKeys, mDescriptors, vLapping);
-        else
-            monoRight = (*mpORBextractorRight)(image, cv::Mat(), mvKeysRight, mDescriptorsRight, vLapping);
-    }
-
-    ORBextractor *mpORBextractorLeft, *mpORBextractorRight;
-    int monoLeft, monoRight;
-    std::vector<cv::KeyPoint> mvKeys, mvKeysRight;
-    cv::Mat mDescriptors, mDescriptorsRight;
-    int mnScaleLevels;
-    float mfScaleFactor;
-    std::vector<float> mvScaleFactors, mvInvScaleFactors, mvLevelSigma2, mvInvLevelSigma2;
-};
-
-}  // namespace slam_system
-
 namespace opencv_test
 {
 namespace
@@ -74,29 +23,40 @@ Features extract(SlamExtractor& extractor, const Mat& image, const Mat& mask = M
     return features;
 }
 
+// As a SLAM system holds it: an ORBextractor for each camera, which two threads call.
 TEST(Aqorb_Slam, a_system_holds_it_as_its_or_bextractor)
 {
-    const slam_system::Settings settings;
-    slam_system::ORBextractor left(settings.nFeatures, settings.fScaleFactor, settings.nLevels,
-                                   settings.fIniThFAST, settings.fMinThFAST);
-    slam_system::ORBextractor right(settings.nFeatures, settings.fScaleFactor, settings.nLevels,
-                                    settings.fIniThFAST, settings.fMinThFAST);
-    const Mat image = makeScene(Size(400, 300));
-    const slam_system::Frame frame(image, makeScene(Size(400, 300), 2), &left, &right);
-    EXPECT_EQ(608u, frame.mvKeys.size());
-    EXPECT_EQ(608, frame.mDescriptors.rows);
-    EXPECT_EQ(608u, frame.mvKeysRight.size());
-    EXPECT_EQ(608, frame.monoLeft);  // no keypoint lies in column 0
-    EXPECT_EQ(8, frame.mnScaleLevels);
-    EXPECT_EQ(1.2f, frame.mfScaleFactor);
-    ASSERT_EQ(8u, frame.mvScaleFactors.size());
+    using ORBextractor = SlamExtractor;
+    ORBextractor extractors[] = {ORBextractor(600, 1.2f, 8, 20, 7), ORBextractor(600, 1.2f, 8, 20, 7)};
+    int outside[2];
+    Features features[2];
+    const auto extractORB = [&](int camera)
+    {
+        std::vector<int> lapping = {0, 0};
+        outside[camera] =
+            extractors[camera](makeScene(Size(400, 300), camera + 1), Mat(), features[camera].keypoints,
+                               features[camera].descriptors, lapping);
+    };
+    std::thread left(extractORB, 0), right(extractORB, 1);
+    left.join();
+    right.join();
+    for (int camera = 0; camera < 2; camera++)
+    {
+        EXPECT_EQ(608u, features[camera].keypoints.size());
+        EXPECT_EQ(608, features[camera].descriptors.rows);
+        EXPECT_EQ(608, outside[camera]);  // no keypoint lies in column 0
+    }
+    ORBextractor& extractor = extractors[0];
+    EXPECT_EQ(8, extractor.GetLevels());
+    EXPECT_EQ(1.2f, extractor.GetScaleFactor());
+    ASSERT_EQ(8u, extractor.GetScaleFactors().size());
     for (int i = 0; i < 8; i++)
     {
         const float scale = reference::levelScale(i, 0, 1.2f);
-        EXPECT_EQ(scale, frame.mvScaleFactors[i]);
-        EXPECT_FLOAT_EQ(1 / scale, frame.mvInvScaleFactors[i]);
-        EXPECT_FLOAT_EQ(scale * scale, frame.mvLevelSigma2[i]);
-        EXPECT_FLOAT_EQ(1 / (scale * scale), frame.mvInvLevelSigma2[i]);
+        EXPECT_EQ(scale, extractor.GetScaleFactors()[i]);
+        EXPECT_FLOAT_EQ(1 / scale, extractor.GetInverseScaleFactors()[i]);
+        EXPECT_FLOAT_EQ(scale * scale, extractor.GetScaleSigmaSquares()[i]);
+        EXPECT_FLOAT_EQ(1 / (scale * scale), extractor.GetInverseScaleSigmaSquares()[i]);
     }
 }
 
@@ -285,7 +245,7 @@ TEST(Aqorb_Slam, keypoints_are_parted_by_the_overlap)
     }
 }
 
-TEST(Aqorb_Slam, the_pyramid_is_the_detectors)
+TEST(Aqorb_Slam, the_pyramid_is_the_detectors_and_its_memory_can_be_given_back)
 {
     SlamExtractor extractor(500, 1.2f, 8, 20, 7);
     const Mat images[] = {makeScene(Size(301, 247)), makeScene(Size(123, 456), 2)};
@@ -303,21 +263,9 @@ TEST(Aqorb_Slam, the_pyramid_is_the_detectors)
             const float scale = extractor.GetScaleFactors()[i];
             EXPECT_EQ(Size(cvRound(image.cols / scale), cvRound(image.rows / scale)), level.size());
         }
+        extractor.releaseMemory();
+        EXPECT_TRUE(extractor.mvImagePyramid.empty());
     }
-}
-
-TEST(Aqorb_Slam, memory_can_be_given_back)
-{
-    aqorb::SlamExtractor extractor(200, 1.2f, 8, 20, 7);
-    const Mat image = makeScene(Size(320, 240));
-    KeyPoints expected, keypoints;
-    Mat descriptors;
-    extractor(image, noArray(), expected, descriptors);
-    EXPECT_EQ(8u, extractor.mvImagePyramid.size());
-    extractor.releaseMemory();
-    EXPECT_TRUE(extractor.mvImagePyramid.empty());
-    extractor(image, noArray(), keypoints, descriptors);
-    EXPECT_TRUE(sameKeypoints(expected, keypoints));
 }
 
 TEST(Aqorb_Slam, an_empty_image_clears_all)

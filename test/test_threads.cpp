@@ -164,19 +164,6 @@ TEST(Aqorb_Threads, threads_of_the_caller_give_the_same_bytes)
     }
 }
 
-//! Counts how often cv::parallel_for_ asks for threads, and the largest number of them.
-class Counting : public InTurns
-{
-public:
-    void parallel_for(int stripes, FN_parallel_for_body_cb_t body, void* data) CV_OVERRIDE
-    {
-        calls++;
-        maxStripes = std::max(maxStripes, stripes);
-        InTurns::parallel_for(stripes, body, data);
-    }
-    int calls = 0, maxStripes = 0;
-};
-
 TEST(Aqorb_Threads, threads_have_an_image_each_and_up_to_16_share_a_single_one)
 {
     const struct

@@ -34,6 +34,18 @@ std::string messageOf(const std::function<void()>& call)
     return std::string();
 }
 
+::testing::AssertionResult names(const std::string& message, const std::string& name,
+                                 const std::string& value)
+{
+    // As in "nfeatures must be at least 0, got -1".
+    const size_t must = message.find(" must "), got = message.find(", got ");
+    if (must != std::string::npos && got != std::string::npos && message.find(name) < got &&
+        message.find(value, got) != std::string::npos)
+        return ::testing::AssertionSuccess();
+    return ::testing::AssertionFailure()
+           << "'" << message << "' does not say what " << name << " must be, and that it is " << value;
+}
+
 long long heapInUse()
 {
 #if defined(__GLIBC__)
@@ -62,6 +74,23 @@ std::string oxfordImage(const std::string& set, int index)
 {
     return dataFile(
         format("cv/detectors_descriptors_evaluation/images_datasets/%s/img%d.png", set.c_str(), index));
+}
+
+std::vector<Mat> photographs()
+{
+    const std::string names[] = {oxfordImage("bikes", 1),      oxfordImage("leuven", 4),
+                                 oxfordImage("bark", 1),       oxfordImage("trees", 2),
+                                 oxfordImage("ubc", 6),        oxfordImage("graf", 3),
+                                 dataFile("cv/shared/box.png")};
+    std::vector<Mat> images;
+    for (const std::string& name : names)
+    {
+        const Mat image = imread(name, IMREAD_GRAYSCALE);
+        EXPECT_FALSE(image.empty()) << name;
+        if (!image.empty())
+            images.push_back(image);
+    }
+    return images;
 }
 
 ::testing::AssertionResult sameKeypoints(const KeyPoints& a, const KeyPoints& b)

@@ -96,20 +96,19 @@ def geometry_of(inlier_matches, fundamental, turns):
     return geometry
 
 
-def export(features, matches, folder, path, camera_mode='AUTO', options=None, append=False, refine=False):
+def export(features, matches, folder, path, camera_mode='AUTO', options=None, refine=False):
     """Writes the features in a folder, and the matches in another folder or None, to a database. Cameras, focal lengths
-    and places come from COLMAP's import of the images in `folder`, with its camera_mode and options. A new database
-    appears when it is complete; append adds missing images and pairs in one transaction. refine refines positions by
-    tracks, and leaves out matches of unrefined keypoints. Returns the numbers of written images and pairs, each omitted
+    and places come from COLMAP's import of the images in `folder`, with its camera_mode and options. The database is
+    new, and appears when it is complete. refine refines positions by tracks, and leaves out matches of unrefined
+    keypoints. Returns the numbers of written images and pairs, each omitted
     image with the reason, and the next step for COLMAP.
 
     A child process writes, because pycolmap ends its process if a disk is full."""
-    is_new = not (append and os.path.exists(path))
-    if is_new and os.path.lexists(path):
-        raise InputError(f'{path} exists: --append adds missing images and pairs')
-    if refine and not (is_new and matches):
-        raise InputError('--refine needs matches, and a new database: it moves the keypoints of all images')
-    target = f'{path}.{secrets.token_hex(4)}.unfinished' if is_new else path
+    if os.path.lexists(path):
+        raise InputError(f'{path} exists')
+    if refine and not matches:
+        raise InputError('--refine needs matches')
+    target = f'{path}.{secrets.token_hex(4)}.unfinished'
     call = json.dumps([features, matches, folder, target, camera_mode, options or {}, refine])
     environment = dict(os.environ, PYTHONPATH=os.pathsep.join(filter(None, sys.path)))
     try:
@@ -118,10 +117,9 @@ def export(features, matches, folder, path, camera_mode='AUTO', options=None, ap
         reply = json.loads(done.stdout.decode().rpartition('\n')[2] or '{}')
         if done.returncode or 'error' in reply:
             raise InputError(reply.get('error') or f'{path}: COLMAP could not write it: is the disk full?')
-        if is_new:
-            os.rename(target, path)
+        os.rename(target, path)
     finally:
-        for suffix in ('', '-wal', '-shm', '-journal') if is_new else ():
+        for suffix in '', '-wal', '-shm', '-journal':
             if os.path.exists(target + suffix):
                 os.remove(target + suffix)
     return reply['images'], reply['pairs'], reply['left_out'], reply['needs']
@@ -138,54 +136,40 @@ def _export(features, matches, folder, path, camera_mode, options, refine):
     sizes = list(zip(features.value('width'), features.value('height')))
     orientations = features.value('orientation')
     turns = [turn_of(*one) for one in zip(orientations, sizes)]
-    database, existing = pycolmap.Database.open(path), {}
-    for image in database.read_all_images():
-        existing[image.name] = image.image_id
-    left_out, ids = [], {}
+    database, left_out, ids, numbers = pycolmap.Database.open(path), [], {}, {}
     with tempfile.TemporaryDirectory() as scratch:
-        imported = import_images(os.path.join(scratch, 'images.db'), folder, camera_mode, options,
-                                 [name for name in features.images if name not in existing])
+        imported = import_images(os.path.join(scratch, 'images.db'), folder, camera_mode, options, features.images)
         cameras = {camera.camera_id: camera for camera in imported.read_all_cameras()}
         images = {image.name: image for image in imported.read_all_images()}
         priors = {prior.corr_data_id.id: prior for prior in imported.read_all_pose_priors()}
         imported.close()
     with pycolmap.DatabaseTransaction(database):
-        try:
-            numbers = {}
-            for index, name in enumerate(features.images):
-                found = features.of(index)
-                if refine:
-                    found['x'], found['y'] = positions[index].T
-                rows = rows_of(found, turns[index])
-                if name in existing:
-                    if not np.allclose(database.read_keypoints(existing[name])[:, :2], rows[:, :2] + .5, atol=.01):
-                        raise InputError(f'the database has other keypoints of {name}')
-                    ids[index] = existing[name]
-                    continue
-                reason = why_not(os.path.join(folder, name), images.get(name), cameras,
-                                 sizes[index][::-1] if orientations[index] >= 5 else sizes[index])
-                if reason:
-                    left_out.append((name, reason))
-                    continue
-                image = images[name]
-                if image.camera_id not in numbers:
-                    numbers[image.camera_id] = write_camera(database, cameras[image.camera_id])
-                ids[index] = write_image(database, name, numbers[image.camera_id], rows, found['descriptors'])
-                prior = priors.get(image.image_id)
-                if prior and np.isfinite(prior.position).all():
-                    prior.corr_data_id = database.read_image(ids[index]).data_id
-                    database.write_pose_prior(prior)
-            pairs = write_pairs(database, matches, ids, turns, refined) if matches else 0
-        except BaseException as error:  # ends the process: pycolmap would commit half of the transaction
-            answer(error=str(error))
+        for index, name in enumerate(features.images):
+            found = features.of(index)
+            if refine:
+                found['x'], found['y'] = positions[index].T
+            rows = rows_of(found, turns[index])
+            reason = why_not(os.path.join(folder, name), images.get(name), cameras,
+                             sizes[index][::-1] if orientations[index] >= 5 else sizes[index])
+            if reason:
+                left_out.append((name, reason))
+                continue
+            image = images[name]
+            if image.camera_id not in numbers:
+                numbers[image.camera_id] = write_camera(database, cameras[image.camera_id])
+            ids[index] = write_image(database, name, numbers[image.camera_id], rows, found['descriptors'])
+            prior = priors.get(image.image_id)
+            if prior and np.isfinite(prior.position).all():
+                prior.corr_data_id = database.read_image(ids[index]).data_id
+                database.write_pose_prior(prior)
+        pairs = write_pairs(database, matches, ids, turns, refined) if matches else 0
     database.close()
     needs = ''
     if not matches:
         needs = "COLMAP cannot match these features: run aqorb match, then aqorb colmap with its matches"
     elif not (matches.parameters() or {'verified': True})['verified']:
         needs = "the matches are not verified: run COLMAP's geometric_verification"
-    answer(images=len(set(features.images[index] for index in ids) - set(existing)), pairs=pairs, left_out=left_out,
-           needs=needs)
+    answer(images=len(ids), pairs=pairs, left_out=left_out, needs=needs)
 
 
 def import_images(path, folder, camera_mode, options, names):
@@ -209,11 +193,11 @@ def why_not(path, image, cameras, size):
 
 
 def write_pairs(database, matches, ids, turns, refined):
-    """Writes the matches of pairs that the database lacks, and returns the number of these pairs. refined has the
+    """Writes the matches of pairs of written images, and returns the number of these pairs. refined has the
     matches and the fundamental matrix of each pair with refined positions."""
     count = 0
     for pair, (first, second) in enumerate(matches.pairs):
-        if first not in ids or second not in ids or database.exists_matches(ids[first], ids[second]):
+        if first not in ids or second not in ids:
             continue
         if refined:
             rows, fundamental = refined[pair]

@@ -11,8 +11,6 @@ import io
 import math
 import os
 import re
-import sys
-import tempfile
 import typing
 
 import numpy as np
@@ -22,9 +20,8 @@ from aqorb_photographs import InputError
 
 # Formats that Pillow may read. It passes others to programs: an EPS to Ghostscript, which executes the file.
 FORMATS = 'PNG', 'JPEG', 'MPO', 'TIFF', 'WEBP', 'BMP', 'PPM', 'GIF', 'JPEG2000', 'SUN', 'HEIF', 'AVIF'
-# Pillow's transposition to the upright image for each EXIF orientation, and the inverse transposition.
+# Pillow's transposition to the upright image for each EXIF orientation.
 TURNS = {2: 0, 3: 3, 4: 1, 5: 5, 6: 4, 7: 6, 8: 2}
-UNDONE = {**TURNS, 6: 2, 8: 4}
 # Files and folders of other programs: trash, thumbnails, parts of features, and the masks of COLMAP.
 CLUTTER = re.compile(r'\._.*|\.DS_Store|Thumbs\.db|desktop\.ini|@eaDir|#recycle|@Recycle|\$RECYCLE\.BIN|\.Trash.*'
                      r'|\.?thumbnails|part-.*\.parquet|.*\.(jpe?g|png|tiff?|webp|bmp|heic)\.png', re.IGNORECASE)
@@ -32,12 +29,11 @@ STRETCHED = .5, 99.5  # percentiles of black and white
 
 
 class Reading(typing.NamedTuple):
-    """Options of reading images. Reading reduces images to at most max_size pixels a side. orientation turns an
-    image by its EXIF data. stretch maps the darkest and brightest pixels of images with more than 8 bits to black
-    and white. An image of more than max_pixels is an error; a JPEG counts as reduced by its decoder for max_size."""
+    """Options of reading images. Reading reduces images to at most max_size pixels a side. stretch maps the darkest and
+    brightest pixels of images with more than 8 bits to black and white. An image of more than max_pixels is an error; a
+    JPEG counts as reduced by its decoder for max_size."""
 
     max_size: typing.Optional[int] = None
-    orientation: bool = True
     stretch: bool = False
     max_pixels: int = 178956970
 
@@ -137,20 +133,14 @@ def read_image(file, reading=Reading()):
         image.load()
         note = 'its end is missing'
     grey = to_grey(image, reading.stretch)
-    is_turned_back = turn > 1 and not reading.orientation
-    if image.format == 'TIFF':  # already turned by Pillow
-        if is_turned_back:
-            grey = grey.transpose(UNDONE[turn])
-        size, box, pillow_turn = grey.size, (0, 0, *grey.size), 1
-    else:
-        pillow_turn = turn
+    is_upright = turn == 1 or image.format == 'TIFF'  # which Pillow has turned
+    if image.format == 'TIFF':
+        size, box = grey.size, (0, 0, *grey.size)
     del image  # it may be large
     scaled = smaller(size, reading.max_size)
     if grey.size != scaled or box != (0, 0, *scaled):
         grey = grey.resize(scaled, Image.BICUBIC, box, reducing_gap=2)
-    if is_turned_back:
-        turn = 1
-    elif pillow_turn > 1:
+    if not is_upright:
         grey = grey.transpose(TURNS[turn])
         size = size[::-1] if turn >= 5 else size
     return Picture(np.asarray(grey), size, turn, camera, note)
@@ -253,39 +243,9 @@ def mask_of(folder, name):
 def read_mask(path, picture):
     """Reads the mask of an image file, and turns and reduces it like the picture."""
     with open(path, 'rb') as file:
-        mask = Image.fromarray(read_image(file, Reading(orientation=False)).pixels)
+        mask = Image.fromarray(read_image(file).pixels)
     if picture.orientation > 1:
         mask = mask.transpose(TURNS[picture.orientation])
     if mask.size != picture.size:
         raise ValueError(f'its mask {path} has another size')
     return np.asarray(mask.resize(picture.pixels.shape[::-1], Image.NEAREST))
-
-
-@contextlib.contextmanager
-def printed():
-    """Redirects the output of C libraries, such as libtiff, to a temporary file, and yields this file."""
-    with tempfile.TemporaryFile() as kept:
-        try:
-            original, python = os.dup(2), sys.stderr
-        except OSError:  # stderr is closed
-            yield kept
-            return
-        sys.stderr = open(original, 'w', errors='backslashreplace')
-        os.dup2(kept.fileno(), 2)
-        try:
-            yield kept
-        finally:
-            sys.stderr.flush()
-            os.dup2(original, 2)
-            sys.stderr.close()
-            sys.stderr = python
-
-
-def printed_of(file, kept):
-    """Returns the libraries' messages about a failed file: decodes it again, alone, if libraries printed anything."""
-    start = os.fstat(kept.fileno()).st_size
-    if start:
-        with contextlib.suppress(Exception), file.open() as stream:
-            read_image(stream)
-    lines = os.pread(kept.fileno(), 1000, start).decode(errors='replace').splitlines()
-    return f' ({"; ".join(dict.fromkeys(lines))})' if lines else ''

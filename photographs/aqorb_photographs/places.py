@@ -4,17 +4,16 @@
 # SPDX-License-Identifier: Apache-2.0
 """Finds images of the same place by a bag of words over ORB descriptors, with NumPy and scipy.sparse.
 
-    words = places.choose_words([places.draw(images)])   # images: pairs of a name and descriptors
+    words = places.choose_words(images)           # images: pairs of a name and descriptors
     counts = places.count_matrix(places.look_up(images, words), len(words))
-    pairs, weights = places.similar_pairs(counts, 5)     # each image with the five most similar ones
-    inliers, F = places.verify(points1, points2)         # of two images: the matches that agree on a geometry
+    pairs = places.similar_pairs(counts, 5)       # each image with the five most similar ones
+    inliers, F = places.verify(points1, points2)  # of two images: the matches that agree on a geometry
 
 Words are descriptors of the collection itself, drawn at random. The word of a feature is the nearest word. The
 vector of an image has an element for each word: the square root of the word's count in the image, times the
 logarithm of the word's rarity. The similarity of two images is the cosine of their vectors.
 
-The draw depends on the seed and on the images' names, but not on the order of images, so several machines can draw
-from parts of a collection."""
+The draw depends on the seed and on the images' names, but not on the order of images."""
 
 import concurrent.futures
 import contextlib
@@ -55,9 +54,9 @@ def images_of(table):
         yield name.as_py(), strongest(rows, response.values.to_numpy())
 
 
-def draw(images, count=WORDS, seed=0):
-    """Draws features at random, all with the same probability. images are pairs of a name and descriptors.
-    Returns the random numbers and the descriptors of the drawn features, and the number of all features."""
+def choose_words(images, count=WORDS, seed=0):
+    """Returns the words of a collection, an array (n, 32) of features drawn at random, all with the same probability.
+    images are pairs of a name and descriptors. There are at most count words, and at most one for four features."""
     drawn, total, chunk = (np.zeros(0), np.zeros((0, 32), np.uint8)), 0, []
 
     def merged():
@@ -72,17 +71,10 @@ def draw(images, count=WORDS, seed=0):
         total += len(descriptors)
         if len(chunk) == CHUNK:
             drawn, chunk = merged(), []
-    return (*merged(), total)
-
-
-def choose_words(draws, count=WORDS):
-    """Returns the words of a collection, an array (n, 32): the features of lowest random number in the draws from its
-    parts. There are at most count words, and at most one for every four features."""
-    keys, descriptors, totals = zip(*draws)
-    count = min(count, sum(totals) // FEATURES_OF_A_WORD)
+    count = min(count, total // FEATURES_OF_A_WORD)
     if not count:
-        raise ValueError(f'the images have {sum(totals)} features, too few to find similar images')
-    return np.concatenate(descriptors)[np.argsort(np.concatenate(keys), kind='stable')[:count]]
+        raise ValueError(f'the images have {total} features, too few to find similar images')
+    return merged()[1]
 
 
 def words_of(descriptors, words):
@@ -127,10 +119,10 @@ def weigh(counts, rarity):
     return weights
 
 
-def similar(queries, collected, number, min_gap=0, first=0):
+def similar(queries, collected, number, min_gap=0):
     """Yields, for blocks of queries, the index of the block's first query and two arrays with a row for each query:
     the indices of the `number` most similar rows of collected, the most similar first, and their similarities. With
-    min_gap, query i is row first + i of collected, and rows less than min_gap away from it have the similarity -1."""
+    min_gap, query i is row i of collected, and rows less than min_gap away from it have the similarity -1."""
     if not 1 <= number <= collected.shape[0]:
         raise ValueError(f'similar images must be from 1 to {collected.shape[0]}, the number of images, got {number}')
     few = queries.shape[0] <= QUERIES  # too few to pay for transposing `collected`
@@ -139,7 +131,7 @@ def similar(queries, collected, number, min_gap=0, first=0):
     for start in range(0, queries.shape[0], step):
         part = queries[start:start + step]
         table = (collected @ part.T.toarray()).T if few else (part @ columns).toarray()
-        for i, row in enumerate(table, first + start):
+        for i, row in enumerate(table, start):
             if min_gap:
                 row[max(0, i - min_gap + 1):i + min_gap] = -1
         best = np.argpartition(-table, number - 1, 1)[:, :number]
@@ -160,9 +152,9 @@ def pairs_of(blocks, number):
 
 
 def similar_pairs(counts, number, min_gap=1, sequential=0, progress=None):
-    """Returns the pairs of each image of a collection with its `number` most similar images and with the
-    `sequential` images after it: rows of two indices in ascending order, each pair once. Also returns the vectors.
-    Neither grows with the square of the collection. Calls progress with the number of finished images."""
+    """Returns the pairs of each image of a collection with its `number` most similar images and with the `sequential`
+    images after it: rows of two indices in ascending order, each pair once. Calls progress with the number of finished
+    images."""
     total = counts.shape[0]
     weights = weigh(counts, rarity_of(counts))
 
@@ -174,14 +166,7 @@ def similar_pairs(counts, number, min_gap=1, sequential=0, progress=None):
 
     following = [np.column_stack([np.arange(total - i), np.arange(i, total)])
                  for i in range(1, min(sequential + 1, total))]
-    return np.unique(np.concatenate([pairs_of(blocks(), total), *following]), axis=0), weights
-
-
-def similarities_of(weights, pairs, step=4096):
-    """Returns the similarity of the two images of each pair."""
-    parts = [weights[part[:, 0]].multiply(weights[part[:, 1]]).sum(1) for part in
-             np.split(pairs, range(step, len(pairs), step))]
-    return np.concatenate([np.asarray(part).ravel() for part in parts])
+    return np.unique(np.concatenate([pairs_of(blocks(), total), *following]), axis=0)
 
 
 def verify(points1, points2, max_error=4.):
@@ -223,7 +208,7 @@ class Index:
                 len(features.images) >= GROWTH * how['images']):
             shutil.rmtree(self.folder, ignore_errors=True)
             images = self._each(features, range(len(features.names)), 'drawing words')
-            words = choose_words([draw(images, wanted['words'], wanted['seed'])], wanted['words'])
+            words = choose_words(images, wanted['words'], wanted['seed'])
             how = json.dumps(dict(wanted, images=len(features.images)))
             table = pa.table([pa.array(list(map(bytes, words)), pa.binary(32))], ['word'], metadata={'aqorb': how})
             self._keep('words.parquet', table)

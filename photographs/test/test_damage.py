@@ -2,25 +2,132 @@
 # It is subject to the license terms in the LICENSE file found in the top-level directory
 # of this distribution.
 # SPDX-License-Identifier: Apache-2.0
-"""Tests of damaged parts and of kills, the short form of hostile.py."""
+"""Does to the command aqorb what a day of bad luck does, and counts what comes of it: flips bits in its parts, gives it
+parts that no command has made, and kills it. A part with a flipped bit may end in a sentence or in the rows of the
+undamaged one. What was killed must end with the same rows as if nothing had been, when the same command is called
+again. scripts/python.sh hostile prints the counts of more flips and kills, AQORB_FLIPS and AQORB_KILLS."""
 
+import collections
+import os
+import pathlib
 import random
+import shutil
+import sqlite3
+import subprocess
+import time
 
-import hostile
-from command_support import LINUX, pq
+import pyarrow as pa
+
+from aqorb_photographs import InputError, store
+from conftest import LINUX, call_of, pq
+
+TABLES = 'images', 'cameras', 'keypoints', 'descriptors', 'matches', 'two_view_geometries', 'frame_data', 'rigs'
+
+
+def content_of(path):
+    """What a store or a database has, in an order that does not depend on parts."""
+    if os.path.isfile(path):
+        database = sqlite3.connect(path)
+        found = [sorted(database.execute('SELECT * FROM ' + table), key=repr) for table in TABLES]
+        database.close()
+        return found
+    return sorted(map(repr, pq.read_table(str(path)).to_pylist()))
+
+
+def read(path):
+    """What the command reads of a folder of features."""
+    found = store.Features(str(path), ['name', 'x', 'y', 'response', 'descriptors'])
+    found.parameters()
+    return [(name, *map(bytes, found.keypoints(image))) for image, name in enumerate(found.images)]
+
+
+def flips(count, chance, folder, damaged):
+    """What comes of bits that are flipped in the parts of a folder."""
+    found, whole = collections.Counter(), read(folder)
+    for _ in range(count):
+        shutil.rmtree(damaged, ignore_errors=True)
+        shutil.copytree(folder, damaged)
+        part = pathlib.Path(damaged, chance.choice(sorted(os.listdir(damaged))))
+        content = bytearray(part.read_bytes())
+        content[chance.randrange(len(content))] ^= 1 << chance.randrange(8)
+        part.write_bytes(content)
+        found[outcome(damaged, whole)] += 1
+    return found
+
+
+def outcome(folder, whole=None):
+    try:
+        return 'the same rows' if read(folder) == whole else 'OTHER ROWS'
+    except InputError as error:
+        return 'a sentence' if str(folder) in str(error) and '\n' not in str(error) else 'NO SENTENCE'
+
+
+def crafted(table):
+    """Parts that no command has made, of features that a command has."""
+    columns, count = table.to_pydict(), len(table)
+    for name, values, kind in (
+            ('descriptors', [None] * count, pa.binary()), ('descriptors', [b'short'] * count, pa.binary()),
+            ('descriptors', [value + bytes(32) for value in columns['descriptors']], pa.binary()),
+            ('x', [[None]] * count, pa.list_(pa.float32())), ('x', columns['x'], pa.list_(pa.float64())),
+            ('y', [[0]] * count, pa.list_(pa.float32())), ('width', [0] * count, pa.int32()),
+            ('name', [None] * count, pa.string()), ('parameters', ['{'] * count, pa.string()),
+            ('parameters', ['5'] * count, pa.string())):
+        yield table.set_column(table.schema.get_field_index(name), name, pa.array(values, kind))
+    yield from (table.drop_columns(['y']), table.select(['name']), pa.table({'a': [1]}))
+
+
+def odd_parts(table, folder):
+    found = collections.Counter()
+    for made in crafted(table):
+        os.makedirs(folder, exist_ok=True)
+        pq.write_table(made, os.path.join(folder, 'odd.parquet'))
+        found[outcome(folder)] += 1
+    return found
+
+
+def kills(count, chance, folder, images):
+    """Kills each of three commands at random moments, in turns, and calls it again until it ends."""
+    found, whole, seconds = collections.Counter(), {}, {}
+    features, matches, database = (os.path.join(folder, name) for name in ('features', 'matches', 'x.db'))
+    calls = {features: ['extract', images, '--out', features, '--part-size', '3'],
+             matches: ['match', features, '--pairs', 'exhaustive', '--no-verify', '--part-size', '50',
+                       '--out', matches],
+             database: ['colmap', features, matches, '--images', images, '--database', database]}
+    for out, call in calls.items():
+        begin = time.perf_counter()
+        subprocess.run(call_of(*call, '--quiet'), check=True)
+        seconds[out], whole[out] = time.perf_counter() - begin, content_of(out)
+    for number in range(count):
+        out, call = list(calls.items())[number % 3]
+        shutil.rmtree(out) if os.path.isdir(out) else os.remove(out)
+        process = subprocess.Popen(call_of(*call, '--quiet'))
+        time.sleep(chance.uniform(.3, 1) * seconds[out])
+        process.kill()
+        process.wait()
+        was_there = os.path.exists(out)
+        if out != database or not was_there:  # a database appears when it is complete
+            subprocess.run(call_of(*call, '--quiet'), check=True)
+        found['the same rows' if content_of(out) == whole[out] else 'OTHER ROWS'] += 1
+        found['(in the middle)'] += was_there and out != database
+    return found
 
 
 def test_flipped_bits(features, tmp_path):
-    found = hostile.flips(100, random.Random(1), features, tmp_path / 'damaged')
-    assert set(found) == {'a sentence', 'the same rows'} and found['a sentence'] > 50
+    count = int(os.environ.get('AQORB_FLIPS', 100))
+    found = flips(count, random.Random(1), features, tmp_path / 'damaged')
+    print(f'{count} bits flipped in parts: {dict(found)}')
+    assert set(found) == {'a sentence', 'the same rows'} and found['a sentence'] > count / 2
 
 
 def test_parts_that_no_command_has_made(features, tmp_path):
-    assert set(hostile.odd_parts(pq.read_table(str(features)), tmp_path / 'odd')) == {'a sentence'}
+    found = odd_parts(pq.read_table(str(features)), tmp_path / 'odd')
+    print(f'parts that no command has made: {dict(found)}')
+    assert set(found) == {'a sentence'}
 
 
 @LINUX
 def test_kills(folder, tmp_path):
-    seed = random.randrange(1 << 32)
-    found = hostile.kills(9, random.Random(seed), str(tmp_path), str(folder))
-    assert found['the same rows'] == 9, f'seed {seed}: {found}'
+    count, seed = int(os.environ.get('AQORB_KILLS', 9)), random.randrange(1 << 32)
+    found = kills(count, random.Random(seed), str(tmp_path), str(folder))
+    print(f'{count} kills of extract, match and colmap: {dict(found)}')
+    assert found['the same rows'] == count, f'seed {seed}: {found}'

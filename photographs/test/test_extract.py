@@ -2,10 +2,10 @@
 # It is subject to the license terms in the LICENSE file found in the top-level directory
 # of this distribution.
 # SPDX-License-Identifier: Apache-2.0
-"""Tests of aqorb extract, and of what all sub-commands have in common. The long form, with 10,000 images and Ray, is
-samples/test_collection.py."""
+"""Tests of aqorb extract, and of what all sub-commands have in common."""
 
 import os
+import pathlib
 import resource
 import shutil
 import signal
@@ -15,14 +15,15 @@ import time
 
 import numpy as np
 import PIL
+import pyarrow as pa
 import pyarrow.dataset as dataset
 import pytest
 
 import aqorb
-import hostile
 from aqorb_photographs import images
-from command_support import (LINUX, Image, call_of, command, encoded, expected, noise, parts_of, peak_memory, pq,
-                             refused, rows, run, start)
+from conftest import (LINUX, Image, call_of, command, encoded, expected, noise, parts_of, peak_memory, pq, refused,
+                      rows, run, start)
+from test_damage import content_of
 
 COMMANDS = {'extract': ['--out', 'f'], 'match': ['f', '--pairs', 'exhaustive'], 'pairs': ['f', '--retrieval', '1'],
             'search': ['f'], 'colmap': ['f', '--images', '.'], 'draw': ['a.png']}
@@ -82,7 +83,7 @@ def test_what_is_refused(folder, features, tmp_path):
     refused(r'must be a name in UTF-8', 'extract', folder, '--out', f'{tmp_path}/\udcff')
     refused('there is no such folder', 'match', tmp_path / 'f', '--pairs', 'exhaustive', '--out', tmp_path / 'm')
     for option, what in ((['--num-features', 9], 'MaxFeatures 1000, not 9'), (['--max-size', 50], 'max_size None, not 50'),
-                         (['--ignore-orientation'], 'orientation True, not False'), (['--stretch'], 'stretch False, not')):
+                         (['--stretch'], 'stretch False, not')):
         refused(f'was made with {what}', 'extract', folder, '--out', features, *option)
     before = pq.read_table(str(features))
     shutil.copytree(features, tmp_path / 'mixed')
@@ -137,7 +138,7 @@ def test_two_at_once(folder, features, tmp_path):
     for call in calls:
         assert call.communicate()[1] == '' and call.returncode == 0
     run('extract', folder, '--out', tmp_path / 'out')
-    assert hostile.content_of(tmp_path / 'out') == hostile.content_of(features)
+    assert content_of(tmp_path / 'out') == content_of(features)
 
 
 @LINUX
@@ -300,3 +301,27 @@ def test_memory_does_not_grow_with_large_images(tmp_path):
         os.symlink('0.png', tmp_path / 'images' / f'{i}.png')
     memory = peak_memory('extract', tmp_path / 'images', '--threads', 2, '--out', tmp_path / 'f')
     assert memory < 750e3  # 1.1 GB if all images were held; a thread has one
+
+
+@LINUX
+def test_memory_does_not_grow_with_many_images(tmp_path):
+    memory = []
+    for count in 300, 2300:
+        (tmp_path / str(count)).mkdir()
+        for i in range(count):
+            Image.fromarray(noise(i, 96, 128)).save(tmp_path / str(count) / f'{i:05}.bmp')
+        memory.append(peak_memory('extract', tmp_path / str(count), '--out', tmp_path / f'{count}-features'))
+    assert memory[1] < memory[0] + 10e3, memory  # 2,000 files have some 20 MB of features
+
+
+def test_the_function_for_spark(folder, features):
+    page = pathlib.Path(__file__).resolve().parent.parent / 'many_images.md'
+    if not page.exists():
+        pytest.skip('there are no documents')
+    names, paths = {}, [str(path) for path in sorted(folder.iterdir())] + [__file__]
+    exec(page.read_text().split('mapInArrow`:\n\n```python\n')[1].split('# Spark begins here.')[0], names)
+    files = pa.table({'path': paths, 'content': [pathlib.Path(path).read_bytes() for path in paths]})
+    found = pa.Table.from_batches(names['extract'](iter(files.to_batches(max_chunksize=9))))
+    expected = pq.read_table(str(features)).sort_by('name')
+    assert found.select(['x', 'descriptors', 'digest']).equals(expected.select(['x', 'descriptors', 'digest']))
+    assert found['name'].to_pylist() == paths[:-1]

@@ -7,8 +7,6 @@
 import concurrent.futures
 import io
 import os
-import re
-import subprocess
 from types import SimpleNamespace
 
 import numpy as np
@@ -17,7 +15,7 @@ from PIL import PngImagePlugin
 from PIL.TiffImagePlugin import IFDRational
 
 from aqorb_photographs import images
-from command_support import Image, call_of, encoded, expected, noise, rows, run
+from conftest import Image, encoded, expected, noise, rows, run
 
 
 def read(content, **options):
@@ -45,8 +43,6 @@ def test_orientation(orientation):
     assert size == (160, 120) and np.abs(pixels.astype(int) - noise(1)).mean() < 5
     pixels, size = read(jpeg, max_size=40)
     assert size == (160, 120) and pixels.shape == (30, 40)
-    pixels, size = read(jpeg, orientation=False)
-    assert size == turned.size and pixels.shape == turned.size[::-1]
 
 
 def test_orientations_that_do_not_exist():
@@ -56,12 +52,6 @@ def test_orientations_that_do_not_exist():
             assert pixels.shape == (120, 160) and size == (160, 120), (orientation, kind)
     text = b'Exif\0\0MM\0*\0\0\0\x08\0\1\x01\x12\0\2\0\0\0\x026\0\0\0\0\0\0\0'  # not a number, but text
     assert read(encoded(Image.fromarray(noise(1)), 'JPEG', exif=text))[1] == (160, 120)
-
-
-def test_a_turned_tiff_that_is_not_to_be_turned():
-    for orientation in 1, 6, 8, 5:
-        pixels, size = read(encoded(Image.fromarray(noise(1)), 'TIFF', exif=oriented(orientation)), orientation=False)
-        assert size == (160, 120) and np.array_equal(pixels, noise(1)), orientation
 
 
 def test_sixteen_bits():
@@ -168,19 +158,6 @@ def test_a_jpeg_without_its_end():
         assert np.array_equal(picture.pixels[:rows], whole.pixels[:rows])
 
 
-def test_what_libtiff_prints_names_the_file(tmp_path):
-    (tmp_path / 'images').mkdir()
-    pixels = np.random.RandomState(0).randint(0, 256, (120, 160)).astype(np.uint8)
-    content = encoded(Image.fromarray(pixels), 'TIFF', compression='tiff_lzw')
-    for name, cut in ('a', content), ('b', content[:200] + bytes([255] * 20) + content[220:]), ('c', b'no image'):
-        (tmp_path / 'images' / (name + '.tif')).write_bytes(cut)
-    finished = subprocess.run(call_of('extract', tmp_path / 'images', '--out', tmp_path / 'f'), stderr=subprocess.PIPE,
-                              text=True)
-    listed = finished.stderr.splitlines()
-    assert listed[0] == '2 files left out:' and re.match(r'  b.tif: .*\(.*Using code not yet in table', listed[1])
-    assert listed[2:] == ['  c.tif: it is no image, or its format is not supported']
-
-
 def test_compressed_tiffs_on_several_threads(tmp_path):
     Image.fromarray(noise(1, 120, 160)).save(tmp_path / 'a.tif', compression='tiff_lzw')
 
@@ -218,7 +195,6 @@ def test_what_exif_says():
     broken = SimpleNamespace(get={0x010f: 5}.get, get_ifd={0x8769: {0x920a: IFDRational(1, 0), 0xa405: 0}, 0x8825: {
         1: 'N', 2: ('a', 0.), 4: 'text', 6: 'text'}}.get)
     assert images.camera_of(broken) == {}
-
 
 
 def test_positions_are_those_of_the_large_image(tmp_path):

@@ -6,6 +6,7 @@
 
 import itertools
 import os
+import pathlib
 import re
 import shutil
 import sqlite3
@@ -16,7 +17,7 @@ import pytest
 
 import aqorb
 from aqorb_photographs import store
-from command_support import Image, command, expected, matches_of, noise, parts_of, pq, refused, rows, run
+from conftest import Image, command, expected, matches_of, noise, parts_of, pq, refused, rows, run
 
 PLACE = {0x8769: {0xa405: 28}, 0x8825: {1: 'N', 2: (47., 30., 0.), 3: 'E', 4: (8., 15., 0.), 6: 400.}}  # and a focal length
 
@@ -84,8 +85,8 @@ def test_lists_of_pairs(features, tmp_path):
             finished = command('match', features, '--pairs', pairs, '--out', tmp_path / 'm', stdin=stream)
         assert finished.returncode == 0 and '2 pairs' in finished.stdout, finished.stderr
     assert sorted(matches_of(tmp_path / 'm')) == [('00.png', '01.png'), ('02.png', '01.png')]
-    for line, message in (('03.png 01.png\n03.png', 'line 2: must be the names of two images'),
-                          ('00.png other.png', 'line 1: must be the names'),
+    for line, message in (('03.png 01.png\n03.png', 'line 2: must have the names of two images'),
+                          ('00.png other.png', 'line 1: must have the names'),
                           ('05.png 05.png', 'line 1: 05.png cannot be matched with itself')):
         (tmp_path / 'pairs.txt').write_text(line)
         refused(message, 'match', features, '--pairs', tmp_path / 'pairs.txt', '--out', tmp_path / 'x')
@@ -103,7 +104,7 @@ def test_names_in_lists_of_pairs(tmp_path, names):
     for name in names:
         Image.fromarray(noise(1)).save(tmp_path / 'images' / name)
     run('extract', tmp_path / 'images', '--out', tmp_path / 'f')
-    run('pairs', tmp_path / 'f', '--retrieval', 2, '--scores', '--out', tmp_path / 'p.txt')
+    run('pairs', tmp_path / 'f', '--retrieval', 2, '--out', tmp_path / 'p.txt')
     text = (tmp_path / 'p.txt').read_text()
     assert len(text.splitlines()) == 3 and '\x1b' not in text
     run('match', tmp_path / 'f', '--pairs', tmp_path / 'p.txt', '--out', tmp_path / 'm')
@@ -138,7 +139,7 @@ def phone(tmp_path_factory):
 def test_export(phone, tmp_path):
     path = tmp_path / 'x.db'
     finished = run('colmap', phone / 'f', phone / 'm', '--images', phone / 'images', '--database', path)
-    assert os.listdir(tmp_path) == ['x.db'] and '8 new images, 28 new pairs' in finished.stdout
+    assert os.listdir(tmp_path) == ['x.db'] and '8 images, 28 pairs' in finished.stdout
     assert 'x.webp: COLMAP cannot read it' in finished.stderr
     found, matches = rows(phone / 'f'), matches_of(phone / 'm')
     assert sum(len(row['inliers']) >= 15 for row in matches.values()) > 20  # without them the mapper finds no model
@@ -181,30 +182,17 @@ def test_export(phone, tmp_path):
     database.close()
 
 
-def test_append(phone, tmp_path):
+def test_cameras_of_the_command(phone, tmp_path):
     path = tmp_path / 'x.db'
-    shutil.copytree(phone / 'f', tmp_path / 'f')
-    names = pq.read_table(str(tmp_path / 'f'))
-    part = next((tmp_path / 'f').iterdir())
-    pq.write_table(names.slice(0, 5), part)
-    call = ['colmap', tmp_path / 'f', phone / 'm', '--images', phone / 'images', '--database', path, '--quiet']
+    call = ['colmap', phone / 'f', phone / 'm', '--images', phone / 'images', '--database', path, '--quiet']
     run(*call, '--camera-mode', 'PER_IMAGE', '--camera-model', 'PINHOLE', '--camera-params', '700,700,400,300')
-    refused('x.db exists: --append', *call)
-    pq.write_table(names, part)
-    assert run(*call[:-1], '--append').stdout.startswith(f'{path}: 3 new images')
-    assert run(*call[:-1], '--append').stdout == f'{path}: 0 new images, 0 new pairs\n'
+    refused('x.db exists', *call)
     with sqlite3.connect(path) as connection:
-        assert connection.execute('SELECT count(*) FROM matches').fetchone() == (28,)
-        found = connection.execute('SELECT params FROM cameras WHERE model = 1')
-        cameras = [np.frombuffer(row[0]).tolist() for row in found]
-        assert cameras == [[700, 700, 400, 300]] * len(cameras) and len(cameras) in (4, 5)
-        connection.execute('UPDATE keypoints SET data = zeroblob(length(data)) WHERE image_id = 1')
+        cameras = connection.execute('SELECT model, params FROM cameras').fetchall()
     connection.close()
-    refused('the database has other keypoints of', *call, '--append')
-    (tmp_path / 'no.db').write_text('no database')
-    refused('aqorb: ', *call[:-3], '--database', tmp_path / 'no.db', '--append')
-    assert (tmp_path / 'no.db').read_text() == 'no database'
+    assert [(model, np.frombuffer(params).tolist()) for model, params in cameras] == [(1, [700, 700, 400, 300])] * 8
     refused('COLMAP read none of the images', *call[:3], '--images', tmp_path, '--database', tmp_path / 'none.db')
+    assert os.listdir(tmp_path) == ['x.db']
 
 
 def test_what_colmap_still_needs(phone, tmp_path):
@@ -214,7 +202,7 @@ def test_what_colmap_still_needs(phone, tmp_path):
     call.insert(2, tmp_path / 'm')
     assert "run COLMAP's geometric_verification" in run(*call, tmp_path / 'y.db').stdout
     refused('m must have verified matches', *call, tmp_path / 'z.db', '--refine')
-    refused('--refine needs matches, and a new database', *call, tmp_path / 'y.db', '--refine', '--append')
+    refused('--refine needs matches', *call[:2], *call[3:], tmp_path / 'z.db', '--refine')
 
 
 def test_tracks(tmp_path):
@@ -239,6 +227,44 @@ def test_tracks(tmp_path):
     detected, refined = (np.percentile(found, (50, 95)) for found in errors.values())
     assert len(errors[1]) > .7 * len(errors[0]) > 1000
     assert (refined < detected * [.65, .4]).all() and refined[1] < 1, (detected, refined)
+
+
+def distance_between(found, truth):
+    """The mean distance of points from the true ones, after the similarity that takes them there."""
+    moved, true = found - found.mean(0), truth - truth.mean(0)
+    u, values, v = np.linalg.svd(true.T @ moved)
+    values[2] *= np.linalg.det(u @ v)
+    u[:, 2] *= np.linalg.det(u @ v)
+    return np.linalg.norm(moved @ (u @ v).T * values.sum() / (moved**2).sum() - true, axis=1).mean()
+
+
+@pytest.mark.skipif('AQORB_STRECHA' not in os.environ, reason='AQORB_STRECHA is not set')
+def test_refined_tracks(tmp_path):
+    """Photographs of a fountain with known cameras (github.com/openMVG/SfM_quality_evaluation), by COLMAP."""
+    scene, = pathlib.Path(os.environ['AQORB_STRECHA']).rglob('fountain-P11')
+    images, truth = tmp_path / 'images', {}
+    images.mkdir()
+    for path in (scene / 'images').glob('*.jpg'):
+        truth[f'{path.stem}.png'] = np.loadtxt(scene / f'gt_dense_cameras/{path.name}.camera', skiprows=7, max_rows=1)
+        image = Image.open(path).convert('L')
+        image.resize((1024, 683), Image.LANCZOS).save(images / f'{path.stem}.png')
+    (fx, _, cx), (_, fy, cy), _ = np.loadtxt(scene / 'images/K.txt') * 1024 / image.width
+    camera = '--camera-mode', 'SINGLE', '--camera-model', 'PINHOLE', '--camera-params', f'{fx},{fy},{cx},{cy}'
+    run('extract', images, '--out', tmp_path / 'f', '--num-features', 2000)
+    run('match', tmp_path / 'f', '--pairs', 'exhaustive', '--out', tmp_path / 'm')
+    for option in [], ['--refine']:
+        database, model = tmp_path / f'x{len(option)}.db', tmp_path / f'model{len(option)}'
+        run('colmap', tmp_path / 'f', tmp_path / 'm', '--images', images, '--database', database, *camera, *option)
+        model.mkdir()
+        options = pycolmap.IncrementalPipelineOptions(ba_refine_focal_length=False, ba_refine_extra_params=False)
+        options.random_seed = 0
+        found = pycolmap.incremental_mapping(str(database), str(images), str(model), options)[0]
+        centers = {image.name: image.projection_center() for image in found.images.values() if image.has_pose}
+        error = distance_between(np.array(list(centers.values())), np.array([truth[name] for name in centers]))
+        reprojection = found.compute_mean_reprojection_error()
+        print(f'{" ".join(option) or "as detected"}: {len(centers)} images, reprojection error {reprojection:.3f} px, '
+              f'error of camera positions {1000 * error:.1f} mm')
+    assert len(centers) == len(truth) and reprojection <= .16 and error <= .003
 
 
 # Pictures

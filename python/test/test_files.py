@@ -95,16 +95,6 @@ def test_every_parameter_survives_a_storage(tmp_path, unusual):
         assert values_of(orb, values) == values
 
 
-def test_no_object_is_without_a_detector():
-    class Derived(aqorb.AdaptiveQuadtreeORB):
-        pass
-
-    for kind in aqorb.AdaptiveQuadtreeORB, Derived:
-        for make in kind, lambda: kind.__new__(kind), lambda: object.__new__(kind):
-            with pytest.raises(TypeError):
-                make()
-
-
 @pytest.mark.skipif(not os.path.exists('/dev/full'), reason='needs /dev/full')
 def test_a_disk_that_is_full(orb):
     with pytest.raises(aqorb.error, match="fileName must be a file that can be written, got '/dev/full'.*No space left"):

@@ -5,7 +5,7 @@
 
 #include "generate.hpp"
 
-#include "../../test/reference_matching.hpp"
+#include "../../test/reference.hpp"
 
 #include <opencv2/core/utility.hpp>
 

@@ -306,8 +306,8 @@ std::vector<FeatureList> selectFeatures(const Parameters& parameters, const Sele
     const LevelCorners selected =
         selectCorners(parameters, method, patch, imageSize, levels, thresholds, threads, space);
     std::vector<FeatureList> features(levels.size());
-    for (size_t i = 0; i < levels.size(); i++)
-        features[i] = listFeatures(parameters, levels[i], int(i), selected[i]);
+    forEach(levels.size(), threads,
+            [&](size_t i, int) { features[i] = listFeatures(parameters, levels[i], int(i), selected[i]); });
     return features;
 }
 

@@ -16,7 +16,6 @@ def add(commands):
     parser.add_argument('matches', nargs='?', metavar='MATCHES', help='folder of aqorb match')
     parser.add_argument('--images', required=True, metavar='FOLDER', help='root folder of the names of images')
     parser.add_argument('--database', required=True, metavar='FILE', help='new file, such as scene.db')
-    parser.add_argument('--append', action='store_true', help='add missing images and pairs to an existing database')
     parser.add_argument('--refine', action='store_true',
                         help='refine positions by tracks, for an exact bundle adjustment')
     parser.add_argument('--camera-mode', choices=['AUTO', 'SINGLE', 'PER_FOLDER', 'PER_IMAGE'], default='AUTO',
@@ -36,10 +35,10 @@ def run(given):
     for folder in filter(None, (given.features, given.matches)):
         options.store_at(folder)
     images, pairs, left_out, needs = colmap.export(given.features, given.matches, given.images, given.database,
-                                                   given.camera_mode, reader, given.append, given.refine)
+                                                   given.camera_mode, reader, given.refine)
     options.list_failures(left_out, f'{options.count_of(len(left_out), "image")} left out')
-    options.say(given, f'{given.database}: {options.count_of(images, "new image")}, '
-                f'{options.count_of(pairs, "new pair")}' + (f'; {needs}' if needs else ''))
-    if not images + pairs and not given.append:
+    options.say(given, f'{given.database}: {options.count_of(images, "image")}, '
+                f'{options.count_of(pairs, "pair")}' + (f'; {needs}' if needs else ''))
+    if not images:
         raise InputError('COLMAP read none of the images')
     return int(bool(given.strict and left_out))

@@ -52,11 +52,11 @@ def run(given):
     files = files_of(paths, root, given.masks, before)
     aqorb.setNumThreads(1)  # one thread for each image
     failures, notes, rows, done, features = [], [], [], 0, 0
-    with images.printed() as printed, options.progress(given, len(files), 'image') as bar:
+    with options.progress(given, len(files), 'image') as bar:
         for file, row, note in store.extract(files, detector, how, given.threads):
             bar.update()
             if row is None:
-                failures.append((file, note))
+                failures.append((file.name, note))
                 continue
             notes += [(file.name, note)] if note else []
             rows.append(row)
@@ -65,7 +65,6 @@ def run(given):
                 done += store.write_rows(out, rows)
                 rows, features = [], 0
         done += store.write_rows(out, rows)
-        failures = [(file.name, note + images.printed_of(file, printed)) for file, note in failures]
     failures += [(store.name_of(path, root), reason) for path, reason in unlisted]
     gone = forget(out, given.prune) if os.path.isdir(out) else 0
     total = len(store.Features(out).images) if os.path.isdir(out) else 0

@@ -10,7 +10,7 @@ import sys
 import warnings
 
 import aqorb
-from aqorb_photographs.cli import colmap, draw, extract, match, options, pairs, search
+from aqorb_photographs.cli import colmap, draw, extract, match, options, search
 
 
 def main(arguments=None):
@@ -36,7 +36,7 @@ def call(arguments):
     parser = argparse.ArgumentParser(prog='aqorb', description='Features and matches of photographs.')
     parser.add_argument('--version', action='version', version=aqorb._build_information())
     commands = parser.add_subparsers(required=True, metavar='COMMAND')
-    for module in extract, match, pairs, search, colmap, draw:
+    for module in extract, match, search, colmap, draw:
         module.add(commands)
     try:
         try:

@@ -2,7 +2,7 @@
 # It is subject to the license terms in the LICENSE file found in the top-level directory
 # of this distribution.
 # SPDX-License-Identifier: Apache-2.0
-"""aqorb match: the matches of pairs of images."""
+"""aqorb match and aqorb pairs: the matches of pairs of images."""
 
 import argparse
 import concurrent.futures
@@ -40,6 +40,19 @@ def add(commands):
                         help='find the matches that agree on a fundamental matrix; COLMAP needs them (the default)')
     parser.add_argument('--part-size', type=options.positive, default=4096, metavar='N',
                         help='pairs after which matches are saved (%(default)s)')
+    options.add_words(parser)
+
+    parser = options.add_command(commands, 'pairs', list_pairs, 'list pairs of images that may show the same place',
+                                 'Writes two names per line, separated by a tab if a name has a space.')
+    parser.add_argument('features', metavar='FEATURES', help='folder of aqorb extract')
+    parser.add_argument('--retrieval', type=options.positive, required=True, metavar='K',
+                        help='each image with the K most similar images')
+    parser.add_argument('--sequential', type=options.positive, default=0, metavar='K',
+                        help='also each image with the next K by name')
+    parser.add_argument('--min-gap', type=options.positive, default=1, metavar='N',
+                        help='skip images less than N apart by name, to find the loops of a video')
+    parser.add_argument('--out', required=True, metavar='FILE', help='new file, such as pairs.txt')
+    parser.add_argument('--overwrite', action='store_true', help='replace an existing file')
     options.add_words(parser)
 
 
@@ -90,7 +103,7 @@ def pairs_of(given, features):
     count = len(features.images)
     kinds = dict(re.findall(r'(sequential|retrieval):([1-9][0-9]*)', given.pairs))
     if '+'.join(f'{kind}:{reach}' for kind, reach in kinds.items()) == given.pairs and 'retrieval' in kinds:
-        pairs = similar(given, features, int(kinds['retrieval']), int(kinds.get('sequential', 0)))[0]
+        pairs = similar(given, features, int(kinds['retrieval']), int(kinds.get('sequential', 0)))
         return [pairs], len(pairs)
     if kinds and given.pairs == f'sequential:{kinds.get("sequential")}' or given.pairs == 'exhaustive':
         reach = min(int(kinds.get('sequential', count)), max(count - 1, 0))
@@ -102,6 +115,23 @@ def pairs_of(given, features):
                          + given.pairs)
     pairs = list_of(given.pairs, features)
     return [pairs], len(pairs)
+
+
+def list_pairs(given):
+    from aqorb_photographs import store
+    options.new_file(given.out, given.overwrite)
+    features = store.Features(given.features, ['name', 'x', 'response', 'descriptors'])
+    features.parameters()
+    pairs = similar(given, features, given.retrieval, given.sequential)
+    names = list(map(options.shown, features.images))
+    gap = '\t' if any(' ' in name for name in names) else ' '
+    unfinished = given.out + '.unfinished'
+    with open(unfinished, 'w', encoding='utf-8') as file:
+        for first, second in pairs:
+            print(names[first], names[second], sep=gap, file=file)
+    os.replace(unfinished, given.out)
+    options.say(given, f'{given.out}: {options.count_of(len(pairs), "pair")}')
+    return int(not len(pairs))
 
 
 def list_of(path, features):
@@ -126,8 +156,7 @@ def list_of(path, features):
 
 
 def similar(given, features, number, sequential):
-    """Returns the pairs of each image with `number` similar and `sequential` following images, and the images'
-    vectors."""
+    """Returns the pairs of each image with `number` similar and `sequential` following images."""
     from aqorb_photographs import places
     most = len(features.images) - 1
     if number > most:

@@ -42,11 +42,10 @@ def add_reading(parser):
                         help='leave out larger images; JPEGs count as reduced for --max-size (%(default)s)')
     parser.add_argument('--stretch', action='store_true',
                         help='stretch the contrast of images of more than 8 bits: 12 bits, thermal images')
-    parser.add_argument('--ignore-orientation', action='store_true', help='do not turn images by their EXIF data')
 
 
 def reading_of(given):
-    return images.Reading(given.max_size, not given.ignore_orientation, given.stretch, given.max_pixels)
+    return images.Reading(given.max_size, given.stretch, given.max_pixels)
 
 
 def detector_of(given):

@@ -5,7 +5,6 @@
 """aqorb search: images of the same place as a photograph."""
 
 import functools
-import json
 import os
 
 import aqorb
@@ -23,7 +22,6 @@ def add(commands):
     parser.add_argument('--retrieval', type=options.positive, metavar='K', help='match the K most similar images (20)')
     parser.add_argument('--top', type=options.positive, default=5, metavar='N', help='images to print (%(default)s)')
     parser.add_argument('--ratio', type=float, default=.8, help='ratio of the ratio test (%(default)s)')
-    parser.add_argument('--json', action='store_true', help='print one object per line')
     parser.add_argument('--draw', metavar='FILE', help='draw the best pair')
     parser.add_argument('--images', metavar='FOLDER', help='present folder of the images, for --draw')
     parser.add_argument('--strict', action='store_true',
@@ -59,16 +57,11 @@ def run(given):
     import pyarrow as pa
     index = options.index_of(features, given)
     best, unknown = (-1, None, None, ()), []
-    if not given.json:
-        print('photograph\timage\tmatches\tinliers')
+    print('photograph\timage\tmatches\tinliers')
     rows = pa.concat_tables([row for _, row in queries])
     for (name, _), found in zip(queries, places.search(rows, features, index, number, given.ratio, given.threads)):
         for inliers, matches, image, *_ in found[:given.top]:
-            values = [name, features.images[image], matches, inliers]
-            if given.json:
-                print(json.dumps(dict(zip(('photograph', 'image', 'matches', 'inliers'), values))))
-            else:
-                print(*map(options.shown, values[:2]), matches, inliers, sep='\t')
+            print(options.shown(name), options.shown(features.images[image]), matches, inliers, sep='\t')
         if found[0][0] < places.MIN_INLIERS:
             unknown.append((name, f'no image has {places.MIN_INLIERS} inliers'))
         if found[0][0] > best[0]:

@@ -72,6 +72,7 @@ CV_EXPORTS_W void refineMatches(InputArray image1, const std::vector<KeyPoint>& 
                                 float scaleFactor = 1.f);
 
 /** @overload
+@param image1, image2, keypoints1, keypoints2, matches, points1, points2, minCorrelation, scaleFactor As above.
 @param deviations For each remaining match, the standard deviation of its position in image 2, in pixels, along its
 least certain direction. It is infinite for a match that minCorrelation -1 keeps without alignment.
 

@@ -40,58 +40,30 @@ void expectAsReference(const KeyPoints& given, Size size, int npoints)
     EXPECT_TRUE(sameKeypoints(kept, expected));
 }
 
-TEST(Aqorb_RetainUniform, equals_reference_and_touches_no_field)
-{
-    const Size size(640, 481);
-    const KeyPoints all = randomKeypoints(1000, size, 1);
-    const int numbers[] = {0, 1, 2, 5, 16, 17, 100, 500, 999, 1000, 5000, INT_MAX};
-    for (int n : numbers)
-    {
-        SCOPED_TRACE(n);
-        expectAsReference(all, size, n);
-    }
-}
-
-TEST(Aqorb_RetainUniform, equals_reference_for_all_kinds_of_responses)
+float randomResponse(RNG& rng, int kind)
 {
     const float nan = std::numeric_limits<float>::quiet_NaN(), inf = std::numeric_limits<float>::infinity();
     const float odd[] = {nan, -nan,   -inf,   -FLT_MAX, -1.f,    -1e-42f, -0.f,
                          0.f, 1e-45f, 1e-38f, 1.f,      FLT_MAX, inf,     inf};
-    const Size size(300, 200);
-    for (int seed = 1; seed <= 60; seed++)
-    {
-        SCOPED_TRACE(seed);
-        RNG rng(seed);
-        KeyPoints keypoints = randomKeypoints(rng.uniform(1, 500), size, seed);
-        for (KeyPoint& keypoint : keypoints)
-        {
-            const int kind = seed % 5;
-            if (kind == 0)
-                keypoint.response = odd[rng.uniform(0, 14)];
-            else if (kind == 1)
-                keypoint.response = float(rng.uniform(0, 3));  // many are equal
-            else if (kind == 2)
-                keypoint.response = 7;
-            else if (kind == 3)
-                keypoint.response = std::ldexp(rng.uniform(1.f, 2.f), rng.uniform(-149, 128));
-            else if (rng.uniform(0, 3) == 0)
-                keypoint.response = odd[rng.uniform(0, 14)];
-        }
-        for (int n = 1; n < 500; n += rng.uniform(1, 150))
-            expectAsReference(keypoints, size, n);
-    }
+    if (kind == 0 || (kind == 1 && rng.uniform(0, 3) == 0))
+        return odd[rng.uniform(0, 14)];
+    if (kind == 2)
+        return float(rng.uniform(0, 3));  // many are equal
+    return kind == 3 ? 7 : std::ldexp(rng.uniform(1.f, 2.f), rng.uniform(-149, 128));
 }
 
-TEST(Aqorb_RetainUniform, equals_reference_for_all_kinds_of_positions)
+TEST(Aqorb_RetainUniform, equals_reference_for_all_kinds_of_responses_and_positions)
 {
-    for (int seed = 1; seed <= 40; seed++)
+    for (int seed = 1; seed <= 100; seed++)
     {
         SCOPED_TRACE(seed);
         RNG rng(seed);
-        const Size size(rng.uniform(1, 60), rng.uniform(1, 60));
-        KeyPoints keypoints = randomKeypoints(rng.uniform(1, 300), size, seed);
+        const int most = seed % 2 ? 60 : 300;
+        const Size size(rng.uniform(1, most), rng.uniform(1, most));
+        KeyPoints keypoints = randomKeypoints(rng.uniform(1, 500), size, seed);
         for (size_t i = 0; i < keypoints.size(); i++)
         {
+            keypoints[i].response = randomResponse(rng, seed % 5);
             Point2f& p = keypoints[i].pt;
             const int kind = rng.uniform(0, 5);
             if (kind == 0)
@@ -102,15 +74,13 @@ TEST(Aqorb_RetainUniform, equals_reference_for_all_kinds_of_positions)
                 (i % 2 ? p.x : p.y) = 0;
             else if (kind == 3)  // the last number before the side
                 (i % 2 ? p.x : p.y) = std::nextafter(float(i % 2 ? size.width : size.height), 0.f);
-            if (seed % 2)
-                keypoints[i].response = 1;
         }
-        for (int n = 1; n < 300; n += rng.uniform(1, 70))
+        for (int n = 1; n < 500; n += rng.uniform(1, 150))
             expectAsReference(keypoints, size, n);
     }
 }
 
-TEST(Aqorb_RetainUniform, equals_reference_for_every_image_size)
+TEST(Aqorb_RetainUniform, equals_reference_for_every_image_size_and_number)
 {
     const Size sizes[] = {Size(1, 1),
                           Size(1, 2),
@@ -127,7 +97,7 @@ TEST(Aqorb_RetainUniform, equals_reference_for_every_image_size)
     {
         SCOPED_TRACE(format("%d x %d", size.width, size.height));
         const KeyPoints keypoints = randomKeypoints(300, size, size.width);
-        for (int n : {1, 2, 9, 60, 299})
+        for (int n : {0, 1, 2, 5, 16, 17, 100, 299, 300, 5000, INT_MAX})
             expectAsReference(keypoints, size, n);
     }
 }
@@ -176,6 +146,90 @@ TEST(Aqorb_RetainUniform, drops_what_lies_outside)
     keypoints.clear();
     aqorb::retainUniform(keypoints, Size(10, 20), 3);
     EXPECT_TRUE(keypoints.empty());
+}
+
+KeyPoints keypointsAt(const std::vector<Point2f>& places)
+{
+    KeyPoints keypoints;
+    for (const Point2f& place : places)
+        keypoints.push_back(KeyPoint(place, 1));
+    return keypoints;
+}
+
+double uniformityOf(double sigma)
+{
+    return 101 * std::log10(sigma);
+}
+
+double uniformityAt(const std::vector<Point2f>& places, Size size)
+{
+    return aqorb::distributionUniformity(keypointsAt(places), size);
+}
+
+TEST(Aqorb_Distribution, uniformity_of_counts_by_hand)
+{
+    // 100 x 60, four keypoints at the left end of the middle row: all left, all top (y <= H/2); below the
+    // main diagonal (y W - x H = 30*100 - 5*60 > 0), before the other (3000 + 300 - 6000 < 0), all outside
+    // the centre. Every halving is 4 : 0, so sigma = 2.
+    const Size size(100, 60);
+    std::vector<Point2f> places(4, Point2f(5, 30));
+    EXPECT_DOUBLE_EQ(uniformityOf(2), uniformityAt(places, size));
+    // Positions that are not finite do not count.
+    const float nan = std::numeric_limits<float>::quiet_NaN(), inf = std::numeric_limits<float>::infinity();
+    places.insert(places.end(), {Point2f(nan, 5), Point2f(5, nan), Point2f(inf, 5), Point2f(5, -inf)});
+    EXPECT_DOUBLE_EQ(uniformityOf(2), uniformityAt(places, size));
+    // Four in the centre: (50, 30) is left and top, on both diagonals (so in neither first half), central.
+    EXPECT_DOUBLE_EQ(uniformityOf(2), uniformityAt(std::vector<Point2f>(4, Point2f(50, 30)), size));
+    // Six at (5, 30), two at (95, 30). First halves: left 6, top 8, main diagonal 2, other 6, centre 0 of 8:
+    // deviations 2, 4, 2, 2, 4; sigma = sqrt(44 / 5).
+    places.assign(6, Point2f(5, 30));
+    places.insert(places.end(), 2, Point2f(95, 30));
+    EXPECT_DOUBLE_EQ(uniformityOf(std::sqrt(44. / 5)), uniformityAt(places, size));
+    // One place in each of the 8 sectors, four of them central: every halving is even, and sigma is 0.
+    places = {Point2f(60, 45), Point2f(55, 60), Point2f(40, 55), Point2f(45, 40),
+              Point2f(90, 60), Point2f(40, 90), Point2f(10, 40), Point2f(60, 10)};
+    EXPECT_EQ(0, uniformityAt(places, Size(100, 100)));
+    EXPECT_EQ(0, uniformityAt({}, Size(10, 10)));
+    EXPECT_EQ(0, uniformityAt({Point2f(5, 5)}, Size(10, 10)));
+}
+
+TEST(Aqorb_Distribution, occupancy_of_cells_by_hand)
+{
+    std::vector<Point2f> places;
+    EXPECT_EQ(aqorb::distributionOccupancy(keypointsAt(places), Size(160, 120)), 0);
+    places.push_back(Point2f(0, 0));
+    places.push_back(Point2f(9.99f, 9.99f));  // the same cell
+    EXPECT_DOUBLE_EQ(aqorb::distributionOccupancy(keypointsAt(places), Size(160, 120)), 1. / 192);
+    places.push_back(Point2f(10, 9.99f));
+    places.push_back(Point2f(159.9f, 119.9f));
+    EXPECT_DOUBLE_EQ(aqorb::distributionOccupancy(keypointsAt(places), Size(160, 120)), 3. / 192);
+    EXPECT_DOUBLE_EQ(aqorb::distributionOccupancy(keypointsAt(places), Size(160, 120), Size(2, 1)), 1);
+    EXPECT_DOUBLE_EQ(aqorb::distributionOccupancy(keypointsAt(places), Size(160, 120), Size(2, 2)), 0.5);
+
+    // Keypoints outside the image do not count.
+    const float nan = std::numeric_limits<float>::quiet_NaN();
+    const Point2f outside[] = {Point2f(-1, 50), Point2f(160, 50), Point2f(50, 120), Point2f(nan, 50)};
+    places.assign(outside, outside + 4);
+    EXPECT_EQ(aqorb::distributionOccupancy(keypointsAt(places), Size(160, 120)), 0);
+}
+
+// The uniformity of cv::ORB's 500 keypoints, column A of the paper's tables.
+TEST(Aqorb_Distribution, uniformity_gives_the_papers_values)
+{
+    AQORB_NEEDS_DATA();
+    const std::pair<std::string, std::vector<double>> sets[] = {
+        {"bikes", {210.06, 201.62, 209.01, 209.61}},
+        {"leuven", {203.30, 214.93, 217.05, 216.57, 215.70, 216.82}}};
+    for (const auto& set : sets)
+        for (size_t i = 0; i < set.second.size(); i++)
+        {
+            SCOPED_TRACE(set.first + format(" img%d", int(i + 1)));
+            const Mat image = imread(oxfordImage(set.first, int(i + 1)), IMREAD_COLOR);
+            ASSERT_FALSE(image.empty());
+            KeyPoints keypoints;
+            ORB::create(500)->detect(image, keypoints);
+            EXPECT_NEAR(aqorb::distributionUniformity(keypoints, image.size()), set.second[i], 0.3);
+        }
 }
 
 }  // namespace
