@@ -33,17 +33,12 @@ typedef Features Scaling;
                                      "scene_3840x2160"),                                                    \
                      testing::Values(250, 500, 1000, 2000, 4000, 8000))
 
-Ptr<Feature2D> createDetector(int nfeatures)
-{
-    if (isOfOpenCV())
-        return ORB::create(nfeatures);
-    return aqorb::AdaptiveQuadtreeORB::create(nfeatures);
-}
-
 void Features::detectAndCompute()
 {
     const Mat image = loadImage(get<0>(GetParam()));
-    Ptr<Feature2D> detector = createDetector(get<1>(GetParam()));
+    const int nfeatures = get<1>(GetParam());
+    const Ptr<ORB> detector =
+        isOfOpenCV() ? ORB::create(nfeatures) : Ptr<ORB>(aqorb::AdaptiveQuadtreeORB::create(nfeatures));
     std::vector<KeyPoint> keypoints;
     Mat descriptors;
     detector->detectAndCompute(image, noArray(), keypoints, descriptors);  // fills caches and allocates
@@ -63,38 +58,6 @@ PERF_TEST_P(Features, detectAndCompute, FEATURES_PARAMS)
 PERF_TEST_P(Scaling, detectAndCompute, SCALING_PARAMS)
 {
     detectAndCompute();
-}
-
-PERF_TEST_P(Features, detect, FEATURES_PARAMS)
-{
-    const Mat image = loadImage(get<0>(GetParam()));
-    Ptr<Feature2D> detector = createDetector(get<1>(GetParam()));
-    std::vector<KeyPoint> keypoints;
-    detector->detect(image, keypoints);
-
-    TEST_CYCLE() detector->detect(image, keypoints);
-
-    EXPECT_GT(keypoints.size(), 20u);
-    SANITY_CHECK_NOTHING();
-}
-
-PERF_TEST_P(Features, compute, FEATURES_PARAMS)
-{
-    const Mat image = loadImage(get<0>(GetParam()));
-    // cv::ORB's keypoints for both detectors: they lie inside both borders, so neither detector drops any.
-    std::vector<KeyPoint> keypoints;
-    ORB::create(get<1>(GetParam()))->detect(image, keypoints);
-    const size_t given = keypoints.size();
-    Ptr<Feature2D> detector = createDetector(get<1>(GetParam()));
-    Mat descriptors;
-    detector->compute(image, keypoints, descriptors);
-
-    TEST_CYCLE() detector->compute(image, keypoints, descriptors);
-
-    EXPECT_GT(given, 20u);
-    EXPECT_EQ(given, keypoints.size());
-    EXPECT_EQ((int)given, descriptors.rows);
-    SANITY_CHECK_NOTHING();
 }
 
 }  // namespace

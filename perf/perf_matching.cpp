@@ -92,19 +92,6 @@ PERF_TEST_P(NearestNeighbours, knnMatch,
     SANITY_CHECK_NOTHING();
 }
 
-PERF_TEST_P(Matching, radiusMatch, MATCHING_PARAMS)
-{
-    Mat query, train;
-    makeDescriptors(get<0>(GetParam()), get<1>(GetParam()), query, train);
-    const Ptr<BFMatcher> matcher = createMatcher(false);
-    std::vector<std::vector<DMatch>> matches;
-
-    TEST_CYCLE() matcher->radiusMatch(query, train, matches, 64);
-
-    EXPECT_EQ(query.rows, (int)matches.size());
-    SANITY_CHECK_NOTHING();
-}
-
 typedef perf::TestBaseWithParam<tuple<std::string, int>> Refinement;
 
 //! Refines the cross-checked matches of two images. Both functions take the same window, one level and four iterations.

@@ -2,7 +2,7 @@
 # Measures what the documents' tables show, and prints them in Markdown, to be pasted.
 #
 #   scripts/measure.sh speed [OPTION ...]     beside cv::ORB, cv::BFMatcher and Lucas-Kanade (doc/performance.md)
-#   scripts/measure.sh paper [OPTION ...]     the paper's tables and Figures 3 to 8 (doc/reproduction.md)
+#   scripts/measure.sh paper [OPTION ...]     the paper's tables and Figures 3, 6 and 8 (doc/reproduction.md)
 #   scripts/measure.sh claims [OPTION ...]    what is claimed of the selection (doc/reproduction.md)
 #   scripts/measure.sh refinement [OPTION ...]  what refineMatches gives (doc/reproduction.md)
 #   scripts/measure.sh poses [4|5] [OPTION ...]  relative poses, by OpenCV and PoseLib (doc/reproduction.md)

@@ -4,7 +4,7 @@
 // SPDX-License-Identifier: Apache-2.0
 
 // Makes the files of the samples' tests from a photograph or a drawn scene: two views, three overlapping parts, a video
-// of images, a fisheye lens's image, a stereo sequence; and unsuitable files.
+// of images, a stereo sequence; and unsuitable files.
 
 #include "../../perf/perf_scene.hpp"
 
@@ -21,15 +21,6 @@ static void save(const String& path, const Mat& image)
 {
     if (!imwrite(path, image))
         CV_Error(Error::StsError, path + ": cannot be written");
-}
-
-// Image in a circle, as of a fisheye lens.
-static Mat fisheyeView(const Mat& scene)
-{
-    Mat view = Mat::zeros(600, 600, CV_8UC1), mask = view.clone();
-    circle(mask, Point(300, 300), 296, Scalar(255), FILLED);
-    scene(Rect(0, 0, 600, 600)).copyTo(view, mask);
-    return view;
 }
 
 static Mat photographOrScene()
@@ -80,7 +71,6 @@ int main(int argc, char** argv)
         part.convertTo(part, CV_8U);
         save(folder + format("part%d.png", i + 1), part);
     }
-    save(folder + "fisheye.png", fisheyeView(scene));
     saveStereo(folder + "stereo", scene);
 
     std::ofstream(folder + "text.png") << "no image";

@@ -81,7 +81,7 @@ def print_tables(options):
 def main():
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     commands = parser.add_subparsers(dest='command', required=True)
-    command = commands.add_parser('paper', help="the paper's tables, and its figures 3 to 8")
+    command = commands.add_parser('paper', help="the paper's tables, and its figures 3, 6 and 8")
     command.set_defaults(run=measure_paper)
     command.add_argument('datasets', metavar='DATASETS')
     command.add_argument('--out', default='.', help='folder for the figures')
@@ -97,11 +97,6 @@ def main():
     command.set_defaults(run=measure_claims)
     command.add_argument('datasets', metavar='DATASETS')
     command.add_argument('--methods', type=list_of(), default=['aqorb'], help='those to judge')
-    command.add_argument('--orb', default='orb', help='the method that stands for cv::ORB')
-    command.add_argument('--paper', default='aqorb:selection=quadtree', help="that of the paper's selection")
-    command.add_argument('--paper-slam', default='aqorb:selection=quadtree:octave=0.5',
-                         help='the same for SlamExtractor')
-    command.add_argument('--dial', default='aqorb:strength=1000', help="that of the dial's other end")
     command.add_argument('--only', type=list_of(), default=list(claims.SUBJECTS), help=', '.join(claims.SUBJECTS))
     command.add_argument('--short', action='store_true',
                          help='leave out held-out and degraded images, and homographies')

@@ -14,8 +14,11 @@ import numpy as np
 import held_out
 import images
 import measures
-from methods import Method
+from methods import PAPER, Method
 
+ORB = 'orb'
+PAPER_SLAM = PAPER + ':octave=0.5'  # for SlamExtractor
+DIAL = 'aqorb:strength=1000'  # the other end
 SCALES = [.4, .5, .6, .75, 1.5, 2, 2.5]
 ROLLED_SCALES = [.5, .7, 1.4, 2]
 ROLLS = range(15, 360, 30)  # degrees
@@ -123,7 +126,7 @@ def slam_of(name):
 
 def measure(options):
     results = Measurements()
-    methods = [Method(name) for name in dict.fromkeys([options.orb, options.paper] + options.methods)]
+    methods = [Method(name) for name in dict.fromkeys([ORB, PAPER] + options.methods)]
     sets = {name: images.read_set(options.datasets, name) for name in images.SETS}
     cases = [(method, n) for n in options.n for method in methods]
     if 'distinct' in options.only:
@@ -162,14 +165,14 @@ def measure(options):
                                   [(view, turn @ matrix) for view, turn in turned], method, 1000, results)
     if 'object' in options.only:
         objects = images.small_objects(options.object, sets)
-        for method in methods + [Method(options.dial)] * (options.dial not in options.methods):
+        for method in methods + [Method(DIAL)] * (DIAL not in options.methods):
             for n in OBJECT_NUMBERS:
                 for name, *pair in objects:
                     found = measures.inliers_on_object(*[method.compute(image, n) for image in pair], method.norm)
                     results.add('object' if name == 'box' else 'drawn object', name, method.name, n, **found)
     if 'start' in options.only:
         sequence = images.read_sequence(options.sequence)
-        for name in dict.fromkeys([options.orb] + [slam_of(name) for name in [options.paper_slam] + options.methods]):
+        for name in dict.fromkeys([ORB] + [slam_of(name) for name in [PAPER_SLAM] + options.methods]):
             for n in options.n if name else ():
                 measure_start(*sequence, Method(name), n, results)
     if 'heldout' in options.only:
@@ -187,9 +190,8 @@ def measure(options):
 class Judge:
     """Makes the rows of the claims of a method. A row has a bound that is asked for, or only tells."""
 
-    def __init__(self, measured, options, method):
+    def __init__(self, measured, method):
         self.measured, self.method = measured, method
-        self.orb, self.paper, self.paper_slam = options.orb, options.paper, slam_of(options.paper_slam)
         self.rows, self.failed = [], []
 
     def add(self, what, n, here, orb, paper, digits, at_least=None, at_most=None, note=''):
@@ -207,22 +209,22 @@ class Judge:
 
     def mean(self, what, subject, n, quantity, digits, **bound):
         values = [self.measured.mean(subject, name, n, quantity, items=bound.get('items'))
-                  for name in (self.method, self.orb, self.paper)]
+                  for name in (self.method, ORB, PAPER)]
         bound.pop('items', None)
         self.add(what, n, *values, digits, **bound)
 
     def ratio(self, what, subject, n, quantity, at_least=None, items=None):
         here, orb, paper = (self.measured.mean(subject, name, n, quantity, items=items)
-                            for name in (self.method, self.orb, self.paper))
+                            for name in (self.method, ORB, PAPER))
         self.add(what, n, here / orb, 1, paper / orb, 3, at_least=at_least)
 
     def area(self, what, subject, n, is_asked):
         """Homographies must not be worse than those of the paper's selection beyond chance."""
-        here, paper = (self.measured.values(subject, name, n, 'auc5') for name in (self.method, self.paper))
+        here, paper = (self.measured.values(subject, name, n, 'auc5') for name in (self.method, PAPER))
         if not len(here):
             return
         error = (here - paper).std(ddof=1) / math.sqrt(len(here))
-        self.add(what, n, here.mean(), self.measured.mean(subject, self.orb, n, 'auc5'), paper.mean(), 3,
+        self.add(what, n, here.mean(), self.measured.mean(subject, ORB, n, 'auc5'), paper.mean(), 3,
                  at_least=paper.mean() - 2 * error if is_asked else None, note=' (standard error {:.3f})'.format(error))
 
     def distinct_inliers(self, method):
@@ -231,7 +233,7 @@ class Judge:
 
 def judge(measured, options, method):
     """The Judge with all claims of a method; what was not measured is left out."""
-    judging = Judge(measured, options, method)
+    judging = Judge(measured, method)
     times = ": distinct correct matches, times cv::ORB's"
     for n in options.n:
         judging.ratio('distinct correct matches, times cv::ORB\'s', 'sets', n, 'distinct',
@@ -255,28 +257,28 @@ def judge(measured, options, method):
     for scale in SCALES if 'scale' in options.only else ():
         subject = 'scale {:g}'.format(scale)
         for n in options.n:
-            paper, orb = (measured.mean(subject, name, n, 'distinct') for name in (options.paper, options.orb))
+            paper, orb = (measured.mean(subject, name, n, 'distinct') for name in (PAPER, ORB))
             judging.ratio(subject + times, subject, n, 'distinct', max(1.3, paper / orb))
     for n in options.n if 'scale' in options.only else ():
-        here, orb, paper = (measured.at_scales(name, n) for name in (method, options.orb, options.paper))
+        here, orb, paper = (measured.at_scales(name, n) for name in (method, ORB, PAPER))
         judging.add('the geometric mean of the scales', n, here / orb, 1, paper / orb, 3, at_least=1.5)
     for scale in ROLLED_SCALES:
         subject = 'rolled, scale {:g}'.format(scale)
         judging.ratio(subject + times, subject, 1000, 'distinct')
-    orb_inliers = measured.mean('object', options.orb, 500, 'inliers')  # 2000 features must have more
+    orb_inliers = measured.mean('object', ORB, 500, 'inliers')  # 2000 features must have more
     for n in OBJECT_NUMBERS:
         judging.mean('inliers on a small object', 'object', n, 'inliers', 0, at_least={250: 8, 500: 10, 2000: orb_inliers + 1}.get(n))
     for subject, words in (('object', 'a small object'), ('drawn object', 'three that are drawn into photographs')):
         for n in OBJECT_NUMBERS:
             judging.mean('distinct inliers on ' + words, subject, n, 'distinct', 1)
     here, orb, paper, dial = (judging.distinct_inliers(name)
-                              for name in (method, options.orb, options.paper, options.dial))
+                              for name in (method, ORB, PAPER, DIAL))
     judging.add("distinct inliers on a small object, times cv::ORB's", 0, here / orb, 1, paper / orb, 3, at_least=.85)
     judging.add("the same at the dial's other end", 0, dial / orb, 1, math.nan, 3, at_least=1)
     for step, words in ((1, 'the next frame'), (10, 'the frame a second later')):
         for n in options.n:
             here, orb, paper = (measured.mean('start', name, n, 'correct', items=[step])
-                                for name in (slam_of(method), options.orb, slam_of(options.paper_slam)))
+                                for name in (slam_of(method), ORB, slam_of(PAPER_SLAM)))
             judging.add('start with one camera: correct matches with ' + words, n, here, orb, paper, 1,
                         at_least=max(orb, paper) if step == 1 else paper)
     for n in options.n:
@@ -292,7 +294,7 @@ def judge(measured, options, method):
 def dial_rows(measured, options):
     """What each method reaches on the sets at the first n, at other scales, and on the small object at each n."""
     n = options.n[0]
-    for name in options.methods + [options.paper, options.orb]:
+    for name in options.methods + [PAPER, ORB]:
         means = ['{:.{}f}'.format(measured.mean('sets', name, n, quantity), digits) for quantity, digits in
                  (('uniformity', 1), ('occupancy', 3), ('distinct', 1), ('places', 1), ('precision', 3))]
         inliers = [str(int(measured.mean('object', name, each, 'inliers'))) for each in OBJECT_NUMBERS]
