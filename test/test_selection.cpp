@@ -22,7 +22,7 @@ using namespace aqorb;
 const float INF = std::numeric_limits<float>::infinity();
 const float NOT_A_NUMBER = std::numeric_limits<float>::quiet_NaN();
 
-TEST(Aqorb_RankedOrder, leaves_equal_reference)
+TEST(Aqorb_Selection, leaves_equal_reference)
 {
     RNG rng(1);
     for (int i = 0; i < 20000; i++)
@@ -127,7 +127,7 @@ std::vector<int> orderOf(const Scene& scene)
     return indices;
 }
 
-TEST(Aqorb_RankedOrder, equals_reference)
+TEST(Aqorb_Selection, order_equals_reference)
 {
     size_t compared = 0;
     for (int seed = 1; seed <= 650; seed++)
@@ -163,7 +163,7 @@ int common(const KeyPoints& a, const KeyPoints& b)
 }
 
 // Leaves of one tree are limited by the shorter side. There were too few of them, and the strongest corners filled up.
-TEST(Aqorb_RankedSelection, narrow_images_are_covered)
+TEST(Aqorb_Selection, narrow_images_are_covered)
 {
     const Size sizes[] = {Size(1024, 128), Size(1024, 64),   Size(4096, 64),
                           Size(32768, 40), Size(100000, 36), Size(64, 1024)};
@@ -187,7 +187,7 @@ TEST(Aqorb_RankedSelection, narrow_images_are_covered)
     }
 }
 
-TEST(Aqorb_RankedSelection, the_weight_leads_from_evenness_to_strength)
+TEST(Aqorb_Selection, the_weight_leads_from_evenness_to_strength)
 {
     const double weights[] = {0, 1, 4, 1000};
     double strong[4] = {0, 0, 0, 0}, occupancy[4] = {0, 0, 0, 0};  // sums over scenes
