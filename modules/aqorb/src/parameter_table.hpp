@@ -33,7 +33,7 @@
     X(EdgeThreshold, int, edgeThreshold, edgeThreshold, 16, atLeast(0), \
       "the width, in pixels of each level, of the border without keypoints") \
     X(FirstLevel, int, firstLevel, firstLevel, 0, atLeast(0), \
-      "the level of the pyramid that is the image itself; lower levels are larger") \
+      "the level of the pyramid that is the image itself (lower levels are larger)") \
     X(WTA_K, int, WTA_K, wta_k, 2, between(2, 4), \
       "the number of points compared for each element of a descriptor, 2, 3 or 4") \
     X(ScoreType, ORB::ScoreType, scoreType, scoreType, 0, oneOf("HARRIS_SCORE (0) or FAST_SCORE (1)"), \

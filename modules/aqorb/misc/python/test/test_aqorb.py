@@ -193,8 +193,11 @@ class aqorb_test(NewOpenCVTests):
         self.assertLess(aqorb.distributionUniformity(even, size), aqorb.distributionUniformity(left, size))
         self.assertEqual(aqorb.distributionOccupancy(left, size), 0.5)
         self.assertEqual(aqorb.distributionOccupancy(left, size, (1, 1)), 1)
-        kept = aqorb.retainUniform(even, size, 4)
-        self.assertEqual(len({(k.pt[0] < 80, k.pt[1] < 60) for k in kept}), 4)
+        # A strong cluster and three weak points elsewhere: every corner of the image is kept.
+        cluster = [cv.KeyPoint(10. + i, 10., 1., -1, 100.) for i in range(20)]
+        far = [cv.KeyPoint(x, y, 1., -1, 1.) for x, y in ((90., 10.), (10., 90.), (90., 90.))]
+        kept = aqorb.retainUniform(cluster + far, (100, 100), 4)
+        self.assertEqual(len({(k.pt[0] > 50, k.pt[1] > 50) for k in kept}), 4)
         image = np.full((10, 10), 90, np.uint8)
         image[:, 5:] = 110
         self.assertAlmostEqual(aqorb.adaptiveFastThreshold(image), 100 / 100)  # variance over mean
