@@ -47,23 +47,22 @@ Point windowOrigin(const Point2d& position)
                  std::max(cvFloor(position.y) - MAX_PATCH_REACH - 1, 0));
 }
 
-// Halves an image: means of 2 x 2 pixels. The last column or row counts twice if their number is odd.
+// Halves an image: means of 2 x 2 pixels. The last column or row counts twice if their number is odd. cv::resize would
+// use other threads even under a SingleThreadScope.
 Mat halfOf(const Mat& image)
 {
     Mat half((image.rows + 1) / 2, (image.cols + 1) / 2, CV_8UC1);
-    const int evenCols = image.cols & ~1, evenRows = image.rows & ~1;
-    const auto fill = [&](const Rect& part)
+    const int pairs = image.cols / 2;
+    for (int y = 0; y < half.rows; y++)
     {
-        if (part.empty())
-            return;
-        Mat source = image(part);
-        copyMakeBorder(source, source, 0, part.height & 1, 0, part.width & 1, BORDER_REPLICATE);
-        resize(source, half(Rect(part.x / 2, part.y / 2, source.cols / 2, source.rows / 2)),
-               Size(source.cols / 2, source.rows / 2), 0, 0, INTER_AREA);
-    };
-    fill(Rect(0, 0, evenCols, evenRows));
-    fill(Rect(evenCols, 0, image.cols - evenCols, image.rows));
-    fill(Rect(0, evenRows, evenCols, image.rows - evenRows));
+        const uchar *const upper = image.ptr(2 * y), *const lower =
+                                                         image.ptr(std::min(2 * y + 1, image.rows - 1));
+        uchar* const out = half.ptr(y);
+        for (int x = 0; x < pairs; x++)
+            out[x] = uchar((upper[2 * x] + upper[2 * x + 1] + lower[2 * x] + lower[2 * x + 1] + 2) >> 2);
+        if (pairs < half.cols)
+            out[pairs] = uchar((upper[2 * pairs] + lower[2 * pairs] + 1) >> 1);
+    }
     return half;
 }
 
@@ -137,10 +136,7 @@ bool PatchPyramid::findWindow(const PatchLocation& patch, LevelWindow& window, M
     }
     const Rect wanted(origin.x * size, origin.y * size, WINDOW_SIDE * size, WINDOW_SIDE * size);
     const Mat part = image(wanted & Rect(Point(), image.size()));
-    if (image.channels() == 1)
-        memory = part.clone();
-    else
-        cvtColor(part, memory, COLOR_BGR2GRAY);
+    memory = image.channels() == 1 ? part.clone() : grayImage(part);
     for (int i = 0; i < level; i++)
         memory = halfOf(memory);
     window.origin = memory.ptr();
