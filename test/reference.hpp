@@ -102,10 +102,12 @@ float strength(int fastScore, float response, bool isHarris, int64 m10, int64 m0
 
 /** The indices of corners in the order in which they are chosen.
  @param isUnmasked whether the mask allows a corner in the centre of a leaf
- @param strengthOf asked of the best corners of leaves that are representatives */
+ @param strengthOf asked of the best corners of leaves that are representatives
+ @param breaksTiesByKey whether the higher key comes first among equally strong ones; else the upper, then left leaf */
 std::vector<int> rankedOrder(const std::vector<LeafCorner>& corners, const RankRule& rule,
                              const std::function<bool(int column, int row)>& isUnmasked,
-                             const std::function<float(const LeafCorner&)>& strengthOf);
+                             const std::function<float(const LeafCorner&)>& strengthOf,
+                             bool breaksTiesByKey = false);
 KeyPoints retainUniform(const KeyPoints& keypoints, Size imageSize, int npoints);
 
 Point2f position(int x, int y, Point2d d, Size imageSize, Size levelSize, float scale, int border,

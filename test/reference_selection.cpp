@@ -11,6 +11,7 @@
 #include <limits>
 #include <map>
 #include <set>
+#include <tuple>
 
 namespace opencv_test
 {
@@ -188,12 +189,15 @@ struct Representative
     LeafCorner corner;
     float strength;
     int64 key;
+    float tie;  // the higher comes first
 };
 
 bool isStronger(const Representative& a, const Representative& b)
 {
     if (isHigher(a.strength, b.strength) || isHigher(b.strength, a.strength))
         return isHigher(a.strength, b.strength);
+    if (a.tie != b.tie)
+        return a.tie > b.tie;
     return a.corner.row != b.corner.row ? a.corner.row < b.corner.row : a.corner.column < b.corner.column;
 }
 
@@ -208,7 +212,7 @@ bool comesBefore(const Representative& a, const Representative& b)
 
 std::vector<int> rankedOrder(const std::vector<LeafCorner>& corners, const RankRule& rule,
                              const std::function<bool(int column, int row)>& isUnmasked,
-                             const std::function<float(const LeafCorner&)>& strengthOf)
+                             const std::function<float(const LeafCorner&)>& strengthOf, bool breaksTiesByKey)
 {
     typedef std::map<std::pair<int, int>, LeafCorner> Leaves;
     Leaves leaves;
@@ -238,7 +242,8 @@ std::vector<int> rankedOrder(const std::vector<LeafCorner>& corners, const RankR
             }
         if (better >= 3)
             continue;
-        representatives.push_back({leaf->second, strengthOf(leaf->second), 0});
+        const float tie = breaksTiesByKey ? leaf->second.key : 0;
+        representatives.push_back({leaf->second, strengthOf(leaf->second), 0, tie});
         represented.insert(leaf->first);
     }
 
@@ -299,21 +304,36 @@ KeyPoints retainUniform(const KeyPoints& keypoints, Size imageSize, int npoints)
     for (const LeafCorner& corner : corners)
         if (!cvIsInf(corner.key) && corner.key > highest)
             highest = corner.key;
-    const auto strengthOf = [=](const LeafCorner& corner)
+    const auto strengthOf = [&](const LeafCorner& corner)
     {
-        if (!(corner.key > 0) || cvIsInf(corner.key))
-            return corner.key;
-        const float ratio = (float)(corner.key / highest * std::pow(2., 127));
+        const float response = keypoints[corner.index].response;
+        if (!(response > 0) || cvIsInf(response))
+            return response;
+        const float ratio = (float)(response / highest * std::pow(2., 127));
         return ratio > 0 ? ratio : std::numeric_limits<float>::denorm_min();
     };
+    // Equal responses come in the order of a hash of their places in raster order. The keys become places in this order.
+    std::sort(corners.begin(), corners.end(),
+              [](const LeafCorner& a, const LeafCorner& b)
+              { return std::tie(a.y, a.x, a.index) < std::tie(b.y, b.x, b.index); });
+    std::map<int, unsigned> hashes;
+    for (size_t i = 0; i < corners.size(); i++)
+        hashes[corners[i].index] = (unsigned)(i * 2654435769u);
+    std::sort(corners.begin(), corners.end(),
+              [&](const LeafCorner& a, const LeafCorner& b)
+              {
+                  const bool isEqual = !isHigher(a.key, b.key) && !isHigher(b.key, a.key);
+                  return isEqual ? hashes[a.index] < hashes[b.index] : isHigher(a.key, b.key);
+              });
+    for (size_t i = 0; i < corners.size(); i++)
+        corners[i].key = -(float)i;
     std::vector<int> order;
     if (npoints > 0)
         order = rankedOrder(
             corners, {imageSize, {1 << depth, 1 << depth, depth}, 1, npoints, 1, 0.15},
-            [](int, int) { return true; }, strengthOf);
+            [](int, int) { return true; }, strengthOf, true);
     // The others follow by response.
     const std::set<int> representatives(order.begin(), order.end());
-    std::sort(corners.begin(), corners.end(), isBetter);
     for (const LeafCorner& corner : corners)
         if (representatives.count(corner.index) == 0)
             order.push_back(corner.index);

@@ -129,6 +129,22 @@ TEST(Aqorb_RetainUniform, counts_subnormal_responses_as_zero_where_the_cpu_flush
 }
 #endif
 
+// Many detectors, and points converted to keypoints, leave all responses equal.
+TEST(Aqorb_RetainUniform, spreads_keypoints_of_equal_responses)
+{
+    const Size size(640, 480);
+    KeyPoints grid, random = randomKeypoints(3000, size, 5);
+    for (int i = 0; i < 192; i++)
+        grid.push_back(KeyPoint(float(i % 16 * 40 + 20), float(i / 16 * 40 + 20), 7));
+    for (KeyPoint& keypoint : random)
+        keypoint.response = 1;
+    for (KeyPoints keypoints : {grid, random})
+    {
+        aqorb::retainUniform(keypoints, size, 48);
+        EXPECT_GE(aqorb::distributionOccupancy(keypoints, size, Size(4, 3)), .9);
+    }
+}
+
 TEST(Aqorb_RetainUniform, drops_what_lies_outside)
 {
     const float nan = std::numeric_limits<float>::quiet_NaN();

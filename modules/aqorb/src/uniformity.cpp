@@ -95,13 +95,22 @@ void retainUniform(std::vector<KeyPoint>& keypoints, Size imageSize, int npoints
                   });
         // Positions are not bound to pixels, so leaves may be smaller than a pixel.
         const LeafGrid grid = rankedGrid(Size(INT_MAX, INT_MAX), 1, npoints);
+        // A hash breaks the ties of responses, which many detectors leave equal: raster order would prefer the top.
         std::vector<LeafPoint> points;
-        for (unsigned index : inside)
+        std::vector<uint64> keys;
+        for (size_t i = 0; i < inside.size(); i++)
         {
-            const Point2f p = keypoints[index].pt;
-            points.push_back({leafOf(p.x, p.y, imageSize, grid), sortKey(keypoints[index].response)});
+            const KeyPoint& keypoint = keypoints[inside[i]];
+            points.push_back({leafOf(keypoint.pt.x, keypoint.pt.y, imageSize, grid), 0});
+            keys.push_back(uint64(descendingKey(sortKey(keypoint.response))) << 32 |
+                           unsigned(i) * 0x9e3779b1u);
         }
-        const std::vector<unsigned> representatives = findRepresentatives(points, grid);
+        const std::vector<unsigned> byResponse = sortIndices(keys);
+        for (size_t i = 0; i < byResponse.size(); i++)
+            points[byResponse[i]].key = -int(i);
+        std::vector<unsigned> representatives = findRepresentatives(points, grid);
+        std::sort(representatives.begin(), representatives.end(),
+                  [&](unsigned a, unsigned b) { return points[a].key > points[b].key; });
         std::vector<unsigned> leaves;
         std::vector<float> strengths;
         const float MIN_STRENGTH = std::numeric_limits<float>::denorm_min();
@@ -128,13 +137,10 @@ void retainUniform(std::vector<KeyPoint>& keypoints, Size imageSize, int npoints
             isListed[order.back()] = 1;
         }
         // After the representatives, the other keypoints follow by response.
-        std::stable_sort(inside.begin(), inside.end(),
-                         [&](unsigned a, unsigned b)
-                         { return sortKey(keypoints[a].response) > sortKey(keypoints[b].response); });
-        for (unsigned index : inside)
+        for (unsigned index : byResponse)
         {
-            if (!isListed[index])
-                order.push_back(index);
+            if (!isListed[inside[index]])
+                order.push_back(inside[index]);
         }
         order.resize(npoints);
         inside.swap(order);

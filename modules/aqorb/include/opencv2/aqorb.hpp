@@ -318,9 +318,9 @@ strength, and octaves do not count. The quadtree spans the whole image and has a
 keypoints, but at most 2^24. The best keypoint of a leaf represents it, unless at least three of the eight leaves around
 it have better keypoints. Representatives come by (1 + rank) / response^StrengthWeight, where infinity counts as twice
 the highest finite response. Representatives with a zero, negative or NaN response come last, by their rank. The other
-keypoints follow by response. In every comparison NaN counts as the lowest response. Ties in a leaf go to the lower y,
-then to the lower x, then to the lower index. Only ratios of responses count: a positive factor changes nothing, unless
-the products are rounded or leave the range of a float.
+keypoints follow by response. In every comparison NaN counts as the lowest response. A hash of their places in raster
+order breaks ties, so keypoints of equal responses are spread, too. Only ratios of responses count: a positive factor
+changes nothing, unless the products are rounded or leave the range of a float.
 
 @param keypoints In: keypoints of any detector. Out: at most npoints of them, in their input order and with all fields
 unchanged. Keypoints outside the image are dropped, even if there are fewer than npoints.
