@@ -43,10 +43,9 @@ const struct
     {"rubberwhale1.png", "rubberwhale2.png", "",
      "AdaptiveQuadtreeORB wins: two frames of a video, with something to see everywhere."},
     {"box.png", "box_in_scene.png", "",
-     "cv::ORB has more matches in all: a small box, and the same box among other things.\n"
-     "AdaptiveQuadtreeORB spreads its keypoints over the whole scene, so fewer of them lie on the box. If "
-     "you\n"
-     "look for a small object, see StrengthWeight in the tutorial on the parameters."},
+     "cv::ORB has more matches than AdaptiveQuadtreeORB alone: a small box, and the same box among other\n"
+     "things. AdaptiveQuadtreeORB spreads its keypoints over the whole scene, so fewer of them lie on the\n"
+     "box. growMatches finds the others. See StrengthWeight in the tutorial on the parameters, too."},
     {"graf1.png", "graf3.png", "H1to3p.xml",
      "AdaptiveQuadtreeORB wins: a painted wall from two sides, with a known homography between them."}};
 
