@@ -29,8 +29,9 @@ check_version() {
     [[ $heading == "## [$VERSION] - "* ]] || die "CMakeLists.txt says $VERSION, CHANGELOG.md $heading"
     grep -qE "^ *version: ${VERSION//./\\.}\$" CITATION.cff ||
         die "CMakeLists.txt says $VERSION, and CITATION.cff another version"
-    for file in package.xml packaging/conda/recipe.yaml packaging/vcpkg/aqorb/vcpkg.json photographs/pyproject.toml; do
-        grep -qE "^\W*version[^0-9]*${VERSION//./\\.}\b" "$file" ||
+    for file in package.xml packaging/conda/recipe.yaml packaging/vcpkg/aqorb/vcpkg.json photographs/pyproject.toml \
+        tools/consumer/CMakeLists.txt; do
+        grep -qE "^\W*(version|find_package\(aqorb)[^0-9]*${VERSION//./\\.}\b" "$file" ||
             die "CMakeLists.txt says $VERSION, and $file another version"
     done
 }
