@@ -17,7 +17,7 @@ string(REPEAT "0 " 3072 pixels)
 file(WRITE "${EXAMPLE}/black.pgm" "P2 64 48 255 ${pixels}")
 file(WRITE "${EXAMPLE}/CMakeLists.txt" "${CMAKE_MATCH_1}enable_testing()\nadd_test(NAME match COMMAND match)\n"
   "set_tests_properties(match PROPERTIES PASS_REGULAR_EXPRESSION \"usage: match\")\n"
-  "add_test(NAME black COMMAND match ${EXAMPLE}/black.pgm ${EXAMPLE}/black.pgm)\n"
+  "add_test(NAME black COMMAND match \"${EXAMPLE}/black.pgm\" \"${EXAMPLE}/black.pgm\")\n"
   "set_tests_properties(black PROPERTIES PASS_REGULAR_EXPRESSION \"0 of 0 matches agree\")\n")
 string(REGEX MATCH "```cpp\n([^`]*)```" block "${text}")
 file(WRITE "${EXAMPLE}/match.cpp" "${CMAKE_MATCH_1}")
