@@ -231,6 +231,48 @@ TEST(Aqorb_Growth, does_not_carry_a_map_to_another_plane)
     EXPECT_LE(right, candidates / 20);
 }
 
+//! Where a texture repeats, a match that is wrong by a period grows wrong ones near it, and others grow right ones.
+TEST(Aqorb_Growth, is_as_right_as_its_seeds_where_texture_repeats)
+{
+    const Matx23d map = similarity(1, 4, 12.3, -4.6);
+    const Point2f period(40, 0);
+    MatchedViews views = sparseViews(map);
+    views.image1 = repeat(views.image1(Rect(0, 0, 40, 40)), 6, 8);
+    warpAffine(views.image1, views.image2, map, views.image1.size());
+    for (size_t i = 0; i < views.matches.size(); i += 4)
+        views.keypoints2[size_t(views.matches[i].trainIdx)].pt += period;
+    const Grown grown = grow(views);
+    int wrong = 0;
+    for (size_t i = grown.refined; i < grown.matches.size(); i++)
+    {
+        const Vec2d seen = mapped(map, grown.points1[i]);
+        wrong += std::hypot(seen[0] - grown.points2[i].x, seen[1] - grown.points2[i].y) > 0.5;
+    }
+    EXPECT_GE(grown.matches.size(), views.keypoints1.size() * 9 / 10);
+    EXPECT_LE(wrong, int(grown.matches.size() - grown.refined) / 3) << "of four seeds one is wrong";
+}
+
+TEST(Aqorb_Growth, leaves_out_what_something_hides_in_image_2)
+{
+    const Matx23d map = similarity(1, 4, 12.3, -4.6);
+    MatchedViews views = sparseViews(map);
+    const Rect hidden(120, 60, 90, 110);
+    viewsOf(Texture(8), map, 1, 0, 2).image2(hidden).copyTo(views.image2(hidden));
+    const auto isHidden = [&](const Point2f& point)
+    {
+        const Vec2d seen = mapped(map, point);
+        return hidden.contains(Point(cvRound(seen[0]), cvRound(seen[1])));
+    };
+    const Grown grown = grow(views);
+    size_t candidates = 0, wrong = 0;
+    for (const KeyPoint& keypoint : views.keypoints1)
+        candidates += isHidden(keypoint.pt);
+    for (size_t i = grown.refined; i < grown.matches.size(); i++)
+        wrong += isHidden(grown.points1[i]);
+    EXPECT_GE(grown.matches.size(), (views.keypoints1.size() - candidates) * 9 / 10);
+    EXPECT_LE(wrong, candidates / 20);
+}
+
 TEST(Aqorb_Growth, tries_keypoints_whose_match_was_removed)
 {
     const Matx23d map = similarity(1, 5, 3.3, -4.8);
