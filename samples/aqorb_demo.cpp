@@ -61,8 +61,8 @@ const char* const LEGEND =
     "several levels and each of these counts.\n"
     "Times are medians; the methods take turns. Frame: image 1 to keypoints and descriptors.\n"
     "Pair: two images to their geometry. That is the features of both, matching by cv::BFMatcher or by\n"
-    "HammingMatcher, growMatches in the last column, and RANSAC. Where few matches are right, RANSAC\n"
-    "takes most of it. A second thread gains most with large images.\n\n";
+    "HammingMatcher, growMatches in the last column, and RANSAC or, after growMatches, MAGSAC. Where\n"
+    "few matches are right, RANSAC takes most of it. A second thread gains most with large images.\n\n";
 
 struct Method
 {
@@ -111,8 +111,8 @@ double errorOf(const Geometry& geometry, const Point2f& from, const Point2f& to)
                                : norm(Point2d(v[0] / v[2] - to.x, v[1] / v[2] - to.y));
 }
 
-//! Estimates the geometry by RANSAC: timed with the usual settings, else with more iterations, to judge the matches.
-Geometry estimate(const Matches& matches, bool isEpipolar, bool isTimed, double threshold)
+//! Estimates the geometry by a method of OpenCV: timed as usual, else with more iterations, to judge the matches.
+Geometry estimate(const Matches& matches, bool isEpipolar, bool isTimed, int method, double threshold)
 {
     std::vector<Point2f> from, to;
     KeyPoint::convert(matches.from, from);
@@ -121,16 +121,16 @@ Geometry estimate(const Matches& matches, bool isEpipolar, bool isTimed, double 
     if (from.size() < 8)
         return {Matx33d(), isEpipolar, false};
     if (isEpipolar)
-        matrix = isTimed ? findFundamentalMat(from, to, RANSAC, threshold)
-                         : findFundamentalMat(from, to, USAC_MAGSAC, threshold, 0.9999, 10000);
+        matrix = isTimed ? findFundamentalMat(from, to, method, threshold)
+                         : findFundamentalMat(from, to, method, threshold, 0.9999, 10000);
     else
-        matrix = isTimed ? findHomography(from, to, RANSAC, threshold)
-                         : findHomography(from, to, USAC_MAGSAC, threshold, noArray(), 10000, 0.9999);
+        matrix = isTimed ? findHomography(from, to, method, threshold)
+                         : findHomography(from, to, method, threshold, noArray(), 10000, 0.9999);
     const bool isFound = matrix.size() == Size(3, 3);
     return {isFound ? Matx33d(matrix.ptr<double>()) : Matx33d(), isEpipolar, isFound};
 }
 
-//! Finds keypoints in one or two images, their matches and, by RANSAC, the geometry.
+//! Finds keypoints in one or two images, their matches and, with the usual settings, the geometry.
 Found find(const Method& method, const std::vector<Mat>& images, bool isEpipolar)
 {
     Found found;
@@ -163,7 +163,7 @@ Found find(const Method& method, const std::vector<Mat>& images, bool isEpipolar
             found.matches.to[i].pt = to[i];
     }
     if (images.size() == 2)
-        estimate(found.matches, isEpipolar, true, method.grows ? 1 : 3);
+        estimate(found.matches, isEpipolar, true, method.grows ? USAC_MAGSAC : RANSAC, method.grows ? 1 : 3);
     time.stop();
     found.milliseconds[1] = time.getTimeMilli();
     return found;
@@ -205,9 +205,9 @@ bool judge(std::vector<Found>& found, const Mat& known)
     for (int isEpipolar = 0; isEpipolar < 2; isEpipolar++)
         for (const Found& one : found)
         {
-            const Geometry geometry = known.empty()
-                                          ? estimate(one.matches, isEpipolar > 0, false, isEpipolar ? 1 : 3)
-                                          : Geometry{Matx33d(known.ptr<double>()), false, true};
+            const Geometry geometry =
+                known.empty() ? estimate(one.matches, isEpipolar > 0, false, USAC_MAGSAC, isEpipolar ? 1 : 3)
+                              : Geometry{Matx33d(known.ptr<double>()), false, true};
             geometries[isEpipolar].push_back(geometry);
             for (size_t i = 0; i < one.matches.from.size() && geometry.isFound; i++)
                 agreeing[isEpipolar] += errorOf(geometry, one.matches.from[i].pt, one.matches.to[i].pt) <= 3;

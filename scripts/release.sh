@@ -58,7 +58,6 @@ check() {
     scripts/dropin.sh
     scripts/opencv.sh --java
     scripts/measure.sh speed --smoke
-    [[ ! ${OPENCV_TEST_DATA_PATH:-} ]] || scripts/python.sh collection
 }
 
 files() {

@@ -162,8 +162,8 @@ std::vector<String_FeatureDetector_DescriptorExtractor_Float_t> descriptorCase(c
 
 // The test pairs keypoints in the order of the output, which is by levels: lower thresholds than cv::ORB's 0.5 and 0.76.
 INSTANTIATE_TEST_CASE_P(Aqorb, DetectorRotationInvariance,
-                        testing::ValuesIn(detectorCase(TSUKUBA, AdaptiveQuadtreeORB::create(), 0.33f,
-                                                       0.65f)));
+                        testing::ValuesIn(detectorCase(TSUKUBA, AdaptiveQuadtreeORB::create(), 0.5f,
+                                                       0.76f)));
 // As for cv::ORB.
 INSTANTIATE_TEST_CASE_P(Aqorb, DetectorScaleInvariance,
                         testing::ValuesIn(detectorCase(BIKES, AdaptiveQuadtreeORB::create(), 0.08f, 0.49f)));

@@ -202,7 +202,7 @@ void findPair(Feature2D& detector, const DescriptorMatcher& matcher, const Mat i
         to.push_back(keypoints[1][matches[i].trainIdx].pt);
     }
     if (from.size() >= 4)
-        findHomography(from, to, RANSAC, isRefined ? 1 : 3);
+        findHomography(from, to, isRefined ? USAC_MAGSAC : RANSAC, isRefined ? 1 : 3);
 }
 
 void measurePairs(const Options& options, const std::vector<std::string>& images)

@@ -98,7 +98,8 @@ correlate. This doubles the number of right matches, which makes poses more exac
 @code{.cpp}
     matcher.match(descriptors1, descriptors2, matches);
     aqorb::growMatches(image1, keypoints1, image2, keypoints2, matches, grown2, points1, points2, deviations);
-    Mat E = findEssentialMat(points1, points2, cameraMatrix, USAC_MAGSAC, 0.999, 0.25);
+    // USAC_MAGSAC with OpenCV 4.6
+    Mat E = findEssentialMat(points1, points2, cameraMatrix, USAC_ACCURATE, 0.999, 0.25);
     drawMatches(image1, keypoints1, image2, grown2, matches, output);
 @endcode
 
