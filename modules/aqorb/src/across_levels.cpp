@@ -196,7 +196,7 @@ static void fillUp(const std::vector<LevelPlan>& plan, const std::vector<Level>&
         CornerResponse corner;
         bool isTaken, isNear;
     };
-    std::vector<Candidate> found, candidates;
+    std::vector<Candidate> candidates;
     std::vector<uint64> keys;
     for (int i = 0; i < int(corners.size()); i++)
     {
@@ -206,22 +206,21 @@ static void fillUp(const std::vector<LevelPlan>& plan, const std::vector<Level>&
                             std::back_inserter(left), InRasterOrder());
         for (const CornerResponse& corner : left)
         {
-            found.push_back({i, corner, false, false});
+            candidates.push_back({i, corner, false, false});
             keys.push_back(descendingKey(sortKey(corner.response * levels[i].scale)));
         }
     }
     // Ties go to the finer level, then to raster order.
-    for (unsigned index : sortIndices(keys))
-        candidates.push_back(found[index]);
+    const std::vector<unsigned> order = sortIndices(keys);
     struct Rules
     {
         bool quota, distance;
     };
     for (const Rules& rules : {Rules{true, true}, Rules{false, true}, Rules{false, false}})
     {
-        for (size_t i = 0; i < candidates.size() && missing > 0; i++)
+        for (size_t i = 0; i < order.size() && missing > 0; i++)
         {
-            Candidate& candidate = candidates[i];
+            Candidate& candidate = candidates[order[i]];
             const int level = candidate.level;
             if (candidate.isTaken || (rules.distance && candidate.isNear) ||
                 (rules.quota && selected[level].size() >= size_t(plan[level].quota)))

@@ -160,7 +160,10 @@ void AdaptiveQuadtreeORBImpl::buildPyramid(InputArray image_, OutputArrayOfArray
         const PyramidRule rule = {parameters.firstLevel, parameters.scaleFactor, parameters.nlevels, 1};
         levels = makePyramid(input, rule, stageThreads(), space);
     }
-    assignMats(copiesOf(levels), levels_, "levels");
+    std::vector<Mat> images;
+    for (const Level& level : levels)
+        images.push_back(level.image.clone());
+    assignMats(images, levels_, "levels");
 }
 
 void AdaptiveQuadtreeORBImpl::process(InputArray image_, InputArray mask_, std::vector<KeyPoint>& keypoints,

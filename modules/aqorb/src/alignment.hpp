@@ -17,7 +17,7 @@ namespace aqorb
 
 //! Radius of a patch: 13 x 13 samples, at u and v from -6 to 6.
 const int PATCH_RADIUS = 6;
-//! Least variance of a patch, in squared grey values.
+//! The variance of a patch must be above this, in squared grey values.
 const float MIN_PATCH_VARIANCE = 4;
 //! Limit on the shift of a position by alignment, in samples.
 const float MAX_PATCH_SHIFT = PATCH_RADIUS;
@@ -39,8 +39,8 @@ struct LevelWindow
     const uchar* origin;  //!< pixel at (0, 0)
     int step;             //!< bytes from row to row
     float x, y;           //!< position
-    float left, top, right,
-        bottom;  //!< bounds of the samples; one more pixel to the right and below is readable
+    //! Bounds of the samples; one more pixel to the right and below is readable.
+    float left, top, right, bottom;
 };
 
 //! Two patches. Sample (u, v) lies at (x + spacing * u, y + spacing * v) in the first patch, and at

@@ -33,7 +33,7 @@ const int UNKNOWNS = 6;  // affine map: factors of u and v and shift, in x and t
 struct Template
 {
     // Deviation of a sample from the mean. Its doubled derivatives by x and y follow, LANES numbers apart.
-    const float* at(int u, int v) const { return samples[(v + PATCH_RADIUS) * SIDE + u + PATCH_RADIUS][0]; }
+    const float* at(int u, int v) const { return samples[(v + PATCH_RADIUS) * SIDE + u + PATCH_RADIUS]; }
 
     void sample(const Windows& windows, const AffineMap& map)
     {
@@ -59,10 +59,10 @@ struct Template
             for (int u = 0; u < SIDE; u++)
             {
                 const float* const p = inner + (v * WIDE + u) * LANES;
-                float(*const sample)[LANES] = samples[v * SIDE + u];
-                v_store(sample[0], v_sub(load(p), mean));
-                v_store(sample[1], v_sub(load(p + LANES), load(p - LANES)));
-                v_store(sample[2], v_sub(load(p + WIDE * LANES), load(p - WIDE * LANES)));
+                float* const sample = samples[v * SIDE + u];
+                v_store(sample, v_sub(load(p), mean));
+                v_store(sample + LANES, v_sub(load(p + LANES), load(p - LANES)));
+                v_store(sample + 2 * LANES, v_sub(load(p + WIDE * LANES), load(p - WIDE * LANES)));
             }
         }
     }
@@ -87,7 +87,7 @@ struct Template
         decompose();
     }
 
-    // Adds the sums of row v. The derivative by unknown i is x for i < 3, else y, times u, v or 1.
+    // Adds the sums of row v.
     void addRow(int v)
     {
         enum
@@ -163,7 +163,7 @@ struct Template
         }
     }
 
-    CV_DECL_ALIGNED(CACHE_LINE) float samples[SIDE * SIDE][3][LANES];
+    CV_DECL_ALIGNED(CACHE_LINE) float samples[SIDE * SIDE][3 * LANES];
     Floats mean, squares;              // mean of the patch; sum of squared deviations
     Floats gradients[UNKNOWNS];        // sums of the derivatives
     Floats withSample[UNKNOWNS];       // sums of the derivatives times the samples
@@ -265,7 +265,7 @@ struct Residual
         for (int i = 0; i < SIDE * SIDE; i++)
         {
             const Floats s = v_mul(scale, v_sub(load(samples + i * LANES), mean));
-            const Floats d = v_sub(s, load(first.samples[i][0]));
+            const Floats d = v_sub(s, load(first.samples[i]));
             difference = plus(difference, d, d);
         }
     }
@@ -291,8 +291,8 @@ Floats worstVariance(const Template& first, const AffineMap& map, const Floats& 
     const Floats xx = plus(v_mul(xa, map.xu), xb, map.xv), yy = plus(v_mul(ya, map.yu), yb, map.yv);
     const Floats xy = plus(v_mul(xa, map.yu), xb, map.yv), half = v_mul(all(0.5f), v_sub(xx, yy));
     const Floats worst = plus(v_sqrt(plus(v_mul(half, half), xy, xy)), all(0.5f), v_add(xx, yy));
-    const float ROUNDING = 1 / 6.f,
-                DOUBLED = 4;  // doubled derivatives make the Hessian four times too large
+    // Doubled derivatives make the Hessian four times too large.
+    const float ROUNDING = 1 / 6.f, DOUBLED = 4;
     return v_mul(v_mul(all(DOUBLED), worst), v_max(v_mul(difference, all(1 / SAMPLES)), all(ROUNDING)));
 }
 
@@ -377,8 +377,8 @@ void alignByLanes(const LevelPatches* patches, int count, LevelAlignment* alignm
         const LevelPatches* lanePatches[LANES];
         LevelAlignment found[LANES];
         for (int lane = 0; lane < LANES; lane++)
-            lanePatches[lane] = patches + std::min(i + lane, count - 1);
-        for (int next = i + LANES; next < std::min(i + 2 * LANES, count); next++)
+            lanePatches[lane] = patches + (i + lane < count ? i + lane : count - 1);
+        for (int next = i + LANES; next < i + 2 * LANES && next < count; next++)
         {
             prefetch(patches[next].first, patches[next].spacing);
             prefetch(patches[next].second, patches[next].spacing);

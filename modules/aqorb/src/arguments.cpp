@@ -17,7 +17,8 @@ namespace cv
 namespace aqorb
 {
 
-bool isSequence(const _InputArray& array)
+// Whether the argument is a vector of images or of vectors, not one matrix.
+static bool isSequence(const _InputArray& array)
 {
     switch (array.kind())
     {
@@ -106,7 +107,7 @@ Mat checkedMask(InputArray input, Size imageSize)
     return Mat();
 }
 
-void checkMatVector(const _InputArray& array, const char* name)
+static void checkMatVector(const _InputArray& array, const char* name)
 {
     const int kind = array.kind();
     if (kind != _InputArray::STD_VECTOR_MAT && kind != _InputArray::STD_ARRAY_MAT &&

@@ -53,12 +53,6 @@ struct Collection
     std::vector<Mat> images, masks;
 };
 
-//! Whether the argument is a vector of images or of vectors, not one matrix.
-bool isSequence(const _InputArray& array);
-
-//! Throws unless the argument is a vector of Mat or UMat.
-void checkMatVector(const _InputArray& array, const char* name);
-
 /** Given keypoints that cv::ORB::compute would describe, and their pixels: one list for each level, up to the highest
  octave. Throws if an octave is negative or has no pixels, or an angle is not finite. */
 std::vector<FeatureList> groupGivenKeypoints(const std::vector<KeyPoint>& keypoints,

@@ -66,9 +66,8 @@ static uchar exactBlurOf(const uchar* p, ptrdiff_t step, const float* taps)
 
 uchar exactBlur(const Mat& image, int x, int y)
 {
-    const int READ = RADIUS + 1;  // vectors read one more pixel on the right
     PatchBuffer buffer;
-    const Patch patch = patchAround(image, x, y, READ, buffer);
+    const Patch patch = patchAround(image, x, y, RADIUS, buffer);
     return exactBlurOf(patch.center, patch.step, gaussianTaps().exact);
 }
 

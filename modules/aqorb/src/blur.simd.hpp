@@ -20,7 +20,7 @@ CV_CPU_OPTIMIZATION_NAMESPACE_BEGIN
 void exactTile(const uchar* source, ptrdiff_t step, int height, const float* taps, ushort* blurred,
                ptrdiff_t blurredStep);
 
-//! exactBlur at p. The 4 pixels around p must be readable.
+//! exactBlur at p. The 3 pixels around p must be readable.
 //! @param taps weights at distances 0 to 3
 uchar exactBlurAt(const uchar* p, ptrdiff_t step, const float* taps);
 
@@ -83,7 +83,7 @@ void exactTile(const uchar* source, ptrdiff_t step, int height, const float* tap
 
 uchar exactBlurAt(const uchar* p, ptrdiff_t step, const float* taps)
 {
-    float rows[8];
+    float rows[7];
     for (int i = 0; i < 7; i++)
         rows[i] = exactRow(p + (i - 3) * step, taps);
     return uchar(exactColumn(rows, 1, taps));

@@ -170,8 +170,8 @@ DescriptorTests::DescriptorTests(const std::vector<Point>& pattern_, int WTA_K_)
     {
         for (int k = 0; k < 2; k++)
         {
-            pairs[0].x[k][i] = float(pattern[2 * i + k].x);
-            pairs[0].y[k][i] = float(pattern[2 * i + k].y);
+            pairs[0].x[k * PairTests::COUNT + i] = float(pattern[2 * i + k].x);
+            pairs[0].y[k * PairTests::COUNT + i] = float(pattern[2 * i + k].y);
         }
     }
 }

@@ -69,7 +69,7 @@ struct PairTests
     {
         COUNT = 256
     };
-    float x[2][COUNT], y[2][COUNT];  //!< [point of the pair][test]
+    float x[2 * COUNT], y[2 * COUNT];  //!< the first points of all tests, then the second points
 };
 
 //! Pattern, prepared for any number of descriptors.
@@ -81,8 +81,8 @@ struct DescriptorTests
     int WTA_K;
     int reach;                     //!< largest distance from the keypoint at which a descriptor reads
     std::vector<int> halfHeights;  //!< half height of the disc of radius `reach`, by horizontal distance
-    AlignedVector<PairTests>
-        pairs;  //!< one element for the kernel; empty if WTA_K is not 2 or the reach is too far
+    //! One element for the kernel; empty if WTA_K is not 2 or the reach is too far.
+    AlignedVector<PairTests> pairs;
     //! Margin that the blurred rows need.
     int margin() const { return blurMargin(pairs.empty() ? 0 : reach); }
 };

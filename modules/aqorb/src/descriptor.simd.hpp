@@ -67,7 +67,7 @@ void fetchPairs(const ushort* center, ptrdiff_t step, float a, float b, const Pa
     // Lead of the rotation over the fetch. A shorter lead would read offsets still in the store buffer. A longer lead
     // would keep the processor from overlapping rotation and fetch.
     const int AHEAD = 64, COUNT = 2 * PairTests::COUNT;
-    const float *x = tests.x[0], *y = tests.y[0];  // the second points follow in memory
+    const float *x = tests.x, *y = tests.y;
     CV_DECL_ALIGNED(CACHE_LINE) int offsets[COUNT];
     int i = 0;
     for (; i < AHEAD; i += STEP)

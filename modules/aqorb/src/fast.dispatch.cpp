@@ -70,18 +70,18 @@ Rect fastRegion(Size imageSize, const Rect& region)
 // Address of column 0 in a buffer that aligns the given column.
 static uchar* alignedRow(uchar* buffer, int column)
 {
-    return alignPtr(buffer + SCAN_MARGIN + column, SCAN_ALIGNMENT) - column;
+    return alignPtr(buffer + SCAN_MARGIN + column, CACHE_LINE) - column;
 }
 
 static size_t rowBytesOf(int imageWidth)
 {
-    return alignSize(size_t(imageWidth) + 2 * SCAN_MARGIN, SCAN_ALIGNMENT);
+    return alignSize(size_t(imageWidth) + 2 * SCAN_MARGIN, CACHE_LINE);
 }
 
 void ScorePlane::reset(int imageWidth, const Rect& region, int rows)
 {
     const size_t rowSize = rowBytesOf(imageWidth);
-    growTo(bytes, (ROWS_ABOVE + size_t(rows) + SUPPRESS_RADIUS) * rowSize + SCAN_ALIGNMENT);
+    growTo(bytes, (ROWS_ABOVE + size_t(rows) + SUPPRESS_RADIUS) * rowSize + CACHE_LINE);
     top = region.y;
     rowBytes = ptrdiff_t(rowSize);
     // The first block of a scan usually begins one column before the region.
@@ -115,7 +115,7 @@ void FastScanner::begin(const Level& level, const Rect& region, Thresholds thres
     growTo(listed, 2 * blockCount);
     growTo(dropped, size_t(image.cols));
     const size_t rowBytes = rowBytesOf(image.cols);
-    growTo(scores, SCAN_ROWS * rowBytes + SCAN_ALIGNMENT);
+    growTo(scores, SCAN_ROWS * rowBytes + CACHE_LINE);
     plane.reset(image.cols, region, std::min(rows, region.height));
     foundCount = cornerCount = 0;
 

@@ -39,9 +39,8 @@ struct ScanBlock
     uint64 wanted;  //!< bit i: the scan reports corners at x + i
 };
 
-const int SCAN_ROWS = 4;        // buffered rows of scores: at least three, and a power of two
-const int SCAN_ALIGNMENT = 64;  // bytes; aligned scores let few vectors cross a cache line
-const int SCAN_MARGIN = 64;     // columns on each side of a row of scores that vectors may touch
+const int SCAN_ROWS = 4;     // buffered rows of scores: at least three, and a power of two
+const int SCAN_MARGIN = 64;  // columns on each side of a row of scores that vectors may touch
 
 //! Input of a scan.
 struct ScanArea

@@ -19,7 +19,8 @@ namespace aqorb
 
 CV_CPU_OPTIMIZATION_NAMESPACE_BEGIN
 
-//! Pixels per block in an image with `columns` columns of whole circles: a wide vector, a narrow vector, or one pixel.
+//! Pixels per block in an image with `columns` columns whose circles lie inside: a wide vector, a narrow vector, or
+//! one pixel.
 int blockWidthFor(int columns);
 
 //! Continues a scan up to row `end`, exclusive and at most area.bottom.
@@ -79,8 +80,8 @@ template <typename Vectors> int scoreRow(const ScanArea& area, const ScanScores&
         const uchar* p = row + x;
         const V v = Vectors::load(p), up = Vectors::load(p - 3 * step), down = Vectors::load(p + 3 * step),
                 left = Vectors::load(p - 3), right = Vectors::load(p + 3);
-        Vectors::store(scores + x,
-                       zero);  // stored last: after an earlier store compilers load the pixels again
+        // Stored last: after an earlier store compilers load the pixels again.
+        Vectors::store(scores + x, zero);
         const V bright = Min::of(Max::of(up, down), Max::of(left, right));
         const V dark = Max::of(Min::of(up, down), Min::of(left, right));
         const V bound = Max::of(Vectors::above(bright, v), Vectors::above(v, dark));

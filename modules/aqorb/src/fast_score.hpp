@@ -86,11 +86,8 @@ typedef Single Wide, Narrow;
 template <typename Vectors> struct Extremes
 {
     typedef typename Vectors::V V;
-    CV_ALWAYS_INLINE Extremes(V darkest_,
-                              V brightest_)  // by value: with references GCC writes all of them to memory
-        : darkest(darkest_), brightest(brightest_)
-    {
-    }
+    // By value: with references GCC writes all of them to memory.
+    CV_ALWAYS_INLINE Extremes(V darkest_, V brightest_) : darkest(darkest_), brightest(brightest_) {}
     V darkest, brightest;
 };
 

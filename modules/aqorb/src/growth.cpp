@@ -31,7 +31,11 @@ public:
             if (std::isfinite(refined.deviations[i]))
                 order.push_back(int(i));
         std::sort(order.begin(), order.end(),
-                  [&](int a, int b) { return points[size_t(a)].y < points[size_t(b)].y; });
+                  [&](int a, int b)
+                  {
+                      const float yA = points[size_t(a)].y, yB = points[size_t(b)].y;
+                      return yA != yB ? yA < yB : a < b;
+                  });
     }
 
     // Seed nearest to a position of image 1, or -1. Ties go to the first match.
@@ -126,6 +130,7 @@ void growMatches(InputArray image1, const std::vector<KeyPoint>& keypoints1, Inp
         seeds.push_back(seed);
     }
 
+    // Wrong predictions seldom correlate as well so near.
     const float MIN_CORRELATION = 0.85f, MAX_SHIFT = 4;
     std::vector<KeyPoint> grown = keypoints2;
     const std::vector<PatchAlignment> alignments = aligner.align(pairs);

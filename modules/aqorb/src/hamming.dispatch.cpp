@@ -114,12 +114,13 @@ public:
 
     //! Packs tiles, and calls the function for each tile with the indices of its first query and its first train.
     template <typename Function>
-    void forEach(const Range& rows, int tileQueries, int tileTrains, int firstIndex, const Function& function)
+    void forTiles(const Range& rows, int tileQueries, int tileTrains, int firstIndex,
+                  const Function& function)
     {
-        for (int first = 0; first < train.rows; first += tileTrains)
+        for (int first = 0; first < train.rows; first = nextRows(first, tileTrains, train.rows).end)
         {
             packTrains(nextRows(first, tileTrains, train.rows), firstIndex);
-            for (int i = rows.start; i < rows.end; i += tileQueries)
+            for (int i = rows.start; i < rows.end; i = nextRows(i, tileQueries, rows.end).end)
             {
                 packQueries(nextRows(i, tileQueries, rows.end));
                 if (!mask.empty())
@@ -133,7 +134,7 @@ public:
 
 private:
     //! The next rows from i on, at most `count`.
-    static Range nextRows(int i, int count, int end) { return Range(i, std::min(i + count, end)); }
+    static Range nextRows(int i, int count, int end) { return Range(i, i + std::min(count, end - i)); }
 
     void packTrains(const Range& rows, int firstTrain)
     {
@@ -193,7 +194,7 @@ private:
 template <typename Function> void forRows(int rows, int tileRows, const Function& function)
 {
     // One part for each thread, because each part packs all trains.
-    const int parts = std::min((rows + tileRows - 1) / tileRows, threadsAllowed());
+    const int parts = std::min((rows - 1) / tileRows + 1, threadsAllowed());
     forEach(size_t(parts), parts,
             [&](size_t i, int)
             { function(Range(int(int64(rows) * i / parts), int(int64(rows) * (i + 1) / parts))); });
@@ -245,12 +246,12 @@ void nearestInTiles(const HammingKernels& kernels, const Mat& query, const Mat& 
                 std::vector<DistanceKey> queryKeys(size_t(rows.size()) * kept, NO_KEY),
                     trainKeys(trainLists ? size_t(train.rows) * kept : 0, NO_KEY);
                 const auto nearest = kernels.nearest[kept - 1][trainLists != 0][!mask.empty()];
-                packed.forEach(rows, tileQueries, tileTrains, firstTrain,
-                               [&](int i, int first)
-                               {
-                                   nearest(packed.tile, &queryKeys[size_t(i - rows.start) * kept],
-                                           trainLists ? &trainKeys[size_t(first) * kept] : 0);
-                               });
+                packed.forTiles(rows, tileQueries, tileTrains, firstTrain,
+                                [&](int i, int first)
+                                {
+                                    nearest(packed.tile, &queryKeys[size_t(i - rows.start) * kept],
+                                            trainLists ? &trainKeys[size_t(first) * kept] : 0);
+                                });
                 add(queryKeys, isDoubled, queryLists + size_t(rows.start) * kept);
                 const AutoLock lock(mutex);
                 add(trainKeys, isDoubled, trainLists);
@@ -258,7 +259,7 @@ void nearestInTiles(const HammingKernels& kernels, const Mat& query, const Mat& 
 }
 
 //! Scratch memory of one thread.
-struct WorkSpace
+struct DistanceScratch
 {
     std::vector<int> numbers;  //!< one for each element of a row
     std::vector<int> counts;
@@ -269,7 +270,7 @@ struct WorkSpace
 //! @param row trainCount distances; the padding of the last block is overwritten
 //! @param isDoubled whether the row has twice the distances of the list
 void addLeast(const HammingKernels& kernels, ushort* row, const HammingTile& tile, bool isDoubled,
-              WorkSpace& space, DistanceKey* list, int kept)
+              DistanceScratch& space, DistanceKey* list, int kept)
 {
     const int count = int(alignSize(size_t(tile.trainCount), kernels.block));
     std::fill(row + tile.trainCount, row + count, ushort(0x7fff));
@@ -308,16 +309,16 @@ void forDistances(const Mat& query, const Mat& train, const Mat& mask, bool coun
             {
                 PackedTile packed(kernels, q, t, mask);
                 AlignedVector<ushort> distances(size_t(QUERIES) * TRAINS);
-                WorkSpace space;
+                DistanceScratch space;
                 space.numbers.resize(TRAINS);
-                packed.forEach(rows, QUERIES, TRAINS, firstTrain,
-                               [&](int i, int first)
-                               {
-                                   kernels.distances(packed.tile, distances.data(), TRAINS);
-                                   for (int j = 0; j < packed.tile.queryCount; j++)
-                                       function(space, i + j, first, &distances[size_t(j) * TRAINS],
-                                                packed.tile);
-                               });
+                packed.forTiles(rows, QUERIES, TRAINS, firstTrain,
+                                [&](int i, int first)
+                                {
+                                    kernels.distances(packed.tile, distances.data(), TRAINS);
+                                    for (int j = 0; j < packed.tile.queryCount; j++)
+                                        function(space, i + j, first, &distances[size_t(j) * TRAINS],
+                                                 packed.tile);
+                                });
             });
 }
 
@@ -335,7 +336,7 @@ void nearestTrains(const Mat& query, const Mat& train, const Mat& mask, bool cou
     }
     const HammingKernels& kernels = *hammingKernels(0);
     forDistances(query, train, mask, countPairs, firstTrain,
-                 [&](WorkSpace& space, int i, int, ushort* row, const HammingTile& tile)
+                 [&](DistanceScratch& space, int i, int, ushort* row, const HammingTile& tile)
                  { addLeast(kernels, row, tile, countPairs, space, nearest + size_t(i) * kept, kept); });
 }
 
@@ -350,7 +351,7 @@ void allDistances(const Mat& query, const Mat& train, bool countPairs, const Dis
         return;
     }
     forDistances(query, train, Mat(), countPairs, 0,
-                 [&](WorkSpace& space, int i, int first, const ushort* row, const HammingTile& tile)
+                 [&](DistanceScratch& space, int i, int first, const ushort* row, const HammingTile& tile)
                  {
                      std::transform(row, row + tile.trainCount, space.numbers.begin(),
                                     [=](ushort distance) { return distance >> int(countPairs); });

@@ -95,7 +95,7 @@ struct HammingTile
     int queryCount, trainCount;
     int firstQuery, firstTrain;  //!< indices of the first query and the first train
     int words;                   //!< 64-bit words of a descriptor
-    ushort* scratch;             //!< for nearest: 2 * queryCount * block elements
+    ushort* scratch;             //!< for nearest: KEPT * queryCount * block elements
     //! Row of flags for each query, allowedStride bytes apart: 0 excludes a train, and marks the padding of the last
     //! block. Null: all are allowed.
     const uchar* allowed;
@@ -120,7 +120,7 @@ struct HammingKernels
     //! padding of the last block. Excluded trains get 0x7fff.
     void (*distances)(const HammingTile& tile, ushort* distances, size_t stride);
 
-    /** Finds the distances of a row below a limit, or only the least of these, but at least `kept`.
+    /** Finds the distances of a row below a limit. If there are many, it finds only the least, at least `kept` of them.
      @param count a multiple of block, at most 2^15
      @param found receives their indices in ascending order
      @return number of indices */

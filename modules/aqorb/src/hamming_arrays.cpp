@@ -117,7 +117,9 @@ std::vector<int> sortedByRow(const std::vector<Point2f>& positions)
     for (size_t i = 0; i < positions.size(); i++)
         if (std::isfinite(positions[i].x) && std::isfinite(positions[i].y))
             order.push_back(int(i));
-    std::sort(order.begin(), order.end(), [&](int a, int b) { return positions[a].y < positions[b].y; });
+    std::sort(order.begin(), order.end(),
+              [&](int a, int b)
+              { return positions[a].y != positions[b].y ? positions[a].y < positions[b].y : a < b; });
     return order;
 }
 
@@ -217,12 +219,6 @@ void checkCount(const char* name, size_t count, const char* descriptors, int row
                                              rows, descriptors, int(count)));
 }
 
-//! Checks and returns the train descriptors, which must be as wide as the queries unless either is empty.
-Mat trainsFor(const Mat& query, InputArray trainDescriptors)
-{
-    return descriptorsOf("trainDescriptors", trainDescriptors, query.cols);
-}
-
 }  // namespace
 
 void matchArrays(InputArray queryDescriptors, InputArray trainDescriptors, OutputArray pairs,
@@ -232,7 +228,7 @@ try
     CV_TRACE_FUNCTION();
     checkHammingNorm(normType);
     const Mat query = descriptorsOf("queryDescriptors", queryDescriptors),
-              train = trainsFor(query, trainDescriptors);
+              train = descriptorsOf("trainDescriptors", trainDescriptors, query.cols);
     const MatchFilter filter(ratio, crossCheck, maxDistance);
     Keys queryLists(size_t(query.rows) * filter.kept(), NO_KEY),
         trainLists(crossCheck ? size_t(train.rows) * filter.kept() : 0, NO_KEY);
@@ -255,7 +251,7 @@ try
     if (k <= 0 || k > MAX_K)
         CV_Error_(Error::StsOutOfRange, ("k must be from 1 to %d, got %d", MAX_K, k));
     const Mat query = descriptorsOf("queryDescriptors", queryDescriptors),
-              train = trainsFor(query, trainDescriptors);
+              train = descriptorsOf("trainDescriptors", trainDescriptors, query.cols);
     const int kept = std::min(k, train.rows);
     Keys nearest(size_t(query.rows) * kept, NO_KEY);
     nearestDescriptors(query, train, Mat(), normType == NORM_HAMMING2, 0, kept, nearest.data(), 0);
@@ -284,7 +280,7 @@ try
     CV_TRACE_FUNCTION();
     checkHammingNorm(normType);
     const Mat query = descriptorsOf("queryDescriptors", queryDescriptors),
-              train = trainsFor(query, trainDescriptors);
+              train = descriptorsOf("trainDescriptors", trainDescriptors, query.cols);
     checkCount("predicted", predicted.size(), "queryDescriptors", queryDescriptors.rows());
     checkCount("trainKeypoints", trainKeypoints.size(), "trainDescriptors", trainDescriptors.rows());
     if (!(reach.width >= 0 && reach.height >= 0))

@@ -22,7 +22,7 @@ namespace
 
 typedef std::vector<std::vector<DMatch>> MatchLists;
 
-//! Index of train descriptors that counts through the whole collection.
+//! Numbers the train descriptors of a collection consecutively.
 class CollectionIndex
 {
 public:
@@ -134,12 +134,11 @@ Ptr<DescriptorMatcher> HammingMatcher::clone(bool emptyTrainData) const
 // UMat descriptors come after Mat descriptors, as in cv::BFMatcher.
 std::vector<Mat> HammingMatcher::gatherTrainDescriptors(const Mat& query)
 {
-    for (size_t i = 0; i < utrainDescCollection.size(); i++)
-    {
-        Mat copy;
-        utrainDescCollection[i].copyTo(copy);
-        trainDescCollection.push_back(copy);
-    }
+    // No descriptor counts twice if memory does not suffice.
+    std::vector<Mat> copies(utrainDescCollection.size());
+    for (size_t i = 0; i < copies.size(); i++)
+        utrainDescCollection[i].copyTo(copies[i]);
+    trainDescCollection.insert(trainDescCollection.end(), copies.begin(), copies.end());
     utrainDescCollection.clear();
 
     std::vector<Mat> images;
@@ -223,8 +222,8 @@ try
                                {
                                    for (int j = firstTrain; j < firstTrain + count; j++, distances++)
                                    {
-                                       // As in cv::BFMatcher, excluded pairs have distance INT_MAX, within an infinite
-                                       // limit.
+                                       // As in cv::BFMatcher, excluded pairs have distance INT_MAX, within a
+                                       // limit of 2^31.
                                        const int distance =
                                            mask.empty() || mask.at<uchar>(row, j) ? *distances : INT_MAX;
                                        if (float(distance) <= maxDistance)

@@ -43,8 +43,8 @@ struct OrientationPatch
 
     std::vector<int> halfWidths;
     int rowStep;
-    AlignedVector<PatchWeights>
-        weights;  //!< one element; empty if the patch is too large for the kernel, or without vectors
+    //! One element; empty if the patch is too large for the kernel, or without vectors.
+    AlignedVector<PatchWeights> weights;
 };
 
 struct Moments;

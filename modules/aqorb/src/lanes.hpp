@@ -54,7 +54,7 @@ const int LANES = 1;
     }
 AQORB_ONE_LANE(v_add, float, a + b)
 AQORB_ONE_LANE(v_sub, float, a - b)
-AQORB_ONE_LANE(v_mul, float, a* b)
+AQORB_ONE_LANE(v_mul, float, (a) * (b))
 AQORB_ONE_LANE(v_div, float, a / b)
 AQORB_ONE_LANE(v_max, float, std::max(a, b))
 AQORB_ONE_LANE(v_gt, float, float(a > b))
@@ -63,7 +63,7 @@ AQORB_ONE_LANE(v_abs, float, std::abs(a))
 AQORB_ONE_LANE(v_sqrt, float, std::sqrt(a))
 AQORB_ONE_LANE(all, float, a)
 AQORB_ONE_LANE(v_add, int, a + b)
-AQORB_ONE_LANE(v_mul, int, a* b)
+AQORB_ONE_LANE(v_mul, int, (a) * (b))
 #undef AQORB_ONE_LANE
 template <typename T> static CV_ALWAYS_INLINE T load(const T* a)
 {

@@ -84,12 +84,9 @@ void Parameters::read(const FileNode& node)
     if (!node.isMap())
         CV_Error_(Error::StsParseError,
                   ("node must be a map of the parameters; read(fileName) reads a file"));
-    Parameters changed = *this;
-#define AQORB_READ(property, type, name, key, byDefault, range, text) \
-    readValue(node, #key, range, changed.name);
+#define AQORB_READ(property, type, name, key, byDefault, range, text) readValue(node, #key, range, name);
     AQORB_PARAMETERS(AQORB_READ)
 #undef AQORB_READ
-    *this = changed;
 }
 
 }  // namespace aqorb

@@ -70,7 +70,7 @@ inline ValidRange oneOf(const String& twoNames)
 }
 inline ValidRange any()
 {
-    return ValidRange{-DBL_MAX, DBL_MAX, String(), false};
+    return ValidRange{-DBL_MAX, DBL_MAX, "finite", false};
 }
 
 //! Parameters of AdaptiveQuadtreeORB, documented there and listed in parameter_table.hpp.
@@ -96,7 +96,7 @@ struct Parameters
     Rect keypointRegion(Size size) const;
 
     void write(FileStorage& fs) const;
-    //! Reads parameters. A missing key keeps the value; an invalid value throws and changes nothing.
+    //! Reads parameters. A missing key keeps the value; an invalid value throws.
     void read(const FileNode& node);
 };
 

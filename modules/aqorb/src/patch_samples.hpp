@@ -93,7 +93,7 @@ template <int RADIUS> struct SampleRow
             for (int i = lane; i < COUNT; i += LANES)
             {
                 const uchar *const a = upper + offsets[i], *const c = lower + offsets[i];
-                squares[i] = unsigned(a[0] | a[1] << 8) | unsigned(c[0] | c[1] << 8) << 16;
+                quads[i] = unsigned(a[0] | a[1] << 8) | unsigned(c[0] | c[1] << 8) << 16;
             }
         }
     }
@@ -103,14 +103,14 @@ template <int RADIUS> struct SampleRow
     {
         const int i = (u + RADIUS) * LANES;
         const Floats x = load(fractionsX + i), y = load(fractionsY + i);
-        const Floats a = byteOf<0>(squares + i), b = byteOf<1>(squares + i);
-        const Floats c = byteOf<2>(squares + i), d = byteOf<3>(squares + i);
+        const Floats a = byteOf<0>(quads + i), b = byteOf<1>(quads + i);
+        const Floats c = byteOf<2>(quads + i), d = byteOf<3>(quads + i);
         const Floats upper = plus(a, x, v_sub(b, a)), lower = plus(c, x, v_sub(d, c));
         return plus(upper, y, v_sub(lower, upper));
     }
 
     CV_DECL_ALIGNED(CACHE_LINE) float fractionsX[COUNT], fractionsY[COUNT];
-    CV_DECL_ALIGNED(CACHE_LINE) unsigned squares[COUNT];  // 2 x 2 pixels each
+    CV_DECL_ALIGNED(CACHE_LINE) unsigned quads[COUNT];  // 2 x 2 pixels each
 };
 
 // Calls use(v, row) for each row of a patch. Rows are fetched one ahead: a vector load waits until the narrower stores
@@ -128,16 +128,25 @@ CV_ALWAYS_INLINE void forEachRow(const Windows& windows, const AffineMap& map, c
     }
 }
 
+CV_ALWAYS_INLINE float lesser(float a, float b)
+{
+    return a < b ? a : b;
+}
+CV_ALWAYS_INLINE float greater(float a, float b)
+{
+    return a > b ? a : b;
+}
+
 // Prefetches the pixels of a patch. Without it the kernel waits for a tenth to a quarter of its time.
 inline void prefetch(const LevelWindow& window, float spacing)
 {
 #if defined(__GNUC__)
     const float reach = (PATCH_RADIUS + 1) * spacing;
-    const int first = int(std::max(window.top, window.y - reach)),
-              last = int(std::min(window.bottom, window.y + reach));
+    const int first = int(greater(window.top, window.y - reach)),
+              last = int(lesser(window.bottom, window.y + reach));
     const uchar* row = window.origin + ptrdiff_t(first) * window.step;
-    const int left = int(std::max(window.left, window.x - reach)),
-              right = int(std::min(window.right, window.x + reach));
+    const int left = int(greater(window.left, window.x - reach)),
+              right = int(lesser(window.right, window.x + reach));
     for (int y = first; y <= last; y++, row += window.step)
     {
         __builtin_prefetch(row + left, 0, 2);

@@ -31,8 +31,7 @@ Size levelSize(Size imageSize, float scale)
     const float limit = float(MAX_LEVEL_SIDE);
     if (!(width <= limit && height <= limit))
         CV_Error_(Error::StsOutOfRange, ("scaleFactor and firstLevel must give levels of at most %d pixels a "
-                                         "side, got %g x %g for an image "
-                                         "of %d x %d",
+                                         "side, got %g x %g for an image of %d x %d",
                                          MAX_LEVEL_SIDE, width, height, imageSize.width, imageSize.height));
     return Size(cvRound(width), cvRound(height));
 }
@@ -282,14 +281,6 @@ std::vector<Level> makePyramid(const Level& input, const PyramidRule& rule, int 
             resizeMask(source.mask, *tables, levels[i].mask);
     }
     return levels;
-}
-
-std::vector<Mat> copiesOf(const std::vector<Level>& levels)
-{
-    std::vector<Mat> images;
-    for (const Level& level : levels)
-        images.push_back(level.image.clone());
-    return images;
 }
 
 }  // namespace aqorb

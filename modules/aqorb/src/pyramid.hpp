@@ -27,8 +27,8 @@ Size levelSize(Size imageSize, float scale);
 struct ResizeTables;
 
 //! Resizes an image as cv::resize with INTER_LINEAR_EXACT does, without its overhead for one channel.
-//! @param tables remade when sizes change, and kept for later images
-void resizeExact(const Mat& source, Mat& destination, Ptr<ResizeTables>& tables, int threads = 1);
+//! @param kept tables, remade when sizes change, and kept for later images
+void resizeExact(const Mat& source, Mat& destination, Ptr<ResizeTables>& kept, int threads = 1);
 
 //! Memory of a pyramid and its resize tables, kept for later images.
 struct PyramidSpace
@@ -55,9 +55,6 @@ struct PyramidRule
  @param input image and mask, not copied
  @return the levels, with their pixels in `space` */
 std::vector<Level> makePyramid(const Level& input, const PyramidRule& rule, int threads, PyramidSpace& space);
-
-//! Copies of the levels' images.
-std::vector<Mat> copiesOf(const std::vector<Level>& levels);
 
 // ---- for the kernel: plain structs only, see types.hpp ---------------------------------------
 

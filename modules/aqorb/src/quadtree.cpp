@@ -65,8 +65,8 @@ std::vector<QuadtreeNode> splitQuadtree(const std::vector<uint64>& codes, int ma
     std::vector<QuadtreeNode> saved, nodes(codes.empty() ? 0 : 1, {0, codes.size()}), children;  // the root
     for (int depth = 0; depth < maxDepth && saved.size() + nodes.size() < size_t(quota); depth++)
     {
-        const uint64 inChild =
-            (uint64(1) << (2 * (maxDepth - depth - 1))) - 1;  // bits of a code below a child's
+        // Bits of a code below a child's.
+        const uint64 inChild = (uint64(1) << (2 * (maxDepth - depth - 1))) - 1;
         std::sort(nodes.begin(), nodes.end(), isFuller);
         children.clear();
         for (size_t i = 0; i < nodes.size(); i++)

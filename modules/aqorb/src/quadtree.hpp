@@ -28,7 +28,7 @@ struct QuadtreeNode
 /** Figure 2: splits the root into four children and goes on depth by depth, the fullest node first. Ties go to the
  lower Morton code. It drops empty nodes and does not split nodes of one corner. Splitting ends at the greatest depth,
  or with as many nodes as the quota.
- @param codes Morton codes of the corners at the greatest depth, at most 15, in ascending order
+ @param codes Morton codes of the corners at the greatest depth, at most 16, in ascending order
  @return the nodes left unsplit */
 std::vector<QuadtreeNode> splitQuadtree(const std::vector<uint64>& codes, int maxDepth, int quota);
 

@@ -94,33 +94,33 @@ static void countBetterNeighbors(const int* keys, ptrdiff_t stride, int count, u
     CV_CPU_DISPATCH(countBetter, (keys, stride, count, counts), CV_CPU_DISPATCH_MODES_ALL);
 }
 
-std::vector<unsigned> findRepresentatives(const std::vector<LeafPoint>& points, const LeafGrid& leaves)
+std::vector<unsigned> findRepresentatives(const std::vector<LeafPoint>& points, const LeafGrid& grid)
 {
-    const int columnBits = leaves.columnBits;
-    const unsigned stride = (1u << columnBits) + 2;  // the grid has a border of one leaf
-    const auto inGrid = [=](unsigned leaf) { return leaf + 2 * (leaf >> columnBits) + stride + 1; };
-    std::vector<int> grid(stride * size_t(leaves.rows + 2), INT_MIN);  // key of a leaf's best point
-    std::vector<unsigned> best(grid.size());                           // index of this point
+    const int columnBits = grid.columnBits;
+    const unsigned stride = (1u << columnBits) + 2;  // there is a border of one leaf
+    const auto inKeys = [=](unsigned leaf) { return leaf + 2 * (leaf >> columnBits) + stride + 1; };
+    std::vector<int> keys(stride * size_t(grid.rows + 2), INT_MIN);  // key of a leaf's best point
+    std::vector<unsigned> best(keys.size());                         // index of this point
     for (size_t i = 0; i < points.size(); i++)
     {
         // No branches: the CPU cannot predict them. Of equal points the first stays.
-        const unsigned leaf = inGrid(points[i].leaf);
-        const bool isBetter = points[i].key > grid[leaf];
-        grid[leaf] = isBetter ? points[i].key : grid[leaf];
+        const unsigned leaf = inKeys(points[i].leaf);
+        const bool isBetter = points[i].key > keys[leaf];
+        keys[leaf] = isBetter ? points[i].key : keys[leaf];
         best[leaf] = isBetter ? unsigned(i) : best[leaf];
     }
     const int MIN_BETTER = 3;  // neighbours that displace a representative
-    std::vector<uchar> better(leaves.columns);
+    std::vector<uchar> better(grid.columns);
     std::vector<unsigned> representatives(points.size() + 1);
     size_t count = 0;
-    for (unsigned row = 0; row < unsigned(leaves.rows); row++)
+    for (unsigned row = 0; row < unsigned(grid.rows); row++)
     {
-        const unsigned first = inGrid(row << columnBits);
-        countBetterNeighbors(&grid[first], ptrdiff_t(stride), leaves.columns, better.data());
-        for (unsigned column = 0; column < unsigned(leaves.columns); column++)
+        const unsigned first = inKeys(row << columnBits);
+        countBetterNeighbors(&keys[first], ptrdiff_t(stride), grid.columns, better.data());
+        for (unsigned column = 0; column < unsigned(grid.columns); column++)
         {
             representatives[count] = best[first + column];
-            count += int(grid[first + column] != INT_MIN) & (better[column] < MIN_BETTER);
+            count += int(keys[first + column] != INT_MIN) & (better[column] < MIN_BETTER);
         }
     }
     representatives.resize(count);

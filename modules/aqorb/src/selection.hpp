@@ -26,6 +26,8 @@ namespace aqorb
 std::vector<int> rankedQuotas(int nfeatures, const std::vector<Size>& regions,
                               const std::vector<float>& scales);
 
+// ---- 2. tree ----------------------------------------------------------------------------------
+
 //! Leaves of a quadtree: columns and rows of equal parts of a region.
 struct LeafGrid
 {
@@ -38,8 +40,6 @@ struct LeafGrid
     //! Upper bound of the leaf numbers, exclusive.
     size_t numbers() const { return size_t(rows) << columnBits; }
 };
-
-// ---- 2. tree ----------------------------------------------------------------------------------
 
 //! Leaves of several trees in a row along the longer side of the region. Each tree has 2^depth columns and rows.
 LeafGrid leafGrid(Size region, int trees, int depth);
@@ -116,8 +116,8 @@ struct SelectionMethod
 {
     bool suppressNear;  //!< of CornerRules
     bool subPixel;      //!< whether positions are refined
-    double
-        octaveDistance;  //!< minimum distance to keypoints of neighbouring levels, in pixels of the corner's level
+    //! Minimum distance to keypoints of neighbouring levels, in pixels of the corner's level.
+    double octaveDistance;
     //! Computes the quotas of the levels from their regions and scales. There may be more quotas than levels.
     std::vector<int> (*quotas)(const Parameters& parameters, const std::vector<Size>& regions,
                                const std::vector<float>& scales);

@@ -17,7 +17,7 @@ CV_CPU_OPTIMIZATION_NAMESPACE_BEGIN
 /** Counts, for each leaf of a row, how many of its eight neighbours have a better best point. Ties go to the upper
  leaf, then to the left leaf.
  @param keys key of each leaf's best point, greater is better; the rows above and below are stride elements away */
-void countBetter(const int* keys, ptrdiff_t stride, int side, uchar* counts);
+void countBetter(const int* keys, ptrdiff_t stride, int columns, uchar* counts);
 
 /** Counts, for each leaf, the earlier leaves of the list within the disc around it.
  @param grid empty grid; receives the bits of all leaves */
@@ -26,10 +26,10 @@ void countBefore(const RankGrid& grid, const unsigned* leaves, size_t count, int
 #ifndef CV_CPU_OPTIMIZATION_DECLARATIONS_ONLY
 
 // Compilers vectorize this loop.
-void countBetter(const int* keys, ptrdiff_t stride, int side, uchar* counts)
+void countBetter(const int* keys, ptrdiff_t stride, int columns, uchar* counts)
 {
     const int *above = keys - stride, *below = keys + stride;
-    for (int i = 0; i < side; i++)
+    for (int i = 0; i < columns; i++)
     {
         const int key = keys[i];
         counts[i] =

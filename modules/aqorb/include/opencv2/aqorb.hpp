@@ -68,7 +68,7 @@ its orientation moment. @ref tutorial_aqorb_algorithm has the formulas.
   less than the width or the height. See setSubPixel().
 - size: the diameter of the descriptor's patch, in pixels of the image: patchSize * scale. The scale of a level is
   scaleFactor^(octave - firstLevel).
-- angle: the direction from the centre of the patch to the centroid of its intensity, in degrees, from 0 to below 360.
+- angle: the direction from the centre of the patch to the centroid of its intensity, in degrees, from 0 to 360.
   It grows from the x axis towards the y axis, which points down.
 - response: the Harris response or the FAST score, see scoreType of create. cv::ORB's Harris response differs: it covers
   7x7 pixels.
@@ -91,8 +91,8 @@ An invalid parameter raises a cv::Exception that names it and leaves the object 
 combinations of parameters; setters do not, because they may come in any order. An image and each level have at most
 2^20 - 1 pixels a side; otherwise an exception names the size of the image. compute raises an exception for a keypoint
 whose octave is negative or stands for a level without a pixel, or whose angle is not finite. An octave may be nlevels
-or more, as with cv::ORB, but must be below 64. A call that raises an exception because of an argument leaves its
-outputs unchanged. */
+or more, as with cv::ORB, but must be below 64 or below nlevels. A call that raises an exception because of an argument
+leaves its outputs unchanged. */
 class CV_EXPORTS_W AdaptiveQuadtreeORB : public cv::ORB
 {
 public:
@@ -121,9 +121,10 @@ public:
     @param WTA_K Number of points compared for each element of the descriptor: 2, 3 or 4. Match with NORM_HAMMING for 2,
     with NORM_HAMMING2 for 3 and 4 (see defaultNorm).
     @param scoreType The score in KeyPoint::response: ORB::HARRIS_SCORE (the Harris response over 5x5 pixels) or
-    ORB::FAST_SCORE (the highest threshold at which the pixel is a FAST corner). It also decides whether the Harris
-    response is part of a corner's strength. The FAST score selects a leaf's representative in either case. With
-    ORB::HARRIS_SCORE a corner gives way to a corner of higher FAST score among the 7x7 pixels around it.
+    ORB::FAST_SCORE (the highest threshold at which the pixel is a FAST corner). With RANKED_SELECTION it also
+    decides whether the Harris response is part of a corner's strength. The FAST score selects a leaf's representative
+    in either case. With ORB::HARRIS_SCORE a corner gives way to a corner of higher FAST score among the 7x7 pixels
+    around it. With QUADTREE_SELECTION a node gives its corner of the highest score.
     @param patchSize Diameter in pixels, on each level, of the patch of the orientation and the descriptor, 2 to 16384.
     @param fastThreshold Scale of the adaptive FAST threshold. 20 gives the threshold of the paper's equation (7), and
     10 half of it. A lower value gives more corners, as in cv::ORB. With setAdaptiveThreshold(false) it is the FAST
@@ -252,8 +253,8 @@ public:
     CV_WRAP virtual String getDefaultName() const CV_OVERRIDE;
 };
 
-/** @brief Keeps calls of the module on the calling thread. While a scope exists, every detector, matcher and
-refineMatches called by the thread that made the scope runs on this thread alone. It is for programs that process each
+/** @brief Keeps calls of the module on the calling thread. While a scope exists, all that the thread that
+made the scope calls of the module runs on this thread alone. It is for programs that process each
 image on a thread of their own.
 
 A thread may have several scopes, which may end in any order and on any thread. */

@@ -31,7 +31,7 @@ descriptors of any length, for masks, for collections of several images and with
 of the collection, and in it to the first train descriptor. Any number of threads and any CPU give the same matches. It
 defines three cases that cv::BFMatcher leaves open:
 - knnMatch finds the k nearest descriptors of the whole collection, even if an image has fewer than k. It returns fewer
-  than k matches only if the masks allow fewer descriptors of the collection.
+  than k matches only if the collection has, or the masks allow, fewer than k descriptors.
 - radiusMatch orders matches at the same distance by image, and within an image by descriptor.
 - An image may have any number of descriptors.
 

@@ -36,7 +36,7 @@ a keypoint of image 1 has the same position in the matches with all other images
 @param image1, image2 The images of the keypoints, of type CV_8U with 1 (grey), 3 (BGR) or 4 (BGRA) channels. They may
 differ in size and type.
 @param keypoints1, keypoints2 Keypoints of any detector. The difference of the two angles turns the patch of image 2. If
-either angle is -1, alignment starts without a turn and succeeds up to some 20 degrees between the images.
+either angle is -1, alignment starts without rotation and succeeds if the images are turned by up to about 20 degrees.
 @param matches Matches with the queryIdx of a keypoint of image 1 and the trainIdx of a keypoint of image 2. The
 function removes a match if it cannot be aligned, or if the patches at the returned positions correlate less than
 minCorrelation. The remaining matches keep their order.
@@ -55,8 +55,8 @@ derivatives. A match cannot be aligned if
 - a position, a size or an angle of its keypoints is not finite, or a size is not positive,
 - a sample lies closer to one of the four sides of its image than half a pixel of its level (half a pixel of the image
 at level 0: beyond the centres of the outermost pixels),
-- a sample of image 2 lies farther than 63 pixels of its level from the position of the keypoint, in x or in y,
-- the patch has a variance below 4 squared grey values,
+- a sample lies farther than 63 pixels of its level from the position of its keypoint, in x or in y,
+- the variance of either patch is at most 4 squared grey values,
 - or the alignment moves the position by more than 6 samples, or changes the area of the patch by more than a factor
 of 4.
 
@@ -107,9 +107,9 @@ correlate. This doubles the number of right matches, which makes poses more exac
 @param matches On return the refined matches in their order, then the grown matches in the order of queryIdx. A grown
 match has the distance FLT_MAX and the imgIdx 0, and its trainIdx is an index of grown2.
 @param grown2 keypoints2, then a keypoint for each grown match. It may be keypoints2 itself. The aligned map takes the
-position, size and angle of the keypoint of image 1 to the grown keypoint; an angle of -1 stays -1. The octaves of the
-grown keypoint and its nearby keypoint differ as in image 1, but the octave is at least 0. Its response is 0 and its
-class_id -1.
+position, size and angle of the keypoint of image 1 to the grown keypoint; an angle of -1 stays -1. Its octave is
+that of the nearby match's keypoint in image 2, plus the difference of the two octaves in image 1, but at least 0. Its
+response is 0 and its class_id -1.
 @param points1, points2 For each match, its positions in the two images, in pixels.
 @param deviations For each match, the standard deviation of its position in image 2, as in refineMatches.
 @param minCorrelation As in refineMatches. A grown match correlates at least 0.85.
