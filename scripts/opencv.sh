@@ -187,7 +187,7 @@ if [[ $release ]]; then
         '("aqorb_AdaptiveQuadtreeORB")' '("aqorb_HammingMatcher")'
 else
     generated java_bindings_generator/gen/java 'class AdaptiveQuadtreeORB extends ORB' \
-        'class HammingMatcher extends BFMatcher' 'void retainUniform('
+        'class HammingMatcher extends BFMatcher' 'void retainUniform(' 'void growMatches('
     generated objc_bindings_generator '@interface AdaptiveQuadtreeORB : ORB' \
         '@interface HammingMatcher : BFMatcher' '+ (HammingMatcher*)createHammingMatcher:(NormTypes)normType' \
         '+ (void)retainUniform:'

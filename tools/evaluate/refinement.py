@@ -26,7 +26,7 @@ def homography_rows(datasets, n):
         stages = poses.points_of(row, n, pictures, pairs)
         before_right = sum(measures.agree_with_homography(*points, homography).sum()
                            for points, homography in zip(stages['as detected'], truth))
-        for stage in ('as detected', 'refined'):
+        for stage in poses.STAGES:
             near, matches, errors = [], 0, {threshold: [] for threshold in THRESHOLDS}
             for pair, homography, points in zip(pairs, truth, stages[stage]):
                 off = np.linalg.norm(measures.transformed(points[0], homography) - points[1], axis=1)

@@ -17,7 +17,7 @@ from aqorb_photographs import images
 
 def add(commands):
     parser = options.add_command(commands, 'draw', run, 'draw the matches of two images',
-                                 'Matches two images by a ratio test, refines the positions, and draws the matches '
+                                 'Matches two images by a ratio test, finds more matches near these, and draws those '
                                  'that agree on one geometry.')
     parser.add_argument('first', metavar='A')
     parser.add_argument('second', metavar='B')
@@ -36,13 +36,13 @@ def run(given):
     (keypoints1, descriptors1), (keypoints2, descriptors2) = [
         detector.detectAndComputeArrays(picture.pixels) for picture in pictures]
     pairs, _ = aqorb.matchArrays(descriptors1, descriptors2, given.ratio)
-    pairs, *ends = aqorb.refineMatchArrays(pictures[0].pixels, keypoints1, pictures[1].pixels, keypoints2, pairs)
+    pairs, *ends, _ = aqorb.growMatchArrays(pictures[0].pixels, keypoints1, pictures[1].pixels, keypoints2, pairs)
     agree = np.zeros(len(pairs), bool)
     agree[places.verify(*ends)[0]] = True
     save(given.out, [picture._replace(size=picture.pixels.shape[::-1]) for picture in pictures],
          [points[agree] for points in ends], [points[~agree & given.all] for points in ends])
     options.say(given, f'{given.out}: {agree.sum()} of {options.count_of(len(pairs), "match", "es")} agree')
-    if agree.sum() < places.MIN_INLIERS:
+    if (agree & (pairs[:, 1] >= 0)).sum() < places.MIN_INLIERS:  # a grown match follows the one nearby
         print(f'aqorb: fewer than {places.MIN_INLIERS} agree: the images probably do not show the same place',
               file=sys.stderr)
     return int(not agree.any())

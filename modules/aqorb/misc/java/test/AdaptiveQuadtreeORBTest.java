@@ -25,7 +25,7 @@ import org.opencv.core.Scalar;
 import org.opencv.core.Size;
 import org.opencv.test.OpenCVTestCase;
 
-// Calls each wrapped function once.
+// Calls the wrapped functions.
 public class AdaptiveQuadtreeORBTest extends OpenCVTestCase {
 
     // A grey image full of corners: squares of random place, size and brightness.

@@ -219,10 +219,14 @@ class aqorb_test(NewOpenCVTests):
         # The second image begins three columns later, and its keypoints are a pixel off.
         keypoints2 = [cv.KeyPoint(k.pt[0] - 2, k.pt[1], k.size, k.angle) for k in keypoints1]
         matches = [cv.DMatch(i, i, 0) for i in range(len(keypoints1))]
+        few = matches[::3]
         matches, points1, points2 = aqorb.refineMatches(image, keypoints1, image[:, 3:], keypoints2, matches)
         self.assertGreater(len(matches), 400)
         error = np.float32(points1).reshape(-1, 2) - (3, 0) - np.float32(points2).reshape(-1, 2)
         self.assertLess(np.median(np.abs(error)), 0.05)
+        grown, grown2 = aqorb.growMatches(image, keypoints1, image[:, 3:], keypoints2, few)[:2]
+        self.assertGreater(len(grown), 2 * len(few))
+        self.assertLess(max(match.trainIdx for match in grown), len(grown2))
 
 
 if __name__ == '__main__':
