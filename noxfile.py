@@ -103,7 +103,7 @@ def poses(session):
 @nox.session
 def notebook(session):
     session.log('beside %s: some 3 minutes, most of them without a word', OPENCV_4)
-    session.install('ipykernel', 'matplotlib', 'nbconvert', OPENCV_4, '.', './photographs')
+    install(session, 'ipykernel', 'matplotlib', 'nbconvert', OPENCV_4, '.', './photographs')
     session.run('jupyter', 'nbconvert', '--execute', '--to', 'notebook', '--log-level=WARN', '--output-dir',
                 str(BUILD / 'notebook'), 'samples/notebook/aqorb.ipynb')
 
@@ -177,6 +177,9 @@ def offline(session):
              '-C', 'cmake.define.AQORB_BUNDLE_OPENCV=OFF', str(archive)[:-len('.tar.gz')])
     session.run('python', '-m', 'aqorb', '--version')
     session.run('python', 'python/test/without_cv2.py')
+    install(session, 'hatchling', 'pillow', *COMMAND)
+    isolated(session, 'pip', 'install', '--no-index', '--no-build-isolation', './photographs')
+    session.run('aqorb', '--help', silent=True)
 
 
 @nox.session
@@ -187,7 +190,7 @@ def offline(session):
 def peers(session, cv2, methods):
     """Other ORB detectors that pip installs. The second one prints the table of all."""
     # A path as the caller gave it: nox has changed the folder.
-    session.install(cv2, 'kornia-rs', 'scikit-image', os.path.join(os.environ['PWD'], session.posargs[0]))
+    install(session, cv2, 'kornia-rs', 'scikit-image', os.path.join(os.environ['PWD'], session.posargs[0]))
     folder = BUILD / 'peers'
     folder.mkdir(exist_ok=True)
     program = ('python', 'tools/evaluate/peers.py')
