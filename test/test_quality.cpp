@@ -160,11 +160,10 @@ std::vector<String_FeatureDetector_DescriptorExtractor_Float_t> descriptorCase(c
     return cases;
 }
 
-// The test pairs keypoints in the order of the output, which is by levels: lower thresholds than cv::ORB's 0.5 and 0.76.
+// The thresholds are cv::ORB's.
 INSTANTIATE_TEST_CASE_P(Aqorb, DetectorRotationInvariance,
                         testing::ValuesIn(detectorCase(TSUKUBA, AdaptiveQuadtreeORB::create(), 0.5f,
                                                        0.76f)));
-// As for cv::ORB.
 INSTANTIATE_TEST_CASE_P(Aqorb, DetectorScaleInvariance,
                         testing::ValuesIn(detectorCase(BIKES, AdaptiveQuadtreeORB::create(), 0.08f, 0.49f)));
 INSTANTIATE_TEST_CASE_P(Aqorb, DescriptorRotationInvariance,
