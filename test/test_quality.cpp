@@ -162,8 +162,7 @@ std::vector<String_FeatureDetector_DescriptorExtractor_Float_t> descriptorCase(c
 
 // The thresholds are cv::ORB's.
 INSTANTIATE_TEST_CASE_P(Aqorb, DetectorRotationInvariance,
-                        testing::ValuesIn(detectorCase(TSUKUBA, AdaptiveQuadtreeORB::create(), 0.5f,
-                                                       0.76f)));
+                        testing::ValuesIn(detectorCase(TSUKUBA, AdaptiveQuadtreeORB::create(), 0.5f, 0.76f)));
 INSTANTIATE_TEST_CASE_P(Aqorb, DetectorScaleInvariance,
                         testing::ValuesIn(detectorCase(BIKES, AdaptiveQuadtreeORB::create(), 0.08f, 0.49f)));
 INSTANTIATE_TEST_CASE_P(Aqorb, DescriptorRotationInvariance,
