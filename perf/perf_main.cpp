@@ -17,8 +17,11 @@ Mat loadImage(const std::string& name, int index)
     Size size;
     if (sscanf(name.c_str(), "scene_%dx%d", &size.width, &size.height) == 2)
     {
-        const Mat scene = makeStreetScene(size);
-        return index == 1 ? scene : scene(Rect(1, 1, size.width - 1, size.height - 1)).clone();
+        Mat scene = makeStreetScene(size);
+        if (index != 1)  // moved by a pixel
+            cv::copyMakeBorder(scene(Rect(1, 1, size.width - 1, size.height - 1)).clone(), scene, 0, 1, 0, 1,
+                               BORDER_REPLICATE);
+        return scene;
     }
     const std::string path =
         name.find('.') != std::string::npos

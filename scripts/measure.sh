@@ -50,7 +50,7 @@ speed() {
     [[ -d $datasets ]] || images=(640x480 600x480)
     if [[ ${1:-} == --smoke ]]; then
         options=(--perf_min_samples=1 --perf_force_samples=1 '--gtest_filter=*320x240*:*500*') turns=1
-    elif [[ $(uname -m) == x86_64 ]]; then
+    elif grep -q avx512bw /proc/cpuinfo; then
         sets+=(AVX512-SKX)
     fi
     need build python3
