@@ -20,7 +20,7 @@
 # photographs unless AQORB_STRECHA names a clone of github.com/openMVG/SfM_quality_evaluation.
 #
 # speed runs the performance tests of perf/ in OpenCV's own harness, for this module and for OpenCV, with 1 and 2
-# threads, on x86-64 with AVX-512 and without it. The harness takes the OPTIONs: --gtest_filter=Matching* measures a
+# threads, and without AVX-512 where there is AVX-512. The harness takes the OPTIONs: --gtest_filter=Matching* measures a
 # part. OpenCV's summary of its XML files, in build/perf, prints the tables. aqorb_benchmark then measures in turns what
 # the harness cannot. --smoke shows in a short time that all runs; the numbers mean nothing.
 #
