@@ -180,23 +180,3 @@ def offline(session):
     install(session, 'hatchling', 'pillow', *COMMAND)
     isolated(session, 'pip', 'install', '--no-index', '--no-build-isolation', './photographs')
     session.run('aqorb', '--help', silent=True)
-
-
-@nox.session
-@nox.parametrize('cv2,methods', [
-    nox.param(OPENCV_5, ['cv2-5'], id='opencv5'),
-    nox.param(OPENCV_4, ['aqorb', 'aqorb-arrays', 'cv2-4', 'kornia', 'kornia-fewer', 'scikit'], id='opencv4'),
-])
-def peers(session, cv2, methods):
-    """Other ORB detectors that pip installs. The second one prints the table of all."""
-    # A path as the caller gave it: nox has changed the folder.
-    install(session, cv2, 'kornia-rs', 'scikit-image', os.path.join(os.environ['PWD'], session.posargs[0]))
-    folder = BUILD / 'peers'
-    folder.mkdir(exist_ok=True)
-    program = ('python', 'tools/evaluate/peers.py')
-    for method in methods:
-        session.run(*program, 'features', PHOTOGRAPHS, str(folder), method)
-        for processors in '0', '0,1':  # a detector has as many threads
-            session.run('taskset', '-c', processors, *program, 'time', PHOTOGRAPHS, str(folder), method, external=True)
-    if cv2 == OPENCV_4:
-        session.run(*program, 'report', PHOTOGRAPHS, str(folder), *methods, 'cv2-5')

@@ -7,9 +7,7 @@
 #   scripts/measure.sh refinement [OPTION ...]  what refineMatches gives (doc/reproduction.md)
 #   scripts/measure.sh poses [4|5] [OPTION ...]  relative poses, by OpenCV and PoseLib (doc/reproduction.md)
 #   scripts/measure.sh readme                 README's table
-#   scripts/measure.sh recipes                what the tutorial's recipes give
 #   scripts/measure.sh heldout                fetches the pairs of images that nothing was tuned on, for claims
-#   scripts/measure.sh peers WHEEL            other ORB detectors that pip installs (doc/peers.md)
 #
 # OPENCV_TEST_DATA_PATH names the folder testdata of opencv_extra; speed draws scenes without it. paper, claims,
 # refinement and poses pass OPTIONs on to tools/evaluate/aqorb_evaluate.py, whose --help lists them.
@@ -24,8 +22,8 @@
 # part. OpenCV's summary of its XML files, in build/perf, prints the tables. aqorb_benchmark then measures in turns what
 # the harness cannot. --smoke shows in a short time that all runs; the numbers mean nothing.
 #
-# WHEEL is the package's, from scripts/python.sh wheel, for Debian's python3. Installs the Debian packages, and fetches
-# the images and Python packages, that it needs. paper leaves the figures in build/paper.
+# Installs the Debian packages, and fetches the images and Python packages, that it needs. paper leaves the figures in
+# build/paper.
 source "$(dirname "$0")/common.sh"
 
 datasets=${OPENCV_TEST_DATA_PATH:-}/cv/detectors_descriptors_evaluation/images_datasets
@@ -133,12 +131,11 @@ PACKAGES
 }
 
 case ${1:-} in
-paper | claims | refinement | recipes | peers) photographs ;;
+paper | claims | refinement) photographs ;;
 esac
 case ${1:-} in
 speed | readme | poses | heldout | claims) "$@" ;;
 paper) evaluate paper "$datasets" --out="$BUILD/paper" "${@:2}" ;;
-refinement | recipes) evaluate "$1" "$datasets" "${@:2}" ;;
-peers) "$ROOT/scripts/python.sh" peers "${2:?names no wheel}" ;;
-*) die "'${1:-}' is none of speed, paper, claims, refinement, readme, poses, recipes, heldout, peers; --help says more" ;;
+refinement) evaluate refinement "$datasets" "${@:2}" ;;
+*) die "'${1:-}' is none of speed, paper, claims, refinement, readme, poses, heldout; --help says more" ;;
 esac

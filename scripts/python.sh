@@ -12,7 +12,7 @@
 #               pip's cv2. The wheels of a release are built in the same way by .github/workflows/wheels.yml
 #   beside      the tests of this wheel beside other versions of cv2 and NumPy
 #   offline     installed as packagers do it: from the source distribution, where there is no git and no network
-#   peers, poses  scripts/measure.sh peers, poses
+#   poses       scripts/measure.sh poses
 #
 # The package is left in build/release/python, where programs find it with PYTHONPATH. Tests that need images of
 # opencv_extra are skipped unless OPENCV_TEST_DATA_PATH names its testdata folder.

@@ -22,7 +22,6 @@ import claims
 import paper
 import poses
 import readme
-import recipes
 import refinement
 from methods import PAPER
 
@@ -98,8 +97,7 @@ def main():
     command.add_argument('datasets', metavar='DATASETS')
     command.add_argument('--methods', type=list_of(), default=['aqorb'], help='those to judge')
     command.add_argument('--only', type=list_of(), default=list(claims.SUBJECTS), help=', '.join(claims.SUBJECTS))
-    command.add_argument('--short', action='store_true',
-                         help='leave out held-out and degraded images, and homographies')
+    command.add_argument('--short', action='store_true', help='leave out held-out images, and homographies')
     command.add_argument('--dial-table', action='store_true',
                          help='print a row for each method; needs distinct,scale,object')
     command.add_argument('--n', type=list_of(int), default=[500, 1000, 2000], help='numbers of features')
@@ -118,10 +116,6 @@ def main():
     command.add_argument('scenes', metavar='SCENES', help="folder with Strecha's fountain-P11 and entry-P10")
     command.add_argument('--n', type=list_of(int), default=[1000], help='numbers of features')
     command.add_argument('--sequence', help="sequence laid out as KITTI's, with poses")
-
-    command = commands.add_parser('recipes', help="what the tutorial's recipes give")
-    command.set_defaults(run=print_tables, tables=recipes.tables)
-    command.add_argument('datasets', metavar='DATASETS')
 
     command = commands.add_parser('readme', help="README's table")
     command.set_defaults(run=print_tables, tables=lambda options: [('Measured on one thread', readme.HEAD,

@@ -20,13 +20,11 @@ ORB = 'orb'
 PAPER_SLAM = PAPER + ':octave=0.5'  # for SlamExtractor
 DIAL = 'aqorb:strength=1000'  # the other end
 SCALES = [.4, .5, .6, .75, 1.5, 2, 2.5]
-ROLLED_SCALES = [.5, .7, 1.4, 2]
 ROLLS = range(15, 360, 30)  # degrees
-FEW_ROLLS = [15, 135, 255]  # one of each third of a quarter turn
 ROLLED_SETS = ['bikes', 'leuven', 'trees', 'graf']
 OBJECT_NUMBERS = [250, 400, 500, 1000, 2000]  # that of find_obj.py, 400, is not judged
 HALF_NUMBERS = {50: .27, 100: .32, 250: .35, 500: None}  # and the share of the weaker half that is asked
-SUBJECTS = ['distinct', 'roll', 'scale', 'object', 'start', 'heldout', 'degraded']
+SUBJECTS = ['distinct', 'roll', 'scale', 'object', 'start', 'heldout']
 
 
 def parallel(function, *arguments):
@@ -155,14 +153,6 @@ def measure(options):
                 for method, n in cases:
                     measure_views('scale {:g}'.format(scale), name, pictures[0], [images.scaled(pictures[0], scale)],
                                   method, n, results)
-    if 'roll' in options.only and 'scale' in options.only:
-        for name in ROLLED_SETS:
-            for scale in ROLLED_SCALES:
-                image, matrix = images.scaled(sets[name][0][0], scale)
-                turned = [images.rolled(image, angle) for angle in FEW_ROLLS]
-                for method in methods:
-                    measure_views('rolled, scale {:g}'.format(scale), name, sets[name][0][0],
-                                  [(view, turn @ matrix) for view, turn in turned], method, 1000, results)
     if 'object' in options.only:
         objects = images.small_objects(options.object, sets)
         for method in methods + [Method(DIAL)] * (DIAL not in options.methods):
@@ -179,11 +169,6 @@ def measure(options):
         pairs = held_out.read_pairs(options.heldout)
         for method, n in cases:
             measure_held_out(pairs, method, n, options.seeds, results)
-    if 'degraded' in options.only:
-        for how in images.DEGRADATIONS:
-            for name, each in sets.items():
-                for method in methods:
-                    measure_set(how, name, *images.degrade(*each, how), method, 1000, 0, results)
     return results
 
 
@@ -262,9 +247,6 @@ def judge(measured, options, method):
     for n in options.n if 'scale' in options.only else ():
         here, orb, paper = (measured.at_scales(name, n) for name in (method, ORB, PAPER))
         judging.add('the geometric mean of the scales', n, here / orb, 1, paper / orb, 3, at_least=1.5)
-    for scale in ROLLED_SCALES:
-        subject = 'rolled, scale {:g}'.format(scale)
-        judging.ratio(subject + times, subject, 1000, 'distinct')
     orb_inliers = measured.mean('object', ORB, 500, 'inliers')  # 2000 features must have more
     for n in OBJECT_NUMBERS:
         judging.mean('inliers on a small object', 'object', n, 'inliers', 0, at_least={250: 8, 500: 10, 2000: orb_inliers + 1}.get(n))
@@ -285,9 +267,6 @@ def judge(measured, options, method):
         judging.ratio('held-out pairs' + times, 'held-out', n, 'distinct')
         judging.mean('held-out pairs: precision', 'held-out', n, 'precision', 3)
         judging.area('held-out pairs: homography AUC@5', 'held-out', n, False)
-    for how in images.DEGRADATIONS:
-        judging.ratio(how + times, how, 1000, 'distinct')
-        judging.mean(how + ': places', how, 1000, 'places', 1)
     return judging
 
 

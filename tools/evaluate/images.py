@@ -12,7 +12,6 @@ import numpy as np
 
 PAPER_SETS = ['bikes', 'leuven', 'bark', 'trees', 'ubc']
 SETS = PAPER_SETS + ['graf']
-DEGRADATIONS = ['dark', 'gamma', 'noise', 'blur', 'shrunk', 'enlarged']
 
 
 def read_image(stem, flags=cv2.IMREAD_GRAYSCALE):
@@ -66,7 +65,9 @@ def with_object(scene, part, scale, place, degrees):
     size, scene = scene.shape[::-1], scene.copy()
     inside = cv2.warpPerspective(np.full(part.shape, 255, np.uint8), matrix, size) > 127
     scene[inside] = cv2.warpPerspective(cv2.GaussianBlur(part, (0, 0), .5 / scale), matrix, size)[inside]
-    return degrade([scene], None, 'noise', 2)[0][0]
+    cv2.setRNGSeed(1)
+    noise = cv2.randn(np.zeros(scene.shape, np.int16), (0,) * 4, (2,) * 4)
+    return cv2.add(scene, noise, dtype=cv2.CV_8U)
 
 
 def with_weaker_half(image):
@@ -83,27 +84,6 @@ def small_objects(folder, sets):
     return [('box', box, scene), ('trees', box, with_object(sets['trees'][0][0], box, .6, (430, 380), 17)),
             ('leuven', wall, with_object(sets['leuven'][0][0], wall, .55, (360, 220), -11)),
             ('bark', parked, with_object(sets['bark'][0][0], parked, .5, (300, 200), 14))]
-
-
-def degrade(images, homographies, how, deviation=15):
-    """The set made worse; of shrunk and enlarged ones the first image stays as it is."""
-    if how == 'dark':
-        return [cv2.convertScaleAbs(image, alpha=.12) for image in images], homographies
-    if how == 'gamma':
-        table = np.round(255 * (np.arange(256) / 255) ** 2.5).astype(np.uint8)
-        return [cv2.LUT(image, table) for image in images], homographies
-    if how == 'noise':
-        noisy = []
-        for i, image in enumerate(images):
-            cv2.setRNGSeed(i + 1)
-            noise = cv2.randn(np.zeros(image.shape, np.int16), (0,) * 4, (deviation,) * 4)
-            noisy.append(cv2.add(image, noise, dtype=cv2.CV_8U))
-        return noisy, homographies
-    if how == 'blur':
-        return [cv2.GaussianBlur(image, (0, 0), 2) for image in images], homographies
-    changed = [scaled(image, {'shrunk': .7, 'enlarged': 1.4}[how]) for image in images[1:]]
-    return (images[:1] + [image for image, _ in changed],
-            homographies[:1] + [matrix @ homography for (_, matrix), homography in zip(changed, homographies[1:])])
 
 
 def read_sequence(folder):
