@@ -7,7 +7,7 @@
 
 #include "preload.hpp"
 
-#include "hamming.hpp"
+#include "matching/hamming.hpp"
 
 #include <cstdio>
 #include <mutex>

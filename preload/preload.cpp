@@ -8,7 +8,7 @@
 
 #include "preload.hpp"
 
-#include "parameter_table.hpp"
+#include "detector/parameter_table.hpp"
 
 #include <opencv2/aqorb.hpp>
 

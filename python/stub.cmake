@@ -1,6 +1,6 @@
 # Writes AQORB_STUB, the package's stub, with the properties of parameter_table.hpp. A row of this table has the
 # property, the type, the name, the setter's argument as in cv::ORB, the default and, in the next line, the text.
-set(table "${CMAKE_CURRENT_LIST_DIR}/../modules/aqorb/src/parameter_table.hpp")
+set(table "${CMAKE_CURRENT_LIST_DIR}/../modules/aqorb/src/detector/parameter_table.hpp")
 set_property(DIRECTORY APPEND PROPERTY CMAKE_CONFIGURE_DEPENDS "${table}")
 file(READ "${table}" rows)
 string(REPLACE "\\" "" rows "${rows}")

@@ -8,7 +8,7 @@
 
 #include "test_precomp.hpp"
 
-#include "selection.hpp"
+#include "detector/selection.hpp"
 
 #include <functional>
 

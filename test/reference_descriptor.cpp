@@ -5,7 +5,7 @@
 
 #include "reference.hpp"
 
-#include "orb_pattern.hpp"
+#include "detector/orb_pattern.hpp"
 
 namespace opencv_test
 {

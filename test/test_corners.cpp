@@ -5,8 +5,8 @@
 
 #include "reference.hpp"
 
-#include "corners.hpp"
-#include "fast.hpp"
+#include "detector/corners.hpp"
+#include "detector/fast.hpp"
 
 #include <iterator>
 

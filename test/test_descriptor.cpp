@@ -5,8 +5,9 @@
 
 #include "reference.hpp"
 
-#include "blur.hpp"
-#include "descriptor.hpp"
+#include "common/angles.hpp"
+#include "detector/blur.hpp"
+#include "detector/descriptor.hpp"
 
 #include <cfloat>
 

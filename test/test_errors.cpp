@@ -5,7 +5,7 @@
 
 #include "test_precomp.hpp"
 
-#include "parameters.hpp"
+#include "detector/parameters.hpp"
 
 #include <array>
 #include <limits>

@@ -5,7 +5,7 @@
 
 #include "test_precomp.hpp"
 
-#include "parameter_table.hpp"
+#include "detector/parameter_table.hpp"
 
 namespace opencv_test
 {

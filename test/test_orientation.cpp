@@ -5,7 +5,7 @@
 
 #include "reference.hpp"
 
-#include "harris_orientation.hpp"
+#include "detector/harris_orientation.hpp"
 
 namespace opencv_test
 {

@@ -5,7 +5,7 @@
 
 #include "reference.hpp"
 
-#include "keypoints.hpp"
+#include "detector/keypoints.hpp"
 
 namespace opencv_test
 {

@@ -7,7 +7,7 @@
 
 #include "reference.hpp"
 
-#include "parameter_table.hpp"
+#include "detector/parameter_table.hpp"
 
 #include <set>
 

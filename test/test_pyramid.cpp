@@ -5,10 +5,10 @@
 
 #include "reference.hpp"
 
-#include "quadtree.hpp"
+#include "detector/quadtree.hpp"
 
-#include "pyramid.hpp"
-#include "selection.hpp"
+#include "detector/pyramid.hpp"
+#include "detector/selection.hpp"
 
 #include <climits>
 #include <numeric>

@@ -5,7 +5,7 @@
 
 #include "reference.hpp"
 
-#include "selection.hpp"
+#include "detector/selection.hpp"
 
 #include <cfloat>
 #include <climits>

@@ -5,7 +5,7 @@
 
 #include "reference.hpp"
 
-#include "threshold.hpp"
+#include "detector/threshold.hpp"
 
 namespace opencv_test
 {

@@ -7,7 +7,7 @@
 
 #include <gtest/gtest.h>
 
-#include "parameter_table.hpp"
+#include "detector/parameter_table.hpp"
 
 #include <opencv2/aqorb.hpp>
 #include <opencv2/imgproc.hpp>

@@ -5,11 +5,11 @@
 
 // Class AdaptiveQuadtreeORB: methods, signatures and docstrings.
 
-#include "arguments.hpp"
+#include "detector/arguments.hpp"
 #include "errors.hpp"
 #include "arrays.hpp"
 #include "module.hpp"
-#include "parameter_table.hpp"
+#include "detector/parameter_table.hpp"
 #include "threads.hpp"
 
 #include <opencv2/aqorb.hpp>

@@ -8,7 +8,7 @@
 
 #include "generate.hpp"
 
-#include "parameters.hpp"
+#include "detector/parameters.hpp"
 
 #include <opencv2/core/utility.hpp>
 

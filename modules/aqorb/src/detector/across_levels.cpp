@@ -1,0 +1,331 @@
+// This file is part of aqorb. Copyright (C) The aqorb developers.
+// It is subject to the license terms in the LICENSE file found in the top-level directory
+// of this distribution.
+// SPDX-License-Identifier: Apache-2.0
+
+// Selection of keypoints from corners, points 7 to 9 of doc/selection.md: selection over all levels.
+
+#include "precomp.hpp"
+
+#include "common/for_each.hpp"
+#include "detector/position.hpp"
+#include "detector/selection.hpp"
+
+namespace cv
+{
+namespace aqorb
+{
+
+// ---- 7. across levels -------------------------------------------------------------------------
+
+namespace
+{
+
+// Points of the image, listed by square cells.
+class PointGrid
+{
+public:
+    //! @param radius typical radius of isNear
+    PointGrid(Size image, double radius)
+        : side(std::max(radius / 4, 16.)),
+          columns(indexOf(image.width) + 1),
+          latest(size_t(columns) * (indexOf(image.height) + 1), -1)
+    {
+    }
+    void add(const Point2d& p)
+    {
+        int& cell = latest[size_t(indexOf(p.y)) * columns + indexOf(p.x)];
+        points.push_back(p);
+        before.push_back(cell);
+        cell = int(points.size()) - 1;
+    }
+    //! Whether a point of the grid is nearer than the radius.
+    bool isNear(const Point2d& p, double radius) const
+    {
+        if (points.empty() || radius == 0)
+            return false;
+        const Rect cells(Point(indexOf(p.x - radius), indexOf(p.y - radius)),
+                         Point(std::min(indexOf(p.x + radius) + 1, columns),
+                               std::min(indexOf(p.y + radius) + 1, int(latest.size()) / columns)));
+        // Cells that lie wholly within the radius come first: one point there decides without a list.
+        const auto isNearAsAWhole = [&](int column, int row)
+        {
+            const auto farthest = [=](int cell, double at)  // plus a pixel for rounding
+            { return std::max(at - cell * side, (cell + 1) * side - at) + 1; };
+            const Point2d d(farthest(column, p.x), farthest(row, p.y));
+            return d.dot(d) < radius * radius;
+        };
+        const auto hasNear = [&](int first)
+        {
+            for (int i = first; i >= 0; i = before[i])
+            {
+                const Point2d d = points[i] - p;
+                if (d.dot(d) < radius * radius)
+                    return true;
+            }
+            return false;
+        };
+        for (const bool asAWhole : {true, false})
+        {
+            if (asAWhole && radius < side)
+                continue;
+            for (int row = cells.y; row < cells.br().y; row++)
+                for (int column = cells.x; column < cells.br().x; column++)
+                {
+                    const int first = latest[size_t(row) * columns + column];
+                    if (first >= 0 && (asAWhole ? isNearAsAWhole(column, row) : hasNear(first)))
+                        return true;
+                }
+        }
+        return false;
+    }
+
+private:
+    int indexOf(double position) const { return int(std::max(position, 0.) / side); }
+
+    const double side;  // side of a cell
+    const int columns;
+    std::vector<Point2d> points;
+    std::vector<int> latest, before;  // last point of each cell, and the point before each point; -1: none
+};
+
+// Distance of corners from the selected corners of neighbouring levels.
+class OctaveSuppression
+{
+public:
+    OctaveSuppression(double distance, Size imageSize_, const std::vector<Level>& levels_)
+        : imageSize(imageSize_), levels(levels_)
+    {
+        // Keeps the distance finite: no two points of the image are as far apart as the limit.
+        const double limit = double(imageSize.width) + imageSize.height;
+        for (const Level& level : levels)
+        {
+            distances.push_back(std::min(distance * level.scale, limit));
+            selected.push_back(PointGrid(imageSize, distances.back()));
+        }
+    }
+    void add(int level, const CornerResponse& corner) { selected[level].add(positionOf(level, corner)); }
+    //! Whether a corner keeps the distance, in pixels of its own level.
+    bool allows(int level, const CornerResponse& corner) const
+    {
+        const Point2d p = positionOf(level, corner);
+        const auto isNear = [&](int other)
+        { return other >= 0 && other < int(levels.size()) && selected[other].isNear(p, distances[level]); };
+        return !isNear(level - 1) && !isNear(level + 1);
+    }
+
+private:
+    Point2d positionOf(int level, const CornerResponse& corner) const
+    {
+        return scaleByCenters(corner.x, corner.y, levels[level].image.size(), imageSize);
+    }
+
+    const Size imageSize;
+    const std::vector<Level>& levels;
+    std::vector<double> distances;
+    std::vector<PointGrid> selected;
+};
+
+}  // namespace
+
+// Corners by level.
+typedef std::vector<std::vector<CornerResponse>> LevelCorners;
+
+static std::vector<LevelPlan> planLevels(const Parameters& parameters, const SelectionMethod& method,
+                                         const std::vector<Rect>& regions, const std::vector<Level>& levels)
+{
+    std::vector<Size> sizes;
+    std::vector<float> scales;
+    std::vector<LevelPlan> plan;
+    for (size_t i = 0; i < levels.size(); i++)
+    {
+        sizes.push_back(regions[i].size());
+        scales.push_back(levels[i].scale);
+    }
+    const std::vector<int> quotas = method.quotas(parameters, sizes, scales);
+    for (size_t i = 0; i < levels.size(); i++)
+        plan.push_back({regions[i], quotas[i]});
+    // The paper also gives quotas to levels too small for a keypoint. The last usable level takes these.
+    for (size_t i = levels.size(); i < quotas.size() && !plan.empty(); i++)
+        plan.back().quota += quotas[i];
+    return plan;
+}
+
+static LevelCorners selectAcrossLevels(const std::vector<LevelPlan>& plan, const LevelCorners& ordered,
+                                       OctaveSuppression& suppression)
+{
+    CV_TRACE_FUNCTION();
+    const int count = int(plan.size());
+    LevelCorners selected(plan.size());
+    std::vector<size_t> next(plan.size());  // by level: index of the next corner
+    int wanted = 0;
+    const auto take = [&](int level)
+    {
+        for (size_t& i = next[level]; wanted > 0 && i < ordered[level].size(); i++)
+        {
+            const CornerResponse& corner = ordered[level][i];
+            if (!suppression.allows(level, corner))
+                continue;
+            suppression.add(level, corner);
+            selected[level].push_back(corner);
+            wanted--;
+        }
+    };
+    for (int i = count - 1; i >= 0; i--)
+    {
+        wanted += plan[i].quota;
+        take(i);
+    }
+    for (int i = 0; i < count && wanted > 0; i++)
+        take(i);
+    return selected;
+}
+
+// ---- 8. when representatives run out ----------------------------------------------------------
+
+// Adds `missing` other corners, the highest response times scale first. Levels below their quota go first, and corners
+// near a keypoint of another level last.
+static void fillUp(const std::vector<LevelPlan>& plan, const std::vector<Level>& levels,
+                   const LevelCorners& corners, size_t missing, OctaveSuppression& suppression,
+                   LevelCorners& selected)
+{
+    CV_TRACE_FUNCTION();
+    struct Candidate
+    {
+        int level;
+        CornerResponse corner;
+        bool isTaken, isNear;
+    };
+    std::vector<Candidate> candidates;
+    std::vector<uint64> keys;
+    for (int i = 0; i < int(corners.size()); i++)
+    {
+        std::vector<CornerResponse> taken(selected[i]), left;
+        std::sort(taken.begin(), taken.end(), InRasterOrder());
+        std::set_difference(corners[i].begin(), corners[i].end(), taken.begin(), taken.end(),
+                            std::back_inserter(left), InRasterOrder());
+        for (const CornerResponse& corner : left)
+        {
+            candidates.push_back({i, corner, false, false});
+            keys.push_back(descendingKey(sortKey(corner.response * levels[i].scale)));
+        }
+    }
+    // Ties go to the finer level, then to raster order.
+    const std::vector<unsigned> order = sortIndices(keys);
+    struct Rules
+    {
+        bool quota, distance;
+    };
+    for (const Rules& rules : {Rules{true, true}, Rules{false, true}, Rules{false, false}})
+    {
+        for (size_t i = 0; i < order.size() && missing > 0; i++)
+        {
+            Candidate& candidate = candidates[order[i]];
+            const int level = candidate.level;
+            if (candidate.isTaken || (rules.distance && candidate.isNear) ||
+                (rules.quota && selected[level].size() >= size_t(plan[level].quota)))
+                continue;
+            // A corner near a keypoint stays near.
+            candidate.isNear = rules.distance && !suppression.allows(level, candidate.corner);
+            if (candidate.isNear)
+                continue;
+            candidate.isTaken = true;
+            suppression.add(level, candidate.corner);
+            selected[level].push_back(candidate.corner);
+            missing--;
+        }
+    }
+}
+
+static size_t countCorners(const LevelCorners& corners)
+{
+    size_t count = 0;
+    for (const std::vector<CornerResponse>& level : corners)
+        count += level.size();
+    return count;
+}
+
+// Selects the corners of all levels that become keypoints.
+static LevelCorners selectCorners(const Parameters& parameters, const SelectionMethod& method,
+                                  const OrientationPatch& patch, Size imageSize,
+                                  const std::vector<Level>& levels, const Thresholds& thresholds, int threads,
+                                  CornerSpace& space)
+{
+    std::vector<Rect> regions;
+    for (const Level& level : levels)
+        regions.push_back(parameters.keypointRegion(level.image.size()));
+    const std::vector<LevelPlan> plan = planLevels(parameters, method, regions, levels);
+    LevelCorners corners(levels.size());
+    findCorners(levels, regions, {thresholds, method.suppressNear}, threads, space);
+    forEach(levels.size(), threads,
+            [&](size_t i, int)
+            { corners[i] = method.order(parameters, patch, plan[i], levels[i], space.corners[i]); });
+    OctaveSuppression suppression(method.octaveDistance, imageSize, levels);
+    LevelCorners selected = selectAcrossLevels(plan, corners, suppression);
+    const size_t wanted = size_t(parameters.nfeatures), count = countCorners(selected);
+    if (count == wanted)
+        return selected;
+
+    // The ordered corners do not suffice: other corners fill up.
+    const Thresholds lower = {thresholds.min, thresholds.min};
+    findCorners(levels, regions, {lower, false}, threads, space);
+    forEach(levels.size(), threads,
+            [&](size_t i, int)
+            { corners[i] = responsesOf(levels[i].image, space.corners[i], parameters.useHarris()); });
+    fillUp(plan, levels, corners, wanted - count, suppression, selected);
+    return selected;
+}
+
+// ---- 9. order of output -----------------------------------------------------------------------
+
+// Lists the features of a level in raster order.
+static FeatureList listFeatures(const Parameters& parameters, const Level& level, int octave,
+                                const std::vector<CornerResponse>& selected)
+{
+    std::vector<uint64> rasterKeys;
+    for (const CornerResponse& corner : selected)
+        rasterKeys.push_back(uint64(corner.y) * level.image.cols + corner.x);
+    FeatureList list;
+    for (unsigned i : sortIndices(rasterKeys))
+    {
+        const CornerResponse& corner = selected[i];
+        list.points.push_back({corner.x, corner.y, 0});
+        list.keypoints.push_back(
+            KeyPoint(Point2f(), parameters.patchSize * level.scale, -1, corner.response, octave));
+        list.outputKeys.push_back(descendingKey(sortKey(corner.response)));
+    }
+    return list;
+}
+
+std::vector<FeatureList> selectFeatures(const Parameters& parameters, const SelectionMethod& method,
+                                        const OrientationPatch& patch, Size imageSize,
+                                        const std::vector<Level>& levels, const Thresholds& thresholds,
+                                        int threads, CornerSpace& space)
+{
+    const LevelCorners selected =
+        selectCorners(parameters, method, patch, imageSize, levels, thresholds, threads, space);
+    std::vector<FeatureList> features(levels.size());
+    forEach(levels.size(), threads,
+            [&](size_t i, int) { features[i] = listFeatures(parameters, levels[i], int(i), selected[i]); });
+    return features;
+}
+
+void outputFeatures(const std::vector<FeatureList>& features, std::vector<KeyPoint>& keypoints,
+                    Mat& descriptors)
+{
+    CV_TRACE_FUNCTION();
+    keypoints.clear();
+    for (const FeatureList& level : features)
+    {
+        for (unsigned i : sortIndices(level.outputKeys))
+        {
+            if (!descriptors.empty())
+                std::memcpy(descriptors.ptr(int(keypoints.size())),
+                            &level.descriptors[size_t(i) * ORB::kBytes], ORB::kBytes);
+            keypoints.push_back(level.keypoints[i]);
+        }
+    }
+}
+
+}  // namespace aqorb
+}  // namespace cv

@@ -1,0 +1,58 @@
+// This file is part of aqorb. Copyright (C) The aqorb developers.
+// It is subject to the license terms in the LICENSE file found in the top-level directory
+// of this distribution.
+// SPDX-License-Identifier: Apache-2.0
+
+// Positions, directions and descriptors of selected corners.
+
+#ifndef OPENCV_AQORB_KEYPOINTS_HPP
+#define OPENCV_AQORB_KEYPOINTS_HPP
+
+#include "detector/blur.hpp"
+#include "detector/descriptor.hpp"
+#include "detector/harris_orientation.hpp"
+#include "detector/position.hpp"
+
+namespace cv
+{
+namespace aqorb
+{
+
+//! Peak of the quadratic through the 3x3 FAST scores around (x, y), relative to (x, y), within +-0.5.
+Point2d subPixelOffset(const Mat& image, int x, int y);
+
+//! Features of a level, described by one thread.
+struct FeatureRange
+{
+    int level;
+    Range features;
+};
+//! Divides features into ranges that balance the threads' work against its overhead.
+std::vector<FeatureRange> divideIntoRanges(const std::vector<FeatureList>& features, int threads);
+
+//! Parameters of describeFeatures.
+struct DescriptionRules
+{
+    const Mat* imageMask;           //!< mask of the input image; may be empty
+    PositionMap position;           //!< position map of the level
+    const OrientationPatch* patch;  //!< 0: keypoints are given with their directions
+    const DescriptorTests* tests;   //!< 0: no descriptors
+};
+
+//! Work space of describeFeatures.
+struct DescriptionScratch
+{
+    BlurRegion region;
+    std::vector<uchar> blur;
+    AlignedVector<ushort> blurred;
+};
+
+/** Computes directions, positions in the image and descriptors of a range of features; several threads share a list. It
+ blurs the level from top to bottom, some rows at a time. */
+void describeFeatures(const Level& level, const DescriptionRules& rules, const Range& features,
+                      FeatureList& list, DescriptionScratch& scratch);
+
+}  // namespace aqorb
+}  // namespace cv
+
+#endif

@@ -1,0 +1,330 @@
+// This file is part of aqorb. Copyright (C) The aqorb developers.
+// It is subject to the license terms in the LICENSE file found in the top-level directory
+// of this distribution.
+// SPDX-License-Identifier: Apache-2.0
+
+// Functions that match two sets of descriptors and return arrays.
+
+#include "precomp.hpp"
+
+#include "matching/hamming.hpp"
+
+#include <opencv2/aqorb/matching.hpp>
+
+namespace cv
+{
+namespace aqorb
+{
+
+namespace
+{
+
+typedef std::vector<DistanceKey> Keys;
+
+//! Ratio test: whether the nearest descriptor of a list is clearly nearer than the second.
+bool passesRatio(const DistanceKey* list, double ratio)
+{
+    return list[1] == NO_KEY || distanceOf(list[0]) < ratio * distanceOf(list[1]);
+}
+
+//! Tests of a match, as documented at matchArrays.
+struct MatchFilter
+{
+    MatchFilter(double ratio_, bool crossCheck_, int maxDistance_)
+        : ratio(ratio_), crossCheck(crossCheck_), maxDistance(maxDistance_)
+    {
+        if (!(ratio >= 0 && ratio <= DBL_MAX))
+            CV_Error_(Error::StsOutOfRange, ("ratio must be finite and at least 0, got %.17g", ratio));
+        if (maxDistance < -1)
+            CV_Error_(Error::StsOutOfRange, ("maxDistance must be at least -1, got %d", maxDistance));
+    }
+
+    //! Number of nearest descriptors that the tests need.
+    int kept() const { return ratio > 0 ? 2 : 1; }
+
+    //! Tests the nearest train of a query.
+    //! @param trainLists lists of all trains
+    bool passes(int query, const DistanceKey* queryList, const Keys& trainLists) const
+    {
+        if (queryList[0] == NO_KEY || (maxDistance >= 0 && distanceOf(queryList[0]) > maxDistance) ||
+            (ratio > 0 && !passesRatio(queryList, ratio)))
+            return false;
+        if (!crossCheck)
+            return true;
+        const DistanceKey* const trainList = &trainLists[size_t(indexOf(queryList[0])) * kept()];
+        return indexOf(trainList[0]) == query && (ratio == 0 || passesRatio(trainList, ratio));
+    }
+
+    const double ratio;
+    const bool crossCheck;
+    const int maxDistance;
+};
+
+//! Throws unless an output can hold a CV_32SC1 matrix of this size. An empty size stands for an empty matrix.
+void checkOutput(const char* name, OutputArray output, const Size& size)
+{
+    const _InputArray::KindFlag kind = output.kind();
+    const bool isMatrix = kind == _InputArray::MAT || kind == _InputArray::UMAT || kind == _InputArray::MATX,
+               isVector = kind == _InputArray::STD_VECTOR && (size.width == 1 || size.height == 1);
+    const bool fits = size.empty() ? !output.fixedSize()
+                                   : (isMatrix || isVector) &&
+                                         !(output.fixedType() && CV_MAT_CN(output.type()) != 1) &&
+                                         !(output.fixedSize() && output.size() != size);
+    if (!fits)
+        CV_Error_(Error::StsBadArg,
+                  ("%s must be an output for %d x %d numbers in one channel, got another kind, size or type",
+                   name, size.height, size.width));
+}
+
+//! Writes two matrices with the same number of rows. If either output does not fit, both stay unchanged.
+void writeBoth(const Mat& first, const char* firstName, OutputArray firstOutput, const Mat& distances,
+               OutputArray distancesOutput)
+{
+    checkOutput(firstName, firstOutput, first.size());
+    checkOutput("distances", distancesOutput, distances.size());
+    first.copyTo(firstOutput);
+    distances.copyTo(distancesOutput);
+}
+
+//! Writes the matches that pass the tests.
+//! @param queryLists, trainLists lists of filter.kept() keys; trainLists serve crossCheck only
+void writeMatches(const Keys& queryLists, const Keys& trainLists, const MatchFilter& filter,
+                  OutputArray pairs, OutputArray distances)
+{
+    std::vector<Vec2i> found;
+    std::vector<int> lengths;
+    const int queries = int(queryLists.size() / filter.kept());
+    for (int i = 0; i < queries; i++)
+    {
+        const DistanceKey* const queryList = &queryLists[size_t(i) * filter.kept()];
+        if (!filter.passes(i, queryList, trainLists))
+            continue;
+        found.push_back(Vec2i(i, indexOf(queryList[0])));
+        lengths.push_back(distanceOf(queryList[0]));
+    }
+    const int count = int(found.size());
+    if (count == 0)
+        writeBoth(Mat(), "pairs", pairs, Mat(), distances);
+    else  // no Mat(vector): with OpenCV 5 it has one row
+        writeBoth(Mat(count, 2, CV_32SC1, found.data()), "pairs", pairs,
+                  Mat(count, 1, CV_32SC1, lengths.data()), distances);
+}
+
+//! Indices of the finite positions, from the top of the image to the bottom.
+std::vector<int> sortedByRow(const std::vector<Point2f>& positions)
+{
+    std::vector<int> order;
+    for (size_t i = 0; i < positions.size(); i++)
+        if (std::isfinite(positions[i].x) && std::isfinite(positions[i].y))
+            order.push_back(int(i));
+    std::sort(order.begin(), order.end(),
+              [&](int a, int b)
+              { return positions[a].y != positions[b].y ? positions[a].y < positions[b].y : a < b; });
+    return order;
+}
+
+//! Least float that is not below a number.
+float roundedUp(double number)
+{
+    const float nearest = float(number);
+    return nearest < number ? std::nextafter(nearest, std::numeric_limits<float>::infinity()) : nearest;
+}
+
+//! Window around a centre: positions at most `reach` away, in x and in y.
+struct Window
+{
+    Window(const Point2f& center, const Size2f& reach)
+        : left(roundedUp(double(center.x) - reach.width)),
+          right(-roundedUp(-double(center.x) - reach.width)),
+          top(roundedUp(double(center.y) - reach.height)),
+          bottom(-roundedUp(-double(center.y) - reach.height))
+    {
+    }
+    Window& operator&=(const Window& other)
+    {
+        left = std::max(left, other.left);
+        right = std::min(right, other.right);
+        top = std::max(top, other.top);
+        bottom = std::min(bottom, other.bottom);
+        return *this;
+    }
+
+    float left, right, top, bottom;
+};
+
+//! Descriptors and positions of some indices, in ascending order, so that ties go to the lower index.
+struct Subset
+{
+    Subset(std::vector<int>::const_iterator begin, std::vector<int>::const_iterator end, const Mat& all,
+           const std::vector<Point2f>& positions)
+        : indices(begin, end), descriptors(int(end - begin), all.cols, CV_8UC1)
+    {
+        std::sort(indices.begin(), indices.end());
+        for (size_t i = 0; i < indices.size(); i++)
+        {
+            std::memcpy(descriptors.ptr(int(i)), all.ptr(indices[i]), size_t(all.cols));
+            x.push_back(positions[indices[i]].x);
+            y.push_back(positions[indices[i]].y);
+        }
+    }
+
+    std::vector<int> indices;
+    Mat descriptors;
+    std::vector<float> x, y;
+};
+
+//! Tests which positions lie in a window, in a loop that compilers vectorize. Returns whether all do.
+bool testWindow(const float* x, const float* y, int count, const Window window, uchar* isWithin)
+{
+    uchar all = 1;
+    const float left = window.left, right = window.right, top = window.top, bottom = window.bottom;
+    for (int i = 0; i < count; i++)
+    {
+        isWithin[i] = uchar((x[i] >= left) & (x[i] <= right) & (y[i] >= top) & (y[i] <= bottom));
+        all &= isWithin[i];
+    }
+    return all != 0;
+}
+
+//! Mask for nearestDescriptors: trains within the windows of the queries. Empty if all pairs are allowed.
+Mat maskOf(const Subset& queries, const Subset& trains, const Size2f& reach)
+{
+    std::vector<Window> windows;
+    for (size_t i = 0; i < queries.indices.size(); i++)
+        windows.push_back(Window(Point2f(queries.x[i], queries.y[i]), reach));
+    Mat mask(int(windows.size()), trains.descriptors.rows, CV_8UC1);
+    Window common = windows[0];
+    for (const Window& window : windows)
+        common &= window;
+    if (testWindow(trains.x.data(), trains.y.data(), mask.cols, common, mask.ptr()))
+        return Mat();
+    for (int i = 0; i < mask.rows; i++)
+        testWindow(trains.x.data(), trains.y.data(), mask.cols, windows[i], mask.ptr(i));
+    return mask;
+}
+
+//! Inserts the keys of a subset into the lists of all descriptors. The keys have indices into `neighbours`.
+void addKeys(const Keys& keys, int kept, const Subset& subset, const Subset& neighbours, Keys& lists)
+{
+    for (size_t i = 0; i < keys.size(); i++)
+        if (keys[i] != NO_KEY)
+            insertKey(&lists[size_t(subset.indices[i / kept]) * kept], kept,
+                      distanceKey(distanceOf(keys[i]), neighbours.indices[indexOf(keys[i])]));
+}
+
+void checkCount(const char* name, size_t count, const char* descriptors, int rows)
+{
+    if (count != size_t(rows))
+        CV_Error_(Error::StsUnmatchedSizes, ("%s must have %d elements, one for each row of %s, got %d", name,
+                                             rows, descriptors, int(count)));
+}
+
+}  // namespace
+
+void matchArrays(InputArray queryDescriptors, InputArray trainDescriptors, OutputArray pairs,
+                 OutputArray distances, double ratio, bool crossCheck, int maxDistance, int normType)
+try
+{
+    CV_TRACE_FUNCTION();
+    checkHammingNorm(normType);
+    const Mat query = descriptorsOf("queryDescriptors", queryDescriptors),
+              train = descriptorsOf("trainDescriptors", trainDescriptors, query.cols);
+    const MatchFilter filter(ratio, crossCheck, maxDistance);
+    Keys queryLists(size_t(query.rows) * filter.kept(), NO_KEY),
+        trainLists(crossCheck ? size_t(train.rows) * filter.kept() : 0, NO_KEY);
+    nearestDescriptors(query, train, Mat(), normType == NORM_HAMMING2, 0, filter.kept(), queryLists.data(),
+                       crossCheck ? trainLists.data() : 0);
+    writeMatches(queryLists, trainLists, filter, pairs, distances);
+}
+catch (const std::bad_alloc&)
+{
+    throwNoMemory(queryDescriptors);
+}
+
+void knnMatchArrays(InputArray queryDescriptors, InputArray trainDescriptors, OutputArray indices,
+                    OutputArray distances, int k, int normType)
+try
+{
+    CV_TRACE_FUNCTION();
+    checkHammingNorm(normType);
+    const int MAX_K = INT_MAX / int(sizeof(int));  // cv::Mat counts the bytes of a row as an int
+    if (k <= 0 || k > MAX_K)
+        CV_Error_(Error::StsOutOfRange, ("k must be from 1 to %d, got %d", MAX_K, k));
+    const Mat query = descriptorsOf("queryDescriptors", queryDescriptors),
+              train = descriptorsOf("trainDescriptors", trainDescriptors, query.cols);
+    const int kept = std::min(k, train.rows);
+    Keys nearest(size_t(query.rows) * kept, NO_KEY);
+    nearestDescriptors(query, train, Mat(), normType == NORM_HAMMING2, 0, kept, nearest.data(), 0);
+    Mat found(query.rows, k, CV_32SC1, Scalar(-1)), lengths(query.rows, k, CV_32SC1, Scalar(-1));
+    for (int i = 0; i < query.rows; i++)
+    {
+        for (int j = 0; j < kept; j++)
+        {
+            found.at<int>(i, j) = indexOf(nearest[size_t(i) * kept + j]);
+            lengths.at<int>(i, j) = distanceOf(nearest[size_t(i) * kept + j]);
+        }
+    }
+    writeBoth(found, "indices", indices, lengths, distances);
+}
+catch (const std::bad_alloc&)
+{
+    throwNoMemory(queryDescriptors);
+}
+
+void matchByPosition(InputArray queryDescriptors, const std::vector<Point2f>& predicted,
+                     InputArray trainDescriptors, const std::vector<KeyPoint>& trainKeypoints, Size2f reach,
+                     OutputArray pairs, OutputArray distances, double ratio, bool crossCheck, int maxDistance,
+                     int normType)
+try
+{
+    CV_TRACE_FUNCTION();
+    checkHammingNorm(normType);
+    const Mat query = descriptorsOf("queryDescriptors", queryDescriptors),
+              train = descriptorsOf("trainDescriptors", trainDescriptors, query.cols);
+    checkCount("predicted", predicted.size(), "queryDescriptors", queryDescriptors.rows());
+    checkCount("trainKeypoints", trainKeypoints.size(), "trainDescriptors", trainDescriptors.rows());
+    if (!(reach.width >= 0 && reach.height >= 0))
+        CV_Error_(Error::StsOutOfRange,
+                  ("reach must be at least 0 in both directions, got %g x %g", reach.width, reach.height));
+    const MatchFilter filter(ratio, crossCheck, maxDistance);
+
+    const int kept = filter.kept();
+    Keys queryLists(size_t(query.rows) * kept, NO_KEY),
+        trainLists(crossCheck ? size_t(train.rows) * kept : 0, NO_KEY);
+    std::vector<Point2f> positions;
+    for (int i = 0; i < train.rows; i++)
+        positions.push_back(trainKeypoints[i].pt);
+    const std::vector<int> queryOrder = sortedByRow(predicted), trainOrder = sortedByRow(positions);
+    // Compares queries of about the same row at once with all trains that any of these queries may match.
+    const int MIN_ROWS = 64, MAX_ROWS = 512;
+    for (auto first = queryOrder.begin(); !query.empty() && !train.empty() && first != queryOrder.end();)
+    {
+        auto last = first;
+        while (last != queryOrder.end() && last - first < MAX_ROWS &&
+               (last - first < MIN_ROWS || predicted[*last].y - predicted[*first].y <= reach.height))
+            ++last;
+        const float top = Window(predicted[*first], reach).top,
+                    bottom = Window(predicted[*(last - 1)], reach).bottom;
+        const auto begin = std::partition_point(trainOrder.begin(), trainOrder.end(),
+                                                [&](int i) { return positions[i].y < top; });
+        const auto end =
+            std::partition_point(begin, trainOrder.end(), [&](int i) { return positions[i].y <= bottom; });
+        const Subset queries(first, last, query, predicted), trains(begin, end, train, positions);
+        first = last;
+        Keys nearest(queries.indices.size() * kept, NO_KEY),
+            nearestQueries(crossCheck ? trains.indices.size() * kept : 0, NO_KEY);
+        nearestDescriptors(queries.descriptors, trains.descriptors, maskOf(queries, trains, reach),
+                           normType == NORM_HAMMING2, 0, kept, nearest.data(),
+                           crossCheck ? nearestQueries.data() : 0);
+        addKeys(nearest, kept, queries, trains, queryLists);
+        addKeys(nearestQueries, kept, trains, queries, trainLists);
+    }
+    writeMatches(queryLists, trainLists, filter, pairs, distances);
+}
+catch (const std::bad_alloc&)
+{
+    throwNoMemory(queryDescriptors);
+}
+
+}  // namespace aqorb
+}  // namespace cv

@@ -1,0 +1,157 @@
+// This file is part of aqorb. Copyright (C) The aqorb developers.
+// It is subject to the license terms in the LICENSE file found in the top-level directory
+// of this distribution.
+// SPDX-License-Identifier: Apache-2.0
+
+// growMatches: matches predicted by the affine maps of refined matches nearby.
+
+#include "precomp.hpp"
+
+#include "common/angles.hpp"
+#include "refinement/patch_aligner.hpp"
+
+#include <opencv2/aqorb/refinement.hpp>
+
+namespace cv
+{
+namespace aqorb
+{
+
+namespace
+{
+
+// Index of the aligned matches, sorted by y. Only these have a map.
+class SeedIndex
+{
+public:
+    explicit SeedIndex(const RefinedMatches& refined) : points(refined.points1)
+    {
+        for (size_t i = 0; i < points.size(); i++)
+            if (std::isfinite(refined.deviations[i]))
+                order.push_back(int(i));
+        std::sort(order.begin(), order.end(),
+                  [&](int a, int b)
+                  {
+                      const float yA = points[size_t(a)].y, yB = points[size_t(b)].y;
+                      return yA != yB ? yA < yB : a < b;
+                  });
+    }
+
+    // Seed nearest to a position of image 1, or -1. Ties go to the first match.
+    int nearest(const Point2f& position) const
+    {
+        const double MAX_DISTANCE = 60;
+        double smallest = MAX_DISTANCE * MAX_DISTANCE;
+        int found = -1;
+        // Returns false if all seeds beyond this one are farther away.
+        const auto compare = [&](int seed)
+        {
+            const Point2d offset = Point2d(points[size_t(seed)]) - Point2d(position);
+            const double distance = offset.dot(offset);
+            if (distance < smallest || (distance == smallest && (found < 0 || seed < found)))
+            {
+                smallest = distance;
+                found = seed;
+            }
+            return offset.y * offset.y <= smallest;
+        };
+        const auto middle = std::lower_bound(order.begin(), order.end(), position.y,
+                                             [&](int i, float y) { return points[size_t(i)].y < y; });
+        for (auto seed = middle; seed != order.end() && compare(*seed); ++seed)
+            continue;
+        for (auto seed = middle; seed != order.begin() && compare(*--seed);)
+            continue;
+        return found;
+    }
+
+private:
+    const std::vector<Point2f>& points;
+    std::vector<int> order;
+};
+
+// Patches of a keypoint of image 1 and of its position in image 2 as a seed predicts it.
+PatchPair predictedPatches(const KeyPoint& keypoint, const RefinedMatches& seeds, size_t seed,
+                           float scaleFactor)
+{
+    const Matx22d& map = seeds.maps[seed];
+    const Point2d offset = Point2d(keypoint.pt) - Point2d(seeds.points1[seed]);
+    const Vec2d moved = map * Vec2d(offset.x, offset.y);
+    const double spacing = spacingOf(keypoint, scaleFactor);
+    return {{keypoint.pt, spacing},
+            {Point2f(Point2d(seeds.points2[seed]) + Point2d(moved[0], moved[1])),
+             spacing * std::sqrt(std::abs(determinant(map)))},
+            map * spacing};
+}
+
+// Keypoint of image 2 that shows the same spot as a keypoint of image 1.
+KeyPoint grownKeypoint(const KeyPoint& keypoint, const PatchAlignment& alignment, const Matx22d& map,
+                       int64 octave)
+{
+    KeyPoint grown(alignment.center, float(keypoint.size * std::sqrt(std::abs(determinant(map)))));
+    if (keypoint.angle != -1)
+    {
+        float sine, cosine;
+        sineAndCosine(keypoint.angle * float(CV_PI / 180), sine, cosine);
+        const Vec2d direction = map * Vec2d(cosine, sine);
+        grown.angle = directionOf(float(direction[0]), float(direction[1]));
+    }
+    grown.octave = saturate_cast<int>(std::max<int64>(octave, 0));
+    return grown;
+}
+
+}  // namespace
+
+void growMatches(InputArray image1, const std::vector<KeyPoint>& keypoints1, InputArray image2,
+                 const std::vector<KeyPoint>& keypoints2, std::vector<DMatch>& matches,
+                 std::vector<KeyPoint>& grown2, std::vector<Point2f>& points1, std::vector<Point2f>& points2,
+                 std::vector<float>& deviations, float minCorrelation, float scaleFactor)
+{
+    CV_TRACE_FUNCTION();
+    const RefinementInput input = {keypoints1, keypoints2, matches, minCorrelation, scaleFactor};
+    input.check();
+    PatchAligner aligner(image1, image2, !matches.empty());
+    RefinedMatches refined = refinedMatches(input, aligner);
+
+    std::vector<uchar> hasMatch(keypoints1.size());
+    for (const DMatch& match : refined.matches)
+        hasMatch[size_t(match.queryIdx)] = 1;
+    const SeedIndex index(refined);
+    std::vector<PatchPair> pairs;
+    std::vector<int> queries, seeds;
+    for (size_t i = 0; i < keypoints1.size(); i++)
+    {
+        const bool isTried = !hasMatch[i] && keypoints1[i].size > 0 && std::isfinite(keypoints1[i].angle);
+        const int seed = isTried ? index.nearest(keypoints1[i].pt) : -1;
+        if (seed < 0)
+            continue;
+        pairs.push_back(predictedPatches(keypoints1[i], refined, size_t(seed), scaleFactor));
+        queries.push_back(int(i));
+        seeds.push_back(seed);
+    }
+
+    // Wrong predictions seldom correlate as well so near.
+    const float MIN_CORRELATION = 0.85f, MAX_SHIFT = 4;
+    std::vector<KeyPoint> grown = keypoints2;
+    const std::vector<PatchAlignment> alignments = aligner.align(pairs);
+    for (size_t i = 0; i < pairs.size(); i++)
+    {
+        const Point2f shift = alignments[i].center - pairs[i].second.center;
+        if (!(alignments[i].correlation >= std::max(minCorrelation, MIN_CORRELATION)) ||
+            !(shift.dot(shift) <= MAX_SHIFT * MAX_SHIFT))
+            continue;
+        const DMatch& seed = refined.matches[size_t(seeds[i])];
+        const KeyPoint& keypoint = keypoints1[size_t(queries[i])];
+        const int64 octave = int64(keypoints2[size_t(seed.trainIdx)].octave) + keypoint.octave -
+                             keypoints1[size_t(seed.queryIdx)].octave;
+        refined.add(DMatch(queries[i], int(grown.size()), 0, FLT_MAX), pairs[i], alignments[i]);
+        grown.push_back(grownKeypoint(keypoint, alignments[i], refined.maps.back(), octave));
+    }
+    matches.swap(refined.matches);
+    grown2.swap(grown);
+    points1.swap(refined.points1);
+    points2.swap(refined.points2);
+    deviations.swap(refined.deviations);
+}
+
+}  // namespace aqorb
+}  // namespace cv

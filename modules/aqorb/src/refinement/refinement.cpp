@@ -1,0 +1,116 @@
+// This file is part of aqorb. Copyright (C) The aqorb developers.
+// It is subject to the license terms in the LICENSE file found in the top-level directory
+// of this distribution.
+// SPDX-License-Identifier: Apache-2.0
+
+// refineMatches: patches of matches, and the check of their alignment.
+
+#include "precomp.hpp"
+
+#include "common/angles.hpp"
+#include "refinement/patch_aligner.hpp"
+
+#include <opencv2/aqorb/refinement.hpp>
+
+namespace cv
+{
+namespace aqorb
+{
+
+double spacingOf(const KeyPoint& keypoint, float scaleFactor)
+{
+    const double ORB_SIZE = 31, MIN_SPACING = 0.7;
+    const double pixel = keypoint.size / ORB_SIZE * scaleFactor;  // size of a pixel on the keypoint's level
+    return std::max(MIN_SPACING, pixel / 2);
+}
+
+namespace
+{
+
+// Patches of a match. Their spacing is 0 if the keypoints do not define it.
+PatchPair patchesOf(const KeyPoint& first, const KeyPoint& second, float scaleFactor)
+{
+    PatchPair pair = {{first.pt, 0}, {second.pt, 0}, Matx22d()};
+    if (!(first.size > 0 && second.size > 0) || !std::isfinite(first.angle) || !std::isfinite(second.angle))
+        return pair;
+    pair.first.spacing = spacingOf(first, scaleFactor);
+    pair.second.spacing = pair.first.spacing * second.size / first.size;
+    const bool isTurnKnown = first.angle != -1 && second.angle != -1;
+    const double turn = isTurnKnown ? std::fmod(double(second.angle) - first.angle, 360.) : 0;
+    float sine, cosine;
+    sineAndCosine(float(turn) * float(CV_PI / 180), sine, cosine);
+    pair.map = pair.second.spacing * Matx22d(cosine, -sine, sine, cosine);
+    return pair;
+}
+
+}  // namespace
+
+void RefinementInput::check() const
+{
+    if (!(minCorrelation >= -1 && minCorrelation <= 1))
+        CV_Error_(Error::StsOutOfRange, ("minCorrelation must be from -1 to 1, got %g", minCorrelation));
+    if (!(scaleFactor > 0) || !std::isfinite(scaleFactor))
+        CV_Error_(Error::StsOutOfRange, ("scaleFactor must be finite and > 0, got %g", scaleFactor));
+    for (size_t i = 0; i < matches.size(); i++)
+    {
+        const int query = matches[i].queryIdx, train = matches[i].trainIdx;
+        if (query < 0 || size_t(query) >= keypoints1.size() || train < 0 ||
+            size_t(train) >= keypoints2.size())
+            CV_Error_(Error::StsOutOfRange,
+                      ("matches[%d] must have a queryIdx below %d and a trainIdx below %d, the numbers of "
+                       "keypoints, and at least 0, got %d and %d",
+                       int(i), int(keypoints1.size()), int(keypoints2.size()), query, train));
+    }
+}
+
+void RefinedMatches::add(const DMatch& match, const PatchPair& pair, const PatchAlignment& alignment)
+{
+    matches.push_back(match);
+    points1.push_back(pair.first.center);
+    points2.push_back(alignment.center);
+    deviations.push_back(alignment.deviation);
+    maps.push_back(alignment.map * (1 / pair.first.spacing));
+}
+
+RefinedMatches refinedMatches(const RefinementInput& input, PatchAligner& aligner)
+{
+    std::vector<PatchPair> pairs;
+    for (const DMatch& match : input.matches)
+        pairs.push_back(patchesOf(input.keypoints1[size_t(match.queryIdx)],
+                                  input.keypoints2[size_t(match.trainIdx)], input.scaleFactor));
+    const std::vector<PatchAlignment> alignments = aligner.align(pairs);
+    RefinedMatches refined;
+    for (size_t i = 0; i < pairs.size(); i++)
+        if (input.minCorrelation == -1 || alignments[i].correlation >= input.minCorrelation)
+            refined.add(input.matches[i], pairs[i], alignments[i]);
+    return refined;
+}
+
+void refineMatches(InputArray image1, const std::vector<KeyPoint>& keypoints1, InputArray image2,
+                   const std::vector<KeyPoint>& keypoints2, std::vector<DMatch>& matches,
+                   std::vector<Point2f>& points1, std::vector<Point2f>& points2,
+                   std::vector<float>& deviations, float minCorrelation, float scaleFactor)
+{
+    CV_TRACE_FUNCTION();
+    const RefinementInput input = {keypoints1, keypoints2, matches, minCorrelation, scaleFactor};
+    input.check();
+    PatchAligner aligner(image1, image2, !matches.empty());
+    RefinedMatches refined = refinedMatches(input, aligner);
+    matches.swap(refined.matches);
+    points1.swap(refined.points1);
+    points2.swap(refined.points2);
+    deviations.swap(refined.deviations);
+}
+
+void refineMatches(InputArray image1, const std::vector<KeyPoint>& keypoints1, InputArray image2,
+                   const std::vector<KeyPoint>& keypoints2, std::vector<DMatch>& matches,
+                   std::vector<Point2f>& points1, std::vector<Point2f>& points2, float minCorrelation,
+                   float scaleFactor)
+{
+    std::vector<float> deviations;
+    refineMatches(image1, keypoints1, image2, keypoints2, matches, points1, points2, deviations,
+                  minCorrelation, scaleFactor);
+}
+
+}  // namespace aqorb
+}  // namespace cv
