@@ -12,6 +12,7 @@
 #include "detector/patch.hpp"
 
 #include "detector/blur.simd.hpp"
+// Generated: CV_CPU_DISPATCH_MODES_ALL=AVX512_SKX, AVX2, BASELINE on x86-64.
 #include "detector/blur.simd_declarations.hpp"
 
 namespace cv

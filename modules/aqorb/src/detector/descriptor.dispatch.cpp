@@ -13,6 +13,7 @@
 #include "detector/orb_pattern.hpp"
 
 #include "detector/descriptor.simd.hpp"
+// Generated: CV_CPU_DISPATCH_MODES_ALL=AVX512_SKX, AVX2, BASELINE on x86-64.
 #include "detector/descriptor.simd_declarations.hpp"
 
 namespace cv

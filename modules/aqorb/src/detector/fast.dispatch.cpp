@@ -12,6 +12,7 @@
 #include "detector/patch.hpp"
 
 #include "detector/fast.simd.hpp"
+// Generated: CV_CPU_DISPATCH_MODES_ALL=AVX512_SKX, AVX2, BASELINE on x86-64.
 #include "detector/fast.simd_declarations.hpp"
 
 namespace cv

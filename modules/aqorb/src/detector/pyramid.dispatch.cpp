@@ -12,6 +12,7 @@
 #include "detector/types.hpp"
 
 #include "detector/pyramid.simd.hpp"
+// Generated: CV_CPU_DISPATCH_MODES_ALL=AVX512_SKX, AVX2, SSE4_1, BASELINE on x86-64.
 #include "detector/pyramid.simd_declarations.hpp"
 
 namespace cv

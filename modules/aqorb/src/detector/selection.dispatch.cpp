@@ -11,6 +11,7 @@
 #include "detector/selection.hpp"
 
 #include "detector/selection.simd.hpp"
+// Generated: CV_CPU_DISPATCH_MODES_ALL=AVX512_SKX, AVX2, BASELINE on x86-64.
 #include "detector/selection.simd_declarations.hpp"
 
 namespace cv

@@ -12,6 +12,7 @@
 #include "common/memory.hpp"
 
 #include "matching/hamming.simd.hpp"
+// Generated: CV_CPU_DISPATCH_MODES_ALL=AVX512_ICL, AVX512_SKX, AVX2, SSE4_1, BASELINE on x86-64.
 #include "matching/hamming.simd_declarations.hpp"
 
 #include <opencv2/core/hal/hal.hpp>

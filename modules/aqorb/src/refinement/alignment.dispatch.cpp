@@ -12,6 +12,7 @@
 #include "refinement/patch_aligner.hpp"
 
 #include "refinement/alignment.simd.hpp"
+// Generated: CV_CPU_DISPATCH_MODES_ALL=AVX512_SKX, AVX2, BASELINE on x86-64.
 #include "refinement/alignment.simd_declarations.hpp"
 
 namespace cv
