@@ -5,7 +5,7 @@
 
 #include "arrays.hpp"
 
-#include "detector/arguments.hpp"
+#include "arguments.hpp"
 #include "errors.hpp"
 
 #include <pybind11/stl.h>

@@ -5,7 +5,7 @@
 
 // Class AdaptiveQuadtreeORB: methods, signatures and docstrings.
 
-#include "detector/arguments.hpp"
+#include "arguments.hpp"
 #include "errors.hpp"
 #include "arrays.hpp"
 #include "module.hpp"

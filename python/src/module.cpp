@@ -8,7 +8,7 @@
 
 #include "module.hpp"
 
-#include "detector/arguments.hpp"
+#include "arguments.hpp"
 #include "errors.hpp"
 #include "arrays.hpp"
 #include "threads.hpp"

@@ -3,7 +3,7 @@
 // of this distribution.
 // SPDX-License-Identifier: Apache-2.0
 
-#include "detector/arguments.hpp"
+#include "arguments.hpp"
 #include "arrays.hpp"
 #include "errors.hpp"
 #include "module.hpp"
