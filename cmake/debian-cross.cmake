@@ -1,23 +1,9 @@
-# Debian's cross compiler for AQORB_ARCHITECTURE, a name of Debian's, with packages unpacked in AQORB_SYSROOT. Programs
-# run under qemu-user. CMakePresets.json and scripts/compatibility.sh use this file.
+# Debian's cross compiler for ARM64, with packages unpacked in AQORB_SYSROOT. Programs run under qemu-user.
+# CMakePresets.json and scripts/compatibility.sh use this file.
 set(CMAKE_SYSTEM_NAME Linux)
-list(APPEND CMAKE_TRY_COMPILE_PLATFORM_VARIABLES AQORB_ARCHITECTURE AQORB_SYSROOT)
-
-if(AQORB_ARCHITECTURE STREQUAL "arm64")
-  set(CMAKE_SYSTEM_PROCESSOR aarch64)
-  set(CMAKE_LIBRARY_ARCHITECTURE aarch64-linux-gnu)
-elseif(AQORB_ARCHITECTURE STREQUAL "armhf")
-  set(CMAKE_SYSTEM_PROCESSOR arm)
-  set(CMAKE_LIBRARY_ARCHITECTURE arm-linux-gnueabihf)
-  string(APPEND CMAKE_CXX_FLAGS_INIT " -mfpu=neon")  # optional in Debian
-elseif(AQORB_ARCHITECTURE MATCHES "^(riscv64|s390x)$")
-  set(CMAKE_SYSTEM_PROCESSOR ${AQORB_ARCHITECTURE})
-  set(CMAKE_LIBRARY_ARCHITECTURE ${AQORB_ARCHITECTURE}-linux-gnu)
-  # Packages of a newer Debian than the compiler's need a newer C library than the compiler's.
-  set(CMAKE_EXE_LINKER_FLAGS_INIT -Wl,--allow-shlib-undefined)
-else()
-  message(FATAL_ERROR "AQORB_ARCHITECTURE is \"${AQORB_ARCHITECTURE}\"; arm64, armhf, riscv64 or s390x is accepted")
-endif()
+set(CMAKE_SYSTEM_PROCESSOR aarch64)
+set(CMAKE_LIBRARY_ARCHITECTURE aarch64-linux-gnu)
+list(APPEND CMAKE_TRY_COMPILE_PLATFORM_VARIABLES AQORB_SYSROOT)
 
 set(CMAKE_C_COMPILER ${CMAKE_LIBRARY_ARCHITECTURE}-gcc)
 set(CMAKE_CXX_COMPILER ${CMAKE_LIBRARY_ARCHITECTURE}-g++)

@@ -42,9 +42,9 @@ declare -A PACKAGES=(
     [format]='clang-format clang-tidy shellcheck'
     [opencv]='dpkg-dev ninja-build zlib1g-dev libpng-dev libjpeg-dev python3-dev python3-numpy'
     [java]='ant default-jdk-headless'
-    [emulation]='dpkg-dev qemu-user-static'
+    [emulation]='g++-aarch64-linux-gnu qemu-user-static'
     [wheel]='ca-certificates ninja-build python3-dev python3-venv'
-    [workflows]='ca-certificates python3-venv shellcheck'
+    [workflows]='ca-certificates golang-go shellcheck'
 )
 
 # need NAME...: installs what is missing of the groups above, and of other Debian packages.

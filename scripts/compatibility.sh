@@ -15,8 +15,7 @@
 #   avx2, sse4, sse2
 #               the same build with the features of newer x86-64 CPUs disabled
 #   plain       the same build with cv::setUseOptimized(false); bytes only
-#   aarch64, armhf, riscv64, s390x
-#               cross-built, on an emulated CPU; armhf with NEON, s390x big-endian
+#   aarch64     cross-built, on an emulated CPU
 #   clang       clang++
 #
 # Installs the Debian packages it needs. Tests that need images of opencv_extra are skipped unless
@@ -120,44 +119,16 @@ row_plain() {
     fingerprint plain "$BUILD/release/tools/aqorb_fingerprint" --plain
 }
 
-# sysroot ARCHITECTURE: sets SYSROOT to a folder with the packages of OpenCV and GoogleTest for an architecture, by
-# Debian's name of it, and installs the cross compiler and the emulator. The packages are those of this Debian, or of
-# Debian 13, the first that has riscv64.
-sysroot() {
-    local release triplet
-    release=$(codename)
-    [[ $1 != riscv64 || $release != bookworm ]] || release=trixie
+# Cross-built against the packages of this Debian for ARM64, which are unpacked in a folder, and run under qemu-user.
+row_aarch64() {
+    local sysroot=$CACHE/arm64/root triplet=aarch64-linux-gnu
     need emulation
-    triplet=$(dpkg-architecture -f -a "$1" -q DEB_HOST_MULTIARCH)
-    need "g++-$triplet"
-    SYSROOT=$CACHE/$1/root
-    debian "$SYSROOT" "$release" 'libgtest-dev libopencv-dev libstdc++-12-dev' --architectures="$1" --variant=extract \
-        --mode=chrootless --hook-dir=/usr/share/mmdebstrap/hooks/merged-usr
+    debian "$sysroot" "$(codename)" 'libgtest-dev libopencv-dev libstdc++-12-dev' --architectures=arm64 \
+        --variant=extract --mode=chrootless --hook-dir=/usr/share/mmdebstrap/hooks/merged-usr
     # What update-alternatives would choose.
-    ln -sf blas/libblas.so.3 lapack/liblapack.so.3 "$SYSROOT/usr/lib/$triplet/"
+    ln -sf blas/libblas.so.3 lapack/liblapack.so.3 "$sysroot/usr/lib/$triplet/"
+    compiled aarch64 qemu-aarch64-static -L "$sysroot"
 }
-
-# cross ROW ARCHITECTURE EMULATOR: cross-built, and run under qemu-user with the name of the emulated CPU.
-cross() {
-    sysroot "$2"
-    compiled "$1" "qemu-$3-static" -L "$SYSROOT"
-}
-
-row_aarch64() { cross aarch64 arm64 aarch64; }
-row_armhf() { cross armhf armhf arm; }
-row_riscv64() {
-    sysroot riscv64
-    # The linker of Debian 12 crashes on the GoogleTest of Debian 13.
-    local folder=$SYSROOT/usr/src/build-googletest
-    if [[ ! -e $folder/install_manifest.txt ]]; then
-        cmake -S /usr/src/googletest -B "$folder" -DCMAKE_TOOLCHAIN_FILE="$ROOT/cmake/debian-cross.cmake" \
-            -DAQORB_ARCHITECTURE=riscv64 -DAQORB_SYSROOT="$SYSROOT" -DCMAKE_INSTALL_LIBDIR=lib/riscv64-linux-gnu \
-            -DCMAKE_BUILD_TYPE=Release -DCMAKE_INSTALL_PREFIX="$SYSROOT/usr" -DBUILD_GMOCK=OFF
-        cmake --build "$folder" --parallel "$JOBS" --target install
-    fi
-    cross riscv64 riscv64 riscv64
-}
-row_s390x() { cross s390x s390x s390x; }
 
 row_clang() { need clang; compiled clang; }
 
@@ -167,8 +138,7 @@ if [[ ${1:-} == --bytes ]]; then
     shift
 fi
 rows=("$@")
-((${#rows[@]})) || rows=(debian12 debian13 opencv4 opencv5 avx2 sse4 sse2 plain
-    aarch64 armhf riscv64 s390x clang)
+((${#rows[@]})) || rows=(debian12 debian13 opencv4 opencv5 avx2 sse4 sse2 plain aarch64 clang)
 for row in "${rows[@]}"; do
     declare -F "row_$row" >/dev/null || die "no such row: $row"
 done
