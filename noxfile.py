@@ -87,17 +87,29 @@ def hostile(session):
            AQORB_KILLS='50', **built())
 
 
-@nox.session(venv_params=['--system-site-packages'])
-def poses(session):
+def evaluate(session, *subject, packages=('poselib==2.0.5',)):
     """With 4 or 5 before the options beside that version of cv2, otherwise beside Debian's. Its numpy is Debian's."""
     options = session.posargs
-    packages = {'4': [OPENCV_4], '5': [OPENCV_5]}.get(options[0] if options else '', [])
-    session.install('--no-deps', 'poselib==2.0.5', *packages)
-    sequence = os.environ.get('AQORB_TEST_SEQUENCE')
-    session.run('python', 'tools/evaluate/aqorb_evaluate.py', 'poses',
-                os.environ['AQORB_STRECHA'] + '/Benchmarking_Camera_Calibration_2008',
-                *(['--sequence=' + sequence] if sequence else []), *options[len(packages):],
+    opencv = {'4': [OPENCV_4], '5': [OPENCV_5]}.get(options[0] if options else '', [])
+    if packages or opencv:
+        session.install('--no-deps', *packages, *opencv)
+    session.run('python', 'tools/evaluate/aqorb_evaluate.py', *subject, *options[len(opencv):],
                 env={'PYTHONDONTWRITEBYTECODE': '1', **built()})
+
+
+def scenes():
+    return os.environ['AQORB_STRECHA'] + '/Benchmarking_Camera_Calibration_2008'
+
+
+@nox.session(venv_params=['--system-site-packages'])
+def poses(session):
+    sequence = os.environ.get('AQORB_TEST_SEQUENCE')
+    evaluate(session, 'poses', scenes(), *(['--sequence=' + sequence] if sequence else []))
+
+
+@nox.session(venv_params=['--system-site-packages'])
+def objects(session):
+    evaluate(session, 'objects', PHOTOGRAPHS, scenes(), os.environ['OPENCV_SAMPLES_DATA_PATH'])
 
 
 @nox.session

@@ -6,16 +6,17 @@
 #   scripts/measure.sh claims [OPTION ...]    what is claimed of the selection (doc/reproduction.md)
 #   scripts/measure.sh refinement [OPTION ...]  what refineMatches gives (doc/reproduction.md)
 #   scripts/measure.sh poses [4|5] [OPTION ...]  relative poses, by OpenCV and PoseLib (doc/reproduction.md)
+#   scripts/measure.sh objects [4|5] [OPTION ...]  known objects located in scenes (the tutorial on finding them)
 #   scripts/measure.sh readme                 README's table
 #   scripts/measure.sh heldout                fetches the pairs of images that nothing was tuned on, for claims
 #
 # OPENCV_TEST_DATA_PATH names the folder testdata of opencv_extra; speed draws scenes without it. paper, claims,
-# refinement and poses pass OPTIONs on to tools/evaluate/aqorb_evaluate.py, whose --help lists them.
+# refinement, poses and objects pass OPTIONs on to tools/evaluate/aqorb_evaluate.py, whose --help lists them.
 # AQORB_TEST_SEQUENCE, a sequence in KITTI's layout with its poses, adds the start with one camera to claims, and a
 # table to poses.
 #
-# poses takes Debian's cv2, or with 4 or 5 that of the Python package index. It fetches two scenes of Strecha's
-# photographs unless AQORB_STRECHA names a clone of github.com/openMVG/SfM_quality_evaluation.
+# poses and objects take Debian's cv2, or with 4 or 5 that of the Python package index. They fetch two scenes of
+# Strecha's photographs unless AQORB_STRECHA names a clone of github.com/openMVG/SfM_quality_evaluation.
 #
 # speed runs the performance tests of perf/ in OpenCV's own harness, for this module and for OpenCV, with 1 and 2
 # threads, and without AVX-512 where there is AVX-512. The harness takes the OPTIONs: --gtest_filter=Matching* measures a
@@ -101,6 +102,13 @@ poses() {
     "$ROOT/scripts/python.sh" poses "$@"
 }
 
+objects() {
+    strecha fountain-P11 entry-P10 || die "could not fetch the photographs; is there a network?"
+    opencv_samples
+    export AQORB_STRECHA OPENCV_SAMPLES_DATA_PATH=$OPENCV_SAMPLES
+    "$ROOT/scripts/python.sh" objects "$@"
+}
+
 readme() {
     strecha fountain-P11 entry-P10 || die "could not fetch the photographs; is there a network?"
     opencv_samples
@@ -131,11 +139,11 @@ PACKAGES
 }
 
 case ${1:-} in
-paper | claims | refinement) photographs ;;
+paper | claims | refinement | objects) photographs ;;
 esac
 case ${1:-} in
-speed | readme | poses | heldout | claims) "$@" ;;
+speed | readme | poses | objects | heldout | claims) "$@" ;;
 paper) evaluate paper "$datasets" --out="$BUILD/paper" "${@:2}" ;;
 refinement) evaluate refinement "$datasets" "${@:2}" ;;
-*) die "'${1:-}' is none of speed, paper, claims, refinement, readme, poses, heldout; --help says more" ;;
+*) die "'${1:-}' is none of speed, paper, claims, refinement, readme, poses, objects, heldout; --help says more" ;;
 esac

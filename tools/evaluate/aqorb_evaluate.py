@@ -19,6 +19,7 @@ import aqorb
 import cv2
 
 import claims
+import objects
 import paper
 import poses
 import readme
@@ -117,13 +118,24 @@ def main():
     command.add_argument('--n', type=list_of(int), default=[1000], help='numbers of features')
     command.add_argument('--sequence', help="sequence laid out as KITTI's, with poses")
 
+    command = commands.add_parser('objects', help='how often a known object is located in a scene')
+    command.set_defaults(run=print_tables, tables=objects.tables)
+    command.add_argument('datasets', metavar='DATASETS')
+    command.add_argument('scenes', metavar='SCENES', help="folder with Strecha's fountain-P11 and entry-P10")
+    command.add_argument('samples', metavar='SAMPLES', help="folder of OpenCV's sample images")
+    command.add_argument('--n', type=list_of(int), default=[500, 1000, 2000], help='numbers of features')
+    command.add_argument('--pairs', type=int, default=400, help='objects, each with a scene (%(default)s)')
+    command.add_argument('--absent', type=int, default=3, help='scenes without each object (%(default)s)')
+    command.add_argument('--only', type=list_of(), default=['orb', 'akaze', 'sift', 'aqorb'],
+                         help='detectors, separated by commas')
+
     command = commands.add_parser('readme', help="README's table")
     command.set_defaults(run=print_tables, tables=lambda options: [('Measured on one thread', readme.HEAD,
                                                                     readme.rows(options))])
     command.add_argument('scenes', metavar='SCENES', help="folder with Strecha's fountain-P11 and entry-P10")
     command.add_argument('object', metavar='OBJECT', help="folder with box.png and box_in_scene.png of OpenCV's samples")
     options = parser.parse_args()
-    for subject in getattr(options, 'only', []):
+    for subject in options.only if options.command == 'claims' else []:
         if subject not in claims.SUBJECTS:
             parser.error('--only: {} is none of {}'.format(subject, ', '.join(claims.SUBJECTS)))
     if min(getattr(options, 'n', [1]) or [0]) < 1:

@@ -32,19 +32,19 @@ def number(text):
     return int(text) if text.lstrip('-').isdigit() else float(text)
 
 
-def make_aqorb(settings, n):
-    detector = aqorb.AdaptiveQuadtreeORB_create(n)
+def with_settings(detector, settings):
     for setting in filter(None, settings.split(':')):
         name, _, value = setting.partition('=')
         if name not in SETTINGS or not value:
-            raise ValueError('{}: no setting of aqorb; there are {}'.format(setting, ', '.join(SETTINGS)))
+            raise ValueError('{}: no setting; there are {}'.format(setting, ', '.join(SETTINGS)))
         kind = type(getattr(detector, 'get' + SETTINGS[name])())
         getattr(detector, 'set' + SETTINGS[name])(kind(WORDS[value] if value in WORDS else number(value)))
     return detector
 
 
 class Method:
-    """A detector by its name: orb, orb_slam, sift, brisk, akaze, aqorb:NAME=VALUE:..., slam:NAME=VALUE:..."""
+    """A detector by its name: orb:NAME=VALUE:..., orb_slam, sift, brisk, akaze, aqorb:NAME=VALUE:...,
+    slam:NAME=VALUE:..."""
 
     def __init__(self, name):
         self.name = name
@@ -55,14 +55,14 @@ class Method:
 
     def make(self, n):
         kind, _, settings = self.name.partition(':')
-        if kind == 'slam':
-            return make_aqorb(SLAM + ':' + settings, n + 8)  # one more for each level, as there
-        if kind == 'aqorb':
-            return make_aqorb(settings, n)
-        makers = {'orb': cv2.ORB_create, 'sift': cv2.SIFT_create, 'orb_slam': OrbSlam,
+        if kind == 'slam':  # one more for each level, as there
+            return with_settings(aqorb.AdaptiveQuadtreeORB_create(n + 8), SLAM + ':' + settings)
+        if kind in ('aqorb', 'orb'):
+            return with_settings((aqorb.AdaptiveQuadtreeORB_create if kind == 'aqorb' else cv2.ORB_create)(n), settings)
+        makers = {'sift': cv2.SIFT_create, 'orb_slam': OrbSlam,
                   'brisk': lambda _: cv2.BRISK_create(), 'akaze': lambda _: cv2.AKAZE_create()}
         if self.name not in makers:
-            raise ValueError('{}: unknown method; there are aqorb, slam, {}'.format(self.name, ', '.join(makers)))
+            raise ValueError('{}: unknown method; there are aqorb, orb, slam, {}'.format(self.name, ', '.join(makers)))
         return makers[self.name](n)
 
     def prepare(self, n):
