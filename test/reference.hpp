@@ -160,6 +160,12 @@ struct ReferenceTests
 };
 std::vector<DMatch> referenceTested(const Mat& query, const Mat& train, const ReferenceTests& tests,
                                     const Allowed& isAllowed);
+//! Whether two finite coordinates differ by at most `reach`, without rounding.
+bool differAtMost(float a, float b, float reach);
+//! What matchGuided documents. tests.crossCheck does not count, and maxDistance is not -1.
+std::vector<DMatch> referenceGuided(const Mat& query, const KeyPoints& queryKeypoints, const Mat& train,
+                                    const KeyPoints& trainKeypoints, const Matx33d& F, double reach,
+                                    const ReferenceTests& tests);
 
 /** Random descriptors. Some are copies of others, and of some only a few bits differ, so that many distances are equal.
  They may be a part of a larger matrix. */

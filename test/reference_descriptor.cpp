@@ -213,6 +213,46 @@ std::vector<DMatch> referenceTested(const Mat& query, const Mat& train, const Re
     return passed;
 }
 
+bool differAtMost(float a, float b, float reach)
+{
+    const double larger = std::max(a, b), smaller = std::min(a, b), difference = larger - smaller;
+    const double lost = std::abs(larger) >= std::abs(smaller) ? -smaller - (difference - larger)
+                                                              : larger - (difference + smaller);
+    return difference < reach || (difference == reach && lost <= 0);
+}
+
+std::vector<DMatch> referenceGuided(const Mat& query, const KeyPoints& queryKeypoints, const Mat& train,
+                                    const KeyPoints& trainKeypoints, const Matx33d& F, double reach,
+                                    const ReferenceTests& tests)
+{
+    const auto isFinite = [](const Point2f& p) { return std::isfinite(p.x) && std::isfinite(p.y); };
+    const auto isNearLine = [&](int i, int j)
+    {
+        const Point2f p = queryKeypoints[i].pt, q = trainKeypoints[j].pt;
+        const double size = trainKeypoints[j].size;
+        const Vec3d line = F * Vec3d(p.x, p.y, 1);
+        const double length = std::hypot(line[0], line[1]);
+        return isFinite(p) && isFinite(q) && std::isfinite(size) && length > 0 &&
+               std::abs(line.dot(Vec3d(q.x, q.y, 1))) <= reach * std::max(1., size / 31) * length;
+    };
+    std::vector<DMatch> passed;
+    for (int i = 0; i < query.rows; i++)
+    {
+        const std::vector<DMatch> trains = partners(query, train, i, false, tests.normType, isNearLine);
+        const auto isElsewhere = [&](const DMatch& other)
+        {
+            const Point2d p = trainKeypoints[trains[0].trainIdx].pt, q = trainKeypoints[other.trainIdx].pt;
+            return norm(p - q) >= 8;
+        };
+        const auto second = std::find_if(trains.begin(), trains.end(), isElsewhere);
+        if (!trains.empty() && trains[0].distance <= tests.maxDistance &&
+            (tests.ratio == 0 || second == trains.end() ||
+             trains[0].distance < tests.ratio * second->distance))
+            passed.push_back(trains[0]);
+    }
+    return passed;
+}
+
 Mat randomDescriptors(RNG& rng, int rows, int bytes)
 {
     Mat all(rows + rng.uniform(0, 3), bytes + rng.uniform(0, 20), CV_8UC1);

@@ -330,15 +330,23 @@ TEST(Aqorb_HammingMatcher, is_safe_in_several_threads)
     RNG rng(1);
     const Mat query = randomDescriptors(rng, 300, 32), train = randomDescriptors(rng, 300, 32);
     const HammingMatcher matcher(NORM_HAMMING, true);
-    MatchLists results(8);
+    HammingMatcher ofCollection;
+    ofCollection.add(std::vector<Mat>{train, query});
+    MatchLists results(8), ofAll(8);
     parallel_for_(Range(0, 8),
                   [&](const Range& range)
                   {
                       for (int i = range.start; i < range.end; i++)
+                      {
                           matcher.match(query, train, results[i]);
+                          ofCollection.match(query, ofAll[i]);
+                      }
                   });
     for (int i = 1; i < 8; i++)
+    {
         EXPECT_TRUE(sameMatches(MatchLists(1, results[0]), MatchLists(1, results[i])));
+        EXPECT_TRUE(sameMatches(MatchLists(1, ofAll[0]), MatchLists(1, ofAll[i])));
+    }
 }
 
 TEST(Aqorb_HammingMatcher, stays_on_one_thread_under_a_single_thread_scope)

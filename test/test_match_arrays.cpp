@@ -15,6 +15,7 @@ namespace
 using aqorb::knnMatchArrays;
 using aqorb::matchArrays;
 using aqorb::matchByPosition;
+using aqorb::matchGuided;
 
 const float ENDLESS = std::numeric_limits<float>::infinity(),
             NOT_A_NUMBER = std::numeric_limits<float>::quiet_NaN();
@@ -113,6 +114,10 @@ TEST(Aqorb_MatchArrays, empty_descriptors)
                 matchByPosition(query, std::vector<Point2f>(query.rows), train, KeyPoints(train.rows),
                                 Size2f(9, ENDLESS), pairs, distances, 0, crossCheck);
                 EXPECT_TRUE(pairs.empty() && distances.empty());
+                pairs = distances = Mat::ones(2, 2, CV_8UC1);
+                matchGuided(query, KeyPoints(query.rows), train, KeyPoints(train.rows), Matx33d::eye(), 9,
+                            pairs, distances, crossCheck);
+                EXPECT_TRUE(pairs.empty() && distances.empty());
             }
             Mat indices, distances;
             knnMatchArrays(query, train, indices, distances, 2);
@@ -120,6 +125,13 @@ TEST(Aqorb_MatchArrays, empty_descriptors)
             EXPECT_TRUE(sameMat(indices, distances));
         }
     }
+}
+
+// Sums and differences of these overflow as floats, and need more bits than a double has.
+float extreme(RNG& rng)
+{
+    const float values[] = {0, FLT_MIN, 1e-30f, 1, 100, 1e30f, 3e38f, FLT_MAX};
+    return values[rng.uniform(0, 8)];
 }
 
 // Positions of which some are equal, some far away and some not finite.
@@ -133,6 +145,8 @@ Point2f randomPosition(RNG& rng, bool isOnLine)
         p.x = NOT_A_NUMBER;
     if (kind == 2)
         p.y = -ENDLESS;
+    if (kind < 10)
+        (kind % 2 ? p.x : p.y) = rng.uniform(0, 2) ? extreme(rng) : -extreme(rng);
     return p;
 }
 
@@ -154,14 +168,14 @@ TEST(Aqorb_MatchByPosition, compares_within_the_window_only)
         Size2f reach(float(rng.uniform(0, 80)) / 2, float(rng.uniform(0, 40)) / 2);
         if (rng.uniform(0, 4) == 0)
             reach.width = ENDLESS;
-        if (rng.uniform(0, 10) == 0)
-            reach.height = FLT_MAX;
+        if (rng.uniform(0, 3) == 0)
+            (rng.uniform(0, 2) ? reach.width : reach.height) = extreme(rng);
         const ReferenceTests tests = randomTests(rng);
         const auto isAllowed = [&](int i, int j)
         {
             const Point2f a = predicted[i], b = keypoints[j].pt;
             return std::isfinite(a.x) && std::isfinite(a.y) && std::isfinite(b.x) && std::isfinite(b.y) &&
-                   std::abs(double(a.x) - b.x) <= reach.width && std::abs(double(a.y) - b.y) <= reach.height;
+                   differAtMost(a.x, b.x, reach.width) && differAtMost(a.y, b.y, reach.height);
         };
         const std::vector<DMatch> expected = referenceTested(query, train, tests, isAllowed);
         Mat pairs, distances;
@@ -171,6 +185,108 @@ TEST(Aqorb_MatchByPosition, compares_within_the_window_only)
         found += expected.size();
     }
     EXPECT_GT(found, 1000u);
+}
+
+KeyPoints randomKeypoints(RNG& rng, int count)
+{
+    KeyPoints keypoints;
+    const float sizes[] = {2, 31, 44.6f, 300, ENDLESS, NOT_A_NUMBER};
+    for (int i = 0; i < count; i++)
+        keypoints.push_back(KeyPoint(randomPosition(rng, false), sizes[rng.uniform(0, rng.uniform(1, 7))]));
+    return keypoints;
+}
+
+// Any matrix, that of rectified images, or one of rank 2 whose epipole in image 1 is a position of keypoints.
+Matx33d randomFundamental(RNG& rng)
+{
+    Matx33d F;
+    for (double& element : F.val)
+        element = rng.uniform(-1., 1.);
+    const int kind = rng.uniform(0, 3);
+    if (kind == 0)
+        return Matx33d(0, 0, 0, 0, 0, -1, 0, 1, 0);
+    const double x = rng.uniform(0, 200) / 2., y = rng.uniform(0, 100) / 2.;
+    return kind == 1 ? F : F * Matx33d(0, -1, y, 1, 0, -x, -y, x, 0);
+}
+
+TEST(Aqorb_MatchGuided, compares_along_epipolar_lines_only)
+{
+    size_t found = 0;
+    for (int seed = 1; seed <= 900; seed++)
+    {
+        RNG rng(seed);
+        const int bytes = rng.uniform(0, 3) ? 32 : rng.uniform(1, 140);
+        const Mat query = randomDescriptors(rng, rng.uniform(1, seed % 50 ? 60 : 700), bytes),
+                  train = randomDescriptors(rng, rng.uniform(1, 80), bytes);
+        const KeyPoints queries = randomKeypoints(rng, query.rows), trains = randomKeypoints(rng, train.rows);
+        const Matx33d F = randomFundamental(rng);
+        const float reach = rng.uniform(0, 4) ? float(rng.uniform(0, 60)) / 4 : extreme(rng);
+        ReferenceTests tests = randomTests(rng);
+        const int limit = tests.maxDistance;
+        if (limit == -1)
+            tests.maxDistance = bytes * 8 * (tests.normType == NORM_HAMMING ? 90 : 67) / 256;
+        const std::vector<DMatch> expected = referenceGuided(query, queries, train, trains, F, reach, tests);
+        const Threads threads(rng.uniform(1, 5));
+        for (const double scale : {1., std::ldexp(1., 900), -std::ldexp(1., -900)})
+        {
+            Mat matches, distances;
+            matchGuided(query, queries, train, trains, scale * F, reach, matches, distances, tests.ratio,
+                        limit, tests.normType);
+            ASSERT_TRUE(isMatchedAs(expected, matches, distances)) << seed;
+        }
+        found += expected.size();
+    }
+    EXPECT_GT(found, 2000u);
+}
+
+TEST(Aqorb_MatchGuided, takes_F_of_either_type_and_everything_within_an_endless_reach)
+{
+    RNG rng(1);
+    const Mat query = randomDescriptors(rng, 50, 32), train = query.clone();
+    KeyPoints keypoints;
+    for (int i = 0; i < 50; i++)
+        keypoints.push_back(KeyPoint(Point2f(float(i * 9), float(i * i % 70)), 31));
+    const Matx33f F(0, 0, 0, 0, 0, -0.1f, 0, 0.1f, 0);
+    Mat matches[3], distances[3];
+    matchGuided(query, keypoints, train, keypoints, F, 2, matches[0], distances[0]);
+    matchGuided(query, keypoints, train, keypoints, Mat(Matx33d(F)), 2, matches[1], distances[1]);
+    EXPECT_TRUE(sameMat(matches[0], matches[1]) && sameMat(distances[0], distances[1]));
+    EXPECT_GT(matches[0].rows, 10);
+    matchGuided(query, keypoints, train, keypoints, F, ENDLESS, matches[1], distances[1], 0, 256);
+    matchArrays(query, train, matches[2], distances[2], 0, false);
+    EXPECT_TRUE(sameMat(matches[2], matches[1]) && sameMat(distances[2], distances[1]));
+    matchGuided(query, keypoints, train, keypoints, Matx33d(0, 0, 0, 0, 0, 0, 0, 0, 1), ENDLESS, matches[0],
+                distances[0]);
+    EXPECT_TRUE(matches[0].empty() && distances[0].empty());
+}
+
+TEST(Aqorb_MatchGuided, refuses_bad_input)
+{
+    const Mat some = Mat::zeros(3, 32, CV_8UC1);
+    const KeyPoints three(3), four(4);
+    const Matx33d F = Matx33d::eye();
+    Mat a, b;
+    const auto call = [&](const KeyPoints& queries, const KeyPoints& trains, InputArray matrix, float reach)
+    { matchGuided(some, queries, some, trains, matrix, reach, a, b); };
+    AQORB_BAD("queryKeypoints", "4", call(four, three, F, 3));
+    AQORB_BAD("trainKeypoints", "4", call(three, four, F, 3));
+    AQORB_BAD("reach", "-1", call(three, three, F, -1));
+    AQORB_BAD("reach", "nan", call(three, three, F, NOT_A_NUMBER));
+    AQORB_BAD("F", "0", call(three, three, Matx33d(), 3));
+    AQORB_BAD("F", "inf", call(three, three, F * -ENDLESS, 3));
+    AQORB_BAD("F", "nan", call(three, three, Matx33f(1, NOT_A_NUMBER, 1, 1, 1, 1, 1, 1, 1), 3));
+    AQORB_BAD("F", "CV_8UC1", call(three, three, Mat::eye(3, 3, CV_8UC1), 3));
+    AQORB_BAD("F", "27 ", call(three, three, Mat::ones(9, 3, CV_64FC1), 3));
+    AQORB_BAD("F", "0 ", call(three, three, noArray(), 3));
+    AQORB_BAD("F", "", call(three, three, std::vector<Mat>(1, Mat(F)), 3));
+    AQORB_BAD("F", "", call(three, three, Mat(3, std::vector<int>{3, 3, 3}.data(), CV_64FC1, Scalar(1)), 3));
+    AQORB_BAD("ratio", "-1", matchGuided(some, three, some, three, F, 3, a, b, -1));
+    AQORB_BAD("maxDistance", "-2", matchGuided(some, three, some, three, F, 3, a, b, 0.9, -2));
+    AQORB_BAD("normType", "4", matchGuided(some, three, some, three, F, 3, a, b, 0.9, -1, NORM_L2));
+    std::vector<Vec2i> refused;
+    AQORB_BAD("distances", "", matchGuided(some, three, some, three, F, 3, a, refused));
+    AQORB_BAD("matches", "", matchGuided(some, three, some, three, F, 3, Mat(7, 7, CV_32SC1), b));
+    EXPECT_TRUE(a.empty() && b.empty());
 }
 
 TEST(Aqorb_MatchArrays, refuses_bad_input)

@@ -20,7 +20,7 @@ An invalid value raises aqorb.error, which is a ValueError and, with cv2, a cv2.
 TypeError. Both messages name the parameter. A lack of memory raises a MemoryError.
 
 HammingMatcher has the methods and the matches of cv2.BFMatcher for binary descriptors, but faster. matchArrays,
-knnMatchArrays and matchByPosition return matches as arrays. refineMatches and refineMatchArrays align the images at
+knnMatchArrays, matchByPosition and matchGuided return matches as arrays. refineMatches and refineMatchArrays align the images at
 each match, and remove wrong matches.
 
 Some names are not in cv2.aqorb. detectAndComputeArrays returns keypoints as one array of keypoint_dtype, and
@@ -36,15 +36,15 @@ from ._aqorb import (AdaptiveQuadtreeORB, AdaptiveQuadtreeORB_QUADTREE_SELECTION
                      HammingMatcher_create, __version__, _build_information, _from_text, adaptiveFastThreshold,
                      distributionOccupancy, distributionUniformity, getNumThreads, growMatchArrays, growMatches,
                      keypoint_dtype, keypointsFromArray, keypointsToArray, knnMatchArrays, matchArrays, matchByPosition,
-                     refineMatchArrays, refineMatchArraysWithDeviations, refineMatches, refineMatchesWithDeviations,
-                     retainUniform, setNumThreads)
+                     matchGuided, refineMatchArrays, refineMatchArraysWithDeviations, refineMatches,
+                     refineMatchesWithDeviations, retainUniform, setNumThreads)
 from ._feature_batch import FeatureBatch
 
 __all__ = ['AdaptiveQuadtreeORB', 'AdaptiveQuadtreeORB_QUADTREE_SELECTION', 'AdaptiveQuadtreeORB_RANKED_SELECTION',
            'AdaptiveQuadtreeORB_create', 'FeatureBatch', 'HammingMatcher', 'HammingMatcher_create',
            'adaptiveFastThreshold', 'computeImageFeatures2', 'distributionOccupancy', 'distributionUniformity', 'error',
            'getNumThreads', 'growMatchArrays', 'growMatches', 'keypoint_dtype', 'keypointsFromArray',
-           'keypointsToArray', 'knnMatchArrays', 'matchArrays', 'matchByPosition', 'refineMatchArrays',
+           'keypointsToArray', 'knnMatchArrays', 'matchArrays', 'matchByPosition', 'matchGuided', 'refineMatchArrays',
            'refineMatchArraysWithDeviations', 'refineMatches', 'refineMatchesWithDeviations', 'refinePoints',
            'retainUniform', 'setNumThreads']
 

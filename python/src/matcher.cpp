@@ -226,6 +226,7 @@ Arrays knnMatchArrays(const OptionalArrayObject& queryDescriptors,
 }
 
 typedef py::array_t<float, py::array::c_style | py::array::forcecast> Floats;
+typedef py::array_t<double, py::array::c_style | py::array::forcecast> Doubles;
 
 std::vector<cv::Point2f> toPositions(const Floats& array)
 {
@@ -258,6 +259,31 @@ Arrays matchByPosition(const OptionalArrayObject& queryDescriptors, const Floats
                                        distances, limit, crossCheck, longest, norm);
         });
     return toArrays(pairs, distances);
+}
+
+Arrays matchGuided(const OptionalArrayObject& queryDescriptors, const KeyPointsObject& queryKeypoints,
+                   const OptionalArrayObject& trainDescriptors, const KeyPointsObject& trainKeypoints,
+                   const Doubles& F, float reach, const OptionalFloatObject& ratio,
+                   const OptionalIntObject& maxDistance, const IntObject& normType)
+{
+    const Pixels query = toDescriptors(queryDescriptors.object, "queryDescriptors"),
+                 train = toDescriptors(trainDescriptors.object, "trainDescriptors");
+    const KeyPoints queries = toKeyPoints(queryKeypoints.object, "queryKeypoints"),
+                    trains = toKeyPoints(trainKeypoints.object, "trainKeypoints");
+    if (F.ndim() != 2 || F.shape(0) != 3 || F.shape(1) != 3)
+        rejectArray("F", F, "an array of numbers of shape (3, 3)");
+    const cv::Matx33d fundamental(F.data());
+    const double limit = toNumber(ratio.object, 0., "ratio", "a float or None");
+    const int longest = toNumber(maxDistance.object, -1, "maxDistance", "an int or None");
+    const int norm = valueOf(normType, "normType");
+    cv::Mat matches, distances;
+    withoutGil(
+        [&]
+        {
+            cv::aqorb::matchGuided(query.mat, queries.points, train.mat, trains.points, fundamental, reach,
+                                   matches, distances, limit, longest, norm);
+        });
+    return toArrays(matches, distances);
 }
 
 void addMatcher(py::module_& module)
@@ -347,6 +373,15 @@ void addMatching(py::module_& module)
         "Matches like matchArrays, among train keypoints near the predicted position of each query:\n"
         "at most reach[0] pixels away in x and reach[1] in y. The predicted positions are an array of\n"
         "shape (n, 2) or (n, 1, 2). An infinite reach[0] gives a band of rows.");
+    module.def(
+        "matchGuided", &matchGuided, arg("queryDescriptors"), arg("queryKeypoints"), arg("trainDescriptors"),
+        arg("trainKeypoints"), arg("F"), arg("reach"), arg("ratio") = .9, arg("maxDistance") = py::none(),
+        arg("normType") = int(cv::NORM_HAMMING),
+        "Returns for each query the nearest descriptor among the train keypoints near its epipolar\n"
+        "line: at most reach * max(1, size / 31) pixels away, by the fundamental matrix F of shape\n"
+        "(3, 3). It must be nearer than ratio times the nearest one there whose keypoint lies at\n"
+        "least 8 pixels elsewhere; None switches this test off. maxDistance is 90 of 256 bits by default.\n"
+        "The arrays are those of matchArrays.");
 }
 
 }  // namespace aqorb_python

@@ -96,6 +96,23 @@ def test_match_by_position():
     assert np.array_equal(everywhere[0], aqorb.matchArrays(query, query)[0])
 
 
+@pytest.mark.parametrize('create', [aqorb.AdaptiveQuadtreeORB_create] + [
+    getattr(cv, name) for name in ('AKAZE_create', 'BRISK_create') if hasattr(cv, name)])
+def test_match_guided(create):
+    noise = np.random.RandomState(7).randint(0, 256, (300, 400)).astype(np.uint8)
+    image = cv.normalize(cv.GaussianBlur(noise, (0, 0), 3), None, 0, 255, cv.NORM_MINMAX)
+    (points1, rows1), (points2, rows2) = [create().detectAndCompute(some, None) for some in (image, image[:, 40:])]
+    rectified = np.float32([[0, 0, 0], [0, 0, -1], [0, 1, 0]])
+    for some1, some2 in ((points1, points2), map(aqorb.keypointsToArray, (points1, points2))):
+        pairs, distances = aqorb.matchGuided(rows1, some1, rows2, some2, rectified, 3)
+        assert pairs.dtype == distances.dtype == np.int32 and pairs.shape == (len(distances), 2)
+    offsets = cv.KeyPoint_convert(points1)[pairs[:, 0]] - cv.KeyPoint_convert(points2)[pairs[:, 1]]
+    assert len(pairs) > 50 and (np.hypot(*(offsets - [40, 0]).T) < 3).mean() > .8
+    assert (distances <= 90 * rows1.shape[1] // 32).all()
+    more = aqorb.matchGuided(rows1, points1, rows2, points2, rectified.tolist(), np.inf, None, 8 * rows1.shape[1])
+    assert np.array_equal(more[0], aqorb.matchArrays(rows1, rows2, crossCheck=False)[0])
+
+
 def test_knn_match_arrays():
     query, train = descriptors(1), descriptors(2, 5)
     indices, distances = aqorb.knnMatchArrays(query, train, 7)
@@ -126,6 +143,8 @@ def test_no_descriptors(nothing):
     (TypeError, 'queryDescriptors must', lambda some: aqorb.matchArrays([1], some)),
     (TypeError, 'ratio must', lambda some: aqorb.matchArrays(some, some, ratio='a')),
     (TypeError, 'maxDistance must', lambda some: aqorb.matchArrays(some, some, maxDistance=1.5)),
+    (aqorb.error, 'F must', lambda some: aqorb.matchGuided(some, (), some, (), np.eye(2), 3)),
+    (TypeError, 'F: ', lambda some: aqorb.matchGuided(some, (), some, (), 'a', 3)),
     (aqorb.error, 'predicted must', lambda some: aqorb.matchByPosition(some, some[:, None], some, (), (1, 1))),
     (TypeError, 'predicted: ', lambda some: aqorb.matchByPosition(some, 'a', some, (), (1, 1))),
     (TypeError, 'reach: [Tt]uple', lambda some: aqorb.matchByPosition(some, some[:, :2], some, (), 5))])

@@ -40,10 +40,9 @@ static void compareArrays(const Mat& query, const Mat& train, const ReferenceTes
 {
     const auto inWindow = [&](int i, int j)
     {
-        const double x = double(predicted[i].x) - keypoints[j].pt.x,
-                     y = double(predicted[i].y) - keypoints[j].pt.y;
-        return std::isfinite(x) && std::isfinite(y) && std::abs(x) <= reach.width &&
-               std::abs(y) <= reach.height;
+        const Point2f a = predicted[i], b = keypoints[j].pt;
+        return std::isfinite(a.x) && std::isfinite(a.y) && std::isfinite(b.x) && std::isfinite(b.y) &&
+               differAtMost(a.x, b.x, reach.width) && differAtMost(a.y, b.y, reach.height);
     };
     for (int byPosition = 0; byPosition < 2; byPosition++)
     {

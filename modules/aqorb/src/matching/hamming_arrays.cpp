@@ -7,6 +7,7 @@
 
 #include "precomp.hpp"
 
+#include "common/for_each.hpp"
 #include "matching/hamming.hpp"
 
 #include <opencv2/aqorb/matching.hpp>
@@ -66,9 +67,9 @@ void checkOutput(const char* name, OutputArray output, const Size& size)
     const _InputArray::KindFlag kind = output.kind();
     const bool isMatrix = kind == _InputArray::MAT || kind == _InputArray::UMAT || kind == _InputArray::MATX,
                isVector = kind == _InputArray::STD_VECTOR && (size.width == 1 || size.height == 1);
-    const bool fits = size.empty() ? !output.fixedSize()
-                                   : (isMatrix || isVector) &&
-                                         !(output.fixedType() && CV_MAT_CN(output.type()) != 1) &&
+    const bool isOneChannel = !(output.fixedType() && CV_MAT_CN(output.type()) != 1);
+    const bool fits = size.empty() ? isOneChannel && !output.fixedSize()
+                                   : isOneChannel && (isMatrix || isVector) &&
                                          !(output.fixedSize() && output.size() != size);
     if (!fits)
         CV_Error_(Error::StsBadArg,
@@ -88,7 +89,8 @@ void writeBoth(const Mat& first, const char* firstName, OutputArray firstOutput,
 
 //! Writes the matches that pass the tests.
 //! @param queryLists, trainLists lists of filter.kept() keys; trainLists serve crossCheck only
-void writeMatches(const Keys& queryLists, const Keys& trainLists, const MatchFilter& filter,
+//! @param name of the output `pairs` for messages
+void writeMatches(const Keys& queryLists, const Keys& trainLists, const MatchFilter& filter, const char* name,
                   OutputArray pairs, OutputArray distances)
 {
     std::vector<Vec2i> found;
@@ -104,10 +106,10 @@ void writeMatches(const Keys& queryLists, const Keys& trainLists, const MatchFil
     }
     const int count = int(found.size());
     if (count == 0)
-        writeBoth(Mat(), "pairs", pairs, Mat(), distances);
+        writeBoth(Mat(), name, pairs, Mat(), distances);
     else  // no Mat(vector): with OpenCV 5 it has one row
-        writeBoth(Mat(count, 2, CV_32SC1, found.data()), "pairs", pairs,
-                  Mat(count, 1, CV_32SC1, lengths.data()), distances);
+        writeBoth(Mat(count, 2, CV_32SC1, found.data()), name, pairs, Mat(count, 1, CV_32SC1, lengths.data()),
+                  distances);
 }
 
 //! Indices of the finite positions, from the top of the image to the bottom.
@@ -123,21 +125,25 @@ std::vector<int> sortedByRow(const std::vector<Point2f>& positions)
     return order;
 }
 
-//! Least float that is not below a number.
-float roundedUp(double number)
+//! Least float that is not below center - reach. The difference of two floats may need more bits than a double has.
+float roundedUp(double center, double reach)
 {
-    const float nearest = float(number);
-    return nearest < number ? std::nextafter(nearest, std::numeric_limits<float>::infinity()) : nearest;
+    const double difference = center - reach, subtracted = center - difference;
+    const double error = center - (difference + subtracted) + (subtracted - reach);  // Knuth's TwoSum; exact
+    const float nearest = float(difference);
+    return nearest < difference || (nearest == difference && error > 0)
+               ? std::nextafter(nearest, std::numeric_limits<float>::infinity())
+               : nearest;
 }
 
 //! Window around a centre: positions at most `reach` away, in x and in y.
 struct Window
 {
     Window(const Point2f& center, const Size2f& reach)
-        : left(roundedUp(double(center.x) - reach.width)),
-          right(-roundedUp(-double(center.x) - reach.width)),
-          top(roundedUp(double(center.y) - reach.height)),
-          bottom(-roundedUp(-double(center.y) - reach.height))
+        : left(roundedUp(center.x, reach.width)),
+          right(-roundedUp(-center.x, reach.width)),
+          top(roundedUp(center.y, reach.height)),
+          bottom(-roundedUp(-center.y, reach.height))
     {
     }
     Window& operator&=(const Window& other)
@@ -212,6 +218,70 @@ void addKeys(const Keys& keys, int kept, const Subset& subset, const Subset& nei
                       distanceKey(distanceOf(keys[i]), neighbours.indices[indexOf(keys[i])]));
 }
 
+//! Fundamental matrix, scaled by a power of two so that products with positions stay finite.
+Matx33d checkedFundamental(InputArray F)
+{
+    const bool isMatrix = !F.isMatVector() && !F.isUMatVector() && F.dims() <= 2 && F.size() == Size(3, 3) &&
+                          (F.type() == CV_32FC1 || F.type() == CV_64FC1);
+    if (!isMatrix)
+        CV_Error_(Error::StsBadArg,
+                  ("F must be a 3 x 3 matrix of type CV_32FC1 or CV_64FC1, got %d elements of type %s",
+                   int(F.total()), typeToString(F.type()).c_str()));
+    Matx33d matrix;
+    F.getMat().convertTo(matrix, CV_64F);
+    double largest = 0;
+    for (const double element : matrix.val)
+        largest = std::isfinite(element) ? std::max(largest, std::abs(element)) : std::abs(element);
+    if (!(largest > 0 && largest <= DBL_MAX))
+        CV_Error_(Error::StsBadArg, ("F must be finite and not zero, got elements up to %g", largest));
+    int exponent;
+    std::frexp(largest, &exponent);
+    for (double& element : matrix.val)
+        element = std::ldexp(element, -exponent);
+    return matrix;
+}
+
+//! Positions of train keypoints, and how far each may lie from an epipolar line.
+struct GuidedTrains
+{
+    GuidedTrains(const std::vector<KeyPoint>& keypoints, double reach)
+    {
+        const double ORB_SIZE = 31;
+        for (const KeyPoint& keypoint : keypoints)
+        {
+            const bool isFinite =
+                std::isfinite(keypoint.pt.x) && std::isfinite(keypoint.pt.y) && std::isfinite(keypoint.size);
+            x.push_back(keypoint.pt.x);
+            y.push_back(keypoint.pt.y);
+            reaches.push_back(isFinite ? reach * std::max(1., keypoint.size / ORB_SIZE) : -1);
+        }
+    }
+
+    //! Tests which trains lie near a line, in a loop that compilers vectorize. None does without a line.
+    void testBand(const Vec3d& line, uchar* isWithin) const
+    {
+        const double a = line[0], b = line[1], c = line[2], length = std::hypot(a, b);
+        const size_t count = length > 0 && length <= DBL_MAX ? x.size() : 0;
+        for (size_t i = 0; i < count; i++)
+            isWithin[i] = uchar(std::abs(a * x[i] + b * y[i] + c) <= reaches[i] * length);
+        std::fill(isWithin + count, isWithin + x.size(), uchar(0));
+    }
+
+    //! Clears the flags of trains beside a train, which may show the same spot.
+    void leaveOutBeside(int train, uchar* isWithin) const
+    {
+        const double MIN_DISTANCE = 8;
+        const double centerX = x[size_t(train)], centerY = y[size_t(train)];
+        for (size_t i = 0; i < x.size(); i++)
+        {
+            const double dx = x[i] - centerX, dy = y[i] - centerY;
+            isWithin[i] &= uchar(dx * dx + dy * dy >= MIN_DISTANCE * MIN_DISTANCE);
+        }
+    }
+
+    std::vector<double> x, y, reaches;
+};
+
 void checkCount(const char* name, size_t count, const char* descriptors, int rows)
 {
     if (count != size_t(rows))
@@ -234,7 +304,7 @@ try
         trainLists(crossCheck ? size_t(train.rows) * filter.kept() : 0, NO_KEY);
     nearestDescriptors(query, train, Mat(), normType == NORM_HAMMING2, 0, filter.kept(), queryLists.data(),
                        crossCheck ? trainLists.data() : 0);
-    writeMatches(queryLists, trainLists, filter, pairs, distances);
+    writeMatches(queryLists, trainLists, filter, "pairs", pairs, distances);
 }
 catch (const std::bad_alloc&)
 {
@@ -319,7 +389,65 @@ try
         addKeys(nearest, kept, queries, trains, queryLists);
         addKeys(nearestQueries, kept, trains, queries, trainLists);
     }
-    writeMatches(queryLists, trainLists, filter, pairs, distances);
+    writeMatches(queryLists, trainLists, filter, "pairs", pairs, distances);
+}
+catch (const std::bad_alloc&)
+{
+    throwNoMemory(queryDescriptors);
+}
+
+void matchGuided(InputArray queryDescriptors, const std::vector<KeyPoint>& queryKeypoints,
+                 InputArray trainDescriptors, const std::vector<KeyPoint>& trainKeypoints, InputArray F,
+                 float reach, OutputArray matches, OutputArray distances, double ratio, int maxDistance,
+                 int normType)
+try
+{
+    CV_TRACE_FUNCTION();
+    checkHammingNorm(normType);
+    const Mat query = descriptorsOf("queryDescriptors", queryDescriptors),
+              train = descriptorsOf("trainDescriptors", trainDescriptors, query.cols);
+    checkCount("queryKeypoints", queryKeypoints.size(), "queryDescriptors", queryDescriptors.rows());
+    checkCount("trainKeypoints", trainKeypoints.size(), "trainDescriptors", trainDescriptors.rows());
+    const Matx33d fundamental = checkedFundamental(F);
+    if (!(reach >= 0))
+        CV_Error_(Error::StsOutOfRange, ("reach must be at least 0, got %g", reach));
+    // Of 256 bits, and of the 128 pairs of the same bits: of different descriptors 128 and 96 differ.
+    const int MAX_BITS = 90, MAX_PAIRS = 67, BITS_EACH = 256;
+    const int64 bits = int64(query.cols) * 8;
+    const bool countPairs = normType == NORM_HAMMING2;
+    const MatchFilter filter(ratio, false,
+                             maxDistance != -1 ? maxDistance
+                                               : int(bits * (countPairs ? MAX_PAIRS : MAX_BITS) / BITS_EACH));
+
+    const int kept = filter.kept(), MAX_ROWS = 512;  // of a mask
+    Keys lists(size_t(query.rows) * kept, NO_KEY);
+    const GuidedTrains trains(trainKeypoints, reach);
+    for (int first = 0; !train.empty() && first < query.rows; first += MAX_ROWS)
+    {
+        const Mat queries = query.rowRange(first, std::min(first + MAX_ROWS, query.rows));
+        Mat mask(queries.rows, train.rows, CV_8UC1);
+        forEach(size_t(queries.rows), stageThreads(),
+                [&](size_t i, int)
+                {
+                    const Point2f& position = queryKeypoints[size_t(first) + i].pt;
+                    trains.testBand(fundamental * Vec3d(position.x, position.y, 1), mask.ptr(int(i)));
+                });
+        // The second nearest is searched for those alone that the ratio test decides.
+        for (int k = 0; k < kept; k++)
+        {
+            Keys nearest(size_t(queries.rows), NO_KEY);
+            nearestDescriptors(queries, train, mask, countPairs, 0, 1, nearest.data(), 0);
+            for (int i = 0; i < queries.rows; i++)
+            {
+                lists[size_t(first + i) * kept + k] = nearest[i];
+                if (nearest[i] != NO_KEY && distanceOf(nearest[i]) <= filter.maxDistance)
+                    trains.leaveOutBeside(indexOf(nearest[i]), mask.ptr(i));
+                else
+                    mask.row(i).setTo(0);
+            }
+        }
+    }
+    writeMatches(lists, Keys(), filter, "matches", matches, distances);
 }
 catch (const std::bad_alloc&)
 {

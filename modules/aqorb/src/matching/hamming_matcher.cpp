@@ -134,12 +134,15 @@ Ptr<DescriptorMatcher> HammingMatcher::clone(bool emptyTrainData) const
 // UMat descriptors come after Mat descriptors, as in cv::BFMatcher.
 std::vector<Mat> HammingMatcher::gatherTrainDescriptors(const Mat& query)
 {
-    // No descriptor counts twice if memory does not suffice.
-    std::vector<Mat> copies(utrainDescCollection.size());
-    for (size_t i = 0; i < copies.size(); i++)
-        utrainDescCollection[i].copyTo(copies[i]);
-    trainDescCollection.insert(trainDescCollection.end(), copies.begin(), copies.end());
-    utrainDescCollection.clear();
+    // Threads may share an object whose members do not change. No descriptor counts twice if memory does not suffice.
+    if (!utrainDescCollection.empty())
+    {
+        std::vector<Mat> copies(utrainDescCollection.size());
+        for (size_t i = 0; i < copies.size(); i++)
+            utrainDescCollection[i].copyTo(copies[i]);
+        trainDescCollection.insert(trainDescCollection.end(), copies.begin(), copies.end());
+        utrainDescCollection.clear();
+    }
 
     std::vector<Mat> images;
     images.reserve(trainDescCollection.size());

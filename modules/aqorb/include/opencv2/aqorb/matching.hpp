@@ -43,8 +43,8 @@ Descriptors are matrices of type CV_8UC1 with one descriptor per row, all of the
 columns holds no descriptors. Anything else raises a cv::Exception that names it, and so does a lack of memory. UMat
 matrices come after Mat matrices. Descriptors of more than 1024 bytes take as long as with cv::BFMatcher.
 
-Several threads may use one object at the same time, while no thread calls add, clear or train. After add, one match
-with the collection must return before several threads match with it.
+Several threads may use one object at the same time, while no thread calls add, clear or train. After UMat matrices
+were added, one match with the collection must return before several threads match with it.
  */
 class CV_EXPORTS_W HammingMatcher : public cv::BFMatcher
 {
@@ -135,7 +135,7 @@ whose position is not finite has no match.
 @param trainKeypoints The keypoint of each row of trainDescriptors. A keypoint whose position is not finite has no
 match.
 @param reach Largest offset of a keypoint from the predicted position, in pixels: reach.width in x, reach.height in y,
-both >= 0. Infinity is accepted; an infinite width gives a band of rows.
+both >= 0. Infinity is accepted; an infinite width gives a band of rows. Offsets are compared without rounding.
 @param pairs, distances, ratio, crossCheck, maxDistance, normType as for matchArrays
 
 Errors are as for matchArrays.
@@ -144,6 +144,48 @@ CV_EXPORTS_W void matchByPosition(InputArray queryDescriptors, const std::vector
                                   InputArray trainDescriptors, const std::vector<KeyPoint>& trainKeypoints,
                                   Size2f reach, OutputArray pairs, OutputArray distances, double ratio = 0,
                                   bool crossCheck = true, int maxDistance = -1, int normType = NORM_HAMMING);
+
+/** @brief Matches binary descriptors of two images along epipolar lines, once a first pose of the cameras is known.
+
+A pair of cameras leaves a keypoint of image 1 only one line of image 2 to lie on. Among the few keypoints near that
+line the nearest descriptor is often right even if it is not the nearest one of the whole image: where a wide baseline
+has changed the descriptors, or where a texture repeats. Pass the keypoints that have no match which agrees with the
+first pose. The matches are candidates: align them by refineMatches, keep those that still lie near their lines, and
+estimate the pose again (@ref tutorial_aqorb_match has the whole second pass). An example:
+@code{.cpp}
+    Mat F = findFundamentalMat(points1, points2, USAC_MAGSAC, 1);
+    aqorb::matchGuided(descriptors1, keypoints1, descriptors2, keypoints2, F, 3, matches, distances);
+@endcode
+
+A query is paired with its nearest descriptor among the train keypoints at most reach * max(1, KeyPoint::size / 31)
+pixels, by the size of the train keypoint, from the query's epipolar line; ties go to the first. Several queries may be
+paired with one train keypoint. With n queries and n train keypoints it takes time in n^2, about as long as matchArrays
+for each query that is passed.
+
+@param queryDescriptors, trainDescriptors As for matchArrays.
+@param queryKeypoints, trainKeypoints The keypoint of each row. A keypoint without a finite position, a train keypoint
+without a finite size, and a query without a line (the epipole) have no match.
+@param F The fundamental matrix, 3 x 3 of type CV_64FC1 or CV_32FC1, finite and not zero: x2^T F x1 = 0 for the positions
+x1 of a query and x2 of a train keypoint, as findFundamentalMat returns it. With the matrices K1 and K2 of calibrated
+cameras it is K2^-T E K1^-1. Its scale does not matter.
+@param reach Largest distance from the line for a train keypoint of size 31 or less, in pixels, >= 0. Infinity is
+accepted. 3 suits ORB's keypoints.
+@param matches CV_32SC1, one row for each match: the indices of the query and the train descriptor, in the order of the
+queries. It is empty without matches.
+@param distances CV_32SC1, one element for each match: its distance in bits, or pairs of bits.
+@param ratio Finite and >= 0. Above 0, the distance must be less than ratio times that of the nearest descriptor near
+the line whose keypoint lies at least 8 pixels from the matched one, if there is one. 0 switches the test off. The
+default is 0.9.
+@param maxDistance Largest distance of a match, >= 0, or -1 for 90 of 256 bits, or 67 of 128 pairs of bits, and in
+proportion for descriptors of other lengths, rounded down. The default is -1.
+@param normType NORM_HAMMING or NORM_HAMMING2.
+
+Errors are as for matchArrays.
+ */
+CV_EXPORTS_W void matchGuided(InputArray queryDescriptors, const std::vector<KeyPoint>& queryKeypoints,
+                              InputArray trainDescriptors, const std::vector<KeyPoint>& trainKeypoints,
+                              InputArray F, float reach, OutputArray matches, OutputArray distances,
+                              double ratio = 0.9, int maxDistance = -1, int normType = NORM_HAMMING);
 
 //! @}
 
