@@ -79,7 +79,7 @@ static CV_ALWAYS_INLINE int trailingZeros(uint64 bits)
 static CV_ALWAYS_INLINE float multiplyAdd(float a, float b, float c)
 {
 #if defined(FP_FAST_FMAF) || defined(__FMA__) || defined(__ARM_FEATURE_FMA)
-    return std::fma(a, b, c);
+    return fmaf(a, b, c);  // std::fma is an inline function, see types.hpp
 #else
     // The product of two floats is exact in a double. An inexact sum is rounded to odd: to the neighbouring double with
     // an odd last bit. A double has more than twice the bits of a float plus two, so the odd sum is neither a float nor

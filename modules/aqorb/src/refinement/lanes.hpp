@@ -16,7 +16,7 @@ namespace cv
 namespace aqorb
 {
 
-#if CV_SIMD && (!CV_NEON || defined(__aarch64__) || defined(_M_ARM64))
+#if CV_SIMD && (!CV_NEON || defined(__aarch64__) || defined(_M_ARM64)) && !defined(AQORB_ONE_LANE_ONLY)
 
 typedef v_float32 Floats;
 typedef v_int32 Ints;
@@ -42,7 +42,8 @@ template <int I> static CV_ALWAYS_INLINE Floats byteOf(const unsigned* numbers)
 
 #else
 
-// One lane, without vectors and on 32-bit ARM, where OpenCV's vector division is approximate.
+// One lane, without vectors and on 32-bit ARM, where OpenCV's vector division is approximate. C's functions, because a
+// compiler may emit those of the namespace std for one CPU, and the linker choose them for all.
 typedef float Floats;
 typedef int Ints;
 const int LANES = 1;
@@ -56,11 +57,11 @@ AQORB_ONE_LANE(v_add, float, a + b)
 AQORB_ONE_LANE(v_sub, float, a - b)
 AQORB_ONE_LANE(v_mul, float, (a) * (b))
 AQORB_ONE_LANE(v_div, float, a / b)
-AQORB_ONE_LANE(v_max, float, std::max(a, b))
+AQORB_ONE_LANE(v_max, float, a < b ? b : a)
 AQORB_ONE_LANE(v_gt, float, float(a > b))
 AQORB_ONE_LANE(v_and, float, a != 0 ? b : 0)
-AQORB_ONE_LANE(v_abs, float, std::abs(a))
-AQORB_ONE_LANE(v_sqrt, float, std::sqrt(a))
+AQORB_ONE_LANE(v_abs, float, fabsf(a))
+AQORB_ONE_LANE(v_sqrt, float, sqrtf(a))
 AQORB_ONE_LANE(all, float, a)
 AQORB_ONE_LANE(v_add, int, a + b)
 AQORB_ONE_LANE(v_mul, int, (a) * (b))

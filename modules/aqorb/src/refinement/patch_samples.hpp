@@ -45,7 +45,8 @@ struct AffineMap
     // Moves the samples of all other lanes to the origin.
     void keep(const Floats& lanes)
     {
-        for (Floats* number : {&x, &y, &xu, &xv, &yu, &yv})
+        Floats* const numbers[] = {&x, &y, &xu, &xv, &yu, &yv};
+        for (Floats* number : numbers)
             *number = v_and(lanes, *number);
     }
     Floats determinant() const { return minus(v_mul(xu, yv), xv, yu); }
