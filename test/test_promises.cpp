@@ -241,6 +241,25 @@ TEST(Aqorb_Promises, write_takes_a_file_name_and_save_does_what_it_does_for_orb)
     EXPECT_EQ(77, again->getMaxFeatures());
 }
 
+TEST(Aqorb_Promises, ranked_corners_give_way_within_7x7_pixels)
+{
+    for (AdaptiveQuadtreeORB::SelectionType selection : SELECTIONS)
+    {
+        const Ptr<AdaptiveQuadtreeORB> detector = AdaptiveQuadtreeORB::create(2000, 1.2f, 1);
+        detector->setSelectionType(selection);
+        detector->setSubPixel(false);
+        KeyPoints keypoints;
+        detector->detect(makeScene(Size(640, 480)), keypoints);
+        detector->setMaxFeatures(int(keypoints.size()) / 3);  // representatives suffice
+        detector->detect(makeScene(Size(640, 480)), keypoints);
+        int near = 0;
+        for (const KeyPoint& a : keypoints)
+            for (const KeyPoint& b : keypoints)
+                near += a.pt != b.pt && std::abs(a.pt.x - b.pt.x) <= 3 && std::abs(a.pt.y - b.pt.y) <= 3;
+        EXPECT_EQ(selection == AdaptiveQuadtreeORB::RANKED_SELECTION, near == 0) << near;
+    }
+}
+
 TEST(Aqorb_Promises, the_papers_method_is_one_switch)
 {
     const Mat image = makeScene(Size(320, 240));

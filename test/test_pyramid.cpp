@@ -171,5 +171,29 @@ TEST(Aqorb_Pyramid, takes_what_detection_takes)
     EXPECT_THROW(detector->buildPyramid(image, levels), cv::Exception);
 }
 
+TEST(Aqorb_Pyramid, comes_with_the_features_in_one_call)
+{
+    for (int seed = 1; seed <= 40; seed++)
+    {
+        SCOPED_TRACE(seed);
+        RNG rng(seed);
+        const Ptr<AdaptiveQuadtreeORB> detector = reference::randomSettings(rng).create();
+        const Size size = seed % 8 ? Size(rng.uniform(1, 200), rng.uniform(1, 200)) : Size();
+        const Mat image = size.empty() ? Mat() : makeScene(size, seed);
+        const Mat mask = seed % 2 ? Mat(size, CV_8UC1, Scalar(0)) : Mat();
+        if (!mask.empty())
+            mask.colRange(0, (size.width + 1) / 2).setTo(1);
+        std::vector<Mat> expected, levels(1, image);  // the input may be among the outputs
+        detector->buildPyramid(image, expected);
+        Features features;
+        detector->detectAndComputeWithPyramid(levels[0], mask, features.keypoints, features.descriptors,
+                                              levels);
+        EXPECT_TRUE(sameFeatures(detectAndCompute(*detector, image, mask), features));
+        ASSERT_EQ(expected.size(), levels.size());
+        for (size_t i = 0; i < levels.size(); i++)
+            EXPECT_TRUE(sameMat(expected[i], levels[i])) << "level " << i;
+    }
+}
+
 }  // namespace
 }  // namespace opencv_test

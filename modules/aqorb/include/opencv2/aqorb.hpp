@@ -123,8 +123,9 @@ public:
     @param scoreType The score in KeyPoint::response: ORB::HARRIS_SCORE (the Harris response over 5x5 pixels) or
     ORB::FAST_SCORE (the highest threshold at which the pixel is a FAST corner). With RANKED_SELECTION it also
     decides whether the Harris response is part of a corner's strength. The FAST score selects a leaf's representative
-    in either case. With ORB::HARRIS_SCORE a corner gives way to a corner of higher FAST score among the 7x7 pixels
-    around it. With QUADTREE_SELECTION a node gives its corner of the highest score.
+    in either case. With RANKED_SELECTION and ORB::HARRIS_SCORE a corner gives way to a corner of higher FAST score
+    among the 7x7 pixels around it. With QUADTREE_SELECTION corners do not give way, and a node gives its corner of the
+    highest score.
     @param patchSize Diameter in pixels, on each level, of the patch of the orientation and the descriptor, 2 to 16384.
     @param fastThreshold Scale of the adaptive FAST threshold. 20 gives the threshold of the paper's equation (7), and
     10 half of it. A lower value gives more corners, as in cv::ORB. With setAdaptiveThreshold(false) it is the FAST
@@ -222,6 +223,14 @@ public:
     vector may hold the input itself. It has nlevels images, fewer if levels have no pixel, and none for an empty image.
     */
     CV_WRAP virtual void buildPyramid(InputArray image, OutputArrayOfArrays levels) const = 0;
+
+    /** @brief detectAndCompute and buildPyramid in one call, which makes the pyramid once.
+
+    @param image, mask, keypoints, descriptors As for cv::Feature2D::detectAndCompute.
+    @param levels The images of buildPyramid. */
+    virtual void detectAndComputeWithPyramid(InputArray image, InputArray mask,
+                                             std::vector<KeyPoint>& keypoints, OutputArray descriptors,
+                                             std::vector<Mat>& levels) = 0;
 
     /** @brief detectAndCompute for the images of a collection, in parallel. Any number of threads gives the results of
     one call for each image.

@@ -65,19 +65,20 @@ public:
             }
             return false;
         };
-        for (const bool asAWhole : {true, false})
+        const auto hasAny = [&](const Rect& part, bool asAWhole)
         {
-            if (asAWhole && radius < side)
-                continue;
-            for (int row = cells.y; row < cells.br().y; row++)
-                for (int column = cells.x; column < cells.br().x; column++)
+            for (int row = part.y; row < part.br().y; row++)
+                for (int column = part.x; column < part.br().x; column++)
                 {
                     const int first = latest[size_t(row) * columns + column];
                     if (first >= 0 && (asAWhole ? isNearAsAWhole(column, row) : hasNear(first)))
                         return true;
                 }
-        }
-        return false;
+            return false;
+        };
+        // Where points are dense, the cell of p itself decides.
+        const Rect own(indexOf(p.x), indexOf(p.y), 1, 1);
+        return (radius >= side && (hasAny(own, true) || hasAny(cells, true))) || hasAny(cells, false);
     }
 
 private:

@@ -68,6 +68,14 @@ public:
     }
 
     void buildPyramid(InputArray image, OutputArrayOfArrays levels) const CV_OVERRIDE;
+    void detectAndComputeWithPyramid(InputArray image, InputArray mask, std::vector<KeyPoint>& keypoints,
+                                     OutputArray descriptors, std::vector<Mat>& levels) CV_OVERRIDE
+    {
+        CV_TRACE_FUNCTION();
+        std::vector<Mat> images;  // the input may be in `levels`
+        process(image, mask, keypoints, descriptors, false, &images);
+        levels.swap(images);
+    }
     void detectAndCompute(InputArray image, InputArray mask, std::vector<KeyPoint>& keypoints,
                           OutputArray descriptors, bool useProvidedKeypoints) CV_OVERRIDE
     {
@@ -87,8 +95,9 @@ public:
     void releaseMemory() CV_OVERRIDE { workspaces.clear(); }
 
 private:
+    //! @param pyramid if given, receives copies of all levels
     void process(InputArray image, InputArray mask, std::vector<KeyPoint>& keypoints, OutputArray descriptors,
-                 bool useProvidedKeypoints);
+                 bool useProvidedKeypoints, std::vector<Mat>* pyramid = 0);
     template <typename T> void set(T Parameters::*field, T value)
     {
         Parameters changed = parameters;
@@ -145,7 +154,8 @@ void AdaptiveQuadtreeORBImpl::buildPyramid(InputArray image_, OutputArrayOfArray
 }
 
 void AdaptiveQuadtreeORBImpl::process(InputArray image_, InputArray mask_, std::vector<KeyPoint>& keypoints,
-                                      OutputArray descriptors_, bool useProvidedKeypoints)
+                                      OutputArray descriptors_, bool useProvidedKeypoints,
+                                      std::vector<Mat>* pyramid)
 try
 {
     const bool withDescriptors = descriptors_.needed();
@@ -187,8 +197,13 @@ try
     };
     const int shortest = useProvidedKeypoints ? 1 : parameters.shortestSide();
     const PyramidRule rule = {parameters.firstLevel, parameters.scaleFactor,
-                              useProvidedKeypoints ? int(features.size()) : parameters.nlevels, shortest};
+                              useProvidedKeypoints ? int(features.size()) : parameters.nlevels,
+                              pyramid ? 1 : shortest};
     std::vector<Level> levels = makePyramid(input, rule, threads, space.pyramid);
+    for (size_t i = 0; i < levels.size() && pyramid; i++)
+        pyramid->push_back(levels[i].image.clone());
+    while (!levels.empty() && std::min(levels.back().image.rows, levels.back().image.cols) < shortest)
+        levels.pop_back();
     for (Level& level : levels)
         if (!level.isInput && !input.mask.empty())
             maskPositions(input.mask, positionsOf(level), level.mask);

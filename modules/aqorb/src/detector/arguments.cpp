@@ -8,6 +8,7 @@
 #include "precomp.hpp"
 
 #include "common/for_each.hpp"
+#include "detector/index_sort.hpp"
 #include "detector/types.hpp"
 #include "detector/arguments.hpp"
 #include "detector/pyramid.hpp"
@@ -115,9 +116,12 @@ std::vector<FeatureList> groupGivenKeypoints(const std::vector<KeyPoint>& keypoi
              "than the octave into the field: unpack it first)",
              most, highest));
 
+    std::vector<float> inverseScales;
+    for (int octave = 0; octave <= highest; octave++)
+        inverseScales.push_back(1.f / scaleOf(octave));
     const auto pointOf = [&](const KeyPoint& keypoint)
     {
-        const Point2f p = keypoint.pt * (1.f / scaleOf(keypoint.octave));
+        const Point2f p = keypoint.pt * inverseScales[keypoint.octave];
         return FeaturePoint{cvRound(p.x), cvRound(p.y), keypoint.angle};
     };
     // The area begins half a pixel before the centre of the first pixel and ends a whole pixel after the centre of the
@@ -133,12 +137,10 @@ std::vector<FeatureList> groupGivenKeypoints(const std::vector<KeyPoint>& keypoi
     const int border = std::min(parameters.edgeThreshold, std::max(imageSize.width, imageSize.height));
     KeyPointsFilter::runByImageBorder(inside, imageSize, border);
     std::vector<FeatureList> features(inside.empty() ? 0 : size_t(highestOctave(inside)) + 1);
-    std::vector<unsigned> order(inside.size());
-    std::iota(order.begin(), order.end(), 0u);
-    std::stable_sort(order.begin(), order.end(),
-                     [&](unsigned a, unsigned b)
-                     { return InRasterOrder()(pointOf(inside[a]), pointOf(inside[b])); });
-    for (unsigned index : order)
+    std::vector<uint64> rasterKeys;
+    for (const KeyPoint& keypoint : inside)
+        rasterKeys.push_back(uint64(pointOf(keypoint).y + 1) << 32 | uint64(pointOf(keypoint).x + 1));
+    for (unsigned index : sortIndices(rasterKeys))
     {
         FeatureList& list = features[size_t(inside[index].octave)];
         list.points.push_back(pointOf(inside[index]));

@@ -6,6 +6,7 @@
 #ifndef OPENCV_AQORB_TYPES_HPP
 #define OPENCV_AQORB_TYPES_HPP
 
+#include "common/images.hpp"
 #include "common/memory.hpp"
 
 #include <opencv2/core.hpp>
@@ -40,9 +41,15 @@ struct Thresholds
 //! FAST corner: a pixel of a level and its score, the highest threshold at which it is a corner.
 struct Corner
 {
+    enum
+    {
+        ROW_BITS = 22,
+        SCORE_BITS = 10
+    };
     int x;
-    int y : 22, score : 10;  // 8 bytes a corner: a level has thousands
+    int y : ROW_BITS, score : SCORE_BITS;  // 8 bytes a corner: a level has thousands
 };
+static_assert(MAX_LEVEL_SIDE < 1 << (Corner::ROW_BITS - 1), "Corner::y must hold each row of a level");
 
 //! Corner with its response: Harris response or FAST score.
 struct CornerResponse

@@ -93,8 +93,7 @@ public:
         // A new vector for the pyramid, because the image may be a level of the last pyramid.
         std::vector<Mat> pyramid;
         const SingleThreadScope alone;
-        orb->buildPyramid(image, pyramid);
-        orb->detectAndCompute(image, mask, keypoints, descriptors);
+        orb->detectAndComputeWithPyramid(image, mask, keypoints, descriptors, pyramid);
         pyramid.resize(scales.size());
         mvImagePyramid.swap(pyramid);
     }
