@@ -18,7 +18,6 @@
 #endif
 
 #include <fstream>
-#include <sstream>
 
 using namespace cv;
 
@@ -28,8 +27,8 @@ namespace
 const char* const ABOUT =
     "Stereo visual odometry with cv::ORB, with cv::aqorb::AdaptiveQuadtreeORB, and with this and\n"
     "cv::aqorb::growMatches, on a folder laid out as KITTI's odometry sequences: calib.txt, image_0 and\n"
-    "image_1 (or image_l and image_r) and, for the errors, poses.txt. Prints a table, and writes the paths\n"
-    "and the features tracked into the last frame to a picture.";
+    "image_1 (or image_l and image_r) and, for the error, poses.txt. Prints a table, and draws the features\n"
+    "tracked into the last frame.";
 
 const char* const KEYS = "{help      |                     | print this text }"
                          "{nfeatures | 1000                | number of keypoints to ask for }"
@@ -57,63 +56,53 @@ struct Frame
 //! The path of a camera by one detector.
 struct Odometry
 {
-    Odometry(const char* name_, const Ptr<ORB>& detector_, const Scalar& colour_, bool grows_ = false)
-        : name(name_), detector(detector_), colour(colour_), grows(grows_)
+    Odometry(const String& name_, const Ptr<ORB>& detector_, bool grows_)
+        : name(name_), detector(detector_), grows(grows_)
     {
     }
 
-    const char* name;
+    String name;
     Ptr<ORB> detector;
-    Scalar colour;
-    bool grows;                                     // whether growMatches refines and adds matches
-    Frame frame;                                    // last frame
-    std::vector<Point2f> from, to;                  // inliers of the last motion, in both left images
-    Affine3d motion;                                // from the last frame's coordinates to the frame before
-    std::vector<Affine3d> poses;                    // of the left camera, from the first frame on
-    double keypoints = 0, depths = 0, inliers = 0;  // sums over the frames
+    bool grows;                      // whether growMatches refines and adds matches
+    Frame frame;                     // last frame
+    std::vector<Point2f> from, to;   // inliers of the last motion, in both left images
+    std::vector<Affine3d> motions;   // each from a frame's coordinates to those of the frame before
+    double depths = 0, inliers = 0;  // sums over the frames
 };
 
 //! Reads matrices of 3x4 numbers from a file, one per line, with or without a label such as "P0:".
 std::vector<Matx34d> readMatrices(const String& file)
 {
     std::vector<Matx34d> matrices;
-    std::ifstream lines(file);
-    for (std::string line; std::getline(lines, line);)
+    std::ifstream words(file);
+    for (Matx34d matrix; words;)
     {
-        std::istringstream numbers(line.substr(line.find(':') + 1));  // npos + 1 is 0
-        Matx34d matrix;
-        int count = 0;
-        while (count < 12 && numbers >> matrix.val[count])
-            count++;
-        if (count == 12)
+        if (std::isalpha(words.peek()))
+            words.ignore(100, ':');
+        for (double& value : matrix.val)
+            words >> value;
+        if (words)
             matrices.push_back(matrix);
+        words >> std::ws;
     }
     return matrices;
 }
 
-std::vector<String> imagesOf(const String& folder)
-{
-    std::vector<String> files;
-    if (utils::fs::isDirectory(folder))
-        glob(folder + "/*.png", files);
-    return files;
-}
-
-/** Reads calib.txt (P0 and P1), the folders of images (image_0 and image_1 as in KITTI, or image_l and image_r) and
- poses.txt if present. */
 Sequence readSequence(const String& folder)
 {
     Sequence sequence;
     const std::vector<Matx34d> projections = readMatrices(folder + "/calib.txt");
+    if (projections.size() < 2)
+        CV_Error(Error::StsObjectNotFound, folder + ": needs calib.txt, with the matrices P0 and P1");
     for (const Matx34d& pose : readMatrices(folder + "/poses.txt"))
         sequence.poses.push_back(Affine3d(pose.get_minor<3, 3>(0, 0), Vec3d(pose.col(3).val)));
-    const bool isKitti = !utils::fs::exists(folder + "/image_l");
-    sequence.left = imagesOf(folder + (isKitti ? "/image_0" : "/image_l"));
-    sequence.right = imagesOf(folder + (isKitti ? "/image_1" : "/image_r"));
-    if (projections.size() < 2 || sequence.left.empty() || sequence.right.size() != sequence.left.size())
-        CV_Error(Error::StsObjectNotFound, folder + ": needs calib.txt and as many images of both cameras");
-    if (!sequence.poses.empty() && sequence.poses.size() < sequence.left.size())
-        CV_Error(Error::StsObjectNotFound, folder + ": poses.txt has fewer poses than there are images");
+    const bool isKitti = utils::fs::exists(folder + "/image_0");
+    utils::fs::glob(folder + (isKitti ? "/image_0" : "/image_l"), "*.png", sequence.left);
+    utils::fs::glob(folder + (isKitti ? "/image_1" : "/image_r"), "*.png", sequence.right);
+    if (sequence.right.size() != sequence.left.size() ||
+        (!sequence.poses.empty() && sequence.poses.size() < sequence.left.size()))
+        CV_Error(Error::StsObjectNotFound,
+                 folder + ": needs as many images of both cameras, and as many poses");
     sequence.camera = projections[0].get_minor<3, 3>(0, 0);
     sequence.baseline = (projections[0](0, 3) - projections[1](0, 3)) / projections[0](0, 0);
     return sequence;
@@ -150,8 +139,7 @@ Frame stereoFrame(Odometry& odometry, const Mat& left, const Mat& right, const S
         predicted.push_back(keypoint.pt - Point2f((MIN_DISPARITY + MAX_DISPARITY) / 2, 0));
     const Size2f reach((MAX_DISPARITY - MIN_DISPARITY) / 2, ROWS);
     aqorb::matchByPosition(descriptorsLeft, predicted, descriptorsRight, keypointsRight, reach, pairs,
-                           distances, 0, true, -1, odometry.detector->defaultNorm());
-    odometry.keypoints += double(keypointsLeft.size());
+                           distances, 0, true);
 
     std::vector<DMatch> matches;
     for (int i = 0; i < pairs.rows; i++)
@@ -164,13 +152,12 @@ Frame stereoFrame(Odometry& odometry, const Mat& left, const Mat& right, const S
     const Matx33d& k = sequence.camera;
     for (size_t i = 0; i < matches.size(); i++)
     {
-        const int index = matches[i].queryIdx;
         const Point2f p = pointsLeft[i], disparity = p - pointsRight[i];
         if (disparity.x < MIN_DISPARITY)
             continue;
         const double depth = k(0, 0) * sequence.baseline / disparity.x;
-        frame.keypoints.push_back(keypointsLeft[index]);
-        frame.descriptors.push_back(descriptorsLeft.row(index));
+        frame.keypoints.push_back(keypointsLeft[matches[i].queryIdx]);
+        frame.descriptors.push_back(descriptorsLeft.row(matches[i].queryIdx));
         frame.points.emplace_back((p.x - k(0, 2)) * depth / k(0, 0), (p.y - k(1, 2)) * depth / k(1, 1),
                                   depth);
     }
@@ -178,23 +165,23 @@ Frame stereoFrame(Odometry& odometry, const Mat& left, const Mat& right, const S
     return frame;
 }
 
-/** Estimates the motion from the last frame to the next: PnP with RANSAC, refined on the inliers. With too few matches
- the last motion repeats. */
-void estimateMotion(Odometry& odometry, const Frame& next, const Matx33d& camera)
+//! Motion from the last frame to the next: PnP with RANSAC, refined on the inliers. Too few matches repeat the last one.
+Affine3d estimateMotion(Odometry& odometry, const Frame& next, const Matx33d& camera)
 {
     const float THRESHOLD = odometry.grows ? 0.5f : 1.5f;  // pixels; 1.5 is best for cv::ORB
     const Frame& last = odometry.frame;
-    std::vector<DMatch> matches;  // mutual nearest neighbours, as BFMatcher(norm, true) gives
+    std::vector<DMatch> matches;  // mutual nearest neighbours
     if (!last.descriptors.empty() && !next.descriptors.empty())
-        aqorb::HammingMatcher(odometry.detector->defaultNorm(), true)
-            .match(last.descriptors, next.descriptors, matches);
+        aqorb::HammingMatcher(NORM_HAMMING, true).match(last.descriptors, next.descriptors, matches);
     std::vector<Point2f> from, to;
     positions(odometry.grows, last.image, last.keypoints, next.image, next.keypoints, matches, from, to);
-    const std::vector<Point2d> pixels(to.begin(), to.end());
-    std::vector<Point2d> inlierPixels;
+    std::vector<Point2d> pixels, inlierPixels;
     std::vector<Point3d> points, inlierPoints;
-    for (const DMatch& match : matches)
-        points.push_back(last.points[match.queryIdx]);
+    for (size_t i = 0; i < matches.size(); i++)
+    {
+        points.push_back(last.points[matches[i].queryIdx]);
+        pixels.push_back(to[i]);
+    }
     odometry.from.clear();
     odometry.to.clear();
     Vec3d rotation, translation;
@@ -203,7 +190,7 @@ void estimateMotion(Odometry& odometry, const Frame& next, const Matx33d& camera
         !solvePnPRansac(points, pixels, camera, noArray(), rotation, translation, false, 1000, THRESHOLD,
                         0.9999, inliers, SOLVEPNP_P3P) ||
         inliers.size() < 6)
-        return;
+        return odometry.motions.empty() ? Affine3d() : odometry.motions.back();
     for (int i : inliers)
     {
         inlierPoints.push_back(points[i]);
@@ -211,117 +198,42 @@ void estimateMotion(Odometry& odometry, const Frame& next, const Matx33d& camera
         odometry.from.push_back(from[i]);
         odometry.to.push_back(to[i]);
     }
+    odometry.inliers += double(inliers.size());
     solvePnPRefineLM(inlierPoints, inlierPixels, camera, noArray(), rotation, translation);
-    odometry.motion = Affine3d(rotation, translation).inv();
+    return Affine3d(rotation, translation).inv();
 }
 
-void track(Odometry& odometry, const Mat& left, const Mat& right, const Sequence& sequence)
-{
-    const Frame frame = stereoFrame(odometry, left, right, sequence);
-    if (odometry.poses.empty())
-        odometry.poses.push_back(Affine3d());
-    else
-    {
-        estimateMotion(odometry, frame, sequence.camera);
-        odometry.inliers += double(odometry.to.size());
-        odometry.poses.push_back(odometry.poses.back() * odometry.motion);
-    }
-    odometry.frame = frame;
-}
-
-double pathLength(const std::vector<Affine3d>& poses, size_t first, size_t last)
-{
-    double length = 0;
-    for (size_t i = first; i < last; i++)
-        length += norm(poses[i + 1].translation() - poses[i].translation());
-    return length;
-}
-
-//! Error of the motion over `step` frames, in per cent of the path.
-double translationError(const std::vector<Affine3d>& poses, const std::vector<Affine3d>& truth, size_t step)
+//! Error of the translation over `step` frames, in per cent of the path.
+double translationError(const std::vector<Affine3d>& motions, const std::vector<Affine3d>& truth, size_t step)
 {
     double sum = 0;
     size_t count = 0;
-    for (; count + step < poses.size(); count++)
+    for (; count + step <= motions.size(); count++)
     {
-        const Affine3d motion = poses[count].inv() * poses[count + step];
+        Affine3d motion;
+        double length = 0;
+        for (size_t i = count; i < count + step; i++)
+        {
+            motion = motion * motions[i];
+            length += norm(truth[i + 1].translation() - truth[i].translation());
+        }
         const Affine3d trueMotion = truth[count].inv() * truth[count + step];
-        sum += 100 * norm((trueMotion.inv() * motion).translation()) /
-               std::max(pathLength(truth, count, count + step), 1e-6);
+        sum += 100 * norm((trueMotion.inv() * motion).translation()) / std::max(length, 1e-6);
     }
     return sum / std::max(double(count), 1.);
 }
 
-void printTable(const std::vector<Odometry>& odometries, const Sequence& sequence)
-{
-    const double frames = double(odometries[0].poses.size()), motions = std::max(frames - 1, 1.);
-    const size_t STEP = 10;
-    printRow(format("%d frames", int(frames)), odometries, [](const Odometry& o) { return String(o.name); });
-    printRow("keypoints of the left image, mean", odometries,
-             [&](const Odometry& o) { return format("%.0f", o.keypoints / frames); });
-    printRow("  of these with a depth", odometries,
-             [&](const Odometry& o) { return format("%.0f", o.depths / frames); });
-    printRow("inliers of the motion, mean", odometries,
-             [&](const Odometry& o) { return format("%.0f", o.inliers / motions); });
-    printRow("length of the path", odometries,
-             [](const Odometry& o) { return format("%.2f m", pathLength(o.poses, 0, o.poses.size() - 1)); });
-    if (sequence.poses.empty())
-        return;
-    std::printf("  by poses.txt: %.2f m\n", pathLength(sequence.poses, 0, odometries[0].poses.size() - 1));
-    printRow("translation error over 10 frames, of the path", odometries,
-             [&](const Odometry& o)
-             { return format("%.2f %%", translationError(o.poses, sequence.poses, STEP)); });
-}
-
-// Left image with tracked features: a line from the position in the frame before.
-Mat trackPicture(const Odometry& odometry, const Mat& left)
+//! The left image with the tracked features: each has a line from its position in the frame before.
+Mat trackPicture(const Odometry& odometry)
 {
     Mat picture;
-    cvtColor(left, picture, COLOR_GRAY2BGR);
+    cvtColor(odometry.frame.image, picture, COLOR_GRAY2BGR);
     for (size_t i = 0; i < odometry.to.size(); i++)
     {
-        line(picture, odometry.from[i], odometry.to[i], odometry.colour, 1, LINE_AA);
-        circle(picture, odometry.to[i], 2, odometry.colour, FILLED, LINE_AA);
+        line(picture, odometry.from[i], odometry.to[i], Scalar(40, 200, 40), 1, LINE_AA);
+        circle(picture, odometry.to[i], 2, Scalar(40, 200, 40), FILLED, LINE_AA);
     }
-    return captioned(picture, format("%s: %d inliers", odometry.name, int(odometry.to.size())),
-                     odometry.colour);
-}
-
-//! Paths from above: the detectors' paths in colours, over the true path in grey.
-Mat pathPicture(const std::vector<Odometry>& odometries, const std::vector<Affine3d>& truth, Size size)
-{
-    std::vector<std::vector<Point2f>> lines(1);
-    std::vector<Scalar> colours = {Scalar::all(160)};
-    const auto add = [&](const Affine3d& pose)
-    { lines.back().push_back(Point2f(float(pose.translation()[0]), float(-pose.translation()[2]))); };
-    for (size_t i = 0; i < truth.size() && i < odometries[0].poses.size(); i++)
-        add(truth[0].inv() * truth[i]);
-    for (const Odometry& odometry : odometries)
-    {
-        lines.emplace_back();
-        colours.push_back(odometry.colour);
-        for (const Affine3d& pose : odometry.poses)
-            add(pose);
-    }
-    std::vector<Point2f> all;
-    for (const std::vector<Point2f>& points : lines)
-        all.insert(all.end(), points.begin(), points.end());
-    const Rect box = boundingRect(all);  // in metres
-    const Scalar centre(box.x + box.width / 2., box.y + box.height / 2.);
-    const double scale =
-        std::min((size.width - 60.) / (box.width + 10), (size.height - 60.) / (box.height + 10));
-    Mat picture(size, CV_8UC3, Scalar::all(255));
-    for (size_t i = truth.empty() ? 1 : 0; i < lines.size(); i++)
-    {
-        Mat pixels = (Mat(lines[i]) - centre) * scale + Scalar(size.width / 2., size.height / 2.);
-        pixels.convertTo(pixels, CV_32S);
-        polylines(picture, pixels, false, colours[i], 2, LINE_AA);
-    }
-    const Point start(10, size.height - 10);
-    line(picture, start, start + Point(cvRound(10 * scale), 0), Scalar::all(0), 2);
-    putText(picture, "10 m; grey: poses.txt", start - Point(0, 8), FONT_HERSHEY_SIMPLEX, 0.5, Scalar::all(0),
-            1, LINE_AA);
-    return picture;
+    return captioned(picture, odometry.name + format(": %d inliers", int(odometry.to.size())));
 }
 
 int stereoOdometry(int argc, char** argv)
@@ -333,29 +245,37 @@ int stereoOdometry(int argc, char** argv)
     if (folder.empty())
         CV_Error(Error::StsBadArg, "the folder of a sequence is needed; --help says what it has");
     const Sequence sequence = readSequence(folder);
-    std::vector<Odometry> odometries = {
-        Odometry("cv::ORB", ORB::create(nfeatures), Scalar(60, 60, 230)),
-        Odometry("AdaptiveQuadtreeORB", aqorb::AdaptiveQuadtreeORB::create(nfeatures), Scalar(40, 200, 40)),
-        Odometry("with growMatches", aqorb::AdaptiveQuadtreeORB::create(nfeatures), Scalar(220, 120, 0),
-                 true)};
-    Mat left;
+    const Ptr<ORB> ours = aqorb::AdaptiveQuadtreeORB::create(nfeatures);
+    std::vector<Odometry> odometries = {Odometry("cv::ORB", ORB::create(nfeatures), false),
+                                        Odometry("AdaptiveQuadtreeORB", ours, false),
+                                        Odometry("with growMatches", ours, true)};
     for (size_t i = 0; i < sequence.left.size(); i++)
     {
-        left = readImage(sequence.left[i]);
-        const Mat right = readImage(sequence.right[i]);
-        if (left.size() != right.size())
-            CV_Error(Error::StsUnmatchedSizes,
-                     sequence.left[i] + ": the image of the right camera has another size");
+        const Mat left = readImage(sequence.left[i]), right = readImage(sequence.right[i]);
         for (Odometry& odometry : odometries)
-            track(odometry, left, right, sequence);
+        {
+            const Frame frame = stereoFrame(odometry, left, right, sequence);
+            if (i > 0)
+                odometry.motions.push_back(estimateMotion(odometry, frame, sequence.camera));
+            odometry.frame = frame;
+        }
     }
-    printTable(odometries, sequence);
-    Mat picture;
+
+    const double frames = double(sequence.left.size()), motions = std::max(frames - 1, 1.);
+    printRow(format("%d frames", int(frames)), odometries, [](const Odometry& o) { return o.name; });
+    printRow("keypoints of the left image with a depth", odometries,
+             [&](const Odometry& o) { return format("%.0f", o.depths / frames); });
+    printRow("inliers of the motion, mean", odometries,
+             [&](const Odometry& o) { return format("%.0f", o.inliers / motions); });
+    if (!sequence.poses.empty())
+        printRow("translation error over 10 frames, of the path", odometries,
+                 [&](const Odometry& o)
+                 { return format("%.2f %%", translationError(o.motions, sequence.poses, 10)); });
     std::vector<Mat> tracks;
     for (const Odometry& odometry : odometries)
-        tracks.push_back(trackPicture(odometry, left));
+        tracks.push_back(trackPicture(odometry));
+    Mat picture;
     vconcat(tracks, picture);
-    hconcat(picture, pathPicture(odometries, sequence.poses, Size(picture.rows / 2, picture.rows)), picture);
     writePicture(out, picture);
     return 0;
 }

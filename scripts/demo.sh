@@ -1,13 +1,13 @@
 #!/usr/bin/env bash
-# Builds the module and shows what it does beside cv::ORB: a table and two pictures for each pair of images.
+# Builds the module and shows what it does beside cv::ORB: a table and a picture for each pair of images.
 #
-#   scripts/demo.sh [--nfeatures=N] [--out=FOLDER] [IMAGE [IMAGE]]
+#   scripts/demo.sh [--nfeatures=N] [--out=FOLDER] [IMAGE IMAGE]
 #   scripts/demo.sh --images
 #
-# Installs the Debian packages it needs. Without images it takes two of Strecha's photographs of a fountain, which it
-# fetches from GitHub or finds in the clone that AQORB_STRECHA names, and three pairs of OpenCV's samples (the Debian
-# package opencv-doc, fetched, not installed): one where all of the scene is in both images, one with a small object,
-# and one from two sides. N is 1000 unless given. The pictures go to build/demo or to FOLDER, which must exist.
+# Installs the Debian packages it needs. Without images it takes three pairs of OpenCV's samples (the Debian package
+# opencv-doc, fetched, not installed), and two of Strecha's photographs of a fountain, which it fetches from GitHub or
+# finds in the clone that AQORB_STRECHA names. N is 1000 unless given. The pictures go to build/demo or to FOLDER, which
+# must exist. build/release/samples/aqorb_demo --help says how to read the tables.
 #
 # With --images it only fetches these samples and prints their folder, for the other samples and the notebook:
 #
@@ -32,7 +32,7 @@ for argument; do
     *) images+=("$argument") ;;
     esac
 done
-((${#images[@]} <= 2)) || die "one image or two are accepted"
+((${#images[@]} == 0 || ${#images[@]} == 2)) || die "${#images[@]} images; two are accepted, or none for examples"
 
 need build
 mkdir -p "$BUILD/demo"
