@@ -13,11 +13,13 @@
 #include <opencv2/aqorb.hpp>
 
 #include <dlfcn.h>
+#include <unistd.h>
 
 #include <cstdio>
 #include <cstdlib>
 #include <locale>
 #include <mutex>
+#include <set>
 #include <sstream>
 #include <string>
 
@@ -107,7 +109,23 @@ void setFromEnvironment(AdaptiveQuadtreeORB& orb)
 #undef AQORB_SET
 }
 
-// Prints a notice once per process, at the first call: LD_PRELOAD reaches every program that a shell starts.
+// Prints the names of environment variables that begin with AQORB_ and that this library does not know.
+void noticeUnknownVariables()
+{
+    std::set<std::string> known = {"AQORB_DISABLE", "AQORB_DISABLE_MATCHER", "AQORB_EDGE_THRESHOLD",
+                                   "AQORB_VERBOSE"};
+#define AQORB_KNOW(property, ...) known.insert(variableOf(#property));
+    AQORB_OWN_PARAMETERS(AQORB_KNOW)
+#undef AQORB_KNOW
+    for (char** variable = environ; *variable; variable++)
+    {
+        const std::string text = *variable, name = text.substr(0, text.find('='));
+        if (name.compare(0, 6, "AQORB_") == 0 && known.count(name) == 0)
+            std::fprintf(stderr, "aqorb: %s is no variable of this library\n", name.c_str());
+    }
+}
+
+// Prints notices once per process, at the first call: LD_PRELOAD reaches every program that a shell starts.
 void noticeInterposition(const AdaptiveQuadtreeORB& orb)
 {
     static std::once_flag once;
@@ -117,6 +135,7 @@ void noticeInterposition(const AdaptiveQuadtreeORB& orb)
                        std::fprintf(stderr,
                                     "aqorb: cv::ORB::create gives AdaptiveQuadtreeORB (edgeThreshold %d)\n",
                                     orb.getEdgeThreshold());
+                       noticeUnknownVariables();
                    });
 }
 

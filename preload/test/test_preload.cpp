@@ -184,7 +184,12 @@ TEST(Aqorb_Preload, notices_once_and_on_request_only)
         const Variable disable("AQORB_DISABLE", "1");
         EXPECT_EQ("", output());
     }
-    EXPECT_EQ("aqorb: cv::ORB::create gives AdaptiveQuadtreeORB (edgeThreshold 31)\n", output());
+    const Variable known("AQORB_SUB_PIXEL", "0"), misspelt("AQORB_SUBPIXEL", "0");
+    const std::string notice = output();
+    EXPECT_EQ(0u, notice.find("aqorb: cv::ORB::create gives AdaptiveQuadtreeORB (edgeThreshold 31)\n"));
+    EXPECT_NE(std::string::npos, notice.find("\naqorb: AQORB_SUBPIXEL is no variable of this library\n"));
+    EXPECT_EQ(std::string::npos, notice.find("AQORB_SUB_PIXEL"));
+    EXPECT_EQ(std::string::npos, notice.find("AQORB_VERBOSE"));
     EXPECT_EQ("", output());
 }
 
