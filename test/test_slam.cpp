@@ -62,7 +62,10 @@ TEST(Aqorb_Slam, a_system_holds_it_as_its_or_bextractor)
 
 TEST(Aqorb_Slam, keypoints_are_the_detectors_at_the_given_thresholds)
 {
-    const Mat image = makeScene(Size(320, 240)) * 0.5;
+    // So much contrast that too few corners do not lower the thresholds.
+    Mat image = makeScene(Size(320, 240));
+    image.convertTo(image, CV_8U, 2, -130);
+    ASSERT_GT(aqorb::adaptiveFastThreshold(image), 20);
     const int thresholds[][2] = {{20, 7}, {20, 20}, {40, 9}, {254, 1}, {1, 1}, {13, 11}};
     for (const int* pair : thresholds)
     {
@@ -79,8 +82,9 @@ TEST(Aqorb_Slam, keypoints_are_the_detectors_at_the_given_thresholds)
         detector->setFastThreshold(pair[0]);
         detector->setMinThresholdRatio(pair[0] / double(pair[1]));
         detector->setSubPixel(false);
-        detector->setStrengthWeight(extractor.detector()->getStrengthWeight());
-        detector->setOctaveSuppression(extractor.detector()->getOctaveSuppression());
+        detector->setStrengthWeight(0.15);
+        detector->setOctaveSuppression(0);
+        detector->setRankRadius(2.25);
         EXPECT_TRUE(sameFeatures(detectAndCompute(*detector, image), found));
     }
 }
@@ -290,6 +294,97 @@ TEST(Aqorb_Slam, a_mask_is_heeded)
     EXPECT_FALSE(features.keypoints.empty());
     for (const KeyPoint& keypoint : features.keypoints)
         EXPECT_LT(cvRound(keypoint.pt.x), 160);
+}
+
+TEST(Aqorb_Slam, a_fixed_mask_stands_in_for_an_empty_one)
+{
+    const Mat image = makeScene(Size(320, 240));
+    Mat left(image.size(), CV_8UC1, Scalar(0)), lower = left.clone();
+    left.colRange(0, 160).setTo(1);
+    lower.rowRange(120, 240).setTo(1);
+    SlamExtractor plain(500, 1.2f, 8, 20, 7), masked(500, 1.2f, 8, 20, 7);
+    masked.setMask(left);
+    const Features expected = extract(plain, image, left);
+    left.setTo(0);  // the mask was copied
+    EXPECT_TRUE(sameFeatures(expected, extract(masked, image)));
+    EXPECT_TRUE(sameFeatures(extract(plain, image, lower), extract(masked, image, lower)));
+    AQORB_BAD("mask", "320 x 240", extract(masked, image.rowRange(0, 200)));
+    EXPECT_NE(std::string::npos,
+              messageOf([&] { extract(masked, image.rowRange(0, 200)); }).find("320 x 200, got"));
+    masked.setMask(Mat());
+    EXPECT_TRUE(sameFeatures(extract(plain, image), extract(masked, image)));
+}
+
+// In the dark the given thresholds leave few corners. The properties of the detector hold in the second search, too.
+TEST(Aqorb_Slam, the_thresholds_adapt_where_corners_do_not_suffice)
+{
+    const Mat bright = makeScene(Size(640, 480)), dark = bright * 0.1;
+    SlamExtractor extractor(1000, 1.2f, 8, 20, 7);
+    const Ptr<AdaptiveQuadtreeORB> fixed = AdaptiveQuadtreeORB::create(1008),
+                                   adaptive = AdaptiveQuadtreeORB::create(1008);
+    for (const Ptr<AdaptiveQuadtreeORB>& detector : {fixed, adaptive})
+    {
+        detector->setMinThresholdRatio(20. / 7);
+        detector->setSubPixel(false);
+        detector->setStrengthWeight(0.15);
+        detector->setOctaveSuppression(0);
+        detector->setRankRadius(2.25);
+    }
+    fixed->setAdaptiveThreshold(false);
+    for (ORB::ScoreType score : {ORB::HARRIS_SCORE, ORB::FAST_SCORE})
+    {
+        for (AdaptiveQuadtreeORB* detector : {&*extractor.detector(), &*fixed, &*adaptive})
+            detector->setScoreType(score);
+        const Features inTheDark = extract(extractor, dark);
+        EXPECT_LT(detectAndCompute(*fixed, dark).keypoints.size(), 900u);
+        EXPECT_EQ(1008u, inTheDark.keypoints.size());
+        EXPECT_TRUE(sameFeatures(detectAndCompute(*adaptive, dark), inTheDark));
+        EXPECT_TRUE(sameFeatures(detectAndCompute(*fixed, bright), extract(extractor, bright)));
+        // Equation (7) would raise the thresholds of a bright drawing with few corners.
+        Mat drawing(240, 320, CV_8UC1, Scalar(255));
+        rectangle(drawing, Rect(80, 80, 130, 70), Scalar(0), -1);
+        EXPECT_TRUE(sameFeatures(detectAndCompute(*fixed, drawing), extract(extractor, drawing)));
+    }
+    EXPECT_FALSE(extractor.detector()->getAdaptiveThreshold());
+}
+
+// New points for a tracker that has lost half of its points, away from the others. Prints what the tutorial says.
+TEST(Aqorb_Slam, a_tracker_replenishes_its_points)
+{
+    AQORB_NEEDS_DATA();
+    const int DISTANCE = 15, POINTS = 300;
+    const Ptr<AdaptiveQuadtreeORB> detector = AdaptiveQuadtreeORB::create(POINTS / 2, 1.2f, 1);
+    double found[2] = {0, 0}, cells[2] = {0, 0};
+    TickMeter time[2];
+    for (const Mat& image : photographs())
+    {
+        std::vector<Point2f> tracked, corners;
+        goodFeaturesToTrack(image, tracked, POINTS, 0.01, DISTANCE);
+        tracked.resize(tracked.size() / 2);
+        Mat mask(image.size(), CV_8UC1, Scalar(255));
+        for (const Point2f& p : tracked)
+            circle(mask, p, DISTANCE, Scalar(0), -1);
+        KeyPoints keypoints[2];
+        detector->detect(image, keypoints[0], mask);  // so that the memory is there
+        time[0].start();
+        detector->detect(image, keypoints[0], mask);
+        time[0].stop();
+        time[1].start();
+        goodFeaturesToTrack(image, corners, POINTS / 2, 0.01, DISTANCE, mask);
+        time[1].stop();
+        KeyPoint::convert(corners, keypoints[1]);
+        for (int i = 0; i < 2; i++)
+        {
+            found[i] += double(keypoints[i].size());
+            for (const Point2f& p : tracked)
+                keypoints[i].push_back(KeyPoint(p, 1));
+            cells[i] += aqorb::distributionOccupancy(keypoints[i], image.size());
+        }
+    }
+    std::cout << "times goodFeaturesToTrack's: new points " << found[0] / found[1] << ", occupied cells "
+              << cells[0] / cells[1] << ", time " << time[0].getTimeSec() / time[1].getTimeSec() << std::endl;
+    EXPECT_GE(found[0], found[1]);
+    EXPECT_GE(cells[0], cells[1]);
 }
 
 TEST(Aqorb_Slam, bad_arguments)

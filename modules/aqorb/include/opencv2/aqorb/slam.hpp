@@ -36,12 +36,17 @@ It returns one extra keypoint for each level, nfeatures + nlevels in all, or as 
 starts only on a frame with more than 500 keypoints. With nFeatures: 500 and an extractor that returns at most this
 number, as AdaptiveQuadtreeORB does, it would never start.
 
-The extractor sets four properties of the detector for SLAM systems. SubPixel is false, because their stereo matching
+The extractor sets five properties of the detector for SLAM systems. SubPixel is false, because their stereo matching
 subtracts a whole pixel of the level times its scale from the position of the left keypoint: with positions mapped by
 pixel centres, disparities would be too large by (scale - 1) / 2 pixels. AdaptiveThreshold is false, so FAST takes the
 given thresholds. OctaveSuppression is 0, because a single camera starts from keypoints of the finest level only, and
 the best of them often lie near keypoints of a coarser level. StrengthWeight is 0.15, because stronger corners reappear
-in more frames, at the cost of a slightly less even distribution. detector() gives access to all properties.
+in more frames, at the cost of a slightly less even distribution. RankRadius is 2.25, because more points then stay in
+view and paths are more exact. detector() gives access to all properties.
+
+A dark or low-contrast image may have fewer than nfeatures corners at the given thresholds. If equation (7) gives a
+value below 20 for this image (adaptiveFastThreshold()), the extractor searches it again, with both thresholds scaled by
+this value over 20, as with AdaptiveThreshold.
 
 It works on the calling thread alone, because SLAM systems call it from threads of their own. On a busy core, waiting
 for another thread takes longer than its share of the work.
@@ -83,7 +88,8 @@ public:
     /** @brief Finds keypoints and descriptors, and keeps the pyramid. ORB-SLAM2 calls this operator.
 
     @param image 8-bit image with 1, 3 (BGR) or 4 (BGRA) channels. An empty image gives no keypoints.
-    @param mask Optional CV_8UC1 mask of the size of the image. Keypoints are found only where it is not zero.
+    @param mask Optional CV_8UC1 mask of the size of the image. Keypoints are found only where it is not zero. If it is
+    empty, the mask of setMask() takes its place.
     @param keypoints By level, and within a level by response; coordinates in pixels of the image.
     @param descriptors CV_8UC1, one row of 32 bytes for each keypoint.
      */
@@ -93,7 +99,11 @@ public:
         // A new vector for the pyramid, because the image may be a level of the last pyramid.
         std::vector<Mat> pyramid;
         const SingleThreadScope alone;
-        orb->detectAndComputeWithPyramid(image, mask, keypoints, descriptors, pyramid);
+        const _InputArray usedMask = mask.empty() ? _InputArray(fixedMask) : mask;
+        orb->detectAndComputeWithPyramid(image, usedMask, keypoints, descriptors, pyramid);
+        if (!pyramid.empty() && !orb->getAdaptiveThreshold() &&
+            int(keypoints.size()) < orb->getMaxFeatures() && adaptiveFastThreshold(pyramid[0], usedMask) < 20)
+            withAdaptiveThreshold().detectAndCompute(pyramid[0], usedMask, keypoints, descriptors);
         pyramid.resize(scales.size());
         mvImagePyramid.swap(pyramid);
     }
@@ -132,10 +142,17 @@ public:
         return outside;
     }
 
+    /** @brief Sets a mask for all calls whose own mask is empty, for example without the car's bonnet and the sky.
+
+    @param mask CV_8UC1, copied. It must have the size of the images; otherwise the call raises a cv::Exception that
+    names both sizes. An empty mask ends the use of a mask. */
+    void setMask(const Mat& mask) { fixedMask = mask.clone(); }
+
     //! Frees the work space of the detector and the pyramid of the last image.
     void releaseMemory()
     {
         orb->releaseMemory();
+        adaptive.reset();
         mvImagePyramid.clear();
     }
 
@@ -176,9 +193,24 @@ private:
         orb.setSubPixel(false);
         orb.setOctaveSuppression(0);
         orb.setStrengthWeight(0.15);
+        orb.setRankRadius(2.25);
     }
 
-    Ptr<AdaptiveQuadtreeORB> orb;
+    //! A detector with the properties of detector(), and with AdaptiveThreshold.
+    AdaptiveQuadtreeORB& withAdaptiveThreshold()
+    {
+        FileStorage properties("", FileStorage::WRITE | FileStorage::MEMORY | FileStorage::FORMAT_JSON);
+        orb->write(properties);
+        if (!adaptive)
+            adaptive = AdaptiveQuadtreeORB::create();
+        adaptive->read(
+            FileStorage(properties.releaseAndGetString(), FileStorage::READ | FileStorage::MEMORY).root());
+        adaptive->setAdaptiveThreshold(true);
+        return *adaptive;
+    }
+
+    Ptr<AdaptiveQuadtreeORB> orb, adaptive;
+    Mat fixedMask;
     std::vector<float> scales, inverseScales, sigmaSquares, inverseSigmaSquares;
 };
 
