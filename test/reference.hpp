@@ -93,10 +93,11 @@ double binaryLogarithm(float v);
 //! Quotas of as many levels, in proportion to area * scale^1.25, level 0 half as much again.
 std::vector<int> rankedQuotas(int nfeatures, const std::vector<Size>& regions,
                               const std::vector<float>& scales);
-//! The smallest depth, but at most `most`, at which the usable share of the trees has 9 leaves for each feature.
-int depthForQuota(int quota, double usable, int most, int trees = 1);
+//! The smallest depth, but at most `most`, at which the usable share of the trees has 9 * density leaves for each
+//! feature.
+int depthForQuota(int quota, double usable, int most, int trees = 1, double density = 1);
 //! The leaves of a level's tree or, in a narrow one, of its trees side by side. They are at least 2 pixels a side.
-LeafGrid rankedGrid(int quota, double usable, Size root);
+LeafGrid rankedGrid(int quota, double usable, Size root, double density = 1);
 //! The fourth power of a corner's strength, whose moment is in units of 2^16.
 float strength(int fastScore, float response, bool isHarris, int64 m10, int64 m01);
 
@@ -106,8 +107,10 @@ float strength(int fastScore, float response, bool isHarris, int64 m10, int64 m0
  @param breaksTiesByKey whether the higher key comes first among equally strong ones; else the upper, then left leaf */
 std::vector<int> rankedOrder(const std::vector<LeafCorner>& corners, const RankRule& rule,
                              const std::function<bool(int column, int row)>& isUnmasked,
-                             const std::function<float(const LeafCorner&)>& strengthOf,
+                             const std::function<float(const LeafCorner&)>& strengthOf, double density,
                              bool breaksTiesByKey = false);
+//! How many times as many leaves as 9 a feature has at a weight, and a leaf better neighbours than 3 that displace it.
+double representativeDensity(double strengthWeight);
 KeyPoints retainUniform(const KeyPoints& keypoints, Size imageSize, int npoints);
 
 Point2f position(int x, int y, Point2d d, Size imageSize, Size levelSize, float scale, int border,

@@ -201,7 +201,8 @@ private:
             level.usableShare = mask.empty() ? 1.
                                              : (double)countNonZero(level.usable(level.root)) /
                                                    ((double)level.root.width * level.root.height);
-            level.grid = rankedGrid(level.ownQuota, level.usableShare, level.root.size());
+            level.grid = rankedGrid(level.ownQuota, level.usableShare, level.root.size(),
+                                    representativeDensity(s.strengthWeight));
             levels.push_back(level);
         }
         levels.back().quota = std::accumulate(quotaOfLevel.begin() + count - 1, quotaOfLevel.end(), 0);
@@ -316,7 +317,8 @@ private:
         };
         const RankRule rule = {level.root.size(), level.grid,   level.usableShare,
                                level.ownQuota,    s.rankRadius, s.strengthWeight / 4};
-        return rankedOrder(corners, rule, unmaskedLeaves(level), strengthOf);
+        return rankedOrder(corners, rule, unmaskedLeaves(level), strengthOf,
+                           representativeDensity(s.strengthWeight));
     }
 
     // Takes up to `wanted` more of a level's ordered corners; returns how many are still wanted.

@@ -45,22 +45,27 @@ std::vector<int> rankedQuotas(int nfeatures, const std::vector<Size>& regions,
     return result;
 }
 
-int depthForQuota(int quota, double usable, int most, int trees)
+double representativeDensity(double strengthWeight)
+{
+    return strengthWeight > 0.15 ? strengthWeight / 0.15 : 1;
+}
+
+int depthForQuota(int quota, double usable, int most, int trees, double density)
 {
     int depth = 0;
-    while (depth < most && trees * std::pow(4., depth) * usable < 9. * quota)
+    while (depth < most && trees * std::pow(4., depth) * usable < 9. * density * quota)
         depth++;
     return depth;
 }
 
-LeafGrid rankedGrid(int quota, double usable, Size root)
+LeafGrid rankedGrid(int quota, double usable, Size root, double density)
 {
     const int shorter = std::min(root.width, root.height), longer = std::max(root.width, root.height);
-    int depth = depthForQuota(quota, usable, 12), trees = 1;
+    int depth = depthForQuota(quota, usable, 12, 1, density), trees = 1;
     if (depth > 0 && 2 << depth > shorter)
     {
         trees = std::max(longer / std::max(shorter, 2), 1);
-        depth = depthForQuota(quota, usable, 12, trees);
+        depth = depthForQuota(quota, usable, 12, trees, density);
         while (depth > 0 && (2 << depth > shorter || trees * std::pow(4., depth) > std::pow(4., 12)))
             depth--;
     }
@@ -212,7 +217,8 @@ bool comesBefore(const Representative& a, const Representative& b)
 
 std::vector<int> rankedOrder(const std::vector<LeafCorner>& corners, const RankRule& rule,
                              const std::function<bool(int column, int row)>& isUnmasked,
-                             const std::function<float(const LeafCorner&)>& strengthOf, bool breaksTiesByKey)
+                             const std::function<float(const LeafCorner&)>& strengthOf, double density,
+                             bool breaksTiesByKey)
 {
     typedef std::map<std::pair<int, int>, LeafCorner> Leaves;
     Leaves leaves;
@@ -223,7 +229,8 @@ std::vector<int> rankedOrder(const std::vector<LeafCorner>& corners, const RankR
             best = corner;
     }
 
-    // The best of a leaf represents it, unless three or more of the 8 leaves around have a better one.
+    // The best of a leaf represents it, unless three or more of the 8 leaves around have a better one. In denser
+    // trees it takes more.
     std::vector<Representative> representatives;
     std::set<std::pair<int, int>> represented;
     for (Leaves::iterator leaf = leaves.begin(); leaf != leaves.end(); ++leaf)
@@ -240,7 +247,7 @@ std::vector<int> rankedOrder(const std::vector<LeafCorner>& corners, const RankR
                 const bool isEqual = !isHigher(key, otherKey) && !isHigher(otherKey, key);
                 better += isHigher(otherKey, key) || (isEqual && other->first < leaf->first);
             }
-        if (better >= 3)
+        if (better >= 3 * density)
             continue;
         const float tie = breaksTiesByKey ? leaf->second.key : 0;
         representatives.push_back({leaf->second, strengthOf(leaf->second), 0, tie});
@@ -331,7 +338,7 @@ KeyPoints retainUniform(const KeyPoints& keypoints, Size imageSize, int npoints)
     if (npoints > 0)
         order = rankedOrder(
             corners, {imageSize, {1 << depth, 1 << depth, depth}, 1, npoints, 1, 0.15},
-            [](int, int) { return true; }, strengthOf, true);
+            [](int, int) { return true; }, strengthOf, 1, true);
     // The others follow by response.
     const std::set<int> representatives(order.begin(), order.end());
     for (const LeafCorner& corner : corners)

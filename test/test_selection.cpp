@@ -30,8 +30,9 @@ TEST(Aqorb_Selection, leaves_equal_reference)
         const Size size(rng.uniform(1, 1 << rng.uniform(1, 15)), rng.uniform(1, 1 << rng.uniform(1, 15)));
         const int quota = rng.uniform(1, 1 << rng.uniform(1, 24));
         const double usable = i % 3 ? rng.uniform(0., 1.) : i % 2;
-        const LeafGrid grid = rankedGrid(size, usable, quota),
-                       expected = reference::rankedGrid(quota, usable, size);
+        const double density = i % 2 ? 1 : rng.uniform(1., 7000.);
+        const LeafGrid grid = rankedGrid(size, usable, quota, density),
+                       expected = reference::rankedGrid(quota, usable, size, density);
         ASSERT_EQ(Size(grid.columns, grid.rows), Size(expected.columns, expected.rows))
             << size << usable << " " << quota;
         ASSERT_EQ(grid.columnBits, expected.columnBits);
@@ -46,6 +47,7 @@ struct Scene
     std::vector<reference::LeafCorner> corners;  // in the order that breaks ties; their bases are their keys
     std::vector<float> strengths;                // by index
     std::vector<uchar> usable;
+    double density;
 };
 
 float randomStrength(RNG& rng, int kind)
@@ -64,6 +66,7 @@ Scene randomScene(int seed, bool isLarge = false)
     RNG rng(seed);
     const int kind = seed % 5;
     Scene scene;
+    scene.density = seed % 2 ? 1 : rng.uniform(1., 3.);
     const int shortest = isLarge ? 200 : 1;
     const Size size(rng.uniform(shortest, 300), rng.uniform(shortest, 300));
     // Some scenes have several trees side by side.
@@ -102,7 +105,7 @@ std::vector<int> expectedOrder(const Scene& scene)
         scene.corners, scene.rule,
         [&](int column, int row)
         { return scene.usable.empty() || scene.usable[scene.rule.grid.numberOf(column, row)]; },
-        [&](const reference::LeafCorner& corner) { return scene.strengths[corner.index]; });
+        [&](const reference::LeafCorner& corner) { return scene.strengths[corner.index]; }, scene.density);
 }
 
 //! The order of a scene, step by step.
@@ -111,7 +114,7 @@ std::vector<int> orderOf(const Scene& scene)
     std::vector<LeafPoint> points;
     for (const reference::LeafCorner& corner : scene.corners)
         points.push_back({scene.rule.grid.numberOf(corner.column, corner.row), aqorb::sortKey(corner.key)});
-    const std::vector<unsigned> representatives = findRepresentatives(points, scene.rule.grid);
+    const std::vector<unsigned> representatives = findRepresentatives(points, scene.rule.grid, scene.density);
     std::vector<unsigned> leaves, order;
     std::vector<float> strengths;
     for (unsigned index : representatives)
@@ -199,6 +202,7 @@ TEST(Aqorb_Selection, the_weight_leads_from_evenness_to_strength)
         settings.nfeatures = n;
         settings.octaveSuppression = 1;  // its default would follow the weight
         settings.rankRadius = 0;
+        settings.strengthWeight = 1000;
         const KeyPoints strongest = detect(settings, image);
         settings.rankRadius = 1;
         for (int i = 0; i < 4; i++)
@@ -216,6 +220,46 @@ TEST(Aqorb_Selection, the_weight_leads_from_evenness_to_strength)
         EXPECT_LT(occupancy[i], occupancy[i - 1]) << weights[i];
     }
     EXPECT_GE(strong[3], 0.95 * SCENES * n);
+}
+
+// Letters on a plain sign before fine texture: strong corners, but few leaves.
+TEST(Aqorb_Selection, the_largest_weight_takes_most_strong_corners_that_orb_takes)
+{
+    Mat sign(600, 600, CV_8UC1, Scalar(60)), scene = makeNoise(Size(1280, 960)), isSign, drawn;
+    putText(sign, "PKO", Point(90, 370), FONT_HERSHEY_SIMPLEX, 6, Scalar(235), 36, LINE_AA);
+    GaussianBlur(scene, scene, Size(), 1.4);
+    scene.convertTo(scene, CV_8U, 1.9, -130);
+    const Mat map = (Mat_<double>(2, 3) << 0.25, -0.025, 560, 0.025, 0.25, 380);
+    warpAffine(Mat(sign.size(), CV_8UC1, Scalar(255)), isSign, map, scene.size());
+    GaussianBlur(sign, drawn, Size(), 1.8);
+    warpAffine(drawn, drawn, map, scene.size());
+    drawn.copyTo(scene, isSign == 255);
+    GaussianBlur(scene, scene, Size(), 0.7);
+    const auto keypointsAndMatches = [&](Feature2D& detector)
+    {
+        const Features object = detectAndCompute(detector, sign), found = detectAndCompute(detector, scene);
+        std::vector<DMatch> matches;
+        BFMatcher(NORM_HAMMING, true).match(object.descriptors, found.descriptors, matches);
+        const auto isOnSign = [&](const KeyPoint& k) { return isSign.at<uchar>(k.pt) == 255; };
+        const auto isRight = [&](const DMatch& match)
+        {
+            const Point2f p = object.keypoints[match.queryIdx].pt, q = found.keypoints[match.trainIdx].pt;
+            const Mat at = map * (Mat_<double>(3, 1) << p.x, p.y, 1);
+            return cv::norm(Point2d(at.at<double>(0), at.at<double>(1)) - Point2d(q)) < 4;
+        };
+        return Point(int(std::count_if(found.keypoints.begin(), found.keypoints.end(), isOnSign)),
+                     int(std::count_if(matches.begin(), matches.end(), isRight)));
+    };
+    const Point theirs = keypointsAndMatches(*ORB::create(500));
+    const Ptr<AdaptiveQuadtreeORB> detector = AdaptiveQuadtreeORB::create(500);
+    const Point even = keypointsAndMatches(*detector);
+    detector->setStrengthWeight(1000);
+    detector->setOctaveSuppression(0);
+    detector->setMinThresholdRatio(1);
+    const Point strong = keypointsAndMatches(*detector);
+    EXPECT_GE(strong.x, 0.8 * theirs.x) << theirs << even << strong;
+    EXPECT_GE(strong.y, 0.8 * theirs.y) << theirs << even << strong;
+    EXPECT_LT(even.x, 0.3 * theirs.x) << theirs << even << strong;
 }
 
 }  // namespace

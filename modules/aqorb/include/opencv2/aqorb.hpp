@@ -144,8 +144,11 @@ public:
 
     Representatives of a level come by (1 + rank) / strength^StrengthWeight, the lowest first. At 0 rank alone decides,
     which gives the most even distribution. A larger value prefers strong corners; raise it to find a small object in a
-    large scene. At 1000 strength alone decides: even a rank of a million outweighs at most 2 % of strength. It has no
-    effect with QUADTREE_SELECTION. */
+    large scene. Above 0.15 more corners compete: the tree has StrengthWeight / 0.15 times as many leaves, and as many
+    times more better neighbours displace a representative. At 1000 strength alone decides: even a rank of a million
+    outweighs at most 2 % of strength. With OctaveSuppression 0 and MinThresholdRatio 1 the keypoints then lie where
+    those of cv::ORB lie, except that corners still give way within 7x7 pixels. It has no effect with
+    QUADTREE_SELECTION. */
     CV_WRAP virtual void setStrengthWeight(double strengthWeight) = 0;
     CV_WRAP virtual double getStrengthWeight() const = 0;  //!< see setStrengthWeight()
 
@@ -185,10 +188,10 @@ public:
       this rank against its strength (setStrengthWeight()). Both hardly depend on the scene's place in the frame, so a
       turned camera gives nearly the same corners. Levels share the features in proportion to area * scale^1.25, with
       the area between the borders; the finest level gets half as much again. The tree has the smallest depth with at
-      least 9 leaves for each feature of the level's quota, without leaves on masked pixels. No leaf is shorter than 2
-      pixels: if one tree would need shorter leaves, a level at least twice as long as wide has several trees in a row.
-      There are at most 2^24 leaves. A corner keeps 2.1 / (1 + StrengthWeight) pixels from keypoints of neighbouring
-      levels, so a corner of the scene can give a keypoint on every second level.
+      least 9 leaves for each feature of the level's quota, without leaves on masked pixels; a StrengthWeight above 0.15
+      asks for more. No leaf is shorter than 2 pixels: if one tree would need shorter leaves, a level at least twice as
+      long as wide has several trees in a row. There are at most 2^24 leaves. A corner keeps 2.1 / (1 + StrengthWeight)
+      pixels from keypoints of neighbouring levels, so a corner of the scene can give a keypoint on every second level.
     - QUADTREE_SELECTION is the paper's whole method, equations (7), (8) and (9) and Figure 2. Levels share the features
       in proportion to their widths. The tree splits its nodes, the fullest of each depth first, up to the level's quota
       or the depth of equation (9), and each node gives its corner of the highest response. If there are fewer nodes

@@ -55,9 +55,9 @@ LeafGrid leafGrid(Size region, int trees, int depth)
     return grid;
 }
 
-LeafGrid rankedGrid(Size region, double usable, int quota)
+LeafGrid rankedGrid(Size region, double usable, int quota, double density)
 {
-    const double LEAVES_PER_POINT = 9;
+    const double LEAVES_PER_POINT = 9 * density;
     const int MAX_LEAVES = 1 << 24;
     const int shorter = std::min(region.width, region.height), longer = std::max(region.width, region.height);
     const auto hasEnough = [&](int trees, int depth)
@@ -95,7 +95,13 @@ static void countBetterNeighbors(const int* keys, ptrdiff_t stride, int count, u
     CV_CPU_DISPATCH(countBetter, (keys, stride, count, counts), CV_CPU_DISPATCH_MODES_ALL);
 }
 
-std::vector<unsigned> findRepresentatives(const std::vector<LeafPoint>& points, const LeafGrid& grid)
+double representativeDensity(double strengthWeight)
+{
+    return std::max(strengthWeight / 0.15, 1.);
+}
+
+std::vector<unsigned> findRepresentatives(const std::vector<LeafPoint>& points, const LeafGrid& grid,
+                                          double density)
 {
     const int columnBits = grid.columnBits;
     const unsigned stride = (1u << columnBits) + 2;  // there is a border of one leaf
@@ -110,7 +116,7 @@ std::vector<unsigned> findRepresentatives(const std::vector<LeafPoint>& points, 
         keys[leaf] = isBetter ? points[i].key : keys[leaf];
         best[leaf] = isBetter ? unsigned(i) : best[leaf];
     }
-    const int MIN_BETTER = 3;  // neighbours that displace a representative
+    const double MIN_BETTER = 3 * density;  // neighbours that displace a representative
     std::vector<uchar> better(grid.columns);
     std::vector<unsigned> representatives(points.size() + 1);
     size_t count = 0;
@@ -337,14 +343,15 @@ static std::vector<CornerResponse> rankedCorners(const Parameters& parameters, c
     const Size region = plan.region.size();
     const int quota = std::max(plan.quota, 1);
     const double usable = usableShare(level.mask, plan.region);
-    const LeafGrid grid = rankedGrid(region, usable, quota);
+    const double density = representativeDensity(parameters.strengthWeight);
+    const LeafGrid grid = rankedGrid(region, usable, quota, density);
     std::vector<LeafPoint> points(corners.size());
     for (size_t i = 0; i < corners.size(); i++)
         points[i] = {leafOf(corners[i].x - plan.region.x, corners[i].y - plan.region.y, region, grid),
                      corners[i].score};
     std::vector<Corner> representatives;
     std::vector<unsigned> leaves;
-    for (unsigned index : findRepresentatives(points, grid))
+    for (unsigned index : findRepresentatives(points, grid, density))
     {
         representatives.push_back(corners[index]);
         leaves.push_back(points[index].leaf);

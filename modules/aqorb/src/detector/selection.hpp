@@ -44,10 +44,10 @@ struct LeafGrid
 //! Leaves of several trees in a row along the longer side of the region. Each tree has 2^depth columns and rows.
 LeafGrid leafGrid(Size region, int trees, int depth);
 
-//! Tree of the smallest depth with 9 usable leaves for each of `quota` points. If its leaves would be shorter than 2
-//! pixels, there are longer side / shorter side (rounded down) trees. There are at most 2^24 leaves.
+//! Tree of the smallest depth with 9 * density usable leaves for each of `quota` points. If its leaves would be shorter
+//! than 2 pixels, there are longer side / shorter side (rounded down) trees. There are at most 2^24 leaves.
 //! @param usable unmasked share of the region
-LeafGrid rankedGrid(Size region, double usable, int quota);
+LeafGrid rankedGrid(Size region, double usable, int quota, double density = 1);
 
 //! Number of the leaf at a position in a region.
 inline unsigned leafOf(double x, double y, Size region, const LeafGrid& grid)
@@ -64,10 +64,15 @@ struct LeafPoint
     int key;        //!< greater is better: a FAST score, or the sortKey of a response
 };
 
-/** Finds the best point of each leaf, unless at least three of the leaf's eight neighbours have better best points.
+//! Density of the representatives by the weight: 1 up to 0.15, then in proportion. A strong corner can then have others
+//! beside it, as in cv::ORB.
+double representativeDensity(double strengthWeight);
+
+/** Finds the best point of each leaf, unless at least 3 * density of the leaf's eight neighbours have better best points.
  Ties in a leaf go to the first point, and between leaves to the first leaf.
  @return indices of these points, in the order of the leaves */
-std::vector<unsigned> findRepresentatives(const std::vector<LeafPoint>& points, const LeafGrid& grid);
+std::vector<unsigned> findRepresentatives(const std::vector<LeafPoint>& points, const LeafGrid& grid,
+                                          double density = 1);
 
 // ---- 4. strength ------------------------------------------------------------------------------
 
