@@ -86,10 +86,10 @@ Found find(const Method& method, const Mat& image1, const Mat& image2, bool isEp
         method.matcher->match(descriptors1, descriptors2, matches);
     if (method.grows)
     {
-        std::vector<KeyPoint> grown2;
+        std::vector<KeyPoint> grown1, grown2;
         std::vector<float> deviations;
-        aqorb::growMatches(image1, found.keypoints1, image2, found.keypoints2, matches, grown2, points1,
-                           points2, deviations);
+        aqorb::growMatches(image1, found.keypoints1, image2, found.keypoints2, matches, grown1, grown2,
+                           points1, points2, deviations);
     }
     else
         for (const DMatch& match : matches)

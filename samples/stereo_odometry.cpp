@@ -108,16 +108,17 @@ Sequence readSequence(const String& folder)
     return sequence;
 }
 
-//! Positions of matches, which growMatches may refine and extend. Then only queryIdx stays valid.
+//! Positions of matches, which growMatches may refine and extend. Then only queryIdx stays valid: the frame refers to
+//! keypoints of image 1, so matches grow one way.
 void positions(bool grows, const Mat& image1, const std::vector<KeyPoint>& keypoints1, const Mat& image2,
                const std::vector<KeyPoint>& keypoints2, std::vector<DMatch>& matches,
                std::vector<Point2f>& points1, std::vector<Point2f>& points2)
 {
-    std::vector<KeyPoint> grown2;
+    std::vector<KeyPoint> grown1, grown2;
     std::vector<float> deviations;
     if (grows)
-        return aqorb::growMatches(image1, keypoints1, image2, keypoints2, matches, grown2, points1, points2,
-                                  deviations);
+        return aqorb::growMatches(image1, keypoints1, image2, keypoints2, matches, grown1, grown2, points1,
+                                  points2, deviations, 0.8f, 1, false);
     for (const DMatch& match : matches)
     {
         points1.push_back(keypoints1[match.queryIdx].pt);

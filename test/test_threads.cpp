@@ -207,7 +207,7 @@ TEST(Aqorb_Threads, threads_stay_alone_until_their_last_scope_ends_on_any_thread
         detectAndCompute(*detector, image);
         detector->compute(image, features.keypoints, features.descriptors);
         detector->detectAndComputeBatch(images, noArray(), lists, noArray());
-        std::vector<KeyPoint> large = detectAndCompute(*detector, image).keypoints, grown;
+        std::vector<KeyPoint> large = detectAndCompute(*detector, image).keypoints, grown1, grown2;
         std::vector<DMatch> matches;
         std::vector<Point2f> points1, points2;
         std::vector<float> deviations;
@@ -216,7 +216,7 @@ TEST(Aqorb_Threads, threads_stay_alone_until_their_last_scope_ends_on_any_thread
             large[i].size = 200;  // patches of smaller levels
             matches.push_back(DMatch(i, i, 0));
         }
-        aqorb::growMatches(image, large, image, large, matches, grown, points1, points2, deviations);
+        aqorb::growMatches(image, large, image, large, matches, grown1, grown2, points1, points2, deviations);
         return backend->calls;
     };
     typedef std::unique_ptr<aqorb::SingleThreadScope> Scope;

@@ -112,7 +112,7 @@ Ptr<AdaptiveQuadtreeORB> makeDefault(int nfeatures, AdaptiveQuadtreeORB::Selecti
 std::string hashOfGrown(const Mat& image, const std::vector<KeyPoint>& keypoints)
 {
     const Mat part = image(Rect(1, 1, image.cols - 1, image.rows - 1));
-    std::vector<KeyPoint> moved = keypoints;
+    std::vector<KeyPoint> moved = keypoints, grown;
     std::vector<DMatch> matches;
     for (size_t i = 0; i < moved.size(); i++)
     {
@@ -124,14 +124,16 @@ std::string hashOfGrown(const Mat& image, const std::vector<KeyPoint>& keypoints
     }
     std::vector<Point2f> points1, points2;
     std::vector<float> deviations;
-    aqorb::growMatches(image, keypoints, part, moved, matches, moved, points1, points2, deviations, -1);
+    aqorb::growMatches(image, keypoints, part, moved, matches, grown, moved, points1, points2, deviations,
+                       -1);
     Hash hash;
     for (size_t i = 0; i < points2.size(); i++)
     {
+        hash.addNumbers(&points1[i].x, 2);
         hash.addNumbers(&points2[i].x, 2);
         hash.addNumbers(&deviations[i], 1);
     }
-    return hash.text() + " keypoints " + hashOf(moved);
+    return hash.text() + " keypoints " + hashOf(grown) + " " + hashOf(moved);
 }
 
 void printLine(const std::string& name, const Mat& image, const Mat& mask, AdaptiveQuadtreeORB& detector)

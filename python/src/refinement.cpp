@@ -92,15 +92,16 @@ struct Refined
                                          float(minCorrelation), float(scaleFactor));
             });
     }
-    //! Appends the grown keypoints to keypoints2.
-    void grow(Features& of, double minCorrelation, double scaleFactor)
+    //! Appends the grown keypoints to those of the features.
+    void grow(Features& of, double minCorrelation, double scaleFactor, bool bothWays)
     {
         withoutGil(
             [&]
             {
                 cv::aqorb::growMatches(of.image1.mat, of.keypoints1.points, of.image2.mat,
-                                       of.keypoints2.points, matches, of.keypoints2.points, points1, points2,
-                                       deviations, float(minCorrelation), float(scaleFactor));
+                                       of.keypoints2.points, matches, of.keypoints1.points,
+                                       of.keypoints2.points, points1, points2, deviations,
+                                       float(minCorrelation), float(scaleFactor), bothWays);
             });
     }
 
@@ -133,15 +134,15 @@ MatchTupleObject toTuple(const Matches& matches, const py::object& type)
     return {tuple};
 }
 
-//! Pairs of indices of matches, with -1 for grown keypoints of image 2.
-ArrayObject toPairs(const Matches& matches, size_t keypoints2)
+//! Pairs of indices of matches, with -1 for grown keypoints.
+ArrayObject toPairs(const Matches& matches, size_t keypoints1, size_t keypoints2)
 {
     py::array_t<int> pairs({py::ssize_t(matches.size()), py::ssize_t(2)});
+    const auto orGrown = [](int index, size_t count) { return size_t(index) < count ? index : -1; };
     for (size_t i = 0; i < matches.size(); i++)
     {
-        pairs.mutable_at(py::ssize_t(i), 0) = matches[i].queryIdx;
-        pairs.mutable_at(py::ssize_t(i), 1) =
-            size_t(matches[i].trainIdx) < keypoints2 ? matches[i].trainIdx : -1;
+        pairs.mutable_at(py::ssize_t(i), 0) = orGrown(matches[i].queryIdx, keypoints1);
+        pairs.mutable_at(py::ssize_t(i), 1) = orGrown(matches[i].trainIdx, keypoints2);
     }
     return {pairs};
 }
@@ -179,11 +180,11 @@ refineMatchArraysWithDeviations(const OptionalArrayObject& image1, const KeyPoin
                                 const ArrayObject& pairs, double minCorrelation, double scaleFactor)
 {
     const Features features(image1, keypoints1, image2, keypoints2);
-    const size_t count2 = features.keypoints2.points.size();
+    const size_t count1 = features.keypoints1.points.size(), count2 = features.keypoints2.points.size();
     Refined refined;
-    refined.matches = fromPairs(pairs.object, features.keypoints1.points.size(), count2);
+    refined.matches = fromPairs(pairs.object, count1, count2);
     refined.refine(features, minCorrelation, scaleFactor);
-    return std::make_tuple(toPairs(refined.matches, count2), toArray(refined.points1),
+    return std::make_tuple(toPairs(refined.matches, count1, count2), toArray(refined.points1),
                            toArray(refined.points2), toArray(refined.deviations));
 }
 
@@ -197,30 +198,32 @@ refineMatchArrays(const OptionalArrayObject& image1, const KeyPointsObject& keyp
     return std::make_tuple(std::get<0>(all), std::get<1>(all), std::get<2>(all));
 }
 
-std::tuple<MatchTupleObject, py::object, ArrayObject, ArrayObject, ArrayObject>
+std::tuple<MatchTupleObject, py::object, py::object, ArrayObject, ArrayObject, ArrayObject>
 growMatches(const OptionalArrayObject& image1, const KeyPointsObject& keypoints1,
             const OptionalArrayObject& image2, const KeyPointsObject& keypoints2,
-            const MatchesObject& matches, double minCorrelation, double scaleFactor)
+            const MatchesObject& matches, double minCorrelation, double scaleFactor, bool bothWays)
 {
     const py::object type = matchClass("growMatchArrays, which needs no cv2");
     Features features(image1, keypoints1, image2, keypoints2);
     Refined refined;
     refined.matches = toMatches(matches.object);
-    refined.grow(features, minCorrelation, scaleFactor);
-    return std::make_tuple(toTuple(refined.matches, type), toPython(std::move(features.keypoints2)),
-                           toArray(refined.points1), toArray(refined.points2), toArray(refined.deviations));
+    refined.grow(features, minCorrelation, scaleFactor, bothWays);
+    return std::make_tuple(toTuple(refined.matches, type), toPython(std::move(features.keypoints1)),
+                           toPython(std::move(features.keypoints2)), toArray(refined.points1),
+                           toArray(refined.points2), toArray(refined.deviations));
 }
 
 ArraysAndDeviations growMatchArrays(const OptionalArrayObject& image1, const KeyPointsObject& keypoints1,
                                     const OptionalArrayObject& image2, const KeyPointsObject& keypoints2,
-                                    const ArrayObject& pairs, double minCorrelation, double scaleFactor)
+                                    const ArrayObject& pairs, double minCorrelation, double scaleFactor,
+                                    bool bothWays)
 {
     Features features(image1, keypoints1, image2, keypoints2);
-    const size_t count2 = features.keypoints2.points.size();
+    const size_t count1 = features.keypoints1.points.size(), count2 = features.keypoints2.points.size();
     Refined refined;
-    refined.matches = fromPairs(pairs.object, features.keypoints1.points.size(), count2);
-    refined.grow(features, minCorrelation, scaleFactor);
-    return std::make_tuple(toPairs(refined.matches, count2), toArray(refined.points1),
+    refined.matches = fromPairs(pairs.object, count1, count2);
+    refined.grow(features, minCorrelation, scaleFactor, bothWays);
+    return std::make_tuple(toPairs(refined.matches, count1, count2), toArray(refined.points1),
                            toArray(refined.points2), toArray(refined.deviations));
 }
 
@@ -254,19 +257,22 @@ void addRefinement(py::module_& module)
                "positions in image 2, like refineMatchesWithDeviations.");
     module.def("growMatches", &growMatches, arg("image1"), arg("keypoints1"), arg("image2"),
                arg("keypoints2"), arg("matches"), arg("minCorrelation") = .8, arg("scaleFactor") = 1.,
+               arg("bothWays") = true,
                "Refines matches like refineMatches, then finds matches of the unmatched keypoints of image\n"
-               "1, by the affine maps of refined matches nearby. Returns the refined matches, followed by\n"
-               "the grown matches, whose distance is the largest float; keypoints2 followed by a keypoint\n"
-               "for each grown match; the positions of all matches in image 1 and in image 2; and the\n"
-               "standard deviations of the positions in image 2, in pixels. A grown match correlates at\n"
-               "least 0.85.");
+               "1 and, unless bothWays is false, of image 2, by the affine maps of refined matches nearby.\n"
+               "Returns the refined matches, followed by those grown into image 2 and those grown into\n"
+               "image 1, whose distance is the largest float; keypoints1 and keypoints2, each followed by\n"
+               "its grown keypoints; the positions of all matches in image 1 and in image 2; and the\n"
+               "standard deviations in pixels. In the image into which a match grew, its position moved and\n"
+               "has the deviation. A grown match correlates at least 0.85.");
     module.def(
         "growMatchArrays", &growMatchArrays, arg("image1"), arg("keypoints1"), arg("image2"),
         arg("keypoints2"), arg("pairs"), arg("minCorrelation") = .8, arg("scaleFactor") = 1.,
+        arg("bothWays") = true,
         "Grows pairs of indices from matchArrays, like growMatches. Returns the pairs of all matches,\n"
-        "int32 of shape (n, 2), with -1 for the keypoint of image 2 of a grown match; their positions\n"
-        "in image 1 and in image 2; and the standard deviations of the positions in image 2, in\n"
-        "pixels.");
+        "int32 of shape (n, 2), with -1 in the column of the image into which a match grew; their\n"
+        "positions in image 1 and in image 2; and the standard deviations of the positions that moved,\n"
+        "in pixels.");
 }
 
 }  // namespace aqorb_python

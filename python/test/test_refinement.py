@@ -83,20 +83,29 @@ def test_matches_grow(pair):
     refined, _, refined2 = aqorb.refineMatchArrays(*pair[:4], few)
     grown, points1, points2, deviations = aqorb.growMatchArrays(*pair[:4], few)
     assert np.array_equal(grown[:len(refined)], refined) and np.array_equal(points2[:len(refined)], refined2)
-    assert (grown[len(refined):, 1] == -1).all() and len(grown) > 2 * len(refined)
-    assert (np.diff(grown[len(refined):, 0]) > 0).all() and np.array_equal(points1, keypoints1['pt'][grown[:, 0]])
+    into1, into2 = (np.flatnonzero(column == -1) for column in grown.T)
+    assert np.array_equal(np.concatenate([into2, into1]), np.arange(len(refined), len(grown)))
+    assert len(into2) > len(refined) and len(into1) > 10
+    assert (np.diff(grown[into2, 0]) > 0).all() and (np.diff(grown[into1, 1]) > 0).all()
+    assert np.array_equal(points1[:into1[0]], keypoints1['pt'][grown[:into1[0], 0]])
+    assert np.array_equal(points2[into1], keypoints2['pt'][grown[into1, 1]])
     assert np.median(np.abs(points2 - points1 - [SHIFT, 0]).max(1)) < .05 and deviations.shape == (len(grown),)
-    for given, kind in (keypoints2, np.ndarray), (aqorb.keypointsFromArray(keypoints2), tuple):
-        matches, grown2, *rest = aqorb.growMatches(image1, keypoints1, image2, given, matches_of(few))
-        assert type(matches) is tuple and isinstance(grown2, kind) and len(given) == len(keypoints2)
-        assert all(map(np.array_equal, rest, (points1, points2, deviations)))
-        assert [match.queryIdx for match in matches] == list(grown[:, 0])
+    one_way = aqorb.growMatchArrays(*pair[:4], few, bothWays=False)
+    assert all(map(np.array_equal, one_way, (each[:into1[0]] for each in (grown, points1, points2, deviations))))
+    for form, kind in (np.copy, np.ndarray), (aqorb.keypointsFromArray, tuple):
+        given = form(keypoints1), form(keypoints2)
+        matches, *both, got1, got2, got = aqorb.growMatches(image1, given[0], image2, given[1], matches_of(few))
+        assert type(matches) is tuple and [len(each) for each in given] == [len(keypoints1), len(keypoints2)]
+        assert all(map(np.array_equal, (got1, got2, got), (points1, points2, deviations)))
         assert [match.distance for match in matches[len(refined):]] == [np.finfo(np.float32).max] * (
             len(grown) - len(refined))
-        places = aqorb.keypointsToArray(grown2)
-        assert np.array_equal(places[:len(keypoints2)], keypoints2)
-        indices = [match.trainIdx for match in matches[len(refined):]]
-        assert np.array_equal(places['pt'][indices], points2[len(refined):])
+        indices = np.array([(match.queryIdx, match.trainIdx) for match in matches])
+        assert np.array_equal(indices[grown >= 0], grown[grown >= 0])
+        for all_of, own, column, moved in zip(both, (keypoints1, keypoints2), indices.T, (points1, points2)):
+            assert isinstance(all_of, kind)
+            places = aqorb.keypointsToArray(all_of)
+            assert np.array_equal(places[:len(own)], own)
+            assert np.array_equal(places['pt'][column[len(refined):]], moved[len(refined):])
 
 
 def test_points_without_sizes_are_refined(pair):
@@ -127,7 +136,7 @@ def test_no_matches(pair):
     image1, keypoints1, image2, keypoints2, pairs = pair
     for found in (aqorb.refineMatchArrays(None, keypoints1, None, keypoints2, pairs[:0]),
                   aqorb.growMatchArrays(None, keypoints1, None, keypoints2, pairs[:0]),
-                  aqorb.growMatches(image1, (), image2, (), ())[1:4],
+                  aqorb.growMatches(image1, (), image2, (), ())[2:5],
                   aqorb.refineMatches(image1, (), image2, (), ())):
         assert len(found[0]) == 0 and found[1].shape == found[2].shape == (0, 2) and found[2].dtype == np.float32
 

@@ -181,11 +181,8 @@ def find(row, stage, norm, first, a, second, b):
         matches, _ = aqorb.matchArrays(a.descriptors, b.descriptors, crossCheck=True)
     if not stage.grows:
         return estimate(a.keypoints['pt'][matches[:, 0]], b.keypoints['pt'][matches[:, 1]], stage)
-    _, *points, _ = aqorb.growMatchArrays(first, a.keypoints, second, b.keypoints, matches, scaleFactor=row.scale)
-    if stage.ways == 2:
-        _, *back, _ = aqorb.growMatchArrays(second, b.keypoints, first, a.keypoints, matches[:, ::-1],
-                                            scaleFactor=row.scale)
-        points = [np.vstack([points[0], back[1]]), np.vstack([points[1], back[0]])]
+    _, *points, _ = aqorb.growMatchArrays(first, a.keypoints, second, b.keypoints, matches, scaleFactor=row.scale,
+                                          bothWays=stage.ways == 2)
     return estimate(*points, stage)
 
 

@@ -88,7 +88,7 @@ static void callWithAnything(FuzzedDataProvider& data, const Mat& query, const M
 struct Growth
 {
     std::vector<DMatch> matches;
-    std::vector<KeyPoint> keypoints2;
+    std::vector<KeyPoint> keypoints1, keypoints2;
     std::vector<Point2f> points1, points2;
     std::vector<float> deviations;
 };
@@ -114,6 +114,7 @@ static void growAnything(FuzzedDataProvider& data)
     std::vector<DMatch> matches;
     for (int count = data.ConsumeIntegralInRange(0, 60); count > 0; count--)
         matches.push_back(DMatch(fuzz::number(data, 0, 5), fuzz::number(data, 0, 5), 0));
+    const bool bothWays = data.ConsumeBool();
     const float correlation = float(fuzz::real(data, -1, 1)), factor = float(fuzz::real(data, 0, 7));
     Growth expected;
     for (int run = 0; run < 2; run++)
@@ -125,8 +126,8 @@ static void growAnything(FuzzedDataProvider& data)
         try
         {
             aqorb::growMatches(images[0], keypoints[0], images[1], keypoints[1], grown.matches,
-                               grown.keypoints2, grown.points1, grown.points2, grown.deviations, correlation,
-                               factor);
+                               grown.keypoints1, grown.keypoints2, grown.points1, grown.points2,
+                               grown.deviations, correlation, factor, bothWays);
             aqorb::refineMatches(images[0], keypoints[0], images[1], keypoints[1], refined.matches,
                                  refined.points1, refined.points2, refined.deviations, correlation, factor);
         }
@@ -139,7 +140,8 @@ static void growAnything(FuzzedDataProvider& data)
                     grown.points1.size() == grown.deviations.size(),
                 "a position and a deviation for each match");
         for (size_t i = 0; i < grown.deviations.size(); i++)
-            require(grown.deviations[i] >= 0 && size_t(grown.matches[i].trainIdx) < grown.keypoints2.size() &&
+            require(grown.deviations[i] >= 0 && size_t(grown.matches[i].queryIdx) < grown.keypoints1.size() &&
+                        size_t(grown.matches[i].trainIdx) < grown.keypoints2.size() &&
                         (i < refined.matches.size() || grown.matches[i].distance == FLT_MAX),
                     "the fields of a match");
         const size_t count = refined.points2.size();
@@ -148,7 +150,8 @@ static void growAnything(FuzzedDataProvider& data)
                 sameBytes(refined.points2, std::vector<Point2f>(grown.points2.begin(),
                                                                 grown.points2.begin() + ptrdiff_t(count))),
             "the refined matches first");
-        require(run == 0 || (sameBytes(expected.points2, grown.points2) &&
+        require(run == 0 || (sameBytes(expected.points1, grown.points1) &&
+                             sameBytes(expected.points2, grown.points2) &&
                              sameBytes(expected.deviations, grown.deviations)),
                 "the same on all kernels");
         expected = grown;

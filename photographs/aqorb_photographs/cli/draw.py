@@ -42,7 +42,7 @@ def run(given):
     save(given.out, [picture._replace(size=picture.pixels.shape[::-1]) for picture in pictures],
          [points[agree] for points in ends], [points[~agree & given.all] for points in ends])
     options.say(given, f'{given.out}: {agree.sum()} of {options.count_of(len(pairs), "match", "es")} agree')
-    if (agree & (pairs[:, 1] >= 0)).sum() < places.MIN_INLIERS:  # a grown match follows the one nearby
+    if (agree & (pairs >= 0).all(1)).sum() < places.MIN_INLIERS:  # a grown match follows the one nearby
         print(f'aqorb: fewer than {places.MIN_INLIERS} agree: the images probably do not show the same place',
               file=sys.stderr)
     return int(not agree.any())

@@ -156,8 +156,9 @@ PatchAligner::PatchAligner(InputArray image1, InputArray image2, bool areNeeded)
 {
 }
 
-std::vector<PatchAlignment> PatchAligner::align(const std::vector<PatchPair>& pairs)
+std::vector<PatchAlignment> PatchAligner::align(const std::vector<PatchPair>& pairs, bool isReversed)
 {
+    PatchPyramid &firstPyramid = pyramids[isReversed], &secondPyramid = pyramids[!isReversed];
     const int threads = threadsAllowed();
     std::vector<PatchLocation> locations[2];
     for (const PatchPair& pair : pairs)
@@ -165,8 +166,9 @@ std::vector<PatchAlignment> PatchAligner::align(const std::vector<PatchPair>& pa
         locations[0].push_back(pair.first);
         locations[1].push_back(pair.second);
     }
-    const int counts[] = {pyramids[0].prepare(locations[0]), pyramids[1].prepare(locations[1])};
-    forEach(2, threads, [&](size_t i, int) { pyramids[i].makeLevels(counts[i]); });
+    const int counts[] = {firstPyramid.prepare(locations[0]), secondPyramid.prepare(locations[1])};
+    forEach(2, threads,
+            [&](size_t i, int) { (i == 0 ? firstPyramid : secondPyramid).makeLevels(counts[i]); });
 
     // Each thread takes some pairs at a time.
     const size_t CHUNK = 64;
@@ -183,8 +185,8 @@ std::vector<PatchAlignment> PatchAligner::align(const std::vector<PatchPair>& pa
                              std::numeric_limits<float>::infinity()};
             LevelPatches wanted;
             Mat pixels[2];
-            if (!pyramids[0].findWindow(pair.first, wanted.first, pixels[0]) ||
-                !pyramids[1].findWindow(pair.second, wanted.second, pixels[1]))
+            if (!firstPyramid.findWindow(pair.first, wanted.first, pixels[0]) ||
+                !secondPyramid.findWindow(pair.second, wanted.second, pixels[1]))
                 continue;
             wanted.spacing = float(pair.first.spacing / (1 << levelOf(pair.first.spacing)));
             for (int k = 0; k < 4; k++)

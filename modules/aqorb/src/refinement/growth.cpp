@@ -20,7 +20,7 @@ namespace aqorb
 namespace
 {
 
-// Index of the aligned matches, sorted by y. Only these have a map.
+// Index of the aligned matches by their positions in image 1, sorted by y. Only these have a map.
 class SeedIndex
 {
 public:
@@ -37,11 +37,10 @@ public:
                   });
     }
 
-    // Seed nearest to a position of image 1, or -1. Ties go to the first match.
-    int nearest(const Point2f& position) const
+    // Seed nearest to a position of image 1, or -1 if none lies within a distance. Ties go to the first match.
+    int nearest(const Point2f& position, double maxDistance) const
     {
-        const double MAX_DISTANCE = 60;
-        double smallest = MAX_DISTANCE * MAX_DISTANCE;
+        double smallest = maxDistance * maxDistance;
         int found = -1;
         // Returns false if all seeds beyond this one are farther away.
         const auto compare = [&](int seed)
@@ -99,58 +98,92 @@ KeyPoint grownKeypoint(const KeyPoint& keypoint, const PatchAlignment& alignment
     return grown;
 }
 
+// Growth from image 1 into image 2, or the other way round with all members exchanged.
+struct Direction
+{
+    // Aligns the keypoints of image 1 that no seed has and that `found` does not show.
+    // Appends a keypoint to grown2 for each match found.
+    RefinedMatches grow(const RefinedMatches& seeds, const RefinedMatches& found,
+                        std::vector<KeyPoint>& grown2) const
+    {
+        const double MAX_SEED_DISTANCE = 60, SAME_DISTANCE = 1;
+        // Wrong predictions seldom correlate as well so near.
+        const float MIN_CORRELATION = 0.85f, MAX_SHIFT = 4;
+        std::vector<uchar> hasMatch(keypoints1.size());
+        for (const DMatch& match : seeds.matches)
+            hasMatch[size_t(match.queryIdx)] = 1;
+        const SeedIndex index(seeds), foundIndex(found);
+        std::vector<PatchPair> pairs;
+        std::vector<int> queries, origins;
+        for (size_t i = 0; i < keypoints1.size(); i++)
+        {
+            const KeyPoint& keypoint = keypoints1[i];
+            const bool isTried = !hasMatch[i] && keypoint.size > 0 && std::isfinite(keypoint.angle) &&
+                                 foundIndex.nearest(keypoint.pt, SAME_DISTANCE) < 0;
+            const int seed = isTried ? index.nearest(keypoint.pt, MAX_SEED_DISTANCE) : -1;
+            if (seed < 0)
+                continue;
+            pairs.push_back(predictedPatches(keypoint, seeds, size_t(seed), scaleFactor));
+            queries.push_back(int(i));
+            origins.push_back(seed);
+        }
+
+        RefinedMatches matches;
+        const std::vector<PatchAlignment> alignments = aligner.align(pairs, isReversed);
+        for (size_t i = 0; i < pairs.size(); i++)
+        {
+            const Point2f shift = alignments[i].center - pairs[i].second.center;
+            if (!(alignments[i].correlation >= std::max(minCorrelation, MIN_CORRELATION)) ||
+                !(shift.dot(shift) <= MAX_SHIFT * MAX_SHIFT))
+                continue;
+            const DMatch& seed = seeds.matches[size_t(origins[i])];
+            const KeyPoint& keypoint = keypoints1[size_t(queries[i])];
+            const int64 octave = int64(keypoints2[size_t(seed.trainIdx)].octave) + keypoint.octave -
+                                 keypoints1[size_t(seed.queryIdx)].octave;
+            matches.add(DMatch(queries[i], int(grown2.size()), 0, FLT_MAX), pairs[i], alignments[i]);
+            grown2.push_back(grownKeypoint(keypoint, alignments[i], matches.maps.back(), octave));
+        }
+        return matches;
+    }
+
+    const std::vector<KeyPoint>& keypoints1;
+    const std::vector<KeyPoint>& keypoints2;
+    PatchAligner& aligner;
+    bool isReversed;
+    float minCorrelation, scaleFactor;
+};
+
 }  // namespace
 
 void growMatches(InputArray image1, const std::vector<KeyPoint>& keypoints1, InputArray image2,
                  const std::vector<KeyPoint>& keypoints2, std::vector<DMatch>& matches,
-                 std::vector<KeyPoint>& grown2, std::vector<Point2f>& points1, std::vector<Point2f>& points2,
-                 std::vector<float>& deviations, float minCorrelation, float scaleFactor)
+                 std::vector<KeyPoint>& grown1, std::vector<KeyPoint>& grown2, std::vector<Point2f>& points1,
+                 std::vector<Point2f>& points2, std::vector<float>& deviations, float minCorrelation,
+                 float scaleFactor, bool bothWays)
 {
     CV_TRACE_FUNCTION();
     const RefinementInput input = {keypoints1, keypoints2, matches, minCorrelation, scaleFactor};
     input.check();
     PatchAligner aligner(image1, image2, !matches.empty());
-    RefinedMatches refined = refinedMatches(input, aligner);
-
-    std::vector<uchar> hasMatch(keypoints1.size());
-    for (const DMatch& match : refined.matches)
-        hasMatch[size_t(match.queryIdx)] = 1;
-    const SeedIndex index(refined);
-    std::vector<PatchPair> pairs;
-    std::vector<int> queries, seeds;
-    for (size_t i = 0; i < keypoints1.size(); i++)
+    RefinedMatches all = refinedMatches(input, aligner);
+    std::vector<KeyPoint> all1 = keypoints1, all2 = keypoints2;
+    const Direction forward = {keypoints1, keypoints2, aligner, false, minCorrelation, scaleFactor};
+    const RefinedMatches into2 = forward.grow(all, RefinedMatches(), all2);
+    if (bothWays)
     {
-        const bool isTried = !hasMatch[i] && keypoints1[i].size > 0 && std::isfinite(keypoints1[i].angle);
-        const int seed = isTried ? index.nearest(keypoints1[i].pt) : -1;
-        if (seed < 0)
-            continue;
-        pairs.push_back(predictedPatches(keypoints1[i], refined, size_t(seed), scaleFactor));
-        queries.push_back(int(i));
-        seeds.push_back(seed);
+        const Direction back = {keypoints2, keypoints1, aligner, true, minCorrelation, scaleFactor};
+        const RefinedMatches into1 = back.grow(all.exchanged(), into2.exchanged(), all1);
+        all.append(into2);
+        all.append(into1.exchanged());
     }
-
-    // Wrong predictions seldom correlate as well so near.
-    const float MIN_CORRELATION = 0.85f, MAX_SHIFT = 4;
-    std::vector<KeyPoint> grown = keypoints2;
-    const std::vector<PatchAlignment> alignments = aligner.align(pairs);
-    for (size_t i = 0; i < pairs.size(); i++)
-    {
-        const Point2f shift = alignments[i].center - pairs[i].second.center;
-        if (!(alignments[i].correlation >= std::max(minCorrelation, MIN_CORRELATION)) ||
-            !(shift.dot(shift) <= MAX_SHIFT * MAX_SHIFT))
-            continue;
-        const DMatch& seed = refined.matches[size_t(seeds[i])];
-        const KeyPoint& keypoint = keypoints1[size_t(queries[i])];
-        const int64 octave = int64(keypoints2[size_t(seed.trainIdx)].octave) + keypoint.octave -
-                             keypoints1[size_t(seed.queryIdx)].octave;
-        refined.add(DMatch(queries[i], int(grown.size()), 0, FLT_MAX), pairs[i], alignments[i]);
-        grown.push_back(grownKeypoint(keypoint, alignments[i], refined.maps.back(), octave));
-    }
-    matches.swap(refined.matches);
-    grown2.swap(grown);
-    points1.swap(refined.points1);
-    points2.swap(refined.points2);
-    deviations.swap(refined.deviations);
+    else
+        all.append(into2);
+    matches.swap(all.matches);
+    grown1.swap(all1);
+    grown2.swap(all2);
+    points1.swap(all.points1);
+    points2.swap(all.points2);
+    deviations.swap(all.deviations);
 }
 
 }  // namespace aqorb

@@ -71,7 +71,8 @@ class PatchAligner
 {
 public:
     PatchAligner(InputArray image1, InputArray image2, bool areNeeded);
-    std::vector<PatchAlignment> align(const std::vector<PatchPair>& pairs);
+    //! The first patches of pairs lie in image 1, or in image 2 if isReversed.
+    std::vector<PatchAlignment> align(const std::vector<PatchPair>& pairs, bool isReversed);
 
 private:
     PatchPyramid pyramids[2];
@@ -93,6 +94,9 @@ struct RefinementInput
 struct RefinedMatches
 {
     void add(const DMatch& match, const PatchPair& pair, const PatchAlignment& alignment);
+    void append(const RefinedMatches& other);
+    //! The same matches from image 2 to image 1.
+    RefinedMatches exchanged() const;
 
     std::vector<DMatch> matches;
     std::vector<Point2f> points1, points2;

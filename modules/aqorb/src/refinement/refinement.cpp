@@ -72,13 +72,32 @@ void RefinedMatches::add(const DMatch& match, const PatchPair& pair, const Patch
     maps.push_back(alignment.map * (1 / pair.first.spacing));
 }
 
+void RefinedMatches::append(const RefinedMatches& other)
+{
+    matches.insert(matches.end(), other.matches.begin(), other.matches.end());
+    points1.insert(points1.end(), other.points1.begin(), other.points1.end());
+    points2.insert(points2.end(), other.points2.begin(), other.points2.end());
+    deviations.insert(deviations.end(), other.deviations.begin(), other.deviations.end());
+    maps.insert(maps.end(), other.maps.begin(), other.maps.end());
+}
+
+RefinedMatches RefinedMatches::exchanged() const
+{
+    RefinedMatches result = {matches, points2, points1, deviations, maps};
+    for (DMatch& match : result.matches)
+        std::swap(match.queryIdx, match.trainIdx);
+    for (Matx22d& map : result.maps)
+        map = map.inv();
+    return result;
+}
+
 RefinedMatches refinedMatches(const RefinementInput& input, PatchAligner& aligner)
 {
     std::vector<PatchPair> pairs;
     for (const DMatch& match : input.matches)
         pairs.push_back(patchesOf(input.keypoints1[size_t(match.queryIdx)],
                                   input.keypoints2[size_t(match.trainIdx)], input.scaleFactor));
-    const std::vector<PatchAlignment> alignments = aligner.align(pairs);
+    const std::vector<PatchAlignment> alignments = aligner.align(pairs, false);
     RefinedMatches refined;
     for (size_t i = 0; i < pairs.size(); i++)
         if (input.minCorrelation == -1 || alignments[i].correlation >= input.minCorrelation)

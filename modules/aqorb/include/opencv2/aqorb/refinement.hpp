@@ -89,48 +89,59 @@ CV_EXPORTS CV_WRAP_AS(refineMatchesWithDeviations) void refineMatches(
     CV_OUT std::vector<Point2f>& points1, CV_OUT std::vector<Point2f>& points2,
     CV_OUT std::vector<float>& deviations, float minCorrelation, float scaleFactor = 1.f);
 
-/** @brief Refines matches, and finds matches for more keypoints of image 1 near the refined matches.
+/** @brief Refines matches, and finds matches for more keypoints of both images near the refined matches.
 
 A descriptor finds the match of about every third keypoint. The affine map of an aligned match predicts the positions of
-neighbouring keypoints in image 2. growMatches first does what refineMatches does. Then it aligns each unmatched
-keypoint of image 1 at the position that the nearest refined match predicts, and keeps the match if the patches
-correlate. This doubles the number of right matches, which makes poses more exact:
+neighbouring keypoints in the other image. growMatches first does what refineMatches does. Then it aligns each unmatched
+keypoint of image 1 at the position in image 2 that the nearest refined match predicts, and keeps the match if the
+patches correlate. It does the same with the unmatched keypoints of image 2, whose matches it finds in image 1. This
+multiplies the number of right matches, which makes poses more exact:
 @code{.cpp}
     matcher.match(descriptors1, descriptors2, matches);
-    aqorb::growMatches(image1, keypoints1, image2, keypoints2, matches, grown2, points1, points2, deviations);
+    aqorb::growMatches(image1, keypoints1, image2, keypoints2, matches, grown1, grown2, points1, points2, deviations);
     // USAC_MAGSAC with OpenCV 4.6
     Mat E = findEssentialMat(points1, points2, cameraMatrix, USAC_ACCURATE, 0.999, 0.25);
-    drawMatches(image1, keypoints1, image2, grown2, matches, output);
+    drawMatches(image1, grown1, image2, grown2, matches, output);
 @endcode
 
 @param image1, image2, keypoints1, keypoints2 As in refineMatches.
-@param matches On return the refined matches in their order, then the grown matches in the order of queryIdx. A grown
-match has the distance FLT_MAX and the imgIdx 0, and its trainIdx is an index of grown2.
-@param grown2 keypoints2, then a keypoint for each grown match. It may be keypoints2 itself. The aligned map takes the
-position, size and angle of the keypoint of image 1 to the grown keypoint; an angle of -1 stays -1. Its octave is
-that of the nearby match's keypoint in image 2, plus the difference of the two octaves in image 1, but at least 0. Its
-response is 0 and its class_id -1.
-@param points1, points2 For each match, its positions in the two images, in pixels.
-@param deviations For each match, the standard deviation of its position in image 2, as in refineMatches.
+@param matches On return the refined matches in their order, then the matches grown into image 2 in the order of
+queryIdx, then the matches grown into image 1 in the order of trainIdx. A grown match has the distance FLT_MAX and the
+imgIdx 0. The queryIdx of a match is an index of grown1, the trainIdx an index of grown2.
+@param grown1 keypoints1, then a keypoint for each match grown into image 1. It may be keypoints1 itself.
+@param grown2 keypoints2, then a keypoint for each match grown into image 2. It may be keypoints2 itself. The aligned map
+takes the position, size and angle of the keypoint of the other image to the grown keypoint; an angle of -1 stays -1.
+Its octave is that of the nearby match's keypoint in the same image, plus the difference of the two octaves in the other
+image, but at least 0. Its response is 0 and its class_id -1.
+@param points1, points2 For each match, its positions in the two images, in pixels. The position in image 2 moves, and
+that in image 1 is the keypoint's. For a match grown into image 1 it is the other way round.
+@param deviations For each match, the standard deviation of the position that moved, as in refineMatches.
 @param minCorrelation As in refineMatches. A grown match correlates at least 0.85.
 @param scaleFactor As in refineMatches.
+@param bothWays If false, no matches grow into image 1, and grown1 is keypoints1.
 
-A match is grown if
+A keypoint of image 1 gets a match if
 - a refined match, which correlates at least minCorrelation, lies at most 60 pixels from the keypoint in image 1 (ties
 go to the first match),
 - the patches can be aligned as in refineMatches, starting from the predicted position and affine map, and correlate at
 least 0.85 and at least minCorrelation,
 - and the alignment moves the position by at most 4 pixels.
 
-Keypoints of removed matches are tried, too. Each keypoint of image 1 grows by itself: two keypoints may grow onto one
-position, and both matches stay. A second call with the matches and grown2 of the first call adds few matches (4 % on
-photographs).
+The same holds for a keypoint of image 2, with the inverse map and all images exchanged. But it is not tried if it lies
+at most a pixel from the position of a match grown into image 2: that match is the same pair, found from image 1.
+
+Keypoints of removed matches are tried, too. Each keypoint of an image grows by itself: two keypoints may grow onto one
+position, and both matches stay. A second call with the matches and keypoints of the first call adds few matches (4 % on
+photographs). If the images and keypoints are exchanged, the grown matches are exchanged, but for three differences: the
+refined matches, and with them their maps, are those that the alignment in the other image gives; of a pair found
+from both sides the other match stays; and the order is another one.
  */
 CV_EXPORTS_W void growMatches(InputArray image1, const std::vector<KeyPoint>& keypoints1, InputArray image2,
                               const std::vector<KeyPoint>& keypoints2, CV_IN_OUT std::vector<DMatch>& matches,
-                              CV_OUT std::vector<KeyPoint>& grown2, CV_OUT std::vector<Point2f>& points1,
-                              CV_OUT std::vector<Point2f>& points2, CV_OUT std::vector<float>& deviations,
-                              float minCorrelation = 0.8f, float scaleFactor = 1.f);
+                              CV_OUT std::vector<KeyPoint>& grown1, CV_OUT std::vector<KeyPoint>& grown2,
+                              CV_OUT std::vector<Point2f>& points1, CV_OUT std::vector<Point2f>& points2,
+                              CV_OUT std::vector<float>& deviations, float minCorrelation = 0.8f,
+                              float scaleFactor = 1.f, bool bothWays = true);
 
 //! @}
 

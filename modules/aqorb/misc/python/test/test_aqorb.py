@@ -224,8 +224,9 @@ class aqorb_test(NewOpenCVTests):
         self.assertGreater(len(matches), 400)
         error = np.float32(points1).reshape(-1, 2) - (3, 0) - np.float32(points2).reshape(-1, 2)
         self.assertLess(np.median(np.abs(error)), 0.05)
-        grown, grown2 = aqorb.growMatches(image, keypoints1, image[:, 3:], keypoints2, few)[:2]
+        grown, grown1, grown2 = aqorb.growMatches(image, keypoints1, image[:, 3:], keypoints2, few)[:3]
         self.assertGreater(len(grown), 2 * len(few))
+        self.assertLess(max(match.queryIdx for match in grown), len(grown1))
         self.assertLess(max(match.trainIdx for match in grown), len(grown2))
 
 
