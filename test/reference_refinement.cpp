@@ -119,35 +119,35 @@ ReferenceAlignment referenceAlignment(const Mat& image1, const KeyPoint& keypoin
     Matx22d map = start.map * spacing;
     const Vec2d origin(start.position.x, start.position.y);
     Vec2d center = origin;
-    for (int step = 0;; step++)
+    Mat_<double> difference;
+    double norm2 = 0, correlation = 0;
+    for (int step = 0; step < 3; step++)
     {
         if (!isNear(view2, center - origin, map) || !samplesOf(view2, center, map, RADIUS, patch))
             return notAligned;
         patch -= mean(patch)[0];
-        const double norm2 = cv::norm(patch);
-        const Mat_<double> difference = patch * (norm1 / norm2) - base;
-        if (step == 3)
-        {
-            const double area = std::abs(determinant(map)) / (spacing2 * spacing2);
-            if (norm2 * norm2 < 4 * SIDE * SIDE || area > 4 || area < 0.25 ||
-                cv::norm(center - origin) / spacing2 > RADIUS)
-                return notAligned;
-            // The covariance of the unknowns. Rounding of grey values alone has a variance of 1/12 in each image.
-            const double variance = std::max(difference.dot(difference) / (SIDE * SIDE), 1 / 6.);
-            const Mat_<double> covariance = (derivatives.t() * derivatives).inv(DECOMP_SVD) * variance;
-            const Matx22d shift(covariance(2, 2), covariance(2, 5), covariance(5, 2), covariance(5, 5));
-            Mat_<double> axes;
-            eigen(Mat(map * shift * map.t()), axes);
-            return {true, Point2d(center[0], center[1]), map * (1 / spacing),
-                    base.dot(patch) / (norm1 * norm2), 3.5 * std::sqrt(axes(0))};
-        }
+        norm2 = cv::norm(patch);
+        difference = patch * (norm1 / norm2) - base;
+        correlation = base.dot(patch) / (norm1 * norm2);
         Mat_<double> change;
-        if (norm2 == 0 ||
-            !solve(derivatives, difference.reshape(1, SIDE * SIDE), change, DECOMP_NORMAL | DECOMP_LU))
+        if (norm2 == 0 || !solve(derivatives, difference.clone().reshape(1, SIDE * SIDE), change,
+                                 DECOMP_NORMAL | DECOMP_LU))
             return notAligned;
         map = map * Matx22d(1 + change(0), change(1), change(3), 1 + change(4)).inv();
         center -= map * Vec2d(change(2), change(5));
     }
+    const double area = std::abs(determinant(map)) / (spacing2 * spacing2);
+    if (!isNear(view2, center - origin, map) || !samplesOf(view2, center, map, RADIUS, patch) ||
+        norm2 * norm2 < 4 * SIDE * SIDE || area > 4 || area < 0.25 ||
+        cv::norm(center - origin) / spacing2 > RADIUS)
+        return notAligned;
+    // The covariance of the unknowns. Rounding of grey values alone has a variance of 1/12 in each image.
+    const double variance = std::max(difference.dot(difference) / (SIDE * SIDE), 1 / 6.);
+    const Mat_<double> covariance = (derivatives.t() * derivatives).inv(DECOMP_SVD) * variance;
+    const Matx22d shift(covariance(2, 2), covariance(2, 5), covariance(5, 2), covariance(5, 5));
+    Mat_<double> axes;
+    eigen(Mat(map * shift * map.t()), axes);
+    return {true, Point2d(center[0], center[1]), map * (1 / spacing), correlation, 3.5 * std::sqrt(axes(0))};
 }
 
 MatchedViews viewsOf(const Texture& texture, const Matx23d& map, double gain, double bias, double noise)

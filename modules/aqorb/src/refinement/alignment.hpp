@@ -57,8 +57,9 @@ struct LevelAlignment
 {
     float x, y;
     float map[4];
-    float correlation;  //!< with the first patch; NOT_ALIGNED: other fields are undefined
-    float variance;     //!< variance of the position along its worst axis, in squared pixels, uncalibrated
+    float
+        correlation;  //!< with the first patch before the last step; NOT_ALIGNED: other fields are undefined
+    float variance;   //!< variance of the position along its worst axis, in squared pixels, uncalibrated
 };
 
 }  // namespace aqorb

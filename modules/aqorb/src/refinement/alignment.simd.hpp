@@ -16,7 +16,9 @@ namespace aqorb
 CV_CPU_OPTIMIZATION_NAMESPACE_BEGIN
 
 /** Aligns patches by three inverse compositional steps (Baker and Matthews 2004). Each step solves for the affine map,
- gain and bias that bring the second patch closest to the first patch. */
+ gain and bias that bring the second patch closest to the first patch. The patches that the last step compares give the
+ correlation and the residual: another pass, at the final position, would take a fifth of the time and let pass wrong
+ matches that still move. */
 void alignByLanes(const LevelPatches* patches, int count, LevelAlignment* alignments);
 
 #ifndef CV_CPU_OPTIMIZATION_DECLARATIONS_ONLY
@@ -171,13 +173,13 @@ struct Template
     Floats inverses[UNKNOWNS];         // inverses of the elements of D
 };
 
-// Sums over the second patch.
+// Sums over the differences between the second patch and the first.
 struct PatchSums
 {
     void add(const Template& first, const Windows& windows, const AffineMap& map)
     {
-        Floats sum = all(0);
-        squares = withSample = all(0);
+        Floats sum = all(0), sumOfSquares = all(0);
+        withSample = all(0);
         clear(right);
         const auto addRow = [&](int v, const SampleRow<PATCH_RADIUS>& samples)
         {
@@ -185,11 +187,11 @@ struct PatchSums
             for (int u = -PATCH_RADIUS; u <= PATCH_RADIUS; u++)
             {
                 const float* const p = first.at(u, v);
-                const Floats s = v_sub(samples.at(u), first.mean);
-                sum = v_add(sum, s);
-                squares = plus(squares, s, s);
-                withSample = plus(withSample, s, load(p));
-                const Floats productX = v_mul(s, load(p + LANES)), productY = v_mul(s, load(p + 2 * LANES));
+                const Floats t = load(p), d = v_sub(v_sub(samples.at(u), first.mean), t);
+                sum = v_add(sum, d);
+                sumOfSquares = plus(sumOfSquares, d, d);
+                withSample = plus(withSample, d, t);
+                const Floats productX = v_mul(d, load(p + LANES)), productY = v_mul(d, load(p + 2 * LANES));
                 x = v_add(x, productX);
                 y = v_add(y, productY);
                 xu = plus(xu, productX, all(float(u)));
@@ -201,7 +203,18 @@ struct PatchSums
         };
         forEachRow<PATCH_RADIUS>(windows, map, addRow);
         mean = v_mul(sum, all(1 / SAMPLES));
-        squares = minus(squares, sum, mean);
+        compare(first, minus(sumOfSquares, sum, mean));
+    }
+
+    // Computes what follows from the sums. deviations: sum of squared deviations of the differences from their mean.
+    void compare(const Template& first, const Floats& deviations)
+    {
+        gain = v_div(withSample, first.squares);
+        squares = v_add(v_add(first.squares, v_add(withSample, withSample)), deviations);
+        const Floats cosine = v_div(v_add(first.squares, withSample), v_sqrt(v_mul(first.squares, squares)));
+        // Of patches that hardly differ, 1 - cosine would have few digits.
+        const Floats sine = v_div(v_max(minus(deviations, withSample, gain), all(0)), squares);
+        distance = v_add(v_div(sine, v_add(all(1), v_abs(cosine))), v_sub(v_abs(cosine), cosine));
     }
 
     // Computes the right side of the normal equations, with the patch scaled to the norm of the first patch.
@@ -209,7 +222,6 @@ struct PatchSums
     {
         // Doubled, like the derivatives.
         const Floats scale = v_mul(all(2), v_sqrt(v_div(first.squares, squares)));
-        const Floats gain = v_div(withSample, first.squares);
         for (int i = 0; i < UNKNOWNS; i++)
         {
             const Floats residual =
@@ -218,8 +230,10 @@ struct PatchSums
         }
     }
 
-    Floats mean, squares;    // difference of the two patches' means; sum of squared deviations from the mean
+    Floats mean, gain;       // of the differences: mean, and regression on the first patch
+    Floats squares;          // second patch's sum of squared deviations from its mean
     Floats withSample;       // sum of products with the first patch's samples
+    Floats distance;         // 1 - correlation of the patches
     Floats right[UNKNOWNS];  // sums of products with the first patch's derivatives
 };
 
@@ -237,42 +251,6 @@ CV_ALWAYS_INLINE AffineMap composeInverse(const AffineMap& map, const Floats* ch
     changed.y = minus(minus(map.y, changed.yu, change[2]), changed.yv, change[5]);
     return changed;
 }
-
-// Differences between the aligned patches, after the second patch is brought to the mean and norm of the first.
-struct Residual
-{
-    void sample(const Template& first, const Windows& windows, const AffineMap& map)
-    {
-        CV_DECL_ALIGNED(CACHE_LINE) float samples[SIDE * SIDE * LANES];
-        Floats sum = all(0);
-        squares = all(0);
-        float* out = samples;
-        const auto addRow = [&](int, const SampleRow<PATCH_RADIUS>& row)
-        {
-            for (int u = -PATCH_RADIUS; u <= PATCH_RADIUS; u++, out += LANES)
-            {
-                const Floats s = v_sub(row.at(u), first.mean);
-                v_store(out, s);
-                sum = v_add(sum, s);
-                squares = plus(squares, s, s);
-            }
-        };
-        forEachRow<PATCH_RADIUS>(windows, map, addRow);
-        const Floats mean = v_mul(sum, all(1 / SAMPLES));
-        squares = minus(squares, sum, mean);
-        const Floats scale = v_sqrt(v_div(first.squares, squares));
-        difference = all(0);
-        for (int i = 0; i < SIDE * SIDE; i++)
-        {
-            const Floats s = v_mul(scale, v_sub(load(samples + i * LANES), mean));
-            const Floats d = v_sub(s, load(first.samples[i]));
-            difference = plus(difference, d, d);
-        }
-    }
-
-    Floats squares;     // second patch's sum of squared deviations from its mean
-    Floats difference;  // sum of squared differences after gain and bias
-};
 
 // Variance of the position along its worst axis. The covariance of the shift is the inverse of the Hessian times the
 // variance of the residual. The rounding of grey values alone has a variance of 1/12 in each image.
@@ -322,37 +300,34 @@ void alignLanes(const LevelPatches* const* patches, LevelAlignment* alignments)
     const AffineMap start = {load(windows[1].x), load(windows[1].y), load(maps[0]),
                              load(maps[1]),      load(maps[2]),      load(maps[3])};
     map = start;
+    PatchSums second;
     for (int step = 0; step < STEPS; step++)
     {
         isAligned = v_and(isAligned, isInside(map, windows[1], PATCH_RADIUS));
         map.keep(isAligned);
-        PatchSums second;
         second.add(first, windows[1], map);
         second.eliminate(first);
         first.solve(second.right);
         map = composeInverse(map, second.right);
     }
     isAligned = v_and(isAligned, isInside(map, windows[1], PATCH_RADIUS));
-    map.keep(isAligned);
-    Residual residual;
-    residual.sample(first, windows[1], map);
 
     const Floats x = v_sub(map.x, start.x), y = v_sub(map.y, start.y);
     const Floats before = v_abs(start.determinant()), after = v_abs(map.determinant());
     const Floats maxShift = v_mul(all(MAX_PATCH_SHIFT * MAX_PATCH_SHIFT), before);
-    isAligned = v_and(isAligned, v_gt(residual.squares, minSquares));
+    isAligned = v_and(isAligned, v_gt(second.squares, minSquares));
     isAligned = v_and(isAligned, v_gt(maxShift, plus(v_mul(x, x), y, y)));
     isAligned = v_and(isAligned, v_and(v_gt(v_mul(all(MAX_AREA_CHANGE), before), after),
                                        v_gt(v_mul(all(MAX_AREA_CHANGE), after), before)));
-    const Floats halfSquares = v_mul(all(0.5f), v_div(residual.difference, first.squares));
+    const Floats difference = v_mul(v_mul(all(2), first.squares), second.distance);
     const Floats found[] = {map.x,
                             map.y,
                             map.xu,
                             map.xv,
                             map.yu,
                             map.yv,
-                            v_sub(all(1), halfSquares),
-                            worstVariance(first, map, residual.difference),
+                            v_sub(all(1), second.distance),
+                            worstVariance(first, map, difference),
                             v_and(isAligned, all(1))};
     CV_DECL_ALIGNED(CACHE_LINE) float numbers[9][LANES];
     for (int i = 0; i < 9; i++)

@@ -38,8 +38,9 @@ differ in size and type.
 @param keypoints1, keypoints2 Keypoints of any detector. The difference of the two angles turns the patch of image 2. If
 either angle is -1, alignment starts without rotation and succeeds if the images are turned by up to about 20 degrees.
 @param matches Matches with the queryIdx of a keypoint of image 1 and the trainIdx of a keypoint of image 2. The
-function removes a match if it cannot be aligned, or if the patches at the returned positions correlate less than
-minCorrelation. The remaining matches keep their order.
+function removes a match if it cannot be aligned, or if the patches correlate less than minCorrelation. The alignment
+takes three steps, and the correlation is that of the patches before the last step: patches that still move much then do
+not correlate. The remaining matches keep their order.
 @param points1 For each remaining match, the position of its keypoint in image 1, in pixels.
 @param points2 For each remaining match, the position of the same spot in image 2, in pixels.
 @param minCorrelation The smallest normalised correlation of the aligned patches, from -1 to 1. With -1 no match is
