@@ -6,17 +6,19 @@
 
 import contextlib
 import fnmatch
+import functools
 import importlib
 import io
 import math
 import os
 import re
+import struct
 import typing
 
 import numpy as np
-from PIL import Image, PngImagePlugin, UnidentifiedImageError
+from PIL import Image
 
-from aqorb_photographs import InputError
+from aqorb_photographs import InputError, sentence_of
 
 # Formats that Pillow may read. It passes others to programs: an EPS to Ghostscript, which executes the file.
 FORMATS = 'PNG', 'JPEG', 'MPO', 'TIFF', 'WEBP', 'BMP', 'PPM', 'GIF', 'JPEG2000', 'SUN', 'HEIF', 'AVIF'
@@ -95,7 +97,7 @@ def list_files(sources, include=(), exclude=(), out=None):
 
 def open_file(path):
     if not os.path.isfile(path):
-        raise ValueError('it is not a regular file' if os.path.exists(path) else 'there is no such file')
+        raise InputError('it is not a regular file' if os.path.exists(path) else 'there is no such file')
     return open(path, 'rb')
 
 
@@ -105,7 +107,7 @@ def read_file(path, reading):
         with open_file(path) as file:
             return read_image(file, reading)
     except Exception as error:  # decoders raise errors of any kind
-        raise InputError(f'{os.fsdecode(path)}: {error}') from error
+        raise InputError(f'{os.fsdecode(path)}: {sentence_of(error)}') from error
 
 
 def smaller(size, max_size):
@@ -119,6 +121,19 @@ def smaller(size, max_size):
 def read_image(file, reading=Reading()):
     """Decodes an open binary file, and returns a Picture. It scales 16 bits to 8, and takes the first frame of an
     animation. A file that is no image raises an exception."""
+    try:
+        return decode(file, reading)
+    except InputError:
+        raise
+    except ValueError:  # Pillow limits the texts of a PNG
+        file.seek(0)
+        content = file.read()
+        if without_texts(content) == content:
+            raise
+        return decode(io.BytesIO(without_texts(content)), reading)
+
+
+def decode(file, reading):
     image, size, box = open_image(file, reading)
     exif, note = image.getexif(), ''
     turn = exif.get(0x0112) if exif.get(0x0112) in TURNS else 1
@@ -146,17 +161,40 @@ def read_image(file, reading=Reading()):
     return Picture(np.asarray(grey), size, turn, camera, note)
 
 
+def without_texts(content):
+    """Returns a PNG without its texts and profiles of colours, and other content as it is."""
+    if not content.startswith(b'\x89PNG'):
+        return content
+    kept, at = [content[:8]], 8
+    while at < len(content):
+        end = at + 12 + int.from_bytes(content[at:at + 4], 'big')
+        if content[at + 4:at + 8] not in (b'tEXt', b'zTXt', b'iTXt', b'iCCP'):
+            kept.append(content[at:end])
+        at = end
+    return b''.join(kept)
+
+
+@functools.lru_cache(None)
 def formats():
-    """Returns the FORMATS that this Pillow reads. Lifts Pillow's limits, which protect web servers."""
-    if Image.MAX_IMAGE_PIXELS is not None:  # the first call
-        with contextlib.suppress(ImportError):
-            heif = importlib.import_module('pillow_heif')
-            heif.register_heif_opener()
-            getattr(heif, 'register_avif_opener', int)()  # later versions leave AVIF to Pillow
-        PngImagePlugin.MAX_TEXT_CHUNK = PngImagePlugin.MAX_TEXT_MEMORY = 2**28
-        Image.init()
-        Image.MAX_IMAGE_PIXELS = None  # open_image checks max_pixels after the draft
+    """Returns the FORMATS that this Pillow reads."""
+    with contextlib.suppress(ImportError):
+        heif = importlib.import_module('pillow_heif')
+        heif.register_heif_opener()
+        getattr(heif, 'register_avif_opener', int)()  # later versions leave AVIF to Pillow
+    Image.init()
     return [name for name in FORMATS if name in Image.OPEN]
+
+
+def recognise(file, head):
+    """Opens an image as Image.open does, but for its limit of pixels, which protects the rest of the program: open_image
+    checks max_pixels after the draft. Returns None for other files."""
+    for name in formats():
+        factory, accepts = Image.OPEN[name]
+        if not accepts or accepts(head) and not isinstance(accepts(head), str):
+            with contextlib.suppress(SyntaxError, IndexError, TypeError, struct.error):
+                file.seek(0)
+                return factory(file, '')
+    return None
 
 
 def open_image(file, reading):
@@ -165,25 +203,24 @@ def open_image(file, reading):
     file.seek(0)
     head = file.read(16)
     if not head:
-        raise ValueError('the file is empty')
+        raise InputError('the file is empty')
     file.seek(0)
     if head[:2] in (b'II', b'MM'):  # Pillow closes a TIFF's descriptor twice, by then perhaps another file's
         file = io.BytesIO(file.read())
-    try:
-        image = Image.open(file, formats=formats())
-    except UnidentifiedImageError:
+    image = recognise(file, head)
+    if image is None:
         if head[4:12] in (b'ftypheic', b'ftypheix', b'ftypmif1', b'ftypmsf1', b'ftypavif'):
-            raise ValueError('it is HEIC or AVIF, which needs another package: pip install pillow-heif') from None
-        raise ValueError('it is no image, or its format is not supported') from None
+            raise InputError('it is HEIC or AVIF, which needs another package: pip install pillow-heif')
+        raise InputError('it is no image, or its format is not supported')
     tags = getattr(image, 'tag_v2', {})
     if image.format == 'TIFF' and (0xc612 in tags or head[8:10] == b'CR' or tags.get(0x00fe) == 1):
-        raise ValueError('it is a RAW file, whose first picture is a preview: convert it to JPEG or TIFF')
+        raise InputError('it is a RAW file, whose first picture is a preview: convert it to JPEG or TIFF')
     size, box = image.size, (0, 0, *image.size)
     if image.mode in ('L', 'RGB'):  # decodes only the brightness of a JPEG, at reduced size
         drafted = image.draft('L', smaller(size, reading.max_size))
         box = drafted[1] if drafted else box
     if image.size[0] * image.size[1] > reading.max_pixels:
-        raise ValueError(f'{image.size[0]} x {image.size[1]} pixels are more than --max-pixels {reading.max_pixels}')
+        raise InputError(f'{image.size[0]} x {image.size[1]} pixels are more than --max-pixels {reading.max_pixels}')
     return image, size, box
 
 
@@ -197,11 +234,11 @@ def to_grey(image, stretch):
         levels = (np.nan_to_num(pixels).astype(np.float32) - low) * (255 / max(high - low, 1e-9)) + .5
         return Image.fromarray(np.clip(levels, 0, 255).astype(np.uint8))
     if image.mode == 'F':
-        raise ValueError('its pixels are floating-point numbers, whose range is not known: --stretch reads them')
+        raise InputError('its pixels are floating-point numbers, whose range is not known: --stretch reads them')
     if pixels.min() < 0:
-        raise ValueError('its pixels have negative values: --stretch reads them')
+        raise InputError('its pixels have negative values: --stretch reads them')
     if pixels.max() > 65535:
-        raise ValueError('its pixels have more than 16 bits: --stretch reads them')
+        raise InputError('its pixels have more than 16 bits: --stretch reads them')
     return Image.fromarray(((pixels.astype(np.uint32) + 128) // 257).astype(np.uint8))
 
 
@@ -247,5 +284,5 @@ def read_mask(path, picture):
     if picture.orientation > 1:
         mask = mask.transpose(TURNS[picture.orientation])
     if mask.size != picture.size:
-        raise ValueError(f'its mask {path} has another size')
+        raise InputError(f'its mask {path} has another size')
     return np.asarray(mask.resize(picture.pixels.shape[::-1], Image.NEAREST))

@@ -20,7 +20,6 @@ import contextlib
 import hashlib
 import json
 import os
-import shutil
 
 import numpy as np
 import pyarrow as pa
@@ -28,7 +27,7 @@ import pyarrow.parquet as pq
 import scipy.sparse
 
 import aqorb
-from aqorb_photographs import map_ahead, store
+from aqorb_photographs import InputError, map_ahead, store
 
 WORDS = 65536
 MIN_INLIERS = 15  # two images with as many inliers probably show the same place
@@ -73,7 +72,7 @@ def choose_words(images, count=WORDS, seed=0):
             drawn, chunk = merged(), []
     count = min(count, total // FEATURES_OF_A_WORD)
     if not count:
-        raise ValueError(f'the images have {total} features, too few to find similar images')
+        raise InputError(f'the images have {total} features, too few to find similar images')
     return merged()[1]
 
 
@@ -97,7 +96,7 @@ def count_matrix(images, number):
     """Returns the sparse matrix of word counts, one row for each result of words_of. number is the number of words."""
     images = list(images)
     if not images:
-        raise ValueError('there are no images to count words of')
+        raise InputError('there are no images to count words of')
     indices, counts = zip(*images)
     offsets = np.cumsum([0, *map(len, indices)])
     values = np.concatenate(counts).astype(np.float32)
@@ -124,7 +123,7 @@ def similar(queries, collected, number, min_gap=0):
     the indices of the `number` most similar rows of collected, the most similar first, and their similarities. With
     min_gap, query i is row i of collected, and rows less than min_gap away from it have the similarity -1."""
     if not 1 <= number <= collected.shape[0]:
-        raise ValueError(f'similar images must be from 1 to {collected.shape[0]}, the number of images, got {number}')
+        raise InputError(f'similar images must be from 1 to {collected.shape[0]}, the number of images, got {number}')
     few = queries.shape[0] <= QUERIES  # too few to pay for transposing `collected`
     columns = None if few else collected.T.tocsr()
     step = max(1, BLOCK // collected.shape[0])
@@ -206,7 +205,6 @@ class Index:
         wanted = {'words': number or how.get('words', WORDS), 'seed': how.get('seed', 0) if seed is None else seed}
         if any(how.get(name) != value for name, value in wanted.items()) or (
                 len(features.images) >= GROWTH * how['images']):
-            shutil.rmtree(self.folder, ignore_errors=True)
             images = self._each(features, range(len(features.names)), 'drawing words')
             words = choose_words(images, wanted['words'], wanted['seed'])
             how = json.dumps(dict(wanted, images=len(features.images)))
@@ -248,8 +246,9 @@ class Index:
             tables[part] = pa.table(columns, ['word', 'count'])
             self._keep(f'{digest}-{features.names[part]}', tables[part])
         with contextlib.suppress(OSError):  # removes tables of parts that are gone
+            store.clean(self.folder)
             kept = {'words.parquet', *(f'{digest}-{name}' for name in features.names)}
-            for name in set(os.listdir(self.folder)) - kept:
+            for name in set(store.parts_in(self.folder)) - kept:
                 os.remove(os.path.join(self.folder, name))
         parts = [np.zeros(1, np.int64)], [np.zeros(0, np.int32)], [np.zeros(0, np.float32)]
         for table in tables:

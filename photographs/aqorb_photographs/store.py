@@ -31,7 +31,7 @@ import pyarrow.compute as pc
 import pyarrow.parquet as pq
 
 import aqorb
-from aqorb_photographs import InputError, images, map_ahead
+from aqorb_photographs import InputError, images, map_ahead, sentence_of
 
 FLOATS, INTEGERS = pa.list_(pa.float32()), pa.list_(pa.int32())
 KEYPOINTS = [(name, FLOATS) for name in ('x', 'y', 'size', 'angle', 'response')] + [('octave', INTEGERS)]
@@ -59,26 +59,34 @@ def parts_in(folder):
     return sorted(name for name in os.listdir(folder) if name.endswith('.parquet') and name[0] not in '._')
 
 
+@contextlib.contextmanager
+def replacing(path):
+    """Opens a binary file that appears under its name when it is complete, or not at all."""
+    folder, name = os.path.split(path)
+    unfinished = os.path.join(folder, f'.{name}.{secrets.token_hex(4)}.unfinished')  # no program reads this name
+    try:
+        with open(unfinished, 'wb') as file:
+            yield file
+            file.flush()
+            os.fsync(file.fileno())
+        os.replace(unfinished, path)
+    except BaseException:
+        with contextlib.suppress(OSError):
+            os.remove(unfinished)
+        raise
+
+
 def write_part(folder, table, name=None, group=GROUP):
     """Writes a part with row groups of `group` rows. Without a name, it gets a name after all parts of the folder."""
     os.makedirs(folder, exist_ok=True)
     if name is None:
         times = [int(found[1]) + 1 for found in map(re.compile(r'part-(\d{15})-').match, parts_in(folder)) if found]
         name = f'part-{max([time.time_ns() // 10**6] + times):015}-{secrets.token_hex(4)}.parquet'
-    unfinished = os.path.join(folder, f'.{name}.{secrets.token_hex(4)}.unfinished')  # no program reads this name
-    try:
-        with open(unfinished, 'wb') as file:
-            # No dictionaries for most columns of lists: hardly two numbers are equal.
-            repeated = [field.name for field in table.schema if not pa.types.is_list(field.type)]
-            pq.write_table(table, file, max(1, group), write_page_checksum=True,
-                           use_dictionary=repeated + ['size.list.element', 'octave.list.element'])
-            file.flush()
-            os.fsync(file.fileno())
-        os.replace(unfinished, os.path.join(folder, name))
-    except BaseException:
-        with contextlib.suppress(OSError):
-            os.remove(unfinished)
-        raise
+    with replacing(os.path.join(folder, name)) as file:
+        # No dictionaries for most columns of lists: hardly two numbers are equal.
+        repeated = [field.name for field in table.schema if not pa.types.is_list(field.type)]
+        pq.write_table(table, file, max(1, group), write_page_checksum=True,
+                       use_dictionary=repeated + ['size.list.element', 'octave.list.element'])
 
 
 def write_rows(folder, rows):
@@ -105,7 +113,7 @@ def reading(path):
         yield
     except (InputError, FileNotFoundError, IsADirectoryError, PermissionError):
         raise
-    except Exception as error:  # pyarrow raises errors of many types
+    except (pa.ArrowException, EOFError, OSError, TypeError, ValueError) as error:
         raise InputError(f'{path} is damaged, or not a part of aqorb: '
                          f'{" ".join(str(error).split()) or type(error).__name__}') from error
 
@@ -259,7 +267,7 @@ def extract(files, detector, how=images.Reading(), threads=1):
             scale_up(features, picture)
             return to_row(file, picture, features, parameters), picture.note
         except Exception as error:  # decoders raise errors of any kind
-            return None, getattr(error, 'strerror', None) or str(error) or type(error).__name__
+            return None, sentence_of(error)
 
     with concurrent.futures.ThreadPoolExecutor(threads) as pool:
         for file, (row, note) in map_ahead(pool, row_of, files, 2 * threads):
@@ -278,7 +286,7 @@ def scale_up(features, picture):
 def to_row(file, picture, features, parameters):
     """Returns the row of one image as a table."""
     if len(features.x) >= 2**26:
-        raise ValueError(f'an image has at most {2**26 - 1} features, got {len(features.x)}')  # 2 GB of descriptors
+        raise InputError(f'an image has at most {2**26 - 1} features, got {len(features.x)}')  # 2 GB of descriptors
     digest = hashlib.blake2b(digest_size=8)
     for array in features[:7]:
         digest.update(array)

@@ -6,6 +6,7 @@
 
 import os
 import pathlib
+import re
 import resource
 import shutil
 import signal
@@ -20,7 +21,7 @@ import pyarrow.dataset as dataset
 import pytest
 
 import aqorb
-from aqorb_photographs import images
+from aqorb_photographs import images, store
 from conftest import (LINUX, Image, call_of, command, encoded, expected, noise, parts_of, peak_memory, pq, refused,
                       rows, run, start)
 from test_damage import content_of
@@ -145,11 +146,30 @@ def test_two_at_once(folder, features, tmp_path):
 def test_a_full_disk(folder, features, tmp_path):
     for arguments in (['extract', folder, '--out', tmp_path / 'f'],
                       ['match', features, '--pairs', 'exhaustive', '--out', tmp_path / 'm'],
+                      ['pairs', features, '--retrieval', 39, '--out', tmp_path / 'p.txt'],
+                      ['draw', folder / '00.png', folder / '00.png', '--out', tmp_path / 'x.bmp'],
                       ['colmap', features, '--images', folder, '--database', tmp_path / 'x.db']):
-        finished = command(*arguments, preexec_fn=lambda: resource.setrlimit(resource.RLIMIT_FSIZE, (20000, 20000)))
+        finished = command(*arguments, preexec_fn=lambda: resource.setrlimit(resource.RLIMIT_FSIZE, (5000, 5000)))
         assert finished.returncode == 1 and 'Traceback' not in finished.stderr, finished.stderr
         assert 'aqorb: ' in finished.stderr.splitlines()[-1]
     assert not [name for _, _, names in os.walk(tmp_path) for name in names]
+
+
+@pytest.mark.parametrize('name, where', [('scale_up', 'extract'), ('clean', 'extract'), ('to_matches', 'match')])
+def test_faults_of_our_own(features, tmp_path, monkeypatch, name, where):
+    def fail(*_):
+        return np.zeros(2) + np.zeros(3)  # a ValueError of numpy
+
+    monkeypatch.setattr(store, name, fail)
+    arguments = {'extract': [tmp_path / 'new.png', '--out', shutil.copytree(features, tmp_path / 'f')],
+                 'match': [features, '--pairs', 'sequential:1', '--out', tmp_path / 'm']}[where]
+    Image.fromarray(noise(99)).save(tmp_path / 'new.png')
+    for is_shown in False, True:
+        if is_shown:
+            monkeypatch.setenv('AQORB_TRACEBACK', '1')
+        errors = command(where, *arguments).stderr
+        assert re.search('unforeseen .*Error: .*. Please report this fault of aqorb', errors), errors
+        assert ('Traceback' in errors) == is_shown
 
 
 @pytest.mark.skipif(os.name == 'nt', reason='signals of Unix')

@@ -174,6 +174,8 @@ def test_a_png_with_much_text():
     info.add_text('history', 'x' * 2**21, zip=True)
     content = encoded(Image.fromarray(noise(1)), 'PNG', pnginfo=info, icc_profile=bytes(2**21))
     assert np.array_equal(read(content)[0], noise(1))
+    with pytest.raises(ValueError, match='(?i)too large'):  # the rest of the program keeps Pillow's limits
+        Image.open(io.BytesIO(content)).load()
 
 
 def test_images_with_many_pixels():
@@ -182,6 +184,8 @@ def test_images_with_many_pixels():
     with pytest.raises(ValueError, match='14000 x 13000 pixels are more than --max-pixels 178956970'):
         read(content)
     assert read(content, max_pixels=2 * 10**8)[1] == (14000, 13000)
+    with pytest.raises(Image.DecompressionBombError):
+        Image.open(io.BytesIO(content))
 
 
 def test_what_exif_says():

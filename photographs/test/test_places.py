@@ -7,6 +7,7 @@
 import os
 import re
 import shutil
+import time
 
 import numpy as np
 import pytest
@@ -162,6 +163,17 @@ def test_the_index_follows_the_parts(features, tmp_path):
     store.write_part(path, many)  # has grown a lot
     grown = index_of(path)
     assert grown[1].shape[0] == 100 + len(read.images) and len(grown[0]) > len(words)
+
+
+def test_unfinished_parts_of_other_processes(features, tmp_path):
+    shutil.copytree(features, tmp_path / 'f')
+    index_of(str(tmp_path / 'f'))
+    for name, age in ('.new.unfinished', 0), ('.old.unfinished', 7200):
+        (tmp_path / 'f.index' / name).touch()
+        os.utime(tmp_path / 'f.index' / name, (time.time() - age,) * 2)
+    places.Index(store.Features(str(tmp_path / 'f'), ['name', 'x', 'response', 'descriptors']), seed=1)
+    assert list(tmp_path.glob('f.index/.*')) == [tmp_path / 'f.index' / '.new.unfinished']
+    assert len(os.listdir(tmp_path / 'f.index')) == 6
 
 
 def test_an_index_that_is_damaged_or_cannot_be_kept(features, tmp_path):

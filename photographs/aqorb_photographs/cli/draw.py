@@ -71,6 +71,6 @@ def save(out, pictures, ends, others=((), ())):
         canvas.line(line.tolist(), colour)
         for x, y in line.reshape(2, 2):
             canvas.ellipse((x - 3, y - 3, x + 3, y + 3), outline=colour)
-    unfinished = f'{os.path.splitext(out)[0]}.unfinished{os.path.splitext(out)[1]}'
-    drawn.save(unfinished)
-    os.replace(unfinished, out)
+    from aqorb_photographs import store
+    with store.replacing(out) as file:
+        drawn.save(file, Image.EXTENSION[os.path.splitext(out)[1].lower()])

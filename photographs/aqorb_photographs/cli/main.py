@@ -10,6 +10,7 @@ import sys
 import warnings
 
 import aqorb
+from aqorb_photographs import sentence_of
 from aqorb_photographs.cli import colmap, draw, extract, match, options, search
 
 
@@ -44,14 +45,14 @@ def call(arguments):
             return given.run(given)
         finally:
             sys.stdout.flush()
-    except ImportError as error:
-        return f'aqorb: {error}. To install all packages, in a clone of aqorb: pip install . ./photographs'
-    except OSError as error:
-        if isinstance(error.filename, (bytes, str)):
-            return f'aqorb: {options.shown(os.fsdecode(error.filename))}: {error.strerror}'
-        os.dup2(os.open(os.devnull, os.O_WRONLY), 1)  # keeps the exit from writing to a broken output again
-        return 0 if isinstance(error, BrokenPipeError) else f'aqorb: {error}'  # | head closes the pipe
-    except MemoryError:
-        return 'aqorb: there is not enough memory'
-    except (ValueError, EOFError, RuntimeError) as error:
-        return f'aqorb: {options.shown(" ".join(str(error).split()))}'
+    except Exception as error:
+        text = options.shown(' '.join(sentence_of(error).split()))
+        if isinstance(error, ImportError):
+            text += '. To install all packages, in a clone of aqorb: pip install . ./photographs'
+        elif isinstance(error, OSError) and isinstance(error.filename, (bytes, str)):
+            text = f'{options.shown(os.fsdecode(error.filename))}: {text}'
+        elif isinstance(error, OSError):
+            os.dup2(os.open(os.devnull, os.O_WRONLY), 1)  # keeps the exit from writing to a broken output again
+        elif isinstance(error, MemoryError):
+            text = 'there is not enough memory'
+        return 0 if isinstance(error, BrokenPipeError) else f'aqorb: {text}'  # | head closes the pipe

@@ -125,11 +125,9 @@ def list_pairs(given):
     pairs = similar(given, features, given.retrieval, given.sequential)
     names = list(map(options.shown, features.images))
     gap = '\t' if any(' ' in name for name in names) else ' '
-    unfinished = given.out + '.unfinished'
-    with open(unfinished, 'w', encoding='utf-8') as file:
+    with store.replacing(given.out) as file:
         for first, second in pairs:
-            print(names[first], names[second], sep=gap, file=file)
-    os.replace(unfinished, given.out)
+            file.write(f'{names[first]}{gap}{names[second]}\n'.encode())
     options.say(given, f'{given.out}: {options.count_of(len(pairs), "pair")}')
     return int(not len(pairs))
 
