@@ -8,6 +8,7 @@
 #include "reference_refinement.hpp"
 
 #include <limits>
+#include <numeric>
 #include <map>
 
 namespace opencv_test
@@ -500,6 +501,63 @@ TEST(Aqorb_Growth, bad_keypoints_grow_nothing_and_bad_arguments_raise)
     EXPECT_TRUE(none.matches.empty() && none.points1.empty() && none.deviations.empty());
     EXPECT_EQ(views.keypoints1.size(), none.keypoints1.size());
     EXPECT_EQ(views.keypoints2.size(), none.keypoints2.size());
+}
+
+TEST(Aqorb_MatchImages, makes_the_calls_that_the_header_lists)
+{
+    MatchedViews views = viewsOf(Texture(3), similarity(1.1, 20, 5, -8), 1, 0, 2);
+    const Ptr<AdaptiveQuadtreeORB> detector = AdaptiveQuadtreeORB::create(300);
+    const Features features[] = {detectAndCompute(*detector, views.image1),
+                                 detectAndCompute(*detector, views.image2)};
+    aqorb::HammingMatcher(NORM_HAMMING, true)
+        .match(features[0].descriptors, features[1].descriptors, views.matches);
+    views.keypoints1 = features[0].keypoints;
+    views.keypoints2 = features[1].keypoints;
+    const Grown expected = grow(views);
+    std::vector<size_t> order(expected.matches.size());
+    std::iota(order.begin(), order.end(), size_t(0));
+    std::stable_sort(order.begin(), order.end(),
+                     [&](size_t a, size_t b) { return expected.deviations[a] < expected.deviations[b]; });
+    for (const int count : {1, 4})
+    {
+        const Threads threads(count);
+        std::vector<Point2f> points1(1), points2;
+        std::vector<float> deviations(2);
+        aqorb::matchImages(views.image1, views.image2.getUMat(ACCESS_READ), points1, points2, deviations,
+                           300);
+        ASSERT_GT(order.size(), 100u);
+        ASSERT_EQ(order.size(), deviations.size());
+        for (size_t i = 0; i < order.size(); i++)
+            ASSERT_TRUE(points1[i] == expected.points1[order[i]] &&
+                        points2[i] == expected.points2[order[i]] &&
+                        deviations[i] == expected.deviations[order[i]]);
+    }
+}
+
+TEST(Aqorb_MatchImages, gives_no_points_of_empty_images_and_refuses_bad_ones)
+{
+    const Mat image = viewsOf(Texture(3), similarity(1, 0, 3, 0)).image1, black = Mat::zeros(90, 80, CV_8UC3);
+    std::vector<Point2f> points1(3), points2(3);
+    std::vector<float> deviations(3);
+    const auto match = [&](InputArray a, InputArray b, int n = 500)
+    { aqorb::matchImages(a, b, points1, points2, deviations, n); };
+    AQORB_BAD("image1", "CV_32F", match(Mat1f(9, 9), image));
+    AQORB_BAD("image2", "CV_8UC2", match(image, Mat(9, 9, CV_8UC2)));
+    AQORB_BAD("image2", "2", match(image, std::vector<Mat>(2, image)));
+    AQORB_BAD("nfeatures", "-1", match(image, image, -1));
+    EXPECT_EQ(3u, points1.size() + points2.size() - deviations.size());
+    for (const Mat& nothing : {Mat(), black})
+    {
+        for (const bool isFirst : {true, false})
+        {
+            points1.resize(3);
+            isFirst ? match(nothing, image) : match(image, nothing);
+            EXPECT_TRUE(points1.empty() && points2.empty() && deviations.empty());
+        }
+    }
+    match(image, noArray());
+    match(image, image, 0);
+    EXPECT_TRUE(points1.empty());
 }
 
 }  // namespace

@@ -20,8 +20,8 @@ An invalid value raises aqorb.error, which is a ValueError and, with cv2, a cv2.
 TypeError. Both messages name the parameter. A lack of memory raises a MemoryError.
 
 HammingMatcher has the methods and the matches of cv2.BFMatcher for binary descriptors, but faster. matchArrays,
-knnMatchArrays, matchByPosition and matchGuided return matches as arrays. refineMatches and refineMatchArrays align the images at
-each match, and remove wrong matches.
+knnMatchArrays, matchByPosition and matchGuided return matches as arrays. refineMatches and refineMatchArrays align the
+images at each match, and remove wrong matches. matchImages takes two images to exact pairs of points.
 
 Some names are not in cv2.aqorb. detectAndComputeArrays returns keypoints as one array of keypoint_dtype, and
 keypointsToArray and keypointsFromArray convert keypoints. Each function accepts an array of keypoints, and then returns
@@ -36,7 +36,7 @@ from ._aqorb import (AdaptiveQuadtreeORB, AdaptiveQuadtreeORB_QUADTREE_SELECTION
                      HammingMatcher_create, __version__, _build_information, _from_text, adaptiveFastThreshold,
                      distributionOccupancy, distributionUniformity, getNumThreads, growMatchArrays, growMatches,
                      keypoint_dtype, keypointsFromArray, keypointsToArray, knnMatchArrays, matchArrays, matchByPosition,
-                     matchGuided, refineMatchArrays, refineMatchArraysWithDeviations, refineMatches,
+                     matchGuided, matchImages, refineMatchArrays, refineMatchArraysWithDeviations, refineMatches,
                      refineMatchesWithDeviations, retainUniform, setNumThreads)
 from ._feature_batch import FeatureBatch
 
@@ -44,9 +44,9 @@ __all__ = ['AdaptiveQuadtreeORB', 'AdaptiveQuadtreeORB_QUADTREE_SELECTION', 'Ada
            'AdaptiveQuadtreeORB_create', 'FeatureBatch', 'HammingMatcher', 'HammingMatcher_create',
            'adaptiveFastThreshold', 'computeImageFeatures2', 'distributionOccupancy', 'distributionUniformity', 'error',
            'getNumThreads', 'growMatchArrays', 'growMatches', 'keypoint_dtype', 'keypointsFromArray',
-           'keypointsToArray', 'knnMatchArrays', 'matchArrays', 'matchByPosition', 'matchGuided', 'refineMatchArrays',
-           'refineMatchArraysWithDeviations', 'refineMatches', 'refineMatchesWithDeviations', 'refinePoints',
-           'retainUniform', 'setNumThreads']
+           'keypointsToArray', 'knnMatchArrays', 'matchArrays', 'matchByPosition', 'matchGuided', 'matchImages',
+           'refineMatchArrays', 'refineMatchArraysWithDeviations', 'refineMatches', 'refineMatchesWithDeviations',
+           'refinePoints', 'retainUniform', 'setNumThreads']
 
 
 def computeImageFeatures2(featuresFinder, image, mask=None):

@@ -227,6 +227,20 @@ ArraysAndDeviations growMatchArrays(const OptionalArrayObject& image1, const Key
                            toArray(refined.points2), toArray(refined.deviations));
 }
 
+std::tuple<ArrayObject, ArrayObject, ArrayObject>
+matchImages(const OptionalArrayObject& image1, const OptionalArrayObject& image2, const IntObject& nfeatures)
+{
+    const Pixels first = toImage(image1.object, "image1"), second = toImage(image2.object, "image2");
+    const int count = valueOf(nfeatures, "nfeatures");
+    Refined found;
+    withoutGil(
+        [&] {
+            cv::aqorb::matchImages(first.mat, second.mat, found.points1, found.points2, found.deviations,
+                                   count);
+        });
+    return std::make_tuple(toArray(found.points1), toArray(found.points2), toArray(found.deviations));
+}
+
 }  // namespace
 
 void addRefinement(py::module_& module)
@@ -273,6 +287,12 @@ void addRefinement(py::module_& module)
         "int32 of shape (n, 2), with -1 in the column of the image into which a match grew; their\n"
         "positions in image 1 and in image 2; and the standard deviations of the positions that moved,\n"
         "in pixels.");
+    module.def(
+        "matchImages", &matchImages, arg("image1"), arg("image2"), arg("nfeatures") = 1000,
+        "Detects keypoints in two images, matches them with a cross check and grows the matches\n"
+        "both ways. Returns the positions of the matches in image 1 and in image 2, float32 of shape\n"
+        "(n, 2), and the standard deviations of these positions in pixels, float32 of shape (n,). The\n"
+        "most certain match comes first.");
 }
 
 }  // namespace aqorb_python

@@ -108,6 +108,25 @@ def test_matches_grow(pair):
             assert np.array_equal(places['pt'][column[len(refined):]], moved[len(refined):])
 
 
+def test_images_are_matched(pair):
+    image1, _, image2 = pair[:3]
+    points1, points2, deviations = aqorb.matchImages(image1, image2, 300)
+    assert points1.dtype == points2.dtype == deviations.dtype == np.float32
+    assert points1.shape == points2.shape == (len(deviations), 2) and (np.diff(deviations) >= 0).all()
+    _, expected1, expected2, unsorted = aqorb.growMatchArrays(*pair)
+    order = np.argsort(unsorted, kind='stable')
+    assert all(map(np.array_equal, (points1, points2, deviations), (expected1[order], expected2[order], unsorted[order])))
+    assert len(points1) > 200 and np.median(np.abs(points2 - points1 - [SHIFT, 0]).max(1)) < .05
+    colours = [cv.cvtColor(image, cv.COLOR_GRAY2BGR) for image in (image1, image2)]
+    assert np.array_equal(aqorb.matchImages(*colours, nfeatures=300)[1], points2)
+    for nothing in None, np.zeros((0, 0), np.uint8), np.zeros((90, 120), np.uint8):
+        for images in (image1, nothing), (nothing, image2):
+            assert [each.shape for each in aqorb.matchImages(*images)] == [(0, 2), (0, 2), (0,)]
+    for name, arguments in ('image1', (image1 / 2, image2)), ('image2', (image1, image2[0])), ('nfeatures', (*images, -1)):
+        with pytest.raises(aqorb.error, match=name + ' must'):
+            aqorb.matchImages(*arguments)
+
+
 def test_points_without_sizes_are_refined(pair):
     image1, keypoints1, image2 = pair[:3]
     points1 = keypoints1['pt']

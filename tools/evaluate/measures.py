@@ -4,6 +4,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """What is measured of the features of one image or two."""
 
+import time
 from typing import NamedTuple
 
 import aqorb
@@ -14,6 +15,9 @@ GRID = 16, 12
 CORRECT = 3  # pixels of the second image
 DISTINCT = 4  # pixels
 NO_HOMOGRAPHY = 1e6
+RIGHT = 1.5  # pixels, of the errors that are compared with deviations
+FIFTHS = [''] + ['{} fifth, px'.format(which) for which in ('first', 'second', 'third', 'fourth', 'last')] + ['all']
+TURNS = 5
 
 
 class Features(NamedTuple):
@@ -162,12 +166,43 @@ def start_matches(a, b):
     return a['pt'][of[kept]], b['pt'][to[kept]]
 
 
+def fundamental_of(camera, rotation, translation):
+    """The fundamental matrix of two images of one camera, from the motion from its first place to the second."""
+    x, y, z = translation
+    inverse = np.linalg.inv(camera)
+    return inverse.T @ np.array([[0, -z, y], [z, 0, -x], [-y, x, 0]]) @ rotation @ inverse
+
+
+def off_lines(first, second, fundamental):
+    """The distances of the second points from the epipolar lines of the first ones, in pixels."""
+    first, second = (np.column_stack([points, np.ones(len(points))]) for points in (first, second))
+    lines = first @ fundamental.T
+    return np.abs((lines * second).sum(1)) / np.hypot(lines[:, 0], lines[:, 1])
+
+
 def correct_starts(first, second, camera, motion):
     """How many matches lie within 2 pixels of the epipolar line of their first point.
     @param motion from coordinates of the first frame to those of the second"""
-    x, y, z = motion[:3, 3]
-    inverse = np.linalg.inv(camera)
-    fundamental = inverse.T @ np.array([[0, -z, y], [z, 0, -x], [-y, x, 0]]) @ motion[:3, :3] @ inverse
-    first, second = (np.column_stack([points, np.ones(len(points))]) for points in (first, second))
-    lines = first @ fundamental.T
-    return int((np.abs((lines * second).sum(1)) <= 2 * np.hypot(lines[:, 0], lines[:, 1])).sum())
+    return int((off_lines(first, second, fundamental_of(camera, motion[:3, :3], motion[:3, 3])) <= 2).sum())
+
+
+def fifths(title, errors, deviations):
+    """A row of the median deviation and the share of errors below the deviation, by fifths of the deviations."""
+    right = errors <= RIGHT
+    order = np.flatnonzero(right)[np.argsort(deviations[right])]
+    return [title] + ['{:.3f}: {:.0f} %'.format(np.median(deviations[part]), 100 * (errors < deviations)[part].mean())
+                      for part in np.array_split(order, 5) + [order]]
+
+
+def times_as_fast(usual, others, inputs):
+    """How many times as fast the other functions are: medians over the inputs, measured in turns on one thread."""
+    ratios = []
+    for each in inputs:
+        seconds = [[] for _ in range(1 + len(others))]
+        for _ in range(TURNS):
+            for function, spent in zip([usual] + others, seconds):
+                start = time.perf_counter()
+                function(*each)
+                spent.append(time.perf_counter() - start)
+        ratios.append([np.median(seconds[0]) / np.median(spent) for spent in seconds[1:]])
+    return ['1'] + ['{:.1f}'.format(ratio) for ratio in np.median(ratios, axis=0)]

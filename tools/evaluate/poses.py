@@ -5,6 +5,7 @@
 """Relative poses of calibrated photographs and of a sequence: detected, refined and grown matches by each estimator."""
 
 import os
+import tempfile
 import time
 from typing import NamedTuple
 
@@ -13,15 +14,21 @@ import cv2
 import numpy as np
 
 import images
+import measures
 from methods import Method
 
-SCENES = ['fountain-P11', 'entry-P10']
+GIVEN = ['fountain-P11', 'entry-P10']  # scenes that scripts/measure.sh fetches; a clone may have more
 WIDTH = 1024  # of the photographs
 GAPS = {'photographs': [1, 2, 3], 'sequence': [1, 2, 3, 5, 8]}  # between the two images of a pair
-THRESHOLDS = [.18, .25, .5, 1]  # pixels; a row shows the one that is best for it
+THRESHOLDS, COARSE = [.12, .18, .25, .35], [.18, .5, 1]  # pixels; a row of the first table shows the best of COARSE
+RECIPE = .18  # pixels, by the tutorial on matching
 UNCERTAIN, FEWEST = .35, 40  # matches of larger deviations, in pixels, are left out, but for so many
+REACH, AGREES = 3, 1.5  # pixels, of the second pass
 POSELIB = {'min_iterations': 100, 'max_iterations': 5000}  # 1000 at least are four times slower, and no better
-STAGES = ['as detected', 'refined', 'grown', 'grown, certain']
+ORDERS, SEEDS = 10, 3  # OpenCV's estimators have no seed, but depend on the order of the matches
+STAGES = ['as detected', 'refined', 'one way', 'both ways']
+STRANGERS = 2000  # pairs of different places
+INLIERS = [10, 14, 17, 20, 25, 30, 40]
 
 
 class Row(NamedTuple):
@@ -50,10 +57,10 @@ def pairs_of(offset, camera, poses, gaps):
             for gap in gaps for i in range(len(poses) - gap)]
 
 
-def read_scenes(folder):
+def read_scenes(folder, scenes=GIVEN):
     """The images of Strecha's scenes, reduced to the same width, and their pairs."""
     pictures, pairs = [], []
-    for scene in SCENES:
+    for scene in scenes:
         path, poses, offset = os.path.join(folder, scene), [], len(pictures)
         for name in sorted(os.listdir(os.path.join(path, 'gt_dense_cameras'))):
             image = images.read_image(os.path.join(path, 'images', name.split('.')[0]))
@@ -86,44 +93,84 @@ def certain(first, second, deviations):
     return first[kept], second[kept]
 
 
-def points_of(row, n, pictures, pairs):
-    """For each stage the points of each pair."""
-    method, stages = Method(row.detector), {stage: [] for stage in STAGES}
+class Matched(NamedTuple):
+    """Two images with their keypoints and descriptors, and the pairs of mutual nearest neighbours."""
+    row: Row
+    views: tuple  # what aqorb's functions take
+    descriptors: tuple
+    pairs: np.ndarray
+
+    def refine(self, pairs):
+        return aqorb.refineMatchArraysWithDeviations(*self.views, pairs, .8, self.row.scale)
+
+    def grow(self, pairs, both_ways):
+        return aqorb.growMatchArrays(*self.views, pairs, scaleFactor=self.row.scale, bothWays=both_ways)[1:]
+
+
+def matched(row, n, pictures, pairs):
+    method = Method(row.detector)
     features = [method.compute(picture, n) for picture in pictures]
     for pair in pairs:
         a, b = features[pair.first], features[pair.second]
-        matches = mutual(a, b, method.norm, row.ratio)
-        both = pictures[pair.first], a.keypoints, pictures[pair.second], b.keypoints
-        indices = np.array([(match.queryIdx, match.trainIdx) for match in matches], int).reshape(-1, 2)
-        stages['as detected'].append((a.keypoints['pt'][indices[:, 0]], b.keypoints['pt'][indices[:, 1]]))
-        stages['refined'].append(aqorb.refineMatchArrays(*both, indices, scaleFactor=row.scale)[1:])
-        _, *points, deviations = aqorb.growMatchArrays(*both, indices, scaleFactor=row.scale)
-        stages['grown'].append(points)
-        stages['grown, certain'].append(certain(*points, deviations))
+        if method.norm == cv2.NORM_HAMMING and not row.ratio:
+            indices = aqorb.matchArrays(a.descriptors, b.descriptors)[0]
+        else:
+            indices = np.array([(match.queryIdx, match.trainIdx) for match in mutual(a, b, method.norm, row.ratio)])
+        yield Matched(row, (pictures[pair.first], a.keypoints, pictures[pair.second], b.keypoints),
+                      (a.descriptors, b.descriptors), indices.reshape(-1, 2).astype(int))
+
+
+def points_of(row, n, pictures, pairs):
+    """For each stage the points of each pair, and their deviations."""
+    stages = {stage: [] for stage in STAGES}
+    for each in matched(row, n, pictures, pairs):
+        found = [*(each.views[2 * i + 1]['pt'][each.pairs[:, i]] for i in range(2)), np.zeros(len(each.pairs))]
+        for stage, points in zip(STAGES, (found, each.refine(each.pairs)[1:], each.grow(each.pairs, False),
+                                          each.grow(each.pairs, True))):
+            stages[stage].append(points)
     return stages
 
 
+def second_pass(each, fundamental, both_ways):
+    """The points that grow from the matches along epipolar lines, as in the tutorial on matching."""
+    def agreeing(pairs):
+        pairs, first, second, _ = each.refine(pairs)
+        return pairs[measures.off_lines(first, second, fundamental) <= AGREES]
+    seeds = agreeing(each.pairs)
+    guided, _ = aqorb.matchGuided(each.descriptors[0], each.views[1], each.descriptors[1], each.views[3], fundamental,
+                                  REACH)
+    return each.grow(np.vstack([seeds, agreeing(guided[~np.isin(guided[:, 0], seeds[:, 0])])]), both_ways)
+
+
 def by_opencv(estimator):
-    def estimate(first, second, camera, threshold):
+    def estimate(first, second, camera, threshold, turn=0):
+        order = np.arange(len(first))
+        order = np.argsort(order + (turn > 0) * np.random.RandomState(turn).normal(0, 1 + len(first) / 20, len(first)))
+        first, second = first[order], second[order]
         essential, inliers = cv2.findEssentialMat(first, second, camera, estimator, .9999, threshold)
         if essential is None or essential.shape != (3, 3):
             return None
-        return cv2.recoverPose(essential, first, second, camera, mask=inliers)[1:3]
+        count = int(inliers.sum())
+        return (*cv2.recoverPose(essential, first, second, camera, mask=inliers)[1:3], count)
     return estimate
 
 
-def by_poselib(first, second, camera, threshold):
-    import poselib  # only this command needs it
-    model = {'model': 'PINHOLE', 'width': WIDTH, 'height': WIDTH,
-             'params': [camera[0, 0], camera[1, 1], camera[0, 2], camera[1, 2]]}
-    pose, _ = poselib.estimate_relative_pose(first, second, model, model, {'max_epipolar_error': threshold, **POSELIB},
-                                             {'loss_type': 'CAUCHY', 'loss_scale': threshold / 2})
-    return pose.R, pose.t.reshape(3, 1)
+def by_poselib(progressive):
+    def estimate(first, second, camera, threshold, turn=0):
+        import poselib  # only this command needs it
+        model = {'model': 'PINHOLE', 'width': WIDTH, 'height': WIDTH,
+                 'params': [camera[0, 0], camera[1, 1], camera[0, 2], camera[1, 2]]}
+        pose, info = poselib.estimate_relative_pose(
+            first, second, model, model,
+            {'max_epipolar_error': threshold, 'progressive_sampling': progressive, 'seed': turn, **POSELIB},
+            {'loss_type': 'CAUCHY', 'loss_scale': threshold / 2})
+        return pose.R, pose.t.reshape(3, 1), info['num_inliers']
+    return estimate
 
 
 ESTIMATORS = {name: by_opencv(getattr(cv2, name)) for name in
-              ['RANSAC', 'USAC_DEFAULT', 'USAC_PARALLEL', 'USAC_ACCURATE', 'USAC_PROSAC', 'USAC_MAGSAC']}
-ESTIMATORS['PoseLib'] = by_poselib
+              ['RANSAC', 'USAC_PARALLEL', 'USAC_ACCURATE', 'USAC_PROSAC', 'USAC_MAGSAC']}
+ESTIMATORS.update({'PoseLib, unsorted': by_poselib(False), 'PoseLib': by_poselib(True)})
 BEST = 'USAC_MAGSAC' if cv2.__version__.startswith('4.6.') else 'USAC_ACCURATE'  # by the second table
 
 
@@ -141,39 +188,118 @@ def angle(cosine):
     return np.degrees(np.arccos(np.clip(cosine, -1, 1)))
 
 
-def measured(estimator, points, pairs):
-    """By threshold, the larger error of the rotation and of the direction in degrees for each pair; and the median
-    processor time of an estimate in milliseconds."""
-    errors, times = {}, []
-    for threshold in THRESHOLDS:
-        cv2.setRNGSeed(1)
-        errors[threshold] = []
-        for (first, second), pair in zip(points, pairs):
-            start = time.process_time()
-            pose = ESTIMATORS[estimator](first, second, pair.camera, threshold) if len(first) >= 5 else None
-            times.append(1000 * (time.process_time() - start))
-            if pose is None:
-                errors[threshold].append(180)
-                continue
-            rotation, direction = pair.motion[:3, :3], pair.motion[:3, 3]
-            errors[threshold].append(max(angle((np.trace(pose[0].T @ rotation) - 1) / 2),
-                                         angle(pose[1][:, 0] @ direction / np.linalg.norm(direction))))
+def pose_error(pose, motion):
+    """The larger error of the rotation and of the direction in degrees."""
+    if pose is None:
+        return 180
+    rotation, direction = motion[:3, :3], motion[:3, 3]
+    return max(angle((np.trace(pose[0].T @ rotation) - 1) / 2),
+               angle(pose[1][:, 0] @ direction / np.linalg.norm(direction)))
+
+
+def estimated(estimator, points, camera, threshold, turn=0):
+    return ESTIMATORS[estimator](*points, camera, threshold, turn) if len(points[0]) >= 5 else None
+
+
+def measured(estimator, points, pairs, thresholds=THRESHOLDS):
+    """By threshold, the errors of all pairs, each with several orders or seeds; and the median processor time of an
+    estimate in milliseconds."""
+    errors, times = {threshold: [] for threshold in thresholds}, []
+    for threshold in thresholds:
+        for each, pair in zip(points, pairs):
+            for turn in range(SEEDS if 'PoseLib' in estimator else ORDERS):
+                start = time.process_time()
+                pose = estimated(estimator, each, pair.camera, threshold, turn)
+                times.append(1000 * (time.process_time() - start))
+                errors[threshold].append(pose_error(pose, pair.motion))
     return errors, np.median(times)
 
 
-def rows_of(row, stages, pairs):
+def stage_rows(row, stages, pairs):
     for stage, points in stages.items():
+        points = [certain(*each) for each in points]
         cells = ['{}, {}'.format(row.title, stage), '{:.0f}'.format(np.mean([len(first) for first, _ in points]))]
         for estimator in (BEST, 'PoseLib'):
-            cells += best_area(measured(estimator, points, pairs)[0], (1, 5))
+            cells += best_area(measured(estimator, points, pairs, COARSE)[0], (1, 5))
         yield cells
 
 
-def estimator_rows(points, pairs):
+def guided_points(estimator, matches, stages, pairs, both_ways):
+    for each, points, pair in zip(matches, stages['both ways' if both_ways else 'one way'], pairs):
+        pose = estimated(estimator, certain(*points), pair.camera, RECIPE)
+        if pose is not None:
+            points = second_pass(each, measures.fundamental_of(pair.camera, pose[0], pose[1][:, 0]), both_ways)
+        yield certain(*points)
+
+
+def estimator_rows(matches, stages, pairs):
     for estimator in ESTIMATORS:
-        errors, milliseconds = measured(estimator, points, pairs)
-        areas = [' / '.join(best_area({threshold: each}, (1, 5))[:2]) for threshold, each in errors.items()]
-        yield [estimator] + areas + ['{:.1f}'.format(milliseconds)]
+        variants = {stage: [certain(*each) for each in stages[stage]] for stage in STAGES[2:]}
+        variants['both ways, all'] = [[each[np.argsort(points[2])] for each in points[:2]]
+                                      for points in stages['both ways']]
+        variants['guided'] = list(guided_points(estimator, matches, stages, pairs, False))
+        variants['guided, both ways'] = list(guided_points(estimator, matches, stages, pairs, True))
+        for variant, points in variants.items():
+            errors, milliseconds = measured(estimator, points, pairs)
+            areas = [' / '.join(best_area({threshold: each}, (1, 5))[:2]) for threshold, each in errors.items()]
+            yield [estimator, variant] + areas + ['{:.1f}'.format(milliseconds)]
+
+
+def coverage_rows(stages, pairs):
+    """How many epipolar distances of right matches are below the deviations."""
+    grown = stages['one way']
+    distances = [measures.off_lines(*points[:2], measures.fundamental_of(pair.camera, pair.motion[:3, :3],
+                                                                         pair.motion[:3, 3]))
+                 for points, pair in zip(grown, pairs)]
+    yield measures.fifths('epipolar distances', np.hstack(distances), np.hstack([each[2] for each in grown]))
+
+
+def strangers(groups):
+    """Pairs of images of different places, with one assumed camera."""
+    pictures = [(place, picture) for place, group in enumerate(groups) for picture in group]
+    random, pairs = np.random.RandomState(1), []
+    camera = np.array([[WIDTH, 0, WIDTH / 2], [0, WIDTH, WIDTH / 3], [0, 0, 1]])
+    while len(pairs) < STRANGERS:
+        first, second = random.randint(len(pictures), size=2)
+        if pictures[first][0] != pictures[second][0]:
+            pairs.append(Pair(first, second, camera, None))
+    return [picture for _, picture in pictures], pairs
+
+
+def belief_rows(estimator, n, known, foreign):
+    """How many poses have at least so many inliers: of pairs of different places, wrong ones, and right ones."""
+    counts = {'foreign': [], 'wrong': [], 'right': []}
+    for pictures, pairs in (known, foreign):
+        for each, pair in zip(matched(ROWS[-1], n, pictures, pairs), pairs):
+            pose = estimated(estimator, certain(*each.grow(each.pairs, True)), pair.camera, RECIPE)
+            kind = 'foreign' if pair.motion is None else 'right' if pose_error(pose, pair.motion) < 5 else 'wrong'
+            counts[kind].append(pose[2] if pose else 0)
+    for least in INLIERS:
+        yield [str(least)] + ['{} of {}'.format(sum(count >= least for count in each), len(each))
+                              for each in counts.values()]
+
+
+def speed_rows(pictures, pairs):
+    """Two files to a pose on one thread, with cv2 alone and with matchImages."""
+    def read(*files):
+        return [cv2.imread(file, cv2.IMREAD_GRAYSCALE) for file in files]
+
+    def usual(first, second):
+        orb = cv2.ORB_create(1000)
+        (a, da), (b, db) = (orb.detectAndCompute(picture, None) for picture in read(first, second))
+        matches = cv2.BFMatcher(cv2.NORM_HAMMING, True).match(da, db)
+        return by_poselib(False)(np.float32([a[match.queryIdx].pt for match in matches]),
+                                 np.float32([b[match.trainIdx].pt for match in matches]), pairs[0].camera, 1)
+
+    def ours(first, second):
+        return by_poselib(True)(*certain(*aqorb.matchImages(*read(first, second))), pairs[0].camera, RECIPE)
+    cv2.setNumThreads(1)
+    aqorb.setNumThreads(1)
+    with tempfile.TemporaryDirectory() as folder:
+        files = [os.path.join(folder, '{}.jpg'.format(i)) for i in range(len(pictures))]
+        for file, picture in zip(files, pictures):
+            cv2.imwrite(file, picture)
+        yield measures.times_as_fast(usual, [ours], [(files[pair.first], files[pair.second]) for pair in pairs[::3]])
 
 
 def tables(options):
@@ -181,12 +307,27 @@ def tables(options):
     head = ['', 'matches']
     for estimator in (BEST, 'PoseLib'):
         head += [estimator + ', AUC at 1 degree', 'at 5 degrees', 'threshold, px']
-    for read, folder in ((read_scenes, options.scenes), (read_sequence, options.sequence)):
-        pictures, pairs = read(folder) if folder else ([], [])
-        for n in options.n if folder else []:
-            title = '{} pairs of {}, n = {}'.format(len(pairs), os.path.basename(folder), n)
+    more = [name for name in sorted(os.listdir(options.scenes))
+            if name not in GIVEN and os.path.isdir(os.path.join(options.scenes, name, 'gt_dense_cameras'))]
+    data = [('the given scenes', *read_scenes(options.scenes))] + [('other scenes', *read_scenes(options.scenes, more))]
+    if options.sequence:
+        data.append((os.path.basename(options.sequence), *read_sequence(options.sequence)))
+    for name, pictures, pairs in filter(lambda each: each[2], data):
+        for n in options.n:
+            title = '{} pairs of {}, n = {}'.format(len(pairs), name, n)
             stages = {row: points_of(row, n, pictures, pairs) for row in ROWS}
-            yield title, head, (cells for row in ROWS for cells in rows_of(row, stages[row], pairs))
-            yield ('{}, aqorb, grown, certain: AUC at 1 / 5 degrees'.format(title),
-                   ['estimator'] + ['{:g} px'.format(threshold) for threshold in THRESHOLDS] + ['ms'],
-                   estimator_rows(stages[ROWS[-1]]['grown, certain'], pairs))
+            yield title, head, (cells for row in ROWS for cells in stage_rows(row, stages[row], pairs))
+            matches, ours = list(matched(ROWS[-1], n, pictures, pairs)), stages[ROWS[-1]]
+            yield ('{}, aqorb, certain matches: AUC at 1 / 5 degrees'.format(title),
+                   ['estimator', ''] + ['{:g} px'.format(threshold) for threshold in THRESHOLDS] + ['ms'],
+                   estimator_rows(matches, ours, pairs))
+            yield 'Share of errors below the deviation, {}'.format(title), measures.FIFTHS, coverage_rows(ours, pairs)
+    _, pictures, pairs = data[0]
+    groups = [read_scenes(options.scenes, [scene])[0] for scene in GIVEN] + [read for _, read, _ in data[2:]]
+    groups += [images.read_folder(folder, WIDTH) for root in options.elsewhere for folder, _, _ in os.walk(root)]
+    for estimator in (BEST, 'PoseLib'):
+        yield ('{} at {:g} px: poses by their inliers'.format(estimator, RECIPE),
+               ['inliers at least', 'pairs of different places', 'wrong poses of the given scenes', 'right poses'],
+               belief_rows(estimator, options.n[0], (pictures, pairs), strangers(groups)))
+    yield ('Two JPEG files to their pose by PoseLib, times as fast', ['cv2.ORB and cv2.BFMatcher', 'matchImages'],
+           speed_rows(pictures, pairs))

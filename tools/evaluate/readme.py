@@ -4,8 +4,6 @@
 # SPDX-License-Identifier: Apache-2.0
 """README's table: cv::ORB as people use it, cv::ORB at its best with this module's functions, and aqorb."""
 
-import time
-
 import aqorb
 import cv2
 import numpy as np
@@ -14,10 +12,10 @@ import images
 import measures
 import poses
 
-N, OBJECT_N, TURNS = 1000, 500, 5
+N, OBJECT_N = 1000, 500
 TIMED = slice(0, None, 3)  # of the pairs
 USUAL_THRESHOLD = 1  # pixels, with cv2.RANSAC
-THRESHOLD = .25  # pixels, by the recipe of the tutorial on matching
+THRESHOLD = poses.RECIPE
 HEAD = ['', 'cv::ORB as people use it', 'cv::ORB at its best', 'aqorb']
 SETTINGS = [(edge, fast) for edge in (31, 16) for fast in (20, 5)]  # of cv::ORB; the best for each row counts
 
@@ -56,20 +54,6 @@ def within_a_degree(points_of, estimator, pictures, pairs):
             for threshold, errors in poses.measured(estimator, points, pairs)[0].items()}
 
 
-def times_as_fast(usual, others, inputs):
-    """How many times as fast the other functions are: medians over the inputs, measured in turns on one thread."""
-    ratios = []
-    for each in inputs:
-        seconds = [[] for _ in range(1 + len(others))]
-        for _ in range(TURNS):
-            for function, spent in zip([usual] + others, seconds):
-                start = time.perf_counter()
-                function(*each)
-                spent.append(time.perf_counter() - start)
-        ratios.append([np.median(seconds[0]) / np.median(spent) for spent in seconds[1:]])
-    return ['1'] + ['{:.1f}'.format(ratio) for ratio in np.median(ratios, axis=0)]
-
-
 def rows(options):
     cv2.setNumThreads(1)
     aqorb.setNumThreads(1)
@@ -89,12 +73,12 @@ def rows(options):
 
     def pose(points_of, estimator, threshold):
         return lambda first, second, camera: poses.ESTIMATORS[estimator](*points_of(first, second), camera, threshold)
-    yield ['two images to their pose, times as fast'] + times_as_fast(
+    yield ['two images to their pose, times as fast'] + measures.times_as_fast(
         pose(usual_points, 'RANSAC', USUAL_THRESHOLD),
         [pose(lambda *pair: grown_points(best_orb, *pair), poses.BEST, best_threshold),
          pose(lambda *pair: grown_points(ours, *pair), poses.BEST, THRESHOLD)],
         [(pictures[pair.first], pictures[pair.second], pair.camera) for pair in pairs[TIMED]])
-    yield ['one image, times as fast'] + times_as_fast(
+    yield ['one image, times as fast'] + measures.times_as_fast(
         *[lambda picture: usual.detectAndCompute(picture, None),
           [lambda picture, each=each: each.detectAndCompute(picture, None) for each in (best_orb, ours)]],
         [(picture,) for picture in pictures])

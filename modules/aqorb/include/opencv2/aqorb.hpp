@@ -26,9 +26,9 @@ keypoints, retainUniform thins them out uniformly, and adaptiveFastThreshold com
 of an image.
 
 The class aqorb::HammingMatcher gives the matches of cv::BFMatcher for binary descriptors, at least 6 times as fast with
-AVX2. matchArrays, knnMatchArrays, matchByPosition and matchGuided return matches as arrays. refineMatches and growMatches
-refine the positions of matches. The class aqorb::SlamExtractor, in the header aqorb/slam.hpp, replaces the feature extractor of
-ORB-SLAM.
+AVX2. matchArrays, knnMatchArrays, matchByPosition and matchGuided return matches as arrays. refineMatches and
+growMatches refine the positions of matches. matchImages takes two images to exact pairs of points. The class
+aqorb::SlamExtractor, in the header aqorb/slam.hpp, replaces the feature extractor of ORB-SLAM.
 
 The @ref tutorial_table_of_content_aqorb "tutorials" show how to use the module and how it works.
 */

@@ -79,10 +79,8 @@ least certain direction. It is infinite for a match that minCorrelation -1 keeps
 
 The covariance of the position is the inverse of the Hessian of the alignment times the variance of the differences
 between the patches. A factor calibrates its root: on photographs with an exactly known geometry, at least 68 % of the
-errors are smaller than the deviation. Three uses:
-- remove the least certain matches before estimating a pose,
-- sort matches by deviation for PROSAC (cv::USAC_PROSAC), which tries the first matches first,
-- weigh a match by 1 / deviation^2 in a bundle adjustment.
+errors are smaller than the deviation. Use it to remove the least certain matches before estimating a pose, and to sort
+the others for PROSAC (cv::USAC_PROSAC), which tries the first matches first.
  */
 CV_EXPORTS CV_WRAP_AS(refineMatchesWithDeviations) void refineMatches(
     InputArray image1, const std::vector<KeyPoint>& keypoints1, InputArray image2,
@@ -100,8 +98,8 @@ multiplies the number of right matches, which makes poses more exact:
 @code{.cpp}
     matcher.match(descriptors1, descriptors2, matches);
     aqorb::growMatches(image1, keypoints1, image2, keypoints2, matches, grown1, grown2, points1, points2, deviations);
-    // USAC_MAGSAC with OpenCV 4.6
-    Mat E = findEssentialMat(points1, points2, cameraMatrix, USAC_ACCURATE, 0.999, 0.25);
+    // without matches whose deviation is above 0.35 pixels, as in the tutorial; USAC_MAGSAC with OpenCV 4.6
+    Mat E = findEssentialMat(points1, points2, cameraMatrix, USAC_ACCURATE, 0.9999, 0.18);
     drawMatches(image1, grown1, image2, grown2, matches, output);
 @endcode
 
@@ -143,6 +141,36 @@ CV_EXPORTS_W void growMatches(InputArray image1, const std::vector<KeyPoint>& ke
                               CV_OUT std::vector<Point2f>& points1, CV_OUT std::vector<Point2f>& points2,
                               CV_OUT std::vector<float>& deviations, float minCorrelation = 0.8f,
                               float scaleFactor = 1.f, bool bothWays = true);
+
+/** @brief Finds pairs of points of two images that show the same spot, to a tenth of a pixel, with one call.
+
+The points are for an estimator such as findEssentialMat, findFundamentalMat, findHomography or PoseLib's:
+@code{.cpp}
+    aqorb::matchImages(image1, image2, points1, points2, deviations);
+    // without matches whose deviation is above 0.35 pixels, as in the tutorial; USAC_MAGSAC with OpenCV 4.6
+    Mat E = findEssentialMat(points1, points2, cameraMatrix, USAC_ACCURATE, 0.9999, 0.18);
+@endcode
+
+It consists of four calls: AdaptiveQuadtreeORB::create(nfeatures), detectAndCompute for each image,
+HammingMatcher(NORM_HAMMING, true).match, and growMatches with its defaults. Then it sorts the matches by deviation. Take
+these calls yourself for features that serve several pairs, for masks, and for other parameters.
+
+@param image1, image2 Images of type CV_8U with 1 (grey), 3 (BGR) or 4 (BGRA) channels. They may differ in size and
+type. If either is empty or shows no corners, there are no points.
+@param points1, points2 For each match, its positions in the two images, in pixels. The most certain match comes first,
+as PROSAC wants it; ties keep the order of growMatches.
+@param deviations For each match, the standard deviation of its position in one image relative to the other, in pixels,
+in ascending order.
+@param nfeatures Largest number of keypoints in each image, >= 0. The default is 1000. 2000 give more exact poses.
+
+Any number of threads and any CPU give the same result. Other inputs raise a cv::Exception that names the argument, and
+all outputs stay unchanged.
+
+@sa matchGuided, which finds still more matches of wide baselines
+ */
+CV_EXPORTS_W void matchImages(InputArray image1, InputArray image2, CV_OUT std::vector<Point2f>& points1,
+                              CV_OUT std::vector<Point2f>& points2, CV_OUT std::vector<float>& deviations,
+                              int nfeatures = 1000);
 
 //! @}
 
