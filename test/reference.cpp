@@ -3,6 +3,9 @@
 // of this distribution.
 // SPDX-License-Identifier: Apache-2.0
 
+// Steps of the paper before and after the selection: the FAST thresholds of equation (7), the pyramid with the quotas of
+// equation (8), the mesh of cells with its second threshold, then Harris responses, positions and directions.
+
 #include "reference.hpp"
 
 namespace opencv_test

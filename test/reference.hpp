@@ -12,8 +12,15 @@
 
 #include <functional>
 
-// The algorithm once more, as plainly as it can be written: no vectors, no tables, no clever order.
-// What is slow here is so on purpose; only the results are of interest.
+// The references are the specification of the module: the whole algorithm in its plainest form, without vectors of the
+// CPU, tables or clever order. The fast code is tested to give the same bytes. A reader begins with detectAndCompute in
+// reference_pipeline.cpp, which calls the steps in their order:
+//
+//   reference.cpp             threshold, equation (7); pyramid and quotas, equation (8); FAST, mesh of cells; Harris
+//                             response, sub-pixel position, direction
+//   reference_selection.cpp   the two selections: depth, equation (9), and Figure 2 of the paper; the ranked selection
+//   reference_descriptor.cpp  blur, descriptor; and plain matchers
+//   reference_refinement.cpp  the refinement of matches
 
 namespace opencv_test
 {
@@ -84,7 +91,7 @@ struct LeafCorner
 bool isBetter(const LeafCorner& a, const LeafCorner& b);
 
 //! The indices of corners in the order of Figure 2, of a tree whose nodes are objects. Their keys are their responses.
-std::vector<int> quadtreeOrder(const std::vector<LeafCorner>& corners, Size root, int quota, int maxDepth);
+std::vector<int> quadtreeOrder(const std::vector<LeafCorner>& corners, Size root, int set_kp, int D_max);
 
 // The rule of RANKED_SELECTION.
 

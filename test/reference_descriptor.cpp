@@ -3,6 +3,8 @@
 // of this distribution.
 // SPDX-License-Identifier: Apache-2.0
 
+// cv::ORB's blur and descriptor, and matching by comparing everything with everything.
+
 #include "reference.hpp"
 
 #include "detector/orb_pattern.hpp"

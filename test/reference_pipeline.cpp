@@ -3,6 +3,9 @@
 // of this distribution.
 // SPDX-License-Identifier: Apache-2.0
 
+// The path of an image through all steps, point by point: Pipeline::run. Points 7 and 8 of doc/selection.md are take and
+// fillUp.
+
 #include "reference.hpp"
 
 #include <map>

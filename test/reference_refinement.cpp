@@ -3,6 +3,8 @@
 // of this distribution.
 // SPDX-License-Identifier: Apache-2.0
 
+// The refinement of one match by alignment of two patches, in double precision.
+
 #include "reference_refinement.hpp"
 
 #include <limits>

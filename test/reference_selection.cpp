@@ -3,6 +3,9 @@
 // of this distribution.
 // SPDX-License-Identifier: Apache-2.0
 
+// The two selections of a level's corners. The paper's: equation (9) and Figure 2, with a node as an object. The default:
+// points 1 to 6 of doc/selection.md, and retainUniform.
+
 #include "reference.hpp"
 
 #include <numeric>
@@ -153,23 +156,26 @@ bool isFuller(const Node& a, const Node& b)
 
 }  // namespace
 
-std::vector<int> quadtreeOrder(const std::vector<LeafCorner>& corners, Size root, int setKp, int maxDepth)
+std::vector<int> quadtreeOrder(const std::vector<LeafCorner>& corners, Size root, int set_kp, int D_max)
 {
-    std::vector<Node> nodes = {{root, 0, 0, 0, corners}};
-    for (int d = 0; d < maxDepth; d++)
+    std::vector<Node> nodes = {{root, 0, 0, 0, corners}};  // Initialize Node
+    for (int d = 0; d < D_max; d++)
     {
         std::sort(nodes.begin(), nodes.end(), isFuller);
         std::vector<Node> next;
-        size_t numJ = nodes.size();
+        size_t Num_j = nodes.size();
         for (const Node& node : nodes)
         {
-            const bool isSplit = node.d == d && node.corners.size() > 1 && numJ < size_t(setKp);
+            // Split sub-node if Num_kp > 1, else Save sub-node.
+            const size_t Num_kp = node.corners.size();
+            const bool isSplit = node.d == d && Num_kp > 1 && Num_j < size_t(set_kp);
             const std::vector<Node> children = isSplit ? node.split() : std::vector<Node>(1, node);
             next.insert(next.end(), children.begin(), children.end());
-            numJ += children.size() - 1;
+            Num_j += children.size() - 1;
         }
         nodes = next;
     }
+    // Calculate Harris score and filtrate.
     std::vector<LeafCorner> best, others(corners);
     for (const Node& node : nodes)
         if (!node.corners.empty())

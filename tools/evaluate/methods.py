@@ -25,7 +25,7 @@ SETTINGS = {'edge': 'EdgeThreshold', 'fast': 'FastThreshold', 'octave': 'OctaveS
 WORDS = {'quadtree': aqorb.AdaptiveQuadtreeORB_QUADTREE_SELECTION,
          'ranked': aqorb.AdaptiveQuadtreeORB_RANKED_SELECTION, 'fast': cv2.ORB_FAST_SCORE}
 # SlamExtractor with the thresholds of ORB-SLAM's example settings; opencv2/aqorb/slam.hpp sets the same.
-SLAM = 'fast=20:ratio={}:threshold=0:subpixel=0:octave=0:strength=0.15'.format(20 / 7)
+SLAM = 'fast=20:ratio={}:threshold=0:subpixel=0:octave=0:strength=0.15:radius=2.25'.format(20 / 7)
 
 
 def number(text):

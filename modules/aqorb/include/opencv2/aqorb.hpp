@@ -100,7 +100,7 @@ public:
     enum SelectionType
     {
         RANKED_SELECTION = 0,   //!< by strength and by the number of stronger corners nearby
-        QUADTREE_SELECTION = 1  //!< the paper's whole method
+        QUADTREE_SELECTION = 1  //!< the paper's method
     };
 
     /** @brief Creates the detector. It takes cv::ORB::create's parameters, in the same order.
@@ -192,7 +192,7 @@ public:
       asks for more. No leaf is shorter than 2 pixels: if one tree would need shorter leaves, a level at least twice as
       long as wide has several trees in a row. There are at most 2^24 leaves. A corner keeps 2.1 / (1 + StrengthWeight)
       pixels from keypoints of neighbouring levels, so a corner of the scene can give a keypoint on every second level.
-    - QUADTREE_SELECTION is the paper's whole method, equations (7), (8) and (9) and Figure 2. Levels share the features
+    - QUADTREE_SELECTION is the paper's method, equations (7), (8) and (9) and Figure 2. Levels share the features
       in proportion to their widths. The tree splits its nodes, the fullest of each depth first, up to the level's quota
       or the depth of equation (9), and each node gives its corner of the highest response. If there are fewer nodes
       than features, the strongest other corners follow. Positions are whole pixels, and levels do not suppress each

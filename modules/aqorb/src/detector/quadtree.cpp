@@ -3,7 +3,9 @@
 // of this distribution.
 // SPDX-License-Identifier: Apache-2.0
 
-// A linear quadtree: corners are sorted by the Morton codes of their leaves, and a node is a range.
+// Figure 2 of the paper, with its names and the words of its boxes as comments. The quadtree is linear: corners are
+// sorted by the Morton codes of their leaves, and a node is a range. test/reference_selection.cpp has the figure with
+// nodes as objects.
 
 #include "precomp.hpp"
 
@@ -54,36 +56,39 @@ int quadtreeDepth(int quota)
     return depth;
 }
 
-std::vector<QuadtreeNode> splitQuadtree(const std::vector<uint64>& codes, int maxDepth, int quota)
+std::vector<QuadtreeNode> splitQuadtree(const std::vector<uint64>& codes, int D_max, int set_kp)
 {
     CV_TRACE_FUNCTION();
     const auto isFuller = [](const QuadtreeNode& a, const QuadtreeNode& b)
-    {
-        const size_t sizeA = a.end - a.begin, sizeB = b.end - b.begin;
-        return sizeA != sizeB ? sizeA > sizeB : a.begin < b.begin;
-    };
-    std::vector<QuadtreeNode> saved, nodes(codes.empty() ? 0 : 1, {0, codes.size()}), children;  // the root
-    for (int depth = 0; depth < maxDepth && saved.size() + nodes.size() < size_t(quota); depth++)
+    { return a.Num_kp() != b.Num_kp() ? a.Num_kp() > b.Num_kp() : a.begin < b.begin; };
+    // Initialize Node: the root.
+    std::vector<QuadtreeNode> saved, nodes(codes.empty() ? 0 : 1, {0, codes.size()}), children;
+    size_t Num_j = nodes.size();  // the saved nodes, and those that are still to be split or saved
+    for (int d = 0; d < D_max && Num_j < size_t(set_kp); d++)  // d < D_max
     {
         // Bits of a code below a child's.
-        const uint64 inChild = (uint64(1) << (2 * (maxDepth - depth - 1))) - 1;
+        const uint64 inChild = (uint64(1) << (2 * (D_max - d - 1))) - 1;
         std::sort(nodes.begin(), nodes.end(), isFuller);
         children.clear();
-        for (size_t i = 0; i < nodes.size(); i++)
+        for (const QuadtreeNode& node : nodes)
         {
-            const QuadtreeNode& node = nodes[i];
-            const bool isFull = saved.size() + children.size() + nodes.size() - i >= size_t(quota);
-            if (node.end - node.begin == 1 || isFull)
+            // Num_kp > 0: no node without a corner is made.
+            if (node.Num_kp() > 1 && Num_j < size_t(set_kp))
             {
-                saved.push_back(node);
-                continue;
+                // Num_kp > 1: Split sub-node.
+                Num_j--;
+                for (size_t begin = node.begin, end; begin < node.end; begin = end, Num_j++)
+                {
+                    end = size_t(std::upper_bound(codes.begin() + begin, codes.begin() + node.end,
+                                                  codes[begin] | inChild) -
+                                 codes.begin());
+                    children.push_back({begin, end});
+                }
             }
-            for (size_t begin = node.begin, end; begin < node.end; begin = end)  // split
+            else
             {
-                end = size_t(std::upper_bound(codes.begin() + begin, codes.begin() + node.end,
-                                              codes[begin] | inChild) -
-                             codes.begin());
-                children.push_back({begin, end});
+                // Save sub-node, Num_j++: it is counted already.
+                saved.push_back(node);
             }
         }
         nodes.swap(children);
@@ -101,30 +106,40 @@ static unsigned spreadBits(unsigned v)
     return (v | v << 1) & 0x55555555;
 }
 
-std::vector<CornerResponse> quadtreeOrder(const std::vector<CornerResponse>& corners, const Rect& region,
-                                          int maxDepth, int quota)
+// Calculate Harris score and filtrate: each saved node keeps its best corner. The best of these come first, so a level
+// that takes set_kp corners leaves out the weakest ones if Num_j > set_kp.
+static std::vector<unsigned> filtrate(const std::vector<QuadtreeNode>& saved,
+                                      const std::vector<unsigned>& codeOrder,
+                                      const std::vector<CornerResponse>& corners)
 {
-    CV_TRACE_FUNCTION();
-    std::vector<uint64> keys, codes;
+    const uint64 NOT_KEPT = uint64(1) << 32;  // sorts corners that their node does not keep after all others
+    std::vector<uint64> keys;
     for (const CornerResponse& corner : corners)
-    {
-        const auto leaf = [=](int offset, int side) { return unsigned((int64(offset) << maxDepth) / side); };
-        keys.push_back(spreadBits(leaf(corner.x - region.x, region.width)) |
-                       spreadBits(leaf(corner.y - region.y, region.height)) << 1);
-    }
-    const std::vector<unsigned> codeOrder = sortIndices(keys);
-    for (unsigned index : codeOrder)
-        codes.push_back(keys[index]);
-    const uint64 OTHERS = uint64(1) << 32;  // sorts other corners after the best corners of nodes
-    for (size_t i = 0; i < corners.size(); i++)
-        keys[i] = OTHERS | descendingKey(sortKey(corners[i].response));
+        keys.push_back(NOT_KEPT | descendingKey(sortKey(corner.response)));
     const auto isBetter = [&](unsigned a, unsigned b)
     { return keys[a] != keys[b] ? keys[a] < keys[b] : a < b; };
-    for (const QuadtreeNode& node : splitQuadtree(codes, maxDepth, quota))
+    for (const QuadtreeNode& node : saved)
         keys[*std::min_element(codeOrder.begin() + node.begin, codeOrder.begin() + node.end, isBetter)] &=
-            ~OTHERS;
+            ~NOT_KEPT;
+    return sortIndices(keys);
+}
+
+std::vector<CornerResponse> quadtreeOrder(const std::vector<CornerResponse>& corners, const Rect& region,
+                                          int D_max, int set_kp)
+{
+    CV_TRACE_FUNCTION();
+    std::vector<uint64> mortonCodes, codes;
+    for (const CornerResponse& corner : corners)
+    {
+        const auto leaf = [=](int offset, int side) { return unsigned((int64(offset) << D_max) / side); };
+        mortonCodes.push_back(spreadBits(leaf(corner.x - region.x, region.width)) |
+                              spreadBits(leaf(corner.y - region.y, region.height)) << 1);
+    }
+    const std::vector<unsigned> codeOrder = sortIndices(mortonCodes);
+    for (unsigned index : codeOrder)
+        codes.push_back(mortonCodes[index]);
     std::vector<CornerResponse> ordered;
-    for (unsigned index : sortIndices(keys))
+    for (unsigned index : filtrate(splitQuadtree(codes, D_max, set_kp), codeOrder, corners))
         ordered.push_back(corners[index]);
     return ordered;
 }

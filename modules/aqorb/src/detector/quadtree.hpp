@@ -24,19 +24,20 @@ int quadtreeDepth(int quota);
 struct QuadtreeNode
 {
     size_t begin, end;
+    size_t Num_kp() const { return end - begin; }  //!< number of corners
 };
 /** Figure 2: splits the root into four children and goes on depth by depth, the fullest node first. Ties go to the
- lower Morton code. It drops empty nodes and does not split nodes of one corner. Splitting ends at the greatest depth,
- or with as many nodes as the quota.
+ lower Morton code. It drops empty nodes and does not split nodes of one corner. Splitting ends at the depth D_max
+ or with set_kp nodes, the quota of the level.
  @param codes Morton codes of the corners at the greatest depth, at most 16, in ascending order
  @return the nodes left unsplit */
-std::vector<QuadtreeNode> splitQuadtree(const std::vector<uint64>& codes, int maxDepth, int quota);
+std::vector<QuadtreeNode> splitQuadtree(const std::vector<uint64>& codes, int D_max, int set_kp);
 
 /** Orders the corners of a level: the best corner of each node by response, the highest first, then all other corners
  in the same way. Ties go to the first corner of the list.
  @param corners in raster order */
 std::vector<CornerResponse> quadtreeOrder(const std::vector<CornerResponse>& corners, const Rect& region,
-                                          int maxDepth, int quota);
+                                          int D_max, int set_kp);
 
 }  // namespace aqorb
 }  // namespace cv
