@@ -17,17 +17,44 @@ namespace
 
 using namespace aqorb;
 
+//! Positions of corners, with score 0.
+std::vector<Corner> positionsOf(const std::vector<Corner>& corners)
+{
+    std::vector<Corner> positions;
+    for (const Corner& corner : corners)
+        positions.push_back({corner.x, corner.y, 0});
+    return positions;
+}
+
+std::vector<Corner> positionsOf(const std::vector<CornerBlock>& blocks)
+{
+    std::vector<Corner> positions;
+    for (const CornerBlock& block : blocks)
+        for (int i = 0; i < 64; i++)
+            if (block.columns >> i & 1)
+                positions.push_back({block.x + i, block.y, 0});
+    return positions;
+}
+
 //! Finds the corners of a region that is divided into bands.
+//! @param all receives the positions of all corners at the lower threshold
 std::vector<Corner> findCorners(const Level& level, const Rect& region, const Thresholds& thresholds,
-                                bool suppressNear, int threads = 1)
+                                bool suppressNear, int threads, std::vector<Corner>& all)
 {
     static FastScanner scanner;  // Images of all sizes share it.
-    const CornerRules rules = {thresholds, suppressNear};
-    std::vector<Corner> found, bandCorners(3);
+    std::atomic<int64> room(INT_MAX);
+    const CornerRules rules = {thresholds, suppressNear, &room};
+    std::vector<Corner> found;
+    CornerLists lists;
+    lists.chosen.resize(3);
+    lists.all.resize(3);
+    all.clear();
     for (const Band& band : divideIntoBands(std::vector<Rect>(1, region), threads))
     {
-        searchBand(level, region, band.rows, rules, scanner, bandCorners);
-        found.insert(found.end(), bandCorners.begin(), bandCorners.end());
+        searchBand(level, region, band.rows, rules, scanner, lists);
+        found.insert(found.end(), lists.chosen.begin(), lists.chosen.end());
+        const std::vector<Corner> positions = positionsOf(lists.all);
+        all.insert(all.end(), positions.begin(), positions.end());
     }
     return found;
 }
@@ -45,12 +72,20 @@ Level levelOf(const Mat& image, const Mat& mask = Mat())
 void expectAsReference(const Level& level, const Rect& region, int ini, int min, bool suppressNear,
                        int threads = 1)
 {
-    const Thresholds thresholds = {ini, min};
-    const std::vector<Corner> expected =
-        reference::findCorners(level.image, level.mask, region, thresholds, suppressNear);
-    EXPECT_TRUE(sameCorners(findCorners(level, region, thresholds, suppressNear, threads), expected));
+    const auto expected = [&](const Thresholds& thresholds, bool isSuppressed)
+    { return reference::findCorners(level.image, level.mask, region, thresholds, isSuppressed); };
+    const std::vector<Corner> chosen = expected({ini, min}, suppressNear),
+                              all = positionsOf(expected({min, min}, false));
+    const auto expectFound = [&]
+    {
+        std::vector<Corner> foundAll;
+        EXPECT_TRUE(
+            sameCorners(findCorners(level, region, {ini, min}, suppressNear, threads, foundAll), chosen));
+        EXPECT_TRUE(sameCorners(foundAll, all));
+    };
+    expectFound();
     WithoutOptimization baseline;
-    EXPECT_TRUE(sameCorners(findCorners(level, region, thresholds, suppressNear, threads), expected));
+    expectFound();
 }
 
 TEST(Aqorb_Corners, equal_reference)
@@ -110,7 +145,9 @@ void detectCorners(const Mat& image, const Rect& region, int threshold, std::vec
     const Thresholds thresholds = {threshold, threshold};
     FastScanner scanner;
     scanner.begin(level, scanned, thresholds, scanned.height);
-    scanner.scan(scanned.br().y, std::vector<Range>());
+    std::atomic<int64> room(INT_MAX);
+    std::vector<CornerBlock> all;
+    scanner.scan(scanned.br().y, std::vector<Range>(), room, all);
     scanner.append(false, corners);
 }
 

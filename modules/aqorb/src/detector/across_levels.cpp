@@ -8,6 +8,7 @@
 #include "precomp.hpp"
 
 #include "common/for_each.hpp"
+#include "common/simd_compat.hpp"
 #include "detector/position.hpp"
 #include "detector/selection.hpp"
 
@@ -184,6 +185,34 @@ static LevelCorners selectAcrossLevels(const std::vector<LevelPlan>& plan, const
 
 // ---- 8. when representatives run out ----------------------------------------------------------
 
+// Lists the corners of the blocks of a level that are not taken.
+// @param taken corners of these blocks
+static std::vector<CornerResponse> otherCorners(const Mat& image, const std::vector<CornerBlock>& blocks,
+                                                std::vector<CornerResponse> taken, bool useHarris)
+{
+    const auto fastScore = [&](int x, int y)
+    {
+        int scores[3][3];
+        cornerScores3x3(image, x, y, scores);
+        return scores[1][1] - 1;
+    };
+    std::sort(taken.begin(), taken.end(), InRasterOrder());
+    std::vector<Corner> others;
+    auto next = taken.begin();
+    for (const CornerBlock& block : blocks)
+    {
+        for (uint64 columns = block.columns; columns; columns &= columns - 1)
+        {
+            const int x = block.x + trailingZeros(columns), y = block.y;
+            if (next != taken.end() && next->x == x && next->y == y)
+                ++next;
+            else
+                others.push_back({x, y, useHarris ? 0 : fastScore(x, y)});
+        }
+    }
+    return responsesOf(image, others, useHarris);
+}
+
 // Adds `missing` other corners, the highest response times scale first. Levels below their quota go first, and corners
 // near a keypoint of another level last.
 static void fillUp(const std::vector<LevelPlan>& plan, const std::vector<Level>& levels,
@@ -201,11 +230,7 @@ static void fillUp(const std::vector<LevelPlan>& plan, const std::vector<Level>&
     std::vector<uint64> keys;
     for (int i = 0; i < int(corners.size()); i++)
     {
-        std::vector<CornerResponse> taken(selected[i]), left;
-        std::sort(taken.begin(), taken.end(), InRasterOrder());
-        std::set_difference(corners[i].begin(), corners[i].end(), taken.begin(), taken.end(),
-                            std::back_inserter(left), InRasterOrder());
-        for (const CornerResponse& corner : left)
+        for (const CornerResponse& corner : corners[i])
         {
             candidates.push_back({i, corner, false, false});
             keys.push_back(descendingKey(sortKey(corner.response * levels[i].scale)));
@@ -257,22 +282,31 @@ static LevelCorners selectCorners(const Parameters& parameters, const SelectionM
         regions.push_back(parameters.keypointRegion(level.image.size()));
     const std::vector<LevelPlan> plan = planLevels(parameters, method, regions, levels);
     LevelCorners corners(levels.size());
-    findCorners(levels, regions, {thresholds, method.suppressNear}, threads, space);
+    // Blocks to list for each feature. Photographs whose ordered corners run out have fewer corners.
+    const int64 LISTED = 8;
+    std::atomic<int64> room(LISTED * parameters.nfeatures);
+    const CornerRules rules = {thresholds, method.suppressNear, &room};
+    findCorners(levels, regions, rules, threads, space);
     forEach(levels.size(), threads,
             [&](size_t i, int)
-            { corners[i] = method.order(parameters, patch, plan[i], levels[i], space.corners[i]); });
+            { corners[i] = method.order(parameters, patch, plan[i], levels[i], space.levels[i].chosen); });
     OctaveSuppression suppression(method.octaveDistance, imageSize, levels);
     LevelCorners selected = selectAcrossLevels(plan, corners, suppression);
     const size_t wanted = size_t(parameters.nfeatures), count = countCorners(selected);
     if (count == wanted)
         return selected;
 
-    // The ordered corners do not suffice: other corners fill up.
-    const Thresholds lower = {thresholds.min, thresholds.min};
-    findCorners(levels, regions, {lower, false}, threads, space);
+    // The ordered corners do not suffice: other corners fill up. A search that had no room to list these is repeated.
+    if (room < 0)
+    {
+        room = INT64_MAX;
+        findCorners(levels, regions, rules, threads, space);
+    }
     forEach(levels.size(), threads,
-            [&](size_t i, int)
-            { corners[i] = responsesOf(levels[i].image, space.corners[i], parameters.useHarris()); });
+            [&](size_t i, int) {
+                corners[i] =
+                    otherCorners(levels[i].image, space.levels[i].all, selected[i], parameters.useHarris());
+            });
     fillUp(plan, levels, corners, wanted - count, suppression, selected);
     return selected;
 }

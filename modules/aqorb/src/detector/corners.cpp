@@ -15,11 +15,18 @@ namespace cv
 namespace aqorb
 {
 
+template <typename C> static void eraseOutside(const Range& rows, std::vector<C>& corners)
+{
+    const auto isOutside = [&](const C& corner) { return corner.y < rows.start || corner.y >= rows.end; };
+    corners.erase(std::remove_if(corners.begin(), corners.end(), isOutside), corners.end());
+}
+
 void searchBand(const Level& level, const Rect& region, const Range& rows, const CornerRules& rules,
-                FastScanner& scanner, std::vector<Corner>& found)
+                FastScanner& scanner, CornerLists& found)
 {
     CV_TRACE_FUNCTION();
-    found.clear();
+    found.chosen.clear();
+    found.all.clear();
     // Suppression depends on corners in the next rows, and these depend on their cells.
     const int above = rules.suppressNear ? std::min(CELL_SIZE, rows.start - region.y) : 0;
     const int below = rules.suppressNear ? std::min(CELL_SIZE, region.br().y - rows.end) : 0;
@@ -33,13 +40,14 @@ void searchBand(const Level& level, const Rect& region, const Range& rows, const
     scanner.begin(level, scanned, rules.thresholds, CELL_SIZE);
     for (int y = band.y; y < scanned.br().y; y += CELL_SIZE)
     {
-        scanner.scan(y + CELL_SIZE, cells);
-        scanner.append(rules.suppressNear, found);
+        scanner.scan(y + CELL_SIZE, cells, *rules.room, found.all);
+        scanner.append(rules.suppressNear, found.chosen);
     }
-    const auto isOutside = [&](const Corner& corner)
-    { return corner.y < rows.start || corner.y >= rows.end; };
     if (above + below > 0)
-        found.erase(std::remove_if(found.begin(), found.end(), isOutside), found.end());
+    {
+        eraseOutside(rows, found.chosen);
+        eraseOutside(rows, found.all);
+    }
 }
 
 std::vector<Band> divideIntoBands(const std::vector<Rect>& regions, int threads)
@@ -72,20 +80,23 @@ void findCorners(const std::vector<Level>& levels, const std::vector<Rect>& regi
     const std::vector<Band> bands = divideIntoBands(regions, threads);
     space.scanners.resize(std::max(space.scanners.size(), size_t(threads)));
     space.bands.resize(std::max(space.bands.size(), bands.size()));
-    space.corners.resize(levels.size());
+    space.levels.resize(levels.size());
     forEach(bands.size(), threads,
             [&](size_t i, int thread)
             {
                 const int level = bands[i].level;
                 const bool isFirst = bands[i].rows.start == regions[level].y;
                 searchBand(levels[level], regions[level], bands[i].rows, rules, space.scanners[thread],
-                           isFirst ? space.corners[level] : space.bands[i]);
+                           isFirst ? space.levels[level] : space.bands[i]);
             });
     for (size_t i = 0; i < bands.size(); i++)
     {
-        std::vector<Corner>& corners = space.corners[bands[i].level];
-        if (bands[i].rows.start > regions[bands[i].level].y)
-            corners.insert(corners.end(), space.bands[i].begin(), space.bands[i].end());
+        if (bands[i].rows.start == regions[bands[i].level].y)
+            continue;
+        CornerLists& level = space.levels[bands[i].level];
+        const CornerLists& band = space.bands[i];
+        level.chosen.insert(level.chosen.end(), band.chosen.begin(), band.chosen.end());
+        level.all.insert(level.all.end(), band.all.begin(), band.all.end());
     }
 }
 

@@ -24,6 +24,16 @@ struct CornerRules
 {
     Thresholds thresholds;
     bool suppressNear;  //!< whether a corner loses to a better one within SUPPRESS_RADIUS
+    //! Number of blocks to list in CornerLists::all, for all levels together. A negative number means that the list
+    //! is incomplete.
+    std::atomic<int64>* room;
+};
+
+//! Corners of a level or of a band, in raster order.
+struct CornerLists
+{
+    std::vector<Corner> chosen;    //!< those that pass their cell's threshold and the suppression
+    std::vector<CornerBlock> all;  //!< all corners of score >= thresholds.min, if there was room
 };
 
 /** Finds corners of score >= thresholds.ini and, in cells without such corners, corners of score >= thresholds.min.
@@ -31,9 +41,9 @@ struct CornerRules
  suppressNear, a corner loses to any better corner within SUPPRESS_RADIUS, even if that corner loses to a third one. The
  better corner has the higher score; at equal scores it comes first in raster order.
  @param rows rows of the region to search, whole cells
- @param found receives the corners of these rows, in raster order */
+ @param found receives the corners of these rows */
 void searchBand(const Level& level, const Rect& region, const Range& rows, const CornerRules& rules,
-                FastScanner& scanner, std::vector<Corner>& found);
+                FastScanner& scanner, CornerLists& found);
 
 //! Rows of a level, searched by one thread.
 struct Band
@@ -47,9 +57,9 @@ std::vector<Band> divideIntoBands(const std::vector<Rect>& regions, int threads)
 //! Result of findCorners. Later images use its memory again.
 struct CornerSpace
 {
-    std::vector<std::vector<Corner>> corners;  //!< by level, in raster order
-    std::vector<std::vector<Corner>> bands;    //!< corners of each level's later bands
-    std::vector<FastScanner> scanners;         //!< one for each thread
+    std::vector<CornerLists> levels;
+    std::vector<CornerLists> bands;     //!< each level's later bands
+    std::vector<FastScanner> scanners;  //!< one for each thread
 };
 //! Finds the corners of all levels by searchBand.
 void findCorners(const std::vector<Level>& levels, const std::vector<Rect>& regions, const CornerRules& rules,

@@ -144,7 +144,8 @@ void FastScanner::begin(const Level& level, const Rect& region, Thresholds thres
     out.planeStep = plane.step();
 }
 
-void FastScanner::scan(int end, const std::vector<Range>& cells)
+void FastScanner::scan(int end, const std::vector<Range>& cells, std::atomic<int64>& room,
+                       std::vector<CornerBlock>& all)
 {
     end = std::min(end, area.bottom);
     const size_t rows = size_t(end - kept.nextRow + 1);  // suppression lags by one row
@@ -159,6 +160,8 @@ void FastScanner::scan(int end, const std::vector<Range>& cells)
     strong.assign(blocks.size(), 0);
     out.strong = strong.data();
     continueFastScan(area, kept, out, end);
+    if ((room -= out.foundCount - foundCount) >= 0)
+        all.insert(all.end(), found.begin() + foundCount, found.begin() + out.foundCount);
 
     // dropped[x]: highest score to drop in column x.
     std::fill_n(dropped.begin() + blocks[0].x, blocks.back().x + area.blockWidth - blocks[0].x, uchar(255));

@@ -10,6 +10,8 @@
 
 #include "detector/types.hpp"
 
+#include <atomic>
+
 namespace cv
 {
 namespace aqorb
@@ -121,7 +123,10 @@ public:
     void begin(const Level& level, const Rect& region, Thresholds thresholds, int rows);
     //! Scans the next rows up to `end`, exclusive. Each cell is a range of columns of these rows. Weak corners count
     //! outside the cells, and in cells without a strong corner.
-    void scan(int end, const std::vector<Range>& cells);
+    //! @param room number of blocks that `all` may still receive, lowered by the number of the blocks found
+    //! @param all receives, if there is room, the blocks of all corners, also of weak corners that do not count
+    void scan(int end, const std::vector<Range>& cells, std::atomic<int64>& room,
+              std::vector<CornerBlock>& all);
     /** Appends each corner of the scanned rows once, in raster order. It holds back SUPPRESS_RADIUS rows until the
      region ends.
      @param suppressNear leaves out corners with a better corner within SUPPRESS_RADIUS */

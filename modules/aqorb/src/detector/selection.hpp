@@ -137,7 +137,7 @@ SelectionMethod selectionMethod(const Parameters& parameters);
 
 /** Finds corners and selects keypoints among them. From coarse to fine, each level gives its quota and the features
  that coarser levels lack; then, from fine to coarse, levels give the features still missing. Corners near a keypoint of
- another level are skipped. When corners run out, a second search follows fewer rules.
+ another level are skipped. When these corners run out, all other corners of the lower threshold follow.
  @param patch patch of the strengths
  @return features of each level in raster order, with output keys */
 std::vector<FeatureList> selectFeatures(const Parameters& parameters, const SelectionMethod& method,
