@@ -68,7 +68,7 @@ static uchar exactBlurOf(const uchar* p, ptrdiff_t step, const float* taps)
 uchar exactBlur(const Mat& image, int x, int y)
 {
     PatchBuffer buffer;
-    const Patch patch = patchAround(image, x, y, RADIUS, buffer);
+    const Patch patch = patchAround(image, x, y, RADIUS + 1, buffer);  // the kernel reads 8 x 8 pixels
     return exactBlurOf(patch.center, patch.step, gaussianTaps().exact);
 }
 

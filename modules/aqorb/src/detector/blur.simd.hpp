@@ -20,7 +20,7 @@ CV_CPU_OPTIMIZATION_NAMESPACE_BEGIN
 void exactTile(const uchar* source, ptrdiff_t step, int height, const float* taps, ushort* blurred,
                ptrdiff_t blurredStep);
 
-//! exactBlur at p. The 3 pixels around p must be readable.
+//! exactBlur at p. The 4 pixels around p must be readable.
 //! @param taps weights at distances 0 to 3
 uchar exactBlurAt(const uchar* p, ptrdiff_t step, const float* taps);
 
@@ -83,9 +83,33 @@ void exactTile(const uchar* source, ptrdiff_t step, int height, const float* tap
 
 uchar exactBlurAt(const uchar* p, ptrdiff_t step, const float* taps)
 {
-    float rows[7];
+    float rows[8];
+#if CV_SIMD128 && (CV_FMA3 || (CV_NEON && defined(__aarch64__)))
+    // A lane for each of eight rows. Three perfect shuffles transpose 8 x 8 pixels: a vector holds two columns.
+    v_uint8x16 columns[4], shuffled[4];
+    for (int i = 0; i < 4; i++)
+        columns[i] = v_load_halves(p + (2 * i - 3) * step - 3, p + (2 * i - 2) * step - 3);
+    for (int i = 0; i < 3; i++)
+    {
+        v_zip(columns[0], columns[2], shuffled[0], shuffled[1]);
+        v_zip(columns[1], columns[3], shuffled[2], shuffled[3]);
+        for (int j = 0; j < 4; j++)
+            columns[j] = shuffled[j];
+    }
+    v_float32x4 upper = v_setzero_f32(), lower = v_setzero_f32();
+    for (int i = 0; i < 7; i++)
+    {
+        const v_float32x4 tap = v_setall_f32(taps[i < 3 ? 3 - i : i - 3]);
+        const v_uint16x8 column = i % 2 ? v_expand_high(columns[i / 2]) : v_expand_low(columns[i / 2]);
+        upper = v_fma(v_cvt_f32(v_reinterpret_as_s32(v_expand_low(column))), tap, upper);
+        lower = v_fma(v_cvt_f32(v_reinterpret_as_s32(v_expand_high(column))), tap, lower);
+    }
+    v_store(rows, upper);
+    v_store(rows + 4, lower);
+#else
     for (int i = 0; i < 7; i++)
         rows[i] = exactRow(p + (i - 3) * step, taps);
+#endif
     return uchar(exactColumn(rows, 1, taps));
 }
 

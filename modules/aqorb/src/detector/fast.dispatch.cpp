@@ -250,9 +250,9 @@ static void neighborCornerScores(const uchar* p, ptrdiff_t step, int scores[3][3
 
 void cornerScores3x3(const Mat& image, int x, int y, int scores[3][3])
 {
-    const int READ = 17;  // reach of the kernel's vectors
+    const int REACH = 5;  // of the kernel
     PatchBuffer buffer;
-    const Patch patch = patchAround(image, x, y, READ, buffer);
+    const Patch patch = patchAround(image, x, y, REACH, buffer);
     neighborCornerScores(patch.center, patch.step, scores);
 }
 

@@ -32,7 +32,7 @@ void continueScan(const ScanArea& area, ScanScores& kept, ScanCorners& corners, 
  @return number of corners left; corners.foundCount becomes the number of blocks that still have corners */
 int dropCorners(ScanCorners& corners, int blockWidth, int first, const uchar* dropped);
 
-//! cornerScores3x3 at p. The 4 pixels around p, and the 17 to its right, must be readable.
+//! cornerScores3x3 at p. The 5 pixels around p must be readable.
 void neighborScores(const uchar* p, ptrdiff_t step, int scores[3][3]);
 
 /** Writes the corners without a better corner within SUPPRESS_RADIUS.
@@ -204,23 +204,26 @@ int dropCorners(ScanCorners& corners, int blockWidth, int first, const uchar* dr
 
 void neighborScores(const uchar* p, ptrdiff_t step, int scores[3][3])
 {
+    const uchar* const q = p - step - 1;
+#if CV_SIMD
+    const Extremes<Narrow> best = bestArc(ThreeRows(q, step));
+    uchar darkest[16], brightest[16];
+    Narrow::store(darkest, best.darkest);
+    Narrow::store(brightest, best.brightest);
+#endif
     for (int row = 0; row < 3; row++)
     {
-        const uchar* const q = p + (row - 1) * step - 1;
-#if CV_SIMD
-        const Extremes<Narrow> best = bestArc(Circle<Narrow>(q, step));
-        uchar bright[16], dark[16];
-        Narrow::store(bright, best.darkest);
-        Narrow::store(dark, best.brightest);
-        for (int i = 0; i < 3; i++)
-            scores[row][i] = Max::of(bright[i] - q[i], q[i] - dark[i]);
-#else
         for (int i = 0; i < 3; i++)
         {
-            const Extremes<Single> best = bestArc(Circle<Single>(q + i, step));
-            scores[row][i] = Max::of(best.darkest - q[i], q[i] - best.brightest);
-        }
+            const uchar* const pixel = q + row * step + i;
+#if CV_SIMD
+            const int dark = darkest[4 * row + i], bright = brightest[4 * row + i];
+#else
+            const Extremes<Single> best = bestArc(Circle<Single>(pixel, step));
+            const int dark = best.darkest, bright = best.brightest;
 #endif
+            scores[row][i] = Max::of(dark - *pixel, *pixel - bright);
+        }
     }
 }
 

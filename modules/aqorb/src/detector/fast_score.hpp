@@ -104,6 +104,29 @@ template <typename Vectors> struct Circle
     ptrdiff_t step;
 };
 
+#if CV_SIMD
+// Circles around four neighbouring pixels in each of three rows.
+struct ThreeRows
+{
+    CV_ALWAYS_INLINE ThreeRows(const uchar* first_, ptrdiff_t step_) : first(first_), step(step_) {}
+    // Lane 4 * row + i belongs to pixel i of a row.
+    CV_ALWAYS_INLINE v_uint8x16 load(int x, int y) const
+    {
+        int rows[4] = {};
+        for (int row = 0; row < 3; row++)
+            std::memcpy(&rows[row], first + (row + y) * step + x, sizeof(int));
+        return v_reinterpret_as_u8(v_int32x4(rows[0], rows[1], rows[2], rows[3]));
+    }
+    CV_ALWAYS_INLINE Extremes<Narrow> at(int x, int y) const
+    {
+        const v_uint8x16 pixels = load(x, y);
+        return Extremes<Narrow>(pixels, pixels);
+    }
+    const uchar* first;
+    ptrdiff_t step;
+};
+#endif
+
 // Extremes of the union of two arcs.
 template <typename Vectors>
 CV_ALWAYS_INLINE Extremes<Vectors> both(const Extremes<Vectors>& a, const Extremes<Vectors>& b)
@@ -125,9 +148,9 @@ CV_ALWAYS_INLINE Extremes<Vectors> either(const Extremes<Vectors>& a, const Extr
 // pair(i + 2) & pair(i + 3) & end(i). Arcs 4 i to 4 i + 3 share three pairs:
 //   bestOfFour(i) = pair(2 i + 1) & pair(2 i + 2) & pair(2 i + 3) & unshared(i)
 // Arcs 8 i to 8 i + 7 share pair(4 i + 3): the variables bestOfFour leave it out, and bestOfEight add it.
-template <typename Vectors> CV_ALWAYS_INLINE Extremes<Vectors> bestArc(const Circle<Vectors>& p)
+template <typename Pixels> CV_ALWAYS_INLINE auto bestArc(const Pixels& p) -> decltype(p.at(0, 0))
 {
-    typedef Extremes<Vectors> S;
+    typedef decltype(p.at(0, 0)) S;
     // This order keeps few vectors alive at a time. With formula after formula, compilers spill more of the 16
     // registers of AVX2.
     const S x2 = p.at(2, 2), x11 = p.at(-3, -1), x8 = p.at(0, -3), x1 = p.at(1, 3);

@@ -345,9 +345,15 @@ static std::vector<CornerResponse> rankedCorners(const Parameters& parameters, c
     const double usable = usableShare(level.mask, plan.region);
     const double density = representativeDensity(parameters.strengthWeight);
     const LeafGrid grid = rankedGrid(region, usable, quota, density);
+    // Leaf numbers of the first row and of the first column: a division for each corner takes longer.
+    std::vector<unsigned> inFirstRow, inFirstColumn;
+    for (int x = 0; x < region.width; x++)
+        inFirstRow.push_back(leafOf(x, 0, region, grid));
+    for (int y = 0; y < region.height; y++)
+        inFirstColumn.push_back(leafOf(0, y, region, grid));
     std::vector<LeafPoint> points(corners.size());
     for (size_t i = 0; i < corners.size(); i++)
-        points[i] = {leafOf(corners[i].x - plan.region.x, corners[i].y - plan.region.y, region, grid),
+        points[i] = {inFirstRow[corners[i].x - plan.region.x] | inFirstColumn[corners[i].y - plan.region.y],
                      corners[i].score};
     std::vector<Corner> representatives;
     std::vector<unsigned> leaves;
