@@ -29,24 +29,10 @@ keypoints as an array. detectAndComputeBatch, for many images, returns arrays in
 getNumThreads control the threads of a call.
 """
 
-import functools as _functools
-import types as _types
-from ._aqorb import (AdaptiveQuadtreeORB, AdaptiveQuadtreeORB_QUADTREE_SELECTION,
-                     AdaptiveQuadtreeORB_RANKED_SELECTION, AdaptiveQuadtreeORB_create, HammingMatcher,
-                     HammingMatcher_create, __version__, _build_information, _from_text, adaptiveFastThreshold,
-                     distributionOccupancy, distributionUniformity, getNumThreads, growMatchArrays, growMatches,
-                     keypoint_dtype, keypointsFromArray, keypointsToArray, knnMatchArrays, matchArrays, matchByPosition,
-                     matchGuided, matchImages, refineMatchArrays, refineMatchArraysWithDeviations, refineMatches,
-                     refineMatchesWithDeviations, retainUniform, setNumThreads)
+from . import _aqorb
+from ._aqorb import *
+from ._aqorb import __version__, _build_information
 from ._feature_batch import FeatureBatch
-
-__all__ = ['AdaptiveQuadtreeORB', 'AdaptiveQuadtreeORB_QUADTREE_SELECTION', 'AdaptiveQuadtreeORB_RANKED_SELECTION',
-           'AdaptiveQuadtreeORB_create', 'FeatureBatch', 'HammingMatcher', 'HammingMatcher_create',
-           'adaptiveFastThreshold', 'computeImageFeatures2', 'distributionOccupancy', 'distributionUniformity', 'error',
-           'getNumThreads', 'growMatchArrays', 'growMatches', 'keypoint_dtype', 'keypointsFromArray',
-           'keypointsToArray', 'knnMatchArrays', 'matchArrays', 'matchByPosition', 'matchGuided', 'matchImages',
-           'refineMatchArrays', 'refineMatchArraysWithDeviations', 'refineMatches', 'refineMatchesWithDeviations',
-           'refinePoints', 'retainUniform', 'setNumThreads']
 
 
 def computeImageFeatures2(featuresFinder, image, mask=None):
@@ -86,25 +72,14 @@ def refinePoints(image1, points1, image2, points2, size=31, minCorrelation=.8):
     return pairs[:, 0], refined, deviations
 
 
-def _of_python(compiled, name):
-    """Wraps a function of pybind11 in a function that pickle accepts."""
-    @_functools.wraps(compiled)
-    def function(*arguments, **named):
-        return compiled(*arguments, **named)
-    function.__module__, function.__name__, function.__qualname__ = __name__, name.split('.')[-1], name
-    return function
+def _from_text(text):  # in Python, so that pickle takes it
+    return _aqorb._from_text(text)
 
 
 def _matcher(kind, settings, descriptors):
     matcher = kind(*settings)
     matcher.add(descriptors)
     return matcher
-
-
-globals().update((_name, _of_python(_value, _name)) for _name, _value in list(globals().items())
-                 if isinstance(_value, _types.BuiltinFunctionType))
-AdaptiveQuadtreeORB.create = staticmethod(_of_python(AdaptiveQuadtreeORB.create, 'AdaptiveQuadtreeORB.create'))
-HammingMatcher.create = staticmethod(_of_python(HammingMatcher.create, 'HammingMatcher.create'))
 
 
 def __getattr__(name):
@@ -116,3 +91,6 @@ def __getattr__(name):
 
 def __dir__():
     return sorted(list(globals()) + ['error'])
+
+
+__all__ = [_name for _name in globals() if _name[0] != '_'] + ['error']

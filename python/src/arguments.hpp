@@ -29,12 +29,17 @@ inline bool isInstance(py::handle object, const char* cv2Class)
     return type && py::isinstance(object, type);
 }
 
-//! Whether the object is an integer of Python or numpy. pybind11 would convert other objects to one.
-inline bool isInteger(py::handle object)
+//! Replaces an integer of Python or numpy by an int. Returns false for other objects, which pybind11 would convert.
+//! An error of the object's own __index__ is that of the call.
+inline bool toInteger(py::object& object)
 {
-    const auto integer = py::reinterpret_steal<py::object>(PyNumber_Index(object.ptr()));
+    object = py::reinterpret_steal<py::object>(PyNumber_Index(object.ptr()));
+    if (object)
+        return true;
+    if (!PyErr_ExceptionMatches(PyExc_TypeError))
+        throw py::error_already_set();
     PyErr_Clear();
-    return bool(integer);
+    return false;
 }
 
 template <typename Kind> struct Object
@@ -48,7 +53,7 @@ template <typename Kind> struct Object
     struct Name##Kind                                              \
     {                                                              \
         static constexpr auto name = py::detail::const_name(text); \
-        static bool accepts(py::handle object)                     \
+        static bool accepts(py::object& object)                    \
         {                                                          \
             (void)object;                                          \
             return isAccepted;                                     \
@@ -69,7 +74,7 @@ AQORB_ARGUMENT(ArrayTuple, "Tuple[numpy.ndarray, ...]", true)
 AQORB_ARGUMENT(Matches, "Sequence[cv2.DMatch]", true)
 AQORB_ARGUMENT(MatchTuple, "Tuple[cv2.DMatch, ...]", true)
 AQORB_ARGUMENT(MatchLists, "Tuple[Tuple[cv2.DMatch, ...], ...]", true)
-AQORB_ARGUMENT(Int, "int", isInteger(object))
+AQORB_ARGUMENT(Int, "int", toInteger(object))
 AQORB_ARGUMENT(OptionalInt, "Optional[int]", true)
 AQORB_ARGUMENT(OptionalFloat, "Optional[float]", true)
 AQORB_ARGUMENT(FileStorage, "cv2.FileStorage", isInstance(object, "FileStorage"))
@@ -105,7 +110,7 @@ template <typename Kind> struct type_caster<aqorb_python::Object<Kind>>
     bool load(handle source, bool)
     {
         value.object = reinterpret_borrow<object>(source);
-        return Kind::accepts(source);
+        return Kind::accepts(value.object);
     }
     static handle cast(const aqorb_python::Object<Kind>& result, return_value_policy, handle)
     {

@@ -138,12 +138,11 @@ std::string itemName(const std::string& sequence, size_t index)
 
 int valueOf(const IntObject& number, const std::string& name)
 {
-    const auto integer = py::reinterpret_steal<py::int_>(PyNumber_Index(number.object.ptr()));
     int overflow = 0;
-    const long long value = PyLong_AsLongLongAndOverflow(integer.ptr(), &overflow);
+    const long long value = PyLong_AsLongLongAndOverflow(number.object.ptr(), &overflow);
     if (overflow || value < INT_MIN || value > INT_MAX)
         CV_Error_(cv::Error::StsOutOfRange,
-                  ("%s must be an int of 32 bits, got %s", name.c_str(), brief(integer).c_str()));
+                  ("%s must be an int of 32 bits, got %s", name.c_str(), brief(number.object).c_str()));
     return int(value);
 }
 

@@ -30,7 +30,8 @@ py::object classOfCv2(const char* name, const char* instead)
 py::object knownClass(const char* name)
 {
     const auto cv2 = py::reinterpret_steal<py::object>(PyImport_GetModule(py::str("cv2").ptr()));
-    PyErr_Clear();
+    if (PyErr_Occurred())
+        throw py::error_already_set();
     return cv2 ? py::getattr(cv2, name, py::handle()) : py::object();
 }
 

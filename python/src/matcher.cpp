@@ -13,6 +13,7 @@
 
 #include <pybind11/stl.h>
 
+#include <cmath>
 #include <string>
 #include <utility>
 #include <vector>
@@ -65,12 +66,18 @@ ArrayObject toIntegers(const cv::Mat& mat, int columns)
 // The number, or the default for None.
 template <typename T> T toNumber(py::handle source, T byDefault, const char* name, const char* accepted)
 {
-    py::detail::make_caster<T> number;
     if (source.is_none())
         return byDefault;
-    if (!number.load(source, std::is_floating_point<T>::value))
+    const bool isFloat = std::is_floating_point<T>::value;
+    const double number =
+        isFloat ? PyFloat_AsDouble(source.ptr()) : double(PyNumber_AsSsize_t(source.ptr(), nullptr));
+    if (PyErr_Occurred() && !PyErr_ExceptionMatches(PyExc_TypeError))
+        throw py::error_already_set();
+    const bool isWrong = PyErr_Occurred() || (!isFloat && std::abs(number) > INT_MAX);
+    PyErr_Clear();
+    if (isWrong)
         throwTypeError(name, brief(source), accepted);
-    return number;
+    return T(number);
 }
 
 Matcher create(const IntObject& normType, bool crossCheck)

@@ -117,25 +117,6 @@ void addFunctions(py::module_& module)
     module.def("getNumThreads", &cv::getNumThreads, "Returns the number of threads of each call.");
 }
 
-// An attempt to instantiate pybind11's base class would end the process. Other modules share the base class; their
-// classes are unaffected.
-newfunc newOfPybind11;
-
-PyObject* newInstance(PyTypeObject* type, PyObject* args, PyObject* kwargs)
-{
-    if (!py::detail::all_type_info(type).empty())
-        return newOfPybind11(type, args, kwargs);
-    PyErr_Format(PyExc_TypeError, "cannot create '%s' instances", type->tp_name);
-    return nullptr;
-}
-
-void refuseInstancesOfBase()
-{
-    PyTypeObject* const base = reinterpret_cast<PyTypeObject*>(py::detail::get_internals().instance_base);
-    newOfPybind11 = base->tp_new;
-    base->tp_new = &newInstance;  // classes defined later inherit it
-}
-
 }  // namespace
 
 // Renames pybind11's init function: in a subinterpreter it would wait forever for the main interpreter's lock.
@@ -155,7 +136,6 @@ PYBIND11_MODULE(_aqorb, module)
     translateErrors();
     module.attr("keypoint_dtype") = keypointDtype();
 
-    refuseInstancesOfBase();
     addDetector(module);
     addMatching(module);
     addRefinement(module);

@@ -84,10 +84,14 @@ void waitForCalls()
 
 void prepareThreads()
 {
+    // Once, even if Python imports the module again after an error.
+    static const bool isPrepared = Py_AtExit(&waitForCalls) == 0
 #ifndef _WIN32
-    pthread_atfork(&beforeFork, &afterForkInParent, &afterForkInChild);
+                                   && pthread_atfork(&beforeFork, &afterForkInParent, &afterForkInChild) == 0
 #endif
-    Py_AtExit(&waitForCalls);
+        ;
+    if (!isPrepared)
+        throw pybind11::import_error("aqorb cannot register its functions for the exit and for forks");
 }
 
 std::mutex& sharing()

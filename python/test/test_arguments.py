@@ -182,6 +182,39 @@ def test_integers(name, call):
         assert f'{name}: int' in message_of(TypeError, lambda: call(wrong))
 
 
+class Failing:
+    """Fails in its conversion to a number, from the `calls`-th one on."""
+
+    def __init__(self, error, calls=1):
+        self.error, self.calls = error, calls
+
+    def __index__(self):
+        self.calls -= 1
+        if self.calls <= 0:
+            raise self.error
+        return 5
+
+    def __float__(self):
+        return float(self.__index__())
+
+
+@pytest.mark.parametrize('error', [KeyboardInterrupt, ZeroDivisionError])
+@pytest.mark.parametrize('calls', [1, 2])
+def test_errors_of_a_conversion(error, calls):
+    for call in (aqorb.AdaptiveQuadtreeORB_create, aqorb.HammingMatcher, lambda number: MATCHER.knnMatch(ROWS, number),
+                 lambda number: aqorb.matchArrays(ROWS, ROWS, maxDistance=number),
+                 lambda number: aqorb.matchArrays(ROWS, ROWS, number)):
+        number = Failing(error, calls)
+        try:
+            call(number)
+        except error:
+            assert number.calls <= 0
+        except aqorb.error:  # of the number 5
+            assert number.calls == 1
+        else:
+            assert number.calls == 1
+
+
 LACK = '''
 import resource
 import numpy as np
