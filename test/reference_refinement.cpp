@@ -90,11 +90,11 @@ ReferenceStart referenceStart(const KeyPoint& keypoint1, const KeyPoint& keypoin
 }
 
 ReferenceAlignment referenceAlignment(const Mat& image1, const KeyPoint& keypoint1, const Mat& image2,
-                                      const ReferenceStart& start, double scaleFactor)
+                                      const ReferenceStart& start, double scaleFactor, double widening)
 {
     const ReferenceAlignment notAligned = {false, start.position, start.map, -1,
                                            std::numeric_limits<double>::infinity()};
-    const double spacing = std::max(0.7, keypoint1.size / 31 * scaleFactor / 2),
+    const double spacing = widening * std::max(0.7, keypoint1.size / 31 * scaleFactor / 2),
                  spacing2 = spacing * std::sqrt(std::abs(determinant(start.map)));
     const View view1(image1, spacing), view2(image2, spacing2);
 
@@ -150,6 +150,23 @@ ReferenceAlignment referenceAlignment(const Mat& image1, const KeyPoint& keypoin
     Mat_<double> axes;
     eigen(Mat(map * shift * map.t()), axes);
     return {true, Point2d(center[0], center[1]), map * (1 / spacing), correlation, 3.5 * std::sqrt(axes(0))};
+}
+
+ReferenceAlignment referenceRefinement(const Mat& image1, const KeyPoint& keypoint1, const Mat& image2,
+                                       const KeyPoint& keypoint2, double minCorrelation, double scaleFactor)
+{
+    const ReferenceStart start = referenceStart(keypoint1, keypoint2);
+    ReferenceAlignment first = referenceAlignment(image1, keypoint1, image2, start, scaleFactor);
+    const bool isKept = first.isAligned && first.correlation >= minCorrelation;
+    if (isKept ? first.deviation <= 0.7 : first.isAligned && first.correlation < minCorrelation - 0.1)
+    {
+        first.isAligned = isKept;
+        return first;
+    }
+    ReferenceAlignment second = referenceAlignment(image1, keypoint1, image2, start, scaleFactor, 2);
+    second.isAligned =
+        second.isAligned && second.correlation >= (isKept ? minCorrelation : std::max(minCorrelation, 0.9));
+    return second;
 }
 
 MatchedViews viewsOf(const Texture& texture, const Matx23d& map, double gain, double bias, double noise)

@@ -32,7 +32,12 @@ ReferenceStart referenceStart(const KeyPoint& keypoint1, const KeyPoint& keypoin
 
 //! The alignment of patches in grey images by the formulas, in double precision.
 ReferenceAlignment referenceAlignment(const Mat& image1, const KeyPoint& keypoint1, const Mat& image2,
-                                      const ReferenceStart& start, double scaleFactor);
+                                      const ReferenceStart& start, double scaleFactor, double widening = 1);
+
+//! What refineMatches makes of a match: the alignment, or a second one with samples twice as far apart. isAligned is
+//! false if the match is removed.
+ReferenceAlignment referenceRefinement(const Mat& image1, const KeyPoint& keypoint1, const Mat& image2,
+                                       const KeyPoint& keypoint2, double minCorrelation, double scaleFactor);
 
 //! The arguments of refineMatches and growMatches.
 struct MatchedViews

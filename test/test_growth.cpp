@@ -164,7 +164,7 @@ OneWay wayOf(const MatchedViews& views, const Grown& grown, bool isBack)
             const KeyPoint &first = views.keypoints1[size_t(match.queryIdx)],
                            &second = views.keypoints2[size_t(match.trainIdx)];
             const ReferenceAlignment a =
-                referenceAlignment(views.image1, first, views.image2, referenceStart(first, second), 1);
+                referenceRefinement(views.image1, first, views.image2, second, 0.8, 1);
             way.seeds.push_back(isBack
                                     ? Seed{match.trainIdx, match.queryIdx, a.position, first.pt, a.map.inv()}
                                     : Seed{match.queryIdx, match.trainIdx, first.pt, a.position, a.map});

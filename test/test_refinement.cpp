@@ -117,7 +117,7 @@ MatchedViews randomPair(int seed)
 
 TEST(Aqorb_Refinement, equals_the_plain_definition)
 {
-    int compared = 0, aligned = 0, otherwise = 0, otherDeviations = 0;
+    int compared = 0, aligned = 0, again = 0, otherwise = 0, otherDeviations = 0;
     for (int seed = 1; seed <= 80; seed++)
     {
         const MatchedViews pair = randomPair(seed);
@@ -130,27 +130,30 @@ TEST(Aqorb_Refinement, equals_the_plain_definition)
             const DMatch& match = pair.matches[i];
             const KeyPoint &first = pair.keypoints1[match.queryIdx],
                            &second = pair.keypoints2[match.trainIdx];
-            const ReferenceAlignment expected = referenceAlignment(
-                pair.image1, first, pair.image2, referenceStart(first, second), scaleFactor);
+            const ReferenceAlignment once = referenceAlignment(pair.image1, first, pair.image2,
+                                                               referenceStart(first, second), scaleFactor),
+                                     expected = referenceRefinement(pair.image1, first, pair.image2, second,
+                                                                    0.8, scaleFactor);
             const bool isKept = next < good.matches.size() && good.matches[next].distance == match.distance;
             compared++;
             ASSERT_EQ(first.pt, all.points1[i]);
-            const Point2d moved = Point2d(all.points2[i]) - expected.position;
+            const Point2d moved = Point2d(all.points2[i]) - once.position;
             // Rounding decides on limits, and where a patch hardly has texture.
-            otherwise +=
-                isKept != (expected.isAligned && expected.correlation >= 0.8) || cv::norm(moved) > 0.01;
+            otherwise += isKept != expected.isAligned || cv::norm(moved) > 0.01;
             aligned += isKept;
             if (isKept)
             {
-                ASSERT_EQ(all.points2[i], good.points2[next]);
-                ASSERT_EQ(all.deviations[i], good.deviations[next]);
-                otherDeviations += std::abs(all.deviations[i] / expected.deviation - 1) > 0.01;
+                const bool isSecond = all.points2[i] != good.points2[next];
+                again += isSecond;
+                otherwise += cv::norm(Point2d(good.points2[next]) - expected.position) > 0.01;
+                otherDeviations += std::abs(good.deviations[next] / expected.deviation - 1) > 0.01;
                 next++;
             }
         }
         ASSERT_EQ(good.matches.size(), next) << "another order";
     }
-    EXPECT_GT(aligned, 500);
+    EXPECT_GT(aligned, 400);
+    EXPECT_GT(again, 50);
     EXPECT_LT(otherwise, compared / 200);
     EXPECT_LT(otherDeviations, aligned / 100);
 }

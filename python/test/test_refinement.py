@@ -127,6 +127,19 @@ def test_images_are_matched(pair):
             aqorb.matchImages(*arguments)
 
 
+@pytest.mark.parametrize('create', ['AKAZE_create', 'BRISK_create'])
+def test_matches_of_other_detectors_grow(pair, create):
+    if not hasattr(cv, create):
+        pytest.skip('OpenCV 5 has it in its contrib modules')
+    (keypoints1, descriptors1), (keypoints2, descriptors2) = [
+        getattr(cv, create)().detectAndCompute(image, None) for image in pair[:3:2]]
+    matches = cv.BFMatcher(cv.NORM_HAMMING, True).match(descriptors1, descriptors2)[::4]
+    matches, grown1, grown2, points1, points2, _ = aqorb.growMatches(
+        pair[0], keypoints1, pair[2], keypoints2, matches, scaleFactor=5)
+    assert len(grown1) > len(keypoints1) and len(grown2) > len(keypoints2)
+    assert len(matches) > 40 and np.median(np.abs(points2 - points1 - [SHIFT, 0]).max(1)) < .05
+
+
 def test_points_without_sizes_are_refined(pair):
     image1, keypoints1, image2 = pair[:3]
     points1 = keypoints1['pt']

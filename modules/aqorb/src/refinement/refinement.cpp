@@ -91,16 +91,65 @@ RefinedMatches RefinedMatches::exchanged() const
     return result;
 }
 
+namespace
+{
+
+// Whether a patch may have seen no more than one edge, along which it slides.
+bool isUncertain(const PatchAlignment& alignment, float minCorrelation)
+{
+    const float NEARLY = 0.1f, MAX_DEVIATION = 0.7f;
+    const float correlation = alignment.correlation;
+    return correlation >= minCorrelation
+               ? alignment.deviation > MAX_DEVIATION
+               : correlation == NOT_ALIGNED || correlation >= minCorrelation - NEARLY;
+}
+
+// Aligns the uncertain pairs once more, with samples twice as far apart.
+void alignUncertain(float minCorrelation, PatchAligner& aligner, std::vector<PatchPair>& pairs,
+                    std::vector<PatchAlignment>& alignments)
+{
+    // More wrong matches than right ones align with one of two patches only.
+    const float MIN_CORRELATION = std::max(minCorrelation, 0.9f);
+    std::vector<size_t> indices;
+    std::vector<PatchPair> wider;
+    for (size_t i = 0; i < pairs.size(); i++)
+    {
+        if (!isUncertain(alignments[i], minCorrelation))
+            continue;
+        PatchPair& pair = pairs[i];
+        pair.first.spacing *= 2;
+        pair.second.spacing *= 2;
+        pair.map = pair.map * 2;
+        indices.push_back(i);
+        wider.push_back(pair);
+    }
+    const std::vector<PatchAlignment> again = aligner.align(wider, false);
+    for (size_t k = 0; k < indices.size(); k++)
+    {
+        PatchAlignment& alignment = alignments[indices[k]];
+        const bool isDropped =
+            alignment.correlation < minCorrelation && again[k].correlation < MIN_CORRELATION;
+        alignment = again[k];
+        if (isDropped)
+            alignment.correlation = NOT_ALIGNED;
+    }
+}
+
+}  // namespace
+
 RefinedMatches refinedMatches(const RefinementInput& input, PatchAligner& aligner)
 {
     std::vector<PatchPair> pairs;
     for (const DMatch& match : input.matches)
         pairs.push_back(patchesOf(input.keypoints1[size_t(match.queryIdx)],
                                   input.keypoints2[size_t(match.trainIdx)], input.scaleFactor));
-    const std::vector<PatchAlignment> alignments = aligner.align(pairs, false);
+    std::vector<PatchAlignment> alignments = aligner.align(pairs, false);
+    const bool keepsAll = input.minCorrelation == -1;
+    if (!keepsAll)
+        alignUncertain(input.minCorrelation, aligner, pairs, alignments);
     RefinedMatches refined;
     for (size_t i = 0; i < pairs.size(); i++)
-        if (input.minCorrelation == -1 || alignments[i].correlation >= input.minCorrelation)
+        if (keepsAll || alignments[i].correlation >= input.minCorrelation)
             refined.add(input.matches[i], pairs[i], alignments[i]);
     return refined;
 }

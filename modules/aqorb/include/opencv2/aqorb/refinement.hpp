@@ -40,7 +40,7 @@ either angle is -1, alignment starts without rotation and succeeds if the images
 @param matches Matches with the queryIdx of a keypoint of image 1 and the trainIdx of a keypoint of image 2. The
 function removes a match if it cannot be aligned, or if the patches correlate less than minCorrelation. The alignment
 takes three steps, and the correlation is that of the patches before the last step: patches that still move much then do
-not correlate. The remaining matches keep their order.
+not correlate. The remaining matches keep their order. See below for the second try.
 @param points1 For each remaining match, the position of its keypoint in image 1, in pixels.
 @param points2 For each remaining match, the position of the same spot in image 2, in pixels.
 @param minCorrelation The smallest normalised correlation of the aligned patches, from -1 to 1. With -1 no match is
@@ -60,6 +60,15 @@ at level 0: beyond the centres of the outermost pixels),
 - the variance of either patch is at most 4 squared grey values,
 - or the alignment moves the position by more than 6 samples, or changes the area of the patch by more than a factor
 of 4.
+
+On a large plain shape, such as a letter or a logo, a patch sees one edge, and slides along it. So a match is tried once
+more, with samples twice as far apart, if
+- it cannot be aligned, or correlates by at most 0.1 less than minCorrelation,
+- or it correlates, but the deviation of its position (see the overload below) is above 0.7 pixels.
+
+The second patch then decides, and position, correlation and deviation are its own. A match that the first patch would
+remove has to correlate at least 0.9 by the second one. The second try takes a fifth of the time. It is left out if
+minCorrelation is -1. It does not help near the sides of an image, which the larger patches leave, too.
 
 Any number of threads and any CPU give the same result. Other inputs raise a cv::Exception that names the argument, and
 all outputs stay unchanged. Without matches, the images may be empty. Images have at most 1048575 pixels a side.
@@ -108,10 +117,10 @@ multiplies the number of right matches, which makes poses more exact:
 queryIdx, then the matches grown into image 1 in the order of trainIdx. A grown match has the distance FLT_MAX and the
 imgIdx 0. The queryIdx of a match is an index of grown1, the trainIdx an index of grown2.
 @param grown1 keypoints1, then a keypoint for each match grown into image 1. It may be keypoints1 itself.
-@param grown2 keypoints2, then a keypoint for each match grown into image 2. It may be keypoints2 itself. The aligned map
-takes the position, size and angle of the keypoint of the other image to the grown keypoint; an angle of -1 stays -1.
-Its octave is that of the nearby match's keypoint in the same image, plus the difference of the two octaves in the other
-image, but at least 0. Its response is 0 and its class_id -1.
+@param grown2 keypoints2, then a keypoint for each match grown into image 2. It may be keypoints2 itself. The aligned
+map takes the position, size and angle of the keypoint of the other image to the grown keypoint; an angle of -1 stays
+-1. Its octave is that of the nearby match's keypoint in the same image, plus the difference of the two octaves in the
+other image, but at least 0. Its response is 0 and its class_id -1.
 @param points1, points2 For each match, its positions in the two images, in pixels. The position in image 2 moves, and
 that in image 1 is the keypoint's. For a match grown into image 1 it is the other way round.
 @param deviations For each match, the standard deviation of the position that moved, as in refineMatches.
