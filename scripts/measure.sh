@@ -7,7 +7,7 @@
 #   scripts/measure.sh refinement [OPTION ...]  what refineMatches gives (doc/reproduction.md)
 #   scripts/measure.sh poses [4|5] [OPTION ...]  relative poses, by OpenCV and PoseLib (doc/reproduction.md)
 #   scripts/measure.sh objects [4|5] [OPTION ...]  known objects located in scenes (the tutorial on finding them)
-#   scripts/measure.sh readme                 README's table
+#   scripts/measure.sh readme                 README's table but for its last row, in some ten minutes
 #   scripts/measure.sh heldout                fetches the pairs of images that nothing was tuned on, for claims
 #
 # OPENCV_TEST_DATA_PATH names the folder testdata of opencv_extra; speed draws scenes without it. paper, claims,
@@ -84,7 +84,7 @@ evaluate() {
     need build python python3-matplotlib
     configure release -DAQORB_BUILD_PYTHON=ON -DPython_EXECUTABLE="$PYTHON"
     build "$BUILD/release" --target _aqorb
-    say "Measuring; the first row may take a minute, all of them hours" >&2
+    say "Measuring; README's table takes some ten minutes, the others up to hours" >&2
     PYTHONPATH=$BUILD/release/python PYTHONDONTWRITEBYTECODE=1 \
         "$PYTHON" "$ROOT/tools/evaluate/aqorb_evaluate.py" "$1" "${@:2}"
 }
@@ -111,8 +111,7 @@ objects() {
 
 readme() {
     strecha fountain-P11 entry-P10 || die "could not fetch the photographs; is there a network?"
-    opencv_samples
-    evaluate readme "$AQORB_STRECHA/Benchmarking_Camera_Calibration_2008" "$OPENCV_SAMPLES"
+    evaluate readme "$AQORB_STRECHA/Benchmarking_Camera_Calibration_2008"
 }
 
 # Unpacks the packages of tools/evaluate/held_out.csv without installing them.

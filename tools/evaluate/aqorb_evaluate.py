@@ -135,7 +135,6 @@ def main():
     command.set_defaults(run=print_tables, tables=lambda options: [('Measured on one thread', readme.HEAD,
                                                                     readme.rows(options))])
     command.add_argument('scenes', metavar='SCENES', help="folder with Strecha's fountain-P11 and entry-P10")
-    command.add_argument('object', metavar='OBJECT', help="folder with box.png and box_in_scene.png of OpenCV's samples")
     options = parser.parse_args()
     for subject in options.only if options.command == 'claims' else []:
         if subject not in claims.SUBJECTS:
