@@ -168,6 +168,9 @@ def test_program_of_readme_on_black_images(tmp_path, shape):
     program = re.search(r'^```python\n(import sys\n.*?)^```', readme.read_text(), re.MULTILINE | re.DOTALL).group(1)
     cv.imwrite(str(tmp_path / 'black.png'), np.zeros(shape, np.uint8))
     cv.imwrite(str(tmp_path / 'noise.png'), noise(1))
+    run = subprocess.run([sys.executable, '-c', program, 'black.png', 'missing.png'], cwd=str(tmp_path), text=True,
+                         stdout=subprocess.PIPE, stderr=subprocess.PIPE, timeout=60)
+    assert run.returncode == 1 and 'missing.png: cannot be read as an image\n' in run.stderr
     for other in 'black.png', 'noise.png':
         run = subprocess.run([sys.executable, '-c', program, 'black.png', other], cwd=str(tmp_path), text=True,
                              stdout=subprocess.PIPE, stderr=subprocess.STDOUT, timeout=60)
