@@ -4,7 +4,6 @@
 # SPDX-License-Identifier: Apache-2.0
 """README's table: cv::ORB as people use it, cv::ORB at its best with and without this module, SIFT, and aqorb."""
 
-import time
 from typing import NamedTuple
 
 import aqorb
@@ -14,7 +13,6 @@ import numpy as np
 import measures
 import poses
 
-TURNS = 5
 THRESHOLDS = .18, .25, .5, 1  # pixels
 SOME = slice(0, None, 3)  # of the pairs: those that are timed, and those that choose settings
 CANDIDATES = 5000  # of cv::ORB, from which SSC or cells select
@@ -161,20 +159,6 @@ def best(side, choices, pictures, pairs):
     return side._replace(threshold=share_of(side, pictures, pairs)[1])
 
 
-def times_as_fast(functions, inputs):
-    """How many times as fast as the first function each one is: medians over the inputs, in turns on one thread."""
-    ratios = []
-    for each in inputs:
-        seconds = [[] for _ in functions]
-        for _ in range(TURNS):
-            for function, spent in zip(functions, seconds):
-                start = time.perf_counter()
-                function(*each)
-                spent.append(time.perf_counter() - start)
-        ratios.append([np.median(seconds[0]) / np.median(spent) for spent in seconds])
-    return ['{:.1f}'.format(ratio) for ratio in np.median(ratios, axis=0)]
-
-
 def pose_of(side):
     return lambda first, second, camera: poses.ESTIMATORS[side.estimator](*points_of(side, first, second), camera,
                                                                           side.threshold)
@@ -195,11 +179,13 @@ def rows(options):
     yield ['only the detector differs: mutual matches, RANSAC at 1 px'] + [
         percent(share_of(PEOPLE._replace(detector=name), pictures, pairs)[0]) if name else ''
         for name in ('orb', '', '', 'sift', 'aqorb')]
-    yield ['two images to their pose, times as fast'] + times_as_fast(
-        [pose_of(side) for side in sides],
+    yield ['two images to their pose, times as fast'] + measures.times_as_fast(
+        pose_of(sides[0]), [pose_of(side) for side in sides[1:]],
         [(pictures[pair.first], pictures[pair.second], pair.camera) for pair in pairs[SOME]])
-    yield ['one image, times as fast'] + times_as_fast(
-        [lambda picture, side=side: detected(side, picture) for side in sides], [(picture,) for picture in pictures])
+    yield ['one image, times as fast'] + measures.times_as_fast(
+        lambda picture: detected(sides[0], picture),
+        [lambda picture, side=side: detected(side, picture) for side in sides[1:]],
+        [(picture,) for picture in pictures])
     yield ['cells of a 16 x 12 grid with a keypoint'] + [
         percent(np.mean([aqorb.distributionOccupancy(arrays_of(remembered(side, picture)[0]), picture.shape[::-1],
                                                      measures.GRID) for picture in pictures])) for side in sides]

@@ -87,8 +87,8 @@ CV_EXPORTS_W void refineMatches(InputArray image1, const std::vector<KeyPoint>& 
 least certain direction. It is infinite for a match that minCorrelation -1 keeps without alignment.
 
 The covariance of the position is the inverse of the Hessian of the alignment times the variance of the differences
-between the patches. A factor calibrates its root: on photographs with an exactly known geometry, at least 68 % of the
-errors are smaller than the deviation. Use it to remove the least certain matches before estimating a pose, and to sort
+between the patches. A factor scales the standard deviation: on photographs with an exactly known geometry, at least
+68 % of the errors are smaller than it. Use it to remove the least certain matches before estimating a pose, and to sort
 the others for PROSAC (cv::USAC_PROSAC), which tries the first matches first.
  */
 CV_EXPORTS CV_WRAP_AS(refineMatchesWithDeviations) void refineMatches(
