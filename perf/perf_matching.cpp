@@ -141,5 +141,59 @@ PERF_TEST_P(Refinement, refineMatches,
     SANITY_CHECK_NOTHING();
 }
 
+typedef perf::TestBaseWithParam<tuple<std::string, bool>> Growth;
+
+//! Grows the cross-checked matches of two images one way or both ways.
+PERF_TEST_P(Growth, growMatches, testing::Combine(testing::Values("bikes", "scene_640x480"), testing::Bool()))
+{
+    if (isOfOpenCV())
+        throw SkipTestException("OpenCV has no such function");
+    Mat images[2], descriptors[2];
+    std::vector<KeyPoint> keypoints[2], grown[2];
+    const Ptr<Feature2D> detector = aqorb::AdaptiveQuadtreeORB::create(1000);
+    for (int i = 0; i < 2; i++)
+    {
+        images[i] = loadImage(get<0>(GetParam()), i + 1);
+        detector->detectAndCompute(images[i], noArray(), keypoints[i], descriptors[i]);
+    }
+    std::vector<DMatch> all, matches;
+    aqorb::HammingMatcher::create(NORM_HAMMING, true)->match(descriptors[0], descriptors[1], all);
+    std::vector<Point2f> points1, points2;
+    std::vector<float> deviations;
+
+    TEST_CYCLE()
+    {
+        matches = all;
+        aqorb::growMatches(images[0], keypoints[0], images[1], keypoints[1], matches, grown[0], grown[1],
+                           points1, points2, deviations, 0.8f, 1.f, get<1>(GetParam()));
+    }
+
+    EXPECT_GT(points2.size(), all.size() / 4);
+    SANITY_CHECK_NOTHING();
+}
+
+typedef perf::TestBaseWithParam<int> GuidedMatching;
+
+//! Matches random descriptors of a rectified pair of images along rows.
+PERF_TEST_P(GuidedMatching, matchGuided, testing::Values(500, 1000, 2000))
+{
+    if (isOfOpenCV())
+        throw SkipTestException("OpenCV has no such function");
+    Mat query, train, pairs, distances;
+    makeDescriptors(GetParam(), 32, query, train);
+    std::vector<KeyPoint> queries;
+    RNG rng(1);
+    for (int i = 0; i < GetParam(); i++)
+        queries.push_back(KeyPoint(rng.uniform(0.f, 1024.f), rng.uniform(0.f, 683.f), 31));
+    const std::vector<KeyPoint> trains(queries.rbegin(), queries.rend());
+
+    TEST_CYCLE()
+    aqorb::matchGuided(query, queries, train, trains, Matx33d(0, 0, 0, 0, 0, -1, 0, 1, 0), 3, pairs,
+                       distances);
+
+    EXPECT_GT(pairs.rows, GetParam() / 3);
+    SANITY_CHECK_NOTHING();
+}
+
 }  // namespace
 }  // namespace opencv_test

@@ -212,6 +212,10 @@ class aqorb_test(NewOpenCVTests):
         self.assertEqual([(m.queryIdx, m.trainIdx, m.distance) for m in matches], expected)
         pairs, distances = aqorb.matchArrays(query, train)
         self.assertEqual(np.column_stack([pairs, np.ravel(distances)]).tolist(), [list(m) for m in expected])
+        keypoints = [cv.KeyPoint(float(i), float(i % 70), 31.) for i in range(150)]
+        rows = np.float64([[0, 0, 0], [0, 0, -1], [0, 1, 0]])
+        pairs, _ = aqorb.matchGuided(query, keypoints[:100], train, keypoints[50:], rows, 3)
+        self.assertEqual(pairs.tolist(), [[i + 50, i] for i in range(50)])
 
     def test_refine_matches(self):
         image = cv.GaussianBlur(squares(), (0, 0), 1.5)
@@ -228,6 +232,9 @@ class aqorb_test(NewOpenCVTests):
         self.assertGreater(len(grown), 2 * len(few))
         self.assertLess(max(match.queryIdx for match in grown), len(grown1))
         self.assertLess(max(match.trainIdx for match in grown), len(grown2))
+        points1, points2, deviations = (np.float32(each) for each in aqorb.matchImages(image, image[:, 3:], 500))
+        self.assertLess(np.median(np.abs(points1.reshape(-1, 2) - (3, 0) - points2.reshape(-1, 2))), 0.05)
+        self.assertGreater(deviations.size, 400)
 
 
 if __name__ == '__main__':
