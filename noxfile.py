@@ -83,7 +83,8 @@ def asan(session):
 @nox.session(venv_params=['--system-site-packages'], reuse_venv=True)
 def hostile(session):
     session.install(*COMMAND)
-    pytest(session, '-s', *session.posargs, 'photographs/test/test_damage.py', AQORB_FLIPS='1000',
+    pytest(session, '-s', *session.posargs, 'photographs/test/test_damage.py',
+           'photographs/test/test_tracks.py::test_kills', AQORB_FLIPS='1000',
            AQORB_KILLS='50', **built())
 
 
@@ -110,6 +111,12 @@ def poses(session):
 @nox.session(venv_params=['--system-site-packages'])
 def objects(session):
     evaluate(session, 'objects', PHOTOGRAPHS, scenes(), os.environ['OPENCV_SAMPLES_DATA_PATH'])
+
+
+@nox.session(venv_params=['--system-site-packages'])
+def reconstruction(session):
+    session.install(*COMMAND)
+    evaluate(session, 'reconstruction', scenes(), '--out=' + str(BUILD / 'reconstruction'), packages=())
 
 
 @nox.session

@@ -7,6 +7,7 @@
 #   scripts/measure.sh refinement [OPTION ...]  what refineMatches gives (doc/reproduction.md)
 #   scripts/measure.sh poses [4|5] [OPTION ...]  relative poses, by OpenCV and PoseLib (doc/reproduction.md)
 #   scripts/measure.sh objects [4|5] [OPTION ...]  known objects located in scenes (the tutorial on finding them)
+#   scripts/measure.sh reconstruction         by COLMAP, also from SIFT (photographs/reconstruction.md)
 #   scripts/measure.sh readme                 README's table but for its last row, in some ten minutes
 #   scripts/measure.sh heldout                fetches the pairs of images that nothing was tuned on, for claims
 #
@@ -102,6 +103,12 @@ poses() {
     "$ROOT/scripts/python.sh" poses "$@"
 }
 
+reconstruction() {
+    strecha fountain-P11 entry-P10 || die "could not fetch the photographs; is there a network?"
+    export AQORB_STRECHA
+    "$ROOT/scripts/python.sh" reconstruction "$@"
+}
+
 objects() {
     strecha fountain-P11 entry-P10 || die "could not fetch the photographs; is there a network?"
     opencv_samples
@@ -141,8 +148,8 @@ case ${1:-} in
 paper | claims | refinement | objects) photographs ;;
 esac
 case ${1:-} in
-speed | readme | poses | objects | heldout | claims) "$@" ;;
+speed | readme | poses | objects | reconstruction | heldout | claims) "$@" ;;
 paper) evaluate paper "$datasets" --out="$BUILD/paper" "${@:2}" ;;
 refinement) evaluate refinement "$datasets" "${@:2}" ;;
-*) die "'${1:-}' is none of speed, paper, claims, refinement, readme, poses, objects, heldout; --help says more" ;;
+*) die "'${1:-}' is none of speed, paper, claims, refinement, readme, poses, objects, reconstruction, heldout; --help says more" ;;
 esac

@@ -16,6 +16,7 @@
 COLMAP has no descriptor type for ORB, so ORB descriptors are written without a type: COLMAP keeps them, but neither
 reads nor matches them."""
 
+import functools
 import json
 import os
 import secrets
@@ -30,6 +31,8 @@ from aqorb_photographs import InputError, places, store, tracks
 # Turn from the upright image to the image in the file for each EXIF orientation.
 TURNS = {1: [[1, 0], [0, 1]], 2: [[-1, 0], [0, 1]], 3: [[-1, 0], [0, -1]], 4: [[1, 0], [0, -1]], 5: [[0, 1], [1, 0]],
          6: [[0, 1], [-1, 0]], 7: [[0, -1], [-1, 0]], 8: [[0, -1], [1, 0]]}
+
+COLUMNS = ['x', 'y', 'size', 'angle', 'octave', 'descriptors']
 
 
 def write_camera(database, camera):
@@ -91,32 +94,36 @@ def geometry_of(inlier_matches, fundamental, turns):
         to_upright.append(np.linalg.inv(whole))
     geometry = pycolmap.TwoViewGeometry()
     geometry.config = pycolmap.TwoViewGeometryConfiguration.UNCALIBRATED
-    geometry.F = to_upright[1].T @ fundamental @ to_upright[0]
+    if len(fundamental):
+        geometry.F = to_upright[1].T @ fundamental.reshape(3, 3) @ to_upright[0]
     geometry.inlier_matches = inlier_matches.astype(np.uint32)
     return geometry
 
 
-def export(features, matches, folder, path, camera_mode='AUTO', options=None, refine=False):
+def export(features, matches, folder, path, camera_mode='AUTO', options=None, refine=True,
+           min_inliers=tracks.MIN_INLIERS, threads=1, part_size=tracks.PART_SIZE, progress=None):
     """Writes the features in a folder, and the matches in another folder or None, to a database. Cameras, focal lengths
     and places come from COLMAP's import of the images in `folder`, with its camera_mode and options. The database is
-    new, and appears when it is complete. refine refines positions by tracks, and leaves out matches of unrefined
-    keypoints. Returns the numbers of written images and pairs, each omitted
-    image with the reason, and the next step for COLMAP.
+    new, and appears when it is complete. With refine, matches become tracks: the further arguments are those of
+    tracks.grow and tracks.build, and progress(label, total) returns a function to call after each pair. Returns the
+    numbers of written images and pairs, each omitted image with the reason, and the next step for COLMAP.
 
     A child process writes, because pycolmap ends its process if a disk is full."""
     if os.path.lexists(path):
         raise InputError(f'{path} exists')
-    if refine and not matches:
-        raise InputError('--refine needs matches')
+    if matches:
+        found = store.Features(features, COLUMNS)
+        matched = store.Matches(matches, found)
+        matched.check()
+        if refine:
+            tracks.grow(found, matched, folder, threads, part_size,
+                        progress and functools.partial(progress, 'aligning'))
     target = f'{path}.{secrets.token_hex(4)}.unfinished'
-    call = json.dumps([features, matches, folder, target, camera_mode, options or {}, refine])
-    environment = dict(os.environ, PYTHONPATH=os.pathsep.join(filter(None, sys.path)))
+    call = json.dumps([features, matches, folder, target, camera_mode, options or {}, refine, min_inliers, threads])
     try:
-        done = subprocess.run([sys.executable, '-m', 'aqorb_photographs.colmap', call], stdin=subprocess.DEVNULL,
-                              stdout=subprocess.PIPE, stderr=subprocess.PIPE, env=environment)
-        reply = json.loads(done.stdout.decode().rpartition('\n')[2] or '{}')
-        if done.returncode or 'error' in reply:
-            raise InputError(reply.get('error') or f'{path}: COLMAP could not write it: is the disk full?')
+        reply = answer_of([sys.executable, '-m', 'aqorb_photographs.colmap', call], progress)
+        if 'images' not in reply:
+            raise InputError(reply.get('error') or f'{path}: COLMAP could not write it: {reply["stopped"]}')
         os.rename(target, path)
     finally:
         for suffix in '', '-wal', '-shm', '-journal':
@@ -125,51 +132,90 @@ def export(features, matches, folder, path, camera_mode='AUTO', options=None, re
     return reply['images'], reply['pairs'], reply['left_out'], reply['needs']
 
 
-def _export(features, matches, folder, path, camera_mode, options, refine):
+def answer_of(call, progress):
+    """Returns the last answer of a child process, or what it printed last before it failed. Other answers are the
+    progress."""
+    environment = dict(os.environ, PYTHONPATH=os.pathsep.join(filter(None, sys.path)))
+    update, reply = int, {}
+    with tempfile.TemporaryFile() as errors, subprocess.Popen(
+            call, stdin=subprocess.DEVNULL, stdout=subprocess.PIPE, stderr=errors, env=environment) as child:
+        for line in child.stdout:
+            reply = json.loads(line) if line.startswith(b'{') else reply
+            if 'total' in reply:
+                update = progress('verifying', reply['total']) if progress else int
+            elif 'done' in reply:
+                update(reply['done'])
+        if child.wait() and 'error' not in reply:
+            errors.seek(0)
+            lines = errors.read().decode(errors='replace').split('\n')
+            reply = {'stopped': ' '.join(filter(None, lines[-9:])) or f'exit code {child.returncode}'}
+    return reply
+
+
+def _export(features, matches, folder, path, camera_mode, options, refine, min_inliers, threads):
     import pycolmap
     if not hasattr(pycolmap.Database, 'read_all_pose_priors'):
         raise InputError(f'pycolmap must be 4 or later, for Python 3.10 or later, got {pycolmap.__version__}')
-    features = store.Features(features, ['x', 'y', 'size', 'angle', 'octave', 'descriptors'])
+    features = store.Features(features, COLUMNS)
     features.parameters()
     matches = store.Matches(matches, features) if matches else None
-    positions, refined = tracks.refine(features, matches, folder) if refine else (None, None)
     sizes = list(zip(features.value('width'), features.value('height')))
     orientations = features.value('orientation')
     turns = [turn_of(*one) for one in zip(orientations, sizes)]
-    database, left_out, ids, numbers = pycolmap.Database.open(path), [], {}, {}
     with tempfile.TemporaryDirectory() as scratch:
         imported = import_images(os.path.join(scratch, 'images.db'), folder, camera_mode, options, features.images)
         cameras = {camera.camera_id: camera for camera in imported.read_all_cameras()}
         images = {image.name: image for image in imported.read_all_images()}
         priors = {prior.corr_data_id.id: prior for prior in imported.read_all_pose_priors()}
         imported.close()
+    reasons = [why_not(os.path.join(folder, name), images.get(name), cameras, size[::-1] if turned >= 5 else size)
+               for name, size, turned in zip(features.images, sizes, orientations)]
+    positions, pairs = None, detected_pairs(matches, turns) if matches else ()
+    if matches and refine:
+        seen = [None if reason else cameras[images[name].camera_id] for name, reason in zip(features.images, reasons)]
+        positions, pairs = tracks.build(features, matches, turns, seen, 'camera_params' in options, min_inliers,
+                                        threads, report)
+        if not any(map(len, positions)):
+            raise InputError(f'no two images have {min_inliers} positions that agree on one geometry')
+    database, ids, numbers, count = pycolmap.Database.open(path), {}, {}, 0
     with pycolmap.DatabaseTransaction(database):
         for index, name in enumerate(features.images):
-            found = features.of(index)
-            if refine:
-                found['x'], found['y'] = positions[index].T
-            rows = rows_of(found, turns[index])
-            reason = why_not(os.path.join(folder, name), images.get(name), cameras,
-                             sizes[index][::-1] if orientations[index] >= 5 else sizes[index])
-            if reason:
-                left_out.append((name, reason))
+            if reasons[index]:
                 continue
             image = images[name]
             if image.camera_id not in numbers:
                 numbers[image.camera_id] = write_camera(database, cameras[image.camera_id])
-            ids[index] = write_image(database, name, numbers[image.camera_id], rows, found['descriptors'])
+            found = features.of(index)
+            rows = (rows_of(found, turns[index]), found['descriptors']) if positions is None else (positions[index],)
+            ids[index] = write_image(database, name, numbers[image.camera_id], *rows)
             prior = priors.get(image.image_id)
             if prior and np.isfinite(prior.position).all():
                 prior.corr_data_id = database.read_image(ids[index]).data_id
                 database.write_pose_prior(prior)
-        pairs = write_pairs(database, matches, ids, turns, refined) if matches else 0
+        for first, second, geometry, *matched in pairs:
+            if first in ids and second in ids:
+                database.write_matches(ids[first], ids[second], *matched or (geometry.inlier_matches,))
+                if len(geometry.inlier_matches) >= places.MIN_INLIERS:
+                    database.write_two_view_geometry(ids[first], ids[second], geometry)
+                count += 1
     database.close()
     needs = ''
     if not matches:
         needs = "COLMAP cannot match these features: run aqorb match, then aqorb colmap with its matches"
-    elif not (matches.parameters() or {'verified': True})['verified']:
+    elif positions is None and not (matches.parameters() or {'verified': True})['verified']:
         needs = "the matches are not verified: run COLMAP's geometric_verification"
-    answer(images=len(ids), pairs=pairs, left_out=left_out, needs=needs)
+    left_out = [each for each in zip(features.images, reasons) if each[1]]
+    answer(images=len(ids), pairs=count, left_out=left_out, needs=needs)
+
+
+def detected_pairs(matches, turns):
+    """Yields both indices of each pair of images, its two-view geometry, and its matches."""
+    for row, (first, second) in enumerate(matches.pairs.tolist()):
+        found = matches.of(row)
+        rows = np.column_stack([found['index1'], found['index2']]).astype(np.uint32)
+        ends = turns[first], turns[second]
+        geometry = geometry_of(rows[found['inliers']], found['fundamental'], ends)
+        yield first, second, geometry, rows
 
 
 def import_images(path, folder, camera_mode, options, names):
@@ -192,27 +238,10 @@ def why_not(path, image, cameras, size):
     return None if (camera.width, camera.height) == size else 'its features are of another size'
 
 
-def write_pairs(database, matches, ids, turns, refined):
-    """Writes the matches of pairs of written images, and returns the number of these pairs. refined has the
-    matches and the fundamental matrix of each pair with refined positions."""
-    count = 0
-    for pair, (first, second) in enumerate(matches.pairs):
-        if first not in ids or second not in ids:
-            continue
-        if refined:
-            rows, fundamental = refined[pair]
-            inliers = slice(None)
-        else:
-            found = matches.of(pair)
-            rows, inliers = np.column_stack([found['index1'], found['index2']]), found['inliers']
-            fundamental = found['fundamental']
-        rows = rows.astype(np.uint32)
-        database.write_matches(ids[first], ids[second], rows)
-        if len(rows[inliers]) >= places.MIN_INLIERS:
-            database.write_two_view_geometry(ids[first], ids[second], geometry_of(
-                rows[inliers], fundamental.reshape(3, 3), (turns[first], turns[second])))
-        count += 1
-    return count
+def report(total):
+    """Tells answer_of of the progress."""
+    print(json.dumps({'total': total}), flush=True)
+    return lambda count=1: print(json.dumps({'done': count}), flush=True)
 
 
 def answer(**found):

@@ -367,20 +367,39 @@ class Matches(Parts):
     kind, schema, head_columns = 'matches', MATCHES, MATCHES.names[:5]
 
     def __init__(self, folder, features):
-        super().__init__(folder, MATCHES.names[5:])
+        super().__init__(folder, self.schema.names[5:])
         self._count = len(features.images)
         names, digests = pa.array(features.images, pa.string()), pa.array(features.value('digest'), pa.string())
-        ends, is_valid = [], np.ones(len(self.head), bool)
+        ends, is_valid, is_here = [], np.ones(len(self.head), bool), np.ones(len(self.head), bool)
         for side in '12':
             index = pc.index_in(self.head['name' + side].combine_chunks(), names)
             same = pc.equal(digests.take(index), self.head['digest' + side].combine_chunks())
             is_valid &= np.asarray(pc.fill_null(same, False), bool)
+            is_here &= np.asarray(index.is_valid(), bool)
             ends.append(np.asarray(pc.fill_null(index, 0), np.int64))
         codes = self.codes(np.column_stack(ends))
         rows = np.flatnonzero(is_valid)[::-1]  # reversed, because np.unique keeps the first row of a pair
         self.known, first = np.unique(codes[rows], return_index=True)
         self.chosen = np.sort(rows[first])
         self.pairs = np.column_stack(ends)[self.chosen]
+        self._stale = np.flatnonzero(is_here & ~is_valid & ~np.isin(codes, self.known))
+        self._features = features.folder
+
+    def check(self):
+        """Raises InputError if there are no matches, or if features of a pair have changed since it was matched."""
+        fault = '' if len(self.pairs) else f'has no matches of {self._features}'
+        if len(self._stale):
+            pair = self.head.slice(int(self._stale[0]), 1).to_pylist()[0]
+            fault = (f'has {len(self._stale)} pairs, such as {pair["name1"]} and {pair["name2"]}, whose features have '
+                     'changed since they were matched')
+        if fault:
+            raise InputError(f'{self.folder} {fault}: run aqorb match {self._features} with --out {self.folder}')
+
+    def tidy(self):
+        """Rewrites parts without rows of superseded pairs, and removes what killed processes have left."""
+        if len(self.head):
+            clean(self.folder)
+            self.keep(np.isin(np.arange(len(self.head)), self.chosen))
 
     def codes(self, pairs):
         """Returns a number for each pair of images, the same in both orders."""
@@ -392,11 +411,11 @@ class Matches(Parts):
         return {name: row[name].combine_chunks().flatten().to_numpy() for name in self.columns}
 
 
-def to_matches(features, pairs, found, parameters):
+def to_matches(features, pairs, found, parameters, schema=MATCHES):
     """Returns the table of pairs of images. pairs are rows of two indices, and found the columns of lists of each
     pair."""
     names, digests = features.images, features.value('digest')
     columns = [[column[image] for image in pairs[:, side]] for column in (names, digests) for side in (0, 1)]
     columns += [[json.dumps(parameters)] * len(pairs), *zip(*found)]
-    arrays = [pa.array(column, field.type) for column, field in zip(columns, MATCHES)]
-    return pa.Table.from_arrays(arrays, schema=MATCHES)
+    arrays = [pa.array(column, field.type) for column, field in zip(columns, schema)]
+    return pa.Table.from_arrays(arrays, schema=schema)

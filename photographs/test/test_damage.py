@@ -92,7 +92,7 @@ def kills(count, chance, folder, images):
     calls = {features: ['extract', images, '--out', features, '--part-size', '3'],
              matches: ['match', features, '--pairs', 'exhaustive', '--no-verify', '--part-size', '50',
                        '--out', matches],
-             database: ['colmap', features, matches, '--images', images, '--database', database]}
+             database: ['colmap', features, matches, '--images', images, '--database', database, '--no-refine']}
     for out, call in calls.items():
         begin = time.perf_counter()
         subprocess.run(call_of(*call, '--quiet'), check=True)

@@ -23,6 +23,7 @@ import objects
 import paper
 import poses
 import readme
+import reconstruction
 import refinement
 from methods import PAPER
 
@@ -130,6 +131,11 @@ def main():
     command.add_argument('--absent', type=int, default=3, help='scenes without each object (%(default)s)')
     command.add_argument('--only', type=list_of(), default=['orb', 'akaze', 'sift', 'aqorb'],
                          help='detectors, separated by commas')
+
+    command = commands.add_parser('reconstruction', help="COLMAP's reconstructions; needs pycolmap and the command aqorb")
+    command.set_defaults(run=print_tables, tables=reconstruction.tables)
+    command.add_argument('scenes', metavar='SCENES', help="folder with Strecha's fountain-P11 and entry-P10")
+    command.add_argument('--out', default='reconstruction', help='folder for the models, which are measured once')
 
     command = commands.add_parser('readme', help="README's table")
     command.set_defaults(run=print_tables, tables=lambda options: [('Measured on one thread', readme.HEAD,

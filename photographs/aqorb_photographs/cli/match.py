@@ -89,10 +89,8 @@ def run(given):
                 store.write_part(out, store.to_matches(features, new, found, parameters))
                 done += len(found)
                 count += sum(len(columns[0]) for columns in found)
-    if os.path.isdir(out):
-        store.clean(out)
-        matches = store.Matches(out, features)
-        matches.keep(np.isin(np.arange(len(matches.head)), matches.chosen))
+    matches = store.Matches(out, features)
+    matches.tidy()
     options.say(given, f'{out}: {options.count_of(len(matches.pairs), "pair")}, {done} of them new with '
                 f'{options.count_of(count, "match", "es")}')
     return int(not total)
