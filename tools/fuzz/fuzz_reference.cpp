@@ -9,8 +9,12 @@
 
 #include <opencv2/core/utility.hpp>
 
+#include <algorithm>
+#include <cmath>
+
 // Compares the detector with the tests' plain reference, byte for byte: on the best kernels of the CPU and on the
-// baseline, with one thread and with two. Also compares its descriptors with cv::ORB's.
+// baseline, with one thread and with two. Also compares its descriptors with cv::ORB's. Calls with any image, mask and
+// keypoints give a valid result, or an exception that states the accepted values.
 
 using namespace opencv_test;
 
@@ -19,7 +23,6 @@ static void requireSame(const char* what, const ::testing::AssertionResult& resu
     fuzz::require(bool(result), std::string(what) + ": " + result.message());
 }
 
-// Draws valid parameters. fuzz_api also draws invalid parameters.
 static reference::Settings settingsFrom(FuzzedDataProvider& data)
 {
     reference::Settings s;
@@ -35,37 +38,76 @@ static reference::Settings settingsFrom(FuzzedDataProvider& data)
     s.fastThreshold = data.ConsumeIntegralInRange(0, 80);
     s.adaptiveThreshold = data.ConsumeBool();
     s.minThresholdRatio = data.ConsumeFloatingPointInRange(1., 8.);
-    data.ConsumeIntegral<uint16_t>();  // two removed properties: older inputs keep their meaning
     s.octaveSuppression = data.ConsumeBool() ? data.ConsumeFloatingPointInRange(0., 8.) : -1;
     s.subPixel = data.ConsumeBool();
-    return s;
-}
-
-// Draws these properties after the image, because the corpus is older than they are.
-static void drawSelection(FuzzedDataProvider& data, reference::Settings& s)
-{
     if (data.ConsumeBool())
         s.selectionType = AdaptiveQuadtreeORB::QUADTREE_SELECTION;
     if (data.ConsumeBool())
         s.strengthWeight = data.ConsumeFloatingPointInRange(0., data.ConsumeBool() ? 1000. : 1.);
     if (data.ConsumeBool())
         s.rankRadius = data.ConsumeFloatingPointInRange(0., data.ConsumeBool() ? 16. : 3.);
-    if (data.ConsumeBool())  // properties newer than the corpus
+    return s;
+}
+
+// A failed call leaves its outputs as they were.
+template <typename Call>
+static void callWithAnything(const Mat& image, std::vector<KeyPoint> keypoints, const Call& call)
+{
+    const size_t count = keypoints.size();
+    Mat descriptors(2, 5, CV_16SC1);
+    try
     {
-        RNG rng(data.ConsumeIntegral<uint64>());
-        s = reference::randomSettings(rng);
+        call(keypoints, descriptors);
+    }
+    catch (const cv::Exception& e)
+    {
+        fuzz::require(e.err.find(" must ") != std::string::npos, e.what());
+        fuzz::require(keypoints.size() == count && descriptors.cols == 5, "outputs changed");
+        return;
+    }
+    fuzz::require(image.empty() || descriptors.rows == int(keypoints.size()),
+                  "a descriptor for each keypoint");
+    for (size_t i = 0; i < keypoints.size() && !image.empty(); i++)
+        fuzz::require(
+            Rect2f(-.5f, -.5f, float(image.cols) + .5f, float(image.rows) + .5f).contains(keypoints[i].pt),
+            "a keypoint lies off the image");
+}
+
+static void callWithAnything(FuzzedDataProvider& data, AdaptiveQuadtreeORB& detector)
+{
+    const Mat image = fuzz::image(data, 64, true), mask = fuzz::mask(data, image.size(), true);
+    const std::vector<KeyPoint> given = fuzz::keypoints(data, Size(64, 64));
+    callWithAnything(image, given,
+                     [&](std::vector<KeyPoint>& keypoints, Mat& descriptors)
+                     { detector.detectAndCompute(image, mask, keypoints, descriptors); });
+    // A keypoint of a high octave is slow by design: the pyramid is built up to it.
+    if (std::all_of(given.begin(), given.end(), [](const KeyPoint& k) { return k.octave < 9; }))
+        callWithAnything(image, given,
+                         [&](std::vector<KeyPoint>& keypoints, Mat& descriptors)
+                         { detector.compute(image, keypoints, descriptors); });
+    std::vector<KeyPoint> kept = given;
+    const Size size(fuzz::number(data, 1, 400), fuzz::number(data, 1, 400));
+    const int npoints = fuzz::number(data, 0, 20);
+    try
+    {
+        aqorb::retainUniform(kept, size, npoints);
+        fuzz::require(int(kept.size()) <= npoints, "retainUniform kept too many");
+        fuzz::require(std::isfinite(aqorb::distributionUniformity(given, size)), "distributionUniformity");
+    }
+    catch (const cv::Exception& e)
+    {
+        fuzz::require(e.err.find(" must ") != std::string::npos, e.what());
     }
 }
 
 extern "C" int LLVMFuzzerTestOneInput(const uint8_t* bytes, size_t size)
 {
     FuzzedDataProvider data(bytes, size);
-    reference::Settings settings = settingsFrom(data);
+    const reference::Settings settings = settingsFrom(data);
     const Mat image = fuzz::image(data, 72, false);
     if (image.empty())
         return 0;
     const Mat mask = fuzz::mask(data, image.size(), false);
-    drawSelection(data, settings);
 
     const Features expected = reference::detectAndCompute(image, mask, settings);
     const Ptr<AdaptiveQuadtreeORB> detector = settings.create();
@@ -91,5 +133,6 @@ extern "C" int LLVMFuzzerTestOneInput(const uint8_t* bytes, size_t size)
     // With firstLevel > 0 compute drops some detected keypoints, because it applies the border to the image.
     if (settings.firstLevel == 0)
         requireSame("compute of what was detected", sameFeatures(computed, expected));
+    callWithAnything(data, *detector);
     return 0;
 }
