@@ -12,28 +12,12 @@ namespace opencv_test
 namespace
 {
 
-typedef tuple<std::string, int> Image_NFeatures_t;
+typedef perf::TestBaseWithParam<tuple<std::string, int>> Features;
 
-class Features : public perf::TestBaseWithParam<Image_NFeatures_t>
-{
-protected:
-    void detectAndCompute();
-};
-
-//! Growth of the time with the size of the image and with the number of features.
-typedef Features Scaling;
-
-#define FEATURES_PARAMS                                                                        \
-    testing::Combine(testing::Values("leuven", "bikes", "bark", "trees", "ubc", "640x512.png", \
-                                     "1920x1080.png", "scene_640x480", "scene_1920x1080"),     \
-                     testing::Values(500, 1000, 2000))
-
-#define SCALING_PARAMS                                                                                      \
-    testing::Combine(testing::Values("scene_320x240", "scene_640x480", "scene_1280x720", "scene_1920x1080", \
-                                     "scene_3840x2160"),                                                    \
-                     testing::Values(250, 500, 1000, 2000, 4000, 8000))
-
-void Features::detectAndCompute()
+PERF_TEST_P(Features, detectAndCompute,
+            testing::Combine(testing::Values("leuven", "bikes", "bark", "trees", "ubc", "640x512.png",
+                                             "1920x1080.png", "scene_640x480", "scene_1920x1080"),
+                             testing::Values(500, 1000, 2000)))
 {
     const Mat image = loadImage(get<0>(GetParam()));
     const int nfeatures = get<1>(GetParam());
@@ -48,16 +32,6 @@ void Features::detectAndCompute()
     EXPECT_GT(keypoints.size(), 20u);
     EXPECT_EQ((int)keypoints.size(), descriptors.rows);
     SANITY_CHECK_NOTHING();
-}
-
-PERF_TEST_P(Features, detectAndCompute, FEATURES_PARAMS)
-{
-    detectAndCompute();
-}
-
-PERF_TEST_P(Scaling, detectAndCompute, SCALING_PARAMS)
-{
-    detectAndCompute();
 }
 
 }  // namespace

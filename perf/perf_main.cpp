@@ -7,7 +7,7 @@
 // cv::calcOpticalFlowPyrLK. modules/ts/misc/summary.py of OpenCV's source compares the two XML files.
 
 #include "perf_precomp.hpp"
-#include "perf_scene.hpp"
+#include "../test/scenes.cpp"  // draws the same images as the tests
 
 namespace opencv_test
 {
@@ -17,7 +17,7 @@ Mat loadImage(const std::string& name, int index)
     Size size;
     if (sscanf(name.c_str(), "scene_%dx%d", &size.width, &size.height) == 2)
     {
-        Mat scene = makeStreetScene(size);
+        Mat scene = makeScene(size);
         if (index != 1)  // moved by a pixel
             cv::copyMakeBorder(scene(Rect(1, 1, size.width - 1, size.height - 1)).clone(), scene, 0, 1, 0, 1,
                                BORDER_REPLICATE);

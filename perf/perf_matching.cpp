@@ -16,12 +16,8 @@ namespace opencv_test
 namespace
 {
 
-typedef tuple<int, int> Count_Bytes_t;
-typedef perf::TestBaseWithParam<Count_Bytes_t> Matching;
-typedef tuple<int, int, bool> Count_K_Masked_t;
-typedef perf::TestBaseWithParam<Count_K_Masked_t> NearestNeighbours;
-
-#define MATCHING_PARAMS testing::Combine(testing::Values(500, 1000, 2000, 5000), testing::Values(32, 64))
+typedef perf::TestBaseWithParam<tuple<int, int, bool>> Matching;
+typedef perf::TestBaseWithParam<tuple<int, int, bool>> NearestNeighbours;
 
 Ptr<BFMatcher> createMatcher(bool crossCheck)
 {
@@ -46,24 +42,13 @@ void makeDescriptors(int count, int bytes, Mat& query, Mat& train)
     }
 }
 
-PERF_TEST_P(Matching, match, MATCHING_PARAMS)
+PERF_TEST_P(Matching, match,
+            testing::Combine(testing::Values(500, 1000, 2000, 5000), testing::Values(32, 64),
+                             testing::Bool()))
 {
     Mat query, train;
     makeDescriptors(get<0>(GetParam()), get<1>(GetParam()), query, train);
-    const Ptr<BFMatcher> matcher = createMatcher(false);
-    std::vector<DMatch> matches;
-
-    TEST_CYCLE() matcher->match(query, train, matches);
-
-    EXPECT_EQ(query.rows, (int)matches.size());
-    SANITY_CHECK_NOTHING();
-}
-
-PERF_TEST_P(Matching, crossCheck, MATCHING_PARAMS)
-{
-    Mat query, train;
-    makeDescriptors(get<0>(GetParam()), get<1>(GetParam()), query, train);
-    const Ptr<BFMatcher> matcher = createMatcher(true);
+    const Ptr<BFMatcher> matcher = createMatcher(get<2>(GetParam()));  // with a cross check, or without
     std::vector<DMatch> matches;
 
     TEST_CYCLE() matcher->match(query, train, matches);

@@ -20,7 +20,7 @@ inline bool isOfOpenCV()
 
 /** Loads an image, or with index 2 the second image of its pair. Without the file in OPENCV_TEST_DATA_PATH it throws
  SkipTestException.
- @param name scene_WIDTHxHEIGHT for makeStreetScene, or a photograph of opencv_extra: a set such as bikes, or a file in
+ @param name scene_WIDTHxHEIGHT for makeScene, or a photograph of opencv_extra: a set such as bikes, or a file in
  perf */
 Mat loadImage(const std::string& name, int index = 1);
 

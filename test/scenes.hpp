@@ -10,8 +10,8 @@
 
 #include <cstdint>
 
-// Drawn images, the same for the same seed. They need neither test framework, so that tools/ uses them, too. What is
-// timed is drawn by perf/perf_scene.hpp, as it resembles a photograph.
+// Drawn images, the same for the same seed. They need neither test framework, so that perf/, tools/ and samples/ use
+// them, too.
 
 namespace opencv_test
 {

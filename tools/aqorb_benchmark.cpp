@@ -6,7 +6,7 @@
 // Measures what OpenCV's performance harness cannot: two detectors in turns, with cold memory or on a busy machine, and
 // two images to their homography. See doc/performance.md.
 
-#include "../perf/perf_scene.hpp"
+#include "../test/scenes.hpp"
 
 #include <opencv2/aqorb.hpp>
 #include <opencv2/core/utility.hpp>
@@ -73,7 +73,7 @@ Mat loadImage(const std::string& name)
     Size size;
     char more;
     if (std::sscanf(name.c_str(), "%dx%d%c", &size.width, &size.height, &more) == 2)
-        return opencv_test::makeStreetScene(size);
+        return opencv_test::makeScene(size);
     const char* const data = std::getenv("OPENCV_TEST_DATA_PATH");
     std::string folder;
     if (data && !std::ifstream(name))

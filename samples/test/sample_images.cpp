@@ -6,7 +6,7 @@
 // Makes the files of the samples' tests from a photograph or a drawn scene: two views, three overlapping parts, a video
 // of images, a stereo sequence; and unsuitable files.
 
-#include "../../perf/perf_scene.hpp"
+#include "../../test/scenes.hpp"
 
 #include <opencv2/core/utils/filesystem.hpp>
 #include <opencv2/imgcodecs.hpp>
@@ -28,7 +28,7 @@ static Mat photographOrScene()
     const char* const data = std::getenv("OPENCV_TEST_DATA_PATH");
     const String leuven = "/cv/detectors_descriptors_evaluation/images_datasets/leuven/img1.png";
     const Mat photograph = data ? imread(data + leuven, IMREAD_GRAYSCALE) : Mat();
-    return photograph.empty() ? opencv_test::makeStreetScene(Size(900, 600)) : photograph;
+    return photograph.empty() ? opencv_test::makeScene(Size(900, 600)) : photograph;
 }
 
 // Stereo pairs of a plane at a disparity of ten pixels, with a camera that moves ahead.
