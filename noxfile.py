@@ -102,6 +102,10 @@ def scenes():
     return os.environ['AQORB_STRECHA'] + '/Benchmarking_Camera_Calibration_2008'
 
 
+def located(session, subject, *packages):
+    evaluate(session, subject, PHOTOGRAPHS, scenes(), os.environ['OPENCV_SAMPLES_DATA_PATH'], packages=packages)
+
+
 @nox.session(venv_params=['--system-site-packages'])
 def poses(session):
     sequence = os.environ.get('AQORB_TEST_SEQUENCE')
@@ -111,7 +115,12 @@ def poses(session):
 
 @nox.session(venv_params=['--system-site-packages'])
 def objects(session):
-    evaluate(session, 'objects', PHOTOGRAPHS, scenes(), os.environ['OPENCV_SAMPLES_DATA_PATH'])
+    located(session, 'objects')
+
+
+@nox.session(venv_params=['--system-site-packages'])
+def verdict(session):
+    located(session, 'verdict', *COMMAND)
 
 
 @nox.session(venv_params=['--system-site-packages'])

@@ -8,16 +8,17 @@
 #   scripts/measure.sh poses [4|5] [OPTION ...]  relative poses, by OpenCV and PoseLib (doc/reproduction.md)
 #   scripts/measure.sh objects [4|5] [OPTION ...]  known objects located in scenes (the tutorial on finding them)
 #   scripts/measure.sh reconstruction         by COLMAP, also from SIFT (photographs/reconstruction.md)
+#   scripts/measure.sh verdict [OPTION ...]   places of images of different things (photographs/many_images.md)
 #   scripts/measure.sh readme                 README's table but for its last row, in some ten minutes
 #   scripts/measure.sh heldout                fetches the pairs of images that nothing was tuned on, for claims
 #
 # OPENCV_TEST_DATA_PATH names the folder testdata of opencv_extra; speed draws scenes without it. paper, claims,
-# refinement, poses and objects pass OPTIONs on to tools/evaluate/aqorb_evaluate.py, whose --help lists them.
+# refinement, poses, objects and verdict pass OPTIONs on to tools/evaluate/aqorb_evaluate.py, whose --help lists them.
 # AQORB_TEST_SEQUENCE, a sequence in KITTI's layout with its poses, adds the start with one camera to claims, and a
 # table to poses.
 #
-# poses and objects take Debian's cv2, or with 4 or 5 that of the Python package index. They fetch two scenes of
-# Strecha's photographs unless AQORB_STRECHA names a clone of github.com/openMVG/SfM_quality_evaluation.
+# poses and objects take Debian's cv2, or with 4 or 5 that of the Python package index. They and verdict fetch two scenes
+# of Strecha's photographs unless AQORB_STRECHA names a clone of github.com/openMVG/SfM_quality_evaluation.
 #
 # speed runs the performance tests of perf/ in OpenCV's own harness, for this module and for OpenCV, with 1 and 2
 # threads, and without AVX-512 where there is AVX-512. The harness takes the OPTIONs: --gtest_filter=Matching* measures a
@@ -109,11 +110,12 @@ reconstruction() {
     "$ROOT/scripts/python.sh" reconstruction "$@"
 }
 
-objects() {
+# located SUBJECT [OPTION ...]: objects or verdict.
+located() {
     strecha fountain-P11 entry-P10 || die "could not fetch the photographs; is there a network?"
     opencv_samples
     export AQORB_STRECHA OPENCV_SAMPLES_DATA_PATH=$OPENCV_SAMPLES
-    "$ROOT/scripts/python.sh" objects "$@"
+    "$ROOT/scripts/python.sh" "$@"
 }
 
 readme() {
@@ -145,11 +147,12 @@ PACKAGES
 }
 
 case ${1:-} in
-paper | claims | refinement | objects) photographs ;;
+paper | claims | refinement | objects | verdict) photographs ;;
 esac
 case ${1:-} in
-speed | readme | poses | objects | reconstruction | heldout | claims) "$@" ;;
+speed | readme | poses | reconstruction | heldout | claims) "$@" ;;
+objects | verdict) located "$@" ;;
 paper) evaluate paper "$datasets" --out="$BUILD/paper" "${@:2}" ;;
 refinement) evaluate refinement "$datasets" "${@:2}" ;;
-*) die "'${1:-}' is none of speed, paper, claims, refinement, readme, poses, objects, reconstruction, heldout; --help says more" ;;
+*) die "'${1:-}' is none of speed, paper, claims, refinement, readme, poses, objects, verdict, reconstruction, heldout; --help says more" ;;
 esac

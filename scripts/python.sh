@@ -12,7 +12,7 @@
 #               pip's cv2
 #   beside      the tests of this wheel beside other versions of cv2 and NumPy
 #   offline     installed as packagers do it: from the source distribution, where there is no git and no network
-#   poses, objects, reconstruction  scripts/measure.sh poses, objects, reconstruction
+#   poses, objects, verdict, reconstruction  scripts/measure.sh poses, objects, verdict, reconstruction
 #
 # The package is left in build/release/python, where programs find it with PYTHONPATH. Tests that need images of
 # opencv_extra are skipped unless OPENCV_TEST_DATA_PATH names its testdata folder.
@@ -22,7 +22,7 @@ source "$(dirname "$0")/common.sh"
 
 session=${1:-tests}
 case $session in
-tests | hostile | poses | objects | reconstruction)
+tests | hostile | poses | objects | verdict | reconstruction)
     need build test python python3-matplotlib
     configure release -DAQORB_BUILD_PYTHON=ON -DPython_EXECUTABLE="$PYTHON"
     build "$BUILD/release" --target _aqorb

@@ -560,5 +560,52 @@ TEST(Aqorb_MatchImages, gives_no_points_of_empty_images_and_refuses_bad_ones)
     EXPECT_TRUE(points1.empty());
 }
 
+TEST(Aqorb_Growth, transformed_keypoints_follow_the_homography)
+{
+    const Matx33d homography(0.8, -0.3, 40, 0.35, 0.9, -12, 4e-4, -3e-4, 1),
+        mirrored(-1, 0, 90, 0, 1, 0, 0, 0, 1);
+    const auto at = [](const Matx33d& h, const Vec2d& p)
+    {
+        const Vec3d moved = h * Vec3d(p[0], p[1], 1);
+        return Vec2d(moved[0] / moved[2], moved[1] / moved[2]);
+    };
+    RNG rng(5);
+    for (const Matx33d& h : {homography, mirrored, homography * -3})
+    {
+        KeyPoints keypoints, transformed;
+        for (int i = 0; i < 100; i++)
+            keypoints.push_back(KeyPoint(rng.uniform(0.f, 640.f), rng.uniform(0.f, 480.f),
+                                         rng.uniform(5.f, 99.f), i ? rng.uniform(0.f, 360.f) : -1, 7, i % 8,
+                                         i));
+        aqorb::transformKeypoints(keypoints, h, transformed);
+        ASSERT_EQ(keypoints.size(), transformed.size());
+        for (size_t i = 0; i < keypoints.size(); i++)
+        {
+            // Differences of positions a hundredth of a pixel apart, in the keypoint's direction and across.
+            const KeyPoint &k = keypoints[i], &t = transformed[i];
+            const double step = 0.01, angle = k.angle * CV_PI / 180;
+            const Vec2d p(k.pt.x, k.pt.y), along(step * std::cos(angle), step * std::sin(angle));
+            const Vec2d across(-along[1], along[0]), position = at(h, p);
+            const Vec2d u = (at(h, p + along) - at(h, p - along)) / (2 * step);
+            const Vec2d v = (at(h, p + across) - at(h, p - across)) / (2 * step);
+            EXPECT_LT(norm(Vec2d(t.pt.x, t.pt.y) - position), 1e-3);
+            EXPECT_NEAR(k.size * std::sqrt(std::abs(u[0] * v[1] - u[1] * v[0])), t.size, 1e-4 * k.size);
+            const double turned = i ? std::atan2(u[1], u[0]) * 180 / CV_PI - t.angle : -1 - t.angle;
+            EXPECT_LT(std::abs(std::remainder(turned, 360)), 0.02);  // that of cv::fastAtan2
+            EXPECT_TRUE(t.octave == k.octave && t.response == k.response && t.class_id == k.class_id);
+        }
+        aqorb::transformKeypoints(keypoints, Mat(h), keypoints);
+        EXPECT_EQ(transformed[9].pt, keypoints[9].pt);
+    }
+    KeyPoints infinite(1, KeyPoint(10, 20, 31));
+    aqorb::transformKeypoints(infinite, Matx33d(1, 0, 0, 0, 1, 0, 1, 0, -10), infinite);
+    EXPECT_FALSE(std::isfinite(infinite[0].pt.x));
+    Matx33d bad = homography;
+    bad(1, 1) = std::numeric_limits<double>::quiet_NaN();
+    for (const Mat& wrong : {Mat(), Mat(Mat::eye(2, 3, CV_64F)), Mat(Mat::zeros(3, 3, CV_64FC2)), Mat(bad)})
+        EXPECT_NE(std::string::npos, messageOf([&] { aqorb::transformKeypoints(infinite, wrong, infinite); })
+                                         .find("homography must be 3x3"));
+}
+
 }  // namespace
 }  // namespace opencv_test

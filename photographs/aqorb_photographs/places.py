@@ -20,6 +20,7 @@ import contextlib
 import hashlib
 import json
 import os
+from typing import NamedTuple
 
 import numpy as np
 import pyarrow as pa
@@ -31,6 +32,8 @@ from aqorb_photographs import InputError, map_ahead, store
 
 WORDS = 65536
 MIN_INLIERS = 15  # two images with as many inliers probably show the same place
+MIN_PLACES = 10  # two images whose grown matches agree at as many places probably show the same thing
+CELL = 16  # pixels: matches in one cell are one place
 STRONGEST = 500  # features of an image to look up: strong features reappear more often
 FEATURES_OF_A_WORD = 4  # at least, on average: a word that is a feature of one image alone connects nothing
 CHUNK = 256  # images that are drawn from at a time
@@ -168,19 +171,65 @@ def similar_pairs(counts, number, min_gap=1, sequential=0, progress=None):
     return np.unique(np.concatenate([pairs_of(blocks(), total), *following]), axis=0)
 
 
-def verify(points1, points2, max_error=4.):
-    """Finds the matches that agree with one fundamental matrix, by pycolmap's LO-RANSAC with a fixed seed. points1 and
-    points2 are the matches' positions in pixels. Returns the indices of the inliers, and the matrix or None."""
+def estimate(model, points1, points2, max_error):
+    """Finds the matches that agree with one matrix, by pycolmap's LO-RANSAC with a fixed seed. The model is 'F', for a
+    fundamental matrix, or 'H', for a homography. points1 and points2 are the matches' positions in pixels. Returns the
+    indices of the inliers, and the matrix or None."""
     import pycolmap
     if len(points1) < 8:
         return np.zeros(0, np.int32), None
     options = pycolmap.RANSACOptions()
     options.max_error, options.random_seed = max_error, 0
     options.min_num_trials, options.max_num_trials, options.confidence = 100, 1000, .999
-    found = pycolmap.estimate_fundamental_matrix(points1, points2, options)
+    function = pycolmap.estimate_fundamental_matrix if model == 'F' else pycolmap.estimate_homography_matrix
+    found = function(points1, points2, options)
     if found is None:
         return np.zeros(0, np.int32), None
-    return np.flatnonzero(found['inlier_mask']).astype(np.int32), found['F']
+    return np.flatnonzero(found['inlier_mask']).astype(np.int32), found[model]
+
+
+def verify(points1, points2, max_error=4.):
+    """Finds the matches that agree with one fundamental matrix, as estimate does."""
+    return estimate('F', points1, points2, max_error)
+
+
+def count_places(points1, points2):
+    """Returns how many places of two images the matches show: cells with a match, in the image that has fewer."""
+    return min(len(np.unique(np.floor_divide(points, CELL), axis=0)) for points in (points1, points2))
+
+
+def grow(pictures, features, ratio=.8):
+    """Matches the features of two grey images, finds more matches near these, and returns their positions in both."""
+    (keypoints1, descriptors1), (keypoints2, descriptors2) = features
+    pairs, _ = aqorb.matchArrays(descriptors1, descriptors2, ratio)
+    _, *ends, _ = aqorb.growMatchArrays(pictures[0], keypoints1, pictures[1], keypoints2, pairs)
+    return ends
+
+
+class Agreement(NamedTuple):
+    """The grown matches of two images that agree on one geometry, the number of places of those that agree on the
+    homography, and both matrices or None."""
+    inliers: np.ndarray
+    places: int
+    homography: np.ndarray
+    fundamental: np.ndarray
+
+    @property
+    def is_same(self):
+        """Whether the images probably show the same thing."""
+        return self.places >= MIN_PLACES
+
+
+def agreement(points1, points2, max_error=1.5):
+    """Finds the grown matches that agree. Wrong ones seldom agree on a homography in many places; on a fundamental
+    matrix they do. So the homography says whether images show the same thing, and the matrix then has the matches that
+    lie beside its plane."""
+    inliers, homography = estimate('H', points1, points2, max_error)
+    found = Agreement(inliers, count_places(points1[inliers], points2[inliers]), homography, None)
+    if not found.is_same:
+        return found
+    more, fundamental = estimate('F', points1, points2, max_error)
+    return found._replace(inliers=max(inliers, more, key=len), fundamental=fundamental)
 
 
 def match(first, second, ratio=None, max_distance=None, is_verified=True):

@@ -5,6 +5,7 @@
 """Tests of aqorb match, aqorb colmap and aqorb draw."""
 
 import itertools
+import json
 import os
 import re
 import shutil
@@ -16,6 +17,7 @@ import pytest
 
 import aqorb
 from aqorb_photographs import colmap, store
+from aqorb_photographs.cli import draw
 from conftest import Image, command, expected, matches_of, noise, parts_of, pq, refused, rows, run
 
 PLACE = {0x8769: {0xa405: 28}, 0x8825: {1: 'N', 2: (47., 30., 0.), 3: 'E', 4: (8., 15., 0.), 6: 400.}}  # and a focal length
@@ -246,10 +248,42 @@ def test_draw_verifies(folder, tmp_path):
     finished = run(*call, tmp_path / 'x.png')
     agree, count = map(int, re.search(r': (\d+) of (\d+) matches agree', finished.stdout).groups())
     assert 100 < agree < count - 5 and not is_red(tmp_path / 'x.png') and finished.stderr == ''
-    assert run(*call, tmp_path / 'all.png', '--all').stdout.endswith(f'all.png: {agree} of {count} matches agree\n')
+    assert f': {agree} of {count} matches agree, ' in run(*call, tmp_path / 'all.png', '--all').stdout
     assert is_red(tmp_path / 'all.png')
     finished = command('draw', folder / '00.png', folder / '01.png', '--out', tmp_path / 'x.png', '--overwrite')
-    assert 'fewer than 15 agree: the images probably do not show the same place' in finished.stderr
+    assert re.search(r'x.png: the images probably do not show the same thing: .*, fewer than 10\n$', finished.stderr)
+    assert finished.stdout == ''
+
+
+def coloured(path):
+    picture = np.asarray(Image.open(path)).astype(int)
+    return (picture.max(2) - picture.min(2) > 30).sum()
+
+
+def test_draw_spreads_few_lines(folder, tmp_path):
+    same = folder / '00.png', folder / '00.png', '--num-features', 4000, '--out'
+    few, every, framed = (tmp_path / name for name in ('few.png', 'all.png', 'framed.png'))
+    assert run('draw', *same, few).stderr == run('draw', *same, every, '--all').stderr == ''
+    result = json.loads(run('draw', *same, framed, '--outline', '--json').stdout)
+    assert coloured(few) < coloured(every) and coloured(framed) > coloured(few) + 100
+    assert result['same'] and len(result['matches'][0]) == 4 and result['places'] >= 20
+    assert np.allclose(np.divide(result['homography'], result['homography'][2][2]), np.eye(3), atol=.01)
+    assert len(draw.spread(np.array(result['matches'])[:, :2], (160, 120), 100)) == 100
+    nothing = json.loads(command('draw', folder / '00.png', folder / '01.png', '--out', framed, '--overwrite',
+                                 '--outline', '--json').stdout)
+    assert not nothing['same'] and nothing['places'] < 10 and nothing['fundamental_matrix'] is None
+
+
+def test_draw_does_not_contradict_itself(tmp_path):
+    pictures = os.path.join(os.environ.get('OPENCV_TEST_DATA_PATH', ''), 'cv/shared')
+    if not os.path.exists(os.path.join(pictures, 'box_in_scene.png')):
+        pytest.skip('OPENCV_TEST_DATA_PATH does not name the testdata of opencv_extra')
+    call = ['draw', os.path.join(pictures, 'box.png'), os.path.join(pictures, 'box_in_scene.png'), '--out']
+    for number in 500, 1000:
+        finished = run(*call, tmp_path / f'{number}.png', '--num-features', number)
+        assert finished.stderr == '' and finished.stdout.count('\n') == 1 and 'probably show' in finished.stdout
+    other = command('draw', os.path.join(pictures, 'fruits.png'), *call[2:], tmp_path / 'other.png')
+    assert other.stdout == '' and other.stderr.count('\n') == 1 and 'probably do not show' in other.stderr
 
 
 def test_an_image_has_room_for_its_descriptors():

@@ -11,6 +11,7 @@
 
 #include <opencv2/aqorb/refinement.hpp>
 
+#include <cstring>
 #include <tuple>
 #include <utility>
 #include <vector>
@@ -241,6 +242,22 @@ matchImages(const OptionalArrayObject& image1, const OptionalArrayObject& image2
     return std::make_tuple(toArray(found.points1), toArray(found.points2), toArray(found.deviations));
 }
 
+KeyPointsObject transformKeypoints(const KeyPointsObject& keypoints, const ArrayObject& homography)
+{
+    const char* const ACCEPTED = "an array of 3 x 3 numbers";
+    if (!py::isinstance<py::array>(homography.object))
+        throwTypeError("homography", brief(homography.object), ACCEPTED);
+    const py::array given = py::reinterpret_borrow<py::array>(homography.object);
+    if (given.ndim() != 2 || !std::strchr("fiu", given.dtype().kind()))
+        rejectArray("homography", given, ACCEPTED);
+    const py::array_t<double, py::array::c_style | py::array::forcecast> numbers(given);
+    const cv::Mat matrix(int(numbers.shape(0)), int(numbers.shape(1)), CV_64F,
+                         const_cast<double*>(numbers.data()));
+    KeyPoints found = toKeyPoints(keypoints.object);
+    cv::aqorb::transformKeypoints(found.points, matrix, found.points);
+    return {toPython(std::move(found))};
+}
+
 }  // namespace
 
 void addRefinement(py::module_& module)
@@ -293,6 +310,10 @@ void addRefinement(py::module_& module)
         "both ways. Returns the positions of the matches in image 1 and in image 2, float32 of shape\n"
         "(n, 2), and the standard deviations of these positions in pixels, float32 of shape (n,). The\n"
         "most certain match comes first.");
+    module.def(
+        "transformKeypoints", &transformKeypoints, arg("keypoints"), arg("homography"),
+        "Moves keypoints of image 1 to where a homography, an array of 3 x 3 numbers, shows them in\n"
+        "image 2, with their sizes and angles. refineMatches then finds which of them the image shows.");
 }
 
 }  // namespace aqorb_python

@@ -7,6 +7,7 @@
 import ast
 import copy
 import inspect
+import os
 import pathlib
 import pickle
 import re
@@ -175,6 +176,24 @@ def test_program_of_readme_on_black_images(tmp_path, shape):
         run = subprocess.run([sys.executable, '-c', program, 'black.png', other], cwd=str(tmp_path), text=True,
                              stdout=subprocess.PIPE, stderr=subprocess.STDOUT, timeout=60)
         assert (run.returncode, run.stdout) == (0, '0 of 0 matches agree\n')
+
+
+def test_program_of_the_tutorial_finds_the_box(tmp_path):
+    root = pathlib.Path(__file__).resolve().parents[2]
+    page = root / 'modules/aqorb/tutorials/aqorb_find/aqorb_find.markdown'
+    if not page.exists():
+        pytest.skip('there is no tutorial')
+    program = re.search(r'^```python\n(import sys\n.*?)^```', page.read_text(), re.MULTILINE | re.DOTALL).group(1)
+    cv.imwrite(str(tmp_path / 'black.png'), np.zeros((480, 640), np.uint8))
+    cv.imwrite(str(tmp_path / 'noise.png'), noise(1))
+    pictures = os.path.join(os.environ.get('OPENCV_TEST_DATA_PATH', ''), 'cv/shared')
+    box, scene = (os.path.join(pictures, name) for name in ('box.png', 'box_in_scene.png'))
+    for names, code, output in ((('black.png', 'noise.png'), 1, 'not found: 0 places\n'),
+                                ((box, scene), 0, r'found: [1-9]\d places\n'), ((box, 'noise.png'), 1, 'not found: ')):
+        if os.path.exists(names[0]) or names[0] == 'black.png':
+            run = subprocess.run([sys.executable, '-c', program, *names], cwd=str(tmp_path), text=True,
+                                 stdout=subprocess.PIPE, stderr=subprocess.STDOUT, timeout=60)
+            assert run.returncode == code and re.match(output, run.stdout), run.stdout
 
 
 def copies_of(thing):

@@ -140,6 +140,21 @@ def test_matches_of_other_detectors_grow(pair, create):
     assert len(matches) > 40 and np.median(np.abs(points2 - points1 - [SHIFT, 0]).max(1)) < .05
 
 
+def test_keypoints_move_by_a_homography(pair):
+    image1, keypoints1, image2 = pair[:3]
+    moved = aqorb.transformKeypoints(keypoints1, np.array([[1, 0, SHIFT + 1], [0, 1, 0], [0, 0, 1]]))
+    assert np.abs(moved['pt'] - keypoints1['pt'] - [SHIFT + 1, 0]).max() < 1e-3
+    found, points1, points2 = aqorb.refineMatchArrays(image1, keypoints1, image2, moved,
+                                                      np.arange(len(moved)).repeat(2).reshape(-1, 2))
+    assert len(found) > 200 and np.median(np.abs(points2 - points1 - [SHIFT, 0]).max(1)) < .05
+    assert type(aqorb.transformKeypoints(aqorb.keypointsFromArray(keypoints1), np.eye(3, dtype=int))) is tuple
+    for error, message, wrong in ((TypeError, 'homography must be an array', 'x'),
+                                  (aqorb.error, 'homography must be an array', np.zeros(9)),
+                                  (aqorb.error, 'homography must be 3x3', np.full((3, 3), np.nan))):
+        with pytest.raises(error, match=message):
+            aqorb.transformKeypoints(keypoints1, wrong)
+
+
 def test_points_without_sizes_are_refined(pair):
     image1, keypoints1, image2 = pair[:3]
     points1 = keypoints1['pt']

@@ -72,6 +72,9 @@ int main(int argc, char** argv)
         save(folder + format("part%d.png", i + 1), part);
     }
     saveStereo(folder + "stereo", scene);
+    Mat noise(480, 640, CV_8U);
+    rng.fill(noise, RNG::UNIFORM, 0, 256);
+    save(folder + "noise.png", noise);
 
     std::ofstream(folder + "text.png") << "no image";
     save(folder + "32x32.png", scene(Rect(0, 0, 32, 32)));

@@ -73,6 +73,11 @@ def measure_claims(options):
     return not failed
 
 
+def verdict_tables(options):
+    import verdict  # only this command needs the package aqorb_photographs
+    return verdict.tables(options)
+
+
 def print_tables(options):
     for title, head, rows in options.tables(options):
         print_table(title, head, rows)
@@ -121,16 +126,21 @@ def main():
     command.add_argument('--elsewhere', action='append', default=[], metavar='FOLDER',
                          help='images of other places, a place in each folder below it; may be repeated')
 
-    command = commands.add_parser('objects', help='how often a known object is located in a scene')
-    command.set_defaults(run=print_tables, tables=objects.tables)
-    command.add_argument('datasets', metavar='DATASETS')
-    command.add_argument('scenes', metavar='SCENES', help="folder with Strecha's fountain-P11 and entry-P10")
-    command.add_argument('samples', metavar='SAMPLES', help="folder of OpenCV's sample images")
-    command.add_argument('--n', type=list_of(int), default=[500, 1000, 2000], help='numbers of features')
-    command.add_argument('--pairs', type=int, default=400, help='objects, each with a scene (%(default)s)')
-    command.add_argument('--absent', type=int, default=3, help='scenes without each object (%(default)s)')
-    command.add_argument('--only', type=list_of(), default=['orb', 'akaze', 'sift', 'aqorb'],
-                         help='detectors, separated by commas')
+    for name, text in (('objects', 'how often a known object is located in a scene'),
+                       ('verdict', 'how many places of two images agree; needs aqorb_photographs')):
+        command = commands.add_parser(name, help=text)
+        command.set_defaults(run=print_tables, tables=objects.tables if name == 'objects' else verdict_tables)
+        command.add_argument('datasets', metavar='DATASETS')
+        command.add_argument('scenes', metavar='SCENES', help="folder with Strecha's fountain-P11 and entry-P10")
+        command.add_argument('samples', metavar='SAMPLES', help="folder of OpenCV's sample images")
+        command.add_argument('--n', type=list_of(int), default=[500, 1000, 2000] if name == 'objects' else [1000],
+                             help='numbers of features')
+        command.add_argument('--pairs', type=int, default=400 if name == 'objects' else 1000,
+                             help='objects, each with a scene; or photographs of different places (%(default)s)')
+        if name == 'objects':
+            command.add_argument('--absent', type=int, default=3, help='scenes without each object (%(default)s)')
+            command.add_argument('--only', type=list_of(), default=['orb', 'akaze', 'sift', 'aqorb'],
+                                 help='detectors, separated by commas')
 
     command = commands.add_parser('reconstruction', help="COLMAP's reconstructions; needs pycolmap and the command aqorb")
     command.set_defaults(run=print_tables, tables=reconstruction.tables)

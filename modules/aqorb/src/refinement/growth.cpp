@@ -82,18 +82,25 @@ PatchPair predictedPatches(const KeyPoint& keypoint, const RefinedMatches& seeds
             map * spacing};
 }
 
-// Keypoint of image 2 that shows the same spot as a keypoint of image 1.
-KeyPoint grownKeypoint(const KeyPoint& keypoint, const PatchAlignment& alignment, const Matx22d& map,
-                       int64 octave)
+// A keypoint that a map takes to a position. An angle of -1 or one that is not finite stays.
+KeyPoint mappedKeypoint(const KeyPoint& keypoint, const Point2f& position, const Matx22d& map)
 {
-    KeyPoint grown(alignment.center, float(keypoint.size * std::sqrt(std::abs(determinant(map)))));
-    if (keypoint.angle != -1)
+    KeyPoint mapped(position, float(keypoint.size * std::sqrt(std::abs(determinant(map)))), keypoint.angle);
+    if (keypoint.angle != -1 && std::isfinite(keypoint.angle))
     {
         float sine, cosine;
         sineAndCosine(keypoint.angle * float(CV_PI / 180), sine, cosine);
         const Vec2d direction = map * Vec2d(cosine, sine);
-        grown.angle = directionOf(float(direction[0]), float(direction[1]));
+        mapped.angle = directionOf(float(direction[0]), float(direction[1]));
     }
+    return mapped;
+}
+
+// Keypoint of image 2 that shows the same spot as a keypoint of image 1.
+KeyPoint grownKeypoint(const KeyPoint& keypoint, const PatchAlignment& alignment, const Matx22d& map,
+                       int64 octave)
+{
+    KeyPoint grown = mappedKeypoint(keypoint, alignment.center, map);
     grown.octave = saturate_cast<int>(std::max<int64>(octave, 0));
     return grown;
 }
@@ -184,6 +191,34 @@ void growMatches(InputArray image1, const std::vector<KeyPoint>& keypoints1, Inp
     points1.swap(all.points1);
     points2.swap(all.points2);
     deviations.swap(all.deviations);
+}
+
+void transformKeypoints(const std::vector<KeyPoint>& keypoints, InputArray homography,
+                        std::vector<KeyPoint>& transformed)
+{
+    CV_TRACE_FUNCTION();
+    const Mat given = homography.getMat();
+    if (given.size() != Size(3, 3) || given.channels() != 1 || !checkRange(given))
+        CV_Error(Error::StsBadArg,
+                 "homography must be 3x3 finite numbers of one channel, got " +
+                     format("%dx%d of %d channels", given.rows, given.cols, given.channels()));
+    Matx33d h;
+    given.convertTo(h, CV_64F);
+    std::vector<KeyPoint> result;
+    for (const KeyPoint& keypoint : keypoints)
+    {
+        const Vec3d p = h * Vec3d(keypoint.pt.x, keypoint.pt.y, 1);
+        const double x = p[0] / p[2], y = p[1] / p[2];
+        // The derivatives of the position by those in image 1.
+        const Matx22d map((h(0, 0) - x * h(2, 0)) / p[2], (h(0, 1) - x * h(2, 1)) / p[2],
+                          (h(1, 0) - y * h(2, 0)) / p[2], (h(1, 1) - y * h(2, 1)) / p[2]);
+        KeyPoint mapped = mappedKeypoint(keypoint, Point2d(x, y), map);
+        mapped.octave = keypoint.octave;
+        mapped.response = keypoint.response;
+        mapped.class_id = keypoint.class_id;
+        result.push_back(mapped);
+    }
+    transformed.swap(result);
 }
 
 }  // namespace aqorb

@@ -181,6 +181,30 @@ CV_EXPORTS_W void matchImages(InputArray image1, InputArray image2, CV_OUT std::
                               CV_OUT std::vector<Point2f>& points2, CV_OUT std::vector<float>& deviations,
                               int nfeatures = 1000);
 
+/** @brief Moves keypoints of image 1 to where a homography shows them in image 2.
+
+This makes matches of all keypoints of a flat object that was found. refineMatches then keeps those that the scene shows,
+which cover the whole object, where growMatches covers the surroundings of its seeds:
+@code{.cpp}
+    Mat H = findHomography(points1, points2, USAC_MAGSAC, 1.5);  // of grown matches
+    aqorb::transformKeypoints(keypoints1, H, keypoints2);
+    matches.clear();
+    for (int i = 0; i < int(keypoints1.size()); i++)
+        matches.push_back(DMatch(i, i, 0));
+    aqorb::refineMatches(image1, keypoints1, image2, keypoints2, matches, points1, points2);
+    H = findHomography(points1, points2, USAC_MAGSAC, 1.5);
+@endcode
+
+@param keypoints Keypoints of image 1.
+@param homography Matrix of 3x3 finite numbers that takes positions in image 1 to positions in image 2, in pixels.
+@param transformed For each keypoint its position in image 2. The derivative of the homography at the keypoint turns its
+angle (an angle of -1 stays -1), and the square root of the derivative's determinant, without its sign, scales its size.
+All else stays. The position is not finite on the line that the homography takes to infinity; refineMatches leaves such
+keypoints out. It may be `keypoints` itself.
+ */
+CV_EXPORTS_W void transformKeypoints(const std::vector<KeyPoint>& keypoints, InputArray homography,
+                                     CV_OUT std::vector<KeyPoint>& transformed);
+
 //! @}
 
 }  // namespace aqorb

@@ -1,0 +1,101 @@
+# This file is part of aqorb. Copyright (C) The aqorb developers.
+# It is subject to the license terms in the LICENSE file found in the top-level directory
+# of this distribution.
+# SPDX-License-Identifier: Apache-2.0
+"""How many places of two images agree where they show different things, and where they show the same: the bound of the
+command aqorb draw."""
+
+import itertools
+
+import aqorb
+import cv2
+import numpy as np
+
+import images
+import objects
+from aqorb_photographs import places
+
+WORST, DRAWN = 10, 12
+ALIKE = {'facades': ['building.jpg', 'home.jpg', '*-P1[01]/images/000[0369].jpg', 'leuven/img[123].png'],
+         'leaves, bark and cloth': ['aloe[LR].jpg', 'bark/img[123].png', 'squirrel_cls.jpg', 'trees/img[123].png']}
+FONTS = [cv2.FONT_HERSHEY_SIMPLEX, cv2.FONT_HERSHEY_COMPLEX]
+STAGES = {'as matched, F 4 px': (False, 'F', 4), 'grown, F 4 px': (True, 'F', 4), 'grown, F 1.5 px': (True, 'F', 1.5),
+          'grown, H 1.5 px': (True, 'H', 1.5)}
+
+
+def drawn_page(seed):
+    """A page of words."""
+    random, page = np.random.RandomState(seed), np.full((800, 600), 235, np.uint8)
+    for line in range(40, 780, 24):
+        words = ' '.join(''.join(random.choice(list('abcdefghiklmnoprstuvw'), random.randint(2, 9))) for _ in range(9))
+        cv2.putText(page, words, (25, line), FONTS[seed % 2], .5, 40, 1, cv2.LINE_AA)
+    return page
+
+
+def drawn_board(seed):
+    """A chessboard of some number of squares, from some side."""
+    random = np.random.RandomState(seed)
+    columns, rows, side = random.randint(5, 12), random.randint(5, 12), 50
+    board = np.kron(np.indices((rows, columns)).sum(0) % 2, np.full((side, side), 200)) + 30
+    corners = np.float32([[0, 0], [columns, 0], [columns, rows], [0, rows]]) * side
+    moved = corners * .9 + 60 + random.uniform(-40, 40, (4, 2))
+    matrix = cv2.getPerspectiveTransform(corners, np.float32(moved))
+    return cv2.warpPerspective(board.astype(np.uint8), matrix, (700, 700), borderValue=128)
+
+
+def pairs_of(groups, number):
+    """By kind, pairs of numbers of pictures. Groups are the kind, the place and the number of each picture."""
+    def both(pairs):
+        return list(pairs) if len(pairs) <= number else [pairs[i] for i in np.random.RandomState(0).permutation(
+            len(pairs))[:number]]
+    photographs = [group for group in groups if group[0] == 'photographs']
+    every = list(itertools.combinations(photographs, 2))
+    kinds = {'photographs of different places': both([pair for pair in every if pair[0][1] != pair[1][1]])}
+    for kind, alike in ALIKE.items():
+        kinds['of these, ' + kind] = [pair for pair in every if pair[0][1] != pair[1][1]
+                                      and pair[0][1] in alike and pair[1][1] in alike]
+    for kind in 'pages of text', 'chessboards':
+        kinds[kind] = list(itertools.combinations([group for group in groups if group[0] == kind], 2))
+    kinds['photographs of one place'] = [pair for pair in every if pair[0][1] == pair[1][1]]
+    return kinds
+
+
+def count(first, second, stage):
+    grows, model, threshold = STAGES[stage]
+    (picture1, features1), (picture2, features2) = first, second
+    if grows:
+        points = places.grow((picture1, picture2), (features1, features2))
+    else:
+        pairs, _ = aqorb.matchArrays(features1[1], features2[1], .8)
+        points = features1[0]['pt'][pairs[:, 0]], features2[0]['pt'][pairs[:, 1]]
+    inliers, _ = places.estimate(model, *points, threshold)
+    return places.count_places(*(each[inliers] for each in points)) if len(inliers) else 0
+
+
+def tables(options):
+    """(title, head, rows) of each table."""
+    aqorb.setNumThreads(1)
+    groups, pictures = [], []
+    for _, place, picture in objects.read_photographs(objects.folders_of(options)):
+        groups.append(('photographs', place, len(pictures)))
+        pictures.append(images.scaled(picture, min(1, objects.LONGEST / max(picture.shape)))[0])
+    for kind, draw in ('pages of text', drawn_page), ('chessboards', drawn_board):
+        for seed in range(DRAWN):
+            groups.append((kind, seed, len(pictures)))
+            pictures.append(objects.seen(draw(seed).astype(np.float32), np.random.RandomState(seed), False))
+    for n in options.n:
+        detector = aqorb.AdaptiveQuadtreeORB_create(n)
+        known = [(picture, detector.detectAndComputeArrays(picture)) for picture in pictures]
+        rows, worst = [], []
+        for kind, pairs in pairs_of(groups, options.pairs).items():
+            for stage in STAGES:
+                found = np.array([count(known[a[2]], known[b[2]], stage) for a, b in pairs])
+                rows.append([kind, stage, str(len(found))]
+                            + ['{:.0f}'.format(np.quantile(found, q, method='higher')) for q in (.01, .5, .99, 1)]
+                            + ['{:.3f}'.format(np.mean(found >= places.MIN_PLACES))])
+                if kind.startswith('photographs of different'):
+                    worst += [[stage, a[1], b[1], str(found[i])] for i in np.argsort(-found, kind='stable')[:WORST]
+                              for a, b in [pairs[i]]]
+        yield ('Places that agree, n = {}'.format(n), ['', '', 'pairs', '1 %', 'median', '99 %', 'most', 'accepted'],
+               rows)
+        yield 'The most places of different photographs, n = {}'.format(n), ['', 'first', 'second', 'places'], worst
