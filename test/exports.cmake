@@ -9,7 +9,8 @@ endif()
 
 set(class "cv::aqorb::(AdaptiveQuadtreeORB|HammingMatcher|SingleThreadScope)")
 set(functions adaptiveFastThreshold distributionOccupancy distributionUniformity retainUniform
-  matchArrays knnMatchArrays matchByPosition matchGuided refineMatches growMatches matchImages)
+  matchArrays knnMatchArrays matchByPosition matchGuided refineMatches growMatches matchImages
+  transformKeypoints)
 list(TRANSFORM functions PREPEND "cv::aqorb::" OUTPUT_VARIABLE names)
 list(JOIN names "|" names)
 # A program that derives from the class needs its tables, too. Clang exports those in which the class is constructed.
