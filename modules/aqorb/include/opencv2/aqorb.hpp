@@ -265,9 +265,8 @@ public:
     CV_WRAP virtual String getDefaultName() const CV_OVERRIDE;
 };
 
-/** @brief Keeps calls of the module on the calling thread. While a scope exists, all that the thread that
-made the scope calls of the module runs on this thread alone. It is for programs that process each
-image on a thread of their own.
+/** @brief Keeps calls of the module on the calling thread. While a thread holds a scope, its calls into this module
+start no other threads. It is for programs that process each image on a thread of their own.
 
 A thread may have several scopes, which may end in any order and on any thread. */
 class CV_EXPORTS SingleThreadScope

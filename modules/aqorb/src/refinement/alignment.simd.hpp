@@ -17,8 +17,8 @@ CV_CPU_OPTIMIZATION_NAMESPACE_BEGIN
 
 /** Aligns patches by three inverse compositional steps (Baker and Matthews 2004). Each step solves for the affine map,
  gain and bias that bring the second patch closest to the first patch. The patches that the last step compares give the
- correlation and the residual: another pass, at the final position, would take a fifth of the time and let pass wrong
- matches that still move. */
+ correlation and the residual: another pass, at the final position, would take time and let pass wrong matches that
+ still move. */
 void alignByLanes(const LevelPatches* patches, int count, LevelAlignment* alignments);
 
 #ifndef CV_CPU_OPTIMIZATION_DECLARATIONS_ONLY

@@ -159,8 +159,7 @@ estimate the pose again (@ref tutorial_aqorb_match has the whole second pass). A
 
 A query is paired with its nearest descriptor among the train keypoints at most reach * max(1, KeyPoint::size / 31)
 pixels, by the size of the train keypoint, from the query's epipolar line; ties go to the first. Several queries may be
-paired with one train keypoint. With n queries and n train keypoints it takes time in n^2, about as long as matchArrays
-for each query that is passed.
+paired with one train keypoint. Its time grows with the product of both numbers of keypoints.
 
 @param queryDescriptors, trainDescriptors As for matchArrays.
 @param queryKeypoints, trainKeypoints The keypoint of each row. A keypoint without a finite position, a train keypoint

@@ -67,8 +67,8 @@ more, with samples twice as far apart, if
 - or it correlates, but the deviation of its position (see the overload below) is above 0.7 pixels.
 
 The second patch then decides, and position, correlation and deviation are its own. A match that the first patch would
-remove has to correlate at least 0.9 by the second one. The second try takes a fifth of the time. It is left out if
-minCorrelation is -1. It does not help near the sides of an image, which the larger patches leave, too.
+remove has to correlate at least 0.9 by the second one. With minCorrelation -1 no match is tried again. The second try
+does not help near the sides of an image, which the larger patches leave, too.
 
 Any number of threads and any CPU give the same result. Other inputs raise a cv::Exception that names the argument, and
 all outputs stay unchanged. Without matches, the images may be empty. Images have at most 1048575 pixels a side.
@@ -139,10 +139,10 @@ The same holds for a keypoint of image 2, with the inverse map and all images ex
 at most a pixel from the position of a match grown into image 2: that match is the same pair, found from image 1.
 
 Keypoints of removed matches are tried, too. Each keypoint of an image grows by itself: two keypoints may grow onto one
-position, and both matches stay. A second call with the matches and keypoints of the first call adds few matches (4 % on
-photographs). If the images and keypoints are exchanged, the grown matches are exchanged, but for three differences: the
-refined matches, and with them their maps, are those that the alignment in the other image gives; of a pair found
-from both sides the other match stays; and the order is another one.
+position, and both matches stay. A second call with the matches and keypoints of the first call adds few matches. If the
+images and keypoints are exchanged, the grown matches are exchanged, but for three differences: the refined matches, and
+with them their maps, are those that the alignment in the other image gives; of a pair found from both sides the other
+match stays; and the order is another one.
  */
 CV_EXPORTS_W void growMatches(InputArray image1, const std::vector<KeyPoint>& keypoints1, InputArray image2,
                               const std::vector<KeyPoint>& keypoints2, CV_IN_OUT std::vector<DMatch>& matches,
