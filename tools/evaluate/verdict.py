@@ -16,8 +16,8 @@ import objects
 from aqorb_photographs import places
 
 WORST, DRAWN = 10, 12
-ALIKE = {'facades': ['building.jpg', 'home.jpg', '*-P1[01]/images/000[0369].jpg', 'leuven/img[123].png'],
-         'leaves, bark and cloth': ['aloe[LR].jpg', 'bark/img[123].png', 'squirrel_cls.jpg', 'trees/img[123].png']}
+ALIKE = {'facades': ['building.jpg', 'home.jpg', '*-P1[01]/images/000[0369].jpg', 'leuven/img[1234].png'],
+         'leaves, bark and cloth': ['aloe[LR].jpg', 'bark/img[1234].png', 'squirrel_cls.jpg', 'trees/img[1234].png']}
 FONTS = [cv2.FONT_HERSHEY_SIMPLEX, cv2.FONT_HERSHEY_COMPLEX]
 STAGES = {'as matched, F 4 px': (False, 'F', 4), 'grown, F 4 px': (True, 'F', 4), 'grown, F 1.5 px': (True, 'F', 1.5),
           'grown, H 1.5 px': (True, 'H', 1.5)}
@@ -44,7 +44,7 @@ def drawn_board(seed):
 
 
 def pairs_of(groups, number):
-    """By kind, pairs of numbers of pictures. Groups are the kind, the place and the number of each picture."""
+    """By kind, pairs of pictures. A group is the kind, the place, the number and the folder of a picture."""
     def both(pairs):
         return list(pairs) if len(pairs) <= number else [pairs[i] for i in np.random.RandomState(0).permutation(
             len(pairs))[:number]]
@@ -56,7 +56,7 @@ def pairs_of(groups, number):
                                       and pair[0][1] in alike and pair[1][1] in alike]
     for kind in 'pages of text', 'chessboards':
         kinds[kind] = list(itertools.combinations([group for group in groups if group[0] == kind], 2))
-    kinds['photographs of one place'] = [pair for pair in every if pair[0][1] == pair[1][1]]
+    kinds['photographs of one place'] = [pair for pair in every if pair[0][1::2] == pair[1][1::2]]
     return kinds
 
 
@@ -76,12 +76,12 @@ def tables(options):
     """(title, head, rows) of each table."""
     aqorb.setNumThreads(1)
     groups, pictures = [], []
-    for _, place, picture in objects.read_photographs(objects.folders_of(options)):
-        groups.append(('photographs', place, len(pictures)))
+    for _, place, folder, picture in objects.read_photographs(objects.folders_of(options)):
+        groups.append(('photographs', place, len(pictures), folder))
         pictures.append(images.scaled(picture, min(1, objects.LONGEST / max(picture.shape)))[0])
     for kind, draw in ('pages of text', drawn_page), ('chessboards', drawn_board):
         for seed in range(DRAWN):
-            groups.append((kind, seed, len(pictures)))
+            groups.append((kind, seed, len(pictures), ''))
             pictures.append(objects.seen(draw(seed).astype(np.float32), np.random.RandomState(seed), False))
     for n in options.n:
         detector = aqorb.AdaptiveQuadtreeORB_create(n)
