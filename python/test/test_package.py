@@ -151,7 +151,7 @@ def test_stub_accepts_the_programs_of_the_documents(tmp_path, mypy):
                                                    *root.glob('modules/aqorb/tutorials/*/*.markdown')])
     programs = [program for program in re.findall(r'^```python\n(.*?)^```', text, re.MULTILINE | re.DOTALL)
                 if re.search('^(import|from) aqorb', program, re.MULTILINE)]
-    assert len(programs) >= 7
+    assert programs
     for i, program in enumerate(programs):
         (tmp_path / f'program{i}.py').write_text(program)
     run = mypy('mypy', '--config-file', '--check-untyped-defs', *[f'program{i}.py' for i in range(len(programs))])
