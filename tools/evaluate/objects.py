@@ -183,7 +183,7 @@ def find(row, stage, norm, first, a, second, b):
     if not stage.grows:
         return estimate(a.keypoints['pt'][matches[:, 0]], b.keypoints['pt'][matches[:, 1]], stage)
     _, *points, _ = aqorb.growMatchArrays(first, a.keypoints, second, b.keypoints, matches, scaleFactor=row.scale,
-                                          bothWays=stage.ways == 2)
+                                          bothWays=stage.both_ways)
     return estimate(*points, stage)
 
 
