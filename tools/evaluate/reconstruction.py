@@ -93,7 +93,7 @@ def by_sift_tracks(scene, path, _, count):
     features, first = timed(lambda: [Features(*sift.detectAndCompute(picture, None)) for picture in pictures])
 
     def match(i, j):
-        found = poses.mutual(features[i], features[j], cv2.NORM_L2, .9)
+        found = poses.mutual(features[i], features[j], cv2.NORM_L2, .8)
         return np.array([(match.queryIdx, match.trainIdx) for match in found], np.int32).reshape(-1, 2)
 
     with open(PAGE, encoding='utf-8') as file:
