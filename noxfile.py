@@ -109,8 +109,7 @@ def located(session, subject, *packages):
 @nox.session(venv_params=['--system-site-packages'])
 def poses(session):
     sequence = os.environ.get('AQORB_TEST_SEQUENCE')
-    evaluate(session, 'poses', scenes(), *(['--sequence=' + sequence] if sequence else []),
-             *(['--elsewhere=' + PHOTOGRAPHS] if os.path.isdir(PHOTOGRAPHS) else []))
+    evaluate(session, 'poses', scenes(), *(['--sequence=' + sequence] if sequence else []))
 
 
 @nox.session(venv_params=['--system-site-packages'])

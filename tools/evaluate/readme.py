@@ -124,22 +124,14 @@ def points_of(side, first, second, detected_by=detected):
             np.float32([b[match.trainIdx].pt for match in matches]))
 
 
-def is_right(pose, motion):
-    """Whether the rotation and the direction of a pose are right to one degree."""
-    if pose is None:
-        return False
-    rotation, direction = motion[:3, :3], motion[:3, 3]
-    return max(poses.angle((np.trace(pose[0].T @ rotation) - 1) / 2),
-               poses.angle(pose[1][:, 0] @ direction / np.linalg.norm(direction))) < 1
-
-
 def share_of(side, pictures, pairs):
     """The share of the pairs whose pose is right to one degree, and the threshold, the best one unless side has one."""
     points = [points_of(side, pictures[pair.first], pictures[pair.second], remembered) for pair in pairs]
 
     def share(threshold):
         estimate = poses.ESTIMATORS[side.estimator]
-        return np.mean([len(each[0]) >= 5 and is_right(estimate(*each, pair.camera, threshold), pair.motion)
+        return np.mean([len(each[0]) >= 5
+                        and poses.pose_error(estimate(*each, pair.camera, threshold), pair.motion) < 1
                         for each, pair in zip(points, pairs)])
     return max((share(threshold), threshold) for threshold in ([side.threshold] if side.threshold else THRESHOLDS))
 
