@@ -145,8 +145,26 @@ def measured(scene, folder, method, intrinsics):
         return np.median(json.load(file), 0)
 
 
+def draw(model, path):
+    """Draws points and cameras as seen from above, each point in the colour of the first image that has it. A few points
+    are far away, and left out."""
+    from matplotlib import pyplot
+    turn = next(iter(model.images.values())).cam_from_world().rotation.matrix()
+    points = np.array([point.xyz for point in model.points3D.values()]) @ turn.T
+    cameras = np.array([image.projection_center() for image in model.images.values()]) @ turn.T
+    first = [min(element.image_id for element in point.track.elements) for point in model.points3D.values()]
+    figure, axes = pyplot.subplots(figsize=(9, 6))
+    axes.scatter(points[:, 0], points[:, 2], 3, first, cmap='tab20')
+    axes.plot(cameras[:, 0], cameras[:, 2], 'k^')
+    low, high = np.percentile(points, [2, 98], axis=0)
+    low, high = np.minimum(low, cameras.min(0)), np.maximum(high, cameras.max(0))
+    axes.set(xlim=(low[0] - 1, high[0] + 1), ylim=(low[2] - 1, high[2] + 1), aspect='equal')
+    axes.axis('off')
+    figure.savefig(path, dpi=72, bbox_inches='tight')
+
+
 def tables(options):
-    """(title, head, rows) of each table."""
+    """(title, head, rows) of each table; draws the models of aqorb."""
     for name in SCENES:
         out = os.path.join(options.out, name)
         scene = Scene(os.path.join(options.scenes, name), out)
@@ -159,4 +177,7 @@ def tables(options):
                 rows.append([method, '{:.0f} of {}'.format(count, len(scene.truth)), '{:.2f}'.format(mean),
                              '{:.2f}'.format(mean / first), '{:.2f}'.format(median), '{:.4f}'.format(angle),
                              '{:.0f}'.format(points), '{:.3f}'.format(reprojection), *map('{:.1f}'.format, times)])
+            import pycolmap
+            draw(pycolmap.Reconstruction(os.path.join(out, intrinsics, 'aqorb', '0')),
+                 os.path.join(out, intrinsics + '.png'))
             yield '{}, intrinsics {}'.format(name, intrinsics), HEAD, rows
