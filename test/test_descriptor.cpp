@@ -270,8 +270,7 @@ std::vector<FeaturePoint> randomPoints(Size size, int count, int seed)
     {
         // many of the angles are round, and with them the ties of cvRound
         const float angle = i % 3 == 0 ? float(rng.uniform(0, 25) * 15) : rng.uniform(-1.f, 720.f);
-        const FeaturePoint point = {rng.uniform(0, size.width), rng.uniform(0, size.height), angle};
-        points.push_back(point);
+        points.push_back(FeaturePoint{rng.uniform(0, size.width), rng.uniform(0, size.height), angle});
     }
     return points;
 }
@@ -300,20 +299,12 @@ TEST(Aqorb_Descriptor, equals_reference_at_borders)
         const Mat noise = makeNoise(size, 2);
         std::vector<FeaturePoint> points;
         for (int x = 0; x < size.width; x++)
-        {
-            const int rows[] = {0, size.height / 2, size.height - 1};
-            for (int row : rows)
-            {
-                const FeaturePoint point = {x, row, float(x * 37 % 360)};
-                points.push_back(point);
-            }
-        }
+            for (int row : {0, size.height / 2, size.height - 1})
+                points.push_back(FeaturePoint{x, row, float(x * 37 % 360)});
         for (int y = 0; y < size.height; y++)
         {
-            const FeaturePoint left = {0, y, float(y * 53 % 360)};
-            const FeaturePoint right = {size.width - 1, y, float(y * 91 % 360)};
-            points.push_back(left);
-            points.push_back(right);
+            points.push_back(FeaturePoint{0, y, float(y * 53 % 360)});
+            points.push_back(FeaturePoint{size.width - 1, y, float(y * 91 % 360)});
         }
         for (int WTA_K = 2; WTA_K <= 4; WTA_K++)
         {
@@ -327,14 +318,13 @@ TEST(Aqorb_Descriptor, equals_reference_at_borders)
 TEST(Aqorb_Descriptor, equals_reference_where_the_approximation_cannot_tell)
 {
     // Slopes so flat that neighbours differ by less than the bound of the approximate blur.
-    Mat slope(100, 160, CV_8UC1);
+    Mat slope(100, 160, CV_8UC1), checkers(100, 160, CV_8UC1);
     for (int y = 0; y < slope.rows; y++)
         for (int x = 0; x < slope.cols; x++)
+        {
             slope.at<uchar>(y, x) = uchar(100 + (x + y) / 16 + (x * 7 + y * 3) % 2);
-    Mat checkers(100, 160, CV_8UC1);
-    for (int y = 0; y < slope.rows; y++)
-        for (int x = 0; x < slope.cols; x++)
             checkers.at<uchar>(y, x) = uchar((x + y) % 2 ? 101 : 100);
+        }
     for (int WTA_K = 2; WTA_K <= 4; WTA_K++)
     {
         expectAsReference(slope, randomPoints(slope.size(), 200, 5), 31, WTA_K);
@@ -351,10 +341,7 @@ TEST(Aqorb_Descriptor, equals_reference_where_points_are_rounded_to_even)
     std::vector<FeaturePoint> points;
     for (float angle : {24.57f, 26.14f, 63.86f, 114.57f, 153.86f, 210.f})
         for (int i = 0; i < 20; i++)
-        {
-            const FeaturePoint point = {25 + 7 * i, 30 + 7 * i, angle};
-            points.push_back(point);
-        }
+            points.push_back(FeaturePoint{25 + 7 * i, 30 + 7 * i, angle});
     expectAsReference(noise, points, 31, 2);
 }
 
