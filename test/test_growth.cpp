@@ -588,7 +588,7 @@ TEST(Aqorb_Growth, transformed_keypoints_follow_the_homography)
             const Vec2d across(-along[1], along[0]), position = at(h, p);
             const Vec2d u = (at(h, p + along) - at(h, p - along)) / (2 * step);
             const Vec2d v = (at(h, p + across) - at(h, p - across)) / (2 * step);
-            EXPECT_LT(norm(Vec2d(t.pt.x, t.pt.y) - position), 1e-3);
+            EXPECT_LT(cv::norm(Vec2d(t.pt.x, t.pt.y) - position), 1e-3);
             EXPECT_NEAR(k.size * std::sqrt(std::abs(u[0] * v[1] - u[1] * v[0])), t.size, 1e-4 * k.size);
             const double turned = i ? std::atan2(u[1], u[0]) * 180 / CV_PI - t.angle : -1 - t.angle;
             EXPECT_LT(std::abs(std::remainder(turned, 360)), 0.02);  // that of cv::fastAtan2
