@@ -109,7 +109,8 @@ def located(session, subject, *packages):
 @nox.session(venv_params=['--system-site-packages'])
 def poses(session):
     sequence = os.environ.get('AQORB_TEST_SEQUENCE')
-    evaluate(session, 'poses', scenes(), *(['--sequence=' + sequence] if sequence else []))
+    evaluate(session, 'poses', scenes(), *(['--sequence=' + sequence] if sequence else []),
+             *(['--elsewhere=' + PHOTOGRAPHS] if os.path.isdir(PHOTOGRAPHS) else []))
 
 
 @nox.session(venv_params=['--system-site-packages'])

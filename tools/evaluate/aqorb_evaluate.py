@@ -123,6 +123,8 @@ def main():
     command.add_argument('scenes', metavar='SCENES', help="folder with Strecha's fountain-P11 and entry-P10")
     command.add_argument('--n', type=list_of(int), default=[1000], help='numbers of features')
     command.add_argument('--sequence', help="sequence laid out as KITTI's, with poses")
+    command.add_argument('--elsewhere', action='append', default=[], metavar='FOLDER',
+                         help='images of other places, a place in each folder below it; may be repeated')
 
     for name, text in (('objects', 'how often a known object is located in a scene'),
                        ('verdict', 'how many places of two images agree; needs aqorb_photographs')):

@@ -86,6 +86,12 @@ def small_objects(folder, sets):
             ('bark', parked, with_object(sets['bark'][0][0], parked, .5, (300, 200), 14))]
 
 
+def read_folder(folder, width):
+    """The images of a folder, reduced to a width at most."""
+    found = [cv2.imread(file, cv2.IMREAD_GRAYSCALE) for file in sorted(glob.glob(os.path.join(folder, '*.[jp][pn]*g')))]
+    return [scaled(image, width / image.shape[1])[0] if image.shape[1] > width else image for image in found]
+
+
 def read_sequence(folder):
     """The left images of a sequence in KITTI's layout, the camera's matrix, and the poses of the frames."""
     files = sorted(glob.glob(os.path.join(folder, 'image_[0l]/*')))

@@ -5,6 +5,7 @@
 """Relative poses of calibrated photographs and of a sequence: detected, refined and grown matches by each estimator."""
 
 import os
+import tempfile
 import time
 from typing import NamedTuple
 
@@ -26,6 +27,8 @@ REACH, AGREES = 3, 1.5  # pixels, of the second pass
 POSELIB = {'min_iterations': 100, 'max_iterations': 5000}  # 1000 at least are four times slower, and no better
 ORDERS, SEEDS = 10, 3  # OpenCV's estimators have no seed, but depend on the order of the matches
 STAGES = ['as detected', 'refined', 'one way', 'both ways']
+STRANGERS = 2000  # pairs of different places
+INLIERS = [10, 14, 17, 20, 25, 30, 40]
 
 
 class Row(NamedTuple):
@@ -147,7 +150,8 @@ def by_opencv(estimator):
         essential, inliers = cv2.findEssentialMat(first, second, camera, estimator, .9999, threshold)
         if essential is None or essential.shape != (3, 3):
             return None
-        return cv2.recoverPose(essential, first, second, camera, mask=inliers)[1:3]
+        count = int(inliers.sum())
+        return (*cv2.recoverPose(essential, first, second, camera, mask=inliers)[1:3], count)
     return estimate
 
 
@@ -156,11 +160,11 @@ def by_poselib(progressive):
         import poselib  # only this command needs it
         model = {'model': 'PINHOLE', 'width': WIDTH, 'height': WIDTH,
                  'params': [camera[0, 0], camera[1, 1], camera[0, 2], camera[1, 2]]}
-        pose, _ = poselib.estimate_relative_pose(
+        pose, info = poselib.estimate_relative_pose(
             first, second, model, model,
             {'max_epipolar_error': threshold, 'progressive_sampling': progressive, 'seed': turn, **POSELIB},
             {'loss_type': 'CAUCHY', 'loss_scale': threshold / 2})
-        return pose.R, pose.t.reshape(3, 1)
+        return pose.R, pose.t.reshape(3, 1), info['num_inliers']
     return estimate
 
 
@@ -250,6 +254,54 @@ def coverage_rows(stages, pairs):
     yield measures.fifths('epipolar distances', np.hstack(distances), np.hstack([each[2] for each in grown]))
 
 
+def strangers(groups):
+    """Pairs of images of different places, with one assumed camera."""
+    pictures = [(place, picture) for place, group in enumerate(groups) for picture in group]
+    random, pairs = np.random.RandomState(1), []
+    camera = np.array([[WIDTH, 0, WIDTH / 2], [0, WIDTH, WIDTH / 3], [0, 0, 1]])
+    while len(pairs) < STRANGERS:
+        first, second = random.randint(len(pictures), size=2)
+        if pictures[first][0] != pictures[second][0]:
+            pairs.append(Pair(first, second, camera, None))
+    return [picture for _, picture in pictures], pairs
+
+
+def belief_rows(estimator, n, known, foreign):
+    """How many poses have at least so many inliers: of pairs of different places, wrong ones, and right ones."""
+    counts = {'foreign': [], 'wrong': [], 'right': []}
+    for pictures, pairs in (known, foreign):
+        for each, pair in zip(matched(ROWS[-1], n, pictures, pairs), pairs):
+            pose = estimated(estimator, certain(*each.grow(each.pairs, True)), pair.camera, RECIPE)
+            kind = 'foreign' if pair.motion is None else 'right' if pose_error(pose, pair.motion) < 5 else 'wrong'
+            counts[kind].append(pose[2] if pose else 0)
+    for least in INLIERS:
+        yield [str(least)] + ['{} of {}'.format(sum(count >= least for count in each), len(each))
+                              for each in counts.values()]
+
+
+def speed_rows(pictures, pairs):
+    """Two files to a pose on one thread, with cv2 alone and with matchImages."""
+    def read(*files):
+        return [cv2.imread(file, cv2.IMREAD_GRAYSCALE) for file in files]
+
+    def usual(first, second):
+        orb = cv2.ORB_create(1000)
+        (a, da), (b, db) = (orb.detectAndCompute(picture, None) for picture in read(first, second))
+        matches = cv2.BFMatcher(cv2.NORM_HAMMING, True).match(da, db)
+        return by_poselib(False)(np.float32([a[match.queryIdx].pt for match in matches]),
+                                 np.float32([b[match.trainIdx].pt for match in matches]), pairs[0].camera, 1)
+
+    def ours(first, second):
+        return by_poselib(True)(*certain(*aqorb.matchImages(*read(first, second))), pairs[0].camera, RECIPE)
+    cv2.setNumThreads(1)
+    aqorb.setNumThreads(1)
+    with tempfile.TemporaryDirectory() as folder:
+        files = [os.path.join(folder, '{}.jpg'.format(i)) for i in range(len(pictures))]
+        for file, picture in zip(files, pictures):
+            cv2.imwrite(file, picture)
+        yield measures.times_as_fast(usual, [ours], [(files[pair.first], files[pair.second]) for pair in pairs[::3]])
+
+
 def tables(options):
     """(title, head, rows) of each table."""
     head = ['', 'matches']
@@ -270,3 +322,12 @@ def tables(options):
                    ['estimator', ''] + ['{:g} px'.format(threshold) for threshold in THRESHOLDS] + ['ms'],
                    estimator_rows(matches, ours, pairs))
             yield 'Share of errors below the deviation, {}'.format(title), measures.FIFTHS, coverage_rows(ours, pairs)
+    _, pictures, pairs = data[0]
+    groups = [read_scenes(options.scenes, [scene])[0] for scene in GIVEN] + [read for _, read, _ in data[2:]]
+    groups += [images.read_folder(folder, WIDTH) for root in options.elsewhere for folder, _, _ in os.walk(root)]
+    for estimator in (BEST, 'PoseLib'):
+        yield ('{} at {:g} px: poses by their inliers'.format(estimator, RECIPE),
+               ['inliers at least', 'pairs of different places', 'wrong poses of the given scenes', 'right poses'],
+               belief_rows(estimator, options.n[0], (pictures, pairs), strangers(groups)))
+    yield ('Two JPEG files to their pose by PoseLib, times as fast', ['cv2.ORB and cv2.BFMatcher', 'matchImages'],
+           speed_rows(pictures, pairs))
