@@ -122,6 +122,8 @@ def main():
     command.set_defaults(run=print_tables, tables=poses.tables)
     command.add_argument('scenes', metavar='SCENES', help="folder with Strecha's fountain-P11 and entry-P10")
     command.add_argument('--n', type=list_of(int), default=[1000], help='numbers of features')
+    command.add_argument('--estimators', type=list_of(), default=list(poses.ESTIMATORS),
+                         help="those of the second table (%(default)s)")
     command.add_argument('--sequence', help="sequence laid out as KITTI's, with poses")
     command.add_argument('--elsewhere', action='append', default=[], metavar='FOLDER',
                          help='images of other places, a place in each folder below it; may be repeated')

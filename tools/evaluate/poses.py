@@ -232,8 +232,9 @@ def guided_points(estimator, matches, stages, pairs, both_ways):
         yield certain(*points)
 
 
-def estimator_rows(matches, stages, pairs):
-    for estimator in ESTIMATORS:
+def estimator_rows(estimators, matches, stages, pairs):
+    gaps = np.array([pair.second - pair.first for pair in pairs])
+    for estimator in estimators:
         variants = {stage: [certain(*each) for each in stages[stage]] for stage in STAGES[2:]}
         variants['both ways, all'] = [[each[np.argsort(points[2])] for each in points[:2]]
                                       for points in stages['both ways']]
@@ -242,6 +243,8 @@ def estimator_rows(matches, stages, pairs):
         for variant, points in variants.items():
             errors, milliseconds = measured(estimator, points, pairs)
             areas = [' / '.join(best_area({threshold: each}, (1, 5))[:2]) for threshold, each in errors.items()]
+            wide = np.reshape(errors[RECIPE], (len(pairs), -1))[gaps == gaps.max()].ravel()
+            areas += [' / '.join('{:.3f}'.format(area(wide, limit)) for limit in (1, 5))]
             yield [estimator, variant] + areas + ['{:.1f}'.format(milliseconds)]
 
 
@@ -319,8 +322,9 @@ def tables(options):
             yield title, head, (cells for row in ROWS for cells in stage_rows(row, stages[row], pairs))
             matches, ours = list(matched(ROWS[-1], n, pictures, pairs)), stages[ROWS[-1]]
             yield ('{}, aqorb, certain matches: AUC at 1 / 5 degrees'.format(title),
-                   ['estimator', ''] + ['{:g} px'.format(threshold) for threshold in THRESHOLDS] + ['ms'],
-                   estimator_rows(matches, ours, pairs))
+                   ['estimator', ''] + ['{:g} px'.format(threshold) for threshold in THRESHOLDS] +
+                   ['widest pairs, {:g} px'.format(RECIPE), 'ms'],
+                   estimator_rows(options.estimators, matches, ours, pairs))
             yield 'Share of errors below the deviation, {}'.format(title), measures.FIFTHS, coverage_rows(ours, pairs)
     _, pictures, pairs = data[0]
     groups = [read_scenes(options.scenes, [scene])[0] for scene in GIVEN] + [read for _, read, _ in data[2:]]
