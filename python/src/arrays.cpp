@@ -45,6 +45,52 @@ py::array contiguous(const py::array& array)
     return py::module_::import("numpy").attr("ascontiguousarray")(array);
 }
 
+// A cv2.KeyPoint as OpenCV's generator of bindings declares it.
+struct KeyPointObject
+{
+    PyObject_HEAD cv::KeyPoint value;
+};
+
+cv::KeyPoint& valueOf(const py::object& object)
+{
+    return reinterpret_cast<KeyPointObject*>(object.ptr())->value;
+}
+
+py::object construct(const py::object& type, const cv::KeyPoint& keypoint)
+{
+    return type(keypoint.pt.x, keypoint.pt.y, keypoint.size, keypoint.angle, keypoint.response,
+                keypoint.octave, keypoint.class_id);
+}
+
+// The same as construct in a twentieth of the time, as OpenCV's bindings make what a function returns.
+py::object copyInto(const py::object& type, const cv::KeyPoint& keypoint)
+{
+    PyTypeObject* const allocator = reinterpret_cast<PyTypeObject*>(type.ptr());
+    const py::object object = py::reinterpret_steal<py::object>(allocator->tp_alloc(allocator, 0));
+    if (!object)
+        throw py::error_already_set();
+    valueOf(object) = keypoint;
+    return object;
+}
+
+// Whether objects of the class are KeyPointObjects and nothing more: one that was constructed has the bytes, and one
+// that was copied the attributes.
+bool canBeCopied(const py::object& type)
+{
+    PyTypeObject* const layout = reinterpret_cast<PyTypeObject*>(type.ptr());
+    if (!PyType_Check(type.ptr()) || layout->tp_basicsize != sizeof(KeyPointObject) ||
+        layout->tp_itemsize != 0 || PyType_IS_GC(layout))
+        return false;
+    const cv::KeyPoint known(1, 2, 3, 4, 5, 6, 7);
+    const py::object constructed = construct(type, known);
+    if (!constructed.get_type().is(type) || std::memcmp(&valueOf(constructed), &known, sizeof(known)) != 0)
+        return false;
+    const py::object copy = copyInto(type, known);
+    return py::make_tuple(copy.attr("pt"), copy.attr("size"), copy.attr("angle"), copy.attr("response"),
+                          copy.attr("octave"), copy.attr("class_id"))
+        .equal(py::make_tuple(py::make_tuple(1, 2), 3, 4, 5, 6, 7));
+}
+
 Pixels toPixels(py::array array, int channels)
 {
     Pixels pixels;
@@ -287,13 +333,10 @@ py::object toPython(KeyPoints&& keypoints)
 py::object toTuple(const std::vector<cv::KeyPoint>& keypoints)
 {
     const py::object type = keypoints.empty() ? py::none() : keyPointClass();
+    const bool copied = !keypoints.empty() && canBeCopied(type);
     py::tuple result(keypoints.size());
     for (size_t i = 0; i < keypoints.size(); i++)
-    {
-        const cv::KeyPoint& keypoint = keypoints[i];
-        result[i] = type(keypoint.pt.x, keypoint.pt.y, keypoint.size, keypoint.angle, keypoint.response,
-                         keypoint.octave, keypoint.class_id);
-    }
+        result[i] = copied ? copyInto(type, keypoints[i]) : construct(type, keypoints[i]);
     return py::object(std::move(result));
 }
 

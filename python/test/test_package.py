@@ -53,6 +53,29 @@ def test_conversion_of_keypoints():
     assert aqorb.keypointsToArray(()).shape == (0,)
 
 
+class Other:
+    """A keypoint that does not hold its fields as cv2's does."""
+    def __init__(self, x, y, *rest):
+        self.pt = (x, y)
+        self.size, self.angle, self.response, self.octave, self.class_id = rest
+
+
+@pytest.mark.parametrize('kind', [cv.KeyPoint, Other])
+def test_keypoints_are_as_their_class_makes_them(monkeypatch, image, kind):
+    array = aqorb.AdaptiveQuadtreeORB_create(100).detectAndComputeArrays(image)[0]
+    monkeypatch.setattr(cv, 'KeyPoint', kind)
+    keypoints = aqorb.AdaptiveQuadtreeORB_create(100).detect(image)
+    constructed = [kind(float(item['pt'][0]), float(item['pt'][1]), *item.tolist()[1:]) for item in array]
+    assert {type(keypoint) for keypoint in keypoints} == {kind}
+    for field in FIELDS:
+        assert [getattr(each, field) for each in keypoints] == [getattr(each, field) for each in constructed]
+    keypoints[0].pt = 5, 6
+    assert keypoints[0].pt == (5, 6) and keypoints[1].pt == constructed[1].pt
+    if kind is not Other:
+        pictures = [cv.drawKeypoints(image, each[1:], None, (0, 0, 255)) for each in (keypoints, constructed)]
+        assert np.array_equal(*pictures)
+
+
 def test_functions_take_arrays(orb, image):
     keypoints, size = orb.detect(image), (640, 480)
     array = aqorb.keypointsToArray(keypoints)
