@@ -178,7 +178,7 @@ FeatureBatchObject detectAndComputeBatch(const Detector& self, const ImageListOb
         if (!descriptors[i].empty())
             rows.append(toArray(descriptors[i]));
     }
-    return {py::module_::import("aqorb._feature_batch").attr("join")(points, rows)};
+    return {call(py::module_::import("aqorb._feature_batch").attr("join"), points, rows)};
 }
 
 ArrayTupleObject buildPyramid(const Detector& self, const OptionalArrayObject& image)
