@@ -40,7 +40,7 @@ class Side(NamedTuple):
 
 PEOPLE = Side('orb', estimator='RANSAC', threshold=1)
 SIFT = Side('sift', ratio=.8)
-AQORB = Side('aqorb', grows=True, threshold=poses.RECIPE)  # the recipe of the tutorial on matching
+AQORB = Side('aqorb', grows=True, estimator=poses.ESTIMATOR, threshold=poses.RECIPE)  # the recipe of the tutorial on matching
 CHOICES = {'n': (1000, 2000, 3000), 'edge': (31, 16), 'fast': (20, 5), 'selection': ('strongest', 'ssc', 'cells'),
            'ratio': (0, .8), 'estimator': ('RANSAC', 'USAC_MAGSAC', 'USAC_ACCURATE')}
 SELECTED = {}  # the indices of selected candidates, so that no time counts a selection in Python
