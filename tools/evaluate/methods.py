@@ -69,15 +69,15 @@ class Method:
         if n != self.n:
             self.n, self.detector = n, self.make(n)
 
-    def compute(self, image, n):
+    def compute(self, image, n, mask=None):  # BRISK and AKAZE take no mask here
         self.prepare(n)
         if self.name in ('brisk', 'akaze'):  # the best n by response, as these take no number of features
             keypoints = sorted(self.detector.detect(image), key=lambda point: -point.response)[:n]
             keypoints, descriptors = self.detector.compute(image, keypoints)
         elif hasattr(self.detector, 'detectAndComputeArrays'):
-            return Features(*self.detector.detectAndComputeArrays(image))
+            return Features(*self.detector.detectAndComputeArrays(image, mask))
         else:
-            keypoints, descriptors = self.detector.detectAndCompute(image, None)
+            keypoints, descriptors = self.detector.detectAndCompute(image, mask)
         if descriptors is None:
             descriptors = np.zeros((0, 32), np.uint8)
         return Features(aqorb.keypointsToArray(keypoints), descriptors)
