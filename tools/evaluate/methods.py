@@ -42,6 +42,11 @@ def with_settings(detector, settings):
     return detector
 
 
+def is_available(name):
+    """Whether cv2 has the detector: OpenCV 5 moved some to its contrib modules."""
+    return name == 'aqorb' or hasattr(cv2, name.upper() + '_create')
+
+
 class Method:
     """A detector by its name: orb:NAME=VALUE:..., orb_slam, sift, brisk, akaze, aqorb:NAME=VALUE:...,
     slam:NAME=VALUE:..."""

@@ -19,7 +19,7 @@ import numpy as np
 
 import images
 import measures
-from methods import Method
+from methods import Method, is_available
 
 # Photographs by place; Strecha's entry and fountain are of one building. Settings are chosen on the first half, and no
 # choice was made on the other one. A scene has the object of another place of its half.
@@ -291,6 +291,11 @@ def video_rows(n, pairs, small):
     yield ['{} objects in a scene'.format(MANY), '{:.3f}'.format(np.mean(rights)), '{:.1f}'.format(np.median(times))]
 
 
+def is_chosen(name, options):
+    detector = name.partition(':')[0]
+    return detector in options.only and is_available(detector)
+
+
 def tables(options):
     """(title, head, rows) of each table."""
     cv2.setNumThreads(1)
@@ -305,7 +310,6 @@ def tables(options):
         for n in options.n:
             title = '{} objects drawn into scenes{}, {} scenes without them, n = {}'.format(
                 len(pairs), ' with motion blur' * is_blurred, sum(len(pair.absent) for pair in pairs), n)
-            yield title, head, rows([row for row in chosen if row.names[0].partition(':')[0] in options.only], n, pairs,
-                                    backgrounds)
+            yield title, head, rows([row for row in chosen if is_chosen(row.names[0], options)], n, pairs, backgrounds)
             if 'aqorb' in options.only and not is_blurred:
                 yield 'aqorb in videos, n = {}'.format(n), ['', 'right', 'ms'], video_rows(n, pairs, small)

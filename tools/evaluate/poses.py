@@ -15,7 +15,7 @@ import numpy as np
 
 import images
 import measures
-from methods import Method
+from methods import Method, is_available
 
 GIVEN = ['fountain-P11', 'entry-P10']  # scenes that scripts/measure.sh fetches; a clone may have more
 WIDTH = 1024  # of the photographs
@@ -325,8 +325,8 @@ def tables(options):
     for name, pictures, pairs in filter(lambda each: each[2], data):
         for n in options.n:
             title = '{} pairs of {}, n = {}'.format(len(pairs), name, n)
-            stages = {row: points_of(row, n, pictures, pairs) for row in ROWS}
-            yield title, head, (cells for row in ROWS for cells in stage_rows(row, stages[row], pairs))
+            stages = {row: points_of(row, n, pictures, pairs) for row in ROWS if is_available(row.detector)}
+            yield title, head, (cells for row in stages for cells in stage_rows(row, stages[row], pairs))
             matches, ours = list(matched(ROWS[-1], n, pictures, pairs)), stages[ROWS[-1]]
             yield ('{}, aqorb, certain matches: AUC at 1 / 5 degrees'.format(title),
                    ['estimator', ''] + ['{:g} px'.format(threshold) for threshold in THRESHOLDS] +

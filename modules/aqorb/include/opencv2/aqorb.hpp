@@ -143,12 +143,12 @@ public:
     0.05.
 
     Representatives of a level come by (1 + rank) / strength^StrengthWeight, the lowest first. At 0 rank alone decides,
-    which gives the most even distribution. A larger value prefers strong corners in fewer parts of the image. (To find a
-    small object, grow its matches instead: growMatches.) Above 0.15 more corners compete: the tree has StrengthWeight / 0.15 times as many leaves, and as many
-    times more better neighbours displace a representative. At 1000 strength alone decides: even a rank of a million
-    outweighs at most 2 % of strength. With OctaveSuppression 0 and MinThresholdRatio 1 the keypoints then lie where
-    those of cv::ORB lie, except that corners still give way within 7x7 pixels. It has no effect with
-    QUADTREE_SELECTION. */
+    which gives the most even distribution. A larger value prefers strong corners in fewer parts of the image. (To find
+    a small object, grow its matches instead: growMatches.) Above 0.15 more corners compete: the tree has StrengthWeight
+    / 0.15 times as many leaves, and as many times more better neighbours displace a representative. At 1000 strength
+    alone decides: even a rank of a million outweighs at most 2 % of strength. With OctaveSuppression 0 and
+    MinThresholdRatio 1 the keypoints then lie where those of cv::ORB lie, except that corners still give way within 7x7
+    pixels. It has no effect with QUADTREE_SELECTION. */
     CV_WRAP virtual void setStrengthWeight(double strengthWeight) = 0;
     CV_WRAP virtual double getStrengthWeight() const = 0;  //!< see setStrengthWeight()
 

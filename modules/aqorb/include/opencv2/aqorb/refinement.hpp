@@ -107,8 +107,8 @@ multiplies the number of right matches, which makes poses more exact:
 @code{.cpp}
     matcher.match(descriptors1, descriptors2, matches);
     aqorb::growMatches(image1, keypoints1, image2, keypoints2, matches, grown1, grown2, points1, points2, deviations);
-    // without matches whose deviation is above 0.35 pixels, as in the tutorial; USAC_MAGSAC with OpenCV 4.6
-    Mat E = findEssentialMat(points1, points2, cameraMatrix, USAC_ACCURATE, 0.9999, 0.18);
+    // sorted by deviation, without matches whose deviation is above 0.35 pixels, as in the tutorial
+    Mat E = findEssentialMat(points1, points2, cameraMatrix, USAC_PROSAC, 0.9999, 0.18);
     drawMatches(image1, grown1, image2, grown2, matches, output);
 @endcode
 
@@ -156,8 +156,8 @@ CV_EXPORTS_W void growMatches(InputArray image1, const std::vector<KeyPoint>& ke
 The points are for an estimator such as findEssentialMat, findFundamentalMat, findHomography or PoseLib's:
 @code{.cpp}
     aqorb::matchImages(image1, image2, points1, points2, deviations);
-    // without matches whose deviation is above 0.35 pixels, as in the tutorial; USAC_MAGSAC with OpenCV 4.6
-    Mat E = findEssentialMat(points1, points2, cameraMatrix, USAC_ACCURATE, 0.9999, 0.18);
+    // without matches whose deviation is above 0.35 pixels, as in the tutorial
+    Mat E = findEssentialMat(points1, points2, cameraMatrix, USAC_PROSAC, 0.9999, 0.18);
 @endcode
 
 It consists of four calls: AdaptiveQuadtreeORB::create(nfeatures), detectAndCompute for each image,
