@@ -193,7 +193,13 @@ def find(row, stage, norm, first, a, second, b):
         return estimate(a.keypoints['pt'][matches[:, 0]], b.keypoints['pt'][matches[:, 1]], stage)
     _, *points, _ = aqorb.growMatchArrays(first, a.keypoints, second, b.keypoints, matches, scaleFactor=row.scale,
                                           bothWays=stage.both_ways)
-    return estimate(*points, stage)
+    homography, count = estimate(*points, stage)
+    if stage.is_repeated and homography is not None:
+        mapped = aqorb.transformKeypoints(a.keypoints, homography)
+        same = np.arange(len(mapped)).repeat(2).reshape(-1, 2)
+        _, *points = aqorb.refineMatchArrays(first, a.keypoints, second, mapped, same, scaleFactor=row.scale)
+        return estimate(*points, stage)
+    return homography, count
 
 
 def is_right(homography, true):
