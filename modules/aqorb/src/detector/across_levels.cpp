@@ -345,22 +345,5 @@ std::vector<FeatureList> selectFeatures(const Parameters& parameters, const Sele
     return features;
 }
 
-void outputFeatures(const std::vector<FeatureList>& features, std::vector<KeyPoint>& keypoints,
-                    Mat& descriptors)
-{
-    CV_TRACE_FUNCTION();
-    keypoints.clear();
-    for (const FeatureList& level : features)
-    {
-        for (unsigned i : sortIndices(level.outputKeys))
-        {
-            if (!descriptors.empty())
-                std::memcpy(descriptors.ptr(int(keypoints.size())),
-                            &level.descriptors[size_t(i) * ORB::kBytes], ORB::kBytes);
-            keypoints.push_back(level.keypoints[i]);
-        }
-    }
-}
-
 }  // namespace aqorb
 }  // namespace cv

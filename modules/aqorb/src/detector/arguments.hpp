@@ -3,7 +3,7 @@
 // of this distribution.
 // SPDX-License-Identifier: Apache-2.0
 
-// Checks and conversions of the callers' images, masks, keypoints and output arguments.
+// Checks and conversions of the callers' images, masks and output arguments.
 
 #ifndef OPENCV_AQORB_ARGUMENTS_HPP
 #define OPENCV_AQORB_ARGUMENTS_HPP
@@ -37,11 +37,6 @@ struct Collection
     std::vector<UMat> retained;
     std::vector<Mat> images, masks;
 };
-
-/** Given keypoints that cv::ORB::compute would describe, and their pixels: one list for each level, up to the highest
- octave. Throws if an octave is negative or has no pixels, or an angle is not finite. */
-std::vector<FeatureList> groupGivenKeypoints(const std::vector<KeyPoint>& keypoints,
-                                             const Parameters& parameters, Size imageSize);
 
 //! Throws unless the output can hold a vector of CV_8UC1 matrices.
 void checkMatsOutput(OutputArrayOfArrays output, const char* name);

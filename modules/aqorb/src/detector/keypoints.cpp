@@ -3,18 +3,95 @@
 // of this distribution.
 // SPDX-License-Identifier: Apache-2.0
 
-// Turns selected corners into keypoints with descriptors.
+// Turns selected corners, and given keypoints, into keypoints with descriptors.
 
 #include "precomp.hpp"
 
 #include "detector/keypoints.hpp"
 
 #include "detector/fast.hpp"
+#include "detector/index_sort.hpp"
+#include "detector/pyramid.hpp"
 
 namespace cv
 {
 namespace aqorb
 {
+
+// Limit on the octaves of given keypoints. Another detector may have more levels than this one.
+static const int MAX_GIVEN_LEVELS = 64;
+
+// Highest octave of the keypoints, or 0 without keypoints. Throws if an octave is negative or an angle is not finite.
+static int highestOctave(const std::vector<KeyPoint>& keypoints)
+{
+    int highest = 0;
+    for (size_t i = 0; i < keypoints.size(); i++)
+    {
+        const int octave = keypoints[i].octave;
+        if (octave < 0)
+            CV_Error_(
+                Error::StsOutOfRange,
+                ("keypoints must have an octave of at least 0, got %d (SIFT packs more than the octave into "
+                 "the field: unpack it first)",
+                 octave));
+        // A NaN or infinite angle would make the descriptor read outside the image.
+        if (!std::isfinite(keypoints[i].angle))
+            CV_Error_(Error::StsOutOfRange,
+                      ("keypoints must have a finite angle, got %g", keypoints[i].angle));
+        highest = std::max(highest, octave);
+    }
+    return highest;
+}
+
+std::vector<FeatureList> groupGivenKeypoints(const std::vector<KeyPoint>& keypoints,
+                                             const Parameters& parameters, Size imageSize)
+{
+    const int highest = highestOctave(keypoints);
+    parameters.checkTogether(std::max(parameters.nlevels, highest > 0 ? 2 : 1));
+    const auto scaleOf = [&](int octave)
+    { return levelScale(octave, parameters.firstLevel, parameters.scaleFactor); };
+    const Size smallest = levelSize(imageSize, scaleOf(highest));
+    const int most = std::max(parameters.nlevels, MAX_GIVEN_LEVELS);
+    if (highest >= most || smallest.width < 1 || smallest.height < 1)
+        CV_Error_(
+            Error::StsOutOfRange,
+            ("keypoints must have octaves below %d whose levels have pixels, got octave %d (SIFT packs more "
+             "than the octave into the field: unpack it first)",
+             most, highest));
+
+    std::vector<float> inverseScales;
+    for (int octave = 0; octave <= highest; octave++)
+        inverseScales.push_back(1.f / scaleOf(octave));
+    const auto pointOf = [&](const KeyPoint& keypoint)
+    {
+        const Point2f p = keypoint.pt * inverseScales[keypoint.octave];
+        return FeaturePoint{cvRound(p.x), cvRound(p.y), keypoint.angle};
+    };
+    // The area begins half a pixel before the centre of the first pixel and ends a whole pixel after the centre of the
+    // last pixel. cv::ORB also describes points of the last half pixel, although they round to a pixel beside the
+    // image. On an enlarged level half a pixel of the image is many pixels wide, and cv::ORB reads foreign memory
+    // there. Keypoints more than one pixel outside the level are therefore dropped.
+    const Rect2f area(-0.5f, -0.5f, float(imageSize.width) + 0.5f, float(imageSize.height) + 0.5f);
+    const auto isReadable = [&](const KeyPoint& keypoint)
+    { return area.contains(keypoint.pt) && pointOf(keypoint).x >= -1 && pointOf(keypoint).y >= -1; };
+    std::vector<KeyPoint> inside;
+    std::copy_if(keypoints.begin(), keypoints.end(), std::back_inserter(inside), isReadable);
+    // OpenCV's own filter drops keypoints near the border, because its versions differ in rounding positions.
+    const int border = std::min(parameters.edgeThreshold, std::max(imageSize.width, imageSize.height));
+    KeyPointsFilter::runByImageBorder(inside, imageSize, border);
+    std::vector<FeatureList> features(inside.empty() ? 0 : size_t(highestOctave(inside)) + 1);
+    std::vector<uint64> rasterKeys;
+    for (const KeyPoint& keypoint : inside)
+        rasterKeys.push_back(uint64(pointOf(keypoint).y + 1) << 32 | uint64(pointOf(keypoint).x + 1));
+    for (unsigned index : sortIndices(rasterKeys))
+    {
+        FeatureList& list = features[size_t(inside[index].octave)];
+        list.points.push_back(pointOf(inside[index]));
+        list.keypoints.push_back(inside[index]);
+        list.outputKeys.push_back(index);
+    }
+    return features;
+}
 
 Point2d subPixelOffset(const Mat& image, int x, int y)
 {
@@ -114,6 +191,23 @@ void describeFeatures(const Level& level, const DescriptionRules& rules, const R
         {
             isExact = true;
             filled = -margin;
+        }
+    }
+}
+
+void outputFeatures(const std::vector<FeatureList>& features, std::vector<KeyPoint>& keypoints,
+                    Mat& descriptors)
+{
+    CV_TRACE_FUNCTION();
+    keypoints.clear();
+    for (const FeatureList& level : features)
+    {
+        for (unsigned i : sortIndices(level.outputKeys))
+        {
+            if (!descriptors.empty())
+                std::memcpy(descriptors.ptr(int(keypoints.size())),
+                            &level.descriptors[size_t(i) * ORB::kBytes], ORB::kBytes);
+            keypoints.push_back(level.keypoints[i]);
         }
     }
 }

@@ -3,7 +3,7 @@
 // of this distribution.
 // SPDX-License-Identifier: Apache-2.0
 
-// Positions, directions and descriptors of selected corners.
+// Positions, directions and descriptors of selected corners and of given keypoints.
 
 #ifndef OPENCV_AQORB_KEYPOINTS_HPP
 #define OPENCV_AQORB_KEYPOINTS_HPP
@@ -11,12 +11,18 @@
 #include "detector/blur.hpp"
 #include "detector/descriptor.hpp"
 #include "detector/harris_orientation.hpp"
+#include "detector/parameters.hpp"
 #include "detector/position.hpp"
 
 namespace cv
 {
 namespace aqorb
 {
+
+/** Given keypoints that cv::ORB::compute would describe, and their pixels: one list for each level, up to the highest
+ octave. Throws if an octave is negative or has no pixels, or an angle is not finite. */
+std::vector<FeatureList> groupGivenKeypoints(const std::vector<KeyPoint>& keypoints,
+                                             const Parameters& parameters, Size imageSize);
 
 //! Peak of the quadratic through the 3x3 FAST scores around (x, y), relative to (x, y), within +-0.5.
 Point2d subPixelOffset(const Mat& image, int x, int y);
@@ -51,6 +57,11 @@ struct DescriptionScratch
  blurs the level from top to bottom, some rows at a time. */
 void describeFeatures(const Level& level, const DescriptionRules& rules, const Range& features,
                       FeatureList& list, DescriptionScratch& scratch);
+
+//! Writes the features of all levels to the output: by level, then by output key, then in raster order.
+//! @param descriptors one row for each feature; empty: no descriptors
+void outputFeatures(const std::vector<FeatureList>& features, std::vector<KeyPoint>& keypoints,
+                    Mat& descriptors);
 
 }  // namespace aqorb
 }  // namespace cv

@@ -144,10 +144,6 @@ std::vector<FeatureList> selectFeatures(const Parameters& parameters, const Sele
                                         const OrientationPatch& patch, Size imageSize,
                                         const std::vector<Level>& levels, const Thresholds& thresholds,
                                         int threads, CornerSpace& space);
-//! Writes the features of all levels to the output: by level, then by output key, then in raster order.
-//! @param descriptors one row for each feature; empty: no descriptors
-void outputFeatures(const std::vector<FeatureList>& features, std::vector<KeyPoint>& keypoints,
-                    Mat& descriptors);
 
 // ---- for the kernel: plain structs only, see simd_compat.hpp ---------------------------------
 
