@@ -3,19 +3,44 @@
 // of this distribution.
 // SPDX-License-Identifier: Apache-2.0
 
-// Selection of keypoints from corners, points 7 to 9 of doc/selection.md: selection over all levels.
+// Selection of keypoints from corners, points 7 to 9 of doc/selection.md: the method, and selection over all levels.
 
 #include "precomp.hpp"
 
 #include "common/for_each.hpp"
 #include "common/simd_compat.hpp"
 #include "detector/position.hpp"
+#include "detector/quadtree.hpp"
 #include "detector/selection.hpp"
 
 namespace cv
 {
 namespace aqorb
 {
+
+// ---- the method ------------------------------------------------------------------------------
+
+SelectionMethod selectionMethod(const Parameters& parameters)
+{
+    if (parameters.selectionType == AdaptiveQuadtreeORB::QUADTREE_SELECTION)
+        return {true, false, false, 0};
+    // Harris responses of neighbouring pixels hardly differ: without suppression a strong corner would be chosen three
+    // times. A high strengthWeight lowers the distance, so strong corners are chosen on every level, as by cv::ORB.
+    const double distance = parameters.octaveSuppression >= 0 ? parameters.octaveSuppression
+                                                              : 2.1 / (1 + parameters.strengthWeight);
+    return {false, parameters.useHarris(), parameters.subPixel, distance};
+}
+
+// Orders the candidates among the corners of a level, the best first.
+static std::vector<CornerResponse> orderCorners(const Parameters& parameters, const SelectionMethod& method,
+                                                const OrientationPatch& patch, const LevelPlan& plan,
+                                                const Level& level, const std::vector<Corner>& corners)
+{
+    if (!method.isQuadtree)
+        return rankedOrder(parameters, patch, plan, level, corners);
+    return quadtreeOrder(responsesOf(level.image, corners, parameters.useHarris()), plan.region,
+                         quadtreeDepth(plan.quota), plan.quota);
+}
 
 // ---- 7. across levels -------------------------------------------------------------------------
 
@@ -144,7 +169,9 @@ static std::vector<LevelPlan> planLevels(const Parameters& parameters, const Sel
         sizes.push_back(regions[i].size());
         scales.push_back(levels[i].scale);
     }
-    const std::vector<int> quotas = method.quotas(parameters, sizes, scales);
+    const std::vector<int> quotas =
+        method.isQuadtree ? quadtreeQuotas(parameters.nfeatures, parameters.scaleFactor, parameters.nlevels)
+                          : rankedQuotas(parameters.nfeatures, sizes, scales);
     for (size_t i = 0; i < levels.size(); i++)
         plan.push_back({regions[i], quotas[i]});
     // The paper also gives quotas to levels too small for a keypoint. The last usable level takes these.
@@ -288,8 +315,10 @@ static LevelCorners selectCorners(const Parameters& parameters, const SelectionM
     const CornerRules rules = {thresholds, method.suppressNear, &room};
     findCorners(levels, regions, rules, threads, space);
     forEach(levels.size(), threads,
-            [&](size_t i, int)
-            { corners[i] = method.order(parameters, patch, plan[i], levels[i], space.levels[i].chosen); });
+            [&](size_t i, int) {
+                corners[i] =
+                    orderCorners(parameters, method, patch, plan[i], levels[i], space.levels[i].chosen);
+            });
     OctaveSuppression suppression(method.octaveDistance, imageSize, levels);
     LevelCorners selected = selectAcrossLevels(plan, corners, suppression);
     const size_t wanted = size_t(parameters.nfeatures), count = countCorners(selected);

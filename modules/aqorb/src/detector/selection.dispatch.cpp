@@ -7,7 +7,6 @@
 
 #include "precomp.hpp"
 
-#include "detector/quadtree.hpp"
 #include "detector/selection.hpp"
 
 #include "detector/selection.simd.hpp"
@@ -335,9 +334,9 @@ static std::vector<uchar> usableLeaves(const Mat& mask, const Rect& region, cons
     return usable;
 }
 
-static std::vector<CornerResponse> rankedCorners(const Parameters& parameters, const OrientationPatch& patch,
-                                                 const LevelPlan& plan, const Level& level,
-                                                 const std::vector<Corner>& corners)
+std::vector<CornerResponse> rankedOrder(const Parameters& parameters, const OrientationPatch& patch,
+                                        const LevelPlan& plan, const Level& level,
+                                        const std::vector<Corner>& corners)
 {
     CV_TRACE_FUNCTION();
     const Size region = plan.region.size();
@@ -372,36 +371,6 @@ static std::vector<CornerResponse> rankedCorners(const Parameters& parameters, c
          orderRepresentatives(leaves, strengths, rule, usableLeaves(level.mask, plan.region, grid)))
         ordered.push_back(responses[index]);
     return ordered;
-}
-
-// Orders corners for QUADTREE_SELECTION, which needs no patch.
-static std::vector<CornerResponse> quadtreeCorners(const Parameters& parameters, const OrientationPatch&,
-                                                   const LevelPlan& plan, const Level& level,
-                                                   const std::vector<Corner>& corners)
-{
-    return quadtreeOrder(responsesOf(level.image, corners, parameters.useHarris()), plan.region,
-                         quadtreeDepth(plan.quota), plan.quota);
-}
-
-// ---- the method ------------------------------------------------------------------------------
-
-SelectionMethod selectionMethod(const Parameters& parameters)
-{
-    typedef const std::vector<Size>& Sizes;
-    typedef const std::vector<float>& Scales;
-    if (parameters.selectionType == AdaptiveQuadtreeORB::QUADTREE_SELECTION)
-        return {false, false, 0,
-                [](const Parameters& p, Sizes, Scales)
-                { return quadtreeQuotas(p.nfeatures, p.scaleFactor, p.nlevels); },
-                quadtreeCorners};
-    // Harris responses of neighbouring pixels hardly differ: without suppression a strong corner would be chosen three
-    // times. A high strengthWeight lowers the distance, so strong corners are chosen on every level, as by cv::ORB.
-    const double distance = parameters.octaveSuppression >= 0 ? parameters.octaveSuppression
-                                                              : 2.1 / (1 + parameters.strengthWeight);
-    return {parameters.useHarris(), parameters.subPixel, distance,
-            [](const Parameters& p, Sizes regions, Scales scales)
-            { return rankedQuotas(p.nfeatures, regions, scales); },
-            rankedCorners};
 }
 
 }  // namespace aqorb

@@ -107,8 +107,6 @@ std::vector<unsigned> orderRepresentatives(const std::vector<unsigned>& leaves,
                                            const std::vector<float>& strengths, const RankRule& rule,
                                            const std::vector<uchar>& usable);
 
-// ---- the method -------------------------------------------------------------------------------
-
 //! Region and quota of a level.
 struct LevelPlan
 {
@@ -116,20 +114,21 @@ struct LevelPlan
     int quota;    //!< number of features
 };
 
-//! Differences between the values of SelectionType.
+//! Orders the representatives among the corners of a level, the best first: points 2 to 6.
+std::vector<CornerResponse> rankedOrder(const Parameters& parameters,
+                                        const OrientationPatch& patchForStrength, const LevelPlan& plan,
+                                        const Level& level, const std::vector<Corner>& corners);
+
+// ---- the method -------------------------------------------------------------------------------
+
+//! Differences between the values of SelectionType, beside the quotas and the order of the corners.
 struct SelectionMethod
 {
+    bool isQuadtree;    //!< whether the quotas and the order are those of quadtree.hpp
     bool suppressNear;  //!< of CornerRules
     bool subPixel;      //!< whether positions are refined
     //! Minimum distance to keypoints of neighbouring levels, in pixels of the corner's level.
     double octaveDistance;
-    //! Computes the quotas of the levels from their regions and scales. There may be more quotas than levels.
-    std::vector<int> (*quotas)(const Parameters& parameters, const std::vector<Size>& regions,
-                               const std::vector<float>& scales);
-    //! Orders the candidates among the corners of a level, the best first.
-    std::vector<CornerResponse> (*order)(const Parameters& parameters,
-                                         const OrientationPatch& patchForStrength, const LevelPlan& plan,
-                                         const Level& level, const std::vector<Corner>& corners);
 };
 SelectionMethod selectionMethod(const Parameters& parameters);
 
