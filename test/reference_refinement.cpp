@@ -169,6 +169,21 @@ ReferenceAlignment referenceRefinement(const Mat& image1, const KeyPoint& keypoi
     return second;
 }
 
+bool isSame(const Refined& a, const Refined& b)
+{
+    const auto isSameMatch = [](const DMatch& x, const DMatch& y)
+    { return x.queryIdx == y.queryIdx && x.trainIdx == y.trainIdx && x.distance == y.distance; };
+    return a.matches.size() == b.matches.size() && a.points1 == b.points1 && a.points2 == b.points2 &&
+           a.deviations == b.deviations &&
+           std::equal(a.matches.begin(), a.matches.end(), b.matches.begin(), isSameMatch);
+}
+
+Point2d mapped(const Matx23d& map, const Point2d& p)
+{
+    const Vec2d moved = map * Vec3d(p.x, p.y, 1);
+    return Point2d(moved[0], moved[1]);
+}
+
 MatchedViews viewsOf(const Texture& texture, const Matx23d& map, double gain, double bias, double noise)
 {
     const Size size(320, 240);
@@ -194,8 +209,7 @@ MatchedViews viewsOf(const Texture& texture, const Matx23d& map, double gain, do
     {
         for (int x = 40; x < size.width; x += 20)
         {
-            const Point2d seen(map(0, 0) * x + map(0, 1) * y + map(0, 2),
-                               map(1, 0) * x + map(1, 1) * y + map(1, 2));
+            const Point2d seen = mapped(map, Point2d(x, y));
             if (!Rect2d(40, 40, size.width - 80, size.height - 80).contains(seen))
                 continue;
             const Point2d found = seen + Point2d(rng.uniform(-1., 1.), rng.uniform(-1., 1.));

@@ -47,6 +47,15 @@ struct MatchedViews
     std::vector<DMatch> matches;
 };
 
+//! The results of refineMatches.
+struct Refined
+{
+    std::vector<DMatch> matches;
+    std::vector<Point2f> points1, points2;
+    std::vector<float> deviations;
+};
+bool isSame(const Refined& a, const Refined& b);
+
 //! Waves of all directions: a texture that is known at every position.
 struct Texture
 {
@@ -77,6 +86,7 @@ struct Texture
 MatchedViews viewsOf(const Texture& texture, const Matx23d& map, double gain = 1, double bias = 0,
                      double noise = 0);
 
+Point2d mapped(const Matx23d& map, const Point2d& p);
 Matx23d similarity(double scale, double degrees, double x, double y);
 
 }  // namespace opencv_test

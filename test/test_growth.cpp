@@ -18,12 +18,9 @@ namespace
 
 const double SAME = 1;  //!< pixels between two pairs that are one
 
-struct Grown
+struct Grown : Refined
 {
-    std::vector<DMatch> matches;
     KeyPoints keypoints1, keypoints2;
-    std::vector<Point2f> points1, points2;
-    std::vector<float> deviations;
     size_t refined = 0,
            into2 = 0;  //!< the numbers of matches that were not grown, and of those grown into image 2
 };
@@ -53,21 +50,14 @@ MatchedViews exchanged(const MatchedViews& views)
 
 bool isSame(const Grown& a, const Grown& b)
 {
-    const auto isSameMatch = [](const DMatch& x, const DMatch& y)
-    { return x.queryIdx == y.queryIdx && x.trainIdx == y.trainIdx && x.distance == y.distance; };
-    const auto isSameKeypoint = [](const KeyPoint& x, const KeyPoint& y)
-    { return x.pt == y.pt && x.size == y.size && x.angle == y.angle && x.octave == y.octave; };
-    const auto areSame = [&](const KeyPoints& x, const KeyPoints& y)
-    { return x.size() == y.size() && std::equal(x.begin(), x.end(), y.begin(), isSameKeypoint); };
-    return a.matches.size() == b.matches.size() &&
-           std::equal(a.matches.begin(), a.matches.end(), b.matches.begin(), isSameMatch) &&
-           areSame(a.keypoints1, b.keypoints1) && areSame(a.keypoints2, b.keypoints2) &&
-           a.points1 == b.points1 && a.points2 == b.points2 && a.deviations == b.deviations;
+    return isSame(static_cast<const Refined&>(a), static_cast<const Refined&>(b)) &&
+           sameKeypoints(a.keypoints1, b.keypoints1) && sameKeypoints(a.keypoints2, b.keypoints2);
 }
 
-Vec2d mapped(const Matx23d& map, const Point2d& p)
+//! How far a grown match is from the truth, in pixels of image 2.
+double errorOf(const Matx23d& map, const Grown& grown, size_t i)
 {
-    return map * Vec3d(p.x, p.y, 1);
+    return norm(mapped(map, grown.points1[i]) - Point2d(grown.points2[i]));
 }
 
 //! Views of which every fifth keypoint of image 1 has a match, or none if it is wrong.
@@ -102,8 +92,7 @@ TEST(Aqorb_Growth, finds_the_matches_of_keypoints_without_one)
             const DMatch& match = grown.matches[i];
             const KeyPoint &first = grown.keypoints1[size_t(match.queryIdx)],
                            &second = grown.keypoints2[size_t(match.trainIdx)];
-            const Vec2d seen = mapped(map, grown.points1[i]);
-            const double error = std::hypot(seen[0] - grown.points2[i].x, seen[1] - grown.points2[i].y);
+            const double error = errorOf(map, grown, i);
             wrong += error > 0.3;
             large += error > grown.deviations[i];
             EXPECT_EQ(first.pt, grown.points1[i]);
@@ -317,11 +306,10 @@ TEST(Aqorb_Growth, does_not_carry_a_map_to_another_plane)
     for (size_t i = 0; i < views.keypoints1.size(); i++)
     {
         const KeyPoint& first = views.keypoints1[i];
-        const Vec2d seen = mapped(maps[0], first.pt);
         if (first.pt.x > 110 && first.pt.x < 140 && i % 3 == 0)
         {
             views.matches.push_back(DMatch(int(i), int(views.keypoints2.size()), 0));
-            views.keypoints2.push_back(KeyPoint(Point2d(seen[0], seen[1]), 80, 350));
+            views.keypoints2.push_back(KeyPoint(mapped(maps[0], first.pt), 80, 350));
         }
     }
     const Grown grown = grow(views);
@@ -350,10 +338,7 @@ TEST(Aqorb_Growth, is_as_right_as_its_seeds_where_texture_repeats)
     const Grown grown = grow(views);
     int wrong = 0;
     for (size_t i = grown.refined; i < grown.matches.size(); i++)
-    {
-        const Vec2d seen = mapped(map, grown.points1[i]);
-        wrong += std::hypot(seen[0] - grown.points2[i].x, seen[1] - grown.points2[i].y) > 0.5;
-    }
+        wrong += errorOf(map, grown, i) > 0.5;
     EXPECT_GE(grown.matches.size(), views.keypoints1.size() * 9 / 10);
     EXPECT_LE(wrong, int(grown.matches.size() - grown.refined) / 3) << "of four seeds one is wrong";
 }
@@ -364,11 +349,7 @@ TEST(Aqorb_Growth, leaves_out_what_something_hides_in_image_2)
     MatchedViews views = sparseViews(map);
     const Rect hidden(120, 60, 90, 110), deep(125, 65, 80, 100);  // patches are 10 pixels wide
     viewsOf(Texture(8), map, 1, 0, 2).image2(hidden).copyTo(views.image2(hidden));
-    const auto isHidden = [&](const Point2f& point)
-    {
-        const Vec2d seen = mapped(map, point);
-        return deep.contains(Point(cvRound(seen[0]), cvRound(seen[1])));
-    };
+    const auto isHidden = [&](const Point2f& point) { return deep.contains(Point(mapped(map, point))); };
     const Grown grown = grow(views);
     size_t candidates = 0, wrong = 0;
     for (const KeyPoint& keypoint : views.keypoints1)
@@ -393,10 +374,7 @@ TEST(Aqorb_Growth, tries_keypoints_whose_match_was_removed)
     EXPECT_LE(grown.refined, count * 3 / 4);
     EXPECT_GE(grown.matches.size(), count * 9 / 10);
     for (size_t i = grown.refined; i < grown.matches.size(); i++)
-    {
-        const Vec2d seen = mapped(map, grown.points1[i]);
-        EXPECT_LT(std::hypot(seen[0] - grown.points2[i].x, seen[1] - grown.points2[i].y), 0.5);
-    }
+        EXPECT_LT(errorOf(map, grown, i), 0.5);
 }
 
 TEST(Aqorb_Growth, begins_with_what_refineMatches_gives)

@@ -19,13 +19,6 @@ using aqorb::refineMatches;
 const float ENDLESS = std::numeric_limits<float>::infinity(),
             NOT_A_NUMBER = std::numeric_limits<float>::quiet_NaN();
 
-struct Refined
-{
-    std::vector<DMatch> matches;
-    std::vector<Point2f> points1, points2;
-    std::vector<float> deviations;
-};
-
 Refined refine(const MatchedViews& pair, float minCorrelation = 0.8f, float scaleFactor = 1)
 {
     Refined refined;
@@ -35,25 +28,12 @@ Refined refine(const MatchedViews& pair, float minCorrelation = 0.8f, float scal
     return refined;
 }
 
-bool isSame(const Refined& a, const Refined& b)
-{
-    const auto isSameMatch = [](const DMatch& x, const DMatch& y)
-    { return x.queryIdx == y.queryIdx && x.trainIdx == y.trainIdx && x.distance == y.distance; };
-    return a.matches.size() == b.matches.size() && a.points1 == b.points1 && a.points2 == b.points2 &&
-           a.deviations == b.deviations &&
-           std::equal(a.matches.begin(), a.matches.end(), b.matches.begin(), isSameMatch);
-}
-
 //! The errors of refined positions.
 std::vector<double> errorsOf(const Refined& refined, const Matx23d& map)
 {
     std::vector<double> errors;
     for (size_t i = 0; i < refined.points1.size(); i++)
-    {
-        const Point2f p = refined.points1[i], q = refined.points2[i];
-        errors.push_back(std::hypot(map(0, 0) * p.x + map(0, 1) * p.y + map(0, 2) - q.x,
-                                    map(1, 0) * p.x + map(1, 1) * p.y + map(1, 2) - q.y));
-    }
+        errors.push_back(norm(mapped(map, refined.points1[i]) - Point2d(refined.points2[i])));
     std::sort(errors.begin(), errors.end());
     return errors;
 }
