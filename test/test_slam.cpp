@@ -23,6 +23,20 @@ Features extract(SlamExtractor& extractor, const Mat& image, const Mat& mask = M
     return features;
 }
 
+//! The detector that a SlamExtractor stands for while there are enough corners.
+Ptr<AdaptiveQuadtreeORB> detectorFor(int nfeatures, int nlevels, int iniThFAST, int minThFAST)
+{
+    const auto detector = AdaptiveQuadtreeORB::create(nfeatures + nlevels, 1.2f, nlevels);
+    detector->setAdaptiveThreshold(false);
+    detector->setFastThreshold(iniThFAST);
+    detector->setMinThresholdRatio(iniThFAST / double(minThFAST));
+    detector->setSubPixel(false);
+    detector->setStrengthWeight(0.15);
+    detector->setOctaveSuppression(0);
+    detector->setRankRadius(2.25);
+    return detector;
+}
+
 // As a SLAM system holds it: an ORBextractor for each camera, which two threads call.
 TEST(Aqorb_Slam, a_system_holds_it_as_its_or_bextractor)
 {
@@ -77,14 +91,7 @@ TEST(Aqorb_Slam, keypoints_are_the_detectors_at_the_given_thresholds)
         EXPECT_EQ(pair[0], expected.ini);
         EXPECT_EQ(pair[1], expected.min);
 
-        const Ptr<AdaptiveQuadtreeORB> detector = AdaptiveQuadtreeORB::create(5000 + 4, 1.2f, 4);
-        detector->setAdaptiveThreshold(false);
-        detector->setFastThreshold(pair[0]);
-        detector->setMinThresholdRatio(pair[0] / double(pair[1]));
-        detector->setSubPixel(false);
-        detector->setStrengthWeight(0.15);
-        detector->setOctaveSuppression(0);
-        detector->setRankRadius(2.25);
+        const auto detector = detectorFor(5000, 4, pair[0], pair[1]);
         EXPECT_TRUE(sameFeatures(detectAndCompute(*detector, image), found));
     }
 }
@@ -320,17 +327,8 @@ TEST(Aqorb_Slam, the_thresholds_adapt_where_corners_do_not_suffice)
 {
     const Mat bright = makeScene(Size(640, 480)), dark = bright * 0.1;
     SlamExtractor extractor(1000, 1.2f, 8, 20, 7);
-    const Ptr<AdaptiveQuadtreeORB> fixed = AdaptiveQuadtreeORB::create(1008),
-                                   adaptive = AdaptiveQuadtreeORB::create(1008);
-    for (const Ptr<AdaptiveQuadtreeORB>& detector : {fixed, adaptive})
-    {
-        detector->setMinThresholdRatio(20. / 7);
-        detector->setSubPixel(false);
-        detector->setStrengthWeight(0.15);
-        detector->setOctaveSuppression(0);
-        detector->setRankRadius(2.25);
-    }
-    fixed->setAdaptiveThreshold(false);
+    const auto fixed = detectorFor(1000, 8, 20, 7), adaptive = detectorFor(1000, 8, 20, 7);
+    adaptive->setAdaptiveThreshold(true);
     for (ORB::ScoreType score : {ORB::HARRIS_SCORE, ORB::FAST_SCORE})
     {
         for (AdaptiveQuadtreeORB* detector : {&*extractor.detector(), &*fixed, &*adaptive})
