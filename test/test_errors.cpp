@@ -8,15 +8,11 @@
 #include "detector/parameters.hpp"
 
 #include <array>
-#include <limits>
 
 namespace opencv_test
 {
 namespace
 {
-
-const float NOT_A_NUMBER = std::numeric_limits<float>::quiet_NaN();
-const float ENDLESS = std::numeric_limits<float>::infinity();
 
 TEST(Aqorb_Errors, are_said_as_a_person_would)
 {

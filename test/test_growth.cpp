@@ -7,7 +7,6 @@
 
 #include "reference_refinement.hpp"
 
-#include <limits>
 #include <numeric>
 #include <map>
 
@@ -433,8 +432,7 @@ TEST(Aqorb_Growth, bad_keypoints_grow_nothing_and_bad_arguments_raise)
 {
     const MatchedViews good = sparseViews(similarity(1, 5, 3.3, -4.8));
     const size_t expected = grow(good, false).matches.size();
-    const float endless = std::numeric_limits<float>::infinity();
-    for (float value : {std::numeric_limits<float>::quiet_NaN(), endless, -endless, -1e30f, 1e30f})
+    for (float value : {NOT_A_NUMBER, ENDLESS, -ENDLESS, -1e30f, 1e30f})
     {
         for (int field = 0; field < 4; field++)
         {

@@ -5,8 +5,6 @@
 
 #include "reference.hpp"
 
-#include <limits>
-
 namespace opencv_test
 {
 namespace
@@ -16,9 +14,6 @@ using aqorb::knnMatchArrays;
 using aqorb::matchArrays;
 using aqorb::matchByPosition;
 using aqorb::matchGuided;
-
-const float ENDLESS = std::numeric_limits<float>::infinity(),
-            NOT_A_NUMBER = std::numeric_limits<float>::quiet_NaN();
 
 ReferenceTests randomTests(RNG& rng)
 {

@@ -40,6 +40,7 @@ using namespace cv;
 #include <cmath>
 #include <cstdlib>
 #include <functional>
+#include <limits>
 #include <string>
 #include <vector>
 
@@ -49,6 +50,9 @@ namespace opencv_test
 using aqorb::AdaptiveQuadtreeORB;
 
 typedef std::vector<KeyPoint> KeyPoints;
+
+const float ENDLESS = std::numeric_limits<float>::infinity(),
+            NOT_A_NUMBER = std::numeric_limits<float>::quiet_NaN();
 
 //! What detectAndCompute gives for one image.
 struct Features

@@ -7,17 +7,12 @@
 
 #include "reference_refinement.hpp"
 
-#include <limits>
-
 namespace opencv_test
 {
 namespace
 {
 
 using aqorb::refineMatches;
-
-const float ENDLESS = std::numeric_limits<float>::infinity(),
-            NOT_A_NUMBER = std::numeric_limits<float>::quiet_NaN();
 
 Refined refine(const MatchedViews& pair, float minCorrelation = 0.8f, float scaleFactor = 1)
 {

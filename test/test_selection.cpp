@@ -9,7 +9,6 @@
 
 #include <cfloat>
 #include <climits>
-#include <limits>
 #include <memory>
 
 namespace opencv_test
@@ -18,9 +17,6 @@ namespace
 {
 
 using namespace aqorb;
-
-const float INF = std::numeric_limits<float>::infinity();
-const float NOT_A_NUMBER = std::numeric_limits<float>::quiet_NaN();
 
 TEST(Aqorb_Selection, leaves_equal_reference)
 {
@@ -52,7 +48,8 @@ struct Scene
 
 float randomStrength(RNG& rng, int kind)
 {
-    static const float odd[] = {NOT_A_NUMBER, -INF, -1.f, -1e-42f, -0.f, 0.f, 1e-45f, 1.f, FLT_MAX, INF};
+    static const float odd[] = {NOT_A_NUMBER, -ENDLESS, -1.f, -1e-42f, -0.f,
+                                0.f,          1e-45f,   1.f,  FLT_MAX, ENDLESS};
     if (kind == 0 || (kind == 1 && rng.uniform(0, 3) == 0))
         return odd[rng.uniform(0, 10)];
     if (kind == 2)

@@ -7,7 +7,6 @@
 
 #include <cfloat>
 #include <climits>
-#include <limits>
 
 namespace opencv_test
 {
@@ -42,9 +41,8 @@ void expectAsReference(const KeyPoints& given, Size size, int npoints)
 
 float randomResponse(RNG& rng, int kind)
 {
-    const float nan = std::numeric_limits<float>::quiet_NaN(), inf = std::numeric_limits<float>::infinity();
-    const float odd[] = {nan, -nan,   -inf,   -FLT_MAX, -1.f,    -1e-42f, -0.f,
-                         0.f, 1e-45f, 1e-38f, 1.f,      FLT_MAX, inf,     inf};
+    const float odd[] = {NOT_A_NUMBER, -NOT_A_NUMBER, -ENDLESS, -FLT_MAX, -1.f,    -1e-42f, -0.f,
+                         0.f,          1e-45f,        1e-38f,   1.f,      FLT_MAX, ENDLESS, ENDLESS};
     if (kind == 0 || (kind == 1 && rng.uniform(0, 3) == 0))
         return odd[rng.uniform(0, 14)];
     if (kind == 2)
@@ -147,10 +145,9 @@ TEST(Aqorb_RetainUniform, spreads_keypoints_of_equal_responses)
 
 TEST(Aqorb_RetainUniform, drops_what_lies_outside)
 {
-    const float nan = std::numeric_limits<float>::quiet_NaN();
-    const float inf = std::numeric_limits<float>::infinity();
-    const Point2f outside[] = {Point2f(-0.5f, 5), Point2f(5, -1e-6f), Point2f(10, 5),  Point2f(5, 20),
-                               Point2f(nan, 5),   Point2f(5, nan),    Point2f(inf, 5), Point2f(5, -inf)};
+    const Point2f outside[] = {Point2f(-0.5f, 5),   Point2f(5, -1e-6f),       Point2f(10, 5),
+                               Point2f(5, 20),      Point2f(NOT_A_NUMBER, 5), Point2f(5, NOT_A_NUMBER),
+                               Point2f(ENDLESS, 5), Point2f(5, -ENDLESS)};
     KeyPoints keypoints;
     for (const Point2f& p : outside)
         keypoints.push_back(KeyPoint(p, 1));
@@ -191,8 +188,8 @@ TEST(Aqorb_Distribution, uniformity_of_counts_by_hand)
     std::vector<Point2f> places(4, Point2f(5, 30));
     EXPECT_DOUBLE_EQ(uniformityOf(2), uniformityAt(places, size));
     // Positions that are not finite do not count.
-    const float nan = std::numeric_limits<float>::quiet_NaN(), inf = std::numeric_limits<float>::infinity();
-    places.insert(places.end(), {Point2f(nan, 5), Point2f(5, nan), Point2f(inf, 5), Point2f(5, -inf)});
+    places.insert(places.end(), {Point2f(NOT_A_NUMBER, 5), Point2f(5, NOT_A_NUMBER), Point2f(ENDLESS, 5),
+                                 Point2f(5, -ENDLESS)});
     EXPECT_DOUBLE_EQ(uniformityOf(2), uniformityAt(places, size));
     // Four in the centre: (50, 30) is left and top, on both diagonals (so in neither first half), central.
     EXPECT_DOUBLE_EQ(uniformityOf(2), uniformityAt(std::vector<Point2f>(4, Point2f(50, 30)), size));
@@ -223,8 +220,8 @@ TEST(Aqorb_Distribution, occupancy_of_cells_by_hand)
     EXPECT_DOUBLE_EQ(aqorb::distributionOccupancy(keypointsAt(places), Size(160, 120), Size(2, 2)), 0.5);
 
     // Keypoints outside the image do not count.
-    const float nan = std::numeric_limits<float>::quiet_NaN();
-    const Point2f outside[] = {Point2f(-1, 50), Point2f(160, 50), Point2f(50, 120), Point2f(nan, 50)};
+    const Point2f outside[] = {Point2f(-1, 50), Point2f(160, 50), Point2f(50, 120),
+                               Point2f(NOT_A_NUMBER, 50)};
     places.assign(outside, outside + 4);
     EXPECT_EQ(aqorb::distributionOccupancy(keypointsAt(places), Size(160, 120)), 0);
 }
