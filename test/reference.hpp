@@ -170,8 +170,8 @@ struct ReferenceTests
 };
 std::vector<DMatch> referenceTested(const Mat& query, const Mat& train, const ReferenceTests& tests,
                                     const Allowed& isAllowed);
-//! Whether two finite coordinates differ by at most `reach`, without rounding.
-bool differAtMost(float a, float b, float reach);
+//! Whether two finite positions differ by at most `reach` in each coordinate, without rounding.
+bool isInWindow(const Point2f& a, const Point2f& b, Size2f reach);
 //! What matchGuided documents. tests.crossCheck does not count, and maxDistance is not -1.
 std::vector<DMatch> referenceGuided(const Mat& query, const KeyPoints& queryKeypoints, const Mat& train,
                                     const KeyPoints& trainKeypoints, const Matx33d& F, double reach,
@@ -182,6 +182,9 @@ std::vector<DMatch> referenceGuided(const Mat& query, const KeyPoints& queryKeyp
 Mat randomDescriptors(RNG& rng, int rows, int bytes);
 
 ::testing::AssertionResult sameMatches(const MatchLists& a, const MatchLists& b);
+//! Whether arrays of pairs and distances hold these matches.
+::testing::AssertionResult isMatchedAs(const std::vector<DMatch>& expected, const Mat& pairs,
+                                       const Mat& distances);
 
 //! Whether two lists hold the same corners in the same order.
 ::testing::AssertionResult sameCorners(const std::vector<aqorb::Corner>& a,

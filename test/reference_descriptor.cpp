@@ -215,7 +215,8 @@ std::vector<DMatch> referenceTested(const Mat& query, const Mat& train, const Re
     return passed;
 }
 
-bool differAtMost(float a, float b, float reach)
+//! Whether two finite coordinates differ by at most `reach`, without rounding.
+static bool differAtMost(float a, float b, float reach)
 {
     const double larger = std::max(a, b), smaller = std::min(a, b), difference = larger - smaller;
     const double lost = std::abs(larger) >= std::abs(smaller) ? -smaller - (difference - larger)
@@ -223,11 +224,21 @@ bool differAtMost(float a, float b, float reach)
     return difference < reach || (difference == reach && lost <= 0);
 }
 
+static bool isFinite(const Point2f& p)
+{
+    return std::isfinite(p.x) && std::isfinite(p.y);
+}
+
+bool isInWindow(const Point2f& a, const Point2f& b, Size2f reach)
+{
+    return isFinite(a) && isFinite(b) && differAtMost(a.x, b.x, reach.width) &&
+           differAtMost(a.y, b.y, reach.height);
+}
+
 std::vector<DMatch> referenceGuided(const Mat& query, const KeyPoints& queryKeypoints, const Mat& train,
                                     const KeyPoints& trainKeypoints, const Matx33d& F, double reach,
                                     const ReferenceTests& tests)
 {
-    const auto isFinite = [](const Point2f& p) { return std::isfinite(p.x) && std::isfinite(p.y); };
     const auto isNearLine = [&](int i, int j)
     {
         const Point2f p = queryKeypoints[i].pt, q = trainKeypoints[j].pt;
@@ -293,6 +304,22 @@ Mat randomDescriptors(RNG& rng, int rows, int bytes)
                        << other.trainIdx << ", " << other.imgIdx << ") at " << other.distance;
         }
     }
+    return ::testing::AssertionSuccess();
+}
+
+::testing::AssertionResult isMatchedAs(const std::vector<DMatch>& expected, const Mat& pairs,
+                                       const Mat& distances)
+{
+    if (expected.empty())
+        return pairs.empty() && distances.empty() ? ::testing::AssertionSuccess()
+                                                  : ::testing::AssertionFailure() << "not empty";
+    if (pairs.type() != CV_32SC1 || pairs.cols != 2 || distances.type() != CV_32SC1 || distances.cols != 1 ||
+        pairs.rows != int(expected.size()) || distances.rows != pairs.rows)
+        return ::testing::AssertionFailure() << pairs.rows << " rows in place of " << expected.size();
+    for (int i = 0; i < pairs.rows; i++)
+        if (pairs.at<int>(i, 0) != expected[i].queryIdx || pairs.at<int>(i, 1) != expected[i].trainIdx ||
+            distances.at<int>(i) != int(expected[i].distance))
+            return ::testing::AssertionFailure() << "row " << i << " differs";
     return ::testing::AssertionSuccess();
 }
 

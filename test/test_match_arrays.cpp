@@ -25,22 +25,6 @@ ReferenceTests randomTests(RNG& rng)
     return tests;
 }
 
-::testing::AssertionResult isMatchedAs(const std::vector<DMatch>& expected, const Mat& pairs,
-                                       const Mat& distances)
-{
-    if (expected.empty())
-        return pairs.empty() && distances.empty() ? ::testing::AssertionSuccess()
-                                                  : ::testing::AssertionFailure() << "not empty";
-    if (pairs.type() != CV_32SC1 || pairs.cols != 2 || distances.type() != CV_32SC1 || distances.cols != 1 ||
-        pairs.rows != int(expected.size()) || distances.rows != pairs.rows)
-        return ::testing::AssertionFailure() << pairs.rows << " rows in place of " << expected.size();
-    for (int i = 0; i < pairs.rows; i++)
-        if (pairs.at<int>(i, 0) != expected[i].queryIdx || pairs.at<int>(i, 1) != expected[i].trainIdx ||
-            distances.at<int>(i) != int(expected[i].distance))
-            return ::testing::AssertionFailure() << "row " << i << " differs";
-    return ::testing::AssertionSuccess();
-}
-
 TEST(Aqorb_MatchArrays, applies_the_tests)
 {
     size_t found = 0;
@@ -166,12 +150,7 @@ TEST(Aqorb_MatchByPosition, compares_within_the_window_only)
         if (rng.uniform(0, 3) == 0)
             (rng.uniform(0, 2) ? reach.width : reach.height) = extreme(rng);
         const ReferenceTests tests = randomTests(rng);
-        const auto isAllowed = [&](int i, int j)
-        {
-            const Point2f a = predicted[i], b = keypoints[j].pt;
-            return std::isfinite(a.x) && std::isfinite(a.y) && std::isfinite(b.x) && std::isfinite(b.y) &&
-                   differAtMost(a.x, b.x, reach.width) && differAtMost(a.y, b.y, reach.height);
-        };
+        const auto isAllowed = [&](int i, int j) { return isInWindow(predicted[i], keypoints[j].pt, reach); };
         const std::vector<DMatch> expected = referenceTested(query, train, tests, isAllowed);
         Mat pairs, distances;
         matchByPosition(query, predicted, train, keypoints, reach, pairs, distances, tests.ratio,
