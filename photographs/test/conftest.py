@@ -19,7 +19,7 @@ from PIL import Image
 
 import aqorb
 import aqorb_photographs
-from aqorb_photographs.cli.main import main
+from aqorb_photographs.__main__ import main
 
 os.environ['PYTHONPATH'] = os.pathsep.join(
     os.path.dirname(os.path.dirname(os.path.abspath(package.__file__))) for package in (aqorb_photographs, aqorb))

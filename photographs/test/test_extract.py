@@ -50,7 +50,7 @@ def test_help_and_an_argument_too_few(name):
 
 
 def test_a_package_that_is_missing(tmp_path):
-    code = 'import sys; sys.modules["pyarrow"] = None; from aqorb_photographs.cli.main import main; main()'
+    code = 'import sys; sys.modules["pyarrow"] = None; from aqorb_photographs.__main__ import main; main()'
     finished = subprocess.run([sys.executable, '-c', code, 'extract', tmp_path, '--out', 'f'], stderr=subprocess.PIPE,
                               text=True)
     assert finished.returncode == 1 and 'in a clone of aqorb: pip install . ./photographs' in finished.stderr
