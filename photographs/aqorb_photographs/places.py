@@ -339,3 +339,13 @@ def search(queries, features, index, number, ratio=.8, threads=1):
         for _ in range(len(queries)):
             # A stable sort: among images with equal inliers the more similar image comes first.
             yield sorted([next(compared) for _ in range(number)], key=lambda one: -one[0])
+
+
+def ahead(found, features, ratio=.8):
+    """Returns as text how many times as many inliers the best image of a list of search has as the best image of
+    another place, which has fewer than MIN_INLIERS inliers with the best image; - if there is no such image."""
+    best = features.keypoints(found[0][2])
+    for inliers, _, image, *_ in found[1:]:
+        if len(match(best, features.keypoints(image), ratio)[3]) < MIN_INLIERS:
+            return f'{found[0][0] / max(inliers, 1):.1f}'
+    return '-'

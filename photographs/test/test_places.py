@@ -120,14 +120,25 @@ def test_search(features, folder, tmp_path):
     call = ['search', features, tmp_path / 'new\n.png', tmp_path / 'text', tmp_path / 'grey.png', tmp_path / 'no', '--top', 2]
     finished = run(*call, '--draw', tmp_path / 'best.jpg')
     found = [line.split('\t') for line in finished.stdout.splitlines()]
-    assert found[0] == ['photograph', 'image', 'matches', 'inliers']
+    assert found[0] == ['photograph', 'image', 'matches', 'inliers', 'ahead']
     assert [row[:2] for row in found[1:]] == [[f'{tmp_path}/new\\n.png', name] for name in ('05.png', '18.png')]
     count = len(store.Features(str(features)).keypoints(5)[0])
-    assert found[1][2:] == [str(count)] * 2 and 100 < int(found[2][3]) <= int(found[2][2]) < count
+    assert found[1][2:4] == [str(count)] * 2 and found[2][4] == '-'
+    assert 100 < int(found[2][3]) <= int(found[2][2]) < count
     assert Image.open(tmp_path / 'best.jpg').size == (640, 280)
     for reason in 'text: it is no image', 'grey.png: it has no features', 'no: there is no such file':
         assert reason in finished.stderr
     refused('3 photographs not searched for', *call, '--strict')
+
+
+def test_search_compares_with_another_place(features, folder):
+    found = [line.split('\t') for line in run('search', features, folder / '05.png', '--top', 20).stdout.splitlines()]
+    read = store.Features(str(features))
+    shared = [len(places.match(read.keypoints(5), read.keypoints(read.index[row[1]]), .8)[3]) for row in found[1:]]
+    other = next(i for i, count in enumerate(shared, 1) if count < places.MIN_INLIERS)
+    assert other > 2 and float(found[1][4]) == round(int(found[1][3]) / max(int(found[other][3]), 1), 1) > 10
+    call = run('search', features, folder / '05.png', '--retrieval', 2)  # 05.png and 18.png show one place
+    assert [line.split('\t')[4] for line in call.stdout.splitlines()[1:]] == ['-', '-']
 
 
 def test_a_photograph_of_another_place(features, tmp_path):

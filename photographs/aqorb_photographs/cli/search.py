@@ -16,7 +16,8 @@ def add(commands):
     parser = options.add_command(
         commands, 'search', run, 'find images of the same place as a photograph',
         'Prints images of the same place, the best first, with their numbers of matches and of inliers, which agree on '
-        'one geometry.')
+        'one geometry. In the column ahead stands, for the best image, how many times as many inliers it has as the '
+        'best image of another place; - if there is none.')
     parser.add_argument('features', metavar='FEATURES', help='folder of aqorb extract')
     parser.add_argument('photographs', nargs='+', metavar='PHOTOGRAPH')
     parser.add_argument('--retrieval', type=options.positive, metavar='K', help='match the K most similar images (20)')
@@ -57,11 +58,13 @@ def run(given):
     import pyarrow as pa
     index = options.index_of(features, given)
     best, unknown = (-1, None, None, ()), []
-    print('photograph\timage\tmatches\tinliers')
+    print('photograph\timage\tmatches\tinliers\tahead')
     rows = pa.concat_tables([row for _, row in queries])
     for (name, _), found in zip(queries, places.search(rows, features, index, number, given.ratio, given.threads)):
+        ahead = places.ahead(found, features, given.ratio)
         for inliers, matches, image, *_ in found[:given.top]:
-            print(options.shown(name), options.shown(features.images[image]), matches, inliers, sep='\t')
+            print(options.shown(name), options.shown(features.images[image]), matches, inliers, ahead, sep='\t')
+            ahead = '-'
         if found[0][0] < places.MIN_INLIERS:
             unknown.append((name, f'no image has {places.MIN_INLIERS} inliers'))
         if found[0][0] > best[0]:
