@@ -22,6 +22,11 @@ namespace aqorb_python
 
 namespace py = pybind11;
 
+//! Parts of the module: each adds names with signatures and docstrings.
+void addDetector(py::module_& module);
+void addMatching(py::module_& module);
+void addRefinement(py::module_& module);
+
 //! Whether the object is an instance of a class of cv2.
 inline bool isInstance(py::handle object, const char* cv2Class)
 {

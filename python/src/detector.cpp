@@ -8,7 +8,6 @@
 #include "arguments.hpp"
 #include "errors.hpp"
 #include "arrays.hpp"
-#include "module.hpp"
 #include "detector/parameter_table.hpp"
 #include "threads.hpp"
 

@@ -6,7 +6,6 @@
 #include "arguments.hpp"
 #include "errors.hpp"
 #include "arrays.hpp"
-#include "module.hpp"
 #include "threads.hpp"
 
 #include <opencv2/aqorb.hpp>

@@ -6,8 +6,6 @@
 // Extension module aqorb._aqorb, and its functions without a detector. The names are those of cv2.aqorb, and a few more
 // for numpy.
 
-#include "module.hpp"
-
 #include "arguments.hpp"
 #include "errors.hpp"
 #include "arrays.hpp"

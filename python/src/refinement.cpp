@@ -6,7 +6,6 @@
 #include "arguments.hpp"
 #include "arrays.hpp"
 #include "errors.hpp"
-#include "module.hpp"
 #include "threads.hpp"
 
 #include <opencv2/aqorb/refinement.hpp>
