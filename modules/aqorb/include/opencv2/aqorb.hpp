@@ -25,9 +25,9 @@ Four functions work with any detector: distributionUniformity and distributionOc
 keypoints, retainUniform thins them out uniformly, and adaptiveFastThreshold computes a FAST threshold from the contrast
 of an image.
 
-The class aqorb::HammingMatcher gives the matches of cv::BFMatcher for binary descriptors, at least 6 times as fast with
+The class aqorb::HammingMatcher finds the matches of cv::BFMatcher for binary descriptors, at least 6 times as fast with
 AVX2. matchArrays, knnMatchArrays, matchByPosition and matchGuided return matches as arrays. refineMatches and
-growMatches refine the positions of matches. matchImages takes two images to exact pairs of points. The class
+growMatches refine the positions of matches. matchImages finds exact pairs of points of two images. The class
 aqorb::SlamExtractor, in the header aqorb/slam.hpp, replaces the feature extractor of ORB-SLAM.
 
 The @ref tutorial_table_of_content_aqorb "tutorials" show how to use the module and how it works.
@@ -121,11 +121,11 @@ public:
     @param WTA_K Number of points compared for each element of the descriptor: 2, 3 or 4. Match with NORM_HAMMING for 2,
     with NORM_HAMMING2 for 3 and 4 (see defaultNorm).
     @param scoreType The score in KeyPoint::response: ORB::HARRIS_SCORE (the Harris response over 5x5 pixels) or
-    ORB::FAST_SCORE (the highest threshold at which the pixel is a FAST corner). With RANKED_SELECTION it also
-    decides whether the Harris response is part of a corner's strength. The FAST score selects a leaf's representative
-    in either case. With RANKED_SELECTION and ORB::HARRIS_SCORE a corner gives way to a corner of higher FAST score
-    among the 7x7 pixels around it. With QUADTREE_SELECTION corners do not give way, and a node gives its corner of the
-    highest score.
+    ORB::FAST_SCORE (the highest threshold at which the pixel is a FAST corner). With RANKED_SELECTION it also decides
+    whether the Harris response is part of a corner's strength. The FAST score selects a leaf's representative in either
+    case. With RANKED_SELECTION and ORB::HARRIS_SCORE a corner gives way to a corner of higher FAST score among the 7x7
+    pixels around it. With QUADTREE_SELECTION corners do not give way, and the corner of the highest score represents
+    its node.
     @param patchSize Diameter in pixels, on each level, of the patch of the orientation and the descriptor, 2 to 16384.
     @param fastThreshold Scale of the adaptive FAST threshold. 20 gives the threshold of the paper's equation (7), and
     10 half of it. A lower value gives more corners, as in cv::ORB. With setAdaptiveThreshold(false) it is the FAST
@@ -156,9 +156,9 @@ public:
     finite and >= 0. The default -1 takes the distance of the selection type, see setSelectionType().
 
     Coarse levels choose first, so keypoints of neighbouring levels lie at least this many pixels of the finer level
-    apart. The detector takes a nearer corner only when no corner that keeps the distance is left. The distance counts
-    between the detected pixels, mapped to the image by pixel centres. Refined positions (setSubPixel()) can come
-    nearer. 0 switches the rule off, as in the paper. */
+    apart. The detector takes a nearer corner only when no corner that keeps the distance is left. The detected pixels,
+    mapped to the image by pixel centres, keep this distance; refined positions (setSubPixel()) can be nearer. 0
+    switches the rule off, as in the paper. */
     CV_WRAP virtual void setOctaveSuppression(double octaveSuppression) = 0;
     CV_WRAP virtual double getOctaveSuppression() const = 0;  //!< see setOctaveSuppression()
 
@@ -166,7 +166,7 @@ public:
     pixel centres. The default is true.
 
     With false positions are whole pixels of the level times its scale, as in cv::ORB and in the paper. In either case
-    the pixel cvRound(k.pt / scale) of its level is the place of keypoint k's detection, direction and descriptor. */
+    keypoint k is detected, oriented and described at the pixel cvRound(k.pt / scale) of its level. */
     CV_WRAP virtual void setSubPixel(bool subPixel) = 0;
     CV_WRAP virtual bool getSubPixel() const = 0;  //!< see setSubPixel()
 
@@ -184,27 +184,27 @@ public:
     // The full name of the type, because OpenCV's wrappers for Python and Java need it.
     /** @brief Rule that selects the corners of a level. The default is RANKED_SELECTION.
 
-    - RANKED_SELECTION counts the stronger representatives around each representative (setRankRadius()), and weighs
-      this rank against its strength (setStrengthWeight()). Both hardly depend on the scene's place in the frame, so a
-      turned camera gives nearly the same corners. Levels share the features in proportion to area * scale^1.25, with
-      the area between the borders; the finest level gets half as much again. The tree has the smallest depth with at
-      least 9 leaves for each feature of the level's quota, without leaves on masked pixels; a StrengthWeight above 0.15
-      asks for more. No leaf is shorter than 2 pixels: if one tree would need shorter leaves, a level at least twice as
+    - RANKED_SELECTION counts the stronger representatives around each representative (setRankRadius()), and weighs this
+      rank against its strength (setStrengthWeight()). Both hardly depend on the scene's place in the frame, so a turned
+      camera gives nearly the same corners. Levels share the features in proportion to area * scale^1.25, with the area
+      between the borders; the finest level gets half as much again. The tree has the smallest depth with at least 9
+      leaves for each feature of the level's quota, without leaves on masked pixels; a StrengthWeight above 0.15
+      requires more. No leaf is shorter than 2 pixels: if one tree would need shorter leaves, a level at least twice as
       long as wide has several trees in a row. There are at most 2^24 leaves. A corner keeps 2.1 / (1 + StrengthWeight)
       pixels from keypoints of neighbouring levels, so a corner of the scene can give a keypoint on every second level.
-    - QUADTREE_SELECTION is the paper's method, equations (7), (8) and (9) and Figure 2. Levels share the features
-      in proportion to their widths. The tree splits its nodes, the fullest of each depth first, up to the level's quota
-      or the depth of equation (9), and each node gives its corner of the highest response. If there are fewer nodes
-      than features, the strongest other corners follow. Positions are whole pixels, and levels do not suppress each
-      other's corners: StrengthWeight, RankRadius, OctaveSuppression and SubPixel keep their values and have no effect.
+    - QUADTREE_SELECTION is the paper's method, equations (7), (8) and (9) and Figure 2. Levels share the features in
+      proportion to their widths. The tree splits its nodes, the fullest of each depth first, up to the level's quota or
+      the depth of equation (9). The corner with the highest response represents its node. If there are fewer nodes than
+      features, the strongest other corners follow. Positions are whole pixels, and levels do not suppress each other's
+      corners: StrengthWeight, RankRadius, OctaveSuppression and SubPixel keep their values and have no effect.
 
     Any other value raises an exception. */
     CV_WRAP virtual void setSelectionType(cv::aqorb::AdaptiveQuadtreeORB::SelectionType selectionType) = 0;
     //! See setSelectionType().
     CV_WRAP virtual cv::aqorb::AdaptiveQuadtreeORB::SelectionType getSelectionType() const = 0;
 
-    /** @brief Radius of the disc that counts for the rank of a corner, 0 to 16, in units of the mean distance between
-    the features of the level. The default is 1.
+    /** @brief Radius of the disc in which stronger corners count for the rank of a corner: 0 to 16, in units of the
+    mean distance between the features of the level. The default is 1.
 
     The mean distance is the square root of the level's unmasked area between the borders over its number of features.
     With 0 all representatives have the same rank, and their strength decides. It has no effect with QUADTREE_SELECTION.
@@ -298,12 +298,12 @@ CV_EXPORTS_W double adaptiveFastThreshold(InputArray image, InputArray mask = no
 compares detectors. A smaller value is more uniform.
 
 The measure halves the image in five ways: left and right, top and bottom, along each diagonal, and into centre and
-periphery. With the population standard deviation sigma of the ten counts, u = 101 * log10(sigma). It sees only the
-balance between halves; distributionOccupancy sees smaller parts. u of clustered keypoints grows with their number, so
-compare equal numbers of keypoints. Some values for 500 points: 30 for a jittered grid, 101 for random points, 216 if
+periphery. With the population standard deviation sigma of the ten counts, u = 101 * log10(sigma). It measures only the
+balance between halves; distributionOccupancy resolves smaller parts. u of clustered keypoints grows with their number,
+so compare equal numbers of keypoints. Some values for 500 points: 30 for a jittered grid, 101 for random points, 216 if
 all points are in one half.
 
-@param keypoints Keypoints of any detector. A keypoint whose position is not finite does not count.
+@param keypoints Keypoints of any detector. A keypoint whose position is not finite is ignored.
 @param imageSize Size of the keypoints' image; both sides > 0.
 @return u, or 0 if sigma is below 1: for a distribution as even as whole counts allow, and without keypoints.
 
@@ -312,7 +312,7 @@ CV_EXPORTS_W double distributionUniformity(const std::vector<KeyPoint>& keypoint
 
 /** @brief Computes the share of the cells of a grid over the image that contain at least one keypoint.
 
-@param keypoints Keypoints of any detector. Keypoints outside the image do not count.
+@param keypoints Keypoints of any detector. Keypoints outside the image are ignored.
 @param imageSize Size of the keypoints' image; both sides > 0.
 @param grid Number of columns and rows of the grid; both > 0, at most 2^24 cells.
 @return Number of occupied cells divided by the number of cells, 0 to 1.
@@ -326,7 +326,7 @@ AdaptiveQuadtreeORB for the keypoints of any detector.
 
 Use it in place of cv::KeyPointsFilter::retainBest, which keeps the highest responses wherever they lie. The rule is
 RANKED_SELECTION with a StrengthWeight of 0.15 and a RankRadius of 1. The response replaces the FAST score and the
-strength, and octaves do not count. The quadtree spans the whole image and has at least 9 leaves for each of npoints
+strength, and octaves are ignored. The quadtree spans the whole image and has at least 9 leaves for each of npoints
 keypoints, but at most 2^24. The best keypoint of a leaf represents it, unless at least three of the eight leaves around
 it have better keypoints. Representatives come by (1 + rank) / response^StrengthWeight, where infinity counts as twice
 the highest finite response. Representatives with a zero, negative or NaN response come last, by their rank. The other

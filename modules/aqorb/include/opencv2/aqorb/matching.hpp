@@ -28,8 +28,8 @@ pointer to a cv::BFMatcher. A copy into a variable of type cv::BFMatcher is a cv
 
 The matches equal those of the linked OpenCV's cv::BFMatcher, with the same distances and in the same order, for
 descriptors of any length, for masks, for collections of several images and with cross check. Ties go to the first image
-of the collection, and in it to the first train descriptor. Any number of threads and any CPU give the same matches. It
-defines three cases that cv::BFMatcher leaves open:
+of the collection, and in it to the first train descriptor. Any number of threads and any CPU give the same matches. The
+class defines three cases that cv::BFMatcher leaves open:
 - knnMatch finds the k nearest descriptors of the whole collection, even if an image has fewer than k. It returns fewer
   than k matches only if the collection has, or the masks allow, fewer than k descriptors.
 - radiusMatch orders matches at the same distance by image, and within an image by descriptor.
@@ -40,8 +40,9 @@ empty lists, and radiusMatch puts them at the end. knnMatch appends to its outpu
 neither masks nor a second image are accepted.
 
 Descriptors are matrices of type CV_8UC1 with one descriptor per row, all of the same width. A matrix without rows or
-columns holds no descriptors. Anything else raises a cv::Exception that names it, and so does a lack of memory. UMat
-matrices come after Mat matrices. Descriptors of more than 1024 bytes take as long as with cv::BFMatcher.
+columns holds no descriptors. Anything else raises a cv::Exception that names it, and so does a lack of memory. In a
+collection, UMat matrices come after Mat matrices. Descriptors of more than 1024 bytes take as long as with
+cv::BFMatcher.
 
 Several threads may use one object at the same time, while no thread calls add, clear or train. After UMat matrices
 were added, one match with the collection must return before several threads match with it.
@@ -147,34 +148,35 @@ CV_EXPORTS_W void matchByPosition(InputArray queryDescriptors, const std::vector
 
 /** @brief Matches binary descriptors of two images along epipolar lines, once a first pose of the cameras is known.
 
-A pair of cameras leaves a keypoint of image 1 only one line of image 2 to lie on. Among the few keypoints near that
-line the nearest descriptor is often right even if it is not the nearest one of the whole image: where a wide baseline
-has changed the descriptors, or where a texture repeats. Pass the keypoints that have no match which agrees with the
-first pose. The matches are candidates: align them by refineMatches, keep those that still lie near their lines, and
-estimate the pose again (@ref tutorial_aqorb_match has the whole second pass). An example:
+The point of image 2 that corresponds to a keypoint of image 1 lies on the epipolar line of this keypoint. Among the few
+keypoints near the line, the nearest descriptor is often right even if it is not the nearest one of the whole image:
+where a wide baseline has changed the descriptors, or where a texture repeats. Pass the keypoints without a match that
+agrees with the first pose. The matches are candidates: align them by refineMatches, keep those that still lie near
+their lines, and estimate the pose again (@ref tutorial_aqorb_match has the whole second pass). An example:
 @code{.cpp}
     Mat F = findFundamentalMat(points1, points2, USAC_MAGSAC, 1);
     aqorb::matchGuided(descriptors1, keypoints1, descriptors2, keypoints2, F, 3, matches, distances);
 @endcode
 
-A query is paired with its nearest descriptor among the train keypoints at most reach * max(1, KeyPoint::size / 31)
-pixels, by the size of the train keypoint, from the query's epipolar line; ties go to the first. Several queries may be
-paired with one train keypoint. Its time grows with the product of both numbers of keypoints.
+A query is paired with its nearest descriptor among the train keypoints near the query's epipolar line; ties go to the
+first. A train keypoint is near the line if its distance is at most reach * max(1, KeyPoint::size / 31) pixels, by its
+own size. Several queries may be paired with one train keypoint. The time grows with the product of both numbers of
+keypoints.
 
 @param queryDescriptors, trainDescriptors As for matchArrays.
 @param queryKeypoints, trainKeypoints The keypoint of each row. A keypoint without a finite position, a train keypoint
 without a finite size, and a query without a line (the epipole) have no match.
-@param F The fundamental matrix, 3 x 3 of type CV_64FC1 or CV_32FC1, finite and not zero: x2^T F x1 = 0 for the positions
-x1 of a query and x2 of a train keypoint, as findFundamentalMat returns it. With the matrices K1 and K2 of calibrated
-cameras it is K2^-T E K1^-1. Its scale does not matter.
+@param F The fundamental matrix, 3 x 3 of type CV_64FC1 or CV_32FC1, finite and not zero: x2^T F x1 = 0 for the
+positions x1 of a query and x2 of a train keypoint, as findFundamentalMat returns it. With the matrices K1 and K2 of
+calibrated cameras it is K2^-T E K1^-1. Its scale does not matter.
 @param reach Largest distance from the line for a train keypoint of size 31 or less, in pixels, >= 0. Infinity is
 accepted. 3 suits ORB's keypoints.
 @param matches CV_32SC1, one row for each match: the indices of the query and the train descriptor, in the order of the
 queries. It is empty without matches.
 @param distances CV_32SC1, one element for each match: its distance in bits, or pairs of bits.
-@param ratio Finite and >= 0. Above 0, the distance must be less than ratio times that of the nearest descriptor near
-the line whose keypoint lies at least 8 pixels from the matched one, if there is one. 0 switches the test off. The
-default is 0.9.
+@param ratio Finite and >= 0. Above 0, the distance must be less than ratio times the distance of a second descriptor:
+the nearest one among the keypoints near the line that lie at least 8 pixels from the matched keypoint. A pair without a
+second descriptor passes. 0 switches the test off. The default is 0.9.
 @param maxDistance Largest distance of a match, >= 0, or -1 for 90 of 256 bits, or 67 of 128 pairs of bits, and in
 proportion for descriptors of other lengths, rounded down. The default is -1.
 @param normType NORM_HAMMING or NORM_HAMMING2.

@@ -32,9 +32,9 @@ A SLAM system includes this header in place of the header of `ORBextractor`, and
     }
 @endcode
 
-It returns one extra keypoint for each level, nfeatures + nlevels in all, or as many as the image has corners. ORB-SLAM2
-starts only on a frame with more than 500 keypoints. With nFeatures: 500 and an extractor that returns at most this
-number, as AdaptiveQuadtreeORB does, it would never start.
+The extractor returns one extra keypoint for each level, nfeatures + nlevels in all, or as many as the image has
+corners. ORB-SLAM2 starts only on a frame with more than 500 keypoints. If it asked for 500 features and got at most
+500, as from AdaptiveQuadtreeORB, it would never start.
 
 The extractor sets five properties of the detector for SLAM systems. SubPixel is false, because their stereo matching
 subtracts a whole pixel of the level times its scale from the position of the left keypoint: with positions mapped by
@@ -45,11 +45,11 @@ in more frames, at the cost of a slightly less even distribution. RankRadius is 
 view and paths are more exact. detector() gives access to all properties.
 
 A dark or low-contrast image may have fewer than nfeatures corners at the given thresholds. If equation (7) gives a
-value below 20 for this image (adaptiveFastThreshold()), the extractor searches it again, with both thresholds scaled by
-this value over 20, as with AdaptiveThreshold.
+value below 20 for this image (adaptiveFastThreshold()), the extractor searches the image again, with both thresholds
+scaled by this value over 20, as with AdaptiveThreshold.
 
-It works on the calling thread alone, because SLAM systems call it from threads of their own. On a busy core, waiting
-for another thread takes longer than its share of the work.
+The extractor works on the calling thread alone, because SLAM systems call it from threads of their own. On a busy core,
+waiting for another thread takes longer than its share of the work.
 
 An object keeps the pyramid of its last image, so only one thread at a time may use it. Create one object for each
 camera. A copy shares the detector() of the original, with its properties, but has its own vector of levels.
@@ -142,7 +142,7 @@ public:
         return outside;
     }
 
-    /** @brief Sets a mask for all calls whose own mask is empty, for example without the car's bonnet and the sky.
+    /** @brief Sets a mask for all calls whose own mask is empty, for example to exclude the car's bonnet and the sky.
 
     @param mask CV_8UC1, copied. It must have the size of the images; otherwise the call raises a cv::Exception that
     names both sizes. An empty mask ends the use of a mask. */
