@@ -32,7 +32,9 @@ getNumThreads control the threads of a call.
 from . import _aqorb
 from ._aqorb import *
 from ._aqorb import __version__, _build_information
-from ._feature_batch import FeatureBatch
+from ._feature_batch import FeatureBatch, detectAndComputeBatch as _detectAndComputeBatch
+
+AdaptiveQuadtreeORB.detectAndComputeBatch = _detectAndComputeBatch
 
 
 def computeImageFeatures2(featuresFinder, image, mask=None):

@@ -2,7 +2,7 @@
 # It is subject to the license terms in the LICENSE file found in the top-level directory
 # of this distribution.
 # SPDX-License-Identifier: Apache-2.0
-"""The result of detectAndComputeBatch."""
+"""detectAndComputeBatch and its result."""
 
 import typing
 
@@ -43,8 +43,11 @@ class FeatureBatch(typing.NamedTuple):
         return array
 
 
-def join(keypoints, descriptors):
-    """Joins the keypoints of each image, arrays of keypoint_dtype, and the rows of descriptors to a FeatureBatch."""
+def detectAndComputeBatch(self, images, masks=None):
+    """Returns the features of several images, as detectAndComputeArrays gives for each, in a FeatureBatch with one
+    array for each field. Images are processed in parallel, each on one thread. There is one mask for each image, or
+    none. An error names the image, as images[3]."""
+    keypoints, descriptors = self._features_of(images, masks)
     offsets = numpy.cumsum([0] + [len(some) for some in keypoints], dtype=numpy.int64)
     points = numpy.concatenate([numpy.empty(0, keypoint_dtype)] + keypoints)
     columns = [points['pt'][:, 0], points['pt'][:, 1]] + [points[name] for name in FeatureBatch._fields[2:6]]

@@ -68,7 +68,6 @@ template <typename Kind> struct Object
 AQORB_ARGUMENT(Image, "Optional[numpy.ndarray]", !isSequence(object))
 AQORB_ARGUMENT(Images, "Sequence[Optional[numpy.ndarray]]", isSequence(object))
 AQORB_ARGUMENT(ImageList, "Sequence[Optional[numpy.ndarray]]", true)
-AQORB_ARGUMENT(FeatureBatch, "FeatureBatch", true)
 AQORB_ARGUMENT(Array, "numpy.ndarray", true)
 AQORB_ARGUMENT(OptionalArray, "Optional[numpy.ndarray]", true)
 AQORB_ARGUMENT(Masks, "Optional[Sequence[Optional[numpy.ndarray]]]", true)

@@ -157,7 +157,9 @@ std::pair<ArrayObject, ArrayObject> detectAndComputeArrays(const Detector& self,
     return std::make_pair(points, rows);
 }
 
-FeatureBatchObject detectAndComputeBatch(const Detector& self, const ImageListObject& images,
+// Keypoints and descriptors of several images as lists of arrays, for detectAndComputeBatch in Python. C++ must not call
+// it: at the interpreter's exit Python may end a daemon thread in a Python function, and unwind its stack.
+std::pair<py::list, py::list> featuresOf(const Detector& self, const ImageListObject& images,
                                          const MasksObject& masks)
 {
     const cv::Ptr<Library> library = self.share();
@@ -170,14 +172,14 @@ FeatureBatchObject detectAndComputeBatch(const Detector& self, const ImageListOb
             library->detectAndComputeBatch(matricesOf(pixels), matricesOf(maskPixels), keypoints,
                                            descriptors);
         });
-    py::list points, rows;
+    std::pair<py::list, py::list> result;
     for (size_t i = 0; i < keypoints.size(); i++)
     {
-        points.append(toArray(std::move(keypoints[i])));
+        result.first.append(toArray(std::move(keypoints[i])));
         if (!descriptors[i].empty())
-            rows.append(toArray(descriptors[i]));
+            result.second.append(toArray(descriptors[i]));
     }
-    return {call(py::module_::import("aqorb._feature_batch").attr("join"), points, rows)};
+    return result;
 }
 
 ArrayTupleObject buildPyramid(const Detector& self, const OptionalArrayObject& image)
@@ -293,10 +295,7 @@ void addProcessing(DetectorClass& detector)
              "Detects and computes like detectAndCompute, without an object for each keypoint. Returns an\n"
              "array of keypoint_dtype, whose field 'pt' has the shape (n, 2), and an array of descriptors\n"
              "of shape (n, 32), even if n is 0.")
-        .def("detectAndComputeBatch", &detectAndComputeBatch, arg("images"), arg("masks") = py::none(),
-             "Returns the features of several images, as detectAndComputeArrays gives for each, in a\n"
-             "FeatureBatch with one array for each field. Images are processed in parallel, each on one\n"
-             "thread. There is one mask for each image, or none. An error names the image, as images[3].")
+        .def("_features_of", &featuresOf)
         .def("buildPyramid", &buildPyramid, arg("image"),
              "Returns the levels of the detector's image pyramid, as grey images.")
         .def("releaseMemory", &releaseMemory,

@@ -80,22 +80,6 @@ void waitForCalls()
         std::this_thread::sleep_for(std::chrono::milliseconds(1));
 }
 
-// At the interpreter's exit Python ends a daemon thread by unwinding its stack, which would release Python objects
-// without the lock. The thread sleeps until the process ends instead, as in Python 3.14. process() must hold no object of
-// pybind11, whose destructor would run before.
-template <typename Process> void orSleep(const Process& process)
-{
-    try
-    {
-        process();
-    }
-    catch (...)
-    {
-        for (;;)
-            std::this_thread::sleep_for(std::chrono::hours(1));
-    }
-}
-
 }  // namespace
 
 void prepareThreads()
@@ -138,21 +122,20 @@ PyThreadState* releaseGil()
     return PyEval_SaveThread();
 }
 
+// At the interpreter's exit Python ends a daemon thread here by unwinding its stack, which would release Python objects
+// without the lock. The thread sleeps until the process ends instead, as in Python 3.14.
 void acquireGil(PyThreadState* thread)
 {
     calls--;
-    orSleep([thread] { PyEval_RestoreThread(thread); });
-}
-
-pybind11::object call(const pybind11::object& function, const pybind11::object& first,
-                      const pybind11::object& second)
-{
-    PyObject* result = nullptr;
-    orSleep([&]
-            { result = PyObject_CallFunctionObjArgs(function.ptr(), first.ptr(), second.ptr(), nullptr); });
-    if (!result)
-        throw pybind11::error_already_set();
-    return pybind11::reinterpret_steal<pybind11::object>(result);
+    try
+    {
+        PyEval_RestoreThread(thread);
+    }
+    catch (...)
+    {
+        for (;;)
+            std::this_thread::sleep_for(std::chrono::hours(1));
+    }
 }
 
 }  // namespace aqorb_python

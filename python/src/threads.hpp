@@ -54,10 +54,6 @@ template <typename Process> void withoutGil(const Process& process)
         std::rethrow_exception(exception);
 }
 
-//! Calls a function written in Python, during which Python may end the thread as in acquireGil.
-pybind11::object call(const pybind11::object& function, const pybind11::object& first,
-                      const pybind11::object& second);
-
 //! Copy of an object of the library.
 template <typename T> cv::Ptr<T> copyOf(const T& object);
 
