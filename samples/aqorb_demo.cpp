@@ -3,7 +3,7 @@
 // of this distribution.
 // SPDX-License-Identifier: Apache-2.0
 
-// Compares AdaptiveQuadtreeORB with cv::ORB: positions of keypoints, matches, and times.
+// Compares AdaptiveQuadtreeORB and matchImages with cv::ORB: positions of keypoints, matches, and times.
 
 #include "sample.hpp"
 
@@ -15,7 +15,6 @@
 #endif
 
 #include <algorithm>
-#include <set>
 
 using namespace cv;
 
@@ -27,151 +26,141 @@ const char* const ABOUT =
     "aqorb_demo.jpg:\n"
     "  aqorb_demo --nfeatures=500 --out=pictures photograph1.jpg photograph2.jpg\n"
     "Without images it takes three pairs of OpenCV's samples and, if the variable AQORB_STRECHA names\n"
-    "Strecha's photographs, two of a fountain.\n"
-    "Matches are mutual nearest neighbours. The last column adds growMatches, which refines them and finds\n"
-    "more nearby. A match agrees if it lies within 3 pixels of the homography or, in a scene in depth, of "
-    "the\n"
-    "epipolar line; 1.5 pixels after growMatches. Places are cells of 16 x 16 pixels with such a match, in "
-    "the\n"
-    "image that has fewer. A frame is image 1 to keypoints and descriptors, a pair is both images to their\n"
-    "geometry by USAC_MAGSAC. Times are medians on one thread.\n";
+    "Strecha's photographs, two of a fountain.\n";
+
+const char* const LEGEND =
+    "\nThe first two columns match mutual nearest neighbours. matchImages also refines the matches, and "
+    "finds "
+    "more\nnearby. A match agrees if it lies within 3 pixels of the homography or, in a scene in depth, of "
+    "the "
+    "epipolar\nline; 1.5 pixels for matchImages. Places are cells of 16 x 16 pixels with such a match, in "
+    "the "
+    "image that has\nfewer. A frame is image 1 to keypoints and descriptors, a pair is both images to their "
+    "geometry by\nUSAC_MAGSAC. Times are medians on one thread.\n";
 
 const char* const KEYS = "{help      |      | print this text }"
                          "{nfeatures | 1000 | number of keypoints to ask for }"
                          "{out       | .    | existing folder for the pictures }";
 
-const int MIN_PLACES = 15;  // two images with fewer places probably show different things
-
 struct Method
 {
     String name;
     Ptr<ORB> detector;
-    Ptr<DescriptorMatcher> matcher;  // with cross check
-    bool grows;                      // whether growMatches refines and adds matches
+    Ptr<DescriptorMatcher> matcher;  // with cross check; matchImages takes the place of an empty one
+    double threshold;                // of a match that agrees, in pixels
 };
 
 //! Result of a method.
 struct Found
 {
-    std::vector<KeyPoint> keypoints1, keypoints2;
-    std::vector<Point2f> points1, points2;  // matches that agree with the geometry
-    int matches, places;
-    double frame, pair;  // milliseconds
+    std::vector<KeyPoint> keypoints;        // of image 1
+    std::vector<Point2f> points1, points2;  // the same spots in both images
+    std::vector<uchar> agrees;              // by match, whether it agrees with the geometry
+    std::vector<double> frames, pairs;      // times in milliseconds
+
+    int places() const { return countPlaces(points1, points2, agrees); }
 };
 
-//! Number of cells of 16 x 16 pixels that hold a point.
-int countCells(const std::vector<Point2f>& points)
+//! Finds points of two images that show the same spots.
+void match(const Method& method, const Mat& image1, const Mat& image2, Found& found)
 {
-    std::set<std::pair<int, int>> cells;
-    for (const Point2f& point : points)
-        cells.insert(std::make_pair(cvFloor(point.x / 16), cvFloor(point.y / 16)));
-    return int(cells.size());
-}
-
-//! Finds keypoints and matches, and selects the matches that agree with a homography or an epipolar geometry.
-Found find(const Method& method, const Mat& image1, const Mat& image2, bool isEpipolar)
-{
-    Found found;
+    found.points1.clear();
+    found.points2.clear();
+    if (!method.matcher)
+    {
+        std::vector<float> deviations;
+        return aqorb::matchImages(image1, image2, found.points1, found.points2, deviations,
+                                  method.detector->getMaxFeatures());
+    }
+    std::vector<KeyPoint> keypoints1, keypoints2;
     Mat descriptors1, descriptors2;
     std::vector<DMatch> matches;
-    std::vector<Point2f> points1, points2;
-    TickMeter time;
-    time.start();
-    method.detector->detectAndCompute(image1, noArray(), found.keypoints1, descriptors1);
-    time.stop();
-    found.frame = time.getTimeMilli();
-    time.start();
-    method.detector->detectAndCompute(image2, noArray(), found.keypoints2, descriptors2);
+    method.detector->detectAndCompute(image1, noArray(), keypoints1, descriptors1);
+    method.detector->detectAndCompute(image2, noArray(), keypoints2, descriptors2);
     if (!descriptors1.empty() && !descriptors2.empty())
         method.matcher->match(descriptors1, descriptors2, matches);
-    if (method.grows)
+    for (const DMatch& each : matches)
     {
-        std::vector<KeyPoint> grown1, grown2;
-        std::vector<float> deviations;
-        aqorb::growMatches(image1, found.keypoints1, image2, found.keypoints2, matches, grown1, grown2,
-                           points1, points2, deviations);
+        found.points1.push_back(keypoints1[each.queryIdx].pt);
+        found.points2.push_back(keypoints2[each.trainIdx].pt);
     }
-    else
-        for (const DMatch& match : matches)
-        {
-            points1.push_back(found.keypoints1[match.queryIdx].pt);
-            points2.push_back(found.keypoints2[match.trainIdx].pt);
-        }
-    std::vector<uchar> agrees;
-    const double threshold = method.grows ? 1.5 : 3;
-    if (points1.size() >= 8 && isEpipolar)
-        findFundamentalMat(points1, points2, USAC_MAGSAC, threshold, 0.9999, 10000, agrees);
-    else if (points1.size() >= 8)
-        findHomography(points1, points2, USAC_MAGSAC, threshold, agrees, 10000, 0.9999);
-    time.stop();
-    found.pair = time.getTimeMilli();
-
-    found.matches = int(points1.size());
-    for (size_t i = 0; i < agrees.size(); i++)
-        if (agrees[i])
-        {
-            found.points1.push_back(points1[i]);
-            found.points2.push_back(points2[i]);
-        }
-    found.places = std::min(countCells(found.points1), countCells(found.points2));
-    return found;
 }
 
-//! Prints a time of each method in milliseconds, and how many times as fast as the first method each one is.
-void printTimes(const String& label, const std::vector<std::vector<Found>>& runs, double Found::*time)
+//! Selects the matches that agree with a homography or an epipolar geometry.
+void estimate(const Method& method, bool isEpipolar, Found& found)
+{
+    found.agrees.clear();
+    if (found.points1.size() < 8)
+        return;
+    if (isEpipolar)
+        findFundamentalMat(found.points1, found.points2, USAC_MAGSAC, method.threshold, 0.9999, 10000,
+                           found.agrees);
+    else
+        findHomography(found.points1, found.points2, USAC_MAGSAC, method.threshold, found.agrees, 10000,
+                       0.9999);
+}
+
+void measure(const Method& method, const Mat& image1, const Mat& image2, bool isEpipolar, Found& found)
+{
+    TickMeter frame, pair;
+    Mat descriptors;
+    frame.start();
+    method.detector->detectAndCompute(image1, noArray(), found.keypoints, descriptors);
+    frame.stop();
+    pair.start();
+    match(method, image1, image2, found);
+    estimate(method, isEpipolar, found);
+    pair.stop();
+    found.frames.push_back(frame.getTimeMilli());
+    found.pairs.push_back(pair.getTimeMilli());
+}
+
+//! Prints the median times of each method, and how many times as fast as the first method each one is.
+void printTimes(const String& label, const std::vector<Found>& found, std::vector<double> Found::*times)
 {
     std::vector<double> medians;
-    for (size_t i = 0; i < runs[0].size(); i++)
+    for (const Found& each : found)
     {
-        std::vector<double> times;
-        for (const std::vector<Found>& run : runs)
-            times.push_back(run[i].*time);
-        std::nth_element(times.begin(), times.begin() + times.size() / 2, times.end());
-        medians.push_back(times[times.size() / 2]);
+        std::vector<double> sorted = each.*times;
+        std::sort(sorted.begin(), sorted.end());
+        medians.push_back(sorted[sorted.size() / 2]);
     }
     printRow(label + " in ms", medians, [](double median) { return format("%.1f", median); });
     printRow("  times as fast", medians, [&](double median) { return format("%.1f", medians[0] / median); });
 }
 
-const int WIDTH = 800;  // of each image in the pictures, in pixels
-
-//! Position in an image of the pictures.
-Point scaled(const Point2f& position, double scale)
+//! Both images side by side, 800 pixels wide each, with their points. Pairs of points have at most 100 lines: more would
+//! hide the images.
+Mat draw(const Mat& image1, const std::vector<Point2f>& points1, const Mat& image2,
+         const std::vector<Point2f>& points2, bool hasLines, const String& caption)
 {
-    const Point2d half(0.5, 0.5);
-    return (Point2d(position) + half) * scale - half;
+    const Mat* const images[] = {&image1, &image2};
+    const std::vector<Point2f>* const points[] = {&points1, &points2};
+    Mat reduced[2], picture;
+    std::vector<KeyPoint> keypoints[2];
+    for (int i = 0; i < 2; i++)
+    {
+        const double scale = 800. / images[i]->cols;
+        resize(*images[i], reduced[i], Size(800, cvCeil(images[i]->rows * scale)), 0, 0,
+               scale < 1 ? INTER_AREA : INTER_LINEAR);
+        for (const Point2f& point : *points[i])
+            keypoints[i].emplace_back((point + Point2f(.5f, .5f)) * scale - Point2f(.5f, .5f), 1.f);
+    }
+    std::vector<DMatch> lines;
+    for (int i = 0; hasLines && i < int(points1.size()); i += int(points1.size()) / 100 + 1)
+        lines.emplace_back(i, i, 0.f);
+    const Scalar yellow(0, 255, 255);
+    drawMatches(reduced[0], keypoints[0], reduced[1], keypoints[1], lines, picture, yellow, yellow);
+    return captioned(picture, caption);
 }
 
-//! An image with circles at its points.
-Mat drawPoints(const Mat& image, const std::vector<Point2f>& points)
+std::vector<Point2f> agreeing(const std::vector<Point2f>& points, const std::vector<uchar>& agrees)
 {
-    const double scale = double(WIDTH) / image.cols;
-    Mat picture;
-    resize(image, picture, Size(WIDTH, cvCeil(image.rows * scale)), 0, 0,
-           scale < 1 ? INTER_AREA : INTER_LINEAR);
-    cvtColor(picture, picture, COLOR_GRAY2BGR);
-    for (const Point2f& point : points)
-        circle(picture, scaled(point, scale), 3, Scalar(0, 255, 255), 1, LINE_AA);
-    return picture;
-}
-
-Mat sideBySide(const Mat& left, const Mat& right)
-{
-    Mat picture(std::max(left.rows, right.rows), 2 * WIDTH, CV_8UC3, Scalar::all(255));
-    left.copyTo(picture(Rect(Point(), left.size())));
-    right.copyTo(picture(Rect(Point(WIDTH, 0), right.size())));
-    return picture;
-}
-
-//! Both images with the matches that agree. At most 100 have a line: more would hide the images.
-Mat drawAgreeing(const Mat& image1, const Mat& image2, const Found& found)
-{
-    Mat picture = sideBySide(drawPoints(image1, found.points1), drawPoints(image2, found.points2));
-    for (size_t i = 0; i < found.points1.size(); i += found.points1.size() / 100 + 1)
-        line(picture, scaled(found.points1[i], double(WIDTH) / image1.cols),
-             scaled(found.points2[i], double(WIDTH) / image2.cols) + Point(WIDTH, 0), Scalar(0, 255, 255), 1,
-             LINE_AA);
-    return picture;
+    std::vector<Point2f> chosen;
+    for (size_t i = 0; i < agrees.size(); i++)
+        if (agrees[i])
+            chosen.push_back(points[i]);
+    return chosen;
 }
 
 //! Compares the methods on two images, and writes a picture.
@@ -182,55 +171,54 @@ void compare(const Mat& image1, const Mat& image2, int nfeatures, const String& 
             CV_Error(Error::StsBadSize,
                      format("an image of %dx%d pixels; 32x32 or more are accepted", image.cols, image.rows));
     const Ptr<ORB> ours = aqorb::AdaptiveQuadtreeORB::create(nfeatures);
-    const Ptr<DescriptorMatcher> matcher = makePtr<aqorb::HammingMatcher>(NORM_HAMMING, true);
     const std::vector<Method> methods = {
-        {"cv::ORB", ORB::create(nfeatures), makePtr<BFMatcher>(NORM_HAMMING, true), false},
-        {"AdaptiveQuadtreeORB", ours, matcher, false},
-        {"with growMatches", ours, matcher, true}};
-    // A scene in depth: the epipolar geometry explains half as many matches again as a homography.
-    const bool isEpipolar = double(find(methods[2], image1, image2, true).points1.size()) >
-                            1.5 * double(find(methods[2], image1, image2, false).points1.size());
-    std::vector<std::vector<Found>>
-        runs;  // the methods take turns, so that other programs slow all of them equally
-    TickMeter time;
-    while (runs.size() < 5 || (runs.size() < 51 && time.getTimeSec() < 3))
-    {
-        time.start();
-        runs.emplace_back();
-        for (const Method& method : methods)
-            runs.back().push_back(find(method, image1, image2, isEpipolar));
-        time.stop();
-    }
-    const std::vector<Found>& found = runs[0];
+        {"cv::ORB", ORB::create(nfeatures), makePtr<BFMatcher>(NORM_HAMMING, true), 3},
+        {"AdaptiveQuadtreeORB", ours, makePtr<aqorb::HammingMatcher>(NORM_HAMMING, true), 3},
+        {"matchImages", ours, nullptr, 1.5}};
+
+    // find_object and the command "aqorb draw" decide so, too: a homography with few places is none.
+    Found plane;
+    match(methods[2], image1, image2, plane);
+    Found depth = plane;
+    estimate(methods[2], false, plane);
+    estimate(methods[2], true, depth);
+    const bool isSame = plane.places() >= MIN_PLACES;
+    const bool isEpipolar = isSame && countNonZero(depth.agrees) > 1.5 * countNonZero(plane.agrees);
+
+    std::vector<Found> found(methods.size());
+    for (int turn = 0; turn < 11; turn++)  // in turns, so that other programs slow all methods equally
+        for (size_t i = 0; i < methods.size(); i++)
+            measure(methods[i], image1, image2, isEpipolar, found[i]);
 
     printRow(isEpipolar ? "by epipolar lines" : "by a homography", methods,
              [](const Method& method) { return method.name; });
     printRow("keypoints of image 1", found,
-             [](const Found& one) { return format("%d", int(one.keypoints1.size())); });
-    const auto occupancy = [&](const Found& one)
-    { return 100 * aqorb::distributionOccupancy(one.keypoints1, image1.size(), Size(16, 12)); };
+             [](const Found& each) { return format("%d", int(each.keypoints.size())); });
+    const auto occupancy = [&](const Found& each)
+    { return 100 * aqorb::distributionOccupancy(each.keypoints, image1.size(), Size(16, 12)); };
     printRow("  cells of a 16 x 12 grid that hold one", found,
-             [&](const Found& one) { return format("%.0f %%", occupancy(one)); });
+             [&](const Found& each) { return format("%.0f %%", occupancy(each)); });
     printRow("matches that agree, of all", found,
-             [](const Found& one) { return format("%d of %d", int(one.points1.size()), one.matches); });
-    printRow("  their places", found, [](const Found& one) { return format("%d", one.places); });
-    printTimes("frame", runs, &Found::frame);
-    printTimes("pair", runs, &Found::pair);
-    if (found[2].places < MIN_PLACES)
-        std::cout << "Fewer than " << MIN_PLACES << " places: the images probably show different things.\n";
+             [](const Found& each)
+             { return format("%d of %d", countNonZero(each.agrees), int(each.agrees.size())); });
+    printRow("  their places", found, [](const Found& each) { return format("%d", each.places()); });
+    printTimes("frame", found, &Found::frames);
+    printTimes("pair", found, &Found::pairs);
+    if (!isSame)
+        std::cout << "Fewer than " << MIN_PLACES
+                  << " places of matchImages agree with a homography: the images "
+                  << "probably show different things.\n";
 
-    std::vector<Mat> keypoints, rows;
-    for (const Found& one : found)
-    {
-        std::vector<Point2f> positions;
-        KeyPoint::convert(one.keypoints1, positions);
-        keypoints.push_back(drawPoints(image1, positions));
-    }
-    rows.push_back(captioned(sideBySide(keypoints[0], keypoints[1]),
-                             "keypoints of image 1: cv::ORB on the left, AdaptiveQuadtreeORB on the right"));
+    std::vector<Point2f> keypoints[2];
+    for (int i = 0; i < 2; i++)
+        KeyPoint::convert(found[i].keypoints, keypoints[i]);
+    std::vector<Mat> rows = {
+        draw(image1, keypoints[0], image1, keypoints[1], false,
+             "keypoints of image 1: cv::ORB on the left, AdaptiveQuadtreeORB on the right")};
     for (size_t i = 0; i < found.size(); i++)
-        rows.push_back(captioned(drawAgreeing(image1, image2, found[i]),
-                                 methods[i].name + format(": %d places", found[i].places)));
+        rows.push_back(draw(image1, agreeing(found[i].points1, found[i].agrees), image2,
+                            agreeing(found[i].points2, found[i].agrees), true,
+                            methods[i].name + format(": %d places", found[i].places())));
     Mat picture;
     vconcat(rows, picture);
     writePicture(file, picture);
@@ -245,7 +233,7 @@ void compareExamples(int nfeatures, const String& out)
     std::vector<std::vector<String>> examples = {
         {"rubberwhale1.png", "rubberwhale2.png", "two frames of a video, with something to see everywhere"},
         {"box.png", "box_in_scene.png",
-         "a box, and the same box among other things, where growMatches finds it"},
+         "a box, and the same box among other things, where matchImages finds it"},
         {"graf1.png", "graf3.png", "a painted wall from two sides"}};
     if (utils::fs::exists(fountain + "0003.jpg") && utils::fs::exists(fountain + "0005.jpg"))
         examples.push_back({fountain + "0003.jpg", fountain + "0005.jpg",
@@ -258,13 +246,13 @@ void compareExamples(int nfeatures, const String& out)
         std::cout << examples[i][0] << ", " << examples[i][1] << ": " << examples[i][2] << "\n\n";
         compare(readImage(examples[i][0]), readImage(examples[i][1]), nfeatures,
                 out + format("/aqorb_demo%d.jpg", int(i + 1)));
-        std::cout << std::endl;
+        std::cout << (i == 0 ? LEGEND : "") << std::endl;
     }
 }
 
 int demo(int argc, char** argv)
 {
-    const CommandLineParser parser = parseOptions(argc, argv, KEYS, ABOUT);
+    const CommandLineParser parser = parseOptions(argc, argv, KEYS, ABOUT + String(LEGEND));
     const int nfeatures = option<int>(parser, "nfeatures");
     const String out = option<String>(parser, "out");
     if (!utils::fs::isDirectory(out))
@@ -277,7 +265,10 @@ int demo(int argc, char** argv)
     if (files.empty())
         compareExamples(nfeatures, out);
     else
+    {
         compare(readImage(files[0]), readImage(files[1]), nfeatures, out + "/aqorb_demo.jpg");
+        std::cout << LEGEND;
+    }
     return 0;
 }
 

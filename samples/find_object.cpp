@@ -14,8 +14,6 @@
 #include <opencv2/calib3d.hpp>
 #endif
 
-#include <set>
-
 using namespace cv;
 
 static const char* const ABOUT = "Finds a known flat object in a scene, and draws its outline and the "
@@ -29,21 +27,11 @@ static const char* const KEYS =
     "{@object   | box.png          | picture of the object alone, or one of OpenCV's samples }"
     "{@scene    | box_in_scene.png | photograph to search, or one of OpenCV's samples }";
 
-//! Number of cells of 16x16 pixels with a point.
-static size_t occupiedCells(const std::vector<Point2f>& points, const std::vector<uchar>& isCounted)
-{
-    std::set<std::pair<int, int>> cells;
-    for (size_t i = 0; i < isCounted.size(); i++)
-        if (isCounted[i])
-            cells.emplace(int(points[i].x) / 16, int(points[i].y) / 16);
-    return cells.size();
-}
-
 static int findObject(int argc, char** argv)
 {
     const CommandLineParser parser = parseOptions(argc, argv, KEYS, ABOUT);
     const String out = pictureOption(parser);
-    const size_t enough = size_t(option<unsigned>(parser, "places"));
+    const int enough = option<int>(parser, "places");
     const Ptr<ORB> orb = aqorb::AdaptiveQuadtreeORB::create(option<int>(parser, "nfeatures"));
     const Mat object = readImage(option<String>(parser, "@object"));
     const Mat scene = readImage(option<String>(parser, "@scene"));
@@ -68,8 +56,7 @@ static int findObject(int argc, char** argv)
         homography = findHomography(points1, points2, USAC_MAGSAC, 1.5, isInlier);
     time.stop();
 
-    // Growth multiplies wrong matches, too, but these crowd in few places.
-    const size_t places = std::min(occupiedCells(points1, isInlier), occupiedCells(points2, isInlier));
+    const int places = countPlaces(points1, points2, isInlier);
     const bool isFound = !homography.empty() && places >= enough;
     std::cout << (isFound ? "found: " : "not found: ") << places << " places, "
               << format("%.1f", time.getTimeMilli()) << " ms" << std::endl;

@@ -13,9 +13,11 @@
 #include <opencv2/imgcodecs.hpp>
 #include <opencv2/imgproc.hpp>
 
+#include <algorithm>
 #include <cstdio>
 #include <cstdlib>
 #include <iostream>
+#include <set>
 #include <vector>
 
 //! Parses the options. Where they ask for help or are wrong, the program says so and ends.
@@ -94,6 +96,24 @@ inline cv::String pictureOption(const cv::CommandLineParser& parser)
     checkWritable(file, cv::haveImageWriter(file) &&
                             (nameAt == 0 || cv::utils::fs::isDirectory(file.substr(0, nameAt))));
     return file;
+}
+
+//! Two images whose grown matches agree with a homography in fewer places probably show different things.
+const int MIN_PLACES = 10;
+
+//! Number of places of matches: cells of 16 x 16 pixels with a match that agrees, in the image that has fewer of them.
+//! Growth multiplies wrong matches, too, but these crowd in few places.
+inline int countPlaces(const std::vector<cv::Point2f>& points1, const std::vector<cv::Point2f>& points2,
+                       const std::vector<uchar>& agrees)
+{
+    std::set<std::pair<int, int>> cells1, cells2;
+    for (size_t i = 0; i < agrees.size(); i++)
+        if (agrees[i])
+        {
+            cells1.emplace(cvFloor(points1[i].x / 16), cvFloor(points1[i].y / 16));
+            cells2.emplace(cvFloor(points2[i].x / 16), cvFloor(points2[i].y / 16));
+        }
+    return int(std::min(cells1.size(), cells2.size()));
 }
 
 //! Adds a line of text above a picture.
