@@ -255,7 +255,7 @@ std::vector<DMatch> referenceGuided(const Mat& query, const KeyPoints& queryKeyp
         const auto isElsewhere = [&](const DMatch& other)
         {
             const Point2d p = trainKeypoints[trains[0].trainIdx].pt, q = trainKeypoints[other.trainIdx].pt;
-            return cv::norm(p - q) >= 8;
+            return (p - q).dot(p - q) >= 8 * 8;
         };
         const auto second = std::find_if(trains.begin(), trains.end(), isElsewhere);
         if (!trains.empty() && trains[0].distance <= tests.maxDistance &&

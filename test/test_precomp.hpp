@@ -85,6 +85,11 @@ long long heapInUse();
 //! Whether they are known. Sanitizers, for example, have a heap of their own.
 bool isHeapKnown();
 
+//! A scene, blurred, dark or enlarged, noise or dots.
+Mat randomImage(RNG& rng, Size size);
+//! A mask of random pixels, dots, lines or rectangles that are usable, or of all others.
+Mat randomMask(RNG& rng, Size size);
+
 //! Whether all fields of all keypoints have the same bytes.
 ::testing::AssertionResult sameKeypoints(const KeyPoints& a, const KeyPoints& b);
 //! Whether two matrices have the same size, type and bytes; both may be empty.

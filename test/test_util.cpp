@@ -93,6 +93,58 @@ std::vector<Mat> photographs()
     return images;
 }
 
+Mat randomImage(RNG& rng, Size size)
+{
+    const int seed = rng.uniform(1, 1 << 20);
+    Mat image;
+    switch (rng.uniform(0, 6))
+    {
+    case 0:
+        return makeNoise(size, seed);
+    case 1:
+        cv::GaussianBlur(makeNoise(size, seed), image, Size(), 1 + seed % 3);
+        return image;
+    case 2:
+        return makeScene(size, seed) * 0.1;
+    case 3:
+        return makeDots(size, seed);
+    case 4:
+        // corners on coarse levels
+        cv::resize(makeNoise(Size(12 + seed % 20, 12), seed), image, size, 0, 0, INTER_CUBIC);
+        return image;
+    default:
+        return makeScene(size, seed);
+    }
+}
+
+Mat randomMask(RNG& rng, Size size)
+{
+    const int kind = rng.uniform(0, 8);
+    Mat mask(size, CV_8UC1, Scalar(kind % 2 ? 0 : 255));
+    const Scalar value(kind % 2 ? 255 : 0);
+    const int counts[] = {size.area() / 80, 40, 12, 8};
+    for (int i = rng.uniform(1, counts[kind / 2] + 1); i > 0; i--)
+    {
+        const Point p(rng.uniform(0, size.width), rng.uniform(0, size.height));
+        const Point q(rng.uniform(0, size.width), rng.uniform(0, size.height));
+        switch (kind / 2)
+        {
+        case 0:
+            mask.at<uchar>(p) = uchar(value[0]);
+            break;
+        case 1:
+            circle(mask, p, rng.uniform(0, 9), value, -1);
+            break;
+        case 2:
+            line(mask, p, q, value, rng.uniform(1, 9));
+            break;
+        default:
+            rectangle(mask, p, q, value, -1);
+        }
+    }
+    return mask;
+}
+
 ::testing::AssertionResult sameKeypoints(const KeyPoints& a, const KeyPoints& b)
 {
     if (a.size() != b.size())

@@ -5,197 +5,171 @@
 
 #include "generate.hpp"
 
-#include "../../test/reference.hpp"
+#include "../../test/test_precomp.hpp"
 
 #include <opencv2/core/utility.hpp>
 
-#include <cstring>
-
-// Compares the matchers with the tests' plain reference, on the best kernels of the CPU and on the baseline, with one
-// thread and with two. Calls with bad arguments must name the argument. Refined and grown matches must be equal on both
-// kernels.
+// Calls the matchers and the refinement with any arguments. A call must give a result, or an exception that states the
+// accepted values. The best kernels of the CPU and the baseline kernels, one thread and two must give the same bytes.
+// The tests compare these functions with plain references.
 
 using namespace opencv_test;
-using fuzz::require;
 
-static void compareNeighbours(const Mat& query, const std::vector<Mat>& images, const std::vector<Mat>& masks,
-                              int normType, int k)
+namespace
 {
-    aqorb::HammingMatcher matcher(normType);
-    matcher.add(images);
-    MatchLists matches;
-    matcher.knnMatch(query, matches, k, masks);
-    require(int(matches.size()) == query.rows, "a list for each query");
-    for (int i = 0; i < query.rows; i++)
-    {
-        std::vector<DMatch> expected = referenceMatches(query, i, images, masks, normType);
-        expected.resize(std::min(expected.size(), size_t(k)));
-        require(bool(sameMatches(MatchLists(1, expected), MatchLists(1, matches[i]))), "knnMatch");
-    }
-}
 
-static void compareArrays(const Mat& query, const Mat& train, const ReferenceTests& tests,
-                          const std::vector<Point2f>& predicted, const std::vector<KeyPoint>& keypoints,
-                          Size2f reach)
+struct Arguments
 {
-    const auto inWindow = [&](int i, int j)
-    {
-        const Point2f a = predicted[i], b = keypoints[j].pt;
-        return std::isfinite(a.x) && std::isfinite(a.y) && std::isfinite(b.x) && std::isfinite(b.y) &&
-               differAtMost(a.x, b.x, reach.width) && differAtMost(a.y, b.y, reach.height);
-    };
-    for (int byPosition = 0; byPosition < 2; byPosition++)
-    {
-        Mat pairs, distances;
-        if (byPosition)
-            aqorb::matchByPosition(query, predicted, train, keypoints, reach, pairs, distances, tests.ratio,
-                                   tests.crossCheck, tests.maxDistance, tests.normType);
-        else
-            aqorb::matchArrays(query, train, pairs, distances, tests.ratio, tests.crossCheck,
-                               tests.maxDistance, tests.normType);
-        const std::vector<DMatch> expected =
-            referenceTested(query, train, tests, [&](int i, int j) { return !byPosition || inWindow(i, j); });
-        require(pairs.rows == int(expected.size()) && distances.rows == pairs.rows, "the number of pairs");
-        for (int i = 0; i < pairs.rows; i++)
-            require(pairs.at<int>(i, 0) == expected[i].queryIdx &&
-                        pairs.at<int>(i, 1) == expected[i].trainIdx &&
-                        distances.at<int>(i) == int(expected[i].distance),
-                    "a pair");
-    }
-}
-
-// Any arguments must give a result, or an exception that states the accepted values.
-static void callWithAnything(FuzzedDataProvider& data, const Mat& query, const Mat& train)
-{
-    const Mat other = fuzz::image(data, 24, true);
-    const Mat& second = data.ConsumeBool() ? other : train;
-    const int k = fuzz::number(data, 0, 9), norm = fuzz::number(data, NORM_HAMMING, NORM_HAMMING2);
-    const double ratio = fuzz::real(data, 0, 2);
-    const int limit = fuzz::number(data, -1, 300);
-    Mat a, b;
-    try
-    {
-        aqorb::matchArrays(query, second, a, b, ratio, data.ConsumeBool(), limit, norm);
-        aqorb::knnMatchArrays(query, second, a, b, k < 100 ? k : -k, norm);
-    }
-    catch (const cv::Exception& e)
-    {
-        require(e.err.find("must") != std::string::npos, e.what());
-    }
-}
-
-// Results of growMatches; refined matches come first.
-struct Growth
-{
+    Mat query;
+    std::vector<Mat> trains, masks;
+    Mat images[2];
+    KeyPoints keypoints[2];  // mostly one for each descriptor
+    std::vector<Point2f> predicted;
     std::vector<DMatch> matches;
-    std::vector<KeyPoint> keypoints1, keypoints2;
-    std::vector<Point2f> points1, points2;
-    std::vector<float> deviations;
+    Mat F;
+    int norm, k, maxDistance;
+    bool isSwitchedOn;  // crossCheck, bothWays and the like
+    double ratio;
+    Size2f reach;
+    float correlation, scaleFactor;
 };
 
-template <typename T> static bool sameBytes(const std::vector<T>& a, const std::vector<T>& b)
+Mat fundamental(FuzzedDataProvider& data)
 {
-    return a.size() == b.size() && (a.empty() || std::memcmp(a.data(), b.data(), a.size() * sizeof(T)) == 0);
+    Mat F(3, 3, data.ConsumeBool() ? CV_64FC1 : CV_32FC1);
+    for (int i = 0; i < 9; i++)
+        F.row(i / 3).col(i % 3).setTo(fuzz::real(data, -1, 1));
+    return F;
 }
 
-// Grows matches of random keypoints in random images. Some fields have any number, and some indices are out of range.
-static void growAnything(FuzzedDataProvider& data)
+KeyPoints keypoints(FuzzedDataProvider& data, int count)
 {
-    Mat images[2];
-    std::vector<KeyPoint> keypoints[2];
+    const auto real = [&](double high) { return float(fuzz::real(data, -1, high)); };
+    KeyPoints result;
+    for (int i = 0; i < std::max(count, 0); i++)
+        result.push_back(
+            KeyPoint(Point2f(real(80), real(80)), real(60), real(360), 0, fuzz::number(data, 0, 8)));
+    return result;
+}
+
+Arguments argumentsFrom(FuzzedDataProvider& data)
+{
+    Arguments a;
+    const int width = data.ConsumeBool() ? 32 : data.ConsumeIntegralInRange(1, 140);
+    const auto descriptors = [&]
+    {
+        return data.ConsumeIntegralInRange(0, 15)
+                   ? fuzz::matrix(data, Size(width, data.ConsumeIntegralInRange(1, 50)), CV_8UC1)
+                   : fuzz::image(data, 24, true);
+    };
+    a.query = descriptors();
+    do
+        a.trains.push_back(descriptors());
+    while (a.trains.size() < 4 && data.ConsumeBool());
+    const bool isMasked = data.ConsumeBool();
+    for (size_t i = 0; isMasked && i < a.trains.size(); i++)
+        a.masks.push_back(fuzz::mask(data, Size(a.trains[i].rows, a.query.rows), true));
     for (int i = 0; i < 2; i++)
     {
-        images[i] = fuzz::image(data, 80, true);
-        const auto any = [&](double high) { return float(fuzz::real(data, -1, high)); };
-        for (int count = data.ConsumeIntegralInRange(0, 40); count > 0; count--)
-            keypoints[i].push_back(
-                KeyPoint(Point2f(any(80), any(80)), any(60), any(360), 0, fuzz::number(data, 0, 8)));
+        a.images[i] = fuzz::image(data, 80, true);
+        a.keypoints[i] = keypoints(data, (i ? a.trains[0] : a.query).rows - int(data.ConsumeBool()));
     }
-    std::vector<DMatch> matches;
+    KeyPoint::convert(keypoints(data, a.query.rows), a.predicted);
     for (int count = data.ConsumeIntegralInRange(0, 60); count > 0; count--)
-        matches.push_back(DMatch(fuzz::number(data, 0, 5), fuzz::number(data, 0, 5), 0));
-    const bool bothWays = data.ConsumeBool();
-    const float correlation = float(fuzz::real(data, -1, 1)), factor = float(fuzz::real(data, 0, 7));
-    Growth expected;
-    for (int run = 0; run < 2; run++)
-    {
-        setUseOptimized(run == 0);
-        setNumThreads(1 + run);
-        Growth grown, refined;
-        grown.matches = refined.matches = matches;
-        try
-        {
-            aqorb::growMatches(images[0], keypoints[0], images[1], keypoints[1], grown.matches,
-                               grown.keypoints1, grown.keypoints2, grown.points1, grown.points2,
-                               grown.deviations, correlation, factor, bothWays);
-            aqorb::refineMatches(images[0], keypoints[0], images[1], keypoints[1], refined.matches,
-                                 refined.points1, refined.points2, refined.deviations, correlation, factor);
-        }
-        catch (const cv::Exception& e)
-        {
-            require(e.err.find("must") != std::string::npos, e.what());
-            require(grown.matches.size() == matches.size() && grown.points1.empty(), "outputs stay");
-        }
-        require(grown.points2.size() == grown.deviations.size() &&
-                    grown.points1.size() == grown.deviations.size(),
-                "a position and a deviation for each match");
-        for (size_t i = 0; i < grown.deviations.size(); i++)
-            require(grown.deviations[i] >= 0 && size_t(grown.matches[i].queryIdx) < grown.keypoints1.size() &&
-                        size_t(grown.matches[i].trainIdx) < grown.keypoints2.size() &&
-                        (i < refined.matches.size() || grown.matches[i].distance == FLT_MAX),
-                    "the fields of a match");
-        const size_t count = refined.points2.size();
-        require(
-            count <= grown.points2.size() &&
-                sameBytes(refined.points2, std::vector<Point2f>(grown.points2.begin(),
-                                                                grown.points2.begin() + ptrdiff_t(count))),
-            "the refined matches first");
-        require(run == 0 || (sameBytes(expected.points1, grown.points1) &&
-                             sameBytes(expected.points2, grown.points2) &&
-                             sameBytes(expected.deviations, grown.deviations)),
-                "the same on all kernels");
-        expected = grown;
-    }
+        a.matches.push_back(DMatch(fuzz::number(data, 0, 5), fuzz::number(data, 0, 5), 0));
+    a.F = fundamental(data);
+    a.norm = data.ConsumeBool() ? NORM_HAMMING : fuzz::number(data, NORM_HAMMING, NORM_HAMMING2);
+    a.k = data.ConsumeBool() ? data.ConsumeIntegralInRange(1, 9) : fuzz::number(data, 0, 9) % 1000;
+    a.maxDistance = fuzz::number(data, -1, 8 * width);
+    a.isSwitchedOn = data.ConsumeBool();
+    a.ratio = fuzz::real(data, 0, 2);
+    a.reach = Size2f(float(fuzz::real(data, 0, 60)), float(fuzz::real(data, 0, 60)));
+    a.correlation = float(fuzz::real(data, -1, 1));
+    a.scaleFactor = float(fuzz::real(data, 0, 7));
+    return a;
 }
+
+//! The outputs of all functions.
+std::vector<Mat> resultsOf(const Arguments& a)
+{
+    std::vector<std::vector<DMatch>> nearest, near;
+    Mat outputs[8];
+    const Mat& train = a.trains[0];
+    fuzz::isCalled(
+        [&]
+        {
+            aqorb::HammingMatcher matcher(a.norm, a.isSwitchedOn);
+            matcher.add(a.trains);
+            matcher.knnMatch(a.query, nearest, a.k, a.masks);
+            matcher.radiusMatch(a.query, near, float(a.maxDistance), a.masks);
+        });
+    fuzz::isCalled(
+        [&]
+        {
+            aqorb::matchArrays(a.query, train, outputs[0], outputs[1], a.ratio, a.isSwitchedOn, a.maxDistance,
+                               a.norm);
+        });
+    fuzz::isCalled([&] { aqorb::knnMatchArrays(a.query, train, outputs[2], outputs[3], a.k, a.norm); });
+    fuzz::isCalled(
+        [&]
+        {
+            aqorb::matchByPosition(a.query, a.predicted, train, a.keypoints[1], a.reach, outputs[4],
+                                   outputs[5], a.ratio, a.isSwitchedOn, a.maxDistance, a.norm);
+        });
+    fuzz::isCalled(
+        [&]
+        {
+            aqorb::matchGuided(a.query, a.keypoints[0], train, a.keypoints[1], a.F, a.reach.width, outputs[6],
+                               outputs[7], a.ratio, a.maxDistance, a.norm);
+        });
+    std::vector<DMatch> refined = a.matches, grown = a.matches;
+    KeyPoints keypoints1, keypoints2;
+    std::vector<Point2f> points1[2], points2[2];
+    std::vector<float> deviations[2];
+    fuzz::isCalled(
+        [&]
+        {
+            aqorb::refineMatches(a.images[0], a.keypoints[0], a.images[1], a.keypoints[1], refined,
+                                 points1[0], points2[0], deviations[0], a.correlation, a.scaleFactor);
+        });
+    const bool isGrown = fuzz::isCalled(
+        [&]
+        {
+            aqorb::growMatches(a.images[0], a.keypoints[0], a.images[1], a.keypoints[1], grown, keypoints1,
+                               keypoints2, points1[1], points2[1], deviations[1], a.correlation,
+                               a.scaleFactor, a.isSwitchedOn);
+        });
+    for (const DMatch& match : grown)
+        fuzz::require(!isGrown || (size_t(match.queryIdx) < keypoints1.size() &&
+                                   size_t(match.trainIdx) < keypoints2.size()),
+                      "a match of no keypoint");
+    std::vector<Mat> results(outputs, outputs + 8);
+    for (const auto& lists : {nearest, near})
+        for (const std::vector<DMatch>& list : lists)
+            results.push_back(Mat(list, true));
+    for (int i = 0; i < 2; i++)
+        results.insert(results.end(), {Mat(i ? grown : refined, true), Mat(points1[i], true),
+                                       Mat(points2[i], true), Mat(deviations[i], true)});
+    results.insert(results.end(), {Mat(keypoints1, true), Mat(keypoints2, true)});
+    return results;
+}
+
+}  // namespace
 
 extern "C" int LLVMFuzzerTestOneInput(const uint8_t* bytes, size_t size)
 {
     FuzzedDataProvider data(bytes, size);
-    const int width = data.ConsumeBool() ? 32 : data.ConsumeIntegralInRange(1, 140);
-    const auto descriptors = [&]
-    { return fuzz::matrix(data, Size(width, data.ConsumeIntegralInRange(1, 50)), CV_8UC1); };
-    const Mat query = descriptors();
-    std::vector<Mat> images(1, descriptors()), masks;
-    while (images.size() < 4 && data.ConsumeBool())
-        images.push_back(descriptors());
-    const bool isMasked = data.ConsumeBool();
-    for (size_t i = 0; isMasked && i < images.size(); i++)
-        masks.push_back(fuzz::matrix(data, Size(images[i].rows, query.rows), CV_8UC1));
-    const int k = data.ConsumeIntegralInRange(1, 9);
-    ReferenceTests tests;
-    tests.ratio = data.ConsumeBool() ? data.ConsumeFloatingPointInRange(0., 2.) : 0;
-    tests.crossCheck = data.ConsumeBool();
-    tests.maxDistance = data.ConsumeIntegralInRange(-1, 8 * width);
-    tests.normType = data.ConsumeBool() ? NORM_HAMMING : NORM_HAMMING2;
-    const auto coordinate = [&] { return float(fuzz::real(data, -10, 100)); };
-    std::vector<Point2f> predicted;
-    std::vector<KeyPoint> keypoints;
-    for (int i = 0; i < query.rows; i++)
-        predicted.push_back(Point2f(coordinate(), coordinate()));
-    for (int i = 0; i < images[0].rows; i++)
-        keypoints.push_back(KeyPoint(Point2f(coordinate(), coordinate()), 31));
-    const Size2f reach(data.ConsumeFloatingPointInRange(0.f, 120.f),
-                       data.ConsumeFloatingPointInRange(0.f, 120.f));
-
+    const Arguments arguments = argumentsFrom(data);
+    std::vector<Mat> results[2];
     for (int run = 0; run < 2; run++)
     {
         setUseOptimized(run == 0);
         setNumThreads(1 + run);
-        compareNeighbours(query, images, masks, tests.normType, k);
-        compareArrays(query, images[0], tests, predicted, keypoints, reach);
+        results[run] = resultsOf(arguments);
     }
     setUseOptimized(true);
-    callWithAnything(data, query, images[0]);
-    growAnything(data);
+    fuzz::require(results[0].size() == results[1].size(), "the number of results");
+    for (size_t i = 0; i < results[0].size(); i++)
+        fuzz::require(bool(sameMat(results[0][i], results[1][i])), "result " + std::to_string(i));
     return 0;
 }

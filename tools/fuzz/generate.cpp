@@ -5,6 +5,8 @@
 
 #include "generate.hpp"
 
+#include "../../test/scenes.hpp"
+
 #include <opencv2/core/ocl.hpp>
 #include <opencv2/core/utility.hpp>
 #include <opencv2/core/utils/logger.hpp>
@@ -79,56 +81,33 @@ static void fillWithInput(FuzzedDataProvider& data, Mat& m)
             m.ptr(y)[x] = bytes[(y * rowBytes + x) % bytes.size()];
 }
 
-static void fill(FuzzedDataProvider& data, Mat& m)
+//! Fills all channels with one drawn picture.
+static void draw(FuzzedDataProvider& data, Mat& m)
 {
-    if (m.empty() || m.channels() > 4)  // OpenCV draws on four channels at most
-        return;
-    switch (data.ConsumeIntegralInRange(0, 6))
+    const int seed = data.ConsumeIntegral<uchar>();
+    Mat picture;
+    switch (data.ConsumeIntegralInRange(0, 5))
     {
     case 0:
-    {
-        RNG rng(data.ConsumeIntegral<uchar>());
-        rng.fill(m, RNG::UNIFORM, 0, 256 - data.ConsumeIntegral<uchar>());
-        return;
-    }
+        picture = Mat(m.size(), CV_8UC1, Scalar(seed));
+        break;
     case 1:
-        m.setTo(Scalar::all(data.ConsumeIntegral<uchar>()));
-        return;
+        picture = opencv_test::makeNoise(m.size(), seed);
+        break;
     case 2:
-        fillWithInput(data, m);
-        return;
-    case 3:  // a checkerboard
-    {
-        const int side = data.ConsumeIntegralInRange(1, 40);
-        const Scalar grey = Scalar::all(data.ConsumeIntegral<uchar>());
-        m.setTo(Scalar::all(data.ConsumeIntegral<uchar>()));
-        for (int y = 0; y < m.rows; y += side)
-            for (int x = y / side % 2 * side; x < m.cols; x += 2 * side)
-                rectangle(m, Rect(x, y, side, side), grey, -1);
-        return;
-    }
-    case 4:  // dots on flat ground
-    {
-        m.setTo(Scalar::all(data.ConsumeIntegral<uchar>()));
-        RNG rng(data.ConsumeIntegral<uchar>());
-        for (int i = data.ConsumeIntegralInRange(0, 100); i > 0; i--)
-            rectangle(m, Rect(rng.uniform(0, m.cols), rng.uniform(0, m.rows), 1 + i % 3, 1 + i % 4),
-                      Scalar::all(rng.uniform(0, 256)), -1);
-        return;
-    }
+        picture = opencv_test::makeScene(m.size(), seed);
+        break;
+    case 3:
+        picture = opencv_test::makeDots(m.size(), seed);
+        break;
     default:  // corners on coarse levels: a small picture enlarged
-    {
-        Mat small(data.ConsumeIntegralInRange(1, 24), data.ConsumeIntegralInRange(1, 24), m.type());
-        if (data.ConsumeBool())
-            fillWithInput(data, small);
-        else
-            RNG(data.ConsumeIntegral<uchar>()).fill(small, RNG::UNIFORM, 0, 256);
-        if (m.depth() == CV_8U)  // not every depth can be resized
-            resize(small, m, m.size(), 0, 0, data.ConsumeBool() ? INTER_CUBIC : INTER_NEAREST);
-        else
-            m.setTo(Scalar::all(1));
+        Mat small(data.ConsumeIntegralInRange(1, 24), data.ConsumeIntegralInRange(1, 24), CV_8UC1);
+        fillWithInput(data, small);
+        resize(small, picture, m.size(), 0, 0, data.ConsumeBool() ? INTER_CUBIC : INTER_NEAREST);
     }
-    }
+    picture.convertTo(picture, m.depth());
+    merge(std::vector<Mat>(size_t(m.channels()), picture), picture);
+    picture.copyTo(m);
 }
 
 Mat matrix(FuzzedDataProvider& data, Size size, int type)
@@ -137,7 +116,10 @@ Mat matrix(FuzzedDataProvider& data, Size size, int type)
     const int left = isPart ? data.ConsumeIntegralInRange(0, 5) : 0;
     const int top = isPart ? data.ConsumeIntegralInRange(0, 5) : 0;
     Mat whole = Mat::zeros(size + Size(2 * left, 2 * top), type);
-    fill(data, whole);
+    if (data.ConsumeBool())
+        fillWithInput(data, whole);
+    else if (!whole.empty())
+        draw(data, whole);
     return whole(Rect(Point(left, top), size));
 }
 
@@ -176,16 +158,8 @@ Mat mask(FuzzedDataProvider& data, Size size, bool anyType)
         return Mat();
     if (anyType && kind == 4)
         return image(data, 100, true);
-    if (kind == 5)  // few holes
-    {
-        Mat holes(size, CV_8UC1, Scalar(data.ConsumeIntegralInRange(1, 255)));
-        RNG rng(data.ConsumeIntegral<uchar>());
-        for (int i = data.ConsumeIntegralInRange(0, 60); i > 0 && !holes.empty(); i--)
-            rectangle(holes,
-                      Rect(rng.uniform(0, size.width), rng.uniform(0, size.height), 1 + i / 4, 1 + i / 8),
-                      Scalar(0), -1);
-        return holes;
-    }
+    if (kind == 5 && !size.empty())  // few holes
+        return opencv_test::makeDots(size, kind) == 0;
     return matrix(data, size, CV_8UC1);
 }
 

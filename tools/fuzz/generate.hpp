@@ -23,6 +23,21 @@ namespace fuzz
 //! Reports a finding to libFuzzer unless the condition holds.
 void require(bool condition, const std::string& what);
 
+//! Whether a call gives a result. Otherwise its exception must state the accepted values.
+template <typename Call> bool isCalled(const Call& call)
+{
+    try
+    {
+        call();
+    }
+    catch (const cv::Exception& e)
+    {
+        require(e.err.find(" must ") != std::string::npos, e.what());
+        return false;
+    }
+    return true;
+}
+
 //! A number, mostly within [low, high]; at times any number, or a number at the limits of arithmetic.
 int number(FuzzedDataProvider& data, int low, int high);
 double real(FuzzedDataProvider& data, double low, double high);
