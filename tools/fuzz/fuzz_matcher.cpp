@@ -68,7 +68,8 @@ Arguments argumentsFrom(FuzzedDataProvider& data)
     while (a.trains.size() < 4 && data.ConsumeBool());
     const bool isMasked = data.ConsumeBool();
     for (size_t i = 0; isMasked && i < a.trains.size(); i++)
-        a.masks.push_back(fuzz::mask(data, Size(a.trains[i].rows, a.query.rows), true));
+        a.masks.push_back(
+            fuzz::mask(data, Size(std::max(a.trains[i].rows, 0), std::max(a.query.rows, 0)), true));
     for (int i = 0; i < 2; i++)
     {
         a.images[i] = fuzz::image(data, 80, true);
@@ -87,6 +88,12 @@ Arguments argumentsFrom(FuzzedDataProvider& data)
     a.correlation = float(fuzz::real(data, -1, 1));
     a.scaleFactor = float(fuzz::real(data, 0, 7));
     return a;
+}
+
+template <typename T> Mat bytesOf(const std::vector<T>& values)
+{
+    const Mat bytes(int(values.size()), int(sizeof(T)), CV_8UC1, const_cast<T*>(values.data()));
+    return bytes.clone();
 }
 
 //! The outputs of all functions.
@@ -146,11 +153,11 @@ std::vector<Mat> resultsOf(const Arguments& a)
     std::vector<Mat> results(outputs, outputs + 8);
     for (const auto& lists : {nearest, near})
         for (const std::vector<DMatch>& list : lists)
-            results.push_back(Mat(list, true));
+            results.push_back(bytesOf(list));
     for (int i = 0; i < 2; i++)
-        results.insert(results.end(), {Mat(i ? grown : refined, true), Mat(points1[i], true),
-                                       Mat(points2[i], true), Mat(deviations[i], true)});
-    results.insert(results.end(), {Mat(keypoints1, true), Mat(keypoints2, true)});
+        results.insert(results.end(), {bytesOf(i ? grown : refined), bytesOf(points1[i]), bytesOf(points2[i]),
+                                       bytesOf(deviations[i])});
+    results.insert(results.end(), {bytesOf(keypoints1), bytesOf(keypoints2)});
     return results;
 }
 
