@@ -44,7 +44,6 @@ declare -A PACKAGES=(
     [java]='ant default-jdk-headless'
     [emulation]='g++-aarch64-linux-gnu qemu-user-static'
     [wheel]='ca-certificates ninja-build python3-dev python3-venv'
-    [workflows]='ca-certificates golang-go shellcheck'
 )
 
 # need NAME...: installs what is missing of the groups above, and of other Debian packages.

@@ -161,8 +161,8 @@ The points are for an estimator such as findEssentialMat, findFundamentalMat, fi
 @endcode
 
 It consists of four calls: AdaptiveQuadtreeORB::create(nfeatures), detectAndCompute for each image,
-HammingMatcher(NORM_HAMMING, true).match, and growMatches with its defaults. Then it sorts the matches by deviation. Take
-these calls yourself for features that serve several pairs, for masks, and for other parameters.
+HammingMatcher(NORM_HAMMING, true).match, and growMatches with its defaults. Then it sorts the matches by deviation.
+Take these calls yourself for features that serve several pairs, for masks, and for other parameters.
 
 @param image1, image2 Images of type CV_8U with 1 (grey), 3 (BGR) or 4 (BGRA) channels. They may differ in size and
 type. If either is empty or shows no corners, there are no points.
@@ -183,8 +183,8 @@ CV_EXPORTS_W void matchImages(InputArray image1, InputArray image2, CV_OUT std::
 
 /** @brief Moves keypoints of image 1 to where a homography shows them in image 2.
 
-This makes matches of all keypoints of a flat object that was found. refineMatches then keeps those that the scene shows,
-which cover the whole object, where growMatches covers the surroundings of its seeds:
+This makes matches of all keypoints of a flat object that was found. refineMatches then keeps those that the scene
+shows. They cover the whole object, where growMatches covers the surroundings of its seeds:
 @code{.cpp}
     Mat H = findHomography(points1, points2, USAC_MAGSAC, 1.5);  // of grown matches
     aqorb::transformKeypoints(keypoints1, H, keypoints2);
