@@ -156,6 +156,22 @@ PatchAligner::PatchAligner(InputArray image1, InputArray image2, bool areNeeded)
 {
 }
 
+//! An alignment on the level of a patch that began at `start`, in pixels of the image.
+static PatchAlignment onImage(const LevelAlignment& found, const PatchLocation& start)
+{
+    const int level = levelOf(start.spacing);
+    const double size = 1 << level;
+    const Point origin = windowOrigin(positionOn(level, start.center));
+    const Point2f center(float((origin.x + double(found.x) + 0.5) * size - 0.5),
+                         float((origin.y + double(found.y) + 0.5) * size - 0.5));
+    const float CALIBRATION = 3.5f;  // on photographs at least 68 % of the errors are smaller
+    const float deviation = found.variance >= 0 ? CALIBRATION * std::sqrt(found.variance) * float(size)
+                                                : std::numeric_limits<float>::infinity();
+    return {center,
+            Matx22d(found.map[0] * size, found.map[1] * size, found.map[2] * size, found.map[3] * size),
+            found.correlation, deviation};
+}
+
 std::vector<PatchAlignment> PatchAligner::align(const std::vector<PatchPair>& pairs, bool isReversed)
 {
     PatchPyramid &firstPyramid = pyramids[isReversed], &secondPyramid = pyramids[!isReversed];
@@ -201,21 +217,8 @@ std::vector<PatchAlignment> PatchAligner::align(const std::vector<PatchPair>& pa
         alignPatches(patches.data(), int(patches.size()), found.data());
         for (size_t k = 0; k < found.size(); k++)
         {
-            if (found[k].correlation == NOT_ALIGNED)
-                continue;
-            const PatchLocation& start = pairs[indices[k]].second;
-            PatchAlignment& alignment = alignments[indices[k]];
-            const int level = levelOf(start.spacing);
-            const double size = 1 << level;
-            const Point origin = windowOrigin(positionOn(level, start.center));
-            alignment.center = Point2f(float((origin.x + double(found[k].x) + 0.5) * size - 0.5),
-                                       float((origin.y + double(found[k].y) + 0.5) * size - 0.5));
-            const float* const map = found[k].map;
-            alignment.map = Matx22d(map[0] * size, map[1] * size, map[2] * size, map[3] * size);
-            alignment.correlation = found[k].correlation;
-            const float CALIBRATION = 3.5f;  // on photographs at least 68 % of the errors are smaller
-            if (found[k].variance >= 0)
-                alignment.deviation = CALIBRATION * std::sqrt(found[k].variance) * float(size);
+            if (found[k].correlation != NOT_ALIGNED)
+                alignments[indices[k]] = onImage(found[k], pairs[indices[k]].second);
         }
     };
     forEach((pairs.size() + CHUNK - 1) / CHUNK, threads, alignChunk);
