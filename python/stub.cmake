@@ -1,4 +1,5 @@
-# Writes AQORB_STUB, the package's stub, with the properties of parameter_table.hpp. A row of this table has the
+# Writes AQORB_STUB, the package's stub, with the properties of parameter_table.hpp, and docs.inc, the docstrings of the
+# stub's functions for the compiled module. A row of this table has the
 # property, the type, the name, the setter's argument as in cv::ORB, the default and, in the next line, the text.
 set(table "${CMAKE_CURRENT_LIST_DIR}/../modules/aqorb/src/detector/parameter_table.hpp")
 set_property(DIRECTORY APPEND PROPERTY CMAKE_CONFIGURE_DEPENDS "${table}")
@@ -25,3 +26,15 @@ foreach(row IN LISTS rows)
   endif()
 endforeach()
 configure_file("${CMAKE_CURRENT_LIST_DIR}/aqorb/__init__.pyi.in" "${AQORB_STUB}" @ONLY)
+
+file(READ "${AQORB_STUB}" stub)
+string(REPLACE ";" "<semicolon>" stub "${stub}")
+string(REGEX MATCHALL "def [A-Za-z0-9_]+\\([^\"]*\"\"\"[^\"]*\"\"\"" functions "${stub}")
+set(docs "")
+foreach(function IN LISTS functions)
+  string(REGEX REPLACE "\n +" "\n" function "${function}")
+  string(REGEX REPLACE "^def ([A-Za-z0-9_]+).*\"\"\"(.*)\"\"\"$" "{\"\\1\", R\"doc(\\2)doc\"},\n" row "${function}")
+  string(APPEND docs "${row}")
+endforeach()
+string(REPLACE "<semicolon>" ";" docs "${docs}")
+file(GENERATE OUTPUT "${CMAKE_CURRENT_BINARY_DIR}/docs.inc" CONTENT "${docs}")

@@ -27,6 +27,9 @@ void addDetector(py::module_& module);
 void addMatching(py::module_& module);
 void addRefinement(py::module_& module);
 
+//! Docstring of a function in the package's stub, of the n-th one of this name.
+const char* doc(const char* name, int n = 0);
+
 //! Whether the object is an instance of a class of cv2.
 inline bool isInstance(py::handle object, const char* cv2Class)
 {

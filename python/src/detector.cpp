@@ -266,40 +266,25 @@ Detector create(const IntObject& nfeatures, double scaleFactor, const IntObject&
 void addCreate(DetectorClass& detector)
 {
 #define AQORB_DEFAULT(property, type, name, key, byDefault, ...) arg(#name) = byDefault,
-    const char* const text =
-        "Creates a detector with the parameters of cv2.ORB_create, in the same order. The default of\n"
-        "edgeThreshold is 16, and fastThreshold scales the adaptive threshold.";
-    detector.def_static("create", &create, AQORB_PARAMETERS_OF_ORB(AQORB_DEFAULT) text);
+    detector.def_static("create", &create, AQORB_PARAMETERS_OF_ORB(AQORB_DEFAULT) doc("create"));
 #undef AQORB_DEFAULT
 }
 
 void addProcessing(DetectorClass& detector)
 {
-    detector
-        .def("detect", &detect, arg("image"), arg("mask") = py::none(),
-             "Returns the keypoints of an image, as a tuple. With a mask, only keypoints at its nonzero\n"
-             "pixels.")
-        .def("detect", &detectImages, arg("images"), arg("masks") = py::none(),
-             "Detects keypoints in several images and returns a list. There is one mask for each image, or\n"
-             "none.")
+    detector.def("detect", &detect, arg("image"), arg("mask") = py::none(), doc("detect"))
+        .def("detect", &detectImages, arg("images"), arg("masks") = py::none(), doc("detect", 1))
         .def("compute", &compute, arg("image"), arg("keypoints"), arg("descriptors") = py::none(),
-             "Computes the descriptors of given keypoints. Returns the described keypoints, and an array\n"
-             "with a row for each, or None without keypoints.")
+             doc("compute"))
         .def("compute", &computeImages, arg("images"), arg("keypoints"), arg("descriptors") = py::none(),
-             "Computes descriptors for several images and returns a list of each.")
+             doc("compute", 2))
         .def("detectAndCompute", &detectAndCompute, arg("image"), arg("mask") = py::none(),
-             arg("descriptors") = py::none(), arg("useProvidedKeypoints") = false,
-             "Returns the keypoints of an image, as a tuple, and their descriptors, as an array with a row\n"
-             "for each, or None without keypoints. With a mask, only keypoints at its nonzero pixels.")
+             arg("descriptors") = py::none(), arg("useProvidedKeypoints") = false, doc("detectAndCompute"))
         .def("detectAndComputeArrays", &detectAndComputeArrays, arg("image"), arg("mask") = py::none(),
-             "Detects and computes like detectAndCompute, without an object for each keypoint. Returns an\n"
-             "array of keypoint_dtype, whose field 'pt' has the shape (n, 2), and an array of descriptors\n"
-             "of shape (n, 32), even if n is 0.")
+             doc("detectAndComputeArrays"))
         .def("_features_of", &featuresOf)
-        .def("buildPyramid", &buildPyramid, arg("image"),
-             "Returns the levels of the detector's image pyramid, as grey images.")
-        .def("releaseMemory", &releaseMemory,
-             "Frees the work space that the detector keeps between calls. The next call allocates it anew.");
+        .def("buildPyramid", &buildPyramid, arg("image"), doc("buildPyramid"))
+        .def("releaseMemory", &releaseMemory, doc("releaseMemory"));
 }
 
 // Python literal of a default in the table.
@@ -334,27 +319,19 @@ void addProperties(DetectorClass& detector)
 // The other methods of cv2.Feature2D.
 void addFeature2D(DetectorClass& detector)
 {
-    detector
-        .def("getDefaultName", AQORB_GETTER(getDefaultName),
-             "Returns the name under which parameters are saved.")
-        .def("descriptorSize", AQORB_GETTER(descriptorSize),
-             "Returns the number of bytes of a descriptor, 32.")
-        .def("descriptorType", AQORB_GETTER(descriptorType),
-             "Returns the type of a descriptor's elements, cv2.CV_8U.")
-        .def("defaultNorm", AQORB_GETTER(defaultNorm),
-             "Returns the norm to match with: cv2.NORM_HAMMING, or cv2.NORM_HAMMING2 if WTA_K is 3 or 4.")
-        .def("empty", AQORB_GETTER(empty), "Returns False: a detector always has parameters to write.")
+    detector.def("getDefaultName", AQORB_GETTER(getDefaultName), doc("getDefaultName"))
+        .def("descriptorSize", AQORB_GETTER(descriptorSize), doc("descriptorSize"))
+        .def("descriptorType", AQORB_GETTER(descriptorType), doc("descriptorType"))
+        .def("defaultNorm", AQORB_GETTER(defaultNorm), doc("defaultNorm"))
+        .def("empty", AQORB_GETTER(empty), doc("empty"))
         .def(
-            "clear", [](const Detector&) {}, "Does nothing, like cv2.ORB.clear.")
+            "clear", [](const Detector&) {}, doc("clear"))
         // Functions for files come last: their message covers arguments that fit no other overload.
-        .def("write", &writeStorage, arg("fs"), arg("name") = "",
-             "Writes the parameters to a cv2.FileStorage, under the name if one is given.")
-        .def("write", &writeFile, arg("fileName"), "Writes the parameters to an XML, YAML or JSON file.")
-        .def("save", &writeFile, arg("fileName"), "Does the same as write(fileName).")
-        .def("read", &readNode, arg("fn"),
-             "Reads parameters from the map of a cv2.FileNode. Missing parameters keep their values.")
-        .def("read", &readFile, arg("fileName"),
-             "Reads parameters from a file. Missing parameters keep their values.")
+        .def("write", &writeStorage, arg("fs"), arg("name") = "", doc("write", 1))
+        .def("write", &writeFile, arg("fileName"), doc("write"))
+        .def("save", &writeFile, arg("fileName"), doc("save"))
+        .def("read", &readNode, arg("fn"), doc("read", 1))
+        .def("read", &readFile, arg("fileName"), doc("read"))
         // For pickle and copy, in all protocols: none makes an object without a detector.
         .def("__reduce__",
              [](const Detector& self)

@@ -304,44 +304,34 @@ void addMatcher(py::module_& module)
         .def(py::init(&create), arg("normType") = int(cv::NORM_HAMMING), arg("crossCheck") = false,
              "Creates a matcher with the parameters of cv2.BFMatcher.")
         .def_static("create", &create, arg("normType") = int(cv::NORM_HAMMING), arg("crossCheck") = false,
-                    "Creates a matcher with the parameters of cv2.BFMatcher_create.")
+                    doc("create", 1))
         .def("match", &match, arg("queryDescriptors"), arg("trainDescriptors"), arg("mask") = py::none(),
-             "Returns the best match of each query descriptor, as a tuple.")
-        .def("match", &matchCollection, arg("queryDescriptors"), arg("masks") = py::none(),
-             "Matches with the added descriptors. There is one mask for each image, or none.")
+             doc("match"))
+        .def("match", &matchCollection, arg("queryDescriptors"), arg("masks") = py::none(), doc("match", 1))
         .def("knnMatch", &knnMatch, arg("queryDescriptors"), arg("trainDescriptors"), arg("k"),
-             arg("mask") = py::none(), arg("compactResult") = false,
-             "Returns the k best matches of each query descriptor, a tuple for each. compactResult leaves\n"
-             "out queries without a match.")
+             arg("mask") = py::none(), arg("compactResult") = false, doc("knnMatch"))
         .def("knnMatch", &knnMatchCollection, arg("queryDescriptors"), arg("k"), arg("masks") = py::none(),
-             arg("compactResult") = false,
-             "Matches with the added descriptors. There is one mask for each image, or none.")
+             arg("compactResult") = false, doc("knnMatch", 1))
         .def("radiusMatch", &radiusMatch, arg("queryDescriptors"), arg("trainDescriptors"),
-             arg("maxDistance"), arg("mask") = py::none(), arg("compactResult") = false,
-             "Returns the matches of each query descriptor within maxDistance, a tuple for each. With\n"
-             "compactResult queries without a match come last.")
+             arg("maxDistance"), arg("mask") = py::none(), arg("compactResult") = false, doc("radiusMatch"))
         .def("radiusMatch", &radiusMatchCollection, arg("queryDescriptors"), arg("maxDistance"),
-             arg("masks") = py::none(), arg("compactResult") = false,
-             "Matches with the added descriptors. There is one mask for each image, or none.")
-        .def("add", &add, arg("descriptors"),
-             "Adds copies of the descriptors of several images, a sequence of arrays.")
-        .def("getTrainDescriptors", &getTrainDescriptors, "Returns the added descriptors, as a tuple.")
+             arg("masks") = py::none(), arg("compactResult") = false, doc("radiusMatch", 1))
+        .def("add", &add, arg("descriptors"), doc("add"))
+        .def("getTrainDescriptors", &getTrainDescriptors, doc("getTrainDescriptors"))
         .def(
             "clear", [](Matcher& self) { self.change([](Library& library) { library.clear(); }); },
-            "Removes the added descriptors.")
+            doc("clear", 1))
         .def(
-            "empty", [](const Matcher& self) { return self.share()->empty(); },
-            "Returns whether the matcher has no added descriptors.")
+            "empty", [](const Matcher& self) { return self.share()->empty(); }, doc("empty", 1))
         .def(
-            "train", [](const Matcher&) {}, "Does nothing, like cv2.BFMatcher.train.")
+            "train", [](const Matcher&) {}, doc("train"))
         .def(
-            "isMaskSupported", [](const Matcher&) { return true; }, "Returns True.")
+            "isMaskSupported", [](const Matcher&) { return true; }, doc("isMaskSupported"))
         .def(
             "clone",
             [](const Matcher& self, bool emptyTrainData)
             { return Matcher(self.share()->clone(emptyTrainData).dynamicCast<Library>()); },
-            arg("emptyTrainData") = false,
-            "Returns a copy, with the added descriptors unless emptyTrainData is True.")
+            arg("emptyTrainData") = false, doc("clone"))
         // For pickle and copy, in all protocols.
         .def("__reduce__",
              [](const py::object& self)
@@ -362,32 +352,16 @@ void addMatching(py::module_& module)
     addMatcher(module);
     module.def("matchArrays", &matchArrays, arg("queryDescriptors"), arg("trainDescriptors"),
                arg("ratio") = py::none(), arg("crossCheck") = true, arg("maxDistance") = py::none(),
-               arg("normType") = int(cv::NORM_HAMMING),
-               "Returns the matches of two sets of descriptors as an array of pairs of indices, int32 of\n"
-               "shape (m, 2), and an array of their distances, int32 of shape (m,). With a ratio, such as\n"
-               "0.8, a match must be nearer than ratio times the second nearest descriptor. crossCheck\n"
-               "requires mutually nearest descriptors, and the ratio both ways. maxDistance limits the\n"
-               "distance.");
+               arg("normType") = int(cv::NORM_HAMMING), doc("matchArrays"));
     module.def("knnMatchArrays", &knnMatchArrays, arg("queryDescriptors"), arg("trainDescriptors"), arg("k"),
-               arg("normType") = int(cv::NORM_HAMMING),
-               "Returns the k nearest train descriptors of each query: an array of indices and an array of\n"
-               "distances, int32 of shape (n, k), filled up with -1.");
-    module.def(
-        "matchByPosition", &matchByPosition, arg("queryDescriptors"), arg("predicted"),
-        arg("trainDescriptors"), arg("trainKeypoints"), arg("reach"), arg("ratio") = py::none(),
-        arg("crossCheck") = true, arg("maxDistance") = py::none(), arg("normType") = int(cv::NORM_HAMMING),
-        "Matches like matchArrays, among train keypoints near the predicted position of each query:\n"
-        "at most reach[0] pixels away in x and reach[1] in y. The predicted positions are an array of\n"
-        "shape (n, 2) or (n, 1, 2). An infinite reach[0] gives a band of rows.");
-    module.def(
-        "matchGuided", &matchGuided, arg("queryDescriptors"), arg("queryKeypoints"), arg("trainDescriptors"),
-        arg("trainKeypoints"), arg("F"), arg("reach"), arg("ratio") = .9, arg("maxDistance") = py::none(),
-        arg("normType") = int(cv::NORM_HAMMING),
-        "Returns for each query the nearest descriptor among the train keypoints near its epipolar\n"
-        "line: at most reach * max(1, size / 31) pixels away, by the fundamental matrix F of shape\n"
-        "(3, 3). It must be nearer than ratio times the nearest one there whose keypoint lies at\n"
-        "least 8 pixels elsewhere; None switches this test off. maxDistance is 90 of 256 bits by default.\n"
-        "The arrays are those of matchArrays.");
+               arg("normType") = int(cv::NORM_HAMMING), doc("knnMatchArrays"));
+    module.def("matchByPosition", &matchByPosition, arg("queryDescriptors"), arg("predicted"),
+               arg("trainDescriptors"), arg("trainKeypoints"), arg("reach"), arg("ratio") = py::none(),
+               arg("crossCheck") = true, arg("maxDistance") = py::none(),
+               arg("normType") = int(cv::NORM_HAMMING), doc("matchByPosition"));
+    module.def("matchGuided", &matchGuided, arg("queryDescriptors"), arg("queryKeypoints"),
+               arg("trainDescriptors"), arg("trainKeypoints"), arg("F"), arg("reach"), arg("ratio") = .9,
+               arg("maxDistance") = py::none(), arg("normType") = int(cv::NORM_HAMMING), doc("matchGuided"));
 }
 
 }  // namespace aqorb_python

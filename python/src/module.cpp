@@ -85,37 +85,36 @@ std::string buildInformation()
 
 void addFunctions(py::module_& module)
 {
-    module.def(
-        "adaptiveFastThreshold", &adaptiveFastThreshold, arg("image"), arg("mask") = py::none(),
-        "Returns the adaptive FAST threshold of an image, equation (7): the variance of its grey values\n"
-        "divided by their mean.");
+    module.def("adaptiveFastThreshold", &adaptiveFastThreshold, arg("image"), arg("mask") = py::none(),
+               doc("adaptiveFastThreshold"));
     module.def("distributionUniformity", &distributionUniformity, arg("keypoints"),
-               arg("imageSize").noconvert(),
-               "Returns the uniformity of keypoints, of any detector, over an image of (width, height). A\n"
-               "lower value is more uniform. Compare equal numbers of keypoints only.");
-    module.def(
-        "distributionOccupancy", &distributionOccupancy, arg("keypoints"), arg("imageSize").noconvert(),
-        arg("grid").noconvert() = Size(16, 12),
-        "Returns the share of the cells of a grid of (columns, rows) that hold at least one keypoint.");
+               arg("imageSize").noconvert(), doc("distributionUniformity"));
+    module.def("distributionOccupancy", &distributionOccupancy, arg("keypoints"),
+               arg("imageSize").noconvert(), arg("grid").noconvert() = Size(16, 12),
+               doc("distributionOccupancy"));
     module.def("retainUniform", &retainUniform, arg("keypoints"), arg("imageSize").noconvert(),
-               arg("npoints"),
-               "Selects npoints keypoints, of any detector, that cover the image uniformly. It prefers high\n"
-               "responses, and keeps the order of the keypoints.");
-    module.def("keypointsToArray", &keypointsToArray, arg("keypoints"),
-               "Returns an array of keypoint_dtype with the values of cv2.KeyPoint objects.");
-    module.def("keypointsFromArray", &keypointsFromArray, arg("keypoints"),
-               "Returns a tuple of cv2.KeyPoint objects with the values of an array of keypoint_dtype.");
+               arg("npoints"), doc("retainUniform"));
+    module.def("keypointsToArray", &keypointsToArray, arg("keypoints"), doc("keypointsToArray"));
+    module.def("keypointsFromArray", &keypointsFromArray, arg("keypoints"), doc("keypointsFromArray"));
     module.def(
         "setNumThreads",
         [](const IntObject& nthreads) { aqorb_python::setNumThreads(valueOf(nthreads, "nthreads")); },
-        arg("nthreads"),
-        "Sets the number of threads of each call, at most 8192, like cv2.setNumThreads for cv2. A\n"
-        "negative number is the default: the number of processors, or of the variable\n"
-        "OPENCV_FOR_THREADS_NUM. The function waits for running calls.");
-    module.def("getNumThreads", &cv::getNumThreads, "Returns the number of threads of each call.");
+        arg("nthreads"), doc("setNumThreads"));
+    module.def("getNumThreads", &cv::getNumThreads, doc("getNumThreads"));
 }
 
 }  // namespace
+
+const char* aqorb_python::doc(const char* name, int n)
+{
+    static const char* const docs[][2] = {
+#include "docs.inc"
+    };
+    for (const auto& each : docs)
+        if (std::string(each[0]) == name && n-- == 0)
+            return each[1];
+    throw py::import_error("the stub lacks " + std::string(name));
+}
 
 // Renames pybind11's init function: in a subinterpreter it would wait forever for the main interpreter's lock.
 #define PyInit__aqorb aqorb_init_in_main_interpreter
@@ -129,8 +128,7 @@ PYBIND11_MODULE(_aqorb, module)
     module.doc() = "The compiled part of the package aqorb.";
     module.attr("__version__") = AQORB_VERSION;
     prepareThreads();
-    module.def("_build_information", &buildInformation,
-               "Returns the versions, the kernels and the number of threads of calls.");
+    module.def("_build_information", &buildInformation, doc("_build_information"));
     translateErrors();
     module.attr("keypoint_dtype") = keypointDtype();
 

@@ -261,58 +261,28 @@ KeyPointsObject transformKeypoints(const KeyPointsObject& keypoints, const Array
 
 void addRefinement(py::module_& module)
 {
-    module.def(
-        "refineMatches", &refineMatches, arg("image1"), arg("keypoints1"), arg("image2"), arg("keypoints2"),
-        arg("matches"), arg("minCorrelation") = .8, arg("scaleFactor") = 1.,
-        "Aligns the images at each match, and removes wrong matches. Returns the remaining matches,\n"
-        "as a tuple, and their positions in image 1 and in image 2, as arrays of float32 of shape (n,\n"
-        "2). Positions in image 1 do not move. A match is removed if its aligned patches correlate\n"
-        "less than minCorrelation. -1 keeps all matches, and those without alignment keep the\n"
-        "position of the keypoint. scaleFactor is 1 for keypoints of ORB, 5 for AKAZE, BRISK and\n"
-        "FAST, 6.25 for KAZE and SURF, and 6.75 for SIFT.");
+    module.def("refineMatches", &refineMatches, arg("image1"), arg("keypoints1"), arg("image2"),
+               arg("keypoints2"), arg("matches"), arg("minCorrelation") = .8, arg("scaleFactor") = 1.,
+               doc("refineMatches"));
     module.def("refineMatchArrays", &refineMatchArrays, arg("image1"), arg("keypoints1"), arg("image2"),
                arg("keypoints2"), arg("pairs"), arg("minCorrelation") = .8, arg("scaleFactor") = 1.,
-               "Refines pairs of indices from matchArrays, integers of shape (m, 2), like refineMatches.\n"
-               "Returns the remaining pairs, int32 of shape (n, 2), and their positions.");
+               doc("refineMatchArrays"));
     module.def("refineMatchesWithDeviations", &refineMatchesWithDeviations, arg("image1"), arg("keypoints1"),
                arg("image2"), arg("keypoints2"), arg("matches"), arg("minCorrelation"),
-               arg("scaleFactor") = 1.,
-               "Refines matches like refineMatches, and also returns the standard deviations of the\n"
-               "positions in image 2, in pixels, float32 of shape (n,): infinity for a match that\n"
-               "minCorrelation -1 keeps without alignment.");
+               arg("scaleFactor") = 1., doc("refineMatchesWithDeviations"));
     module.def("refineMatchArraysWithDeviations", &refineMatchArraysWithDeviations, arg("image1"),
                arg("keypoints1"), arg("image2"), arg("keypoints2"), arg("pairs"), arg("minCorrelation"),
-               arg("scaleFactor") = 1.,
-               "Refines pairs like refineMatchArrays, and also returns the standard deviations of the\n"
-               "positions in image 2, like refineMatchesWithDeviations.");
+               arg("scaleFactor") = 1., doc("refineMatchArraysWithDeviations"));
     module.def("growMatches", &growMatches, arg("image1"), arg("keypoints1"), arg("image2"),
                arg("keypoints2"), arg("matches"), arg("minCorrelation") = .8, arg("scaleFactor") = 1.,
-               arg("bothWays") = true,
-               "Refines matches like refineMatches, then finds matches of the unmatched keypoints of image\n"
-               "1 and, unless bothWays is false, of image 2, by the affine maps of refined matches nearby.\n"
-               "Returns the refined matches, followed by those grown into image 2 and those grown into\n"
-               "image 1, whose distance is the largest float; keypoints1 and keypoints2, each followed by\n"
-               "its grown keypoints; the positions of all matches in image 1 and in image 2; and the\n"
-               "standard deviations in pixels. In the image into which a match grew, its position moved and\n"
-               "has the deviation. A grown match correlates at least 0.85.");
-    module.def(
-        "growMatchArrays", &growMatchArrays, arg("image1"), arg("keypoints1"), arg("image2"),
-        arg("keypoints2"), arg("pairs"), arg("minCorrelation") = .8, arg("scaleFactor") = 1.,
-        arg("bothWays") = true,
-        "Grows pairs of indices from matchArrays, like growMatches. Returns the pairs of all matches,\n"
-        "int32 of shape (n, 2), with -1 in the column of the image into which a match grew; their\n"
-        "positions in image 1 and in image 2; and the standard deviations of the positions that moved,\n"
-        "in pixels.");
-    module.def(
-        "matchImages", &matchImages, arg("image1"), arg("image2"), arg("nfeatures") = 1000,
-        "Detects keypoints in two images, matches them with a cross check and grows the matches\n"
-        "both ways. Returns the positions of the matches in image 1 and in image 2, float32 of shape\n"
-        "(n, 2), and the standard deviations of these positions in pixels, float32 of shape (n,). The\n"
-        "most certain match comes first.");
-    module.def(
-        "transformKeypoints", &transformKeypoints, arg("keypoints"), arg("homography"),
-        "Moves keypoints of image 1 to where a homography, an array of 3 x 3 numbers, shows them in\n"
-        "image 2, with their sizes and angles. refineMatches then finds which of them the image shows.");
+               arg("bothWays") = true, doc("growMatches"));
+    module.def("growMatchArrays", &growMatchArrays, arg("image1"), arg("keypoints1"), arg("image2"),
+               arg("keypoints2"), arg("pairs"), arg("minCorrelation") = .8, arg("scaleFactor") = 1.,
+               arg("bothWays") = true, doc("growMatchArrays"));
+    module.def("matchImages", &matchImages, arg("image1"), arg("image2"), arg("nfeatures") = 1000,
+               doc("matchImages"));
+    module.def("transformKeypoints", &transformKeypoints, arg("keypoints"), arg("homography"),
+               doc("transformKeypoints"));
 }
 
 }  // namespace aqorb_python
