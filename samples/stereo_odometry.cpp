@@ -108,57 +108,58 @@ Sequence readSequence(const String& folder)
     return sequence;
 }
 
-//! Positions of matches, which growMatches may refine and extend. Then only queryIdx stays valid: the frame refers to
-//! keypoints of image 1, so matches grow one way.
-void positions(bool grows, const Mat& image1, const std::vector<KeyPoint>& keypoints1, const Mat& image2,
-               const std::vector<KeyPoint>& keypoints2, std::vector<DMatch>& matches,
-               std::vector<Point2f>& points1, std::vector<Point2f>& points2)
+//! Positions of matches. growMatches refines these, and appends matches and their keypoints.
+void positions(bool grows, Frame& frame1, Frame& frame2, std::vector<DMatch>& matches,
+               std::vector<Point2f>& points1, std::vector<Point2f>& points2, bool bothWays)
 {
-    std::vector<KeyPoint> grown1, grown2;
     std::vector<float> deviations;
     if (grows)
-        return aqorb::growMatches(image1, keypoints1, image2, keypoints2, matches, grown1, grown2, points1,
-                                  points2, deviations, 0.8f, 1, false);
+        return aqorb::growMatches(frame1.image, frame1.keypoints, frame2.image, frame2.keypoints, matches,
+                                  frame1.keypoints, frame2.keypoints, points1, points2, deviations, 0.8f, 1,
+                                  bothWays);
     for (const DMatch& match : matches)
     {
-        points1.push_back(keypoints1[match.queryIdx].pt);
-        points2.push_back(keypoints2[match.trainIdx].pt);
+        points1.push_back(frame1.keypoints[match.queryIdx].pt);
+        points2.push_back(frame2.keypoints[match.trainIdx].pt);
     }
 }
 
 /** Features of the left image with a mutually best match in the right image, within some rows and at most MAX_DISPARITY
- pixels further left. */
+ pixels further left; then grown ones, which have no descriptor. */
 Frame stereoFrame(Odometry& odometry, const Mat& left, const Mat& right, const Sequence& sequence)
 {
     const float ROWS = 3, MIN_DISPARITY = 0.5f, MAX_DISPARITY = 200;
-    std::vector<KeyPoint> keypointsLeft, keypointsRight;
-    Mat descriptorsLeft, descriptorsRight, pairs, distances;
-    odometry.detector->detectAndCompute(left, noArray(), keypointsLeft, descriptorsLeft);
-    odometry.detector->detectAndCompute(right, noArray(), keypointsRight, descriptorsRight);
-    std::vector<Point2f> predicted;
-    for (const KeyPoint& keypoint : keypointsLeft)
+    Frame frames[2], frame;
+    for (int i = 0; i < 2; i++)
+    {
+        frames[i].image = i == 0 ? left : right;
+        odometry.detector->detectAndCompute(frames[i].image, noArray(), frames[i].keypoints,
+                                            frames[i].descriptors);
+    }
+    std::vector<Point2f> predicted, pointsLeft, pointsRight;
+    for (const KeyPoint& keypoint : frames[0].keypoints)
         predicted.push_back(keypoint.pt - Point2f((MIN_DISPARITY + MAX_DISPARITY) / 2, 0));
     const Size2f reach((MAX_DISPARITY - MIN_DISPARITY) / 2, ROWS);
-    aqorb::matchByPosition(descriptorsLeft, predicted, descriptorsRight, keypointsRight, reach, pairs,
-                           distances, 0, true);
-
+    Mat pairs, distances;
+    aqorb::matchByPosition(frames[0].descriptors, predicted, frames[1].descriptors, frames[1].keypoints,
+                           reach, pairs, distances, 0, true);
     std::vector<DMatch> matches;
     for (int i = 0; i < pairs.rows; i++)
         matches.emplace_back(pairs.at<int>(i, 0), pairs.at<int>(i, 1), 0.f);
-    std::vector<Point2f> pointsLeft, pointsRight;
-    positions(odometry.grows, left, keypointsLeft, right, keypointsRight, matches, pointsLeft, pointsRight);
+    positions(odometry.grows, frames[0], frames[1], matches, pointsLeft, pointsRight, true);
 
-    Frame frame;
     frame.image = left;
     const Matx33d& k = sequence.camera;
     for (size_t i = 0; i < matches.size(); i++)
     {
+        const int query = matches[i].queryIdx;
         const Point2f p = pointsLeft[i], disparity = p - pointsRight[i];
         if (disparity.x < MIN_DISPARITY)
             continue;
         const double depth = k(0, 0) * sequence.baseline / disparity.x;
-        frame.keypoints.push_back(keypointsLeft[matches[i].queryIdx]);
-        frame.descriptors.push_back(descriptorsLeft.row(matches[i].queryIdx));
+        frame.keypoints.push_back(frames[0].keypoints[query]);
+        if (query < frames[0].descriptors.rows)
+            frame.descriptors.push_back(frames[0].descriptors.row(query));
         frame.points.emplace_back((p.x - k(0, 2)) * depth / k(0, 0), (p.y - k(1, 2)) * depth / k(1, 1),
                                   depth);
     }
@@ -167,40 +168,35 @@ Frame stereoFrame(Odometry& odometry, const Mat& left, const Mat& right, const S
 }
 
 //! Motion from the last frame to the next: PnP with RANSAC, refined on the inliers. Too few matches repeat the last one.
-Affine3d estimateMotion(Odometry& odometry, const Frame& next, const Matx33d& camera)
+Affine3d estimateMotion(Odometry& odometry, Frame next, const Matx33d& camera)
 {
     const float THRESHOLD = odometry.grows ? 0.5f : 1.5f;  // pixels; 1.5 is best for cv::ORB
-    const Frame& last = odometry.frame;
+    Frame& last = odometry.frame;
     std::vector<DMatch> matches;  // mutual nearest neighbours
     if (!last.descriptors.empty() && !next.descriptors.empty())
         aqorb::HammingMatcher(NORM_HAMMING, true).match(last.descriptors, next.descriptors, matches);
     std::vector<Point2f> from, to;
-    positions(odometry.grows, last.image, last.keypoints, next.image, next.keypoints, matches, from, to);
-    std::vector<Point2d> pixels, inlierPixels;
+    positions(odometry.grows, last, next, matches, from, to, false);  // only the last frame's have a depth
     std::vector<Point3d> points, inlierPoints;
-    for (size_t i = 0; i < matches.size(); i++)
-    {
-        points.push_back(last.points[matches[i].queryIdx]);
-        pixels.push_back(to[i]);
-    }
+    for (const DMatch& match : matches)
+        points.push_back(last.points[match.queryIdx]);
     odometry.from.clear();
     odometry.to.clear();
     Vec3d rotation, translation;
     std::vector<int> inliers;
     if (matches.size() < 6 ||
-        !solvePnPRansac(points, pixels, camera, noArray(), rotation, translation, false, 1000, THRESHOLD,
-                        0.9999, inliers, SOLVEPNP_P3P) ||
+        !solvePnPRansac(points, to, camera, noArray(), rotation, translation, false, 1000, THRESHOLD, 0.9999,
+                        inliers, SOLVEPNP_P3P) ||
         inliers.size() < 6)
         return odometry.motions.empty() ? Affine3d() : odometry.motions.back();
     for (int i : inliers)
     {
         inlierPoints.push_back(points[i]);
-        inlierPixels.push_back(pixels[i]);
         odometry.from.push_back(from[i]);
         odometry.to.push_back(to[i]);
     }
     odometry.inliers += double(inliers.size());
-    solvePnPRefineLM(inlierPoints, inlierPixels, camera, noArray(), rotation, translation);
+    solvePnPRefineLM(inlierPoints, odometry.to, camera, noArray(), rotation, translation);
     return Affine3d(rotation, translation).inv();
 }
 
