@@ -94,6 +94,7 @@ def save(out, pictures, ends, others=((), ()), number=LINES, frame=None):
     for picture, left in zip(pictures, (0, width)):
         drawn.paste(Image.fromarray(picture.pixels), (left, 0))
     canvas = ImageDraw.Draw(drawn)
+    thickness = max(1, round(drawn.width / 1600))  # of lines, which a large picture hides if they are thin
     scaled = [np.vstack([np.reshape(red, (-1, 2)), points]) * np.divide(picture.pixels.shape[::-1], picture.size)
               for points, red, picture in zip(ends, others, pictures)]
     lines = np.hstack([scaled[0], scaled[1] + [width, 0]])
@@ -103,14 +104,14 @@ def save(out, pictures, ends, others=((), ()), number=LINES, frame=None):
     for i in np.argsort(has_line, kind='stable'):  # lines above dots
         line, agreeing = lines[i], i - len(others[0])
         colour = 'red' if agreeing < 0 else f'hsl({60 + 240 * agreeing // len(ends[0])}, 90%, 60%)'
-        radius = 3 if has_line[i] else 1
+        radius = thickness * (3 if has_line[i] else 1)
         if has_line[i]:
-            canvas.line(line.tolist(), colour)
+            canvas.line(line.tolist(), colour, thickness)
         for x, y in line.reshape(2, 2):
-            canvas.ellipse((x - radius, y - radius, x + radius, y + radius), outline=colour)
+            canvas.ellipse((x - radius, y - radius, x + radius, y + radius), outline=colour, width=thickness)
     if frame is not None:
         corners = frame * np.divide(pictures[1].pixels.shape[::-1], pictures[1].size) + [width, 0]
-        canvas.line(np.vstack([corners, corners[:2]]).ravel().tolist(), 'lime', 3, 'curve')
+        canvas.line(np.vstack([corners, corners[:2]]).ravel().tolist(), 'lime', 3 * thickness, 'curve')
     from aqorb_photographs import store
     with store.replacing(out) as file:
         drawn.save(file, Image.EXTENSION[os.path.splitext(out)[1].lower()])
