@@ -15,12 +15,10 @@ import images
 import objects
 from aqorb_photographs import places
 
-WORST, DRAWN = 10, 12
+DRAWN = 12
 ALIKE = {'facades': ['building.jpg', 'home.jpg', '*-P1[01]/images/000[0369].jpg', 'leuven/img[1234].png'],
          'leaves, bark and cloth': ['aloe[LR].jpg', 'bark/img[1234].png', 'squirrel_cls.jpg', 'trees/img[1234].png']}
 FONTS = [cv2.FONT_HERSHEY_SIMPLEX, cv2.FONT_HERSHEY_COMPLEX]
-STAGES = {'as matched, F 4 px': (False, 'F', 4), 'grown, F 4 px': (True, 'F', 4), 'grown, F 1.5 px': (True, 'F', 1.5),
-          'grown, H 1.5 px': (True, 'H', 1.5)}
 
 
 def drawn_page(seed):
@@ -60,16 +58,9 @@ def pairs_of(groups, number):
     return kinds
 
 
-def count(first, second, stage):
-    grows, model, threshold = STAGES[stage]
+def count(first, second):
     (picture1, features1), (picture2, features2) = first, second
-    if grows:
-        points = places.grow((picture1, picture2), (features1, features2))
-    else:
-        pairs, _ = aqorb.matchArrays(features1[1], features2[1], .8)
-        points = features1[0]['pt'][pairs[:, 0]], features2[0]['pt'][pairs[:, 1]]
-    inliers, _ = places.estimate(model, *points, threshold)
-    return places.count_places(*(each[inliers] for each in points)) if len(inliers) else 0
+    return places.agreement(*places.grow((picture1, picture2), (features1, features2))).places
 
 
 def tables(options):
@@ -86,16 +77,10 @@ def tables(options):
     for n in options.n:
         detector = aqorb.AdaptiveQuadtreeORB_create(n)
         known = [(picture, detector.detectAndComputeArrays(picture)) for picture in pictures]
-        rows, worst = [], []
+        rows = []
         for kind, pairs in pairs_of(groups, options.pairs).items():
-            for stage in STAGES:
-                found = np.array([count(known[a[2]], known[b[2]], stage) for a, b in pairs])
-                rows.append([kind, stage, str(len(found))]
-                            + ['{:.0f}'.format(np.quantile(found, q, method='higher')) for q in (.01, .5, .99, 1)]
-                            + ['{:.3f}'.format(np.mean(found >= places.MIN_PLACES))])
-                if kind.startswith('photographs of different'):
-                    worst += [[stage, a[1], b[1], str(found[i])] for i in np.argsort(-found, kind='stable')[:WORST]
-                              for a, b in [pairs[i]]]
-        yield ('Places that agree, n = {}'.format(n), ['', '', 'pairs', '1 %', 'median', '99 %', 'most', 'accepted'],
-               rows)
-        yield 'The most places of different photographs, n = {}'.format(n), ['', 'first', 'second', 'places'], worst
+            found = np.array([count(known[a[2]], known[b[2]]) for a, b in pairs])
+            rows.append([kind, str(len(found))]
+                        + ['{:.0f}'.format(np.quantile(found, q, method='higher')) for q in (.01, .5, .99, 1)]
+                        + ['{:.3f}'.format(np.mean(found >= places.MIN_PLACES))])
+        yield 'Places that agree, n = {}'.format(n), ['', 'pairs', '1 %', 'median', '99 %', 'most', 'accepted'], rows
