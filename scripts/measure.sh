@@ -98,28 +98,24 @@ claims() {
     evaluate claims "$datasets" "${data[@]}" "$@"
 }
 
-poses() {
+scenes() {
     strecha fountain-P11 entry-P10 || die "could not fetch the photographs; is there a network?"
     export AQORB_STRECHA
-    "$ROOT/scripts/python.sh" poses "$@"
 }
 
-reconstruction() {
-    strecha fountain-P11 entry-P10 || die "could not fetch the photographs; is there a network?"
-    export AQORB_STRECHA
-    "$ROOT/scripts/python.sh" reconstruction "$@"
-}
+# in_python SUBJECT [OPTION ...]: poses or reconstruction.
+in_python() { scenes && "$ROOT/scripts/python.sh" "$@"; }
 
 # located SUBJECT [OPTION ...]: objects or verdict.
 located() {
-    strecha fountain-P11 entry-P10 || die "could not fetch the photographs; is there a network?"
+    scenes
     opencv_samples
-    export AQORB_STRECHA OPENCV_SAMPLES_DATA_PATH=$OPENCV_SAMPLES
+    export OPENCV_SAMPLES_DATA_PATH=$OPENCV_SAMPLES
     "$ROOT/scripts/python.sh" "$@"
 }
 
 readme() {
-    strecha fountain-P11 entry-P10 || die "could not fetch the photographs; is there a network?"
+    scenes
     evaluate readme "$AQORB_STRECHA/Benchmarking_Camera_Calibration_2008"
 }
 
@@ -150,7 +146,8 @@ case ${1:-} in
 paper | claims | refinement | objects | verdict) photographs ;;
 esac
 case ${1:-} in
-speed | readme | poses | reconstruction | heldout | claims) "$@" ;;
+speed | readme | heldout | claims) "$@" ;;
+poses | reconstruction) in_python "$@" ;;
 objects | verdict) located "$@" ;;
 paper) evaluate paper "$datasets" --out="$BUILD/paper" "${@:2}" ;;
 refinement) evaluate refinement "$datasets" "${@:2}" ;;
