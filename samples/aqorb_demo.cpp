@@ -29,14 +29,11 @@ const char* const ABOUT =
     "Strecha's photographs, two of a fountain.\n";
 
 const char* const LEGEND =
-    "\nThe first two columns match mutual nearest neighbours. matchImages also refines the matches, and "
-    "finds "
-    "more\nnearby. A match agrees if it lies within 3 pixels of the homography or, in a scene in depth, of "
-    "the "
-    "epipolar\nline; 1.5 pixels for matchImages. Places are cells of 16 x 16 pixels with such a match, in "
-    "the "
-    "image that has\nfewer. A frame is image 1 to keypoints and descriptors, a pair is both images to their "
-    "geometry by\nUSAC_MAGSAC. Times are medians on one thread.\n";
+    "\nThe first two columns match mutual nearest neighbours. matchImages also refines the matches, and\n"
+    "finds more nearby. A match agrees if it lies within 3 pixels of the homography or, in a scene in\n"
+    "depth, of the epipolar line; 1.5 pixels for matchImages. Places are cells of 16 x 16 pixels with\n"
+    "such a match, in the image that has fewer. A frame is image 1 to keypoints and descriptors, a pair\n"
+    "is both images to their geometry by USAC_MAGSAC. Times are medians on one thread.\n";
 
 const char* const KEYS = "{help      |      | print this text }"
                          "{nfeatures | 1000 | number of keypoints to ask for }"

@@ -48,7 +48,7 @@ summary() {
 speed() {
     local options=(--perf_time_limit=0.5 "$@") turns=31 images=() disabled threads option sets=('')
     local benchmark=$BUILD/release/tools/aqorb_benchmark
-    [[ -d $datasets ]] || images=(640x480 600x480)
+    [[ -d $datasets ]] || images=(640x480)
     if [[ ${1:-} == --smoke ]]; then
         options=(--perf_min_samples=1 --perf_force_samples=1 '--gtest_filter=*320x240*:*500*') turns=1
     elif grep -q avx512bw /proc/cpuinfo; then
@@ -78,7 +78,6 @@ speed() {
             echo "$option"
             "$benchmark" frames --turns="$turns" $option "${images[@]}"
         done
-        "$benchmark" pair --turns="$turns" "${images[@]}"
     done
 }
 

@@ -3,19 +3,14 @@
 // of this distribution.
 // SPDX-License-Identifier: Apache-2.0
 
-// Measures what OpenCV's performance harness cannot: two detectors in turns, with cold memory or on a busy machine, and
-// two images to their homography. See doc/performance.md.
+// Measures what OpenCV's performance harness cannot: two detectors in turns, with cold memory or on a busy machine. See
+// doc/performance.md.
 
 #include "../test/scenes.hpp"
 
 #include <opencv2/aqorb.hpp>
 #include <opencv2/core/utility.hpp>
 #include <opencv2/imgcodecs.hpp>
-#if CV_VERSION_MAJOR >= 5
-#include <opencv2/geometry.hpp>
-#else
-#include <opencv2/calib3d.hpp>
-#endif
 
 #include <algorithm>
 #include <cmath>
@@ -29,7 +24,6 @@
 
 using namespace cv;
 using aqorb::AdaptiveQuadtreeORB;
-using aqorb::HammingMatcher;
 
 namespace
 {
@@ -38,7 +32,6 @@ const char* const ABOUT =
     "Measures speed with default parameters, in turns, and prints Markdown.\n"
     "  frames [IMAGE ...]          beside cv::ORB\n"
     "  beside LIBRARY [IMAGE ...]  frames beside another build, named by the path of its libaqorb.so\n"
-    "  pair IMAGE1 IMAGE2          from two images to a homography, beside cv::ORB with cv::BFMatcher\n"
     "An IMAGE is a file, WIDTHxHEIGHT for a drawn scene, or a photograph of opencv_extra, as "
     "bikes/img1.png:\n"
     "its folder testdata is OPENCV_TEST_DATA_PATH. OPENCV_CPU_DISABLE=AVX512-SKX leaves AVX-512 out.\n";
@@ -54,9 +47,6 @@ const char* const KEYS = "{help     | | print this text }"
 const std::vector<std::string> FRAMES = {"bikes/img1.png",    "leuven/img1.png", "bark/img1.png",
                                          "trees/img1.png",    "ubc/img1.png",    "perf/640x512.png",
                                          "perf/1920x1080.png"};
-const std::vector<std::string> PAIRS = {
-    "bikes/img1.png", "bikes/img2.png", "leuven/img1.png", "leuven/img2.png", "bark/img1.png",
-    "bark/img2.png",  "trees/img1.png", "trees/img2.png",  "ubc/img1.png",    "ubc/img2.png"};
 
 typedef std::function<Ptr<Feature2D>(int nfeatures)> Creator;
 
@@ -184,47 +174,6 @@ void measureFrames(const Options& options, const Creator& create, const std::vec
         }
 }
 
-//! Finds features, cross-checked matches, refined positions if isRefined, and the homography.
-void findPair(Feature2D& detector, const DescriptorMatcher& matcher, const Mat images[2], bool isRefined)
-{
-    std::vector<KeyPoint> keypoints[2];
-    Mat descriptors[2];
-    std::vector<DMatch> matches;
-    std::vector<Point2f> from, to;
-    for (int i = 0; i < 2; i++)
-        detector.detectAndCompute(images[i], noArray(), keypoints[i], descriptors[i]);
-    matcher.match(descriptors[0], descriptors[1], matches);
-    if (isRefined)
-        aqorb::refineMatches(images[0], keypoints[0], images[1], keypoints[1], matches, from, to);
-    for (size_t i = 0; i < matches.size() && !isRefined; i++)
-    {
-        from.push_back(keypoints[0][matches[i].queryIdx].pt);
-        to.push_back(keypoints[1][matches[i].trainIdx].pt);
-    }
-    if (from.size() >= 4)
-        findHomography(from, to, isRefined ? USAC_MAGSAC : RANSAC, isRefined ? 1 : 3);
-}
-
-void measurePairs(const Options& options, const std::vector<std::string>& images)
-{
-    const BFMatcher slow(NORM_HAMMING, true);
-    const HammingMatcher fast(NORM_HAMMING, true);
-    for (const bool isRefined : {false, true})
-    {
-        Table table(options, "cv::ORB and cv::BFMatcher");
-        for (size_t i = 0; i + 1 < images.size(); i += 2)
-            for (const int n : options.numbers)
-            {
-                const Mat both[] = {loadImage(images[i]), loadImage(images[i + 1])};
-                const Ptr<Feature2D> theirs = ORB::create(n), ours = AdaptiveQuadtreeORB::create(n);
-                table.measure(
-                    images[i] + (isRefined ? ", refined" : ""), n,
-                    [&] { findPair(*theirs, slow, both, false); },
-                    [&] { findPair(*ours, fast, both, isRefined); });
-            }
-    }
-}
-
 }  // namespace
 
 int main(int argc, char** argv)
@@ -233,22 +182,22 @@ try
     CommandLineParser parser(argc, argv, KEYS);
     parser.about(ABOUT);
     const String command = parser.get<String>("@command");
-    const bool isBeside = command == "beside", isPair = command == "pair";
+    const bool isBeside = command == "beside";
     std::vector<std::string> images;
     std::copy_if(argv + 1, argv + argc, std::back_inserter(images),
                  [](const char* a) { return a[0] != '-'; });
-    if (images.size() <= size_t(isBeside) || (!isBeside && !isPair && command != "frames"))
+    if (images.size() <= size_t(isBeside) || (!isBeside && command != "frames"))
         return parser.printMessage(), !parser.has("help");
     const Creator create = isBeside ? creatorOf(images[1]) : Creator();
     images.erase(images.begin(), images.begin() + 1 + isBeside);
     if (images.empty())
-        images = isPair ? PAIRS : FRAMES;
+        images = FRAMES;
     for (int i = 0; i < parser.get<int>("busy"); i++)
         std::thread(keepBusy).detach();
     setNumThreads(parser.get<int>("threads"));
     const std::vector<int> one(1, parser.get<int>("n")), several = {500, 1000, 2000};
     const Options options = {one[0] > 0 ? one : several, parser.get<int>("turns"), parser.has("cold")};
-    isPair ? measurePairs(options, images) : measureFrames(options, create, images);
+    measureFrames(options, create, images);
     return 0;
 }
 catch (const std::exception& error)
