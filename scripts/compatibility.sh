@@ -5,7 +5,7 @@
 #   scripts/compatibility.sh [--bytes] [ROW ...]
 #
 # Ends with one line for each row of the table in doc/reliability.md; all rows by default. With --bytes the tests
-# are left out. The rows are presets of CMakePresets.json, except debian12, debian13 and plain, which use the preset
+# are left out. opencv4, opencv5, aarch64 and clang are presets of CMakePresets.json. The other rows use the preset
 # release. The builds are in build, the logs in build/compatibility.
 #
 #   debian12    the ordinary build
@@ -30,14 +30,14 @@ if [[ -n ${OPENCV_TEST_DATA_PATH:-} ]]; then
 fi
 photographs=cv/detectors_descriptors_evaluation/images_datasets
 
-# built PRESET [TEST-PRESET]: builds, and runs the tests unless they are left out.
+# built PRESET: builds, and runs the tests unless they are left out.
 built() {
     configure "$1" -DAQORB_BUILD_FINGERPRINT=ON -DAQORB_WERROR=ON
     if [[ $bytes_only ]]; then
         build "$BUILD/$1" --target aqorb_fingerprint
     else
         build "$BUILD/$1"
-        run_tests "${2:-$1}"
+        run_tests "$1"
     fi
 }
 
@@ -62,10 +62,11 @@ compiled() {
     fingerprint "$row" "$@" "$BUILD/$row/tools/aqorb_fingerprint"
 }
 
-# disabled ROW FEATURES: the ordinary build without some features of the CPU, as the test preset ROW has it.
+# disabled ROW FEATURES: the ordinary build without some features of the CPU.
 disabled() {
-    built release "$1"
-    OPENCV_CPU_DISABLE=$2 fingerprint "$1" "$BUILD/release/tools/aqorb_fingerprint"
+    export OPENCV_CPU_DISABLE=$2
+    built release
+    fingerprint "$1" "$BUILD/release/tools/aqorb_fingerprint"
 }
 
 row_debian12() {
