@@ -340,6 +340,14 @@ py::object toTuple(const std::vector<cv::KeyPoint>& keypoints)
     return py::object(std::move(result));
 }
 
+py::object toTuple(const py::object& type, const std::vector<cv::DMatch>& matches)
+{
+    py::tuple result(matches.size());
+    for (size_t i = 0; i < matches.size(); i++)
+        result[i] = type(matches[i].queryIdx, matches[i].trainIdx, matches[i].imgIdx, matches[i].distance);
+    return py::object(std::move(result));
+}
+
 py::object toArray(std::vector<cv::KeyPoint>&& keypoints)
 {
     typedef std::vector<cv::KeyPoint> Vector;

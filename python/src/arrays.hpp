@@ -77,6 +77,9 @@ std::vector<KeyPoints> toKeyPointLists(py::handle source, size_t images);
 
 py::object toPython(KeyPoints&& keypoints);
 py::object toTuple(const std::vector<cv::KeyPoint>& keypoints);
+
+//! Tuple of cv2.DMatch, of this class.
+py::object toTuple(const py::object& type, const std::vector<cv::DMatch>& matches);
 py::object toArray(std::vector<cv::KeyPoint>&& keypoints);
 
 }  // namespace aqorb_python

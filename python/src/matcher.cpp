@@ -32,6 +32,7 @@ template <> cv::Ptr<Library> copyOf(const Library& other)
 namespace
 {
 
+using aqorb_python::toTuple;
 typedef Shared<Library> Matcher;
 typedef std::vector<std::vector<cv::DMatch>> MatchLists;
 
@@ -42,17 +43,12 @@ py::object matchClass()
     return classOfCv2("DMatch", "matchArrays or knnMatchArrays, which need no cv2");
 }
 
-py::object toPython(const py::object& type, const cv::DMatch& match)
+// Tuple of a tuple of matches for each query.
+py::object toTuple(const py::object& type, const MatchLists& lists)
 {
-    return type(match.queryIdx, match.trainIdx, match.imgIdx, match.distance);
-}
-
-// Tuple of matches, or of one tuple of matches for each query.
-template <typename T> py::object toPython(const py::object& type, const std::vector<T>& matches)
-{
-    py::tuple result(matches.size());
-    for (size_t i = 0; i < matches.size(); i++)
-        result[i] = toPython(type, matches[i]);
+    py::tuple result(lists.size());
+    for (size_t i = 0; i < lists.size(); i++)
+        result[i] = toTuple(type, lists[i]);
     return py::object(std::move(result));
 }
 
@@ -122,7 +118,7 @@ MatchTupleObject match(const Matcher& self, const OptionalArrayObject& queryDesc
                  allowed = toMask(mask.object);
     std::vector<cv::DMatch> matches;
     withoutGil([&] { library->match(query.mat, train.mat, matches, allowed.mat); });
-    return {toPython(type, matches)};
+    return {toTuple(type, matches)};
 }
 
 MatchTupleObject matchCollection(const Matcher& self, const OptionalArrayObject& queryDescriptors,
@@ -134,7 +130,7 @@ MatchTupleObject matchCollection(const Matcher& self, const OptionalArrayObject&
     const std::vector<Pixels> allowed = toMasks(masks.object, library->getTrainDescriptors().size());
     std::vector<cv::DMatch> matches;
     withoutGil([&] { library->match(query.mat, matches, matricesOf(allowed)); });
-    return {toPython(type, matches)};
+    return {toTuple(type, matches)};
 }
 
 MatchListsObject knnMatch(const Matcher& self, const OptionalArrayObject& queryDescriptors,
@@ -150,7 +146,7 @@ MatchListsObject knnMatch(const Matcher& self, const OptionalArrayObject& queryD
     MatchLists matches;
     withoutGil([&]
                { library->knnMatch(query.mat, train.mat, matches, neighbours, allowed.mat, compactResult); });
-    return {toPython(type, matches)};
+    return {toTuple(type, matches)};
 }
 
 MatchListsObject knnMatchCollection(const Matcher& self, const OptionalArrayObject& queryDescriptors,
@@ -164,7 +160,7 @@ MatchListsObject knnMatchCollection(const Matcher& self, const OptionalArrayObje
     MatchLists matches;
     withoutGil([&]
                { library->knnMatch(query.mat, matches, neighbours, matricesOf(allowed), compactResult); });
-    return {toPython(type, matches)};
+    return {toTuple(type, matches)};
 }
 
 MatchListsObject radiusMatch(const Matcher& self, const OptionalArrayObject& queryDescriptors,
@@ -180,7 +176,7 @@ MatchListsObject radiusMatch(const Matcher& self, const OptionalArrayObject& que
     withoutGil(
         [&]
         { library->radiusMatch(query.mat, train.mat, matches, maxDistance, allowed.mat, compactResult); });
-    return {toPython(type, matches)};
+    return {toTuple(type, matches)};
 }
 
 MatchListsObject radiusMatchCollection(const Matcher& self, const OptionalArrayObject& queryDescriptors,
@@ -193,7 +189,7 @@ MatchListsObject radiusMatchCollection(const Matcher& self, const OptionalArrayO
     MatchLists matches;
     withoutGil(
         [&] { library->radiusMatch(query.mat, matches, maxDistance, matricesOf(allowed), compactResult); });
-    return {toPython(type, matches)};
+    return {toTuple(type, matches)};
 }
 
 Arrays toArrays(const cv::Mat& pairs, const cv::Mat& distances)

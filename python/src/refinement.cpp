@@ -121,19 +121,6 @@ ArrayObject toArray(const std::vector<float>& deviations)
     return {py::array_t<float>(py::ssize_t(deviations.size()), deviations.data())};
 }
 
-py::object matchClass(const char* instead)
-{
-    return classOfCv2("DMatch", instead);
-}
-
-MatchTupleObject toTuple(const Matches& matches, const py::object& type)
-{
-    py::tuple tuple(matches.size());
-    for (size_t i = 0; i < matches.size(); i++)
-        tuple[i] = type(matches[i].queryIdx, matches[i].trainIdx, matches[i].imgIdx, matches[i].distance);
-    return {tuple};
-}
-
 //! Pairs of indices of matches, with -1 for grown keypoints.
 ArrayObject toPairs(const Matches& matches, size_t keypoints1, size_t keypoints2)
 {
@@ -155,13 +142,13 @@ refineMatchesWithDeviations(const OptionalArrayObject& image1, const KeyPointsOb
                             const OptionalArrayObject& image2, const KeyPointsObject& keypoints2,
                             const MatchesObject& matches, double minCorrelation, double scaleFactor)
 {
-    const py::object type = matchClass("refineMatchArrays, which needs no cv2");
+    const py::object type = classOfCv2("DMatch", "refineMatchArrays, which needs no cv2");
     const Features features(image1, keypoints1, image2, keypoints2);
     Refined refined;
     refined.matches = toMatches(matches.object);
     refined.refine(features, minCorrelation, scaleFactor);
-    return std::make_tuple(toTuple(refined.matches, type), toArray(refined.points1), toArray(refined.points2),
-                           toArray(refined.deviations));
+    return std::make_tuple(MatchTupleObject{toTuple(type, refined.matches)}, toArray(refined.points1),
+                           toArray(refined.points2), toArray(refined.deviations));
 }
 
 std::tuple<MatchTupleObject, ArrayObject, ArrayObject>
@@ -203,14 +190,14 @@ growMatches(const OptionalArrayObject& image1, const KeyPointsObject& keypoints1
             const OptionalArrayObject& image2, const KeyPointsObject& keypoints2,
             const MatchesObject& matches, double minCorrelation, double scaleFactor, bool bothWays)
 {
-    const py::object type = matchClass("growMatchArrays, which needs no cv2");
+    const py::object type = classOfCv2("DMatch", "growMatchArrays, which needs no cv2");
     Features features(image1, keypoints1, image2, keypoints2);
     Refined refined;
     refined.matches = toMatches(matches.object);
     refined.grow(features, minCorrelation, scaleFactor, bothWays);
-    return std::make_tuple(toTuple(refined.matches, type), toPython(std::move(features.keypoints1)),
-                           toPython(std::move(features.keypoints2)), toArray(refined.points1),
-                           toArray(refined.points2), toArray(refined.deviations));
+    return std::make_tuple(MatchTupleObject{toTuple(type, refined.matches)},
+                           toPython(std::move(features.keypoints1)), toPython(std::move(features.keypoints2)),
+                           toArray(refined.points1), toArray(refined.points2), toArray(refined.deviations));
 }
 
 ArraysAndDeviations growMatchArrays(const OptionalArrayObject& image1, const KeyPointsObject& keypoints1,
