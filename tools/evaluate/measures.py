@@ -205,4 +205,4 @@ def times_as_fast(usual, others, inputs):
                 function(*each)
                 spent.append(time.perf_counter() - start)
         ratios.append([np.median(seconds[0]) / np.median(spent) for spent in seconds[1:]])
-    return ['1'] + ['{:.1f}'.format(ratio) for ratio in np.median(ratios, axis=0)]
+    return ['1'] + ['{:.2g}'.format(ratio) for ratio in np.median(ratios, axis=0)]
