@@ -134,21 +134,20 @@ TEST(Aqorb_Corners, of_several_bands_equal_reference)
     EXPECT_GT(divided, 50);
 }
 
-// Appends the corners of score >= threshold whose centres lie in the region, in raster order.
-void detectCorners(const Mat& image, const Rect& region, int threshold, std::vector<Corner>& corners)
+// The corners of score >= threshold whose centres lie in the region, in raster order.
+std::vector<Corner> corners(const Mat& image, const Rect& region, int threshold)
 {
+    std::vector<Corner> found;
     const Rect scanned = fastRegion(image.size(), region);
     if (scanned.empty())
-        return;
-    Level level;
-    level.image = image;
-    const Thresholds thresholds = {threshold, threshold};
+        return found;
     FastScanner scanner;
-    scanner.begin(level, scanned, thresholds, scanned.height);
+    scanner.begin(levelOf(image), scanned, {threshold, threshold}, scanned.height);
     std::atomic<int64> room(INT_MAX);
     std::vector<CornerBlock> all;
     scanner.scan(scanned.br().y, std::vector<Range>(), room, all);
-    scanner.append(false, corners);
+    scanner.append(false, found);
+    return found;
 }
 
 std::vector<Corner> cornersOfOpenCV(const Mat& image, const Rect& region, int threshold)
@@ -163,13 +162,6 @@ std::vector<Corner> cornersOfOpenCV(const Mat& image, const Rect& region, int th
             corners.push_back(corner);
     }
     return corners;
-}
-
-std::vector<Corner> corners(const Mat& image, const Rect& region, int threshold)
-{
-    std::vector<Corner> found;
-    detectCorners(image, region, threshold, found);
-    return found;
 }
 
 TEST(Aqorb_Corners, of_fast_equal_brute_force_and_opencv_for_every_width_alignment_and_threshold)
