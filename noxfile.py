@@ -72,12 +72,13 @@ def tests(session):
 def asan(session):
     # Python itself is not instrumented: the sanitizer must be loaded first, with the library whose exceptions it
     # intercepts, and see every object as a block of its own. What Python keeps until it exits is not a leak, and memory
-    # that is refused is a MemoryError, but for C++'s operator new, which ends the process. mypy does not load the module.
-    # Without --capture=sys the report is lost.
+    # that is refused is a MemoryError, but operator new ends the process. mypy does not load the module. Without
+    # --capture=sys the report is lost.
     libraries = [subprocess.check_output(['c++', '-print-file-name=' + name], text=True).strip()
                  for name in ('libasan.so', 'libstdc++.so.6')]
     pytest(session, '--capture=sys', '--deselect', 'python/test/test_package.py::test_stub_is_a_stub_of_the_package',
-           '--deselect', 'python/test/test_arguments.py::test_lack_of_memory', *session.posargs, *TESTS, LD_PRELOAD=':'.join(libraries), PYTHONMALLOC='malloc', PYTHONFAULTHANDLER='1',
+           '--deselect', 'python/test/test_arguments.py::test_lack_of_memory', *session.posargs, *TESTS,
+           LD_PRELOAD=':'.join(libraries), PYTHONMALLOC='malloc', PYTHONFAULTHANDLER='1',
            ASAN_OPTIONS='detect_leaks=0:allocator_may_return_null=1', PYTHONPATH=str(BUILD / 'asan-python/python'))
 
 
