@@ -116,16 +116,28 @@ KeyPoints orbKeypoints(const Settings& p, const Mat& image)
     return keypoints;
 }
 
+//! A coordinate anywhere, or in eighths of a pixel around where cv::ORB::compute begins to drop points.
+float arbitraryCoordinate(RNG& rng, int edgeThreshold, int length)
+{
+    const float eighths = float(rng.uniform(-16, 17)) / 8;
+    const float values[] = {rng.uniform(-40.f, length + 40.f), edgeThreshold + eighths,
+                            length - edgeThreshold + eighths};
+    const float value = values[rng.uniform(0, 3)];
+    // With edgeThreshold 0 cv::ORB::compute keeps points outside and reads beyond its memory for them.
+    return edgeThreshold > 0 ? value : std::min(std::max(value, -0.5f), length - 0.125f);
+}
+
 //! Keypoints all over the image and its border, octaves in disorder, every field set to something.
-KeyPoints arbitraryKeypoints(RNG& rng, Size imageSize, int octaves, int count)
+KeyPoints arbitraryKeypoints(RNG& rng, const Settings& p, Size imageSize)
 {
     KeyPoints keypoints;
-    for (int i = 0; i < count; i++)
+    for (int i = 0; i < 1000; i++)
     {
-        const Point2f point(rng.uniform(0.f, imageSize.width - 1.f),
-                            rng.uniform(0.f, imageSize.height - 1.f));
+        const Point2f point(arbitraryCoordinate(rng, p.edgeThreshold, imageSize.width),
+                            arbitraryCoordinate(rng, p.edgeThreshold, imageSize.height));
         keypoints.push_back(KeyPoint(point, rng.uniform(1.f, 90.f), rng.uniform(0.f, 360.f),
-                                     rng.uniform(-1.f, 1.f), rng.uniform(0, octaves), rng.uniform(-5, 500)));
+                                     rng.uniform(-1.f, 1.f), rng.uniform(0, p.nlevels),
+                                     rng.uniform(-5, 500)));
     }
     return keypoints;
 }
@@ -169,27 +181,12 @@ TEST(Aqorb_OpenCVOrb, compute_equal_on_its_keypoints_and_on_any)
     {
         SCOPED_TRACE(i);
         const Mat scene = makeScene(Size(rng.uniform(80, 260), rng.uniform(80, 260)), i + 1);
-        const Settings p = randomParameters(rng, scene.size());
+        Settings p = randomParameters(rng, scene.size());
+        const int edgeThresholds[] = {0, 1, p.edgeThreshold, scene.rows / 2 + rng.uniform(-1, 2)};
+        p.edgeThreshold = edgeThresholds[i % 4];
         expectSameCompute(p, scene, orbKeypoints(p, scene));
-        // Some of these are dropped at the border, and all are sorted by octave.
-        expectSameCompute(p, scene, arbitraryKeypoints(rng, scene.size(), p.nlevels, 300));
-    }
-}
-
-TEST(Aqorb_OpenCVOrb, compute_drops_points_outside_as_orb)
-{
-    // With edgeThreshold 0 cv::ORB::compute keeps points outside and reads beyond its memory for them.
-    AQORB_NEEDS_FMA_BLUR();
-    const Mat scene = makeScene(Size(200, 150));
-    KeyPoints keypoints;
-    for (int y = -40; y < 200; y += 4)
-        for (int x = -40; x < 250; x += 4)
-            keypoints.push_back(KeyPoint(Point2f(x + 0.5f, y + 0.5f), 31.f, 77.f, 1.f, 0, x));
-    Settings p = orbDefaults();
-    for (int edgeThreshold : {1, 2, 16, 31, 74, 75, 76, 100})
-    {
-        p.edgeThreshold = edgeThreshold;
-        expectSameCompute(p, scene, keypoints);
+        // Some of these are dropped at the sides and corners, and all are sorted by octave.
+        expectSameCompute(p, scene, arbitraryKeypoints(rng, p, scene.size()));
     }
 }
 
@@ -221,46 +218,6 @@ TEST(Aqorb_OpenCVOrb, compute_takes_octaves_beyond_the_levels)
     keypoints[0].octave = 39;
     EXPECT_THROW(p.create()->compute(scene, keypoints, descriptors), cv::Exception);
     EXPECT_EQ(1u, keypoints.size());
-}
-
-TEST(Aqorb_OpenCVOrb, compute_drops_at_every_side_and_corner_as_orb)
-{
-    // Points in steps of an eighth of a pixel across each side and each corner of the image.
-    AQORB_NEEDS_FMA_BLUR();
-    const Mat scene = makeScene(Size(141, 107));
-    Settings p = orbDefaults();
-    for (int edgeThreshold : {0, 1, 16, 31})
-    {
-        p.edgeThreshold = edgeThreshold;
-        std::vector<float> xs(1, 70.25f), ys(1, 53.25f);
-        const float reach = edgeThreshold == 0 ? 0.f : 2.f;  // cv::ORB keeps points outside with 0
-        for (float d = -2; d <= 2; d += 0.125f)
-        {
-            if (edgeThreshold + d >= -0.5f)
-            {
-                xs.push_back(edgeThreshold + d);
-                ys.push_back(edgeThreshold + d);
-            }
-            if (d < reach)
-            {
-                xs.push_back(scene.cols - edgeThreshold + d);
-                ys.push_back(scene.rows - edgeThreshold + d);
-            }
-        }
-        KeyPoints keypoints;
-        for (float y : ys)
-            for (float x : xs)
-            {
-                for (int octave : {0, 1, 3})
-                    keypoints.push_back(
-                        KeyPoint(Point2f(x, y), 31.f, x + y, 1.f, octave, int(keypoints.size())));
-            }
-        for (int firstLevel : {0, 1})
-        {
-            p.firstLevel = firstLevel;
-            expectSameCompute(p, scene, keypoints);
-        }
-    }
 }
 
 TEST(Aqorb_OpenCVOrb, compute_keeps_order_within_sorted_octaves_and_all_fields)

@@ -90,6 +90,9 @@ Mat randomImage(RNG& rng, Size size);
 //! A mask of random pixels, dots, lines or rectangles that are usable, or of all others.
 Mat randomMask(RNG& rng, Size size);
 
+//! A response of one of the kinds 0 to 4: odd ones, some odd, many equal, all equal, or of any magnitude.
+float randomResponse(RNG& rng, int kind);
+
 //! Whether all fields of all keypoints have the same bytes.
 ::testing::AssertionResult sameKeypoints(const KeyPoints& a, const KeyPoints& b);
 //! Whether two matrices have the same size, type and bytes; both may be empty.

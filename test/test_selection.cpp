@@ -7,7 +7,6 @@
 
 #include "detector/selection.hpp"
 
-#include <cfloat>
 #include <climits>
 #include <memory>
 
@@ -46,17 +45,6 @@ struct Scene
     double density;
 };
 
-float randomStrength(RNG& rng, int kind)
-{
-    static const float odd[] = {NOT_A_NUMBER, -ENDLESS, -1.f, -1e-42f, -0.f,
-                                0.f,          1e-45f,   1.f,  FLT_MAX, ENDLESS};
-    if (kind == 0 || (kind == 1 && rng.uniform(0, 3) == 0))
-        return odd[rng.uniform(0, 10)];
-    if (kind == 2)
-        return float(rng.uniform(0, 3));  // many are equal
-    return rng.uniform(0.f, 1000.f);
-}
-
 //! @param isLarge whether the scene has thousands of points in hundreds of leaves
 Scene randomScene(int seed, bool isLarge = false)
 {
@@ -80,8 +68,8 @@ Scene randomScene(int seed, bool isLarge = false)
     {
         const Point p(rng.uniform(0, size.width), rng.uniform(0, size.height));
         scene.corners.push_back({p.x * grid.columns / size.width, p.y * grid.rows / size.height, float(p.x),
-                                 float(p.y), randomStrength(rng, kind), i});
-        scene.strengths.push_back(randomStrength(rng, kind));
+                                 float(p.y), randomResponse(rng, kind), i});
+        scene.strengths.push_back(randomResponse(rng, kind));
     }
     std::sort(scene.corners.begin(), scene.corners.end(),
               [](const reference::LeafCorner& a, const reference::LeafCorner& b) {

@@ -5,7 +5,6 @@
 
 #include "reference.hpp"
 
-#include <cfloat>
 #include <climits>
 
 namespace opencv_test
@@ -39,25 +38,19 @@ void expectAsReference(const KeyPoints& given, Size size, int npoints)
     EXPECT_TRUE(sameKeypoints(kept, expected));
 }
 
-float randomResponse(RNG& rng, int kind)
+//! A side of an image: any, or at a power of two, where the cells of a tree change.
+int randomSide(RNG& rng, bool isAny)
 {
-    const float odd[] = {NOT_A_NUMBER, -NOT_A_NUMBER, -ENDLESS, -FLT_MAX, -1.f,    -1e-42f, -0.f,
-                         0.f,          1e-45f,        1e-38f,   1.f,      FLT_MAX, ENDLESS, ENDLESS};
-    if (kind == 0 || (kind == 1 && rng.uniform(0, 3) == 0))
-        return odd[rng.uniform(0, 14)];
-    if (kind == 2)
-        return float(rng.uniform(0, 3));  // many are equal
-    return kind == 3 ? 7 : std::ldexp(rng.uniform(1.f, 2.f), rng.uniform(-149, 128));
+    return isAny ? rng.uniform(1, 300) : (1 << rng.uniform(0, 30)) + rng.uniform(0, 9);
 }
 
-TEST(Aqorb_RetainUniform, equals_reference_for_all_kinds_of_responses_and_positions)
+TEST(Aqorb_RetainUniform, equals_reference)
 {
-    for (int seed = 1; seed <= 100; seed++)
+    for (int seed = 1; seed <= 200; seed++)
     {
         SCOPED_TRACE(seed);
         RNG rng(seed);
-        const int most = seed % 2 ? 60 : 300;
-        const Size size(rng.uniform(1, most), rng.uniform(1, most));
+        const Size size(randomSide(rng, seed % 3 > 0), randomSide(rng, seed % 3 > 0));
         KeyPoints keypoints = randomKeypoints(rng.uniform(1, 500), size, seed);
         for (size_t i = 0; i < keypoints.size(); i++)
         {
@@ -73,30 +66,9 @@ TEST(Aqorb_RetainUniform, equals_reference_for_all_kinds_of_responses_and_positi
             else if (kind == 3)  // the last number before the side
                 (i % 2 ? p.x : p.y) = std::nextafter(float(i % 2 ? size.width : size.height), 0.f);
         }
-        for (int n = 1; n < 500; n += rng.uniform(1, 150))
+        for (int n = 0; n < 500; n += rng.uniform(1, 150))
             expectAsReference(keypoints, size, n);
-    }
-}
-
-TEST(Aqorb_RetainUniform, equals_reference_for_every_image_size_and_number)
-{
-    const Size sizes[] = {Size(1, 1),
-                          Size(1, 2),
-                          Size(3, 1),
-                          Size(1, 1000),
-                          Size(20000, 7),
-                          Size(1 << 18, 1 << 18),
-                          Size((1 << 18) + 1, 1 << 17),
-                          Size(1 << 20, 1 << 20),
-                          Size((1 << 20) + 7, 3001),
-                          Size(1001, 5000000),
-                          Size(1 << 29, 1 << 30)};
-    for (const Size& size : sizes)
-    {
-        SCOPED_TRACE(format("%d x %d", size.width, size.height));
-        const KeyPoints keypoints = randomKeypoints(300, size, size.width);
-        for (int n : {0, 1, 2, 5, 16, 17, 100, 299, 300, 5000, INT_MAX})
-            expectAsReference(keypoints, size, n);
+        expectAsReference(keypoints, size, INT_MAX);
     }
 }
 

@@ -5,6 +5,8 @@
 
 #include "test_precomp.hpp"
 
+#include <cfloat>
+
 #include <cstring>
 
 #if defined(__GLIBC__)
@@ -143,6 +145,17 @@ Mat randomMask(RNG& rng, Size size)
         }
     }
     return mask;
+}
+
+float randomResponse(RNG& rng, int kind)
+{
+    const float odd[] = {NOT_A_NUMBER, -NOT_A_NUMBER, -ENDLESS, -FLT_MAX, -1.f,    -1e-42f, -0.f,
+                         0.f,          1e-45f,        1e-38f,   1.f,      FLT_MAX, ENDLESS, ENDLESS};
+    if (kind == 0 || (kind == 1 && rng.uniform(0, 3) == 0))
+        return odd[rng.uniform(0, 14)];
+    if (kind == 2)
+        return float(rng.uniform(0, 3));  // many are equal
+    return kind == 3 ? 7 : std::ldexp(rng.uniform(1.f, 2.f), rng.uniform(-149, 128));
 }
 
 ::testing::AssertionResult sameKeypoints(const KeyPoints& a, const KeyPoints& b)
