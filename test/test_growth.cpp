@@ -56,7 +56,7 @@ bool isSame(const Grown& a, const Grown& b)
 //! How far a grown match is from the truth, in pixels of image 2.
 double errorOf(const Matx23d& map, const Grown& grown, size_t i)
 {
-    return norm(mapped(map, grown.points1[i]) - Point2d(grown.points2[i]));
+    return cv::norm(mapped(map, grown.points1[i]) - Point2d(grown.points2[i]));
 }
 
 //! Views of which every fifth keypoint of image 1 has a match, or none if it is wrong.

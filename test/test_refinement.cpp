@@ -28,7 +28,7 @@ std::vector<double> errorsOf(const Refined& refined, const Matx23d& map)
 {
     std::vector<double> errors;
     for (size_t i = 0; i < refined.points1.size(); i++)
-        errors.push_back(norm(mapped(map, refined.points1[i]) - Point2d(refined.points2[i])));
+        errors.push_back(cv::norm(mapped(map, refined.points1[i]) - Point2d(refined.points2[i])));
     std::sort(errors.begin(), errors.end());
     return errors;
 }
