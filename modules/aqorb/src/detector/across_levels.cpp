@@ -68,22 +68,9 @@ public:
     //! Whether a point of the grid is nearer than the radius.
     bool isNear(const Point2d& p, double radius) const
     {
-        if (points.empty() || radius == 0)
-            return false;
-        const Rect cells(Point(indexOf(p.x - radius), indexOf(p.y - radius)),
-                         Point(std::min(indexOf(p.x + radius) + 1, columns),
-                               std::min(indexOf(p.y + radius) + 1, int(latest.size()) / columns)));
-        // Cells that lie wholly within the radius come first: one point there decides without a list.
-        const auto isNearAsAWhole = [&](int column, int row)
+        const auto hasNear = [&](int column, int row)
         {
-            const auto farthest = [=](int cell, double at)  // plus a pixel for rounding
-            { return std::max(at - cell * side, (cell + 1) * side - at) + 1; };
-            const Point2d d(farthest(column, p.x), farthest(row, p.y));
-            return d.dot(d) < radius * radius;
-        };
-        const auto hasNear = [&](int first)
-        {
-            for (int i = first; i >= 0; i = before[i])
+            for (int i = latest[size_t(row) * columns + column]; i >= 0; i = before[i])
             {
                 const Point2d d = points[i] - p;
                 if (d.dot(d) < radius * radius)
@@ -91,20 +78,16 @@ public:
             }
             return false;
         };
-        const auto hasAny = [&](const Rect& part, bool asAWhole)
-        {
-            for (int row = part.y; row < part.br().y; row++)
-                for (int column = part.x; column < part.br().x; column++)
-                {
-                    const int first = latest[size_t(row) * columns + column];
-                    if (first >= 0 && (asAWhole ? isNearAsAWhole(column, row) : hasNear(first)))
-                        return true;
-                }
-            return false;
-        };
         // Where points are dense, the cell of p itself decides.
-        const Rect own(indexOf(p.x), indexOf(p.y), 1, 1);
-        return (radius >= side && (hasAny(own, true) || hasAny(cells, true))) || hasAny(cells, false);
+        if (hasNear(indexOf(p.x), indexOf(p.y)))
+            return true;
+        const int right = std::min(indexOf(p.x + radius), columns - 1),
+                  bottom = std::min(indexOf(p.y + radius), int(latest.size()) / columns - 1);
+        for (int row = indexOf(p.y - radius); row <= bottom; row++)
+            for (int column = indexOf(p.x - radius); column <= right; column++)
+                if (hasNear(column, row))
+                    return true;
+        return false;
     }
 
 private:
@@ -299,11 +282,11 @@ static size_t countCorners(const LevelCorners& corners)
 }
 
 // Selects the corners of all levels that become keypoints.
-static LevelCorners selectCorners(const Parameters& parameters, const SelectionMethod& method,
-                                  const OrientationPatch& patch, Size imageSize,
+static LevelCorners selectCorners(const Parameters& parameters, const OrientationPatch& patch, Size imageSize,
                                   const std::vector<Level>& levels, const Thresholds& thresholds, int threads,
                                   CornerSpace& space)
 {
+    const SelectionMethod method = selectionMethod(parameters);
     std::vector<Rect> regions;
     for (const Level& level : levels)
         regions.push_back(parameters.keypointRegion(level.image.size()));
@@ -361,13 +344,12 @@ static FeatureList listFeatures(const Parameters& parameters, const Level& level
     return list;
 }
 
-std::vector<FeatureList> selectFeatures(const Parameters& parameters, const SelectionMethod& method,
-                                        const OrientationPatch& patch, Size imageSize,
-                                        const std::vector<Level>& levels, const Thresholds& thresholds,
-                                        int threads, CornerSpace& space)
+std::vector<FeatureList> selectFeatures(const Parameters& parameters, const OrientationPatch& patch,
+                                        Size imageSize, const std::vector<Level>& levels,
+                                        const Thresholds& thresholds, int threads, CornerSpace& space)
 {
     const LevelCorners selected =
-        selectCorners(parameters, method, patch, imageSize, levels, thresholds, threads, space);
+        selectCorners(parameters, patch, imageSize, levels, thresholds, threads, space);
     std::vector<FeatureList> features(levels.size());
     forEach(levels.size(), threads,
             [&](size_t i, int) { features[i] = listFeatures(parameters, levels[i], int(i), selected[i]); });

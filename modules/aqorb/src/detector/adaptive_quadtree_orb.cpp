@@ -98,6 +98,8 @@ private:
     //! @param pyramid if given, receives copies of all levels
     void process(InputArray image, InputArray mask, std::vector<KeyPoint>& keypoints, OutputArray descriptors,
                  bool useProvidedKeypoints, std::vector<Mat>* pyramid = 0);
+    std::vector<FeatureList> findFeatures(const Level& input, const std::vector<Level>& levels, int threads,
+                                          CornerSpace& space) const;
     template <typename T> void set(T Parameters::*field, T value)
     {
         Parameters changed = parameters;
@@ -131,6 +133,14 @@ Ptr<AdaptiveQuadtreeORB> AdaptiveQuadtreeORB::create(int nfeatures, float scaleF
     return makePtr<AdaptiveQuadtreeORBImpl>(parameters);
 }
 
+static std::vector<Mat> copiesOf(const std::vector<Level>& levels)
+{
+    std::vector<Mat> images;
+    for (const Level& level : levels)
+        images.push_back(level.image.clone());
+    return images;
+}
+
 void AdaptiveQuadtreeORBImpl::buildPyramid(InputArray image_, OutputArrayOfArrays levels_) const
 {
     CV_TRACE_FUNCTION();
@@ -147,27 +157,34 @@ void AdaptiveQuadtreeORBImpl::buildPyramid(InputArray image_, OutputArrayOfArray
         const PyramidRule rule = {parameters.firstLevel, parameters.scaleFactor, parameters.nlevels, 1};
         levels = makePyramid(input, rule, stageThreads(), space);
     }
-    std::vector<Mat> images;
-    for (const Level& level : levels)
-        images.push_back(level.image.clone());
-    assignMats(images, levels_, "levels");
+    assignMats(copiesOf(levels), levels_, "levels");
+}
+
+// Thresholds, corners and selection.
+std::vector<FeatureList> AdaptiveQuadtreeORBImpl::findFeatures(const Level& input,
+                                                               const std::vector<Level>& levels, int threads,
+                                                               CornerSpace& space) const
+{
+    const double contrast =
+        parameters.adaptiveThreshold ? varianceOverMean(input.image, input.mask, threads) : NEUTRAL_CONTRAST;
+    const Thresholds thresholds =
+        fastThresholds(contrast, parameters.fastThreshold, parameters.minThresholdRatio);
+    return selectFeatures(parameters, tables.strengthPatch, input.image.size(), levels, thresholds, threads,
+                          space);
 }
 
 void AdaptiveQuadtreeORBImpl::process(InputArray image_, InputArray mask_, std::vector<KeyPoint>& keypoints,
-                                      OutputArray descriptors_, bool useProvidedKeypoints,
+                                      OutputArray descriptors, bool useProvidedKeypoints,
                                       std::vector<Mat>* pyramid)
 try
 {
-    const bool withDescriptors = descriptors_.needed();
-    if (useProvidedKeypoints && !withDescriptors)
+    if (useProvidedKeypoints && !descriptors.needed())
         return;  // as cv::ORB
-    if (withDescriptors)
-        checkDescriptorsOutput(descriptors_);
+    if (descriptors.needed())
+        checkDescriptorsOutput(descriptors);
     if (image_.empty())
     {
-        if (withDescriptors)
-            createDescriptors(descriptors_, 0);
-        keypoints.clear();
+        outputFeatures(std::vector<FeatureList>(), keypoints, descriptors);
         return;
     }
 
@@ -179,68 +196,43 @@ try
     const Workspaces::Handle handle(workspaces);
     Workspace& space = *handle;
     const int threads = stageThreads();  // read once: another thread may change it
-    space.descriptions.resize(std::max(space.descriptions.size(), size_t(threads)));
     Level input;
     input.image = grayImage(image_, &space.gray);
-    if (!useProvidedKeypoints)
-        input.mask = checkedMask(mask_, size);
     std::vector<FeatureList> features;
     if (useProvidedKeypoints)
+    {
         features = groupGivenKeypoints(keypoints, parameters, size);
+    }
     else
+    {
+        input.mask = checkedMask(mask_, size);
         parameters.checkTogether(parameters.nlevels);
+    }
 
     // Pyramid.
-    const SelectionMethod method = selectionMethod(parameters);
-    const auto positionsOf = [&](const Level& level) {
-        return PositionMap{size, level.image.size(), level.scale, parameters.edgeThreshold, method.subPixel};
-    };
     const int shortest = useProvidedKeypoints ? 1 : parameters.shortestSide();
     const PyramidRule rule = {parameters.firstLevel, parameters.scaleFactor,
                               useProvidedKeypoints ? int(features.size()) : parameters.nlevels,
                               pyramid ? 1 : shortest};
     std::vector<Level> levels = makePyramid(input, rule, threads, space.pyramid);
-    for (size_t i = 0; i < levels.size() && pyramid; i++)
-        pyramid->push_back(levels[i].image.clone());
+    if (pyramid)
+        *pyramid = copiesOf(levels);
     while (!levels.empty() && std::min(levels.back().image.rows, levels.back().image.cols) < shortest)
         levels.pop_back();
+    DescriptionRules rules = {
+        input.mask, {}, useProvidedKeypoints ? 0 : &tables.patch, descriptors.needed() ? &tables.tests : 0};
     for (Level& level : levels)
-        if (!level.isInput && !input.mask.empty())
-            maskPositions(input.mask, positionsOf(level), level.mask);
-
-    // Thresholds, corners and selection.
-    if (!useProvidedKeypoints)
     {
-        const double contrast = parameters.adaptiveThreshold
-                                    ? varianceOverMean(input.image, input.mask, threads)
-                                    : NEUTRAL_CONTRAST;
-        const Thresholds thresholds =
-            fastThresholds(contrast, parameters.fastThreshold, parameters.minThresholdRatio);
-        features = selectFeatures(parameters, method, tables.strengthPatch, size, levels, thresholds, threads,
-                                  space.corners);
+        rules.positions.push_back({size, level.image.size(), level.scale, parameters.edgeThreshold,
+                                   selectionMethod(parameters).subPixel});
+        if (!level.isInput && !input.mask.empty())
+            maskPositions(input.mask, rules.positions.back(), level.mask);
     }
 
-    // Description.
-    const std::vector<FeatureRange> ranges = divideIntoRanges(features, threads);
-    for (FeatureList& list : features)
-        list.descriptors.resize(withDescriptors ? list.points.size() * ORB::kBytes : 0);
-    forEach(ranges.size(), threads,
-            [&](size_t i, int thread)
-            {
-                const Level& level = levels[ranges[i].level];
-                const DescriptionRules rules = {&input.mask, positionsOf(level),
-                                                useProvidedKeypoints ? 0 : &tables.patch,
-                                                withDescriptors ? &tables.tests : 0};
-                describeFeatures(level, rules, ranges[i].features, features[ranges[i].level],
-                                 space.descriptions[thread]);
-            });
-
-    // Output, last: it may share the image's memory.
-    size_t count = 0;
-    for (const FeatureList& list : features)
-        count += list.points.size();
-    Mat descriptors = withDescriptors ? createDescriptors(descriptors_, int(count)) : Mat();
-    outputFeatures(features, keypoints, descriptors);
+    if (!useProvidedKeypoints)
+        features = findFeatures(input, levels, threads, space.corners);
+    describeFeatures(levels, rules, threads, space.descriptions, features);
+    outputFeatures(features, keypoints, descriptors);  // last: the output may share the image's memory
 }
 catch (const std::bad_alloc&)
 {

@@ -9,7 +9,7 @@
 
 #include "detector/types.hpp"
 #include "detector/blur.hpp"
-#include "detector/patch.hpp"
+#include "detector/neighborhood.hpp"
 
 #include "detector/blur.simd.hpp"
 // Generated: CV_CPU_DISPATCH_MODES_ALL=AVX512_SKX, AVX2, BASELINE on x86-64.
@@ -67,9 +67,10 @@ static uchar exactBlurOf(const uchar* p, ptrdiff_t step, const float* taps)
 
 uchar exactBlur(const Mat& image, int x, int y)
 {
-    PatchBuffer buffer;
-    const Patch patch = patchAround(image, x, y, RADIUS + 1, buffer);  // the kernel reads 8 x 8 pixels
-    return exactBlurOf(patch.center, patch.step, gaussianTaps().exact);
+    NeighborhoodSpace space;
+    const Neighborhood pixels =
+        neighborhoodOf(image, x, y, RADIUS + 1, space);  // the kernel reads 8 x 8 pixels
+    return exactBlurOf(pixels.center, pixels.step, gaussianTaps().exact);
 }
 
 static void exactTileOf(const uchar* source, ptrdiff_t step, int height, ushort* blurred,
@@ -148,12 +149,12 @@ void BlurRegion::addDisc(const Point& center, const std::vector<int>& halfHeight
 }
 
 static void blurAtBorder(const Mat& image, const Rect& tile, const BlurredRows& blurred,
-                         std::vector<uchar>& scratch, bool isExact)
+                         std::vector<uchar>& space, bool isExact)
 {
     const Rect read(tile.x - RADIUS, tile.y - RADIUS, tile.width + 2 * RADIUS, tile.height + 2 * RADIUS);
-    growTo(scratch, size_t(read.width) * read.height);
-    copyReflected(image, read, scratch.data());
-    const uchar* source = scratch.data() + RADIUS * read.width + RADIUS;
+    growTo(space, size_t(read.width) * read.height);
+    copyReflected(image, read, space.data());
+    const uchar* source = space.data() + RADIUS * read.width + RADIUS;
     blurTileOf(source, read.width, tile.height, blurred.row(tile.y) + tile.x, blurred.step, isExact);
     // Columns of the tile inside the level.
     const int left = std::max(-tile.x, 0), right = std::max(std::min(image.cols - tile.x, tile.width), left);
@@ -169,7 +170,7 @@ static void blurAtBorder(const Mat& image, const Rect& tile, const BlurredRows& 
 }
 
 void approximateBlur(const Mat& image, const BlurRegion& region, const Range& rows,
-                     const BlurredRows& blurred, std::vector<uchar>& scratch, bool isExact)
+                     const BlurredRows& blurred, std::vector<uchar>& space, bool isExact)
 {
     CV_TRACE_FUNCTION();
     const Rect inner(RADIUS, RADIUS, image.cols - 2 * RADIUS, image.rows - 2 * RADIUS);
@@ -191,7 +192,7 @@ void approximateBlur(const Mat& image, const BlurRegion& region, const Range& ro
                 blurTileOf(image.ptr(y) + x, ptrdiff_t(image.step), tile.height, blurred.row(y) + x,
                            blurred.step, isExact);
             else
-                blurAtBorder(image, tile, blurred, scratch, isExact);
+                blurAtBorder(image, tile, blurred, space, isExact);
         }
     }
 }

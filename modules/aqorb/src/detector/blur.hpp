@@ -66,10 +66,10 @@ const int BLUR_EXCESS = 2, BLUR_SHORTFALL = 10;
  and falls short of it by at most BLUR_SHORTFALL. In the margin it copies reflected pixels unblurred, as cv::ORB does.
  @param rows rows to blur; may begin and end in the margin
  @param blurred receives the pixels of the region; other pixels of these rows become undefined
- @param scratch work space
+ @param space work space
  @param isExact computes exactBlur times 256 instead, within the same bounds */
 void approximateBlur(const Mat& image, const BlurRegion& region, const Range& rows,
-                     const BlurredRows& blurred, std::vector<uchar>& scratch, bool isExact = false);
+                     const BlurredRows& blurred, std::vector<uchar>& space, bool isExact = false);
 
 }  // namespace aqorb
 }  // namespace cv

@@ -9,7 +9,7 @@
 
 #include "detector/types.hpp"
 #include "detector/fast.hpp"
-#include "detector/patch.hpp"
+#include "detector/neighborhood.hpp"
 
 #include "detector/fast.simd.hpp"
 // Generated: CV_CPU_DISPATCH_MODES_ALL=AVX512_SKX, AVX2, BASELINE on x86-64.
@@ -251,9 +251,9 @@ static void neighborCornerScores(const uchar* p, ptrdiff_t step, int scores[3][3
 void cornerScores3x3(const Mat& image, int x, int y, int scores[3][3])
 {
     const int REACH = 5;  // of the kernel
-    PatchBuffer buffer;
-    const Patch patch = patchAround(image, x, y, REACH, buffer);
-    neighborCornerScores(patch.center, patch.step, scores);
+    NeighborhoodSpace space;
+    const Neighborhood pixels = neighborhoodOf(image, x, y, REACH, space);
+    neighborCornerScores(pixels.center, pixels.step, scores);
 }
 
 }  // namespace aqorb

@@ -9,7 +9,7 @@
 
 #include "common/angles.hpp"
 #include "detector/harris_orientation.hpp"
-#include "detector/patch.hpp"
+#include "detector/neighborhood.hpp"
 
 #include "detector/harris_orientation.simd.hpp"
 // Generated: CV_CPU_DISPATCH_MODES_ALL=AVX512_SKX, AVX2, BASELINE on x86-64.
@@ -48,14 +48,14 @@ static void respondInside(const uchar* image, ptrdiff_t step, const Corner* corn
     CV_CPU_DISPATCH(cornerResponses, (image, step, corners, count, responses), CV_CPU_DISPATCH_MODES_ALL);
 }
 
-// Response of a corner near the border, from a copy of its patch with reflected pixels.
+// Response of a corner near the border, from a copy of its neighbourhood with reflected pixels.
 static float responseAtBorder(const Mat& image, int x, int y)
 {
-    PatchBuffer buffer;
-    const Patch patch = patchAround(image, x, y, HARRIS_REACH, buffer);
+    NeighborhoodSpace space;
+    const Neighborhood pixels = neighborhoodOf(image, x, y, HARRIS_REACH, space);
     const Corner center = {0, 0, 0};
     CornerResponse found;
-    respondInside(patch.center, patch.step, &center, 1, &found);
+    respondInside(pixels.center, pixels.step, &center, 1, &found);
     return found.response;
 }
 
@@ -103,7 +103,7 @@ static Moments plainMoments(const Mat& image, int x, int y, const OrientationPat
 {
     const int radius = int(weights.halfWidths.size()) - 1;
     const bool isInside = x >= radius && y >= radius && x < image.cols - radius && y < image.rows - radius;
-    PatchBuffer buffer(size_t(2 * radius + 1));  // one row: copying a whole large patch is slow
+    NeighborhoodSpace space(size_t(2 * radius + 1));  // one row: copying a whole large patch is slow
 
     // Unsigned sums: moments of very large patches wrap around, as in cv::ORB.
     unsigned sum01 = 0, sum10 = 0;
@@ -111,8 +111,8 @@ static Moments plainMoments(const Mat& image, int x, int y, const OrientationPat
     for (int v = -last; v <= last; v += weights.rowStep)
     {
         if (!isInside)
-            copyReflected(image, Rect(x - radius, y + v, 2 * radius + 1, 1), buffer.data());
-        const uchar* const row = isInside ? image.ptr(y + v) + x : buffer.data() + radius;
+            copyReflected(image, Rect(x - radius, y + v, 2 * radius + 1, 1), space.data());
+        const uchar* const row = isInside ? image.ptr(y + v) + x : space.data() + radius;
         const int halfWidth = weights.halfWidths[std::abs(v)];
         unsigned sum = 0;
         for (int u = -halfWidth; u <= halfWidth; u++)

@@ -9,6 +9,8 @@
 
 #include "detector/keypoints.hpp"
 
+#include "common/for_each.hpp"
+#include "detector/arguments.hpp"
 #include "detector/fast.hpp"
 #include "detector/index_sort.hpp"
 #include "detector/pyramid.hpp"
@@ -111,7 +113,20 @@ Point2d subPixelOffset(const Mat& image, int x, int y)
     return Point2d(std::min(std::max(px, -0.5), 0.5), std::min(std::max(py, -0.5), 0.5));
 }
 
-std::vector<FeatureRange> divideIntoRanges(const std::vector<FeatureList>& features, int threads)
+namespace
+{
+
+// Features of a level, described by one thread.
+struct FeatureRange
+{
+    int level;
+    size_t begin, end;
+};
+
+}  // namespace
+
+// Divides features into ranges that balance the threads' work against its overhead.
+static std::vector<FeatureRange> divideIntoRanges(const std::vector<FeatureList>& features, int threads)
 {
     const size_t MIN_FEATURES = 64;
     size_t all = 0;
@@ -123,55 +138,52 @@ std::vector<FeatureRange> divideIntoRanges(const std::vector<FeatureList>& featu
     {
         const size_t count = features[level].points.size(), parts = (count + most - 1) / most;
         for (size_t i = 0; i < parts; i++)
-            ranges.push_back({int(level), Range(int(count * i / parts), int(count * (i + 1) / parts))});
+            ranges.push_back({int(level), count * i / parts, count * (i + 1) / parts});
     }
     return ranges;
 }
 
 // Finds the directions of features and completes their keypoints.
-static void findKeypoints(const Level& level, const DescriptionRules& rules, size_t begin, size_t end,
+static void findKeypoints(const Mat& image, const DescriptionRules& rules, const FeatureRange& range,
                           FeatureList& list)
 {
     CV_TRACE_FUNCTION();
-    const Mat &image = level.image, &mask = *rules.imageMask;
-    const bool subPixel = rules.position.subPixel;
-    orientations(image, *rules.patch, &list.points[begin], end - begin);
-    for (size_t i = begin; i < end; i++)
+    const Mat& mask = rules.imageMask;
+    const PositionMap& position = rules.positions[range.level];
+    const bool subPixel = position.subPixel;
+    orientations(image, *rules.patch, &list.points[range.begin], range.end - range.begin);
+    for (size_t i = range.begin; i < range.end; i++)
     {
         const FeaturePoint& point = list.points[i];
         KeyPoint& keypoint = list.keypoints[i];
         const Point2d offset = subPixel ? subPixelOffset(image, point.x, point.y) : Point2d();
-        keypoint.pt = rules.position(point.x, point.y, offset.x, offset.y);
+        keypoint.pt = position(point.x, point.y, offset.x, offset.y);
         keypoint.angle = point.angle;
         if (subPixel && !mask.empty() && !isUsable(mask, keypoint.pt))
-            usablePosition(mask, rules.position, point.x, point.y, keypoint.pt);
+            usablePosition(mask, position, point.x, point.y, keypoint.pt);
     }
 }
 
-void describeFeatures(const Level& level, const DescriptionRules& rules, const Range& features,
-                      FeatureList& list, DescriptionScratch& scratch)
+// Computes descriptors, and blurs the level from top to bottom, some rows at a time.
+static void describeRange(const Mat& image, const DescriptorTests& tests, const FeatureRange& range,
+                          FeatureList& list, DescriptionSpace& space)
 {
-    const size_t end = size_t(features.end);
-    if (rules.patch)
-        findKeypoints(level, rules, size_t(features.start), end, list);
-    if (!rules.tests)
-        return;
     const int ROWS = 128;  // blurred at once; more rows would be faster and take more memory
-    const int reach = rules.tests->reach, margin = rules.tests->margin();
-    const int rowsEnd = level.image.rows + margin;
+    const int reach = tests.reach, margin = tests.margin();
+    const int rowsEnd = image.rows + margin;
     const std::vector<FeaturePoint>& points = list.points;
-    scratch.region.reset(level.image.size(), margin);
-    for (size_t i = size_t(features.start); i < end; i++)
-        scratch.region.addDisc(Point(points[i].x, points[i].y), rules.tests->halfHeights);
+    space.region.reset(image.size(), margin);
+    for (size_t i = range.begin; i < range.end; i++)
+        space.region.addDisc(Point(points[i].x, points[i].y), tests.halfHeights);
 
     BlurredRows blurred;
-    blurred.step = ptrdiff_t(alignSize(size_t(level.image.cols) + 2 * margin, CACHE_LINE / sizeof(ushort)));
+    blurred.step = ptrdiff_t(alignSize(size_t(image.cols) + 2 * margin, CACHE_LINE / sizeof(ushort)));
     const size_t capacity = size_t(std::min<int64>(ROWS + 2 * int64(reach) + 1, rowsEnd + margin));
-    growTo(scratch.blurred, capacity * blurred.step);
-    blurred.data = scratch.blurred.data() + margin;
+    growTo(space.blurred, capacity * blurred.step);
+    blurred.data = space.blurred.data() + margin;
     int filled = -margin;  // rows from blurred.top to `filled`, exclusive, are blurred
     bool isExact = false;
-    for (size_t next, i = size_t(features.start); i < end;)
+    for (size_t next, i = range.begin; i < range.end;)
     {
         // Keeps the rows that the next features read.
         const int top = std::max(points[i].y - reach, -margin);
@@ -181,11 +193,11 @@ void describeFeatures(const Level& level, const DescriptionRules& rules, const R
         blurred.top = top;
         filled = std::max(filled, top);
         const int bottom = std::min(std::max(points[i].y + reach + 1, filled + ROWS), rowsEnd);
-        for (next = i; next < end && (points[next].y + reach < bottom || bottom == rowsEnd);)
+        for (next = i; next < range.end && (points[next].y + reach < bottom || bottom == rowsEnd);)
             next++;
-        approximateBlur(level.image, scratch.region, Range(filled, bottom), blurred, scratch.blur, isExact);
+        approximateBlur(image, space.region, Range(filled, bottom), blurred, space.blur, isExact);
         filled = bottom;
-        i += computeDescriptors(level.image, blurred, &points[i], next - i, *rules.tests,
+        i += computeDescriptors(image, blurred, &points[i], next - i, tests,
                                 &list.descriptors[i * ORB::kBytes], ORB::kBytes, !isExact);
         if (i < next)
         {
@@ -195,10 +207,34 @@ void describeFeatures(const Level& level, const DescriptionRules& rules, const R
     }
 }
 
+void describeFeatures(const std::vector<Level>& levels, const DescriptionRules& rules, int threads,
+                      std::vector<DescriptionSpace>& spaces, std::vector<FeatureList>& features)
+{
+    if (rules.tests)
+        for (FeatureList& list : features)
+            list.descriptors.resize(list.points.size() * ORB::kBytes);
+    spaces.resize(std::max(spaces.size(), size_t(threads)));
+    const std::vector<FeatureRange> ranges = divideIntoRanges(features, threads);
+    forEach(ranges.size(), threads,
+            [&](size_t i, int thread)
+            {
+                const FeatureRange& range = ranges[i];
+                const Mat& image = levels[range.level].image;
+                if (rules.patch)
+                    findKeypoints(image, rules, range, features[range.level]);
+                if (rules.tests)
+                    describeRange(image, *rules.tests, range, features[range.level], spaces[thread]);
+            });
+}
+
 void outputFeatures(const std::vector<FeatureList>& features, std::vector<KeyPoint>& keypoints,
-                    Mat& descriptors)
+                    OutputArray descriptors_)
 {
     CV_TRACE_FUNCTION();
+    size_t count = 0;
+    for (const FeatureList& level : features)
+        count += level.points.size();
+    Mat descriptors = descriptors_.needed() ? createDescriptors(descriptors_, int(count)) : Mat();
     keypoints.clear();
     for (const FeatureList& level : features)
     {

@@ -27,41 +27,30 @@ std::vector<FeatureList> groupGivenKeypoints(const std::vector<KeyPoint>& keypoi
 //! Peak of the quadratic through the 3x3 FAST scores around (x, y), relative to (x, y), within +-0.5.
 Point2d subPixelOffset(const Mat& image, int x, int y);
 
-//! Features of a level, described by one thread.
-struct FeatureRange
-{
-    int level;
-    Range features;
-};
-//! Divides features into ranges that balance the threads' work against its overhead.
-std::vector<FeatureRange> divideIntoRanges(const std::vector<FeatureList>& features, int threads);
-
 //! Parameters of describeFeatures.
 struct DescriptionRules
 {
-    const Mat* imageMask;           //!< mask of the input image; may be empty
-    PositionMap position;           //!< position map of the level
-    const OrientationPatch* patch;  //!< 0: keypoints are given with their directions
-    const DescriptorTests* tests;   //!< 0: no descriptors
+    Mat imageMask;                       //!< mask of the input image; may be empty
+    std::vector<PositionMap> positions;  //!< position map of each level
+    const OrientationPatch* patch;       //!< 0: keypoints are given with their directions
+    const DescriptorTests* tests;        //!< 0: no descriptors
 };
 
-//! Work space of describeFeatures.
-struct DescriptionScratch
+//! Work space of one thread of describeFeatures.
+struct DescriptionSpace
 {
     BlurRegion region;
     std::vector<uchar> blur;
     AlignedVector<ushort> blurred;
 };
 
-/** Computes directions, positions in the image and descriptors of a range of features; several threads share a list. It
- blurs the level from top to bottom, some rows at a time. */
-void describeFeatures(const Level& level, const DescriptionRules& rules, const Range& features,
-                      FeatureList& list, DescriptionScratch& scratch);
+//! Computes directions, positions in the image and descriptors of the features of all levels.
+void describeFeatures(const std::vector<Level>& levels, const DescriptionRules& rules, int threads,
+                      std::vector<DescriptionSpace>& spaces, std::vector<FeatureList>& features);
 
 //! Writes the features of all levels to the output: by level, then by output key, then in raster order.
-//! @param descriptors one row for each feature; empty: no descriptors
 void outputFeatures(const std::vector<FeatureList>& features, std::vector<KeyPoint>& keypoints,
-                    Mat& descriptors);
+                    OutputArray descriptors);
 
 }  // namespace aqorb
 }  // namespace cv

@@ -251,11 +251,11 @@ static std::vector<Level> layOut(const Level& input, const PyramidRule& rule, Py
         {
             // Rows begin at cache lines, so few vectors cross one.
             const size_t step = alignSize(size_t(size.width), CACHE_LINE), rows = size_t(size.height);
-            PyramidSpace::LevelSpace& memory = space.levels[i];
+            PyramidSpace::LevelSpace& levelSpace = space.levels[i];
             if (!level.isInput)
-                level.image = Mat(size, CV_8UC1, growTo(memory.pixels, step * rows), step);
+                level.image = Mat(size, CV_8UC1, growTo(levelSpace.pixels, step * rows), step);
             if (!level.isInput && !input.mask.empty())
-                level.mask = Mat(size, CV_8UC1, growTo(memory.mask, step * rows), step);
+                level.mask = Mat(size, CV_8UC1, growTo(levelSpace.mask, step * rows), step);
         }
         catch (const std::exception&)
         {

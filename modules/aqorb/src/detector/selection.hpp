@@ -139,10 +139,9 @@ SelectionMethod selectionMethod(const Parameters& parameters);
  another level are skipped. When these corners run out, all other corners of the lower threshold follow.
  @param patch patch of the strengths
  @return features of each level in raster order, with output keys */
-std::vector<FeatureList> selectFeatures(const Parameters& parameters, const SelectionMethod& method,
-                                        const OrientationPatch& patch, Size imageSize,
-                                        const std::vector<Level>& levels, const Thresholds& thresholds,
-                                        int threads, CornerSpace& space);
+std::vector<FeatureList> selectFeatures(const Parameters& parameters, const OrientationPatch& patch,
+                                        Size imageSize, const std::vector<Level>& levels,
+                                        const Thresholds& thresholds, int threads, CornerSpace& space);
 
 // ---- for the kernel: plain structs only, see simd_compat.hpp ---------------------------------
 

@@ -38,7 +38,7 @@ struct Workspace
     std::vector<uchar> gray;  //!< grey copy of a colour image
     PyramidSpace pyramid;
     CornerSpace corners;
-    std::vector<DescriptionScratch> descriptions;  //!< one for each thread
+    std::vector<DescriptionSpace> descriptions;  //!< one for each thread
 };
 
 //! Pool of an object's work spaces. Each call takes its own, so several threads can use the object at once.

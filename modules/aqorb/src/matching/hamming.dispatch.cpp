@@ -242,8 +242,8 @@ void nearestInTiles(const HammingKernels& kernels, const Mat& query, const Mat& 
             [&](const Range& rows)
             {
                 PackedTile packed(kernels, query, train, mask);
-                AlignedVector<ushort> scratch(size_t(tileQueries) * kept * kernels.block);
-                packed.tile.scratch = scratch.data();
+                AlignedVector<ushort> space(size_t(tileQueries) * kept * kernels.block);
+                packed.tile.space = space.data();
                 std::vector<DistanceKey> queryKeys(size_t(rows.size()) * kept, NO_KEY),
                     trainKeys(trainLists ? size_t(train.rows) * kept : 0, NO_KEY);
                 const auto nearest = kernels.nearest[kept - 1][trainLists != 0][!mask.empty()];
@@ -259,8 +259,8 @@ void nearestInTiles(const HammingKernels& kernels, const Mat& query, const Mat& 
             });
 }
 
-//! Scratch memory of one thread.
-struct DistanceScratch
+//! Work space of one thread.
+struct DistanceSpace
 {
     std::vector<int> numbers;  //!< one for each element of a row
     std::vector<int> counts;
@@ -271,7 +271,7 @@ struct DistanceScratch
 //! @param row trainCount distances; the padding of the last block is overwritten
 //! @param isDoubled whether the row has twice the distances of the list
 void addLeast(const HammingKernels& kernels, ushort* row, const HammingTile& tile, bool isDoubled,
-              DistanceScratch& space, DistanceKey* list, int kept)
+              DistanceSpace& space, DistanceKey* list, int kept)
 {
     const int count = int(alignSize(size_t(tile.trainCount), kernels.block));
     std::fill(row + tile.trainCount, row + count, ushort(0x7fff));
@@ -310,7 +310,7 @@ void forDistances(const Mat& query, const Mat& train, const Mat& mask, bool coun
             {
                 PackedTile packed(kernels, q, t, mask);
                 AlignedVector<ushort> distances(size_t(QUERIES) * TRAINS);
-                DistanceScratch space;
+                DistanceSpace space;
                 space.numbers.resize(TRAINS);
                 packed.forTiles(rows, QUERIES, TRAINS, firstTrain,
                                 [&](int i, int first)
@@ -337,7 +337,7 @@ void nearestTrains(const Mat& query, const Mat& train, const Mat& mask, bool cou
     }
     const HammingKernels& kernels = *hammingKernels(0);
     forDistances(query, train, mask, countPairs, firstTrain,
-                 [&](DistanceScratch& space, int i, int, ushort* row, const HammingTile& tile)
+                 [&](DistanceSpace& space, int i, int, ushort* row, const HammingTile& tile)
                  { addLeast(kernels, row, tile, countPairs, space, nearest + size_t(i) * kept, kept); });
 }
 
@@ -352,7 +352,7 @@ void allDistances(const Mat& query, const Mat& train, bool countPairs, const Dis
         return;
     }
     forDistances(query, train, Mat(), countPairs, 0,
-                 [&](DistanceScratch& space, int i, int first, const ushort* row, const HammingTile& tile)
+                 [&](DistanceSpace& space, int i, int first, const ushort* row, const HammingTile& tile)
                  {
                      std::transform(row, row + tile.trainCount, space.numbers.begin(),
                                     [=](ushort distance) { return distance >> int(countPairs); });

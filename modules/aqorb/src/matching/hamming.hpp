@@ -95,7 +95,7 @@ struct HammingTile
     int queryCount, trainCount;
     int firstQuery, firstTrain;  //!< indices of the first query and the first train
     int words;                   //!< 64-bit words of a descriptor
-    ushort* scratch;             //!< for nearest: KEPT * queryCount * block elements
+    ushort* space;               //!< for nearest: KEPT * queryCount * block elements
     //! Row of flags for each query, allowedStride bytes apart: 0 excludes a train, and marks the padding of the last
     //! block. Null: all are allowed.
     const uchar* allowed;

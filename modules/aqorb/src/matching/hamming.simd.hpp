@@ -117,7 +117,7 @@ void nearest(const HammingTile& tile, DistanceKey* queryLists, DistanceKey* trai
               packedWords = tile.words * WORD_HALVES;
     const int lists = tile.queryCount * KEPT;
     for (int i = 0; i < lists; i++)
-        v_store(tile.scratch + i * LANES, vx_setall_u16(NO_KEY16));
+        v_store(tile.space + i * LANES, vx_setall_u16(NO_KEY16));
     for (int b = (tile.trainCount - 1) / LANES; b >= 0; b--)
     {
         const uint64* block = tile.trains + size_t(b) * packedWords * LANES;
@@ -126,7 +126,7 @@ void nearest(const HammingTile& tile, DistanceKey* queryLists, DistanceKey* trai
             block = static_cast<uint64*>(std::memcpy(copy, block, WORDS * LANES * sizeof(uint64)));
         const v_uint16 blockNumber = vx_setall_u16(ushort(b));
         v_uint16 nextQuery = vx_setzero_u16(), best[2] = {vx_setall_u16(NO_KEY16), vx_setall_u16(NO_KEY16)};
-        ushort* lanes = tile.scratch;
+        ushort* lanes = tile.space;
         for (int i = 0; i < tile.queryCount; i++, lanes += KEPT * LANES)
         {
             const v_uint16 queryNumber = nextQuery;
@@ -153,7 +153,7 @@ void nearest(const HammingTile& tile, DistanceKey* queryLists, DistanceKey* trai
         for (int i = 0; i < LANES; i++)
             fill[i] = i < filled ? 0 : NO_KEY16;
         for (int i = filled < LANES ? 0 : lists; i < lists; i++)
-            v_store(tile.scratch + i * LANES, v_or(vx_load(tile.scratch + i * LANES), vx_load(fill)));
+            v_store(tile.space + i * LANES, v_or(vx_load(tile.space + i * LANES), vx_load(fill)));
         if (BOTH)
         {
             ushort keys[2][MAX_LANES];
@@ -166,7 +166,7 @@ void nearest(const HammingTile& tile, DistanceKey* queryLists, DistanceKey* trai
         }
     }
     for (int i = 0; i < tile.queryCount; i++)
-        mergeLanes<KEPT, BITS>(tile.scratch + i * KEPT * LANES, tile.firstTrain, queryLists + i * KEPT);
+        mergeLanes<KEPT, BITS>(tile.space + i * KEPT * LANES, tile.firstTrain, queryLists + i * KEPT);
 }
 
 template <int WORDS> void distances(const HammingTile& tile, ushort* out, size_t stride)

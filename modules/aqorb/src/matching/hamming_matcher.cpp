@@ -73,6 +73,19 @@ std::vector<Mat> masksOf(InputArrayOfArrays input, int queries, const std::vecto
     return masks;
 }
 
+//! Throws unless k and the collection suit a cross check.
+void checkCrossCheck(int k, int kept, const std::vector<Mat>& masks)
+{
+    const bool isMasked =
+        std::any_of(masks.begin(), masks.end(), [](const Mat& mask) { return !mask.empty(); });
+    if (kept > 1 || masks.size() > 1 || isMasked)
+        CV_Error_(
+            Error::StsBadArg,
+            ("with crossCheck k must be 1, with one image of train descriptors and no mask, got k = %d, %d "
+             "images and %s",
+             k, int(masks.size()), isMasked ? "a mask" : "no mask"));
+}
+
 //! Calls the function with the train descriptors, the mask and the index of each image. It joins images of few
 //! descriptors, because each search has a fixed cost.
 template <typename Function>
@@ -159,16 +172,10 @@ try
     const Mat query = descriptorsOf("queryDescriptors", queryDescriptors);
     const std::vector<Mat> images = gatherTrainDescriptors(query);
     const std::vector<Mat> masks = masksOf(masks_, query.rows, images);
-    const bool isMasked =
-        std::any_of(masks.begin(), masks.end(), [](const Mat& mask) { return !mask.empty(); });
     const CollectionIndex index(images);
     const int kept = std::min(k, index.total());
-    if (crossCheck && (kept > 1 || images.size() > 1 || isMasked))
-        CV_Error_(
-            Error::StsBadArg,
-            ("with crossCheck k must be 1, with one image of train descriptors and no mask, got k = %d, %d "
-             "images and %s",
-             k, int(images.size()), isMasked ? "a mask" : "no mask"));
+    if (crossCheck)
+        checkCrossCheck(k, kept, masks);
 
     std::vector<DistanceKey> nearest(size_t(query.rows) * kept, NO_KEY),
         nearestQueries(crossCheck ? index.total() : 0, NO_KEY);
@@ -181,21 +188,23 @@ try
 
     const size_t before = matches.size();
     matches.resize(before + query.rows);
+    const auto writeMatches = [&](int i)
+    {
+        const DistanceKey* const list = nearest.data() + size_t(i) * kept;
+        const int found = int(std::find(list, list + kept, NO_KEY) - list);
+        if (found == 0 || (crossCheck && indexOf(nearestQueries[indexOf(list[0])]) != i))
+            return;
+        std::vector<DMatch>& queryMatches = matches[before + i];
+        queryMatches.resize(found);
+        for (int j = 0; j < found; j++)
+            queryMatches[j] = index.match(i, list[j]);
+    };
     const size_t TASK = 1000;  // fewer queries take less time than waking a thread
     forEach((query.rows + TASK - 1) / TASK, threadsAllowed(),
             [&](size_t task, int)
             {
                 for (int i = int(task * TASK), last = std::min(i + int(TASK), query.rows); i < last; i++)
-                {
-                    const DistanceKey* const list = nearest.data() + size_t(i) * kept;
-                    const int found = int(std::find(list, list + kept, NO_KEY) - list);
-                    if (found == 0 || (crossCheck && indexOf(nearestQueries[indexOf(list[0])]) != i))
-                        continue;
-                    std::vector<DMatch>& queryMatches = matches[before + i];
-                    queryMatches.resize(found);
-                    for (int j = 0; j < found; j++)
-                        queryMatches[j] = index.match(i, list[j]);
-                }
+                    writeMatches(i);
             });
     if (compactResult)
         matches.erase(std::remove_if(matches.begin() + before, matches.end(),

@@ -9,7 +9,7 @@
 
 #include "common/for_each.hpp"
 #include "common/images.hpp"
-#include "refinement/patch_aligner.hpp"
+#include "refinement/alignment.hpp"
 
 #include "refinement/alignment.simd.hpp"
 // Generated: CV_CPU_DISPATCH_MODES_ALL=AVX512_SKX, AVX2, BASELINE on x86-64.
@@ -35,9 +35,9 @@ int levelOf(double spacing)
     return level;
 }
 
-Point2d positionOn(int level, const Point2f& center)
+// Position on the level whose pixels have this size.
+Point2d positionOn(double size, const Point2f& center)
 {
-    const double size = 1 << level;
     return Point2d((center.x + 0.5) / size - 0.5, (center.y + 0.5) / size - 0.5);
 }
 
@@ -111,16 +111,16 @@ void PatchPyramid::makeLevels(int count)
         levels.push_back(halfOf(levels.back()));
 }
 
-bool PatchPyramid::findWindow(const PatchLocation& patch, LevelWindow& window, Mat& memory) const
+int PatchPyramid::findWindow(const PatchLocation& patch, LevelWindow& window, Mat& space) const
 {
     const double MAX_SPACING = 1 << 16, MARGIN = 0.01;  // far beyond any patch; absorbs rounding
     if (!(patch.spacing > 0 && patch.spacing < MAX_SPACING))
-        return false;
+        return 0;
     const int level = levelOf(patch.spacing), size = 1 << level;
-    const Point2d p = positionOn(level, patch.center);
+    const Point2d p = positionOn(size, patch.center);
     const double right = double(image.cols) / size - 1, bottom = double(image.rows) / size - 1;
     if (!(p.x > 0 && p.y > 0 && p.x < right && p.y < bottom))
-        return false;
+        return 0;
     const Point origin = windowOrigin(p);
     window.x = float(p.x - origin.x);
     window.y = float(p.y - origin.y);
@@ -133,16 +133,16 @@ bool PatchPyramid::findWindow(const PatchLocation& patch, LevelWindow& window, M
         const Mat& pixels = levels[size_t(level)];
         window.origin = pixels.ptr(origin.y) + origin.x;
         window.step = int(pixels.step);
-        return true;
+        return size;
     }
     const Rect wanted(origin.x * size, origin.y * size, WINDOW_SIDE * size, WINDOW_SIDE * size);
     const Mat part = image(wanted & Rect(Point(), image.size()));
-    memory = image.channels() == 1 ? part.clone() : grayImage(part);
+    space = image.channels() == 1 ? part.clone() : grayImage(part);
     for (int i = 0; i < level; i++)
-        memory = halfOf(memory);
-    window.origin = memory.ptr();
-    window.step = int(memory.step);
-    return true;
+        space = halfOf(space);
+    window.origin = space.ptr();
+    window.step = int(space.step);
+    return size;
 }
 
 static void alignPatches(const LevelPatches* patches, int count, LevelAlignment* alignments)
@@ -156,12 +156,10 @@ PatchAligner::PatchAligner(InputArray image1, InputArray image2, bool areNeeded)
 {
 }
 
-//! An alignment on the level of a patch that began at `start`, in pixels of the image.
-static PatchAlignment onImage(const LevelAlignment& found, const PatchLocation& start)
+//! An alignment that began at `start`, on a level whose pixels have this size, in pixels of the image.
+static PatchAlignment onImage(const LevelAlignment& found, double size, const Point2f& start)
 {
-    const int level = levelOf(start.spacing);
-    const double size = 1 << level;
-    const Point origin = windowOrigin(positionOn(level, start.center));
+    const Point origin = windowOrigin(positionOn(size, start));
     const Point2f center(float((origin.x + double(found.x) + 0.5) * size - 0.5),
                          float((origin.y + double(found.y) + 0.5) * size - 0.5));
     const float CALIBRATION = 3.5f;  // on photographs at least 68 % of the errors are smaller
@@ -172,9 +170,42 @@ static PatchAlignment onImage(const LevelAlignment& found, const PatchLocation& 
             found.correlation, deviation};
 }
 
+// Aligns pairs on one thread.
+static void alignSome(const PatchPyramid& first, const PatchPyramid& second, const PatchPair* pairs,
+                      size_t count, PatchAlignment* alignments)
+{
+    std::vector<LevelPatches> patches;
+    std::vector<size_t> indices;
+    std::vector<int> sizes;
+    std::vector<Mat> spaces;
+    for (size_t i = 0; i < count; i++)
+    {
+        const PatchPair& pair = pairs[i];
+        alignments[i] = {pair.second.center, pair.map, NOT_ALIGNED, std::numeric_limits<float>::infinity()};
+        LevelPatches wanted;
+        Mat space[2];
+        const int firstSize = first.findWindow(pair.first, wanted.first, space[0]),
+                  secondSize = second.findWindow(pair.second, wanted.second, space[1]);
+        if (firstSize == 0 || secondSize == 0)
+            continue;
+        wanted.spacing = float(pair.first.spacing / firstSize);
+        for (int k = 0; k < 4; k++)
+            wanted.map[k] = float(pair.map.val[k] / secondSize);
+        patches.push_back(wanted);
+        indices.push_back(i);
+        sizes.push_back(secondSize);
+        spaces.insert(spaces.end(), space, space + 2);
+    }
+    std::vector<LevelAlignment> found(patches.size());
+    alignPatches(patches.data(), int(patches.size()), found.data());
+    for (size_t k = 0; k < found.size(); k++)
+        if (found[k].correlation != NOT_ALIGNED)
+            alignments[indices[k]] = onImage(found[k], sizes[k], pairs[indices[k]].second.center);
+}
+
 std::vector<PatchAlignment> PatchAligner::align(const std::vector<PatchPair>& pairs, bool isReversed)
 {
-    PatchPyramid &firstPyramid = pyramids[isReversed], &secondPyramid = pyramids[!isReversed];
+    PatchPyramid &first = pyramids[isReversed], &second = pyramids[!isReversed];
     const int threads = threadsAllowed();
     std::vector<PatchLocation> locations[2];
     for (const PatchPair& pair : pairs)
@@ -182,46 +213,18 @@ std::vector<PatchAlignment> PatchAligner::align(const std::vector<PatchPair>& pa
         locations[0].push_back(pair.first);
         locations[1].push_back(pair.second);
     }
-    const int counts[] = {firstPyramid.prepare(locations[0]), secondPyramid.prepare(locations[1])};
-    forEach(2, threads,
-            [&](size_t i, int) { (i == 0 ? firstPyramid : secondPyramid).makeLevels(counts[i]); });
+    const int counts[] = {first.prepare(locations[0]), second.prepare(locations[1])};
+    forEach(2, threads, [&](size_t i, int) { (i == 0 ? first : second).makeLevels(counts[i]); });
 
     // Each thread takes some pairs at a time.
     const size_t CHUNK = 64;
     std::vector<PatchAlignment> alignments(pairs.size());
-    const auto alignChunk = [&](size_t chunk, int)
-    {
-        std::vector<LevelPatches> patches;
-        std::vector<size_t> indices;
-        std::vector<Mat> memory;
-        for (size_t i = chunk * CHUNK; i < std::min((chunk + 1) * CHUNK, pairs.size()); i++)
-        {
-            const PatchPair& pair = pairs[i];
-            alignments[i] = {pair.second.center, pair.map, NOT_ALIGNED,
-                             std::numeric_limits<float>::infinity()};
-            LevelPatches wanted;
-            Mat pixels[2];
-            if (!firstPyramid.findWindow(pair.first, wanted.first, pixels[0]) ||
-                !secondPyramid.findWindow(pair.second, wanted.second, pixels[1]))
-                continue;
-            wanted.spacing = float(pair.first.spacing / (1 << levelOf(pair.first.spacing)));
-            for (int k = 0; k < 4; k++)
-                wanted.map[k] = float(pair.map.val[k] / (1 << levelOf(pair.second.spacing)));
-            patches.push_back(wanted);
-            indices.push_back(i);
-            for (const Mat& part : pixels)
-                if (!part.empty())
-                    memory.push_back(part);
-        }
-        std::vector<LevelAlignment> found(patches.size());
-        alignPatches(patches.data(), int(patches.size()), found.data());
-        for (size_t k = 0; k < found.size(); k++)
-        {
-            if (found[k].correlation != NOT_ALIGNED)
-                alignments[indices[k]] = onImage(found[k], pairs[indices[k]].second);
-        }
-    };
-    forEach((pairs.size() + CHUNK - 1) / CHUNK, threads, alignChunk);
+    forEach((pairs.size() + CHUNK - 1) / CHUNK, threads,
+            [&](size_t chunk, int)
+            {
+                const size_t begin = chunk * CHUNK, count = std::min(CHUNK, pairs.size() - begin);
+                alignSome(first, second, &pairs[begin], count, &alignments[begin]);
+            });
     return alignments;
 }
 

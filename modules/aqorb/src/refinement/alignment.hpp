@@ -3,12 +3,16 @@
 // of this distribution.
 // SPDX-License-Identifier: Apache-2.0
 
-// Least squares matching: the alignment of two patches.
+// Alignment of pairs of patches by least squares matching.
 
 #ifndef OPENCV_AQORB_ALIGNMENT_HPP
 #define OPENCV_AQORB_ALIGNMENT_HPP
 
 #include "common/memory.hpp"
+
+#include <opencv2/core.hpp>
+
+#include <vector>
 
 namespace cv
 {
@@ -27,6 +31,70 @@ const float MAX_AREA_CHANGE = 4;
 const int MAX_PATCH_REACH = 63;
 //! Correlation value of patches that cannot be aligned.
 const float NOT_ALIGNED = -2;
+
+//! Centre of a patch and distance of its samples, in pixels of the image. Alignment needs a spacing > 0.
+struct PatchLocation
+{
+    Point2f center;
+    double spacing;
+};
+
+//! Two patches to align. Sample (u, v) of the second patch lies at second.center + map * (u, v).
+struct PatchPair
+{
+    PatchLocation first, second;
+    Matx22d map;
+};
+
+//! Second patch after the alignment, in pixels of image 2.
+struct PatchAlignment
+{
+    Point2f center;  //!< the start of the alignment if the patches cannot be aligned
+    Matx22d map;
+    float correlation;  //!< NOT_ALIGNED if the patches cannot be aligned
+    float deviation;  //!< standard deviation along the worst axis; infinity if the patches cannot be aligned
+};
+
+struct LevelWindow;
+
+/** Grey image pyramid; each level halves the level before. Patches are sampled from the level at which their samples
+ are one to two pixels apart. A few patches of a large image get small pyramids of the pixels around them, with the same
+ bytes as the whole pyramid. */
+class PatchPyramid
+{
+public:
+    //! Throws unless the input is an image. An input that is not needed may be empty.
+    PatchPyramid(InputArray image, const char* name, bool isNeeded);
+
+    //! Converts the whole image to grey if single patches would convert more pixels.
+    //! @return number of levels for makeLevels
+    int prepare(const std::vector<PatchLocation>& patches);
+    void makeLevels(int count);
+
+    //! Finds the window of a patch.
+    //! @param space memory for the patch's own pyramid
+    //! @return size of a pixel of the window, in pixels of the image; 0 if the centre lies too close to the border
+    int findWindow(const PatchLocation& patch, LevelWindow& window, Mat& space) const;
+
+private:
+    bool hasLevel(int level) const;
+
+    UMat retained;
+    Mat image;
+    std::vector<Mat> levels;  // level 0 is empty until the image is grey
+};
+
+//! Aligns patches of two images.
+class PatchAligner
+{
+public:
+    PatchAligner(InputArray image1, InputArray image2, bool areNeeded);
+    //! The first patches of pairs lie in image 1, or in image 2 if isReversed.
+    std::vector<PatchAlignment> align(const std::vector<PatchPair>& pairs, bool isReversed);
+
+private:
+    PatchPyramid pyramids[2];
+};
 
 // ---- for the kernel: plain structs only, see simd_compat.hpp ---------------------------------
 
@@ -57,9 +125,9 @@ struct LevelAlignment
 {
     float x, y;
     float map[4];
-    float
-        correlation;  //!< with the first patch before the last step; NOT_ALIGNED: other fields are undefined
-    float variance;   //!< variance of the position along its worst axis, in squared pixels, uncalibrated
+    //! With the first patch before the last step. NOT_ALIGNED: the other fields are undefined.
+    float correlation;
+    float variance;  //!< variance of the position along its worst axis, in squared pixels, uncalibrated
 };
 
 }  // namespace aqorb

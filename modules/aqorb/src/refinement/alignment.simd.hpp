@@ -237,7 +237,8 @@ struct PatchSums
     Floats right[UNKNOWNS];  // sums of products with the first patch's derivatives
 };
 
-// Composes the map with the inverse of an increment (inverse compositional update).
+// Composes the map with the inverse of an increment (inverse compositional update). With A the matrix of the map, p its
+// position, and ((a, b), (c, d)) and t those of the increment: A' = A ((a, b), (c, d))^-1, and p' = p - A' t.
 CV_ALWAYS_INLINE AffineMap composeInverse(const AffineMap& map, const Floats* change)
 {
     const Floats a = v_add(all(1), change[0]), b = change[1], c = change[3], d = v_add(all(1), change[4]);
@@ -272,6 +273,17 @@ Floats worstVariance(const Template& first, const AffineMap& map, const Floats& 
     // Doubled derivatives make the Hessian four times too large.
     const float ROUNDING = 1 / 6.f, DOUBLED = 4;
     return v_mul(v_mul(all(DOUBLED), worst), v_max(v_mul(difference, all(1 / SAMPLES)), all(ROUNDING)));
+}
+
+// Lanes in which the alignment neither shifts the patch too far nor changes its area too much.
+CV_ALWAYS_INLINE Floats isWithinLimits(const AffineMap& start, const AffineMap& map)
+{
+    const Floats x = v_sub(map.x, start.x), y = v_sub(map.y, start.y);
+    const Floats before = v_abs(start.determinant()), after = v_abs(map.determinant());
+    const Floats maxShift = v_mul(all(MAX_PATCH_SHIFT * MAX_PATCH_SHIFT), before);
+    const Floats isSimilar = v_and(v_gt(v_mul(all(MAX_AREA_CHANGE), before), after),
+                                   v_gt(v_mul(all(MAX_AREA_CHANGE), after), before));
+    return v_and(isSimilar, v_gt(maxShift, plus(v_mul(x, x), y, y)));
 }
 
 // Aligns the patches of each lane. Lanes that cannot be aligned continue with the pixels at the origin.
@@ -312,13 +324,8 @@ void alignLanes(const LevelPatches* const* patches, LevelAlignment* alignments)
     }
     isAligned = v_and(isAligned, isInside(map, windows[1], PATCH_RADIUS));
 
-    const Floats x = v_sub(map.x, start.x), y = v_sub(map.y, start.y);
-    const Floats before = v_abs(start.determinant()), after = v_abs(map.determinant());
-    const Floats maxShift = v_mul(all(MAX_PATCH_SHIFT * MAX_PATCH_SHIFT), before);
     isAligned = v_and(isAligned, v_gt(second.squares, minSquares));
-    isAligned = v_and(isAligned, v_gt(maxShift, plus(v_mul(x, x), y, y)));
-    isAligned = v_and(isAligned, v_and(v_gt(v_mul(all(MAX_AREA_CHANGE), before), after),
-                                       v_gt(v_mul(all(MAX_AREA_CHANGE), after), before)));
+    isAligned = v_and(isAligned, isWithinLimits(start, map));
     const Floats difference = v_mul(v_mul(all(2), first.squares), second.distance);
     const Floats found[] = {map.x,
                             map.y,

@@ -8,7 +8,7 @@
 #include "precomp.hpp"
 
 #include "common/angles.hpp"
-#include "refinement/patch_aligner.hpp"
+#include "refinement/refinement.hpp"
 
 #include <opencv2/aqorb/refinement.hpp>
 

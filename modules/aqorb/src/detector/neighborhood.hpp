@@ -3,10 +3,10 @@
 // of this distribution.
 // SPDX-License-Identifier: Apache-2.0
 
-// Patches of an image, reflected at the border.
+// The pixels around a pixel, reflected at the border of the image.
 
-#ifndef OPENCV_AQORB_PATCH_HPP
-#define OPENCV_AQORB_PATCH_HPP
+#ifndef OPENCV_AQORB_NEIGHBORHOOD_HPP
+#define OPENCV_AQORB_NEIGHBORHOOD_HPP
 
 #include <opencv2/core.hpp>
 
@@ -19,17 +19,17 @@ namespace aqorb
 void copyReflected(const Mat& image, const Rect& rect, uchar* out);
 
 //! Pixels around a pixel of a level, readable within a radius.
-struct Patch
+struct Neighborhood
 {
     const uchar* center;
     ptrdiff_t step;
 };
 
-typedef AutoBuffer<uchar, 2048> PatchBuffer;
+typedef AutoBuffer<uchar, 2048> NeighborhoodSpace;
 
-//! Square patch of the given radius around (x, y): in place inside the image, else copied to the buffer, with
+//! Square of the given radius around (x, y): in place inside the image, else copied to the work space, with
 //! reflection at the border.
-Patch patchAround(const Mat& image, int x, int y, int radius, PatchBuffer& buffer);
+Neighborhood neighborhoodOf(const Mat& image, int x, int y, int radius, NeighborhoodSpace& space);
 
 }  // namespace aqorb
 }  // namespace cv

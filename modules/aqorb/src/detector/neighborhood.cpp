@@ -7,7 +7,7 @@
 
 #include "precomp.hpp"
 
-#include "detector/patch.hpp"
+#include "detector/neighborhood.hpp"
 
 namespace cv
 {
@@ -44,14 +44,14 @@ void copyReflected(const Mat& image, const Rect& rect, uchar* out)
     }
 }
 
-Patch patchAround(const Mat& image, int x, int y, int radius, PatchBuffer& buffer)
+Neighborhood neighborhoodOf(const Mat& image, int x, int y, int radius, NeighborhoodSpace& space)
 {
     if (x >= radius && y >= radius && x < image.cols - radius && y < image.rows - radius)
         return {image.ptr(y) + x, ptrdiff_t(image.step)};
     const int side = 2 * radius + 1;
-    buffer.allocate(size_t(side) * side);
-    copyReflected(image, Rect(x - radius, y - radius, side, side), buffer.data());
-    return {buffer.data() + size_t(radius) * side + radius, side};
+    space.allocate(size_t(side) * side);
+    copyReflected(image, Rect(x - radius, y - radius, side, side), space.data());
+    return {space.data() + size_t(radius) * side + radius, side};
 }
 
 }  // namespace aqorb
