@@ -12,10 +12,8 @@
 
 #include <atomic>
 #include <chrono>
-#include <condition_variable>
-#include <exception>
+#include <future>
 #include <memory>
-#include <mutex>
 #include <thread>
 
 // Backends of cv::parallel_for_ that do with its stripes whatever a backend may do.
@@ -84,48 +82,22 @@ public:
     explicit NewThreads(int delay_ = 0) : delay(delay_) {}
     void parallel_for(int stripes, FN_parallel_for_body_cb_t body, void* data) CV_OVERRIDE
     {
-        std::mutex mutex;
-        std::condition_variable changed;
-        size_t ready = 0;
-        bool hasBegun = false;
-        std::exception_ptr error;
+        std::promise<void> start;
+        const std::shared_future<void> started = start.get_future().share();
         std::atomic<int> next(0);
-        const auto work = [&](int thread)
+        const auto work = [&, started](int thread)
         {
-            {
-                std::unique_lock<std::mutex> lock(mutex);
-                ready++;
-                changed.notify_all();
-                changed.wait(lock, [&] { return hasBegun; });
-            }
+            started.wait();
             std::this_thread::sleep_for(std::chrono::microseconds(thread * delay));
-            try
-            {
-                for (int stripe = next++; stripe < stripes; stripe = next++)
-                    body(stripe, stripe + 1, data);
-            }
-            catch (...)  // OpenCV itself allocates memory, too
-            {
-                const std::lock_guard<std::mutex> lock(mutex);
-                error = std::current_exception();
-            }
+            for (int stripe = next++; stripe < stripes; stripe = next++)
+                body(stripe, stripe + 1, data);
         };
-        std::vector<std::thread> others;
+        std::vector<std::future<void>> others;
         for (int i = 0; i < std::min(getNumThreads(), stripes); i++)
-            others.push_back(std::thread(work, i));
-        {
-            std::unique_lock<std::mutex> lock(mutex);
-            changed.wait(lock, [&] { return ready == others.size(); });
-        }
-        {
-            const std::lock_guard<std::mutex> lock(mutex);
-            hasBegun = true;
-        }
-        changed.notify_all();
-        for (std::thread& other : others)
-            other.join();
-        if (error)
-            std::rethrow_exception(error);
+            others.push_back(std::async(std::launch::async, work, i));
+        start.set_value();
+        for (std::future<void>& other : others)
+            other.get();  // raises what its thread raised: OpenCV itself allocates memory, too
     }
 
 private:
