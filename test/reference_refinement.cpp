@@ -178,6 +178,37 @@ bool isSame(const Refined& a, const Refined& b)
            std::equal(a.matches.begin(), a.matches.end(), b.matches.begin(), isSameMatch);
 }
 
+Refined refine(const MatchedViews& views, float minCorrelation, float scaleFactor)
+{
+    Refined refined;
+    refined.matches = views.matches;
+    aqorb::refineMatches(views.image1, views.keypoints1, views.image2, views.keypoints2, refined.matches,
+                         refined.points1, refined.points2, refined.deviations, minCorrelation, scaleFactor);
+    return refined;
+}
+
+KeyPoints unusable(const KeyPoint& keypoint)
+{
+    KeyPoints all;
+    for (float value : {NOT_A_NUMBER, ENDLESS, -ENDLESS, 0.f, -1e30f, 1e30f, 1e-30f, 1e-42f})
+    {
+        all.insert(all.end(), 3, keypoint);
+        all[all.size() - 3].pt.x = value;
+        all[all.size() - 2].pt.y = value;
+        all[all.size() - 1].size = value;
+        if (std::isfinite(value))
+            continue;  // any other angle is one
+        all.push_back(keypoint);
+        all.back().angle = value;
+    }
+    return all;
+}
+
+double errorOf(const Matx23d& map, const Refined& refined, size_t i)
+{
+    return cv::norm(mapped(map, refined.points1[i]) - Point2d(refined.points2[i]));
+}
+
 Point2d mapped(const Matx23d& map, const Point2d& p)
 {
     const Vec2d moved = map * Vec3d(p.x, p.y, 1);

@@ -55,6 +55,7 @@ struct Refined
     std::vector<float> deviations;
 };
 bool isSame(const Refined& a, const Refined& b);
+Refined refine(const MatchedViews& views, float minCorrelation = 0.8f, float scaleFactor = 1);
 
 //! Waves of all directions: a texture that is known at every position.
 struct Texture
@@ -86,7 +87,12 @@ struct Texture
 MatchedViews viewsOf(const Texture& texture, const Matx23d& map, double gain = 1, double bias = 0,
                      double noise = 0);
 
+//! Copies of a keypoint that cannot be aligned, as a number of each is bad.
+KeyPoints unusable(const KeyPoint& keypoint);
+
 Point2d mapped(const Matx23d& map, const Point2d& p);
+//! How far a refined match is from the truth, in pixels of image 2.
+double errorOf(const Matx23d& map, const Refined& refined, size_t i);
 Matx23d similarity(double scale, double degrees, double x, double y);
 
 }  // namespace opencv_test
