@@ -40,6 +40,19 @@ TEST(Aqorb_Errors, bad_parameters_of_create)
               AdaptiveQuadtreeORB::create(500, 1.2f, 8, 16, 0, 2, ORB::HARRIS_SCORE, INT_MAX));
 }
 
+//! Expects that all functions refuse an image and leave the keypoints as they are.
+void expectRefused(AdaptiveQuadtreeORB& detector, const Mat& image, const std::string& name,
+                   const std::string& value)
+{
+    KeyPoints keypoints(1, KeyPoint(Point2f(20, 0), 31, 0, 0, 2));
+    std::vector<Mat> levels;
+    Mat descriptors;
+    AQORB_BAD(name, value, detector.detect(image, keypoints, Mat(image.size(), CV_8UC1, Scalar(1))));
+    AQORB_BAD(name, value, detector.compute(image, keypoints, descriptors));
+    AQORB_BAD(name, value, detector.buildPyramid(image, levels));
+    EXPECT_EQ(1u, keypoints.size());
+}
+
 //! A parameter by its row of the table.
 struct Parameter
 {
@@ -121,16 +134,9 @@ TEST(Aqorb_Errors, levels_that_need_too_much_memory)
     for (const auto& c : cases)
     {
         SCOPED_TRACE(c.scaleFactor);
-        const Mat image = makeScene(c.size), mask(c.size, CV_8UC1, Scalar(1));
         const auto detector = AdaptiveQuadtreeORB::create(500, 1.2f, c.nlevels, 0, c.firstLevel);
         detector->setScaleFactor(c.scaleFactor);
-        KeyPoints keypoints(1, KeyPoint(Point2f(20, 0), 31.f));
-        std::vector<Mat> levels;
-        Mat descriptors;
-        const std::string name = "scaleFactor and firstLevel";
-        AQORB_BAD(name, "pixels", detector->detect(image, keypoints, mask));
-        AQORB_BAD(name, "pixels", detector->compute(image, keypoints, descriptors));
-        AQORB_BAD(name, "pixels", detector->buildPyramid(image, levels));
+        expectRefused(*detector, makeScene(c.size), "scaleFactor and firstLevel", "pixels");
     }
 }
 
@@ -203,20 +209,12 @@ TEST(Aqorb_Errors, images_too_large_for_a_pyramid)
 {
     const int side = 1 << 20;
     const Ptr<AdaptiveQuadtreeORB> detector = AdaptiveQuadtreeORB::create(500, 1.2f, 8, 0);
-    KeyPoints keypoints(1, KeyPoint(Point2f(0, 0), 31, 0, 0, 2));
-    Mat descriptors;
-    std::vector<Mat> levels;
     for (const Size& size : {Size(side, 2), Size(2, side), Size(side + 9, 1)})
-    {
-        const Mat image(size, CV_8UC1, Scalar(9));
-        const std::string text = format("%d x %d", size.width, size.height);
-        AQORB_BAD("image", text, detector->detect(image, keypoints));
-        AQORB_BAD("image", text, detector->compute(image, keypoints, descriptors));
-        AQORB_BAD("image", text, detector->buildPyramid(image, levels));
-    }
-    EXPECT_EQ(1u, keypoints.size());
+        expectRefused(*detector, Mat(size, CV_8UC1, Scalar(9)), "image",
+                      format("%d x %d", size.width, size.height));
     // The largest image is accepted, but not with a level before it.
     const Mat largest(2, side - 1, CV_8UC1, Scalar(9));
+    KeyPoints keypoints;
     EXPECT_NO_THROW(detector->detect(largest, keypoints));
     detector->setFirstLevel(1);
     AQORB_BAD("firstLevel", "1048575 x 2", detector->detect(largest, keypoints));
@@ -337,26 +335,6 @@ TEST(Aqorb_Errors, extreme_parameters_work)
     EXPECT_TRUE(given.keypoints.empty());
 }
 
-TEST(Aqorb_Errors, fast_threshold_is_limited_as_by_fast)
-{
-    const Mat image = makeScene(Size(120, 90));
-    const Ptr<AdaptiveQuadtreeORB> detector = AdaptiveQuadtreeORB::create(5000);
-    const auto features = [&](int fastThreshold)
-    {
-        detector->setFastThreshold(fastThreshold);
-        EXPECT_EQ(fastThreshold, detector->getFastThreshold());
-        return detectAndCompute(*detector, image);
-    };
-    for (bool isAdaptive : {false, true})
-    {
-        detector->setAdaptiveThreshold(isAdaptive);
-        for (int below : {-1, INT_MIN})
-            EXPECT_TRUE(sameFeatures(features(0), features(below)));
-        for (int above : {256, INT_MAX})
-            EXPECT_TRUE(sameFeatures(features(255), features(above)));
-    }
-}
-
 TEST(Aqorb_Errors, angles_that_are_not_finite)
 {
     // They made the descriptor read outside the image, as they still make that of cv::ORB.
@@ -366,8 +344,7 @@ TEST(Aqorb_Errors, angles_that_are_not_finite)
         const Ptr<AdaptiveQuadtreeORB> detector = AdaptiveQuadtreeORB::create(500, 1.2f, 8, 16, 0, WTA_K);
         for (float angle : {ENDLESS, -ENDLESS, NOT_A_NUMBER})
         {
-            KeyPoints keypoints(2, KeyPoint(Point2f(60, 45), 31.f, 10.f));
-            keypoints[1].angle = angle;
+            KeyPoints keypoints = {KeyPoint(60, 45, 31, 10), KeyPoint(60, 45, 31, angle)};
             Mat descriptors;
             EXPECT_THROW(detector->compute(image, keypoints, descriptors), cv::Exception) << angle;
             EXPECT_EQ(2u, keypoints.size());
@@ -375,8 +352,7 @@ TEST(Aqorb_Errors, angles_that_are_not_finite)
         // Any finite angle is accepted, whole turns or not.
         for (float angle : {360.f * 1000, -1e30f})
         {
-            KeyPoints keypoints = {KeyPoint(Point2f(60, 45), 31.f, 0.f),
-                                   KeyPoint(Point2f(60, 45), 31.f, angle)};
+            KeyPoints keypoints = {KeyPoint(60, 45, 31, 0), KeyPoint(60, 45, 31, angle)};
             Mat descriptors;
             EXPECT_NO_THROW(detector->compute(image, keypoints, descriptors));
             ASSERT_EQ(2, descriptors.rows);

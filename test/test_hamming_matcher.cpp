@@ -6,6 +6,8 @@
 #include "backends.hpp"
 #include "reference.hpp"
 
+#include <tuple>
+
 namespace opencv_test
 {
 namespace
@@ -68,25 +70,14 @@ Problem randomProblem(RNG& rng)
     return p;
 }
 
-std::vector<DMatch> matchesOf(DescriptorMatcher& matcher, const Problem& p)
+//! What match, knnMatch and radiusMatch find.
+std::vector<MatchLists> matchesOf(DescriptorMatcher& matcher, const Problem& p)
 {
-    std::vector<DMatch> matches;
-    matcher.match(p.query, matches, p.masks);
-    return matches;
-}
-
-MatchLists neighboursOf(DescriptorMatcher& matcher, const Problem& p)
-{
-    MatchLists matches(3);  // knnMatch appends to what is there
-    matcher.knnMatch(p.query, matches, p.k, p.masks, p.compactResult);
-    return matches;
-}
-
-MatchLists withinRadiusOf(DescriptorMatcher& matcher, const Problem& p)
-{
-    MatchLists matches;
-    matcher.radiusMatch(p.query, matches, p.radius, p.masks, p.compactResult);
-    return matches;
+    MatchLists best(1), nearest(3), withinRadius;  // knnMatch appends to what is there
+    matcher.match(p.query, best[0], p.masks);
+    matcher.knnMatch(p.query, nearest, p.k, p.masks, p.compactResult);
+    matcher.radiusMatch(p.query, withinRadius, p.radius, p.masks, p.compactResult);
+    return {best, nearest, withinRadius};
 }
 
 //! Equal distances in the order of the images and of their descriptors, as documented.
@@ -94,77 +85,69 @@ MatchLists inDocumentedOrder(MatchLists lists)
 {
     for (std::vector<DMatch>& list : lists)
         std::sort(list.begin(), list.end(),
-                  [](const DMatch& a, const DMatch& b)
-                  {
-                      if (a.distance != b.distance)
-                          return a.distance < b.distance;
-                      return a.imgIdx != b.imgIdx ? a.imgIdx < b.imgIdx : a.trainIdx < b.trainIdx;
+                  [](const DMatch& a, const DMatch& b) {
+                      return std::tie(a.distance, a.imgIdx, a.trainIdx) <
+                             std::tie(b.distance, b.imgIdx, b.trainIdx);
                   });
     return lists;
-}
-
-// The cases of one test take their seeds from it, so that ctest runs some at once.
-void compareWithBFMatcher(int seed, int cases)
-{
-    for (int i = 0; i < cases; i++)
-    {
-        RNG rng(uint64(seed) * 10000 + i + 1);
-        const Problem p = randomProblem(rng);
-        const Threads threads(1 + i % 4);
-        BFMatcher expected(p.normType, p.crossCheck);
-        const Ptr<HammingMatcher> matcher = HammingMatcher::create(p.normType, p.crossCheck);
-        expected.add(p.images);
-        matcher->add(p.images);
-        SCOPED_TRACE(format("case %d: %d queries of %d bytes, %d images, %s, k %d%s%s", i, p.query.rows,
-                            p.query.cols, int(p.images.size()),
-                            p.normType == NORM_HAMMING ? "HAMMING" : "HAMMING2", p.k,
-                            p.crossCheck ? ", cross check" : "", p.masks.empty() ? "" : ", masks"));
-        const MatchLists best(1, matchesOf(expected, p));
-        ASSERT_TRUE(sameMatches(best, MatchLists(1, matchesOf(*matcher, p))));
-        ASSERT_TRUE(sameMatches(neighboursOf(expected, p), neighboursOf(*matcher, p)));
-        ASSERT_TRUE(sameMatches(inDocumentedOrder(withinRadiusOf(expected, p)), withinRadiusOf(*matcher, p)));
-    }
 }
 
 class Aqorb_HammingMatcher_Random : public ::testing::TestWithParam<int>
 {
 };
 
+// The cases of one test take their seeds from it, so that ctest runs some at once.
 TEST_P(Aqorb_HammingMatcher_Random, has_the_matches_of_bfmatcher)
 {
-    compareWithBFMatcher(GetParam(), 700);
+    for (int i = 0; i < 700; i++)
+    {
+        RNG rng(uint64(GetParam()) * 10000 + i + 1);
+        const Problem p = randomProblem(rng);
+        const Threads threads(1 + i % 4);
+        BFMatcher matcher(p.normType, p.crossCheck);
+        const Ptr<HammingMatcher> hammingMatcher = HammingMatcher::create(p.normType, p.crossCheck);
+        matcher.add(p.images);
+        hammingMatcher->add(p.images);
+        SCOPED_TRACE(format("case %d: %d queries of %d bytes, %d images, %s, k %d%s%s", i, p.query.rows,
+                            p.query.cols, int(p.images.size()),
+                            p.normType == NORM_HAMMING ? "HAMMING" : "HAMMING2", p.k,
+                            p.crossCheck ? ", cross check" : "", p.masks.empty() ? "" : ", masks"));
+        const std::vector<MatchLists> expected = matchesOf(matcher, p), found = matchesOf(*hammingMatcher, p);
+        ASSERT_TRUE(sameMatches(expected[0], found[0]));
+        ASSERT_TRUE(sameMatches(expected[1], found[1]));
+        ASSERT_TRUE(sameMatches(inDocumentedOrder(expected[2]), found[2]));
+    }
 }
 
 INSTANTIATE_TEST_SUITE_P(Seeds, Aqorb_HammingMatcher_Random, ::testing::Range(0, 8));
 
 // Several tiles of trains and of queries for every kernel.
-TEST(Aqorb_HammingMatcher, has_the_matches_of_bfmatcher_for_many_descriptors)
+TEST(Aqorb_HammingMatcher, has_the_matches_of_bfmatcher_for_many_descriptors_however_threads_run)
 {
     for (const int bytes : {16, 32, 61, 64})
     {
         RNG rng(bytes);
-        Problem p;
-        p.query = randomDescriptors(rng, 700, bytes);
-        p.images.push_back(randomDescriptors(rng, 9000, bytes));
-        p.images[0].rowRange(8000, 8400).copyTo(p.query.rowRange(100, 500));
-        p.images[0].rowRange(8000, 8400).copyTo(p.images[0].rowRange(2000, 2400));
-        p.normType = NORM_HAMMING;
-        HammingMatcher nearest(p.normType), mutual(p.normType, true);
+        Mat query = randomDescriptors(rng, 700, bytes), train = randomDescriptors(rng, 9000, bytes);
+        train.rowRange(8000, 8400).copyTo(query.rowRange(100, 500));
+        train.rowRange(8000, 8400).copyTo(train.rowRange(2000, 2400));
+        const auto expectMatches = [&](bool crossCheck, int k)
+        {
+            MatchLists expected;
+            BFMatcher(NORM_HAMMING, crossCheck).knnMatch(query, train, expected, k);
+            for (const std::shared_ptr<Backend>& backend : backends())
+            {
+                const BackendScope scope(backend);
+                const Threads threads(2);
+                MatchLists found;
+                HammingMatcher(NORM_HAMMING, crossCheck).knnMatch(query, train, found, k);
+                EXPECT_TRUE(sameMatches(expected, found)) << k;
+            }
+        };
         for (const int k : {1, 2, 3, 300})
-        {
-            p.k = k;
-            MatchLists expected, matches;
-            BFMatcher(p.normType).knnMatch(p.query, p.images[0], expected, p.k);
-            nearest.knnMatch(p.query, p.images[0], matches, p.k);
-            EXPECT_TRUE(sameMatches(expected, matches));
-        }
-        for (int turn = 0; turn < 2; turn++, std::swap(p.query, p.images[0]))
-        {
-            MatchLists expected(1), matches(1);
-            BFMatcher(p.normType, true).match(p.query, p.images[0], expected[0]);
-            mutual.match(p.query, p.images[0], matches[0]);
-            EXPECT_TRUE(sameMatches(expected, matches));
-        }
+            expectMatches(false, k);
+        expectMatches(true, 1);
+        std::swap(query, train);
+        expectMatches(true, 1);
     }
 }
 
@@ -203,34 +186,32 @@ TEST(Aqorb_HammingMatcher, is_used_through_a_pointer_to_its_base_and_takes_a_uma
     RNG rng(1);
     const Mat query = randomDescriptors(rng, 50, 32), train = randomDescriptors(rng, 60, 32);
     const Ptr<BFMatcher> matcher = HammingMatcher::create(NORM_HAMMING, true);
-    EXPECT_TRUE(matcher->isMaskSupported());
-    EXPECT_TRUE(matcher->empty());
-    matcher->add(train);
-    matcher->train();
-    EXPECT_EQ(1u, matcher->getTrainDescriptors().size());
-
-    const Ptr<DescriptorMatcher> copy = matcher->clone(), empty = matcher->clone(true);
-    EXPECT_FALSE(copy.dynamicCast<HammingMatcher>().empty());
-    EXPECT_FALSE(empty.dynamicCast<HammingMatcher>().empty());
-    EXPECT_TRUE(empty->empty());
-    EXPECT_NE(train.data, copy->getTrainDescriptors()[0].data);
-
-    BFMatcher expected(NORM_HAMMING, true);
-    MatchLists matches(3);
-    expected.match(query, train, matches[0]);
-    matcher->match(query.getUMat(ACCESS_READ), matches[1]);
-    copy->match(query, matches[2]);
-    EXPECT_FALSE(matches[0].empty());
-    EXPECT_TRUE(sameMatches(MatchLists(1, matches[0]), MatchLists(1, matches[1])));
-    EXPECT_TRUE(sameMatches(MatchLists(1, matches[0]), MatchLists(1, matches[2])));
-    matcher->clear();
-    EXPECT_TRUE(matcher->empty());
-    matcher->add(train.getUMat(ACCESS_READ));
-    for (const Ptr<DescriptorMatcher>& each : {Ptr<DescriptorMatcher>(matcher), matcher->clone()})
+    EXPECT_TRUE(matcher->isMaskSupported() && matcher->empty());
+    MatchLists expected(1);
+    BFMatcher(NORM_HAMMING, true).match(query, train, expected[0]);
+    ASSERT_FALSE(expected[0].empty());
+    const UMat utrain = train.getUMat(ACCESS_READ);
+    for (const _InputArray& trains : {_InputArray(train), _InputArray(utrain)})
     {
-        each->match(query, matches[2]);
-        EXPECT_TRUE(sameMatches(MatchLists(1, matches[0]), MatchLists(1, matches[2])));
+        matcher->add(trains);
+        matcher->train();
+        const Ptr<DescriptorMatcher> copy = matcher->clone(), empty = matcher->clone(true);
+        EXPECT_FALSE(copy.dynamicCast<HammingMatcher>().empty());
+        EXPECT_FALSE(empty.dynamicCast<HammingMatcher>().empty());
+        EXPECT_TRUE(empty->empty());
+        for (const Ptr<DescriptorMatcher>& each : {Ptr<DescriptorMatcher>(matcher), copy})
+        {
+            MatchLists ofMat(1), ofUMat(1);
+            each->match(query, ofMat[0]);
+            each->match(query.getUMat(ACCESS_READ), ofUMat[0]);
+            EXPECT_TRUE(sameMatches(expected, ofMat) && sameMatches(expected, ofUMat));
+        }
+        matcher->clear();
+        EXPECT_TRUE(matcher->empty());
+        EXPECT_FALSE(copy->empty());
     }
+    matcher->add(train);
+    EXPECT_NE(train.data, matcher->clone()->getTrainDescriptors().at(0).data);
 }
 
 TEST(Aqorb_HammingMatcher, has_no_match_without_descriptors)
@@ -265,25 +246,6 @@ TEST(Aqorb_HammingMatcher, has_no_match_without_descriptors)
     }
 }
 
-// Behind an empty matrix, a UMat is the second image, and one mask is not for both.
-TEST(Aqorb_HammingMatcher, refuses_a_mask_of_another_image)
-{
-    const Mat some = Mat::zeros(3, 32, CV_8UC1);
-    const std::vector<Mat> mask(1, Mat::zeros(3, 3, CV_8UC1));
-    for (const bool isRadius : {false, true})
-    {
-        HammingMatcher matcher;
-        matcher.add(Mat(0, 32, CV_8UC1));
-        matcher.add(some.getUMat(ACCESS_READ));
-        MatchLists lists;
-        const std::string message = messageOf(
-            [&] {
-                isRadius ? matcher.radiusMatch(some, lists, 9, mask) : matcher.knnMatch(some, lists, 1, mask);
-            });
-        EXPECT_EQ("masks must have 2 elements, one for each image, got 1", message);
-    }
-}
-
 TEST(Aqorb_HammingMatcher, refuses_bad_input)
 {
     const Mat some = Mat::zeros(3, 32, CV_8UC1), narrow = Mat::zeros(3, 16, CV_8UC1),
@@ -303,26 +265,16 @@ TEST(Aqorb_HammingMatcher, refuses_bad_input)
     mutual.add(std::vector<Mat>(2, some));
     AQORB_BAD("crossCheck", "2 images", mutual.match(some, matches));
     EXPECT_THROW(matcher.match(some, some, matches, Mat::ones(2, 3, CV_8UC1)), cv::Exception);
-}
-
-TEST(Aqorb_HammingMatcher, has_the_same_matches_however_threads_run)
-{
-    RNG rng(1);
-    const Mat query = randomDescriptors(rng, 1000, 32), train = randomDescriptors(rng, 4500, 32);
-    std::vector<std::shared_ptr<Backend>> all = backends();
-    all.insert(all.begin(), std::shared_ptr<Backend>());
-    std::vector<MatchLists> results;
-    for (const std::shared_ptr<Backend>& backend : all)
+    // Behind an empty matrix, a UMat is the second image, and one mask is not for both.
+    HammingMatcher matchers[2];
+    for (HammingMatcher& each : matchers)
     {
-        const BackendScope scope(backend);
-        const Threads threads(backend ? 2 : 1);
-        MatchLists lists(1);
-        HammingMatcher(NORM_HAMMING, true).match(query, train, lists[0]);
-        HammingMatcher().knnMatch(query, train, lists, 2);
-        HammingMatcher().knnMatch(query, train, lists, 3);
-        results.push_back(lists);
-        EXPECT_TRUE(sameMatches(results[0], lists));
+        each.add(Mat(0, 32, CV_8UC1));
+        each.add(some.getUMat(ACCESS_READ));
     }
+    const std::vector<Mat> masks(1, mask);
+    AQORB_BAD("masks", "1", matchers[0].knnMatch(some, lists, 1, masks));
+    AQORB_BAD("masks", "1", matchers[1].radiusMatch(some, lists, 9, masks));
 }
 
 TEST(Aqorb_HammingMatcher, is_safe_in_several_threads)
@@ -332,21 +284,18 @@ TEST(Aqorb_HammingMatcher, is_safe_in_several_threads)
     const HammingMatcher matcher(NORM_HAMMING, true);
     HammingMatcher ofCollection;
     ofCollection.add(std::vector<Mat>{train, query});
-    MatchLists results(8), ofAll(8);
-    parallel_for_(Range(0, 8),
-                  [&](const Range& range)
-                  {
-                      for (int i = range.start; i < range.end; i++)
-                      {
-                          matcher.match(query, train, results[i]);
-                          ofCollection.match(query, ofAll[i]);
-                      }
-                  });
-    for (int i = 1; i < 8; i++)
+    std::vector<MatchLists> found(8, MatchLists(2));
+    const auto match = [&](const Range& range)
     {
-        EXPECT_TRUE(sameMatches(MatchLists(1, results[0]), MatchLists(1, results[i])));
-        EXPECT_TRUE(sameMatches(MatchLists(1, ofAll[0]), MatchLists(1, ofAll[i])));
-    }
+        for (int i = range.start; i < range.end; i++)
+        {
+            matcher.match(query, train, found[i][0]);
+            ofCollection.match(query, found[i][1]);
+        }
+    };
+    parallel_for_(Range(0, 8), match);
+    for (const MatchLists& lists : found)
+        EXPECT_TRUE(sameMatches(found[0], lists));
 }
 
 TEST(Aqorb_HammingMatcher, stays_on_one_thread_under_a_single_thread_scope)

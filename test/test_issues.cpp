@@ -103,21 +103,6 @@ TEST(Aqorb_Issues, opencv_4517_dark_image)
     EXPECT_GT(ours.size(), 2 * orb.size());
 }
 
-TEST(Aqorb_Issues, opencv_25974_4574_mask_of_ones)
-{
-    const Mat scene = makeScene(Size(320, 240));
-    Mat mask = Mat::zeros(scene.size(), CV_8UC1);
-    ellipse(mask, Point(150, 120), Size(120, 90), 20, 0, 360, Scalar(255), -1);
-    const Ptr<AdaptiveQuadtreeORB> detector = AdaptiveQuadtreeORB::create();
-    const Features expected = detectAndCompute(*detector, scene, mask);
-    ASSERT_FALSE(expected.keypoints.empty());
-    EXPECT_GT(expected.keypoints.back().octave, 0);  // above level 0, where cv::ORB loses a mask of ones
-    for (int value : {1, 2, 127, 128, 254})
-        EXPECT_TRUE(sameFeatures(expected, detectAndCompute(*detector, scene, mask / 255 * value))) << value;
-    const Mat ones(scene.size(), CV_8UC1, Scalar(1));
-    EXPECT_TRUE(sameFeatures(detectAndCompute(*detector, scene), detectAndCompute(*detector, scene, ones)));
-}
-
 TEST(Aqorb_Issues, opencv_17353_11359_sizes)
 {
     int large = 0;
@@ -143,35 +128,6 @@ TEST(Aqorb_Issues, opencv_17353_11359_sizes)
                     large++;
                 }
     EXPECT_GT(large, 0);
-}
-
-TEST(Aqorb_Issues, opencv_10555_keypoints_of_sift)
-{
-    // cv::ORB builds as many levels as SIFT's packed octave says, until memory ends.
-    const Mat scene = makeScene(Size(320, 240));
-    const Ptr<Feature2D> detector = AdaptiveQuadtreeORB::create();
-    KeyPoints keypoints;
-    Mat descriptors;
-    SIFT::create()->detect(scene, keypoints);
-    const size_t count = keypoints.size();
-    const std::string error = messageOf([&] { detector->compute(scene, keypoints, descriptors); });
-    EXPECT_NE(std::string::npos, error.find("octave")) << error;
-    EXPECT_EQ(count, keypoints.size());
-    // Once the octaves are unpacked, the keypoints are accepted.
-    for (KeyPoint& keypoint : keypoints)
-        keypoint.octave = (keypoint.octave & 255) % 255;
-    EXPECT_EQ("", messageOf([&] { detector->compute(scene, keypoints, descriptors); }));
-    EXPECT_FALSE(keypoints.empty());
-}
-
-TEST(Aqorb_Issues, opencv_24690_4281_detected_keypoints_are_not_dropped)
-{
-    const Mat scene = makeScene(Size(320, 240));
-    for (int border : {0, 3, 16, 31})
-    {
-        const Ptr<Feature2D> detector = AdaptiveQuadtreeORB::create(500, 1.2f, 8, border);
-        EXPECT_TRUE(finds(*detector, scene, Mat(), detectAndCompute(*detector, scene))) << border;
-    }
 }
 
 }  // namespace

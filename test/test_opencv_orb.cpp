@@ -142,7 +142,7 @@ KeyPoints arbitraryKeypoints(RNG& rng, const Settings& p, Size imageSize)
     return keypoints;
 }
 
-TEST(Aqorb_OpenCVOrb, descriptors_equal_for_random_parameters)
+TEST(Aqorb_OpenCVOrb, descriptors_and_compute_equal_for_random_parameters)
 {
     AQORB_NEEDS_FMA_BLUR();
     RNG rng(3);
@@ -150,8 +150,14 @@ TEST(Aqorb_OpenCVOrb, descriptors_equal_for_random_parameters)
     {
         SCOPED_TRACE(i);
         const Size size(rng.uniform(60, 260), rng.uniform(60, 260));
-        const Settings p = randomParameters(rng, size);
-        expectDescriptorsOfOrb(p, i % 8 == 0 ? makeNoise(size, i) : makeScene(size, i + 1));
+        const Mat image = i % 8 == 0 ? makeNoise(size, i) : makeScene(size, i + 1);
+        Settings p = randomParameters(rng, size);
+        const int edgeThresholds[] = {p.edgeThreshold, 0, 1, size.height / 2 + rng.uniform(-1, 2)};
+        p.edgeThreshold = edgeThresholds[i / 2 % 4];
+        expectDescriptorsOfOrb(p, image);
+        expectSameCompute(p, image, orbKeypoints(p, image));
+        // Some of these are dropped at the sides and corners, and all are sorted by octave.
+        expectSameCompute(p, image, arbitraryKeypoints(rng, p, size));
     }
 }
 
@@ -170,23 +176,6 @@ TEST(Aqorb_OpenCVOrb, descriptors_and_compute_equal_on_photographs)
             expectDescriptorsOfOrb(p, images[i]);
             expectSameCompute(p, images[i], orbKeypoints(p, images[i]));
         }
-    }
-}
-
-TEST(Aqorb_OpenCVOrb, compute_equal_on_its_keypoints_and_on_any)
-{
-    AQORB_NEEDS_FMA_BLUR();
-    RNG rng(5);
-    for (int i = 0; i < 60; i++)
-    {
-        SCOPED_TRACE(i);
-        const Mat scene = makeScene(Size(rng.uniform(80, 260), rng.uniform(80, 260)), i + 1);
-        Settings p = randomParameters(rng, scene.size());
-        const int edgeThresholds[] = {0, 1, p.edgeThreshold, scene.rows / 2 + rng.uniform(-1, 2)};
-        p.edgeThreshold = edgeThresholds[i % 4];
-        expectSameCompute(p, scene, orbKeypoints(p, scene));
-        // Some of these are dropped at the sides and corners, and all are sorted by octave.
-        expectSameCompute(p, scene, arbitraryKeypoints(rng, p, scene.size()));
     }
 }
 
@@ -218,21 +207,6 @@ TEST(Aqorb_OpenCVOrb, compute_takes_octaves_beyond_the_levels)
     keypoints[0].octave = 39;
     EXPECT_THROW(p.create()->compute(scene, keypoints, descriptors), cv::Exception);
     EXPECT_EQ(1u, keypoints.size());
-}
-
-TEST(Aqorb_OpenCVOrb, compute_keeps_order_within_sorted_octaves_and_all_fields)
-{
-    const Mat scene = makeScene(Size(200, 200));
-    KeyPoints keypoints;
-    const int octaves[] = {0, 0, 2, 2, 5};
-    for (int i = 0; i < 5; i++)
-        keypoints.push_back(
-            KeyPoint(Point2f(120.25f - 10.f * i, 90.75f), 3.f + i, 10.f * i, -1.f * i, octaves[i], 100 - i));
-    const KeyPoints before = keypoints;
-    Mat descriptors;
-    AdaptiveQuadtreeORB::create()->compute(scene, keypoints, descriptors);
-    EXPECT_TRUE(sameKeypoints(before, keypoints));
-    EXPECT_EQ(5, descriptors.rows);
 }
 
 TEST(Aqorb_OpenCVOrb, compute_equal_in_a_direction_that_puts_a_point_between_two_pixels)

@@ -87,68 +87,44 @@ TEST(Aqorb_Pyramid, resize_equals_opencv_for_every_width_and_alignment)
     }
 }
 
-TEST(Aqorb_Pyramid, quotas_of_more_features_than_a_float_counts)
+TEST(Aqorb_Pyramid, quotas_add_up_for_extreme_numbers_of_features_and_scale_factors)
 {
-    // 2^31 - 1 is 2^31 as a float, which no int holds.
-    const double factors[] = {1.001, 1.2, 2, 1e30};
-    for (double factor : factors)
+    // 2^31 - 1 is 2^31 as a float, which no int holds. Equation (8) is 0 / 0 for factors that are 1 as a float.
+    for (double factor : {1 + 1e-15, 1 + 1e-8, 1 + 6e-8, 1 + 1e-7, 1 + 1e-6, 1.001, 1.2, 2., 1e30})
         for (int nlevels = 1; nlevels <= 8; nlevels++)
-        {
-            const std::vector<int> quotas = quadtreeQuotas(INT_MAX, factor, nlevels);
-            EXPECT_EQ(INT_MAX, std::accumulate(quotas.begin(), quotas.end(), int64(0)));
-            EXPECT_GE(*std::min_element(quotas.begin(), quotas.end()), 0);
-        }
+            for (int n : {500, INT_MAX})
+            {
+                SCOPED_TRACE(format("%d features, factor %.17g, %d levels", n, factor, nlevels));
+                const std::vector<int> quotas = quadtreeQuotas(n, factor, nlevels);
+                EXPECT_EQ(n, std::accumulate(quotas.begin(), quotas.end(), int64(0)));
+                EXPECT_GE(*std::min_element(quotas.begin(), quotas.end()), factor < 1.1 ? 50 : 0);
+            }
+    const Ptr<AdaptiveQuadtreeORB> detector = AdaptiveQuadtreeORB::create(60, 1.2f, 3);
+    detector->setScaleFactor(1 + 1e-8);
+    EXPECT_EQ(60u, detectAndCompute(*detector, makeScene(Size(120, 90))).keypoints.size());
 }
 
-TEST(Aqorb_Pyramid, quotas_for_a_scale_factor_that_is_one_as_a_float)
-{
-    // Equation (8) is 0 / 0 there.
-    for (double factor : {1 + 1e-15, 1 + 1e-8, 1 + 6e-8, 1 + 1e-7, 1 + 1e-6})
-    {
-        SCOPED_TRACE(factor);
-        const std::vector<int> quotas = quadtreeQuotas(500, factor, 4);
-        EXPECT_EQ(500, std::accumulate(quotas.begin(), quotas.end(), int64(0)));
-        EXPECT_GT(*std::min_element(quotas.begin(), quotas.end()), 100);
-        const Ptr<AdaptiveQuadtreeORB> detector = AdaptiveQuadtreeORB::create(60, 1.2f, 3);
-        detector->setScaleFactor(factor);
-        KeyPoints keypoints;
-        detector->detect(makeScene(Size(120, 90)), keypoints);
-        EXPECT_EQ(60u, keypoints.size());
-    }
-}
-
-TEST(Aqorb_Pyramid, takes_what_detection_takes)
+TEST(Aqorb_Pyramid, goes_to_umats_and_into_memory_of_its_own)
 {
     const Ptr<AdaptiveQuadtreeORB> detector = AdaptiveQuadtreeORB::create();
     const Mat image = makeScene(Size(200, 150));
     std::vector<Mat> expected, levels;
-    detector->buildPyramid(image, expected);
-    ASSERT_EQ(8u, expected.size());
-
-    Mat colour;
-    cvtColor(image, colour, COLOR_GRAY2BGR);
-    detector->buildPyramid(colour.getUMat(ACCESS_READ), levels);
-    ASSERT_EQ(expected.size(), levels.size());
-    for (size_t i = 0; i < levels.size(); i++)
-        EXPECT_TRUE(sameMat(expected[i], levels[i]));
-
     std::vector<UMat> ulevels(2);
-    detector->buildPyramid(image, ulevels);
-    ASSERT_EQ(expected.size(), ulevels.size());
+    detector->buildPyramid(image, expected);
+    detector->buildPyramid(image.getUMat(ACCESS_READ), ulevels);
+    ASSERT_TRUE(expected.size() == 8 && ulevels.size() == 8);
     for (size_t i = 0; i < ulevels.size(); i++)
         EXPECT_TRUE(sameMat(expected[i], ulevels[i].getMat(ACCESS_READ)));
 
+    detector->buildPyramid(image, levels);
     const Mat before = levels[0];
     levels[0].setTo(0);
     detector->buildPyramid(image, levels);
-    EXPECT_TRUE(sameMat(expected[0], levels[0]));
-    EXPECT_TRUE(sameMat(image, expected[0]));  // its own memory
+    EXPECT_TRUE(sameMat(image, levels[0]) && sameMat(image, expected[0]));
     EXPECT_NE(before.data, levels[0].data);
 
     EXPECT_THROW(detector->buildPyramid(Mat(9, 9, CV_32FC1, Scalar(0)), levels), cv::Exception);
     EXPECT_EQ(8u, levels.size());
-    detector->buildPyramid(Mat(), levels);
-    EXPECT_TRUE(levels.empty());
     detector->setFirstLevel(8);
     EXPECT_THROW(detector->buildPyramid(image, levels), cv::Exception);
 }
@@ -166,10 +142,12 @@ TEST(Aqorb_Pyramid, equals_reference_and_comes_with_the_features_in_one_call)
         const Mat mask = seed % 2 ? Mat(size, CV_8UC1, Scalar(0)) : Mat();
         if (!mask.empty())
             mask.colRange(0, (size.width + 1) / 2).setTo(1);
-        std::vector<Mat> expected, built, levels(1, image);  // the input may be among the outputs
+        std::vector<Mat> expected, built(3), levels(1, image);  // the input may be among the outputs
         if (!image.empty())
             expected = reference::pyramid(image, settings.nlevels, settings.firstLevel, settings.scaleFactor);
-        detector->buildPyramid(image, built);
+        if (!image.empty() && seed % 3 == 0)
+            cvtColor(image, levels[0], COLOR_GRAY2BGR);
+        detector->buildPyramid(levels[0], built);
         Features features;
         detector->detectAndComputeWithPyramid(levels[0], mask, features.keypoints, features.descriptors,
                                               levels);

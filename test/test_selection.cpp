@@ -100,19 +100,17 @@ std::vector<int> orderOf(const Scene& scene)
     for (const reference::LeafCorner& corner : scene.corners)
         points.push_back({scene.rule.grid.numberOf(corner.column, corner.row), aqorb::sortKey(corner.key)});
     const std::vector<unsigned> representatives = findRepresentatives(points, scene.rule.grid, scene.density);
-    std::vector<unsigned> leaves, order;
+    std::vector<unsigned> leaves;
     std::vector<float> strengths;
     for (unsigned index : representatives)
     {
         leaves.push_back(points[index].leaf);
         strengths.push_back(scene.strengths[scene.corners[index].index]);
     }
+    std::vector<int> order;
     for (unsigned index : orderRepresentatives(leaves, strengths, scene.rule, scene.usable))
-        order.push_back(representatives[index]);
-    std::vector<int> indices;
-    for (unsigned index : order)
-        indices.push_back(scene.corners[index].index);
-    return indices;
+        order.push_back(scene.corners[representatives[index]].index);
+    return order;
 }
 
 TEST(Aqorb_Selection, order_equals_reference)
@@ -129,13 +127,6 @@ TEST(Aqorb_Selection, order_equals_reference)
         compared += expected.size();
     }
     EXPECT_GT(compared, 50000u);
-}
-
-KeyPoints detect(const reference::Settings& settings, const Mat& image, const Mat& mask = Mat())
-{
-    KeyPoints keypoints;
-    settings.create()->detect(image, keypoints, mask);
-    return keypoints;
 }
 
 //! How many keypoints two lists have in common.
@@ -166,7 +157,7 @@ TEST(Aqorb_Selection, narrow_images_are_covered)
         for (int n : {250, 500, 1000})
         {
             settings.nfeatures = n;
-            const KeyPoints keypoints = detect(settings, image);
+            const KeyPoints keypoints = detectAndCompute(*settings.create(), image).keypoints;
             ASSERT_EQ(keypoints.size(), size_t(n));
             const auto isInWeaker = [&](const KeyPoint& k)
             { return isWide ? k.pt.x < size.width / 2 : k.pt.y < size.height / 2; };
@@ -188,12 +179,12 @@ TEST(Aqorb_Selection, the_weight_leads_from_evenness_to_strength)
         settings.octaveSuppression = 1;  // its default would follow the weight
         settings.rankRadius = 0;
         settings.strengthWeight = 1000;
-        const KeyPoints strongest = detect(settings, image);
+        const KeyPoints strongest = detectAndCompute(*settings.create(), image).keypoints;
         settings.rankRadius = 1;
         for (int i = 0; i < 4; i++)
         {
             settings.strengthWeight = weights[i];
-            const KeyPoints keypoints = detect(settings, image);
+            const KeyPoints keypoints = detectAndCompute(*settings.create(), image).keypoints;
             ASSERT_EQ(keypoints.size(), size_t(n));
             strong[i] += common(keypoints, strongest);
             occupancy[i] += aqorb::distributionOccupancy(keypoints, image.size());

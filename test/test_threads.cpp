@@ -260,22 +260,6 @@ TEST(Aqorb_Threads, collections_are_matrices_of_all_kinds)
     EXPECT_TRUE(collection.has(keypoints, copies));
 }
 
-//! The message of a call's exception; empty if it raises none. The outputs must stay as they are.
-std::string
-messageOfBatch(const std::function<void(KeyPointLists& keypoints, std::vector<Mat>& descriptors)>& call)
-{
-    const KeyPoints before(2, KeyPoint(1, 2, 3));
-    KeyPointLists keypoints(7, before);
-    std::vector<Mat> descriptors(1, Mat(5, 5, CV_8U, Scalar(5)));
-    const std::string message = messageOf([&] { call(keypoints, descriptors); });
-    EXPECT_EQ(7u, keypoints.size());
-    for (const KeyPoints& list : keypoints)
-        EXPECT_TRUE(sameKeypoints(before, list));
-    EXPECT_EQ(1u, descriptors.size());
-    EXPECT_TRUE(sameMat(Mat(5, 5, CV_8U, Scalar(5)), descriptors[0]));
-    return message;
-}
-
 TEST(Aqorb_Threads, threads_report_the_error_of_the_first_image)
 {
     const Ptr<AdaptiveQuadtreeORB> detector = AdaptiveQuadtreeORB::create(80);
@@ -283,6 +267,9 @@ TEST(Aqorb_Threads, threads_report_the_error_of_the_first_image)
     std::vector<Mat> images = Collection(*detector, 7, false).images, masks(7);
     masks[3] = Mat(9, 9, CV_8U);
     images[5] = Mat(50, 40, CV_32F);
+    const KeyPoints before(2, KeyPoint(1, 2, 3));
+    KeyPointLists keypoints(7, before);
+    std::vector<Mat> descriptors(1, Mat(5, 5, CV_8U, Scalar(5)));
     const std::string maskError =
         "images[3]: mask must be CV_8UC1 of the image's size, 171 x 140, got 9 x 9 of type CV_8UC1";
     const std::string imageError = "images[5]: image must be CV_8U with 1 (grey), 3 (BGR) or 4 (BGRA) "
@@ -294,20 +281,19 @@ TEST(Aqorb_Threads, threads_report_the_error_of_the_first_image)
         {
             SCOPED_TRACE(count);
             const Threads threads(count);
-            const auto batchError = [&](InputArrayOfArrays m)
-            {
-                return messageOfBatch(
-                    [&](KeyPointLists& keypoints, std::vector<Mat>& descriptors)
-                    { detector->detectAndComputeBatch(images, m, keypoints, descriptors); });
+            const auto batchError = [&](InputArrayOfArrays m) {
+                return messageOf([&] { detector->detectAndComputeBatch(images, m, keypoints, descriptors); });
             };
             EXPECT_EQ(maskError, batchError(masks));
             EXPECT_EQ(imageError, batchError(noArray()));
-            EXPECT_EQ(maskError, messageOfBatch([&](KeyPointLists& keypoints, std::vector<Mat>&)
-                                                { detector->detect(images, keypoints, masks); }));
-            EXPECT_EQ(imageError, messageOfBatch([&](KeyPointLists& keypoints, std::vector<Mat>& descriptors)
-                                                 { detector->compute(images, keypoints, descriptors); }));
+            EXPECT_EQ(maskError, messageOf([&] { detector->detect(images, keypoints, masks); }));
+            EXPECT_EQ(imageError, messageOf([&] { detector->compute(images, keypoints, descriptors); }));
         }
     }
+    ASSERT_TRUE(keypoints.size() == 7 && descriptors.size() == 1);
+    for (const KeyPoints& list : keypoints)
+        EXPECT_TRUE(sameKeypoints(before, list));
+    EXPECT_TRUE(sameMat(Mat(5, 5, CV_8U, Scalar(5)), descriptors[0]));
     EXPECT_TRUE(finds(*detector, good));  // The detector is as good as before.
 }
 

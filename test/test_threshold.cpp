@@ -22,6 +22,14 @@ static double contrastOf(const Mat& image, const Mat& mask)
     return contrast;
 }
 
+static void expectAsReference(const Mat& image, const Mat& mask = Mat())
+{
+    const double expected = reference::varianceOverMean(image, mask);
+    EXPECT_EQ(expected, contrastOf(image, mask));
+    WithoutOptimization baseline;
+    EXPECT_EQ(expected, contrastOf(image, mask));
+}
+
 TEST(Aqorb_Threshold, equation7_of_known_images)
 {
     // Half 0, half 200: mean 100, variance 100^2.
@@ -52,53 +60,38 @@ TEST(Aqorb_Threshold, equation7_equals_reference_for_every_width)
         SCOPED_TRACE(width);
         const Mat noise = makeNoise(Size(width, 11), width);
         const Mat mask = makeNoise(noise.size(), width + 1) > 128;
-        EXPECT_EQ(contrastOf(noise, Mat()), reference::varianceOverMean(noise, Mat()));
-        EXPECT_EQ(contrastOf(noise, mask), reference::varianceOverMean(noise, mask));
-        const Mat part = noise.colRange(width / 3, width);  // Its rows are not contiguous.
-        EXPECT_EQ(contrastOf(part, Mat()), reference::varianceOverMean(part, Mat()));
-        WithoutOptimization baseline;
-        EXPECT_EQ(contrastOf(noise, Mat()), reference::varianceOverMean(noise, Mat()));
+        expectAsReference(noise);
+        expectAsReference(noise, mask);
+        expectAsReference(noise.colRange(width / 3, width));  // Its rows are not contiguous.
     }
 }
 
 TEST(Aqorb_Threshold, equation7_does_not_overflow)
 {
     // More than 2^32 in the sum of squares, and rows longer than any block of the kernel.
-    const Mat wide(2, 1 << 19, CV_8UC1, Scalar(255)), tall(1 << 12, 100, CV_8UC1, Scalar(255));
-    EXPECT_EQ(contrastOf(wide, Mat()), reference::varianceOverMean(wide, Mat()));
-    EXPECT_EQ(contrastOf(tall, Mat()), reference::varianceOverMean(tall, Mat()));
+    expectAsReference(Mat(2, 1 << 19, CV_8UC1, Scalar(255)));
+    expectAsReference(Mat(1 << 12, 100, CV_8UC1, Scalar(255)));
     Mat noise = makeNoise(Size(70001, 3));
     noise.row(1).setTo(255);
-    EXPECT_EQ(contrastOf(noise, Mat()), reference::varianceOverMean(noise, Mat()));
-    WithoutOptimization baseline;
-    EXPECT_EQ(contrastOf(wide, Mat()), reference::varianceOverMean(wide, Mat()));
-}
-
-static void expectThresholds(const Thresholds& thresholds, int ini, int min)
-{
-    EXPECT_EQ(thresholds.ini, ini);
-    EXPECT_EQ(thresholds.min, min);
+    expectAsReference(noise);
 }
 
 TEST(Aqorb_Threshold, thresholds_equal_reference)
 {
+    const auto isPair = [](const Thresholds& a, const Thresholds& b)
+    { return a.ini == b.ini && a.min == b.min; };
     // As in the paper, iniT is equation (7), and minT is a quarter of it.
-    expectThresholds(fastThresholds(40, 20, 4), 40, 10);
-    const int fasts[] = {-3, 0, 1, 2, 7, 20, 100, 254, 255, 300};
-    const double values[] = {0, 0.3, 1, 1.5, 2.5, 7, 14.4, 29.9, 48, 100, 253.5, 254.5, 400, 1e6};
-    const double ratios[] = {1, 1.01, 2, 4, 10, 1e9};
-    for (int fast : fasts)
-        for (double ratio : ratios)
-        {
-            for (double value : values)
+    EXPECT_PRED2(isPair, fastThresholds(40, 20, 4), (Thresholds{40, 10}));
+    for (int fast : {-3, 0, 1, 2, 7, 20, 100, 254, 255, 300})
+        for (double ratio : {1., 1.01, 2., 4., 10., 1e9})
+            for (double value : {NEUTRAL_CONTRAST, 0., 0.3, 1., 1.5, 2.5, 7., 14.4, 29.9, 48., 100., 253.5,
+                                 254.5, 400., 1e6})
             {
-                SCOPED_TRACE(format("fast %d ratio %g value %g", fast, ratio, value));
-                const Thresholds expected = reference::thresholds(value, true, fast, ratio);
-                expectThresholds(fastThresholds(value, fast, ratio), expected.ini, expected.min);
+                const Thresholds expected =
+                    reference::thresholds(value, value != NEUTRAL_CONTRAST, fast, ratio);
+                EXPECT_PRED2(isPair, fastThresholds(value, fast, ratio), expected)
+                    << format("fast %d ratio %g value %g", fast, ratio, value);
             }
-            const Thresholds expected = reference::thresholds(0, false, fast, ratio);
-            expectThresholds(fastThresholds(NEUTRAL_CONTRAST, fast, ratio), expected.ini, expected.min);
-        }
 }
 
 }  // namespace

@@ -97,26 +97,15 @@ std::vector<Mat> photographs()
 
 Mat randomImage(RNG& rng, Size size)
 {
-    const int seed = rng.uniform(1, 1 << 20);
-    Mat image;
-    switch (rng.uniform(0, 6))
-    {
-    case 0:
-        return makeNoise(size, seed);
-    case 1:
-        cv::GaussianBlur(makeNoise(size, seed), image, Size(), 1 + seed % 3);
-        return image;
-    case 2:
-        return makeScene(size, seed) * 0.1;
-    case 3:
-        return makeDots(size, seed);
-    case 4:
-        // corners on coarse levels
+    const int seed = rng.uniform(1, 1 << 20), kind = rng.uniform(0, 6);
+    Mat image = kind < 2 ? makeNoise(size, seed) : kind == 2 ? makeDots(size, seed) : makeScene(size, seed);
+    if (kind == 1)
+        cv::GaussianBlur(image, image, Size(), 1 + seed % 3);
+    if (kind == 3)
+        image *= 0.1;
+    if (kind == 4)  // corners on coarse levels
         cv::resize(makeNoise(Size(12 + seed % 20, 12), seed), image, size, 0, 0, INTER_CUBIC);
-        return image;
-    default:
-        return makeScene(size, seed);
-    }
+    return image;
 }
 
 Mat randomMask(RNG& rng, Size size)
@@ -129,20 +118,14 @@ Mat randomMask(RNG& rng, Size size)
     {
         const Point p(rng.uniform(0, size.width), rng.uniform(0, size.height));
         const Point q(rng.uniform(0, size.width), rng.uniform(0, size.height));
-        switch (kind / 2)
-        {
-        case 0:
+        if (kind / 2 == 0)
             mask.at<uchar>(p) = uchar(value[0]);
-            break;
-        case 1:
+        else if (kind / 2 == 1)
             circle(mask, p, rng.uniform(0, 9), value, -1);
-            break;
-        case 2:
+        else if (kind / 2 == 2)
             line(mask, p, q, value, rng.uniform(1, 9));
-            break;
-        default:
+        else
             rectangle(mask, p, q, value, -1);
-        }
     }
     return mask;
 }
@@ -158,6 +141,12 @@ float randomResponse(RNG& rng, int kind)
     return kind == 3 ? 7 : std::ldexp(rng.uniform(1.f, 2.f), rng.uniform(-149, 128));
 }
 
+static std::string textOf(const KeyPoint& k)
+{
+    return format("(%.9g, %.9g) octave %d angle %.9g response %.9g size %.9g class %d", k.pt.x, k.pt.y,
+                  k.octave, k.angle, k.response, k.size, k.class_id);
+}
+
 ::testing::AssertionResult sameKeypoints(const KeyPoints& a, const KeyPoints& b)
 {
     if (a.size() != b.size())
@@ -165,14 +154,8 @@ float randomResponse(RNG& rng, int kind)
     for (size_t i = 0; i < a.size(); i++)
     {
         if (std::memcmp(&a[i], &b[i], sizeof(KeyPoint)) != 0)
-        {
             return ::testing::AssertionFailure()
-                   << "keypoint " << i << ": (" << a[i].pt.x << ", " << a[i].pt.y << ") octave "
-                   << a[i].octave << " angle " << a[i].angle << " response " << a[i].response << " size "
-                   << a[i].size << " against (" << b[i].pt.x << ", " << b[i].pt.y << ") octave "
-                   << b[i].octave << " angle " << b[i].angle << " response " << b[i].response << " size "
-                   << b[i].size;
-        }
+                   << "keypoint " << i << ": " << textOf(a[i]) << " against " << textOf(b[i]);
     }
     return ::testing::AssertionSuccess();
 }
