@@ -42,29 +42,24 @@ Mat blurredOf(Size size, int value = 0)
 }
 
 //! The approximate blur of a whole image, of which the module blurs parts only, and of the margin around it.
-void approximateBlur(const Mat& image, Mat& blurred, bool isExact = false)
+Mat approximateBlur(const Mat& image, bool isExact = false)
 {
     const int margin = BLUR_MARGIN;
     aqorb::BlurRegion everywhere;
     everywhere.reset(image.size(), BLUR_MARGIN);
     everywhere.addDisc(Point(), std::vector<int>(image.cols + BLUR_MARGIN + 1, image.rows + BLUR_MARGIN));
-    blurred = blurredOf(image.size());
+    const Mat blurred = blurredOf(image.size());
     std::vector<uchar> scratch;
     aqorb::approximateBlur(image, everywhere, Range(-margin, image.rows + margin), rowsOf(blurred), scratch,
                            isExact);
+    return blurred;
 }
 
 // Images that push the roundings to their limits.
 std::vector<Mat> hardImages(Size size, int seed)
 {
     const Mat noise = makeNoise(size, seed);
-    std::vector<Mat> images;
-    images.push_back(noise);
-    images.push_back(noise > 127);
-    images.push_back(noise > 230);
-    images.push_back((noise & 1) + 254);
-    images.push_back(noise & 1);
-    return images;
+    return {noise, noise > 127, noise > 230, (noise & 1) + 254, noise & 1};
 }
 
 void expectWithinBounds(const Mat& image, const Mat& blurred, const Mat& exact)
@@ -89,8 +84,7 @@ TEST(Aqorb_Descriptor, blur_stays_within_its_bounds_for_every_width)
         for (size_t i = 0; i < images.size(); i++)
         {
             SCOPED_TRACE(format("width %d, image %d", width, int(i)));
-            Mat blurred, baselineBlurred;
-            approximateBlur(images[i], blurred);
+            const Mat blurred = approximateBlur(images[i]);
             expectWithinBounds(images[i], blurred, reference::blur(images[i]));
             // The pixels around the image are reflected, but not blurred.
             Mat around;
@@ -98,15 +92,12 @@ TEST(Aqorb_Descriptor, blur_stays_within_its_bounds_for_every_width)
             around.convertTo(around, CV_16U, 256);
             blurred.copyTo(around(Rect(Point(margin, margin), blurred.size())));
             EXPECT_TRUE(sameMat(withMargin(blurred), around));
-            Mat exact, exactTimes256;
+            Mat exactTimes256;
             reference::roundedBlur(images[i]).convertTo(exactTimes256, CV_16U, 256);
-            approximateBlur(images[i], exact, true);
-            EXPECT_TRUE(sameMat(exact, exactTimes256));
+            EXPECT_TRUE(sameMat(approximateBlur(images[i], true), exactTimes256));
             WithoutOptimization baseline;
-            approximateBlur(images[i], baselineBlurred);
-            EXPECT_TRUE(sameMat(withMargin(blurred), withMargin(baselineBlurred)));
-            approximateBlur(images[i], exact, true);
-            EXPECT_TRUE(sameMat(exact, exactTimes256));
+            EXPECT_TRUE(sameMat(withMargin(blurred), withMargin(approximateBlur(images[i]))));
+            EXPECT_TRUE(sameMat(approximateBlur(images[i], true), exactTimes256));
         }
     }
 }
@@ -120,9 +111,7 @@ TEST(Aqorb_Descriptor, blur_of_a_region_equals_that_of_the_image)
     std::vector<uchar> scratch;
     for (int width : widths)
     {
-        const Mat image = makeNoise(Size(width, height), width);
-        Mat whole;
-        approximateBlur(image, whole);
+        const Mat image = makeNoise(Size(width, height), width), whole = approximateBlur(image);
         for (int count = 0; count < 7; count++)
         {
             // The last ones do not reach the border where the image is wide enough.
@@ -166,9 +155,7 @@ TEST(Aqorb_Descriptor, blur_stays_within_its_bounds_on_the_worst_patches)
         {
             Mat image = Mat::zeros(13, 40, CV_8UC1);
             image.at<uchar>(3 + i / 7, 17 + i % 7) = uchar(grey);
-            Mat blurred;
-            approximateBlur(image, blurred);
-            expectWithinBounds(image, blurred, reference::blur(image));
+            expectWithinBounds(image, approximateBlur(image), reference::blur(image));
         }
 }
 
@@ -208,13 +195,9 @@ void expectAsReference(const Mat& image, const std::vector<FeaturePoint>& points
 {
     const DescriptorTests tests(descriptorPattern(patchSize, WTA_K), WTA_K);
     const Mat expected = referenceDescriptors(image, points, patchSize, WTA_K);
-    Mat blurred;
-    approximateBlur(image, blurred);
+    const Mat blurred = approximateBlur(image);
     for (int optimized = 1; optimized >= 0; optimized--)
     {
-        SCOPED_TRACE(optimized);
-        const bool before = useOptimized();
-        setUseOptimized(optimized && before);
         // rows of a wider matrix: what is beside them must stay
         Mat wide(expected.rows, 48, CV_8UC1, Scalar(0xa5));
         Mat descriptors = wide.colRange(8, 40);

@@ -14,11 +14,6 @@ namespace
 
 using namespace aqorb;
 
-void orientations(const Mat& image, const std::vector<int>& halfWidths, FeaturePoint* points, size_t count)
-{
-    orientations(image, OrientationPatch(halfWidths), points, count);
-}
-
 TEST(Aqorb_Orientation, equals_reference_at_every_pixel)
 {
     const int patches[] = {2, 3, 8, 21, 31, 32, 47, 63, 64, 90, 700};
@@ -43,10 +38,11 @@ TEST(Aqorb_Orientation, equals_reference_at_every_pixel)
                     }
                 }
                 baselinePoints = points;
-                orientations(image, halfWidths, points.data(), points.size());
+                const OrientationPatch patch(halfWidths);
+                orientations(image, patch, points.data(), points.size());
                 {
                     WithoutOptimization baseline;
-                    orientations(image, halfWidths, baselinePoints.data(), points.size());
+                    orientations(image, patch, baselinePoints.data(), points.size());
                 }
                 for (size_t i = 0; i < points.size(); i++)
                 {
