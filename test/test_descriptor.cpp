@@ -198,6 +198,9 @@ void expectAsReference(const Mat& image, const std::vector<FeaturePoint>& points
     const Mat blurred = approximateBlur(image);
     for (int optimized = 1; optimized >= 0; optimized--)
     {
+        SCOPED_TRACE(optimized);
+        const bool before = useOptimized();
+        setUseOptimized(optimized && before);
         // rows of a wider matrix: what is beside them must stay
         Mat wide(expected.rows, 48, CV_8UC1, Scalar(0xa5));
         Mat descriptors = wide.colRange(8, 40);
