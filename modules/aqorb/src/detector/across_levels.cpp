@@ -273,14 +273,6 @@ static void fillUp(const std::vector<LevelPlan>& plan, const std::vector<Level>&
     }
 }
 
-static size_t countCorners(const LevelCorners& corners)
-{
-    size_t count = 0;
-    for (const std::vector<CornerResponse>& level : corners)
-        count += level.size();
-    return count;
-}
-
 // Selects the corners of all levels that become keypoints.
 static LevelCorners selectCorners(const Parameters& parameters, const OrientationPatch& patch, Size imageSize,
                                   const std::vector<Level>& levels, const Thresholds& thresholds, int threads,
@@ -304,8 +296,10 @@ static LevelCorners selectCorners(const Parameters& parameters, const Orientatio
             });
     OctaveSuppression suppression(method.octaveDistance, imageSize, levels);
     LevelCorners selected = selectAcrossLevels(plan, corners, suppression);
-    const size_t wanted = size_t(parameters.nfeatures), count = countCorners(selected);
-    if (count == wanted)
+    size_t missing = size_t(parameters.nfeatures);
+    for (const std::vector<CornerResponse>& level : selected)
+        missing -= level.size();
+    if (missing == 0)
         return selected;
 
     // The ordered corners do not suffice: other corners fill up. A search that had no room to list these is repeated.
@@ -319,7 +313,7 @@ static LevelCorners selectCorners(const Parameters& parameters, const Orientatio
                 corners[i] =
                     otherCorners(levels[i].image, space.levels[i].all, selected[i], parameters.useHarris());
             });
-    fillUp(plan, levels, corners, wanted - count, suppression, selected);
+    fillUp(plan, levels, corners, missing, suppression, selected);
     return selected;
 }
 

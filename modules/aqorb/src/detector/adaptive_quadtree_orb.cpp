@@ -200,9 +200,7 @@ try
     input.image = grayImage(image_, &space.gray);
     std::vector<FeatureList> features;
     if (useProvidedKeypoints)
-    {
         features = groupGivenKeypoints(keypoints, parameters, size);
-    }
     else
     {
         input.mask = checkedMask(mask_, size);
