@@ -19,7 +19,7 @@
 
 #include <algorithm>
 #include <cstdint>
-#include <cstdio>
+#include <iostream>
 #include <string>
 #include <vector>
 
@@ -29,53 +29,38 @@ using aqorb::AdaptiveQuadtreeORB;
 namespace
 {
 
-//! FNV-1a hash of 64 bits. It takes numbers from their lowest byte on, on CPUs of either byte order.
+//! FNV-1a hash of 64 bits. It takes numbers as they lie in memory: only CPUs of the same byte order compare.
 class Hash
 {
 public:
-    //! Adds the size and the pixels.
-    void add(const Mat& mat)
+    Hash& add(const void* numbers, size_t bytes)
     {
-        addNumbers(&mat.rows, 1);
-        addNumbers(&mat.cols, 1);
-        for (int y = 0; y < mat.rows; y++)
-            addNumbers(mat.ptr(y), size_t(mat.cols) * mat.channels(), mat.elemSize1());
+        for (size_t i = 0; i < bytes; i++)
+            state = (state ^ static_cast<const unsigned char*>(numbers)[i]) * 0x100000001b3u;
+        return *this;
     }
-    void add(const std::vector<KeyPoint>& keypoints)
+    //! Adds the size and the pixels.
+    Hash& add(const Mat& mat)
+    {
+        add(&mat.rows, sizeof(int)).add(&mat.cols, sizeof(int));
+        for (int y = 0; y < mat.rows; y++)
+            add(mat.ptr(y), mat.cols * mat.elemSize());
+        return *this;
+    }
+    Hash& add(const std::vector<KeyPoint>& keypoints)
     {
         static_assert(sizeof(KeyPoint) == 5 * sizeof(float) + 2 * sizeof(int), "a KeyPoint has no padding");
-        addNumbers(keypoints.data(), keypoints.size() * 7, sizeof(float));
-    }
-    template <typename T> void addNumbers(const T* numbers, size_t count)
-    {
-        addNumbers(numbers, count, sizeof(T));
+        return add(keypoints.data(), keypoints.size() * sizeof(KeyPoint));
     }
     //! The hash in 16 hexadecimal digits.
     std::string text() const { return format("%08x%08x", unsigned(state >> 32), unsigned(state)); }
 
 private:
-    void addNumbers(const void* numbers, size_t count, size_t size)
-    {
-        const uint16_t one = 1;
-        const bool lowestFirst = *reinterpret_cast<const unsigned char*>(&one) == 1;
-        const unsigned char* bytes = static_cast<const unsigned char*>(numbers);
-        for (size_t i = 0; i < count * size; i++)
-            state = (state ^ bytes[lowestFirst ? i : i - i % size + (size - 1 - i % size)]) * 0x100000001b3u;
-    }
-
     uint64_t state = 0xcbf29ce484222325u;
 };
 
-template <typename T> std::string hashOf(const T& what)
-{
-    Hash hash;
-    hash.add(what);
-    return hash.text();
-}
-
-//! Makes a detector with random values of all parameters that affect the selection type. Common parameters have the
-//! same values for both types.
-Ptr<AdaptiveQuadtreeORB> makeDetector(RNG& rng, AdaptiveQuadtreeORB::SelectionType selection)
+//! Makes a detector with random values of all parameters but the selection type.
+Ptr<AdaptiveQuadtreeORB> makeDetector(RNG& rng)
 {
     const float scaleFactors[] = {1.1f, 1.2f, 1.33f, 1.5f, 2.f};
     const int patchSizes[] = {31, 31, 31, 24, 15};
@@ -92,18 +77,10 @@ Ptr<AdaptiveQuadtreeORB> makeDetector(RNG& rng, AdaptiveQuadtreeORB::SelectionTy
     detector->setMinThresholdRatio(rng.uniform(1., 6.));
     detector->setOctaveSuppression(rng.uniform(0., 3.));
     detector->setSubPixel(rng.uniform(0, 4) != 0);
-    detector->setSelectionType(selection);
     RNG selectionRng(rng.state);
     const double strengthWeights[] = {0, 0.15, 0.5, 2}, rankRadii[] = {0, 0.5, 1, 2.5};
     detector->setStrengthWeight(strengthWeights[selectionRng.uniform(0, 4)]);
     detector->setRankRadius(rankRadii[selectionRng.uniform(0, 4)]);
-    return detector;
-}
-
-Ptr<AdaptiveQuadtreeORB> makeDefault(int nfeatures, AdaptiveQuadtreeORB::SelectionType selection)
-{
-    const Ptr<AdaptiveQuadtreeORB> detector = AdaptiveQuadtreeORB::create(nfeatures);
-    detector->setSelectionType(selection);
     return detector;
 }
 
@@ -128,17 +105,17 @@ std::string hashOfGrown(const Mat& image, const std::vector<KeyPoint>& keypoints
                        -1);
     Hash hash;
     for (size_t i = 0; i < points2.size(); i++)
-    {
-        hash.addNumbers(&points1[i].x, 2);
-        hash.addNumbers(&points2[i].x, 2);
-        hash.addNumbers(&deviations[i], 1);
-    }
-    return hash.text() + " keypoints " + hashOf(grown) + " " + hashOf(moved);
+        hash.add(&points1[i], sizeof(Point2f))
+            .add(&points2[i], sizeof(Point2f))
+            .add(&deviations[i], sizeof(float));
+    return hash.text() + " keypoints " + Hash().add(grown).text() + " " + Hash().add(moved).text();
 }
 
-void printLine(const std::string& name, const Mat& image, const Mat& mask, AdaptiveQuadtreeORB& detector)
+void printLine(const std::string& name, const Mat& image, const Mat& mask,
+               AdaptiveQuadtreeORB::SelectionType selection, AdaptiveQuadtreeORB& detector)
 {
     std::vector<Mat> levels;
+    detector.setSelectionType(selection);
     detector.buildPyramid(image, levels);
     Hash pyramid;
     for (const Mat& level : levels)
@@ -151,13 +128,10 @@ void printLine(const std::string& name, const Mat& image, const Mat& mask, Adapt
     const double measures[] = {aqorb::adaptiveFastThreshold(image, mask),
                                aqorb::distributionUniformity(keypoints, image.size()),
                                aqorb::distributionOccupancy(keypoints, image.size())};
-    Hash hashOfMeasures;
-    hashOfMeasures.addNumbers(measures, 3);
-
-    std::printf("%s image %s pyramid %s measures %s keypoints %d %s descriptors %s grown %s\n", name.c_str(),
-                hashOf(image).c_str(), pyramid.text().c_str(), hashOfMeasures.text().c_str(),
-                int(keypoints.size()), hashOf(keypoints).c_str(), hashOf(descriptors).c_str(),
-                hashOfGrown(image, keypoints).c_str());
+    std::cout << name << " image " << Hash().add(image).text() << " pyramid " << pyramid.text()
+              << " measures " << Hash().add(measures, sizeof(measures)).text() << " keypoints "
+              << keypoints.size() << " " << Hash().add(keypoints).text() << " descriptors "
+              << Hash().add(descriptors).text() << " grown " << hashOfGrown(image, keypoints) << std::endl;
 }
 
 //! 60 drawn scenes, one of four with a mask.
@@ -175,8 +149,8 @@ void printScenes(RNG& rng, AdaptiveQuadtreeORB::SelectionType selection)
             mask(Rect(size.width / 5, size.height / 5, size.width / 2, size.height / 2))
                 .setTo(rng.uniform(1, 256));
         }
-        printLine(format("scene %d", i), scene, mask,
-                  *(i == 0 ? makeDefault(500, selection) : makeDetector(rng, selection)));
+        printLine(format("scene %d", i), scene, mask, selection,
+                  *(i == 0 ? AdaptiveQuadtreeORB::create(500) : makeDetector(rng)));
     }
 }
 
@@ -195,8 +169,8 @@ int main(int argc, char** argv)
         else
             CV_Error(Error::StsBadArg, files[0] + ": --plain or --quadtree is accepted");
     }
-    std::fprintf(stderr, "%s, %s%s\n", CV_VERSION, getCPUFeaturesLine().c_str(),
-                 useOptimized() ? "" : ", setUseOptimized(false)");
+    std::cerr << CV_VERSION << ", " << getCPUFeaturesLine()
+              << (useOptimized() ? "" : ", setUseOptimized(false)") << std::endl;
 
     RNG rng(20191);
     printScenes(rng, selection);
@@ -205,8 +179,8 @@ int main(int argc, char** argv)
         const Mat image = imread(file, IMREAD_COLOR);
         if (image.empty())
             CV_Error(Error::StsObjectNotFound, "cannot read " + file);
-        printLine(file + " by default", image, Mat(), *makeDefault(1000, selection));
-        printLine(file + " with drawn parameters", image, Mat(), *makeDetector(rng, selection));
+        printLine(file + " by default", image, Mat(), selection, *AdaptiveQuadtreeORB::create(1000));
+        printLine(file + " with drawn parameters", image, Mat(), selection, *makeDetector(rng));
     }
     return 0;
 }
