@@ -50,13 +50,6 @@ const std::vector<std::string> FRAMES = {"bikes/img1.png",    "leuven/img1.png",
 
 typedef std::function<Ptr<Feature2D>(int nfeatures)> Creator;
 
-struct Options
-{
-    std::vector<int> numbers;  // of features
-    int turns;
-    bool isCold;  // touches other memory before each frame
-};
-
 //! Loads a drawn scene, a file, or a photograph of opencv_extra such as bikes/img1.png.
 Mat loadImage(const std::string& name)
 {
@@ -104,74 +97,61 @@ void touchOtherMemory()
         words[i]++;
 }
 
-//! Table of the times of two works, measured in turns: A B, B A, A B.
-class Table
+//! Prints a row with the times of two detectors, measured in turns: A B, B A, A B. Returns the ratio of the medians.
+double measureRow(const CommandLineParser& options, const std::string& name, int n, Feature2D& theirs,
+                  Feature2D& ours)
 {
-public:
-    Table(const Options& options_, const std::string& other) : options(options_)
+    const Mat image = loadImage(name);
+    const int turns = std::max(options.get<int>("turns"), 1);
+    std::vector<KeyPoint> keypoints[2];
+    Mat descriptors[2];
+    std::vector<double> times[2], quotients;
+    for (int turn = 0; turn <= turns; turn++)
     {
-        std::cout << "| image | n | threads | " << other
-                  << ", ms | aqorb, ms | ratio | 90th percentiles |\n|---|---:|---:|---:|---:|---:|---:|\n";
-    }
-    void measure(const std::string& name, int n, const std::function<void()>& theirs,
-                 const std::function<void()>& ours)
-    {
-        std::vector<double> times[2], quotients;
-        for (int turn = 0; turn <= std::max(options.turns, 1); turn++)
+        double ms[2];
+        for (int i = 0; i < 2; i++)
         {
-            double ms[2];
-            for (int i = 0; i < 2; i++)
-            {
-                const bool isOurs = i == turn % 2;
-                if (options.isCold)
-                    touchOtherMemory();
-                const int64 start = getTickCount();
-                isOurs ? ours() : theirs();
-                ms[isOurs] = 1e3 * double(getTickCount() - start) / getTickFrequency();
-            }
-            if (turn == 0)
-                continue;  // the first turn fills caches and allocates
-            times[0].push_back(ms[0]);
-            times[1].push_back(ms[1]);
-            quotients.push_back(ms[0] / ms[1]);
+            const bool isOurs = i == turn % 2;
+            if (options.has("cold"))
+                touchOtherMemory();
+            const int64 start = getTickCount();
+            (isOurs ? ours : theirs)
+                .detectAndCompute(image, noArray(), keypoints[isOurs], descriptors[isOurs]);
+            ms[isOurs] = 1e3 * double(getTickCount() - start) / getTickFrequency();
         }
-        for (std::vector<double>* values : {&times[0], &times[1], &quotients})
-            std::sort(values->begin(), values->end());
-        const size_t middle = quotients.size() / 2, late = quotients.size() * 9 / 10;
-        std::cout << format("| %s | %d | %d | %.2f | %.2f | %.2f | %.2f, %.2f |\n", name.c_str(), n,
-                            getNumThreads(), times[0][middle], times[1][middle], quotients[middle],
-                            times[0][late], times[1][late])
-                  << std::flush;
-        logarithms.push_back(std::log(quotients[middle]));
+        if (turn == 0)
+            continue;  // the first turn fills caches and allocates
+        times[0].push_back(ms[0]);
+        times[1].push_back(ms[1]);
+        quotients.push_back(ms[0] / ms[1]);
     }
-    ~Table()
-    {
-        if (!logarithms.empty())
-            std::cout << format("\nRatio: geometric mean %.3f, lowest %.2f\n\n",
-                                std::exp(mean(logarithms)[0]),
-                                std::exp(*std::min_element(logarithms.begin(), logarithms.end())));
-    }
+    for (std::vector<double>* values : {&times[0], &times[1], &quotients})
+        std::sort(values->begin(), values->end());
+    const size_t middle = quotients.size() / 2, late = quotients.size() * 9 / 10;
+    std::cout << format("| %s | %d | %d | %.2f | %.2f | %.2f | %.2f, %.2f |\n", name.c_str(), n,
+                        getNumThreads(), times[0][middle], times[1][middle], quotients[middle],
+                        times[0][late], times[1][late])
+              << std::flush;
+    return quotients[middle];
+}
 
-private:
-    Options options;
-    std::vector<double> logarithms;  // logarithms of the ratios
-};
-
-void measureFrames(const Options& options, const Creator& create, const std::vector<std::string>& images)
+void measureFrames(const CommandLineParser& options, const Creator& create,
+                   const std::vector<std::string>& images)
 {
-    Table table(options, create ? "other build" : "cv::ORB");
+    std::cout << "| image | n | threads | " << (create ? "other build" : "cv::ORB")
+              << ", ms | aqorb, ms | ratio | 90th percentiles |\n|---|---:|---:|---:|---:|---:|---:|\n";
+    const int only = options.get<int>("n");
+    const std::vector<int> numbers = only > 0 ? std::vector<int>{only} : std::vector<int>{500, 1000, 2000};
+    std::vector<double> logarithms;  // of the ratios
     for (const std::string& name : images)
-        for (const int n : options.numbers)
+        for (const int n : numbers)
         {
-            const Mat image = loadImage(name);
-            std::vector<KeyPoint> keypoints[2];
-            Mat descriptors[2];
-            const Ptr<Feature2D> ours = AdaptiveQuadtreeORB::create(n);
             const Ptr<Feature2D> theirs = create ? create(n) : Ptr<Feature2D>(ORB::create(n));
-            table.measure(
-                name, n, [&] { theirs->detectAndCompute(image, noArray(), keypoints[0], descriptors[0]); },
-                [&] { ours->detectAndCompute(image, noArray(), keypoints[1], descriptors[1]); });
+            const double ratio = measureRow(options, name, n, *theirs, *AdaptiveQuadtreeORB::create(n));
+            logarithms.push_back(std::log(ratio));
         }
+    std::cout << format("\nRatio: geometric mean %.3f, lowest %.2f\n\n", std::exp(mean(logarithms)[0]),
+                        std::exp(*std::min_element(logarithms.begin(), logarithms.end())));
 }
 
 }  // namespace
@@ -195,9 +175,7 @@ try
     for (int i = 0; i < parser.get<int>("busy"); i++)
         std::thread(keepBusy).detach();
     setNumThreads(parser.get<int>("threads"));
-    const std::vector<int> one(1, parser.get<int>("n")), several = {500, 1000, 2000};
-    const Options options = {one[0] > 0 ? one : several, parser.get<int>("turns"), parser.has("cold")};
-    measureFrames(options, create, images);
+    measureFrames(parser, create, images);
     return 0;
 }
 catch (const std::exception& error)
