@@ -8,13 +8,6 @@
 #include "sample.hpp"
 
 #include <opencv2/aqorb.hpp>
-#if CV_VERSION_MAJOR >= 5
-#include <opencv2/geometry.hpp>
-#else
-#include <opencv2/calib3d.hpp>
-#endif
-
-#include <algorithm>
 
 using namespace cv;
 
@@ -51,11 +44,11 @@ struct Method
 struct Found
 {
     std::vector<KeyPoint> keypoints;        // of image 1
-    std::vector<Point2f> points1, points2;  // the same spots in both images
-    std::vector<uchar> agrees;              // by match, whether it agrees with the geometry
+    size_t matches;                         // number of matches, whether or not they agree
+    std::vector<Point2f> points1, points2;  // of the matches that agree with the geometry
     std::vector<double> frames, pairs;      // times in milliseconds
 
-    int places() const { return countPlaces(points1, points2, agrees); }
+    int places() const { return countPlaces(points1, points2); }
 };
 
 //! Finds points of two images that show the same spots.
@@ -83,18 +76,18 @@ void match(const Method& method, const Mat& image1, const Mat& image2, Found& fo
     }
 }
 
-//! Selects the matches that agree with a homography or an epipolar geometry.
+//! Keeps the matches that agree with a homography or an epipolar geometry.
 void estimate(const Method& method, bool isEpipolar, Found& found)
 {
-    found.agrees.clear();
-    if (found.points1.size() < 8)
-        return;
-    if (isEpipolar)
+    std::vector<uchar> agrees;
+    found.matches = found.points1.size();
+    if (found.matches >= 8 && isEpipolar)
         findFundamentalMat(found.points1, found.points2, USAC_MAGSAC, method.threshold, 0.9999, 10000,
-                           found.agrees);
-    else
-        findHomography(found.points1, found.points2, USAC_MAGSAC, method.threshold, found.agrees, 10000,
-                       0.9999);
+                           agrees);
+    else if (found.matches >= 8)
+        findHomography(found.points1, found.points2, USAC_MAGSAC, method.threshold, agrees, 10000, 0.9999);
+    found.points1 = flagged(found.points1, agrees);
+    found.points2 = flagged(found.points2, agrees);
 }
 
 void measure(const Method& method, const Mat& image1, const Mat& image2, bool isEpipolar, Found& found)
@@ -112,52 +105,37 @@ void measure(const Method& method, const Mat& image1, const Mat& image2, bool is
     found.pairs.push_back(pair.getTimeMilli());
 }
 
-//! Prints the median times of each method, and how many times as fast as the first method each one is.
-void printTimes(const String& label, const std::vector<Found>& found, std::vector<double> Found::*times)
+double median(std::vector<double> values)
 {
-    std::vector<double> medians;
-    for (const Found& each : found)
-    {
-        std::vector<double> sorted = each.*times;
-        std::sort(sorted.begin(), sorted.end());
-        medians.push_back(sorted[sorted.size() / 2]);
-    }
-    printRow(label + " in ms", medians, [](double median) { return format("%.1f", median); });
-    printRow("  times as fast", medians, [&](double median) { return format("%.1f", medians[0] / median); });
+    std::sort(values.begin(), values.end());
+    return values[values.size() / 2];
 }
 
-//! Both images side by side, 800 pixels wide each, with their points. Pairs of points have at most 100 lines: more would
-//! hide the images.
+//! The image 800 pixels wide, and its points there.
+Mat reduce(const Mat& image, const std::vector<Point2f>& points, std::vector<KeyPoint>& keypoints)
+{
+    const double scale = 800. / image.cols;
+    for (const Point2f& point : points)
+        keypoints.emplace_back((point + Point2f(.5f, .5f)) * scale - Point2f(.5f, .5f), 1.f);
+    Mat reduced;
+    resize(image, reduced, Size(800, cvCeil(image.rows * scale)), 0, 0,
+           scale < 1 ? INTER_AREA : INTER_LINEAR);
+    return reduced;
+}
+
+//! Both images side by side with their points. Pairs of points have at most 100 lines: more would hide the images.
 Mat draw(const Mat& image1, const std::vector<Point2f>& points1, const Mat& image2,
          const std::vector<Point2f>& points2, bool hasLines, const String& caption)
 {
-    const Mat* const images[] = {&image1, &image2};
-    const std::vector<Point2f>* const points[] = {&points1, &points2};
-    Mat reduced[2], picture;
-    std::vector<KeyPoint> keypoints[2];
-    for (int i = 0; i < 2; i++)
-    {
-        const double scale = 800. / images[i]->cols;
-        resize(*images[i], reduced[i], Size(800, cvCeil(images[i]->rows * scale)), 0, 0,
-               scale < 1 ? INTER_AREA : INTER_LINEAR);
-        for (const Point2f& point : *points[i])
-            keypoints[i].emplace_back((point + Point2f(.5f, .5f)) * scale - Point2f(.5f, .5f), 1.f);
-    }
+    std::vector<KeyPoint> keypoints1, keypoints2;
+    const Mat left = reduce(image1, points1, keypoints1), right = reduce(image2, points2, keypoints2);
     std::vector<DMatch> lines;
     for (int i = 0; hasLines && i < int(points1.size()); i += int(points1.size()) / 100 + 1)
         lines.emplace_back(i, i, 0.f);
     const Scalar yellow(0, 255, 255);
-    drawMatches(reduced[0], keypoints[0], reduced[1], keypoints[1], lines, picture, yellow, yellow);
+    Mat picture;
+    drawMatches(left, keypoints1, right, keypoints2, lines, picture, yellow, yellow);
     return captioned(picture, caption);
-}
-
-std::vector<Point2f> agreeing(const std::vector<Point2f>& points, const std::vector<uchar>& agrees)
-{
-    std::vector<Point2f> chosen;
-    for (size_t i = 0; i < agrees.size(); i++)
-        if (agrees[i])
-            chosen.push_back(points[i]);
-    return chosen;
 }
 
 //! Compares the methods on two images, and writes a picture.
@@ -180,31 +158,34 @@ void compare(const Mat& image1, const Mat& image2, int nfeatures, const String& 
     estimate(methods[2], false, plane);
     estimate(methods[2], true, depth);
     const bool isSame = plane.places() >= MIN_PLACES;
-    const bool isEpipolar = isSame && countNonZero(depth.agrees) > 1.5 * countNonZero(plane.agrees);
+    const bool isEpipolar = isSame && 2 * depth.points1.size() > 3 * plane.points1.size();
 
     std::vector<Found> found(methods.size());
     for (int turn = 0; turn < 11; turn++)  // in turns, so that other programs slow all methods equally
         for (size_t i = 0; i < methods.size(); i++)
             measure(methods[i], image1, image2, isEpipolar, found[i]);
 
-    printRow(isEpipolar ? "by epipolar lines" : "by a homography", methods,
-             [](const Method& method) { return method.name; });
-    printRow("keypoints of image 1", found,
-             [](const Found& each) { return format("%d", int(each.keypoints.size())); });
-    const auto occupancy = [&](const Found& each)
-    { return 100 * aqorb::distributionOccupancy(each.keypoints, image1.size(), Size(16, 12)); };
-    printRow("  cells of a 16 x 12 grid that hold one", found,
-             [&](const Found& each) { return format("%.0f %%", occupancy(each)); });
-    printRow("matches that agree, of all", found,
-             [](const Found& each)
-             { return format("%d of %d", countNonZero(each.agrees), int(each.agrees.size())); });
-    printRow("  their places", found, [](const Found& each) { return format("%d", each.places()); });
-    printTimes("frame", found, &Found::frames);
-    printTimes("pair", found, &Found::pairs);
+    std::vector<std::vector<String>> columns = {
+        {isEpipolar ? "by epipolar lines" : "by a homography", "keypoints of image 1",
+         "  cells of a 16 x 12 grid that hold one", "matches that agree, of all", "  their places",
+         "frame in ms", "  times as fast", "pair in ms", "  times as fast"}};
+    const double orbFrame = median(found[0].frames), orbPair = median(found[0].pairs);
+    for (size_t i = 0; i < found.size(); i++)
+    {
+        const double occupancy =
+            aqorb::distributionOccupancy(found[i].keypoints, image1.size(), Size(16, 12));
+        const double frame = median(found[i].frames), pair = median(found[i].pairs);
+        columns.push_back({methods[i].name, format("%d", int(found[i].keypoints.size())),
+                           format("%.0f %%", 100 * occupancy),
+                           format("%d of %d", int(found[i].points1.size()), int(found[i].matches)),
+                           format("%d", found[i].places()), format("%.1f", frame),
+                           format("%.1f", orbFrame / frame), format("%.1f", pair),
+                           format("%.1f", orbPair / pair)});
+    }
+    printTable(columns);
     if (!isSame)
-        std::cout << "Fewer than " << MIN_PLACES
-                  << " places of matchImages agree with a homography: the images "
-                  << "probably show different things.\n";
+        std::cout << "Fewer than " << MIN_PLACES << " places of matchImages agree with a homography: "
+                  << "the images probably show different things.\n";
 
     std::vector<Point2f> keypoints[2];
     for (int i = 0; i < 2; i++)
@@ -213,8 +194,7 @@ void compare(const Mat& image1, const Mat& image2, int nfeatures, const String& 
         draw(image1, keypoints[0], image1, keypoints[1], false,
              "keypoints of image 1: cv::ORB on the left, AdaptiveQuadtreeORB on the right")};
     for (size_t i = 0; i < found.size(); i++)
-        rows.push_back(draw(image1, agreeing(found[i].points1, found[i].agrees), image2,
-                            agreeing(found[i].points2, found[i].agrees), true,
+        rows.push_back(draw(image1, found[i].points1, image2, found[i].points2, true,
                             methods[i].name + format(": %d places", found[i].places())));
     Mat picture;
     vconcat(rows, picture);

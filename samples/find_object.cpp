@@ -8,11 +8,6 @@
 #include "sample.hpp"
 
 #include <opencv2/aqorb.hpp>
-#if CV_VERSION_MAJOR >= 5
-#include <opencv2/geometry.hpp>
-#else
-#include <opencv2/calib3d.hpp>
-#endif
 
 using namespace cv;
 
@@ -56,7 +51,7 @@ static int findObject(int argc, char** argv)
         homography = findHomography(points1, points2, USAC_MAGSAC, 1.5, isInlier);
     time.stop();
 
-    const int places = countPlaces(points1, points2, isInlier);
+    const int places = countPlaces(flagged(points1, isInlier), flagged(points2, isInlier));
     const bool isFound = !homography.empty() && places >= enough;
     std::cout << (isFound ? "found: " : "not found: ") << places << " places, "
               << format("%.1f", time.getTimeMilli()) << " ms" << std::endl;

@@ -12,9 +12,13 @@
 #include <opencv2/core/utils/filesystem.hpp>
 #include <opencv2/imgcodecs.hpp>
 #include <opencv2/imgproc.hpp>
+#if CV_VERSION_MAJOR >= 5
+#include <opencv2/geometry.hpp>
+#else
+#include <opencv2/calib3d.hpp>
+#endif
 
 #include <algorithm>
-#include <cstdio>
 #include <cstdlib>
 #include <iostream>
 #include <set>
@@ -101,18 +105,25 @@ inline cv::String pictureOption(const cv::CommandLineParser& parser)
 //! Two images whose grown matches agree with a homography in fewer places probably show different things.
 const int MIN_PLACES = 10;
 
-//! Number of places of matches: cells of 16 x 16 pixels with a match that agrees, in the image that has fewer of them.
-//! Growth multiplies wrong matches, too, but these crowd in few places.
-inline int countPlaces(const std::vector<cv::Point2f>& points1, const std::vector<cv::Point2f>& points2,
-                       const std::vector<uchar>& agrees)
+//! Elements whose flag is set.
+template <typename T> std::vector<T> flagged(const std::vector<T>& values, const std::vector<uchar>& flags)
+{
+    std::vector<T> chosen;
+    for (size_t i = 0; i < flags.size(); i++)
+        if (flags[i])
+            chosen.push_back(values[i]);
+    return chosen;
+}
+
+//! Number of places of matches: cells of 16 x 16 pixels with a match, in the image that has fewer of them. Growth
+//! multiplies wrong matches, too, but these crowd in few places.
+inline int countPlaces(const std::vector<cv::Point2f>& points1, const std::vector<cv::Point2f>& points2)
 {
     std::set<std::pair<int, int>> cells1, cells2;
-    for (size_t i = 0; i < agrees.size(); i++)
-        if (agrees[i])
-        {
-            cells1.emplace(cvFloor(points1[i].x / 16), cvFloor(points1[i].y / 16));
-            cells2.emplace(cvFloor(points2[i].x / 16), cvFloor(points2[i].y / 16));
-        }
+    for (const cv::Point2f& point : points1)
+        cells1.emplace(cvFloor(point.x / 16), cvFloor(point.y / 16));
+    for (const cv::Point2f& point : points2)
+        cells2.emplace(cvFloor(point.x / 16), cvFloor(point.y / 16));
     return int(std::min(cells1.size(), cells2.size()));
 }
 
@@ -126,14 +137,16 @@ inline cv::Mat captioned(const cv::Mat& picture, const cv::String& text,
     return result;
 }
 
-//! A row of a table: its label, and a text for each column.
-template <typename Column, typename Text>
-void printRow(const cv::String& label, const std::vector<Column>& columns, const Text& text)
+//! Prints a table by columns. The first column holds the labels of the rows.
+inline void printTable(const std::vector<std::vector<cv::String>>& columns)
 {
-    std::printf("%-45s", label.c_str());
-    for (const Column& column : columns)
-        std::printf(" %19s", text(column).c_str());
-    std::printf("\n");
+    for (size_t row = 0; row < columns[0].size(); row++)
+    {
+        std::cout << cv::format("%-45s", columns[0][row].c_str());
+        for (size_t i = 1; i < columns.size(); i++)
+            std::cout << cv::format(" %19s", columns[i][row].c_str());
+        std::cout << std::endl;
+    }
 }
 
 inline void writePicture(const cv::String& file, const cv::Mat& picture)

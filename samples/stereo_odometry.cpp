@@ -11,11 +11,6 @@
 
 #include <opencv2/aqorb.hpp>
 #include <opencv2/core/affine.hpp>
-#if CV_VERSION_MAJOR >= 5
-#include <opencv2/geometry.hpp>
-#else
-#include <opencv2/calib3d.hpp>
-#endif
 
 #include <fstream>
 
@@ -124,29 +119,31 @@ void positions(bool grows, Frame& frame1, Frame& frame2, std::vector<DMatch>& ma
     }
 }
 
+Frame detect(const Ptr<ORB>& detector, const Mat& image)
+{
+    Frame frame;
+    frame.image = image;
+    detector->detectAndCompute(image, noArray(), frame.keypoints, frame.descriptors);
+    return frame;
+}
+
 /** Features of the left image with a mutually best match in the right image, within some rows and at most MAX_DISPARITY
  pixels further left; then grown ones, which have no descriptor. */
 Frame stereoFrame(Odometry& odometry, const Mat& left, const Mat& right, const Sequence& sequence)
 {
     const float ROWS = 3, MIN_DISPARITY = 0.5f, MAX_DISPARITY = 200;
-    Frame frames[2], frame;
-    for (int i = 0; i < 2; i++)
-    {
-        frames[i].image = i == 0 ? left : right;
-        odometry.detector->detectAndCompute(frames[i].image, noArray(), frames[i].keypoints,
-                                            frames[i].descriptors);
-    }
+    Frame leftFrame = detect(odometry.detector, left), rightFrame = detect(odometry.detector, right), frame;
     std::vector<Point2f> predicted, pointsLeft, pointsRight;
-    for (const KeyPoint& keypoint : frames[0].keypoints)
+    for (const KeyPoint& keypoint : leftFrame.keypoints)
         predicted.push_back(keypoint.pt - Point2f((MIN_DISPARITY + MAX_DISPARITY) / 2, 0));
     const Size2f reach((MAX_DISPARITY - MIN_DISPARITY) / 2, ROWS);
     Mat pairs, distances;
-    aqorb::matchByPosition(frames[0].descriptors, predicted, frames[1].descriptors, frames[1].keypoints,
+    aqorb::matchByPosition(leftFrame.descriptors, predicted, rightFrame.descriptors, rightFrame.keypoints,
                            reach, pairs, distances, 0, true);
     std::vector<DMatch> matches;
     for (int i = 0; i < pairs.rows; i++)
         matches.emplace_back(pairs.at<int>(i, 0), pairs.at<int>(i, 1), 0.f);
-    positions(odometry.grows, frames[0], frames[1], matches, pointsLeft, pointsRight, true);
+    positions(odometry.grows, leftFrame, rightFrame, matches, pointsLeft, pointsRight, true);
 
     frame.image = left;
     const Matx33d& k = sequence.camera;
@@ -157,9 +154,9 @@ Frame stereoFrame(Odometry& odometry, const Mat& left, const Mat& right, const S
         if (disparity.x < MIN_DISPARITY)
             continue;
         const double depth = k(0, 0) * sequence.baseline / disparity.x;
-        frame.keypoints.push_back(frames[0].keypoints[query]);
-        if (query < frames[0].descriptors.rows)
-            frame.descriptors.push_back(frames[0].descriptors.row(query));
+        frame.keypoints.push_back(leftFrame.keypoints[query]);
+        if (query < leftFrame.descriptors.rows)
+            frame.descriptors.push_back(leftFrame.descriptors.row(query));
         frame.points.emplace_back((p.x - k(0, 2)) * depth / k(0, 0), (p.y - k(1, 2)) * depth / k(1, 1),
                                   depth);
     }
@@ -203,21 +200,21 @@ Affine3d estimateMotion(Odometry& odometry, Frame next, const Matx33d& camera)
 //! Error of the translation over `step` frames, in per cent of the path.
 double translationError(const std::vector<Affine3d>& motions, const std::vector<Affine3d>& truth, size_t step)
 {
+    std::vector<Affine3d> path(1);
+    for (const Affine3d& motion : motions)
+        path.push_back(path.back() * motion);
     double sum = 0;
-    size_t count = 0;
-    for (; count + step <= motions.size(); count++)
+    size_t first = 0;
+    for (; first + step < path.size(); first++)
     {
-        Affine3d motion;
         double length = 0;
-        for (size_t i = count; i < count + step; i++)
-        {
-            motion = motion * motions[i];
+        for (size_t i = first; i < first + step; i++)
             length += norm(truth[i + 1].translation() - truth[i].translation());
-        }
-        const Affine3d trueMotion = truth[count].inv() * truth[count + step];
+        const Affine3d motion = path[first].inv() * path[first + step];
+        const Affine3d trueMotion = truth[first].inv() * truth[first + step];
         sum += 100 * norm((trueMotion.inv() * motion).translation()) / std::max(length, 1e-6);
     }
-    return sum / std::max(double(count), 1.);
+    return sum / std::max(double(first), 1.);
 }
 
 //! The left image with the tracked features: each has a line from its position in the frame before.
@@ -259,18 +256,21 @@ int stereoOdometry(int argc, char** argv)
     }
 
     const double frames = double(sequence.left.size()), motions = std::max(frames - 1, 1.);
-    printRow(format("%d frames", int(frames)), odometries, [](const Odometry& o) { return o.name; });
-    printRow("keypoints of the left image with a depth", odometries,
-             [&](const Odometry& o) { return format("%.0f", o.depths / frames); });
-    printRow("inliers of the motion, mean", odometries,
-             [&](const Odometry& o) { return format("%.0f", o.inliers / motions); });
+    std::vector<std::vector<String>> columns = {{format("%d frames", int(frames)),
+                                                 "keypoints of the left image with a depth",
+                                                 "inliers of the motion, mean"}};
     if (!sequence.poses.empty())
-        printRow("translation error over 10 frames, of the path", odometries,
-                 [&](const Odometry& o)
-                 { return format("%.2f %%", translationError(o.motions, sequence.poses, 10)); });
+        columns[0].push_back("translation error over 10 frames, of the path");
     std::vector<Mat> tracks;
-    for (const Odometry& odometry : odometries)
-        tracks.push_back(trackPicture(odometry));
+    for (const Odometry& each : odometries)
+    {
+        columns.push_back(
+            {each.name, format("%.0f", each.depths / frames), format("%.0f", each.inliers / motions)});
+        if (!sequence.poses.empty())
+            columns.back().push_back(format("%.2f %%", translationError(each.motions, sequence.poses, 10)));
+        tracks.push_back(trackPicture(each));
+    }
+    printTable(columns);
     Mat picture;
     vconcat(tracks, picture);
     writePicture(out, picture);

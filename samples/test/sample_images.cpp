@@ -31,20 +31,6 @@ static Mat photographOrScene()
     return photograph.empty() ? opencv_test::makeScene(Size(900, 600)) : photograph;
 }
 
-// Stereo pairs of a plane at a disparity of ten pixels, with a camera that moves ahead.
-static void saveStereo(const String& folder, const Mat& scene)
-{
-    utils::fs::createDirectories(folder + "/image_0");
-    utils::fs::createDirectories(folder + "/image_1");
-    std::ofstream(folder + "/calib.txt") << "P0: 500 0 320 0 0 500 240 0 0 0 1 0\n"
-                                            "P1: 500 0 320 -250 0 500 240 0 0 0 1 0\n";
-    for (int i = 0; i < 3; i++)
-    {
-        save(folder + format("/image_0/%06d.png", i), scene(Rect(60 + 4 * i, 50, 640, 480)));
-        save(folder + format("/image_1/%06d.png", i), scene(Rect(70 + 4 * i, 50, 640, 480)));
-    }
-}
-
 int main(int argc, char** argv)
 {
     CV_Assert(argc == 2);
@@ -71,7 +57,18 @@ int main(int argc, char** argv)
         part.convertTo(part, CV_8U);
         save(folder + format("part%d.png", i + 1), part);
     }
-    saveStereo(folder + "stereo", scene);
+
+    // Stereo pairs of a plane at a disparity of ten pixels, with a camera that moves ahead.
+    utils::fs::createDirectories(folder + "stereo/image_0");
+    utils::fs::createDirectories(folder + "stereo/image_1");
+    std::ofstream(folder + "stereo/calib.txt") << "P0: 500 0 320 0 0 500 240 0 0 0 1 0\n"
+                                                  "P1: 500 0 320 -250 0 500 240 0 0 0 1 0\n";
+    for (int i = 0; i < 3; i++)
+    {
+        save(folder + format("stereo/image_0/%06d.png", i), scene(Rect(60 + 4 * i, 50, 640, 480)));
+        save(folder + format("stereo/image_1/%06d.png", i), scene(Rect(70 + 4 * i, 50, 640, 480)));
+    }
+
     Mat noise(480, 640, CV_8U);
     rng.fill(noise, RNG::UNIFORM, 0, 256);
     save(folder + "noise.png", noise);
