@@ -19,18 +19,6 @@ using namespace cv;
 using namespace cv::aqorb;
 using aqorb_preload::isVariableOn;
 
-typedef void (*BatchDistance)(cv::InputArray, cv::InputArray, cv::OutputArray, int, cv::OutputArray, int, int,
-                              cv::InputArray, int, bool);
-
-BatchDistance originalBatchDistance()
-{
-    static const BatchDistance original = reinterpret_cast<BatchDistance>(
-        aqorb_preload::originalOf(reinterpret_cast<void*>(BatchDistance(&cv::batchDistance))));
-    if (!original)
-        CV_Error(cv::Error::StsNotImplemented, "OpenCV's cv::batchDistance was not found");
-    return original;
-}
-
 // Whether the arguments form a valid call with a Hamming norm. OpenCV handles all other calls, with its own messages.
 bool isHammingCall(const cv::Mat& src1, const cv::Mat& src2, int dtype, bool hasIndices, int normType, int K,
                    const cv::Mat& mask, int update, bool crosscheck)
@@ -60,19 +48,6 @@ void insertDistances(const int* distances, const uchar* allowed, int count, int 
         }
         least[k] = distance;
         indices[k] = firstIndex + i;
-    }
-}
-
-void writeLists(const std::vector<DistanceKey>& nearest, Mat& dist, Mat& nidx)
-{
-    for (int i = 0; i < dist.rows; i++)
-    {
-        const DistanceKey* const list = &nearest[size_t(i) * dist.cols];
-        for (int k = 0; k < dist.cols; k++)
-        {
-            dist.at<int>(i, k) = list[k] == NO_KEY ? INT_MAX : distanceOf(list[k]);
-            nidx.at<int>(i, k) = indexOf(list[k]);
-        }
     }
 }
 
@@ -114,36 +89,29 @@ void batchHammingDistance(const Mat& query, const Mat& train, OutputArray dist_,
         dist.setTo(INT_MAX);
         nidx.setTo(-1);
     }
-    if (K == 0 || update != 0)
+    const auto addDistances = [&](int i, int first, const int* distances, int count)
     {
-        allDistances(query, train, countPairs,
-                     [&](int i, int first, const int* distances, int count)
-                     {
-                         const uchar* const allowed = mask.empty() ? 0 : mask.ptr(i) + first;
-                         if (K > 0)
-                             insertDistances(distances, allowed, count, first + update, K, dist.ptr<int>(i),
-                                             nidx.ptr<int>(i));
-                         for (int j = 0; K == 0 && j < count; j++)
-                             dist.at<int>(i, first + j) = !allowed || allowed[j] ? distances[j] : INT_MAX;
-                     });
-        return;
-    }
+        const uchar* const allowed = mask.empty() ? 0 : mask.ptr(i) + first;
+        if (K > 0)
+            insertDistances(distances, allowed, count, first + update, K, dist.ptr<int>(i), nidx.ptr<int>(i));
+        for (int j = 0; K == 0 && j < count; j++)
+            dist.at<int>(i, first + j) = !allowed || allowed[j] ? distances[j] : INT_MAX;
+    };
+    if (K == 0 || update != 0)
+        return allDistances(query, train, countPairs, addDistances);
     std::vector<DistanceKey> nearest(size_t(query.rows) * K, NO_KEY),
         nearestQueries(crosscheck ? size_t(train.rows) : 0, NO_KEY);
     nearestDescriptors(query, train, mask, countPairs, 0, K, nearest.data(),
                        crosscheck ? nearestQueries.data() : 0);
     if (crosscheck)
-        writeCrossChecked(nearest, nearestQueries, dist, nidx);
-    else
-        writeLists(nearest, dist, nidx);
-}
-
-// Prints a notice once per process, at the first call.
-void noticeInterposition()
-{
-    static std::once_flag once;
-    std::call_once(once, []
-                   { std::fprintf(stderr, "aqorb: cv::batchDistance gives aqorb's Hamming distances\n"); });
+        return writeCrossChecked(nearest, nearestQueries, dist, nidx);
+    for (int i = 0; i < query.rows; i++)
+        for (int k = 0; k < K; k++)
+        {
+            const DistanceKey key = nearest[size_t(i) * K + k];
+            dist.at<int>(i, k) = key == NO_KEY ? INT_MAX : distanceOf(key);
+            nidx.at<int>(i, k) = indexOf(key);
+        }
 }
 
 }  // namespace
@@ -158,11 +126,13 @@ void batchDistance(InputArray src1, InputArray src2, OutputArray dist, int dtype
         !isHammingCall(src1.getMat(), src2.getMat(), dtype, nidx.needed(), normType, K, mask.getMat(), update,
                        crosscheck))
     {
-        originalBatchDistance()(src1, src2, dist, dtype, nidx, normType, K, mask, update, crosscheck);
-        return;
+        static const auto original = aqorb_preload::originalOf(&cv::batchDistance, "cv::batchDistance");
+        return original(src1, src2, dist, dtype, nidx, normType, K, mask, update, crosscheck);
     }
+    static std::once_flag once;
     if (isVariableOn("AQORB_VERBOSE"))
-        noticeInterposition();
+        std::call_once(
+            once, [] { std::fprintf(stderr, "aqorb: cv::batchDistance gives aqorb's Hamming distances\n"); });
     batchHammingDistance(src1.getMat(), src2.getMat(), dist, nidx, normType == NORM_HAMMING2, K,
                          mask.getMat(), update, crosscheck);
 }

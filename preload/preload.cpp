@@ -28,24 +28,14 @@ namespace
 
 using cv::aqorb::AdaptiveQuadtreeORB;
 
-typedef cv::Ptr<cv::ORB> (*Create)(int, float, int, int, int, int, cv::ORB::ScoreType, int, int);
-
-const char* accepted(int)
+// The values that a variable of a type may have.
+struct Accepted
 {
-    return "a whole number";
-}
-const char* accepted(double)
-{
-    return "a number";
-}
-const char* accepted(bool)
-{
-    return "0 or 1";
-}
-const char* accepted(AdaptiveQuadtreeORB::SelectionType)
-{
-    return "ranked or quadtree";
-}
+    static const char* of(int) { return "a whole number"; }
+    static const char* of(double) { return "a number"; }
+    static const char* of(bool) { return "0 or 1"; }
+    static const char* of(AdaptiveQuadtreeORB::SelectionType) { return "ranked or quadtree"; }
+};
 
 // Reads an enumeration for readVariable.
 std::istream& operator>>(std::istream& stream, AdaptiveQuadtreeORB::SelectionType& value)
@@ -70,7 +60,7 @@ template <typename T> bool readVariable(const char* name, T& value)
     std::istringstream stream(text);
     stream.imbue(std::locale::classic());  // the program's locale may have a decimal comma
     if (!(stream >> value) || !(stream >> std::ws).eof())
-        CV_Error_(cv::Error::StsBadArg, ("%s must be %s, got \"%s\"", name, accepted(value), text));
+        CV_Error_(cv::Error::StsBadArg, ("%s must be %s, got \"%s\"", name, Accepted::of(value), text));
     return true;
 }
 
@@ -109,9 +99,11 @@ void setFromEnvironment(AdaptiveQuadtreeORB& orb)
 #undef AQORB_SET
 }
 
-// Prints the names of environment variables that begin with AQORB_ and that this library does not know.
-void noticeUnknownVariables()
+// Says that cv::ORB::create gives our detector, and which variables beginning with AQORB_ are unknown.
+void notice(const AdaptiveQuadtreeORB& orb)
 {
+    std::fprintf(stderr, "aqorb: cv::ORB::create gives AdaptiveQuadtreeORB (edgeThreshold %d)\n",
+                 orb.getEdgeThreshold());
     std::set<std::string> known = {"AQORB_DISABLE", "AQORB_DISABLE_MATCHER", "AQORB_EDGE_THRESHOLD",
                                    "AQORB_VERBOSE"};
 #define AQORB_KNOW(property, ...) known.insert(variableOf(#property));
@@ -125,29 +117,6 @@ void noticeUnknownVariables()
     }
 }
 
-// Prints notices once per process, at the first call: LD_PRELOAD reaches every program that a shell starts.
-void noticeInterposition(const AdaptiveQuadtreeORB& orb)
-{
-    static std::once_flag once;
-    std::call_once(once,
-                   [&orb]
-                   {
-                       std::fprintf(stderr,
-                                    "aqorb: cv::ORB::create gives AdaptiveQuadtreeORB (edgeThreshold %d)\n",
-                                    orb.getEdgeThreshold());
-                       noticeUnknownVariables();
-                   });
-}
-
-// OpenCV's definition of cv::ORB::create.
-Create originalCreate()
-{
-    void* const symbol = aqorb_preload::originalOf(reinterpret_cast<void*>(Create(&cv::ORB::create)));
-    if (!symbol)
-        CV_Error(cv::Error::StsNotImplemented, "AQORB_DISABLE: OpenCV's cv::ORB::create was not found");
-    return reinterpret_cast<Create>(symbol);
-}
-
 }  // namespace
 
 namespace aqorb_preload
@@ -159,10 +128,13 @@ bool isVariableOn(const char* name)
     return readVariable(name, on) && on;
 }
 
-void* originalOf(void* own)
+void* originalOf(void* ours, const char* name)
 {
     Dl_info here;
-    return dladdr(own, &here) && here.dli_sname ? dlsym(RTLD_NEXT, here.dli_sname) : nullptr;
+    void* const symbol = dladdr(ours, &here) && here.dli_sname ? dlsym(RTLD_NEXT, here.dli_sname) : nullptr;
+    if (!symbol)
+        CV_Error_(cv::Error::StsNotImplemented, ("OpenCV's %s was not found", name));
+    return symbol;
 }
 
 }  // namespace aqorb_preload
@@ -174,15 +146,19 @@ Ptr<ORB> ORB::create(int nfeatures, float scaleFactor, int nlevels, int edgeThre
                      int WTA_K, ORB::ScoreType scoreType, int patchSize, int fastThreshold)
 {
     if (aqorb_preload::isVariableOn("AQORB_DISABLE"))
-        return originalCreate()(nfeatures, scaleFactor, nlevels, edgeThreshold, firstLevel, WTA_K, scoreType,
-                                patchSize, fastThreshold);
+        return aqorb_preload::originalOf(&ORB::create, "cv::ORB::create")(
+            nfeatures, scaleFactor, nlevels, edgeThreshold, firstLevel, WTA_K, scoreType, patchSize,
+            fastThreshold);
 
     const Ptr<AdaptiveQuadtreeORB> orb =
         AdaptiveQuadtreeORB::create(nfeatures, scaleFactor, nlevels, edgeThreshold, firstLevel, WTA_K,
                                     scoreType, patchSize, fastThreshold);
     setFromEnvironment(*orb);
     if (aqorb_preload::isVariableOn("AQORB_VERBOSE"))
-        noticeInterposition(*orb);
+    {  // Once per process, at the first call: LD_PRELOAD reaches every program that a shell starts.
+        static std::once_flag once;
+        std::call_once(once, [&] { notice(*orb); });
+    }
     return orb;
 }
 

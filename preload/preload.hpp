@@ -14,8 +14,13 @@ namespace aqorb_preload
 //! Whether an environment variable is 1. Throws if it is anything but 0, 1 or empty.
 bool isVariableOn(const char* name);
 
-//! OpenCV's definition of the function with the same symbol; null if there is none.
-void* originalOf(void* own);
+//! OpenCV's definition of the function with the symbol of ours. Throws if there is none.
+void* originalOf(void* ours, const char* name);
+
+template <typename Function> Function* originalOf(Function* ours, const char* name)
+{
+    return reinterpret_cast<Function*>(originalOf(reinterpret_cast<void*>(ours), name));
+}
 
 }  // namespace aqorb_preload
 
