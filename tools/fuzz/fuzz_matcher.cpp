@@ -110,25 +110,13 @@ std::vector<Mat> resultsOf(const Arguments& a)
             matcher.knnMatch(a.query, nearest, a.k, a.masks);
             matcher.radiusMatch(a.query, near, float(a.maxDistance), a.masks);
         });
-    fuzz::isCalled(
-        [&]
-        {
-            aqorb::matchArrays(a.query, train, outputs[0], outputs[1], a.ratio, a.isSwitchedOn, a.maxDistance,
-                               a.norm);
-        });
-    fuzz::isCalled([&] { aqorb::knnMatchArrays(a.query, train, outputs[2], outputs[3], a.k, a.norm); });
-    fuzz::isCalled(
-        [&]
-        {
-            aqorb::matchByPosition(a.query, a.predicted, train, a.keypoints[1], a.reach, outputs[4],
-                                   outputs[5], a.ratio, a.isSwitchedOn, a.maxDistance, a.norm);
-        });
-    fuzz::isCalled(
-        [&]
-        {
-            aqorb::matchGuided(a.query, a.keypoints[0], train, a.keypoints[1], a.F, a.reach.width, outputs[6],
-                               outputs[7], a.ratio, a.maxDistance, a.norm);
-        });
+    fuzz::isCalled(aqorb::matchArrays, a.query, train, outputs[0], outputs[1], a.ratio, a.isSwitchedOn,
+                   a.maxDistance, a.norm);
+    fuzz::isCalled(aqorb::knnMatchArrays, a.query, train, outputs[2], outputs[3], a.k, a.norm);
+    fuzz::isCalled(aqorb::matchByPosition, a.query, a.predicted, train, a.keypoints[1], a.reach, outputs[4],
+                   outputs[5], a.ratio, a.isSwitchedOn, a.maxDistance, a.norm);
+    fuzz::isCalled(aqorb::matchGuided, a.query, a.keypoints[0], train, a.keypoints[1], a.F, a.reach.width,
+                   outputs[6], outputs[7], a.ratio, a.maxDistance, a.norm);
     std::vector<DMatch> refined = a.matches, grown = a.matches;
     KeyPoints keypoints1, keypoints2;
     std::vector<Point2f> points1[2], points2[2];
@@ -139,13 +127,9 @@ std::vector<Mat> resultsOf(const Arguments& a)
             aqorb::refineMatches(a.images[0], a.keypoints[0], a.images[1], a.keypoints[1], refined,
                                  points1[0], points2[0], deviations[0], a.correlation, a.scaleFactor);
         });
-    const bool isGrown = fuzz::isCalled(
-        [&]
-        {
-            aqorb::growMatches(a.images[0], a.keypoints[0], a.images[1], a.keypoints[1], grown, keypoints1,
-                               keypoints2, points1[1], points2[1], deviations[1], a.correlation,
-                               a.scaleFactor, a.isSwitchedOn);
-        });
+    const bool isGrown = fuzz::isCalled(aqorb::growMatches, a.images[0], a.keypoints[0], a.images[1],
+                                        a.keypoints[1], grown, keypoints1, keypoints2, points1[1], points2[1],
+                                        deviations[1], a.correlation, a.scaleFactor, a.isSwitchedOn);
     for (const DMatch& match : grown)
         fuzz::require(!isGrown || (size_t(match.queryIdx) < keypoints1.size() &&
                                    size_t(match.trainIdx) < keypoints2.size()),

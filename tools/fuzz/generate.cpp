@@ -43,31 +43,24 @@ void require(bool condition, const std::string& what)
 
 int number(FuzzedDataProvider& data, int low, int high)
 {
-    switch (data.ConsumeIntegralInRange(0, 15))
-    {
-    case 0:
+    const int kind = data.ConsumeIntegralInRange(0, 15);
+    if (kind == 0)
         return data.ConsumeIntegral<int>();
-    case 1:
+    if (kind == 1)
         return data.PickValueInArray({INT_MIN, -1, 0, 1, INT_MAX});
-    default:
-        return data.ConsumeIntegralInRange(low, high);
-    }
+    return data.ConsumeIntegralInRange(low, high);
 }
 
 double real(FuzzedDataProvider& data, double low, double high)
 {
-    const double endless = std::numeric_limits<double>::infinity();
-    switch (data.ConsumeIntegralInRange(0, 15))
-    {
-    case 0:
+    typedef std::numeric_limits<double> Limits;
+    const int kind = data.ConsumeIntegralInRange(0, 15);
+    if (kind == 0)
         return data.ConsumeFloatingPoint<double>();
-    case 1:
-        return data.PickValueInArray({-endless, -1., 0., std::numeric_limits<double>::denorm_min(), 1.,
-                                      std::numeric_limits<double>::max(), endless,
-                                      std::numeric_limits<double>::quiet_NaN()});
-    default:
-        return data.ConsumeFloatingPointInRange(low, high);
-    }
+    if (kind == 1)
+        return data.PickValueInArray({-Limits::infinity(), -1., 0., Limits::denorm_min(), 1., Limits::max(),
+                                      Limits::infinity(), Limits::quiet_NaN()});
+    return data.ConsumeFloatingPointInRange(low, high);
 }
 
 //! Fills a matrix with bytes of the input, repeated as often as needed.
@@ -84,23 +77,16 @@ static void fillWithInput(FuzzedDataProvider& data, Mat& m)
 //! Fills all channels with one drawn picture.
 static void draw(FuzzedDataProvider& data, Mat& m)
 {
-    const int seed = data.ConsumeIntegral<uchar>();
-    Mat picture;
-    switch (data.ConsumeIntegralInRange(0, 5))
-    {
-    case 0:
-        picture = Mat(m.size(), CV_8UC1, Scalar(seed));
-        break;
-    case 1:
+    const int seed = data.ConsumeIntegral<uchar>(), kind = data.ConsumeIntegralInRange(0, 5);
+    Mat picture(m.size(), CV_8UC1, Scalar(seed));
+    if (kind == 1)
         picture = opencv_test::makeNoise(m.size(), seed);
-        break;
-    case 2:
+    else if (kind == 2)
         picture = opencv_test::makeScene(m.size(), seed);
-        break;
-    case 3:
+    else if (kind == 3)
         picture = opencv_test::makeDots(m.size(), seed);
-        break;
-    default:  // corners on coarse levels: a small picture enlarged
+    else if (kind > 3)  // corners on coarse levels: a small picture enlarged
+    {
         Mat small(data.ConsumeIntegralInRange(1, 24), data.ConsumeIntegralInRange(1, 24), CV_8UC1);
         fillWithInput(data, small);
         resize(small, picture, m.size(), 0, 0, data.ConsumeBool() ? INTER_CUBIC : INTER_NEAREST);
@@ -129,26 +115,19 @@ Mat image(FuzzedDataProvider& data, int maxSide, bool anyType)
     // instead of an empty one.
     const Size size(maxSide - data.ConsumeIntegralInRange(0, maxSide),
                     maxSide - data.ConsumeIntegralInRange(0, maxSide));
-    switch (data.ConsumeIntegralInRange(0, 15))
+    const int kind = data.ConsumeIntegralInRange(0, 15);
+    int type = kind == 1 ? CV_8UC3 : kind == 2 ? CV_8UC4 : CV_8UC1;
+    if (anyType && kind == 3)
     {
-    case 1:
-        return matrix(data, size, CV_8UC3);
-    case 2:
-        return matrix(data, size, CV_8UC4);
-    case 3:
-        if (anyType)
-            return matrix(data, size,
-                          CV_MAKETYPE(data.ConsumeIntegralInRange(0, 6), data.ConsumeIntegralInRange(1, 5)));
-        break;
-    case 4:
-        if (anyType)
-        {
-            const int sizes[] = {4, size.height, size.width};
-            return Mat(3, sizes, CV_8UC1, Scalar(data.ConsumeIntegral<uchar>()));
-        }
-        break;
+        const int depth = data.ConsumeIntegralInRange(0, 6);
+        type = CV_MAKETYPE(depth, data.ConsumeIntegralInRange(1, 5));
     }
-    return matrix(data, size, CV_8UC1);
+    if (anyType && kind == 4)
+    {
+        const int sizes[] = {4, size.height, size.width};
+        return Mat(3, sizes, CV_8UC1, Scalar(data.ConsumeIntegral<uchar>()));
+    }
+    return matrix(data, size, type);
 }
 
 Mat mask(FuzzedDataProvider& data, Size size, bool anyType)
@@ -168,14 +147,10 @@ std::vector<KeyPoint> keypoints(FuzzedDataProvider& data, Size size)
     std::vector<KeyPoint> result;
     for (int i = data.ConsumeIntegralInRange(0, 20); i > 0; i--)
     {
-        KeyPoint keypoint;
-        keypoint.pt = Point2f(float(real(data, -2, size.width + 2)), float(real(data, -2, size.height + 2)));
-        keypoint.angle = float(real(data, -1, 360));
-        keypoint.response = float(real(data, -1, 1));
-        keypoint.size = float(real(data, 0, 100));
-        keypoint.octave = number(data, 0, 8);
-        keypoint.class_id = i;
-        result.push_back(keypoint);
+        const Point2f pt(float(real(data, -2, size.width + 2)), float(real(data, -2, size.height + 2)));
+        const float angle = float(real(data, -1, 360)), response = float(real(data, -1, 1));
+        const float diameter = float(real(data, 0, 100));
+        result.push_back(KeyPoint(pt, diameter, angle, response, number(data, 0, 8), i));
     }
     return result;
 }

@@ -24,11 +24,11 @@ namespace fuzz
 void require(bool condition, const std::string& what);
 
 //! Whether a call gives a result. Otherwise its exception must state the accepted values.
-template <typename Call> bool isCalled(const Call& call)
+template <typename Call, typename... Arguments> bool isCalled(const Call& call, Arguments&&... arguments)
 {
     try
     {
-        call();
+        call(arguments...);
     }
     catch (const cv::Exception& e)
     {
