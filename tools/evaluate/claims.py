@@ -7,6 +7,7 @@
 import collections
 import concurrent.futures
 import math
+from typing import NamedTuple
 
 import cv2
 import numpy as np
@@ -33,7 +34,7 @@ def parallel(function, *arguments):
 
 
 class Measurements:
-    """All that was measured: the values of a quantity by subject, method and number of features, and their items."""
+    """The values of a quantity by subject, method and number of features, each with its item, such as its set."""
 
     def __init__(self):
         self.rows = collections.defaultdict(list)
@@ -57,55 +58,36 @@ class Measurements:
                                  for scale in SCALES]))
 
 
-def measure_pairs(subject, items, first, others, method, n, agree, seeds, results):
-    """Of pairs of images with their features, what their matches are worth. agree(i, first, second) gives the matches
-    that count, which are correct, and the homography, of which area_under_curve is measured, or None."""
-    def measure(i):
-        (image, a), (_, b) = first[i], others[i]
-        points = measures.matched(a, b, method.norm)
-        keep, correct, homography = agree(i, *points)
-        points = [each[keep] for each in points]
-        found = measures.counts(*points, correct[keep], image)
-        if seeds and homography is not None:
-            found['auc5'] = measures.area_under_curve(*points, homography, image, seeds)
+class Case(NamedTuple):
+    """Two images with their true geometry. A view was made from the first image: only matches count that lie where both
+    images show the scene."""
+    item: str
+    first: np.ndarray
+    second: np.ndarray
+    homography: np.ndarray
+    fundamental: np.ndarray = None  # if there is no homography
+    is_view: bool = False
+
+
+def measure_pairs(subject, cases, method, n, results, seeds=0):
+    """What the matches of each case are worth. The area under the curve is measured with seeds, and a homography."""
+    distinct = {id(image): image for case in cases for image in case[1:3]}
+    features = {key: method.compute(image, n) for key, image in distinct.items()}
+
+    def measure(case):
+        points = measures.matched(features[id(case.first)], features[id(case.second)], method.norm)
+        if case.is_view:
+            keep = measures.in_common_part(*points, case.homography, case.first, case.second)
+            points = [each[keep] for each in points]
+        if case.homography is None:
+            return measures.counts(*points, measures.agree_with_fundamental(*points, case.fundamental), case.first)
+        found = measures.counts(*points, measures.agree_with_homography(*points, case.homography), case.first)
+        if seeds:
+            found['auc5'] = measures.area_under_curve(*points, case.homography, case.first, seeds)
         return found
 
-    for item, found in zip(items, parallel(measure, range(len(items)))):
-        results.add(subject, item, method.name, n, **found)
-
-
-def measure_set(subject, name, pictures, homographies, method, n, seeds, results):
-    features = [(image, method.compute(image, n)) for image in pictures]
-    for image, found in features:
-        results.add(subject, name, method.name, n, uniformity=measures.uniformity(found, image),
-                    occupancy=measures.occupancy(found, image))
-
-    def agree(i, first, second):
-        return slice(None), measures.agree_with_homography(first, second, homographies[i + 1]), homographies[i + 1]
-    measure_pairs(subject, [name] * 5, features[:1] * 5, features[1:], method, n, agree, seeds, results)
-
-
-def measure_views(subject, name, image, views, method, n, results):
-    """Of an image and views of it, given with their homographies."""
-    first = image, method.compute(image, n)
-    others = [(view, method.compute(view, n)) for view, _ in views]
-
-    def agree(i, *points):
-        view, homography = views[i]
-        return (measures.in_common_part(*points, homography, image, view),
-                measures.agree_with_homography(*points, homography), None)
-    measure_pairs(subject, [name] * len(views), [first] * len(views), others, method, n, agree, 0, results)
-
-
-def measure_held_out(pairs, method, n, seeds, results):
-    features = [[(pair[i], method.compute(pair[i], n)) for pair in pairs] for i in (1, 2)]
-
-    def agree(i, *points):
-        homography, fundamental = pairs[i][3:]
-        if homography is None:
-            return slice(None), measures.agree_with_fundamental(*points, fundamental), None
-        return slice(None), measures.agree_with_homography(*points, homography), homography
-    measure_pairs('held-out', [pair[0] for pair in pairs], *features, method, n, agree, seeds, results)
+    for case, found in zip(cases, parallel(measure, cases)):
+        results.add(subject, case.item, method.name, n, **found)
 
 
 def measure_start(frames, camera, poses, method, n, results):
@@ -129,30 +111,35 @@ def measure(options):
     cases = [(method, n) for n in options.n for method in methods]
     if 'distinct' in options.only:
         for name, (pictures, homographies) in sets.items():
+            pairs = [Case(name, pictures[0], *other) for other in zip(pictures[1:], homographies[1:])]
             for method, n in cases:
-                measure_set('sets', name, pictures, homographies, method, n, options.seeds, results)
+                measure_pairs('sets', pairs, method, n, results, options.seeds)
+                for image in pictures:
+                    found = method.compute(image, n)
+                    results.add('sets', name, method.name, n, uniformity=measures.uniformity(found, image),
+                                occupancy=measures.occupancy(found, image))
+            scene, weaker = images.with_weaker_half(pictures[0])
+            for method in methods:
+                for n in HALF_NUMBERS:
+                    x = method.compute(scene, n).keypoints['pt'][:, 0]
+                    results.add('half', name, method.name, n, share=np.mean(x >= weaker))
         for name in images.PAPER_SETS:
             for image in images.read_set(options.datasets, name, cv2.IMREAD_COLOR)[0]:
                 for method in methods:
                     results.add('colour', name, method.name, 500,
                                 uniformity=measures.uniformity(method.compute(image, 500), image))
-        for name, (pictures, _) in sets.items():
-            scene, weaker = images.with_weaker_half(pictures[0])
-            for n in HALF_NUMBERS:
-                for method in methods:
-                    x = method.compute(scene, n).keypoints['pt'][:, 0]
-                    results.add('half', name, method.name, n, share=np.mean(x >= weaker))
     if 'roll' in options.only:
         for name in ROLLED_SETS:
-            views = [images.rolled(sets[name][0][0], angle) for angle in ROLLS]
+            image = sets[name][0][0]
+            views = [Case(name, image, *images.rolled(image, angle), is_view=True) for angle in ROLLS]
             for method in methods:
-                measure_views('rolled', name, sets[name][0][0], views, method, 1000, results)
+                measure_pairs('rolled', views, method, 1000, results)
     if 'scale' in options.only:
-        for name, (pictures, _) in sets.items():
-            for scale in SCALES:
-                for method, n in cases:
-                    measure_views('scale {:g}'.format(scale), name, pictures[0], [images.scaled(pictures[0], scale)],
-                                  method, n, results)
+        for scale in SCALES:
+            views = [Case(name, pictures[0], *images.scaled(pictures[0], scale), is_view=True)
+                     for name, (pictures, _) in sets.items()]
+            for method, n in cases:
+                measure_pairs('scale {:g}'.format(scale), views, method, n, results)
     if 'object' in options.only:
         objects = images.small_objects(options.object, sets)
         for method in methods + [Method(DIAL)] * (DIAL not in options.methods):
@@ -166,9 +153,9 @@ def measure(options):
             for n in options.n if name else ():
                 measure_start(*sequence, Method(name), n, results)
     if 'heldout' in options.only:
-        pairs = held_out.read_pairs(options.heldout)
+        pairs = [Case(*pair) for pair in held_out.read_pairs(options.heldout)]
         for method, n in cases:
-            measure_held_out(pairs, method, n, options.seeds, results)
+            measure_pairs('held-out', pairs, method, n, results, options.seeds)
     return results
 
 
@@ -179,37 +166,38 @@ class Judge:
         self.measured, self.method = measured, method
         self.rows, self.failed = [], []
 
-    def add(self, what, n, here, orb, paper, digits, at_least=None, at_most=None, note=''):
-        if math.isnan(here):
+    def means(self, subject, n, quantity, items=None):
+        return [self.measured.mean(subject, name, n, quantity, items) for name in (self.method, ORB, PAPER)]
+
+    def add(self, what, n, values, digits, at_least=None, at_most=None, note=''):
+        """A row of the values here, of cv::ORB and of the paper's selection."""
+        if math.isnan(values[0]):
             return
-        holds = ''
-        if at_least is not None or at_most is not None:
-            holds = 'yes' if (at_least is None or here >= at_least) and (at_most is None or here <= at_most) else 'no'
-        asked = ('at least {:.{}f}'.format(at_least, digits) if at_least is not None else
-                 'at most {:.{}f}'.format(at_most, digits) if at_most is not None else '')
-        numbers = ['' if math.isnan(value) else '{:.{}f}'.format(value, digits) for value in (here, orb, paper)]
+        bound, words = (at_most, 'at most') if at_least is None else (at_least, 'at least')
+        asked = '' if bound is None else '{} {:.{}f}'.format(words, bound, digits)
+        is_met = bound is None or (values[0] <= bound if at_least is None else values[0] >= bound)
+        holds = '' if bound is None else 'yes' if is_met else 'no'
+        numbers = ['' if math.isnan(value) else '{:.{}f}'.format(value, digits) for value in values]
         self.rows.append([what, str(n or '')] + numbers + [(asked + note).strip(), holds])
-        if holds == 'no':
+        if not is_met:
             self.failed.append(what)
 
-    def mean(self, what, subject, n, quantity, digits, **bound):
-        values = [self.measured.mean(subject, name, n, quantity, items=bound.get('items'))
-                  for name in (self.method, ORB, PAPER)]
-        bound.pop('items', None)
-        self.add(what, n, *values, digits, **bound)
+    def mean(self, what, subject, n, quantity, digits, items=None, **bound):
+        self.add(what, n, self.means(subject, n, quantity, items), digits, **bound)
 
-    def ratio(self, what, subject, n, quantity, at_least=None, items=None):
-        here, orb, paper = (self.measured.mean(subject, name, n, quantity, items=items)
-                            for name in (self.method, ORB, PAPER))
-        self.add(what, n, here / orb, 1, paper / orb, 3, at_least=at_least)
+    def ratio(self, what, n, here, orb, paper, at_least=None):
+        self.add(what, n, [here / orb, 1, paper / orb], 3, at_least)
+
+    def distinct(self, what, subject, n, at_least=None, items=None):
+        self.ratio(what, n, *self.means(subject, n, 'distinct', items), at_least)
 
     def area(self, what, subject, n, is_asked):
         """Homographies must not be worse than those of the paper's selection beyond chance."""
-        here, paper = (self.measured.values(subject, name, n, 'auc5') for name in (self.method, PAPER))
+        here, orb, paper = (self.measured.values(subject, name, n, 'auc5') for name in (self.method, ORB, PAPER))
         if not len(here):
             return
         error = (here - paper).std(ddof=1) / math.sqrt(len(here))
-        self.add(what, n, here.mean(), self.measured.mean(subject, ORB, n, 'auc5'), paper.mean(), 3,
+        self.add(what, n, [here.mean(), orb.mean(), paper.mean()], 3,
                  at_least=paper.mean() - 2 * error if is_asked else None, note=' (standard error {:.3f})'.format(error))
 
     def distinct_inliers(self, method):
@@ -221,10 +209,10 @@ def judge(measured, options, method):
     judging = Judge(measured, method)
     times = ": distinct correct matches, times cv::ORB's"
     for n in options.n:
-        judging.ratio('distinct correct matches, times cv::ORB\'s', 'sets', n, 'distinct',
-                      {500: 1.52, 1000: 1.48, 2000: 1.43}.get(n))
+        judging.distinct("distinct correct matches, times cv::ORB's", 'sets', n,
+                         {500: 1.52, 1000: 1.48, 2000: 1.43}.get(n))
     for n in options.n:
-        judging.ratio('the same on graf', 'sets', n, 'distinct', 1.3, items=['graf'])
+        judging.distinct('the same on graf', 'sets', n, 1.3, ['graf'])
     for n in options.n:
         judging.mean("uniformity u of the paper's sets, grey", 'sets', n, 'uniformity', 2,
                      at_most={500: 145}.get(n), items=images.PAPER_SETS)
@@ -237,34 +225,34 @@ def judge(measured, options, method):
         judging.mean('share of the keypoints in the weaker half', 'half', n, 'share', 3, at_least=asked)
     for n in options.n:
         judging.area('homography AUC@5', 'sets', n, True)
-    judging.ratio('rolled' + times, 'rolled', 1000, 'distinct', 1.5)
+    judging.distinct('rolled' + times, 'rolled', 1000, 1.5)
     judging.mean('rolled: precision', 'rolled', 1000, 'precision', 3)
     for scale in SCALES if 'scale' in options.only else ():
         subject = 'scale {:g}'.format(scale)
         for n in options.n:
-            paper, orb = (measured.mean(subject, name, n, 'distinct') for name in (PAPER, ORB))
-            judging.ratio(subject + times, subject, n, 'distinct', max(1.3, paper / orb))
+            here, orb, paper = judging.means(subject, n, 'distinct')
+            judging.ratio(subject + times, n, here, orb, paper, max(1.3, paper / orb))
     for n in options.n if 'scale' in options.only else ():
-        here, orb, paper = (measured.at_scales(name, n) for name in (method, ORB, PAPER))
-        judging.add('the geometric mean of the scales', n, here / orb, 1, paper / orb, 3, at_least=1.5)
+        judging.ratio('the geometric mean of the scales', n,
+                      *(measured.at_scales(name, n) for name in (method, ORB, PAPER)), 1.5)
     orb_inliers = measured.mean('object', ORB, 500, 'inliers')  # 2000 features must have more
     for n in OBJECT_NUMBERS:
-        judging.mean('inliers on a small object', 'object', n, 'inliers', 0, at_least={250: 8, 500: 10, 2000: orb_inliers + 1}.get(n))
+        judging.mean('inliers on a small object', 'object', n, 'inliers', 0,
+                     at_least={250: 8, 500: 10, 2000: orb_inliers + 1}.get(n))
     for subject, words in (('object', 'a small object'), ('drawn object', 'three that are drawn into photographs')):
         for n in OBJECT_NUMBERS:
             judging.mean('distinct inliers on ' + words, subject, n, 'distinct', 1)
-    here, orb, paper, dial = (judging.distinct_inliers(name)
-                              for name in (method, ORB, PAPER, DIAL))
-    judging.add("distinct inliers on a small object, times cv::ORB's", 0, here / orb, 1, paper / orb, 3, at_least=.85)
-    judging.add("the same with StrengthWeight 1000", 0, dial / orb, 1, math.nan, 3, at_least=1)
+    here, orb, paper, dial = (judging.distinct_inliers(name) for name in (method, ORB, PAPER, DIAL))
+    judging.ratio("distinct inliers on a small object, times cv::ORB's", 0, here, orb, paper, .85)
+    judging.ratio('the same with StrengthWeight 1000', 0, dial, orb, math.nan, 1)
     for step, words in ((1, 'the next frame'), (10, 'the frame a second later')):
         for n in options.n:
-            here, orb, paper = (measured.mean('start', name, n, 'correct', items=[step])
-                                for name in (slam_of(method), ORB, slam_of(PAPER_SLAM)))
-            judging.add('start with one camera: correct matches with ' + words, n, here, orb, paper, 1,
-                        at_least=max(orb, paper) if step == 1 else paper)
+            values = [measured.mean('start', name, n, 'correct', [step])
+                      for name in (slam_of(method), ORB, slam_of(PAPER_SLAM))]
+            judging.add('start with one camera: correct matches with ' + words, n, values, 1,
+                        at_least=max(values[1:]) if step == 1 else values[2])
     for n in options.n:
-        judging.ratio('held-out pairs' + times, 'held-out', n, 'distinct')
+        judging.distinct('held-out pairs' + times, 'held-out', n)
         judging.mean('held-out pairs: precision', 'held-out', n, 'precision', 3)
         judging.area('held-out pairs: homography AUC@5', 'held-out', n, False)
     return judging

@@ -92,6 +92,18 @@ def read_folder(folder, width):
     return [scaled(image, width / image.shape[1])[0] if image.shape[1] > width else image for image in found]
 
 
+def read_scene(path, width):
+    """(name, image, camera's matrix, rotation, centre) of each photograph of one of Strecha's scenes, reduced to a width.
+    Rotation and centre lead from the camera to the world."""
+    for name in sorted(os.listdir(os.path.join(path, 'gt_dense_cameras'))):
+        stem = name.split('.')[0]
+        image = read_image(os.path.join(path, 'images', stem))
+        reduced, matrix = scaled(image, width / image.shape[1])
+        with open(os.path.join(path, 'gt_dense_cameras', name), encoding='utf-8') as file:
+            numbers = np.array(file.read().split(), float)
+        yield stem, reduced, matrix @ numbers[:9].reshape(3, 3), numbers[12:21].reshape(3, 3), numbers[21:24]
+
+
 def read_sequence(folder):
     """The left images of a sequence in KITTI's layout, the camera's matrix, and the poses of the frames."""
     files = sorted(glob.glob(os.path.join(folder, 'image_[0l]/*')))

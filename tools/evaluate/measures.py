@@ -42,18 +42,25 @@ def transformed(points, homography):
     return cv2.perspectiveTransform(points, homography).reshape(-1, 2) if len(points) else points.reshape(-1, 2)
 
 
+def indices(matches):
+    """The numbers of both keypoints of cv2's matches."""
+    return np.array([(match.queryIdx, match.trainIdx) for match in matches], np.int32).reshape(-1, 2)
+
+
+def points(a, b, pairs):
+    return a.keypoints['pt'][pairs[:, 0]], b.keypoints['pt'][pairs[:, 1]]
+
+
 def matched(a, b, norm):
     """The points of mutual nearest neighbours in both images, the best match first."""
     if not len(a.keypoints) or not len(b.keypoints):
         return np.zeros((0, 2), np.float32), np.zeros((0, 2), np.float32)
-    if norm == cv2.NORM_HAMMING and a.descriptors.dtype == np.uint8:
+    if norm == cv2.NORM_HAMMING:
         pairs, distances = aqorb.matchArrays(a.descriptors, b.descriptors, crossCheck=True)
     else:
         matches = cv2.BFMatcher(norm, True).match(a.descriptors, b.descriptors)
-        pairs = np.array([(match.queryIdx, match.trainIdx) for match in matches]).reshape(-1, 2)
-        distances = np.array([match.distance for match in matches])
-    pairs = pairs[np.argsort(distances, kind='stable')]
-    return a.keypoints['pt'][pairs[:, 0]], b.keypoints['pt'][pairs[:, 1]]
+        pairs, distances = indices(matches), [match.distance for match in matches]
+    return points(a, b, pairs[np.argsort(distances, kind='stable')])
 
 
 def agree_with_homography(first, second, homography):
@@ -62,10 +69,7 @@ def agree_with_homography(first, second, homography):
 
 def agree_with_fundamental(first, second, fundamental):
     """Each point is within 3 pixels of the epipolar line of the other."""
-    first, second = (np.column_stack([points, np.ones(len(points))]) for points in (first, second))
-    lines, back = first @ fundamental.T, second @ fundamental
-    norm = np.minimum(np.hypot(lines[:, 0], lines[:, 1]), np.hypot(back[:, 0], back[:, 1]))
-    return np.abs((second * lines).sum(1)) <= CORRECT * norm
+    return np.maximum(off_lines(first, second, fundamental), off_lines(second, first, fundamental.T)) <= CORRECT
 
 
 def in_common_part(first, second, homography, image, other):
@@ -114,10 +118,13 @@ def homography_error(first, second, homography, image, seed, threshold=3):
     return NO_HOMOGRAPHY if np.isnan(error) else min(error, NO_HOMOGRAPHY)
 
 
-def area_under_curve(first, second, homography, image, seeds, limit=5):
-    """The area under the curve of the share of homographies whose error is below a limit; 1 is perfect."""
-    errors = [homography_error(first, second, homography, image, 7919 * seed) for seed in range(1, seeds + 1)]
+def area(errors, limit):
+    """The area under the curve of the share of errors below a limit; 1 is perfect."""
     return np.mean([max(0, 1 - error / limit) for error in errors])
+
+
+def area_under_curve(first, second, homography, image, seeds):
+    return area([homography_error(first, second, homography, image, 7919 * seed) for seed in range(1, seeds + 1)], 5)
 
 
 def inliers_on_object(a, b, norm):
@@ -129,8 +136,7 @@ def inliers_on_object(a, b, norm):
     good = [best for best, second in two_best if best.distance < .75 * second.distance]
     if len(good) < 4:
         return none
-    first = a.keypoints['pt'][[match.queryIdx for match in good]]
-    second = b.keypoints['pt'][[match.trainIdx for match in good]]
+    first, second = points(a, b, indices(good))
     mask = cv2.findHomography(first, second, cv2.RANSAC, 5)[1]
     if mask is None:
         return none
@@ -157,9 +163,8 @@ def start_matches(a, b):
         j = nearest[i]
         if j not in chosen or two[i, 0] < two[chosen[j], 0]:
             chosen[j] = i
-    to, of = np.array(sorted(chosen)), np.array([chosen[j] for j in sorted(chosen)])
-    if not len(to):
-        return np.zeros((0, 2)), np.zeros((0, 2))
+    to = np.array(sorted(chosen), int)
+    of = np.array([chosen[j] for j in to], int)
     turn = ((a['angle'][of] - b['angle'][to]) % 360 * 30 // 360).astype(int) % 30
     best = np.argsort(-np.bincount(turn, minlength=30), kind='stable')[:3]
     kept = np.isin(turn, best)
@@ -168,14 +173,14 @@ def start_matches(a, b):
 
 def fundamental_of(camera, rotation, translation):
     """The fundamental matrix of two images of one camera, from the motion from its first place to the second."""
-    x, y, z = translation
+    x, y, z = np.ravel(translation)
     inverse = np.linalg.inv(camera)
     return inverse.T @ np.array([[0, -z, y], [z, 0, -x], [-y, x, 0]]) @ rotation @ inverse
 
 
 def off_lines(first, second, fundamental):
     """The distances of the second points from the epipolar lines of the first ones, in pixels."""
-    first, second = (np.column_stack([points, np.ones(len(points))]) for points in (first, second))
+    first, second = (np.column_stack([each, np.ones(len(each))]) for each in (first, second))
     lines = first @ fundamental.T
     return np.abs((lines * second).sum(1)) / np.hypot(lines[:, 0], lines[:, 1])
 

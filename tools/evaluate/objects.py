@@ -33,6 +33,7 @@ OBJECT, LONGEST = 300, 900  # pixels: the side of an object's picture, and the l
 MIN_DEVIATION = 25  # of an object's grey values
 CORNERS = np.float32([(0, 0), (OBJECT - 1, 0), (OBJECT - 1, OBJECT - 1), (0, OBJECT - 1)])
 RIGHT = 5  # pixels: mean error of the corners
+ABSENT = 3  # scenes without each object
 FRAMES = 50  # of a clip
 MANY = 100  # objects in a frame
 CELL = 16  # pixels: inliers in one cell are one place
@@ -83,8 +84,7 @@ ROWS = [Row('cv::ORB', ['orb'], None, 1, [USUAL, MATCHED, GROWN]),
         Row('SIFT, ratio .8', ['sift'], .8, 6.75, [MATCHED, GROWN]),
         Row('aqorb', ['aqorb'], None, 1, [MATCHED, ONE_WAY, GROWN, AGAIN])]
 ROWS += [Row('aqorb, StrengthWeight {}'.format(weight), ['aqorb:strength={}'.format(weight)], None, 1, [MATCHED, GROWN])
-         for weight in ('.5', '1', '4')]
-BLURRED = [ROWS[i] for i in (1, 3, 4)]
+         for weight in ('.5', '1')]
 
 
 def folders_of(options):
@@ -101,16 +101,9 @@ def read_photographs(folders):
             yield from ((half, place, os.path.dirname(file), cv2.imread(file, cv2.IMREAD_GRAYSCALE)) for file in files)
 
 
-def seen(image, random, is_blurred):
-    """The image by a camera that blurs, moves by 2 to 4 pixels if it is_blurred, and has noise."""
-    image = cv2.GaussianBlur(image, (0, 0), .6)
-    if is_blurred:
-        length, direction = random.uniform(2, 4), random.uniform(0, np.pi)
-        y, x = np.mgrid[-3:4, -3:4]
-        right, down = np.cos(direction), np.sin(direction)
-        kernel = sum(np.maximum(1 - abs(x - t * right), 0) * np.maximum(1 - abs(y - t * down), 0)
-                     for t in np.linspace(-length / 2, length / 2, 33))
-        image = cv2.filter2D(image, -1, kernel / kernel.sum())
+def seen(image, random):
+    """The image by a camera that blurs and has noise."""
+    image = cv2.GaussianBlur(image.astype(np.float32), (0, 0), .6)
     return np.clip(image + random.normal(0, 3, image.shape), 0, 255).astype(np.uint8)
 
 
@@ -149,7 +142,7 @@ def paint(part, background, corners, side, random):
     return scene, homography
 
 
-def make_pairs(photographs, backgrounds, number, absent, is_blurred):
+def make_pairs(photographs, backgrounds, number):
     pairs = []
     for i in range(number):
         random = np.random.RandomState(i)
@@ -158,8 +151,8 @@ def make_pairs(photographs, backgrounds, number, absent, is_blurred):
         others = [k for k in random.permutation(candidates) if photographs[k][1] != place]
         part = cut(picture, random)
         scene, homography = draw(part, backgrounds[others[0]], random)
-        without = [k for k in others if photographs[k][1] != photographs[others[0]][1]][:absent]
-        pairs.append(Pair(half, part, seen(scene, random, is_blurred), homography, without))
+        without = [k for k in others if photographs[k][1] != photographs[others[0]][1]][:ABSENT]
+        pairs.append(Pair(half, part, seen(scene, random), homography, without))
     return pairs
 
 
@@ -185,12 +178,11 @@ def find(row, stage, norm, first, a, second, b):
         return None, 0
     if row.ratio:
         two = cv2.BFMatcher(norm).knnMatch(a.descriptors, b.descriptors, 2)
-        matches = [best for best, other in two if best.distance < row.ratio * other.distance]
-        matches = np.array([(match.queryIdx, match.trainIdx) for match in matches], int).reshape(-1, 2)
+        matches = measures.indices([best for best, other in two if best.distance < row.ratio * other.distance])
     else:
         matches, _ = aqorb.matchArrays(a.descriptors, b.descriptors, crossCheck=True)
     if not stage.grows:
-        return estimate(a.keypoints['pt'][matches[:, 0]], b.keypoints['pt'][matches[:, 1]], stage)
+        return estimate(*measures.points(a, b, matches), stage)
     _, *points, _ = aqorb.growMatchArrays(first, a.keypoints, second, b.keypoints, matches, scaleFactor=row.scale,
                                           bothWays=stage.both_ways)
     homography, count = estimate(*points, stage)
@@ -237,9 +229,11 @@ def share(values):
     return '{:.3f} ±{:.3f}'.format(mean, 1.96 * np.sqrt(mean * (1 - mean) / len(values)))
 
 
-def rows(chosen, n, pairs, backgrounds):
+def rows(n, pairs, backgrounds):
     held_out = np.array([pair.half == 1 for pair in pairs])
-    for row in chosen:
+    for row in ROWS:
+        if not is_available(row.names[0].partition(':')[0]):
+            continue
         tried = [measure(row, name, n, pairs, backgrounds) for name in row.names]
         for stage in row.stages:
             best = max(range(len(tried)), key=lambda i: tried[i][stage][0][~held_out].sum())
@@ -260,7 +254,7 @@ def clip(part, background):
         turned = cv2.transform(corners[None], cv2.getRotationMatrix2D(tuple(centre), 60 * t, 1 + t / 4))[0]
         turned += t * (np.array(measures.size_of(background)) - 2 * centre)
         scene, homography = paint(part, background, turned, side * (1 + t / 4), np.random.RandomState(0))
-        yield seen(scene, np.random.RandomState(i), False), homography
+        yield seen(scene, np.random.RandomState(i)), homography
 
 
 def around(homography, shape):
@@ -297,11 +291,6 @@ def video_rows(n, pairs, small):
     yield ['{} objects in a scene'.format(MANY), '{:.3f}'.format(np.mean(rights)), '{:.1f}'.format(np.median(times))]
 
 
-def is_chosen(name, options):
-    detector = name.partition(':')[0]
-    return detector in options.only and is_available(detector)
-
-
 def tables(options):
     """(title, head, rows) of each table."""
     cv2.setNumThreads(1)
@@ -309,13 +298,10 @@ def tables(options):
     photographs = list(read_photographs(folders_of(options)))
     small = [images.scaled(picture, min(1, LONGEST / max(picture.shape)))[0] for *_, picture in photographs]
     head = ['', 'right', 'held out', 'found', 'held out', 'places', 'without: 99 %', 'most', 'ms a pair']
-    for is_blurred, chosen in ((False, ROWS), (True, BLURRED)):
-        backgrounds = [seen(each.astype(np.float32), np.random.RandomState(k), is_blurred)
-                       for k, each in enumerate(small)]
-        pairs = make_pairs(photographs, small, options.pairs, options.absent, is_blurred)
-        for n in options.n:
-            title = '{} objects drawn into scenes{}, {} scenes without them, n = {}'.format(
-                len(pairs), ' with motion blur' * is_blurred, sum(len(pair.absent) for pair in pairs), n)
-            yield title, head, rows([row for row in chosen if is_chosen(row.names[0], options)], n, pairs, backgrounds)
-            if 'aqorb' in options.only and not is_blurred:
-                yield 'aqorb in videos, n = {}'.format(n), ['', 'right', 'ms'], video_rows(n, pairs, small)
+    backgrounds = [seen(each, np.random.RandomState(k)) for k, each in enumerate(small)]
+    pairs = make_pairs(photographs, small, options.pairs)
+    for n in options.n:
+        title = '{} objects drawn into scenes, {} scenes without them, n = {}'.format(
+            len(pairs), sum(len(pair.absent) for pair in pairs), n)
+        yield title, head, rows(n, pairs, backgrounds)
+        yield 'aqorb in videos, n = {}'.format(n), ['', 'right', 'ms'], video_rows(n, pairs, small)

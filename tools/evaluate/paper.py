@@ -27,12 +27,22 @@ COLOURS = {'orb': 'tab:gray', 'orb_slam': 'tab:orange', PAPER: 'tab:blue', 'aqor
            'brisk': 'tab:purple', 'akaze': 'tab:brown', 'surf': 'tab:olive', 'superpoint': 'tab:red'}
 
 
+METHODS = ['orb', 'orb_slam', PAPER, 'aqorb', 'sift', 'brisk', 'akaze']
+RUNS, SEEDS = 15, 15  # of a time measurement, and of a homography's estimation
+
+
 class Rows(list):
     """Measures, each a dictionary."""
 
     def mean(self, quantity, **which):
         values = [row[quantity] for row in self if quantity in row and all(row.get(key) == which[key] for key in which)]
         return np.mean(values) if values else np.nan
+
+    def by_image(self, name, method, n):
+        return [self.mean('uniformity', set=name, method=method, image=i, n=n) for i in range(1, 7)]
+
+    def by_set(self, quantity, method, n):
+        return [self.mean(quantity, set=name, method=method, n=n) for name in images.PAPER_SETS]
 
 
 def read_paper():
@@ -66,19 +76,19 @@ def measure_images(rows, name, pictures, method, n, runs):
 def measure(options):
     """Colour images, as the paper's column A shows that its authors had."""
     rows = Rows()
-    methods = [Method(name) for name in options.methods]
-    more = [Method(name) for name, _ in ABLATIONS if name not in options.methods] if options.ablation else []
+    methods = [Method(name) for name in METHODS]
+    more = [Method(name) for name, _ in ABLATIONS if name not in METHODS] if options.ablation else []
     cv2.setNumThreads(1)
     for name in images.SETS:
         pictures, homographies = images.read_set(options.datasets, name, cv2.IMREAD_COLOR)
         for n in options.n:
             for method in methods + more:
-                runs = options.runs if method in methods and n == options.n[0] else 0
+                runs = RUNS if method in methods and n == options.n[0] else 0
                 features = measure_images(rows, name, pictures, method, n, runs)
                 for i in range(1, 6):
                     points = measures.matched(features[0], features[i], method.norm)
                     correct = measures.agree_with_homography(*points, homographies[i])
-                    area = measures.area_under_curve(*points, homographies[i], pictures[0], options.seeds)
+                    area = measures.area_under_curve(*points, homographies[i], pictures[0], SEEDS)
                     found = measures.counts(*points, correct, pictures[0])
                     rows.append(dict(set=name, method=method.name, n=n, auc5=area, **found))
     return rows
@@ -91,35 +101,28 @@ def cell(value, digits=2):
 def tables(rows, options):
     """Yields each table's title, head and rows."""
     paper, n = read_paper(), options.n[0]
-    numbers = range(1, 7)
-
-    def here(name, method):
-        return [rows.mean('uniformity', set=name, method=method, image=i, n=n) for i in numbers]
-
     for table, name in (('1', 'bikes'), ('2', 'leuven')):
         columns = []
         for method in ('orb', 'orb_slam', PAPER):
-            columns += [paper[table, name, method], here(name, method)]
-        columns.append(here(name, 'aqorb'))
+            columns += [paper[table, name, method], rows.by_image(name, method, n)]
+        columns.append(rows.by_image(name, 'aqorb', n))
         yield ('Table {} ({}): uniformity'.format(table, name),
                ['image', 'A paper', 'A here', 'B paper', 'B here', 'C paper', 'C here', 'as shipped'],
-               [[str(i)] + [cell(value) for value in row] for i, *row in zip(numbers, *columns)])
+               [[str(i)] + [cell(value) for value in row] for i, *row in zip(range(1, 7), *columns)])
     table = []
     for (number, name, method), values in paper.items():
-        for source, each in (('paper', values), ('here', here(name, method))):
+        for source, each in (('paper', values), ('here', rows.by_image(name, method, n))):
             if number == '3' and not np.isnan(each).any():
                 table.append(['{}, {}, {}'.format(name, TITLES.get(method, method), source)]
                              + [cell(value) for value in each + [np.mean(each)]])
-    yield 'Table 3: uniformity', ['set, method'] + ['img{}'.format(i) for i in numbers] + ['mean'], table
+    yield 'Table 3: uniformity', ['set, method'] + ['img{}'.format(i) for i in range(1, 7)] + ['mean'], table
     for title, quantity, digits in (('Uniformity by set', 'uniformity', 2), ('CPU time in ms by set', 'time_ms', 2),
                                     ('Occupied share of a 16x12 grid by set', 'occupancy', 3)):
-        table = []
-        for method in options.methods:
-            means = [rows.mean(quantity, set=name, method=method, n=n) for name in images.PAPER_SETS]
-            if not np.isnan(means).any():
-                table.append([TITLES.get(method, method)] + [cell(value, digits) for value in means + [np.mean(means)]])
+        means = {method: rows.by_set(quantity, method, n) for method in METHODS}
+        table = [[TITLES[method]] + [cell(value, digits) for value in each + [np.mean(each)]]
+                 for method, each in means.items() if not np.isnan(each).any()]
         yield title, ['method'] + images.PAPER_SETS + ['mean'], table
-    titled = {'Means over the six sets': [(name, TITLES.get(name, name)) for name in options.methods],
+    titled = {'Means over the six sets': [(name, TITLES[name]) for name in METHODS],
               'Ablation: as shipped but for': ABLATIONS if options.ablation else []}
     for title, methods in titled.items():
         if methods:
@@ -129,23 +132,20 @@ def tables(rows, options):
                     for each in options.n for method, words in methods])
 
 
-def met(rows, table, name, method, n, numbers=range(1, 7)):
+def met(rows, table, name, method, n, images=6):
     """How many of the paper's values of a method are met within 0.3."""
-    values = read_paper()[table, name, method]
-    return sum(abs(values[i - 1] - rows.mean('uniformity', set=name, method=method, image=i, n=n)) <= .3 + 1e-9
-               for i in numbers)
+    pairs = list(zip(read_paper()[table, name, method], rows.by_image(name, method, n)))
+    return sum(abs(paper - here) <= .3 + 1e-9 for paper, here in pairs[:images])
 
 
 def claims(rows, options):
     """Rows of what is claimed of the paper's tables: what, asked, here, whether it holds."""
     n = options.n[0]
-    u = {method: [rows.mean('uniformity', set=name, method=method, n=n) for name in images.PAPER_SETS]
-         for method in options.methods}
-    found = met(rows, '1', 'bikes', 'orb', n, range(1, 5)) + met(rows, '2', 'leuven', 'orb', n)
+    found = met(rows, '1', 'bikes', 'orb', n, 4) + met(rows, '2', 'leuven', 'orb', n)
     yield ['column A within 0.3 of the paper: bikes 1 to 4, leuven', '10', str(found), found == 10]
     found = sum(met(rows, '3', name, 'sift', n) for name in images.PAPER_SETS)
     yield ['SIFT within 0.3 of the paper, of 30', 'at least 20', str(found), found >= 20]
-    shipped, settings, b = (np.mean(u[method]) for method in ('aqorb', PAPER, 'orb_slam'))
+    shipped, settings, b = (np.mean(rows.by_set('uniformity', method, n)) for method in ('aqorb', PAPER, 'orb_slam'))
     yield ['uniformity as shipped, mean of five sets', 'at most 147', cell(shipped), shipped <= 147]
     yield ["the same below B's", 'by at least 8', cell(b - shipped), b - shipped >= 8]
     yield ["uniformity with the paper's settings, mean of five sets", 'at most 164.3', cell(settings), settings <= 164.3]
@@ -184,9 +184,7 @@ def draw_figures(rows, options):
         for axis, name in zip(axes.flat, images.PAPER_SETS):
             printed = {key[2]: values for key, values in read_paper().items() if key[1] == name}
             for method in methods:
-                values = [rows.mean('uniformity', set=name, method=method, image=i, n=options.n[0])
-                          for i in range(1, 7)]
-                axis.plot(range(1, 7), values, color=COLOURS[method], marker='o', markersize=4)
+                axis.plot(range(1, 7), rows.by_image(name, method, options.n[0]), color=COLOURS[method], marker='o', markersize=4)
                 if method in printed:
                     axis.plot(range(1, 7), printed[method], color=COLOURS[method], marker='o', linestyle=':',
                               linewidth=.8, markerfacecolor='none')
@@ -200,5 +198,4 @@ def draw_figures(rows, options):
 
     pictures(3, '500 keypoints of bikes img1', ['orb', 'orb_slam', PAPER])
     panels(6, 'uniformity u by image, less is more uniform', ['orb', 'orb_slam', PAPER, 'aqorb'])
-    panels(8, 'uniformity u by image',
-           [PAPER, 'aqorb', 'surf', 'superpoint'] + [m for m in options.methods if m in ('sift', 'brisk', 'akaze')])
+    panels(8, 'uniformity u by image', [PAPER, 'aqorb', 'surf', 'superpoint', 'sift', 'brisk', 'akaze'])

@@ -17,10 +17,10 @@ import images
 import measures
 from methods import Method, is_available
 
-GIVEN = ['fountain-P11', 'entry-P10']  # scenes that scripts/measure.sh fetches; a clone may have more
+SCENES = ['fountain-P11', 'entry-P10']
 WIDTH = 1024  # of the photographs
 GAPS = {'photographs': [1, 2, 3], 'sequence': [1, 2, 3, 5, 8]}  # between the two images of a pair
-THRESHOLDS, COARSE = [.12, .18, .25, .35], [.18, .5, 1]  # pixels; a row of the first table shows the best of COARSE
+THRESHOLDS, COARSE = [.18, .35], [.18, .5, 1]  # pixels; a row of the first table shows the best of COARSE
 ESTIMATOR, RECIPE = 'USAC_PROSAC', .18  # and pixels, by the tutorial on matching
 UNCERTAIN, FEWEST = .35, 40  # matches of larger deviations, in pixels, are left out, but for so many
 REACH, AGREES = 3, 1.5  # pixels, of the second pass
@@ -57,19 +57,14 @@ def pairs_of(offset, camera, poses, gaps):
             for gap in gaps for i in range(len(poses) - gap)]
 
 
-def read_scenes(folder, scenes=GIVEN):
+def read_scenes(folder, scenes=SCENES):
     """The images of Strecha's scenes, reduced to the same width, and their pairs."""
     pictures, pairs = [], []
     for scene in scenes:
-        path, poses, offset = os.path.join(folder, scene), [], len(pictures)
-        for name in sorted(os.listdir(os.path.join(path, 'gt_dense_cameras'))):
-            image = images.read_image(os.path.join(path, 'images', name.split('.')[0]))
-            with open(os.path.join(path, 'gt_dense_cameras', name), encoding='utf-8') as file:
-                numbers = np.array(file.read().split(), float)
-            reduced, matrix = images.scaled(image, WIDTH / image.shape[1])
-            pictures.append(reduced)
-            camera = matrix @ numbers[:9].reshape(3, 3)
-            poses.append(np.vstack([np.column_stack([numbers[12:21].reshape(3, 3), numbers[21:24]]), [0, 0, 0, 1]]))
+        poses, offset = [], len(pictures)
+        for _, picture, camera, rotation, centre in images.read_scene(os.path.join(folder, scene), WIDTH):
+            pictures.append(picture)
+            poses.append(np.vstack([np.column_stack([rotation, centre]), [0, 0, 0, 1]]))
         pairs += pairs_of(offset, camera, poses, GAPS['photographs'])
     return pictures, pairs
 
@@ -103,7 +98,7 @@ class Matched(NamedTuple):
     def refine(self, pairs):
         return aqorb.refineMatchArraysWithDeviations(*self.views, pairs, .8, self.row.scale)
 
-    def grow(self, pairs, both_ways):
+    def grow(self, pairs, both_ways=True):
         return aqorb.growMatchArrays(*self.views, pairs, scaleFactor=self.row.scale, bothWays=both_ways)[1:]
 
 
@@ -115,9 +110,9 @@ def matched(row, n, pictures, pairs):
         if method.norm == cv2.NORM_HAMMING and not row.ratio:
             indices = aqorb.matchArrays(a.descriptors, b.descriptors)[0]
         else:
-            indices = np.array([(match.queryIdx, match.trainIdx) for match in mutual(a, b, method.norm, row.ratio)])
+            indices = measures.indices(mutual(a, b, method.norm, row.ratio))
         yield Matched(row, (pictures[pair.first], a.keypoints, pictures[pair.second], b.keypoints),
-                      (a.descriptors, b.descriptors), indices.reshape(-1, 2).astype(int))
+                      (a.descriptors, b.descriptors), indices)
 
 
 def points_of(row, n, pictures, pairs):
@@ -126,20 +121,22 @@ def points_of(row, n, pictures, pairs):
     for each in matched(row, n, pictures, pairs):
         found = [*(each.views[2 * i + 1]['pt'][each.pairs[:, i]] for i in range(2)), np.zeros(len(each.pairs))]
         for stage, points in zip(STAGES, (found, each.refine(each.pairs)[1:], each.grow(each.pairs, False),
-                                          each.grow(each.pairs, True))):
+                                          each.grow(each.pairs))):
             stages[stage].append(points)
     return stages
 
 
-def second_pass(each, fundamental, both_ways):
+def second_pass(each, pose, camera):
     """The points that grow from the matches along epipolar lines, as in the tutorial on matching."""
+    fundamental = measures.fundamental_of(camera, *pose[:2])
+
     def agreeing(pairs):
         pairs, first, second, _ = each.refine(pairs)
         return pairs[measures.off_lines(first, second, fundamental) <= AGREES]
     seeds = agreeing(each.pairs)
     guided, _ = aqorb.matchGuided(each.descriptors[0], each.views[1], each.descriptors[1], each.views[3], fundamental,
                                   REACH)
-    return each.grow(np.vstack([seeds, agreeing(guided[~np.isin(guided[:, 0], seeds[:, 0])])]), both_ways)
+    return each.grow(np.vstack([seeds, agreeing(guided[~np.isin(guided[:, 0], seeds[:, 0])])]))
 
 
 def by_opencv(estimator):
@@ -170,19 +167,19 @@ def by_poselib(progressive):
 
 ESTIMATORS = {name: by_opencv(getattr(cv2, name)) for name in
               ['RANSAC', 'USAC_PARALLEL', 'USAC_ACCURATE', 'USAC_PROSAC', 'USAC_MAGSAC']}
-ESTIMATORS.update({'PoseLib, unsorted': by_poselib(False), 'PoseLib': by_poselib(True)})
+ESTIMATORS['PoseLib'] = by_poselib(True)
 # The best of those that do not depend on the order of the matches, which detected ones have not.
 BEST = 'USAC_MAGSAC' if cv2.__version__.startswith('4.6.') else 'USAC_ACCURATE'
 
 
-def area(errors, limit):
-    return np.mean([max(0, 1 - error / limit) for error in errors])
+def areas(errors, limits=(1, 5)):
+    return ['{:.3f}'.format(measures.area(errors, limit)) for limit in limits]
 
 
 def best_area(errors, limits):
     """The areas under the curve at limits for the threshold that is best at the last of them, and that threshold."""
-    threshold = max(errors, key=lambda each: area(errors[each], limits[-1]))
-    return ['{:.3f}'.format(area(errors[threshold], limit)) for limit in limits] + ['{:g}'.format(threshold)]
+    threshold = max(errors, key=lambda each: measures.area(errors[each], limits[-1]))
+    return areas(errors[threshold], limits) + ['{:g}'.format(threshold)]
 
 
 def angle(cosine):
@@ -225,36 +222,29 @@ def stage_rows(row, stages, pairs):
         yield cells
 
 
-def guided_points(estimator, matches, stages, pairs, both_ways):
-    for each, points, pair in zip(matches, stages['both ways' if both_ways else 'one way'], pairs):
-        pose = estimated(estimator, certain(*points), pair.camera, RECIPE)
-        if pose is not None:
-            points = second_pass(each, measures.fundamental_of(pair.camera, pose[0], pose[1][:, 0]), both_ways)
-        yield certain(*points)
+def guided_points(estimator, matches, points, pairs):
+    for each, first, pair in zip(matches, points, pairs):
+        pose = estimated(estimator, first, pair.camera, RECIPE)
+        yield first if pose is None else certain(*second_pass(each, pose, pair.camera))
 
 
-def estimator_rows(estimators, matches, stages, pairs):
+def estimator_rows(matches, stages, pairs):
     gaps = np.array([pair.second - pair.first for pair in pairs])
-    for estimator in estimators:
+    for estimator in ESTIMATORS:
         variants = {stage: [certain(*each) for each in stages[stage]] for stage in STAGES[2:]}
-        variants['both ways, all'] = [[each[np.argsort(points[2])] for each in points[:2]]
-                                      for points in stages['both ways']]
-        variants['guided'] = list(guided_points(estimator, matches, stages, pairs, False))
-        variants['guided, both ways'] = list(guided_points(estimator, matches, stages, pairs, True))
+        variants['guided'] = list(guided_points(estimator, matches, variants['both ways'], pairs))
         for variant, points in variants.items():
             errors, milliseconds = measured(estimator, points, pairs)
-            areas = [' / '.join(best_area({threshold: each}, (1, 5))[:2]) for threshold, each in errors.items()]
             wide = np.reshape(errors[RECIPE], (len(pairs), -1))[gaps == gaps.max()].ravel()
-            areas += [' / '.join('{:.3f}'.format(area(wide, limit)) for limit in (1, 5))]
-            yield [estimator, variant] + areas + ['{:.1f}'.format(milliseconds)]
+            yield [estimator, variant] + [' / '.join(areas(each)) for each in (*errors.values(), wide)] + [
+                '{:.1f}'.format(milliseconds)]
 
 
 def coverage_rows(stages, pairs):
     """How many epipolar distances of right matches are below the deviations."""
     grown = stages['one way']
-    distances = [measures.off_lines(*points[:2], measures.fundamental_of(pair.camera, pair.motion[:3, :3],
-                                                                         pair.motion[:3, 3]))
-                 for points, pair in zip(grown, pairs)]
+    truth = [measures.fundamental_of(pair.camera, pair.motion[:3, :3], pair.motion[:3, 3]) for pair in pairs]
+    distances = [measures.off_lines(*points[:2], each) for points, each in zip(grown, truth)]
     yield measures.fifths('epipolar distances', np.hstack(distances), np.hstack([each[2] for each in grown]))
 
 
@@ -275,7 +265,7 @@ def belief_rows(estimator, n, known, foreign):
     counts = {'foreign': [], 'wrong': [], 'right': []}
     for pictures, pairs in (known, foreign):
         for each, pair in zip(matched(ROWS[-1], n, pictures, pairs), pairs):
-            pose = estimated(estimator, certain(*each.grow(each.pairs, True)), pair.camera, RECIPE)
+            pose = estimated(estimator, certain(*each.grow(each.pairs)), pair.camera, RECIPE)
             kind = 'foreign' if pair.motion is None else 'right' if pose_error(pose, pair.motion) < 5 else 'wrong'
             counts[kind].append(pose[2] if pose else 0)
     for least in INLIERS:
@@ -285,6 +275,8 @@ def belief_rows(estimator, n, known, foreign):
 
 def speed_rows(pictures, pairs):
     """Two files to a pose on one thread, with cv2 alone, with matchImages, and guided by a first pose."""
+    camera = pairs[0].camera
+
     def read(*files):
         return [cv2.imread(file, cv2.IMREAD_GRAYSCALE) for file in files]
 
@@ -293,15 +285,17 @@ def speed_rows(pictures, pairs):
         (a, da), (b, db) = (orb.detectAndCompute(picture, None) for picture in read(first, second))
         matches = cv2.BFMatcher(cv2.NORM_HAMMING, True).match(da, db)
         return by_poselib(False)(np.float32([a[match.queryIdx].pt for match in matches]),
-                                 np.float32([b[match.trainIdx].pt for match in matches]), pairs[0].camera, 1)
+                                 np.float32([b[match.trainIdx].pt for match in matches]), camera, 1)
+
+    def pose_of(matches):
+        return by_poselib(True)(*certain(*matches), camera, RECIPE)
 
     def ours(first, second):
-        return by_poselib(True)(*certain(*aqorb.matchImages(*read(first, second))), pairs[0].camera, RECIPE)
+        return pose_of(aqorb.matchImages(*read(first, second)))
+
     def guided(first, second):
-        each = next(matched(ROWS[-1], 1000, read(first, second), [Pair(0, 1, pairs[0].camera, None)]))
-        pose = by_poselib(True)(*certain(*each.grow(each.pairs, True)), pairs[0].camera, RECIPE)
-        fundamental = measures.fundamental_of(pairs[0].camera, pose[0], pose[1][:, 0])
-        return by_poselib(True)(*certain(*second_pass(each, fundamental, True)), pairs[0].camera, RECIPE)
+        each = next(matched(ROWS[-1], 1000, read(first, second), [Pair(0, 1, camera, None)]))
+        return pose_of(second_pass(each, pose_of(each.grow(each.pairs)), camera))
     cv2.setNumThreads(1)
     aqorb.setNumThreads(1)
     with tempfile.TemporaryDirectory() as folder:
@@ -317,12 +311,10 @@ def tables(options):
     head = ['', 'matches']
     for estimator in (BEST, 'PoseLib'):
         head += [estimator + ', AUC at 1 degree', 'at 5 degrees', 'threshold, px']
-    more = [name for name in sorted(os.listdir(options.scenes))
-            if name not in GIVEN and os.path.isdir(os.path.join(options.scenes, name, 'gt_dense_cameras'))]
-    data = [('the given scenes', *read_scenes(options.scenes))] + [('other scenes', *read_scenes(options.scenes, more))]
+    data = [('the given scenes', *read_scenes(options.scenes))]
     if options.sequence:
         data.append((os.path.basename(options.sequence), *read_sequence(options.sequence)))
-    for name, pictures, pairs in filter(lambda each: each[2], data):
+    for name, pictures, pairs in data:
         for n in options.n:
             title = '{} pairs of {}, n = {}'.format(len(pairs), name, n)
             stages = {row: points_of(row, n, pictures, pairs) for row in ROWS if is_available(row.detector)}
@@ -331,10 +323,10 @@ def tables(options):
             yield ('{}, aqorb, certain matches: AUC at 1 / 5 degrees'.format(title),
                    ['estimator', ''] + ['{:g} px'.format(threshold) for threshold in THRESHOLDS] +
                    ['widest pairs, {:g} px'.format(RECIPE), 'ms'],
-                   estimator_rows(options.estimators, matches, ours, pairs))
+                   estimator_rows(matches, ours, pairs))
             yield 'Share of errors below the deviation, {}'.format(title), measures.FIFTHS, coverage_rows(ours, pairs)
     _, pictures, pairs = data[0]
-    groups = [read_scenes(options.scenes, [scene])[0] for scene in GIVEN] + [read for _, read, _ in data[2:]]
+    groups = [read_scenes(options.scenes, [scene])[0] for scene in SCENES] + [read for _, read, _ in data[1:]]
     groups += [images.read_folder(folder, WIDTH) for root in options.elsewhere for folder, _, _ in os.walk(root)]
     for estimator in (ESTIMATOR, 'PoseLib'):
         yield ('{} at {:g} px: poses by their inliers'.format(estimator, RECIPE),

@@ -158,6 +158,10 @@ def pose_of(side):
                                                                           side.threshold)
 
 
+def tables(options):
+    yield 'Measured on one thread', HEAD, rows(options)
+
+
 def rows(options):
     cv2.setNumThreads(1)
     aqorb.setNumThreads(1)

@@ -18,11 +18,9 @@ import cv2
 import numpy as np
 
 import images
+import measures
 import poses
-from measures import Features
 
-SCENES = ['fountain-P11', 'entry-P10']
-WIDTH = 1024  # of the photographs
 SEEDS = range(3)  # of the mapper
 PAGE = os.path.join(os.path.dirname(__file__), '../../photographs/reconstruction.md')
 HEAD = ['', 'images', 'positions, mm', "of SIFT's", 'median, mm', 'rotations, degrees', 'points', 'reprojection, px',
@@ -36,15 +34,9 @@ class Scene:
     def __init__(self, source, out):
         self.folder, self.truth = os.path.join(out, 'images'), {}
         os.makedirs(self.folder, exist_ok=True)
-        for name in sorted(os.listdir(os.path.join(source, 'gt_dense_cameras'))):
-            stem = name.split('.')[0]
-            image = images.read_image(os.path.join(source, 'images', stem))
-            reduced, matrix = images.scaled(image, WIDTH / image.shape[1])
-            cv2.imwrite(os.path.join(self.folder, stem + '.png'), reduced)
-            with open(os.path.join(source, 'gt_dense_cameras', name), encoding='utf-8') as file:
-                numbers = np.array(file.read().split(), float)
-            self.truth[stem + '.png'] = numbers[12:21].reshape(3, 3), numbers[21:24]
-            camera = matrix @ numbers[:9].reshape(3, 3)
+        for stem, picture, camera, rotation, centre in images.read_scene(source, poses.WIDTH):
+            cv2.imwrite(os.path.join(self.folder, stem + '.png'), picture)
+            self.truth[stem + '.png'] = rotation, centre
         # The centre of the first pixel is (0, 0) in OpenCV's coordinates, (0.5, 0.5) in COLMAP's.
         self.parameters = [camera[0, 0], camera[1, 1], camera[0, 2] + .5, camera[1, 2] + .5]
         known = {'camera_model': 'PINHOLE', 'camera_params': ','.join(map(str, self.parameters))}
@@ -90,11 +82,10 @@ def by_sift_tracks(scene, path, _, count):
     from aqorb_photographs import colmap, tracks
     pictures = [cv2.imread(os.path.join(scene.folder, name), cv2.IMREAD_GRAYSCALE) for name in scene.truth]
     size, sift = pictures[0].shape[::-1], cv2.SIFT_create(count)
-    features, first = timed(lambda: [Features(*sift.detectAndCompute(picture, None)) for picture in pictures])
+    features, first = timed(lambda: [measures.Features(*sift.detectAndCompute(picture, None)) for picture in pictures])
 
     def match(i, j):
-        found = poses.mutual(features[i], features[j], cv2.NORM_L2, .8)
-        return np.array([(match.queryIdx, match.trainIdx) for match in found], np.int32).reshape(-1, 2)
+        return measures.indices(poses.mutual(features[i], features[j], cv2.NORM_L2, .8))
 
     with open(PAGE, encoding='utf-8') as file:
         program = re.search('```python\n(aligned.*?)```', file.read(), re.DOTALL)[1].replace('sift.db', path)
@@ -165,7 +156,7 @@ def draw(model, path):
 
 def tables(options):
     """(title, head, rows) of each table; draws the models of aqorb."""
-    for name in SCENES:
+    for name in poses.SCENES:
         out = os.path.join(options.out, name)
         scene = Scene(os.path.join(options.scenes, name), out)
         for intrinsics in scene.cameras:

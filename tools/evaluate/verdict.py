@@ -73,7 +73,7 @@ def tables(options):
     for kind, draw in ('pages of text', drawn_page), ('chessboards', drawn_board):
         for seed in range(DRAWN):
             groups.append((kind, seed, len(pictures), ''))
-            pictures.append(objects.seen(draw(seed).astype(np.float32), np.random.RandomState(seed), False))
+            pictures.append(objects.seen(draw(seed), np.random.RandomState(seed)))
     for n in options.n:
         detector = aqorb.AdaptiveQuadtreeORB_create(n)
         known = [(picture, detector.detectAndComputeArrays(picture)) for picture in pictures]
