@@ -7,6 +7,7 @@
 import contextlib
 import glob
 import io
+import itertools
 import os
 import re
 import subprocess
@@ -14,6 +15,7 @@ import sys
 
 import numpy as np
 import pyarrow.parquet as pq
+import pycolmap
 import pytest
 from PIL import Image
 
@@ -35,6 +37,12 @@ def noise(seed, height=120, width=160):
     return np.repeat(np.repeat(pixels, 8, 0), 8, 1)
 
 
+def save(path, pixels, **options):
+    """Writes pixels as an image, in a folder that it makes."""
+    path.parent.mkdir(parents=True, exist_ok=True)
+    Image.fromarray(pixels).save(path, **options)
+
+
 def call_of(*arguments):
     return [sys.executable, '-m', 'aqorb_photographs', *map(str, arguments)]
 
@@ -45,8 +53,8 @@ def start(*arguments, **options):
 
 
 def peak_memory(*arguments):
-    """The most memory of a call of the command, in KiB. A small process starts it, because a process begins with what the
-    one that starts it has."""
+    """The most memory of a call of the command, in KiB. A small process starts it, because a process begins with what
+    the one that starts it has."""
     code = ('import resource, subprocess, sys; subprocess.run(sys.argv[1:], stdout=2, check=True); '
             'print(resource.getrusage(resource.RUSAGE_CHILDREN).ru_maxrss)')
     return int(subprocess.check_output([sys.executable, '-c', code, *call_of(*arguments)]))
@@ -95,6 +103,25 @@ def parts_of(path):
     return {name: os.stat(path / name).st_mtime_ns for name in os.listdir(path)}
 
 
+def geometries_of(path):
+    """Yields the two-view geometries in a COLMAP database: the names of both images, the positions of the matches in
+    both, and the geometry."""
+    with pycolmap.Database.open(path) as database:
+        images = {image.name: image.image_id for image in database.read_all_images()}
+        for names in itertools.combinations(images, 2):
+            both = [images[name] for name in names]
+            if database.exists_two_view_geometry(*both):
+                geometry = database.read_two_view_geometry(*both)
+                rows = geometry.inlier_matches.T
+                yield names, [database.read_keypoints(one)[row, :2] for one, row in zip(both, rows)], geometry
+
+
+def epipolar_distances(points1, points2, fundamental):
+    """The distances of points2 from the epipolar lines of points1."""
+    lines = np.column_stack([points1, np.ones(len(points1))]) @ fundamental.T
+    return abs((lines[:, :2] * points2).sum(1) + lines[:, 2]) / np.hypot(*lines[:, :2].T)
+
+
 def expected(pixels, features=1000):
     """The columns of a grey image, by detectAndComputeArrays."""
     keypoints, descriptors = aqorb.AdaptiveQuadtreeORB_create(features).detectAndComputeArrays(pixels)
@@ -114,7 +141,7 @@ def folder(tmp_path_factory):
     """Forty images."""
     folder = tmp_path_factory.mktemp('images')
     for i in range(40):
-        Image.fromarray(noise(i)).save(str(folder / f'{i:02}.png'))
+        save(folder / f'{i:02}.png', noise(i))
     return folder
 
 

@@ -9,7 +9,6 @@ import os
 import random
 import shutil
 import signal
-import sqlite3
 import subprocess
 import sys
 import time
@@ -19,7 +18,8 @@ import pycolmap
 import pytest
 
 from aqorb_photographs import tracks
-from conftest import LINUX, Image, call_of, matches_of, noise, parts_of, refused, run
+from conftest import (LINUX, Image, call_of, epipolar_distances, geometries_of, matches_of, noise, parts_of, refused,
+                      run, save)
 
 SIZE = 640, 480
 FOCAL = 600
@@ -61,11 +61,10 @@ def drawn(rotation, center, textures):
 @pytest.fixture(scope='module')
 def corner(tmp_path_factory):
     folder = tmp_path_factory.mktemp('corner')
-    (folder / 'images').mkdir()
     textures = [np.asarray(Image.fromarray(noise(seed, 512, 512)).resize((256, 256), Image.BICUBIC), float)
                 for seed in range(3)]
     for name, camera in CAMERAS.items():
-        Image.fromarray(drawn(*camera, textures)).save(folder / 'images' / name)
+        save(folder / 'images' / name, drawn(*camera, textures))
     run('extract', folder / 'images', '--out', folder / 'f')
     run('match', folder / 'f', '--pairs', 'exhaustive', '--out', folder / 'm')
     return folder
@@ -78,21 +77,12 @@ def colmap_of(folder, path, *options):
 
 def epipolar_errors(path):
     """Distances of the positions of a database from the true epipolar lines, by the pair's names."""
-    database, errors = pycolmap.Database.open(path), {}
-    images = {image.name: image.image_id for image in database.read_all_images()}
-    inverse = np.linalg.inv([[FOCAL, 0, SIZE[0] / 2], [0, FOCAL, SIZE[1] / 2], [0, 0, 1]])
-    for first, second in itertools.combinations(images, 2):
-        if not database.exists_two_view_geometry(images[first], images[second]):
-            continue
-        rows = database.read_two_view_geometry(images[first], images[second]).inlier_matches
-        points = [np.column_stack([database.read_keypoints(images[name])[rows[:, side], :2], np.ones(len(rows))])
-                  for side, name in enumerate((first, second))]
-        (rotation1, center1), (rotation2, center2) = CAMERAS[first], CAMERAS[second]
+    inverse, errors = np.linalg.inv([[FOCAL, 0, SIZE[0] / 2], [0, FOCAL, SIZE[1] / 2], [0, 0, 1]]), {}
+    for names, points, _ in geometries_of(path):
+        (rotation1, center1), (rotation2, center2) = (CAMERAS[name] for name in names)
         x, y, z = rotation2 @ (center1 - center2)
         essential = np.array([[0, -z, y], [z, 0, -x], [-y, x, 0]]) @ rotation2 @ np.transpose(rotation1)
-        lines = points[0] @ (inverse.T @ essential @ inverse).T
-        errors[first, second] = abs((lines * points[1]).sum(1)) / np.hypot(*lines[:, :2].T)
-    database.close()
+        errors[names] = epipolar_distances(*points, inverse.T @ essential @ inverse)
     return errors
 
 
@@ -228,6 +218,12 @@ def test_kills(fresh, whole):
     print(f'{count} kills, {full} of them after all pairs were aligned; seed {seed}')
 
 
+def counts_in(path):
+    """The numbers of keypoints of the images in a database."""
+    with pycolmap.Database.open(path) as database:
+        return [len(database.read_keypoints(image.image_id)) for image in database.read_all_images()]
+
+
 def test_what_is_not_as_it_was(fresh):
     shutil.rmtree(fresh / 'f')
     run('extract', fresh / 'images', '--out', fresh / 'f')
@@ -238,16 +234,14 @@ def test_what_is_not_as_it_was(fresh):
     refused('0.png is missing: .* run aqorb extract with --out .*/f --prune', *call)
     image.write_bytes(original + b' ')
     refused('0.png has changed .* run aqorb extract with --out .*/f, then aqorb match', *call)
-    Image.fromarray(noise(9, 480, 640)).save(image)
+    save(image, noise(9, 480, 640))
     run('extract', fresh / 'images', '--out', fresh / 'f')
     for option in '--refine', '--no-refine':
         refused('m has 4 pairs, such as 0.png and 1.png, whose features have changed since they were matched: run '
                 'aqorb match .*/f with --out .*/m$', *call, option)
     run('match', fresh / 'f', '--pairs', 'exhaustive', '--out', fresh / 'm')
     run(*call)
-    with sqlite3.connect(fresh / 'x.db') as connection:
-        assert connection.execute('SELECT rows FROM keypoints').fetchall()[0] == (0,)
-    connection.close()
+    assert counts_in(fresh / 'x.db')[0] == 0
     refused('absent has no matches of .*/f: run aqorb match', 'colmap', fresh / 'f', fresh / 'absent', *call[3:5],
             '--database', fresh / 'y.db')
 
@@ -257,7 +251,5 @@ def test_images_that_few_positions_connect(fresh):
     counts = []
     for floor in 40, 1500:
         run(*colmap_of(fresh, fresh / f'{floor}.db', '--min-inliers', floor))
-        database = pycolmap.Database.open(fresh / f'{floor}.db')
-        counts.append([database.read_keypoints(image.image_id).shape[0] for image in database.read_all_images()])
-        database.close()
+        counts.append(counts_in(fresh / f'{floor}.db'))
     assert min(counts[1]) > 15 and sum(counts[1]) < sum(counts[0])
