@@ -8,8 +8,9 @@ undamaged one. What was killed must end with the same rows as if nothing had bee
 again. scripts/python.sh hostile prints the counts of more flips and kills, AQORB_FLIPS and AQORB_KILLS."""
 
 import collections
+import contextlib
+import itertools
 import os
-import pathlib
 import random
 import shutil
 import sqlite3
@@ -27,10 +28,8 @@ TABLES = 'images', 'cameras', 'keypoints', 'descriptors', 'matches', 'two_view_g
 def content_of(path):
     """What a store or a database has, in an order that does not depend on parts."""
     if os.path.isfile(path):
-        database = sqlite3.connect(path)
-        found = [sorted(database.execute('SELECT * FROM ' + table), key=repr) for table in TABLES]
-        database.close()
-        return found
+        with contextlib.closing(sqlite3.connect(path)) as database:
+            return [sorted(database.execute('SELECT * FROM ' + table), key=repr) for table in TABLES]
     return sorted(map(repr, pq.read_table(str(path)).to_pylist()))
 
 
@@ -41,25 +40,27 @@ def read(path):
     return [(name, *map(bytes, found.keypoints(image))) for image, name in enumerate(found.images)]
 
 
-def flips(count, chance, folder, damaged):
-    """What comes of bits that are flipped in the parts of a folder."""
-    found, whole = collections.Counter(), read(folder)
-    for _ in range(count):
-        shutil.rmtree(damaged, ignore_errors=True)
-        shutil.copytree(folder, damaged)
-        part = pathlib.Path(damaged, chance.choice(sorted(os.listdir(damaged))))
-        content = bytearray(part.read_bytes())
-        content[chance.randrange(len(content))] ^= 1 << chance.randrange(8)
-        part.write_bytes(content)
-        found[outcome(damaged, whole)] += 1
-    return found
-
-
 def outcome(folder, whole=None):
+    """What comes of reading a folder of features."""
     try:
         return 'the same rows' if read(folder) == whole else 'OTHER ROWS'
     except InputError as error:
         return 'a sentence' if str(folder) in str(error) and '\n' not in str(error) else 'NO SENTENCE'
+
+
+def test_flipped_bits(features, tmp_path):
+    count, chance = int(os.environ.get('AQORB_FLIPS', 100)), random.Random(1)
+    found, whole, damaged = collections.Counter(), read(features), tmp_path / 'damaged'
+    for _ in range(count):
+        shutil.copytree(features, damaged)
+        part = damaged / chance.choice(sorted(os.listdir(damaged)))
+        content = bytearray(part.read_bytes())
+        content[chance.randrange(len(content))] ^= 1 << chance.randrange(8)
+        part.write_bytes(content)
+        found[outcome(damaged, whole)] += 1
+        shutil.rmtree(damaged)
+    print(f'{count} bits flipped in parts: {dict(found)}')
+    assert set(found) == {'a sentence', 'the same rows'} and found['a sentence'] > count / 2
 
 
 def crafted(table):
@@ -76,58 +77,38 @@ def crafted(table):
     yield from (table.drop_columns(['y']), table.select(['name']), pa.table({'a': [1]}))
 
 
-def odd_parts(table, folder):
-    found = collections.Counter()
-    for made in crafted(table):
-        os.makedirs(folder, exist_ok=True)
-        pq.write_table(made, os.path.join(folder, 'odd.parquet'))
-        found[outcome(folder)] += 1
-    return found
-
-
-def kills(count, chance, folder, images):
-    """Kills each of three commands at random moments, in turns, and calls it again until it ends."""
-    found, whole, seconds = collections.Counter(), {}, {}
-    features, matches, database = (os.path.join(folder, name) for name in ('features', 'matches', 'x.db'))
-    calls = {features: ['extract', images, '--out', features, '--part-size', '3'],
-             matches: ['match', features, '--pairs', 'exhaustive', '--no-verify', '--part-size', '50',
-                       '--out', matches],
-             database: ['colmap', features, matches, '--images', images, '--database', database, '--no-refine']}
-    for out, call in calls.items():
-        begin = time.perf_counter()
-        subprocess.run(call_of(*call, '--quiet'), check=True)
-        seconds[out], whole[out] = time.perf_counter() - begin, content_of(out)
-    for number in range(count):
-        out, call = list(calls.items())[number % 3]
-        shutil.rmtree(out) if os.path.isdir(out) else os.remove(out)
-        process = subprocess.Popen(call_of(*call, '--quiet'))
-        time.sleep(chance.uniform(.3, 1) * seconds[out])
-        process.kill()
-        process.wait()
-        was_there = os.path.exists(out)
-        if out != database or not was_there:  # a database appears when it is complete
-            subprocess.run(call_of(*call, '--quiet'), check=True)
-        found['the same rows' if content_of(out) == whole[out] else 'OTHER ROWS'] += 1
-        found['(in the middle)'] += was_there and out != database
-    return found
-
-
-def test_flipped_bits(features, tmp_path):
-    count = int(os.environ.get('AQORB_FLIPS', 100))
-    found = flips(count, random.Random(1), features, tmp_path / 'damaged')
-    print(f'{count} bits flipped in parts: {dict(found)}')
-    assert set(found) == {'a sentence', 'the same rows'} and found['a sentence'] > count / 2
-
-
 def test_parts_that_no_command_has_made(features, tmp_path):
-    found = odd_parts(pq.read_table(str(features)), tmp_path / 'odd')
+    found = collections.Counter()
+    for made in crafted(pq.read_table(str(features))):
+        pq.write_table(made, tmp_path / 'odd.parquet')
+        found[outcome(tmp_path)] += 1
     print(f'parts that no command has made: {dict(found)}')
     assert set(found) == {'a sentence'}
 
 
 @LINUX
 def test_kills(folder, tmp_path):
+    """Kills each of three commands at random moments, in turns, and calls it again until it ends."""
     count, seed = int(os.environ.get('AQORB_KILLS', 9)), random.randrange(1 << 32)
-    found = kills(count, random.Random(seed), str(tmp_path), str(folder))
+    chance, found, whole, seconds = random.Random(seed), collections.Counter(), {}, {}
+    features, matches, database = (tmp_path / name for name in ('features', 'matches', 'x.db'))
+    calls = {features: ['extract', folder, '--out', features, '--part-size', 3],
+             matches: ['match', features, '--pairs', 'exhaustive', '--no-verify', '--part-size', 50, '--out', matches],
+             database: ['colmap', features, matches, '--images', folder, '--database', database, '--no-refine']}
+    for out, call in calls.items():
+        begin = time.perf_counter()
+        subprocess.run(call_of(*call, '--quiet'), check=True)
+        seconds[out], whole[out] = time.perf_counter() - begin, content_of(out)
+    for out, call in itertools.islice(itertools.cycle(calls.items()), count):
+        shutil.rmtree(out) if out.is_dir() else out.unlink()
+        process = subprocess.Popen(call_of(*call, '--quiet'))
+        time.sleep(chance.uniform(.3, 1) * seconds[out])
+        process.kill()
+        process.wait()
+        was_there = out.exists()
+        if out != database or not was_there:  # a database appears when it is complete
+            subprocess.run(call_of(*call, '--quiet'), check=True)
+        found['the same rows' if content_of(out) == whole[out] else 'OTHER ROWS'] += 1
+        found['(in the middle)'] += was_there and out != database
     print(f'{count} kills of extract, match and colmap: {dict(found)}')
     assert found['the same rows'] == count, f'seed {seed}: {found}'
