@@ -55,43 +55,34 @@ def list_files(sources, include=(), exclude=(), out=None):
     """Lists the files in folders and their subfolders, except the folder out. It follows links to folders, and
     visits each folder once. Files among the sources may have any name. Returns the paths of the files, the number of
     names left out, and each folder that cannot be listed, with the reason."""
-    found, left_out, failures, seen = {}, 0, [], set()
+    found, left_out, failures, seen = {}, 0, [], {os.path.realpath(out)} if out else set()
 
     def failed(error):
         if error.filename in sources:
             raise error
         failures.append((error.filename, error.strerror))
 
-    def identity(path):
-        return os.stat(path).st_dev, os.stat(path).st_ino
-
-    def is_wanted(path, patterns):
+    def fits(path, patterns):
         return any(fnmatch.fnmatch(name, pattern) for name in (path, os.path.basename(path)) for pattern in patterns)
 
-    if out and os.path.isdir(out):
-        seen.add(identity(out))
     for source in sources:
         tops = [source] if os.path.isdir(source) else []
         if not tops:
             found[source] = None
         for top in tops:  # links append to tops
             for parent, folders, names in os.walk(top, onerror=failed):
-                if identity(parent) in seen:
-                    folders[:] = []
+                if os.path.realpath(parent) in seen:
+                    folders.clear()
                     continue
-                seen.add(identity(parent))
-                kept = []
-                for name in sorted(folders + names):
-                    path = os.path.relpath(os.path.join(parent, name), source)
-                    if CLUTTER.fullmatch(name) or is_wanted(path, exclude) or (
-                            include and name in names and not is_wanted(path, include)):
-                        left_out += 1
-                    else:
-                        kept.append(name)
-                tops += [os.path.join(parent, name) for name in kept
-                         if name not in names and os.path.islink(os.path.join(parent, name))]
-                folders[:] = [name for name in kept if name not in names]
-                found.update((os.path.join(parent, name), None) for name in kept if name in names)
+                seen.add(os.path.realpath(parent))
+                for listed, patterns in (folders, '*'), (names, include or '*'):
+                    paths = {name: os.path.relpath(os.path.join(parent, name), source) for name in sorted(listed)}
+                    left_out += len(listed)
+                    listed[:] = [name for name, path in paths.items() if fits(path, patterns)
+                                 and not fits(path, exclude) and not CLUTTER.fullmatch(name)]
+                    left_out -= len(listed)
+                tops += filter(os.path.islink, [os.path.join(parent, name) for name in folders])
+                found.update(dict.fromkeys(os.path.join(parent, name) for name in names))
     return list(found), left_out, failures
 
 
