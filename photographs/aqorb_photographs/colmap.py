@@ -92,11 +92,10 @@ def geometry_of(inlier_matches, fundamental, turns):
         whole = np.eye(3)
         whole[:2, :2], whole[:2, 2] = matrix, shift + .5
         to_upright.append(np.linalg.inv(whole))
-    geometry = pycolmap.TwoViewGeometry()
-    geometry.config = pycolmap.TwoViewGeometryConfiguration.UNCALIBRATED
+    geometry = pycolmap.TwoViewGeometry(config=pycolmap.TwoViewGeometryConfiguration.UNCALIBRATED,
+                                        inlier_matches=inlier_matches.astype(np.uint32))
     if len(fundamental):
         geometry.F = to_upright[1].T @ fundamental.reshape(3, 3) @ to_upright[0]
-    geometry.inlier_matches = inlier_matches.astype(np.uint32)
     return geometry
 
 
@@ -162,12 +161,11 @@ def _export(features, matches, folder, path, camera_mode, options, refine, min_i
     sizes = list(zip(features.value('width'), features.value('height')))
     orientations = features.value('orientation')
     turns = [turn_of(*one) for one in zip(orientations, sizes)]
-    with tempfile.TemporaryDirectory() as scratch:
-        imported = import_images(os.path.join(scratch, 'images.db'), folder, camera_mode, options, features.images)
+    with tempfile.TemporaryDirectory() as scratch, import_images(
+            os.path.join(scratch, 'images.db'), folder, camera_mode, options, features.images) as imported:
         cameras = {camera.camera_id: camera for camera in imported.read_all_cameras()}
         images = {image.name: image for image in imported.read_all_images()}
         priors = {prior.corr_data_id.id: prior for prior in imported.read_all_pose_priors()}
-        imported.close()
     reasons = [why_not(os.path.join(folder, name), images.get(name), cameras, size[::-1] if turned >= 5 else size)
                for name, size, turned in zip(features.images, sizes, orientations)]
     positions, pairs = None, detected_pairs(matches, turns) if matches else ()
@@ -177,8 +175,8 @@ def _export(features, matches, folder, path, camera_mode, options, refine, min_i
                                         threads, report)
         if not any(map(len, positions)):
             raise InputError(f'no two images have {min_inliers} positions that agree on one geometry')
-    database, ids, numbers, count = pycolmap.Database.open(path), {}, {}, 0
-    with pycolmap.DatabaseTransaction(database):
+    ids, numbers, count = {}, {}, 0
+    with pycolmap.Database.open(path) as database, pycolmap.DatabaseTransaction(database):
         for index, name in enumerate(features.images):
             if reasons[index]:
                 continue
@@ -198,7 +196,6 @@ def _export(features, matches, folder, path, camera_mode, options, refine, min_i
                 if len(geometry.inlier_matches) >= places.MIN_INLIERS:
                     database.write_two_view_geometry(ids[first], ids[second], geometry)
                 count += 1
-    database.close()
     needs = ''
     if not matches:
         needs = "COLMAP cannot match these features: run aqorb match, then aqorb colmap with its matches"

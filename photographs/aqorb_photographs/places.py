@@ -40,6 +40,7 @@ CHUNK = 256  # images that are drawn from at a time
 QUERIES = 32  # few; the candidates of as many are read at a time
 BLOCK = 2**22  # elements of the similarity matrix in memory at a time
 GROWTH = 4  # growth of the collection after which words are drawn anew
+COUNTS = pa.schema([('word', store.INTEGERS), ('count', store.FLOATS)])  # of the words of each image
 
 
 def strongest(descriptors, response, count=STRONGEST):
@@ -81,8 +82,6 @@ def choose_words(images, count=WORDS, seed=0):
 
 def words_of(descriptors, words):
     """Returns the words of an image in ascending order, and their counts."""
-    if not len(descriptors):
-        return np.zeros(0, np.int32), np.zeros(0, np.int32)
     nearest, _ = aqorb.knnMatchArrays(descriptors, words, 1)
     found, counts = np.unique(nearest, return_counts=True)
     return found.astype(np.int32), counts.astype(np.int32)
@@ -142,33 +141,26 @@ def similar(queries, collected, number, min_gap=0):
         yield start, np.take_along_axis(best, order, 1), np.take_along_axis(values, order, 1)
 
 
-def pairs_of(blocks, number):
-    """Returns the pairs of similar images in the blocks of similar, for a collection of `number` images: each pair
-    once, as rows of two indices in ascending order. Images without a common word make no pair."""
-    codes = [np.zeros(0, np.int64)]
-    for start, indices, similarities in blocks:
-        rows = np.arange(start, start + len(indices))[:, None] + np.zeros_like(indices)
-        least, greatest = np.minimum(rows, indices), np.maximum(rows, indices)
-        codes.append((least.astype(np.int64) * number + greatest)[similarities > 0])
-    return np.column_stack(np.divmod(np.unique(np.concatenate(codes)), max(1, number)))
-
-
 def similar_pairs(counts, number, min_gap=1, sequential=0, progress=None):
     """Returns the pairs of each image of a collection with its `number` most similar images and with the `sequential`
-    images after it: rows of two indices in ascending order, each pair once. Calls progress with the number of finished
-    images."""
+    images after it: rows of two indices in ascending order, each pair once. Images without a common word are not
+    similar. Calls progress with the number of finished images."""
     total = counts.shape[0]
     weights = weigh(counts, rarity_of(counts))
+    pairs = [np.column_stack([np.arange(total - i), np.arange(i, total)]) for i in range(1, min(sequential + 1, total))]
+    for start, indices, similarities in similar(weights, weights, number, min_gap):
+        queries, found = np.nonzero(similarities > 0)
+        pairs.append(np.sort(np.column_stack([start + queries, indices[queries, found]])))
+        if progress:
+            progress(len(indices))
+    return np.unique(np.concatenate(pairs), axis=0)
 
-    def blocks():
-        for block in similar(weights, weights, number, min_gap):
-            yield block
-            if progress:
-                progress(len(block[1]))
 
-    following = [np.column_stack([np.arange(total - i), np.arange(i, total)])
-                 for i in range(1, min(sequential + 1, total))]
-    return np.unique(np.concatenate([pairs_of(blocks(), total), *following]), axis=0)
+def ransac(max_error, min_trials):
+    """Returns the options of pycolmap's RANSAC, with a fixed seed."""
+    import pycolmap
+    return pycolmap.RANSACOptions(max_error=max_error, random_seed=0, min_num_trials=min_trials, max_num_trials=1000,
+                                  confidence=.999)
 
 
 def estimate(model, points1, points2, max_error):
@@ -176,13 +168,8 @@ def estimate(model, points1, points2, max_error):
     fundamental matrix, or 'H', for a homography. points1 and points2 are the matches' positions in pixels. Returns the
     indices of the inliers, and the matrix or None."""
     import pycolmap
-    if len(points1) < 8:
-        return np.zeros(0, np.int32), None
-    options = pycolmap.RANSACOptions()
-    options.max_error, options.random_seed = max_error, 0
-    options.min_num_trials, options.max_num_trials, options.confidence = 100, 1000, .999
     function = pycolmap.estimate_fundamental_matrix if model == 'F' else pycolmap.estimate_homography_matrix
-    found = function(points1, points2, options)
+    found = function(points1, points2, ransac(max_error, 100)) if len(points1) >= 8 else None
     if found is None:
         return np.zeros(0, np.int32), None
     return np.flatnonzero(found['inlier_mask']).astype(np.int32), found[model]
@@ -291,22 +278,18 @@ class Index:
         for part in new:
             rows = [next(found) for _ in range(int((features.part == part).sum()))]
             words, counts = zip(*rows) if rows else ((), ())
-            columns = [pa.array(words, store.INTEGERS), pa.array(counts, store.FLOATS)]
-            tables[part] = pa.table(columns, ['word', 'count'])
+            tables[part] = pa.table([words, counts], schema=COUNTS)
             self._keep(f'{digest}-{features.names[part]}', tables[part])
         with contextlib.suppress(OSError):  # removes tables of parts that are gone
             store.clean(self.folder)
             kept = {'words.parquet', *(f'{digest}-{name}' for name in features.names)}
             for name in set(store.parts_in(self.folder)) - kept:
                 os.remove(os.path.join(self.folder, name))
-        parts = [np.zeros(1, np.int64)], [np.zeros(0, np.int32)], [np.zeros(0, np.float32)]
-        for table in tables:
-            words, counts = (table[column].combine_chunks() for column in ('word', 'count'))
-            parts[0].append(np.asarray(words.value_lengths(), np.int64))
-            parts[1].append(words.flatten().to_numpy())
-            parts[2].append(counts.flatten().to_numpy())
-        lengths, indices, counts = map(np.concatenate, parts)
-        return scipy.sparse.csr_matrix((counts, indices, np.cumsum(lengths)), (len(lengths) - 1, len(self.words)))
+        table = pa.concat_tables([COUNTS.empty_table(), *tables])
+        words, counts = (table[name].combine_chunks() for name in COUNTS.names)
+        offsets = np.cumsum([0, *words.value_lengths().to_numpy()])
+        return scipy.sparse.csr_matrix((counts.flatten().to_numpy(), words.flatten().to_numpy(), offsets),
+                                       (len(table), len(self.words)))
 
 
 def search(queries, features, index, number, ratio=.8, threads=1):
@@ -324,15 +307,11 @@ def search(queries, features, index, number, ratio=.8, threads=1):
     def candidates():
         for start, indices, _ in similar(asked, weigh(index.counts, weight), number):
             for query, images in enumerate(indices, start):
-                if (query - start) % QUERIES == 0:  # reads images in the order of parts: one read gives many images
-                    needed = np.unique(indices[query - start:query - start + QUERIES])
-                    read = {image: features.keypoints(image)
-                            for image in needed[np.argsort(features.chosen[needed], kind='stable')]}
-                row = queries.slice(query, 1)
-                positions = np.column_stack([row[name].combine_chunks().flatten().to_numpy() for name in ('x', 'y')])
-                descriptors = np.frombuffer(row['descriptors'][0].as_buffer(), np.uint8).reshape(-1, 32)
+                if (query - start) % QUERIES == 0:
+                    read = features.read(indices[query - start:query - start + QUERIES])
+                photograph = store.keypoints_of(queries.slice(query, 1))
                 for image in images:
-                    yield image, (positions, descriptors), read[image]
+                    yield image, photograph, read[image]
 
     with concurrent.futures.ThreadPoolExecutor(threads) as pool:
         compared = (found for _, found in map_ahead(pool, compare, candidates(), 4 * threads))

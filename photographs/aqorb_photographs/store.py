@@ -70,10 +70,9 @@ def replacing(path):
             file.flush()
             os.fsync(file.fileno())
         os.replace(unfinished, path)
-    except BaseException:
-        with contextlib.suppress(OSError):
+    finally:
+        with contextlib.suppress(OSError):  # it has its name, if all went well
             os.remove(unfinished)
-        raise
 
 
 def write_part(folder, table, name=None, group=GROUP):
@@ -140,7 +139,8 @@ def check(table):
 
 class Parts:
     """The Parquet parts of a folder. `head` has one row for each image or pair, with the leading columns; `part` and
-    `row` have the number of its part and of its row in the part. row_at and groups read `columns`."""
+    `row` have the number of its part and of its row in the part. `chosen` has the rows of the head that count. row_of,
+    of and groups read `columns`."""
 
     kind, schema, head_columns = '', pa.schema([]), ['']
 
@@ -183,11 +183,15 @@ class Parts:
         with reading(self._path(part)):
             return check(self._file(part).read_row_group(group, self.columns))
 
-    def row_at(self, index):
-        """Returns the row of the head's row `index`, as a table of one row with the columns."""
-        part, row = self.part[index], self.row[index]
+    def row_of(self, index):
+        """Returns the row of the image or pair with this index, as a table of one row with the columns."""
+        part, row = self.part[self.chosen[index]], self.row[self.chosen[index]]
         group = bisect.bisect_right(self._starts[part], row) - 1
         return self._group(part, group).slice(row - self._starts[part][group], 1)
+
+    def of(self, index):
+        """Returns arrays_of the image or pair with this index."""
+        return arrays_of(self.row_of(index))
 
     def groups(self, part):
         """Yields the rows of a part, in tables with the columns."""
@@ -293,17 +297,23 @@ def to_row(file, picture, features, parameters):
     row = dict(picture.camera, name=file.name, folder=file.folder, file_size=file.file_size, file_time=file.file_time,
                mask=file.mask_time, width=picture.size[0], height=picture.size[1], orientation=picture.orientation,
                parameters=parameters, version=f'aqorb {aqorb.__version__}, Pillow {PIL.__version__}',
-               digest=digest.hexdigest())
-    columns = []
-    for field in FEATURES:
-        if field.name == 'descriptors':
-            columns.append(pa.array([features.descriptors.tobytes()], field.type))
-        elif pa.types.is_list(field.type):
-            values = pa.array(getattr(features, field.name))
-            columns.append(pa.ListArray.from_arrays(pa.array([0, len(values)], pa.int32()), values))
-        else:
-            columns.append(pa.array([row.get(field.name)], field.type))
-    return pa.Table.from_arrays(columns, schema=FEATURES)
+               digest=digest.hexdigest(), descriptors=features.descriptors.tobytes(),
+               **{name: getattr(features, name) for name, _ in KEYPOINTS})
+    return pa.Table.from_pylist([row], FEATURES)
+
+
+def arrays_of(row):
+    """Returns the lists in a table of one row as a dict of arrays. descriptors are rows of 32 bytes."""
+    found = {field.name: row[field.name][0].values.to_numpy() for field in row.schema if pa.types.is_list(field.type)}
+    if 'descriptors' in row.schema.names:
+        found['descriptors'] = np.frombuffer(row['descriptors'][0].as_buffer(), np.uint8).reshape(-1, 32)
+    return found
+
+
+def keypoints_of(row):
+    """Returns the positions and the descriptors in a table of one row: arrays (n, 2) and (n, 32)."""
+    found = arrays_of(row)
+    return np.column_stack([found['x'], found['y']]), found['descriptors']
 
 
 class Features(Parts):
@@ -326,18 +336,14 @@ class Features(Parts):
         """Returns a column of the head, with an element for each image."""
         return self.head[name].take(pa.array(self.chosen)).to_pylist()
 
-    def of(self, image):
-        """Returns the columns of the image with this index, as a dict of arrays with an element for each keypoint.
-        descriptors are rows of 32 bytes."""
-        row = self.row_at(self.chosen[image])
-        lists = set(self.columns) & set(dict(KEYPOINTS))
-        found = {name: row[name].combine_chunks().flatten().to_numpy() for name in lists}
-        return dict(found, descriptors=np.frombuffer(row['descriptors'][0].as_buffer(), np.uint8).reshape(-1, 32))
-
     def keypoints(self, image):
-        """Returns the positions and the descriptors of an image: arrays (n, 2) and (n, 32)."""
-        found = self.of(image)
-        return np.column_stack([found['x'], found['y']]), found['descriptors']
+        """Returns keypoints_of the image with this index."""
+        return keypoints_of(self.row_of(image))
+
+    def read(self, images):
+        """Returns the keypoints of images, as a dict. Reads in the order of parts: one read gives many images."""
+        needed = np.unique(images)
+        return {image: self.keypoints(image) for image in needed[np.argsort(self.chosen[needed])].tolist()}
 
     def path(self, image, folder=None):
         """Returns the path of an image's file."""
@@ -405,11 +411,6 @@ class Matches(Parts):
         """Returns a number for each pair of images, the same in both orders."""
         return pairs.min(1) * np.int64(self._count) + pairs.max(1)
 
-    def of(self, pair):
-        """Returns the columns of the pair with this index, as a dict of arrays."""
-        row = self.row_at(self.chosen[pair])
-        return {name: row[name].combine_chunks().flatten().to_numpy() for name in self.columns}
-
 
 def to_matches(features, pairs, found, parameters, schema=MATCHES):
     """Returns the table of pairs of images. pairs are rows of two indices, and found the columns of lists of each
@@ -417,5 +418,4 @@ def to_matches(features, pairs, found, parameters, schema=MATCHES):
     names, digests = features.images, features.value('digest')
     columns = [[column[image] for image in pairs[:, side]] for column in (names, digests) for side in (0, 1)]
     columns += [[json.dumps(parameters)] * len(pairs), *zip(*found)]
-    arrays = [pa.array(column, field.type) for column, field in zip(columns, schema)]
-    return pa.Table.from_arrays(arrays, schema=schema)
+    return pa.table(columns, schema=schema)

@@ -35,7 +35,6 @@ MEMORY = 2**30  # bytes of decoded images
 PART_SIZE = 1024  # pairs after which aligned positions are saved
 PARAMETERS = {'max_deviation': UNCERTAIN}
 GROWN = pa.schema([*store.MATCHES][:5] + [('index', store.INTEGERS), ('x', store.FLOATS), ('y', store.FLOATS)])
-CHUNK = 2**14  # references
 
 
 class Aligned(typing.NamedTuple):
@@ -82,20 +81,17 @@ def verify(first, second, camera1, camera2, max_error, is_known=True, min_inlier
                         ((first.own, second.other), (first.other, second.own)))
     if len(points1) < max(8, min_inliers):
         return None
-    options = pycolmap.RANSACOptions()
-    options.max_error, options.random_seed = max_error, 0
-    options.min_num_trials, options.max_num_trials, options.confidence = 30, 1000, .999
-    geometry = pycolmap.TwoViewGeometry()
+    options = places.ransac(max_error, 30)
     if is_known:
         found = pycolmap.estimate_essential_matrix(points1, points2, camera1, camera2, options)
-        geometry.config = pycolmap.TwoViewGeometryConfiguration.CALIBRATED
     else:
         found = pycolmap.estimate_fundamental_matrix(points1, points2, options)
-        geometry.config = pycolmap.TwoViewGeometryConfiguration.UNCALIBRATED
     kept = found['inlier_mask'] if found else np.zeros(len(points1), bool)
     if kept.sum() < min_inliers:
         return None
-    geometry.E, geometry.F = found.get('E'), found.get('F')
+    kind = 'CALIBRATED' if is_known else 'UNCALIBRATED'
+    geometry = pycolmap.TwoViewGeometry(config=getattr(pycolmap.TwoViewGeometryConfiguration, kind),
+                                        E=found.get('E'), F=found.get('F'))
     return first.of(kept[:len(first.own)]), second.of(kept[len(first.own):]), geometry
 
 

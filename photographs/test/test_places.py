@@ -13,7 +13,7 @@ import numpy as np
 import pytest
 
 from aqorb_photographs import places, store
-from conftest import Image, matches_of, noise, parts_of, pq, refused, run
+from conftest import Image, matches_of, noise, parts_of, pq, refused, run, save
 
 COUNT = 24  # images of the clip, which returns to where it began: image i shows what image COUNT - 1 - i shows
 
@@ -25,7 +25,7 @@ def folder(tmp_path_factory):
     for i in range(COUNT):
         left = 90 + 170 * min(i, COUNT - 1 - i)
         pixels = world[:, left:left + 320] + np.random.RandomState(i).randint(-9, 10, (280, 320))
-        Image.fromarray(np.clip(pixels, 0, 255).astype(np.uint8)).save(str(folder / f'{i:02}.png'))
+        save(folder / f'{i:02}.png', np.clip(pixels, 0, 255).astype(np.uint8))
     return folder
 
 
@@ -74,7 +74,7 @@ def test_similar_images_are_those_of_the_definition(monkeypatch):
         assert np.allclose(found, -np.sort(-similarity, 1)[:, :6], atol=1e-6)
         assert np.allclose(np.take_along_axis(similarity, indices, 1), found, atol=1e-6)
         expected = {(min(a, b), max(a, b)) for a, row in enumerate(indices) for b in row if similarity[a, b] > 1e-6}
-        assert list(map(tuple, places.pairs_of(iter(blocks), 50))) == sorted(expected)
+        assert list(map(tuple, places.similar_pairs(counts, 6, min_gap))) == sorted(expected)
 
 
 def test_strongest():
@@ -83,18 +83,17 @@ def test_strongest():
     assert len(places.strongest(descriptors, [1] * 5, 5)) == 5
 
 
-def lines(path):
-    return [line.split() for line in path.read_text().splitlines()]
+def pairs_in(path):
+    return {tuple(int(name[:2]) for name in line.split()) for line in path.read_text().splitlines()}
 
 
 def test_a_loop_is_among_the_pairs(features, tmp_path):
     run('pairs', features, '--retrieval', 1, '--min-gap', 4, '--out', tmp_path / 'p.txt')
-    found = {tuple(int(name[:2]) for name in line) for line in lines(tmp_path / 'p.txt')}
+    found = pairs_in(tmp_path / 'p.txt')
     assert all(j - i >= 4 for i, j in found)
     assert {(i, COUNT - 1 - i) for i in range(10)} <= found
     run('pairs', features, '--retrieval', 1, '--min-gap', 4, '--sequential', 2, '--out', tmp_path / 's.txt')
-    assert {tuple(int(name[:2]) for name in line) for line in lines(tmp_path / 's.txt')} == (
-        found | {(i, i + k) for k in (1, 2) for i in range(COUNT - k)})
+    assert pairs_in(tmp_path / 's.txt') == found | {(i, i + k) for k in (1, 2) for i in range(COUNT - k)}
     refused('exists; --overwrite', 'pairs', features, '--retrieval', 1, '--out', tmp_path / 'p.txt')
 
 
@@ -117,7 +116,8 @@ def test_search(features, folder, tmp_path):
     shutil.copy(folder / '05.png', tmp_path / 'new\n.png')
     (tmp_path / 'text').write_text('no image')
     Image.fromarray(np.full((280, 320), 90, np.uint8)).save(tmp_path / 'grey.png')
-    call = ['search', features, tmp_path / 'new\n.png', tmp_path / 'text', tmp_path / 'grey.png', tmp_path / 'no', '--top', 2]
+    names = 'new\n.png', 'text', 'grey.png', 'no'
+    call = ['search', features, *(tmp_path / name for name in names), '--top', 2]
     finished = run(*call, '--draw', tmp_path / 'best.jpg')
     found = [line.split('\t') for line in finished.stdout.splitlines()]
     assert found[0] == ['photograph', 'image', 'matches', 'inliers', 'ahead']
@@ -142,15 +142,15 @@ def test_search_compares_with_another_place(features, folder):
 
 
 def test_a_photograph_of_another_place(features, tmp_path):
-    Image.fromarray(noise(77, 280, 320)).save(tmp_path / 'other.png')
+    save(tmp_path / 'other.png', noise(77, 280, 320))
     call = ['search', features, tmp_path / 'other.png']
     finished = run(*call)
     assert re.search('probably show no place of the folder:\n.*other.png: no image has 15 inliers', finished.stderr)
     refused('no image has 15 inliers', *call, '--strict')
 
 
-def index_of(path):
-    index = places.Index(store.Features(path, ['name', 'x', 'response', 'descriptors']))
+def index_of(path, **options):
+    index = places.Index(store.Features(path, ['name', 'x', 'response', 'descriptors']), **options)
     return index.words, index.counts
 
 
@@ -182,13 +182,13 @@ def test_unfinished_parts_of_other_processes(features, tmp_path):
     for name, age in ('.new.unfinished', 0), ('.old.unfinished', 7200):
         (tmp_path / 'f.index' / name).touch()
         os.utime(tmp_path / 'f.index' / name, (time.time() - age,) * 2)
-    places.Index(store.Features(str(tmp_path / 'f'), ['name', 'x', 'response', 'descriptors']), seed=1)
+    index_of(str(tmp_path / 'f'), seed=1)
     assert list(tmp_path.glob('f.index/.*')) == [tmp_path / 'f.index' / '.new.unfinished']
     assert len(os.listdir(tmp_path / 'f.index')) == 6
 
 
 def test_an_index_that_is_damaged_or_cannot_be_kept(features, tmp_path):
-    path, photograph = shutil.copytree(features, tmp_path / 'f'), '05.png'
+    path = shutil.copytree(features, tmp_path / 'f')
     (tmp_path / 'f.index').write_text('a file')
     photograph = pq.read_table(str(features))['folder'][0].as_py() + '/05.png'
     finished = run('search', path, photograph, '--top', 1)
@@ -209,13 +209,14 @@ def test_an_index_that_is_damaged_or_cannot_be_kept(features, tmp_path):
 
 def test_refusals(features, folder, tmp_path):
     Image.fromarray(np.full((280, 320), 90, np.uint8)).save(tmp_path / 'grey.png')
-    photograph, out = folder / '00.png', tmp_path / 'p.txt'
+    out = tmp_path / 'p.txt'
     refused('grey.png: it has no features', 'search', features, tmp_path / 'grey.png')
-    refused('--images must be the folder', 'search', features, photograph, '--draw', tmp_path / 'd.jpg', '--images', '/dev')
-    refused('d.txt must end with .png', 'search', features, photograph, '--draw', tmp_path / 'd.txt')
-    refused('must be at most 24, .* got 25', 'search', features, photograph, '--retrieval', 25)
+    call = ['search', features, folder / '00.png']
+    refused('--images must be the folder', *call, '--draw', tmp_path / 'd.jpg', '--images', '/dev')
+    refused('d.txt must end with .png', *call, '--draw', tmp_path / 'd.txt')
+    refused('must be at most 24, .* got 25', *call, '--retrieval', 25)
     refused('must be at most 23, .* got 24', 'pairs', features, '--retrieval', 24, '--out', out)
     refused('must be at most 23, .* got 24', 'match', features, '--pairs', 'retrieval:24', '--out', tmp_path / 'm')
     refused('--min-gap must be at most 23', 'pairs', features, '--retrieval', 2, '--min-gap', 24, '--out', out)
-    refused('there is no such folder', 'search', tmp_path / 'no', photograph)
+    refused('there is no such folder', 'search', tmp_path / 'no', folder / '00.png')
     assert os.listdir(tmp_path) == ['grey.png']

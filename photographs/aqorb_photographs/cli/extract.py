@@ -6,7 +6,6 @@
 
 import functools
 import os
-import sys
 
 import numpy as np
 
@@ -79,8 +78,7 @@ def run(given):
 
 def listed(path):
     """Returns the names in a list, one per line."""
-    with (open(sys.stdin.fileno(), 'rb', closefd=False) if path == '-' else open(path, 'rb')) as file:
-        lines = file.read().removeprefix(b'\xef\xbb\xbf').splitlines()
+    lines = options.content_of(path).removeprefix(b'\xef\xbb\xbf').splitlines()
     return [os.fsdecode(line) for line in lines if line]
 
 

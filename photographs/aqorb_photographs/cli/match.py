@@ -6,9 +6,9 @@
 
 import argparse
 import concurrent.futures
+import itertools
 import os
 import re
-import sys
 
 import numpy as np
 
@@ -51,7 +51,7 @@ def run(given):
         raise InputError('--out must name another folder than the features')
     features = store.Features(given.features, ['name', 'x', 'y', 'response', 'descriptors'])
     features.parameters()
-    blocks, total = pairs_of(given, features)
+    pairs, total = pairs_of(given, features)
 
     def match_pair(both):
         return places.match(*both, given.ratio, given.max_distance, given.verify)
@@ -62,14 +62,13 @@ def run(given):
     aqorb.setNumThreads(1)  # one thread for each pair
     done = count = 0
     with options.progress(given, total, 'pair') as bar, concurrent.futures.ThreadPoolExecutor(given.threads) as pool:
-        for chunk in chunks_of(blocks, given.part_size):
+        for chunk in chunks_of(pairs, given.part_size):
             new = chunk[~np.isin(matches.codes(chunk), matches.known)]
             bar.update(len(chunk) - len(new))
             found = []
             for start in range(0, len(new), AT_A_TIME):
                 part = new[start:start + AT_A_TIME]
-                needed = np.unique(part)  # read in the order of parts: one read gives many images
-                read = {image: features.keypoints(image) for image in needed[np.argsort(features.chosen[needed])]}
+                read = features.read(part)
                 for _, columns in map_ahead(pool, match_pair, ((read[i], read[j]) for i, j in part), 4 * given.threads):
                     found.append(columns)
                     bar.update()
@@ -85,22 +84,21 @@ def run(given):
 
 
 def pairs_of(given, features):
-    """Returns arrays of pairs of images, and the number of pairs."""
+    """Returns the pairs of images, and their number."""
     count = len(features.images)
     kinds = dict(re.findall(r'(sequential|retrieval):([1-9][0-9]*)', given.pairs))
     if '+'.join(f'{kind}:{reach}' for kind, reach in kinds.items()) == given.pairs and 'retrieval' in kinds:
         pairs = similar(given, features, int(kinds['retrieval']), int(kinds.get('sequential', 0)))
-        return [pairs], len(pairs)
+        return pairs.tolist(), len(pairs)
     if kinds and given.pairs == f'sequential:{kinds.get("sequential")}' or given.pairs == 'exhaustive':
         reach = min(int(kinds.get('sequential', count)), max(count - 1, 0))
-        blocks = (np.column_stack([np.full(last - first, first - 1), np.arange(first, last)])
-                  for first in range(1, count) for last in [min(first + reach, count)])
-        return blocks, reach * count - reach * (reach + 1) // 2
+        pairs = ((i, j) for i in range(count) for j in range(i + 1, min(i + reach + 1, count)))
+        return pairs, reach * count - reach * (reach + 1) // 2
     if given.pairs != '-' and not os.path.isfile(given.pairs):
         raise InputError('--pairs must be sequential:K, retrieval:K, both joined by a +, exhaustive or a file, got '
                          + given.pairs)
     pairs = list_of(given.pairs, features)
-    return [pairs], len(pairs)
+    return pairs, len(pairs)
 
 
 def list_of(path, features):
@@ -108,8 +106,7 @@ def list_of(path, features):
     indices = {options.shown(name): index for name, index in features.index.items()}
     indices.update(features.index)
     pairs = {}  # by the set of both images: the order does not count
-    with (open(sys.stdin.fileno(), 'rb', closefd=False) if path == '-' else open(path, 'rb')) as file:
-        lines = file.read().decode('utf-8-sig', 'surrogateescape').split('\n')
+    lines = options.content_of(path).decode('utf-8-sig', 'surrogateescape').split('\n')
     for number, line in enumerate(lines, 1):
         line = line.rstrip('\r')
         names = [name.strip(' ') for name in line.split('\t')] if '\t' in line else line.split()
@@ -121,17 +118,11 @@ def list_of(path, features):
         if both[0] == both[1]:
             raise InputError(f'{path}, line {number}: {options.shown(names[0])} cannot be matched with itself')
         pairs.setdefault(frozenset(both), both)
-    return np.array(list(pairs.values()), np.int64).reshape(-1, 2)
+    return list(pairs.values())
 
 
-def chunks_of(blocks, size):
-    """Joins and splits blocks of pairs into chunks of at least `size` and less than twice as many pairs."""
-    kept = []
-    for block in blocks:
-        for start in range(0, len(block), size):
-            kept.append(block[start:start + size])
-            if sum(map(len, kept)) >= size:
-                yield np.concatenate(kept)
-                kept = []
-    if kept:
-        yield np.concatenate(kept)
+def chunks_of(pairs, size):
+    """Yields arrays of `size` pairs; the last one may have fewer."""
+    pairs = iter(pairs)
+    while chunk := list(itertools.islice(pairs, size)):
+        yield np.array(chunk)

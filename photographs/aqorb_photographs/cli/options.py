@@ -95,6 +95,12 @@ def new_file(path, overwrite, suffixes=()):
         raise InputError(f'{path} exists; --overwrite replaces it')
 
 
+def content_of(path):
+    """Returns the bytes of a list, or of standard input for -."""
+    with open(sys.stdin.fileno() if path == '-' else path, 'rb', closefd=path != '-') as file:
+        return file.read()
+
+
 def store_at(path):
     """Checks and returns the path of a folder of parts."""
     try:
