@@ -19,8 +19,7 @@ using namespace cv;
 
 static void save(const String& path, const Mat& image)
 {
-    if (!imwrite(path, image))
-        CV_Error(Error::StsError, path + ": cannot be written");
+    CV_Assert(imwrite(path, image));
 }
 
 static Mat photographOrScene()
