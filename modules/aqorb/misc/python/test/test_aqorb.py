@@ -32,10 +32,12 @@ class aqorb_test(NewOpenCVTests):
     def assertSamePoints(self, expected, found):
         self.assertEqual([k.pt for k in expected], [k.pt for k in found])
 
+    def test_is_a_cv_orb(self):
+        self.assertIsInstance(aqorb.AdaptiveQuadtreeORB_create(), cv.ORB)
+
     def test_is_an_orb(self):
         orb = aqorb.AdaptiveQuadtreeORB_create(700)
         self.assertIsInstance(orb, aqorb.AdaptiveQuadtreeORB)
-        self.assertIsInstance(orb, cv.ORB)
         self.assertEqual(orb.getDefaultName(), 'Feature2D.AdaptiveQuadtreeORB')
         self.assertEqual(orb.getMaxFeatures(), 700)
         self.assertEqual(orb.defaultNorm(), cv.NORM_HAMMING)
