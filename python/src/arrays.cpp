@@ -280,6 +280,11 @@ py::object keyPointClass()
     return classOfCv2("KeyPoint", "detectAndComputeArrays, which needs no cv2");
 }
 
+py::object matchClass()
+{
+    return classOfCv2("DMatch", "a function whose name ends with Arrays, which needs no cv2");
+}
+
 py::dtype keypointDtype()
 {
     // Never released, because the interpreter may end first. The import makes the first call.

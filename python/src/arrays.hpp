@@ -78,6 +78,9 @@ std::vector<KeyPoints> toKeyPointLists(py::handle source, size_t images);
 py::object toPython(KeyPoints&& keypoints);
 py::object toTuple(const std::vector<cv::KeyPoint>& keypoints);
 
+//! Class cv2.DMatch. Functions that return matches first call this, to fail at once without cv2.
+py::object matchClass();
+
 //! Tuple of cv2.DMatch, of this class.
 py::object toTuple(const py::object& type, const std::vector<cv::DMatch>& matches);
 py::object toArray(std::vector<cv::KeyPoint>&& keypoints);

@@ -38,11 +38,6 @@ typedef std::vector<std::vector<cv::DMatch>> MatchLists;
 
 typedef std::pair<ArrayObject, ArrayObject> Arrays;
 
-py::object matchClass()
-{
-    return classOfCv2("DMatch", "matchArrays or knnMatchArrays, which need no cv2");
-}
-
 // Tuple of a tuple of matches for each query.
 py::object toTuple(const py::object& type, const MatchLists& lists)
 {

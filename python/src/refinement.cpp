@@ -25,9 +25,18 @@ namespace
 
 typedef std::vector<cv::DMatch> Matches;
 
-Matches toMatches(py::handle source)
+py::array numbersOf(const ArrayObject& source, const char* name, const char* accepted)
 {
-    const py::tuple items = itemsOf(source, "matches", "a sequence of cv2.DMatch");
+    if (!py::isinstance<py::array>(source.object))
+        throwTypeError(name, brief(source.object), accepted);
+    return py::reinterpret_borrow<py::array>(source.object);
+}
+
+// Matches of a call: objects of cv2, or an array of pairs of indices of so many keypoints.
+Matches toMatches(const MatchesObject& source, size_t, size_t)
+{
+    matchClass();
+    const py::tuple items = itemsOf(source.object, "matches", "a sequence of cv2.DMatch");
     Matches matches;
     for (const py::handle item : items)
     {
@@ -39,12 +48,10 @@ Matches toMatches(py::handle source)
     return matches;
 }
 
-Matches fromPairs(py::handle source, size_t keypoints1, size_t keypoints2)
+Matches toMatches(const ArrayObject& source, size_t keypoints1, size_t keypoints2)
 {
     const char* const ACCEPTED = "an array of integers of shape (m, 2)";
-    if (!py::isinstance<py::array>(source))
-        throwTypeError("pairs", brief(source), ACCEPTED);
-    const py::array array = py::reinterpret_borrow<py::array>(source);
+    const py::array array = numbersOf(source, "pairs", ACCEPTED);
     const char kind = array.dtype().kind();
     if ((kind != 'i' && kind != 'u') || array.ndim() != 2 || array.shape(1) != 2)
         rejectArray("pairs", array, ACCEPTED);
@@ -63,125 +70,106 @@ Matches fromPairs(py::handle source, size_t keypoints1, size_t keypoints2)
     return matches;
 }
 
-//! Images and keypoints of a call.
-struct Features
-{
-    Features(const OptionalArrayObject& image1_, const KeyPointsObject& keypoints1_,
-             const OptionalArrayObject& image2_, const KeyPointsObject& keypoints2_)
-        : image1(toImage(image1_.object, "image1")),
-          image2(toImage(image2_.object, "image2")),
-          keypoints1(toKeyPoints(keypoints1_.object, "keypoints1")),
-          keypoints2(toKeyPoints(keypoints2_.object, "keypoints2"))
-    {
-    }
-
-    Pixels image1, image2;
-    KeyPoints keypoints1, keypoints2;
-};
-
-//! Matches of a call, with their refined positions and deviations.
-struct Refined
-{
-    void refine(const Features& of, double minCorrelation, double scaleFactor)
-    {
-        withoutGil(
-            [&]
-            {
-                cv::aqorb::refineMatches(of.image1.mat, of.keypoints1.points, of.image2.mat,
-                                         of.keypoints2.points, matches, points1, points2, deviations,
-                                         float(minCorrelation), float(scaleFactor));
-            });
-    }
-    //! Appends the grown keypoints to those of the features.
-    void grow(Features& of, double minCorrelation, double scaleFactor, bool bothWays)
-    {
-        withoutGil(
-            [&]
-            {
-                cv::aqorb::growMatches(of.image1.mat, of.keypoints1.points, of.image2.mat,
-                                       of.keypoints2.points, matches, of.keypoints1.points,
-                                       of.keypoints2.points, points1, points2, deviations,
-                                       float(minCorrelation), float(scaleFactor), bothWays);
-            });
-    }
-
-    Matches matches;
-    std::vector<cv::Point2f> points1, points2;
-    std::vector<float> deviations;
-};
-
 ArrayObject toArray(const std::vector<cv::Point2f>& points)
 {
     return {aqorb_python::toArray(cv::Mat(points).reshape(1).clone(), py::dtype::of<float>())
                 .attr("reshape")(-1, 2)};
 }
 
-ArrayObject toArray(const std::vector<float>& deviations)
+//! Results for matches: the positions in both images, and the deviations.
+struct Positions
 {
-    return {py::array_t<float>(py::ssize_t(deviations.size()), deviations.data())};
-}
-
-//! Pairs of indices of matches, with -1 for grown keypoints.
-ArrayObject toPairs(const Matches& matches, size_t keypoints1, size_t keypoints2)
-{
-    py::array_t<int> pairs({py::ssize_t(matches.size()), py::ssize_t(2)});
-    const auto orGrown = [](int index, size_t count) { return size_t(index) < count ? index : -1; };
-    for (size_t i = 0; i < matches.size(); i++)
+    std::tuple<ArrayObject, ArrayObject, ArrayObject> arrays() const
     {
-        pairs.mutable_at(py::ssize_t(i), 0) = orGrown(matches[i].queryIdx, keypoints1);
-        pairs.mutable_at(py::ssize_t(i), 1) = orGrown(matches[i].trainIdx, keypoints2);
+        const py::array_t<float> values(py::ssize_t(deviations.size()), deviations.data());
+        return std::make_tuple(toArray(points1), toArray(points2), ArrayObject{values});
     }
-    return {pairs};
+
+    std::vector<cv::Point2f> points1, points2;
+    std::vector<float> deviations;
+};
+
+//! Arguments and results of a call with matches.
+struct Call : Positions
+{
+    template <typename Given>
+    Call(const OptionalArrayObject& image1_, const KeyPointsObject& keypoints1_,
+         const OptionalArrayObject& image2_, const KeyPointsObject& keypoints2_, const Given& matches_)
+        : image1(toImage(image1_.object, "image1")),
+          image2(toImage(image2_.object, "image2")),
+          keypoints1(toKeyPoints(keypoints1_.object, "keypoints1")),
+          keypoints2(toKeyPoints(keypoints2_.object, "keypoints2")),
+          count1(keypoints1.points.size()),
+          count2(keypoints2.points.size()),
+          matches(toMatches(matches_, count1, count2))
+    {
+    }
+    //! Appends the grown keypoints to the given ones.
+    void grow(double minCorrelation, double scaleFactor, bool bothWays)
+    {
+        withoutGil(
+            [&]
+            {
+                cv::aqorb::growMatches(image1.mat, keypoints1.points, image2.mat, keypoints2.points, matches,
+                                       keypoints1.points, keypoints2.points, points1, points2, deviations,
+                                       float(minCorrelation), float(scaleFactor), bothWays);
+            });
+    }
+
+    Pixels image1, image2;
+    KeyPoints keypoints1, keypoints2;
+    const size_t count1, count2;  // of given keypoints
+    Matches matches;
+};
+
+//! The remaining matches in the form of the argument.
+std::tuple<MatchTupleObject> remaining(const Call& call, const MatchesObject&)
+{
+    return std::make_tuple(MatchTupleObject{toTuple(matchClass(), call.matches)});
 }
 
-typedef std::tuple<MatchTupleObject, ArrayObject, ArrayObject, ArrayObject> MatchesAndDeviations;
-typedef std::tuple<ArrayObject, ArrayObject, ArrayObject, ArrayObject> ArraysAndDeviations;
-
-MatchesAndDeviations
-refineMatchesWithDeviations(const OptionalArrayObject& image1, const KeyPointsObject& keypoints1,
-                            const OptionalArrayObject& image2, const KeyPointsObject& keypoints2,
-                            const MatchesObject& matches, double minCorrelation, double scaleFactor)
+//! Pairs of indices, with -1 for grown keypoints.
+std::tuple<ArrayObject> remaining(const Call& call, const ArrayObject&)
 {
-    const py::object type = classOfCv2("DMatch", "refineMatchArrays, which needs no cv2");
-    const Features features(image1, keypoints1, image2, keypoints2);
-    Refined refined;
-    refined.matches = toMatches(matches.object);
-    refined.refine(features, minCorrelation, scaleFactor);
-    return std::make_tuple(MatchTupleObject{toTuple(type, refined.matches)}, toArray(refined.points1),
-                           toArray(refined.points2), toArray(refined.deviations));
+    py::array_t<int> pairs({py::ssize_t(call.matches.size()), py::ssize_t(2)});
+    const auto orGrown = [](int index, size_t count) { return size_t(index) < count ? index : -1; };
+    for (size_t i = 0; i < call.matches.size(); i++)
+    {
+        pairs.mutable_at(py::ssize_t(i), 0) = orGrown(call.matches[i].queryIdx, call.count1);
+        pairs.mutable_at(py::ssize_t(i), 1) = orGrown(call.matches[i].trainIdx, call.count2);
+    }
+    return std::make_tuple(ArrayObject{pairs});
 }
 
-std::tuple<MatchTupleObject, ArrayObject, ArrayObject>
-refineMatches(const OptionalArrayObject& image1, const KeyPointsObject& keypoints1,
-              const OptionalArrayObject& image2, const KeyPointsObject& keypoints2,
-              const MatchesObject& matches, double minCorrelation, double scaleFactor)
+template <typename Given, typename... Arrays>
+using Results = decltype(std::tuple_cat(remaining(std::declval<Call>(), std::declval<Given>()),
+                                        std::declval<std::tuple<Arrays...>>()));
+
+template <typename Given>
+Results<Given, ArrayObject, ArrayObject, ArrayObject>
+refineWithDeviations(const OptionalArrayObject& image1, const KeyPointsObject& keypoints1,
+                     const OptionalArrayObject& image2, const KeyPointsObject& keypoints2,
+                     const Given& matches, double minCorrelation, double scaleFactor)
 {
-    const MatchesAndDeviations all = refineMatchesWithDeviations(image1, keypoints1, image2, keypoints2,
-                                                                 matches, minCorrelation, scaleFactor);
-    return std::make_tuple(std::get<0>(all), std::get<1>(all), std::get<2>(all));
+    Call call(image1, keypoints1, image2, keypoints2, matches);
+    withoutGil(
+        [&]
+        {
+            cv::aqorb::refineMatches(call.image1.mat, call.keypoints1.points, call.image2.mat,
+                                     call.keypoints2.points, call.matches, call.points1, call.points2,
+                                     call.deviations, float(minCorrelation), float(scaleFactor));
+        });
+    return std::tuple_cat(remaining(call, matches), call.arrays());
 }
 
-ArraysAndDeviations
-refineMatchArraysWithDeviations(const OptionalArrayObject& image1, const KeyPointsObject& keypoints1,
-                                const OptionalArrayObject& image2, const KeyPointsObject& keypoints2,
-                                const ArrayObject& pairs, double minCorrelation, double scaleFactor)
+template <typename Given>
+Results<Given, ArrayObject, ArrayObject>
+refine(const OptionalArrayObject& image1, const KeyPointsObject& keypoints1,
+       const OptionalArrayObject& image2, const KeyPointsObject& keypoints2, const Given& matches,
+       double minCorrelation, double scaleFactor)
 {
-    const Features features(image1, keypoints1, image2, keypoints2);
-    const size_t count1 = features.keypoints1.points.size(), count2 = features.keypoints2.points.size();
-    Refined refined;
-    refined.matches = fromPairs(pairs.object, count1, count2);
-    refined.refine(features, minCorrelation, scaleFactor);
-    return std::make_tuple(toPairs(refined.matches, count1, count2), toArray(refined.points1),
-                           toArray(refined.points2), toArray(refined.deviations));
-}
-
-std::tuple<ArrayObject, ArrayObject, ArrayObject>
-refineMatchArrays(const OptionalArrayObject& image1, const KeyPointsObject& keypoints1,
-                  const OptionalArrayObject& image2, const KeyPointsObject& keypoints2,
-                  const ArrayObject& pairs, double minCorrelation, double scaleFactor)
-{
-    const ArraysAndDeviations all = refineMatchArraysWithDeviations(image1, keypoints1, image2, keypoints2,
-                                                                    pairs, minCorrelation, scaleFactor);
+    const auto all =
+        refineWithDeviations(image1, keypoints1, image2, keypoints2, matches, minCorrelation, scaleFactor);
     return std::make_tuple(std::get<0>(all), std::get<1>(all), std::get<2>(all));
 }
 
@@ -190,28 +178,22 @@ growMatches(const OptionalArrayObject& image1, const KeyPointsObject& keypoints1
             const OptionalArrayObject& image2, const KeyPointsObject& keypoints2,
             const MatchesObject& matches, double minCorrelation, double scaleFactor, bool bothWays)
 {
-    const py::object type = classOfCv2("DMatch", "growMatchArrays, which needs no cv2");
-    Features features(image1, keypoints1, image2, keypoints2);
-    Refined refined;
-    refined.matches = toMatches(matches.object);
-    refined.grow(features, minCorrelation, scaleFactor, bothWays);
-    return std::make_tuple(MatchTupleObject{toTuple(type, refined.matches)},
-                           toPython(std::move(features.keypoints1)), toPython(std::move(features.keypoints2)),
-                           toArray(refined.points1), toArray(refined.points2), toArray(refined.deviations));
+    Call call(image1, keypoints1, image2, keypoints2, matches);
+    call.grow(minCorrelation, scaleFactor, bothWays);
+    return std::tuple_cat(
+        remaining(call, matches),
+        std::make_tuple(toPython(std::move(call.keypoints1)), toPython(std::move(call.keypoints2))),
+        call.arrays());
 }
 
-ArraysAndDeviations growMatchArrays(const OptionalArrayObject& image1, const KeyPointsObject& keypoints1,
-                                    const OptionalArrayObject& image2, const KeyPointsObject& keypoints2,
-                                    const ArrayObject& pairs, double minCorrelation, double scaleFactor,
-                                    bool bothWays)
+Results<ArrayObject, ArrayObject, ArrayObject, ArrayObject>
+growMatchArrays(const OptionalArrayObject& image1, const KeyPointsObject& keypoints1,
+                const OptionalArrayObject& image2, const KeyPointsObject& keypoints2,
+                const ArrayObject& pairs, double minCorrelation, double scaleFactor, bool bothWays)
 {
-    Features features(image1, keypoints1, image2, keypoints2);
-    const size_t count1 = features.keypoints1.points.size(), count2 = features.keypoints2.points.size();
-    Refined refined;
-    refined.matches = fromPairs(pairs.object, count1, count2);
-    refined.grow(features, minCorrelation, scaleFactor, bothWays);
-    return std::make_tuple(toPairs(refined.matches, count1, count2), toArray(refined.points1),
-                           toArray(refined.points2), toArray(refined.deviations));
+    Call call(image1, keypoints1, image2, keypoints2, pairs);
+    call.grow(minCorrelation, scaleFactor, bothWays);
+    return std::tuple_cat(remaining(call, pairs), call.arrays());
 }
 
 std::tuple<ArrayObject, ArrayObject, ArrayObject>
@@ -219,21 +201,19 @@ matchImages(const OptionalArrayObject& image1, const OptionalArrayObject& image2
 {
     const Pixels first = toImage(image1.object, "image1"), second = toImage(image2.object, "image2");
     const int count = valueOf(nfeatures, "nfeatures");
-    Refined found;
+    Positions found;
     withoutGil(
         [&] {
             cv::aqorb::matchImages(first.mat, second.mat, found.points1, found.points2, found.deviations,
                                    count);
         });
-    return std::make_tuple(toArray(found.points1), toArray(found.points2), toArray(found.deviations));
+    return found.arrays();
 }
 
 KeyPointsObject transformKeypoints(const KeyPointsObject& keypoints, const ArrayObject& homography)
 {
     const char* const ACCEPTED = "an array of 3 x 3 numbers";
-    if (!py::isinstance<py::array>(homography.object))
-        throwTypeError("homography", brief(homography.object), ACCEPTED);
-    const py::array given = py::reinterpret_borrow<py::array>(homography.object);
+    const py::array given = numbersOf(homography, "homography", ACCEPTED);
     if (given.ndim() != 2 || !std::strchr("fiu", given.dtype().kind()))
         rejectArray("homography", given, ACCEPTED);
     const py::array_t<double, py::array::c_style | py::array::forcecast> numbers(given);
@@ -244,28 +224,29 @@ KeyPointsObject transformKeypoints(const KeyPointsObject& keypoints, const Array
     return {toPython(std::move(found))};
 }
 
+//! Adds a function of two images, their keypoints and their matches.
+template <typename Function, typename... Further>
+void add(py::module_& module, const char* name, Function function, const char* matches,
+         const Further&... further)
+{
+    module.def(name, function, arg("image1"), arg("keypoints1"), arg("image2"), arg("keypoints2"),
+               arg(matches), further..., doc(name));
+}
+
 }  // namespace
 
 void addRefinement(py::module_& module)
 {
-    module.def("refineMatches", &refineMatches, arg("image1"), arg("keypoints1"), arg("image2"),
-               arg("keypoints2"), arg("matches"), arg("minCorrelation") = .8, arg("scaleFactor") = 1.,
-               doc("refineMatches"));
-    module.def("refineMatchArrays", &refineMatchArrays, arg("image1"), arg("keypoints1"), arg("image2"),
-               arg("keypoints2"), arg("pairs"), arg("minCorrelation") = .8, arg("scaleFactor") = 1.,
-               doc("refineMatchArrays"));
-    module.def("refineMatchesWithDeviations", &refineMatchesWithDeviations, arg("image1"), arg("keypoints1"),
-               arg("image2"), arg("keypoints2"), arg("matches"), arg("minCorrelation"),
-               arg("scaleFactor") = 1., doc("refineMatchesWithDeviations"));
-    module.def("refineMatchArraysWithDeviations", &refineMatchArraysWithDeviations, arg("image1"),
-               arg("keypoints1"), arg("image2"), arg("keypoints2"), arg("pairs"), arg("minCorrelation"),
-               arg("scaleFactor") = 1., doc("refineMatchArraysWithDeviations"));
-    module.def("growMatches", &growMatches, arg("image1"), arg("keypoints1"), arg("image2"),
-               arg("keypoints2"), arg("matches"), arg("minCorrelation") = .8, arg("scaleFactor") = 1.,
-               arg("bothWays") = true, doc("growMatches"));
-    module.def("growMatchArrays", &growMatchArrays, arg("image1"), arg("keypoints1"), arg("image2"),
-               arg("keypoints2"), arg("pairs"), arg("minCorrelation") = .8, arg("scaleFactor") = 1.,
-               arg("bothWays") = true, doc("growMatchArrays"));
+    const py::arg needed("minCorrelation");
+    const py::arg_v minCorrelation(needed, .8), scaleFactor("scaleFactor", 1.), bothWays("bothWays", true);
+    add(module, "refineMatches", &refine<MatchesObject>, "matches", minCorrelation, scaleFactor);
+    add(module, "refineMatchArrays", &refine<ArrayObject>, "pairs", minCorrelation, scaleFactor);
+    add(module, "refineMatchesWithDeviations", &refineWithDeviations<MatchesObject>, "matches", needed,
+        scaleFactor);
+    add(module, "refineMatchArraysWithDeviations", &refineWithDeviations<ArrayObject>, "pairs", needed,
+        scaleFactor);
+    add(module, "growMatches", &growMatches, "matches", minCorrelation, scaleFactor, bothWays);
+    add(module, "growMatchArrays", &growMatchArrays, "pairs", minCorrelation, scaleFactor, bothWays);
     module.def("matchImages", &matchImages, arg("image1"), arg("image2"), arg("nfeatures") = 1000,
                doc("matchImages"));
     module.def("transformKeypoints", &transformKeypoints, arg("keypoints"), arg("homography"),
