@@ -6,6 +6,7 @@
 
 import glob
 import os
+import subprocess
 import sys
 import unittest
 
@@ -40,6 +41,12 @@ except ImportError:  # the tests that need none
 def noise(seed, height=120, width=160):
     pixels = np.random.RandomState(seed).randint(0, 256, (height // 8, width // 8), np.uint8)
     return np.repeat(np.repeat(pixels, 8, 0), 8, 1)
+
+
+def python(*arguments, **options):
+    """Runs Python in a process of its own, and returns the process and what it printed, also its errors."""
+    return subprocess.run([sys.executable, *map(str, arguments)], stdout=subprocess.PIPE, stderr=subprocess.STDOUT,
+                          text=True, timeout=300, **options)
 
 
 @pytest.fixture(scope='session')

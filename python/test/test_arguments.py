@@ -7,15 +7,13 @@
 import collections
 import re
 import reprlib
-import subprocess
-import sys
 
 import cv2 as cv
 import numpy as np
 import pytest
 
 import aqorb
-from conftest import LINUX
+from conftest import LINUX, python
 
 KEYPOINT = cv.KeyPoint(100, 100, 31)
 SEQUENCE = 'keypoints must be a sequence of cv2.KeyPoint or an array of aqorb.keypoint_dtype, got '
@@ -235,5 +233,5 @@ for call in lambda: orb.detectAndComputeArrays(image), lambda: aqorb.knnMatchArr
 
 @LINUX
 def test_lack_of_memory():
-    run = subprocess.run([sys.executable, '-c', LACK], stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True)
+    run = python('-c', LACK)
     assert run.returncode == 0, run.stdout

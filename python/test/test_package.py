@@ -11,15 +11,13 @@ import os
 import pathlib
 import pickle
 import re
-import subprocess
-import sys
 
 import cv2 as cv
 import numpy as np
 import pytest
 
 import aqorb
-from conftest import FOLDER, noise
+from conftest import FOLDER, noise, python
 
 # cv2 4.6 has no stubs, nor have other packages that the documents' programs use.
 MYPY = '[mypy]\n[mypy-cv2.*,pyarrow.*,PIL.*,pycolmap.*,aqorb_photographs.*]\nignore_missing_imports = True\n'
@@ -154,8 +152,7 @@ def mypy(tmp_path, monkeypatch):
     (tmp_path / 'mypy.ini').write_text(MYPY)
 
     def run(module, config, *options):
-        return subprocess.run([sys.executable, '-m', module, config, 'mypy.ini', *options], cwd=str(tmp_path),
-                              stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True)
+        return python('-m', module, config, 'mypy.ini', *options, cwd=tmp_path)
     return run
 
 
@@ -184,38 +181,35 @@ def test_stub_accepts_the_programs_of_the_documents(tmp_path, mypy):
     assert not errors and 'checked' in run.stdout, run.stdout
 
 
+def program_of(page, folder, shape=(480, 640)):
+    """Returns a function that runs the program of a document, in a folder with two images."""
+    path = pathlib.Path(__file__).resolve().parents[2] / page
+    if not path.exists():
+        pytest.skip(f'there is no {page}')
+    program = re.search(r'^```python\n(import sys\n.*?)^```', path.read_text(), re.MULTILINE | re.DOTALL).group(1)
+    cv.imwrite(str(folder / 'black.png'), np.zeros(shape, np.uint8))
+    cv.imwrite(str(folder / 'noise.png'), noise(1))
+    return lambda *names: python('-c', program, *names, cwd=folder)
+
+
 @pytest.mark.parametrize('shape', [(480, 640), (1, 1), (20, 30)])
 def test_program_of_readme_on_black_images(tmp_path, shape):
-    readme = pathlib.Path(__file__).resolve().parents[2] / 'README.md'
-    if not readme.exists():
-        pytest.skip('there is no README.md')
-    program = re.search(r'^```python\n(import sys\n.*?)^```', readme.read_text(), re.MULTILINE | re.DOTALL).group(1)
-    cv.imwrite(str(tmp_path / 'black.png'), np.zeros(shape, np.uint8))
-    cv.imwrite(str(tmp_path / 'noise.png'), noise(1))
-    run = subprocess.run([sys.executable, '-c', program, 'black.png', 'missing.png'], cwd=str(tmp_path), text=True,
-                         stdout=subprocess.PIPE, stderr=subprocess.PIPE, timeout=60)
-    assert run.returncode == 1 and 'missing.png: cannot be read as an image\n' in run.stderr
+    program = program_of('README.md', tmp_path, shape)
+    run = program('black.png', 'missing.png')
+    assert run.returncode == 1 and 'missing.png: cannot be read as an image\n' in run.stdout
     for other in 'black.png', 'noise.png':
-        run = subprocess.run([sys.executable, '-c', program, 'black.png', other], cwd=str(tmp_path), text=True,
-                             stdout=subprocess.PIPE, stderr=subprocess.STDOUT, timeout=60)
+        run = program('black.png', other)
         assert (run.returncode, run.stdout) == (0, '0 of 0 matches agree\n')
 
 
 def test_program_of_the_tutorial_finds_the_box(tmp_path):
-    root = pathlib.Path(__file__).resolve().parents[2]
-    page = root / 'modules/aqorb/tutorials/aqorb_find/aqorb_find.markdown'
-    if not page.exists():
-        pytest.skip('there is no tutorial')
-    program = re.search(r'^```python\n(import sys\n.*?)^```', page.read_text(), re.MULTILINE | re.DOTALL).group(1)
-    cv.imwrite(str(tmp_path / 'black.png'), np.zeros((480, 640), np.uint8))
-    cv.imwrite(str(tmp_path / 'noise.png'), noise(1))
+    program = program_of('modules/aqorb/tutorials/aqorb_find/aqorb_find.markdown', tmp_path)
     pictures = os.path.join(os.environ.get('OPENCV_TEST_DATA_PATH', ''), 'cv/shared')
     box, scene = (os.path.join(pictures, name) for name in ('box.png', 'box_in_scene.png'))
     for names, code, output in ((('black.png', 'noise.png'), 1, 'not found: 0 places\n'),
                                 ((box, scene), 0, r'found: [1-9]\d places\n'), ((box, 'noise.png'), 1, 'not found: ')):
         if os.path.exists(names[0]) or names[0] == 'black.png':
-            run = subprocess.run([sys.executable, '-c', program, *names], cwd=str(tmp_path), text=True,
-                                 stdout=subprocess.PIPE, stderr=subprocess.STDOUT, timeout=60)
+            run = program(*names)
             assert run.returncode == code and re.match(output, run.stdout), run.stdout
 
 
@@ -251,8 +245,8 @@ for _ in range(2):
 
 
 def test_no_room_for_a_function_at_the_exit():
-    run = subprocess.run([sys.executable, '-c', NO_ROOM], stderr=subprocess.PIPE, text=True, timeout=60)
-    assert run.returncode == 0, run.stderr
+    run = python('-c', NO_ROOM)
+    assert run.returncode == 0, run.stdout
 
 
 SUBINTERPRETER = '''
@@ -263,8 +257,7 @@ interpreters.run_string(interpreters.create(), 'import aqorb')
 
 def test_a_subinterpreter_is_refused():
     pytest.importorskip('_xxsubinterpreters')  # later Pythons refuse by themselves
-    run = subprocess.run([sys.executable, '-c', SUBINTERPRETER], stderr=subprocess.PIPE, text=True, timeout=60)
-    assert 'in Python\'s main interpreter only, and this is a subinterpreter' in run.stderr
+    assert "in Python's main interpreter only, and this is a subinterpreter" in python('-c', SUBINTERPRETER).stdout
 
 
 def test_features_for_the_matchers_of_cv2(orb, image):

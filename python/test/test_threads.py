@@ -10,7 +10,6 @@ GIL, goes unseen."""
 import multiprocessing
 import os
 import pickle
-import subprocess
 import sys
 import sysconfig
 import threading
@@ -20,7 +19,7 @@ import numpy as np
 import pytest
 
 import aqorb
-from conftest import LINUX, noise, values_of
+from conftest import LINUX, noise, python, values_of
 
 SECONDS = float(os.environ.get('AQORB_LOAD_SECONDS', 0.5))
 IMAGES = [noise(i, 96 + 8 * i, 128) for i in range(6)]
@@ -199,8 +198,7 @@ time.sleep(0.2)
 @pytest.mark.parametrize('call', ['orb.detectAndComputeArrays(image)', 'orb.detectAndComputeBatch([image] * 20)'])
 def test_the_interpreter_exits_during_a_call(call):
     # With detectAndCompute, cv2.KeyPoint aborts the process here, as cv2's own functions do.
-    run = subprocess.run([sys.executable, '-c', EXIT.format(call)], stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True,
-                         timeout=300)
+    run = python('-c', EXIT.format(call))
     assert run.returncode == 0, run.stdout
 
 

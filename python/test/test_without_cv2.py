@@ -6,12 +6,11 @@
 
 import os
 import re
-import subprocess
-import sys
 
 import pytest
 
 import aqorb
+from conftest import python
 
 # cv2 cannot be imported here.
 BEGIN = '''
@@ -25,8 +24,7 @@ orb = aqorb.AdaptiveQuadtreeORB_create(300)
 
 
 def run(program):
-    run = subprocess.run([sys.executable, '-c', program], stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True,
-                         timeout=300)
+    run = python('-c', program)
     assert run.returncode == 0, run.stdout
     return run.stdout
 
@@ -132,8 +130,8 @@ assert issubclass(aqorb.error, cv2.error) and issubclass(aqorb.error, ValueError
 
 
 def test_the_command_is_another_package():
-    asked = subprocess.run([sys.executable, '-m', 'aqorb', 'extract'], stderr=subprocess.PIPE, text=True)
-    assert asked.returncode == 1 and 'pip install . ./photographs' in asked.stderr
+    asked = python('-m', 'aqorb', 'extract')
+    assert asked.returncode == 1 and 'pip install . ./photographs' in asked.stdout
 
 
 def test_version():
