@@ -7,8 +7,9 @@
 
 #include <gtest/gtest.h>
 
+#include "../../test/scenes.hpp"
+
 #include <opencv2/aqorb.hpp>
-#include <opencv2/imgproc.hpp>
 
 #include <cstdlib>
 #include <locale>
@@ -45,18 +46,6 @@ Ptr<AdaptiveQuadtreeORB> ours(const Ptr<ORB>& orb)
     if (!result)
         CV_Error(Error::StsError, "cv::ORB::create gave " + orb->getDefaultName());
     return result;
-}
-
-Mat makeImage()
-{
-    RNG rng(1);
-    Mat image(480, 640, CV_8UC1, Scalar(90));
-    for (int i = 0; i < 400; i++)
-    {
-        const Rect box(rng.uniform(0, 620), rng.uniform(0, 460), rng.uniform(4, 40), rng.uniform(4, 40));
-        rectangle(image, box, Scalar(rng.uniform(0, 256)), FILLED);
-    }
-    return image;
 }
 
 std::string messageOf(const char* variable, const char* value)
@@ -179,7 +168,7 @@ TEST(Aqorb_Preload, notices_once_and_on_request_only)
 // A library that called cv::ORB for these descriptors would call itself forever.
 TEST(Aqorb_Preload, computes_descriptors_of_every_kind_itself)
 {
-    const Mat image = makeImage();
+    const Mat image = opencv_test::makeScene(Size(640, 480));
     for (int WTA_K : {2, 3, 4})
     {
         for (int patchSize : {31, 41})
