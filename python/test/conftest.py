@@ -29,6 +29,7 @@ class NewOpenCVTests(unittest.TestCase):
 
     def __init_subclass__(cls):
         cls.test_is_a_cv_orb = unittest.skip('the package has no class of cv2')(cls.test_is_a_cv_orb)
+        cls.test_batch = unittest.skip('the package returns a FeatureBatch')(cls.test_batch)
 
 
 try:

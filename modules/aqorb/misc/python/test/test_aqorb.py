@@ -72,15 +72,21 @@ class aqorb_test(NewOpenCVTests):
         orb = aqorb.AdaptiveQuadtreeORB_create(100)
         keypoints = orb.detect(images)
         computed, descriptors = orb.compute(images, keypoints)
-        batch, together = orb.detectAndComputeBatch(images, None)
         for i, image in enumerate(images):
             expected = orb.detectAndCompute(image, None)
-            for found in keypoints[i], computed[i], batch[i]:
+            for found in keypoints[i], computed[i]:
                 self.assertSamePoints(expected[0], found)
-            for found in descriptors[i], together[i]:
-                np.testing.assert_array_equal(found, expected[1])
+            np.testing.assert_array_equal(descriptors[i], expected[1])
         masks = [np.zeros(images[0].shape, np.uint8), None]
         self.assertEqual([len(k) for k in orb.detect(images, masks)], [0, len(keypoints[1])])
+
+    def test_batch(self):
+        images = [squares(), squares(200, 300)]
+        orb = aqorb.AdaptiveQuadtreeORB_create(100)
+        for image, *found in zip(images, *orb.detectAndComputeBatch(images, None)):
+            expected = orb.detectAndCompute(image, None)
+            self.assertSamePoints(expected[0], found[0])
+            np.testing.assert_array_equal(found[1], expected[1])
 
     def test_bad_arguments(self):
         orb = aqorb.AdaptiveQuadtreeORB_create()
