@@ -8,7 +8,8 @@
 DATASETS holds the folders bikes, leuven, bark, trees, ubc and graf of the Oxford data (img1..6 and homographies), for
 example opencv_extra's testdata/cv/detectors_descriptors_evaluation/images_datasets. SCENES holds Strecha's fountain-P11
 and entry-P10. A method is orb, orb_slam, sift, brisk, akaze, aqorb, or aqorb with settings, such as
-aqorb:strength=1:octave=0. The package aqorb and cv2 are those that Python finds. Exit codes: 0 all that is asked holds, 3 something does not, 1 an error, 2 bad arguments.
+aqorb:strength=1:octave=0. The package aqorb and cv2 are those that Python finds. Exit codes: 0 all that is asked holds,
+3 something does not, 1 an error, 2 bad arguments.
 """
 
 import argparse

@@ -93,8 +93,8 @@ def read_folder(folder, width):
 
 
 def read_scene(path, width):
-    """(name, image, camera's matrix, rotation, centre) of each photograph of one of Strecha's scenes, reduced to a width.
-    Rotation and centre lead from the camera to the world."""
+    """(name, image, camera's matrix, rotation, centre) of each photograph of one of Strecha's scenes, reduced to a
+    width. Rotation and centre lead from the camera to the world."""
     for name in sorted(os.listdir(os.path.join(path, 'gt_dense_cameras'))):
         stem = name.split('.')[0]
         image = read_image(os.path.join(path, 'images', stem))

@@ -184,7 +184,8 @@ def draw_figures(rows, options):
         for axis, name in zip(axes.flat, images.PAPER_SETS):
             printed = {key[2]: values for key, values in read_paper().items() if key[1] == name}
             for method in methods:
-                axis.plot(range(1, 7), rows.by_image(name, method, options.n[0]), color=COLOURS[method], marker='o', markersize=4)
+                axis.plot(range(1, 7), rows.by_image(name, method, options.n[0]), color=COLOURS[method], marker='o',
+                          markersize=4)
                 if method in printed:
                     axis.plot(range(1, 7), printed[method], color=COLOURS[method], marker='o', linestyle=':',
                               linewidth=.8, markerfacecolor='none')
