@@ -39,7 +39,14 @@ struct Sequence
     double baseline;  // in metres
 };
 
-//! Features of the left image with a depth from the right image.
+struct Method
+{
+    String name;
+    Ptr<ORB> detector;
+    bool grows;  // whether growMatches refines and adds matches
+};
+
+//! An image and its features. Those of a pair of images have a depth.
 struct Frame
 {
     Mat image;
@@ -48,21 +55,13 @@ struct Frame
     std::vector<Point3d> points;  // in coordinates of the left camera, metres
 };
 
-//! The path of a camera by one detector.
+//! The path of a camera by one method.
 struct Odometry
 {
-    Odometry(const String& name_, const Ptr<ORB>& detector_, bool grows_)
-        : name(name_), detector(detector_), grows(grows_)
-    {
-    }
-
-    String name;
-    Ptr<ORB> detector;
-    bool grows;                      // whether growMatches refines and adds matches
-    Frame frame;                     // last frame
-    std::vector<Point2f> from, to;   // inliers of the last motion, in both left images
-    std::vector<Affine3d> motions;   // each from a frame's coordinates to those of the frame before
-    double depths = 0, inliers = 0;  // sums over the frames
+    Affine3d motion;  // from the coordinates of the last frame to those of the frame before
+    std::vector<Affine3d> path = {motion};  // from the coordinates of each frame to those of the first
+    std::vector<Point2f> from, to;          // inliers of the last motion, in both left images
+    double depths = 0, inliers = 0;         // sums over the frames
 };
 
 //! Reads matrices of 3x4 numbers from a file, one per line, with or without a label such as "P0:".
@@ -129,23 +128,23 @@ Frame detect(const Ptr<ORB>& detector, const Mat& image)
 
 /** Features of the left image with a mutually best match in the right image, within some rows and at most MAX_DISPARITY
  pixels further left; then grown ones, which have no descriptor. */
-Frame stereoFrame(Odometry& odometry, const Mat& left, const Mat& right, const Sequence& sequence)
+Frame stereoFrame(const Method& method, const Mat& leftImage, const Mat& rightImage, const Sequence& sequence)
 {
     const float ROWS = 3, MIN_DISPARITY = 0.5f, MAX_DISPARITY = 200;
-    Frame leftFrame = detect(odometry.detector, left), rightFrame = detect(odometry.detector, right), frame;
+    Frame left = detect(method.detector, leftImage), right = detect(method.detector, rightImage), frame;
     std::vector<Point2f> predicted, pointsLeft, pointsRight;
-    for (const KeyPoint& keypoint : leftFrame.keypoints)
+    for (const KeyPoint& keypoint : left.keypoints)
         predicted.push_back(keypoint.pt - Point2f((MIN_DISPARITY + MAX_DISPARITY) / 2, 0));
     const Size2f reach((MAX_DISPARITY - MIN_DISPARITY) / 2, ROWS);
     Mat pairs, distances;
-    aqorb::matchByPosition(leftFrame.descriptors, predicted, rightFrame.descriptors, rightFrame.keypoints,
-                           reach, pairs, distances, 0, true);
+    aqorb::matchByPosition(left.descriptors, predicted, right.descriptors, right.keypoints, reach, pairs,
+                           distances, 0, true);
     std::vector<DMatch> matches;
     for (int i = 0; i < pairs.rows; i++)
         matches.emplace_back(pairs.at<int>(i, 0), pairs.at<int>(i, 1), 0.f);
-    positions(odometry.grows, leftFrame, rightFrame, matches, pointsLeft, pointsRight, true);
+    positions(method.grows, left, right, matches, pointsLeft, pointsRight, true);
 
-    frame.image = left;
+    frame.image = leftImage;
     const Matx33d& k = sequence.camera;
     for (size_t i = 0; i < matches.size(); i++)
     {
@@ -154,58 +153,54 @@ Frame stereoFrame(Odometry& odometry, const Mat& left, const Mat& right, const S
         if (disparity.x < MIN_DISPARITY)
             continue;
         const double depth = k(0, 0) * sequence.baseline / disparity.x;
-        frame.keypoints.push_back(leftFrame.keypoints[query]);
-        if (query < leftFrame.descriptors.rows)
-            frame.descriptors.push_back(leftFrame.descriptors.row(query));
+        frame.keypoints.push_back(left.keypoints[query]);
+        if (query < left.descriptors.rows)
+            frame.descriptors.push_back(left.descriptors.row(query));
         frame.points.emplace_back((p.x - k(0, 2)) * depth / k(0, 0), (p.y - k(1, 2)) * depth / k(1, 1),
                                   depth);
     }
-    odometry.depths += double(frame.points.size());
     return frame;
 }
 
-//! Motion from the last frame to the next: PnP with RANSAC, refined on the inliers. Too few matches repeat the last one.
-Affine3d estimateMotion(Odometry& odometry, Frame next, const Matx33d& camera)
+//! Adds the motion from the last frame to the next: PnP with RANSAC, refined on the inliers. Where there are too few,
+//! the camera goes on as before.
+void follow(const Method& method, Frame last, Frame next, const Matx33d& camera, Odometry& odometry)
 {
-    const float THRESHOLD = odometry.grows ? 0.5f : 1.5f;  // pixels; 1.5 is best for cv::ORB
-    Frame& last = odometry.frame;
+    const float THRESHOLD = method.grows ? 0.5f : 1.5f;  // pixels; 1.5 is best for cv::ORB
+    const size_t MIN_MATCHES = 6;
     std::vector<DMatch> matches;  // mutual nearest neighbours
     if (!last.descriptors.empty() && !next.descriptors.empty())
         aqorb::HammingMatcher(NORM_HAMMING, true).match(last.descriptors, next.descriptors, matches);
     std::vector<Point2f> from, to;
-    positions(odometry.grows, last, next, matches, from, to, false);  // only the last frame's have a depth
-    std::vector<Point3d> points, inlierPoints;
+    positions(method.grows, last, next, matches, from, to, false);  // only the last frame's have a depth
+    std::vector<Point3d> points;
     for (const DMatch& match : matches)
         points.push_back(last.points[match.queryIdx]);
-    odometry.from.clear();
-    odometry.to.clear();
     Vec3d rotation, translation;
     std::vector<int> inliers;
-    if (matches.size() < 6 ||
-        !solvePnPRansac(points, to, camera, noArray(), rotation, translation, false, 1000, THRESHOLD, 0.9999,
-                        inliers, SOLVEPNP_P3P) ||
-        inliers.size() < 6)
-        return odometry.motions.empty() ? Affine3d() : odometry.motions.back();
+    if (matches.size() >= MIN_MATCHES)
+        solvePnPRansac(points, to, camera, noArray(), rotation, translation, false, 1000, THRESHOLD, 0.9999,
+                       inliers, SOLVEPNP_P3P);
+    std::vector<uchar> agrees(matches.size());
     for (int i : inliers)
+        agrees[i] = 1;
+    odometry.from = flagged(from, agrees);
+    odometry.to = flagged(to, agrees);
+    if (inliers.size() >= MIN_MATCHES)
     {
-        inlierPoints.push_back(points[i]);
-        odometry.from.push_back(from[i]);
-        odometry.to.push_back(to[i]);
+        solvePnPRefineLM(flagged(points, agrees), odometry.to, camera, noArray(), rotation, translation);
+        odometry.motion = Affine3d(rotation, translation).inv();
     }
+    odometry.path.push_back(odometry.path.back() * odometry.motion);
     odometry.inliers += double(inliers.size());
-    solvePnPRefineLM(inlierPoints, odometry.to, camera, noArray(), rotation, translation);
-    return Affine3d(rotation, translation).inv();
 }
 
 //! Error of the translation over `step` frames, in per cent of the path.
-double translationError(const std::vector<Affine3d>& motions, const std::vector<Affine3d>& truth, size_t step)
+double translationError(const std::vector<Affine3d>& path, const std::vector<Affine3d>& truth, size_t step)
 {
-    std::vector<Affine3d> path(1);
-    for (const Affine3d& motion : motions)
-        path.push_back(path.back() * motion);
     double sum = 0;
     size_t first = 0;
-    for (; first + step < path.size(); first++)
+    for (; first + step < std::min(path.size(), truth.size()); first++)
     {
         double length = 0;
         for (size_t i = first; i < first + step; i++)
@@ -217,17 +212,17 @@ double translationError(const std::vector<Affine3d>& motions, const std::vector<
     return sum / std::max(double(first), 1.);
 }
 
-//! The left image with the tracked features: each has a line from its position in the frame before.
-Mat trackPicture(const Odometry& odometry)
+//! An image with the tracked features: each has a line from its position in the frame before.
+Mat trackPicture(const Mat& image, const Odometry& odometry, const String& name)
 {
     Mat picture;
-    cvtColor(odometry.frame.image, picture, COLOR_GRAY2BGR);
+    cvtColor(image, picture, COLOR_GRAY2BGR);
     for (size_t i = 0; i < odometry.to.size(); i++)
     {
         line(picture, odometry.from[i], odometry.to[i], Scalar(40, 200, 40), 1, LINE_AA);
         circle(picture, odometry.to[i], 2, Scalar(40, 200, 40), FILLED, LINE_AA);
     }
-    return captioned(picture, odometry.name + format(": %d inliers", int(odometry.to.size())));
+    return captioned(picture, name + format(": %d inliers", int(odometry.to.size())));
 }
 
 int stereoOdometry(int argc, char** argv)
@@ -240,35 +235,34 @@ int stereoOdometry(int argc, char** argv)
         CV_Error(Error::StsBadArg, "the folder of a sequence is needed; --help says what it has");
     const Sequence sequence = readSequence(folder);
     const Ptr<ORB> ours = aqorb::AdaptiveQuadtreeORB::create(nfeatures);
-    std::vector<Odometry> odometries = {Odometry("cv::ORB", ORB::create(nfeatures), false),
-                                        Odometry("AdaptiveQuadtreeORB", ours, false),
-                                        Odometry("with growMatches", ours, true)};
-    for (size_t i = 0; i < sequence.left.size(); i++)
-    {
-        const Mat left = readImage(sequence.left[i]), right = readImage(sequence.right[i]);
-        for (Odometry& odometry : odometries)
-        {
-            const Frame frame = stereoFrame(odometry, left, right, sequence);
-            if (i > 0)
-                odometry.motions.push_back(estimateMotion(odometry, frame, sequence.camera));
-            odometry.frame = frame;
-        }
-    }
+    const Method methods[] = {{"cv::ORB", ORB::create(nfeatures), false},
+                              {"AdaptiveQuadtreeORB", ours, false},
+                              {"with growMatches", ours, true}};
 
-    const double frames = double(sequence.left.size()), motions = std::max(frames - 1, 1.);
-    std::vector<std::vector<String>> columns = {{format("%d frames", int(frames)),
-                                                 "keypoints of the left image with a depth",
-                                                 "inliers of the motion, mean"}};
-    if (!sequence.poses.empty())
-        columns[0].push_back("translation error over 10 frames, of the path");
+    const size_t frames = sequence.left.size();
+    std::vector<std::vector<String>> columns = {
+        {format("%d frames", int(frames)), "keypoints of the left image with a depth",
+         "inliers of the motion, mean", "translation error over 10 frames, of the path"}};
     std::vector<Mat> tracks;
-    for (const Odometry& each : odometries)
+    for (const Method& method : methods)
     {
-        columns.push_back(
-            {each.name, format("%.0f", each.depths / frames), format("%.0f", each.inliers / motions)});
-        if (!sequence.poses.empty())
-            columns.back().push_back(format("%.2f %%", translationError(each.motions, sequence.poses, 10)));
-        tracks.push_back(trackPicture(each));
+        Odometry odometry;
+        Frame last;
+        for (size_t i = 0; i < frames; i++)
+        {
+            const Mat left = readImage(sequence.left[i]), right = readImage(sequence.right[i]);
+            const Frame frame = stereoFrame(method, left, right, sequence);
+            if (i > 0)
+                follow(method, last, frame, sequence.camera, odometry);
+            odometry.depths += double(frame.points.size());
+            last = frame;
+        }
+        const double motions = std::max(double(frames) - 1, 1.);
+        const double error = translationError(odometry.path, sequence.poses, 10);
+        columns.push_back({method.name, format("%.0f", odometry.depths / double(frames)),
+                           format("%.0f", odometry.inliers / motions),
+                           sequence.poses.empty() ? "no poses.txt" : format("%.2f %%", error)});
+        tracks.push_back(trackPicture(last.image, odometry, method.name));
     }
     printTable(columns);
     Mat picture;
