@@ -90,45 +90,24 @@ def hostile(session):
            AQORB_KILLS='50', **built())
 
 
-def evaluate(session, *subject, packages=('poselib==2.0.5',)):
-    """With 4 or 5 before the options beside that version of cv2, otherwise beside Debian's. Its numpy is Debian's."""
-    options = session.posargs
+@nox.session(venv_params=['--system-site-packages'])
+def evaluate(session):
+    """Poses, objects, verdict or reconstruction; with 4 or 5 before the options beside that version of cv2, otherwise
+    beside Debian's. Its numpy is Debian's."""
+    subject, *options = session.posargs
     opencv = {'4': [OPENCV_4], '5': [OPENCV_5]}.get(options[0] if options else '', [])
-    if packages or opencv:
-        session.install('--no-deps', *packages, *opencv)
-    session.run('python', 'tools/evaluate/aqorb_evaluate.py', *subject, *options[len(opencv):],
-                env={'PYTHONDONTWRITEBYTECODE': '1', **built()})
-
-
-def scenes():
-    return os.environ['AQORB_STRECHA'] + '/Benchmarking_Camera_Calibration_2008'
-
-
-def located(session, subject, *packages):
-    evaluate(session, subject, PHOTOGRAPHS, scenes(), os.environ['OPENCV_SAMPLES_DATA_PATH'], packages=packages)
-
-
-@nox.session(venv_params=['--system-site-packages'])
-def poses(session):
+    scenes = os.environ['AQORB_STRECHA'] + '/Benchmarking_Camera_Calibration_2008'
+    places = [PHOTOGRAPHS, scenes, os.environ.get('OPENCV_SAMPLES_DATA_PATH')]
     sequence = os.environ.get('AQORB_TEST_SEQUENCE')
-    evaluate(session, 'poses', scenes(), *(['--sequence=' + sequence] if sequence else []),
-             *(['--elsewhere=' + PHOTOGRAPHS] if os.path.isdir(PHOTOGRAPHS) else []))
-
-
-@nox.session(venv_params=['--system-site-packages'])
-def objects(session):
-    located(session, 'objects')
-
-
-@nox.session(venv_params=['--system-site-packages'])
-def verdict(session):
-    located(session, 'verdict', *COMMAND)
-
-
-@nox.session(venv_params=['--system-site-packages'])
-def reconstruction(session):
-    session.install(*COMMAND)
-    evaluate(session, 'reconstruction', scenes(), '--out=' + str(BUILD / 'reconstruction'), packages=())
+    arguments = {'poses': [scenes, *(['--sequence=' + sequence] if sequence else []),
+                           *(['--elsewhere=' + PHOTOGRAPHS] if os.path.isdir(PHOTOGRAPHS) else [])],
+                 'objects': places, 'verdict': places,
+                 'reconstruction': [scenes, '--out=' + str(BUILD / 'reconstruction')]}
+    if subject in ('verdict', 'reconstruction'):
+        session.install(*COMMAND)
+    session.install('--no-deps', 'poselib==2.0.5', *opencv)
+    session.run('python', 'tools/evaluate/aqorb_evaluate.py', subject, *arguments[subject], *options[len(opencv):],
+                env={'PYTHONDONTWRITEBYTECODE': '1', **built()})
 
 
 @nox.session

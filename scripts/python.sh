@@ -20,9 +20,12 @@
 # Installs the Debian packages it needs; pip fetches the rest, and npm pyright.
 source "$(dirname "$0")/common.sh"
 
-session=${1:-tests}
+session=${1:-tests} options=("${@:2}")
 case $session in
-tests | hostile | poses | objects | verdict | reconstruction)
+poses | objects | verdict | reconstruction) session=evaluate options=("$@") ;;
+esac
+case $session in
+tests | hostile | evaluate)
     need build test python python3-matplotlib
     configure release -DAQORB_BUILD_PYTHON=ON -DPython_EXECUTABLE="$PYTHON"
     build "$BUILD/release" --target _aqorb
@@ -44,4 +47,4 @@ wheel | beside)
 *) need build ;;
 esac
 tools nox
-exec "$TOOLS/python" -m nox --noxfile "$ROOT/noxfile.py" --envdir "$BUILD/venv/nox" --session "$session" -- "${@:2}"
+exec "$TOOLS/python" -m nox --noxfile "$ROOT/noxfile.py" --envdir "$BUILD/venv/nox" --session "$session" -- "${options[@]}"
