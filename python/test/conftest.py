@@ -4,8 +4,10 @@
 # SPDX-License-Identifier: Apache-2.0
 """What the tests of the package share."""
 
+import copy
 import glob
 import os
+import pickle
 import subprocess
 import sys
 import unittest
@@ -48,6 +50,11 @@ def python(*arguments, **options):
     """Runs Python in a process of its own, and returns the process and what it printed, also its errors."""
     return subprocess.run([sys.executable, *map(str, arguments)], stdout=subprocess.PIPE, stderr=subprocess.STDOUT,
                           text=True, timeout=300, **options)
+
+
+def copies_of(thing):
+    return [pickle.loads(pickle.dumps(thing, protocol)) for protocol in range(pickle.HIGHEST_PROTOCOL + 1)] + [
+        copy.copy(thing), copy.deepcopy(thing)]
 
 
 @pytest.fixture(scope='session')

@@ -4,10 +4,8 @@
 # SPDX-License-Identifier: Apache-2.0
 """Tests of files and cv2's storages with the parameters of a detector."""
 
-import copy
 import os
 import pathlib
-import pickle
 import reprlib
 
 import cv2 as cv
@@ -15,7 +13,7 @@ import numpy as np
 import pytest
 
 import aqorb
-from conftest import values_of
+from conftest import copies_of, values_of
 
 
 def storage_of(text):
@@ -88,8 +86,7 @@ def test_every_parameter_survives_a_storage(tmp_path, unusual):
         other = aqorb.AdaptiveQuadtreeORB_create()
         other.read(source)
         assert values_of(other, values) == values
-    pickled = [pickle.loads(pickle.dumps(orb, protocol)) for protocol in range(pickle.HIGHEST_PROTOCOL + 1)]
-    for copied in pickled + [copy.copy(orb), copy.deepcopy(orb)]:
+    for copied in copies_of(orb):
         assert type(copied) is aqorb.AdaptiveQuadtreeORB and values_of(copied, values) == values
         copied.setMaxFeatures(5)
         assert values_of(orb, values) == values

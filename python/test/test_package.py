@@ -5,11 +5,9 @@
 """Tests of what the package aqorb has beyond cv2.aqorb, whose tests in modules/aqorb/misc/python/test hold for it, too."""
 
 import ast
-import copy
 import inspect
 import os
 import pathlib
-import pickle
 import re
 
 import cv2 as cv
@@ -17,7 +15,7 @@ import numpy as np
 import pytest
 
 import aqorb
-from conftest import FOLDER, noise, python
+from conftest import FOLDER, copies_of, noise, python
 
 # cv2 4.6 has no stubs, nor have other packages that the documents' programs use.
 MYPY = '[mypy]\n[mypy-cv2.*,pyarrow.*,PIL.*,pycolmap.*,aqorb_photographs.*]\nignore_missing_imports = True\n'
@@ -25,9 +23,8 @@ FIELDS = ('pt', 'size', 'angle', 'response', 'octave', 'class_id')
 
 
 def same(keypoints, array):
-    return (len(keypoints) == len(array) and
-            all(tuple(getattr(k, 'pt')) == tuple(row['pt']) and
-                all(getattr(k, name) == row[name] for name in FIELDS[1:]) for k, row in zip(keypoints, array)))
+    return [(*k.pt, *(getattr(k, name) for name in FIELDS[1:])) for k in keypoints] == [
+        (*row['pt'], *row.tolist()[1:]) for row in array]
 
 
 def test_arrays_equal_objects(orb, image):
@@ -211,11 +208,6 @@ def test_program_of_the_tutorial_finds_the_box(tmp_path):
         if os.path.exists(names[0]) or names[0] == 'black.png':
             run = program(*names)
             assert run.returncode == code and re.match(output, run.stdout), run.stdout
-
-
-def copies_of(thing):
-    return [pickle.loads(pickle.dumps(thing, protocol)) for protocol in range(pickle.HIGHEST_PROTOCOL + 1)] + [
-        copy.copy(thing), copy.deepcopy(thing)]
 
 
 def test_matchers_and_batches_are_pickled_and_copied(orb, image):

@@ -7,6 +7,7 @@ no cv2 but where they ask for it, so that they also run in a Python without a gl
 none. scripts/python.sh asan repeats them where no wrong access to memory, and no touch of a Python object without the
 GIL, goes unseen."""
 
+import concurrent.futures
 import multiprocessing
 import os
 import pickle
@@ -28,26 +29,19 @@ KEYPOINTS['pt'], KEYPOINTS['size'] = 20, 31
 
 
 def run_together(*bodies):
-    """Calls each body again and again in a thread of its own, for SECONDS. Raises what they raise."""
-    begin, errors = threading.Barrier(len(bodies)), []
+    """Calls each body again and again in a thread of its own, for SECONDS. Raises what one of them raises."""
+    begin = threading.Barrier(len(bodies))
 
     def repeat(body):
-        try:
-            begin.wait()
+        begin.wait()
+        end = time.monotonic() + SECONDS
+        body()
+        while time.monotonic() < end:
             body()
-            end = time.monotonic() + SECONDS
-            while time.monotonic() < end and not errors:
-                body()
-        except BaseException as error:  # an assertion, too
-            errors.append(error)
 
-    threads = [threading.Thread(target=repeat, args=(body,)) for body in bodies]
-    for thread in threads:
-        thread.start()
-    for thread in threads:
-        thread.join()
-    if errors:
-        raise errors[0]
+    with concurrent.futures.ThreadPoolExecutor(len(bodies)) as pool:
+        for done in [pool.submit(repeat, body) for body in bodies]:
+            done.result()
 
 
 def bytes_of(orb, image):
@@ -302,9 +296,6 @@ def check(batch, orb, images, masks):
         assert np.array_equal(batch.descriptors[rows], descriptors)
         assert batch.keypoints(i).dtype == aqorb.keypoint_dtype
         assert np.array_equal(batch.keypoints(i), keypoints)
-        assert np.array_equal(np.stack([batch.x, batch.y], 1)[rows], keypoints['pt'])
-        for name in 'size', 'angle', 'response', 'octave':
-            assert np.array_equal(getattr(batch, name)[rows], keypoints[name])
 
 
 @pytest.mark.parametrize('count', [0, 1, 2, 7])

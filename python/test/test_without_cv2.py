@@ -20,6 +20,13 @@ import numpy as np
 import aqorb
 image = np.repeat(np.repeat(np.random.RandomState(3).randint(0, 256, (60, 80), np.uint8), 8, 0), 8, 1)
 orb = aqorb.AdaptiveQuadtreeORB_create(300)
+
+def raised(kind, call):
+    try:
+        call()
+    except kind as error:
+        return error
+    raise AssertionError('no error')
 '''
 
 
@@ -34,31 +41,18 @@ def run(program):
     '''
 for call in (lambda: orb.detect(image), lambda: orb.detect([image]), lambda: orb.detectAndCompute(image, None),
              lambda: aqorb.keypointsFromArray(orb.detectAndComputeArrays(image)[0])):
-    try:
-        call()
-    except ImportError as error:
-        assert str(error).startswith('cv2 does not work: ') and 'opencv-python-headless' in str(error) and 'detectAndComputeArrays' in str(error)
-        assert isinstance(error.__cause__, ImportError)
-    else:
-        raise AssertionError('no error')
+    error = raised(ImportError, call)
+    assert str(error).startswith('cv2 does not work: ') and 'opencv-python-headless' in str(error)
+    assert 'detectAndComputeArrays' in str(error) and isinstance(error.__cause__, ImportError)
 for wrong in [5], [image]:
-    try:
-        orb.compute(image, wrong)
-    except TypeError as error:
-        assert 'keypoints[0] must be a cv2.KeyPoint, got' in str(error)
-    else:
-        raise AssertionError('no error')
+    assert 'keypoints[0] must be a cv2.KeyPoint, got' in str(raised(TypeError, lambda: orb.compute(image, wrong)))
 ''',
     # errors
     '''
 import pickle
-try:
-    orb.setPatchSize(1)
-except ValueError as error:
-    assert type(error) is aqorb.error and 'patchSize' in error.err and error.code == -211
-    assert type(pickle.loads(pickle.dumps(error))) is aqorb.error
-else:
-    raise AssertionError('no error')
+error = raised(ValueError, lambda: orb.setPatchSize(1))
+assert type(error) is aqorb.error and 'patchSize' in error.err and error.code == -211
+assert type(pickle.loads(pickle.dumps(error))) is aqorb.error
 assert aqorb.error.__bases__ == (ValueError,) and 'error' in dir(aqorb)
 ''',
     # files
@@ -71,12 +65,7 @@ with tempfile.TemporaryDirectory() as folder:
     other.read(path)
     assert other.getMaxFeatures() == copy.copy(orb).getMaxFeatures() == 300
 for call in orb.write, orb.read:
-    try:
-        call(5)
-    except TypeError as error:
-        assert 'got 5' in str(error)
-    else:
-        raise AssertionError('no error')
+    assert 'got 5' in str(raised(TypeError, lambda: call(5)))
 '''], ids=['keypoints', 'errors', 'files'])
 def test_without_cv2(body):
     run(BEGIN + body)
@@ -103,14 +92,10 @@ except ImportError:
 keypoints, descriptors = orb.detectAndComputeArrays(image)
 assert np.array_equal(orb.compute(image, keypoints)[1], descriptors)
 assert aqorb.error.__bases__ == (ValueError,)
-for call, expected in ((lambda: orb.detect(image), ImportError), (lambda: orb.compute(image, [5]), TypeError),
-                       (lambda: orb.write(5), TypeError), (lambda: orb.setPatchSize(1), ValueError)):
-    try:
-        call()
-    except expected as error:
-        assert expected is not ImportError or str(error).startswith('cv2 does not work: ' + cause)
-    else:
-        raise AssertionError('no error')
+assert str(raised(ImportError, lambda: orb.detect(image))).startswith('cv2 does not work: ' + cause)
+for call, kind in ((lambda: orb.compute(image, [5]), TypeError), (lambda: orb.write(5), TypeError),
+                   (lambda: orb.setPatchSize(1), ValueError)):
+    raised(kind, call)
 """.replace('+ cause', f'+ {cause!r}'))
 
 
