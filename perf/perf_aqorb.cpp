@@ -100,6 +100,26 @@ PERF_TEST_P(NearestNeighbours, knnMatch,
     SANITY_CHECK_NOTHING();
 }
 
+//! Two photographs of a scene with their keypoints and matches.
+struct Views
+{
+    Views(const std::string& name, int nfeatures)
+    {
+        const Ptr<Feature2D> detector = aqorb::AdaptiveQuadtreeORB::create(nfeatures);
+        Mat descriptors[2];
+        for (int i = 0; i < 2; i++)
+        {
+            images[i] = loadImage(name, i + 1);
+            detector->detectAndCompute(images[i], noArray(), keypoints[i], descriptors[i]);
+        }
+        aqorb::HammingMatcher::create(NORM_HAMMING, true)->match(descriptors[0], descriptors[1], matches);
+    }
+
+    Mat images[2];
+    std::vector<KeyPoint> keypoints[2];
+    std::vector<DMatch> matches;
+};
+
 typedef perf::TestBaseWithParam<tuple<std::string, int>> Refinement;
 
 //! Refines the cross-checked matches of two images. Both functions take the same window, one level and four iterations.
@@ -111,41 +131,34 @@ PERF_TEST_P(Refinement, refineMatches,
     if (isOfOpenCV())
         throw SkipTestException("OpenCV is built without its module video");
 #endif
-    Mat images[2], descriptors[2];
-    std::vector<KeyPoint> keypoints[2];
-    std::vector<DMatch> all, matches;
+    const Views views(get<0>(GetParam()), get<1>(GetParam()));
+    std::vector<DMatch> matches;
     std::vector<Point2f> points1, points2, starts;
-    const Ptr<Feature2D> detector = aqorb::AdaptiveQuadtreeORB::create(get<1>(GetParam()));
-    for (int i = 0; i < 2; i++)
+    for (const DMatch& match : views.matches)
     {
-        images[i] = loadImage(get<0>(GetParam()), i + 1);
-        detector->detectAndCompute(images[i], noArray(), keypoints[i], descriptors[i]);
-    }
-    aqorb::HammingMatcher::create(NORM_HAMMING, true)->match(descriptors[0], descriptors[1], all);
-    for (size_t i = 0; i < all.size(); i++)
-    {
-        points1.push_back(keypoints[0][all[i].queryIdx].pt);
-        starts.push_back(keypoints[1][all[i].trainIdx].pt);
+        points1.push_back(views.keypoints[0][match.queryIdx].pt);
+        starts.push_back(views.keypoints[1][match.trainIdx].pt);
     }
 
     TEST_CYCLE()
     {
         if (!isOfOpenCV())
         {
-            matches = all;
-            aqorb::refineMatches(images[0], keypoints[0], images[1], keypoints[1], matches, points1, points2);
+            matches = views.matches;
+            aqorb::refineMatches(views.images[0], views.keypoints[0], views.images[1], views.keypoints[1],
+                                 matches, points1, points2);
             continue;
         }
 #ifdef HAVE_OPENCV_VIDEO
         std::vector<uchar> status;
         std::vector<float> errors;
         points2 = starts;
-        calcOpticalFlowPyrLK(images[0], images[1], points1, points2, status, errors, Size(13, 13), 0,
-                             TermCriteria(TermCriteria::COUNT, 4, 0), OPTFLOW_USE_INITIAL_FLOW);
+        calcOpticalFlowPyrLK(views.images[0], views.images[1], points1, points2, status, errors, Size(13, 13),
+                             0, TermCriteria(TermCriteria::COUNT, 4, 0), OPTFLOW_USE_INITIAL_FLOW);
 #endif
     }
 
-    EXPECT_GT(points2.size(), all.size() / 4);
+    EXPECT_GT(points2.size(), views.matches.size() / 4);
     SANITY_CHECK_NOTHING();
 }
 
@@ -156,27 +169,20 @@ PERF_TEST_P(Growth, growMatches, testing::Combine(testing::Values("bikes", "scen
 {
     if (isOfOpenCV())
         throw SkipTestException("OpenCV has no such function");
-    Mat images[2], descriptors[2];
-    std::vector<KeyPoint> keypoints[2], grown[2];
-    const Ptr<Feature2D> detector = aqorb::AdaptiveQuadtreeORB::create(1000);
-    for (int i = 0; i < 2; i++)
-    {
-        images[i] = loadImage(get<0>(GetParam()), i + 1);
-        detector->detectAndCompute(images[i], noArray(), keypoints[i], descriptors[i]);
-    }
-    std::vector<DMatch> all, matches;
-    aqorb::HammingMatcher::create(NORM_HAMMING, true)->match(descriptors[0], descriptors[1], all);
+    const Views views(get<0>(GetParam()), 1000);
+    std::vector<KeyPoint> grown[2];
+    std::vector<DMatch> matches;
     std::vector<Point2f> points1, points2;
     std::vector<float> deviations;
 
     TEST_CYCLE()
     {
-        matches = all;
-        aqorb::growMatches(images[0], keypoints[0], images[1], keypoints[1], matches, grown[0], grown[1],
-                           points1, points2, deviations, 0.8f, 1.f, get<1>(GetParam()));
+        matches = views.matches;
+        aqorb::growMatches(views.images[0], views.keypoints[0], views.images[1], views.keypoints[1], matches,
+                           grown[0], grown[1], points1, points2, deviations, 0.8f, 1.f, get<1>(GetParam()));
     }
 
-    EXPECT_GT(points2.size(), all.size() / 4);
+    EXPECT_GT(points2.size(), views.matches.size() / 4);
     SANITY_CHECK_NOTHING();
 }
 
