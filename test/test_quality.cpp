@@ -97,38 +97,24 @@ const char* const BIKES = "detectors_descriptors_evaluation/images_datasets/bike
 // The tests of OpenCV 4.6 take a detector, those of 4.14 and 5 a function that makes one.
 struct Made
 {
-    Ptr<AdaptiveQuadtreeORB> detector;
-
-    operator Ptr<FeatureDetector>() const { return detector; }
-    Ptr<FeatureDetector> operator()() const { return detector; }
+    operator Ptr<FeatureDetector>() const { return AdaptiveQuadtreeORB::create(); }
+    Ptr<FeatureDetector> operator()() const { return AdaptiveQuadtreeORB::create(); }
 };
 
-std::vector<String_FeatureDetector_Float_Float_t>
-detectorCase(const char* image, const Ptr<AdaptiveQuadtreeORB>& detector, float repeated, float inliers)
+template <typename Case, typename... Values> std::vector<Case> caseOf(const Values&... values)
 {
-    std::vector<String_FeatureDetector_Float_Float_t> cases;
-    if (!dataFile("").empty())
-        cases.push_back(String_FeatureDetector_Float_Float_t(image, Made{detector}, repeated, inliers));
-    return cases;
-}
-
-std::vector<String_FeatureDetector_DescriptorExtractor_Float_t> descriptorCase(const char* image,
-                                                                               float inliers)
-{
-    std::vector<String_FeatureDetector_DescriptorExtractor_Float_t> cases;
-    if (!dataFile("").empty())
-        cases.push_back(String_FeatureDetector_DescriptorExtractor_Float_t(
-            image, Made{AdaptiveQuadtreeORB::create()}, Made{AdaptiveQuadtreeORB::create()}, inliers));
-    return cases;
+    return std::vector<Case>(dataFile("").empty() ? 0 : 1, Case(values...));
 }
 
 // The thresholds are cv::ORB's.
+typedef String_FeatureDetector_Float_Float_t DetectorCase;
+typedef String_FeatureDetector_DescriptorExtractor_Float_t DescriptorCase;
 INSTANTIATE_TEST_CASE_P(Aqorb, DetectorRotationInvariance,
-                        testing::ValuesIn(detectorCase(TSUKUBA, AdaptiveQuadtreeORB::create(), 0.5f, 0.76f)));
+                        testing::ValuesIn(caseOf<DetectorCase>(TSUKUBA, Made(), 0.5f, 0.76f)));
 INSTANTIATE_TEST_CASE_P(Aqorb, DetectorScaleInvariance,
-                        testing::ValuesIn(detectorCase(BIKES, AdaptiveQuadtreeORB::create(), 0.08f, 0.49f)));
+                        testing::ValuesIn(caseOf<DetectorCase>(BIKES, Made(), 0.08f, 0.49f)));
 INSTANTIATE_TEST_CASE_P(Aqorb, DescriptorRotationInvariance,
-                        testing::ValuesIn(descriptorCase(TSUKUBA, 0.99f)));
+                        testing::ValuesIn(caseOf<DescriptorCase>(TSUKUBA, Made(), Made(), 0.99f)));
 
 }  // namespace
 }  // namespace opencv_test
