@@ -2,14 +2,13 @@
 # It is subject to the license terms in the LICENSE file found in the top-level directory
 # of this distribution.
 # SPDX-License-Identifier: Apache-2.0
-"""Reconstructions of Strecha's photographs by COLMAP's mapper, from SIFT's features and from those of aqorb. What has
-been measured is kept in a folder, and measured anew only when it is deleted there."""
+"""Reconstructions of Strecha's photographs by COLMAP's mapper, from SIFT's features and from those of aqorb."""
 
 import itertools
-import json
 import os
 import re
 import resource
+import shutil
 import subprocess
 import sys
 
@@ -115,25 +114,19 @@ METHODS = {'SIFT, 2000 features': (by_sift, 2000), "SIFT, COLMAP's 8192": (by_si
 def measured(scene, folder, method, intrinsics):
     """The images, errors, points and seconds of a method, as medians of the mapper's seeds."""
     import pycolmap
-    os.makedirs(folder, exist_ok=True)
-    kept, path = os.path.join(folder, 'measured.json'), os.path.join(folder, 'scene.db')
-    if not os.path.exists(kept):
-        if os.path.exists(path):
-            os.remove(path)
-        function, argument = METHODS[method]
-        times, found = function(scene, path, scene.cameras[intrinsics], argument), []
-        for seed in SEEDS:
-            options = pycolmap.IncrementalPipelineOptions(random_seed=seed, extract_colors=False)
-            if intrinsics == 'known':
-                options.ba_refine_focal_length = options.ba_refine_extra_params = False
-            models, spent = timed(pycolmap.incremental_mapping, path, scene.folder, folder, options)
-            model = max(models.values(), key=lambda each: each.num_reg_images())
-            found.append([model.num_reg_images(), *scene.errors(model), model.num_points3D(),
-                          model.compute_mean_reprojection_error(), *times, spent])
-        with open(kept, 'w', encoding='utf-8') as file:
-            json.dump(found, file)
-    with open(kept, encoding='utf-8') as file:
-        return np.median(json.load(file), 0)
+    shutil.rmtree(folder, ignore_errors=True)  # the command aqorb would go on with what is there
+    os.makedirs(folder)
+    path, (function, argument) = os.path.join(folder, 'scene.db'), METHODS[method]
+    times, found = function(scene, path, scene.cameras[intrinsics], argument), []
+    for seed in SEEDS:
+        options = pycolmap.IncrementalPipelineOptions(random_seed=seed, extract_colors=False)
+        if intrinsics == 'known':
+            options.ba_refine_focal_length = options.ba_refine_extra_params = False
+        models, spent = timed(pycolmap.incremental_mapping, path, scene.folder, folder, options)
+        model = max(models.values(), key=lambda each: each.num_reg_images())
+        found.append([model.num_reg_images(), *scene.errors(model), model.num_points3D(),
+                      model.compute_mean_reprojection_error(), *times, spent])
+    return np.median(found, 0)
 
 
 def draw(model, path):
