@@ -60,10 +60,10 @@ def measure_claims(options):
             print('{} is left out: --{} is not given'.format(subject, name), file=sys.stderr)
             options.only.remove(subject)
     measured = claims.measure(options)
-    if options.dial_table:
+    if options.by_method:
         head = ['n = {}'.format(options.n[0]), 'u', 'occupancy', 'distinct', 'places', 'precision', 'distinct at other '
                 'scales', 'inliers on the object, n = ' + ' '.join(map(str, claims.OBJECT_NUMBERS))]
-        print_table('The dial', head, claims.dial_rows(measured, options))
+        print_table('By method', head, claims.rows_by_method(measured, options))
         return True
     failed = []
     for method in options.methods:
@@ -106,7 +106,7 @@ def arguments():
     command.add_argument('--methods', type=list_of(), default=['aqorb'], help='those to judge')
     command.add_argument('--only', type=list_of(), default=list(claims.SUBJECTS), help=', '.join(claims.SUBJECTS))
     command.add_argument('--short', action='store_true', help='leave out held-out images, and homographies')
-    command.add_argument('--dial-table', action='store_true',
+    command.add_argument('--by-method', action='store_true',
                          help='print a row for each method; needs distinct,scale,object')
     command.add_argument('--seeds', type=int, default=15, help='random seeds; 0 leaves homographies out')
     command.add_argument('--object', help="folder with box.png and box_in_scene.png of OpenCV's samples")

@@ -19,7 +19,7 @@ from methods import PAPER, Method
 
 ORB = 'orb'
 PAPER_SLAM = PAPER + ':octave=0.5'  # for SlamExtractor
-DIAL = 'aqorb:strength=1000'
+STRONGEST = 'aqorb:strength=1000'
 SCALES = [.4, .5, .6, .75, 1.5, 2, 2.5]
 ROLLS = range(15, 360, 30)  # degrees
 ROLLED_SETS = ['bikes', 'leuven', 'trees', 'graf']
@@ -142,7 +142,7 @@ def measure(options):
                 measure_pairs('scale {:g}'.format(scale), views, method, n, results)
     if 'object' in options.only:
         objects = images.small_objects(options.object, sets)
-        for method in methods + [Method(DIAL)] * (DIAL not in options.methods):
+        for method in methods + [Method(STRONGEST)] * (STRONGEST not in options.methods):
             for n in OBJECT_NUMBERS:
                 for name, *pair in objects:
                     found = measures.inliers_on_object(*[method.compute(image, n) for image in pair], method.norm)
@@ -242,9 +242,9 @@ def judge(measured, options, method):
     for subject, words in (('object', 'a small object'), ('drawn object', 'three that are drawn into photographs')):
         for n in OBJECT_NUMBERS:
             judging.mean('distinct inliers on ' + words, subject, n, 'distinct', 1)
-    here, orb, paper, dial = (judging.distinct_inliers(name) for name in (method, ORB, PAPER, DIAL))
+    here, orb, paper, strongest = (judging.distinct_inliers(name) for name in (method, ORB, PAPER, STRONGEST))
     judging.ratio("distinct inliers on a small object, times cv::ORB's", 0, here, orb, paper, .85)
-    judging.ratio('the same with StrengthWeight 1000', 0, dial, orb, math.nan, 1)
+    judging.ratio('the same with StrengthWeight 1000', 0, strongest, orb, math.nan, 1)
     for step, words in ((1, 'the next frame'), (10, 'the frame a second later')):
         for n in options.n:
             values = [measured.mean('start', name, n, 'correct', [step])
@@ -258,7 +258,7 @@ def judge(measured, options, method):
     return judging
 
 
-def dial_rows(measured, options):
+def rows_by_method(measured, options):
     """What each method reaches on the sets at the first n, at other scales, and on the small object at each n."""
     n = options.n[0]
     for name in options.methods + [PAPER, ORB]:

@@ -63,8 +63,12 @@ def matched(a, b, norm):
     return points(a, b, pairs[np.argsort(distances, kind='stable')])
 
 
+def errors_of(first, second, homography):
+    return np.linalg.norm(transformed(first, homography) - second, axis=1)
+
+
 def agree_with_homography(first, second, homography):
-    return np.linalg.norm(transformed(first, homography) - second, axis=1) <= CORRECT
+    return errors_of(first, second, homography) <= CORRECT
 
 
 def agree_with_fundamental(first, second, fundamental):
@@ -114,7 +118,7 @@ def homography_error(first, second, homography, image, seed, threshold=3):
         return NO_HOMOGRAPHY
     right, bottom = size_of(image)[0] - 1, size_of(image)[1] - 1
     corners = [(0, 0), (right, 0), (right, bottom), (0, bottom)]
-    error = np.linalg.norm(transformed(corners, estimate) - transformed(corners, homography), axis=1).mean()
+    error = errors_of(corners, transformed(corners, homography), estimate).mean()
     return NO_HOMOGRAPHY if np.isnan(error) else min(error, NO_HOMOGRAPHY)
 
 

@@ -16,10 +16,6 @@ ROWS = [poses.Row('aqorb, cross check', 'aqorb', None, 1), poses.Row('aqorb, rat
         poses.Row('SIFT, ratio .9', 'sift', .9, 6.75), poses.Row('cv::ORB, ratio .9', 'orb', .9, 1)]
 
 
-def errors_of(first, second, homography):
-    return np.linalg.norm(measures.transformed(first, homography) - second, axis=1)
-
-
 def photographs(datasets):
     """The images of all sets, the pairs of the first image of a set and another one, and their homographies."""
     pictures, pairs, truth = [], [], []
@@ -50,8 +46,8 @@ def coverage_rows(datasets, n):
     given = photographs(datasets)
     for title, (pictures, pairs, truth) in (('drawn warps', drawn(*given[:2])), ('opencv_extra', given)):
         grown = poses.points_of(ROWS[0], n, pictures, pairs)['one way']
-        yield measures.fifths(title, np.hstack([errors_of(*points[:2], each) for points, each in zip(grown, truth)]),
-                              np.hstack([points[2] for points in grown]))
+        errors = [measures.errors_of(*points[:2], each) for points, each in zip(grown, truth)]
+        yield measures.fifths(title, np.hstack(errors), np.hstack([points[2] for points in grown]))
 
 
 def homography_rows(datasets, n):
@@ -63,7 +59,7 @@ def homography_rows(datasets, n):
         for stage in poses.STAGES:
             near, matches, errors = [], 0, {threshold: [] for threshold in THRESHOLDS}
             for pair, homography, (*points, _) in zip(pairs, truth, stages[stage]):
-                off = errors_of(*points, homography)
+                off = measures.errors_of(*points, homography)
                 near += list(off[off <= measures.CORRECT])
                 matches += len(off)
                 for threshold in THRESHOLDS:
