@@ -69,10 +69,7 @@ disabled() {
     fingerprint "$1" "$BUILD/release/tools/aqorb_fingerprint"
 }
 
-row_debian12() {
-    built release
-    fingerprint debian12 "$BUILD/release/tools/aqorb_fingerprint"
-}
+row_debian12() { disabled debian12 ''; }
 
 # debian FOLDER RELEASE PACKAGES OPTION...: the packages of a Debian in a folder of its own, by mmdebstrap; made once.
 debian() {
