@@ -219,10 +219,11 @@ try
         levels.pop_back();
     DescriptionRules rules = {
         input.mask, {}, useProvidedKeypoints ? 0 : &tables.patch, descriptors.needed() ? &tables.tests : 0};
+    const bool subPixel = selectionMethod(parameters).subPixel;
     for (Level& level : levels)
     {
-        rules.positions.push_back({size, level.image.size(), level.scale, parameters.edgeThreshold,
-                                   selectionMethod(parameters).subPixel});
+        rules.positions.push_back(
+            {size, level.image.size(), level.scale, parameters.edgeThreshold, subPixel});
         if (!level.isInput && !input.mask.empty())
             maskPositions(input.mask, rules.positions.back(), level.mask);
     }

@@ -3,13 +3,12 @@
 // of this distribution.
 // SPDX-License-Identifier: Apache-2.0
 
-// Checks images, masks and output arguments, and converts images to grey.
+// Checks masks, collections and output arguments.
 
 #include "precomp.hpp"
 
-#include "common/for_each.hpp"
 #include "detector/arguments.hpp"
-#include "detector/pyramid.hpp"
+#include "detector/parameters.hpp"
 
 namespace cv
 {

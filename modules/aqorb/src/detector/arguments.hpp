@@ -3,14 +3,12 @@
 // of this distribution.
 // SPDX-License-Identifier: Apache-2.0
 
-// Checks and conversions of the callers' images, masks and output arguments.
+// Checks of the callers' masks, collections and output arguments.
 
 #ifndef OPENCV_AQORB_ARGUMENTS_HPP
 #define OPENCV_AQORB_ARGUMENTS_HPP
 
 #include "common/images.hpp"
-#include "detector/parameters.hpp"
-#include "detector/types.hpp"
 
 #include <opencv2/core.hpp>
 

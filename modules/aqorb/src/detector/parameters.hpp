@@ -64,6 +64,7 @@ inline ValidRange positive()
 {
     return ValidRange{std::numeric_limits<double>::denorm_min(), DBL_MAX, "finite and above 0", false};
 }
+//! The values 0 and 1 of an enumeration.
 inline ValidRange oneOf(const String& twoNames)
 {
     return ValidRange{0, 1, twoNames, false};

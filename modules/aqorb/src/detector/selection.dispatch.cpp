@@ -294,7 +294,7 @@ static int64 orderKey(double rank, float strength, double exponent)
 
 std::vector<unsigned> orderRepresentatives(const std::vector<unsigned>& leavesGiven,
                                            const std::vector<float>& strengths, const RankRule& rule,
-                                           const std::vector<uchar>& usable)
+                                           const std::vector<uchar>& usableLeaves)
 {
     CV_TRACE_FUNCTION();
     std::vector<uint64> keys(strengths.size());
@@ -306,7 +306,7 @@ std::vector<unsigned> orderRepresentatives(const std::vector<unsigned>& leavesGi
         leaves[i] = leavesGiven[strengthOrder[i]];
     const LeafDisc disc(rule);
     const std::vector<int> ranks = countStronger(leaves, disc, rule.grid);
-    const std::vector<double> inverseShares = inverseSharesOf(leaves, disc, rule.grid, usable);
+    const std::vector<double> inverseShares = inverseSharesOf(leaves, disc, rule.grid, usableLeaves);
     for (size_t i = 0; i < keys.size(); i++)
     {
         const int64 place = orderKey(ranks[i] * inverseShares[i], strengths[strengthOrder[i]], rule.exponent);
@@ -319,7 +319,7 @@ std::vector<unsigned> orderRepresentatives(const std::vector<unsigned>& leavesGi
 }
 
 // Whether the centre of each leaf is unmasked; empty: all are.
-static std::vector<uchar> usableLeaves(const Mat& mask, const Rect& region, const LeafGrid& grid)
+static std::vector<uchar> findUsableLeaves(const Mat& mask, const Rect& region, const LeafGrid& grid)
 {
     std::vector<uchar> usable(mask.empty() ? 0 : grid.numbers());
     const auto centerOf = [](int index, int count, int length)
@@ -368,7 +368,7 @@ std::vector<CornerResponse> rankedOrder(const Parameters& parameters, const Orie
     const RankRule rule = {region, grid, usable, quota, parameters.rankRadius, parameters.strengthWeight / 4};
     std::vector<CornerResponse> ordered;
     for (unsigned index :
-         orderRepresentatives(leaves, strengths, rule, usableLeaves(level.mask, plan.region, grid)))
+         orderRepresentatives(leaves, strengths, rule, findUsableLeaves(level.mask, plan.region, grid)))
         ordered.push_back(responses[index]);
     return ordered;
 }

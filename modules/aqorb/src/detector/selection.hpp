@@ -101,11 +101,11 @@ struct RankRule
 /** Orders representatives by (1 + rank) / strength^exponent. The rank is the number of stronger representatives within
  a disc of leaves. If part of the square around the disc is masked or lies outside the region, the rank is scaled up.
  @param leaves, strengths leaf and strength of each representative; ties go to the lower leaf
- @param usable by leaf: whether its centre is unmasked; empty: all are
+ @param usableLeaves by leaf: whether its centre is unmasked; empty: all are
  @return indices of representatives */
 std::vector<unsigned> orderRepresentatives(const std::vector<unsigned>& leaves,
                                            const std::vector<float>& strengths, const RankRule& rule,
-                                           const std::vector<uchar>& usable);
+                                           const std::vector<uchar>& usableLeaves);
 
 //! Region and quota of a level.
 struct LevelPlan
@@ -115,9 +115,9 @@ struct LevelPlan
 };
 
 //! Orders the representatives among the corners of a level, the best first: points 2 to 6.
-std::vector<CornerResponse> rankedOrder(const Parameters& parameters,
-                                        const OrientationPatch& patchForStrength, const LevelPlan& plan,
-                                        const Level& level, const std::vector<Corner>& corners);
+std::vector<CornerResponse> rankedOrder(const Parameters& parameters, const OrientationPatch& patch,
+                                        const LevelPlan& plan, const Level& level,
+                                        const std::vector<Corner>& corners);
 
 // ---- the method -------------------------------------------------------------------------------
 

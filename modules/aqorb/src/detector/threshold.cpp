@@ -50,10 +50,10 @@ double varianceOverMean(const Mat& image, const Mat& mask, int threads)
     return all.grays == 0 ? 0 : all.squares / all.grays - all.grays / all.count;
 }
 
-Thresholds fastThresholds(double value, int fastThreshold, double minRatio)
+Thresholds fastThresholds(double contrast, int fastThreshold, double minRatio)
 {
     fastThreshold = std::min(std::max(fastThreshold, 0), 255);
-    const double ini = value * fastThreshold / NEUTRAL_CONTRAST;
+    const double ini = contrast * fastThreshold / NEUTRAL_CONTRAST;
     Thresholds thresholds;
     thresholds.ini = cvRound(std::min(std::max(ini, 1.), 254.));
     // The lower threshold is at most cv::ORB's. For a night scene with a few lamps equation (7) gives hundreds, and the

@@ -22,8 +22,8 @@ double varianceOverMean(const Mat& image, const Mat& mask, int threads);
 //! Value of equation (7) at which iniT equals fastThreshold.
 const double NEUTRAL_CONTRAST = 20;
 
-//! iniT and minT from the value of equation (7), unscaled at fastThreshold 20.
-Thresholds fastThresholds(double value, int fastThreshold, double minRatio);
+//! iniT and minT from the contrast, the value of equation (7), which is not scaled at fastThreshold 20.
+Thresholds fastThresholds(double contrast, int fastThreshold, double minRatio);
 
 }  // namespace aqorb
 }  // namespace cv
