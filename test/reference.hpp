@@ -13,14 +13,15 @@
 #include <functional>
 
 // The references are the specification of the module: the whole algorithm in its plainest form, without vectors of the
-// CPU, tables or clever order. The fast code is tested to give the same bytes. A reader begins with detectAndCompute in
-// reference_pipeline.cpp, which calls the steps in their order:
+// CPU, tables or clever order. The detector and the matchers are tested to give the same bytes. A reader begins with
+// detectAndCompute in reference_pipeline.cpp, which calls the steps in their order:
 //
 //   reference.cpp             threshold, equation (7); pyramid and quotas, equation (8); FAST, mesh of cells; Harris
 //                             response, sub-pixel position, direction
 //   reference_selection.cpp   the two selections: depth, equation (9), and Figure 2 of the paper; the ranked selection
 //   reference_descriptor.cpp  blur, descriptor; and plain matchers
-//   reference_refinement.cpp  the refinement of matches
+//   reference_refinement.cpp  the refinement of matches in double precision, from which positions differ by rounding;
+//                             the test Aqorb_Growth.equals_the_plain_definition defines growth by it
 
 namespace opencv_test
 {
@@ -88,21 +89,15 @@ struct LeafCorner
     float key;
     int index;
 };
-bool isBetter(const LeafCorner& a, const LeafCorner& b);
 
 //! The indices of corners in the order of Figure 2, of a tree whose nodes are objects. Their keys are their responses.
 std::vector<int> quadtreeOrder(const std::vector<LeafCorner>& corners, Size root, int set_kp, int D_max);
 
 // The rule of RANKED_SELECTION.
 
-//! log2(v) for v > 0 and finite, in units of 2^-23: for v = 2^e * (1 + f) it is e + f, and 127 more.
-double binaryLogarithm(float v);
 //! Quotas of as many levels, in proportion to area * scale^1.25, level 0 half as much again.
 std::vector<int> rankedQuotas(int nfeatures, const std::vector<Size>& regions,
                               const std::vector<float>& scales);
-//! The smallest depth, but at most `most`, at which the usable share of the trees has 9 * density leaves for each
-//! feature.
-int depthForQuota(int quota, double usable, int most, int trees = 1, double density = 1);
 //! The leaves of a level's tree or, in a narrow one, of its trees side by side. They are at least 2 pixels a side.
 LeafGrid rankedGrid(int quota, double usable, Size root, double density = 1);
 //! The fourth power of a corner's strength, whose moment is in units of 2^16.
@@ -151,8 +146,6 @@ void descriptor(const Mat& image, const Mat& blurred, Point center, float angle,
 // Plain matchers.
 
 typedef std::vector<std::vector<DMatch>> MatchLists;
-
-int referenceDistance(const Mat& a, int row, const Mat& b, int otherRow, int normType);
 
 //! All matches of a query that are allowed, the nearest first, then by image and by index.
 std::vector<DMatch> referenceMatches(const Mat& query, int row, const std::vector<Mat>& images,

@@ -137,7 +137,7 @@ bool orbBlursWithFMA()
     return countNonZero(blurred != reference::roundedBlur(image)) == 0;
 }
 
-int referenceDistance(const Mat& a, int row, const Mat& b, int otherRow, int normType)
+static int referenceDistance(const Mat& a, int row, const Mat& b, int otherRow, int normType)
 {
     const int bits = normType == NORM_HAMMING2 ? 2 : 1;
     int distance = 0;

@@ -21,7 +21,8 @@ namespace opencv_test
 namespace reference
 {
 
-double binaryLogarithm(float v)
+//! log2(v) for v > 0 and finite, in units of 2^-23: for v = 2^e * (1 + f) it is e + f, and 127 more.
+static double binaryLogarithm(float v)
 {
     int e = 0;
     const double f = std::frexp((double)v, &e) * 2 - 1;  // v = 2^(e - 1) * (1 + f)
@@ -53,7 +54,9 @@ double representativeDensity(double strengthWeight)
     return strengthWeight > 0.15 ? strengthWeight / 0.15 : 1;
 }
 
-int depthForQuota(int quota, double usable, int most, int trees, double density)
+//! The smallest depth, but at most `most`, at which the usable share of the trees has 9 * density leaves for each
+//! feature.
+static int depthForQuota(int quota, double usable, int most, int trees = 1, double density = 1)
 {
     int depth = 0;
     while (depth < most && trees * std::pow(4., depth) * usable < 9. * density * quota)
@@ -91,7 +94,7 @@ static bool isHigher(float a, float b)
     return cvIsNaN(a) ? false : cvIsNaN(b) ? true : a > b;
 }
 
-bool isBetter(const LeafCorner& a, const LeafCorner& b)
+static bool isBetter(const LeafCorner& a, const LeafCorner& b)
 {
     if (isHigher(a.key, b.key) || isHigher(b.key, a.key))
         return isHigher(a.key, b.key);
