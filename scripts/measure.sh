@@ -9,7 +9,7 @@
 #   scripts/measure.sh objects [4|5] [OPTION ...]  known objects located in scenes (the tutorial on finding them)
 #   scripts/measure.sh reconstruction         by COLMAP, also from SIFT (photographs/reconstruction.md)
 #   scripts/measure.sh verdict [OPTION ...]   places of images of different things (photographs/many_images.md)
-#   scripts/measure.sh readme                 README's table but for its last row, in some ten minutes
+#   scripts/measure.sh readme                 README's table but for objects and reconstructions, in some ten minutes
 #   scripts/measure.sh heldout                fetches the pairs of images that nothing was tuned on, for claims
 #
 # OPENCV_TEST_DATA_PATH names the folder testdata of opencv_extra; speed draws scenes without it. paper, claims,

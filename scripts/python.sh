@@ -9,7 +9,7 @@
 #   notebook    pip installs the package and the command, and the notebook of the samples runs there: build/notebook
 #   sdist       the source distribution, in build/wheels
 #   wheel       the source distribution and the wheel for this system with OpenCV linked in, tested alone and beside
-#               pip's cv2
+#               pip's cv2; a wheel above MAX_WHEEL_SIZE of noxfile.py is an error
 #   beside      the tests of this wheel beside other versions of cv2 and NumPy
 #   offline     installed as packagers do it: from the source distribution, where there is no git and no network
 #   poses, objects, verdict, reconstruction  scripts/measure.sh poses, objects, verdict, reconstruction
